@@ -13,7 +13,7 @@
 #include "app/render_run.h"
 #include "base/log.h"
 #include "render/lighting/technique.h"
-#include "render/session.h"
+#include "render/submit/session.h"
 #include "scene/builtin.h"
 #include "vk/driver_cache.h"
 #include "vk/shaders.h"

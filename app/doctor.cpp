@@ -8,7 +8,7 @@
 
 #include "app/commands.h"
 #include "base/log.h"
-#include "render/raster_choice.h"
+#include "render/submit/raster_choice.h"
 #include "vk/device.h"
 
 namespace latelight::app {

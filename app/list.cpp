@@ -14,9 +14,9 @@
 #include "data/format.h"
 #include "output/aov.h"
 #include "render/gbuffer/layout.h"
-#include "render/settings.h"
+#include "render/settings/settings.h"
 #include "scene/builtin.h"
-#include "scene/gltf_extensions.h"
+#include "scene/gltf/extensions.h"
 #include "scene/light_types.h"
 #include "vk/resources.h"
 

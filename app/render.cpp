@@ -19,13 +19,13 @@
 #include "base/parallel.h"
 #include "output/files.h"
 #include "output/used_files.h"
+#include "render/frame/view.h"
 #include "render/lens/lens_settings.h"
 #include "render/outputs/outputs.h"
-#include "render/raster_choice.h"
-#include "render/renderer.h"
-#include "render/request.h"
-#include "render/session.h"
-#include "render/view.h"
+#include "render/submit/raster_choice.h"
+#include "render/submit/renderer.h"
+#include "render/submit/request.h"
+#include "render/submit/session.h"
 #include "vk/driver_cache.h"
 
 namespace latelight::app {

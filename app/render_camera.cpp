@@ -6,7 +6,7 @@
 
 #include "app/parse.h"
 #include "base/error.h"
-#include "render/session.h"
+#include "render/submit/session.h"
 #include "scene/framing.h"
 
 namespace latelight::app {

@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-#include "render/describe.h"
+#include "render/submit/describe.h"
 
 namespace latelight::app {
 

@@ -7,7 +7,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "render/gbuffer/layout.h"
-#include "render/option_table.h"
+#include "render/settings/option_table.h"
 #include "scene/ids.h"
 
 namespace latelight::app {

@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "render/options.h"
-#include "render/settings.h"
+#include "render/settings/options.h"
+#include "render/settings/settings.h"
 #include "scene/scene.h"
 
 namespace latelight::app {

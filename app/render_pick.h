@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "render/picking.h"
+#include "render/submit/picking.h"
 
 namespace latelight::app {
 

@@ -11,8 +11,8 @@
 #include "app/render_time.h"
 #include "output/debug_request.h"
 #include "output/files.h"
-#include "render/picking.h"
-#include "render/renderer.h"
+#include "render/submit/picking.h"
+#include "render/submit/renderer.h"
 #include "scene/scene.h"
 #include "vk/device.h"
 

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "app/render_options.h"
-#include "render/renderer.h"
+#include "render/submit/renderer.h"
 #include "scene/animation.h"
 #include "scene/scene.h"
 

@@ -11,7 +11,7 @@
 #include "base/files.h"
 #include "base/text.h"
 #include "output/files.h"
-#include "render/settings.h"
+#include "render/settings/settings.h"
 #include "report/command.h"
 #include "report/study_page.h"
 #include "scene/builtin.h"

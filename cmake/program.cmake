@@ -2,7 +2,7 @@
 # include/latelight.
 find_package(CLI11 REQUIRED)
 get_property(modules GLOBAL PROPERTY LATELIGHT_MODULES)
-set_property(SOURCE ${PROJECT_SOURCE_DIR}/src/render/api.cpp APPEND PROPERTY
+set_property(SOURCE ${PROJECT_SOURCE_DIR}/src/base/version.cpp APPEND PROPERTY
   COMPILE_DEFINITIONS LATELIGHT_VERSION="${PROJECT_VERSION}")
 
 # `latelight render` as an object library, because tests also call it in their own process.

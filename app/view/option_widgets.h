@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "render/options.h"
+#include "render/settings/options.h"
 #include "view/state.h"
 
 namespace latelight::app {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <unordered_map>
 
-#include "render/view.h"
+#include "render/frame/view.h"
 #include "scene/framing.h"
 
 namespace latelight::data {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "data/objects.h"
-#include "render/renderer.h"
+#include "render/submit/renderer.h"
 
 namespace latelight::data {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "data/frame.h"
-#include "render/renderer.h"
+#include "render/submit/renderer.h"
 
 namespace latelight::data {
 

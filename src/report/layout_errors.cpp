@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/frame/view.h"
 #include "render/gbuffer/layout.h"
-#include "render/view.h"
 #include "shared/color.h"
 #include "shared/diffuse_specular.h"
 #include "shared/projection.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "output/targets.h"
-#include "render/settings.h"
+#include "render/settings/settings.h"
 #include "scene/scene.h"
 
 namespace latelight::report {

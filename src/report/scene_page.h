@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "render/gbuffer/layout.h"
-#include "render/renderer.h"
+#include "render/submit/renderer.h"
 #include "study/study.h"
 #include "vk/device.h"
 

@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
-#include "scene/texture.h"
+#include "scene/textures/texture.h"
 #include "shared/light.h"
 
 namespace latelight::scene {

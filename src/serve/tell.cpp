@@ -5,7 +5,7 @@
 #include <span>
 
 #include "output/aov.h"
-#include "render/options.h"
+#include "render/settings/options.h"
 #include "serve/messages.h"
 #include "view/shell_words.h"
 

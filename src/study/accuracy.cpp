@@ -10,9 +10,9 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "render/renderer.h"
+#include "render/submit/renderer.h"
 #include "scene/builtin.h"
-#include "scene/environment_filter.h"
+#include "scene/environment/filter.h"
 #include "shared/light.h"
 #include "study/light_truth.h"
 #include "study/study.h"

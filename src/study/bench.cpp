@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/stopwatch.h"
-#include "render/raster_choice.h"
+#include "render/submit/raster_choice.h"
 #include "scene/builtin.h"
 #include "study/pass_samples.h"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <map>
 
-#include "render/renderer.h"
+#include "render/submit/renderer.h"
 #include "study/ceilings.h"
 #include "study/sweep.h"
 #include "study/table.h"

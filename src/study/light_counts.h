@@ -1,7 +1,7 @@
 // The lights that a technique goes through, and those that it needed, as the renderer counts them.
 #pragma once
 
-#include "render/renderer.h"
+#include "render/submit/renderer.h"
 
 namespace latelight::study {
 

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "scene/environment_picture.h"
+#include "scene/environment/picture.h"
 
 namespace latelight::study {
 

@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "scene/picture_io.h"
+#include "scene/environment/picture_io.h"
 #include "shared/surface.h"
 
 namespace latelight::study {
@@ -44,7 +44,7 @@ class Bounces {
 
 class EnvironmentTruth {
  public:
-  // Equirectangular, as in scene/environment.h; each pixel has constant radiance.
+  // Equirectangular, as in scene/environment/environment.h; each pixel has constant radiance.
   explicit EnvironmentTruth(scene::FloatImage picture);
 
   // Radiance that leaves `surface` to the unit direction `toEye`, by multiple importance sampling (Veach 1997) of the

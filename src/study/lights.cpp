@@ -14,7 +14,7 @@
 #include "base/log.h"
 #include "base/stopwatch.h"
 #include "render/lighting/technique.h"
-#include "render/renderer.h"
+#include "render/submit/renderer.h"
 #include "scene/builtin.h"
 #include "scene/simplify.h"
 #include "study/light_counts.h"

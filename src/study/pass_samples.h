@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "render/renderer.h"
+#include "render/submit/renderer.h"
 
 namespace latelight::study {
 
@@ -30,8 +30,8 @@ struct PassSamples {
 // The camera, turned by so many radians about the vertical axis through a point.
 scene::Camera turned(scene::Camera camera, double angle, glm::dvec3 middle);
 
-// Seconds of work before anything is measured. GPUs lower their clocks while they rest, or wait for a scene to be made: an
-// H200 goes from 1980 MHz to 345 within two seconds, and takes up to half a second of work to be back.
+// Seconds of work before anything is measured. GPUs lower their clocks while they rest, or wait for a scene to be made:
+// an H200 goes from 1980 MHz to 345 within two seconds, and takes up to half a second of work to be back.
 constexpr double kWarmUp = 0.5;
 
 // So many frames with each of some settings, left on the device, after some that warm up. They take turns, so

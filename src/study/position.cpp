@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "output/debug.h"
-#include "render/settings.h"
+#include "render/settings/settings.h"
 #include "study/device_evaluation.h"
 #include "study/picture.h"
 #include "study/projections.h"

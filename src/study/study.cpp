@@ -1,6 +1,6 @@
 #include "study/study.h"
 
-#include "render/registry.h"
+#include "render/frame/registry.h"
 
 namespace latelight::study {
 

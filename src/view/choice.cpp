@@ -4,8 +4,8 @@
 
 #include "base/error.h"
 #include "render/gbuffer/layout.h"
-#include "render/options.h"
-#include "render/session.h"
+#include "render/settings/options.h"
+#include "render/submit/session.h"
 
 namespace latelight::view {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "output/debug_request.h"
-#include "render/settings.h"
+#include "render/settings/settings.h"
 #include "view/state.h"
 
 namespace latelight::view {

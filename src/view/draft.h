@@ -1,7 +1,7 @@
 // How pictures are made while something moves: as many pixels as leave ten pictures a second, by measurement.
 #pragma once
 
-#include "render/settings.h"
+#include "render/settings/settings.h"
 
 namespace latelight::view {
 

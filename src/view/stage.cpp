@@ -9,8 +9,8 @@
 #include "base/files.h"
 #include "base/parallel.h"
 #include "base/text.h"
-#include "render/raster_choice.h"
-#include "render/session.h"
+#include "render/submit/raster_choice.h"
+#include "render/submit/session.h"
 #include "scene/framing.h"
 #include "vk/shaders.h"
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "render/picking.h"
-#include "render/renderer.h"
-#include "scene/environment.h"
+#include "render/submit/picking.h"
+#include "render/submit/renderer.h"
+#include "scene/environment/environment.h"
 #include "view/choice.h"
 #include "view/file_watch.h"
 
@@ -20,7 +20,7 @@ struct CameraChoice {
   std::string camera;  // a name or a number; empty: the first, or one that shows all
   struct Placed {
     glm::dvec3 eye, target;  // the scene file's frame
-    double fov;             // degrees
+    double fov;              // degrees
   };
   std::optional<Placed> placed;
 };
@@ -58,7 +58,8 @@ class Stage {
   render::Picked pick(const render::Settings& settings, const CameraChoice& camera, glm::uvec2 pixel);
   const std::vector<graph::PassTime>& passes() const { return passes_; }
 
-  // After an error that may have taken the device with it, and for other shaders: the next picture begins with a new one.
+  // After an error that may have taken the device with it, and for other shaders: the next picture begins with a new
+  // one.
   void dropDevice();
 
  private:

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "graph/graph.h"
-#include "render/picking.h"
+#include "render/submit/picking.h"
 #include "view/camera_control.h"
 #include "view/input.h"
 

@@ -15,8 +15,8 @@
 #include "app/process.h"
 #include "base/error.h"
 #include "base/log.h"
-#include "scene/environment.h"
-#include "scene/picture_io.h"
+#include "scene/environment/environment.h"
+#include "scene/environment/picture_io.h"
 #include "scene/scene.h"
 
 namespace latelight::app {

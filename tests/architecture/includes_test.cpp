@@ -25,14 +25,14 @@ TEST(IncludeRules, CatchWhatPointsTheWrongWay) {
   };
   EXPECT_THAT(wrong("base", "#include \"vk/device.h\"\n"), ElementsAre("vk/device.h"));
   EXPECT_THAT(wrong("vk", "#include \"base/log.h\"\n#include \"graph/graph.h\"\n"), ElementsAre("graph/graph.h"));
-  EXPECT_THAT(wrong("graph", "// text\n  #  include \"render/frame.h\""), ElementsAre("render/frame.h"));
+  EXPECT_THAT(wrong("graph", "// text\n  #  include \"render/frame/frame.h\""), ElementsAre("render/frame/frame.h"));
   EXPECT_THAT(wrong("scene", "#include \"vk/resources.h\"\n"), ElementsAre("vk/resources.h"));
   EXPECT_THAT(wrong("shared", "#include \"base/error.h\"\n"), ElementsAre("base/error.h"));
-  EXPECT_THAT(wrong("output", "#include \"scene/scene.h\"\n#include \"render/frame.h\"\n"),
-              ElementsAre("render/frame.h"));
+  EXPECT_THAT(wrong("output", "#include \"scene/scene.h\"\n#include \"render/frame/frame.h\"\n"),
+              ElementsAre("render/frame/frame.h"));
   EXPECT_THAT(wrong("render", "#include \"app/commands.h\"\n"), ElementsAre("app/commands.h"));
   EXPECT_THAT(wrong("render", "#include \"study/study.h\"\n"), ElementsAre("study/study.h"));
-  EXPECT_THAT(wrong("study", "#include \"render/frame.h\"\n#include \"app/commands.h\"\n"),
+  EXPECT_THAT(wrong("study", "#include \"render/frame/frame.h\"\n#include \"app/commands.h\"\n"),
               ElementsAre("app/commands.h"));
   EXPECT_THAT(wrong("include", "#include <volk.h>\n#include \"base/error.h\"\n"),
               ElementsAre("volk.h (Vulkan)", "base/error.h"));
@@ -44,13 +44,15 @@ TEST(IncludeRules, CatchWhatPointsTheWrongWay) {
 }
 
 TEST(IncludeRules, CatchWhatReachesUpInsideRender) {
-  EXPECT_THAT(includesFromAbove("render/gpu_scene/lights.cpp", "#include \"render/frame.h\"\n"),
-              ElementsAre("render/frame.h"));
-  EXPECT_THAT(includesFromAbove("render/post/fog/fog.h", "#include \"render/request.h\"\n#include \"render/pass.h\"\n"),
-              ElementsAre("render/request.h"));
-  EXPECT_THAT(includesFromAbove("render/request.cpp", "#include \"render/renderer.h\"\n"),
-              ElementsAre("render/renderer.h"));
-  EXPECT_THAT(includesFromAbove("render/renderer.cpp", "#include \"render/request.h\"\n#include \"scene/scene.h\"\n"),
+  EXPECT_THAT(includesFromAbove("render/gpu_scene/lights.cpp", "#include \"render/frame/frame.h\"\n"),
+              ElementsAre("render/frame/frame.h"));
+  EXPECT_THAT(includesFromAbove("render/post/fog/fog.h",
+                                "#include \"render/submit/request.h\"\n#include \"render/frame/pass.h\"\n"),
+              ElementsAre("render/submit/request.h"));
+  EXPECT_THAT(includesFromAbove("render/submit/request.cpp", "#include \"render/submit/renderer.h\"\n"),
+              ElementsAre("render/submit/renderer.h"));
+  EXPECT_THAT(includesFromAbove("render/submit/renderer.cpp",
+                                "#include \"render/submit/request.h\"\n#include \"scene/scene.h\"\n"),
               IsEmpty());
 }
 

@@ -12,7 +12,7 @@
 #include "base/memory.h"
 #include "data/batch/job.h"
 #include "data/batch/schema.h"
-#include "render/options.h"
+#include "render/settings/options.h"
 
 namespace latelight::data {
 namespace {
@@ -93,7 +93,8 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
       {"formats: [{outputs: [depth]}]\n", "job.yaml:3: formats[0]: the key \"format\" must name the format"},
       {"formats: [{format: files, outputs: [dept]}]\n", "job.yaml:3: formats[0]: "},
       {"formats: [{format: files, pattern: all.png}]\n", "job.yaml:3: formats[0]: pattern must contain {name}"},
-      {"formats: [{format: files, pattern: \"../{name}.png\"}]\n", "job.yaml:3: formats[0]: pattern must be a path below"},
+      {"formats: [{format: files, pattern: \"../{name}.png\"}]\n",
+       "job.yaml:3: formats[0]: pattern must be a path below"},
       {"formats: [{format: files, outputs: [position]}]\n", "job.yaml:3: formats[0]: a PNG file cannot store position"},
       {"hdri: sky.hdr\n", "job.yaml:3: hdri: there is no file \"sky.hdr\""},
       {"name: \"\"\n", "job.yaml:3: name is empty"},
@@ -166,8 +167,7 @@ TEST(Job, ManyKeysTakeLinearTime) {
     json += fmt::format("{}\"key{}\": 1", i ? "," : "", i);
   }
   EXPECT_LT(secondsOf([&] { EXPECT_THAT(wrongIn("job.yaml", yaml), HasSubstr("key0: unknown key")); }), 5);
-  EXPECT_LT(secondsOf([&] { EXPECT_THAT(wrongIn("job.json", json + "}"), HasSubstr("key0: unknown key")); }),
-            5);
+  EXPECT_LT(secondsOf([&] { EXPECT_THAT(wrongIn("job.json", json + "}"), HasSubstr("key0: unknown key")); }), 5);
   EXPECT_THAT(wrongIn("job.json", json + ",\n\"key7\": 2}"), HasSubstr("job.json:2: the key key7 is there twice"));
 }
 

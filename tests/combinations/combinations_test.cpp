@@ -9,11 +9,11 @@
 #include <span>
 
 #include "combinations/scene.h"
+#include "render/frame/registry.h"
+#include "render/frame/view.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
-#include "render/registry.h"
 #include "render/support.h"
-#include "render/view.h"
 
 namespace latelight::render::test {
 namespace {

@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "data/cameras/calibrated.h"
 #include "data/cameras/cameras.h"
-#include "render/view.h"
+#include "render/frame/view.h"
 
 namespace latelight::data::test {
 

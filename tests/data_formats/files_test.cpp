@@ -8,7 +8,7 @@
 #include "data_formats/support.h"
 #include "output/png.h"
 #include "output/support.h"
-#include "render/session.h"
+#include "render/submit/session.h"
 #include "scene/edit.h"
 
 namespace latelight::data::test {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "render/id_manifest.h"
-#include "render/session.h"
+#include "render/submit/id_manifest.h"
+#include "render/submit/session.h"
 #include "scene/builtin/scene_builder.h"
 
 namespace latelight::data::test {

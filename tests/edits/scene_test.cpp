@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "edits/workshop.h"
-#include "render/id_manifest.h"
+#include "render/submit/id_manifest.h"
 #include "scene/edit.h"
 #include "scene/ids.h"
 

@@ -7,7 +7,7 @@
 
 #include "layers/scenes.h"
 #include "render/gbuffer/layout.h"
-#include "render/strips.h"
+#include "render/submit/strips.h"
 #include "scene/edit.h"
 
 namespace latelight::render::test {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/view.h"
+#include "render/frame/view.h"
 
 namespace latelight::render::test {
 

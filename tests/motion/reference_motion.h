@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "render/renderer.h"
+#include "render/submit/renderer.h"
 #include "scene/scene.h"
 
 namespace latelight::render::test {

@@ -6,7 +6,7 @@
 
 #include "app/render_options.h"
 #include "output/aov.h"
-#include "render/options.h"
+#include "render/settings/options.h"
 #include "scene/builtin.h"
 
 namespace latelight::app {

@@ -26,8 +26,8 @@
 #include "output/read.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
-#include "render/raster_choice.h"
-#include "render/session.h"
+#include "render/submit/raster_choice.h"
+#include "render/submit/session.h"
 #include "render/support.h"
 #include "shared/random.h"
 

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "base/error.h"
-#include "render/options.h"
+#include "render/settings/options.h"
 #include "render/support.h"
 #include "scene/builtin.h"
 

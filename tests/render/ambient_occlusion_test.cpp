@@ -7,9 +7,9 @@
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "render/frame/registry.h"
 #include "render/lighting/technique.h"
 #include "render/reference_caster.h"
-#include "render/registry.h"
 #include "render/support.h"
 #include "scene/framing.h"
 #include "shared/ambient_occlusion.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "render/post/bloom/bloom.h"
-#include "render/readback.h"
+#include "render/submit/readback.h"
 #include "render/support.h"
 #include "shared/color.h"
 #include "shared/random.h"

@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "models/models.h"
 #include "output/aov.h"
-#include "render/raster_choice.h"
+#include "render/submit/raster_choice.h"
 #include "render/support.h"
 
 namespace latelight::render::test {

@@ -5,9 +5,9 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
-#include "render/frustum.h"
+#include "render/frame/frustum.h"
+#include "render/frame/view.h"
 #include "render/support.h"
-#include "render/view.h"
 #include "render/visibility/draw_order.h"
 
 namespace latelight::render::test {

@@ -10,14 +10,14 @@
 #include <memory>
 #include <tuple>
 
+#include "render/frame/view.h"
 #include "render/frame_bench.h"
 #include "render/lighting/forward/forward.h"
 #include "render/lighting/volumes/volume_mesh.h"
 #include "render/lighting/volumes/volumes.h"
 #include "render/post/resolve.h"
-#include "render/readback.h"
+#include "render/submit/readback.h"
 #include "render/support.h"
-#include "render/view.h"
 #include "shared/light.h"
 #include "shared/random.h"
 

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "render/support.h"
-#include "scene/environment_filter.h"
+#include "scene/environment/filter.h"
 #include "scene/framing.h"
 
 namespace latelight::render::test {

@@ -4,7 +4,7 @@
 #include <deque>
 #include <vector>
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render::test {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "scene/environment.h"
+#include "scene/environment/environment.h"
 #include "shared/environment.h"
 #include "shared/shade.h"
 

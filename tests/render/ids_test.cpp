@@ -6,8 +6,8 @@
 #include <set>
 
 #include "base/hash.h"
-#include "render/id_manifest.h"
-#include "render/picking.h"
+#include "render/submit/id_manifest.h"
+#include "render/submit/picking.h"
 #include "render/support.h"
 #include "scene/gltf_builder.h"
 

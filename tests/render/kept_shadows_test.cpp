@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "render/frame/view.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/support.h"
-#include "render/view.h"
 #include "scene/edit.h"
 #include "shared/light.h"
 

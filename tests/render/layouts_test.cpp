@@ -7,9 +7,9 @@
 #include <numeric>
 
 #include "models/models.h"
+#include "render/frame/view.h"
 #include "render/gbuffer_reader.h"
-#include "render/view.h"
-#include "scene/texture.h"
+#include "scene/textures/texture.h"
 #include "shared/brdf/blinn_phong.h"
 #include "shared/color.h"
 #include "shared/diffuse_specular.h"

@@ -7,10 +7,10 @@
 #include <cstring>
 #include <random>
 
+#include "render/frame/view.h"
 #include "render/frame_bench.h"
-#include "render/readback.h"
+#include "render/submit/readback.h"
 #include "render/support.h"
-#include "render/view.h"
 #include "scene/half.h"
 #include "shared/color.h"
 #include "shared/light.h"
@@ -137,13 +137,13 @@ std::vector<scene::Light> hardLights(const scene::Scene& scene) {
   std::vector<scene::Light> lights{
       pointLight(center, 1e6f),                                            // reaches everything
       pointLight(center + vec3(0, 0, 2), {}),                              // no range
-      pointLight(eye, 0.5f),                                                        // at the eye, and seen by nothing
-      pointLight(eye, 30.0f),                                                       // the eye inside
-      pointLight(eye - forward * 3.0f, 2.0f),                                       // behind the eye
-      pointLight(eye - forward * 3.0f, 20.0f, 3),                                   // behind it, and reaching past it
-      spotLight(eye, forward, 0, 0.02f, {}),                                        // a few pixels wide
-      spotLight(eye, forward, 0.3f, 0.3f, {}),                                      // a hard edge
-      spotLight(eye, -forward, 0, 1.5f, {}),                                        // away from what is seen
+      pointLight(eye, 0.5f),                                               // at the eye, and seen by nothing
+      pointLight(eye, 30.0f),                                              // the eye inside
+      pointLight(eye - forward * 3.0f, 2.0f),                              // behind the eye
+      pointLight(eye - forward * 3.0f, 20.0f, 3),                          // behind it, and reaching past it
+      spotLight(eye, forward, 0, 0.02f, {}),                               // a few pixels wide
+      spotLight(eye, forward, 0.3f, 0.3f, {}),                             // a hard edge
+      spotLight(eye, -forward, 0, 1.5f, {}),                               // away from what is seen
       spotLight(center + vec3(0, 0, 3), {0, 0, -1}, 0, 1.5707963f, 6.0f),  // a half space
       spotLight(center + vec3(1, 0, 2), {0, 0.6f, -0.8f}, 0.2f, 0.6f, {}),
       sun({1, 2, -3}),
@@ -153,7 +153,8 @@ std::vector<scene::Light> hardLights(const scene::Scene& scene) {
   const auto between = [&](float low, float high) { return std::uniform_real_distribution(low, high)(engine); };
   for (int i = 0; i < 600; ++i) {
     vec3 p;
-    for (int axis = 0; axis < 3; ++axis) p[axis] = between(static_cast<float>(bounds.min[axis]), static_cast<float>(bounds.max[axis]));
+    for (int axis = 0; axis < 3; ++axis)
+      p[axis] = between(static_cast<float>(bounds.min[axis]), static_cast<float>(bounds.max[axis]));
     const float size = std::exp2(between(-6, 1.5f));
     const std::optional<float> range = i % 5 ? std::optional(size) : std::nullopt;
     lights.push_back(
@@ -169,11 +170,10 @@ const TechniqueInfo* const kFullscreen = &findTechnique("fullscreen");
 
 template <uint32_t Cells, uint32_t Entries>
 TechniqueInfo withRoomFor() {
-  return {
-      .name = "small", .description = "lists of few lights", .add = [](const FrameContext& f, Gbuffer& gbuffer) {
-        addLightLists(f, gbuffer,
-                      {.name = Cells == 1 ? "tiled" : "clustered", .cellsATile = Cells, .entriesATile = Entries});
-      }};
+  return {.name = "small", .description = "lists of few lights", .add = [](const FrameContext& f, Gbuffer& gbuffer) {
+            addLightLists(f, gbuffer,
+                          {.name = Cells == 1 ? "tiled" : "clustered", .cellsATile = Cells, .entriesATile = Entries});
+          }};
 }
 
 class LightListsTest : public RenderTest {};

@@ -1,5 +1,5 @@
 // The light tree on the host: order, boxes, and that no light reaches out of the boxes above it.
-#include "render/light_tree.h"
+#include "render/gpu_scene/light_tree.h"
 
 #include <gtest/gtest.h>
 

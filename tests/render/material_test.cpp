@@ -7,7 +7,7 @@
 
 #include "render/gbuffer_reader.h"
 #include "scene/gltf_builder.h"
-#include "scene/texture.h"
+#include "scene/textures/texture.h"
 #include "shared/color.h"
 #include "shared/random.h"
 #include "shared/shade.h"

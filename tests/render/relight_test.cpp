@@ -12,7 +12,7 @@
 #include "pairwise.h"
 #include "render/gbuffer_reader.h"
 #include "render/host_environment.h"
-#include "render/settings.h"
+#include "render/settings/settings.h"
 #include "scene/builtin.h"
 #include "scene/half.h"
 #include "shared/diffuse_specular.h"

@@ -3,9 +3,9 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
-#include "render/readback.h"
 #include "render/shadow/page_push.h"
 #include "render/shadow/pages.h"
+#include "render/submit/readback.h"
 #include "render/support.h"
 #include "scene/edit.h"
 #include "shared/light.h"
@@ -51,7 +51,8 @@ struct Strewn {
   scene::Camera camera() {
     scene::Camera camera = frontPerspective(in(0.2f, 0.9f), 6);
     camera.toWorld = glm::dmat4(glm::rotate(mat4(1), in(-0.6f, 0.6f), vec3(0, 1, 0)) *
-                                glm::translate(mat4(1), vec3(in(-3, 3), in(0, 1), in(-2, 4)))) * camera.toWorld;
+                                glm::translate(mat4(1), vec3(in(-3, 3), in(0, 1), in(-2, 4)))) *
+                     camera.toWorld;
     return camera;
   }
 };

@@ -7,14 +7,14 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "base/error.h"
+#include "render/frame/view.h"
 #include "render/frame_bench.h"
 #include "render/gbuffer/layout.h"
-#include "render/readback.h"
 #include "render/shadow/cascades.h"
 #include "render/shadow/choose.h"
 #include "render/shadow/frame_shadows.h"
+#include "render/submit/readback.h"
 #include "render/support.h"
-#include "render/view.h"
 #include "shared/light.h"
 #include "shared/shadow.h"
 
@@ -255,7 +255,8 @@ float hostFactor(const std::vector<HostMap>& maps, const ShadowPlan& plan, const
   constexpr uint32_t kFilter = shared::kShadowFilterPcf;
   const shared::ShadowMap* m = mapAt(plan, light, p, kFilter);
   if (!m) return 1;
-  const vec3 toLight = light.type == shared::kLightDirectional ? -light.direction : glm::normalize(vec3(light.position) - p);
+  const vec3 toLight =
+      light.type == shared::kLightDirectional ? -light.direction : glm::normalize(vec3(light.position) - p);
   const float width = shared::shadowPoint(*m, p).width;
   const vec2 slope = shared::shadowSlope(*m, n, toLight);
   const shared::ShadowPoint at = shared::shadowPoint(*m, p + n * shared::shadowNormalOffset(slope, width, kFilter));

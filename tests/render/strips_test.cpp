@@ -1,14 +1,14 @@
 // Pictures rendered in strips against the same pictures rendered whole: nothing may show where they were parted.
-#include "render/strips.h"
+#include "render/submit/strips.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "render/picking.h"
+#include "render/frame/view.h"
+#include "render/submit/picking.h"
 #include "render/support.h"
-#include "render/view.h"
 #include "shared/light.h"
 #include "vk/memory.h"
 

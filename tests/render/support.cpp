@@ -7,7 +7,7 @@
 
 #include "scene/framing.h"
 #include "scene/half.h"
-#include "scene/texture.h"
+#include "scene/textures/texture.h"
 #include "test_device.h"
 
 namespace latelight::render::test {

@@ -7,7 +7,7 @@
 #include <cstdlib>
 
 #include "render/support.h"
-#include "scene/texture.h"
+#include "scene/textures/texture.h"
 
 namespace latelight::render::test {
 namespace {

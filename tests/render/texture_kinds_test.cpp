@@ -1,5 +1,5 @@
 // What of its textures a scene makes lavapipe compile shaders for.
-#include "render/texture_kinds.h"
+#include "render/frame/texture_kinds.h"
 
 #include <gmock/gmock.h>
 

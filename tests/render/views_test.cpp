@@ -8,7 +8,7 @@
 #include "models/models.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
-#include "render/session.h"
+#include "render/submit/session.h"
 #include "render/support.h"
 
 namespace latelight::render::test {

@@ -1,12 +1,12 @@
 // What filtering makes of a picture, against closed forms and against sums over every pixel.
-#include "scene/environment_filter.h"
+#include "scene/environment/filter.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
 
-#include "scene/environment_picture.h"
+#include "scene/environment/picture.h"
 #include "scene/environment_support.h"
 #include "scene/scene.h"
 

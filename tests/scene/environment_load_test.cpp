@@ -11,7 +11,7 @@
 #include "base/files.h"
 #include "base/hash.h"
 #include "models/models.h"
-#include "scene/environment_filter.h"
+#include "scene/environment/filter.h"
 #include "scene/environment_support.h"
 
 namespace latelight::scene {

@@ -10,9 +10,9 @@
 #include <random>
 #include <string>
 
-#include "scene/environment.h"
+#include "scene/environment/environment.h"
+#include "scene/environment/picture_io.h"
 #include "scene/half.h"
-#include "scene/picture_io.h"
 #include "shared/environment.h"
 
 namespace latelight::scene {

@@ -1,5 +1,5 @@
 // The table of extensions against docs/gltf.md, and files that use all of them, damaged in each of their fields.
-#include "scene/gltf_extensions.h"
+#include "scene/gltf/extensions.h"
 
 #include <gmock/gmock.h>
 

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
-#include "scene/texture.h"
+#include "scene/textures/texture.h"
 
 namespace latelight::scene {
 namespace {

@@ -1,5 +1,5 @@
 // Codecs and mip levels.
-#include "scene/texture.h"
+#include "scene/textures/texture.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <malloc.h>
 
+#include <latelight/latelight.h>
 #include <algorithm>
 #include <atomic>
 #include <boost/asio/io_context.hpp>
@@ -14,7 +15,6 @@
 #include <condition_variable>
 #include <filesystem>
 #include <fstream>
-#include <latelight/latelight.h>
 #include <mutex>
 #include <random>
 #include <thread>
@@ -25,7 +25,7 @@
 #include "models/models.h"
 #include "output/aov.h"
 #include "output/png.h"
-#include "render/options.h"
+#include "render/settings/options.h"
 #include "serve/client.h"
 #include "serve/messages.h"
 #include "serve/picture.h"

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <vector>
 
-#include "render/pass.h"
-#include "render/renderer.h"
+#include "render/frame/pass.h"
+#include "render/submit/renderer.h"
 #include "scene/light_types.h"
 #include "study/bench_lighting.h"
 #include "study/ceilings.h"

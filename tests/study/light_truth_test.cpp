@@ -7,7 +7,7 @@
 #include <functional>
 #include <numbers>
 
-#include "scene/environment.h"
+#include "scene/environment/environment.h"
 #include "shared/shade.h"
 
 namespace latelight::study {

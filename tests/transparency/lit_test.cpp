@@ -5,13 +5,13 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "render/frame/registry.h"
+#include "render/frame/view.h"
 #include "render/frame_bench.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
-#include "render/readback.h"
-#include "render/registry.h"
+#include "render/submit/readback.h"
 #include "render/transparency/transparency.h"
-#include "render/view.h"
 #include "shared/light.h"
 #include "shared/random.h"
 #include "transparency/scenes.h"

@@ -1,7 +1,7 @@
 // Every output of a scene whose only surface that alpha decides on is blended.
 #include <cmath>
 
-#include "render/settings.h"
+#include "render/settings/settings.h"
 #include "render/support.h"
 #include "transparency/scenes.h"
 

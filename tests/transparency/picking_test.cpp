@@ -1,5 +1,5 @@
 // Picked pixels against the data outputs and the scene.
-#include "render/picking.h"
+#include "render/submit/picking.h"
 
 #include <latelight/latelight.h>
 

@@ -8,8 +8,8 @@
 #include <memory>
 
 #include "app/render_run.h"
-#include "render/raster_choice.h"
-#include "render/session.h"
+#include "render/submit/raster_choice.h"
+#include "render/submit/session.h"
 
 namespace latelight::view {
 

@@ -19,7 +19,7 @@
 #include "lost_device/lose.h"
 #include "models/models.h"
 #include "output/png.h"
-#include "render/options.h"
+#include "render/settings/options.h"
 #include "view/command.h"
 #include "vk/shaders.h"
 
@@ -81,7 +81,7 @@ void expectAsRendered(Viewer& viewer, const std::string& what) {
 // A value that is not the default. Texts are given here: a new one fails the test until it has a value.
 std::string valueOf(const render::Option& option) {
   static const std::map<std::string, std::string, std::less<>> kTexts{
-      {"background", "hdri"},   {"aa", "ss2"},      {"animation", "0"}, {"shadow-lights", "none"},
+      {"background", "hdri"},   {"aa", "ss2"},       {"animation", "0"},          {"shadow-lights", "none"},
       {"fog-color", "#ff8040"}, {"sun", "-30,40,2"}, {"position-origin", "1,2,3"}};
   static const std::map<std::string, std::string, std::less<>> kNumbers{{"fog", "0.05"}, {"shadow-atlas", "1024"}};
   const std::string key(render::keyOf(option));

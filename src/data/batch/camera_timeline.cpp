@@ -4,8 +4,8 @@
 #include <bit>
 
 #include "base/hash.h"
-#include "render/session.h"
-#include "render/view.h"
+#include "render/frame/view.h"
+#include "render/submit/session.h"
 
 namespace latelight::data {
 

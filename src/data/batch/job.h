@@ -10,7 +10,7 @@
 
 #include "data/batch/job_file.h"
 #include "data/format.h"
-#include "render/settings.h"
+#include "render/settings/settings.h"
 #include "scene/scene.h"
 
 namespace latelight::data {

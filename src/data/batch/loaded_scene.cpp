@@ -1,6 +1,6 @@
 #include "data/batch/loaded_scene.h"
 
-#include "render/session.h"
+#include "render/submit/session.h"
 
 namespace latelight::data {
 

@@ -6,10 +6,10 @@
 #include "base/parallel.h"
 #include "data/extras.h"
 #include "data/stop.h"
-#include "render/describe.h"
-#include "render/id_manifest.h"
-#include "render/raster_choice.h"
-#include "render/session.h"
+#include "render/submit/describe.h"
+#include "render/submit/id_manifest.h"
+#include "render/submit/raster_choice.h"
+#include "render/submit/session.h"
 
 namespace latelight::data {
 
@@ -146,8 +146,8 @@ void Worker::addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames) {
   const render::Moment moment = momentOf(chunk);
   const render::Settings settings = settingsOf(chunk);
   for (RenderedFrame& rendered : frames)
-    renderExtras(*renderer_, scene_->scene(), cameraOf(rendered.frame.index), settings, moment, extras_,
-                 geometry_, rendered.frame);
+    renderExtras(*renderer_, scene_->scene(), cameraOf(rendered.frame.index), settings, moment, extras_, geometry_,
+                 rendered.frame);
 }
 
 const scene::Camera& Worker::cameraOf(uint64_t index) const {

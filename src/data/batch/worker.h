@@ -10,7 +10,7 @@
 #include "data/batch/scene_loader.h"
 #include "data/batch/work.h"
 #include "data/batch/writers.h"
-#include "render/renderer.h"
+#include "render/submit/renderer.h"
 
 namespace latelight::data {
 

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "data/spec.h"
-#include "render/session.h"
+#include "render/submit/session.h"
 
 namespace latelight::data {
 

@@ -10,7 +10,7 @@
 #include "data/variations/draws.h"
 #include "data/variations/pattern.h"
 #include "data/variations/variation.h"
-#include "scene/texture.h"
+#include "scene/textures/texture.h"
 
 namespace latelight::data {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "render/registry.h"
+#include "render/frame/registry.h"
 #include "vk/resources.h"
 
 namespace latelight::render {

@@ -1,7 +1,7 @@
 // Included once per layout by a generated source (cmake/registry.cmake), after the layout's own header and with
 // LATELIGHT_LAYOUT defined as its name: turns GBUFFER_TARGETS into the layout's entry in the registry.
+#include "render/frame/registry.h"
 #include "render/gbuffer/layout.h"
-#include "render/registry.h"
 
 namespace latelight::render {
 namespace {

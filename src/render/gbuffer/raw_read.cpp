@@ -4,7 +4,7 @@
 
 #include "base/parallel.h"
 #include "render/gbuffer/texel.h"
-#include "render/readback.h"
+#include "render/submit/readback.h"
 #include "vk/resources.h"
 
 namespace latelight::render {

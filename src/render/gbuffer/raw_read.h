@@ -5,7 +5,7 @@
 
 #include "graph/graph.h"
 #include "output/targets.h"
-#include "render/frame.h"
+#include "render/frame/frame.h"
 
 namespace latelight::render {
 

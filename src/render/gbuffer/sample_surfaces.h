@@ -1,7 +1,7 @@
 // Multisampling: which samples of a pixel show one surface, and the depth of pixels that have several samples.
 #pragma once
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 
 namespace latelight::render {
 

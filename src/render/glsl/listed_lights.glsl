@@ -4,7 +4,7 @@
 #ifndef LATELIGHT_LISTED_LIGHTS_GLSL
 #define LATELIGHT_LISTED_LIGHTS_GLSL
 #include "render/glsl/meet_subgroup.glsl"
-#include "render/pixel_group.h"
+#include "render/frame/pixel_group.h"
 
 shared uint listedLights[kPixelGroupX * kPixelGroupY];
 

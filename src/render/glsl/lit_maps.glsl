@@ -1,5 +1,5 @@
 // The maps that every lit shader binds, together in set 0: after the G-buffer where the shader reads one
-// (gbuffer_read.glsl comes first), else from binding 0 on. render/lit_maps.h is their other side. The environment's:
+// (gbuffer_read.glsl comes first), else from binding 0 on. render/frame/lit_maps.h is their other side. The environment's:
 // prefiltered specular (octahedral, one mip a roughness level, each with its own border), diffuse, the split-sum table,
 // and the table of lobes. Then the shadow atlas and ambient occlusion, which are only ever fetched from.
 #ifndef LATELIGHT_LIT_MAPS_GLSL

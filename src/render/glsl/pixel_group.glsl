@@ -1,8 +1,8 @@
-// The workgroup of a shader that takes a pixel an invocation (render/pixel_group.h).
+// The workgroup of a shader that takes a pixel an invocation (render/frame/pixel_group.h).
 #ifndef LATELIGHT_PIXEL_GROUP_GLSL
 #define LATELIGHT_PIXEL_GROUP_GLSL
 #include "render/glsl/morton.glsl"
-#include "render/pixel_group.h"
+#include "render/frame/pixel_group.h"
 
 layout(local_size_x = kPixelGroupX * kPixelGroupY) in;
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "render/deform/deformer.h"
-#include "render/frustum.h"
+#include "render/frame/frustum.h"
 #include "render/gpu_scene/buffer.h"
 #include "scene/scene.h"
 #include "shared/types.h"

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "base/log.h"
-#include "render/light_tree.h"
+#include "render/gpu_scene/light_tree.h"
 #include "shared/color.h"
 #include "shared/light.h"
 

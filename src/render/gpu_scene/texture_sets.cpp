@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "base/error.h"
+#include "render/frame/texture_kinds.h"
 #include "render/gpu_scene/textures.h"
-#include "render/texture_kinds.h"
 #include "vk/object_cache.h"
 
 namespace latelight::render {

@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "render/texture_kinds.h"
+#include "render/frame/texture_kinds.h"
 #include "vk/object_cache.h"
 
 namespace latelight::render {

@@ -2,7 +2,7 @@
 // computed from it, which rough transmissive surfaces sample.
 #pragma once
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 
 namespace latelight::render {
 

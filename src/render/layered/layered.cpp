@@ -2,11 +2,11 @@
 // the visibility buffer (raster compute).
 #include "render/layered/layered.h"
 
+#include "render/frame/lit_maps.h"
+#include "render/frame/pixel_group.h"
 #include "render/layered/layered_push.h"
 #include "render/lighting/forward/forward.h"
 #include "render/lighting/light_lists.h"
-#include "render/lit_maps.h"
-#include "render/pixel_group.h"
 #include "render/visibility/compute/compute.h"
 #include "render/visibility/hardware.h"
 

@@ -1,7 +1,7 @@
 // The settings that cameras with a lens support.
 #pragma once
 
-#include "render/settings.h"
+#include "render/settings/settings.h"
 
 namespace latelight::render {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "render/view.h"
+#include "render/frame/view.h"
 
 namespace latelight::render {
 

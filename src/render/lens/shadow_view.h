@@ -1,7 +1,7 @@
 // The view for which a picture's shadow maps are planned.
 #pragma once
 
-#include "render/gpu_scene.h"
+#include "render/gpu_scene/gpu_scene.h"
 #include "shared/types.h"
 
 namespace latelight::render {

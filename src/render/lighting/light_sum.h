@@ -2,7 +2,7 @@
 // frames.
 #pragma once
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 
 namespace latelight::render {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "render/visibility/compute/shown_push.h"
 
 namespace latelight::render {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "render/registry.h"
+#include "render/frame/registry.h"
 
 namespace latelight::render {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 
 namespace latelight::render {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "output/aov.h"
-#include "render/settings.h"
+#include "render/settings/settings.h"
 #include "vk/resources.h"
 
 namespace latelight::render {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "render/readback.h"
+#include "render/submit/readback.h"
 
 namespace latelight::render {
 

@@ -1,7 +1,7 @@
 // The environment as background (--background hdri).
 #pragma once
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 
 namespace latelight::render {
 

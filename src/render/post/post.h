@@ -4,9 +4,9 @@
 
 #include <optional>
 
-#include "render/pass.h"
-#include "render/readback.h"
-#include "render/settings.h"
+#include "render/frame/pass.h"
+#include "render/settings/settings.h"
+#include "render/submit/readback.h"
 
 namespace latelight::render {
 

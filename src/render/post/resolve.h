@@ -3,9 +3,9 @@
 
 #include <glm/vec4.hpp>
 
-#include "render/pass.h"
+#include "render/frame/pass.h"
 #include "render/post/compose_push.h"
-#include "render/readback.h"
+#include "render/submit/readback.h"
 
 namespace latelight::render {
 

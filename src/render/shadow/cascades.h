@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "render/frustum.h"
+#include "render/frame/frustum.h"
 #include "scene/scene.h"
 #include "shared/types.h"
 

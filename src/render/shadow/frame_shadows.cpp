@@ -6,7 +6,7 @@
 #include <set>
 
 #include "base/parallel.h"
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "render/outputs/outputs.h"
 #include "shared/shadow.h"
 

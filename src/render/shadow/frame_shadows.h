@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "render/gpu_scene.h"
-#include "render/settings.h"
+#include "render/gpu_scene/gpu_scene.h"
+#include "render/settings/settings.h"
 #include "render/shadow/kept_maps.h"
 #include "render/shadow/page_push.h"
 #include "render/shadow/plan.h"

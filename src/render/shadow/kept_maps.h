@@ -9,8 +9,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "render/frustum.h"
-#include "render/gpu_scene.h"
+#include "render/frame/frustum.h"
+#include "render/gpu_scene/gpu_scene.h"
 #include "render/shadow/atlas.h"
 #include "render/shadow/plan.h"
 #include "vk/resources.h"

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
+#include "render/frame/pixel_group.h"
 #include "render/lighting/lighting_shader.h"
-#include "render/pixel_group.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/shadow/page_push.h"
 #include "render/transparency/transparency.h"

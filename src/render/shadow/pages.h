@@ -5,7 +5,7 @@
 // saved.
 #pragma once
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "render/shadow/atlas.h"
 
 namespace latelight::render {

@@ -13,9 +13,9 @@
 #include <map>
 
 #include "base/parallel.h"
+#include "render/frame/view.h"
 #include "render/shadow/cascades.h"
 #include "render/shadow/choose.h"
-#include "render/view.h"
 #include "shared/light.h"
 #include "shared/shadow.h"
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "render/frustum.h"
-#include "render/settings.h"
+#include "render/frame/frustum.h"
+#include "render/settings/settings.h"
 #include "scene/scene.h"
 #include "shared/types.h"
 

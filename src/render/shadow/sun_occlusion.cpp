@@ -1,6 +1,6 @@
 #include "render/shadow/sun_occlusion.h"
 
-#include "render/lit_maps.h"
+#include "render/frame/lit_maps.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/shadow/sun_push.h"
 #include "render/visibility/draw.h"

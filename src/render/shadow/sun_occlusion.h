@@ -3,7 +3,7 @@
 // shadow maps only there. Lighting then reads the channel.
 #pragma once
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 
 namespace latelight::render {
 

@@ -1,9 +1,9 @@
 #include "render/transparency/transparency.h"
 
 #include "base/error.h"
+#include "render/frame/lit_maps.h"
 #include "render/layered/behind.h"
 #include "render/lighting/forward/forward.h"
-#include "render/lit_maps.h"
 #include "render/visibility/visibility.h"
 
 namespace latelight::render {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "render/visibility/draw.h"
 #include "render/visibility/visibility.h"
 

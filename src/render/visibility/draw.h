@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "render/visibility/draw_order.h"
 #include "render/visibility/draw_push.h"
 #include "vk/object_cache.h"

@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
-#include "render/frustum.h"
-#include "render/gpu_scene.h"
+#include "render/frame/frustum.h"
+#include "render/gpu_scene/gpu_scene.h"
 
 namespace latelight::render {
 

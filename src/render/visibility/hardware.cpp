@@ -2,9 +2,9 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "render/frame/lit_maps.h"
 #include "render/gbuffer/layout.h"
 #include "render/gbuffer/sample_surfaces.h"
-#include "render/lit_maps.h"
 #include "render/transparency/transparency.h"
 #include "vk/features.h"
 

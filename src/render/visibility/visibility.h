@@ -2,7 +2,7 @@
 // surfaces. All views of a frame at once. Everything else in the frame is the same whatever the technique.
 #pragma once
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "shared/fragment_lists.h"
 
 namespace latelight::render {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "scene/builtin/exact_math.h"
-#include "scene/texture.h"
+#include "scene/textures/texture.h"
 
 namespace latelight::scene::builtin {
 

@@ -2,9 +2,9 @@
 // O(pixels x lights). The preceding depth pass prevents occluded surfaces from being shaded.
 #include "render/lighting/forward/forward.h"
 
+#include "render/frame/lit_maps.h"
 #include "render/lighting/light_sum.h"
 #include "render/lighting/technique.h"
-#include "render/lit_maps.h"
 #include "render/visibility/hardware.h"
 #include "vk/features.h"
 

@@ -1,7 +1,7 @@
 // Forward shading: the scene is drawn again after the depth pass, and each fragment loops over all lights.
 #pragma once
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 
 namespace latelight::render {
 

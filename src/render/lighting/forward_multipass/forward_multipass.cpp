@@ -1,9 +1,9 @@
 // forward-multipass: multi-pass forward shading in O(lights x triangles), as before deferred shading. After the depth
 // pass, the scene is drawn once without lights and then once per light with additive blending and the depth test EQUAL.
 // Targets: the sum of lights, and the identity (instance and triangle) of the visible surface per sample.
+#include "render/frame/lit_maps.h"
 #include "render/lighting/light_sum.h"
 #include "render/lighting/technique.h"
-#include "render/lit_maps.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/visibility/hardware.h"
 #include "shared/light.h"

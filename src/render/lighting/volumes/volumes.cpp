@@ -8,7 +8,8 @@
 #include <cmath>
 #include <memory>
 
-#include "render/frustum.h"
+#include "render/frame/frustum.h"
+#include "render/frame/lit_maps.h"
 #include "render/lighting/light_sum.h"
 #include "render/lighting/lighting_push.h"
 #include "render/lighting/lighting_shader.h"
@@ -16,7 +17,6 @@
 #include "render/lighting/volumes/volume_mesh.h"
 #include "render/lighting/volumes/volume_push.h"
 #include "render/lighting/volumes/volumes.h"
-#include "render/lit_maps.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/visibility/draw.h"
 #include "shared/light.h"
@@ -138,8 +138,8 @@ class VolumePlan {
   // The distance from the light to the farthest point of the scene, with a margin for rounding.
   float farthest(const shared::Light& light) const {
     const glm::dvec3 position(light.position);
-    return static_cast<float>(
-        1.001 * glm::length(glm::max(glm::abs(scene_.min - position), glm::abs(scene_.max - position))));
+    return static_cast<float>(1.001 *
+                              glm::length(glm::max(glm::abs(scene_.min - position), glm::abs(scene_.max - position))));
   }
 
   // The projected radius of a sphere in pixels; infinite if the camera is inside.

@@ -2,7 +2,7 @@
 // drawn later, apply fog themselves with the same functions of shared/fog.h.
 #pragma once
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 
 namespace latelight::render {
 

@@ -5,7 +5,7 @@
 #include <glm/vec2.hpp>
 #include <vector>
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "vk/resources.h"
 
 namespace latelight::render {

@@ -6,7 +6,7 @@
 #include <array>
 #include <memory>
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 
 namespace latelight::render {
 

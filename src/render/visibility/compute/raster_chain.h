@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "render/visibility/compute/ranks.h"
 #include "render/visibility/compute/raster_push.h"
 

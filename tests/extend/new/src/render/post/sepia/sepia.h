@@ -1,7 +1,7 @@
 // Old photographs: an example of a post-processing effect.
 #pragma once
 
-#include "render/pass.h"
+#include "render/frame/pass.h"
 
 namespace latelight::render {
 

@@ -1,0 +1,492 @@
+// The public API's edits: converts handles, units and frames of latelight.h to those of scene/edit.h.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+#include <limits>
+
+#include "api/scene.h"
+#include "base/error.h"
+#include "base/log.h"
+#include "scene/edit.h"
+#include "scene/light_types.h"
+#include "scene/vertices.h"
+#include "shared/light.h"
+
+namespace latelight {
+
+namespace {
+
+using glm::dmat4;
+using glm::dvec3;
+using glm::dvec4;
+using glm::mat4;
+using glm::vec2;
+using glm::vec3;
+using glm::vec4;
+
+constexpr double kDegrees = 180.0 / glm::pi<double>();
+
+// --- frames ---------------------------------------------------------------------------------------------------------
+
+dmat4 worldFromFile(const scene::Scene& scene) {
+  return scene.yUp ? scene::toWorldFromGltf() : dmat4(1);
+}
+dmat4 fileFromWorld(const scene::Scene& scene) {
+  return scene.yUp ? scene::toGltfFromWorld() : dmat4(1);
+}
+
+vec3 three(const std::array<float, 3>& v) {
+  return {v[0], v[1], v[2]};
+}
+std::array<float, 3> three(const vec3& v) {
+  return {v.x, v.y, v.z};
+}
+dvec3 three(const std::array<double, 3>& v) {
+  return {v[0], v[1], v[2]};
+}
+std::array<double, 3> three(const dvec3& v) {
+  return {v.x, v.y, v.z};
+}
+
+Transform publicTransform(const dmat4& toWorld, const scene::Scene& scene) {
+  const dmat4 toFile = fileFromWorld(scene) * toWorld;
+  Transform rows;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) rows[4 * row + column] = toFile[column][row];
+  return rows;
+}
+
+dmat4 internalTransform(const Transform& rows, const scene::Scene& scene) {
+  dmat4 toFile;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) toFile[column][row] = rows[4 * row + column];
+  for (const double number : rows)
+    if (!std::isfinite(static_cast<float>(number)))
+      badUsage("the transform of an instance has a number that is not finite");
+  return worldFromFile(scene) * toFile;
+}
+
+// --- materials ------------------------------------------------------------------------------------------------------
+
+constexpr uint32_t kAlphaFlags[] = {0, shared::kMaterialMasked, shared::kMaterialBlended};  // by AlphaMode
+
+// A member of MaterialLayers that has the same value in the public Material.
+template <typename Inner, typename Outer>
+struct SameMember {
+  Inner shared::MaterialLayers::*inner;
+  Outer Material::*outer;
+};
+using InnerLayers = shared::MaterialLayers;
+constexpr SameMember<float, float> kLayerNumbers[] = {
+    {&InnerLayers::clearcoat, &Material::clearcoat},
+    {&InnerLayers::clearcoatRoughness, &Material::clearcoatRoughness},
+    {&InnerLayers::clearcoatNormalScale, &Material::clearcoatNormalScale},
+    {&InnerLayers::sheenRoughness, &Material::sheenRoughness},
+    {&InnerLayers::anisotropy, &Material::anisotropy},
+    {&InnerLayers::iridescence, &Material::iridescence},
+    {&InnerLayers::iridescenceIor, &Material::iridescenceIor},
+    {&InnerLayers::iridescenceThinnest, &Material::iridescenceThinnest},
+    {&InnerLayers::iridescenceThickest, &Material::iridescenceThickest},
+    {&InnerLayers::transmission, &Material::transmission},
+    {&InnerLayers::thickness, &Material::thickness},
+    {&InnerLayers::dispersion, &Material::dispersion},
+    {&InnerLayers::diffuseTransmission, &Material::diffuseTransmission}};
+constexpr SameMember<vec3, std::array<float, 3>> kLayerColors[] = {
+    {&InnerLayers::sheenColor, &Material::sheenColor},
+    {&InnerLayers::attenuationColor, &Material::attenuationColor},
+    {&InnerLayers::diffuseTransmissionColor, &Material::diffuseTransmissionColor}};
+
+void publishLayers(const shared::MaterialLayers& l, Material& out) {
+  for (const auto& [inner, outer] : kLayerNumbers) out.*outer = l.*inner;
+  for (const auto& [inner, outer] : kLayerColors) out.*outer = three(l.*inner);
+  out.anisotropyRotation = static_cast<float>(l.anisotropyRotation * kDegrees);
+  out.attenuationDistance = l.attenuationDistance > 0 ? l.attenuationDistance : std::numeric_limits<float>::infinity();
+}
+
+shared::MaterialLayers internalLayers(const Material& from) {
+  if (!(from.attenuationDistance > 0))
+    badUsage("the attenuation distance of the material \"{}\" must be above 0, or infinite for no attenuation",
+             printable(from.name));
+  shared::MaterialLayers l;
+  for (const auto& [inner, outer] : kLayerNumbers) l.*inner = from.*outer;
+  for (const auto& [inner, outer] : kLayerColors) l.*inner = three(from.*outer);
+  l.anisotropyRotation = static_cast<float>(from.anisotropyRotation / kDegrees);
+  l.attenuationDistance = std::isinf(from.attenuationDistance) ? 0 : from.attenuationDistance;
+  return l;
+}
+
+Material publicMaterial(const scene::Material& from) {
+  const shared::Material& m = from.data;
+  Material out;
+  out.name = from.name;
+  out.id = m.id;
+  out.baseColor = {m.baseColor.r, m.baseColor.g, m.baseColor.b, m.baseColor.a};
+  out.metallic = m.metallic;
+  out.roughness = m.roughness;
+  out.emissive = three(m.emissive);
+  if (m.flags & shared::kMaterialMasked) out.alphaMode = AlphaMode::Mask;
+  if (m.flags & shared::kMaterialBlended) out.alphaMode = AlphaMode::Blend;
+  out.alphaCutoff = m.alphaCutoff;
+  out.doubleSided = (m.flags & shared::kMaterialDoubleSided) != 0;
+  out.unlit = (m.flags & shared::kMaterialUnlit) != 0;
+  out.normalScale = m.normalScale;
+  out.occlusionStrength = m.occlusionStrength;
+  out.specular = m.specular;
+  out.specularColor = three(m.specularColor);
+  out.f0 = m.f0;
+  publishLayers(m.layers, out);
+  return out;
+}
+
+// `like`: the material whose textures are kept.
+scene::Material internalMaterial(const Material& from, const scene::Material& like) {
+  scene::Material out = like;
+  out.name = from.name;
+  const auto alpha = static_cast<size_t>(from.alphaMode);
+  if (alpha >= std::size(kAlphaFlags)) badUsage("the material \"{}\" has an unknown alpha mode", printable(from.name));
+  shared::Material& m = out.data;
+  m.baseColor = {from.baseColor[0], from.baseColor[1], from.baseColor[2], from.baseColor[3]};
+  m.metallic = from.metallic;
+  m.roughness = from.roughness;
+  m.emissive = three(from.emissive);
+  m.flags = kAlphaFlags[alpha];
+  if (from.doubleSided) m.flags |= shared::kMaterialDoubleSided;
+  if (from.unlit) m.flags |= shared::kMaterialUnlit;
+  m.alphaCutoff = from.alphaCutoff;
+  m.normalScale = from.normalScale;
+  m.occlusionStrength = from.occlusionStrength;
+  m.specular = from.specular;
+  m.specularColor = three(from.specularColor);
+  m.f0 = from.f0;
+  m.layers = internalLayers(from);
+  return out;
+}
+
+scene::Material untextured() {
+  scene::Material material;
+  material.data.layers = scene::noLayers();
+  for (shared::TextureTransform& transform : material.data.transforms) transform = {vec3(1, 0, 0), vec3(0, 1, 0), 0};
+  return material;
+}
+
+// --- lights ---------------------------------------------------------------------------------------------------------
+
+Light publicLight(const scene::Light& from, const scene::Scene& scene) {
+  const dmat4 toFile = fileFromWorld(scene);
+  const bool directional = shared::lightIsDirectional(from.type);
+  Light out;
+  out.name = from.name;
+  out.type = scene::lightTypes()[from.type].name;
+  out.position = three(dvec3(toFile * dvec4(from.position, 1)));
+  out.direction = three(vec3(toFile * dvec4(from.direction, 0)));
+  out.color = three(from.color);
+  out.intensity = from.intensity;
+  out.range = from.range;
+  out.innerCone = from.innerCone * kDegrees;
+  out.outerCone = from.outerCone * kDegrees;
+  out.size = directional ? from.size * kDegrees : from.size;
+  out.castShadow = from.castShadow;
+  return out;
+}
+
+vec3 unitDirection(const Light& light) {
+  const glm::dvec3 direction(three(light.direction));
+  const double length = glm::length(direction);
+  if (!std::isfinite(length) || length == 0)
+    badUsage("the direction of the light \"{}\" must be finite and not zero", printable(light.name));
+  return vec3(direction / length);
+}
+
+// `like`: the light before the edit. The light keeps its node if it is not moved. Position and direction are compared
+// in the file's frame, so that values that were read and set again do not change.
+scene::Light internalLight(const Light& from, const scene::Scene& scene, const scene::Light& like = {}) {
+  const dmat4 toWorld = worldFromFile(scene);
+  const std::optional<uint32_t> type = scene::findLightType(from.type);
+  if (!type) badUsage("the light \"{}\" has the unknown type \"{}\"", printable(from.name), printable(from.type));
+  const Light before = publicLight(like, scene);
+  scene::Light out = like;
+  out.name = from.name;
+  out.type = *type;
+  if (from.position != before.position) out.position = dvec3(toWorld * dvec4(three(from.position), 1));
+  if (from.direction != before.direction) out.direction = vec3(toWorld * dvec4(unitDirection(from), 0));
+  if (out.position != like.position || out.direction != like.direction) out.node = -1;
+  out.color = three(from.color);
+  out.intensity = from.intensity;
+  out.range = from.range;
+  out.innerCone = static_cast<float>(from.innerCone / kDegrees);
+  out.outerCone = static_cast<float>(from.outerCone / kDegrees);
+  out.size = static_cast<float>(shared::lightIsDirectional(out.type) ? from.size / kDegrees : from.size);
+  out.castShadow = from.castShadow;
+  return out;
+}
+
+// --- meshes ---------------------------------------------------------------------------------------------------------
+
+template <typename To, typename From>
+std::vector<To> stream(const std::vector<From>& values, const MeshData& mesh, const char* what) {
+  if (!values.empty() && values.size() != mesh.positions.size())
+    badUsage("the mesh \"{}\" has {} positions but {} {}: the numbers must match", printable(mesh.name),
+             mesh.positions.size(), values.size(), what);
+  std::vector<To> out(values.size());
+  for (size_t i = 0; i < values.size(); ++i)
+    for (size_t k = 0; k < values[i].size(); ++k) {
+      if (!std::isfinite(values[i][k]))
+        badUsage("the {} of the mesh \"{}\" must be finite numbers, not {}", what, printable(mesh.name), values[i][k]);
+      out[i][static_cast<int>(k)] = values[i][k];
+    }
+  return out;
+}
+
+std::vector<uint32_t> trianglesOf(const MeshData& mesh) {
+  std::vector<uint32_t> indices = mesh.indices;
+  if (indices.empty())
+    for (uint32_t i = 0; i < mesh.positions.size(); ++i) indices.push_back(i);
+  if (indices.size() % 3 != 0)
+    badUsage("the mesh \"{}\" has {} {}, which is not a multiple of three", printable(mesh.name), indices.size(),
+             mesh.indices.empty() ? "positions and no indices" : "indices");
+  for (const uint32_t index : indices)
+    if (index >= mesh.positions.size())
+      badUsage("the mesh \"{}\" has the index {} but only {} positions", printable(mesh.name), index,
+               mesh.positions.size());
+  return indices;
+}
+
+std::array<float, 2> two(const vec2& v) {
+  return {v.x, v.y};
+}
+std::array<float, 4> four(const vec4& v) {
+  return {v.x, v.y, v.z, v.w};
+}
+
+// Omits streams that contain only zeros, because the mesh does not have them.
+MeshData publicMeshData(const scene::Mesh& from) {
+  MeshData out{.name = from.name, .indices = from.indices};
+  const auto& attributes = from.attributes;
+  const bool hasUv = std::ranges::any_of(attributes, [](const auto& a) { return a.uv0 != vec2(0); });
+  const bool hasTangents = std::ranges::any_of(attributes, [](const auto& a) { return a.tangent != vec4(0); });
+  for (const vec3& position : from.positions) out.positions.push_back(three(position));
+  for (const shared::VertexAttributes& a : attributes) {
+    out.normals.push_back(three(a.normal));
+    if (hasTangents) out.tangents.push_back(four(a.tangent));
+    if (hasUv) out.uv.push_back(two(a.uv0));
+  }
+  for (const shared::VertexExtra& e : from.extras) {
+    out.uv1.push_back(two(e.uv1));
+    out.colors.push_back(four(e.color));
+  }
+  return out;
+}
+
+// Channels from 0 to 255 are the usual mistake.
+void requireFactors(const MeshData& mesh) {
+  for (const std::array<float, 4>& color : mesh.colors)
+    for (const float channel : color)
+      if (!(channel >= 0 && channel <= 1))
+        badUsage("the colors of the mesh \"{}\" must lie from 0 to 1, and one is {}", printable(mesh.name), channel);
+}
+
+scene::Mesh internalMesh(const MeshData& from) {
+  std::vector<uint32_t> indices = trianglesOf(from);
+  scene::Vertices v;
+  v.positions = stream<vec3>(from.positions, from, "positions");
+  v.normals = stream<vec3>(from.normals, from, "normals");
+  v.tangents = stream<vec4>(from.tangents, from, "tangents");
+  v.uv[0] = stream<vec2>(from.uv, from, "texture coordinates");
+  v.uv[1] = stream<vec2>(from.uv1, from, "second texture coordinates");
+  v.colors = stream<vec4>(from.colors, from, "colors");
+  requireFactors(from);
+  scene::Mesh mesh = scene::makeMesh(std::move(v), std::move(indices));
+  mesh.name = from.name;
+  return mesh;
+}
+
+}  // namespace
+
+// --- handles --------------------------------------------------------------------------------------------------------
+
+namespace {
+
+// `generation`: the generation of the slot's current element.
+template <typename Element>
+uint32_t indexOf(Handle<Element> handle, uint32_t scene, size_t count, uint32_t generation, const char* what) {
+  if (handle.scene == 0) badUsage("the handle of {} is empty: take one from the scene", what);
+  if (handle.scene != scene || handle.index >= count) badUsage("the handle of {} belongs to another scene", what);
+  if (handle.generation != generation) badUsage("the handle of {} refers to a removed element", what);
+  return handle.index;
+}
+
+}  // namespace
+
+uint32_t Scene::Impl::nextNumber() {
+  static std::atomic<uint32_t> made = 0;
+  return ++made;
+}
+
+uint32_t Scene::Impl::index(Handle<Instance> h) const {
+  return indexOf(h, number, scene.instances.size(), scene.edits.instanceGaps.generation(h.index), "an instance");
+}
+uint32_t Scene::Impl::index(Handle<Material> h) const {
+  return indexOf(h, number, scene.materials.size(), scene.edits.materialGaps.generation(h.index), "a material");
+}
+uint32_t Scene::Impl::index(Handle<Light> h) const {
+  return indexOf(h, number, scene.lights.size(), scene.edits.lightGaps.generation(h.index), "a light");
+}
+uint32_t Scene::Impl::index(Handle<Mesh> h) const {
+  return indexOf(h, number, scene.meshes.size(), scene.edits.meshGaps.generation(h.index), "a mesh");
+}
+uint32_t Scene::Impl::index(Handle<Texture> h) const {
+  return indexOf(h, number, scene.textures.size(), scene.edits.textureGaps.generation(h.index), "a texture");
+}
+
+// --- nodes ----------------------------------------------------------------------------------------------------------
+
+std::vector<Node> Scene::nodes() const {
+  const scene::Scene& scene = impl_->scene;
+  std::vector<Node> nodes;
+  for (const scene::Node& node : scene.nodes) {
+    if (node.path.empty()) continue;  // an unused slot
+    const std::string parent = node.parent < 0 ? "" : scene.nodes[static_cast<size_t>(node.parent)].path;
+    nodes.push_back({node.path, parent, node.mesh, publicTransform(node.toWorld, scene), node.id});
+  }
+  return nodes;
+}
+
+std::optional<Bounds> Scene::bounds() const {
+  const scene::Bounds world = scene::worldBounds(impl_->scene);
+  if (world.empty()) return std::nullopt;
+  const dmat4 toFile = fileFromWorld(impl_->scene);  // rotates by right angles
+  const dvec3 a(toFile * dvec4(world.min, 1)), b(toFile * dvec4(world.max, 1));
+  return Bounds{three(glm::min(a, b)), three(glm::max(a, b))};
+}
+
+// --- instances ------------------------------------------------------------------------------------------------------
+
+std::vector<Handle<Instance>> Scene::instances() const {
+  return impl_->handles(impl_->scene.instances, &Impl::instance);
+}
+
+std::vector<Handle<Instance>> Scene::instancesOf(const std::string& node) const {
+  const scene::Scene& scene = impl_->scene;
+  for (uint32_t found = 0; found < scene.nodes.size(); ++found) {
+    if (node.empty() || scene.nodes[found].path != node) continue;
+    std::vector<Handle<Instance>> all;
+    for (uint32_t i = 0; i < scene.instances.size(); ++i)
+      if (!scene.instances[i].removed && scene.instances[i].node == found) all.push_back(impl_->instance(i));
+    return all;
+  }
+  badUsage("the scene has no node \"{}\": give the path of one, as in /Root/Arm", printable(node));
+}
+
+Instance Scene::instance(Handle<Instance> instance) const {
+  const scene::Scene& scene = impl_->scene;
+  const scene::Instance& from = scene.instances[impl_->index(instance)];
+  return {scene.nodes[from.node].path,
+          impl_->mesh(from.mesh),
+          impl_->material(from.material),
+          publicTransform(from.toWorld, scene),
+          from.id,
+          from.part};
+}
+
+void Scene::setTransform(Handle<Instance> instance, const Transform& transform) {
+  scene::setTransform(impl_->scene, impl_->index(instance), internalTransform(transform, impl_->scene));
+}
+
+void Scene::assignMaterial(Handle<Instance> instance, Handle<Material> material) {
+  scene::setMaterialOf(impl_->scene, impl_->index(instance), impl_->index(material));
+}
+
+Handle<Instance> Scene::addInstance(Handle<Mesh> mesh, Handle<Material> material, const Transform& transform,
+                                    const std::string& name) {
+  return impl_->instance(scene::addInstance(impl_->scene, impl_->index(mesh), impl_->index(material),
+                                            internalTransform(transform, impl_->scene), name));
+}
+
+void Scene::removeInstance(Handle<Instance> instance) {
+  scene::removeInstance(impl_->scene, impl_->index(instance));
+}
+
+// --- materials ------------------------------------------------------------------------------------------------------
+
+std::vector<Handle<Material>> Scene::materials() const {
+  return impl_->handles(impl_->scene.materials, &Impl::material);
+}
+
+Material Scene::material(Handle<Material> material) const {
+  return publicMaterial(impl_->scene.materials[impl_->index(material)]);
+}
+
+void Scene::setMaterial(Handle<Material> material, const Material& values) {
+  const uint32_t index = impl_->index(material);
+  scene::setMaterial(impl_->scene, index, internalMaterial(values, impl_->scene.materials[index]));
+}
+
+Handle<Material> Scene::addMaterial(const Material& values, std::optional<Handle<Material>> texturesOf) {
+  const scene::Material like = texturesOf ? impl_->scene.materials[impl_->index(*texturesOf)] : untextured();
+  return impl_->material(scene::addMaterial(impl_->scene, internalMaterial(values, like)));
+}
+
+void Scene::removeMaterial(Handle<Material> material) {
+  scene::removeMaterial(impl_->scene, impl_->index(material));
+}
+
+// --- lights ---------------------------------------------------------------------------------------------------------
+
+std::vector<Handle<Light>> Scene::lights() const {
+  return impl_->handles(impl_->scene.lights, &Impl::light);
+}
+
+Light Scene::light(Handle<Light> light) const {
+  return publicLight(impl_->scene.lights[impl_->index(light)], impl_->scene);
+}
+
+void Scene::setLight(Handle<Light> light, const Light& values) {
+  const uint32_t index = impl_->index(light);
+  scene::setLight(impl_->scene, index, internalLight(values, impl_->scene, impl_->scene.lights[index]));
+}
+
+Handle<Light> Scene::addLight(const Light& values) {
+  return impl_->light(scene::addLight(impl_->scene, internalLight(values, impl_->scene)));
+}
+
+void Scene::removeLight(Handle<Light> light) {
+  scene::removeLight(impl_->scene, impl_->index(light));
+}
+
+// --- meshes ---------------------------------------------------------------------------------------------------------
+
+std::vector<Handle<Mesh>> Scene::meshes() const {
+  return impl_->handles(impl_->scene.meshes, &Impl::mesh);
+}
+
+Mesh Scene::mesh(Handle<Mesh> mesh) const {
+  const scene::Mesh& from = impl_->scene.meshes[impl_->index(mesh)];
+  return {from.name,
+          from.positions.size(),
+          from.indices.size() / 3,
+          three(from.boundsMin),
+          three(from.boundsMax),
+          from.deformation != nullptr};
+}
+
+MeshData Scene::meshData(Handle<Mesh> mesh) const {
+  return publicMeshData(impl_->scene.meshes[impl_->index(mesh)]);
+}
+
+void Scene::setMesh(Handle<Mesh> mesh, const MeshData& data) {
+  const uint32_t index = impl_->index(mesh);
+  scene::Mesh made = internalMesh(data);
+  if (made.name.empty()) made.name = impl_->scene.meshes[index].name;
+  scene::setMesh(impl_->scene, index, std::move(made));
+}
+
+Handle<Mesh> Scene::addMesh(const MeshData& data) {
+  return impl_->mesh(scene::addMesh(impl_->scene, internalMesh(data)));
+}
+
+void Scene::removeMesh(Handle<Mesh> mesh) {
+  scene::removeMesh(impl_->scene, impl_->index(mesh));
+}
+
+}  // namespace latelight

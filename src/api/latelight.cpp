@@ -1,0 +1,426 @@
+// The public API of include/latelight/latelight.h.
+#include <latelight/latelight.h>
+
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+
+#include "api/scene.h"
+#include "base/error.h"
+#include "base/fork.h"
+#include "output/png.h"
+#include "render/submit/id_manifest.h"
+#include "render/submit/picking.h"
+#include "render/submit/raster_choice.h"
+#include "render/submit/renderer.h"
+#include "render/submit/session.h"
+#include "scene/framing.h"
+
+namespace latelight {
+
+namespace {
+
+constexpr float kDegreesPerRadian = 180.0f / glm::pi<float>();
+
+Lens publicLens(const scene::Lens& from) {
+  return {
+      static_cast<LensModel>(from.model), from.width, from.height, from.fx, from.fy, from.cx, from.cy, from.distortion};
+}
+
+// The renderer rejects invalid values.
+scene::Lens internalLens(const Lens& from) {
+  return {static_cast<scene::LensModel>(from.model),
+          from.width,
+          from.height,
+          from.fx,
+          from.fy,
+          from.cx,
+          from.cy,
+          from.distortion};
+}
+
+Camera publicCamera(const scene::Camera& camera, const scene::Scene& scene) {
+  Camera c;
+  c.name = camera.name;
+  const glm::dmat4 pose = render::openCvPose(camera, scene, false);
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) c.cameraToWorld[4 * row + column] = pose[column][row];
+  c.orthographic = camera.orthographic;
+  c.verticalFov = camera.verticalFov * kDegreesPerRadian;
+  c.halfHeight = camera.yHalf;
+  c.aspect = camera.aspect;
+  c.nearClip = camera.nearClip;
+  c.farClip = camera.farClip;
+  c.principalX = camera.principal.x;
+  c.principalY = camera.principal.y;
+  if (camera.lens) c.lens = publicLens(*camera.lens);
+  return c;
+}
+
+bool isRigid(const glm::dmat4& pose) {
+  for (int i = 0; i < 4; ++i)
+    if (pose[i][3] != (i == 3 ? 1.0 : 0.0)) return false;
+  const glm::dmat3 axes(pose);
+  const glm::dmat3 products = glm::transpose(axes) * axes;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (std::abs(products[i][j] - (i == j ? 1.0 : 0.0)) > 1e-3) return false;
+  return glm::determinant(axes) > 0;
+}
+
+scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
+  glm::dmat4 pose;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) {
+      pose[column][row] = camera.cameraToWorld[4 * row + column];
+      if (!std::isfinite(pose[column][row])) badUsage("the camera's pose has a value that is not a number");
+    }
+  if (!isRigid(pose))
+    badUsage("the camera's pose must be a rotation and a translation, without mirror, shear or scale, over 0 0 0 1");
+  if (!camera.orthographic && !scene::showsSomething(camera.verticalFov / kDegreesPerRadian))
+    badUsage("the vertical field of view must be between 0 and 180 degrees, from {:g} to {:.6g}, not {}",
+             scene::kLeastVerticalFov * kDegreesPerRadian, scene::kMostVerticalFov * kDegreesPerRadian,
+             camera.verticalFov);
+  if (camera.orthographic && !(camera.halfHeight > 0)) badUsage("an orthographic camera needs a height above 0");
+  if (camera.orthographic && !(std::isfinite(camera.nearClip) && std::isfinite(camera.farClip)))
+    badUsage("an orthographic camera needs a near and a far plane that are numbers");
+  if (camera.aspect && !(*camera.aspect > 0 && std::isfinite(*camera.aspect)))
+    badUsage("the camera's aspect must be a number above 0, not {}", *camera.aspect);
+  if (!std::isfinite(camera.principalX) || !std::isfinite(camera.principalY))
+    badUsage("the camera's principal point has a value that is not a number");
+  if (!(camera.farClip > camera.nearClip) || (!camera.orthographic && !(camera.nearClip > 0)))
+    badUsage("the camera's near plane must be in front of its far plane");
+  scene::Camera c;
+  c.name = camera.name;
+  c.toWorld = render::toWorldFromOpenCv(pose, scene);
+  c.orthographic = camera.orthographic;
+  c.verticalFov = camera.verticalFov / kDegreesPerRadian;
+  c.yHalf = camera.halfHeight;
+  c.aspect = camera.aspect;
+  c.nearClip = camera.nearClip;
+  c.farClip = camera.farClip;
+  c.principal = {camera.principalX, camera.principalY};
+  if (camera.lens) c.lens = internalLens(*camera.lens);
+  if (camera.lens && c.orthographic) badUsage("an orthographic camera has no lens");
+  return c;
+}
+
+render::SunLight internalSun(const Sun& sun) {
+  return {sun.azimuth / kDegreesPerRadian, sun.elevation / kDegreesPerRadian, sun.illuminance};
+}
+
+render::Settings internalSettings(const Options& o) {
+  render::Settings s;
+#define OPTION_FLAG(member, ...) s.member = o.member;
+#define OPTION_NUMBER(Type, member, ...) s.member = o.member;
+#define OPTION_ANGLE(member, ...) s.member = render::radians(o.member);
+#define OPTION_OPTIONAL(Type, member, ...) s.member = o.member;
+#define OPTION_CHOICE(Enum, member, name, ...) s.member = render::readChoice<decltype(s.member)>(name, o.member);
+#define OPTION_ENTRY(Type, member, name, ...) s.member = &render::readEntry<render::Type>(name, o.member);
+#define OPTION_TEXT(Type, member, name, ...) s.member = render::readText<decltype(s.member)>(name, o.member);
+#define OPTION_SIZE(width, height, ...) s.width = o.width, s.height = o.height;
+#define OPTION_SUN(member, ...) \
+  if (o.member) s.member = internalSun(*o.member);
+#include <latelight/options.def>
+  s.display = o.picture;
+  std::string names;
+  for (const std::string& name : o.aovs) names += (names.empty() ? "" : ",") + name;
+  if (!names.empty()) s.aovs = output::parseAovs(names);
+  render::checkSettings(s);
+  return s;
+}
+
+render::Settings settingsFor(vk::Device& device, const Options& o, const scene::Scene& scene) {
+  render::Settings s = internalSettings(o);
+  s.raster = render::chooseRaster(device, s, scene).raster;
+  return s;
+}
+
+void checkTime(double time) {
+  if (!std::isfinite(time)) badUsage("the time must be a number of seconds");
+}
+
+std::vector<scene::Camera> internalCameras(const std::vector<Camera>& cameras, const scene::Scene& scene, size_t count,
+                                           render::CameraFit fit) {
+  if (!cameras.empty() && cameras.size() != count)
+    badUsage("{} cameras are rendered, but {} are given for another frame", count, cameras.size());
+  std::vector<scene::Camera> internal;
+  for (const Camera& camera : cameras) internal.push_back(render::fitted(internalCamera(camera, scene), fit));
+  return internal;
+}
+
+render::Moment internalMoment(const Options& o, const render::Settings& s, const scene::Scene& scene, size_t cameras) {
+  render::Moment moment;
+  moment.previousCameras = internalCameras(o.previousCameras, scene, cameras, s.cameraFit);
+  moment.nextCameras = internalCameras(o.nextCameras, scene, cameras, s.cameraFit);
+  moment.continues = o.continues;
+  moment.poses = render::posesAt(scene, s);
+  return moment;
+}
+
+render::Results internalResults(Results results) {
+  switch (results) {
+    case Results::OnDevice:
+      return render::Results::OnDevice;
+    case Results::Arrays:
+      return render::Results::Exported;
+    default:
+      return render::Results::ToHost;
+  }
+}
+
+Frame publicFrame(output::FrameOutput&& from) {
+  Frame frame;
+  frame.width = from.width;
+  frame.height = from.height;
+  frame.rgba = std::move(from.display);
+  for (output::AovImage& image : from.aovs) {
+    const output::AovInfo& info = output::info(image.aov);
+    frame.aovs[std::string(info.name)] = {info.channels, std::move(image.values), std::move(image.ids)};
+  }
+  return frame;
+}
+
+}  // namespace
+
+std::vector<std::byte> encodePng(uint32_t width, uint32_t height, const std::vector<uint8_t>& rgba) {
+  if (width == 0 || height == 0 || rgba.size() != size_t{4} * width * height)
+    badUsage("an image of {}x{} pixels has 4 bytes per pixel, but {} bytes are given", width, height, rgba.size());
+  return output::encodePng(output::Picture{width, height, rgba});
+}
+
+Scene::Scene() : impl_(new Impl{scene::Scene{.name = "scene", .source = "scene"}}) {}
+
+Scene::Scene(const std::string& source, const std::string& materialVariant)
+    : Scene(source, SceneOptions{.materialVariant = materialVariant}) {}
+
+Scene::Scene(const std::string& source, const SceneOptions& options)
+    : impl_(new Impl{scene::load(source, {.variant = options.materialVariant,
+                                          .allowOutside = options.allowOutside,
+                                          .ids = {options.idDepth, options.idNodes}})}) {
+  for (const scene::Animation& animation : impl_->scene.rig.animations)
+    impl_->animations.push_back({animation.name, animation.duration});
+  for (const scene::Camera& camera : impl_->scene.cameras) impl_->cameras.push_back(publicCamera(camera, impl_->scene));
+}
+Scene::~Scene() = default;
+Scene::Scene(Scene&&) noexcept = default;
+Scene& Scene::operator=(Scene&&) noexcept = default;
+
+uint64_t Scene::triangleCount() const {
+  return impl_->scene.triangleCount();
+}
+std::string Scene::idManifest() const {
+  return output::idManifestText(render::idManifest(impl_->scene));
+}
+const std::vector<Camera>& Scene::cameras() const {
+  return impl_->cameras;
+}
+
+const std::vector<Animation>& Scene::animations() const {
+  return impl_->animations;
+}
+
+void Scene::addCamera(const Camera& camera) {
+  impl_->scene.cameras.push_back(internalCamera(camera, impl_->scene));
+  impl_->cameras.push_back(publicCamera(impl_->scene.cameras.back(), impl_->scene));
+}
+
+std::vector<Camera> Scene::camerasAt(double time, const std::string& animation, bool loop) const {
+  checkTime(time);
+  const scene::Scene& scene = impl_->scene;
+  const scene::Pose pose = scene::poseAt(scene, scene::choosePlayback(scene, animation, loop), time);
+  std::vector<Camera> cameras;
+  for (const scene::Camera& camera : scene::posedCameras(scene, pose)) cameras.push_back(publicCamera(camera, scene));
+  return cameras;
+}
+
+Camera Scene::defaultCamera(float aspect, std::optional<double> time, const std::string& animation, bool loop) const {
+  if (!impl_->cameras.empty()) return time ? camerasAt(*time, animation, loop).front() : impl_->cameras.front();
+  if (!(aspect > 0) || !std::isfinite(aspect)) badUsage("a picture's aspect must be a number above 0, not {}", aspect);
+  return publicCamera(scene::frameScene(impl_->scene, aspect), impl_->scene);
+}
+
+Camera Scene::lookAt(std::array<double, 3> eye, std::array<double, 3> target, float verticalFov) const {
+  return publicCamera(scene::lookAt(impl_->scene, {eye[0], eye[1], eye[2]}, {target[0], target[1], target[2]}, {},
+                                    verticalFov / kDegreesPerRadian),
+                      impl_->scene);
+}
+
+struct Renderer::Impl {
+  OwnerProcess owner;
+  const scene::Scene& scene;
+  std::shared_ptr<vk::Device> device;  // arrays share it
+  render::Renderer renderer;
+
+  Impl(const scene::Scene& scene, const std::string& selector, const std::optional<scene::Environment>& environment)
+      : scene(scene),
+        device(std::make_shared<vk::Device>(vk::DeviceOptions{.selector = selector})),
+        renderer(*device, scene, environment ? &*environment : nullptr) {}
+};
+
+namespace {
+
+// Returns the renderer. Fails in any process other than the one that created it.
+template <typename Impl>
+Impl& usable(const std::shared_ptr<Impl>& renderer) {
+  renderer->owner.require("the renderer");
+  return *renderer;
+}
+
+scene::Environment makeEnvironment(const EnvironmentData& data) {
+  if (data.height == 0 || data.width != 2 * data.height)
+    badUsage("an environment is twice as wide as it is high, and not {}x{} pixels", data.width, data.height);
+  if (data.radiance.size() != size_t{data.width} * data.height)
+    badUsage("an environment of {}x{} pixels needs one radiance per pixel, but {} are given", data.width, data.height,
+             data.radiance.size());
+  scene::FloatImage picture(data.width, data.height);
+  for (size_t i = 0; i < data.radiance.size(); ++i)
+    for (size_t channel = 0; channel < 4; ++channel)
+      picture.pixels[4 * i + channel] = channel < 3 ? data.radiance[i][channel] : 1;
+  return scene::makeEnvironment(std::move(picture));
+}
+
+}  // namespace
+
+Renderer::Renderer(const Scene& scene, const std::string& device, const EnvironmentData& environment)
+    : impl_(ownedByProcess(new Impl(scene.impl_->scene, device, makeEnvironment(environment)))) {}
+Renderer::Renderer(const Scene& scene, const std::string& device, const std::string& environment)
+    : impl_(ownedByProcess(
+          new Impl(scene.impl_->scene, device,
+                   render::loadEnvironment(scene.impl_->scene,
+                                           render::environmentName(scene.impl_->scene, environment, false))))) {}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+const std::string& Renderer::deviceName() const {
+  return usable(impl_).device->info().name;
+}
+
+std::vector<std::string> Renderer::validationMessages() {
+  return usable(impl_).device->validationMessages();
+}
+
+void Renderer::whileWaiting(std::function<void()> check) {
+  usable(impl_).device->whileWaiting(std::move(check));
+}
+
+void Renderer::finish() {
+  usable(impl_).device->finish();
+}
+
+Frame Renderer::render(const Camera& camera, const Options& options) {
+  return std::move(render(std::vector<Camera>{camera}, options).front());
+}
+
+std::vector<Frame> Renderer::render(const std::vector<Camera>& cameras, const Options& options) {
+  return submit(cameras, options).take();
+}
+
+struct Ticket::Impl {
+  std::shared_ptr<Renderer::Impl> renderer;
+  render::Ticket ticket;
+  Results results;
+};
+
+Ticket::Ticket() = default;
+Ticket::~Ticket() = default;
+Ticket::Ticket(Ticket&&) noexcept = default;
+Ticket& Ticket::operator=(Ticket&&) noexcept = default;
+
+bool Ticket::done() const {
+  return !impl_ || (usable(impl_->renderer), impl_->ticket.done());
+}
+
+std::vector<Frame> Ticket::take() {
+  if (!impl_) badUsage("these pictures have been taken already");
+  usable(impl_->renderer);
+  if (impl_->results == Results::Arrays) badUsage("these pictures are arrays on the device: take those");
+  const std::shared_ptr<Impl> taken = std::move(impl_);
+  std::vector<Frame> frames;
+  for (output::FrameOutput& frame : taken->ticket.take()) frames.push_back(publicFrame(std::move(frame)));
+  return frames;
+}
+
+struct DeviceArray::Impl {
+  OwnerProcess owner;
+  std::shared_ptr<vk::Device> device;  // destroyed after the memory
+  std::shared_ptr<render::ExportedMemory> memory;
+};
+
+std::map<std::string, DeviceArray> Ticket::takeArrays() {
+  if (!impl_) badUsage("these pictures have been taken already");
+  usable(impl_->renderer);
+  if (impl_->results != Results::Arrays) badUsage("these pictures are no arrays: submit them with Results::Arrays");
+  const std::shared_ptr<Impl> taken = std::move(impl_);
+  std::map<std::string, DeviceArray> arrays;
+  for (render::ExportedArray& from : taken->ticket.takeArrays()) {
+    DeviceArray& array = arrays[from.aov ? std::string(output::info(*from.aov).name) : "rgba"];
+    using enum DeviceArray::Element;
+    array.element = !from.aov ? Uint8 : output::holdsIds(*from.aov) ? Uint32 : Float32;
+    array.shape = {from.views, from.rows, from.columns, from.channels};
+    array.impl_ = ownedByProcess(
+        new DeviceArray::Impl{.owner = {}, .device = taken->renderer->device, .memory = std::move(from.memory)});
+  }
+  return arrays;
+}
+
+const void* DeviceArray::host() const {
+  return impl_->memory->buffer.mapped();
+}
+int DeviceArray::exportMemory() const {
+  impl_->owner.require("the array's device");
+  if (host()) badUsage("the host has this array: it is read there");
+  return impl_->memory->buffer.exportMemory();
+}
+uint64_t DeviceArray::memoryBytes() const {
+  return impl_->memory->buffer.memorySize();
+}
+std::string DeviceArray::deviceUuid() const {
+  return impl_->device->info().uuid;
+}
+std::shared_ptr<void>& DeviceArray::import() const {
+  return impl_->memory->import;
+}
+void DeviceArray::beforeReuse(std::function<void()> call) const {
+  impl_->memory->beforeReuse = std::move(call);
+}
+
+Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& options, Results results) {
+  usable(impl_);
+  if (cameras.empty()) badUsage("nothing can be rendered without a camera");
+  const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene);
+  const std::vector<scene::Camera> internal =
+      internalCameras(cameras, impl_->scene, cameras.size(), settings.cameraFit);
+  const render::Moment moment = internalMoment(options, settings, impl_->scene, cameras.size());
+  Ticket ticket;
+  ticket.impl_ = ownedByProcess(
+      new Ticket::Impl{impl_, impl_->renderer.submit(internal, settings, moment, internalResults(results)), results});
+  return ticket;
+}
+
+std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,
+                                 const Options& options) {
+  const render::Settings settings = settingsFor(*usable(impl_).device, options, impl_->scene);
+  std::vector<glm::uvec2> places;
+  for (const auto& [x, y] : pixels) places.push_back({x, y});
+  const auto three = [](glm::vec3 v) { return std::array<float, 3>{v.x, v.y, v.z}; };
+  std::vector<Pick> picks;
+  const scene::Camera view = render::fitted(internalCamera(camera, impl_->scene), settings.cameraFit);
+  const render::Moment moment = internalMoment(options, settings, impl_->scene, 1);
+  for (const render::Picked& p : render::pick(impl_->renderer, impl_->scene, view, settings, places, moment))
+    picks.push_back({p.id,
+                     p.part,
+                     p.node,
+                     p.mesh,
+                     p.material,
+                     p.primitive,
+                     three(p.position),
+                     three(p.normal),
+                     three(p.geonormal),
+                     p.depth,
+                     p.distance,
+                     {p.uv.x, p.uv.y}});
+  return picks;
+}
+
+}  // namespace latelight

@@ -1,0 +1,122 @@
+// Deferred shading: adds the passes of a frame to the graph, in this order: depth, G-buffer, shadow maps, ambient
+// occlusion, lighting, layered materials, background, fog and transparency.
+#include "render/frame/frame.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "render/layered/layered.h"
+#include "render/lighting/technique.h"
+#include "render/post/ambient_occlusion/ambient_occlusion.h"
+#include "render/post/background.h"
+#include "render/post/fog/fog.h"
+#include "render/shadow/frame_shadows.h"
+#include "render/shadow/sun_occlusion.h"
+#include "render/transparency/transparency.h"
+#include "render/visibility/visibility.h"
+
+namespace latelight::render {
+
+std::vector<vk::Constant> FrameSetup::constants() const {
+  return {{0, normalEncoding},
+          {1, shading},
+          {2, countLights ? 1u : 0u},
+          {3, normalSpace},
+          {4, positionMethod},
+          {5, shadowFormat},
+          {6, shadowFilter},
+          {7, everySample ? 1u : 0u},
+          {8, textureSlots},
+          {9, sunInGbuffer ? 1u : 0u},
+          {11, lights ? 1u : 0u},
+          {13, ambientOcclusion},
+          {kLensConstant, lens ? 1u : 0u},
+          {kEnvironmentConstant, environment ? 1u : 0u},
+          {kFewLightsConstant, fewLights ? 1u : 0u},
+          {kVastConstant, vast ? 1u : 0u}};
+}
+
+uint32_t writtenTargets(const FrameSetup& setup, const Gbuffer& gbuffer) {
+  const auto light = static_cast<uint32_t>(setup.layout->targets.size());
+  return (setup.targets & ((1u << light) - 1)) | (gbuffer.sampleLight ? 1u << light : 0u);
+}
+
+graph::ImageId createTarget(const FrameContext& f, VkFormat format, const std::string& name, uint32_t samples) {
+  return f.graph.create(vk::ImageDesc{.format = format,
+                                      .width = f.width,
+                                      .height = f.height,
+                                      .layers = f.viewCount() * (f.setup.sampleLayers ? samples : 1),
+                                      .samples = f.setup.sampleLayers ? 1 : samples,
+                                      .name = name});
+}
+
+bool overflowed(const std::vector<Overflow::Check>& checks, const graph::Submission& done) {
+  if (!checks.empty()) done.wait();
+  bool any = false;
+  for (const Overflow::Check& check : checks) any = check(done) || any;
+  return any;
+}
+
+namespace {
+
+// Creates one texel if lights are not counted, because shaders that can count require a bound image.
+graph::ImageId createCounts(const FrameContext& f) {
+  if (f.setup.countLights) return createTarget(f, kCountsFormat, "light counts");
+  return f.graph.create(
+      vk::ImageDesc{.format = kCountsFormat, .width = 1, .height = 1, .layers = 1, .name = "no light counts"});
+}
+
+// lavapipe silently ends a shader's loops after 65535 iterations in total. Each light that reaches a subgroup needs
+// one, and up to two to find the light if a fragment shader has few active lanes. The remaining lights would be
+// missing.
+void refuseTooManyEndless(const FrameContext& f) {
+  constexpr uint32_t kMost = 20'000;  // for one sample per pixel
+  const uint32_t most = kMost / f.setup.samples, endless = f.scene.lights().endless();
+  if (f.device.isCpu() && endless > most)
+    badUsage("a CPU device supports at most {} lights without a range, but the scene has {}", most, endless);
+}
+
+// Draws the shadow maps if this graph has to. Reads the G-buffer as it is at this point.
+graph::ImageId addShadows(const FrameContext& f, const Gbuffer& g) {
+  if (!f.shadows) return {};
+  if (!f.shadows->takeDrawing()) return f.graph.import(f.shadows->atlas(), graph::Use::SampledCompute);
+  const bool keeps = f.shadows->keepsAtlas();
+  const graph::ImageId atlas =
+      f.graph.import(f.shadows->atlas(), keeps ? std::optional(graph::Use::SampledCompute) : std::nullopt);
+  f.graph.exports(atlas, graph::Use::SampledCompute);
+  f.visibility.addShadowMaps(f, g, atlas);
+  return atlas;
+}
+
+}  // namespace
+
+LitFrame addOpaque(const FrameContext& f) {
+  return addLit(f, f.visibility.addDepth(f));
+}
+
+LitFrame addLit(const FrameContext& f, const FrameDepth& depth) {
+  refuseTooManyEndless(f);
+  const bool multisampled = f.setup.samples > 1;
+  Gbuffer g{.depth = depth.pixels, .sampleDepth = depth.samples};
+  g.light = createTarget(f, kLightFormat, "light");
+  g.sampleLight = multisampled ? createTarget(f, kLightFormat, "light of samples", f.setup.samples) : g.light;
+  g.lightCounts = createCounts(f);
+  g.forLighting = !f.setup.countLights && !f.setup.ambientOcclusion && !f.setup.sunInGbuffer;
+  if (!f.setup.lighting->forward) f.visibility.addGbuffer(f, g);
+  g.shadows = addShadows(f, g);
+  g.ambientOcclusion = addAmbientOcclusion(f, g);
+  if (f.setup.sunInGbuffer) addSunOcclusion(f, g);
+  f.setup.lighting->add(f, g);
+  addLayered(f, g);
+  if (f.environmentBackground) addBackground(f, g);
+  if (f.setup.fog) addFog(f, g);
+  return {g.light, g.lightCounts, g};
+}
+
+LitFrame addFrame(const FrameContext& f) {
+  const LitFrame lit = addOpaque(f);
+  addTransparency(f, lit.gbuffer);
+  return lit;
+}
+
+}  // namespace latelight::render

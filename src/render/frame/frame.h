@@ -1,0 +1,177 @@
+// The frame of the deferred renderer: the data that its passes share, and the functions that add them to a graph.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "graph/graph.h"
+#include "render/frame/pass.h"
+#include "render/gbuffer/layout.h"
+#include "render/gpu_scene/gpu_environment.h"
+#include "render/gpu_scene/gpu_scene.h"
+#include "shared/types.h"
+
+namespace latelight::render {
+
+class Visibility;
+struct LensRays;
+struct TechniqueInfo;
+struct FrameSetup;
+struct FrameShadows;
+struct Overflow;
+struct SurfaceOutputs;
+
+// Usage of a buffer of views: shaders read it by address, and draws bind it as a vertex buffer.
+inline constexpr VkBufferUsageFlags kViewUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
+
+// A frame under construction: one scene seen from V views, each of which is an array layer of every target. Passes
+// refer to it until their graph has been submitted.
+struct FrameContext : Builder {
+  const GpuScene& scene;
+  const GpuEnvironment& environment;
+  const Visibility& visibility;
+  const FrameSetup& setup;
+  std::span<const shared::View> views;  // as in the device's constants
+  VkDeviceAddress constants;            // shared::FrameConstants
+  VkBuffer viewBuffer;                  // their View[], for draws
+  uint32_t width, height;
+  std::span<const shared::Light> lights;  // the lights of the constants, on the host
+  bool environmentBackground = false;     // draw the environment behind all surfaces
+  float aoRadius = 0, aoStrength = 1;     // ambient occlusion: meters, exponent
+  FrameShadows* shadows = nullptr;        // null: no light casts shadows
+  const LensRays* lens = nullptr;         // null: all views are projections
+  Overflow* overflow = nullptr;           // buffers whose size passes have to estimate; null: there are none
+
+  uint32_t viewCount() const { return static_cast<uint32_t>(views.size()); }
+  glm::uvec3 pixels() const { return {width, height, viewCount()}; }  // the size of a dispatch over all views
+};
+
+// Creates an image of the frame's size with an array layer per view. Several samples per pixel are array layers or a
+// multisampled image, as FrameSetup::sampleLayers states.
+graph::ImageId createTarget(const FrameContext& f, VkFormat format, const std::string& name, uint32_t samples = 1);
+
+// Reversed device depth, 0 for the background: per pixel, and per sample in the form that the frame's visibility uses.
+// With one sample per pixel, they are the same image.
+struct FrameDepth {
+  graph::ImageId pixels, samples;
+};
+
+// The light lists of a lighting technique, per tile or per slice of a tile (clustered light culling).
+struct LightLists {
+  graph::BufferId cells, entries;
+  uint32_t cellsATile = 0, entriesATile = 0;  // lists and capacity per tile; 0: there are none
+  glm::uvec2 tiles{};
+};
+
+// A G-buffer under construction: the layout's targets, and depth and light, which every layout has.
+struct Gbuffer {
+  std::vector<graph::ImageId> targets;
+  graph::ImageId depth;
+  graph::ImageId light;  // emitted radiance and ambient occlusion; the lighting technique writes the lit picture here
+  graph::ImageId lightCounts;       // lights tested and used (kCountsFormat); one texel if they are not counted
+  graph::ImageId shadows;           // the shadow atlas; none if no light casts shadows
+  graph::ImageId ambientOcclusion;  // visible share of the hemisphere; none if the setup disables it
+  // With several samples per pixel, the targets and these two images store every sample; `depth` and `light` store one
+  // value per pixel, so that passes after lighting do not depend on the number of samples. With one sample they are the
+  // same images.
+  graph::ImageId sampleDepth, sampleLight;
+  graph::ImageId behind;    // background of transmissive surfaces (layered/behind.h); none: there are no such surfaces
+  graph::ImageId surfaces;  // samples of each surface in a pixel (kSurfacesFormat); none with one sample, or no targets
+  bool forLighting = false;  // only lighting reads the targets, and it leaves surfaces with coats to render/layered
+  LightLists lightLists;     // of the pixels' surfaces, after the lighting technique has built them
+};
+
+// How blended surfaces are rendered (render/transparency).
+struct TransparencySetup {
+  uint32_t method = 0;      // kTransparency*
+  bool everyLight = false;  // reference: loop over all lights instead of traversing the light tree
+  uint64_t most = 0;        // limit on the fragments that `exact` stores; 0: the device's limit
+  bool operator==(const TransparencySetup&) const = default;
+};
+
+// The settings of a frame for which its shaders are specialized (specialization constants).
+struct FrameSetup {
+  const Layout* layout = nullptr;
+  uint32_t normalEncoding = 0;  // kNormal_*
+  const TechniqueInfo* lighting = nullptr;
+  uint32_t shading = 0;                     // kShading*
+  uint32_t normalSpace = 0;                 // kNormalSpace*
+  uint32_t positionMethod = 0;              // kPosition*
+  uint32_t volumesOrder = 0;                // kVolumes*, for the technique `volumes`
+  uint32_t targets = ~0u;                   // bit i: the layout's target i is required
+  const SurfaceOutputs* outputs = nullptr;  // packed in addition to the targets, with visibility in compute
+  bool countLights = false;
+  uint32_t ambientOcclusion = 0;  // kAo*
+  uint32_t textureSlots = ~0u;    // bit i: a material may have a texture in slot i (GpuScene::textureSlots)
+  uint32_t layers = 0;            // kLayer*: coats that a material may have (GpuMaterials::layers)
+  bool lights = true;             // lights may exist; false: shaders of the deferred techniques have no light loops
+  bool fewLights = false;         // on a CPU device, a loop over all lights is faster than light culling
+  bool environment = true;        // the renderer has an environment
+  bool vast = false;              // some triangles are vast (GpuInstances::anyVast)
+  bool fog = false;               // the constants define fog
+  TransparencySetup transparency;
+  uint32_t shadowFormat = 0;  // kShadow*
+  uint32_t shadowFilter = 0;  // kShadowFilter*
+  bool lens = false;          // pixels use the rays of FrameConstants::rays
+  bool sunInGbuffer = false;  // the layout's sunTarget holds the sun's shadow, which lighting reads there
+  uint32_t samples = 1;       // per pixel: a power of two up to shared::kMostSamples
+  bool sampleLayers = false;  // several samples are array layers; false: images are multisampled
+  bool everySample = false;   // reference: every sample is shaded, even if they are alike
+
+  // Returns the specialization constants of every shader that includes render/glsl/setup.glsl. A shader's own constants
+  // start at kFirstOwnConstant.
+  std::vector<vk::Constant> constants() const;
+  // Returns the variant of a shader that reads or writes targets of the samples.
+  std::string variant(const std::string& shader) const {
+    return samples == 1 ? shader : shader + (sampleLayers ? "+layers" : "+msaa");
+  }
+};
+// Only shaders with COATED have kLayersConstant, so that all other shaders are the same for scenes with and without
+// coats.
+inline constexpr uint32_t kLayersConstant = 12;       // layered/surface_layers.glsl: FrameSetup::layers
+inline constexpr uint32_t kLensConstant = 14;         // glsl/pixel_ray.glsl
+inline constexpr uint32_t kElsewhereConstant = 15;    // glsl/lit_pixel.glsl
+inline constexpr uint32_t kEnvironmentConstant = 90;  // glsl/setup.glsl
+inline constexpr uint32_t kFewLightsConstant = 91;
+inline constexpr uint32_t kVastConstant = 92;
+inline constexpr uint32_t kSamplesConstant = 10;  // glsl/samples.glsl; per pass, since some passes have one sample
+inline constexpr uint32_t kFirstOwnConstant = 16;
+inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: lights tested, g: lights used
+
+// Returns the targets that the geometry pass writes. Bit i: the layout's target i; the bit after the last: emitted
+// light.
+uint32_t writtenTargets(const FrameSetup& setup, const Gbuffer& gbuffer);
+
+// Buffers whose required size only the device knows. After an overflow the picture is incomplete: the buffer grows, and
+// the same graph is built and run again.
+struct Overflow {
+  uint64_t fragments = 0;    // capacity for blended fragments; 0: one per pixel
+  uint32_t longestList = 0;  // longest per-pixel list, in fragments; a power of two
+  // Capacities of the queues of the raster compute.
+  uint32_t rasterWork = 0, clippedTriangles = 0, mediumTriangles = 0, largeTriangles = 0, tileEntries = 0;
+  // Checks of the graph under construction, to be called after it has run. If something overflowed, the check increases
+  // the capacity and returns true.
+  using Check = std::function<bool(const graph::Submission& done)>;
+  std::vector<Check> checks;
+};
+
+// Waits for the graph and returns true if anything in it overflowed.
+bool overflowed(const std::vector<Overflow::Check>& checks, const graph::Submission& done);
+
+// The outputs of a frame.
+struct LitFrame {
+  graph::ImageId picture;      // linear radiance times exposure, premultiplied; alpha 1 where something is drawn
+  graph::ImageId lightCounts;  // as in Gbuffer
+  Gbuffer gbuffer;             // without targets if the technique is a forward one
+};
+
+// Adds the passes of a frame.
+LitFrame addFrame(const FrameContext& f);
+// The same without blended surfaces, which no G-buffer and no count includes.
+LitFrame addOpaque(const FrameContext& f);
+// The same as addOpaque(), with existing depth.
+LitFrame addLit(const FrameContext& f, const FrameDepth& depth);
+
+}  // namespace latelight::render

@@ -1,0 +1,139 @@
+#include "render/gpu_scene/gpu_scene.h"
+
+#include <algorithm>
+
+namespace latelight::render {
+
+namespace {
+
+bool deforms(const scene::Scene& scene) {
+  return std::any_of(scene.meshes.begin(), scene.meshes.end(),
+                     [](const scene::Mesh& mesh) { return mesh.deformation != nullptr; });
+}
+
+// Returns true if a pose may change the position or the values of lights.
+bool posesLights(const scene::Scene& scene) {
+  const auto changesLights = [](const scene::Animation& animation) {
+    return std::ranges::count(animation.values, scene::AnimatedElements::Lights, &scene::ValueTrack::elements) > 0;
+  };
+  return std::ranges::any_of(scene.lights, [](const scene::Light& light) { return light.node >= 0; }) ||
+         std::ranges::any_of(scene.rig.animations, changesLights);
+}
+
+}  // namespace
+
+GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene) : GpuScene(device, scene, vk::Uploader(device)) {}
+
+GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene, vk::Uploader&& uploader)
+    : device_(device),
+      scene_(scene),
+      geometry_(device, scene, uploader),
+      instances_(device, scene, uploader),
+      materials_(device, scene, uploader),
+      lights_(device),
+      uploads_(device, vk::UploadMode::Deferred),
+      seen_(revisionsOf(scene)) {
+  lightsOrigin_ = origin();
+  lights_.set(uploader, scene::posedLights(scene, {}), origin());
+  uploader.flush();
+}
+
+GpuScene::Seen GpuScene::revisionsOf(const scene::Scene& scene) {
+  return {scene.edits.meshes.revision(), scene.edits.materials.revision(), scene.edits.textures.revision(),
+          scene.edits.instances.revision(), scene.edits.lights.revision()};
+}
+
+void GpuScene::update(const Poses& poses, const std::optional<scene::Light>& sun) {
+  // If a frame failed before it was submitted, its uploads are still pending. They are flushed, because the buffers and
+  // images that they fill may be replaced below.
+  if (!uploads_.empty()) uploads_.flush();
+  const Seen now = revisionsOf(scene_);
+  const bool poseChanges = posed_ || !poses.current.empty();
+  const bool lightsMove = poseChanges && posesLights(scene_);
+  follow();
+  if (poseChanges) pose(poses);
+  if (lightsMove || now.lights != seen_.lights || sun != sun_ || lightsOrigin_ != origin()) {
+    sun_ = sun;
+    lightsOrigin_ = origin();
+    std::vector<scene::Light> lights = scene::posedLights(scene_, poses.current);
+    if (sun) lights.push_back(*sun);
+    lights_.set(uploads_, std::move(lights), origin());
+  }
+  seen_ = now;
+}
+
+void GpuScene::addChanges(graph::Graph& graph) const {
+  if (!uploads_.empty())
+    graph.prologue(graph::Stage::Upload, "upload", [this](graph::Context& context) { uploads_.record(context.get()); });
+  if (deformationWaits_) deformer_->addTo(graph);
+}
+
+void GpuScene::changesSubmitted() {
+  uploads_.forget();
+  deformationWaits_ = false;
+}
+
+void GpuScene::follow() {
+  const scene::SceneEdits& edits = scene_.edits;
+  const auto meshes = edits.meshes.since(seen_.meshes);
+  if (!meshes.empty()) {
+    geometry_.update(uploads_, meshes);
+    deformer_.reset();
+    deformationWaits_ = false;
+    bounds_.reset();
+    // The bounds of the instances of these meshes change, too.
+    std::vector<uint32_t> moved;
+    for (uint32_t i = 0; i < scene_.instances.size(); ++i)
+      if (std::ranges::binary_search(meshes, scene_.instances[i].mesh)) moved.push_back(i);
+    instances_.update(uploads_, moved);
+  }
+  const auto textures = edits.textures.since(seen_.textures), materials = edits.materials.since(seen_.materials);
+  if (!textures.empty() || !materials.empty()) materials_.update(uploads_, textures, materials);
+  const auto instances = edits.instances.since(seen_.instances);
+  if (!instances.empty()) {
+    instances_.update(uploads_, instances);
+    bounds_.reset();
+  }
+  if (!meshes.empty() || !instances.empty()) materials_.updateOpacity(uploads_, meshes);
+}
+
+void GpuScene::pose(const Poses& poses) {
+  posed_ = !poses.current.empty();
+  bounds_.reset();
+  if (deforms(scene_)) {
+    if (!deformer_) deformer_ = std::make_unique<Deformer>(device_, scene_, uploads_);
+    if (posed_) deformer_->pose(poses);
+    deformationWaits_ = posed_;
+    geometry_.pose(uploads_, posed_ ? deformer_.get() : nullptr);
+  }
+  instances_.pose(uploads_, poses, deformer_.get());
+  materials_.pose(uploads_, scene::posedMaterials(scene_, poses.current));
+}
+
+void GpuScene::setLights(std::vector<scene::Light> lights) {
+  vk::Uploader uploader(device_);
+  lights_.set(uploader, std::move(lights), origin());
+  uploader.flush();
+}
+
+scene::Bounds GpuScene::bounds() const {
+  if (!bounds_) bounds_ = posed_ ? instances_.allBounds() : scene::worldBounds(scene_);
+  return *bounds_;
+}
+
+scene::Bounds GpuScene::deviceBounds() const {
+  scene::Bounds all = bounds();
+  all.min -= origin();
+  all.max -= origin();
+  return all;
+}
+
+void GpuScene::describe(shared::FrameConstants& frame) const {
+  instances_.describe(frame);
+  lights_.describe(frame);
+  frame.meshes = geometry_.address();
+  frame.materials = materials_.address();
+  frame.textures = materials_.textureRecords();
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,77 @@
+// A scene in device memory. Each of its parts follows the scene's edits on its own.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "render/deform/deformer.h"
+#include "render/gpu_scene/geometry.h"
+#include "render/gpu_scene/instances.h"
+#include "render/gpu_scene/lights.h"
+#include "render/gpu_scene/materials.h"
+#include "scene/scene.h"
+
+namespace latelight::render {
+
+class GpuScene {
+ public:
+  // Uploads the whole scene, at rest. The scene must outlive this object.
+  GpuScene(vk::Device& device, const scene::Scene& scene);
+
+  const GpuGeometry& geometry() const { return geometry_; }
+  const GpuInstances& instances() const { return instances_; }
+  const GpuMaterials& materials() const { return materials_; }
+  const GpuLights& lights() const { return lights_; }
+
+  // Follows the scene's edits since the last call, and moves instances, deformed meshes and the scene's lights to these
+  // poses. `sun`: a light in addition to the scene's. The required device work, which is none for a static scene, is
+  // pending until the next graph.
+  void update(const Poses& poses, const std::optional<scene::Light>& sun = {});
+  void setGroups(const std::vector<uint32_t>& groups) { instances_.setGroups(uploads_, groups); }
+  // Adds the pending work to the prologue of a graph: uploads, then deformation. It stays pending until
+  // changesSubmitted().
+  void addChanges(graph::Graph& graph) const;
+  void changesSubmitted();
+  vk::Uploader& uploads() { return uploads_; }  // the pending uploads
+  void keepClusters() { geometry_.keepClusters(uploads_); }
+  void keepTexels() { materials_.keepTexels(uploads_); }
+  void setAnisotropy(uint32_t samples) { materials_.setAnisotropy(uploads_, samples); }
+  // Overrides the scene's lights immediately, until the next edit or pose.
+  void setLights(std::vector<scene::Light> lights);
+
+  scene::Bounds bounds() const;  // of all instances in their current pose, in the scene's world space
+  // The origin of the device's world space in the scene's. It is near most visible instances, so that floats position
+  // lights and shadow maps precisely, wherever the scene lies. It depends only on the scene's current state.
+  const glm::dvec3& origin() const { return instances_.origin(); }
+  bool isYUp() const { return scene_.yUp; }  // the file uses glTF's axes
+  scene::Bounds deviceBounds() const;        // in the device's world space
+
+  // Fills the addresses and counts that belong to the scene.
+  void describe(shared::FrameConstants& frame) const;
+
+ private:
+  GpuScene(vk::Device& device, const scene::Scene& scene, vk::Uploader&& uploader);
+  struct Seen {  // the scene's edits that this follows so far, by revision
+    uint64_t meshes, materials, textures, instances, lights;
+  };
+  static Seen revisionsOf(const scene::Scene& scene);
+  void follow();
+  void pose(const Poses& poses);
+
+  vk::Device& device_;
+  const scene::Scene& scene_;
+  GpuGeometry geometry_;
+  GpuInstances instances_;
+  GpuMaterials materials_;
+  GpuLights lights_;
+  std::unique_ptr<Deformer> deformer_;  // created with the first pose, if a mesh needs it
+  vk::Uploader uploads_;                // pending
+  bool deformationWaits_ = false;
+  Seen seen_;
+  bool posed_ = false;  // false: the scene is at rest
+  std::optional<scene::Light> sun_;
+  glm::dvec3 lightsOrigin_{0};
+  mutable std::optional<scene::Bounds> bounds_;  // cached until the next edit or pose
+};
+
+}  // namespace latelight::render

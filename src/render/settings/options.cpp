@@ -1,0 +1,197 @@
+#include "render/settings/options.h"
+
+#include <bit>
+
+#include "base/error.h"
+#include "render/frame/registry.h"
+#include "render/gbuffer/layout.h"
+#include "render/lighting/technique.h"
+#include "render/settings/option_table.h"
+#include "shared/samples.h"
+
+namespace latelight::render {
+
+namespace {
+
+template <typename Range>
+std::vector<NamedOption> describedIn(const Range& registry) {
+  std::vector<NamedOption> names;
+  for (const auto& entry : registry) names.push_back({entry.name.c_str(), entry.description});
+  return names;
+}
+
+template <typename Entry>
+std::vector<NamedOption> entriesOf();
+template <>
+std::vector<NamedOption> entriesOf<Layout>() {
+  return describedIn(layouts());
+}
+template <>
+std::vector<NamedOption> entriesOf<NormalEncoding>() {
+  return describedIn(normalEncodings());
+}
+template <>
+std::vector<NamedOption> entriesOf<TechniqueInfo>() {
+  return describedIn(techniques());
+}
+
+}  // namespace
+
+template <>
+std::vector<NamedOption> namesOfText<AntiAliasing>() {
+  std::vector<NamedOption> names;
+  for (const AntiAliasingMode& mode : antiAliasingModes()) names.push_back({mode.name, mode.description});
+  return names;
+}
+
+template <>
+void checkText<AntiAliasing>(const Option& option, const AntiAliasing& aa) {
+  if (aa.superSampling < 1 || aa.superSampling > kMostSuperSampling)
+    badUsage("{}: supersampling requires 1 to {} samples along each axis, not {}", option.name, kMostSuperSampling,
+             aa.superSampling);
+  if (aa.samples > shared::kMostSamples || !std::has_single_bit(aa.samples))
+    badUsage("{}: multisampling requires 1, 2, 4, 8 or 16 samples per pixel, not {}", option.name, aa.samples);
+  if ((aa.samples > 1) + (aa.superSampling > 1) + aa.temporal > 1)
+    badUsage("{}: multisampling, supersampling and temporal anti-aliasing cannot be combined; use one", option.name);
+}
+
+template <>
+void checkText<Color>(const Option& option, const Color& color) {
+  constexpr float kMost = 65504;  // the largest half float
+  for (int i = 0; i < 3; ++i)
+    if (!between(0, kMost).holds(color[i]))
+      badUsage("{} takes channels from 0 to {}, not {}", option.name, kMost, color[i]);
+}
+
+template <>
+void checkText<Background>(const Option& option, const Background& background) {
+  checkText(option, background.color);
+}
+
+namespace {
+
+void addSize(OptionTable<Settings>& table, Option option, uint32_t width, uint32_t height, uint32_t most) {
+  option.normal = fmt::format("{}x{}", width, height);
+  option.range = between(1, most);
+  option.unit = "pixels a side";
+  table.add(
+      option,
+      [](Settings& s, const Option& o, std::string_view text) {
+        std::tie(s.width, s.height) = readSize(o.name, text);
+        return fmt::format("{}x{}", s.width, s.height);
+      },
+      [](const Settings& s, const Option& o) {
+        if (!o.range.holds(s.width) || !o.range.holds(s.height))
+          badUsage("{} takes a width and a height from {}, not {}x{}", o.name, rangeText(o), s.width, s.height);
+      });
+}
+
+void addSun(OptionTable<Settings>& table, Option option) {
+  option.without = "none";
+  table.add(
+      option,
+      [](Settings& s, const Option& o, std::string_view text) {
+        s.sun = readText<SunLight>(o.name, text);
+        return std::string(text);
+      },
+      [](const Settings& s, const Option& o) {
+        if (!s.sun) return;
+        if (!std::isfinite(s.sun->azimuth) || !std::isfinite(s.sun->elevation))
+          badUsage("{} requires an azimuth and elevation in degrees", o.name);
+        if (!atLeast(0).holds(s.sun->illuminance))
+          badUsage("{} requires at least 0 lux, not {}", o.name, s.sun->illuminance);
+      });
+}
+
+const OptionTable<Settings>& table() {
+  static const OptionTable<Settings> made = [] {
+    using S = Settings;
+    OptionTable<S> t;
+#define ROW(M, N, E, H)                                           \
+  Option {                                                        \
+    .name = N, .member = #M, .effect = OptionEffect::E, .help = H \
+  }
+#define OPTION_GROUP(title) t.group(title);
+#define OPTION_FLAG(member, name, effect, help) t.flag(&S::member, ROW(member, name, effect, help));
+#define OPTION_NUMBER(Type, member, name, normal, range, unit, effect, help) \
+  t.number<Type>(&S::member, ROW(member, name, effect, help), normal, range, unit);
+#define OPTION_ANGLE(member, name, normal, range, effect, help) \
+  t.angle(&S::member, ROW(member, name, effect, help), normal, range);
+#define OPTION_OPTIONAL(Type, member, name, range, unit, without, effect, help) \
+  t.optional<Type>(&S::member, ROW(member, name, effect, help), range, unit, without);
+#define OPTION_CHOICE(Enum, member, name, normal, topic, effect, help, ...) \
+  t.choice(&S::member, ROW(member, name, effect, help), normal, topic);
+#define OPTION_ENTRY(Type, member, name, normal, topic, effect, help) \
+  t.entry(&S::member, ROW(member, name, effect, help), normal, topic, entriesOf<Type>());
+#define OPTION_TEXT(Type, member, name, normal, topic, effect, help) \
+  t.text(&S::member, ROW(member, name, effect, help), normal, topic);
+#define OPTION_SIZE(width, height, N, normalWidth, normalHeight, most, H) \
+  addSize(t, Option{.name = N, .member = #width ", " #height, .help = H}, normalWidth, normalHeight, most);
+#define OPTION_SUN(member, name, help) addSun(t, ROW(member, name, Runtime, help));
+#include <latelight/options.def>
+#undef ROW
+    return t;
+  }();
+  return made;
+}
+
+}  // namespace
+
+std::string_view longName(const Option& option) {
+  const std::string_view name = option.name;
+  return name.substr(name.find(',') + 1);  // the full name if there is no comma
+}
+
+std::string_view keyOf(const Option& option) {
+  const std::string_view name = longName(option);
+  return name.substr(std::min(name.find_first_not_of('-'), name.size()));
+}
+
+std::string rangeText(const Option& option) {
+  const Range& r = option.range;
+  const auto text = [](double value) {
+    return value == std::floor(value) ? fmt::format("{:.0f}", value) : fmt::format("{:g}", value);
+  };
+  std::string range;
+  if (std::isfinite(r.least) && std::isfinite(r.most))
+    range = text(r.least) + " to " + text(r.most);
+  else if (std::isfinite(r.least))
+    range = (r.open ? "above " : "at least ") + text(r.least);
+  return range + (range.empty() || option.unit.empty() ? "" : " ") + option.unit;
+}
+
+void refuse(const Option& option, std::string_view given) {
+  const std::string range = rangeText(option);
+  const bool both = std::isfinite(option.range.least) && std::isfinite(option.range.most);
+  const char* before = range.empty() ? "" : both ? " from " : option.range.open ? " " : " of ";
+  badUsage("{} takes a {}{}{}, not \"{}\"", longName(option),
+           option.kind == OptionKind::Integer ? "whole number" : "number", before, range, given);
+}
+
+std::span<const Option> options() {
+  return table().options();
+}
+
+std::string read(Settings& settings, const Option& option, std::string_view text) {
+  return table().read(settings, option, text);
+}
+
+void checkSettings(const Settings& settings) {
+  table().check(settings);
+  if (!takesCompute(settings)) return;
+  const bool triangles = lightsTriangles(settings);
+  if (triangles && settings.lighting->draws)
+    badUsage("--layout {} has no G-buffer for {} lighting: choose {}", settings.layout->name, settings.lighting->name,
+             techniquesThatCompute());
+  if (triangles && settings.raster == Raster::Hardware)
+    badUsage(
+        "--layout {} requires the raster compute; to light without a G-buffer with hardware, use --lighting forward",
+        settings.layout->name);
+  if (settings.lighting->draws)
+    badUsage("--aa msaa{} requires lighting that runs in compute, unlike {}: choose another, or msaa4",
+             settings.aa.samples, settings.lighting->name);
+  if (settings.raster == Raster::Hardware)
+    badUsage("--aa msaa{} requires the raster compute, because hardware supports only msaa4", settings.aa.samples);
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,64 @@
+#include "render/submit/job.h"
+
+#include <algorithm>
+
+#include "render/frame/view.h"
+
+namespace latelight::render {
+
+namespace {
+
+std::vector<scene::Camera> orElse(const std::vector<scene::Camera>& cameras, std::span<const scene::Camera> others) {
+  return cameras.empty() ? std::vector(others.begin(), others.end()) : cameras;
+}
+
+}  // namespace
+
+RenderJob::RenderJob(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment,
+                     uint32_t rows)
+    : now(cameras.begin(), cameras.end()),
+      previous(orElse(moment.previousCameras, cameras)),
+      next(orElse(moment.nextCameras, cameras)),
+      settings(settings),
+      rows(rows),
+      continues(moment.continues) {}
+
+ViewsInTime RenderPart::views(const glm::dvec3& origin, glm::vec2 jitter) const {
+  const auto viewsOf = [&](const std::vector<scene::Camera>& cameras, glm::vec2 jitter) {
+    std::vector<shared::View> views;
+    for (size_t i = first; i < first + count; ++i)
+      views.push_back(viewOf(makeView(cameras[i], job.settings.width, job.settings.height, jitter, origin), strip));
+    return views;
+  };
+  return {viewsOf(job.now, jitter), viewsOf(job.previous, glm::vec2(0)), viewsOf(job.next, glm::vec2(0))};
+}
+
+// Strips arrive from top to bottom.
+void RenderJob::keep(const RenderPart& part, std::vector<output::FrameOutput>&& some) {
+  if (part.strip.rows == rows) {
+    std::move(some.begin(), some.end(), std::back_inserter(pictures));
+    return;
+  }
+  if (pictures.size() < part.first + part.count) pictures.resize(part.first + part.count, emptyOutput(settings, rows));
+  for (size_t view = 0; view < part.count; ++view) append(pictures[part.first + view], some[view]);
+}
+
+void RenderJob::addTimes(const graph::Submission& done) {
+  for (const graph::PassTime& time : done.times()) {
+    const auto known = std::ranges::find(times, time.name, &graph::PassTime::name);
+    if (known == times.end()) {
+      times.push_back(time);
+      continue;
+    }
+    known->milliseconds += time.milliseconds;
+    known->wholeBytes += time.wholeBytes;
+  }
+}
+
+output::FrameOutput emptyOutput(const Settings& settings, uint32_t rows) {
+  output::FrameOutput empty{.width = settings.width, .height = rows, .aovs = {}, .display = {}};
+  for (output::Aov aov : settings.aovs) empty.aovs.push_back({aov, settings.width, rows, {}, {}});
+  return empty;
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,70 @@
+// A call of Renderer::submit() in flight: the request, its parts on the device, and the pictures so far.
+#pragma once
+
+#include <deque>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "render/submit/moment.h"
+#include "render/submit/request.h"
+#include "render/submit/strips.h"
+
+namespace latelight::render {
+
+struct RenderJob;
+
+// Some of a job's views in one strip of their pictures. They are rendered together, with one graph per sample of a
+// pixel. The part is read after its last graph has run.
+struct RenderPart {
+  RenderPart(RenderJob& job, size_t first, size_t count, Strip strip, std::shared_ptr<FrameShadows> shadows)
+      : job(job), first(first), count(count), strip(strip), shadows(std::move(shadows)) {}
+
+  // `origin`: the origin of the device's world space in the scene's.
+  ViewsInTime views(const glm::dvec3& origin, glm::vec2 jitter) const;
+
+  RenderJob& job;
+  size_t first, count;  // views
+  Strip strip;
+  std::shared_ptr<FrameShadows> shadows;  // of all strips; null: no light casts shadows
+  bool started = false;                   // at least once: after an overflow it is started again
+  bool continues = false;  // the history of temporal anti-aliasing holds the previous frame of these views
+  std::vector<graph::Submission> earlier;  // of all samples except the last
+  std::optional<Request> request;          // of the last sample, as is `submission`
+  graph::Submission submission;
+  std::vector<Overflow::Check> checks;  // of `submission`; empty once it is known that nothing overflowed
+};
+
+struct RenderJob {
+  // `rows`: the rows of the pictures, which may be those of a single strip.
+  RenderJob(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment, uint32_t rows);
+
+  size_t viewCount() const { return now.size(); }
+  void keep(const RenderPart& part, std::vector<output::FrameOutput>&& pictures);
+  void addTimes(const graph::Submission& done);
+
+  std::vector<scene::Camera> now, previous, next;
+  Settings settings;
+  uint32_t rows;  // of the pictures
+  bool continues;
+  Results results = Results::ToHost;
+  std::deque<RenderPart> parts;  // parts that have not been read, in order; their addresses are stable
+  std::vector<output::FrameOutput> pictures;
+  std::vector<ExportedArray> arrays;  // replaces `pictures` for Results::Exported
+  MemoryClaim memory;                 // of the pictures
+  std::optional<Progress> progress;   // over all views, their strips and their samples
+  std::exception_ptr error;           // caught by settle(), rethrown when the job is read
+  std::vector<graph::PassTime> times;
+  std::optional<ShadingCounts> shadingCounts;
+  std::string graphviz;
+};
+
+// Returns outputs that have no values yet, with `rows` rows.
+output::FrameOutput emptyOutput(const Settings& settings, uint32_t rows);
+
+}  // namespace latelight::render

@@ -1,0 +1,135 @@
+#include "render/submit/raster_choice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <optional>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "base/fork.h"
+#include "base/stopwatch.h"
+#include "render/lighting/technique.h"
+#include "render/outputs/outputs.h"
+#include "render/submit/request.h"
+#include "render/visibility/compute/compute.h"
+#include "scene/scene.h"
+
+namespace latelight::render {
+
+namespace {
+
+constexpr const char* kScene = "builtin:triangles,count=300k,size=30";
+
+struct Times {  // milliseconds on the device
+  double hardware, compute;
+};
+
+double timeOf(Renderer& renderer, const scene::Scene& scene, Raster raster) {
+  return std::ranges::min(depthTimes(renderer, scene, raster, 1024, 3));
+}
+
+Times measure(vk::Device& device) {
+  const scene::Scene scene = scene::load(kScene);
+  Renderer renderer(device, scene, nullptr);
+  return {timeOf(renderer, scene, Raster::Hardware), timeOf(renderer, scene, Raster::Compute)};
+}
+
+// Returns the times from this process, from the cache folder, or by measurement.
+Times knownTimes(vk::Device& device) {
+  static ForkSafeMutex mutex;
+  static std::map<std::string, Times> known;
+  const std::string entry = fmt::format("raster1-{}-{:08x}", device.info().uuid, device.properties().driverVersion);
+  std::lock_guard lock(mutex);
+  if (const auto found = known.find(entry); found != known.end()) return found->second;
+  Times times;
+  if (const auto bytes = loadCache(entry); bytes && bytes->size() == sizeof(times)) {
+    std::memcpy(&times, bytes->data(), sizeof(times));
+  } else {
+    times = measure(device);
+    storeCache(entry, std::as_bytes(std::span(&times, 1)));
+  }
+  return known[entry] = times;
+}
+
+// Returns the choice if the device and the settings support only one raster.
+std::optional<RasterChoice> onlyChoice(const vk::Device& device, const Settings& settings) {
+  const std::string lacks = computeRasterLacks(device);
+  if (!device.hasGraphics()) {
+    if (!lacks.empty()) fail(ExitCode::NoDevice, "{} has no graphics queue, and {}.", device.info().name, lacks);
+    return RasterChoice{Raster::Compute, "the device has no graphics pipeline"};
+  }
+  if (lightsTriangles(settings)) {
+    if (!lacks.empty())
+      fail(ExitCode::NoDevice,
+           "{} cannot rasterize in compute, which the layout {} requires: {}; choose another layout.",
+           device.info().name, settings.layout->name, lacks);
+    return RasterChoice{Raster::Compute, "the layout has no targets that hardware could draw"};
+  }
+  if (takesCompute(settings)) {
+    if (!lacks.empty())
+      fail(ExitCode::NoDevice, "{} cannot rasterize in compute, which msaa{} requires: {}; choose msaa4.",
+           device.info().name, settings.aa.samples, lacks);
+    return RasterChoice{Raster::Compute, "hardware has no such number of samples a pixel"};
+  }
+  if (!lacks.empty()) return RasterChoice{Raster::Hardware, lacks};
+  if (alwaysDraws(settings))
+    return RasterChoice{Raster::Hardware, "forward techniques are drawn, and volumes of several samples a pixel"};
+  return std::nullopt;
+}
+
+// Returns the number of triangles above which the raster compute is faster if its shaders have to filter textures
+// themselves. The formula follows the crossings on lavapipe, docs/performance.md#which-raster-on-two-cores.
+uint64_t mostForHardware(const Settings& settings) {
+  const double pixels = double(settings.width) * settings.height;
+  if (textureSlots(settings) == 0) return 1'300'000;
+  return uint64_t(settings.aa.samples > 1 ? 6e5 + pixels : 1.3e6 + 2.2 * pixels);
+}
+
+RasterChoice chooseWithoutIndexing(const Settings& settings, const scene::Scene& scene) {
+  const uint64_t most = mostForHardware(settings);
+  return {scene.triangleCount() > most ? Raster::Compute : Raster::Hardware,
+          fmt::format("without descriptor indexing compute shaders have to filter textures themselves, which pays from "
+                      "{:.1f} million triangles on at {}x{}",
+                      most / 1e6, settings.width, settings.height)};
+}
+
+}  // namespace
+
+std::vector<double> depthTimes(Renderer& renderer, const scene::Scene& scene, Raster raster, uint32_t size,
+                               uint32_t frames, double warmUp) {
+  Settings settings;
+  settings.width = settings.height = size;
+  settings.display = false;
+  settings.shadows = ShadowFormat::None;
+  settings.raster = raster;
+  settings.aovs = {output::Aov::Depth};
+  const auto timeOfFrame = [&] {
+    renderer.submit(std::span(scene.cameras).first(1), settings, {}, Results::OnDevice).take();
+    double sum = 0;
+    for (const graph::PassTime& pass : renderer.times())
+      if (pass.stage == graph::Stage::Visibility) sum += pass.milliseconds;
+    return sum;
+  };
+  timeOfFrame();  // creates pipelines, and the raster's data of the scene
+  const Stopwatch stopwatch;
+  while (stopwatch.seconds() < warmUp) timeOfFrame();
+  std::vector<double> times;
+  for (uint32_t frame = 0; frame < frames; ++frame) times.push_back(timeOfFrame());
+  return times;
+}
+
+RasterChoice chooseRaster(vk::Device& device, const Settings& settings, const scene::Scene& scene) {
+  if (settings.raster != Raster::Auto) return {settings.raster, "it was asked for"};
+  if (const auto only = onlyChoice(device, settings)) return *only;
+  if (device.maxTextureArray() == 0) return chooseWithoutIndexing(settings, scene);
+  const Times times = knownTimes(device);
+  return {times.compute < times.hardware ? Raster::Compute : Raster::Hardware,
+          fmt::format("300,000 small triangles take {:.3f} ms with hardware and {:.3f} with compute", times.hardware,
+                      times.compute)};
+}
+
+}  // namespace latelight::render

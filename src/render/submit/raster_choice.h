@@ -1,0 +1,28 @@
+// Implements --raster auto: chooses the raster that suits a device, by measurement.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/submit/renderer.h"
+
+namespace latelight::render {
+
+struct RasterChoice {
+  Raster raster;    // Hardware or Compute
+  std::string why;  // a sentence without its period
+};
+
+// Returns the raster that `settings.raster` stands for on this device: itself, or the choice of `auto`. If both rasters
+// are possible, `auto` chooses the one that finds the depth of 300,000 small triangles sooner. This is measured the
+// first time on a device and driver, then kept in the cache folder. On devices without descriptor indexing, the choice
+// depends on the scene's triangle count instead. Throws Error(NoDevice) if the device supports neither raster.
+RasterChoice chooseRaster(vk::Device& device, const Settings& settings, const scene::Scene& scene);
+
+// Returns the milliseconds of device time until the depth of each pixel is known, for each of `frames` frames of a
+// square picture from the scene's first camera. Before, it renders one frame to warm up, and more until `warmUp`
+// seconds have passed.
+std::vector<double> depthTimes(Renderer& renderer, const scene::Scene& scene, Raster raster, uint32_t size,
+                               uint32_t frames, double warmUp = 0);
+
+}  // namespace latelight::render

@@ -1,0 +1,394 @@
+// Splits a request into views, strips and samples, renders each sample as one graph, and repeats graphs that overflow.
+#include "render/submit/renderer.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ranges>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "render/frame/view.h"
+#include "render/gbuffer/raw_read.h"
+#include "render/lens/lens_settings.h"
+#include "render/lens/shadow_view.h"
+#include "render/lighting/technique.h"
+#include "render/submit/job.h"
+#include "render/submit/request.h"
+#include "render/visibility/compute/compute.h"
+#include "shared/light.h"
+
+namespace latelight::render {
+
+namespace {
+
+// Returns the maximum number of views at once: the array layers that every Vulkan device supports. With the raster
+// compute, a view may have one layer per sample.
+size_t mostViews(const vk::Device& device, const Settings& settings) {
+  constexpr size_t kMost = 256;
+  if (!rastersInCompute(settings)) return kMost;
+  return std::min<size_t>(kMost, device.properties().limits.maxImageArrayLayers / settings.aa.samples);
+}
+
+// Returns the device memory that views rendered at once may use. A CPU's caches gain nothing from more.
+uint64_t memoryForViews(const vk::Device& device) {
+  constexpr uint64_t kGiB = uint64_t{1} << 30;
+  return device.isCpu() ? kGiB : std::clamp<uint64_t>(device.info().memory / 8, kGiB, 16 * kGiB);
+}
+
+// Returns the settings with which all of these cameras are rendered.
+Settings settingsFor(std::span<const scene::Camera> cameras, const Settings& settings) {
+  const size_t bent = static_cast<size_t>(std::ranges::count_if(cameras, bendsRays));
+  for (const scene::Camera& camera : cameras)
+    if (camera.lens) scene::checkLens(*camera.lens, settings.width, settings.height);
+  if (bent == 0) return settings;
+  if (bent < cameras.size()) badUsage("cameras with and without a lens cannot be rendered together");
+  return lensSettings(settings);
+}
+
+// Returns how many of the first cameras share a lens. All views that are rendered at once share one.
+size_t throughOneLens(std::span<const scene::Camera> cameras) {
+  const auto other = std::ranges::find_if(
+      cameras, [&](const scene::Camera& camera) { return bendsRays(camera) && camera.lens != cameras.front().lens; });
+  return static_cast<size_t>(other - cameras.begin());
+}
+
+scene::Light lightOf(const SunLight& sun) {
+  scene::Light light;
+  light.name = "sun";
+  light.type = shared::kLightDirectional;
+  light.intensity = sun.illuminance;
+  light.direction = -glm::vec3(std::cos(sun.elevation) * std::sin(sun.azimuth),
+                               -std::cos(sun.elevation) * std::cos(sun.azimuth), std::sin(sun.elevation));
+  return light;
+}
+
+bool leavesOutBlended(const Settings& settings) {
+  return settings.dataSurfaces != DataSurfaces::Any &&
+         (asksFor(settings, Origin::Surface) || asksFor(settings, Origin::Motion));
+}
+
+bool needsComputeRaster(const Settings& settings) {
+  return rastersInCompute(settings) || asksFor(settings, Origin::Raster);
+}
+
+// Fails if the device lacks a required feature, before anything is built.
+void requireRaster(const vk::Device& device, const Settings& settings) {
+  const std::string& name = device.info().name;
+  const bool compute = rastersInCompute(settings);
+  if (!device.hasGraphics() && (!compute || settings.lighting->draws))
+    fail(ExitCode::NoDevice, "{} has no graphics pipeline: choose the raster compute, and one of the techniques {}.",
+         name, techniquesThatCompute());
+  if (!needsComputeRaster(settings)) return;
+  if (const std::string lacks = computeRasterLacks(device); !lacks.empty())
+    fail(ExitCode::NoDevice, "{} can't rasterize in compute: {}; {}.", name, lacks,
+         compute ? "choose hardware" : "leave the outputs named raster out");
+}
+
+}  // namespace
+
+Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment)
+    : device_(device),
+      scene_(scene),
+      gpuScene_(device, scene),
+      environment_(device, environment),
+      hasEnvironment_(environment != nullptr),
+      ranks_(device),
+      executor_(device),
+      state_{device_, executor_, gpuScene_, environment_, hasEnvironment_, drawOrder_, ranks_, hidden_, overflow_} {}
+
+Renderer::~Renderer() = default;
+
+void Renderer::begin(const Settings& settings, const Moment& moment) {
+  checkSettings(settings);
+  if (settings.background.kind == Background::Environment && !hasEnvironment_)
+    badUsage(
+        "the environment can't be the background where there is none: choose one (a .hdr or .exr file, or studio)");
+  settle();
+  gpuScene_.update(moment.poses, settings.sun ? std::optional(lightOf(*settings.sun)) : std::nullopt);
+  gpuScene_.setAnisotropy(settings.anisotropy.value_or(usualAnisotropy(device_)));
+  gpuScene_.setGroups(moment.groups);
+  drawOrder_.update(gpuScene_);
+  if (leavesOutBlended(settings) && drawOrder_.anyBlended())
+    warn(
+        "the data outputs show what lies behind blended and transmissive surfaces and not these themselves; "
+        "--data-surfaces any includes them");
+  requireRaster(device_, settings);
+  if (!needsComputeRaster(settings)) return;
+  gpuScene_.keepClusters();
+  ranks_.update(gpuScene_, drawOrder_, gpuScene_.uploads());
+  if (device_.maxTextureArray() == 0) gpuScene_.keepTexels();
+}
+
+bool Renderer::castsShadows(const Settings& settings) const {
+  return settings.shadows != ShadowFormat::None && gpuScene_.lights().count() > 0 && isLit(settings);
+}
+
+// Plans the maps for the full pictures without jitter, so that the samples and strips of a picture share the positions
+// of their maps in the atlas.
+ShadowPlan Renderer::planShadows(std::span<const scene::Camera> cameras, const Settings& settings) const {
+  if (!castsShadows(settings)) return {};
+  std::vector<shared::View> views;
+  for (const scene::Camera& camera : cameras)
+    views.push_back(shadowView(camera, settings.width, settings.height, gpuScene_));
+  return render::planShadows(shadowSceneOf(gpuScene_), views, settings);
+}
+
+// Returns null if no light casts shadows. From here on, newly planned maps may replace earlier ones in the atlas.
+std::shared_ptr<FrameShadows> Renderer::placeShadows(ShadowPlan plan, const Settings& settings) {
+  KeptShadowMaps& kept = shadowMaps_[rastersInCompute(settings)];
+  auto shadows = std::make_shared<FrameShadows>(device_, gpuScene_, std::move(plan), settings, kept);
+  return shadows->empty() ? nullptr : shadows;
+}
+
+Ticket Renderer::submit(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment,
+                        Results results) {
+  const auto transmits = [](const shared::Material& material) {
+    return (scene::layerFlags(material) & shared::kMaterialTransmissive) != 0;
+  };
+  const auto posed = scene::posedMaterials(scene_, moment.poses.current);
+  const bool transmissive = std::ranges::any_of(scene_.materials, transmits, &scene::Material::data) ||
+                            std::ranges::any_of(posed | std::views::values, transmits);
+  return {*this, start(cameras, settings, moment, stripsOf(settings, transmissive), results)};
+}
+
+output::FrameOutput Renderer::renderStrip(const scene::Camera& camera, const Settings& settings, Strip strip,
+                                          const Moment& moment) {
+  return std::move(Ticket(*this, start({&camera, 1}, settings, moment, {&strip, 1})).take().front());
+}
+
+std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> cameras, const Settings& wanted,
+                                           const Moment& moment, std::span<const Strip> strips, Results results) {
+  const Settings settings = settingsFor(cameras, wanted);
+  begin(settings, moment);
+  const uint32_t rows = strips.size() > 1 ? settings.height : strips.front().rows;
+  const auto job = std::make_shared<RenderJob>(cameras, settings, moment, rows);
+  job->results = results;
+  uint64_t claimed = rows;
+  if (strips.size() > 1) claimed += strips.front().rows;  // the strip in flight
+  if (results == Results::Exported)
+    job->arrays = exportedArrays(device_, *exports_, settings, rows, cameras.size());
+  else
+    job->memory.grow(bytesAPixel(settings) * settings.width * claimed * cameras.size(), "the pictures");
+  size_t atOnce = std::min(cameras.size(), mostViews(device_, settings));
+  if (castsShadows(settings))
+    atOnce = std::clamp<uint64_t>(memoryForViews(device_) / (4 * shadowTexels(settings)), 1, atOnce);
+  for (size_t first = 0; first < cameras.size();) {
+    const size_t count = std::min(atOnce, throughOneLens(cameras.subspan(first)));
+    const size_t fits = startViews(job, first, count, strips);
+    if (fits < count)
+      atOnce = fits;
+    else
+      first += count;
+  }
+  return job;
+}
+
+size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first, size_t count,
+                            std::span<const Strip> strips) {
+  const Settings& s = job->settings;
+  ShadowPlan plan = planShadows(std::span(job->now).subspan(first, count), s);  // while previous views are rendered
+  settle();
+  const std::shared_ptr<FrameShadows> shadows = placeShadows(std::move(plan), s);
+  for (const Strip strip : strips) {
+    // With several strips, only one has memory at a time. Otherwise some views are read while the device renders the
+    // next.
+    const size_t waiting = strips.size() > 1 ? 0 : 1;
+    while (job->results == Results::ToHost && job->parts.size() > waiting) read(*job);
+    settle();
+    RenderPart& part = job->parts.emplace_back(*job, first, count, strip, shadows);
+    part.continues = job->continues && count == job->viewCount() && history_.fits(s.width, s.height, count);
+    if (!job->progress) job->progress.emplace("Rendering", jittersOf(part).size() * strips.size() * job->viewCount());
+    std::optional<uint64_t> maxBytes;
+    if (count > 1 && strip.first == strips.front().first) maxBytes = memoryForViews(device_);
+    Start started = startPart(part, maxBytes);
+    while (started.outcome == Start::Overflowed) started = startPart(part, maxBytes);
+    if (started.outcome == Start::TooManyViews) {
+      job->parts.pop_back();
+      return std::clamp<uint64_t>(count * memoryForViews(device_) / started.bytes, 1, count - 1);
+    }
+    unsettled_ = {job, &part};
+  }
+  return count;
+}
+
+ViewsInTime Renderer::viewsOf(const RenderPart& part, glm::vec2 jitter) {
+  ViewsInTime views = part.views(gpuScene_.origin(), jitter);
+  const scene::Camera& camera = part.job.now[part.first];
+  const Settings& s = part.job.settings;
+  if (bendsRays(camera))
+    views.lens = lensRays_.of(device_, {*camera.lens, s.width, s.height, part.strip.first, part.strip.rows, jitter});
+  return views;
+}
+
+// Returns the samples of a picture, one frame each, as offsets from the pixel's center.
+std::vector<glm::vec2> Renderer::jittersOf(const RenderPart& part) const {
+  const Settings& s = part.job.settings;
+  if (!showsPicture(s)) return {glm::vec2(0)};
+  if (s.aa.temporal) {
+    const std::vector<glm::vec2>& all = temporalJitters();
+    if (!part.continues) return all;
+    return {all[history_.frames() % all.size()]};
+  }
+  const uint32_t side = s.aa.superSampling;
+  std::vector<glm::vec2> jitters;
+  for (uint32_t i = 0; i < side * side; ++i) {
+    const glm::vec2 cell(static_cast<float>(i % side), static_cast<float>(i / side));
+    jitters.push_back((cell + 0.5f) / static_cast<float>(side) - 0.5f);
+  }
+  return jitters;
+}
+
+// On overflow, the caller starts again from the first sample, because the accumulated sum includes an incomplete one.
+Renderer::Start Renderer::startPart(RenderPart& part, std::optional<uint64_t> maxBytes) {
+  const Settings& s = part.job.settings;
+  const std::vector<glm::vec2> jitters = jittersOf(part);
+  const ViewsInTime steady = viewsOf(part, glm::vec2(0));
+  const bool yUp = scene_.yUp && s.axes == Axes::File;
+  part.earlier.clear();
+  overflow_.checks.clear();  // left by an error
+  if (std::exchange(part.started, true) && part.shadows) part.shadows->drawAgain();
+  const ResultArrays arrays{part.job.arrays, part.first, part.strip.first};
+  vk::Image sum;
+  if (jitters.size() > 1) sum = makeSum(part);
+  for (size_t i = 0; i < jitters.size(); ++i) {
+    Request& request =
+        part.request.emplace(state_, s, yUp, steady, viewsOf(part, jitters[i]), part.shadows.get(), arrays);
+    const bool last = i + 1 == jitters.size();
+    TemporalHistory* history = s.aa.temporal ? &history_ : nullptr;
+    if (last)
+      request.finish(i > 0 ? &sum : nullptr, static_cast<uint32_t>(jitters.size()), history, part.continues);
+    else
+      request.accumulate(sum, i == 0);
+    if (last) request.leave(part.job.results);
+    part.checks = std::exchange(overflow_.checks, {});
+    gpuScene_.addChanges(request.graph());
+    const graph::Plan plan = request.graph().compile();
+    if (i == 0 && maxBytes) {
+      const uint64_t needed = transientBytes(device_, request.graph(), plan).peak;
+      if (needed > *maxBytes) {
+        if (last && history) history->undo();
+        return {Start::TooManyViews, needed};
+      }
+    }
+    part.submission = submit(request.graph(), plan);
+    if (last) break;
+    if (overflowed(std::exchange(part.checks, {}), part.submission)) return {Start::Overflowed};
+    part.earlier.push_back(std::move(part.submission));
+    part.job.progress->step(part.count);
+  }
+  return {Start::Done};
+}
+
+// Submits a graph that includes the scene's changes.
+graph::Submission Renderer::submit(const graph::Graph& graph, const graph::Plan& plan) {
+  graph::Submission submission = executor_.submit(graph, plan);
+  gpuScene_.changesSubmitted();
+  return submission;
+}
+
+void Renderer::settle() {
+  if (!unsettled_) return;
+  const std::shared_ptr<RenderPart> part = std::exchange(unsettled_, nullptr);
+  try {
+    while (overflowed(std::exchange(part->checks, {}), part->submission)) {
+      if (part->job.settings.aa.temporal) history_.undo();
+      while (startPart(*part, std::nullopt).outcome == Start::Overflowed) {
+      }
+    }
+    if (part->shadows) part->shadows->settled();
+  } catch (...) {
+    part->job.error = std::current_exception();
+  }
+}
+
+void Renderer::read(RenderJob& job) {
+  RenderPart& part = job.parts.front();
+  if (unsettled_.get() == &part) settle();
+  if (job.error) std::rethrow_exception(job.error);
+  part.submission.wait();
+  if (job.results != Results::Exported) {
+    std::vector<output::FrameOutput> pictures(part.count, emptyOutput(job.settings, part.strip.rows));
+    part.request->read(part.submission, pictures);
+    job.keep(part, std::move(pictures));
+  }
+  part.request->countShadings(part.submission, job.shadingCounts);
+  for (const graph::Submission& earlier : part.earlier) job.addTimes(earlier);
+  job.addTimes(part.submission);
+  job.graphviz = part.request->graph().graphviz();
+  job.progress->step(part.count);
+  job.parts.pop_front();
+}
+
+void Renderer::finish(RenderJob& job) {
+  while (!job.parts.empty()) read(job);
+  job.progress.reset();
+  times_ = std::move(job.times);
+  shadingCounts_ = job.shadingCounts;
+  graphviz_ = std::move(job.graphviz);
+}
+
+bool Ticket::done() const {
+  return std::ranges::all_of(job_->parts, [](const RenderPart& part) { return part.submission.done(); });
+}
+
+std::vector<output::FrameOutput> Ticket::take() {
+  const std::shared_ptr<RenderJob> job = std::exchange(job_, nullptr);
+  renderer_->finish(*job);
+  return std::move(job->pictures);
+}
+
+std::vector<ExportedArray> Ticket::takeArrays() {
+  const std::shared_ptr<RenderJob> job = std::exchange(job_, nullptr);
+  renderer_->finish(*job);
+  return std::move(job->arrays);
+}
+
+vk::Image Renderer::makeSum(const RenderPart& part) {
+  return {device_,
+          {.format = VK_FORMAT_R32G32B32A32_SFLOAT,
+           .width = part.job.settings.width,
+           .height = part.strip.rows,
+           .layers = static_cast<uint32_t>(part.count),
+           .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+           .name = "sum"}};
+}
+
+output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Settings& wanted, const Moment& moment) {
+  const Settings settings = settingsFor({&camera, 1}, wanted);
+  begin(settings, moment);
+  if (settings.lighting->forward)
+    badUsage("{} lighting has no G-buffer to show: choose a deferred technique", settings.lighting->name);
+  if (!settings.layout->hasTargets())
+    badUsage("the layout {} has no targets to show: choose another", settings.layout->name);
+  Settings atCentres = settings;
+  atCentres.aa.samples = 1;
+  RenderJob job({&camera, 1}, atCentres, moment, settings.height);
+  const Layout& layout = *settings.layout;
+  std::shared_ptr<FrameShadows> shadows;
+  if (layout.sunTarget >= 0)  // otherwise nothing in the targets is lit
+    shadows = placeShadows(planShadows(job.now, atCentres), atCentres);
+  const RenderPart part(job, 0, 1, {0, settings.height}, shadows);
+  ViewSet set(state_, viewsOf(part, glm::vec2(0)), atCentres, shadows.get(), VisibilityOptions{.atCentres = true});
+  std::optional<graph::Graph> graph;
+  std::optional<RawReadback> readback;
+  graph::Submission done;
+  overflow_.checks.clear();  // left by an error
+  do {
+    if (graph && shadows) shadows->drawAgain();
+    graph.emplace(executor_);
+    const LitFrame lit = addOpaque(set.frame(*graph, frameSetup(atCentres, shadows != nullptr)));
+    readback.emplace(*graph, layout, settings.normals->index, lit.gbuffer);
+    gpuScene_.addChanges(*graph);
+    done = submit(*graph, graph->compile());
+    done.wait();
+  } while (overflowed(std::exchange(overflow_.checks, {}), done));
+  job.addTimes(done);
+  times_ = job.times;
+  shadingCounts_.reset();
+  graphviz_ = graph->graphviz();
+  return readback->read(done, set.views().front());
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,114 @@
+// Renders pictures of one scene on one device, any number of times.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "graph/graph.h"
+#include "output/files.h"
+#include "output/targets.h"
+#include "render/gpu_scene/gpu_environment.h"
+#include "render/gpu_scene/gpu_scene.h"
+#include "render/lens/lens_rays.h"
+#include "render/outputs/outputs.h"
+#include "render/post/taa/taa.h"
+#include "render/settings/settings.h"
+#include "render/submit/moment.h"
+#include "render/submit/strips.h"
+#include "render/submit/ticket.h"
+#include "render/submit/view_set.h"
+#include "scene/scene.h"
+#include "vk/device.h"
+
+namespace latelight::render {
+
+struct RenderPart;
+
+class Renderer {
+ public:
+  // `environment` may be null. The scene must outlive the renderer.
+  Renderer(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment);
+  ~Renderer();
+
+  // Starts one picture per camera, several at once, and returns while the device renders them. Meanwhile the scene may
+  // be edited, and more pictures may be submitted. Throws Error(Usage) for invalid settings.
+  Ticket submit(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment = {},
+                Results results = Results::ToHost);
+
+  // Submits the pictures and waits for them.
+  std::vector<output::FrameOutput> render(std::span<const scene::Camera> cameras, const Settings& settings,
+                                          const Moment& moment = {}) {
+    return submit(cameras, settings, moment).take();
+  }
+
+  // Renders only one of stripsOf(settings). Its rows are the same as in the full picture.
+  output::FrameOutput renderStrip(const scene::Camera& camera, const Settings& settings, Strip strip,
+                                  const Moment& moment = {});
+
+  // Returns the targets of the picture's own G-buffer, at pixel centers. Throws Error(Usage) if it has none.
+  output::RawGbuffer readTargets(const scene::Camera& camera, const Settings& settings, const Moment& moment = {});
+
+  // GPU milliseconds per pass of the pictures taken last, summed over their frames, in the order of the passes. Empty
+  // if the device has no timestamps.
+  const std::vector<graph::PassTime>& times() const { return times_; }
+  // Counts over the same pictures. Requires several samples per pixel, a deferred technique, and countSurfaces.
+  const std::optional<ShadingCounts>& shadingCounts() const { return shadingCounts_; }
+  const HiddenClusters& hiddenClusters() const { return hidden_; }
+  const KeptShadowMaps& shadowMaps() const { return shadowMaps_[1]; }  // of the raster compute
+  // The last graph, in Graphviz format.
+  const std::string& graphviz() const { return graphviz_; }
+
+ private:
+  friend class Ticket;
+  void begin(const Settings& settings, const Moment& moment);
+  std::shared_ptr<RenderJob> start(std::span<const scene::Camera> cameras, const Settings& settings,
+                                   const Moment& moment, std::span<const Strip> strips,
+                                   Results results = Results::ToHost);
+  // Starts some views of a job, one strip after the other. Returns how many views fit into memory at once; if these are
+  // fewer than `count`, none of them is in flight.
+  size_t startViews(const std::shared_ptr<RenderJob>& job, size_t first, size_t count, std::span<const Strip> strips);
+  struct Start {
+    enum Outcome { Done, Overflowed, TooManyViews } outcome;
+    uint64_t bytes = 0;  // with TooManyViews: the transient memory that the first graph needs
+  };
+  // `maxBytes`: limit on the transient memory of the first graph.
+  Start startPart(RenderPart& part, std::optional<uint64_t> maxBytes);
+  graph::Submission submit(const graph::Graph& graph, const graph::Plan& plan);
+  void settle();
+  void read(RenderJob& job);  // the oldest part
+  void finish(RenderJob& job);
+
+  ViewsInTime viewsOf(const RenderPart& part, glm::vec2 jitter);
+  std::vector<glm::vec2> jittersOf(const RenderPart& part) const;
+  bool castsShadows(const Settings& settings) const;
+  ShadowPlan planShadows(std::span<const scene::Camera> cameras, const Settings& settings) const;
+  std::shared_ptr<FrameShadows> placeShadows(ShadowPlan plan, const Settings& settings);
+  vk::Image makeSum(const RenderPart& part);
+
+  vk::Device& device_;
+  const scene::Scene& scene_;
+  GpuScene gpuScene_;
+  GpuEnvironment environment_;
+  bool hasEnvironment_;
+  DrawOrder drawOrder_;
+  InstanceRanks ranks_;
+  HiddenClusters hidden_;
+  graph::Executor executor_;
+  Overflow overflow_;
+  RenderState state_;
+  TemporalHistory history_;
+  KeptLensRays lensRays_;
+  std::shared_ptr<ExportPool> exports_ = std::make_shared<ExportPool>();
+  KeptShadowMaps shadowMaps_[2];  // of hardware and compute
+  // The last part in flight. settle() detects whether it overflowed, and renders it again, before anything changes that
+  // the part depends on.
+  std::shared_ptr<RenderPart> unsettled_;
+  std::vector<graph::PassTime> times_;
+  std::optional<ShadingCounts> shadingCounts_;
+  std::string graphviz_;
+};
+
+}  // namespace latelight::render

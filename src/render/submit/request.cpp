@@ -1,0 +1,252 @@
+#include "render/submit/request.h"
+
+#include <algorithm>
+
+#include "render/lighting/technique.h"
+#include "render/post/resolve.h"
+#include "render/submit/readback.h"
+#include "render/transparency/transparency.h"
+
+namespace latelight::render {
+
+namespace {
+
+// Determines FrameSetup::sunInGbuffer. The G-buffer stores one value of the sun's shadow per pixel. Multisampled edges
+// need more, so lighting looks up the shadow for them. The raster compute looks it up as well, because writing a single
+// channel requires the graphics pipeline.
+bool keepsSun(const FrameSetup& setup, const Settings& s) {
+  return setup.shadowFormat && !setup.lighting->forward && setup.layout->sunTarget >= 0 && setup.samples == 1 &&
+         !rastersInCompute(s);
+}
+
+}  // namespace
+
+FrameSetup frameSetup(const Settings& s, bool shadows) {
+  FrameSetup setup{.layout = s.layout,
+                   .normalEncoding = s.normals->index,
+                   .lighting = s.lighting,
+                   .shading = indexOf(s.shading),
+                   .normalSpace = indexOf(s.normalSpace),
+                   .positionMethod = indexOf(s.position),
+                   .volumesOrder = indexOf(s.volumesOrder),
+                   .ambientOcclusion = indexOf(s.ambientOcclusion),
+                   .fog = s.fogDensity > 0,
+                   .transparency = {indexOf(s.transparency)},
+                   .samples = s.aa.samples,
+                   .sampleLayers = s.aa.samples > 1 && rastersInCompute(s),
+                   .everySample = s.everySample && s.aa.samples > 1};
+  if (shadows) {
+    setup.shadowFormat = indexOf(s.shadows);
+    setup.shadowFilter = indexOf(s.shadowFilter);
+    setup.sunInGbuffer = keepsSun(setup, s);
+  }
+  return setup;
+}
+
+bool isLit(const Settings& s) {
+  return showsPicture(s) || asksFor(s, Origin::LightCounts);
+}
+
+Request::Request(const RenderState& state, const Settings& settings, bool yUp, const ViewsInTime& steady,
+                 const ViewsInTime& jittered, FrameShadows* shadows, const ResultArrays& arrays)
+    : state_(state),
+      settings_(settings),
+      steadyViews_(steady),
+      jitteredViews_(jittered),
+      shadows_(shadows),
+      graph_(state.executor),
+      outputs_(settings, yUp, steady.lens != nullptr, arrays) {}
+
+bool Request::isSteady() const {
+  return settings_.aa.samples == 1 && jitteredViews_.now.front().jitter == shared::vec2(0);
+}
+
+ViewSet& Request::steady() {
+  if (!steady_) steady_.emplace(state_, steadyViews_, settings_, shadows_, VisibilityOptions{.atCentres = true});
+  return *steady_;
+}
+
+ViewSet& Request::jittered() {
+  if (isSteady()) return steady();
+  const VisibilityOptions options{.atCentres = settings_.aa.samples == 1};
+  if (!jittered_) jittered_.emplace(state_, jitteredViews_, settings_, shadows_, options);
+  return *jittered_;
+}
+
+// Finds the surfaces at pixel centers once, for everything that needs them.
+graph::ImageId Request::steadyDepth() {
+  if (!steadyDepth_) steadyDepth_ = steady().visibility().addDepth(steady().frame(graph_, FrameSetup{})).pixels;
+  return steadyDepth_;
+}
+
+// Adds the lit frame of the picture. The frame also counts lights if it can, because lights are counted at pixel
+// centers.
+LitFrame Request::addPicture(const SurfaceOutputs* outputs) {
+  FrameSetup setup = frameSetup(settings_, shadows_ != nullptr);
+  setup.outputs = outputs;
+  setup.countLights = isSteady() && asksFor(settings_, Origin::LightCounts);
+  const FrameContext& f = jittered().frame(graph_, setup);
+  const LitFrame lit = isSteady() ? addLit(f, {steadyDepth(), steadyDepth()}) : addOpaque(f);
+  addTransparency(f, lit.gbuffer);
+  return lit;
+}
+
+void Request::accumulate(const vk::Image& sum, bool first) {
+  const graph::ImageId total = graph_.import(sum, first ? std::nullopt : std::optional(graph::Use::StorageReadWrite));
+  addAccumulate({state_.device, graph_}, addPicture().picture, total, first);
+  graph_.exports(total, graph::Use::StorageReadWrite);
+}
+
+void Request::finish(const vk::Image* sum, uint32_t count, TemporalHistory* history, bool continues) {
+  if (showsPicture(settings_)) {
+    lit_ = addPicture(packsWithPicture() ? packSurfaces() : nullptr);
+    graph::ImageId picture = lit_->picture;
+    if (sum) {
+      const graph::ImageId total = graph_.import(*sum, graph::Use::StorageReadWrite);
+      addAccumulate({state_.device, graph_}, picture, total, false);
+      picture = total;
+    }
+    if (history) {
+      const FrameContext& f = jittered().frame(graph_, FrameSetup{});
+      const graph::ImageId depth = lit_->gbuffer.depth;
+      const graph::ImageId motion = jittered().visibility().addMotion(f, depth, MotionUse::Reproject);
+      picture = addTemporal(f, {picture, depth, motion}, *history, !continues);
+      count = 1;
+    }
+    addPost(*lit_, picture, count);
+  }
+  if (asksFor(settings_, Origin::LightCounts)) addLightCounts();
+  if (asksFor(settings_, Origin::SampleCounts)) addSampleCounts();
+  if (asksFor(settings_, Origin::Surface) || asksFor(settings_, Origin::Motion)) addData();
+  if (asksFor(settings_, Origin::Raster)) addRasterData();
+}
+
+void Request::leave(Results results) {
+  outputs_.leave({state_.device, graph_}, results);
+}
+
+void Request::addPost(const LitFrame& lit, graph::ImageId picture, uint32_t count) {
+  const Builder b{state_.device, graph_};
+  std::optional<ResultPlace> display;
+  if (settings_.display) display = outputs_.addDisplay(b, texels(graph_, picture));
+  const FinishedPicture finished = finishPicture(b, picture, 1.0f / static_cast<float>(count), settings_, display);
+  outputs_.add(
+      b, Origin::Picture, [&](std::string_view) { return finished.linear; }, 0, finished.scale);
+  if (settings_.countSurfaces && lit.gbuffer.surfaces) surfaces_ = addReadback(graph_, lit.gbuffer.surfaces);
+}
+
+// Adds the number of lights evaluated at each pixel's center: from the picture's own frame, or from a similar frame
+// without blended surfaces.
+void Request::addLightCounts() {
+  graph::ImageId counts;
+  if (lit_ && isSteady()) {
+    counts = lit_->lightCounts;
+  } else {
+    FrameSetup setup = frameSetup(settings_, shadows_ != nullptr);
+    setup.countLights = true;
+    setup.fog = false;
+    setup.samples = 1;
+    setup.sampleLayers = false;
+    setup.everySample = false;
+    setup.sunInGbuffer = shadows_ && keepsSun(setup, settings_);
+    counts = addLit(steady().frame(graph_, setup), {steadyDepth(), steadyDepth()}).lightCounts;
+  }
+  outputs_.add({state_.device, graph_}, Origin::LightCounts, [&](std::string_view) { return counts; });
+}
+
+// Adds how often the picture's own frame shades each pixel. If no picture is requested, no export depends on its
+// lighting, so the graph culls it.
+void Request::addSampleCounts() {
+  graph::ImageId counts;
+  if (settings_.aa.samples > 1) {
+    if (!lit_) lit_ = addOpaque(jittered().frame(graph_, frameSetup(settings_, shadows_ != nullptr)));
+    counts = lit_->gbuffer.surfaces ? lit_->gbuffer.surfaces : lit_->gbuffer.depth;
+  } else {
+    counts = steadyDepth();
+  }
+  outputs_.add({state_.device, graph_}, Origin::SampleCounts, [&](std::string_view) { return counts; });
+}
+
+bool Request::showsBlendedData() {
+  return settings_.dataSurfaces == DataSurfaces::Any && steady().visibility().anyBlended();
+}
+
+// Returns true if the picture's own frame resolves exactly the surfaces that the data outputs describe.
+bool Request::packsWithPicture() {
+  return asksFor(settings_, Origin::Surface) && rastersInCompute(settings_) && !settings_.lighting->forward &&
+         settings_.layout->hasTargets() && isSteady() && !showsBlendedData();
+}
+
+const SurfaceOutputs* Request::packSurfaces() {
+  surfaceOutputs_ = outputs_.addSurfaces({state_.device, graph_}, steady().frame(graph_, FrameSetup{}).pixels());
+  return &*surfaceOutputs_;
+}
+
+// Data outputs are evaluated at pixel centers, in full precision, for any layout and anti-aliasing of the picture.
+void Request::addData() {
+  ViewSet* set = &steady();
+  graph::ImageId depth;
+  if (showsBlendedData()) {
+    solid_.emplace(state_, steadyViews_, settings_, nullptr, VisibilityOptions{.blendedToo = true, .atCentres = true});
+    set = &*solid_;
+    depth = solid_->visibility().addDepth(solid_->frame(graph_, FrameSetup{})).pixels;
+  } else {
+    depth = steadyDepth();
+  }
+  if (asksFor(settings_, Origin::Surface) && !surfaceOutputs_) addSurfaceData(*set, depth);
+  if (!asksFor(settings_, Origin::Motion)) return;
+  const FrameContext& f = set->frame(graph_, FrameSetup{});
+  const graph::ImageId motion = set->visibility().addMotion(f, depth, MotionUse::Data);
+  outputs_.add(f, Origin::Motion, [&](std::string_view) { return motion; });
+}
+
+// Packs outputs where surfaces are resolved or, with hardware, from a separate G-buffer in the layout `exact`, which
+// has only the targets that the requested outputs need.
+void Request::addSurfaceData(ViewSet& set, graph::ImageId depth) {
+  FrameSetup setup{.layout = &findLayout("exact"), .targets = 0};
+  Gbuffer gbuffer{.depth = depth, .sampleDepth = depth};
+  if (set.visibility().rastered()) {
+    setup.outputs = packSurfaces();
+    return set.visibility().addGbuffer(set.frame(graph_, setup), gbuffer);
+  }
+  setup.targets = exactTargets(settings_.aovs);
+  const FrameContext& f = set.frame(graph_, setup);
+  if (setup.targets) set.visibility().addGbuffer(f, gbuffer);
+  const auto target = [&](std::string_view name) {
+    for (size_t i = 0; i < gbuffer.targets.size(); ++i)
+      if (setup.layout->targets[i].name == name) return gbuffer.targets[i];
+    return depth;
+  };
+  outputs_.add(f, Origin::Surface, target, f.constants);
+}
+
+void Request::addRasterData() {
+  ViewSet* set = &steady();
+  if (set->visibility().rastered()) {
+    steadyDepth();
+  } else {
+    set = &rastered_.emplace(state_, steadyViews_, settings_, nullptr, VisibilityOptions{.inCompute = true});
+    set->visibility().addDepth(set->frame(graph_, FrameSetup{}));
+  }
+  const FrameContext& f = set->frame(graph_, FrameSetup{});
+  const ComputeVisibility& raster = *set->visibility().rastered();
+  const ComputeVisibility::RasterImages images = raster.addRasterImages(f);
+  outputs_.add(f, Origin::Raster, [&](std::string_view name) {
+    if (name == "overdraw") return raster.addOverdraw(f);
+    return name == "classes" ? images.classes : images.numbers;
+  });
+}
+
+void Request::read(const graph::Submission& done, std::vector<output::FrameOutput>& pictures) const {
+  outputs_.read(state_.device, state_.executor, done, pictures);
+}
+
+void Request::countShadings(const graph::Submission& done, std::optional<ShadingCounts>& counts) const {
+  if (!surfaces_) return;
+  if (!counts) counts.emplace();
+  const shared::vec2 size = steadyViews_.now.front().size;
+  render::countShadings(*counts, done.buffer(surfaces_), static_cast<size_t>(size.x) * static_cast<size_t>(size.y),
+                        steadyViews_.now.size(), settings_.aa.samples);
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,70 @@
+// Everything requested of some views, as one graph: picture, data and counts share visibility.
+#pragma once
+
+#include <optional>
+
+#include "output/files.h"
+#include "render/outputs/outputs.h"
+#include "render/post/post.h"
+#include "render/post/taa/taa.h"
+#include "render/submit/view_set.h"
+
+namespace latelight::render {
+
+FrameSetup frameSetup(const Settings& settings, bool shadows);
+bool isLit(const Settings& settings);  // data outputs require no lighting
+
+class Request {
+ public:
+  // `steady`: the views without jitter; `jittered`: the same with the jitter of the picture's current frame. `shadows`:
+  // of these views, or null. `yUp`: world positions and directions are output in glTF's frame. `arrays`: the arrays
+  // that exported results are written to, which live as long as the graph runs.
+  Request(const RenderState& state, const Settings& settings, bool yUp, const ViewsInTime& steady,
+          const ViewsInTime& jittered, FrameShadows* shadows, const ResultArrays& arrays);
+
+  // Adds only the picture's frame, and adds its result to `sum`: one of several samples per pixel.
+  void accumulate(const vk::Image& sum, bool first);
+  // Adds everything requested. For a picture of several frames, `sum` holds the earlier ones, and `count` includes this
+  // one. `history`: of temporal anti-aliasing, or null. `continues`: it holds the frame before this picture.
+  void finish(const vk::Image* sum, uint32_t count, TemporalHistory* history, bool continues);
+  void leave(Results results);  // exports the requested results, as the last step
+
+  graph::Graph& graph() { return graph_; }
+
+  // Call after the graph has run.
+  void read(const graph::Submission& done, std::vector<output::FrameOutput>& pictures) const;
+  void countShadings(const graph::Submission& done, std::optional<ShadingCounts>& counts) const;
+
+ private:
+  ViewSet& steady();
+  ViewSet& jittered();
+  bool isSteady() const;  // the picture's frame has one sample per pixel, at its center
+  LitFrame addPicture(const SurfaceOutputs* outputs = nullptr);
+  void addPost(const LitFrame& lit, graph::ImageId picture, uint32_t count);
+  void addLightCounts();
+  void addSampleCounts();
+  bool showsBlendedData();
+  bool packsWithPicture();
+  const SurfaceOutputs* packSurfaces();
+  void addData();
+  void addSurfaceData(ViewSet& set, graph::ImageId depth);
+  void addRasterData();
+  graph::ImageId steadyDepth();
+
+  const RenderState& state_;
+  const Settings& settings_;
+  ViewsInTime steadyViews_, jitteredViews_;
+  FrameShadows* shadows_;
+  graph::Graph graph_;
+  std::optional<ViewSet> steady_, jittered_;
+  std::optional<ViewSet> solid_;     // counts blended surfaces as opaque
+  std::optional<ViewSet> rastered_;  // in compute, if steady_ is not
+  graph::ImageId steadyDepth_;
+  std::optional<LitFrame> lit_;  // the picture's, before transparency
+
+  PackedOutputs outputs_;
+  std::optional<SurfaceOutputs> surfaceOutputs_;  // if visibility packs them
+  graph::BufferId surfaces_;
+};
+
+}  // namespace latelight::render

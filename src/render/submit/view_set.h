@@ -1,0 +1,62 @@
+// A set of views of a scene in a graph: their constants in device memory, the part of the scene that they may see, and
+// the frames built for them. It lives until the graph has been submitted.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "render/frame/frame.h"
+#include "render/lens/lens_rays.h"
+#include "render/settings/settings.h"
+#include "render/shadow/frame_shadows.h"
+#include "render/visibility/compute/compute.h"
+#include "render/visibility/hardware.h"
+
+namespace latelight::render {
+
+// The state that a renderer renders with, including the buffer sizes that it has learned.
+struct RenderState {
+  vk::Device& device;
+  graph::Executor& executor;
+  const GpuScene& scene;
+  const GpuEnvironment& environment;
+  bool hasEnvironment;
+  const DrawOrder& order;
+  const InstanceRanks& ranks;
+  HiddenClusters& hidden;
+  Overflow& overflow;
+};
+
+// Equal numbers of views in the current, previous and next frame. The previous and next views have no jitter.
+struct ViewsInTime {
+  std::vector<shared::View> now, previous, next;
+  std::shared_ptr<const LensRays> lens;  // the rays of all these views; null: they are projections
+};
+
+class ViewSet {
+ public:
+  // `shadows`: the shadows of these views, or null.
+  ViewSet(const RenderState& state, const ViewsInTime& views, const Settings& settings, FrameShadows* shadows,
+          const VisibilityOptions& options);
+  // Returns a frame of these views, to which passes can be added.
+  const FrameContext& frame(graph::Graph& graph, const FrameSetup& setup);
+
+  std::span<const shared::View> views() const { return views_.now; }
+  const Visibility& visibility() const { return *visibility_; }
+
+ private:
+  void uploadConstants(const Settings& settings);
+
+  RenderState state_;
+  ViewsInTime views_;
+  const Settings& settings_;
+  FrameShadows* shadows_;
+  std::unique_ptr<Visibility> visibility_;
+  vk::Buffer viewBuffer_, constants_;
+  std::deque<FrameSetup> setups_;
+  std::deque<FrameContext> frames_;
+};
+
+}  // namespace latelight::render

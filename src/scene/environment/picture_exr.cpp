@@ -1,0 +1,186 @@
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfChromaticities.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfInputPart.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfThreading.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <stdexcept>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "scene/environment/picture_io.h"
+
+namespace latelight::scene {
+namespace {
+
+class MemoryStream : public Imf::IStream {
+ public:
+  MemoryStream(std::span<const std::byte> bytes, const std::string& name) : IStream(name.c_str()), bytes_(bytes) {}
+
+  bool read(char to[], int count) override {
+    std::memcpy(to, advance(count), static_cast<size_t>(count));
+    return next_ < bytes_.size();
+  }
+  uint64_t tellg() override { return next_; }
+  void seekg(uint64_t position) override { next_ = position; }
+
+ private:
+  const char* advance(int count) {
+    if (count < 0 || next_ > bytes_.size() || static_cast<uint64_t>(count) > bytes_.size() - next_) {
+      throw std::runtime_error("it ends early");
+    }
+    const char* from = reinterpret_cast<const char*>(bytes_.data()) + next_;
+    next_ += static_cast<uint64_t>(count);
+    return from;
+  }
+
+  std::span<const std::byte> bytes_;
+  uint64_t next_ = 0;
+};
+
+// The names of the picture's four channels in the file; one name may serve several.
+using ChannelNames = std::array<std::string, 4>;
+
+std::optional<ChannelNames> channelsOf(const Imf::ChannelList& list, const std::string& layer) {
+  const auto has = [&](const char* channel) { return list.findChannel(layer + channel) != nullptr; };
+  const std::string alpha = layer + "A";
+  if (has("R") && has("G") && has("B")) return ChannelNames{layer + "R", layer + "G", layer + "B", alpha};
+  if (has("Y") && !has("RY") && !has("BY")) return ChannelNames{layer + "Y", layer + "Y", layer + "Y", alpha};
+  return std::nullopt;
+}
+
+ChannelNames chooseChannels(const Imf::ChannelList& list, const std::string& name) {
+  std::optional<ChannelNames> found = channelsOf(list, "");
+  std::string all;
+  for (auto i = list.begin(); i != list.end(); ++i) {
+    const std::string channel = i.name();
+    all += (all.empty() ? "" : " ") + channel;
+    if (!found && channel.ends_with(".R")) found = channelsOf(list, channel.substr(0, channel.size() - 1));
+  }
+  if (!found) badInput("'{}' has neither the channels R G B nor Y, but: {}; save it as RGB", name, all);
+  for (const std::string& channel : *found) {
+    const Imf::Channel* c = list.findChannel(channel);
+    if (c && (c->xSampling != 1 || c->ySampling != 1)) {
+      badInput("'{}' has the subsampled channel {}, which is not supported; save it at full size", name, channel);
+    }
+  }
+  return *found;
+}
+
+struct Window {
+  int64_t x, y, width, height;
+  explicit Window(const Imath::Box2i& box)
+      : x(box.min.x),
+        y(box.min.y),
+        width(int64_t{box.max.x} - box.min.x + 1),
+        height(int64_t{box.max.y} - box.min.y + 1) {}
+  bool operator==(const Window&) const = default;
+};
+
+void checkWindow(const Window& window, const std::string& name) {
+  if (window.width < 1 || window.height < 1) badInput("'{}' is damaged: it has no pixels; download it again", name);
+  checkPictureSize(window.width, window.height, name);
+}
+
+void readRows(Imf::InputPart& part, const Window& window, const ChannelNames& channels, FloatImage& rows) {
+  const size_t pixelBytes = 4 * sizeof(float), rowBytes = pixelBytes * rows.width;
+  const bool grey = channels[0] == channels[1];
+  const Imath::V2i origin(static_cast<int>(window.x), static_cast<int>(window.y));
+  Imf::FrameBuffer buffer;
+  for (size_t i = 0; i < channels.size(); ++i) {
+    if (grey && (i == 1 || i == 2)) continue;
+    // OpenEXR adds the window's origin; Slice::Make takes it off again. Absent channels (alpha) are filled with 1.
+    buffer.insert(channels[i], Imf::Slice::Make(Imf::FLOAT, rows.pixels.data() + i, origin, rows.width, rows.height,
+                                                pixelBytes, rowBytes, 1, 1, 1.0));
+  }
+  part.setFrameBuffer(buffer);
+  part.readPixels(origin.y, origin.y + static_cast<int>(rows.height) - 1);
+  if (grey) {
+    for (size_t i = 0; i < rows.pixels.size(); i += 4) rows.pixels[i + 1] = rows.pixels[i + 2] = rows.pixels[i];
+  }
+}
+
+FloatImage readData(Imf::InputPart& part, const Window& window, const ChannelNames& channels) {
+  // One row first: an invalid width fails here, before the image is allocated.
+  FloatImage row(static_cast<uint32_t>(window.width), 1);
+  readRows(part, window, channels, row);
+  FloatImage image(static_cast<uint32_t>(window.width), static_cast<uint32_t>(window.height));
+  readRows(part, window, channels, image);
+  return image;
+}
+
+// The data window may be a part of the picture (the rest is black) or exceed it.
+FloatImage placeInDisplay(FloatImage data, const Window& from, const Window& to) {
+  if (from == to) return data;
+  FloatImage image(static_cast<uint32_t>(to.width), static_cast<uint32_t>(to.height));
+  const int64_t left = std::max(from.x, to.x), right = std::min(from.x + from.width, to.x + to.width);
+  const int64_t top = std::max(from.y, to.y), bottom = std::min(from.y + from.height, to.y + to.height);
+  if (left >= right) return image;
+  for (int64_t y = top; y < bottom; ++y) {
+    const float* row = data.at(static_cast<size_t>(left - from.x), static_cast<size_t>(y - from.y));
+    std::copy_n(row, 4 * (right - left), image.at(static_cast<size_t>(left - to.x), static_cast<size_t>(y - to.y)));
+  }
+  return image;
+}
+
+void checkColours(const Imf::Header& header, const std::string& name) {
+  if (!Imf::hasChromaticities(header)) return;
+  const Imf::Chromaticities found = Imf::chromaticities(header), rec709;
+  // Files made through ICC profiles state Rec.709's primaries adapted to D50, up to 0.023 off.
+  const auto far = [](Imath::V2f a, Imath::V2f b) { return std::abs(a.x - b.x) + std::abs(a.y - b.y) > 0.04f; };
+  if (far(found.red, rec709.red) || far(found.green, rec709.green) || far(found.blue, rec709.blue)) {
+    warn("'{}' has primaries other than Rec.709's; its colors are interpreted as Rec.709 and will be wrong", name);
+  }
+}
+
+FloatImage decode(std::span<const std::byte> bytes, const std::string& name) {
+  MemoryStream stream(bytes, name);
+  Imf::MultiPartInputFile file(stream, static_cast<int>(threadCount()));
+  const Imf::Header& header = file.header(0);
+  if (header.hasType() && !Imf::isSupportedType(header.type())) badInput("'{}' has a part of unknown type", name);
+  if (header.hasType() && Imf::isDeepData(header.type())) {
+    badInput("'{}' contains deep data; flatten it first", name);
+  }
+  const Window data(header.dataWindow()), display(header.displayWindow());
+  checkWindow(data, name);
+  checkWindow(display, name);
+  if (!file.partComplete(0)) badInput("'{}' is truncated: some of its pixels are missing; download it again", name);
+  const ChannelNames channels = chooseChannels(header.channels(), name);
+  checkColours(header, name);
+  Imf::InputPart part(file, 0);
+  return placeInDisplay(readData(part, data, channels), data, display);
+}
+
+}  // namespace
+
+FloatImage decodeExr(std::span<const std::byte> bytes, const std::string& name) {
+  static const bool threads = [] {
+    if (Imf::globalThreadCount() == 0 && threadCount() > 1) Imf::setGlobalThreadCount(static_cast<int>(threadCount()));
+    return true;
+  }();
+  (void)threads;
+  try {
+    return decode(bytes, name);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;  // decodePicture reports it
+  } catch (const std::exception& error) {
+    std::string why = error.what();
+    std::replace(why.begin(), why.end(), '\n', ' ');
+    badInput("cannot read '{}' as OpenEXR: {}; download it again", name, why);
+  }
+}
+
+}  // namespace latelight::scene

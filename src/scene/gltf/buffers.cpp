@@ -1,0 +1,201 @@
+// The bytes of bufferViews and images: the binary chunk, data URIs (RFC 2397), and external files.
+#include <array>
+#include <cstring>
+#include <optional>
+#include <string_view>
+
+#include "base/enclosure.h"
+#include "base/error.h"
+#include "scene/gltf/document.h"
+
+namespace latelight::scene::gltf {
+using nlohmann::json;
+namespace {
+
+std::optional<int> hexDigit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return std::nullopt;
+}
+
+// RFC 3986, 2.1. A '%' without two digits is kept: some exporters forget to encode it.
+std::string percentDecode(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  for (size_t i = 0; i < text.size(); ++i) {
+    std::optional<int> high, low;
+    if (text[i] == '%' && i + 2 < text.size()) high = hexDigit(text[i + 1]), low = hexDigit(text[i + 2]);
+    if (high && low) {
+      out += char(*high * 16 + *low);
+      i += 2;
+    } else {
+      out += text[i];
+    }
+  }
+  return out;
+}
+
+// RFC 4648, 4; padding may be missing.
+std::vector<std::byte> base64Decode(std::string_view text, const std::string& name) {
+  static const auto digits = [] {
+    std::array<uint8_t, 256> table;
+    table.fill(255);
+    std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (size_t i = 0; i < alphabet.size(); ++i) table[uint8_t(alphabet[i])] = uint8_t(i);
+    return table;
+  }();
+  while (text.ends_with('=')) text.remove_suffix(1);
+  if (text.size() % 4 == 1) badInput("{} ends within a base64 group", name);
+  std::vector<std::byte> out;
+  out.reserve(text.size() / 4 * 3 + 3);
+  uint32_t bits = 0;
+  int held = 0;
+  for (char c : text) {
+    uint8_t digit = digits[uint8_t(c)];
+    if (digit == 255) badInput("{} has a character that base64 does not have", name);
+    bits = bits << 6 | digit;
+    if ((held += 6) >= 8) out.push_back(std::byte(bits >> (held -= 8)));
+  }
+  return out;
+}
+
+std::vector<std::byte> readDataUri(std::string_view uri, const std::string& name) {
+  size_t comma = uri.find(',');
+  if (comma == std::string_view::npos) badInput("{} is a data URI without data", name);
+  std::string_view head = uri.substr(0, comma), body = uri.substr(comma + 1);
+  if (head.ends_with(";base64")) return base64Decode(body, name);
+  std::string plain = percentDecode(body);
+  auto* begin = reinterpret_cast<const std::byte*>(plain.data());
+  return {begin, begin + plain.size()};
+}
+
+std::vector<std::byte> readBeside(const Enclosure& enclosure, std::string_view uri, const std::string& name) {
+  if (uri.find("://") != std::string_view::npos || uri.starts_with("file:"))
+    badInput("{} is at {}; only local files are read: put it next to the scene, and use a relative path", name, uri);
+  std::string decoded = percentDecode(uri);
+  if (decoded.empty() || decoded.find('\0') != std::string::npos) badInput("{} has no usable file name", name);
+  try {
+    return enclosure.read(decoded);
+  } catch (const Error& error) {
+    throw Error(error.code(), fmt::format("{} {}", name, error.what()));
+  }
+}
+
+Bytes readUri(Document& document, const Enclosure& enclosure, std::string_view uri, const std::string& name) {
+  document.files.push_back(uri.starts_with("data:") ? readDataUri(uri, name) : readBeside(enclosure, uri, name));
+  document.inputBytes += document.files.back().size();
+  return document.files.back();
+}
+
+const json::json_pointer kCompressedView("/extensions/EXT_meshopt_compression");
+
+bool isFallback(const json& buffer) {
+  json::json_pointer pointer("/extensions/EXT_meshopt_compression/fallback");
+  return buffer.contains(pointer) && buffer.at(pointer).get<bool>();
+}
+
+// The buffers that are read: those of uncompressed views, and those with the bytes of compressed ones.
+std::vector<bool> findRead(const json& buffers, const json& views) {
+  std::vector<bool> read(buffers.size());
+  for (const json& view : views)
+    read[(view.contains(kCompressedView) ? view.at(kCompressedView) : view)["buffer"].get<size_t>()] = true;
+  return read;
+}
+
+// A fallback buffer has bytes only for readers without EXT_meshopt_compression: it stays empty here. Files that require
+// the extension may omit its bytes, declared or not: then it is a buffer without bytes that nothing reads.
+Bytes readBuffer(Document& document, const json& buffer, size_t index, bool isRead, const Enclosure& enclosure,
+                 Bytes binary) {
+  std::string name = fmt::format("buffers[{}]", index);
+  size_t length = buffer["byteLength"].get<size_t>();
+  const bool isEmpty = !buffer.contains("uri") && (index > 0 || binary.empty());
+  if (isFallback(buffer) || (isEmpty && !isRead)) return {};
+  Bytes bytes;
+  if (buffer.contains("uri"))
+    bytes = readUri(document, enclosure, buffer["uri"].get_ref<const std::string&>(), name);
+  else if (index == 0 && !binary.empty())
+    bytes = binary;
+  else
+    badInput("{} has neither a uri nor the .glb file's binary chunk", name);
+  if (bytes.size() < length) badInput("{} should have {} bytes but has {}", name, length, bytes.size());
+  return bytes.first(length);
+}
+
+Bytes slice(const std::vector<Bytes>& buffers, const json& view, size_t index) {
+  Bytes buffer = buffers[view["buffer"].get<size_t>()];
+  size_t offset = view.value("byteOffset", size_t{0}), length = view["byteLength"].get<size_t>();
+  if (offset + length > buffer.size())
+    badInput("bufferViews[{}] reaches to byte {} of buffers[{}], which has {}", index, offset + length,
+             view["buffer"].get<size_t>(), buffer.size());
+  return buffer.subspan(offset, length);
+}
+
+// A picture that can't be found is an error only if a material uses it.
+ImageSource readImage(Document& document, const json& image, size_t index, const Enclosure& enclosure) {
+  ImageSource source;
+  std::string label = image.value("name", std::string());
+  bool embedded = image.contains("bufferView");
+  if (label.empty() && image.contains("uri")) {
+    const auto& uri = image["uri"].get_ref<const std::string&>();
+    if (!uri.starts_with("data:")) label = percentDecode(uri);
+  }
+  source.name = label.empty() ? fmt::format("images[{}]", index) : fmt::format("images[{}] ({})", index, label);
+  if (embedded) {
+    source.encoded = document.views[image["bufferView"].get<size_t>()];
+  } else if (image.contains("uri")) {
+    try {
+      source.encoded = readUri(document, enclosure, image["uri"].get_ref<const std::string&>(), source.name);
+    } catch (const Error& error) {
+      source.problem = error.what();
+    }
+  }
+  if (source.encoded.empty() && source.problem.empty())
+    source.problem = source.name + " has neither a uri nor a bufferView with bytes";
+  return source;
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> filesBeside(const json& root) {
+  std::vector<std::filesystem::path> files;
+  for (const char* key : {"buffers", "images"})
+    for (const json& entry : root.value(key, json::array())) {
+      const std::string uri = entry.value("uri", std::string());
+      if (!uri.empty() && !uri.starts_with("data:")) files.emplace_back(percentDecode(uri));
+    }
+  return files;
+}
+
+void Budget::charge(size_t bytes, std::string_view what) const {
+  size_t left = left_.load();
+  do {
+    if (bytes > left)
+      badInput("{} requests {} MiB, which together with the rest is far more than a file of this size can contain",
+               what, bytes >> 20);
+  } while (!left_.compare_exchange_weak(left, left - bytes));
+  memory_.grow(bytes, what);
+}
+
+void readBuffers(Document& document, const json& root, const Enclosure& enclosure, Bytes binary) {
+  const json none = json::array();
+  auto arrayOf = [&](const char* key) -> const json& {
+    auto found = root.find(key);
+    return found == root.end() ? none : *found;
+  };
+  std::vector<Bytes> buffers;
+  const std::vector<bool> read = findRead(arrayOf("buffers"), arrayOf("bufferViews"));
+  for (const json& buffer : arrayOf("buffers")) {
+    const size_t index = buffers.size();
+    buffers.push_back(readBuffer(document, buffer, index, read[index], enclosure, binary));
+  }
+  document.budget.setInput(document.inputBytes);
+  for (const json& view : arrayOf("bufferViews")) {
+    document.views.push_back(view.contains(kCompressedView) ? Bytes() : slice(buffers, view, document.views.size()));
+  }
+  decodeMeshopt(document, root, buffers);
+  for (const json& image : arrayOf("images"))
+    document.images.push_back(readImage(document, image, document.images.size(), enclosure));
+}
+
+}  // namespace latelight::scene::gltf

@@ -1,0 +1,150 @@
+#include "scene/gltf/draco.h"
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#include <draco/compression/decode.h>
+#pragma GCC diagnostic pop
+
+#include <algorithm>
+#include <optional>
+
+#include "base/error.h"
+
+namespace latelight::scene::gltf {
+namespace {
+
+// Little-endian numbers of a Draco header; nothing once it has ended.
+class HeaderReader {
+ public:
+  explicit HeaderReader(Bytes bytes) : bytes_(bytes) {}
+
+  std::optional<uint64_t> fixed(size_t size) {
+    if (bytes_.size() - at_ < size) return std::nullopt;
+    uint64_t value = 0;
+    for (size_t i = 0; i < size; ++i) value |= uint64_t(bytes_[at_++]) << (8 * i);
+    return value;
+  }
+  std::optional<uint64_t> varint() {  // 7 bits a byte, least significant first
+    uint64_t value = 0;
+    for (int shift = 0; shift < 35; shift += 7) {
+      std::optional<uint64_t> byte = fixed(1);
+      if (!byte) return std::nullopt;
+      value |= (*byte & 127) << shift;
+      if (!(*byte & 128)) return value;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  Bytes bytes_;
+  size_t at_ = 0;
+};
+
+struct Sizes {
+  uint64_t faces = 0, points = 0;
+};
+
+// The sizes that the decoder will allocate, read in advance, since it trusts the header (Draco bitstream 2.2, the one
+// that the extension names; sections "Header", "Sequential connectivity" and "EdgeBreaker connectivity").
+std::optional<Sizes> peekSizes(Bytes data) {
+  constexpr uint64_t kMesh = 1, kMetadataFlag = 0x8000;
+  HeaderReader reader(data);
+  std::optional<uint64_t> magic = reader.fixed(5), major = reader.fixed(1), minor = reader.fixed(1);
+  std::optional<uint64_t> type = reader.fixed(1), method = reader.fixed(1), flags = reader.fixed(2);
+  constexpr uint64_t kMagic = 0x4F43415244;  // "DRACO"
+  if (!flags || *magic != kMagic || *type != kMesh || *major != 2 || *minor < 2) return std::nullopt;
+  if (*flags & kMetadataFlag) return std::nullopt;  // comes before the sizes; glTF does not use it
+  Sizes sizes;
+  if (*method == 1) reader.fixed(1);  // EdgeBreaker: the traversal method
+  std::optional<uint64_t> first = reader.varint(), second = reader.varint();
+  if (!first || !second) return std::nullopt;
+  if (*method == 1) return Sizes{.faces = *second, .points = *first};
+  return Sizes{.faces = *first, .points = *second};
+}
+
+template <typename T>
+bool convertPoints(const draco::Mesh& mesh, const draco::PointAttribute& attribute, size_t components, T* out) {
+  for (draco::PointIndex i(0); i < mesh.num_points(); ++i, out += components) {
+    draco::AttributeValueIndex value = attribute.mapped_index(i);
+    if (value.value() >= attribute.size() || !attribute.ConvertValue<T>(value, int8_t(components), out)) return false;
+  }
+  return true;
+}
+
+bool convert(const draco::Mesh& mesh, const draco::PointAttribute& attribute, const Elements& e, std::byte* out) {
+  switch (e.componentType) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return convertPoints(mesh, attribute, e.components, reinterpret_cast<int8_t*>(out));
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return convertPoints(mesh, attribute, e.components, reinterpret_cast<uint8_t*>(out));
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return convertPoints(mesh, attribute, e.components, reinterpret_cast<int16_t*>(out));
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return convertPoints(mesh, attribute, e.components, reinterpret_cast<uint16_t*>(out));
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+      return convertPoints(mesh, attribute, e.components, reinterpret_cast<uint32_t*>(out));
+    default:
+      return convertPoints(mesh, attribute, e.components, reinterpret_cast<float*>(out));
+  }
+}
+
+// The accessor gives the type of the values, Draco only their number.
+Elements readAttribute(const Document& document, const draco::Mesh& mesh, int uniqueId, int accessorIndex,
+                       const std::string& name) {
+  const tinygltf::Accessor& accessor = document.model.accessors[size_t(accessorIndex)];
+  const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(uint32_t(uniqueId));
+  if (!attribute) badInput("{} has no compressed attribute {}", name, uniqueId);
+  size_t component = componentBytes(accessor.componentType);
+  int components = tinygltf::GetNumComponentsInType(uint32_t(accessor.type));
+  if (component == 0 || components < 1 || components > 4) badInput("{} has an accessor of an unusable type", name);
+  Elements elements{.count = mesh.num_points(),
+                    .stride = component * size_t(components),
+                    .componentType = accessor.componentType,
+                    .components = size_t(components),
+                    .normalized = accessor.normalized,
+                    .name = name};
+  size_t bytes = elements.count * elements.stride;
+  document.budget.charge(bytes, name);
+  elements.owned = std::make_shared_for_overwrite<std::byte[]>(bytes);
+  elements.data = elements.owned.get();
+  if (!convert(mesh, *attribute, elements, elements.owned.get())) badInput("{} cannot be decompressed", name);
+  return elements;
+}
+
+std::unique_ptr<draco::Mesh> decodeBytes(const Document& document, Bytes data, const std::string& name) {
+  std::optional<Sizes> sizes = peekSizes(data);
+  if (!sizes) badInput("{} is not a mesh of Draco's bitstream 2.2", name);
+  // For connectivity and attributes the decoder needs about 100 bytes per face or point.
+  document.budget.charge((sizes->faces + sizes->points) * 100, name);
+  draco::DecoderBuffer buffer;
+  buffer.Init(reinterpret_cast<const char*>(data.data()), data.size());
+  draco::Decoder decoder;
+  auto result = decoder.DecodeMeshFromBuffer(&buffer);
+  if (!result.ok()) badInput("{} cannot be decompressed: {}", name, result.status().error_msg_string());
+  return std::move(result).value();
+}
+
+}  // namespace
+
+DracoMesh decodeDraco(const Document& document, const tinygltf::Primitive& primitive, const std::string& name) {
+  const tinygltf::Value& object = *extension(primitive.extensions, "KHR_draco_mesh_compression");
+  Bytes data = document.views[size_t(indexOr(object, "bufferView", 0))];
+  std::unique_ptr<draco::Mesh> mesh = decodeBytes(document, data, name);
+
+  DracoMesh out;
+  out.indices.resize(size_t(mesh->num_faces()) * 3);
+  for (draco::FaceIndex f(0); f < mesh->num_faces(); ++f)
+    for (int i = 0; i < 3; ++i) out.indices[size_t(f.value()) * 3 + size_t(i)] = mesh->face(f)[size_t(i)].value();
+
+  const tinygltf::Value& attributes = object.Get("attributes");
+  if (!attributes.IsObject()) badInput("{} has no compressed attributes", name);
+  for (const std::string& key : attributes.Keys()) {
+    auto accessor = primitive.attributes.find(key);
+    if (accessor == primitive.attributes.end()) continue;
+    out.attributes[key] = readAttribute(document, *mesh, indexOr(attributes, key.c_str(), -1), accessor->second,
+                                        fmt::format("{}'s {}", name, key));
+  }
+  return out;
+}
+
+}  // namespace latelight::scene::gltf

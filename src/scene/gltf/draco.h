@@ -1,0 +1,20 @@
+// KHR_draco_mesh_compression.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "scene/gltf/accessor.h"
+
+namespace latelight::scene::gltf {
+
+struct DracoMesh {
+  std::vector<uint32_t> indices;               // a triangle list
+  std::map<std::string, Elements> attributes;  // those that are compressed
+};
+
+// Decodes a primitive that has the extension. Throws Error(BadInput) naming `name`.
+DracoMesh decodeDraco(const Document& document, const tinygltf::Primitive& primitive, const std::string& name);
+
+}  // namespace latelight::scene::gltf

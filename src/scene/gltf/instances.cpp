@@ -1,0 +1,244 @@
+#include "scene/gltf/instances.h"
+
+#include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
+#include <map>
+#include <span>
+#include <tuple>
+#include <unordered_set>
+#include <utility>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "scene/gltf/accessor.h"
+#include "scene/gltf/material.h"
+#include "scene/gltf/skin.h"
+#include "scene/ids.h"
+
+namespace latelight::scene::gltf {
+namespace {
+
+// Primitives whose bytes are the same, in whichever mesh: exporters repeat a geometry for each material.
+using Geometry = std::tuple<std::map<std::string, int>, std::vector<std::map<std::string, int>>, int, int, int>;
+
+Geometry geometryOf(const tinygltf::Primitive& p) {
+  const tinygltf::Value* draco = extension(p.extensions, "KHR_draco_mesh_compression");
+  return {p.attributes, p.targets, p.indices, p.mode, draco ? indexOr(*draco, "bufferView", -1) : -1};
+}
+
+std::vector<double> weightsOf(const tinygltf::Node& node, const tinygltf::Mesh& mesh, const tinygltf::Primitive& p) {
+  std::vector<double> weights = node.weights.empty() ? mesh.weights : node.weights;
+  weights.resize(std::min(weights.size(), p.targets.size()));
+  bool idle = std::all_of(weights.begin(), weights.end(), [](double w) { return w == 0; });
+  return idle ? std::vector<double>() : weights;
+}
+
+// The texture whose coordinates tangents follow. Without one, an anisotropic surface has those of the first set.
+std::optional<uint32_t> tangentSlot(const Material& material) {
+  for (const uint32_t slot : {shared::kTextureNormal, shared::kTextureClearcoatNormal, shared::kTextureAnisotropy})
+    if (material.data.textures & 1u << slot) return slot;
+  if (material.data.layers.anisotropy > 0) return shared::kTextureAnisotropy;
+  return std::nullopt;
+}
+
+// Tangents are generated for the texture that uses them: its UV set, with its transform applied.
+std::optional<TangentSpace> tangentSpaceOf(const Material& material, const tinygltf::Primitive& p) {
+  bool given = p.attributes.contains("TANGENT") && p.attributes.contains("NORMAL");
+  const std::optional<uint32_t> slot = tangentSlot(material);
+  if (given || !slot) return std::nullopt;
+  const shared::TextureTransform& t = material.data.transforms[*slot];
+  return TangentSpace{t.uvSet, vec2(t.row0), vec2(t.row1)};
+}
+
+// EXT_mesh_gpu_instancing: the placements of instances relative to their node; a single one, the node itself, where
+// there are none.
+struct Placements {
+  size_t count = 1;
+  std::vector<vec4> translations, rotations, scales;  // empty, or as many
+
+  glm::dmat4 operator[](size_t i) const {
+    return composeTransform(translations.empty() ? glm::dvec3(0) : glm::dvec3(translations[i]),
+                            rotations.empty() ? glm::dvec4(0, 0, 0, 1) : glm::dvec4(rotations[i]),
+                            scales.empty() ? glm::dvec3(1) : glm::dvec3(scales[i]));
+  }
+};
+
+Placements readPlacements(const Document& document, const tinygltf::Node& node, size_t index) {
+  const tinygltf::Value* object = extension(node.extensions, "EXT_mesh_gpu_instancing");
+  if (!object) return {};
+  const tinygltf::Value& attributes = object->Get("attributes");
+  std::optional<size_t> count;
+  auto read = [&](const char* key, vec4 otherwise, bool normalized) {
+    std::vector<vec4> values;
+    int accessor = attributes.IsObject() ? indexOr(attributes, key, -1) : -1;
+    if (accessor < 0) return values;
+    Elements elements = resolve(document, accessor);
+    elements.normalized |= normalized;
+    if (count.value_or(elements.count) != elements.count)
+      badInput("nodes[{}] has EXT_mesh_gpu_instancing attributes of different lengths", index);
+    count = elements.count;
+    document.budget.charge(elements.count * (sizeof(Instance) + 3 * sizeof(vec4)), elements.name);
+    bool anyBroken = false;
+    values = readRepaired<4>(elements, 0, elements.count, anyBroken, 0, otherwise.w);
+    if (anyBroken) badInput("{} has values that are not finite numbers", elements.name);
+    return values;
+  };
+  Placements placements;
+  placements.translations = read("TRANSLATION", vec4(0), false);
+  placements.rotations = read("ROTATION", vec4(0, 0, 0, 1), true);  // integers are always normalised here
+  placements.scales = read("SCALE", vec4(1), false);
+  placements.count = count.value_or(0);
+  if (placements.count == 0)
+    warn("nodes[{}] has EXT_mesh_gpu_instancing without instances, and is not rendered", index);
+  return placements;
+}
+
+class Placer {
+ public:
+  Placer(const Document& document, const Hierarchy& hierarchy, int variant, Scene& scene)
+      : document_(document), hierarchy_(hierarchy), variant_(variant), scene_(scene) {
+    for (const Animation& animation : scene.rig.animations)
+      for (const Track& track : animation.tracks)
+        if (track.property == AnimatedProperty::Weights) moved_.insert(track.node);
+  }
+
+  std::vector<MeshRequest> run() {
+    for (Node& node : scene_.nodes) node.id = ids_.make(node.path);
+    for (size_t i = 0; i < hierarchy_.order.size(); ++i) placeNode(i);
+    if (!scene_.rig.offsets.empty()) scene_.rig.offsets.resize(scene_.instances.size(), glm::dmat4(1));
+    return std::move(requests_);
+  }
+
+ private:
+  void placeNode(size_t place) {
+    size_t index = size_t(hierarchy_.order[place]);
+    const tinygltf::Node& node = document_.model.nodes[index];
+    if (node.mesh < 0) return;
+    scene_.nodes[place].mesh = meshName(document_, node.mesh);
+    const Placements placements = readPlacements(document_, node, index);
+    const size_t first = scene_.instances.size();
+    const size_t primitives = document_.model.meshes[size_t(node.mesh)].primitives.size();
+    for (size_t p = 0; p < primitives; ++p) placePrimitive(place, p, placements);
+    identify(scene_.nodes[place], primitives > 1, std::span(scene_.instances).subspan(first), placements.count);
+  }
+
+  void placePrimitive(size_t place, size_t p, const Placements& placements) {
+    size_t index = size_t(hierarchy_.order[place]);
+    const tinygltf::Node& node = document_.model.nodes[index];
+    const tinygltf::Mesh& mesh = document_.model.meshes[size_t(node.mesh)];
+    const tinygltf::Primitive& primitive = mesh.primitives[p];
+    if (!isDrawn(primitive)) return;
+    uint32_t material = materialFor(primitive);
+    MeshRequest request{.mesh = node.mesh,
+                        .primitive = int(p),
+                        .skin = primitive.attributes.contains("JOINTS_0") ? node.skin : -1,
+                        .weights = weightsOf(node, mesh, primitive),
+                        .weightsNode = primitive.targets.empty() ? -1 : movedWeights(int(index)),
+                        .tangentSpace = tangentSpaceOf(scene_.materials[material], primitive)};
+    // A skinned mesh is posed in the file's frame already: its own node does not move it.
+    const bool posed = request.skin >= 0;
+    const glm::dmat4 world = posed ? glm::dmat4(1) : hierarchy_.world[index];
+    const glm::dvec3 origin = posed ? skinOrigin(document_, hierarchy_, request.skin) : glm::dvec3(0);
+    Instance instance{.mesh = find(request, primitive), .material = material, .node = uint32_t(place)};
+    instance.primitive = uint32_t(p);
+    instance.posed = posed;
+    instance.hidden = hierarchy_.hidden[index];
+    document_.budget.charge(placements.count * 2 * sizeof(Instance), scene_.nodes[place].path);
+    const bool instanced = extension(node.extensions, "EXT_mesh_gpu_instancing");
+    const size_t first = scene_.instances.size();
+    scene_.instances.resize(first + placements.count, instance);
+    if (instanced && !scene_.rig.empty()) scene_.rig.offsets.resize(scene_.instances.size(), glm::dmat4(1));
+    parallelFor(placements.count, 4096, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) {
+        const glm::dmat4 below = placements[k];
+        scene_.instances[first + k].toWorld = toWorldFromGltf() * glm::translate(world * below, origin);
+        if (instanced) scene_.instances[first + k].copy = int(k);
+        // Placements of the instances of a node that may move.
+        if (instanced && !scene_.rig.empty()) scene_.rig.offsets[first + k] = below;
+      }
+    });
+  }
+
+  // The ids of a node's instances: primitive by primitive, with all copies of each.
+  void identify(const Node& node, bool several, std::span<Instance> instances, size_t copies) {
+    const auto nameOf = [&](const Instance& instance, bool part) {
+      std::string name = node.path;
+      if (part && several) name += fmt::format("/primitive{}", instance.primitive);
+      if (instance.copy >= 0) name += fmt::format("/instance{}", instance.copy);
+      return name;
+    };
+    parallelFor(instances.size(), 4096, [&](size_t begin, size_t end) {
+      for (Instance& instance : instances.subspan(begin, end - begin)) {
+        instance.id = hash32(nameOf(instance, false));
+        instance.part = hash32(nameOf(instance, true));
+      }
+    });
+    for (size_t i = 0; i < instances.size(); ++i) {
+      Instance& instance = instances[i];
+      instance.part = parts_.make(instance.part, [&] { return nameOf(instance, true); });
+      if (instance.copy < 0)
+        instance.id = node.id;
+      else if (i >= copies)
+        instance.id = instances[i - copies].id;
+      else
+        instance.id = ids_.make(instance.id, [&] { return nameOf(instance, false); });
+    }
+  }
+
+  bool isDrawn(const tinygltf::Primitive& primitive) const {
+    if (triangleCount(document_, primitive) > 0) return true;
+    if (primitive.mode < TINYGLTF_MODE_TRIANGLES)
+      warn("points and lines are not supported and are skipped");
+    else
+      warn("the file has primitives without triangles, which are skipped");
+    return false;
+  }
+
+  uint32_t materialFor(const tinygltf::Primitive& primitive) {
+    int material = materialOf(primitive, variant_);
+    if (material >= 0) return uint32_t(material);
+    if (!default_) {
+      default_ = uint32_t(scene_.materials.size());
+      scene_.materials.push_back(defaultMaterial());
+    }
+    return *default_;
+  }
+
+  // The node itself if an animation moves its weights, else -1.
+  int movedWeights(int node) const { return moved_.contains(uint32_t(node)) ? node : -1; }
+
+  // The index of an equal request, or of this one appended.
+  uint32_t find(const MeshRequest& request, const tinygltf::Primitive& primitive) {
+    std::vector<uint32_t>& candidates = known_[geometryOf(primitive)];
+    for (uint32_t candidate : candidates) {
+      const MeshRequest& other = requests_[candidate];
+      if (other.skin == request.skin && other.weights == request.weights && other.weightsNode == request.weightsNode &&
+          other.tangentSpace == request.tangentSpace)
+        return candidate;
+    }
+    candidates.push_back(uint32_t(requests_.size()));
+    requests_.push_back(request);
+    return candidates.back();
+  }
+
+  const Document& document_;
+  const Hierarchy& hierarchy_;
+  int variant_;
+  Scene& scene_;
+  std::vector<MeshRequest> requests_;
+  std::map<Geometry, std::vector<uint32_t>> known_;
+  std::optional<uint32_t> default_;
+  std::unordered_set<uint32_t> moved_;  // nodes whose weights an animation moves
+  UniqueIds ids_, parts_;               // of nodes and copies; of instances
+};
+
+}  // namespace
+
+std::vector<MeshRequest> placeInstances(const Document& document, const Hierarchy& hierarchy, int variant,
+                                        Scene& scene) {
+  return Placer(document, hierarchy, variant, scene).run();
+}
+
+}  // namespace latelight::scene::gltf

@@ -1,0 +1,167 @@
+#include "scene/gltf/mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "scene/gltf/vertices.h"
+
+namespace latelight::scene::gltf {
+namespace {
+
+// The memory of one vertex during loading, streams and result together.
+constexpr size_t kVertexBytes = 2 * (sizeof(vec3) + sizeof(shared::VertexAttributes) + sizeof(shared::VertexExtra));
+
+const Elements* find(const Source& source, const char* key) {
+  auto found = source.attributes.find(key);
+  return found == source.attributes.end() ? nullptr : &found->second;
+}
+
+// Colors are normalized whether or not the accessor says so: integers up to 65535 are not valid colors.
+std::vector<vec4> readColors(const Document& document, const Source& source, Elements elements) {
+  elements.normalized = true;
+  std::vector<vec4> colors = readAttribute<4>(document, source, "COLOR_0", elements, 1.0f, 1.0f);
+  for (vec4& color : colors) color = glm::clamp(color, vec4(0), vec4(1));  // glTF 2.0, 3.7.2.1
+  return colors;
+}
+
+bool isFinite(const vec3& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+// Leaves out triangles with a corner that has no finite position. Such vertices get the place of another, so that
+// bounds hold.
+std::vector<vec3> readPositions(const Document& document, Source& source) {
+  std::vector<vec3> positions(source.count);
+  readVectors<3>(*find(source, "POSITION"), source.first, source.count, positions.data());
+  if (std::ranges::all_of(positions, isFinite)) return positions;
+  document.repairs.add(source.name + ".POSITION");
+  size_t kept = 0;
+  for (size_t i = 0; i + 2 < source.indices.size(); i += 3) {
+    const auto corner = source.indices.begin() + static_cast<ptrdiff_t>(i);
+    if (std::all_of(corner, corner + 3, [&](uint32_t vertex) { return isFinite(positions[vertex]); })) {
+      std::copy_n(corner, 3, source.indices.begin() + static_cast<ptrdiff_t>(kept));
+      kept += 3;
+    }
+  }
+  if (kept == 0) badInput("{} has no triangle whose positions are finite numbers", source.name);
+  source.indices.resize(kept);
+  for (vec3& p : positions)
+    if (!isFinite(p)) p = positions[source.indices[0]];
+  return positions;
+}
+
+Vertices readVertices(const Document& document, Source& source) {
+  Vertices v;
+  v.positions = readPositions(document, source);
+  if (const Elements* e = find(source, "NORMAL")) v.normals = readAttribute<3>(document, source, "NORMAL", *e);
+  if (const Elements* e = find(source, "TANGENT"); e && !v.normals.empty())
+    v.tangents = readAttribute<4>(document, source, "TANGENT", *e);
+  for (const auto& [key, set] : {std::pair("TEXCOORD_0", 0), {"TEXCOORD_1", 1}})
+    if (const Elements* e = find(source, key)) v.uv[set] = readAttribute<2>(document, source, key, *e);
+  if (const Elements* e = find(source, "COLOR_0")) v.colors = readColors(document, source, *e);
+  v.origin.resize(source.count);
+  std::iota(v.origin.begin(), v.origin.end(), 0u);
+  return v;
+}
+
+void requireFinite(const std::vector<vec3>& positions, const std::string& name) {
+  if (!std::ranges::all_of(positions, isFinite)) badInput("{} has positions that are not finite once posed", name);
+}
+
+void makeTangents(const TangentSpace& space, Vertices& v, std::vector<uint32_t>& indices) {
+  std::vector<vec2> uv = v.uv[space.uvSet];
+  if (uv.empty()) return;
+  for (vec2& t : uv) t = vec2(glm::dot(space.row0, t), glm::dot(space.row1, t));
+  scene::makeTangents(uv, v, indices);
+}
+
+// The mesh's deformation; null where it has neither a skin nor animated weights. `turned`: of repairNormals().
+std::shared_ptr<Deformation> readDeformation(const Document& document, const MeshRequest& request, const Source& source,
+                                             const std::vector<uint32_t>& origin, const std::vector<bool>& turned,
+                                             const Mesh& mesh) {
+  auto deformation = std::make_shared<Deformation>();
+  if (request.skin >= 0) readSkinWeights(document, request.skin, source, origin, *deformation);
+  if (request.weightsNode >= 0) {
+    const tinygltf::Mesh& parent = document.model.meshes[size_t(request.mesh)];
+    deformation->weightsNode = request.weightsNode;
+    readMorphTargets(document, parent.primitives[size_t(request.primitive)], source, origin, *deformation);
+    for (MorphTarget& target : deformation->targets)
+      for (size_t i = 0; i < target.normals.size() && !turned.empty(); ++i)
+        if (turned[origin[i]]) target.normals[i] = -target.normals[i];
+  }
+  if (deformation->skin < 0 && deformation->weightsNode < 0) return nullptr;
+  deformation->positions = mesh.positions;
+  deformation->attributes = mesh.attributes;
+  return deformation;
+}
+
+// The mesh with its joints and weights at rest. Joints that mirror it turn its triangles over, so that their front
+// faces are counter-clockwise again.
+void poseAtRest(const Document& document, const Hierarchy& hierarchy, const MeshRequest& request,
+                Deformation& deformation, Mesh& mesh) {
+  std::vector<mat4> joints;
+  if (deformation.skin >= 0) {
+    joints = restJoints(document, hierarchy, deformation.skin);
+    deformation.mirroredAtRest = isMirrored(reachOf(deformation), joints);
+  }
+  if (deformation.mirroredAtRest)
+    for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);
+  const std::vector<float> weights(request.weights.begin(), request.weights.end());
+  DeformedVertices posed = deform(deformation, joints, weights);
+  mesh.positions = std::move(posed.positions);
+  mesh.attributes = std::move(posed.attributes);
+}
+
+}  // namespace
+
+size_t targetCount(const tinygltf::Mesh& mesh) {
+  size_t count = 0;
+  for (const tinygltf::Primitive& primitive : mesh.primitives) count = std::max(count, primitive.targets.size());
+  return count;
+}
+
+std::string meshName(const Document& document, int mesh) {
+  const std::string& name = document.model.meshes[size_t(mesh)].name;
+  return name.empty() ? fmt::format("mesh{}", mesh) : name;
+}
+
+Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshRequest& request) {
+  const tinygltf::Mesh& parent = document.model.meshes[size_t(request.mesh)];
+  const tinygltf::Primitive& primitive = parent.primitives[size_t(request.primitive)];
+  Source source =
+      readSource(document, primitive, fmt::format("meshes[{}].primitives[{}]", request.mesh, request.primitive));
+  document.budget.charge(source.count * kVertexBytes, source.name);
+  Vertices vertices = readVertices(document, source);
+  applyMorphTargets(document, primitive, source, request.weights, request.weightsNode < 0, vertices);
+
+  std::vector<uint32_t> indices = std::move(source.indices);
+  const bool flat = vertices.normals.empty();
+  std::vector<bool> turned;
+  if (flat) {
+    document.budget.charge(indices.size() * kVertexBytes, source.name);
+    makeFlatNormals(vertices, indices);
+  } else {
+    turned = repairNormals(vertices, indices);
+    if (!turned.empty()) warn("{} has normals that point into its surface, which are turned over", source.name);
+  }
+  repairTangents(vertices.tangents);
+  if (vertices.tangents.empty() && request.tangentSpace) makeTangents(*request.tangentSpace, vertices, indices);
+
+  const std::vector<uint32_t> origin = std::move(vertices.origin);
+  Mesh mesh = pack(std::move(vertices), std::move(indices));
+  if (auto deformation = readDeformation(document, request, source, origin, turned, mesh)) {
+    deformation->flatNormals = flat && origin.size() == mesh.indices.size();  // not where tangents split vertices
+    poseAtRest(document, hierarchy, request, *deformation, mesh);
+    if (!document.animations.empty()) mesh.deformation = std::move(deformation);
+  }
+  requireFinite(mesh.positions, source.name);
+  findBounds(mesh);
+  mesh.name = meshName(document, request.mesh);
+  if (parent.primitives.size() > 1) mesh.name += fmt::format("/primitive{}", request.primitive);
+  return mesh;
+}
+
+}  // namespace latelight::scene::gltf

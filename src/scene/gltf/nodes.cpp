@@ -1,0 +1,260 @@
+#include "scene/gltf/nodes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_access.hpp>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "scene/framing.h"
+#include "scene/light_types.h"
+#include "shared/light.h"
+
+namespace latelight::scene::gltf {
+namespace {
+
+using glm::dmat4;
+using glm::dvec3;
+using glm::dvec4;
+
+constexpr size_t kMaxPathBytes = size_t{256} << 20;  // a chain of n nodes has paths of n^2 characters in total
+
+dmat4 localTransform(const tinygltf::Node& node) {
+  if (node.matrix.size() == 16) return readMatrix(node.matrix);
+  auto at = [](const std::vector<double>& v, size_t i, double otherwise) { return i < v.size() ? v[i] : otherwise; };
+  const auto &t = node.translation, &r = node.rotation, &s = node.scale;
+  return composeTransform({at(t, 0, 0), at(t, 1, 0), at(t, 2, 0)}, {at(r, 0, 0), at(r, 1, 0), at(r, 2, 0), at(r, 3, 1)},
+                          {at(s, 0, 1), at(s, 1, 1), at(s, 2, 1)});
+}
+
+bool isFinite(const dmat4& m) {
+  for (int i = 0; i < 16; ++i)
+    if (!std::isfinite(float(m[i / 4][i % 4]))) return false;
+  return true;
+}
+
+// The parent of each node, or -1. A node has at most one (glTF 2.0, 3.5.2).
+std::vector<int> findParents(const tinygltf::Model& model) {
+  std::vector<int> parents(model.nodes.size(), -1);
+  for (size_t i = 0; i < model.nodes.size(); ++i) {
+    for (int child : model.nodes[i].children) {
+      if (parents[size_t(child)] >= 0)
+        badInput("nodes[{}] is the child of both nodes[{}] and nodes[{}]: a node has one parent", child,
+                 parents[size_t(child)], i);
+      parents[size_t(child)] = int(i);
+    }
+  }
+  return parents;
+}
+
+// Transforms of all nodes, in the scene shown or not: joints may be outside of it. Unreachable nodes are in a cycle.
+std::vector<dmat4> worldTransforms(const tinygltf::Model& model, const std::vector<int>& parents) {
+  std::vector<dmat4> world(model.nodes.size());
+  std::vector<int> pending;
+  for (size_t i = 0; i < parents.size(); ++i)
+    if (parents[i] < 0) pending.push_back(int(i));
+  size_t reached = 0;
+  while (!pending.empty()) {
+    size_t node = size_t(pending.back());
+    pending.pop_back();
+    ++reached;
+    dmat4 local = localTransform(model.nodes[node]);
+    world[node] = parents[node] < 0 ? local : world[size_t(parents[node])] * local;
+    if (!isFinite(world[node])) badInput("nodes[{}] has a transform that is not finite", node);
+    for (int child : model.nodes[node].children) pending.push_back(child);
+  }
+  if (reached != model.nodes.size()) badInput("its nodes form a cycle: some node is its own ancestor");
+  return world;
+}
+
+// Roots of the scene the file shows by default, else of its first; without scenes, of all nodes.
+std::vector<int> findRoots(const tinygltf::Model& model, const std::vector<int>& parents) {
+  if (!model.scenes.empty()) return model.scenes[size_t(std::max(model.defaultScene, 0))].nodes;
+  std::vector<int> roots;
+  for (size_t i = 0; i < parents.size(); ++i)
+    if (parents[i] < 0) roots.push_back(int(i));
+  return roots;
+}
+
+std::vector<int> traverse(const tinygltf::Model& model, const std::vector<int>& roots) {
+  std::vector<int> order, pending(roots.rbegin(), roots.rend());
+  std::vector<bool> seen(model.nodes.size());
+  while (!pending.empty()) {
+    int node = pending.back();
+    pending.pop_back();
+    if (seen[size_t(node)]) continue;  // listed twice among the roots, or below another one
+    seen[size_t(node)] = true;
+    order.push_back(node);
+    const auto& children = model.nodes[size_t(node)].children;
+    pending.insert(pending.end(), children.rbegin(), children.rend());
+  }
+  return order;
+}
+
+// Unique paths: the second "Wheel" of a parent is "Wheel#2".
+class Paths {
+ public:
+  std::string make(const std::string& parent, const std::string& name) {
+    std::string path = fmt::format("{}/{}", parent, name);
+    std::string unique = path;
+    for (unsigned& twin = twins_.try_emplace(path, 1).first->second; !used_.insert(unique).second;)
+      unique = fmt::format("{}#{}", path, ++twin);
+    if ((bytes_ += unique.size()) > kMaxPathBytes)
+      badInput("its nodes are nested too deeply, or their names are too long");
+    return unique;
+  }
+
+ private:
+  std::unordered_map<std::string, unsigned> twins_;  // so that a million equal names need only a million steps
+  std::unordered_set<std::string> used_;
+  size_t bytes_ = 0;
+};
+
+// Nothing where it has no width or no height.
+std::optional<Camera> readCamera(const tinygltf::Camera& source) {
+  Camera camera;
+  if (source.type == "orthographic") {
+    camera.orthographic = true;
+    const float xHalf = std::abs(float(source.orthographic.xmag));
+    camera.yHalf = std::abs(float(source.orthographic.ymag));
+    camera.nearClip = float(source.orthographic.znear);
+    camera.farClip = float(source.orthographic.zfar);
+    if (xHalf == 0 || camera.yHalf == 0) return std::nullopt;
+    camera.aspect = xHalf / camera.yHalf;
+  } else {
+    camera.verticalFov = float(source.perspective.yfov);
+    if (!showsSomething(camera.verticalFov)) {
+      warn("a camera's yfov of {:g} radians is not possible: {:g} is used instead", source.perspective.yfov,
+           kDefaultVerticalFov);
+      camera.verticalFov = kDefaultVerticalFov;
+    }
+    if (const auto near = float(source.perspective.znear); near > 0)
+      camera.nearClip = near;
+    else
+      warn("a camera has its near plane at 0: it clips nothing near it");
+    if (source.perspective.zfar > 0) camera.farClip = float(source.perspective.zfar);
+    if (source.perspective.aspectRatio > 0) camera.aspect = float(source.perspective.aspectRatio);
+  }
+  if (!(camera.farClip > camera.nearClip)) {
+    warn("a camera has its far plane before its near plane: it sees to infinity");
+    camera.farClip = std::numeric_limits<float>::infinity();
+  }
+  return camera;
+}
+
+// Nothing for a type that is not known here.
+std::optional<Light> readLight(const tinygltf::Light& source) {
+  Light light;
+  const std::optional<uint32_t> type = findLightType(source.type);
+  if (!type) return std::nullopt;
+  light.type = *type;
+  if (source.color.size() == 3) light.color = vec3(source.color[0], source.color[1], source.color[2]);
+  light.intensity = float(source.intensity);
+  if (source.range > 0) light.range = float(source.range);
+  if (shared::lightHasCone(light.type)) {
+    light.outerCone = float(source.spot.outerConeAngle);
+    light.innerCone = std::min(float(source.spot.innerConeAngle), light.outerCone);
+  }
+  return light;
+}
+
+// Extras of a light, or of its node, which take precedence: properties that KHR_lights_punctual lacks.
+const tinygltf::Value* lightExtra(const tinygltf::Node& node, const tinygltf::Light& light, const char* key) {
+  for (const tinygltf::Value* extras : {&node.extras, &light.extras})
+    if (extras->IsObject() && extras->Has(key)) return &extras->Get(key);
+  return nullptr;
+}
+
+void readShadowExtras(const tinygltf::Node& node, const tinygltf::Light& source, Light& light) {
+  const tinygltf::Value* cast = lightExtra(node, source, "castShadow");
+  if (cast && cast->IsBool()) light.castShadow = cast->Get<bool>();
+  const bool directional = shared::lightIsDirectional(light.type);
+  const tinygltf::Value* size = lightExtra(node, source, directional ? "angle" : "radius");
+  const double value = size && size->IsNumber() ? size->GetNumberAsDouble() : 0;
+  if (std::isfinite(value) && value > 0) light.size = float(directional ? std::min(value, 90.0) * M_PI / 180 : value);
+}
+
+}  // namespace
+
+bool isVisible(const tinygltf::Node& node) {
+  const tinygltf::Value* object = extension(node.extensions, "KHR_node_visibility");
+  return !object || !object->Has("visible") || object->Get("visible").Get<bool>();
+}
+
+dmat4 readMatrix(const std::vector<double>& columns) {
+  dmat4 m;
+  for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = columns[size_t(i)];
+  const dvec4 last(0, 0, 0, 1);
+  if (glm::length(glm::row(m, 3) - last) > 1e-6)
+    warn("a node's matrix has a last row that is not 0 0 0 1; 0 0 0 1 is used instead");
+  return glm::row(m, 3, last);
+}
+
+Hierarchy readNodes(const Document& document, Scene& scene) {
+  const tinygltf::Model& model = document.model;
+  std::vector<int> parents = findParents(model);
+  Hierarchy hierarchy{.world = worldTransforms(model, parents), .hidden = std::vector<bool>(model.nodes.size())};
+  hierarchy.order = traverse(model, findRoots(model, parents));
+  std::vector<int> placeOf(model.nodes.size(), -1);
+  Paths paths;
+  for (int index : hierarchy.order) {
+    const tinygltf::Node& source = model.nodes[size_t(index)];
+    const int parent = parents[size_t(index)];
+    hierarchy.hidden[size_t(index)] = !isVisible(source) || (parent >= 0 && hierarchy.hidden[size_t(parent)]);
+    Node node;
+    node.name = source.name.empty() ? fmt::format("node{}", index) : source.name;
+    node.parent = parent < 0 ? -1 : placeOf[size_t(parent)];
+    node.path = paths.make(node.parent < 0 ? "" : scene.nodes[size_t(node.parent)].path, node.name);
+    node.local = localTransform(source);
+    node.toWorld = toWorldFromGltf() * hierarchy.world[size_t(index)];
+    placeOf[size_t(index)] = int(scene.nodes.size());
+    scene.nodes.push_back(std::move(node));
+  }
+  return hierarchy;
+}
+
+void readCameras(const Document& document, const Hierarchy& hierarchy, Scene& scene) {
+  for (size_t i = 0; i < hierarchy.order.size(); ++i) {
+    size_t index = size_t(hierarchy.order[i]);
+    int source = document.model.nodes[index].camera;
+    if (source < 0) continue;
+    const tinygltf::Camera& data = document.model.cameras[size_t(source)];
+    std::optional<Camera> camera = readCamera(data);
+    if (!camera) {
+      warn("the camera at {} has no width or no height, and is left out", scene.nodes[i].path);
+      continue;
+    }
+    camera->name = data.name.empty() ? scene.nodes[i].name : data.name;
+    camera->node = int(i);
+    if (!placeCamera(*camera, hierarchy.world[index]))
+      warn("the camera at {} is scaled to nothing: it keeps its place and looks along -Z", scene.nodes[i].path);
+    scene.cameras.push_back(*std::move(camera));
+  }
+}
+
+void readLights(const Document& document, const Hierarchy& hierarchy, Scene& scene) {
+  for (size_t i = 0; i < hierarchy.order.size(); ++i) {
+    size_t index = size_t(hierarchy.order[i]);
+    const tinygltf::Value* object = extension(document.model.nodes[index].extensions, "KHR_lights_punctual");
+    if (!object) continue;
+    size_t source = size_t(indexOr(*object, "light", 0));
+    if (source >= document.model.lights.size()) badInput("nodes[{}] names a light that can't be read", index);
+    const tinygltf::Light& data = document.model.lights[source];
+    std::optional<Light> light = readLight(data);
+    if (!light) {
+      warn("the light at {} has the unknown type \"{}\", and is left out", scene.nodes[i].path, data.type);
+      continue;
+    }
+    light->name = data.name.empty() ? scene.nodes[i].name : data.name;
+    readShadowExtras(document.model.nodes[index], data, *light);
+    light->node = int(i);
+    light->hidden = hierarchy.hidden[index];
+    placeLight(*light, hierarchy.world[index]);
+    scene.lights.push_back(*std::move(light));
+  }
+}
+
+}  // namespace latelight::scene::gltf

@@ -1,0 +1,132 @@
+#include "scene/gltf/pointer.h"
+
+#include <string_view>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/text.h"
+#include "scene/gltf/mesh.h"
+
+namespace latelight::scene::gltf {
+namespace {
+
+constexpr std::string_view kVisible = "extensions/KHR_node_visibility/visible";
+
+// A pointer as "/materials/", 3 and "alphaCutoff".
+struct Parts {
+  std::string_view list;
+  uint32_t index = 0;
+  std::string_view below;
+};
+
+// Nothing where no number follows any list.
+std::optional<Parts> split(std::string_view pointer) {
+  for (const std::string_view list :
+       {"/nodes/", "/meshes/", "/materials/", "/cameras/", "/extensions/KHR_lights_punctual/lights/"}) {
+    if (!pointer.starts_with(list)) continue;
+    const std::string_view rest = pointer.substr(list.size());
+    const size_t slash = rest.find('/');
+    const std::optional<uint32_t> index = parseNumber<uint32_t>(std::string(rest.substr(0, slash)));
+    if (index && slash != std::string_view::npos) return Parts{list, *index, rest.substr(slash + 1)};
+  }
+  return std::nullopt;
+}
+
+void checkIndex(const Parts& parts, size_t count, const std::string& name) {
+  if (parts.index >= count) badInput("{} points to {}{}, but there are {}", name, parts.list, parts.index, count);
+}
+
+// "weights", or "weights/2": one of them.
+std::optional<int> findWeights(const Document& document, int mesh, std::string_view below, const std::string& name) {
+  if (below == "weights") return -1;
+  if (!below.starts_with("weights/")) return std::nullopt;
+  const auto element = parseNumber<uint32_t>(std::string(below.substr(8)));
+  const size_t count = mesh < 0 ? 0 : targetCount(document.model.meshes[size_t(mesh)]);
+  if (!element || *element >= count) badInput("{} points to {}, and there are {}", name, below, count);
+  return int(*element);
+}
+
+std::optional<PointedProperty> findInNode(const Document& document, const Parts& parts, const std::string& name) {
+  checkIndex(parts, document.model.nodes.size(), name);
+  if (parts.below == "translation") return NodeProperty{{parts.index}, AnimatedProperty::Translation};
+  if (parts.below == "rotation") return NodeProperty{{parts.index}, AnimatedProperty::Rotation};
+  if (parts.below == "scale") return NodeProperty{{parts.index}, AnimatedProperty::Scale};
+  if (parts.below == kVisible) return NodeProperty{{parts.index}, AnimatedProperty::Visible};
+  const std::optional<int> element = findWeights(document, document.model.nodes[parts.index].mesh, parts.below, name);
+  if (!element) return std::nullopt;
+  return NodeProperty{{parts.index}, AnimatedProperty::Weights, *element};
+}
+
+// A mesh's weights are those of its nodes that have none of their own.
+std::optional<PointedProperty> findInMesh(const Document& document, const Parts& parts, const std::string& name) {
+  checkIndex(parts, document.model.meshes.size(), name);
+  const std::optional<int> element = findWeights(document, int(parts.index), parts.below, name);
+  if (!element) return std::nullopt;
+  NodeProperty property{{}, AnimatedProperty::Weights, *element};
+  for (uint32_t i = 0; i < document.model.nodes.size(); ++i)
+    if (document.model.nodes[i].mesh == int(parts.index) && document.model.nodes[i].weights.empty())
+      property.nodes.push_back(i);
+  return property;
+}
+
+int lightOf(const tinygltf::Node& node) {
+  const tinygltf::Value* object = extension(node.extensions, "KHR_lights_punctual");
+  return object ? indexOr(*object, "light", -1) : -1;
+}
+
+// The scene's lights or cameras that a node made of that of the file.
+template <typename Element, typename SourceOf>
+std::vector<uint32_t> madeFrom(const std::vector<Element>& all, const Document& document, const Hierarchy& hierarchy,
+                               uint32_t source, SourceOf sourceOf) {
+  std::vector<uint32_t> found;
+  for (uint32_t i = 0; i < all.size(); ++i) {
+    const int node = hierarchy.order[size_t(all[i].node)];
+    if (sourceOf(document.model.nodes[size_t(node)]) == int(source)) found.push_back(i);
+  }
+  return found;
+}
+
+std::optional<PointedProperty> findInElement(AnimatedElements elements, std::vector<uint32_t> indices,
+                                             std::string_view below) {
+  const std::optional<AnimatedValue> value = findAnimatedValue(elements, below);
+  if (!value) return std::nullopt;
+  return ElementProperty{elements, std::move(indices), *value};
+}
+
+std::optional<PointedProperty> find(const Document& document, const Hierarchy& hierarchy, const Scene& scene,
+                                    const Parts& parts, const std::string& name) {
+  const tinygltf::Model& model = document.model;
+  if (parts.list == "/nodes/") return findInNode(document, parts, name);
+  if (parts.list == "/meshes/") return findInMesh(document, parts, name);
+  if (parts.list == "/materials/") {
+    checkIndex(parts, model.materials.size(), name);
+    return findInElement(AnimatedElements::Materials, {parts.index}, parts.below);
+  }
+  if (parts.list == "/cameras/") {
+    checkIndex(parts, model.cameras.size(), name);
+    return findInElement(AnimatedElements::Cameras,
+                         madeFrom(scene.cameras, document, hierarchy, parts.index,
+                                  [](const tinygltf::Node& node) { return node.camera; }),
+                         parts.below);
+  }
+  checkIndex(parts, model.lights.size(), name);
+  return findInElement(AnimatedElements::Lights, madeFrom(scene.lights, document, hierarchy, parts.index, lightOf),
+                       parts.below);
+}
+
+}  // namespace
+
+std::optional<PointedProperty> resolvePointer(const Document& document, const Hierarchy& hierarchy, const Scene& scene,
+                                              const std::string& pointer, const std::string& name) {
+  if (!pointer.starts_with('/'))
+    badInput("{} has the pointer \"{}\", which does not begin with a slash", name, pointer);
+  const std::optional<Parts> parts = split(pointer);
+  std::optional<PointedProperty> found;
+  if (parts) found = find(document, hierarchy, scene, *parts, name);
+  if (!found)
+    warn("the file animates {}, which is not supported and keeps its value",
+         printable(parts ? fmt::format("{}{{}}/{}", parts->list, parts->below) : pointer));
+  return found;
+}
+
+}  // namespace latelight::scene::gltf

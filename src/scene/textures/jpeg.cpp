@@ -1,0 +1,74 @@
+#include <turbojpeg.h>
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "scene/textures/codecs.h"
+
+namespace latelight::scene {
+namespace {
+
+using JpegDecoder = std::unique_ptr<void, int (*)(tjhandle)>;
+
+struct Header {
+  JpegDecoder decoder{nullptr, tjDestroy};
+  ImageSize size;
+  int colorspace = 0;
+};
+
+Header readHeader(std::span<const std::byte> encoded, const std::string& name) {
+  Header header;
+  header.decoder.reset(tjInitDecompress());
+  if (!header.decoder) fail(ExitCode::Internal, "The JPEG decoder could not start: {}", tjGetErrorStr2(nullptr));
+  int width = 0, height = 0, subsampling = 0;
+  if (tjDecompressHeader3(header.decoder.get(), bytesOf(encoded), encoded.size(), &width, &height, &subsampling,
+                          &header.colorspace) != 0)
+    badInput("{} is an invalid JPEG image: {}", name, tjGetErrorStr2(header.decoder.get()));
+  header.size = {uint32_t(width), uint32_t(height)};
+  return header;
+}
+
+// Warnings leave a usable picture, unless the data ended early and the rest of it is grey.
+void decompress(const Header& header, std::span<const std::byte> encoded, const std::string& name, TJPF format,
+                std::byte* pixels) {
+  // LIMITSCANS: a small progressive file can otherwise ask for hours of work.
+  if (tjDecompress2(header.decoder.get(), bytesOf(encoded), encoded.size(), reinterpret_cast<unsigned char*>(pixels),
+                    int(header.size.width), 0, int(header.size.height), format, TJFLAG_LIMITSCANS) == 0)
+    return;
+  std::string_view reason = tjGetErrorStr2(header.decoder.get());
+  if (tjGetErrorCode(header.decoder.get()) == TJERR_FATAL || reason.starts_with("Premature end"))
+    badInput("{} is an invalid JPEG image: {}", name, reason);
+  warn("{} is a damaged JPEG image, of which the intact part is used: {}", name, reason);
+}
+
+ImageSize sizeOfJpeg(std::span<const std::byte> encoded, const std::string& name) {
+  return readHeader(encoded, name).size;
+}
+
+// Adobe's four-channel JPEGs store inverted inks, which the decoder passes through: 255 is no ink.
+void decodeInks(const Header& header, std::span<const std::byte> encoded, const std::string& name, std::byte* rgba) {
+  decompress(header, encoded, name, TJPF_CMYK, rgba);
+  size_t pixels = size_t(header.size.width) * header.size.height;
+  for (std::byte* p = rgba; p != rgba + pixels * 4; p += 4) {
+    unsigned black = unsigned(p[3]);
+    for (int c = 0; c < 3; ++c) p[c] = std::byte((unsigned(p[c]) * black + 127) / 255);
+    p[3] = std::byte{255};
+  }
+}
+
+void decodeJpeg(std::span<const std::byte> encoded, const std::string& name, ImageSize, std::byte* rgba) {
+  Header header = readHeader(encoded, name);
+  if (header.colorspace == TJCS_CMYK || header.colorspace == TJCS_YCCK)
+    decodeInks(header, encoded, name, rgba);
+  else
+    decompress(header, encoded, name, TJPF_RGBA, rgba);
+}
+
+}  // namespace
+
+const Codec kJpegCodec{sizeOfJpeg, decodeJpeg};
+
+}  // namespace latelight::scene

@@ -1,0 +1,52 @@
+// Formats that glTF does not allow but that occur in real files.
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_BMP
+#define STBI_ONLY_TGA
+#define STBI_ONLY_GIF
+#define STBI_NO_STDIO
+#define STBI_MAX_DIMENSIONS 16384
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb/stb_image.h>
+#pragma GCC diagnostic pop
+
+#include <cstring>
+#include <limits>
+#include <memory>
+
+#include "base/error.h"
+#include "scene/textures/codecs.h"
+
+namespace latelight::scene {
+namespace {
+
+static_assert(STBI_MAX_DIMENSIONS == kMaxTextureSide);
+
+int lengthOf(std::span<const std::byte> encoded, const std::string& name) {
+  if (encoded.size() > size_t(std::numeric_limits<int>::max())) badInput("{} is larger than 2 GiB", name);
+  return int(encoded.size());
+}
+
+ImageSize sizeOfStb(std::span<const std::byte> encoded, const std::string& name) {
+  int width = 0, height = 0, channels = 0;
+  if (!stbi_info_from_memory(bytesOf(encoded), lengthOf(encoded, name), &width, &height, &channels))
+    badInput("{} is an invalid image: {}", name, stbi_failure_reason());
+  return {uint32_t(width), uint32_t(height)};
+}
+
+void decodeStb(std::span<const std::byte> encoded, const std::string& name, ImageSize size, std::byte* rgba) {
+  int width = 0, height = 0, channels = 0;
+  std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
+      stbi_load_from_memory(bytesOf(encoded), lengthOf(encoded, name), &width, &height, &channels, 4), stbi_image_free);
+  if (!pixels) badInput("{} is an invalid image: {}", name, stbi_failure_reason());
+  if (uint32_t(width) != size.width || uint32_t(height) != size.height)
+    badInput("{} is an invalid image: it states two different sizes", name);
+  std::memcpy(rgba, pixels.get(), size_t(width) * size_t(height) * 4);
+}
+
+}  // namespace
+
+const Codec kStbCodec{sizeOfStb, decodeStb};
+
+}  // namespace latelight::scene
