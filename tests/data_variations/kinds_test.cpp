@@ -5,6 +5,7 @@
 
 #include "data/variations/temperature.h"
 #include "data_variations/support.h"
+#include "models/models.h"
 #include "shared/light.h"
 
 namespace latelight::data::test {
@@ -233,7 +234,8 @@ TEST(TransformsTest, MoveAndTakeBackExactlyFarFromTheOrigin) {
   const dvec3 before(scene.instances[index].toWorld[3]);
   {
     Variations variations(
-        Json::parse(R"([{"type": "transforms", "nodes": "matte", "translation": [[0.5, 0, 0], [0.5, 0, 0]]}])"), scene, 1);
+        Json::parse(R"([{"type": "transforms", "nodes": "matte", "translation": [[0.5, 0, 0], [0.5, 0, 0]]}])"), scene,
+        1);
     for (uint64_t n = 0; n < 3; ++n) {
       variations.apply(n);
       EXPECT_LE(glm::length(dvec3(scene.instances[index].toWorld[3]) - before - dvec3(0.5, 0, 0)), 5e-8) << n;
@@ -248,6 +250,21 @@ TEST(LightsTest, StateTheirPositionsAsDoubles) {
   const Json said = variations.apply(0)[0]["lights"];
   for (size_t i = 0; i < scene.lights.size(); ++i)
     EXPECT_EQ(said[i]["position"][0].get<double>(), scene.lights[i].position.x) << i;
+}
+
+// As all positions that a set states: in the frame of the scene's file, where Y points up in glTF.
+TEST(LightsTest, StateTheirPositionsInTheFilesFrame) {
+  scene::Scene scene = scene::load(models::modelPath("punctual.glb").string());
+  ASSERT_TRUE(scene.yUp);
+  Variations variations(Json::parse(R"([{"type": "lights", "jitter": 0.25}])"), scene, 1);
+  const Json said = variations.apply(0)[0]["lights"];
+  ASSERT_GT(scene.lights.size(), 1u);
+  for (size_t i = 0; i < scene.lights.size(); ++i) {
+    const glm::dvec3 p = scene.lights[i].position;
+    const Json expected = {p.x, p.z, -p.y};
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(said[i]["position"][axis].get<double>(), expected[axis].get<double>(), 1e-12) << i;
+  }
 }
 
 TEST(VisibilityTest, IsByChance) {

@@ -55,7 +55,9 @@ class Ffmpeg {
     const int error = posix_spawnp(&child_, texts[0], &actions, nullptr, texts.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
-    if (error != 0) failed(error);
+    if (error == 0) return;
+    close(input_);  // the destructor of an object whose constructor fails does not run
+    failed(error);
   }
   ~Ffmpeg() {
     close(input_);

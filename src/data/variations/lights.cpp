@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "data/variations/draws.h"
+#include "data/variations/frames.h"
 #include "data/variations/pattern.h"
 #include "data/variations/temperature.h"
 #include "data/variations/variation.h"
@@ -36,12 +37,12 @@ class Lights : public Variation {
     }
     Json said;
     for (size_t i = 0; i < lights_.size(); ++i)
-      said["lights"].push_back(change(draw, lights_[i], on[i], draft.light(lights_[i])));
+      said["lights"].push_back(change(draw, lights_[i], on[i], fileFromWorld(draft.scene), draft.light(lights_[i])));
     return said;
   }
 
  private:
-  Json change(const Draw& draw, uint32_t index, bool on, scene::Light& light) const {
+  Json change(const Draw& draw, uint32_t index, bool on, const glm::dmat4& fromWorld, scene::Light& light) const {
     const auto random = [&](const char* what) { return draw.of(fmt::format("{}/{}/{}", path_, index, what)); };
     Json said{{"name", light.name}};
     if (intensity_) light.intensity *= drawn(*intensity_, random("intensity"));
@@ -55,7 +56,7 @@ class Lights : public Variation {
       const glm::dvec3 moved = drawn(Spec::Corners{-reach, reach}, random("jitter"));
       light.position += moved;
       light.node = -1;  // the light no longer follows its node
-      said["position"] = listOf(light.position);
+      said["position"] = listOf(glm::dvec3(fromWorld * glm::dvec4(light.position, 1)));
     }
     if (!on) light.intensity = 0;
     said["intensity"] = light.intensity;
