@@ -1,4 +1,4 @@
-// Numbers as colours.
+// Color maps: numbers as colors.
 #pragma once
 
 #include <array>
@@ -9,9 +9,9 @@ namespace latelight::output {
 
 using Rgb = std::array<float, 3>;  // in [0, 1], sRGB-encoded unless stated otherwise
 
-// Cubehelix: brightness rises evenly while the hue rotates, so it also reads well in grey. D. A. Green, "A colour
-// scheme for the display of astronomical intensity images", Bull. Astr. Soc. India 39 (2011), 289; its default start
-// and turns.
+// The cubehelix color map: brightness rises evenly while the hue rotates, so it also reads well in gray. D. A. Green
+// 2011, "A colour scheme for the display of astronomical intensity images", Bull. Astr. Soc. India 39, 289; with its
+// default start and rotations.
 inline Rgb cubehelix(float lambda) {
   constexpr float kStart = 0.5f, kTurns = -1.5f, kHue = 1.0f;
   const float angle = 2 * std::numbers::pi_v<float> * (kStart / 3 + 1 + kTurns * lambda);

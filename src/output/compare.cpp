@@ -30,13 +30,13 @@ bool isUnorm(const Channel& channel) {
   return channel.type == ChannelType::Unorm8 || channel.type == ChannelType::Unorm16;
 }
 
-// The same channel of both pictures.
+// The same channel of both images.
 struct Pair {
   const Channel* a;
   const Channel* b;
   double tolerance;
 
-  // |a - b|; equal infinities and two NaNs count as no difference; any other pair with one of these is infinite.
+  // |a - b|. Equal infinities and two NaNs count as no difference; any other pair with a non-finite value is infinite.
   double difference(size_t i) const {
     const double x = a->values[i], y = b->values[i];
     if (x == y || (std::isnan(x) && std::isnan(y))) return 0;
@@ -44,12 +44,12 @@ struct Pair {
     return std::abs(x - y);
   }
 
-  // The difference in units of the tolerance: above 1 is beyond it.
+  // The difference in units of the tolerance. Values above 1 are beyond tolerance.
   double excess(size_t i) const {
     const double d = difference(i);
     if (d == 0 || d == kInf) return d;
     const double scale = std::max({1.0, std::abs(a->values[i]), std::abs(b->values[i])});
-    // An 8-bit level is 1/255 only up to rounding: x/255 - (x-1)/255 may come out larger.
+    // An 8-bit level is 1/255 only up to rounding: x/255 - (x-1)/255 may be slightly larger.
     const double allowed = tolerance * scale * (1 + 1e-9);
     return allowed > 0 ? d / allowed : kInf;
   }
@@ -86,7 +86,7 @@ std::vector<Pair> pairsOf(const ReadImage& a, const ReadImage& b, const CompareO
              b.width, b.height);
   }
   if (!options.channels.empty()) return chosenPairs(a, b, options);
-  // One channel each, whose name depends on the format.
+  // The name of a single channel depends on the file format, so names are not compared.
   if (a.channels.size() == 1 && b.channels.size() == 1) return {makePair(a.channels[0], b.channels[0], options)};
   std::vector<Pair> pairs;
   for (const Channel& channel : a.channels) {
@@ -125,7 +125,7 @@ void findWorst(const std::vector<Pair>& pairs, uint32_t width, Comparison& resul
   }
 }
 
-// The largest excess of a pixel's channels.
+// Returns the largest excess among a pixel's channels.
 double worstExcess(const std::vector<Pair>& pairs, size_t pixel) {
   double worst = 0;
   for (const Pair& pair : pairs) worst = std::max(worst, pair.excess(pixel));

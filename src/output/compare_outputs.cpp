@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kOneFileOnly = std::numeric_limits<double>::infinity();
 
-// Tolerances where none is given. Of colours and other differences it follows from the channels' types (compare.h).
+// Default tolerances. For colors and other differences the tolerance follows from the channels' types (compare.h).
 double defaultTolerance(Measure measure) {
   switch (measure) {
     case Measure::Relative:
@@ -31,7 +31,7 @@ double defaultTolerance(Measure measure) {
   }
 }
 
-// --- which channels are which output --------------------------------------------------------------------------------
+// --- assignment of channels to outputs -------------------------------------------------------------------------------
 
 struct Group {
   std::string name;
@@ -43,10 +43,10 @@ bool hasAll(const std::set<std::string>& channels, std::span<const std::string_v
   return std::ranges::all_of(wanted, [&](std::string_view name) { return channels.contains(std::string(name)); });
 }
 
-// Takes the channels of an output out of those that are left; nothing where some are missing.
+// Removes the channels of an output from `left` and returns them as a group. Returns nothing if one is missing.
 std::optional<Group> takeOutput(const AovInfo& aov, std::set<std::string>& left) {
   std::span<const std::string_view> wanted = std::span(aov.exrChannels).first(aov.channels);
-  // A picture may do without coverage.
+  // Color may lack the alpha channel (coverage).
   if (aov.aov == Aov::Color && !hasAll(left, wanted)) wanted = wanted.first(3);
   if (!hasAll(left, wanted)) return std::nullopt;
   Group group{std::string(aov.name), measureOf(aov), {}};
@@ -57,7 +57,7 @@ std::optional<Group> takeOutput(const AovInfo& aov, std::set<std::string>& left)
   return group;
 }
 
-// "cluster.instance" belongs to "cluster".
+// Returns the prefix that groups channels: "cluster" for "cluster.instance".
 std::string prefixOf(const std::string& channel) {
   return channel.substr(0, channel.rfind('.'));
 }
@@ -75,7 +75,7 @@ std::vector<Group> groupsOf(const ReadImage& image, const std::vector<std::strin
   std::vector<Group> groups;
   for (const AovInfo& aov : aovs())
     if (auto group = takeOutput(aov, left)) groups.push_back(*std::move(group));
-  // A grey PNG is a picture as well.
+  // A gray PNG counts as color, too.
   if (isPng(image) && left.contains("Y")) {
     groups.push_back({"color", Measure::Color, {"Y"}});
     left.erase("Y");
@@ -95,7 +95,7 @@ std::vector<Group> groupsOf(const ReadImage& image, const std::vector<std::strin
 
 using Vector = glm::dvec3;
 
-// A pixel of up to three channels.
+// Returns a pixel of up to three channels.
 Vector vectorAt(std::span<const Channel* const> channels, size_t pixel) {
   Vector v(0);
   for (size_t c = 0; c < std::min<size_t>(channels.size(), 3); ++c) v[static_cast<int>(c)] = channels[c]->values[pixel];
@@ -106,17 +106,17 @@ bool isFinite(Vector v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-// A difference of no more than `step`, to which the file rounds, is none.
+// A difference of at most `step`, the file's rounding step, counts as none.
 double relativeError(Vector a, Vector b, double step) {
   const double difference = glm::length(a - b);
   return difference > step * (1 + 1e-6) ? (difference - step) / std::max(glm::length(a), glm::length(b)) : 0;
 }
 
-// Background has no direction.
+// The angle in degrees. Background has no direction: only two background pixels are equal.
 double angle(Vector a, Vector b) {
   const bool isA = glm::length(a) > 0, isB = glm::length(b) > 0;
   if (!isA || !isB) return isA == isB ? 0 : kOneFileOnly;
-  // Exact for small angles, too, which an arc cosine is not.
+  // The arc tangent is accurate for small angles, unlike an arc cosine.
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / std::numbers::pi;
 }
 
@@ -171,13 +171,14 @@ void measurePixels(const Pixels& channels, uint32_t width, OutputDifference& res
   result.mean = count ? sum / static_cast<double>(count) : 0;
 }
 
-// --- colours --------------------------------------------------------------------------------------------------------
+// --- colors ----------------------------------------------------------------------------------------------------------
 
 bool isCoverage(const std::string& channel) {
   return channel == "A";
 }
 
-// In [0, 1]: FLIP is of pictures that a screen can show. Pixels of a PNG are put over black, those of other files are.
+// Clamps to [0, 1], because FLIP compares images that a screen can show. Pixels of a PNG are composited over black; in
+// other files alpha is premultiplied already.
 LinearPicture linearOf(const ReadImage& image, const std::vector<std::string>& channels) {
   std::vector<const Channel*> colors;
   const Channel* coverage = nullptr;
@@ -188,7 +189,7 @@ LinearPicture linearOf(const ReadImage& image, const std::vector<std::string>& c
     for (int c = 0; c < 3; ++c) {
       const Channel& channel = *colors[std::min<size_t>(static_cast<size_t>(c), colors.size() - 1)];
       const bool coded = channel.type == ChannelType::Unorm8 || channel.type == ChannelType::Unorm16;
-      const double value = channel.values[i] > 0 ? std::min(channel.values[i], 1.0) : 0;  // NaN is 0
+      const double value = channel.values[i] > 0 ? std::min(channel.values[i], 1.0) : 0;  // NaN becomes 0
       const double seen = coded && coverage ? value * coverage->values[i] : value;
       picture.rgb[i][c] = coded ? linearFromSrgb(static_cast<float>(seen)) : seen;
     }
@@ -237,9 +238,9 @@ OutputDifference measure(const ReadImage& a, const ReadImage& b, const Group& gr
   return result;
 }
 
-// --- files named after an output ------------------------------------------------------------------------------------
+// --- files named after an output -------------------------------------------------------------------------------------
 
-// The number that a code of a PNG file stands for (PngCoding).
+// Decodes a PNG code to the number that it stands for (PngCoding).
 double decoded(PngCoding coding, double code) {
   constexpr double kLevels = 65535;
   switch (coding) {
@@ -278,7 +279,7 @@ ReadImage decodedPng(const ReadImage& image, const AovInfo& aov) {
   return result;
 }
 
-// "out.depth" and "depth" are named after depth.
+// Returns the output in a file name: depth for "out.depth" and "depth".
 const AovInfo* outputNamed(const std::filesystem::path& path) {
   const std::string stem = path.stem().string();
   return findAov(stem.substr(stem.rfind('.') + 1));
@@ -317,7 +318,7 @@ ReadImage asOutput(const ReadImage& image, const std::filesystem::path& path) {
 std::vector<OutputDifference> compareOutputs(const ReadImage& a, const ReadImage& b, const OutputOptions& options) {
   checkComparable(a, b, {options.tolerance, options.channels});
   ReadImage other = b;
-  // One channel each, whose name depends on the format.
+  // The name of a single channel depends on the file format, so it is replaced.
   if (options.channels.empty() && a.channels.size() == 1) other.channels[0].name = a.channels[0].name;
   std::vector<OutputDifference> results;
   for (const Group& group : groupsOf(a, options.channels)) results.push_back(measure(a, other, group, options));

@@ -25,7 +25,7 @@ Rgb fromHsv(float hue, float saturation, float value) {
   return {channel(5), channel(3), channel(1)};
 }
 
-// Ids are hashes already, but those of a few objects may be close, so spread them (Knuth's multiplicative hash).
+// Ids are hashes, but those of a few objects may be close; Knuth's multiplicative hash spreads them.
 Rgb idColor(uint32_t id) {
   const uint32_t h = id * 2654435761u;
   const auto bits = [&](int shift, int count) {
@@ -42,7 +42,7 @@ bool odd(float x) {
   return fraction(x * 0.5f) >= 0.5f;
 }
 
-// --- the functions that outputs.def names: pixel index to colour, or nothing for background -------------------------
+// --- the functions named in outputs.def: pixel index to color, or nothing for background -----------------------------
 
 auto depthColors(const AovImage& image) {
   std::vector<float> finite;
@@ -51,7 +51,7 @@ auto depthColors(const AovImage& image) {
   const Range range = rangeOf(std::move(finite));
   return [&image, range](size_t i) -> std::optional<Rgb> {
     if (!std::isfinite(image.values[i])) return std::nullopt;
-    return cubehelix(0.95f - 0.7f * range.at(image.values[i]));  // the dark end is for the background
+    return cubehelix(0.95f - 0.7f * range.at(image.values[i]));  // the dark end is reserved for the background
   };
 }
 
@@ -67,8 +67,8 @@ auto normalColors(const AovImage& image) {
   };
 }
 
-// The colour shows the position within the bounds; a three-dimensional checkerboard shows the scale: about twelve cells
-// along the longest side, each a power of ten metres in size, or half or a fifth of one.
+// The color shows the position within the bounds. A three-dimensional checkerboard shows the scale: about twelve cells
+// along the longest side, each a power of ten meters in size, or half or a fifth of one.
 auto positionColors(const AovImage& image) {
   std::array<Range, 3> ranges{};
   for (size_t axis = 0; axis < 3; ++axis) {
@@ -88,7 +88,7 @@ auto positionColors(const AovImage& image) {
     bool dark = false;
     Rgb color{};
     for (size_t axis = 0; axis < 3; ++axis) {
-      // The offset keeps floors and walls, which tend to be at round numbers, away from the cells' sides.
+      // The offset keeps floors and walls, which tend to be at round numbers, away from the cell boundaries.
       dark ^= odd(std::floor(p[axis] / cell + 0.37f));
       color[axis] = 0.2f + 0.8f * ranges[axis].at(p[axis]);
     }
@@ -126,14 +126,16 @@ auto greys(const AovImage& image) {
   return [&image](size_t i) -> std::optional<Rgb> { return Rgb{image.values[i], image.values[i], image.values[i]}; };
 }
 
-// One colour step per doubling, so that one light and thousands are both visible; the same in every picture.
+// One color step per doubling makes both one light and thousands of lights visible. The scale is the same in every
+// image.
 auto countColors(const AovImage& image) {
   return [&image](size_t i) -> std::optional<Rgb> {
     return cubehelix(0.95f * std::min(std::log2(1 + std::max(image.values[i], 0.0f)) / 12, 1.0f));
   };
 }
 
-// 1 is dark, 4 and more are bright. A shaded pixel's centre, where ids come from, may be background.
+// One sample is dark; four and more are bright. The center of a shaded pixel, which determines its id, may be
+// background.
 auto sampleColors(const AovImage& image) {
   return [&image](size_t i) -> std::optional<Rgb> {
     if (image.values[i] == 0) return std::nullopt;
@@ -148,8 +150,7 @@ auto idColors(const AovImage& image) {
   };
 }
 
-// Green, yellow, orange and purple (Okabe and Ito 2008, Color Universal Design), darker where the triangle is turned
-// away.
+// Green, yellow, orange and purple (Okabe and Ito 2008, Color Universal Design), darker where the triangle faces away.
 auto classColors(const AovImage& image) {
   static constexpr Rgb kColors[] = {{0, 0.62f, 0.45f}, {0.94f, 0.89f, 0.26f}, {0.84f, 0.37f, 0}, {0.8f, 0.47f, 0.65f}};
   return [&image](size_t i) -> std::optional<Rgb> {
@@ -161,7 +162,7 @@ auto classColors(const AovImage& image) {
   };
 }
 
-// A colour for each pair of whole numbers; neighbours are far apart.
+// One color for each pair of integers; neighboring pairs get very different colors.
 auto pairColors(const AovImage& image) {
   return [&image](size_t i) -> std::optional<Rgb> {
     const auto first = static_cast<uint32_t>(image.values[2 * i]),
@@ -171,7 +172,7 @@ auto pairColors(const AovImage& image) {
   };
 }
 
-// 1, 3, 7, 15, and 31 or more are evenly apart; the same in every picture.
+// 1, 3, 7, 15, and 31 or more are evenly spaced. The scale is the same in every image.
 auto overdrawColors(const AovImage& image) {
   return [&image](size_t i) -> std::optional<Rgb> {
     if (image.values[i] == 0) return std::nullopt;
@@ -179,7 +180,7 @@ auto overdrawColors(const AovImage& image) {
   };
 }
 
-// The direction to the previous frame as hue (right is red, down is green and yellow), its length as brightness.
+// The hue is the direction to the previous frame (right is red, down is green and yellow); brightness is the length.
 auto motionColors(const AovImage& image) {
   std::vector<float> lengths;
   for (size_t i = 0; i < image.values.size(); i += 4) {
@@ -209,7 +210,8 @@ Picture paint(const AovImage& image, const AovImage* ids, ColorOf&& colorOf) {
   return picture;
 }
 
-// These may have values where the pixel's centre, from which ids come, is background, or the other raster has it so.
+// These outputs may have values where the ids are background: ids come from the pixel's center, and the two rasters may
+// differ.
 bool coversMoreThanIds(Aov aov) {
   return aov == Aov::Color || aov == Aov::Samples || aov == Aov::Motion || tellsOfRaster(aov);
 }

@@ -9,14 +9,14 @@ namespace {
 std::vector<Aov> aovsOfSheet(bool moving) {
   std::vector<Aov> all;
   for (const AovInfo& aov : aovs()) {
-    if (aov.aov == Aov::Samples) continue;  // the same everywhere without multisampling
+    if (aov.aov == Aov::Samples) continue;  // constant without multisampling
     if (tellsOfRaster(aov.aov)) continue;
     if (aov.aov != Aov::Motion || moving) all.push_back(aov.aov);
   }
   return all;
 }
 
-// Its own pictures at full size; depth, which is none of the layout's, is the last of all.
+// Returns the images of one target at full size. targetPictures() appends depth, which is removed here.
 Picture targetPicture(const RawGbuffer& gbuffer, const std::string& name) {
   RawGbuffer one = gbuffer;
   std::erase_if(one.targets, [&](const RawTarget& target) { return target.name != name; });

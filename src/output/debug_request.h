@@ -1,4 +1,4 @@
-// What --debug asks for: pictures of data, for the eye.
+// The request of --debug: images of data, for viewing.
 #pragma once
 
 #include <string>
@@ -12,21 +12,21 @@ namespace latelight::output {
 
 struct DebugRequest {
   std::vector<Aov> aovs;
-  bool sheet = false;    // several, side by side
-  bool targets = false;  // the layout's own targets, instead of AOVs
-  std::string target{};  // one of them alone; empty: all
+  bool sheet = false;    // several images, side by side
+  bool targets = false;  // the layout's own render targets, instead of AOVs
+  std::string target{};  // only this target; empty: all
 };
 
-// "sheet" (all AOVs), "lights", AOV names by comma, "targets" or "target:NAME". `moving`: whether there is motion to
-// show on the sheet. Throws Error(Usage).
+// Parses "sheet" (all AOVs), "lights", comma-separated AOV names, "targets" or "target:NAME". `moving` tells if there
+// is motion to show on the sheet. Throws Error(Usage).
 DebugRequest parseDebug(std::string_view text, bool moving);
 
-// The value of {aov} in the name of its picture.
+// The value of {aov} in the file name of the debug image.
 std::string_view debugName(const DebugRequest& request);
 
-// The picture of AOVs. Those of the frame must have the request's, and, to tell the background, ids.
+// Paints AOVs. The frame must have the requested AOVs; if it also has ids, they tell background from surfaces.
 Picture debugPicture(const DebugRequest& request, const FrameOutput& frame);
-// The picture of targets.
+// Paints render targets.
 Picture debugPicture(const DebugRequest& request, const RawGbuffer& gbuffer);
 
 }  // namespace latelight::output

@@ -1,4 +1,4 @@
-// Shared by the readers of all formats.
+// Helpers that the readers of all formats share.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace latelight::output {
 
-// Y; Y A; R G B; R G B A; from five channels on "0", "1", ...
+// Returns Y; Y A; R G B; R G B A; for five channels or more "0", "1", ...
 std::vector<std::string> usualChannels(uint64_t count);
 
-// All values zero. Throws Error(BadInput) that names `path` where it would not fit in this machine's memory: a broken
-// header can ask for any size.
+// Returns an image whose values are all zero. Throws Error(BadInput) that names `path` if it would not fit in this
+// machine's memory, because a broken header can declare any size.
 ReadImage makeReadImage(uint64_t width, uint64_t height, const std::vector<std::string>& names, ChannelType type,
                         const std::filesystem::path& path);
 

@@ -43,7 +43,7 @@ class MemoryOut : public Imf::OStream {
   size_t at_ = 0;
 };
 
-// Imath multiplies row vectors from the left, glm column vectors from the right.
+// Imath multiplies row vectors from the left; glm multiplies column vectors from the right.
 Imath::M44f imathOf(const glm::dmat4& m) {
   Imath::M44f result;
   for (int column = 0; column < 4; ++column)
@@ -59,7 +59,7 @@ glm::dmat4 exrFromCamera(const std::string& convention) {
   return flip;
 }
 
-// To (0, 0) at the upper left and (1, 1) at the lower right corner of the picture, by the camera's intrinsics.
+// Maps to (0, 0) at the upper left and (1, 1) at the lower right corner of the image, by the camera's intrinsics.
 glm::dmat4 ndcFromCamera(const CameraMetadata& camera, double width, double height) {
   const auto& k = camera.intrinsics;
   glm::dmat4 rows(1);  // row i is rows[i]
@@ -124,8 +124,9 @@ Imf::PixelType pixelType(ExrType type) {
 
 Imf::Header headerOf(std::span<const AovImage* const> images, const Metadata& metadata, const ExrExtras& extras) {
   const AovImage& first = *images.front();
-  // ZIP, blocks of 16 rows, level 1: of a textured 1280x720 frame with all AOVs PIZ made 27 % more bytes in 1.5 times
-  // the time, RLE twice the bytes in 0.6, and level 4, the default, 5 % fewer in 1.35.
+  // ZIP, blocks of 16 rows, level 1. For a textured 1280x720 frame with all AOVs, PIZ produced 27 % more bytes in 1.5
+  // times the time, RLE twice the bytes in 0.6 times the time, and the default level 4 5 % fewer bytes in 1.35 times
+  // the time.
   Imf::Header header(static_cast<int>(first.width), static_cast<int>(first.height), 1, Imath::V2f(0, 0), 1,
                      Imf::INCREASING_Y, Imf::ZIP_COMPRESSION);
   header.zipCompressionLevel() = 1;
@@ -157,7 +158,7 @@ Imf::Header headerOf(std::span<const AovImage* const> images, const Metadata& me
 }
 
 half halfOf(float value) {
-  // Finite light stays finite: infinity would spread through any filter.
+  // Clamp finite light so that it stays finite, because infinity would spread through any filter.
   if (std::isfinite(value)) value = std::clamp(value, -65504.0f, 65504.0f);
   return half(value);
 }
@@ -170,13 +171,13 @@ std::vector<half> halvesOf(const AovImage& image) {
   return halves;
 }
 
-// Declares the AOV's channels, which lie interleaved at `data`.
+// Declares the AOV's channels, which are interleaved at `data`.
 void addSlices(Imf::FrameBuffer& buffer, const AovImage& image, const void* data, ChannelNames names) {
   const AovInfo& entry = info(image.aov);
   const size_t bytes = entry.exr == ExrType::Half ? 2 : 4;
   const size_t xStride = bytes * entry.channels;
   for (uint32_t c = 0; c < entry.channels; ++c) {
-    // OpenEXR's pointers are writable, for reading files; writing only reads them.
+    // OpenEXR's pointers are writable because reading files uses them, too; writing only reads the data.
     char* base = const_cast<char*>(static_cast<const char*>(data)) + bytes * c;
     buffer.insert(names(entry, c), Imf::Slice(pixelType(entry.exr), base, xStride, xStride * image.width));
   }
@@ -189,7 +190,7 @@ std::vector<std::byte> encodeExr(std::span<const AovImage* const> images, const 
   static std::once_flag threads;
   std::call_once(threads, [] { Imf::setGlobalThreadCount(static_cast<int>(threadCount())); });
   Imf::FrameBuffer buffer;
-  std::vector<std::vector<half>> halves(images.size());  // live until the pixels are written
+  std::vector<std::vector<half>> halves(images.size());  // must outlive the writing of pixels
   for (size_t i = 0; i < images.size(); ++i) {
     const AovImage& image = *images[i];
     assert(image.width == images.front()->width && image.height == images.front()->height);
@@ -210,7 +211,7 @@ std::vector<std::byte> encodeExr(std::span<const AovImage* const> images, const 
     Imf::OutputFile file(out, headerOf(images, metadata, extras));
     file.setFrameBuffer(buffer);
     file.writePixels(static_cast<int>(images.front()->height));
-  }  // the destructor writes the table of lines
+  }  // the destructor writes the line offset table
   return out.take();
 }
 

@@ -1,4 +1,4 @@
-// OpenEXR files in memory.
+// Encodes and decodes OpenEXR files in memory.
 #pragma once
 
 #include <cstddef>
@@ -14,22 +14,22 @@
 
 namespace latelight::output {
 
-// What a file may have beside its outputs.
+// Optional contents of a file in addition to its outputs.
 struct ExrExtras {
   struct Channel {
     std::string name;
-    std::span<const float> values;  // one a pixel, rows from the top
+    std::span<const float> values;  // one per pixel, rows from the top
   };
   std::vector<Channel> channels;
   std::vector<std::pair<std::string, std::string>> attributes;  // texts, by name
-  ChannelNames names = ownNames;                                // of the outputs' channels
-  bool idManifest = true;                                       // some readers refuse files that have one
+  ChannelNames names = ownNames;                                // names of the outputs' channels
+  bool idManifest = true;                                       // some readers reject files with a manifest
 };
 
-// All AOVs in one part, channels as AovInfo says, or as other names say. Attributes: chromaticities (Rec.709),
-// software, worldToCamera and worldToNDC as OpenEXR defines them, idManifest (OpenEXR's own, for the channels id, part
-// and material), and latelight: the side file's text without its files and ids. The same input gives the same bytes,
-// whatever the number of threads.
+// Writes all AOVs into one part, with the channel names of AovInfo or of `extras.names`. Attributes: chromaticities
+// (Rec.709); software; worldToCamera and worldToNDC as OpenEXR defines them; idManifest (OpenEXR's own, for the
+// channels id, part and material); and latelight: the text of the side file without its files and ids. The same input
+// produces the same bytes, regardless of the number of threads.
 std::vector<std::byte> encodeExr(std::span<const AovImage* const> images, const Metadata& metadata,
                                  const ExrExtras& extras = {});
 

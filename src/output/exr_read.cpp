@@ -34,10 +34,10 @@ class MemoryIn : public Imf::IStream {
   uint64_t at_ = 0;
 };
 
-// The pixels of one channel, 32 bits each: unsigned integers, or floats (which hold any half exactly).
+// The pixels of one channel with 32 bits each: unsigned integers, or floats (which represent any half exactly).
 using Plane = std::vector<uint32_t>;
 
-// All channels at once, since each pass over the file decompresses all of it.
+// Reads all channels at once, because each pass over the file decompresses all of it.
 std::vector<Plane> readPlanes(Imf::InputFile& file, const ReadImage& image) {
   const Imath::Box2i window = file.header().dataWindow();
   std::vector<Plane> planes(image.channels.size(), Plane(size_t{image.width} * image.height));
@@ -92,7 +92,7 @@ ReadImage readAll(Imf::InputFile& file, const std::filesystem::path& path) {
 }  // namespace
 
 ReadImage decodeExr(std::span<const std::byte> bytes, const std::filesystem::path& path) {
-  // A broken header can ask for a table of 2^31 lines before a pixel is read.
+  // A broken header can request a table of 2^31 lines before any pixel is read.
   constexpr int kMost = 1 << 20;
   static std::once_flag limits;
   std::call_once(limits, [] { Imf::Header::setMaxImageSize(kMost, kMost); });

@@ -28,7 +28,7 @@ bool hasPlaceholder(std::string_view pattern, std::string_view name) {
   return pattern.find(fmt::format("{{{}}}", name)) != std::string_view::npos;
 }
 
-// A name as part of a file's name: no folders, no control characters, not hidden.
+// Makes a name safe as part of a file name: no folders, no control characters, not hidden.
 std::string fileSafe(std::string name, std::string_view fallback) {
   for (char& c : name) {
     if (c == '/' || c == '\\' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '_';
@@ -37,7 +37,7 @@ std::string fileSafe(std::string name, std::string_view fallback) {
   return name.empty() ? std::string(fallback) : shortFileName(std::move(name));
 }
 
-// Replaces the pattern's placeholders, by name; throws for an unknown one.
+// Replaces the pattern's placeholders with `valueOf(name)`, which throws for an unknown name.
 template <typename ValueOf>
 std::string fillIn(std::string_view pattern, ValueOf&& valueOf) {
   std::string result;
@@ -55,7 +55,7 @@ std::string fillIn(std::string_view pattern, ValueOf&& valueOf) {
   return result;
 }
 
-// The pattern with {aov} where several files need it.
+// Inserts {aov} into the pattern if the AOVs need several files.
 std::string patternFor(const OutputRequest& request, Aov aov) {
   if (hasPlaceholder(request.pattern, "aov") || formatOf(request.pattern) == Format::Exr) return request.pattern;
   if (request.aovs.size() == 1 || aov == Aov::Color) return request.pattern;
@@ -69,7 +69,7 @@ bool wantsSideFile(const OutputRequest& request) {
   return request.sideFile.value_or(std::any_of(request.aovs.begin(), request.aovs.end(), isData));
 }
 
-// All outputs in one file.
+// Returns true if all outputs share one file.
 bool isTogether(const OutputRequest& request) {
   return formatOf(request.pattern) == Format::Exr && !hasPlaceholder(request.pattern, "aov");
 }
@@ -81,8 +81,8 @@ void checkPng(std::span<const Aov> aovs) {
   }
 }
 
-// The folder that must exist before rendering: above the first one with a placeholder; for a sequence, the deepest
-// existing one.
+// Returns the folder that must exist before rendering: the parent of the first folder with a placeholder; for a
+// sequence, its deepest existing ancestor.
 fs::path standingFolder(const fs::path& pattern) {
   fs::path folder;
   for (const fs::path& part : pattern.parent_path()) {
@@ -164,7 +164,7 @@ fs::path fill(std::string_view pattern, std::string_view aov, std::string_view f
   return path;
 }
 
-// An EXR file of a sequence lists the ids that it shows: all would be most of a small file.
+// An EXR file of a sequence lists only the ids that it shows; the full list would dominate a small file.
 Metadata exrMetadata(const OutputRequest& request, std::span<const AovImage> images, const Metadata& metadata) {
   Metadata own = metadata;
   if (request.inSequence && own.ids) own.ids = std::make_shared<IdManifest>(shownIn(*own.ids, images));
@@ -178,7 +178,7 @@ fs::path fillPattern(std::string_view pattern, std::string_view aov, const Metad
 }
 
 void makeFilledFolders(const fs::path& pattern, const fs::path& path) {
-  std::error_code ignored;  // writing reports what is wrong
+  std::error_code ignored;  // writing reports the error
   if (pattern.parent_path().string().find('{') != std::string::npos || hasPlaceholder(pattern.string(), "frame"))
     fs::create_directories(path.parent_path(), ignored);
 }

@@ -1,4 +1,4 @@
-// From a rendered frame to files: their names and formats.
+// Writes rendered frames to files: names, formats, folders and the side file.
 #pragma once
 
 #include <filesystem>
@@ -16,69 +16,70 @@ namespace latelight::output {
 enum class Format { Png, Exr, Npy };
 
 struct OutputRequest {
-  // The extension picks the format: .png, .exr, .npy. {aov}, {frame}, {camera} and {scene} are filled in; other braces
-  // are an error. Several AOVs go into one .exr, or into one file each where the pattern says {aov}; .png and .npy hold
-  // one each, so without {aov} the AOV's name is inserted before the extension: out.depth.png; colour stays out.png.
-  // Folders from the first placeholder on are created, and all where the pattern has {frame}; others must exist. "-" is
-  // standard output: a PNG of the first AOV.
+  // The extension selects the format: .png, .exr, .npy. {aov}, {frame}, {camera} and {scene} are replaced; other braces
+  // are an error. Several AOVs share one .exr, or have one file each if the pattern contains {aov}. A .png or .npy
+  // holds one AOV, so without {aov} the AOV's name is inserted before the extension: out.depth.png; color stays
+  // out.png. Folders from the first placeholder on are created, and all folders if the pattern contains {frame}; others
+  // must exist. "-" is standard output, which receives a PNG of the first AOV.
   std::string pattern;
   std::vector<Aov> aovs{Aov::Color};
-  // The JSON side file: the pattern with .json as its extension and "meta" for {aov}. Unset: if any AOV but color is
-  // asked for. Never with "-".
+  // Writes the JSON side file, whose name is the pattern with the extension .json and "meta" for {aov}. Default: if any
+  // AOV except color is requested. Never with "-".
   std::optional<bool> sideFile;
-  // One frame of a sequence: its side file refers to the id manifest, which all frames share (writeIdManifest()), and
-  // its EXR files list only the ids that they show.
+  // The request is one frame of a sequence. Its side file refers to the id manifest, which all frames share
+  // (writeIdManifest()), and its EXR files list only the ids that they show.
   bool inSequence = false;
 };
 
 struct FrameOutput {
   uint32_t width = 0, height = 0;
-  // Each requested AOV; colour may be left out where usesDisplay(). Colour is linear, scene-referred, exposed, not
-  // tonemapped, alpha premultiplied.
+  // Each requested AOV; color may be absent if usesDisplay(). Color is linear, scene-referred, exposed, not tone
+  // mapped, with premultiplied alpha.
   std::vector<AovImage> aovs;
-  // RGBA, 8 bits, sRGB, straight alpha, tonemapped: colour in PNG files. If empty, colour is clamped instead.
+  // Color for PNG files: RGBA, 8 bits, sRGB, straight alpha, tone mapped. If empty, PNG files hold clamped color
+  // instead.
   std::vector<uint8_t> display;
 
-  // `display` as a PNG file. Kept from the first call on: several formats of a data set write it. From one thread at a
-  // time.
+  // `display` as a PNG file, cached from the first call on, because several formats of a data set write it. Not
+  // thread-safe.
   std::span<const std::byte> displayPng() const;
   mutable std::vector<std::byte> keptPng = {};
 };
 
-// Makes motion to the previous frame, to the next one, or both NaN: there is no such frame.
+// Sets motion to the previous frame, to the next one, or both to NaN, because there is no such frame.
 void forgetMotion(FrameOutput& frame, bool previous, bool next);
 
-// The format by the pattern's extension. Throws Error(Usage) that names the three.
+// Returns the format for the pattern's extension. Throws Error(Usage) that names the three extensions.
 Format formatOf(std::string_view pattern);
 
-// Whether colour is output, and as FrameOutput::display (PNG), not as the Color AOV.
+// Returns true if color is output as FrameOutput::display (PNG) instead of the Color AOV.
 bool usesDisplay(const OutputRequest& request);
 
-// The path of one output: the pattern with its placeholders filled in.
+// Returns the path of one output: the pattern with its placeholders replaced.
 std::filesystem::path fillPattern(std::string_view pattern, std::string_view aov, const Metadata& metadata);
 
-// Creates the folders of such a path that need not exist.
+// Creates those folders of a filled pattern that need not exist beforehand.
 void makeFilledFolders(const std::filesystem::path& pattern, const std::filesystem::path& path);
 
-// Throws Error(Usage) for errors that can be found before rendering: the extension, placeholders, an AOV that the
-// format does not support, a folder that is missing or can't be written to.
+// Throws Error(Usage) for errors that can be detected before rendering: the extension, placeholders, an AOV that the
+// format does not support, a folder that is missing or not writable.
 void checkOutput(const OutputRequest& request);
 
-// The files that writeOutput writes: one path per AOV, or one for all, then the side file's. None for "-".
+// Returns the paths that writeOutput() writes: one per AOV, or one for all, then that of the side file. Empty for "-".
 std::vector<std::filesystem::path> outputPaths(const OutputRequest& request, const Metadata& metadata);
 
-// The file of a sequence's id manifest: the side file's name with "ids" for {frame}. Nothing where the request is not
-// of a sequence, or writes no side files with ids.
+// Returns the path of a sequence's id manifest: the side file's name with "ids" for {frame}. Empty if the request is
+// not part of a sequence or writes no side files with ids.
 std::optional<std::filesystem::path> idManifestPath(const OutputRequest& request, const Metadata& metadata);
-// Writes it, once for all frames. Throws Error(Usage) where that can't be done.
+// Writes the id manifest, once for all frames. Throws Error(Usage) if the file cannot be written.
 void writeIdManifest(const OutputRequest& request, const Metadata& metadata);
 
-// Writes all files, each whole or not at all, and returns their paths (the side file last; none for "-").
-// Throws Error(Usage) where one can't be written; other files of this call may then exist already.
+// Writes all files, each whole or not at all, and returns their paths (the side file last; none for "-"). Throws
+// Error(Usage) if a file cannot be written; other files of this call may then exist already.
 std::vector<std::filesystem::path> writeOutput(const OutputRequest& request, const FrameOutput& frame,
                                                const Metadata& metadata);
 
-// A picture as PNG; "-" is standard output.
+// Writes an image as PNG; "-" is standard output.
 void writePicture(const std::filesystem::path& path, const Picture& picture);
 
 }  // namespace latelight::output

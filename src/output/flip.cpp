@@ -1,3 +1,6 @@
+// The FLIP metric. The color pipeline filters both images with the observer's contrast sensitivity and maps their HyAB
+// distance in L*a*b* to [0, 1]. The feature pipeline compares edges and points of the luminance. flip() combines both
+// into `errors`, one value per pixel. Section numbers are those of the paper cited in flip.h.
 #include "output/flip.h"
 
 #include <algorithm>
@@ -16,16 +19,16 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// --- colour spaces (section 3 of the paper) -------------------------------------------------------------------------
+// --- color spaces (section 3 of the paper) ---------------------------------------------------------------------------
 
-// Rec.709 to CIE XYZ; columns. White is XYZ of (1, 1, 1).
+// Linear Rec.709 to CIE XYZ, column by column. The white point is the XYZ of (1, 1, 1).
 const dmat3 kXyzFromRgb{10135552 / 24577794.0, 2613072 / 12288897.0, 1425312 / 73733382.0,
                         8788810 / 24577794.0,  8788810 / 12288897.0, 8788810 / 73733382.0,
                         4435075 / 24577794.0,  887015 / 12288897.0,  70074185 / 73733382.0};
 const dmat3 kRgbFromXyz = glm::inverse(kXyzFromRgb);
 const dvec3 kWhite = kXyzFromRgb * dvec3(1);
 
-// The opponent space of the contrast sensitivity: luminance, red-green, blue-yellow.
+// The opponent color space for contrast sensitivity: luminance, red-green, blue-yellow.
 dvec3 opponentOf(dvec3 rgb) {
   const dvec3 n = kXyzFromRgb * rgb / kWhite;
   return {116 * n.y - 16, 500 * (n.x - n.y), 200 * (n.y - n.z)};
@@ -36,7 +39,7 @@ dvec3 rgbOf(dvec3 opponent) {
   return kRgbFromXyz * (dvec3(opponent.y / 500 + y, y, y - opponent.z / 200) * kWhite);
 }
 
-// L*a*b*, with colours that fade where it is dark (Hunt's effect).
+// CIE L*a*b*, with a and b scaled by luminance, because dark colors appear less colorful (Hunt effect).
 dvec3 labOf(dvec3 rgb) {
   constexpr double kDelta = 6.0 / 29;
   const auto curve = [](double t) {
@@ -48,7 +51,7 @@ dvec3 labOf(dvec3 rgb) {
   return {lightness, 0.01 * lightness * 500 * (f.x - f.y), 0.01 * lightness * 200 * (f.y - f.z)};
 }
 
-// HyAB, for large differences of colour.
+// The HyAB distance, which suits large color differences.
 double hyab(dvec3 a, dvec3 b) {
   return std::abs(a.x - b.x) + std::hypot(a.y - b.y, a.z - b.z);
 }
@@ -56,13 +59,13 @@ double hyab(dvec3 a, dvec3 b) {
 // --- filters --------------------------------------------------------------------------------------------------------
 
 using Grid = std::vector<double>;
-using Kernel = std::vector<double>;  // odd, its middle at 0
+using Kernel = std::vector<double>;  // odd length, centered at 0
 
 struct Size {
   uint32_t width, height;
 };
 
-// Along rows, or along columns; edges are continued.
+// Filters along rows or along columns. Edge values are repeated.
 Grid filtered(const Grid& in, Size size, const Kernel& kernel, bool alongRows) {
   const auto radius = static_cast<int64_t>(kernel.size() / 2);
   const int64_t last = int64_t{alongRows ? size.width : size.height} - 1;
@@ -100,9 +103,9 @@ double sumOf(const Kernel& kernel) {
   return sum;
 }
 
-// --- the colour pipeline (section 4.1) ------------------------------------------------------------------------------
+// --- the color pipeline (section 4.1) --------------------------------------------------------------------------------
 
-// The contrast sensitivity of a channel: a sum of two Gaussians of the distance in degrees.
+// The contrast sensitivity function of a channel: a sum of two Gaussians of the distance in degrees.
 struct Sensitivity {
   double a1, b1, a2, b2;
 };
@@ -151,7 +154,7 @@ std::vector<dvec3> labsOf(const Opponent& planes, Size size, double pixelsPerDeg
   return labs;
 }
 
-// To [0, 1]: small differences take most of the range.
+// Maps a color difference to [0, 1]. Small differences use most of the range.
 double redistributed(double difference) {
   constexpr double kExponent = 0.7, kSplit = 0.4, kShare = 0.95;
   static const double largest = std::pow(hyab(labOf({0, 1, 0}), labOf({0, 0, 1})), kExponent);
@@ -162,7 +165,7 @@ double redistributed(double difference) {
 
 // --- the feature pipeline (section 4.2) -----------------------------------------------------------------------------
 
-// Positive weights add up to 1 and negative ones to -1.
+// Scales the kernel so that its positive weights sum to 1 and its negative weights to -1.
 Kernel balanced(Kernel kernel) {
   double positive = 0, negative = 0;
   for (const double weight : kernel) (weight > 0 ? positive : negative) += weight;

@@ -1,6 +1,6 @@
-// FLIP: the difference that a person sees between two pictures shown in turn at one place (Andersson, Nilsson,
-// Akenine-Moller, Oskarsson, Astrom and Fairchild 2020, "FLIP: A Difference Evaluator for Alternating Images", HPG).
-// The version for pictures of low dynamic range.
+// The image metric FLIP: the difference that a person perceives between two images that alternate at the same position
+// (Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom and Fairchild 2020, "FLIP: A Difference Evaluator for
+// Alternating Images", HPG). This is the version for low dynamic range.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace latelight::output {
 
-// Of the paper's observer: a screen 0.7 m wide with 3840 pixels across, 0.7 m away.
+// The paper's viewing conditions: a screen 0.7 m wide with 3840 pixels across, seen from 0.7 m.
 inline constexpr double kPixelsPerDegree = 67;
 
 // Linear Rec.709, each channel in [0, 1]; rows from the top.
@@ -18,7 +18,7 @@ struct LinearPicture {
   std::vector<glm::dvec3> rgb;
 };
 
-// For each pixel the difference, from 0 (none) to 1. The pictures have one size.
+// Returns the difference per pixel, from 0 (none) to 1. Both images must have the same size.
 std::vector<double> flip(const LinearPicture& reference, const LinearPicture& test,
                          double pixelsPerDegree = kPixelsPerDegree);
 

@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Directly into the vector underlying an ordered_json object, because [] searches it each time. Ids are unique.
+// Appends directly to the vector of an ordered_json object, because [] searches the vector each time. Ids are unique.
 void append(Json::object_t& object, uint32_t id, Json value) {
   static_cast<std::vector<Json::object_t::value_type>&>(object).emplace_back(std::to_string(id), std::move(value));
 }
@@ -39,7 +39,7 @@ Json describeEntry(const IdEntry& entry, const std::vector<std::string>& materia
   return json;
 }
 
-// In a list that is sorted by id; null: it is not there.
+// Searches a list that is sorted by id. Returns null if the id is absent.
 template <typename Entry>
 const Entry* find(const std::vector<Entry>& entries, uint32_t id) {
   const auto found = std::ranges::lower_bound(entries, id, {}, &Entry::id);

@@ -1,4 +1,4 @@
-// The id manifest: the meaning of the ids in a picture.
+// The id manifest: the meaning of the ids in an image.
 #pragma once
 
 #include <cstdint>
@@ -12,28 +12,28 @@
 
 namespace latelight::output {
 
-// "/forest/tree", or of a copy "/forest/tree/instance7", as its id is made from.
+// Returns "/forest/tree", or "/forest/tree/instance7" for a copy: the path from which its id is computed.
 std::string pathOf(const std::string& node, const std::optional<uint32_t>& copy);
 
 // A primitive of a node, or of one of the node's copies.
 struct IdPart {
   uint32_t id = 0;
   std::string node;              // the node's path
-  std::optional<uint32_t> copy;  // which one, of a node that EXT_mesh_gpu_instancing copies
-  std::string mesh;              // the node's
-  uint32_t primitive = 0;        // of the mesh
-  uint32_t material = 0;         // its id
+  std::optional<uint32_t> copy;  // index of the copy, if EXT_mesh_gpu_instancing copies the node
+  std::string mesh;              // the node's mesh
+  uint32_t primitive = 0;        // index in the mesh
+  uint32_t material = 0;         // id of its material
 };
 
-// A node with all parts that have its id: its own, and in a group those of the nodes below it.
+// A node with all parts that have its id: its own parts and, in a group, those of the nodes below it.
 struct IdEntry {
   uint32_t id = 0;
   std::string node;              // the node's path
-  std::optional<uint32_t> copy;  // which one, where copies have ids of their own
-  uint32_t parent = 0;           // the id of the node's parent; 0: it is a root
-  std::string mesh;              // the node's own; empty: it has none
-  bool skinned = false;          // a skin moves one of its parts
-  std::vector<IdPart> parts;     // in scene order; empty: listed because it has descendants with parts
+  std::optional<uint32_t> copy;  // index of the copy, if copies have ids of their own
+  uint32_t parent = 0;           // id of the node's parent; 0: the node is a root
+  std::string mesh;              // the node's own mesh; empty: none
+  bool skinned = false;          // a skin deforms one of its parts
+  std::vector<IdPart> parts;     // in scene order; empty: listed only because descendants have parts
 };
 
 struct IdMaterial {
@@ -43,27 +43,28 @@ struct IdMaterial {
 };
 
 struct IdManifest {
-  // Each sorted by id.
+  // Both lists are sorted by id.
   std::vector<IdEntry> ids;
   std::vector<IdMaterial> materials;
 
-  // The names of the materials of an entry's parts, without repeats, in order.
+  // Returns the names of the materials of an entry's parts, without repeats, in order.
   std::vector<std::string> materialsOf(const IdEntry& entry) const;
 };
 
-// Null where there is none of that id.
+// Returns null if the manifest has no such id.
 const IdEntry* entryOf(const IdManifest& manifest, uint32_t id);
 
-// What of it the pictures of `id`, `part` and `material` among these show, with the nodes above.
+// Returns the part of the manifest that is visible in those of these images that are `id`, `part` and `material`,
+// including all ancestors of the visible nodes.
 IdManifest shownIn(const IdManifest& all, std::span<const AovImage> pictures);
 
-// {"<id>": {"node": ..., "parent": ..., "mesh": ..., "materials": [...], "skinned": ..., "parts": [...]}, ...}, ids in
-// decimal; copies also have "copy".
+// Returns {"<id>": {"node": ..., "parent": ..., "mesh": ..., "materials": [...], "skinned": ..., "parts": [...]}, ...},
+// with ids in decimal. Copies also have "copy".
 nlohmann::ordered_json describeIds(const IdManifest& manifest);
-// {"<id>": {"name": ..., "index": ...}, ...}
+// Returns {"<id>": {"name": ..., "index": ...}, ...}
 nlohmann::ordered_json describeMaterials(const IdManifest& manifest);
 
-// Both, as "ids" and "materials" of one JSON object.
+// Returns one JSON object with both, as "ids" and "materials".
 std::string idManifestText(const IdManifest& manifest);
 
 }  // namespace latelight::output

@@ -1,4 +1,4 @@
-// Everything that a reader of the files must know besides the pixels, and the JSON side file with it.
+// The metadata that a reader of the files needs in addition to the pixels, and the JSON side file that holds it.
 #pragma once
 
 #include <array>
@@ -18,27 +18,27 @@ namespace latelight::output {
 
 struct CameraMetadata {
   std::string name;
-  // A point (x, y, z) in the camera frame is seen at pixel coordinate ((K row 0).p / w, (K row 1).p / w), w = (K row
-  // 2).p; for an orthographic camera K multiplies (x, y, 1) instead. Row-major, pixels. Pixel centres are at
-  // half-integers: that of the first pixel, top left, is (0.5, 0.5), so a centred principal point is (width / 2, height
-  // / 2).
+  // The camera matrix K, row-major, in pixels. A point p = (x, y, z) in the camera frame is projected to pixel
+  // coordinate ((K row 0).p / w, (K row 1).p / w) with w = (K row 2).p; for an orthographic camera K multiplies (x, y,
+  // 1) instead. Pixel centers are at half-integers: the center of the first pixel, top left, is (0.5, 0.5), so a
+  // centered principal point is (width / 2, height / 2).
   std::array<double, 9> intrinsics{1, 0, 0, 0, 1, 0, 0, 0, 1};
   glm::dmat4 cameraToWorld{1};  // for column vectors, in the camera frame that `convention` names
   // "opencv": X right, Y down, Z forward. "opengl": X right, Y up, Z backward.
   std::string convention = "opencv";
   bool orthographic = false;
-  // One that bends rays, calibrated for the picture's size: `intrinsics` apply before its distortion, or not at all.
+  // A lens with distortion, calibrated for the image's size. `intrinsics` apply to the distorted point, or not at all.
   std::optional<scene::Lens> lens;
-  double nearClip = 0, farClip = 0;  // metres; farClip may be +inf
+  double nearClip = 0, farClip = 0;  // meters; farClip may be +inf
 };
 
-// A frame that the output motion leads to.
+// A frame to which the output motion leads.
 struct NeighborFrame {
-  std::string name;            // its name in the data set; empty: the set does not have it
-  std::optional<double> time;  // seconds of the scene; none: at rest
+  std::string name;            // its name in the data set; empty: not part of the set
+  std::optional<double> time;  // scene time in seconds; empty: at rest
 };
 struct NeighborFrames {
-  std::optional<NeighborFrame> previous, next;  // none: there is no such frame, and motion to it is NaN
+  std::optional<NeighborFrame> previous, next;  // empty: there is no such frame, and motion to it is NaN
 };
 nlohmann::ordered_json describe(const NeighborFrames& neighbors);
 
@@ -48,31 +48,31 @@ struct DeviceMetadata {
 
 struct Metadata {
   std::string scene;         // the scene's name: {scene}
-  std::string source;        // what the user named
+  std::string source;        // the scene as the user named it
   uint32_t frame = 0;        // {frame}
   uint32_t frameDigits = 4;  // width of the frame number, zero-padded
   CameraMetadata camera;
-  // The frame that positions and poses are in: "gltf" (X right, Y up, Z towards the viewer) or "z-up".
+  // The frame of positions and poses: "gltf" (X right, Y up, Z towards the viewer) or "z-up".
   std::string axes = "gltf";
-  // The frame that `normal` and `geonormal` are in: "world" (that of `axes`), "opencv" or "opengl".
+  // The frame of `normal` and `geonormal`: "world" (that of `axes`), "opencv" or "opengl".
   std::string normalFrame = "world";
-  float exposure = 1;  // linear factor that colour was multiplied by
-  // Without a name it is not said.
+  float exposure = 1;  // linear factor by which color was multiplied
+  // Not written if its name is empty.
   DeviceMetadata device;
   std::map<std::string, std::string> versions;  // program, API, ...
-  std::map<std::string, std::string> settings;  // the options that the picture depends on, as on the command line
-  std::shared_ptr<const IdManifest> ids;        // null: not known
-  std::optional<NeighborFrames> neighbors;      // of a frame of a data set with the output motion
-  std::string idManifest;  // a file beside the side file that holds the ids instead of it; empty: none
+  std::map<std::string, std::string> settings;  // the options that affect the image, as on the command line
+  std::shared_ptr<const IdManifest> ids;        // null: unknown
+  std::optional<NeighborFrames> neighbors;      // set for a frame of a data set with the output motion
+  std::string idManifest;  // file next to the side file that holds the ids in its place; empty: none
 };
 
-// The coefficients that a lens's model has, in OpenCV's order; null: it has none.
+// Returns the coefficients of the lens model in OpenCV's order, or null if the model has none.
 nlohmann::ordered_json distortionOf(const scene::Lens& lens);
-// The rows of a matrix, as JSON files have them.
+// Returns the rows of a matrix in the form that JSON files use.
 nlohmann::ordered_json rowsOf(const glm::dmat4& m);
 
-// The whole side file as JSON text. The same input gives the same bytes. `files` are the names of the files written,
-// one per AOV, relative to the side file.
+// Returns the complete side file as JSON text. The same input produces the same bytes. `files` are the names of the
+// written files, one per AOV, relative to the side file.
 std::string sideFile(const Metadata& metadata, uint32_t width, uint32_t height, std::span<const Aov> aovs,
                      std::span<const std::string> files, ChannelNames names = ownNames);
 

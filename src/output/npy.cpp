@@ -20,7 +20,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "values are written as they lie in memory");
 
 constexpr std::string_view kMagic = "\x93NUMPY";
-constexpr size_t kAlignment = 64;  // of the data in the file, so that it can be mapped
+constexpr size_t kAlignment = 64;  // alignment of the data in the file, so that it can be memory-mapped
 
 struct Header {
   std::string descr;
@@ -29,7 +29,7 @@ struct Header {
   size_t dataBegin = 0;
 };
 
-// Reads the header: a Python dictionary literal of three keys.
+// Reads the header, a Python dictionary literal with three keys.
 class HeaderReader {
  public:
   HeaderReader(std::span<const std::byte> bytes, const std::filesystem::path& path)
@@ -53,7 +53,7 @@ class HeaderReader {
   }
 
  private:
-  // Finds the beginning of the text; sets text_.
+  // Returns the offset of the header text, and sets text_.
   size_t find() {
     if (bytes_.size() < 12) broken("it ends in its header");
     const size_t lengthBytes = bytes_[6] == 1 ? 2 : 4;

@@ -1,4 +1,4 @@
-// NumPy's array files, version 1.0 (NEP 1), in memory.
+// Encodes and decodes NumPy array files, version 1.0 (NEP 1), in memory.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace latelight::output {
 
-// float32 of shape (H, W) or (H, W, channels), ids uint32 of shape (H, W); little endian, C order.
+// Writes float32 of shape (H, W) or (H, W, channels), or uint32 of shape (H, W) for ids; little-endian, C order.
 std::vector<std::byte> encodeNpy(const AovImage& image);
 
 // Throws Error(BadInput) that names `path`.

@@ -1,3 +1,5 @@
+// The PNG encoder. It filters and compresses stripes of rows in parallel and concatenates them to one zlib stream, with
+// one IDAT chunk per stripe.
 #include "output/png.h"
 
 #include <libdeflate.h>
@@ -16,15 +18,15 @@
 namespace latelight::output {
 namespace {
 
-// Pictures of at most so many raw bytes are deflated whole, by libdeflate: on 640x480 pictures of builtin:hall in 45 %
-// of zlib's time (color 6.5 ms instead of 14.6, normal 10.9 instead of 25.6) and 4 % smaller. Larger ones are worth
-// several threads, and libdeflate can't end a part so that another may follow.
+// Images of at most this many raw bytes are compressed in one piece by libdeflate. For 640x480 images of builtin:hall
+// it required 45 % of zlib's time and produced files 4 % smaller. Larger images are worth several threads, and
+// libdeflate cannot end a part such that another may follow.
 constexpr size_t kWholeBytes = size_t{2} << 20;
-// Raw bytes that one thread filters and deflates. Fixed, so that the file does not depend on the number of threads;
-// large enough that restarting compression costs under 1 % of the size.
+// Raw bytes that one thread filters and compresses. The number is fixed, so that the file does not depend on the number
+// of threads, and large enough that restarting compression costs less than 1 % of the size.
 constexpr size_t kStripeBytes = size_t{512} << 10;
-// The fastest level: on 1280x720 pictures full of texture, level 2 took 10 % longer for 1 % less, level 6 five times as
-// long for 4 % less. Filter Up was the smallest of the fixed ones, and vectorises.
+// The fastest level. For 1280x720 images full of texture, level 2 required 10 % more time for 1 % fewer bytes, and
+// level 6 five times the time for 4 % fewer. Filter Up produced the smallest files of the fixed filters and vectorizes.
 constexpr int kLevel = 1;
 constexpr uint8_t kFilterUp = 2;
 
@@ -46,7 +48,7 @@ void putChunk(std::vector<std::byte>& out, const char (&type)[5], std::span<cons
   putBigEndian(out, static_cast<uint32_t>(crc32_z(0, zlibBytes(out.data() + begin), out.size() - begin)));
 }
 
-// A part of the picture, and of the single zlib stream that all parts form.
+// A part of the image, and of the single zlib stream that all parts form.
 struct Stripe {
   std::vector<std::byte> deflated;
   size_t rawBytes = 0;
@@ -60,7 +62,7 @@ std::vector<std::byte> filterRows(const std::byte* pixels, size_t rowBytes, size
     const auto* row = reinterpret_cast<const uint8_t*>(pixels + y * rowBytes);
     *out++ = static_cast<std::byte>(kFilterUp);
     if (y == 0) {
-      std::memcpy(out, row, rowBytes);  // above the first row is zero
+      std::memcpy(out, row, rowBytes);  // the row above the first one counts as zero
     } else {
       const uint8_t* above = row - rowBytes;
       for (size_t i = 0; i < rowBytes; ++i) out[i] = static_cast<std::byte>(row[i] - above[i]);
@@ -80,7 +82,7 @@ std::vector<std::byte> deflateWhole(const std::vector<std::byte>& raw) {
   return deflated;
 }
 
-// Raw deflate that ends on a byte boundary, so that stripes can be concatenated (as in pigz).
+// Compresses to raw deflate that ends on a byte boundary, so that stripes can be concatenated (as in pigz).
 std::vector<std::byte> deflatePart(const std::vector<std::byte>& raw, bool last) {
   std::vector<std::byte> deflated;
   z_stream stream{};
@@ -101,7 +103,7 @@ Stripe makeStripe(const std::vector<std::byte>& raw, bool first, bool last) {
   Stripe stripe{.rawBytes = raw.size()};
   stripe.adler = adler32_z(adler32_z(0, nullptr, 0), zlibBytes(raw.data()), raw.size());
   stripe.deflated = first && last ? deflateWhole(raw) : deflatePart(raw, last);
-  stripe.deflated.shrink_to_fit();  // many are held at once
+  stripe.deflated.shrink_to_fit();  // many stripes are in memory at once
   return stripe;
 }
 
@@ -117,7 +119,7 @@ std::vector<Stripe> deflatePicture(const std::byte* pixels, size_t rowBytes, siz
   return stripes;
 }
 
-// One IDAT chunk per stripe; the zlib stream's header is before the first and its checksum after the last.
+// Writes one IDAT chunk per stripe. The zlib header precedes the first stripe, and the checksum follows the last.
 void putPixels(std::vector<std::byte>& out, std::vector<Stripe> stripes) {
   constexpr std::byte kZlibHeader[] = {std::byte{0x78}, std::byte{0x01}};  // 32 KiB window, fastest level
   uLong adler = adler32_z(0, nullptr, 0);
@@ -132,7 +134,7 @@ void putPixels(std::vector<std::byte>& out, std::vector<Stripe> stripes) {
   out.reserve(bytes + kChunkBytes);  // including IEND
   for (Stripe& stripe : stripes) {
     putChunk(out, "IDAT", stripe.deflated);
-    stripe = Stripe();  // so that a large file is in memory only once
+    stripe = Stripe();  // frees the stripe, so that a large file is in memory only once
   }
 }
 
@@ -142,7 +144,7 @@ std::vector<std::byte> imageHeader(uint32_t width, uint32_t height, uint32_t cha
   putBigEndian(header, width);
   putBigEndian(header, height);
   for (const uint32_t value : {bits, uint32_t{kColorTypes[channels - 1]}, 0u, 0u, 0u}) {
-    header.push_back(static_cast<std::byte>(value));  // the zeros: deflate, the five filters, not interlaced
+    header.push_back(static_cast<std::byte>(value));  // the zeros mean deflate, the five filters, not interlaced
   }
   return header;
 }

@@ -1,4 +1,4 @@
-// PNG files (ISO/IEC 15948) in memory.
+// Encodes and decodes PNG files (ISO/IEC 15948) in memory.
 #pragma once
 
 #include <cstddef>
@@ -14,12 +14,12 @@ namespace latelight::output {
 // The meaning of the stored numbers.
 enum class PngLight { Srgb, Data };
 
-// Rows of `channels` (1 grey, 2 grey and alpha, 3 RGB, 4 RGBA) times `bits` / 8 bytes, 16 bit in the machine's order.
-// The same input gives the same bytes, whatever the number of threads.
+// Pixels are rows of `channels` (1 gray, 2 gray and alpha, 3 RGB, 4 RGBA) times `bits` / 8 bytes; 16 bit values are in
+// the machine's byte order. The same input produces the same bytes, regardless of the number of threads.
 std::vector<std::byte> encodePng(uint32_t width, uint32_t height, uint32_t channels, uint32_t bits,
                                  const std::byte* pixels, PngLight light);
 
-// An AOV by its PngCoding. Colour is un-premultiplied and clamped. The AOV must have a coding.
+// Encodes an AOV by its PngCoding, which must not be None. Color is un-premultiplied and clamped.
 std::vector<std::byte> encodePng(const AovImage& image);
 std::vector<std::byte> encodePng(const Picture& picture);
 

@@ -1,4 +1,4 @@
-// Converts the numbers of an AOV to those of a PNG file: one function per PngCoding.
+// Converts the values of an AOV to those of a PNG file, with one function per PngCoding.
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t kGrain = size_t{1} << 16;
 
-// Calls each(i) for i in [0, count), on all threads.
+// Calls each(i) for i in [0, count) on all threads.
 template <typename F>
 void forEach(size_t count, F&& each) {
   parallelFor(count, kGrain, [&](size_t begin, size_t end) {

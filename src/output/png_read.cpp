@@ -15,7 +15,7 @@ struct Layout {
   uint32_t channels, bytes;
 };
 
-// The format that libspng decodes to: palettes, less than 8 bits and transparent colours are expanded.
+// Selects the format that libspng decodes to. Palettes, depths below 8 bits and transparent colors are expanded.
 Layout layoutOf(spng_ctx* context, const spng_ihdr& header) {
   spng_trns transparent{};
   const bool keyed = spng_get_trns(context, &transparent) == SPNG_OK;
@@ -36,9 +36,10 @@ Layout layoutOf(spng_ctx* context, const spng_ihdr& header) {
   }
 }
 
-// Deflate packs at most 1032 bytes into one: a header that promises more is broken, and memory for it would be wasted.
+// Deflate compresses at most 1032 bytes into one. A header that declares more is broken, and its memory would be
+// wasted.
 bool canHold(size_t fileBytes, const spng_ihdr& header) {
-  constexpr uint64_t kSamples[] = {1, 0, 3, 1, 2, 0, 4};  // of a pixel, by colour type
+  constexpr uint64_t kSamples[] = {1, 0, 3, 1, 2, 0, 4};  // per pixel, by color type
   const uint64_t bits = kSamples[header.color_type] * header.bit_depth;
   return uint64_t{header.width} * header.height / 8 * bits <= fileBytes * 1032;
 }
@@ -53,7 +54,7 @@ ReadImage decodePng(std::span<const std::byte> bytes, const std::filesystem::pat
   };
   const std::unique_ptr<spng_ctx, decltype(&spng_ctx_free)> context(spng_ctx_new(0), spng_ctx_free);
   if (!context) throw std::bad_alloc();
-  constexpr size_t kMostInChunk = size_t{16} << 20;  // of text, profiles, ...: compressed ones can grow a thousandfold
+  constexpr size_t kMostInChunk = size_t{16} << 20;  // for text, profiles, ...: compressed ones can grow a thousandfold
   check(spng_set_chunk_limits(context.get(), kMostInChunk, 4 * kMostInChunk));
   check(spng_set_png_buffer(context.get(), bytes.data(), bytes.size()));
   spng_ihdr header{};
@@ -73,7 +74,7 @@ ReadImage decodePng(std::span<const std::byte> bytes, const std::filesystem::pat
                                   layout.bytes == 2 ? ChannelType::Unorm16 : ChannelType::Unorm8, path);
   std::vector<uint16_t> storage((size + 1) / 2);
   check(spng_decode_image(context.get(), storage.data(), size, layout.format, SPNG_DECODE_TRNS));
-  check(spng_decode_chunks(context.get()));  // to the end: a file cut short may still have all its pixels
+  check(spng_decode_chunks(context.get()));  // read to the end: a truncated file may still contain all pixels
   const auto* narrow = reinterpret_cast<const uint8_t*>(storage.data());
   for (size_t c = 0; c < layout.channels; ++c) {
     std::vector<double>& values = image.channels[c].values;

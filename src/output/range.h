@@ -1,4 +1,4 @@
-// The range of values shown in a picture of data.
+// The range of values shown in a debug image.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@ struct Range {
   float at(float value) const { return high > low ? std::clamp((value - low) / (high - low), 0.0f, 1.0f) : 0.0f; }
 };
 
-// From the 1st to the 99th percentile, so that a few far pixels do not flatten all others.
+// Returns the range from the 1st to the 99th percentile, so that a few distant pixels do not flatten all others.
 inline Range rangeOf(std::vector<float> values) {
   if (values.empty()) return {0, 0};
   const auto percentile = [&](double share) {

@@ -48,7 +48,7 @@ ReadImage makeReadImage(uint64_t width, uint64_t height, const std::vector<std::
                         const std::filesystem::path& path) {
   const double bytes = static_cast<double>(width) * static_cast<double>(height) * static_cast<double>(names.size()) * 8;
   const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  // Half the limit, since two pictures are compared.
+  // Half of the limit, because two images are compared.
   if (bytes > memory / 2) {
     badInput("'{}' declares {}x{} pixels with {} channels, more than the memory of this machine; use a smaller one",
              path.string(), width, height, names.size());

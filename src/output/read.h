@@ -1,4 +1,4 @@
-// Pictures read back from PNG, OpenEXR and NPY files, as channels of numbers: for comparing, and for the tests.
+// Reads PNG, OpenEXR and NPY files back as channels of numbers, for comparing images and for tests.
 #pragma once
 
 #include <cstdint>
@@ -12,22 +12,23 @@ namespace latelight::output {
 enum class ChannelType : uint8_t { Unorm8, Unorm16, Half, Float, Double, Integer };
 
 struct Channel {
-  // EXR: its own. PNG, and NPY of up to four channels: Y; Y A; R G B; R G B A. NPY with more: "0", "1", ...
+  // EXR: the channel's own name. PNG, and NPY with up to four channels: Y; Y A; R G B; R G B A. NPY with more channels:
+  // "0", "1", ...
   std::string name;
   ChannelType type = ChannelType::Float;
-  // Unorm8 and Unorm16 (PNG) are in [0, 1]; everything else is the stored number, exactly.
+  // Unorm8 and Unorm16 (PNG) are in [0, 1]. All other types hold the stored number exactly.
   std::vector<double> values;  // width * height, rows from the top
 };
 
 struct ReadImage {
   uint32_t width = 0, height = 0;
   std::vector<Channel> channels;                     // as in the file
-  const Channel* find(std::string_view name) const;  // or nullptr
+  const Channel* find(std::string_view name) const;  // null if absent
 };
 
-// Reads any PNG, a single-part EXR of scan lines or tiles (luminance-chroma and deep ones excepted), or an NPY of shape
-// (H, W) or (H, W, C); recognized by their first bytes, not by name. Throws Error(BadInput) naming the file and what is
-// wrong.
+// Reads any PNG, a single-part EXR of scan lines or tiles (except luminance-chroma and deep ones), or an NPY of shape
+// (H, W) or (H, W, C). Formats are recognized by their first bytes, not by file name. Throws Error(BadInput) that names
+// the file and the problem.
 ReadImage readImage(const std::filesystem::path& path);
 
 }  // namespace latelight::output

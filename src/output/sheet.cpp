@@ -1,4 +1,4 @@
-// The contact sheet: scaling, text, layout.
+// Draws the contact sheet: scaling, labels and layout.
 #include <stb/stb_easy_font.h>
 
 #include <algorithm>
@@ -16,10 +16,10 @@ namespace {
 constexpr uint8_t kPaper[4] = {24, 24, 26, 255};
 constexpr uint8_t kInk[4] = {236, 236, 232, 255};
 constexpr uint32_t kGap = 12;
-constexpr uint32_t kLetterScale = 2;                  // of the font's 7 pixels above the base line
-constexpr uint32_t kLabelHeight = 12 * kLetterScale;  // the font's line
+constexpr uint32_t kLetterScale = 2;                  // scale of the font's letters, which are 7 pixels high
+constexpr uint32_t kLabelHeight = 12 * kLetterScale;  // height of a line of the font
 
-// Linear light, colour premultiplied: the form for averaging.
+// Linear, premultiplied color, as averaging requires.
 struct Sum {
   double r = 0, g = 0, b = 0, a = 0;
 };
@@ -33,7 +33,7 @@ void add(Sum& sum, const uint8_t* pixel, double weight) {
   sum.a += alpha;
 }
 
-// The average over [x0, x1) x [y0, y1), partially covered pixels weighted by their share.
+// Averages over [x0, x1) x [y0, y1); partially covered pixels are weighted by their covered share.
 Sum average(const Picture& from, double x0, double x1, double y0, double y1) {
   Sum sum;
   for (auto y = static_cast<uint32_t>(y0); y < std::min<double>(std::ceil(y1), from.height); ++y) {
@@ -51,7 +51,7 @@ uint32_t scaledTo(uint32_t size, double scale) {
   return std::max(1u, static_cast<uint32_t>(std::lround(size * scale)));
 }
 
-// Composited over paper, so that transparent areas look like the sheet.
+// Composites the image over the sheet's background, so that transparent areas look like the sheet.
 void drawScaled(Picture& sheet, const Picture& from, uint32_t left, uint32_t top, double scale) {
   const uint32_t width = scaledTo(from.width, scale), height = scaledTo(from.height, scale);
   const double stepX = static_cast<double>(from.width) / width, stepY = static_cast<double>(from.height) / height;
@@ -70,12 +70,12 @@ void drawScaled(Picture& sheet, const Picture& from, uint32_t left, uint32_t top
   });
 }
 
-struct Vertex {  // as stb_easy_font writes it
+struct Vertex {  // in the format that stb_easy_font writes
   float x, y, z;
   uint8_t color[4];
 };
 
-// The font consists of axis-aligned rectangles with integer corners, which scale by integers without blur.
+// The font consists of axis-aligned rectangles with integer corners, so integer scales do not blur it.
 void drawText(Picture& sheet, std::string text, uint32_t left, uint32_t top, uint32_t widest) {
   std::vector<Vertex> vertices(text.size() * 32 + 64);
   const int quads = stb_easy_font_print(0, 0, text.data(), nullptr, vertices.data(),
@@ -92,9 +92,9 @@ void drawText(Picture& sheet, std::string text, uint32_t left, uint32_t top, uin
   }
 }
 
-// The text in lines no wider than `widest`, broken at spaces.
+// Breaks the text at spaces into lines no wider than `widest`.
 std::vector<std::string> wrap(std::string text, uint32_t widest) {
-  for (char& c : text) c = c < 0x20 || c > 0x7e ? '?' : c;  // the font has nothing else, and does not check
+  for (char& c : text) c = c < 0x20 || c > 0x7e ? '?' : c;  // the font has only these letters, and does not check
   const auto width = [](std::string line) {
     return static_cast<uint32_t>(stb_easy_font_width(line.data())) * kLetterScale;
   };
@@ -127,7 +127,7 @@ Picture contactSheet(std::span<const Labelled> pictures, uint32_t columns, uint3
     tallest = std::max(tallest, scaledTo(labelled.picture.height, scale));
   }
   std::vector<std::vector<std::string>> labels;
-  std::vector<uint32_t> tops(rows + 1, kGap);  // of the rows, and the end of the sheet
+  std::vector<uint32_t> tops(rows + 1, kGap);  // of each row, and the end of the sheet
   for (uint32_t i = 0; i < pictures.size(); ++i) {
     labels.push_back(wrap(pictures[i].label, widest));
     uint32_t& next = tops[i / columns + 1];

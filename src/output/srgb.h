@@ -1,4 +1,4 @@
-// The sRGB transfer function (IEC 61966-2-1), for output pictures.
+// The sRGB transfer function (IEC 61966-2-1), for output images.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 
 namespace latelight::output {
 
-// [0, 1] to [0, 1]; clamps, NaN becomes 0.
+// Maps [0, 1] to [0, 1]. Clamps; NaN becomes 0.
 inline float srgbFromLinear(float linear) {
   if (!(linear > 0)) return 0;
   if (linear >= 1) return 1;
@@ -18,7 +18,7 @@ inline float linearFromSrgb(float coded) {
   return coded <= 0.04045f ? coded / 12.92f : std::pow((coded + 0.055f) / 1.055f, 2.4f);
 }
 
-// A value in [0, 1] (clamped; NaN becomes 0) in 8 bits.
+// Returns a value in [0, 1] (clamped; NaN becomes 0) in 8 bits.
 inline uint8_t unorm8(float value) {
   if (!(value > 0)) return 0;
   return static_cast<uint8_t>(value >= 1 ? 255.0f : value * 255 + 0.5f);
@@ -28,7 +28,7 @@ inline uint8_t srgb8(float linear) {
   return unorm8(srgbFromLinear(linear));
 }
 
-// Linear light of each 8-bit sRGB code.
+// The linear value of each 8-bit sRGB code.
 inline const std::array<float, 256>& linearOfSrgb8() {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> t{};

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::array<uint8_t, 4> kNothing{28, 28, 31, 255};
 
-// --- "rgb: diffuse colour; a: power" --------------------------------------------------------------------------------
+// --- "rgb: diffuse color; a: power" ----------------------------------------------------------------------------------
 
 struct Described {
   std::string_view letters, text;
@@ -40,7 +40,7 @@ bool isAlpha(const Described& part) {
   return part.letters == "a" || part.letters == "w";
 }
 
-// --- one channel's values to [0, 1] ---------------------------------------------------------------------------------
+// --- mapping of one channel to [0, 1] --------------------------------------------------------------------------------
 
 struct Scale {
   std::function<float(float)> apply;
@@ -76,16 +76,16 @@ Scale scaleOf(TargetKind kind, const std::vector<float>& values, bool alpha) {
     default:
       break;
   }
-  // Small codes, such as ids, would all look black.
+  // Small codes, such as ids, would all look black, so they are stretched.
   const float most = values.empty() ? 0 : *std::max_element(values.begin(), values.end());
   if (alpha && most > 0 && most <= 16 / 255.0f)
     return {[most](float x) { return x / most; }, fmt::format("white is {:.0f} / 255", most * 255)};
   return {[](float x) { return x; }, ""};
 }
 
-// --- pictures -------------------------------------------------------------------------------------------------------
+// --- images ----------------------------------------------------------------------------------------------------------
 
-// ColorOf: pixel index to three bytes.
+// ColorOf maps a pixel index to three bytes.
 template <typename ColorOf>
 Picture paint(const RawGbuffer& gbuffer, ColorOf&& colorOf) {
   Picture picture{gbuffer.width, gbuffer.height, std::vector<uint8_t>(gbuffer.depth.size() * 4)};
@@ -111,7 +111,7 @@ std::string labelOf(const RawTarget& target, std::string_view letters, std::stri
   return fmt::format("{}.{} {}{}", target.name, letters, text, note.empty() ? "" : " [" + note + "]");
 }
 
-// The first three channels, each scaled by itself unless all are colours or directions.
+// Paints the first three channels. Each has its own scale if a float is outside [-1, 1]; otherwise they share one.
 Labelled colorPicture(const RawGbuffer& gbuffer, const RawTarget& target, const std::vector<Described>& parts) {
   std::string text, note;
   for (const Described& part : parts) {

@@ -11,7 +11,7 @@ namespace latelight::output {
 namespace fs = std::filesystem;
 namespace {
 
-// After following links; nothing where no file exists.
+// Follows links. Returns nothing if no file exists.
 std::optional<struct stat> find(const fs::path& path) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0) return std::nullopt;
@@ -27,7 +27,7 @@ UsedFiles::UsedFiles(std::span<const fs::path> inputs) {
   }
 }
 
-// The directory entry that writing replaces: a file may have several, and the others stay.
+// Returns an identity of the directory entry that writing replaces. A file may have several entries; the others remain.
 std::string UsedFiles::entryOf(const fs::path& path) {
   std::error_code error;
   fs::path followed = fs::is_symlink(path, error) ? fs::canonical(path, error) : path;
