@@ -1,5 +1,5 @@
-// The error of finished pictures against the reference (light_truth.h): spheres of many materials and roughnesses under
-// each kind of light, at selected pixels, with the pixel's own normal and view.
+// The error of finished images against the reference (light_truth.h): spheres of many materials and roughnesses under
+// each kind of light, at selected pixels, each with its own normal and view direction.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ using glm::dvec3;
 using glm::vec3;
 using output::Aov;
 
-// --- what is lit ----------------------------------------------------------------------------------------------------
+// --- subjects --------------------------------------------------------------------------------------------------------
 
 enum Kind { Dielectric, Grey, Coloured };
 constexpr const char* kKinds[] = {"dielectric", "gray metal", "colored metal"};
@@ -42,7 +42,7 @@ constexpr NamedMaterial kMaterials[scene::kSpheresRows] = {{"white dielectric", 
                                                            {"red metal", Coloured, {0.9f, 0.2f, 0.15f}, 1}};
 constexpr float kRoughness[scene::kSpheresColumns] = {0, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.8f, 1};
 
-// builtin:spheres, one material per row and one roughness per column.
+// Loads builtin:spheres with one material per row and one roughness per column.
 scene::Scene spheres() {
   scene::Scene scene = scene::load("builtin:spheres");
   for (uint32_t i = 0; i < scene.materials.size(); ++i) {
@@ -55,7 +55,7 @@ scene::Scene spheres() {
   return scene;
 }
 
-// --- what lights ----------------------------------------------------------------------------------------------------
+// --- lights ----------------------------------------------------------------------------------------------------------
 
 struct NamedEnvironment {
   std::string name;
@@ -76,7 +76,7 @@ scene::Environment environmentOf(uint32_t height, vec3 (*radiance)(vec3 directio
   return scene::filterEnvironment(std::move(picture));
 }
 
-// World: z is up, and the spheres are seen from -y.
+// World space: z is up, and the spheres are seen from -y.
 vec3 sunInTheDark(vec3 d) {
   const bool sun = glm::dot(d, glm::normalize(vec3(0.5f, -0.6f, 0.6f))) > std::cos(0.04f);
   return sun ? vec3(400, 380, 350) : vec3(0.05f, 0.07f, 0.1f) * (0.6f + 0.4f * d.z);
@@ -123,7 +123,7 @@ std::vector<scene::Light> punctualLights() {
   return {directional, point, spot};
 }
 
-// KHR_lights_punctual: irradiance at `position`, at normal incidence, without a range.
+// Returns the irradiance at `position` at normal incidence (KHR_lights_punctual), without a range.
 double illuminance(const scene::Light& light, const dvec3& position, dvec3& toLight) {
   if (light.type == shared::kLightDirectional) {
     toLight = -dvec3(light.direction);
@@ -144,10 +144,10 @@ double illuminance(const scene::Light& light, const dvec3& position, dvec3& toLi
 // --- pixels ---------------------------------------------------------------------------------------------------------
 
 constexpr uint32_t kWidth = 468, kHeight = 260;  // a sphere is about 45 pixels wide
-// Pixels per sphere with n.v of at least 0.5 and with less: three to one, as in a sphere's picture.
+// Pixels per sphere with n.v of at least 0.5 and with less: three to one, as in the image of a sphere.
 constexpr size_t kFacing = 27, kGrazing = 9;
 
-constexpr uint32_t kWalks = 20;  // per sample: they are fast, and shared by all environments
+constexpr uint32_t kWalks = 20;  // per sample: walks are fast, and all environments share them
 
 struct Pixel {
   shared::Surface surface;
@@ -159,7 +159,7 @@ struct Pixel {
 struct Place {
   size_t light;
   Kind kind;
-  size_t band;  // of roughness
+  size_t band;  // roughness band
   bool grazing;
   auto operator<=>(const Place&) const = default;
 };
@@ -219,7 +219,7 @@ class AccuracyStudy {
     });
   }
 
-  // The pixels are the same under every environment.
+  // All environments use the same pixels, so they share the walks.
   void walk(const std::vector<Pixel>& pixels) {
     std::vector<std::optional<Bounces>> found(pixels.size());
     parallelFor(pixels.size(), 4, [&](size_t begin, size_t end) {

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Multiply-adds in registers. Each needs the one before it in its chain, and the last are stored, so that none can be
-// left out.
+// Measures the arithmetic ceiling with multiply-adds in registers. Each depends on the previous one in its chain, and
+// the last results are stored, so that the compiler cannot remove any.
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require

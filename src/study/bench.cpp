@@ -22,7 +22,7 @@ namespace {
 using render::Raster;
 constexpr Raster kRasters[] = {Raster::Hardware, Raster::Compute};
 
-// Those that can render these settings.
+// Returns the rasters that can render these settings.
 std::span<const Raster> rastersOf(const render::Settings& settings) {
   return std::span(kRasters).subspan(render::takesCompute(settings) ? 1 : 0);
 }
@@ -31,7 +31,7 @@ std::span<const Raster> rastersOf(const render::Settings& settings) {
 
 struct Random {
   const char* count;
-  uint32_t tenths;  // of a pixel
+  uint32_t tenths;  // tenths of a pixel
 };
 constexpr Random kRandom[] = {{"100k", 20}, {"1M", 15},    {"10M", 15},  {"10M", 40},
                               {"1M", 160},  {"100k", 640}, {"10k", 4000}};
@@ -84,7 +84,7 @@ Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const 
 
 namespace {
 
-// Inside a scene the camera looks all around; from outside it goes all around it.
+// Inside a scene the camera turns in place; from outside it orbits the scene.
 std::vector<scene::Camera> allAround(const scene::Scene& scene, const scene::Camera& camera, uint32_t count) {
   const scene::Bounds bounds = scene::worldBounds(scene);
   const glm::dvec3 eye(camera.toWorld[3]);
@@ -95,8 +95,8 @@ std::vector<scene::Camera> allAround(const scene::Scene& scene, const scene::Cam
   return cameras;
 }
 
-// Milliseconds until the device is done. A call that takes the pictures settles what was found too small, and knows the
-// passes' times.
+// Returns milliseconds until the device is done. A call with `takes` resolves overflow and makes the pass times
+// available.
 double timeOfViews(render::Renderer& renderer, std::span<const scene::Camera> cameras, const render::Poses& poses,
                    const render::Settings& settings, bool takes) {
   const Stopwatch stopwatch;
@@ -119,7 +119,7 @@ Table benchViews(render::Renderer& renderer, const scene::Scene& scene, const sc
     render::Settings s = settings;
     s.raster = raster;
     timeOfViews(renderer, cameras, poses, s, true);
-    // Results that are left on the device have their memory from earlier calls, once there are enough of those.
+    // Warm up until results that stay on the device reuse memory of earlier calls.
     const Stopwatch stopwatch;
     for (uint32_t run = 0; run < kWarm || stopwatch.seconds() < kWarmUp; ++run)
       timeOfViews(renderer, cameras, poses, s, false);

@@ -1,4 +1,4 @@
-// Times of the device, what is compared in turn in one run: `latelight bench`.
+// `latelight bench`: device times of alternatives, measured in alternation within one run.
 #pragma once
 
 #include <cstdint>
@@ -13,25 +13,26 @@
 namespace latelight::study {
 
 struct BenchOptions {
-  uint32_t frames = 16;                 // of each measurement, after those that warm up
-  uint64_t mostTriangles = 10'000'000;  // rows of `raster` with more are left out
-  double budget = 10;                   // seconds: rows of `lights` that would take longer are left out
+  uint32_t frames = 16;                 // of each measurement, after the warm-up
+  uint64_t mostTriangles = 10'000'000;  // rows of `raster` with more triangles are skipped
+  double budget = 10;                   // seconds: rows of `lights` that are estimated to exceed it are skipped
 };
 
-// Random triangles at 2048x2048, until the depth of each pixel is known: by number and size.
+// Measures random triangles at 2048x2048, by count and size, until the depth of each pixel is known.
 Table benchRaster(vk::Device& device, const BenchOptions& options);
 
-// A frame of a scene to its finished picture, left on the device, pass by pass.
+// Measures a frame of a scene pass by pass up to its finished image, which stays on the device.
 Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment,
                  const render::Settings& settings, const Ceilings& ceilings, const BenchOptions& options);
 
-// Many views at once, all around: from inside a scene by turning, from outside by going around it; until their results
-// are in the device's memory.
+// Measures many views at once until their results are in device memory. From inside a scene the camera turns in place;
+// from outside it orbits the scene.
 Table benchViews(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
                  const render::Poses& poses, const render::Settings& settings, uint32_t count,
                  const BenchOptions& options);
 
-// Lighting by every technique in compute, over numbers of lights: a scene after the other, with ever more of them.
+// Measures lighting by every technique in compute over numbers of lights. The caller adds one scene after another, with
+// increasing numbers of lights.
 class LightsBench {
  public:
   LightsBench(const Ceilings& ceilings, const BenchOptions& options);
@@ -45,12 +46,12 @@ class LightsBench {
 
   Ceilings ceilings_;
   BenchOptions options_;
-  std::map<const render::TechniqueInfo*, SweepLine> lines_;  // of milliseconds
+  std::map<const render::TechniqueInfo*, SweepLine> lines_;  // milliseconds
   Table table_;
 };
 
-// Lighting by lights made up in registers, for each type of light and each way to shade, beside the technique of the
-// settings with the scene's own lights.
+// Measures lighting by synthetic lights that are generated in registers, for each type of light and each shading model,
+// next to the technique of the settings with the scene's own lights.
 Table benchShade(render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment,
                  const render::Settings& settings, const Ceilings& ceilings, const BenchOptions& options);
 

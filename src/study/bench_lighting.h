@@ -1,4 +1,4 @@
-// What `bench lights` and `bench shade` share: the passes that light, and what each light that is used takes.
+// Code that `bench lights` and `bench shade` share: the times of the lighting passes and the cost per used light.
 #pragma once
 
 #include "study/light_counts.h"
@@ -7,19 +7,19 @@
 
 namespace latelight::study {
 
-// Milliseconds of a frame's light lists, and of the passes that light from them or without any.
+// Milliseconds of a frame's light lists, and of the lighting passes with or without lists.
 struct LightTimes {
   double lists = 0, lighting = 0;
-  double spread = 0;        // of both together, per cent
-  uint64_t wholeBytes = 0;  // of lighting
+  double spread = 0;        // of the sum of both, in percent
+  uint64_t wholeBytes = 0;  // total bytes that the lighting passes read and write
   double both() const { return lists + lighting; }
 };
 LightTimes lightTimes(const PassSamples& passes);
 
-// Picoseconds, for each pixel and each light that it uses; 0 where there is none.
+// Returns picoseconds per pixel and per light that the pixel uses; 0 if no light is used.
 double picosecondsALight(double milliseconds, double usedAPixel, const render::Settings& settings);
 
-// One cell: nothing for a value that is 0.
+// Returns one cell, which is empty if the value is 0.
 Cell cellOf(double value);
 
 }  // namespace latelight::study

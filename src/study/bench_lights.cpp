@@ -1,4 +1,4 @@
-// bench lights: every technique in compute, over numbers of lights.
+// `bench lights`: measures every technique in compute over numbers of lights.
 #include "base/error.h"
 #include "base/log.h"
 #include "render/lighting/technique.h"
@@ -16,7 +16,8 @@ LightsBench::LightsBench(const Ceilings& ceilings, const BenchOptions& options)
               "used a pixel", "ps a used light"},
              {}} {}
 
-// Of the techniques that go through all lights, a million take seconds a frame.
+// Skips techniques whose predicted time exceeds the budget: with a million lights, those that iterate over all lights
+// require seconds per frame.
 bool LightsBench::goesOn(const render::TechniqueInfo& technique, uint64_t lights) const {
   if (technique.draws) return false;
   const auto line = lines_.find(&technique);
@@ -40,7 +41,7 @@ void LightsBench::add(render::Renderer& renderer, const scene::Camera& camera, c
       counts.push_back(countLights(renderer, camera, moment, all.back()));
     } catch (const Error& error) {
       if (error.code() != ExitCode::Usage) throw;
-      warn("{} lights: {}", lights, error.what());  // more than the technique can go through on this device
+      warn("{} lights: {}", lights, error.what());  // more lights than the technique supports on this device
       lines_[&technique].stop();
       all.pop_back();
     }

@@ -1,4 +1,4 @@
-// bench shade: what a light costs at the bound, and what it costs the technique of the settings.
+// `bench shade`: measures the cost of a light at the lower bound and with the technique of the settings.
 #include <array>
 #include <span>
 #include <vector>
@@ -13,9 +13,9 @@ namespace latelight::study {
 
 namespace {
 
-constexpr uint32_t kFew = 16, kMany = 64;  // lights: what more of them take is linear
+constexpr uint32_t kFew = 16, kMany = 64;  // lights; the cost of additional lights is linear
 
-// Of one type of light.
+// The lower bound for one type of light.
 struct Bound {
   explicit Bound(uint32_t type) : techniques{lightBound(type, 0), lightBound(type, kFew), lightBound(type, kMany)} {}
   std::array<render::TechniqueInfo, 3> techniques;
@@ -23,7 +23,7 @@ struct Bound {
 
 struct BoundCost {
   LightTimes floor;        // without lights
-  double picoseconds = 0;  // of each light that a pixel uses
+  double picoseconds = 0;  // per light that a pixel uses
 };
 
 BoundCost costOf(std::span<const PassSamples> samples, std::span<const LightCounts> counts,
@@ -32,7 +32,7 @@ BoundCost costOf(std::span<const PassSamples> samples, std::span<const LightCoun
   return {lightTimes(samples[0]), picosecondsALight(more, counts[2].used - counts[1].used, settings)};
 }
 
-// The rows of one way to shade. The technique comes last among what is measured.
+// Adds the rows of one shading model. The technique of the settings is the last measurement.
 void addRows(Table& table, render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment,
              const render::Settings& settings, const Ceilings& ceilings, uint32_t frames) {
   std::vector<Bound> bounds;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr uint32_t kCeilingGroup = 256;  // local_size of the shaders
 
-// Several times the caches of the largest devices.
+// Several times the size of the caches of the largest devices.
 VkDeviceSize copiedBytes(const vk::Device& device) {
   return VkDeviceSize{device.isCpu() ? 128u : 256u} << 20;
 }
@@ -49,7 +49,7 @@ struct Arithmetic {
   }
 };
 
-// About a millisecond of the largest devices.
+// About a millisecond of work for the largest devices.
 Arithmetic arithmeticOf(const vk::Device& device) {
   return {device.isCpu() ? 1u << 15 : 1u << 20, 512};
 }

@@ -1,4 +1,4 @@
-// What a device can do at most, by shaders that do nothing else.
+// The ceilings of a device: its peak copy bandwidth and peak arithmetic rate, measured by shaders that do only this.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +11,17 @@
 
 namespace latelight::study {
 
-struct Ceilings {           // a second
-  double copiedBytes = 0;   // of memory, read and written together
-  double multiplyAdds = 0;  // of 32-bit floats in registers
+struct Ceilings {           // per second
+  double copiedBytes = 0;   // bytes of memory, read and written together
+  double multiplyAdds = 0;  // multiply-adds of 32-bit floats in registers
 };
 
-// The best of so many runs, after one that warms up.
+// Returns the best of this many runs, after one warm-up run.
 Ceilings measureCeilings(vk::Device& device, uint32_t runs);
 
-// Two cells for a pass: the megabytes that it reads and writes as a whole (graph::PassTime), and what share, in per
-// cent, they are of what the device could have copied meanwhile. Empty where it has none.
+// Appends two cells for a pass: the megabytes of the full images and buffers that it reads and writes
+// (graph::PassTime), and these as a percentage of what the device could have copied in the same time. Both are empty if
+// `wholeBytes` is 0.
 void addCopyCells(std::vector<Cell>& row, const Ceilings& ceilings, uint64_t wholeBytes, double milliseconds);
 
 std::string toText(const Ceilings& ceilings);

@@ -6,18 +6,18 @@
 
 SH_BEGIN
 
-SH_CONST uint kCopiedAtATime = 4u;  // uvec4s an invocation: as many loads on their way at once
+SH_CONST uint kCopiedAtATime = 4u;  // uvec4s per invocation: the number of loads in flight
 
 struct CopyPush {
   uint64_t source;  // uvec4[]
   uint64_t target;  // uvec4[]
 };
 
-SH_CONST uint kArithmeticSteps = 8u;   // of each chain in a round of the loop
-SH_CONST uint kArithmeticChains = 8u;  // independent ones, so that none waits for its own result
+SH_CONST uint kArithmeticSteps = 8u;   // per chain and iteration of the loop
+SH_CONST uint kArithmeticChains = 8u;  // independent chains, so that no operation waits for its predecessor
 
 struct ArithmeticPush {
-  uint64_t results;  // float, one an invocation
+  uint64_t results;  // float, one per invocation
   float factor;
   float summand;
   uint rounds;

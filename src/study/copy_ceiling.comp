@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// A copy from one buffer to another, 16 bytes at a time.
+// Measures the copy bandwidth: copies one buffer to another, 16 bytes at a time.
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require

@@ -1,4 +1,4 @@
-// The error of depth formats and packings in view depth under each kind of projection, and in device depth itself.
+// The error of depth formats and packings in view depth, under each kind of projection, and in device depth.
 #include <fmt/format.h>
 
 #include <bit>
@@ -59,7 +59,8 @@ class DepthStudy {
   }
 
  private:
-  // Device depths themselves: evenly over [0, 1] and, as many, over the floats there; 0 and 1 among them.
+  // Samples device depth: half of the samples evenly over [0, 1] and half evenly over its floats, both including 0 and
+  // 1.
   void pack(const Format& format) {
     std::vector<vec4> depths;
     const uint32_t one = std::bit_cast<uint32_t>(1.0f);
@@ -70,7 +71,7 @@ class DepthStudy {
     }
     const vk::Pipeline pipeline = device_.make("study_depth.comp", {{0, format.id}});
     const std::vector<vec4> onDevice = device_.run(pipeline, depths, perspectives().front().projection);
-    // 1 itself is a special case where it becomes 0, and has a column of its own.
+    // A depth of 1 is a special case, because some packings turn it into 0; it has a column of its own.
     const auto below = [&](size_t i) { return depths[i].x < 1; };
     const auto summary = [&](const std::function<double(size_t)>& stored) {
       const std::vector<double> errors =
@@ -83,7 +84,7 @@ class DepthStudy {
                              double{shared::storedDepth(format.id, 0)}, double{shared::storedDepth(format.id, 1)}});
   }
 
-  // View depths from near to far, evenly on a logarithmic scale.
+  // Samples view depth from near to far, evenly on a logarithmic scale.
   output::Picture plot(const NamedProjection& named) {
     const shared::Projection& p = named.projection;
     std::vector<float> metres(count_);

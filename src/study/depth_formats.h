@@ -1,4 +1,4 @@
-// Round trip of a device depth through a format or packing: GLSL and C++.
+// The round trip of a device depth through a format or packing, in GLSL and C++.
 #ifndef LATELIGHT_STUDY_DEPTH_FORMATS_H
 #define LATELIGHT_STUDY_DEPTH_FORMATS_H
 

@@ -1,4 +1,4 @@
-// A compute shader as a function from one vec4 to another, over many inputs: for measurements on the device.
+// Evaluates a compute shader as a function from vec4 to vec4 over many inputs, for measurements on the device.
 #pragma once
 
 #include <memory>
@@ -17,12 +17,12 @@ namespace latelight::study {
 
 class DeviceEvaluation {
  public:
-  // The device, and buffers for a batch.
+  // Opens the device and allocates buffers for a batch of inputs.
   explicit DeviceEvaluation(const Options& options);
 
-  // A shader of src/study with the push constants of evaluation.glsl.
+  // Creates the pipeline of a shader of src/study that uses the push constants of evaluation.glsl.
   vk::Pipeline make(const std::string& shader, const std::vector<vk::Constant>& constants);
-  // Its results for all inputs. `projection` for those that use one.
+  // Returns the results for all inputs. `projection` is for shaders that use one.
   std::vector<shared::vec4> run(const vk::Pipeline& pipeline, std::span<const shared::vec4> inputs,
                                 const shared::Projection& projection = {});
 

@@ -1,4 +1,5 @@
-// The frame of every study's shader: one vec4 in, one vec4 out per invocation. The shader defines evaluate().
+// The main function of every study's shader: each invocation maps one vec4 of `inputs` to one of `outputs`. The shader
+// that includes this file defines evaluate().
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require

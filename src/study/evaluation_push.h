@@ -1,4 +1,4 @@
-// Push constants of shaders that include evaluation.glsl.
+// Push constants of the shaders that include evaluation.glsl.
 #ifndef LATELIGHT_STUDY_EVALUATION_PUSH_H
 #define LATELIGHT_STUDY_EVALUATION_PUSH_H
 

@@ -9,7 +9,7 @@ namespace {
 
 using Matrix = std::vector<std::vector<double>>;
 
-// Gaussian elimination with pivots; columns were scaled to 1. Nothing where the matrix is singular.
+// Solves by Gaussian elimination with pivoting; columns must be scaled to 1. Returns nothing if the matrix is singular.
 std::optional<std::vector<double>> solve(Matrix a, std::vector<double> b) {
   const size_t n = b.size();
   for (size_t i = 0; i < n; ++i) {
@@ -51,7 +51,7 @@ double determination(std::span<const std::vector<double>> rows, std::span<const 
 std::optional<LinearFit> fitLinear(std::span<const std::vector<double>> rows, std::span<const double> y) {
   if (rows.empty() || rows.size() < rows[0].size()) return std::nullopt;
   const size_t n = rows[0].size();
-  std::vector<double> scale(n, 0);  // lights x triangles next to 1: the normal equations square the magnitudes
+  std::vector<double> scale(n, 0);  // lights x triangles next to 1: normal equations square the magnitudes
   for (const std::vector<double>& row : rows)
     for (size_t i = 0; i < n; ++i) scale[i] = std::max(scale[i], std::abs(row[i]));
   if (std::find(scale.begin(), scale.end(), 0.0) != scale.end()) return std::nullopt;

@@ -1,4 +1,4 @@
-// Least-squares fits of how a measured cost grows.
+// Least-squares fits of the growth of a measured cost.
 #pragma once
 
 #include <optional>
@@ -11,8 +11,8 @@ struct Sample {
   double x, y;
 };
 
-// The part of a sweep, x increasing, that fixed costs no longer dominate: from where y is twice the first. For one that
-// hardly grows, the last three.
+// Returns the part of a sweep (x increasing) that fixed costs no longer dominate: from the point where y is twice the
+// first value. If y hardly grows, returns the last three samples.
 std::vector<Sample> growingPart(std::vector<Sample> sweep);
 
 struct PowerFit {
@@ -20,14 +20,14 @@ struct PowerFit {
   double factor;
   double r2;  // of log y
 };
-// Fit of log y against log x. Nothing with fewer than two distinct x; samples that are not positive are left out.
+// Fits log y against log x. Returns nothing for fewer than two distinct x; samples that are not positive are skipped.
 std::optional<PowerFit> fitPower(std::span<const Sample> samples);
 
 struct LinearFit {
   std::vector<double> coefficients;
-  double r2;  // the share of y's variance that the model explains
+  double r2;  // share of the variance of y that the model explains
 };
-// y = sum of coefficient[i] * row[i]. Nothing where the rows do not determine every coefficient.
+// Fits y = sum of coefficient[i] * row[i]. Returns nothing if the rows do not determine every coefficient.
 std::optional<LinearFit> fitLinear(std::span<const std::vector<double>> rows, std::span<const double> y);
 
 }  // namespace latelight::study

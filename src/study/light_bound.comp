@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout, visible
-// Lighting without lights to find or to load: each pixel makes up its own, a metre above its surface, and shades them
-// as every technique does.
+// The lower bound of lighting, without light culling or light loads: each pixel generates its own lights, a meter above
+// its surface, and shades them as every technique does.
 #include "render/glsl/common.glsl"
 #define ONE_SAMPLE
 #include "render/glsl/gbuffer_read.glsl"
@@ -13,7 +13,7 @@
 layout(constant_id = 16) const uint kLightType = 0;  // kLight*
 layout(push_constant, scalar) uniform Push { LightBoundPush push; };
 
-// Each is elsewhere, so that nothing of one serves the next.
+// Each light has its own position, so that no intermediate result can be shared between lights.
 Light madeUp(Surface s, uint index) {
   Light light = push.light;
   vec3 apart = push.apart * float(index);

@@ -8,7 +8,7 @@ namespace latelight::study {
 
 namespace {
 
-// Within range, and within the cone of a spot.
+// A light whose range and spot cone include the surface.
 shared::Light commonLight() {
   shared::Light light{.inverseRadius2 = shared::inverseRadius2(10), .intensity = {1, 0.9f, 0.8f}};
   shared::spotCone(0.5f, 1.0f, light.spotScale, light.spotOffset);

@@ -1,4 +1,4 @@
-// The bound of lighting: the G-buffer as every technique reads it, and lights that are made up in registers.
+// The lower bound of lighting: the G-buffer as every technique reads it, and synthetic lights generated in registers.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 
 namespace latelight::study {
 
-// A technique that lights each pixel with so many lights of one type (kLight*), all of which it uses. One sample a
-// pixel.
+// Returns a technique that lights each pixel with `lights` lights of one type (kLight*), all of which contribute. It
+// supports one sample per pixel.
 render::TechniqueInfo lightBound(uint32_t type, uint32_t lights);
 
 }  // namespace latelight::study

@@ -10,8 +10,8 @@ SH_BEGIN
 struct LightBoundPush {
   uint64_t frame;  // FrameConstants
   ShownPush shown;
-  Light light;  // what made-up lights have in common
-  vec3 apart;   // metres from one to the next
+  Light light;  // properties that all synthetic lights share
+  vec3 apart;   // offset in meters from one light to the next
   uint lights;
 };
 

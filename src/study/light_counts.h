@@ -1,4 +1,4 @@
-// The lights that a technique goes through, and those that it needed, as the renderer counts them.
+// Counts of the lights that a technique tests and of those that contribute, as the renderer outputs them.
 #pragma once
 
 #include "render/submit/renderer.h"

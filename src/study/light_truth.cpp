@@ -17,7 +17,7 @@ using shared::Surface;
 constexpr double kPi = std::numbers::pi;
 constexpr double kLeastCosine = 1e-4;  // between normal and eye
 
-// --- the microsurface: normal is Z ----------------------------------------------------------------------------------
+// --- the microsurface: the normal is Z -------------------------------------------------------------------------------
 
 double alphaOf(const Surface& s) {
   return std::max(double{s.roughness} * s.roughness, 1.0 / 1024);
@@ -29,7 +29,7 @@ double distribution(double cosine, double alpha) {
   return alpha * alpha / (kPi * d * d);
 }
 
-// Smith's lambda of a unit direction on either side.
+// Smith's lambda of a unit direction, which may point to either side.
 double lambda(double cosine, double alpha) {
   const double tangent2 = (1 - cosine * cosine) / (cosine * cosine);
   return 0.5 * (std::copysign(std::sqrt(1 + alpha * alpha * tangent2), cosine) - 1);
@@ -54,8 +54,8 @@ double largest(const dvec3& v) {
   return std::max({v.x, v.y, v.z});
 }
 
-// Samples the facet normals visible from `from`, which may come from below (Heitz 2018, Sampling the GGX Distribution
-// of Visible Normals, JCGT 7(4)).
+// Samples the facet normals visible from `from`, which may lie below the surface (Heitz 2018, Sampling the GGX
+// Distribution of Visible Normals, JCGT 7(4)).
 dvec3 visibleNormal(const dvec3& from, double alpha, double u, double v) {
   const dvec3 stretched = glm::normalize(dvec3(alpha * from.x, alpha * from.y, from.z));
   const double across = std::hypot(stretched.x, stretched.y);
@@ -67,8 +67,8 @@ dvec3 visibleNormal(const dvec3& from, double alpha, double u, double v) {
   return glm::normalize(dvec3(alpha * h.x, alpha * h.y, std::max(h.z, 1e-12)));
 }
 
-// Facets have heights uniform in [-1, 1]. The height at which a ray from `height` along `ray` hits the next one, or
-// above 1 where it leaves.
+// Facet heights are uniform in [-1, 1]. Returns the height at which a ray from `height` along `ray` hits the next
+// facet, or a value above 1 if the ray leaves the surface.
 double nextHeight(double height, const dvec3& ray, double alpha, double u) {
   constexpr double kLeft = 2;
   if (ray.z > 0.9999) return kLeft;
@@ -82,13 +82,13 @@ double nextHeight(double height, const dvec3& ray, double alpha, double u) {
 
 constexpr double kGolden[] = {0.8566748838545029, 0.733891856627126,  0.6287067210378087,
                               0.5385972572236101, 0.4613973803326306, 0.3952706131292894};
-// The i-th point of a lattice that is even in any number of these dimensions (Roberts 2018).
+// Returns the i-th point of a lattice that is even in any subset of these dimensions (Roberts 2018).
 double lattice(uint32_t i, int dimension) {
   const double x = (i + 0.5) * kGolden[dimension];
   return x - std::floor(x);
 }
 
-// The random numbers of one walk of many: the most important ones from the lattice, the others pseudo-random.
+// The random numbers of one of many walks. The most important ones come from the lattice; the others are pseudo-random.
 class WalkNumbers {
  public:
   explicit WalkNumbers(uint32_t walk) : walk_(walk), state_(walk) {}
@@ -106,12 +106,12 @@ class WalkNumbers {
   uint64_t state_;
 };
 
-// Azimuth about the normal from the eye's side, 0 to 1, symmetric on both sides.
+// Returns the azimuth about the normal from the eye's side, 0 to 1, symmetric on both sides.
 double turn(const dvec3& d) {
   return std::abs(std::atan2(d.y, d.x)) / kPi;
 }
 
-// The surface's own frame: the normal is Z, the eye above +X.
+// The surface's own frame: the normal is Z, and the eye is above +X.
 struct Frame {
   dvec3 x, y, z, eye;
 
@@ -144,7 +144,7 @@ dvec3 gltfBrdf(const Surface& s, const dvec3& toLight, const dvec3& toEye) {
 }
 
 struct EnvironmentTruth::Direct {
-  dvec3 once{0}, irradiance{0};  // irradiance over pi
+  dvec3 once{0}, irradiance{0};  // irradiance divided by pi
   dvec3 dielectric{0};           // share of light from all directions that the dielectric reflects once
 };
 
@@ -204,7 +204,7 @@ EnvironmentTruth::EnvironmentTruth(scene::FloatImage picture) : picture_(std::mo
   }
 }
 
-// The centre column is at +X of the world, the next ones at -Y; the top row is the zenith.
+// The center column is at +X of the world, the columns to its right turn to -Y, and the top row is the zenith.
 dvec3 EnvironmentTruth::at(const dvec3& d) const {
   const double u = 0.5 + std::atan2(-d.y, d.x) / (2 * kPi), v = std::acos(std::clamp(d.z, -1.0, 1.0)) / kPi;
   const float* p = picture_.at(std::min(static_cast<uint32_t>(u * picture_.width), picture_.width - 1),
@@ -237,7 +237,7 @@ EnvironmentTruth::Direct EnvironmentTruth::direct(const Surface& s, const dvec3&
     const double d = distribution(h.z, alpha), lambdaEye = lambda(nv, alpha);
     const double ofLobe = d / (1 + lambdaEye) / (4 * nv);
     const double weight = 1 / (samples * (ofLobe + l.z / kPi + density(world)));
-    const double lobe = d / (1 + lambda(l.z, alpha) + lambdaEye) / (4 * nv);  // n.l included
+    const double lobe = d / (1 + lambda(l.z, alpha) + lambdaEye) / (4 * nv);  // includes n.l
     const Fresnel f = fresnel(s, glm::dot(frame.eye, h));
     const dvec3 light = at(world);
     result.once += light * mixed(s, f) * (lobe * weight);

@@ -1,6 +1,6 @@
 // The cost of lighting: every lighting technique over lights, triangles and pixels. Textbooks claim that forward
 // lighting costs lights x triangles and deferred lighting lights + triangles. A grid over both, with lights that reach
-// everything, tells the two apart.
+// everything, distinguishes the two.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,26 +31,26 @@ namespace {
 using render::TechniqueInfo;
 using Size = std::pair<uint32_t, uint32_t>;
 
-// Frames of each measurement; the first one warms caches. Fewer where they take longer than the limit, more where they
-// are short; on a GPU, at least as many as take kWarmUp.
+// Frames per measurement; the first one warms caches. Fewer frames are measured if they exceed the budget, and more if
+// they are short. On a GPU, measurements last at least kWarmUp.
 constexpr uint32_t kFrames = 3, kMostFrames = 10;
-constexpr double kShort = 0.1;         // seconds, of all frames of a measurement
-constexpr uint64_t kBaseLights = 100;  // at most, of those listed
+constexpr double kShort = 0.1;         // seconds, for all frames of a measurement
+constexpr uint64_t kBaseLights = 100;  // upper limit; the base point uses the largest listed count within it
 constexpr uint64_t kGridLights[] = {1, 10, 100};
-constexpr float kEverywhere = 1000;  // metres: larger than the hall
+constexpr float kEverywhere = 1000;  // meters: larger than the hall
 
 constexpr std::string_view kOverLights = "lights", kOverTriangles = "triangles", kOverSize = "size", kGrid = "grid";
 
-// --- what is measured -----------------------------------------------------------------------------------------------
+// --- subjects --------------------------------------------------------------------------------------------------------
 
 struct Place {
-  bool everywhere = false;  // all lights reach the whole hall, instead of a radius that shrinks with their number
+  bool everywhere = false;  // all lights reach the whole hall; otherwise their radius shrinks with their number
   uint64_t triangles = 0, lights = 0;
   Size size;
   auto operator<=>(const Place&) const = default;
 };
 
-// A point as a step of the sweeps it belongs to: a technique stops where any of them does.
+// A point as a step of the sweeps to which it belongs. A technique stops at a point if any of these sweeps has stopped.
 struct Step {
   size_t number;  // in the plan
   std::string_view sweep;
@@ -59,12 +59,12 @@ struct Step {
 };
 
 struct Measurement {
-  std::vector<graph::PassTime> passes;  // the minimum of each
+  std::vector<graph::PassTime> passes;  // the minimum of each pass
   uint32_t frames = 0;
   double seconds = 0;                 // of one frame, the minimum, measured on the host
   double bytes = 0;                   // device memory in addition to the scene's
   uint64_t triangles = 0;             // as built
-  std::optional<LightCounts> counts;  // in the sweep over lights
+  std::optional<LightCounts> counts;  // only in the sweep over lights
 
   double sum(const std::function<bool(const std::string&)>& wanted) const {
     double milliseconds = 0;
@@ -92,7 +92,7 @@ struct Row {
 
 // --- the plan -------------------------------------------------------------------------------------------------------
 
-constexpr uint64_t kCoarsestHall = 50'000;  // triangles; with fewer, that one is simplified
+constexpr uint64_t kCoarsestHall = 50'000;  // triangles; smaller halls are simplified from this one
 constexpr uint64_t kFewestTriangles = 10'000;
 
 SweepOptions withDefaults(SweepOptions o, bool cpu) {
@@ -112,7 +112,7 @@ SweepOptions withDefaults(SweepOptions o, bool cpu) {
   return o;
 }
 
-// One list varies at a time, from the base point; then the grid, for which one number of triangles is too few.
+// Varies one list at a time from the base point. Then adds the grid, if there are at least two triangle counts.
 std::vector<Step> planSteps(const SweepOptions& o) {
   const auto few = std::upper_bound(o.lights.begin(), o.lights.end(), kBaseLights);
   // Lights and sizes vary in a hall that is not simplified.
@@ -140,7 +140,7 @@ std::vector<Step> planSteps(const SweepOptions& o) {
   return steps;
 }
 
-// All checks, before any expensive work.
+// Performs all checks before any expensive work.
 void check(const SweepOptions& o) {
   const auto hall = std::find_if(scene::builtins().begin(), scene::builtins().end(),
                                  [](const scene::Builtin& builtin) { return builtin.name == "hall"; });
@@ -186,8 +186,8 @@ class LightStudy {
     return lines;
   }
 
-  // Ordered by scene, so that each is created once; few or small ones come first, so every sweep grows. The table
-  // follows the plan.
+  // Measures in the order of scenes, so that each scene is created once. Few lights and triangles come first, so every
+  // sweep grows. The table keeps the order of the plan.
   void takeAll(const std::vector<Step>& steps) {
     std::vector<const Step*> order;
     for (const Step& step : steps) order.push_back(&step);
@@ -205,7 +205,7 @@ class LightStudy {
                      [](const Row& a, const Row& b) { return a.step.number < b.step.number; });
   }
 
-  // Measures a step, or reports why not.
+  // Measures a step, or reports why it is skipped.
   void take(const Step& step, const TechniqueInfo& technique) {
     const std::vector<SweepLine*> lines = linesOf(step, technique);
     double expected = 0;
@@ -248,7 +248,7 @@ class LightStudy {
     return hall;
   }
 
-  // The last scene is kept: all its measurements come before the next scene.
+  // Caches the last scene, because all its measurements precede those of the next scene.
   const scene::Scene& sceneOf(const Place& place) {
     const std::pair key(place.triangles, place.lights);
     if (sceneKey_ != key || (everywhere_ && !place.everywhere)) scene_ = loadHall(place);
@@ -261,11 +261,11 @@ class LightStudy {
 
   Measurement measure(const Place& place, const TechniqueInfo& technique, bool count) {
     const scene::Scene& scene = sceneOf(place);
-    // A separate one, so that memory is this technique's alone.
+    // Each measurement has its own renderer, so that the memory belongs to this technique only.
     render::Renderer renderer(device_, scene, nullptr);
     const uint64_t before = device_.memory().statistics().usedBytes;
     render::Settings settings{.width = place.size.first, .height = place.size.second, .lighting = &technique};
-    settings.shadows = render::ShadowFormat::None;  // the cost of light, not of shadows
+    settings.shadows = render::ShadowFormat::None;  // measures the cost of light, not of shadows
     const std::span<const scene::Camera> camera(&scene.cameras.front(), 1);
     Measurement m{.triangles = scene.triangleCount()};
     const Stopwatch all;
@@ -304,7 +304,7 @@ class LightStudy {
             double(p.size.second)};
   }
 
-  // The layout's bytes and those that every frame has in addition; a forward technique has no layout.
+  // Returns the layout's bytes plus those that every frame requires. A forward technique has no layout.
   static double bytesPerPixel(const TechniqueInfo& technique) {
     const render::Settings settings;
     const render::LayoutBytes bytes = settings.layout->bytesPerPixel(settings.normals->index);
@@ -348,7 +348,7 @@ class LightStudy {
     return table;
   }
 
-  // What a sweep varies, the part of a frame that is measured, and its labels.
+  // An axis of the plots: the varied quantity, the measured part of a frame, and labels.
   struct Axis {
     std::string_view sweep;
     const char *of, *unit;
@@ -397,8 +397,8 @@ class LightStudy {
     return grid;
   }
 
-  // The milliseconds that one more light costs, against triangles: from one light to the highest number measured with
-  // at least two numbers of triangles.
+  // Returns the milliseconds that one additional light costs, against triangles. The difference is taken between one
+  // light and the highest count that was measured with at least two triangle counts.
   static std::vector<Sample> costOfALight(const std::vector<const Row*>& grid) {
     for (size_t i = std::size(kGridLights); i-- > 1;) {
       std::vector<Sample> costs;
@@ -415,8 +415,9 @@ class LightStudy {
     return {};
   }
 
-  // Sum: a + b lights + c triangles. Product: a + b triangles + c lights x triangles, the same number of constants:
-  // whatever the technique, the scene is drawn once without lights.
+  // Fits two models with the same number of constants. Sum: a + b lights + c triangles. Product: a + b triangles + c
+  // lights x triangles. Both have a term for triangles, because every technique draws the scene once regardless of
+  // lights.
   Table models() const {
     Table table{"lights-model",
                 {"technique", "grows with", "R2 of sum", "R2 of product", "points", "ms a light, fewest triangles",
@@ -471,7 +472,7 @@ class LightStudy {
   SweepOptions sweep_;
   scene::Scene scene_;
   std::pair<uint64_t, uint64_t> sceneKey_;  // triangles and lights of scene_
-  bool everywhere_ = false;                 // its lights' radius
+  bool everywhere_ = false;                 // the radius of its lights
   std::map<std::pair<std::string, Place>, Measurement> measured_;
   std::map<std::pair<std::string, std::string>, SweepLine> lines_;  // technique, line
   std::vector<Row> rows_;

@@ -1,4 +1,4 @@
-// What is lost of a normal by an encoding's stored bits.
+// The error of a normal after encoding to a given number of bits.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +9,17 @@
 
 namespace latelight::study {
 
-// In double, and not by acos, which can't resolve angles below 1e-2 degrees from a float's cosine.
+// Computes in double and without acos, which cannot resolve angles below 1e-2 degrees from a float's cosine.
 double degreesBetween(const shared::vec3& a, const shared::vec3& b);
 
-// Those that the study has where none are given.
+// The default bit counts of the study.
 inline constexpr uint32_t kUsualNormalBits[] = {8, 10, 12, 16, 0};
 
-// Degrees between a direction and what comes back of it. Bits are those of a channel; 0: floats.
+// Returns the angle in degrees between a direction and its decoded encoding. `bits` are per channel; 0 means floats.
 double normalError(const render::NormalEncoding& encoding, uint32_t bits, shared::vec3 n);
 
-// Errors beyond it are shown as this in maps, and in the last bin of histograms: about three times the usual mean.
+// The top of the error scale, about three times the usual mean. Maps show larger errors as this value, and histograms
+// count them in the last bin.
 double topDegrees(uint32_t bits);
 
 // "8+8", "10+10+10", "float"

@@ -1,4 +1,4 @@
-// Round trip of a normal through its stored bits: GLSL and C++.
+// The round trip of a normal through its stored bits, in GLSL and C++.
 #ifndef LATELIGHT_STUDY_NORMAL_ROUND_TRIP_H
 #define LATELIGHT_STUDY_NORMAL_ROUND_TRIP_H
 
@@ -7,7 +7,7 @@
 
 SH_BEGIN
 
-// `bits` per channel, 8 to 16, as integers in two words; 0: float channels.
+// `bits` per channel, 8 to 16, are stored as integers in two words; 0 means float channels.
 SH_FUNC vec3 normalRoundTrip(uint encoding, uint bits, vec3 n) {
   float levels = float((1u << bits) - 1u);
   vec3 all = vec3(levels, levels, levels);

@@ -25,7 +25,7 @@ constexpr size_t kHistogramBins = 120;
 
 struct Directions {
   std::vector<vec4> all;
-  size_t even;  // the first of them cover the sphere evenly; means are over those
+  size_t even;  // count of directions at the front that cover the sphere evenly; means use these
 };
 
 vec4 unit(double x, double y, double z) {
@@ -33,8 +33,8 @@ vec4 unit(double x, double y, double z) {
   return {float(x * scale), float(y * scale), float(z * scale), 0};
 }
 
-// Directions where encodings fold, wrap or end: axes, corners and edges of the octahedron, the three great circles
-// through the axes and the surroundings of the poles, with steps to either side.
+// Adds directions where encodings fold, wrap or end: axes, corners and edges of the octahedron, the three great circles
+// through the axes and the neighborhoods of the poles, with steps to either side.
 void addHardDirections(std::vector<vec4>& list) {
   for (int x = -1; x <= 1; ++x)
     for (int y = -1; y <= 1; ++y)
@@ -50,7 +50,7 @@ void addHardDirections(std::vector<vec4>& list) {
     }
 }
 
-// splitmix64 (Steele et al. 2014), a number of [0, 1).
+// Returns a number in [0, 1) by splitmix64 (Steele et al. 2014).
 double random(uint64_t& state) {
   uint64_t z = (state += 0x9e3779b97f4a7c15u);
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -58,8 +58,8 @@ double random(uint64_t& state) {
   return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-// The Fibonacci lattice (Gonzalez 2010, "Measurement of areas on a sphere using Fibonacci and latitude-longitude
-// lattices"), or random directions; and the difficult ones.
+// Returns the Fibonacci lattice (Gonzalez 2010, "Measurement of areas on a sphere using Fibonacci and
+// latitude-longitude lattices") or random directions, followed by the difficult ones.
 Directions makeDirections(const Options& options) {
   Directions directions{std::vector<vec4>(options.samples), options.samples};
   uint64_t state = options.seed.value_or(0);

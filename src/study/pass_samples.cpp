@@ -50,12 +50,12 @@ scene::Camera turned(scene::Camera camera, double angle, glm::dvec3 middle) {
 std::vector<PassSamples> measureInTurn(render::Renderer& renderer, const scene::Camera& camera,
                                        const render::Moment& moment, std::span<const render::Settings> settings,
                                        uint32_t frames) {
-  constexpr double kTurn = 1e-3;  // radians a frame
+  constexpr double kTurn = 1e-3;  // radians per frame
   const auto render = [&](uint32_t frame, const render::Settings& with) {
     const scene::Camera now = turned(camera, frame * kTurn, glm::dvec3(camera.toWorld[3]));
     renderer.submit({&now, 1}, with, moment, render::Results::OnDevice).take();
   };
-  for (const render::Settings& each : settings) render(0, each);  // makes pipelines, and what each has of the scene
+  for (const render::Settings& each : settings) render(0, each);  // creates pipelines and caches of the scene
   const Stopwatch stopwatch;
   while (stopwatch.seconds() < kWarmUp)
     for (const render::Settings& each : settings) render(0, each);

@@ -1,4 +1,4 @@
-// Repeated measurements: frames pass by pass, medians and spreads.
+// Repeated measurements of frames, pass by pass, with medians and spreads.
 #pragma once
 
 #include <cstdint>
@@ -14,29 +14,29 @@ namespace latelight::study {
 using Milliseconds = std::vector<double>;  // of repeated measurements
 
 double median(const Milliseconds& samples);  // 0 without samples
-// Half of the samples lie within this many per cent of the median, together.
+// Returns the width of the interval that contains the middle half of the samples, in percent of the median.
 double spread(const Milliseconds& samples);
 
-// Each frame's passes by name, in the order of their first appearance.
+// The times of each pass over all frames, by name, in the order of first appearance.
 struct PassSamples {
   std::vector<std::string> names;
   std::map<std::string, Milliseconds> of;
-  std::map<std::string, uint64_t> wholeBytes;  // of one frame, as graph::PassTime has them
+  std::map<std::string, uint64_t> wholeBytes;  // per frame, as in graph::PassTime
   Milliseconds all;
 
   void add(std::span<const graph::PassTime> passes);
 };
 
-// The camera, turned by so many radians about the vertical axis through a point.
+// Rotates the camera by `angle` radians about the vertical axis through a point.
 scene::Camera turned(scene::Camera camera, double angle, glm::dvec3 middle);
 
-// Seconds of work before anything is measured. GPUs lower their clocks while they rest, or wait for a scene to be made:
-// an H200 goes from 1980 MHz to 345 within two seconds, and takes up to half a second of work to be back.
+// Seconds of work before any measurement. GPUs lower their clocks while they are idle or wait for a scene to load: an
+// H200 drops from 1980 MHz to 345 MHz within two seconds, and needs up to half a second of work to recover.
 constexpr double kWarmUp = 0.5;
 
-// So many frames with each of some settings, left on the device, after some that warm up. They take turns, so
-// that whatever else the machine does falls on all of them. The camera turns a little from frame to frame: what is kept
-// for a later frame is what does not depend on the view.
+// Renders this many frames with each of the settings after a warm-up; the results stay on the device. The settings
+// alternate, so that other load on the machine affects all of them equally. The camera turns a little between frames,
+// so that only view-independent data are reused from earlier frames.
 std::vector<PassSamples> measureInTurn(render::Renderer& renderer, const scene::Camera& camera,
                                        const render::Moment& moment, std::span<const render::Settings> settings,
                                        uint32_t frames);

@@ -25,7 +25,7 @@ void set(output::Picture& picture, int x, int y, const std::array<uint8_t, 3>& c
   std::copy_n(color.data(), 3, &picture.rgba[(size_t(y) * picture.width + size_t(x)) * 4]);
 }
 
-// The direction at a position in the map, in pixels; nothing outside the discs.
+// Returns the direction at a position in the map, in pixels, or nothing outside the discs.
 std::optional<shared::vec3> directionAt(double x, double y) {
   const double radius = kHeight / 2.0 - 4;
   const bool far = x >= kHeight;
@@ -39,7 +39,7 @@ std::optional<shared::vec3> directionAt(double x, double y) {
 }  // namespace
 
 SphereMap sphereMap(const std::function<double(shared::vec3)>& valueOf) {
-  constexpr int kSide = 4;  // samples per pixel, squared
+  constexpr int kSide = 4;  // samples per pixel along each axis
   SphereMap map{kWidth, kHeight, std::vector<double>(size_t{kWidth} * kHeight)};
   parallelFor(kHeight, 8, [&](size_t begin, size_t end) {
     for (size_t y = begin; y < end; ++y)

@@ -23,7 +23,7 @@ namespace latelight::study {
 
 namespace {
 
-// Okabe and Ito's colours, distinguishable with any colour vision; point types differ as well.
+// Okabe and Ito's colors are distinguishable with any color vision. Point types differ as well.
 constexpr std::array kColors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
 
 std::string inQuotes(const std::string& text) {
@@ -39,7 +39,7 @@ bool drawable(const Curve& curve) {
   return std::any_of(curve.samples.begin(), curve.samples.end(), [](const Sample& s) { return s.x > 0 && s.y > 0; });
 }
 
-// --- the program ----------------------------------------------------------------------------------------------------
+// --- running gnuplot -------------------------------------------------------------------------------------------------
 
 struct Close {
   void operator()(std::FILE* file) const { std::fclose(file); }
@@ -47,7 +47,7 @@ struct Close {
 
 struct Drawn {
   std::vector<std::byte> png;
-  std::string problem;  // in words; empty: none
+  std::string problem;  // the error message; empty: none
 };
 
 std::vector<std::byte> readToEnd(int from) {
@@ -61,7 +61,8 @@ std::vector<std::byte> readToEnd(int from) {
   }
 }
 
-// gnuplot with `input` as its standard input and `output`, which is closed here, as its standard output. 0 or an errno.
+// Starts gnuplot with `input` as standard input and `output` as standard output, and closes `output`. Returns 0 or
+// errno.
 int spawnGnuplot(int input, int output, pid_t& child) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -76,7 +77,7 @@ int spawnGnuplot(int input, int output, pid_t& child) {
   return error;
 }
 
-// A script in a file rather than a pipe, which can't deadlock, whatever the sizes.
+// Passes the script in a file instead of a pipe, so that no deadlock is possible, regardless of sizes.
 Drawn runGnuplot(const std::string& script) {
   const std::unique_ptr<std::FILE, Close> file(std::tmpfile());
   int ends[2];

@@ -1,4 +1,4 @@
-// Plots by gnuplot, run as a program: its script is kept next to the picture, and can redraw it anywhere.
+// Plots by gnuplot, which runs as a program. The script is saved next to the image, and can redraw it anywhere.
 #pragma once
 
 #include <cstddef>
@@ -19,17 +19,17 @@ struct Curve {
   std::vector<Sample> samples;
 };
 
-// Curves over logarithmic axes.
+// Curves on logarithmic axes.
 struct Plot {
-  std::string name;  // of its files, without extension
+  std::string name;  // base name of its files
   std::string title, xLabel, yLabel;
   std::vector<Curve> curves;
 };
 
-// The script from which gnuplot 5 writes a PNG to its standard output. The same plot gives the same text.
+// Returns the script from which gnuplot 5 writes a PNG to its standard output. The same plot produces the same text.
 std::string gnuplotScript(const Plot& plot);
 
-// NAME.gnuplot for each plot, and NAME.png where gnuplot is installed; a warning where it is not or fails.
+// Returns NAME.gnuplot for each plot, and NAME.png if gnuplot is installed; warns if it is absent or fails.
 std::vector<NamedFile> drawPlots(const std::vector<Plot>& plots);
 
 }  // namespace latelight::study

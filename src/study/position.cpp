@@ -1,5 +1,5 @@
-// The error of the three methods of reconstructing position from a 32-bit float depth buffer, against the point drawn;
-// and the part of it that the method adds to the buffer's.
+// The error of three methods that reconstruct position from a 32-bit float depth buffer, against the drawn point. Also
+// reports the part of the error that the method adds to that of the depth buffer.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ using shared::vec4;
 struct Samples {
   std::vector<vec4> inputs;        // NDC and device depth
   std::vector<dvec3> drawn;        // the points
-  std::vector<dvec3> represented;  // the points that NDC and device depth represent, by the same formula in double
+  std::vector<dvec3> represented;  // points that NDC and device depth represent, by the same formula in double
 };
 
 dvec3 pointAt(const Projection& p, double ndcX, double ndcY, double depth) {
@@ -37,7 +37,7 @@ double exactDepth(const Projection& p, double d) {
   return p.kind == shared::kPerspective ? double{p.B} / (d - p.A) : (d - p.B) / p.A;
 }
 
-// Over the picture by a low-discrepancy sequence (Roberts 2018, R2), depths evenly on a logarithmic scale.
+// Samples the image by a low-discrepancy sequence (Roberts 2018, R2), with depths evenly on a logarithmic scale.
 Samples makeSamples(const Projection& p, uint32_t count) {
   constexpr double kG = 1.32471795724474602596;
   Samples s;

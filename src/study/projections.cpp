@@ -22,7 +22,7 @@ shared::Projection make(double V, double A, double B, uint32_t kind) {
 }  // namespace
 
 std::vector<NamedProjection> perspectives() {
-  const double V = 1 / std::tan(std::numbers::pi / 6);  // 60 degrees high
+  const double V = 1 / std::tan(std::numbers::pi / 6);  // vertical field of view 60 degrees
   const double range = kFar - kNear;
   const auto perspective = [&](double A, double B) { return make(V, A, B, shared::kPerspective); };
   return {{"conventional", perspective(kFar / range, -kNear * kFar / range)},
@@ -32,7 +32,7 @@ std::vector<NamedProjection> perspectives() {
 }
 
 std::vector<NamedProjection> orthographics() {
-  const double V = 1 / 20.0;  // 40 m high
+  const double V = 1 / 20.0;  // height 40 m
   const double range = kFar - kNear;
   return {{"orthographic conventional", make(V, 1 / range, -kNear / range, shared::kOrthographic)},
           {"orthographic reversed", make(V, -1 / range, kFar / range, shared::kOrthographic)}};

@@ -8,14 +8,14 @@
 
 namespace latelight::study {
 
-inline constexpr double kNear = 0.1, kFar = 1000;  // metres; also limits the samples where the far plane is at infinity
+inline constexpr double kNear = 0.1, kFar = 1000;  // meters; kFar also limits samples if there is no far plane
 
 struct NamedProjection {
   std::string name;
   shared::Projection projection;
 };
 
-// Conventional and reversed; with a far plane and, for perspective, without.
+// Conventional and reversed depth, with a far plane and, for perspective, also without one.
 std::vector<NamedProjection> perspectives();
 std::vector<NamedProjection> orthographics();
 

@@ -19,14 +19,15 @@ struct Statistics {
   double rms() const;
 };
 
-// errorOf(i) for every sample, in parallel.
+// Returns errorOf(i) for every sample, computed in parallel.
 std::vector<double> errorsOf(size_t count, const std::function<double(size_t)>& errorOf);
 
-// Over the samples that `takes` accepts. Those from `even` on count for the maximum only: they are concentrated in
-// difficult directions.
+// Summarizes the samples that `takes` accepts. Samples from `even` on affect only the maximum, because they are
+// concentrated in difficult directions.
 Statistics summarize(std::span<const double> errors, size_t even, const std::function<bool(size_t)>& takes);
 
-// How many of the first `even` samples fall into each of `bins` equal parts of [0, top); larger ones count in the last.
+// Counts how many of the first `even` samples fall into each of `bins` equal parts of [0, top). Larger values count in
+// the last bin.
 std::vector<size_t> histogramOf(std::span<const double> errors, size_t even, double top, size_t bins,
                                 const std::function<bool(size_t)>& takes);
 

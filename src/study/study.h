@@ -1,5 +1,5 @@
-// Studies: `latelight study NAME` measures one subject, as a paper would. Each is a function from options to tables and
-// pictures, one source file, listed in study.cpp.
+// Studies: `latelight study NAME` measures one subject, as a paper would. Each study is a function from options to
+// tables and images in its own source file. study.cpp lists them.
 #pragma once
 
 #include <cstdint>
@@ -16,26 +16,26 @@
 
 namespace latelight::study {
 
-// The sweeps of `lights`; empty lists: the study's own choice for the kind of device.
+// The sweeps of `lights`. Empty lists select the study's own choice for the kind of device.
 struct SweepOptions {
-  double budget = 10;  // seconds: a step whose frames would take longer in total is left out
+  double budget = 10;  // seconds: a step is skipped if its frames are estimated to exceed it
   std::vector<uint64_t> lights, triangles;
   std::vector<std::pair<uint32_t, uint32_t>> sizes;  // pixels
 };
 
 struct Options {
-  std::string device = "auto";   // a selector of vk/device.h
+  std::string device = "auto";   // directions; depths use a quarter of it, light a thousandth per pixel
   bool validation = false;       // any message of the Vulkan validation layers is an error
   uint32_t samples = 4'000'000;  // directions; a quarter as many depths; for light a thousandth per pixel
   std::vector<uint32_t> bits;    // per channel, 8 to 16, 0 for floats; empty: the study's own choice
   std::optional<uint32_t> seed;  // directions: random ones instead of a lattice
   SweepOptions sweep;
-  std::vector<std::string> environments;  // of `accuracy`: files in addition to its own
+  std::vector<std::string> environments;  // files for `accuracy`, in addition to its own environments
   bool pictures = false;
 };
 
 struct NamedPicture {
-  std::string name;  // of the file, without extension
+  std::string name;  // base name of the file
   output::Picture picture;
 };
 
@@ -50,7 +50,7 @@ struct Study {
   const char* name;
   const char* description;
   Result (*run)(const Options& options);
-  bool samples = true;  // takes Options::samples; else Options::sweep
+  bool samples = true;  // uses Options::samples; otherwise Options::sweep
 };
 
 std::span<const Study> studies();

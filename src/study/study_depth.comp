@@ -5,7 +5,7 @@
 
 layout(constant_id = 0) const uint kFormat = 0;
 
-// x: device depth. Result: x: the stored depth, y: view depth.
+// Input: x is the device depth. Result: x is the stored depth, y the view depth.
 vec4 evaluate(vec4 sampled) {
   float stored = storedDepth(kFormat, sampled.x);
   return vec4(stored, viewDepth(push.projection, stored), 0.0, 0.0);

@@ -4,5 +4,5 @@
 
 layout(constant_id = 0) const uint kMethod = 0;
 
-// xy: NDC, z: device depth. Result: the view-space position.
+// Input: xy are NDC, z is the device depth. Result: the view-space position.
 vec4 evaluate(vec4 sampled) { return vec4(viewPosition(push.projection, kMethod, sampled.xy, sampled.z), 0.0); }

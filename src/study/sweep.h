@@ -1,4 +1,4 @@
-// When a sweep ends: predicts the time of its next step from earlier ones.
+// Ends a sweep in time: predicts the duration of the next step from earlier steps.
 #pragma once
 
 #include <optional>
@@ -8,13 +8,13 @@
 
 namespace latelight::study {
 
-// The steps of one technique along one axis, from the first on.
+// The steps of one technique along one axis, starting with the first.
 class SweepLine {
  public:
   void add(double x, double seconds) { steps_.push_back({x, seconds}); }
-  // Seconds of a step at x: extrapolates the growth between the last two steps, at most as x^2. A single step does not
-  // separate constant and growing parts, so it is taken to grow halfway between not at all and as x. Nothing before the
-  // first.
+  // Returns the predicted seconds of a step at x by extrapolating the growth between the last two steps, at most as
+  // x^2. A single step does not separate constant and growing parts, so the prediction is halfway between constant and
+  // proportional to x. Returns nothing before the first step.
   std::optional<double> expected(double x) const;
   void stop() { stopped_ = true; }
   bool stopped() const { return stopped_; }

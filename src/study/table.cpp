@@ -11,7 +11,7 @@ namespace latelight::study {
 std::string shortText(const Cell& cell) {
   if (const auto* text = std::get_if<std::string>(&cell)) return *text;
   const double number = std::get<double>(cell);
-  // Counts in full; measured numbers with three digits.
+  // Counts are printed in full, and measured numbers with three digits.
   return number == std::floor(number) && std::abs(number) < 1e9 ? fmt::format("{:.0f}", number)
                                                                 : fmt::format("{:#.3g}", number);
 }
@@ -31,7 +31,7 @@ std::string csvText(const Cell& cell) {
 std::string toText(const Table& table) {
   std::vector<size_t> widths;
   for (const std::string& column : table.columns) widths.push_back(column.size());
-  std::vector<bool> names(table.columns.size());  // columns of names stand at the left; a missing number is no name
+  std::vector<bool> names(table.columns.size());  // text columns are left-aligned; an empty cell is not text
   std::vector<std::vector<std::string>> lines{table.columns};
   for (const std::vector<Cell>& row : table.rows) {
     std::vector<std::string>& line = lines.emplace_back();

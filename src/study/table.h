@@ -1,4 +1,4 @@
-// Rows of names and numbers: to read, and as CSV and JSON.
+// Tables of names and numbers, as readable text, CSV and JSON.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -11,14 +11,14 @@ namespace latelight::study {
 using Cell = std::variant<std::string, double>;
 
 struct Table {
-  std::string name;                  // of its file, and in JSON
-  std::vector<std::string> columns;  // with their unit: "mean deg"
+  std::string name;                  // name of its file, and its key in JSON
+  std::vector<std::string> columns;  // with units: "mean deg"
   std::vector<std::vector<Cell>> rows;
-  bool shown = true;  // on standard output; long ones go to files only
+  bool shown = true;  // printed on standard output; long tables only go to files
 };
 
 std::string shortText(const Cell& cell);  // counts in full, measured numbers with three significant digits
-std::string toText(const Table& table);   // columns aligned, of short texts
+std::string toText(const Table& table);   // aligned columns of short texts
 std::string toCsv(const Table& table);    // RFC 4180; numbers in full, "inf" where infinite
 nlohmann::ordered_json toJson(const Table& table);
 
