@@ -12,7 +12,7 @@ namespace latelight::report {
 
 namespace {
 
-constexpr size_t kColors = 8;  // of the style sheet: .part0 ... .part7; curves are dashed differently as well
+constexpr size_t kColors = 8;  // the style sheet has .part0 ... .part7; curves also differ by dashes
 constexpr double kWidth = 760, kNames = 150, kRight = 24;
 
 std::string svg(double height, const std::string& title, const std::string& body) {
@@ -32,7 +32,7 @@ std::string rule(double x1, double y1, double x2, double y2) {
                      y2);
 }
 
-// Outside the picture, so that it wraps and can be read and copied.
+// The legend is HTML outside the SVG, so that its text wraps and can be copied.
 std::string legend(const std::vector<std::string>& names, const char* shape) {
   std::string items;
   for (size_t i = 0; i < names.size(); ++i)
@@ -41,7 +41,7 @@ std::string legend(const std::vector<std::string>& names, const char* shape) {
   return "<ul class=\"legend\">\n" + items + "</ul>\n";
 }
 
-// 1, 2 or 5 times a power of ten, about five of which reach `most`.
+// Returns 1, 2 or 5 times a power of ten, such that about five steps reach `most`.
 double stepTo(double most) {
   const double power = std::pow(10, std::floor(std::log10(most / 5)));
   const double times = most / 5 / power;
@@ -67,7 +67,7 @@ double sumOf(const BarChart::Bar& bar) {
   return std::accumulate(bar.values.begin(), bar.values.end(), 0.0);
 }
 
-// The powers of ten around positive values.
+// The powers of ten that enclose positive values.
 struct Decades {
   double low = 1e300, high = 1e-300;
   void add(double value) {

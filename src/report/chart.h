@@ -1,4 +1,4 @@
-// Charts as SVG. Each is followed by a table of its numbers, for which its words ask.
+// Charts as SVG. A table of the same numbers follows each chart, as its description says.
 #pragma once
 
 #include <string>
@@ -9,22 +9,22 @@
 
 namespace latelight::report {
 
-// A bar a row, of parts that add up.
+// One bar per row, made of parts that add up.
 struct BarChart {
   std::string title, unit;
   std::vector<std::string> parts;
   struct Bar {
     std::string name;
-    std::vector<double> values;  // one for each part
+    std::vector<double> values;  // one per part
   };
   std::vector<Bar> bars;
 };
 std::string toHtml(const BarChart& chart);
 
-// Curves over logarithmic axes; empty where none has a point that they can show.
+// Returns curves on logarithmic axes, or an empty text if no curve has a point that the axes can show.
 std::string toHtml(const study::Plot& plot);
 
-// Numbers of three significant digits, and in full for programs that read the page.
+// Numbers have three significant digits, and full precision for programs that read the page.
 std::string toHtml(const study::Table& table, const std::string& caption);
 
 }  // namespace latelight::report

@@ -1,4 +1,4 @@
-// Command lines that work when they are pasted into a shell.
+// Command lines that can be pasted into a shell.
 #pragma once
 
 #include <span>
@@ -7,13 +7,13 @@
 
 namespace latelight::report {
 
-// `latelight` and these words, quoted where a shell would not take them as they are.
+// Returns `latelight` and these words, with quotes if a shell would otherwise change them.
 std::string commandLine(std::span<const std::string> words);
 
-// The same in HTML, for what stands before it.
+// Returns the same command as HTML.
 std::string commandHtml(std::span<const std::string> words);
 
-// Two lists, one after the other.
+// Returns the concatenation of two lists.
 std::vector<std::string> joined(std::vector<std::string> words, std::span<const std::string> more);
 
 }  // namespace latelight::report

@@ -29,14 +29,14 @@ std::string headOf(const Page& page) {
                      escaped(page.title), page.introduction, links);
 }
 
-// Inside a script element nothing but its end is special.
+// Inside a script element only its end tag is special.
 std::string inScript(const nlohmann::ordered_json& data) {
   std::string text = data.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   replaceAll(text, "</", "<\\/");
   return text;
 }
 
-// Without loss, in little more than half of what PNG takes.
+// Encodes losslessly, in little more than half of the size of PNG.
 std::string webp(const output::Picture& picture) {
   uint8_t* encoded = nullptr;
   const size_t size =

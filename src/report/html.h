@@ -1,4 +1,4 @@
-// Pages that are one file: style, script, pictures and values are inside, and nothing is loaded from elsewhere.
+// Pages in a single file: style, script, images and values are embedded, and nothing is loaded from elsewhere.
 #pragma once
 
 #include <cstddef>
@@ -11,16 +11,16 @@
 
 namespace latelight::report {
 
-std::string_view webFile(std::string_view name);  // of web/report
+std::string_view webFile(std::string_view name);  // a file of web/report
 std::string escaped(std::string_view text);       // for text and for attributes in double quotes
 std::string base64(std::span<const std::byte> bytes);
 
-// A picture with words for those who don't see it, and a caption in HTML. `id`: of the <img>.
+// Returns an image with a text alternative and a caption in HTML. `id` is that of the <img>.
 std::string figure(const std::string& id, const output::Picture& picture, std::string_view words,
                    const std::string& caption);
 
 struct Section {
-  const char* id;  // of its heading's link
+  const char* id;  // target of the heading's link
   std::string title, html;
 };
 

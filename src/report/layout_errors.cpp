@@ -14,7 +14,7 @@ namespace latelight::report {
 
 namespace {
 
-// The surfaces of a G-buffer, as lighting unpacks them.
+// The surfaces of a G-buffer, unpacked as lighting does.
 class Surfaces {
  public:
   Surfaces(const render::Layout& layout, const output::RawGbuffer& gbuffer, const render::Settings& s,
@@ -47,7 +47,7 @@ class Surfaces {
   shared::GbufferContext context_{};
 };
 
-// By the tangent of the half angle: the cosine of a small one is 1.
+// Uses the tangent of the half angle, because the cosine of a small angle rounds to 1.
 double degreesBetween(const glm::dvec3& a, const glm::dvec3& b) {
   return 2 * std::atan2(glm::length(a - b), glm::length(a + b)) * 180 / M_PI;
 }

@@ -1,4 +1,4 @@
-// What a G-buffer layout loses of a scene: its surfaces beside those of the layout `exact`.
+// The error of a G-buffer layout in a scene: its surfaces compared with those of the layout `exact`.
 #pragma once
 
 #include "output/targets.h"
@@ -7,18 +7,19 @@
 
 namespace latelight::report {
 
-// Of the pixels that show a surface.
+// Over the pixels that show a surface.
 struct Error {
   double mean = 0, most = 0;
 };
 struct LayoutErrors {
   Error normal;     // degrees
-  Error position;   // millimetres
-  Error albedo;     // diffuse colour at normal incidence, linear, the channel that is farthest off
+  Error position;   // millimeters
+  Error albedo;     // diffuse color at normal incidence, linear, the channel with the largest error
   Error roughness;  // perceptual
 };
 
-// Both as Renderer::readTargets() reads them with these settings, but for the layout: `layout` and `exact`.
+// Both G-buffers are results of Renderer::readTargets() with these settings, except for the layout: `layout` and
+// `exact`.
 LayoutErrors layoutErrors(const render::Layout& layout, const output::RawGbuffer& stored,
                           const output::RawGbuffer& exact, const render::Settings& settings,
                           const scene::Camera& camera);

@@ -12,8 +12,8 @@ namespace latelight::report {
 
 namespace {
 
-// The words' lowest bytes, then their second ones, ..., each as the difference from the one before: 14 % smaller, once
-// deflated, than words are, for what a G-buffer holds of a scene with textures.
+// Separates the words into byte planes, lowest bytes first, each byte as the difference from the previous one. For the
+// G-buffer of a textured scene, this is 14 % smaller after deflate than the words themselves.
 std::vector<std::byte> filtered(std::span<const uint32_t> words) {
   std::vector<std::byte> bytes;
   bytes.reserve(words.size() * 4);
@@ -27,8 +27,9 @@ std::vector<std::byte> filtered(std::span<const uint32_t> words) {
   return bytes;
 }
 
-// A number of values, these in order, and for each pixel which of them it has; or 0, and the words themselves, where
-// few pixels are alike. Values of eight bits take a quarter of their floats then.
+// Returns a palette: the number of distinct values, these in ascending order, and per pixel the index of its value. If
+// few pixels are alike, returns 0 and the words themselves. Values of eight bits then need a quarter of the space of
+// floats.
 std::vector<uint32_t> withTable(std::span<const uint32_t> words) {
   std::vector<uint32_t> table(words.begin(), words.end());
   std::ranges::sort(table);

@@ -1,4 +1,4 @@
-// Values of every pixel, kept exactly in the page, and each set of them once.
+// The values of every pixel, stored exactly in the page. Identical planes are stored once.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,13 @@ namespace latelight::report {
 
 class Planes {
  public:
-  // Gives the number by which the page's script finds them. Words: floats by their bits, integers, or four bytes.
+  // Returns the number by which the page's script finds the plane. Words hold float bits, integers, or four bytes.
   size_t add(std::span<const uint32_t> words);
   const std::string& toHtml() const { return html_; }
 
  private:
   std::string html_;
-  std::unordered_map<std::string, size_t> numbers_;  // by what is written of them
+  std::unordered_map<std::string, size_t> numbers_;  // by encoded text
 };
 
 }  // namespace latelight::report

@@ -67,14 +67,14 @@ class ScenePage {
            "<p class=\"command\"><code>" + escaped(s_.command) + "</code></p>\n";
   }
 
-  // A picture in the page, and in the lists of those to compare.
+  // Adds an image to the page and to the lists of images that can be compared.
   std::string show(const std::string& group, const std::string& name, const output::Picture& picture, Json values) {
     const std::string id = fmt::format("image-{}", views_.size());
     views_.push_back({{"group", group}, {"name", name}, {"image", id}, {"values", std::move(values)}});
     return figure(id, picture, group + ": " + name, escaped(name));
   }
 
-  // A value of every pixel: every `stride`-th float, from the `first` one on.
+  // Adds a value of every pixel: every `stride`-th float, starting with `first`.
   Json value(const std::string& name, std::span<const float> values, size_t first = 0, size_t stride = 1) {
     std::vector<uint32_t> words;
     for (size_t i = first; i < values.size(); i += stride) words.push_back(std::bit_cast<uint32_t>(values[i]));
@@ -161,7 +161,7 @@ class ScenePage {
     return html + "</div>\n" + commands;
   }
 
-  // Those of the target that the label begins with.
+  // Returns the values of the target with which the label begins.
   Json targetValues(const output::RawGbuffer& gbuffer, const std::string& label) {
     Json values = Json::array();
     for (const output::RawTarget& target : gbuffer.targets) {
@@ -241,7 +241,7 @@ std::vector<std::string> givenFor(const Subject& subject, const render::Layout& 
   for (size_t i = 0; i < subject.given.size(); ++i) {
     const std::string& word = subject.given[i];
     if ((word == "--normals" && layout.fixedNormal) || (word == "--position" && layout.fixedPosition))
-      ++i;  // its value
+      ++i;  // skips its value
     else
       words.push_back(word);
   }

@@ -1,4 +1,4 @@
-// `latelight report`: a scene in every layout and by every technique, on one page.
+// `latelight report`: compares a scene in every layout and by every technique on one page.
 #pragma once
 
 #include <cstdint>
@@ -19,19 +19,20 @@ struct Subject {
   const scene::Camera& camera;
   const render::Moment& moment;
   render::Settings settings;  // the layouts are compared with its technique, and the techniques with its layout
-  // The scene and the options that were given, as `latelight render` takes them, but layout, technique, raster and what
-  // leaves.
+  // The scene and the options of the user as words of `latelight render`, without layout, technique, raster and
+  // outputs.
   std::vector<std::string> given;
-  std::string command;     // the line that makes this page
-  study::Options normals;  // of the study of normal encodings
-  uint32_t runs;           // frames of which each time is the median
+  std::string command;     // the command line that creates this page
+  study::Options normals;  // options for the study of normal encodings
+  uint32_t runs;           // frames per time, which is their median
 };
 
-// What was given, but for what would mean nothing to this layout, and be refused.
+// Returns `given` without the options that this layout would reject as meaningless.
 std::vector<std::string> givenFor(const Subject& subject, const render::Layout& layout);
 
-// Whether the device can light this layout, and the settings with which it is: another technique and raster where those
-// of the page can't. And those of a technique, with another layout in turn.
+// canLight() returns true if the device can light this layout. settingsFor() returns the settings for a layout; they
+// use another technique and raster if those of the page cannot light it. For a technique, they use another layout if
+// required.
 bool canLight(const Subject& subject, const render::Layout& layout);
 render::Settings settingsFor(const Subject& subject, const render::Layout& layout);
 render::Settings settingsFor(const Subject& subject, const render::TechniqueInfo& technique);

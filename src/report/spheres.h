@@ -1,5 +1,5 @@
-// The errors of normal encodings over the sphere, to turn: canvases, which the page's script draws from the maps of
-// `latelight study normals`.
+// Interactive spheres that show the errors of normal encodings. The page's script draws them on canvases from the maps
+// of `latelight study normals`.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,7 +11,8 @@
 
 namespace latelight::report {
 
-// What the script needs. `errors`: the table "normals" of the study, whose means and maxima stand below the spheres.
+// Returns the data for the script. `errors` is the study's table "normals"; its means and maxima are shown below the
+// spheres.
 nlohmann::ordered_json describeSpheres(std::span<const uint32_t> bits, const study::Table& errors, Planes& planes);
 
 std::string spheresHtml(std::span<const uint32_t> bits);

@@ -23,7 +23,7 @@ std::string picturesOf(const study::Result& result) {
   std::string html;
   for (size_t i = 0; i < result.pictures.size(); ++i) {
     const study::NamedPicture& each = result.pictures[i];
-    if (each.name.starts_with("normals-map")) continue;  // the spheres show them
+    if (each.name.starts_with("normals-map")) continue;  // the spheres show these maps
     html += figure(fmt::format("image-{}", i), each.picture, each.name + "; the tables have its numbers",
                    escaped(each.name));
   }

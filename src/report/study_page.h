@@ -1,4 +1,4 @@
-// `latelight study NAME --html`: a study's plots, pictures and tables on one page.
+// `latelight study NAME --html`: the plots, images and tables of a study on one page.
 #pragma once
 
 #include <span>
@@ -8,7 +8,7 @@
 
 namespace latelight::report {
 
-// `command`: its words that make the page.
+// `command` holds the words of the command that creates the page.
 std::string studyPage(const study::Study& study, const study::Options& options, const study::Result& result,
                       std::span<const std::string> command);
 

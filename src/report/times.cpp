@@ -21,7 +21,7 @@ struct Timed {
   study::PassSamples samples{};
 };
 
-// They take turns, each frame and the next one of another.
+// The settings alternate: each frame is followed by one with other settings.
 void measure(const Subject& s, std::vector<Timed>& all) {
   std::vector<render::Settings> settings;
   for (const Timed& each : all) settings.push_back(each.settings);
@@ -35,7 +35,7 @@ double medianOf(const Timed& timed, const std::string& pass) {
   return found == timed.samples.of.end() ? 0 : study::median(found->second);
 }
 
-// "geometry compact" and "lighting clustered" are one row each, whatever is compared.
+// "geometry compact" and "lighting clustered" share a row with those of other layouts and techniques.
 std::string kindOf(const std::string& pass, const Timed& timed) {
   for (const std::string& name : {timed.settings.layout->name, timed.settings.lighting->name})
     if (pass.ends_with(" " + name)) return pass.substr(0, pass.size() - name.size() - 1);
@@ -45,7 +45,7 @@ std::string kindOf(const std::string& pass, const Timed& timed) {
 // Milliseconds by kind of pass, in the order of the passes.
 struct Passes {
   std::vector<std::string> kinds;
-  std::vector<std::map<std::string, double>> of;  // each of what is compared
+  std::vector<std::map<std::string, double>> of;  // one map per compared setting
 };
 
 Passes collect(const std::vector<Timed>& all) {
@@ -61,7 +61,7 @@ Passes collect(const std::vector<Timed>& all) {
   return passes;
 }
 
-// The seven that take most, and the rest.
+// Shows the seven passes with the longest times, and the sum of the rest.
 BarChart chartOf(const std::string& title, const std::vector<Timed>& all, const Passes& passes) {
   const auto total = [&](const std::string& kind) {
     double sum = 0;

@@ -1,4 +1,4 @@
-// The times of a frame's passes in each layout and by each technique.
+// The times of a frame's passes, for each layout and each technique.
 #pragma once
 
 #include <string>
