@@ -1,4 +1,4 @@
-// latelight batch: a job in, a data set out.
+// `latelight batch`: renders a data set from a job.
 #include <fmt/core.h>
 #include <latelight/latelight.h>
 
@@ -34,8 +34,8 @@ struct BatchArguments {
   bool resume = false, dryRun = false, schema = false, validate = false;
   uint32_t workers = 1, threads = 0, slurm = 0;
   Json given = Json::object();  // keys of the job that are given as options
-  render::Settings scratch;     // where picture options are checked
-  std::string folder;           // of verify, merge and status
+  render::Settings scratch;     // target for checking image options
+  std::string folder;           // for verify, merge and status
   bool allowMissing = false;
 };
 
@@ -52,7 +52,7 @@ bool takes(const Json& schema, const char* type) {
   return std::ranges::find(types, type) != types.end();
 }
 
-// Numbers and what may be more than a name are JSON.
+// Numbers, and values that may be more than a name, are parsed as JSON.
 Json valueOf(const std::string& key, const Json& schema, const std::string& text) {
   const bool isNumber = takes(schema, "integer");
   const bool mayBeMore = takes(schema, "object") || takes(schema.value("items", Json::object()), "object");
@@ -65,7 +65,7 @@ Json valueOf(const std::string& key, const Json& schema, const std::string& text
   }
 }
 
-// Lists are given by repeating the option, each time with one element or with a list of them.
+// A list is given by repeating the option, each time with one element or with a list of them.
 void addJobKey(CLI::App& command, BatchArguments& a, const std::string& key, const Json& schema) {
   const bool isList = takes(schema, "array") && schema.contains("items");
   const auto take = [&a, key, schema, isList](const std::vector<std::string>& texts) {
@@ -97,7 +97,7 @@ void addJobOptions(CLI::App& command, BatchArguments& a) {
     });
 }
 
-// The file's, with the options that are given in place of its keys.
+// Returns the job of the file, in which options replace keys.
 data::Job readJob(const BatchArguments& a) {
   data::JobDocument document;
   if (!a.job.empty()) document = data::readJobFile(a.job);
@@ -110,7 +110,7 @@ data::Job readJob(const BatchArguments& a) {
   return data::makeJob(document);
 }
 
-// --- what is done with it -------------------------------------------------------------------------------------------
+// --- actions on the job ----------------------------------------------------------------------------------------------
 
 void printPlan(const data::Job& job, const BatchArguments& a, const data::Shard& shard) {
   const data::SetFolder set(job.folder);
@@ -189,7 +189,7 @@ void runBatch(const BatchArguments& a) {
   }
 }
 
-// --- of a set that is there -----------------------------------------------------------------------------------------
+// --- actions on an existing set --------------------------------------------------------------------------------------
 
 void printStatus(const std::string& folder) {
   const data::SetStatus status = data::readStatus(data::SetFolder(folder));

@@ -1,4 +1,4 @@
-// latelight bench: times of the device, pass by pass, with the rasters in turn.
+// `latelight bench`: measures device times pass by pass, alternating between the rasters.
 #include "study/bench.h"
 
 #include <fmt/core.h>
@@ -51,7 +51,7 @@ void runRaster(BenchArguments& a) {
   print(device, study::benchRaster(device, a.options), a.json);
 }
 
-// What those of a scene share: its checks, and its device.
+// Checks the options of a benchmark with a scene, and opens its device.
 template <typename Measure>
 void onDevice(RenderOptions& o, const Measure& measure) {
   if (o.isGiven("out")) badUsage("bench writes no image: omit -o");
@@ -64,7 +64,7 @@ void onDevice(RenderOptions& o, const Measure& measure) {
     fail(ExitCode::Internal, "the Vulkan validation layer says: {}", message);
 }
 
-// The renderer, camera and moment of a scene.
+// Creates the renderer, camera and scene state.
 template <typename Measure>
 void inScene(vk::Device& device, RenderOptions& o, const std::string& name, const Measure& measure) {
   const scene::Scene scene =
@@ -93,12 +93,12 @@ void runFrame(BenchArguments& a) {
   });
 }
 
-// Both measure lighting against its bound, which has one sample a pixel.
+// Both benchmarks compare lighting with its lower bound, which supports one sample per pixel.
 void refuseSamples(const RenderOptions& o) {
   if (o.isGiven("aa")) badUsage("bench lights and bench shade light each pixel once: omit --aa");
 }
 
-// What the scene can have, before anything is measured.
+// Checks the scene's possible numbers of lights before anything is measured.
 void checkLights(const std::string& scene, const std::vector<uint64_t>& counts) {
   if (!scene.starts_with("builtin:"))
     badUsage(
@@ -171,7 +171,7 @@ void addBenchCommand(CLI::App& app) {
   BenchArguments& a = *arguments;
   CLI::App* bench =
       app.add_subcommand("bench", "Measure performance: rasterization, the passes of a frame, many views, or lighting");
-  bench->require_subcommand(0, 1);  // none is said below, in better words than "a subcommand is required"
+  bench->require_subcommand(0, 1);  // the callback's message is better than "a subcommand is required"
   bench->callback([bench] {
     if (bench->get_subcommands().empty()) badUsage("bench requires a subject: raster, frame, views, lights or shade");
   });

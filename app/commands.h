@@ -1,4 +1,4 @@
-// The subcommands: one file each. A callback prints its result; a failure throws latelight::Error.
+// The subcommands, with one file each. Their callbacks print results; failures throw latelight::Error.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -18,11 +18,11 @@ void addBatchCommand(CLI::App& app);
 void addReportCommand(CLI::App& app);
 void addServeCommand(CLI::App& app);
 void addViewCommand(CLI::App& app);
-// Those that describe the others, which have been added by then.
+// These describe the other commands, so they must be added last.
 void addCompletionsCommand(CLI::App& app);
 void addManCommand(CLI::App& app);
 
-// Thrown to end with an exit code and no message, which has been printed already.
+// Ends the program with an exit code and without a message, which has been printed already.
 struct Exit {
   ExitCode code;
 };

@@ -1,4 +1,4 @@
-// latelight compare A B: how much two files differ, output by output, and whether that is within tolerance.
+// `latelight compare A B`: compares two files output by output and reports if they agree within tolerance.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -28,14 +28,14 @@ struct Arguments {
   std::string first, second;
   std::vector<std::string> tolerances;  // "T" or "OUTPUT=T"
   double share = 0;
-  double flip = -1;  // below 0: colours are judged by the tolerance
+  double flip = -1;  // below 0: colors are judged by the tolerance
   double pixelsPerDegree = output::kPixelsPerDegree;
   std::string difference;
   std::vector<std::string> channels;
   bool json = false;
 };
 
-// --- what is printed ------------------------------------------------------------------------------------------------
+// --- results ---------------------------------------------------------------------------------------------------------
 
 Json number(double value) {
   if (std::isfinite(value)) return value;
@@ -98,7 +98,7 @@ void printText(const OutputDifference& d, size_t width) {
                d.worstChannel.empty() ? "pixels" : "values");
 }
 
-// --- what is asked --------------------------------------------------------------------------------------------------
+// --- arguments -------------------------------------------------------------------------------------------------------
 
 double toleranceOf(std::string_view text) {
   const std::optional<double> value = parseNumber<double>(text);
@@ -122,7 +122,7 @@ bool isAlike(const OutputDifference& d, const Arguments& arguments) {
   return d.share() <= arguments.share;
 }
 
-// By pixel, the worst of all outputs.
+// Returns, per pixel, the worst excess of all outputs.
 std::vector<double> worstOf(const std::vector<OutputDifference>& differences) {
   std::vector<double> worst = differences.front().excesses;
   for (const OutputDifference& d : differences)

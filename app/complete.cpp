@@ -17,11 +17,11 @@ bool takesValue(const CLI::Option& option) {
   return option.get_items_expected_max() > 0;
 }
 
-// What stands before the cursor: the command, and the option whose value is being written.
+// The context of the cursor: the command, and the option whose value is being typed.
 struct Place {
   const CLI::App* command;
   const CLI::Option* value = nullptr;
-  size_t positionals = 0;  // before it
+  size_t positionals = 0;  // count before the cursor
 };
 
 const CLI::App* commandNamed(const CLI::App& cli, const std::string& name) {
@@ -53,7 +53,7 @@ const render::Option* entryOf(const CLI::Option& option) {
   return nullptr;
 }
 
-// The names that a value may have; nothing where any is as good as another.
+// Returns the names that a value may have, or nothing if any text is possible.
 std::vector<ListedName> namesFor(const CLI::App& command, const CLI::Option& option) {
   const std::string& name = option.get_name();
   std::vector<ListedName> names;
@@ -71,7 +71,7 @@ std::vector<ListedName> namesFor(const CLI::App& command, const CLI::Option& opt
   return names;
 }
 
-// Of a list, only what stands behind the last comma is still being written.
+// In a list, only the text after the last comma is completed.
 void addNames(Completions& all, const std::vector<ListedName>& names, const std::string& begun) {
   const size_t comma = begun.rfind(',');
   const std::string before = comma == std::string::npos ? "" : begun.substr(0, comma + 1);

@@ -1,4 +1,4 @@
-// What may stand where a shell's cursor is: words of the command line, from its own description.
+// Shell completion: the words that fit at the cursor, derived from the command line's own description.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,15 +13,15 @@ struct Completion {
 };
 
 struct Completions {
-  std::vector<Completion> words;  // that begin as the last word does
-  bool files = false;             // and names of files
+  std::vector<Completion> words;  // words that begin like the last word
+  bool files = false;             // file names fit as well
 };
 
-// `words`: those after the program's name, the last being the one to complete, perhaps empty.
+// `words` are the words after the program's name. The last one is to be completed and may be empty.
 Completions complete(const CLI::App& cli, std::span<const std::string> words);
 
-// `latelight complete -- WORDS`, for the scripts of `latelight completions`. A line each: the word, a tab, what it is;
-// ":files" for names of files.
+// Implements `latelight complete -- WORDS` for the scripts of `latelight completions`. Prints one line per word: the
+// word, a tab and its description; ":files" stands for file names.
 void printCompletions(const CLI::App& cli, std::span<const std::string> words);
 
 }  // namespace latelight::app

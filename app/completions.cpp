@@ -1,4 +1,4 @@
-// latelight completions: scripts for shells, which ask the program what may stand where the cursor is.
+// `latelight completions`: prints shell scripts that ask the program for completions at the cursor.
 #include <fmt/core.h>
 
 #include <array>
@@ -10,7 +10,7 @@ namespace latelight::app {
 
 namespace {
 
-// Readline takes what follows a colon or an equals sign for a word of its own: what stands before it is left out.
+// Readline treats the text after a colon or an equals sign as a word of its own, so the text before it is removed.
 constexpr std::string_view kBash = R"(_latelight() {
   local line=${COMP_LINE:0:COMP_POINT} words word files=
   read -ra words <<<"$line"

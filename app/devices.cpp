@@ -1,4 +1,4 @@
-// latelight devices: every Vulkan device, and which can be used.
+// `latelight devices`: lists every Vulkan device and states if it can be used.
 #include <fmt/core.h>
 #include <fmt/format.h>
 

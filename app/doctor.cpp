@@ -1,4 +1,4 @@
-// latelight doctor: what is missing, and how to get it.
+// `latelight doctor`: reports missing components and how to install them.
 #include "vk/doctor.h"
 
 #include <fmt/core.h>
@@ -15,7 +15,7 @@ namespace latelight::app {
 
 namespace {
 
-// Which raster `auto` stands for on the device that `auto` chooses.
+// Reports the raster that `auto` selects on the device that `auto` selects.
 vk::Finding examineRaster() {
   try {
     vk::Device device;

@@ -1,4 +1,4 @@
-// The command line as it was given, to be repeated.
+// The options of a command line, for repeating it.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,7 +8,7 @@
 
 namespace latelight::app {
 
-// The options that were given to a command, in the order of its help, but for those of these long names.
+// Returns the options that were passed to a command, in the order of its help, except those with these long names.
 std::vector<std::string> givenOptions(const CLI::App& command, const std::vector<std::string_view>& but);
 
 }  // namespace latelight::app

@@ -1,4 +1,4 @@
-// latelight list: the available choices, from the registries.
+// `latelight list`: prints the available choices from the registries.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The picture size for which costs are given.
+// The image size for which memory costs are printed.
 struct PictureSize {
   uint32_t width = 1280, height = 720, samples = 1;
   uint64_t count() const { return uint64_t{width} * height * samples; }
@@ -37,7 +37,7 @@ Json describeTarget(const char* name, VkFormat format, const char* channels) {
       {"name", name}, {"format", vk::formatName(format)}, {"bytes", vk::texelBytes(format)}, {"channels", channels}};
 }
 
-// A target that every layout has in addition to its own, and its format in the original design.
+// Describes a target that every layout has in addition to its own, with its format in the original design.
 Json describeSharedTarget(const char* name, VkFormat format, VkFormat original, const char* channels) {
   Json target = describeTarget(name, format, channels);
   if (original != format) target["originalFormat"] = vk::formatName(original);
@@ -138,7 +138,7 @@ Json describeOption(const render::Option& option, bool inApi) {
   if (!option.normal.empty()) row["default"] = option.normal;
   if (!option.without.empty()) row["without"] = option.without;
   row["compiled"] = option.effect == render::OptionEffect::Compiled;
-  if (inApi) row["member"] = option.member;  // of latelight::Options
+  if (inApi) row["member"] = option.member;  // member of latelight::Options
   return row;
 }
 
@@ -167,7 +167,7 @@ Json listFormats() {
   return rows;
 }
 
-// Of glTF.
+// Lists glTF extensions.
 Json listExtensions() {
   Json rows = Json::array();
   for (const scene::Extension& extension : scene::extensions()) {
@@ -196,7 +196,7 @@ std::string text(const Json& value) {
   return value.dump();
 }
 
-// Name and description on one line, every other value on a line of its own.
+// Prints name and description on one line, and each other value on its own line.
 void printRow(const Json& row) {
   fmt::print("  {:<19} {}\n", row["name"].get<std::string>(),
              row.contains("description") ? text(row["description"]) : "");
@@ -231,7 +231,7 @@ void printLayout(const Json& row) {
              row["samples"] == 1 ? "" : "s", sizeText(here), beside(sizeText(original)));
 }
 
-// Type, accepted values and default on one line, the help on another.
+// Prints type, accepted values and default on one line, and the help on another.
 void printOption(const Json& row) {
   std::string takes = text(row["type"]);
   if (row.contains("names")) {
@@ -256,7 +256,7 @@ struct Topic {
   void (*print)(const Json& row) = printRow;
 };
 
-// The lists with more than a name and a description, and those of the names that options take.
+// Creates the lists with more columns than name and description, and those with the accepted names of options.
 std::vector<Topic> makeTopics() {
   std::vector<Topic> topics = {
       {"options", [](const PictureSize&) { return listOptions(); }, printOption},

@@ -1,4 +1,4 @@
-// The lists of `latelight list`, for what else shows them.
+// The lists of `latelight list`, for other code that shows them.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ struct ListedName {
 
 // "layouts", "aovs", ...
 std::vector<std::string> listTopics();
-// What such a list names, in its order; nothing where there is no such list.
+// Returns the names in a list, in its order, or nothing if there is no such list.
 std::vector<ListedName> listedNames(std::string_view topic);
 
 }  // namespace latelight::app

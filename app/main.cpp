@@ -1,4 +1,4 @@
-// latelight: the command line. Exit codes are base/error.h's.
+// `latelight`: the command line. base/error.h defines the exit codes.
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <poll.h>
@@ -23,7 +23,7 @@ namespace {
 
 using namespace latelight;
 
-// Where standard error can't be written to, only the exit code is left.
+// Prints an error. If standard error is not writable, only the exit code remains.
 void complain(std::string_view sentence) {
   std::fputs(("latelight: " + printable(sentence) + "\n").c_str(), stderr);
 }
@@ -40,7 +40,7 @@ std::string commandNames(const CLI::App& cli) {
   return "the commands are " + names + "; see latelight --help";
 }
 
-// Whether that option is followed by its value.
+// Returns true if a value follows this option.
 bool takesValue(const CLI::App& cli, const std::string& option) {
   for (const CLI::App* command : cli.get_subcommands(nullptr))
     if (const CLI::Option* found = command->get_option_no_throw(option)) return found->get_items_expected_min() > 0;
@@ -54,21 +54,21 @@ bool isLongOption(const CLI::App& cli, const std::string& name) {
   return false;
 }
 
-// A single dash introduces letters: CLI11 reads "-hdri" as "-h" and more, and prints the help.
+// Rejects long options with a single dash. CLI11 would read "-hdri" as the letter "-h" and more, and print the help.
 void checkDashes(const CLI::App& cli, int argc, char** argv) {
   for (int i = 1; i < argc && std::string_view(argv[i]) != "--"; ++i) {
     const std::string argument = argv[i], name = argument.substr(0, argument.find('='));
     if (name.size() < 3 || name[0] != '-' || name[1] == '-' || takesValue(cli, argv[i - 1])) continue;
     if (isLongOption(cli, name.substr(1)))
       badUsage("\"{}\" has one dash, but long options have two: -{}", argument, name);
-    // Flags in one word, perhaps followed by -o with its value.
+    // Allows flags in one word, optionally followed by -o with its value.
     const size_t rest = name.find_first_not_of("hq", 1);
     if (rest > 1 && rest != std::string::npos && name[rest] != 'o')
       badUsage("there is no option \"{}\"; see latelight --help", argument);
   }
 }
 
-// CLI11's message, with the arguments it repeats shortened where they are too long to be read.
+// Returns CLI11's message, with repeated arguments shortened if they are too long to read.
 std::string inWords(const CLI::ParseError& error, int argc, char** argv) {
   std::string sentence = error.what();
   for (int i = 1; i < argc; ++i) {
@@ -80,7 +80,7 @@ std::string inWords(const CLI::ParseError& error, int argc, char** argv) {
   return sentence;
 }
 
-// The options of a command and of all commands below it.
+// Returns the options of a command and of all its subcommands.
 std::vector<CLI::Option*> allOptions(CLI::App& command) {
   std::vector<CLI::Option*> all = command.get_options();
   for (CLI::App* below : command.get_subcommands(nullptr)) {
@@ -90,13 +90,13 @@ std::vector<CLI::Option*> allOptions(CLI::App& command) {
   return all;
 }
 
-// CLI11 would take "[a,b]" apart at its commas, and words after an option's value for more values. A value is one word
-// of the command line, as it is written.
+// Makes every value exactly one word of the command line. By default CLI11 splits "[a,b]" at its commas, and reads
+// words after an option's value as more values.
 void keepValuesWhole(CLI::App& cli) {
   for (CLI::Option* option : allOptions(cli)) option->allow_extra_args(false);
 }
 
-// An empty value comes from an unset shell variable; it does not ask for the default. Some options have a better
+// Rejects empty values: they come from unset shell variables and do not request the default. Some options have a better
 // message of their own.
 void refuseEmptyValues(CLI::App& cli) {
   const CLI::Validator check(
@@ -110,7 +110,7 @@ int parseAndRun(int argc, char** argv) {
   CLI::App cli{"Latelight: a deferred renderer that needs no display, no graphics pipeline and no particular GPU."};
   cli.name("latelight");
   cli.set_version_flag("--version", std::string("latelight ") + LATELIGHT_VERSION);
-  cli.require_subcommand(0, 1);  // none is said below, in better words than "a subcommand is required"
+  cli.require_subcommand(0, 1);  // a better message than "a subcommand is required" follows below
   cli.get_formatter()->column_width(34);
   cli.add_flag_callback(
          "-q,--quiet", [] { setQuiet(true); }, "Suppress warnings and progress")
@@ -159,7 +159,7 @@ int run(int argc, char** argv) {
     return static_cast<int>(error.code());
   } catch (const std::bad_alloc&) {
     return outOfMemory();
-  } catch (const std::length_error&) {  // more than any machine's memory
+  } catch (const std::length_error&) {  // larger than any machine's memory
     return outOfMemory();
   } catch (const std::exception& error) {
     if (std::ferror(stdout)) return static_cast<int>(ExitCode::Usage);  // main() reports it
@@ -168,14 +168,14 @@ int run(int argc, char** argv) {
   }
 }
 
-// If the caller closed a standard stream, the first file opened would take its descriptor, and output would go there.
-// Opened with the wrong access mode, the stream fails like a closed one.
+// Opens closed standard streams, because otherwise the first opened file would get their descriptor, and output would
+// go there. The access mode is wrong on purpose, so that the stream still fails like a closed one.
 void holdStandardStreams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (fcntl(stream, F_GETFD) < 0 && errno == EBADF) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }
 
-// The reader of standard output has closed it, as head does after a few lines.
+// Returns true if the reader of standard output has closed it, as `head` does after a few lines.
 bool readerLeft() {
   pollfd output{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
   return poll(&output, 1, 0) > 0 && (output.revents & POLLERR);
@@ -185,15 +185,14 @@ bool readerLeft() {
 
 int main(int argc, char** argv) {
   holdStandardStreams();
-  // A file that reaches the size limit, and a pipe whose reader is gone, should fail in write() instead of ending the
-  // process.
+  // A file that reaches the size limit, or a pipe without a reader, must fail in write() instead of ending the process.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
   handleFatalSignals();
   const int code = run(argc, argv);
-  // Text is written when its buffer is flushed: a full disk may show only here.
+  // Text is written when its buffer is flushed, so a full disk may only be reported here.
   if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
-  if (readerLeft()) {  // as programs usually end then: silently
+  if (readerLeft()) {  // end silently by the signal, as is usual
     std::signal(SIGPIPE, SIG_DFL);
     std::raise(SIGPIPE);
   }

@@ -1,4 +1,4 @@
-// latelight man: the manual page, in roff, from the commands' own descriptions.
+// `latelight man`: prints the manual page in roff from the commands' own descriptions.
 #include <fmt/core.h>
 
 #include <string>
@@ -9,8 +9,8 @@ namespace latelight::app {
 
 namespace {
 
-// As text: a backslash begins an escape, a dash is one that can be searched for, and a line that begins with a point or
-// an apostrophe would be a request.
+// Escapes text for roff: a backslash begins an escape, a plain dash cannot be searched for, and a line that begins with
+// a period or an apostrophe would be a request.
 std::string inRoff(const std::string& text) {
   std::string roff;
   for (const char c : text) {
@@ -56,7 +56,7 @@ std::string usageOf(const CLI::App& command, const std::string& name) {
   return usage + " [\\fIoptions\\fR]";
 }
 
-// A command, and those below it.
+// Prints a command and its subcommands.
 void printCommand(const CLI::App& command, const std::string& name) {
   if (command.get_group().empty()) return;
   const auto below = command.get_subcommands([](const CLI::App*) { return true; });

@@ -1,4 +1,4 @@
-// Values of options from their text. Each throws Error(Usage) with a sentence that shows the right form.
+// Parses option values from text. Each function throws Error(Usage) with a sentence that shows the right form.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +14,13 @@ namespace latelight::app {
 
 glm::dvec3 parseVector(const std::string& option, const std::string& text);  // "x,y,z"
 std::pair<uint32_t, uint32_t> parseFrames(const std::string& text);         // "0-47", or "5"
-// "1,100,10k,1M", none of them 0.
+// Parses "1,100,10k,1M". Rejects 0.
 std::vector<uint64_t> parseCounts(const std::string& option, const std::string& text);
-std::optional<size_t> parseIndex(std::string_view text);  // a whole number, or nothing
+std::optional<size_t> parseIndex(std::string_view text);  // an integer, or nothing
 
 struct Orbit {
   float azimuth, elevation;       // radians
-  std::optional<float> distance;  // metres
+  std::optional<float> distance;  // meters
 };
 Orbit parseOrbit(const std::string& text);  // "az,el[,dist]" in degrees
 

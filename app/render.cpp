@@ -1,4 +1,4 @@
-// latelight render: a scene file in, pictures and per-pixel data out.
+// `latelight render`: renders images and per-pixel data of a scene file.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -84,14 +84,14 @@ std::vector<std::filesystem::path> writeDebugPicture(const output::DebugRequest&
   return {path};
 }
 
-// Each may fill standard output once.
+// Only one of these options may write to standard output.
 void checkStandardOutput(const RenderOptions& o) {
   const bool picksAsText = !o.picks.empty() && !o.json;
   if ((o.out == "-") + (o.graph == "-") + o.json + picksAsText > 1)
     badUsage("-o -, --dump-graph -, --json and --pick without --json all write to standard output; use one of them");
 }
 
-// The outputs, checked before any expensive work, and what has to be rendered for them.
+// Plans the outputs and the settings that they require. All checks precede any expensive work.
 output::OutputRequest planOutput(RenderOptions& o, const std::optional<output::DebugRequest>& debug) {
   output::OutputRequest request{.pattern = o.out};
   if (!o.aovs.empty()) request.aovs = output::parseAovs(o.aovs);
@@ -119,7 +119,7 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<output::D
   return request;
 }
 
-// The files that one frame writes, and --dump-graph.
+// Returns the files that one frame and --dump-graph write.
 std::vector<std::filesystem::path> outputsOf(const RenderOptions& o, const RenderPlan& plan,
                                              const output::Metadata& metadata) {
   std::vector<std::filesystem::path> paths;
@@ -133,7 +133,7 @@ std::vector<std::filesystem::path> outputsOf(const RenderOptions& o, const Rende
   return paths;
 }
 
-// Throws Error(Usage) where a file would overwrite an input of the scene or its environment, or another output.
+// Throws Error(Usage) if a file would overwrite an input of the scene or its environment, or another output.
 void checkFiles(const RenderOptions& o, const RenderPlan& plan, const scene::Scene& scene, const Timeline& timeline,
                 const std::string& environment) {
   std::vector<std::filesystem::path> inputs = scene.files;
@@ -146,15 +146,15 @@ void checkFiles(const RenderOptions& o, const RenderPlan& plan, const scene::Sce
   for (named.frame = timeline.first(); named.frame <= timeline.last(); ++named.frame) {
     const std::vector<std::filesystem::path> outputs = outputsOf(o, plan, named);
     used.checkOutputs(outputs);
-    // A frame that can't be written does not stop the others.
+    // In a sequence, a frame that cannot be written does not stop the others.
     if (timeline.isSequence()) continue;
-    std::error_code ignored;  // writing reports what is wrong
+    std::error_code ignored;  // writing reports the error
     for (const std::filesystem::path& path : outputs)
       if (isThere(path)) checkWritable(path);
   }
 }
 
-// A frame in flight: its ticket, or, for --debug targets, the finished result.
+// A frame in flight: its ticket or, for --debug targets, the finished result.
 struct PendingFrame {
   output::Metadata metadata;
   std::optional<render::Ticket> picture;
@@ -163,7 +163,7 @@ struct PendingFrame {
 
 struct RenderedFrame {
   output::FrameOutput picture;
-  output::RawGbuffer targets;  // instead, for --debug targets
+  output::RawGbuffer targets;  // used instead for --debug targets
   output::Metadata metadata;
 };
 
@@ -196,7 +196,7 @@ RenderedFrame finishFrame(RenderRun& run, PendingFrame&& pending) {
   return rendered;
 }
 
-// What does not change from frame to frame is written with the first one that can be written.
+// Writes a frame. The id manifest, which all frames share, is written with the first frame whose writing succeeds.
 std::vector<std::filesystem::path> writeFiles(RenderRun& run, const RenderedFrame& frame) {
   const output::OutputRequest& request = run.plan.request;
   const auto ids = output::idManifestPath(request, frame.metadata);
@@ -221,8 +221,8 @@ void writeFrame(RenderRun& run, const RenderedFrame& frame) {
   run.times.write += seconds(mark);
 }
 
-// Each frame is rendered while the previous one is written. A frame that can't be written does not stop the others; one
-// that can't be rendered ends the sequence, once all earlier ones are written.
+// Renders each frame while the previous one is written. A frame that cannot be written does not stop the others. A
+// frame that cannot be rendered ends the sequence after all earlier frames are written.
 void renderSequence(RenderRun& run) {
   uint32_t failed = 0;
   std::string first;
@@ -260,7 +260,7 @@ RenderPlan planRender(RenderOptions& o) {
 }
 
 std::string environmentOf(const RenderOptions& o, const scene::Scene& scene) {
-  // Showing the background needs an environment, with or without lights.
+  // Showing the background requires an environment, even if lights exist.
   return render::environmentName(scene, o.hdri, o.settings.background.kind == render::Background::Environment);
 }
 
@@ -284,7 +284,8 @@ void renderAll(RenderRun& run) {
 
 namespace {
 
-// The slots of materials whose textures matter: without the others data alone take a fraction of the time to load.
+// Returns the material slots whose textures are required. For data outputs, skipping the other textures reduces the
+// load time to a fraction.
 uint32_t texturesFor(const RenderOptions& o, const RenderPlan& plan) {
   if (plan.debug && plan.debug->targets) return ~0u;
   const uint32_t picked = o.picks.empty() ? 0 : 1u << shared::kTextureNormal;
@@ -296,7 +297,7 @@ void render(RenderOptions& o) {
   const RenderPlan plan = planRender(o);
 
   vk::avoidFullDriverCache();
-  // The device starts while the scene loads: they share nothing.
+  // The device starts while the scene loads, because they share nothing.
   auto deviceStart = inBackground(
       [&] { return std::make_unique<vk::Device>(vk::DeviceOptions{.selector = o.device, .validation = o.validate}); });
   const scene::Scene scene = scene::load(o.scene, {.variant = o.variant,
@@ -304,10 +305,10 @@ void render(RenderOptions& o) {
                                                    .ids = o.idGrouping,
                                                    .textureSlots = texturesFor(o, plan)});
   const Timeline timeline(scene, o);
-  timeline.cameraAt(timeline.first());  // reports errors before anything else
+  timeline.cameraAt(timeline.first());  // reports errors before any expensive work
   const std::string environmentName = environmentOf(o, scene);
   checkFiles(o, plan, scene, timeline, environmentName);
-  // Data alone show nothing of it; one that the user names must be good all the same.
+  // Data outputs do not depend on the environment. One that the user names is loaded all the same, to report errors.
   const bool lit = render::isLit(o.settings) || (plan.debug && plan.debug->targets) || !o.hdri.empty();
   const std::optional<scene::Environment> environment =
       lit ? render::loadEnvironment(scene, environmentName) : std::nullopt;

@@ -55,7 +55,7 @@ scene::Camera placeCamera(const scene::Scene& scene, const std::vector<scene::Ca
     badUsage("--fov means nothing to the camera \"{}\": it is orthographic", camera.name);
   if (!o.fov) return render::fitted(std::move(camera), o.settings.cameraFit);
   camera.verticalFov = fov;
-  camera.aspect.reset();  // --fov is the picture's own
+  camera.aspect.reset();  // --fov refers to the image's own aspect ratio
   return camera;
 }
 

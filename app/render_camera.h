@@ -6,8 +6,8 @@
 
 namespace latelight::app {
 
-// From --camera, --eye, --orbit, or the scene's first, or one that shows the whole scene. Throws Error(Usage).
-// `cameras`: the scene's, posed at the picture's time.
+// Returns the camera of --camera, --eye or --orbit; by default the scene's first camera, or one that shows the whole
+// scene. `cameras` are the scene's, posed at the image's time. Throws Error(Usage).
 scene::Camera chooseCamera(const scene::Scene& scene, const std::vector<scene::Camera>& cameras,
                            const RenderOptions& options);
 

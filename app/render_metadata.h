@@ -1,4 +1,4 @@
-// The metadata of a picture for the JSON side file.
+// The metadata of an image for the JSON side file.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace latelight::app {
 
-// `environment`: its name, empty for none.
+// `environment` is the name of the environment; empty for none.
 output::Metadata describeRender(const scene::Scene& scene, const scene::Camera& camera, const vk::Device& device,
                                 const std::string& environment, const RenderOptions& options);
 

@@ -52,7 +52,7 @@ const render::OptionTable<RenderOptions>& commandTable() {
   return made;
 }
 
-// The placeholder for the value in the help.
+// Returns the placeholder for the value in the help.
 std::string valueName(const Option& option) {
   switch (option.kind) {
     case OptionKind::Flag:
@@ -71,7 +71,7 @@ std::string valueName(const Option& option) {
   return "";
 }
 
-// The names that it takes, or where they are listed if they are many.
+// Returns the accepted names, or if there are many, the command that lists them.
 std::string namesText(const Option& option) {
   constexpr size_t kFew = 60;  // letters
   std::vector<std::string> words;
@@ -116,7 +116,7 @@ std::span<const Option> commandOptions() {
 }
 
 void addRenderOptions(CLI::App& command, RenderOptions& o) {
-  // As the text appears in metadata.
+  // Stores the text as it appears in metadata.
   const auto give = [&o](const Option& option, std::string text) {
     o.given.insert_or_assign(std::string(render::keyOf(option)), std::move(text));
   };

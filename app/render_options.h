@@ -1,4 +1,4 @@
-// The options of `latelight render`: as given, and parsed.
+// The options of `latelight render`, as given and as parsed.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -27,26 +27,26 @@ struct RenderOptions {
 #include "app/render_command.def"
 
   render::Settings settings;
-  scene::IdGrouping idGrouping;                           // of `idDepth` and `idNodes`
+  scene::IdGrouping idGrouping;                           // parsed from `idDepth` and `idNodes`
   std::map<std::string, std::string, std::less<>> given;  // the options that were given, by key ("exposure"), as text
-  std::vector<glm::uvec2> pixels;                         // of `picks`
+  std::vector<glm::uvec2> pixels;                         // parsed from `picks`
 
   bool isGiven(std::string_view key) const {
     return given.contains(key);
   }
 };
 
-// Those of the command line only; render::options() has the others.
+// Returns the options that only the command line has; render::options() returns the others.
 std::span<const render::Option> commandOptions();
 
-// Adds one option to a command; `take` is called with the text of each value that is given, "" for a flag.
+// Adds one option to a command. `take` is called with the text of each value, or "" for a flag.
 void addOption(CLI::App& command, const render::Option& option, const std::function<void(const std::string&)>& take);
 
 void addRenderOptions(CLI::App& command, RenderOptions& options);
-// The value of --memory, which is followed from then on; empty: it was not given. Throws Error(Usage) where it is no
-// size.
+// Applies the value of --memory to the process; empty means that the option was not passed. Throws Error(Usage) if the
+// text is not a size.
 void limitMemory(const std::string& text);
-// Checks beyond parsing: limits and contradictions. Throws Error(Usage).
+// Checks limits and contradictions that parsing does not detect. Throws Error(Usage).
 void checkOptions(RenderOptions& options);
 
 }  // namespace latelight::app

@@ -18,7 +18,7 @@ std::string text(glm::vec3 v) {
   return fmt::format("{:.6g} {:.6g} {:.6g}", v.x, v.y, v.z);
 }
 
-// Names come from the scene file, and may contain anything.
+// Names come from the scene file and may contain any characters.
 std::string nameOr(const std::string& name, const std::string& otherwise) {
   return name.empty() ? otherwise : printable(name);
 }

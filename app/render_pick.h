@@ -1,4 +1,4 @@
-// --pick: prints what pixels show, as text and in the report.
+// --pick: prints what is visible at given pixels, as text and in the report.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -10,10 +10,10 @@
 
 namespace latelight::app {
 
-// "x,y", each a whole number. Throws Error(Usage).
+// Parses "x,y" with integers. Throws Error(Usage).
 std::vector<glm::uvec2> parsePixels(const std::vector<std::string>& texts);
 
-// As readable text; `frame` names the frame of positions, `normalFrame` that of normals.
+// Prints readable text. `frame` names the frame of positions, and `normalFrame` that of normals.
 void printPicked(const std::vector<render::Picked>& picked, const std::string& frame, const std::string& normalFrame);
 nlohmann::ordered_json describePicked(const std::vector<render::Picked>& picked);
 

@@ -1,5 +1,5 @@
-// `latelight render` in two parts: the request, and a run of it on an existing device, scene and renderer. The command
-// creates them for one run; the test of random options shares them among many.
+// `latelight render` in two parts: planning the request, and running it on an existing device, scene and renderer. The
+// command creates these for one run; the test of random options shares them between many runs.
 #pragma once
 
 #include <filesystem>
@@ -25,7 +25,7 @@ struct RenderPlan {
 // Checks the options before any expensive work, and fills in options.settings. Throws Error(Usage).
 RenderPlan planRender(RenderOptions& options);
 
-// The name of the environment that lights the scene; empty: none does.
+// Returns the name of the environment that lights the scene, or an empty text if there is none.
 std::string environmentOf(const RenderOptions& options, const scene::Scene& scene);
 
 struct RenderTimes {  // seconds
@@ -41,14 +41,14 @@ struct RenderRun {
   const std::string& environment;  // its name
   vk::Device& device;
   render::Renderer& renderer;
-  RenderTimes times{};  // so far
+  RenderTimes times{};  // accumulated so far
   std::vector<std::filesystem::path> files{};
   std::vector<render::Picked> picked{};
-  bool hasIdManifest = false;  // of a sequence: it is written
+  bool hasIdManifest = false;  // the id manifest of a sequence has been written
 };
 
 // Renders, writes and reports everything. Throws Error: SomeFramesFailed, Internal for validation messages, and errors
-// of the renderer and of writing.
+// of rendering and writing.
 void renderAll(RenderRun& run);
 
 }  // namespace latelight::app

@@ -16,7 +16,7 @@ namespace {
 
 constexpr uint32_t kMostFrames = 1'000'000;
 
-// The point given by --target, or the centre of the scene at rest.
+// Returns the point of --target, or the center of the scene at rest.
 glm::dvec3 pivotOf(const scene::Scene& scene, const RenderOptions& o) {
   if (!o.target.empty()) {
     const glm::dvec3 target = parseVector("--target", o.target);

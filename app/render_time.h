@@ -1,4 +1,4 @@
-// The times that `latelight render` shows: one moment, or the frames of a sequence; and how the camera turns.
+// The times that `latelight render` shows: one time or the frames of a sequence, and the rotation of the camera.
 #pragma once
 
 #include <optional>
@@ -10,21 +10,22 @@
 
 namespace latelight::app {
 
-// Throws Error(Usage) for errors that can be found before the scene is loaded.
+// Throws Error(Usage) for errors that can be detected before the scene is loaded.
 void checkTime(const RenderOptions& options);
 
 class Timeline {
  public:
-  // Throws Error(Usage) for an animation that the scene doesn't have.
+  // Throws Error(Usage) for an animation that the scene does not have.
   Timeline(const scene::Scene& scene, const RenderOptions& options);
 
   bool isSequence() const { return sequence_; }
   uint32_t first() const { return first_; }
   uint32_t last() const { return last_; }
   uint32_t frameDigits() const;
-  std::optional<double> secondsAt(uint32_t frame) const;  // nothing: the scene at rest
+  std::optional<double> secondsAt(uint32_t frame) const;  // empty: the scene at rest
 
-  // The camera of a frame, and where everything is, including the previous and the next frame.
+  // cameraAt() returns the camera of a frame, and momentAt() the scene state, including the previous and the next
+  // frame.
   scene::Camera cameraAt(uint32_t frame) const;
   render::Moment momentAt(uint32_t frame) const;
 
@@ -35,7 +36,7 @@ class Timeline {
   const scene::Scene& scene_;
   const RenderOptions& options_;
   scene::Playback playback_;
-  glm::dvec3 pivot_;  // the centre of --turn, world space
+  glm::dvec3 pivot_;  // the center of --turn, world space
   bool sequence_ = false, still_ = false;
   uint32_t first_ = 0, last_ = 0;
 };

@@ -1,4 +1,4 @@
-// latelight report: a scene in every layout and by every technique, on one page to open in a browser.
+// `latelight report`: compares a scene in every layout and by every technique on one page for a browser.
 #include <fmt/core.h>
 
 #include <filesystem>
@@ -20,8 +20,8 @@ namespace latelight::app {
 
 namespace {
 
-constexpr uint32_t kWidth = 288, kHeight = 162;  // where --size is not given
-constexpr size_t kMostBytes = 20'000'000;        // of a page: it opens at once, and can be sent to others
+constexpr uint32_t kWidth = 288, kHeight = 162;  // if --size is not given
+constexpr size_t kMostBytes = 20'000'000;        // limit for a page, so that it opens at once and can be sent to others
 
 struct ReportArguments {
   RenderOptions render;
@@ -29,7 +29,7 @@ struct ReportArguments {
   const CLI::App* command = nullptr;
 };
 
-// What a page does not have, and what it varies itself.
+// Rejects options that a page does not support or varies itself.
 void checkGiven(const RenderOptions& o) {
   for (const char* key : {"aov", "pick", "debug", "no-side-file", "json", "dump-graph", "frames", "frame", "lens"})
     if (o.isGiven(key)) badUsage("report selects its own images and values: omit --{}", key);
@@ -37,8 +37,8 @@ void checkGiven(const RenderOptions& o) {
   checkWritable(o.out);
 }
 
-// The scene and the options that were given, but for these; the size always, since that of a page is another than that
-// of a picture.
+// Returns the scene and the given options, except these. The size is always included, because the default sizes of a
+// page and of an image differ.
 std::vector<std::string> wordsOf(const ReportArguments& a, std::vector<std::string_view> but) {
   but.insert(but.end(), {"out", "validate", "size", "runs"});
   std::vector<std::string> words = report::joined({a.render.scene}, givenOptions(*a.command, but));
@@ -46,7 +46,7 @@ std::vector<std::string> wordsOf(const ReportArguments& a, std::vector<std::stri
   return words;
 }
 
-// The command that makes the page.
+// Returns the command that creates the page.
 std::string ownCommand(const ReportArguments& a) {
   std::vector<std::string> words = report::joined({"report"}, wordsOf(a, {}));
   words.insert(words.end(), {"--runs", fmt::format("{}", a.runs), "-o", a.render.out});

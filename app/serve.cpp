@@ -1,4 +1,4 @@
-// latelight serve: viewing sessions in browsers.
+// `latelight serve`: runs viewing sessions in browsers.
 #include "serve/server.h"
 
 #include <fmt/core.h>

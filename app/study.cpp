@@ -1,4 +1,4 @@
-// latelight study NAME: measures one subject, and writes tables and pictures.
+// `latelight study NAME`: measures one subject and writes tables and images.
 #include <fmt/core.h>
 
 #include <memory>
@@ -39,7 +39,7 @@ void parseSweep(const Arguments& a, study::SweepOptions& sweep) {
   for (std::string_view part : splitAtCommas(a.sizes)) sweep.sizes.push_back(render::readSize("--sizes", part));
 }
 
-// "8,10,16,float", or ranges as in "8-16".
+// Parses "8,10,16,float", or ranges such as "8-16".
 std::vector<uint32_t> parseBits(const std::string& text) {
   const auto wrong = [&]() -> std::vector<uint32_t> {
     badUsage("--bits requires comma-separated numbers from 8 to 16 and float, such as 8,10,12-16,float, not \"{}\"",
@@ -70,10 +70,10 @@ nlohmann::ordered_json toJson(const Arguments& a, const study::Result& result) {
   return json;
 }
 
-// The folder for results, created if missing, and removed again if there are none.
+// The folder for results. It is created if missing, and removed again if there are no results.
 class ResultFolder {
  public:
-  // Checks that it can be written to before any expensive work. `study`: the prefix of its files' names.
+  // Checks before any expensive work that the folder is writable. `study` is the prefix of its file names.
   ResultFolder(const std::filesystem::path& path, const std::string& study);
   ~ResultFolder() {
     std::error_code ignored;

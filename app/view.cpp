@@ -1,4 +1,4 @@
-// latelight view: windows to look at a scene.
+// `latelight view`: shows a scene in windows.
 #include "app/commands.h"
 #include "app/view_start.h"
 #include "vk/driver_cache.h"

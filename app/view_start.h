@@ -1,4 +1,4 @@
-// What a viewing session starts with, from the options of `latelight render`.
+// The initial state of a viewing session, from the options of `latelight render`.
 #pragma once
 
 #include "app/render_options.h"
@@ -7,13 +7,13 @@
 namespace latelight::app {
 
 struct ViewOptions : RenderOptions {
-  std::string shaders;  // a folder
+  std::string shaders;  // a folder with SPIR-V
 };
 
-// Those of `latelight render`, and its own; what a session has no use for is refused in a sentence, and not listed.
+// Adds the options of `latelight render` and those of the viewer. Options that a session does not support are hidden.
 void addViewOptions(CLI::App& command, ViewOptions& options);
-// Throws Error(Usage) for options that a session has no use for; `command` is its name in that sentence. From here on
-// the process takes its shaders from --shaders.
+// Throws Error(Usage) for options that a session does not support; `command` is its name in the message. Afterwards the
+// process loads its shaders from --shaders.
 view::Start viewStart(ViewOptions& options, std::string_view command);
 
 }  // namespace latelight::app

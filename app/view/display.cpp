@@ -12,8 +12,8 @@ namespace latelight::app {
 
 namespace {
 
-// Xlib ends the program with this, at the latest: it has no way to go on. Other threads are in the midst of a picture,
-// so nothing is torn down.
+// Ends the program with a message, because Xlib cannot continue and would end it after this handler returns. Other
+// threads are still rendering, so nothing is destroyed.
 int endWithoutDisplay(::Display*) {
   std::fputs(
       "latelight: the connection to the display was lost, and the windows with it; `latelight serve` shows the same "

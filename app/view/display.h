@@ -1,10 +1,10 @@
-// The display that windows are on.
+// The connection to the display on which windows are shown.
 #pragma once
 
 namespace latelight::app {
 
-// GLFW, while any window may be open. Throws Error(NoDevice) where there is no display. A display that is lost later
-// ends the program with that code and a sentence.
+// Owns GLFW while any window may be open. Throws Error(NoDevice) if there is no display. If the display is lost later,
+// the program ends with that exit code and a message.
 class Display {
  public:
   Display();

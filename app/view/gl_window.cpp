@@ -17,7 +17,7 @@ namespace latelight::app {
 
 namespace {
 
-// A letter that is easier to read than ImGui's own, where the machine has it.
+// A font that is easier to read than ImGui's own, if it is installed.
 const char* const kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 constexpr float kFontSize = 15;
 
@@ -34,7 +34,7 @@ void style(float scale) {
   s.WindowRounding = 0, s.FrameRounding = 3, s.GrabRounding = 3;
   s.ScaleAllSizes(scale);
   ImGuiIO& io = ImGui::GetIO();
-  io.IniFilename = nullptr;  // a window leaves no files
+  io.IniFilename = nullptr;  // do not save settings to a file
   io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
   if (std::filesystem::exists(kFont))
     io.Fonts->AddFontFromFileTTF(kFont, std::round(kFontSize * scale));
@@ -92,8 +92,9 @@ void GlWindow::makeCurrent() const {
   ImGui::SetCurrentContext(context_);
 }
 
-// ImGui has no callbacks of its own, since they would reach the window that was drawn last. A pointer moves far more
-// often than pictures follow it; where no graphics device draws windows, drawing each time would take a core from them.
+// Forwards events to ImGui explicitly, because its own callbacks would reach the window that was drawn last. Pointer
+// events are far more frequent than rendered images. Without a graphics device for windows, drawing for each event
+// would use a core that rendering needs.
 void GlWindow::followEvents() {
   glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
     GlWindow& self = current(w);
@@ -176,7 +177,7 @@ void GlWindow::end() {
   if (redraws_ > 0) --redraws_;
 }
 
-// The bytes are sRGB, and so is the window: nothing converts them on the way.
+// Both the bytes and the window are sRGB, so no conversion is needed.
 void GlWindow::setPicture(const view::Frame& frame) {
   makeCurrent();
   glBindTexture(GL_TEXTURE_2D, texture_);

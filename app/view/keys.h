@@ -1,13 +1,13 @@
-// Names of keys, as KeyboardEvent.key has them.
+// Names of keys, as defined by KeyboardEvent.key.
 #pragma once
 
 #include <string>
 
 namespace latelight::app {
 
-// Of GLFW's numbers; by the keyboard's own layout where a key has a letter. Empty: one without use.
+// Maps GLFW's codes to names; keys with a letter follow the keyboard layout. Empty if the key has no use.
 std::string keyName(int key, int scancode);
-// Whether it acts again and again while it is held, as steps do, and not once, as what it turns on and off.
+// Returns true if the key repeats while it is held, as steps do, and false for keys that toggle.
 bool isStep(const std::string& name);
 
 }  // namespace latelight::app

@@ -21,7 +21,7 @@ std::string valueOf(const view::Choice& choice, const Option& option) {
   return found == choice.options.end() ? option.normal : found->second;
 }
 
-// A list of names; what is not in it is typed below.
+// Shows a list of names. Other values can be typed in the field below.
 std::optional<std::string> pickName(const Option& option, const std::string& value) {
   std::optional<std::string> picked;
   if (!ImGui::BeginCombo("##value", value.c_str())) return picked;
@@ -33,7 +33,7 @@ std::optional<std::string> pickName(const Option& option, const std::string& val
   return picked;
 }
 
-// Small ranges have a slider; others are dragged in steps of their own size.
+// Small ranges use a slider; other numbers are dragged in steps of their own size.
 std::optional<std::string> editNumber(const Option& option, const std::string& value) {
   const render::Range& range = option.range;
   const bool whole = option.kind == OptionKind::Integer;
@@ -103,7 +103,7 @@ void drawOption(const view::Choice& choice, const Option& option,
   ImGui::BeginGroup();
   ImGui::PushItemWidth(changed ? -reset - ImGui::GetStyle().ItemSpacing.x : -1);
   if (const auto text = edit(option, valueOf(choice, option))) set(key, *text);
-  if (ImGui::GetIO().NavVisible) explain(helpOf(option));  // a name can't be reached by keys
+  if (ImGui::GetIO().NavVisible) explain(helpOf(option));  // keys cannot reach the name, so the value explains it
   ImGui::PopItemWidth();
   ImGui::EndGroup();
   if (changed) {

@@ -9,13 +9,13 @@
 
 namespace latelight::app {
 
-// All of them by groups. `set` is called with the name and the text of what people change; an empty text is the
+// Draws all options by group. `set` is called with the name and text of a changed option; an empty text selects the
 // default.
 void drawOptions(const view::Choice& choice, const std::function<void(const std::string&, const std::string&)>& set);
 
-// A line of text to edit. True once it is entered.
+// Draws an editable line of text. Returns true when it is entered.
 bool editText(const char* label, std::string& text);
-// What it says where the pointer rests on the last widget.
+// Shows a tooltip if the pointer rests on the last widget.
 void explain(const std::string& text);
 
 }  // namespace latelight::app

@@ -9,8 +9,8 @@ namespace latelight::app {
 
 namespace {
 
-constexpr float kReach = 8;  // about a handle, pixels at scale 1
-constexpr double kStep = 8;  // pixels that an arrow key moves a light; with Shift one
+constexpr float kReach = 8;  // radius around a handle, pixels at scale 1
+constexpr double kStep = 8;  // pixels by which an arrow key moves a light; one pixel with Shift
 constexpr ImU32 kWhite = IM_COL32(255, 255, 255, 230), kDark = IM_COL32(0, 0, 0, 160),
                 kYellow = IM_COL32(255, 220, 90, 255);
 
@@ -40,7 +40,7 @@ bool isShown(const view::LightState& light, const PictureArea& area) {
          (*light.at)[1] < area.size.y;
 }
 
-// The next one whose handle is to be seen, or the one before; nothing where there is none.
+// Returns the next light with a visible handle, or the previous one if `back`; nothing if no handle is visible.
 std::optional<uint32_t> lightAfter(const view::State& state, const PictureArea& area, std::optional<uint32_t> light,
                                    bool back) {
   const auto count = static_cast<uint32_t>(state.lights.size());
@@ -67,7 +67,7 @@ void label(const view::LightState& light, ImVec2 at) {
   list.AddText(at, kYellow, text.c_str());
 }
 
-// A light line in a dark one, to be seen on any picture.
+// Draws a light line inside a dark one, so that it is visible on any image.
 void drawLine(ImVec2 from, ImVec2 to, float thickness) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   list.AddLine(from, to, kDark, 2 * thickness);
@@ -80,7 +80,7 @@ void drawSlider(float x, const PictureArea& area) {
   ImGui::GetBackgroundDrawList()->AddCircleFilled(middle, kReach * area.scale, kWhite);
 }
 
-// The pixel itself stays free.
+// Draws a crosshair that does not cover its pixel.
 void drawCrosshair(ImVec2 at, const PictureArea& area) {
   for (const float way : {-area.scale, area.scale}) {
     drawLine({at.x + 4 * way, at.y}, {at.x + 16 * way, at.y}, 2 * area.scale);

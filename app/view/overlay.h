@@ -1,4 +1,4 @@
-// What lies over the picture: the slider of a split, the handles of lights, and the crosshair that keys move.
+// The overlay of the image: the slider of a split, the handles of lights, and the crosshair that keys move.
 #pragma once
 
 #include <imgui/imgui.h>
@@ -11,21 +11,21 @@
 
 namespace latelight::app {
 
-// Where the picture is, pixels of the window.
+// The position of the image, in pixels of the window.
 struct PictureArea {
   ImVec2 from, size;
-  float scale = 1;  // of letters, and of what is to be taken hold of
+  float scale = 1;  // of text and handles
   ImVec2 inside(ImVec2 p) const { return {p.x - from.x, p.y - from.y}; }
 };
 
 class Overlay {
  public:
   void draw(const view::State& state, const PictureArea& area, bool handles) const;
-  // Each says whether it was meant for something here, and not for the camera.
+  // Each returns true if it consumed the input, which then must not move the camera.
   bool press(const view::State& state, const PictureArea& area, ImVec2 at, bool handles);
   bool move(const view::State& state, const PictureArea& area, ImVec2 at, const Send& send) const;
   bool release();
-  // Tab chooses a light's handle, one after the other, and arrows move it.
+  // Tab selects the handle of the next light, and arrow keys move it.
   bool key(const view::State& state, const PictureArea& area, const std::string& name, bool shift, const Send& send);
 
  private:

@@ -47,7 +47,7 @@ constexpr std::pair<const char*, const char*> kHelp[] = {
     {"Ctrl+S Ctrl+C Ctrl+R", "screenshot, copy command, reload"},
     {"Ctrl+N Ctrl+W", "open another window, close this one"}};
 
-// --- what is shown --------------------------------------------------------------------------------------------------
+// --- outputs and options ---------------------------------------------------------------------------------------------
 
 void drawOutputs(const view::State& state, Side side, const Send& send) {
   const std::string& shown = state.choices[static_cast<int>(side)].output;
@@ -159,7 +159,7 @@ void drawEnvironment(PanelMemory& memory, const Send& send) {
   }
 }
 
-// --- what it says ---------------------------------------------------------------------------------------------------
+// --- reported values -------------------------------------------------------------------------------------------------
 
 std::string text(glm::vec3 v) {
   return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z);
@@ -241,7 +241,7 @@ void TimeHistory::add(const view::Frame& frame) {
     values.push_back(static_cast<float>(milliseconds));
     if (values.size() > kMost) values.pop_front();
   };
-  if (frame.milliseconds == last) return;  // the same measurement: two sides were put together anew
+  if (frame.milliseconds == last) return;  // the same measurement: only the split was composed again
   last = frame.milliseconds;
   append(pictures, frame.milliseconds);
   for (const graph::PassTime& pass : frame.passes) append(passes[pass.name], pass.milliseconds);

@@ -1,4 +1,4 @@
-// The panel beside the picture: what is shown, with which choices, and what it costs.
+// The panel next to the image: the shown output, its options, and times.
 #pragma once
 
 #include <imgui/imgui.h>
@@ -15,7 +15,7 @@ namespace latelight::app {
 
 using Send = std::function<void(view::Input)>;
 
-// Milliseconds of the last whole pictures, and of each of their passes.
+// Milliseconds of the last finished images, and of each of their passes.
 struct TimeHistory {
   std::deque<float> pictures;
   std::map<std::string, std::deque<float>> passes;
@@ -23,17 +23,17 @@ struct TimeHistory {
   void add(const view::Frame& frame);
 };
 
-// What the panel remembers, and what it asks of its window.
+// The state of the panel, and its requests to the window.
 struct PanelMemory {
-  view::Side side = view::Side::Left;  // whose options are shown
+  view::Side side = view::Side::Left;  // the side whose options are shown
   bool shown = true, help = false, handles = false;
   std::string scene, environment, file = "screenshot.png";
   TimeHistory times;
-  bool copies = false;   // the command, to the clipboard
-  bool focuses = false;  // keys go to the panel from here on
+  bool copies = false;   // copy the command to the clipboard
+  bool focuses = false;  // move the keyboard focus to the panel
 };
 
-// Of the side whose options are shown.
+// Returns the command of the side whose options are shown.
 const std::string& commandOf(const view::State& state, const PanelMemory& memory);
 
 void drawPanel(const view::State& state, const view::Frame& frame, PanelMemory& memory, const Send& send, ImVec2 from,

@@ -1,4 +1,4 @@
-// The option sun, as it is edited.
+// The option sun in a form for editing.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@ namespace latelight::app {
 struct Sun {
   float azimuth = 30, elevation = 40, lux = 3.14159f;  // degrees
 };
-Sun sunOf(const std::string& option);  // what it does not say is as it is here
+Sun sunOf(const std::string& option);  // missing values keep the defaults above
 std::string textOf(const Sun& sun);
 
 }  // namespace latelight::app

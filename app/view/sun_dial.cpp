@@ -44,7 +44,7 @@ bool SunDial::press(const std::string& sun, const PictureArea& area, ImVec2 at, 
   return move(sun, area, at, set);
 }
 
-// In the middle the azimuth stays what it is.
+// At the center the azimuth is unchanged.
 bool SunDial::move(const std::string& sun, const PictureArea& area, ImVec2 at, const Set& set) const {
   if (!held_) return false;
   const ImVec2 middle = middleOf(area);

@@ -27,7 +27,7 @@ std::string titleOf(const std::string& scene) {
   return "latelight: " + printable(scene);
 }
 
-// Whether a list is open or a value is being changed in the panel, which Escape ends first.
+// Returns true if a list is open or a value is being edited in the panel; Escape ends these first.
 bool isBusyWithKeys() {
   return ImGui::IsAnyItemActive() ||
          ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
@@ -65,11 +65,11 @@ struct Window::Impl {
   SunDial sunDial;
   const Send send = [this](view::Input input) { session.send(std::move(input)); };
   const SunDial::Set setSun = [this](const std::string& text) { send(view::SetOption{"sun", text, memory.side}); };
-  ImVec2 pointer{-1, -1}, drawn{-1, -1}, fitted{0, 0};  // `drawn`: where the pointer was then
+  ImVec2 pointer{-1, -1}, drawn{-1, -1}, fitted{0, 0};  // `drawn`: the pointer at the last draw
   bool another = false, fresh = true;
 };
 
-// The window takes the picture's size, and the panel beside it.
+// The window has the size of the image plus the panel.
 Window::Impl::Impl(const view::Start& start)
     : gl(titleOf(start.scene), static_cast<int>(start.width + kPanelWidth), static_cast<int>(start.height), events()),
       session(start, [] { glfwPostEmptyEvent(); }) {
@@ -114,7 +114,7 @@ void Window::Impl::takeNews() {
   if (news.state) {
     if (state && news.state->scene != state->scene) glfwSetWindowTitle(gl.get(), titleOf(news.state->scene).c_str());
     state = news.state;
-    gl.redraw(news.frame && !news.frame->final ? 1 : GlWindow::kAnswers);  // another one follows a draft
+    gl.redraw(news.frame && !news.frame->final ? 1 : GlWindow::kAnswers);  // another image follows a draft
   }
   if (!news.frame) return;
   frame = news.frame;
@@ -122,7 +122,7 @@ void Window::Impl::takeNews() {
   if (frame->final) memory.times.add(*frame);
 }
 
-// A picture of the window's own shape fills its place, whatever its pixels; others lie in the middle.
+// An image with the window's aspect ratio fills its area, regardless of resolution; others are centered.
 void Window::Impl::drawPicture() const {
   if (frame->width == 0) return;
   const PictureArea whole = area();
@@ -143,20 +143,21 @@ void Window::Impl::draw() {
   if (memory.handles) sunDial.draw(sun(), area());
   if (memory.shown) drawPanel(*state, *frame, memory, send, {area().size.x, 0}, {panelWidth(), gl.size().y});
   drawHelp(memory);
-  if (std::exchange(fresh, false)) ImGui::SetWindowFocus(nullptr);  // keys are the picture's at first
+  if (std::exchange(fresh, false)) ImGui::SetWindowFocus(nullptr);  // keys control the image at first
   gl.end();
   if (std::exchange(memory.copies, false)) copyCommand();
 }
 
 // --- pointer and keys -----------------------------------------------------------------------------------------------
 
-// Whether a press there is meant for it. ImGui knows what lies under the pointer once it has drawn with it there.
+// Returns true if a press at the pointer is meant for the image. ImGui knows what is under the pointer only after a
+// draw.
 bool Window::Impl::overPicture() {
   if (pointer.x != drawn.x || pointer.y != drawn.y) draw();
   return pointer.x < area().size.x && !ImGui::GetIO().WantCaptureMouse;
 }
 
-// Over the picture alone nothing answers a pointer but the picture itself, in its own time.
+// Returns true if the window must be redrawn. Over the image only a new image changes the window.
 bool Window::Impl::movePointer(double x, double y) {
   const bool wasBeside = pointer.x >= area().size.x;
   pointer = {static_cast<float>(x), static_cast<float>(y)};
@@ -165,7 +166,7 @@ bool Window::Impl::movePointer(double x, double y) {
   return wasBeside || pointer.x >= area().size.x || memory.handles || memory.help || ImGui::GetIO().WantCaptureMouse;
 }
 
-// ImGui is told of buttons by drawing: at once, before the pointer moves on.
+// ImGui receives button events by drawing, so this draws at once, before the pointer moves on.
 void Window::Impl::press(view::Button button, bool down, bool shift) {
   draw();
   if (!down && (overlay.release() || sunDial.release())) return;
@@ -189,14 +190,14 @@ bool Window::Impl::command(const std::string& name) {
   return true;
 }
 
-// Those of the window itself, also while keys go to the panel.
+// Handles the keys of the window itself, which also work while the panel has the focus.
 bool Window::Impl::anywhereKey(const std::string& name) {
   if (name == "F1") return memory.help = !memory.help, true;
   if (name == "F2") return memory.shown = memory.focuses = true;
   return false;
 }
 
-// While they go to the picture.
+// Handles keys while the image has the focus.
 bool Window::Impl::windowKey(const std::string& name, bool shift) {
   if (memory.handles && overlay.key(*state, area(), name, shift, send)) return true;
   if (name == "h") return memory.shown = !memory.shown, true;
@@ -220,7 +221,7 @@ void Window::Impl::pressKey(const std::string& name, bool down, int modifiers) {
   if (!(down && windowKey(name, shift))) session.send(view::Key{name, down, shift});
 }
 
-// The option sun of the side whose options are shown.
+// Returns the option sun of the side whose options are shown.
 std::string Window::Impl::sun() const {
   const auto& options = state->choices[static_cast<int>(memory.side)].options;
   const auto found = options.find("sun");
@@ -231,13 +232,13 @@ void Window::Impl::copyCommand() {
   glfwSetClipboardString(gl.get(), commandOf(*state, memory).c_str());
 }
 
-// --- from outside ---------------------------------------------------------------------------------------------------
+// --- public interface ------------------------------------------------------------------------------------------------
 
 Window::Window(const view::Start& start) : impl_(std::make_unique<Impl>(start)) {}
 Window::~Window() = default;
 
 bool Window::wantsDrawing() const {
-  return impl_->gl.redraws() > 0 && impl_->gl.size().x > 0;  // not while it is minimised
+  return impl_->gl.redraws() > 0 && impl_->gl.size().x > 0;  // not while minimized
 }
 
 bool Window::show() {

@@ -1,4 +1,4 @@
-// A window: a session's pictures, the panel beside them, and what pointer and keys mean there.
+// A window: a session's images, the panel next to them, and the meaning of pointer and keys there.
 #pragma once
 
 #include <memory>
@@ -9,14 +9,14 @@ namespace latelight::app {
 
 class Window {
  public:
-  // Throws Error where the display has no OpenGL 3, or the scene can't be shown.
+  // Throws Error if the display does not support OpenGL 3, or if the scene cannot be shown.
   explicit Window(const view::Start& start);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
   bool wantsDrawing() const;
-  // Draws it if anything is new. True: people want another window.
+  // Draws the window if anything is new. Returns true if the user requested another window.
   bool show();
   bool isClosed() const;
 

@@ -5,7 +5,7 @@
 
 namespace latelight::app {
 
-// Opens one, and returns when the last is closed. Throws Error(NoDevice) where there is no display.
+// Opens a window, and returns when the last one is closed. Throws Error(NoDevice) if there is no display.
 void showWindows(const view::Start& start);
 
 }  // namespace latelight::app
