@@ -1,5 +1,5 @@
-# A virtual environment in the build folder, with what building and testing the package takes. Made again whenever the list
-# of packages changes.
+# Creates a virtual environment in the build folder with the packages for building and testing. It is created again
+# whenever the list of packages changes.
 set(requirements ${CMAKE_CURRENT_SOURCE_DIR}/requirements.txt)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${requirements})
 execute_process(COMMAND ${PROJECT_SOURCE_DIR}/tests/venv ${PROJECT_BINARY_DIR}/python-environment ${requirements}

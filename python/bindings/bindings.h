@@ -1,4 +1,4 @@
-// The parts of the module latelight._core, a file each.
+// The parts of the module latelight._core, with one file each.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -11,6 +11,6 @@ void bindElements(nanobind::module_& module);
 void bindScene(nanobind::module_& module);
 void bindDeviceArray(nanobind::module_& module);
 void bindRenderer(nanobind::module_& module);
-void finishRenderers();  // waits for the devices of all renderers of this process
+void finishRenderers();  // waits for the devices of all renderers in this process
 
 }  // namespace latelight::python

@@ -1,4 +1,4 @@
-// class Camera, and the ways to make one.
+// Binds the class Camera and its factory functions.
 #include <cmath>
 #include <numbers>
 
@@ -42,7 +42,7 @@ Camera lookAt(nb::handle eye, nb::handle target, nb::handle up, nb::handle verti
   return camera;
 }
 
-// OpenGL's camera looks along -Z, its Y up.
+// Converts to OpenCV's axes. OpenGL's camera looks along -Z with Y up.
 std::array<double, 16> openCvPose(nb::handle pose, const std::string& frame) {
   std::array<double, 16> matrix = matrixOf<4, 4>(pose, "camera_to_world");
   if (frame != "opencv" && frame != "opengl") badValue("frame must be \"opencv\" or \"opengl\", not \"{}\"", frame);
@@ -86,7 +86,7 @@ nb::object kOf(const Camera& camera, nb::handle size) {
     k = {camera.lens->fx * sx, 0, camera.lens->cx * sx, 0, camera.lens->fy * sy, camera.lens->cy * sy, 0, 0, 1};
   } else {
     const double half = camera.orthographic ? camera.halfHeight : std::tan(camera.verticalFov / kDegrees / 2);
-    const double scale = camera.aspect ? std::max(1.0, *camera.aspect * height / width) : 1.0;  // shows the whole frame
+    const double scale = camera.aspect ? std::max(1.0, *camera.aspect * height / width) : 1.0;  // shows the full frame
     k[0] = k[4] = height / (2 * half * scale);
   }
   return owned(std::move(k), {3, 3});

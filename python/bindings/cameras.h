@@ -1,4 +1,4 @@
-// Cameras as arguments.
+// Converts arguments to cameras.
 #pragma once
 
 #include <latelight/latelight.h>
@@ -9,7 +9,7 @@
 
 namespace latelight::python {
 
-// A Camera, or a list of them.
+// Accepts a Camera or a list of them.
 std::vector<Camera> camerasOf(nanobind::handle value, std::string_view name);
 
 }  // namespace latelight::python

@@ -12,7 +12,7 @@ namespace latelight::python {
 
 namespace {
 
-// --- what is used of CUDA's driver API (docs.nvidia.com/cuda/cuda-driver-api): its ABI, which does not change --------
+// --- the used part of CUDA's driver API (docs.nvidia.com/cuda/cuda-driver-api), whose ABI does not change ------------
 
 using Result = int;
 using Context = void*;
@@ -111,7 +111,7 @@ int deviceByUuid(const std::string& uuid) {
   throw Error(ExitCode::NoDevice, fmt::format("CUDA has no device {}: see CUDA_VISIBLE_DEVICES", uuid));
 }
 
-// The primary context, which torch, CuPy and the like use too, for as long as this lives.
+// Makes the primary context current, which torch, CuPy and similar libraries use, too, for the lifetime of this object.
 class InContext {
  public:
   explicit InContext(Context context) { check(cuda().cuCtxPushCurrent_v2(context), "use its context"); }
@@ -123,7 +123,7 @@ class InContext {
   InContext& operator=(const InContext&) = delete;
 };
 
-// It is never released: other libraries end theirs when the process does, in an order that nobody knows.
+// The context is never released, because other libraries release theirs at process exit in an unknown order.
 Context primaryContext(int device) {
   Context context = nullptr;
   check(cuda().cuDevicePrimaryCtxRetain(&context, device), "make a context");
@@ -140,7 +140,7 @@ class Imported {
     handle.handle.fd = array.exportMemory();
     handle.size = array.memoryBytes();
     const Result imported = cuda().cuImportExternalMemory(&memory_, &handle);
-    if (imported != kSuccess) close(handle.handle.fd);  // else it is the driver's
+    if (imported != kSuccess) close(handle.handle.fd);  // on success the driver owns it
     check(imported, "import the renderer's memory");
     MemoryBufferDesc buffer{};
     buffer.size = array.memoryBytes();
@@ -177,7 +177,7 @@ CudaPlace cudaPlaceOf(const DeviceArray& array) {
   std::shared_ptr<void>& kept = array.import();
   if (!kept) {
     const auto imported = std::make_shared<Imported>(array);
-    array.beforeReuse([imported = imported.get()] { imported->waitForReaders(); });  // called while it is kept
+    array.beforeReuse([imported = imported.get()] { imported->waitForReaders(); });  // called only while `kept` exists
     kept = imported;
   }
   return static_cast<const Imported*>(kept.get())->place();

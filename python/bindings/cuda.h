@@ -1,5 +1,4 @@
-// Device memory of the renderer's as CUDA's, for libraries that compute there. CUDA's driver is loaded when it is
-// needed.
+// Maps the renderer's device memory into CUDA, for libraries that compute there. CUDA's driver is loaded on first use.
 #pragma once
 
 #include <latelight/latelight.h>
@@ -8,11 +7,11 @@ namespace latelight::python {
 
 struct CudaPlace {
   void* pointer = nullptr;
-  int device = 0;  // CUDA's number of it, as torch counts
+  int device = 0;  // CUDA's index of the device, as torch counts
 };
 
-// Where CUDA has the array. Its memory is imported once, and again waits for all that CUDA does there before the
-// renderer uses it anew. Throws Error(NoDevice) where there is no CUDA, or the device is none of CUDA's.
+// Returns CUDA's address of the array. The memory is imported once. Before the renderer reuses it, it waits for all
+// work of CUDA in this context. Throws Error(NoDevice) if CUDA is absent or does not know the device.
 CudaPlace cudaPlaceOf(const DeviceArray& array);
 
 }  // namespace latelight::python

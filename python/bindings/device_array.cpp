@@ -1,4 +1,4 @@
-// class DeviceArray.
+// Binds the class DeviceArray.
 #include "device_array.h"
 
 #include <latelight/latelight.h>
@@ -11,13 +11,13 @@ namespace latelight::python {
 
 namespace {
 
-// DLPack's numbers of devices.
+// DLPack's device types.
 constexpr int kOnHost = nb::device::cpu::value, kOnCuda = nb::device::cuda::value;
 
 struct ElementInfo {
   nb::dlpack::dtype dtype;
   const char* name;
-  const char* typeString;  // as __cuda_array_interface__ has it
+  const char* typeString;  // as in __cuda_array_interface__
 };
 const ElementInfo& infoOf(DeviceArray::Element element) {
   static const ElementInfo kInfos[] = {{nb::dtype<float>(), "float32", "<f4"},
@@ -48,7 +48,7 @@ PlacedArray placed(DeviceArray&& array, bool single) {
   return placed;
 }
 
-// The array for another library, which keeps `self` as long as it uses it.
+// Returns the array for another library, which keeps `self` alive while it uses the memory.
 template <typename... Framework>
 nb::object viewOf(nb::handle self) {
   const auto& a = nb::cast<const PlacedArray&>(self);

@@ -1,4 +1,4 @@
-// Outputs in device memory as Python has them.
+// Outputs in device memory as Python objects.
 #pragma once
 
 #include <latelight/latelight.h>
@@ -9,7 +9,7 @@
 
 namespace latelight::python {
 
-// By name. `single`: of one camera, without the axis of the views.
+// Returns the arrays by name. If `single`, they belong to one camera and have no view axis.
 nanobind::dict deviceArrays(std::map<std::string, DeviceArray>&& arrays, bool single);
 
 }  // namespace latelight::python

@@ -10,7 +10,7 @@ namespace latelight::python {
 
 namespace {
 
-// Never destroyed: a process may fork while it ends.
+// Never destroyed, because a process may fork while it ends.
 struct Locks {
   std::mutex mutex;  // guards the following
   std::set<EditLock*> all;
@@ -20,8 +20,8 @@ Locks& locks() {
   return *only;
 }
 
-// A thread that renders holds the lock as a reader and may fork in a signal's handler: readers do not wait for each
-// other.
+// Takes shared locks. A thread that renders holds the lock as a reader and may fork in a signal handler; readers do not
+// wait for each other.
 void beforeFork() {
   locks().mutex.lock();
   for (EditLock* lock : locks().all) lock->lock_shared();
@@ -39,8 +39,8 @@ void afterForkInChild() {
 
 }  // namespace
 
-// Registered after the library's own handlers, so that beforeFork() waits for edits before those take locks that an
-// edit may need.
+// The fork handlers are registered after those of the library, so that beforeFork() waits for edits before the
+// library's handlers take locks that an edit may need.
 EditLock::EditLock() {
   static const int registered = pthread_atfork(beforeFork, afterForkInParent, afterForkInChild);
   static_cast<void>(registered);

@@ -1,11 +1,11 @@
-// The lock of a scene: several readers at once, of which renderers are some, or one that edits.
+// A readers-writer lock for a scene: several readers at once, such as renderers, or one editor.
 #pragma once
 
 #include <shared_mutex>
 
 namespace latelight::python {
 
-// A forked process finds it free and the scene whole: fork() waits until nobody edits.
+// In a forked process the lock is free and the scene consistent, because fork() waits until nobody edits.
 class EditLock {
  public:
   EditLock();

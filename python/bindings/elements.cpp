@@ -1,4 +1,4 @@
-// What a scene consists of: handles, and the properties of each element.
+// Binds the elements of a scene: handles, and the properties of each element.
 #include <nanobind/operators.h>
 
 #include "bindings.h"
@@ -26,7 +26,7 @@ void bindHandle(nb::module_& module, const char* name, const char* doc) {
       .def("__repr__", [name](const H& self) { return fmt::format("{}({}, scene {})", name, self.index, self.scene); });
 }
 
-constexpr const char* kAlphaModes[] = {"opaque", "mask", "blend"};  // by AlphaMode
+constexpr const char* kAlphaModes[] = {"opaque", "mask", "blend"};  // in the order of AlphaMode
 
 void setAlphaMode(Material& material, nb::handle value, const char* name) {
   const std::string text = textOf(value, name);
@@ -115,7 +115,7 @@ void bindLight(nb::module_& module) {
       .done();
 }
 
-// --- what is read only ----------------------------------------------------------------------------------------------
+// --- read-only classes -----------------------------------------------------------------------------------------------
 
 void bindInfos(nb::module_& module) {
   nb::class_<Mesh>(module, "Mesh", "Triangles, as they are at rest.")

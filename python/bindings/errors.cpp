@@ -1,4 +1,4 @@
-// Latelight's errors as Python's: the classes of latelight/errors.py, by exit code.
+// Translates Latelight's errors to the Python classes of latelight/errors.py, by exit code.
 #include "bindings.h"
 #include "interpreter.h"
 #include "values.h"

@@ -1,5 +1,5 @@
-// A class of plain fields: each a property that checks what it is given, all of them keyword arguments of the
-// constructor, and shown by repr().
+// Binds a class of plain fields. Each field is a property that checks assigned values; all of them are keyword
+// arguments of the constructor, and repr() shows them.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,8 @@ class Fields {
  public:
   Fields(nb::module_& module, const char* name, const char* doc) : type_(module, name, doc), name_(name) {}
 
-  // `type`: as a stub says it. `get` gives a Python object of a const T&; `set` takes a T&, a value and the name.
+  // `type` is the type in the stub. `get` returns a Python object for a const T&; `set` receives a T&, a value and the
+  // name.
   template <typename Get, typename Set>
   Fields& field(const char* name, const char* type, const char* doc, Get get, Set set) {
     const std::string getSignature = fmt::format("def {}(self) -> {}", name, type);
@@ -57,7 +58,7 @@ class Fields {
         [member](T& self, nb::handle value, const char* name) { self.*member = numbersOf<Number, N>(value, name); });
   }
 
-  // After all fields.
+  // Must be called after all fields.
   nb::class_<T>& done() {
     defineInit();
     defineRepr();
@@ -68,7 +69,7 @@ class Fields {
  private:
   using Names = std::vector<std::string>;
 
-  // By keyword, into what is in place already.
+  // Assigns values by keyword to an object that is already constructed.
   static void set(nb::handle self, const nb::dict& values, const Names& names, const char* type) {
     for (const auto& [name, value] : values) {
       const std::string text = shown(nb::borrow(name));
@@ -103,7 +104,7 @@ class Fields {
     });
   }
 
-  // So that copies are made, and sent to other processes.
+  // Pickling allows copies, and transfers to other processes.
   void definePickling() {
     type_.def("__getstate__", [names = names_](nb::handle self) {
       nb::dict state;
@@ -120,7 +121,7 @@ class Fields {
         nb::arg("state").none(), nb::sig("def __setstate__(self, state: dict[str, typing.Any]) -> None"));
   }
 
-  // All fields and nothing else: states of other versions and other classes don't fit.
+  // Requires exactly these fields, so states of other versions and other classes are rejected.
   static void requireState(nb::handle state, const Names& names, const char* type) {
     if (!PyDict_Check(state.ptr())) badType("the state of a {} must be a dict, not {}", type, typeName(state));
     const auto values = nb::borrow<nb::dict>(state);

@@ -15,13 +15,13 @@ namespace nb = nanobind;
 
 namespace {
 
-// Never destroyed: threads use it until the process ends.
+// Never destroyed, because threads use it until the process ends.
 struct Ending {
   std::mutex mutex;  // guards the rest
   std::condition_variable idle;
   size_t atWork = 0;  // AtWork objects of all threads
   bool begun = false;
-  pthread_t by{};  // the thread that ends the interpreter, which goes on as ever
+  pthread_t by{};  // the thread that ends the interpreter, which itself continues
 };
 Ending& ending() {
   static Ending* const only = new Ending;
@@ -34,7 +34,7 @@ bool isOverFor(const Ending& e) {
   return e.begun && !pthread_equal(e.by, pthread_self());
 }
 
-// Whatever this thread was doing does not hold up the end of the interpreter.
+// Blocks this thread forever, so that its work does not delay the end of the interpreter.
 [[noreturn]] void sleepForever(std::unique_lock<std::mutex>&& lock, Ending& e) {
   e.atWork -= ownWork;
   e.idle.notify_all();
@@ -44,7 +44,7 @@ bool isOverFor(const Ending& e) {
 
 void (*finishDevices)() = nullptr;
 
-// Signals interrupt the wait, so that Ctrl-C ends a program whose thread loads a scene for an hour.
+// Checks signals while waiting, so that Ctrl-C ends a program whose thread loads a scene for an hour.
 void waitUntilIdle(Ending& e) {
   for (;;) {
     {
@@ -64,13 +64,13 @@ void endInterpreter() {
     e.begun = true;
     e.by = pthread_self();
   }
-  // The frames of threads that sleep from now on keep objects.
+  // The frames of threads that sleep from this point on keep objects alive.
   if (nb::cast<int>(nb::module_::import_("threading").attr("active_count")()) > 1) nb::set_leak_warnings(false);
   waitUntilIdle(e);
   finishDevices();
 }
 
-// The threads that were at work are not in the forked process.
+// Threads that were at work do not exist in the forked process.
 void forgetOtherThreads() {
   Ending& e = *new (&ending()) Ending;
   e.atWork = ownWork;
@@ -101,7 +101,8 @@ AtWork::~AtWork() {
 
 WithoutGil::WithoutGil() : thread_(PyEval_SaveThread()) {}
 
-// Until the GIL is back this thread is at work: either the interpreter's end waits for it, or it has begun by now.
+// This thread counts as at work until it holds the GIL. Either the interpreter's end waits for it, or it has begun
+// already, and the thread sleeps.
 WithoutGil::~WithoutGil() {
   {
     Ending& e = ending();
@@ -115,7 +116,7 @@ void raiseSignals() {
   {
     Ending& e = ending();
     const std::lock_guard lock(e.mutex);
-    if (isOverFor(e)) throw Error(ExitCode::Internal, "Python ends");  // as far as ~WithoutGil()
+    if (isOverFor(e)) throw Error(ExitCode::Internal, "Python ends");  // the stack unwinds up to ~WithoutGil()
   }
   const nb::gil_scoped_acquire gil;
   if (PyErr_CheckSignals() != 0) throw nb::python_error();

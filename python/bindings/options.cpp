@@ -38,7 +38,7 @@ Sun sunOf(nb::handle value, std::string_view name) {
 struct Keyword {
   std::string name;
   const char* option;  // "--exposure"
-  std::string type;    // as a stub says it; empty: texts, by their names
+  std::string type;    // as in the stub; empty: text, with the accepted names
   std::function<void(Options&, nb::handle, std::string_view)> set;
 };
 
@@ -94,7 +94,7 @@ const std::vector<Keyword>& keywords() {
   return all;
 }
 
-// Beside the table: what the command line has in another form.
+// Keywords outside the table, for options that the command line has in another form.
 constexpr const char* kBesideTable =
     ", previous_cameras: collections.abc.Sequence[Camera] | None = None"
     ", next_cameras: collections.abc.Sequence[Camera] | None = None, continues: bool = False";
@@ -152,9 +152,9 @@ void setOutputs(Options& options, nb::handle outputs) {
   if (!options.picture && options.aovs.empty()) badValue("outputs must name something: \"rgba\", \"depth\" and so on");
 }
 
-// --- words ----------------------------------------------------------------------------------------------------------
+// --- signatures and docstrings ---------------------------------------------------------------------------------------
 
-// The entry of a keyword; both lists have the table's order, but the size is no keyword.
+// Returns the table entry of a keyword. Both lists have the order of the table, but size is not a keyword.
 const OptionInfo& infoOf(const Keyword& keyword) {
   static const std::vector<OptionInfo> infos = optionInfos();
   return *std::ranges::find(infos, keyword.option, &OptionInfo::name);

@@ -9,18 +9,18 @@
 
 namespace latelight::python {
 
-// "shadowFilter" as "shadow_filter".
+// Returns "shadow_filter" for "shadowFilter".
 std::string snakeCase(std::string_view member);
 
-// What render() is given: (width, height) or None, names of outputs, and options by keyword.
+// Converts the arguments of render(): size is (width, height) or None, outputs are names, and options are keywords.
 Options optionsOf(nanobind::handle size, nanobind::handle outputs, const nanobind::dict& keywords);
 
-// What a signature says of them, and a docstring.
+// The parts of signatures and docstrings that describe options and outputs.
 std::string optionParameters();
 std::string optionDocs();
 std::string outputDocs();
 
-// The same error, with options named as keyword arguments.
+// Returns the same error with options named as keyword arguments.
 Error inPython(const Error& error);
 
 }  // namespace latelight::python

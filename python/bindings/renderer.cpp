@@ -1,4 +1,4 @@
-// class Renderer and class Ticket.
+// Binds the classes Renderer and Ticket.
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/vector.h>
 
@@ -16,7 +16,7 @@ namespace latelight::python {
 
 namespace {
 
-// A renderer that any thread may call, one at a time.
+// A renderer that any thread may call. Calls are serialized.
 class SharedRenderer {
  public:
   SharedRenderer(std::shared_ptr<SharedScene> scene, std::unique_ptr<Renderer> renderer)
@@ -26,14 +26,14 @@ class SharedRenderer {
   }
   ~SharedRenderer() {
     all().erase(this);
-    const WithoutGil others;  // it waits for its device
+    const WithoutGil others;  // the destructor waits for its device
     renderer_.reset();
   }
 
-  // `work` takes the renderer, while nothing edits its scene.
+  // Calls `work` with the renderer, while nothing edits its scene.
   template <typename Work>
   auto use(Work work) {
-    static_cast<void>(renderer_->deviceName());  // throws in a forked process, where other threads' locks stay locked
+    static_cast<void>(renderer_->deviceName());  // throws in a forked process, where locks of other threads stay locked
     return scene_->read([&](const Scene&) {
       const std::lock_guard lock(busy_);
       return work(*renderer_);
@@ -42,7 +42,7 @@ class SharedRenderer {
 
   const std::shared_ptr<SharedScene>& scene() const { return scene_; }
 
-  // Those that exist. The GIL guards it.
+  // Returns all existing renderers. The GIL guards the set.
   static std::set<SharedRenderer*>& all() {
     static auto* const renderers = new std::set<SharedRenderer*>;
     return *renderers;
@@ -235,7 +235,7 @@ void defineRender(nb::class_<SharedRenderer>& type) {
       "The same as render(), and returns while the device works; up to three tickets keep it busy." + docs;
   const auto size = nb::make_tuple(1280, 720);
   const auto outputs = nb::make_tuple("rgba");
-  // Again with other results, for type checkers: at run time the first takes all.
+  // Overloads with other result types, for type checkers. At run time the first one accepts all calls.
   type.def("render", &render, argument("cameras"), argument("size") = size, argument("outputs") = outputs,
            nb::arg("options"), nb::sig(one.c_str()), rendered.c_str());
   type.def("render", &render, argument("cameras"), argument("size") = size, argument("outputs") = outputs,
@@ -248,9 +248,9 @@ void defineRender(nb::class_<SharedRenderer>& type) {
 
 }  // namespace
 
-// An error that a device reports now would have been raised where its pictures are taken.
+// Ignores errors: an error that a device reports only here would have been raised when its images are taken.
 void finishRenderers() {
-  const std::set<SharedRenderer*> all = SharedRenderer::all();  // while one finishes, another thread may drop others
+  const std::set<SharedRenderer*> all = SharedRenderer::all();  // another thread may drop renderers meanwhile
   for (SharedRenderer* renderer : all) {
     try {
       renderer->use([](Renderer& r) { r.finish(); });

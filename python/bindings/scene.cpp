@@ -1,4 +1,4 @@
-// class Scene.
+// Binds the class Scene.
 #include <fmt/ranges.h>
 
 #include "scene.h"
@@ -54,7 +54,7 @@ std::vector<std::array<float, N>> attributeOf(nb::handle value, const char* name
   return rows;
 }
 
-// Floats or wide integers from 0 to 255 are a mistake, too.
+// Rejects colors outside [0, 1], because floats or wide integers from 0 to 255 are a mistake.
 void requireFactors(const std::vector<std::array<float, 4>>& colors) {
   for (const std::array<float, 4>& color : colors)
     for (const float channel : color)
@@ -78,7 +78,7 @@ MeshData meshDataOf(nb::handle positions, nb::handle indices, nb::handle normals
   return mesh;
 }
 
-// Pixels of one to four channels as RGBA: grey, grey and alpha, RGB, RGBA.
+// Converts pixels of one to four channels (gray, gray and alpha, RGB, RGBA) to RGBA.
 TextureData textureDataOf(nb::handle pixels, bool srgb, nb::handle name) {
   const nb::object given = arrayOf(pixels, "pixels", Elements::Uint8, {-1, -1, -1});
   TextureData data{textOf(name, "name"),
@@ -99,7 +99,7 @@ TextureData textureDataOf(nb::handle pixels, bool srgb, nb::handle name) {
   return data;
 }
 
-constexpr const char* kSlots[] = {  // by TextureSlot
+constexpr const char* kSlots[] = {  // in the order of TextureSlot
     "base_color",
     "metallic_roughness",
     "normal",
@@ -119,7 +119,7 @@ constexpr const char* kSlots[] = {  // by TextureSlot
     "thickness",
     "diffuse_transmission",
     "diffuse_transmission_color"};
-constexpr const char* kWraps[] = {"repeat", "mirror", "clamp"};  // by Wrap
+constexpr const char* kWraps[] = {"repeat", "mirror", "clamp"};  // in the order of Wrap
 
 template <typename Enum, size_t N>
 Enum enumOf(nb::handle value, const char* name, const char* const (&names)[N]) {

@@ -1,4 +1,4 @@
-// A scene as Python holds it: any thread may call it, and none holds the interpreter's lock while it waits or works.
+// A scene for Python. Any thread may call it, and no thread holds the GIL while it waits or works.
 #pragma once
 
 #include <latelight/latelight.h>

@@ -14,7 +14,7 @@ nb::object numpy(const char* name) {
   return nb::module_::import_("numpy").attr(name);
 }
 
-// An instance of NumPy's class or of one derived from it, without running code of the value's own.
+// Returns true for an instance of NumPy's class or of a derived class, without running code of the value.
 bool isNumPy(nb::handle value, const nb::object& type) {
   return PyType_IsSubtype(Py_TYPE(value.ptr()), reinterpret_cast<PyTypeObject*>(type.ptr())) != 0;
 }
@@ -46,7 +46,7 @@ int64_t itemBytes(const nb::object& array) {
   return nb::cast<int64_t>(array.attr("dtype").attr("itemsize"));
 }
 
-// "uint8", also of the other byte order.
+// Returns "uint8", also for the other byte order.
 std::string dtypeName(const nb::object& array) {
   return shown(array.attr("dtype").attr("name"));
 }
@@ -73,20 +73,20 @@ bool has(const nb::object& array, Elements elements) {
   return std::string_view(infoOf(elements).kinds).find(kindOf(array)) != std::string_view::npos;
 }
 
-// Python itself refuses the value, or NumPy does. Exceptions raised by Python code have a traceback when they reach
-// C++, and MemoryError and others do not say that the value is of the wrong type.
+// Returns true if Python or NumPy rejected the value. Exceptions from Python code have a traceback when they reach C++,
+// and errors such as MemoryError do not mean that the value has the wrong type.
 bool isRefusal(const nb::python_error& error) {
   if (error.traceback().is_valid()) return false;
   return error.matches(PyExc_TypeError) || error.matches(PyExc_ValueError) || error.matches(PyExc_OverflowError);
 }
 
-// After a call that set Python's error indicator: throws what is no refusal.
+// Must follow a call that set Python's error indicator. Throws every error except a rejection.
 void takeRefusal() {
   const nb::python_error error;
   if (!isRefusal(error)) throw error;
 }
 
-// Lists nested deeper than NumPy's arrays are refused as arrays.
+// Stops at a nesting depth beyond that of NumPy's arrays, because NumPy rejects such lists.
 void refuseMasks(nb::handle value, std::string_view name, const nb::object& maskedArray, int depth = 0) {
   constexpr int kMaxDepth = 64;
   if (isNumPy(value, maskedArray) && nb::cast<bool>(numpy("ma").attr("is_masked")(value)))
@@ -105,7 +105,7 @@ std::vector<T> valuesOf(const nb::object& array) {
   return std::vector<T>(view.data(), view.data() + view.size());
 }
 
-// As glTF 2.0 and KHR_mesh_quantization decode integers.
+// Decodes integers as glTF 2.0 and KHR_mesh_quantization define.
 template <typename T>
 void appendNormalized(const nb::object& array, const char* dtype, std::vector<float>& to) {
   constexpr auto kMost = static_cast<float>(std::numeric_limits<T>::max());
@@ -113,7 +113,7 @@ void appendNormalized(const nb::object& array, const char* dtype, std::vector<fl
     to.push_back(std::max(static_cast<float>(value) / kMost, -1.0f));
 }
 
-// False where the array is not of those types.
+// Returns false if the array has none of those types.
 bool normalize(const nb::object& array, Integers integers, std::vector<float>& to) {
   const std::string dtype = dtypeName(array);
   if (integers == Integers::Normalized && dtype == "uint8") return appendNormalized<uint8_t>(array, "uint8", to), true;
@@ -126,7 +126,7 @@ bool normalize(const nb::object& array, Integers integers, std::vector<float>& t
   return false;
 }
 
-// Small integers whose meaning is not known: those that are stored for lack of space.
+// Rejects other small integers, whose meaning is unknown: such types usually store scaled values to save memory.
 void refuseOtherSmallIntegers(const nb::object& array, Integers integers, std::string_view name) {
   if (integers == Integers::Plain || kindOf(array) == 'f' || itemBytes(array) > 2) return;
   badType("{} must be an array of floats, {}, not {}", name,
@@ -246,7 +246,7 @@ nb::object arrayOf(nb::handle value, std::string_view name, Elements elements, c
   const std::vector<int64_t> given = shapeOf(array);
   if (!fits(given, shape))
     badValue("{} must be an array of shape {}, not {}", name, shapeText(shape), shapeText(given));
-  const bool isEmpty = std::find(given.begin(), given.end(), 0) != given.end();  // an empty list is one of floats
+  const bool isEmpty = std::find(given.begin(), given.end(), 0) != given.end();  // an empty list has float elements
   if (!isEmpty && !has(array, elements))
     badType("{} must be an array of {}, not {}", name, infoOf(elements).name, dtypeName(array));
   return dtype ? numpy("ascontiguousarray")(array, dtype) : numpy("ascontiguousarray")(array);

@@ -1,5 +1,5 @@
-// Python values as C++ ones. Each function names the argument in the one sentence that refuses a value. An exception
-// that the value's own code raises (__float__, __array__, __iter__ and so on) passes unchanged.
+// Converts Python values to C++. Each function names the argument in the message that rejects a value. Exceptions from
+// the value's own code (__float__, __array__, __iter__ and so on) pass unchanged.
 #pragma once
 
 #include <fmt/format.h>
@@ -20,7 +20,7 @@ namespace latelight::python {
 
 namespace nb = nanobind;
 
-// A value of the wrong type, or an argument that there is not: Python's TypeError as well.
+// A value of the wrong type, or an unknown argument. It is also a Python TypeError.
 struct TypeMistake : Error {
   explicit TypeMistake(const std::string& sentence) : Error(ExitCode::Usage, sentence) {}
 };
@@ -34,26 +34,26 @@ template <typename... Args>
   throw Error(ExitCode::Usage, fmt::format(format, std::forward<Args>(args)...));
 }
 
-// An argument that takes all values, None too: what does not fit is refused in a sentence of its own.
+// An argument that accepts all values, including None, so that invalid ones are rejected with our own message.
 inline auto argument(const char* name) {
   return nb::arg(name).none();
 }
 
 std::string typeName(nb::handle value);
-std::string shown(const nb::object& value);  // as str() gives it
+std::string shown(const nb::object& value);  // the result of str()
 
 bool boolOf(nb::handle value, std::string_view name);
 double numberOf(nb::handle value, std::string_view name);
 float floatOf(nb::handle value, std::string_view name);
 int64_t integerOf(nb::handle value, std::string_view name, int64_t least, int64_t most);
 std::string textOf(nb::handle value, std::string_view name);
-std::string pathOf(nb::handle value, std::string_view name);  // a text or os.PathLike
+std::string pathOf(nb::handle value, std::string_view name);  // a str or os.PathLike
 std::vector<std::string> pathsOf(nb::handle value, std::string_view name);  // one, or a list of them
 std::vector<std::string> textsOf(nb::handle value, std::string_view name);
-// The items of anything iterable. `what`: the list in the sentence that refuses another value, "a list of texts".
+// Returns the items of any iterable. `what` names the expected list in the message: "a list of texts".
 nb::list itemsOf(nb::handle value, std::string_view name, std::string_view what);
 
-// The object behind a Python one, whose class is called `what` in the sentence: "a Camera".
+// Returns the C++ object of a Python object. `what` names its class in the message: "a Camera".
 template <typename T>
 const T& objectOf(nb::handle value, std::string_view name, std::string_view what) {
   const T* object = nullptr;
@@ -62,7 +62,8 @@ const T& objectOf(nb::handle value, std::string_view name, std::string_view what
   return *object;
 }
 
-// The elements that an array argument may have, by NumPy's kinds: no bool, no complex numbers, no objects.
+// The element types that an array argument accepts, by NumPy's kinds. Bool, complex numbers and objects are never
+// accepted.
 enum class Elements {
   Numbers,   // floats and integers
   Floats,    // no integers
@@ -70,9 +71,9 @@ enum class Elements {
   Uint8,
 };
 
-// Anything that NumPy makes an array of, as a contiguous one in this machine's byte order. `shape`: lengths, -1 for
-// any. `dtype`: that it is converted to; null: it keeps its own. Masked values are refused, since NumPy would drop the
-// mask.
+// Converts anything that NumPy accepts to a contiguous array in this machine's byte order. `shape` holds lengths, with
+// -1 for any. `dtype` is the type to convert to; null keeps the array's own. Masked values are rejected, because NumPy
+// would drop the mask.
 nb::object arrayOf(nb::handle value, std::string_view name, Elements elements, const std::vector<int64_t>& shape,
                    const char* dtype = nullptr);
 size_t lengthOf(const nb::object& array, size_t axis);
@@ -82,7 +83,7 @@ nb::ndarray<const T, nb::c_contig, nb::device::cpu> viewOf(const nb::object& arr
   return nb::cast<nb::ndarray<const T, nb::c_contig, nb::device::cpu>>(array);
 }
 
-// The meaning of integers where floats are stored.
+// The meaning of integers in arrays of floats.
 enum class Integers {
   Plain,             // as numbers
   Normalized,        // uint8 / 255 and uint16 / 65535, as glTF stores colors and texture coordinates
@@ -90,7 +91,7 @@ enum class Integers {
   Refused,
 };
 
-// Finite numbers, row by row.
+// Finite numbers in row-major order.
 struct FloatArray {
   std::vector<float> values;
   std::vector<int64_t> shape;
@@ -98,10 +99,10 @@ struct FloatArray {
 FloatArray floatsOf(nb::handle value, std::string_view name, const std::vector<int64_t>& shape,
                     Integers integers = Integers::Plain);
 
-// The same, as float64.
+// Same as floatsOf(), with float64.
 std::vector<double> doublesOf(nb::handle value, std::string_view name, const std::vector<int64_t>& shape);
 
-// Rows of N finite numbers.
+// Returns rows of N finite numbers.
 template <size_t N>
 std::vector<std::array<float, N>> rowsOf(nb::handle value, std::string_view name, Integers integers = Integers::Plain) {
   const FloatArray array = floatsOf(value, name, {-1, N}, integers);
@@ -134,7 +135,7 @@ nb::tuple tupleOf(const std::array<T, N>& values) {
   return nb::tuple(list);
 }
 
-// A NumPy array that owns the vector's memory.
+// Returns a NumPy array that owns the vector's memory.
 template <typename T>
 nb::object owned(std::vector<T>&& values, const std::vector<size_t>& shape) {
   auto* kept = new std::vector<T>(std::move(values));
