@@ -14,7 +14,7 @@ namespace latelight::app {
 // The position of the image, in pixels of the window.
 struct PictureArea {
   ImVec2 from, size;
-  float scale = 1;  // of text and handles
+  float scale = 1;  // scale of text and handles
   ImVec2 inside(ImVec2 p) const { return {p.x - from.x, p.y - from.y}; }
 };
 

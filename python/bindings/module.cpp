@@ -1,3 +1,4 @@
+// Defines the module latelight._core.
 #include "bindings.h"
 
 #include <latelight/latelight.h>

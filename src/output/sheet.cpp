@@ -127,7 +127,7 @@ Picture contactSheet(std::span<const Labelled> pictures, uint32_t columns, uint3
     tallest = std::max(tallest, scaledTo(labelled.picture.height, scale));
   }
   std::vector<std::vector<std::string>> labels;
-  std::vector<uint32_t> tops(rows + 1, kGap);  // of each row, and the end of the sheet
+  std::vector<uint32_t> tops(rows + 1, kGap);  // top of each row, then the end of the sheet
   for (uint32_t i = 0; i < pictures.size(); ++i) {
     labels.push_back(wrap(pictures[i].label, widest));
     uint32_t& next = tops[i / columns + 1];

@@ -13,7 +13,7 @@
 namespace latelight::study {
 
 struct BenchOptions {
-  uint32_t frames = 16;                 // of each measurement, after the warm-up
+  uint32_t frames = 16;                 // per measurement, after the warm-up
   uint64_t mostTriangles = 10'000'000;  // rows of `raster` with more triangles are skipped
   double budget = 10;                   // seconds: rows of `lights` that are estimated to exceed it are skipped
 };

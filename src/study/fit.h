@@ -16,9 +16,9 @@ struct Sample {
 std::vector<Sample> growingPart(std::vector<Sample> sweep);
 
 struct PowerFit {
-  double exponent;  // of y = factor * x^exponent
+  double exponent;  // in y = factor * x^exponent
   double factor;
-  double r2;  // of log y
+  double r2;  // for log y
 };
 // Fits log y against log x. Returns nothing for fewer than two distinct x; samples that are not positive are skipped.
 std::optional<PowerFit> fitPower(std::span<const Sample> samples);

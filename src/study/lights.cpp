@@ -61,7 +61,7 @@ struct Step {
 struct Measurement {
   std::vector<graph::PassTime> passes;  // the minimum of each pass
   uint32_t frames = 0;
-  double seconds = 0;                 // of one frame, the minimum, measured on the host
+  double seconds = 0;                 // per frame, the minimum, measured on the host
   double bytes = 0;                   // device memory in addition to the scene's
   uint64_t triangles = 0;             // as built
   std::optional<LightCounts> counts;  // only in the sweep over lights

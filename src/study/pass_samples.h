@@ -11,7 +11,7 @@
 
 namespace latelight::study {
 
-using Milliseconds = std::vector<double>;  // of repeated measurements
+using Milliseconds = std::vector<double>;  // repeated measurements
 
 double median(const Milliseconds& samples);  // 0 without samples
 // Returns the width of the interval that contains the middle half of the samples, in percent of the median.

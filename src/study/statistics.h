@@ -1,5 +1,5 @@
-// Error statistics over many samples. The order of summation is fixed, so the same samples give the same digits on any
-// number of threads.
+// Error statistics over many samples. The order of summation is fixed, so the same samples produce the same digits with
+// any number of threads.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ struct Statistics {
   size_t count = 0;  // samples with a finite error
   size_t lost = 0;   // samples with an infinite one
   double sum = 0, sumOfSquares = 0;
-  double maximum = 0;   // of the finite ones
+  double maximum = 0;   // over the finite errors
   size_t worst = 0;     // the sample with the maximum
   double mean() const;  // 0 without samples
   double rms() const;

@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// The round trip of a device depth through a format, for `latelight study depth`.
 #include "study/depth_formats.h"
 #include "study/evaluation.glsl"
 

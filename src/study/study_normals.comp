@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// The round trip of a normal through an encoding, for `latelight study normals`.
 #include "study/evaluation.glsl"
 #include "study/normal_round_trip.h"
 

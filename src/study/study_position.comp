@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// The reconstruction of position from device depth, for `latelight study position`.
 #include "study/evaluation.glsl"
 
 layout(constant_id = 0) const uint kMethod = 0;
