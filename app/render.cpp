@@ -305,7 +305,7 @@ void render(RenderOptions& o) {
                                                    .ids = o.idGrouping,
                                                    .textureSlots = texturesFor(o, plan)});
   const Timeline timeline(scene, o);
-  timeline.cameraAt(timeline.first());  // reports errors before any expensive work
+  timeline.cameraAt(timeline.first());  // reports errors early
   const std::string environmentName = environmentOf(o, scene);
   checkFiles(o, plan, scene, timeline, environmentName);
   // Data outputs do not depend on the environment. One that the user names is loaded all the same, to report errors.
