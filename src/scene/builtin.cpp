@@ -1,3 +1,4 @@
+// Parses the names and parameters of built-in scenes, and generates them.
 #include "scene/builtin.h"
 
 #include <fmt/format.h>
@@ -131,7 +132,7 @@ Scene makeBuiltin(const std::string& name, uint32_t textureSlots) {
   scene.source = "builtin:" + name;
   identifyMaterials(scene);
   for (const Instance& instance : scene.instances)
-    scene.nodes[instance.node].mesh = scene.meshes[instance.mesh].name;  // each node has one primitive at most
+    scene.nodes[instance.node].mesh = scene.meshes[instance.mesh].name;  // each node has at most one primitive
   return scene;
 }
 

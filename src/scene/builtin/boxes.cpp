@@ -1,3 +1,4 @@
+// builtin:boxes, whose images can be computed by hand; see scene/builtin.h.
 #include "scene/builtin.h"
 #include "scene/builtin/make.h"
 #include "scene/builtin/scene_builder.h"
@@ -49,7 +50,8 @@ std::span<const BoxesBox> boxesBoxes() {
 namespace builtin {
 namespace {
 
-// From -1/2 to 1/2, every face with its own corners; uv (0, 0) is each face's top left corner seen from outside.
+// A cube from -1/2 to 1/2 with separate vertices per face; uv (0, 0) is each face's top left corner as seen from
+// outside.
 Mesh unitCube() {
   Mesh mesh;
   mesh.name = "cube";

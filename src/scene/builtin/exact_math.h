@@ -1,6 +1,6 @@
-// Elementary functions from IEEE additions, multiplications, divisions and square roots only, which every machine
-// rounds alike: libm's differ in the last bit between versions and machines, and the built-in scenes must not. Accurate
-// to about 1e-13, far better than geometry in floats needs.
+// Elementary functions that use only IEEE additions, multiplications, divisions and square roots, which round
+// identically on every machine. The functions of libm differ in the last bit between versions and machines, and the
+// built-in scenes must not. The accuracy is about 1e-13, far better than geometry in floats requires.
 #pragma once
 
 #include <bit>
@@ -28,7 +28,8 @@ inline double cosSmall(double x) {
 }
 }  // namespace detail
 
-// Sine of an angle in quarter turns: exact at whole ones, so that four-fold symmetry is exact too.
+// Sine of an angle in quarter turns. It is exact at multiples of a quarter turn, so that four-fold symmetry is exact
+// too.
 inline double sinQuarters(double q) {
   const double nearest = std::floor(q + 0.5);
   const double x = (q - nearest) * (kPi / 2);
@@ -47,7 +48,7 @@ inline double cosQuarters(double q) {
   return sinQuarters(q + 1);
 }
 
-// Radians.
+// Angles in radians.
 inline double sine(double x) {
   return sinQuarters(x * (2 / kPi));
 }
@@ -55,7 +56,7 @@ inline double cosine(double x) {
   return cosQuarters(x * (2 / kPi));
 }
 
-// Whole turns.
+// The point on the unit circle at an angle in full turns.
 inline dvec2 onCircle(double turns) {
   return {cosQuarters(turns * 4), sinQuarters(turns * 4)};
 }
@@ -68,7 +69,7 @@ inline double exponential2(double x) {
   return std::ldexp(sum, static_cast<int>(whole));
 }
 
-// x > 0. log2(m) = 2 atanh((m - 1) / (m + 1)) / ln 2 with m in [sqrt(1/2), sqrt(2)].
+// Requires x > 0. Uses log2(m) = 2 atanh((m - 1) / (m + 1)) / ln 2 with m in [sqrt(1/2), sqrt(2)].
 inline double logarithm2(double x) {
   int exponent = 0;
   double m = std::frexp(x, &exponent);
@@ -82,7 +83,7 @@ inline double logarithm2(double x) {
   return exponent + 2 * t * sum * 1.44269504088896340736;
 }
 
-// x >= 0.
+// Requires x >= 0.
 inline double power(double x, double y) {
   return x > 0 ? exponential2(y * logarithm2(x)) : 0.0;
 }
@@ -91,7 +92,7 @@ inline double exponential(double x) {
   return exponential2(x * 1.44269504088896340736);
 }
 
-// Angle of (x, y) in turns, [0, 1).
+// Returns the angle of (x, y) in turns, in [0, 1).
 inline double turnsOf(double y, double x) {
   const double ax = std::abs(x), ay = std::abs(y);
   if (ax + ay == 0) return 0;

@@ -1,4 +1,4 @@
-// The functions behind the names of the built-in scenes.
+// The functions that generate the built-in scenes.
 #pragma once
 
 #include "scene/scene.h"
@@ -12,9 +12,9 @@ struct HallParameters {
   uint32_t lights;
   uint64_t seed;
   bool glass;
-  uint32_t textureSlots;  // LoadOptions
+  uint32_t textureSlots;  // LoadOptions::textureSlots
 };
-Scene makeTriangles(uint64_t count, double size);  // pixels
+Scene makeTriangles(uint64_t count, double size);  // size in pixels
 Scene makeHall(const HallParameters& parameters);
 
 }  // namespace latelight::scene::builtin

@@ -1,3 +1,5 @@
+// Tessellates patches of parametric surfaces into meshes: vertices, normals, indices, relief and baked occlusion, in
+// parallel over rows of patches.
 #include "scene/builtin/mesh_plan.h"
 
 #include <algorithm>
@@ -9,7 +11,7 @@
 namespace latelight::scene::builtin {
 namespace {
 
-// A step in [0, 1]: small relative to any curvature here, large relative to rounding.
+// Finite difference step in [0, 1]: small relative to any curvature here, large relative to rounding.
 constexpr double kStep = 1e-5;
 
 dvec3 unitOr(dvec3 v, dvec3 otherwise) {
@@ -17,7 +19,7 @@ dvec3 unitOr(dvec3 v, dvec3 otherwise) {
   return length > 1e-300 ? v / length : otherwise;
 }
 
-// A unit vector across n that depends on nothing but n.
+// Returns a unit vector perpendicular to n that depends only on n.
 dvec3 across(dvec3 n) {
   return glm::normalize(std::abs(n.y) < 0.9 ? glm::cross(dvec3(0, 1, 0), n) : glm::cross(dvec3(1, 0, 0), n));
 }
@@ -26,7 +28,8 @@ struct Displaced {
   vec3 position, normal;
 };
 
-// p + D(p), and the normal under its Jacobian: n' ~ n - (grad D)^T n to first order, D's slopes being small.
+// Displaces a point to p + D(p) and transforms its normal by the displacement's Jacobian: n' ~ n - (grad D)^T n to
+// first order, because D's slopes are small.
 Displaced displace(const Relief& relief, vec3 p, vec3 n) {
   const auto field = [&](vec3 at) {
     vec3 d(0);
@@ -40,7 +43,7 @@ Displaced displace(const Relief& relief, vec3 p, vec3 n) {
   };
   const vec3 here = field(p);
   const float h = relief.size * 0.02f;
-  vec3 gradient(0);  // of D . n
+  vec3 gradient(0);  // gradient of dot(D, n)
   for (int axis = 0; axis < 3; ++axis) {
     vec3 q = p;
     q[axis] += h;
@@ -71,7 +74,7 @@ class MeshBuild {
     }
   }
 
-  // Normals of a row of a patch whose positions are all set.
+  // Computes the averaged normals of a row of a patch whose positions are all set.
   void averageRow(const Place& place, uint32_t j) {
     const Patch& patch = *place.patch;
     const bool point = (patch.pointV0 && j == 0) || (patch.pointV1 && j == patch.rows);
@@ -89,7 +92,7 @@ class MeshBuild {
     }
   }
 
-  // Two triangles per quad along its shorter diagonal; none where it is degenerate.
+  // Writes two triangles per quad, split along its shorter diagonal, and skips degenerate triangles.
   void indexRow(const Place& place, uint32_t j, size_t at) {
     const Patch& patch = *place.patch;
     const bool first = patch.pointV0 && j == 0, last = patch.pointV1 && j + 1 == patch.rows;
@@ -123,7 +126,7 @@ class MeshBuild {
     return glm::dot(ac, ac) <= glm::dot(bd, bd);
   }
 
-  // Sum of the areas of the four quads around a vertex, as vectors; over the seam where the patch is closed.
+  // Returns the sum of the area vectors of the four quads around a vertex, across the seam if the patch is closed.
   vec3 normalAround(const Place& place, uint32_t i, uint32_t j) const {
     const Patch& patch = *place.patch;
     const auto at = [&](uint32_t column, uint32_t row) {
@@ -152,7 +155,7 @@ class MeshBuild {
     mesh_.positions[at] = position;
     mesh_.attributes[at] = {normal, vec4(tangent, point.handedness), vec2(point.uv)};
     if (!plan_.shade) return;
-    // Occluded surfaces are lit by their surroundings: the shadow is warmer than the light.
+    // The surroundings light occluded surfaces by reflection, so the shadow is warmer than the light.
     const float dark = 1 - plan_.shade(position, normal);
     mesh_.extras[at] = {vec2(point.uv), vec4(1 - 0.9f * dark, 1 - 0.96f * dark, 1 - dark, 1)};
   }
@@ -196,7 +199,7 @@ Surface surfaceOf(std::function<dvec3(double, double)> position, std::function<d
     SurfacePoint point;
     point.position = position(u, v);
     point.uv = uv(u, v);
-    // A little inside, so that rows and columns that are one point have a frame too.
+    // Clamp to slightly inside, so that rows and columns that are a single point have a frame too.
     u = std::clamp(u, 2 * kStep, 1 - 2 * kStep);
     v = std::clamp(v, 2 * kStep, 1 - 2 * kStep);
     const double u0 = u - kStep, u1 = u + kStep, v0 = v - kStep, v1 = v + kStep;
@@ -206,7 +209,8 @@ Surface surfaceOf(std::function<dvec3(double, double)> position, std::function<d
     const double determinant = uvu.x * uvv.y - uvu.y * uvv.x;
     const dvec3 tangent = (du * uvv.y - dv * uvu.y) * (determinant < 0 ? -1.0 : 1.0);
     point.tangent = unitOr(tangent, across(point.normal));
-    // uv that keeps the orientation of the picture on the surface has a negative determinant, its v pointing down.
+    // A uv mapping that preserves the image's orientation on the surface has a negative determinant, because v points
+    // down.
     point.handedness = determinant < 0 ? 1 : -1;
     return point;
   };

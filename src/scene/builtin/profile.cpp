@@ -1,3 +1,4 @@
+// Molding profiles, their sweeps along paths and polygons, and their simplification at low detail.
 #include "scene/builtin/profile.h"
 
 #include <algorithm>
@@ -17,13 +18,13 @@ dvec2 catmullRom(dvec2 a, dvec2 b, dvec2 c, dvec2 d, double t) {
   return 0.5 * (2.0 * b + t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a))));
 }
 
-// Right of the direction of travel.
+// Returns the unit vector to the right of the direction of travel.
 dvec2 rightOf(dvec2 direction) {
   const double length = glm::length(direction);
   return length > 0 ? dvec2(direction.y, -direction.x) / length : dvec2(1, 0);
 }
 
-// Below this detail profiles lose their small members, up to kCoarsest metres deep.
+// Below a detail of kAllMembers, profiles lose their small members, up to kCoarsest meters deep.
 constexpr double kAllMembers = 0.45, kCoarsest = 0.05;
 
 double membersLost(const Detail& detail) {
@@ -38,8 +39,8 @@ double distanceToChord(dvec2 p, dvec2 a, dvec2 b) {
   return glm::length(p - a - ab * t);
 }
 
-// Marks the points to keep between two kept ones (Douglas and Peucker 1973, Algorithms for the reduction of the number
-// of points required to represent a digitized line or its caricature).
+// Marks the points to keep between `first` and `last` (Douglas and Peucker 1973, Algorithms for the reduction of the
+// number of points required to represent a digitized line or its caricature).
 void keepFarPoints(const std::vector<dvec2>& points, size_t first, size_t last, double tolerance,
                    std::vector<bool>& keep) {
   size_t farthest = first;
@@ -57,7 +58,7 @@ void keepFarPoints(const std::vector<dvec2>& points, size_t first, size_t last, 
   keepFarPoints(points, farthest, last, tolerance, keep);
 }
 
-// The profile's points, simplified; where it bends by less than about 50 degrees it becomes smooth.
+// Returns the simplified profile. Where it bends by less than about 50 degrees it becomes smooth.
 std::vector<Profile::Run> simplified(const std::vector<Profile::Run>& runs, double tolerance) {
   std::vector<dvec2> points;
   for (const Profile::Run& run : runs)
@@ -68,7 +69,7 @@ std::vector<Profile::Run> simplified(const std::vector<Profile::Run>& runs, doub
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  tolerance = std::min(tolerance, 0.3 * std::min(high.x - low.x, high.y - low.y));  // keeps slender profiles intact
+  tolerance = std::min(tolerance, 0.3 * std::min(high.x - low.x, high.y - low.y));  // preserves slender profiles
   std::vector<bool> keep(points.size());
   keep.front() = keep.back() = true;
   keepFarPoints(points, 0, points.size() - 1, tolerance, keep);
@@ -111,7 +112,7 @@ Profile& Profile::line(double x, double y) {
 
 Profile& Profile::arc(double x, double y, double quarters, double segmentsAQuarter) {
   const dvec2 a = end_, b(x, y);
-  // The centre lies on the chord's bisector, at half the chord over tan(half the angle).
+  // The center lies on the chord's bisector, at a distance of half the chord over tan(half the angle).
   const double half = quarters * 0.5;
   const dvec2 chord = b - a, left(-chord.y, chord.x);
   const dvec2 centre = (a + b) * 0.5 + left * (0.5 * cosQuarters(half) / sinQuarters(half));
@@ -251,11 +252,11 @@ std::vector<Patch> sweep(const Profile& profile, const Path& path, const Detail&
 std::vector<Patch> sweepPolygon(const Profile& profile, const std::vector<dvec2>& corners, bool closed,
                                 uint32_t columns, const Detail& detail, double tile) {
   const size_t n = corners.size(), sides = closed ? n : n - 1;
-  const auto outward = [&](size_t side) {  // of the side from corner `side` to the next; z points down, seen from above
+  const auto outward = [&](size_t side) {  // side from corner `side` to the next; z points down, seen from above
     const dvec2 along = glm::normalize(corners[(side + 1) % n] - corners[side % n]);
     return dvec2(-along.y, along.x);
   };
-  const auto mitre = [&](size_t corner) {  // moves both sides that meet there outwards by 1
+  const auto mitre = [&](size_t corner) {  // miter vector: moves both sides at the corner outwards by 1
     if (!closed && corner == 0) return outward(0);
     if (!closed && corner == n - 1) return outward(n - 2);
     const dvec2 a = outward((corner + n - 1) % n), b = outward(corner);

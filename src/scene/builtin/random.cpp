@@ -8,7 +8,8 @@ namespace latelight::scene::builtin {
 
 namespace {
 
-// Octaves do not depend on each other: four at once, in vectors of the compiler (as wide as a function may return).
+// Octaves are independent, so four are evaluated at a time in the compiler's vector type, at the widest width that
+// functions can return.
 constexpr int kLanes = 4;
 using Floats = float __attribute__((vector_size(16)));
 using Ints = int32_t __attribute__((vector_size(16)));

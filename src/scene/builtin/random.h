@@ -1,4 +1,5 @@
-// Random numbers and noise that depend only on integers: the same on every machine, in any order of evaluation.
+// Random numbers and noise that depend only on integers: they are identical on every machine and in any order of
+// evaluation.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +7,7 @@
 
 namespace latelight::scene::builtin {
 
-// A good mixer of 32 bits ("lowbias32": Wellons 2018, Prospecting for Hash Functions), or of a vector of them.
+// Integer hash of 32 bits, or of a vector of them ("lowbias32": Wellons 2018, Prospecting for Hash Functions).
 template <typename Bits>
 constexpr Bits mixBits(Bits x) {
   x ^= x >> 16;
@@ -19,12 +20,12 @@ constexpr uint32_t hashOf(uint32_t a, uint32_t b = 0, uint32_t c = 0, uint32_t d
   return mixBits(a + 0x9e3779b9u * mixBits(b + 0x85ebca6bu * mixBits(c + 0xc2b2ae35u * mixBits(d))));
 }
 
-// [0, 1)
+// Maps bits to [0, 1).
 constexpr double unitOf(uint32_t bits) {
   return bits * (1.0 / 4294967296.0);
 }
 
-// A stream of numbers from a seed.
+// A deterministic stream of random numbers.
 class Random {
  public:
   explicit constexpr Random(uint32_t seed, uint32_t stream = 0) : seed_(hashOf(seed, stream, 0x51ed270bu)) {}
@@ -42,7 +43,7 @@ template <typename Floats>
 inline Floats quintic(Floats t) {
   return t * t * t * (t * (t * 6 - 15) + 10);
 }
-// Cheaper than std::floor without SSE 4.1; |x| < 2^31.
+// Returns the floor of x for |x| < 2^31; cheaper than std::floor without SSE 4.1.
 inline int32_t floorOf(float x) {
   const int32_t i = static_cast<int32_t>(x);
   return i - (x < float(i));
@@ -52,11 +53,11 @@ inline float latticeValue(uint32_t bits) {
 }
 }  // namespace detail
 
-// Value noise over the unit square, which it repeats: `period` cells along both axes, and with each octave twice as
-// many at half the weight; the sum is about in [-1, 1].
+// Fractal value noise (fBm) that tiles over the unit square. The first octave has `period` cells along both axes, and
+// each further octave has twice as many at half the weight. The sum is approximately in [-1, 1].
 float fractal2(glm::vec2 p, uint32_t period, int octaves, uint32_t seed);
 
-// Value noise of space in [-1, 1] that repeats every `periodZ` cells along z.
+// 3D value noise in [-1, 1] that repeats every `periodZ` cells along z.
 inline float noise3(glm::vec3 p, uint32_t periodZ, uint32_t seed) {
   const int32_t i = detail::floorOf(p.x), j = detail::floorOf(p.y), k = detail::floorOf(p.z);
   const float u = detail::quintic(p.x - float(i)), v = detail::quintic(p.y - float(j)),

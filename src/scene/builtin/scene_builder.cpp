@@ -37,7 +37,7 @@ uint32_t SceneBuilder::addInstance(const std::string& name, uint32_t parent, uin
   instance.node = node;
   instance.toWorld = scene.nodes[node].toWorld;
   instance.id = scene.nodes[node].id;
-  instance.part = instance.id;  // the node's one primitive
+  instance.part = instance.id;  // the node's only primitive
   scene.instances.push_back(instance);
   return node;
 }

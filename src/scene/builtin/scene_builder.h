@@ -1,4 +1,4 @@
-// Adds nodes, instances, lights and cameras to a scene in glTF's frame, and keeps paths and ids unique.
+// Adds nodes, instances, lights and cameras to a scene in glTF's frame, with unique paths and ids.
 #pragma once
 
 #include <string>
@@ -13,9 +13,10 @@ class SceneBuilder {
  public:
   explicit SceneBuilder(const std::string& root);
 
-  // A node under `parent`; its path is the parent's, a slash and the name, with "#2" and so on for twins.
+  // Adds a node under `parent`. Its path is the parent's path, a slash and the name, with "#2" and so on appended to
+  // duplicates.
   uint32_t addNode(const std::string& name, uint32_t parent, const mat4& local = mat4(1));
-  // A node with a mesh.
+  // Adds a node with a mesh, and returns the node's index.
   uint32_t addInstance(const std::string& name, uint32_t parent, uint32_t mesh, uint32_t material,
                        const mat4& local = mat4(1));
   void addCamera(const std::string& name, vec3 eye, vec3 target, float verticalFov);
@@ -28,7 +29,7 @@ class SceneBuilder {
   UniqueIds ids_;
 };
 
-// A material with neutral glTF defaults and no textures.
+// Returns a material with neutral glTF defaults and no textures.
 Material plainMaterial(const std::string& name, vec3 baseColor, float metallic, float roughness);
 
 }  // namespace latelight::scene::builtin

@@ -15,10 +15,10 @@ vec3 spheresCentre(uint32_t column, uint32_t row) {
 namespace builtin {
 namespace {
 
-constexpr uint32_t kMeridians = 160, kParallels = 80;  // a chord's error is 0.02 % of the radius
+constexpr uint32_t kMeridians = 160, kParallels = 80;  // a chord's error is 0.02% of the radius
 
-// Rows from the south pole, with the seam's vertices doubled; a pole has one vertex per meridian, so that each triangle
-// there has its own tangent.
+// Adds rows from the south pole, with duplicate vertices along the seam. A pole has one vertex per meridian, so that
+// each triangle there has its own tangent.
 void addVertices(Mesh& mesh) {
   for (uint32_t j = 0; j <= kParallels; ++j) {
     const dvec2 polar = onCircle(0.5 * j / kParallels);  // from -Y
@@ -43,7 +43,8 @@ Mesh sphere() {
       if (j + 1 < kParallels) mesh.indices.insert(mesh.indices.end(), {a, d, c});
     }
   }
-  // At the south pole a and b of the quad coincide, leaving triangle a d c; at the north pole c and d, leaving a b d.
+  // At the south pole, corners a and b of the quad coincide, so only triangle a d c remains; at the north pole c and d
+  // coincide, so a b d remains.
   findBounds(mesh);
   return mesh;
 }

@@ -35,7 +35,8 @@ struct Slope {
   vec2 tilt;
 };
 
-// Tangent space: x along growing u, y along falling v, as glTF has it.
+// Converts slopes to a row of the normal map, in tangent space as glTF defines it: x along increasing u, y along
+// decreasing v.
 void normalRow(Texture& texture, const std::vector<Slope>& slopes, ImageSize size, size_t y) {
   const size_t w = size.width, h = size.height, above = (y + h - 1) % h, below = (y + 1) % h;
   for (size_t x = 0; x < w; ++x) {

@@ -1,4 +1,4 @@
-// Triangles at random, for measuring rasterization: none shares a vertex with another.
+// Random triangles for measuring rasterization. No triangle shares a vertex with another.
 #include <algorithm>
 
 #include "scene/builtin.h"
@@ -13,11 +13,11 @@ namespace {
 
 constexpr uint32_t kTrianglesAMesh = 1'000'000;
 
-// The camera's picture is 2 metres high in the middle of the triangles, at this distance from it, in metres.
+// The camera's view is 2 meters high at the center of the triangles, at a distance of kDistance meters.
 constexpr float kDistance = 100, kVerticalFov = 0.019999333f;  // 2 atan(1 / 100)
-constexpr double kDepth = 1;                                   // they lie up to that much nearer or farther
+constexpr double kDepth = 1;                                   // maximum depth offset of a triangle in either direction
 
-// A right isosceles triangle, turned at random, facing the camera.
+// Adds a right isosceles triangle that faces the camera at a random angle.
 void addTriangle(Mesh& mesh, Random& random, float leg) {
   const auto x = static_cast<float>(random.between(-1, 1)), y = static_cast<float>(random.between(-1, 1));
   const auto z = static_cast<float>(random.between(-kDepth, kDepth));

@@ -3,7 +3,7 @@
 namespace latelight::scene::builtin {
 namespace {
 
-// Around the curve's section from turn `first` on by `turns`.
+// The part of the tube's surface around its cross-section that starts at turn `first` and spans `turns`.
 Surface section(TubeCurve curve, double first, double turns, dvec2 tiles) {
   return surfaceOf(
       [=, curve = std::move(curve)](double u, double v) {

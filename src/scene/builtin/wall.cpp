@@ -5,7 +5,7 @@
 namespace latelight::scene::builtin {
 namespace {
 
-// A flat patch by its (s, y); u and v must turn the way s and y do.
+// Returns a flat patch from its (s, y) positions; u and v must have the same orientation as s and y.
 Patch flat(const Plane& plane, uint32_t columns, uint32_t rows, double tile,
            std::function<dvec2(double, double)> position) {
   Patch patch;
@@ -28,8 +28,8 @@ dvec2 mixed(dvec2 a, dvec2 b, double t) {
   return t <= 0 ? a : t >= 1 ? b : a + (b - a) * t;
 }
 
-// From the circle around (0, centre) outwards to a straight line; both by the angle's share t, the circle's angle going
-// from `first` to `last` turns.
+// Returns the patch between an arc around (0, centre) and a straight line outside it, parameterized by the fraction v
+// of the arc's angle from `first` to `last` turns.
 Patch fan(const Plane& plane, double centre, double radius, double first, double last, dvec2 from, dvec2 to,
           uint32_t across, uint32_t along, double tile) {
   return flat(plane, across, along, tile, [=](double u, double v) {
@@ -49,7 +49,7 @@ Patch wallPanel(const Plane& plane, double s0, double s1, double y0, double y1, 
 
 std::vector<Patch> wallAboveArch(const Plane& plane, double half, double spring, double radius, double top,
                                  const WallGrid& grid, double tile) {
-  // The corner's own direction keeps quads upright; at least one segment on each side of it.
+  // A boundary in the corner's own direction keeps quads upright. At least one segment is on each side of it.
   const double corner = turnsOf(top - spring, half);
   const uint32_t side = std::max(1u, static_cast<uint32_t>(2 * corner * grid.arch + 0.5));
   const uint32_t above = std::max(1u, grid.arch - std::min(grid.arch - 1, 2 * side));
@@ -64,7 +64,7 @@ std::vector<Patch> wallWithWindow(const Plane& plane, double half, double bottom
   std::vector<Patch> patches = wallAboveArch(plane, half, spring, radius, top, grid, tile);
   patches.push_back(wallPanel(plane, -half, -radius, sill, spring, grid.across, grid.up, tile));
   patches.push_back(wallPanel(plane, radius, half, sill, spring, grid.across, grid.up, tile));
-  // Below, columns continue those next to and under the opening, so that there are no T-junctions.
+  // Below the opening, columns continue those beside and under it, so that there are no T-junctions.
   if (sill <= bottom) return patches;
   patches.push_back(wallPanel(plane, -half, -radius, bottom, sill, grid.across, grid.up, tile));
   patches.push_back(wallPanel(plane, -radius, radius, bottom, sill, grid.across, grid.up, tile));
@@ -74,8 +74,8 @@ std::vector<Patch> wallWithWindow(const Plane& plane, double half, double bottom
 
 std::vector<Patch> lunette(const Plane& plane, double base, double radius, double centre, double hole,
                            const WallGrid& grid, double tile) {
-  // Rays from the hole's centre end at the half disc's rim or at its base; its two corners are between patches.
-  const double h = centre - base, corner = 1 - turnsOf(h, radius);  // of the ray to (radius, base)
+  // Rays from the hole's center end at the half disc's rim or at its base; its two corners are patch boundaries.
+  const double h = centre - base, corner = 1 - turnsOf(h, radius);  // angle of the ray to (radius, base)
   const auto ring = [=](double from, double to, bool rim) {
     return flat(plane, grid.across, rim ? 2 * grid.arch : grid.arch, tile, [=](double u, double v) {
       const dvec2 d = onCircle(from + (to - from) * v);

@@ -1,5 +1,5 @@
-// The aisles: groin vaults with ribs, an outer wall with windows over a dado of glazed tiles, and the gallery's walls,
-// floor and ceiling above.
+// The aisles: groin vaults with ribs, an outer wall with windows over a dado of glazed tiles, and the walls, floor and
+// ceiling of the gallery above.
 #include <fmt/format.h>
 
 #include "scene/builtin/hall/hall.h"
@@ -9,20 +9,20 @@
 namespace latelight::scene::builtin::hall {
 namespace {
 
-// One bay of the right aisle, with (0, 0, 0) in the middle of its floor; the nave is towards -X.
+// One bay of the right aisle, with (0, 0, 0) at the center of its floor; the nave is towards -X.
 const vec3 kAisleBay(float(kAisleX), 0, 0);
 constexpr double kDado = 1.5;
 
-// The groin vault's ceiling is the higher of two crossing barrels. Its four cells, between the groins (the diagonals)
-// and the bay's edges: within a cell only one of them is visible.
+// One cell of the groin vault, whose ceiling is the higher of two crossing barrels. The groins (the diagonals) and the
+// bay's edges bound four cells, and only one barrel is visible within each.
 Patch cell(const Detail& detail, bool alongZ, double sign) {
   Patch patch;
-  patch.columns = 2 * detail.segments(5, 2);  // even: the groins' kink is in the middle
+  patch.columns = 2 * detail.segments(5, 2);  // even, so that the groins' kink is at the center
   patch.rows = detail.segments(4, 2);
   patch.pointU0 = patch.pointU1 = true;
   const double across = alongZ ? kAisleHalf : kBay / 2, along = alongZ ? kBay / 2 : kAisleHalf;
   const auto position = [=](double u, double v) {
-    const double turn = alongZ == (sign > 0) ? 2 * u - 1 : 1 - 2 * u;  // front downwards in all four
+    const double turn = alongZ == (sign > 0) ? 2 * u - 1 : 1 - 2 * u;  // the front faces down in all four cells
     const double s = sinQuarters(turn), c = cosQuarters(turn);
     const double a = across * s, edge = std::abs(s);
     const double b = sign * along * (v >= 1 ? 1.0 : edge + v * (1 - edge));
@@ -31,7 +31,7 @@ Patch cell(const Detail& detail, bool alongZ, double sign) {
   };
   patch.surface = surfaceOf(position, [=](double u, double v) {
     const dvec3 p = position(u, v);
-    const double turn = 2 * u - 1, arc = turn * 0.5 * kPi * 2.05;  // nearly a circle of 2.05 m
+    const double turn = 2 * u - 1, arc = turn * 0.5 * kPi * 2.05;  // nearly a circle of radius 2.05 m
     return dvec2(arc, -sign * (alongZ ? p.z : p.x)) / kPlasterTile;
   });
   return patch;
@@ -46,7 +46,7 @@ MeshPlan groinVault(const Detail& detail) {
   return plan;
 }
 
-// A rib along half an ellipse from `from` over the bay's crown to the opposite corner.
+// A rib along half an ellipse, from one corner over the bay's crown to the opposite corner.
 Path ribPath(dvec3 half, uint32_t segments) {
   Path path;
   path.columns = segments;
@@ -62,7 +62,7 @@ Path ribPath(dvec3 half, uint32_t segments) {
   return path;
 }
 
-// Seen from below; x is measured outwards from the rib's own line.
+// The rib's cross-section as seen from below; x is measured outwards from the rib's center line.
 Profile ribProfile(double half, double depth) {
   Profile p(0.03, half);
   p.line(-0.3 * depth, half).arc(-0.75 * depth, 0.55 * half, -0.9, 2).line(-0.8 * depth, 0.5 * half);
@@ -77,7 +77,7 @@ MeshPlan diagonalRibs(const Detail& detail) {
   for (const double sign : {-1.0, 1.0})
     plan.add(sweep(profile, ribPath({kAisleHalf, kAisleRise, sign * kBay / 2}, detail.segments(18, 6)), detail,
                    kPlasterTile));
-  // The boss where the ribs meet.
+  // The boss at the intersection of the ribs.
   Profile boss(0.0, -0.2);
   boss.arc(0.17, -0.1, 0.8, 3).line(0.2, -0.09).line(0.2, 0.02);
   Path path = circle({{0, kArchSpring + kAisleRise, 0}, {0, 1, 0}, {1, 0, 0}}, detail.segments(14, 6), 0.15);
@@ -85,7 +85,7 @@ MeshPlan diagonalRibs(const Detail& detail) {
   return plan;
 }
 
-// Between two bays, from the column to the wall.
+// The arch between two bays, from the column to the wall.
 MeshPlan transverseArch(const Detail& detail) {
   MeshPlan plan{"transverse arch", {}, shadeInHall({float(kAisleX), 0, float(kBay / 2)}), {}};
   Profile p(0.03, 0.26);
@@ -95,7 +95,7 @@ MeshPlan transverseArch(const Detail& detail) {
   return plan;
 }
 
-// On the outer wall, opposite to each column.
+// A pilaster on the outer wall, opposite each column.
 MeshPlan pilaster(const Detail& detail) {
   MeshPlan plan{"aisle pilaster", {}, shadeInHall({float(kOuterX), 0, float(kBay / 2)}), {}};
   Profile p(0.04, 0);
@@ -138,7 +138,7 @@ MeshPlan dadoMouldings(const Detail& detail) {
   return plan;
 }
 
-// The opening's depth, a sill, and a moulded frame around it.
+// The reveal of a window opening, a sill, and a molded frame around it.
 MeshPlan windowFrame(const Detail& detail) {
   MeshPlan plan{"window frame", {}, {}, {}};
   const double r = kWindowRadius, depth = 0.32;
@@ -173,7 +173,7 @@ MeshPlan windowPane(const Detail& detail) {
   return plan;
 }
 
-// Above the vault: floor, back wall with a blind niche, and a ceiling.
+// The room above the vault: floor, back wall with a blind niche, and a ceiling.
 MeshPlan galleryRoom(const Detail& detail) {
   MeshPlan plan{"gallery room", {}, shadeInHall(kAisleBay), {}};
   const double x0 = kColumnX - kAisleX - 0.2, x1 = kAisleHalf, z = kBay / 2;

@@ -1,4 +1,4 @@
-// The arcade between nave and aisle: arches, the wall above them with its roundels, cornices, half columns' strips.
+// The arcade between nave and aisle: arches, the wall above them with its roundels, cornices, and pilaster strips.
 #include <fmt/format.h>
 
 #include "scene/builtin/hall/hall.h"
@@ -8,7 +8,7 @@
 namespace latelight::scene::builtin::hall {
 namespace {
 
-// One bay at x = 0, with its middle at z = 0; the nave is towards -X. Copies for the other side are rotated.
+// One bay at x = 0, centered at z = 0; the nave is towards -X. Copies for the other side are rotated.
 const Plane kNaveFace{{-kWallHalf, 0, 0}, {0, 0, 1}, {0, 1, 0}};
 const Plane kAisleFace{{kWallHalf, 0, 0}, {0, 0, -1}, {0, 1, 0}};
 
@@ -20,7 +20,7 @@ MeshPlan spandrels(const Detail& detail) {
   return plan;
 }
 
-// Three stepped fasciae on both faces and a sunk soffit.
+// Three stepped fasciae on both faces and a recessed soffit.
 MeshPlan archivolt(const Detail& detail) {
   MeshPlan plan{"archivolt", {}, shadeInHall(kBayOnTheRight), {}};
   const double r = kArchRadius, t = kWallHalf;
@@ -34,7 +34,7 @@ MeshPlan archivolt(const Detail& detail) {
   profile.line(r, -t - 0.01).line(r + 0.01, -t - 0.02).line(r + 0.085, -t - 0.025).line(r + 0.09, -t - 0.04);
   profile.line(r + 0.18, -t - 0.045).arc(r + 0.22, -t - 0.075, -1, 2).line(r + 0.25, -t - 0.075);
   profile.arc(r + 0.3, -t - 0.055, 1, 2).line(r + 0.3, -t + 0.02);
-  // The path's front is the nave's, where the profile's y is positive.
+  // The path's front faces the nave, where the profile's y is positive.
   plan.add(sweep(profile, archPath({{0, 0, 0}, {0, 0, 1}, {0, 1, 0}}, kArchSpring, r, detail.segments(22, 8)), detail,
                  kPlasterTile));
   return plan;
@@ -68,11 +68,11 @@ MeshPlan keystone(const Detail& detail) {
       };
       plan.add(std::move(patch));
     }
-    // Its sides, as strips from the wall's middle to the face.
+    // The wedge's sides, as strips from the wall's center plane to the face.
     for (const double cheek : {-1.0, 1.0}) {
       std::vector<dvec2> outline;
       const std::vector<Profile::Run> runs = side.sample(detail);
-      for (size_t run = 1; run + 1 < runs.size(); ++run)  // the first and the last are level, and have no height
+      for (size_t run = 1; run + 1 < runs.size(); ++run)  // the first and the last run are level and have no height
         for (size_t i = run == 1 ? 0 : 1; i < runs[run].size(); ++i) outline.push_back(runs[run][i].position);
       const uint32_t rows = static_cast<uint32_t>(outline.size() - 1);
       Patch patch;
@@ -80,7 +80,7 @@ MeshPlan keystone(const Detail& detail) {
       patch.rows = rows;
       patch.surface = [=](double u, double v) {
         const dvec2 p = outline[static_cast<size_t>(v * rows + 0.5)];
-        const double x = p.x * (sign == cheek ? u : 1 - u);  // so that the front is outside on every cheek
+        const double x = p.x * (sign == cheek ? u : 1 - u);  // so that the front faces outwards on every side
         SurfacePoint point;
         point.position = {sign * x, p.y, cheek * half(p.y)};
         point.normal = glm::normalize(dvec3(0, -0.09, cheek));
@@ -94,7 +94,7 @@ MeshPlan keystone(const Detail& detail) {
   return plan;
 }
 
-// A shallow strip over each column, up to the vault; it covers the joint between two bays.
+// A shallow strip over each column, up to the vault, which covers the joint between two bays.
 MeshPlan strip(const Detail& detail) {
   MeshPlan plan{"pilaster strip", {}, shadeInHall({float(kColumnX), 0, float(kBay / 2)}), {}};
   const double front = -kWallHalf - 0.06;
@@ -109,7 +109,7 @@ MeshPlan strip(const Detail& detail) {
   return plan;
 }
 
-// Classical cornices: bed mould, corona with its drip, cyma. `x` outwards of the wall's face.
+// A classical cornice: bed molding, corona with drip, cyma. `x` is measured outwards from the wall's face.
 Profile cornice(double low, double high, double reach) {
   const double h = high - low;
   const auto y = [=](double t) { return low + t * h; };
@@ -153,12 +153,12 @@ MeshPlan dentil(const Detail& detail) {
   return plan;
 }
 
-// A dished disc of coloured marble in a moulded ring, in each spandrel over a column.
+// A dished disc of colored marble in a molded ring, in each spandrel over a column.
 MeshPlan roundel(const Detail& detail) {
   MeshPlan plan{"roundel", {}, {}, {}};
   Profile disc(0.2, 0);
   disc.arc(0, 0.045, 0.5, 3);
-  // A lathe's profile runs from its rim inwards if the front faces up.
+  // The profile of a surface of revolution runs from its rim inwards if the front faces up.
   plan.add(sweep(disc, circle({{0, 0, 0}, {-1, 0, 0}, {0, 0, 1}}, detail.segments(20, 6), 0.2), detail, kMarbleTile));
   return plan;
 }

@@ -11,7 +11,8 @@ namespace {
 
 constexpr int kFlutes = 20;
 constexpr double kShaftFoot = 0.6, kShaftHead = 3.86, kHeadRadius = 0.3;
-const vec3 kSomewhere(float(kColumnX), 0, float(kBay / 2));  // a column's position: all have the same surroundings
+const vec3 kSomewhere(float(kColumnX), 0, float(kBay / 2));  // a column's position: all columns have the same
+                                                             // surroundings
 
 Path around(const Detail& detail, double normal, uint32_t least, double radius) {
   return circle(Axis{}, detail.segments(normal, least), radius);
@@ -29,7 +30,8 @@ MeshPlan base(const Detail& detail) {
   return plan;
 }
 
-// Radius of the shaft at t of its height: a straight taper would look hollow, so it swells (entasis).
+// Radius of the shaft at the fraction t of its height. A straight taper would look hollow, so the shaft swells
+// (entasis).
 double shaftRadius(double t) {
   return kColumnRadius - (kColumnRadius - kHeadRadius) * t * (0.3 + 0.7 * t);
 }
@@ -65,7 +67,7 @@ MeshPlan shaft(const Detail& detail) {
         [height](double u, double v) { return dvec2(u * 2, -height(v) * (kShaftHead - kShaftFoot) / kMarbleTile); });
     plan.add(std::move(patch));
   }
-  // The flutes' own occlusion: darker farther in.
+  // The flutes' own occlusion is stronger farther in.
   plan.shade = [hall = plan.shade](vec3 p, vec3 n) {
     const double t = std::clamp((p.y - kShaftFoot) / (kShaftHead - kShaftFoot), 0.0, 1.0);
     const double depth = shaftRadius(t) - std::sqrt(double{p.x} * p.x + double{p.z} * p.z);
@@ -87,7 +89,7 @@ MeshPlan capital(const Detail& detail) {
   return plan;
 }
 
-// A leaf that starts at the bell at `foot`, rises and curls outwards.
+// A leaf that starts on the bell at height `foot`, rises and curls outwards.
 std::vector<Patch> leaf(const Detail& detail, double turn, double foot, double height, double reach) {
   const auto curve = [=](double v) {
     const double curl = smooth(0.55, 1, v);
@@ -133,7 +135,7 @@ MeshPlan ornament(const Detail& detail) {
   return plan;
 }
 
-// Between capital and arch, like a piece of entablature.
+// The block between capital and arch, like a piece of entablature.
 MeshPlan impost(const Detail& detail) {
   MeshPlan plan{"impost block", {}, shadeInHall(kSomewhere), {}};
   Profile block(-0.2, kColumnTop);

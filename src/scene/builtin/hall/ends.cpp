@@ -1,4 +1,4 @@
-// The hall's ends: the apse with its mosaic and steps, the door opposite, and a rose window in each lunette.
+// The hall's ends: the apse with its mosaic and steps, the door opposite it, and a rose window in each lunette.
 #include <fmt/format.h>
 
 #include "scene/builtin/hall/hall.h"
@@ -9,11 +9,11 @@
 namespace latelight::scene::builtin::hall {
 namespace {
 
-// An end in its own frame: the wall's face is the plane z = 0, the hall is towards +Z. The west end is rotated.
+// An end in its own frame: the wall's face is the plane z = 0, and the hall is towards +Z. The west end is rotated.
 const Plane kFace{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 const vec3 kEast(0, 0, -float(kHalfLength));
 constexpr double kHalfNave = kColumnX;            // the wall continues behind the arcades
-constexpr double kInside = kApseRadius + 0.0625;  // the apse's walls, behind its arch's edge
+constexpr double kInside = kApseRadius + 0.0625;  // radius of the apse's walls, recessed from the arch's edge
 constexpr double kApseFloor = kApseSteps * kApseStep;
 
 WallGrid wallGrid(const Detail& detail) {
@@ -45,7 +45,7 @@ MeshPlan endCornice(const Detail& detail) {
   return plan;
 }
 
-// A moulded frame around a round-headed opening down to y = foot, `depth` deep.
+// A molded frame around a round-headed opening down to y = foot, `depth` deep.
 MeshPlan portal(const Detail& detail, const char* name, double foot, double spring, double radius, double depth) {
   MeshPlan plan{name, {}, shadeInHall(kEast), {}};
   const double r = radius;
@@ -60,7 +60,7 @@ MeshPlan portal(const Detail& detail, const char* name, double foot, double spri
   return plan;
 }
 
-// A gilded rope around the apse's arch.
+// A gilded rope molding around the apse's arch.
 MeshPlan archBead(const Detail& detail) {
   MeshPlan plan{"apse arch bead", {}, {}, {}};
   const double r = kApseRadius + 0.22;
@@ -78,7 +78,7 @@ Path roundTheApse(const Detail& detail) {
   return circleArc(Axis{}, 0, 0.5, detail.segments(24, 10), kInside);
 }
 
-// A quarter of a sphere, its poles at the arch's two springs where the frame hides them.
+// A quarter of a sphere with its poles at the arch's two springing points, where the frame hides them.
 MeshPlan semidome(const Detail& detail) {
   MeshPlan plan{"apse mosaic", {}, {}, {}};
   Patch patch;
@@ -91,7 +91,7 @@ MeshPlan semidome(const Detail& detail) {
   };
   patch.surface = surfaceOf(
       [=](double u, double v) { return dvec3(0, kApseSpring, 0) + kInside * direction(u, 1 - v); },
-      // Lambert's azimuthal projection about the middle: equal areas, and little distortion within a quarter sphere.
+      // Lambert azimuthal equal-area projection about the center; distortion is small within a quarter sphere.
       [=](double u, double v) {
         const dvec3 d = direction(u, 1 - v);
         const double x = d.x, y = (d.y + d.z) * std::sqrt(0.5), towards = (d.y - d.z) * std::sqrt(0.5);
@@ -104,7 +104,7 @@ MeshPlan semidome(const Detail& detail) {
 
 MeshPlan apseCornice(const Detail& detail) {
   MeshPlan plan{"apse cornice", {}, {}, {}};
-  // Inside a circle the profile runs downwards, its x being the distance from the axis.
+  // Inside a circle the profile runs downwards, and its x is the distance from the axis.
   const double r = kInside, y = kApseSpring;
   Profile p(r + 0.02, y + 0.02);
   p.line(r - 0.26, y).line(r - 0.26, y - 0.06).line(r - 0.23, y - 0.065).arc(r - 0.14, y - 0.17, -0.9, 3);
@@ -132,7 +132,7 @@ MeshPlan apseWall(const Detail& detail, const char* name, double high, double lo
   return plan;
 }
 
-// At the apse's two ends, where its mouldings stop.
+// The responds at the apse's two ends, where its moldings stop.
 MeshPlan apseResponds(const Detail& detail) {
   MeshPlan plan{"apse responds", {}, {}, {}};
   const double r = kApseRadius, top = kApseSpring - 0.47;
@@ -181,7 +181,7 @@ MeshPlan steps(const Detail& detail) {
   }
   const Axis axis{{0, 0, 0}, {0, 1, 0}, {-1, 0, 0}};
   plan.add(sweep(p, circleArc(axis, 0, 0.5, detail.segments(40, 14), first), detail, kMarbleTile));
-  // Everything within the last step's edge is the apse's floor.
+  // The apse's floor fills the circle within the last step's edge.
   Profile floor(first - 0.35 * (kApseSteps - 1) + 0.02, kApseFloor);
   floor.line(0, kApseFloor).segments(5, 1);
   plan.add(sweep(floor, circle(axis, 2 * detail.segments(40, 14), 1.5), detail, kMarbleTile));
@@ -233,7 +233,7 @@ MeshPlan roseGlass(const Detail& detail) {
 MeshPlan door(const Detail& detail) {
   MeshPlan plan{"door", {}, shadeInHall(kEast), {}};
   const double r = kDoorRadius + 0.01;
-  plan.add(quad({-r, -0.002, 0.05}, {r, -0.002, 0.05}, {r, -0.002, -0.36}, {-r, -0.002, -0.36}, 1, 1));  // its sill
+  plan.add(quad({-r, -0.002, 0.05}, {r, -0.002, 0.05}, {r, -0.002, -0.36}, {-r, -0.002, -0.36}, 1, 1));  // the sill
   const Plane plane{{0, 0, -0.3}, {1, 0, 0}, {0, 1, 0}};
   plan.add(roundHeadedPane(plane, 0, kDoorSpring, kDoorRadius + 0.09, {detail.segments(14, 6), 1, 1}, 1));
   Profile panel(0, 0);
@@ -242,7 +242,7 @@ MeshPlan door(const Detail& detail) {
     for (int row = 0; row < 4; ++row) {
       const double x = column * 0.72, y = 0.52 + row * 0.86;
       const std::vector<dvec2> corners{{0.6, 0.36}, {0.6, -0.36}, {-0.6, -0.36}, {-0.6, 0.36}};
-      // Built flat by sweepPolygon, then set upright: its +Y becomes the wall's front.
+      // sweepPolygon() builds the panel flat; this transform sets it upright, so that +Y becomes the wall's front.
       glm::dmat4 upright(1);
       upright[1] = {0, 0, 1, 0};
       upright[2] = {0, -1, 0, 0};

@@ -1,4 +1,4 @@
-// The hall's exhibits: bodies of many shapes and materials on plinths under the arches, and a figure in the apse.
+// The hall's exhibits: objects of many shapes and materials on plinths under the arches, and a statue in the apse.
 #include <fmt/format.h>
 
 #include <memory>
@@ -26,7 +26,7 @@ MeshPlan plinth(const Detail& detail) {
   return plan;
 }
 
-// Everything on a plinth stands at y = 0 in its own frame.
+// Every object on a plinth stands at y = 0 in its own frame.
 MeshPlan urn(const Detail& detail) {
   MeshPlan plan{"urn", {}, {}, {}};
   Profile p(0, 0);
@@ -62,7 +62,7 @@ MeshPlan ball(const Detail& detail) {
   return plan;
 }
 
-// A (2, 3) torus knot: its tube's normal is the torus's, so that the frame closes.
+// A (2, 3) torus knot. The tube's normal is the torus's normal, so that the frame closes.
 MeshPlan knot(const Detail& detail) {
   MeshPlan plan{"knot", {}, {}, {}};
   const auto point = [](double v) {
@@ -82,8 +82,8 @@ MeshPlan knot(const Detail& detail) {
   return plan;
 }
 
-// Superformula (Gielis 2003, A generic geometric transformation that unifies a wide range of natural and abstract
-// shapes): radius by an angle in turns.
+// The superformula's radius at an angle in turns (Gielis 2003, A generic geometric transformation that unifies a wide
+// range of natural and abstract shapes).
 double superRadius(double turns, double m, double n1, double n2, double n3) {
   const dvec2 cs = onCircle(turns * m / 4);
   const double sum = power(std::abs(cs.x), n2) + power(std::abs(cs.y), n3);
@@ -100,7 +100,7 @@ MeshPlan supershape(const Detail& detail, double m, double n1, double n2, double
   patch.pointV0 = patch.pointV1 = true;
   patch.surface = surfaceOf(
       [=](double u, double v) {
-        const double latitude = 0.25 - 0.5 * v;  // in turns, downwards: the shape's axis is -Y
+        const double latitude = 0.25 - 0.5 * v;  // in turns, from top to bottom: the shape's axis is -Y
         const double r1 = superRadius(u, m, n1, n2, n3), r2 = superRadius(latitude, 4, 4, 4, 4);
         const dvec2 around = onCircle(u), up = onCircle(latitude);
         const double across = v <= 0 || v >= 1 ? 0 : 0.27 * r1 * r2 * up.x;
@@ -111,7 +111,7 @@ MeshPlan supershape(const Detail& detail, double m, double n1, double n2, double
   return plan;
 }
 
-// A vase of twisted ribs, and as many hollows inside.
+// A vase of twisted ribs, with matching grooves inside.
 MeshPlan twistedVase(const Detail& detail) {
   MeshPlan plan{"twisted vase", {}, {}, {}};
   Profile p(0.1, 0);
@@ -132,7 +132,7 @@ MeshPlan twistedVase(const Detail& detail) {
       const dvec2 cs = onCircle(u);
       SurfacePoint point;
       point.position = {r * cs.x, at.y, -r * cs.y};
-      point.normal = {cs.x, 0, -cs.y};  // until the triangles' normals are known
+      point.normal = {cs.x, 0, -cs.y};  // placeholder until the triangles' normals are known
       point.tangent = {-cs.y, 0, -cs.x};
       point.uv = {2 * u, -2 * at.y};
       return point;
@@ -142,7 +142,7 @@ MeshPlan twistedVase(const Detail& detail) {
   return plan;
 }
 
-// A draped figure: a body of revolution flattened, with folds that fall and gather.
+// A draped figure: a flattened surface of revolution with folds that fall and gather.
 MeshPlan figure(const Detail& detail) {
   MeshPlan plan{"figure", {}, {}, {}};
   const std::vector<dvec2> outline{{0.34, 0},    {0.31, 0.12}, {0.27, 0.45}, {0.25, 0.85},  {0.245, 1.1}, {0.22, 1.24},
@@ -180,7 +180,7 @@ MeshPlan figure(const Detail& detail) {
   std::vector<Patch> skull =
       sweep(head, circle({{0, 0, 0.03}, {0, 1, 0}, {1, 0, 0}}, detail.segments(20, 8), 0.1), detail);
   plan.add(std::move(skull));
-  // Arms that meet in front.
+  // Arms that join in front.
   for (const double side : {-1.0, 1.0}) {
     const auto arm = [side](double v) {
       const double b = v * v;

@@ -1,4 +1,4 @@
-// The floor, bay by bay: the nave's pattern, a plain band under the arcades, the aisles' pattern.
+// The floor, bay by bay: the nave's pattern, a plain band under the arcades, and the aisles' pattern.
 #include <fmt/format.h>
 
 #include "scene/builtin/hall/hall.h"
@@ -8,8 +8,8 @@
 namespace latelight::scene::builtin::hall {
 namespace {
 
-// A level strip of one bay between two x; all strips have the same rows, so that they meet vertex to vertex. `uvOf`
-// maps (x, z) to texture tiles.
+// A level strip of one bay between two x coordinates. All strips have the same number of rows, so that their vertices
+// coincide. `uvOf` maps (x, z) to texture tiles.
 Patch strip(double x0, double x1, uint32_t columns, uint32_t rows, std::function<dvec2(dvec2)> uvOf) {
   Patch patch;
   patch.columns = columns;
@@ -30,8 +30,8 @@ Patch strip(double x0, double x1, uint32_t columns, uint32_t rows, std::function
 void addFloor(HallBuilder& hall, uint64_t spareTriangles) {
   const Detail& d = hall.detail;
   const uint32_t rows = d.segments(10, 2);
-  // The triangles left over by the other parts' rounding go into columns here, which meet only columns of the same
-  // kind.
+  // Spare triangles, which the other parts' rounding could not use, become extra columns here, because these columns
+  // border only columns of the same kind.
   const uint32_t spareColumns = static_cast<uint32_t>(spareTriangles / (uint64_t{2} * rows * kBays));
   const uint32_t columns = d.segments(16, 2) + spareColumns;
   const double tile = kMarbleTile;

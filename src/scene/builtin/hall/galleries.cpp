@@ -9,7 +9,7 @@
 namespace latelight::scene::builtin::hall {
 namespace {
 
-// One bay at x = 0, as in the arcades.
+// One bay at x = 0, as in arcades.cpp.
 constexpr double kRailLow = 8.64, kPlinthHigh = 8.0;
 constexpr double kPierHalf = kGalleryPitch / 2 - kGalleryArchRadius;
 
@@ -62,7 +62,7 @@ MeshPlan abacus(const Detail& detail) {
   p.line(-0.02, kGallerySpring - 0.075).arc(0, kGallerySpring - 0.04, 0.9, 2).line(0, kGallerySpring);
   p.line(-0.15, kGallerySpring);
   plan.add(sweepPolygon(p, rectangle(0.2, kPierHalf), true, 1, detail, kPlasterTile));
-  // The wall is thicker than the column: a lintel carries it.
+  // A lintel carries the wall, which is thicker than the column.
   Profile lintel(-0.15, kGallerySpring - 0.005);
   lintel.line(0.05, kGallerySpring - 0.005).line(0.05, kGallerySpring + 0.06).line(-0.1, kGallerySpring + 0.1);
   plan.add(sweepPolygon(lintel, rectangle(kWallHalf, kPierHalf), true, 1, detail, kPlasterTile));
@@ -81,7 +81,7 @@ MeshPlan pedestal(const Detail& detail) {
   return plan;
 }
 
-// Between two bays: a pier up to the arches instead of a column.
+// A pier between two bays, up to the arches, in place of a column.
 MeshPlan pier(const Detail& detail) {
   MeshPlan plan{"gallery pier", {}, shadeInHall(kBayOnTheRight + vec3(0, 0, float(kBay / 2))), {}};
   Profile p(0.03, kGalleryFloor - 0.02);

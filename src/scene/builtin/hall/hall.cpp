@@ -1,3 +1,5 @@
+// Assembles builtin:hall: collects the parts' meshes and instances, and searches for the highest tessellation detail
+// within the requested triangle count.
 #include "scene/builtin/hall/hall.h"
 
 #include <algorithm>
@@ -9,7 +11,7 @@ namespace latelight::scene::builtin {
 namespace hall {
 namespace {
 
-// The unevenness of hewn stone needs triangles finer than it: from twice the default detail on.
+// The relief of hewn stone requires triangles finer than its bumps, so it fades in above a detail of 1.5.
 Relief reliefAt(const Detail& detail, uint32_t seed) {
   const double t = std::clamp((detail.scale - 1.5) / 2.5, 0.0, 1.0);
   Relief relief;
@@ -116,7 +118,7 @@ uint64_t trianglesAt(double scale, const HallParameters& p) {
   return hall.triangles();
 }
 
-// The highest detail within the request; counts grow with it, in steps.
+// Returns the highest detail within the requested triangle count, by bisection; counts grow with detail in steps.
 double detailFor(const HallParameters& p) {
   double low = 0.02, high = 1;
   while (trianglesAt(high, p) <= p.triangles) high *= 2;

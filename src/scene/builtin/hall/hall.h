@@ -1,4 +1,4 @@
-// builtin:hall, assembled from parts that each add their meshes and place them.
+// The builder of builtin:hall and the parts from which it is assembled. Each part adds its meshes and places instances.
 #pragma once
 
 #include <string>
@@ -11,13 +11,13 @@
 
 namespace latelight::scene::builtin::hall {
 
-// The stuff of surfaces: an index into the scene's materials.
+// Surface materials of the hall: indices into the scene's materials.
 enum class Stuff : uint32_t {
   NaveFloor,
   AisleFloor,
   Ashlar,
   Plaster,
-  Trim,    // mouldings of pale stone
+  Trim,    // pale stone moldings
   Marble,  // white, veined
   RedMarble,
   GreenMarble,
@@ -33,31 +33,31 @@ enum class Stuff : uint32_t {
   Ceramic,
   Celadon,
   Obsidian,
-  LampGlass,  // of a lit lamp
-  DarkGlass,  // of an unlit one
+  LampGlass,  // lit lamp
+  DarkGlass,  // unlit lamp
   WindowGlass,
-  CaseGlass,  // blended, as all that follow: only in a hall with glass
+  CaseGlass,  // alpha blended, as all that follow: only in a hall with glass
   AmberGlass,
   BlueGlass,
   GreenGlass,
   Count
 };
 
-// Side lengths of their textures in metres.
+// Side lengths of the texture tiles, in meters.
 inline constexpr double kAshlarTile = 2.25, kPlasterTile = 3.0, kMarbleTile = 1.5, kMosaicTile = 1.0, kTileTile = 0.9;
 double tileOf(Stuff stuff);
 
-// A possible position of a light: those of the hall's own lamps.
+// A possible light position: one of the hall's own lamps.
 struct LampSite {
   vec3 position;
   vec3 color;
-  float weight;       // of its intensity
-  float range;        // metres, when all sites are lit
-  uint32_t instance;  // whose material shows whether it is lit; kNoInstance for hidden ones
+  float weight;       // relative intensity
+  float range;        // in meters, when all sites are lit
+  uint32_t instance;  // its material shows whether the lamp is lit; kNoInstance if it has no visible glass
 };
 inline constexpr uint32_t kNoInstance = ~0u;
 
-// Collects the hall's meshes, or only counts their triangles.
+// Collects the hall's meshes, or only counts their triangles if `counting`.
 class HallBuilder {
  public:
   HallBuilder(Detail detail, uint64_t seed, bool counting, bool glass = false);
@@ -68,7 +68,7 @@ class HallBuilder {
 
   uint32_t mesh(MeshPlan plan);
   uint32_t group(const std::string& name, uint32_t parent, const mat4& local = mat4(1));
-  // The instance's index in the scene.
+  // Returns the instance's index in the scene.
   uint32_t place(const std::string& name, uint32_t parent, uint32_t mesh, Stuff stuff, const mat4& local = mat4(1));
   void lamp(const LampSite& site) { lamps.push_back(site); }
 
@@ -90,7 +90,7 @@ class HallBuilder {
 mat4 at(double x, double y, double z);
 mat4 turnedAt(double x, double y, double z, int quarters);  // about +Y, exact
 
-// Bays count from the apse; bay boundaries from 0 to kBays.
+// Bays are numbered from the apse, and bay boundaries from 0 to kBays.
 inline double bayCentre(int bay) {
   return (bay + 0.5) * kBay - kHalfLength;
 }
@@ -98,10 +98,10 @@ inline double bayBoundary(int boundary) {
   return boundary * kBay - kHalfLength;
 }
 
-// The middle of a bay of the arcade at +X.
+// The center of a bay of the arcade at +X.
 inline const vec3 kBayOnTheRight(float(kColumnX), 0, 0);
 
-// Parts, one per file.
+// The parts, one per file.
 void addColumns(HallBuilder& hall);
 void addArcades(HallBuilder& hall);
 void addGalleries(HallBuilder& hall);
@@ -112,14 +112,15 @@ void addFloor(HallBuilder& hall, uint64_t spareTriangles);
 void addExhibits(HallBuilder& hall);
 void addLamps(HallBuilder& hall);
 
-// Fill scene.textures and scene.materials, in the order of Stuff: all of them, or the unblended ones.
+// Fills scene.textures and scene.materials in the order of Stuff: all of them with glass, otherwise only the unblended
+// ones.
 void addMaterials(Scene& scene, const HallParameters& p);
 
-// The one named "main" comes first.
+// Adds the cameras; the one named "main" comes first.
 void addCameras(SceneBuilder& builder);
 
-// Exactly `count` point lights: the lamps' sites first, then small ones over all surfaces; exposed for the
-// scene's first camera.
+// Adds exactly `count` point lights: the lamps' sites first, then small ones over all surfaces. Their intensities are
+// scaled to expose the view of the scene's first camera.
 void addLights(HallBuilder& hall, uint32_t count);
 
 }  // namespace latelight::scene::builtin::hall

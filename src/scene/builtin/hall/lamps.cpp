@@ -1,5 +1,5 @@
-// Lamps that hang and stand in the hall, each with the position of its light: chandeliers in the nave, lanterns under
-// the arches, in the aisles and galleries, and candle stands in the apse. One hundred in all.
+// Hanging and standing lamps, each with the position of its light: chandeliers in the nave, lanterns under the arches,
+// in the aisles and galleries, and candle stands in the apse. There are one hundred in total.
 #include <fmt/format.h>
 
 #include "scene/builtin/hall/hall.h"
@@ -19,7 +19,7 @@ Path round(const Detail& detail, double normal, uint32_t least) {
   return circle(Axis{}, detail.segments(normal, least), 0.2);
 }
 
-// Hangs from y = 0 of its own frame; its light is in the middle of its glass.
+// A lantern that hangs from y = 0 of its own frame, with its light at the center of its glass.
 MeshPlan lanternFrame(const Detail& detail) {
   MeshPlan plan{"lantern", {}, {}, {}};
   Profile cap(0.19, -0.18);
@@ -50,7 +50,7 @@ MeshPlan lanternGlass(const Detail& detail) {
   return plan;
 }
 
-// From y = 0 up to `length`, with alternating perpendicular links.
+// A chain from y = 0 up to `length`, with alternating perpendicular links.
 MeshPlan chain(const Detail& detail, const char* name, double length) {
   MeshPlan plan{name, {}, {}, {}};
   plan.add(rod({0, -0.02, 0}, {0, length + 0.02, 0}, 0.012, detail.segments(5, 3)));
@@ -119,7 +119,7 @@ vec3 inWorld(const HallBuilder& hall, uint32_t group, vec3 p) {
   return vec3(hall.builder.scene.nodes[group].toWorld * vec4(p, 1));
 }
 
-// A lantern whose top hangs from `where`, on a chain up to a ceiling.
+// Adds a lantern whose top hangs from the frame `where`, on a chain up to a ceiling.
 void addLantern(HallBuilder& hall, const Meshes& meshes, const std::string& name, uint32_t chainMesh, mat4 where,
                 LampSite site) {
   const uint32_t group = hall.group(name, SceneBuilder::kRoot, where);
@@ -153,7 +153,7 @@ void addCandleStand(HallBuilder& hall, const Meshes& meshes, const std::string& 
   hall.lamp(site);
 }
 
-// One in front of each column, which it lights from below, and four in the apse.
+// One stand in front of each column, which it lights from below, and four in the apse.
 void addCandleStands(HallBuilder& hall, const Meshes& meshes) {
   int number = 0;
   for (int boundary = kBays; boundary >= 0; --boundary)

@@ -1,8 +1,8 @@
-// The hall's lights, from one to a million, always with the same exposure.
+// Generates the hall's lights, from one to a million, always with the same exposure.
 //
-// The first hundred are in the hall's lamps. Further ones are small, scattered evenly over its surfaces at a small
-// distance; the more there are, the shorter their range, so that about as many reach any point whatever their number.
-// By default few lights cast shadows, so ranges also limit light leaking through walls.
+// The first hundred are in the hall's lamps. Further ones are small and scattered evenly over its surfaces at a small
+// distance. Their range shrinks as their number grows, so that about the same number reaches any point. By default few
+// lights cast shadows, so ranges also limit light leaking through walls.
 #include <algorithm>
 #include <array>
 
@@ -14,9 +14,9 @@
 namespace latelight::scene::builtin::hall {
 namespace {
 
-// An approximate flat or round piece of the hall's surface, for scattering lights and measuring exposure.
+// A point on an approximate flat or round region of the hall's surface, for scattering lights and metering exposure.
 struct Spot {
-  dvec3 position, normal;  // glTF's frame
+  dvec3 position, normal;  // in glTF's frame
 };
 
 struct Region {
@@ -28,7 +28,7 @@ double mixed(double a, double b, double t) {
   return a + (b - a) * t;
 }
 
-// u > 1/2 is the left side.
+// Returns the side of the hall, 1 or -1, and remaps u to [0, 1] within it; u >= 1/2 selects the left side.
 double sideOf(double& u) {
   const double side = u < 0.5 ? 1 : -1;
   u = u < 0.5 ? 2 * u : 2 * u - 1;
@@ -119,10 +119,10 @@ Light pointLight(const char* name, vec3 position, vec3 color, double intensity, 
   return light;
 }
 
-// Lamps in an order such that the first n are spread out over the hall, for any n: each is the farthest from the
-// earlier ones.
+// Orders lamps such that the first n are spread out over the hall for any n: each lamp is the farthest from the earlier
+// ones (farthest-point sampling).
 std::vector<size_t> spreadOrder(const std::vector<LampSite>& lamps) {
-  const vec3 start = inWorld({0, kVaultSpring - 3, 9});  // the nearest lamp in the main camera's view
+  const vec3 start = inWorld({0, kVaultSpring - 3, 9});  // near the first lamp, in the main camera's view
   std::vector<float> nearest(lamps.size());
   for (size_t i = 0; i < lamps.size(); ++i) nearest[i] = 1e6f - glm::length(lamps[i].position - start);
   std::vector<size_t> order;
@@ -136,7 +136,7 @@ std::vector<size_t> spreadOrder(const std::vector<LampSite>& lamps) {
   return order;
 }
 
-// Radius that encloses the glass of any lamp: metres.
+// Radius in meters that encloses the glass of any lamp.
 constexpr float kGlassRadius = 0.24f;
 
 void addLampLights(HallBuilder& hall, uint32_t count) {
@@ -163,16 +163,16 @@ vec3 smallColor(Random& random) {
   return kColors[i];
 }
 
-// Each point of a surface is reached by about this many small lights.
+// The approximate number of small lights within range of each surface point.
 constexpr double kOverlap = 14;
 
-// `illuminance` is their average contribution to the hall's surfaces, before exposure.
+// `illuminance` is the average contribution of the small lights to the hall's surfaces, before exposure.
 void addSmallLights(HallBuilder& hall, uint32_t count, double illuminance) {
   Scene& scene = hall.builder.scene;
   const double density = count / regionsArea();
   const double range = std::min(2.5, std::sqrt(kOverlap / (kPi * density)));
   const double off = 0.35 * range;
-  // A light of 1 cd at this distance sends about half of 2 pi lm to its surface within its range.
+  // A light of 1 cd at this distance sends about half of its 2 pi lm towards the surface to points within its range.
   const double intensity = std::min(illuminance / (density * kPi), illuminance * 2 * off * off);
   scene.lights.resize(scene.lights.size() + count);
   Light* lights = scene.lights.data() + scene.lights.size() - count;
@@ -187,8 +187,8 @@ void addSmallLights(HallBuilder& hall, uint32_t count, double illuminance) {
   });
 }
 
-// The point where a ray of the main camera's view hits the hall, approximated by floor, walls and vault without
-// columns.
+// Returns the point where a ray of the main camera's view hits the hall, which is approximated by floor, walls and
+// vault without columns.
 Spot firstWall(dvec3 eye, dvec3 d) {
   double nearest = 1e9;
   Spot spot{};
@@ -213,7 +213,7 @@ Spot firstWall(dvec3 eye, dvec3 d) {
 
 std::vector<Spot> meteredSpots(const Camera& camera) {
   const glm::dmat4 toGltf = glm::dmat4(toGltfFromWorld()) * glm::dmat4(camera.toWorld);
-  const double v = 0.534, h = v * 16 / 9;  // tangents of half angles, about the main camera's
+  const double v = 0.534, h = v * 16 / 9;  // tangents of half the field of view, approximately the main camera's
   std::vector<Spot> spots;
   for (int j = 0; j < 12; ++j) {
     for (int i = 0; i < 20; ++i) {
@@ -224,7 +224,7 @@ std::vector<Spot> meteredSpots(const Camera& camera) {
   return spots;
 }
 
-// The data of the range test, packed: most lights reach none of the metered spots.
+// The data of the range test, packed, because most lights reach none of the metered spots.
 struct Reach {
   vec3 position;
   float range2;
@@ -237,7 +237,7 @@ std::vector<Reach> reachesOf(const std::vector<Light>& lights) {
   return reaches;
 }
 
-// Illuminance in lux, by luminance.
+// Illuminance in lux, weighted by luminance.
 double illuminanceAt(const std::vector<Light>& lights, const std::vector<Reach>& reaches, const Spot& spot) {
   const vec3 position = inWorld(spot.position), normal = inWorld(spot.normal);
   double sum = 0;
@@ -263,8 +263,8 @@ std::vector<double> illuminances(const Scene& scene) {
   return result;
 }
 
-// Scales all lights such that the main camera's view has about this average brightness. Bright spots count only as
-// white.
+// Scales all lights such that the main camera's view has about this average brightness. Radiance above kWhite is
+// clamped.
 constexpr double kMeanRadiance = 0.28, kAlbedo = 0.5, kWhite = 0.8;
 
 void expose(Scene& scene) {

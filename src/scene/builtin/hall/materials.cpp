@@ -1,3 +1,4 @@
+// The textures and materials of the hall.
 #include "scene/builtin/hall/hall.h"
 #include "scene/builtin/hall/patterns.h"
 
@@ -47,7 +48,7 @@ Material blended(const std::string& name, vec3 color, float alpha) {
   return material;
 }
 
-// The textures of the hall; tints of materials are linear.
+// The textures of the hall. Material tints are linear.
 struct Maps {
   SurfaceMaps nave, aisle, ashlar, plaster, mosaic, tile;
   int pale, dark, glass;

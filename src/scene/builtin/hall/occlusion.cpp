@@ -1,3 +1,5 @@
+// Baked ambient occlusion of the hall from an approximate signed distance field of its walls, columns, floors and
+// vaults.
 #include "scene/builtin/hall/occlusion.h"
 
 #include <algorithm>
@@ -19,12 +21,12 @@ float circle(float a, float b, float radius) {
   return std::sqrt(a * a + b * b) - radius;
 }
 
-// z from the nearest multiple of the pitch.
+// Returns the offset of z from the nearest multiple of the pitch.
 float folded(float z, float pitch) {
   return z - pitch * std::floor(z / pitch + 0.5f);
 }
 
-// A main column with its plinth, capital and impost block; x and z from its axis.
+// A main column with its plinth, capital and impost block; x and z are relative to its axis.
 float column(float x, float y, float z) {
   const float radius = float(kColumnRadius) - 0.02f * std::min(y, 3.9f);
   const float shaft = std::max(circle(x, z, radius), y - float(kColumnTop));
@@ -34,7 +36,7 @@ float column(float x, float y, float z) {
   return std::min({shaft, base, plinth, capital});
 }
 
-// The wall above the arcade's arches, up to the gallery; x from the wall's middle, z from a bay's.
+// The wall above the arcade's arches, up to the gallery; x is relative to the wall's center plane, z to a bay's center.
 float arcadeWall(float x, float y, float z) {
   const float wall = std::max(std::abs(x) - float(kWallHalf), float(kArchSpring) - y);
   const float hole = circle(y - float(kArchSpring), z, float(kArchRadius));
@@ -82,7 +84,7 @@ float openDistance(vec3 p) {
 }
 
 Shade shadeInHall(vec3 offset) {
-  // Points along the normal that are nearer to another surface than to their start indicate a corner (Evans 2006, Fast
+  // Samples along the normal that are closer to another surface than to their start indicate a corner (Evans 2006, Fast
   // Approximations for Global Illumination on Dynamic Scenes).
   return [offset](vec3 position, vec3 normal) {
     const vec3 p = position + offset;

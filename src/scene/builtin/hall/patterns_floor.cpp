@@ -1,4 +1,4 @@
-// The floors: opus sectile, cut stones of four marbles in a geometric pattern (in Cosmatesque style).
+// The floors: opus sectile, that is cut stones of four marbles in a geometric pattern (Cosmatesque style).
 #include <algorithm>
 #include <cmath>
 
@@ -15,7 +15,7 @@ enum Stone : uint32_t { White, Cream, Red, Green, Black };
 constexpr vec3 kStoneColors[] = {
     {0.86f, 0.83f, 0.78f}, {0.79f, 0.71f, 0.59f}, {0.47f, 0.27f, 0.22f}, {0.25f, 0.34f, 0.30f}, {0.16f, 0.16f, 0.17f}};
 
-// A cut stone: its kind, its number, and the distance to its nearest edge, in metres.
+// A cut stone: its kind, its number, and the distance to its nearest edge, in meters.
 struct Piece {
   Stone stone = White;
   uint32_t id = 0;
@@ -34,7 +34,7 @@ uint32_t cellOf(float x) {
   return static_cast<uint32_t>(static_cast<int32_t>(std::floor(x)));
 }
 
-// Squares of `side`, checkered, in coordinates p.
+// A checkerboard with squares of `side`, at the coordinates p.
 Piece checker(vec2 p, float side, Stone a, Stone b, uint32_t seed) {
   const vec2 q = p / side;
   const uint32_t i = cellOf(q.x), j = cellOf(q.y);
@@ -53,7 +53,7 @@ Piece lozenges(vec2 p, float side) {
   return nearer(piece, inner);
 }
 
-// A ring cut into `count` pieces along it, alternating.
+// A ring cut into `count` alternating pieces along its circumference.
 Piece ringPieces(float turns, float radius, int count, Stone a, Stone b, uint32_t seed) {
   const float q = turns * float(count);
   const uint32_t i = cellOf(q) % uint32_t(count);
@@ -64,7 +64,7 @@ Piece ringPieces(float turns, float radius, int count, Stone a, Stone b, uint32_
 // Triangles that alternately point in and out.
 Piece teeth(float turns, float radius, float r0, float r1, int count, Stone a, Stone b, uint32_t seed) {
   const float q = turns * float(count);
-  const float saw = 2 * std::abs(q - std::floor(q) - 0.5f);  // 1 at the piece's edge, 0 in its middle
+  const float saw = 2 * std::abs(q - std::floor(q) - 0.5f);  // 1 at the piece's edge, 0 at its center
   const float t = (radius - r0) / (r1 - r0);
   const bool outer = t > 1 - saw;
   const float edge = std::min(std::abs(t - (1 - saw)) * (r1 - r0) * 0.6f, std::min(radius - r0, r1 - radius));
@@ -91,7 +91,7 @@ Piece medallion(vec2 p, float scale, Stone middle, uint32_t seed) {
   return piece;
 }
 
-// The middle of the nave: great medallions linked by small ones, on a ground of small checkers.
+// The center of the nave: large medallions linked by small ones, on a ground of small checkers.
 Piece carpet(vec2 p) {
   const vec2 q(p.x, fold(p.y, float(kBay)));
   const float great = glm::length(q);
@@ -125,7 +125,7 @@ Piece navePiece(vec2 p) {
   return slabs(p, 3.375f, float(kFloorX), 1.5f, Green, 35);
 }
 
-// Octagons with small dark squares where four meet.
+// Octagons with small dark squares at the corners.
 Piece aislePiece(vec2 p) {
   const float side = float(kBay) / 8;
   Piece piece = checker(p, side, White, Cream, 41);
@@ -136,7 +136,7 @@ Piece aislePiece(vec2 p) {
   return nearer(piece, inner * 0.7f);
 }
 
-// Each stone is cut from a different part of its quarry and laid not quite level.
+// Each stone samples a different region of the marble and is tilted slightly.
 MapTexel polished(Piece piece, vec2 metres, uint32_t seed) {
   const uint32_t id = hashOf(piece.id, seed);
   const auto part = [id](uint32_t k) { return float(unitOf(hashOf(id, k))); };

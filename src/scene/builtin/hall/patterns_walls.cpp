@@ -1,4 +1,4 @@
-// Walls, mouldings and columns: hewn blocks, plaster, marbles, gold mosaic, glazed tiles, leaded glass.
+// Walls, moldings and columns: hewn blocks, plaster, marbles, gold mosaic, glazed tiles, leaded glass.
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +9,7 @@
 namespace latelight::scene::builtin::hall {
 namespace {
 
-// A cell of a tiling grid, and the position in it.
+// A cell of a tiling grid, and a position in it.
 struct Cell {
   uint32_t x, y;
   vec2 inside;  // [0, 1)^2
@@ -22,7 +22,7 @@ Cell cellAt(vec2 place, uint32_t columns, uint32_t rows, float shiftOddRows) {
   return {static_cast<uint32_t>(column) % columns, j, {x - column, y - row}};
 }
 
-// Distance to the nearest edge, in units of the given size.
+// Distance to the nearest edge, in the unit of `size`.
 float edgeOf(vec2 inside, vec2 size) {
   return std::min(std::min(inside.x, 1 - inside.x) * size.x, std::min(inside.y, 1 - inside.y) * size.y);
 }
@@ -36,7 +36,7 @@ float part(uint32_t id, uint32_t k) {
   return float(unitOf(hashOf(id, k)));
 }
 
-// Veins: where a warped noise crosses zero.
+// Veins at the zero crossings of domain-warped noise.
 float veins(vec2 place, uint32_t seed, float sharpness) {
   const vec2 warp(fractal2(place, 4, 4, seed), fractal2(place, 4, 4, seed + 31));
   const float a = std::abs(fractal2(place + 0.13f * warp, 3, 5, seed + 57));
@@ -54,7 +54,7 @@ MapTexel ashlar(vec2 place, uint32_t seed) {
   const float edge = edgeOf(cell.inside, size);
   const float grain = fractal2(place, 48, 3, seed + id % 7), cloud = fractal2(place, 5, 4, seed + 13);
   const float pits =
-      smoothly(0.3f, 0.5f, fractal2(place * vec2(1, 2), 40, 3, seed + 29));  // travertine's, along its beds
+      smoothly(0.3f, 0.5f, fractal2(place * vec2(1, 2), 40, 3, seed + 29));  // travertine pores, along its beds
   const float joint = 1 - smoothly(0.003f, 0.007f, edge);
   MapTexel texel;
   texel.color = glm::mix(vec3(0.80f, 0.75f, 0.66f), vec3(0.70f, 0.63f, 0.53f), part(id, 1) * 0.8f);
@@ -125,7 +125,7 @@ MapTexel glazedTile(vec2 place, uint32_t seed) {
   MapTexel texel;
   texel.color = glm::mix(color * (1 + 0.25f * wash), vec3(0.6f, 0.56f, 0.48f), joint);
   texel.roughness = 0.2f + 0.1f * part(id, 2) + 0.6f * joint;
-  // Glaze pools: a tile is a low pillow, and none is quite level.
+  // Glaze pools, so a tile is a low pillow; each tile is also tilted slightly.
   texel.tilt = p * (0.12f + 2.2f * smoothly(0.42f, 0.5f, std::max(a.x, a.y)) * 0.1f) +
                vec2(part(id, 3) - 0.5f, part(id, 4) - 0.5f) * 0.05f;
   texel.height = 0.4f * wash - 1.2f * joint;

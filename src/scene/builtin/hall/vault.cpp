@@ -8,22 +8,24 @@
 namespace latelight::scene::builtin::hall {
 namespace {
 
-constexpr int kAround = 9, kAlong = 3;  // coffers across half a circle, and along a bay
+constexpr int kAround = 9, kAlong = 3;  // coffers across a half circle, and along a bay
 constexpr double kTurn = 0.5 / kAround;
 constexpr double kRibHalf = 0.3, kBarHalf = 0.11;
 constexpr double kPitch = (kBay - 2 * kRibHalf) / kAlong;
-constexpr double kHalfAround = kVaultRadius * kTurn * kPi - kBarHalf + 0.02;  // a coffer's opening, inside of its bars
+constexpr double kHalfAround = kVaultRadius * kTurn * kPi - kBarHalf + 0.02;  // half of a coffer's opening inside its
+                                                                              // bars
 constexpr double kHalfAlong = kPitch / 2 - kBarHalf + 0.02;
-constexpr double kDepth = 0.21;  // of its ground behind the vault's surface
+constexpr double kDepth = 0.21;  // of the coffer's ground behind the vault's surface
 
-// From coordinates on the vault's surface to space, the vault's axis being Z through the origin: `p` metres around from
-// the crown, `q` along, `d` behind.
+// Maps coordinates on the vault's surface to space, with the vault's axis along Z through the origin: `p` meters around
+// from the crown, `q` along the axis, `d` outwards behind the surface.
 dvec3 bent(double p, double q, double d) {
   const dvec2 cs = onCircle(p / (kTau * kVaultRadius));
   return {(kVaultRadius + d) * cs.y, (kVaultRadius + d) * cs.x, q};
 }
 
-// A moulding around the inside of a coffer; the profile's x is inwards from the opening's edge, its y behind.
+// A molding around the inside of a coffer; the profile's x is measured inwards from the opening's edge, its y outwards
+// behind the surface.
 std::vector<Patch> frame(const Profile& profile, const Detail& detail) {
   const dvec2 corners[] = {
       {kHalfAround, -kHalfAlong}, {kHalfAround, kHalfAlong}, {-kHalfAround, kHalfAlong}, {-kHalfAround, -kHalfAlong}};
@@ -60,7 +62,7 @@ std::vector<Patch> frame(const Profile& profile, const Detail& detail) {
   return patches;
 }
 
-// The occlusion by a coffer's depth, from the distance behind the surface.
+// The occlusion from a coffer's depth, computed from the distance behind the surface.
 Shade coffersShade() {
   return [](vec3 p, vec3) {
     const float d = std::sqrt(p.x * p.x + p.y * p.y) - float(kVaultRadius);
@@ -135,7 +137,7 @@ MeshPlan rosette(const Detail& detail) {
   return plan;
 }
 
-// The grid between the coffers of a bay, and the rib to the next.
+// The grid between the coffers of a bay, and the rib to the next bay.
 MeshPlan bars(const Detail& detail) {
   MeshPlan plan{"vault bars", {}, {}, {}};
   Profile along(-0.06, -kBarHalf);
@@ -149,7 +151,7 @@ MeshPlan bars(const Detail& detail) {
                                around, detail.segments(2));
     plan.add(sweep(along, path, detail, kPlasterTile));
   }
-  // Vertices where the bars above cross, so that chords don't sink into them.
+  // Vertices at the crossings with the bars above, so that chords don't sink into them.
   const uint32_t segments = 2 * kAround * detail.segments(1.5);
   const double r = kVaultRadius;
   for (int i = 1; i < kAlong; ++i) {
@@ -159,7 +161,7 @@ MeshPlan bars(const Detail& detail) {
     const Plane plane{{0, 0, (i - kAlong * 0.5) * kPitch}, {1, 0, 0}, {0, 1, 0}};
     plan.add(sweep(across, archPath(plane, 0, r, segments), detail, kPlasterTile));
   }
-  // A shell behind the coffers, so that no sky shows through joints between them.
+  // A shell behind the coffers, so that the sky is not visible through the joints between them.
   Profile shell(r + 0.3, z);
   shell.line(r + 0.3, -z);
   plan.add(sweep(shell, archPath({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 0, r, segments / 2), detail, kPlasterTile));
@@ -168,7 +170,7 @@ MeshPlan bars(const Detail& detail) {
 
 MeshPlan rib(const Detail& detail) {
   MeshPlan plan{"vault rib", {}, {}, {}};
-  const double r = kVaultRadius, h = kRibHalf + kBarHalf;  // as far over the coffers' edges as the bars
+  const double r = kVaultRadius, h = kRibHalf + kBarHalf;  // overlaps the coffers' edges as far as the bars do
   Profile p(r + 0.06, h);
   p.line(r - 0.06, h).arc(r - 0.09, h - 0.03, -1, 2).line(r - 0.1, h - 0.06).line(r - 0.14, h - 0.065);
   p.line(r - 0.14, h - 0.1).line(r - 0.11, h - 0.115).line(r - 0.11, -h + 0.115).line(r - 0.14, -h + 0.1);
@@ -179,7 +181,7 @@ MeshPlan rib(const Detail& detail) {
   return plan;
 }
 
-// Rotated about the vault's axis.
+// A rotation about the vault's axis.
 mat4 turnedAround(double turn, double z) {
   const dvec2 cs = onCircle(turn);
   mat4 m(1);
