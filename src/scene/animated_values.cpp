@@ -18,8 +18,7 @@ struct Property {
   void (*set)(Args..., const glm::vec4& value);
 };
 
-// --- materials
-// --------------------------------------------------------------------------------------------------------
+// --- materials -------------------------------------------------------------------------------------------------------
 
 using Data = shared::Material&;
 using Parts = MaterialParts&;
@@ -34,7 +33,7 @@ vec3 positive(const vec4& value) {
   return glm::max(vec3(value), 0.0f);
 }
 
-// Factors of layers that need no other treatment than their range.
+// Setters of coat factors that only need clamping to their range.
 using Layers = shared::MaterialLayers;
 template <float Layers::*Member, float (*inRange)(float)>
 void setLayer(Data data, Parts, const vec4& v) {
@@ -50,7 +49,7 @@ float unbounded(float value) {
 float atLeastOne(float value) {
   return std::max(value, 1.0f);
 }
-// Of attenuation: 0 would stand for a medium that absorbs nothing.
+// Attenuation distances stay above 0, because 0 would stand for a medium that absorbs nothing.
 float aboveZero(float value) {
   return std::max(value, 1e-6f);
 }
@@ -101,7 +100,7 @@ constexpr Property<Data, Parts> kMaterialProperties[] = {
      setLayerColor<&Layers::diffuseTransmissionColor>},
 };
 
-// Behind those in number: of any texture.
+// Properties of texture transforms, which apply to every texture. Their numbers follow those of the properties above.
 constexpr Property<TransformParts&> kTransformProperties[] = {
     {"offset", 2, [](TransformParts& parts, const vec4& v) { parts.offset = vec2(v); }},
     {"rotation", 1, [](TransformParts& parts, const vec4& v) { parts.rotation = v.x; }},
@@ -149,13 +148,13 @@ constexpr Property<Light&> kLightProperties[] = {
      }},
 };
 
-// A pair of planes that shows nothing stays as it was.
+// Invalid planes are ignored; the camera keeps its previous ones.
 void setPlanes(Camera& camera, float nearClip, float farClip) {
   if (nearClip < 0 || (nearClip == 0 && !camera.orthographic) || !(farClip > nearClip)) return;
   camera.nearClip = nearClip;
   camera.farClip = farClip;
 }
-// Each leaves the other half extent as it is.
+// Each setter preserves the other half extent.
 void setHalfWidth(Camera& camera, const vec4& v) {
   if (v.x != 0) camera.aspect = std::abs(v.x) / camera.yHalf;
 }

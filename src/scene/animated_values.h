@@ -1,5 +1,5 @@
-// The properties of materials, lights and cameras that animations change, by their pointers in a glTF file
-// (KHR_animation_pointer).
+// Properties of materials, lights and cameras that animations can change, addressed by their JSON pointers in a glTF
+// file (KHR_animation_pointer).
 #pragma once
 
 #include <cstdint>
@@ -16,31 +16,33 @@ struct Light;
 
 enum class AnimatedElements : uint8_t { Materials, Lights, Cameras };
 
-// KHR_texture_transform.
+// The parameters of a texture transform (KHR_texture_transform).
 struct TransformParts {
   glm::vec2 offset{0};
-  float rotation = 0;  // counter-clockwise as seen in the image, whose v runs down
+  float rotation = 0;  // counter-clockwise as seen in the image, whose v axis points down
   glm::vec2 scale{1};
 };
 void setRows(shared::TextureTransform& transform, const TransformParts& parts);
 
-// The reflectance at normal incidence of an index of refraction; 0 stands for infinity (KHR_materials_ior).
+// Returns the reflectance at normal incidence for an index of refraction; an index of 0 stands for infinity
+// (KHR_materials_ior).
 float f0OfIor(float ior);
 
-// What a material is made of, where shaders read only what follows from it.
+// The source values from which shared::Material is derived; shaders read only the derived values.
 struct MaterialParts {
   glm::vec3 emissive{0};
   float emissiveStrength = 1;
   TransformParts transforms[shared::kTextureCount];
 };
 
-// One of a kind of elements.
+// An animatable property of one kind of element.
 struct AnimatedValue {
   uint32_t property;
-  uint32_t slot;   // of a texture's transform: whose
-  uint32_t width;  // components
+  uint32_t slot;   // for texture transforms: the texture slot
+  uint32_t width;  // number of components
 };
-// What a pointer below an element names, such as "pbrMetallicRoughness/metallicFactor"; nothing where it is not there.
+// Returns the property that a pointer relative to an element names, such as "pbrMetallicRoughness/metallicFactor", or
+// nullopt if it is unknown.
 std::optional<AnimatedValue> findAnimatedValue(AnimatedElements elements, std::string_view pointer);
 
 void setValue(shared::Material& material, MaterialParts& parts, uint32_t property, uint32_t slot,

@@ -19,21 +19,21 @@ using glm::dmat4;
 using glm::dvec3;
 using glm::dvec4;
 
-// --- values at a time -----------------------------------------------------------------------------------------------
+// --- keyframe interpolation ------------------------------------------------------------------------------------------
 
 glm::dquat quaternion(const dvec4& v) {
   const double length = glm::length(v);
   return length > 0 ? glm::dquat(v.w / length, v.x / length, v.y / length, v.z / length) : glm::dquat(1, 0, 0, 0);
 }
 
-// The position of a time among the keys: between `key` and the next, `fraction` of the way.
+// The position of a time among the keyframes: `fraction` of the interval between `key` and the next key.
 struct Place {
   size_t key;
   double fraction;
-  double span;  // seconds from one to the other
+  double span;  // seconds between the two keys
 };
 
-// Before the first key and after the last the ends hold (glTF 2.0, 3.11).
+// Times before the first key or after the last one are clamped to it (glTF 2.0, 3.11).
 Place placeOf(const std::vector<float>& times, double seconds) {
   const size_t after = static_cast<size_t>(std::upper_bound(times.begin(), times.end(), seconds) - times.begin());
   if (after == 0) return {0, 0, 0};
@@ -42,7 +42,7 @@ Place placeOf(const std::vector<float>& times, double seconds) {
   return {after - 1, (seconds - from) / span, span};
 }
 
-// glTF 2.0, appendix C: a Hermite spline with tangents per second.
+// Cubic Hermite spline with tangents per second (glTF 2.0, appendix C).
 double cubic(const float* key, uint32_t width, uint32_t i, const Place& place) {
   const double u = place.fraction, u2 = u * u, u3 = u2 * u, span = place.span;
   const double from = key[width + i], leaving = key[2 * width + i];
@@ -110,7 +110,7 @@ glm::vec4 valueAt(const ValueTrack& track, double seconds) {
   return {value[0], value[1], value[2], value[3]};
 }
 
-// --- what plays -----------------------------------------------------------------------------------------------------
+// --- playback --------------------------------------------------------------------------------------------------------
 
 std::string animationList(const Scene& scene) {
   std::string names;
@@ -149,7 +149,7 @@ const dmat4& worldOf(const Scene& scene, const Pose& pose, uint32_t node) {
   return pose.world[scene.rig.sceneNodes[node]];
 }
 
-// Nodes that an edit added are beyond those of the file.
+// Nodes that edits added follow the file's nodes and are never hidden by a pose.
 bool isHidden(const Scene& scene, const Pose& pose, uint32_t node) {
   return node < scene.rig.sceneNodes.size() && pose.hidden[scene.rig.sceneNodes[node]];
 }
@@ -391,7 +391,7 @@ ReachBox deformedBox(const Reach& reach, std::span<const glm::mat4> joints, std:
     // A linear map stretches a sphere along axis i by the length of its row i.
     glm::vec3 half;
     for (int i = 0; i < 3; ++i) half[i] = glm::length(glm::vec3(m[0][i], m[1][i], m[2][i])) * (sphere.radius + moved);
-    // Slack for the shader's different rounding.
+    // Slack, because the shader rounds differently.
     half = half * 1.0001f + (glm::abs(centre) + half) * 1e-6f;
     box = {glm::min(box.low, centre - half), glm::max(box.high, centre + half)};
   }

@@ -1,5 +1,6 @@
-// The moving parts of a scene, as plain data, and their poses over time: animated nodes, skins and morph targets of
-// glTF 2.0 (3.7.2.2, 3.7.3, 3.11). Evaluated on the CPU; render/deform is the device version of deform().
+// Keyframe animation, skinning and morph targets of glTF 2.0 (3.7.2.2, 3.7.3, 3.11) as plain data: nodes, skins, morph
+// targets and animated properties, and their poses at a given time. This is the CPU implementation; render/deform
+// implements deform() on the device.
 #pragma once
 
 #include <cstdint>
@@ -22,44 +23,44 @@ struct Light;
 enum class Interpolation : uint8_t { Step, Linear, Cubic };
 enum class AnimatedProperty : uint8_t { Translation, Rotation, Scale, Weights, Visible };
 
-// A value over time.
+// A keyframed value over time.
 struct Curve {
   Interpolation interpolation = Interpolation::Linear;
-  uint32_t width = 3;         // components per value: of a quaternion 4 (xyzw), of weights their number
+  uint32_t width = 3;         // components per value: 4 for a quaternion (xyzw), the number of targets for weights
   std::vector<float> times;   // seconds, non-decreasing, at least one
-  std::vector<float> values;  // `width` per time; Cubic: three times that: in-tangent, value, out-tangent
+  std::vector<float> values;  // `width` per key; Cubic: three times as many (in-tangent, value, out-tangent)
 };
 
-// One property of one node.
+// An animated property of one node.
 struct Track : Curve {
   uint32_t node = 0;  // index into Rig::nodes
   AnimatedProperty property = AnimatedProperty::Translation;
-  int element = -1;  // of the weights: one alone; -1: all of them
+  int element = -1;  // index of the animated weight; -1: all weights
 };
 
-// One property of materials, lights or cameras (KHR_animation_pointer).
+// An animated property of materials, lights or cameras (KHR_animation_pointer).
 struct ValueTrack : Curve {
   AnimatedElements elements = AnimatedElements::Materials;
-  std::vector<uint32_t> indices;  // of those in the scene: a light or a camera of the file may be there several times
-  uint32_t property = 0;          // its number in animated_values.cpp
-  uint32_t slot = 0;              // of a texture's transform: whose
+  std::vector<uint32_t> indices;  // elements in the scene; a light or camera of the file may occur several times
+  uint32_t property = 0;          // its index in animated_values.cpp
+  uint32_t slot = 0;              // for texture transforms: the texture slot
 };
 
 struct Animation {
   std::string name;
-  float duration = 0;  // seconds: the last time of any track
+  float duration = 0;  // in seconds: the last key time of all tracks
   std::vector<Track> tracks;
   std::vector<ValueTrack> values;
 };
 
 struct RigNode {
   int parent = -1;
-  bool hasMatrix = false;  // then `matrix` is its transform, and only its parents move it
+  bool hasMatrix = false;  // `matrix` is the transform, and only the node's parents move it
   glm::dmat4 matrix{1};
   glm::dvec3 translation{0}, scale{1};
   glm::dvec4 rotation{0, 0, 0, 1};  // xyzw
-  std::vector<float> weights;       // of its mesh's morph targets, at rest
-  bool visible = true;              // where all its parents are, too
+  std::vector<float> weights;       // of its mesh's morph targets at rest
+  bool visible = true;              // effective only if all its parents are visible
 };
 
 struct Skin {
@@ -70,77 +71,79 @@ struct Skin {
   glm::dvec3 origin{0};
 };
 
-// Everything that poses need. Empty where the file has no animations.
+// All data that poses require. It is empty if the file has no animations.
 struct Rig {
-  std::vector<RigNode> nodes;   // all of the file's, in order: joints need not be in the scene shown
-  std::vector<uint32_t> order;  // of them, parents first
+  std::vector<RigNode> nodes;   // all nodes of the file, in file order: joints need not be in the rendered scene
+  std::vector<uint32_t> order;  // node indices, parents first
   std::vector<Skin> skins;
   std::vector<Animation> animations;
   std::vector<uint32_t> sceneNodes;  // for each of Scene::nodes, its index in `nodes`
-  // EXT_mesh_gpu_instancing: each instance's transform relative to its node. Empty where no node has several.
+  // EXT_mesh_gpu_instancing: each instance's transform relative to its node. Empty if no node has several instances.
   std::vector<glm::dmat4> offsets;
-  std::map<uint32_t, MaterialParts> materials;  // that animations change
+  std::map<uint32_t, MaterialParts> materials;  // source values of the materials that animations change, by index
 
   bool empty() const { return nodes.empty(); }
 };
 
-struct MorphTarget {  // deltas; each empty, or one per vertex
+struct MorphTarget {  // deltas; each array is empty or has one element per vertex
   std::vector<glm::vec3> positions, normals, tangents;
 };
 
-// How the vertices of a mesh move: morphed first, then skinned.
+// How a mesh's vertices are deformed: morph targets first, then skinning.
 struct Deformation {
   int skin = -1;                     // index into Rig::skins; -1: none
-  int weightsNode = -1;              // the node whose weights count, index into Rig::nodes; -1: no morph targets
-  bool flatNormals = false;          // the file has no normals: uses those of the triangles, which share no vertices
-  bool mirroredAtRest = false;       // by its joints: the mesh's indices are those of the file turned over
+  int weightsNode = -1;              // index into Rig::nodes of the node that holds the weights; -1: no morph targets
+  bool flatNormals = false;          // the file has no normals: use those of the triangles, which share no vertices
+  bool mirroredAtRest = false;       // joints mirror the mesh at rest: its indices have the opposite winding to the
+                                     // file's
   std::vector<glm::vec3> positions;  // undeformed
   std::vector<shared::VertexAttributes> attributes;  // texture coordinates don't change
   uint32_t influences = 0;                           // joints per vertex: a multiple of 4, 0 where there is no skin
-  std::vector<uint32_t> joints;                      // of the skin; `influences` per vertex
-  std::vector<float> jointWeights;                   // the same; at least 0, their sum is 1
+  std::vector<uint32_t> joints;                      // indices into the skin's joints; `influences` per vertex
+  std::vector<float> jointWeights;                   // `influences` per vertex; at least 0, with a sum of 1
   std::vector<MorphTarget> targets;
 };
 
-// What a track of values gives at a time.
+// The value of a track at a time.
 struct PosedValue {
-  uint32_t animation, track;  // of Animation::values
-  glm::vec4 value;            // as many components as it has
+  uint32_t animation, track;  // indices into Rig::animations and Animation::values
+  glm::vec4 value;            // the first Curve::width components are used
 };
 
-// The pose of all nodes at a time. An empty one is the pose at rest, as in the file.
+// The pose of all nodes at a time. An empty pose is the rest pose stored in the file.
 struct Pose {
-  std::vector<glm::dmat4> world;            // of Rig::nodes, in the file's own frame
-  std::vector<std::vector<float>> weights;  // of Rig::nodes
-  std::vector<bool> hidden;                 // of Rig::nodes
+  std::vector<glm::dmat4> world;            // transforms of Rig::nodes, in the file's own frame
+  std::vector<std::vector<float>> weights;  // morph target weights of Rig::nodes
+  std::vector<bool> hidden;                 // per node of Rig::nodes
   std::vector<PosedValue> values;
   bool empty() const { return world.empty(); }
 };
 
-// The animations that play, by number; later ones override earlier ones.
+// The animations to play, by index; later ones override earlier ones.
 struct Playback {
   std::vector<uint32_t> animations;
-  bool loop = false;  // time past the end wraps around; else the ends hold
+  bool loop = false;  // times past the end wrap around; otherwise they are clamped
 };
 
-// "", the first one; a name or a number; "all". Throws Error(Usage) that lists the scene's animations. A scene without
-// animations is fine where none is asked for.
+// Selects animations by `wanted`: "" is the first one, otherwise a name, an index or "all". Throws Error(Usage) with a
+// list of the scene's animations if none matches. "" is valid for scenes without animations.
 Playback choosePlayback(const Scene& scene, const std::string& wanted, bool loop);
-float duration(const Scene& scene, const Playback& playback);  // the longest one's
-// Any finite time is valid. Empty where nothing in the scene moves. Throws Error(BadInput) where a transform overflows
-// floats.
+float duration(const Scene& scene, const Playback& playback);  // the duration of the longest one
+// Returns the pose at any finite time, or an empty pose if nothing in the scene is animated. Throws Error(BadInput) if
+// a transform overflows floats.
 Pose poseAt(const Scene& scene, const Playback& playback, double seconds);
 
-// --- a pose's consequences; those of an empty pose are what the scene itself holds -----------------------------------
+// --- posed scene data; for an empty pose, the values of the scene itself ---------------------------------------------
 
 std::vector<glm::dmat4> instanceTransforms(const Scene& scene, const Pose& pose);
 std::vector<Camera> posedCameras(const Scene& scene, const Pose& pose);
-// Those that are hidden as if they were removed.
+// Hidden lights are omitted, as if they had been removed.
 std::vector<Light> posedLights(const Scene& scene, const Pose& pose);
-// Those that the pose changes, by their number.
+// Returns the materials that the pose changes, by index.
 std::map<uint32_t, shared::Material> posedMaterials(const Scene& scene, const Pose& pose);
 bool isShown(const Scene& scene, const Pose& pose, const Instance& instance);
-// From bind space to the file's own frame; the skinned mesh's own node is ignored (3.7.3.3).
+// Transforms from bind space to the file's own frame. The transform of the skinned mesh's own node is ignored
+// (3.7.3.3).
 std::vector<glm::mat4> jointMatrices(const Skin& skin, const Pose& pose);
 
 struct DeformedVertices {
@@ -150,29 +153,29 @@ struct DeformedVertices {
 DeformedVertices deform(const Deformation& deformation, std::span<const glm::mat4> joints,
                         std::span<const float> weights);
 
-// Bounds of the undeformed vertices that one joint moves. A skinned vertex is a weighted mean of the positions that its
-// joints would give it, so the box around the transformed spheres contains the mesh.
+// A bounding sphere of the undeformed vertices that one joint moves. A skinned vertex is a weighted mean of its
+// positions under each joint, so the box around the transformed spheres contains the mesh.
 struct JointSphere {
   uint32_t joint;
   glm::vec3 centre;
   float radius;
-  float weight;  // the sum of the joint's over all vertices
+  float weight;  // sum of the joint's weights over all vertices
 };
-// The extent of a deformation, for culling.
+// The maximum extent of a deformation, for culling.
 struct Reach {
-  std::vector<JointSphere> spheres;  // without a skin: one, of joint 0, which must be the identity
-  std::vector<float> targets;        // for each morph target, the farthest it moves a vertex
+  std::vector<JointSphere> spheres;  // one sphere for joint 0, which must be the identity, if there is no skin
+  std::vector<float> targets;        // per morph target, the maximum distance that it moves a vertex
 };
 Reach reachOf(const Deformation& deformation);
 struct ReachBox {
   glm::vec3 low, high;
 };
 ReachBox deformedBox(const Reach& reach, std::span<const glm::mat4> joints, std::span<const float> weights);
-// True where joints of negative determinant move most of the mesh: its triangles then wind the other way round, as
-// those of a node with such a transform do (glTF 2.0, 3.7.4).
+// Returns true if joints with a negative determinant move most of the mesh. The winding of its triangles is then
+// reversed, as for a node with such a transform (glTF 2.0, 3.7.4).
 bool isMirrored(const Reach& reach, std::span<const glm::mat4> joints);
 
-// Translation, rotation (quaternion xyzw, normalised), scale.
+// Composes translation, rotation (a normalized quaternion, xyzw) and scale.
 glm::dmat4 composeTransform(glm::dvec3 translation, glm::dvec4 rotation, glm::dvec3 scale);
 
 }  // namespace latelight::scene

@@ -1,3 +1,6 @@
+// Builds clusters (meshlets) of a mesh by recursive bisection of its triangles' centroids at the median of the longest
+// axis, until each part fits into one cluster. All parts of a level are split in parallel. Each cluster then gets its
+// list of unique vertices, its bounding sphere and box, and its normal cone for backface cone culling.
 #include "scene/clusters.h"
 
 #include <meshoptimizer.h>
@@ -16,7 +19,7 @@ namespace {
 using shared::kClusterTriangles;
 using shared::kClusterVertices;
 
-struct Placed {  // a triangle
+struct Placed {  // triangle index and centroid
   vec3 middle;
   uint32_t number;
 };
@@ -33,7 +36,8 @@ std::vector<Placed> placed(const Mesh& mesh) {
   return triangles;
 }
 
-// Halves of whole clusters, on both sides of a plane across the longest axis. Where the first ends.
+// Partitions triangles into two halves of whole clusters, by the median along the longest axis of their centroids.
+// Returns the size of the first half.
 size_t halve(std::span<Placed> triangles) {
   vec3 low = triangles.front().middle, high = low;
   for (const Placed& t : triangles) {
@@ -51,7 +55,7 @@ size_t halve(std::span<Placed> triangles) {
   return half;
 }
 
-// The triangles by cluster.
+// Returns the triangles in cluster order.
 std::vector<Placed> byCluster(const Mesh& mesh) {
   std::vector<Placed> triangles = placed(mesh);
   std::vector<std::span<Placed>> parts{triangles};
@@ -71,7 +75,7 @@ std::vector<Placed> byCluster(const Mesh& mesh) {
   return triangles;
 }
 
-// A triangle without an area faces no way: what there is left of it on screen may face any.
+// A triangle without area has no orientation; its rounded screen-space position may face either direction.
 bool anyDegenerate(const Mesh& mesh, std::span<const uint32_t> indices) {
   for (size_t i = 0; i < indices.size(); i += 3) {
     const vec3 a = mesh.positions[indices[i]], b = mesh.positions[indices[i + 1]], c = mesh.positions[indices[i + 2]];
@@ -80,7 +84,7 @@ bool anyDegenerate(const Mesh& mesh, std::span<const uint32_t> indices) {
   return false;
 }
 
-// `indices`: of its triangles.
+// Returns the bounds of a cluster with these triangle indices. A cutoff of 1 disables backface cone culling.
 shared::Cluster boundsOf(const Mesh& mesh, std::span<const uint32_t> indices) {
   vec3 low(mesh.positions[indices[0]]), high = low;
   for (const uint32_t i : indices) {
@@ -103,7 +107,7 @@ shared::Cluster boundsOf(const Mesh& mesh, std::span<const uint32_t> indices) {
   return cluster;
 }
 
-// Of some vertices, each once: a table with open addresses.
+// A set of vertices, as a hash table with open addressing. add() returns the vertex's index in the set.
 class VertexSet {
  public:
   VertexSet() { table_.fill(kNone); }
@@ -126,7 +130,7 @@ class VertexSet {
   uint32_t count_ = 0;
 };
 
-// Fills cluster `index`, and its vertices from kClusterVertices * index on.
+// Fills cluster `index`, and its vertices starting at kClusterVertices * index.
 void build(const Mesh& mesh, std::span<const Placed> order, Clusters& all, size_t index) {
   const size_t first = index * kClusterTriangles, end = std::min(order.size(), first + kClusterTriangles);
   VertexSet set;
@@ -144,7 +148,7 @@ void build(const Mesh& mesh, std::span<const Placed> order, Clusters& all, size_
   all.clusters[index].vertices = static_cast<uint32_t>(set.all().size());
 }
 
-// One cluster's vertices after the other's.
+// Compacts the vertex lists, so that each cluster's vertices directly follow the previous cluster's.
 void closeUp(Clusters& all) {
   uint32_t next = 0;
   for (size_t i = 0; i < all.clusters.size(); ++i) {

@@ -1,4 +1,4 @@
-// Clusters of a mesh.
+// Builds clusters (meshlets) of a mesh, which are culled and rasterized as units.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace latelight::scene {
 
-// As shared/cluster.h describes them.
+// The arrays that shared/cluster.h describes.
 struct Clusters {
   std::vector<shared::Cluster> clusters;
   std::vector<uint32_t> vertices;
@@ -16,9 +16,10 @@ struct Clusters {
   std::vector<uint32_t> clusterOfTriangle;
 };
 
-// Of all of its triangles, which are halved until each cluster has its own, so that those of a cluster lie together
-// whatever order the mesh has them in. (meshoptimizer's buildMeshlets gives spheres that are an eighth to a third
-// larger, does not say which triangle is which, and takes five times as long for the hall.)
+// Clusters all triangles of a mesh. Triangles are bisected recursively until each part is one cluster, so that a
+// cluster's triangles are adjacent regardless of their order in the mesh. (meshoptimizer's buildMeshlets produces
+// bounding spheres that are an eighth to a third larger, does not report the index of each triangle, and is five times
+// slower for the hall.)
 Clusters clustersOf(const Mesh& mesh);
 
 }  // namespace latelight::scene

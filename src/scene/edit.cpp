@@ -27,7 +27,7 @@ T& present(std::vector<T>& elements, uint32_t index, const char* what) {
   return element;
 }
 
-// The slot for the next element: a gap, or the end.
+// Stores an element in a free slot, or at the end if there is none, and returns its index.
 template <typename T>
 uint32_t place(std::vector<T>& elements, std::vector<uint32_t>& gaps, T element) {
   if (gaps.empty()) {
@@ -51,7 +51,7 @@ SceneEdits::KnownIds& idsOf(Scene& scene) {
   SceneEdits::KnownIds& ids = scene.edits.ids.emplace();
   for (const Node& node : scene.nodes) ids.nodes.take(node.id);
   for (const Instance& instance : scene.instances) {
-    ids.nodes.take(instance.id);  // copies have their own
+    ids.nodes.take(instance.id);  // copies have their own ids
     ids.parts.take(instance.part);
   }
   for (const Material& material : scene.materials)
@@ -59,7 +59,7 @@ SceneEdits::KnownIds& idsOf(Scene& scene) {
   return ids;
 }
 
-// The name, or "<name>#<number>", whose id is unused, and that id.
+// Returns the name, or "<name>#<number>", whose id is unused, and that id.
 std::pair<std::string, uint32_t> uniqueName(UniqueIds& ids, uint32_t& twins, const std::string& name) {
   std::string unique = name;
   uint32_t id = hash32(unique);
@@ -81,9 +81,9 @@ void removeNode(Scene& scene, uint32_t index) {
   scene.edits.freeNodes.push_back(index);
 }
 
-// --- uses of an element by others -----------------------------------------------------------------------------------
+// --- references between elements -------------------------------------------------------------------------------------
 
-// Throws where an instance has that mesh or material. `member`: which of the two is meant.
+// Throws if an instance refers to that mesh or material. `member` selects which of the two.
 void requireUnused(const Scene& scene, uint32_t Instance::*member, uint32_t index, const std::string& what) {
   for (const Instance& instance : scene.instances)
     if (!instance.removed && instance.*member == index)
@@ -91,7 +91,7 @@ void requireUnused(const Scene& scene, uint32_t Instance::*member, uint32_t inde
                printable(scene.nodes[instance.node].path));
 }
 
-// Removed instances that showed it can't be restored: another element may take its place.
+// Removed instances that refer to the element can't be restored, because another element may reuse its slot.
 void forgetRemovedInstances(Scene& scene, uint32_t Instance::*member, uint32_t index) {
   for (Instance& instance : scene.instances)
     if (instance.removed && instance.*member == index)
@@ -140,7 +140,7 @@ std::vector<uint32_t> addObject(Scene& scene, std::span<const ObjectPart> parts,
   checkName(name);
   const std::string meshName = scene.meshes[parts[0].mesh].name;
   std::string own = !name.empty() ? name : !meshName.empty() ? meshName : "instance";
-  std::ranges::replace(own, '/', '.');  // of a mesh's name: primitives have one
+  std::ranges::replace(own, '/', '.');  // mesh names of primitives contain slashes
   const uint32_t node = addNode(scene, own, meshName, parts[0].toWorld);
   scene.nodes[node].added = static_cast<uint32_t>(parts.size());
   std::vector<uint32_t> added;
@@ -226,7 +226,7 @@ void setTexture(Scene& scene, uint32_t texture, Texture data) {
   scene.memory.shrink(edited.bytes());
   edited = std::move(data);
   scene.edits.textures.note(texture);
-  for (uint32_t i = 0; i < scene.materials.size(); ++i)  // what binds the pixels for them changes
+  for (uint32_t i = 0; i < scene.materials.size(); ++i)  // the pixels bound for these materials change
     if (samples(scene.materials[i], texture)) scene.edits.materials.note(i);
 }
 

@@ -20,7 +20,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// An infinite bound is exclusive.
+// Throws unless the value is within [low, high]. An infinite bound is exclusive.
 void checkRange(float value, float low, float high, const char* what, const std::string& whose) {
   if (std::isfinite(value) && value >= low && value <= high) return;
   if (high == kInfinity) badUsage("the {} of {} must be a number of at least {}, not {}", what, whose, low, value);
@@ -91,7 +91,7 @@ void checkDeformation(const Scene& scene, const Mesh& mesh, const std::string& w
 
 }  // namespace
 
-// Placements are doubles, but what reaches a device are floats.
+// Transforms are doubles, but devices receive floats, so the values must be finite as floats.
 void checkTransform(const dmat4& toWorld) {
   const mat4 rounded(toWorld);
   checkFinite({&rounded[0][0], 16}, "transform", "an instance");

@@ -9,7 +9,7 @@
 namespace latelight::scene {
 
 void checkTransform(const dmat4& toWorld);
-void checkName(const std::string& name);  // of an instance
+void checkName(const std::string& name);  // name of an instance
 void checkMaterial(const Scene& scene, const Material& material);
 void checkTexture(const Texture& texture);
 void checkLight(const Scene& scene, const Light& light);

@@ -1,5 +1,5 @@
-// Records which elements of a list changed since a revision, so that copies of it on devices can follow: each copy
-// remembers the revision that it has seen. An element that changes again has a single entry, so the log does not grow
+// Records which elements of a list changed since a revision, so that copies of the list on devices can be updated. Each
+// copy stores the revision that it contains. An element that changes again has a single entry, so the log does not grow
 // without bound.
 #pragma once
 
@@ -12,8 +12,8 @@ namespace latelight::scene {
 class EditLog {
  public:
   void note(uint32_t index);
-  uint64_t revision() const { return revision_; }  // grows with every edit; 0: none so far
-  // Elements that changed after that revision, each once, ascending.
+  uint64_t revision() const { return revision_; }  // increases with every edit; 0: no edits
+  // Returns the elements that changed after that revision, without duplicates, in ascending order.
   std::vector<uint32_t> since(uint64_t revision) const;
 
  private:
@@ -24,8 +24,8 @@ class EditLog {
   void forgetOlder();
   uint64_t revision_ = 0;
   std::vector<Edit> edits_;     // by revision
-  std::vector<uint64_t> last_;  // by index: its latest revision, 0 where it never changed
-  size_t known_ = 0;            // elements that ever changed
+  std::vector<uint64_t> last_;  // per element: its latest revision, 0 if it never changed
+  size_t known_ = 0;            // number of elements that ever changed
 };
 
 }  // namespace latelight::scene

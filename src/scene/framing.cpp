@@ -11,11 +11,11 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kAzimuth = 0.6, kElevation = 0.3;  // of the default view
-constexpr double kMargin = 0.04;                    // of the picture's half extents, on each side
-constexpr double kLargest = 1e15;                   // beyond, squares leave the range of float
+constexpr double kAzimuth = 0.6, kElevation = 0.3;  // angles of the default view
+constexpr double kMargin = 0.04;                    // fraction of the view's half extents, on each side
+constexpr double kLargest = 1e15;                   // squares of larger values exceed the range of float
 
-// The visible bounds: never empty, never without extent.
+// Returns the visible bounds, which are never empty and always have an extent.
 struct Box {
   dvec3 min, max;
   dvec3 centre() const { return (min + max) * 0.5; }
@@ -30,7 +30,7 @@ Box visibleBox(const Scene& scene) {
   };
   if (bounds.empty() || !sane(bounds.min) || !sane(bounds.max)) return box;
   box = {bounds.min, bounds.max};
-  // A point, or something so small relative to its position that doubles can't resolve a camera around it.
+  // The bounds are a point, or so small relative to their position that doubles can't resolve a camera around them.
   const dvec3 c = box.centre();
   const double resolvable = 1e-13 * std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
   const double least = std::max(resolvable, 1e-15);
@@ -41,21 +41,22 @@ Box visibleBox(const Scene& scene) {
   return box;
 }
 
-// The axes of a camera in the world.
+// The axes of a camera in world space.
 struct Axes {
   dvec3 right, away, up;
 };
 
-// Built from the angles themselves, so that nothing degenerates at the poles.
+// Computes the axes from the angles themselves, so that they don't degenerate at the poles.
 Axes orbitAxes(double azimuth, double elevation) {
   const double sa = std::sin(azimuth), ca = std::cos(azimuth), se = std::sin(elevation), ce = std::cos(elevation);
   const dvec3 right(ca, sa, 0), away(-sa * ce, ca * ce, -se);
   return {right, away, glm::cross(right, away)};
 }
 
-// Floats reach from 2^-126 to 2^127. Device depth is near / depth: with 2^-64 of the distance to the scene's far side
-// it does not underflow up to 2^62 times as far away, and anything nearer is far below the resolution of coordinates
-// around an eye. A power of two only changes exponents: the mantissa of a depth is the same for each of them.
+// Floats range from 2^-126 to 2^127, and device depth is near / depth. With a near plane at 2^-64 of the distance to
+// the scene's far side, device depth does not underflow up to 2^62 times that distance, and anything nearer is far
+// below the resolution of coordinates around an eye. A power of two changes only exponents: the mantissa of a depth is
+// the same for all of them.
 float nearPlane(const Box& box, dvec3 eye) {
   const double farthest = glm::length(eye - box.centre()) + box.radius();
   return static_cast<float>(std::ldexp(1.0, std::ilogb(farthest) - 64));
@@ -71,9 +72,10 @@ Camera makeCamera(const Box& box, const Axes& axes, dvec3 eye, double verticalFo
   return camera;
 }
 
-// The closest eye from which all corners of the box are inside the frustum, in camera axes with the origin at the box's
-// centre. |x - ex| <= h (y - ey) for all corners holds when x - h y <= ex - h ey and -x - h y <= -ex - h ey: with the
-// greatest left sides P and Q, ey <= -(P + Q) / 2h, and ex lies between P + h ey and -Q - h ey. The same for z.
+// Returns the closest eye from which all corners of the box are inside the frustum, in camera axes with the origin at
+// the box's center. |x - ex| <= h (y - ey) for all corners holds if x - h y <= ex - h ey and -x - h y <= -ex - h ey.
+// With the maxima P and Q of the left sides, ey <= -(P + Q) / 2h, and ex lies between P + h ey and -Q - h ey. The same
+// holds for z.
 dvec3 fittingEye(const Box& box, const Axes& axes, double h, double v) {
   double p = -1e300, q = -1e300, r = -1e300, s = -1e300;
   for (int corner = 0; corner < 8; ++corner) {
@@ -114,7 +116,8 @@ Camera frameScene(const Scene& scene, float aspect) {
     badUsage("A picture of aspect {:g} can't be framed: width and height must be positive", aspect);
   const Box box = visibleBox(scene);
   const Axes axes = orbitAxes(kAzimuth, kElevation);
-  // Pictures far from square are narrowed along their long side before the perspective becomes extreme.
+  // For aspect ratios far from square, the field of view is narrowed along the long side before the perspective becomes
+  // extreme.
   double v = std::tan(0.5 * kDefaultVerticalFov);
   if (aspect < 1.0f) v /= std::max(double{aspect}, 0.5);
   if (aspect > 2.5f) v *= 2.5 / aspect;

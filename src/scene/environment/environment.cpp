@@ -17,13 +17,13 @@
 namespace latelight::scene {
 namespace {
 
-// Incremented whenever the same source gives different bytes, through a new filter or a new studio.
+// Must be incremented whenever the same source produces different bytes, because of a changed filter or studio.
 constexpr uint32_t kFileVersion = 3;
 constexpr uint32_t kMagic = 0x564e454c;  // "LENV"
 constexpr size_t kMostImages = 16;
 constexpr uint32_t kStudioHeight = 256;
 
-// --- the cache: a header, then every map's texels -------------------------------------------------------------------
+// --- the cache: a header, then the texels of every map ---------------------------------------------------------------
 
 struct CacheHeader {
   uint32_t magic = kMagic, version = kFileVersion;
@@ -38,7 +38,7 @@ std::string cacheName(uint64_t key) {
   return fmt::format("environment-{:016x}-{}.bin", key, kFileVersion);
 }
 
-// The images in cache order. Works on const and mutable environments.
+// Returns the images in cache order, for const and mutable environments.
 template <typename E>
 auto imagesOf(E& environment) {
   std::vector<decltype(&environment.radiance)> images{&environment.radiance, &environment.diffuse};
@@ -61,7 +61,7 @@ void store(uint64_t key, const Environment& environment) {
   storeCache(cacheName(key), entry);
 }
 
-// Nothing unless the entry has exactly the layout that this version stores for this key.
+// Returns nullopt unless the entry has exactly the layout that this version stores for this key.
 std::optional<CacheHeader> validHeader(std::span<const std::byte> entry, uint64_t key) {
   CacheHeader header;
   if (entry.size() < sizeof(header)) return std::nullopt;
@@ -98,8 +98,7 @@ std::optional<Environment> restore(uint64_t key) {
   return environment;
 }
 
-// --- sources
-// ----------------------------------------------------------------------------------------------------------
+// --- sources ---------------------------------------------------------------------------------------------------------
 
 template <typename Make>
 Environment cached(uint64_t key, Make make) {

@@ -12,7 +12,7 @@ namespace latelight::scene {
 namespace {
 
 constexpr uint32_t kMostRadianceWidth = 4096;
-// A sun's irradiance has a crease at its horizon, which needs small texels to stay sharp.
+// A sun's irradiance has a crease at its horizon, which requires small texels to stay sharp.
 constexpr uint32_t kDiffuseSize = 128;
 
 FloatImage limitWidth(FloatImage picture, uint32_t width) {
@@ -21,7 +21,7 @@ FloatImage limitWidth(FloatImage picture, uint32_t width) {
   return resizeEquirectangular(picture, width, static_cast<uint32_t>(std::max<uint64_t>(height, 1)));
 }
 
-// Finer than a lobe of level 1 can resolve: a leaf of 1024 columns is an eighth of its half width.
+// Finer than a lobe of level 1 can resolve: a leaf of 1024 columns is an eighth of the lobe's half width.
 EnvironmentTree makeTree(const FloatImage& picture) {
   const uint32_t width = std::clamp(std::bit_floor(picture.width), 256u, 1024u);
   return EnvironmentTree(resizeEquirectangular(picture, width, width / 2));
@@ -34,7 +34,7 @@ Environment filterEnvironment(FloatImage picture) {
   picture = limitWidth(std::move(picture), kMostRadianceWidth);
   const uint32_t mirrorSize = picture.width <= 512 ? 512 : 1024;
 
-  // Halves in size from a fine mirror to 32 texels (16 for a coarse picture) at roughness 1.
+  // Sizes halve per level, from the mirror level down to 32 texels (16 for a coarse image) at roughness 1.
   constexpr size_t kLevels = kSpecularRoughness.size();
   std::vector<FloatImage> specular;
   for (size_t i = 0; i < kLevels; ++i) specular.emplace_back(mirrorSize >> i, mirrorSize >> i);

@@ -1,4 +1,4 @@
-// From a picture to an environment, without files or cache.
+// Converts an image to an environment's prefiltered maps, without files or cache.
 #pragma once
 
 #include "scene/environment/environment.h"
@@ -6,8 +6,8 @@
 
 namespace latelight::scene {
 
-// Filters an equirectangular picture of any size, its values cleaned by clampRadiance(). The same bytes for any number
-// of threads.
+// Filters an equirectangular image of any size whose values clampRadiance() has cleaned. The result is byte-identical
+// for any number of threads.
 Environment filterEnvironment(FloatImage picture);
 
 }  // namespace latelight::scene

@@ -11,14 +11,14 @@ namespace {
 
 using glm::vec3;
 
-// A grid over half a disc; the other half mirrors it. Denser towards the rim: the rim is the distribution's long tail,
-// where light falls below the horizon.
+// A sample grid over half a disc; the other half mirrors it. It is denser towards the rim, because the rim is the
+// distribution's long tail, where light falls below the horizon.
 constexpr uint32_t kRings = 20, kTurns = 16;
 
 struct Grid {
   struct Point {
     float x, y;    // x from 0 to 1, y from -1 to 1
-    float weight;  // the sum is 1
+    float weight;  // normalized to a sum of 1
   };
   std::array<Point, kRings * kTurns> points;
   Grid() {
@@ -33,9 +33,9 @@ struct Grid {
 
 }  // namespace
 
-// Maps the grid to half vectors distributed like the normals visible to the viewer (Heitz 2018, "Sampling the GGX
-// Distribution of Visible Normals", JCGT 7(4)), whose density over l is G1(v) D / (4 n.v): the remaining integrand is
-// smooth and at most 1.
+// Maps the grid to half vectors with the distribution of visible normals (Heitz 2018, "Sampling the GGX Distribution of
+// Visible Normals", JCGT 7(4)), whose density over l is G1(v) D / (4 n.v). The remaining integrand is smooth and at
+// most 1.
 std::vector<GgxSample> ggxSamples(float nv, float roughness) {
   static const Grid grid;
   const float alpha = shared::ggxAlpha(roughness), a2 = alpha * alpha;

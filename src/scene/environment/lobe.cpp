@@ -1,10 +1,13 @@
-// Approximates the lobe of a rough surface by an environment's maps: which ones, and where they are looked up.
+// Approximates the GGX lobe of a rough surface by lookups into an environment's prefiltered maps. The table
+// (ggxLobeTable) stores, per n.v and perceptual roughness, the direction's lean towards the normal, the specular level,
+// and the fraction of the diffuse map.
 //
-// A rough lobe is not round about the reflected ray: it leans towards the normal, is stretched away from it at grazing
-// views, and has long tails. With a few lookups shading can use a mixture of a round lobe (two levels of the specular
-// maps in one direction) and the cosine lobe about the normal (the diffuse map, which is looked up anyway). The mixture
-// chosen is the one whose mean radiance differs least from the true lobe's on average over many environments: least
-// squares over bands of spherical harmonics, weighted by the typical power of environments in them.
+// A rough lobe is not symmetric about the reflected ray: it leans towards the normal, is stretched away from it at
+// grazing views, and has long tails. With a few lookups, shading can use a mixture of a symmetric lobe (two levels of
+// the specular maps in one direction) and the cosine lobe about the normal (the diffuse map, which is sampled anyway).
+// The table stores the mixture whose mean radiance differs least from the true lobe's on average over many
+// environments: least squares over bands of spherical harmonics, weighted by the typical power of environments in each
+// band.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,17 +27,16 @@ namespace {
 
 using glm::vec3;
 
-// Incremented whenever the table's numbers change.
+// Must be incremented whenever the table's values change.
 constexpr uint32_t kLobeVersion = 1;
 
-// Sampled bands from the first to the last; lobes so narrow that only higher bands resolve them match their own levels
-// anyway.
+// The sampled bands. Lobes so narrow that only higher bands resolve them match their own levels anyway.
 constexpr std::array kBands{1, 2, 3, 4, 5, 6, 8, 10, 13, 17, 23, 32, 48};
-using Moments = std::array<double, kBands.size()>;  // means of Legendre polynomials over a lobe, about some axis
+using Moments = std::array<double, kBands.size()>;  // means of Legendre polynomials over a lobe about an axis
 
-// Weights of the bands' squared errors. Natural light has about the power b^-2 in each of the 2b + 1 harmonics of band
-// b; a lamp has equal power in all. The weights are steeper than either, since pictures show light roughly
-// logarithmically: of the exponents 2, 2.5, 3 and 3.5 the last has the least mean error in 8-bit levels over the
+// Weights of the bands' squared errors. Natural light has approximately the power b^-2 in each of the 2b + 1 harmonics
+// of band b; a lamp has equal power in all. The weights are steeper than either, because images show light roughly
+// logarithmically. Among the exponents 2, 2.5, 3 and 3.5 the last has the smallest mean error in 8-bit levels over the
 // environments of docs/accuracy.md.
 Moments bandWeights() {
   Moments weights;
@@ -46,8 +48,8 @@ Moments bandWeights() {
   return weights;
 }
 
-// Weighted sums of the bands' polynomials at many cosines. In floats, with the loop over samples inside the one over
-// bands, so that it vectorises.
+// Returns weighted sums of the bands' Legendre polynomials at many cosines. The arithmetic is in floats with the loop
+// over samples inside the one over bands, so that it vectorizes.
 Moments legendreSums(const std::vector<float>& cosines, const std::vector<float>& weights) {
   Moments sums{};
   std::vector<float> before(cosines.size(), 1.0f), now = cosines;
@@ -68,7 +70,7 @@ Moments legendreSums(const std::vector<float>& cosines, const std::vector<float>
   return sums;
 }
 
-// Moments of a round lobe about its axis.
+// Returns the moments of a rotationally symmetric lobe about its axis.
 Moments momentsOf(Lobe lobe, float alpha) {
   constexpr int kSteps = 4000;
   std::vector<float> cosines(kSteps), weights(kSteps);
@@ -110,7 +112,7 @@ struct Choices {
   }
 };
 
-// The reference lobe: that of a metal of reflectance 0.5, halfway between those that shading mixes.
+// The reference lobe, for a metal of reflectance 0.5, halfway between the two terms that shading mixes.
 class TrueLobe {
  public:
   TrueLobe(float nv, float roughness) : samples_(ggxSamples(nv, roughness)) {
@@ -118,7 +120,7 @@ class TrueLobe {
     for (const GgxSample& s : samples_) whole += weights_.emplace_back(s.weight * (0.5f + 0.5f * s.grazing));
     for (float& weight : weights_) weight = static_cast<float>(weight / whole);
   }
-  // About the direction (sine, 0, cosine).
+  // Returns the moments about the direction (sine, 0, cosine).
   Moments moments(double sine, double cosine) const {
     std::vector<float> cosines;
     cosines.reserve(samples_.size());
@@ -139,7 +141,7 @@ class Search {
     aboutNormal_ = lobe_.moments(0, 1);
   }
 
-  // A coarse grid over lean and level, then finer ones around the best one found.
+  // Searches a coarse grid over lean and level, then finer grids around the best candidate.
   vec3 run() {
     constexpr int kLeans = 8, kLevels = 12;
     for (int pass = 0; pass < 4; ++pass) {
@@ -159,7 +161,7 @@ class Search {
   }
 
  private:
-  // Squared error up to a constant, with the share of the cosine lobe that minimises it.
+  // Computes the squared error, up to a constant, with the fraction of the cosine lobe that minimizes it.
   void consider(double lean, double level, const Moments& seen, const Moments& polynomials) {
     const Moments narrow = choices_.at(level);
     Moments between;

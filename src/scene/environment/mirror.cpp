@@ -1,3 +1,5 @@
+// Resamples an equirectangular image to the octahedral map of the mirror level: rows are blurred by the inverse sine of
+// the polar angle, and each texel averages up to four bilinear samples.
 #include "scene/environment/mirror.h"
 
 #include <algorithm>
@@ -20,7 +22,7 @@ Rgba load(const float* from) {
   return value;
 }
 
-// Prefix sums of a row's pixels, wrapping around.
+// Prefix sums of a row's pixels, which wrap around.
 class RowSums {
  public:
   explicit RowSums(size_t width) : width_(width), sums_(width + 1) {}
@@ -29,7 +31,7 @@ class RowSums {
     row_ = row;
     for (size_t x = 0; x < width_; ++x) sums_[x + 1] = sums_[x] + pixel(x);
   }
-  // Integral of the row over [from, to), in pixels; from >= -width, to <= 2 * width.
+  // Returns the integral of the row over [from, to), in pixels; from >= -width, to <= 2 * width.
   glm::dvec4 between(double from, double to) const { return upTo(to) - upTo(from); }
 
  private:
@@ -46,8 +48,8 @@ class RowSums {
   std::vector<glm::dvec4> sums_;
 };
 
-// The picture's pixels crowd towards the poles, where one texel of the map may cover hundreds. Averages each row over 1
-// / sin(polar angle) pixels, which makes the picture equally sharp in both directions everywhere.
+// The image's pixels are denser towards the poles, where one texel of the map may cover hundreds. This averages each
+// row over 1 / sin(polar angle) pixels, so that the image is equally sharp in both directions everywhere.
 FloatImage evenOut(const FloatImage& image) {
   FloatImage result(image.width, image.height);
   const auto width = static_cast<double>(image.width);
@@ -68,7 +70,7 @@ FloatImage evenOut(const FloatImage& image) {
   return result;
 }
 
-// Bilinear; wraps horizontally, clamps at the poles.
+// Samples bilinearly; wraps horizontally and clamps at the poles.
 Rgba sample(const FloatImage& image, const glm::vec3& direction) {
   const glm::vec2 uv = shared::equirectangular(direction);
   const float x = uv.x * static_cast<float>(image.width) - 0.5f, y = uv.y * static_cast<float>(image.height) - 0.5f;
@@ -88,7 +90,7 @@ Rgba sample(const FloatImage& image, const glm::vec3& direction) {
   return upper * (1.0f - fy) + lower * fy;
 }
 
-// The mean of four samples within a texel.
+// Returns the mean of four samples within a texel.
 Rgba sampleFour(const FloatImage& image, float x, float y, uint32_t size) {
   Rgba sum{};
   for (int i = 0; i < 4; ++i) {
@@ -101,7 +103,7 @@ Rgba sampleFour(const FloatImage& image, float x, float y, uint32_t size) {
 
 void resampleMirror(const FloatImage& image, FloatImage& map) {
   const FloatImage even = evenOut(image);
-  const bool one = image.width <= map.width;  // then no texel covers more than three quarters of a pixel
+  const bool one = image.width <= map.width;  // no texel covers more than three quarters of a pixel
   parallelFor(map.height, 8, [&](size_t begin, size_t end) {
     for (size_t y = begin; y < end; ++y) {
       for (size_t x = 0; x < map.width; ++x) {

@@ -1,4 +1,4 @@
-// The sharp end of the prefiltered maps: an equirectangular picture resampled to an octahedral map.
+// The mirror (roughness 0) level of the prefiltered maps: an equirectangular image resampled to an octahedral map.
 #pragma once
 
 #include "scene/environment/environment.h"
@@ -6,8 +6,8 @@
 
 namespace latelight::scene {
 
-// Fills `map` from `image` (radiance clamped), which is at most twice as wide: a texel then covers at most one and a
-// half pixels, within the footprint of the samples taken.
+// Fills `map` from `image`, whose radiance is clamped and whose width is at most twice the map's. A texel then covers
+// at most one and a half pixels, within the footprint of the samples.
 void resampleMirror(const FloatImage& image, FloatImage& map);
 
 }  // namespace latelight::scene

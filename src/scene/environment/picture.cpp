@@ -10,23 +10,23 @@
 namespace latelight::scene {
 namespace {
 
-// The sources of one new column or row: `count` old ones from `first`, with weights that sum to 1.
+// The source pixels of one new column or row: `count` old ones from `first`, with weights that sum to 1.
 struct Overlap {
   size_t first = 0, count = 0;
-  size_t weights = 0;  // index of the first in Overlaps::weights
+  size_t weights = 0;  // index of the first weight in Overlaps::weights
 };
 struct Overlaps {
   std::vector<Overlap> spans;
   std::vector<float> weights;
 };
 
-// `measure(t)`: the share of the whole before t in [0, 1], increasing.
+// `measure(t)` is the fraction of the total before t in [0, 1], and increases.
 template <typename Measure>
 Overlaps overlaps(size_t from, size_t to, Measure measure) {
   Overlaps result;
   result.spans.resize(to);
   for (size_t i = 0; i < to; ++i) {
-    // In units of 1 / (from * to), so that coincident edges are exactly equal.
+    // Coordinates are in units of 1 / (from * to), so that coincident edges are exactly equal.
     const size_t begin = i * from, end = (i + 1) * from;
     const size_t first = begin / to, last = (end - 1) / to;
     const auto at = [&](size_t edge) { return measure(static_cast<double>(edge) / static_cast<double>(from * to)); };
@@ -64,7 +64,7 @@ void clampRadiance(FloatImage& image) {
     float* pixels = image.pixels.data();
     for (size_t i = begin * row; i < end * row; ++i) {
       const float value = pixels[i];
-      const float low = value > 0.0f ? value : 0.0f;  // false for NaN
+      const float low = value > 0.0f ? value : 0.0f;  // the comparison is false for NaN
       pixels[i] = std::isinf(low) ? kHalfMax : std::min(low, kMaxRadiance);
     }
   });

@@ -1,6 +1,7 @@
-// The built-in studio, which lights scenes without lights of their own. A photographer's product set: a large soft key
-// overhead, two weaker fills at the sides, one a little warm and one a little cool, a strip behind for the rim, in a
-// dark-grey room whose floor reflects some light. Neutral on average; all edges are smooth, so that it filters well.
+// The built-in studio, which lights scenes without lights of their own. It is a photographer's product setup: a large
+// soft key light overhead, two weaker fills at the sides, one slightly warm and one slightly cool, a strip at the back
+// for the rim, in a dark-gray room whose floor reflects some light. The light is neutral on average, and all edges are
+// smooth, so that it filters well.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,13 +15,13 @@ namespace {
 using glm::vec2;
 using glm::vec3;
 
-// A rectangular lamp, as its outline on a plane at distance 1 from the centre of the room. World axes: Z up; the usual
+// A rectangular lamp, as its outline on a plane at distance 1 from the center of the room. World axes: Z up; the usual
 // camera looks along +Y.
 struct SoftBox {
-  vec3 direction;   // of its centre
+  vec3 direction;   // of its center
   vec3 across;      // roughly along its first side
   vec2 halfExtent;  // tangents of half angles: across, and perpendicular to it
-  float edge;       // half the width of its soft edge, in the same unit
+  float edge;       // half the width of its soft edge, in the same unit as halfExtent
   vec3 radiance;
 };
 
@@ -36,7 +37,7 @@ float smooth(float low, float high, float x) {
   return t * t * (3.0f - 2.0f * t);
 }
 
-// 1 inside, 0 outside; brighter in the middle, like cloth in front of a lamp.
+// Returns 1 inside, 0 outside; brighter at the center, like cloth in front of a lamp.
 float coverage(const SoftBox& box, const vec3& d) {
   const vec3 axis = glm::normalize(box.direction);
   const float along = glm::dot(d, axis);
@@ -50,7 +51,8 @@ float coverage(const SoftBox& box, const vec3& d) {
   return inside * (1.0f - 0.25f * std::min(glm::dot(q, q) * 0.5f, 1.0f));
 }
 
-// Walls and ceiling are dark; the floor is lit by the key, most below it; there is no line where they meet.
+// Returns the room's radiance. Walls and ceiling are dark. The key lights the floor, which is brightest directly below.
+// The transition between floor and walls is smooth.
 float room(const vec3& d) {
   const float wall = 0.17f + 0.05f * smooth(-0.2f, 0.9f, d.z);
   const float floor = 0.18f + 0.16f * smooth(0.0f, -1.0f, d.z);

@@ -1,4 +1,4 @@
-// The split-sum table (Karis 2013, "Real Shading in Unreal Engine 4").
+// The split-sum table of GGX reflectance (Karis 2013, "Real Shading in Unreal Engine 4").
 #include <fmt/format.h>
 
 #include "base/parallel.h"
@@ -11,10 +11,10 @@ namespace {
 
 using glm::vec2;
 
-// Incremented whenever the table's numbers change.
+// Must be incremented whenever the table's values change.
 constexpr uint32_t kTableVersion = 1;
 
-// Weights of f0 and f90: the integral of D V F (n.l) over light directions.
+// Returns the weights of f0 and f90: the integral of D V F (n.l) over light directions.
 vec2 integrate(float nv, float roughness) {
   vec2 sum(0.0f);
   for (const GgxSample& s : ggxSamples(nv, roughness)) sum += vec2(1.0f - s.grazing, s.grazing) * s.weight;
@@ -37,7 +37,8 @@ std::vector<vec2> computeBrdfTable(uint32_t size) {
 
 }  // namespace
 
-// 64 x 64 take 10 ms on two cores, which may be more than the picture that needs them.
+// The table is cached, because a 64 x 64 table requires about 10 ms on two cores, which may be longer than rendering
+// the image that requires it.
 std::vector<vec2> ggxReflectanceTable(uint32_t size) {
   return cachedTable<vec2>(fmt::format("ggx-reflectance-{}-{}.bin", size, kTableVersion), size_t{size} * size,
                            [&] { return computeBrdfTable(size); });

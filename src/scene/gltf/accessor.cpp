@@ -9,7 +9,7 @@
 namespace latelight::scene::gltf {
 namespace {
 
-// Bytes of one element; matrix columns start at multiples of 4 bytes (glTF 2.0, 3.6.2.4).
+// Returns the bytes of one element. Matrix columns start at multiples of 4 bytes (glTF 2.0, 3.6.2.4).
 size_t elementBytes(int type, size_t component) {
   auto matrix = [&](size_t n) { return n * ((n * component + 3) / 4 * 4); };
   switch (type) {
@@ -24,8 +24,8 @@ size_t elementBytes(int type, size_t component) {
   }
 }
 
-// `count` elements of `size` bytes, `stride` apart, must lie within the view. None of the products can overflow: counts
-// are below 2^32, strides below 2^12, offsets below 2^41.
+// Throws unless `count` elements of `size` bytes, `stride` apart, lie within the view. None of the products can
+// overflow: counts are below 2^32, strides below 2^12, offsets below 2^41.
 const std::byte* within(const Document& document, int view, size_t offset, size_t count, size_t stride, size_t size,
                         const std::string& name) {
   Bytes bytes = document.views[size_t(view)];
@@ -35,7 +35,7 @@ const std::byte* within(const Document& document, int view, size_t offset, size_
   return bytes.data() + offset;
 }
 
-// A view of its own for elements that are not a plain slice of the file.
+// Allocates separate storage for elements that are not a plain slice of the file.
 std::byte* own(const Document& document, Elements& elements, size_t size) {
   size_t bytes = elements.count * size;
   document.budget.charge(bytes, elements.name);
@@ -155,7 +155,7 @@ Elements resolve(const Document& document, int index) {
   if (accessor.sparse.isSparse)
     applySparse(document, accessor, elements, size);
   else if (accessor.bufferView < 0)
-    own(document, elements, size);  // zeros, by the specification
+    own(document, elements, size);  // zeros, as the specification requires
   return elements;
 }
 

@@ -1,4 +1,4 @@
-// Animations and skins (glTF 2.0, 3.7.3 and 3.11), and the nodes in the form they need.
+// Animations and skins (glTF 2.0, 3.7.3 and 3.11), and the nodes in the form that animation requires.
 #include <algorithm>
 #include <glm/gtc/matrix_access.hpp>
 
@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-// The reason why a channel can't apply to what the file has. It is left out, and the rest of the file is read.
+// The reason why a channel can't be applied to the file. The channel is ignored, and the rest of the file is read.
 struct Inapplicable {
   std::string reason;
 };
@@ -65,11 +65,11 @@ std::vector<float> readTimes(const Document& document, int accessor, const std::
   return times;
 }
 
-// How an accessor holds the values of a track.
+// The layout of a track's values in an accessor.
 struct Layout {
-  size_t components;     // of its elements
-  size_t elements;       // a value
-  bool normalized;       // integers are, whether or not the accessor says so
+  size_t components;     // components per element
+  size_t elements;       // elements per value
+  bool normalized;       // integers are normalized even if the accessor does not state so
   bool boolean = false;  // unsigned bytes
 };
 
@@ -184,9 +184,9 @@ class AnimationReader {
   const Document& document_;
   const Hierarchy& hierarchy_;
   const Scene& scene_;
-  const json* source_ = nullptr;   // the animation
-  const json* sampler_ = nullptr;  // of the channel
-  std::string name_;               // of the channel, in messages
+  const json* source_ = nullptr;   // JSON of the animation
+  const json* sampler_ = nullptr;  // JSON of the channel's sampler
+  std::string name_;               // the channel's name in messages
   Animation out_;
 };
 

@@ -1,4 +1,4 @@
-// The bytes of bufferViews and images: the binary chunk, data URIs (RFC 2397), and external files.
+// The bytes of bufferViews and images, from the binary chunk, data URIs (RFC 2397), and external files.
 #include <array>
 #include <cstring>
 #include <optional>
@@ -19,7 +19,8 @@ std::optional<int> hexDigit(char c) {
   return std::nullopt;
 }
 
-// RFC 3986, 2.1. A '%' without two digits is kept: some exporters forget to encode it.
+// Decodes percent encoding (RFC 3986, 2.1). A '%' without two digits is preserved, because some exporters forget to
+// encode it.
 std::string percentDecode(std::string_view text) {
   std::string out;
   out.reserve(text.size());
@@ -36,7 +37,7 @@ std::string percentDecode(std::string_view text) {
   return out;
 }
 
-// RFC 4648, 4; padding may be missing.
+// Decodes Base64 (RFC 4648, 4); padding may be missing.
 std::vector<std::byte> base64Decode(std::string_view text, const std::string& name) {
   static const auto digits = [] {
     std::array<uint8_t, 256> table;
@@ -95,7 +96,7 @@ bool isFallback(const json& buffer) {
   return buffer.contains(pointer) && buffer.at(pointer).get<bool>();
 }
 
-// The buffers that are read: those of uncompressed views, and those with the bytes of compressed ones.
+// Returns which buffers are read: those of uncompressed views, and those with the bytes of compressed views.
 std::vector<bool> findRead(const json& buffers, const json& views) {
   std::vector<bool> read(buffers.size());
   for (const json& view : views)
@@ -103,8 +104,9 @@ std::vector<bool> findRead(const json& buffers, const json& views) {
   return read;
 }
 
-// A fallback buffer has bytes only for readers without EXT_meshopt_compression: it stays empty here. Files that require
-// the extension may omit its bytes, declared or not: then it is a buffer without bytes that nothing reads.
+// A fallback buffer has bytes only for readers without EXT_meshopt_compression, so it stays empty here. Files that
+// require the extension may omit its bytes, whether or not they declare it as a fallback; it is then a buffer without
+// bytes that no view reads.
 Bytes readBuffer(Document& document, const json& buffer, size_t index, bool isRead, const Enclosure& enclosure,
                  Bytes binary) {
   std::string name = fmt::format("buffers[{}]", index);
@@ -131,7 +133,7 @@ Bytes slice(const std::vector<Bytes>& buffers, const json& view, size_t index) {
   return buffer.subspan(offset, length);
 }
 
-// A picture that can't be found is an error only if a material uses it.
+// A missing image is an error only if a material uses it.
 ImageSource readImage(Document& document, const json& image, size_t index, const Enclosure& enclosure) {
   ImageSource source;
   std::string label = image.value("name", std::string());

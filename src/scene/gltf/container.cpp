@@ -1,4 +1,4 @@
-// From a file's bytes to checked JSON: the GLB container (glTF 2.0, chapter 4) and the version.
+// Converts a file's bytes to validated JSON: reads the GLB container (glTF 2.0, chapter 4) and checks the version.
 #include <cstdlib>
 #include <cstring>
 #include <string_view>
@@ -15,7 +15,7 @@ constexpr uint32_t kMagic = 0x46546C67;  // "glTF"
 constexpr uint32_t kJsonChunk = 0x4E4F534A;
 constexpr uint32_t kBinaryChunk = 0x004E4942;
 constexpr size_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
-constexpr size_t kMaxJsonBytes = 1u << 30;  // tinygltf counts in 32 bits
+constexpr size_t kMaxJsonBytes = 1u << 30;  // tinygltf counts with 32 bits
 constexpr int kMaxDepth = 128;              // tinygltf and JSON printing recurse
 
 uint32_t wordAt(Bytes bytes, size_t at) {  // GLB is little-endian
@@ -24,13 +24,13 @@ uint32_t wordAt(Bytes bytes, size_t at) {  // GLB is little-endian
   return word;
 }
 
-// Whether there is room for a chunk's header and the bytes after it.
+// Returns true if a chunk's header and its bytes fit into the file.
 bool chunkFits(Bytes file, size_t at) {
   return at + kChunkHeaderBytes <= file.size() && wordAt(file, at) <= file.size() - at - kChunkHeaderBytes;
 }
 
-// The start of the chunk after one that ends at `end`. Chunks are padded to 4 bytes, and their lengths count that; some
-// writers pad and don't count, others do neither.
+// Returns the start of the chunk after one that ends at `end`. Chunks are padded to 4 bytes, and their lengths include
+// the padding. Some writers pad without including it, others do neither.
 size_t behindChunk(Bytes file, size_t end, bool isJson) {
   const size_t padded = (end + 3) / 4 * 4;
   if (padded == end || end + kChunkHeaderBytes > file.size() || chunkFits(file, padded)) return padded;
@@ -66,7 +66,7 @@ Container readBinary(Bytes file) {
   return container;
 }
 
-// Nesting is checked on the text, before any parser or printer recurses over it.
+// Checks nesting on the text, before any parser or printer recurses over it.
 void checkDepth(std::string_view text) {
   int depth = 0;
   bool inString = false;
@@ -104,8 +104,8 @@ Container readContainer(Bytes file) {
 }
 
 uint64_t treeBytes(Bytes json) {
-  // Sizes in nlohmann::json on 64 bits: a value is 16, in a vector that grows by doubling; an object is a map of nodes,
-  // each with its key's string. The contents of strings are at most the text.
+  // Sizes in nlohmann::json on 64 bits: a value is 16 bytes, in a vector that grows by doubling; an object is a map of
+  // nodes, each with its key's string. The contents of strings are at most as large as the text.
   constexpr uint64_t kValue = 32, kArray = 48, kObject = 64, kMember = 112;
   uint64_t bytes = json.size();
   bool inString = false;
@@ -137,7 +137,7 @@ nlohmann::json readJson(Bytes bytes) {
     badInput("it is not glTF: {}", reason);
   }
   if (!root.is_object() || !root.contains("asset")) badInput("it is not glTF: its JSON has no \"asset\"");
-  // Unreadable files are reported before details.
+  // Report an unsupported version or extension before detailed errors.
   if (root["asset"].is_object() && root["asset"].contains("version") && root["asset"]["version"].is_string())
     checkVersion(root);
   checkExtensions(root);

@@ -14,8 +14,8 @@ namespace latelight::scene::gltf {
 using nlohmann::json;
 namespace {
 
-// tinygltf refuses indices whose accessor has no bufferView, though Draco's and all-zero ones have none. They are
-// passed under a name of our own.
+// tinygltf rejects indices whose accessor has no bufferView, although Draco-compressed and all-zero indices have none.
+// They are passed under a private name.
 constexpr const char* kIndicesKey = "LATELIGHT_indices";
 
 void hideIndices(json& root) {
@@ -43,7 +43,7 @@ void restoreIndices(tinygltf::Model& model) {
 // The number of elements of each kind in the JSON.
 struct Counts {
   std::map<std::string, size_t> arrays;
-  std::vector<size_t> primitives;  // of each mesh
+  std::vector<size_t> primitives;  // per mesh
 
   explicit Counts(const json& root) {
     for (const auto& [key, value] : root.items())
@@ -57,7 +57,7 @@ struct Counts {
   }
 };
 
-// The memory of tinygltf's model, and of each node: its name and path, stored and indexed.
+// Returns the memory of tinygltf's model, including the name and path of each node, which are stored and indexed.
 size_t modelBytes(const Counts& counts) {
   constexpr size_t kNames = 512;
   return counts.of("nodes") * (sizeof(tinygltf::Node) + sizeof(Node) + kNames) +
@@ -67,7 +67,7 @@ size_t modelBytes(const Counts& counts) {
              (sizeof(tinygltf::Primitive) + sizeof(Mesh));
 }
 
-// tinygltf drops elements it can't read, which would invalidate checked indices.
+// tinygltf drops elements that it can't read, which would invalidate checked indices.
 template <typename T>
 void checkCount(const Counts& counts, const char* key, const std::vector<T>& read) {
   if (counts.of(key) != read.size()) badInput("its {} is invalid", key);
@@ -94,7 +94,7 @@ void readModel(Document& document, json root) {
   document.beside = filesBeside(root);
   if (root.contains("animations")) document.animations = root["animations"];
   for (const char* key : {"buffers", "images", "animations", "extras"}) root.erase(key);
-  // Nothing reads an accessor's bounds, and exporters write null there for values that are not numbers.
+  // The bounds of accessors are never read, and exporters write null there for values that are not numbers.
   if (root.contains("accessors"))
     for (json& accessor : root["accessors"])
       for (const char* key : {"min", "max"}) accessor.erase(key);
@@ -102,7 +102,7 @@ void readModel(Document& document, json root) {
   const Counts counts(root);
   document.budget.charge(modelBytes(counts), "its nodes and primitives");
   std::string text = root.dump(-1, ' ', false, json::error_handler_t::replace);
-  root = nullptr;  // tinygltf builds a tree of its own
+  root = nullptr;  // tinygltf builds its own tree
   if (text.size() > std::numeric_limits<unsigned>::max()) badInput("its JSON is too large");
   tinygltf::TinyGLTF loader;
   std::string error, warning;

@@ -1,5 +1,5 @@
-// A glTF file in memory: checked JSON as tinygltf's typed model, and its bytes. Read-only once opened, so that meshes
-// and textures can be built from it on all threads at once.
+// A glTF file in memory: its validated JSON as tinygltf's typed model, and its bytes. It is read-only once opened, so
+// that meshes and textures can be built from it on all threads at once.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -24,28 +24,28 @@ using Bytes = std::span<const std::byte>;
 
 struct ImageSource {
   std::string name;  // as in messages: "images[2] (rust.png)"
-  Bytes encoded;     // empty where the file could not be read; `problem` says why
+  Bytes encoded;     // empty if the file could not be read; `problem` states why
   std::string problem;
 };
 
-// What loading may allocate or touch, in bytes, so that a small file can't ask for 100 GB or for a day of work: all
-// accessors may name the same bytes, and compressed ones may claim any size. Ordinary files stay far below. What any
-// file asks for also counts against the machine's memory (base/memory.h).
+// Limits the bytes that loading may allocate or read, so that a small file can't request 100 GB or a day of work: all
+// accessors may refer to the same bytes, and compressed data may claim any size. Ordinary files stay far below the
+// limit. Requested bytes also count against the machine's memory (base/memory.h).
 class Budget {
  public:
   void setInput(size_t inputBytes) { left_ = (size_t{1} << 30) + 256 * inputBytes; }
-  // Throws Error(BadInput) naming `what` when the file asks for more than that, Error(DeviceLost) when it exceeds the
+  // Throws Error(BadInput) that names `what` if the file exceeds this budget, and Error(DeviceLost) if it exceeds the
   // memory limit.
   void charge(size_t bytes, std::string_view what) const;
-  void release() { memory_ = {}; }  // when all is loaded
+  void release() { memory_ = {}; }  // call after loading is complete
 
  private:
   mutable std::atomic<size_t> left_ = 0;
   mutable MemoryClaim memory_;
 };
 
-// Attributes with values that are not finite numbers, which exporters write where nothing uses them. They are repaired,
-// and reported in one warning. From any thread.
+// Attributes with values that are not finite numbers, which exporters write for unused attributes. They are repaired
+// and reported in one warning. Thread-safe.
 class Repairs {
  public:
   void add(const std::string& attribute) const;  // "meshes[2].primitives[0].TEXCOORD_0"
@@ -57,57 +57,55 @@ class Repairs {
 };
 
 struct Document {
-  tinygltf::Model model;     // without buffers, images and animations: their bytes never go through tinygltf
-  std::vector<Bytes> views;  // of each bufferView, decompressed
+  tinygltf::Model model;     // without buffers, images and animations: tinygltf never receives their bytes
+  std::vector<Bytes> views;  // per bufferView, decompressed
   std::vector<ImageSource> images;
   nlohmann::json animations = nlohmann::json::array();  // as in the file, validated
-  std::vector<std::filesystem::path> beside;            // files that it names, relative to its folder
-  size_t inputBytes = 0;                                // of all files read
+  std::vector<std::filesystem::path> beside;            // files that it refers to, relative to its folder
+  size_t inputBytes = 0;                                // total of all files read
   Budget budget;
   Repairs repairs;
 
-  // The memory that `views` and `images` point into.
+  // The memory to which `views` and `images` point.
   std::vector<std::vector<std::byte>> files;
   std::vector<std::unique_ptr<std::byte[]>> decoded;
 };
 
-// The JSON chunk and the binary chunk (empty if none) of a .glb, or the text of a .gltf.
+// The JSON chunk and the binary chunk (empty if there is none) of a .glb, or the text of a .gltf.
 struct Container {
   Bytes json;
   Bytes binary;
 };
 Container readContainer(Bytes file);
 
-// Parsed, validated JSON. Throws Error(BadInput) on anything malformed or on a required extension that is not
-// supported.
+// Returns parsed, validated JSON. Throws Error(BadInput) if it is malformed or requires an unsupported extension.
 nlohmann::json readJson(Bytes text);
-// The approximate memory of its tree, bytes; text that is not JSON gets some number.
+// Returns the approximate memory of the JSON's tree in bytes; the result for text that is not JSON is arbitrary.
 uint64_t treeBytes(Bytes json);
 
 // Fills views and images from the file's buffers: the binary chunk, data URIs, and files within `enclosure`.
 void readBuffers(Document& document, const nlohmann::json& root, const Enclosure& enclosure, Bytes binary);
 
-// The files that buffers and images name, relative to the document's folder.
+// Returns the files to which buffers and images refer, relative to the document's folder.
 std::vector<std::filesystem::path> filesBeside(const nlohmann::json& root);
 
 // Decompresses bufferViews with EXT_meshopt_compression into document.views.
 void decodeMeshopt(Document& document, const nlohmann::json& root, const std::vector<Bytes>& buffers);
 
-// Passes the JSON to tinygltf, patched so that it processes nothing that could fail.
+// Passes the JSON to tinygltf, modified so that tinygltf processes nothing that could fail.
 void readModel(Document& document, nlohmann::json root);
 
 void openDocument(Document& document, const std::filesystem::path& path, const Enclosure& enclosure);
 
-// --- extensions
-// -------------------------------------------------------------------------------------------------------
+// --- extensions ------------------------------------------------------------------------------------------------------
 
-// Throws Error(BadInput) naming the first required extension we don't support; warns about used ones that we ignore
-// although they change the picture.
+// Throws Error(BadInput) that names the first unsupported required extension; warns about ignored extensions that
+// affect the rendered image.
 void checkExtensions(const nlohmann::json& root);
 
-// The extension's object, or null.
+// Returns the extension's object, or null.
 const tinygltf::Value* extension(const tinygltf::ExtensionMap& map, const char* name);
-// A number of an extension's object, or the default.
+// Returns a number of an extension's object, or the default.
 double numberOr(const tinygltf::Value& object, const char* key, double otherwise);
 int indexOr(const tinygltf::Value& object, const char* key, int otherwise);
 

@@ -1,4 +1,4 @@
-// glTF 2.0 files as scenes: scene::loadGltf. Chapter and section numbers in this folder are those of the glTF 2.0
+// Loads glTF 2.0 files as scenes (scene::loadGltf). Chapter and section numbers in this folder are those of the glTF 2.0
 // specification (Khronos, 2021).
 #include <algorithm>
 #include <functional>
@@ -24,7 +24,7 @@ namespace gltf {
 namespace {
 
 struct Job {
-  size_t cost;  // the largest start first, or one thread finishes alone
+  size_t cost;  // the most expensive jobs start first, or one thread would finish last
   std::function<void()> run;
 };
 
@@ -34,7 +34,7 @@ void addTextureJobs(const Document& document, const TextureTable& table, Scene& 
   for (size_t i = 0; i < table.requests().size(); ++i) {
     const TextureRequest& request = table.requests()[i];
     total += textureBytes(document, request);
-    // Decoding time goes with encoded bytes, not pixels: 40 ns against 1.
+    // Decoding time is proportional to encoded bytes rather than pixels: about 40 ns per byte, 1 ns per pixel.
     jobs.push_back({encodedBytes(document, request) * 40,
                     [&texture = scene.textures[i], &document, &request] { texture = makeTexture(document, request); }});
   }
@@ -56,7 +56,7 @@ void runJobs(const std::vector<Job>& jobs, const std::string& name) {
   std::vector<size_t> order(jobs.size());
   std::iota(order.begin(), order.end(), size_t(0));
   std::ranges::stable_sort(order, std::greater(), [&](size_t i) { return jobs[i].cost; });
-  std::vector<std::vector<std::string>> warnings(jobs.size());  // printed in the order of the file
+  std::vector<std::vector<std::string>> warnings(jobs.size());  // printed in file order
   Progress progress("Loading " + name, jobs.size());
   parallelFor(jobs.size(), 1, [&](size_t begin, size_t end) {
     for (const size_t i : std::span(order).subspan(begin, end - begin)) {
@@ -69,7 +69,7 @@ void runJobs(const std::vector<Job>& jobs, const std::string& name) {
     for (const std::string& sentence : ofJob) warn(sentence);
 }
 
-// The memory of meshes and instances once they are loaded.
+// Returns the memory of loaded meshes and instances.
 uint64_t geometryBytes(const Scene& scene) {
   uint64_t bytes = scene.instances.size() * sizeof(Instance) + scene.nodes.size() * sizeof(Node);
   for (const Mesh& mesh : scene.meshes) bytes += mesh.bytes();
