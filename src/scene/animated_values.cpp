@@ -1,3 +1,4 @@
+// Tables of the animatable properties of materials, lights and cameras, with a setter for each.
 #include "scene/animated_values.h"
 
 #include <algorithm>

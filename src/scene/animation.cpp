@@ -1,3 +1,5 @@
+// Evaluates keyframe animation on the CPU: interpolates curves, computes poses of the node hierarchy, and deforms
+// vertices by morph targets and skinning.
 #include "scene/animation.h"
 
 #include <algorithm>

@@ -94,8 +94,7 @@ struct Deformation {
   int skin = -1;                     // index into Rig::skins; -1: none
   int weightsNode = -1;              // index into Rig::nodes of the node that holds the weights; -1: no morph targets
   bool flatNormals = false;          // the file has no normals: use those of the triangles, which share no vertices
-  bool mirroredAtRest = false;       // joints mirror the mesh at rest: its indices have the opposite winding to the
-                                     // file's
+  bool mirroredAtRest = false;       // joints mirror the mesh at rest: its winding is opposite to the file's
   std::vector<glm::vec3> positions;  // undeformed
   std::vector<shared::VertexAttributes> attributes;  // texture coordinates don't change
   uint32_t influences = 0;                           // joints per vertex: a multiple of 4, 0 where there is no skin

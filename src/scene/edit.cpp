@@ -1,3 +1,4 @@
+// Edits of a scene that is being rendered; see scene/edit.h.
 #include "scene/edit.h"
 
 #include <fmt/format.h>

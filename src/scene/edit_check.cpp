@@ -1,3 +1,4 @@
+// Checks of edited values; see scene/edit_check.h.
 #include "scene/edit_check.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// The log of edited elements; see scene/edit_log.h.
 #include "scene/edit_log.h"
 
 #include <algorithm>

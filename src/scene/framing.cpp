@@ -1,3 +1,4 @@
+// Automatic cameras: fits a view to a scene's bounds, orbits around it, and looks from one point to another.
 #include "scene/framing.h"
 
 #include <algorithm>

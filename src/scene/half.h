@@ -1,5 +1,5 @@
-// Half floats (IEEE 754 binary16) from floats and back, rounded to the nearest, ties to even: with F16C where the
-// processor has it, with Imath's code elsewhere. Both give the same bits for every float, except for the payloads of
+// Conversion between floats and half floats (IEEE 754 binary16), rounded to nearest, ties to even: with F16C if the
+// processor supports it, otherwise with Imath. Both produce the same bits for every float, except for the payloads of
 // NaNs.
 #pragma once
 
@@ -16,7 +16,7 @@ namespace latelight::scene {
 
 inline constexpr float kHalfMax = 65504.0f;
 
-// Above 65519.99 becomes infinity.
+// Values above 65519.99 become infinity.
 inline uint16_t halfFromFloat(float value) {
   return imath_float_to_half(value);
 }

@@ -1,3 +1,4 @@
+// Unique hash ids, and their grouping by subtrees of nodes.
 #include "scene/ids.h"
 
 #include <fmt/format.h>
@@ -33,7 +34,7 @@ bool UniqueIds::take(uint32_t id) {
   return isNew;
 }
 
-// Moves entries that probed past the released slot into it.
+// Frees the slot, and moves entries that probed past it backwards (backward shift deletion).
 void UniqueIds::release(uint32_t id) {
   if (table_.empty() || id == 0 || find(id) != id) return;
   const size_t mask = table_.size() - 1;
@@ -71,7 +72,7 @@ void identifyMaterials(Scene& scene) {
 
 namespace {
 
-// The nodes that give their id to all their descendants.
+// Returns the nodes that pass their id to all their descendants.
 std::vector<bool> nodesAtDepth(const Scene& scene, uint32_t depth) {
   std::vector<uint32_t> depths(scene.nodes.size());
   std::vector<bool> chosen(scene.nodes.size());
@@ -108,7 +109,7 @@ void groupIds(Scene& scene, const IdGrouping& grouping) {
   if (!grouping.depth && grouping.nodes.empty()) return;
   const std::vector<bool> chosen =
       grouping.depth ? nodesAtDepth(scene, *grouping.depth) : nodesCalled(scene, grouping.nodes);
-  std::vector<uint32_t> groups(scene.nodes.size());  // the id of the group each node is in, or 0
+  std::vector<uint32_t> groups(scene.nodes.size());  // the id of each node's group, or 0
   for (size_t i = 0; i < scene.nodes.size(); ++i) {  // parents first
     Node& node = scene.nodes[i];
     groups[i] = chosen[i] ? node.id : node.parent < 0 ? 0 : groups[size_t(node.parent)];

@@ -1,3 +1,5 @@
+// Projection and distortion models of calibrated lenses, in double precision. Distortion is inverted by bisection and
+// Newton's method, within the range where its polynomial is monotonic.
 #include "scene/lens.h"
 
 #include <algorithm>
@@ -29,7 +31,7 @@ constexpr LensModelInfo kModels[] = {
 
 // --- polynomials ----------------------------------------------------------------------------------------------------
 
-// Coefficients, that of the lowest power first.
+// Polynomials are stored as coefficients, the lowest power first.
 double valueOf(std::span<const double> p, double x) {
   double sum = 0;
   for (size_t i = p.size(); i-- > 0;) sum = sum * x + p[i];
@@ -55,7 +57,7 @@ std::vector<double> product(std::span<const double> a, std::span<const double> b
   return p;
 }
 
-// Where a function that grows from `low` to `high` has a value that it reaches between them.
+// Returns the point where a function that increases from `low` to `high` crosses zero, by bisection.
 template <typename F>
 double solveBetween(const F& excess, double low, double high) {
   for (double middle = 0.5 * (low + high); low < middle && middle < high; middle = 0.5 * (low + high))
@@ -63,11 +65,11 @@ double solveBetween(const F& excess, double low, double high) {
   return high;
 }
 
-// The positive roots, ascending: between those of the derivative a polynomial only grows or only falls.
+// Returns the positive roots in ascending order. Between the roots of its derivative, a polynomial is monotonic.
 std::vector<double> positiveRoots(std::vector<double> p) {
   while (!p.empty() && p.back() == 0) p.pop_back();
   if (p.size() < 2) return {};
-  double bound = 0;  // Cauchy's
+  double bound = 0;  // Cauchy's bound
   for (const double c : p) bound = std::max(bound, std::abs(c / p.back()));
   std::vector<double> turns = positiveRoots(derivativeOf(p)), roots;
   turns.push_back(1 + bound);
@@ -88,7 +90,8 @@ double firstPositiveRoot(std::span<const double> p) {
 
 // --- distortion -----------------------------------------------------------------------------------------------------
 
-// OpenCV's, of r^2 at 1 m: (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6).
+// OpenCV's radial distortion as a function of r^2 at 1 m: (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6
+// r^6).
 struct Radial {
   std::array<double, 4> above, below;
   explicit Radial(const Lens& lens)
@@ -99,8 +102,8 @@ struct Radial {
     const double b = valueOf(below, r2);
     return (slopeOf(above, r2) * b - valueOf(above, r2) * slopeOf(below, r2)) / (b * b);
   }
-  // Of r^2, as far as r times it grows: its derivative is above below + 2 r^2 (above' below - above below') over a
-  // square.
+  // Returns the maximum r^2 up to which r times the distortion increases. The derivative's numerator is above below + 2
+  // r^2 (above' below - above below').
   double turn() const {
     std::vector<double> sum = product(above, below);
     const std::vector<double> rises = product(derivativeOf(above), below), falls = product(above, derivativeOf(below));
@@ -109,8 +112,9 @@ struct Radial {
   }
 };
 
-// Kannala and Brandt's (2006, A Generic Camera Model and Calibration Method for Conventional, Wide-Angle, and Fish-Eye
-// Lenses, PAMI 28(8)), as OpenCV has it: theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8).
+// Fisheye distortion (Kannala and Brandt 2006, A Generic Camera Model and Calibration Method for Conventional,
+// Wide-Angle, and Fish-Eye Lenses, PAMI 28(8)) as in OpenCV: theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4
+// theta^8).
 std::array<double, 5> fisheyeOf(const Lens& lens) {
   const std::array<double, 8>& d = lens.distortion;
   return {1, d[0], d[1], d[2], d[3]};
@@ -127,7 +131,7 @@ double fisheyeTurn(const Lens& lens) {
 
 struct Distorted {
   dvec2 at;
-  dvec2 byX, byY;  // derivatives
+  dvec2 byX, byY;  // partial derivatives with respect to x and y
   double determinant() const { return byX.x * byY.y - byX.y * byY.x; }
 };
 
@@ -143,7 +147,7 @@ Distorted distorted(const Lens& lens, const Radial& radial, dvec2 p) {
   return d;
 }
 
-// Where a lens without tangential distortion sees what is seen at this distance from the axis.
+// Returns the undistorted radius of a point at this distance from the axis, without tangential distortion.
 double undistortedRadius(const Radial& radial, double most, double wanted) {
   const double end = std::isfinite(most) ? std::sqrt(most) : kNoTurn;
   if (std::isfinite(end) && !(end * radial.at(most) > wanted)) return end;
@@ -162,8 +166,8 @@ double undistortedRadius(const Radial& radial, double most, double wanted) {
   return r;
 }
 
-// Newton's method from there on; a step that leads farther away is halved. None where it does not arrive on this side
-// of the turn.
+// Refines the result of undistortedRadius() by Newton's method with step halving, including tangential distortion.
+// Returns nullopt if it does not converge within the monotonic range.
 std::optional<dvec2> undistorted(const Lens& lens, const Radial& radial, double most, dvec2 wanted) {
   const double length = glm::length(wanted);
   if (length == 0 && lens.distortion[2] == 0 && lens.distortion[3] == 0) return wanted;
@@ -180,7 +184,7 @@ std::optional<dvec2> undistorted(const Lens& lens, const Radial& radial, double 
       step *= 0.5;
       next = distorted(lens, radial, p + step);
     }
-    if (!(glm::length(wanted - next.at) < glm::length(miss))) break;  // as near as doubles come
+    if (!(glm::length(wanted - next.at) < glm::length(miss))) break;  // the limit of double precision
     p += step;
     d = next;
   }
@@ -206,8 +210,8 @@ std::optional<double> unbent(const Lens& lens, double most, double wanted) {
 
 // --- cube maps ------------------------------------------------------------------------------------------------------
 
-// To the right, downwards and away in the picture of each face. Turned to from straight ahead by one quarter turn, or
-// for the last two by none and by a half about the vertical.
+// The right, down and forward axes of each face's image, relative to the camera. The side, top and bottom faces are a
+// quarter turn from straight ahead; the last two are straight ahead and a half turn about the vertical.
 constexpr dvec3 kFaces[6][3] = {
     {{0, 0, -1}, {0, 1, 0}, {1, 0, 0}}, {{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}}, {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}},
     {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},  {{-1, 0, 0}, {0, 1, 0}, {0, 0, -1}},
@@ -219,7 +223,7 @@ double longest(dvec3 v) {
 
 }  // namespace
 
-// --- what a user writes ---------------------------------------------------------------------------------------------
+// --- user input ------------------------------------------------------------------------------------------------------
 
 const LensModelInfo& infoOf(LensModel model) {
   return kModels[static_cast<size_t>(model)];
@@ -283,7 +287,7 @@ Lens scaledTo(const Lens& lens, uint32_t width, uint32_t height) {
   return scaled;
 }
 
-// --- between directions and pixels ----------------------------------------------------------------------------------
+// --- projection between directions and pixels ------------------------------------------------------------------------
 
 LensProjection::LensProjection(const Lens& lens) : lens_(lens) {
   if (lens.model == LensModel::OpenCv) most_ = Radial(lens).turn();

@@ -1,3 +1,4 @@
+// The table of light types.
 #include "scene/light_types.h"
 
 #include <algorithm>

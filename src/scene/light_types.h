@@ -1,4 +1,4 @@
-// The types of light by their names, which are glTF's (shared/light.h).
+// The light types by name, as glTF names them (shared/light.h).
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@ struct LightType {
   std::string_view name, description;
 };
 
-std::span<const LightType> lightTypes();  // by kLight*
+std::span<const LightType> lightTypes();  // indexed by kLight*
 std::optional<uint32_t> findLightType(std::string_view name);
 
 }  // namespace latelight::scene

@@ -1,3 +1,4 @@
+// Loads scenes from any source, and computes bounds and the transforms of cameras and lights.
 #include "scene/scene.h"
 
 #include <algorithm>
@@ -25,10 +26,10 @@ bool endsWith(std::string_view text, std::string_view ending) {
   return true;
 }
 
-// A .glb file starts with "glTF"; a .gltf file is a JSON object, perhaps after a byte-order mark.
+// Recognizes .glb files by "glTF", and .gltf files by a JSON object, optionally after a byte-order mark.
 bool looksLikeGltf(const std::filesystem::path& path) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return true;  // a pipe: peeked bytes would be lost
+  if (!std::filesystem::is_regular_file(path, ignored)) return true;  // a pipe, whose peeked bytes would be lost
   std::array<char, 64> head{};
   std::ifstream file(path, std::ios::binary);
   file.read(head.data(), head.size());
@@ -39,7 +40,8 @@ bool looksLikeGltf(const std::filesystem::path& path) {
   return first != std::string_view::npos && text[first] == '{';
 }
 
-// A rigid frame from a transform that may scale: camera space is in the file's metres, whatever its node's scale.
+// Returns a rigid frame from a transform that may scale: camera space is in the file's meters, regardless of its node's
+// scale.
 dmat4 rigid(const dmat4& m, bool& degenerate) {
   using glm::dvec4;
   dvec3 x = m[0], y = m[1], z = m[2];
@@ -153,10 +155,10 @@ void findBounds(Mesh& mesh) {
   mesh.longestEdge = std::sqrt(squared);
 }
 
-// What is subtracted lies within a factor of two of every vertex, so that the differences are exact (Sterbenz 1974,
+// The origin lies within a factor of two of every vertex, so that the differences are exact (Sterbenz 1974,
 // Floating-Point Computation, theorem 4.3.1).
 vec3 vertexOrigin(const Mesh& mesh) {
-  constexpr float kFar = 1024;  // meters in object space: nearer, floats are precise enough
+  constexpr float kFar = 1024;  // meters in object space; floats are precise enough below
   vec3 origin(0);
   if (mesh.deformation) return origin;
   for (int i = 0; i < 3; ++i) {
@@ -192,7 +194,7 @@ dmat4 toGltfFromWorld() {
 
 bool placeCamera(Camera& camera, const glm::dmat4& world) {
   bool degenerate = false;
-  // Camera space changes its axes in the same way as the world.
+  // The axes of camera space change in the same way as the world's.
   camera.toWorld = toWorldFromGltf() * rigid(world, degenerate) * toGltfFromWorld();
   return !degenerate;
 }

@@ -1,3 +1,5 @@
+// Simplifies meshes by vertex clustering, and searches for the fraction that produces the requested number of
+// triangles.
 #include "scene/simplify.h"
 
 #include <meshoptimizer.h>
@@ -13,7 +15,7 @@ namespace {
 
 using Indices = std::vector<uint32_t>;
 
-// At most `share` of the mesh's triangles, and one at least.
+// Simplifies to at most the fraction `share` of the mesh's triangles, and at least one.
 Indices coarser(const Mesh& mesh, const Indices& fine, double share) {
   const size_t wanted = 3 * std::max<size_t>(1, static_cast<size_t>(share * static_cast<double>(fine.size() / 3)));
   if (wanted >= fine.size()) return fine;
@@ -31,7 +33,7 @@ void simplify(Scene& scene, uint64_t triangles) {
   if (scene.triangleCount() <= triangles) return;
   std::vector<Indices> fine;
   for (const Mesh& mesh : scene.meshes) fine.push_back(mesh.indices);
-  // Clustering leaves fewer triangles than requested, by a factor that only trial and error finds.
+  // Vertex clustering produces fewer triangles than requested, by a factor that can only be determined by trial.
   double share = static_cast<double>(triangles) / static_cast<double>(scene.triangleCount());
   constexpr int kTries = 6;
   for (int i = 0; i < kTries; ++i) {

@@ -1,3 +1,5 @@
+// Generates tangent frames: accumulates angle-weighted UV gradients at welded vertices, separately per handedness, and
+// copies vertices that triangles of both handednesses share. scene/tangents.h describes the method.
 #include "scene/tangents.h"
 
 #include <algorithm>
@@ -14,15 +16,15 @@ using glm::vec4;
 
 constexpr uint32_t kNone = ~0u;
 
-// Arc cosine by Abramowitz and Stegun 4.4.45 (error below 7e-5, plenty for a weight): only operations that IEEE 754
-// rounds exactly, so that every machine makes the same tangents.
+// Approximates the arc cosine by Abramowitz and Stegun 4.4.45 (error below 7e-5, sufficient for a weight). It uses only
+// operations that IEEE 754 rounds exactly, so that every machine generates the same tangents.
 float angleOf(float cosine) {
   float x = std::min(std::abs(cosine), 1.0f);
   float a = std::sqrt(1.0f - x) * (1.5707288f + x * (-0.2121144f + x * (0.0742610f - 0.0187293f * x)));
   return cosine < 0 ? 3.14159265f - a : a;
 }
 
-// Zero where the length is zero: callers sum it or test it.
+// Returns zero if the length is zero; callers sum the result or test it.
 vec3 unitOrZero(vec3 v) {
   float length2 = glm::dot(v, v);
   return length2 > 0 && std::isfinite(length2) ? v / std::sqrt(length2) : vec3(0);
@@ -32,14 +34,15 @@ vec3 ontoPlane(vec3 v, vec3 normal) {
   return v - normal * glm::dot(normal, v);
 }
 
-// Any unit vector perpendicular to a unit normal (Duff et al., "Building an Orthonormal Basis, Revisited", 2017).
+// Returns a unit vector perpendicular to a unit normal (Duff et al., "Building an Orthonormal Basis, Revisited", 2017).
 vec3 perpendicular(vec3 n) {
   float sign = std::copysign(1.0f, n.z);
   float a = -1.0f / (sign + n.z);
   return {1.0f + sign * n.x * n.x * a, sign * n.x * n.y * a, -sign * n.x};
 }
 
-// Vertices that are equal in all relevant attributes get the number of the first one: open addressing, linear probing.
+// Welds vertices: those that are equal in all relevant attributes get the index of the first one. A hash table with
+// open addressing and linear probing.
 class Welder {
  public:
   Welder(std::span<const vec3> positions, std::span<const vec3> normals, std::span<const vec2> uv)
@@ -56,7 +59,7 @@ class Welder {
  private:
   size_t hash(uint32_t v) const {
     uint64_t h = 0;
-    // + 0.0f: minus zero equals zero.
+    // Adding 0.0f maps minus zero to zero.
     for (float f : {positions_[v].x, positions_[v].y, positions_[v].z, normals_[v].x, normals_[v].y, normals_[v].z,
                     uv_[v].x, uv_[v].y})
       h = (std::rotl(h, 5) ^ std::bit_cast<uint32_t>(f + 0.0f)) * 0x9E3779B97F4A7C15ull;  // Fibonacci hashing
@@ -74,12 +77,12 @@ class Welder {
 enum Handedness : uint8_t { kRight, kLeft, kDegenerate };
 
 struct Gradient {
-  vec3 tangent;  // the direction in which u grows
+  vec3 tangent;  // the direction of increasing u
   Handedness handedness;
 };
 
-// v down in the picture: the bitangent, towards v up, is -dP/dv. glTF's w = +1 means bitangent = cross(n, t), the frame
-// of a UV map that is not mirrored: positive area with v up, negative with v down.
+// v points down in the image, so the bitangent, towards decreasing v, is -dP/dv. glTF's w = +1 means bitangent =
+// cross(n, t), the frame of a UV map that is not mirrored: its area is positive with v up, negative with v down.
 Gradient gradientOf(const vec3 p[3], const vec2 t[3]) {
   vec3 e1 = p[1] - p[0], e2 = p[2] - p[0];
   vec2 d1 = t[1] - t[0], d2 = t[2] - t[0];
@@ -89,7 +92,7 @@ Gradient gradientOf(const vec3 p[3], const vec2 t[3]) {
   return {tangent, !usable ? kDegenerate : (area < 0 ? kRight : kLeft)};
 }
 
-// The triangles' gradients, gathered at their corners.
+// Accumulates the triangles' UV gradients at their corners.
 class Accumulator {
  public:
   Accumulator(std::span<const vec3> positions, std::span<const vec3> normals, std::span<const vec2> uv)
@@ -102,7 +105,7 @@ class Accumulator {
     for (uint32_t v = 0; v < positions.size(); ++v) group_[v] = welder.insert(v);
   }
 
-  // Gives the triangle's handedness.
+  // Adds a triangle and returns its handedness.
   Handedness add(const uint32_t corner[3]) {
     vec3 p[3] = {positions_[corner[0]], positions_[corner[1]], positions_[corner[2]]};
     vec2 t[3] = {uv_[corner[0]], uv_[corner[1]], uv_[corner[2]]};
@@ -124,7 +127,7 @@ class Accumulator {
     return vec4(tangent, hand == kRight ? 1.0f : -1.0f);
   }
 
-  // For a vertex used only by triangles without UV area: that of its duplicates, if they have one.
+  // Returns the frame of a vertex used only by triangles without UV area: that of its duplicates, if they have one.
   vec4 anyFrame(uint32_t vertex) {
     bool mirrored = sum(vertex, kRight) == vec3(0) && sum(vertex, kLeft) != vec3(0);
     return frame(vertex, mirrored ? kLeft : kRight);
@@ -148,7 +151,7 @@ TangentFrames generateTangents(std::span<const vec3> positions, std::span<const 
   for (size_t triangle = 0; triangle < handedness.size(); ++triangle)
     handedness[triangle] = accumulator.add(&indices[triangle * 3]);
 
-  // A vertex takes the handedness of the first triangle that uses it; triangles of the other get a copy of it.
+  // A vertex has the handedness of the first triangle that uses it; triangles of the other handedness use a copy of it.
   TangentFrames frames;
   frames.tangents.assign(positions.size(), vec4(0));
   std::vector<uint32_t> copyOf(positions.size(), kNone);

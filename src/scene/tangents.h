@@ -1,4 +1,4 @@
-// Tangent frames for meshes that have a normal map but no tangents.
+// Generates tangent frames for meshes that have a normal map but no tangents.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,17 @@ namespace latelight::scene {
 
 struct TangentFrames {
   std::vector<glm::vec4> tangents;  // one per vertex, including appended ones: xyz unit, w the bitangent's sign
-  // Vertices to append to the mesh, as copies of these: where triangles of both handednesses (mirrored UVs) share one.
+  // Vertices to append to the mesh, as copies of these, for vertices shared by triangles of both handednesses (mirrored
+  // UVs).
   std::vector<uint32_t> copies;
 };
 
-// In the manner of MikkTSpace (Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008, chapter 4), which glTF 2.0
-// (3.7.2.1) asks for: each triangle's UV gradient is projected to the vertex normal's plane and weighted by the
-// corner's angle; vertices equal in position, normal and UV share their tangent whether or not they are one vertex;
-// triangles of different handedness don't. Unlike it, triangles around a vertex need not be connected by edges to be
-// averaged. Indices (3 per triangle) are changed to appended vertices where needed. `uv` has v down, as in glTF.
+// Generates tangents similar to MikkTSpace (Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008, chapter 4),
+// which glTF 2.0 (3.7.2.1) requires. Each triangle's UV gradient is projected to the vertex normal's plane and weighted
+// by the corner's angle. Vertices equal in position, normal and UV share their tangent, even if they are separate
+// vertices; triangles of different handedness do not. Unlike in MikkTSpace, triangles around a vertex need not be
+// connected by edges to be averaged. Indices (3 per triangle) are changed to appended vertices if required. `uv` has v
+// down, as in glTF.
 TangentFrames generateTangents(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                                std::span<const glm::vec2> uv, std::span<uint32_t> indices);
 

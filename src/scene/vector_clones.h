@@ -1,4 +1,4 @@
-// LATELIGHT_VECTOR_CLONES before a function compiles it for wide vectors too; the loader picks the version for the
+// LATELIGHT_VECTOR_CLONES before a function also compiles it for wide vectors; the loader selects the version for the
 // processor. The clones compute the same bits: -ffp-contract=off, and no sum is reordered.
 #pragma once
 

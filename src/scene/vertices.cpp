@@ -1,3 +1,4 @@
+// Repairs and completes vertex streams (normals, tangents), and packs them into meshes.
 #include "scene/vertices.h"
 
 #include <algorithm>
@@ -16,7 +17,8 @@ void unshare(std::vector<T>& stream, const std::vector<uint32_t>& indices) {
   stream = std::move(out);
 }
 
-// Its length is twice the triangle's area; doubles, because tiny triangles' products underflow.
+// The length of the result is twice the triangle's area. It is computed in doubles, because products underflow for tiny
+// triangles.
 glm::dvec3 areaNormal(const Vertices& v, const uint32_t* corner) {
   glm::dvec3 a = v.positions[corner[0]], b = v.positions[corner[1]], c = v.positions[corner[2]];
   return glm::cross(b - a, c - a);
@@ -39,7 +41,8 @@ bool isUsable(vec3 normal) {
   return length2 > 1e-30f && std::isfinite(length2);
 }
 
-// Slivers, as at the poles of a sphere, whose side of the surface the rounding of their vertices decides.
+// Returns false for slivers, such as those at the poles of a sphere, whose orientation depends on the rounding of their
+// vertices.
 bool hasMeaningfulNormal(const Vertices& v, const uint32_t* corner, double doubleArea) {
   const glm::dvec3 a = v.positions[corner[0]], b = v.positions[corner[1]], c = v.positions[corner[2]];
   const double longest = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
@@ -48,7 +51,7 @@ bool hasMeaningfulNormal(const Vertices& v, const uint32_t* corner, double doubl
   return doubleArea > 16 * rounding * longest;
 }
 
-// The largest cosine between each vertex's normal and the triangles around it; below -1 where it has none.
+// Returns the maximum cosine between each vertex's normal and the triangles around it; below -1 if there are none.
 std::vector<float> cosinesToTriangles(const Vertices& v, const std::vector<uint32_t>& indices) {
   std::vector<float> cosines(v.normals.size(), -2.0f);
   for (size_t i = 0; i + 2 < indices.size(); i += 3) {
@@ -64,7 +67,8 @@ std::vector<float> cosinesToTriangles(const Vertices& v, const std::vector<uint3
   return cosines;
 }
 
-// A sixth of a turn past the edge: normals that are bent on purpose, as those of leaves are, stay.
+// The threshold is 120 degrees, 30 degrees past perpendicular, so that intentionally bent normals, such as those of
+// leaves, stay unchanged.
 std::vector<bool> turnOver(Vertices& v, const std::vector<uint32_t>& indices) {
   constexpr float kInverted = -0.5f, kNoTriangle = -1.5f;
   const std::vector<float> cosines = cosinesToTriangles(v, indices);
@@ -88,7 +92,7 @@ void makeFlatNormals(Vertices& v, std::vector<uint32_t>& indices) {
   unshare(v.uv[0], indices);
   unshare(v.uv[1], indices);
   unshare(v.origin, indices);
-  v.tangents.clear();  // without normals, tangents are meaningless
+  v.tangents.clear();  // tangents are meaningless without normals
   for (size_t i = 0; i < indices.size(); ++i) indices[i] = uint32_t(i);
   v.normals.resize(indices.size());
   for (size_t i = 0; i + 2 < indices.size(); i += 3) {

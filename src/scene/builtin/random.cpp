@@ -1,3 +1,4 @@
+// Fractal value noise, vectorized over octaves.
 #include "scene/builtin/random.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Adds nodes, instances and cameras to a built-in scene.
 #include "scene/builtin/scene_builder.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// builtin:spheres, a grid of spheres over roughness and metalness; see scene/builtin.h.
 #include <fmt/format.h>
 
 #include "scene/builtin.h"

@@ -1,3 +1,4 @@
+// Generates base color, normal and roughness maps from a function of position, in parallel over rows.
 #include "scene/builtin/surface_maps.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Generalized cylinders as parametric surfaces.
 #include "scene/builtin/tube.h"
 
 namespace latelight::scene::builtin {

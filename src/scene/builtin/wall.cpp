@@ -1,3 +1,4 @@
+// Flat walls with round-headed openings as patches without T-junctions.
 #include "scene/builtin/wall.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Loads environments from files, the built-in studio or programs, and caches their prefiltered maps.
 #include "scene/environment/environment.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Computes an environment's maps: radiance, the mip chain of prefiltered specular maps, and diffuse irradiance.
 #include "scene/environment/filter.h"
 
 #include <algorithm>

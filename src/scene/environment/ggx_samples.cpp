@@ -1,3 +1,4 @@
+// Samples the distribution of visible normals (VNDF) of GGX on a fixed grid.
 #include "scene/environment/ggx_samples.h"
 
 #include <array>

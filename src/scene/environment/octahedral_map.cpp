@@ -1,3 +1,4 @@
+// Directions and seams of octahedral maps.
 #include "scene/environment/octahedral_map.h"
 
 #include <algorithm>
@@ -13,7 +14,7 @@ void copyTexel(FloatImage& map, size_t fromX, size_t fromY, size_t toX, size_t t
   std::memcpy(map.at(toX, toY), map.at(fromX, fromY), 4 * sizeof(float));
 }
 
-// A step across an edge re-enters at the point mirrored about the middle of that edge.
+// A step across an edge re-enters the square at the point mirrored about the edge's center.
 void foldBack(float& across, float& along) {
   if (std::abs(across) <= 1.0f) return;
   across = (across > 0.0f ? 2.0f : -2.0f) - across;
@@ -36,7 +37,7 @@ void setTexel(FloatImage& map, uint32_t x, uint32_t y, const glm::vec4& value) {
 
 void closeSeams(FloatImage& map) {
   const size_t edge = map.width - 2;
-  for (size_t i = 0; i <= edge / 2; ++i) {  // columns first: the corners, all one point, follow from (0, 0)
+  for (size_t i = 0; i <= edge / 2; ++i) {  // columns first: the corners, which are all one point, follow from (0, 0)
     copyTexel(map, 0, i, 0, edge - i);
     copyTexel(map, i, 0, edge - i, 0);
     copyTexel(map, i, edge, edge - i, edge);

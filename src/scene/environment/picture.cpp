@@ -1,3 +1,4 @@
+// Clamps the radiance of equirectangular images and resizes them with an exact box filter.
 #include "scene/environment/picture.h"
 
 #include <algorithm>

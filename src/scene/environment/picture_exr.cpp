@@ -1,3 +1,4 @@
+// Decodes OpenEXR images.
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfChromaticities.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -49,7 +50,7 @@ class MemoryStream : public Imf::IStream {
   uint64_t next_ = 0;
 };
 
-// The names of the picture's four channels in the file; one name may serve several.
+// The names of the image's four channels in the file. One name may be used for several channels.
 using ChannelNames = std::array<std::string, 4>;
 
 std::optional<ChannelNames> channelsOf(const Imf::ChannelList& list, const std::string& layer) {
@@ -100,7 +101,7 @@ void readRows(Imf::InputPart& part, const Window& window, const ChannelNames& ch
   Imf::FrameBuffer buffer;
   for (size_t i = 0; i < channels.size(); ++i) {
     if (grey && (i == 1 || i == 2)) continue;
-    // OpenEXR adds the window's origin; Slice::Make takes it off again. Absent channels (alpha) are filled with 1.
+    // OpenEXR adds the window's origin; Slice::Make subtracts it again. Absent channels (alpha) are filled with 1.
     buffer.insert(channels[i], Imf::Slice::Make(Imf::FLOAT, rows.pixels.data() + i, origin, rows.width, rows.height,
                                                 pixelBytes, rowBytes, 1, 1, 1.0));
   }
@@ -112,7 +113,7 @@ void readRows(Imf::InputPart& part, const Window& window, const ChannelNames& ch
 }
 
 FloatImage readData(Imf::InputPart& part, const Window& window, const ChannelNames& channels) {
-  // One row first: an invalid width fails here, before the image is allocated.
+  // Read one row first, so that an invalid width fails before the image is allocated.
   FloatImage row(static_cast<uint32_t>(window.width), 1);
   readRows(part, window, channels, row);
   FloatImage image(static_cast<uint32_t>(window.width), static_cast<uint32_t>(window.height));
@@ -120,7 +121,7 @@ FloatImage readData(Imf::InputPart& part, const Window& window, const ChannelNam
   return image;
 }
 
-// The data window may be a part of the picture (the rest is black) or exceed it.
+// The data window may be a part of the display window (the rest is black) or exceed it.
 FloatImage placeInDisplay(FloatImage data, const Window& from, const Window& to) {
   if (from == to) return data;
   FloatImage image(static_cast<uint32_t>(to.width), static_cast<uint32_t>(to.height));
@@ -137,7 +138,7 @@ FloatImage placeInDisplay(FloatImage data, const Window& from, const Window& to)
 void checkColours(const Imf::Header& header, const std::string& name) {
   if (!Imf::hasChromaticities(header)) return;
   const Imf::Chromaticities found = Imf::chromaticities(header), rec709;
-  // Files made through ICC profiles state Rec.709's primaries adapted to D50, up to 0.023 off.
+  // Files created through ICC profiles state Rec.709's primaries adapted to D50, up to 0.023 off.
   const auto far = [](Imath::V2f a, Imath::V2f b) { return std::abs(a.x - b.x) + std::abs(a.y - b.y) > 0.04f; };
   if (far(found.red, rec709.red) || far(found.green, rec709.green) || far(found.blue, rec709.blue)) {
     warn("'{}' has primaries other than Rec.709's; its colors are interpreted as Rec.709 and will be wrong", name);

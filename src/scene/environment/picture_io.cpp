@@ -1,3 +1,4 @@
+// Recognizes the format of high dynamic range images, and checks their size.
 #include "scene/environment/picture_io.h"
 
 #include <algorithm>
@@ -32,7 +33,7 @@ void checkPictureSize(int64_t width, int64_t height, const std::string& name) {
     badInput("'{}' claims {} x {} pixels: at most {} million, and {} along a side, can be read; make it smaller", name,
              width, height, kMost / 1000000, kLongestPictureSide);
   }
-  // The image counts its memory itself; this error names the file.
+  // Checks the memory limit here, so that the error names the file. The image claims its memory itself.
   const MemoryClaim fits(sizeof(float) * 4 * static_cast<uint64_t>(width * height), fmt::format("'{}'", name));
 }
 

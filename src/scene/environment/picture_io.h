@@ -1,4 +1,4 @@
-// High dynamic range pictures: Radiance .hdr and OpenEXR .exr files to floats.
+// High dynamic range images: decodes Radiance .hdr and OpenEXR .exr files to floats.
 #pragma once
 
 #include <cstddef>
@@ -27,28 +27,30 @@ struct FloatImage {
   const float* at(size_t x, size_t y) const { return pixels.data() + 4 * (y * width + x); }
 };
 
-// The most pixels a picture may have (16384 x 8192: 2 GiB as floats), and the longest side.
+// The maximum number of pixels of an image (16384 x 8192: 2 GiB as floats), and the maximum side.
 inline constexpr uint64_t kMostPicturePixels = uint64_t{1} << 27;
 inline constexpr uint32_t kLongestPictureSide = 65536;
 
-// The file's values as they are, NaN, infinities and negatives included; alpha is 1 where the file has none. The format
-// is recognized by the contents, not by the name. Throws Error(BadInput) that names the file and what is wrong in it.
+// Reads the file's values unchanged, including NaN, infinities and negative values. Alpha is 1 if the file has none.
+// The format is recognized by the contents, not by the name. Throws Error(BadInput) that names the file and the
+// problem.
 FloatImage readPicture(const std::filesystem::path& path);
 
-// The same for bytes in memory; `name` is for errors.
+// Decodes bytes in memory in the same way; `name` is for errors.
 FloatImage decodePicture(std::span<const std::byte> bytes, const std::string& name);
 
-// Radiance's RGBE (Ward 1991, Graphics Gems II, "Real Pixels"): flat, old run lengths and new ones; rows in any of the
-// four orders of -Y/+Y and +X/-X. EXPOSURE is not divided out: neither three.js nor the Khronos viewer does.
-// (picture_radiance.cpp)
+// Decodes Radiance RGBE (Ward 1991, Graphics Gems II, "Real Pixels"): flat, or with old or new run-length encoding, and
+// rows in any of the four orders of -Y/+Y and +X/-X. EXPOSURE is not divided out, as in three.js and the Khronos
+// viewer. (picture_radiance.cpp)
 FloatImage decodeRadiance(std::span<const std::byte> bytes, const std::string& name);
 
-// From the header, before anything is decoded: throws Error(BadInput) if a picture is larger than that, and
-// Error(DeviceLost) if the limit on memory does not allow its floats.
+// Checks the size in a header before anything is decoded. Throws Error(BadInput) if the image exceeds the maximum size,
+// and Error(DeviceLost) if the memory limit does not allow its floats.
 void checkPictureSize(int64_t width, int64_t height, const std::string& name);
 
-// OpenEXR: scan lines or tiles, the first of several parts; R G B or Y, in half, float or uint, with or without A, and
-// where there are no such channels, the first layer with R G B. The picture is the display window. (picture_exr.cpp)
+// Decodes OpenEXR: scan lines or tiles, the first of several parts; R G B or Y, in half, float or uint, with or without
+// A. If there are no such channels, it uses the first layer with R G B. The image is the display window.
+// (picture_exr.cpp)
 FloatImage decodeExr(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace latelight::scene

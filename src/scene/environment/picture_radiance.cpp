@@ -1,3 +1,4 @@
+// Decodes Radiance RGBE images (.hdr).
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -35,7 +36,7 @@ class Reader {
 
   void startRow(uint32_t row) { row_ = row; }
   size_t left() const { return bytes_.size() - next_; }
-  // Only after need(): the bytes must be there.
+  // Call only after need(), which ensures that the bytes exist.
   const uint8_t* here() const { return reinterpret_cast<const uint8_t*>(bytes_.data()) + next_; }
   void skip(size_t count) { next_ += count; }
   const uint8_t* take(size_t count) {
@@ -69,7 +70,7 @@ std::optional<uint32_t> extent(std::string_view text) {
   return value;
 }
 
-// "-Y 512 +X 1024": 512 rows from the top, each from the left.
+// Parses "-Y 512 +X 1024": 512 rows from the top, each from the left.
 Header parseResolution(std::string_view line, const std::string& name) {
   std::string_view rest = line;
   const std::string_view yAxis = word(rest), height = word(rest), xAxis = word(rest), width = word(rest);
@@ -103,7 +104,7 @@ Header readHeader(Reader& reader, const std::string& name) {
   return parseResolution(reader.line(), name);
 }
 
-// New run lengths (Radiance 1991): each channel of the row by itself; a count above 128 repeats one byte.
+// New run-length encoding (Radiance 1991): each channel of the row separately; a count above 128 repeats one byte.
 void readNewRow(Reader& reader, std::vector<Rgbe>& row) {
   reader.skip(4);
   for (size_t channel = 0; channel < 4; ++channel) {
@@ -118,8 +119,9 @@ void readNewRow(Reader& reader, std::vector<Rgbe>& row) {
   }
 }
 
-// Flat pixels with old run lengths: a pixel 1 1 1 n repeats the last one n times, and more such pixels in a row are the
-// higher bytes of the count. No real pixel has this form: one of its mantissas is at least 128.
+// Flat pixels with old run-length encoding: a pixel 1 1 1 n repeats the previous one n times, and consecutive pixels of
+// this form are the higher bytes of the count. No real pixel has this form, because one of its mantissas is at least
+// 128.
 void readOldRow(Reader& reader, std::vector<Rgbe>& row) {
   unsigned shift = 0;
   for (size_t x = 0; x < row.size();) {
@@ -148,7 +150,7 @@ void readRow(Reader& reader, std::vector<Rgbe>& row) {
   readOldRow(reader, row);
 }
 
-// 2^(e - 136) by exponent; exponent 0 is black. The largest, 2^119, is a float.
+// Returns 2^(e - 136) per exponent; exponent 0 is black. The largest, 2^119, is a float.
 std::array<float, 256> exponentScales() {
   std::array<float, 256> scales{};
   for (int e = 1; e < 256; ++e) scales[static_cast<size_t>(e)] = std::ldexp(1.0f, e - 136);
@@ -171,8 +173,8 @@ void convertRow(const std::vector<Rgbe>& row, bool rightToLeft, const std::array
 FloatImage decodeRadiance(std::span<const std::byte> bytes, const std::string& name) {
   Reader reader(bytes, name);
   const Header header = readHeader(reader, name);
-  // The fewest bytes a row can take (old runs: a pixel and its count), and one row first: an invalid size fails here,
-  // before the image is allocated.
+  // Check the minimum number of bytes of a row (old runs: a pixel and its count) and read one row first, so that an
+  // invalid size fails before the image is allocated.
   if (reader.left() < header.height * std::min<uint64_t>(8, uint64_t{4} * header.width)) {
     badInput("'{}' is truncated: {} bytes can't hold {} x {} pixels; fetch it again", name, bytes.size(), header.width,
              header.height);

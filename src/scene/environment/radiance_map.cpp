@@ -1,4 +1,4 @@
-// The maps of an Environment as devices sample them.
+// Conversion between float images and the maps of an Environment as devices sample them.
 #include <algorithm>
 #include <atomic>
 #include <cstring>
@@ -20,7 +20,7 @@ glm::vec4 RadianceMap::at(size_t x, size_t y) const {
 }
 
 bool exceedsHalves(const FloatImage& image) {
-  constexpr float kFirstBeyond = 65520.0f;  // what is less rounds to the largest half, 65504, or below
+  constexpr float kFirstBeyond = 65520.0f;  // smaller values round to the largest half, 65504, or below
   std::atomic<bool> exceeds = false;
   const size_t row = size_t{4} * image.width;
   parallelFor(image.height, 32, [&](size_t begin, size_t end) {

@@ -1,4 +1,4 @@
-// Tables of n.v and roughness, computed once and then read from the cache.
+// Cached tables over n.v and roughness, which are computed once.
 #pragma once
 
 #include <cstring>
@@ -11,7 +11,8 @@
 
 namespace latelight::scene {
 
-// The `count` entries of that name in the cache, else those that compute() returns. The name must identify all inputs.
+// Returns the `count` entries of that name in the cache, or those that compute() returns. The name must identify all
+// inputs.
 template <typename Entry, typename Compute>
 std::vector<Entry> cachedTable(const std::string& name, size_t count, Compute compute) {
   const std::optional<std::vector<std::byte>> entry = loadCache(name);

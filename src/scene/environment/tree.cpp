@@ -1,3 +1,4 @@
+// Prefilters environments with a tree of lights; scene/environment/tree.h describes the algorithm.
 #include "scene/environment/tree.h"
 
 #include <algorithm>

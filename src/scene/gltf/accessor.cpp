@@ -1,3 +1,4 @@
+// Resolves accessors, with bounds checks, sparse storage and conversion to floats and integers.
 #include "scene/gltf/accessor.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Opens a glTF file, and passes its JSON to tinygltf with the modifications that it requires.
 #include "scene/gltf/document.h"
 
 #include <limits>

@@ -1,3 +1,5 @@
+// KHR_draco_mesh_compression: checks the sizes in a Draco header against the budget, decodes the mesh with Google's
+// library, and converts its attributes to accessor elements.
 #include "scene/gltf/draco.h"
 
 #pragma GCC diagnostic push
@@ -13,7 +15,7 @@
 namespace latelight::scene::gltf {
 namespace {
 
-// Little-endian numbers of a Draco header; nothing once it has ended.
+// Reads little-endian numbers of a Draco header; returns nullopt after its end.
 class HeaderReader {
  public:
   explicit HeaderReader(Bytes bytes) : bytes_(bytes) {}
@@ -24,7 +26,7 @@ class HeaderReader {
     for (size_t i = 0; i < size; ++i) value |= uint64_t(bytes_[at_++]) << (8 * i);
     return value;
   }
-  std::optional<uint64_t> varint() {  // 7 bits a byte, least significant first
+  std::optional<uint64_t> varint() {  // 7 bits per byte, least significant first
     uint64_t value = 0;
     for (int shift = 0; shift < 35; shift += 7) {
       std::optional<uint64_t> byte = fixed(1);
@@ -44,8 +46,9 @@ struct Sizes {
   uint64_t faces = 0, points = 0;
 };
 
-// The sizes that the decoder will allocate, read in advance, since it trusts the header (Draco bitstream 2.2, the one
-// that the extension names; sections "Header", "Sequential connectivity" and "EdgeBreaker connectivity").
+// Returns the sizes that the decoder will allocate. They are read in advance because the decoder trusts the header
+// (Draco bitstream 2.2, the version that the extension names; sections "Header", "Sequential connectivity" and
+// "EdgeBreaker connectivity").
 std::optional<Sizes> peekSizes(Bytes data) {
   constexpr uint64_t kMesh = 1, kMetadataFlag = 0x8000;
   HeaderReader reader(data);
@@ -53,7 +56,7 @@ std::optional<Sizes> peekSizes(Bytes data) {
   std::optional<uint64_t> type = reader.fixed(1), method = reader.fixed(1), flags = reader.fixed(2);
   constexpr uint64_t kMagic = 0x4F43415244;  // "DRACO"
   if (!flags || *magic != kMagic || *type != kMesh || *major != 2 || *minor < 2) return std::nullopt;
-  if (*flags & kMetadataFlag) return std::nullopt;  // comes before the sizes; glTF does not use it
+  if (*flags & kMetadataFlag) return std::nullopt;  // precedes the sizes; glTF does not use it
   Sizes sizes;
   if (*method == 1) reader.fixed(1);  // EdgeBreaker: the traversal method
   std::optional<uint64_t> first = reader.varint(), second = reader.varint();
@@ -88,7 +91,7 @@ bool convert(const draco::Mesh& mesh, const draco::PointAttribute& attribute, co
   }
 }
 
-// The accessor gives the type of the values, Draco only their number.
+// The accessor specifies the type of the values; Draco stores only their number.
 Elements readAttribute(const Document& document, const draco::Mesh& mesh, int uniqueId, int accessorIndex,
                        const std::string& name) {
   const tinygltf::Accessor& accessor = document.model.accessors[size_t(accessorIndex)];
@@ -114,7 +117,7 @@ Elements readAttribute(const Document& document, const draco::Mesh& mesh, int un
 std::unique_ptr<draco::Mesh> decodeBytes(const Document& document, Bytes data, const std::string& name) {
   std::optional<Sizes> sizes = peekSizes(data);
   if (!sizes) badInput("{} is not a mesh of Draco's bitstream 2.2", name);
-  // For connectivity and attributes the decoder needs about 100 bytes per face or point.
+  // The decoder requires about 100 bytes per face or point for connectivity and attributes.
   document.budget.charge((sizes->faces + sizes->points) * 100, name);
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(data.data()), data.size());

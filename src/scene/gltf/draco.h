@@ -1,4 +1,4 @@
-// KHR_draco_mesh_compression.
+// Decodes primitives that are compressed with KHR_draco_mesh_compression.
 #pragma once
 
 #include <map>
@@ -11,10 +11,10 @@ namespace latelight::scene::gltf {
 
 struct DracoMesh {
   std::vector<uint32_t> indices;               // a triangle list
-  std::map<std::string, Elements> attributes;  // those that are compressed
+  std::map<std::string, Elements> attributes;  // the compressed attributes
 };
 
-// Decodes a primitive that has the extension. Throws Error(BadInput) naming `name`.
+// Decodes a primitive that has the extension. Throws Error(BadInput) with `name`.
 DracoMesh decodeDraco(const Document& document, const tinygltf::Primitive& primitive, const std::string& name);
 
 }  // namespace latelight::scene::gltf

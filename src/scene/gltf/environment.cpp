@@ -1,3 +1,5 @@
+// Reads EXT_lights_image_based: resamples the specular cube map to an equirectangular image, filters it like any other
+// environment, and evaluates the irradiance's spherical harmonics for the diffuse map.
 #include "scene/gltf/environment.h"
 
 #include <algorithm>
@@ -19,13 +21,13 @@ namespace {
 
 using tinygltf::Value;
 
-constexpr uint32_t kLeastHeight = 64, kMostHeight = 1024;  // of the picture that the cube becomes
+constexpr uint32_t kLeastHeight = 64, kMostHeight = 1024;  // of the resampled equirectangular image
 
 vec3 gltfFromWorld(const vec3& d) {
   return {d.x, d.z, -d.y};
 }
 
-// The light's own frame from the file's: its rotation turns what it shines from.
+// Returns the rotation from the file's frame to the light's own frame; the inverse of the light's rotation.
 glm::mat3 readTurn(const Value& light) {
   if (!light.Has("rotation")) return glm::mat3(1);
   const Value& r = light.Get("rotation");
@@ -35,8 +37,7 @@ glm::mat3 readTurn(const Value& light) {
   return length > 0 && std::isfinite(length) ? glm::transpose(glm::mat3_cast(q / length)) : glm::mat3(1);
 }
 
-// --- the cube
-// ---------------------------------------------------------------------------------------------------------
+// --- the cube map ----------------------------------------------------------------------------------------------------
 
 class Cube {
  public:
@@ -54,7 +55,7 @@ class Cube {
   }
   uint32_t side() const { return faces_[0].width; }
 
-  // Bilinear within a face. Faces lie as OpenGL 4.6, 8.13 has them.
+  // Samples bilinearly within a face. The faces are oriented as in OpenGL 4.6, section 8.13.
   vec3 radiance(const vec3& d) const {
     const vec3 a = glm::abs(d);
     const size_t axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
@@ -73,7 +74,7 @@ class Cube {
                     glm::mix(texel(face, x, y + 1), texel(face, x + 1, y + 1), part.x), part.y);
   }
 
-  // RGBD: what is brighter than 1 is divided by alpha.
+  // Decodes RGBD: values above 1 are stored divided by alpha.
   static vec3 texel(const Texture& face, int x, int y) {
     const int last = int(face.width) - 1;
     const std::byte* p =
@@ -103,8 +104,7 @@ FloatImage pictureOf(const Cube& cube, const glm::mat3& turn, float intensity) {
   return picture;
 }
 
-// --- irradiance
-// -------------------------------------------------------------------------------------------------------
+// --- irradiance ------------------------------------------------------------------------------------------------------
 
 using Harmonics = std::array<vec3, 9>;
 
@@ -116,8 +116,8 @@ Harmonics readHarmonics(const Value& light) {
   return harmonics;
 }
 
-// The real spherical harmonics of bands 0 to 2 (R. Ramamoorthi and P. Hanrahan, "An Efficient Representation for
-// Irradiance Environment Maps", SIGGRAPH 2001, equation 3).
+// Evaluates the real spherical harmonics of bands 0 to 2 (R. Ramamoorthi and P. Hanrahan, "An Efficient Representation
+// for Irradiance Environment Maps", SIGGRAPH 2001, equation 3).
 vec3 irradiance(const Harmonics& c, const vec3& n) {
   const vec3 linear = c[1] * n.y + c[2] * n.z + c[3] * n.x;
   const vec3 mixed = c[4] * n.x * n.y + c[5] * n.y * n.z + c[7] * n.x * n.z;

@@ -1,4 +1,4 @@
-// EXT_lights_image_based: the environment that a file brings along.
+// EXT_lights_image_based: the environment that a file contains.
 #pragma once
 
 #include "scene/gltf/document.h"
@@ -6,7 +6,7 @@
 
 namespace latelight::scene::gltf {
 
-// Fills scene.environment, if the scene shown has one. Throws Error(BadInput).
+// Fills scene.environment if the file's default scene has one. Throws Error(BadInput).
 void readEnvironment(const Document& document, Scene& scene);
 
 }  // namespace latelight::scene::gltf

@@ -1,3 +1,4 @@
+// The table of glTF extensions and their treatment, and the check of a file's extensions.
 #include "scene/gltf/extensions.h"
 
 #include <algorithm>
@@ -104,7 +105,7 @@ constexpr Extension kExtensions[] = {
 };
 static_assert(std::ranges::is_sorted(kExtensions, {}, &Extension::name));
 
-// One that the registry lacks is left as well.
+// Extensions that are not in the registry are also left, with a warning.
 Treatment treatmentOf(std::string_view name) {
   const auto found = std::ranges::lower_bound(kExtensions, name, {}, &Extension::name);
   return found != std::end(kExtensions) && found->name == name ? found->treatment : Left;

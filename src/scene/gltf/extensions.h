@@ -1,5 +1,5 @@
-// The extensions of the Khronos registry (https://github.com/KhronosGroup/glTF/tree/main/extensions), and what is done
-// with each; docs/gltf.md says more of those that are read.
+// The extensions of the Khronos registry (https://github.com/KhronosGroup/glTF/tree/main/extensions) and the treatment
+// of each; docs/gltf.md describes those that are read.
 #pragma once
 
 #include <span>
@@ -9,8 +9,8 @@ namespace latelight::scene {
 
 enum class Treatment {
   Read,
-  Ignored,  // in silence: it does not change the picture
-  Left      // with a warning; a file that requires it fails
+  Ignored,  // silently: it does not change the rendered image
+  Left      // ignored with a warning; a file that requires it is rejected
 };
 
 struct Extension {
@@ -18,10 +18,10 @@ struct Extension {
   Treatment treatment;
 };
 
-// By their names.
+// Returns all extensions, sorted by name.
 std::span<const Extension> extensions();
 
-// Whether pictures in AVIF can be read: where the build has found libavif.
+// True if AVIF images can be decoded, that is, if libavif was available to the build.
 extern const bool kReadsAvif;
 
 }  // namespace latelight::scene

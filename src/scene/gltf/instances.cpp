@@ -1,3 +1,4 @@
+// Creates the instances of the scene's nodes, and merges equal mesh requests.
 #include "scene/gltf/instances.h"
 
 #include <algorithm>
@@ -20,7 +21,8 @@
 namespace latelight::scene::gltf {
 namespace {
 
-// Primitives whose bytes are the same, in whichever mesh: exporters repeat a geometry for each material.
+// A key that is equal for primitives with the same bytes, also across meshes, because exporters repeat a geometry for
+// each material.
 using Geometry = std::tuple<std::map<std::string, int>, std::vector<std::map<std::string, int>>, int, int, int>;
 
 Geometry geometryOf(const tinygltf::Primitive& p) {
@@ -35,7 +37,8 @@ std::vector<double> weightsOf(const tinygltf::Node& node, const tinygltf::Mesh& 
   return idle ? std::vector<double>() : weights;
 }
 
-// The texture whose coordinates tangents follow. Without one, an anisotropic surface has those of the first set.
+// Returns the texture slot whose coordinates tangents follow. An anisotropic surface without such a texture uses those
+// of the anisotropy slot, with the first UV set.
 std::optional<uint32_t> tangentSlot(const Material& material) {
   for (const uint32_t slot : {shared::kTextureNormal, shared::kTextureClearcoatNormal, shared::kTextureAnisotropy})
     if (material.data.textures & 1u << slot) return slot;
@@ -43,7 +46,7 @@ std::optional<uint32_t> tangentSlot(const Material& material) {
   return std::nullopt;
 }
 
-// Tangents are generated for the texture that uses them: its UV set, with its transform applied.
+// Tangents are generated for the texture that uses them: for its UV set, with its transform applied.
 std::optional<TangentSpace> tangentSpaceOf(const Material& material, const tinygltf::Primitive& p) {
   bool given = p.attributes.contains("TANGENT") && p.attributes.contains("NORMAL");
   const std::optional<uint32_t> slot = tangentSlot(material);
@@ -52,11 +55,11 @@ std::optional<TangentSpace> tangentSpaceOf(const Material& material, const tinyg
   return TangentSpace{t.uvSet, vec2(t.row0), vec2(t.row1)};
 }
 
-// EXT_mesh_gpu_instancing: the placements of instances relative to their node; a single one, the node itself, where
-// there are none.
+// EXT_mesh_gpu_instancing: the transforms of instances relative to their node. Without the extension there is a single
+// instance at the node itself.
 struct Placements {
   size_t count = 1;
-  std::vector<vec4> translations, rotations, scales;  // empty, or as many
+  std::vector<vec4> translations, rotations, scales;  // empty, or `count` elements
 
   glm::dmat4 operator[](size_t i) const {
     return composeTransform(translations.empty() ? glm::dvec3(0) : glm::dvec3(translations[i]),
@@ -87,7 +90,7 @@ Placements readPlacements(const Document& document, const tinygltf::Node& node, 
   };
   Placements placements;
   placements.translations = read("TRANSLATION", vec4(0), false);
-  placements.rotations = read("ROTATION", vec4(0, 0, 0, 1), true);  // integers are always normalised here
+  placements.rotations = read("ROTATION", vec4(0, 0, 0, 1), true);  // integers are always normalized here
   placements.scales = read("SCALE", vec4(1), false);
   placements.count = count.value_or(0);
   if (placements.count == 0)
@@ -137,7 +140,7 @@ class Placer {
                         .weights = weightsOf(node, mesh, primitive),
                         .weightsNode = primitive.targets.empty() ? -1 : movedWeights(int(index)),
                         .tangentSpace = tangentSpaceOf(scene_.materials[material], primitive)};
-    // A skinned mesh is posed in the file's frame already: its own node does not move it.
+    // A skinned mesh is already posed in the file's frame, so its own node does not move it.
     const bool posed = request.skin >= 0;
     const glm::dmat4 world = posed ? glm::dmat4(1) : hierarchy_.world[index];
     const glm::dvec3 origin = posed ? skinOrigin(document_, hierarchy_, request.skin) : glm::dvec3(0);
@@ -155,13 +158,13 @@ class Placer {
         const glm::dmat4 below = placements[k];
         scene_.instances[first + k].toWorld = toWorldFromGltf() * glm::translate(world * below, origin);
         if (instanced) scene_.instances[first + k].copy = int(k);
-        // Placements of the instances of a node that may move.
+        // The offsets of the instances of a node that may be animated.
         if (instanced && !scene_.rig.empty()) scene_.rig.offsets[first + k] = below;
       }
     });
   }
 
-  // The ids of a node's instances: primitive by primitive, with all copies of each.
+  // Assigns the ids of a node's instances: primitive by primitive, with all copies of each.
   void identify(const Node& node, bool several, std::span<Instance> instances, size_t copies) {
     const auto nameOf = [&](const Instance& instance, bool part) {
       std::string name = node.path;
@@ -206,10 +209,10 @@ class Placer {
     return *default_;
   }
 
-  // The node itself if an animation moves its weights, else -1.
+  // Returns the node itself if an animation changes its weights, otherwise -1.
   int movedWeights(int node) const { return moved_.contains(uint32_t(node)) ? node : -1; }
 
-  // The index of an equal request, or of this one appended.
+  // Returns the index of an equal request, or appends this one and returns its index.
   uint32_t find(const MeshRequest& request, const tinygltf::Primitive& primitive) {
     std::vector<uint32_t>& candidates = known_[geometryOf(primitive)];
     for (uint32_t candidate : candidates) {
@@ -230,8 +233,8 @@ class Placer {
   std::vector<MeshRequest> requests_;
   std::map<Geometry, std::vector<uint32_t>> known_;
   std::optional<uint32_t> default_;
-  std::unordered_set<uint32_t> moved_;  // nodes whose weights an animation moves
-  UniqueIds ids_, parts_;               // of nodes and copies; of instances
+  std::unordered_set<uint32_t> moved_;  // nodes whose weights are animated
+  UniqueIds ids_, parts_;               // ids of nodes and copies, and of instances
 };
 
 }  // namespace

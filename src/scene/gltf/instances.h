@@ -1,4 +1,4 @@
-// Instances with their ids and transforms, and the list of distinct meshes they need.
+// Instances with their ids and transforms, and the list of distinct meshes that they require.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,8 @@
 
 namespace latelight::scene::gltf {
 
-// Fills scene.instances; appends a default material if a primitive needs it. Instance::mesh counts into the result.
+// Fills scene.instances, and appends a default material if a primitive requires it. Returns the requests for meshes,
+// which Instance::mesh indexes.
 std::vector<MeshRequest> placeInstances(const Document& document, const Hierarchy& hierarchy, int variant,
                                         Scene& scene);
 

@@ -1,3 +1,4 @@
+// Converts glTF materials, including their extensions and variants, to scene materials and texture requests.
 #include "scene/gltf/material.h"
 
 #include <fmt/ranges.h>
@@ -15,7 +16,7 @@ using tinygltf::Value;
 
 constexpr float kDielectricF0 = 0.04f;  // for the default index of refraction, 1.5
 
-// Common to all kinds of texture references.
+// The properties that all kinds of texture references share.
 struct Reference {
   int texture = -1;
   int uvSet = 0;
@@ -31,7 +32,7 @@ Reference referenceTo(const Info& info) {
   return {info.index, info.texCoord, transformOf(info.extensions)};
 }
 
-// Those of extensions are plain JSON.
+// Texture references of extensions are plain JSON.
 Reference referenceTo(const Value& info) {
   if (!info.IsObject()) return {};
   const Value& extensions = info.Get("extensions");
@@ -63,7 +64,7 @@ void setTransform(shared::TextureTransform& out, const Reference& reference) {
   out.uvSet = uint32_t(std::min(uvSet, 1));
 }
 
-// Whether two references sample their textures at the same places.
+// Returns true if two references sample their textures at the same coordinates.
 bool samePlace(const Reference& a, const Reference& b) {
   shared::TextureTransform first, second;
   setTransform(first, a);
@@ -129,14 +130,14 @@ class MaterialReader {
     readSurface();
     readAlpha();
     readExtensions();
-    // It is another model, in the place of this one and of what extends it.
+    // The specular-glossiness extension is a different model, which replaces metallic-roughness and its extensions.
     if (const Value* e = extension(source.extensions, "KHR_materials_pbrSpecularGlossiness"))
       readSpecularGlossiness(*e);
     else
       readMetallicRoughness();
     return std::move(out_);
   }
-  const MaterialParts& parts() const { return parts_; }  // of the last one
+  const MaterialParts& parts() const { return parts_; }  // parts of the last material read
 
  private:
   void slot(uint32_t slot, const Reference& reference, bool srgb) {
@@ -144,7 +145,7 @@ class MaterialReader {
     if (image >= 0) fill(slot, reference, {.image = image, .srgb = srgb});
   }
 
-  // The image of a reference, or -1 where it has none, or none that can be read.
+  // Returns the reference's image, or -1 if it has none or an unreadable one.
   int imageAt(const Reference& reference) const {
     if (reference.texture < 0) return -1;
     const int image = imageOf(document_.model.textures[size_t(reference.texture)]);
@@ -195,8 +196,8 @@ class MaterialReader {
     }
   }
 
-  // As a dielectric: c_diff, F0 and alpha of the extension are those of a base colour that the specular colour has
-  // dimmed, of the index of refraction 0 with that specular colour, and of 1 - glossiness.
+  // Maps specular-glossiness to a dielectric: base color is c_diff attenuated by the specular color, F0 comes from an
+  // index of refraction of 0 with that specular color, and roughness is 1 - glossiness.
   void readSpecularGlossiness(const Value& e) {
     shared::Material& data = out_.data;
     std::array<float, 3> specular;

@@ -1,4 +1,4 @@
-// Materials, and the textures they use.
+// Reads materials, and collects the textures that they use.
 #pragma once
 
 #include <map>
@@ -9,10 +9,10 @@
 
 namespace latelight::scene::gltf {
 
-// Each kind of use of an image becomes one scene texture.
+// The distinct uses of images, each of which becomes one scene texture.
 class TextureTable {
  public:
-  // Index into Scene::textures.
+  // Returns the request's index into Scene::textures.
   int request(const TextureRequest& request);
   const std::vector<TextureRequest>& requests() const { return requests_; }
 
@@ -21,18 +21,18 @@ class TextureTable {
   std::vector<TextureRequest> requests_;
 };
 
-// Fills scene.materials, with textures in the slots that are wanted (LoadOptions::textureSlots), and those of
+// Fills scene.materials, with textures in the requested slots (LoadOptions::textureSlots), and the materials in
 // scene.rig.materials that animations change.
 void readMaterials(const Document& document, uint32_t slots, TextureTable& textures, Scene& scene);
 
-// glTF 2.0, 3.9.6: for primitives without a material.
+// The material of primitives without one (glTF 2.0, 3.9.6).
 Material defaultMaterial();
 
-// Index of the variant of that name, -1 for an empty name. Throws Error(Usage) listing the names if there is none.
-// Fills scene.variants.
+// Fills scene.variants. Returns the index of the variant of that name, or -1 for an empty name. Throws Error(Usage)
+// with a list of the names if there is none of that name.
 int readVariants(const Document& document, const std::string& wanted, Scene& scene);
 
-// The material of a primitive under a variant (-1: the default), or -1.
+// Returns the material of a primitive under a variant (-1: the default), or -1 if it has none.
 int materialOf(const tinygltf::Primitive& primitive, int variant);
 
 }  // namespace latelight::scene::gltf

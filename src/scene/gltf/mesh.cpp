@@ -1,3 +1,4 @@
+// Builds a scene::Mesh from a primitive: reads, repairs, deforms and packs its vertices.
 #include "scene/gltf/mesh.h"
 
 #include <algorithm>
@@ -11,7 +12,7 @@
 namespace latelight::scene::gltf {
 namespace {
 
-// The memory of one vertex during loading, streams and result together.
+// The memory per vertex during loading, for streams and result together.
 constexpr size_t kVertexBytes = 2 * (sizeof(vec3) + sizeof(shared::VertexAttributes) + sizeof(shared::VertexExtra));
 
 const Elements* find(const Source& source, const char* key) {
@@ -19,7 +20,7 @@ const Elements* find(const Source& source, const char* key) {
   return found == source.attributes.end() ? nullptr : &found->second;
 }
 
-// Colors are normalized whether or not the accessor says so: integers up to 65535 are not valid colors.
+// Colors are normalized regardless of the accessor's flag: integers up to 65535 are not valid colors.
 std::vector<vec4> readColors(const Document& document, const Source& source, Elements elements) {
   elements.normalized = true;
   std::vector<vec4> colors = readAttribute<4>(document, source, "COLOR_0", elements, 1.0f, 1.0f);
@@ -31,8 +32,8 @@ bool isFinite(const vec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-// Leaves out triangles with a corner that has no finite position. Such vertices get the place of another, so that
-// bounds hold.
+// Reads positions, and drops triangles with a corner whose position is not finite. Such vertices get the position of
+// another vertex, so that bounds stay valid.
 std::vector<vec3> readPositions(const Document& document, Source& source) {
   std::vector<vec3> positions(source.count);
   readVectors<3>(*find(source, "POSITION"), source.first, source.count, positions.data());
@@ -78,7 +79,8 @@ void makeTangents(const TangentSpace& space, Vertices& v, std::vector<uint32_t>&
   scene::makeTangents(uv, v, indices);
 }
 
-// The mesh's deformation; null where it has neither a skin nor animated weights. `turned`: of repairNormals().
+// Returns the mesh's deformation, or null if it has neither a skin nor animated weights. `turned` is the result of
+// repairNormals().
 std::shared_ptr<Deformation> readDeformation(const Document& document, const MeshRequest& request, const Source& source,
                                              const std::vector<uint32_t>& origin, const std::vector<bool>& turned,
                                              const Mesh& mesh) {
@@ -98,8 +100,8 @@ std::shared_ptr<Deformation> readDeformation(const Document& document, const Mes
   return deformation;
 }
 
-// The mesh with its joints and weights at rest. Joints that mirror it turn its triangles over, so that their front
-// faces are counter-clockwise again.
+// Poses the mesh with its joints and weights at rest. If the joints mirror it, its triangles' winding is reversed, so
+// that front faces are counter-clockwise again.
 void poseAtRest(const Document& document, const Hierarchy& hierarchy, const MeshRequest& request,
                 Deformation& deformation, Mesh& mesh) {
   std::vector<mat4> joints;
@@ -153,7 +155,7 @@ Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshR
   const std::vector<uint32_t> origin = std::move(vertices.origin);
   Mesh mesh = pack(std::move(vertices), std::move(indices));
   if (auto deformation = readDeformation(document, request, source, origin, turned, mesh)) {
-    deformation->flatNormals = flat && origin.size() == mesh.indices.size();  // not where tangents split vertices
+    deformation->flatNormals = flat && origin.size() == mesh.indices.size();  // false if tangents split vertices
     poseAtRest(document, hierarchy, request, *deformation, mesh);
     if (!document.animations.empty()) mesh.deformation = std::move(deformation);
   }

@@ -1,4 +1,4 @@
-// Primitives become meshes: one scene::Mesh for each distinct geometry, posed.
+// Converts primitives to meshes: one scene::Mesh for each distinct geometry in its rest pose.
 #pragma once
 
 #include <compare>
@@ -12,34 +12,34 @@
 
 namespace latelight::scene::gltf {
 
-// The texture coordinates whose directions tangents follow: a UV set, and the linear part of its texture's transform.
+// The texture coordinates that tangents follow: a UV set, and the linear part of its texture's transform.
 struct TangentSpace {
   uint32_t uvSet = 0;
   vec2 row0{1, 0}, row1{0, 1};
   bool operator==(const TangentSpace&) const = default;
 };
 
-// The inputs of one scene::Mesh. Equal requests give equal meshes.
+// The inputs of one scene::Mesh. Equal requests produce equal meshes.
 struct MeshRequest {
   int mesh = 0, primitive = 0;
-  int skin = -1;                             // its bind pose, in the file's own frame; -1: none
+  int skin = -1;                             // skin to apply in its rest pose, in the file's own frame; -1: none
   std::vector<double> weights;               // of morph targets at rest; empty: morph targets are ignored
   int weightsNode = -1;                      // the glTF node whose weights are animated; -1: none
-  std::optional<TangentSpace> tangentSpace;  // where tangents are needed
+  std::optional<TangentSpace> tangentSpace;  // set if tangents are required
   bool operator==(const MeshRequest&) const = default;
 };
 
-// The morph targets of the mesh: as many as that of its primitives has that has most. Exporters leave them out of
-// primitives that none moves.
+// Returns the mesh's number of morph targets: the maximum over its primitives. Exporters omit targets from primitives
+// that they do not move.
 size_t targetCount(const tinygltf::Mesh& mesh);
 
-// The name of a mesh of the file; "mesh<index>" without one.
+// Returns the name of a mesh of the file, or "mesh<index>" if it has none.
 std::string meshName(const Document& document, int mesh);
 
-// Triangles the primitive has; 0 for points, lines and primitives without positions.
+// Returns the number of the primitive's triangles; 0 for points, lines and primitives without positions.
 size_t triangleCount(const Document& document, const tinygltf::Primitive& primitive);
 
-// Throws Error(BadInput) that names the primitive. Thread-safe.
+// Builds the mesh. Throws Error(BadInput) that names the primitive. Thread-safe.
 Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshRequest& request);
 
 }  // namespace latelight::scene::gltf

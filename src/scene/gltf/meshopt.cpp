@@ -1,4 +1,4 @@
-// EXT_meshopt_compression: bufferViews whose bytes are compressed by meshoptimizer's codecs.
+// EXT_meshopt_compression: decodes bufferViews that meshoptimizer's codecs have compressed.
 #include <meshoptimizer.h>
 
 #include <string>
@@ -38,7 +38,7 @@ Filter readFilter(const std::string& filter, const std::string& name) {
   badInput("{} has the unknown filter \"{}\"", name, filter);
 }
 
-// The decoders assert these instead of checking them.
+// Checks the layout, because the decoders only assert it.
 void checkLayout(const Stream& s, const std::string& name) {
   bool layout = s.mode == Mode::Attributes ? s.stride % 4 == 0 : s.stride == 2 || s.stride == 4;
   bool filter = s.filter == Filter::None || s.filter == Filter::Exponential ||

@@ -1,3 +1,4 @@
+// Reads the node hierarchy: world transforms, unique paths, visibility, cameras and lights.
 #include "scene/gltf/nodes.h"
 
 #include <algorithm>
@@ -36,7 +37,7 @@ bool isFinite(const dmat4& m) {
   return true;
 }
 
-// The parent of each node, or -1. A node has at most one (glTF 2.0, 3.5.2).
+// Returns the parent of each node, or -1. A node has at most one parent (glTF 2.0, 3.5.2).
 std::vector<int> findParents(const tinygltf::Model& model) {
   std::vector<int> parents(model.nodes.size(), -1);
   for (size_t i = 0; i < model.nodes.size(); ++i) {
@@ -50,7 +51,8 @@ std::vector<int> findParents(const tinygltf::Model& model) {
   return parents;
 }
 
-// Transforms of all nodes, in the scene shown or not: joints may be outside of it. Unreachable nodes are in a cycle.
+// Returns the transforms of all nodes, including those outside the default scene, because joints may be outside it.
+// Unreachable nodes are part of a cycle.
 std::vector<dmat4> worldTransforms(const tinygltf::Model& model, const std::vector<int>& parents) {
   std::vector<dmat4> world(model.nodes.size());
   std::vector<int> pending;
@@ -70,7 +72,7 @@ std::vector<dmat4> worldTransforms(const tinygltf::Model& model, const std::vect
   return world;
 }
 
-// Roots of the scene the file shows by default, else of its first; without scenes, of all nodes.
+// Returns the roots of the file's default scene, or of its first scene, or of all nodes if it has no scenes.
 std::vector<int> findRoots(const tinygltf::Model& model, const std::vector<int>& parents) {
   if (!model.scenes.empty()) return model.scenes[size_t(std::max(model.defaultScene, 0))].nodes;
   std::vector<int> roots;
@@ -85,7 +87,7 @@ std::vector<int> traverse(const tinygltf::Model& model, const std::vector<int>& 
   while (!pending.empty()) {
     int node = pending.back();
     pending.pop_back();
-    if (seen[size_t(node)]) continue;  // listed twice among the roots, or below another one
+    if (seen[size_t(node)]) continue;  // listed twice among the roots, or a descendant of another root
     seen[size_t(node)] = true;
     order.push_back(node);
     const auto& children = model.nodes[size_t(node)].children;
@@ -94,7 +96,7 @@ std::vector<int> traverse(const tinygltf::Model& model, const std::vector<int>& 
   return order;
 }
 
-// Unique paths: the second "Wheel" of a parent is "Wheel#2".
+// Creates unique paths: the second "Wheel" of a parent is "Wheel#2".
 class Paths {
  public:
   std::string make(const std::string& parent, const std::string& name) {
@@ -108,12 +110,12 @@ class Paths {
   }
 
  private:
-  std::unordered_map<std::string, unsigned> twins_;  // so that a million equal names need only a million steps
+  std::unordered_map<std::string, unsigned> twins_;  // so that a million equal names require only a million steps
   std::unordered_set<std::string> used_;
   size_t bytes_ = 0;
 };
 
-// Nothing where it has no width or no height.
+// Returns nullopt if the camera has no width or no height.
 std::optional<Camera> readCamera(const tinygltf::Camera& source) {
   Camera camera;
   if (source.type == "orthographic") {
@@ -145,7 +147,7 @@ std::optional<Camera> readCamera(const tinygltf::Camera& source) {
   return camera;
 }
 
-// Nothing for a type that is not known here.
+// Returns nullopt for an unknown type.
 std::optional<Light> readLight(const tinygltf::Light& source) {
   Light light;
   const std::optional<uint32_t> type = findLightType(source.type);
@@ -161,7 +163,8 @@ std::optional<Light> readLight(const tinygltf::Light& source) {
   return light;
 }
 
-// Extras of a light, or of its node, which take precedence: properties that KHR_lights_punctual lacks.
+// Returns extras of a light, or of its node, which have precedence: properties that KHR_lights_punctual does not
+// define.
 const tinygltf::Value* lightExtra(const tinygltf::Node& node, const tinygltf::Light& light, const char* key) {
   for (const tinygltf::Value* extras : {&node.extras, &light.extras})
     if (extras->IsObject() && extras->Has(key)) return &extras->Get(key);

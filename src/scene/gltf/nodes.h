@@ -1,4 +1,4 @@
-// The node tree with its cameras and lights.
+// Reads the node hierarchy with its cameras and lights.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -10,26 +10,25 @@
 namespace latelight::scene::gltf {
 
 struct Hierarchy {
-  std::vector<glm::dmat4> world;  // of each glTF node, in the file's own frame; doubles, for deep trees
-  std::vector<bool> hidden;       // the same: it or a node above it is, by KHR_node_visibility
-  std::vector<int> order;         // glTF nodes of the scene shown, parents first; Scene::nodes has them in this order
+  std::vector<glm::dmat4> world;  // per glTF node, in the file's own frame; doubles, for deep hierarchies
+  std::vector<bool> hidden;       // per glTF node: it or an ancestor is hidden (KHR_node_visibility)
+  std::vector<int> order;         // glTF nodes of the default scene, parents first; the order of Scene::nodes
 };
 
-// By itself: KHR_node_visibility.
+// Returns the node's own visibility (KHR_node_visibility), without its ancestors'.
 bool isVisible(const tinygltf::Node& node);
 
-// A node's own matrix. Its last row must be 0 0 0 1 (glTF 2.0, 3.5.3), and is treated as such, with a warning where it
-// is not.
+// Returns a node's own matrix. Its last row must be 0 0 0 1 (glTF 2.0, 3.5.3); other values are ignored with a warning.
 glm::dmat4 readMatrix(const std::vector<double>& columns);
 
-// Fills scene.nodes. Throws Error(BadInput) on cycles, double parents and transforms that are not finite.
+// Fills scene.nodes. Throws Error(BadInput) for cycles, nodes with two parents and transforms that are not finite.
 Hierarchy readNodes(const Document& document, Scene& scene);
 
 // Fills scene.cameras and scene.lights.
 void readCameras(const Document& document, const Hierarchy& hierarchy, Scene& scene);
 void readLights(const Document& document, const Hierarchy& hierarchy, Scene& scene);
 
-// Fills scene.rig, except for the offsets of instances, if the file has animations. Throws Error(BadInput).
+// Fills scene.rig if the file has animations, except for the offsets of instances. Throws Error(BadInput).
 void readRig(const Document& document, const Hierarchy& hierarchy, Scene& scene);
 
 }  // namespace latelight::scene::gltf

@@ -1,3 +1,4 @@
+// Resolves KHR_animation_pointer; see scene/gltf/pointer.h.
 #include "scene/gltf/pointer.h"
 
 #include <string_view>
@@ -12,14 +13,14 @@ namespace {
 
 constexpr std::string_view kVisible = "extensions/KHR_node_visibility/visible";
 
-// A pointer as "/materials/", 3 and "alphaCutoff".
+// The parts of a pointer, such as "/materials/", 3 and "alphaCutoff".
 struct Parts {
   std::string_view list;
   uint32_t index = 0;
   std::string_view below;
 };
 
-// Nothing where no number follows any list.
+// Returns nullopt unless a number follows a known list.
 std::optional<Parts> split(std::string_view pointer) {
   for (const std::string_view list :
        {"/nodes/", "/meshes/", "/materials/", "/cameras/", "/extensions/KHR_lights_punctual/lights/"}) {
@@ -36,7 +37,7 @@ void checkIndex(const Parts& parts, size_t count, const std::string& name) {
   if (parts.index >= count) badInput("{} points to {}{}, but there are {}", name, parts.list, parts.index, count);
 }
 
-// "weights", or "weights/2": one of them.
+// Parses "weights" (-1, all weights) or "weights/2" (one weight).
 std::optional<int> findWeights(const Document& document, int mesh, std::string_view below, const std::string& name) {
   if (below == "weights") return -1;
   if (!below.starts_with("weights/")) return std::nullopt;
@@ -57,7 +58,7 @@ std::optional<PointedProperty> findInNode(const Document& document, const Parts&
   return NodeProperty{{parts.index}, AnimatedProperty::Weights, *element};
 }
 
-// A mesh's weights are those of its nodes that have none of their own.
+// The weights of a mesh apply to its nodes without weights of their own.
 std::optional<PointedProperty> findInMesh(const Document& document, const Parts& parts, const std::string& name) {
   checkIndex(parts, document.model.meshes.size(), name);
   const std::optional<int> element = findWeights(document, int(parts.index), parts.below, name);
@@ -74,7 +75,7 @@ int lightOf(const tinygltf::Node& node) {
   return object ? indexOr(*object, "light", -1) : -1;
 }
 
-// The scene's lights or cameras that a node made of that of the file.
+// Returns the scene's lights or cameras that nodes created from an element of the file.
 template <typename Element, typename SourceOf>
 std::vector<uint32_t> madeFrom(const std::vector<Element>& all, const Document& document, const Hierarchy& hierarchy,
                                uint32_t source, SourceOf sourceOf) {

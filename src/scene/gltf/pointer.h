@@ -1,4 +1,4 @@
-// Where the pointers of KHR_animation_pointer lead.
+// Resolves the pointers of KHR_animation_pointer to properties of the scene.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace latelight::scene::gltf {
 
-// A property of nodes: several where a pointer names the weights of a mesh that several nodes have.
+// A property of nodes. There are several nodes if a pointer names the weights of a mesh that several nodes use.
 struct NodeProperty {
   std::vector<uint32_t> nodes;
   AnimatedProperty property;
@@ -24,8 +24,8 @@ struct ElementProperty {
 };
 using PointedProperty = std::variant<NodeProperty, ElementProperty>;
 
-// Nothing for a property that is valid glTF, for all we know, but that nothing here has: then it has warned. Throws
-// Error(BadInput) with `name` for what is no pointer, and for an element that the file has not.
+// Resolves a pointer. Returns nullopt after a warning for a property that may be valid glTF but is not supported.
+// Throws Error(BadInput) with `name` for a malformed pointer or an element that the file does not contain.
 std::optional<PointedProperty> resolvePointer(const Document& document, const Hierarchy& hierarchy, const Scene& scene,
                                               const std::string& pointer, const std::string& name);
 

@@ -1,4 +1,4 @@
-// The deformation of a primitive's vertices: its morph targets (glTF 2.0, 3.7.2.2) and its skin's joints (3.7.3).
+// Deforms a primitive's vertices by its morph targets (glTF 2.0, 3.7.2.2) and its skin's joints (3.7.3).
 #include <algorithm>
 #include <cmath>
 
@@ -50,13 +50,14 @@ Elements targetElements(const Document& document, const Source& source, size_t t
   return deltas;
 }
 
-// One JOINTS_n and WEIGHTS_n: four more influences.
+// A JOINTS_n and WEIGHTS_n pair: four more influences per vertex.
 struct Influences {
   std::vector<glm::uvec4> joints;
   std::vector<vec4> weights;
 };
 
-// A joint that the skin lacks is an error only where it has a weight: exporters leave anything in unused places.
+// A joint index out of range is an error only if its weight is above 0, because exporters leave arbitrary values in
+// unused components.
 void checkJoints(const Source& source, size_t jointCount, int skin, Influences& influences) {
   for (size_t i = 0; i < influences.joints.size(); ++i)
     for (int c = 0; c < 4; ++c) {
@@ -83,7 +84,7 @@ std::vector<Influences> readInfluences(const Document& document, const Source& s
   }
 }
 
-// Weights should sum to 1, which quantised ones only approximate; negative ones count as 0.
+// Weights should sum to 1, which quantized weights only approximate. Negative weights count as 0.
 void normalizeWeights(std::span<float> weights) {
   float total = 0;
   for (float& weight : weights) total += weight = std::max(weight, 0.0f);

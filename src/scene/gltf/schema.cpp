@@ -1,3 +1,5 @@
+// Table-driven validation of glTF 2.0 JSON: one rule per property (its kind, range, and target of indices) and a
+// recursive check that repairs values tinygltf does not accept.
 #include "scene/gltf/schema.h"
 
 #include <algorithm>
@@ -16,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-// Arrays in the file that an index may refer to.
+// The arrays in the file to which an index may refer.
 enum class Target {
   Accessors,
   Buffers,
@@ -44,13 +46,13 @@ enum class Kind {
   Numbers,   // array
   Strings,   // array
   Index,     // into `target`
-  Indices,   // array of them
-  IndexMap,  // object of them, by any name
+  Indices,   // array of indices
+  IndexMap,  // object with indices as values and arbitrary names
   IndexMaps,
-  Ids,     // object of whole numbers >= 0, by any name
+  Ids,     // object with integers >= 0 as values and arbitrary names
   Object,  // of `schema`
   Objects,
-  Lists  // array of arrays, each as `list` says
+  Lists  // array of arrays, each as `list` specifies
 };
 
 struct Schema;
@@ -60,7 +62,7 @@ struct Rule {
   Kind kind;
   bool required = false;
   double least = -std::numeric_limits<float>::max(), most = std::numeric_limits<float>::max();
-  size_t fewest = 0, atMost = std::numeric_limits<size_t>::max();  // items of arrays
+  size_t fewest = 0, atMost = std::numeric_limits<size_t>::max();  // number of array items
   Target target = Target::Count;
   const Schema* schema = nullptr;
   const Rule* list = nullptr;
@@ -94,7 +96,7 @@ constexpr Rule numbers(std::string_view key, size_t fewest, size_t atMost) {
 constexpr Rule share(std::string_view key) {
   return number(key, 0, 1);
 }
-constexpr Rule shares(std::string_view key) {  // of three colours
+constexpr Rule shares(std::string_view key) {  // of three colors
   return {.key = key, .kind = Kind::Numbers, .least = 0, .most = 1, .fewest = 3, .atMost = 3};
 }
 constexpr Rule string(std::string_view key, bool required = false) {
@@ -414,8 +416,7 @@ constexpr TargetArray kTargetArrays[] = {
     {Target::Variants, "/extensions/KHR_materials_variants/variants", "variants"},
 };
 
-// --- the checks
-// -------------------------------------------------------------------------------------------------------
+// --- the checks ------------------------------------------------------------------------------------------------------
 
 class Validator {
  public:
@@ -429,7 +430,7 @@ class Validator {
   void run() { object(root_, kRoot); }
 
  private:
-  // Where we are, for messages: pieces of "accessors[3].sparse.count".
+  // The position in the JSON for messages, as pieces of "accessors[3].sparse.count".
   class Place {
    public:
     Place(Validator& v, std::string_view key) : v_(v) { v_.place_.push_back({key, kNoIndex}); }
@@ -476,7 +477,8 @@ class Validator {
     }
   }
 
-  // A number that has to be positive and has no meaning at the end of its range.
+  // Returns true for a number that must be positive but is not, because clamping it to the end of its range is
+  // meaningless.
   static bool isNotPositive(const json& value, const Rule& rule) {
     return rule.kind == Kind::Number && rule.least == kPositive && value.is_number() && value.get<double>() < kPositive;
   }
@@ -518,10 +520,11 @@ class Validator {
     if (!value.is_number_integer()) bad("should be a whole number");
     double d = value.get<double>();
     if (d < least || d > most) bad("is {}, which is not in [{:.0f}, {:.0f}]", value.dump(), least, most);
-    value = static_cast<uint64_t>(d);  // all of ours are >= 0, and tinygltf insists on unsigned ones for some
+    value = static_cast<uint64_t>(d);  // all valid integers are >= 0, and tinygltf requires unsigned ones for some
   }
 
-  // Exporters round factors and angles, and some write others than glTF has.
+  // Clamps numbers to their range, because exporters round factors and angles, and some write values outside the range
+  // that glTF allows.
   void number(json& value, const Rule& rule) {
     if (!value.is_number()) bad("should be a number");
     const double d = value.get<double>();

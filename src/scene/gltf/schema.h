@@ -1,12 +1,12 @@
-// What a glTF 2.0 file's JSON may contain, checked before anything reads it. tinygltf trusts types, indices and ranges.
+// Validates the JSON of a glTF 2.0 file before it is read, because tinygltf trusts types, indices and ranges.
 #pragma once
 
 #include <nlohmann/json.hpp>
 
 namespace latelight::scene::gltf {
 
-// Checks every property this importer reads, core and extensions: types, ranges, array lengths, and that each index
-// points into its array. Whole numbers written as 3.0 become integers, which tinygltf expects. Unknown properties are
+// Checks every property that this importer reads, core and extensions: types, ranges, array lengths, and that each
+// index is within its array. Integers written as 3.0 become integers, which tinygltf expects. Unknown properties are
 // allowed. Throws Error(BadInput) with the property's path, as in "accessors[3].count is missing".
 void validate(nlohmann::json& root);
 

@@ -1,4 +1,4 @@
-// Skins: joints and their inverse bind matrices.
+// Reads skins: joints and their inverse bind matrices.
 #pragma once
 
 #include "scene/gltf/document.h"
@@ -7,10 +7,10 @@
 
 namespace latelight::scene::gltf {
 
-// Throws Error(BadInput) where it has no joints, or too few matrices.
+// Throws Error(BadInput) if the skin has no joints or too few matrices.
 Skin readSkin(const Document& document, const Hierarchy& hierarchy, int skin);
 
-// Skin::origin, from where the joints are at rest.
+// Returns Skin::origin for the joints at rest.
 glm::dvec3 skinOrigin(const Document& document, const Hierarchy& hierarchy, int skin);
 
 }  // namespace latelight::scene::gltf

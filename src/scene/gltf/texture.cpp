@@ -1,3 +1,4 @@
+// Decodes the images of textures, and converts those of KHR_materials_pbrSpecularGlossiness.
 #include "scene/gltf/texture.h"
 
 #include <algorithm>
@@ -12,11 +13,10 @@
 namespace latelight::scene::gltf {
 namespace {
 
-// --- KHR_materials_pbrSpecularGlossiness
-// ------------------------------------------------------------------------------
+// --- KHR_materials_pbrSpecularGlossiness -----------------------------------------------------------------------------
 
 const uint8_t* texelOf(const Texture& texture, ImageSize of, uint32_t x, uint32_t y) {
-  // The nearest one where the sizes differ.
+  // Nearest texel if the sizes differ.
   const size_t column = size_t{x} * texture.width / of.width, row = size_t{y} * texture.height / of.height;
   return reinterpret_cast<const uint8_t*>(texture.pixels.get()) + 4 * (row * texture.width + column);
 }
@@ -42,7 +42,7 @@ Texture makeRoughness(const Texture& source, float glossiness) {
   });
 }
 
-// The diffuse part is what the largest channel of the reflectance at normal incidence leaves.
+// Diffuse reflectance is attenuated by 1 minus the largest channel of the reflectance at normal incidence.
 Texture makeDiffuse(const Texture* diffuse, const Texture& specular, const std::array<float, 3>& factor) {
   ImageSize size{specular.width, specular.height};
   if (diffuse) size = {std::max(size.width, diffuse->width), std::max(size.height, diffuse->height)};
@@ -63,8 +63,7 @@ Texture makeDiffuse(const Texture* diffuse, const Texture& specular, const std::
                     });
 }
 
-// --- images
-// ------------------------------------------------------------------------------------------------------------
+// --- images ----------------------------------------------------------------------------------------------------------
 
 const ImageSource& sourceOf(const Document& document, int image) {
   const ImageSource& source = document.images[size_t(image)];

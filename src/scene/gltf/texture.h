@@ -1,4 +1,4 @@
-// A file's images as the scene's textures.
+// Converts a file's images to the scene's textures.
 #pragma once
 
 #include <array>
@@ -9,23 +9,23 @@
 
 namespace latelight::scene::gltf {
 
-// What a texture is made of.
+// The sources of a texture, and its derivation from them.
 struct TextureRequest {
   enum class Make {
-    Plain,      // the image as it is
-    Diffuse,    // of `image`, white where it is -1, what the specular reflection of `specular` leaves
-    Roughness,  // of the glossiness of `specular`
+    Plain,      // the image unchanged
+    Diffuse,    // diffuse color `image` (white if -1), attenuated by the specular reflectance of `specular`
+    Roughness,  // from the glossiness of `specular`
   };
   int image = -1;
   bool srgb = false;
   Make make = Make::Plain;
   int specular = -1;                     // an image of KHR_materials_pbrSpecularGlossiness
-  std::array<float, 3> factor{1, 1, 1};  // on its specular colour; the first, on its glossiness
+  std::array<float, 3> factor{1, 1, 1};  // factors on its specular color, or the first one on its glossiness
 
   auto operator<=>(const TextureRequest&) const = default;
 };
 
-// Of all that it is made of. Throws Error(BadInput) for images that can't be read.
+// Returns the total over all source images. Throws Error(BadInput) for images that can't be read.
 size_t encodedBytes(const Document& document, const TextureRequest& request);
 size_t textureBytes(const Document& document, const TextureRequest& request);
 

@@ -1,4 +1,4 @@
-// Triangles from a primitive's vertices.
+// Converts a primitive's vertices and indices to a triangle list.
 #include <algorithm>
 #include <limits>
 #include <numeric>
@@ -18,7 +18,8 @@ size_t trianglesOf(int mode, size_t corners) {
   return strip && corners >= 3 ? corners - 2 : 0;
 }
 
-// glTF 2.0, 3.7.2.1: every second triangle of a strip has the opposite winding.
+// Unrolls strips and fans to a triangle list. Every second triangle of a strip has the opposite winding (glTF 2.0,
+// 3.7.2.1).
 std::vector<uint32_t> unroll(std::vector<uint32_t> corners, int mode) {
   size_t triangles = trianglesOf(mode, corners.size());
   if (mode == TINYGLTF_MODE_TRIANGLES) {
@@ -36,7 +37,7 @@ std::vector<uint32_t> unroll(std::vector<uint32_t> corners, int mode) {
   return list;
 }
 
-// Primitives may share one large buffer, each using a range of it: only that range is read.
+// Restricts the source to the range of vertices that it uses, because primitives may share one large buffer.
 void narrow(Source& source, size_t vertexCount) {
   auto [least, most] = std::minmax_element(source.indices.begin(), source.indices.end());
   if (*most >= vertexCount) badInput("{} has the index {}, but {} vertices", source.name, *most, vertexCount);
@@ -63,7 +64,7 @@ Source readSource(const Document& document, const tinygltf::Primitive& primitive
     DracoMesh mesh = decodeDraco(document, primitive, source.name);
     corners = std::move(mesh.indices);
     source.attributes = std::move(mesh.attributes);
-    mode = TINYGLTF_MODE_TRIANGLES;  // whatever the primitive says, Draco's faces are triangles
+    mode = TINYGLTF_MODE_TRIANGLES;  // Draco's faces are triangles, regardless of the primitive's mode
   } else if (primitive.indices >= 0) {
     Elements indices = resolve(document, primitive.indices);
     document.budget.charge(indices.count * sizeof(uint32_t), source.name);

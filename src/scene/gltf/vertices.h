@@ -1,4 +1,4 @@
-// A primitive during conversion to a scene::Mesh: its data, and how they are read.
+// A primitive during conversion to a scene::Mesh: its data, and the functions that read them.
 #pragma once
 
 #include <fmt/format.h>
@@ -17,15 +17,15 @@ namespace latelight::scene::gltf {
 struct Source {
   std::string name;  // "meshes[2].primitives[0]"
   std::map<std::string, Elements> attributes;
-  std::vector<uint32_t> indices;  // a triangle list, counted from `first`
-  size_t first = 0, count = 0;    // the vertices that the indices use
+  std::vector<uint32_t> indices;  // a triangle list, relative to `first`
+  size_t first = 0, count = 0;    // the range of vertices that the indices use
 };
 
-// gltf/topology.cpp: finds the data, decodes Draco, unrolls strips and fans, checks every index.
+// Locates the data, decodes Draco, unrolls strips and fans, and checks every index. (gltf_topology.cpp)
 Source readSource(const Document& document, const tinygltf::Primitive& primitive, std::string name);
 
-// Elements of an attribute of the source, or of a morph target's ("targets[1].NORMAL"), repaired where they are not
-// finite: the value then is `otherwise` in all components.
+// Reads the elements of an attribute of the source, or of a morph target ("targets[1].NORMAL"). Elements that are not
+// finite are repaired: all their components become `otherwise`.
 template <int N>
 std::vector<glm::vec<N, float>> readAttribute(const Document& document, const Source& source, const std::string& key,
                                               const Elements& elements, float otherwise = 0, float fill = 0) {
@@ -35,15 +35,16 @@ std::vector<glm::vec<N, float>> readAttribute(const Document& document, const So
   return values;
 }
 
-// gltf/pose.cpp: adds weighted morph targets, of positions, normals and tangents only where `geometry`.
+// Adds weighted morph targets. Positions, normals and tangents are changed only if `geometry`. (gltf_pose.cpp)
 void applyMorphTargets(const Document& document, const tinygltf::Primitive& primitive, const Source& source,
                        const std::vector<double>& weights, bool geometry, Vertices& vertices);
-// gltf/pose.cpp: the same as data, for vertices that come from `origin`. Nothing where a primitive has no weights.
+// Read skin weights and morph targets as data, for vertices that are copies of those in `origin`. readSkinWeights()
+// reads nothing if a primitive has no weights. (gltf_pose.cpp)
 void readSkinWeights(const Document& document, int skin, const Source& source, const std::vector<uint32_t>& origin,
                      Deformation& deformation);
 void readMorphTargets(const Document& document, const tinygltf::Primitive& primitive, const Source& source,
                       const std::vector<uint32_t>& origin, Deformation& deformation);
-// From bind space to the file's own frame, for each joint, with the nodes at rest.
+// Returns the transform of each joint from bind space to the file's own frame, with the nodes at rest.
 std::vector<mat4> restJoints(const Document& document, const Hierarchy& hierarchy, int skin);
 
 }  // namespace latelight::scene::gltf

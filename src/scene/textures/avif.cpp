@@ -1,3 +1,4 @@
+// Decodes AVIF images with libavif, if the build has it.
 #ifdef LATELIGHT_AVIF
 #include <avif/avif.h>
 #endif
@@ -35,7 +36,7 @@ ImageSize sizeOfAvif(std::span<const std::byte> encoded, const std::string& name
   return {decoder->image->width, decoder->image->height};
 }
 
-// Colour profiles are ignored, as glTF 2.0 (3.8.3) asks; of an animation it is the first picture.
+// Color profiles are ignored, as glTF 2.0 (3.8.3) requires. The first image of an animation is decoded.
 void decodeAvif(std::span<const std::byte> encoded, const std::string& name, ImageSize size, std::byte* rgba) {
   const AvifDecoder decoder = openAvif(encoded, name);
   checkAvif(avifDecoderNextImage(decoder.get()), name);

@@ -1,4 +1,4 @@
-// What the parts of a KTX 2.0 texture's decoder share.
+// Code that the parts of the KTX 2.0 decoder share.
 #pragma once
 
 #include <cstddef>
@@ -8,12 +8,12 @@
 
 namespace latelight::scene {
 
-// What is wrong with a texture's bytes. Whoever knows the texture's name makes the message of it.
+// Describes a defect of a texture's bytes. Callers that know the texture's name add it to the message.
 struct BrokenTexture : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// A stream of bits, each byte's least significant one first.
+// A stream of bits, from the least significant bit of each byte.
 class BitReader {
  public:
   explicit BitReader(std::span<const std::byte> bytes) : bytes_(bytes) {}

@@ -1,4 +1,4 @@
-// One codec per file, <codec>.cpp; texture.cpp chooses by a picture's first bytes.
+// Image codecs, one per file, texture_<codec>.cpp. texture.cpp chooses one by an image's first bytes.
 #pragma once
 
 #include <cstddef>
@@ -10,12 +10,12 @@
 namespace latelight::scene {
 
 struct Codec {
-  // From the header alone. Throws Error(BadInput) with `name`.
+  // Reads the size from only the header. Throws Error(BadInput) with `name`.
   ImageSize (*size)(std::span<const std::byte> encoded, const std::string& name);
   // Writes width * height RGBA pixels, rows from the top, straight (not premultiplied) alpha.
   void (*decode)(std::span<const std::byte> encoded, const std::string& name, ImageSize size,
                  std::byte* rgba) = nullptr;
-  // Instead, where files have mip levels of their own: fills them all or only the first, and returns how many.
+  // Replaces `decode` for formats with mip levels: fills all levels or only the first, and returns their number.
   uint32_t (*decodeLevels)(std::span<const std::byte> encoded, Texture& texture) = nullptr;
 };
 

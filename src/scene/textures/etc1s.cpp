@@ -1,10 +1,12 @@
+// Decodes ETC1S slices compressed by BasisLZ: Huffman-coded endpoint and selector indices per 4x4 block, which are
+// expanded to RGBA through the codebooks.
 #include "scene/textures/etc1s.h"
 
 #include <algorithm>
 
 namespace latelight::scene {
 
-// The codebook entries of a slice's blocks, one after the other, row by row.
+// Decodes the codebook indices of a slice's blocks in row order.
 class Etc1sBlocks {
  public:
   Etc1sBlocks(const Etc1sCodebooks& books, std::span<const std::byte> slice, uint32_t blocksAcross)
@@ -24,7 +26,8 @@ class Etc1sBlocks {
   }
 
  private:
-  // Two bits for each block of a square of four, which one symbol holds: the lower two wait for their row.
+  // Returns the two prediction bits of a block. One symbol holds those of a square of four blocks; the bits of its
+  // lower two blocks are stored until their row is decoded.
   uint32_t prediction(uint32_t x, uint32_t y) {
     uint8_t& square = predictions_[x / 2];
     if (x % 2 == 0 && y % 2 == 0) square = uint8_t(nextPredictions());
@@ -70,7 +73,7 @@ class Etc1sBlocks {
     return above_[x] = endpoint_;
   }
 
-  // Symbols are the codebook's entries, then those of the history, then a run of the history's first one.
+  // Symbols are the codebook's entries, followed by those of the history and a run of the history's first entry.
   uint32_t nextSelectors() {
     const auto entries = uint32_t(books_.selectors_.size());
     uint32_t symbol = entries;
@@ -97,7 +100,7 @@ class Etc1sBlocks {
     return kFewest + (symbol == kLong ? variableLength(7) : symbol);
   }
 
-  // New entries go to the second half, and rise from there when they are used: an approximate move to the front.
+  // New entries are inserted in the second half and move up when they are used: an approximate move-to-front list.
   uint32_t remember(uint32_t selectors) {
     if (history_.empty()) return selectors;
     history_[rover_++] = selectors;
@@ -118,9 +121,9 @@ class Etc1sBlocks {
 
   const Etc1sCodebooks& books_;
   BitReader reader_;
-  std::vector<uint32_t> above_;       // the endpoints of the row of blocks above, and of this one up to here
-  std::vector<uint8_t> predictions_;  // of squares of four blocks
-  std::vector<uint32_t> history_;     // of selectors
+  std::vector<uint32_t> above_;       // endpoints of the row above, and of this row up to the current block
+  std::vector<uint8_t> predictions_;  // per square of four blocks
+  std::vector<uint32_t> history_;     // recently used selectors
   uint32_t rover_;
   uint32_t endpoint_ = 0, aboveLeft_ = 0;
   uint32_t lastPredictions_ = 0, predictionRepeats_ = 0, selectorRepeats_ = 0;
@@ -184,7 +187,7 @@ void Etc1sCodebooks::decode(std::span<const std::byte> slice, ImageSize size, Ch
 
 void Etc1sCodebooks::write(const Endpoint& endpoint, const Selectors& selectors, ImageSize block, Channels channels,
                            size_t pitch, std::byte* rgba) const {
-  // ETC1's table of modifiers, in the order of ETC1S's selectors.
+  // The modifier table of ETC1, in the order of ETC1S's selectors.
   constexpr int kModifiers[8][4] = {{-8, -2, 2, 8},     {-17, -5, 5, 17},   {-29, -9, 9, 29},     {-42, -13, 13, 42},
                                     {-60, -18, 18, 60}, {-80, -24, 24, 80}, {-106, -33, 33, 106}, {-183, -47, 47, 183}};
   std::byte colors[4][4];
@@ -202,7 +205,7 @@ void Etc1sCodebooks::write(const Endpoint& endpoint, const Selectors& selectors,
       if (channels == Channels::Color)
         std::copy_n(color, 4, texel);
       else
-        texel[3] = color[1];  // green: alpha is grey
+        texel[3] = color[1];  // alpha is stored as gray: use green
     }
   }
 }

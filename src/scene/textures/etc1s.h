@@ -1,5 +1,5 @@
-// ETC1S, a subset of ETC1 that BasisLZ compresses with codebooks (KTX 2.0, "BasisLZ/ETC1S Bitstream Specification"; the
-// blocks themselves: Khronos Data Format 1.3, 21.1).
+// Decoder of ETC1S, a subset of ETC1 that BasisLZ compresses with codebooks (KTX 2.0, "BasisLZ/ETC1S Bitstream
+// Specification"; blocks: Khronos Data Format 1.3, 21.1).
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace latelight::scene {
 
-// What all slices of a texture share. Its functions throw BrokenTexture.
+// The codebooks that all slices of a texture share. Its functions throw BrokenTexture.
 class Etc1sCodebooks {
  public:
   struct Source {
@@ -21,7 +21,7 @@ class Etc1sCodebooks {
   };
   explicit Etc1sCodebooks(const Source& source);
 
-  // Decodes a slice of the colours of a picture, with alpha 1, or one of its alpha, which leaves its colours.
+  // Decodes a slice of an image's colors, with alpha 1, or a slice of its alpha, which preserves the colors.
   enum class Channels { Color, Alpha };
   void decode(std::span<const std::byte> slice, ImageSize size, Channels channels, std::byte* rgba) const;
 
@@ -31,7 +31,7 @@ class Etc1sCodebooks {
     std::array<uint8_t, 3> color5;
     uint8_t intensity;
   };
-  using Selectors = std::array<uint8_t, 4>;  // of each row, two bits a texel
+  using Selectors = std::array<uint8_t, 4>;  // per row, two bits per texel
 
   void readEndpoints(const Source& source);
   void readSelectors(const Source& source);

@@ -1,3 +1,4 @@
+// Canonical Huffman decoding, and the code length format of BasisLZ.
 #include "scene/textures/huffman.h"
 
 #include <algorithm>
@@ -5,12 +6,12 @@
 namespace latelight::scene {
 namespace {
 
-// The symbols that code lengths are stored with: a length from 0 to 16, or one of these runs.
+// The symbols with which code lengths are stored: a length from 0 to 16, or one of these runs.
 constexpr uint32_t kRunSymbols = 21, kShortZeros = 17, kLongZeros = 18, kShortRepeat = 19, kLongRepeat = 20;
 
 struct Run {
   uint32_t bits, least;
-  bool repeats;  // the length before; else zeros
+  bool repeats;  // repeats the previous length; otherwise zeros
 };
 constexpr Run kRuns[] = {{3, 3, false}, {7, 11, false}, {2, 3, true}, {7, 7, true}};
 static_assert(kLongZeros == kShortZeros + 1 && kShortRepeat == kShortZeros + 2 && kLongRepeat == kShortZeros + 3);
@@ -29,7 +30,7 @@ HuffmanTable readLengthTable(BitReader& reader) {
 HuffmanTable::HuffmanTable(std::span<const uint8_t> lengths) {
   for (uint8_t length : lengths) ++counts_[length];
   counts_[0] = 0;
-  // A code of n bits takes 2^-n of all codes.
+  // A code of n bits occupies 2^-n of the code space.
   int64_t left = 1;
   std::array<uint32_t, kLongest + 1> next{};
   for (size_t length = 1; length <= kLongest; ++length) {
@@ -43,7 +44,7 @@ HuffmanTable::HuffmanTable(std::span<const uint8_t> lengths) {
 }
 
 uint32_t HuffmanTable::decode(BitReader& reader) const {
-  // Codes of one length are consecutive numbers, and follow those of the length before.
+  // Codes of one length are consecutive numbers that follow those of the previous length.
   uint32_t code = 0, first = 0, place = 0;
   for (size_t length = 1; length <= kLongest; ++length) {
     code = code << 1 | reader.bit();

@@ -12,20 +12,21 @@ namespace latelight::scene {
 
 class HuffmanTable {
  public:
-  HuffmanTable() = default;  // of no symbols
-  // From the length of each symbol's code; 0: it has none. Throws BrokenTexture if no code has these lengths.
+  HuffmanTable() = default;  // no symbols
+  // Builds the table from the length of each symbol's code; 0: no code. Throws BrokenTexture if no code has these
+  // lengths.
   explicit HuffmanTable(std::span<const uint8_t> lengths);
 
-  // Throws BrokenTexture if no symbol has the code that follows.
+  // Returns the next symbol. Throws BrokenTexture if no symbol has the following code.
   uint32_t decode(BitReader& reader) const;
 
  private:
   static constexpr size_t kLongest = 16;
-  std::array<uint32_t, kLongest + 1> counts_{};  // of codes, by their length
-  std::vector<uint16_t> symbols_;                // in the order of their codes
+  std::array<uint32_t, kLongest + 1> counts_{};  // number of codes, by length
+  std::vector<uint16_t> symbols_;                // in code order
 };
 
-// A table as BasisLZ stores it (KTX 2.0, "Compressed Huffman Tables").
+// Reads a table as BasisLZ stores it (KTX 2.0, "Compressed Huffman Tables").
 HuffmanTable readHuffmanTable(BitReader& reader);
 
 }  // namespace latelight::scene

@@ -1,3 +1,4 @@
+// Decodes JPEG images with libjpeg-turbo.
 #include <turbojpeg.h>
 
 #include <memory>
@@ -31,10 +32,10 @@ Header readHeader(std::span<const std::byte> encoded, const std::string& name) {
   return header;
 }
 
-// Warnings leave a usable picture, unless the data ended early and the rest of it is grey.
+// After warnings the image is usable, unless the data ended early and the rest of it is gray.
 void decompress(const Header& header, std::span<const std::byte> encoded, const std::string& name, TJPF format,
                 std::byte* pixels) {
-  // LIMITSCANS: a small progressive file can otherwise ask for hours of work.
+  // LIMITSCANS: a small progressive file could otherwise require hours of work.
   if (tjDecompress2(header.decoder.get(), bytesOf(encoded), encoded.size(), reinterpret_cast<unsigned char*>(pixels),
                     int(header.size.width), 0, int(header.size.height), format, TJFLAG_LIMITSCANS) == 0)
     return;

@@ -1,5 +1,5 @@
-// KTX 2.0 files (Khronos, 2020) with what KHR_texture_basisu allows in them: two-dimensional pictures in ETC1S, which
-// BasisLZ compresses, and in UASTC, plain or compressed by Zstandard.
+// KTX 2.0 files (Khronos, 2020) as KHR_texture_basisu restricts them: two-dimensional images in ETC1S, which BasisLZ
+// compresses, and in UASTC, plain or compressed by Zstandard.
 #include <zstd.h>
 
 #include <algorithm>
@@ -60,7 +60,7 @@ struct Ktx2Header {
   Bytes descriptor, metadata, global;
 
   uint32_t model() const { return uint32_t(numberAt(descriptor, 12, 1)); }
-  // Of the basic descriptor's samples: a second one is alpha.
+  // The basic descriptor's second sample, if present, is alpha.
   bool hasAlphaSlice() const { return numberAt(descriptor, 10, 2) >= 24 + 2 * 16; }
 };
 
@@ -77,7 +77,7 @@ Ktx2Level levelOf(Bytes file, const Ktx2Header& header, uint32_t index) {
           longAt(file, entry + 16)};
 }
 
-// A value of the file's keys and values, or nothing.
+// Returns a value of the file's key/value data, or nullopt if the key does not exist.
 std::optional<std::string_view> findValue(Bytes metadata, std::string_view wanted) {
   for (uint64_t at = 0; at < metadata.size();) {
     const uint32_t length = wordAt(metadata, at);
@@ -151,7 +151,7 @@ void fill(Bytes file, Texture& texture, uint32_t levels) {
   }
 }
 
-// Runs `body` and gives what it finds broken the texture's name.
+// Runs `body` and adds the texture's name to its errors.
 template <typename Body>
 auto named(const std::string& name, Body body) {
   try {
@@ -173,7 +173,7 @@ uint32_t decodeKtx2(Bytes encoded, Texture& texture) {
   return named(texture.name, [&] {
     const uint32_t stored = Ktx2Header(encoded).levels;
     if (stored > texture.levels) throw BrokenTexture("it has more mip levels than its size allows");
-    // A part of the chain is no use: the rest is made from level 0, as for other textures.
+    // An incomplete mip chain is not used: the other levels are generated from level 0, as for other textures.
     const uint32_t used = stored == texture.levels ? stored : 1;
     fill(encoded, texture, used);
     return used;

@@ -1,4 +1,4 @@
-// Mip levels by a box filter. Integer arithmetic throughout, so every machine gives the same bytes.
+// Generates mip levels with a box filter. All arithmetic is in integers, so that every machine produces the same bytes.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,8 +18,8 @@ struct Level {
   bool srgb;
 };
 
-// sRGB (IEC 61966-2-1) to linear light in 16 bits, and back from its upper 14: at black one sRGB step is 20 of the
-// former and 5 of the latter, so a flat colour survives any number of levels unchanged (tested).
+// Conversion from sRGB (IEC 61966-2-1) to linear light in 16 bits, and back from its upper 14 bits. At black, one sRGB
+// step is 20 of the former and 5 of the latter, so a flat color survives any number of levels unchanged (tested).
 struct SrgbTables {
   std::array<uint16_t, 256> linear;
   std::array<uint8_t, 16384> coded;
@@ -43,7 +43,8 @@ const SrgbTables& srgbTables() {
   return tables;
 }
 
-// Rows of even size: four pixels become one. Two channels per register, spaced so that sums don't overlap.
+// Halves rows of even size: four pixels become one. Two channels are processed per register, spaced so that sums don't
+// overlap.
 LATELIGHT_VECTOR_CLONES
 void halveRow(const uint32_t* above, const uint32_t* below, uint32_t* target, size_t count) {
   constexpr uint32_t kLanes = 0x00ff00ffu, kHalf = 0x00020002u;
@@ -70,9 +71,9 @@ void halveRowSrgb(const uint32_t* aboveRow, const uint32_t* belowRow, uint32_t* 
   }
 }
 
-// The source pixels that target pixel `i` covers along one axis, and their weights, in units of 1 / total. An odd size
-// n covers n / ((n - 1) / 2) pixels: two and a bit, with weights that change along the row (Guthe and Heckbert,
-// "Non-power-of-two mipmap creation", NVIDIA 2005).
+// The source pixels that target pixel `i` covers along one axis, and their weights in units of 1 / total. For an odd
+// size n, a target pixel covers n / ((n - 1) / 2) pixels: between two and three, with weights that change along the row
+// (Guthe and Heckbert, "Non-power-of-two mipmap creation", NVIDIA 2005).
 struct Taps {
   uint32_t first;
   uint32_t count;

@@ -1,3 +1,4 @@
+// Decodes PNG images with libspng.
 #include <spng.h>
 
 #include <memory>
@@ -17,7 +18,7 @@ void check(int result, const std::string& name) {
 Context open(std::span<const std::byte> encoded, const std::string& name) {
   Context context(spng_ctx_new(0), spng_ctx_free);
   if (!context) throw std::bad_alloc();
-  // Text and profile chunks are skipped, but a limit keeps a bad one from asking for gigabytes.
+  // Text and profile chunks are skipped, but limits prevent an invalid one from requesting gigabytes.
   check(spng_set_chunk_limits(context.get(), 64u << 20, 64u << 20), name);
   check(spng_set_png_buffer(context.get(), encoded.data(), encoded.size()), name);
   return context;
@@ -30,8 +31,8 @@ ImageSize sizeOfPng(std::span<const std::byte> encoded, const std::string& name)
   return {header.width, header.height};
 }
 
-// Colour profiles and gamma are ignored, as glTF 2.0 (3.8.3) asks.
-void decodePng(std::span<const std::byte> encoded, const std::string& name, ImageSize size, std::byte* rgba) {
+// Color profiles and gamma are ignored, as glTF 2.0 (3.8.3) requires.
+void decode(std::span<const std::byte> encoded, const std::string& name, ImageSize size, std::byte* rgba) {
   Context context = open(encoded, name);
   size_t bytes = size_t(size.width) * size.height * 4;
   check(spng_decode_image(context.get(), rgba, bytes, SPNG_FMT_RGBA8, SPNG_DECODE_TRNS), name);

@@ -1,4 +1,4 @@
-// Formats that glTF does not allow but that occur in real files.
+// BMP, TGA and GIF images, which glTF does not allow but which occur in real files.
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_BMP

@@ -1,3 +1,4 @@
+// Chooses the codec of an image by its first bytes, and shares the pixels of textures decoded from the same bytes.
 #include "scene/textures/texture.h"
 
 #include <sys/mman.h>
@@ -23,7 +24,7 @@ bool startsWith(std::span<const std::byte> bytes, std::string_view magic, size_t
   return bytes.size() >= at + magic.size() && std::memcmp(bytes.data() + at, magic.data(), magic.size()) == 0;
 }
 
-// TGA has no magic: its header must make sense (Truevision TGA 2.0, field 3: image type, field 5.5: depth).
+// TGA has no magic number, so its header must be plausible (Truevision TGA 2.0, field 3: image type, field 5.5: depth).
 bool looksLikeTga(std::span<const std::byte> bytes) {
   if (bytes.size() < 18) return false;
   int colorMap = int(bytes[1]), type = int(bytes[2]), depth = int(bytes[16]);
@@ -45,7 +46,7 @@ const Codec& chooseCodec(std::span<const std::byte> encoded, const std::string& 
   badInput("{} is not a JPEG, PNG, WebP, KTX2, AVIF, BMP, TGA or GIF image", name);
 }
 
-// Returns how many levels it has filled.
+// Returns the number of levels that it has filled.
 uint32_t decodeLevels(const Codec& codec, std::span<const std::byte> encoded, Texture& texture) {
   if (codec.decodeLevels) return codec.decodeLevels(encoded, texture);
   codec.decode(encoded, texture.name, {texture.width, texture.height}, texture.pixels.get());
@@ -61,18 +62,19 @@ ImageSize checkedSize(const Codec& codec, std::span<const std::byte> encoded, co
   return size;
 }
 
-// Textures are written once, sequentially: with 4 KiB pages the page faults cost more than the mip levels.
+// Textures are written once, sequentially. With 4 KiB pages, the page faults would cost more than generating the mip
+// levels.
 void preferHugePages(std::byte* begin, size_t bytes) {
   constexpr uintptr_t kHugePage = 2u << 20;
   uintptr_t first = (reinterpret_cast<uintptr_t>(begin) + kHugePage - 1) & ~(kHugePage - 1);
   uintptr_t last = (reinterpret_cast<uintptr_t>(begin) + bytes) & ~(kHugePage - 1);
-  if (last > first) madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);  // a hint: may fail
+  if (last > first) madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);  // a hint, which may fail
 }
 
-// The pixels of all textures that live, by what they were decoded from.
+// The pixels of all live textures, indexed by their encoded source.
 class SharedPixels {
  public:
-  using Key = std::tuple<uint64_t, size_t, bool>;  // hash and size of the encoded bytes, and whether they are sRGB
+  using Key = std::tuple<uint64_t, size_t, bool>;  // hash and size of the encoded bytes, and the sRGB flag
 
   std::shared_ptr<std::byte[]> find(const Key& key) {
     const std::lock_guard lock(mutex_);

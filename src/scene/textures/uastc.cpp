@@ -1,3 +1,5 @@
+// Decodes UASTC LDR blocks: reads a block's mode, partition pattern, quantized endpoints and weights, dequantizes them,
+// and interpolates the endpoints per texel as ASTC does.
 #include "scene/textures/uastc.h"
 
 #include <algorithm>
@@ -11,16 +13,15 @@
 namespace latelight::scene {
 namespace {
 
-// --- the modes
-// --------------------------------------------------------------------------------------------------------
+// --- block modes -----------------------------------------------------------------------------------------------------
 
-// What a value of an endpoint is made of: a digit of that radix (1: none) above some bits.
+// The encoding of an endpoint value: a digit of that radix (1: none) above some bits.
 struct Range {
   uint32_t radix, bits;
 };
 
 struct Mode {
-  uint32_t codeBits, code;  // with which a block starts
+  uint32_t codeBits, code;  // prefix code at the start of a block
   uint32_t hintBits;        // for transcoders to other formats
   uint32_t components;      // 2: luminance and alpha
   uint32_t subsets, planes;
@@ -38,7 +39,7 @@ constexpr Mode kMode[kModes] = {
     {7, 5, 23, 2, 1, 1, {1, 8}, 4},  {6, 21, 23, 2, 2, 1, {1, 8}, 2}, {6, 37, 23, 2, 1, 2, {1, 8}, 2},
     {4, 9, 15, 3, 1, 1, {1, 5}, 5}};
 
-// The subset of each texel, two bits each: ASTC's partitions that BC7 has as well.
+// The subset of each texel, two bits each: the ASTC partitions that BC7 has as well.
 constexpr uint32_t kPairs[] = {0x50505050, 0x40404040, 0x01010101, 0x54505040, 0x05151555, 0x55545450,
                                0x00010515, 0x01051555, 0x50400000, 0x00000105, 0x55544000, 0x01155555,
                                0x00000115, 0x00005555, 0x55555500, 0x00555555, 0x55551501, 0x40545555,
@@ -50,7 +51,7 @@ constexpr uint32_t kOtherPairs[] = {0x00005500, 0x10101010, 0x00010505, 0x505040
 constexpr uint32_t kTriples[] = {0xa5a50000, 0xaa005555, 0xaa000055, 0x0000aa55, 0x25252525, 0x94949494,
                                  0x58585858, 0x56560202, 0x92929292, 0x55aa0055, 0xa05050a0};
 
-// The mode of each value of a block's first seven bits; kModes: none.
+// The mode for each value of a block's first seven bits; kModes if invalid.
 constexpr std::array<uint8_t, 128> kModeOf = [] {
   std::array<uint8_t, 128> modes{};
   modes.fill(kModes);
@@ -60,7 +61,7 @@ constexpr std::array<uint8_t, 128> kModeOf = [] {
   return modes;
 }();
 
-// Digits come in groups, which are one number: five of radix 3 in 8 bits, three of radix 5 in 7.
+// Digits are stored in groups, each as one number: five of radix 3 in 8 bits, three of radix 5 in 7.
 constexpr uint32_t digitsAGroup(uint32_t radix) {
   return radix == 3 ? 5 : 3;
 }
@@ -70,8 +71,7 @@ constexpr uint32_t groupBits(uint32_t radix, uint32_t digits) {
   return uint32_t(std::bit_width(values - 1));
 }
 
-// --- a block
-// ----------------------------------------------------------------------------------------------------------
+// --- decoding a block ------------------------------------------------------------------------------------------------
 
 class BlockBits {
  public:
@@ -103,7 +103,7 @@ uint32_t takePattern(const Mode& mode, bool otherPairs, BlockBits& bits) {
   return patterns[index];
 }
 
-// Khronos Data Format 1.3, 23.13: the value's bits without the lowest one, repeated to fill 9.
+// Returns the value's bits without the lowest one, repeated to fill 9 bits (Khronos Data Format 1.3, 23.13).
 uint32_t repeated(Range range, uint32_t x) {
   if (range.radix == 3) return range.bits == 2 ? x * 0x116 : range.bits == 4 ? x << 6 | x : x << 4 | x >> 4;
   return range.bits == 3 ? x << 7 | x << 1 | x >> 1 : x << 5 | x >> 3;
@@ -122,7 +122,7 @@ uint8_t unquantized(Range range, uint32_t digit, uint32_t low) {
   return uint8_t((flip & 0x80) | value >> 2);
 }
 
-// Pairs, low and high, of each component of each subset.
+// Reads endpoints: pairs, low and high, of each component of each subset.
 std::array<uint8_t, 18> takeEndpoints(const Mode& mode, BlockBits& bits) {
   const Range range = mode.endpoints;
   const uint32_t count = 2 * mode.components * mode.subsets;
@@ -140,7 +140,7 @@ std::array<uint8_t, 18> takeEndpoints(const Mode& mode, BlockBits& bits) {
   return values;
 }
 
-// In units of 1/64. The highest bit of each subset's first texel is 0 and not stored.
+// Weights in units of 1/64. The highest bit of each subset's first texel is 0 and not stored.
 struct Weights {
   uint8_t of[16][2];
 };

@@ -1,3 +1,4 @@
+// Decodes WebP images with libwebp.
 #include <webp/decode.h>
 
 #include "base/error.h"

@@ -11,8 +11,7 @@ namespace {
 
 constexpr int kFlutes = 20;
 constexpr double kShaftFoot = 0.6, kShaftHead = 3.86, kHeadRadius = 0.3;
-const vec3 kSomewhere(float(kColumnX), 0, float(kBay / 2));  // a column's position: all columns have the same
-                                                             // surroundings
+const vec3 kSomewhere(float(kColumnX), 0, float(kBay / 2));  // any column: their surroundings are equal
 
 Path around(const Detail& detail, double normal, uint32_t least, double radius) {
   return circle(Axis{}, detail.segments(normal, least), radius);

@@ -12,7 +12,7 @@ constexpr int kAround = 9, kAlong = 3;  // coffers across a half circle, and alo
 constexpr double kTurn = 0.5 / kAround;
 constexpr double kRibHalf = 0.3, kBarHalf = 0.11;
 constexpr double kPitch = (kBay - 2 * kRibHalf) / kAlong;
-constexpr double kHalfAround = kVaultRadius * kTurn * kPi - kBarHalf + 0.02;  // half of a coffer's opening inside its
+constexpr double kHalfAround = kVaultRadius * kTurn * kPi - kBarHalf + 0.02;  // half a coffer's opening between its
                                                                               // bars
 constexpr double kHalfAlong = kPitch / 2 - kBarHalf + 0.02;
 constexpr double kDepth = 0.21;  // of the coffer's ground behind the vault's surface
