@@ -21,7 +21,7 @@ using glm::dmat4;
 using glm::dvec3;
 using glm::dvec4;
 
-// --- keyframe interpolation ------------------------------------------------------------------------------------------
+// --- keyframe interpolation -----------------------------------------------------------------------------------------
 
 glm::dquat quaternion(const dvec4& v) {
   const double length = glm::length(v);
@@ -112,7 +112,7 @@ glm::vec4 valueAt(const ValueTrack& track, double seconds) {
   return {value[0], value[1], value[2], value[3]};
 }
 
-// --- playback --------------------------------------------------------------------------------------------------------
+// --- playback -------------------------------------------------------------------------------------------------------
 
 std::string animationList(const Scene& scene) {
   std::string names;

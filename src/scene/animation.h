@@ -59,7 +59,7 @@ struct RigNode {
   glm::dmat4 matrix{1};
   glm::dvec3 translation{0}, scale{1};
   glm::dvec4 rotation{0, 0, 0, 1};  // xyzw
-  std::vector<float> weights;       // of its mesh's morph targets at rest
+  std::vector<float> weights;       // rest weights of its mesh's morph targets
   bool visible = true;              // effective only if all its parents are visible
 };
 
@@ -97,7 +97,7 @@ struct Deformation {
   bool mirroredAtRest = false;       // joints mirror the mesh at rest: its winding is opposite to the file's
   std::vector<glm::vec3> positions;  // undeformed
   std::vector<shared::VertexAttributes> attributes;  // texture coordinates don't change
-  uint32_t influences = 0;                           // joints per vertex: a multiple of 4, 0 where there is no skin
+  uint32_t influences = 0;                           // joints per vertex: a multiple of 4, 0 without a skin
   std::vector<uint32_t> joints;                      // indices into the skin's joints; `influences` per vertex
   std::vector<float> jointWeights;                   // `influences` per vertex; at least 0, with a sum of 1
   std::vector<MorphTarget> targets;

@@ -76,7 +76,7 @@ inline constexpr float kSpheresRadius = 0.44f, kSpheresPitch = 1.0f;
 inline constexpr vec3 kSpheresBaseColor{0.955f, 0.62f, 0.33f};
 vec3 spheresCentre(uint32_t column, uint32_t row);
 
-// --- builtin:hall (builtin/hall) -------------------------------------------------------------------------------------
+// --- builtin:hall (builtin/hall) ------------------------------------------------------------------------------------
 //
 // A colonnaded hall with a coffered barrel vault, aisles and a gallery, lit by warm point lights: see
 // scene/builtin/hall/hall.h. Its parameters:

@@ -36,8 +36,8 @@ std::vector<Placed> placed(const Mesh& mesh) {
   return triangles;
 }
 
-// Partitions triangles into two halves of whole clusters, by the median along the longest axis of their centroids.
-// Returns the size of the first half.
+// Partitions triangles into two halves, the first a multiple of the cluster size, by the median along the longest axis
+// of their centroids. Returns the size of the first half.
 size_t halve(std::span<Placed> triangles) {
   vec3 low = triangles.front().middle, high = low;
   for (const Placed& t : triangles) {

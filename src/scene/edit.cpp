@@ -82,7 +82,7 @@ void removeNode(Scene& scene, uint32_t index) {
   scene.edits.freeNodes.push_back(index);
 }
 
-// --- references between elements -------------------------------------------------------------------------------------
+// --- references between elements ------------------------------------------------------------------------------------
 
 // Throws if an instance refers to that mesh or material. `member` selects which of the two.
 void requireUnused(const Scene& scene, uint32_t Instance::*member, uint32_t index, const std::string& what) {

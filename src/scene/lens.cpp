@@ -223,7 +223,7 @@ double longest(dvec3 v) {
 
 }  // namespace
 
-// --- user input ------------------------------------------------------------------------------------------------------
+// --- user input -----------------------------------------------------------------------------------------------------
 
 const LensModelInfo& infoOf(LensModel model) {
   return kModels[static_cast<size_t>(model)];
@@ -287,7 +287,7 @@ Lens scaledTo(const Lens& lens, uint32_t width, uint32_t height) {
   return scaled;
 }
 
-// --- projection between directions and pixels ------------------------------------------------------------------------
+// --- projection between directions and pixels -----------------------------------------------------------------------
 
 LensProjection::LensProjection(const Lens& lens) : lens_(lens) {
   if (lens.model == LensModel::OpenCv) most_ = Radial(lens).turn();

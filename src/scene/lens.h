@@ -52,8 +52,8 @@ Lens scaledTo(const Lens& lens, uint32_t width, uint32_t height);
 // The projection of a lens in double precision, between directions of the camera's frame (X right, Y down, Z forward)
 // and pixel coordinates of the images for which it is calibrated.
 //
-// A distortion polynomial may turn back, so that a pixel would see two directions. Only directions before the first
-// turning point, and before the first pole of a rational polynomial, are visible. All other directions and pixels
+// A distortion polynomial may turn back, so that a pixel would correspond to two directions. Only directions before the
+// first turning point, and before the first pole of a rational polynomial, are visible. All other directions and pixels
 // return nullopt.
 class LensProjection {
  public:
@@ -61,7 +61,7 @@ class LensProjection {
 
   // Projects a direction of any length except 0.
   std::optional<glm::dvec2> project(glm::dvec3 direction) const;
-  // Returns the unit direction that a pixel coordinate sees.
+  // Returns the unit direction that a pixel coordinate corresponds to.
   std::optional<glm::dvec3> unproject(glm::dvec2 pixel) const;
   // Returns the depth in meters along the camera's axis per meter along this unit direction. Depth is along the face's
   // axis in a cube map, and the factor is 1 in an equirectangular image, which has no axis.

@@ -80,7 +80,7 @@ struct Mesh {
   std::vector<shared::VertexExtra> extras;  // empty, or one per vertex
   std::vector<uint32_t> indices;            // 3 per triangle, counter-clockwise front faces
   vec3 boundsMin{0}, boundsMax{0};          // object space
-  float longestEdge = 0;                    // of its triangles, in object space
+  float longestEdge = 0;                    // maximum over its triangles, in object space
   // The deformation of its vertices, or null. If it is set, the positions, normals and tangents above are those at
   // rest.
   std::shared_ptr<const Deformation> deformation;

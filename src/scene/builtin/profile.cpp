@@ -58,7 +58,7 @@ void keepFarPoints(const std::vector<dvec2>& points, size_t first, size_t last, 
   keepFarPoints(points, farthest, last, tolerance, keep);
 }
 
-// Returns the simplified profile. Where it bends by less than about 50 degrees it becomes smooth.
+// Returns the simplified profile. Vertices with a bend of less than about 50 degrees become smooth.
 std::vector<Profile::Run> simplified(const std::vector<Profile::Run>& runs, double tolerance) {
   std::vector<dvec2> points;
   for (const Profile::Run& run : runs)

@@ -26,7 +26,7 @@ class Profile {
   Profile& curve(const std::vector<dvec2>& points, double segmentsEach = 2);
   // The next element continues the previous one without a sharp edge.
   Profile& smooth();
-  Profile& segments(double normal, uint32_t least = 1);  // of the last element, at detail 1
+  Profile& segments(double normal, uint32_t least = 1);  // sets the last element's segments at detail 1
 
   // Preserves all members at low detail. Thin shells require this, because their two sides would otherwise cross.
   Profile& whole();
@@ -64,7 +64,7 @@ struct Frame {
 struct Path {
   uint32_t columns = 1;
   bool closed = false;
-  double wholeTiles = 0;  // length of a closed path in meters, rounded to whole tiles to match at the seam
+  double wholeTiles = 0;  // length of a closed path in meters, rounded to full tiles to match at the seam
   std::function<Frame(double u)> frame;
 };
 

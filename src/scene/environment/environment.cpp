@@ -24,7 +24,7 @@ constexpr uint32_t kMagic = 0x564e454c;  // "LENV"
 constexpr size_t kMostImages = 16;
 constexpr uint32_t kStudioHeight = 256;
 
-// --- the cache: a header, then the texels of every map ---------------------------------------------------------------
+// --- the cache: a header, then the texels of every map --------------------------------------------------------------
 
 struct CacheHeader {
   uint32_t magic = kMagic, version = kFileVersion;
@@ -99,7 +99,7 @@ std::optional<Environment> restore(uint64_t key) {
   return environment;
 }
 
-// --- sources ---------------------------------------------------------------------------------------------------------
+// --- sources --------------------------------------------------------------------------------------------------------
 
 template <typename Make>
 Environment cached(uint64_t key, Make make) {

@@ -1,5 +1,5 @@
 // Resamples an equirectangular image to the octahedral map of the mirror level: rows are blurred by the inverse sine of
-// the polar angle, and each texel averages up to four bilinear samples.
+// the polar angle, and each texel averages one or four bilinear samples.
 #include "scene/environment/mirror.h"
 
 #include <algorithm>

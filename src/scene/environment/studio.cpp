@@ -18,7 +18,7 @@ using glm::vec3;
 // A rectangular lamp, as its outline on a plane at distance 1 from the center of the room. World axes: Z up; the usual
 // camera looks along +Y.
 struct SoftBox {
-  vec3 direction;   // of its center
+  vec3 direction;   // to its center
   vec3 across;      // roughly along its first side
   vec2 halfExtent;  // tangents of half angles: across, and perpendicular to it
   float edge;       // half the width of its soft edge, in the same unit as halfExtent

@@ -21,7 +21,7 @@ namespace {
 
 using tinygltf::Value;
 
-constexpr uint32_t kLeastHeight = 64, kMostHeight = 1024;  // of the resampled equirectangular image
+constexpr uint32_t kLeastHeight = 64, kMostHeight = 1024;  // height of the resampled image
 
 vec3 gltfFromWorld(const vec3& d) {
   return {d.x, d.z, -d.y};

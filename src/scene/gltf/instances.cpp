@@ -37,8 +37,8 @@ std::vector<double> weightsOf(const tinygltf::Node& node, const tinygltf::Mesh& 
   return idle ? std::vector<double>() : weights;
 }
 
-// Returns the texture slot whose coordinates tangents follow. An anisotropic surface without such a texture uses those
-// of the anisotropy slot, with the first UV set.
+// Returns the texture slot whose coordinates tangents follow. An anisotropic surface without such a texture uses the
+// anisotropy slot, whose default is the first UV set.
 std::optional<uint32_t> tangentSlot(const Material& material) {
   for (const uint32_t slot : {shared::kTextureNormal, shared::kTextureClearcoatNormal, shared::kTextureAnisotropy})
     if (material.data.textures & 1u << slot) return slot;

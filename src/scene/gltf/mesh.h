@@ -23,8 +23,8 @@ struct TangentSpace {
 struct MeshRequest {
   int mesh = 0, primitive = 0;
   int skin = -1;                             // skin to apply in its rest pose, in the file's own frame; -1: none
-  std::vector<double> weights;               // of morph targets at rest; empty: morph targets are ignored
-  int weightsNode = -1;                      // the glTF node whose weights are animated; -1: none
+  std::vector<double> weights;               // rest weights of morph targets; empty: morph targets are ignored
+  int weightsNode = -1;                      // glTF node with animated weights; -1: none
   std::optional<TangentSpace> tangentSpace;  // set if tangents are required
   bool operator==(const MeshRequest&) const = default;
 };

@@ -50,7 +50,7 @@ enum class Kind {
   IndexMap,  // object with indices as values and arbitrary names
   IndexMaps,
   Ids,     // object with integers >= 0 as values and arbitrary names
-  Object,  // of `schema`
+  Object,  // object with the rules of `schema`
   Objects,
   Lists  // array of arrays, each as `list` specifies
 };
@@ -96,7 +96,7 @@ constexpr Rule numbers(std::string_view key, size_t fewest, size_t atMost) {
 constexpr Rule share(std::string_view key) {
   return number(key, 0, 1);
 }
-constexpr Rule shares(std::string_view key) {  // of three colors
+constexpr Rule shares(std::string_view key) {  // an RGB color
   return {.key = key, .kind = Kind::Numbers, .least = 0, .most = 1, .fewest = 3, .atMost = 3};
 }
 constexpr Rule string(std::string_view key, bool required = false) {
@@ -477,8 +477,8 @@ class Validator {
     }
   }
 
-  // Returns true for a number that must be positive but is not, because clamping it to the end of its range is
-  // meaningless.
+  // Returns true for a number that must be positive but is not. It is removed, because clamping it to the end of its
+  // range would be meaningless.
   static bool isNotPositive(const json& value, const Rule& rule) {
     return rule.kind == Kind::Number && rule.least == kPositive && value.is_number() && value.get<double>() < kPositive;
   }

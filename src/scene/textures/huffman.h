@@ -12,7 +12,7 @@ namespace latelight::scene {
 
 class HuffmanTable {
  public:
-  HuffmanTable() = default;  // no symbols
+  HuffmanTable() = default;  // an empty table
   // Builds the table from the length of each symbol's code; 0: no code. Throws BrokenTexture if no code has these
   // lengths.
   explicit HuffmanTable(std::span<const uint8_t> lengths);

@@ -72,8 +72,8 @@ void halveRowSrgb(const uint32_t* aboveRow, const uint32_t* belowRow, uint32_t* 
 }
 
 // The source pixels that target pixel `i` covers along one axis, and their weights in units of 1 / total. For an odd
-// size n, a target pixel covers n / ((n - 1) / 2) pixels: between two and three, with weights that change along the row
-// (Guthe and Heckbert, "Non-power-of-two mipmap creation", NVIDIA 2005).
+// size n, a target pixel covers n / ((n - 1) / 2) pixels: more than two and at most three, with weights that change
+// along the row (Guthe and Heckbert, "Non-power-of-two mipmap creation", NVIDIA 2005).
 struct Taps {
   uint32_t first;
   uint32_t count;

@@ -1,5 +1,5 @@
 // The hall's dimensions, in meters in its own frame: Y up, the nave along Z, the apse at -Z, the door at +Z. Dimensions
-// that place pieces are multiples of 1/16, so that copies translated in floats meet exactly.
+// that position pieces are multiples of 1/16, so that copies translated in floats meet exactly.
 #pragma once
 
 namespace latelight::scene::builtin::hall {

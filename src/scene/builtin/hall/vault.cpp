@@ -15,7 +15,7 @@ constexpr double kPitch = (kBay - 2 * kRibHalf) / kAlong;
 constexpr double kHalfAround = kVaultRadius * kTurn * kPi - kBarHalf + 0.02;  // half a coffer's opening between its
                                                                               // bars
 constexpr double kHalfAlong = kPitch / 2 - kBarHalf + 0.02;
-constexpr double kDepth = 0.21;  // of the coffer's ground behind the vault's surface
+constexpr double kDepth = 0.21;  // depth of the coffer's ground behind the vault's surface
 
 // Maps coordinates on the vault's surface to space, with the vault's axis along Z through the origin: `p` meters around
 // from the crown, `q` along the axis, `d` outwards behind the surface.
