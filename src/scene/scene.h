@@ -107,9 +107,9 @@ struct Instance {
 
 struct Node {
   std::string name;
-  std::string path;  // names from the root ("/Root/Hand"); unnamed nodes are "node<index>", duplicates get "#2", ...
-  std::string mesh;  // name of its mesh; empty if it has none
-  uint32_t id = 0;   // stable, unique in the scene, never 0; in a group, that of the topmost node
+  std::string path;    // names from the root ("/Root/Hand"); unnamed nodes are "node<index>", duplicates get "#2", ...
+  std::string mesh;    // name of its mesh; empty if it has none
+  uint32_t id = 0;     // stable, unique in the scene, never 0; in a group, that of the topmost node
   uint32_t added = 0;  // number of instances that an edit added to it (edit.h); the node is removed with the last one
   int parent = -1;
   dmat4 local{1};    // in the file's own frame
