@@ -13,7 +13,7 @@
 namespace latelight::app {
 
 glm::dvec3 parseVector(const std::string& option, const std::string& text);  // "x,y,z"
-std::pair<uint32_t, uint32_t> parseFrames(const std::string& text);         // "0-47", or "5"
+std::pair<uint32_t, uint32_t> parseFrames(const std::string& text);          // "0-47", or "5"
 // Parses "1,100,10k,1M". Rejects 0.
 std::vector<uint64_t> parseCounts(const std::string& option, const std::string& text);
 std::optional<size_t> parseIndex(std::string_view text);  // an integer, or nothing

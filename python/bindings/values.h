@@ -47,7 +47,7 @@ double numberOf(nb::handle value, std::string_view name);
 float floatOf(nb::handle value, std::string_view name);
 int64_t integerOf(nb::handle value, std::string_view name, int64_t least, int64_t most);
 std::string textOf(nb::handle value, std::string_view name);
-std::string pathOf(nb::handle value, std::string_view name);  // a str or os.PathLike
+std::string pathOf(nb::handle value, std::string_view name);                // a str or os.PathLike
 std::vector<std::string> pathsOf(nb::handle value, std::string_view name);  // one, or a list of them
 std::vector<std::string> textsOf(nb::handle value, std::string_view name);
 // Returns the items of any iterable. `what` names the expected list in the message: "a list of texts".

@@ -331,7 +331,8 @@ std::vector<glm::mat4> jointMatrices(const Skin& skin, const Pose& pose) {
   std::vector<glm::mat4> matrices;
   matrices.reserve(skin.joints.size());
   for (size_t i = 0; i < skin.joints.size(); ++i)
-    matrices.emplace_back(glm::translate(dmat4(1), -skin.origin) * pose.world[skin.joints[i]] * dmat4(skin.inverseBind[i]));
+    matrices.emplace_back(glm::translate(dmat4(1), -skin.origin) * pose.world[skin.joints[i]] *
+                          dmat4(skin.inverseBind[i]));
   return matrices;
 }
 

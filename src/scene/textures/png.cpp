@@ -32,7 +32,7 @@ ImageSize sizeOfPng(std::span<const std::byte> encoded, const std::string& name)
 }
 
 // Color profiles and gamma are ignored, as glTF 2.0 (3.8.3) requires.
-void decode(std::span<const std::byte> encoded, const std::string& name, ImageSize size, std::byte* rgba) {
+void decodePng(std::span<const std::byte> encoded, const std::string& name, ImageSize size, std::byte* rgba) {
   Context context = open(encoded, name);
   size_t bytes = size_t(size.width) * size.height * 4;
   check(spng_decode_image(context.get(), rgba, bytes, SPNG_FMT_RGBA8, SPNG_DECODE_TRNS), name);
