@@ -57,7 +57,7 @@ Settings keptSettings() {
 class KeptShadowsTest : public RenderTest {
  protected:
   // How many maps a frame has to draw, which it does.
-  static size_t drawn(const GpuScene& scene, const scene::Camera& camera, KeptShadowMaps& kept,
+  static size_t drawn(const GpuScene& scene, const scene::Camera& camera, ShadowMapCache& kept,
                       const Settings& settings = keptSettings()) {
     const shared::View view = makeView(camera, settings.width, settings.height);
     FrameShadows shadows = shadowsOf(scene, {&view, 1}, kept, settings);
@@ -65,7 +65,7 @@ class KeptShadowsTest : public RenderTest {
     return shadows.maps().size();
   }
 
-  static FrameShadows shadowsOf(const GpuScene& scene, std::span<const shared::View> views, KeptShadowMaps& kept,
+  static FrameShadows shadowsOf(const GpuScene& scene, std::span<const shared::View> views, ShadowMapCache& kept,
                                 const Settings& settings = keptSettings()) {
     return {device(), scene, planShadows(shadowSceneOf(scene), views, settings), settings, kept};
   }
@@ -82,7 +82,7 @@ class KeptShadowsTest : public RenderTest {
 TEST_F(KeptShadowsTest, OnlyWhatChangesIsDrawnAgain) {
   scene::Scene scene = ballsUnderLamps();
   GpuScene uploaded(device(), scene);
-  KeptShadowMaps kept;
+  ShadowMapCache kept;
   const auto now = [&] {
     uploaded.update({}, std::nullopt);
     return drawn(uploaded, cameraAt(0), kept);
@@ -123,7 +123,7 @@ TEST_F(KeptShadowsTest, OnlyWhatChangesIsDrawnAgain) {
 TEST_F(KeptShadowsTest, OtherMapsAreOtherMaps) {
   const scene::Scene scene = ballsUnderLamps();
   const GpuScene uploaded(device(), scene);
-  KeptShadowMaps kept;
+  ShadowMapCache kept;
   Settings settings = keptSettings();
   EXPECT_EQ(drawn(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
   settings.shadowFilter = ShadowFilter::Hard;  // whose bias is another
@@ -145,7 +145,7 @@ TEST_F(KeptShadowsTest, CascadesAreKeptOneByOne) {
   scene::Scene scene = ballsUnderLamps();
   scene.lights = {scene::Light{.type = shared::kLightDirectional, .direction = glm::normalize(vec3(0.3f, -1, -0.2f))}};
   GpuScene uploaded(device(), scene);
-  KeptShadowMaps kept;
+  ShadowMapCache kept;
   const auto at = [&](float x) {
     scene::Camera camera = frontPerspective(1.4f, 2);
     camera.toWorld = glm::translate(glm::dmat4(1), glm::dvec3(x, -0.5f, 0)) * camera.toWorld;
@@ -168,7 +168,7 @@ TEST_F(KeptShadowsTest, CascadesAreKeptOneByOne) {
 TEST_F(KeptShadowsTest, WhatIsNotSettledIsDrawnAgain) {
   const scene::Scene scene = ballsUnderLamps();
   const GpuScene uploaded(device(), scene);
-  KeptShadowMaps kept;
+  ShadowMapCache kept;
   const shared::View view = makeView(cameraAt(0), 160, 90);
   EXPECT_EQ(shadowsOf(uploaded, {&view, 1}, kept).maps().size(), 6 * kBalls);
   EXPECT_EQ(drawn(uploaded, cameraAt(0), kept), 6 * kBalls);
@@ -179,7 +179,7 @@ TEST_F(KeptShadowsTest, WhatIsNotSettledIsDrawnAgain) {
 TEST_F(KeptShadowsTest, ViewsShareMaps) {
   const scene::Scene scene = ballsUnderLamps();
   const GpuScene uploaded(device(), scene);
-  KeptShadowMaps kept;
+  ShadowMapCache kept;
   std::vector<shared::View> views;
   for (const float x : {0.0f, 0.05f, 0.1f}) views.push_back(makeView(cameraAt(x), 160, 90));
   const FrameShadows shadows = shadowsOf(uploaded, views, kept);

@@ -78,7 +78,7 @@ class ShadowPagesTest : public RenderTest {
 
   // Of the maps that a renderer keeps.
   static PageCount pagesOf(const Renderer& renderer) {
-    const KeptShadowMaps& kept = renderer.shadowMaps();
+    const ShadowMapCache& kept = renderer.shadowMaps();
     graph::Executor executor(device());
     graph::Graph graph(executor);
     const graph::BufferId words = graph.import(*kept.pages(), graph::Use::StorageReadWrite);

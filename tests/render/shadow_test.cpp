@@ -277,7 +277,7 @@ TEST_F(ShadowTest, DevicesLookUpWhatTheHostLooksUp) {
       // The maps once more, read back.
       FrameBench bench(device(), scene);
       const shared::View view = makeView(frontCamera(kHalf, 4), kShadowSize, kShadowSize);
-      KeptShadowMaps kept;
+      ShadowMapCache kept;
       FrameShadows shadows(device(), bench.scene(), planShadows(shadowSceneOf(bench.scene()), {&view, 1}, settings),
                            settings, kept);
       const ShadowPlan& plan = shadows.plan();

@@ -45,7 +45,7 @@ ShadowScene shadowSceneOf(const GpuScene& scene) {
 }
 
 FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, ShadowPlan plan, const Settings& settings,
-                           KeptShadowMaps& kept)
+                           ShadowMapCache& kept)
     : format_(indexOf(settings.shadows)),
       filter_(indexOf(settings.shadowFilter)),
       inCompute_(rastersInCompute(settings)),
@@ -107,7 +107,7 @@ void FrameShadows::enterMaps() {
   }
 }
 
-void FrameShadows::place(vk::Device& device, KeptShadowMaps& kept) {
+void FrameShadows::place(vk::Device& device, ShadowMapCache& kept) {
   vk::ImageDesc kind{.format = shadowImageFormat(format_, inCompute_),
                      .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
                      .name = "shadow atlas"};
@@ -130,7 +130,7 @@ void FrameShadows::place(vk::Device& device, KeptShadowMaps& kept) {
 
 // Adds the map to maps_ unless it is completely drawn. If several frames have drawn pages of a map, the map is likely
 // to stay. It is then drawn completely, so later frames need not mark its pages.
-void FrameShadows::list(const std::shared_ptr<KeptMap>& map, const ShadowView& view) {
+void FrameShadows::list(const std::shared_ptr<CachedShadowMap>& map, const ShadowView& view) {
   if (map->whole) return;
   maps_.push_back({map->tile, &view, !map->drawn, ++map->drawings > kPatience});
   map->drawn = false;  // until settled()
@@ -164,7 +164,7 @@ void FrameShadows::addedDrawing() {
 }
 
 void FrameShadows::settled() {
-  for (const std::shared_ptr<KeptMap>& map : drawn_) {
+  for (const std::shared_ptr<CachedShadowMap>& map : drawn_) {
     map->drawn = true;
     map->whole = !asksForPages_ || map->drawings > kPatience;
   }

@@ -8,9 +8,9 @@
 
 #include "render/gpu_scene/gpu_scene.h"
 #include "render/settings/settings.h"
-#include "render/shadow/kept_maps.h"
 #include "render/shadow/page_push.h"
 #include "render/shadow/plan.h"
+#include "render/shadow/shadow_map_cache.h"
 #include "vk/resources.h"
 
 namespace latelight::render {
@@ -22,7 +22,7 @@ class FrameShadows {
  public:
   // Does not change the scene. If the raster is compute, maps cached in `kept` are reused.
   FrameShadows(vk::Device& device, const GpuScene& scene, ShadowPlan plan, const Settings& settings,
-               KeptShadowMaps& kept);
+               ShadowMapCache& kept);
 
   bool empty() const { return columns_.empty(); }  // true if no light casts shadows in any view
   const ShadowPlan& plan() const { return plan_; }
@@ -64,17 +64,17 @@ class FrameShadows {
   size_t columnOf(uint32_t light) const;  // the first column whose light is not lower; columns_.size() if none
   std::string keyOf(uint32_t map) const;
   void enterMaps();
-  void place(vk::Device& device, KeptShadowMaps& kept);
-  void list(const std::shared_ptr<KeptMap>& map, const ShadowView& view);
+  void place(vk::Device& device, ShadowMapCache& kept);
+  void list(const std::shared_ptr<CachedShadowMap>& map, const ShadowView& view);
   void upload(vk::Device& device);
 
   uint32_t format_, filter_;  // kShadow*, kShadowFilter*
   bool inCompute_;            // compute shaders draw the maps
   ShadowPlan plan_;
-  std::vector<KeptShadowMaps::Wanted> wanted_;    // distinct maps: cascades of several views may be equal
-  std::vector<uint32_t> wantedOfMap_;             // index into wanted_ for each map of the plan
-  std::vector<std::shared_ptr<KeptMap>> placed_;  // parallel to wanted_
-  std::vector<std::shared_ptr<KeptMap>> drawn_;   // the cache entries of maps_, before sorting by layer
+  std::vector<ShadowMapCache::Wanted> wanted_;            // distinct maps: cascades of several views may be equal
+  std::vector<uint32_t> wantedOfMap_;                     // index into wanted_ for each map of the plan
+  std::vector<std::shared_ptr<CachedShadowMap>> placed_;  // parallel to wanted_
+  std::vector<std::shared_ptr<CachedShadowMap>> drawn_;   // the cache entries of maps_, before sorting by layer
   std::vector<Map> maps_;
   std::vector<uint32_t> columns_;  // lights that cast shadows in some view, ascending
   std::vector<shared::ShadowBits> bits_;

@@ -137,7 +137,7 @@ ShadowPlan Renderer::planShadows(std::span<const scene::Camera> cameras, const S
 
 // Returns null if no light casts shadows. From here on, newly planned maps may replace earlier ones in the atlas.
 std::shared_ptr<FrameShadows> Renderer::placeShadows(ShadowPlan plan, const Settings& settings) {
-  KeptShadowMaps& kept = shadowMaps_[rastersInCompute(settings)];
+  ShadowMapCache& kept = shadowMaps_[rastersInCompute(settings)];
   auto shadows = std::make_shared<FrameShadows>(device_, gpuScene_, std::move(plan), settings, kept);
   return shadows->empty() ? nullptr : shadows;
 }

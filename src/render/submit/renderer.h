@@ -57,7 +57,7 @@ class Renderer {
   // Counts over the same pictures. Requires several samples per pixel, a deferred technique, and countSurfaces.
   const std::optional<ShadingCounts>& shadingCounts() const { return shadingCounts_; }
   const HiddenClusters& hiddenClusters() const { return hidden_; }
-  const KeptShadowMaps& shadowMaps() const { return shadowMaps_[1]; }  // of the raster compute
+  const ShadowMapCache& shadowMaps() const { return shadowMaps_[1]; }  // of the raster compute
   // The last graph, in Graphviz format.
   const std::string& graphviz() const { return graphviz_; }
 
@@ -102,7 +102,7 @@ class Renderer {
   TemporalHistory history_;
   KeptLensRays lensRays_;
   std::shared_ptr<ExportPool> exports_ = std::make_shared<ExportPool>();
-  KeptShadowMaps shadowMaps_[2];  // of hardware and compute
+  ShadowMapCache shadowMaps_[2];  // of hardware and compute
   // The last part in flight. settle() detects whether it overflowed, and renders it again, before anything changes that
   // the part depends on.
   std::shared_ptr<RenderPart> unsettled_;

@@ -17,7 +17,7 @@
 
 namespace latelight::render {
 
-struct KeptMap {
+struct CachedShadowMap {
   AtlasTile tile;
   Frustum frustum;               // objects outside cast no shadows into the map
   std::optional<Sphere> within;  // the same for objects outside this sphere
@@ -27,7 +27,7 @@ struct KeptMap {
   uint64_t frame = 0;            // number of the last frame that requested it
 };
 
-class KeptShadowMaps {
+class ShadowMapCache {
  public:
   struct Wanted {
     std::string key;  // everything except the scene that determines the map's contents; equal keys mean equal maps
@@ -40,8 +40,8 @@ class KeptShadowMaps {
 
   // Places all of these maps in tiles of one atlas and returns them in the same order. Cached maps keep their tiles.
   // All keys must be different. `kind` states the format and usage of the atlas.
-  std::vector<std::shared_ptr<KeptMap>> place(vk::Device& device, const vk::ImageDesc& kind,
-                                              std::span<const Wanted> wanted);
+  std::vector<std::shared_ptr<CachedShadowMap>> place(vk::Device& device, const vk::ImageDesc& kind,
+                                                      std::span<const Wanted> wanted);
   const std::shared_ptr<const vk::Image>& atlas() const { return atlas_; }
   const std::shared_ptr<const vk::Buffer>& pages() const { return pages_; }  // drawn pages: words (page_push.h)
   bool anyDrawn() const;
@@ -56,14 +56,14 @@ class KeptShadowMaps {
   std::vector<Sphere> changedCasters(const GpuScene& scene);
   bool holds(const vk::ImageDesc& kind, uint64_t texels, uint32_t largest);
   void renew(vk::Device& device, vk::ImageDesc kind, uint64_t texels, uint32_t largest);
-  std::vector<std::shared_ptr<KeptMap>> tryPlace(std::span<const Wanted> wanted);
-  std::shared_ptr<KeptMap> add(const Wanted& wanted);
+  std::vector<std::shared_ptr<CachedShadowMap>> tryPlace(std::span<const Wanted> wanted);
+  std::shared_ptr<CachedShadowMap> add(const Wanted& wanted);
   void dropUnasked();
 
   std::shared_ptr<const vk::Image> atlas_;
   std::shared_ptr<const vk::Buffer> pages_;
   AtlasTiles tiles_{0, 0};
-  std::unordered_map<std::string, std::shared_ptr<KeptMap>> maps_;
+  std::unordered_map<std::string, std::shared_ptr<CachedShadowMap>> maps_;
   uint64_t frame_ = 0;
   uint32_t tooLarge_ = 0;  // consecutive frames for which the atlas was much too large
   std::vector<Caster> casters_;

@@ -2,7 +2,7 @@
 // frustum a changed instance touches, at its old or its new position; a change of materials or of the origin drops all
 // maps. place() reuses the remaining maps and allocates tiles for new ones, largest first. If the atlas is full,
 // place() drops the maps that the frame does not use, then all maps.
-#include "render/shadow/kept_maps.h"
+#include "render/shadow/shadow_map_cache.h"
 
 #include <algorithm>
 #include <bit>
@@ -25,16 +25,16 @@ bool meet(const Sphere& a, const Sphere& b) {
 
 // Returns true if a caster may cast shadows into the map. Vertices are rounded when they are drawn, by more at larger
 // distance from the origin.
-bool castsInto(const Sphere& caster, const KeptMap& map) {
+bool castsInto(const Sphere& caster, const CachedShadowMap& map) {
   constexpr float kRounding = 1e-5f;
   const glm::vec3 at = glm::abs(caster.centre);
   const Sphere rounded{caster.centre, caster.radius + kRounding * (at.x + at.y + at.z + caster.radius)};
   return (!map.within || meet(*map.within, rounded)) && map.frustum.touches(rounded);
 }
 
-uint64_t texelsOf(std::span<const KeptShadowMaps::Wanted> wanted) {
+uint64_t texelsOf(std::span<const ShadowMapCache::Wanted> wanted) {
   uint64_t texels = 0;
-  for (const KeptShadowMaps::Wanted& w : wanted) texels += uint64_t{w.view->size} * w.view->size;
+  for (const ShadowMapCache::Wanted& w : wanted) texels += uint64_t{w.view->size} * w.view->size;
   return texels;
 }
 
@@ -42,13 +42,13 @@ uint64_t texelsOf(std::span<const KeptShadowMaps::Wanted> wanted) {
 
 // --- invalidation ---------------------------------------------------------------------------------------------------
 
-bool KeptShadowMaps::Caster::operator==(const Caster& other) const {
+bool ShadowMapCache::Caster::operator==(const Caster& other) const {
   return bounds.centre == other.bounds.centre && bounds.radius == other.bounds.radius && record == other.record &&
          shape == other.shape;
 }
 
 // Returns the old and new bounds of all instances that changed since the last call.
-std::vector<Sphere> KeptShadowMaps::changedCasters(const GpuScene& scene) {
+std::vector<Sphere> ShadowMapCache::changedCasters(const GpuScene& scene) {
   const GpuInstances& all = scene.instances();
   std::vector<Sphere> changed;
   std::vector<Caster> now(all.count());
@@ -64,7 +64,7 @@ std::vector<Sphere> KeptShadowMaps::changedCasters(const GpuScene& scene) {
   return changed;
 }
 
-void KeptShadowMaps::follow(const GpuScene& scene) {
+void ShadowMapCache::follow(const GpuScene& scene) {
   if (const uint64_t now = scene.materials().revision(); std::exchange(materials_, now) != now) forget();
   if (std::exchange(origin_, scene.origin()) != scene.origin()) forget();
   const uint64_t instances = scene.instances().revision(), shapes = scene.geometry().revision();
@@ -73,23 +73,23 @@ void KeptShadowMaps::follow(const GpuScene& scene) {
   shapes_ = shapes;
   const std::vector<Sphere> changed = changedCasters(scene);
   std::erase_if(maps_, [&](const auto& entry) {
-    const KeptMap& map = *entry.second;
+    const CachedShadowMap& map = *entry.second;
     const bool stale = std::ranges::any_of(changed, [&](const Sphere& caster) { return castsInto(caster, map); });
     if (stale) tiles_.giveBack(map.tile);
     return stale;
   });
 }
 
-void KeptShadowMaps::forget() {
+void ShadowMapCache::forget() {
   for (const auto& [key, map] : maps_) tiles_.giveBack(map->tile);
   maps_.clear();
 }
 
-bool KeptShadowMaps::anyDrawn() const {
+bool ShadowMapCache::anyDrawn() const {
   return std::ranges::any_of(maps_, [](const auto& entry) { return entry.second->drawn; });
 }
 
-std::vector<AtlasTile> KeptShadowMaps::tiles() const {
+std::vector<AtlasTile> ShadowMapCache::tiles() const {
   std::vector<AtlasTile> tiles;
   for (const auto& [key, map] : maps_) tiles.push_back(map->tile);
   return tiles;
@@ -99,7 +99,7 @@ std::vector<AtlasTile> KeptShadowMaps::tiles() const {
 
 // Returns true if the atlas fits the request. An atlas that is much too large is replaced only after several frames,
 // because creating an atlas costs more time than drawing its maps.
-bool KeptShadowMaps::holds(const vk::ImageDesc& kind, uint64_t texels, uint32_t largest) {
+bool ShadowMapCache::holds(const vk::ImageDesc& kind, uint64_t texels, uint32_t largest) {
   if (!atlas_) return false;
   const vk::ImageDesc& has = atlas_->desc();
   const uint64_t room = uint64_t{has.width} * has.height * has.layers;
@@ -109,7 +109,7 @@ bool KeptShadowMaps::holds(const vk::ImageDesc& kind, uint64_t texels, uint32_t 
          (tooLarge_ <= kPatience);
 }
 
-void KeptShadowMaps::renew(vk::Device& device, vk::ImageDesc kind, uint64_t texels, uint32_t largest) {
+void ShadowMapCache::renew(vk::Device& device, vk::ImageDesc kind, uint64_t texels, uint32_t largest) {
   constexpr uint64_t kLargestSide = 4096;  // supported by every device
   uint32_t side = largest;
   while (side < kLargestSide && uint64_t{4} * side * side <= texels) side *= 2;
@@ -125,7 +125,7 @@ void KeptShadowMaps::renew(vk::Device& device, vk::ImageDesc kind, uint64_t texe
   tooLarge_ = 0;
 }
 
-void KeptShadowMaps::dropUnasked() {
+void ShadowMapCache::dropUnasked() {
   std::erase_if(maps_, [&](const auto& entry) {
     const bool unasked = entry.second->frame != frame_;
     if (unasked) tiles_.giveBack(entry.second->tile);
@@ -133,7 +133,7 @@ void KeptShadowMaps::dropUnasked() {
   });
 }
 
-std::shared_ptr<KeptMap> KeptShadowMaps::add(const Wanted& wanted) {
+std::shared_ptr<CachedShadowMap> ShadowMapCache::add(const Wanted& wanted) {
   const ShadowView& view = *wanted.view;
   std::optional<AtlasTile> tile = tiles_.take(view.size);
   if (!tile) {
@@ -141,15 +141,15 @@ std::shared_ptr<KeptMap> KeptShadowMaps::add(const Wanted& wanted) {
     tile = tiles_.take(view.size);
   }
   if (!tile) return nullptr;
-  const auto map = std::make_shared<KeptMap>(
-      KeptMap{.tile = *tile, .frustum = Frustum(view.view), .within = view.within, .frame = frame_});
+  const auto map = std::make_shared<CachedShadowMap>(
+      CachedShadowMap{.tile = *tile, .frustum = Frustum(view.view), .within = view.within, .frame = frame_});
   maps_.emplace(wanted.key, map);
   return map;
 }
 
 // Returns an empty list if the tiles of cached maps leave no space for the new ones.
-std::vector<std::shared_ptr<KeptMap>> KeptShadowMaps::tryPlace(std::span<const Wanted> wanted) {
-  std::vector<std::shared_ptr<KeptMap>> found(wanted.size());
+std::vector<std::shared_ptr<CachedShadowMap>> ShadowMapCache::tryPlace(std::span<const Wanted> wanted) {
+  std::vector<std::shared_ptr<CachedShadowMap>> found(wanted.size());
   for (size_t i = 0; i < wanted.size(); ++i)
     if (const auto kept = maps_.find(wanted[i].key); kept != maps_.end()) {
       found[i] = kept->second;
@@ -163,14 +163,14 @@ std::vector<std::shared_ptr<KeptMap>> KeptShadowMaps::tryPlace(std::span<const W
   return found;
 }
 
-std::vector<std::shared_ptr<KeptMap>> KeptShadowMaps::place(vk::Device& device, const vk::ImageDesc& kind,
-                                                            std::span<const Wanted> wanted) {
+std::vector<std::shared_ptr<CachedShadowMap>> ShadowMapCache::place(vk::Device& device, const vk::ImageDesc& kind,
+                                                                    std::span<const Wanted> wanted) {
   ++frame_;
   const uint64_t texels = texelsOf(wanted);
   uint32_t largest = 0;
   for (const Wanted& w : wanted) largest = std::max(largest, w.view->size);
   if (!holds(kind, texels, largest)) renew(device, kind, texels, largest);
-  std::vector<std::shared_ptr<KeptMap>> found = tryPlace(wanted);
+  std::vector<std::shared_ptr<CachedShadowMap>> found = tryPlace(wanted);
   if (!found.empty()) return found;
   forget();
   return tryPlace(wanted);
