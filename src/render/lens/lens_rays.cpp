@@ -219,7 +219,7 @@ LensRays::LensRays(vk::Device& device, const LensPicture& picture) {
   pixels = vk::uploadedBuffer(device, "lens pixels", std::as_bytes(std::span(bins.pixels)));
 }
 
-std::shared_ptr<const LensRays> KeptLensRays::of(vk::Device& device, const LensPicture& picture) {
+std::shared_ptr<const LensRays> LensRayCache::of(vk::Device& device, const LensPicture& picture) {
   constexpr size_t kMost = 16;
   const auto known = std::ranges::find(latest_, picture, &Entry::picture);
   if (known != latest_.end()) {

@@ -35,7 +35,7 @@ struct LensRays {
 };
 
 // A cache of the most recent tables, because cameras usually share a lens.
-class KeptLensRays {
+class LensRayCache {
  public:
   std::shared_ptr<const LensRays> of(vk::Device& device, const LensPicture& picture);
 

@@ -100,7 +100,7 @@ class Renderer {
   Overflow overflow_;
   RenderState state_;
   TemporalHistory history_;
-  KeptLensRays lensRays_;
+  LensRayCache lensRays_;
   std::shared_ptr<ExportPool> exports_ = std::make_shared<ExportPool>();
   ShadowMapCache shadowMaps_[2];  // of hardware and compute
   // The last part in flight. settle() detects whether it overflowed, and renders it again, before anything changes that
