@@ -56,7 +56,7 @@ class Renderer {
   const std::vector<graph::PassTime>& times() const { return times_; }
   // Counts over the same pictures. Requires several samples per pixel, a deferred technique, and countSurfaces.
   const std::optional<ShadingCounts>& shadingCounts() const { return shadingCounts_; }
-  const HiddenClusters& hiddenClusters() const { return hidden_; }
+  const ClusterOcclusion& hiddenClusters() const { return hidden_; }
   const ShadowMapCache& shadowMaps() const { return shadowMaps_[1]; }  // of the raster compute
   // The last graph, in Graphviz format.
   const std::string& graphviz() const { return graphviz_; }
@@ -95,7 +95,7 @@ class Renderer {
   bool hasEnvironment_;
   DrawOrder drawOrder_;
   InstanceRanks ranks_;
-  HiddenClusters hidden_;
+  ClusterOcclusion hidden_;
   graph::Executor executor_;
   Overflow overflow_;
   RenderState state_;

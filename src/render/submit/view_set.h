@@ -25,7 +25,7 @@ struct RenderState {
   bool hasEnvironment;
   const DrawOrder& order;
   const InstanceRanks& ranks;
-  HiddenClusters& hidden;
+  ClusterOcclusion& hidden;
   Overflow& overflow;
 };
 

@@ -37,7 +37,7 @@ std::string computeRasterLacks(const vk::Device& device) {
   return "";
 }
 
-ComputeVisibility::ComputeVisibility(const GpuScene& scene, const InstanceRanks& ranks, HiddenClusters& hidden,
+ComputeVisibility::ComputeVisibility(const GpuScene& scene, const InstanceRanks& ranks, ClusterOcclusion& hidden,
                                      const VisibilityOptions& options)
     : scene_(scene),
       ranks_(ranks),
@@ -129,14 +129,14 @@ graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const Raste
   const bool some = share_.ranks > share_.cutOut;
   if (some && views.cullsHidden) {
     whole.hidden = hidden_.addTo(f, hiddenOf_, (share_.parts + 31) / 32 * views.count);
-    whole.culls = kCullSeen;
+    whole.culls = kCullEarly;
     addRasterChain(f, ranks_, share_, views, queues, whole);
     whole.pyramid = cut.pyramid = pyramid_ = addPyramid(f, views, queues.visible);
-    whole.culls = kCullFound;
+    whole.culls = kCullLate;
     whole.counted = [&hidden = hidden_, of = hiddenOf_](const RasterCounters& counters) {
       hidden.keep(of, counters.work, counters.hidden);
     };
-    cut.culls = kCullUnhidden;
+    cut.culls = kCullByPyramid;
   }
   if (some) addRasterChain(f, ranks_, share_, views, queues, whole);
   if (share_.cutOut > 0) addRasterChain(f, ranks_, share_, views, queues, cut);
@@ -146,7 +146,7 @@ graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const Raste
 FrameDepth ComputeVisibility::addDepth(const FrameContext& f) const {
   RasterViews views = viewsOf(f);
   if (!views.lens) {
-    views.cullsHidden = hidden_.pays(f.device, hiddenOf_, share_.parts * views.count);
+    views.cullsHidden = hidden_.shouldCull(f.device, hiddenOf_, share_.parts * views.count);
     if (!f.device.isCpu()) prepareHiding(f, views);
   }
   visible_ = addVisible(f, views);
@@ -430,7 +430,7 @@ void ComputeVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuff
                     lists,
                     filled};
   if (pyramid_) {
-    chain.culls = kCullUnhidden;
+    chain.culls = kCullByPyramid;
     chain.pyramid = pyramid_;
   }
   if (views.lens) {

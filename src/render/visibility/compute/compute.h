@@ -3,7 +3,7 @@
 // chain of dispatches. The result is the same whatever order workgroups run in. Nothing is drawn.
 #pragma once
 
-#include "render/visibility/compute/hidden_clusters.h"
+#include "render/visibility/compute/cluster_occlusion.h"
 #include "render/visibility/compute/ranks.h"
 #include "render/visibility/compute/raster_chain.h"
 #include "render/visibility/compute/shown_push.h"
@@ -16,7 +16,7 @@ std::string computeRasterLacks(const vk::Device& device);
 
 class ComputeVisibility final : public Visibility {
  public:
-  ComputeVisibility(const GpuScene& scene, const InstanceRanks& ranks, HiddenClusters& hidden,
+  ComputeVisibility(const GpuScene& scene, const InstanceRanks& ranks, ClusterOcclusion& hidden,
                     const VisibilityOptions& options);
 
   FrameDepth addDepth(const FrameContext& f) const override;
@@ -59,7 +59,7 @@ class ComputeVisibility final : public Visibility {
 
   const GpuScene& scene_;
   const InstanceRanks& ranks_;
-  HiddenClusters& hidden_;
+  ClusterOcclusion& hidden_;
   HiddenOf hiddenOf_;
   InstanceRanks::Share share_;
   // Of the graph that is being built, once addDepth() was called.

@@ -274,12 +274,12 @@ graph::BufferId addPyramid(const FrameContext& f, const RasterViews& views, grap
 
 void prepareHiding(const FrameContext& f, const RasterViews& views) {
   pipelineOf<PyramidPush>(f, pyramidPass(f, views));
-  for (const uint32_t culls : {kCullSeen, kCullFound})
+  for (const uint32_t culls : {kCullEarly, kCullLate})
     pipelineOf<CullPush>(
         f, cullPass(f, graph::Stage::Visibility, {.wanted = 0, .asked = kRankCutOut, .culls = culls}, false));
   for (const uint32_t flag : {kRankCutOut, kRankBlended})
     pipelineOf<CullPush>(
-        f, cullPass(f, graph::Stage::Visibility, {.wanted = flag, .asked = flag, .culls = kCullUnhidden}, false));
+        f, cullPass(f, graph::Stage::Visibility, {.wanted = flag, .asked = flag, .culls = kCullByPyramid}, false));
 }
 
 void bindTextures(const FrameContext& f, ComputePass& pass) {

@@ -184,11 +184,11 @@ bool isQueued(uint number, uint viewIndex, RankedInstance r, uint cluster) {
   bool shows = findBounds(view, r, cluster, bounds) && inView(view, viewIndex, bounds.center, bounds.radius);
   if (kWhich == kCullAll) return shows;
   bool wasHidden = false;
-  if (kWhich != kCullUnhidden)
+  if (kWhich != kCullByPyramid)
     wasHidden = (HiddenRef(push.hidden).v[hiddenWord(viewIndex, number)] >> (number & 31u) & 1u) != 0u;
-  if (kWhich == kCullSeen) return shows && !wasHidden;
+  if (kWhich == kCullEarly) return shows && !wasHidden;
   bool hidden = shows && isHidden(view, viewIndex, bounds);
-  if (kWhich == kCullUnhidden) return shows && !hidden;
+  if (kWhich == kCullByPyramid) return shows && !hidden;
   if (hidden) atomicOr(hiddenNow[number / 32u & 1u], 1u << (number & 31u));
   return shows && wasHidden && !hidden;
 }
@@ -203,7 +203,7 @@ void keepHidden(uint viewIndex) {
 }
 
 void main() {
-  if (kWhich == kCullFound) {
+  if (kWhich == kCullLate) {
     if (gl_LocalInvocationIndex < 2u) hiddenNow[gl_LocalInvocationIndex] = 0u;
     barrier();
   }
@@ -223,5 +223,5 @@ void main() {
   if (subgroupElect() && count != 0u) first = atomicAdd(CountersRef(push.counters).v.work, count);
   uint place = subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(all);
   if (queued && place < push.workRoom) WorkRef(push.work).v[place] = work;
-  if (kWhich == kCullFound) keepHidden(viewIndex);
+  if (kWhich == kCullLate) keepHidden(viewIndex);
 }

@@ -112,9 +112,9 @@ struct RasterPush {
 
 // Which clusters raster_cull.comp queues, of those that a view may see.
 SH_CONST uint kCullAll = 0u;
-SH_CONST uint kCullSeen = 1u;      // that nothing hid in the last frame
-SH_CONST uint kCullFound = 2u;     // that nothing hides now, of the others; and keeps which are hidden
-SH_CONST uint kCullUnhidden = 3u;  // that nothing hides now
+SH_CONST uint kCullEarly = 1u;      // that nothing hid in the last frame
+SH_CONST uint kCullLate = 2u;       // that nothing hides now, of the others; and keeps which are hidden
+SH_CONST uint kCullByPyramid = 3u;  // that nothing hides now
 
 // Of what is seen: the farthest depth in squares of kPyramidSquare pixels, of twice as many, ...; levels one after the
 // other, by view.

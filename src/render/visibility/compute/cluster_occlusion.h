@@ -14,11 +14,11 @@ namespace latelight::render {
 // own.
 enum class HiddenOf { Steady, Jittered, WithBlended, Count };
 
-class HiddenClusters {
+class ClusterOcclusion {
  public:
   // Whether the next frame had better look for what is hidden, of so many clusters in all views: where they are many,
   // some frames find out, and the others follow if enough of them were hidden.
-  bool pays(const vk::Device& device, HiddenOf of, uint64_t clusters);
+  bool shouldCull(const vk::Device& device, HiddenOf of, uint64_t clusters);
   // `words`: uint32_t that all views of the frame take together. What is not known yet is all 0, which hides nothing.
   graph::BufferId addTo(const FrameContext& f, HiddenOf of, uint64_t words);
 

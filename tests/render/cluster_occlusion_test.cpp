@@ -143,7 +143,7 @@ TEST_F(HiddenClustersTest, WhatIsHiddenIsNotRasterized) {
     renderer.render({&other, 1}, settingsOf(8, 8, {Aov::Color}));
     return renderer.hiddenClusters().counts(HiddenOf::Steady);
   };
-  const HiddenClusters::Counts first = counts();
+  const ClusterOcclusion::Counts first = counts();
   EXPECT_EQ(first.found, 0u) << "nothing was known, so that all were rasterized";
   EXPECT_GT(first.hidden, kBalls * kClustersOfABall * 8 / 10) << "most balls are behind the wall";
 }

@@ -1,11 +1,11 @@
-#include "render/visibility/compute/hidden_clusters.h"
+#include "render/visibility/compute/cluster_occlusion.h"
 
 #include <bit>
 #include <optional>
 
 namespace latelight::render {
 
-bool HiddenClusters::pays(const vk::Device& device, HiddenOf of, uint64_t clusters) {
+bool ClusterOcclusion::shouldCull(const vk::Device& device, HiddenOf of, uint64_t clusters) {
   constexpr uint32_t kFinding = 3;      // frames that find out, since the first can't hide anything,
   constexpr uint32_t kEvery = 64;       // of so many
   constexpr uint64_t kMost = 1u << 29;  // 64 MiB of bits
@@ -17,7 +17,7 @@ bool HiddenClusters::pays(const vk::Device& device, HiddenOf of, uint64_t cluste
   return frame < kFinding || kept.counts.hidden >= fewest;
 }
 
-graph::BufferId HiddenClusters::addTo(const FrameContext& f, HiddenOf of, uint64_t words) {
+graph::BufferId ClusterOcclusion::addTo(const FrameContext& f, HiddenOf of, uint64_t words) {
   Kept& kept = kept_[static_cast<size_t>(of)];
   const uint64_t bytes = sizeof(uint32_t) * std::bit_ceil(words);
   if (!kept.buffer || kept.buffer->desc().size != bytes)
