@@ -27,9 +27,9 @@ bool mayShow(View view, vec3 center, float radius) {
 }
 
 // Which instances: those that have these flags and no others of them.
-layout(constant_id = 16) const uint kWanted = 0u;
-layout(constant_id = 17) const uint kAsked = 0u;
-layout(constant_id = 18) const uint kWhich = kCullAll;
+layout(constant_id = 16) const uint kRequiredFlags = 0u;
+layout(constant_id = 17) const uint kFlagMask = 0u;
+layout(constant_id = 18) const uint kCullPass = kCullAll;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer WorkRef { RasterWork v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CountersRef { RasterCounters v; };
@@ -176,19 +176,19 @@ uint hiddenWord(uint viewIndex, uint number) { return viewIndex * ((push.parts +
 shared uint hiddenNow[2];  // of the workgroup's clusters
 
 bool isQueued(uint number, uint viewIndex, RankedInstance r, uint cluster) {
-  if ((r.flags & kAsked) != kWanted || r.radius < 0.0) return false;
+  if ((r.flags & kFlagMask) != kRequiredFlags || r.radius < 0.0) return false;
   View view = frameView(FrameRef(push.frame).v, viewIndex);
   // Of a thousand shadow maps most see none of an instance, and its clusters need not be looked at.
   if (!inView(view, viewIndex, r.centre - view.eye, r.radius) || !inGroup(view, r)) return false;
   Bounds bounds;
   bool shows = findBounds(view, r, cluster, bounds) && inView(view, viewIndex, bounds.center, bounds.radius);
-  if (kWhich == kCullAll) return shows;
+  if (kCullPass == kCullAll) return shows;
   bool wasHidden = false;
-  if (kWhich != kCullByPyramid)
+  if (kCullPass != kCullByPyramid)
     wasHidden = (HiddenRef(push.hidden).v[hiddenWord(viewIndex, number)] >> (number & 31u) & 1u) != 0u;
-  if (kWhich == kCullEarly) return shows && !wasHidden;
+  if (kCullPass == kCullEarly) return shows && !wasHidden;
   bool hidden = shows && isHidden(view, viewIndex, bounds);
-  if (kWhich == kCullByPyramid) return shows && !hidden;
+  if (kCullPass == kCullByPyramid) return shows && !hidden;
   if (hidden) atomicOr(hiddenNow[number / 32u & 1u], 1u << (number & 31u));
   return shows && wasHidden && !hidden;
 }
@@ -203,7 +203,7 @@ void keepHidden(uint viewIndex) {
 }
 
 void main() {
-  if (kWhich == kCullLate) {
+  if (kCullPass == kCullLate) {
     if (gl_LocalInvocationIndex < 2u) hiddenNow[gl_LocalInvocationIndex] = 0u;
     barrier();
   }
@@ -223,5 +223,5 @@ void main() {
   if (subgroupElect() && count != 0u) first = atomicAdd(CountersRef(push.counters).v.work, count);
   uint place = subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(all);
   if (queued && place < push.workRoom) WorkRef(push.work).v[place] = work;
-  if (kWhich == kCullLate) keepHidden(viewIndex);
+  if (kCullPass == kCullLate) keepHidden(viewIndex);
 }
