@@ -94,7 +94,7 @@ class Renderer {
   GpuEnvironment environment_;
   bool hasEnvironment_;
   DrawOrder drawOrder_;
-  InstanceRanks ranks_;
+  RasterInstances ranks_;
   ClusterOcclusion hidden_;
   graph::Executor executor_;
   Overflow overflow_;

@@ -24,7 +24,7 @@ struct RenderState {
   const GpuEnvironment& environment;
   bool hasEnvironment;
   const DrawOrder& order;
-  const InstanceRanks& ranks;
+  const RasterInstances& ranks;
   ClusterOcclusion& hidden;
   Overflow& overflow;
 };

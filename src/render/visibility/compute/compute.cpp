@@ -37,7 +37,7 @@ std::string computeRasterLacks(const vk::Device& device) {
   return "";
 }
 
-ComputeVisibility::ComputeVisibility(const GpuScene& scene, const InstanceRanks& ranks, ClusterOcclusion& hidden,
+ComputeVisibility::ComputeVisibility(const GpuScene& scene, const RasterInstances& ranks, ClusterOcclusion& hidden,
                                      const VisibilityOptions& options)
     : scene_(scene),
       ranks_(ranks),

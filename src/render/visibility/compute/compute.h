@@ -4,8 +4,8 @@
 #pragma once
 
 #include "render/visibility/compute/cluster_occlusion.h"
-#include "render/visibility/compute/ranks.h"
 #include "render/visibility/compute/raster_chain.h"
+#include "render/visibility/compute/raster_instances.h"
 #include "render/visibility/compute/shown_push.h"
 #include "render/visibility/visibility.h"
 
@@ -16,7 +16,7 @@ std::string computeRasterLacks(const vk::Device& device);
 
 class ComputeVisibility final : public Visibility {
  public:
-  ComputeVisibility(const GpuScene& scene, const InstanceRanks& ranks, ClusterOcclusion& hidden,
+  ComputeVisibility(const GpuScene& scene, const RasterInstances& ranks, ClusterOcclusion& hidden,
                     const VisibilityOptions& options);
 
   FrameDepth addDepth(const FrameContext& f) const override;
@@ -58,10 +58,10 @@ class ComputeVisibility final : public Visibility {
   void addSurfacesBy(const FrameContext& f, Gbuffer& gbuffer, std::string shader, Bindings bindings) const;
 
   const GpuScene& scene_;
-  const InstanceRanks& ranks_;
+  const RasterInstances& ranks_;
   ClusterOcclusion& hidden_;
   HiddenOf hiddenOf_;
-  InstanceRanks::Share share_;
+  RasterInstances::Share share_;
   // Of the graph that is being built, once addDepth() was called.
   mutable graph::BufferId visible_;
   mutable graph::BufferId pyramid_;  // none: nothing is culled that is hidden

@@ -234,7 +234,7 @@ void writeSamples(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint i
 }
 
 // Turns the triangle so that it is clockwise; false where it is to be left out: seen from its back, or without an area.
-bool orient(inout Triangle t, RankedInstance r) {
+bool orient(inout Triangle t, RasterInstance r) {
   bool doubleSided = (r.flags & kRankDoubleSided) != 0u || kShadowMaps != 0u;
   bool clockwise = (r.flags & kRankClockwise) != 0u;
   int64_t area = int64_t(t.b.x - t.a.x) * int64_t(t.c.y - t.a.y) - int64_t(t.b.y - t.a.y) * int64_t(t.c.x - t.a.x);

@@ -92,7 +92,7 @@ ComputePass pyramidPass(const FrameContext& f, const RasterViews& views) {
 // A chain while it is added; passes that are recorded later have copies.
 struct Steps {
   const FrameContext& f;
-  const InstanceRanks& ranks;
+  const RasterInstances& ranks;
   uint32_t parts;
   RasterViews views;
   RasterQueues queues;
@@ -204,7 +204,7 @@ void Steps::overQueue(const char* shader, Materials materials, Queue queue, std:
 
 }  // namespace
 
-RasterQueues::RasterQueues(const FrameContext& f, const RasterViews& views, const InstanceRanks::Share& share,
+RasterQueues::RasterQueues(const FrameContext& f, const RasterViews& views, const RasterInstances::Share& share,
                            graph::BufferId known)
     // Rounded up, so that a scene that is edited does not ask for another size with every instance.
     : visible(known), room(roomOf(f, std::bit_ceil(static_cast<uint32_t>(share.parts)) * views.count, views.samples)) {
@@ -230,7 +230,7 @@ std::vector<graph::Access> RasterQueues::accesses() const {
   return all;
 }
 
-void addRasterChain(const FrameContext& f, const InstanceRanks& ranks, const InstanceRanks::Share& share,
+void addRasterChain(const FrameContext& f, const RasterInstances& ranks, const RasterInstances::Share& share,
                     const RasterViews& views, const RasterQueues& queues, const RasterChain& chain) {
   constexpr auto kUnread = Steps::Materials::Unread, kEvaluated = Steps::Materials::Evaluated;
   const Steps steps{f, ranks, static_cast<uint32_t>(share.parts), views, queues, chain};

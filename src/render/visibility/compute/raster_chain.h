@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "render/frame/frame.h"
-#include "render/visibility/compute/ranks.h"
+#include "render/visibility/compute/raster_instances.h"
 #include "render/visibility/compute/raster_push.h"
 
 namespace latelight::render {
@@ -30,7 +30,7 @@ struct RasterRoom {
 // The buffers of shared::RasterBuffers.
 struct RasterQueues {
   // Into what is visible already, or anew.
-  RasterQueues(const FrameContext& f, const RasterViews& views, const InstanceRanks::Share& share,
+  RasterQueues(const FrameContext& f, const RasterViews& views, const RasterInstances::Share& share,
                graph::BufferId known = {});
   std::vector<graph::Access> accesses() const;
 
@@ -52,7 +52,7 @@ struct RasterChain {
 };
 
 // Of the instances in `share`, which lives as long as the graph runs, as `ranks` does.
-void addRasterChain(const FrameContext& f, const InstanceRanks& ranks, const InstanceRanks::Share& share,
+void addRasterChain(const FrameContext& f, const RasterInstances& ranks, const RasterInstances::Share& share,
                     const RasterViews& views, const RasterQueues& queues, const RasterChain& chain);
 
 // The farthest depths of what is visible (shared::PyramidPush).

@@ -47,7 +47,7 @@ void main() {
   uint index = groupNumber() * 64u + gl_LocalInvocationIndex;
   if (index >= min(CountersRef(push.buffers.counters).v.clipped, push.clippedRoom)) return;
   ClippedTriangle work = ClippedRef(push.buffers.clipped).v[index];
-  RankedInstance r = rankedInstance(InstanceListRef(push.buffers.instances).v, work.rank);
+  RasterInstance r = rankedInstance(InstanceListRef(push.buffers.instances).v, work.rank);
   FrameConstants frame = FrameRef(push.buffers.frame).v;
   View view = frameView(frame, work.view);
   mat4x3 placed = relativeToEye(frameInstance(frame, r.instance), view);

@@ -39,7 +39,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Pyr
 
 // Whether nothing but the backs of its triangles can be seen. The margin is for rounding, and for triangles seen almost
 // edge-on: snapped to subpixels they may show their fronts.
-bool facesAway(View view, RankedInstance r, Cluster c, mat4x3 placed) {
+bool facesAway(View view, RasterInstance r, Cluster c, mat4x3 placed) {
   if ((r.flags & kRankDoubleSided) != 0u || kShadowMaps != 0u || (r.flags & kRankSimilar) == 0u) return false;
   const float kMargin = 0.01;
   vec3 direction = placed * vec4(c.apex, 1.0);
@@ -75,7 +75,7 @@ struct Bounds {
 };
 
 // False where the cluster shows nothing but its back.
-bool findBounds(View view, RankedInstance r, uint cluster, out Bounds bounds) {
+bool findBounds(View view, RasterInstance r, uint cluster, out Bounds bounds) {
   mat3 viewAxes = mat3(view.worldToView);
   bounds = Bounds(r.centre - view.eye, r.radius, viewAxes * r.radius, 2.0 * r.radius);
   if (r.clusters == uint64_t(0)) return true;
@@ -97,7 +97,7 @@ bool anyDrawn(uint viewIndex) {
   return subgroupAny(pages != 0u);
 }
 
-bool inGroup(View view, RankedInstance r) {
+bool inGroup(View view, RasterInstance r) {
   if (view.group == 0u) return true;
   return frameInstance(FrameRef(push.frame).v, r.instance).flags >> kInstanceGroupShift == view.group;
 }
@@ -175,7 +175,7 @@ uint hiddenWord(uint viewIndex, uint number) { return viewIndex * ((push.parts +
 
 shared uint hiddenNow[2];  // of the workgroup's clusters
 
-bool isQueued(uint number, uint viewIndex, RankedInstance r, uint cluster) {
+bool isQueued(uint number, uint viewIndex, RasterInstance r, uint cluster) {
   if ((r.flags & kFlagMask) != kRequiredFlags || r.radius < 0.0) return false;
   View view = frameView(FrameRef(push.frame).v, viewIndex);
   // Of a thousand shadow maps most see none of an instance, and its clusters need not be looked at.
@@ -213,7 +213,7 @@ void main() {
   if (queued) {
     InstanceList list = InstanceListRef(push.instances).v;
     work.rank = RankOfPartRef(list.rankOfPart).v[number];
-    RankedInstance r = rankedInstance(list, work.rank);
+    RasterInstance r = rankedInstance(list, work.rank);
     work.cluster = number - r.firstTriangle / kRasterGroup;
     queued = isQueued(number, viewIndex, r, work.cluster);
   }

@@ -109,7 +109,7 @@ void rasterMedium(uint index, View view, Triangle t) {
 // What all of a cluster's triangles have in common.
 struct Group {
   RasterWork work;
-  RankedInstance r;
+  RasterInstance r;
   View view;
   mat4x3 placed;  // relativeToEye()
   Mesh mesh;

@@ -30,7 +30,7 @@ SH_CONST uint kRasterClipped = 4u;  // they do, after what lies outside of the v
 
 // Ids of what is visible are counted over all instances, each of which begins with a part of its own: triangle t of
 // this one is firstTriangle + t + 1. Its mesh has as many clusters as parts, and they are counted in the same way.
-struct RankedInstance {
+struct RasterInstance {
   vec3 centre;        // of a sphere around it, world
   float radius;       // metres; below 0: it is gone
   uint64_t clusters;  // Cluster[] of its mesh where their bounds hold, or 0
@@ -52,7 +52,7 @@ SH_CONST uint kRankVast = 64u;  // kInstanceVast
 SH_CONST uint kRankedBytes = 48u;
 
 struct InstanceList {   // in the order of drawing
-  uint64_t ranks;       // RankedInstance[]
+  uint64_t ranks;       // RasterInstance[]
   uint64_t rankOfPart;  // uint[]: which instance has the triangles kRasterGroup * i and on
 };
 
@@ -209,9 +209,9 @@ SH_END
 
 #if defined(__cplusplus)
 // Where seen_triangle.glsl finds their members.
-static_assert(sizeof(latelight::shared::RankedInstance) == latelight::shared::kRankedBytes);
-static_assert(offsetof(latelight::shared::RankedInstance, clusters) == 16);
-static_assert(offsetof(latelight::shared::RankedInstance, mesh) == 32);
+static_assert(sizeof(latelight::shared::RasterInstance) == latelight::shared::kRankedBytes);
+static_assert(offsetof(latelight::shared::RasterInstance, clusters) == 16);
+static_assert(offsetof(latelight::shared::RasterInstance, mesh) == 32);
 #endif
 
 #endif

@@ -12,18 +12,18 @@ layout(constant_id = 92) const uint kVast = 0u;  // FrameSetup::vast
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RankOfPartRef { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer InstanceListRef { InstanceList v; };
 
-RankedInstance rankedInstance(InstanceList list, uint rank) {
+RasterInstance rankedInstance(InstanceList list, uint rank) {
   uint64_t at = list.ranks + uint64_t(rank) * kRankedBytes;
   vec4 sphere = floatsAt(at, 0u);
   uvec4 first = wordsAt(at, 1u), second = wordsAt(at, 2u);
-  return RankedInstance(sphere.xyz, sphere.w, packUint2x32(first.xy), uintBitsToFloat(first.z), first.w, second.x,
+  return RasterInstance(sphere.xyz, sphere.w, packUint2x32(first.xy), uintBitsToFloat(first.z), first.w, second.x,
                         second.y, second.z, second.w);
 }
 
 // --- which triangle -------------------------------------------------------------------------------------------------
 
 struct SeenTriangle {
-  RankedInstance rank;
+  RasterInstance rank;
   uint number;  // of its mesh
   uvec3 indices;
 };

@@ -1,4 +1,4 @@
-#include "render/visibility/compute/ranks.h"
+#include "render/visibility/compute/raster_instances.h"
 
 #include <algorithm>
 #include <cmath>
@@ -40,7 +40,7 @@ constexpr uint64_t kMostParts = (uint64_t{1} << 32) / shared::kRasterGroup;  // 
 
 }  // namespace
 
-void InstanceRanks::update(const GpuScene& scene, const DrawOrder& order, vk::Uploader& uploader) {
+void RasterInstances::update(const GpuScene& scene, const DrawOrder& order, vk::Uploader& uploader) {
   const GpuInstances& all = scene.instances();
   if (instances_ == all.revision() && materials_ == scene.materials().revision()) return;
   instances_ = all.revision();

@@ -11,9 +11,9 @@
 
 namespace latelight::render {
 
-class InstanceRanks {
+class RasterInstances {
  public:
-  explicit InstanceRanks(vk::Device& device)
+  explicit RasterInstances(vk::Device& device)
       : list_(device, "instances in order"),
         rankOfPart_(device, "instances of parts"),
         lists_(device, "instance list") {}
@@ -35,9 +35,9 @@ class InstanceRanks {
   uint32_t solidTriangles() const { return static_cast<uint32_t>(solid_.parts * shared::kRasterGroup); }
 
  private:
-  std::vector<shared::RankedInstance> records_;
+  std::vector<shared::RasterInstance> records_;
   std::vector<uint32_t> partRanks_;
-  GpuList<shared::RankedInstance> list_;
+  GpuList<shared::RasterInstance> list_;
   GpuList<uint32_t> rankOfPart_;
   GpuList<shared::InstanceList> lists_;  // one
   Share solid_, all_;
