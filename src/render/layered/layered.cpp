@@ -113,8 +113,8 @@ void shadeLayered(const FrameContext& f, const Gbuffer& gbuffer, const ComputeVi
 
 void addLayered(const FrameContext& f, const Gbuffer& gbuffer) {
   if (!(f.visibility.materials().solid & shared::kMaterialLayered)) return;
-  if (const HardwareVisibility* hardware = f.visibility.drawn()) return drawLayered(f, gbuffer, *hardware);
-  shadeLayered(f, gbuffer, *f.visibility.rastered());
+  if (const HardwareVisibility* hardware = f.visibility.asHardware()) return drawLayered(f, gbuffer, *hardware);
+  shadeLayered(f, gbuffer, *f.visibility.asCompute());
 }
 
 }  // namespace latelight::render

@@ -42,11 +42,11 @@ ComputePass lightingPass(const FrameContext& f, const Gbuffer& gbuffer, const st
 }
 
 void readSurfaces(const FrameContext& f, ComputePass& pass) {
-  if (!f.setup.layout->hasTargets()) f.visibility.rastered()->readsShown(f, pass);
+  if (!f.setup.layout->hasTargets()) f.visibility.asCompute()->readsShown(f, pass);
 }
 
 shared::ShownPush shownSurfaces(const FrameContext& f, graph::Context& context) {
-  return f.setup.layout->hasTargets() ? shared::ShownPush{} : f.visibility.rastered()->shown(context);
+  return f.setup.layout->hasTargets() ? shared::ShownPush{} : f.visibility.asCompute()->shown(context);
 }
 
 }  // namespace latelight::render

@@ -205,7 +205,7 @@ void Request::addData() {
 void Request::addSurfaceData(ViewSet& set, graph::ImageId depth) {
   FrameSetup setup{.layout = &findLayout("exact"), .targets = 0};
   Gbuffer gbuffer{.depth = depth, .sampleDepth = depth};
-  if (set.visibility().rastered()) {
+  if (set.visibility().asCompute()) {
     setup.outputs = packSurfaces();
     return set.visibility().addGbuffer(set.frame(graph_, setup), gbuffer);
   }
@@ -222,14 +222,14 @@ void Request::addSurfaceData(ViewSet& set, graph::ImageId depth) {
 
 void Request::addRasterData() {
   ViewSet* set = &steady();
-  if (set->visibility().rastered()) {
+  if (set->visibility().asCompute()) {
     steadyDepth();
   } else {
     set = &rastered_.emplace(state_, steadyViews_, settings_, nullptr, VisibilityOptions{.inCompute = true});
     set->visibility().addDepth(set->frame(graph_, FrameSetup{}));
   }
   const FrameContext& f = set->frame(graph_, FrameSetup{});
-  const ComputeVisibility& raster = *set->visibility().rastered();
+  const ComputeVisibility& raster = *set->visibility().asCompute();
   const ComputeVisibility::RasterImages images = raster.addRasterImages(f);
   outputs_.add(f, Origin::Raster, [&](std::string_view name) {
     if (name == "overdraw") return raster.addOverdraw(f);

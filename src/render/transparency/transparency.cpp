@@ -53,7 +53,7 @@ void addTransparency(const FrameContext& f, Gbuffer gbuffer) {
   if (method == kTransparencyNone || !f.visibility.anyBlended()) return;
   if (f.visibility.materials().seenThrough & shared::kMaterialTransmissive)
     gbuffer.behind = addBehind(f, gbuffer.light);
-  if (!f.visibility.drawn()) return addFragmentLists(f, gbuffer);
+  if (!f.visibility.asHardware()) return addFragmentLists(f, gbuffer);
   switch (method) {
     case kTransparencyExact:
       return addFragmentLists(f, gbuffer);

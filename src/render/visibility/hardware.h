@@ -23,8 +23,8 @@ class HardwareVisibility final : public Visibility {
   void lightFragments(const FrameContext&, const Gbuffer&, const FragmentBuffers&) const override {}  // they are
   bool anyBlended() const override;
   ShownMaterials materials() const override { return materials_; }
-  const HardwareVisibility* drawn() const override { return this; }
-  const ComputeVisibility* rastered() const override { return nullptr; }
+  const HardwareVisibility* asHardware() const override { return this; }
+  const ComputeVisibility* asCompute() const override { return nullptr; }
 
   // What techniques draw that have shaders of their own.
   const DeviceDraws& solid() const { return solid_; }      // a list a view

@@ -56,9 +56,9 @@ class Visibility {
   virtual bool anyBlended() const = 0;  // may any of its views show blended surfaces?
   virtual ShownMaterials materials() const = 0;
   // What draws by the graphics pipeline; null: nothing does.
-  virtual const HardwareVisibility* drawn() const = 0;
+  virtual const HardwareVisibility* asHardware() const = 0;
   // What rasterizes in compute shaders; null: nothing does.
-  virtual const ComputeVisibility* rastered() const = 0;
+  virtual const ComputeVisibility* asCompute() const = 0;
 };
 
 }  // namespace latelight::render

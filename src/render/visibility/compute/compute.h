@@ -27,8 +27,8 @@ class ComputeVisibility final : public Visibility {
   void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
   bool anyBlended() const override { return ranks_.anyBlended(); }
   ShownMaterials materials() const override { return ranks_.materials(); }
-  const HardwareVisibility* drawn() const override { return nullptr; }
-  const ComputeVisibility* rastered() const override { return this; }
+  const HardwareVisibility* asHardware() const override { return nullptr; }
+  const ComputeVisibility* asCompute() const override { return this; }
 
   // Of a pass that has the setup's constants and finds the surfaces that pixels show: what it reads, and is pushed.
   void readsShown(const FrameContext& f, ComputePass& pass) const;
