@@ -66,10 +66,10 @@ struct ReferenceCaster::Surface {
     return handedness() *
            glm::cross(dvec3(positions[b]) - dvec3(positions[a]), dvec3(positions[c]) - dvec3(positions[a]));
   }
-  bool cutOut(uint32_t triangle, dvec3 weights) const;
+  bool masked(uint32_t triangle, dvec3 weights) const;
 };
 
-bool ReferenceCaster::Surface::cutOut(uint32_t triangle, dvec3 weights) const {
+bool ReferenceCaster::Surface::masked(uint32_t triangle, dvec3 weights) const {
   const shared::Material& m = material().data;
   if (!(m.flags & shared::kMaterialMasked)) return false;
   const std::array<uint32_t, 3> abc = corners(triangle);
@@ -96,7 +96,7 @@ void ReferenceCaster::filter(const RTCFilterFunctionNArguments* arguments) {
   const dvec3 direction(RTCRayN_dir_x(ray, 1, 0), RTCRayN_dir_y(ray, 1, 0), RTCRayN_dir_z(ray, 1, 0));
   const bool front = glm::dot(surface.areaNormal(triangle), direction) < 0;
   const double u = RTCHitN_u(hit, 1, 0), v = RTCHitN_v(hit, 1, 0);
-  const bool seen = (front || surface.doubleSided()) && !surface.cutOut(triangle, {1 - u - v, u, v});
+  const bool seen = (front || surface.doubleSided()) && !surface.masked(triangle, {1 - u - v, u, v});
   int* count = reinterpret_cast<const CastContext*>(arguments->context)->count;
   if (count && seen) ++*count;
   if (count || !seen) arguments->valid[0] = 0;

@@ -45,7 +45,7 @@ vec4 baseColor(Material m, SurfacePoint p) {
 
 // Whether the alpha mask takes this point away (glTF 2.0, section 3.9.4). Of a blended material, drawn as if it were
 // solid for data outputs: whether it shows at all.
-bool cutOut(Material m, SurfacePoint p) {
+bool masked(Material m, SurfacePoint p) {
   precise float alpha = baseColor(m, p).a;
   if ((m.flags & kMaterialMasked) != 0u) return alpha < m.alphaCutoff;
   return (m.flags & kMaterialBlended) != 0u && alpha <= 0.0;

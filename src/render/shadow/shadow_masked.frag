@@ -10,5 +10,5 @@
 
 void main() {
   writeShadow();
-  if (cutOut(drawMaterial(), fragmentPoint())) discard;
+  if (masked(drawMaterial(), fragmentPoint())) discard;
 }

@@ -93,6 +93,6 @@ void cutFragment(Material m, SurfacePoint p) {
   gl_SampleMask[0] &= uncutSamples(m);
   if (gl_SampleMask[0] == 0) discard;
 #else
-  if (cutOut(m, p)) discard;
+  if (masked(m, p)) discard;
 #endif
 }

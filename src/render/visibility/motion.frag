@@ -14,5 +14,5 @@ layout(location = 0) out vec4 motion;
 void main() {
   motion = surfaceMotion(frameView(FrameRef(push.frame).v, push.view).size);
   // As in geometry.frag: last, since textures need the whole quad.
-  if (kAlphaMasked != 0u && cutOut(drawMaterial(), fragmentPoint())) discard;
+  if (kAlphaMasked != 0u && masked(drawMaterial(), fragmentPoint())) discard;
 }

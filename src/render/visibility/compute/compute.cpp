@@ -118,15 +118,15 @@ RasterViews ComputeVisibility::viewsBeside(const FrameContext& f, const std::vec
 graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const RasterViews& views) const {
   const RasterQueues queues(f, views, share_);
   addClear(f, graph::Stage::Visibility, "raster clear", {queues.visible});
-  RasterChain whole{graph::Stage::Visibility, "raster.comp", "raster_large.comp", 0, kRankCutOut};
+  RasterChain whole{graph::Stage::Visibility, "raster.comp", "raster_large.comp", 0, kRankMasked};
   RasterChain cut{
-      graph::Stage::Visibility, "raster_cut_out.comp", "raster_large_cut_out.comp", kRankCutOut, kRankCutOut, true};
+      graph::Stage::Visibility, "raster_cut_out.comp", "raster_large_cut_out.comp", kRankMasked, kRankMasked, true};
   if (views.lens) {
     whole.small = cut.small = "raster_lens.comp";
     whole.large = cut.large = "raster_large_lens.comp";
     whole.textures = true;  // one shader for both
   }
-  const bool some = share_.ranks > share_.cutOut;
+  const bool some = share_.ranks > share_.masked;
   if (some && views.cullsHidden) {
     whole.hidden = hidden_.addTo(f, hiddenOf_, (share_.parts + 31) / 32 * views.count);
     whole.culls = kCullEarly;
@@ -139,7 +139,7 @@ graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const Raste
     cut.culls = kCullByPyramid;
   }
   if (some) addRasterChain(f, ranks_, share_, views, queues, whole);
-  if (share_.cutOut > 0) addRasterChain(f, ranks_, share_, views, queues, cut);
+  if (share_.masked > 0) addRasterChain(f, ranks_, share_, views, queues, cut);
   return queues.visible;
 }
 

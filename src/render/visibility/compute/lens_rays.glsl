@@ -53,7 +53,7 @@ bool isCutOut(FrameConstants frame, View view, SeenTriangle t, ivec2 pixel) {
   textureRecords = frame.textures;
 #endif
   SurfacePoint p = seenPoint(frame, view, t, vec2(pixel) + 0.5);
-  return cutOut(frameMaterial(frame, frameInstance(frame, t.rank.instance).material), p);
+  return masked(frameMaterial(frame, frameInstance(frame, t.rank.instance).material), p);
 }
 
 void hit(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint id) {

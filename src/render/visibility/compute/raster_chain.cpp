@@ -194,7 +194,7 @@ void Steps::overQueue(const char* shader, Materials materials, Queue queue, std:
   // What tiles do with their triangles is the same in all views.
   pass.constants.insert(pass.constants.end(), {{kSamplesConstant, views.samples},
                                                jobs ? vk::Constant{kShadowMapsConstant, 0} : mapsConstant(),
-                                               {kCutsOutConstant, chain.wanted & kRankCutOut}});
+                                               {kCutsOutConstant, chain.wanted & kRankMasked}});
   pass.constants.insert(pass.constants.end(), constants.begin(), constants.end());
   addVastConstant(f, pass);
   pass.groups = queues.counters;
@@ -276,8 +276,8 @@ void prepareHiding(const FrameContext& f, const RasterViews& views) {
   pipelineOf<PyramidPush>(f, pyramidPass(f, views));
   for (const uint32_t culls : {kCullEarly, kCullLate})
     pipelineOf<CullPush>(
-        f, cullPass(f, graph::Stage::Visibility, {.wanted = 0, .asked = kRankCutOut, .culls = culls}, false));
-  for (const uint32_t flag : {kRankCutOut, kRankBlended})
+        f, cullPass(f, graph::Stage::Visibility, {.wanted = 0, .asked = kRankMasked, .culls = culls}, false));
+  for (const uint32_t flag : {kRankMasked, kRankBlended})
     pipelineOf<CullPush>(
         f, cullPass(f, graph::Stage::Visibility, {.wanted = flag, .asked = flag, .culls = kCullByPyramid}, false));
 }

@@ -28,7 +28,7 @@ uint32_t flagsOf(const shared::Instance& instance, const shared::Material& mater
   if (material.flags & shared::kMaterialDoubleSided) flags |= shared::kRankDoubleSided;
   if (instance.flags & shared::kInstanceClockwise) flags |= shared::kRankClockwise;
   const bool blended = shared::seenThrough(material.flags);
-  if (blended || (material.flags & shared::kMaterialMasked)) flags |= shared::kRankCutOut;
+  if (blended || (material.flags & shared::kMaterialMasked)) flags |= shared::kRankMasked;
   if (blended) flags |= shared::kRankBlended;
   if (material.flags & shared::kMaterialLayered) flags |= shared::kRankLayered;
   if (stretchOf(instance).similar) flags |= shared::kRankSimilar;
@@ -67,7 +67,7 @@ void RasterInstances::update(const GpuScene& scene, const DrawOrder& order, vk::
                  kMostParts, shared::kRasterGroup);
       partRanks_.insert(partRanks_.end(), parts, all_.ranks);
       ++all_.ranks;
-      all_.cutOut += (flags & shared::kRankCutOut) != 0;
+      all_.masked += (flags & shared::kRankMasked) != 0;
     }
     if (kind == DrawOrder::Kind::Solid) solid_ = all_;
   }

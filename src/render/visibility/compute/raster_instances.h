@@ -24,7 +24,7 @@ class RasterInstances {
   VkDeviceAddress address() const { return lists_.address(); }
   // Of the solid ones, or of all of them.
   struct Share {
-    uint32_t ranks = 0, cutOut = 0;  // instances; those whose alpha takes parts of them away
+    uint32_t ranks = 0, masked = 0;  // instances; those whose alpha takes parts of them away
     uint64_t parts = 0;              // of kRasterGroup triangles, in all
   };
   const Share& solid() const { return solid_; }

@@ -43,7 +43,7 @@ struct RasterInstance {
 };
 SH_CONST uint kRankDoubleSided = 1u;
 SH_CONST uint kRankClockwise = 2u;
-SH_CONST uint kRankCutOut = 4u;  // its alpha takes parts of it away
+SH_CONST uint kRankMasked = 4u;  // its alpha takes parts of it away
 SH_CONST uint kRankBlended = 8u;
 SH_CONST uint kRankSimilar = 16u;  // its transform keeps angles
 SH_CONST uint kRankLayered = 32u;

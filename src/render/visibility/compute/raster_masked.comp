@@ -4,5 +4,5 @@
 // Triangles of instances whose alpha takes parts of them away.
 #include "render/visibility/compute/raster.glsl"
 #include "render/visibility/compute/surface_point.glsl"
-#include "render/visibility/compute/cut_out.glsl"
+#include "render/visibility/compute/masked.glsl"
 #include "render/visibility/compute/raster_groups.glsl"

@@ -4,5 +4,5 @@
 // As raster_large.comp, for what alpha takes parts away of.
 #include "render/visibility/compute/raster_tile.glsl"
 #include "render/visibility/compute/surface_point.glsl"
-#include "render/visibility/compute/cut_out.glsl"
+#include "render/visibility/compute/masked.glsl"
 #include "render/visibility/compute/raster_large_pixels.glsl"

@@ -12,7 +12,7 @@ uint uncutSamples(uint viewIndex, ivec2 pixel, uint samples, uint id) {
   for (uint i = 0u; i < kSamples; ++i) {
     if (!hasSample(samples, i)) continue;
     SurfacePoint p = seenPoint(frame, view, t, vec2(pixel) + samplePlace(kSamples, i));
-    if (!cutOut(m, p)) left |= 1u << i;
+    if (!masked(m, p)) left |= 1u << i;
   }
   return left;
 }
