@@ -55,7 +55,7 @@ struct Instance {
   uint material;
   uint id;  // value of the data output id: stable, never 0
   uint part;
-  uint flags;  // kInstance* flags, and the group number from bit kInstanceGroupShift on
+  uint flags;           // kInstance* flags, and the group number from bit kInstanceGroupShift on
   vec3 translationLow;  // low part of the translation, which the last column of objectToWorld rounds off
 };
 SH_CONST uint kInstanceBytes = 80u;
@@ -170,7 +170,7 @@ SH_CONST uint kMaterialTransmissive = 32u;  // the surface transmits the backgro
 SH_CONST uint kMaterialPlainUv = 64u;       // all textures use UV set 0 without a transform
 
 // True if the material is translucent: it is drawn over the background instead of replacing it.
-SH_FUNC bool seenThrough(uint materialFlags) {
+SH_FUNC bool translucent(uint materialFlags) {
   return (materialFlags & (kMaterialBlended | kMaterialTransmissive)) != 0u;
 }
 

@@ -9,7 +9,7 @@
 namespace latelight::render {
 
 bool blendedHaveLayers(const FrameContext& f) {
-  return (f.visibility.materials().seenThrough & shared::kMaterialLayered) != 0;
+  return (f.visibility.materials().translucent & shared::kMaterialLayered) != 0;
 }
 
 Bindings blendedMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::Use use) {
@@ -51,7 +51,7 @@ ScenePipelines blendedPipelines(const FrameContext& f, const Bindings& maps, con
 void addTransparency(const FrameContext& f, Gbuffer gbuffer) {
   const uint32_t method = f.setup.transparency.method;
   if (method == kTransparencyNone || !f.visibility.anyBlended()) return;
-  if (f.visibility.materials().seenThrough & shared::kMaterialTransmissive)
+  if (f.visibility.materials().translucent & shared::kMaterialTransmissive)
     gbuffer.behind = addBehind(f, gbuffer.light);
   if (!f.visibility.asHardware()) return addFragmentLists(f, gbuffer);
   switch (method) {

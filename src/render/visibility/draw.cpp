@@ -24,7 +24,7 @@ constexpr uint32_t kVastDrawConstant = 93;  // varyings.glsl
 constexpr uint32_t kPositions = 0, kAttributes = 1, kInstances = 2;  // 3: views
 
 bool cutsOut(const shared::Material& material) {
-  return (material.flags & shared::kMaterialMasked) != 0 || shared::seenThrough(material.flags);
+  return (material.flags & shared::kMaterialMasked) != 0 || shared::translucent(material.flags);
 }
 
 const vk::PipelineRef& pipelineOf(const ScenePipelines& pipelines, const shared::Material& material, bool vast) {

@@ -13,7 +13,7 @@ constexpr size_t kInstancesAtOnce = 16384;  // a thread's share: waking another 
 
 bool isBlended(const GpuScene& scene, uint32_t instance) {
   const uint32_t material = scene.instances().record(instance).material;
-  return shared::seenThrough(scene.materials().record(material).flags);
+  return shared::translucent(scene.materials().record(material).flags);
 }
 
 bool standsWhere(const shared::Instance& a, const shared::Instance& b) {
@@ -32,7 +32,8 @@ void append(DrawList& list, const GpuScene& scene, uint32_t instance) {
                      list.draws.back().material == record.material && list.draws.back().clockwise == clockwise &&
                      list.draws.back().vast == vast;
   if (!joins)
-    list.draws.push_back({record.mesh, record.material, clockwise, vast, static_cast<uint32_t>(list.instances.size()), 0});
+    list.draws.push_back(
+        {record.mesh, record.material, clockwise, vast, static_cast<uint32_t>(list.instances.size()), 0});
   ++list.draws.back().count;
   list.instances.push_back(instance);
 }

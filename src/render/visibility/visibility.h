@@ -12,8 +12,8 @@ enum class MotionUse { Reproject, Data };
 
 // Flags of materials (kMaterial*), of all that may show together.
 struct ShownMaterials {
-  uint32_t solid = 0, seenThrough = 0;
-  void add(uint32_t flags) { (shared::seenThrough(flags) ? seenThrough : solid) |= flags; }
+  uint32_t solid = 0, translucent = 0;
+  void add(uint32_t flags) { (shared::translucent(flags) ? translucent : solid) |= flags; }
 };
 
 // Where blended fragments are kept (shared/fragment_lists.h), as buffers of the graph.

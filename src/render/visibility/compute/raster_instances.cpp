@@ -27,7 +27,7 @@ uint32_t flagsOf(const shared::Instance& instance, const shared::Material& mater
   uint32_t flags = 0;
   if (material.flags & shared::kMaterialDoubleSided) flags |= shared::kRankDoubleSided;
   if (instance.flags & shared::kInstanceClockwise) flags |= shared::kRankClockwise;
-  const bool blended = shared::seenThrough(material.flags);
+  const bool blended = shared::translucent(material.flags);
   if (blended || (material.flags & shared::kMaterialMasked)) flags |= shared::kRankMasked;
   if (blended) flags |= shared::kRankBlended;
   if (material.flags & shared::kMaterialLayered) flags |= shared::kRankLayered;
