@@ -6,7 +6,7 @@
 
 namespace latelight::render {
 
-graph::ImageId addBehind(const FrameContext& f, graph::ImageId picture) {
+graph::ImageId addTransmissionBackground(const FrameContext& f, graph::ImageId picture) {
   const shared::uvec2 size(f.width, f.height);
   const uint32_t levels = shared::behindLevels(size);
   const shared::uvec2 last = shared::behindLevelCorner(size, levels - 1) + shared::behindLevelSize(size, levels - 1);

@@ -13,6 +13,6 @@ inline constexpr vk::SamplerDesc kBehindSampler{.mip = VK_SAMPLER_MIPMAP_MODE_NE
 
 // Adds the passes that create the pyramid. Returns one image with the picture and all levels, in the arrangement of
 // behind_push.h, with one layer per view.
-graph::ImageId addBehind(const FrameContext& f, graph::ImageId picture);
+graph::ImageId addTransmissionBackground(const FrameContext& f, graph::ImageId picture);
 
 }  // namespace latelight::render

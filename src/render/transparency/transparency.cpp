@@ -52,7 +52,7 @@ void addTransparency(const FrameContext& f, Gbuffer gbuffer) {
   const uint32_t method = f.setup.transparency.method;
   if (method == kTransparencyNone || !f.visibility.anyBlended()) return;
   if (f.visibility.materials().translucent & shared::kMaterialTransmissive)
-    gbuffer.behind = addBehind(f, gbuffer.light);
+    gbuffer.behind = addTransmissionBackground(f, gbuffer.light);
   if (!f.visibility.asHardware()) return addFragmentLists(f, gbuffer);
   switch (method) {
     case kTransparencyExact:
