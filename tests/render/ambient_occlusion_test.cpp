@@ -117,7 +117,7 @@ TEST_F(AmbientOcclusionTest, AnOpenPlaneHidesNothingOfItself) {
 
 // --- a wall on a floor, in closed form ------------------------------------------------------------------------------
 
-// The visible share at `x` metres from a wall that is higher than the radius and endless: cosine-weighted directions
+// The visible share at `x` metres from a wall that is higher than the radius and unbounded: cosine-weighted directions
 // meet it at x / cos of their angle from the wall's normal.
 double besideWall(double x, double radius) {
   constexpr int kSteps = 120;

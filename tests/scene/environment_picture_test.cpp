@@ -140,9 +140,9 @@ TEST(Radiance, SaysWhatIsWrong) {
   Bytes xyz;
   append(xyz, "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\nabcd");
   EXPECT_THAT(failure(xyz), HasSubstr("32-bit_rle_xyze"));
-  Bytes endless;
-  append(endless, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n");
-  EXPECT_THAT(failure(endless), HasSubstr("header"));
+  Bytes unbounded;
+  append(unbounded, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n");
+  EXPECT_THAT(failure(unbounded), HasSubstr("header"));
   Bytes run = hdrHeader("-Y 1 +X 10");
   append(run, {2, 2, 0, 10, 255, 77, 0, 0, 0, 0, 0, 0, 0, 0});
   EXPECT_THAT(failure(run), HasSubstr("longer than the row"));

@@ -133,9 +133,9 @@ TEST(Specialize, WordsThatAreNotSpirvAreRefused) {
   EXPECT_THROW(specialize({}, {}), Error);
   EXPECT_THROW(specialize(Words(code.begin() + 1, code.end()), {}), Error);
   EXPECT_THROW(specialize(Words(code.begin(), code.end() - 1), {}), Error) << "breaks off in an instruction";
-  Words endless = code;
-  endless.push_back(kOpName);  // of no words
-  EXPECT_THROW(specialize(endless, {}), Error);
+  Words unbounded = code;
+  unbounded.push_back(kOpName);  // of no words
+  EXPECT_THROW(specialize(unbounded, {}), Error);
 }
 
 // Where a constant is left the validation layer specializes the module again, for each pipeline: two thirds of its

@@ -69,11 +69,11 @@ graph::ImageId createCounts(const FrameContext& f) {
 // lavapipe silently ends a shader's loops after 65535 iterations in total. Each light that reaches a subgroup needs
 // one, and up to two to find the light if a fragment shader has few active lanes. The remaining lights would be
 // missing.
-void refuseTooManyEndless(const FrameContext& f) {
+void rejectTooManyUnbounded(const FrameContext& f) {
   constexpr uint32_t kMost = 20'000;  // for one sample per pixel
-  const uint32_t most = kMost / f.setup.samples, endless = f.scene.lights().endless();
-  if (f.device.isCpu() && endless > most)
-    badUsage("a CPU device supports at most {} lights without a range, but the scene has {}", most, endless);
+  const uint32_t most = kMost / f.setup.samples, unbounded = f.scene.lights().unbounded();
+  if (f.device.isCpu() && unbounded > most)
+    badUsage("a CPU device supports at most {} lights without a range, but the scene has {}", most, unbounded);
 }
 
 // Draws the shadow maps if this graph has to. Reads the G-buffer as it is at this point.
@@ -95,7 +95,7 @@ LitFrame addOpaque(const FrameContext& f) {
 }
 
 LitFrame addLit(const FrameContext& f, const FrameDepth& depth) {
-  refuseTooManyEndless(f);
+  rejectTooManyUnbounded(f);
   const bool multisampled = f.setup.samples > 1;
   Gbuffer g{.depth = depth.pixels, .sampleDepth = depth.samples};
   g.light = createTarget(f, kLightFormat, "light");

@@ -69,9 +69,9 @@ void GpuLights::set(vk::Uploader& uploader, std::vector<scene::Light> lights, co
   sources_.clear();
   for (const uint32_t source : tree.sources) sources_.push_back(sources[source]);
   directional_ = tree.directionalLights;
-  endless_ = static_cast<uint32_t>(
-                 std::ranges::count(tree.lights, std::numeric_limits<float>::infinity(), &shared::Light::radius)) -
-             directional_;
+  unbounded_ = static_cast<uint32_t>(
+                   std::ranges::count(tree.lights, std::numeric_limits<float>::infinity(), &shared::Light::radius)) -
+               directional_;
   leaves_ = tree.firstLeaf;
   uploadChanges(list_, uploader, lights_, tree.lights);
   uploadChanges(tree_, uploader, nodes_, tree.nodes);

@@ -19,7 +19,7 @@ class GpuLights {
 
   uint32_t count() const { return static_cast<uint32_t>(lights_.size()); }
   std::span<const shared::Light> lights() const { return lights_; }  // as on the device
-  uint32_t endless() const { return endless_; }                      // number of point and spot lights without a range
+  uint32_t unbounded() const { return unbounded_; }                  // number of point and spot lights without a range
   std::span<const scene::Light> authored() const { return authored_; }  // as set, without removed lights
   std::span<const uint32_t> sources() const { return sources_; }        // index of each of lights() in authored()
 
@@ -32,7 +32,7 @@ class GpuLights {
   std::vector<shared::LightBox> nodes_;  // of the light tree
   GpuList<shared::Light> list_;
   GpuList<shared::LightBox> tree_;
-  uint32_t directional_ = 0, endless_ = 0, leaves_ = 0;
+  uint32_t directional_ = 0, unbounded_ = 0, leaves_ = 0;
 };
 
 }  // namespace latelight::render

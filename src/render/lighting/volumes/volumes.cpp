@@ -111,9 +111,9 @@ class VolumePlan {
   std::optional<VolumeDraw> of(const shared::Light& light) const {
     const VolumeDraw screen{kShapeScreen, std::nullopt, kLightScreen};
     if (shared::lightIsDirectional(light.type)) return screen;
-    const bool endless = std::isinf(light.radius);
-    const Sphere lit{light.position, endless ? farthest(light) : light.radius};
-    if (endless && (!isCone(light) || !std::isfinite(lit.radius))) return screen;
+    const bool unbounded = std::isinf(light.radius);
+    const Sphere lit{light.position, unbounded ? farthest(light) : light.radius};
+    if (unbounded && (!isCone(light) || !std::isfinite(lit.radius))) return screen;
     if (!frustum_.touches(lit)) return std::nullopt;
     const float depth = (view_.worldToView * glm::vec4(light.position, 1.0f)).y;
     const float extent = kVolumeExtent * lit.radius;
