@@ -25,7 +25,7 @@ struct LitPixel {
 // Radiance that lights send from the surface to the eye, before exposure. `p.lit` is false for invocations without one.
 vec3 lightsAt(FrameConstants frame, View view, LitPixel p);
 
-layout(constant_id = 15) const uint kSomeLitElsewhere = 0u;  // some surfaces have layers
+layout(constant_id = 15) const uint kSomeShadedSeparately = 0u;  // some surfaces have layers
 
 // What the geometry pass left in the light accumulation target of the surface that these samples show.
 #ifdef GBUFFER_NO_TARGETS
@@ -55,7 +55,7 @@ LitPixel readPixel(FrameConstants frame, View view, ivec3 place, uint samples) {
   p.radiance = vec3(0.0);
   vec4 accumulated = p.lit ? accumulatedLight(place, samples) : vec4(0.0);
   // Then nothing else of them is read; but lights count where they are.
-  if (kSomeLitElsewhere != 0u && kCountLights == 0u) p.elsewhere = accumulated.a == kLitElsewhere;
+  if (kSomeShadedSeparately != 0u && kCountLights == 0u) p.elsewhere = accumulated.a == kLitElsewhere;
   if (p.lit && !p.elsewhere) {
 #ifdef MULTISAMPLED
     p.s = readSurface(view, place, samples, p.depth, accumulated.a);
