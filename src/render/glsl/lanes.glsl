@@ -22,7 +22,7 @@ const bool kOneWord = kSubgroupSize <= 32u;
 bool anyLane(uvec4 ballot) { return kOneWord ? ballot.x != 0u : any(notEqual(ballot, uvec4(0u))); }
 
 // Takes the first lane out of a ballot.
-uint takeLane(inout uvec4 ballot) {
+uint popLane(inout uvec4 ballot) {
   uint lane = kOneWord ? uint(findLSB(ballot.x)) : subgroupBallotFindLSB(ballot);
   if (kOneWord)
     ballot.x &= ballot.x - 1u;

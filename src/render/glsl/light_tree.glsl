@@ -16,7 +16,7 @@ uint votesByRank(bool vote) {
   uvec4 votes = subgroupBallot(vote);
 #ifdef PARTIAL_SUBGROUPS  // before the include: in fragment shaders lanes are missing; compute's workgroups of 256 are full
   uint packed = 0u;
-  while (anyLane(votes)) packed |= 1u << fromLane(laneRank, takeLane(votes));
+  while (anyLane(votes)) packed |= 1u << fromLane(laneRank, popLane(votes));
   return packed;
 #else
   return votes.x;

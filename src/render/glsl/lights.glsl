@@ -92,7 +92,7 @@ void addShadowed(inout Shading shading, FrameConstants frame, Light light, Light
 void shadeHits(inout Shading shading, FrameConstants frame, DealtLight mine, uvec4 hits, bool shadowed) {
   if (!anyLane(hits)) return;
   do {
-    uint lane = takeLane(hits);
+    uint lane = popLane(hits);
     Light light = lightOfLane(frame, mine, lane);
     LightSample arriving = sampleLight(light, shading.s.position);
     if (shadowed)

@@ -3,7 +3,7 @@
 // compute shaders with a pixel an invocation. After lights.glsl.
 #ifndef LATELIGHT_LISTED_LIGHTS_GLSL
 #define LATELIGHT_LISTED_LIGHTS_GLSL
-#include "render/glsl/meet_subgroup.glsl"
+#include "render/glsl/subgroup_shared_barrier.glsl"
 #include "render/frame/pixel_group.h"
 
 shared uint listedLights[kPixelGroupX * kPixelGroupY];
@@ -20,9 +20,9 @@ ListedRound listedRound(FrameConstants frame, uint view, uint light, uint count)
   uvec4 those = subgroupBallot(laneRank < count && shadowed);
   uint before = subgroupBallotExclusiveBitCount(those), unshadowed = count - subgroupBallotBitCount(those);
   uint base = gl_SubgroupID * gl_SubgroupSize;
-  meetSubgroup();  // what was there has been read
+  subgroupSharedBarrier();  // what was there has been read
   if (laneRank < count) listedLights[base + (shadowed ? unshadowed + before : laneRank - before)] = light;
-  meetSubgroup();
+  subgroupSharedBarrier();
   return ListedRound(listedLights[base + laneRank], count, unshadowed);
 }
 

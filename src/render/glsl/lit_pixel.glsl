@@ -6,7 +6,7 @@
 #include "render/glsl/environment.glsl"
 #include "render/glsl/pixel_group.glsl"
 #ifdef MULTISAMPLED
-#include "render/glsl/deal.glsl"
+#include "render/glsl/redistribute.glsl"
 #endif
 
 // One surface of a pixel: the only one, but where samples differ (MULTISAMPLED).
@@ -113,10 +113,10 @@ shared vec3 dealtRadiance[256];
 void addDealt(inout vec3 radiance, uint round, uint items, vec3 lit) {
   uint first = round * lanesPresent;
   dealtRadiance[dealtBase + laneRank] = lit;
-  meetSubgroup();
+  subgroupSharedBarrier();
   for (uint i = max(dealtOwn, first); i < min(dealtOwn + items, first + lanesPresent); ++i)
     radiance += dealtRadiance[dealtBase + i - first];
-  meetSubgroup();
+  subgroupSharedBarrier();
 }
 
 bool lightPixel(FrameConstants frame, ivec3 place) {
@@ -124,7 +124,7 @@ bool lightPixel(FrameConstants frame, ivec3 place) {
   bool inside = all(lessThan(vec2(place.xy), view.size));
   uvec2 shown = inside ? countSurfaces(pixelSurfaces, place) : uvec2(0u);
   uint more = max(shown.x, 1u) - 1u;
-  deal(more, place.xy);
+  redistribute(more, place.xy);
   vec3 radiance = vec3(0.0);
   LitPixel p;
   p.place = place;

@@ -128,7 +128,7 @@ void askAt(FrameConstants frame, uint view, vec3 position, bool there) {
     uvec4 hits = subgroupBallot(number < push.lightCount && reachesInto(mine, low, high));
     if (!anyLane(hits)) continue;
     do {
-      DealtLight l = ofLane(mine, takeLane(hits));
+      DealtLight l = ofLane(mine, popLane(hits));
       if (there && reachesInto(l, position, position)) askLight(frame, l, position);
     } while (anyLane(hits));
   }

@@ -211,7 +211,7 @@ void rasterApart() {
     uvec4 waiting = subgroupBallot(some);
     if (!anyLane(waiting)) continue;
     do {
-      rasterMedium(g.work.view, g.view, fromLane(t, takeLane(waiting)));
+      rasterMedium(g.work.view, g.view, fromLane(t, popLane(waiting)));
     } while (anyLane(waiting));
   }
 }

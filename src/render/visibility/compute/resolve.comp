@@ -9,7 +9,7 @@
 #include "render/glsl/gbuffer_write.glsl"
 #include "render/visibility/compute/visible.glsl"
 #include "render/visibility/compute/pixel_triangles.glsl"
-#include "render/glsl/deal.glsl"
+#include "render/glsl/redistribute.glsl"
 #include "render/glsl/pixel_group.glsl"
 #include "shared/color.h"
 #ifdef GBUFFER_KEEPS_MOTION
@@ -113,7 +113,7 @@ void main() {
   if (kSamples > 1u) {
     samples = 0u;
     uint more = inside ? moreTriangles(visibleIndex(uvec3(pixel), uvec2(size)), samples) : 0u;
-    deal(more, pixel.xy);
+    redistribute(more, pixel.xy);
   }
   for (uint round = 0u;; ++round) {
     if (samples != 0u) resolve(frame, view, pixel, samples);

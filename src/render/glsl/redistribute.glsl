@@ -4,7 +4,7 @@
 // invocations, each with a pixel.
 #ifndef LATELIGHT_DEAL_GLSL
 #define LATELIGHT_DEAL_GLSL
-#include "render/glsl/meet_subgroup.glsl"
+#include "render/glsl/subgroup_shared_barrier.glsl"
 
 shared uint dealtPixels[256];  // x, and y << 16
 shared uint dealtBefore[256];  // items of the subgroup's lanes before this one
@@ -12,14 +12,14 @@ shared uint dealtBefore[256];  // items of the subgroup's lanes before this one
 uint dealtBase, dealtOwn, dealtTotal;  // where the subgroup's part of those begins; this lane's first item; all items
 
 // `items`: of this lane's pixel. Every invocation of the workgroup comes here.
-void deal(uint items, ivec2 pixel) {
+void redistribute(uint items, ivec2 pixel) {
   countLanes();
   dealtBase = gl_SubgroupID * gl_SubgroupSize;
   dealtOwn = subgroupExclusiveAdd(items);
   dealtTotal = subgroupAdd(items);
   dealtPixels[dealtBase + laneRank] = uint(pixel.x) | uint(pixel.y) << 16u;
   dealtBefore[dealtBase + laneRank] = dealtOwn;
-  meetSubgroup();
+  subgroupSharedBarrier();
 }
 
 // An item for each lane a round.

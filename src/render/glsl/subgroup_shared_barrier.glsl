@@ -3,7 +3,7 @@
 #define LATELIGHT_MEET_SUBGROUP_GLSL
 #include "render/glsl/lanes.glsl"
 
-void meetSubgroup() {
+void subgroupSharedBarrier() {
   subgroupMemoryBarrierShared();
   subgroupBarrier();
 }
