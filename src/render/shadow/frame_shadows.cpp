@@ -19,8 +19,8 @@ vk::Buffer uploaded(vk::Device& device, const char* name, const std::vector<T>& 
   return vk::uploadedBuffer(device, name, std::as_bytes(std::span(values)));
 }
 
-constexpr size_t kMapsAtOnce = 64;  // per task of a worker thread
-constexpr uint32_t kPatience = 3;   // frames that draw pages of a map before a frame draws the rest of it
+constexpr size_t kMapsAtOnce = 64;            // per task of a worker thread
+constexpr uint32_t kFramesUntilFullDraw = 3;  // frames that draw pages of a map before a frame draws the rest of it
 
 template <typename T>
 void append(std::string& key, const T& value) {
@@ -132,7 +132,7 @@ void FrameShadows::place(vk::Device& device, ShadowMapCache& kept) {
 // to stay. It is then drawn completely, so later frames need not mark its pages.
 void FrameShadows::list(const std::shared_ptr<CachedShadowMap>& map, const ShadowView& view) {
   if (map->whole) return;
-  maps_.push_back({map->tile, &view, !map->drawn, ++map->drawings > kPatience});
+  maps_.push_back({map->tile, &view, !map->drawn, ++map->drawings > kFramesUntilFullDraw});
   map->drawn = false;  // until settled()
   drawn_.push_back(map);
 }
@@ -166,7 +166,7 @@ void FrameShadows::addedDrawing() {
 void FrameShadows::settled() {
   for (const std::shared_ptr<CachedShadowMap>& map : drawn_) {
     map->drawn = true;
-    map->whole = !asksForPages_ || map->drawings > kPatience;
+    map->whole = !asksForPages_ || map->drawings > kFramesUntilFullDraw;
   }
 }
 

@@ -103,10 +103,10 @@ bool ShadowMapCache::holds(const vk::ImageDesc& kind, uint64_t texels, uint32_t 
   if (!atlas_) return false;
   const vk::ImageDesc& has = atlas_->desc();
   const uint64_t room = uint64_t{has.width} * has.height * has.layers;
-  constexpr uint32_t kPatience = 4;  // frames to wait before replacing the atlas
+  constexpr uint32_t kFramesUntilFullDraw = 4;  // frames to wait before replacing the atlas
   tooLarge_ = room > 4 * texels ? tooLarge_ + 1 : 0;
   return has.format == kind.format && has.usage == kind.usage && has.width >= largest && room >= texels &&
-         (tooLarge_ <= kPatience);
+         (tooLarge_ <= kFramesUntilFullDraw);
 }
 
 void ShadowMapCache::renew(vk::Device& device, vk::ImageDesc kind, uint64_t texels, uint32_t largest) {
