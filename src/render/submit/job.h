@@ -34,8 +34,8 @@ struct RenderPart {
   std::shared_ptr<FrameShadows> shadows;  // of all strips; null: no light casts shadows
   bool started = false;                   // at least once: after an overflow it is started again
   bool continues = false;  // the history of temporal anti-aliasing holds the previous frame of these views
-  std::vector<graph::Submission> earlier;  // of all samples except the last
-  std::optional<Request> request;          // of the last sample, as is `submission`
+  std::vector<graph::Submission> earlier;    // of all samples except the last
+  std::optional<FrameGraphBuilder> request;  // of the last sample, as is `submission`
   graph::Submission submission;
   std::vector<Overflow::Check> checks;  // of `submission`; empty once it is known that nothing overflowed
 };

@@ -253,7 +253,7 @@ Renderer::Start Renderer::startPart(RenderPart& part, std::optional<uint64_t> ma
   vk::Image sum;
   if (jitters.size() > 1) sum = makeSum(part);
   for (size_t i = 0; i < jitters.size(); ++i) {
-    Request& request =
+    FrameGraphBuilder& request =
         part.request.emplace(state_, s, yUp, steady, viewsOf(part, jitters[i]), part.shadows.get(), arrays);
     const bool last = i + 1 == jitters.size();
     TemporalHistory* history = s.aa.temporal ? &history_ : nullptr;

@@ -47,8 +47,9 @@ bool isLit(const Settings& s) {
   return showsPicture(s) || asksFor(s, Origin::LightCounts);
 }
 
-Request::Request(const RenderState& state, const Settings& settings, bool yUp, const ViewsInTime& steady,
-                 const ViewsInTime& jittered, FrameShadows* shadows, const ResultArrays& arrays)
+FrameGraphBuilder::FrameGraphBuilder(const RenderState& state, const Settings& settings, bool yUp,
+                                     const ViewsInTime& steady, const ViewsInTime& jittered, FrameShadows* shadows,
+                                     const ResultArrays& arrays)
     : state_(state),
       settings_(settings),
       steadyViews_(steady),
@@ -57,16 +58,16 @@ Request::Request(const RenderState& state, const Settings& settings, bool yUp, c
       graph_(state.executor),
       outputs_(settings, yUp, steady.lens != nullptr, arrays) {}
 
-bool Request::isSteady() const {
+bool FrameGraphBuilder::isSteady() const {
   return settings_.aa.samples == 1 && jitteredViews_.now.front().jitter == shared::vec2(0);
 }
 
-ViewSet& Request::steady() {
+ViewSet& FrameGraphBuilder::steady() {
   if (!steady_) steady_.emplace(state_, steadyViews_, settings_, shadows_, VisibilityOptions{.atCentres = true});
   return *steady_;
 }
 
-ViewSet& Request::jittered() {
+ViewSet& FrameGraphBuilder::jittered() {
   if (isSteady()) return steady();
   const VisibilityOptions options{.atCentres = settings_.aa.samples == 1};
   if (!jittered_) jittered_.emplace(state_, jitteredViews_, settings_, shadows_, options);
@@ -74,14 +75,14 @@ ViewSet& Request::jittered() {
 }
 
 // Finds the surfaces at pixel centers once, for everything that needs them.
-graph::ImageId Request::steadyDepth() {
+graph::ImageId FrameGraphBuilder::steadyDepth() {
   if (!steadyDepth_) steadyDepth_ = steady().visibility().addDepth(steady().frame(graph_, FrameSetup{})).pixels;
   return steadyDepth_;
 }
 
 // Adds the lit frame of the picture. The frame also counts lights if it can, because lights are counted at pixel
 // centers.
-LitFrame Request::addPicture(const SurfaceOutputs* outputs) {
+LitFrame FrameGraphBuilder::addPicture(const SurfaceOutputs* outputs) {
   FrameSetup setup = frameSetup(settings_, shadows_ != nullptr);
   setup.outputs = outputs;
   setup.countLights = isSteady() && asksFor(settings_, Origin::LightCounts);
@@ -91,13 +92,13 @@ LitFrame Request::addPicture(const SurfaceOutputs* outputs) {
   return lit;
 }
 
-void Request::accumulate(const vk::Image& sum, bool first) {
+void FrameGraphBuilder::accumulate(const vk::Image& sum, bool first) {
   const graph::ImageId total = graph_.import(sum, first ? std::nullopt : std::optional(graph::Use::StorageReadWrite));
   addAccumulate({state_.device, graph_}, addPicture().picture, total, first);
   graph_.exports(total, graph::Use::StorageReadWrite);
 }
 
-void Request::finish(const vk::Image* sum, uint32_t count, TemporalHistory* history, bool continues) {
+void FrameGraphBuilder::finish(const vk::Image* sum, uint32_t count, TemporalHistory* history, bool continues) {
   if (showsPicture(settings_)) {
     lit_ = addPicture(packsWithPicture() ? packSurfaces() : nullptr);
     graph::ImageId picture = lit_->picture;
@@ -121,11 +122,11 @@ void Request::finish(const vk::Image* sum, uint32_t count, TemporalHistory* hist
   if (asksFor(settings_, Origin::Raster)) addRasterData();
 }
 
-void Request::leave(Results results) {
+void FrameGraphBuilder::leave(Results results) {
   outputs_.leave({state_.device, graph_}, results);
 }
 
-void Request::addPost(const LitFrame& lit, graph::ImageId picture, uint32_t count) {
+void FrameGraphBuilder::addPost(const LitFrame& lit, graph::ImageId picture, uint32_t count) {
   const Builder b{state_.device, graph_};
   std::optional<ResultPlace> display;
   if (settings_.display) display = outputs_.addDisplay(b, texels(graph_, picture));
@@ -137,7 +138,7 @@ void Request::addPost(const LitFrame& lit, graph::ImageId picture, uint32_t coun
 
 // Adds the number of lights evaluated at each pixel's center: from the picture's own frame, or from a similar frame
 // without blended surfaces.
-void Request::addLightCounts() {
+void FrameGraphBuilder::addLightCounts() {
   graph::ImageId counts;
   if (lit_ && isSteady()) {
     counts = lit_->lightCounts;
@@ -156,7 +157,7 @@ void Request::addLightCounts() {
 
 // Adds how often the picture's own frame shades each pixel. If no picture is requested, no export depends on its
 // lighting, so the graph culls it.
-void Request::addSampleCounts() {
+void FrameGraphBuilder::addSampleCounts() {
   graph::ImageId counts;
   if (settings_.aa.samples > 1) {
     if (!lit_) lit_ = addOpaque(jittered().frame(graph_, frameSetup(settings_, shadows_ != nullptr)));
@@ -167,23 +168,23 @@ void Request::addSampleCounts() {
   outputs_.add({state_.device, graph_}, Origin::SampleCounts, [&](std::string_view) { return counts; });
 }
 
-bool Request::showsBlendedData() {
+bool FrameGraphBuilder::showsBlendedData() {
   return settings_.dataSurfaces == DataSurfaces::Any && steady().visibility().anyBlended();
 }
 
 // Returns true if the picture's own frame resolves exactly the surfaces that the data outputs describe.
-bool Request::packsWithPicture() {
+bool FrameGraphBuilder::packsWithPicture() {
   return asksFor(settings_, Origin::Surface) && rastersInCompute(settings_) && !settings_.lighting->forward &&
          settings_.layout->hasTargets() && isSteady() && !showsBlendedData();
 }
 
-const SurfaceOutputs* Request::packSurfaces() {
+const SurfaceOutputs* FrameGraphBuilder::packSurfaces() {
   surfaceOutputs_ = outputs_.addSurfaces({state_.device, graph_}, steady().frame(graph_, FrameSetup{}).pixels());
   return &*surfaceOutputs_;
 }
 
 // Data outputs are evaluated at pixel centers, in full precision, for any layout and anti-aliasing of the picture.
-void Request::addData() {
+void FrameGraphBuilder::addData() {
   ViewSet* set = &steady();
   graph::ImageId depth;
   if (showsBlendedData()) {
@@ -202,7 +203,7 @@ void Request::addData() {
 
 // Packs outputs where surfaces are resolved or, with hardware, from a separate G-buffer in the layout `exact`, which
 // has only the targets that the requested outputs need.
-void Request::addSurfaceData(ViewSet& set, graph::ImageId depth) {
+void FrameGraphBuilder::addSurfaceData(ViewSet& set, graph::ImageId depth) {
   FrameSetup setup{.layout = &findLayout("exact"), .targets = 0};
   Gbuffer gbuffer{.depth = depth, .sampleDepth = depth};
   if (set.visibility().asCompute()) {
@@ -220,7 +221,7 @@ void Request::addSurfaceData(ViewSet& set, graph::ImageId depth) {
   outputs_.add(f, Origin::Surface, target, f.constants);
 }
 
-void Request::addRasterData() {
+void FrameGraphBuilder::addRasterData() {
   ViewSet* set = &steady();
   if (set->visibility().asCompute()) {
     steadyDepth();
@@ -237,11 +238,11 @@ void Request::addRasterData() {
   });
 }
 
-void Request::read(const graph::Submission& done, std::vector<output::FrameOutput>& pictures) const {
+void FrameGraphBuilder::read(const graph::Submission& done, std::vector<output::FrameOutput>& pictures) const {
   outputs_.read(state_.device, state_.executor, done, pictures);
 }
 
-void Request::countShadings(const graph::Submission& done, std::optional<ShadingCounts>& counts) const {
+void FrameGraphBuilder::countShadings(const graph::Submission& done, std::optional<ShadingCounts>& counts) const {
   if (!surfaces_) return;
   if (!counts) counts.emplace();
   const shared::vec2 size = steadyViews_.now.front().size;

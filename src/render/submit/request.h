@@ -14,13 +14,13 @@ namespace latelight::render {
 FrameSetup frameSetup(const Settings& settings, bool shadows);
 bool isLit(const Settings& settings);  // data outputs require no lighting
 
-class Request {
+class FrameGraphBuilder {
  public:
   // `steady`: the views without jitter; `jittered`: the same with the jitter of the picture's current frame. `shadows`:
   // of these views, or null. `yUp`: world positions and directions are output in glTF's frame. `arrays`: the arrays
   // that exported results are written to, which live as long as the graph runs.
-  Request(const RenderState& state, const Settings& settings, bool yUp, const ViewsInTime& steady,
-          const ViewsInTime& jittered, FrameShadows* shadows, const ResultArrays& arrays);
+  FrameGraphBuilder(const RenderState& state, const Settings& settings, bool yUp, const ViewsInTime& steady,
+                    const ViewsInTime& jittered, FrameShadows* shadows, const ResultArrays& arrays);
 
   // Adds only the picture's frame, and adds its result to `sum`: one of several samples per pixel.
   void accumulate(const vk::Image& sum, bool first);
