@@ -195,7 +195,7 @@ std::vector<graph::BufferId> PackedOutputs::buffers() const {
   return buffers;
 }
 
-void PackedOutputs::leave(const Builder& b, Results results) {
+void PackedOutputs::exportResults(const Builder& b, Results results) {
   if (results == Results::Exported) {
     for (const graph::BufferId buffer : buffers()) b.graph.exports(buffer, graph::Use::HostRead);
     return;

@@ -70,7 +70,7 @@ class PackedOutputs {
   // Returns where a pass writes the display picture, RGBA8, with `size` texels and views.
   ResultPlace addDisplay(const Builder& b, glm::uvec3 size) { return place(b, std::nullopt, 4, size); }
   // Makes the results available as `results` states. Call it after all requested outputs have been added.
-  void leave(const Builder& b, Results results);
+  void exportResults(const Builder& b, Results results);
 
   // Reads these outputs into one picture per view. Call it after the graph has run.
   void read(vk::Device& device, graph::Executor& executor, const graph::Submission& done,

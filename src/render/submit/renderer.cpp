@@ -261,7 +261,7 @@ Renderer::Start Renderer::startPart(RenderPart& part, std::optional<uint64_t> ma
       request.finish(i > 0 ? &sum : nullptr, static_cast<uint32_t>(jitters.size()), history, part.continues);
     else
       request.accumulate(sum, i == 0);
-    if (last) request.leave(part.job.results);
+    if (last) request.exportResults(part.job.results);
     part.checks = std::exchange(overflow_.checks, {});
     gpuScene_.addChanges(request.graph());
     const graph::Plan plan = request.graph().compile();

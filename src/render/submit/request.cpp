@@ -122,8 +122,8 @@ void FrameGraphBuilder::finish(const vk::Image* sum, uint32_t count, TemporalHis
   if (asksFor(settings_, Origin::Raster)) addRasterData();
 }
 
-void FrameGraphBuilder::leave(Results results) {
-  outputs_.leave({state_.device, graph_}, results);
+void FrameGraphBuilder::exportResults(Results results) {
+  outputs_.exportResults({state_.device, graph_}, results);
 }
 
 void FrameGraphBuilder::addPost(const LitFrame& lit, graph::ImageId picture, uint32_t count) {

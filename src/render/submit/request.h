@@ -27,7 +27,7 @@ class FrameGraphBuilder {
   // Adds everything requested. For a picture of several frames, `sum` holds the earlier ones, and `count` includes this
   // one. `history`: of temporal anti-aliasing, or null. `continues`: it holds the frame before this picture.
   void finish(const vk::Image* sum, uint32_t count, TemporalHistory* history, bool continues);
-  void leave(Results results);  // exports the requested results, as the last step
+  void exportResults(Results results);  // exports the requested results, as the last step
 
   graph::Graph& graph() { return graph_; }
 
