@@ -58,7 +58,7 @@ struct RenderJob {
   std::vector<ExportedArray> arrays;  // replaces `pictures` for Results::Exported
   MemoryClaim memory;                 // of the pictures
   std::optional<Progress> progress;   // over all views, their strips and their samples
-  std::exception_ptr error;           // caught by settle(), rethrown when the job is read
+  std::exception_ptr error;           // caught by resolveOverflow(), rethrown when the job is read
   std::vector<graph::PassTime> times;
   std::optional<ShadingCounts> shadingCounts;
   std::string graphviz;

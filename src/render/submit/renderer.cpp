@@ -105,7 +105,7 @@ void Renderer::begin(const Settings& settings, const Moment& moment) {
   if (settings.background.kind == Background::Environment && !hasEnvironment_)
     badUsage(
         "the environment can't be the background where there is none: choose one (a .hdr or .exr file, or studio)");
-  settle();
+  resolveOverflow();
   gpuScene_.update(moment.poses, settings.sun ? std::optional(lightOf(*settings.sun)) : std::nullopt);
   gpuScene_.setAnisotropy(settings.anisotropy.value_or(usualAnisotropy(device_)));
   gpuScene_.setGroups(moment.groups);
@@ -189,14 +189,14 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
                             std::span<const Strip> strips) {
   const Settings& s = job->settings;
   ShadowPlan plan = planShadows(std::span(job->now).subspan(first, count), s);  // while previous views are rendered
-  settle();
+  resolveOverflow();
   const std::shared_ptr<FrameShadows> shadows = placeShadows(std::move(plan), s);
   for (const Strip strip : strips) {
     // With several strips, only one has memory at a time. Otherwise some views are read while the device renders the
     // next.
     const size_t waiting = strips.size() > 1 ? 0 : 1;
     while (job->results == Results::ToHost && job->parts.size() > waiting) read(*job);
-    settle();
+    resolveOverflow();
     RenderPart& part = job->parts.emplace_back(*job, first, count, strip, shadows);
     part.continues = job->continues && count == job->viewCount() && history_.fits(s.width, s.height, count);
     if (!job->progress) job->progress.emplace("Rendering", jittersOf(part).size() * strips.size() * job->viewCount());
@@ -288,7 +288,7 @@ graph::Submission Renderer::submit(const graph::Graph& graph, const graph::Plan&
   return submission;
 }
 
-void Renderer::settle() {
+void Renderer::resolveOverflow() {
   if (!unsettled_) return;
   const std::shared_ptr<RenderPart> part = std::exchange(unsettled_, nullptr);
   try {
@@ -305,7 +305,7 @@ void Renderer::settle() {
 
 void Renderer::read(RenderJob& job) {
   RenderPart& part = job.parts.front();
-  if (unsettled_.get() == &part) settle();
+  if (unsettled_.get() == &part) resolveOverflow();
   if (job.error) std::rethrow_exception(job.error);
   part.submission.wait();
   if (job.results != Results::Exported) {

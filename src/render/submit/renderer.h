@@ -77,7 +77,7 @@ class Renderer {
   // `maxBytes`: limit on the transient memory of the first graph.
   Start startPart(RenderPart& part, std::optional<uint64_t> maxBytes);
   graph::Submission submit(const graph::Graph& graph, const graph::Plan& plan);
-  void settle();
+  void resolveOverflow();
   void read(RenderJob& job);  // the oldest part
   void finish(RenderJob& job);
 
@@ -103,8 +103,8 @@ class Renderer {
   LensRayCache lensRays_;
   std::shared_ptr<ExportPool> exports_ = std::make_shared<ExportPool>();
   ShadowMapCache shadowMaps_[2];  // of hardware and compute
-  // The last part in flight. settle() detects whether it overflowed, and renders it again, before anything changes that
-  // the part depends on.
+  // The last part in flight. resolveOverflow() detects whether it overflowed, and renders it again, before anything
+  // changes that the part depends on.
   std::shared_ptr<RenderPart> unsettled_;
   std::vector<graph::PassTime> times_;
   std::optional<ShadingCounts> shadingCounts_;
