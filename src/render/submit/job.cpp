@@ -23,7 +23,7 @@ RenderJob::RenderJob(std::span<const scene::Camera> cameras, const Settings& set
       rows(rows),
       continues(moment.continues) {}
 
-ViewsInTime RenderPart::views(const glm::dvec3& origin, glm::vec2 jitter) const {
+ViewsInTime ViewBatch::views(const glm::dvec3& origin, glm::vec2 jitter) const {
   const auto viewsOf = [&](const std::vector<scene::Camera>& cameras, glm::vec2 jitter) {
     std::vector<shared::View> views;
     for (size_t i = first; i < first + count; ++i)
@@ -34,7 +34,7 @@ ViewsInTime RenderPart::views(const glm::dvec3& origin, glm::vec2 jitter) const 
 }
 
 // Strips arrive from top to bottom.
-void RenderJob::keep(const RenderPart& part, std::vector<output::FrameOutput>&& some) {
+void RenderJob::keep(const ViewBatch& part, std::vector<output::FrameOutput>&& some) {
   if (part.strip.rows == rows) {
     std::move(some.begin(), some.end(), std::back_inserter(pictures));
     return;

@@ -21,8 +21,8 @@ struct RenderJob;
 
 // Some of a job's views in one strip of their pictures. They are rendered together, with one graph per sample of a
 // pixel. The part is read after its last graph has run.
-struct RenderPart {
-  RenderPart(RenderJob& job, size_t first, size_t count, Strip strip, std::shared_ptr<FrameShadows> shadows)
+struct ViewBatch {
+  ViewBatch(RenderJob& job, size_t first, size_t count, Strip strip, std::shared_ptr<FrameShadows> shadows)
       : job(job), first(first), count(count), strip(strip), shadows(std::move(shadows)) {}
 
   // `origin`: the origin of the device's world space in the scene's.
@@ -45,7 +45,7 @@ struct RenderJob {
   RenderJob(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment, uint32_t rows);
 
   size_t viewCount() const { return now.size(); }
-  void keep(const RenderPart& part, std::vector<output::FrameOutput>&& pictures);
+  void keep(const ViewBatch& part, std::vector<output::FrameOutput>&& pictures);
   void addTimes(const graph::Submission& done);
 
   std::vector<scene::Camera> now, previous, next;
@@ -53,7 +53,7 @@ struct RenderJob {
   uint32_t rows;  // of the pictures
   bool continues;
   Results results = Results::ToHost;
-  std::deque<RenderPart> parts;  // parts that have not been read, in order; their addresses are stable
+  std::deque<ViewBatch> parts;  // parts that have not been read, in order; their addresses are stable
   std::vector<output::FrameOutput> pictures;
   std::vector<ExportedArray> arrays;  // replaces `pictures` for Results::Exported
   MemoryClaim memory;                 // of the pictures

@@ -197,7 +197,7 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
     const size_t waiting = strips.size() > 1 ? 0 : 1;
     while (job->results == Results::ToHost && job->parts.size() > waiting) read(*job);
     resolveOverflow();
-    RenderPart& part = job->parts.emplace_back(*job, first, count, strip, shadows);
+    ViewBatch& part = job->parts.emplace_back(*job, first, count, strip, shadows);
     part.continues = job->continues && count == job->viewCount() && history_.fits(s.width, s.height, count);
     if (!job->progress) job->progress.emplace("Rendering", jittersOf(part).size() * strips.size() * job->viewCount());
     std::optional<uint64_t> maxBytes;
@@ -213,7 +213,7 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
   return count;
 }
 
-ViewsInTime Renderer::viewsOf(const RenderPart& part, glm::vec2 jitter) {
+ViewsInTime Renderer::viewsOf(const ViewBatch& part, glm::vec2 jitter) {
   ViewsInTime views = part.views(gpuScene_.origin(), jitter);
   const scene::Camera& camera = part.job.now[part.first];
   const Settings& s = part.job.settings;
@@ -223,7 +223,7 @@ ViewsInTime Renderer::viewsOf(const RenderPart& part, glm::vec2 jitter) {
 }
 
 // Returns the samples of a picture, one frame each, as offsets from the pixel's center.
-std::vector<glm::vec2> Renderer::jittersOf(const RenderPart& part) const {
+std::vector<glm::vec2> Renderer::jittersOf(const ViewBatch& part) const {
   const Settings& s = part.job.settings;
   if (!showsPicture(s)) return {glm::vec2(0)};
   if (s.aa.temporal) {
@@ -241,7 +241,7 @@ std::vector<glm::vec2> Renderer::jittersOf(const RenderPart& part) const {
 }
 
 // On overflow, the caller starts again from the first sample, because the accumulated sum includes an incomplete one.
-Renderer::Start Renderer::startPart(RenderPart& part, std::optional<uint64_t> maxBytes) {
+Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> maxBytes) {
   const Settings& s = part.job.settings;
   const std::vector<glm::vec2> jitters = jittersOf(part);
   const ViewsInTime steady = viewsOf(part, glm::vec2(0));
@@ -290,7 +290,7 @@ graph::Submission Renderer::submit(const graph::Graph& graph, const graph::Plan&
 
 void Renderer::resolveOverflow() {
   if (!unsettled_) return;
-  const std::shared_ptr<RenderPart> part = std::exchange(unsettled_, nullptr);
+  const std::shared_ptr<ViewBatch> part = std::exchange(unsettled_, nullptr);
   try {
     while (overflowed(std::exchange(part->checks, {}), part->submission)) {
       if (part->job.settings.aa.temporal) history_.undo();
@@ -304,7 +304,7 @@ void Renderer::resolveOverflow() {
 }
 
 void Renderer::read(RenderJob& job) {
-  RenderPart& part = job.parts.front();
+  ViewBatch& part = job.parts.front();
   if (unsettled_.get() == &part) resolveOverflow();
   if (job.error) std::rethrow_exception(job.error);
   part.submission.wait();
@@ -330,7 +330,7 @@ void Renderer::finish(RenderJob& job) {
 }
 
 bool Ticket::done() const {
-  return std::ranges::all_of(job_->parts, [](const RenderPart& part) { return part.submission.done(); });
+  return std::ranges::all_of(job_->parts, [](const ViewBatch& part) { return part.submission.done(); });
 }
 
 std::vector<output::FrameOutput> Ticket::take() {
@@ -345,7 +345,7 @@ std::vector<ExportedArray> Ticket::takeArrays() {
   return std::move(job->arrays);
 }
 
-vk::Image Renderer::makeSum(const RenderPart& part) {
+vk::Image Renderer::makeSum(const ViewBatch& part) {
   return {device_,
           {.format = VK_FORMAT_R32G32B32A32_SFLOAT,
            .width = part.job.settings.width,
@@ -369,7 +369,7 @@ output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Sett
   std::shared_ptr<FrameShadows> shadows;
   if (layout.sunTarget >= 0)  // otherwise nothing in the targets is lit
     shadows = placeShadows(planShadows(job.now, atCentres), atCentres);
-  const RenderPart part(job, 0, 1, {0, settings.height}, shadows);
+  const ViewBatch part(job, 0, 1, {0, settings.height}, shadows);
   ViewSet set(state_, viewsOf(part, glm::vec2(0)), atCentres, shadows.get(), VisibilityOptions{.atCentres = true});
   std::optional<graph::Graph> graph;
   std::optional<RawReadback> readback;

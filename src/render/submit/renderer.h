@@ -25,7 +25,7 @@
 
 namespace latelight::render {
 
-struct RenderPart;
+struct ViewBatch;
 
 class Renderer {
  public:
@@ -75,18 +75,18 @@ class Renderer {
     uint64_t bytes = 0;  // with TooManyViews: the transient memory that the first graph needs
   };
   // `maxBytes`: limit on the transient memory of the first graph.
-  Start startPart(RenderPart& part, std::optional<uint64_t> maxBytes);
+  Start startPart(ViewBatch& part, std::optional<uint64_t> maxBytes);
   graph::Submission submit(const graph::Graph& graph, const graph::Plan& plan);
   void resolveOverflow();
   void read(RenderJob& job);  // the oldest part
   void finish(RenderJob& job);
 
-  ViewsInTime viewsOf(const RenderPart& part, glm::vec2 jitter);
-  std::vector<glm::vec2> jittersOf(const RenderPart& part) const;
+  ViewsInTime viewsOf(const ViewBatch& part, glm::vec2 jitter);
+  std::vector<glm::vec2> jittersOf(const ViewBatch& part) const;
   bool castsShadows(const Settings& settings) const;
   ShadowPlan planShadows(std::span<const scene::Camera> cameras, const Settings& settings) const;
   std::shared_ptr<FrameShadows> placeShadows(ShadowPlan plan, const Settings& settings);
-  vk::Image makeSum(const RenderPart& part);
+  vk::Image makeSum(const ViewBatch& part);
 
   vk::Device& device_;
   const scene::Scene& scene_;
@@ -105,7 +105,7 @@ class Renderer {
   ShadowMapCache shadowMaps_[2];  // of hardware and compute
   // The last part in flight. resolveOverflow() detects whether it overflowed, and renders it again, before anything
   // changes that the part depends on.
-  std::shared_ptr<RenderPart> unsettled_;
+  std::shared_ptr<ViewBatch> unsettled_;
   std::vector<graph::PassTime> times_;
   std::optional<ShadingCounts> shadingCounts_;
   std::string graphviz_;
