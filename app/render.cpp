@@ -170,7 +170,7 @@ struct RenderedFrame {
 PendingFrame startFrame(RenderRun& run, uint32_t frame) {
   const auto mark = Clock::now();
   const scene::Camera camera = run.timeline.cameraAt(frame);
-  const render::Moment moment = run.timeline.momentAt(frame);
+  const render::SceneState moment = run.timeline.momentAt(frame);
   PendingFrame pending;
   if (!run.options.pixels.empty())
     run.picked = render::pick(run.renderer, run.scene, camera, run.options.settings, run.options.pixels, moment);

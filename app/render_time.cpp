@@ -86,9 +86,9 @@ scene::Camera Timeline::cameraAt(uint32_t frame) const {
   return cameraAt(secondsAt(frame).value_or(0));
 }
 
-render::Moment Timeline::momentAt(uint32_t frame) const {
+render::SceneState Timeline::momentAt(uint32_t frame) const {
   const double seconds = secondsAt(frame).value_or(0), step = 1 / options_.settings.framesPerSecond;
-  render::Moment moment{.poses = {poseAt(seconds - step), poseAt(seconds), poseAt(seconds + step)}};
+  render::SceneState moment{.poses = {poseAt(seconds - step), poseAt(seconds), poseAt(seconds + step)}};
   moment.previousCameras = {cameraAt(seconds - step)};
   moment.nextCameras = {cameraAt(seconds + step)};
   moment.continues = frame > first_;

@@ -27,7 +27,7 @@ class Timeline {
   // cameraAt() returns the camera of a frame, and momentAt() the scene state, including the previous and the next
   // frame.
   scene::Camera cameraAt(uint32_t frame) const;
-  render::Moment momentAt(uint32_t frame) const;
+  render::SceneState momentAt(uint32_t frame) const;
 
  private:
   scene::Pose poseAt(double seconds) const;

@@ -59,7 +59,7 @@ std::string makePage(ReportArguments& a, vk::Device& device, const scene::Scene&
   const std::optional<scene::Environment> environment = render::loadEnvironment(scene, environmentOf(o, scene));
   render::Renderer renderer(device, scene, environment ? &*environment : nullptr);
   const scene::Camera camera = timeline.cameraAt(timeline.first());
-  const render::Moment moment = timeline.momentAt(timeline.first());
+  const render::SceneState moment = timeline.momentAt(timeline.first());
   study::Options normals{.device = o.device, .validation = o.validate};
   return report::scenePage({device, renderer, scene, camera, moment, o.settings,
                             wordsOf(a, {"layout", "lighting", "raster"}), ownCommand(a), normals, a.runs});

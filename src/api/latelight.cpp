@@ -148,8 +148,9 @@ std::vector<scene::Camera> internalCameras(const std::vector<Camera>& cameras, c
   return internal;
 }
 
-render::Moment internalMoment(const Options& o, const render::Settings& s, const scene::Scene& scene, size_t cameras) {
-  render::Moment moment;
+render::SceneState internalState(const Options& o, const render::Settings& s, const scene::Scene& scene,
+                                 size_t cameras) {
+  render::SceneState moment;
   moment.previousCameras = internalCameras(o.previousCameras, scene, cameras, s.cameraFit);
   moment.nextCameras = internalCameras(o.nextCameras, scene, cameras, s.cameraFit);
   moment.continues = o.continues;
@@ -391,7 +392,7 @@ Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& optio
   const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene);
   const std::vector<scene::Camera> internal =
       internalCameras(cameras, impl_->scene, cameras.size(), settings.cameraFit);
-  const render::Moment moment = internalMoment(options, settings, impl_->scene, cameras.size());
+  const render::SceneState moment = internalState(options, settings, impl_->scene, cameras.size());
   Ticket ticket;
   ticket.impl_ = ownedByProcess(
       new Ticket::Impl{impl_, impl_->renderer.submit(internal, settings, moment, internalResults(results)), results});
@@ -406,7 +407,7 @@ std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::ar
   const auto three = [](glm::vec3 v) { return std::array<float, 3>{v.x, v.y, v.z}; };
   std::vector<Pick> picks;
   const scene::Camera view = render::fitted(internalCamera(camera, impl_->scene), settings.cameraFit);
-  const render::Moment moment = internalMoment(options, settings, impl_->scene, 1);
+  const render::SceneState moment = internalState(options, settings, impl_->scene, 1);
   for (const render::Picked& p : render::pick(impl_->renderer, impl_->scene, view, settings, places, moment))
     picks.push_back({p.id,
                      p.part,

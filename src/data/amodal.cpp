@@ -72,7 +72,7 @@ std::vector<Group> apart(const std::vector<Placed>& objects) {
 class Alone {
  public:
   Alone(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-        const render::Settings& settings, const render::Moment& moment)
+        const render::Settings& settings, const render::SceneState& moment)
       : renderer_(renderer),
         scene_(scene),
         camera_(camera),
@@ -127,7 +127,7 @@ class Alone {
   const scene::Scene& scene_;
   scene::Camera camera_;
   render::Settings settings_;
-  render::Moment moment_;
+  render::SceneState moment_;
   shared::View view_;
   glm::dmat4 viewFromPositions_;
 };
@@ -180,7 +180,7 @@ void addBeyond(const Group& group, const output::AovImage& wide) {
 }  // namespace
 
 void renderAlone(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                 const render::Settings& settings, const render::Moment& moment, std::vector<Object>& objects) {
+                 const render::Settings& settings, const render::SceneState& moment, std::vector<Object>& objects) {
   Alone alone(renderer, scene, camera, settings, moment);
   std::vector<Placed> seen;
   std::vector<Object*> across;

@@ -16,6 +16,6 @@ namespace latelight::data {
 // and for the largest sizes. An object at exactly the position of another object with the same mesh and material is
 // never drawn and has an empty mask.
 void renderAlone(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                 const render::Settings& settings, const render::Moment& moment, std::vector<Object>& objects);
+                 const render::Settings& settings, const render::SceneState& moment, std::vector<Object>& objects);
 
 }  // namespace latelight::data

@@ -11,7 +11,7 @@ Extras both(const Extras& a, const Extras& b) {
 }
 
 void renderExtras(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                  const render::Settings& settings, const render::Moment& moment, const Extras& needed,
+                  const render::Settings& settings, const render::SceneState& moment, const Extras& needed,
                   GeometryHashes& geometry, DataFrame& frame) {
   if (needed.boxes || needed.alone || needed.shapes)
     frame.objects =
@@ -23,7 +23,7 @@ void renderExtras(render::Renderer& renderer, const scene::Scene& scene, const s
   fine.height *= needed.samples;
   fine.display = false;
   fine.aovs = {output::Aov::Id, output::Aov::Material};
-  render::Moment poses{moment.poses, {}, {}, {}, false};
+  render::SceneState poses{moment.poses, {}, {}, {}, false};
   frame.samples = std::move(renderer.render({&camera, 1}, fine, poses).front());
 }
 

@@ -12,7 +12,7 @@ Extras both(const Extras& a, const Extras& b);
 // Fills DataFrame::objects and DataFrame::samples. Called once per frame if any format requires them, with the
 // arguments that the frame's picture was rendered with. `geometry` caches the geometry hashes of `scene`.
 void renderExtras(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                  const render::Settings& settings, const render::Moment& moment, const Extras& needed,
+                  const render::Settings& settings, const render::SceneState& moment, const Extras& needed,
                   GeometryHashes& geometry, DataFrame& frame);
 
 }  // namespace latelight::data

@@ -10,7 +10,7 @@
 
 #include "data/mask.h"
 #include "data/shape.h"
-#include "render/submit/moment.h"
+#include "render/submit/scene_state.h"
 #include "scene/scene.h"
 
 namespace latelight::data {

@@ -17,7 +17,7 @@ struct Subject {
   render::Renderer& renderer;
   const scene::Scene& scene;
   const scene::Camera& camera;
-  const render::Moment& moment;
+  const render::SceneState& moment;
   render::Settings settings;  // the layouts are compared with its technique, and the techniques with its layout
   // The scene and the options of the user as words of `latelight render`, without layout, technique, raster and
   // outputs.

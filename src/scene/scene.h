@@ -133,7 +133,7 @@ struct Camera {
   vec2 principal{0};         // principal point offset in NDC; 0 is the image's center
   std::optional<Lens> lens;  // replaces the field of view and the principal point
   int node = -1;             // node that the camera follows, index into Scene::nodes; -1: none
-  uint32_t group = 0;        // renders only the instances of this group (render::Moment::groups); 0: all
+  uint32_t group = 0;        // renders only the instances of this group (render::SceneState::groups); 0: all
 };
 
 extern const uint32_t kPointLight;  // kLightPoint; external, so that this header need not change with added types

@@ -57,7 +57,7 @@ Table benchRaster(vk::Device& device, const BenchOptions& options) {
   return table;
 }
 
-Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment,
+Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const render::SceneState& moment,
                  const render::Settings& settings, const Ceilings& ceilings, const BenchOptions& options) {
   const std::span<const Raster> rasters = rastersOf(settings);
   std::vector<render::Settings> each(rasters.size(), settings);

@@ -22,7 +22,7 @@ struct BenchOptions {
 Table benchRaster(vk::Device& device, const BenchOptions& options);
 
 // Measures a frame of a scene pass by pass up to its finished image, which stays on the device.
-Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment,
+Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const render::SceneState& moment,
                  const render::Settings& settings, const Ceilings& ceilings, const BenchOptions& options);
 
 // Measures many views at once until their results are in device memory. From inside a scene the camera turns in place;
@@ -36,7 +36,7 @@ Table benchViews(render::Renderer& renderer, const scene::Scene& scene, const sc
 class LightsBench {
  public:
   LightsBench(const Ceilings& ceilings, const BenchOptions& options);
-  void add(render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment,
+  void add(render::Renderer& renderer, const scene::Camera& camera, const render::SceneState& moment,
            const render::Settings& settings, uint64_t lights);
   const Table& table() const { return table_; }
   const Ceilings& ceilings() const { return ceilings_; }
@@ -52,7 +52,7 @@ class LightsBench {
 
 // Measures lighting by synthetic lights that are generated in registers, for each type of light and each shading model,
 // next to the technique of the settings with the scene's own lights.
-Table benchShade(render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment,
+Table benchShade(render::Renderer& renderer, const scene::Camera& camera, const render::SceneState& moment,
                  const render::Settings& settings, const Ceilings& ceilings, const BenchOptions& options);
 
 }  // namespace latelight::study

@@ -27,7 +27,7 @@ bool LightsBench::goesOn(const render::TechniqueInfo& technique, uint64_t lights
          options_.budget;
 }
 
-void LightsBench::add(render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment,
+void LightsBench::add(render::Renderer& renderer, const scene::Camera& camera, const render::SceneState& moment,
                       const render::Settings& settings, uint64_t lights) {
   const render::TechniqueInfo floor = lightBound(0, 0);
   std::vector<render::Settings> all(1, settings);

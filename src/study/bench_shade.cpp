@@ -33,7 +33,7 @@ BoundCost costOf(std::span<const PassSamples> samples, std::span<const LightCoun
 }
 
 // Adds the rows of one shading model. The technique of the settings is the last measurement.
-void addRows(Table& table, render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment,
+void addRows(Table& table, render::Renderer& renderer, const scene::Camera& camera, const render::SceneState& moment,
              const render::Settings& settings, const Ceilings& ceilings, uint32_t frames) {
   std::vector<Bound> bounds;
   for (uint32_t type = 0; type < scene::lightTypes().size(); ++type) bounds.emplace_back(type);
@@ -62,7 +62,7 @@ void addRows(Table& table, render::Renderer& renderer, const scene::Camera& came
 
 }  // namespace
 
-Table benchShade(render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment,
+Table benchShade(render::Renderer& renderer, const scene::Camera& camera, const render::SceneState& moment,
                  const render::Settings& settings, const Ceilings& ceilings, const BenchOptions& options) {
   Table table{"shade",
               {"light", "shading", "no lights ms", "spread %", "MB", "% of copies", "ps a light", "G lights/s",

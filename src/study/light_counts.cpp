@@ -12,7 +12,7 @@ double meanOf(const output::AovImage& image) {
 
 }  // namespace
 
-LightCounts countLights(render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment,
+LightCounts countLights(render::Renderer& renderer, const scene::Camera& camera, const render::SceneState& moment,
                         render::Settings settings) {
   settings.display = false;
   settings.aovs = {output::Aov::LightsTested, output::Aov::LightsUsed};

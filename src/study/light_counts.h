@@ -8,7 +8,7 @@ namespace latelight::study {
 struct LightCounts {  // means over all pixels
   double tested, used;
 };
-LightCounts countLights(render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment,
+LightCounts countLights(render::Renderer& renderer, const scene::Camera& camera, const render::SceneState& moment,
                         render::Settings settings);
 
 }  // namespace latelight::study

@@ -48,7 +48,7 @@ scene::Camera turned(scene::Camera camera, double angle, glm::dvec3 middle) {
 }
 
 std::vector<PassSamples> measureInTurn(render::Renderer& renderer, const scene::Camera& camera,
-                                       const render::Moment& moment, std::span<const render::Settings> settings,
+                                       const render::SceneState& moment, std::span<const render::Settings> settings,
                                        uint32_t frames) {
   constexpr double kTurn = 1e-3;  // radians per frame
   const auto render = [&](uint32_t frame, const render::Settings& with) {

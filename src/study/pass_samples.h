@@ -38,7 +38,7 @@ constexpr double kWarmUp = 0.5;
 // alternate, so that other load on the machine affects all of them equally. The camera turns a little between frames,
 // so that only view-independent data are reused from earlier frames.
 std::vector<PassSamples> measureInTurn(render::Renderer& renderer, const scene::Camera& camera,
-                                       const render::Moment& moment, std::span<const render::Settings> settings,
+                                       const render::SceneState& moment, std::span<const render::Settings> settings,
                                        uint32_t frames);
 
 }  // namespace latelight::study

@@ -116,9 +116,9 @@ scene::Camera Stage::camera(const CameraChoice& choice, const render::Settings& 
   return cameraOf(*scene_, choice, settings, poseOf(*scene_, settings));
 }
 
-render::Moment Stage::momentOf(const CameraChoice& camera, const render::Settings& s) const {
+render::SceneState Stage::momentOf(const CameraChoice& camera, const render::Settings& s) const {
   const double step = 1 / s.framesPerSecond;
-  render::Moment moment{.poses = render::posesAt(*scene_, s)};
+  render::SceneState moment{.poses = render::posesAt(*scene_, s)};
   moment.previousCameras = {cameraOf(*scene_, camera, s, poseOf(*scene_, s, -step))};
   moment.nextCameras = {cameraOf(*scene_, camera, s, poseOf(*scene_, s, step))};
   return moment;
@@ -133,7 +133,7 @@ render::Settings Stage::prepared(const render::Settings& settings) {
 Stage::Result Stage::render(const ChosenSettings& chosen, const CameraChoice& choice, bool ids) {
   render::Settings s = prepared(chosen.settings);
   const scene::Camera camera = this->camera(choice, s);
-  const render::Moment moment = momentOf(choice, s);
+  const render::SceneState moment = momentOf(choice, s);
   Result result;
   if (chosen.debug && chosen.debug->targets) {
     result.picture = output::debugPicture(*chosen.debug, renderer().readTargets(camera, s, moment));

@@ -65,7 +65,7 @@ class Stage {
  private:
   void loadEnvironment(const std::string& name);
   render::Renderer& renderer();
-  render::Moment momentOf(const CameraChoice& camera, const render::Settings& settings) const;
+  render::SceneState momentOf(const CameraChoice& camera, const render::Settings& settings) const;
   render::Settings prepared(const render::Settings& settings);  // without `auto`
 
   vk::DeviceOptions deviceOptions_;

@@ -83,7 +83,7 @@ TEST_F(FormatFilesTest, FlowOfAPlane) {
   const scene::Scene scene = squares();
   Studio studio(device(), scene);
   const scene::Camera camera = squaresCamera(true);
-  render::Moment moment;
+  render::SceneState moment;
   moment.previousCameras = moment.nextCameras = {camera};
   moment.nextCameras[0].toWorld[3] += glm::vec4(-0.25f, 0, -0.125f, 0);  // left and down: all goes right and up
   const std::unique_ptr<Format> forward = make("flow"), backward = make("flow", {{"to", "previous"}});

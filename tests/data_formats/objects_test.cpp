@@ -154,7 +154,7 @@ TEST_F(ObjectsTest, AloneTogetherAsOneByOne) {
 }
 
 // What a pixel shows lies in the box of its object, in the middle of every animation; groups too.
-void expectBoxesHoldPixels(vk::Device& device, const scene::Scene& scene, const render::Moment& moment) {
+void expectBoxesHoldPixels(vk::Device& device, const scene::Scene& scene, const render::SceneState& moment) {
   Studio studio(device, scene);
   const Needs needs({.boxes = true}, {Aov::Id, Aov::Position});
   const DataFrame frame = studio.frame(render::test::cameraOf(scene, 64, 36), 64, 36, {&needs}, 0, moment);
@@ -177,7 +177,7 @@ class ModelBoxesTest : public FormatsTest, public testing::WithParamInterface<st
 
 TEST_P(ModelBoxesTest, HoldTheirPixels) {
   const scene::Scene scene = scene::load(models::modelPath(GetParam()).string());
-  render::Moment moment;
+  render::SceneState moment;
   if (!scene.rig.animations.empty()) {
     const scene::Playback playback = scene::choosePlayback(scene, "", false);
     const scene::Pose pose = scene::poseAt(scene, playback, scene::duration(scene, playback) / 2);

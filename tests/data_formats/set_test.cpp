@@ -70,7 +70,7 @@ TEST_F(SetTest, IsWritten) {
   for (const Written& written : formats_) formats.push_back(written.format.get());
   scene::Camera camera = render::test::cameraOf(scene, 96, 64);
   for (uint64_t i = 0; i < 3; ++i) {
-    render::Moment moment;
+    render::SceneState moment;
     moment.previousCameras = {camera};
     camera.toWorld[3] += glm::vec4(0.125f, 0.25f, 0, 0);
     moment.nextCameras = {camera};

@@ -27,7 +27,7 @@ std::unique_ptr<Format> make(std::string_view name, const Json& options) {
 }
 
 DataFrame Studio::frame(const scene::Camera& camera, uint32_t width, uint32_t height,
-                        const std::vector<const Format*>& formats, uint64_t index, const render::Moment& moment) {
+                        const std::vector<const Format*>& formats, uint64_t index, const render::SceneState& moment) {
   render::Settings settings = render::test::settingsOf(width, height);
   settings.raster = raster_;
   Extras extras;

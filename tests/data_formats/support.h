@@ -22,7 +22,7 @@ class Studio {
 
   // With all that these formats need. `index`: of the frame, which is named by it.
   DataFrame frame(const scene::Camera& camera, uint32_t width, uint32_t height,
-                  const std::vector<const Format*>& formats, uint64_t index = 0, const render::Moment& moment = {});
+                  const std::vector<const Format*>& formats, uint64_t index = 0, const render::SceneState& moment = {});
 
  private:
   const scene::Scene& scene_;

@@ -146,9 +146,9 @@ TEST_F(EditCasesTest, ManyMoreAndFewAgain) {
 
 class EditMovingTest : public RenderTest, public testing::WithParamInterface<std::string> {
  protected:
-  Moment at(double time) const {
+  SceneState at(double time) const {
     const scene::Playback playback = scene::choosePlayback(scene_, "", false);
-    Moment moment;
+    SceneState moment;
     moment.poses = {scene::poseAt(scene_, playback, time - 0.05), scene::poseAt(scene_, playback, time),
                     scene::poseAt(scene_, playback, time + 0.05)};
     return moment;
@@ -166,7 +166,7 @@ class EditMovingTest : public RenderTest, public testing::WithParamInterface<std
     const scene::Camera camera = scene::frameScene(scene_, 1.5f);
     for (const double time : {0.3, -1.0, 0.6}) {
       SCOPED_TRACE(time);
-      const Moment moment = time < 0 ? Moment{} : at(time);
+      const SceneState moment = time < 0 ? SceneState{} : at(time);
       const output::FrameOutput frame = std::move(renderer_.render({&camera, 1}, workshopSettings(), moment).front());
       Renderer fresh(device(), scene_, nullptr);
       expectSame(frame, fresh.render({&camera, 1}, workshopSettings(), moment).front());
@@ -179,7 +179,8 @@ TEST_P(EditMovingTest, PosedScenesAreEdited) {
   const uint64_t pipelines = device().pipelinesMade();
   setTransform(scene_, 0, glm::translate(scene_.instances[0].toWorld, glm::dvec3(0.2f, 0, 0)));
   expectAllAsFresh();
-  const uint32_t copy = addInstance(scene_, moving(), 0, scene_.instances[0].toWorld * glm::dmat4(standing({1, 0, 0}, 0.8f)));
+  const uint32_t copy =
+      addInstance(scene_, moving(), 0, scene_.instances[0].toWorld * glm::dmat4(standing({1, 0, 0}, 0.8f)));
   expectAllAsFresh();
   scene::Material material = scene_.materials[0];
   material.data.baseColor = {0.9f, 0.1f, 0.1f, 1};
@@ -220,7 +221,7 @@ TEST_F(EditCasesTest, LightsOfPosedScenes) {
   scene::Scene scene = scene::load(models::modelPath("skinned.glb").string());
   Renderer renderer(device(), scene, nullptr);
   const scene::Playback playback = scene::choosePlayback(scene, "", false);
-  Moment moment;
+  SceneState moment;
   moment.poses.previous = moment.poses.current = moment.poses.next = scene::poseAt(scene, playback, 0.4);
   expectAsFresh(renderer, device(), scene, settings_, nullptr, moment);
   scene::Light lamp = workshop().lights[1];

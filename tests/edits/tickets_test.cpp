@@ -41,8 +41,8 @@ struct Story {
   Settings settings = workshopSettings();
   scene::Environment sky = constantEnvironment();
 
-  Moment at(uint32_t frame) {
-    Moment moment{.continues = frame > 0};
+  SceneState at(uint32_t frame) {
+    SceneState moment{.continues = frame > 0};
     if (scene.rig.animations.empty()) {
       if (frame > 0) editFor(scene, frame);
       return moment;
@@ -64,7 +64,7 @@ class TicketsTest : public RenderTest {
       Story story = begin();
       Renderer renderer(device(), story.scene, &story.sky);
       for (uint32_t frame = 0; frame < kTicketFrames; ++frame) {
-        const Moment moment = story.at(frame);
+        const SceneState moment = story.at(frame);
         expected.push_back(std::move(renderer.render({&story.camera, 1}, story.settings, moment).front()));
       }
     }
@@ -80,7 +80,7 @@ class TicketsTest : public RenderTest {
         tickets.pop_front();
       };
       for (uint32_t frame = 0; frame < kTicketFrames; ++frame) {
-        const Moment moment = story.at(frame);
+        const SceneState moment = story.at(frame);
         tickets.push_back(renderer.submit({&story.camera, 1}, story.settings, moment, results));
         if (tickets.size() > ahead) take();
       }

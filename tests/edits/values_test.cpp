@@ -57,7 +57,7 @@ class ValuesTest : public RenderTest {
     animation.tracks.push_back(shown);
   }
 
-  static Moment at(const scene::Scene& scene, double seconds) {
+  static SceneState at(const scene::Scene& scene, double seconds) {
     const scene::Pose pose = scene::poseAt(scene, scene::choosePlayback(scene, "", false), seconds);
     return {.poses = {pose, pose, pose}};
   }

@@ -173,7 +173,7 @@ void expectSame(const output::FrameOutput& actual, const output::FrameOutput& ex
 }
 
 void expectAsFresh(Renderer& renderer, vk::Device& device, const scene::Scene& scene, const Settings& settings,
-                   const scene::Environment* environment, const Moment& moment) {
+                   const scene::Environment* environment, const SceneState& moment) {
   const scene::Camera camera = workshopCamera();
   const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, settings, moment).front());
   Renderer fresh(device, scene, environment);

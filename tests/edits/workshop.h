@@ -44,6 +44,6 @@ void expectSame(const output::FrameOutput& actual, const output::FrameOutput& ex
 
 // A frame of the renderer, and the same from one made afresh: they are to be the same.
 void expectAsFresh(Renderer& renderer, vk::Device& device, const scene::Scene& scene, const Settings& settings,
-                   const scene::Environment* environment = nullptr, const Moment& moment = {});
+                   const scene::Environment* environment = nullptr, const SceneState& moment = {});
 
 }  // namespace latelight::render::test

@@ -20,14 +20,14 @@ using output::Aov;
 constexpr uint32_t kWidth = 160, kHeight = 120;
 constexpr double kStep = 1.0 / 24;
 
-Moment momentOf(const scene::Scene& scene, double seconds, const std::string& animation = "") {
+SceneState momentOf(const scene::Scene& scene, double seconds, const std::string& animation = "") {
   const scene::Playback playback = scene::choosePlayback(scene, animation, false);
   return {.poses = {scene::poseAt(scene, playback, seconds - kStep), scene::poseAt(scene, playback, seconds),
                     scene::poseAt(scene, playback, seconds + kStep)}};
 }
 
 // Both cameras move: a step to the side, and a turn.
-void moveCamera(Moment& moment, const scene::Camera& camera) {
+void moveCamera(SceneState& moment, const scene::Camera& camera) {
   scene::Camera before = camera, after = camera;
   before.toWorld = glm::translate(glm::dmat4(1), glm::dvec3(0.02f, -0.05f, 0.01f)) * camera.toWorld;
   after.toWorld = glm::rotate(camera.toWorld, 0.02, glm::dvec3(0.3, 0.2, 1));
@@ -38,7 +38,7 @@ void moveCamera(Moment& moment, const scene::Camera& camera) {
 class MotionTest : public RenderTest {
  protected:
   // The largest difference over all pixels that both see the same of, which must be nearly all of those drawn.
-  static void expectReprojected(const scene::Scene& scene, const scene::Camera& camera, const Moment& moment,
+  static void expectReprojected(const scene::Scene& scene, const scene::Camera& camera, const SceneState& moment,
                                 double least, DataSurfaces surfaces = DataSurfaces::Opaque) {
     Renderer renderer(device(), scene, nullptr);
     Settings settings = settingsOf(kWidth, kHeight, {Aov::Motion, Aov::Depth});
@@ -67,7 +67,7 @@ class MotionTest : public RenderTest {
   static void expectModelReprojected(const std::string& name, const std::string& animation, double seconds) {
     const scene::Scene scene = scene::load(models::modelPath(name).string());
     const scene::Camera camera = cameraOf(scene, kWidth, kHeight);
-    Moment moment = momentOf(scene, seconds, animation);
+    SceneState moment = momentOf(scene, seconds, animation);
     expectReprojected(scene, camera, moment, 0.5);
     moveCamera(moment, camera);
     expectReprojected(scene, camera, moment, 0.5);
@@ -83,7 +83,7 @@ TEST_F(MotionTest, ModelsAgreeWithReprojection) {
 
 TEST_F(MotionTest, MovingCameraInTheHallAgreesWithReprojection) {
   const scene::Camera camera = cameraOf(hall(), kWidth, kHeight);
-  Moment moment;
+  SceneState moment;
   moveCamera(moment, camera);
   expectReprojected(hall(), camera, moment, 0.5);
 }
@@ -92,7 +92,7 @@ TEST_F(MotionTest, MovingCameraInTheHallAgreesWithReprojection) {
 TEST_F(MotionTest, BlendedSurfacesAgreeWithReprojectionWhereTheirDataLeave) {
   const scene::Scene scene = scene::load("builtin:hall,triangles=50k,lights=1,glass=1");
   const scene::Camera camera = cameraOf(scene, kWidth, kHeight);
-  Moment moment;
+  SceneState moment;
   moveCamera(moment, camera);
   expectReprojected(scene, camera, moment, 0.5, DataSurfaces::Any);
 }
@@ -101,7 +101,7 @@ TEST_F(MotionTest, SyntheticFilesAgreeWithReprojection) {
   for (const auto& file : {movingBox(), morphingSquare(), bendingStrip()}) {
     const scene::Scene scene = file.load();
     const scene::Camera camera = frontPerspective(0.9f, 5);
-    Moment moment = momentOf(scene, 0.5);
+    SceneState moment = momentOf(scene, 0.5);
     expectReprojected(scene, camera, moment, 0.5);
     moveCamera(moment, camera);
     expectReprojected(scene, camera, moment, 0.5);
@@ -111,7 +111,7 @@ TEST_F(MotionTest, SyntheticFilesAgreeWithReprojection) {
 // The box's front centre, worked out by hand: at 0.5 s it has turned by 45 degrees, a frame before by 3.75 less.
 TEST_F(MotionTest, BoxMovesAsItsAnimationSays) {
   const scene::Scene scene = movingBox().load();
-  const Moment moment = momentOf(scene, 0.5);
+  const SceneState moment = momentOf(scene, 0.5);
   const scene::Camera camera = frontPerspective(0.9f, 5);
   Renderer renderer(device(), scene, nullptr);
   const output::FrameOutput frame = std::move(
@@ -154,7 +154,7 @@ TEST_F(MotionTest, ExtremeTransformsGiveNumbers) {
       far.toWorld[3] *= glm::vec4(1e30f, 1e30f, 1e30f, 1);
       Renderer renderer(device(), scene, nullptr);
       for (const double seconds : {0.0, 0.5, 1.0}) {
-        Moment moment = momentOf(scene, seconds);
+        SceneState moment = momentOf(scene, seconds);
         moment.previousCameras = {far};
         const output::FrameOutput frame =
             std::move(renderer.render({&camera, 1}, settingsOf(64, 48, {Aov::Motion, Aov::Depth}), moment).front());
@@ -177,7 +177,7 @@ TEST_F(MotionTest, BackgroundMovesWithTheCamerasTurn) {
   scene::Scene scene = movingBox().load();
   scene.instances.clear();
   const scene::Camera camera = frontPerspective(0.9f, 5);
-  Moment moment;
+  SceneState moment;
   moment.previousCameras = {camera};
   moment.previousCameras[0].toWorld = glm::rotate(camera.toWorld, 0.03, glm::dvec3(0, 0, 1));
   moment.nextCameras = {camera};
@@ -203,7 +203,7 @@ TEST_F(MotionTest, BackgroundMovesWithTheCamerasTurn) {
 TEST_F(MotionTest, Killzone2KeepsMotionInItsEightBits) {
   const scene::Scene scene = movingBox().load();
   const scene::Camera camera = frontPerspective(0.9f, 5);
-  Moment moment = momentOf(scene, 0.5);
+  SceneState moment = momentOf(scene, 0.5);
   Settings settings = settingsOf(kWidth, kHeight, {Aov::Motion});
   Renderer renderer(device(), scene, nullptr);
   const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, settings, moment).front());
@@ -231,7 +231,7 @@ TEST_F(MotionTest, DevicesVerticesLieWhereTheCpusDo) {
   for (const auto& file : {morphingSquare(), bendingStrip()}) {
     const scene::Scene scene = file.load();
     const scene::Camera camera = frontPerspective(0.9f, 5);
-    const Moment moment = momentOf(scene, 0.8);
+    const SceneState moment = momentOf(scene, 0.8);
     Renderer renderer(device(), scene, nullptr);
     const output::FrameOutput frame = std::move(
         renderer.render({&camera, 1}, settingsOf(kWidth, kHeight, {Aov::Depth, Aov::Normal}), moment).front());

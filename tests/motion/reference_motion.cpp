@@ -32,7 +32,7 @@ struct DoubleView {
 
 class Caster {
  public:
-  Caster(const Moment& moment, const scene::Camera& camera, uint32_t width, uint32_t height)
+  Caster(const SceneState& moment, const scene::Camera& camera, uint32_t width, uint32_t height)
       : width_(width),
         height_(height),
         now_(camera, width, height),
@@ -120,7 +120,7 @@ dvec2 pixelOf(const scene::Camera& camera, uint32_t width, uint32_t height, dvec
   return view.pixel(view.toView(world));
 }
 
-std::vector<ReferencePixel> referenceMotion(const scene::Scene& scene, const Moment& moment,
+std::vector<ReferencePixel> referenceMotion(const scene::Scene& scene, const SceneState& moment,
                                             const scene::Camera& camera, uint32_t width, uint32_t height) {
   Caster caster(moment, camera, width, height);
   for (size_t i = 0; i < scene.instances.size(); ++i) {

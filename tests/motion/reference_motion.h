@@ -14,7 +14,7 @@ struct ReferencePixel {
   glm::dvec2 backward{0}, forward{0};  // pixels, y down
 };
 
-std::vector<ReferencePixel> referenceMotion(const scene::Scene& scene, const Moment& moment,
+std::vector<ReferencePixel> referenceMotion(const scene::Scene& scene, const SceneState& moment,
                                             const scene::Camera& camera, uint32_t width, uint32_t height);
 
 // Vertices of an instance's mesh in a pose, world space.

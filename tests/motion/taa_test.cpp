@@ -53,7 +53,7 @@ class TemporalTest : public RenderTest {
       const auto pose = [&](double frame) {
         return scene::poseAt(sequence.scene, playback, sequence.start + frame / 24);
       };
-      const Moment moment{.poses = {pose(i - 1.0), pose(i), pose(i + 1.0)}, .continues = i > 0};
+      const SceneState moment{.poses = {pose(i - 1.0), pose(i), pose(i + 1.0)}, .continues = i > 0};
       pictures.push_back(std::move(renderer.render({&camera, 1}, settings, moment).front().display));
     }
     return pictures;

@@ -99,7 +99,7 @@ class FarFromOrigin : public RenderTest {
   static output::FrameOutput render(const scene::Scene& scene, const scene::Camera& camera, const Settings& settings,
                                     const scene::Camera& before) {
     Renderer renderer(device(), scene, nullptr);
-    Moment moment;
+    SceneState moment;
     if (std::ranges::count(settings.aovs, Aov::Motion) > 0) {
       moment.previousCameras = {before};
       moment.nextCameras = {camera};
@@ -203,7 +203,7 @@ TEST_F(FarFromOrigin, SkinsMoveAsAtTheOrigin) {
     const scene::Playback playback = scene::choosePlayback(scene, "", false);
     Renderer renderer(device(), scene, nullptr);
     const auto pose = [&](double seconds) { return scene::poseAt(scene, playback, seconds); };
-    const Moment moment{.poses = {pose(0.3), pose(0.35), pose(0.4)}};
+    const SceneState moment{.poses = {pose(0.3), pose(0.35), pose(0.4)}};
     return renderer.render({&camera, 1}, settings(raster), moment).front();
   };
   const scene::Scene here = load(dvec3(0));

@@ -66,7 +66,7 @@ class Mirrored : public RenderTest {
  protected:
   static output::FrameOutput render(const GltfBuilder& file, std::optional<double> seconds, Raster raster) {
     const scene::Scene scene = file.load();
-    Moment moment;
+    SceneState moment;
     if (seconds) {
       const scene::Playback playback = scene::choosePlayback(scene, "", false);
       moment.poses = {scene::poseAt(scene, playback, *seconds - kCubeFrame), scene::poseAt(scene, playback, *seconds),

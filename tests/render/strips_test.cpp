@@ -129,7 +129,7 @@ TEST_P(StripsTest, EqualTheWholePicture) {
       settings.aovs.push_back(info.aov);
   scene::Camera camera = scene.cameras.front();
   GetParam().change(settings, camera);
-  Moment moment;
+  SceneState moment;
   moment.previousCameras = {camera};
   moment.nextCameras = {camera};
   moment.previousCameras[0].toWorld[3].x -= 0.1f;

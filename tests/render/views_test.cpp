@@ -161,15 +161,15 @@ TEST_F(ViewsTest, TemporalSequencesOfManyCamerasAreThoseOfEach) {
   for (size_t i = 0; i < at(0).size(); ++i) alone.push_back(std::make_unique<Renderer>(device(), scene, nullptr));
   for (int frame = 0; frame < 3; ++frame) {
     SCOPED_TRACE(fmt::format("frame {}", frame));
-    const Moment all{
+    const SceneState all{
         .poses = {}, .previousCameras = at(frame - 1), .nextCameras = at(frame + 1), .continues = frame > 0};
     const std::vector<output::FrameOutput> frames = together.render(at(frame), settings, all);
     for (size_t i = 0; i < alone.size(); ++i) {
       SCOPED_TRACE(fmt::format("camera {}", i));
-      const Moment one{.poses = {},
-                       .previousCameras = {all.previousCameras[i]},
-                       .nextCameras = {all.nextCameras[i]},
-                       .continues = frame > 0};
+      const SceneState one{.poses = {},
+                           .previousCameras = {all.previousCameras[i]},
+                           .nextCameras = {all.nextCameras[i]},
+                           .continues = frame > 0};
       const scene::Camera camera = at(frame)[i];
       expectSame(frames[i], alone[i]->render({&camera, 1}, settings, one).front());
     }

@@ -17,7 +17,7 @@ using output::Aov;
 class OpaqueBlend : public RenderTest {
  protected:
   // Whether the square before the camera is among the data outputs.
-  static bool isInData(Renderer& renderer, const Moment& moment = {}) {
+  static bool isInData(Renderer& renderer, const SceneState& moment = {}) {
     const scene::Camera camera = frontCamera();
     const Settings settings = settingsOf(5, 5, {Aov::Depth, Aov::Id});
     const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, settings, moment).front());

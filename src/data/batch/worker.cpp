@@ -143,7 +143,7 @@ std::vector<RenderedFrame> Worker::framesOf(const Chunk& chunk) {
 
 // Must be called while the frames' variation is applied to the scene.
 void Worker::addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames) {
-  const render::Moment moment = momentOf(chunk);
+  const render::SceneState moment = momentOf(chunk);
   const render::Settings settings = settingsOf(chunk);
   for (RenderedFrame& rendered : frames)
     renderExtras(*renderer_, scene_->scene(), cameraOf(rendered.frame.index), settings, moment, extras_, geometry_,
@@ -155,9 +155,9 @@ const scene::Camera& Worker::cameraOf(uint64_t index) const {
 }
 
 // A frame without a neighbor uses its own camera as the neighbor's; finish() then replaces this motion by NaN.
-render::Moment Worker::momentOf(const Chunk& chunk) const {
+render::SceneState Worker::momentOf(const Chunk& chunk) const {
   const CameraTimeline& cameras = scene_->cameras();
-  render::Moment moment{.poses = cameras.poses(plan_.at(chunk.frames.front())->camera)};
+  render::SceneState moment{.poses = cameras.poses(plan_.at(chunk.frames.front())->camera)};
   for (const uint64_t index : chunk.frames) {
     const size_t i = plan_.at(index)->camera;
     const auto before = cameras.previous(i), after = cameras.next(i);

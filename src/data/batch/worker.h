@@ -46,7 +46,7 @@ class Worker {
   std::vector<RenderedFrame> framesOf(const Chunk& chunk);
   void addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames);
   const scene::Camera& cameraOf(uint64_t index) const;
-  render::Moment momentOf(const Chunk& chunk) const;
+  render::SceneState momentOf(const Chunk& chunk) const;
   render::Settings settingsOf(const Chunk& chunk);
   void fail(const Chunk& chunk, const std::string& why);
 

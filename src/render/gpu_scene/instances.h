@@ -28,7 +28,7 @@ class GpuInstances {
   // Uploads all instances in these poses (empty: at rest). `deformer` provides the bounds of deformed meshes, or is
   // null.
   void pose(vk::Uploader& uploader, const Poses& poses, const Deformer* deformer);
-  // Sets Moment::groups until the next call.
+  // Sets SceneState::groups until the next call.
   void setGroups(vk::Uploader& uploader, const std::vector<uint32_t>& groups);
 
   uint32_t count() const { return static_cast<uint32_t>(records_.size()); }

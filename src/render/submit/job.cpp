@@ -14,7 +14,7 @@ std::vector<scene::Camera> orElse(const std::vector<scene::Camera>& cameras, std
 
 }  // namespace
 
-RenderJob::RenderJob(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment,
+RenderJob::RenderJob(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment,
                      uint32_t rows)
     : now(cameras.begin(), cameras.end()),
       previous(orElse(moment.previousCameras, cameras)),

@@ -11,8 +11,8 @@
 
 #include "base/log.h"
 #include "base/memory.h"
-#include "render/submit/moment.h"
 #include "render/submit/request.h"
+#include "render/submit/scene_state.h"
 #include "render/submit/strips.h"
 
 namespace latelight::render {
@@ -42,7 +42,7 @@ struct ViewBatch {
 
 struct RenderJob {
   // `rows`: the rows of the pictures, which may be those of a single strip.
-  RenderJob(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment, uint32_t rows);
+  RenderJob(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment, uint32_t rows);
 
   size_t viewCount() const { return now.size(); }
   void keep(const ViewBatch& part, std::vector<output::FrameOutput>&& pictures);

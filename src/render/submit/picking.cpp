@@ -50,7 +50,7 @@ Picked describe(const scene::Scene& scene, const DataAt& data) {
 }  // namespace
 
 std::vector<Picked> pick(Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                         const Settings& settings, std::span<const glm::uvec2> pixels, const Moment& moment) {
+                         const Settings& settings, std::span<const glm::uvec2> pixels, const SceneState& moment) {
   checkPixels(settings, pixels);
   Settings data = settings;
   data.display = false;

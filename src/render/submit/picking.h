@@ -28,6 +28,6 @@ void checkPixels(const Settings& settings, std::span<const glm::uvec2> pixels);
 
 // Checks the pixels, and renders the required data outputs without lighting.
 std::vector<Picked> pick(Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                         const Settings& settings, std::span<const glm::uvec2> pixels, const Moment& moment = {});
+                         const Settings& settings, std::span<const glm::uvec2> pixels, const SceneState& moment = {});
 
 }  // namespace latelight::render

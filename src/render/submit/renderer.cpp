@@ -100,7 +100,7 @@ Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::E
 
 Renderer::~Renderer() = default;
 
-void Renderer::begin(const Settings& settings, const Moment& moment) {
+void Renderer::begin(const Settings& settings, const SceneState& moment) {
   checkSettings(settings);
   if (settings.background.kind == Background::Environment && !hasEnvironment_)
     badUsage(
@@ -142,7 +142,7 @@ std::shared_ptr<FrameShadows> Renderer::placeShadows(ShadowPlan plan, const Sett
   return shadows->empty() ? nullptr : shadows;
 }
 
-Ticket Renderer::submit(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment,
+Ticket Renderer::submit(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment,
                         Results results) {
   const auto transmits = [](const shared::Material& material) {
     return (scene::layerFlags(material) & shared::kMaterialTransmissive) != 0;
@@ -154,12 +154,12 @@ Ticket Renderer::submit(std::span<const scene::Camera> cameras, const Settings& 
 }
 
 output::FrameOutput Renderer::renderStrip(const scene::Camera& camera, const Settings& settings, Strip strip,
-                                          const Moment& moment) {
+                                          const SceneState& moment) {
   return std::move(Ticket(*this, start({&camera, 1}, settings, moment, {&strip, 1})).take().front());
 }
 
 std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> cameras, const Settings& wanted,
-                                           const Moment& moment, std::span<const Strip> strips, Results results) {
+                                           const SceneState& moment, std::span<const Strip> strips, Results results) {
   const Settings settings = settingsFor(cameras, wanted);
   begin(settings, moment);
   const uint32_t rows = strips.size() > 1 ? settings.height : strips.front().rows;
@@ -355,7 +355,8 @@ vk::Image Renderer::makeSum(const ViewBatch& part) {
            .name = "sum"}};
 }
 
-output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Settings& wanted, const Moment& moment) {
+output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Settings& wanted,
+                                         const SceneState& moment) {
   const Settings settings = settingsFor({&camera, 1}, wanted);
   begin(settings, moment);
   if (settings.lighting->forward)

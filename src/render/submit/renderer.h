@@ -16,7 +16,7 @@
 #include "render/outputs/outputs.h"
 #include "render/post/taa/taa.h"
 #include "render/settings/settings.h"
-#include "render/submit/moment.h"
+#include "render/submit/scene_state.h"
 #include "render/submit/strips.h"
 #include "render/submit/ticket.h"
 #include "render/submit/view_set.h"
@@ -35,21 +35,21 @@ class Renderer {
 
   // Starts one picture per camera, several at once, and returns while the device renders them. Meanwhile the scene may
   // be edited, and more pictures may be submitted. Throws Error(Usage) for invalid settings.
-  Ticket submit(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment = {},
+  Ticket submit(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment = {},
                 Results results = Results::ToHost);
 
   // Submits the pictures and waits for them.
   std::vector<output::FrameOutput> render(std::span<const scene::Camera> cameras, const Settings& settings,
-                                          const Moment& moment = {}) {
+                                          const SceneState& moment = {}) {
     return submit(cameras, settings, moment).take();
   }
 
   // Renders only one of stripsOf(settings). Its rows are the same as in the full picture.
   output::FrameOutput renderStrip(const scene::Camera& camera, const Settings& settings, Strip strip,
-                                  const Moment& moment = {});
+                                  const SceneState& moment = {});
 
   // Returns the targets of the picture's own G-buffer, at pixel centers. Throws Error(Usage) if it has none.
-  output::RawGbuffer readTargets(const scene::Camera& camera, const Settings& settings, const Moment& moment = {});
+  output::RawGbuffer readTargets(const scene::Camera& camera, const Settings& settings, const SceneState& moment = {});
 
   // GPU milliseconds per pass of the pictures taken last, summed over their frames, in the order of the passes. Empty
   // if the device has no timestamps.
@@ -63,9 +63,9 @@ class Renderer {
 
  private:
   friend class Ticket;
-  void begin(const Settings& settings, const Moment& moment);
+  void begin(const Settings& settings, const SceneState& moment);
   std::shared_ptr<RenderJob> start(std::span<const scene::Camera> cameras, const Settings& settings,
-                                   const Moment& moment, std::span<const Strip> strips,
+                                   const SceneState& moment, std::span<const Strip> strips,
                                    Results results = Results::ToHost);
   // Starts some views of a job, one strip after the other. Returns how many views fit into memory at once; if these are
   // fewer than `count`, none of them is in flight.

@@ -7,7 +7,7 @@
 
 #include "output/debug_request.h"
 #include "render/settings/settings.h"
-#include "render/submit/moment.h"
+#include "render/submit/scene_state.h"
 #include "scene/environment/environment.h"
 #include "scene/scene.h"
 

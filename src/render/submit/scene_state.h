@@ -10,7 +10,7 @@ namespace latelight::render {
 
 // The poses and cameras at that time, and in the previous and the next frame. By default the scene is at rest, and
 // cameras are static.
-struct Moment {
+struct SceneState {
   Poses poses;
   std::vector<scene::Camera> previousCameras, nextCameras;  // one per camera, or empty
   // The group of each of the scene's instances, by index, from 1 to 65535. A camera with a group renders only that
