@@ -90,7 +90,7 @@ ComputePass pyramidPass(const FrameContext& f, const RasterViews& views) {
 }
 
 // A chain while it is added; passes that are recorded later have copies.
-struct Steps {
+struct RasterChainBuilder {
   const FrameContext& f;
   const RasterInstances& ranks;
   uint32_t parts;
@@ -117,7 +117,7 @@ struct Steps {
   vk::Constant mapsConstant() const { return {kShadowMapsConstant, views.pages ? 1u : 0u}; }
 };
 
-void Steps::cull() const {
+void RasterChainBuilder::cull() const {
   constexpr uint32_t kPartsInRow = kRasterRow * kCullGroup;
   ComputePass pass = cullPass(f, chain.stage, chain, bool{views.pages});
   pass.buffers = {{queues.work, graph::Use::StorageWrite}, {queues.counters, graph::Use::StorageReadWrite}};
@@ -142,7 +142,7 @@ void Steps::cull() const {
   });
 }
 
-RasterPush Steps::push(graph::Context& context) const {
+RasterPush RasterChainBuilder::push(graph::Context& context) const {
   return {.buffers = {.frame = views.constants,
                       .instances = ranks.address(),
                       .visible = addressOf(context, queues.visible),
@@ -165,7 +165,7 @@ RasterPush Steps::push(graph::Context& context) const {
           .entryRoom = queues.room.entries};
 }
 
-ComputePass Steps::step(const char* shader) const {
+ComputePass RasterChainBuilder::step(const char* shader) const {
   ComputePass pass = rasterStep(f, chain.stage, shader, queues.accesses());
   if (chain.lists) pass.buffers.emplace_back(chain.lists, graph::Use::StorageRead);
   if (views.pages) pass.buffers.emplace_back(views.pages, graph::Use::StorageRead);
@@ -174,14 +174,15 @@ ComputePass Steps::step(const char* shader) const {
   return pass;
 }
 
-void Steps::over(const char* shader, glm::uvec3 groups) const {
+void RasterChainBuilder::over(const char* shader, glm::uvec3 groups) const {
   ComputePass pass = step(shader);
   addVastConstant(f, pass);
   pass.size = groups;
   addCompute(f, std::move(pass), [self = *this](graph::Context& context) { return self.push(context); });
 }
 
-void Steps::overQueue(const char* shader, Materials materials, Queue queue, std::vector<vk::Constant> constants) const {
+void RasterChainBuilder::overQueue(const char* shader, Materials materials, Queue queue,
+                                   std::vector<vk::Constant> constants) const {
   const bool jobs = queue.which == kQueueJobs;
   const uint32_t parts = jobs ? views.samples : 1;
   addCompute(
@@ -232,8 +233,8 @@ std::vector<graph::Access> RasterQueues::accesses() const {
 
 void addRasterChain(const FrameContext& f, const RasterInstances& ranks, const RasterInstances::Share& share,
                     const RasterViews& views, const RasterQueues& queues, const RasterChain& chain) {
-  constexpr auto kUnread = Steps::Materials::Unread, kEvaluated = Steps::Materials::Evaluated;
-  const Steps steps{f, ranks, static_cast<uint32_t>(share.parts), views, queues, chain};
+  constexpr auto kUnread = RasterChainBuilder::Materials::Unread, kEvaluated = RasterChainBuilder::Materials::Evaluated;
+  const RasterChainBuilder steps{f, ranks, static_cast<uint32_t>(share.parts), views, queues, chain};
   const RasterRoom& room = queues.room;
   const uint32_t subgroups = kRasterGroup / f.device.subgroupSize();  // of a workgroup of the shader chain.small
   // lavapipe ends a shader's loops after 65535 rounds together. Those of a cluster are fewer where nothing but pixels
