@@ -58,7 +58,7 @@ class Bench {
 
   LightRange allLights() const { return {0, lights_}; }
 
-  LitPicture light(const FrameSetup& setup, std::span<const shared::View> views, LightRange range) {
+  LitPicture light(const FrameConfig& setup, std::span<const shared::View> views, LightRange range) {
     frames_.shine(range.first, range.count);
     graph::Graph graph;
     const FrameContext& f = frames_.frame(graph, setup, {views.begin(), views.end()},
@@ -86,7 +86,7 @@ class Bench {
   float intensity_;
 };
 
-FrameSetup setupOf(const char* technique, const char* layout, uint32_t order = kVolumesClassic) {
+FrameConfig setupOf(const char* technique, const char* layout, uint32_t order = kVolumesClassic) {
   return {.layout = &findLayout(layout), .lighting = &findTechnique(technique), .volumesOrder = order};
 }
 
@@ -277,7 +277,7 @@ class DrawnLightingTest : public RenderTest {
   static std::unique_ptr<Stage> stage;
 
   // Every light case in every view against fullscreen on the same layout.
-  static void compareInRoom(const FrameSetup& setup, const char* layout) {
+  static void compareInRoom(const FrameConfig& setup, const char* layout) {
     const std::vector<LitPicture>& expected = stage->expected(layout);
     for (size_t i = 0; i < stage->cases.size(); ++i) {
       const LightCase& c = stage->cases[i];
@@ -299,7 +299,7 @@ TEST_F(DrawnLightingTest, ForwardIsFullscreenOnTheExactLayout) {
 TEST_F(DrawnLightingTest, ForwardsLoopsAgree) {
   TechniqueInfo plain = findTechnique("forward");
   plain.add = [](const FrameContext& f, const Gbuffer& gbuffer) { addForward(f, gbuffer, ForwardLoop::Plain); };
-  FrameSetup setup = setupOf("forward", "exact");
+  FrameConfig setup = setupOf("forward", "exact");
   setup.shading = 1;
   const LitPicture dealt = stage->bright.light(setup, stage->views, stage->bright.allLights());
   setup.lighting = &plain;
@@ -319,13 +319,13 @@ TEST_F(DrawnLightingTest, VolumesAreFullscreen) {
 }
 
 TEST_F(DrawnLightingTest, BlinnPhongToo) {
-  FrameSetup expected = setupOf("fullscreen", "exact");
+  FrameConfig expected = setupOf("fullscreen", "exact");
   expected.shading = 1;
   const LightRange all = stage->bright.allLights();
   const LitPicture picture = stage->bright.light(expected, stage->views, all);
   for (const char* technique : {"forward", "forward-multipass", "volumes"}) {
     SCOPED_TRACE(technique);
-    FrameSetup setup = setupOf(technique, "exact");
+    FrameConfig setup = setupOf(technique, "exact");
     setup.shading = 1;
     EXPECT_LE(worstDifference(stage->bright.light(setup, stage->views, all), picture), 1);
   }
@@ -334,13 +334,13 @@ TEST_F(DrawnLightingTest, BlinnPhongToo) {
 // --- counts: what was culled ----------------------------------------------------------------------------------------
 
 TEST_F(DrawnLightingTest, LightsAreCounted) {
-  FrameSetup expected = setupOf("fullscreen", "exact");
+  FrameConfig expected = setupOf("fullscreen", "exact");
   expected.countLights = true;
   const LightCase& many = stage->find("300 that overlap");
   const LitPicture reference = stage->dark.light(expected, stage->views, many.range);
   for (const char* technique : {"forward", "forward-multipass", "volumes"}) {
     SCOPED_TRACE(technique);
-    FrameSetup setup = setupOf(technique, "exact");
+    FrameConfig setup = setupOf(technique, "exact");
     setup.countLights = true;
     const LitPicture picture = stage->dark.light(setup, stage->views, many.range);
     EXPECT_LE(worstDifference(picture, reference), 1);
@@ -362,7 +362,7 @@ TEST_F(DrawnLightingTest, LightsAreCounted) {
 
 // Lights shaded a view, of one case, in the first view.
 double testedBy(Bench& bench, std::span<const shared::View> views, uint32_t order, const LightCase& c) {
-  FrameSetup setup = setupOf("volumes", "thin", order);
+  FrameConfig setup = setupOf("volumes", "thin", order);
   setup.countLights = true;
   double tested = 0;
   for (const vec4& count : bench.light(setup, views.first(1), c.range).counts) tested += count.r;
@@ -405,7 +405,7 @@ void compareInHall(vk::Device& device, const char* source) {
   const scene::Scene scene = scene::load(source);
   Bench bench(device, scene);
   const shared::View view = makeView(cameraOf(scene, kWidth, kHeight), kWidth, kHeight);
-  const auto light = [&](const FrameSetup& setup) { return bench.light(setup, {&view, 1}, bench.allLights()); };
+  const auto light = [&](const FrameConfig& setup) { return bench.light(setup, {&view, 1}, bench.allLights()); };
   const LitPicture exact = light(setupOf("fullscreen", "exact")), thin = light(setupOf("fullscreen", "thin"));
   EXPECT_LE(worstDifference(light(setupOf("forward", "exact")), exact), 1);
   EXPECT_LE(worstDifference(light(setupOf("forward-multipass", "exact")), exact), 1);

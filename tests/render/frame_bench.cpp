@@ -18,7 +18,7 @@ void FrameBench::shine(uint32_t first, uint32_t count) {
   scene_.setLights({begin, begin + count});
 }
 
-const FrameContext& FrameBench::frame(graph::Graph& graph, const FrameSetup& setup, std::vector<shared::View> views,
+const FrameContext& FrameBench::frame(graph::Graph& graph, const FrameConfig& setup, std::vector<shared::View> views,
                                       const BenchLight& light, Overflow* overflow) {
   kept_ = std::make_unique<Kept>();
   kept_->views = std::move(views);

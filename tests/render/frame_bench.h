@@ -22,7 +22,7 @@ class FrameBench {
   void shine(uint32_t first, uint32_t count);
 
   // A frame to add passes to, of a graph that is run before the next frame is asked for.
-  const FrameContext& frame(graph::Graph& graph, const FrameSetup& setup, std::vector<shared::View> views,
+  const FrameContext& frame(graph::Graph& graph, const FrameConfig& setup, std::vector<shared::View> views,
                             const BenchLight& light = {}, Overflow* overflow = nullptr);
   const graph::Submission& run(const graph::Graph& graph);
 
@@ -36,7 +36,7 @@ class FrameBench {
   // Of the frame asked for last.
   struct Kept {
     std::vector<shared::View> views;
-    FrameSetup setup;
+    FrameConfig setup;
     std::unique_ptr<HardwareVisibility> visibility;
     vk::Buffer viewBuffer, constants;
     std::unique_ptr<FrameContext> context;

@@ -77,7 +77,7 @@ shared::Surface ReadGbuffer::surface(size_t pixel) const {
 GbufferReader::GbufferReader(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment)
     : frames_(device, scene, environment) {}
 
-ReadGbuffer GbufferReader::read(const FrameSetup& setup, const scene::Camera& camera, uint32_t width, uint32_t height,
+ReadGbuffer GbufferReader::read(const FrameConfig& setup, const scene::Camera& camera, uint32_t width, uint32_t height,
                                 const LightSettings& light) {
   ReadGbuffer result{.layout = setup.layout,
                      .normalEncoding = setup.normalEncoding,

@@ -38,7 +38,7 @@ struct ReadGbuffer {
 class GbufferReader {
  public:
   GbufferReader(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment);
-  ReadGbuffer read(const FrameSetup& setup, const scene::Camera& camera, uint32_t width, uint32_t height,
+  ReadGbuffer read(const FrameConfig& setup, const scene::Camera& camera, uint32_t width, uint32_t height,
                    const LightSettings& light = {});
 
  private:

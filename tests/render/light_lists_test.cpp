@@ -36,7 +36,7 @@ class Stage {
                uint32_t width, uint32_t height) {
     std::vector<shared::View> views;
     for (const scene::Camera& camera : cameras) views.push_back(makeView(camera, width, height));
-    const FrameSetup setup{.layout = &findLayout(layout), .lighting = &technique, .countLights = true};
+    const FrameConfig setup{.layout = &findLayout(layout), .lighting = &technique, .countLights = true};
     graph::Graph graph;
     const LitFrame lit = addFrame(frames_.frame(graph, setup, views));
     const graph::BufferId light = addReadback(graph, lit.picture), counts = addReadback(graph, lit.lightCounts);

@@ -186,7 +186,7 @@ class RelightTest : public RenderTest {
     explicit Bench(vk::Device& device) : reader(device, scene, &studio) {
       for (const scene::Light& light : scene.lights) lights.push_back(hostLight(light));
     }
-    ReadGbuffer read(const FrameSetup& setup, const LightSettings& settings) {
+    ReadGbuffer read(const FrameConfig& setup, const LightSettings& settings) {
       return reader.read(setup, scene.cameras.front(), kRelightSize, kRelightSize, settings);
     }
   };
@@ -216,12 +216,12 @@ TEST_F(RelightTest, HostShadesTheDevicesGbufferAlike) {
   const double mostBeyond = device().isCpu() ? kMostBeyond : kMostBeyondFused;
   std::vector<Agreement> totals(bench->cases.size());
   for (const auto& c : chosen) {
-    const FrameSetup setup{.layout = &layouts()[c[0]],
-                           .normalEncoding = normalEncodings()[c[1]].index,
-                           .lighting = deferred[c[2]],
-                           .shading = uint32_t(c[3]),
-                           .normalSpace = uint32_t(c[5]),
-                           .positionMethod = uint32_t(c[6])};
+    const FrameConfig setup{.layout = &layouts()[c[0]],
+                            .normalEncoding = normalEncodings()[c[1]].index,
+                            .lighting = deferred[c[2]],
+                            .shading = uint32_t(c[3]),
+                            .normalSpace = uint32_t(c[5]),
+                            .positionMethod = uint32_t(c[6])};
     const auto& [name, settings] = bench->cases[c[4]];
     SCOPED_TRACE(fmt::format("{}, {} in {} space, {}, {}, {} light, position by {}", setup.layout->name,
                              normalEncodings()[c[1]].name, choices<NormalSpace>()[c[5]].name, setup.lighting->name,

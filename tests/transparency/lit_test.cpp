@@ -75,7 +75,7 @@ class Bench {
   };
   // With room for so many fragments at first.
   Result render(const TransparencySetup& transparency, uint64_t fragments = 0) {
-    const FrameSetup setup{
+    const FrameConfig setup{
         .layout = &findLayout("thin"), .lighting = &findTechnique("fullscreen"), .transparency = transparency};
     const shared::View view = makeView(frontPerspective(0.9f, 4), kWidth, kHeight);
     Overflow overflow{.fragments = fragments};

@@ -17,7 +17,7 @@
 
 namespace latelight::render {
 
-std::vector<vk::Constant> FrameSetup::constants() const {
+std::vector<vk::Constant> FrameConfig::constants() const {
   return {{0, normalEncoding},
           {1, shading},
           {2, countLights ? 1u : 0u},
@@ -36,7 +36,7 @@ std::vector<vk::Constant> FrameSetup::constants() const {
           {kVastConstant, vast ? 1u : 0u}};
 }
 
-uint32_t writtenTargets(const FrameSetup& setup, const Gbuffer& gbuffer) {
+uint32_t writtenTargets(const FrameConfig& setup, const Gbuffer& gbuffer) {
   const auto light = static_cast<uint32_t>(setup.layout->targets.size());
   return (setup.targets & ((1u << light) - 1)) | (gbuffer.sampleLight ? 1u << light : 0u);
 }

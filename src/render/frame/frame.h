@@ -18,7 +18,7 @@ namespace latelight::render {
 class Visibility;
 struct LensRays;
 struct TechniqueInfo;
-struct FrameSetup;
+struct FrameConfig;
 struct FrameShadows;
 struct Overflow;
 struct SurfaceOutputs;
@@ -32,7 +32,7 @@ struct FrameContext : Builder {
   const GpuScene& scene;
   const GpuEnvironment& environment;
   const Visibility& visibility;
-  const FrameSetup& setup;
+  const FrameConfig& setup;
   std::span<const shared::View> views;  // as in the device's constants
   VkDeviceAddress constants;            // shared::FrameConstants
   VkBuffer viewBuffer;                  // their View[], for draws
@@ -49,7 +49,7 @@ struct FrameContext : Builder {
 };
 
 // Creates an image of the frame's size with an array layer per view. Several samples per pixel are array layers or a
-// multisampled image, as FrameSetup::sampleLayers states.
+// multisampled image, as FrameConfig::sampleLayers states.
 graph::ImageId createTarget(const FrameContext& f, VkFormat format, const std::string& name, uint32_t samples = 1);
 
 // Reversed device depth, 0 for the background: per pixel, and per sample in the form that the frame's visibility uses.
@@ -92,7 +92,7 @@ struct TransparencySetup {
 };
 
 // The settings of a frame for which its shaders are specialized (specialization constants).
-struct FrameSetup {
+struct FrameConfig {
   const Layout* layout = nullptr;
   uint32_t normalEncoding = 0;  // kNormal_*
   const TechniqueInfo* lighting = nullptr;
@@ -130,7 +130,7 @@ struct FrameSetup {
 };
 // Only shaders with COATED have kLayersConstant, so that all other shaders are the same for scenes with and without
 // coats.
-inline constexpr uint32_t kLayersConstant = 12;       // layered/surface_layers.glsl: FrameSetup::layers
+inline constexpr uint32_t kLayersConstant = 12;       // layered/surface_layers.glsl: FrameConfig::layers
 inline constexpr uint32_t kLensConstant = 14;         // glsl/pixel_ray.glsl
 inline constexpr uint32_t kElsewhereConstant = 15;    // glsl/lit_pixel.glsl
 inline constexpr uint32_t kEnvironmentConstant = 90;  // glsl/setup.glsl
@@ -142,7 +142,7 @@ inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: 
 
 // Returns the targets that the geometry pass writes. Bit i: the layout's target i; the bit after the last: emitted
 // light.
-uint32_t writtenTargets(const FrameSetup& setup, const Gbuffer& gbuffer);
+uint32_t writtenTargets(const FrameConfig& setup, const Gbuffer& gbuffer);
 
 // Buffers whose required size only the device knows. After an overflow the picture is incomplete: the buffer grows, and
 // the same graph is built and run again.

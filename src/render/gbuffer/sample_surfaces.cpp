@@ -20,7 +20,7 @@ bool hasSamples(const vk::Device& device, VkFormat format, VkImageUsageFlags usa
 
 }  // namespace
 
-void requireSamples(const vk::Device& device, const FrameSetup& setup) {
+void requireSamples(const vk::Device& device, const FrameConfig& setup) {
   constexpr VkImageUsageFlags kColor = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
   constexpr VkImageUsageFlags kDepth = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
   const VkPhysicalDeviceFeatures& features = device.features().core.features;

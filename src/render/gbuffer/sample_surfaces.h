@@ -7,7 +7,7 @@ namespace latelight::render {
 
 // Four samples a pixel at the standard locations, and the features to shade them: throws Error(NoDevice) where the
 // device lacks these.
-void requireSamples(const vk::Device& device, const FrameSetup& setup);
+void requireSamples(const vk::Device& device, const FrameConfig& setup);
 
 inline constexpr VkFormat kSurfacesFormat = VK_FORMAT_R32_UINT;  // shared/samples.h
 

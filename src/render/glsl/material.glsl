@@ -19,7 +19,7 @@ struct SurfacePoint {
 // The texel of a material's texture at the point: the same for all invocations where the material is.
 vec4 sampleTexture(Material m, uint slot, SurfacePoint p);
 
-// FrameSetup::textureSlots: what no material of the scene has a texture in need not be compiled.
+// FrameConfig::textureSlots: what no material of the scene has a texture in need not be compiled.
 layout(constant_id = 8) const uint kTextureSlots = ~0u;
 bool hasTexture(Material m, uint slot) { return (m.textures & kTextureSlots & (1u << slot)) != 0u; }
 

@@ -3,7 +3,7 @@
 #ifndef LATELIGHT_PIXEL_RAY_GLSL
 #define LATELIGHT_PIXEL_RAY_GLSL
 
-layout(constant_id = 14) const uint kLens = 0u;  // FrameSetup::lens
+layout(constant_id = 14) const uint kLens = 0u;  // FrameConfig::lens
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LensRayRef { LensRay v[]; };
 

@@ -1,4 +1,4 @@
-// What a frame's shaders are specialized for, as render::FrameSetup::constants() gives it. A shader's own constants start
+// What a frame's shaders are specialized for, as render::FrameConfig::constants() gives it. A shader's own constants start
 // at kFirstOwnConstant (16).
 #ifndef LATELIGHT_SETUP_GLSL
 #define LATELIGHT_SETUP_GLSL
@@ -9,10 +9,10 @@ layout(constant_id = 3) const uint kNormalSpace = 0;
 layout(constant_id = 4) const uint kPositionMethod = 0;
 layout(constant_id = 5) const uint kShadowFormat = 0;  // kShadow* of shared/shadow.h
 layout(constant_id = 6) const uint kShadowFilter = 0;  // kShadowFilter*
-layout(constant_id = 9) const uint kSunInGbuffer = 0;  // FrameSetup::sunInGbuffer
+layout(constant_id = 9) const uint kSunInGbuffer = 0;  // FrameConfig::sunInGbuffer
 layout(constant_id = 7) const uint kEverySample = 0;
-layout(constant_id = 11) const uint kLights = 1;  // FrameSetup::lights
+layout(constant_id = 11) const uint kLights = 1;  // FrameConfig::lights
 layout(constant_id = 13) const uint kAmbientOcclusion = 0;
-layout(constant_id = 90) const uint kEnvironment = 1;  // FrameSetup::environment
-layout(constant_id = 91) const uint kFewLights = 0;    // FrameSetup::fewLights
+layout(constant_id = 90) const uint kEnvironment = 1;  // FrameConfig::environment
+layout(constant_id = 91) const uint kFewLights = 0;    // FrameConfig::fewLights
 #endif

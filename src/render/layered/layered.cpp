@@ -17,7 +17,7 @@ namespace {
 constexpr uint32_t kPlainLoop = kFirstOwnConstant + 1;  // layered.frag
 
 // The coats of opaque surfaces. Transmissive materials are shaded with the blended surfaces.
-vk::Constant opaqueLayers(const FrameSetup& setup) {
+vk::Constant opaqueLayers(const FrameConfig& setup) {
   return {kLayersConstant, setup.layers & ~(shared::kLayerTransmission | shared::kLayerDispersion)};
 }
 

@@ -1,7 +1,7 @@
 // Evaluates the coats of a layered material (KHR_materials_*) at a surface point. Include after surface.glsl.
 #include "shared/layers.h"
 
-// FrameSetup::layers, the coats that any material of the scene has. The specialization constant removes code for all
+// FrameConfig::layers, the coats that any material of the scene has. The specialization constant removes code for all
 // others.
 layout(constant_id = 12) const uint kLayers = ~0u;
 

@@ -53,7 +53,7 @@ struct ResultArrays {
 
 class PackedOutputs {
  public:
-  // `yUp`: world positions and directions are output in glTF's axes. `lens`: FrameSetup::lens. `arrays`: for
+  // `yUp`: world positions and directions are output in glTF's axes. `lens`: FrameConfig::lens. `arrays`: for
   // Results::Exported, otherwise empty.
   PackedOutputs(const Settings& settings, bool yUp, bool lens, const ResultArrays& arrays)
       : settings_(settings), yUp_(yUp), lens_(lens), arrays_(arrays) {}

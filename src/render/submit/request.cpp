@@ -11,30 +11,30 @@ namespace latelight::render {
 
 namespace {
 
-// Determines FrameSetup::sunInGbuffer. The G-buffer stores one value of the sun's shadow per pixel. Multisampled edges
+// Determines FrameConfig::sunInGbuffer. The G-buffer stores one value of the sun's shadow per pixel. Multisampled edges
 // need more, so lighting looks up the shadow for them. The raster compute looks it up as well, because writing a single
 // channel requires the graphics pipeline.
-bool keepsSun(const FrameSetup& setup, const Settings& s) {
+bool keepsSun(const FrameConfig& setup, const Settings& s) {
   return setup.shadowFormat && !setup.lighting->forward && setup.layout->sunTarget >= 0 && setup.samples == 1 &&
          !rastersInCompute(s);
 }
 
 }  // namespace
 
-FrameSetup frameSetup(const Settings& s, bool shadows) {
-  FrameSetup setup{.layout = s.layout,
-                   .normalEncoding = s.normals->index,
-                   .lighting = s.lighting,
-                   .shading = indexOf(s.shading),
-                   .normalSpace = indexOf(s.normalSpace),
-                   .positionMethod = indexOf(s.position),
-                   .volumesOrder = indexOf(s.volumesOrder),
-                   .ambientOcclusion = indexOf(s.ambientOcclusion),
-                   .fog = s.fogDensity > 0,
-                   .transparency = {indexOf(s.transparency)},
-                   .samples = s.aa.samples,
-                   .sampleLayers = s.aa.samples > 1 && rastersInCompute(s),
-                   .everySample = s.everySample && s.aa.samples > 1};
+FrameConfig frameSetup(const Settings& s, bool shadows) {
+  FrameConfig setup{.layout = s.layout,
+                    .normalEncoding = s.normals->index,
+                    .lighting = s.lighting,
+                    .shading = indexOf(s.shading),
+                    .normalSpace = indexOf(s.normalSpace),
+                    .positionMethod = indexOf(s.position),
+                    .volumesOrder = indexOf(s.volumesOrder),
+                    .ambientOcclusion = indexOf(s.ambientOcclusion),
+                    .fog = s.fogDensity > 0,
+                    .transparency = {indexOf(s.transparency)},
+                    .samples = s.aa.samples,
+                    .sampleLayers = s.aa.samples > 1 && rastersInCompute(s),
+                    .everySample = s.everySample && s.aa.samples > 1};
   if (shadows) {
     setup.shadowFormat = indexOf(s.shadows);
     setup.shadowFilter = indexOf(s.shadowFilter);
@@ -76,14 +76,14 @@ ViewSet& FrameGraphBuilder::jittered() {
 
 // Finds the surfaces at pixel centers once, for everything that needs them.
 graph::ImageId FrameGraphBuilder::steadyDepth() {
-  if (!steadyDepth_) steadyDepth_ = steady().visibility().addDepth(steady().frame(graph_, FrameSetup{})).pixels;
+  if (!steadyDepth_) steadyDepth_ = steady().visibility().addDepth(steady().frame(graph_, FrameConfig{})).pixels;
   return steadyDepth_;
 }
 
 // Adds the lit frame of the picture. The frame also counts lights if it can, because lights are counted at pixel
 // centers.
 LitFrame FrameGraphBuilder::addPicture(const SurfaceOutputs* outputs) {
-  FrameSetup setup = frameSetup(settings_, shadows_ != nullptr);
+  FrameConfig setup = frameSetup(settings_, shadows_ != nullptr);
   setup.outputs = outputs;
   setup.countLights = isSteady() && asksFor(settings_, Origin::LightCounts);
   const FrameContext& f = jittered().frame(graph_, setup);
@@ -108,7 +108,7 @@ void FrameGraphBuilder::finish(const vk::Image* sum, uint32_t count, TemporalHis
       picture = total;
     }
     if (history) {
-      const FrameContext& f = jittered().frame(graph_, FrameSetup{});
+      const FrameContext& f = jittered().frame(graph_, FrameConfig{});
       const graph::ImageId depth = lit_->gbuffer.depth;
       const graph::ImageId motion = jittered().visibility().addMotion(f, depth, MotionUse::Reproject);
       picture = addTemporal(f, {picture, depth, motion}, *history, !continues);
@@ -143,7 +143,7 @@ void FrameGraphBuilder::addLightCounts() {
   if (lit_ && isSteady()) {
     counts = lit_->lightCounts;
   } else {
-    FrameSetup setup = frameSetup(settings_, shadows_ != nullptr);
+    FrameConfig setup = frameSetup(settings_, shadows_ != nullptr);
     setup.countLights = true;
     setup.fog = false;
     setup.samples = 1;
@@ -179,7 +179,7 @@ bool FrameGraphBuilder::packsWithPicture() {
 }
 
 const SurfaceOutputs* FrameGraphBuilder::packSurfaces() {
-  surfaceOutputs_ = outputs_.addSurfaces({state_.device, graph_}, steady().frame(graph_, FrameSetup{}).pixels());
+  surfaceOutputs_ = outputs_.addSurfaces({state_.device, graph_}, steady().frame(graph_, FrameConfig{}).pixels());
   return &*surfaceOutputs_;
 }
 
@@ -190,13 +190,13 @@ void FrameGraphBuilder::addData() {
   if (showsBlendedData()) {
     solid_.emplace(state_, steadyViews_, settings_, nullptr, VisibilityOptions{.blendedToo = true, .atCentres = true});
     set = &*solid_;
-    depth = solid_->visibility().addDepth(solid_->frame(graph_, FrameSetup{})).pixels;
+    depth = solid_->visibility().addDepth(solid_->frame(graph_, FrameConfig{})).pixels;
   } else {
     depth = steadyDepth();
   }
   if (asksFor(settings_, Origin::Surface) && !surfaceOutputs_) addSurfaceData(*set, depth);
   if (!asksFor(settings_, Origin::Motion)) return;
-  const FrameContext& f = set->frame(graph_, FrameSetup{});
+  const FrameContext& f = set->frame(graph_, FrameConfig{});
   const graph::ImageId motion = set->visibility().addMotion(f, depth, MotionUse::Data);
   outputs_.add(f, Origin::Motion, [&](std::string_view) { return motion; });
 }
@@ -204,7 +204,7 @@ void FrameGraphBuilder::addData() {
 // Packs outputs where surfaces are resolved or, with hardware, from a separate G-buffer in the layout `exact`, which
 // has only the targets that the requested outputs need.
 void FrameGraphBuilder::addSurfaceData(ViewSet& set, graph::ImageId depth) {
-  FrameSetup setup{.layout = &findLayout("exact"), .targets = 0};
+  FrameConfig setup{.layout = &findLayout("exact"), .targets = 0};
   Gbuffer gbuffer{.depth = depth, .sampleDepth = depth};
   if (set.visibility().asCompute()) {
     setup.outputs = packSurfaces();
@@ -227,9 +227,9 @@ void FrameGraphBuilder::addRasterData() {
     steadyDepth();
   } else {
     set = &rastered_.emplace(state_, steadyViews_, settings_, nullptr, VisibilityOptions{.inCompute = true});
-    set->visibility().addDepth(set->frame(graph_, FrameSetup{}));
+    set->visibility().addDepth(set->frame(graph_, FrameConfig{}));
   }
-  const FrameContext& f = set->frame(graph_, FrameSetup{});
+  const FrameContext& f = set->frame(graph_, FrameConfig{});
   const ComputeVisibility& raster = *set->visibility().asCompute();
   const ComputeVisibility::RasterImages images = raster.addRasterImages(f);
   outputs_.add(f, Origin::Raster, [&](std::string_view name) {

@@ -11,7 +11,7 @@
 
 namespace latelight::render {
 
-FrameSetup frameSetup(const Settings& settings, bool shadows);
+FrameConfig frameSetup(const Settings& settings, bool shadows);
 bool isLit(const Settings& settings);  // data outputs require no lighting
 
 class FrameGraphBuilder {

@@ -62,8 +62,8 @@ void ViewSet::uploadConstants(const Settings& s) {
   constants_ = vk::uploadedBuffer(state_.device, "frame constants", std::as_bytes(std::span(&frame, 1)));
 }
 
-const FrameContext& ViewSet::frame(graph::Graph& graph, const FrameSetup& setup) {
-  FrameSetup& kept = setups_.emplace_back(setup);
+const FrameContext& ViewSet::frame(graph::Graph& graph, const FrameConfig& setup) {
+  FrameConfig& kept = setups_.emplace_back(setup);
   kept.lens = views_.lens != nullptr;
   kept.vast = state_.scene.instances().anyVast();
   kept.textureSlots = state_.scene.materials().textureSlots();

@@ -41,7 +41,7 @@ class ViewSet {
   ViewSet(const RenderState& state, const ViewsInTime& views, const Settings& settings, FrameShadows* shadows,
           const VisibilityOptions& options);
   // Returns a frame of these views, to which passes can be added.
-  const FrameContext& frame(graph::Graph& graph, const FrameSetup& setup);
+  const FrameContext& frame(graph::Graph& graph, const FrameConfig& setup);
 
   std::span<const shared::View> views() const { return views_.now; }
   const Visibility& visibility() const { return *visibility_; }
@@ -55,7 +55,7 @@ class ViewSet {
   FrameShadows* shadows_;
   std::unique_ptr<Visibility> visibility_;
   vk::Buffer viewBuffer_, constants_;
-  std::deque<FrameSetup> setups_;
+  std::deque<FrameConfig> setups_;
   std::deque<FrameContext> frames_;
 };
 

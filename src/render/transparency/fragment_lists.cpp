@@ -201,7 +201,7 @@ shared::FragmentLists listsOf(graph::Context& context, const FragmentBuffers& b)
 }
 
 // With the graphics pipeline of lavapipe, fragments with coverage require 17 times as much time as fragments without.
-uint32_t fragmentSamples(const vk::Device& device, const FrameSetup& setup) {
+uint32_t fragmentSamples(const vk::Device& device, const FrameConfig& setup) {
   if (setup.sampleLayers) return setup.samples;
   return device.has(VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME) && !device.isCpu() ? setup.samples : 1;
 }

@@ -12,7 +12,7 @@
 
 namespace latelight::render {
 
-// FrameSetup::transparency.method, numbered as in TransparencyMethod.
+// FrameConfig::transparency.method, numbered as in TransparencyMethod.
 inline constexpr uint32_t kTransparencyExact = 0, kTransparencySorted = 1, kTransparencyWeighted = 2,
                           kTransparencyNone = 3;
 
@@ -35,7 +35,7 @@ shared::FragmentLists listsOf(graph::Context& context, const FragmentBuffers& bu
 
 // The number of samples per pixel at which fragments are stored: that of the frame if the raster is compute or if
 // fragment shaders can read their coverage after the depth test, else 1.
-uint32_t fragmentSamples(const vk::Device& device, const FrameSetup& setup);
+uint32_t fragmentSamples(const vk::Device& device, const FrameConfig& setup);
 
 // Pipelines that draw blended fragments (blended.glsl). Depth is tested but not written. A surface at exactly the depth
 // of an opaque one, such as a decal, is visible. Set 0 is blendedMaps().

@@ -20,7 +20,7 @@ VkFormat unusedFormat(VkFormat wanted) {
 
 }  // namespace
 
-vk::GraphicsDesc behindDepth(const FrameSetup& setup) {
+vk::GraphicsDesc behindDepth(const FrameConfig& setup) {
   vk::GraphicsDesc desc;
   desc.depth = kDepthFormat;
   desc.depthCompare = VK_COMPARE_OP_EQUAL;

@@ -49,7 +49,7 @@ class HardwareVisibility final : public Visibility {
 };
 
 // What all draws behind the depth pass have: only surfaces at the very depth that it left are shaded.
-vk::GraphicsDesc behindDepth(const FrameSetup& setup);
+vk::GraphicsDesc behindDepth(const FrameConfig& setup);
 
 // The frame's, for a technique that draws the scene itself. Error(Usage) where visibility is another's.
 const HardwareVisibility& hardwareOf(const FrameContext& f, const char* technique);

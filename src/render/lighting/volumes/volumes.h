@@ -5,7 +5,7 @@
 
 namespace latelight::render {
 
-// Values of FrameSetup::volumesOrder, numbered as VolumesOrder.
+// Values of FrameConfig::volumesOrder, numbered as VolumesOrder.
 inline constexpr uint32_t kVolumesClassic = 0, kVolumesKillzone = 1;
 
 // In pixels. A volume whose projected sphere has a smaller radius is lit without a stencil mark, because marking would

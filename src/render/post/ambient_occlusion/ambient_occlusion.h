@@ -8,7 +8,7 @@
 
 namespace latelight::render {
 
-// FrameSetup::ambientOcclusion (--ao), numbered as in AmbientOcclusion.
+// FrameConfig::ambientOcclusion (--ao), numbered as in AmbientOcclusion.
 inline constexpr uint32_t kAoNone = 0, kAoGtao = 1;
 
 inline constexpr VkFormat kAoFormat = VK_FORMAT_R32_SFLOAT;

@@ -63,7 +63,7 @@ void prepareHiding(const FrameContext& f, const RasterViews& views);
 
 // Shaders that look up materials' textures; and those that have the setup's constants as well.
 void bindTextures(const FrameContext& f, ComputePass& pass);
-// Tells a shader whether there are vast triangles, unless it knows (FrameSetup::constants()).
+// Tells a shader whether there are vast triangles, unless it knows (FrameConfig::constants()).
 void addVastConstant(const FrameContext& f, ComputePass& pass);
 void readsTextures(const FrameContext& f, ComputePass& pass);
 
