@@ -25,11 +25,11 @@ namespace {
 // The share of a block above which a resource gets its own allocation, since the rest of the block would be wasted.
 constexpr VkDeviceSize kLargestShared = Allocator::kBlockSize / 4;
 
-struct Wish {
-  VkMemoryPropertyFlags needed, liked;
+struct MemoryPreference {
+  VkMemoryPropertyFlags needed, preferred;
 };
 
-Wish wishFor(MemoryKind kind, bool cpuDevice) {
+MemoryPreference wishFor(MemoryKind kind, bool cpuDevice) {
   constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
   switch (kind) {
     case MemoryKind::Upload:
@@ -42,13 +42,13 @@ Wish wishFor(MemoryKind kind, bool cpuDevice) {
 }
 
 // The first type with all required and most of the preferred properties; drivers list the faster ones first. ~0u: none.
-uint32_t findType(const VkPhysicalDeviceMemoryProperties& memory, uint32_t allowed, Wish wish) {
+uint32_t findType(const VkPhysicalDeviceMemoryProperties& memory, uint32_t allowed, MemoryPreference preference) {
   uint32_t best = ~0u;
   int bestScore = -1;
   for (uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
     const VkMemoryPropertyFlags flags = memory.memoryTypes[i].propertyFlags;
-    if (!(allowed >> i & 1) || (flags & wish.needed) != wish.needed) continue;
-    const int score = __builtin_popcount(flags & wish.liked);
+    if (!(allowed >> i & 1) || (flags & preference.needed) != preference.needed) continue;
+    const int score = __builtin_popcount(flags & preference.preferred);
     if (score <= bestScore) continue;
     best = i;
     bestScore = score;
