@@ -107,7 +107,7 @@ class Occupants {
 };
 
 // An image has a barrier there, out of the undefined layout; a buffer has none.
-Barrier& barrierOfFirstUse(Plan& plan, const Plan::Life& life) {
+Barrier& barrierOfFirstUse(Plan& plan, const Plan::Lifetime& life) {
   std::vector<Barrier>& barriers = plan.steps[life.first].before;
   if (life.image)
     for (Barrier& barrier : barriers)
@@ -154,7 +154,7 @@ void addAliasingBarriers(Plan& plan, std::span<const Footprint> footprints, cons
   std::vector<Occupants> heaps(packing.heaps.size());
   for (const size_t index : order) {
     const auto [heap, offset] = packing.places[index];
-    const Plan::Life& life = plan.lives[index];
+    const Plan::Lifetime& life = plan.lives[index];
     const uint64_t end = offset + footprints[index].size;
     const Pending before = heaps[heap].in(offset, end);
     Pending own{life.lastStages, life.lastWrites};

@@ -36,12 +36,13 @@ struct State {
   VkPipelineStageFlags2 lastStages() const { return readStages ? readStages : sourceStages; }
   VkAccessFlags2 lastWrites() const { return readStages ? 0 : sourceAccess; }
 
-  VkPipelineStageFlags2 unseeing(const Need& need) const;  // its stages to which the contents aren't visible yet
-  void startWith(const Need& before);
-  std::optional<Barrier> use(const Need& need);
+  VkPipelineStageFlags2 stagesWithoutVisibility(
+      const ResourceUse& need) const;  // its stages to which the contents aren't visible yet
+  void startWith(const ResourceUse& before);
+  std::optional<Barrier> use(const ResourceUse& need);
 };
 
-VkPipelineStageFlags2 State::unseeing(const Need& need) const {
+VkPipelineStageFlags2 State::stagesWithoutVisibility(const ResourceUse& need) const {
   VkPipelineStageFlags2 result = 0;
   for (VkPipelineStageFlags2 rest = need.stages; rest; rest &= rest - 1) {
     const VkPipelineStageFlags2 stage = rest & (~rest + 1);  // lowest bit
@@ -53,7 +54,7 @@ VkPipelineStageFlags2 State::unseeing(const Need& need) const {
 }
 
 // The state left by another graph, or by the resource's previous user.
-void State::startWith(const Need& before) {
+void State::startWith(const ResourceUse& before) {
   layout = before.layout;
   defined = true;
   sourceStages = before.stages;
@@ -64,11 +65,11 @@ void State::startWith(const Need& before) {
 }
 
 // The barrier required before `need`, and the state after it.
-std::optional<Barrier> State::use(const Need& need) {
+std::optional<Barrier> State::use(const ResourceUse& need) {
   const bool transition = layout != need.layout;
   const bool overwrite = transition || need.writing;
   const bool unwritten = sourceStages == 0;  // new, or by the host only: visible to all
-  const VkPipelineStageFlags2 waiting = overwrite ? need.stages : (unwritten ? 0 : unseeing(need));
+  const VkPipelineStageFlags2 waiting = overwrite ? need.stages : (unwritten ? 0 : stagesWithoutVisibility(need));
 
   std::optional<Barrier> barrier;
   if (transition || (waiting && (sourceStages | readStages))) {
@@ -108,7 +109,7 @@ class States {
       // A buffer that the host filled is visible to everything submitted later.
       states_[i].defined = !kImages && nodes[i].imported;
       if (!nodes[i].before) continue;
-      Need before;
+      ResourceUse before;
       before.add(*nodes[i].before, kImages);
       states_[i].startWith(before);
     }
@@ -124,7 +125,7 @@ class States {
   // Appends the barriers for everything gathered since the last call. `who` reads, for the error message.
   void apply(const std::string& who, uint32_t step, std::vector<Barrier>& barriers) {
     for (const Id id : touched_) {
-      const Need need = std::exchange(needs_[id.index], {});
+      const ResourceUse need = std::exchange(needs_[id.index], {});
       State& state = states_[id.index];
       noteUse(lives_[id.index], step, need);
       if (need.reads && !state.defined) {
@@ -147,7 +148,7 @@ class States {
   void addTransients(const Nodes& nodes, Plan& plan) const {
     for (uint32_t i = 0; i < nodes.size(); ++i) {
       if (nodes[i].imported || lives_[i].firstStages == 0) continue;
-      Plan::Life life = lives_[i];
+      Plan::Lifetime life = lives_[i];
       if constexpr (kImages) {
         life.image = {i};
       } else {
@@ -164,7 +165,7 @@ class States {
   }
 
  private:
-  static void noteUse(Plan::Life& life, uint32_t step, const Need& need) {
+  static void noteUse(Plan::Lifetime& life, uint32_t step, const ResourceUse& need) {
     if (life.firstStages == 0) {
       life.first = step;
       life.firstStages = need.stages;
@@ -176,8 +177,8 @@ class States {
   static bool inDeviceMemory(const vk::BufferDesc& desc) { return desc.kind == vk::MemoryKind::Device; }
 
   std::vector<State> states_;
-  std::vector<Need> needs_;  // of the current pass
-  std::vector<Plan::Life> lives_;
+  std::vector<ResourceUse> needs_;  // of the current pass
+  std::vector<Plan::Lifetime> lives_;
   std::vector<Id> touched_;
   std::vector<const std::string*> names_;
 };
@@ -238,7 +239,7 @@ Plan Graph::compile() const {
   images.addTransients(images_, plan);
   buffers.addTransients(buffers_, plan);
   std::stable_sort(plan.lives.begin(), plan.lives.end(),
-                   [](const Plan::Life& a, const Plan::Life& b) { return a.first < b.first; });
+                   [](const Plan::Lifetime& a, const Plan::Lifetime& b) { return a.first < b.first; });
   gatherFinal(images_, images);
   gatherFinal(buffers_, buffers);
   plan.after = std::move(first);

@@ -146,36 +146,36 @@ bool Context::declares(BufferId id) const {
 namespace {
 
 // The recording objects of a submission, reused once it has finished.
-struct Recorder {
-  explicit Recorder(vk::Device& device) : descriptors(device), timers(device) {}
+struct CommandRecorder {
+  explicit CommandRecorder(vk::Device& device) : descriptors(device), timers(device) {}
   vk::DescriptorPool descriptors;
   Timers timers;
 };
 
 // What submissions take from their executor and return; lives as long as any of them.
-struct Stock {
-  explicit Stock(vk::Device& device)
+struct SubmissionPool {
+  explicit SubmissionPool(vk::Device& device)
       : device(device), transients(device), constants(std::make_shared<ConstantPool>(device)) {}
-  std::unique_ptr<Recorder> takeRecorder();
-  void giveBack(std::unique_ptr<Recorder> recorder);
+  std::unique_ptr<CommandRecorder> takeRecorder();
+  void giveBack(std::unique_ptr<CommandRecorder> recorder);
 
   vk::Device& device;
   TransientPool transients;
   std::shared_ptr<ConstantPool> constants;
   std::mutex mutex;  // guards the following
-  std::vector<std::unique_ptr<Recorder>> recorders;
+  std::vector<std::unique_ptr<CommandRecorder>> recorders;
 };
 
-std::unique_ptr<Recorder> Stock::takeRecorder() {
+std::unique_ptr<CommandRecorder> SubmissionPool::takeRecorder() {
   std::lock_guard lock(mutex);
-  if (recorders.empty()) return std::make_unique<Recorder>(device);
-  std::unique_ptr<Recorder> recorder = std::move(recorders.back());
+  if (recorders.empty()) return std::make_unique<CommandRecorder>(device);
+  std::unique_ptr<CommandRecorder> recorder = std::move(recorders.back());
   recorders.pop_back();
   recorder->descriptors.reset();
   return recorder;
 }
 
-void Stock::giveBack(std::unique_ptr<Recorder> recorder) {
+void SubmissionPool::giveBack(std::unique_ptr<CommandRecorder> recorder) {
   std::lock_guard lock(mutex);
   recorders.push_back(std::move(recorder));
 }
@@ -183,11 +183,12 @@ void Stock::giveBack(std::unique_ptr<Recorder> recorder) {
 }  // namespace
 
 struct Submission::State {
-  explicit State(std::shared_ptr<Stock> stock) : stock(std::move(stock)), recorder(this->stock->takeRecorder()) {}
+  explicit State(std::shared_ptr<SubmissionPool> stock)
+      : stock(std::move(stock)), recorder(this->stock->takeRecorder()) {}
   ~State();
   void finish();
 
-  std::shared_ptr<Stock> stock;
+  std::shared_ptr<SubmissionPool> stock;
   uint64_t value = 0;  // on the device's timeline
   // The graph's, by index. After recording only the results are left: imported or exported resources.
   std::vector<const vk::Image*> images;
@@ -196,7 +197,7 @@ struct Submission::State {
   std::vector<std::unique_ptr<PooledBuffer>> pooledBuffers;
 
   std::mutex mutex;  // guards the rest, until it has finished
-  std::unique_ptr<Recorder> recorder;
+  std::unique_ptr<CommandRecorder> recorder;
   std::vector<std::shared_ptr<ConstantChunk>> constants;
   std::vector<PassTime> times;
 };
@@ -256,7 +257,7 @@ const vk::Buffer& Submission::buffer(BufferId id) const {
 }
 
 struct Executor::Impl {
-  explicit Impl(vk::Device& device) : labels(device.instance()), stock(std::make_shared<Stock>(device)) {}
+  explicit Impl(vk::Device& device) : labels(device.instance()), stock(std::make_shared<SubmissionPool>(device)) {}
   void finishOldest();
   std::shared_ptr<Submission::State> prepare(const Graph& graph, Plan& plan);
   void materialize(const Graph& graph, Plan& plan, Submission::State& state);
@@ -264,7 +265,7 @@ struct Executor::Impl {
   static void keepResults(const Graph& graph, Submission::State& state);
 
   LabelCalls labels;
-  std::shared_ptr<Stock> stock;
+  std::shared_ptr<SubmissionPool> stock;
   std::deque<std::shared_ptr<Submission::State>> inFlight;  // oldest first
 };
 

@@ -142,7 +142,7 @@ struct Plan {
     BufferId buffer;
   };
   // The life of a transient that may share its memory with others before and after it.
-  struct Life : Transient {
+  struct Lifetime : Transient {
     uint32_t first = 0, last = 0;           // steps that use it, both included
     VkPipelineStageFlags2 firstStages = 0;  // of its first use
     VkAccessFlags2 firstAccess = 0;
@@ -151,7 +151,7 @@ struct Plan {
   };
   std::vector<Step> steps;
   std::vector<Barrier> after;
-  std::vector<Life> lives;      // transients in device memory that are not exported, by first step
+  std::vector<Lifetime> lives;  // transients in device memory that are not exported, by first step
   std::vector<Transient> kept;  // the others: exported or host-visible
 };
 

@@ -31,7 +31,7 @@ Desc descOf(const Graph& graph, const Plan::Transient& transient) {
 }
 
 // In whole pages of bufferImageGranularity, so that no image shares a page with a buffer that is used at the same time.
-Footprint footprintOf(vk::Device& device, const Desc& desc, const Plan::Life& life) {
+Footprint footprintOf(vk::Device& device, const Desc& desc, const Plan::Lifetime& life) {
   const VkMemoryRequirements needs = std::holds_alternative<vk::ImageDesc>(desc)
                                          ? vk::memoryRequirements(device, std::get<vk::ImageDesc>(desc), vk::Home::Heap)
                                          : vk::memoryRequirements(device, std::get<vk::BufferDesc>(desc));
@@ -63,7 +63,7 @@ PlacedTransients::Resource makeResource(vk::Device& device, const Desc& desc, co
 
 std::vector<Footprint> footprintsOf(vk::Device& device, const Graph& graph, const Plan& plan) {
   std::vector<Footprint> footprints;
-  for (const Plan::Life& life : plan.lives) footprints.push_back(footprintOf(device, descOf(graph, life), life));
+  for (const Plan::Lifetime& life : plan.lives) footprints.push_back(footprintOf(device, descOf(graph, life), life));
   return footprints;
 }
 
@@ -101,7 +101,7 @@ const PlacedTransients& TransientPool::place(const Graph& graph, const Plan& pla
   }
   auto placed = std::make_unique<PlacedTransients>();
   placed->lastUse = now_;
-  for (const Plan::Life& life : plan.lives) placed->descs.push_back(descOf(graph, life));
+  for (const Plan::Lifetime& life : plan.lives) placed->descs.push_back(descOf(graph, life));
   placed->footprints = footprintsOf(device_, graph, plan);
   placed->packing = pack(placed->footprints, device_.maxAllocationSize());
   for (const Packing::Heap& heap : placed->packing.heaps) placed->heaps.push_back(heapFor(heap, placed->heaps));

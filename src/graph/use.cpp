@@ -75,7 +75,7 @@ bool reads(Use use) {
   return useInfo(use).keeps;
 }
 
-void Need::add(Use use, bool image) {
+void ResourceUse::add(Use use, bool image) {
   const UseInfo& info = useInfo(use);
   stages |= info.stages;
   access |= info.reading | info.writing;

@@ -20,7 +20,7 @@ struct UseInfo {
 const UseInfo& useInfo(Use use);
 
 // All uses of one resource in one pass, combined.
-struct Need {
+struct ResourceUse {
   VkPipelineStageFlags2 stages = 0;
   VkAccessFlags2 access = 0;  // reading and writing
   VkAccessFlags2 writing = 0;
