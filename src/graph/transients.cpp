@@ -32,9 +32,10 @@ Desc descOf(const Graph& graph, const Plan::Transient& transient) {
 
 // In whole pages of bufferImageGranularity, so that no image shares a page with a buffer that is used at the same time.
 Footprint footprintOf(vk::Device& device, const Desc& desc, const Plan::Lifetime& life) {
-  const VkMemoryRequirements needs = std::holds_alternative<vk::ImageDesc>(desc)
-                                         ? vk::memoryRequirements(device, std::get<vk::ImageDesc>(desc), vk::Home::Heap)
-                                         : vk::memoryRequirements(device, std::get<vk::BufferDesc>(desc));
+  const VkMemoryRequirements needs =
+      std::holds_alternative<vk::ImageDesc>(desc)
+          ? vk::memoryRequirements(device, std::get<vk::ImageDesc>(desc), vk::Placement::Heap)
+          : vk::memoryRequirements(device, std::get<vk::BufferDesc>(desc));
   const VkDeviceSize page = std::max<VkDeviceSize>(device.properties().limits.bufferImageGranularity, 1);
   return {.size = (needs.size + page - 1) / page * page,
           .alignment = std::max(needs.alignment, page),
@@ -72,8 +73,9 @@ TransientBytes transientBytes(vk::Device& device, const Graph& graph, const Plan
   TransientBytes bytes{.peak = pack(footprints, device.maxAllocationSize()).bytes()};
   for (const Footprint& footprint : footprints) bytes.withoutAliasing += footprint.size;
   for (const Plan::Transient& kept : plan.kept) {
-    const VkDeviceSize size = kept.image ? vk::memoryRequirements(device, graph.desc(kept.image), vk::Home::Own).size
-                                         : vk::memoryRequirements(device, graph.desc(kept.buffer)).size;
+    const VkDeviceSize size = kept.image
+                                  ? vk::memoryRequirements(device, graph.desc(kept.image), vk::Placement::Own).size
+                                  : vk::memoryRequirements(device, graph.desc(kept.buffer)).size;
     bytes.peak += size;
     bytes.withoutAliasing += size;
   }

@@ -312,9 +312,9 @@ VkMemoryRequirements memoryRequirements(Device& device, const BufferDesc& desc) 
   return needs.memoryRequirements;
 }
 
-VkMemoryRequirements memoryRequirements(Device& device, const ImageDesc& desc, Home home) {
+VkMemoryRequirements memoryRequirements(Device& device, const ImageDesc& desc, Placement home) {
   checkSize(device, desc);
-  const VkImageCreateInfo image = imageInfo(desc, home == Home::Own && isHostTexture(device, desc));
+  const VkImageCreateInfo image = imageInfo(desc, home == Placement::Own && isHostTexture(device, desc));
   VkDeviceImageMemoryRequirements info{VK_STRUCTURE_TYPE_DEVICE_IMAGE_MEMORY_REQUIREMENTS};
   info.pCreateInfo = &image;
   VkMemoryRequirements2 needs{VK_STRUCTURE_TYPE_MEMORY_REQUIREMENTS_2};

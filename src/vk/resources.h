@@ -120,9 +120,9 @@ class Image {
 };
 
 // For a resource with memory of its own, or placed in a heap, without creating one.
-enum class Home : uint8_t { Own, Heap };
+enum class Placement : uint8_t { Own, Heap };
 VkMemoryRequirements memoryRequirements(Device& device, const BufferDesc& desc);
-VkMemoryRequirements memoryRequirements(Device& device, const ImageDesc& desc, Home home);
+VkMemoryRequirements memoryRequirements(Device& device, const ImageDesc& desc, Placement home);
 
 struct SamplerDesc {
   VkFilter magnify = VK_FILTER_LINEAR, minify = VK_FILTER_LINEAR;
