@@ -29,7 +29,7 @@ shared::Light deviceLight(const scene::Light& light, const glm::dvec3& origin) {
   return l;
 }
 
-bool isSound(const shared::Light& l) {
+bool isFinite(const shared::Light& l) {
   for (const glm::vec3& v : {l.position, l.direction, l.intensity})
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) return false;
   return !std::isnan(l.radius) && std::isfinite(l.spotScale) && std::isfinite(l.spotOffset);
@@ -58,8 +58,8 @@ void GpuLights::set(vk::Uploader& uploader, std::vector<scene::Light> lights, co
   size_t broken = 0;
   for (uint32_t i = 0; i < authored_.size(); ++i) {
     const shared::Light l = deviceLight(authored_[i], origin);
-    broken += !isSound(l);
-    if (!isSound(l) || !(l.radius > 0) || !(shared::maxChannel(l.intensity) > 0)) continue;
+    broken += !isFinite(l);
+    if (!isFinite(l) || !(l.radius > 0) || !(shared::maxChannel(l.intensity) > 0)) continue;
     shining.push_back(l);
     sources.push_back(i);
   }
