@@ -236,7 +236,7 @@ struct IdGrouping {
 
 struct LoadOptions {
   std::string variant;  // name of a variant (KHR_materials_variants); empty: the file's default
-  // Folders that the file may read in addition to its own folder and its subfolders (base/enclosure.h).
+  // Folders that the file may read in addition to its own folder and its subfolders (base/allowed_folders.h).
   std::vector<std::string> allowOutside;
   IdGrouping ids{};
   bool textures = true;  // false: no textures are decoded, for callers that require only geometry

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "base/enclosure.h"
+#include "base/allowed_folders.h"
 #include "base/error.h"
 #include "scene/gltf/document.h"
 
@@ -71,7 +71,7 @@ std::vector<std::byte> readDataUri(std::string_view uri, const std::string& name
   return {begin, begin + plain.size()};
 }
 
-std::vector<std::byte> readBeside(const Enclosure& enclosure, std::string_view uri, const std::string& name) {
+std::vector<std::byte> readBeside(const AllowedFolders& enclosure, std::string_view uri, const std::string& name) {
   if (uri.find("://") != std::string_view::npos || uri.starts_with("file:"))
     badInput("{} is at {}; only local files are read: put it next to the scene, and use a relative path", name, uri);
   std::string decoded = percentDecode(uri);
@@ -83,7 +83,7 @@ std::vector<std::byte> readBeside(const Enclosure& enclosure, std::string_view u
   }
 }
 
-Bytes readUri(Document& document, const Enclosure& enclosure, std::string_view uri, const std::string& name) {
+Bytes readUri(Document& document, const AllowedFolders& enclosure, std::string_view uri, const std::string& name) {
   document.files.push_back(uri.starts_with("data:") ? readDataUri(uri, name) : readBeside(enclosure, uri, name));
   document.inputBytes += document.files.back().size();
   return document.files.back();
@@ -107,7 +107,7 @@ std::vector<bool> findRead(const json& buffers, const json& views) {
 // A fallback buffer has bytes only for readers without EXT_meshopt_compression, so it stays empty here. Files that
 // require the extension may omit its bytes, whether or not they declare it as a fallback; it is then a buffer without
 // bytes that no view reads.
-Bytes readBuffer(Document& document, const json& buffer, size_t index, bool isRead, const Enclosure& enclosure,
+Bytes readBuffer(Document& document, const json& buffer, size_t index, bool isRead, const AllowedFolders& enclosure,
                  Bytes binary) {
   std::string name = fmt::format("buffers[{}]", index);
   size_t length = buffer["byteLength"].get<size_t>();
@@ -134,7 +134,7 @@ Bytes slice(const std::vector<Bytes>& buffers, const json& view, size_t index) {
 }
 
 // A missing image is an error only if a material uses it.
-ImageSource readImage(Document& document, const json& image, size_t index, const Enclosure& enclosure) {
+ImageSource readImage(Document& document, const json& image, size_t index, const AllowedFolders& enclosure) {
   ImageSource source;
   std::string label = image.value("name", std::string());
   bool embedded = image.contains("bufferView");
@@ -179,7 +179,7 @@ void Budget::charge(size_t bytes, std::string_view what) const {
   memory_.grow(bytes, what);
 }
 
-void readBuffers(Document& document, const json& root, const Enclosure& enclosure, Bytes binary) {
+void readBuffers(Document& document, const json& root, const AllowedFolders& enclosure, Bytes binary) {
   const json none = json::array();
   auto arrayOf = [&](const char* key) -> const json& {
     auto found = root.find(key);

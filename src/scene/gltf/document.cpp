@@ -129,7 +129,7 @@ void Repairs::report() const {
       *attributes_.begin(), more, others == 0 ? "has" : "have");
 }
 
-void openDocument(Document& document, const std::filesystem::path& path, const Enclosure& enclosure) {
+void openDocument(Document& document, const std::filesystem::path& path, const AllowedFolders& enclosure) {
   document.files.push_back(readFile(path));
   document.inputBytes = document.files.back().size();
   Container container = readContainer(document.files.back());

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "base/enclosure.h"
+#include "base/allowed_folders.h"
 #include "base/memory.h"
 
 namespace latelight::scene::gltf {
@@ -84,7 +84,7 @@ nlohmann::json readJson(Bytes text);
 uint64_t treeBytes(Bytes json);
 
 // Fills views and images from the file's buffers: the binary chunk, data URIs, and files within `enclosure`.
-void readBuffers(Document& document, const nlohmann::json& root, const Enclosure& enclosure, Bytes binary);
+void readBuffers(Document& document, const nlohmann::json& root, const AllowedFolders& enclosure, Bytes binary);
 
 // Returns the files to which buffers and images refer, relative to the document's folder.
 std::vector<std::filesystem::path> filesBeside(const nlohmann::json& root);
@@ -95,7 +95,7 @@ void decodeMeshopt(Document& document, const nlohmann::json& root, const std::ve
 // Passes the JSON to tinygltf, modified so that tinygltf processes nothing that could fail.
 void readModel(Document& document, nlohmann::json root);
 
-void openDocument(Document& document, const std::filesystem::path& path, const Enclosure& enclosure);
+void openDocument(Document& document, const std::filesystem::path& path, const AllowedFolders& enclosure);
 
 // --- extensions ------------------------------------------------------------------------------------------------------
 

@@ -78,7 +78,7 @@ uint64_t geometryBytes(const Scene& scene) {
 
 Scene import(const std::filesystem::path& path, const LoadOptions& options) {
   Document document;
-  openDocument(document, path, Enclosure(path, options.allowOutside));
+  openDocument(document, path, AllowedFolders(path, options.allowOutside));
   Scene scene;
   scene.name = path.stem().string();
   scene.source = path.string();

@@ -10,11 +10,11 @@
 
 namespace latelight {
 
-class Enclosure {
+class AllowedFolders {
  public:
   // Allows the folder of the file `owner`, the folder of its target if it is a link, and the folders `allowed`. Throws
   // Error(Usage) if one of `allowed` is not a folder.
-  Enclosure(const std::filesystem::path& owner, std::span<const std::string> allowed);
+  AllowedFolders(const std::filesystem::path& owner, std::span<const std::string> allowed);
 
   // Returns the whole file that the owner refers to as `name`; a relative name starts from the owner's folder. After
   // all links are followed, the file must be in or below an allowed folder, and be a regular file that is not one of

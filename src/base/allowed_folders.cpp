@@ -1,4 +1,4 @@
-#include "base/enclosure.h"
+#include "base/allowed_folders.h"
 
 #include <fcntl.h>
 #include <linux/magic.h>
@@ -69,7 +69,7 @@ bool isRegular(int fd) {
 
 }  // namespace
 
-Enclosure::Enclosure(const fs::path& owner, std::span<const std::string> allowed) {
+AllowedFolders::AllowedFolders(const fs::path& owner, std::span<const std::string> allowed) {
   std::error_code ignored;
   for (const fs::path& file : {fs::absolute(owner, ignored), fs::canonical(owner, ignored)}) {
     const fs::path folder = fs::canonical(file.parent_path(), ignored);
@@ -83,14 +83,14 @@ Enclosure::Enclosure(const fs::path& owner, std::span<const std::string> allowed
   }
 }
 
-bool Enclosure::holds(const fs::path& real) const {
+bool AllowedFolders::holds(const fs::path& real) const {
   const auto isAbove = [&](const fs::path& folder) {
     return std::mismatch(folder.begin(), folder.end(), real.begin(), real.end()).first == folder.end();
   };
   return std::any_of(own_.begin(), own_.end(), isAbove) || std::any_of(allowed_.begin(), allowed_.end(), isAbove);
 }
 
-std::vector<std::byte> Enclosure::read(const fs::path& name) const {
+std::vector<std::byte> AllowedFolders::read(const fs::path& name) const {
   fs::path real;
   std::error_code error = std::make_error_code(std::errc::no_such_file_or_directory);
   for (auto folder = own_.begin(); real.empty() && folder != own_.end(); ++folder)

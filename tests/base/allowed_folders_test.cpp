@@ -1,5 +1,5 @@
 // What a file may have read for it, and what not.
-#include "base/enclosure.h"
+#include "base/allowed_folders.h"
 #include "app/folder.h"
 
 #include <gmock/gmock.h>
@@ -24,9 +24,9 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 // A folder "scene" with "scene.gltf", "a.bin" and "deep/b.bin", and beside it "secret.bin" and "other/c.bin".
-class Enclosures : public testing::Test {
+class AllowedFoldersTest : public testing::Test {
  protected:
-  Enclosures() {
+  AllowedFoldersTest() {
     for (const char* folder : {"scene/deep", "other"}) fs::create_directories(root / folder);
     for (const char* file : {"scene/scene.gltf", "scene/a.bin", "scene/deep/b.bin", "secret.bin", "other/c.bin"})
       std::ofstream(root / file) << file;
@@ -34,7 +34,7 @@ class Enclosures : public testing::Test {
 
   std::string read(const fs::path& name) const { return readFor(root / "scene/scene.gltf", name); }
   std::string readFor(const fs::path& owner, const fs::path& name, std::vector<std::string> allowed = {}) const {
-    const std::vector<std::byte> bytes = Enclosure(owner, allowed).read(name);
+    const std::vector<std::byte> bytes = AllowedFolders(owner, allowed).read(name);
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   }
   std::string refusal(const fs::path& name, std::vector<std::string> allowed = {}) const {
@@ -53,7 +53,7 @@ class Enclosures : public testing::Test {
   const fs::path root = fs::canonical(folder.path());
 };
 
-TEST_F(Enclosures, HoldWhatLiesInAndBelow) {
+TEST_F(AllowedFoldersTest, HoldWhatLiesInAndBelow) {
   EXPECT_EQ(read("a.bin"), "scene/a.bin");
   EXPECT_EQ(read("deep/b.bin"), "scene/deep/b.bin");
   EXPECT_EQ(read("deep/../a.bin"), "scene/a.bin");
@@ -61,7 +61,7 @@ TEST_F(Enclosures, HoldWhatLiesInAndBelow) {
   EXPECT_EQ(read(root / "scene/a.bin"), "scene/a.bin");
 }
 
-TEST_F(Enclosures, RefuseWhatLiesOutside) {
+TEST_F(AllowedFoldersTest, RefuseWhatLiesOutside) {
   for (const fs::path& name : {fs::path("../secret.bin"), root / "secret.bin", fs::path("/etc/passwd"),
                                fs::path("deep/../../secret.bin"), fs::path("../other/c.bin")})
     EXPECT_THAT(refusal(name),
@@ -73,7 +73,7 @@ TEST_F(Enclosures, RefuseWhatLiesOutside) {
   EXPECT_THAT(refusal("../scene2/d.bin"), HasSubstr("outside"));
 }
 
-TEST_F(Enclosures, FollowLinksToTheirEnd) {
+TEST_F(AllowedFoldersTest, FollowLinksToTheirEnd) {
   link("a.bin", "scene/inside.bin");
   link("../secret.bin", "scene/outside.bin");
   link("../other", "scene/folder");
@@ -85,7 +85,7 @@ TEST_F(Enclosures, FollowLinksToTheirEnd) {
 }
 
 // Scenes are often kept as links, alone or with all their files.
-TEST_F(Enclosures, ASceneThatIsALinkHasTwoFolders) {
+TEST_F(AllowedFoldersTest, ASceneThatIsALinkHasTwoFolders) {
   fs::create_directories(root / "links");
   link("../scene/scene.gltf", "links/scene.gltf");
   std::ofstream(root / "links/near.bin") << "near";
@@ -96,21 +96,21 @@ TEST_F(Enclosures, ASceneThatIsALinkHasTwoFolders) {
   EXPECT_THROW(readFor(root / "links/scene.gltf", "../secret.bin"), Error);
 }
 
-TEST_F(Enclosures, AllowedFoldersAreHeldToo) {
+TEST_F(AllowedFoldersTest, AllowedFoldersAreHeldToo) {
   const std::string other = (root / "other").string();
   EXPECT_EQ(readFor(root / "scene/scene.gltf", "../other/c.bin", {other}), "other/c.bin");
   EXPECT_EQ(readFor(root / "scene/scene.gltf", "../secret.bin", {other, root.string()}), "secret.bin");
   EXPECT_THAT(refusal("../secret.bin", {other}), HasSubstr("outside"));
   EXPECT_THROW(readFor("scene.gltf", "a.bin", {(root / "secret.bin").string()}), Error);
   try {
-    Enclosure(root / "scene/scene.gltf", std::vector<std::string>{(root / "none").string()});
+    AllowedFolders(root / "scene/scene.gltf", std::vector<std::string>{(root / "none").string()});
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::Usage);
   }
 }
 
-TEST_F(Enclosures, AreOfFilesAloneEvenWhereAllIsAllowed) {
+TEST_F(AllowedFoldersTest, AreOfFilesAloneEvenWhereAllIsAllowed) {
   ASSERT_EQ(mkfifo((root / "scene/pipe").c_str(), 0600), 0);
   link("/dev/zero", "scene/zero");
   link("/proc/self/environ", "scene/environ");
@@ -129,7 +129,7 @@ TEST_F(Enclosures, AreOfFilesAloneEvenWhereAllIsAllowed) {
 }
 
 // A name that is a good file when it is looked at and a link when it is opened.
-TEST_F(Enclosures, AreNotDeceivedByWhatChanges) {
+TEST_F(AllowedFoldersTest, AreNotDeceivedByWhatChanges) {
   std::atomic<bool> done = false;
   std::thread swapper([&] {
     for (bool good = false; !done; good = !good) {
