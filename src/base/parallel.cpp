@@ -136,7 +136,7 @@ class Pool {
   std::deque<std::shared_ptr<Job>> jobs_;
 };
 
-thread_local bool keptToThisThread = false;
+thread_local bool serialScope = false;
 
 // The pool is never destroyed, because its threads wait on it until the process ends. A forked process has none of
 // those threads, and creates its own pool.
@@ -165,16 +165,16 @@ size_t threadCount() {
   return count;
 }
 
-KeptToThisThread::KeptToThisThread() : before_(std::exchange(keptToThisThread, true)) {}
+SerialScope::SerialScope() : before_(std::exchange(serialScope, true)) {}
 
-KeptToThisThread::~KeptToThisThread() {
-  keptToThisThread = before_;
+SerialScope::~SerialScope() {
+  serialScope = before_;
 }
 
 void parallelFor(size_t count, size_t grain, const std::function<void(size_t begin, size_t end)>& body) {
   if (count == 0) return;
   const auto job = std::make_shared<Job>(count, std::max<size_t>(grain, 1), body);
-  if (job->chunks == 1 || threadCount() == 1 || keptToThisThread) {
+  if (job->chunks == 1 || threadCount() == 1 || serialScope) {
     job->work();
   } else {
     pool().run(job);

@@ -19,12 +19,12 @@ void parallelFor(size_t count, size_t grain, const std::function<void(size_t beg
 
 // During its lifetime, parallelFor runs serially on the calling thread. Threads that already number as many as the
 // cores use it, because further threads would only compete with them.
-class KeptToThisThread {
+class SerialScope {
  public:
-  KeptToThisThread();
-  ~KeptToThisThread();
-  KeptToThisThread(const KeptToThisThread&) = delete;
-  KeptToThisThread& operator=(const KeptToThisThread&) = delete;
+  SerialScope();
+  ~SerialScope();
+  SerialScope(const SerialScope&) = delete;
+  SerialScope& operator=(const SerialScope&) = delete;
 
  private:
   bool before_;

@@ -118,11 +118,9 @@ TEST(Parallel, KeepsToItsThreadWhereAsked) {
     return false;
   };
   {
-    const KeptToThisThread alone;
+    const SerialScope alone;
     EXPECT_EQ(others(), 0u);
-    {
-      const KeptToThisThread within;
-    }
+    { const SerialScope within; }
     EXPECT_EQ(others(), 0u);
     EXPECT_EQ(inBackground(othersCome).get(), threadCount() > 1);
   }

@@ -51,7 +51,7 @@ void Writers::push(RenderedFrame frame) {
 }
 
 void Writers::work() {
-  const KeptToThisThread alone;
+  const SerialScope alone;
   std::unique_lock lock(mutex_);
   for (;;) {
     more_.wait(lock, [&] { return done_ || !waiting_.empty(); });
