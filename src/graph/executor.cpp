@@ -334,7 +334,7 @@ void Executor::Impl::record(const Graph& graph, const Plan& plan, Submission::St
   uint32_t mark = 0;
   for (const Plan::Step& step : plan.steps) {
     const Pass& pass = graph.passes_[step.pass];
-    state.times.push_back({pass.stage, pass.name, 0, pass.wholeBytes});
+    state.times.push_back({pass.stage, pass.name, 0, pass.trafficBytes});
     const Label label(labels, buffer, pass.name);
     timers.mark(buffer, mark++);
     recordBarriers(buffer, step.before, state.images, state.buffers);

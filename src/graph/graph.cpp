@@ -46,7 +46,8 @@ BufferId Graph::import(const vk::Buffer& buffer, std::optional<Use> before) {
   return {static_cast<uint32_t>(buffers_.size() - 1)};
 }
 
-void Graph::pass(Stage stage, std::string_view name, std::vector<Access> accesses, Record record, uint64_t wholeBytes) {
+void Graph::pass(Stage stage, std::string_view name, std::vector<Access> accesses, Record record,
+                 uint64_t trafficBytes) {
   for (const Access& access : accesses) {
     assert(bool(access.image) != bool(access.buffer));
     require(access);
@@ -58,7 +59,7 @@ void Graph::pass(Stage stage, std::string_view name, std::vector<Access> accesse
            name, desc(access.image).name, useInfo(access.use).name, useInfo(other.use).name);
     }
   }
-  passes_.push_back({stage, std::string(name), std::move(accesses), std::move(record), false, wholeBytes});
+  passes_.push_back({stage, std::string(name), std::move(accesses), std::move(record), false, trafficBytes});
 }
 
 void Graph::prologue(Stage stage, std::string_view name, Record record) {

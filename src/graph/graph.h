@@ -101,7 +101,7 @@ struct Pass {
   std::vector<Access> accesses;
   Record record;
   bool prologue = false;
-  uint64_t wholeBytes = 0;  // as PassTime has them
+  uint64_t trafficBytes = 0;  // as PassTime has them
 };
 
 // The context of a running pass.
@@ -173,8 +173,8 @@ class Graph {
   ImageId import(const vk::Image& image, std::optional<Use> before);
   BufferId import(const vk::Buffer& buffer, std::optional<Use> before);
 
-  // Several uses of one image in one pass must share a layout, else Error(Internal). `wholeBytes`: for PassTime.
-  void pass(Stage stage, std::string_view name, std::vector<Access> accesses, Record record, uint64_t wholeBytes = 0);
+  // Several uses of one image in one pass must share a layout, else Error(Internal). `trafficBytes`: for PassTime.
+  void pass(Stage stage, std::string_view name, std::vector<Access> accesses, Record record, uint64_t trafficBytes = 0);
 
   // A pass that writes, by copies or in compute shaders, buffers outside the graph that others read by address:
   // uploads, deformation. It always runs, before all passes outside the prologue, in the order added; its writes are
@@ -222,7 +222,7 @@ struct PassTime {
   Stage stage;
   std::string name;
   double milliseconds;
-  uint64_t wholeBytes;  // of what it reads and writes as a whole; 0: it says of nothing that it does
+  uint64_t trafficBytes;  // of what it reads and writes as a whole; 0: it says of nothing that it does
 };
 
 // A graph in flight, then its results. It owns the exported transient resources: once it is dropped and has finished,

@@ -70,7 +70,7 @@ Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const 
     for (const std::string& pass : passes.names) {
       const double ms = median(passes.of.at(pass));
       std::vector<Cell>& row = table.rows.emplace_back(std::vector<Cell>{name, pass, ms, spread(passes.of.at(pass))});
-      addCopyCells(row, ceilings, passes.wholeBytes.at(pass), ms);
+      addCopyCells(row, ceilings, passes.trafficBytes.at(pass), ms);
     }
     table.rows.push_back({name, std::string("all"), median(passes.all), spread(passes.all), "", ""});
   }

@@ -12,7 +12,7 @@ LightTimes lightTimes(const PassSamples& passes) {
       (lights ? lighting : lists)[i] += samples[i];
       both[i] += samples[i];
     }
-    if (lights) times.wholeBytes += passes.wholeBytes.at(name);
+    if (lights) times.trafficBytes += passes.trafficBytes.at(name);
   }
   times.lists = median(lists);
   times.lighting = median(lighting);

@@ -10,8 +10,8 @@ namespace latelight::study {
 // Milliseconds of a frame's light lists, and of the lighting passes with or without lists.
 struct LightTimes {
   double lists = 0, lighting = 0;
-  double spread = 0;        // spread of the sum of both, in percent
-  uint64_t wholeBytes = 0;  // total bytes that the lighting passes read and write
+  double spread = 0;          // spread of the sum of both, in percent
+  uint64_t trafficBytes = 0;  // total bytes that the lighting passes read and write
   double both() const { return lists + lighting; }
 };
 LightTimes lightTimes(const PassSamples& passes);

@@ -53,7 +53,7 @@ void LightsBench::add(render::Renderer& renderer, const scene::Camera& camera, c
     lines_[all[i].lighting].add(static_cast<double>(lights), times.both());
     std::vector<Cell>& row = table_.rows.emplace_back(std::vector<Cell>{
         all[i].lighting->name, static_cast<double>(lights), cellOf(times.lists), times.lighting, times.spread});
-    addCopyCells(row, ceilings_, times.wholeBytes, times.lighting);
+    addCopyCells(row, ceilings_, times.trafficBytes, times.lighting);
     row.insert(row.end(), {counts[i].tested, counts[i].used,
                            cellOf(picosecondsALight(times.both() - floorTime, counts[i].used, all[i]))});
   }

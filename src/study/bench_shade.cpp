@@ -54,7 +54,7 @@ void addRows(Table& table, render::Renderer& renderer, const scene::Camera& came
     std::vector<Cell>& row = table.rows.emplace_back(std::vector<Cell>{std::string(scene::lightTypes()[i].name),
                                                                        render::nameOf(settings.shading),
                                                                        cost.floor.both(), cost.floor.spread});
-    addCopyCells(row, ceilings, cost.floor.wholeBytes, cost.floor.both());
+    addCopyCells(row, ceilings, cost.floor.trafficBytes, cost.floor.both());
     row.insert(row.end(), {cost.picoseconds, 1e3 / cost.picoseconds, 1e-12 * cost.picoseconds * ceilings.multiplyAdds,
                            settings.lighting->name, cellOf(used), cellOf(used / cost.picoseconds)});
   }

@@ -95,12 +95,12 @@ Ceilings measureCeilings(vk::Device& device, uint32_t runs) {
           1e3 * arithmeticOf(device).multiplyAdds() / arithmetic};
 }
 
-void addCopyCells(std::vector<Cell>& row, const Ceilings& ceilings, uint64_t wholeBytes, double milliseconds) {
-  if (wholeBytes == 0) {
+void addCopyCells(std::vector<Cell>& row, const Ceilings& ceilings, uint64_t trafficBytes, double milliseconds) {
+  if (trafficBytes == 0) {
     row.insert(row.end(), 2, Cell(""));
     return;
   }
-  const auto bytes = static_cast<double>(wholeBytes);
+  const auto bytes = static_cast<double>(trafficBytes);
   row.insert(row.end(), {1e-6 * bytes, 1e5 * bytes / (ceilings.copiedBytes * milliseconds)});
 }
 

@@ -21,8 +21,8 @@ Ceilings measureCeilings(vk::Device& device, uint32_t runs);
 
 // Appends two cells for a pass: the megabytes of the full images and buffers that it reads and writes
 // (graph::PassTime), and these as a percentage of what the device could have copied in the same time. Both are empty if
-// `wholeBytes` is 0.
-void addCopyCells(std::vector<Cell>& row, const Ceilings& ceilings, uint64_t wholeBytes, double milliseconds);
+// `trafficBytes` is 0.
+void addCopyCells(std::vector<Cell>& row, const Ceilings& ceilings, uint64_t trafficBytes, double milliseconds);
 
 std::string toText(const Ceilings& ceilings);
 nlohmann::ordered_json toJson(const Ceilings& ceilings);

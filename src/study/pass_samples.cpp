@@ -32,7 +32,7 @@ void PassSamples::add(std::span<const graph::PassTime> passes) {
   for (const graph::PassTime& pass : passes) {
     if (!of.contains(pass.name)) names.push_back(pass.name);
     of[pass.name];
-    wholeBytes[pass.name] = pass.wholeBytes;
+    trafficBytes[pass.name] = pass.trafficBytes;
     frame[pass.name] += pass.milliseconds;
     sum += pass.milliseconds;
   }

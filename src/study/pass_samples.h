@@ -21,7 +21,7 @@ double spread(const Milliseconds& samples);
 struct PassSamples {
   std::vector<std::string> names;
   std::map<std::string, Milliseconds> of;
-  std::map<std::string, uint64_t> wholeBytes;  // per frame, as in graph::PassTime
+  std::map<std::string, uint64_t> trafficBytes;  // per frame, as in graph::PassTime
   Milliseconds all;
 
   void add(std::span<const graph::PassTime> passes);

@@ -46,8 +46,8 @@ std::vector<vk::BoundImage> Bindings::images(graph::Context& context) const {
   return images;
 }
 
-uint64_t wholeBytes(const graph::Graph& graph, const ComputePass& pass, std::span<const graph::Access> accesses) {
-  if (!pass.everyTexel) return 0;
+uint64_t trafficBytes(const graph::Graph& graph, const ComputePass& pass, std::span<const graph::Access> accesses) {
+  if (!pass.fullImage) return 0;
   uint64_t bytes = 0;
   for (const graph::Access& access : accesses) {
     if (access.buffer && access.use == graph::Use::StorageWrite) bytes += graph.desc(access.buffer).size;

@@ -56,15 +56,15 @@ struct ComputePass {
   std::vector<vk::Constant> constants{};  // specialization constants
   std::vector<graph::Access> buffers{};   // accessed by address
   uint32_t groupX = 16, groupY = 16;      // local_size of the shader
-  bool everyTexel = false;   // each invocation accesses its texel of all images of this size and buffers it writes
+  bool fullImage = false;    // each invocation accesses its texel of all images of this size and buffers it writes
   graph::BufferId groups{};  // indirect dispatch: holds the workgroup counts, at groupsOffset
   VkDeviceSize groupsOffset = 0;
   VkDescriptorSet sceneSet = VK_NULL_HANDLE;  // set 1, with sceneBindings
   std::vector<vk::Binding> sceneBindings{};
 };
 
-// Returns the bytes that a pass with `everyTexel` reads and writes; 0 for other passes.
-uint64_t wholeBytes(const graph::Graph& graph, const ComputePass& pass, std::span<const graph::Access> accesses);
+// Returns the bytes that a pass with `fullImage` reads and writes; 0 for other passes.
+uint64_t trafficBytes(const graph::Graph& graph, const ComputePass& pass, std::span<const graph::Access> accesses);
 
 struct NoPush {};  // for shaders without push constants
 template <typename Constants>
@@ -93,7 +93,7 @@ void addCompute(const Builder& b, ComputePass pass, Push push) {
   accesses.insert(accesses.end(), pass.buffers.begin(), pass.buffers.end());
   if (pass.groups) accesses.emplace_back(pass.groups, graph::Use::IndirectRead);
   const auto [stage, name] = std::pair(pass.stage, pass.name);
-  const uint64_t bytes = wholeBytes(b.graph, pass, accesses);
+  const uint64_t bytes = trafficBytes(b.graph, pass, accesses);
   b.graph.pass(
       stage, name, std::move(accesses),
       [pipeline, pass = std::move(pass), push = std::move(push)](graph::Context& context) {

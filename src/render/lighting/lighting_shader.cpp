@@ -36,7 +36,7 @@ ComputePass lightingPass(const FrameContext& f, const Gbuffer& gbuffer, const st
                    .constants = std::move(constants),
                    .groupX = shared::kPixelGroupX,
                    .groupY = shared::kPixelGroupY,
-                   .everyTexel = true};
+                   .fullImage = true};
   readSurfaces(f, pass);
   return pass;
 }

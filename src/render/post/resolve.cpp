@@ -12,7 +12,7 @@ void addAccumulate(const Builder& b, graph::ImageId frame, graph::ImageId sum, b
               .shader = "accumulate.comp",
               .bindings = Bindings(b.device).sampled(frame).storage(sum, use),
               .size = texels(b.graph, frame),
-              .everyTexel = true},
+              .fullImage = true},
              shared::AccumulatePush{first});
 }
 
@@ -33,7 +33,7 @@ void addFinalPass(const Builder& b, const std::string& name, graph::ImageId pict
               .bindings = Bindings(b.device).sampled(picture),
               .size = texels(b.graph, picture),
               .buffers = {{to.buffer, to.use}},
-              .everyTexel = true},
+              .fullImage = true},
              [=](graph::Context& context) { return composePush(settings, to.address(context), to.viewBytes); });
 }
 

@@ -51,7 +51,7 @@ void RenderJob::addTimes(const graph::Submission& done) {
       continue;
     }
     known->milliseconds += time.milliseconds;
-    known->wholeBytes += time.wholeBytes;
+    known->trafficBytes += time.trafficBytes;
   }
 }
 

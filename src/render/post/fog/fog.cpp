@@ -13,7 +13,7 @@ void addFog(const FrameContext& f, const Gbuffer& gbuffer) {
        .bindings = Bindings(f.device).sampled(gbuffer.depth).storage(gbuffer.light, graph::Use::StorageReadWrite),
        .size = f.pixels(),
        .constants = f.setup.constants(),
-       .everyTexel = true},
+       .fullImage = true},
       shared::FogPush{f.constants});
 }
 
