@@ -31,7 +31,7 @@ scene::Camera placeCamera(const scene::Scene& scene, const std::vector<scene::Ca
   const float fov = o.fov ? static_cast<float>(*o.fov * M_PI / 180.0) : scene::kDefaultVerticalFov;
   if (!scene::showsSomething(fov))
     badUsage("--fov must be an angle between 0 and 180 degrees, from {:g} to {:.6g}, not {}",
-             glm::degrees(scene::kLeastVerticalFov), glm::degrees(scene::kMostVerticalFov), *o.fov);
+             glm::degrees(scene::kMinVerticalFov), glm::degrees(scene::kMaxVerticalFov), *o.fov);
   if (!o.camera.empty() + !o.eye.empty() + !o.orbit.empty() > 1)
     badUsage("--camera, --eye and --orbit all set the camera; use one of them");
   if (o.eye.empty() != o.target.empty()) badUsage("--eye and --target require each other");

@@ -14,7 +14,7 @@ namespace latelight::app {
 
 namespace {
 
-constexpr uint32_t kMostFrames = 1'000'000;
+constexpr uint32_t kMaxFrames = 1'000'000;
 
 // Returns the point of --target, or the center of the scene at rest.
 glm::dvec3 pivotOf(const scene::Scene& scene, const RenderOptions& o) {
@@ -38,7 +38,7 @@ void checkTime(const RenderOptions& o) {
   }
   if (!o.picks.empty()) badUsage("--pick applies to one time: use --time instead of --frames");
   const auto [first, last] = parseFrames(o.frames);
-  if (last - first >= kMostFrames) badUsage("--frames takes at most {} frames, not \"{}\"", kMostFrames, o.frames);
+  if (last - first >= kMaxFrames) badUsage("--frames takes at most {} frames, not \"{}\"", kMaxFrames, o.frames);
   if (o.isGiven("frame")) badUsage("--frame and --frames both set {{frame}}; use one of them");
   if (o.out.find("{frame}") == std::string::npos && first != last)
     badUsage(

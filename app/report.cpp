@@ -21,7 +21,7 @@ namespace latelight::app {
 namespace {
 
 constexpr uint32_t kWidth = 288, kHeight = 162;  // if --size is not given
-constexpr size_t kMostBytes = 20'000'000;        // limit for a page, so that it opens at once and can be sent to others
+constexpr size_t kMaxBytes = 20'000'000;         // limit for a page, so that it opens at once and can be sent to others
 
 struct ReportArguments {
   RenderOptions render;
@@ -81,9 +81,9 @@ void run(ReportArguments& a) {
   const std::string page = makePage(a, device, scene, timeline);
   for (const std::string& message : device.validationMessages())
     fail(ExitCode::Internal, "the Vulkan validation layer says: {}", message);
-  if (page.size() > kMostBytes)
+  if (page.size() > kMaxBytes)
     badUsage("the page would have {} MB, more than the limit of {}: use a smaller --size than {}x{}",
-             page.size() / 1'000'000, kMostBytes / 1'000'000, o.settings.width, o.settings.height);
+             page.size() / 1'000'000, kMaxBytes / 1'000'000, o.settings.width, o.settings.height);
   writeFile(o.out, std::as_bytes(std::span(page)));
 }
 

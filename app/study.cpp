@@ -22,7 +22,7 @@ namespace latelight::app {
 
 namespace {
 
-constexpr uint32_t kLeastSamples = 1000, kMostSamples = 100'000'000;
+constexpr uint32_t kMinSamples = 1000, kMaxSamples = 100'000'000;
 
 struct Arguments {
   std::string name, folder, page, bits, lights, triangles, sizes;
@@ -122,8 +122,8 @@ std::string pageOf(const Arguments& a, const study::Study& study, const study::R
 
 void run(Arguments& a) {
   const study::Study& chosen = study::findStudy(a.name);
-  if (a.options.samples < kLeastSamples || a.options.samples > kMostSamples)
-    badUsage("--samples must be from {} to {}, not {}", kLeastSamples, kMostSamples, a.options.samples);
+  if (a.options.samples < kMinSamples || a.options.samples > kMaxSamples)
+    badUsage("--samples must be from {} to {}, not {}", kMinSamples, kMaxSamples, a.options.samples);
   if (!a.bits.empty()) a.options.bits = parseBits(a.bits);
   parseSweep(a, a.options.sweep);
   if (a.page == "-" && a.json) badUsage("--html - and --json both write to standard output; use one of them");

@@ -236,10 +236,10 @@ void drawFiles(const view::State& state, PanelMemory& memory, const Send& send) 
 }  // namespace
 
 void TimeHistory::add(const view::Frame& frame) {
-  constexpr size_t kMost = 120;
+  constexpr size_t kMax = 120;
   const auto append = [](std::deque<float>& values, double milliseconds) {
     values.push_back(static_cast<float>(milliseconds));
-    if (values.size() > kMost) values.pop_front();
+    if (values.size() > kMax) values.pop_front();
   };
   if (frame.milliseconds == last) return;  // the same measurement: only the split was composed again
   last = frame.milliseconds;

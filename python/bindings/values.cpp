@@ -108,9 +108,9 @@ std::vector<T> valuesOf(const nb::object& array) {
 // Decodes integers as glTF 2.0 and KHR_mesh_quantization define.
 template <typename T>
 void appendNormalized(const nb::object& array, const char* dtype, std::vector<float>& to) {
-  constexpr auto kMost = static_cast<float>(std::numeric_limits<T>::max());
+  constexpr auto kMax = static_cast<float>(std::numeric_limits<T>::max());
   for (const T value : valuesOf<T>(numpy("ascontiguousarray")(array, dtype)))
-    to.push_back(std::max(static_cast<float>(value) / kMost, -1.0f));
+    to.push_back(std::max(static_cast<float>(value) / kMax, -1.0f));
 }
 
 // Returns false if the array has none of those types.

@@ -5,8 +5,8 @@
 namespace latelight {
 
 std::string shortened(std::string_view text) {
-  constexpr size_t kMost = 300, kHead = 200, kTail = 60;  // bytes
-  if (text.size() <= kMost) return std::string(text);
+  constexpr size_t kMax = 300, kHead = 200, kTail = 60;  // bytes
+  if (text.size() <= kMax) return std::string(text);
   // Does not split UTF-8 characters.
   const auto within = [&](size_t at) { return (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80; };
   size_t head = kHead, tail = text.size() - kTail;

@@ -50,14 +50,14 @@ Character firstOf(std::string_view text) {
   const uint32_t lead = byte(0);
   if (lead < 0x80) return {lead, 1};
   const size_t bytes = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
-  constexpr uint32_t kLeast[] = {0x80, 0x800, 0x10000};
+  constexpr uint32_t kMin[] = {0x80, 0x800, 0x10000};
   uint32_t code = lead & (0x7fu >> bytes);
   for (size_t i = 1; i < bytes; ++i) {
     if ((byte(i) & 0xc0) != 0x80) return {kInvalid, 1};
     code = code << 6 | (byte(i) & 0x3f);
   }
   const bool surrogate = code >= 0xd800 && code < 0xe000;
-  if (lead < 0xc2 || lead > 0xf4 || code < kLeast[bytes - 2] || code > 0x10ffff || surrogate) return {kInvalid, 1};
+  if (lead < 0xc2 || lead > 0xf4 || code < kMin[bytes - 2] || code > 0x10ffff || surrogate) return {kInvalid, 1};
   return {code, bytes};
 }
 
@@ -84,7 +84,9 @@ std::string printable(std::string_view text) {
 }
 
 WarningCapture::WarningCapture(std::vector<std::string>& captured) : previous_(std::exchange(capture, &captured)) {}
-WarningCapture::~WarningCapture() { capture = previous_; }
+WarningCapture::~WarningCapture() {
+  capture = previous_;
+}
 
 void warn(const std::string& sentence) {
   if (quiet) return;

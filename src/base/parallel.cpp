@@ -23,14 +23,14 @@
 namespace latelight {
 namespace {
 
-constexpr size_t kMostThreads = 1024;
+constexpr size_t kMaxThreads = 1024;
 
 std::optional<size_t> threadsAskedFor() {
   const char* text = std::getenv("LATELIGHT_THREADS");
   if (!text || !*text) return std::nullopt;
-  if (const auto count = parseNumber<size_t>(text); count && *count >= 1) return std::min(*count, kMostThreads);
+  if (const auto count = parseNumber<size_t>(text); count && *count >= 1) return std::min(*count, kMaxThreads);
   warn("LATELIGHT_THREADS is '{}', which is not a number of threads, and is ignored: use a number from 1 to {}", text,
-       kMostThreads);
+       kMaxThreads);
   return std::nullopt;
 }
 
@@ -160,7 +160,7 @@ Pool& pool() {
 size_t threadCount() {
   static const size_t count = [] {
     const std::optional<size_t> asked = threadsAskedFor();
-    return asked ? *asked : std::min(coresLent(), kMostThreads);
+    return asked ? *asked : std::min(coresLent(), kMaxThreads);
   }();
   return count;
 }

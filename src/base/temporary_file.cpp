@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view kEnding = ".latelight-tmp";
-constexpr size_t kMostOfName = 200;  // bytes of the target's name; most file systems allow 255 in total
+constexpr size_t kMaxOfName = 200;  // bytes of the target's name; most file systems allow 255 in total
 
 // --- list of all temporary files, which signal handlers read --------------------------------------------------------
 
@@ -98,7 +98,7 @@ void sweep(const fs::path& folder) {
 TemporaryFile::TemporaryFile(const fs::path& target, mode_t permissions) {
   static std::atomic<unsigned> serial = 0;
   const fs::path folder = target.has_parent_path() ? target.parent_path() : ".";
-  const std::string name = target.filename().string().substr(0, kMostOfName);
+  const std::string name = target.filename().string().substr(0, kMaxOfName);
   sweep(folder);
   do {
     path_ = folder / fmt::format(".{}.{}-{}{}", name, getpid(), serial++, kEnding);

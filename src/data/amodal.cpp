@@ -14,7 +14,7 @@ namespace latelight::data {
 namespace {
 
 constexpr uint64_t kPixelsAtOnce = uint64_t{1} << 25;  // in all views of a submission: 128 MiB of ids
-constexpr uint64_t kMostViews = 4096;                  // per submission
+constexpr uint64_t kMaxViews = 4096;                   // per submission
 constexpr uint32_t kWidest = 16384;                    // the limit of --size
 
 // The position of an object's box relative to a picture, derived from the box's projected corners.
@@ -95,7 +95,7 @@ class Alone {
   void render(const std::vector<Placed>& objects, const Taken& taken) {
     const std::vector<Group> groups = apart(objects);
     const uint64_t pixels = uint64_t{settings_.width} * settings_.height;
-    const size_t most = std::clamp<uint64_t>(kPixelsAtOnce / pixels, 1, kMostViews);
+    const size_t most = std::clamp<uint64_t>(kPixelsAtOnce / pixels, 1, kMaxViews);
     std::optional<render::Ticket> before;
     for (size_t first = 0; first < groups.size() + most; first += most) {
       const size_t end = std::min(first + most, groups.size());

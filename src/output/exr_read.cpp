@@ -93,9 +93,9 @@ ReadImage readAll(Imf::InputFile& file, const std::filesystem::path& path) {
 
 ReadImage decodeExr(std::span<const std::byte> bytes, const std::filesystem::path& path) {
   // A broken header can request a table of 2^31 lines before any pixel is read.
-  constexpr int kMost = 1 << 20;
+  constexpr int kMax = 1 << 20;
   static std::once_flag limits;
-  std::call_once(limits, [] { Imf::Header::setMaxImageSize(kMost, kMost); });
+  std::call_once(limits, [] { Imf::Header::setMaxImageSize(kMax, kMax); });
   try {
     MemoryIn in(bytes);
     Imf::InputFile file(in);

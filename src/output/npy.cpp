@@ -157,9 +157,9 @@ ReadImage decodeNpy(std::span<const std::byte> bytes, const std::filesystem::pat
   if (header.fortranOrder) reader.broken("it is in Fortran order");
   const std::vector<uint64_t>& shape = header.shape;
   if (shape.size() != 2 && shape.size() != 3) reader.broken(fmt::format("it has {} dimensions", shape.size()));
-  constexpr uint64_t kMost = uint64_t{1} << 20;  // so that products stay below 2^63
+  constexpr uint64_t kMax = uint64_t{1} << 20;  // so that products stay below 2^63
   const uint64_t channels = shape.size() == 3 ? shape[2] : 1;
-  if (shape[0] > kMost || shape[1] > kMost || channels > kMost) reader.broken("it is larger than any image");
+  if (shape[0] > kMax || shape[1] > kMax || channels > kMax) reader.broken("it is larger than any image");
   if (shape[0] * shape[1] * channels == 0) reader.broken("it is empty");
   const uint64_t values = shape[0] * shape[1] * channels;
   const std::span<const std::byte> data = bytes.subspan(header.dataBegin);

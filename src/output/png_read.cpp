@@ -54,8 +54,8 @@ ReadImage decodePng(std::span<const std::byte> bytes, const std::filesystem::pat
   };
   const std::unique_ptr<spng_ctx, decltype(&spng_ctx_free)> context(spng_ctx_new(0), spng_ctx_free);
   if (!context) throw std::bad_alloc();
-  constexpr size_t kMostInChunk = size_t{16} << 20;  // for text, profiles, ...: compressed ones can grow a thousandfold
-  check(spng_set_chunk_limits(context.get(), kMostInChunk, 4 * kMostInChunk));
+  constexpr size_t kMaxInChunk = size_t{16} << 20;  // for text, profiles, ...: compressed ones can grow a thousandfold
+  check(spng_set_chunk_limits(context.get(), kMaxInChunk, 4 * kMaxInChunk));
   check(spng_set_png_buffer(context.get(), bytes.data(), bytes.size()));
   spng_ihdr header{};
   check(spng_get_ihdr(context.get(), &header));

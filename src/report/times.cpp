@@ -70,8 +70,8 @@ BarChart chartOf(const std::string& title, const std::vector<Timed>& all, const 
   };
   BarChart chart{title, "ms", passes.kinds, {}};
   std::ranges::stable_sort(chart.parts, std::greater(), total);
-  constexpr size_t kMost = 7;
-  const size_t shown = std::min(chart.parts.size(), kMost);
+  constexpr size_t kMax = 7;
+  const size_t shown = std::min(chart.parts.size(), kMax);
   for (size_t i = 0; i < all.size(); ++i) {
     BarChart::Bar& bar = chart.bars.emplace_back(BarChart::Bar{all[i].name, std::vector<double>(chart.parts.size())});
     for (size_t part = 0; part < chart.parts.size(); ++part)

@@ -174,7 +174,7 @@ void setFar(Camera& camera, const vec4& v) {
 
 constexpr Property<Camera&> kCameraProperties[] = {
     {"perspective/yfov", 1,
-     [](Camera& camera, const vec4& v) { camera.verticalFov = std::clamp(v.x, kLeastVerticalFov, kMostVerticalFov); }},
+     [](Camera& camera, const vec4& v) { camera.verticalFov = std::clamp(v.x, kMinVerticalFov, kMaxVerticalFov); }},
     {"perspective/aspectRatio", 1,
      [](Camera& camera, const vec4& v) {
        if (v.x > 0) camera.aspect = v.x;

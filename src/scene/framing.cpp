@@ -95,7 +95,7 @@ dvec3 fittingEye(const Box& box, const Axes& axes, double h, double v) {
 void checkFov(float verticalFov) {
   if (!showsSomething(verticalFov))
     badUsage("A field of view of {:g} degrees is not possible: use {:g} to {:.6g}", glm::degrees(verticalFov),
-             glm::degrees(kLeastVerticalFov), glm::degrees(kMostVerticalFov));
+             glm::degrees(kMinVerticalFov), glm::degrees(kMaxVerticalFov));
 }
 
 bool finite(dvec3 v) {

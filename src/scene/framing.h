@@ -17,9 +17,9 @@ inline constexpr float kDefaultVerticalFov = 0.7f;  // full angle; about 40 degr
 
 // Valid full vertical angles: 1e-7 to 179.999 degrees. Outside this range, the tangent in floats is inaccurate or even
 // NaN.
-inline constexpr float kLeastVerticalFov = 1.74532925e-9f, kMostVerticalFov = 3.14157520f;
+inline constexpr float kMinVerticalFov = 1.74532925e-9f, kMaxVerticalFov = 3.14157520f;
 inline bool showsSomething(float verticalFov) {
-  return verticalFov >= kLeastVerticalFov && verticalFov <= kMostVerticalFov;
+  return verticalFov >= kMinVerticalFov && verticalFov <= kMaxVerticalFov;
 }
 
 // Returns the multiple, at least 1, of its own vertical extent that a camera shows in an image of this aspect (width /

@@ -14,12 +14,12 @@ namespace latelight::serve {
 namespace {
 
 // A multiple of JPEG's blocks of 16 rows, so that strips look like one picture; fewer rows are not worth a thread.
-constexpr uint32_t kLeastRows = 128;
+constexpr uint32_t kMinRows = 128;
 
 uint32_t rowsOfStrip(uint32_t height) {
   const auto threads = static_cast<uint32_t>(threadCount());
   const uint32_t shared = (height + threads - 1) / threads;
-  return std::max(kLeastRows, (shared + 15) / 16 * 16);
+  return std::max(kMinRows, (shared + 15) / 16 * 16);
 }
 
 bool isOpaque(std::span<const uint8_t> rgba) {

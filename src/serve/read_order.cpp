@@ -14,9 +14,9 @@ namespace {
 using Json = nlohmann::json;
 using Read = std::function<decltype(Order::what)(const Json&)>;
 
-constexpr uint32_t kMostSide = 8192;
-constexpr uint32_t kMostLight = 1u << 20;
-constexpr uint64_t kMostCount = 1ull << 53;  // JavaScript's own
+constexpr uint32_t kMaxSide = 8192;
+constexpr uint32_t kMaxLight = 1u << 20;
+constexpr uint64_t kMaxCount = 1ull << 53;  // JavaScript's own
 
 // JSON has neither infinities nor NaN.
 double number(const Json& value) {
@@ -77,13 +77,14 @@ std::array<double, 3> vector(const Json& message, const char* key) {
     throw BadMessage(fmt::format("\"{}\" must be {} numbers", key, numbers.size()));
   for (size_t i = 0; i < numbers.size(); ++i) {
     numbers[i] = number(value[i]);
-    if (!std::isfinite(static_cast<float>(numbers[i]))) throw BadMessage(fmt::format("\"{}\" has a number that is too large", key));
+    if (!std::isfinite(static_cast<float>(numbers[i])))
+      throw BadMessage(fmt::format("\"{}\" has a number that is too large", key));
   }
   return numbers;
 }
 
 view::MoveLight moveLight(const Json& message) {
-  return {whole(message, "light", kMostLight), vector(message, "position")};
+  return {whole(message, "light", kMaxLight), vector(message, "position")};
 }
 
 // A name alone: none that says where it lies.
@@ -97,11 +98,11 @@ SendFile file(const Json& message) {
 const std::map<std::string, Read, std::less<>>& readers() {
   using view::Input;
   static const std::map<std::string, Read, std::less<>> kReaders = {
-      {"shown", [](const Json& m) { return Shown{whole(m, "number", kMostCount)}; }},
+      {"shown", [](const Json& m) { return Shown{whole(m, "number", kMaxCount)}; }},
       {"screenshot", [](const Json& m) { return TakeScreenshot{side(m)}; }},
       {"resize",
        [](const Json& m) -> Input {
-         return view::Resize{whole(m, "width", kMostSide), whole(m, "height", kMostSide)};
+         return view::Resize{whole(m, "width", kMaxSide), whole(m, "height", kMaxSide)};
        }},
       {"move",
        [](const Json& m) -> Input {
@@ -136,11 +137,11 @@ const std::map<std::string, Read, std::less<>>& readers() {
       {"moveLight", [](const Json& m) -> Input { return moveLight(m); }},
       {"dragLight",
        [](const Json& m) -> Input {
-         return view::DragLight{whole(m, "light", kMostLight), number(m, "x"), number(m, "y")};
+         return view::DragLight{whole(m, "light", kMaxLight), number(m, "x"), number(m, "y")};
        }},
       {"nudgeLight",
        [](const Json& m) -> Input {
-         return view::NudgeLight{whole(m, "light", kMostLight), number(m, "dx"), number(m, "dy")};
+         return view::NudgeLight{whole(m, "light", kMaxLight), number(m, "dx"), number(m, "dy")};
        }},
       {"file", [](const Json& m) { return file(m); }},
       {"reload", [](const Json&) -> Input { return view::Reload{}; }},
@@ -163,7 +164,7 @@ Order readOrder(std::string_view textOfMessage, const view::Start& start) {
     const Json message = Json::parse(textOfMessage);
     const auto reader = readers().find(message.at("type").get<std::string>());
     if (reader == readers().end()) throw BadMessage("there is no message of this type");
-    Order order{reader->second(message), message.contains("serial") ? whole(message, "serial", kMostCount) : 0};
+    Order order{reader->second(message), message.contains("serial") ? whole(message, "serial", kMaxCount) : 0};
     checkEnvironment(order, start);
     return order;
   } catch (const Json::exception&) {

@@ -72,9 +72,9 @@ Json describe(const view::SetSplit& split) {
 
 // As many as are told apart.
 Json describe(const std::vector<view::LightState>& lights) {
-  constexpr size_t kMost = 64;
+  constexpr size_t kMax = 64;
   Json told = Json::array();
-  for (const view::LightState& light : std::span(lights).first(std::min(lights.size(), kMost)))
+  for (const view::LightState& light : std::span(lights).first(std::min(lights.size(), kMax)))
     told.push_back({{"name", light.name},
                     {"type", light.type},
                     {"position", light.position},

@@ -6,7 +6,7 @@
 
 SH_BEGIN
 
-SH_CONST uint kMostSamples = 16u;
+SH_CONST uint kMaxSamples = 16u;
 
 // With N = 1, 2, 4, 8 or 16 samples, each sample has its own column and row of an N x N grid and lies at the center of
 // that cell. These are Vulkan's standard sample locations (1.3, standardSampleLocations), except that those of 16

@@ -15,7 +15,7 @@ using glm::dvec3;
 using shared::Surface;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kLeastCosine = 1e-4;  // between normal and eye
+constexpr double kMinCosine = 1e-4;  // between normal and eye
 
 // --- the microsurface: the normal is Z -------------------------------------------------------------------------------
 
@@ -120,7 +120,7 @@ struct Frame {
     const dvec3 other = std::abs(z.z) < 0.9 ? dvec3(0, 0, 1) : dvec3(1, 0, 0);
     x = glm::length(along) > 1e-7 ? glm::normalize(along) : glm::normalize(glm::cross(other, z));
     y = glm::cross(z, x);
-    const double cosine = std::clamp(glm::dot(z, toEye), kLeastCosine, 1.0);
+    const double cosine = std::clamp(glm::dot(z, toEye), kMinCosine, 1.0);
     eye = dvec3(std::sqrt(1 - cosine * cosine), 0, cosine);
   }
   dvec3 toWorld(const dvec3& d) const { return x * d.x + y * d.y + z * d.z; }
@@ -157,13 +157,13 @@ Bounces::Bounces(const Surface& s, const dvec3& toEye, uint32_t walks) {
 }
 
 void Bounces::walk(const Surface& s, const dvec3& eye, uint32_t number) {
-  constexpr int kMostBounces = 64;
+  constexpr int kMaxBounces = 64;
   const double alpha = alphaOf(s);
   WalkNumbers numbers(number);
   Fresnel left{dvec3(1), dvec3(1)};
   dvec3 ray = -eye;
   double height = 1;
-  for (int bounces = 0; bounces < kMostBounces; ++bounces) {
+  for (int bounces = 0; bounces < kMaxBounces; ++bounces) {
     height = nextHeight(height, ray, alpha, numbers.next());
     if (height > 1) {
       if (bounces < 2) return;

@@ -33,7 +33,7 @@ using Size = std::pair<uint32_t, uint32_t>;
 
 // Frames per measurement; the first one warms caches. Fewer frames are measured if they exceed the budget, and more if
 // they are short. On a GPU, measurements last at least kWarmUp.
-constexpr uint32_t kFrames = 3, kMostFrames = 10;
+constexpr uint32_t kFrames = 3, kMaxFrames = 10;
 constexpr double kShort = 0.1;         // seconds, for all frames of a measurement
 constexpr uint64_t kBaseLights = 100;  // upper limit; the base point uses the largest listed count within it
 constexpr uint64_t kGridLights[] = {1, 10, 100};
@@ -288,7 +288,7 @@ class LightStudy {
   bool goesOn(uint32_t frames, double seconds) const {
     if (frames == 0) return true;
     if (frames < kFrames) return seconds < sweep_.budget;
-    return device_.isCpu() ? frames < kMostFrames && seconds < kShort : seconds < kWarmUp;
+    return device_.isCpu() ? frames < kMaxFrames && seconds < kShort : seconds < kWarmUp;
   }
 
   // --- tables -------------------------------------------------------------------------------------------------------

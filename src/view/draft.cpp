@@ -9,7 +9,7 @@ namespace latelight::view {
 
 namespace {
 
-constexpr double kMost = 0.085;  // seconds a picture: the rest of a tenth is its way to the screen
+constexpr double kMax = 0.085;  // seconds a picture: the rest of a tenth is its way to the screen
 constexpr double kDivisors[] = {1, 1.5, 2, 3, 4, 6, 8};
 
 uint32_t divided(uint32_t pixels, double divisor) {
@@ -34,7 +34,7 @@ render::Settings Draft::of(const render::Settings& whole) const {
 bool Draft::took(double seconds) {
   const std::pair before(divisor_, means_);
   const auto divisor = std::find_if(std::begin(kDivisors), std::end(kDivisors),
-                                    [&](double d) { return seconds * (divisor_ / d) * (divisor_ / d) <= kMost; });
+                                    [&](double d) { return seconds * (divisor_ / d) * (divisor_ / d) <= kMax; });
   if (divisor != std::end(kDivisors))
     divisor_ = *divisor;
   else if (divisor_ < kDivisors[std::size(kDivisors) - 1])

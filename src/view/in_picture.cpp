@@ -27,12 +27,12 @@ glm::dvec3 inView(const scene::Camera& camera, glm::dvec3 world) {
 }  // namespace
 
 // Each is told again with each picture.
-constexpr size_t kMostLights = 1024;
+constexpr size_t kMaxLights = 1024;
 
 std::vector<uint32_t> placedLights(const scene::Scene& scene) {
   std::vector<uint32_t> lights;
   for (uint32_t i = 0; i < scene.lights.size(); ++i)
-    if (!scene.lights[i].removed && scene.lights[i].type != shared::kLightDirectional && lights.size() < kMostLights)
+    if (!scene.lights[i].removed && scene.lights[i].type != shared::kLightDirectional && lights.size() < kMaxLights)
       lights.push_back(i);
   return lights;
 }

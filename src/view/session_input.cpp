@@ -27,7 +27,7 @@ double shownFov(const scene::Camera& camera, uint32_t width, uint32_t height) {
   if (camera.orthographic) return scene::kDefaultVerticalFov;
   const float aspect = static_cast<float>(width) / static_cast<float>(height);
   const double fov = 2 * std::atan(std::tan(camera.verticalFov / 2.0) * scene::verticalScale(camera, aspect));
-  return std::min(fov, double{scene::kMostVerticalFov});
+  return std::min(fov, double{scene::kMaxVerticalFov});
 }
 
 }  // namespace

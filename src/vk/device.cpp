@@ -117,11 +117,11 @@ void Device::Impl::deleteFinished() {
 
 // The first free one: a caller that waits each time always gets the same, which stays in the CPU's caches.
 Device::Impl::CommandBuffer& Device::Impl::takeCommandBuffer(uint32_t queueFamily) {
-  constexpr size_t kMost = 8;  // submissions in flight; a further one waits for the oldest
+  constexpr size_t kMax = 8;  // submissions in flight; a further one waits for the oldest
   const uint64_t done = finishedValue();
   for (CommandBuffer& commands : commandBuffers)
     if (commands.value <= done) return commands;
-  if (commandBuffers.size() == kMost) {
+  if (commandBuffers.size() == kMax) {
     const auto byValue = [](const CommandBuffer& a, const CommandBuffer& b) { return a.value < b.value; };
     CommandBuffer& oldest = *std::min_element(commandBuffers.begin(), commandBuffers.end(), byValue);
     waitFor(oldest.value);
@@ -236,12 +236,12 @@ uint32_t longestTextureArray(const VkPhysicalDeviceVulkan12Features& has,
   if (!has.runtimeDescriptorArray || !has.descriptorBindingVariableDescriptorCount ||
       !has.descriptorBindingSampledImageUpdateAfterBind || !has.shaderSampledImageArrayNonUniformIndexing)
     return 0;
-  constexpr uint32_t kOthers = 256, kMost = 1u << 20;
+  constexpr uint32_t kOthers = 256, kMax = 1u << 20;
   const uint32_t fewest = std::min(
       {limits.maxPerStageDescriptorUpdateAfterBindSamplers, limits.maxPerStageDescriptorUpdateAfterBindSampledImages,
        limits.maxPerStageUpdateAfterBindResources, limits.maxDescriptorSetUpdateAfterBindSamplers,
        limits.maxDescriptorSetUpdateAfterBindSampledImages, limits.maxUpdateAfterBindDescriptorsInAllPools});
-  return std::min(std::max(fewest, kOthers) - kOthers, kMost);
+  return std::min(std::max(fewest, kOthers) - kOthers, kMax);
 }
 
 VkPipelineCache makePipelineCache(VkDevice device, const std::vector<std::byte>& bytes) {

@@ -9,7 +9,7 @@ namespace latelight::vk {
 
 namespace {
 
-constexpr uint32_t kMostPushBytes = 128;  // that every Vulkan device has
+constexpr uint32_t kMaxPushBytes = 128;  // that every Vulkan device has
 
 const char* kindName(std::optional<Binding> kind) {
   if (!kind) return "something else";
@@ -63,9 +63,9 @@ bool fits(const PushBlock& block, uint32_t bytes) {
 }
 
 void checkPush(std::span<const CheckedStage> stages, std::span<const Reflection> found, uint32_t bytes) {
-  if (bytes > kMostPushBytes)
+  if (bytes > kMaxPushBytes)
     fail(ExitCode::Internal, "The pipeline of {} pushes {} bytes, but devices may support no more than {}.",
-         stages[0].shader, bytes, kMostPushBytes);
+         stages[0].shader, bytes, kMaxPushBytes);
   size_t longest = 0;
   for (size_t i = 0; i < found.size(); ++i)
     if (found[i].push && (!found[longest].push || found[i].push->bytes > found[longest].push->bytes)) longest = i;

@@ -28,7 +28,7 @@ using output::Aov;
 
 constexpr uint32_t kWidth = 640, kHeight = 360;
 constexpr double kDepthTolerance = 1e-4;  // relative
-constexpr double kMostEdgeParts = 1e-3;
+constexpr double kMaxEdgeParts = 1e-3;
 // Of attributes, in units of their change over a pixel where that is large: the CPU device keeps them as planes over
 // the picture in float32, so what is left is its 6e-8 after a cancellation of up to a thousand pixels.
 constexpr double kInterpolation = 2e-4;
@@ -181,7 +181,7 @@ class EmbreeTest : public RenderTest {
         r.distance.value, r.position.value, r.normal.value, r.geonormal.value, r.uv.value);
     EXPECT_GT(covered, leastCover * kWidth * kHeight);
     EXPECT_EQ(r.unexplained, 0u) << r.first;
-    EXPECT_LT(r.parts, kMostEdgeParts * covered);
+    EXPECT_LT(r.parts, kMaxEdgeParts * covered);
   }
 
   static void compareFile(const std::filesystem::path& path, double leastCover) {

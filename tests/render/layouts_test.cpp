@@ -460,15 +460,15 @@ struct Allowed {
 
 // Makes nothing shinier than perceptual roughness 0.30, where `optimized` ends: a power of 255.
 void roughen(scene::Scene& scene) {
-  constexpr float kLeast = 0.3f;
+  constexpr float kMin = 0.3f;
   for (scene::Material& material : scene.materials) {
     const int index = material.slots[shared::kTextureMetallicRoughness].texture;
     if (index < 0) {
-      material.data.roughness = std::max(material.data.roughness, kLeast);
+      material.data.roughness = std::max(material.data.roughness, kMin);
       continue;
     }
     scene::Texture& texture = scene.textures[size_t(index)];
-    const auto least = static_cast<std::byte>(std::ceil(255 * kLeast));
+    const auto least = static_cast<std::byte>(std::ceil(255 * kMin));
     for (size_t i = 0; i < size_t{texture.width} * texture.height; ++i)
       texture.pixels[4 * i + 1] = std::max(texture.pixels[4 * i + 1], least);
     scene::buildMips(texture);

@@ -121,7 +121,7 @@ std::vector<LightCase> addLights(scene::Scene& scene) {
 // Other devices than the CPU's also fuse products into sums, which tilts normals at the rim of the discs lambert and
 // spheremap (a root of 1 less nearly 1) by up to 2^-11.
 constexpr float kRelative = 0.01f, kAbsolute = 1e-3f;
-constexpr double kMostBeyond = 1e-4, kMostBeyondFused = 2e-3;
+constexpr double kMaxBeyond = 1e-4, kMaxBeyondFused = 2e-3;
 
 struct Agreement {
   size_t lit = 0, beyond = 0;
@@ -213,7 +213,7 @@ TEST_F(RelightTest, HostShadesTheDevicesGbufferAlike) {
                                   const Layout& layout = layouts()[c[0]];
                                   return layout.hasTargets() && (c[1] == 0 || !layout.fixedNormal);
                                 });
-  const double mostBeyond = device().isCpu() ? kMostBeyond : kMostBeyondFused;
+  const double mostBeyond = device().isCpu() ? kMaxBeyond : kMaxBeyondFused;
   std::vector<Agreement> totals(bench->cases.size());
   for (const auto& c : chosen) {
     const FrameConfig setup{.layout = &layouts()[c[0]],

@@ -11,7 +11,7 @@ namespace {
 
 using Environment = std::function<std::optional<std::string>(const char*)>;
 
-constexpr uint32_t kMostShards = 1'000'000;
+constexpr uint32_t kMaxShards = 1'000'000;
 
 std::optional<uint32_t> numberIn(const Environment& environment, const char* name) {
   const std::optional<std::string> text = environment(name);
@@ -22,7 +22,7 @@ std::optional<uint32_t> numberIn(const Environment& environment, const char* nam
 }
 
 Shard checked(uint64_t index, uint64_t count, std::string_view from) {
-  if (count == 0 || count > kMostShards || index >= count)
+  if (count == 0 || count > kMaxShards || index >= count)
     badUsage("{} takes i/n with i from 0 to n - 1, not {}/{}", from, index, count);
   return {static_cast<uint32_t>(index), static_cast<uint32_t>(count)};
 }

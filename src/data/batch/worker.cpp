@@ -15,8 +15,8 @@ namespace latelight::data {
 
 namespace {
 
-constexpr size_t kInFlight = 3;     // number of tickets that keeps a device busy
-constexpr size_t kMostDevices = 4;  // including lost devices
+constexpr size_t kInFlight = 3;    // number of tickets that keeps a device busy
+constexpr size_t kMaxDevices = 4;  // including lost devices
 
 }  // namespace
 
@@ -221,9 +221,8 @@ void Worker::useDevice() {
 // all other devices has ended (run.cpp).
 void Worker::replaceLostDevice() {
   if (!device().isLost()) return;
-  if (devices_.size() == kMostDevices)
-    latelight::fail(ExitCode::DeviceLost, "The device was lost {} times; --resume renders missing frames",
-                    kMostDevices);
+  if (devices_.size() == kMaxDevices)
+    latelight::fail(ExitCode::DeviceLost, "The device was lost {} times; --resume renders missing frames", kMaxDevices);
   std::vector<Chunk> again;
   for (InFlight& each : inFlight_) again.push_back(std::move(each.chunk));
   inFlight_.clear();

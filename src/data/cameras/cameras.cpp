@@ -96,8 +96,8 @@ void CameraBudget::take(double count, double nameBytes, const std::string& path)
   // the same time. The capacity of lists may be twice their length.
   constexpr double kMakingBytes = 3 * sizeof(Shot) + sizeof(CalibratedCamera) + 128, kKeptBytes = 2 * sizeof(JobCamera);
   count_ += count;
-  if (count_ > double(kMostCamerasOfScene))
-    badUsage("{}: there are more than {} cameras in all: make fewer", path, kMostCamerasOfScene);
+  if (count_ > double(kMaxCamerasOfScene))
+    badUsage("{}: there are more than {} cameras in all: make fewer", path, kMaxCamerasOfScene);
   making_.grow(static_cast<uint64_t>(count * kMakingBytes + 3 * nameBytes), "the making of the job's cameras");
   kept_.grow(static_cast<uint64_t>(count * kKeptBytes + 2 * nameBytes), "the job's cameras");
 }
@@ -126,15 +126,14 @@ std::vector<JobCamera> makeCameras(const Json& spec, const scene::Scene& scene, 
                                    const CameraInputs& inputs, MemoryClaim* memory) {
   const Json scenes = {{"type", "scene"}};
   const Json& sources = spec.is_null() ? scenes : spec;
-  if (statedCount(sources) > double(kMostCamerasOfScene))
+  if (statedCount(sources) > double(kMaxCamerasOfScene))
     badUsage("cameras describes {:.0f} cameras, counting rigs and stereo pairs; at most {} are supported per scene",
-             statedCount(sources), kMostCamerasOfScene);
+             statedCount(sources), kMaxCamerasOfScene);
   CameraBudget budget;
   const std::vector<scene::Camera> own = scene::posedCameras(scene, inputs.pose);
   const CameraContext context{scene, axesOf(scene), seed, inputs.size, own, budget};
   std::vector<JobCamera> cameras;
-  for (const Shot& shot : makeShots(sources, "cameras", context))
-    cameras.push_back(toJobCamera(shot, scene));
+  for (const Shot& shot : makeShots(sources, "cameras", context)) cameras.push_back(toJobCamera(shot, scene));
   makeNamesUnique(cameras);
   if (memory) *memory = budget.keep();
   return cameras;

@@ -29,7 +29,7 @@ Optics opticsOfFov(Spec& spec) {
   const PictureSize size = readSize(spec);
   Optics optics{.width = size.width, .height = size.height};
   optics.camera.verticalFov =
-      std::clamp(static_cast<float>(degrees * kDegree), scene::kLeastVerticalFov, scene::kMostVerticalFov);
+      std::clamp(static_cast<float>(degrees * kDegree), scene::kMinVerticalFov, scene::kMaxVerticalFov);
   const double aspect = size.height ? double(size.width) / size.height : 1;
   optics.halfAngle = arcTangent(tangent(degrees * kDegree / 2) * std::min(1.0, aspect), 1);
   return optics;

@@ -56,7 +56,7 @@ std::span<const CameraSource> cameraSources();
 std::vector<Shot> makeShots(const nlohmann::ordered_json& spec, const std::string& path, const CameraContext& context);
 
 // The maximum number of cameras of one source, and of all sources together.
-inline constexpr uint64_t kMostCameras = 1'000'000, kMostCamerasOfScene = 10'000'000;
+inline constexpr uint64_t kMaxCameras = 1'000'000, kMaxCamerasOfScene = 10'000'000;
 // An upper bound for the size of names from numberedName().
 inline constexpr uint64_t kNumberedNameBytes = 16;
 

@@ -22,7 +22,7 @@ Aabb readBox(Spec& spec, const CameraContext& context) {
 
 std::vector<Shot> shotsInBox(Spec& spec, const CameraContext& context) {
   const Optics optics = readOptics(spec, context.size);
-  const uint64_t count = spec.count("count", 1, kMostCameras);
+  const uint64_t count = spec.count("count", 1, kMaxCameras);
   context.claim(spec, count, count * kNumberedNameBytes);
   const Aabb box = readBox(spec, context);
   const bool anywhere = spec.has("target") && spec.at("target") == "random";

@@ -10,7 +10,7 @@ namespace latelight::data {
 
 std::vector<Shot> shotsOnOrbit(Spec& spec, const CameraContext& context) {
   const Optics optics = readOptics(spec, context.size);
-  const uint64_t count = spec.count("count", 1, kMostCameras);
+  const uint64_t count = spec.count("count", 1, kMaxCameras);
   context.claim(spec, count, count * kNumberedNameBytes);
   const std::vector<double> turn = spec.has("azimuth") ? spec.numbers("azimuth", 2, 2) : std::vector<double>{0, 360};
   const std::vector<double> climb = spec.has("elevation") && spec.at("elevation").is_array()

@@ -65,14 +65,14 @@ std::vector<double> readTimes(Spec& spec, double first, double last, const Camer
   if (spec.has("count") == spec.has("fps")) badUsage("{} needs either \"count\" or \"fps\"", spec.path());
   std::vector<double> times;
   if (spec.has("count")) {
-    const uint64_t count = spec.count("count", 2, kMostCameras);
+    const uint64_t count = spec.count("count", 2, kMaxCameras);
     context.claim(spec, count, count * kNumberedNameBytes);
     for (uint64_t i = 0; i < count; ++i) times.push_back(first + (last - first) * (double(i) / double(count - 1)));
     return times;
   }
   const double fps = spec.number("fps", kPositive);
-  if ((last - first) * fps > double(kMostCameras))
-    badUsage("{} gives more than {} cameras", spec.pathOf("fps"), kMostCameras);
+  if ((last - first) * fps > double(kMaxCameras))
+    badUsage("{} gives more than {} cameras", spec.pathOf("fps"), kMaxCameras);
   const auto count = static_cast<uint64_t>((last - first) * fps) + 1;
   context.claim(spec, count, count * kNumberedNameBytes);
   for (uint64_t i = 0; double(i) / fps <= last - first; ++i) times.push_back(first + double(i) / fps);

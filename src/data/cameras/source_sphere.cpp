@@ -39,7 +39,7 @@ glm::dmat4 randomPose(const Shell& shell, const CameraContext& context, Random& 
 
 std::vector<Shot> shotsOnSphere(Spec& spec, const CameraContext& context) {
   const Optics optics = readOptics(spec, context.size);
-  const uint64_t count = spec.count("count", 1, kMostCameras);
+  const uint64_t count = spec.count("count", 1, kMaxCameras);
   context.claim(spec, count, count * kNumberedNameBytes);
   const bool grid = spec.choice("points", {"fibonacci", "random"}, "fibonacci") == "fibonacci";
   const Interval elevation = spec.interval("elevation", {-90, 90}, Interval{-90, 90});

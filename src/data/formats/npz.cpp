@@ -37,7 +37,7 @@ class ZipArchive {
 
   std::vector<std::byte> finish() {
     const size_t begin = bytes_.size();
-    if (begin + directory_.size() > kMost) badUsage("an NPZ file is limited to 4 GiB; use fewer outputs or pixels");
+    if (begin + directory_.size() > kMax) badUsage("an NPZ file is limited to 4 GiB; use fewer outputs or pixels");
     bytes_.insert(bytes_.end(), directory_.begin(), directory_.end());
     put(bytes_, 0x06054b50, 4);
     put(bytes_, 0, 4);  // disks
@@ -50,7 +50,7 @@ class ZipArchive {
   }
 
  private:
-  static constexpr uint64_t kMost = 0xffffffff;
+  static constexpr uint64_t kMax = 0xffffffff;
   static constexpr uint64_t kVersion = 20;
   static constexpr uint64_t kFirstDay = 1 << 5 | 1;  // January 1, 1980, the first day of ZIP's calendar
 

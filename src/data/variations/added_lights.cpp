@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr uint64_t kMostLights = 1'000'000;
+constexpr uint64_t kMaxLights = 1'000'000;
 
 bool hasDirection(uint32_t type) {
   return shared::lightIsDirectional(type) || shared::lightHasCone(type);
@@ -28,7 +28,7 @@ bool hasDirection(uint32_t type) {
 class AddedLights : public Variation {
  public:
   AddedLights(Spec& spec, const scene::Scene& scene) : path_(spec.path()) {
-    count_ = spec.counts("count", kMostLights);
+    count_ = spec.counts("count", kMaxLights);
     light_.type = readType(spec);
     intensity_ = spec.interval("intensity", kNotNegative);
     if (spec.has("temperature")) temperature_ = spec.interval("temperature", {kColdest, kHottest});

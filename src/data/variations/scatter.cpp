@@ -21,13 +21,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 using glm::dmat4, glm::dvec3, glm::dvec4;
 
-constexpr uint64_t kMostObjects = 1'000'000;
+constexpr uint64_t kMaxObjects = 1'000'000;
 
 class Scatter : public Variation {
  public:
   Scatter(Spec& spec, scene::Scene& scene) : path_(spec.path()) {
     for (Spec& object : spec.objects("objects")) templates_.push_back(readTemplate(object, scene));
-    count_ = spec.counts("count", kMostObjects);
+    count_ = spec.counts("count", kMaxObjects);
     if (spec.has("on") == spec.has("min")) badUsage("{} needs either \"on\", a node, or \"min\" and \"max\"", path_);
     if (spec.has("on"))
       surface_.emplace(scene, spec.text("on"), spec.number("slope", {0, 90}, 30.0), spec.pathOf("on"));

@@ -70,8 +70,8 @@ graph::ImageId createCounts(const FrameContext& f) {
 // one, and up to two to find the light if a fragment shader has few active lanes. The remaining lights would be
 // missing.
 void rejectTooManyUnbounded(const FrameContext& f) {
-  constexpr uint32_t kMost = 20'000;  // for one sample per pixel
-  const uint32_t most = kMost / f.setup.samples, unbounded = f.scene.lights().unbounded();
+  constexpr uint32_t kMax = 20'000;  // for one sample per pixel
+  const uint32_t most = kMax / f.setup.samples, unbounded = f.scene.lights().unbounded();
   if (f.device.isCpu() && unbounded > most)
     badUsage("a CPU device supports at most {} lights without a range, but the scene has {}", most, unbounded);
 }

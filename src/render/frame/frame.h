@@ -116,7 +116,7 @@ struct FrameConfig {
   uint32_t shadowFilter = 0;  // kShadowFilter*
   bool lens = false;          // pixels use the rays of FrameConstants::rays
   bool sunInGbuffer = false;  // the layout's sunTarget holds the sun's shadow, which lighting reads there
-  uint32_t samples = 1;       // per pixel: a power of two up to shared::kMostSamples
+  uint32_t samples = 1;       // per pixel: a power of two up to shared::kMaxSamples
   bool sampleLayers = false;  // several samples are array layers; false: images are multisampled
   bool everySample = false;   // reference: every sample is shaded, even if they are alike
 

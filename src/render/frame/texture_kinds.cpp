@@ -30,10 +30,10 @@ bool makesSizesAlike(const vk::Device& device, const std::vector<scene::Texture>
   };
   // An odd base is four times as large as its texture. It is never written to, so it uses address space but no memory.
   // Drivers limit address space, too, and with large textures shader compilation is not the bottleneck.
-  constexpr uint64_t kMostTexels = uint64_t{32} << 20;
+  constexpr uint64_t kMaxTexels = uint64_t{32} << 20;
   uint64_t texels = 0;
   for (const scene::Texture& t : textures) texels += uint64_t{t.width} * t.height;
-  return device.isCpu() && texels <= kMostTexels && std::ranges::any_of(textures, odd);
+  return device.isCpu() && texels <= kMaxTexels && std::ranges::any_of(textures, odd);
 }
 
 bool getsOddBase(const vk::Device& device, uint32_t width, uint32_t height) {

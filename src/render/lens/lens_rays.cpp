@@ -24,7 +24,7 @@ using Rays = std::vector<shared::LensRay>;
 // pixels at its edge.
 constexpr float kOneView = 0.5f;
 constexpr float kRim = 1;  // margin around all rays in pixels, for rounding
-constexpr float kMostPixels = 16384;
+constexpr float kMaxPixels = 16384;
 
 bool sees(const shared::LensRay& ray) {
   return ray.direction != glm::vec3(0);
@@ -149,7 +149,7 @@ struct Bins {
 
 // lavapipe silently ends a shader's loops after 65535 iterations in total. The shader iterates over the rays in one
 // pixel for each large triangle there, so this limits the number of rays in a pixel.
-constexpr uint32_t kMostOnCpu = 2048;
+constexpr uint32_t kMaxOnCpu = 2048;
 
 Bins binsOf(const RayGrid& grid, std::span<const shared::View> views, std::span<const uint32_t> viewOfAxis) {
   const auto width = static_cast<uint32_t>(views.front().size.x), height = static_cast<uint32_t>(views.front().size.y);
@@ -199,7 +199,7 @@ LensRays::LensRays(vk::Device& device, const LensPicture& picture) {
   // The pixels of a picture that is one pixel wide or high have no measurable size.
   const float widest = std::max(largest.x, largest.y);
   if (!std::isfinite(step)) step = std::max(widest, 1e-3f) / static_cast<float>(std::max(picture.width, picture.rows));
-  const float pixel = std::max(step, widest / (kMostPixels - 2 * kRim - 2));
+  const float pixel = std::max(step, widest / (kMaxPixels - 2 * kRim - 2));
   // The size is even, so that four pixels share the rays around the pole of an equirectangular picture.
   const glm::vec2 size = 2.0f * glm::ceil(0.5f * largest / pixel) + 2 * kRim;
   std::array<uint32_t, kAxes> viewOfAxis{};
@@ -209,24 +209,24 @@ LensRays::LensRays(vk::Device& device, const LensPicture& picture) {
     views.push_back(pinholeView(axis, extents[axis], size, pixel));
   }
   const Bins bins = binsOf(grid, views, viewOfAxis);
-  if (device.isCpu() && bins.most > kMostOnCpu)
+  if (device.isCpu() && bins.most > kMaxOnCpu)
     badUsage(
         "on a CPU device at most {} pixels of an image may have nearly the same direction, such as those at a pole: "
         "use "
         "a smaller image",
-        kMostOnCpu);
+        kMaxOnCpu);
   starts = vk::uploadedBuffer(device, "lens rays by pixels", std::as_bytes(std::span(bins.starts)));
   pixels = vk::uploadedBuffer(device, "lens pixels", std::as_bytes(std::span(bins.pixels)));
 }
 
 std::shared_ptr<const LensRays> LensRayCache::of(vk::Device& device, const LensPicture& picture) {
-  constexpr size_t kMost = 16;
+  constexpr size_t kMax = 16;
   const auto known = std::ranges::find(latest_, picture, &Entry::picture);
   if (known != latest_.end()) {
     latest_.splice(latest_.begin(), latest_, known);
   } else {
     latest_.push_front({picture, std::make_shared<const LensRays>(device, picture)});
-    if (latest_.size() > kMost) latest_.pop_back();
+    if (latest_.size() > kMax) latest_.pop_back();
   }
   return latest_.front().rays;
 }

@@ -46,10 +46,10 @@ std::vector<NamedOption> namesOfText<AntiAliasing>() {
 
 template <>
 void checkText<AntiAliasing>(const Option& option, const AntiAliasing& aa) {
-  if (aa.superSampling < 1 || aa.superSampling > kMostSuperSampling)
-    badUsage("{}: supersampling requires 1 to {} samples along each axis, not {}", option.name, kMostSuperSampling,
+  if (aa.superSampling < 1 || aa.superSampling > kMaxSuperSampling)
+    badUsage("{}: supersampling requires 1 to {} samples along each axis, not {}", option.name, kMaxSuperSampling,
              aa.superSampling);
-  if (aa.samples > shared::kMostSamples || !std::has_single_bit(aa.samples))
+  if (aa.samples > shared::kMaxSamples || !std::has_single_bit(aa.samples))
     badUsage("{}: multisampling requires 1, 2, 4, 8 or 16 samples per pixel, not {}", option.name, aa.samples);
   if ((aa.samples > 1) + (aa.superSampling > 1) + aa.temporal > 1)
     badUsage("{}: multisampling, supersampling and temporal anti-aliasing cannot be combined; use one", option.name);
@@ -57,10 +57,10 @@ void checkText<AntiAliasing>(const Option& option, const AntiAliasing& aa) {
 
 template <>
 void checkText<Color>(const Option& option, const Color& color) {
-  constexpr float kMost = 65504;  // the largest half float
+  constexpr float kMax = 65504;  // the largest half float
   for (int i = 0; i < 3; ++i)
-    if (!between(0, kMost).holds(color[i]))
-      badUsage("{} takes channels from 0 to {}, not {}", option.name, kMost, color[i]);
+    if (!between(0, kMax).holds(color[i]))
+      badUsage("{} takes channels from 0 to {}, not {}", option.name, kMax, color[i]);
 }
 
 template <>

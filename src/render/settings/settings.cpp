@@ -151,10 +151,10 @@ AntiAliasing readText<AntiAliasing>(const char* option, std::string_view text) {
     if (mode.sets && text == mode.name) return *mode.sets;
   if (text.starts_with("ss")) {
     const auto n = parseNumber<uint32_t>(text.substr(2));
-    if (n && *n >= 1 && *n <= kMostSuperSampling) return {.superSampling = *n};
+    if (n && *n >= 1 && *n <= kMaxSuperSampling) return {.superSampling = *n};
   }
   badUsage("{} takes one of {}, with N from 1 to {} as in ss4 or ss16, not \"{}\"", option,
-           namesOf(antiAliasingModes()), kMostSuperSampling, text);
+           namesOf(antiAliasingModes()), kMaxSuperSampling, text);
 }
 
 template <>

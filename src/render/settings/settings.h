@@ -83,7 +83,7 @@ struct SunLight {
   bool operator==(const SunLight&) const = default;
 };
 
-inline constexpr uint32_t kMostSuperSampling = 16;
+inline constexpr uint32_t kMaxSuperSampling = 16;
 // How a pixel is sampled. At most one of the first three members differs from its default.
 struct AntiAliasing {
   uint32_t superSampling = 1;  // N: N x N ordered samples per pixel, in N * N frames

@@ -9,7 +9,7 @@
 
 namespace latelight::render {
 
-inline constexpr uint32_t kLeastShadowTile = 32;
+inline constexpr uint32_t kMinShadowTile = 32;
 
 struct AtlasTile {
   uint32_t layer, y, x, size;  // texels
@@ -17,7 +17,7 @@ struct AtlasTile {
 };
 
 // A buddy allocator (Knowlton 1965, A Fast Storage Allocator, CACM 8(10)). The sizes of tiles are powers of two from
-// kLeastShadowTile to the side of a layer. take() splits a free tile into quarters until it has the requested size, and
+// kMinShadowTile to the side of a layer. take() splits a free tile into quarters until it has the requested size, and
 // giveBack() merges four free quarters. Tiles allocated in order of decreasing size leave no gaps.
 class AtlasTiles {
  public:

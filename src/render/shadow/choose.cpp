@@ -18,9 +18,9 @@ namespace latelight::render {
 
 namespace {
 
-constexpr uint32_t kLargestTile = 2048, kLeastCascade = 128;
+constexpr uint32_t kLargestTile = 2048, kMinCascade = 128;
 static_assert(kLargestTile <= 32 * shared::kShadowPage, "a row of a map's pages is a word");
-static_assert(kLeastShadowTile == shared::kShadowCell);
+static_assert(kMinShadowTile == shared::kShadowCell);
 
 // --- selection ------------------------------------------------------------------------------------------------------
 
@@ -92,13 +92,13 @@ uint32_t tileSize(double texels, uint32_t least, uint32_t most) {
 // the light's sphere on screen, and a cube face half as wide.
 uint32_t sizeOf(const shared::Light& light, const ShadowScene& scene, const shared::View& view, uint32_t maps) {
   const double picture = std::max(view.size.x, view.size.y);
-  const uint32_t cascade = tileSize(picture, kLeastCascade, kLargestTile);
+  const uint32_t cascade = tileSize(picture, kMinCascade, kLargestTile);
   if (shared::lightIsDirectional(light.type)) return cascade;
   const double reach = reachIn(scene, light);
   const double distance = std::max<double>(glm::length(light.position - view.eye), 0.5 * reach);
   const bool perspective = view.projection.kind == shared::kPerspective;
   const double pixels = reach * view.projection.V * view.size.y / (perspective ? distance : 1);
-  return tileSize(maps == 6 ? 0.5 * pixels : pixels, kLeastShadowTile, cascade);
+  return tileSize(maps == 6 ? 0.5 * pixels : pixels, kMinShadowTile, cascade);
 }
 
 uint64_t areaOf(const std::vector<ShadowCaster>& casters) {
@@ -124,7 +124,7 @@ size_t fit(std::vector<ShadowCaster>& casters, const ShadowScene& scene, uint64_
   constexpr uint32_t kFine = 256;  // only local lights' tiles are halved down to this size, then all tiles
   while (areaOf(casters) > room && halve(casters, scene, false, kFine)) {
   }
-  while (areaOf(casters) > room && halve(casters, scene, true, kLeastShadowTile)) {
+  while (areaOf(casters) > room && halve(casters, scene, true, kMinShadowTile)) {
   }
   const size_t before = casters.size();
   uint64_t area = areaOf(casters);

@@ -26,9 +26,9 @@ namespace {
 // Returns the maximum number of views at once: the array layers that every Vulkan device supports. With the raster
 // compute, a view may have one layer per sample.
 size_t mostViews(const vk::Device& device, const Settings& settings) {
-  constexpr size_t kMost = 256;
-  if (!rastersInCompute(settings)) return kMost;
-  return std::min<size_t>(kMost, device.properties().limits.maxImageArrayLayers / settings.aa.samples);
+  constexpr size_t kMax = 256;
+  if (!rastersInCompute(settings)) return kMax;
+  return std::min<size_t>(kMax, device.properties().limits.maxImageArrayLayers / settings.aa.samples);
 }
 
 // Returns the device memory that views rendered at once may use. A CPU's caches gain nothing from more.

@@ -28,15 +28,15 @@ namespace {
 using shared::kFragmentRow;
 using shared::kShortList;
 
-constexpr uint32_t kGroup = 256;                         // invocations of the shaders that loop over fragments
-constexpr uint32_t kMostGroups = 4096;                   // maximum workgroups per pass; their invocations loop
-constexpr uint32_t kBlendedAtOnce = 16'384;              // fragments of a long list; far below lavapipe's loop limit
-constexpr uint64_t kLeastRoom = 1 << 16;                 // minimum capacity in fragments
-constexpr uint64_t kMostRoom = (uint64_t{1} << 31) - 1;  // maximum capacity: indices into buffers are signed in SPIR-V
+constexpr uint32_t kGroup = 256;                        // invocations of the shaders that loop over fragments
+constexpr uint32_t kMaxGroups = 4096;                   // maximum workgroups per pass; their invocations loop
+constexpr uint32_t kBlendedAtOnce = 16'384;             // fragments of a long list; far below lavapipe's loop limit
+constexpr uint64_t kMinRoom = 1 << 16;                  // minimum capacity in fragments
+constexpr uint64_t kMaxRoom = (uint64_t{1} << 31) - 1;  // maximum capacity: indices into buffers are signed in SPIR-V
 
 // The maximum capacity in fragments, which are stored in one buffer.
 uint64_t mostRoom(vk::Device& device, const TransparencySetup& setup) {
-  const uint64_t most = std::min(kMostRoom, device.maxBufferSize() / sizeof(shared::Fragment));
+  const uint64_t most = std::min(kMaxRoom, device.maxBufferSize() / sizeof(shared::Fragment));
   return setup.most ? std::min(most, setup.most) : most;
 }
 
@@ -48,7 +48,7 @@ struct Room {
 
 Room roomFor(const FrameContext& f) {
   const uint64_t most = mostRoom(f.device, f.setup.transparency);
-  const uint64_t first = std::max(uint64_t{f.width} * f.height * f.viewCount(), kLeastRoom);
+  const uint64_t first = std::max(uint64_t{f.width} * f.height * f.viewCount(), kMinRoom);
   const uint64_t learned = f.overflow ? f.overflow->fragments : 0;
   return {std::min(learned ? learned : first, most), std::max(f.overflow ? f.overflow->longestList : 0, kShortList)};
 }
@@ -78,14 +78,14 @@ Buffers createBuffers(const FrameContext& f, Room room) {
   return b;
 }
 
-// A pass over all fragments with the given number of invocations, limited to kMostGroups workgroups.
+// A pass over all fragments with the given number of invocations, limited to kMaxGroups workgroups.
 ComputePass step(const FrameContext& f, const char* name, const char* shader, uint64_t invocations) {
-  constexpr uint64_t kMost = uint64_t{kMostGroups} * kGroup;
+  constexpr uint64_t kMax = uint64_t{kMaxGroups} * kGroup;
   return {.stage = graph::Stage::Transparency,
           .name = name,
           .shader = shader,
           .bindings = Bindings(f.device),
-          .size = {static_cast<uint32_t>(std::min(invocations, kMost)), 1, 1},
+          .size = {static_cast<uint32_t>(std::min(invocations, kMax)), 1, 1},
           .groupX = kGroup,
           .groupY = 1};
 }

@@ -112,10 +112,10 @@ vec3 attributeOf(VastWeights w, vec3 a, vec3 b, vec3 c) {
 
 // --- clipping ---------------------------------------------------------------------------------------------------------
 
-const uint kMostCorners = 9u;  // of a triangle that six planes cut
+const uint kMaxCorners = 9u;  // of a triangle that six planes cut
 
 struct VastPolygon {
-  Exact3 corners[kMostCorners];  // view space
+  Exact3 corners[kMaxCorners];  // view space
   uint count;
 };
 
@@ -162,8 +162,8 @@ VastPolygon clipVast(View view, VastPolygon p, uint plane) {
     Exact3 from = p.corners[i], to = p.corners[i + 1u < p.count ? i + 1u : 0u];
     Exact3 fromDistance = vastDistance(view, from, plane), toDistance = vastDistance(view, to, plane);
     bool fromInside = fromDistance.hi.x >= 0.0, toInside = toDistance.hi.x >= 0.0;
-    if (fromInside && kept.count < kMostCorners) kept.corners[kept.count++] = from;
-    if (fromInside != toInside && kept.count < kMostCorners)
+    if (fromInside && kept.count < kMaxCorners) kept.corners[kept.count++] = from;
+    if (fromInside != toInside && kept.count < kMaxCorners)
       kept.corners[kept.count++] = fromInside ? vastCrossing(from, to, fromDistance, toDistance)
                                               : vastCrossing(to, from, toDistance, fromDistance);
   }

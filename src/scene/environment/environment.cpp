@@ -21,7 +21,7 @@ namespace {
 // Must be incremented whenever the same source produces different bytes, because of a changed filter or studio.
 constexpr uint32_t kFileVersion = 3;
 constexpr uint32_t kMagic = 0x564e454c;  // "LENV"
-constexpr size_t kMostImages = 16;
+constexpr size_t kMaxImages = 16;
 constexpr uint32_t kStudioHeight = 256;
 
 // --- the cache: a header, then the texels of every map --------------------------------------------------------------
@@ -32,7 +32,7 @@ struct CacheHeader {
   uint32_t imageCount = 0, unused = 0;  // radiance, diffuse, specular levels
   struct Entry {
     uint32_t width = 0, height = 0, isFloat = 0;
-  } entries[kMostImages];
+  } entries[kMaxImages];
 };
 
 std::string cacheName(uint64_t key) {
@@ -68,11 +68,11 @@ std::optional<CacheHeader> validHeader(std::span<const std::byte> entry, uint64_
   if (entry.size() < sizeof(header)) return std::nullopt;
   std::memcpy(&header, entry.data(), sizeof(header));
   if (header.magic != kMagic || header.version != kFileVersion || header.key != key) return std::nullopt;
-  if (header.imageCount < 4 || header.imageCount > kMostImages) return std::nullopt;
+  if (header.imageCount < 4 || header.imageCount > kMaxImages) return std::nullopt;
   uint64_t bytes = sizeof(header);
   for (uint32_t i = 0; i < header.imageCount; ++i) {
     const auto [width, height, isFloat] = header.entries[i];
-    if (width == 0 || height == 0 || width > kMostPicturePixels || height > kMostPicturePixels) return std::nullopt;
+    if (width == 0 || height == 0 || width > kMaxPicturePixels || height > kMaxPicturePixels) return std::nullopt;
     if (isFloat > 1 || (i > 2 && isFloat != header.entries[2].isFloat)) return std::nullopt;
     bytes += RadianceMap{.isFloat = isFloat == 1, .texels = {}}.texelBytes() * width * height;
     if (bytes > entry.size()) return std::nullopt;

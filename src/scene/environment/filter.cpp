@@ -12,7 +12,7 @@
 namespace latelight::scene {
 namespace {
 
-constexpr uint32_t kMostRadianceWidth = 4096;
+constexpr uint32_t kMaxRadianceWidth = 4096;
 // A sun's irradiance has a crease at its horizon, which requires small texels to stay sharp.
 constexpr uint32_t kDiffuseSize = 128;
 
@@ -32,7 +32,7 @@ EnvironmentTree makeTree(const FloatImage& picture) {
 
 Environment filterEnvironment(FloatImage picture) {
   clampRadiance(picture);
-  picture = limitWidth(std::move(picture), kMostRadianceWidth);
+  picture = limitWidth(std::move(picture), kMaxRadianceWidth);
   const uint32_t mirrorSize = picture.width <= 512 ? 512 : 1024;
 
   // Sizes halve per level, from the mirror level down to 32 texels (16 for a coarse image) at roughness 1.

@@ -28,10 +28,10 @@ FloatImage decodePicture(std::span<const std::byte> bytes, const std::string& na
 }
 
 void checkPictureSize(int64_t width, int64_t height, const std::string& name) {
-  constexpr auto kMost = static_cast<int64_t>(kMostPicturePixels);
-  if (width > kLongestPictureSide || height > kLongestPictureSide || width * height > kMost) {
+  constexpr auto kMax = static_cast<int64_t>(kMaxPicturePixels);
+  if (width > kLongestPictureSide || height > kLongestPictureSide || width * height > kMax) {
     badInput("'{}' claims {} x {} pixels: at most {} million, and {} along a side, can be read; make it smaller", name,
-             width, height, kMost / 1000000, kLongestPictureSide);
+             width, height, kMax / 1000000, kLongestPictureSide);
   }
   // Checks the memory limit here, so that the error names the file. The image claims its memory itself.
   const MemoryClaim fits(sizeof(float) * 4 * static_cast<uint64_t>(width * height), fmt::format("'{}'", name));

@@ -28,7 +28,7 @@ struct FloatImage {
 };
 
 // The maximum number of pixels of an image (16384 x 8192: 2 GiB as floats), and the maximum side.
-inline constexpr uint64_t kMostPicturePixels = uint64_t{1} << 27;
+inline constexpr uint64_t kMaxPicturePixels = uint64_t{1} << 27;
 inline constexpr uint32_t kLongestPictureSide = 65536;
 
 // Reads the file's values unchanged, including NaN, infinities and negative values. Alpha is 1 if the file has none.

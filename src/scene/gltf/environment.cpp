@@ -21,7 +21,7 @@ namespace {
 
 using tinygltf::Value;
 
-constexpr uint32_t kLeastHeight = 64, kMostHeight = 1024;  // height of the resampled image
+constexpr uint32_t kMinHeight = 64, kMaxHeight = 1024;  // height of the resampled image
 
 vec3 gltfFromWorld(const vec3& d) {
   return {d.x, d.z, -d.y};
@@ -87,7 +87,7 @@ class Cube {
 };
 
 FloatImage pictureOf(const Cube& cube, const glm::mat3& turn, float intensity) {
-  const uint32_t height = std::clamp(2 * cube.side(), kLeastHeight, kMostHeight);
+  const uint32_t height = std::clamp(2 * cube.side(), kMinHeight, kMaxHeight);
   FloatImage picture(2 * height, height);
   const double step = std::numbers::pi / height;
   parallelFor(height, 8, [&](size_t begin, size_t end) {

@@ -63,15 +63,15 @@ SH_CONST uint kSheenSamples = 24u;
 SH_CONST float kSheenSolidAngle = 2.0f * kPi / 24.0f;
 
 // The i-th of these directions and the lobe's weight for its light, up to a constant factor. `along` is the eye's
-// direction in the plane of the normal (unit). Roughness below kLeast is clamped to it: such a lobe would be narrower
+// direction in the plane of the normal (unit). Roughness below kMin is clamped to it: such a lobe would be narrower
 // than the spacing of the directions.
 struct SheenSample {
   vec3 toLight;
   float weight;
 };
 SH_FUNC SheenSample sheenSample(vec3 normal, vec3 along, vec3 toEye, float nv, float roughness, uint i) {
-  const float kLeast = 0.2f;
-  float alpha = charlieAlpha(max(roughness, kLeast));
+  const float kMin = 0.2f;
+  float alpha = charlieAlpha(max(roughness, kMin));
   float nl = (float(i) + 0.5f) / float(kSheenSamples);
   float sine = sqrt(1.0f - nl * nl);
   float turn = 2.0f * kPi * fract(float(i) * 0.61803399f + 0.5f);

@@ -11,10 +11,10 @@ namespace {
 
 // lavapipe silently ends a shader's loops after 65535 iterations in total, so the remaining lights would be missing. A
 // subgroup needs two iterations for each batch of lights that its lanes load, and one for each light that reaches it.
-constexpr uint32_t kMostOnCpu = 200'000;  // at one sample per pixel
+constexpr uint32_t kMaxOnCpu = 200'000;  // at one sample per pixel
 
 void add(const FrameContext& f, const Gbuffer& gbuffer) {
-  const uint32_t most = f.device.isCpu() ? kMostOnCpu / f.setup.samples : ~0u, lights = f.scene.lights().count();
+  const uint32_t most = f.device.isCpu() ? kMaxOnCpu / f.setup.samples : ~0u, lights = f.scene.lights().count();
   if (lights > most)
     badUsage("fullscreen supports at most {} lights on a CPU device, but there are {}: choose tiled or clustered", most,
              lights);

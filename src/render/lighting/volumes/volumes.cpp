@@ -122,7 +122,7 @@ class VolumePlan {
     // would not be marked.
     if (cutFar && !depthClamp_) return screen;
     const uint32_t shape = isCone(light) ? kShapeCone : kShapeSphere;
-    if (projectedRadius(lit) < kLeastMarkedRadius) return VolumeDraw{shape, std::nullopt, kLightUnmarked, lit.radius};
+    if (projectedRadius(lit) < kMinMarkedRadius) return VolumeDraw{shape, std::nullopt, kLightUnmarked, lit.radius};
     if (order_ == kVolumesClassic) return VolumeDraw{shape, kMarkClassic, kLightMarked, lit.radius};
     const bool cutNear = depth - extent <= shared::viewDepth(view_.projection, 1.0f);
     return VolumeDraw{shape, kMarkKillzone, cutNear ? kLightMarked : kLightMarkedBehind, lit.radius};

@@ -14,8 +14,8 @@ layout(local_size_x = kSide, local_size_y = kSide) in;
 layout(set = 0, binding = 0) uniform sampler2DArray display;  // linear, straight alpha
 layout(push_constant, scalar) uniform Push { ComposePush push; };
 
-const float kLeastContrast = 1.0 / 32.0;   // minimum contrast of a visible edge; pictures are in [0, 1]
-const float kLeastRelative = 1.0 / 8.0;    // minimum contrast relative to the brightest neighbor
+const float kMinContrast = 1.0 / 32.0;   // minimum contrast of a visible edge; pictures are in [0, 1]
+const float kMinRelative = 1.0 / 8.0;    // minimum contrast relative to the brightest neighbor
 const float kSubpixel = 0.75;              // softening of isolated pixels, 0 to 1
 const int kSearchSteps = 11;
 const int kSearchStep[kSearchSteps] = int[](1, 1, 1, 1, 1, 2, 2, 2, 2, 4, 8);
@@ -101,7 +101,7 @@ vec4 antialiased(Pixel p) {
   vec2 contrast = most - least;
   p.byAlpha = contrast.y > contrast.x;
   float range = p.byAlpha ? contrast.y : contrast.x;
-  if (range < max(kLeastContrast, kLeastRelative * (p.byAlpha ? most.y : most.x))) return middle;
+  if (range < max(kMinContrast, kMinRelative * (p.byAlpha ? most.y : most.x))) return middle;
 
   float M = signalOf(p, m), N = signalOf(p, n), S = signalOf(p, s), W = signalOf(p, w), E = signalOf(p, e);
   float NW = signalOf(p, near(p, ivec2(-1, -1))), NE = signalOf(p, near(p, ivec2(1, -1))),

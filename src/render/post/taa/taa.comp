@@ -22,7 +22,7 @@ layout(push_constant, scalar) uniform Push { TemporalPush push; };
 
 // The maximum number of samples in a mean. Each reprojection blurs a moving pixel slightly, so its history must be
 // shorter.
-const float kMostStill = 64.0, kMostMoving = 5.0;
+const float kMaxStill = 64.0, kMaxMoving = 5.0;
 // The size of the neighborhood's color box in standard deviations (Salvi's gamma). The box must contain most valid
 // history.
 const float kGamma = 1.0;
@@ -146,7 +146,7 @@ void main() {
   vec4 history = length(moved) > kStill ? sampleHistory(before, size, pixel.z) : texelFetch(oldColor, from, 0);
   vec4 box = toBoxSpace(history);
   history = fromBoxSpace(mix(box, clipToBox(box, near), mix(kStillPull, 1.0, moving)));
-  float count = min(state.g + 1.0, mix(kMostStill, kMostMoving, moving));
+  float count = min(state.g + 1.0, mix(kMaxStill, kMaxMoving, moving));
   imageStore(newColor, pixel, mix(history, current, 1.0 / count));
   imageStore(newState, pixel, vec4(here, count, speed, 0.0));
 }

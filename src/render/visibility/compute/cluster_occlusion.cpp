@@ -6,12 +6,12 @@
 namespace latelight::render {
 
 bool ClusterOcclusion::shouldCull(const vk::Device& device, HiddenOf of, uint64_t clusters) {
-  constexpr uint32_t kFinding = 3;      // frames that find out, since the first can't hide anything,
-  constexpr uint32_t kEvery = 64;       // of so many
-  constexpr uint64_t kMost = 1u << 29;  // 64 MiB of bits
+  constexpr uint32_t kFinding = 3;     // frames that find out, since the first can't hide anything,
+  constexpr uint32_t kEvery = 64;      // of so many
+  constexpr uint64_t kMax = 1u << 29;  // 64 MiB of bits
   // What it takes an H200 is 0.1 ms, in which it rasterizes so many; lavapipe 15 ms for 1280x720.
   const uint64_t fewest = device.isCpu() ? 1u << 12 : 1u << 16;
-  if (clusters < fewest || clusters > kMost) return false;
+  if (clusters < fewest || clusters > kMax) return false;
   Kept& kept = kept_[static_cast<size_t>(of)];
   const uint32_t frame = kept.frames++ % kEvery;
   return frame < kFinding || kept.counts.hidden >= fewest;

@@ -8,7 +8,7 @@
 layout(local_size_x = 64) in;
 
 struct Polygon {
-  vec4 corners[kMostCorners];
+  vec4 corners[kMaxCorners];
   uint count;
 };
 
@@ -25,8 +25,8 @@ Polygon clip(Polygon p, uint plane) {
   for (uint i = 0u; i < p.count; ++i) {
     vec4 from = p.corners[i], to = p.corners[i + 1u < p.count ? i + 1u : 0u];
     bool fromInside = planeDistance(from, plane) >= 0.0, toInside = planeDistance(to, plane) >= 0.0;
-    if (fromInside && kept.count < kMostCorners) kept.corners[kept.count++] = from;
-    if (fromInside != toInside && kept.count < kMostCorners)
+    if (fromInside && kept.count < kMaxCorners) kept.corners[kept.count++] = from;
+    if (fromInside != toInside && kept.count < kMaxCorners)
       kept.corners[kept.count++] = fromInside ? crossing(from, to, plane) : crossing(to, from, plane);
   }
   return kept;

@@ -36,7 +36,7 @@ uint32_t flagsOf(const shared::Instance& instance, const shared::Material& mater
   return flags;
 }
 
-constexpr uint64_t kMostParts = (uint64_t{1} << 32) / shared::kRasterGroup;  // whose triangles 32 bits number
+constexpr uint64_t kMaxParts = (uint64_t{1} << 32) / shared::kRasterGroup;  // whose triangles 32 bits number
 
 }  // namespace
 
@@ -62,9 +62,9 @@ void RasterInstances::update(const GpuScene& scene, const DrawOrder& order, vk::
       records_.push_back({bounds.centre, bounds.radius, scene.geometry().clusters(record.mesh), stretchOf(record).most,
                           instance, record.mesh, firstTriangle, count, flags});
       all_.parts += parts;
-      if (all_.parts >= kMostParts)
+      if (all_.parts >= kMaxParts)
         badInput("the scene's instances have more triangles than the raster compute supports: {} clusters of {}",
-                 kMostParts, shared::kRasterGroup);
+                 kMaxParts, shared::kRasterGroup);
       partRanks_.insert(partRanks_.end(), parts, all_.ranks);
       ++all_.ranks;
       all_.masked += (flags & shared::kRankMasked) != 0;
