@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Depth that compute shaders found, for draws to be tested against.
+// Copies depth that compute shaders wrote into a depth attachment, for depth tests.
 layout(push_constant) uniform Push { uint view; };
 layout(set = 0, binding = 0) uniform sampler2DArray depths;
 

@@ -20,8 +20,8 @@ VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout, VkA
 
 constexpr uint32_t kVastDrawConstant = 93;  // varyings.glsl
 
-// Vertex buffers of scene draws, by binding.
-constexpr uint32_t kPositions = 0, kAttributes = 1, kInstances = 2;  // 3: views
+// Bindings of the vertex buffers of scene draws.
+constexpr uint32_t kPositions = 0, kAttributes = 1, kInstances = 2;  // the views are binding 3
 
 bool cutsOut(const shared::Material& material) {
   return (material.flags & shared::kMaterialMasked) != 0 || shared::translucent(material.flags);
@@ -92,7 +92,7 @@ ScenePipelines scenePipelines(const FrameContext& f, const vk::GraphicsDesc& opa
     if (isMasked) desc.name += " masked";
     return desc;
   };
-  // A vertex finds its triangle by address: its own streams then stay at their first element.
+  // A vertex of a vast triangle loads its whole triangle by address, so the vertex streams stay at their first element.
   const auto forVast = [](vk::GraphicsDesc desc) {
     for (const uint32_t stream : {kPositions, kAttributes}) {
       desc.vertexBuffers[stream].stride = 0;

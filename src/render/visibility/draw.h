@@ -1,5 +1,5 @@
-// Drawing with the graphics pipeline: what hardware visibility, the techniques that draw the scene with shaders of
-// their own, and passes over the whole picture have in common.
+// Helpers for drawing with the graphics pipeline. Hardware visibility, the techniques that draw the scene with their
+// own shaders, and full-screen passes share them.
 #pragma once
 
 #include <optional>
@@ -13,45 +13,48 @@
 
 namespace latelight::render {
 
-// Lists of draws in device memory: one a view, or one a shadow map.
+// Draw lists in device memory, one per view or one per shadow map.
 class DeviceDraws {
  public:
   DeviceDraws(vk::Device& device, std::vector<DrawList> lists);
   const std::vector<Draw>& operator[](size_t list) const { return draws_[list]; }
   size_t lists() const { return draws_.size(); }
-  bool empty() const;                                                                   // none has any
-  uint32_t instance(uint32_t place) const { return instances_.as<uint32_t>()[place]; }  // as the scene numbers them
-  VkBuffer instances() const { return instances_.get(); }  // uint[], which the draws find their instances by
+  bool empty() const;                                                                   // true if all lists are empty
+  uint32_t instance(uint32_t place) const { return instances_.as<uint32_t>()[place]; }  // index in the scene
+  VkBuffer instances() const { return instances_.get(); }  // uint[], the instance-rate vertex buffer of the draws
 
  private:
-  std::vector<std::vector<Draw>> draws_;  // `first` counts over all lists
+  std::vector<std::vector<Draw>> draws_;  // `first` is an offset into instances_, across all lists
   vk::Buffer instances_;
 };
 
-// The pipelines that draw a scene: for opaque materials, and for those that alpha cuts out of (masked ones, and blended
-// ones where they are drawn as solid); `layered`: for those with layers, where they have one of their own.
+// The pipelines that draw a scene: `opaque` for opaque materials; `masked` for alpha-tested materials, which include
+// blended ones that are drawn as opaque surfaces; `layered` for layered materials if they have their own pipeline.
 struct ScenePipelines {
   vk::PipelineRef opaque, masked;
   std::optional<vk::PipelineRef> layered{};
-  std::optional<vk::PipelineRef> vastOpaque{}, vastMasked{};  // for vast triangles, where the scene has some
+  std::optional<vk::PipelineRef> vastOpaque{}, vastMasked{};  // for vast triangles; empty if the scene has none
 };
-// Vertex buffers of a shader of scene draws: of scene_depth.vert, or of those that read attributes too.
+// Returns the vertex buffers of a scene vertex shader. scene_depth.vert reads only positions; the others also read
+// attributes.
 std::vector<vk::VertexBuffer> sceneVertexBuffers(const std::string& vertexShader);
-// `desc` without its vertex shader and buffers, material sets and kAlphaMasked (kFirstOwnConstant), which this fills
-// in; fragment shaders have the constant. It pushes DrawPush alone unless desc.pushBytes says more.
+// Completes `desc` with its vertex shader (default scene.vert) and buffers, the material sets and kAlphaMasked
+// (kFirstOwnConstant), which fragment shaders declare. The push constants are DrawPush unless desc.pushBytes is set.
 ScenePipelines scenePipelines(const FrameContext& f, const vk::GraphicsDesc& desc);
 ScenePipelines scenePipelines(const FrameContext& f, const vk::GraphicsDesc& opaque, const vk::GraphicsDesc& masked);
 
-// Makes state follow the draws of one view: pipeline, set 0, material, culling. What stays the same is not set again.
+// The view that a SceneBinder draws.
 struct DrawnView {
   VkDeviceAddress frame;  // shared::FrameConstants
   VkBuffer views;         // its View[]
-  uint32_t view;          // of them
+  uint32_t view;          // index into views
 };
 
+// Binds the state of the draws of one view (pipeline, sets, material, culling, vertex buffers) and skips redundant
+// changes.
 class SceneBinder {
  public:
-  // `images`: set 0 of both pipelines.
+  // `images` are set 0 of all pipelines.
   SceneBinder(graph::Context& context, const GpuScene& scene, const DeviceDraws& draws, const DrawnView& view,
               const ScenePipelines& pipelines, std::span<const vk::BoundImage> images = {});
   const vk::Pipeline& bind(const Draw& draw);  // returns the pipeline that is now bound
@@ -66,11 +69,11 @@ class SceneBinder {
   uint32_t material_ = ~0u, mesh_ = ~0u;
 };
 
-// Draws with what is bound: all of a draw's instances, or some.
+// Records draws with the bound state: all instances of one draw, or a list of draws.
 void recordDraw(graph::Context& context, const GpuScene& scene, const Draw& draw);
 void recordDraws(graph::Context& context, const GpuScene& scene, SceneBinder& binder, const std::vector<Draw>& draws);
 
-// Push constants of a draw, DrawPush and what stands behind it: bytes for its pipeline's description, and setting them.
+// Push constants that follow DrawPush: the total size for the pipeline's description, and the command that sets them.
 template <typename More>
 constexpr uint32_t pushBytesWith() {
   return sizeof(shared::DrawPush) + sizeof(More);
@@ -81,20 +84,20 @@ void pushMore(graph::Context& context, const vk::Pipeline& pipeline, const More&
                      &more);
 }
 
-// One triangle over each view that leaves depth as a fragment shader finds it in `from`.
+// Adds a full-screen triangle per view that writes the depth that the fragment shader computes from `from`.
 graph::ImageId addScreenDepth(const FrameContext& f, graph::Stage stage, const char* name, const char* shader,
                               graph::ImageId from);
-// A frame's depth as draws can be tested against it: a copy where compute shaders found it.
+// Returns the frame's depth in a format for depth tests. Depth that compute shaders wrote is copied.
 graph::ImageId attachableDepth(const FrameContext& f, graph::ImageId depth);
 
-// One triangle over the picture, seen from both sides.
+// Draws one full-screen triangle without face culling.
 void recordScreen(graph::Context& context);
 
-// Begins rendering to a layer of these targets, y up as projection.h has it. Colours are cleared to 0, or kept; those
-// that are not `written` (bit i: color i) are left undefined.
+// Begins rendering to one array layer of these targets, with y up as in projection.h. Colors are cleared to 0, or
+// loaded; those that are not `written` (bit i: color i) become undefined.
 struct DepthUse {
   graph::ImageId image;
-  bool clear;  // stencil too where there is any; else tested only
+  bool clear;  // clears depth, and stencil if present; otherwise depth is only tested
 };
 enum class ColorUse { Clear, Keep };
 void beginView(graph::Context& context, const FrameContext& f, uint32_t view, std::span<const graph::ImageId> colors,

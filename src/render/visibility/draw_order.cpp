@@ -9,7 +9,7 @@ namespace latelight::render {
 
 namespace {
 
-constexpr size_t kInstancesAtOnce = 16384;  // a thread's share: waking another costs less
+constexpr size_t kInstancesAtOnce = 16384;  // per task; smaller tasks cost more to start than they save
 
 bool isBlended(const GpuScene& scene, uint32_t instance) {
   const uint32_t material = scene.instances().record(instance).material;
@@ -21,11 +21,11 @@ bool standsWhere(const shared::Instance& a, const shared::Instance& b) {
          a.translationLow == b.translationLow;
 }
 
-// Puts an instance behind those that are there: into the last draw, if it is like those.
+// Appends an instance, to the last draw if it has the same state.
 void append(DrawList& list, const GpuScene& scene, uint32_t instance) {
   const shared::Instance& record = scene.instances().record(instance);
   const bool clockwise = (record.flags & shared::kInstanceClockwise) != 0;
-  // Layered materials have pipelines of their own, which do not draw fans.
+  // Layered materials have their own pipelines, which do not draw fans.
   const bool vast = (record.flags & shared::kInstanceVast) != 0 &&
                     !(scene.materials().record(record.material).flags & shared::kMaterialLayered);
   const bool joins = !list.draws.empty() && list.draws.back().mesh == record.mesh &&
@@ -57,7 +57,7 @@ void DrawOrder::update(const GpuScene& scene) {
   parallelFor(order_.size(), kInstancesAtOnce, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end && i + 1 < order_.size(); ++i)
       hidden_[i] = standsWhere(all.record(order_[i]), all.record(order_[i + 1])) && !isBlended(scene, order_[i]) &&
-                   all.bounds(order_[i + 1]).radius >= 0;  // one that is not shown hides nothing
+                   all.bounds(order_[i + 1]).radius >= 0;  // an instance that is not rendered hides nothing
   });
 }
 

@@ -1,4 +1,4 @@
-// The order in which hardware draws a scene, and what of it a view may see.
+// The order in which the graphics pipeline draws a scene, and the selection of the instances that a view draws.
 #pragma once
 
 #include <cstdint>
@@ -10,39 +10,42 @@
 
 namespace latelight::render {
 
-// Instances of one mesh, one material and one winding: one instanced draw.
+// Instances with the same mesh, material and winding, drawn by one instanced draw.
 struct Draw {
   uint32_t mesh = 0, material = 0;
   bool clockwise = false;
-  bool vast = false;              // its triangles are drawn as fans (kVastFan)
-  uint32_t first = 0, count = 0;  // among DrawList::instances
+  bool vast = false;              // triangles are drawn as fans (kVastFan)
+  uint32_t first = 0, count = 0;  // range of DrawList::instances
 };
 
-// What is drawn, in order.
+// Draws in the order in which they are recorded.
 struct DrawList {
   std::vector<Draw> draws;
-  std::vector<uint32_t> instances;  // as the scene numbers them
+  std::vector<uint32_t> instances;  // indices in the scene
   bool empty() const { return draws.empty(); }
 };
 
-// Instances by material, then mesh, then their number: few changes of material, and many instances a draw.
+// Sorts instances by material, then mesh, then index, which reduces material changes and groups instances into few
+// draws.
 class DrawOrder {
  public:
-  // Follows the scene's instances; costs nothing where none has changed.
+  // Follows the scene's instances. Does nothing if no instance or material has changed.
   void update(const GpuScene& scene);
 
   enum class Kind { Solid, Blended };  // opaque and masked; alpha-blended
   bool anyBlended() const { return anyBlended_; }
-  // Those of a kind whose bounds are wanted, which is asked on all threads. `group`: only those of it; 0: all.
+  // Returns the instances of a kind whose bounds `wanted` accepts; `wanted` is called on all threads. `group` restricts
+  // the result to one group; 0 selects all.
   DrawList select(const GpuScene& scene, Kind kind, const std::function<bool(const Sphere&)>& wanted,
                   uint32_t group = 0) const;
 
  private:
   std::vector<uint32_t> order_;
-  // Of order_: drawn again, after it, where it stands, so that nothing of it is ever seen.
+  // Per element of order_: 1 if the next element is an identical copy in the same position, which hides this one
+  // completely.
   std::vector<uint8_t> hidden_;
   bool anyBlended_ = false;
-  uint64_t instances_ = 0, materials_ = 0;  // revisions that it follows
+  uint64_t instances_ = 0, materials_ = 0;  // revisions of the last update
 };
 
 }  // namespace latelight::render

@@ -1,5 +1,5 @@
-// What draws of the scene are pushed. Every fragment shader of such a draw has a block that begins with DrawPush; some
-// have more behind it.
+// Push constants of scene draws. The block of every fragment shader of such a draw begins with DrawPush; some append
+// another struct.
 #ifndef LATELIGHT_DRAW_PUSH_H
 #define LATELIGHT_DRAW_PUSH_H
 
@@ -8,26 +8,27 @@
 
 SH_BEGIN
 
-// Triangles that a vast one is drawn as (kInstanceVast): a fan of what six planes leave of it, nine corners at most.
+// Number of triangles that a vast triangle (kInstanceVast) is drawn as: a fan over the polygon that remains after
+// clipping to six planes, which has at most nine corners.
 SH_CONST uint kVastFan = 7u;
 
 struct DrawPush {      // 24 bytes
   uint64_t frame;      // FrameConstants
   uint64_t instances;  // Instance[]
   uint view;
-  uint padding;  // what follows begins at a multiple of 8 in C++
+  uint padding;  // aligns the appended struct to 8 bytes in C++
 };
 
-struct ShadowDraw {  // into a shadow map
+struct ShadowDraw {  // for draws into a shadow map
   float unit;        // ShadowView::unit
 };
 
-struct LightDraw {  // for one light
+struct LightDraw {  // for draws of one light
   Light light;
   LightShadow shadow;
 };
 
-struct FragmentDraw {  // into lists of fragments
+struct FragmentDraw {  // for draws into fragment lists
   FragmentLists lists;
   FragmentOrder order;
 };

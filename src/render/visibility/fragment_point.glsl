@@ -1,11 +1,11 @@
-// The point of a surface that a fragment shows, and the draw's material: its textures are set 1, its record set 2
-// (gpu_scene/materials.h). After varyings.glsl.
+// The SurfacePoint of a fragment, and the draw's material: its textures are set 1, its record is set 2
+// (gpu_scene/materials.h). Include after varyings.glsl.
 #include "render/glsl/material.glsl"
 #include "render/glsl/multisample.glsl"
 
-// kTexture* of shared/types.h.
+// The texture slots kTexture* of shared/types.h.
 #define PLAIN_SLOTS(SLOT) SLOT(0) SLOT(1) SLOT(2) SLOT(3) SLOT(4) SLOT(5) SLOT(6)
-#ifdef COATED  // before the include: materials may have layers
+#ifdef COATED  // define before the include: materials may have coats
 #define SLOTS(SLOT) \
   PLAIN_SLOTS(SLOT) SLOT(7) SLOT(8) SLOT(9) SLOT(10) SLOT(11) SLOT(12) SLOT(13) SLOT(14) SLOT(15) SLOT(16) SLOT(17) SLOT(18)
 #else
@@ -14,30 +14,31 @@
 
 #ifdef TEXTURES_BY_INDEX
 layout(set = 1, binding = 0) uniform sampler2D materialTextures[];
-// All invocations of a draw have one material, so the index is uniform.
+// Bindless textures. All invocations of a draw have one material, so the index is uniform.
 #define TEXTURE(m, slot) materialTextures[m.images[slot]]
 #else
 #define DECLARE(n) layout(set = 1, binding = n) uniform sampler2D materialTexture##n;
 SLOTS(DECLARE)
 #define TEXTURE(m, slot) materialTexture##slot
 #endif
-// The draw's material as a uniform buffer, not by address: texture coordinates depend on it, so helper invocations must
-// see it too or derivatives break at triangle edges, and loads by address may give them nothing.
+// The draw's material is a uniform buffer, not a buffer reference. Texture coordinates depend on it, so helper
+// invocations must read it too, or derivatives are wrong at triangle edges; loads by address may return nothing in
+// helper invocations.
 //
-// An array of one, indexed by a 0 that no compiler knows (no address has its highest bit): lavapipe 22.3 otherwise
-// compiles a variant of the shader for the material's values at every draw, 2.5 ms each, and never frees it. Only there:
-// it costs an H200 a fifth of the geometry pass.
+// It is an array of one element, indexed by a 0 that no compiler can fold (no address has its highest bit set).
+// Otherwise lavapipe 22.3 compiles a shader variant for the material's values at every draw and never frees it. Other
+// devices use a constant index, because the dynamic one slows down the geometry pass.
 layout(set = 2, binding = 0, scalar) uniform MaterialUniform { Material materials[1]; };
 Material drawMaterial() { return materials[kCpuDevice != 0u ? uint(push.frame >> 63) : 0u]; }
 
 #ifdef MULTISAMPLED
-// Where compute resolves it: in the middle of the samples that the triangle covers. At the pixel's centre, outside, a normal
-// or a texture coordinate would be that of no point on the triangle, and a centroid may lie anywhere in the part that it
-// covers.
+// Attributes are evaluated at the center of the covered samples, as in the compute resolve. The pixel's center may lie
+// outside the triangle, where a normal or texture coordinate belongs to no point of it, and a centroid may lie anywhere
+// in the covered part.
 #define INSIDE(v) interpolateAtOffset(v, middleOfSamples(uint(gl_SampleMaskIn[0])) - 0.5)
-// Levels follow from the gradients between pixels' centres. Interpolated in the branch that samples, not once for all:
-// lavapipe 22.3 finds other coordinates outside of it, farther from what one sample a pixel shows; and other gradients of
-// the input itself.
+// Mip levels follow from the gradients between pixel centers. The interpolation stands in the branch that samples:
+// outside of it, lavapipe 22.3 returns other coordinates, which differ more from those of single-sampled rendering, and
+// other gradients of the input itself.
 #define CENTRE(v) interpolateAtOffset(v, vec2(0.0))
 #define TEXEL(image, t)                                                                                        \
   textureGrad(image, transformedUv(t, INSIDE(varyingUv)), transformedGradient(t, dFdx(CENTRE(varyingUv))), \
@@ -45,8 +46,7 @@ Material drawMaterial() { return materials[kCpuDevice != 0u ? uint(push.frame >>
 #else
 #define INSIDE(v) v
 #define CENTRE(v) v
-// Levels follow from the quad: the hardware's own derivatives cost lavapipe a fourth less of the geometry pass than
-// gradients that are handed to it.
+// Mip levels follow from the quad's implicit derivatives, which are faster on lavapipe than explicit gradients.
 #define TEXEL(image, t) texture(image, transformedUv(t, p.uv))
 #endif
 
@@ -74,7 +74,7 @@ SurfacePoint fragmentPoint() {
 }
 
 #ifdef MULTISAMPLED
-// The samples that the mask leaves: an edge that it makes is one to smooth, too.
+// Returns the samples that pass the alpha test. The test runs per sample, so that masked edges are anti-aliased too.
 int uncutSamples(Material m) {
   int left = 0;
   for (int i = 0; i < int(kSamples); ++i) {
@@ -87,7 +87,7 @@ int uncutSamples(Material m) {
 }
 #endif
 
-// What a mask takes away of a fragment. Last in a shader, since textures need the whole quad.
+// Alpha test. Call it last in a shader, because textures need the whole quad.
 void cutFragment(Material m, SurfacePoint p) {
 #ifdef MULTISAMPLED
   gl_SampleMask[0] &= uncutSamples(m);

@@ -12,7 +12,7 @@ namespace latelight::render {
 
 namespace {
 
-// Of a target that a shader has and nobody wants: as little memory as there can be, and nothing is written to it.
+// The format of a target that the shader declares but no pass reads: small, and nothing is written to it.
 VkFormat unusedFormat(VkFormat wanted) {
   const bool integers = std::string_view(vk::formatName(wanted)).ends_with("UINT");
   return integers ? VK_FORMAT_R8_UINT : VK_FORMAT_R8_UNORM;
@@ -204,7 +204,7 @@ void HardwareVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuf
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
                    beginView(context, f, view, {}, {depth, false});
                    SceneBinder binder(context, scene_, blended_, {f.constants, f.viewBuffer, view}, pipelines, images);
-                   uint32_t order = 0;  // beyond 2^32 triangles in a view it starts again
+                   uint32_t order = 0;  // wraps around beyond 2^32 triangles per view
                    for (const Draw& draw : blended_[view]) {
                      const vk::Pipeline& pipeline = binder.bind(draw);
                      const uint32_t triangles = scene_.geometry().indexCount(draw.mesh) / 3;

@@ -1,4 +1,4 @@
-// Visibility by the graphics pipeline: the scene is drawn, a view after the other. Culling and draw lists are its own.
+// Visibility by the graphics pipeline: draws the scene view by view, with its own culling and draw lists.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace latelight::render {
 
-// Of one set of views. Culls them when it is made, once for all that is drawn.
+// Hardware visibility of one set of views. The constructor culls the instances once for all passes.
 class HardwareVisibility final : public Visibility {
  public:
   HardwareVisibility(vk::Device& device, const GpuScene& scene, const DrawOrder& order,
@@ -20,20 +20,20 @@ class HardwareVisibility final : public Visibility {
   graph::ImageId addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const override;
   void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const override;
   void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
-  void lightFragments(const FrameContext&, const Gbuffer&, const FragmentBuffers&) const override {}  // they are
+  void lightFragments(const FrameContext&, const Gbuffer&, const FragmentBuffers&) const override {}  // lit when stored
   bool anyBlended() const override;
   ShownMaterials materials() const override { return materials_; }
   const HardwareVisibility* asHardware() const override { return this; }
   const ComputeVisibility* asCompute() const override { return nullptr; }
 
-  // What techniques draw that have shaders of their own.
-  const DeviceDraws& solid() const { return solid_; }      // a list a view
-  const DeviceDraws& blended() const { return blended_; }  // the same
-  // Adds a pass named desc.name that shades what addDepth() left visible, into `colors`: a target of each of
-  // desc.colorsWritten. `desc` as behindDepth() makes it; its bindings and colours are filled in here.
+  // The draw lists, for techniques that draw the scene with their own shaders.
+  const DeviceDraws& solid() const { return solid_; }      // one list per view
+  const DeviceDraws& blended() const { return blended_; }  // one list per view
+  // Adds a pass named desc.name that shades the visible surfaces of addDepth() into `colors`, one target for each of
+  // desc.colorsWritten. `desc` comes from behindDepth(); its bindings and colors are set here.
   void addSolid(const FrameContext& f, graph::Stage stage, vk::GraphicsDesc desc, const Bindings& inputs,
                 graph::ImageId depth, const std::vector<graph::ImageId>& colors) const;
-  // Draws what is solid in a view, within a rendering that has begun.
+  // Draws the opaque and masked surfaces of a view, within a rendering that has begun.
   void recordSolid(graph::Context& context, const FrameContext& f, uint32_t view, const ScenePipelines& pipelines,
                    std::span<const vk::BoundImage> images = {}) const;
 
@@ -48,10 +48,11 @@ class HardwareVisibility final : public Visibility {
   ShownMaterials materials_;
 };
 
-// What all draws behind the depth pass have: only surfaces at the very depth that it left are shaded.
+// The state common to all draws after the depth pass: the depth test is EQUAL, so only visible surfaces are shaded.
 vk::GraphicsDesc behindDepth(const FrameConfig& setup);
 
-// The frame's, for a technique that draws the scene itself. Error(Usage) where visibility is another's.
+// Returns the frame's hardware visibility, for a technique that draws the scene itself. Throws Error(Usage) if the
+// frame uses another raster.
 const HardwareVisibility& hardwareOf(const FrameContext& f, const char* technique);
 
 }  // namespace latelight::render

@@ -1,6 +1,6 @@
-// Shadow maps by the graphics pipeline: every surface that is not blended casts shadows, from both of its sides,
-// whatever its material says of being double-sided: a wall that is modelled from within keeps out light from without.
-// Masked ones are cut out.
+// Shadow maps by the graphics pipeline. Every surface that is not blended casts shadows from both sides, even if its
+// material is single-sided, so that a wall modeled from the inside blocks light from the outside. Masked surfaces are
+// alpha tested.
 #include "base/parallel.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/visibility/hardware.h"
@@ -17,7 +17,7 @@ ScenePipelines shadowPipelines(const FrameContext& f) {
   desc.pushBytes = pushBytesWith<shared::ShadowDraw>();
   if (shadowIsPacked(format)) desc.colors = {shadowImageFormat(format)};
   desc.depth = format == shared::kShadowD16 ? VK_FORMAT_D16_UNORM : VK_FORMAT_D32_SFLOAT;
-  desc.depthCompare = VK_COMPARE_OP_LESS;  // not reversed: depth is linear, and 1 is what a map is cleared to
+  desc.depthCompare = VK_COMPARE_OP_LESS;  // not reversed: depth is linear and maps are cleared to 1
   desc.fragment = "shadow.frag";
   desc.name = "shadow";
   vk::GraphicsDesc masked = desc;
@@ -26,8 +26,8 @@ ScenePipelines shadowPipelines(const FrameContext& f) {
   return scenePipelines(f, desc, masked);
 }
 
-// What a map holds where nothing is: the farthest. rgba8-classic makes 0 of 1, so its maps are cleared to what no
-// depth is packed to, and decodes to a little over 1.
+// Returns the texel of an empty map, the farthest depth. rgba8-classic packs 1 as 0, so its maps are cleared to a value
+// that no depth packs to and that decodes to slightly more than 1.
 VkClearColorValue emptyTexel(uint32_t format) {
   VkClearColorValue value{};
   const shared::vec4 packed = format == shared::kShadowRgba8 ? shared::packDepth(1.0f) : shared::vec4(1);
@@ -48,7 +48,7 @@ bool overlap(const Sphere& a, const Sphere& b) {
   return glm::length(a.centre - b.centre) < a.radius + b.radius;
 }
 
-// One list a map.
+// Selects the shadow casters, one list per map.
 DeviceDraws selectCasters(const FrameContext& f, const DrawOrder& order) {
   const std::span<const FrameShadows::Map> maps = f.shadows->maps();
   std::vector<DrawList> lists(maps.size());
@@ -65,7 +65,7 @@ DeviceDraws selectCasters(const FrameContext& f, const DrawOrder& order) {
 }
 
 struct ShadowTargets {
-  graph::ImageId atlas, depth;  // the same where depth is not packed
+  graph::ImageId atlas, depth;  // equal if depth is not packed
   bool packed;
   uint32_t format;
 };
@@ -87,7 +87,7 @@ void beginLayer(graph::Context& context, const ShadowTargets& targets, uint32_t 
 
 void setTile(graph::Context& context, const AtlasTile& tile) {
   const auto x = static_cast<float>(tile.x), y = static_cast<float>(tile.y), size = static_cast<float>(tile.size);
-  const VkViewport viewport{x, y + size, size, -size, 0, 1};  // y up, as projection.h has it
+  const VkViewport viewport{x, y + size, size, -size, 0, 1};  // y up, as in projection.h
   const VkRect2D area{{static_cast<int32_t>(tile.x), static_cast<int32_t>(tile.y)}, {tile.size, tile.size}};
   vkCmdSetViewport(context.get(), 0, 1, &viewport);
   vkCmdSetScissor(context.get(), 0, 1, &area);

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: textured
-// Motion of what is drawn: to the frame before, and to the frame after.
+// Motion vectors of the visible surfaces, to the previous and to the next frame.
 #include "render/glsl/common.glsl"
 #include "render/visibility/varyings.glsl"
 #include "render/visibility/fragment_point.glsl"
@@ -13,6 +13,6 @@ layout(location = 0) out vec4 motion;
 
 void main() {
   motion = surfaceMotion(frameView(FrameRef(push.frame).v, push.view).size);
-  // As in geometry.frag: last, since textures need the whole quad.
+  // Last, as in geometry.frag, because textures need the whole quad.
   if (kAlphaMasked != 0u && masked(drawMaterial(), fragmentPoint())) discard;
 }

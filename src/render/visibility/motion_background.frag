@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Motion where nothing is drawn.
+// Motion vectors of the background.
 #include "render/glsl/common.glsl"
 #include "render/visibility/draw_push.h"
 #include "render/visibility/background_motion.glsl"

@@ -1,5 +1,6 @@
-// Where a surface is, was a frame before and will be a frame after, from scene_motion.vert to fragments: clip x, y and w
-// without jitter. They are linear over a triangle as positions are, so what is interpolated is exact. After varyings.glsl.
+// A surface's clip positions in the current, previous and next frame, from scene_motion.vert to fragment shaders: clip
+// x, y and w without jitter. They are linear over a triangle, as positions are, so interpolation is exact. Include
+// after varyings.glsl.
 #ifndef LATELIGHT_MOTION_VARYINGS_GLSL
 #define LATELIGHT_MOTION_VARYINGS_GLSL
 #include "shared/motion.h"
@@ -21,7 +22,7 @@ void passMotion(FrameConstants frame, View view, Mesh mesh, vec3 relative, uint 
   varyingAfter = clipAt(frame.nextInstances, frame.nextViews, mesh.nextPositions, instance);
 }
 
-// A vast triangle is taken to be still: its motion follows from the eyes alone, which are known exactly.
+// A vast triangle counts as static. Its motion follows only from the eye positions, which are known exactly.
 void passVastMotion(FrameConstants frame, View view, vec3 relative) {
   View before = viewAt(frame.previousViews, push.view), after = viewAt(frame.nextViews, push.view);
   varyingNow = steadyClip(view, toView(view, relative));
@@ -29,7 +30,7 @@ void passVastMotion(FrameConstants frame, View view, vec3 relative) {
   varyingAfter = steadyClip(after, toView(after, relative + eyeBetween(after, view)));
 }
 #else
-// xy: to the frame before; zw: to the frame after.
+// Returns motion vectors, in pixels: xy to the previous frame, zw to the next frame.
 vec4 surfaceMotion(vec2 size) {
   return vec4(motionBetween(varyingNow, varyingBefore, size), motionBetween(varyingNow, varyingAfter, size));
 }

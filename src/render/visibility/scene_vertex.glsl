@@ -1,29 +1,30 @@
-// The vertex shader of scene draws. MOTION before the include: where the vertex was and will be besides. NO_VARYINGS:
-// where it is, and nothing else.
+// The vertex shader of scene draws. Options, defined before the include: MOTION adds the vertex's clip positions in the
+// previous and next frame, NO_VARYINGS outputs only gl_Position, FRAGMENT_ORDER adds the instance's position in the
+// draw order.
 #define VERTEX_STAGE
 #include "render/glsl/common.glsl"
 #include "render/glsl/vertex_directions.glsl"
 #include "render/visibility/varyings.glsl"
 #include "render/visibility/vast_triangle.glsl"
-#ifdef FRAGMENT_ORDER  // before the include: the place of the instance among those that are drawn
+#ifdef FRAGMENT_ORDER  // the instance's index in the draw list
 layout(location = 9) flat out uint varyingDrawn;
 #endif
 #ifdef MOTION
 #include "render/visibility/motion_varyings.glsl"
 #endif
 
-// The geometry pass compares for equality with the depth that the depth pass left.
+// The geometry pass tests for equality with the depth of the depth pass.
 invariant gl_Position;
 
-// What comes from vertex buffers (draw.cpp): lavapipe loads by address lane by lane, which cost four times as much as the
-// rest of this shader. What is the same for all vertices of a draw is an element of an instance.
+// Inputs from vertex buffers (draw.cpp), because lavapipe loads by address lane by lane, which is slower than the rest
+// of this shader. Values that are the same for all vertices of a draw are instance-rate attributes.
 layout(location = 0) in vec3 inPosition;
 #ifndef NO_VARYINGS
 layout(location = 1) in vec3 inNormal;
 layout(location = 2) in vec4 inTangent;
 layout(location = 3) in vec2 inUv0;
 #endif
-layout(location = 4) in uint inInstance;  // as the scene numbers them
+layout(location = 4) in uint inInstance;  // index in the scene
 layout(location = 5) in vec3 inWorldToView[3];  // columns of the rotation
 layout(location = 8) in vec3 inEye;
 layout(location = 9) in vec4 inProjection;
@@ -41,7 +42,7 @@ View drawnView() {
   return view;
 }
 
-// Returns the position relative to the eye.
+// Sets gl_Position. Returns the position relative to the eye, in world axes.
 vec3 placeVertex(Instance instance) {
   View view = drawnView();
   vec3 relative = relativeToEye(instance, inEye, inEyeLow) * vec4(inPosition, 1.0);
@@ -51,13 +52,13 @@ vec3 placeVertex(Instance instance) {
 
 // --- vast triangles -----------------------------------------------------------------------------------------------------
 //
-// The graphics pipeline clips in floats, too late for them: so each vertex clips its whole triangle, and is a corner of a fan
-// of kVastFan triangles that cover what remains.
+// The graphics pipeline clips in single precision, which is too late for vast triangles. Each vertex therefore clips
+// its whole triangle and outputs one corner of a fan of kVastFan triangles that cover the remaining polygon.
 
 struct VastVertex {
   uvec3 indices;
   VastWeights weights;
-  vec3 relative;  // to the eye
+  vec3 relative;  // relative to the eye, in world axes
 };
 
 VastVertex placeVastVertex(Instance instance, Mesh mesh) {
@@ -85,7 +86,7 @@ void main() {
     placeVertex(instance);
 }
 #else
-// By address on a GPU: for attributes of triangles that are culled, vertex buffers cost an H200 3 % of the geometry pass.
+// GPUs load attributes by address: vertex buffers would also fetch the attributes of culled triangles.
 VertexAttributes vertexAttributes(Instance instance) {
   if (kCpuDevice != 0u) return VertexAttributes(inNormal, inTangent, inUv0, float[3](0.0, 0.0, 0.0));
   return attributesAt(frameMesh(FrameRef(push.frame).v, instance.mesh).attributes, gl_VertexIndex);
@@ -142,7 +143,7 @@ void main() {
   varyingTangent = worldTangent(directions, attributes.tangent);
   varyingUv = vec4(attributes.uv0, attributes.uv0);
   varyingColor = vec4(1.0);
-  // A loop, since lavapipe runs a branch whether any lane takes it or not.
+  // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
   for (bool some = (instance.flags & kInstanceExtras) != 0u; some; some = false) {
     VertexExtra extra = ExtraRef(frameMesh(FrameRef(push.frame).v, instance.mesh).extras).v[gl_VertexIndex];
     varyingUv.zw = extra.uv1;

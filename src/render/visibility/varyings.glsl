@@ -1,7 +1,8 @@
-// What vertex and fragment shaders of scene draws share: push constants, and (without NO_VARYINGS) what is interpolated.
+// The interface of vertex and fragment shaders of scene draws: push constants, and varyings unless NO_VARYINGS is
+// defined.
 #include "render/visibility/draw_push.h"
 
-#ifdef DRAW_PUSH  // before the include: what the fragment shader is pushed besides
+#ifdef DRAW_PUSH  // define before the include: the struct of the fragment shader that follows DrawPush
 layout(push_constant, scalar) uniform Push {
   DrawPush push;
   DRAW_PUSH more;
@@ -18,9 +19,9 @@ layout(constant_id = 93) const uint kVastDraw = 0u;  // 1: draws vast triangles,
 #else
 #define VARYING in
 #endif
-layout(location = 0) VARYING vec3 varyingPosition;  // world
-layout(location = 1) VARYING vec3 varyingNormal;    // world; unit at the vertices
-layout(location = 2) VARYING vec4 varyingTangent;   // world, not unit; w: sign of the bitangent, 0 without a tangent frame
+layout(location = 0) VARYING vec3 varyingPosition;  // world space
+layout(location = 1) VARYING vec3 varyingNormal;    // world space; unit length at the vertices
+layout(location = 2) VARYING vec4 varyingTangent;   // world space, not unit; w: sign of the bitangent, 0: no tangents
 layout(location = 3) VARYING vec4 varyingUv;        // UV sets 0 and 1
 layout(location = 4) VARYING vec4 varyingColor;
 layout(location = 5) flat VARYING uint varyingInstance;

@@ -1,12 +1,12 @@
-// Triangles whose corners lie far beyond what the eye sees of them, such as a ground that ends behind the horizon. Rounding
-// such a corner to floats moves it by more than the eye may be away from the plane, so that its plane, and the place of a
-// point on it, are computed with twice the precision: as unevaluated sums of two floats (Dekker 1971, A Floating-Point
-// Technique for Extending the Available Precision; Knuth 1997, The Art of Computer Programming 2, section 4.2.2). Shaders
-// need no doubles for that, which many GPUs lack. After common.glsl.
+// Vast triangles: their corners lie far beyond the visible part, such as a ground plane that ends beyond the horizon.
+// Rounding such a corner to floats moves it by more than the eye's distance from the plane. The plane and the
+// barycentric coordinates on it are therefore computed in double-float arithmetic, as unevaluated sums of two floats
+// (Dekker 1971, A Floating-Point Technique for Extending the Available Precision; Knuth 1997, The Art of Computer
+// Programming 2, section 4.2.2). This needs no doubles, which many GPUs lack. Include after common.glsl.
 #ifndef LATELIGHT_VAST_TRIANGLE_GLSL
 #define LATELIGHT_VAST_TRIANGLE_GLSL
 
-// Three numbers with about 48 bits each: hi + lo.
+// Three double-float numbers hi + lo, with about 48 bits each.
 struct Exact3 {
   vec3 hi, lo;
 };
@@ -49,7 +49,7 @@ Exact3 multiply(Exact3 a, Exact3 b) {
 
 vec3 rounded(Exact3 a) { return a.hi + a.lo; }
 
-// The sum of the three, in all components.
+// The sum of the three components, in all components.
 Exact3 sumOf(Exact3 a) {
   Exact3 x = Exact3(vec3(a.hi.x), vec3(a.lo.x)), y = Exact3(vec3(a.hi.y), vec3(a.lo.y)), z = Exact3(vec3(a.hi.z), vec3(a.lo.z));
   return add(add(x, y), z);
@@ -61,7 +61,7 @@ Exact3 crossOf(Exact3 a, Exact3 b) {
                   multiply(Exact3(a.hi.zxy, a.lo.zxy), Exact3(b.hi.yzx, b.lo.yzx)));
 }
 
-// A matrix of floats times a vector.
+// A matrix of floats times a double-float vector.
 Exact3 transformed(mat3 m, Exact3 v) {
   Exact3 x = multiply(exact(m[0]), Exact3(vec3(v.hi.x), vec3(v.lo.x)));
   Exact3 y = multiply(exact(m[1]), Exact3(vec3(v.hi.y), vec3(v.lo.y)));
@@ -69,28 +69,28 @@ Exact3 transformed(mat3 m, Exact3 v) {
   return add(add(x, y), z);
 }
 
-// An object's point in view space.
+// Transforms a point from object space to view space.
 Exact3 seenExactly(View view, Instance instance, vec3 position) {
   Exact3 offset = add(exactSum(instance.objectToWorld[3], -view.eye), exactSum(instance.translationLow, -view.eyeLow));
   Exact3 relative = add(transformed(mat3(instance.objectToWorld), exact(position)), offset);
   return transformed(mat3(view.worldToView), relative);
 }
 
-// The plane of a triangle in view space: points p with dot(normal, p) = distance.
+// The plane of a triangle in view space: the points p with dot(normal, p) = distance.
 struct ViewPlane {
   vec3 normal;  // unit
   float distance;
 };
 ViewPlane planeOf(Exact3 a, Exact3 b, Exact3 c) {
   Exact3 ab = subtract(b, a), ac = subtract(c, a);
-  // Scaled, so that products stay in the range of floats.
+  // Scaled, so that the products stay within the range of floats.
   float scale = 1.0 / max(max(length(ab.hi), length(ac.hi)), 1e-37);
   Exact3 normal = crossOf(multiply(ab, exact(vec3(scale))), multiply(ac, exact(vec3(scale))));
   float inverse = inversesqrt(max(dot(normal.hi, normal.hi), 1e-37));
   return ViewPlane(rounded(normal) * inverse, rounded(dotOf(normal, a)).x * inverse);
 }
 
-// The weights of b and c at a point of the triangle's plane, times the corners' attributes.
+// The barycentric coordinates of b and c at a point of the triangle's plane.
 struct VastWeights {
   Exact3 b, c;  // each in all components
 };
@@ -101,27 +101,27 @@ VastWeights vastWeights(Exact3 a, Exact3 b, Exact3 c, Exact3 point) {
   ac = multiply(ac, scale);
   ap = multiply(ap, scale);
   Exact3 normal = crossOf(ab, ac), square = dotOf(normal, normal);
-  Exact3 inverse = exact(1.0 / square.hi);  // refined once by Newton's method
+  Exact3 inverse = exact(1.0 / square.hi);  // refined by one step of Newton's method
   inverse = multiply(inverse, subtract(exact(vec3(2.0)), multiply(square, inverse)));
   return VastWeights(multiply(dotOf(crossOf(ap, ac), normal), inverse), multiply(dotOf(crossOf(ab, ap), normal), inverse));
 }
-// An attribute there, from its values at the corners.
+// Interpolates an attribute from its values at the corners.
 vec3 attributeOf(VastWeights w, vec3 a, vec3 b, vec3 c) {
   return rounded(add(exact(a), add(multiply(w.b, exactSum(b, -a)), multiply(w.c, exactSum(c, -a)))));
 }
 
 // --- clipping ---------------------------------------------------------------------------------------------------------
 
-const uint kMaxCorners = 9u;  // of a triangle that six planes cut
+const uint kMaxCorners = 9u;  // of a triangle clipped to six planes
 
 struct VastPolygon {
   Exact3 corners[kMaxCorners];  // view space
   uint count;
 };
 
-// The distance of a point in view space from a plane of the view's volume, positive inside, in all components: near, far,
-// left, right, bottom, top. The sides lie just beyond the image: then every corner that remains is about as near as what is
-// seen beside it, and floats hold it.
+// Returns the signed distance of a view-space point from a plane of the view volume, positive inside, in all
+// components. The planes are near, far, left, right, bottom, top. The side planes lie slightly outside the image, so
+// that each remaining corner is about as near as the visible points next to it and fits into floats.
 Exact3 vastDistance(View view, Exact3 seen, uint plane) {
   const float kGuard = 1.0625;
   Projection p = view.projection;

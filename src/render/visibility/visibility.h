@@ -1,5 +1,6 @@
-// What a visibility technique gives: which surface each sample of a frame's views shows, and what is made of those
-// surfaces. All views of a frame at once. Everything else in the frame is the same whatever the technique.
+// The interface of visibility techniques. A technique finds the visible surface of each sample in all views of a frame
+// at once and derives the frame's depth, G-buffer, motion vectors and fragments from it. The rest of the frame does not
+// depend on the technique.
 #pragma once
 
 #include "render/frame/frame.h"
@@ -7,27 +8,27 @@
 
 namespace latelight::render {
 
-// What motion is for: to find a pixel in the frame before, in half floats; or data outputs, in floats.
+// The purpose of motion vectors: reprojection into the previous frame (half floats), or data outputs (floats).
 enum class MotionUse { Reproject, Data };
 
-// Flags of materials (kMaterial*), of all that may show together.
+// The union of the material flags (kMaterial*) of all surfaces that may be visible.
 struct ShownMaterials {
   uint32_t solid = 0, translucent = 0;
   void add(uint32_t flags) { (shared::translucent(flags) ? translucent : solid) |= flags; }
 };
 
-// Where blended fragments are kept (shared/fragment_lists.h), as buffers of the graph.
+// Storage of blended fragments (shared/fragment_lists.h), as buffers of the graph.
 struct FragmentBuffers {
   graph::BufferId fragments, counts, starts, totals, lists;
-  uint32_t capacity;  // fragments
-  uint32_t longest;   // list
+  uint32_t capacity;  // in fragments
+  uint32_t longest;   // length of the longest list
 };
 
-// Which surfaces count as solid, and where pixels are looked at.
+// Options that select the surfaces that count as opaque, and the sample positions.
 struct VisibilityOptions {
-  bool blendedToo = false;  // what is blended is a surface like any other where its alpha is above 0: for data outputs
-  bool inCompute = false;   // rasterized in compute shaders, whatever the settings say
-  bool atCentres = false;   // pixels have one sample, at their centre: what holds none is not drawn
+  bool blendedToo = false;  // blended surfaces with alpha above 0 count as opaque: for data outputs
+  bool inCompute = false;   // rasterizes in compute shaders regardless of the settings
+  bool atCentres = false;   // one sample at the pixel's center; instances that cover no center are culled
 };
 
 class ComputeVisibility;
@@ -37,27 +38,29 @@ class Visibility {
  public:
   virtual ~Visibility() = default;
 
-  // Depth of the nearest surface of every sample (setup.samples), and of every pixel. Where two surfaces have the very
-  // same depth, the later one shows: by material, mesh, then their order in the scene.
+  // Adds the depth of the nearest surface per sample (setup.samples) and per pixel. At equal depth the surface that is
+  // drawn last wins; the order is by material, then mesh, then position in the scene.
   virtual FrameDepth addDepth(const FrameContext& f) const = 0;
-  // Adds the layout's targets to the G-buffer and fills them and its light target, from the surfaces that show; with
-  // several samples also which samples show one surface, and the depths to light them at.
+  // Adds the layout's targets to the G-buffer and fills them and its light target from the visible surfaces. With
+  // several samples per pixel it also adds the groups of samples that show one surface, and the depths at which they
+  // are lit.
   virtual void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const = 0;
-  // R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT: xy to the frame before, zw to the frame after, of what shows at the
-  // pixels' centres. Pixels, y down, without jitter.
+  // Returns the motion vectors at the pixel centers as R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT: xy to the previous
+  // frame, zw to the next frame. In pixels, y down, without jitter.
   virtual graph::ImageId addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const = 0;
-  // What is to be drawn of the shadow maps of f.shadows, into `atlas`: where it can be told, only what is looked up
-  // from the G-buffer.
+  // Renders the shadow maps of f.shadows into `atlas`. If the technique supports virtual shadow maps, only the pages
+  // that the G-buffer's pixels look up are rendered.
   virtual void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const = 0;
-  // Fragments of blended surfaces that nothing hides, in no order. Then, once they are in lists (unsorted, as
-  // FragmentLists::lists), their light, where they have none yet; with the method `sorted`, their keys too.
+  // addFragments() stores the fragments of blended surfaces that no opaque surface occludes, in any order. After they
+  // are in lists (unsorted, as FragmentLists::lists), lightFragments() lights those that are not lit yet; with the
+  // method `sorted` it also sets their sort keys.
   virtual void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const = 0;
   virtual void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const = 0;
-  virtual bool anyBlended() const = 0;  // may any of its views show blended surfaces?
+  virtual bool anyBlended() const = 0;  // true if any view may show blended surfaces
   virtual ShownMaterials materials() const = 0;
-  // What draws by the graphics pipeline; null: nothing does.
+  // The technique as hardware visibility; null if it does not use the graphics pipeline.
   virtual const HardwareVisibility* asHardware() const = 0;
-  // What rasterizes in compute shaders; null: nothing does.
+  // The technique as compute visibility; null if it does not rasterize in compute shaders.
   virtual const ComputeVisibility* asCompute() const = 0;
 };
 
