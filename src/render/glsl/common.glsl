@@ -29,7 +29,7 @@ uvec3 triangleIndices(Mesh mesh, uint triangle) {
 }
 LightBox frameLightBox(FrameConstants frame, uint node) { return LightTreeRef(frame.lightTree).v[node]; }
 
-// --- what most shaders load -----------------------------------------------------------------------------------------
+// --- what most shaders load ------------------------------------------------------------------------------------------
 //
 // By 16 bytes, where compilers make a load of each member, and of words of 64 bits, of which lavapipe makes a loop over
 // lanes each.

@@ -26,7 +26,7 @@ void shadeCell(inout Shading shading, FrameConstants frame, CellLights lights, u
   }
 }
 
-// --- a pixel --------------------------------------------------------------------------------------------------------
+// --- a pixel ---------------------------------------------------------------------------------------------------------
 
 // Where a pixel's surface was when the lists were made.
 struct CellPlace {

@@ -50,7 +50,7 @@ vec3 placeVertex(Instance instance) {
   return relative;
 }
 
-// --- vast triangles -----------------------------------------------------------------------------------------------------
+// --- vast triangles --------------------------------------------------------------------------------------------------
 //
 // The graphics pipeline clips in single precision, which is too late for vast triangles. Each vertex therefore clips
 // its whole triangle and outputs one corner of a fan of kVastFan triangles that cover the remaining polygon.

@@ -110,7 +110,7 @@ vec3 attributeOf(VastWeights w, vec3 a, vec3 b, vec3 c) {
   return rounded(add(exact(a), add(multiply(w.b, exactSum(b, -a)), multiply(w.c, exactSum(c, -a)))));
 }
 
-// --- clipping ---------------------------------------------------------------------------------------------------------
+// --- clipping --------------------------------------------------------------------------------------------------------
 
 const uint kMaxCorners = 9u;  // of a triangle clipped to six planes
 

@@ -1,8 +1,8 @@
-// What a blended triangle covers and no solid surface hides becomes a fragment, which is lit later (light_fragments.comp).
-// After raster.glsl.
+// Stores a fragment where a blended triangle is not occluded by opaque surfaces; light_fragments.comp lights it later.
+// Include after raster.glsl.
 #include "render/visibility/compute/blended_fragment.glsl"
 
-// The samples where no solid surface is nearer. At exactly the same depth it shows, as a decal does.
+// Returns the samples at which no opaque surface is nearer. At equal depth the fragment is visible, as a decal is.
 uint seenSamples(uint first, uint samples, PixelDepth depth) {
   uint seen = 0u;
   for (uint i = 0u; i < kSamples; ++i) {
@@ -12,8 +12,8 @@ uint seenSamples(uint first, uint samples, PixelDepth depth) {
   return seen;
 }
 
-// A fragment lies in the middle of its samples, where it is lit too: beyond its triangle's edge its plane may pass behind
-// what it lies in front of.
+// The fragment's depth is taken at the center of its samples, where it is lit too: beyond the triangle's edge its plane
+// may lie behind the surface that it covers.
 void hit(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint id) {
   uint seen = seenSamples(visibleAt(view, pixel), samples, depth);
   if (seen == 0u) return;

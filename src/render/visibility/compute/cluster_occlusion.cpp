@@ -6,10 +6,10 @@
 namespace latelight::render {
 
 bool ClusterOcclusion::shouldCull(const vk::Device& device, HiddenOf of, uint64_t clusters) {
-  constexpr uint32_t kFinding = 3;     // frames that find out, since the first can't hide anything,
-  constexpr uint32_t kEvery = 64;      // of so many
+  constexpr uint32_t kFinding = 3;      // frames that always cull, since the first has no history,
+  constexpr uint32_t kEvery = 64;       // out of this many
   constexpr uint64_t kMax = 1u << 29;  // 64 MiB of bits
-  // What it takes an H200 is 0.1 ms, in which it rasterizes so many; lavapipe 15 ms for 1280x720.
+  // With fewer clusters, the culling passes take longer than the rasterization that they can save.
   const uint64_t fewest = device.isCpu() ? 1u << 12 : 1u << 16;
   if (clusters < fewest || clusters > kMax) return false;
   Kept& kept = kept_[static_cast<size_t>(of)];
@@ -26,7 +26,7 @@ graph::BufferId ClusterOcclusion::addTo(const FrameContext& f, HiddenOf of, uint
       f.graph.import(*kept.buffer, kept.filled ? std::optional(graph::Use::StorageReadWrite) : std::nullopt);
   if (!kept.filled) addClear(f, graph::Stage::Visibility, "hidden clusters clear", {buffer});
   f.graph.exports(buffer, graph::Use::StorageReadWrite);
-  // Until a graph that fills it has run, others are to fill it as well.
+  // Other graphs also clear the buffer until a graph that does so has run.
   if (f.overflow)
     f.overflow->checks.push_back([&kept, used = kept.buffer](const graph::Submission&) {
       if (kept.buffer == used) kept.filled = true;

@@ -1,6 +1,7 @@
-// Which clusters nothing could be seen of in the last frame, in device memory: what they hide behind is rasterized
-// first, and the others are looked at again (Haar and Aaltonen 2015, GPU-Driven Rendering Pipelines, SIGGRAPH course).
-// They are a guess: whatever they say, the picture is the same.
+// Per-cluster occlusion of the previous frame, in device memory, for two-pass occlusion culling: clusters that were not
+// occluded are rasterized first, then the others are tested against the depth pyramid (HZB) of the first pass (Haar and
+// Aaltonen 2015, GPU-Driven Rendering Pipelines, SIGGRAPH course). The bits are only a prediction and do not affect the
+// image.
 #pragma once
 
 #include <array>
@@ -10,20 +11,21 @@
 
 namespace latelight::render {
 
-// Whose clusters: views with and without jitter, and those in which what is blended counts as solid, each have their
-// own.
+// Which history is used. Views with jitter, views without jitter, and views whose blended surfaces count as opaque have
+// separate ones.
 enum class HiddenOf { Steady, Jittered, WithBlended, Count };
 
 class ClusterOcclusion {
  public:
-  // Whether the next frame had better look for what is hidden, of so many clusters in all views: where they are many,
-  // some frames find out, and the others follow if enough of them were hidden.
+  // Returns whether occlusion culling is expected to reduce the next frame's time; `clusters` is the number in all
+  // views. If there are many, some frames always cull to measure, and the others do if enough clusters were occluded.
   bool shouldCull(const vk::Device& device, HiddenOf of, uint64_t clusters);
-  // `words`: uint32_t that all views of the frame take together. What is not known yet is all 0, which hides nothing.
+  // Returns the occlusion bits; `words` is the number of uint32_t for all views of the frame. Unknown bits are 0, which
+  // means not occluded.
   graph::BufferId addTo(const FrameContext& f, HiddenOf of, uint64_t words);
 
-  // Of the last frame that looked: how many clusters were rasterized though they were hidden in the frame before, and
-  // how many are hidden now.
+  // Counts of the last frame that culled: `found` clusters were rasterized although they had been occluded in the frame
+  // before, `hidden` clusters are occluded.
   struct Counts {
     uint32_t found = 0, hidden = 0;
   };
@@ -32,9 +34,9 @@ class ClusterOcclusion {
 
  private:
   struct Kept {
-    std::shared_ptr<const vk::Buffer> buffer;  // in use by frames in flight, it lives on
+    std::shared_ptr<const vk::Buffer> buffer;  // kept alive by frames in flight
     bool filled = false;
-    uint32_t frames = 0;  // since one found out
+    uint32_t frames = 0;  // total frames; counts the measuring period
     Counts counts;
   };
   std::array<Kept, static_cast<size_t>(HiddenOf::Count)> kept_;

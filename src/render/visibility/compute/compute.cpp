@@ -25,7 +25,7 @@ namespace {
 
 using namespace shared;  // kRaster*, kQueue*
 
-constexpr uint32_t kOutputsConstant = kFirstOwnConstant + 4;  // of surface_outputs.glsl: the first slot
+constexpr uint32_t kOutputsConstant = kFirstOwnConstant + 4;  // first slot of surface_outputs.glsl
 
 }  // namespace
 
@@ -47,11 +47,11 @@ ComputeVisibility::ComputeVisibility(const GpuScene& scene, const RasterInstance
                                     : HiddenOf::Jittered),
       share_(options.blendedToo ? ranks.all() : ranks.solid()) {}
 
-// --- what is visible ------------------------------------------------------------------------------------------------
+// --- visible surfaces ------------------------------------------------------------------------------------------------
 
 namespace {
 
-// A camera's pinhole view, from that of one at the origin.
+// Returns a camera's pinhole view, from the pinhole view of a camera at the origin.
 View posed(const View& pinhole, const View& camera) {
   View view = pinhole;
   for (int i = 0; i < 4; ++i) view.worldToView[i] = glm::mat3(pinhole.worldToView) * camera.worldToView[i];
@@ -63,7 +63,7 @@ View posed(const View& pinhole, const View& camera) {
 
 }  // namespace
 
-// A pass over all pixels of what is visible. `outputs`: OutputPlace[], or none.
+// Adds a pass over all pixels of the visibility buffer. `outputs` is OutputPlace[] or empty.
 void ComputeVisibility::addResolve(const FrameContext& f, ComputePass pass, graph::BufferId outputs) const {
   pass.size = f.pixels();
   pass.constants.push_back({kSamplesConstant, f.setup.samples});
@@ -78,7 +78,7 @@ void ComputeVisibility::addResolve(const FrameContext& f, ComputePass pass, grap
   });
 }
 
-// What a frame's views show is found in them, or through a lens in pinhole views that see along all of its rays.
+// Returns the views to rasterize: the frame's, or for a lens the pinhole views that cover all of its rays.
 RasterViews ComputeVisibility::viewsOf(const FrameContext& f) const {
   if (f.lens) return pinholeViews(f);
   return {.constants = f.constants,
@@ -114,7 +114,8 @@ RasterViews ComputeVisibility::viewsBeside(const FrameContext& f, const std::vec
           .count = frame.viewCount};
 }
 
-// What these views show, as a buffer of the graph.
+// Returns the visibility buffer of these views. With occlusion culling, the early pass renders the clusters that were
+// not occluded in the previous frame; the late pass tests the others against the depth pyramid of the early pass.
 graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const RasterViews& views) const {
   const RasterQueues queues(f, views, share_);
   addClear(f, graph::Stage::Visibility, "raster clear", {queues.visible});
@@ -124,7 +125,7 @@ graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const Raste
   if (views.lens) {
     whole.small = cut.small = "raster_lens.comp";
     whole.large = cut.large = "raster_large_lens.comp";
-    whole.textures = true;  // one shader for both
+    whole.textures = true;  // one shader for opaque and masked
   }
   const bool some = share_.ranks > share_.masked;
   if (some && views.cullsHidden) {
@@ -156,10 +157,10 @@ FrameDepth ComputeVisibility::addDepth(const FrameContext& f) const {
                  .shader = "visible_depth.comp",
                  .bindings = Bindings(f.device).storage(depth, graph::Use::StorageWrite)});
   if (f.setup.samples == 1) return {depth, depth};
-  return {depth, {}};  // samples have theirs in the visibility buffer
+  return {depth, {}};  // the visibility buffer holds the samples' depths
 }
 
-// --- how it was rasterized ------------------------------------------------------------------------------------------
+// --- data outputs about rasterization --------------------------------------------------------------------------------
 
 ComputeVisibility::RasterImages ComputeVisibility::addRasterImages(const FrameContext& f) const {
   const RasterImages images{createTarget(f, VK_FORMAT_R32G32B32A32_SFLOAT, "raster numbers"),
@@ -205,11 +206,11 @@ graph::ImageId ComputeVisibility::addOverdraw(const FrameContext& f) const {
   return overdraw;
 }
 
-// --- what is made of it ---------------------------------------------------------------------------------------------
+// --- G-buffer and motion ---------------------------------------------------------------------------------------------
 
 namespace {
 
-// Lets resolve.comp pack the outputs of the setup; gives where.
+// Makes resolve.comp pack the setup's outputs. Returns the buffer of their addresses.
 graph::BufferId packOutputs(const FrameContext& f, ComputePass& pass) {
   const SurfaceOutputs& outputs = *f.setup.outputs;
   std::vector<graph::Access> places;
@@ -227,8 +228,8 @@ graph::BufferId packOutputs(const FrameContext& f, ComputePass& pass) {
                         });
 }
 
-// Whether surfaces with layers, which are shaded by themselves, leave nothing in the targets but that they are there.
-// With several samples the targets say which samples show one surface.
+// Returns true if surfaces with coats, which are shaded separately, write only a marker to the G-buffer. With several
+// samples per pixel they write everything, because the targets decide which samples show one surface.
 bool leavesLayers(const FrameContext& f, const Gbuffer& gbuffer) {
   const bool some = (f.visibility.materials().solid & shared::kMaterialLayered) != 0;
   return some && gbuffer.forLighting && f.setup.samples == 1 && !f.setup.outputs;
@@ -241,7 +242,7 @@ void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) cons
   if (!layout.hasTargets()) return addTriangleSurfaces(f, gbuffer);
   const auto lightTarget = static_cast<uint32_t>(layout.targets.size());
   const uint32_t wanted = writtenTargets(f.setup, gbuffer);
-  // Something must be bound where nothing is written.
+  // Targets that are not written still require a bound image.
   const auto nothing = [&](VkFormat format) {
     return f.graph.create(vk::ImageDesc{.format = format, .name = "no target"});
   };
@@ -272,7 +273,7 @@ void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) cons
   if (f.setup.samples > 1) addSurfaces(f, gbuffer);
 }
 
-// Of several samples: which show one surface, and where it is lit.
+// Adds the surfaces of multisampled pixels, and the depths at which they are lit.
 void ComputeVisibility::addSurfaces(const FrameContext& f, Gbuffer& gbuffer) const {
   Bindings bindings(f.device);
   bindings.sampled(gbuffer.targets).sampled(gbuffer.depth).sampled(gbuffer.sampleLight);
@@ -310,11 +311,11 @@ graph::ImageId ComputeVisibility::addMotion(const FrameContext& f, graph::ImageI
   return motion;
 }
 
-// --- shadow maps ----------------------------------------------------------------------------------------------------
+// --- shadow maps -----------------------------------------------------------------------------------------------------
 
 namespace {
 
-// Metres along a map's axis.
+// Depth range in meters along the map's axis.
 struct ShadowDepths {
   float near, far;
 };
@@ -323,7 +324,7 @@ ShadowDepths depthsOf(const shared::Projection& map) {
   return {near, near + range};
 }
 
-// Of a map, with depth reversed, as visibility has it.
+// Returns the shadow map's view with reversed depth, as the visibility pass expects.
 shared::View reversed(const ShadowView& map) {
   shared::View view = map.view;
   shared::Projection& p = view.projection;
@@ -346,14 +347,14 @@ ShadowTarget targetOf(const FrameShadows::Map& map, uint32_t firstRow, uint32_t 
 
 }  // namespace
 
-// Of one size, rasterized together; and the pages that are drawn of them.
+// Shadow maps of one size that are rasterized together, and their pages to render.
 struct ComputeVisibility::ShadowMaps {
   uint32_t size;
   std::vector<const FrameShadows::Map*> maps;
   graph::BufferId pages;
 };
 
-// They overwrite their pages of `atlas`.
+// Overwrites the rendered pages in `atlas`.
 void ComputeVisibility::addShadowMapsOf(const FrameContext& f, const ShadowMaps& together, graph::ImageId atlas,
                                         graph::Use use) const {
   const vk::ImageDesc& atlasDesc = f.shadows->atlas().desc();
@@ -362,7 +363,7 @@ void ComputeVisibility::addShadowMapsOf(const FrameContext& f, const ShadowMaps&
   std::vector<RasterMap> within;
   std::vector<ShadowTarget> targets;
   for (const FrameShadows::Map* map : together.maps) {
-    constexpr float kEverywhere = 1e18f;  // whose square is a number
+    constexpr float kEverywhere = 1e18f;  // its square is finite
     const Sphere sphere = map->view->within.value_or(Sphere{glm::vec3(0), kEverywhere});
     const uint32_t first = firstPageWord(atlasDesc, map->tile);
     views.push_back(reversed(*map->view));
@@ -390,9 +391,9 @@ void ComputeVisibility::addShadowMapsOf(const FrameContext& f, const ShadowMaps&
 }
 
 void ComputeVisibility::addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const {
-  constexpr uint64_t kTexelsAtOnce = 1u << 24;  // of the visibility buffer
+  constexpr uint64_t kTexelsAtOnce = 1u << 24;  // texels of the visibility buffer per batch
   const uint64_t mostWork =
-      (1u << 31) / std::bit_ceil(std::max(share_.parts, size_t{1}));  // which is counted in 32 bits
+      (1u << 31) / std::bit_ceil(std::max(share_.parts, size_t{1}));  // the work counter has 32 bits
   const graph::BufferId pages = addShadowPages(f, gbuffer);
   std::map<uint32_t, std::vector<const FrameShadows::Map*>> bySize;
   for (const FrameShadows::Map& map : f.shadows->maps()) bySize[map.tile.size].push_back(&map);
@@ -409,7 +410,7 @@ void ComputeVisibility::addShadowMaps(const FrameContext& f, const Gbuffer& gbuf
   f.shadows->addedDrawing();
 }
 
-// --- blended surfaces -----------------------------------------------------------------------------------------------
+// --- blended surfaces ------------------------------------------------------------------------------------------------
 
 void ComputeVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuffer,
                                      const FragmentBuffers& buffers) const {

@@ -1,6 +1,7 @@
-// Visibility in compute shaders: triangles are rasterized into a buffer that holds, for each pixel, the depth and the
-// number of the nearest one, and from that into whatever asks. Instances are culled on the device, for all views in one
-// chain of dispatches. The result is the same whatever order workgroups run in. Nothing is drawn.
+// Compute visibility: software rasterization into a visibility buffer, which holds the depth and triangle id of the
+// nearest surface per sample; depth, G-buffer, motion vectors and shadow maps are resolved from it. The device culls
+// the clusters of all views in one chain of dispatches, with two-pass occlusion culling. The result does not depend on
+// the order of workgroups. Nothing uses the graphics pipeline.
 #pragma once
 
 #include "render/visibility/compute/cluster_occlusion.h"
@@ -11,7 +12,8 @@
 
 namespace latelight::render {
 
-// What a device lacks that these shaders need, as the end of a sentence; empty: nothing.
+// Returns the feature that these shaders require and the device lacks, as the end of a sentence; empty if there is
+// none.
 std::string computeRasterLacks(const vk::Device& device);
 
 class ComputeVisibility final : public Visibility {
@@ -30,25 +32,28 @@ class ComputeVisibility final : public Visibility {
   const HardwareVisibility* asHardware() const override { return nullptr; }
   const ComputeVisibility* asCompute() const override { return this; }
 
-  // Of a pass that has the setup's constants and finds the surfaces that pixels show: what it reads, and is pushed.
+  // For passes with the setup's constants that evaluate visible surfaces themselves (shown_surface.glsl): readsShown()
+  // adds the resources that they read, shown() returns their push constants.
   void readsShown(const FrameContext& f, ComputePass& pass) const;
   shared::ShownPush shown(graph::Context& context) const {
     return {ranks_.address(), context.buffer(visible_).address()};
   }
 
-  // How what shows was rasterized, once addDepth() was called: outputs.def says what each image holds.
+  // Images that describe how the visible triangles were rasterized; outputs.def defines their contents. Requires
+  // addDepth().
   struct RasterImages {
     graph::ImageId numbers, classes;
   };
   RasterImages addRasterImages(const FrameContext& f) const;
-  // How many triangles of solid instances cover each pixel's centre, hidden ones too.
+  // Adds the overdraw: the number of opaque and masked triangles that cover each pixel's center, including occluded
+  // ones.
   graph::ImageId addOverdraw(const FrameContext& f) const;
 
  private:
   graph::BufferId addVisible(const FrameContext& f, const RasterViews& views) const;
   RasterViews viewsOf(const FrameContext& f) const;
   RasterViews pinholeViews(const FrameContext& f) const;
-  // Views of one size that are not the frame's.
+  // Sets up views of one size that are not the frame's views.
   RasterViews viewsBeside(const FrameContext& f, const std::vector<shared::View>& views) const;
   struct ShadowMaps;
   void addShadowMapsOf(const FrameContext& f, const ShadowMaps& maps, graph::ImageId atlas, graph::Use use) const;
@@ -62,9 +67,9 @@ class ComputeVisibility final : public Visibility {
   ClusterOcclusion& hidden_;
   HiddenOf hiddenOf_;
   RasterInstances::Share share_;
-  // Of the graph that is being built, once addDepth() was called.
+  // The buffers of the current graph, set by addDepth().
   mutable graph::BufferId visible_;
-  mutable graph::BufferId pyramid_;  // none: nothing is culled that is hidden
+  mutable graph::BufferId pyramid_;  // invalid without occlusion culling
 };
 
 }  // namespace latelight::render

@@ -1,23 +1,25 @@
-// Which pixels of a view are drawn: of shadow maps, those of some pages.
+// Virtual shadow maps: the pages of a shadow map that are rendered. Other views are rendered completely.
 #ifndef LATELIGHT_DRAWN_PAGES_GLSL
 #define LATELIGHT_DRAWN_PAGES_GLSL
 #include "render/visibility/compute/raster_push.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RasterMapRef { RasterMap v[]; };
 
-// The workgroup's number, in a dispatch of rows of kRasterRow (raster_arguments.comp).
+// Returns the index of the workgroup in a dispatch with rows of kRasterRow (raster_arguments.comp).
 uint groupNumber() { return gl_WorkGroupID.y * kRasterRow + gl_WorkGroupID.x; }
 
-// Both corners included; none where one of `low` is beyond that of `high`.
+// A range of pixels, including both corners; empty if a component of `low` exceeds that of `high`.
 struct PixelBox {
   ivec2 low, high;
 };
 bool isEmpty(PixelBox box) { return any(greaterThan(box.low, box.high)); }
 
-// 1: the views are shadow maps, of which nothing but some pages is drawn. Back faces too, whatever their material says.
+// 1: the views are shadow maps. Only some of their pages are rendered, and back faces are rendered regardless of the
+// material.
 layout(constant_id = 20) const uint kShadowMaps = 0u;
 
-// Whether any of the pixels, which are on screen, is in a page that is drawn. `maps`: RasterMap[]; `words`: of their pages.
+// Returns true if any of the pixels, which must be on screen, lies in a page that is rendered. `maps` is RasterMap[];
+// `words` are their page words.
 bool isDrawn(uint64_t maps, uint64_t words, uint view, PixelBox box) {
   if (kShadowMaps == 0u) return true;
   RasterMap map = RasterMapRef(maps).v[view];

@@ -1,4 +1,4 @@
-// What a blended triangle shows along a ray becomes a fragment where no solid surface hides it. After raster.glsl and
+// Stores a fragment where a blended triangle is not occluded along a lens ray. Include after raster.glsl and
 // surface_point.glsl.
 #include "render/visibility/compute/blended_fragment.glsl"
 #include "render/visibility/compute/lens_rays.glsl"

@@ -1,11 +1,11 @@
-// The rays of a picture through a lens that lie in a pixel of a pinhole view, against a triangle that touches the pixel.
-// After raster.glsl and surface_point.glsl.
+// Images through a lens: intersects the lens rays that lie in a pixel of a pinhole view with a triangle that touches
+// the pixel. Include after raster.glsl and surface_point.glsl.
 #include "render/lens/lens_push.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer LensTargetRef { LensTarget v; };
-layout(constant_id = 18) const uint kCutsOut = 0u;  // alpha takes parts of the triangles away
+layout(constant_id = 18) const uint kCutsOut = 0u;  // 1: triangles are alpha tested
 
-// Two vectors across a ray, so that the three are right-handed.
+// Two unit vectors across a ray, which form a right-handed frame with it.
 struct Across {
   vec3 right, up;
 };
@@ -21,10 +21,10 @@ float crossed(vec2 a, vec2 b) {
   return area;
 }
 
-// Metres along a ray to where it meets a triangle whose corners are in view space; 0: it misses. The corners' places
-// around the ray are the same for all triangles that share them, and so are the areas of a shared edge but for their
-// sign: nothing falls between two triangles (Woop, Benthin and Wald 2013, Watertight Ray/Triangle Intersection, JCGT
-// 2(1)).
+// Returns the distance in meters along a ray to a triangle with corners in view space, or 0 if the ray misses it. The
+// corners' projections across the ray are the same for all triangles that share them, so the areas of a shared edge
+// differ only in sign and no ray passes between two triangles (Woop, Benthin and Wald 2013, Watertight Ray/Triangle
+// Intersection, JCGT 2(1)).
 float meet(vec3 corners[3], vec3 ray, uint flags) {
   Across beside = across(ray);
   vec2 at[3];
@@ -37,14 +37,15 @@ float meet(vec3 corners[3], vec3 ray, uint flags) {
   vec3 areas = vec3(crossed(at[1], at[2]), crossed(at[2], at[0]), crossed(at[0], at[1]));
   bool inside = all(greaterThanEqual(areas, vec3(0.0))) || all(lessThanEqual(areas, vec3(0.0)));
   float area = areas.x + areas.y + areas.z;
-  // Counter-clockwise as seen is a front face, unless the instance's are clockwise.
+  // Front faces are counter-clockwise on screen, unless the instance is mirrored (kRankClockwise).
   bool front = (area < 0.0) != ((flags & kRankClockwise) != 0u);
   if (!inside || area == 0.0 || !(front || (flags & kRankDoubleSided) != 0u)) return 0.0;
   float distance = dot(areas, along) / area;
   return distance > 0.0 && distance < 3.0e38 ? distance : 0.0;
 }
 
-// What a ray of the picture meets: defined by what includes this. `view`: of the picture; `depth`: of its device.
+// Called for each hit of a lens ray; the including shader defines it. `view` is the lens image's view; `depth` is
+// device depth.
 void meets(FrameConstants frame, uint view, ivec2 pixel, float depth, uint id);
 
 bool isCutOut(FrameConstants frame, View view, SeenTriangle t, ivec2 pixel) {

@@ -1,4 +1,4 @@
-// The nearest surface along each ray shows. After raster.glsl and surface_point.glsl.
+// Keeps the nearest surface along each lens ray. Include after raster.glsl and surface_point.glsl.
 #include "render/visibility/compute/lens_rays.glsl"
 
 void meets(FrameConstants frame, uint view, ivec2 pixel, float depth, uint id) {

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: textured, coated
-// Lights the fragments of blended surfaces that rasterization in compute has left, in the order of their pixels, so that
-// the lanes of a subgroup have lights in common. Where they are to be sorted by instance, they get keys of such an order.
+// Lights the blended fragments that compute rasterization stored, in the order of their pixels, so that the lanes of a
+// subgroup share lights. For the method `sorted` it also replaces depth and order by sort keys.
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/surface_point.glsl"
 #include "render/transparency/blended_light.glsl"
@@ -13,8 +13,8 @@ layout(local_size_x = 256) in;
 layout(push_constant, scalar) uniform Push { FragmentLightPush push; };
 layout(constant_id = 17) const uint kSorted = 0u;
 
-// As an instance's centre lies: farther ones first. Its faces that are seen from their backs come before the others: right
-// for convex meshes. 2^31 blended triangles have an order.
+// Sets the key for sorting by instance: the view depth of the instance's center, farther ones first. An instance's back
+// faces come before its front faces, which is correct for convex meshes. The keys order up to 2^31 blended triangles.
 void setSortedKey(inout Fragment f, View view, SeenTriangle t, SurfacePoint p) {
   uint y = floatBitsToUint((view.worldToView * vec4(t.rank.centre, 1.0)).y);
   uint ascending = (y & 0x80000000u) != 0u ? ~y : y | 0x80000000u;
@@ -22,7 +22,7 @@ void setSortedKey(inout Fragment f, View view, SeenTriangle t, SurfacePoint p) {
   f.order = 2u * (t.rank.firstTriangle - push.firstTriangle) + (p.facing > 0.0 ? t.rank.triangles : 0u) + t.number;
 }
 
-// One view after the other: its lights' shadows are the subgroup's.
+// Evaluates one view at a time, because the subgroup shares the shadow data of a view's lights.
 vec4 colorOf(FrameConstants frame, uint view, Material m, SurfacePoint p, vec2 own, bool there) {
   vec4 color = vec4(0.0);
   bool waits = there;
@@ -43,7 +43,7 @@ void main() {
   bool there = number < total;
   uint index = ListWordsRef(push.lists.lists).v[min(number, total - 1u)];
   Fragment f = FragmentsRef(push.lists.fragments).v[index];
-  if (!there) f.order = push.firstTriangle + 1u;  // that of another invocation's may be a key by now
+  if (!there) f.order = push.firstTriangle + 1u;  // another invocation may have replaced it by a key
   FrameConstants frame = FrameRef(push.frame).v;
 #ifndef TEXTURES_BY_INDEX
   textureRecords = frame.textures;

@@ -1,5 +1,5 @@
-// The samples that alpha leaves of a triangle: an edge that it makes is one to smooth, too. After raster.glsl and
-// surface_point.glsl.
+// Alpha test of masked triangles: returns the samples that pass. The test runs per sample, so that masked edges are
+// anti-aliased too. Include after raster.glsl and surface_point.glsl.
 uint uncutSamples(uint viewIndex, ivec2 pixel, uint samples, uint id) {
   FrameConstants frame = FrameRef(push.buffers.frame).v;
 #ifndef TEXTURES_BY_INDEX

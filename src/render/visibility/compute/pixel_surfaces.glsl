@@ -1,5 +1,5 @@
-// The surfaces of pixels of several samples (shared/samples.h), and the depth in the middle of each, where it is lit.
-// The shader says what one surface is, by nextSurface(), and where the images are bound, by SURFACES_BINDING.
+// Writes the surfaces of multisampled pixels (shared/samples.h), and the depth at the center of each, at which it is
+// lit. The including shader defines what one surface is (nextSurface()) and the first image binding (SURFACES_BINDING).
 #include "render/visibility/compute/raster_push.h"
 #include "render/visibility/compute/visible.glsl"
 #include "render/visibility/compute/pixel_triangles.glsl"
@@ -10,7 +10,7 @@ layout(set = 0, binding = 1 + SURFACES_BINDING, r32ui) uniform writeonly uimage2
 
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
 
-// The samples of the next surface of those that are left; takes them out of `left`, which has some.
+// Returns the samples of the next surface and removes them from `left`, which must not be empty.
 uint nextSurface(View view, ivec3 pixel, uint first, inout uint left);
 
 float meanDepth(uint first, uint samples) {

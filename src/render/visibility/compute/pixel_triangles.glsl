@@ -1,4 +1,5 @@
-// The triangles that a pixel's samples show. After visible.glsl and setup.glsl; `first` is the pixel's visibleIndex().
+// The visible triangles of a pixel's samples. Include after visible.glsl and setup.glsl; `first` is the pixel's
+// visibleIndex().
 
 uint coveredSamples(VisibleRef visible, uint first) {
   uint covered = 0u;
@@ -6,7 +7,7 @@ uint coveredSamples(VisibleRef visible, uint first) {
   return covered;
 }
 
-// The samples that show what this one shows: with kEverySample each is on its own.
+// Returns the samples that show the same triangle as sample `index`. With kEverySample each sample counts separately.
 uint samplesWith(VisibleRef visible, uint first, uint index) {
   if (kEverySample != 0u) return 1u << index;
   uint id = visibleId(visible.v[first + index]), samples = 0u;
@@ -14,7 +15,7 @@ uint samplesWith(VisibleRef visible, uint first, uint index) {
   return samples;
 }
 
-// Takes the samples of the next triangle out of `left`; none are left: none.
+// Returns the samples of the next triangle and removes them from `left`. Returns 0 if `left` is empty.
 uint nextTriangle(VisibleRef visible, uint first, inout uint left) {
   if (left == 0u) return 0u;
   uint samples = samplesWith(visible, first, uint(findLSB(left)));

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Triangles of opaque instances.
+// Software rasterization of opaque instances into the visibility buffer: small and medium triangles.
 #include "render/visibility/compute/raster.glsl"
 
 void hit(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint id) {

@@ -1,7 +1,8 @@
-// Watertight rasterization: vertices are snapped to 1/256 pixel by one function, edges are exact in integers, and a
-// sample on an edge belongs to the triangle whose top or left edge it is, as the graphics pipeline has it (Vulkan 1.3,
-// section 28.12.1; Fatahalian and others 2009, Data-Parallel Rasterization of Micropolygons). Samples lie in a grid of as
-// many columns and rows (shared/samples.h), whose first place is where edges are set up.
+// Watertight software rasterization, the common part of all raster_*.comp. Vertices are snapped to 1/256 pixel by one
+// function, edge functions are exact integers, and the top-left rule decides which triangle owns a sample on an edge,
+// as in the graphics pipeline (Vulkan 1.3, section 28.12.1; Fatahalian et al. 2009, Data-Parallel Rasterization of
+// Micropolygons). The S samples of a pixel lie in a grid of S columns and S rows (shared/samples.h); edge functions are
+// set up at the first position of that grid.
 #ifndef LATELIGHT_RASTER_GLSL
 #define LATELIGHT_RASTER_GLSL
 #extension GL_EXT_shader_atomic_int64 : require
@@ -22,9 +23,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer JobsRef { Ra
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CountersRef { RasterCounters v; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ClusterRef { Cluster v[]; };
 
-// --- vertices -------------------------------------------------------------------------------------------------------
+// --- vertices --------------------------------------------------------------------------------------------------------
 
-// `placed`: relativeToEye().
+// `placed` is relativeToEye().
 vec3 seenPosition(View view, mat4x3 placed, vec3 position) {
   precise vec3 relative = placed * vec4(position, 1.0);
   precise vec3 seen = mat3(view.worldToView) * relative;
@@ -36,11 +37,12 @@ vec4 clipPosition(View view, vec3 seen) {
   return clip;
 }
 
-// In half pictures from the middle, across and down: what reaches farther is clipped. 16,384 pixels, so that edges of a
-// tile fit into 32 bits (raster_large.comp); no picture is wider.
+// The guard band, in half image sizes from the center; triangles that reach beyond it are clipped. It is 16,384 pixels,
+// so that the edge functions of a tile fit into 32 bits (raster_large.comp); no image is wider.
 vec2 guardBand() { return max(32768.0 / vec2(push.width, push.height), vec2(1.0)); }
 
-// Distances from the planes of the view's volume, positive inside: near, far, and the guard band's sides.
+// Returns the signed distance from a plane of the view volume, positive inside. The planes are near, far, and the four
+// sides of the guard band.
 float planeDistance(vec4 clip, uint plane) {
   switch (plane) {
     case 0u: return clip.w - clip.z;
@@ -52,8 +54,8 @@ float planeDistance(vec4 clip, uint plane) {
   }
 }
 
-// A bit for each side of the picture, and the near and far plane, that a vertex is outside of; and kOutsideVolume. One
-// without a number is outside of the volume and of the planes.
+// Returns a bit for each side of the image, and for the near and far plane, that the vertex is outside of, and
+// kOutsideVolume. A vertex with a NaN is outside the volume and outside the near and far planes.
 const uint kOutsideVolume = 64u;
 uint outsideOf(vec4 clip) {
   vec2 guard = guardBand() * clip.w;
@@ -63,7 +65,7 @@ uint outsideOf(vec4 clip) {
          (clip.y < -clip.w ? 8u : 0u) | (near ? 0u : 16u) | (far ? 0u : 32u) | (inside ? 0u : kOutsideVolume);
 }
 
-// In subpixels from the upper left.
+// Returns subpixels from the upper left corner.
 ivec2 screenPosition(vec4 clip) {
   precise float scale = 1.0 / clip.w;
   precise float x = (clip.x * scale * 0.5 + 0.5) * (float(push.width) * float(kSubpixels));
@@ -79,8 +81,8 @@ float deviceDepthOf(vec4 clip) {
 
 struct Corner {  // of a triangle
   vec3 seen;     // view space
-  ivec2 screen;  // subpixels
-  float depth;   // of the device
+  ivec2 screen;  // in subpixels
+  float depth;   // device depth
   uint outside;
 };
 Corner cornerAt(View view, mat4x3 placed, vec3 position) {
@@ -93,20 +95,20 @@ Corner cornerAt(View view, mat4x3 placed, vec3 position) {
   return corner;
 }
 
-// --- triangles ------------------------------------------------------------------------------------------------------
+// --- triangles -------------------------------------------------------------------------------------------------------
 
-// Clockwise as seen (y is down), so that what is inside has three positive weights.
+// Clockwise on screen (y is down), so that the three edge functions are positive inside.
 struct Triangle {
   ivec2 a, b, c;
-  vec3 plane;  // as LargeTriangle's
+  vec3 plane;  // as in LargeTriangle
   float least, most;
   uint id;
 };
 
-// The depth of a plane: of the points p in view space with dot(n, p) = d.
+// Returns the depth plane (LargeTriangle::plane) of the points p in view space with dot(n, p) = d.
 vec3 depthPlane(Projection p, vec3 n, float d) {
   if (p.kind == kPerspective) {
-    precise float inverse = 1.0 / d;  // before B, a power of two in tests: then nothing depends on where the near plane is
+    precise float inverse = 1.0 / d;  // B last: if it is a power of two, rounding is independent of the near plane
     precise vec3 plane = n * inverse * p.B;
     return vec3(plane.x, plane.y + p.A, plane.z);
   }
@@ -114,8 +116,8 @@ vec3 depthPlane(Projection p, vec3 n, float d) {
   return vec3(-tilt * n.x, p.B + tilt * d, -tilt * n.z);
 }
 
-// The depth of the very plane that the triangle lies in, not of the snapped one: where a surface is seen at a grazing angle
-// a subpixel is far in depth. Corners in view space.
+// Returns the depth plane of the triangle itself, not of the snapped one, because on surfaces at grazing angles one
+// subpixel changes the depth by a lot. Corners are in view space.
 vec3 depthPlane(View view, vec3 a, vec3 b, vec3 c) {
   Projection p = view.projection;
   vec3 ab = b - a, ac = c - a;
@@ -126,12 +128,12 @@ vec3 depthPlane(View view, vec3 a, vec3 b, vec3 c) {
   return depthPlane(p, n, d);
 }
 
-// What depth grows by a pixel to the right and down.
+// Returns the depth gradient per pixel to the right and down.
 vec2 depthSteps(View view, vec3 plane) {
   return vec2(2.0 * plane.x / (view.projection.H * view.size.x), -2.0 * plane.z / (view.projection.V * view.size.y));
 }
 
-// x and z of the ray through a pixel's centre.
+// Returns x and z of the ray through a pixel's center.
 vec2 rayAt(View view, ivec2 pixel) {
   vec2 ndc = pixelToNdc(vec2(pixel) + 0.5, view.size);
   precise vec2 ray = (ndc - vec2(view.projection.X, view.projection.Z)) / vec2(view.projection.H, view.projection.V);
@@ -143,30 +145,32 @@ float depthOn(vec3 plane, vec2 ray) {
 }
 float depthAt(View view, Triangle t, ivec2 pixel) { return depthOn(t.plane, rayAt(view, pixel)); }
 
-// The depth that pixels of a triangle may have: its corners', and as much more as the plane rises in a subpixel, since
-// snapping lets it cover pixels just outside. Seen edge-on a plane gives any depth at all; a corner's will do.
+// Sets the depth range of a triangle's pixels: the range of its corners, extended by the plane's slope over one
+// subpixel, because snapping lets a triangle cover pixels slightly outside of it. A plane seen edge-on yields arbitrary
+// depths, which are clamped to a corner's.
 void setRange(inout Triangle t, View view, float least, float most) {
   vec2 steps = abs(depthSteps(view, t.plane));
   float more = min((steps.x + steps.y) / float(kSubpixels), most - least);
-  more = more >= 0.0 ? more : most - least;  // no number
+  more = more >= 0.0 ? more : most - least;  // NaN
   t.least = max(least - more, 0.0);
   t.most = min(most + more, 1.0);
 }
 float withinRange(float least, float most, float depth) { return clamp(depth >= 0.0 ? depth : least, least, most); }
 
-// --- samples --------------------------------------------------------------------------------------------------------
+// --- samples ---------------------------------------------------------------------------------------------------------
 
-const int kPlaceStep = kSubpixels / int(kSamples);  // from one column or row of samples to the next
-const int kFirstPlace = kPlaceStep / 2;             // and before the first
+const int kPlaceStep = kSubpixels / int(kSamples);  // between columns or rows of samples, in subpixels
+const int kFirstPlace = kPlaceStep / 2;             // offset of the first one
 
-// 1: a triangle takes every pixel that it touches, from either side; what it does there is up to hit().
+// 1: conservative rasterization. A triangle covers every pixel that it touches, regardless of its facing; hit() decides
+// the rest.
 layout(constant_id = 19) const uint kTouched = 0u;
-// Subpixels beyond its edges: half a pixel, and room for snapping.
+// Distance in subpixels that edges are moved outwards: half a pixel, and a margin for snapping.
 const int kReach = kTouched != 0u ? kSubpixels / 2 + 2 : 0;
 int reachOf(ivec2 way) { return kTouched != 0u ? (abs(way.x) + abs(way.y)) * kReach + 1 : 0; }
 
-// The samples of a pixel on whose inner side three edges have them: `at` are the weights at its first place, and 0 is
-// inside; `right` and `down` are what they grow by from place to place.
+// Returns the covered samples of a pixel. `at` are the three edge functions at the first sample position, where 0 is
+// inside; `right` and `down` are their steps between sample positions.
 uint coveredSamples(ivec3 at, ivec3 right, ivec3 down) {
   if (kSamples == 1u) return (at.x | at.y | at.z) >= 0 ? 1u : 0u;
   uint covered = 0u;
@@ -177,7 +181,7 @@ uint coveredSamples(ivec3 at, ivec3 right, ivec3 down) {
   return covered;
 }
 
-// The depths of a triangle in a pixel.
+// The depths of a triangle within one pixel.
 struct PixelDepth {
   float centre;
   vec2 steps;
@@ -190,9 +194,9 @@ float depthAt(PixelDepth d, uint index) {
   return kSamples == 1u ? withinRange(d.least, d.most, d.centre) : depthAt(d, samplePlace(kSamples, index));
 }
 
-// --- boxes ----------------------------------------------------------------------------------------------------------
+// --- boxes -----------------------------------------------------------------------------------------------------------
 
-// With samples that may be inside.
+// Returns the pixels with samples that may be inside.
 PixelBox pixelsOf(Triangle t) {
   ivec2 low = min(t.a, min(t.b, t.c)), high = max(t.a, max(t.b, t.c));
   return PixelBox((low + kFirstPlace - 1 - kReach) >> 8, (high - kFirstPlace + kReach) >> 8);
@@ -203,13 +207,13 @@ PixelBox onScreen(PixelBox box) {
 
 bool isDrawn(uint view, PixelBox box) { return isDrawn(push.within, push.fragments, view, box); }
 
-const int kSmallBox = kSamples <= 4u ? 32 / int(kSamples) : 9;  // pixels: bits of pixelsInside()
+const int kSmallBox = kSamples <= 4u ? 32 / int(kSamples) : 9;  // in pixels: bits of pixelsInside()
 const int kMediumBox = (kCpuDevice != 0u ? kMediumPixelsOfCpu : kMediumPixels) / (kSamples <= 4u ? int(kSamples) : 4);
-// Pixels of a triangle's extent in which edges fit into 32 bits at all its samples, and in the blocks that begin among
-// them too. Those reach 8 pixels farther, and samples lie less than a pixel beyond: 2 * 119 * 128 * 256^2 < 2^31.
+// Maximum extent in pixels for which edge functions fit into 32 bits at all samples, including the blocks that begin
+// within the extent. Blocks reach 8 pixels farther, and samples less than one pixel more: 2 * 119 * 128 * 256^2 < 2^31.
 const int kLargestSide = 119;
 
-// kRaster*, of a triangle that is not clipped; `box`: its pixels on screen.
+// Returns the size class kRaster* of an unclipped triangle; `box` are its pixels on screen.
 uint sizeClass(Triangle t, PixelBox box) {
   ivec2 corners = max(t.a, max(t.b, t.c)) - min(t.a, min(t.b, t.c));
   ivec2 size = box.high - box.low + 1;
@@ -217,12 +221,12 @@ uint sizeClass(Triangle t, PixelBox box) {
   return size.x * size.y > kSmallBox ? kRasterMedium : kRasterSmall;
 }
 
-// Whether a sample on this edge, going that way around the triangle, belongs to it: top and left edges.
+// Top-left rule: returns true if samples on an edge in this direction around the triangle belong to it.
 bool ownsEdge(ivec2 way) { return way.y < 0 || (way.y == 0 && way.x > 0); }
 
 void writeVisible(uint index, uint64_t value) {
   VisibleRef visible = VisibleRef(push.buffers.visible);
-  // On lavapipe a load is a loop over lanes, as the maximum itself is.
+  // On lavapipe a load is a loop over lanes, as the atomic maximum itself is, so testing first saves nothing.
   if (kCpuDevice != 0u || visible.v[index] < value) atomicMax(visible.v[index], value);
 }
 uint visibleAt(uint view, ivec2 pixel) { return visibleIndex(uvec3(pixel, view), uvec2(push.width, push.height)); }
@@ -233,13 +237,13 @@ void writeSamples(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint i
     if (hasSample(samples, i)) writeVisible(first + i, visibleValue(depthAt(depth, i), id));
 }
 
-// Turns the triangle so that it is clockwise; false where it is to be left out: seen from its back, or without an area.
+// Makes the triangle clockwise. Returns false if it is culled, because it is a back face or has no area.
 bool orient(inout Triangle t, RasterInstance r) {
   bool doubleSided = (r.flags & kRankDoubleSided) != 0u || kShadowMaps != 0u;
   bool clockwise = (r.flags & kRankClockwise) != 0u;
   int64_t area = int64_t(t.b.x - t.a.x) * int64_t(t.c.y - t.a.y) - int64_t(t.b.y - t.a.y) * int64_t(t.c.x - t.a.x);
   if (area == 0 && kTouched == 0u) return false;
-  // Front faces are counter-clockwise as seen, unless the instance's are clockwise.
+  // Front faces are counter-clockwise on screen, unless the instance is mirrored (kRankClockwise).
   bool front = (area < 0) != clockwise;
   if (!front && !doubleSided && kTouched == 0u) return false;
   if (area < 0) {

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The workgroups of the next indirect dispatch: one for some entries of a queue, or several for each, in rows of
-// kRasterRow.
+// Writes the workgroup counts of the next indirect dispatch: one workgroup per push.entries entries of a queue, or
+// push.parts workgroups for each of these, in rows of kRasterRow.
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/raster_push.h"
 

@@ -1,7 +1,7 @@
-// Some lanes a large triangle: BIN(tile, triangle) for each tile that it touches.
+// Binning of large triangles: kLanes lanes per triangle call BIN(tile, triangle) for each tile that it touches.
 #include "render/visibility/compute/raster_tile.glsl"
 
-const uint kLanes = 8u;  // of a triangle: most touch few tiles
+const uint kLanes = 8u;  // per triangle, since most touch few tiles
 layout(local_size_x = 256) in;
 
 void main() {

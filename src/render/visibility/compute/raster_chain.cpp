@@ -11,13 +11,14 @@ namespace {
 
 using namespace shared;  // kRaster*, kQueue*
 
-// Of raster.glsl, raster_groups.glsl and lens_rays.glsl, whose shaders have others of their own.
+// Specialization constants of raster.glsl, raster_groups.glsl and lens_rays.glsl. Other constants belong to the
+// including shaders.
 constexpr uint32_t kCutsOutConstant = kFirstOwnConstant + 2, kTouchedConstant = kFirstOwnConstant + 3,
                    kShadowMapsConstant = kFirstOwnConstant + 4, kApartConstant = kFirstOwnConstant + 5,
                    kQueuedConstant = kFirstOwnConstant + 6;
 
-// `work`: that there can be. Of their triangles some are of medium size or large: in the hall an eighth at most, and
-// more where pixels have several samples, since it is their number that counts.
+// Returns the queue capacities. `work` is the maximum number of clusters. Medium and large triangles are only a
+// fraction of all triangles; it grows with the number of samples per pixel, because size classes depend on it.
 RasterRoom roomOf(const FrameContext& f, uint32_t work, uint32_t samples) {
   const uint32_t some = 16 * samples * std::min(work, 1u << 20);
   RasterRoom room{.work = work,
@@ -34,7 +35,7 @@ RasterRoom roomOf(const FrameContext& f, uint32_t work, uint32_t samples) {
   return room;
 }
 
-// Whether something overflowed; makes room for it, and some more, since the next frame may need it.
+// Returns true if a queue overflowed. Grows its capacity beyond the requirement, because the next frame may need more.
 bool overflowed(Overflow& overflow, const RasterRoom& room, const RasterCounters& counters) {
   const auto grow = [](uint32_t& kept, uint32_t has, uint32_t needed) {
     if (needed <= has) return false;
@@ -49,7 +50,7 @@ bool overflowed(Overflow& overflow, const RasterRoom& room, const RasterCounters
   return any;
 }
 
-// Of what is seen.
+// Returns the pixels of the visibility buffer.
 uint64_t pixelsOf(const FrameContext& f, const RasterViews& v) {
   if (v.lens) return uint64_t{f.width} * f.height * f.viewCount();
   return uint64_t{v.width} * v.height * v.count;
@@ -59,7 +60,7 @@ glm::uvec2 tilesOf(const RasterViews& v) {
   return (glm::uvec2(v.width, v.height) + (kRasterTile - 1)) / kRasterTile;
 }
 
-// A step reads and writes any of its buffers. raster_cull.comp is the pass "raster cull".
+// A step reads and writes any of its buffers. The pass name follows from the shader: raster_cull.comp is "raster cull".
 ComputePass rasterStep(const FrameContext& f, graph::Stage stage, std::string shader,
                        std::vector<graph::Access> buffers) {
   std::string name = shader.substr(0, shader.find('.'));
@@ -89,7 +90,7 @@ ComputePass pyramidPass(const FrameContext& f, const RasterViews& views) {
   return pass;
 }
 
-// A chain while it is added; passes that are recorded later have copies.
+// Adds the steps of one chain. Passes that are recorded later keep copies.
 struct RasterChainBuilder {
   const FrameContext& f;
   const RasterInstances& ranks;
@@ -100,11 +101,11 @@ struct RasterChainBuilder {
 
   void cull() const;
   void over(const char* shader, glm::uvec3 groups) const;
-  // `which`: kQueue*; a workgroup takes so many entries of it.
+  // `which` is kQueue*; `entries` is the number of entries per workgroup.
   struct Queue {
     uint32_t which, room, entries;
   };
-  // Shaders that evaluate masked materials read textures if the chain has some.
+  // Shaders that evaluate masked materials read textures if chain.textures is set.
   enum class Materials { Unread, Evaluated };
   void overQueue(const char* shader, Materials materials, Queue queue, std::vector<vk::Constant> constants = {}) const;
 
@@ -192,7 +193,7 @@ void RasterChainBuilder::overQueue(const char* shader, Materials materials, Queu
       });
   ComputePass pass = step(shader);
   if (chain.textures && materials == Materials::Evaluated) readsTextures(f, pass);
-  // What tiles do with their triangles is the same in all views.
+  // Tiles treat triangles of shadow maps and of other views alike.
   pass.constants.insert(pass.constants.end(), {{kSamplesConstant, views.samples},
                                                jobs ? vk::Constant{kShadowMapsConstant, 0} : mapsConstant(),
                                                {kCutsOutConstant, chain.wanted & kRankMasked}});
@@ -207,7 +208,7 @@ void RasterChainBuilder::overQueue(const char* shader, Materials materials, Queu
 
 RasterQueues::RasterQueues(const FrameContext& f, const RasterViews& views, const RasterInstances::Share& share,
                            graph::BufferId known)
-    // Rounded up, so that a scene that is edited does not ask for another size with every instance.
+    // Rounded up to a power of two, so that small edits of the scene do not change the size.
     : visible(known), room(roomOf(f, std::bit_ceil(static_cast<uint32_t>(share.parts)) * views.count, views.samples)) {
   const auto make = [&](const char* name, uint64_t bytes) {
     return f.graph.create(vk::BufferDesc{.size = bytes, .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, .name = name});
@@ -236,9 +237,9 @@ void addRasterChain(const FrameContext& f, const RasterInstances& ranks, const R
   constexpr auto kUnread = RasterChainBuilder::Materials::Unread, kEvaluated = RasterChainBuilder::Materials::Evaluated;
   const RasterChainBuilder steps{f, ranks, static_cast<uint32_t>(share.parts), views, queues, chain};
   const RasterRoom& room = queues.room;
-  const uint32_t subgroups = kRasterGroup / f.device.subgroupSize();  // of a workgroup of the shader chain.small
-  // lavapipe ends a shader's loops after 65535 rounds together. Those of a cluster are fewer where nothing but pixels
-  // is gone through: 180 for a triangle.
+  const uint32_t subgroups = kRasterGroup / f.device.subgroupSize();  // per workgroup of the shader chain.small
+  // lavapipe ends a shader's loops after 65535 iterations in total. A cluster stays below that if its loops only visit
+  // pixels, with 180 iterations per triangle.
   const bool apart = f.device.isCpu() && !chain.textures && !chain.lists && views.samples == 1;
   addClear(f, chain.stage, "raster clear", {queues.counters, queues.tiles},
            {queues.work, queues.clipped, queues.large, queues.entries, queues.jobs});

@@ -1,5 +1,12 @@
-// The steps of rasterization in compute (docs/compute.md): from clusters by way of queues to what shows, for views of
-// one size.
+// Software rasterization as a chain of compute dispatches (docs/compute.md; Laine and Karras 2011, High-Performance
+// Software Rasterization on GPUs, HPG; Karis, Stubbe and Wihlidal 2021, A Deep Dive into Nanite Virtualized Geometry,
+// SIGGRAPH course). It renders the clusters of all instances into views of one size:
+//
+//  clusters -> raster_cull -> work -> chain.small -+-> visibility buffer
+//                                                  +-> medium -> chain.small (a subgroup each) -> visibility buffer
+//                                                  +-> clipped -> raster_clip -> large
+//                                                  +-> large -> raster_count, raster_tiles, raster_fill
+//  raster_tiles, raster_fill -> tiles, entries, jobs -> chain.large (a workgroup per tile) -> visibility buffer
 #pragma once
 
 #include <functional>
@@ -15,21 +22,21 @@ namespace latelight::render {
 struct RasterViews {
   VkDeviceAddress constants;  // shared::FrameConstants
   uint32_t width, height, count;
-  uint32_t samples = 1;        // a pixel
-  bool lens = false;           // they find the rays of a picture through a lens, which `within` describes
+  uint32_t samples = 1;        // per pixel
+  bool lens = false;           // pinhole views that find the rays of a lens image; `within` is its LensTarget
   VkDeviceAddress within = 0;  // RasterPush::within
-  graph::BufferId pages{};     // of shadow maps: what of them is drawn (shadow/pages.h)
-  bool cullsHidden = false;    // clusters that others hide are passed over
+  graph::BufferId pages{};     // of shadow maps: the pages to render (shadow/pages.h)
+  bool cullsHidden = false;    // two-pass occlusion culling
 };
 
-// What the queues may hold, as far as earlier frames have found out.
+// Capacities of the queues, from the requirements of earlier frames.
 struct RasterRoom {
   uint32_t work, clipped, medium, large, entries, jobs;
 };
 
 // The buffers of shared::RasterBuffers.
 struct RasterQueues {
-  // Into what is visible already, or anew.
+  // Renders into the visibility buffer `known`, or into a new one.
   RasterQueues(const FrameContext& f, const RasterViews& views, const RasterInstances::Share& share,
                graph::BufferId known = {});
   std::vector<graph::Access> accesses() const;
@@ -38,32 +45,33 @@ struct RasterQueues {
   RasterRoom room;
 };
 
-// What is done at a pixel that a triangle covers differs, and with it the shaders.
+// Variants of a chain differ in what happens at a covered pixel, and thus in their shaders.
 struct RasterChain {
   graph::Stage stage{};
   const char *small = nullptr, *large = nullptr;  // shaders
-  uint32_t wanted = 0, asked = 0;                 // of the instances' flags
+  uint32_t wanted = 0, asked = 0;                 // required flags, and the mask of tested flags (kRank*)
   bool textures = false;
-  graph::BufferId lists{};                                       // of what is blended: shared::FragmentLists
-  std::vector<graph::BufferId> filled{};                         // the buffers of those
-  uint32_t culls = shared::kCullAll;                             // shared::kCull*
-  graph::BufferId hidden{}, pyramid{};                           // that it takes
-  std::function<void(const shared::RasterCounters&)> counted{};  // is told what was there, once the graph has run
+  graph::BufferId lists{};                                       // of blended surfaces: shared::FragmentLists
+  std::vector<graph::BufferId> filled{};                         // the buffers of these lists
+  uint32_t culls = shared::kCullAll;                             // culling mode, shared::kCull*
+  graph::BufferId hidden{}, pyramid{};                           // inputs of occlusion culling, if `culls` uses it
+  std::function<void(const shared::RasterCounters&)> counted{};  // called with the counters after the graph has run
 };
 
-// Of the instances in `share`, which lives as long as the graph runs, as `ranks` does.
+// Renders the instances in `share`. `share` and `ranks` must live until the graph has run.
 void addRasterChain(const FrameContext& f, const RasterInstances& ranks, const RasterInstances::Share& share,
                     const RasterViews& views, const RasterQueues& queues, const RasterChain& chain);
 
-// The farthest depths of what is visible (shared::PyramidPush).
+// Adds the depth pyramid (HZB) of the visibility buffer (shared::PyramidPush).
 graph::BufferId addPyramid(const FrameContext& f, const RasterViews& views, graph::BufferId visible);
 
-// Asks for the pipelines that it takes to cull what is hidden, so that no frame but the first has to wait for them.
+// Requests the pipelines of occlusion culling ahead of time, so that only the first frame waits for them.
 void prepareHiding(const FrameContext& f, const RasterViews& views);
 
-// Shaders that look up materials' textures; and those that have the setup's constants as well.
+// bindTextures() is for shaders that read material textures; readsTextures() also adds the setup's constants.
 void bindTextures(const FrameContext& f, ComputePass& pass);
-// Tells a shader whether there are vast triangles, unless it knows (FrameConfig::constants()).
+// Adds the constant that states whether the scene has vast triangles, unless it is set already
+// (FrameConfig::constants()).
 void addVastConstant(const FrameContext& f, ComputePass& pass);
 void readsTextures(const FrameContext& f, ComputePass& pass);
 

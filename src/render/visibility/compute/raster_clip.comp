@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Triangles that cross the near or far plane, or reach beyond the guard band: what remains of each, as a fan of large
-// triangles. A crossing is computed from the inside end of its edge to the outside one, whichever triangle asks, so that
-// neighbours get the very same vertex.
+// Clips triangles that cross the near or far plane, or reach beyond the guard band (queue clipped), and queues the
+// remaining polygon as a fan of large triangles. An intersection is always computed from the inner end of an edge to
+// the outer end, so that adjacent triangles get identical vertices.
 #include "render/visibility/compute/raster.glsl"
 
 layout(local_size_x = 64) in;
@@ -32,7 +32,7 @@ Polygon clip(Polygon p, uint plane) {
   return kept;
 }
 
-// What remains of a vast triangle.
+// Returns the remaining polygon of a vast triangle.
 Polygon vastPolygon(View view, Exact3 corners[3]) {
   VastPolygon vast = clipVast(view, corners);
   Polygon p;
@@ -64,7 +64,7 @@ void main() {
   vec3 depths = depthPlane(view, seen[0], seen[1], seen[2]);
   bool vast = kVast != 0u && (r.flags & kRankVast) != 0u;
   for (uint plane = 0u; plane < 6u && !vast; ++plane) p = clip(p, plane);
-  // A loop, since lavapipe runs a branch whether any lane takes it or not.
+  // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
   for (bool some = vast; some; some = false) {
     Instance instance = frameInstance(frame, r.instance);
     Exact3 corners[3];

@@ -1,6 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// A thread for each cluster of an instance, in a view: queues it if any of its triangles may show.
+// Cluster culling on the GPU, with one thread per cluster of an instance and view: group and flag tests, frustum
+// culling, backface cone culling, shadow map pages, and two-pass occlusion culling against the depth pyramid (HZB) of
+// PyramidPush. Visible clusters are appended to the queue `work`; the bits in `hidden` store the clusters that are
+// occluded (Haar and Aaltonen 2015, GPU-Driven Rendering Pipelines, SIGGRAPH course).
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_vote : require
 #include "render/glsl/common.glsl"
@@ -10,12 +13,12 @@
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Push { CullPush push; };
 
-// Whether the sphere reaches inside of a side: of (scale * x + offset * depth) >= 0, normalised here.
+// Returns true if the sphere reaches into the half-space (scale * x + offset * depth) >= 0, which is normalized here.
 bool reaches(float scale, float offset, float x, float depth, float radius) {
   return (scale * x + offset * depth) >= -radius * sqrt(scale * scale + offset * offset);
 }
 
-// `center` here and below: relative to the eye.
+// Frustum culling: returns true if the view may see the sphere. `center` here and below is relative to the eye.
 bool mayShow(View view, vec3 center, float radius) {
   Projection p = view.projection;
   vec3 c = toView(view, center);
@@ -26,7 +29,7 @@ bool mayShow(View view, vec3 center, float radius) {
   return abs(p.H * c.x + p.X) <= 1.0 + p.H * r && abs(p.V * c.z + p.Z) <= 1.0 + p.V * r;
 }
 
-// Which instances: those that have these flags and no others of them.
+// Selects instances: (flags & kFlagMask) must equal kRequiredFlags. kCullPass is the culling mode kCull*.
 layout(constant_id = 16) const uint kRequiredFlags = 0u;
 layout(constant_id = 17) const uint kFlagMask = 0u;
 layout(constant_id = 18) const uint kCullPass = kCullAll;
@@ -37,8 +40,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Clu
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer HiddenRef { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PyramidRef { float v[]; };
 
-// Whether nothing but the backs of its triangles can be seen. The margin is for rounding, and for triangles seen almost
-// edge-on: snapped to subpixels they may show their fronts.
+// Backface cone culling (Shirman and Abi-Ezzi 1993, The Cone of Normals Technique for Fast Processing of Curved
+// Patches): returns true if only back faces of the cluster are visible. The margin covers rounding, and triangles seen
+// almost edge-on, which may become front faces when they are snapped to subpixels.
 bool facesAway(View view, RasterInstance r, Cluster c, mat4x3 placed) {
   if ((r.flags & kRankDoubleSided) != 0u || kShadowMaps != 0u || (r.flags & kRankSimilar) == 0u) return false;
   const float kMargin = 0.01;
@@ -47,7 +51,7 @@ bool facesAway(View view, RasterInstance r, Cluster c, mat4x3 placed) {
   return clusterFacesAway(normalize(direction), normalize(mat3(placed) * c.axis), c.cutoff, kMargin);
 }
 
-// The pixels that the sphere may touch, of those of the view.
+// Returns the pixels of the view that the sphere may touch.
 PixelBox pixelsOf(View view, vec3 center, float radius) {
   Projection p = view.projection;
   vec3 c = toView(view, center);
@@ -66,15 +70,15 @@ PixelBox pixelsOf(View view, vec3 center, float radius) {
   return PixelBox(ivec2(clamp(first - 1.0, vec2(0.0), last)), ivec2(clamp(end + 1.0, vec2(0.0), last)));
 }
 
-// The sphere and the box of a cluster, or of its instance where the cluster's do not hold.
+// Bounding sphere and box of a cluster, or of its instance if the cluster has no valid bounds.
 struct Bounds {
   vec3 center;  // relative to the eye
   float radius;
-  mat3 sides;  // half of a box's, view space
-  float edge;  // the longest of its triangles
+  mat3 sides;  // half of the box's sides, view space
+  float edge;  // length of the longest triangle edge
 };
 
-// False where the cluster shows nothing but its back.
+// Returns false if only back faces of the cluster are visible.
 bool findBounds(View view, RasterInstance r, uint cluster, out Bounds bounds) {
   mat3 viewAxes = mat3(view.worldToView);
   bounds = Bounds(r.centre - view.eye, r.radius, viewAxes * r.radius, 2.0 * r.radius);
@@ -87,7 +91,7 @@ bool findBounds(View view, RasterInstance r, uint cluster, out Bounds bounds) {
   return !facesAway(view, r, c, placed);
 }
 
-// Whether any page of the view is drawn, if it is a shadow map.
+// Returns true if any page of the view is rendered, or if it is not a shadow map.
 bool anyDrawn(uint viewIndex) {
   if (kShadowMaps == 0u) return true;
   RasterMap map = RasterMapRef(push.within).v[viewIndex];
@@ -102,7 +106,7 @@ bool inGroup(View view, RasterInstance r) {
   return frameInstance(FrameRef(push.frame).v, r.instance).flags >> kInstanceGroupShift == view.group;
 }
 
-// Whether the view sees that far, as if nothing stood before it.
+// Returns true if the bounds are in the view, ignoring occlusion.
 bool inView(View view, uint viewIndex, vec3 center, float radius) {
   if (!mayShow(view, center, radius)) return false;
   if (kShadowMaps == 0u) return true;
@@ -113,12 +117,12 @@ bool inView(View view, uint viewIndex, vec3 center, float radius) {
          isDrawn(push.within, push.pages, viewIndex, pixelsOf(view, center, radius));
 }
 
-// --- what hides ------------------------------------------------------------------------------------------------------
+// --- occlusion -------------------------------------------------------------------------------------------------------
 
-// A box as the view sees it.
+// The screen bounds of a box.
 struct SeenBox {
-  bool behind;     // it may reach to where the eye is, or behind it
-  float nearest;   // depth of the nearest pixel that triangles in it can have
+  bool behind;     // it may reach the eye or lie behind it
+  float nearest;   // maximum depth that pixels of its triangles can have (reversed depth)
   PixelBox pixels;
 };
 
@@ -129,8 +133,8 @@ SeenBox seenBox(View view, Bounds bounds) {
   vec3 reach = abs(bounds.sides[0]) + abs(bounds.sides[1]) + abs(bounds.sides[2]) + slack;
   float nearest = centre.y - reach.y;
   if (p.kind == kPerspective && nearest <= 0.0) return SeenBox(true, 1.0, PixelBox(ivec2(0), ivec2(-1)));
-  // Snapping to subpixels may bring a triangle nearer, but no more than its farthest corner is from its nearest
-  // (setRange() in raster.glsl).
+  // Snapping to subpixels may bring a triangle nearer, by at most the depth range of its corners (setRange() in
+  // raster.glsl).
   float depth = deviceDepth(p, nearest), most = 2.0 * depth - deviceDepth(p, nearest + min(bounds.edge, 2.0 * reach.y));
   vec2 low = vec2(3.0e38), high = vec2(-3.0e38);
   for (uint i = 0u; i < 8u; ++i) {
@@ -147,7 +151,8 @@ SeenBox seenBox(View view, Bounds bounds) {
                                                  ivec2(clamp(end + 1.5, vec2(0.0), last))));
 }
 
-// Whether every sample that the box may touch is nearer. Boxes of many squares, even large ones, count as seen.
+// Occlusion test against the depth pyramid (HZB): returns true if the visible surface is nearer at every sample that
+// the box may touch. A box that covers more than kAcross squares per axis on every level counts as visible.
 bool isHidden(View view, uint viewIndex, Bounds bounds) {
   const int kAcross = 4;
   SeenBox box = seenBox(view, bounds);
@@ -169,16 +174,17 @@ bool isHidden(View view, uint viewIndex, Bounds bounds) {
   return box.nearest < farthest;
 }
 
-// --- which are queued ------------------------------------------------------------------------------------------------
+// --- queue -----------------------------------------------------------------------------------------------------------
 
 uint hiddenWord(uint viewIndex, uint number) { return viewIndex * ((push.parts + 31u) / 32u) + number / 32u; }
 
-shared uint hiddenNow[2];  // of the workgroup's clusters
+shared uint hiddenNow[2];  // occlusion bits of the workgroup's clusters
 
 bool isQueued(uint number, uint viewIndex, RasterInstance r, uint cluster) {
   if ((r.flags & kFlagMask) != kRequiredFlags || r.radius < 0.0) return false;
   View view = frameView(FrameRef(push.frame).v, viewIndex);
-  // Of a thousand shadow maps most see none of an instance, and its clusters need not be looked at.
+  // The instance is tested first, because most of a thousand shadow maps see nothing of it and need not load its
+  // clusters.
   if (!inView(view, viewIndex, r.centre - view.eye, r.radius) || !inGroup(view, r)) return false;
   Bounds bounds;
   bool shows = findBounds(view, r, cluster, bounds) && inView(view, viewIndex, bounds.center, bounds.radius);
@@ -219,7 +225,7 @@ void main() {
   }
   uvec4 all = subgroupBallot(queued);
   uint count = subgroupBallotBitCount(all), first = 0u;
-  // An atomic at one address takes about a nanosecond, whatever it adds, and a thousand shadow maps would make millions.
+  // One atomic per subgroup: atomics at one address are serialized, and a thousand shadow maps would issue millions.
   if (subgroupElect() && count != 0u) first = atomicAdd(CountersRef(push.counters).v.work, count);
   uint place = subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(all);
   if (queued && place < push.workRoom) WorkRef(push.work).v[place] = work;

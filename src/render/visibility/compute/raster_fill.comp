@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Lists the large triangles of each tile, in no order.
+// Writes the large triangles of each tile into the tile's entries, in any order.
 #define BIN(tile, triangle)                                             \
   {                                                                     \
     uint place = atomicAdd(table.v[2u * (tile) + 1u], 1u);              \

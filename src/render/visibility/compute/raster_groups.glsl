@@ -1,26 +1,27 @@
-// Clusters, a thread a triangle: small ones are rasterized at once; those of some size are queued, and then rasterized by a
-// subgroup each; large ones are queued, too, and those that cross the volume's planes. After raster.glsl and hit(), which
-// takes what they cover.
+// Rasterizes clusters with one thread per triangle. Small triangles are rasterized immediately. Medium triangles are
+// queued and then rasterized by one subgroup each. Large triangles, and triangles that cross a plane of the view
+// volume, are queued for raster_bin.glsl and raster_clip.comp. Include after raster.glsl and hit(), which receives the
+// covered pixels.
 
 #include "render/glsl/lanes.glsl"
 
 layout(local_size_x = 128) in;
 FROM_LANE(ivec2)
 
-// 1: a cluster is a subgroup's, not a workgroup's, and so are its triangles of some size. Where loads by address are loops
-// over lanes, which they are on lavapipe, most of a thread's time goes to what all triangles of a cluster have in common.
+// 1: one cluster per subgroup instead of per workgroup; the same subgroup rasterizes its medium triangles. On lavapipe,
+// loads by address are loops over lanes, so most of a thread's time goes to data that all triangles of a cluster share.
 layout(constant_id = 21) const uint kApart = 0u;
-// 1: takes the queue of triangles of some size, a subgroup each. A cluster that is near has nothing else, so that its
-// workgroup would keep the others waiting.
+// 1: processes the queue of medium triangles, one subgroup each. A cluster near the camera has only such triangles, so
+// rasterizing them in the cluster's workgroup would leave its other threads idle.
 layout(constant_id = 22) const uint kQueued = 0u;
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer ClusterTriangleRef { ClusterTriangle v[]; };
 
-struct Edges {  // weights of the corners at a pixel's first place, and what they grow by a pixel to the right and down
+struct Edges {  // edge functions at a pixel's first sample, and their steps per pixel to the right and down
   ivec3 at, right, down;
 };
 
-// A place on an edge that is not the triangle's own counts as outside: it has less than 0.
+// On an edge that the triangle does not own, the edge function is decreased by 1, so that 0 becomes outside.
 Edges edgesAt(Triangle t, ivec2 pixel) {
   ivec2 p = pixel * kSubpixels + kFirstPlace;
   ivec2 u = t.c - t.b, v = t.a - t.c, w = t.b - t.a;
@@ -39,11 +40,11 @@ void testPixel(uint view, Triangle t, ivec2 pixel, ivec3 weights, Edges e, float
   if (samples != 0u) hit(view, pixel, samples, PixelDepth(depth, steps, t.least, t.most), t.id);
 }
 
-// The pixels of a small box in which the triangle has a sample: a bit each, row by row.
+// Returns the pixels of a small box that contain covered samples, one bit each, row by row.
 uint pixelsInside(Edges e, ivec2 size) {
   ivec3 row = e.at;
   uint inside = 0u, bit = 1u;
-  // Loops are tested at their end: lavapipe goes once more through one that ends at its beginning.
+  // Loops test at the end: lavapipe executes the body once more if a loop tests at the beginning.
   do {
     ivec3 weights = row;
     int x = size.x;
@@ -57,14 +58,14 @@ uint pixelsInside(Edges e, ivec2 size) {
   return inside;
 }
 
-// First which pixels are inside, then what to do there: lanes wait for the one that has most pixels, and few of those of a
-// box are inside.
+// Finds the covered pixels first and processes them afterwards: lanes wait for the lane with the most pixels, and few
+// pixels of a box are covered.
 void rasterSmall(uint index, View view, Triangle t, PixelBox box) {
   Edges e = edgesAt(t, box.low);
   float corner = depthAt(view, t, box.low);
   vec2 steps = depthSteps(view, t.plane);
   ivec2 size = box.high - box.low + 1;
-  int inverse = 65536 / size.x + 1;  // of up to kSmallBox: exact
+  int inverse = 65536 / size.x + 1;  // exact up to kSmallBox
   uint inside = pixelsInside(e, size);
   if (inside == 0u) return;
   do {
@@ -76,7 +77,7 @@ void rasterSmall(uint index, View view, Triangle t, PixelBox box) {
   } while (inside != 0u);
 }
 
-// In blocks of as many pixels as lanes; those that the triangle does not touch are passed over.
+// Rasterizes blocks with one pixel per lane and skips blocks that the triangle does not touch.
 void rasterMedium(uint index, View view, Triangle t) {
   const int kWide = kSubgroupSize >= 32u ? 8 : 4;
   int tall = max(int(gl_SubgroupSize) / kWide, 1);
@@ -106,7 +107,7 @@ void rasterMedium(uint index, View view, Triangle t) {
   } while (block.y <= box.high.y);
 }
 
-// What all of a cluster's triangles have in common.
+// Data that all triangles of a cluster share.
 struct Group {
   RasterWork work;
   RasterInstance r;
@@ -116,7 +117,7 @@ struct Group {
   uint triangles;
 };
 
-// A number without a cluster gives the last one with no triangles: the last row of workgroups has more than there is work.
+// A number beyond the queue returns the last cluster with no triangles: the last row of workgroups exceeds the queue.
 Group groupOf(uint number) {
   uint last = min(CountersRef(push.buffers.counters).v.work, push.workRoom);
   FrameConstants frame = FrameRef(push.buffers.frame).v;
@@ -137,12 +138,13 @@ ClusterTriangle clusterTriangle(Group g, uint index) {
 Corner cornerOf(Group g, Cluster c, uint vertex) {
   MeshClusters of = g.mesh.clusters;
   uint index = c.firstVertex + vertex;
-  // A loop, since lavapipe runs a branch whether any lane takes it or not.
+  // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
   for (bool listed = of.vertices != uint64_t(0); listed; listed = false) index = UintRef(of.vertices).v[index];
   return cornerAt(g.view, g.placed, positionAt(of.vertices != uint64_t(0) ? g.mesh.positions : of.positions, index));
 }
 
-// What this thread does with triangle `number` of the mesh; true: it is of some size.
+// Rasterizes or queues triangle `number` of the mesh. Returns true if it is a medium triangle, which the caller
+// handles.
 bool takeTriangle(Group g, uint number, Corner a, Corner b, Corner c, out Triangle t) {
   if ((a.outside & b.outside & c.outside & ~kOutsideVolume) != 0u) return false;
   bool vast = kVast != 0u && (g.r.flags & kRankVast) != 0u;
@@ -168,8 +170,8 @@ bool takeTriangle(Group g, uint number, Corner a, Corner b, Corner c, out Triang
   return false;
 }
 
-// Its own triangle of the cluster. (To transform each vertex once, into shared memory, takes an H200 twice as long: fewer
-// workgroups have room.)
+// Handles this thread's triangle of the cluster. (Transforming each vertex once, into shared memory, is slower, because
+// fewer workgroups are resident.)
 bool takeOwn(Group g, Cluster c, uint index, out Triangle t) {
   if (index >= g.triangles) return false;
   ClusterTriangle own = clusterTriangle(g, index);
@@ -177,7 +179,7 @@ bool takeOwn(Group g, Cluster c, uint index, out Triangle t) {
                       cornerOf(g, c, clusterCorner(own, 2u)), t);
 }
 
-// Called by all lanes that are there; `some` have one.
+// Queues medium triangles. All active lanes call it; `some` is true in lanes that have one.
 void pushMedium(uint view, Triangle t, bool some) {
   uvec4 all = subgroupBallot(some);
   if (!anyLane(all)) return;
@@ -187,7 +189,7 @@ void pushMedium(uint view, Triangle t, bool some) {
   if (some && place < push.mediumRoom) LargeRef(push.buffers.large).v[push.largeRoom + place] = queued(view, t);
 }
 
-// The workgroup takes a cluster.
+// One cluster per workgroup.
 void rasterTogether() {
   Group g = groupOf(groupNumber());
   Cluster c = ClusterRef(g.mesh.clusters.clusters).v[g.work.cluster];
@@ -201,7 +203,7 @@ Triangle fromLane(Triangle t, uint lane) {
                   fromLane(t.least, lane), fromLane(t.most, lane), fromLane(t.id, lane));
 }
 
-// Each subgroup takes one.
+// One cluster per subgroup.
 void rasterApart() {
   Group g = groupOf(groupNumber() * gl_NumSubgroups + gl_SubgroupID);
   Cluster c = ClusterRef(g.mesh.clusters.clusters).v[g.work.cluster];

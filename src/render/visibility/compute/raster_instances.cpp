@@ -10,8 +10,8 @@ namespace latelight::render {
 namespace {
 
 struct Stretch {
-  float most;    // that a length grows by
-  bool similar;  // angles stay as they are
+  float most;    // upper bound of the scale of lengths
+  bool similar;  // angles are preserved
 };
 Stretch stretchOf(const shared::Instance& instance) {
   const shared::vec3 x = instance.objectToWorld[0], y = instance.objectToWorld[1], z = instance.objectToWorld[2];
@@ -36,7 +36,7 @@ uint32_t flagsOf(const shared::Instance& instance, const shared::Material& mater
   return flags;
 }
 
-constexpr uint64_t kMaxParts = (uint64_t{1} << 32) / shared::kRasterGroup;  // whose triangles 32 bits number
+constexpr uint64_t kMaxParts = (uint64_t{1} << 32) / shared::kRasterGroup;  // triangle ids have 32 bits
 
 }  // namespace
 

@@ -1,5 +1,5 @@
-// The instances of a scene in the order of drawing, numbered so that every triangle of them has an id of 32 bits: what
-// the visibility buffer holds.
+// The instances of a scene in draw order (draw indices), numbered so that every triangle has a 32-bit id for the
+// visibility buffer.
 #pragma once
 
 #include <vector>
@@ -17,21 +17,21 @@ class RasterInstances {
       : list_(device, "instances in order"),
         rankOfPart_(device, "instances of parts"),
         lists_(device, "instance list") {}
-  // Follows the scene; costs nothing where no instance has changed. What the device lacks is uploaded with `uploader`.
+  // Follows the scene and uploads changes with `uploader`. Does nothing if no instance or material has changed.
   void update(const GpuScene& scene, const DrawOrder& order, vk::Uploader& uploader);
 
-  // shared::InstanceList: solid ones, then blended ones.
+  // The address of shared::InstanceList: opaque and masked instances, then blended ones.
   VkDeviceAddress address() const { return lists_.address(); }
-  // Of the solid ones, or of all of them.
+  // A prefix of the instances: solid() are the opaque and masked ones, all() includes the blended ones.
   struct Share {
-    uint32_t ranks = 0, masked = 0;  // instances; those whose alpha takes parts of them away
-    uint64_t parts = 0;              // of kRasterGroup triangles, in all
+    uint32_t ranks = 0, masked = 0;  // instances; those that are masked or blended
+    uint64_t parts = 0;              // total parts of kRasterGroup triangles
   };
   const Share& solid() const { return solid_; }
   const Share& all() const { return all_; }
   bool anyBlended() const { return all_.ranks > solid_.ranks; }
   const ShownMaterials& materials() const { return materialsShown_; }
-  // Numbers that those of the solid ones take, up to the first of the blended ones.
+  // Number of triangle ids before those of the blended instances.
   uint32_t solidTriangles() const { return static_cast<uint32_t>(solid_.parts * shared::kRasterGroup); }
 
  private:
@@ -39,10 +39,10 @@ class RasterInstances {
   std::vector<uint32_t> partRanks_;
   GpuList<shared::RasterInstance> list_;
   GpuList<uint32_t> rankOfPart_;
-  GpuList<shared::InstanceList> lists_;  // one
+  GpuList<shared::InstanceList> lists_;  // a single element
   Share solid_, all_;
   ShownMaterials materialsShown_;
-  uint64_t instances_ = 0, materials_ = 0;  // revisions that it follows
+  uint64_t instances_ = 0, materials_ = 0;  // revisions of the last update
 };
 
 }  // namespace latelight::render

@@ -1,26 +1,28 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-// A workgroup a job, or one for each sample of a pixel: the large triangles of a tile, or of an equal part of it, a thread
-// for 16 of its samples, which stay in registers meanwhile.
+// Rasterizes large triangles per tile of 64x64 pixels, with one workgroup per job (RasterJob) and per sample of a
+// pixel. With several samples each workgroup covers an equal part of the tile. Each thread keeps 16 samples in
+// registers and writes them to the visibility buffer at the end.
 //
-// A pixel's first place is a whole number of pixels, 256 subpixels, from the tile's first one. So an edge's weight there is
-// at least 0 where the weight at the first one over 256, rounded down, and whole steps are: 32 bits hold both, since the
-// guard band bounds the steps to 2^23, and a weight beyond 2^30 has the same sign in all of the tile. With S samples, S
-// times that and what rounding has left, in 256ths over S, is the weight over the subpixels from place to place, rounded
-// down; beyond 2^26 pixels it has the same sign in all of the pixel.
+// The first sample of a pixel is a whole number of pixels (256 subpixels each) from that of the tile. The sign of an
+// edge function there therefore follows from its value at the tile's first sample divided by 256, rounded down, plus
+// whole steps. Both fit into 32 bits: the guard band limits the steps to 2^23, and a value beyond 2^30 has the same
+// sign in the whole tile. With S samples, S times that value plus the remainder, in units of 256 / S, is the edge
+// function in units of the distance between sample positions, rounded down; beyond 2^26 it has the same sign in the
+// whole pixel.
 #include "render/visibility/compute/raster_tile.glsl"
 
 layout(local_size_x = 256) in;
 
-// Pixels of a thread.
+// Pixels per thread.
 const int kWide = kSamples <= 2u ? 4 : kSamples <= 8u ? 2 : 1;
 const int kTall = 16 / (kWide * int(kSamples));
 const int kBound = (1 << 30) - 1, kBoundInPixel = 1 << 26;
 
 struct TileTriangle {
-  ivec3 at, right, down;  // weights over 256 at the tile's first pixel, and their steps
-  uint rests;             // of the three, with several samples: a byte each
+  ivec3 at, right, down;  // edge functions / 256 at the tile's first pixel, and their steps
+  uint rests;             // remainders of the three, with several samples: a byte each
   vec3 plane;
   float least, most;
   uint id;
@@ -52,26 +54,26 @@ uint coveredIn(TileTriangle t, ivec3 weights) {
   return coveredSamples(at, t.right, t.down);
 }
 
-// The largest weights in a thread's pixels, or somewhat more.
+// Returns an upper bound of the edge functions in a thread's pixels.
 ivec3 largestIn(TileTriangle t, ivec3 first) {
   ivec3 right = max(t.right, ivec3(0)), down = max(t.down, ivec3(0));
   if (kSamples == 1u) return first + right * (kWide - 1) + down * (kTall - 1);
   return first + right * kWide + down * kTall;
 }
 
-// A subgroup of 32 has 8 by 4 blocks, which fewer triangles reach than rows.
+// A subgroup of 32 lanes has 8x4 blocks, which fewer triangles touch than rows.
 ivec2 blockOf(uint i) {
   return ivec2((i & 7u) | (i >> 2u & 8u), (i >> 3u & 3u) | (i >> 4u & 12u)) * ivec2(kWide, kTall);
 }
 
-// Of the tile, for this workgroup.
+// The offset of this workgroup's part within the tile, in pixels.
 ivec2 partOfTile() {
   const uint kAcross = 4u / uint(kWide);
   return ivec2(gl_WorkGroupID.z % kAcross, gl_WorkGroupID.z / kAcross) * 16 * ivec2(kWide, kTall);
 }
 
-// Fills the triangles of the job; those that this workgroup's part of the tile has nothing of are left out. Gives their
-// number. They are in no order, and need none.
+// Loads the triangles of the job into shared memory, skipping those that do not touch this workgroup's part of the
+// tile. Returns their number. Their order does not matter.
 uint setUp(RasterJob job, ivec2 corner) {
   if (kSamples > 1u) {
     if (gl_LocalInvocationIndex == 0u) triangleCount = 0u;
@@ -99,7 +101,7 @@ void main() {
   vec2 ray = rayAt(seen, place.corner + block);
   uint64_t shown[16];
   [[unroll]] for (int i = 0; i < 16; ++i) shown[i] = uint64_t(0);
-  float farthest = 0.0;  // of what shows in the block
+  float farthest = 0.0;  // farthest depth in the block
   for (uint i = 0u; i < count; ++i) {
     TileTriangle t = triangles[i];
     ivec3 row = t.at + t.right * block.x + t.down * block.y;
@@ -107,7 +109,7 @@ void main() {
     if ((most.x | most.y | most.z) < 0 || t.most < farthest) continue;
     float first = depthOn(t.plane, ray);
     vec2 steps = depthSteps(seen, t.plane);
-    uint least = ~0u;  // depth's bits
+    uint least = ~0u;  // bits of the minimum depth
     [[unroll]] for (int y = 0; y < kTall; ++y) {
       ivec3 weights = row;
       [[unroll]] for (int x = 0; x < kWide; ++x) {

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: textured
-// As raster_large.comp, for what alpha takes parts away of.
+// As raster_large.comp, for masked (alpha-tested) instances.
 #include "render/visibility/compute/raster_tile.glsl"
 #include "render/visibility/compute/surface_point.glsl"
 #include "render/visibility/compute/masked.glsl"

@@ -1,5 +1,5 @@
-// Large triangles pixel by pixel: each that one covers is hit(). A tile has a workgroup for each sample of a pixel, so that
-// there is as much to do for each. After raster_tile.glsl and hit().
+// Rasterizes large triangles pixel by pixel and calls hit() for each covered pixel. A tile has one workgroup per sample
+// of a pixel, so that the work per workgroup stays constant. Include after raster_tile.glsl and hit().
 layout(local_size_x = 16, local_size_y = 16) in;
 
 uint coveredSamples(Edge a, Edge b, Edge c) {

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: textured
-// Triangles of blended instances, for a picture through a lens.
+// Rasterization of blended instances for images through a lens.
 #include "render/visibility/compute/raster.glsl"
 #include "render/visibility/compute/surface_point.glsl"
 #include "render/visibility/compute/lens_blended.glsl"

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: textured
-// Triangles of instances whose alpha takes parts of them away.
+// Software rasterization of masked (alpha-tested) instances: small and medium triangles.
 #include "render/visibility/compute/raster.glsl"
 #include "render/visibility/compute/surface_point.glsl"
 #include "render/visibility/compute/masked.glsl"

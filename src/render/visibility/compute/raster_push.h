@@ -1,5 +1,5 @@
-// What the shaders of visibility in compute share with the host (compute.h): the instances in the order of drawing, and
-// the queues between the steps of rasterization.
+// Structs that the shaders of compute visibility share with the host (compute.h): the instances in draw order, the
+// queues between the steps of rasterization, and push constants.
 #ifndef LATELIGHT_RASTER_PUSH_H
 #define LATELIGHT_RASTER_PUSH_H
 
@@ -9,32 +9,33 @@
 
 SH_BEGIN
 
-SH_CONST uint kRasterGroup = kClusterTriangles;  // triangles of a part: of their numbers, and of a cluster
-SH_CONST uint kCullGroup = 64u;                  // parts that a workgroup of raster_cull.comp takes
-SH_CONST uint kRasterRow = 32768u;               // workgroups in a row of an indirect dispatch
-SH_CONST uint kRasterTile = 64u;                 // pixels across, of what raster_large.comp does at once
-SH_CONST uint kBinGroup = 32u;                   // large triangles that a workgroup of raster_bin.glsl takes
-SH_CONST uint kRasterJobTriangles = 128u;        // of one tile, at most, in one of its workgroups
-SH_CONST int kSubpixels = 256;                   // positions in a pixel, across
+SH_CONST uint kRasterGroup = kClusterTriangles;  // triangles per part: a range of ids, and a cluster
+SH_CONST uint kCullGroup = 64u;                  // parts per workgroup of raster_cull.comp
+SH_CONST uint kRasterRow = 32768u;               // workgroups per row of an indirect dispatch
+SH_CONST uint kRasterTile = 64u;                 // tile size of raster_large.comp, in pixels
+SH_CONST uint kBinGroup = 32u;                   // large triangles per workgroup of raster_bin.glsl
+SH_CONST uint kRasterJobTriangles = 128u;        // maximum triangles of a tile per job
+SH_CONST int kSubpixels = 256;                   // subpixels per pixel and axis
 
-// Of what one subgroup rasterizes. (lavapipe ends a shader's loops after 65535 rounds together, and there a subgroup
-// has a whole cluster.)
+// Maximum pixels of a medium triangle. (lavapipe ends a shader's loops after 65535 iterations in total, and there one
+// subgroup rasterizes a whole cluster.)
 SH_CONST int kMediumPixels = 2048;
 SH_CONST int kMediumPixelsOfCpu = 512;
 
-// Who rasterizes a triangle.
-SH_CONST uint kRasterSmall = 1u;    // its thread
-SH_CONST uint kRasterMedium = 2u;   // a subgroup
+// Size classes: who rasterizes a triangle.
+SH_CONST uint kRasterSmall = 1u;    // its own thread
+SH_CONST uint kRasterMedium = 2u;   // one subgroup
 SH_CONST uint kRasterLarge = 3u;    // the tiles that it touches
-SH_CONST uint kRasterClipped = 4u;  // they do, after what lies outside of the view's volume is cut off
+SH_CONST uint kRasterClipped = 4u;  // the tiles, after clipping to the view volume
 
-// Ids of what is visible are counted over all instances, each of which begins with a part of its own: triangle t of
-// this one is firstTriangle + t + 1. Its mesh has as many clusters as parts, and they are counted in the same way.
+// An instance in draw order. Triangle ids of the visibility buffer count over all instances, and each instance begins
+// at a new part: triangle t of this one has the id firstTriangle + t + 1. Its mesh has one cluster per part, in the
+// same order.
 struct RasterInstance {
-  vec3 centre;        // of a sphere around it, world
-  float radius;       // metres; below 0: it is gone
-  uint64_t clusters;  // Cluster[] of its mesh where their bounds hold, or 0
-  float stretch;      // what its transform makes longer than it is in object space, at most
+  vec3 centre;        // of the bounding sphere, world space
+  float radius;       // meters; below 0: the instance is not rendered
+  uint64_t clusters;  // Cluster[] of its mesh if their bounds are valid, else 0
+  float stretch;      // upper bound of the transform's scale from object space
   uint instance;
   uint mesh;
   uint firstTriangle;
@@ -43,17 +44,17 @@ struct RasterInstance {
 };
 SH_CONST uint kRankDoubleSided = 1u;
 SH_CONST uint kRankClockwise = 2u;
-SH_CONST uint kRankMasked = 4u;  // its alpha takes parts of it away
+SH_CONST uint kRankMasked = 4u;  // masked or blended: alpha removes parts of it
 SH_CONST uint kRankBlended = 8u;
-SH_CONST uint kRankSimilar = 16u;  // its transform keeps angles
+SH_CONST uint kRankSimilar = 16u;  // its transform preserves angles
 SH_CONST uint kRankLayered = 32u;
 SH_CONST uint kRankVast = 64u;  // kInstanceVast
 
 SH_CONST uint kRankedBytes = 48u;
 
-struct InstanceList {   // in the order of drawing
+struct InstanceList {   // in draw order
   uint64_t ranks;       // RasterInstance[]
-  uint64_t rankOfPart;  // uint[]: which instance has the triangles kRasterGroup * i and on
+  uint64_t rankOfPart;  // uint[]: the instance of the triangles from kRasterGroup * i on
 };
 
 struct RasterWork {  // a cluster of an instance in a view
@@ -62,40 +63,40 @@ struct RasterWork {  // a cluster of an instance in a view
   uint view;
 };
 
-struct ClippedTriangle {  // one that crosses a plane of the view's volume
+struct ClippedTriangle {  // a triangle that crosses a plane of the view volume
   uint rank;
   uint triangle;
   uint view;
 };
 
-// One on screen that is not small: corners in subpixels from the upper left, in clockwise order as seen.
+// A medium or large triangle on screen. Corners are in subpixels from the upper left, clockwise on screen.
 struct LargeTriangle {  // 52 bytes
   int ax, ay, bx, by, cx, cy;
-  vec3 plane;         // device depth at a pixel is dot(plane, (x, 1, z)) of its viewRay(), without its depth
-  float least, most;  // of the depth
+  vec3 plane;         // device depth at a pixel is dot(plane, (x, 1, z)), with x and z of its viewRay()
+  float least, most;  // depth range
   uint id;
   uint view;
 };
 
-struct RasterJob {    // some large triangles of one tile
-  uint tile;          // of all views
-  uint first, count;  // among the entries
+struct RasterJob {    // a batch of large triangles of one tile
+  uint tile;          // index over all views
+  uint first, count;  // range of the entries
 };
 
 struct RasterCounters {
-  uint hidden;                                       // clusters
-  uint work, clipped, medium, large, entries, jobs;  // how many there are; they may be more than there is room for
-  uvec3 groups;                                      // of the next indirect dispatch
+  uint hidden;                                       // number of occluded clusters
+  uint work, clipped, medium, large, entries, jobs;  // required entries of the queues, which may exceed their capacity
+  uvec3 groups;                                      // workgroups of the next indirect dispatch
 };
 
 struct RasterBuffers {  // addresses
   uint64_t frame;       // FrameConstants
   uint64_t instances;   // InstanceList
-  uint64_t visible;     // uint64_t a sample: depth's bits << 32 | id; 0: nothing
+  uint64_t visible;     // uint64_t per sample: depth bits << 32 | id; 0: background
   uint64_t work;        // RasterWork[]
   uint64_t clipped;     // ClippedTriangle[]
-  uint64_t large;       // LargeTriangle[largeRoom], and behind them [mediumRoom] of medium ones
-  uint64_t tiles;       // uint[2] a tile: how many large triangles, and where its entries begin
+  uint64_t large;       // LargeTriangle[largeRoom], then [mediumRoom] medium ones
+  uint64_t tiles;       // uint[2] per tile: number of large triangles, first entry
   uint64_t entries;     // uint[], large triangles by tile
   uint64_t jobs;        // RasterJob[]
   uint64_t counters;    // RasterCounters
@@ -103,28 +104,29 @@ struct RasterBuffers {  // addresses
 
 struct RasterPush {
   RasterBuffers buffers;
-  uint64_t within;     // of shadow maps RasterMap[views]; of a lens LensTarget
-  uint64_t fragments;  // FragmentLists, of what is blended; of shadow maps the words of their pages (page_push.h)
+  uint64_t within;     // shadow maps: RasterMap[views]; lens: LensTarget
+  uint64_t fragments;  // blended surfaces: FragmentLists; shadow maps: the words of their pages (page_push.h)
   uint views;
-  uint width, height;                                            // pixels of a view
-  uint workRoom, clippedRoom, mediumRoom, largeRoom, entryRoom;  // of the queues
+  uint width, height;                                            // in pixels, per view
+  uint workRoom, clippedRoom, mediumRoom, largeRoom, entryRoom;  // capacities of the queues
 };
 
-// Which clusters raster_cull.comp queues, of those that a view may see.
+// Occlusion culling modes of raster_cull.comp: which clusters within the view it queues. kCullSeen and kCullFound are
+// the early and late pass of two-pass occlusion culling.
 SH_CONST uint kCullAll = 0u;
-SH_CONST uint kCullEarly = 1u;      // that nothing hid in the last frame
-SH_CONST uint kCullLate = 2u;       // that nothing hides now, of the others; and keeps which are hidden
-SH_CONST uint kCullByPyramid = 3u;  // that nothing hides now
+SH_CONST uint kCullEarly = 1u;      // not occluded in the previous frame
+SH_CONST uint kCullLate = 2u;     // occluded in the previous frame, but not now; stores the new occlusion bits
+SH_CONST uint kCullByPyramid = 3u;  // not occluded now
 
-// Of what is seen: the farthest depth in squares of kPyramidSquare pixels, of twice as many, ...; levels one after the
-// other, by view.
+// The depth pyramid (HZB) of the visible surfaces: the farthest depth in squares of kPyramidSquare pixels, of twice as
+// many, and so on. The levels of a view are consecutive.
 SH_CONST uint kPyramidSquare = 4u;
-SH_CONST uint kPyramidLevels = 5u;  // up to kRasterTile
+SH_CONST uint kPyramidLevels = 5u;  // up to squares of kRasterTile pixels
 SH_FUNC uint pyramidSquares(uint pixels, uint level) {
   uint side = kPyramidSquare << level;
   return (pixels + side - 1u) / side;
 }
-// Where a level begins, and after the last how many floats a view has.
+// Returns the offset of a level, or, for kPyramidLevels, the number of floats per view.
 SH_FUNC uint pyramidOffset(uint width, uint height, uint level) {
   uint offset = 0u;
   for (uint i = 0u; i < level; ++i) offset += pyramidSquares(width, i) * pyramidSquares(height, i);
@@ -142,28 +144,28 @@ struct CullPush {
   uint64_t instances;  // InstanceList
   uint64_t work;       // RasterWork[]
   uint64_t counters;   // RasterCounters
-  uint64_t within;     // of shadow maps RasterMap[views]
-  uint64_t pages;      // and the words of their pages (page_push.h)
-  uint64_t hidden;     // uint[views][(parts + 31) / 32]: bit i: cluster i was hidden
-  uint64_t pyramid;    // as PyramidPush has it
-  uint parts;          // of all instances that are asked for
-  uint width, height;  // pixels of a view
+  uint64_t within;     // of shadow maps: RasterMap[views]
+  uint64_t pages;      // of shadow maps: the words of their pages (page_push.h)
+  uint64_t hidden;     // uint[views][(parts + 31) / 32]; bit i: cluster i was occluded
+  uint64_t pyramid;    // as in PyramidPush
+  uint parts;          // number of parts of all instances in the share
+  uint width, height;  // in pixels, per view
   uint workRoom;
 };
 
 struct RasterMap {  // a shadow map
-  vec4 within;      // a sphere that holds all that matters to it, centre and radius
-  uint firstRow;    // of its pages' words
-  uint rowStep;     // from one row's word to the next
+  vec4 within;      // sphere of everything that matters to it: center and radius
+  uint firstRow;    // index of its first row's word in the page words
+  uint rowStep;     // from the word of one row to that of the next
 };
 
-// Where a shadow map goes, and what its texels are (shared/shadow.h).
+// The tile and depth encoding of a shadow map (shared/shadow.h).
 struct ShadowTarget {
-  uint x, y, layer;        // of the atlas
-  float A, B;              // depth is 2 (A y + B) at y metres along the map's axis
+  uint x, y, layer;        // position in the atlas
+  float A, B;              // depth is 2 (A y + B) at y meters along the map's axis
   float unit;              // ShadowView::unit
-  float far;               // metres; 0: an orthographic map
-  uint firstRow, rowStep;  // as RasterMap has them
+  float far;               // meters; 0: orthographic
+  uint firstRow, rowStep;  // as in RasterMap
 };
 
 struct ShadowStorePush {
@@ -171,8 +173,8 @@ struct ShadowStorePush {
   uint64_t instances;
   uint64_t visible;
   uint64_t targets;  // ShadowTarget[]
-  uint64_t pages;    // words: what is stored
-  uint size;         // texels of a map, across
+  uint64_t pages;    // page words: the pages to store
+  uint size;         // texels per row
   uint padding;
 };
 
@@ -180,8 +182,8 @@ struct RasterArgumentsPush {
   uint64_t counters;
   uint which;  // kQueue*
   uint room;
-  uint entries;  // that a workgroup takes
-  uint parts;    // workgroups for each of them
+  uint entries;  // per workgroup
+  uint parts;    // workgroups per push.entries entries
 };
 SH_CONST uint kQueueWork = 0u;
 SH_CONST uint kQueueClipped = 1u;
@@ -193,22 +195,22 @@ struct ResolvePush {
   uint64_t frame;
   uint64_t instances;
   uint64_t visible;
-  uint64_t outputs;  // OutputPlace[], of resolve.comp; 0: none
+  uint64_t outputs;  // OutputPlace[] of resolve.comp; 0: none
 };
 
 struct FragmentLightPush {
   FragmentLists lists;
   uint64_t frame;
   uint64_t instances;
-  uint firstTriangle;  // of the blended instances
-  uint width, height;  // pixels of a view
+  uint firstTriangle;  // first triangle id of the blended instances, minus 1
+  uint width, height;  // in pixels, per view
   uint padding;
 };
 
 SH_END
 
 #if defined(__cplusplus)
-// Where seen_triangle.glsl finds their members.
+// Offsets that seen_triangle.glsl relies on.
 static_assert(sizeof(latelight::shared::RasterInstance) == latelight::shared::kRankedBytes);
 static_assert(offsetof(latelight::shared::RasterInstance, clusters) == 16);
 static_assert(offsetof(latelight::shared::RasterInstance, mesh) == 32);

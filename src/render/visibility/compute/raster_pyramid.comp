@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The farthest depth that shows in squares of pixels, for finding out what is hidden (Greene, Kass and Miller 1993,
-// Hierarchical Z-Buffer Visibility, SIGGRAPH). A workgroup takes a tile of 64 by 64 pixels, a thread 4 by 4 of them.
+// Builds the depth pyramid (HZB) for occlusion culling: the farthest visible depth in squares of 4, 8, 16, 32 and 64
+// pixels (Greene, Kass and Miller 1993, Hierarchical Z-Buffer Visibility, SIGGRAPH). Reads the visibility buffer,
+// writes PyramidPush::pyramid. A workgroup reduces a tile of 64x64 pixels; a thread reads 4x4 of them.
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/raster_push.h"
 #include "render/visibility/compute/visible.glsl"
@@ -20,7 +21,7 @@ float farthestOfPixel(uvec3 pixel) {
   return farthest;
 }
 
-// Pixels beyond the picture hide nothing, and nothing of them is asked for.
+// Pixels beyond the image count as nearest: they do not affect the minimum and are never tested.
 float farthestOfSquare(uvec2 square, uint view) {
   float farthest = 1.0;
   for (uint y = 0u; y < kPyramidSquare; ++y)

@@ -1,11 +1,11 @@
-// Large triangles and the tiles that they touch.
+// Large triangles and the tiles that they touch, with 64-bit edge functions.
 #ifndef LATELIGHT_RASTER_TILE_GLSL
 #define LATELIGHT_RASTER_TILE_GLSL
 #include "render/visibility/compute/raster.glsl"
 
 uvec2 tilesOfView() { return (uvec2(push.width, push.height) + kRasterTile - 1u) / kRasterTile; }
 
-// Tiles are numbered by row, then by view.
+// Tile indices count by row, then by view.
 struct TilePlace {
   uint view;
   ivec2 corner;  // the first pixel
@@ -16,9 +16,9 @@ TilePlace placeOf(uint tile) {
   return TilePlace(tile / (tiles.x * tiles.y), ivec2(inView % tiles.x, inView / tiles.x) * int(kRasterTile));
 }
 
-struct Edge {        // weight of a corner
-  int64_t at;        // at a pixel's first place; less by 1 on an edge that is not the triangle's own
-  int right, down;  // what it grows by a subpixel
+struct Edge {        // edge function
+  int64_t at;        // at a pixel's first sample; less 1 if the triangle does not own the edge
+  int right, down;  // steps per subpixel
 };
 
 Edge edgeAt(ivec2 from, ivec2 to, ivec2 pixel) {
@@ -27,7 +27,7 @@ Edge edgeAt(ivec2 from, ivec2 to, ivec2 pixel) {
   return Edge(at - (ownsEdge(way) ? 0 : 1) + reachOf(way), -way.y, way.x);
 }
 
-// Over `side` by `side` pixels from where the edge is: the largest weight of a sample.
+// Returns the maximum of the edge function at the samples of `side` by `side` pixels.
 int64_t largest(Edge e, int side) {
   return e.at + int64_t(side * kSubpixels - kPlaceStep) * int64_t(max(e.right, 0) + max(e.down, 0));
 }

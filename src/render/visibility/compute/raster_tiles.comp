@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Where the entries of each tile begin, and the jobs that they make.
+// Allocates the entries of each tile and writes its jobs.
 #include "render/visibility/compute/raster_tile.glsl"
 
 layout(local_size_x = 64) in;
@@ -15,7 +15,7 @@ void main() {
   CountersRef counters = CountersRef(push.buffers.counters);
   uint first = atomicAdd(counters.v.entries, count);
   table.v[2u * tile + 1u] = first;
-  if (first + count > push.entryRoom) return;  // all of it is done again; where entries have room, jobs have
+  if (first + count > push.entryRoom) return;  // on overflow the chain is rerun; if the entries fit, the jobs do
   uint jobs = (count + kRasterJobTriangles - 1u) / kRasterJobTriangles;
   uint place = atomicAdd(counters.v.jobs, jobs);
   for (uint i = 0u; i < jobs; ++i) {

@@ -1,7 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout, textured
-// From the visibility buffer to a G-buffer, and to data outputs: the material of each triangle that a pixel shows, once.
+// Visibility buffer resolve: evaluates the material of each visible triangle of a pixel once, and writes the G-buffer
+// and data outputs (Burns and Hunt 2013, The Visibility Buffer: A Cache-Friendly Approach to Deferred Shading, JCGT
+// 2(2)).
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/surface_point.glsl"
 #include "render/glsl/surface.glsl"
@@ -17,9 +19,9 @@
 #endif
 
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
-layout(constant_id = 16) const uint kTargets = ~0u;  // bit i: target i is wanted; the one after the last: light
+layout(constant_id = 16) const uint kTargets = ~0u;  // bit i: target i is written; the bit after the last: light
 layout(constant_id = 17) const uint kSrgb = 0u;      // bit i: target i is stored in sRGB
-layout(constant_id = 18) const uint kLayersElsewhere = 0u;  // nothing reads the targets of surfaces with layers
+layout(constant_id = 18) const uint kLayersElsewhere = 0u;  // surfaces with coats write no attributes
 
 #define IMAGE_vec4 image2DArray
 #define IMAGE_uint uimage2DArray
@@ -52,7 +54,7 @@ GbufferTexel emptyTexel() {
   return texel;
 }
 
-// The G-buffer of what these samples of a pixel show, in their middle.
+// Writes the G-buffer of the surface that these samples show, evaluated at their center.
 void resolve(FrameConstants frame, View view, ivec3 pixel, uint samples) {
   uint index = visibleIndex(uvec3(pixel), uvec2(view.size)) + uint(findLSB(samples));
   uint64_t visible = VisibleRef(push.visible).v[index];
@@ -84,7 +86,7 @@ void resolve(FrameConstants frame, View view, ivec3 pixel, uint samples) {
   store(texel, packGbuffer(s, gbufferContext(view, place)), light);
 }
 
-// How many triangles a pixel shows beside its first, whose samples this gives.
+// Returns the number of triangles visible in a pixel besides the first; `samples` returns the samples of the first.
 uint moreTriangles(uint first, out uint samples) {
   VisibleRef visible = VisibleRef(push.visible);
   uint left = coveredSamples(visible, first), more = 0u;
@@ -100,8 +102,8 @@ uint samplesOfTriangle(uint first, uint number) {
   return samples;
 }
 
-// Every invocation takes its pixel's first triangle, then those that are left are dealt to the subgroup's lanes. With one
-// sample a pixel has one, or nothing.
+// Each invocation resolves its pixel's first triangle; the remaining triangles are redistributed to the lanes of the
+// subgroup. With one sample per pixel there is at most one triangle.
 void main() {
   FrameConstants frame = FrameRef(push.frame).v;
   ivec3 pixel = ownPixel();
@@ -117,7 +119,7 @@ void main() {
   }
   for (uint round = 0u;; ++round) {
     if (samples != 0u) resolve(frame, view, pixel, samples);
-    if (kSamples == 1u) break;  // without a loop: lavapipe takes a third less then
+    if (kSamples == 1u) break;  // no loop: faster on lavapipe
     if (round == dealtRounds()) break;
     DealtItem next = dealtItem(round);
     pixel.xy = next.pixel;

@@ -1,12 +1,12 @@
-// Motion of what a pixel shows. After surface_point.glsl.
+// Motion vectors of the visible surface. Include after surface_point.glsl.
 #include "shared/motion.h"
 
-// `placed`: relativeToEye().
+// `placed` is relativeToEye().
 vec3 clipOf(View view, mat4x3 placed, uint64_t positions, uint vertex) {
   return steadyClip(view, toView(view, placed * vec4(positionAt(positions, vertex), 1.0)));
 }
 
-// xy: to the frame before; zw: to the frame after.
+// Returns motion vectors, in pixels: xy to the previous frame, zw to the next frame.
 vec4 seenMotion(FrameConstants frame, View view, uint viewIndex, SeenTriangle t, vec2 pixel) {
   View viewBefore = viewAt(frame.previousViews, viewIndex), viewAfter = viewAt(frame.nextViews, viewIndex);
   mat4x3 now = relativeToEye(frameInstance(frame, t.rank.instance), view);
@@ -22,7 +22,7 @@ vec4 seenMotion(FrameConstants frame, View view, uint viewIndex, SeenTriangle t,
     clipBefore += w.at[i] * clipOf(viewBefore, before, mesh.previousPositions, t.indices[i]);
     clipAfter += w.at[i] * clipOf(viewAfter, after, mesh.nextPositions, t.indices[i]);
   }
-  // Where a vast triangle does not move itself, the motion follows from the eyes alone, which are known exactly.
+  // If a vast triangle is static, its motion follows only from the eye positions, which are known exactly.
   Instance current = frameInstance(frame, t.rank.instance);
   for (bool some = isVast(t) && current.objectToWorld == instanceAt(frame.previousInstances, t.rank.instance).objectToWorld &&
                    current.objectToWorld == instanceAt(frame.nextInstances, t.rank.instance).objectToWorld;

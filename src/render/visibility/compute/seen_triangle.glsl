@@ -1,6 +1,6 @@
-// Which triangle a pixel shows, by the number that the visibility buffer has there, and where the ray through the pixel's
-// centre meets it (Moeller and Trumbore 1997, Fast, Minimum Storage Ray/Triangle Intersection, JGT 2(1)), with the exact
-// derivatives of that, so that textures need no neighbours.
+// The visible triangle of a pixel, from its id in the visibility buffer, and the barycentric coordinates of the ray
+// through the pixel's center (Moeller and Trumbore 1997, Fast, Minimum Storage Ray/Triangle Intersection, JGT 2(1)).
+// Their derivatives are exact, so texture sampling needs no neighboring pixels.
 #ifndef LATELIGHT_SEEN_TRIANGLE_GLSL
 #define LATELIGHT_SEEN_TRIANGLE_GLSL
 #include "render/glsl/pixel_ray.glsl"
@@ -20,11 +20,11 @@ RasterInstance rankedInstance(InstanceList list, uint rank) {
                         second.y, second.z, second.w);
 }
 
-// --- which triangle -------------------------------------------------------------------------------------------------
+// --- triangle --------------------------------------------------------------------------------------------------------
 
 struct SeenTriangle {
   RasterInstance rank;
-  uint number;  // of its mesh
+  uint number;  // index in its mesh
   uvec3 indices;
 };
 
@@ -37,7 +37,7 @@ SeenTriangle seenTriangle(FrameConstants frame, uint64_t instances, uint id) {
   return t;
 }
 
-// In view space.
+// Returns the corners in view space.
 vec3[3] cornersOf(FrameConstants frame, View view, SeenTriangle t) {
   mat4x3 placed = relativeToEye(frameInstance(frame, t.rank.instance), view);
   uint64_t positions = frameMesh(frame, t.rank.mesh).positions;
@@ -47,7 +47,7 @@ vec3[3] cornersOf(FrameConstants frame, View view, SeenTriangle t) {
   return corners;
 }
 
-// The corners of a vast triangle, in view space.
+// Returns the corners of a vast triangle in view space.
 Exact3[3] vastCornersOf(FrameConstants frame, View view, SeenTriangle t) {
   Instance instance = frameInstance(frame, t.rank.instance);
   uint64_t positions = frameMesh(frame, t.rank.mesh).positions;
@@ -56,7 +56,7 @@ Exact3[3] vastCornersOf(FrameConstants frame, View view, SeenTriangle t) {
   return corners;
 }
 
-// Where a pixel's ray meets the plane of a vast triangle, in view space.
+// Returns the intersection of a pixel's ray with the plane of a vast triangle, in view space.
 vec3 vastPoint(FrameConstants frame, View view, Exact3 corners[3], vec2 pixel) {
   ViewPlane plane = planeOf(corners[0], corners[1], corners[2]);
   vec3 ray = pixelRay(frame, view, pixel), from = vec3(0.0);
@@ -67,19 +67,19 @@ vec3 vastPoint(FrameConstants frame, View view, Exact3 corners[3], vec2 pixel) {
 
 bool isVast(SeenTriangle t) { return kVast != 0u && (t.rank.flags & kRankVast) != 0u; }
 
-// --- where on it ----------------------------------------------------------------------------------------------------
+// --- barycentric coordinates -----------------------------------------------------------------------------------------
 
-struct Weights {  // of the three corners, and what they grow by a pixel to the right and down
+struct Weights {  // barycentric coordinates, and their derivatives per pixel to the right and down
   vec3 at, right, down;
 };
 
-// Corners in view space.
+// Corners are in view space.
 Weights weightsAt(FrameConstants frame, View view, vec3 a, vec3 b, vec3 c, vec2 pixel) {
   vec2 ndc = pixelToNdc(pixel, view.size);
   vec2 step = vec2(2.0, -2.0) / view.size;
   vec3 toB = b - a, toC = c - a;
   vec3 ray = pixelRay(frame, view, pixel);
-  // Of the ray's direction, or where it is orthographic, of its origin.
+  // The derivatives of the ray's direction, or, for orthographic projections, of its origin.
   vec3 rightward = vec3(step.x / view.projection.H, 0.0, 0.0), downward = vec3(0.0, 0.0, step.y / view.projection.V);
   if (kLens != 0u) {
     rightward = lensStep(frame, view, ivec2(pixel), ivec2(1, 0));
@@ -101,8 +101,8 @@ Weights weightsAt(FrameConstants frame, View view, vec3 a, vec3 b, vec3 c, vec2 
     uvRight = vec2(dot(rightward, forB), dot(rightward, forC)) * sideways;
     uvDown = vec2(dot(downward, forB), dot(downward, forC)) * sideways;
   }
-  // Snapping to subpixels lets pixels just outside of the triangle show it. Those of one that is seen edge-on meet its plane
-  // anywhere.
+  // Snapping lets a triangle cover pixels slightly outside of it. The rays of pixels on an edge-on triangle may meet
+  // its plane anywhere.
   uv = clamp(uv, vec2(-1.0), vec2(2.0));
   return Weights(vec3(1.0 - uv.x - uv.y, uv), vec3(-uvRight.x - uvRight.y, uvRight),
                  vec3(-uvDown.x - uvDown.y, uvDown));

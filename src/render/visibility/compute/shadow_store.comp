@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// From the visibility buffer of shadow maps to their tiles of the atlas: depth, linear in metres, and the caster's slope
-// bias, as shadow.frag has them.
+// Converts the visibility buffer of shadow maps to their tiles in the atlas: depth, linear in meters, with the caster's
+// slope bias, as in shadow.frag.
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/seen_triangle.glsl"
 #include "render/visibility/compute/visible.glsl"
@@ -13,7 +13,7 @@ layout(push_constant, scalar) uniform Push { ShadowStorePush push; };
 layout(set = 0, binding = 0) writeonly uniform image2DArray atlas;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TargetRef { ShadowTarget v[]; };
 
-// What y grows by a texel across and down, where the triangle's plane has it.
+// Returns the slope of the triangle's plane: the change of y per texel to the right and down.
 vec2 slopes(FrameConstants frame, View view, uint id, float y, vec2 texel) {
   SeenTriangle t = seenTriangle(frame, push.instances, id);
   vec3 corners[3] = cornersOf(frame, view, t);
@@ -29,7 +29,7 @@ float biasedDepth(FrameConstants frame, View view, ShadowTarget target, uint64_t
   vec2 rise = 2.0 * target.A * slopes(frame, view, visibleId(visible), y, texel);
   float steep = abs(rise.x) + abs(rise.y);
   float unit = target.unit * (target.far > 0.0 ? y / target.far : 1.0);
-  // Of a plane that is seen edge-on the steepest bias will do.
+  // A plane seen edge-on gets the steepest finite bias.
   float bias = shadowCasterBias(steep < 3.0e38 ? steep : 3.0e38, 0.0, unit, kShadowFilter);
   return clamp(2.0 * (target.A * y + target.B) + bias, 0.0, kShadowFarthest);
 }
@@ -49,7 +49,8 @@ void main() {
   bool shows = visible != uint64_t(0);
   float depth = 1.0;
   if (shows) depth = biasedDepth(frame, frameView(frame, at.z), target, visible, vec2(at.xy) + 0.5);
-  // What nothing is drawn to holds the farthest depth; of rgba8-classic, which makes 0 of 1, what no depth is packed to.
+  // Empty texels hold the farthest depth. rgba8-classic packs 1 as 0, so there they hold a value that no depth packs
+  // to.
   vec4 texel = vec4(depth);
   if (kShadowFormat == kShadowRgba8) texel = packDepth(depth);
   if (kShadowFormat == kShadowRgba8Classic) texel = shows ? packDepthClassic(depth) : vec4(1.0);

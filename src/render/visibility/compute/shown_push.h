@@ -1,4 +1,4 @@
-// What a shader is pushed that finds by itself the surfaces that pixels show (shown_surface.glsl).
+// Push constants of shaders that evaluate visible surfaces from the visibility buffer (shown_surface.glsl).
 #ifndef LATELIGHT_SHOWN_PUSH_H
 #define LATELIGHT_SHOWN_PUSH_H
 
@@ -6,7 +6,7 @@
 
 SH_BEGIN
 
-struct ShownPush {     // zeros where the layout has targets
+struct ShownPush {     // zeros if the layout has targets
   uint64_t instances;  // InstanceList
   uint64_t visible;    // VisibleRef of visible.glsl
 };

@@ -1,5 +1,5 @@
-// The surface that a pixel shows, found again in the visibility buffer: what gbuffer_read.glsl reads of a layout
-// without targets.
+// Evaluates the visible surface of a pixel from the visibility buffer, for gbuffer_read.glsl with a layout without
+// targets.
 #ifndef LATELIGHT_SHOWN_SURFACE_GLSL
 #define LATELIGHT_SHOWN_SURFACE_GLSL
 #include "render/glsl/surface.glsl"
@@ -10,7 +10,7 @@
 uint64_t shownFrame;  // FrameConstants
 ShownPush shown;
 
-// Before any surface is looked at.
+// Call it before shownSurface().
 void showSurfaces(uint64_t frame, ShownPush push) {
   shownFrame = frame;
   shown = push;
@@ -19,7 +19,7 @@ void showSurfaces(uint64_t frame, ShownPush push) {
 #endif
 }
 
-// Of these samples of a pixel, which show something; in their middle.
+// Returns the surface at the center of these covered samples, which show one triangle.
 Surface shownSurface(View view, ivec3 pixel, uint samples) {
   FrameConstants frame = FrameRef(shownFrame).v;
   uint index = visibleIndex(uvec3(pixel), uvec2(view.size)) + uint(max(findLSB(samples), 0));

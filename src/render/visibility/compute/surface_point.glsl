@@ -1,18 +1,18 @@
-// The point of the scene that a pixel shows, and the textures there.
+// The SurfacePoint of a triangle at a pixel, from barycentric coordinates, and the material textures there.
 #ifndef LATELIGHT_SURFACE_POINT_GLSL
 #define LATELIGHT_SURFACE_POINT_GLSL
 #include "render/glsl/material.glsl"
 #include "render/glsl/vertex_directions.glsl"
 #include "render/visibility/compute/seen_triangle.glsl"
 
-// --- what is there --------------------------------------------------------------------------------------------------
+// --- attributes ------------------------------------------------------------------------------------------------------
 
-vec4 uvRight, uvDown;  // of the point that is being looked at, in both UV sets
+vec4 uvRight, uvDown;  // UV derivatives per pixel of the current point, for both UV sets
 
 vec3 unitDirection(vec3 direction) { return direction * inversesqrt(max(dot(direction, direction), 1e-37)); }
 
-// Normal and tangent there, world. A transform that keeps angles turns all of them alike, so it is enough to turn what is
-// interpolated.
+// Sets normal and tangent, world space. A transform that preserves angles rotates all vertices' directions alike, so
+// only the interpolated directions are transformed.
 void setDirections(inout SurfacePoint p, SeenTriangle t, Instance instance, VertexAttributes attributes[3], vec3 weights) {
   float handedness = (instance.flags & kInstanceMirrored) != 0u ? -1.0 : 1.0;
   vec3 normal = vec3(0.0);
@@ -24,7 +24,7 @@ void setDirections(inout SurfacePoint p, SeenTriangle t, Instance instance, Vert
   mat3 linear = mat3(instance.objectToWorld) / t.rank.stretch;
   p.normal = linear * normal;
   p.tangent = vec4(linear * tangent.xyz, tangent.w * handedness);
-  // A loop, since lavapipe runs a branch whether any lane takes it or not.
+  // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
   for (bool bent = (t.rank.flags & kRankSimilar) == 0u; bent; bent = false) {
     VertexDirections directions = vertexDirections(instance);
     p.normal = vec3(0.0);
@@ -33,7 +33,7 @@ void setDirections(inout SurfacePoint p, SeenTriangle t, Instance instance, Vert
   }
 }
 
-// UV sets with their derivatives, and the vertices' colour.
+// Sets the UV sets with their derivatives, and the vertex color.
 void setCoordinates(inout SurfacePoint p, SeenTriangle t, Mesh mesh, Instance instance, VertexAttributes attributes[3],
                     Weights w) {
   vec2 uv = vec2(0.0), right = vec2(0.0), down = vec2(0.0);
@@ -59,7 +59,7 @@ void setCoordinates(inout SurfacePoint p, SeenTriangle t, Mesh mesh, Instance in
   }
 }
 
-// Where a pixel's ray meets a vast triangle, and the first UV set there: what cancels is computed exactly.
+// Sets the position and the first UV set on a vast triangle, where cancellation requires double-float arithmetic.
 void setVastPlace(inout SurfacePoint p, FrameConstants frame, View view, SeenTriangle t, vec2 pixel,
                   VertexAttributes attributes[3]) {
   Exact3 corners[3] = vastCornersOf(frame, view, t);
@@ -74,7 +74,7 @@ SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pix
   Instance instance = frameInstance(frame, t.rank.instance);
   Mesh mesh = frameMesh(frame, t.rank.mesh);
   mat4x3 placed = relativeToEye(instance, view);
-  vec3 corners[3];  // relative to the eye
+  vec3 corners[3];  // relative to the eye, in world axes
   VertexAttributes attributes[3];
   for (int i = 0; i < 3; ++i) {
     corners[i] = placed * vec4(positionAt(mesh.positions, t.indices[i]), 1.0);
@@ -97,9 +97,9 @@ SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pix
   return p;
 }
 
-// --- textures -------------------------------------------------------------------------------------------------------
+// --- textures --------------------------------------------------------------------------------------------------------
 
-// Where a material's texture lies at the point, and what that grows by a pixel to the right and down.
+// The texture coordinates of a material's texture at the point, and their derivatives per pixel to the right and down.
 struct TexturePlace {
   vec2 uv, right, down;
 };

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The surfaces of pixels of several samples where there is no G-buffer to compare them by: each triangle is one.
+// The surfaces of multisampled pixels without a G-buffer: each triangle is one surface.
 #define MULTISAMPLED
 #define SAMPLE_LAYERS
 #include "render/glsl/common.glsl"

@@ -1,9 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout
-// The surfaces of pixels of several samples, from the triangles that they show: samples of one triangle show one surface,
-// those of two do if what the G-buffer has of both is alike. A triangle joins the first surface whose first triangle it
-// matches.
+// The surfaces of multisampled pixels, from their visible triangles. Samples of one triangle show one surface; two
+// triangles show one surface if their G-buffer values are similar (same_surface.glsl). A triangle joins the first
+// surface whose first triangle it matches.
 #define MULTISAMPLED
 #define SAMPLE_LAYERS
 #include "render/glsl/common.glsl"
@@ -24,7 +24,7 @@ Sample readTriangle(View view, ivec3 pixel, uint first, uint samples) {
   return r;
 }
 
-// Those of the first triangle that is left, and of all that match it.
+// Returns the samples of the first remaining triangle and of all triangles that match it.
 uint nextSurface(View view, ivec3 pixel, uint first, inout uint left) {
   VisibleRef visible = VisibleRef(push.visible);
   uint surface = nextTriangle(visible, first, left), others = left;

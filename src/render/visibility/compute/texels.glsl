@@ -1,5 +1,5 @@
-// Texture filtering in shader code, where a compute shader can't choose among images: lavapipe has no descriptor
-// indexing. Levels and filters follow Vulkan 1.3, sections 16.6 to 16.9.
+// Texture filtering in shader code, for compute shaders on devices without descriptor indexing, such as lavapipe. Mip
+// levels and filters follow Vulkan 1.3, sections 16.6 to 16.9.
 #ifndef LATELIGHT_TEXELS_GLSL
 #define LATELIGHT_TEXELS_GLSL
 #include "shared/color.h"
@@ -39,8 +39,8 @@ vec4 filteredLevel(TextureRecord t, uint level, vec2 uv, bool nearest) {
 }
 
 struct Levels {
-  uint first;   // the finer one
-  float share;  // of the next
+  uint first;   // the finer level
+  float share;  // weight of the next level
   bool nearest;
 };
 
@@ -53,7 +53,8 @@ Levels levelsAt(TextureRecord t, float level) {
   return Levels(uint(level), fract(level), nearest);
 }
 
-// A level stands in one place, in a loop: lavapipe runs both sides of every branch, and texels are most of the time.
+// A loop with one call of filteredLevel(): lavapipe executes both sides of every branch, and texel loads dominate the
+// time.
 vec4 filteredAtLevel(TextureRecord t, vec2 uv, float level) {
   Levels levels = levelsAt(t, level);
   vec4 fine = vec4(0.0), coarse = vec4(0.0);
@@ -64,7 +65,7 @@ vec4 filteredAtLevel(TextureRecord t, vec2 uv, float level) {
   return mix(fine, coarse, levels.share);
 }
 
-// `anisotropy`: samples along the footprint, at most; the level follows from the share of each.
+// `t.anisotropy` is the maximum number of samples along the footprint; the level follows from the length per sample.
 vec4 filteredTexture(TextureRecord t, vec2 uv, vec2 dx, vec2 dy) {
   vec2 size = vec2(t.width, t.height);
   float across = length(dx * size), down = length(dy * size);

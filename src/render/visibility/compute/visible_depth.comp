@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Depth of what is visible; 0 where nothing is.
+// Resolves depth from the visibility buffer; 0 is background.
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/seen_triangle.glsl"
 #include "render/visibility/compute/visible.glsl"
@@ -9,7 +9,7 @@ layout(local_size_x = 16, local_size_y = 16) in;
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
 layout(set = 0, binding = 0, r32f) writeonly uniform image2DArray depth;
 
-// What the plane of a triangle has at a place of the picture.
+// Returns the device depth of a triangle's plane at a position in the image.
 float planeDepth(uint id, uint viewIndex, vec2 place) {
   FrameConstants frame = FrameRef(push.frame).v;
   View view = frameView(frame, viewIndex);
@@ -19,8 +19,9 @@ float planeDepth(uint id, uint viewIndex, vec2 place) {
   return deviceDepth(view.projection, dot(weights, vec3(corners[0].y, corners[1].y, corners[2].y)));
 }
 
-// Of several samples: the depth at the pixel's centre of the first one's plane, since there is nothing halfway between two
-// surfaces; but no other depth than samples have. Where all show one triangle it is their mean.
+// Returns the depth of a multisampled pixel. If all samples show one triangle, it is their mean. Otherwise it is the
+// depth of the first covered sample's plane at the pixel's center, clamped to the samples' range, because a mean would
+// lie between two surfaces.
 float depthAtCentre(ivec3 pixel, uint first) {
   VisibleRef visible = VisibleRef(push.visible);
   float least = 1.0, most = 0.0, sum = 0.0;

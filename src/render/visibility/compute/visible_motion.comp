@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Motion of what is visible, and of the environment where nothing is.
+// Resolves motion vectors from the visibility buffer, including those of the background.
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/seen_triangle.glsl"
 #include "render/visibility/compute/seen_motion.glsl"

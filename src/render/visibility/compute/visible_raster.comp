@@ -1,13 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// How the triangle that each pixel shows was rasterized: its place in the scene, and who did it, from its own corners.
+// Data outputs about rasterization: the instance, cluster and triangle visible at each pixel, and its size class, which
+// is computed again from its corners.
 #include "render/visibility/compute/raster.glsl"
 
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(set = 0, binding = 0, rgba32f) writeonly uniform image2DArray numbers;  // instance from 1, cluster of it, triangle
-layout(set = 0, binding = 1, rg32f) writeonly uniform image2DArray classes;    // kRaster*, and facing
+layout(set = 0, binding = 0, rgba32f) writeonly uniform image2DArray numbers;  // instance + 1, cluster, triangle
+layout(set = 0, binding = 1, rg32f) writeonly uniform image2DArray classes;    // kRaster*, and facing()
 
-// The cosine between the triangle's normal and the ray through the pixel's centre.
+// Returns the cosine between the triangle's normal and the ray through the pixel's center.
 float facing(View view, vec3 a, vec3 b, vec3 c, ivec2 pixel) {
   vec3 normal = cross(b - a, c - a), ray = viewRay(view.projection, pixelToNdc(vec2(pixel) + 0.5, view.size));
   return abs(dot(normal, ray)) / max(length(normal) * length(ray), 1e-37);
