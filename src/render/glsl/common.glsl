@@ -1,16 +1,16 @@
-// Every shader's first include (after #version): extensions, shared headers, scene data by address.
+// The first include of every shader (after #version): extensions, shared headers, and scene data by buffer reference.
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #ifdef TEXTURES_BY_INDEX
-#extension GL_EXT_nonuniform_qualifier : require  // arrays without a size
+#extension GL_EXT_nonuniform_qualifier : require  // unsized arrays
 #endif
 
 #include "shared/types.h"
 
-// Of the device (vk/pipeline.h).
+// Properties of the device (vk/pipeline.h).
 layout(constant_id = 100) const uint kCpuDevice = 0;  // 1 on CPU devices
-layout(constant_id = 101) const uint kSubgroupSize = 128;  // lanes of a subgroup, at most
+layout(constant_id = 101) const uint kSubgroupSize = 128;  // maximum lanes of a subgroup
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer FrameRef { FrameConstants v; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer WordsRef { u64vec2 v[]; };
@@ -29,10 +29,10 @@ uvec3 triangleIndices(Mesh mesh, uint triangle) {
 }
 LightBox frameLightBox(FrameConstants frame, uint node) { return LightTreeRef(frame.lightTree).v[node]; }
 
-// --- what most shaders load ------------------------------------------------------------------------------------------
+// --- common loads ----------------------------------------------------------------------------------------------------
 //
-// By 16 bytes, where compilers make a load of each member, and of words of 64 bits, of which lavapipe makes a loop over
-// lanes each.
+// These functions load 16 bytes at once, because compilers otherwise emit one load per member, and as 64-bit words,
+// because on lavapipe each load is a loop over lanes.
 
 uvec4 wordsAt(uint64_t address, uint i) {
   u64vec2 words = WordsRef(address).v[i];
@@ -44,7 +44,7 @@ mat4x3 matrixAt(uint64_t address, uint i) {
   return mat4x3(a, b, c);
 }
 
-// Of a mesh's streams.
+// Vertex streams of a mesh.
 vec3 positionAt(uint64_t positions, uint vertex) {
   return floatsAt(positions + uint64_t(vertex) * kPositionBytes, 0u).xyz;
 }
@@ -88,8 +88,8 @@ Instance instanceAt(uint64_t instances, uint index) {
 }
 Instance frameInstance(FrameConstants frame, uint index) { return instanceAt(frame.instances, index); }
 
-// Object space to positions relative to the eye, in world axes (camera-relative rendering). The eye and the instance may
-// lie anywhere: what cancels is subtracted before anything is rounded.
+// Camera-relative rendering: returns the transform from object space to positions relative to the eye, in world axes.
+// The eye and the instance may be far from the origin, so large terms are subtracted before anything is rounded.
 mat4x3 relativeToEye(Instance instance, vec3 eye, vec3 eyeLow) {
   mat4x3 m = instance.objectToWorld;
   precise vec3 offset = (m[3] - eye) + (instance.translationLow - eyeLow);
@@ -98,21 +98,21 @@ mat4x3 relativeToEye(Instance instance, vec3 eye, vec3 eyeLow) {
 }
 mat4x3 relativeToEye(Instance instance, View view) { return relativeToEye(instance, view.eye, view.eyeLow); }
 
-// From a position relative to the eye to view space.
+// Transforms a position relative to the eye to view space.
 vec3 toView(View view, vec3 relative) { return mat3(view.worldToView) * relative; }
-// And back. The rows of a shadow map's rotation may be scaled alike.
+// The inverse of toView(). The rows of a shadow map's rotation may have a common scale.
 vec3 toWorldAxes(View view, vec3 seen) {
   mat3 m = mat3(view.worldToView);
   return transpose(m) * seen / dot(m[0], m[0]);
 }
 
-// From one eye to the other, in world axes.
+// Returns the offset from one eye to the other, in world axes.
 vec3 eyeBetween(View from, View to) {
   precise vec3 between = (to.eye - from.eye) + (to.eyeLow - from.eyeLow);
   return between;
 }
 
-// Texture transforms, images and layers are loaded where they are needed.
+// Texture transforms, images and coats are loaded only where they are used.
 Material frameMaterial(FrameConstants frame, uint index) {
   uint64_t at = frame.materials + uint64_t(index) * kMaterialBytes;
   vec4 emissive = floatsAt(at, 1u), factors = floatsAt(at, 2u), specular = floatsAt(at, 3u);

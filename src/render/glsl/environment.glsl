@@ -1,16 +1,16 @@
-// Environment light in shaders.
+// Image-based lighting (IBL): environment light from prefiltered maps and the split-sum approximation.
 #ifndef LATELIGHT_ENVIRONMENT_GLSL
 #define LATELIGHT_ENVIRONMENT_GLSL
 #include "render/glsl/lit_maps.glsl"
 #include "shared/environment.h"
 #include "shared/shade.h"
 
-// Scale and bias of f0 and f90 of the surface's lobe.
+// Returns the scale of f0 and of f90 for the specular lobe.
 vec2 splitSum(Surface s, vec3 toEye) {
   return textureLod(reflectanceTable, vec2(clamp(dot(s.normal, toEye), 0.0, 1.0), s.roughness), 0.0).rg;
 }
 
-// Before lights: what the surface scatters, where the shading compensates energy.
+// Call it before lights: sets the energy-compensated diffuse reflectance if the shading model compensates energy.
 void prepareForLights(inout Surface s, vec3 toEye) {
   if (kShading == kShadingGgxCompensated) s.scattered = surfaceReflectance(s, splitSum(s, toEye)).scattered;
 }
@@ -19,32 +19,32 @@ vec2 environmentOctahedral(FrameConstants frame, vec3 direction) {
   return octahedralFromDirection(rotateToEnvironment(direction, frame.environmentCos, frame.environmentSin));
 }
 
-// Of the prefiltered levels; between two of them a mixture.
+// Returns prefiltered radiance, interpolated between two levels.
 vec3 environmentRadiance(FrameConstants frame, vec3 direction, float level) {
   vec2 o = environmentOctahedral(frame, direction);
   float lower = min(floor(level), frame.environmentLevels - 2.0);
-  // Each level has its own border, so trilinear filtering is two bilinear fetches at coordinates of their own.
-  // Sizes follow from level 0's: lavapipe 22.3 answers textureSize for all lanes with the first lane's level.
+  // Each level has its own border, so trilinear filtering needs two bilinear fetches with different coordinates. Their
+  // sizes follow from level 0, because lavapipe 22.3 returns textureSize of the first lane's level for all lanes.
   int size = textureSize(environmentSpecular, 0).x >> int(lower);
   vec3 a = textureLod(environmentSpecular, octahedralTexture(o, float(size)), lower).rgb;
   vec3 b = textureLod(environmentSpecular, octahedralTexture(o, float(size >> 1)), lower + 1.0).rgb;
   return mix(a, b, level - lower);
 }
 
-// Of one of them.
+// Returns prefiltered radiance of one level.
 vec3 environmentLevel(FrameConstants frame, vec3 direction, float level) {
   int size = textureSize(environmentSpecular, 0).x >> int(level);
   vec2 o = environmentOctahedral(frame, direction);
   return textureLod(environmentSpecular, octahedralTexture(o, float(size)), level).rgb;
 }
 
-// Irradiance / pi about a normal.
+// Returns irradiance / pi around a normal.
 vec3 environmentDiffuseAt(FrameConstants frame, vec3 normal) {
   vec2 o = environmentOctahedral(frame, normal);
   return textureLod(environmentDiffuse, octahedralTexture(o, float(textureSize(environmentDiffuse, 0).x)), 0.0).rgb;
 }
 
-// The mean over a reflected lobe. `diffuse`: environmentDiffuseAt() about the normal.
+// Returns the mean radiance over a reflected lobe. `diffuse` is environmentDiffuseAt() of the normal.
 vec3 environmentLobe(FrameConstants frame, vec3 normal, vec3 toEye, float roughness, vec3 diffuse) {
   float nv = clamp(dot(normal, toEye), 0.0, 1.0);
   vec3 lobe = textureLod(lobeTable, lobeTexture(nv, roughness, float(textureSize(lobeTable, 0).x)), 0.0).rgb;
@@ -52,7 +52,7 @@ vec3 environmentLobe(FrameConstants frame, vec3 normal, vec3 toEye, float roughn
   return mix(specular, diffuse, lobe.z);
 }
 
-// (lavapipe goes both ways of a branch: what a frame cannot have is left out of its shaders.)
+// A specialization constant comes first, because lavapipe executes both sides of a branch.
 bool hasEnvironment(FrameConstants frame) { return kEnvironment != 0u && frame.environmentIntensity != 0.0; }
 
 vec3 environmentLight(FrameConstants frame, Surface s, vec3 toEye) {

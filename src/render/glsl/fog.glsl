@@ -1,9 +1,10 @@
-// Fog before a surface, for every pass that has one.
+// Fog between the camera and a surface.
 #ifndef LATELIGHT_FOG_GLSL
 #define LATELIGHT_FOG_GLSL
 #include "shared/fog.h"
 
-// What of the light at the view-space position reaches the camera: its eye, or, orthographic, its plane.
+// Returns the transmittance from a view-space position to the camera: to its eye, or to its plane if it is
+// orthographic.
 float fogTransmittanceTo(Fog fog, View view, vec3 position) {
   bool perspective = view.projection.kind == kPerspective;
   vec3 start = perspective ? vec3(0.0) : vec3(position.x, 0.0, position.z);
@@ -13,7 +14,7 @@ float fogTransmittanceTo(Fog fog, View view, vec3 position) {
   return fogTransmittance(fogOpticalDepth(fog, view.viewToWorld * vec4(start, 1.0), direction, distance));
 }
 
-// The same along a pixel's ray, in view space, that hits nothing.
+// Returns the transmittance of a pixel's ray, in view space, that hits nothing.
 float fogTransmittanceBeyond(Fog fog, View view, vec2 ndc, vec3 ray) {
   bool perspective = view.projection.kind == kPerspective;
   vec3 start = perspective ? vec3(0.0) : viewPositionAtDepth(view.projection, ndc, 0.0);

@@ -1,4 +1,5 @@
-// What packing and unpacking are told of a place in a view's picture. After the layout, setup.glsl.
+// The GbufferContext of a position in a view's image, for packing and unpacking. Include after the layout and
+// setup.glsl.
 #ifndef LATELIGHT_GBUFFER_CONTEXT_GLSL
 #define LATELIGHT_GBUFFER_CONTEXT_GLSL
 GbufferContext gbufferContext(View view, vec2 place) {

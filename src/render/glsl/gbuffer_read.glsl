@@ -1,8 +1,8 @@
-// Reading the G-buffer of the layout this shader is compiled for: set 0, bindings 0... in the order of the layout's
-// targets, then depth, the light accumulation target, and the counts of lights. All are arrays with a layer a view.
-// MULTISAMPLED, what the geometry pass left of light, and the surfaces of pixels, stand between depth and the light
-// accumulation target, which then has one sample. Of a layout without targets the geometry pass leaves nothing, and
-// surfaces are found again: the shader, of the variant `visible`, calls showSurfaces() first.
+// Reads the G-buffer of the layout for which the shader is compiled. Set 0 holds the layout's targets in order from
+// binding 0, then depth, the light accumulation target and the light counts, all as array images with one layer per
+// view. With MULTISAMPLED, the multisampled light of the geometry pass and the pixels' surfaces stand between depth and
+// the light accumulation target, which then has one sample per pixel. If the layout has no targets, surfaces are
+// evaluated from the visibility buffer; the shader has the variant `visible` and calls showSurfaces() first.
 #ifndef LATELIGHT_GBUFFER_READ_GLSL
 #define LATELIGHT_GBUFFER_READ_GLSL
 #include "gbuffer_layout.h"
@@ -33,15 +33,15 @@ layout(set = 0, binding = 1) uniform usampler2DArray pixelSurfaces;
 #define GBUFFER_INPUTS 2
 #else
 layout(set = 0, binding = 1 GBUFFER_TARGETS(COUNT)) uniform TARGET_SAMPLER lightOfSamples;
-#ifdef GBUFFER_NO_SURFACES  // before the include: for what finds them
+#ifdef GBUFFER_NO_SURFACES  // define before the include: for passes that compute the surfaces
 #define GBUFFER_INPUTS (2 GBUFFER_TARGETS(COUNT))
 #else
 layout(set = 0, binding = 2 GBUFFER_TARGETS(COUNT)) uniform usampler2DArray pixelSurfaces;
 #define GBUFFER_INPUTS (3 GBUFFER_TARGETS(COUNT))
 #endif
 #endif
-#ifdef GBUFFER_SAMPLED_ONLY  // before the include: for fragment shaders, which may lack storage images
-#define GBUFFER_BINDINGS GBUFFER_INPUTS  // the first binding after them
+#ifdef GBUFFER_SAMPLED_ONLY  // define before the include: for fragment shaders, which may lack storage images
+#define GBUFFER_BINDINGS GBUFFER_INPUTS  // the first binding after the inputs
 #else
 layout(set = 0, binding = GBUFFER_INPUTS, rgba16f) uniform image2DArray lightTarget;
 layout(set = 0, binding = 1 + GBUFFER_INPUTS, rgba32f) uniform writeonly image2DArray lightCounts;
@@ -56,7 +56,7 @@ GbufferTexel readTexel(ivec3 pixel, int index) {
   return texel;
 }
 
-// The Surface of a texel, at that place in the picture and of that depth, which must not be the background's (0).
+// Returns the Surface of a texel at a position in the image. `depth` must not be the background's (0).
 Surface unpackSurface(View view, vec2 place, GbufferTexel texel, float depth, float ao) {
   GbufferContext context = gbufferContext(view, place);
   context.depth = depth;
@@ -66,7 +66,7 @@ Surface unpackSurface(View view, vec2 place, GbufferTexel texel, float depth, fl
 
 #endif
 
-// The Surface at a pixel of a view (MULTISAMPLED: the one that these samples show).
+// Returns the Surface at a pixel of a view; with MULTISAMPLED, the one that these samples show.
 #if defined(GBUFFER_NO_TARGETS) && defined(MULTISAMPLED)
 Surface readSurface(View view, ivec3 pixel, uint samples, float depth, float ao) {
   return shownSurface(view, pixel, samples);

@@ -1,4 +1,4 @@
-// What becomes of a Surface in the G-buffer of the layout this shader is compiled for, whatever found it.
+// Conversion of a Surface to the G-buffer values of the layout for which the shader is compiled, for all rasters.
 #ifndef LATELIGHT_GBUFFER_WRITE_GLSL
 #define LATELIGHT_GBUFFER_WRITE_GLSL
 #include "render/glsl/setup.glsl"
@@ -7,14 +7,15 @@
 
 const float kLitElsewhere = -1.0;
 
-// The light accumulation target: emitted radiance, and ambient occlusion. For surfaces with layers, which render/layered
-// lights, that they are.
+// Returns the value of the light accumulation target: emitted radiance, and ambient occlusion or, for layered
+// materials, the marker kLitElsewhere; render/layered lights those.
 vec4 emittedLight(FrameConstants frame, Surface s) {
   bool layered = (s.flags & kSurfaceLayered) != 0u;
   return vec4(min(emittedRadiance(s) * frame.exposure, vec3(65504.0)), layered ? kLitElsewhere : s.ao);
 }
 
-// As the layout keeps it: without flags, a surface that lights must leave alone is one that reflects nothing.
+// Returns the surface as the layout stores it. Without flags, unlit surfaces are stored as surfaces that reflect
+// nothing.
 Surface keptSurface(Surface s) {
 #ifndef GBUFFER_KEEPS_FLAGS
   s = litSurface(s);

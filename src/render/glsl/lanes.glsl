@@ -1,4 +1,4 @@
-// Work dealt to the lanes of a subgroup that are there: it need not be full.
+// Work distribution over the active lanes of a subgroup, which need not be full.
 #ifndef LATELIGHT_LANES_GLSL
 #define LATELIGHT_LANES_GLSL
 #extension GL_KHR_shader_subgroup_basic : require
@@ -7,21 +7,21 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 
-uint lanesPresent = 1u;  // how many
-uint laneRank = 0u;      // this one's place among them, from 0
+uint lanesPresent = 1u;  // number of active lanes
+uint laneRank = 0u;      // index of this lane among them
 
-// Every invocation of the subgroup that will share work must call it.
+// Counts the active lanes. Every invocation of the subgroup that shares work must call it.
 void countLanes() {
   uvec4 present = subgroupBallot(true);
   lanesPresent = subgroupBallotBitCount(present);
   laneRank = subgroupBallotExclusiveBitCount(present);
 }
 
-// Ballots of 32 lanes are one word: GPUs index a vector by way of memory.
+// Ballots of up to 32 lanes use one word, because GPUs index vectors through memory.
 const bool kOneWord = kSubgroupSize <= 32u;
 bool anyLane(uvec4 ballot) { return kOneWord ? ballot.x != 0u : any(notEqual(ballot, uvec4(0u))); }
 
-// Takes the first lane out of a ballot.
+// Removes the first lane from a ballot and returns it.
 uint popLane(inout uvec4 ballot) {
   uint lane = kOneWord ? uint(findLSB(ballot.x)) : subgroupBallotFindLSB(ballot);
   if (kOneWord)
@@ -31,7 +31,8 @@ uint popLane(inout uvec4 ballot) {
   return lane;
 }
 
-// What a lane that all name has. lavapipe goes through all lanes for each broadcast, and shuffles by one instruction.
+// Returns the value of a lane that is the same for all. On lavapipe a broadcast loops over all lanes, but a shuffle is
+// one instruction.
 #define FROM_LANE(type) \
   type fromLane(type value, uint lane) { \
     return kCpuDevice != 0u ? subgroupShuffle(value, lane) : subgroupBroadcast(value, lane); \

@@ -1,25 +1,26 @@
-// Cells of a picture: tiles of 16 by 16 pixels, cut into slices of depth. What light_lists.comp writes and the lighting
-// shaders read.
+// Cells of clustered light culling: tiles of 16x16 pixels that are divided into depth slices (Olsson, Billeter and
+// Assarsson 2012, Clustered Deferred and Forward Shading, HPG). light_lists.comp writes them; the lighting shaders read
+// them.
 //
-// Slices are counted from the tile's nearest sample, so that a wall lies in one of them, and computed in integers from the
-// stored depth: both passes must put a sample into the same slice, whatever their compilers make of a division. In a
-// perspective view the key is the bits of B / y (y: view depth), which run like its logarithm: slices grow with
-// distance. In an orthographic view it is linear in depth.
+// Slices are counted from the tile's nearest sample, so that a wall lies in one slice. They are computed in integers
+// from the stored depth, because both passes must assign a sample to the same slice even if their compilers round
+// divisions differently. In a perspective view the key is the bits of B / y (y: view depth), which are approximately
+// logarithmic, so slices grow with distance. In an orthographic view the key is linear in depth.
 #ifndef LATELIGHT_LIGHT_CELLS_GLSL
 #define LATELIGHT_LIGHT_CELLS_GLSL
 #include "render/glsl/morton.glsl"
 
 const uint kTileSize = 16u;
 const uint kSlices = 32u;
-const uint kOverflow = 0xffffffffu;  // a cell's count: its list did not fit
+const uint kOverflow = 0xffffffffu;  // count of a cell whose list did not fit
 
-layout(constant_id = 16) const uint kCellsATile = 1;    // lists a tile: 1, or one a slice
-layout(constant_id = 17) const uint kEntriesATile = 1;  // room for them
+layout(constant_id = 16) const uint kCellsATile = 1;    // lists per tile: 1, or one per slice
+layout(constant_id = 17) const uint kEntriesATile = 1;  // capacity for entries per tile
 
-// A tile has kCellsATile + 1 elements: its slices (the key of its nearest sample, and bits a slice), then its cells
-// (where the list starts among the tile's entries, and how many lights it has).
+// A tile has kCellsATile + 1 elements: its slices (key of its nearest sample, bits per slice), then its cells (first
+// entry within the tile's entries, number of lights).
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer CellsRef { uvec2 v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer EntriesRef { uint v[]; };  // indices of lights
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer EntriesRef { uint v[]; };  // light indices
 
 // Nearer samples have larger keys.
 uint depthKey(Projection p, float deviceDepth) {

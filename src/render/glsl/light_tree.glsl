@@ -1,20 +1,20 @@
-// A subgroup's walk through the light tree (shared/types.h) with a box: comes to the leaves whose boxes meet it, in the
-// order of their lights. Every lane tests a child; what is left of a group of siblings is a mask of bits, and the masks
-// of the groups above are a stack that moves, so that no index into it is dynamic.
+// Traversal of the light tree, a BVH over lights (shared/types.h), by a subgroup: visits the leaves whose boxes overlap
+// a query box, in the order of their lights. Each lane tests one child. The remaining siblings of a node are a bit
+// mask; the masks of its ancestors are a stack that is shifted, so that it needs no dynamic indexing.
 #include "render/glsl/lanes.glsl"
 
 struct TreeWalk {
-  vec3 low, high;  // the box
-  uint group;      // of siblings: 0 is the root's children, h + 1 those of node h
-  uint pending;    // the siblings still to come to
-  uint above[6];   // those of the groups above, nearest first: a tree over 2^32 lights is 6 levels high
+  vec3 low, high;  // the query box
+  uint group;      // sibling group: 0 for the root's children, h + 1 for those of node h
+  uint pending;    // siblings to visit
+  uint above[6];   // pending masks of the ancestors, nearest first: a tree over 2^32 lights has 6 levels
 };
 
-// Who votes yes, by rank among the lanes present. (A vote, not subgroupOr: NVIDIA's driver 580.159 lost bits of that in this
-// loop, and with them the lists of `tiled`.)
+// Returns the votes as bits by lane index (laneRank). It uses a ballot instead of subgroupOr, because NVIDIA's driver
+// loses bits of subgroupOr in this loop, which breaks the light lists of `tiled`.
 uint votesByRank(bool vote) {
   uvec4 votes = subgroupBallot(vote);
-#ifdef PARTIAL_SUBGROUPS  // before the include: in fragment shaders lanes are missing; compute's workgroups of 256 are full
+#ifdef PARTIAL_SUBGROUPS  // define before the include: for fragment shaders; compute workgroups of 256 are full
   uint packed = 0u;
   while (anyLane(votes)) packed |= 1u << fromLane(laneRank, popLane(votes));
   return packed;
@@ -23,7 +23,7 @@ uint votesByRank(bool vote) {
 #endif
 }
 
-// The children whose boxes meet the walk's.
+// Returns the children whose boxes overlap the query box.
 uint childrenMet(FrameConstants frame, TreeWalk walk) {
   uint met = 0u;
   for (uint first = 0u; first < kLightTreeWidth; first += lanesPresent) {
@@ -36,7 +36,7 @@ uint childrenMet(FrameConstants frame, TreeWalk walk) {
   return met;
 }
 
-// An empty walk where `on` is false.
+// Starts a traversal, which is empty if `on` is false.
 TreeWalk startWalk(FrameConstants frame, vec3 low, vec3 high, bool on) {
   TreeWalk walk = TreeWalk(low, high, 0u, 0u, uint[6](0u, 0u, 0u, 0u, 0u, 0u));
   if (on) walk.pending = childrenMet(frame, walk);
@@ -57,7 +57,7 @@ void ascend(inout TreeWalk walk) {
   walk.group = (walk.group - 1u) >> kLightTreeBits;
 }
 
-// The next leaf, whose first light is `light`, or false at the end.
+// Visits the next leaf; `light` is its first light. Returns false at the end.
 bool nextLeaf(inout TreeWalk walk, FrameConstants frame, out uint light) {
   light = 0u;
   bool found = false;

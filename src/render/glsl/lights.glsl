@@ -1,8 +1,9 @@
-// Lights at a surface, shared by the techniques that loop over lists of them.
+// Direct lighting of a surface, shared by the techniques that loop over light lists.
 //
-// Lanes of a subgroup first test one light each against the box around all their surfaces, then all shade the lights
-// that passed, each handed over by a broadcast. So a light costs a load and a test once a subgroup, not once a pixel:
-// on lavapipe a load by address is a loop over lanes, and both sides of a branch always run.
+// Each lane of a subgroup first tests one light against the bounding box of the subgroup's surfaces. Then all lanes
+// shade the lights that passed, which are broadcast one by one. A light thus costs one load and one test per subgroup
+// instead of per pixel: on lavapipe a load by address is a loop over lanes, and both sides of a branch are always
+// executed.
 #ifndef LATELIGHT_LIGHTS_GLSL
 #define LATELIGHT_LIGHTS_GLSL
 #include "render/glsl/lanes.glsl"
@@ -25,20 +26,20 @@ LightShadow broadcastShadow(LightShadow s, uint lane) {
   return LightShadow(fromLane(s.first, lane), fromLane(s.maps, lane), fromLane(s.sun, lane));
 }
 
-// Whether the light may reach into the box.
+// Returns true if the light may reach into the box.
 bool reaches(Light l, vec3 low, vec3 high) {
   vec3 d = max(max(low - l.position, l.position - high), vec3(0.0));
   return lightIsDirectional(l.type) || dot(d, d) < l.radius * l.radius;
 }
 
-// What the lanes of a subgroup that shade together have in common, and each lane's own surface.
+// Shared state of the lanes that shade together, and each lane's surface.
 struct Shading {
   Surface s;
   LIT_BRDF brdf;
   uint view;
-  bool lit;        // this lane takes part
-  vec3 low, high;  // around the surfaces of those that do: findBounds()
-  vec3 radiance;   // what lights have sent to the eye so far
+  bool lit;        // this lane has a surface
+  vec3 low, high;  // bounding box of the surfaces of all lit lanes: findBounds()
+  vec3 radiance;   // accumulated radiance towards the eye
 };
 
 Shading startShading(Surface s, LIT_BRDF brdf, uint view, bool lit) {
@@ -51,7 +52,7 @@ void findBounds(inout Shading shading) {
   shading.high = subgroupMax(shading.lit ? shading.s.position : vec3(-kFar));
 }
 
-// A light that a lane brings.
+// A light that one lane contributes.
 struct DealtLight {
   uint index;
   Light light;
@@ -62,13 +63,13 @@ DealtLight dealtLight(FrameConstants frame, uint view, uint index) {
   return DealtLight(index, frameLight(frame, index), shadowOf(frame, view, index));
 }
 
-// What a lane brought, for all. On GPUs a load that all lanes share costs less than a dozen broadcasts.
+// Returns a lane's light to all lanes. On GPUs a uniform load is cheaper than a dozen broadcasts.
 Light lightOfLane(FrameConstants frame, DealtLight mine, uint lane) {
   if (kCpuDevice != 0u) return broadcastLight(mine.light, lane);
   return frameLight(frame, fromLane(mine.index, lane));
 }
 
-// Adds what the surface sends to the eye of one light, which is the same for all lanes.
+// Adds the reflected radiance of one light, which is the same for all lanes.
 void addLight(inout Shading shading, LightSample arriving) {
   float used = lightsUsed;
   vec3 sent = shadeUnshadowed(arriving, shading.brdf);
@@ -78,7 +79,7 @@ void addLight(inout Shading shading, LightSample arriving) {
     lightsUsed = used;
 }
 
-// The same where something may stand between them.
+// Adds the reflected radiance of one light with its shadows.
 void addShadowed(inout Shading shading, FrameConstants frame, Light light, LightSample arriving, LightShadow shadow) {
   float used = lightsUsed;
   vec3 sent = shadeShadowed(frame, light, arriving, shadow, shading.s, shading.brdf);
@@ -88,7 +89,7 @@ void addShadowed(inout Shading shading, FrameConstants frame, Light light, Light
     lightsUsed = used;
 }
 
-// Tested at the end of a round: lavapipe goes once more through a loop that ends at its beginning.
+// The loop tests at the end: lavapipe executes the body once more if a loop tests at the beginning.
 void shadeHits(inout Shading shading, FrameConstants frame, DealtLight mine, uvec4 hits, bool shadowed) {
   if (!anyLane(hits)) return;
   do {
@@ -102,16 +103,16 @@ void shadeHits(inout Shading shading, FrameConstants frame, DealtLight mine, uve
   } while (anyLane(hits));
 }
 
-// Each lane brings a light; those that hit are shaded by all lanes, in the order of the lanes: first those without
-// shadows, then, in a loop of their own, those that have some. (On lavapipe both sides of a branch run, but a loop of a
-// subgroup without such lights runs its lookups once at most, not once a light.)
+// Each lane contributes a light. All lanes shade the lights with `hit`, in lane order: first those without shadows,
+// then, in a separate loop, those with shadows. (lavapipe executes both sides of a branch; with a separate loop, a
+// subgroup without shadowed lights executes the lookups at most once, not once per light.)
 void shadeDealt(inout Shading shading, FrameConstants frame, DealtLight mine, bool hit) {
   bool shadowed = kShadowFormat != kShadowNone && mine.shadow.maps != 0u;
   shadeHits(shading, frame, mine, subgroupBallot(hit && !shadowed), false);
   if (kShadowFormat != kShadowNone) shadeHits(shading, frame, mine, subgroupBallot(hit && shadowed), true);
 }
 
-// The lights [first, end) of the frame.
+// Shades the lights [first, end) of the frame.
 void shadeRange(inout Shading shading, FrameConstants frame, uint first, uint end) {
   if (first >= end) return;
   do {
@@ -122,8 +123,8 @@ void shadeRange(inout Shading shading, FrameConstants frame, uint first, uint en
   } while (first < end);
 }
 
-// Radiance that all of the frame's lights send from `s` to the eye. Every invocation of the subgroup must call it;
-// `lit` is false for those without a surface.
+// Returns the radiance that `s` reflects towards the eye from all lights of the frame. Every invocation of the subgroup
+// must call it; `lit` is false for invocations without a surface.
 vec3 shadeAllLights(FrameConstants frame, uint view, Surface s, LIT_BRDF brdf, bool lit) {
   if (kLights == 0u) return vec3(0.0);
   lightsTested += float(frame.lightCount);
@@ -134,8 +135,8 @@ vec3 shadeAllLights(FrameConstants frame, uint view, Surface s, LIT_BRDF brdf, b
   return shading.radiance;
 }
 
-// The same, each light loaded by every invocation: the reference, and for devices whose fragment shaders have no
-// subgroups.
+// As shadeAllLights(), but every invocation loads each light. This is the reference, and the fallback for devices
+// without subgroup operations in fragment shaders.
 vec3 shadeAllLightsPlainly(FrameConstants frame, uint view, Surface s, LIT_BRDF brdf) {
   lightsTested += float(frame.lightCount);
   vec3 radiance = vec3(0.0);

@@ -1,6 +1,6 @@
-// Lights of a short list at the surfaces of a subgroup, for GPUs, where lanes that all load a light load it once. Nearly
-// all lights of such a list reach the surfaces, and to find out which do not takes longer than to shade with them. Of
-// compute shaders with a pixel an invocation. After lights.glsl.
+// Shading from a short light list, for GPUs, where a load that is uniform in the subgroup is executed once. Nearly all
+// lights of a short list reach the surfaces, so testing them costs more than shading with them. For compute shaders
+// with one pixel per invocation. Include after lights.glsl.
 #ifndef LATELIGHT_LISTED_LIGHTS_GLSL
 #define LATELIGHT_LISTED_LIGHTS_GLSL
 #include "render/glsl/subgroup_shared_barrier.glsl"
@@ -8,9 +8,9 @@
 
 shared uint listedLights[kPixelGroupX * kPixelGroupY];
 
-// Lights of a list in the order of the lanes, those without shadows first.
+// One light per lane, reordered so that lights without shadows come first.
 struct ListedRound {
-  uint light;  // this lane's
+  uint light;  // this lane's light
   uint count, unshadowed;
 };
 
@@ -20,13 +20,13 @@ ListedRound listedRound(FrameConstants frame, uint view, uint light, uint count)
   uvec4 those = subgroupBallot(laneRank < count && shadowed);
   uint before = subgroupBallotExclusiveBitCount(those), unshadowed = count - subgroupBallotBitCount(those);
   uint base = gl_SubgroupID * gl_SubgroupSize;
-  subgroupSharedBarrier();  // what was there has been read
+  subgroupSharedBarrier();  // the previous round has been read
   if (laneRank < count) listedLights[base + (shadowed ? unshadowed + before : laneRank - before)] = light;
   subgroupSharedBarrier();
   return ListedRound(listedLights[base + laneRank], count, unshadowed);
 }
 
-// Lights of a list are local ones, so that a round of the loop over them has no branch.
+// Light lists contain only local lights, so the loop has no branch on the light type.
 void shadeRound(inout Shading shading, FrameConstants frame, ListedRound round) {
   for (uint i = 0u; i < round.unshadowed; ++i) {
     Light light = frameLight(frame, fromLane(round.light, i));
@@ -41,7 +41,7 @@ void shadeRound(inout Shading shading, FrameConstants frame, ListedRound round) 
   }
 }
 
-// The frame's directional lights, then `count` lights of a list (uint[] by address).
+// Shades the frame's directional lights, then `count` lights of a list (uint[] by address).
 void shadeListed(inout Shading shading, FrameConstants frame, uint64_t list, uint count) {
   if (shading.lit) lightsTested += float(frame.directionalLights + count);
   for (uint i = 0u; i < frame.directionalLights; ++i) {

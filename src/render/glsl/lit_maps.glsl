@@ -1,7 +1,7 @@
-// The maps that every lit shader binds, together in set 0: after the G-buffer where the shader reads one
-// (gbuffer_read.glsl comes first), else from binding 0 on. render/frame/lit_maps.h is their other side. The environment's:
-// prefiltered specular (octahedral, one mip a roughness level, each with its own border), diffuse, the split-sum table,
-// and the table of lobes. Then the shadow atlas and ambient occlusion, which are only ever fetched from.
+// The images that every lighting shader binds in set 0: after the G-buffer if the shader includes gbuffer_read.glsl
+// first, else from binding 0. render/frame/lit_maps.h binds them on the host. They are the prefiltered specular environment
+// (octahedral, one mip level per roughness, each with its own border), the diffuse environment, the split-sum table and
+// the table of lobes, then the shadow atlas and ambient occlusion, which are only fetched.
 #ifndef LATELIGHT_LIT_MAPS_GLSL
 #define LATELIGHT_LIT_MAPS_GLSL
 #include "render/glsl/setup.glsl"
@@ -11,7 +11,7 @@
 #else
 #define LIT_MAPS_BINDING 0
 #endif
-#define AFTER_LIT_MAPS (LIT_MAPS_BINDING + 6)  // the first binding after them
+#define AFTER_LIT_MAPS (LIT_MAPS_BINDING + 6)  // the first binding after the maps
 
 layout(set = 0, binding = LIT_MAPS_BINDING) uniform sampler2D environmentSpecular;
 layout(set = 0, binding = LIT_MAPS_BINDING + 1) uniform sampler2D environmentDiffuse;
@@ -20,7 +20,7 @@ layout(set = 0, binding = LIT_MAPS_BINDING + 3) uniform sampler2D lobeTable;
 layout(set = 0, binding = LIT_MAPS_BINDING + 4) uniform sampler2DArray shadowAtlas;
 layout(set = 0, binding = LIT_MAPS_BINDING + 5) uniform sampler2DArray ambientOcclusion;
 
-// The share of the hemisphere over a pixel of a view that nothing near hides.
+// Returns the unoccluded fraction of the hemisphere over a pixel of a view.
 float visibleHemisphere(ivec3 place) {
   if (kAmbientOcclusion == 0u) return 1.0;
   return texelFetch(ambientOcclusion, place, 0).r;

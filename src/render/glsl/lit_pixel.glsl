@@ -1,6 +1,6 @@
-// What the lighting shaders do around their lights: a pixel's surfaces and the environment's light on them, and the
-// result. A shader defines lightsAt(), which every invocation of the workgroup comes to, and calls lightPixel() once, for
-// ownPixel().
+// The common part of the deferred lighting shaders: reads the surfaces of a pixel from the G-buffer, adds environment
+// and emitted light, and writes the light accumulation target. A shader defines lightsAt(), which every invocation of
+// the workgroup calls, and calls lightPixel() once for ownPixel().
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/gbuffer_write.glsl"
 #include "render/glsl/environment.glsl"
@@ -9,25 +9,26 @@
 #include "render/glsl/redistribute.glsl"
 #endif
 
-// One surface of a pixel: the only one, but where samples differ (MULTISAMPLED).
+// One surface of a pixel. With MULTISAMPLED, a pixel may have several.
 struct LitPixel {
-  ivec3 place;     // and view
-  uint samples;    // those that show it
-  bool lit;        // a surface is there
-  bool elsewhere;  // render/layered lights it: the rest is as without one
-  float depth;     // of the device
+  ivec3 place;     // pixel and view
+  uint samples;    // that show the surface
+  bool lit;        // there is a surface
+  bool elsewhere;  // render/layered lights it; treated as if there were no surface
+  float depth;     // device depth
   Surface s;
   vec3 toEye;
-  vec3 emitted;   // exposure included
-  vec3 radiance;  // by the environment
+  vec3 emitted;   // including exposure
+  vec3 radiance;  // from the environment
 };
 
-// Radiance that lights send from the surface to the eye, before exposure. `p.lit` is false for invocations without one.
+// Returns the radiance that lights send from the surface to the eye, before exposure. `p.lit` is false for invocations
+// without a surface.
 vec3 lightsAt(FrameConstants frame, View view, LitPixel p);
 
-layout(constant_id = 15) const uint kSomeShadedSeparately = 0u;  // some surfaces have layers
+layout(constant_id = 15) const uint kSomeShadedSeparately = 0u;  // some materials are layered
 
-// What the geometry pass left in the light accumulation target of the surface that these samples show.
+// Returns the light accumulation target's value from the geometry pass, for the surface that these samples show.
 #ifdef GBUFFER_NO_TARGETS
 vec4 accumulatedLight(ivec3 place, uint samples) { return vec4(0.0); }
 #elif defined(MULTISAMPLED)
@@ -54,7 +55,7 @@ LitPixel readPixel(FrameConstants frame, View view, ivec3 place, uint samples) {
   p.emitted = vec3(0.0);
   p.radiance = vec3(0.0);
   vec4 accumulated = p.lit ? accumulatedLight(place, samples) : vec4(0.0);
-  // Then nothing else of them is read; but lights count where they are.
+  // Layered surfaces need no further reads, except to count their lights.
   if (kSomeShadedSeparately != 0u && kCountLights == 0u) p.elsewhere = accumulated.a == kLitElsewhere;
   if (p.lit && !p.elsewhere) {
 #ifdef MULTISAMPLED
@@ -81,20 +82,20 @@ vec3 litRadiance(FrameConstants frame, LitPixel p, vec3 byLights) {
   return min(p.emitted + (p.radiance + byLights) * frame.exposure, vec3(65504.0));
 }
 
-// No lights are looked for where nothing reflects them: render/layered lights what has layers.
+// Skips the lights if nothing reflects them. render/layered lights layered materials.
 vec3 lightsOn(FrameConstants frame, View view, LitPixel p) {
   p.lit = p.lit && (kCountLights != 0u || reflects(p.s));
   return lightsAt(frame, view, p);
 }
 
-// Lights tested and used; those of a pixel without a surface are none.
+// Stores the lights tested and used, or 0 for a pixel without a surface.
 void writeCounts(ivec3 place, bool lit, vec4 counts) {
   if (kCountLights != 0u && all(lessThan(place.xy, imageSize(lightCounts).xy)))
     imageStore(lightCounts, place, lit ? counts : vec4(0.0));
 }
 
 #ifndef MULTISAMPLED
-// Returns whether a surface is there.
+// Returns true if the pixel has a surface.
 bool lightPixel(FrameConstants frame, ivec3 place) {
   View view = frameView(frame, place.z);
   bool inside = all(lessThan(vec2(place.xy), view.size));
@@ -105,11 +106,11 @@ bool lightPixel(FrameConstants frame, ivec3 place) {
   return p.lit;
 }
 #else
-// Every invocation lights its pixel's first surface; then those that are left are dealt to the subgroup's lanes.
+// Every invocation lights its pixel's first surface. The remaining surfaces are redistributed to the subgroup's lanes.
 shared vec3 dealtRadiance[256];
 
-// Adds what the lanes have lit of this one's pixel in a round, surface by surface, so that it does not matter which
-// round has which.
+// Adds the radiance that the lanes computed for this lane's pixel in a round. The sum has the order of the surfaces, so
+// it does not depend on the rounds.
 void addDealt(inout vec3 radiance, uint round, uint items, vec3 lit) {
   uint first = round * lanesPresent;
   dealtRadiance[dealtBase + laneRank] = lit;

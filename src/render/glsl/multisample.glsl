@@ -1,11 +1,11 @@
-// Targets of one sample a pixel, or, where MULTISAMPLED is defined, of several: those of the graphics pipeline are
-// multisampled images of four; where SAMPLE_LAYERS is defined too, those of the raster compute are arrays with a layer for
-// each sample of a view. fetchSample() reads either; what is of a surface lies at its first sample.
+// Targets with one sample per pixel, or with several if MULTISAMPLED is defined. The graphics pipeline uses
+// multisampled images with four samples; compute visibility (SAMPLE_LAYERS) uses array images with one layer per sample
+// of a view. fetchSample() reads both. The values of a surface are stored at its first sample.
 #ifndef LATELIGHT_MULTISAMPLE_GLSL
 #define LATELIGHT_MULTISAMPLE_GLSL
 
 #if defined(MULTISAMPLED) && !defined(SAMPLE_LAYERS)
-#define SAMPLES 4u  // in Vulkan's standard places: render::requireSamples() asks for them
+#define SAMPLES 4u  // at Vulkan's standard locations, which render::requireSamples() requires
 #define TARGET_SAMPLER sampler2DMSArray
 #define TARGET_USAMPLER usampler2DMSArray
 #define fetchSample(target, pixel, index) texelFetch(target, pixel, int(index))
@@ -20,19 +20,18 @@
 #include "render/glsl/samples.glsl"
 
 #ifdef MULTISAMPLED
-// The surfaces of a pixel: its samples that show something, parted by what they show, in an image as shared/samples.h
-// has it.
+// The surfaces of a pixel: its covered samples, grouped by surface, in an image as defined in shared/samples.h.
 uint surfaceWord(usampler2DArray surfaces, ivec3 pixel, uint layer) {
   return texelFetch(surfaces, ivec3(pixel.xy, pixel.z * int(surfaceLayers(kSamples)) + int(layer)), 0).r;
 }
 
-// The samples of one; none behind the last.
+// Returns the samples of a surface; 0 after the last one.
 uint surfaceSamples(usampler2DArray surfaces, ivec3 pixel, uint index) {
   uint inLayer = surfacesALayer(kSamples);
   return bitfieldExtract(surfaceWord(surfaces, pixel, index / inLayer), int(kSamples * (index % inLayer)), int(kSamples));
 }
 
-// How many there are, and how many samples show any.
+// Returns the number of surfaces and the number of covered samples.
 uvec2 countSurfaces(usampler2DArray surfaces, ivec3 pixel) {
   uvec2 counts = uvec2(0u);
   bool more = true;
@@ -44,7 +43,7 @@ uvec2 countSurfaces(usampler2DArray surfaces, ivec3 pixel) {
   return counts;
 }
 
-// The samples of the surface that a sample shows; 0 where it shows none.
+// Returns the samples of the surface that a sample shows; 0 if it shows none.
 uint surfaceWithSample(usampler2DArray surfaces, ivec3 pixel, uint index) {
   uint found = 0u;
   for (uint i = 0u; i < kSamples; ++i) {
@@ -54,7 +53,7 @@ uint surfaceWithSample(usampler2DArray surfaces, ivec3 pixel, uint index) {
   return found;
 }
 
-// In the middle of a surface's samples.
+// Returns the depth at the center of a surface's samples.
 #ifdef SAMPLE_LAYERS
 float depthOfSamples(TARGET_SAMPLER depths, ivec3 pixel, uint samples) {
   return fetchSample(depths, pixel, max(findLSB(samples), 0)).r;

@@ -1,4 +1,4 @@
-// The workgroup of a shader that takes a pixel an invocation (render/frame/pixel_group.h).
+// The workgroup of shaders with one pixel per invocation (render/frame/pixel_group.h).
 #ifndef LATELIGHT_PIXEL_GROUP_GLSL
 #define LATELIGHT_PIXEL_GROUP_GLSL
 #include "render/glsl/morton.glsl"
@@ -6,8 +6,8 @@
 
 layout(local_size_x = kPixelGroupX * kPixelGroupY) in;
 
-// This invocation's, and its view. Those of a subgroup lie in a block of 4 by 2 or 8 by 4, which fewer lights reach than
-// rows.
+// Returns this invocation's pixel and view. A subgroup's pixels form a block of 4x2 or 8x4, which fewer lights reach
+// than a row.
 ivec3 ownPixel() {
   return ivec3(gl_WorkGroupID.xy * uvec2(kPixelGroupX, kPixelGroupY) + mortonPixel(gl_LocalInvocationIndex),
                gl_WorkGroupID.z);

@@ -1,5 +1,5 @@
-// The ray of a pixel, as a function of the view: from its projection, or where a lens bends rays, from the table of
-// render/lens/lens_rays.h. After common.glsl.
+// The ray of a pixel: from the view's projection, or for a lens from the table of render/lens/lens_rays.h. Include
+// after common.glsl.
 #ifndef LATELIGHT_PIXEL_RAY_GLSL
 #define LATELIGHT_PIXEL_RAY_GLSL
 
@@ -11,14 +11,14 @@ LensRay lensRay(FrameConstants frame, View view, ivec2 pixel) {
   return LensRayRef(frame.rays).v[(pixel.y + 1) * int(view.size.x) + pixel.x];
 }
 
-// In view space. Times depth it is a position: through a pinhole it is 1 m deep, through a lens 1 m long. 0: the lens
-// sees nothing there.
+// Returns the ray in view space. Multiplied by depth it is a position: for a pinhole it has depth 1 m, for a lens
+// length 1 m. It is 0 if the lens sees nothing at this pixel.
 vec3 pixelRay(FrameConstants frame, View view, vec2 place) {
   if (kLens != 0u) return lensRay(frame, view, ivec2(place)).direction;
   return viewRay(view.projection, pixelToNdc(place, view.size));
 }
 
-// The way from a pixel's ray to that of a neighbour; false where it has none.
+// Returns the difference to a neighbor's ray in `way`; false if the neighbor has no ray.
 bool stepBetween(FrameConstants frame, View view, ivec2 from, ivec2 to, out vec3 way) {
   way = vec3(0.0);
   if (to.x < 0 || to.x >= int(view.size.x)) return false;
@@ -28,8 +28,8 @@ bool stepBetween(FrameConstants frame, View view, ivec2 from, ivec2 to, out vec3
   return true;
 }
 
-// What a lens's ray grows by a pixel in a direction of the picture: the shorter of the steps to the next pixel and from
-// the last one, since neighbours in the picture of a cube map or of the whole sphere may look elsewhere.
+// Returns the derivative of a lens ray per pixel in a direction of the image: the shorter of the forward and backward
+// differences, because neighbors in cube maps and spherical images may look in different directions.
 vec3 lensStep(FrameConstants frame, View view, ivec2 pixel, ivec2 direction) {
   vec3 onward, back;
   bool next = stepBetween(frame, view, pixel, pixel + direction, onward);

@@ -1,5 +1,5 @@
-// What a frame's shaders are specialized for, as render::FrameConfig::constants() gives it. A shader's own constants start
-// at kFirstOwnConstant (16).
+// The specialization constants of a frame's shaders, set by render::FrameConfig::constants(). A shader's own constants
+// start at kFirstOwnConstant (16).
 #ifndef LATELIGHT_SETUP_GLSL
 #define LATELIGHT_SETUP_GLSL
 layout(constant_id = 0) const uint kNormalEncoding = 0;

@@ -1,4 +1,5 @@
-// Shading from the lists of light_lists.comp, of compute shaders with a pixel an invocation. After what finds surfaces.
+// Shading from the light lists of light_lists.comp, for compute shaders with one pixel per invocation. Include after
+// the header that finds the surfaces.
 #include "render/glsl/light_cells.glsl"
 #include "render/glsl/lights.glsl"
 #include "render/glsl/listed_lights.glsl"
@@ -6,14 +7,14 @@
 #include "render/lighting/lighting_push.h"
 
 struct CellLights {
-  CellsRef cells;    // of the tile
-  uint64_t entries;  // of the same: uint[]
+  CellsRef cells;    // of one tile
+  uint64_t entries;  // of the same tile: uint[]
 };
 
-const uint kShortCell = 48u;  // lights; of 16, 32, 48, 64 and 96 the best for most numbers of lights in a scene
+const uint kShortCell = 48u;  // maximum lights of a short list; the fastest of 16, 32, 48, 64 and 96 for most scenes
 
-// What all lights send to the lanes that take part, whose surfaces lie in one cell of the tile. Where its list did not
-// fit they come from the tree.
+// Shades the lit lanes, whose surfaces lie in one cell of the tile, with all lights. If the cell's list overflowed, the
+// lights come from the light tree.
 void shadeCell(inout Shading shading, FrameConstants frame, CellLights lights, uint cell) {
   uvec2 list = lights.cells.v[1u + cell];
   bool fits = list.y != kOverflow;
@@ -26,20 +27,20 @@ void shadeCell(inout Shading shading, FrameConstants frame, CellLights lights, u
   }
 }
 
-// --- a pixel ---------------------------------------------------------------------------------------------------------
+// --- per pixel -------------------------------------------------------------------------------------------------------
 
-// Where a pixel's surface was when the lists were made.
+// The position of a pixel's surface when the lists were built.
 struct CellPlace {
   uint view;
   Projection projection;
-  float depth;  // of the device
+  float depth;  // device depth
 };
 
-// Radiance that all lights send from `s` to the eye. Every invocation of the workgroup's subgroup must call it; `lit` is
-// false for those without a surface. The lanes of a subgroup whose surfaces lie in the same slice shade together, one
-// slice after the other; where a tile is one cell whose list fits, all at once. (Where it does not fit, the boxes that
-// the tree is walked with had better not span the depth of the scene. On lavapipe a shader's loops together end after
-// 65535 rounds, without a word.)
+// Returns the radiance that `s` reflects towards the eye from all lights. Every invocation of the workgroup's subgroup
+// must call it; `lit` is false for invocations without a surface. The lanes whose surfaces lie in the same slice shade
+// together, slice by slice; if the tile is one cell whose list fits, all lanes shade at once. (If the list overflowed,
+// the boxes that query the light tree should not span the depth of the scene. On lavapipe, the loops of a shader end
+// silently after 65535 iterations in total.)
 vec3 shadeFromCells(FrameConstants frame, LightCells cells, CellPlace place, Surface s, LIT_BRDF brdf, bool lit) {
   uint64_t tile = tileOf(gl_WorkGroupID / uvec3(kTileSize / kPixelGroupX, kTileSize / kPixelGroupY, 1u), cells.tiles);
   CellLights lights = CellLights(CellsRef(cells.cells + tile * (8u * (kCellsATile + 1u))),
@@ -55,7 +56,7 @@ vec3 shadeFromCells(FrameConstants frame, LightCells cells, CellPlace place, Sur
     shading.lit = waits && slice == next;
     shadeCell(shading, frame, lights, kCellsATile == 1u ? 0u : next);
     waits = waits && !shading.lit;
-    if (!subgroupAny(waits)) break;  // not at the top: lavapipe would go round once more
+    if (!subgroupAny(waits)) break;  // not at the beginning: lavapipe would execute the body once more
   }
   return shading.radiance;
 }

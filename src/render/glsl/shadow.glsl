@@ -1,5 +1,6 @@
-// How much of a light reaches a surface, by its shadow maps. Depths are compared one by one, then the results are
-// weighted: the same on every device and for every format, none of which but depth could be filtered.
+// Shadow mapping: the fraction of a light that reaches a surface, with a single comparison, PCF or PCSS. Depths are
+// compared before they are filtered, so the result is the same on every device and for every format; only depth formats
+// could be filtered by hardware.
 #ifndef LATELIGHT_SHADOW_GLSL
 #define LATELIGHT_SHADOW_GLSL
 #include "render/glsl/lit_maps.glsl"
@@ -8,12 +9,12 @@
 #include "shared/surface.h"
 #include "shared/light.h"
 
-// The maps of a light in a view, or none.
+// Returns the shadow maps of a light in a view, or none.
 LightShadow lightShadow(FrameConstants frame, uint view, uint light) {
   ShadowBits bits = ShadowBitsRef(frame.shadowBits).v[light >> 5u];
   uint bit = 1u << (light & 31u);
   LightShadow found = LightShadow(0u, 0u, 0u);
-  // A loop, since lavapipe runs a branch whether any lane takes it or not.
+  // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
   for (bool some = (bits.lights & bit) != 0u; some; some = false) {
     uint column = bits.before + uint(bitCount(bits.lights & (bit - 1u)));
     found = LightShadowRef(frame.lightShadows).v[view * frame.shadowColumns + column];
@@ -23,7 +24,7 @@ LightShadow lightShadow(FrameConstants frame, uint view, uint light) {
 
 bool shadowIsPacked() { return kShadowFormat == kShadowRgba8 || kShadowFormat == kShadowRgba8Classic; }
 
-// Texels are counted from the first corner of the map's tile.
+// Texel coordinates are relative to the first corner of the map's tile.
 float shadowDepthAt(ShadowMap m, ivec2 texel) {
   vec4 t = texelFetch(shadowAtlas, ivec3(ivec2(m.corner) + texel, int(m.layer)), 0);
   if (kShadowFormat == kShadowRgba8) return unpackDepth(t);
@@ -35,8 +36,8 @@ float shadowLit(ShadowMap m, vec2 texel, float depth) {
   return shadowDepthAt(m, ivec2(texel)) >= depth ? 1.0 : 0.0;
 }
 
-// Which of the four texels around a corner of texels the light reaches; in the order of textureGather(): the two of the
-// second row, then those of the first from right to left.
+// Compares the four texels around a texel corner; 1 is lit. The order is that of textureGather(): the second row from
+// left to right, then the first row from right to left.
 vec4 shadowCorner(ShadowMap m, ivec2 corner, float depth) {
   vec4 depths;
   if (shadowIsPacked()) {
@@ -54,7 +55,7 @@ float shadowPcf(ShadowMap m, vec2 texel, float depth) {
   vec2 offset = texel - middle - 0.5;
   vec3 across = shadowWeights(offset.x);
   ivec2 t = ivec2(middle);
-  // By four corners, since a GPU gathers four texels in the time of one.
+  // Four gathers, since a GPU gathers four texels in the time of one.
   vec4 a = shadowCorner(m, t, depth), b = shadowCorner(m, t + ivec2(1, 0), depth);
   vec4 c = shadowCorner(m, t + ivec2(0, 1), depth), d = shadowCorner(m, t + 1, depth);
   vec3 rows = vec3(dot(vec3(a.wz, b.z), across), dot(vec3(a.xy, b.y), across), dot(vec3(c.xy, d.y), across));
@@ -65,7 +66,7 @@ vec2 shadowClamp(ShadowMap m, vec2 texel) { return clamp(texel, vec2(1.5), vec2(
 
 float shadowPcss(ShadowMap m, ShadowPoint p, vec2 plane) {
   float widest = kShadowWidest * m.size;
-  float near = -m.depthOffset / m.depthScale;  // metres: where depth is 0
+  float near = -m.depthOffset / m.depthScale;  // meters: where depth is 0
   float search = clamp(shadowPenumbra(m, p.away, near) / p.width, 1.5, widest);
   float blockers = 0.0, depths = 0.0;
   for (uint i = 0u; i < kShadowSearchTaps; ++i) {
@@ -85,9 +86,10 @@ float shadowPcss(ShadowMap m, ShadowPoint p, vec2 plane) {
   return blockers > 0.0 ? lit / float(kShadowPcssTaps) : 1.0;
 }
 
-// The finest map of a light that has the point and the filter's reach around it. False: none has. (One load for each
-// map that is looked at: by address, which is expensive on lavapipe. And the condition stands before the load: what only the
-// body of a loop defines, lavapipe 22.3 takes from the last round for lanes that left in an earlier one.)
+// Finds the finest map of a light that contains the point and the filter's footprint around it. Returns false if there
+// is none. (There is one load per tested map, because loads by address are expensive on lavapipe. The condition
+// precedes the load: for lanes that left the loop earlier, lavapipe 22.3 returns the last iteration's value of
+// variables that only the loop body defines.)
 bool findShadowMap(FrameConstants frame, Light light, LightShadow shadow, vec3 position, out ShadowMap m) {
   float room = shadowReach(kShadowFilter) + 0.5;
   bool directional = lightIsDirectional(light.type);
@@ -105,7 +107,7 @@ bool findShadowMap(FrameConstants frame, Light light, LightShadow shadow, vec3 p
   return found;
 }
 
-// 1: all of it reaches the surface. By the maps of a light that has them.
+// Returns the lit fraction (1: fully lit) from the maps of a light that has shadow maps.
 float shadowByMaps(FrameConstants frame, Light light, LightShadow shadow, Surface s, vec3 toLight) {
   ShadowMap m;
   bool found = findShadowMap(frame, light, shadow, s.position, m);
@@ -124,7 +126,7 @@ float shadowByMaps(FrameConstants frame, Light light, LightShadow shadow, Surfac
   return found && p.depth < 1.0 ? lit : 1.0;
 }
 
-// The same, from the G-buffer where it has been looked up already.
+// As shadowByMaps(), but reads the sun's shadow from the G-buffer if it is stored there.
 float shadowFactor(FrameConstants frame, Light light, LightShadow shadow, Surface s, vec3 toLight) {
 #ifdef GBUFFER_SUN_TARGET
   if (kSunInGbuffer != 0u && shadow.sun != 0u) return s.sun;

@@ -1,8 +1,8 @@
-// What shadow.frag and shadow_masked.frag write. After varyings.glsl with ShadowDraw.
+// The outputs of shadow.frag and shadow_masked.frag. Include after varyings.glsl with ShadowDraw.
 #include "render/glsl/setup.glsl"
 #include "shared/shadow.h"
 
-layout(location = 0) out vec4 packedDepth;  // of the formats that are no depth formats
+layout(location = 0) out vec4 packedDepth;  // for formats that are not depth formats
 
 void writeShadow() {
   float depth = 2.0 * gl_FragCoord.z / gl_FragCoord.w;

@@ -1,4 +1,4 @@
-// A subgroup's barrier for what its lanes share.
+// Subgroup barrier for shared memory.
 #ifndef LATELIGHT_MEET_SUBGROUP_GLSL
 #define LATELIGHT_MEET_SUBGROUP_GLSL
 #include "render/glsl/lanes.glsl"

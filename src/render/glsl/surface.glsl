@@ -1,11 +1,12 @@
-// The Surface at a point of the scene, by its material: for the geometry pass and for forward lighting alike.
+// Evaluates the Surface at a SurfacePoint from its material, for the geometry pass, the resolve and forward shading.
 #ifndef LATELIGHT_SURFACE_GLSL
 #define LATELIGHT_SURFACE_GLSL
 #include "render/glsl/material.glsl"
 #include "shared/surface.h"
 
-// The unperturbed normal, towards the viewer: interpolated, or, where opposite normals cancel, that of the plane on
-// screen. (Not triangleNormal(): its loads would then be needed in every layout, and they cost more than all the rest.)
+// Returns the unperturbed normal, towards the viewer: the interpolated one, or the plane's if opposite normals cancel.
+// (It does not call triangleNormal(), because every layout would then execute that function's loads, which cost more
+// than the rest.)
 vec3 vertexNormal(SurfacePoint p) {
   float squared = dot(p.normal, p.normal);
   float area = dot(p.plane, p.plane);
@@ -13,29 +14,30 @@ vec3 vertexNormal(SurfacePoint p) {
   return area > 0.0 ? p.plane * inversesqrt(area) : vec3(0.0, 0.0, 1.0);
 }
 
-// Perturbs the normal by a normal map in the vertices' tangent frame (glTF 2.0, section 3.9.3). `scale` multiplies the
-// slopes of the map.
+// Normal mapping in the vertices' tangent frame (glTF 2.0, section 3.9.3). `scale` multiplies the slopes of the map.
 vec3 mappedNormal(Material m, uint slot, float scale, SurfacePoint p, vec3 n) {
   if (!hasTexture(m, slot)) return n;
   vec3 map = sampleTexture(m, slot, p).xyz * 2.0 - 1.0;
   vec3 tangent = p.tangent.xyz - n * dot(n, p.tangent.xyz);
   float squared = dot(tangent, tangent);
-  if (squared < 1e-12) return n;  // no tangent frame here
+  if (squared < 1e-12) return n;  // no tangent frame
   vec3 t = tangent * inversesqrt(squared);
   vec3 b = cross(n * p.facing, t) * (p.tangent.w < 0.0 ? -1.0 : 1.0);
   map.xy *= scale;
-  // On a back face the whole frame turns with the normal (glTF 2.0, section 3.9.1, doubleSided).
+  // On a back face the whole frame is flipped with the normal (glTF 2.0, section 3.9.1, doubleSided).
   vec3 mapped = p.facing * (t * map.x + b * map.y) + n * map.z;
   float length2 = dot(mapped, mapped);
   return length2 > 1e-24 ? mapped * inversesqrt(length2) : n;
 }
 
-// The triangle's own normal from its vertices, exact where screen-space derivatives of small triangles are not.
+// Returns the triangle's geometric normal from its vertices. It is exact even for small triangles, for which
+// screen-space derivatives are not.
 vec3 triangleNormal(FrameConstants frame, Instance instance, SurfacePoint p) {
   Mesh mesh = frameMesh(frame, p.mesh);
   uvec3 indices = triangleIndices(mesh, p.triangle);
   vec3 a = positionAt(mesh.positions, indices.x);
-  // Edges are formed in object space: far from the world's origin their ends differ in the last bits alone.
+  // Edges are formed in object space: far from the world's origin the world positions of their ends differ only in the
+  // last bits.
   vec3 ab = mat3(instance.objectToWorld) * (positionAt(mesh.positions, indices.y) - a);
   vec3 ac = mat3(instance.objectToWorld) * (positionAt(mesh.positions, indices.z) - a);
   vec3 extent = max(abs(ab), abs(ac));

@@ -1,11 +1,11 @@
-// Lights at a surface from the light tree: without lists, for what lies elsewhere than the surfaces of which lists are
-// made, or after one. The cost is bounded by the lights that reach the surfaces, and lights come in the order in which
-// all techniques sum them. After lights.glsl.
+// Shading from the light tree: without light lists, for surfaces that the lists do not cover, or after a list. The cost
+// is bounded by the lights that reach the surfaces. Lights are summed in the same order as in all techniques. Include
+// after lights.glsl.
 #ifndef LATELIGHT_TREE_LIGHTS_GLSL
 #define LATELIGHT_TREE_LIGHTS_GLSL
 #include "render/glsl/light_tree.glsl"
 
-// All local lights that the tree has near the surfaces, in the order of the lights.
+// Shades all local lights that the tree finds near the surfaces, in the order of the lights.
 void shadeTree(inout Shading shading, FrameConstants frame) {
   TreeWalk walk = startWalk(frame, shading.low, shading.high, true);
   uint leaf;
@@ -16,9 +16,10 @@ void shadeTree(inout Shading shading, FrameConstants frame) {
   }
 }
 
-// The frame's directional lights, then `count` lights of a list (uint[] by address), then, where `walks`, all local
-// lights that the tree has near the surfaces; each part in the order of the lights. One loop for all: shading a light is
-// most of a shader, and lavapipe compiles it wherever it stands, and takes more for a loop than for a round of it.
+// Shades the frame's directional lights, then `count` lights of a list (uint[] by address), then, if `walks` is true,
+// all local lights that the tree finds near the surfaces; each part in the order of the lights. All parts share one
+// loop: shading a light is most of a shader's code, which lavapipe compiles for each call, and entering a loop costs
+// more there than an iteration.
 void shadeNear(inout Shading shading, FrameConstants frame, uint64_t list, uint count, bool walks) {
   TreeWalk walk = startWalk(frame, shading.low, shading.high, walks);
   uint next = 0u, end = frame.directionalLights + count;
@@ -34,15 +35,15 @@ void shadeNear(inout Shading shading, FrameConstants frame, uint64_t list, uint 
     shadeDealt(shading, frame, mine, there && reaches(mine.light, shading.low, shading.high));
     next += lanesPresent;
     if (next < end) continue;
-    listed = false;  // on to a leaf of the tree
+    listed = false;  // continue with a leaf of the tree
     if (!nextLeaf(walk, frame, next)) break;
     end = min(next + kLightTreeWidth, frame.lightCount);
     if (shading.lit) lightsTested += float(end - next);
   }
 }
 
-// Radiance that all of the frame's lights send from `s` to the eye. Every invocation of the subgroup must call it, for the
-// same view; `lit` is false for those without a surface.
+// Returns the radiance that `s` reflects towards the eye from all lights of the frame. Every invocation of the subgroup
+// must call it for the same view; `lit` is false for invocations without a surface.
 vec3 shadeAllByTree(FrameConstants frame, uint view, Surface s, LIT_BRDF brdf, bool lit) {
   if (kLights == 0u) return vec3(0.0);
   if (kFewLights != 0u) return shadeAllLights(frame, view, s, brdf, lit);
@@ -51,7 +52,7 @@ vec3 shadeAllByTree(FrameConstants frame, uint view, Surface s, LIT_BRDF brdf, b
   findBounds(shading);
   if (kCpuDevice != 0u) {
     shadeNear(shading, frame, uint64_t(0), 0u, true);
-  } else {  // each in a loop of its own: with one for both, blended surfaces took an H200 4 % longer
+  } else {  // separate loops: one for both is slower on GPUs
     lightsTested += float(frame.directionalLights);
     shadeRange(shading, frame, 0u, frame.directionalLights);
     shadeTree(shading, frame);
