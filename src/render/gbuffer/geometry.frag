@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout, multisampled, textured
+// The geometry pass of deferred shading: writes the visible surfaces to the G-buffer of a layout (hardware raster).
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"
 #include "render/visibility/varyings.glsl"
@@ -11,7 +12,8 @@
 #endif
 
 layout(constant_id = 16) const uint kAlphaMasked = 0;
-// Bit i: target i is wanted; the one after the last: light. lavapipe would find what only the others hold, too.
+// Bit i: target i is written; the bit after the last target: light. Without this test, lavapipe would also compute the
+// unused targets.
 layout(constant_id = 17) const uint kTargets = ~0u;
 
 #define OUTPUT(index, name, format, type, channels) layout(location = index) out type gbuffer_##name;
@@ -38,7 +40,7 @@ void main() {
 #define WRITE(index, name, format, type, channels) \
   gbuffer_##name = (kTargets >> index & 1u) != 0u ? texel.name : type(0);
   GBUFFER_TARGETS(WRITE)
-  // Masked-out fragments left no depth, but another surface may lie at exactly the same depth. Last, since textures
-  // need the whole quad.
+  // The depth pass rejects masked fragments, but another surface may have exactly the same depth. This test comes last,
+  // because textures need the whole quad.
   if (kAlphaMasked != 0u) cutFragment(m, p);
 }

@@ -1,6 +1,5 @@
-// Included once per layout by a generated source (cmake/registry.cmake), after the layout's own header and with
-// LATELIGHT_LAYOUT defined as its name: turns GBUFFER_TARGETS into the layout's entry in the registry.
-#include "render/frame/registry.h"
+// Turns GBUFFER_TARGETS into the layout's entry in the registry. A generated source (cmake/registry.cmake) includes it
+// once per layout, after the layout's own header and with LATELIGHT_LAYOUT defined as its name.
 #include "render/gbuffer/layout.h"
 
 namespace latelight::render {

@@ -13,7 +13,7 @@ namespace {
 
 using output::TargetKind;
 
-// The number and kind of channels, from the format's name: R8G8B8A8_SRGB has four.
+// Derives the number and kind of channels from the format's name: R8G8B8A8_SRGB has four.
 output::RawTarget describe(const char* name, const char* channels, VkFormat format) {
   const std::string text = vk::formatName(format);
   TargetKind kind = TargetKind::Unorm;

@@ -1,4 +1,4 @@
-// The targets of a frame's G-buffer as stored, for pictures of them.
+// Readback of a frame's G-buffer targets as stored, for images of them.
 #pragma once
 
 #include <vector>
@@ -11,14 +11,14 @@ namespace latelight::render {
 
 class RawReadback {
  public:
-  // Reads back the layout's targets, the light accumulation target, lit, and depth.
+  // Reads back the layout's targets, the lit light accumulation target, and depth.
   RawReadback(graph::Graph& graph, const Layout& layout, uint32_t normalEncoding, const Gbuffer& gbuffer);
-  // Of the first view.
+  // Returns the G-buffer of the first view.
   output::RawGbuffer read(const graph::Submission& done, const shared::View& view) const;
 
  private:
   struct Target {
-    output::RawTarget described;  // without its values
+    output::RawTarget described;  // without values
     VkFormat format;
     graph::BufferId buffer;
   };

@@ -1,18 +1,18 @@
-// Whether two samples of a pixel, or two of its triangles, show one surface: the triangles of a smooth mesh do, and so does
-// one texture. They do if the first one's plane, extended, passes near the second one's position, and normals, materials
-// and emitted light are similar. After gbuffer_read.glsl.
+// Decides whether two samples or two triangles of a pixel show one surface, such as a smooth mesh or a textured area:
+// the first one's plane passes near the second one's position, and normals, materials and emitted light are similar.
+// Include after gbuffer_read.glsl.
 #ifndef LATELIGHT_SAME_SURFACE_GLSL
 #define LATELIGHT_SAME_SURFACE_GLSL
 
-// Differences that one surface may have within a pixel. Looser thresholds miss edges, tighter ones take curved surfaces
-// and textures for edges: docs/antialiasing.md has the cost and error of these.
-const float kMinCosine = 0.97;  // of two normals: 14 degrees
-const float kMaxAlbedo = 0.06;   // linear colour, f0, metalness times a half
+// Maximum differences within one surface of a pixel. Looser thresholds miss edges; tighter ones treat curved surfaces
+// and textures as edges. docs/antialiasing.md states their cost and error.
+const float kMinCosine = 0.97;  // between normals: 14 degrees
+const float kMaxAlbedo = 0.06;   // linear color, f0, half the metalness
 const float kMaxRoughness = 0.12;
 const float kMaxOcclusion = 0.12;
-const float kMaxEmitted = 0.06;  // of the brighter one, and of white
-const float kMaxOffset = 1.5;    // from the plane, pixels
-const float kMaxSlope = 0.1;     // and of the distance between the two
+const float kMaxEmitted = 0.06;  // relative to the brighter one, at least to white
+const float kMaxOffset = 1.5;    // distance from the plane, in pixels
+const float kMaxSlope = 0.1;     // additional distance from the plane, relative to the distance of the two points
 
 struct Sample {
   float depth;
@@ -20,7 +20,7 @@ struct Sample {
   Surface s;
 };
 
-// The size of a pixel at that depth, metres.
+// Returns the size of a pixel at a device depth, in meters.
 float pixelSize(View view, float depth) {
   float size = 2.0 / (view.projection.V * view.size.y);
   return view.projection.kind == kPerspective ? size * viewDepth(view.projection, depth) : size;

@@ -20,7 +20,7 @@ layout(set = 0, binding = GBUFFER_BINDINGS, r32ui) uniform writeonly uimage2DArr
 
 layout(push_constant, scalar) uniform Push { LightingPush push; };
 
-// Whether all samples equal the first.
+// Returns true if all samples equal the first.
 bool allAlike(ivec3 pixel) {
   GbufferTexel first = readTexel(pixel, 0);
   vec4 light = texelFetch(lightOfSamples, pixel, 0);
@@ -74,7 +74,7 @@ void main() {
   }
   bool part = bitCount(covered) > 1 && (kEverySample != 0u || covered != 15u || !allAlike(pixel));
   uint surfaces = covered;
-  // A loop, since lavapipe runs a branch whether any lane takes it or not.
+  // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
   for (; part; part = false) surfaces = partSamples(view, pixel, depths);
   imageStore(surfacesTarget, pixel, uvec4(surfaces));
 }

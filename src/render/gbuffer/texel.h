@@ -1,4 +1,4 @@
-// Texels of G-buffer targets on the host.
+// Decoding of G-buffer texels on the host.
 #pragma once
 
 #include <volk.h>
@@ -9,7 +9,7 @@
 
 namespace latelight::render {
 
-// One texel as a shader reads it: normalised and float formats in f (sRGB decoded), integers in u.
+// Returns one texel as a shader reads it: normalized and float formats in f (sRGB decoded), integers in u.
 TargetValue decodeTexel(VkFormat format, const std::byte* texel);
 
 }  // namespace latelight::render
