@@ -12,8 +12,8 @@
 #endif
 
 layout(constant_id = 16) const uint kAlphaMasked = 0;
-// Bit i: target i is written; the bit after the last target: light. Without this test, lavapipe would also compute the
-// unused targets.
+// Bit i: target i is written; the bit after the last target: light. If a target is not written, the constant removes
+// its code, which lavapipe would otherwise execute.
 layout(constant_id = 17) const uint kTargets = ~0u;
 
 #define OUTPUT(index, name, format, type, channels) layout(location = index) out type gbuffer_##name;

@@ -24,7 +24,7 @@ vec3 environmentRadiance(FrameConstants frame, vec3 direction, float level) {
   vec2 o = environmentOctahedral(frame, direction);
   float lower = min(floor(level), frame.environmentLevels - 2.0);
   // Each level has its own border, so trilinear filtering needs two bilinear fetches with different coordinates. Their
-  // sizes follow from level 0, because lavapipe 22.3 returns textureSize of the first lane's level for all lanes.
+  // sizes follow from level 0, because lavapipe returns textureSize of the first lane's level for all lanes.
   int size = textureSize(environmentSpecular, 0).x >> int(lower);
   vec3 a = textureLod(environmentSpecular, octahedralTexture(o, float(size)), lower).rgb;
   vec3 b = textureLod(environmentSpecular, octahedralTexture(o, float(size >> 1)), lower + 1.0).rgb;

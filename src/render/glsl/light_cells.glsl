@@ -1,6 +1,6 @@
-// Cells of clustered light culling: tiles of 16x16 pixels that are divided into depth slices (Olsson, Billeter and
-// Assarsson 2012, Clustered Deferred and Forward Shading, HPG). light_lists.comp writes them; the lighting shaders read
-// them.
+// Cells of tiled and clustered light culling: tiles of 16x16 pixels, which clustered culling divides into depth slices
+// (Olsson, Billeter and Assarsson 2012, Clustered Deferred and Forward Shading, HPG). light_lists.comp writes them; the
+// lighting shaders read them.
 //
 // Slices are counted from the tile's nearest sample, so that a wall lies in one slice. They are computed in integers
 // from the stored depth, because both passes must assign a sample to the same slice even if their compilers round

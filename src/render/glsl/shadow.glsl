@@ -88,7 +88,7 @@ float shadowPcss(ShadowMap m, ShadowPoint p, vec2 plane) {
 
 // Finds the finest map of a light that contains the point and the filter's footprint around it. Returns false if there
 // is none. (There is one load per tested map, because loads by address are expensive on lavapipe. The condition
-// precedes the load: for lanes that left the loop earlier, lavapipe 22.3 returns the last iteration's value of
+// precedes the load: for lanes that left the loop earlier, lavapipe returns the last iteration's value of
 // variables that only the loop body defines.)
 bool findShadowMap(FrameConstants frame, Light light, LightShadow shadow, vec3 position, out ShadowMap m) {
   float room = shadowReach(kShadowFilter) + 0.5;

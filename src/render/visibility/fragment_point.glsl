@@ -26,7 +26,7 @@ SLOTS(DECLARE)
 // helper invocations.
 //
 // It is an array of one element, indexed by a 0 that no compiler can fold (no address has its highest bit set).
-// Otherwise lavapipe 22.3 compiles a shader variant for the material's values at every draw and never frees it. Other
+// Otherwise lavapipe compiles a shader variant for the material's values at every draw and never frees it. Other
 // devices use a constant index, because the dynamic one slows down the geometry pass.
 layout(set = 2, binding = 0, scalar) uniform MaterialUniform { Material materials[1]; };
 Material drawMaterial() { return materials[kCpuDevice != 0u ? uint(push.frame >> 63) : 0u]; }
@@ -37,7 +37,7 @@ Material drawMaterial() { return materials[kCpuDevice != 0u ? uint(push.frame >>
 // in the covered part.
 #define INSIDE(v) interpolateAtOffset(v, middleOfSamples(uint(gl_SampleMaskIn[0])) - 0.5)
 // Mip levels follow from the gradients between pixel centers. The interpolation stands in the branch that samples:
-// outside of it, lavapipe 22.3 returns other coordinates, which differ more from those of single-sampled rendering, and
+// outside of it, lavapipe returns other coordinates, which differ more from those of single-sampled rendering, and
 // other gradients of the input itself.
 #define CENTRE(v) interpolateAtOffset(v, vec2(0.0))
 #define TEXEL(image, t)                                                                                        \

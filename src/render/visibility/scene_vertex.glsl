@@ -6,7 +6,7 @@
 #include "render/glsl/vertex_directions.glsl"
 #include "render/visibility/varyings.glsl"
 #include "render/visibility/vast_triangle.glsl"
-#ifdef FRAGMENT_ORDER  // the instance's index in the draw list
+#ifdef FRAGMENT_ORDER  // the instance's index in DeviceDraws::instances()
 layout(location = 9) flat out uint varyingDrawn;
 #endif
 #ifdef MOTION

@@ -3,7 +3,7 @@
 #include "render/glsl/surface.glsl"
 
 #ifdef MULTISAMPLED
-// A shader that writes gl_SampleMask would otherwise run before the depth test, but here the test must decide; no depth
-// is written.
+// Early depth test: a shader that writes gl_SampleMask would otherwise run before the depth test. The early test is
+// valid here because no depth is written.
 layout(early_fragment_tests) in;
 #endif

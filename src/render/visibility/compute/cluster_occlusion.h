@@ -11,8 +11,8 @@
 
 namespace latelight::render {
 
-// Which history is used. Views with jitter, views without jitter, and views whose blended surfaces count as opaque have
-// separate ones.
+// The separate histories: of views without jitter, of views with jitter, and of views whose blended surfaces count as
+// opaque.
 enum class HiddenOf { Steady, Jittered, WithBlended, Count };
 
 class ClusterOcclusion {
@@ -36,7 +36,7 @@ class ClusterOcclusion {
   struct Kept {
     std::shared_ptr<const vk::Buffer> buffer;  // kept alive by frames in flight
     bool filled = false;
-    uint32_t frames = 0;  // total frames; counts the measuring period
+    uint32_t frames = 0;  // frames so far; select those that measure
     Counts counts;
   };
   std::array<Kept, static_cast<size_t>(HiddenOf::Count)> kept_;

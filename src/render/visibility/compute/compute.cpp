@@ -114,8 +114,9 @@ RasterViews ComputeVisibility::viewsBeside(const FrameContext& f, const std::vec
           .count = frame.viewCount};
 }
 
-// Returns the visibility buffer of these views. With occlusion culling, the early pass renders the clusters that were
-// not occluded in the previous frame; the late pass tests the others against the depth pyramid of the early pass.
+// Returns the visibility buffer of these views. With two-pass occlusion culling, the early pass renders the clusters
+// that were not occluded in the previous frame; the late pass tests all clusters against the depth pyramid (HZB) of the
+// early pass, renders those that became visible and stores the new occlusion bits.
 graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const RasterViews& views) const {
   const RasterQueues queues(f, views, share_);
   addClear(f, graph::Stage::Visibility, "raster clear", {queues.visible});

@@ -17,8 +17,8 @@ constexpr uint32_t kCutsOutConstant = kFirstOwnConstant + 2, kTouchedConstant = 
                    kShadowMapsConstant = kFirstOwnConstant + 4, kApartConstant = kFirstOwnConstant + 5,
                    kQueuedConstant = kFirstOwnConstant + 6;
 
-// Returns the queue capacities. `work` is the maximum number of clusters. Medium and large triangles are only a
-// fraction of all triangles; it grows with the number of samples per pixel, because size classes depend on it.
+// Returns the queue capacities. `work` is the maximum number of clusters. At most about an eighth of the triangles are
+// medium or large, and more with several samples per pixel, because size classes count samples.
 RasterRoom roomOf(const FrameContext& f, uint32_t work, uint32_t samples) {
   const uint32_t some = 16 * samples * std::min(work, 1u << 20);
   RasterRoom room{.work = work,

@@ -17,8 +17,8 @@ SH_CONST uint kBinGroup = 32u;                   // large triangles per workgrou
 SH_CONST uint kRasterJobTriangles = 128u;        // maximum triangles of a tile per job
 SH_CONST int kSubpixels = 256;                   // subpixels per pixel and axis
 
-// Maximum pixels of a medium triangle. (lavapipe ends a shader's loops after 65535 iterations in total, and there one
-// subgroup rasterizes a whole cluster.)
+// Maximum bounding box of a medium triangle, in pixels with one sample. (lavapipe ends a shader's loops after 65535
+// iterations in total, and there one subgroup rasterizes a whole cluster.)
 SH_CONST int kMediumPixels = 2048;
 SH_CONST int kMediumPixelsOfCpu = 512;
 
@@ -72,7 +72,7 @@ struct ClippedTriangle {  // a triangle that crosses a plane of the view volume
 // A medium or large triangle on screen. Corners are in subpixels from the upper left, clockwise on screen.
 struct LargeTriangle {  // 52 bytes
   int ax, ay, bx, by, cx, cy;
-  vec3 plane;         // device depth at a pixel is dot(plane, (x, 1, z)), with x and z of its viewRay()
+  vec3 plane;         // device depth at a pixel is dot(plane, (x, 1, z)), with x and z from rayAt()
   float least, most;  // depth range
   uint id;
   uint view;
