@@ -19,7 +19,7 @@ void showSurfaces(uint64_t frame, ShownPush push) {
 #endif
 }
 
-// Returns the surface at the center of these covered samples, which show one triangle.
+// Returns the surface that these covered samples show, at their center on the first sample's triangle.
 Surface shownSurface(View view, ivec3 pixel, uint samples) {
   FrameConstants frame = FrameRef(shownFrame).v;
   uint index = visibleIndex(uvec3(pixel), uvec2(view.size)) + uint(max(findLSB(samples), 0));
