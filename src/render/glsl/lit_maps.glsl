@@ -1,7 +1,8 @@
 // The images that every lighting shader binds in set 0: after the G-buffer if the shader includes gbuffer_read.glsl
 // first, else from binding 0. render/frame/lit_maps.h binds them on the host. They are the prefiltered specular
 // environment (octahedral, one mip level per roughness, each with its own border), the diffuse environment, the
-// split-sum table and the table of lobes, then the shadow atlas and ambient occlusion, which are read without filtering.
+// split-sum table and the table of lobes, then the shadow atlas and ambient occlusion, which are read without
+// filtering.
 #ifndef LATELIGHT_LIT_MAPS_GLSL
 #define LATELIGHT_LIT_MAPS_GLSL
 #include "render/glsl/setup.glsl"

@@ -26,7 +26,7 @@ void main() {
   ivec3 pixel = ivec3(gl_GlobalInvocationID);
   View view = frameView(FrameRef(push.frame).v, pixel.z);
   if (any(greaterThanEqual(vec2(pixel.xy), view.size))) return;
-  uint first = visibleIndex(uvec3(pixel), uvec2(view.size)), count = 0u;
+  uint first = visibleIndex(uvec3(pixel), uvec2(view.size));
   uint left = coveredSamples(VisibleRef(push.visible), first);
   for (uint layer = 0u; layer < surfaceLayers(kSamples); ++layer) {
     uint some = 0u;

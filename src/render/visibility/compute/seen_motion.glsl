@@ -6,6 +6,10 @@ vec3 clipOf(View view, mat4x3 placed, uint64_t positions, uint vertex) {
   return steadyClip(view, toView(view, placed * vec4(positionAt(positions, vertex), 1.0)));
 }
 
+bool samePlace(Instance a, Instance b) {
+  return a.objectToWorld == b.objectToWorld && a.translationLow == b.translationLow;
+}
+
 // Returns motion vectors, in pixels: xy to the previous frame, zw to the next frame.
 vec4 seenMotion(FrameConstants frame, View view, uint viewIndex, SeenTriangle t, vec2 pixel) {
   View viewBefore = viewAt(frame.previousViews, viewIndex), viewAfter = viewAt(frame.nextViews, viewIndex);
@@ -24,8 +28,8 @@ vec4 seenMotion(FrameConstants frame, View view, uint viewIndex, SeenTriangle t,
   }
   // If a vast triangle is static, its motion follows only from the eye positions, which are known exactly.
   Instance current = frameInstance(frame, t.rank.instance);
-  for (bool some = isVast(t) && current.objectToWorld == instanceAt(frame.previousInstances, t.rank.instance).objectToWorld &&
-                   current.objectToWorld == instanceAt(frame.nextInstances, t.rank.instance).objectToWorld;
+  for (bool some = isVast(t) && samePlace(current, instanceAt(frame.previousInstances, t.rank.instance)) &&
+                   samePlace(current, instanceAt(frame.nextInstances, t.rank.instance));
        some; some = false) {
     vec3 seen = vastPoint(frame, view, vastCornersOf(frame, view, t), pixel);
     vec3 relative = toWorldAxes(view, seen);
