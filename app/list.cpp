@@ -135,7 +135,7 @@ Json describeOption(const render::Option& option, bool inApi) {
   if (std::isfinite(option.range.least)) row[option.range.open ? "above" : "least"] = option.range.least;
   if (std::isfinite(option.range.most)) row["most"] = option.range.most;
   if (!option.unit.empty() && option.kind != render::OptionKind::List) row["unit"] = option.unit;
-  if (!option.normal.empty()) row["default"] = option.normal;
+  if (!option.defaultValue.empty()) row["default"] = option.defaultValue;
   if (!option.without.empty()) row["without"] = option.without;
   row["compiled"] = option.effect == render::OptionEffect::Compiled;
   if (inApi) row["member"] = option.member;  // member of latelight::Options

@@ -38,12 +38,12 @@ const render::OptionTable<RenderOptions>& commandTable() {
   }
 #define OPTION_GROUP(title) t.group(title);
 #define OPTION_FLAG(member, name, effect, help) t.flag(&O::member, ROW(member, name, help));
-#define OPTION_NUMBER(Type, member, name, normal, range, unit, effect, help) \
-  t.number<Type>(&O::member, ROW(member, name, help), normal, range, unit);
+#define OPTION_NUMBER(Type, member, name, defaultValue, range, unit, effect, help) \
+  t.number<Type>(&O::member, ROW(member, name, help), defaultValue, range, unit);
 #define OPTION_OPTIONAL(Type, member, name, range, unit, without, effect, help) \
   t.optional<Type>(&O::member, ROW(member, name, help), range, unit, without);
-#define OPTION_TEXT(Type, member, name, normal, topic, effect, help) \
-  t.text(&O::member, ROW(member, name, help), normal, topic);
+#define OPTION_TEXT(Type, member, name, defaultValue, topic, effect, help) \
+  t.text(&O::member, ROW(member, name, help), defaultValue, topic);
 #define OPTION_LIST(member, name, type, help) addList(t, &O::member, ROW(member, name, help), type);
 #include "app/render_command.def"
 #undef ROW
@@ -107,7 +107,7 @@ void addOption(CLI::App& command, const Option& option, const std::function<void
     added = command.add_option_function<std::string>(option.name, take, helpText(option));
   }
   if (option.kind != OptionKind::Flag) added->type_name(valueName(option));
-  if (!option.normal.empty()) added->default_str(option.normal);
+  if (!option.defaultValue.empty()) added->default_str(option.defaultValue);
   if (option.name[0] == '-') added->group(option.group);
 }
 

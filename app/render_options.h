@@ -20,9 +20,9 @@ namespace latelight::app {
 struct RenderOptions {
 #define OPTION_GROUP(title)
 #define OPTION_FLAG(member, ...) bool member = false;
-#define OPTION_NUMBER(Type, member, name, normal, ...) Type member = normal;
+#define OPTION_NUMBER(Type, member, name, defaultValue, ...) Type member = defaultValue;
 #define OPTION_OPTIONAL(Type, member, ...) std::optional<Type> member;
-#define OPTION_TEXT(Type, member, name, normal, ...) Type member = normal;
+#define OPTION_TEXT(Type, member, name, defaultValue, ...) Type member = defaultValue;
 #define OPTION_LIST(member, ...) std::vector<std::string> member;
 #include "app/render_command.def"
 

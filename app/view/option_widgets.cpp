@@ -18,7 +18,7 @@ using render::OptionKind;
 
 std::string valueOf(const view::Choice& choice, const Option& option) {
   const auto found = choice.options.find(render::keyOf(option));
-  return found == choice.options.end() ? option.normal : found->second;
+  return found == choice.options.end() ? option.defaultValue : found->second;
 }
 
 // Shows a list of names. Other values can be typed in the field below.
@@ -85,8 +85,8 @@ std::optional<std::string> edit(const Option& option, const std::string& value) 
 
 std::string helpOf(const Option& option) {
   const std::string range = render::rangeText(option);
-  const std::string normal = option.normal.empty() ? option.without : option.normal;
-  return option.help + (range.empty() ? "" : " (" + range + ")") + (normal.empty() ? "" : "\ndefault: " + normal);
+  const std::string defaultValue = option.defaultValue.empty() ? option.without : option.defaultValue;
+  return option.help + (range.empty() ? "" : " (" + range + ")") + (defaultValue.empty() ? "" : "\ndefault: " + defaultValue);
 }
 
 void drawOption(const view::Choice& choice, const Option& option,

@@ -371,14 +371,14 @@ struct Options {
 #undef OPTION_SIZE
 #undef OPTION_SUN
 #define OPTION_FLAG(member, ...) bool member = false;
-#define OPTION_NUMBER(type, member, name, normal, ...) type member = normal;
-#define OPTION_ANGLE(member, name, normal, ...) double member = normal;
+#define OPTION_NUMBER(type, member, name, defaultValue, ...) type member = defaultValue;
+#define OPTION_ANGLE(member, name, defaultValue, ...) double member = defaultValue;
 #define OPTION_OPTIONAL(type, member, ...) std::optional<type> member;
-#define OPTION_CHOICE(Enum, member, name, normal, ...) std::string member = normal;
-#define OPTION_ENTRY(Type, member, name, normal, ...) std::string member = normal;
-#define OPTION_TEXT(Type, member, name, normal, ...) std::string member = normal;
-#define OPTION_SIZE(width, height, name, normalWidth, normalHeight, ...) \
-  uint32_t width = normalWidth, height = normalHeight;
+#define OPTION_CHOICE(Enum, member, name, defaultValue, ...) std::string member = defaultValue;
+#define OPTION_ENTRY(Type, member, name, defaultValue, ...) std::string member = defaultValue;
+#define OPTION_TEXT(Type, member, name, defaultValue, ...) std::string member = defaultValue;
+#define OPTION_SIZE(width, height, name, defaultWidth, defaultHeight, ...) \
+  uint32_t width = defaultWidth, height = defaultHeight;
 #define OPTION_SUN(member, ...) std::optional<Sun> member;
 #include <latelight/options.def>
 #pragma pop_macro("OPTION_GROUP")
@@ -430,7 +430,7 @@ struct OptionInfo {
   std::string group, name, member;  // "Picture", "--exposure", "exposure"
   std::string help;                 // one sentence
   std::string unit, range;          // only for numbers: "EV", "-60 to 60 EV"
-  std::string normal;               // the default, as on the command line; empty: see `without`
+  std::string defaultValue;         // the default, as on the command line; empty: see `without`
   std::string without;
   struct Name {
     std::string name, help;

@@ -173,7 +173,7 @@ std::string defaultOf(const Keyword& keyword) {
   const OptionInfo& info = infoOf(keyword);
   if (keyword.type.ends_with("None")) return "None";
   if (keyword.type == "bool") return "False";
-  return keyword.type.empty() ? "\"" + info.normal + "\"" : info.normal;
+  return keyword.type.empty() ? "\"" + info.defaultValue + "\"" : info.defaultValue;
 }
 
 std::string lineOf(const Keyword& keyword) {

@@ -9,8 +9,8 @@ namespace latelight {
 namespace {
 
 OptionInfo publicOption(const render::Option& from) {
-  OptionInfo out{from.group,  from.name,   from.member, from.help, from.unit, render::rangeText(from),
-                 from.normal, from.without};
+  OptionInfo out{from.group,        from.name,   from.member, from.help, from.unit, render::rangeText(from),
+                 from.defaultValue, from.without};
   for (const render::NamedOption& name : from.names) out.names.push_back({name.name, name.description});
   out.anyText = from.kind == render::OptionKind::Text;
   return out;

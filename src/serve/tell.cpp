@@ -24,7 +24,7 @@ Json describe(const render::Option& option) {
            {"group", option.group},
            {"kind", kKinds.at(option.kind)},
            {"help", option.help},
-           {"normal", option.normal},
+           {"default", option.defaultValue},
            {"without", option.without},
            {"unit", option.unit},
            {"compiled", option.effect == render::OptionEffect::Compiled}};

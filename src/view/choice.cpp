@@ -46,7 +46,7 @@ Choice withOption(const Choice& choice, std::string_view name, std::string_view 
   const std::string key(render::keyOf(option));
   Choice changed = choice;
   const bool off = value.empty() || (option.kind == render::OptionKind::Flag && value == "false");
-  if (off || value == option.normal)
+  if (off || value == option.defaultValue)
     changed.options.erase(key);
   else
     changed.options.insert_or_assign(key, value);

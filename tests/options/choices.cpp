@@ -35,7 +35,7 @@ Choice numberOf(const render::Option& option) {
   if (!range.open) choice.right.push_back(text(least));
   choice.right.push_back(text(whole ? std::floor((least + most) / 2) : least + 0.01 * (most - least)));
   choice.right.push_back(text(most));
-  if (!option.normal.empty()) choice.right.push_back(option.normal);
+  if (!option.defaultValue.empty()) choice.right.push_back(option.defaultValue);
   if (whole) choice.wrong.push_back("1.5");
   if (range.open) choice.wrong.push_back(text(least));
   if (std::isfinite(range.least)) choice.wrong.push_back(text(least - 1));

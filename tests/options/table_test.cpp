@@ -64,8 +64,8 @@ TEST(OptionTable, DefaultsAreWhatTheirTextsSay) {
   checkSettings(untouched);
   Settings settings;
   for (const Option& option : options()) {
-    if (option.normal.empty()) continue;
-    EXPECT_EQ(read(settings, option, option.normal), option.normal) << option.name;
+    if (option.defaultValue.empty()) continue;
+    EXPECT_EQ(read(settings, option, option.defaultValue), option.defaultValue) << option.name;
   }
   expectSame(settings, untouched);
 }
@@ -128,7 +128,7 @@ std::vector<std::pair<std::string, Change>> wrongMembers() {
 #define OPTION_OPTIONAL(Type, member, name, range, ...) WRONG(name, o.member = static_cast<Type>(beyond(range)))
 #define OPTION_CHOICE(Enum, member, name, ...) WRONG(name, o.member = "nothing")
 #define OPTION_ENTRY(Type, member, name, ...) WRONG(name, o.member = "nothing")
-#define OPTION_SIZE(width, height, name, normalWidth, normalHeight, most, ...) WRONG(name, o.height = most + 1)
+#define OPTION_SIZE(width, height, name, defaultWidth, defaultHeight, most, ...) WRONG(name, o.height = most + 1)
 #define OPTION_SUN(member, name, ...) WRONG(name, (o.member = Sun{.illuminance = -1}))
 #include <latelight/options.def>
 #undef WRONG

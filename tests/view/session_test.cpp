@@ -85,7 +85,7 @@ std::string valueOf(const render::Option& option) {
       {"fog-color", "#ff8040"}, {"sun", "-30,40,2"}, {"position-origin", "1,2,3"}};
   static const std::map<std::string, std::string, std::less<>> kNumbers{{"fog", "0.05"}, {"shadow-atlas", "1024"}};
   const std::string key(render::keyOf(option));
-  const auto names = [&](const std::string& name) { return name != option.normal; };
+  const auto names = [&](const std::string& name) { return name != option.defaultValue; };
   switch (option.kind) {
     case render::OptionKind::Flag:
       return "true";

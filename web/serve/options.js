@@ -15,11 +15,11 @@ function flag() {
 function choice(option) {
   const list = element("select");
   for (const { name, help } of option.names) list.append(element("option", { value: name, textContent: name, title: help }));
-  return { shown: [list], input: list, read: () => list.value, write: (text) => (list.value = text || option.normal) };
+  return { shown: [list], input: list, read: () => list.value, write: (text) => (list.value = text || option.default) };
 }
 
 function text(option) {
-  const input = element("input", { type: "text", placeholder: option.normal || option.without || "", spellcheck: false });
+  const input = element("input", { type: "text", placeholder: option.default || option.without || "", spellcheck: false });
   const shown = [input];
   if (option.names.length) {
     const list = element("datalist", { id: `names-${option.key}` });
@@ -34,7 +34,7 @@ function text(option) {
 function number(option) {
   const step = option.kind === "integer" ? 1 : "any";
   const limits = { min: option.least ?? "", max: option.most ?? "", step };
-  const input = element("input", { type: "number", placeholder: option.normal || option.without || "", ...limits });
+  const input = element("input", { type: "number", placeholder: option.default || option.without || "", ...limits });
   const field = { shown: [input], input, read: () => input.value, write: (value) => (input.value = value) };
   if (!(option.most - option.least <= 400)) return field;
   const slider = element("input", { type: "range", ...limits, step: step === 1 ? 1 : (option.most - option.least) / 400 });
@@ -46,7 +46,7 @@ function number(option) {
   field.shown = [element("div", { className: "pair" }, slider, input)];
   field.write = (value) => {
     input.value = value;
-    slider.value = value === "" ? option.normal || option.least : value;
+    slider.value = value === "" ? option.default || option.least : value;
   };
   return field;
 }
@@ -88,7 +88,7 @@ export class Options {
   show(values) {
     for (const [key, field] of this.fields) {
       const value = values[key] ?? "";
-      const chosen = field.option.names.find(({ name }) => name === (value || field.option.normal));
+      const chosen = field.option.names.find(({ name }) => name === (value || field.option.default));
       field.row.classList.toggle("changed", value !== "");
       field.row.dataset.help = field.input.title + (chosen?.help ? `. ${chosen.name}: ${chosen.help}` : "");
       if (document.activeElement !== field.input || field.input.tagName === "SELECT") field.write(value);

@@ -54,9 +54,9 @@ class OptionTable {
   }
 
   template <typename T>
-  void number(T Target::*member, Option option, T normal, Range range, const char* unit) {
+  void number(T Target::*member, Option option, T defaultValue, Range range, const char* unit) {
     describeNumber<T>(option, range, unit);
-    option.normal = fmt::format("{}", normal);
+    option.defaultValue = fmt::format("{}", defaultValue);
     add(
         option,
         [member](Target& t, const Option& o, std::string_view text) {
@@ -81,9 +81,9 @@ class OptionTable {
   }
 
   // The text is in degrees, the member in radians.
-  void angle(float Target::*member, Option option, double normal, Range range) {
+  void angle(float Target::*member, Option option, double defaultValue, Range range) {
     describeNumber<float>(option, range, "degrees");
-    option.normal = fmt::format("{}", normal);
+    option.defaultValue = fmt::format("{}", defaultValue);
     add(
         option,
         [member](Target& t, const Option& o, std::string_view text) {
@@ -99,8 +99,8 @@ class OptionTable {
   }
 
   template <typename Enum>
-  void choice(Enum Target::*member, Option option, const char* normal, const char* topic) {
-    describeNames(option, normal, topic, choices<Enum>());
+  void choice(Enum Target::*member, Option option, const char* defaultValue, const char* topic) {
+    describeNames(option, defaultValue, topic, choices<Enum>());
     add(option, [member](Target& t, const Option& o, std::string_view text) {
       t.*member = readChoice<Enum>(o.name, text);
       return std::string(text);
@@ -109,9 +109,9 @@ class OptionTable {
 
   // An entry of a registry, whose entries have a name and a description.
   template <typename Entry>
-  void entry(const Entry* Target::*member, Option option, const char* normal, const char* topic,
+  void entry(const Entry* Target::*member, Option option, const char* defaultValue, const char* topic,
              std::span<const NamedOption> names) {
-    describeNames(option, normal, topic, names);
+    describeNames(option, defaultValue, topic, names);
     add(option, [member](Target& t, const Option& o, std::string_view text) {
       t.*member = &readEntry<Entry>(o.name, text);
       return std::string(text);
@@ -119,8 +119,8 @@ class OptionTable {
   }
 
   template <typename T>
-  void text(T Target::*member, Option option, const char* normal, const char* topic) {
-    option.normal = normal;
+  void text(T Target::*member, Option option, const char* defaultValue, const char* topic) {
+    option.defaultValue = defaultValue;
     option.topic = topic;
     option.names = namesOfText<T>();
     add(
@@ -158,9 +158,10 @@ class OptionTable {
     option.range = range;
     option.unit = unit;
   }
-  static void describeNames(Option& option, const char* normal, const char* topic, std::span<const NamedOption> names) {
+  static void describeNames(Option& option, const char* defaultValue, const char* topic,
+                            std::span<const NamedOption> names) {
     option.kind = OptionKind::Choice;
-    option.normal = normal;
+    option.defaultValue = defaultValue;
     option.topic = topic;
     option.names.assign(names.begin(), names.end());
   }

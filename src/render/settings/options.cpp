@@ -71,7 +71,7 @@ void checkText<Background>(const Option& option, const Background& background) {
 namespace {
 
 void addSize(OptionTable<Settings>& table, Option option, uint32_t width, uint32_t height, uint32_t most) {
-  option.normal = fmt::format("{}x{}", width, height);
+  option.defaultValue = fmt::format("{}x{}", width, height);
   option.range = between(1, most);
   option.unit = "pixels a side";
   table.add(
@@ -113,20 +113,20 @@ const OptionTable<Settings>& table() {
   }
 #define OPTION_GROUP(title) t.group(title);
 #define OPTION_FLAG(member, name, effect, help) t.flag(&S::member, ROW(member, name, effect, help));
-#define OPTION_NUMBER(Type, member, name, normal, range, unit, effect, help) \
-  t.number<Type>(&S::member, ROW(member, name, effect, help), normal, range, unit);
-#define OPTION_ANGLE(member, name, normal, range, effect, help) \
-  t.angle(&S::member, ROW(member, name, effect, help), normal, range);
+#define OPTION_NUMBER(Type, member, name, defaultValue, range, unit, effect, help) \
+  t.number<Type>(&S::member, ROW(member, name, effect, help), defaultValue, range, unit);
+#define OPTION_ANGLE(member, name, defaultValue, range, effect, help) \
+  t.angle(&S::member, ROW(member, name, effect, help), defaultValue, range);
 #define OPTION_OPTIONAL(Type, member, name, range, unit, without, effect, help) \
   t.optional<Type>(&S::member, ROW(member, name, effect, help), range, unit, without);
-#define OPTION_CHOICE(Enum, member, name, normal, topic, effect, help, ...) \
-  t.choice(&S::member, ROW(member, name, effect, help), normal, topic);
-#define OPTION_ENTRY(Type, member, name, normal, topic, effect, help) \
-  t.entry(&S::member, ROW(member, name, effect, help), normal, topic, entriesOf<Type>());
-#define OPTION_TEXT(Type, member, name, normal, topic, effect, help) \
-  t.text(&S::member, ROW(member, name, effect, help), normal, topic);
-#define OPTION_SIZE(width, height, N, normalWidth, normalHeight, most, H) \
-  addSize(t, Option{.name = N, .member = #width ", " #height, .help = H}, normalWidth, normalHeight, most);
+#define OPTION_CHOICE(Enum, member, name, defaultValue, topic, effect, help, ...) \
+  t.choice(&S::member, ROW(member, name, effect, help), defaultValue, topic);
+#define OPTION_ENTRY(Type, member, name, defaultValue, topic, effect, help) \
+  t.entry(&S::member, ROW(member, name, effect, help), defaultValue, topic, entriesOf<Type>());
+#define OPTION_TEXT(Type, member, name, defaultValue, topic, effect, help) \
+  t.text(&S::member, ROW(member, name, effect, help), defaultValue, topic);
+#define OPTION_SIZE(width, height, N, defaultWidth, defaultHeight, most, H) \
+  addSize(t, Option{.name = N, .member = #width ", " #height, .help = H}, defaultWidth, defaultHeight, most);
 #define OPTION_SUN(member, name, help) addSun(t, ROW(member, name, Runtime, help));
 #include <latelight/options.def>
 #undef ROW

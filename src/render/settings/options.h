@@ -43,7 +43,7 @@ struct Option {
   OptionKind kind = OptionKind::Text;
   OptionEffect effect = OptionEffect::Runtime;
   const char* help = "";
-  std::string normal = {};              // the default, as text; empty: none
+  std::string defaultValue = {};        // the default, as text; empty: none
   std::string without = {};             // in words: what applies without a value and a default
   Range range = {};                     // for Integer and Number
   std::string unit = {};                // for the same

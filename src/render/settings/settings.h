@@ -27,16 +27,17 @@ struct NamedOption {
 };
 
 // One enumeration per OPTION_CHOICE, numbered like the shaders' constants for it.
-#define OPTION_CHOICE(Enum, member, name, normal, topic, effect, help, ...) enum class Enum : uint32_t { __VA_ARGS__ };
+#define OPTION_CHOICE(Enum, member, name, defaultValue, topic, effect, help, ...) \
+  enum class Enum : uint32_t { __VA_ARGS__ };
 #define OPTION_NAME(constant, name, description) constant,
 #include <latelight/options.def>
 
 // The names of the enumeration, in order.
 template <typename Enum>
 inline constexpr std::span<const NamedOption> kChoices{};
-#define OPTION_CHOICE(Enum, member, name, normal, topic, effect, help, ...) \
-  inline constexpr NamedOption kNamesOf##Enum[] = {__VA_ARGS__};            \
-  template <>                                                               \
+#define OPTION_CHOICE(Enum, member, name, defaultValue, topic, effect, help, ...) \
+  inline constexpr NamedOption kNamesOf##Enum[] = {__VA_ARGS__};                  \
+  template <>                                                                     \
   inline constexpr std::span<const NamedOption> kChoices<Enum> = kNamesOf##Enum;
 #define OPTION_NAME(constant, name, description) {name, description},
 #include <latelight/options.def>
@@ -155,14 +156,14 @@ inline float radians(double degrees) {
 // The members are those of latelight::Options, with angles in radians.
 struct Settings {
 #define OPTION_FLAG(member, ...) bool member = false;
-#define OPTION_NUMBER(Type, member, name, normal, ...) Type member = normal;
-#define OPTION_ANGLE(member, name, normal, ...) float member = radians(normal);
+#define OPTION_NUMBER(Type, member, name, defaultValue, ...) Type member = defaultValue;
+#define OPTION_ANGLE(member, name, defaultValue, ...) float member = radians(defaultValue);
 #define OPTION_OPTIONAL(Type, member, ...) std::optional<Type> member;
-#define OPTION_CHOICE(Enum, member, name, normal, ...) Enum member = choiceNamed<Enum>(normal).value();
-#define OPTION_ENTRY(Type, member, name, normal, ...) const Type* member = &readEntry<Type>(name, normal);
-#define OPTION_TEXT(Type, member, name, normal, ...) Type member = readText<Type>(name, normal);
-#define OPTION_SIZE(width, height, name, normalWidth, normalHeight, ...) \
-  uint32_t width = normalWidth, height = normalHeight;
+#define OPTION_CHOICE(Enum, member, name, defaultValue, ...) Enum member = choiceNamed<Enum>(defaultValue).value();
+#define OPTION_ENTRY(Type, member, name, defaultValue, ...) const Type* member = &readEntry<Type>(name, defaultValue);
+#define OPTION_TEXT(Type, member, name, defaultValue, ...) Type member = readText<Type>(name, defaultValue);
+#define OPTION_SIZE(width, height, name, defaultWidth, defaultHeight, ...) \
+  uint32_t width = defaultWidth, height = defaultHeight;
 #define OPTION_SUN(member, ...) std::optional<SunLight> member;
 #include <latelight/options.def>
 

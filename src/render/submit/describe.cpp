@@ -41,8 +41,8 @@ std::map<std::string, std::string> describeSettings(const Settings& s, const std
   for (const Option& option : options()) {
     const auto found = given.find(keyOf(option));
     const std::string& text = found != given.end()    ? found->second
-                              : option.normal.empty() ? option.without
-                                                      : option.normal;
+                              : option.defaultValue.empty() ? option.without
+                                                      : option.defaultValue;
     if (!text.empty()) settings[std::string(keyOf(option))] = text;
   }
   for (const char* elsewhere : {"axes", "normal-frame"}) settings.erase(elsewhere);
