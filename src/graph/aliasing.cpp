@@ -1,3 +1,7 @@
+// Memory aliasing of transients. pack() assigns heaps and offsets to footprints by greedy placement: it tries several
+// orders, places each footprint at the lowest offset that is free during its lifetime, and returns the smallest
+// packing. addAliasingBarriers() adds the dependencies between successive users of the same bytes. Source: Vulkan
+// specification, "Memory Aliasing".
 #include "graph/aliasing.h"
 
 #include <algorithm>
@@ -65,11 +69,12 @@ class Packer {
   std::vector<std::vector<size_t>> placed_;  // footprints by heap, by offset
 };
 
-// What the next user of a memory range waits for.
+// The stages and writes that the next user of a memory range waits for.
 struct Pending {
   VkPipelineStageFlags2 stages = 0;
   VkAccessFlags2 writes = 0;
-  // From images that others have since followed, whose barriers cover only those: the next image waits for them, too.
+  // Stages and writes of earlier images whose successors' barriers cover only those successors; the next image waits
+  // for these, too.
   VkPipelineStageFlags2 imageStages = 0;
   VkAccessFlags2 imageWrites = 0;
   void operator|=(const Pending& other) {
@@ -106,7 +111,8 @@ class Occupants {
   std::vector<Range> ranges_;
 };
 
-// An image has a barrier there, out of the undefined layout; a buffer has none.
+// Returns the barrier before a transient's first use. An image already has one, from the undefined layout; for a buffer
+// it is added.
 Barrier& barrierOfFirstUse(Plan& plan, const Plan::Lifetime& life) {
   std::vector<Barrier>& barriers = plan.steps[life.first].before;
   if (life.image)
@@ -124,7 +130,7 @@ uint64_t Packing::bytes() const {
 }
 
 Packing pack(std::span<const Footprint> footprints, uint64_t largestHeap) {
-  // No order is best for all graphs; each of these is best for some.
+  // No order is best for all graphs, but each of these is best for some.
   using Measure = std::function<double(const Footprint&)>;
   const Measure measures[] = {
       [](const Footprint& f) { return static_cast<double>(f.size); },

@@ -1,4 +1,5 @@
-// Transients that are never needed at once share memory. Plain data: the device only gives sizes and alignments.
+// Memory aliasing: transients whose lifetimes do not overlap share memory. Works on plain data; the device only
+// determines sizes and alignments.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +10,10 @@
 
 namespace latelight::graph {
 
-// The bytes that a transient takes, and its first and last step in the plan, both included.
+// The memory requirements of a transient, and its lifetime: its first and last step in the plan, both inclusive.
 struct Footprint {
-  uint64_t size = 0, alignment = 1;  // alignment: a power of two
-  uint32_t type = 0;                 // memory type: each has heaps of its own
+  uint64_t size = 0, alignment = 1;  // `alignment` is a power of two
+  uint32_t type = 0;                 // memory type; each has its own heaps
   uint32_t first = 0, last = 0;
 };
 
@@ -31,12 +32,12 @@ struct Packing {
   uint64_t bytes() const;  // of all heaps
 };
 
-// Packs all footprints into few bytes: those that are needed in the same step don't overlap. A heap has at most
-// `largestHeap` bytes, unless a single footprint has more.
+// Packs all footprints into as few bytes as it can. Footprints whose lifetimes share a step do not overlap. A heap has
+// at most `largestHeap` bytes, unless a single footprint has more.
 Packing pack(std::span<const Footprint> footprints, uint64_t largestHeap);
 
-// The first use of each transient waits for the last uses of all transients that had its bytes before. `footprints` and
-// `packing` are those of plan.lives, in order.
+// Adds barriers to the plan: the first use of each transient waits for the last uses of all transients that occupied
+// its bytes before. `footprints` and `packing` correspond to plan.lives, in order.
 void addAliasingBarriers(Plan& plan, std::span<const Footprint> footprints, const Packing& packing);
 
 }  // namespace latelight::graph

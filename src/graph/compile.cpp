@@ -1,7 +1,8 @@
-// Barriers from declared uses. One state per resource is tracked through the passes that run, in order; the whole image
-// or buffer is one unit. Terms are those of the Vulkan specification, chapter 7 (Synchronization): a write must be made
-// available, then visible to the stages and accesses that read it; a read only has to be finished before the resource
-// is written again.
+// Derives barriers from declared uses. compile() tracks one state per resource through the passes that run, in order,
+// and treats each image or buffer as one unit. It writes a Plan: the barriers before each step, the final barriers and
+// the lifetimes of transients. The terms are those of the Vulkan specification, chapter 7 (Synchronization): a write
+// must be made available, then visible to the stages and accesses that read it; a read only has to be finished before
+// the resource is written again.
 #include <algorithm>
 #include <type_traits>
 #include <utility>
@@ -22,22 +23,22 @@ struct Visible {
 // The state of one resource so far.
 struct State {
   VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
-  bool defined = false;  // it has contents
-  bool changed = false;  // by this plan: written, or moved to another layout
-  // The source of the contents: the last write. After a layout transition, which no stage performs and which is
-  // available at once, the stages that waited for it: a barrier that starts there is ordered after it.
+  bool defined = false;  // contents are defined
+  bool changed = false;  // written, or transitioned to another layout, by this plan
+  // The source of the contents: the last write. After a layout transition, it is the stages that waited for the
+  // transition, because no stage performs it and its result is available at once. A barrier from these stages is
+  // ordered after the transition.
   VkPipelineStageFlags2 sourceStages = 0;
   VkAccessFlags2 sourceAccess = 0;
-  VkPipelineStageFlags2 readStages = 0;  // of all reads since
-  std::vector<Visible> visible;          // since
+  VkPipelineStageFlags2 readStages = 0;  // stages of all reads since the last write
+  std::vector<Visible> visible;          // stages and accesses that can read the last write
 
-  // What must be finished before the memory is used otherwise. Reads come after the write, and their barriers made it
-  // available: waiting for them is enough, without a memory barrier.
+  // The stages and writes that must finish before the memory is used otherwise. Reads follow the write, and their
+  // barriers made it available, so an execution dependency on the reads is enough.
   VkPipelineStageFlags2 lastStages() const { return readStages ? readStages : sourceStages; }
   VkAccessFlags2 lastWrites() const { return readStages ? 0 : sourceAccess; }
 
-  VkPipelineStageFlags2 stagesWithoutVisibility(
-      const ResourceUse& need) const;  // its stages to which the contents aren't visible yet
+  VkPipelineStageFlags2 stagesWithoutVisibility(const ResourceUse& need) const;  // stages of `need` to which the contents are not yet visible
   void startWith(const ResourceUse& before);
   std::optional<Barrier> use(const ResourceUse& need);
 };
@@ -53,7 +54,7 @@ VkPipelineStageFlags2 State::stagesWithoutVisibility(const ResourceUse& need) co
   return result;
 }
 
-// The state left by another graph, or by the resource's previous user.
+// Starts with the state after another graph, or after the previous user of the resource.
 void State::startWith(const ResourceUse& before) {
   layout = before.layout;
   defined = true;
@@ -68,7 +69,7 @@ void State::startWith(const ResourceUse& before) {
 std::optional<Barrier> State::use(const ResourceUse& need) {
   const bool transition = layout != need.layout;
   const bool overwrite = transition || need.writing;
-  const bool unwritten = sourceStages == 0;  // new, or by the host only: visible to all
+  const bool unwritten = sourceStages == 0;  // new, or written only by the host: visible to all
   const VkPipelineStageFlags2 waiting = overwrite ? need.stages : (unwritten ? 0 : stagesWithoutVisibility(need));
 
   std::optional<Barrier> barrier;
@@ -122,7 +123,7 @@ class States {
     needs_[id.index].add(use, kImages);
   }
 
-  // Appends the barriers for everything gathered since the last call. `who` reads, for the error message.
+  // Appends the barriers for all uses gathered since the last call. `who` names the reader in the error message.
   void apply(const std::string& who, uint32_t step, std::vector<Barrier>& barriers) {
     for (const Id id : touched_) {
       const ResourceUse need = std::exchange(needs_[id.index], {});
@@ -143,7 +144,7 @@ class States {
     touched_.clear();
   }
 
-  // Lives of the transients that were used.
+  // Adds the lifetimes of the transients that were used.
   template <typename Nodes>
   void addTransients(const Nodes& nodes, Plan& plan) const {
     for (uint32_t i = 0; i < nodes.size(); ++i) {
@@ -177,13 +178,13 @@ class States {
   static bool inDeviceMemory(const vk::BufferDesc& desc) { return desc.kind == vk::MemoryKind::Device; }
 
   std::vector<State> states_;
-  std::vector<ResourceUse> needs_;  // of the current pass
+  std::vector<ResourceUse> needs_;
   std::vector<Plan::Lifetime> lives_;
   std::vector<Id> touched_;
   std::vector<const std::string*> names_;
 };
 
-// Exported resources end ready for their use. Imported ones that changed return to their previous use.
+// Transitions exported resources to their final use. Imported ones that changed return to their previous use.
 template <typename Id, typename Nodes>
 void gatherFinal(const Nodes& nodes, States<Id>& states) {
   for (uint32_t i = 0; i < nodes.size(); ++i) {
@@ -196,14 +197,15 @@ void gatherFinal(const Nodes& nodes, States<Id>& states) {
   }
 }
 
-// After a pass of the prologue, over all memory: what it read may be written from here on, too.
+// The barrier after a pass of the prologue, over all memory. Later passes may read its results and overwrite its
+// inputs.
 constexpr Barrier kAfterPrologue{
     .sourceStage = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
     .targetStage = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
     .sourceAccess = VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
     .targetAccess = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
 
-// Each of its barriers precedes the next pass.
+// Adds the passes of the prologue. Each of their barriers precedes the next pass.
 std::vector<Barrier> addPrologue(const std::vector<Pass>& passes, Plan& plan) {
   std::vector<Barrier> barriers;
   for (uint32_t i = 0; i < passes.size(); ++i) {

@@ -11,7 +11,7 @@ namespace latelight::graph {
 namespace {
 
 constexpr VkDeviceSize kChunkBytes = VkDeviceSize{64} << 10;
-constexpr VkDeviceSize kAlignment = 16;  // the alignment for buffer references of scalar layout, and good for vectors
+constexpr VkDeviceSize kAlignment = 16;  // default buffer reference alignment in GLSL, and enough for vectors
 constexpr uint64_t kChunkKept = 4;       // submissions for which a free chunk is kept
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Memory for a graph's constants: host visible, in chunks that are reused once neither a graph nor a submission in
-// flight needs them.
+// Memory for the constants of graphs. It is host visible and allocated in chunks, which are reused once neither a graph
+// nor a submission in flight needs them.
 #pragma once
 
 #include <cstddef>
@@ -25,11 +25,11 @@ class ConstantChunk {
   uint64_t lastUse_ = 0;
 };
 
-// Any thread may take chunks, and return them by dropping them.
+// Any thread may take chunks. Dropping a chunk returns it to the pool.
 class ConstantPool : public std::enable_shared_from_this<ConstantPool> {
  public:
   explicit ConstantPool(vk::Device& device) : device_(device) {}
-  // A submission begins: frees chunks that none of the last few took.
+  // Call this when a submission begins. It frees chunks that none of the last few submissions used.
   void tick();
   std::shared_ptr<ConstantChunk> take(VkDeviceSize size);
 
@@ -37,7 +37,7 @@ class ConstantPool : public std::enable_shared_from_this<ConstantPool> {
   void giveBack(std::unique_ptr<ConstantChunk> chunk);
   vk::Device& device_;
   std::mutex mutex_;
-  uint64_t now_ = 0;  // submissions so far
+  uint64_t now_ = 0;  // number of submissions so far
   std::vector<std::unique_ptr<ConstantChunk>> free_;
 };
 

@@ -1,3 +1,5 @@
+// Runs a compiled frame graph: creates or reuses its resources, records its passes with barriers, debug labels and
+// timestamps, and submits them.
 #include <algorithm>
 #include <deque>
 #include <memory>
@@ -48,21 +50,21 @@ VkMemoryBarrier2 translate(const Barrier& barrier) {
   return result;
 }
 
-// An image whose contents are discarded where earlier uses must finish first: usually those of others in the same
-// memory.
+// True for the barrier of an image whose contents are discarded but that must wait for earlier uses, usually uses of
+// other resources in the same memory (aliasing).
 bool beginsInUsedMemory(const Barrier& barrier) {
   return barrier.image && barrier.oldLayout == VK_IMAGE_LAYOUT_UNDEFINED && barrier.sourceStage != 0;
 }
 
-// Where memory changes owner: synchronization validation tracks earlier contents through nothing narrower than a full
-// barrier once images and buffers of several sizes have shared the memory.
+// Records a full barrier where aliased memory changes its owner. Once images and buffers of several sizes have shared
+// the memory, synchronization validation recognizes no narrower barrier.
 void recordFullBarrier(VkCommandBuffer commands) {
   vk::recordMemoryBarrier(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
                           VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                           VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
 }
 
-// `images` and `buffers`: the graph's, by index.
+// `images` and `buffers` are indexed by the graph's ids.
 void recordBarriers(VkCommandBuffer commands, const std::vector<Barrier>& barriers,
                     const std::vector<const vk::Image*>& images, const std::vector<const vk::Buffer*>& buffers) {
   if (barriers.empty()) return;
@@ -89,7 +91,7 @@ void recordBarriers(VkCommandBuffer commands, const std::vector<Barrier>& barrie
   vkCmdPipelineBarrier2(commands, &info);
 }
 
-// Null where VK_EXT_debug_utils is not enabled.
+// Both are null if VK_EXT_debug_utils is not enabled.
 struct LabelCalls {
   explicit LabelCalls(VkInstance instance)
       : begin(reinterpret_cast<PFN_vkCmdBeginDebugUtilsLabelEXT>(
@@ -152,7 +154,7 @@ struct CommandRecorder {
   Timers timers;
 };
 
-// What submissions take from their executor and return; lives as long as any of them.
+// The pools from which submissions borrow recorders, transients and constants. It lives as long as any submission.
 struct SubmissionPool {
   explicit SubmissionPool(vk::Device& device)
       : device(device), transients(device), constants(std::make_shared<ConstantPool>(device)) {}
@@ -190,7 +192,7 @@ struct Submission::State {
 
   std::shared_ptr<SubmissionPool> stock;
   uint64_t value = 0;  // on the device's timeline
-  // The graph's, by index. After recording only the results are left: imported or exported resources.
+  // Indexed by the graph's ids. After recording, only results remain: imported or exported resources.
   std::vector<const vk::Image*> images;
   std::vector<const vk::Buffer*> buffers;
   std::vector<std::unique_ptr<PooledImage>> pooledImages;
@@ -202,8 +204,8 @@ struct Submission::State {
   std::vector<PassTime> times;
 };
 
-// The results are no longer needed. The executor keeps it until it has finished; without an executor nothing returned
-// here is reused, but graphs may still take constants.
+// Runs when the results are no longer needed and the submission has finished; until then the executor keeps a
+// reference. Without an executor, nothing returned here is reused, but graphs may still request constants.
 Submission::State::~State() {
   if (recorder) stock->giveBack(std::move(recorder));
   for (auto& image : pooledImages) stock->transients.giveBack(std::move(image));
@@ -211,13 +213,14 @@ Submission::State::~State() {
   if (!constants.empty()) stock->device.deferDeletion([constants = std::move(constants)] {});
 }
 
-// Waits, and reads the times from the queries before another submission overwrites them.
+// Waits until the submission has finished, and reads the times from the queries before another submission overwrites
+// them.
 void Submission::State::finish() {
   stock->device.wait(value);
   std::lock_guard lock(mutex);
   if (!recorder) return;
   const std::vector<double> milliseconds = recorder->timers.read();
-  times.resize(milliseconds.size());  // none without timestamps
+  times.resize(milliseconds.size());  // empty without timestamps
   for (size_t i = 0; i < milliseconds.size(); ++i) times[i].milliseconds = milliseconds[i];
   stock->giveBack(std::move(recorder));
   constants.clear();
@@ -280,7 +283,8 @@ void Executor::Impl::finishOldest() {
   inFlight.pop_front();
 }
 
-// Everything the plan needs. If an allocation fails while other graphs' resources are kept, it is retried without them.
+// Creates or reuses everything that the plan needs. If an allocation fails while other graphs' resources are kept, it
+// is retried without them.
 std::shared_ptr<Submission::State> Executor::Impl::prepare(const Graph& graph, Plan& plan) {
   const auto tryTo = [&] {
     auto state = std::make_shared<Submission::State>(stock);
@@ -298,7 +302,7 @@ std::shared_ptr<Submission::State> Executor::Impl::prepare(const Graph& graph, P
   return tryTo();
 }
 
-// Every imported resource, and one for each transient of the plan, with its aliasing barriers.
+// Collects the imported resources, creates one resource for each transient of the plan, and adds the aliasing barriers.
 void Executor::Impl::materialize(const Graph& graph, Plan& plan, Submission::State& state) {
   for (const Graph::ImageNode& node : graph.images_) state.images.push_back(node.imported);
   for (const Graph::BufferNode& node : graph.buffers_) state.buffers.push_back(node.imported);
@@ -346,7 +350,7 @@ void Executor::Impl::record(const Graph& graph, const Plan& plan, Submission::St
   timers.end(buffer);
 }
 
-// Other transients may belong to another submission by the time results are read.
+// Drops the references to other transients, because another submission may use them by the time results are read.
 void Executor::Impl::keepResults(const Graph& graph, Submission::State& state) {
   for (size_t i = 0; i < state.images.size(); ++i)
     if (!graph.images_[i].imported && !graph.images_[i].exported) state.images[i] = nullptr;

@@ -9,7 +9,7 @@
 namespace latelight::graph {
 namespace {
 
-// Checks of a frame's declaration: such errors are the renderer's own, and are found before anything is recorded.
+// Checks the declaration of a frame. Such errors are bugs of the renderer, and are found before anything is recorded.
 void requireFit(const Use use, bool image, const std::string& name) {
   const UseInfo& info = useInfo(use);
   if (image ? info.forImages() : info.forBuffers) return;
@@ -96,8 +96,8 @@ const vk::BufferDesc& Graph::desc(BufferId id) const {
   return buffers_.at(id.index).desc;
 }
 
-// Liveness, backwards: a pass is alive if anything it writes is read by an export or by a later live pass. An
-// overwriting use ends the life of the previous contents. Writes of the prologue are not tracked.
+// Pass culling by backward liveness analysis: a pass is alive if anything it writes is read by an export or by a later
+// live pass. An overwriting use ends the life of the previous contents. Writes of the prologue are not tracked.
 std::vector<bool> Graph::alive() const {
   std::vector<bool> images(images_.size()), buffers(buffers_.size()), result(passes_.size());
   for (size_t i = 0; i < images_.size(); ++i) images[i] = images_[i].exported.has_value();

@@ -1,6 +1,7 @@
-// The frame graph: passes declare what they read and write; from that follow which passes run, the barriers between
-// them, the memory of transients, GPU timers and debug labels. Passes run in the order they were added, after the
-// prologue.
+// The frame graph (O'Donnell 2017, "FrameGraph: Extensible Rendering Architecture in Frostbite", GDC). Passes declare
+// the resources that they read and write. The graph derives from that which passes run (pass culling), the barriers
+// between them, the aliased memory of transients, GPU timers and debug labels. Passes run in the order they were added,
+// after the prologue.
 //
 //   Graph graph(executor);
 //   ImageId color = graph.create(ImageDesc{...});
@@ -40,15 +41,15 @@ struct BufferId {
   bool operator==(const BufferId&) const = default;
 };
 
-// How a pass uses a resource as a whole: every layer, level and byte. One table in use.cpp gives each use its stages,
-// access and image layout (and vk::Image usage: callers that create() an image leave `usage` 0). A pass that writes
-// only some layers or parts, with others' results in the rest, must declare that it keeps them: ...Load,
+// How a pass uses a resource as a whole: every layer, level and byte. A table in use.cpp lists the stages, access,
+// image layout and usage flags of each use, so callers of create() keep an image's `usage` 0. A pass that writes only
+// some layers or parts, while the rest holds results of other passes, must declare a use that keeps contents: ...Load,
 // StorageReadWrite.
 enum class Use : uint8_t {
   ColorAttachment,      // cleared or overwritten: earlier contents are not needed
   ColorAttachmentLoad,  // read and written: blending, drawing over
   DepthAttachment,      // cleared or overwritten
-  DepthAttachmentLoad,  // tested and written, keeping earlier contents
+  DepthAttachmentLoad,  // tested and written; earlier contents are kept
   DepthTest,            // tested, not written: store operation NONE
   SampledFragment,
   SampledCompute,
@@ -64,7 +65,7 @@ enum class Use : uint8_t {
   HostRead,    // after the frame, by the host
 };
 bool writes(Use use);
-bool reads(Use use);  // needs earlier contents, or keeps part of them
+bool reads(Use use);  // true if it needs earlier contents, or keeps part of them
 
 struct Access {
   Access(ImageId image, Use use) : image(image), use(use) {}
@@ -81,13 +82,13 @@ class Executor;
 
 using Record = std::function<void(Context&)>;
 
-// The purpose of a pass: reports and studies sum times by stage, whatever passes are called.
+// The purpose of a pass: reports and studies sum times by stage, independent of the names of passes.
 enum class Stage : uint8_t {
   Upload,       // scene data to the device
   Deformation,  // skins and morph targets
-  Visibility,   // the surface that each sample shows
-  Shadows,      // shadow maps and images made from them
-  Geometry,     // materials into the G-buffer
+  Visibility,   // the visible surface of each sample
+  Shadows,      // shadow maps, and images computed from them
+  Geometry,     // evaluation of materials into the G-buffer
   Lighting,
   Transparency,  // alpha-blended surfaces
   Post,          // composition and post-processing
@@ -101,7 +102,7 @@ struct Pass {
   std::vector<Access> accesses;
   Record record;
   bool prologue = false;
-  uint64_t trafficBytes = 0;  // as PassTime has them
+  uint64_t trafficBytes = 0;  // see PassTime
 };
 
 // The context of a running pass.
@@ -109,7 +110,8 @@ class Context {
  public:
   vk::Commands& commands() { return *commands_; }
   VkCommandBuffer get() const { return commands_->get(); }
-  // Only for resources that the pass declared; others may not exist in every graph: Error(Internal).
+  // Returns a resource that the pass declared. Throws Error(Internal) for others, because they may not exist in every
+  // graph.
   const vk::Image& image(ImageId id) const;
   const vk::Buffer& buffer(BufferId id) const;
   bool declares(BufferId id) const;
@@ -117,21 +119,21 @@ class Context {
  private:
   friend class Executor;
   vk::Commands* commands_ = nullptr;
-  const Pass* pass_ = nullptr;  // that runs
+  const Pass* pass_ = nullptr;  // the running pass
   const std::vector<const vk::Image*>* images_ = nullptr;
   const std::vector<const vk::Buffer*>* buffers_ = nullptr;
 };
 
 struct Barrier {
-  ImageId image;  // at most one of image and buffer is set; with neither it covers all memory
+  ImageId image;  // at most one of image and buffer is set; if neither is set, the barrier covers all memory
   BufferId buffer;
   VkPipelineStageFlags2 sourceStage = 0, targetStage = 0;
   VkAccessFlags2 sourceAccess = 0, targetAccess = 0;
   VkImageLayout oldLayout = VK_IMAGE_LAYOUT_UNDEFINED, newLayout = VK_IMAGE_LAYOUT_UNDEFINED;  // images only
 };
 
-// The result of compile(): the barriers before each pass that runs; the barriers after the last pass, which bring
-// imported and exported resources to their final use; and the memory that each transient needs, and when.
+// The result of compile(): the barriers before each pass that runs, the barriers after the last pass, which transition
+// imported and exported resources to their final use, and the lifetimes of the transients.
 struct Plan {
   struct Step {
     uint32_t pass;  // index in the order added
@@ -141,13 +143,13 @@ struct Plan {
     ImageId image;  // exactly one of image and buffer is set
     BufferId buffer;
   };
-  // The life of a transient that may share its memory with others before and after it.
+  // The lifetime of a transient that may share its memory with others before and after it.
   struct Lifetime : Transient {
-    uint32_t first = 0, last = 0;           // steps that use it, both included
+    uint32_t first = 0, last = 0;           // first and last step that use it, inclusive
     VkPipelineStageFlags2 firstStages = 0;  // of its first use
     VkAccessFlags2 firstAccess = 0;
-    VkPipelineStageFlags2 lastStages = 0;  // its successor waits for these
-    VkAccessFlags2 lastWrites = 0;         // of these stages: not yet available
+    VkPipelineStageFlags2 lastStages = 0;  // the next user of the memory waits for these
+    VkAccessFlags2 lastWrites = 0;         // writes of these stages that are not yet available
   };
   std::vector<Step> steps;
   std::vector<Barrier> after;
@@ -157,38 +159,39 @@ struct Plan {
 
 class Graph {
  public:
-  Graph() = default;                   // plain data
-  explicit Graph(Executor& executor);  // with room for constants()
+  Graph() = default;                   // plain data, without a device
+  explicit Graph(Executor& executor);  // supports constants()
 
   // Copies data known on the host, such as a frame's constants or views, to memory that shaders read. It stays valid
-  // while the graph lives or a submission of it runs. Meant for little data: a GPU reads it over the bus.
+  // while the graph lives or a submission of it runs. Use it only for small data, because a GPU reads it over the bus.
   VkDeviceAddress constants(std::span<const std::byte> bytes);
 
-  // Transient: contents are undefined at first. In device memory and not exported, it shares bytes with others used
-  // before or after it.
+  // Creates a transient, whose contents are undefined at first. If it is in device memory and not exported, it shares
+  // memory with others that are used before or after it (aliasing).
   ImageId create(const vk::ImageDesc& desc);
   BufferId create(const vk::BufferDesc& desc);
-  // Resources from outside. `before`: how they were used last, or nothing if their contents don't matter (images) or
-  // came from the host (buffers). Those that are not exported go back to `before` after passes that changed them.
+  // Imports an external resource. `before` is its last use, or empty if its contents are not needed (images) or came
+  // from the host (buffers). Resources that are not exported return to `before` if passes changed them.
   ImageId import(const vk::Image& image, std::optional<Use> before);
   BufferId import(const vk::Buffer& buffer, std::optional<Use> before);
 
-  // Several uses of one image in one pass must share a layout, else Error(Internal). `trafficBytes`: for PassTime.
+  // Adds a pass. Throws Error(Internal) if it uses one image in several layouts. `trafficBytes` is for PassTime.
   void pass(Stage stage, std::string_view name, std::vector<Access> accesses, Record record, uint64_t trafficBytes = 0);
 
-  // A pass that writes, by copies or in compute shaders, buffers outside the graph that others read by address:
-  // uploads, deformation. It always runs, before all passes outside the prologue, in the order added; its writes are
-  // visible to every later pass, including those of the prologue.
+  // Adds a pass that writes, by copies or in compute shaders, external buffers that other passes read by address:
+  // uploads and deformation. It is never culled. Passes of the prologue run before all others, in the order added.
+  // Their writes are visible to every later pass, including those of the prologue.
   void prologue(Stage stage, std::string_view name, Record record);
 
-  // The resource is needed after the frame, for `use`.
+  // Declares that the resource is needed after the frame, for `use`.
   void exports(ImageId image, Use use);
   void exports(BufferId buffer, Use use);
 
-  // Throws Error(Internal) where a pass or an export reads what nothing wrote.
+  // Throws Error(Internal) if a pass or an export reads a resource that nothing wrote.
   Plan compile() const;
 
-  // Graphviz: passes as boxes (culled ones dashed), resources as ellipses with format and size.
+  // Returns the graph in Graphviz's DOT language: passes as boxes (culled ones dashed), resources as ellipses with
+  // format and size.
   std::string graphviz() const;
 
   size_t passCount() const { return passes_.size(); }
@@ -209,12 +212,12 @@ class Graph {
     const vk::Buffer* imported = nullptr;
     std::optional<Use> before, exported;
   };
-  void require(const Access& access);  // checks that the use fits, and adds the usage flags it needs
-  std::vector<bool> alive() const;     // one per pass
+  void require(const Access& access);  // checks that the use is valid, and adds the usage flags that it requires
+  std::vector<bool> alive() const;
   std::vector<Pass> passes_;
   std::vector<ImageNode> images_;
   std::vector<BufferNode> buffers_;
-  std::shared_ptr<ConstantPool> constantPool_;  // none without an executor
+  std::shared_ptr<ConstantPool> constantPool_;  // null without an executor
   std::vector<std::shared_ptr<ConstantChunk>> constants_;
 };
 
@@ -222,11 +225,11 @@ struct PassTime {
   Stage stage;
   std::string name;
   double milliseconds;
-  uint64_t trafficBytes;  // of what it reads and writes as a whole; 0: it says of nothing that it does
+  uint64_t trafficBytes;  // bytes of the resources that it reads and writes in full; 0: unknown
 };
 
 // A graph in flight, then its results. It owns the exported transient resources: once it is dropped and has finished,
-// others may use them. It may outlive its executor but not the device, and may be held by another thread.
+// other submissions may use them. It may outlive its executor but not the device, and another thread may hold it.
 class Submission {
  public:
   Submission();  // empty: done
@@ -235,9 +238,9 @@ class Submission {
   ~Submission();
   bool done() const;
   void wait() const;
-  // GPU milliseconds per pass, in order; waits. Empty where the device has no timestamps.
+  // Waits, and returns GPU milliseconds per pass, in order. Empty if the device has no timestamps.
   const std::vector<PassTime>& times() const;
-  // A transient resource that was exported, or an imported one: Error(Internal) for all others. To be read by the host
+  // Returns an exported transient or an imported resource. Throws Error(Internal) for all others. The host may read it
   // after wait().
   const vk::Image& image(ImageId id) const;
   const vk::Buffer& buffer(BufferId id) const;
@@ -249,23 +252,23 @@ class Submission {
   std::shared_ptr<State> state_;
 };
 
-// Bytes of device memory that a plan's transients take: known before anything runs.
+// Bytes of device memory that a plan's transients require; known before anything runs.
 struct TransientBytes {
-  uint64_t peak = 0;             // as placed: those whose lives do not overlap share memory
-  uint64_t withoutAliasing = 0;  // if each had its own
+  uint64_t peak = 0;             // as placed: transients with disjoint lifetimes share memory
+  uint64_t withoutAliasing = 0;  // if each had its own memory
 };
 TransientBytes transientBytes(vk::Device& device, const Graph& graph, const Plan& plan);
 
-// Runs graphs on a device; keeps transient images and buffers from one submission to the next.
+// Runs graphs on a device. It keeps transient images and buffers from one submission to the next.
 class Executor {
  public:
-  static constexpr size_t kInFlight = 3;  // concurrent submissions; one more waits for the oldest
+  static constexpr size_t kInFlight = 3;  // maximum submissions in flight; a further one waits for the oldest
 
   explicit Executor(vk::Device& device);
   ~Executor();
   // Records the plan with a debug label and two timestamps per pass, and submits it without waiting. It begins with a
   // barrier over all memory, so that submissions may use the same transients one after the other. Exceptions from
-  // passes are rethrown, and nothing is submitted. Where the device has no room, resources kept from other graphs are
+  // passes are rethrown, and nothing is submitted. If the device is out of memory, resources kept from other graphs are
   // freed first.
   Submission submit(const Graph& graph, const Plan& plan);
 

@@ -9,7 +9,7 @@
 namespace latelight::graph {
 namespace {
 
-// A string in double quotes as in the DOT language; "\n" in `text` stays a line break.
+// Quotes a string for the DOT language; "\n" in `text` remains a line break.
 std::string inQuotes(std::string_view text) {
   std::string result = "\"";
   for (const char c : text) {
@@ -35,7 +35,7 @@ std::string describe(const vk::BufferDesc& desc) {
   return fmt::format("{}\n{} bytes", desc.name, desc.size);
 }
 
-// Resources from outside are filled; exported ones have a double line.
+// External resources are filled; exported ones have a double outline.
 template <typename Nodes>
 std::string resources(const Nodes& nodes, char prefix) {
   std::string text;
@@ -46,7 +46,7 @@ std::string resources(const Nodes& nodes, char prefix) {
   return text;
 }
 
-// Where a pass writes and keeps earlier contents, the arrow has two heads.
+// The arrow has two heads if the pass writes and keeps earlier contents.
 std::string arrow(size_t index, const Access& access) {
   const UseInfo& info = useInfo(access.use);
   const std::string pass = fmt::format("p{}", index);
@@ -58,7 +58,7 @@ std::string arrow(size_t index, const Access& access) {
 
 }  // namespace
 
-// Passes of the prologue have a bold line; culled ones a dashed one.
+// Passes of the prologue have a bold outline, culled ones a dashed outline.
 std::string Graph::graphviz() const {
   const std::vector<bool> runs = alive();
   std::string text = "digraph frame {\n  rankdir=TB;\n  node [fontname=\"sans-serif\"];\n";

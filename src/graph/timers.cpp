@@ -35,8 +35,8 @@ void Timers::mark(VkCommandBuffer commands, uint32_t index) {
   if (marks_ == 0) return;
   vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_.get(), index);
   if (!device_.isCpu()) return;
-  // lavapipe takes the timestamp at the next flush of its rasterizer, which copies and dispatches don't wait for: their
-  // time would be attributed to the wrong side of the mark. A barrier flushes.
+  // lavapipe writes the timestamp at the next flush of its rasterizer, but copies and dispatches do not wait for that
+  // flush, so their time would be attributed to the wrong side of the mark. A barrier flushes the rasterizer.
   const VkDependencyInfo nothing{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
   vkCmdPipelineBarrier2(commands, &nothing);
 }

@@ -1,4 +1,4 @@
-// Two timestamps per pass; none where the queue does not support them.
+// GPU timers: two timestamps per pass, or none if the queue does not support them.
 #pragma once
 
 #include <volk.h>
@@ -13,19 +13,19 @@ namespace latelight::graph {
 class Timers {
  public:
   explicit Timers(vk::Device& device);
-  // Outside render passes; before any mark().
+  // Call it outside render passes, before any mark().
   void begin(VkCommandBuffer commands, uint32_t passes);
-  // The time when all work recorded so far is done.
+  // Writes the time at which all commands recorded so far have finished.
   void mark(VkCommandBuffer commands, uint32_t index);
-  // After the last mark(): copies the times to memory that the host reads. (vkGetQueryPoolResults waits for all
-  // submissions of a CPU device, later ones too.)
+  // Call it after the last mark(). It copies the times to memory that the host reads, because vkGetQueryPoolResults on
+  // a CPU device waits for all submissions, including later ones.
   void end(VkCommandBuffer commands);
-  // Milliseconds between the marks 2i and 2i + 1, of a submission that has finished.
+  // Returns the milliseconds between the marks 2i and 2i + 1, of a submission that has finished.
   std::vector<double> read() const;
 
  private:
   vk::Device& device_;
-  uint64_t mask_ = 0;  // of the valid bits; 0: no timestamps
+  uint64_t mask_ = 0;  // mask of the valid timestamp bits; 0: no timestamps
   vk::Handle<VkQueryPool> pool_;
   vk::Buffer ticks_;  // 64 bits per mark
   uint32_t capacity_ = 0, marks_ = 0;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr uint64_t kTransientKept = 4;  // submissions after which unused entries are freed
 
-// Null where none is free.
+// Returns null if no entry is free.
 template <typename Entry, typename Desc>
 std::unique_ptr<Entry> find(std::vector<std::unique_ptr<Entry>>& free, const Desc& desc) {
   const auto found = std::find_if(free.begin(), free.end(), [&](const auto& entry) { return entry->desc == desc; });
@@ -30,12 +30,12 @@ Desc descOf(const Graph& graph, const Plan::Transient& transient) {
   return graph.desc(transient.buffer);
 }
 
-// In whole pages of bufferImageGranularity, so that no image shares a page with a buffer that is used at the same time.
+// Rounds size and alignment up to pages of bufferImageGranularity, so that no image shares a page with a buffer that is
+// used at the same time.
 Footprint footprintOf(vk::Device& device, const Desc& desc, const Plan::Lifetime& life) {
-  const VkMemoryRequirements needs =
-      std::holds_alternative<vk::ImageDesc>(desc)
-          ? vk::memoryRequirements(device, std::get<vk::ImageDesc>(desc), vk::Placement::Heap)
-          : vk::memoryRequirements(device, std::get<vk::BufferDesc>(desc));
+  const VkMemoryRequirements needs = std::holds_alternative<vk::ImageDesc>(desc)
+                                         ? vk::memoryRequirements(device, std::get<vk::ImageDesc>(desc), vk::Placement::Heap)
+                                         : vk::memoryRequirements(device, std::get<vk::BufferDesc>(desc));
   const VkDeviceSize page = std::max<VkDeviceSize>(device.properties().limits.bufferImageGranularity, 1);
   return {.size = (needs.size + page - 1) / page * page,
           .alignment = std::max(needs.alignment, page),
@@ -82,8 +82,8 @@ TransientBytes transientBytes(vk::Device& device, const Graph& graph, const Plan
   return bytes;
 }
 
-// A heap of another plan where it fits and is no more than twice as large: alternating plans share memory, and a small
-// one does not keep a large one's alive.
+// Reuses the heap of another plan if it is large enough and at most twice as large as needed: alternating plans share
+// memory, and a small plan does not keep the heap of a large one alive.
 std::shared_ptr<vk::Heap> TransientPool::heapFor(const Packing::Heap& needed,
                                                  const std::vector<std::shared_ptr<vk::Heap>>& taken) {
   for (const auto& placed : placed_)

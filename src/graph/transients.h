@@ -12,7 +12,7 @@
 
 namespace latelight::graph {
 
-// A resource and the description asked for, since it may round its own up.
+// A resource and its requested description, because the resource may round its own up.
 template <typename Resource, typename Desc>
 struct Pooled {
   Pooled(vk::Device& device, const Desc& desc) : desc(desc), resource(device, desc) {}
@@ -23,30 +23,31 @@ struct Pooled {
 using PooledImage = Pooled<vk::Image, vk::ImageDesc>;
 using PooledBuffer = Pooled<vk::Buffer, vk::BufferDesc>;
 
-// The transients of a plan that share memory, at offsets in heaps; by their index in plan.lives.
+// The transients of a plan that share memory (aliasing), placed at offsets in heaps. Arrays are indexed like
+// plan.lives.
 struct PlacedTransients {
   using Desc = std::variant<vk::ImageDesc, vk::BufferDesc>;
   using Resource = std::variant<vk::Image, vk::Buffer>;
   std::vector<Desc> descs;
   std::vector<Footprint> footprints;
   Packing packing;
-  std::vector<std::shared_ptr<vk::Heap>> heaps;  // of the packing
+  std::vector<std::shared_ptr<vk::Heap>> heaps;  // one per heap of the packing
   std::vector<Resource> resources;
   uint64_t lastUse = 0;
 };
 
-// Any thread may return resources; everything else is for one thread at a time.
+// Any thread may return resources; one thread at a time may call everything else.
 class TransientPool {
  public:
   explicit TransientPool(vk::Device& device) : device_(device) {}
-  // A submission begins: frees resources that none of the last few took (pictures of another size, a graph that ran
-  // once).
+  // Call this when a submission begins. It frees resources that none of the last few submissions used, such as those of
+  // images of another size or of a graph that ran once.
   void tick();
   void clear();  // frees everything not in use
-  // Everything that plan.lives need, created once for equal graphs. Submissions in flight share it: the queue runs them
-  // one after the other. Valid until the next tick().
+  // Returns the resources for plan.lives, created once for equal graphs. Submissions in flight share them, because the
+  // queue runs them one after the other. The reference is valid until the next tick().
   const PlacedTransients& place(const Graph& graph, const Plan& plan);
-  // For results, which belong to their submission alone.
+  // For results, which belong to a single submission.
   std::unique_ptr<PooledImage> take(const vk::ImageDesc& desc);
   std::unique_ptr<PooledBuffer> take(const vk::BufferDesc& desc);
   void giveBack(std::unique_ptr<PooledImage> image);
@@ -57,12 +58,12 @@ class TransientPool {
   vk::Device& device_;
   std::vector<std::unique_ptr<PlacedTransients>> placed_;
   std::mutex mutex_;  // guards the rest
-  uint64_t now_ = 0;  // submissions so far
+  uint64_t now_ = 0;  // number of submissions so far
   std::vector<std::unique_ptr<PooledImage>> images_;
   std::vector<std::unique_ptr<PooledBuffer>> buffers_;
 };
 
-// Footprints of plan.lives on a device, in order.
+// Returns the footprints of plan.lives on a device, in order.
 std::vector<Footprint> footprintsOf(vk::Device& device, const Graph& graph, const Plan& plan);
 
 }  // namespace latelight::graph

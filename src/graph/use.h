@@ -1,4 +1,4 @@
-// What each Use means in Vulkan: the one table from which barriers, layouts and usage flags follow.
+// The Vulkan meaning of each Use: the only table from which barriers, layouts and usage flags are derived.
 #pragma once
 
 #include "graph/graph.h"
@@ -9,9 +9,9 @@ struct UseInfo {
   const char* name;
   VkPipelineStageFlags2 stages;
   VkAccessFlags2 reading, writing;
-  VkImageLayout layout;            // UNDEFINED: not for images
+  VkImageLayout layout;            // UNDEFINED: not usable for images
   VkImageUsageFlags imageUsage;    // required to create an image
-  VkBufferUsageFlags bufferUsage;  // required to create a buffer, besides transfer and device address
+  VkBufferUsageFlags bufferUsage;  // required to create a buffer, in addition to transfer and device address
   bool forBuffers;
   bool keeps;  // earlier contents are needed, or may partly be kept
 
@@ -24,9 +24,9 @@ struct ResourceUse {
   VkPipelineStageFlags2 stages = 0;
   VkAccessFlags2 access = 0;  // reading and writing
   VkAccessFlags2 writing = 0;
-  VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;  // of buffers: always
+  VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;  // always UNDEFINED for buffers
   bool keeps = false;                                // one of the uses keeps earlier contents
-  bool reads = false;                                // undefined contents would be read
+  bool reads = false;                                // one of the uses reads, so contents must be defined
 
   void add(Use use, bool image);
 };
