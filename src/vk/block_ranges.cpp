@@ -18,7 +18,7 @@ uint64_t BlockRanges::allocate(uint64_t size, uint64_t alignment) {
     const auto [begin, bytes] = *range;
     const uint64_t offset = (begin + alignment - 1) & ~(alignment - 1);
     const uint64_t padding = offset - begin;
-    // Compared so that no sum can overflow.
+    // This form of the comparison avoids overflow of the sum.
     if (padding > bytes || size > bytes - padding) continue;
     const uint64_t rest = bytes - padding - size;
     if (padding > 0)

@@ -1,4 +1,4 @@
-// Lists devices, and resolves device selectors.
+// Lists devices, checks them against the requirements, and resolves device selectors.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -52,7 +52,7 @@ std::vector<std::string> findMissing(VkPhysicalDevice device, uint32_t apiVersio
   vkGetPhysicalDeviceFeatures2(device, &features.core);
   std::vector<std::string> missing = missingFeatures(requiredFeatures(), features);
   if (!findQueueFamily(device, VK_QUEUE_COMPUTE_BIT)) missing.push_back("a queue for compute");
-  // It must be able to draw, or to do without.
+  // The device must support either the graphics pipeline or --raster compute.
   if (!missingFeatures(computeFeatures(), features).empty())
     std::ranges::copy(missingToDraw(device), std::back_inserter(missing));
   VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
@@ -92,9 +92,9 @@ DeviceChoice chooseAutomatically(const std::vector<DeviceInfo>& devices) {
        join(devices[0].missing));
 }
 
-// The device with this number, UUID or name, and the reason; null: none.
+// Returns the device with this number, UUID or name, and the reason; null if there is none.
 std::pair<const DeviceInfo*, std::string> find(const std::vector<DeviceInfo>& devices, const std::string& selector) {
-  // A number is an index, whatever the names contain.
+  // A number is always an index, even if names contain it.
   const bool digits = selector.find_first_not_of("0123456789") == std::string::npos;
   if (digits && selector.size() < 2 * VK_UUID_SIZE) {
     const std::optional<uint32_t> index = parseNumber<uint32_t>(selector);
@@ -135,7 +135,7 @@ std::vector<std::string> missingToDraw(VkPhysicalDevice device) {
     missing.push_back("a queue for graphics and compute");
   VkPhysicalDeviceProperties properties;
   vkGetPhysicalDeviceProperties(device, &properties);
-  constexpr uint32_t kColorAttachments = 8;  // the layout `exact` and the light target
+  constexpr uint32_t kColorAttachments = 8;  // for the layout `exact` and the light target
   if (properties.limits.maxColorAttachments < kColorAttachments)
     missing.push_back(fmt::format("{} color attachments", kColorAttachments));
   return missing;

@@ -8,7 +8,7 @@ namespace latelight::vk {
 namespace {
 
 constexpr uint32_t kSetsInPool = 256;
-// Images of one kind in a pool: a pass binds up to eight or so.
+// Descriptors of each type per pool; a pass binds about eight at most.
 constexpr uint32_t kImagesInPool = 1024;
 
 VkDescriptorPool makePool(Device& device, uint32_t images) {

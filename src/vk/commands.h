@@ -1,4 +1,4 @@
-// A thin layer over VkCommandBuffer, so that passes are short.
+// Command recording over VkCommandBuffer: pipeline and descriptor set binding, push constants, dispatches and barriers.
 #pragma once
 
 #include <volk.h>
@@ -12,15 +12,15 @@
 
 namespace latelight::vk {
 
-// An image as a shader sees it. `sampler` for Binding::Sampled; layout GENERAL for storage, else READ_ONLY_OPTIMAL. Or,
-// for Binding::Uniform, a whole buffer.
+// The image of one descriptor. `sampler` is for Binding::Sampled. The layout is GENERAL for storage images and
+// READ_ONLY_OPTIMAL otherwise. For Binding::Uniform, `uniform` is bound as a full buffer instead.
 struct BoundImage {
   VkImageView view = VK_NULL_HANDLE;
   VkSampler sampler = VK_NULL_HANDLE;
   VkBuffer uniform = VK_NULL_HANDLE;
 };
 
-// Descriptor sets that live for one submission; grows as needed.
+// Descriptor sets that live for one submission. The pool grows as needed.
 class DescriptorPool {
  public:
   explicit DescriptorPool(Device& device);
@@ -44,7 +44,7 @@ class Commands {
       : device_(device), commands_(commands), pool_(pool) {}
 
   VkCommandBuffer get() const { return commands_; }
-  // Binds the pipeline, its set 0 with these images in binding order, and its push constants.
+  // Binds the pipeline, its descriptor set 0 with these images in binding order, and its push constants.
   void bind(const Pipeline& pipeline, std::span<const BoundImage> images, std::span<const std::byte> push);
   template <typename Push>
   void bind(const Pipeline& pipeline, std::initializer_list<BoundImage> images, const Push& push) {
@@ -61,12 +61,12 @@ class Commands {
     static_assert(sizeof(Push) <= 128);
     vkCmdPushConstants(commands_, pipeline.layout.get(), VK_SHADER_STAGE_ALL, 0, sizeof(Push), &push);
   }
-  // Sets 1 and on, with an offset for each DynamicUniform among them.
+  // Binds the descriptor sets from set 1 on, with one offset for each DynamicUniform among them.
   void bindSceneSets(const Pipeline& pipeline, std::span<const VkDescriptorSet> sets,
                      std::span<const uint32_t> offsets = {});
-  // Enough workgroups of `groupX` by `groupY` for `width` by `height` invocations, `layers` deep.
+  // Dispatches enough workgroups of `groupX` by `groupY` invocations to cover `width` by `height`, and `layers` in z.
   void dispatch(uint32_t width, uint32_t height, uint32_t layers, uint32_t groupX, uint32_t groupY);
-  void dispatchIndirect(const Buffer& groups, VkDeviceSize offset);  // three counts of workgroups lie there
+  void dispatchIndirect(const Buffer& groups, VkDeviceSize offset);  // `offset`: of a VkDispatchIndirectCommand
 
  private:
   Device& device_;

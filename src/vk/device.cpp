@@ -27,17 +27,17 @@ struct Device::Impl {
   void waitFor(uint64_t value) const;
   void deleteFinished();
 
-  // A pool for each, so that one is reset while others still run.
+  // Each command buffer has its own pool, so that one can be reset while others are still running.
   struct CommandBuffer {
     VkCommandPool pool = VK_NULL_HANDLE;
     VkCommandBuffer buffer = VK_NULL_HANDLE;
-    uint64_t value = 0;  // of its last submission
+    uint64_t value = 0;  // timeline value of its last submission
   };
   CommandBuffer& takeCommandBuffer(uint32_t queueFamily);
   CommandBuffer makeCommandBuffer(uint32_t queueFamily) const;
   uint64_t send(VkQueue queue, CommandBuffer& commands);
 
-  // Released objects, each with the timeline value that must be reached first; in order of values.
+  // Released objects, each with the timeline value that must be reached first; sorted by value.
   struct Deletion {
     uint64_t value;
     std::function<void()> destroy;
@@ -70,7 +70,7 @@ Device::Impl::~Impl() {
     vkDestroySemaphore(device, timeline, nullptr);
     vkDestroyDevice(device, nullptr);
   }
-  // Unretrieved messages, such as leaks reported by vkDestroyDevice, should not be lost.
+  // Messages that nobody has retrieved, such as leaks reported by vkDestroyDevice, must not be lost.
   for (const std::string& message : instance.takeMessages()) warn(message);
 }
 
@@ -81,7 +81,7 @@ void Device::Impl::openTimeline() {
   VK_CHECK(vkCreateSemaphore(device, &info, nullptr, &timeline));
 }
 
-// 0 for a lost device, where nothing is known to have finished; waiting for it then throws.
+// Returns 0 for a lost device, because nothing is known to have finished; a wait then throws.
 uint64_t Device::Impl::finishedValue() const {
   uint64_t value = 0;
   return vkGetSemaphoreCounterValue(device, timeline, &value) == VK_SUCCESS ? value : 0;
@@ -115,9 +115,10 @@ void Device::Impl::deleteFinished() {
   for (const Deletion& deletion : dead) deletion.destroy();
 }
 
-// The first free one: a caller that waits each time always gets the same, which stays in the CPU's caches.
+// Returns the first free command buffer. A caller that waits after each submission always gets the same one, which
+// stays in the CPU's caches.
 Device::Impl::CommandBuffer& Device::Impl::takeCommandBuffer(uint32_t queueFamily) {
-  constexpr size_t kMax = 8;  // submissions in flight; a further one waits for the oldest
+  constexpr size_t kMax = 8;  // maximum submissions in flight; a further one waits for the oldest
   const uint64_t done = finishedValue();
   for (CommandBuffer& commands : commandBuffers)
     if (commands.value <= done) return commands;
@@ -147,7 +148,7 @@ Device::Impl::CommandBuffer Device::Impl::makeCommandBuffer(uint32_t queueFamily
 }
 
 uint64_t Device::Impl::send(VkQueue queue, CommandBuffer& commands) {
-  const uint64_t value = submitted + 1;  // changed only by this function, one thread at a time
+  const uint64_t value = submitted + 1;  // only this function changes it, one thread at a time
   VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
   buffer.commandBuffer = commands.buffer;
   VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
@@ -165,7 +166,8 @@ uint64_t Device::Impl::send(VkQueue queue, CommandBuffer& commands) {
   return submitted = value;
 }
 
-// While this lives, released objects wait for the coming submission. Should it fail, they wait for the earlier ones.
+// During its lifetime, released objects wait for the submission that is being recorded. If that fails, they wait for
+// the earlier ones.
 class Device::Impl::Recording {
  public:
   explicit Recording(Impl& impl) : impl_(impl) {
@@ -206,7 +208,7 @@ std::vector<const char*> offeredExtensions(VkPhysicalDevice physical) {
   return names;
 }
 
-// Enables what is required and what is offered of the optional features, and notes it in `enabled`.
+// Creates a device with the required and the supported optional features, and writes these to `enabled`.
 VkDevice makeDevice(VkPhysicalDevice physical, uint32_t queueFamily, const std::vector<const char*>& extensions,
                     Features& enabled) {
   Features offered;
@@ -230,7 +232,7 @@ VkDevice makeDevice(VkPhysicalDevice physical, uint32_t queueFamily, const std::
   return device;
 }
 
-// As many combined image samplers as one set takes, less those that other sets of a pipeline have.
+// The maximum number of combined image samplers per set, minus those that other sets of a pipeline use.
 uint32_t longestTextureArray(const VkPhysicalDeviceVulkan12Features& has,
                              const VkPhysicalDeviceVulkan12Properties& limits) {
   if (!has.runtimeDescriptorArray || !has.descriptorBindingVariableDescriptorCount ||
@@ -283,7 +285,7 @@ Device::Device(const DeviceOptions& options) : validation_(validationWanted(opti
   impl.extensions = offeredExtensions(physical_);
   device_ = impl.device = makeDevice(physical_, queueFamily_, impl.extensions, impl.enabled);
   if (options.descriptorIndexing) maxTextureArray_ = longestTextureArray(impl.enabled.v12, indexing);
-  reserveDriverCache();  // which the driver has created by now, if it was missing
+  reserveDriverCache();  // by now the driver has created the cache if it was missing
   vkGetDeviceQueue(device_, queueFamily_, 0, &queue_);
   if (impl.instance.debugUtils())
     impl.setName = reinterpret_cast<PFN_vkSetDebugUtilsObjectNameEXT>(
@@ -301,7 +303,7 @@ Device::Device(const DeviceOptions& options) : validation_(validationWanted(opti
 Device::~Device() {
   vkDeviceWaitIdle(device_);
   cache_.reset();
-  // Destroys everything still waiting, whatever the timeline's state; destruction may release more objects.
+  // Destroys everything that still waits, regardless of the timeline's state. Destruction may release more objects.
   while (!impl_->deletions.empty())
     for (const Impl::Deletion& deletion : std::exchange(impl_->deletions, {})) deletion.destroy();
   savePipelineCache();
@@ -353,7 +355,7 @@ void Device::finish() {
   cache_->finish();
 }
 
-// Even where it may be destroyed at once, it comes after those released earlier.
+// Objects are always destroyed in the order of their release, even if one could be destroyed at once.
 void Device::deferDeletion(std::function<void()> destroy) {
   {
     std::lock_guard lock(impl_->deleting);

@@ -22,22 +22,22 @@ class ObjectCache;
 
 // The properties of a device for `latelight devices` and the JSON side file.
 struct DeviceInfo {
-  uint32_t index = 0;                // in the order the loader lists them
+  uint32_t index = 0;                // in the loader's order
   std::string name;                  // VkPhysicalDeviceProperties::deviceName
   std::string uuid;                  // 32 hex digits
   std::string type;                  // "cpu", "discrete", "integrated", "virtual", "other"
-  std::string driver;                // name and version in words
+  std::string driver;                // name and version, for users
   std::string apiVersion;            // "1.3.230"
   uint64_t memory = 0;               // bytes of device-local heaps
-  std::vector<std::string> missing;  // required features that it lacks, in plain words; empty: usable
+  std::vector<std::string> missing;  // descriptions of missing required features; empty: usable
 };
 
-// Every device the loader lists. Throws Error(NoDevice) where there is no loader or no driver.
+// Returns every device that the loader lists. Throws Error(NoDevice) if there is no loader or no driver.
 std::vector<DeviceInfo> listDevices();
 
-// The device selected by `selector`, and the reason, in a sentence. selector: "auto" (the first usable of discrete,
+// The device that `selector` selects, and a sentence with the reason. selector: "auto" (the first usable of discrete,
 // integrated, virtual, cpu), "cpu", an index, a part of a name (case ignored), or a UUID. Throws Error(NoDevice) that
-// lists the devices, or says what the chosen one lacks.
+// lists the devices, or states which features the selected one lacks.
 struct DeviceChoice {
   DeviceInfo device;
   std::string why;
@@ -47,10 +47,10 @@ DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::str
 struct DeviceOptions {
   std::string selector = "auto";
   bool validation = false;  // Khronos validation with synchronization checks; messages go to validationMessages()
-  bool descriptorIndexing = true;  // use it where the device has it
-  bool graphics = true;  // the same of the graphics pipeline: else all is compute, on a queue for compute alone
-                         // where there is one
-  bool cpuShaders = true;  // on a CPU device shaders go the ways made for one; else, for tests, those of GPUs
+  bool descriptorIndexing = true;  // enables it if the device supports it
+  bool graphics = true;            // enables the graphics pipeline if the device supports it; false: compute only, on a
+                                   // compute-only queue if there is one
+  bool cpuShaders = true;  // on a CPU device, shaders use the code paths for CPUs; false, for tests: those for GPUs
 };
 
 class Device {
@@ -71,43 +71,48 @@ class Device {
   const DeviceInfo& info() const { return info_; }
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
-  bool hasGraphics() const { return hasGraphics_; }  // a graphics pipeline, with all that the raster hardware needs
+  bool hasGraphics() const {
+    return hasGraphics_;
+  }  // a graphics pipeline, with all features that --raster hardware
+     // requires
   bool hasCpuShaders() const { return isCpu() && cpuShaders_; }
-  uint32_t subgroupSize() const { return subgroupSize_; }                // lanes of a full one
+  uint32_t subgroupSize() const { return subgroupSize_; }                // in lanes
   VkDeviceSize maxBufferSize() const { return maxBufferSize_; }          // bytes
-  VkDeviceSize maxAllocationSize() const { return maxAllocationSize_; }  // bytes of one allocation of memory
-  bool has(const char* extension) const;  // enabled: all of kOptionalExtensions that the device offers are
-  const Features& features() const;       // that are enabled: the required ones, and the optional ones that it offers
-  // The longest Binding::TextureArray. 0: the device has no descriptor indexing.
+  VkDeviceSize maxAllocationSize() const { return maxAllocationSize_; }  // in bytes, per allocation
+  bool has(const char* extension) const;  // enabled; all of kOptionalExtensions that the device supports are
+  const Features& features() const;       // enabled: the required ones, and the supported optional ones
+  // Maximum length of a Binding::TextureArray (bindless textures). 0: the device has no descriptor indexing.
   uint32_t maxTextureArray() const { return maxTextureArray_; }
 
-  // Records and submits, without waiting. All work reaches the queue this way; one submission is recorded at a time,
-  // and any thread may submit. Returns the submission's value on the device's timeline: values grow by one, and
-  // submissions finish in order. Exceptions from `record` are rethrown, and nothing is submitted.
+  // Records and submits commands without waiting. All work reaches the queue through this function. One submission is
+  // recorded at a time, and any thread may submit. Returns the submission's value on the device's timeline semaphore:
+  // values grow by one, and submissions finish in order. Exceptions from `record` are rethrown, and nothing is
+  // submitted.
   uint64_t submit(const std::function<void(VkCommandBuffer)>& record);
-  uint64_t submissions() const;  // the value of the last one
+  uint64_t submissions() const;  // timeline value of the last submission
   bool finished(uint64_t submission) const;
-  void wait(uint64_t submission);  // returns when it has finished
-  // Called every 50 ms while something waits for a submission; what it throws leaves there. None: waits without it.
+  void wait(uint64_t submission);  // until the submission has finished
+  // Sets a function that is called every 50 ms while any thread waits for a submission. Its exceptions propagate from
+  // the wait. Empty: waits without calls.
   void whileWaiting(std::function<void()> check);
-  // Returns when all submissions have finished and all pipelines that were asked for are made.
+  // Waits until all submissions have finished and all requested pipelines are created.
   void finish();
   void submitAndWait(const std::function<void(VkCommandBuffer)>& record) { wait(submit(record)); }
 
-  // Deferred deletion: runs `destroy` once every submission made so far, and the one being recorded, has finished: in
-  // submit() or wait(), immediately if they have finished already, or in the destructor.
+  // Deferred deletion: runs `destroy` once every submission so far, and the one being recorded, has finished. It runs
+  // in submit(), wait() or the destructor, or immediately if they have finished already.
   void deferDeletion(std::function<void()> destroy);
 
-  // Gives an object the name that debuggers and validation messages show. Does nothing without VK_EXT_debug_utils.
+  // Sets the name of an object that debuggers and validation messages show. Does nothing without VK_EXT_debug_utils.
   void setName(VkObjectType type, uint64_t object, const char* name);
 
   bool underValidation() const { return validation_; }
-  // Messages of the validation layers since the last call (warnings and errors). Empty without validation.
+  // Returns the messages of the validation layers since the last call (warnings and errors). Empty without validation.
   std::vector<std::string> validationMessages();
-  // Waits for all that it does. Then nothing can be asked of it any more but to be destroyed.
+  // Waits until the device is idle, and returns whether it is lost. A lost device can only be destroyed.
   bool isLost() const;
 
-  // Pipelines created so far. Creating one is expensive: a frame that is rendered again should create none.
+  // Pipelines created so far. Creating one is expensive: rendering the same frame again should create none.
   uint64_t pipelinesMade() const { return pipelinesMade_; }
   void countPipeline() { ++pipelinesMade_; }
 

@@ -22,7 +22,7 @@ constexpr const char* kInstallDriver =
     "For the CPU: apt-get install mesa-vulkan-drivers. For a GPU: install its vendor's driver with the Vulkan part "
     "(NVIDIA: libnvidia-gl of the same version; in a container start it with NVIDIA_DRIVER_CAPABILITIES=all).";
 
-// Where NVIDIA's container tools and some clusters put the driver, which no loader searches.
+// The folder in which NVIDIA's container tools and some clusters install the driver. No loader searches it.
 constexpr const char* kNvidiaFolder = "/usr/local/nvidia/share/vulkan/icd.d";
 
 bool exists(const fs::path& path) {
@@ -66,7 +66,7 @@ void examineDrivers(std::vector<Finding>& findings) {
   }
 }
 
-// A kernel driver without its Vulkan part is common in containers on compute clusters.
+// A kernel driver without the Vulkan driver is common in containers on compute clusters.
 void examineNvidia(Diagnosis& diagnosis) {
   const bool listed = std::any_of(diagnosis.devices.begin(), diagnosis.devices.end(), [](const DeviceInfo& device) {
     return device.name.find("NVIDIA") != std::string::npos;

@@ -1,4 +1,4 @@
-// What this machine lacks to render, in plain words.
+// Diagnosis for `latelight doctor`: finds and describes what prevents this machine from rendering.
 #pragma once
 
 #include <string>
@@ -11,19 +11,19 @@ namespace latelight::vk {
 struct Finding {
   bool ok = false;
   std::string sentence;
-  std::string remedy;  // what to do, in sentences; empty where ok
+  std::string remedy;  // what to do, in sentences; empty if ok
 };
 
 struct Diagnosis {
-  std::vector<Finding> findings;  // in the order things are needed: loader, drivers, devices, choice
+  std::vector<Finding> findings;  // in the order of dependence: loader, drivers, devices, choice
   std::vector<DeviceInfo> devices;
-  bool usable = false;  // some device can render
+  bool usable = false;  // at least one device can render
 };
 
-// Findings about a list of devices: whether each is usable, and which one `auto` chooses.
+// Returns findings about a list of devices: if each one is usable, and which one `auto` selects.
 std::vector<Finding> examineDevices(const std::vector<DeviceInfo>& devices);
 
-// Checks everything, even after something is found missing. Never throws because of a finding.
+// Checks everything, even after a check has failed. Never throws because of a finding.
 Diagnosis diagnose();
 
 }  // namespace latelight::vk

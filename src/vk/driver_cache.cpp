@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The index takes 1.3 MB (Mesa 22.3). Until the driver has created it, others may use up the space.
+// Larger than Mesa's index of about 1.3 MB, because other processes may use up the space before the driver creates it.
 constexpr uint64_t kRoom = uint64_t{8} << 20;  // bytes
 
 std::string_view variable(const char* name) {
@@ -29,7 +29,7 @@ std::string_view variable(const char* name) {
   return value ? value : "";
 }
 
-// The folder that Mesa chooses; empty where it has none. Its default is in the user's home folder, whatever HOME says.
+// The folder that Mesa chooses; empty if it has none. Its default is in the user's home folder, regardless of HOME.
 fs::path cacheFolder() {
   for (const char* name : {"MESA_SHADER_CACHE_DIR", "MESA_GLSL_CACHE_DIR", "XDG_CACHE_HOME"})
     if (const std::string_view folder = variable(name); !folder.empty()) return fs::path(folder) / "mesa_shader_cache";
@@ -37,7 +37,7 @@ fs::path cacheFolder() {
   return user ? fs::path(user->pw_dir) / ".cache/mesa_shader_cache" : fs::path();
 }
 
-// Free bytes on the folder's disk; the maximum where that can't be determined.
+// Returns the free bytes on the folder's disk, or the maximum if they cannot be determined.
 uint64_t roomIn(fs::path folder) {
   struct statvfs status {};
   while (statvfs(folder.empty() ? "." : folder.c_str(), &status) != 0) {
@@ -55,8 +55,8 @@ Index fillIndex(const fs::path& path) {
   struct stat status {};
   Index index = Index::Missing;
   if (fstat(fd, &status) == 0 && S_ISREG(status.st_mode) && status.st_size > 0) {
-    index = Index::Whole;  // even where the file system can't fill holes
-    // Existing contents stay: other processes may be using them.
+    index = Index::Whole;  // even if the file system cannot fill holes
+    // Existing contents are kept, because other processes may be using them.
     if (status.st_blocks * 512 < status.st_size && fallocate(fd, 0, 0, status.st_size) != 0 &&
         (errno == ENOSPC || errno == EDQUOT))
       index = Index::NoRoom;

@@ -1,15 +1,15 @@
-// Disk space for the cache in which Mesa's drivers keep compiled shaders.
+// Reserves disk space for the cache in which Mesa's drivers store compiled shaders.
 #pragma once
 
 namespace latelight::vk {
 
-// Mesa finds cached shaders by an index that it maps into memory and that is a sparse file at first. Where the disk is
-// full, writing into a hole kills the process with SIGBUS, within the driver, and no handler can recover from that. So
-// the holes are filled beforehand; false where there is no space for that.
+// Mesa finds cached shaders by an index file that it maps into memory and that is sparse at first. If the disk is full,
+// a write into a hole kills the process with SIGBUS inside the driver, and no handler can recover from that. This
+// function therefore allocates the holes in advance; it returns false if the disk has no space for them.
 bool reserveDriverCache();
 
-// Where there is no space, turns the cache off through the environment (MESA_SHADER_CACHE_DISABLE=true), and warns
-// once. To be called by a program before it starts threads and before the driver is loaded.
+// If there is no space, disables the cache through the environment (MESA_SHADER_CACHE_DISABLE=true) and warns once. A
+// program must call this before it starts threads and before the driver is loaded.
 void avoidFullDriverCache();
 
 }  // namespace latelight::vk

@@ -59,7 +59,7 @@ std::vector<fs::path> jsonFilesIn(const fs::path& folder) {
   return files;
 }
 
-// A variable names files, or folders of them.
+// The files that an environment variable lists; entries are files or folders.
 std::vector<fs::path> filesOf(const std::string& list) {
   std::vector<fs::path> files;
   for (const fs::path& path : splitPaths(list)) {
@@ -73,7 +73,7 @@ std::vector<fs::path> filesOf(const std::string& list) {
   return files;
 }
 
-// The library a driver file names, or what is wrong with the file.
+// Returns the library that a driver file names, or the error in the file.
 DriverProbe readDriverFile(const fs::path& file) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return {"", "is not there"};
@@ -110,7 +110,8 @@ DriverFiles findDriverFiles() {
 DriverProbe probeDriver(const fs::path& file) {
   DriverProbe probe = readDriverFile(file);
   if (!probe.error.empty()) return probe;
-  // With a slash it is a path, from the file's folder where relative; without one the linker looks for it.
+  // A name with a slash is a path, relative to the file's folder if not absolute. The dynamic linker searches for a
+  // name without a slash.
   const bool isPath = probe.library.find('/') != std::string::npos;
   const std::string library = isPath ? (file.parent_path() / probe.library).string() : probe.library;
   void* handle = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -120,7 +121,7 @@ DriverProbe probeDriver(const fs::path& file) {
   }
   if (!dlsym(handle, "vk_icdGetInstanceProcAddr") && !dlsym(handle, "vkGetInstanceProcAddr"))
     probe.error = fmt::format("names the library {}, which is not a Vulkan driver", probe.library);
-  // Not closed: the loader will open it again, and some drivers crash when unloaded.
+  // The library stays open: the loader will open it again, and some drivers crash when they are unloaded.
   return probe;
 }
 

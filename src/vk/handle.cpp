@@ -72,7 +72,7 @@ void check(VkResult result, const char* call, const char* file, int line) {
   if (result == VK_ERROR_DEVICE_LOST)
     fail(ExitCode::DeviceLost,
          "The device was lost: its driver stopped it, or a submission took too long; try again, or with --device cpu.");
-  // The base name is enough, and is the same for builds in different folders.
+  // The base name is sufficient, and is the same for builds in different folders.
   const char* slash = std::strrchr(file, '/');
   fail(ExitCode::Internal, "{} returns {} ({}:{})", call, resultName(result), slash ? slash + 1 : file, line);
 }

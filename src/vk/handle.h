@@ -1,5 +1,5 @@
-// RAII for Vulkan objects. Destruction is deferred (Device::deferDeletion): a released object is destroyed once every
-// submission that may use it has finished.
+// RAII handles for Vulkan objects. Destruction is deferred (Device::deferDeletion): a released object is destroyed once
+// every submission that may use it has finished.
 #pragma once
 
 #include <volk.h>

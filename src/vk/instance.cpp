@@ -38,7 +38,7 @@ Instance::Instance(bool validation) {
          loader.error);
   debugUtils_ = true;
   VkResult result = create(validation, true);
-  // Asking the loader for its extensions first would load every driver twice.
+  // Querying the loader's extensions first would load every driver twice.
   if (result == VK_ERROR_EXTENSION_NOT_PRESENT && !validation) {
     debugUtils_ = false;
     result = create(validation, false);
@@ -101,7 +101,8 @@ VkBool32 Instance::hear(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMess
 std::vector<VkPhysicalDevice> Instance::devices() const {
   uint32_t count = 0;
   VkResult result = vkEnumeratePhysicalDevices(instance_, &count, nullptr);
-  // Drivers without hardware answer "initialization failed": no device, not an error.
+  // Drivers without hardware return VK_ERROR_INITIALIZATION_FAILED. This means that there is no device, and is not an
+  // error.
   if (result != VK_SUCCESS) return {};
   std::vector<VkPhysicalDevice> devices(count);
   result = vkEnumeratePhysicalDevices(instance_, &count, devices.data());

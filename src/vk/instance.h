@@ -1,4 +1,4 @@
-// A Vulkan instance, its devices, and the messages of its validation layers.
+// A Vulkan instance, its physical devices, and the messages of its validation layers.
 #pragma once
 
 #include <volk.h>
@@ -14,7 +14,7 @@ namespace latelight::vk {
 
 class Instance {
  public:
-  // Throws Error(NoDevice) where there is no loader, no driver, or no validation layer when one is asked for.
+  // Throws Error(NoDevice) if there is no loader, no driver, or no validation layer although `validation` is set.
   explicit Instance(bool validation);
   ~Instance();
   Instance(const Instance&) = delete;
@@ -37,13 +37,13 @@ class Instance {
   std::vector<std::string> messages_;
 };
 
-// Everything that `devices` reports about a device.
+// Returns everything that `latelight devices` reports about a device.
 DeviceInfo describe(VkPhysicalDevice device, uint32_t index);
 
-// The queue family that is for these kinds of work, and for as few others as possible.
+// Returns the queue family that supports these kinds of work, and as few others as possible.
 std::optional<uint32_t> findQueueFamily(VkPhysicalDevice device, VkQueueFlags kinds);
 
-// What a device lacks to draw with its graphics pipeline, in plain words.
+// Returns descriptions of what a device lacks to use its graphics pipeline.
 std::vector<std::string> missingToDraw(VkPhysicalDevice device);
 
 }  // namespace latelight::vk

@@ -9,7 +9,7 @@ namespace latelight::vk {
 
 namespace {
 
-constexpr uint32_t kMaxPushBytes = 128;  // that every Vulkan device has
+constexpr uint32_t kMaxPushBytes = 128;  // in bytes; every Vulkan device supports it
 
 const char* kindName(std::optional<Binding> kind) {
   if (!kind) return "something else";

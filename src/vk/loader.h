@@ -1,4 +1,4 @@
-// The Vulkan loader, found at run time: nothing links libvulkan, so that the program can report what is missing.
+// Opens the Vulkan loader at run time. Nothing links libvulkan, so that the program can report what is missing.
 #pragma once
 
 #include <volk.h>
@@ -8,13 +8,13 @@
 namespace latelight::vk {
 
 struct Loader {
-  std::string library;  // the library opened, or tried
+  std::string library;  // the library that was opened or tried
   std::string error;    // dlopen's message; empty: loaded
   bool found() const { return error.empty(); }
 };
 
-// Opens libvulkan.so.1, or what LATELIGHT_VULKAN_LOADER names, and loads the global functions. A success is kept for
-// the rest of the process. Never throws.
+// Opens libvulkan.so.1, or the library that LATELIGHT_VULKAN_LOADER names, and loads the global functions. The library
+// stays open for the rest of the process. Never throws.
 Loader loadVulkan();
 
 }  // namespace latelight::vk

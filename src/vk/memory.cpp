@@ -17,12 +17,12 @@ struct Allocator::Block {
   std::byte* mapped = nullptr;
   BlockRanges ranges{0};
   uint64_t allocations = 0;
-  MemoryClaim claim;  // for the machine's own memory
+  MemoryClaim claim;  // claim of host memory
 };
 
 namespace {
 
-// The share of a block above which a resource gets its own allocation, since the rest of the block would be wasted.
+// Resources above this size have dedicated allocations, because the rest of the block would be wasted.
 constexpr VkDeviceSize kLargestShared = Allocator::kBlockSize / 4;
 
 struct MemoryPreference {
@@ -41,7 +41,8 @@ MemoryPreference wishFor(MemoryKind kind, bool cpuDevice) {
   }
 }
 
-// The first type with all required and most of the preferred properties; drivers list the faster ones first. ~0u: none.
+// Returns the first type with all required and the maximum number of preferred properties, because drivers list the
+// faster ones first. Returns ~0u if there is none.
 uint32_t findType(const VkPhysicalDeviceMemoryProperties& memory, uint32_t allowed, MemoryPreference preference) {
   uint32_t best = ~0u;
   int bestScore = -1;
@@ -113,8 +114,8 @@ Allocator::Block& Allocator::addBlock(VkDeviceSize size, uint32_t type, bool lin
   info.memoryTypeIndex = type;
   const VkMemoryType& memoryType = properties_.memoryTypes[type];
   const VkMemoryHeap& heap = properties_.memoryHeaps[memoryType.heapIndex];
-  // A CPU device's heap limits each allocation to 2 GiB but not their sum; memory beyond the machine's is granted, and
-  // the process is killed when it touches it.
+  // A CPU device's heap limits each allocation to 2 GiB but not their sum. The device grants more memory than the
+  // machine has, and the process is killed when it touches that memory.
   if (device_.isCpu() || !(heap.flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT))
     block->claim = MemoryClaim(size, fmt::format("what {} works on", device_.info().name));
   const VkResult result = size > heap.size ? VK_ERROR_OUT_OF_DEVICE_MEMORY
@@ -147,8 +148,8 @@ void Allocator::release(const Allocation& allocation) {
   block.ranges.release(allocation.offset);
   --block.allocations;
   if (block.allocations > 0) return;
-  // One empty block of each kind is kept, so that a lone resource repeatedly created and freed does not cost an
-  // allocation.
+  // One empty block of each kind is kept, so that a single resource that is repeatedly created and freed does not
+  // allocate a block each time.
   const auto isSpare = [&](const auto& other) {
     return other.get() != &block && !other->dedicated && other->type == block.type && other->linear == block.linear &&
            other->allocations == 0;

@@ -1,5 +1,6 @@
-// Device memory: 64 MiB blocks per memory type, linear and optimal resources separate, render targets and large
-// resources in allocations of their own, host-visible blocks persistently mapped.
+// Device memory allocator. It suballocates from 64 MiB blocks per memory type, with linear and optimal resources in
+// separate blocks. Render targets and large resources have dedicated allocations. Host-visible blocks are persistently
+// mapped.
 #pragma once
 
 #include <volk.h>
@@ -15,12 +16,12 @@ namespace latelight::vk {
 
 class Device;
 
-// Offsets inside one block: first fit over a sorted free list, neighbours merged on free. No Vulkan: can be tested
-// alone.
+// Offsets inside one block: first fit over a sorted free list, neighbors are merged on free. It does not use Vulkan, so
+// that it can be tested without a device.
 class BlockRanges {
  public:
   explicit BlockRanges(uint64_t size);
-  // An offset that is a multiple of `alignment` (a power of two), or kNone where nothing fits.
+  // Returns an offset that is a multiple of `alignment` (a power of two), or kNone if no free range is large enough.
   static constexpr uint64_t kNone = ~uint64_t{0};
   uint64_t allocate(uint64_t size, uint64_t alignment);
   void release(uint64_t offset);
@@ -34,7 +35,7 @@ class BlockRanges {
 };
 
 enum class MemoryKind {
-  Device,    // device local; host-visible too where that costs nothing (CPU devices)
+  Device,    // device local; on CPU devices also host visible, at no cost
   Upload,    // host visible, coherent: written once by the host, read by the device
   Readback,  // host visible, cached: written by the device, read by the host
 };
@@ -54,13 +55,13 @@ class Allocator {
   explicit Allocator(Device& device);
   ~Allocator();
   enum class Sharing : uint8_t {
-    Blocks,    // with others, where it is small
-    Alone,     // memory of its own
-    Exported,  // the same, which other APIs may import
+    Blocks,    // small resources share blocks
+    Alone,     // a dedicated allocation
+    Exported,  // a dedicated allocation that other APIs can import
   };
-  // Throws Error(DeviceLost) with the sizes in the message where the device has no room.
+  // Throws Error(DeviceLost), with the sizes in the message, if the device is out of memory.
   Allocation allocate(const VkMemoryRequirements& needs, MemoryKind kind, bool linear, Sharing sharing);
-  // The memory type of such an allocation.
+  // Returns the memory type of such an allocation.
   uint32_t typeFor(const VkMemoryRequirements& needs, MemoryKind kind) const;
   void release(const Allocation& allocation);
   struct Statistics {
@@ -70,7 +71,7 @@ class Allocator {
 
  private:
   struct Block;
-  Allocation take(Block& block, const VkMemoryRequirements& needs);  // memory is null where it has no room
+  Allocation take(Block& block, const VkMemoryRequirements& needs);  // memory is null if the block has no space
   Block& addBlock(VkDeviceSize size, uint32_t type, bool linear, Sharing sharing);
   VkDeviceSize reserved() const;
   [[noreturn]] void failFull(VkDeviceSize size, VkDeviceSize room) const;
@@ -80,9 +81,9 @@ class Allocator {
   std::vector<std::unique_ptr<Block>> blocks_;
 };
 
-// Device memory to which several resources are bound, at offsets that their owner chooses: those that are never in use
-// at the same time may overlap. Destruction is deferred. It contains both buffers and images, so placements are whole
-// multiples of bufferImageGranularity.
+// Device memory to which several resources are bound, at offsets that their owner chooses. Resources that are never in
+// use at the same time may overlap (memory aliasing). Destruction is deferred. It contains both buffers and images, so
+// offsets and sizes are multiples of bufferImageGranularity.
 class Heap {
  public:
   Heap(Device& device, uint32_t type, VkDeviceSize size, VkDeviceSize alignment);

@@ -9,7 +9,7 @@ namespace latelight::vk {
 
 namespace {
 
-// A description as bytes: equal if and only if the descriptions are equal.
+// A description as bytes (cache key). Two keys are equal if and only if the descriptions are equal.
 class Key {
  public:
   template <typename T>

@@ -1,5 +1,5 @@
-// Objects that a device creates once and keeps for its lifetime, looked up by description: pipelines, samplers, and
-// descriptor set layouts.
+// Cache of the objects that a device creates once and keeps for its lifetime: pipelines, samplers and descriptor set
+// layouts, looked up by description.
 #pragma once
 
 #include <volk.h>
@@ -32,14 +32,14 @@ class ObjectCache {
  public:
   explicit ObjectCache(Device& device) : device_(device) {}
   ~ObjectCache();
-  // New objects are created on separate threads, several pipelines at once: a frame asks for all of its pipelines while
-  // its graph is built, and needs the first when it is recorded. Thread-safe.
+  // Pipelines are created on separate threads, several at once: a frame requests all of its pipelines while its graph
+  // is built, and needs the first one when commands are recorded. Thread-safe.
   PipelineRef pipeline(const ComputeDesc& desc);
   PipelineRef pipeline(const GraphicsDesc& desc);
-  // A pipeline that may never be needed. On a CPU device, whose cores are busy, it is created when first bound.
+  // A pipeline that may never be needed. On a CPU device, whose cores are busy, it is created when it is first bound.
   PipelineRef perhaps(const GraphicsDesc& desc);
   VkSampler sampler(const SamplerDesc& desc);
-  VkSampler fetchSampler() { return sampler(kNearestSampler); }  // for images that are only fetched from
+  VkSampler fetchSampler() { return sampler(kNearestSampler); }  // for images that are read only with texelFetch
   // Waits until no pipeline is being created.
   void finish();
   VkDescriptorSetLayout setLayout(const std::vector<Binding>& bindings);

@@ -13,7 +13,8 @@ namespace latelight::vk {
 
 namespace {
 
-// One shader stage with its specialization constants. Neither copied nor moved: `info` points into it.
+// Creates one shader stage, with the specialization constants written into its code. With VkSpecializationInfo, the
+// validation layer does not cache its result and would parse the module again for each pipeline.
 class Stage {
  public:
   Stage(Device& device, VkShaderStageFlagBits stage, std::span<const uint32_t> code,
@@ -106,7 +107,7 @@ void finish(Device& device, Pipeline& made, VkPipeline pipeline, VkPipelineBindP
   device.setName(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(pipeline), name.c_str());
 }
 
-// All of a graphics pipeline's fixed state. Neither copied nor moved: `info` points into it.
+// All fixed state of a graphics pipeline. It can be neither copied nor moved, because `info` points into it.
 struct FixedState {
   explicit FixedState(const GraphicsDesc& desc);
   FixedState(const FixedState&) = delete;

@@ -1,10 +1,10 @@
-// Pipelines, created before recording, of shaders by their names (shaders.h).
+// Pipelines of shaders, which are referred to by name (shaders.h). Pipelines are created before commands are recorded.
 //
-// Where a device runs under validation, and in debug builds, descriptions are checked against the shaders
-// (interface_check.h).
+// Under validation and in debug builds, descriptions are checked against the shaders (interface_check.h).
 //
-// Every pipeline has the same shape: push constants (at most 128 bytes, all stages), set 0 for the pass's images (in
-// binding order), and from set 1 on those of a scene (gpu_scene/materials.h). Buffers are read by address.
+// Every pipeline has the same layout: push constants (at most 128 bytes, all stages), descriptor set 0 for the images
+// of the pass (in binding order), and from set 1 on the sets of a scene (gpu_scene/materials.h). Shaders access buffers
+// by address (buffer references).
 #pragma once
 
 #include <volk.h>
@@ -26,9 +26,9 @@ enum class Binding : uint8_t {
   Sampled,         // combined image sampler
   Storage,         // storage image
   Uniform,         // uniform buffer
-  DynamicUniform,  // uniform buffer at an offset that is given when it is bound
-  TextureArray,    // combined image samplers, as many as a set is allocated with: the last of its set, and only where
-                   // Device::maxTextureArray() is not 0
+  DynamicUniform,  // uniform buffer with an offset that is set when it is bound
+  TextureArray,    // bindless textures: an array of combined image samplers, whose length is set when a set is
+                   // allocated. It must be the last binding of its set, and requires Device::maxTextureArray() > 0.
 };
 
 VkDescriptorType descriptorType(Binding binding);
@@ -37,8 +37,8 @@ struct Constant {  // specialization constant
   uint32_t id;
   uint32_t value;
 };
-// Every shader may declare these: Device::hasCpuShaders(), for lavapipe workarounds that would cost time on a GPU; and the
-// lanes of a full subgroup.
+// Specialization constants that every shader may declare: Device::hasCpuShaders(), for lavapipe workarounds that would
+// cost time on a GPU; and the number of lanes of a full subgroup.
 inline constexpr uint32_t kCpuDeviceConstant = 100, kSubgroupSizeConstant = 101;
 
 Handle<VkDescriptorSetLayout> makeSetLayout(Device& device, std::span<const Binding> bindings);
@@ -46,7 +46,7 @@ Handle<VkDescriptorSetLayout> makeSetLayout(Device& device, std::span<const Bind
 struct Pipeline {
   Handle<VkPipeline> pipeline;
   Handle<VkPipelineLayout> layout;
-  VkDescriptorSetLayout set0 = VK_NULL_HANDLE;  // the cache's
+  VkDescriptorSetLayout set0 = VK_NULL_HANDLE;  // owned by the ObjectCache
   std::vector<Binding> bindings;                // of set 0
   VkPipelineBindPoint point = VK_PIPELINE_BIND_POINT_COMPUTE;
 };
@@ -56,18 +56,18 @@ struct ComputeDesc {
   std::vector<Binding> bindings;
   std::vector<std::vector<Binding>> sceneSets{};  // sets 1 and on
   std::vector<Constant> constants;
-  uint32_t pushBytes = 0;  // of the push constants that will be set; 0: not declared, and not checked
+  uint32_t pushBytes = 0;  // size of the push constants; 0: not declared, and not checked
   std::string name;
   std::vector<uint32_t> code;  // SPIR-V words to use instead of an embedded shader
 };
 Pipeline makePipeline(Device& device, const ComputeDesc& desc);
 
-// How colours are blended with existing ones.
+// How colors are blended with existing ones.
 enum class Blend : uint8_t {
   Replace,
-  Add,         // colours, including alpha, are added
+  Add,         // all channels, including alpha, are added
   Over,        // premultiplied over operator
-  SumAndOver,  // colours are added, alpha as with Over
+  SumAndOver,  // colors are added, alpha is blended as by Over
 };
 
 struct VertexAttribute {
@@ -77,7 +77,7 @@ struct VertexAttribute {
   bool operator==(const VertexAttribute&) const = default;
 };
 struct VertexBuffer {
-  uint32_t stride;   // bytes; 0: all read the same element
+  uint32_t stride;   // bytes; 0: all vertices read the same element
   bool perInstance;  // one element per instance, else one per vertex
   std::vector<VertexAttribute> attributes;
 };
@@ -87,18 +87,18 @@ struct GraphicsDesc {
   std::vector<VertexBuffer> vertexBuffers;  // by binding
   std::vector<Binding> bindings;
   std::vector<std::vector<Binding>> sceneSets;  // sets 1 and on
-  std::vector<Constant> constants;              // both stages
-  uint32_t pushBytes = 0;                       // as ComputeDesc's
+  std::vector<Constant> constants;
+  uint32_t pushBytes = 0;  // see ComputeDesc
   std::vector<VkFormat> colors;
   uint32_t colorsWritten = ~0u;  // bit i: color i is written
   VkFormat depth = VK_FORMAT_UNDEFINED;
   VkCompareOp depthCompare = VK_COMPARE_OP_GREATER;  // depth is reversed
   bool depthWrite = true;
-  bool depthClamp = false;                  // needs the optional feature
-  std::optional<VkStencilOpState> stencil;  // for both faces; the reference is dynamic. `depth` must have stencil
+  bool depthClamp = false;
+  std::optional<VkStencilOpState> stencil;  // for both faces; the reference value is dynamic. `depth` must have stencil
   bool colorWrite = true;
   Blend blend = Blend::Replace;
-  bool alphaOnly = false;  // only alpha is written to colours
+  bool alphaOnly = false;  // of the colors, only alpha is written
   uint32_t samples = 1;
   std::string name;
 };

@@ -34,7 +34,7 @@ class Module {
   std::string name(uint32_t id) const;
   std::string memberName(uint32_t type, uint32_t member) const;
   std::optional<uint32_t> decoration(uint32_t id, Decoration kind) const;
-  uint32_t memberDecoration(uint32_t type, uint32_t member, Decoration kind) const;  // 0: has none
+  uint32_t memberDecoration(uint32_t type, uint32_t member, Decoration kind) const;  // 0 if it has none
   const Instruction& pointee(const Instruction& variable) const;
   std::string variableName(uint32_t id) const;
 
@@ -50,7 +50,7 @@ class Module {
   std::map<uint32_t, std::map<uint32_t, Decorations>> memberDecorations_;
   std::map<uint32_t, Instruction> definitions_;  // types, constants and variables of the module
   std::map<uint32_t, std::vector<Instruction>> functions_;
-  uint32_t entry_ = 0, inside_ = 0;  // functions: the entry point's, and the one being read
+  uint32_t entry_ = 0, inside_ = 0;  // functions: the entry point, and the one being read
 };
 
 std::string text(std::span<const uint32_t> words) {
@@ -139,7 +139,7 @@ const Instruction& Module::pointee(const Instruction& variable) const {
   return definition(definition(variable.operands[0]).operands[2]);
 }
 
-// A block without a name of its own has its type's.
+// A block without a name has the name of its type.
 std::string Module::variableName(uint32_t id) const {
   const std::string own = name(id);
   return own.empty() ? name(pointee(definition(id)).operands[0]) : own;

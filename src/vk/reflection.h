@@ -1,5 +1,6 @@
-// A shader's interface, from its SPIR-V: its bindings, push constants, specialization constants, and the memory layout
-// of its structs. Names are available unless they were stripped.
+// Shader reflection: extracts the interface of a shader from its SPIR-V. The interface consists of the bindings, push
+// constants, specialization constants, and the memory layout of its structs. Names are available unless they were
+// stripped.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +15,14 @@ namespace latelight::vk {
 
 struct UsedBinding {
   uint32_t set, binding;
-  std::optional<Binding> kind;  // Uniform where a pipeline may declare DynamicUniform; none: one that no pipeline has
+  std::optional<Binding> kind;  // Uniform also stands for DynamicUniform; empty: a type that no pipeline supports
   std::string name;
 };
 
 struct PushBlock {
   std::string name;
   uint32_t bytes;      // up to the end of the last member, without padding after it
-  uint32_t alignment;  // of its largest scalar, to which C++ pads the struct
+  uint32_t alignment;  // of its largest scalar; C++ pads the struct to a multiple of it
 };
 
 struct DeclaredConstant {
@@ -38,20 +39,20 @@ struct MemberLayout {
 
 struct StructLayout {
   std::string name;
-  bool isBlock;     // a whole buffer or all push constants, not a part
+  bool isBlock;     // a complete buffer or push constant block, not a part
   uint32_t bytes;   // up to the end of the last member
-  uint32_t stride;  // bytes from element to element in arrays of it; 0: there is no such array
+  uint32_t stride;  // bytes from element to element in arrays of this struct; 0: no array of it exists
   std::vector<MemberLayout> members;
 };
 
 struct Reflection {
-  std::vector<UsedBinding> bindings;  // that the entry point uses statically, including in functions that it calls
+  std::vector<UsedBinding> bindings;  // that the entry point and the functions that it calls use statically
   std::optional<PushBlock> push;
   std::vector<DeclaredConstant> constants;
-  std::vector<StructLayout> structs;  // all that have offsets; one name may stand for several types
+  std::vector<StructLayout> structs;  // all structs with offsets; several types may have the same name
 };
 
-// For a module with one entry point. Throws Error(Internal) where the words are not SPIR-V.
+// Requires a module with one entry point. Throws Error(Internal) if the words are not SPIR-V.
 Reflection reflect(std::span<const uint32_t> code);
 
 }  // namespace latelight::vk

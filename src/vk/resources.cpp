@@ -19,7 +19,8 @@ uint64_t number(T object) {
 constexpr VkImageUsageFlags kAttachment =
     VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
 
-// What sRGB images are written as in compute shaders, which encode colours themselves: no sRGB format has storage.
+// Returns the format of the storage view of an sRGB image. sRGB formats do not support storage, so compute shaders
+// encode colors themselves.
 VkFormat linearFormat(VkFormat format) {
   switch (format) {
     case VK_FORMAT_R8G8B8A8_SRGB:
@@ -49,8 +50,8 @@ VkImageView makeView(Device& device, VkImage image, const ImageDesc& desc, VkIma
   constexpr VkImageUsageFlags kStorage = VK_IMAGE_USAGE_STORAGE_BIT;
   usage.usage = storage ? kStorage : desc.usage & ~kStorage;
   if (isWrittenLinear(desc)) info.pNext = &usage;
-  // Sampled views, which cover whole arrays, read one aspect of depth and stencil; attachments, which are single
-  // layers, have both.
+  // Sampled views cover all layers of an array and have either the depth or the stencil aspect. Attachment views cover
+  // single layers and have both aspects.
   VkImageAspectFlags aspect = isDepth(desc.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
   if (hasStencil(desc.format) && type == VK_IMAGE_VIEW_TYPE_2D) aspect |= VK_IMAGE_ASPECT_STENCIL_BIT;
   info.subresourceRange = {aspect, desc.firstLevel(), levels, firstLayer, layers};
@@ -60,13 +61,14 @@ VkImageView makeView(Device& device, VkImage image, const ImageDesc& desc, VkIma
   return view;
 }
 
-// Size of the VkImage's level 0.
+// The size of level 0 of the VkImage.
 VkExtent2D baseSize(const ImageDesc& desc) {
   if (desc.oddBase) return {2 * desc.width + 1, 2 * desc.height + 1};
   return {desc.width, desc.height};
 }
 
-// Whether the host can fill the image in place: saves a copy, and on a CPU device transfers run on a single thread.
+// Returns true if the host can fill the image in place. This avoids a copy, which a CPU device would execute on a
+// single thread.
 bool isHostTexture(Device& device, const ImageDesc& desc) {
   constexpr VkImageUsageFlags kTexture =
       VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
@@ -97,7 +99,7 @@ VkImageCreateInfo imageInfo(const ImageDesc& desc, bool hostTexture) {
   return info;
 }
 
-// A size that the device does not support is for the user to change: report it before the driver crashes.
+// Reports a size that the device does not support as the user's error, before the driver crashes.
 void checkSize(Device& device, const ImageDesc& desc) {
   const VkPhysicalDeviceLimits& limits = device.properties().limits;
   const uint32_t most = limits.maxImageDimension2D;
@@ -151,7 +153,7 @@ VkBuffer createBuffer(Device& device, const BufferDesc& desc) {
 
 }  // namespace
 
-// Once the delegated constructor is done, the destructor cleans up after exceptions.
+// After the delegated constructor, the destructor cleans up if an exception is thrown.
 Buffer::Buffer(Device& device, const BufferDesc& desc) : Buffer() {
   device_ = &device;
   desc_ = completed(desc);
@@ -210,7 +212,7 @@ int Buffer::exportMemory() const {
   return descriptor;
 }
 
-// Without the structure for memory that is dedicated to one buffer, which no driver known to us asks of plain buffers.
+// Exported memory does not use VkMemoryDedicatedAllocateInfo, because no known driver requires it for plain buffers.
 bool exportsBuffers(const Device& device) {
   if (!device.has(VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME)) return false;
   VkPhysicalDeviceExternalBufferInfo info{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_EXTERNAL_BUFFER_INFO};
@@ -261,7 +263,7 @@ void Image::bind(VkDeviceMemory memory, VkDeviceSize offset) {
   arrayView_ = makeView(device, image_, desc_, VK_IMAGE_VIEW_TYPE_2D_ARRAY, 0, desc_.layers, desc_.levels);
   if (isWrittenLinear(desc_))
     storageView_ = makeView(device, image_, desc_, VK_IMAGE_VIEW_TYPE_2D_ARRAY, 0, desc_.layers, 1, true);
-  // An attachment's view has one level, a texture's has all.
+  // The view of an attachment has one level, that of a texture has all.
   const uint32_t levels = desc_.layers == 1 && !(desc_.usage & kAttachment) ? desc_.levels : 1;
   for (uint32_t layer = 0; layer < desc_.layers; ++layer)
     layerViews_.push_back(makeView(device, image_, desc_, VK_IMAGE_VIEW_TYPE_2D, layer, 1, levels));

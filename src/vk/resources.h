@@ -1,4 +1,4 @@
-// Buffers and images, with memory of their own or in a heap. Move-only; destruction is deferred
+// Buffers and images, with dedicated memory or placed in a heap. They are move-only, and their destruction is deferred
 // (Device::deferDeletion).
 #pragma once
 
@@ -17,22 +17,22 @@
 namespace latelight::vk {
 
 struct BufferDesc {
-  VkDeviceSize size = 0;                                          // bytes; 0 is taken as 16
+  VkDeviceSize size = 0;                                          // in bytes; 0 is treated as 16
   VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;  // device address and transfer are always added
   MemoryKind kind = MemoryKind::Device;
   std::string name;
-  bool exported = false;  // other APIs may have it: exportMemory()
+  bool exported = false;  // other APIs can import it: exportMemory()
   bool operator==(const BufferDesc&) const = default;
 };
 
-// Whether buffers of the device may be exported.
+// Returns true if buffers of the device can be exported.
 bool exportsBuffers(const Device& device);
 
 class Buffer {
  public:
   Buffer() = default;
   Buffer(Device& device, const BufferDesc& desc);
-  // In a heap, at an offset; never mapped. memoryRequirements() has its size.
+  // Places the buffer in a heap, at an offset; it is never mapped. memoryRequirements() returns its size.
   Buffer(Device& device, const BufferDesc& desc, const Heap& heap, VkDeviceSize offset);
   Buffer(Buffer&&) noexcept;
   Buffer& operator=(Buffer&&) noexcept;
@@ -48,10 +48,11 @@ class Buffer {
     return reinterpret_cast<T*>(allocation_.mapped);
   }
   explicit operator bool() const { return buffer_ != VK_NULL_HANDLE; }
-  // An exported buffer's memory, of which it is all, as an opaque file descriptor, the caller's from then on.
+  // Returns the memory of an exported buffer as an opaque file descriptor, which the caller owns. The buffer is the
+  // only resource in it.
   int exportMemory() const;
-  VkDeviceSize memorySize() const { return allocation_.size; }  // bytes, as importers must be told
-  // Nothing has been submitted since it was created, so that nothing in flight uses it.
+  VkDeviceSize memorySize() const { return allocation_.size; }  // in bytes; importers require it
+  // True if nothing was submitted since the buffer was created, so that nothing in flight uses it.
   bool isNew() const { return bornAfter_ == device_->submissions(); }
 
  private:
@@ -64,7 +65,7 @@ class Buffer {
   Allocation allocation_;  // none in a heap
 };
 
-// In host-visible memory, initialised with these bytes.
+// Returns a buffer in host-visible memory, initialized with these bytes.
 Buffer uploadedBuffer(Device& device, const std::string& name, std::span<const std::byte> bytes,
                       VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
 
@@ -76,18 +77,18 @@ struct ImageDesc {
   uint32_t samples = 1;
   VkImageUsageFlags usage = 0;
   std::string name;
-  // For a texture: adds an unused level below level 0 whose sides are both odd. Size, levels, views and uploads don't
-  // include it.
+  // For a texture: adds an unused mip level below level 0, with odd width and height. Size, levels, views and uploads
+  // exclude it.
   bool oddBase = false;
   bool operator==(const ImageDesc&) const = default;
-  uint32_t firstLevel() const { return oddBase ? 1 : 0; }  // of the VkImage
+  uint32_t firstLevel() const { return oddBase ? 1 : 0; }  // level of the VkImage that is level 0 here
 };
 
 class Image {
  public:
   Image() = default;
   Image(Device& device, const ImageDesc& desc);
-  // In a heap, at an offset; never written by the host. memoryRequirements() has its size.
+  // Places the image in a heap, at an offset; the host never writes it. memoryRequirements() returns its size.
   Image(Device& device, const ImageDesc& desc, const Heap& heap, VkDeviceSize offset);
   Image(Image&&) noexcept;
   Image& operator=(Image&&) noexcept;
@@ -97,14 +98,15 @@ class Image {
   const ImageDesc& desc() const { return desc_; }
   VkImageAspectFlags aspect() const;
   VkImageView arrayView() const { return arrayView_; }  // 2D_ARRAY, all layers and levels
-  // The same to be written by compute shaders. An sRGB image is written as it lies in memory: they encode its colours.
+  // The same view for writes by compute shaders. An sRGB image is written without conversion: the shaders encode its
+  // colors.
   VkImageView storageView() const { return storageView_ ? storageView_ : arrayView_; }
-  VkImageView layerView(uint32_t layer) const;       // 2D, one layer, level 0: attachments, textures
-  VkImageView view() const { return layerView(0); }  // 2D, layer 0, all levels where layers == 1
+  VkImageView layerView(uint32_t layer) const;       // 2D, one layer, level 0: for attachments and textures
+  VkImageView view() const { return layerView(0); }  // 2D, layer 0; all levels if layers == 1
   explicit operator bool() const { return image_ != VK_NULL_HANDLE; }
 
-  // Textures of a CPU device are linear, and until their first layout transition the host may write them in place.
-  // takeHostWrite() is true once, for the writer; the layout is then VK_IMAGE_LAYOUT_PREINITIALIZED.
+  // Textures of a CPU device have linear tiling, and the host may write them in place until their first layout
+  // transition. takeHostWrite() returns true once, for the writer; the layout is then VK_IMAGE_LAYOUT_PREINITIALIZED.
   bool takeHostWrite() const { return std::exchange(hostWritable_, false); }
   std::byte* mapped() const { return allocation_.mapped; }
 
@@ -119,7 +121,7 @@ class Image {
   mutable bool hostWritable_ = false;
 };
 
-// For a resource with memory of its own, or placed in a heap, without creating one.
+// Returns the memory requirements of a resource, with dedicated memory or placed in a heap, without creating it.
 enum class Placement : uint8_t { Own, Heap };
 VkMemoryRequirements memoryRequirements(Device& device, const BufferDesc& desc);
 VkMemoryRequirements memoryRequirements(Device& device, const ImageDesc& desc, Placement home);
@@ -132,32 +134,32 @@ struct SamplerDesc {
   float anisotropy = 1;  // maximum samples along a pixel's footprint, within the device's limit
   bool operator==(const SamplerDesc&) const = default;
 };
-// For texelFetch, which needs a sampler bound and ignores it.
+// For texelFetch, which requires a bound sampler but ignores it.
 inline constexpr SamplerDesc kNearestSampler{VK_FILTER_NEAREST, VK_FILTER_NEAREST, VK_SAMPLER_MIPMAP_MODE_NEAREST};
 Handle<VkSampler> makeSampler(Device& device, const SamplerDesc& desc);
-float maxAnisotropy(const Device& device);  // 1 where the device has no anisotropic filter
+float maxAnisotropy(const Device& device);  // 1 if the device has no anisotropic filtering
 
 // How an Uploader transfers data to the device.
 enum class UploadMode : uint8_t {
   Direct,    // host-visible destinations (CPU devices) are written in place, by all cores; others are staged
-  Staged,    // all are staged, as on a device with memory of its own
-  Deferred,  // as Direct, but anything a submission in flight may use is staged, and waits for record()
+  Staged,    // all destinations are staged, as on a device with its own memory
+  Deferred,  // as Direct, but destinations that a submission in flight may use are staged and wait for record()
 };
 
-// Copies of host data to the device. The data is copied before upload() returns, to staging memory: 16 MiB, with a
-// flush() when full; Deferred 64 MiB. flush() (or the destructor, which turns an error into a warning) submits the
-// staged copies and waits. Images end in VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL.
+// Copies host data to the device. upload() copies the data to staging memory of 16 MiB before it returns, and calls
+// flush() when the memory is full. Deferred mode uses 64 MiB. flush() (or the destructor, which turns an error into a
+// warning) submits the staged copies and waits. Images end in VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL.
 class Uploader {
  public:
   explicit Uploader(Device& device, UploadMode mode = UploadMode::Direct);
   ~Uploader();
   void upload(const Buffer& to, std::span<const std::byte> data, VkDeviceSize offset = 0);
-  // `data`: all levels one after the other, level 0 first, tightly packed; one layer.
+  // `data`: all levels in sequence, level 0 first, tightly packed; one layer.
   void upload(const Image& to, std::span<const std::byte> data);
   void flush();
 
-  // Deferred: instead of flush(), records the staged copies as part of another submission, after which forget() drops
-  // them. Work recorded after it must wait for the copies.
+  // In Deferred mode, record() replaces flush(): it records the staged copies as part of another submission, after
+  // which forget() drops them. Work recorded after record() must wait for the copies.
   bool empty() const { return batches_.empty(); }
   void record(VkCommandBuffer commands) const;
   void forget();
@@ -168,19 +170,20 @@ class Uploader {
     VkBuffer buffer;
     VkDeviceSize offset;
   };
-  // Puts data into staging memory, at a multiple of `alignment`; flushes first where it is full.
+  // Copies data to staging memory, at a multiple of `alignment`; flushes first if the memory is full.
   Source stage(std::span<const std::byte> data, VkDeviceSize alignment);
   void writeInPlace(const Image& to, std::span<const std::byte> data);
   Copy& add(Copy copy);
   Device& device_;
   UploadMode mode_;
-  std::vector<std::vector<Copy>> batches_;  // copies of a batch write to different locations: they run in any order
-  std::vector<Buffer> staging_;             // the last is being filled
-  VkDeviceSize used_ = 0;                   // bytes in use of the last
-  VkDeviceSize pending_ = 0;                // bytes in use of the others
+  std::vector<std::vector<Copy>> batches_;  // copies of a batch write to different locations, so their order does not
+                                            // matter
+  std::vector<Buffer> staging_;             // the last one is being filled
+  VkDeviceSize used_ = 0;                   // used bytes of the last staging buffer
+  VkDeviceSize pending_ = 0;                // used bytes of the others
 };
 
-// Bytes per texel of an uncompressed colour or depth format in a buffer; for D24S8 and D32S8 only the depth.
+// Bytes per texel of an uncompressed color or depth format in a buffer; for D24S8 and D32S8 only the depth.
 uint32_t texelBytes(VkFormat format);
 const char* formatName(VkFormat format);  // "R8G8B8A8_SRGB"
 bool isDepth(VkFormat format);

@@ -13,7 +13,7 @@
 
 namespace latelight::vk {
 
-// The shaders' assembly file, embedded in this module: words from `symbol` to `symbolEnd`.
+// The shaders, embedded by an assembly file as the words from `symbol` to `symbolEnd`.
 #define SHADER(symbol, name)          \
   extern "C" const uint32_t symbol[]; \
   extern "C" const uint32_t symbol##End[];
@@ -45,7 +45,7 @@ std::span<const uint32_t> findShader(std::string_view name) {
 
 using Words = std::vector<uint32_t>;
 
-// Pipelines may still be made of what a file had before, so that nothing that was read goes away.
+// Earlier versions of a file are kept, because pipelines may still be created from them.
 struct FileVersions {
   std::filesystem::file_time_type time{};
   std::deque<Words> words;
@@ -69,7 +69,7 @@ Words readWords(const std::filesystem::path& file) {
   return words;
 }
 
-// Empty: it has none of that name.
+// Returns an empty span if the folder has no shader of that name.
 std::span<const uint32_t> shaderOfFolder(std::string_view name) {
   Folder& f = folder();
   const std::scoped_lock lock(f.mutex);

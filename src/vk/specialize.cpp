@@ -14,7 +14,7 @@ namespace {
 using namespace spirv;
 using Words = std::vector<uint32_t>;
 
-// What OpSpecConstantOp makes of words, and of bools as 0 and 1; nothing for operations that stay as they are.
+// Evaluates OpSpecConstantOp for words, and for bools as 0 and 1. Returns nothing for operations that remain unchanged.
 std::optional<uint32_t> computed(uint32_t op, const Words& x) {
   switch (op) {
     case kOpUConvert:
@@ -72,12 +72,12 @@ class Specializer {
   std::optional<uint32_t> resultOf(const Instruction& operation) const;
 
   std::span<const Constant> constants_;
-  std::map<uint32_t, uint32_t> given_;   // by a constant's id in the code: what it is to be
-  std::map<uint32_t, uint32_t> bits_;    // of the types that values may have: 1 is bool
-  std::map<uint32_t, uint32_t> values_;  // by the id of a bool or a 32-bit word
+  std::map<uint32_t, uint32_t> given_;   // required values, by SPIR-V id of the constant
+  std::map<uint32_t, uint32_t> bits_;    // bits of scalar types by id; 1 is bool
+  std::map<uint32_t, uint32_t> values_;  // known values, by id of a bool or a 32-bit word
 };
 
-// Constants stand in front of all functions, which stay as they are.
+// Constants precede all functions, which remain unchanged.
 Specializer::Specializer(std::span<const uint32_t> code, std::span<const Constant> constants) : constants_(constants) {
   const std::span<const uint32_t> header = code.first(std::min(code.size(), kHeaderWords));
   out.reserve(code.size());
@@ -118,7 +118,7 @@ std::optional<uint32_t> Specializer::resultOf(const Instruction& operation) cons
   return computed(operation.operands[2], operands);
 }
 
-// Of a constant: its own.
+// Returns the default value of a constant.
 std::optional<uint32_t> Specializer::valueOf(const Instruction& instruction) const {
   switch (instruction.op) {
     case kOpConstantTrue:

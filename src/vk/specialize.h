@@ -1,4 +1,4 @@
-// Specialization constants put into a shader's SPIR-V, as a driver does with those that it is handed beside it.
+// Writes the values of specialization constants into a shader's SPIR-V, as a driver does with VkSpecializationInfo.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,9 @@
 
 namespace latelight::vk {
 
-// `code` with these values for its constants; those not given keep the shader's own. Each is a bool or a 32-bit word,
-// as checkInterface() checks. Throws Error(Internal) where the words are not SPIR-V.
+// Returns `code` with these values for its constants; constants without a value keep the shader's default. Each
+// constant is a bool or a 32-bit word, which checkInterface() checks. Throws Error(Internal) if the words are not
+// SPIR-V.
 std::vector<uint32_t> specialize(std::span<const uint32_t> code, std::span<const Constant> constants);
 
 }  // namespace latelight::vk

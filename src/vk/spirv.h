@@ -80,7 +80,7 @@ enum Decoration : uint32_t {
 
 enum StorageClass : uint32_t { kUniformConstant = 0, kUniform = 2, kPushConstant = 9 };
 
-inline constexpr uint32_t kDimBuffer = 5, kSampledStorage = 2;  // of OpTypeImage
+inline constexpr uint32_t kDimBuffer = 5, kSampledStorage = 2;  // operands of OpTypeImage
 
 inline constexpr uint32_t kMagic = 0x07230203;
 inline constexpr size_t kHeaderWords = 5;
@@ -89,12 +89,12 @@ struct Instruction {
   uint32_t op = 0;
   std::span<const uint32_t> operands;  // including result type and result id
 
-  // In front of the operands: how many words there are, and the operation.
+  // The word before the operands: the word count and the opcode.
   uint32_t firstWord() const { return static_cast<uint32_t>(operands.size() + 1) << 16 | op; }
 };
 
-// Hands over one instruction after the other, until `take` returns false. Throws Error(Internal) where the words are
-// not SPIR-V.
+// Calls `take` for each instruction in order, until it returns false. Throws Error(Internal) if the words are not
+// SPIR-V.
 void forEachInstruction(std::span<const uint32_t> code, const std::function<bool(const Instruction&)>& take);
 
 }  // namespace latelight::vk::spirv

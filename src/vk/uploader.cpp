@@ -16,7 +16,7 @@ namespace {
 constexpr VkDeviceSize kStagingBytes = VkDeviceSize{16} << 20;
 // Copies waiting for another submission are mostly small; their memory grows by doubling, up to this total.
 constexpr VkDeviceSize kFirstDeferredBytes = VkDeviceSize{256} << 10, kDeferredBytes = VkDeviceSize{64} << 20;
-// A thread's share of a copy; below it, waking another thread costs more than it saves.
+// The minimum part of a copy per thread; for less, waking another thread costs more than it saves.
 constexpr size_t kGrain = size_t{2} << 20;
 
 void copyOnAllCores(std::byte* to, const std::byte* from, size_t bytes) {
@@ -65,9 +65,9 @@ BufferDesc stagingDesc(VkDeviceSize size) {
 
 }  // namespace
 
-// From staging memory into a buffer or into rows of one level of an image (none: the host has written it, and only its
-// layout is to change). A large image is several copies, and these may be in several submissions: the first and the
-// last change its layout.
+// A copy from staging memory to a buffer or to rows of one level of an image. A copy of no rows only changes the layout
+// of an image that the host has written. A large image requires several copies, possibly in several submissions; the
+// first and the last change its layout.
 struct Uploader::Copy {
   Source from{};
   VkBuffer buffer = VK_NULL_HANDLE;
@@ -83,7 +83,7 @@ Uploader::~Uploader() {
   try {
     flush();
   } catch (const std::exception& error) {
-    if (!device_.isLost()) warn("An upload failed: {}", error.what());  // or whoever goes on is told
+    if (!device_.isLost()) warn("An upload failed: {}", error.what());  // otherwise the next call reports the loss
   }
 }
 
@@ -108,7 +108,7 @@ Uploader::Source Uploader::stage(std::span<const std::byte> data, VkDeviceSize a
   return {staging_.back().get(), offset};
 }
 
-// Appends it to the current batch, or to a new one where it overlaps one of that batch.
+// Appends a copy to the current batch, or to a new batch if it overlaps a copy of the current one.
 Uploader::Copy& Uploader::add(Copy copy) {
   const auto overlaps = [&](const Copy& other) {
     if (copy.image) return copy.image == other.image && !copy.before.empty();
@@ -173,7 +173,7 @@ void Uploader::upload(const Image& to, std::span<const std::byte> data) {
       const uint32_t rows = std::min(most, height - row);
       assert(rows * rowBytes <= data.size());
       Copy copy;
-      // Offsets are multiples of four and of the texel.
+      // Offsets must be multiples of four and of the texel size.
       copy.from = stage(data.first(rows * rowBytes), 4 * texel);
       copy.image = to.get();
       copy.region.bufferOffset = copy.from.offset;
