@@ -71,10 +71,7 @@ class Device {
   const DeviceInfo& info() const { return info_; }
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
-  bool hasGraphics() const {
-    return hasGraphics_;
-  }  // a graphics pipeline, with all features that --raster hardware
-     // requires
+  bool hasGraphics() const { return hasGraphics_; }  // with all features that --raster hardware requires
   bool hasCpuShaders() const { return isCpu() && cpuShaders_; }
   uint32_t subgroupSize() const { return subgroupSize_; }                // in lanes
   VkDeviceSize maxBufferSize() const { return maxBufferSize_; }          // bytes
