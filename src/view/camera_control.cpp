@@ -10,10 +10,10 @@ namespace {
 
 using glm::dvec3;
 
-// At the poles up would be undefined.
+// Maximum elevation; the up direction is undefined at the poles.
 constexpr double kHighest = 0.4995 * std::numbers::pi;
 
-// Where the eye is, from the target; as an orbiting camera's in scene/framing.h.
+// The direction from the target to the eye, as that of an orbiting camera in scene/framing.h.
 struct Direction {
   double azimuth, elevation;
 };

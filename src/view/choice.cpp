@@ -18,7 +18,7 @@ const render::Option& findOption(std::string_view name) {
   badUsage("there is no option \"{}\"; latelight list options shows all", name);
 }
 
-// Without a time nothing plays; a layout that fixes something takes no choice of it.
+// Returns false for options without effect: animation options without a time, and options whose value the layout fixes.
 bool meansSomething(std::string_view key, const Choice& choice, const render::Layout& layout) {
   if (key == "animation" || key == "loop") return choice.options.contains("time");
   if (key == "normals") return !layout.fixedNormal;

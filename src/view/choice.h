@@ -1,4 +1,4 @@
-// One side of what is shown: options by name, and one of the outputs.
+// The choice for one side of a split view: options by name, and an output.
 #pragma once
 
 #include <optional>
@@ -11,20 +11,21 @@
 
 namespace latelight::view {
 
-// Its settings at a size, and what they make a picture of, if that is not the picture.
+// The settings of a choice at a given size, and the debug output that it displays; empty for the picture.
 struct ChosenSettings {
   render::Settings settings;
   std::optional<output::DebugRequest> debug;
 };
-// Throws Error(Usage) where they can't be.
+// Throws Error(Usage) if the options are invalid.
 ChosenSettings settingsOf(const Choice& choice, uint32_t width, uint32_t height);
 
-// The choice with one option changed; an empty value is its default. Throws Error(Usage), also where options then
-// contradict each other.
+// Returns the choice with one option changed; an empty value restores the default. Throws Error(Usage), also if options
+// then contradict each other.
 Choice withOption(const Choice& choice, std::string_view name, std::string_view value);
 Choice withOutput(const Choice& choice, std::string_view output);
 
-// The options as a command line takes them: without those that mean nothing beside the others, and are refused there.
+// Returns the options as words of a command line, without those that have no effect next to the others, because the
+// command line rejects them.
 std::vector<std::string> wordsOf(const Choice& choice);
 
 }  // namespace latelight::view

@@ -9,7 +9,7 @@ namespace latelight::view {
 
 namespace {
 
-constexpr double kMax = 0.085;  // seconds a picture: the rest of a tenth is its way to the screen
+constexpr double kMax = 0.085;  // seconds per picture; the rest of 0.1 s is for display
 constexpr double kDivisors[] = {1, 1.5, 2, 3, 4, 6, 8};
 
 uint32_t divided(uint32_t pixels, double divisor) {
@@ -30,7 +30,8 @@ render::Settings Draft::of(const render::Settings& whole) const {
   return draft;
 }
 
-// As if all of the time were the pixels': an estimate that is too high for more of them, so that nothing swings.
+// Assumes that time is proportional to the number of pixels. This overestimates the time at a higher resolution, which
+// prevents oscillation.
 bool Draft::took(double seconds) {
   const std::pair before(divisor_, means_);
   const auto divisor = std::find_if(std::begin(kDivisors), std::end(kDivisors),

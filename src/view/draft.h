@@ -1,4 +1,5 @@
-// How pictures are made while something moves: as many pixels as leave ten pictures a second, by measurement.
+// Dynamic resolution while something moves: reduces the resolution until measured frame rate reaches ten pictures per
+// second.
 #pragma once
 
 #include "render/settings/settings.h"
@@ -7,18 +8,18 @@ namespace latelight::view {
 
 class Draft {
  public:
-  explicit Draft(bool slow);  // `slow`: begins with few pixels, as on a CPU
+  explicit Draft(bool slow);  // `slow`: starts at low resolution, for CPU devices
 
-  // The same picture, cheaper.
+  // Returns the settings for a draft of the same picture.
   render::Settings of(const render::Settings& whole) const;
-  // Of a picture that was made so. True: the next one is made in another way.
+  // Reports the render time of a draft. Returns true if the settings for the next draft differ.
   bool took(double seconds);
-  bool isWhole() const { return divisor_ == 1 && means_ == All; }  // nothing is left out
+  bool isWhole() const { return divisor_ == 1 && means_ == All; }  // full resolution and all effects
 
  private:
   double divisor_;  // of width and height
-  // Where fewer pixels are not enough it is the triangles: first shadow maps, then the graphics pipeline, which shades
-  // each of them, are left out.
+  // If lower resolution is not enough, the cost is in the triangles: drafts first omit shadow maps, then replace the
+  // graphics pipeline, which processes each triangle, by --raster compute.
   enum Means : int { All, WithoutShadows, InCompute } means_ = All;
 };
 

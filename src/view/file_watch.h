@@ -1,4 +1,4 @@
-// Whether files have changed on disk.
+// Polls files on disk for changes.
 #pragma once
 
 #include <chrono>
@@ -11,14 +11,15 @@ namespace latelight::view {
 class FileWatch {
  public:
   using Clock = std::chrono::steady_clock;
-  static constexpr double kSeconds = 0.5;  // between two looks
+  static constexpr double kSeconds = 0.5;  // seconds between two checks
 
   void watch(const std::vector<std::filesystem::path>& files);
-  // Looks at most twice a second. True once a change is complete: two looks see the same new times.
+  // Checks the files at most twice per second. Returns true once a change is complete, that is, after two checks with
+  // the same new times.
   bool changed();
 
  private:
-  using Times = std::vector<std::optional<std::filesystem::file_time_type>>;  // nothing: it is not there
+  using Times = std::vector<std::optional<std::filesystem::file_time_type>>;  // empty: the file does not exist
   Times times() const;
 
   std::vector<std::filesystem::path> files_;

@@ -9,7 +9,7 @@ namespace latelight::view {
 
 namespace {
 
-// Half of the picture's extent: metres per metre of depth, or metres for orthographic cameras.
+// Returns half of the picture's extent, in meters per meter of depth, or in meters for orthographic cameras.
 glm::dvec2 halfExtent(const scene::Camera& camera, glm::uvec2 size) {
   const double aspect = double(size.x) / size.y;
   const double own = camera.orthographic ? double{camera.yHalf} : std::tan(double{camera.verticalFov} / 2);
@@ -17,7 +17,7 @@ glm::dvec2 halfExtent(const scene::Camera& camera, glm::uvec2 size) {
   return {half * aspect, half};
 }
 
-// Right, away and up of the camera.
+// Returns the coordinates along the camera's right, forward and up axes.
 glm::dvec3 inView(const scene::Camera& camera, glm::dvec3 world) {
   const glm::dmat4& m = camera.toWorld;
   const glm::dvec3 way = world - glm::dvec3(m[3]);
@@ -26,7 +26,7 @@ glm::dvec3 inView(const scene::Camera& camera, glm::dvec3 world) {
 
 }  // namespace
 
-// Each is told again with each picture.
+// Limits the state that is reported with each picture.
 constexpr size_t kMaxLights = 1024;
 
 std::vector<uint32_t> placedLights(const scene::Scene& scene) {

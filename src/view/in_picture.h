@@ -1,4 +1,4 @@
-// Where things of a scene are in a picture, and where they go when they are dragged there.
+// Projects positions of a scene into the picture, and drags them back to positions in the scene.
 #pragma once
 
 #include <cstdint>
@@ -10,19 +10,20 @@
 
 namespace latelight::view {
 
-// Those that are there and have a place, by their numbers in Scene::lights.
+// Returns the indices in Scene::lights of the positional lights that are not removed, up to a maximum.
 std::vector<uint32_t> placedLights(const scene::Scene& scene);
 
-// The pixel of a place; nothing behind the camera.
+// Returns the pixel of a world position, or nothing if it is behind the camera.
 std::optional<glm::dvec2> pixelOf(const scene::Camera& camera, glm::uvec2 size, glm::dvec3 world);
-// Where a thing goes that is dragged from there to a pixel, at its own depth; nothing behind the camera.
+// Returns the world position after a drag from `from` to a pixel at constant depth, or nothing if `from` is behind the
+// camera.
 std::optional<glm::dvec3> draggedTo(const scene::Camera& camera, glm::uvec2 size, glm::dvec3 from, glm::dvec2 pixel);
 
-// The scene file's frame and the renderer's world.
+// Conversions between the scene file's coordinates and the renderer's world.
 glm::dvec3 fromFile(const scene::Scene& scene, glm::dvec3 v);
 glm::dvec3 toFile(const scene::Scene& scene, glm::dvec3 v);
 
-// Of the instances with this id, at rest.
+// Returns the bounds of the instances with this id, at rest.
 scene::Bounds boundsOf(const scene::Scene& scene, uint32_t id);
 
 }  // namespace latelight::view

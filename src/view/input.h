@@ -1,4 +1,4 @@
-// What people do with a viewing session, from whatever window, page or test: plain values.
+// Input events and commands for a viewing session, as plain values. They come from a window, a page or a test.
 #pragma once
 
 #include <array>
@@ -11,13 +11,14 @@
 
 namespace latelight::view {
 
-// Of a split picture. Without a split there is the left one alone.
+// The side of a split picture. Without a split, only Left exists.
 enum class Side : uint8_t { Left, Right };
 
 enum class Button : uint8_t { Left, Middle, Right };
 enum class Navigation : uint8_t { Orbit, Fly };
 
-// Pixels of the picture that the session was told to make, from the upper left; y down.
+// The size of the requested picture in pixels. Pointer coordinates are in these pixels, from the upper left corner, y
+// down.
 struct Resize {
   uint32_t width, height;
 };
@@ -25,48 +26,47 @@ struct PointerMove {
   double x, y;
 };
 struct PointerLeave {};
-// Where the pointer moved last. A click, which moves nothing, picks what is there.
+// At the last pointer position. A click, that is, a press and release without movement, picks the surface there.
 struct PointerButton {
   Button button;
   bool down;
   bool shift = false;
 };
 struct Wheel {
-  double steps;  // up is positive, and goes nearer
+  double steps;  // up is positive and moves closer
 };
-// `name` as KeyboardEvent.key has it: "w", "ArrowLeft", "Home", "Escape".
+// `name` is that of KeyboardEvent.key: "w", "ArrowLeft", "Home", "Escape".
 struct Key {
   std::string name;
   bool down;
   bool shift = false;
 };
-struct Blur {};  // no key and no button is held any more
+struct Blur {};  // releases all keys and buttons
 
-// An option of options.def by its name, "--layout" or "layout", as text; an empty text is its default. Flags take
-// "true".
-// --size is Resize's.
+// Sets an option of options.def by its name, "--layout" or "layout". An empty value is the default. The value of flags
+// is "true". Resize replaces --size.
 struct SetOption {
   std::string name, value;
   Side side = Side::Left;
 };
-// "picture", or what --debug takes: names of outputs, "lights", "sheet", "targets", "target:NAME".
+// "picture", or a value of --debug: names of outputs, "lights", "sheet", "targets", "target:NAME".
 struct ShowOutput {
   std::string name;
   Side side = Side::Left;
 };
-// The right choice begins as a copy of the left one.
+// The right choice starts as a copy of the left one.
 struct SetSplit {
   enum Mode : uint8_t { Off, Slider, Difference } mode = Off;
-  double at = 0.5;           // of the picture's width, where the right side begins
-  double amplification = 8;  // of differences
+  double at = 0.5;  // start of the right side, as a fraction of the width
+  double amplification = 8;
 };
 struct UseCamera {
-  std::string name;  // of the scene, or its number; empty: the one that it begins with
+  std::string name;  // name or index; empty: the initial camera
 };
 struct UseEnvironment {
-  std::string name;  // as --hdri takes it; empty: as the scene says
+  std::string name;  // a value of --hdri; empty: the scene's
 };
-// A picture that is in no file here, with the name that it has where it comes from.
+// An environment image that is not a file of this machine, with its original name.
 struct GiveEnvironment {
   std::string name;
   std::shared_ptr<const std::vector<std::byte>> file;
@@ -77,8 +77,8 @@ struct SetNavigation {
 struct Play {
   bool on;
 };
-// Lights by their place in State::lights. Moved in the scene file's frame; or, at their own depth, dragged to a pixel
-// or by some pixels from where they are.
+// Commands that move a light; `light` is its index in State::lights. MoveLight sets its position in the scene file's
+// coordinates. DragLight moves it to a pixel and NudgeLight by a number of pixels, both at constant depth.
 struct MoveLight {
   uint32_t light;
   std::array<double, 3> position;
@@ -91,16 +91,16 @@ struct NudgeLight {
   uint32_t light;
   double dx, dy;
 };
-struct Screenshot {  // of a side, as a PNG file: what the side's command line writes
+struct Screenshot {  // writes a PNG file, with the result of the side's command line
   std::string path;
   Side side = Side::Left;
 };
 struct Reload {};
-struct OpenScene {  // instead of the one that is shown: its cameras, at rest; all other options stay
+struct OpenScene {  // replaces the scene: resets cameras and time; all other options are kept
   std::string source;
 };
 struct UseVariant {
-  std::string name;  // of KHR_materials_variants; empty: the file's default
+  std::string name;  // name in KHR_materials_variants; empty: the file's default
 };
 
 using Input = std::variant<Resize, PointerMove, PointerLeave, PointerButton, Wheel, Key, Blur, SetOption, ShowOutput,

@@ -15,7 +15,7 @@ constexpr std::array<uint8_t, 4> kOrange{255, 150, 30, 255};
 
 void drawOutline(output::Picture& picture, const output::AovImage& ids, uint32_t id) {
   const auto width = static_cast<int>(ids.width), height = static_cast<int>(ids.height);
-  const int reach = std::max(1, height / 360);  // the same share of any picture
+  const int reach = std::max(1, height / 360);  // a constant fraction of the picture's height
   const auto isSelected = [&](int x, int y) {
     return x >= 0 && y >= 0 && x < width && y < height && ids.ids[static_cast<size_t>(y) * ids.width + x] == id;
   };

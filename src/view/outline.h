@@ -1,4 +1,4 @@
-// The outline of what is selected.
+// Draws the outline of the selected object.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace latelight::view {
 
-// Colours the pixels just outside of what has this id. `ids`: the output "id", of the picture's size.
+// Colors the pixels just outside of the object with this id. `ids` is the output "id", of the same size as the picture.
 void drawOutline(output::Picture& picture, const output::AovImage& ids, uint32_t id);
 
 }  // namespace latelight::view

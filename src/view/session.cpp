@@ -24,11 +24,11 @@ namespace latelight::view {
 
 namespace {
 
-constexpr double kStill = 0.15;       // seconds without movement, after which the full picture is made
-constexpr double kLongestStep = 0.1;  // of flying: no slow picture is a leap
-constexpr int kRehearsals = 12;       // on a device whose times never settle
+constexpr double kStill = 0.15;       // seconds without movement after which the full picture is rendered
+constexpr double kLongestStep = 0.1;  // in seconds, while flying; prevents jumps after slow pictures
+constexpr int kRehearsals = 12;       // maximum number, for devices whose times never settle
 
-// Runs it, and gives the sentence of what went wrong.
+// Runs `act`, and returns the error message, or an empty string.
 template <typename Act>
 std::string sentenceOf(
     const Act& act, const std::function<void()>& onDeviceLost = [] {}) {
@@ -58,14 +58,14 @@ ViewSession::Impl::Impl(const Start& start)
   state.choices[0] = start.choice;
   state.width = start.width, state.height = start.height;
   steering.resize(start.width, start.height);
-  settings(Side::Left);  // throws where they can't be
+  settings(Side::Left);  // throws if they are invalid
   stage.light(environmentWord());
   if (start.eye && start.target) {
     const auto world = [&](glm::dvec3 v) { return fromFile(stage.scene(), v); };
     const double fov = start.fov ? *start.fov * M_PI / 180 : double{scene::kDefaultVerticalFov};
     control.emplace(Viewpoint{world(*start.eye), world(*start.target), fov}, worldBounds(stage.scene()).radius());
   }
-  camera();  // throws where there is none of that name
+  camera();  // throws if no camera has that name
   touch();
   describe();
 }
@@ -99,7 +99,7 @@ ChosenSettings ViewSession::Impl::settings(Side side) const {
 
 namespace {
 
-// Coordinates with as many decimals as tell apart a millionth of a distance: commands are to be read.
+// Rounds coordinates to about a millionth of the distance, so that commands are readable.
 glm::dvec3 roundedFor(double distance, glm::dvec3 point) {
   const int decimals = std::clamp(6 - static_cast<int>(std::floor(std::log10(distance))), 0, 15);
   for (int i = 0; i < 3; ++i) point[i] = std::stod(fmt::format("{:.{}f}", point[i], decimals));
@@ -120,7 +120,7 @@ scene::Camera ViewSession::Impl::camera() const {
   return stage.camera(cameraChoice(), settings(Side::Left).settings);
 }
 
-// Both sides are lit alike: where one of them shows the environment there must be one.
+// Both sides have the same lighting. If either displays an environment as its background, one is required.
 std::string ViewSession::Impl::environmentWord() const {
   if (!state.environment.empty() || stage.scene().environment) return state.environment;
   const auto shows = [&](Side side) {
@@ -163,7 +163,7 @@ void ViewSession::Impl::render(bool asDraft) {
   }
 }
 
-// A picture without a split is not copied, since nothing composes it again.
+// A picture without a split is moved, not copied, because nothing composes it again.
 void ViewSession::Impl::compose() {
   output::Picture made =
       hasSplit() ? splitPicture(sides[0].picture, sides[1].picture, state.split) : std::move(sides[0].picture);
@@ -174,7 +174,7 @@ void ViewSession::Impl::compose() {
   recompose = false;
 }
 
-// What takes long because pipelines are made says nothing of the next one.
+// A picture for which pipelines were created does not count, because its time does not predict the next one.
 void ViewSession::Impl::makePicture() {
   const bool moving = isMoving(), asDraft = moving && !draft.isWhole();
   const uint64_t pipelines = stage.device().pipelinesMade();
@@ -194,7 +194,7 @@ void ViewSession::Impl::makePicture() {
     draft.took(seconds);
 }
 
-// How drafts are to be made is found out, and their pipelines are made, while nothing moves.
+// Renders drafts while nothing moves, to measure their time and create their pipelines in advance.
 void ViewSession::Impl::rehearse() {
   const uint64_t pipelines = stage.device().pipelinesMade();
   const auto begin = Clock::now();
@@ -228,7 +228,7 @@ void ViewSession::Impl::takeValidation() {
   }
 }
 
-// One that can't be read, as while it is being written, leaves the earlier one.
+// If the file cannot be read, for example while it is being written, the earlier environment is kept.
 void ViewSession::Impl::lightAgain() {
   state.error = sentenceOf([&] { stage.lightAgain(); });
   touch();
@@ -319,7 +319,7 @@ const Frame& ViewSession::next() {
     else if (i.recompose)
       i.compose();
     else if (i.wantsProbe())
-      i.probe();  // by itself: pictures do not wait for it
+      i.probe();  // separately, so that pictures do not wait for it
     else if (i.wantsRehearsal())
       i.rehearse();
     i.takeValidation();
@@ -331,7 +331,7 @@ const Frame& ViewSession::next() {
   i.pictureFailed = true;
   i.state.playing = false;
   i.dirty = i.recompose = false;
-  i.picture.final = true;  // until something else is asked for
+  i.picture.final = true;  // until the next request
   i.rehearsals = 0;
   i.probed = i.steering.pixel();
   return i.picture;

@@ -1,12 +1,12 @@
-// A viewing session: a scene, a renderer and what people do with them, without any window. One thread uses it
-// (session_thread.h is one).
+// A viewing session: an interactive view of a scene, without a window. A single thread must use it (such as that of
+// session_thread.h).
 //
 //   view::ViewSession session({.scene = "helmet.glb"});
 //   session.input(view::PointerMove{10, 20});
 //   while (session.wantsFrame()) show(session.next());
 //
-// While something moves, pictures have as few pixels as it takes to make ten a second (draft.h); once it stands still,
-// the last one is byte for byte what state().command writes, but for the outline of what is selected.
+// While something moves, the resolution is reduced until the frame rate reaches ten pictures per second (draft.h). At
+// rest, the last picture is byte for byte the output of state().command, except for the outline of the selection.
 #pragma once
 
 #include <cstddef>
@@ -26,40 +26,40 @@ struct Start {
   scene::LoadOptions load{};
   std::string device = "auto";
   bool validate = false;
-  std::string environment{};                 // --hdri
-  std::string camera{};                      // --camera
-  std::optional<glm::dvec3> eye{}, target{};  // of the scene file's frame; both or none
-  std::optional<double> fov{};               // degrees
+  std::string environment{};                  // --hdri
+  std::string camera{};                       // --camera
+  std::optional<glm::dvec3> eye{}, target{};  // in the scene file's coordinates; set both or none
+  std::optional<double> fov{};                // vertical, in degrees
   Choice choice{};
   uint32_t width = 1280, height = 720;
 };
 
 class ViewSession {
  public:
-  // Throws Error where scene, device or options can't be. Later errors are sentences of state().
+  // Throws Error if scene, device or options are invalid. Later errors are reported in state().error.
   explicit ViewSession(const Start& start);
   ~ViewSession();
   ViewSession(const ViewSession&) = delete;
   ViewSession& operator=(const ViewSession&) = delete;
 
   void input(const Input& input);
-  // False while nothing has changed since the last picture. Looks at the scene's files, and those of
-  // vk::useShadersOf(), twice a second.
+  // False while nothing has changed since the last picture. Checks the files of the scene and of vk::useShadersOf() for
+  // changes, twice per second.
   bool wantsFrame();
-  // Seconds after which wantsFrame() may be true without any input; at most 0.5.
+  // Returns the seconds after which wantsFrame() may return true without any input; at most 0.5.
   double patience() const;
-  // Waits for the device. Where there was an error, the earlier picture again.
+  // Renders the next picture and waits for the device. After an error, it returns the earlier picture.
   const Frame& next();
-  const Frame& frame() const;  // the last one
-  // Whether the next picture may well be another one: something moves, or did a moment ago.
+  const Frame& frame() const;  // the last picture
+  // Returns true if the next picture is likely to differ: something moves, or did recently.
   bool moves() const;
   const State& state() const;
 
-  // `latelight render ...`, word by word, that makes the final picture of a side; -o stays to be said.
+  // Returns the words of the command `latelight render ...` that renders the final picture of a side, without -o.
   std::vector<std::string> commandLine(Side side = Side::Left) const;
-  // The PNG file that it writes. Throws Error.
+  // Returns the PNG file that this command writes. Throws Error.
   std::vector<std::byte> screenshot(Side side = Side::Left);
-  // Of the device, since the last call.
+  // Returns the device's messages since the last call.
   std::vector<std::string> validationMessages();
 
  private:

@@ -1,4 +1,5 @@
-// The inside of a viewing session: what people do is in session_input.cpp, what comes of it in session.cpp.
+// The implementation of a viewing session: session_input.cpp handles input, session.cpp renders pictures and describes
+// the state.
 #pragma once
 
 #include <chrono>
@@ -19,7 +20,7 @@ struct ViewSession::Impl {
 
   explicit Impl(const Start& start);
 
-  // --- what people do. Each throws Error, and then changes nothing. ---
+  // --- input. On Error, these functions change nothing. ---
   void take(const Input& input);
   void resize(const Resize& size);
   void setOption(const SetOption& set);
@@ -35,18 +36,18 @@ struct ViewSession::Impl {
   void pickByKey();
   void escape();
   void moveSlider(double by);
-  uint32_t lightAt(uint32_t place) const;  // its number in the scene
+  uint32_t lightAt(uint32_t place) const;  // its index in the scene
   void moveLight(uint32_t light, glm::dvec3 world);
   void dragLight(uint32_t light, glm::dvec2 pixel);
   void nudgeLight(const NudgeLight& nudge);
   void play(bool on);
   void setTime(double seconds);
   void screenshot(const Screenshot& shot);
-  output::Picture finalPicture(Side side);  // that the side's command line writes
+  output::Picture finalPicture(Side side);  // the output of the side's command line
   void openScene(const std::string& source);
   void load(const std::string& source, const scene::LoadOptions& options);
   void frame(const scene::Bounds& bounds);
-  CameraControl& steered();  // from here on the camera is people's
+  CameraControl& steered();  // switches to the interactive camera
   glm::dvec3 underPointer();
 
   // --- time ---
@@ -57,7 +58,7 @@ struct ViewSession::Impl {
   bool isMoving() const;
   void advance();
 
-  // --- what comes of it ---
+  // --- pictures and state ---
   bool hasSplit() const { return state.split.mode != SetSplit::Off; }
   Choice& choiceOf(Side side) { return state.choices[static_cast<int>(side)]; }
   ChosenSettings settings(Side side) const;
@@ -83,16 +84,16 @@ struct ViewSession::Impl {
   Stage stage;
   Steering steering;
   Draft draft;
-  int rehearsals;  // of drafts, that are left
+  int rehearsals;  // remaining test renders of drafts
   std::optional<CameraControl> control;
-  std::vector<uint32_t> lights;  // that have a place, in the scene
+  std::vector<uint32_t> lights;  // indices of positional lights in the scene
   State state;
   Frame picture;
   Stage::Result sides[2];
   std::vector<std::string> validation;
   bool dirty = true, recompose = false;
-  bool pictureFailed = false;        // which is the error that is told
-  std::optional<glm::uvec2> probed;  // since the last change
+  bool pictureFailed = false;        // state.error is that of the last picture
+  std::optional<glm::uvec2> probed;  // the probed pixel, if nothing has changed since
   Clock::time_point touched{}, stepped = Clock::now();
 };
 

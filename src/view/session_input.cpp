@@ -15,14 +15,14 @@ namespace latelight::view {
 
 namespace {
 
-constexpr double kSliderStep = 0.02;  // of the picture's width, by a key
+constexpr double kSliderStep = 0.02;  // fraction of the picture's width per key press
 
 template <typename... Fs>
 struct Overloaded : Fs... {
   using Fs::operator()...;
 };
 
-// The vertical angle that a picture of the camera shows, radians: a steered camera begins with it.
+// Returns the vertical field of view of the camera's picture, in radians, with which the interactive camera starts.
 double shownFov(const scene::Camera& camera, uint32_t width, uint32_t height) {
   if (camera.orthographic) return scene::kDefaultVerticalFov;
   const float aspect = static_cast<float>(width) / static_cast<float>(height);
@@ -81,7 +81,7 @@ void ViewSession::Impl::take(const Input& input) {
              input);
 }
 
-// A window that is minimised has no size, and keeps its picture.
+// A minimized window has no size; the session keeps its picture.
 void ViewSession::Impl::resize(const Resize& size) {
   if (size.width == 0 || size.height == 0 || (size.width == state.width && size.height == state.height)) return;
   state.width = size.width, state.height = size.height;
@@ -92,7 +92,7 @@ void ViewSession::Impl::resize(const Resize& size) {
 void ViewSession::Impl::setOption(const SetOption& set) {
   const Choice changed = withOption(choiceOf(set.side), set.name, set.value);
   const render::Settings s = settingsOf(changed, 1, 1).settings;
-  scene::choosePlayback(stage.scene(), s.animation, s.loop);  // throws where there is none
+  scene::choosePlayback(stage.scene(), s.animation, s.loop);  // throws if there is no such animation
   choiceOf(set.side) = changed;
 }
 
@@ -105,7 +105,7 @@ void ViewSession::Impl::setSplit(const SetSplit& split) {
   state.split = split;
   if (!std::isfinite(state.split.at)) state.split.at = 0.5;
   if (!std::isfinite(state.split.amplification)) state.split.amplification = 1;
-  recompose = hasSplit() && !sides[1].picture.rgba.empty();  // there is none after an error
+  recompose = hasSplit() && !sides[1].picture.rgba.empty();  // the right picture is empty after an error
   if (had == hasSplit()) return;
   if (!had) state.choices[1] = state.choices[0];
   touch();
@@ -149,7 +149,7 @@ void ViewSession::Impl::movePointer(const PointerMove& move) {
   if (moves) touch();
 }
 
-// The surface at the pointer, or what lies at the target's distance there.
+// Returns the surface point under the pointer, or the point at the target's distance if there is no surface.
 glm::dvec3 ViewSession::Impl::underPointer() {
   const Viewpoint& view = steered().view();
   if (!steering.pixel()) return view.target;
@@ -189,7 +189,7 @@ void ViewSession::Impl::pressKey(const Key& key) {
   if (key.name == "Escape") escape();
 }
 
-// Where keys point, or else in the middle.
+// Picks at the keyboard pointer, or at the center if there is none.
 void ViewSession::Impl::pickByKey() {
   forgetError();
   const glm::uvec2 middle(state.width / 2, state.height / 2);
@@ -286,7 +286,7 @@ void ViewSession::Impl::load(const std::string& source, const scene::LoadOptions
   state.lightsMoved = false;
 }
 
-// What names parts of the earlier scene goes with it.
+// Resets the settings that refer to parts of the earlier scene.
 void ViewSession::Impl::openScene(const std::string& source) {
   scene::LoadOptions options = start.load;
   options.variant.clear();

@@ -31,7 +31,7 @@ struct SessionThread::Impl {
   std::thread thread;
 };
 
-// Takes all that was sent: many moves of a pointer are one picture. False: it is time to stop.
+// Handles all pending input, so that many pointer moves result in one picture. Returns false if the thread must stop.
 bool SessionThread::Impl::waitForWork() {
   std::deque<Input> taken;
   {
@@ -42,7 +42,7 @@ bool SessionThread::Impl::waitForWork() {
   }
   for (const Input& input : taken) session.input(input);
   const auto isMove = [](const Input& input) { return std::holds_alternative<PointerMove>(input); };
-  if (!std::ranges::all_of(taken, isMove)) publish(nullptr);  // what a move changes comes with its picture
+  if (!std::ranges::all_of(taken, isMove)) publish(nullptr);  // changes by a move arrive with its picture
   return true;
 }
 

@@ -1,4 +1,4 @@
-// A viewing session on a thread of its own, so that windows and connections never wait for a device.
+// A viewing session on its own thread, so that windows and connections never wait for a device.
 #pragma once
 
 #include <functional>
@@ -10,20 +10,20 @@ namespace latelight::view {
 
 class SessionThread {
  public:
-  // What there is to show after something happened. Pictures and states that nobody took are replaced by newer ones.
+  // The newest state and picture. Newer ones replace those that nobody has taken.
   struct News {
-    std::shared_ptr<const State> state;  // null: as it was
-    std::shared_ptr<const Frame> frame;  // null: as it was
+    std::shared_ptr<const State> state;  // null: unchanged
+    std::shared_ptr<const Frame> frame;  // null: unchanged
   };
 
-  // Returns when the scene is loaded; throws as ViewSession does. `wake` is called in the session's thread whenever
-  // there are news.
+  // Returns when the scene is loaded, and throws like ViewSession. The session's thread calls `wake` whenever take()
+  // has news.
   SessionThread(const Start& start, std::function<void()> wake);
-  ~SessionThread();  // waits for the picture that is being made
+  ~SessionThread();  // waits for the picture in progress
 
   void send(Input input);
   News take();
-  bool busy() const;  // a picture is being made, or will be
+  bool busy() const;  // a picture is in progress or pending
 
  private:
   struct Impl;

@@ -1,4 +1,4 @@
-// Command lines as people paste them into a shell.
+// Formats command lines for pasting into a shell.
 #pragma once
 
 #include <span>
@@ -6,7 +6,7 @@
 
 namespace latelight::view {
 
-// The words, quoted where a POSIX shell would see something else in them.
+// Returns the words joined by spaces, quoted as a POSIX shell requires.
 std::string shellWords(std::span<const std::string> words);
 
 }  // namespace latelight::view

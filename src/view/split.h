@@ -1,4 +1,4 @@
-// Two pictures in one.
+// Composes two pictures into a split view or a difference image.
 #pragma once
 
 #include "output/aov.h"
@@ -6,8 +6,8 @@
 
 namespace latelight::view {
 
-// As large as the left one; the right one is scaled to it where it is another size. A difference is that of colours,
-// amplified, without alpha.
+// Returns a picture of the size of the left one; the right one is scaled to that size. The difference mode amplifies
+// differences of color and ignores alpha.
 output::Picture splitPicture(const output::Picture& left, const output::Picture& right, const SetSplit& split);
 
 }  // namespace latelight::view

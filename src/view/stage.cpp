@@ -29,7 +29,7 @@ std::string textOf(const glm::dvec3& v) {
   return fmt::format("{},{},{}", v.x, v.y, v.z);
 }
 
-// At the settings' time, or at rest.
+// Returns the pose at the settings' time plus an offset, or at rest.
 scene::Pose poseOf(const scene::Scene& scene, const render::Settings& s, double offset = 0) {
   if (!s.time) return {};
   return scene::poseAt(scene, scene::choosePlayback(scene, s.animation, s.loop), *s.time + offset);
@@ -59,7 +59,7 @@ std::vector<std::string> wordsOf(const CameraChoice& choice) {
 
 Stage::Stage(const std::string& source, const scene::LoadOptions& load, const vk::DeviceOptions& device)
     : deviceOptions_(device) {
-  // The device starts while the scene loads: they share nothing.
+  // The device is created while the scene loads, because they share nothing.
   auto starts = inBackground([&] { return std::make_unique<vk::Device>(deviceOptions_); });
   scene_ = std::make_unique<scene::Scene>(scene::load(source, load));
   device_ = starts.get();
@@ -80,7 +80,7 @@ void Stage::dropDevice() {
 void Stage::open(const std::string& source, const scene::LoadOptions& load) {
   auto loaded = std::make_unique<scene::Scene>(scene::load(source, load));
   renderer_.reset();
-  environmentName_.reset();  // it may be the scene's own
+  environmentName_.reset();  // the environment may belong to the earlier scene
   scene_ = std::move(loaded);
   watch_.watch(scene_->files);
 }
@@ -94,7 +94,8 @@ void Stage::lightAgain() {
   if (environmentName_) loadEnvironment(*environmentName_);
 }
 
-// Its file is watched from before it is read. What is given has none, and the scene's own are among the scene's.
+// Watches the file from before it is read. Environments from give() have no file, and the scene's own are among the
+// files of the scene.
 void Stage::loadEnvironment(const std::string& name) {
   const bool isGiven = given_ && given_->name == name;
   FileWatch watch;
@@ -152,7 +153,7 @@ Stage::Result Stage::render(const ChosenSettings& chosen, const CameraChoice& ch
 
 render::Picked Stage::pick(const render::Settings& settings, const CameraChoice& choice, glm::uvec2 pixel) {
   render::Settings s = prepared(settings);
-  s.stripPixels = 1;  // the rows about the pixel alone
+  s.stripPixels = 1;  // only the rows around the pixel
   return render::pick(renderer(), *scene_, camera(choice, s), s, {&pixel, 1}, momentOf(choice, s)).front();
 }
 

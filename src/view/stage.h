@@ -1,4 +1,4 @@
-// A scene on a device, with its environment: what a viewing session makes pictures of.
+// A scene on a device with its environment, from which a viewing session renders pictures.
 #pragma once
 
 #include <filesystem>
@@ -15,41 +15,43 @@
 
 namespace latelight::view {
 
-// Which of the scene's cameras looks; or, where steered, from where.
+// A camera of the scene, or the pose of an interactive camera.
 struct CameraChoice {
-  std::string camera;  // a name or a number; empty: the first, or one that shows all
+  std::string camera;  // name or index; empty: the first, or one that frames the scene
   struct Placed {
-    glm::dvec3 eye, target;  // the scene file's frame
-    double fov;              // degrees
+    glm::dvec3 eye, target;  // in the scene file's coordinates
+    double fov;
   };
   std::optional<Placed> placed;
 };
 
-// The same as a command line says it.
+// Returns the camera choice as words of a command line.
 std::vector<std::string> wordsOf(const CameraChoice& choice);
 
 class Stage {
  public:
-  // Throws Error where scene or device can't be.
+  // Throws Error if the scene or the device is not available.
   Stage(const std::string& source, const scene::LoadOptions& load, const vk::DeviceOptions& device);
 
   scene::Scene& scene() { return *scene_; }
   const scene::Scene& scene() const { return *scene_; }
   vk::Device& device();
-  // Another scene, or the same one again; throws Error and keeps what there was.
+  // Opens another scene, or the same one again. On Error, the current scene is kept.
   void open(const std::string& source, const scene::LoadOptions& load);
   bool filesChanged() { return watch_.changed(); }
   bool shadersChanged() { return shaderWatch_.changed(); }
 
-  // The scene's cameras at the settings' time.
+  // Returns the camera at the settings' time.
   scene::Camera camera(const CameraChoice& choice, const render::Settings& settings) const;
-  // What --hdri would be given, or what was given here; the renderer is made anew where the environment is another one.
+  // Sets the environment: a value of --hdri, or the name of one passed to give(). If it differs from the current one, a
+  // new renderer is created.
   void light(const std::string& asked);
-  // Reads its file again; throws Error and keeps what there was.
+  // Reads the environment's file again. On Error, the current environment is kept.
   void lightAgain();
   bool environmentChanged() { return environmentWatch_.changed(); }
   void give(scene::Environment environment) { given_ = std::move(environment), environmentName_.reset(); }
-  // As `latelight render` does it. `ids`: the output id of the same pixels, where it is wanted.
+  // Renders a picture as `latelight render` does. If `ids` is set, the result includes the output "id" of the same
+  // pixels.
   struct Result {
     output::Picture picture;
     std::optional<output::AovImage> ids;
@@ -58,15 +60,15 @@ class Stage {
   render::Picked pick(const render::Settings& settings, const CameraChoice& camera, glm::uvec2 pixel);
   const std::vector<graph::PassTime>& passes() const { return passes_; }
 
-  // After an error that may have taken the device with it, and for other shaders: the next picture begins with a new
-  // one.
+  // Releases the device, so that the next picture creates a new one. Call this after an error that may have lost the
+  // device, and to reload shaders.
   void dropDevice();
 
  private:
   void loadEnvironment(const std::string& name);
   render::Renderer& renderer();
   render::SceneState momentOf(const CameraChoice& camera, const render::Settings& settings) const;
-  render::Settings prepared(const render::Settings& settings);  // without `auto`
+  render::Settings prepared(const render::Settings& settings);  // with `auto` values resolved
 
   vk::DeviceOptions deviceOptions_;
   FileWatch watch_, environmentWatch_, shaderWatch_;

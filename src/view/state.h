@@ -1,4 +1,4 @@
-// What a viewing session has to say beside its pictures.
+// The state of a viewing session, as reported to its user interface.
 #pragma once
 
 #include <array>
@@ -15,69 +15,69 @@
 
 namespace latelight::view {
 
-// One side's: what differs from the defaults, by key ("layout"), and what is shown of it.
+// The choice for one side: options that differ from the defaults, by key ("layout"), and the displayed output.
 struct Choice {
   std::map<std::string, std::string, std::less<>> options;
   std::string output = "picture";
   bool operator==(const Choice&) const = default;
 };
 
-// What is under the pointer.
+// The pixel under the pointer.
 struct Probe {
   uint32_t x = 0, y = 0;
-  std::array<uint8_t, 4> rgba{};  // as shown
+  std::array<uint8_t, 4> rgba{};  // as displayed
   render::Picked surface;
 };
 
-// That has a place: directional ones have none.
+// A positional light; directional lights are not listed.
 struct LightState {
   std::string name, type;
-  std::array<double, 3> position{};  // the scene file's frame
-  // Where it is in the picture, pixels; nothing behind the camera.
+  std::array<double, 3> position{};  // in the scene file's coordinates
+  // Its position in the picture, in pixels; empty if it is behind the camera.
   std::optional<std::array<float, 2>> at;
 };
 
 struct State {
   std::string scene, device;
-  std::string error;  // the last input's or picture's sentence; empty: all is well
+  std::string error;  // error message of the last input or picture; empty: no error
   uint32_t width = 0, height = 0;
-  Choice choices[2];  // by Side
+  Choice choices[2];
   SetSplit split;
-  std::string environment;  // as asked for
+  std::string environment;  // as requested
 
   std::vector<std::string> variants;  // KHR_materials_variants
   std::string variant;                // empty: the file's default
 
   std::vector<std::string> cameras;
-  std::string camera;  // that is looked through, by name or number; empty: the one that the session begins with
-  std::optional<Viewpoint> steered;  // instead, once people have moved it
+  std::string camera;                // current camera, by name or index; empty: the initial one
+  std::optional<Viewpoint> steered;  // pose of the interactive camera, which then replaces `camera`
   Navigation navigation = Navigation::Orbit;
 
   std::vector<std::string> animations;
-  double duration = 0;         // of those that play, seconds
-  std::optional<double> time;  // nothing: at rest
+  double duration = 0;         // of the selected animations, in seconds
+  std::optional<double> time;  // empty: at rest
   bool playing = false;
 
-  std::optional<std::array<uint32_t, 2>> crosshair;  // the pixel that keys point at, while they do
+  std::optional<std::array<uint32_t, 2>> crosshair;  // the pixel that is pointed at by keys, if any
   std::optional<render::Picked> selected;
   std::optional<Probe> probe;
   std::vector<LightState> lights;
-  bool lightsMoved = false;  // then no command line gives this picture
+  bool lightsMoved = false;  // if true, no command line renders this picture
 
-  std::string command;               // that renders the left choice, for a shell
-  std::string rightCommand;          // the same of the right one; empty without a split
-  uint32_t bytesPerPixel = 0;        // of the G-buffer, with depth and light
-  std::vector<std::string> targets;  // of the layout
+  std::string command;         // shell command that renders the left choice
+  std::string rightCommand;    // the same for the right choice; empty without a split
+  uint32_t bytesPerPixel = 0;  // of the G-buffer with depth and light
+  std::vector<std::string> targets;
 };
 
-// A picture to look at.
+// A rendered picture of a session.
 struct Frame {
-  uint32_t width = 0, height = 0;       // of the pixels here, which may be fewer than asked for; 0: there is none yet
+  uint32_t width = 0, height = 0;       // in pixels; may be less than requested; 0: no picture yet
   std::vector<uint8_t> rgba;            // sRGB, straight alpha, rows from the top
-  uint64_t number = 0;                  // grows whenever pixels change
-  bool final = false;                   // else a better one follows by itself
-  double milliseconds = 0;              // that it took altogether
-  std::vector<graph::PassTime> passes;  // of the left side; empty where the device has no clock
+  uint64_t number = 0;                  // increases whenever pixels change
+  bool final = false;                   // false: a better picture follows automatically
+  double milliseconds = 0;              // total render time
+  std::vector<graph::PassTime> passes;  // of the left side; empty if the device has no timestamps
 };
 
 }  // namespace latelight::view

@@ -10,20 +10,20 @@ namespace latelight::view {
 
 namespace {
 
-constexpr double kClick = 3;           // pixels that a click may move
-constexpr double kKeyDrag = 1 / 36.0;  // an arrow key is a drag by this: 5 degrees
-constexpr double kKeyLeap = 10;        // pixels that the pointer moves by an arrow and Shift
+constexpr double kClick = 3;           // maximum movement of a click, in pixels
+constexpr double kKeyDrag = 1 / 36.0;  // an arrow key is a drag by this distance: 5 degrees
+constexpr double kKeyLeap = 10;        // pointer movement of Shift and an arrow key, in pixels
 
 struct Flight {
   std::string_view key;
-  glm::dvec3 direction;  // right, away, up
+  glm::dvec3 direction;  // right, forward, up
 };
 constexpr std::array<Flight, 6> kFlights{
     {{"w", {0, 1, 0}}, {"s", {0, -1, 0}}, {"a", {-1, 0, 0}}, {"d", {1, 0, 0}}, {"q", {0, 0, -1}}, {"e", {0, 0, 1}}}};
 
 struct Turn {
   std::string_view key;
-  double azimuth, elevation;  // of turns of half a circle
+  double azimuth, elevation;  // in half turns
 };
 constexpr std::array<Turn, 3> kTurns{{{"1", 0, 0}, {"3", 0.5, 0}, {"7", 0, 0.5}}};  // front, right, top
 

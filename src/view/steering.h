@@ -1,4 +1,4 @@
-// What pointer, wheel and keys mean for a camera.
+// Maps pointer, wheel and key input to camera movement.
 #pragma once
 
 #include <optional>
@@ -14,20 +14,21 @@ class Steering {
  public:
   Navigation navigation = Navigation::Orbit;
 
-  // Of the picture that pointers move over, pixels.
+  // The size in pixels of the picture under the pointer.
   void resize(uint32_t width, uint32_t height);
 
-  // Each says whether the camera moves by it.
+  // Each returns true if the input moves the camera.
   bool moves(const PointerMove& move) const;
   bool moves(const Key& key) const;
 
-  void pointer(const PointerMove& move, CameraControl* camera);  // `camera`: where moves()
-  // The pixel of a click, when it is over.
+  void pointer(const PointerMove& move, CameraControl* camera);  // `camera` is required if moves()
+  // Returns the pixel of a click when the button is released.
   std::optional<glm::uvec2> button(const PointerButton& button);
   void key(const Key& key, CameraControl* camera);
-  void release();  // whatever is held
+  void release();  // releases all held keys and buttons
   void leave() { over_ = pointing_; }
-  // Keys move the pointer instead of the camera, from where it is or else from the middle, until it moves by itself.
+  // If on, keys move the pointer instead of the camera, starting at its position, or at the center if it is not over
+  // the picture. This ends when the pointer itself moves.
   void point(bool on);
   bool points() const { return pointing_; }
 
@@ -35,7 +36,7 @@ class Steering {
   bool flying() const;
   void fly(CameraControl& camera, double seconds) const;
 
-  // Where the pointer is: the pixel, and as a place in the picture. Nothing where it is not over it.
+  // The pointer position, as a pixel and as a picture point. Empty if the pointer is not over the picture.
   std::optional<glm::uvec2> pixel() const;
   PicturePoint place() const;
 
@@ -50,7 +51,7 @@ class Steering {
   struct Held {
     Button button;
     bool shift, moved = false;
-    double x, y;  // where it went down
+    double x, y;  // position of the press
   };
   std::optional<Held> held_;
   std::set<std::string> keys_;
