@@ -25,7 +25,8 @@ constexpr uint32_t kMaxHeaderBytes = 8192;
 
 using Response = http::response<http::string_body>;
 
-// The page may load its own files and talk to its own server, and no one else may frame or read it.
+// Content security policy: the page may load its own files and connect to its own server, and no other site may frame
+// or read it.
 constexpr const char* kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
@@ -68,7 +69,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   Response response_;
 };
 
-// A connection ends without a line in the log if it was kept open for another request, or if the server closes it.
+// A connection that was kept open for another request, or that the server closes, ends without a line in the log.
 void Connection::answer(beast::error_code error) {
   if (error == http::error::end_of_stream || error == boost::asio::error::operation_aborted) return;
   if (error == beast::error::timeout) {

@@ -1,4 +1,4 @@
-// A connection that speaks HTTP: it gives out the page's files, or becomes a socket.
+// An HTTP connection: it serves the files of the page, or upgrades to a WebSocket.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>
@@ -7,7 +7,7 @@
 
 namespace latelight::serve {
 
-// It lives as long as its connection.
+// Starts an object that lives as long as its connection.
 void startConnection(boost::asio::ip::tcp::socket socket, Hub& hub);
 
 }  // namespace latelight::serve

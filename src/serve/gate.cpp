@@ -17,7 +17,7 @@ bool isAddress(const std::string& text) {
   return inet_pton(AF_INET, text.c_str(), &bytes) == 1 || inet_pton(AF_INET6, text.c_str(), &bytes) == 1;
 }
 
-// "localhost" of "LocalHost:8765", "::1" of "[::1]:8765".
+// Returns the host name: "localhost" for "LocalHost:8765", "::1" for "[::1]:8765".
 std::string nameOf(std::string_view host) {
   if (host.starts_with('[')) return std::string(host.substr(1, host.find(']') - 1));
   std::string name(host.substr(0, host.find(':')));
@@ -29,7 +29,8 @@ std::string nameOf(std::string_view host) {
 
 Gate::Gate(std::string token, std::vector<std::string> names) : token_(std::move(token)), names_(std::move(names)) {}
 
-// A site that rebinds its own name to this machine still calls it by that name; an address can't be rebound.
+// Protects against DNS rebinding: a site that rebinds its name to this machine still uses that name as the host. An
+// address cannot be rebound.
 bool Gate::knows(std::string_view host) const {
   const std::string name = nameOf(host);
   return name == "localhost" || isAddress(name) || std::ranges::find(names_, name) != names_.end();

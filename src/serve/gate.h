@@ -1,4 +1,5 @@
-// Who is let in: every request, for a page or for a session, passes here first.
+// Access control: every request, for a page or for a session, is checked here first, against the secret token, the host
+// name and the origin.
 #pragma once
 
 #include <optional>
@@ -8,21 +9,21 @@
 
 namespace latelight::serve {
 
-// What a request says of itself.
+// The parts of a request that are checked.
 struct Knock {
   std::string_view target;                 // "/TOKEN/style.css"
   std::string_view host;                   // "localhost:8765"
-  std::optional<std::string_view> origin;  // of requests that a page makes: "http://localhost:8765"
+  std::optional<std::string_view> origin;  // set for requests from a page: "http://localhost:8765"
 };
 
 class Gate {
  public:
-  // `names`: those that this machine has for browsers, beside "localhost" and addresses.
+  // `names`: the names of this machine that browsers use, in addition to "localhost" and addresses.
   Gate(std::string token, std::vector<std::string> names);
 
   struct Answer {
-    std::string path;     // what follows the token: "", "style.css"
-    std::string refusal;  // why not, in a few words; empty: come in
+    std::string path;     // the path after the token: "", "style.css"
+    std::string refusal;  // reason in a few words; empty: access is granted
   };
   Answer open(const Knock& knock) const;
 

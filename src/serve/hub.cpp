@@ -15,8 +15,8 @@ namespace latelight::serve {
 namespace {
 
 constexpr size_t kMaxWaiting = 256, kMaxServed = 256;  // connections
-// Sessions that may still finish a picture after their pages left, on top of as many as may be open: a reload, or
-// several in a row, must get in at once.
+// Sessions that may still finish a picture after their pages have left, in addition to the open sessions: a reload, or
+// several in a row, must be admitted at once.
 constexpr size_t kMaxLeaving = 4;
 
 }  // namespace
@@ -27,7 +27,7 @@ Hub::Hub(boost::asio::io_context& io, Gate gate, view::Start start, uint32_t ses
 
 // --- connections ----------------------------------------------------------------------------------------------------
 
-// Its handlers end it later.
+// The connection's handlers remove it later.
 void Hub::end(Visitor& visitor) {
   if (!std::exchange(visitor.closing, true)) visitor.close();
 }
@@ -41,7 +41,7 @@ bool Hub::closeLongestWaiting() {
   return false;
 }
 
-// The log says so once a second at most: whoever opens connections must not fill a disk.
+// Logs at most once per second, so that clients that open connections cannot fill a disk.
 void Hub::makeRoom() {
   if (waiting_.size() < kMaxWaiting || !closeLongestWaiting()) return;
   const auto now = std::chrono::steady_clock::now();
@@ -81,7 +81,8 @@ void Visit::waitForRequest() {
 
 // --- viewers --------------------------------------------------------------------------------------------------------
 
-// The viewer's thread posts its messages; the server runs until the last of these threads has ended.
+// The viewer's thread posts its messages to the server's thread. The server runs until the last of these threads has
+// ended.
 Hub::Admission Hub::admit(Calls calls) {
   if (closed_) return {nullptr, "the server was stopped"};
   const auto leaving =

@@ -1,4 +1,4 @@
-// State shared by a server's connections. Only the server's own thread uses it.
+// State shared by a server's connections. Only the server's thread may use it.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -22,27 +22,28 @@ class Hub {
 
   const Gate& gate() const { return gate_; }
   const view::Start& start() const { return start_; }
-  std::chrono::milliseconds patience() const { return patience_; }  // with a request, and between two
+  std::chrono::milliseconds patience() const {
+    return patience_;
+  }  // maximum duration of a request, and of the wait between two
 
-  // A viewer with a number of its own. Its calls arrive in this thread, and none of them arrives after release().
+  // Creates a viewer with a unique number. Its calls arrive in this thread, and none arrives after release().
   struct Calls {
     std::function<void(Message message)> send;
     std::function<void(std::string sentence)> fail;
   };
   struct Admission {
     std::shared_ptr<Viewer> viewer;  // null: the page is refused
-    std::string refusal;             // the sentence that says why
+    std::string refusal;             // the reason, as a sentence
   };
   Admission admit(Calls calls);
-  // The viewer's place is free at once, even while its thread still finishes a picture.
+  // Frees the viewer's slot at once, even if its thread still finishes a picture.
   void release(const std::shared_ptr<Viewer>& viewer);
 
   void keepReady(std::unique_ptr<view::ViewSession> session) { ready_ = std::move(session); }
   // Closes all connections and refuses new ones.
   void close();
   bool isClosed() const { return closed_; }
-  // Makes room for others: closes the connection that has kept the server waiting for a request the longest.
-  // Returns false if none waits.
+  // Frees a connection: closes the one that has waited for a request the longest. Returns false if none waits.
   bool closeLongestWaiting();
 
   const std::vector<std::string>& validationMessages() const { return validationMessages_; }
@@ -64,23 +65,23 @@ class Hub {
   const view::Start start_;
   const uint32_t sessions_;
   const std::chrono::milliseconds patience_;
-  Visitors waiting_;  // for a request, in the order of their arrival; none has shown the token since
-  Visitors served_;   // have shown the token: they get a response, or are a page's session
+  Visitors waiting_;  // waiting for a request, in order of arrival; none has shown the token since
+  Visitors served_;   // have shown the token: they receive a response, or belong to a page's session
   bool closed_ = false;
   std::chrono::steady_clock::time_point crowdLogged_{};
-  std::unique_ptr<view::ViewSession> ready_;  // the first, made while the server starts
+  std::unique_ptr<view::ViewSession> ready_;  // the first session, created while the server starts
   struct Admitted {
     std::shared_ptr<Viewer> viewer;
     Calls calls;
     bool released = false;
   };
-  std::map<uint64_t, Admitted> viewers_;  // whose threads run
+  std::map<uint64_t, Admitted> viewers_;  // viewers whose threads are running
   uint64_t numbers_ = 0;
   std::vector<std::string> validationMessages_;
 };
 
-// A connection's entry in the hub. It begins as one that waits for a request. Connections that wait never keep others
-// out: when too many do, the hub closes the oldest. Those that have shown the token are counted instead.
+// A connection's entry in the hub. At first, it waits for a request. Waiting connections never block others: if there
+// are too many, the hub closes the oldest. The number of connections that have shown the token is limited instead.
 class Visit {
  public:
   Visit(Hub& hub, std::function<void()> close);
@@ -88,7 +89,7 @@ class Visit {
   Visit(const Visit&) = delete;
   Visit& operator=(const Visit&) = delete;
 
-  bool beginService();  // after the token was shown; false: as many as possible are served already
+  bool beginService();  // call it after the token was shown; false: the maximum number is already served
   void waitForRequest();
   void closeBy(std::function<void()> close) { visitor_->close = std::move(close); }
 

@@ -6,8 +6,8 @@ namespace latelight::serve {
 
 namespace {
 
-constexpr double kSoon = 0.05, kPatient = 1;  // seconds that a moving picture, and a final one, may be on its way
-constexpr size_t kTelling = 4096;             // bytes; of fewer the time is chance
+constexpr double kSoon = 0.05, kPatient = 1;  // maximum transfer times, in seconds: of moving and of final pictures
+constexpr size_t kTelling = 4096;             // in bytes; the times of smaller messages do not measure the rate
 
 }  // namespace
 
@@ -26,8 +26,8 @@ void Pace::shown(uint64_t number, Time now) {
   settle(now);
 }
 
-// A message waits for the one before it: its own time begins when that one has arrived, or when it could have been here
-// itself, were it empty.
+// A message waits for the one before it. Its transfer time starts when that one has arrived, or after the latency of an
+// empty message, whichever is later.
 void Pace::settle(Time now) {
   using Seconds = std::chrono::duration<double>;
   while (!underway_.empty() && underway_.front().number <= shown_ && settled_ < written_) {

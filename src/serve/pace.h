@@ -1,4 +1,5 @@
-// How much is sent to a page, and how fine: what its network and itself keep up with, by measurement.
+// Flow control for a page: how many messages are in flight, and the JPEG quality of pictures. Both follow the measured
+// rate and latency of the network and the page.
 #pragma once
 
 #include <chrono>
@@ -13,18 +14,19 @@ class Pace {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  // A message is on its way until it has been written and the page says that it was shown; the page's word alone is
-  // not enough. One more may follow meanwhile, unless they are large: a slow network gets fewer pictures, and none that
-  // is late.
+  // A message is in flight until it has been written and the page has reported that it was shown; the report is not
+  // sufficient by itself. A second one may follow meanwhile unless they are large, so that a slow network receives
+  // fewer pictures but no late ones.
   bool maySend() const { return underway_.size() < kMaxUnderway && bytes_ <= kMaxBytesUnderway; }
   void sent(uint64_t number, size_t bytes, Time now);
-  void written(Time now);                 // the oldest message that was not
-  void shown(uint64_t number, Time now);  // this message and all before it
+  void written(Time now);                 // the oldest unwritten message has been written
+  void shown(uint64_t number, Time now);  // the page has shown this message and all before it
 
-  // JPEG's, of the next picture; of one that was made, what it would take to arrive soon.
+  // JPEG quality, 1 to 100. quality() is for the next picture. coarser() returns the quality with which an encoded
+  // final picture would arrive in time.
   int quality(bool final) const { return final ? kFinest : quality_; }
-  void made(size_t bytes);                       // a picture while something moves
-  int coarser(int quality, size_t bytes) const;  // of a final picture of these bytes; the same: it is good
+  void made(size_t bytes);                       // reports the size of an encoded picture while something moves
+  int coarser(int quality, size_t bytes) const;  // for a final picture of this size; the same value: it is good
 
  private:
   static constexpr int kFinest = 92, kFine = 85, kCoarse = 30;
@@ -38,13 +40,13 @@ class Pace {
     Time at;
   };
   std::deque<Message> underway_;
-  size_t bytes_ = 0;                    // of these
-  uint64_t written_ = 0, settled_ = 0;  // messages: written, and no longer underway
-  uint64_t shown_ = 0;                  // the highest number that the page named
+  size_t bytes_ = 0;                    // total bytes of underway_
+  uint64_t written_ = 0, settled_ = 0;  // numbers of messages: written, and no longer in flight
+  uint64_t shown_ = 0;                  // highest message number that the page reported
   Time lastShown_{};
   static constexpr double kUnknown = 1e12;
-  double rate_ = kUnknown;         // bytes a second
-  std::optional<double> latency_;  // seconds, there and back
+  double rate_ = kUnknown;         // bytes per second
+  std::optional<double> latency_;  // round trip, in seconds
   int quality_ = 75;
 };
 

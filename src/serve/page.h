@@ -1,4 +1,4 @@
-// The files of the page, web/serve, which are part of the program.
+// The files of the page, web/serve, which are embedded in the program.
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@ struct PageFile {
   std::string_view path, type, text;  // "style.css", "text/css", ...
 };
 std::span<const PageFile> pageFiles();
-// By what follows the token, "" for the page itself; null: there is none.
+// Finds a file by the path after the token, "" for the page itself. Returns null if there is none.
 const PageFile* findPageFile(std::string_view path);
 
 }  // namespace latelight::serve

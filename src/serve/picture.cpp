@@ -13,7 +13,8 @@ namespace latelight::serve {
 
 namespace {
 
-// A multiple of JPEG's blocks of 16 rows, so that strips look like one picture; fewer rows are not worth a thread.
+// A multiple of JPEG's blocks of 16 rows, so that strips look like one picture. A thread is not worthwhile for fewer
+// rows.
 constexpr uint32_t kMinRows = 128;
 
 uint32_t rowsOfStrip(uint32_t height) {
@@ -36,7 +37,7 @@ std::vector<uint8_t> overGround(std::span<const uint8_t> rgba) {
   return opaque;
 }
 
-// The encoder grows its buffer with the file.
+// The encoder enlarges its buffer as the file grows.
 std::string encodeJpeg(std::span<const uint8_t> rgba, uint32_t width, uint32_t rows, int quality) {
   const std::unique_ptr<void, int (*)(void*)> encoder(tjInitCompress(), tjDestroy);
   const int chroma = quality >= kFullColour ? TJSAMP_444 : TJSAMP_420;
@@ -50,7 +51,7 @@ std::string encodeJpeg(std::span<const uint8_t> rgba, uint32_t width, uint32_t r
   return {reinterpret_cast<const char*>(file), bytes};
 }
 
-// What is opaque is encoded where it lies.
+// Opaque pixels are encoded in place, without a copy.
 std::string encodeStrip(const view::Frame& frame, const Strip& strip, int quality) {
   const size_t row = size_t{4} * frame.width;
   const auto rgba = std::span(frame.rgba).subspan(row * strip.y, row * strip.rows);

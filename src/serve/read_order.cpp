@@ -16,7 +16,7 @@ using Read = std::function<decltype(Order::what)(const Json&)>;
 
 constexpr uint32_t kMaxSide = 8192;
 constexpr uint32_t kMaxLight = 1u << 20;
-constexpr uint64_t kMaxCount = 1ull << 53;  // JavaScript's own
+constexpr uint64_t kMaxCount = 1ull << 53;  // JavaScript's maximum safe integer plus one
 
 // JSON has neither infinities nor NaN.
 double number(const Json& value) {
@@ -39,7 +39,7 @@ std::string text(const Json& message, const char* key) {
   return message.at(key).get<std::string>();
 }
 
-// The value that a name stands for.
+// Returns the value for a name.
 template <typename T>
 T named(const Json& message, const char* key, const std::map<std::string, T>& names) {
   const auto found = names.find(text(message, key));
@@ -69,7 +69,7 @@ view::Navigation navigation(const Json& message) {
   return named<view::Navigation>(message, "mode", {{"orbit", view::Navigation::Orbit}, {"fly", view::Navigation::Fly}});
 }
 
-// Three numbers, exactly, that floats can hold.
+// Returns exactly three numbers, within the range of floats.
 std::array<double, 3> vector(const Json& message, const char* key) {
   const Json& value = message.at(key);
   std::array<double, 3> numbers{};
@@ -87,7 +87,7 @@ view::MoveLight moveLight(const Json& message) {
   return {whole(message, "light", kMaxLight), vector(message, "position")};
 }
 
-// A name alone: none that says where it lies.
+// The name must not contain a path.
 SendFile file(const Json& message) {
   SendFile sent{text(message, "name"), whole<uint64_t>(message, "bytes", kMaxFileBytes)};
   if (!sent.name.ends_with(".hdr") && !sent.name.ends_with(".exr")) throw BadMessage("an environment is .hdr or .exr");
@@ -149,7 +149,7 @@ const std::map<std::string, Read, std::less<>>& readers() {
   return kReaders;
 }
 
-// Of files on this machine, pages get those that the command line named.
+// Pages may open only those files of this machine that the command line named.
 void checkEnvironment(const Order& order, const view::Start& start) {
   const auto* input = std::get_if<view::Input>(&order.what);
   const auto* use = input ? std::get_if<view::UseEnvironment>(input) : nullptr;

@@ -57,7 +57,7 @@ struct Server::Impl {
     device = first->state().device;
     hub.keepReady(std::move(first));
   }
-  // Nothing that waits outlives what it uses.
+  // Pending handlers must not outlive the objects that they use.
   ~Impl() {
     close();
     work();
@@ -76,7 +76,7 @@ struct Server::Impl {
   Hub hub;
 };
 
-// When the process has no descriptor left, connections that wait for nothing but a request give theirs back.
+// If the process has no file descriptor left, a connection that only waits for a request is closed.
 void Server::Impl::accept() {
   acceptor.async_accept([this](ErrorCode error, tcp::socket socket) {
     if (hub.isClosed()) return;
@@ -102,7 +102,7 @@ void Server::Impl::close() {
   hub.close();
 }
 
-// What one connection runs into, such as memory that ends, does not end the others.
+// An error of one connection, such as a lack of memory, does not end the others.
 void Server::Impl::work() {
   io.restart();
   while (!io.stopped()) {
@@ -126,7 +126,7 @@ const std::string& Server::token() const {
   return impl_->token;
 }
 
-// One that listens at every address is reached at this one, here.
+// A server that listens on all addresses is reached on this machine by the loopback address.
 std::string Server::url() const {
   const asio::ip::address address = impl_->acceptor.local_endpoint().address();
   std::string host = address.to_string();

@@ -1,7 +1,7 @@
-// Viewing sessions for browsers: one process, HTTP and WebSocket on one port.
+// The server for `latelight serve`: viewing sessions for browsers, in one process, with HTTP and WebSocket on one port.
 //
-// Every tab has a session of its own. Requests pass the gate (gate.h); what a page says is in messages.h, and how fast
-// pictures go in pace.h.
+// Every browser tab has its own session. gate.h checks requests, messages.h defines the messages, and pace.h controls
+// the rate of pictures.
 #pragma once
 
 #include <cstdint>
@@ -15,15 +15,16 @@ namespace latelight::serve {
 
 struct ServerOptions {
   std::string address = "127.0.0.1";
-  uint16_t port = 0;                 // 0: any that is free
-  std::vector<std::string> names{};  // of this machine, for browsers: lower case; addresses and "localhost" always are
-  uint32_t sessions = 8;             // at once
-  double patience = 10;              // seconds that a request may take
+  uint16_t port = 0;                 // 0: any free port
+  std::vector<std::string> names{};  // names of this machine in browsers, lower case; addresses and "localhost" are
+                                     // always accepted
+  uint32_t sessions = 8;             // maximum number at the same time
+  double patience = 10;              // maximum duration of a request, in seconds
 };
 
 class Server {
  public:
-  // Throws Error where the address can't be listened at, or the session can't be.
+  // Throws Error if the server cannot listen on the address, or if the session cannot be created.
   Server(const ServerOptions& options, const view::Start& start);
   ~Server();
   Server(const Server&) = delete;
@@ -32,10 +33,10 @@ class Server {
   uint16_t port() const;
   const std::string& token() const;
   std::string url() const;
-  std::string device() const;  // that the first session renders on
+  std::string device() const;  // of the first session
 
-  // Until stop(), SIGINT or SIGTERM; a second signal ends the process. Throws Error(Internal) for what validation
-  // layers said.
+  // Runs until stop(), SIGINT or SIGTERM; a second signal ends the process. Throws Error(Internal) if validation layers
+  // reported messages.
   void run();
   void stop();  // from any thread
 

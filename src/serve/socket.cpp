@@ -19,7 +19,8 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using boost::asio::ip::tcp;
 
-// Bytes per write: pings fit in between, and a picture does not take a hundred system calls.
+// Bytes per write: small enough for pings in between, and large enough that a picture does not require a hundred system
+// calls.
 constexpr size_t kFragment = 64 << 10;
 
 class Socket : public std::enable_shared_from_this<Socket> {
@@ -56,12 +57,12 @@ class Socket : public std::enable_shared_from_this<Socket> {
   std::shared_ptr<Viewer> viewer_;
   beast::flat_buffer buffer_;
   std::unique_ptr<Upload> upload_;
-  std::deque<Message> outgoing_;  // the viewer sends no more than Pace allows before they are written
+  std::deque<Message> outgoing_;  // the viewer sends at most what Pace allows before they are written
   bool closing_ = false;
 };
 
-// Pings find connections that broke without notice. A page that closes its socket leaves at once, even if a write that
-// it never reads keeps the socket from closing.
+// Pings detect connections that broke without notice. If a page closes its socket, its session ends at once, even if a
+// write that the page never reads keeps the socket from closing.
 void Socket::accept() {
   websocket::stream_base::timeout times = websocket::stream_base::timeout::suggested(beast::role_type::server);
   times.handshake_timeout = std::chrono::seconds(10);
@@ -80,7 +81,7 @@ void Socket::accept() {
   });
 }
 
-// The viewer's calls hold no connection alive.
+// The viewer's calls hold only weak references, so they keep no connection alive.
 void Socket::begin() {
   const std::weak_ptr<Socket> weak = weak_from_this();
   Hub::Calls calls;
@@ -115,7 +116,7 @@ void Socket::take(beast::error_code error) {
   read();
 }
 
-// Of a page's files only the last one counts: one that still waits for the viewer makes room for it.
+// Only the last file of a page counts: it replaces a file that still waits for the viewer.
 void Socket::takeText(const std::string& text) {
   if (text.size() > kMaxOrderBytes) throw BadMessage("too long a message");
   Order order = readOrder(text, hub_.start());
@@ -139,7 +140,7 @@ void Socket::refuse(const std::string& why) {
   close(websocket::close_code::policy_error, why);
 }
 
-// The message that is being written stays until then.
+// Releases everything except the message that is being written.
 void Socket::leave() {
   upload_.reset();
   while (outgoing_.size() > 1) outgoing_.pop_back();

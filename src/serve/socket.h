@@ -1,4 +1,4 @@
-// A connection that a page keeps open: its session's, by WebSocket.
+// The WebSocket connection of a page to its session.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>
@@ -13,7 +13,7 @@ namespace latelight::serve {
 
 using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 
-// The request has passed the gate. The socket lives as long as its connection.
+// Starts a socket for a request that has passed the gate. It lives as long as its connection.
 void startSocket(boost::asio::ip::tcp::socket socket, Request request, const std::string& peer, Hub& hub,
                  std::unique_ptr<Visit> visit);
 

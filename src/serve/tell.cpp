@@ -70,7 +70,7 @@ Json describe(const view::SetSplit& split) {
   return {{"mode", kModes[split.mode]}, {"at", split.at}, {"amplification", split.amplification}};
 }
 
-// As many as are told apart.
+// The maximum is as many lights as can be told apart in a picture.
 Json describe(const std::vector<view::LightState>& lights) {
   constexpr size_t kMax = 64;
   Json told = Json::array();
@@ -90,7 +90,7 @@ std::string command(const view::ViewSession& session, view::Side side) {
 
 }  // namespace
 
-// Texts may be a scene file's: bytes that are not UTF-8 are replaced.
+// Texts may come from a scene file, so bytes that are not UTF-8 are replaced.
 std::string envelope(const Json& header, const std::vector<std::string_view>& payload) {
   static_assert(std::endian::native == std::endian::little);
   const std::string text = header.dump(-1, ' ', false, Json::error_handler_t::replace);

@@ -8,7 +8,7 @@ namespace latelight::serve {
 
 std::string newToken();  // 128 random bits, as 32 hex digits
 
-// In a time that does not depend on where they differ.
+// Compares in constant time, independent of where the strings differ.
 bool sameToken(std::string_view a, std::string_view b);
 
 }  // namespace latelight::serve

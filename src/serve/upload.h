@@ -1,4 +1,4 @@
-// A file on its way from a page, piece by piece.
+// A file that a page uploads in several messages.
 #pragma once
 
 #include <cstddef>
@@ -15,12 +15,13 @@ namespace latelight::serve {
 
 class Upload {
  public:
-  // Claims the memory for all of the file. If there is none, the pieces are dropped as they arrive.
+  // Claims the memory for the complete file. If there is not enough, the pieces are dropped as they arrive.
   Upload(SendFile announced, uint64_t serial);
 
   void add(std::span<const std::byte> piece);  // throws BadMessage if the pieces exceed what was announced
   bool isComplete() const { return received_ >= announced_.bytes; }
-  // Once it is complete: the file, whose memory is claimed for as long as the order is kept, or why it was refused.
+  // Call it when the file is complete. Returns the file, whose memory remains claimed while the order exists, or the
+  // reason for its rejection.
   Order order();
 
  private:

@@ -22,14 +22,15 @@ namespace {
 using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-constexpr size_t kMaxOrdersWaiting = 4096;  // orders; pages send some hundred a second at most
+constexpr size_t kMaxOrdersWaiting = 4096;  // number of orders; pages send a few hundred per second at most
 
 constexpr std::string_view kPicture = "a picture on its way to the page";
 
-// Bytes per pixel of a screenshot while it is made: its pixels, the filtered rows, and the file.
+// Bytes per pixel of a screenshot while it is encoded: the pixels, the filtered rows, and the file.
 constexpr uint64_t kScreenshotBytesPerPixel = 12;
 
-// The picture as fine as it may be, and what the page must know of it. `fine`: it is the one to be looked at.
+// A picture encoded with the highest quality that Pace allows, and its header for the page. `fine`: it is a final
+// picture at rest.
 struct Encoded {
   Json header;
   std::vector<Strip> strips;
@@ -64,7 +65,7 @@ Encoded encode(const view::Frame& frame, const Pace& pace, bool fine) {
   return encoded;
 }
 
-// Runs it, and returns the sentence that says why there is no memory for it.
+// Runs `act`, and returns the error sentence if there is not enough memory for it, or an empty string.
 template <typename Act>
 std::string refusalOf(const Act& act) {
   try {
@@ -104,11 +105,11 @@ struct Viewer::Impl {
   const Calls calls;
   std::unique_ptr<view::ViewSession> session;
   std::vector<std::string> validationMessages;
-  Json told = Json::object();  // of the session's state
+  Json told = Json::object();  // session state that the page has
   uint64_t messages = 0, pictures = 0, serial = 0, serialTold = 0;
   bool showsLights = false;
-  bool isFine = false, restsTold = false;  // `isFine`: as the last picture was sent
-  std::string refusal;                     // why it was not sent
+  bool isFine = false, restsTold = false;  // `isFine`: the last picture was sent at final quality
+  std::string refusal;                     // the reason if it was not sent
 
   std::mutex mutex;
   std::condition_variable changed;
@@ -118,13 +119,13 @@ struct Viewer::Impl {
   std::thread thread;
 };
 
-// Orders are followed in turn. One that is answered waits until there is leave to send, and so do all after it: a page
-// that does not read gets no more than Pace allows.
+// Orders are executed in sequence. An order that requires an answer waits until Pace permits a message, and so do all
+// after it: a page that does not read receives at most what Pace allows.
 bool Viewer::Impl::mayFollow() const {
   return !waiting.empty() && (!isAnswered(waiting.front()) || pace.maySend());
 }
 
-// Up to the first that is answered, and that one if it may be.
+// Takes the orders up to and including the first one that requires an answer, if Pace permits the answer.
 std::deque<Order> Viewer::Impl::takeOrders() {
   std::deque<Order> orders;
   for (bool answered = false; !answered && mayFollow(); waiting.pop_front()) {
@@ -134,8 +135,8 @@ std::deque<Order> Viewer::Impl::takeOrders() {
   return orders;
 }
 
-// Without leave to send, or before the first order, which says how large pictures are, all work is to follow orders.
-// Returns false when it is time to stop.
+// Waits for work and executes orders. No pictures are rendered while Pace does not permit a message, or before the
+// first order, which states the size of pictures. Returns false if the thread must stop.
 bool Viewer::Impl::waitForWork() {
   std::deque<Order> orders;
   {
@@ -163,10 +164,10 @@ void Viewer::Impl::follow(const Order& order) {
     showsLights = lights->on;
   else if (const auto* refused = std::get_if<Refused>(&order.what))
     send({{"failed", refused->sentence}}, {});
-  serial = std::max(serial, order.serial);  // a file's is followed once all of it is here
+  serial = std::max(serial, order.serial);  // a file's order is executed once the file is complete
 }
 
-// `memory`: the message's, if it has a payload.
+// `memory` is the claim for the message, if it has a payload.
 void Viewer::Impl::send(Json header, const std::vector<std::string_view>& payload, MemoryClaim memory) {
   header["number"] = ++messages;
   header["serial"] = serial;
@@ -192,9 +193,9 @@ void Viewer::Impl::sendScreenshot(view::Side side) {
        std::move(messageMemory));
 }
 
-// What changed of the state, and the picture where there is a new one; or only that orders were followed. A device that
-// is fast enough makes whole pictures while something moves: the last of them is sent again, fine, once it stands
-// still.
+// Sends the changes of the state and a new picture, if any, or only a confirmation that orders were executed. A fast
+// device renders at full resolution while something moves; the last picture is sent again at final quality once nothing
+// moves.
 void Viewer::Impl::sendNews() {
   Json header = Json::object();
   Encoded encoded{};

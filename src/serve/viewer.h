@@ -1,5 +1,5 @@
-// One page's session, on a thread of its own: takes its messages, makes its pictures, and sends them as fast as they
-// are shown.
+// The session of one page, on its own thread: handles the page's messages, renders its pictures, and sends them as fast
+// as the page shows them.
 #pragma once
 
 #include <functional>
@@ -17,18 +17,18 @@ class Viewer {
   // Called in the viewer's thread.
   struct Calls {
     std::function<void(Message message)> send;
-    std::function<void(std::string sentence)> fail;  // the session can't begin or continue
-    std::function<void()> ended;                     // the last one: the thread may be joined
+    std::function<void(std::string sentence)> fail;  // the session cannot start or continue
+    std::function<void()> ended;                     // the last call: the thread may be joined
   };
-  // `ready`: a session that was made before; null: it makes its own.
+  // `ready`: an existing session; null: the viewer creates its own.
   Viewer(std::unique_ptr<view::ViewSession> ready, const view::Start& start, Calls calls);
-  ~Viewer();  // waits for the picture that is being made
+  ~Viewer();  // waits for the picture in progress
 
   void take(Order order);  // throws BadMessage if too many orders wait
-  void dropFile();         // one that still waits
-  void wrote();            // the oldest message that send() got has been written
+  void dropFile();         // drops a file that is still waiting
+  void wrote();            // the oldest message passed to send() has been written
   void stop();
-  // The validation layers' messages, once the thread has ended.
+  // Returns the validation layers' messages, once the thread has ended.
   const std::vector<std::string>& validationMessages() const;
 
  private:
