@@ -33,9 +33,10 @@ Desc descOf(const Graph& graph, const Plan::Transient& transient) {
 // Rounds size and alignment up to pages of bufferImageGranularity, so that no image shares a page with a buffer that is
 // used at the same time.
 Footprint footprintOf(vk::Device& device, const Desc& desc, const Plan::Lifetime& life) {
-  const VkMemoryRequirements needs = std::holds_alternative<vk::ImageDesc>(desc)
-                                         ? vk::memoryRequirements(device, std::get<vk::ImageDesc>(desc), vk::Placement::Heap)
-                                         : vk::memoryRequirements(device, std::get<vk::BufferDesc>(desc));
+  const VkMemoryRequirements needs =
+      std::holds_alternative<vk::ImageDesc>(desc)
+          ? vk::memoryRequirements(device, std::get<vk::ImageDesc>(desc), vk::Placement::Heap)
+          : vk::memoryRequirements(device, std::get<vk::BufferDesc>(desc));
   const VkDeviceSize page = std::max<VkDeviceSize>(device.properties().limits.bufferImageGranularity, 1);
   return {.size = (needs.size + page - 1) / page * page,
           .alignment = std::max(needs.alignment, page),

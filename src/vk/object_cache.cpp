@@ -13,8 +13,7 @@ namespace {
 class Key {
  public:
   template <typename T>
-    requires std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_pointer_v<T>
-  Key& add(const T& value) {
+  requires std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_pointer_v<T> Key& add(const T& value) {
     text_.append(reinterpret_cast<const char*>(&value), sizeof(value));
     return *this;
   }
@@ -42,7 +41,15 @@ class Key {
 };
 
 std::string keyOf(const ComputeDesc& d) {
-  return Key().add('c').add(d.shader).add(d.bindings).add(d.sceneSets).add(d.constants).add(d.pushBytes).add(d.code).take();
+  return Key()
+      .add('c')
+      .add(d.shader)
+      .add(d.bindings)
+      .add(d.sceneSets)
+      .add(d.constants)
+      .add(d.pushBytes)
+      .add(d.code)
+      .take();
 }
 
 std::string keyOf(const GraphicsDesc& d) {
