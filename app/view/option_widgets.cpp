@@ -86,7 +86,8 @@ std::optional<std::string> edit(const Option& option, const std::string& value) 
 std::string helpOf(const Option& option) {
   const std::string range = render::rangeText(option);
   const std::string defaultValue = option.defaultValue.empty() ? option.without : option.defaultValue;
-  return option.help + (range.empty() ? "" : " (" + range + ")") + (defaultValue.empty() ? "" : "\ndefault: " + defaultValue);
+  return option.help + (range.empty() ? "" : " (" + range + ")") +
+         (defaultValue.empty() ? "" : "\ndefault: " + defaultValue);
 }
 
 void drawOption(const view::Choice& choice, const Option& option,

@@ -38,8 +38,8 @@ struct State {
   VkPipelineStageFlags2 lastStages() const { return readStages ? readStages : sourceStages; }
   VkAccessFlags2 lastWrites() const { return readStages ? 0 : sourceAccess; }
 
-  VkPipelineStageFlags2 stagesWithoutVisibility(
-      const ResourceUse& need) const;  // stages of `need` to which the contents are not yet visible
+  // Returns the stages of `need` to which the contents are not yet visible.
+  VkPipelineStageFlags2 stagesWithoutVisibility(const ResourceUse& need) const;
   void startWith(const ResourceUse& before);
   std::optional<Barrier> use(const ResourceUse& need);
 };

@@ -359,7 +359,8 @@ SH_FUNC vec3 sheenLight(LayeredBrdf b, LightSample light) {
 SH_FUNC vec3 shadeLayeredLight(LayeredBrdf b, LightSample light, uint shading) {
   vec3 radiance = surfaceLight(b, light, shading) * b.under + sheenLight(b, light) + coatLight(b, light);
   float nl = dot(b.base.normal, light.toLight);
-  if (nl < 0.0f && passesLight(b.layers)) radiance = radiance + lightFromBehind(b, light, min(nl * -1.0f, 1.0f)) * b.under;
+  if (nl < 0.0f && passesLight(b.layers))
+    radiance = radiance + lightFromBehind(b, light, min(nl * -1.0f, 1.0f)) * b.under;
   return radiance;
 }
 

@@ -66,7 +66,8 @@ SH_FUNC LightSample sampleLocalLight(Light light, vec3 position) {
                                            // multipliers
   s.toLight = offset * inverse;
   s.intensity = light.intensity;
-  s.attenuation = lightWindow(distance2, light.inverseRadius2) * (inverse * inverse) * lightDistribution(light, s.toLight);
+  s.attenuation =
+      lightWindow(distance2, light.inverseRadius2) * (inverse * inverse) * lightDistribution(light, s.toLight);
   return s;
 }
 

@@ -109,7 +109,8 @@ TEST_F(NearPlaneTest, NothingIsCutThatMoves) {
   const scene::Camera far = scene::lookAt(scene, {-200, 3, 0}, {-80, 3, 0});
   const glm::mat4 about = glm::translate(glm::mat4(1), vec3(-100, 0, 0));
   scene::Camera moved = far;
-  moved.toWorld = glm::dmat4(glm::translate(glm::rotate(about, shared::kPi, vec3(0, 0, 1)), vec3(100, 0, 0))) * far.toWorld;
+  moved.toWorld =
+      glm::dmat4(glm::translate(glm::rotate(about, shared::kPi, vec3(0, 0, 1)), vec3(100, 0, 0))) * far.toWorld;
   expectNothingCut("the camera turned", scene, moved, 0.001);
   moved = far;
   moved.toWorld[3] = glm::vec4(-5.01f, -1.9f, 0.1f, 1);

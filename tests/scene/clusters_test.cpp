@@ -101,7 +101,8 @@ TEST(Clusters, AreCompactWhateverTheOrder) {
   double area = 0;
   for (const auto& [a, b, c] : triangles)
     area += glm::length(glm::cross(shuffled.positions[b] - shuffled.positions[a],
-                                   shuffled.positions[c] - shuffled.positions[a])) / 2;
+                                   shuffled.positions[c] - shuffled.positions[a])) /
+            2;
   for (const Mesh& mesh : {ball(), shuffled}) {
     double sum = 0;
     const Clusters all = clustersOf(mesh);

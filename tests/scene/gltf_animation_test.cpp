@@ -409,8 +409,9 @@ TEST(Skin, FarJointsKeepTheirPrecision) {
     b.root["nodes"][2]["translation"] = {far.x, far.y, far.z};
     if (animated) {
       const int times = b.accessor(b.view(std::vector<float>{0, 1}), kFloat, "SCALAR", 2);
-      b.add("animations", {{"channels", {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "translation"}}}}}},
-                           {"samplers", {{{"input", times}, {"output", b.vectors(std::vector{vec3(0), vec3(step)})}}}}});
+      b.add("animations",
+            {{"channels", {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "translation"}}}}}},
+             {"samplers", {{{"input", times}, {"output", b.vectors(std::vector{vec3(0), vec3(step)})}}}}});
     }
     const Scene scene = b.load();
     const Mesh& mesh = scene.meshes.at(0);

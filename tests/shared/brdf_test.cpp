@@ -189,7 +189,9 @@ TEST(Ggx, WhiteMetalReflectsNoMoreThanItReceives) {
       const vec3 eye(float(v[0]), 0.0f, float(v[2]));
       const double albedo = reference::integrateLobe(200, v, ggxAlpha(roughness), [&](const Vec& l) {
         const vec3 light{float(l[0]), float(l[1]), float(l[2])};
-        return shadeLight(surfaceBrdf(s, eye, kShadingGgx), LightSample{light, vec3(1.0f, 1.0f, 1.0f), 1.0f}, kShadingGgx).x;
+        return shadeLight(surfaceBrdf(s, eye, kShadingGgx), LightSample{light, vec3(1.0f, 1.0f, 1.0f), 1.0f},
+                          kShadingGgx)
+            .x;
       });
       EXPECT_LE(albedo, 1.0005) << "roughness " << roughness << ", n.v " << cosine;
       if (roughness < 0.05f && cosine > 0.2) {
@@ -210,7 +212,9 @@ TEST(Ggx, WhiteDielectricStaysWithinAppendixBsKnownExcess) {
       const vec3 eye(float(std::sqrt(1.0 - cosine * cosine)), 0.0f, float(cosine));
       const double albedo = reference::integrateHemisphere(250, [&](const Vec& l) {
         const vec3 light{float(l[0]), float(l[1]), float(l[2])};
-        return shadeLight(surfaceBrdf(s, eye, kShadingGgx), LightSample{light, vec3(1.0f, 1.0f, 1.0f), 1.0f}, kShadingGgx).x;
+        return shadeLight(surfaceBrdf(s, eye, kShadingGgx), LightSample{light, vec3(1.0f, 1.0f, 1.0f), 1.0f},
+                          kShadingGgx)
+            .x;
       });
       worst = std::max(worst, albedo);
       if (cosine >= 0.75) {

@@ -7,8 +7,8 @@
 // neighbors are the same camera 1 / fps seconds earlier and later, which are not frames of the set.
 #pragma once
 
-#include <cstdint>
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <vector>
 

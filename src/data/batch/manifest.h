@@ -46,7 +46,7 @@ FailedFrame failedFrame(const nlohmann::ordered_json& json);
 uint64_t hashIn(const nlohmann::ordered_json& json);
 
 struct Manifest {
-  uint64_t plan = 0;  // Plan::hash() of the plan that its frames were rendered by
+  uint64_t plan = 0;                          // Plan::hash() of the plan that its frames were rendered by
   std::map<uint64_t, FinishedFrame> frames;   // by index
   std::map<std::string, std::string> failed;  // reasons by name of the frame or scene
   std::set<std::string> stale;                // files that are not of the job's current frames; removed by the merge

@@ -242,8 +242,7 @@ void Plan::checkNames() const {
     const uint64_t frames = indexed ? scenes_[scene].cameras.size() : scenes_[scene].places;
     for (uint64_t i = 0; i < frames; ++i) {
       std::string name = this->name(starts_[scene] + i);
-      if (!indexed && !names.insert(name).second)
-        badUsage("name: two frames are called \"{}\"; add {{index}}", name);
+      if (!indexed && !names.insert(name).second) badUsage("name: two frames are called \"{}\"; add {{index}}", name);
     }
   }
 }

@@ -142,8 +142,7 @@ void openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resu
   // The order of these tests matters, because another shard may create the set between them.
   const bool hasFiles = fs::exists(set.path(), error) && !fs::is_empty(set.path(), error);
   const bool isSet = fs::exists(set.state(), error) || fs::exists(set.manifest(), error);
-  if (hasFiles && !isSet)
-    badUsage("'{}' is not an empty folder; choose another for the data set", name);
+  if (hasFiles && !isSet) badUsage("'{}' is not an empty folder; choose another for the data set", name);
   if (isSet && !resume && !isOfOthers(set, job, shard))
     badUsage("'{}' already contains a data set: add --resume to complete it, or choose another folder", name);
   fs::create_directories(set.state(), error);

@@ -29,8 +29,8 @@ class Opacity {
   bool hasOpaqueTexels(int texture) const;
 
   const scene::Scene& scene_;
-  std::vector<uint8_t> meshes_;  // by mesh; 1: a vertex color has an alpha below 1
-  std::vector<bool> materials_;  // by material: used with such a mesh; empty if there is no such mesh
+  std::vector<uint8_t> meshes_;           // by mesh; 1: a vertex color has an alpha below 1
+  std::vector<bool> materials_;           // by material: used with such a mesh; empty if there is no such mesh
   mutable std::map<int, bool> textures_;  // by texture, cached: alpha is 1 at every texel
 };
 

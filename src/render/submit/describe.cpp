@@ -40,9 +40,9 @@ std::map<std::string, std::string> describeSettings(const Settings& s, const std
   std::map<std::string, std::string> settings;
   for (const Option& option : options()) {
     const auto found = given.find(keyOf(option));
-    const std::string& text = found != given.end()    ? found->second
+    const std::string& text = found != given.end()          ? found->second
                               : option.defaultValue.empty() ? option.without
-                                                      : option.defaultValue;
+                                                            : option.defaultValue;
     if (!text.empty()) settings[std::string(keyOf(option))] = text;
   }
   for (const char* elsewhere : {"axes", "normal-frame"}) settings.erase(elsewhere);

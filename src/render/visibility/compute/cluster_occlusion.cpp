@@ -6,8 +6,8 @@
 namespace latelight::render {
 
 bool ClusterOcclusion::shouldCull(const vk::Device& device, HiddenOf of, uint64_t clusters) {
-  constexpr uint32_t kFinding = 3;      // frames that always cull, since the first has no history,
-  constexpr uint32_t kEvery = 64;       // out of this many
+  constexpr uint32_t kFinding = 3;     // frames that always cull, since the first has no history,
+  constexpr uint32_t kEvery = 64;      // out of this many
   constexpr uint64_t kMax = 1u << 29;  // 64 MiB of bits
   // With fewer clusters, the culling passes take longer than the rasterization that they can save.
   const uint64_t fewest = device.isCpu() ? 1u << 12 : 1u << 16;

@@ -115,7 +115,7 @@ struct RasterPush {
 // the early and late pass of two-pass occlusion culling.
 SH_CONST uint kCullAll = 0u;
 SH_CONST uint kCullEarly = 1u;      // not occluded in the previous frame
-SH_CONST uint kCullLate = 2u;     // occluded in the previous frame, but not now; stores the new occlusion bits
+SH_CONST uint kCullLate = 2u;       // occluded in the previous frame, but not now; stores the new occlusion bits
 SH_CONST uint kCullByPyramid = 3u;  // not occluded now
 
 // The depth pyramid (HZB) of the visible surfaces: the farthest depth in squares of kPyramidSquare pixels, of twice as
