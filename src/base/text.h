@@ -47,7 +47,7 @@ inline std::vector<std::string_view> splitAtCommas(std::string_view text) {
   return parts;
 }
 
-// Parses numbers separated by commas. Returns an empty list if any part is not a number.
+// Parses comma-separated numbers. Returns an empty list if any part is not a number.
 template <typename T = float>
 std::vector<T> parseNumbers(std::string_view text) {
   std::vector<T> values;

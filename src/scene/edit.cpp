@@ -92,7 +92,7 @@ void requireUnused(const Scene& scene, uint32_t Instance::*member, uint32_t inde
                printable(scene.nodes[instance.node].path));
 }
 
-// Removed instances that refer to the element can't be restored, because another element may reuse its slot.
+// Removed instances that refer to the element cannot be restored, because another element may reuse its slot.
 void forgetRemovedInstances(Scene& scene, uint32_t Instance::*member, uint32_t index) {
   for (Instance& instance : scene.instances)
     if (instance.removed && instance.*member == index)

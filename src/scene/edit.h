@@ -1,6 +1,6 @@
 // Edits of a scene that is being rendered. Renderers of the scene follow: only the changes are uploaded before the next
 // frame. Elements keep their indices: a removed one leaves a free slot, which the next added one reuses. An element
-// that another one uses can't be removed, such as a mesh or material of an instance, or a texture of a material.
+// that another one uses cannot be removed, such as a mesh or material of an instance, or a texture of a material.
 //
 // Every function throws Error(Usage) for an index without an element and for invalid values (not finite, out of range).
 // The scene is then unchanged.

@@ -40,7 +40,7 @@ std::vector<uint8_t> overGround(std::span<const uint8_t> rgba) {
 // The encoder enlarges its buffer as the file grows.
 std::string encodeJpeg(std::span<const uint8_t> rgba, uint32_t width, uint32_t rows, int quality) {
   const std::unique_ptr<void, int (*)(void*)> encoder(tjInitCompress(), tjDestroy);
-  const int chroma = quality >= kFullColour ? TJSAMP_444 : TJSAMP_420;
+  const int chroma = quality >= kFullColor ? TJSAMP_444 : TJSAMP_420;
   unsigned char* file = nullptr;
   unsigned long bytes = 0;
   const bool encoded =

@@ -14,11 +14,11 @@ struct Strip {
   uint32_t y = 0, rows = 0;
   std::string jpeg;
 };
-// Transparent pixels are blended over kBehind, because JPEG has no alpha. `quality`: 1 to 100. From kFullColour on,
+// Transparent pixels are blended over kBehind, because JPEG has no alpha. `quality`: 1 to 100. From kFullColor on,
 // chroma is not subsampled.
 std::vector<Strip> encodeStrips(const view::Frame& frame, int quality);
 constexpr uint8_t kBehind[3] = {24, 26, 30};
-constexpr int kFullColour = 90;
+constexpr int kFullColor = 90;
 
 size_t bytesOf(const std::vector<Strip>& strips);
 // An upper bound of the memory for encodeStrips() and a message with its strips: JPEG's upper bound, which is more than

@@ -29,12 +29,12 @@ dvec2 mixed(dvec2 a, dvec2 b, double t) {
   return t <= 0 ? a : t >= 1 ? b : a + (b - a) * t;
 }
 
-// Returns the patch between an arc around (0, centre) and a straight line outside it, parameterized by the fraction v
+// Returns the patch between an arc around (0, center) and a straight line outside it, parameterized by the fraction v
 // of the arc's angle from `first` to `last` turns.
-Patch fan(const Plane& plane, double centre, double radius, double first, double last, dvec2 from, dvec2 to,
+Patch fan(const Plane& plane, double center, double radius, double first, double last, dvec2 from, dvec2 to,
           uint32_t across, uint32_t along, double tile) {
   return flat(plane, across, along, tile, [=](double u, double v) {
-    const dvec2 circle = dvec2(0, centre) + radius * onCircle(first + (last - first) * v);
+    const dvec2 circle = dvec2(0, center) + radius * onCircle(first + (last - first) * v);
     return mixed(circle, mixed(from, to, v), u);
   });
 }
@@ -65,7 +65,7 @@ std::vector<Patch> wallWithWindow(const Plane& plane, double half, double bottom
   std::vector<Patch> patches = wallAboveArch(plane, half, spring, radius, top, grid, tile);
   patches.push_back(wallPanel(plane, -half, -radius, sill, spring, grid.across, grid.up, tile));
   patches.push_back(wallPanel(plane, radius, half, sill, spring, grid.across, grid.up, tile));
-  // Below the opening, columns continue those beside and under it, so that there are no T-junctions.
+  // Below the opening, columns continue those next to and under it, so that there are no T-junctions.
   if (sill <= bottom) return patches;
   patches.push_back(wallPanel(plane, -half, -radius, bottom, sill, grid.across, grid.up, tile));
   patches.push_back(wallPanel(plane, -radius, radius, bottom, sill, grid.across, grid.up, tile));
@@ -73,15 +73,15 @@ std::vector<Patch> wallWithWindow(const Plane& plane, double half, double bottom
   return patches;
 }
 
-std::vector<Patch> lunette(const Plane& plane, double base, double radius, double centre, double hole,
+std::vector<Patch> lunette(const Plane& plane, double base, double radius, double center, double hole,
                            const WallGrid& grid, double tile) {
   // Rays from the hole's center end at the half disc's rim or at its base; its two corners are patch boundaries.
-  const double h = centre - base, corner = 1 - turnsOf(h, radius);  // angle of the ray to (radius, base)
+  const double h = center - base, corner = 1 - turnsOf(h, radius);  // angle of the ray to (radius, base)
   const auto ring = [=](double from, double to, bool rim) {
     return flat(plane, grid.across, rim ? 2 * grid.arch : grid.arch, tile, [=](double u, double v) {
       const dvec2 d = onCircle(from + (to - from) * v);
       double reach = rim ? -d.y * h + std::sqrt(std::max(0.0, radius * radius - h * h * d.x * d.x)) : -h / d.y;
-      return dvec2(0, centre) + d * (hole + (reach - hole) * u);
+      return dvec2(0, center) + d * (hole + (reach - hole) * u);
     });
   };
   return {ring(corner - 1, 1.5 - corner, true), ring(1.5 - corner, corner, false)};
@@ -100,8 +100,8 @@ Path archPath(const Plane& plane, double spring, double radius, uint32_t segment
   return circleArc({plane.origin + plane.y * spring, glm::cross(plane.s, plane.y), plane.s}, 0, 0.5, segments, radius);
 }
 
-Path roundPath(const Plane& plane, double centre, double radius, uint32_t segments) {
-  return circle({plane.origin + plane.y * centre, glm::cross(plane.s, plane.y), plane.s}, segments, radius);
+Path roundPath(const Plane& plane, double center, double radius, uint32_t segments) {
+  return circle({plane.origin + plane.y * center, glm::cross(plane.s, plane.y), plane.s}, segments, radius);
 }
 
 }  // namespace latelight::scene::builtin

@@ -30,8 +30,8 @@ std::vector<Patch> wallAboveArch(const Plane& plane, double half, double spring,
 std::vector<Patch> wallWithWindow(const Plane& plane, double half, double bottom, double top, double sill,
                                   double spring, double radius, const WallGrid& grid, double tile);
 
-// Returns a half disc of `radius` above y = base, with a round hole of radius `hole` around (0, centre).
-std::vector<Patch> lunette(const Plane& plane, double base, double radius, double centre, double hole,
+// Returns a half disc of `radius` above y = base, with a round hole of radius `hole` around (0, center).
+std::vector<Patch> lunette(const Plane& plane, double base, double radius, double center, double hole,
                            const WallGrid& grid, double tile);
 
 // Returns a flat half disc above y = base and the rectangle below it down to `sill`.
@@ -41,7 +41,7 @@ std::vector<Patch> roundHeadedPane(const Plane& plane, double sill, double base,
 // Returns the path of a profile over a half circle around (0, spring) of the plane, from +s over the top to -s. The
 // profile's x is its distance from the center, and its y points towards the plane's front.
 Path archPath(const Plane& plane, double spring, double radius, uint32_t segments);
-// Returns the path along the full circle around (0, centre).
-Path roundPath(const Plane& plane, double centre, double radius, uint32_t segments);
+// Returns the path along the full circle around (0, center).
+Path roundPath(const Plane& plane, double center, double radius, uint32_t segments);
 
 }  // namespace latelight::scene::builtin

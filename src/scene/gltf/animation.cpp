@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-// The reason why a channel can't be applied to the file. The channel is ignored, and the rest of the file is read.
+// The reason why a channel cannot be applied to the file. The channel is ignored, and the rest of the file is read.
 struct Inapplicable {
   std::string reason;
 };

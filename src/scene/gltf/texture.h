@@ -25,7 +25,7 @@ struct TextureRequest {
   auto operator<=>(const TextureRequest&) const = default;
 };
 
-// Returns the total over all source images. Throws Error(BadInput) for images that can't be read.
+// Returns the total over all source images. Throws Error(BadInput) for images that cannot be read.
 size_t encodedBytes(const Document& document, const TextureRequest& request);
 size_t textureBytes(const Document& document, const TextureRequest& request);
 
