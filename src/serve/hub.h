@@ -22,9 +22,7 @@ class Hub {
 
   const Gate& gate() const { return gate_; }
   const view::Start& start() const { return start_; }
-  std::chrono::milliseconds patience() const {
-    return patience_;
-  }  // maximum duration of a request, and of the wait between two
+  std::chrono::milliseconds patience() const { return patience_; }  // for a request, and between two
 
   // Creates a viewer with a unique number. Its calls arrive in this thread, and none arrives after release().
   struct Calls {

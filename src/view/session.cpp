@@ -91,7 +91,7 @@ void ViewSession::Impl::advance() {
   touch();
 }
 
-// --- settings and commands -------------------------------------------------------------------------------------------
+// --- settings and commands ------------------------------------------------------------------------------------------
 
 ChosenSettings ViewSession::Impl::settings(Side side) const {
   return settingsOf(state.choices[static_cast<int>(side)], state.width, state.height);
@@ -240,7 +240,7 @@ void ViewSession::Impl::shadeAgain() {
   touch();
 }
 
-// --- state -----------------------------------------------------------------------------------------------------------
+// --- state ----------------------------------------------------------------------------------------------------------
 
 void ViewSession::Impl::describeLights() {
   const scene::Camera from = camera();
@@ -282,7 +282,7 @@ void ViewSession::Impl::describe() {
   describeLights();
 }
 
-// --- public interface ------------------------------------------------------------------------------------------------
+// --- public interface -----------------------------------------------------------------------------------------------
 
 ViewSession::ViewSession(const Start& start) : impl_(std::make_unique<Impl>(start)) {}
 ViewSession::~ViewSession() = default;

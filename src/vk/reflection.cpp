@@ -145,7 +145,7 @@ std::string Module::variableName(uint32_t id) const {
   return own.empty() ? name(pointee(definition(id)).operands[0]) : own;
 }
 
-// --- used bindings ---------------------------------------------------------------------------------------------------
+// --- used bindings --------------------------------------------------------------------------------------------------
 
 // The operands of an instruction that may be pointers to module variables.
 std::span<const uint32_t> pointersOf(const Instruction& instruction) {
@@ -223,7 +223,7 @@ std::vector<DeclaredConstant> Module::constants() const {
   return found;
 }
 
-// --- struct layouts --------------------------------------------------------------------------------------------------
+// --- struct layouts -------------------------------------------------------------------------------------------------
 
 uint32_t Module::bytesOf(uint32_t id, uint32_t matrixStride) const {
   const auto& [op, operands] = definition(id);

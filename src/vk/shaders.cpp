@@ -41,7 +41,7 @@ std::span<const uint32_t> findShader(std::string_view name) {
   return {};
 }
 
-// --- shaders of a folder ---------------------------------------------------------------------------------------------
+// --- shaders of a folder --------------------------------------------------------------------------------------------
 
 using Words = std::vector<uint32_t>;
 
