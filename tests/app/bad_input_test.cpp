@@ -1,4 +1,5 @@
-// Damaged files end with exit 0 or 3 and one sentence; never with a signal, another code, or not at all.
+// Damaged input files end with exit code 0 or 3 and a one-sentence message; never with a signal, another code, or a
+// hang.
 #include <gmock/gmock.h>
 #include <gtest/gtest-spi.h>
 #include <gtest/gtest.h>

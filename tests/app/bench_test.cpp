@@ -1,4 +1,4 @@
-// latelight bench: what it measures, and what it refuses.
+// latelight bench: its measurements, and the arguments that it rejects.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <cmath>

@@ -1,6 +1,6 @@
-// Cameras of a file in pictures of another shape: glTF 2.0 (3.10.3) has viewers show the camera's whole frame without
-// cropping or scaling it. A square at depth 4 spans [-0.8, 0.8] x [-0.4, 0.4] of a frame that is twice as wide as high:
-// of the camera's half extents, 1 and 0.5 at a depth of 1 m, or 4 and 2 m.
+// Cameras of a file in pictures of another aspect ratio: glTF 2.0 (3.10.3) requires viewers to display the camera's
+// full frame without cropping or scaling it. A square at depth 4 spans [-0.8, 0.8] x [-0.4, 0.4] of a frame that is
+// twice as wide as high: the camera's half extents are 1 and 0.5 at a depth of 1 m, or 4 and 2 m.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

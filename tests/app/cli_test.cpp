@@ -1,4 +1,4 @@
-// What the program says about itself, and that it accepts what it offers.
+// The program's own descriptions (help, version), and that it accepts the options that they list.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

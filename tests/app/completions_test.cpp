@@ -1,4 +1,4 @@
-// Completions in the shells themselves, and the manual page.
+// Completions, run in real shells, and the manual page.
 #include <gmock/gmock.h>
 
 #include <fstream>

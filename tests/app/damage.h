@@ -1,4 +1,4 @@
-// Good files, and a thousand ways to break them: each case is the same in every run.
+// Valid files, and a thousand ways to damage them. Each case is the same in every run.
 #pragma once
 
 #include <cstddef>

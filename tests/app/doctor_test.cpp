@@ -1,4 +1,4 @@
-// doctor and devices as processes, with things hidden from them by the environment.
+// `latelight doctor` and `devices` as processes, with parts of the system hidden by environment variables.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// A folder that goes with the test, and its files.
+// A temporary folder that is deleted with the test, and its files.
 #pragma once
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-// Small pictures against stored ones. `LATELIGHT_BLESS=1 test_app --gtest_filter='*Golden*'` stores what is rendered
-// now instead: look at every picture that it changes.
+// Golden image tests: compares small pictures with stored ones. `LATELIGHT_BLESS=1 test_app --gtest_filter='*Golden*'`
+// stores the rendered pictures instead; inspect every picture that it changes.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// Where the program runs badly: outputs onto inputs, pipes, links and full disks, streams that can't be written to,
-// ends by signals, and names and arguments that are no words.
+// Hostile surroundings: outputs that overwrite inputs, pipes, links and full disks, streams that cannot be written,
+// termination by signals, and names and arguments that are not valid text.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// A device that is lost in the midst of work, at each place of it.
+// The device is lost at each point of the program's work.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

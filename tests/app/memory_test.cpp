@@ -1,4 +1,4 @@
-// Running out of the machine's memory: exit 5 and one sentence, wherever it happens, and no file.
+// Out of host memory: exit code 5, one sentence and no output file, wherever it happens.
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

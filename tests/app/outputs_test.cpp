@@ -1,4 +1,5 @@
-// What render leaves: files by name and format, the same numbers in each, the side file, the report, the frame's graph.
+// The files that `render` writes: names and formats, equal values in all formats, the side file, the report, and the
+// frame graph.
 #include "app/process.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The program as users run it: a process, what it printed, and how it ended.
+// The program as users run it: a process, its output, and its exit status.
 #pragma once
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// render --frames: which files there are, what each shows, and what becomes of those that can't be written.
+// render --frames: the files that it writes, their contents, and its behavior if a file cannot be written.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// latelight study: its files and what it prints.
+// latelight study: its files and its printed output.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Every wrong use ends with its exit code and one sentence on standard error, and leaves no file.
+// Every invalid use ends with its exit code and one sentence on standard error, and writes no file.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>

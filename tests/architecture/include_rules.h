@@ -1,4 +1,5 @@
-// Who may include whom: base <- vk <- graph <- render <- study <- app; shared <- scene <- render; output beside render.
+// Which folders may include which: base <- vk <- graph <- render <- study <- app; shared <- scene <- render; output
+// next to render.
 #pragma once
 
 #include <functional>

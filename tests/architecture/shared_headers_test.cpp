@@ -1,5 +1,5 @@
-// Every header in src/shared, and every one that the build writes from them, compiles alone as GLSL and as C++; those
-// for engines of any kind as HLSL too.
+// Every header in src/shared, and every header that the build generates from them, compiles by itself as GLSL and as
+// C++. Headers for arbitrary engines also compile as HLSL.
 #include <gtest/gtest.h>
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// What a file may have read for it, and what not.
+// The files that a scene file may refer to, and those that it may not.
 #include "base/allowed_folders.h"
 #include "app/folder.h"
 

@@ -1,5 +1,5 @@
-// What a forked process can use: the thread pool, locks that other threads of its parent held, and what it does not
-// own.
+// A forked process: it can use the thread pool and locks that other threads of its parent held, and it does not clean
+// up objects that it does not own.
 #include "base/fork.h"
 
 #include <gtest/gtest.h>

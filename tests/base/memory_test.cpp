@@ -1,4 +1,4 @@
-// The bound on memory, and what counts against it.
+// The memory limit, and the allocations that count toward it.
 #include "base/memory.h"
 
 #include <gmock/gmock.h>

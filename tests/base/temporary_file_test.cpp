@@ -1,4 +1,4 @@
-// What is left where a program ends while it writes: nothing, or what the next one sweeps.
+// A program that ends while it writes leaves no temporary files, or only those that the next run deletes.
 #include "base/temporary_file.h"
 #include "app/folder.h"
 

@@ -1,4 +1,4 @@
-// The command line of batch: values that begin with brackets, and names that no file can have.
+// The command line of batch: values that begin with brackets, and names that are invalid for files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

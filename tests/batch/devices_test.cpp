@@ -1,4 +1,4 @@
-// Which devices a batch takes, of machines that are made up here.
+// The devices that a batch selects on simulated machines.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

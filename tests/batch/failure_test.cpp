@@ -1,5 +1,5 @@
-// What can't be rendered or written is listed, the rest goes on, and --resume makes it later. Signals end a batch
-// between frames.
+// Frames that cannot be rendered or written are listed, the batch continues, and --resume renders them later. Signals
+// end a batch between frames.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

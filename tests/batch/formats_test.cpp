@@ -1,4 +1,4 @@
-// What formats need beside the outputs they ask for, the loop gives them.
+// The loop renders the additional outputs that formats require.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Jobs as files and as options: what they say, and what is said of wrong ones.
+// Jobs as files and as options: their values, and the messages for invalid ones.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <latelight/latelight.h>

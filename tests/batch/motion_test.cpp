@@ -1,6 +1,6 @@
-// Motion of data sets: from each frame to those before and after it, where the set has some. A square at z = 0 fills
-// the pictures of cameras at z = 4 with a focal length of 40 pixels: what moves by d to the right across it flows by
-// 40 d / 4 = 10 d pixels, and a camera that moves by d makes everything flow by -10 d.
+// Motion of data sets: from each frame to the previous and the next one, if the set has them. A square at z = 0 fills
+// the pictures of cameras at z = 4 with a focal length of 40 pixels: an object that moves right by d has a flow of 40 d
+// / 4 = 10 d pixels, and a camera that moves by d causes a flow of -10 d everywhere.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Batches that are killed, changed and damaged: after --resume a set is what an undisturbed run makes.
+// Batches that are killed, changed or damaged: after --resume, the data set equals that of an undisturbed run.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

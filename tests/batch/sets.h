@@ -1,4 +1,4 @@
-// Data sets as the tests make and compare them.
+// Creates and compares data sets for tests.
 #pragma once
 
 #include <gtest/gtest.h>

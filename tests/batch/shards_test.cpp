@@ -1,4 +1,4 @@
-// Parts of a job: which frames each has, and that together they make the same set.
+// Shards of a job: the frames of each, and that together they produce the same data set.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// Every valid combination of layout, normal encoding, lighting technique and position method gives the picture that
-// `fullscreen` gives from the same G-buffer.
+// Every valid combination of layout, normal encoding, lighting technique and position method renders the same picture
+// as `fullscreen` from the same G-buffer.
 #include <fmt/core.h>
 
 #include <algorithm>

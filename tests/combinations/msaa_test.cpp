@@ -1,4 +1,5 @@
-// Several samples a pixel with every layout and every technique: all light the same surfaces of a pixel, so all agree.
+// Several samples per pixel with every layout and every technique: all shade the same surfaces of a pixel, so all must
+// agree.
 #include <fmt/core.h>
 
 #include <algorithm>

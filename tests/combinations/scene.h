@@ -1,4 +1,4 @@
-// A small scene with every kind of light and of material, whose geometry costs next to nothing.
+// A small scene with every kind of light and material, and geometry of negligible cost.
 #pragma once
 
 #include "scene/scene.h"

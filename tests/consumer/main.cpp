@@ -1,5 +1,5 @@
-// Uses the installed library as a stranger would; the version it was built for is the first argument.
-// A program may have macros of any name, and keeps them.
+// Uses the installed library as an external program would. The version it was built for is the first argument. A
+// program may have macros of any name, and keeps them.
 #define OPTION_FLAG 7
 #define OPTION_NAME(name) #name
 #include <latelight/latelight.h>

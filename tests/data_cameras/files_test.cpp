@@ -1,4 +1,4 @@
-// Files of cameras, written by hand after the pages that describe the formats.
+// Files of cameras, written by hand according to the specifications of the formats.
 #include <cstring>
 
 #include "data/cameras/bop.h"

@@ -1,4 +1,4 @@
-// Cameras that are made: lists, orbits, points on spheres and in boxes, against what geometry says.
+// Generated cameras (lists, orbits, points on spheres and in boxes) against geometric closed forms.
 #include <set>
 
 #include "data_cameras/support.h"

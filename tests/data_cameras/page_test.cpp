@@ -1,4 +1,4 @@
-// The examples of docs/cameras.md make cameras.
+// The examples of docs/cameras.md are valid and create cameras.
 #include <fstream>
 
 #include "data/cameras/bop.h"

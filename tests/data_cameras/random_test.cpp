@@ -1,4 +1,4 @@
-// The generator against its paper's known answers, and what is drawn from it against the distributions it is to have.
+// The generator against its paper's known answers, and its samples against the required distributions.
 #include "data/random.h"
 
 #include <gtest/gtest.h>

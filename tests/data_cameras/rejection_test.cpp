@@ -1,4 +1,5 @@
-// What is around a point, against the closed forms of boxes and spheres, and which cameras that rejects.
+// The surroundings of a point against closed forms for boxes and spheres, and the cameras that are rejected because of
+// them.
 #include "data/cameras/surroundings.h"
 #include "data/random.h"
 #include "data_cameras/support.h"

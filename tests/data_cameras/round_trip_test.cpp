@@ -1,4 +1,4 @@
-// Written and read again, cameras are the same.
+// Cameras are the same after they are written and read again.
 #include <fmt/format.h>
 
 #include "data/cameras/bop.h"

@@ -1,4 +1,4 @@
-// The order of cameras, and what of their files' sizes and models comes from elsewhere.
+// The order of cameras, and the image sizes and camera models that come from sources other than their files.
 #include "data/cameras/colmap.h"
 #include "data/cameras/transforms.h"
 #include "data_cameras/support.h"

@@ -1,4 +1,4 @@
-// What the tests of cameras share: scenes, folders, and where a camera sees a point.
+// Helpers for the tests of cameras: scenes, folders, and the projection of points.
 #pragma once
 
 #include <gmock/gmock.h>

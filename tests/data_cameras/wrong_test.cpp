@@ -1,4 +1,4 @@
-// Wrong jobs: each ends with one sentence that names the key.
+// Invalid jobs: each ends with one sentence that names the key.
 #include <fmt/format.h>
 #include <latelight/latelight.h>
 

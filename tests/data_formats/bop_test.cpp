@@ -1,4 +1,4 @@
-// Which objects of a BOP set share a model, and that its poses take the model's vertices to the object's.
+// The objects of a BOP set that share a model, and that poses transform the model's vertices to those of the object.
 #include <gmock/gmock.h>
 
 #include <cmath>

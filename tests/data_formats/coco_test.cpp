@@ -1,4 +1,4 @@
-// COCO's annotations by hand; pycocotools reads a whole set in read_set.py.
+// COCO annotations against results computed by hand; pycocotools reads a whole set in read_set.py.
 #include <gmock/gmock.h>
 
 #include <chrono>

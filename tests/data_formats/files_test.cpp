@@ -1,4 +1,4 @@
-// What is in files of single frames, by closed forms and by hand.
+// The contents of the files of single frames, against closed forms and results computed by hand.
 #include <cmath>
 #include <cstdlib>
 #include <cstring>

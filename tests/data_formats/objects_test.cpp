@@ -1,4 +1,5 @@
-// Objects of a frame against closed forms: the boxes around them, and the pixels that each covers alone.
+// Objects of a frame against closed forms: their bounding boxes, and the pixels that each would cover by itself (amodal
+// masks).
 #include <cmath>
 
 #include "data/amodal.h"

@@ -1,4 +1,4 @@
-// Writes a data set in every format for read_set.py, and beside it what was rendered, as .npy.
+// Writes a data set in every format for read_set.py, and the rendered values next to it, as .npy.
 #include <cstdlib>
 
 #include "data_formats/support.h"

@@ -1,4 +1,4 @@
-// What the tests of formats share: frames as a data set has them, scenes whose pixels are known, a folder to write to.
+// Helpers for the tests of formats: frames of a data set, scenes with known pixels, and an output folder.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// Each kind of variation: what it draws has the distribution that it is to have, and the scene is as it says.
+// Each kind of variation: its samples have the required distribution, and the scene matches its description.
 #include <cmath>
 #include <numbers>
 #include <set>

@@ -1,4 +1,4 @@
-// A variation's picture is that of a scene that has never had another: byte for byte, in any order of numbers.
+// The picture of a variation is byte for byte that of a scene without earlier variations, in any order of variations.
 #include "data/random.h"
 #include "data_variations/support.h"
 #include "edits/workshop.h"

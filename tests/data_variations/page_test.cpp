@@ -1,4 +1,4 @@
-// The examples of docs/variations.md vary a scene.
+// The examples of docs/variations.md are valid and vary a scene.
 #include <fstream>
 #include <set>
 

@@ -1,4 +1,4 @@
-// Scattered objects: where they may be, and apart from each other.
+// Scattered objects: their allowed positions, and their distances from each other.
 #include <set>
 
 #include "data/random.h"

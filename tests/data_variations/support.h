@@ -1,4 +1,4 @@
-// What the tests of variations share.
+// Helpers for the tests of variations.
 #pragma once
 
 #include <gmock/gmock.h>

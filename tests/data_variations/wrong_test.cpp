@@ -1,4 +1,4 @@
-// Wrong variations: each ends with one sentence that names the key.
+// Invalid variations: each ends with one sentence that names the key.
 #include "data_variations/support.h"
 
 namespace latelight::data::test {

@@ -1,4 +1,4 @@
-// Edits by the public API.
+// Edits through the public API.
 #include <gmock/gmock.h>
 #include <latelight/latelight.h>
 

@@ -1,4 +1,5 @@
-// Edits at the edges: before the first frame, of nothing, of everything, of what is animated, seen by two renderers.
+// Edge cases of edits: before the first frame, of nothing, of everything, of animated properties, and with two
+// renderers.
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 

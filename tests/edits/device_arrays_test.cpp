@@ -1,4 +1,4 @@
-// Outputs in device memory, as arrays of all views: what pictures on the host have, and whose they are for how long.
+// Outputs in device memory, as arrays of all views: they equal the pictures on the host; their ownership and lifetime.
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <latelight/latelight.h>

@@ -1,4 +1,4 @@
-// A renderer in a forked process, by the public API.
+// A renderer in a forked process, through the public API.
 #include <gtest/gtest.h>
 #include <latelight/latelight.h>
 #include <sys/wait.h>

@@ -1,4 +1,4 @@
-// Scenes that a program makes from nothing, and what it reads back, by the public API.
+// Scenes that a program builds from scratch and reads back, through the public API.
 #include <gmock/gmock.h>
 #include <latelight/latelight.h>
 

@@ -1,4 +1,4 @@
-// A program that edits: whatever is done to a scene between frames, each frame is that of a renderer made afresh.
+// Random edits: after any edits between frames, each frame equals that of a new renderer.
 #include <malloc.h>
 
 #include <algorithm>

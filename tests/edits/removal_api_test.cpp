@@ -1,4 +1,4 @@
-// Removing meshes, materials and textures, and replacing textures, by the public API.
+// Removing meshes, materials and textures, and replacing textures, through the public API.
 #include <gmock/gmock.h>
 #include <latelight/latelight.h>
 

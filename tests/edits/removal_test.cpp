@@ -1,4 +1,4 @@
-// Removing meshes, materials and textures: what takes a removed element's place, and the memory that comes free.
+// Removing meshes, materials and textures: the replacement of a removed element, and the freed memory.
 #include <gmock/gmock.h>
 #include <malloc.h>
 

@@ -1,4 +1,4 @@
-// What edits do to a scene, and what they refuse.
+// The effects of edits on a scene, and the edits that are rejected.
 #include <gmock/gmock.h>
 
 #include <limits>

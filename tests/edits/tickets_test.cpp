@@ -1,4 +1,4 @@
-// Pictures that are on their way while the scene changes: the same as those that nothing was done beside.
+// Pictures that are in flight while the scene changes: they equal those without concurrent edits.
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-// What animations change beside where things are: values of materials and lights, and what is visible.
+// Animated properties other than transforms: values of materials and lights, and visibility.
 #include <algorithm>
 
 #include "edits/workshop.h"

@@ -1,5 +1,5 @@
-// What the tests of edits share: a small scene of every kind of material, light and instance, and frames that are to be
-// the same.
+// Helpers for the tests of edits: a small scene with every kind of material, light and instance, and comparisons of
+// frames.
 #pragma once
 
 #include <cstdint>

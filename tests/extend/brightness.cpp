@@ -1,4 +1,4 @@
-// The option of option.patch in the C++ API: its default, what it does, and how a value is refused.
+// The option of option.patch in the C++ API: its default, its effect, and the rejection of invalid values.
 #include <latelight/latelight.h>
 
 #include <cstring>

@@ -1,5 +1,5 @@
-// Every struct that C++ and shaders share lies in device memory as it does in the host's; what shaders have in memory
-// is one of them.
+// Every struct that C++ and shaders share has the same memory layout on the device and the host, and shaders access no
+// other structs in memory.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The headers that are three languages at once: the device runs them compiled from GLSL and from HLSL, and both agree
+// The headers that are valid GLSL, HLSL and C++: the device runs them compiled from GLSL and from HLSL, and both agree
 // with the host's C++.
 #include <gtest/gtest.h>
 

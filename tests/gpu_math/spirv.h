@@ -1,4 +1,4 @@
-// SPIR-V of shaders that only tests run.
+// SPIR-V of shaders that only tests use.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Who shares memory with whom, on plain data.
+// Memory aliasing: which transients share memory, on plain data.
 #include "graph/aliasing.h"
 
 #include <gmock/gmock.h>

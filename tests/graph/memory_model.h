@@ -1,6 +1,6 @@
-// A small model of Vulkan's memory, written from the specification's chapter 7 and not from src/graph: it runs a plan
-// access by access and says what is wrong. Stricter than Vulkan in one way: a barrier orders only its own resource, so
-// that a missing barrier can't hide behind another's.
+// A small model of Vulkan's memory, written from chapter 7 of the specification and independent of src/graph. It
+// executes a plan access by access and reports errors. It is stricter than Vulkan in one respect: a barrier orders only
+// its own resource, so that the barrier of another resource cannot conceal a missing one.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Plans written out by hand: which passes run, and every barrier.
+// Compiled plans against plans written by hand: the passes that run, and every barrier.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

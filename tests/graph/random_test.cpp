@@ -1,4 +1,4 @@
-// Random graphs against the model of memory: every plan must be right, and nothing in it too much.
+// Random graphs against the memory model: every plan must be correct and contain nothing superfluous.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

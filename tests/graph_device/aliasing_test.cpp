@@ -1,4 +1,4 @@
-// Transients that share memory on the CPU device.
+// Memory aliasing of transients on the CPU device.
 #include <set>
 
 #include "base/error.h"

@@ -1,4 +1,4 @@
-// Constants that the host writes while it builds a graph, read by a shader on the CPU device.
+// Constants that the host writes while it builds a graph, and that a shader on the CPU device reads.
 #include <numeric>
 
 #include "base/error.h"

@@ -1,4 +1,4 @@
-// A device under validation with synchronization checks; any message fails the test. And passes to make graphs of.
+// A device under validation with synchronization checks; any message fails the test. Also passes for test graphs.
 #pragma once
 
 #include <gmock/gmock.h>

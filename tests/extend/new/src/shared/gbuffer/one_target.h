@@ -1,5 +1,5 @@
-// one_target: all that lighting needs in one target of 16 bytes, tinted reflectance and unlit surfaces included. 20
-// bytes a pixel with depth.
+// one_target: a G-buffer layout with all inputs of lighting in one target of 16 bytes, including tinted reflectance and
+// unlit surfaces. 20 bytes per pixel with depth.
 #ifndef LATELIGHT_SHARED_GBUFFER_ONE_TARGET_H
 #define LATELIGHT_SHARED_GBUFFER_ONE_TARGET_H
 

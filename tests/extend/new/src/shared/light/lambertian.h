@@ -1,5 +1,5 @@
-// A small flat light: its intensity falls with the cosine of the angle to its direction (Lambert 1760), and behind it
-// is none.
+// A small flat light: its intensity falls with the cosine of the angle to its direction (Lambert 1760), and is zero
+// behind it.
 #ifndef LATELIGHT_SHARED_LIGHT_LAMBERTIAN_H
 #define LATELIGHT_SHARED_LIGHT_LAMBERTIAN_H
 

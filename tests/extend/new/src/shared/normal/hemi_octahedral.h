@@ -1,5 +1,6 @@
-// Hemi-octahedral: the near hemisphere's half of the octahedron turned by 45 degrees, so that it fills the square
-// (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 3(2)).
+// Hemi-octahedral normal encoding: the half of the octahedron for the near hemisphere, rotated by 45 degrees so that it
+// fills the square (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors", JCGT
+// 3(2)).
 #ifndef LATELIGHT_SHARED_NORMAL_HEMI_OCTAHEDRAL_H
 #define LATELIGHT_SHARED_NORMAL_HEMI_OCTAHEDRAL_H
 

@@ -1,5 +1,5 @@
-// interlaced: first the even rows, then the odd ones, as televisions drew them. A pass over half a picture takes half
-// as long, so that a device which cuts off long dispatches lights twice as many lights.
+// interlaced: an example of a lighting technique. It shades the even rows first, then the odd rows, like interlaced
+// video. Each pass requires half the time, so a device that aborts long dispatches can shade twice as many lights.
 #include "render/lighting/interlaced/interlaced_push.h"
 #include "render/lighting/lighting_shader.h"
 #include "render/lighting/technique.h"

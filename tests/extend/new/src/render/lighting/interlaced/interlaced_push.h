@@ -1,4 +1,4 @@
-// What interlaced.comp is pushed.
+// Push constants of interlaced.comp.
 #ifndef LATELIGHT_INTERLACED_PUSH_H
 #define LATELIGHT_INTERLACED_PUSH_H
 

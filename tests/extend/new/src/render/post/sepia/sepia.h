@@ -1,4 +1,4 @@
-// Old photographs: an example of a post-processing effect.
+// Sepia toning: an example of a post-processing effect.
 #pragma once
 
 #include "render/frame/pass.h"
