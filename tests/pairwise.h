@@ -1,6 +1,6 @@
-// Covering arrays: instead of every combination of several choices, few enough that each pair of values of any two
-// choices still meets. (R. Mandl 1985, Orthogonal Latin squares: an application of experiment design to compiler
-// testing, CACM 28(10).)
+// Pairwise covering arrays: instead of every combination of several choices, a small set in which each pair of values
+// of any two choices still occurs. (R. Mandl 1985, Orthogonal Latin squares: an application of experiment design to
+// compiler testing, CACM 28(10).)
 #pragma once
 
 #include <cstddef>

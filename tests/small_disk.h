@@ -1,4 +1,4 @@
-// A disk of a few blocks, for what happens when it is full. Needs the right to mount.
+// A disk of a few blocks, for tests of a full disk. It requires the permission to mount.
 #pragma once
 
 #include <stdlib.h>

@@ -1,5 +1,6 @@
-// Layered surfaces that are shaded behind the G-buffer: alike whatever layout, technique, raster and number of views or
-// strips a picture has, the plain surface where a layer has no strength, and after an edit what a fresh load shows.
+// Surfaces with layered materials, which are shaded after the G-buffer: they are independent of layout, technique,
+// raster and number of views or strips. Coats of zero strength result in the plain surface, and an edited scene equals
+// a newly loaded one.
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Scenes of layered materials. glTF's frame: +Z is towards the viewer.
+// Scenes of layered materials. Coordinates are those of glTF: +Z points toward the viewer.
 #pragma once
 
 #include <glm/gtc/matrix_transform.hpp>

@@ -1,5 +1,5 @@
-// Transmissive surfaces before stripes of known places: what shows where against Snell's law, how bright against
-// Beer's, and blended surfaces in front and behind.
+// Transmissive surfaces in front of stripes at known positions: refraction against Snell's law, attenuation against
+// Beer's law, and blended surfaces in front of and behind them.
 #include <fmt/core.h>
 
 #include <array>

@@ -1,8 +1,8 @@
-// Pictures through lenses against an independent ray caster: what each pixel's own ray hits, by the rays of
-// scene::LensProjection, which tests/scene checks.
+// Pictures through lenses against an independent ray caster: the surface that each pixel's own ray hits, with the rays
+// of scene::LensProjection, which tests/scene checks.
 //
-// A pixel is *steady* if the rays through its centre, corners and sides hit one part, at distances within 5 % of each
-// other. Elsewhere is an edge, where rounding may choose another triangle than the caster does.
+// A pixel is *steady* if the rays through its center, corners and sides hit one part, at distances within 5 % of each
+// other. Other pixels are at an edge, where rounding may select another triangle than the caster does.
 #include <fmt/core.h>
 #include <latelight/latelight.h>
 

@@ -1,6 +1,6 @@
-// A Vulkan layer that loses a device: the submission that LATELIGHT_LOSE_SUBMISSION numbers, counted over all devices
-// of the process since it is set, and all that is asked of its device from then on give VK_ERROR_DEVICE_LOST. Later
-// devices are sound.
+// A Vulkan layer that simulates a lost device. The submission with the number LATELIGHT_LOSE_SUBMISSION, counted over
+// all devices of the process since the variable is set, and all later calls to its device return VK_ERROR_DEVICE_LOST.
+// Devices created later work.
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
 

@@ -1,4 +1,5 @@
-// Grids of spheres over the parameters of glTF's layered materials: as glTF files, and as what a point of them is.
+// Grids of spheres over the parameters of glTF's layered materials: as glTF files, and as the material at a given
+// point.
 #pragma once
 
 #include <cstddef>

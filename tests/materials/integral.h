@@ -1,4 +1,5 @@
-// What a layered material sends to the eye: by its functions at each light, and by integration over an environment.
+// The radiance that a layered material reflects to the eye: by evaluation at each light, and by integration over an
+// environment.
 #pragma once
 
 #include "shared/layers.h"

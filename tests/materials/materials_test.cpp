@@ -1,5 +1,6 @@
-// Pictures of layered materials: the renderer's beside those of the formulas, at each light, and by integration over an
-// environment. With LATELIGHT_TEST_PICTURES=FOLDER they are left there, and tests/materials/flip judges them.
+// Pictures of layered materials: compares the renderer's with reference pictures from the formulas, for punctual lights
+// and by integration over an environment. With LATELIGHT_TEST_PICTURES=FOLDER, the test writes the pictures to that
+// folder, and tests/materials/flip compares them.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

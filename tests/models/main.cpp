@@ -1,4 +1,4 @@
-// Writes the tests' models into a folder, to look at and to measure with.
+// Writes the tests' models to a folder, for inspection and measurement.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>

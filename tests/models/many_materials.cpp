@@ -1,5 +1,5 @@
-// A hundred materials of fifty textures: no two textures have the same size, and they differ in how they are stored and
-// sampled, as in files put together from many sources.
+// A hundred materials with fifty textures: no two textures have the same size, and their storage and sampling differ,
+// as in files assembled from many sources.
 #include <array>
 #include <cmath>
 

@@ -1,4 +1,5 @@
-// Small glTF files that use what the renderer reads, made by the tests: nothing is stored, and no package is needed.
+// Small glTF files that use the features that the renderer reads. The tests generate them, so no files and no package
+// are required.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// What the tests' models are made of.
+// Building blocks of the tests' models.
 #pragma once
 
 #include <cstddef>

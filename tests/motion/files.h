@@ -1,4 +1,4 @@
-// Small glTF files in which something moves.
+// Small glTF files with moving objects.
 #pragma once
 
 #include "scene/gltf_builder.h"

@@ -1,4 +1,4 @@
-// Motion of every pixel against reprojected positions, and what the device makes of a pose against the CPU.
+// Motion vectors of every pixel against reprojected positions, and poses computed by the device against the CPU.
 #include <fmt/core.h>
 
 #include <algorithm>

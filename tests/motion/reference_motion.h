@@ -1,5 +1,5 @@
-// Motion worked out on the CPU in doubles, from nothing but the scene, its poses and its cameras: what every pixel's
-// centre sees, by the ray through it against every triangle.
+// Reference motion vectors, computed on the CPU in double precision from only the scene, its poses and its cameras. The
+// ray through each pixel center is intersected with every triangle.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,5 @@
-// Temporal anti-aliasing against super-sampling of the same frames: better than none, near it, and without flicker.
+// Temporal anti-aliasing against supersampling of the same frames: it is better than no anti-aliasing, close to
+// supersampling, and without flicker.
 #include <fmt/core.h>
 
 #include <algorithm>

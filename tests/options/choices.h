@@ -1,4 +1,4 @@
-// What each option of `latelight render` may be given, for drawing at random.
+// The values that each option of `latelight render` accepts, for random selection.
 #pragma once
 
 #include <filesystem>

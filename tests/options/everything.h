@@ -1,4 +1,4 @@
-// One small glTF file with everything that a picture may have to cope with.
+// One small glTF file with every kind of content that affects rendering.
 #pragma once
 
 #include <cstddef>

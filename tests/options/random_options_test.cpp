@@ -1,11 +1,11 @@
-// Random combinations of all options of `latelight render`, in process: each is done or refused by a sentence, leaves
-// numbers that are finite, says nothing to the validation layers, and done again gives the same bytes without a
-// pipeline being made anew.
+// Random combinations of all options of `latelight render`, in process. Each either succeeds or is rejected with a
+// sentence, produces finite numbers, and causes no validation messages. A repetition produces the same bytes and
+// creates no pipeline.
 //
 //   LATELIGHT_RANDOM_GROUPS=400 LATELIGHT_RANDOM_SEED=7 build/release/tests/test_options
 //
-// A failure names the options, as they can be given to the program. Draws come in groups that share what pipelines
-// depend on.
+// A failure names the options, as they can be passed to the program. Combinations come in groups that share the options
+// on which pipelines depend.
 #include <fmt/core.h>
 #include <unistd.h>
 

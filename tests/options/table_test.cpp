@@ -1,4 +1,4 @@
-// The table of options: defaults, ranges and names are the same in its text, in Settings and in the C++ API.
+// The table of options: defaults, ranges and names agree in its text, in Settings and in the C++ API.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <latelight/latelight.h>

@@ -1,4 +1,4 @@
-// The subcommand as the program runs it: what it prints, writes and exits with.
+// `latelight compare` as a process: its printed output, its files and its exit codes.
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"

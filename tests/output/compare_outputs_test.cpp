@@ -1,4 +1,4 @@
-// Files with several outputs, each by its own measure, and FLIP by its definition.
+// Comparison of files with several outputs, each with its own metric, and FLIP against its definition.
 #include "output/compare_outputs.h"
 
 #include "output/npy.h"

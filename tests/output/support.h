@@ -1,4 +1,4 @@
-// What the tests of output share: a folder that goes away, frames full of numbers, sentences of errors.
+// Helpers for the tests of output: a temporary folder, frames filled with numbers, and error messages.
 #pragma once
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// Ambient occlusion against rays (Embree) and a closed form. A white surface without reflectance under an environment
-// of radiance 1 shows its visible share of the sky and nothing else.
+// Ambient occlusion against ray casting (Embree) and a closed form. The radiance of a white surface without reflectance
+// under an environment of radiance 1 equals its visible fraction of the sky.
 #include <fmt/core.h>
 
 #include <algorithm>

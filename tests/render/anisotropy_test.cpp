@@ -1,5 +1,4 @@
-// Anisotropic texture filters on a floor that is seen at a grazing angle, against the integral of its texture over each
-// pixel.
+// Anisotropic texture filtering on a floor at a grazing angle, against the integral of its texture over each pixel.
 #include <fmt/core.h>
 
 #include <cmath>

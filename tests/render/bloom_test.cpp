@@ -1,4 +1,5 @@
-// Bloom's chain against the same one in double precision on the CPU; light that is kept; glow that is even.
+// Bloom: its downsampling and upsampling chain against the CPU in double precision, energy conservation, and a uniform
+// glow.
 #include <fmt/core.h>
 
 #include <algorithm>

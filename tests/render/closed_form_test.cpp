@@ -1,5 +1,5 @@
-// Pictures whose every pixel is known beforehand: boxes seen along an axis, punctual lights on a plane worked out in
-// double precision from the glTF specification, a furnace, and surfaces that are not lit.
+// Pictures in which every pixel is known in closed form: boxes viewed along an axis, punctual lights on a plane,
+// computed in double precision from the glTF specification, a furnace test, and unlit surfaces.
 #include <fmt/core.h>
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
-// Clusters that others hide are passed over: pictures and data are those of a renderer that knows nothing of earlier
-// frames, to the byte, and what is hidden is indeed not rasterized.
+// Two-pass occlusion culling of clusters: pictures and data equal those of a renderer without earlier frames, to the
+// byte, and occluded clusters are not rasterized.
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>

@@ -1,4 +1,4 @@
-// Frames without a graphics pipeline: on a device that is used for compute alone, one that was made would be an error.
+// Frames without a graphics pipeline: on a device that is used only for compute, creating one is an error.
 #include <memory>
 
 #include "base/error.h"

@@ -1,5 +1,5 @@
-// Visibility in compute shaders: watertight, the same in every run, and what the graphics pipeline shows; with one
-// sample a pixel and with several.
+// Software rasterization in compute shaders: watertight, the same in every run, and equal to the graphics pipeline,
+// with one and with several samples per pixel.
 #include <fmt/core.h>
 
 #include <algorithm>

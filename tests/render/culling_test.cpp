@@ -1,4 +1,5 @@
-// What is left out on the host before anything is drawn: never what shows, and nearly all of what does not.
+// Culling on the host, by the frustum and by size in pixels: it never culls visible instances, and culls nearly all
+// others.
 #include <gmock/gmock.h>
 
 #include <cmath>

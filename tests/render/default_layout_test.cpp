@@ -1,4 +1,4 @@
-// What is lit from the default layout is, to a level of 8 bits, what is lit from floats: on materials that are hard to
+// Lighting from the default layout equals lighting from floats, to one level of 8 bits, on materials that are hard to
 // store, on the built-in scenes, and on real models.
 #include <fmt/core.h>
 

@@ -1,5 +1,6 @@
-// The techniques that draw their lights (forward, forward-multipass, volumes) against fullscreen: lights in every place
-// that a volume's faces, the near and far planes and the stencil marks could get wrong, over every kind of material.
+// The techniques that draw their lights (forward, forward-multipass, volumes) against fullscreen: lights in every
+// position that a volume's faces, the near and far planes or the stencil test could handle incorrectly, over every kind
+// of material.
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -1,13 +1,12 @@
-// Depth, distance, position, normals, uv and part at every pixel centre, against an independent CPU ray caster.
+// Depth, distance, position, normals, uv and part at every pixel center, against an independent CPU ray caster.
 //
-// An *edge pixel* is one where the rasterizer may rightly choose another triangle than the ray does:
-//   edge  the pixel's centre lies within 1/256 px of the projection of a triangle's edge that is not hidden (its depth
-//   is
-//         at most 0.1 % beyond what either side sees there). A device with 8 sub-pixel bits moves edges by up to half
-//         the diagonal of a cell, 0.0028 px; the rest of the 0.0039 px is for rounding in float32.
+// An *edge pixel* is one where the rasterizer may correctly select another triangle than the ray does:
+//   edge  the pixel's center lies within 1/256 px of the projection of a triangle's edge that is not occluded (its
+//         depth is at most 0.1 % beyond what is visible on either side). A device with 8 sub-pixel bits moves edges by
+//         up to half the diagonal of a cell, 0.0028 px; the rest of the 0.0039 px is for rounding in float32.
 //   tie   two surfaces lie within the tolerance of depth of each other along the ray
-//   mask  an alpha mask cuts differently at one of four points 1/256 px beside the centre
-// Any other difference fails the test. Parts may differ at no more than 0.1 % of the pixels where anything is seen.
+//   mask  an alpha mask differs at one of four points 1/256 px from the center
+// Any other difference fails the test. Parts may differ at no more than 0.1 % of the pixels with a visible surface.
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Suns of an environment that are too bright for half floats: closed forms of what they light.
+// Suns of an environment that are too bright for half floats: closed forms of the surfaces that they light.
 #include <fmt/core.h>
 
 #include <glm/gtc/matrix_transform.hpp>

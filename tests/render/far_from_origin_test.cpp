@@ -1,5 +1,5 @@
-// A scene and its cameras, moved together: nothing that leaves the renderer may change but `position`, which moves
-// along. The reference is the same scene at the origin, which other tests compare with ray casters and closed forms.
+// A scene and its cameras are moved together: no output of the renderer may change except `position`, which moves with
+// them. The reference is the same scene at the origin, which other tests compare with ray casters and closed forms.
 #include <fmt/core.h>
 
 #include <algorithm>

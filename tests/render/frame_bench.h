@@ -1,4 +1,4 @@
-// A scene in device memory, and frames of it with setups and views of one's own.
+// A scene in device memory, and frames of it with custom configurations and views.
 #pragma once
 
 #include <deque>

@@ -1,4 +1,4 @@
-// The device's own G-buffer on the host: every target before lighting, and the lit picture after it.
+// Reads the device's G-buffer back to the host: every target before lighting, and the lit picture after it.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// An environment's maps and the tables for lobes on the host, looked up as render/glsl/environment.glsl does.
+// Lookups in an environment's prefiltered maps and in the BRDF tables on the host, as in render/glsl/environment.glsl.
 #pragma once
 
 #include <algorithm>

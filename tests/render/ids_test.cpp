@@ -1,4 +1,5 @@
-// Ids in pictures: what a person would point at, its parts and their materials, and the manifest that resolves them.
+// Ids in pictures: objects as a person would identify them, their parts and materials, and the manifest that resolves
+// the ids.
 #include <gmock/gmock.h>
 #include <latelight/latelight.h>
 

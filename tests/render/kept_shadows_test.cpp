@@ -1,5 +1,5 @@
-// Shadow maps that are kept from frame to frame: drawn anew where they must be, and only there; pictures are those of a
-// renderer that has kept nothing, to the byte.
+// The shadow map cache: shadow maps are redrawn if and only if necessary, and pictures equal those of a renderer
+// without a cache, to the byte.
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 

@@ -1,4 +1,4 @@
-// What G-buffer layouts cost in precision, value by value and in pictures; and super-sampling.
+// The loss of precision of G-buffer layouts, per value and in pictures; and supersampling.
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// How many lights a pixel went through and how many of them it used, by every technique, on a square whose lights are
-// known.
+// The number of lights that each pixel evaluated and the number that contributed, with every technique, on a square
+// with known lights.
 #include "render/lighting/technique.h"
 #include "render/support.h"
 #include "shared/light.h"

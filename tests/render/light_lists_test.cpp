@@ -1,5 +1,5 @@
-// tiled and clustered against fullscreen, pixel by pixel: what they show, and how many lights they found to use. Lists
-// that don't fit, lights in awkward places, every kind of view.
+// Tiled and clustered light culling against fullscreen, per pixel: the pictures, and the number of contributing lights.
+// Covers light lists that overflow, lights in difficult positions, and every kind of view.
 #include "render/lighting/light_lists.h"
 
 #include <fmt/core.h>

@@ -1,4 +1,5 @@
-// The light tree on the host: order, boxes, and that no light reaches out of the boxes above it.
+// The light tree on the host: order, bounding boxes, and that every light's range lies inside the boxes of its
+// ancestors.
 #include "render/gpu_scene/light_tree.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Materials at pixel centres: texture slots, samplers, coordinates, vertex colours, masks, sides and mirrors, and what
-// glTF's extensions become. Squares seen straight on, so that the texture coordinate of every pixel is known.
+// Materials at pixel centers: texture slots, samplers, coordinates, vertex colors, masks, double-sided and mirrored
+// surfaces, and glTF extensions. The squares face the camera, so that the texture coordinate of every pixel is known.
 #include <fmt/core.h>
 
 #include <array>

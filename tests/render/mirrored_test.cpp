@@ -1,5 +1,5 @@
-// A closed cube that is mirrored by its skin, its node, or an instance's scale: what shows is its outside, with normals
-// towards the viewer (glTF 2.0, 3.7.4 and 3.7.3.3).
+// A closed cube that is mirrored by its skin, its node, or an instance's scale: its outside is visible, with normals
+// toward the viewer (glTF 2.0, 3.7.4 and 3.7.3.3).
 #include "render/support.h"
 #include "scene/gltf_builder.h"
 

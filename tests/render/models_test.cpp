@@ -1,5 +1,5 @@
-// Every lighting technique on whole models, under the studio and under lights of every kind around them: the deferred
-// ones give what fullscreen gives on the same layout, the forward ones what the layout plain gives.
+// Every lighting technique on complete models, in the studio environment and with all kinds of lights: deferred
+// techniques equal fullscreen on the same layout, and forward techniques equal the layout plain.
 #include <fmt/core.h>
 
 #include <cmath>

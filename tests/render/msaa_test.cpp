@@ -1,5 +1,5 @@
-// Multisampling: coverage in closed form, the surfaces of pixels against shading every sample, and edges against many
-// samples a pixel; by both rasters, and with every number of samples that they have.
+// Multisampling: coverage in closed form, the surfaces of pixels against per-sample shading, and edges against many
+// samples per pixel, with both rasters and every supported number of samples.
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Cameras that nobody gave a near plane: what they show against an independent CPU ray caster whose rays begin at the
-// eye, and that nothing in a picture depends on how near the plane is.
+// Cameras without a specified near plane: their pictures against an independent CPU ray caster whose rays start at the
+// eye, and that pictures do not depend on the distance of the near plane.
 #include <fmt/core.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// The finished picture: FXAA against super-sampling, fog against integration, effects that are off or combined.
+// The finished picture: FXAA against supersampling, fog against integration, disabled and combined effects.
 #include <fmt/core.h>
 
 #include <algorithm>

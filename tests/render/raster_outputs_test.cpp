@@ -1,4 +1,4 @@
-// The outputs that tell what the raster compute did, against closed forms.
+// The outputs that visualize the work of --raster compute, against closed forms.
 #include <algorithm>
 #include <cmath>
 #include <glm/ext/matrix_transform.hpp>

@@ -1,6 +1,6 @@
-// Lights without a range reach everything: what they give from far away is there in sums of many, in highlights, and
-// with every technique. References are KHR_lights_punctual and appendix B of glTF 2.0 in double precision, without any
-// window.
+// Unbounded lights (without a range) reach everything: their contribution from far away is present in sums of many
+// lights, in highlights, and with every technique. References are KHR_lights_punctual and appendix B of glTF 2.0 in
+// double precision, without any window.
 #include <fmt/core.h>
 
 #include <cmath>

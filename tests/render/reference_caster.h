@@ -1,6 +1,6 @@
-// An independent answer to what each pixel sees: rays through pixel centres against every triangle of a scene, by
-// Embree in its robust mode, then refined in double precision. Shares no code with the renderer but the scene's plain
-// data.
+// An independent reference for the visible surface of each pixel: rays through pixel centers against every triangle of
+// a scene, by Embree in its robust mode, refined in double precision. It shares only the scene's plain data with the
+// renderer.
 #pragma once
 
 #include <embree3/rtcore.h>

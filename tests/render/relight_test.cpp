@@ -1,6 +1,6 @@
-// The device's own G-buffer, read back and shaded on the host by the same shared headers, against what each deferred
-// lighting technique made of it: every layout, normal encoding, technique, shading and kind of light meets every value
-// of each other choice. No golden pictures: what differs is a bug in a shader's reads, lookups or loops over lights.
+// Each deferred lighting technique against the host, which shades the device's G-buffer with the same shared headers.
+// Covers every pair of layout, normal encoding, technique, shading and kind of light. It requires no golden pictures: a
+// difference is a bug in a shader's reads, lookups or light loops.
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// Shadow maps of which only those pages are drawn that pixels look up: pictures are those of whole maps, to the byte.
+// Virtual shadow maps, which render only the pages that pixels look up: pictures equal those of complete maps, to the
+// byte.
 #include <bit>
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>

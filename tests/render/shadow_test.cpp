@@ -1,5 +1,5 @@
-// Shadows: edges and penumbras where geometry has them, the device's lookups against the same on the host, and plans
-// that hold still while the camera moves.
+// Shadows: edges and penumbras at the positions given by geometry, the device's lookups against the host's, and plans
+// that are stable while the camera moves.
 #include <fmt/core.h>
 
 #include <algorithm>

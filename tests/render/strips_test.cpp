@@ -1,4 +1,4 @@
-// Pictures rendered in strips against the same pictures rendered whole: nothing may show where they were parted.
+// Pictures rendered in strips against the same pictures rendered as one: the boundaries must not be visible.
 #include "render/submit/strips.h"
 
 #include <fmt/core.h>

@@ -1,5 +1,4 @@
-// What the renderer's tests share: a device under validation, models that may be absent, pictures, and hand-made
-// scenes.
+// Helpers for the renderer's tests: a device under validation, optional models, pictures, and small test scenes.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Textures that compute shaders filter themselves, where a device has no descriptor indexing, against those that the
-// graphics pipeline samples: docs/limits.md states how far they differ.
+// Texture filtering in compute shaders, for devices without descriptor indexing, against sampling in the graphics
+// pipeline: docs/limits.md states how far they differ.
 #include <fmt/core.h>
 
 #include <algorithm>

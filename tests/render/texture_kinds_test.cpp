@@ -1,4 +1,4 @@
-// What of its textures a scene makes lavapipe compile shaders for.
+// The texture properties for which lavapipe compiles separate shaders.
 #include "render/frame/texture_kinds.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Textures found by index in one array, against a set of textures for each material: on devices that have both ways.
+// Bindless textures, by index in one array, against one descriptor set per material, on devices that support both.
 #include <fmt/core.h>
 
 #include <algorithm>

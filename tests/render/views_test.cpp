@@ -1,4 +1,4 @@
-// Cameras: several at once, the same one twice, and positions that project back to the pixels they came from.
+// Cameras: several at once, the same one twice, and positions that project back to their pixels.
 #include <fmt/core.h>
 
 #include <array>

@@ -1,4 +1,4 @@
-// What every built-in mesh must be, as checks that name the mesh that isn't.
+// Checks for every built-in mesh; a failure names the mesh.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Noise of the built-in scenes, against value noise by its definition, one lattice point after the other.
+// Noise of the built-in scenes, against the definition of value noise, evaluated per lattice point.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// builtin:boxes, builtin:spheres, the names' grammar and what scene.cpp computes.
+// builtin:boxes, builtin:spheres, the names' grammar and the values that scene.cpp computes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

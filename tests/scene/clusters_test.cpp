@@ -1,5 +1,5 @@
-// Clusters against what they stand for: every triangle of theirs is in their sphere, and shows its back where they say
-// so.
+// Clusters (meshlets) against their triangles: every triangle lies in the bounding sphere, and is back-facing wherever
+// the normal cone states so.
 #include "scene/clusters.h"
 
 #include <gtest/gtest.h>

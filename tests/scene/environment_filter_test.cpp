@@ -1,4 +1,4 @@
-// What filtering makes of a picture, against closed forms and against sums over every pixel.
+// Prefiltering of an environment image, against closed forms and against sums over every pixel.
 #include "scene/environment/filter.h"
 
 #include <gtest/gtest.h>

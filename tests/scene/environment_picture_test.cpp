@@ -1,4 +1,4 @@
-// Reading .hdr and .exr: every kind, and broken ones.
+// Reading .hdr and .exr files: every variant, and damaged files.
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>

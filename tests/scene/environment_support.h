@@ -1,4 +1,4 @@
-// What the environment's tests share: pictures made from functions of direction, and lookups as the shaders do them.
+// Helpers for the tests of environments: images computed from functions of direction, and lookups as in the shaders.
 #pragma once
 
 #include <cmath>

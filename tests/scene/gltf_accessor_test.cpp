@@ -1,4 +1,4 @@
-// Accessors of every kind, seen through the meshes they become.
+// Accessors of every kind, checked by the meshes that are loaded from them.
 #include <gmock/gmock.h>
 
 #include <limits>

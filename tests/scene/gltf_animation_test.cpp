@@ -1,4 +1,4 @@
-// Animations, skins and morph targets: where they put nodes and vertices, and which files are refused.
+// Animations, skins and morph targets: the resulting positions of nodes and vertices, and the files that are rejected.
 #include <gmock/gmock.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Small glTF files made by the tests.
+// Builds small glTF files for tests.
 #pragma once
 
 #include <gtest/gtest.h>

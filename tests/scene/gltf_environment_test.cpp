@@ -1,4 +1,4 @@
-// EXT_lights_image_based: cubes of one colour a face, and spherical harmonics, against their closed forms.
+// EXT_lights_image_based: cube maps with one color per face, and spherical harmonics, against their closed forms.
 #include <gmock/gmock.h>
 
 #include <cmath>

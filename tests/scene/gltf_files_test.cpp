@@ -1,4 +1,4 @@
-// Whole files: containers, URIs, versions, extensions, and models from elsewhere.
+// Complete files: containers, URIs, versions, extensions, and models from other sources.
 #include <gmock/gmock.h>
 
 #include <bit>

@@ -1,4 +1,4 @@
-// A thousand damaged files: each loads or ends with Error, never with anything else.
+// A thousand damaged files: each loads or throws Error, and nothing else.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// Topology, normals, tangents, colours, morph targets and skins.
+// Topology, normals, tangents, colors, morph targets and skins.
 #include <gmock/gmock.h>
 
 #include <algorithm>

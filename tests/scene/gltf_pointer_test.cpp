@@ -1,4 +1,4 @@
-// KHR_animation_pointer and KHR_node_visibility: each kind of property at a time, against the closed form of its track.
+// KHR_animation_pointer and KHR_node_visibility: each kind of property by itself, against the closed form of its track.
 #include <gmock/gmock.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Lenses against OpenCV's own formulas, written out once more, and against closed forms.
+// Lenses against an independent implementation of OpenCV's formulas, and against closed forms.
 #include "scene/lens.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// KTX2 textures, against files and texels of other programs: ktx2/make.mjs says which.
+// KTX2 textures, against files and texels of other programs, which ktx2/make.mjs lists.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Where a glTF material has the texture of each slot, as JSON pointers below it.
+// The location of each slot's texture in a glTF material, as JSON pointers relative to the material.
 #pragma once
 
 #include <iterator>

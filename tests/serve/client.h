@@ -1,4 +1,4 @@
-// What a page is to the server, without a browser.
+// A client that acts like the page toward the server, without a browser.
 #pragma once
 
 #include <chrono>

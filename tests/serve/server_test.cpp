@@ -1,4 +1,4 @@
-// The server as browsers and others meet it; everything under validation, whose messages fail the test.
+// The server as seen by browsers and other clients. Everything runs under validation, and any message fails the test.
 #include "serve/server.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// The glTF 2.0 metallic-roughness BRDF once more, written from appendix B's formulas in double precision, and a
-// quadrature over the hemisphere. Shares no code with src/shared.
+// A reference implementation of the glTF 2.0 metallic-roughness BRDF, written from appendix B's formulas in double
+// precision, and a quadrature over the hemisphere. It shares no code with src/shared.
 #pragma once
 
 #include <algorithm>

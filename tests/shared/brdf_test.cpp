@@ -1,4 +1,4 @@
-// Punctual light on a surface: glTF 2.0 appendix B in numbers, then the laws any BRDF keeps.
+// Punctual light on a surface: numeric values of glTF 2.0 appendix B, and the laws that every BRDF obeys.
 #include <gtest/gtest.h>
 
 #include "shared/brdf_reference.h"

@@ -1,4 +1,4 @@
-// Depth in four bytes, through the bytes.
+// Depth packed in four bytes, checked through the bytes.
 #include "shared/depth_packing.h"
 
 #include <gtest/gtest.h>

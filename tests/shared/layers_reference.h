@@ -1,5 +1,5 @@
-// glTF's layered materials once more, written from the KHR_materials_* specifications' formulas in double precision,
-// and the spectral integral of a thin film. Shares no code with src/shared but the structs.
+// A reference implementation of glTF's layered materials, written from the KHR_materials_* specifications' formulas in
+// double precision, and the spectral integral of a thin film. It shares only the structs with src/shared.
 #pragma once
 
 #include <complex>

@@ -1,5 +1,5 @@
-// Layered materials: what each limit must give, the specifications' formulas in double precision, and the integrals
-// that light is held to.
+// Layered materials: limit cases, the specifications' formulas in double precision, and integrals that check energy
+// conservation.
 #include "shared/layers.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Every normal encoding through the bits that are stored.
+// Every normal encoding checked through the stored bits.
 #include "normals.h"
 
 #include <gtest/gtest.h>

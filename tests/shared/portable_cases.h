@@ -1,8 +1,8 @@
-// The functions of the headers that are GLSL, HLSL and C++ at once: this one list is compiled from all three
+// The functions of the headers that are valid GLSL, HLSL and C++: this single list is compiled as all three
 // (gpu_math/portable.comp, portable.hlsl, portable_test.cpp), run on the device and the host, and compared.
 //
-// Cases are numbered: kEncodingCases for each normal encoding, in their order, then those of PORTABLE_CASES.
-// CASE(name, relative, absolute, (vec4)): device and host may differ by relative * |host| + absolute in each component.
+// Cases are numbered: kEncodingCases for each normal encoding, in their order, then those of PORTABLE_CASES. CASE(name,
+// relative, absolute, (vec4)): device and host may differ by relative * |host| + absolute in each component.
 #ifndef LATELIGHT_TESTS_PORTABLE_CASES_H
 #define LATELIGHT_TESTS_PORTABLE_CASES_H
 

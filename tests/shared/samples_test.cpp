@@ -1,4 +1,4 @@
-// The places of samples, and the room for masks of them.
+// The positions of samples, and the capacity of sample masks.
 #include "shared/samples.h"
 
 #include <gtest/gtest.h>

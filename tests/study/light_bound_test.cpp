@@ -1,5 +1,5 @@
-// What `bench lights` and `bench shade` measure with: the shaders of the ceilings do the work that is counted, and the
-// bound uses every light that it makes up.
+// The measurement shaders of `bench lights` and `bench shade`: the shaders for peak rates do the work that is counted,
+// and the bound uses every synthetic light.
 #include <gtest/gtest.h>
 
 #include <cmath>

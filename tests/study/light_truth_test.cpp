@@ -1,4 +1,4 @@
-// The ground truth of light itself, against closed forms; and what is compensated of energy, against it.
+// The ground truth of lighting against closed forms, and energy compensation against the ground truth.
 #include "study/light_truth.h"
 
 #include <gtest/gtest.h>

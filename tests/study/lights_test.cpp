@@ -1,4 +1,4 @@
-// The study of lights at a size that costs little, and what it is made of on numbers that are known.
+// The study of lights at a small size, and its components on known numbers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

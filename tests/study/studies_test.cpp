@@ -1,4 +1,4 @@
-// The studies' figures, from fewer samples than the program takes, against known and derived ones.
+// The studies' figures, with fewer samples than the program uses, against known and derived ones.
 #include "study/study.h"
 
 #include <gtest/gtest.h>

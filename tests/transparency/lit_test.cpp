@@ -1,5 +1,5 @@
-// Blended surfaces under lights: lit as opaque ones are, alike whatever lights the rest of the picture, through the
-// light tree as through all lights, and in memory that grows.
+// Blended surfaces under lights: they are lit like opaque ones, independent of the technique that lights the rest of
+// the picture, the same with the light tree as with all lights, and with buffers that grow.
 #include <fmt/core.h>
 
 #include <cstring>

@@ -1,5 +1,5 @@
-// Blended materials that let nothing through: drawn, and in data outputs, as opaque ones; and no longer once an edit,
-// an animation or another mesh lets light through.
+// Blended materials without any translucency are drawn as opaque ones, also in data outputs, until an edit, an
+// animation or another mesh makes them translucent.
 #include <gmock/gmock.h>
 
 #include <cmath>

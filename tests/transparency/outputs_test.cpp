@@ -1,4 +1,4 @@
-// Every output of a scene whose only surface that alpha decides on is blended.
+// Every output of a scene in which the only surface with an alpha mode other than opaque is blended.
 #include <cmath>
 
 #include "render/settings/settings.h"

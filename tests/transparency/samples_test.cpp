@@ -1,5 +1,5 @@
-// Glass with several samples a pixel: each fragment covers the samples that its triangle covers and nothing hides, so
-// that rims are smooth, whatever the method.
+// Glass with several samples per pixel: each fragment covers the unoccluded samples of its triangle, so that edges are
+// smooth with every method.
 #include <fmt/core.h>
 
 #include <cmath>

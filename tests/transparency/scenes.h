@@ -1,4 +1,5 @@
-// Scenes of blended surfaces whose pictures can be worked out by hand. glTF's frame: +Z is towards the viewer.
+// Scenes of blended surfaces whose pictures can be computed by hand. Coordinates are those of glTF: +Z points toward
+// the viewer.
 #pragma once
 
 #include <glm/gtc/matrix_transform.hpp>

@@ -1,4 +1,4 @@
-// Steering a camera, against what geometry says: where points are in the picture before and after.
+// Camera control against geometry: the positions of points in the picture before and after each movement.
 #include "view/camera_control.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// `latelight render` in process, on one device for all: a program of its own for each picture takes too long.
+// `latelight render` in process, on one shared device, because a separate process for each picture requires too much
+// time.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// How few pixels a draft has on devices of known speed, in closed form.
+// The resolution of drafts on devices of known speed, in closed form.
 #include "view/draft.h"
 
 #include <gtest/gtest.h>

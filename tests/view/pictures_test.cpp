@@ -1,4 +1,4 @@
-// Splits, outlines and dragged things, by pixels that are known.
+// Splits, outlines and dragged objects, by known pixels.
 #include <gtest/gtest.h>
 
 #include "scene/framing.h"

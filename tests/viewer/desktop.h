@@ -1,4 +1,4 @@
-// What desktops do to windows, on a display that has none.
+// Simulates the actions of a desktop environment on windows, on a display without one.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// A display of the test's own (Xvfb), its pixels, and a hand on its pointer and keys (xdotool).
+// A separate display for the test (Xvfb), its pixels, and control of its pointer and keys (xdotool).
 #pragma once
 
 #include <sys/types.h>

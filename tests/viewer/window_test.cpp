@@ -1,4 +1,4 @@
-// The real window on a display without a screen, moved by pointer and keys.
+// The real window on a virtual display, controlled by pointer and keys.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

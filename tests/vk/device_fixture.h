@@ -1,5 +1,5 @@
-// A device under validation, shared by the tests of a process; any message fails the test that caused it.
-// test_device.h says which.
+// A device under validation, shared by the tests of a process; any message fails the test that caused it. test_device.h
+// selects the device.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// What the doctor says when each thing is hidden in turn. A process loads Vulkan once, so each case runs this program
-// again, with variables that hide something, as the one test DoctorInAProcess.DISABLED_Report.
+// The findings of the doctor when each part of the system is hidden in turn. A process loads Vulkan only once, so each
+// case runs this program again, with variables that hide a part, as the single test DoctorInAProcess.DISABLED_Report.
 #include "vk/doctor.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// A small compute shader with a binding of two kinds, push constants and a specialization constant.
+// A small compute shader with bindings of two kinds, push constants and a specialization constant.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
-// bench_serve [SCENE] [WIDTHxHEIGHT] [SECONDS] [DEVICE]: pictures a second while the camera moves, and milliseconds
-// from a key to its picture and where they go, to a page in this process that decodes each picture on one thread. No
-// validation.
+// bench_serve [SCENE] [WIDTHxHEIGHT] [SECONDS] [DEVICE]: measures pictures per second while the camera moves, and the
+// latency from a key to its picture in milliseconds, by stage. The page is simulated in this process and decodes each
+// picture on one thread. Validation is off.
 #include <fmt/format.h>
 
 #include <algorithm>
