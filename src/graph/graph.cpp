@@ -1,3 +1,4 @@
+// Declaration of the passes and resources of a frame graph, and pass culling.
 #include "graph/graph.h"
 
 #include <cassert>

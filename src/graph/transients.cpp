@@ -1,3 +1,5 @@
+// The transient pool. place() returns the aliased resources of a plan and reuses those of an equal graph, or at least
+// its heaps; take() returns single resources for results. Resources that are unused for several submissions are freed.
 #include "graph/transients.h"
 
 #include <algorithm>

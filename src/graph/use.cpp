@@ -1,3 +1,4 @@
+// The table of resource uses: pipeline stages, access flags, image layouts and usage flags.
 #include "graph/use.h"
 
 #include <array>

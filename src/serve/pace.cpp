@@ -1,3 +1,5 @@
+// Flow control for pictures: measures latency from small messages and the data rate from large ones, and adapts the
+// JPEG quality so that pictures arrive in time.
 #include "serve/pace.h"
 
 #include <algorithm>

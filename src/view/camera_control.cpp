@@ -1,3 +1,4 @@
+// Turntable and fly camera control, in spherical coordinates around the target.
 #include "view/camera_control.h"
 
 #include <algorithm>

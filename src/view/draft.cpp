@@ -1,3 +1,4 @@
+// Dynamic resolution: selects the divisor of width and height from the measured time of the last draft.
 #include "view/draft.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Outline of the selection: colors each pixel outside of the object that is within a few pixels of it.
 #include "view/outline.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// First-fit allocation of offsets within one memory block.
 #include <algorithm>
 #include <cassert>
 #include <iterator>

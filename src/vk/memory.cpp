@@ -1,3 +1,4 @@
+// Suballocation of device memory: selects a memory type, then a block with free space or a dedicated allocation.
 #include "vk/memory.h"
 
 #include <algorithm>

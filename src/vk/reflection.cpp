@@ -1,3 +1,5 @@
+// Shader reflection: reads the declarations of a SPIR-V module, follows the calls from its entry point to find the
+// bindings that it uses statically, and determines the memory layout of its structs.
 #include "vk/reflection.h"
 
 #include <algorithm>

@@ -1,3 +1,6 @@
+// Specialization of SPIR-V: replaces specialization constants by plain constants, folds OpSpecConstantOp where all
+// operands are known words, and drops SpecId decorations. Function bodies are copied unchanged. The opcodes are those
+// of the SPIR-V 1.6 specification, "Constant-Creation Instructions".
 #include "vk/specialize.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Uploads of buffers and textures: in place for host-visible destinations, otherwise by way of staging memory, in
+// batches of copies that do not overlap.
 #include <algorithm>
 #include <cassert>
 #include <cstring>

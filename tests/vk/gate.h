@@ -1,3 +1,4 @@
+// A gate that blocks the device's queue until the host opens it.
 #pragma once
 
 #include "vk/device.h"
