@@ -179,7 +179,7 @@ class States {
   static bool inDeviceMemory(const vk::BufferDesc& desc) { return desc.kind == vk::MemoryKind::Device; }
 
   std::vector<State> states_;
-  std::vector<ResourceUse> needs_;
+  std::vector<ResourceUse> needs_;  // of the current pass
   std::vector<Plan::Lifetime> lives_;
   std::vector<Id> touched_;
   std::vector<const std::string*> names_;

@@ -213,7 +213,7 @@ class Graph {
     std::optional<Use> before, exported;
   };
   void require(const Access& access);  // checks that the use is valid, and adds the usage flags that it requires
-  std::vector<bool> alive() const;
+  std::vector<bool> alive() const;     // indexed by pass
   std::vector<Pass> passes_;
   std::vector<ImageNode> images_;
   std::vector<BufferNode> buffers_;

@@ -22,8 +22,8 @@ class Pace {
   void written(Time now);                 // the oldest unwritten message has been written
   void shown(uint64_t number, Time now);  // the page has shown this message and all before it
 
-  // JPEG quality, 1 to 100. quality() is for the next picture. coarser() returns the quality with which an encoded
-  // final picture would arrive in time.
+  // JPEG quality, 1 to 100. quality() is for the next picture. coarser() returns the next lower quality for an encoded
+  // final picture that would not arrive in time.
   int quality(bool final) const { return final ? kFinest : quality_; }
   void made(size_t bytes);                       // reports the size of an encoded picture while something moves
   int coarser(int quality, size_t bytes) const;  // for a final picture of this size; the same value: it is good

@@ -1,5 +1,5 @@
-// Dynamic resolution while something moves: reduces the resolution until measured frame rate reaches ten pictures per
-// second.
+// Dynamic resolution while something moves: reduces the resolution until the measured frame rate reaches ten pictures
+// per second.
 #pragma once
 
 #include "render/settings/settings.h"

@@ -57,8 +57,8 @@ struct ShowOutput {
 // The right choice starts as a copy of the left one.
 struct SetSplit {
   enum Mode : uint8_t { Off, Slider, Difference } mode = Off;
-  double at = 0.5;  // start of the right side, as a fraction of the width
-  double amplification = 8;
+  double at = 0.5;           // start of the right side, as a fraction of the width
+  double amplification = 8;  // of differences
 };
 struct UseCamera {
   std::string name;  // name or index; empty: the initial camera

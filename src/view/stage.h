@@ -20,7 +20,7 @@ struct CameraChoice {
   std::string camera;  // name or index; empty: the first, or one that frames the scene
   struct Placed {
     glm::dvec3 eye, target;  // in the scene file's coordinates
-    double fov;
+    double fov;              // vertical, in degrees
   };
   std::optional<Placed> placed;
 };

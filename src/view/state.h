@@ -41,7 +41,7 @@ struct State {
   std::string scene, device;
   std::string error;  // error message of the last input or picture; empty: no error
   uint32_t width = 0, height = 0;
-  Choice choices[2];
+  Choice choices[2];  // indexed by Side
   SetSplit split;
   std::string environment;  // as requested
 
@@ -64,10 +64,10 @@ struct State {
   std::vector<LightState> lights;
   bool lightsMoved = false;  // if true, no command line renders this picture
 
-  std::string command;         // shell command that renders the left choice
-  std::string rightCommand;    // the same for the right choice; empty without a split
-  uint32_t bytesPerPixel = 0;  // of the G-buffer with depth and light
-  std::vector<std::string> targets;
+  std::string command;               // shell command that renders the left choice
+  std::string rightCommand;          // the same for the right choice; empty without a split
+  uint32_t bytesPerPixel = 0;        // of the G-buffer with depth and light
+  std::vector<std::string> targets;  // names of the layout's targets
 };
 
 // A rendered picture of a session.

@@ -87,14 +87,14 @@ struct GraphicsDesc {
   std::vector<VertexBuffer> vertexBuffers;  // by binding
   std::vector<Binding> bindings;
   std::vector<std::vector<Binding>> sceneSets;  // sets 1 and on
-  std::vector<Constant> constants;
-  uint32_t pushBytes = 0;  // see ComputeDesc
+  std::vector<Constant> constants;              // for both stages
+  uint32_t pushBytes = 0;                       // see ComputeDesc
   std::vector<VkFormat> colors;
   uint32_t colorsWritten = ~0u;  // bit i: color i is written
   VkFormat depth = VK_FORMAT_UNDEFINED;
   VkCompareOp depthCompare = VK_COMPARE_OP_GREATER;  // depth is reversed
   bool depthWrite = true;
-  bool depthClamp = false;
+  bool depthClamp = false;                  // requires the optional feature
   std::optional<VkStencilOpState> stencil;  // for both faces; the reference value is dynamic. `depth` must have stencil
   bool colorWrite = true;
   Blend blend = Blend::Replace;

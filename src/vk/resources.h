@@ -146,9 +146,9 @@ enum class UploadMode : uint8_t {
   Deferred,  // as Direct, but destinations that a submission in flight may use are staged and wait for record()
 };
 
-// Copies host data to the device. upload() copies the data to staging memory of 16 MiB before it returns, and calls
-// flush() when the memory is full. Deferred mode uses 64 MiB. flush() (or the destructor, which turns an error into a
-// warning) submits the staged copies and waits. Images end in VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL.
+// Copies host data to the device. upload() copies the data before it returns, either in place or to staging memory of
+// 16 MiB (Deferred: 64 MiB), and calls flush() when that memory is full. flush() (or the destructor, which turns an
+// error into a warning) submits the staged copies and waits. Images end in VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL.
 class Uploader {
  public:
   explicit Uploader(Device& device, UploadMode mode = UploadMode::Direct);
