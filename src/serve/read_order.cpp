@@ -77,7 +77,8 @@ std::array<double, 3> vector(const Json& message, const char* key) {
     throw BadMessage(fmt::format("\"{}\" must be {} numbers", key, numbers.size()));
   for (size_t i = 0; i < numbers.size(); ++i) {
     numbers[i] = number(value[i]);
-    if (!std::isfinite(static_cast<float>(numbers[i]))) throw BadMessage(fmt::format("\"{}\" has a number that is too large", key));
+    if (!std::isfinite(static_cast<float>(numbers[i])))
+      throw BadMessage(fmt::format("\"{}\" has a number that is too large", key));
   }
   return numbers;
 }
