@@ -186,7 +186,7 @@ TEST_F(Aliasing, KnowsTheLivesOfTransients) {
   graph.exports(out, Use::HostRead);
   const Plan plan = graph.compile();
   std::vector<std::string> lives, kept;
-  for (const Plan::Life& life : plan.lives)
+  for (const Plan::Lifetime& life : plan.lives)
     lives.push_back(fmt::format("{} {}-{}, then {}[{}]",
                                 life.image ? graph.desc(life.image).name : graph.desc(life.buffer).name, life.first,
                                 life.last, stageText(life.lastStages), accessText(life.lastWrites)));

@@ -195,7 +195,7 @@ TEST(RandomGraphs, HaveNoBitTooMany) {
 struct AliasedPlan {
   explicit AliasedPlan(uint32_t seed) : graph(seed, true), plan(graph.graph.compile()) {
     std::vector<Footprint> footprints;
-    for (const Plan::Life& life : plan.lives)
+    for (const Plan::Lifetime& life : plan.lives)
       footprints.push_back({.size = 1 + graph.pick(graph.pick(2) ? 4 : 40), .first = life.first, .last = life.last});
     const Packing packing = pack(footprints, ~uint64_t{0});
     for (size_t i = 0; i < plan.lives.size(); ++i) {
@@ -215,7 +215,7 @@ struct AliasedPlan {
   // Those that come to memory that others had before.
   std::vector<Barrier*> aliasingBarriers() {
     std::vector<Barrier*> result;
-    for (const Plan::Life& life : plan.lives)
+    for (const Plan::Lifetime& life : plan.lives)
       for (Barrier& barrier : plan.steps[life.first].before)
         if (barrier.image == life.image && barrier.buffer == life.buffer && barrier.sourceStage)
           result.push_back(&barrier);

@@ -15,14 +15,14 @@ class SharedMemory : public Executors {
  protected:
   // As if all were needed from the first step to the last: none shares with another.
   static Plan withoutSharing(Plan plan) {
-    for (Plan::Life& life : plan.lives) {
+    for (Plan::Lifetime& life : plan.lives) {
       life.first = 0;
       life.last = static_cast<uint32_t>(plan.steps.size());
     }
     return plan;
   }
   static void forgetWhatWasThere(Plan& plan) {
-    for (Plan::Life& life : plan.lives) {
+    for (Plan::Lifetime& life : plan.lives) {
       life.lastStages = 0;
       life.lastWrites = 0;
     }
