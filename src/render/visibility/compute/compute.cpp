@@ -122,7 +122,7 @@ graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const Raste
   addClear(f, graph::Stage::Visibility, "raster clear", {queues.visible});
   RasterChain whole{graph::Stage::Visibility, "raster.comp", "raster_large.comp", 0, kRankMasked};
   RasterChain cut{
-      graph::Stage::Visibility, "raster_cut_out.comp", "raster_large_cut_out.comp", kRankMasked, kRankMasked, true};
+      graph::Stage::Visibility, "raster_masked.comp", "raster_large_masked.comp", kRankMasked, kRankMasked, true};
   if (views.lens) {
     whole.small = cut.small = "raster_lens.comp";
     whole.large = cut.large = "raster_large_lens.comp";
