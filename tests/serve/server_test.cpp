@@ -705,8 +705,8 @@ Json randomMessage(std::mt19937& random) {
   const auto upTo = [&](uint32_t most) { return std::uniform_int_distribution<uint32_t>(0, most)(random); };
   const auto one = [&](const auto& list) { return list[upTo(static_cast<uint32_t>(std::size(list)) - 1)]; };
   constexpr const char* kButtons[] = {"left", "middle", "right"};
-  constexpr const char* kKeys[] = {"ArrowLeft", "ArrowUp", "Placement", "o", "w", "1",      "7",    "f",
-                                   " ",         "+",       "p",         "[", "]", "Escape", "Enter"};
+  constexpr const char* kKeys[] = {"ArrowLeft", "ArrowUp", "Home", "o", "w", "1",      "7",    "f",
+                                   " ",         "+",       "p",    "[", "]", "Escape", "Enter"};
   constexpr const char* kOutputs[] = {"picture", "depth", "normal", "id", "albedo", "targets", "nothing"};
   constexpr const char* kModes[] = {"off", "slider", "difference"};
   constexpr const char* kSides[] = {"left", "right"};

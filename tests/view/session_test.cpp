@@ -199,7 +199,7 @@ TEST(ViewSessionTest, ASteeredCameraIsAsTheCommandLineHasIt) {
     expectAsRendered(viewer, "pan");
     viewer(Wheel{2});
     expectAsRendered(viewer, "wheel");
-    viewer(Key{"Placement", true});
+    viewer(Key{"Home", true});
     expectAsRendered(viewer, "frame all");
     viewer(Resize{40, 70});
     viewer(Key{"3", true});
@@ -733,9 +733,9 @@ Input anyInput(std::mt19937& random) {
   const auto below = [&](uint32_t n) { return static_cast<uint32_t>(random() % n); };
   const auto number = [&] { return static_cast<double>(below(4000)) / 10 - 100; };
   const Side side = below(2) ? Side::Left : Side::Right;
-  const char* const keys[] = {"w",         "a",      "s",         "d",       "q",        "e", "o",     "f",
-                              " ",         "1",      "p",         "[",       "3",        "7", "+",     "-",
-                              "Placement", "Escape", "ArrowLeft", "ArrowUp", "PageDown", "x", "Enter", "]"};
+  const char* const keys[] = {"w",    "a",      "s",         "d",       "q",        "e", "o",     "f",
+                              " ",    "1",      "p",         "[",       "3",        "7", "+",     "-",
+                              "Home", "Escape", "ArrowLeft", "ArrowUp", "PageDown", "x", "Enter", "]"};
   switch (below(17)) {
     case 0:
       return Resize{below(4) * 30, below(4) * 20};

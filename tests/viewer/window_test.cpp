@@ -173,7 +173,7 @@ TEST_F(WindowTest, ShowsWhatRenderWritesAndFollowsPointerAndKeys) {
   });
   changes("the wheel", [&] { screen_.act({"mousemove", "150", "90", "click", "4"}); });
   changes("an arrow", [&] { key("Left"); });
-  changes("Placement", [&] { key("Placement"); });
+  changes("Home", [&] { key("Home"); });
   changes("from the top", [&] { key("7"); });
   const output::Picture wide = [&] {
     key("h");  // without the panel
@@ -353,7 +353,7 @@ TEST_F(WindowTest, TakesFilesThatAreTyped) {
   words.insert(words.end(), {"--hdri", sky});
   EXPECT_EQ(lit.rgba, rendered(words).rgba);
   const output::Picture other = changes("a scene", [&] {
-    keys({"F2", "Placement"});
+    keys({"F2", "Home"});
     for (int i = 0; i < 10; ++i) keys({"Down"});
     type(scene);
   });
@@ -373,12 +373,11 @@ struct Goal {
 // Windows (ctrl+n, ctrl+w) and texts are other tests'.
 constexpr const char* kPictureKeys[] = {
     "w",      "a",      "s",     "d",    "q",          "e",         "o",     "f",  "space",       "1",
-    "3",      "7",      "p",     "plus", "minus",      "Left",      "Right", "Up", "Down",        "Placement",
+    "3",      "7",      "p",     "plus", "minus",      "Left",      "Right", "Up", "Down",        "Home",
     "Tab",    "l",      "F1",    "F1",   "shift+Left", "shift+Tab", "h",     "h",  "bracketleft", "bracketright",
     "Return", "Escape", "ctrl+r"};
 // Nothing is typed: a file's name would be a place to write to.
-constexpr const char* kPanelKeys[] = {"Down",  "Down",   "Down", "Up",        "Left",
-                                      "Right", "Return", "End",  "Placement", "Tab"};
+constexpr const char* kPanelKeys[] = {"Down", "Down", "Down", "Up", "Left", "Right", "Return", "End", "Home", "Tab"};
 constexpr Goal kPicture{0, kWidth, kHeight, kPictureKeys}, kWholePanel{kWidth, kPanel, kTall, kPanelKeys};
 
 std::vector<std::string> anyInput(std::mt19937& random, const Goal& goal) {
@@ -414,7 +413,7 @@ class AnythingWindowTest : public WindowTest, public testing::WithParamInterface
   }
   // All of the scene, with its lights where the file has them.
   void expectPictureOfItsCommand() {
-    keys({"Placement", "ctrl+r"});
+    keys({"Home", "ctrl+r"});
     screen_.act({"mousemove", "600", "190"});
     restsNow("after so many inputs");
     const output::Picture last = screenshot();
