@@ -145,12 +145,13 @@ TEST_F(FarFromOrigin, ScenesLookAsAtTheOriginInBothRasters) {
   scene::Scene intricate = scene::load(models::modelPath("intricate.glb").string());
   scene::Scene textured = scene::load(models::modelPath("textured.glb").string());
   scene::Scene house = scene::makeBuiltin("hall,triangles=50k,lights=20"), boxes = scene::makeBuiltin("boxes"),
-               spheres = scene::makeBuiltin("spheres");
+               spheres = scene::makeBuiltin("spheres"), triangles = scene::makeBuiltin("triangles,count=2k");
   for (const Raster raster : {Raster::Hardware, Raster::Compute}) {
     const std::string in = raster == Raster::Hardware ? " by hardware" : " in compute";
     for (const auto& [name, scene] : {std::pair<std::string, scene::Scene*>{"hall", &house},
                                       {"boxes", &boxes},
                                       {"spheres", &spheres},
+                                      {"triangles", &triangles},
                                       {"intricate", &intricate},
                                       {"textured", &textured}})
       expectTheSame(name + in, *scene, cameraOf(*scene, kWide, kHigh), settings(raster), {1e4, 1e6, 1e8});
