@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "scene/origin.h"
 
 namespace latelight::render {
 
@@ -41,13 +42,6 @@ void setTransform(shared::Instance& record, const glm::dmat4& toWorld, const glm
   record.objectToWorld = glm::mat4x3(glm::mat4(toWorld));
   record.objectToWorld[3] = glm::vec3(translation);
   record.translationLow = glm::vec3(translation - glm::dvec3(record.objectToWorld[3]));
-}
-
-// Returns one coordinate of the origin. Scenes near the world's own origin keep it. Other scenes use a multiple of
-// kStep, so that the origin does not change while objects move a little.
-double originNear(double coordinate) {
-  constexpr double kNear = 1024, kStep = 64;  // meters
-  return std::isfinite(coordinate) && std::abs(coordinate) >= kNear ? std::round(coordinate / kStep) * kStep : 0.0;
 }
 
 }  // namespace
@@ -124,7 +118,7 @@ glm::dvec3 GpuInstances::meanCenter() const {
 
 bool GpuInstances::moveOrigin() {
   const glm::dvec3 mean = meanCenter();
-  const glm::dvec3 origin(originNear(mean.x), originNear(mean.y), originNear(mean.z));
+  const glm::dvec3 origin = scene::originNear(mean);
   return std::exchange(origin_, origin) != origin;
 }
 

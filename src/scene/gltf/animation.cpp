@@ -9,6 +9,7 @@
 #include "scene/gltf/nodes.h"
 #include "scene/gltf/pointer.h"
 #include "scene/gltf/skin.h"
+#include "scene/origin.h"
 
 namespace latelight::scene::gltf {
 namespace {
@@ -228,11 +229,10 @@ std::vector<uint32_t> parentsFirst(const tinygltf::Model& model, const std::vect
 }  // namespace
 
 glm::dvec3 skinOrigin(const Document& document, const Hierarchy& hierarchy, int index) {
-  constexpr double kFar = 1024, kGrid = 64;  // meters: nearer, floats are precise enough
   const std::vector<int>& joints = document.model.skins[size_t(index)].joints;
   glm::dvec3 mean(0);
   for (const int joint : joints) mean += glm::dvec3(hierarchy.world[size_t(joint)][3]) / double(joints.size());
-  return glm::length(mean) < kFar ? glm::dvec3(0) : glm::round(mean / kGrid) * kGrid;
+  return originNear(mean);
 }
 
 Skin readSkin(const Document& document, const Hierarchy& hierarchy, int index) {
