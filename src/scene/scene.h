@@ -229,7 +229,7 @@ struct IdGrouping {
   // Nodes deeper than this get the id of their ancestor at this depth. Roots are at depth 0, their children at 1. A
   // copy by EXT_mesh_gpu_instancing is one level deeper than its node.
   std::optional<uint32_t> depth;
-  // Names or paths of nodes; a name selects every node that has it. The subtree of each gets its id, except for the
+  // Names or paths of nodes; a name selects all nodes of that name. The subtree of each gets its id, except for the
   // part below another selected node.
   std::vector<std::string> nodes;
 };

@@ -63,7 +63,7 @@ class Hub {
   const view::Start start_;
   const uint32_t sessions_;
   const std::chrono::milliseconds patience_;
-  Visitors waiting_;  // waiting for a request, in order of arrival; none has shown the token since
+  Visitors waiting_;  // waiting for a request, in order of arrival; not authorized since then
   Visitors served_;   // have shown the token: they receive a response, or belong to a page's session
   bool closed_ = false;
   std::chrono::steady_clock::time_point crowdLogged_{};

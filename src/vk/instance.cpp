@@ -101,8 +101,7 @@ VkBool32 Instance::hear(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMess
 std::vector<VkPhysicalDevice> Instance::devices() const {
   uint32_t count = 0;
   VkResult result = vkEnumeratePhysicalDevices(instance_, &count, nullptr);
-  // Drivers without hardware return VK_ERROR_INITIALIZATION_FAILED. This means that there is no device, and is not an
-  // error.
+  // Drivers without hardware return VK_ERROR_INITIALIZATION_FAILED, which counts as having no device.
   if (result != VK_SUCCESS) return {};
   std::vector<VkPhysicalDevice> devices(count);
   result = vkEnumeratePhysicalDevices(instance_, &count, devices.data());

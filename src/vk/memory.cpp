@@ -30,7 +30,7 @@ struct MemoryPreference {
   VkMemoryPropertyFlags needed, preferred;
 };
 
-MemoryPreference wishFor(MemoryKind kind, bool cpuDevice) {
+MemoryPreference preferenceFor(MemoryKind kind, bool cpuDevice) {
   constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
   switch (kind) {
     case MemoryKind::Upload:
@@ -73,7 +73,7 @@ Allocator::~Allocator() {
 }
 
 uint32_t Allocator::typeFor(const VkMemoryRequirements& needs, MemoryKind kind) const {
-  const uint32_t type = findType(properties_, needs.memoryTypeBits, wishFor(kind, device_.isCpu()));
+  const uint32_t type = findType(properties_, needs.memoryTypeBits, preferenceFor(kind, device_.isCpu()));
   if (type == ~0u)
     fail(ExitCode::Internal, "No memory type suits a resource (allowed types {:#x}).", needs.memoryTypeBits);
   return type;

@@ -61,9 +61,9 @@ uint64_t trafficBytes(const graph::Graph& graph, const ComputePass& pass, std::s
 }
 
 void addClear(const Builder& b, graph::Stage stage, const char* name, const std::vector<graph::BufferId>& cleared,
-              const std::vector<graph::BufferId>& anew) {
+              const std::vector<graph::BufferId>& discarded) {
   std::vector<graph::Access> accesses;
-  for (const auto& buffers : {cleared, anew})
+  for (const auto& buffers : {cleared, discarded})
     for (const graph::BufferId buffer : buffers) accesses.emplace_back(buffer, graph::Use::CopyTarget);
   b.graph.pass(stage, name, std::move(accesses), [=](graph::Context& context) {
     for (const graph::BufferId buffer : cleared)

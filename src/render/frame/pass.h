@@ -117,9 +117,9 @@ requires(!std::invocable<Constants, graph::Context&>) void addCompute(const Buil
   addCompute(b, std::move(pass), [push](graph::Context&) { return push; });
 }
 
-// Adds a pass that fills buffers with zeros. `anew`: further buffers, whose contents are discarded.
+// Adds a pass that fills the `cleared` buffers with zeros and discards the contents of the `discarded` ones.
 void addClear(const Builder& b, graph::Stage stage, const char* name, const std::vector<graph::BufferId>& cleared,
-              const std::vector<graph::BufferId>& anew = {});
+              const std::vector<graph::BufferId>& discarded = {});
 
 // Adds a pass that fills a small buffer (at most 64 KiB) with values that are known only after the graph has its
 // memory: addresses. make(context) returns the values. `of`: the buffers that it refers to, with their uses.

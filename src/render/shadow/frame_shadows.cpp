@@ -101,8 +101,8 @@ void FrameShadows::enterMaps() {
   });
   std::unordered_map<std::string_view, uint32_t> entered;
   for (size_t map = 0; map < keys.size(); ++map) {
-    const auto [found, anew] = entered.try_emplace(keys[map], static_cast<uint32_t>(wanted_.size()));
-    if (anew) wanted_.push_back({keys[map], &plan_.views[map]});
+    const auto [found, isNew] = entered.try_emplace(keys[map], static_cast<uint32_t>(wanted_.size()));
+    if (isNew) wanted_.push_back({keys[map], &plan_.views[map]});
     wantedOfMap_.push_back(found->second);
   }
 }
@@ -150,7 +150,7 @@ std::vector<shared::PagedLight> FrameShadows::pagedLights() const {
 
 void FrameShadows::drawAgain() {
   undrawn_ = !maps_.empty();
-  for (Map& map : maps_) map.anew = true;
+  for (Map& map : maps_) map.discarded = true;
 }
 
 bool FrameShadows::takeDrawing() {
@@ -160,7 +160,7 @@ bool FrameShadows::takeDrawing() {
 
 void FrameShadows::addedDrawing() {
   keepsAtlas_ = true;
-  for (Map& map : maps_) map.anew = false;
+  for (Map& map : maps_) map.discarded = false;
 }
 
 void FrameShadows::settled() {

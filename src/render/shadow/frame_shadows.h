@@ -36,8 +36,8 @@ class FrameShadows {
   struct Map {
     AtlasTile tile;
     const ShadowView* view;
-    bool anew;   // none of its pages has been drawn
-    bool whole;  // draw all pages, even if other maps draw only pages that pixels look up
+    bool discarded;  // its pages hold nothing yet
+    bool whole;      // draw all pages, even if other maps draw only pages that pixels look up
   };
   std::span<const Map> maps() const { return maps_; }
   // Constants of a frame whose views are maps(), in order.

@@ -19,10 +19,10 @@ struct PagedLight {
 };
 
 struct PagedMap {
-  uint first;  // word of its first row of pages
-  uint rows;   // of pages
-  uint anew;   // 1: none of its pages has been drawn yet
-  uint whole;  // 1: all pages are required
+  uint first;      // word of its first row of pages
+  uint rows;       // of pages
+  uint discarded;  // 1: its pages hold nothing yet
+  uint whole;      // 1: all pages are required
 };
 
 struct PagesAskedPush {

@@ -88,7 +88,7 @@ graph::BufferId addShadowPages(const FrameContext& f, const Gbuffer& gbuffer) {
   for (const FrameShadows::Map& map : shadows.maps()) {
     const bool whole = map.whole || !shadows.asksForPages();
     const uint32_t rows = std::max(map.tile.size / kShadowPage, 1u);
-    maps.push_back({firstPageWord(atlas, map.tile), rows, map.anew ? 1u : 0u, whole ? 1u : 0u});
+    maps.push_back({firstPageWord(atlas, map.tile), rows, map.discarded ? 1u : 0u, whole ? 1u : 0u});
     any |= !whole;
   }
   const auto count = static_cast<uint32_t>(maps.size());

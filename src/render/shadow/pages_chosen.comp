@@ -19,7 +19,7 @@ void main() {
   uint word = map.first + row * push.across;
   PagesRef kept = PagesRef(push.kept);
   uint asked = map.whole != 0u ? ~0u >> (32u - map.rows) : PagesRef(push.asked).v[word];
-  uint has = map.anew != 0u ? 0u : kept.v[word];
+  uint has = map.discarded != 0u ? 0u : kept.v[word];
   PagesRef(push.drawn).v[word] = asked & ~has;
   kept.v[word] = has | asked;
 }

@@ -269,8 +269,8 @@ ShadowPlan planShadows(const ShadowScene& scene, std::span<const shared::View> v
   uint32_t maps = 0;
   for (size_t view = 0; view < views.size(); ++view)
     for (const ShadowCaster& caster : chosen[view].casters) {
-      const auto [first, anew] = firsts.try_emplace(sharedOf(scene, caster, chosen[view].cascades), maps);
-      if (anew) {
+      const auto [first, isNew] = firsts.try_emplace(sharedOf(scene, caster, chosen[view].cascades), maps);
+      if (isNew) {
         distinct.emplace_back(&caster, &chosen[view]);
         maps += caster.maps;
       }

@@ -1,4 +1,4 @@
-// Decodes AVIF images with libavif, if the build has it.
+// Decodes AVIF images with libavif if the program was built with it.
 #ifdef LATELIGHT_AVIF
 #include <avif/avif.h>
 #endif
