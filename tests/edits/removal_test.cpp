@@ -101,7 +101,8 @@ TEST_F(RemovalTest, WhatAFailedFrameWasToUploadMayBeReplaced) {
 // --- memory ---------------------------------------------------------------------------------------------------------
 
 // A thousand rounds of a texture, a material, a mesh and an instance: 64 x 64 texels and their mip levels are 22 kB, so
-// that what is not freed shows on the device and on the host.
+// that what is not freed shows on the device and on the host. A leak grows the host's heap in every hundred rounds; the
+// driver and the allocator grow it now and then, which the median leaves out.
 TEST_F(RemovalTest, AThousandRoundsTakeNoMemory) {
   constexpr int kRounds = 1000;
   constexpr uint32_t kSide = 64;
@@ -138,7 +139,11 @@ TEST_F(RemovalTest, AThousandRoundsTakeNoMemory) {
     onHost.push_back(least);
   }
   EXPECT_LE(onDevice.back(), onDevice[1]);
-  EXPECT_LE(static_cast<double>(onHost.back()) - static_cast<double>(onHost[1]), 800 * 100) << "100 bytes a round";
+  std::vector<int64_t> growth;
+  for (size_t i = 2; i < onHost.size(); ++i)
+    growth.push_back(static_cast<int64_t>(onHost[i]) - static_cast<int64_t>(onHost[i - 1]));
+  std::ranges::sort(growth);
+  EXPECT_LE(growth[growth.size() / 2], 100 * 100) << "100 bytes per round";
   EXPECT_EQ(scene_.textures.size(), 4u);
   EXPECT_EQ(scene_.materials.size(), workshop().materials.size() + 1);
 }
