@@ -284,7 +284,7 @@ Device::Device(const DeviceOptions& options) : validation_(validationWanted(opti
 
   impl.extensions = offeredExtensions(physical_);
   device_ = impl.device = makeDevice(physical_, queueFamily_, impl.extensions, impl.enabled);
-  if (options.descriptorIndexing) maxTextureArray_ = longestTextureArray(impl.enabled.v12, indexing);
+  if (options.descriptorIndexing.value_or(!isCpu())) maxTextureArray_ = longestTextureArray(impl.enabled.v12, indexing);
   reserveDriverCache();  // by now the driver has created the cache if it was missing
   vkGetDeviceQueue(device_, queueFamily_, 0, &queue_);
   if (impl.instance.debugUtils())

@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,9 +48,11 @@ DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::str
 struct DeviceOptions {
   std::string selector = "auto";
   bool validation = false;  // Khronos validation with synchronization checks; messages go to validationMessages()
-  bool descriptorIndexing = true;  // enables it if the device supports it
-  bool graphics = true;            // enables the graphics pipeline if the device supports it; false: compute only, on a
-                                   // compute-only queue if there is one
+  // Enables descriptor indexing if the device supports it. Default: on GPUs. Newer lavapipe supports it, but allocates
+  // and clears 256 bytes per element of the longest array that a set could have, and samples more slowly through it.
+  std::optional<bool> descriptorIndexing;
+  bool graphics = true;    // enables the graphics pipeline if the device supports it; false: compute only, on a
+                           // compute-only queue if there is one
   bool cpuShaders = true;  // on a CPU device, shaders use the code paths for CPUs; false, for tests: those for GPUs
 };
 
@@ -78,7 +81,7 @@ class Device {
   VkDeviceSize maxAllocationSize() const { return maxAllocationSize_; }  // in bytes, per allocation
   bool has(const char* extension) const;  // enabled; all of kOptionalExtensions that the device supports are
   const Features& features() const;       // enabled: the required ones, and the supported optional ones
-  // Maximum length of a Binding::TextureArray (bindless textures). 0: the device has no descriptor indexing.
+  // Maximum length of a Binding::TextureArray (bindless textures). 0: descriptor indexing is not enabled.
   uint32_t maxTextureArray() const { return maxTextureArray_; }
 
   // Records and submits commands without waiting. All work reaches the queue through this function. One submission is

@@ -2,6 +2,7 @@
 #include "vk/memory.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -25,6 +26,10 @@ namespace {
 
 // Resources above this size have dedicated allocations, because the rest of the block would be wasted.
 constexpr VkDeviceSize kLargestShared = Allocator::kBlockSize / 4;
+
+// A CPU device's first block. Newer lavapipe keeps memory in a shared file, whose pages of 4 KiB the kernel clears one
+// by one as they are touched.
+constexpr VkDeviceSize kFirstCpuBlock = VkDeviceSize{1} << 20;
 
 struct MemoryPreference {
   VkMemoryPropertyFlags needed, preferred;
@@ -87,8 +92,19 @@ Allocation Allocator::allocate(const VkMemoryRequirements& needs, MemoryKind kin
     for (const auto& block : blocks_)
       if (!block->dedicated && block->type == type && block->linear == linear)
         if (Allocation found = take(*block, needs); found.memory) return found;
-  Block& block = addBlock(sharing == Sharing::Blocks ? kBlockSize : needs.size, type, linear, sharing);
+  Block& block =
+      addBlock(sharing == Sharing::Blocks ? nextBlockSize(needs, type, linear) : needs.size, type, linear, sharing);
   return take(block, needs);
+}
+
+// Blocks of a CPU device double what there is of their kind, so that at most half of what is allocated is unused. GPUs
+// allocate whole blocks at no cost.
+VkDeviceSize Allocator::nextBlockSize(const VkMemoryRequirements& needs, uint32_t type, bool linear) const {
+  if (!device_.isCpu()) return kBlockSize;
+  VkDeviceSize sum = 0;
+  for (const auto& block : blocks_)
+    if (!block->dedicated && block->type == type && block->linear == linear) sum += block->size;
+  return std::clamp(std::bit_ceil(std::max(sum, needs.size)), kFirstCpuBlock, kBlockSize);
 }
 
 Allocation Allocator::take(Block& block, const VkMemoryRequirements& needs) {

@@ -1,6 +1,6 @@
-// Device memory allocator. It suballocates from 64 MiB blocks per memory type, with linear and optimal resources in
-// separate blocks. Render targets and large resources have dedicated allocations. Host-visible blocks are persistently
-// mapped.
+// Device memory allocator. It suballocates from blocks per memory type, of 64 MiB on GPUs and of 1 to 64 MiB on CPU
+// devices, with linear and optimal resources in separate blocks. Render targets and large resources have dedicated
+// allocations. Host-visible blocks are persistently mapped.
 #pragma once
 
 #include <volk.h>
@@ -72,6 +72,7 @@ class Allocator {
  private:
   struct Block;
   Allocation take(Block& block, const VkMemoryRequirements& needs);  // memory is null if the block has no space
+  VkDeviceSize nextBlockSize(const VkMemoryRequirements& needs, uint32_t type, bool linear) const;
   Block& addBlock(VkDeviceSize size, uint32_t type, bool linear, Sharing sharing);
   VkDeviceSize reserved() const;
   [[noreturn]] void failFull(VkDeviceSize size, VkDeviceSize room) const;

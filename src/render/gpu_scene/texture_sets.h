@@ -1,9 +1,9 @@
 // How shaders access the textures of materials: descriptor set 1 of every draw of the scene.
 //
 // On devices with descriptor indexing, textures are bindless: one descriptor array for the scene holds every pair of
-// texture and sampler that a material uses, and Material::images holds indices into it. On other devices (lavapipe),
-// each material has its own descriptor set with one binding per slot. Shaders use sampleTexture() of glsl/material.glsl
-// in both cases.
+// texture and sampler that a material uses, and Material::images holds indices into it. On other devices, and on
+// CPU devices, each material has its own descriptor set with one binding per slot. Shaders use sampleTexture() of
+// glsl/material.glsl in both cases.
 #pragma once
 
 #include <array>

@@ -15,8 +15,8 @@ struct RasterChoice {
 
 // Returns the raster that `settings.raster` stands for on this device: itself, or the choice of `auto`. If both rasters
 // are possible, `auto` chooses the one that finds the depth of 300,000 small triangles sooner. This is measured the
-// first time on a device and driver, then kept in the cache folder. On devices without descriptor indexing, the choice
-// depends on the scene's triangle count instead. Throws Error(NoDevice) if the device supports neither raster.
+// first time on a device and driver, then kept in the cache folder. Where descriptor indexing is not enabled, the
+// choice depends on the scene's triangle count instead. Throws Error(NoDevice) if the device supports neither raster.
 RasterChoice chooseRaster(vk::Device& device, const Settings& settings, const scene::Scene& scene);
 
 // Returns the milliseconds of device time until the depth of each pixel is known, for each of `frames` frames of a
