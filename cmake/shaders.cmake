@@ -38,6 +38,24 @@ set(LATELIGHT_SPIRV_INLINE
   --eliminate-local-single-store --ssa-rewrite --eliminate-dead-code-aggressive --vector-dce --eliminate-dead-inserts
   --eliminate-dead-branches --cfg-cleanup --eliminate-dead-code-aggressive)
 
+# generated/constant_ids.glsl: `#define NAME ID` for each specialization constant of the files constants.def. They are
+# no GLSL constants, which would be part of every shader's SPIR-V.
+function(latelight_constant_ids)
+  set(text "")
+  foreach(folder IN ITEMS vk render/frame study)
+    set(source ${PROJECT_SOURCE_DIR}/src/${folder}/constants.def)
+    set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${source})
+    file(STRINGS ${source} lines REGEX "^[A-Z]+_CONSTANT\\(")
+    foreach(line IN LISTS lines)
+      if(NOT line MATCHES "^[A-Z]+_CONSTANT\\(([A-Za-z]+, )?(k[A-Za-z]+), ([0-9]+)\\)")
+        message(FATAL_ERROR "${source}: \"${line}\" is not KIND_CONSTANT([scope, ]name, id)")
+      endif()
+      string(APPEND text "#define ${CMAKE_MATCH_2} ${CMAKE_MATCH_3}\n")
+    endforeach()
+  endforeach()
+  latelight_generate(constant_ids.glsl "${text}")
+endfunction()
+
 function(latelight_compile_shader source name includes out)
   set(spirv ${LATELIGHT_SPIRV}/${name}.spv)
   set(simplify ${LATELIGHT_SPIRV_OPT})
@@ -101,6 +119,7 @@ endfunction()
 # latelight_shaders(module): embeds the shaders in that module. generated/shaders.inc lists SHADER(symbol, "name") for
 # each.
 function(latelight_shaders module)
+  latelight_constant_ids()
   file(MAKE_DIRECTORY ${LATELIGHT_SPIRV})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS
     ${PROJECT_SOURCE_DIR}/src/render/*.vert ${PROJECT_SOURCE_DIR}/src/render/*.frag ${PROJECT_SOURCE_DIR}/src/render/*.comp

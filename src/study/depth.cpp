@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "output/debug.h"
+#include "study/constant_ids.h"
 #include "study/depth_formats.h"
 #include "study/device_evaluation.h"
 #include "study/picture.h"
@@ -69,7 +70,7 @@ class DepthStudy {
       depths.emplace_back(float(share), 0, 0, 0);
       depths.emplace_back(std::bit_cast<float>(uint32_t(share * one)), 0, 0, 0);
     }
-    const vk::Pipeline pipeline = device_.make("study_depth.comp", {{0, format.id}});
+    const vk::Pipeline pipeline = device_.make("study_depth.comp", {{kFormatConstant, format.id}});
     const std::vector<vec4> onDevice = device_.run(pipeline, depths, perspectives().front().projection);
     // A depth of 1 is a special case, because some packings turn it into 0; it has a column of its own.
     const auto below = [&](size_t i) { return depths[i].x < 1; };
@@ -95,7 +96,7 @@ class DepthStudy {
     }
     std::vector<Line> lines;
     for (const Format& format : kFormats) {
-      const vk::Pipeline pipeline = device_.make("study_depth.comp", {{0, format.id}});
+      const vk::Pipeline pipeline = device_.make("study_depth.comp", {{kFormatConstant, format.id}});
       const std::vector<vec4> onDevice = device_.run(pipeline, depths, p);
       const auto relative = [&](size_t i, float depth) { return std::abs(double{depth} - metres[i]) / metres[i]; };
       const std::vector<double> host = errorsOf(count_, [&](size_t i) {

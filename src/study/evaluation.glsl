@@ -3,6 +3,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#include "constant_ids.glsl"
 #include "study/evaluation_push.h"
 
 layout(local_size_x = 64) in;

@@ -10,7 +10,7 @@
 #include "render/glsl/one_light.glsl"
 #include "study/light_bound_push.h"
 
-layout(constant_id = 16) const uint kLightType = 0;  // kLight*
+layout(constant_id = kLightTypeConstant) const uint kLightType = 0;  // kLight*
 layout(push_constant, scalar) uniform Push { LightBoundPush push; };
 
 // Each light has its own position, so that no intermediate result can be shared between lights.

@@ -2,6 +2,7 @@
 
 #include "render/lighting/lighting_shader.h"
 #include "shared/light.h"
+#include "study/constant_ids.h"
 #include "study/light_bound_push.h"
 
 namespace latelight::study {
@@ -20,7 +21,7 @@ shared::Light commonLight() {
 render::TechniqueInfo lightBound(uint32_t type, uint32_t lights) {
   const auto add = [=](const render::FrameContext& f, const render::Gbuffer& gbuffer) {
     render::ComputePass pass = render::lightingPass(f, gbuffer, "lighting bound", "light_bound.comp");
-    pass.constants.push_back({render::kFirstOwnConstant, type});
+    pass.constants.push_back({kLightTypeConstant, type});
     addCompute(f, std::move(pass), [=, &f](graph::Context& context) {
       return shared::LightBoundPush{f.constants, render::shownSurfaces(f, context), commonLight(), shared::vec3(1e-4f),
                                     lights};

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "output/debug.h"
 #include "render/gbuffer/layout.h"
+#include "study/constant_ids.h"
 #include "study/device_evaluation.h"
 #include "study/normal_error.h"
 #include "study/picture.h"
@@ -119,7 +120,8 @@ class NormalStudy {
     const auto errorOf = [&](vec3 n) { return normalError(encoding, bits, n); };
     const std::vector<double> host = errorsOf(directions_.all.size(), [&](size_t i) { return errorOf(direction(i)); });
     const std::vector<vec4> decoded =
-        device_.run(device_.make("study_normals.comp", {{0, encoding.index}, {1, bits}}), directions_.all);
+        device_.run(device_.make("study_normals.comp", {{kEncodingConstant, encoding.index}, {kBitsConstant, bits}}),
+                    directions_.all);
     const std::vector<double> device =
         errorsOf(directions_.all.size(), [&](size_t i) { return degreesBetween(vec3(decoded[i]), direction(i)); });
     const Regions onHost = regions(host), onDevice = regions(device);

@@ -6,6 +6,7 @@
 
 #include "output/debug.h"
 #include "render/settings/settings.h"
+#include "study/constant_ids.h"
 #include "study/device_evaluation.h"
 #include "study/picture.h"
 #include "study/projections.h"
@@ -88,7 +89,8 @@ class PositionStudy {
     const auto all = [](size_t) { return true; };
     std::vector<Line> lines;
     for (uint32_t method = 0; method < render::choices<render::PositionMethod>().size(); ++method) {
-      const std::vector<vec4> onDevice = device_.run(device_.make("study_position.comp", {{0, method}}), s.inputs, p);
+      const std::vector<vec4> onDevice =
+          device_.run(device_.make("study_position.comp", {{kMethodConstant, method}}), s.inputs, p);
       const auto hostPoint = [&](size_t i) {
         const vec4& in = s.inputs[i];
         return dvec3(shared::viewPosition(p, method, vec2(in.x, in.y), in.z));

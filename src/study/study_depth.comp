@@ -4,7 +4,7 @@
 #include "study/depth_formats.h"
 #include "study/evaluation.glsl"
 
-layout(constant_id = 0) const uint kFormat = 0;
+layout(constant_id = kFormatConstant) const uint kFormat = 0;
 
 // Input: x is the device depth. Result: x is the stored depth, y the view depth.
 vec4 evaluate(vec4 sampled) {

@@ -50,7 +50,7 @@ void checkBindings(const std::string& shader, const Reflection& found, const Dec
 void checkConstants(const std::string& shader, const Reflection& found, std::span<const Constant> given) {
   for (const DeclaredConstant& constant : found.constants) {
     const bool isGiven =
-        std::any_of(given.begin(), given.end(), [&](const Constant& c) { return c.id == constant.id; });
+        std::any_of(given.begin(), given.end(), [&](const Constant& c) { return c.id == ConstantId{constant.id}; });
     if (isGiven && !constant.isWord)
       fail(ExitCode::Internal, "Specialization constant {} ({}) of {} is neither a bool nor a 32-bit integer.",
            constant.id, constant.name, shader);

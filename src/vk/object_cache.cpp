@@ -22,7 +22,7 @@ class Key {
     text_ += text;
     return *this;
   }
-  Key& add(const Constant& constant) { return add(constant.id).add(constant.value); }
+  Key& add(const Constant& constant) { return add(static_cast<uint32_t>(constant.id)).add(constant.value); }
   Key& add(const VkStencilOpState& s) {
     return add(s.failOp).add(s.passOp).add(s.depthFailOp).add(s.compareOp).add(s.compareMask).add(s.writeMask);
   }

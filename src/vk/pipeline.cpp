@@ -58,7 +58,8 @@ Stage::Stage(Device& device, VkShaderStageFlagBits stage, std::span<const uint32
 void Stage::setConstants(std::span<const Constant> constants) {
   constants_.assign(constants.begin(), constants.end());
   for (uint32_t i = 0; i < constants_.size(); ++i)
-    entries_.push_back({constants_[i].id, static_cast<uint32_t>(i * sizeof(Constant) + offsetof(Constant, value)),
+    entries_.push_back({static_cast<uint32_t>(constants_[i].id),
+                        static_cast<uint32_t>(i * sizeof(Constant) + offsetof(Constant, value)),
                         sizeof(Constant::value)});
   specialization_ = {static_cast<uint32_t>(entries_.size()), entries_.data(),
                      std::span<const Constant>(constants_).size_bytes(), constants_.data()};

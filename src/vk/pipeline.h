@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "vk/constant_id.h"
 #include "vk/device.h"
 #include "vk/handle.h"
 #include "vk/shaders.h"
@@ -34,12 +35,9 @@ enum class Binding : uint8_t {
 VkDescriptorType descriptorType(Binding binding);
 
 struct Constant {  // specialization constant
-  uint32_t id;
+  ConstantId id;
   uint32_t value;
 };
-// Specialization constants that every shader may declare: Device::hasCpuShaders(), for lavapipe workarounds that would
-// cost time on a GPU; and the number of lanes of a full subgroup.
-inline constexpr uint32_t kCpuDeviceConstant = 100, kSubgroupSizeConstant = 101;
 
 Handle<VkDescriptorSetLayout> makeSetLayout(Device& device, std::span<const Binding> bindings);
 

@@ -145,7 +145,7 @@ void Specializer::take(const Instruction& instruction) {
   if (op == kOpTypeBool) bits_[operands[0]] = 1;
   if (op == kOpTypeInt) bits_[operands[0]] = operands[1];
   if (op == kOpDecorate && operands[1] == kSpecId) {
-    const auto constant = std::ranges::find(constants_, operands[2], &Constant::id);
+    const auto constant = std::ranges::find(constants_, ConstantId{operands[2]}, &Constant::id);
     if (constant != constants_.end()) given_[operands[0]] = constant->value;
     return;
   }

@@ -53,6 +53,8 @@ struct Layer {
   int height;
 };
 constexpr Layer kLayersOfRender[] = {
+    {"render/frame/constant_ids.", 0},
+    {"render/frame/constants.", 0},
     {"render/frame/pixel_group.", 0},
     {"render/frame/registry.", 0},
     {"render/frame/pass.", 0},

@@ -45,7 +45,7 @@ TEST(Reflection, RefusesWhatIsNoSpirv) {
 }
 
 TEST(InterfaceCheck, PassesWhatFits) {
-  constexpr Constant constants[] = {{3, 5}, {4, 1}};
+  constexpr Constant constants[] = {{ConstantId{3}, 5}, {ConstantId{4}, 1}};
   EXPECT_EQ(said({.bindings = kRight, .constants = constants, .pushBytes = 20}), "");
   EXPECT_EQ(said({.bindings = kRight, .pushBytes = 24}), "") << "with the padding at the end of a C++ struct";
   EXPECT_EQ(said({.bindings = kRight}), "") << "push constants are not said";
@@ -85,7 +85,7 @@ TEST(InterfaceCheck, NamesAConstantOfAnotherType) {
     return true;
   });
   const CheckedStage stage{"tiny", code};
-  constexpr Constant constants[] = {{3, 5}}, others[] = {{4, 5}};
+  constexpr Constant constants[] = {{ConstantId{3}, 5}}, others[] = {{ConstantId{4}, 5}};
   EXPECT_NO_THROW(checkInterface(std::span(&stage, 1), {.bindings = kRight, .constants = others}));
   try {
     checkInterface(std::span(&stage, 1), {.bindings = kRight, .constants = constants});

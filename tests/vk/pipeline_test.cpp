@@ -20,7 +20,7 @@ constexpr uint32_t kWidth = 37, kHeight = 11;  // no multiples of the workgroup'
 struct Tiny {
   explicit Tiny(Device& device)
       : pipeline(makePipeline(device, ComputeDesc{.bindings = {Binding::Sampled, Binding::Storage},
-                                                  .constants = {{3, 5}},
+                                                  .constants = {{ConstantId{3}, 5}},
                                                   .pushBytes = sizeof(Push),
                                                   .name = "tiny",
                                                   .code = {std::begin(kTinyShader), std::end(kTinyShader)}})),

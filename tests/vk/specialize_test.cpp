@@ -45,7 +45,7 @@ Result last(const Words& code) {
 TEST(Specialize, ConstantsTakeWhatIsGivenOrKeepTheirOwn) {
   const Words word = moduleOf({{kOpSpecConstant, 2, 10, 5}}), yes = moduleOf({{kOpSpecConstantTrue, 1, 11}}),
               no = moduleOf({{kOpSpecConstantFalse, 1, 11}});
-  constexpr Constant given[] = {{7, 77}, {8, 1}}, off[] = {{8, 0}};
+  constexpr Constant given[] = {{ConstantId{7}, 77}, {ConstantId{8}, 1}}, off[] = {{ConstantId{8}, 0}};
   EXPECT_EQ(last(specialize(word, given)), Result(kOpConstant, {77}));
   EXPECT_EQ(last(specialize(word, {})), Result(kOpConstant, {5}));
   EXPECT_EQ(last(specialize(no, given)), Result(kOpConstantTrue, {}));
@@ -71,7 +71,7 @@ TEST(Specialize, OperationsAreDone) {
       {kOpULessThan, std::less<uint32_t>()},       {kOpULessThanEqual, std::less_equal<uint32_t>()}};
   for (const uint32_t a : {0u, 7u, 20u, 0xffffff00u})
     for (const uint32_t b : {1u, 7u, 20u}) {
-      const Constant given[] = {{7, a}, {8, b}};
+      const Constant given[] = {{ConstantId{7}, a}, {ConstantId{8}, b}};
       for (const auto& [opcode, function] : words) {
         const Words code = moduleOf({{kOpSpecConstant, 2, 10, 1},
                                      {kOpSpecConstant, 2, 11, 1},
@@ -91,7 +91,7 @@ TEST(Specialize, OperationsAreDone) {
 TEST(Specialize, OperationsOnBools) {
   for (const bool a : {false, true})
     for (const bool b : {false, true}) {
-      const Constant given[] = {{7, a}, {8, b}};
+      const Constant given[] = {{ConstantId{7}, a}, {ConstantId{8}, b}};
       const auto result = [&](const Words& operation) {
         return last(specialize(moduleOf({{kOpSpecConstantTrue, 1, 10},
                                          {kOpSpecConstantTrue, 1, 11},
@@ -109,7 +109,7 @@ TEST(Specialize, OperationsOnBools) {
 }
 
 TEST(Specialize, WhatCannotBeDoneStays) {
-  constexpr Constant given[] = {{7, 3}, {8, 0}};
+  constexpr Constant given[] = {{ConstantId{7}, 3}, {ConstantId{8}, 0}};
   const Words words{kOpSpecConstant, 2, 10, 1}, others{kOpSpecConstant, 2, 11, 1};
   EXPECT_EQ(last(specialize(moduleOf({words, {kOpSpecConstantOp, 4, 20, kOpUConvert, 10}}), given)),
             Result(kOpConstant, (Words{3, 0})))

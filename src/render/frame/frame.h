@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "graph/graph.h"
+#include "render/frame/constant_ids.h"
 #include "render/frame/pass.h"
 #include "render/gbuffer/layout.h"
 #include "render/gpu_scene/gpu_environment.h"
@@ -120,24 +121,13 @@ struct FrameConfig {
   bool sampleLayers = false;  // several samples are array layers; false: images are multisampled
   bool everySample = false;   // reference: every sample is shaded, even if they are alike
 
-  // Returns the specialization constants of every shader that includes render/glsl/setup.glsl. A shader's own constants
-  // start at kFirstOwnConstant.
+  // Returns the specialization constants of every shader that includes render/glsl/setup.glsl.
   std::vector<vk::Constant> constants() const;
   // Returns the variant of a shader that reads or writes targets of the samples.
   std::string variant(const std::string& shader) const {
     return samples == 1 ? shader : shader + (sampleLayers ? "+layers" : "+msaa");
   }
 };
-// Only shaders with COATED have kLayersConstant, so that all other shaders are the same for scenes with and without
-// coats.
-inline constexpr uint32_t kLayersConstant = 12;       // layered/surface_layers.glsl: FrameConfig::layers
-inline constexpr uint32_t kLensConstant = 14;         // glsl/pixel_ray.glsl
-inline constexpr uint32_t kElsewhereConstant = 15;    // glsl/lit_pixel.glsl
-inline constexpr uint32_t kEnvironmentConstant = 90;  // glsl/setup.glsl
-inline constexpr uint32_t kFewLightsConstant = 91;
-inline constexpr uint32_t kVastConstant = 92;
-inline constexpr uint32_t kSamplesConstant = 10;  // glsl/samples.glsl; per pass, since some passes have one sample
-inline constexpr uint32_t kFirstOwnConstant = 16;
 inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: lights tested, g: lights used
 
 // Returns the targets that the geometry pass writes. Bit i: the layout's target i; the bit after the last: emitted

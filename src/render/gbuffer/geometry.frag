@@ -11,10 +11,10 @@
 #include "render/visibility/motion_varyings.glsl"
 #endif
 
-layout(constant_id = 16) const uint kAlphaMasked = 0;
+layout(constant_id = kAlphaMaskedConstant) const uint kAlphaMasked = 0;
 // Bit i: target i is written; the bit after the last target: light. If a target is not written, the constant removes
 // its code, which lavapipe would otherwise execute.
-layout(constant_id = 17) const uint kTargets = ~0u;
+layout(constant_id = kDrawnTargetsConstant) const uint kTargets = ~0u;
 
 #define OUTPUT(index, name, format, type, channels) layout(location = index) out type gbuffer_##name;
 GBUFFER_TARGETS(OUTPUT)

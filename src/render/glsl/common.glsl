@@ -6,11 +6,12 @@
 #extension GL_EXT_nonuniform_qualifier : require  // unsized arrays
 #endif
 
+#include "constant_ids.glsl"  // the ids of specialization constants (vk/constant_id.h)
 #include "shared/types.h"
 
-// Properties of the device (vk/pipeline.h).
-layout(constant_id = 100) const uint kCpuDevice = 0;  // 1 on CPU devices
-layout(constant_id = 101) const uint kSubgroupSize = 128;  // maximum lanes of a subgroup
+// Properties of the device (vk/constants.def).
+layout(constant_id = kCpuDeviceConstant) const uint kCpuDevice = 0;         // 1 on CPU devices
+layout(constant_id = kSubgroupSizeConstant) const uint kSubgroupSize = 128;  // maximum lanes of a subgroup
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer FrameRef { FrameConstants v; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer WordsRef { u64vec2 v[]; };

@@ -14,8 +14,8 @@ const uint kTileSize = 16u;
 const uint kSlices = 32u;
 const uint kOverflow = 0xffffffffu;  // count of a cell whose list did not fit
 
-layout(constant_id = 16) const uint kCellsATile = 1;    // lists per tile: 1, or one per slice
-layout(constant_id = 17) const uint kEntriesATile = 1;  // capacity for entries per tile
+layout(constant_id = kCellsPerTileConstant) const uint kCellsATile = 1;      // lists per tile: 1, or one per slice
+layout(constant_id = kEntriesPerTileConstant) const uint kEntriesATile = 1;  // capacity for entries per tile
 
 // A tile has kCellsATile + 1 elements: its slices (key of its nearest sample, bits per slice), then its cells (first
 // entry within the tile's entries, number of lights).

@@ -26,7 +26,8 @@ struct LitPixel {
 // without a surface.
 vec3 lightsAt(FrameConstants frame, View view, LitPixel p);
 
-layout(constant_id = 15) const uint kSomeShadedSeparately = 0u;  // some materials are layered
+// 1: some materials are layered.
+layout(constant_id = kSomeShadedSeparatelyConstant) const uint kSomeShadedSeparately = 0u;
 
 // Returns the light accumulation target's value from the geometry pass, for the surface that these samples show.
 #ifdef GBUFFER_NO_TARGETS

@@ -21,7 +21,7 @@ struct SurfacePoint {
 vec4 sampleTexture(Material m, uint slot, SurfacePoint p);
 
 // FrameConfig::textureSlots: code for slots that no material of the scene uses is not compiled.
-layout(constant_id = 8) const uint kTextureSlots = ~0u;
+layout(constant_id = kTextureSlotsConstant) const uint kTextureSlots = ~0u;
 bool hasTexture(Material m, uint slot) { return (m.textures & kTextureSlots & (1u << slot)) != 0u; }
 
 // Precise, so that the alpha test has the same result in all passes.

@@ -7,7 +7,7 @@
 #ifdef SAMPLES
 const uint kSamples = SAMPLES;
 #else
-layout(constant_id = 10) const uint kSamples = 1u;  // render::kSamplesConstant
+layout(constant_id = kSamplesConstant) const uint kSamples = 1u;
 #endif
 
 bool hasSample(uint samples, uint index) { return kSamples == 1u ? samples != 0u : (samples >> index & 1u) != 0u; }

@@ -14,8 +14,6 @@ namespace latelight::render {
 
 namespace {
 
-constexpr uint32_t kPlainLoop = kFirstOwnConstant + 1;  // layered.frag
-
 // The coats of opaque surfaces. Transmissive materials are shaded with the blended surfaces.
 vk::Constant opaqueLayers(const FrameConfig& setup) {
   return {kLayersConstant, setup.layers & ~(shared::kLayerTransmission | shared::kLayerDispersion)};
@@ -53,7 +51,7 @@ void drawLayered(const FrameContext& f, const Gbuffer& gbuffer, const HardwareVi
   vk::GraphicsDesc desc = behindDepth(f.setup);
   desc.fragment = f.setup.variant("layered.frag");
   desc.constants.push_back(opaqueLayers(f.setup));
-  desc.constants.push_back({kPlainLoop, forwardLoop(f.device) == ForwardLoop::Plain ? 1u : 0u});
+  desc.constants.push_back({kPlainLoopConstant, forwardLoop(f.device) == ForwardLoop::Plain ? 1u : 0u});
   desc.bindings = maps.kinds();
   desc.name = "layered";
   std::vector<graph::ImageId> colors{target};

@@ -11,8 +11,8 @@
 #define PARTIAL_SUBGROUPS
 #include "render/layered/layered_light.glsl"
 
-layout(constant_id = 16) const uint kAlphaMasked = 0;
-layout(constant_id = 17) const uint kPlainLoop = 0;
+layout(constant_id = kAlphaMaskedConstant) const uint kAlphaMasked = 0;
+layout(constant_id = kPlainLoopConstant) const uint kPlainLoop = 0;
 
 layout(location = 0) out vec4 picture;
 layout(location = 1) out vec4 counts;

@@ -3,7 +3,7 @@
 
 // FrameConfig::layers, the coats that any material of the scene has. The specialization constant removes code for all
 // others.
-layout(constant_id = 12) const uint kLayers = ~0u;
+layout(constant_id = kLayersConstant) const uint kLayers = ~0u;
 
 // The direction of anisotropy (KHR_materials_anisotropy): the vertex tangent projected to the plane of the normal,
 // rotated by the material and its texture (`turned`: cosine and sine). Without a tangent frame it is an arbitrary

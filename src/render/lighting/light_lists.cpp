@@ -47,7 +47,7 @@ void addListing(const FrameContext& f, const Gbuffer& gbuffer, const LightLists&
 }  // namespace
 
 std::vector<vk::Constant> listConstants(const LightLists& lists) {
-  return {{kFirstOwnConstant, lists.cellsATile}, {kFirstOwnConstant + 1, lists.entriesATile}};
+  return {{kCellsPerTileConstant, lists.cellsATile}, {kEntriesPerTileConstant, lists.entriesATile}};
 }
 
 std::vector<graph::Access> listAccesses(const LightLists& lists) {

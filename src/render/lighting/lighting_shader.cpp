@@ -27,7 +27,7 @@ ComputePass lightingPass(const FrameContext& f, const Gbuffer& gbuffer, const st
   std::vector<vk::Constant> constants = f.setup.constants();
   constants.push_back({kSamplesConstant, f.setup.samples});
   const bool layered = (f.visibility.materials().solid & shared::kMaterialLayered) != 0;
-  constants.push_back({kElsewhereConstant, layered ? 1u : 0u});
+  constants.push_back({kSomeShadedSeparatelyConstant, layered ? 1u : 0u});
   ComputePass pass{.stage = graph::Stage::Lighting,
                    .name = name,
                    .shader = f.setup.variant(file + "@" + f.setup.layout->file),

@@ -16,7 +16,7 @@ std::vector<graph::ImageId> gbufferInputs(const Gbuffer& gbuffer);
 
 // A pass over every pixel of every view, in workgroups of kPixelGroupX by kPixelGroupY pixels, for addCompute(). `file`
 // is the shader's file, compiled for each layout. `kept` names the images whose contents from earlier passes are
-// preserved. The pass's own specialization constants start at kFirstOwnConstant, its own bindings after the lit maps.
+// preserved. The pass's own bindings start after the lit maps.
 struct KeptByLighting {
   bool picture = false, counts = false;
 };

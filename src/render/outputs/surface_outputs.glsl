@@ -49,7 +49,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Ou
 #define OUTPUT_SLOTS(SLOT)                                                                                   \
   SLOT(0) SLOT(1) SLOT(2) SLOT(3) SLOT(4) SLOT(5) SLOT(6) SLOT(7) SLOT(8) SLOT(9) SLOT(10) SLOT(11) SLOT(12) \
   SLOT(13) SLOT(14) SLOT(15) SLOT(16) SLOT(17) SLOT(18) SLOT(19) SLOT(20) SLOT(21) SLOT(22) SLOT(23)
-#define OUTPUT_CONSTANT(i) layout(constant_id = 20 + i) const uint kOutput##i = 0u;  // surfaceOutputBits()
+// surfaceOutputBits() of each slot
+#define OUTPUT_CONSTANT(i) layout(constant_id = kFirstOutputConstant + i) const uint kOutput##i = 0u;
 OUTPUT_SLOTS(OUTPUT_CONSTANT)
 const bool kPacksOutputs = kOutput0 != 0u;  // slots are filled from the first one on
 

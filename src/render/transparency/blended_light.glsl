@@ -9,7 +9,7 @@
 #include "render/glsl/lights.glsl"
 #include "render/glsl/tree_lights.glsl"
 
-layout(constant_id = 16) const uint kEveryLight = 0;  // 1: no light tree (reference, or no subgroups)
+layout(constant_id = kEveryLightConstant) const uint kEveryLight = 0;  // 1: no light tree (reference, or no subgroups)
 
 // Applies the fog in front of a surface. If the surface covers only a fraction of the pixel, so does this fog: the
 // surfaces behind it already include their own fog.

@@ -152,7 +152,7 @@ void addBlend(const FrameContext& f, graph::ImageId light, const Buffers& b, gra
                 .bindings = std::move(bindings),
                 .size = f.pixels(),
                 .constants = {{kSamplesConstant, fragmentSamples(f.device, f.setup)},
-                              {kFirstOwnConstant, isWeighted(f) ? 1u : 0u}},
+                              {kWeightedConstant, isWeighted(f) ? 1u : 0u}},
                 .buffers = readLists(b, sorted)},
                [=, &f](graph::Context& context) {
                  return shared::BlendPush{listsOf(context, b), context.buffer(sorted).address(), first, kBlendedAtOnce,

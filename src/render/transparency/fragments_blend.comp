@@ -10,7 +10,7 @@
 #include "render/transparency/weight.glsl"
 #include "render/glsl/samples.glsl"
 
-layout(constant_id = 16) const uint kWeighted = 0;
+layout(constant_id = kWeightedConstant) const uint kWeighted = 0;
 
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = 0, rgba16f) uniform image2DArray lightTarget;

@@ -32,7 +32,7 @@ ScenePipelines blendedPipelines(const FrameContext& f, const Bindings& maps, con
   desc.bindings = maps.kinds();
   desc.sceneSets = GpuMaterials::setBindings(f.device);
   desc.constants = f.setup.constants();
-  desc.constants.push_back({kFirstOwnConstant, everyLight ? 1u : 0u});
+  desc.constants.push_back({kEveryLightConstant, everyLight ? 1u : 0u});
   desc.pushBytes = target.pushBytes;
   desc.colors = target.colors;
   desc.depth = kDepthFormat;

@@ -18,8 +18,6 @@ VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout, VkA
           .storeOp = store};
 }
 
-constexpr uint32_t kVastDrawConstant = 93;  // varyings.glsl
-
 // Bindings of the vertex buffers of scene draws.
 constexpr uint32_t kPositions = 0, kAttributes = 1, kInstances = 2;  // the views are binding 3
 
@@ -88,7 +86,7 @@ ScenePipelines scenePipelines(const FrameContext& f, const vk::GraphicsDesc& opa
     if (desc.pushBytes == 0) desc.pushBytes = sizeof(shared::DrawPush);
     desc.fragment = materialVariant(device, desc.fragment);
     desc.sceneSets = GpuMaterials::setBindings(device);
-    desc.constants.push_back({kFirstOwnConstant, isMasked});
+    desc.constants.push_back({kAlphaMaskedConstant, isMasked});
     if (isMasked) desc.name += " masked";
     return desc;
   };

@@ -38,8 +38,8 @@ struct ScenePipelines {
 // Returns the vertex buffers of a scene vertex shader. scene_depth.vert reads only positions; the others also read
 // attributes.
 std::vector<vk::VertexBuffer> sceneVertexBuffers(const std::string& vertexShader);
-// Completes `desc` with its vertex shader (default scene.vert) and buffers, the material sets and kAlphaMasked
-// (kFirstOwnConstant), which fragment shaders declare. The push constants are DrawPush unless desc.pushBytes is set.
+// Completes `desc` with its vertex shader (default scene.vert) and buffers, the material sets and
+// kAlphaMaskedConstant, which fragment shaders declare. The push constants are DrawPush unless desc.pushBytes is set.
 ScenePipelines scenePipelines(const FrameContext& f, const vk::GraphicsDesc& desc);
 ScenePipelines scenePipelines(const FrameContext& f, const vk::GraphicsDesc& opaque, const vk::GraphicsDesc& masked);
 

@@ -126,7 +126,7 @@ void HardwareVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) con
   desc.name = "geometry " + layout.name;
   const auto lightTarget = static_cast<uint32_t>(layout.targets.size());
   desc.colorsWritten = writtenTargets(f.setup, gbuffer);
-  desc.constants.push_back({kFirstOwnConstant + 1, desc.colorsWritten});
+  desc.constants.push_back({kDrawnTargetsConstant, desc.colorsWritten});
   for (uint32_t i = 0; i < lightTarget; ++i) {
     const bool wanted = (desc.colorsWritten >> i & 1u) != 0;
     const VkFormat format = layout.format(i, f.setup.normalEncoding);

@@ -7,7 +7,7 @@
 #include "render/visibility/fragment_point.glsl"
 #include "render/visibility/motion_varyings.glsl"
 
-layout(constant_id = 16) const uint kAlphaMasked = 0;
+layout(constant_id = kAlphaMaskedConstant) const uint kAlphaMasked = 0;
 
 layout(location = 0) out vec4 motion;
 

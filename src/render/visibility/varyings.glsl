@@ -11,7 +11,7 @@ layout(push_constant, scalar) uniform Push {
 layout(push_constant, scalar) uniform Push { DrawPush push; };
 #endif
 
-layout(constant_id = 93) const uint kVastDraw = 0u;  // 1: draws vast triangles, as fans
+layout(constant_id = kVastDrawConstant) const uint kVastDraw = 0u;  // 1: draws vast triangles, as fans
 
 #ifndef NO_VARYINGS
 #ifdef VERTEX_STAGE

@@ -10,11 +10,7 @@
 
 namespace latelight::render {
 
-namespace {
-
-constexpr uint32_t kPlainLoop = kFirstOwnConstant + 1;  // forward.frag
-
-}  // namespace
+namespace {}  // namespace
 
 ForwardLoop forwardLoop(vk::Device& device) {
   VkPhysicalDeviceSubgroupProperties subgroups{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
@@ -30,7 +26,7 @@ void addForward(const FrameContext& f, const Gbuffer& gbuffer, ForwardLoop loop)
   const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
   vk::GraphicsDesc desc = behindDepth(f.setup);
   desc.fragment = f.setup.variant("forward.frag");
-  desc.constants.push_back({kPlainLoop, loop == ForwardLoop::Plain ? 1u : 0u});
+  desc.constants.push_back({kPlainLoopConstant, loop == ForwardLoop::Plain ? 1u : 0u});
   desc.name = "lighting forward";
   std::vector<graph::ImageId> colors{gbuffer.sampleLight};
   if (f.setup.countLights) colors.push_back(gbuffer.lightCounts);

@@ -10,7 +10,7 @@
 #include "shared/gbuffer.h"
 #include "render/glsl/environment.glsl"
 
-layout(constant_id = 16) const uint kAlphaMasked = 0;
+layout(constant_id = kAlphaMaskedConstant) const uint kAlphaMasked = 0;
 
 layout(location = 0) out vec4 radiance;
 layout(location = 1) out uvec2 surface;  // instance and triangle

@@ -12,7 +12,7 @@
 #include "render/glsl/one_light.glsl"
 #include "shared/gbuffer.h"
 
-layout(constant_id = 16) const uint kAlphaMasked = 0;
+layout(constant_id = kAlphaMaskedConstant) const uint kAlphaMasked = 0;
 layout(set = 0, binding = AFTER_LIT_MAPS) uniform TARGET_USAMPLER surfaces;  // written by forward_base.frag
 
 layout(location = 0) out vec4 radiance;

@@ -52,7 +52,7 @@ graph::ImageId addDenoise(const FrameContext& f, graph::ImageId depth, graph::Im
               .shader = "ambient_occlusion_denoise.comp",
               .bindings = Bindings(f.device).sampled(depth).sampled(hidden).storage(result, graph::Use::StorageWrite),
               .size = f.pixels(),
-              .constants = {{kFirstOwnConstant, axis}}},
+              .constants = {{kLastAxisConstant, axis}}},
              shared::DenoisePush{f.constants, kToleranceShare * f.aoRadius, f.aoStrength});
   return result;
 }

@@ -9,7 +9,8 @@
 #include "shared/ambient_occlusion.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(constant_id = 16) const uint kLast = 0;  // 1: second axis, which outputs visibility instead of occlusion
+// 1: second axis, which outputs visibility instead of occlusion.
+layout(constant_id = kLastAxisConstant) const uint kLast = 0;
 layout(set = 0, binding = 0) uniform sampler2DArray gbufferDepth;
 layout(set = 0, binding = 1) uniform sampler2DArray hidden;
 layout(set = 0, binding = 2, r32f) uniform writeonly image2DArray result;

@@ -9,8 +9,8 @@
 #include "render/post/ambient_occlusion/ambient_occlusion_push.h"
 #include "shared/ambient_occlusion.h"
 
-layout(constant_id = 16) const uint kSlicesAPixel = 3;
-layout(constant_id = 17) const uint kStepsASide = 6;
+layout(constant_id = kSlicesConstant) const uint kSlicesAPixel = 3;
+layout(constant_id = kStepsConstant) const uint kStepsASide = 6;
 layout(push_constant, scalar) uniform Push { OcclusionPush push; };
 
 // A pixel and the plane of its surface in screen space.

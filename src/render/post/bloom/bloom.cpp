@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "render/frame/constant_ids.h"
 #include "render/post/bloom/bloom_push.h"
 
 namespace latelight::render {
@@ -28,7 +29,7 @@ graph::ImageId addDown(const Builder& b, graph::ImageId source, const BloomParam
               .shader = "bloom_down.comp",
               .bindings = Bindings(b.device).sampled(source).storage(half, graph::Use::StorageWrite),
               .size = size,
-              .constants = {{16, damp}}},
+              .constants = {{kDampConstant, damp}}},
              shared::BloomDownPush{first ? parameters.scale : 1.0f, first ? parameters.threshold : 0.0f});
   return half;
 }

@@ -1,6 +1,7 @@
 // Shared by the bloom passes. Texel i of a level covers texels 2i and 2i + 1 of the next finer level. Pictures are
 // mirrored at their edges, so no light is lost and no edge is darker.
 #extension GL_EXT_scalar_block_layout : require
+#include "constant_ids.glsl"
 #include "render/post/bloom/bloom_push.h"
 #include "shared/color.h"
 

@@ -8,7 +8,7 @@
 
 const int kSide = 16;
 layout(local_size_x = kSide, local_size_y = kSide) in;
-layout(constant_id = 16) const uint kDamp = 0;  // 1: Karis average in each group
+layout(constant_id = kDampConstant) const uint kDamp = 0;  // 1: Karis average in each group
 layout(set = 0, binding = 0) uniform sampler2DArray source;
 layout(set = 0, binding = 1, rgba32f) uniform writeonly image2DArray result;
 layout(push_constant, scalar) uniform Push { BloomDownPush push; };

@@ -25,7 +25,10 @@ namespace {
 
 using namespace shared;  // kRaster*, kQueue*
 
-constexpr uint32_t kOutputsConstant = kFirstOwnConstant + 4;  // first slot of surface_outputs.glsl
+// The constant of an output slot in surface_outputs.glsl.
+vk::ConstantId outputConstant(size_t slot) {
+  return vk::ConstantId{static_cast<uint32_t>(kFirstOutputConstant) + static_cast<uint32_t>(slot)};
+}
 
 }  // namespace
 
@@ -216,7 +219,7 @@ graph::BufferId packOutputs(const FrameContext& f, ComputePass& pass) {
   const SurfaceOutputs& outputs = *f.setup.outputs;
   std::vector<graph::Access> places;
   for (size_t i = 0; i < outputs.places.size(); ++i) {
-    pass.constants.push_back({kOutputsConstant + static_cast<uint32_t>(i), outputs.bits[i]});
+    pass.constants.push_back({outputConstant(i), outputs.bits[i]});
     places.emplace_back(outputs.places[i].buffer, outputs.places[i].use);
   }
   pass.buffers = places;
@@ -263,9 +266,9 @@ void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) cons
                    .name = "geometry " + layout.name,
                    .shader = "resolve.comp@" + layout.file,
                    .bindings = std::move(bindings),
-                   .constants = {{kFirstOwnConstant, wanted},
-                                 {kFirstOwnConstant + 1, srgb},
-                                 {kFirstOwnConstant + 2, leavesLayers(f, gbuffer) ? 1u : 0u}},
+                   .constants = {{kResolvedTargetsConstant, wanted},
+                                 {kSrgbConstant, srgb},
+                                 {kLayersElsewhereConstant, leavesLayers(f, gbuffer) ? 1u : 0u}},
                    .groupX = shared::kPixelGroupX,
                    .groupY = shared::kPixelGroupY};
   readsTextures(f, pass);
@@ -458,8 +461,8 @@ void ComputeVisibility::lightFragments(const FrameContext& f, const Gbuffer& gbu
       .groupY = 1};
   readsTextures(f, pass);
   const TransparencySetup& setup = f.setup.transparency;
-  pass.constants.insert(pass.constants.end(), {{kFirstOwnConstant, setup.everyLight ? 1u : 0u},
-                                               {kFirstOwnConstant + 1, setup.method == kTransparencySorted ? 1u : 0u},
+  pass.constants.insert(pass.constants.end(), {{kEveryLightConstant, setup.everyLight ? 1u : 0u},
+                                               {kSortedConstant, setup.method == kTransparencySorted ? 1u : 0u},
                                                {kSamplesConstant, f.setup.samples}});
   if (blendedHaveLayers(f)) pass.constants.push_back({kLayersConstant, f.setup.layers});
   addCompute(f, std::move(pass), [=, this, &f](graph::Context& context) {

@@ -16,7 +16,7 @@ bool isEmpty(PixelBox box) { return any(greaterThan(box.low, box.high)); }
 
 // 1: the views are shadow maps. Only some of their pages are rendered, and back faces are rendered regardless of the
 // material.
-layout(constant_id = 20) const uint kShadowMaps = 0u;
+layout(constant_id = kShadowMapsConstant) const uint kShadowMaps = 0u;
 
 // Returns true if any of the pixels, which must be on screen, lies in a page that is rendered. `maps` is RasterMap[];
 // `words` are their page words.

@@ -3,7 +3,7 @@
 #include "render/lens/lens_push.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer LensTargetRef { LensTarget v; };
-layout(constant_id = 18) const uint kCutsOut = 0u;  // 1: triangles are alpha tested
+layout(constant_id = kCutsOutConstant) const uint kCutsOut = 0u;  // 1: triangles are alpha tested
 
 // Two unit vectors across a ray, which form a right-handed frame with it.
 struct Across {

@@ -11,7 +11,7 @@
 
 layout(local_size_x = 256) in;
 layout(push_constant, scalar) uniform Push { FragmentLightPush push; };
-layout(constant_id = 17) const uint kSorted = 0u;
+layout(constant_id = kSortedConstant) const uint kSorted = 0u;
 
 // Sets the key for sorting by instance: the view depth of the instance's center, farther ones first. An instance's back
 // faces come before its front faces, which is correct for convex meshes. The keys order up to 2^31 blended triangles.

@@ -164,7 +164,7 @@ const int kFirstPlace = kPlaceStep / 2;             // offset of the first one
 
 // 1: conservative rasterization. A triangle covers every pixel that it touches, regardless of its facing; hit() decides
 // the rest.
-layout(constant_id = 19) const uint kTouched = 0u;
+layout(constant_id = kTouchedConstant) const uint kTouched = 0u;
 // Distance in subpixels that edges are moved outwards: half a pixel, and a margin for snapping.
 const int kReach = kTouched != 0u ? kSubpixels / 2 + 2 : 0;
 int reachOf(ivec2 way) { return kTouched != 0u ? (abs(way.x) + abs(way.y)) * kReach + 1 : 0; }

@@ -11,12 +11,6 @@ namespace {
 
 using namespace shared;  // kRaster*, kQueue*
 
-// Specialization constants of raster.glsl, raster_groups.glsl and lens_rays.glsl. Other constants belong to the
-// including shaders.
-constexpr uint32_t kCutsOutConstant = kFirstOwnConstant + 2, kTouchedConstant = kFirstOwnConstant + 3,
-                   kShadowMapsConstant = kFirstOwnConstant + 4, kApartConstant = kFirstOwnConstant + 5,
-                   kQueuedConstant = kFirstOwnConstant + 6;
-
 // Returns the queue capacities. `work` is the maximum number of clusters. At most about an eighth of the triangles are
 // medium or large, and more with several samples per pixel, because size classes count samples.
 RasterRoom roomOf(const FrameContext& f, uint32_t work, uint32_t samples) {
@@ -76,9 +70,9 @@ ComputePass rasterStep(const FrameContext& f, graph::Stage stage, std::string sh
 
 ComputePass cullPass(const FrameContext& f, graph::Stage stage, const RasterChain& chain, bool maps) {
   ComputePass pass = rasterStep(f, stage, "raster_cull.comp", {});
-  pass.constants = {{kFirstOwnConstant, chain.wanted},
-                    {kFirstOwnConstant + 1, chain.asked},
-                    {kFirstOwnConstant + 2, chain.culls},
+  pass.constants = {{kRequiredFlagsConstant, chain.wanted},
+                    {kFlagMaskConstant, chain.asked},
+                    {kCullPassConstant, chain.culls},
                     {kShadowMapsConstant, maps ? 1u : 0u}};
   return pass;
 }

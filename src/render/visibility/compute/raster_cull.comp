@@ -30,9 +30,9 @@ bool mayShow(View view, vec3 center, float radius) {
 }
 
 // Selects instances: (flags & kFlagMask) must equal kRequiredFlags. kCullPass is the culling mode kCull*.
-layout(constant_id = 16) const uint kRequiredFlags = 0u;
-layout(constant_id = 17) const uint kFlagMask = 0u;
-layout(constant_id = 18) const uint kCullPass = kCullAll;
+layout(constant_id = kRequiredFlagsConstant) const uint kRequiredFlags = 0u;
+layout(constant_id = kFlagMaskConstant) const uint kFlagMask = 0u;
+layout(constant_id = kCullPassConstant) const uint kCullPass = kCullAll;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer WorkRef { RasterWork v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CountersRef { RasterCounters v; };

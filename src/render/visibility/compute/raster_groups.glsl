@@ -10,10 +10,10 @@ FROM_LANE(ivec2)
 
 // 1: one cluster per subgroup instead of per workgroup; the same subgroup rasterizes its medium triangles. On lavapipe,
 // loads by address are loops over lanes, so most of a thread's time goes to data that all triangles of a cluster share.
-layout(constant_id = 21) const uint kApart = 0u;
+layout(constant_id = kApartConstant) const uint kApart = 0u;
 // 1: processes the queue of medium triangles, one subgroup each. A cluster near the camera has only such triangles, so
 // that its workgroup would run much longer than the others if it rasterized them.
-layout(constant_id = 22) const uint kQueued = 0u;
+layout(constant_id = kQueuedConstant) const uint kQueued = 0u;
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer ClusterTriangleRef { ClusterTriangle v[]; };
 

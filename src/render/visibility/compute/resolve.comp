@@ -19,9 +19,11 @@
 #endif
 
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
-layout(constant_id = 16) const uint kTargets = ~0u;  // bit i: target i is written; the bit after the last: light
-layout(constant_id = 17) const uint kSrgb = 0u;      // bit i: target i is stored in sRGB
-layout(constant_id = 18) const uint kLayersElsewhere = 0u;  // surfaces with coats write no attributes
+// kTargets, bit i: target i is written; the bit after the last: light. kSrgb, bit i: target i is stored in sRGB.
+// kLayersElsewhere, 1: surfaces with coats write no attributes.
+layout(constant_id = kResolvedTargetsConstant) const uint kTargets = ~0u;
+layout(constant_id = kSrgbConstant) const uint kSrgb = 0u;
+layout(constant_id = kLayersElsewhereConstant) const uint kLayersElsewhere = 0u;
 
 #define IMAGE_vec4 image2DArray
 #define IMAGE_uint uimage2DArray

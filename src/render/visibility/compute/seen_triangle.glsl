@@ -7,7 +7,7 @@
 #include "render/visibility/compute/raster_push.h"
 #include "render/visibility/vast_triangle.glsl"
 
-layout(constant_id = 92) const uint kVast = 0u;  // FrameConfig::vast
+layout(constant_id = kVastConstant) const uint kVast = 0u;  // FrameConfig::vast
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RankOfPartRef { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer InstanceListRef { InstanceList v; };
