@@ -27,7 +27,7 @@ DeviceEvaluation::DeviceEvaluation(const Options& options)
       outputs_(device_,
                {.size = kBatch * sizeof(shared::vec4), .kind = vk::MemoryKind::Readback, .name = "study outputs"}) {}
 
-vk::Pipeline DeviceEvaluation::make(const std::string& shader, const std::vector<vk::Constant>& constants) {
+vk::Pipeline DeviceEvaluation::make(const char* shader, const std::vector<vk::Constant>& constants) {
   return vk::makePipeline(
       device_,
       vk::ComputeDesc{

@@ -21,7 +21,7 @@ class DeviceEvaluation {
   explicit DeviceEvaluation(const Options& options);
 
   // Creates the pipeline of a shader of src/study that uses the push constants of evaluation.glsl.
-  vk::Pipeline make(const std::string& shader, const std::vector<vk::Constant>& constants);
+  vk::Pipeline make(const char* shader, const std::vector<vk::Constant>& constants);
   // Returns the results for all inputs. `projection` is for shaders that use one.
   std::vector<shared::vec4> run(const vk::Pipeline& pipeline, std::span<const shared::vec4> inputs,
                                 const shared::Projection& projection = {});

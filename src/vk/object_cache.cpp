@@ -22,6 +22,7 @@ class Key {
     text_ += text;
     return *this;
   }
+  Key& add(const ShaderKey& shader) { return add(shader.name()); }
   Key& add(const Constant& constant) { return add(static_cast<uint32_t>(constant.id)).add(constant.value); }
   Key& add(const VkStencilOpState& s) {
     return add(s.failOp).add(s.passOp).add(s.depthFailOp).add(s.compareOp).add(s.compareMask).add(s.writeMask);

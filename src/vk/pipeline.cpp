@@ -245,7 +245,7 @@ Handle<VkDescriptorSetLayout> makeSetLayout(Device& device, std::span<const Bind
 Pipeline makePipeline(Device& device, const ComputeDesc& desc) {
   const std::span<const uint32_t> code = desc.code.empty() ? shaderCode(desc.shader) : std::span(desc.code);
   const std::vector<Constant> constants = withDeviceConstants(device, desc.constants);
-  const CheckedStage checked{desc.code.empty() ? desc.shader : desc.name, code};
+  const CheckedStage checked{desc.code.empty() ? desc.shader.name() : desc.name, code};
   checkStages(
       device, std::span(&checked, 1),
       {.bindings = desc.bindings, .sceneSets = desc.sceneSets, .constants = constants, .pushBytes = desc.pushBytes});
@@ -265,7 +265,7 @@ Pipeline makePipeline(Device& device, const GraphicsDesc& desc) {
     fail(ExitCode::NoDevice, "{} has no graphics pipeline, which \"{}\" is drawn with.", device.info().name, desc.name);
   const std::vector<Constant> constants = withDeviceConstants(device, desc.constants);
   std::vector<CheckedStage> checked{{desc.vertex, shaderCode(desc.vertex)}};
-  if (!desc.fragment.empty()) checked.push_back({desc.fragment, shaderCode(desc.fragment)});
+  if (!desc.fragment.empty()) checked.push_back({desc.fragment.name(), shaderCode(desc.fragment)});
   checkStages(
       device, checked,
       {.bindings = desc.bindings, .sceneSets = desc.sceneSets, .constants = constants, .pushBytes = desc.pushBytes});

@@ -1,4 +1,4 @@
-// Pipelines of shaders, which are referred to by name (shaders.h). Pipelines are created before commands are recorded.
+// Pipelines of shaders, which are referred to by key (shaders.h). Pipelines are created before commands are recorded.
 //
 // Under validation and in debug builds, descriptions are checked against the shaders (interface_check.h).
 //
@@ -50,7 +50,7 @@ struct Pipeline {
 };
 
 struct ComputeDesc {
-  std::string shader;
+  ShaderKey shader;
   std::vector<Binding> bindings;
   std::vector<std::vector<Binding>> sceneSets{};  // sets 1 and on
   std::vector<Constant> constants;
@@ -81,7 +81,8 @@ struct VertexBuffer {
 };
 
 struct GraphicsDesc {
-  std::string vertex, fragment;
+  std::string vertex;  // vertex shaders have no variants
+  ShaderKey fragment;
   std::vector<VertexBuffer> vertexBuffers;  // by binding
   std::vector<Binding> bindings;
   std::vector<std::vector<Binding>> sceneSets;  // sets 1 and on

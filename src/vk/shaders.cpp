@@ -88,9 +88,30 @@ std::span<const uint32_t> shaderOfFolder(std::string_view name) {
 
 }  // namespace
 
-std::span<const uint32_t> shaderCode(std::string_view name) {
+std::string ShaderKey::name() const {
+  std::string name = file;
+  if (!layout.empty()) name += "@" + layout;
+  if (samples == Samples::Multisampled) name += "+msaa";
+  if (samples == Samples::SampleLayers) name += "+layers";
+  if (coated) name += "+coated";
+  if (indexed) name += "+indexed";
+  return name;
+}
+
+std::span<const uint32_t> shaderCode(const ShaderKey& shader) {
+  return shaderCodeOf(shader.name());
+}
+
+bool hasShader(const ShaderKey& shader) {
+  return !findShader(shader.name()).empty();
+}
+
+std::span<const uint32_t> shaderCodeOf(std::string_view name) {
   const std::span<const uint32_t> embedded = findShader(name);
-  if (embedded.empty()) fail(ExitCode::Internal, "No shader called {} is embedded.", name);
+  if (embedded.empty())
+    fail(ExitCode::Internal,
+         "No shader called {} is embedded: check the first line of {}, which declares its variants.", name,
+         name.substr(0, name.find_first_of("@+")));
   const std::span<const uint32_t> own = shaderOfFolder(name);
   return own.empty() ? embedded : own;
 }
@@ -100,10 +121,6 @@ std::vector<std::string_view> shaderNames() {
   for (const EmbeddedShader& shader : kShaders)
     if (shader.name) names.push_back(shader.name);
   return names;
-}
-
-bool hasShader(std::string_view name) {
-  return !findShader(name).empty();
 }
 
 void useShadersOf(const std::filesystem::path& path) {

@@ -1,20 +1,48 @@
-// Shaders: SPIR-V that is embedded in the library. A shader's name is the name of its file under src/render without the
-// folder: "geometry.frag". A shader that is compiled for each G-buffer layout is called "geometry.frag@thin".
+// Shaders: SPIR-V that is embedded in the library. A ShaderKey identifies each; its name is what logs, messages and
+// .spv files call it.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace latelight::vk {
 
-// Returns SPIR-V words. Throws Error(Internal) if no shader has that name, and Error(BadInput) if a file of the folder
-// set by useShadersOf() is not SPIR-V.
-std::span<const uint32_t> shaderCode(std::string_view name);
+// A variant of a shader (cmake/shaders.cmake lists the variants).
+struct ShaderKey {
+  enum class Samples : uint8_t {
+    One,
+    Multisampled,  // of multisampled images
+    SampleLayers,  // of images with an array layer per sample
+  };
+
+  ShaderKey() = default;
+  // Implicit, because most shaders have only one form.
+  ShaderKey(const char* file) : file(file) {}
+  ShaderKey(std::string file, std::string layout = {}) : file(std::move(file)), layout(std::move(layout)) {}
+
+  std::string file;    // without its folder: "geometry.frag"
+  std::string layout;  // the G-buffer layout's file; empty: the shader is the same for all
+  Samples samples = Samples::One;
+  bool coated = false;   // for materials that may have coats
+  bool indexed = false;  // for bindless textures
+
+  bool empty() const { return file.empty(); }
+  // The name under which the build embeds this variant, such as "geometry.frag@thin+msaa".
+  std::string name() const;
+  bool operator==(const ShaderKey&) const = default;
+};
+
+// Returns SPIR-V words. Throws Error(Internal) if there is no such shader or variant, and Error(BadInput) if a file of
+// the folder set by useShadersOf() is not SPIR-V.
+std::span<const uint32_t> shaderCode(const ShaderKey& shader);
+bool hasShader(const ShaderKey& shader);
 std::vector<std::string_view> shaderNames();
-bool hasShader(std::string_view name);
+std::span<const uint32_t> shaderCodeOf(std::string_view name);  // as shaderCode(), for one of shaderNames()
 
 // For shader development: replaces the embedded shader NAME by the file NAME.spv of a folder, such as
 // build/release/spirv. This affects pipelines created later in the whole process; devices keep their existing

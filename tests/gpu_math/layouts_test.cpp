@@ -78,7 +78,7 @@ TEST(Layouts, EveryMemberLiesWhereTheHostHasIt) {
 TEST(Layouts, ShadersHaveNoOtherStructsInMemory) {
   size_t compared = 0;
   for (const std::string_view shader : vk::shaderNames()) {
-    for (const vk::StructLayout& layout : vk::reflect(vk::shaderCode(shader)).structs) {
+    for (const vk::StructLayout& layout : vk::reflect(vk::shaderCodeOf(shader)).structs) {
       if (layout.isBlock) continue;
       ++compared;
       EXPECT_THAT(difference(layout), IsEmpty()) << shader;

@@ -92,13 +92,30 @@ TEST_F(DeviceTest, SetLayoutsOfAnySize) {
   EXPECT_TRUE(makeSetLayout(device(), {})) << "a set with nothing in it";
 }
 
-TEST(Shaders, OnesThatAreNotThereAreNamed) {
+TEST(Shaders, NamesHaveTheLayoutFirstAndThenTheVariants) {
+  ShaderKey key("a.frag", "thin");
+  EXPECT_EQ(key.name(), "a.frag@thin");
+  key.samples = ShaderKey::Samples::Multisampled;
+  key.indexed = true;
+  EXPECT_EQ(key.name(), "a.frag@thin+msaa+indexed");
+  key.samples = ShaderKey::Samples::SampleLayers;
+  key.coated = true;
+  EXPECT_EQ(key.name(), "a.frag@thin+layers+coated+indexed");
+}
+
+TEST(Shaders, UnknownOnesAreNamed) {
+  ShaderKey unknown("screen.vert");
+  EXPECT_TRUE(hasShader(unknown));
+  unknown.coated = true;
+  EXPECT_FALSE(hasShader(unknown));
   try {
-    shaderCode("no_such.frag");
+    shaderCode(unknown);
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::Internal);
-    EXPECT_STREQ(error.what(), "No shader called no_such.frag is embedded.");
+    EXPECT_STREQ(error.what(),
+                 "No shader called screen.vert+coated is embedded: check the first line of screen.vert, which declares "
+                 "its variants.");
   }
 }
 

@@ -142,7 +142,7 @@ TEST(Specialize, WordsThatAreNotSpirvAreRefused) {
 // time.
 TEST(Specialize, NothingIsLeftInTheShaders) {
   for (const std::string_view name : shaderNames())
-    forEachInstruction(specialize(shaderCode(name), {}), [name](const Instruction& instruction) {
+    forEachInstruction(specialize(shaderCodeOf(name), {}), [name](const Instruction& instruction) {
       EXPECT_FALSE(instruction.op >= kOpSpecConstantTrue && instruction.op <= kOpSpecConstantOp) << name;
       return instruction.op != kOpFunction;
     });

@@ -124,8 +124,10 @@ struct FrameConfig {
   // Returns the specialization constants of every shader that includes render/glsl/setup.glsl.
   std::vector<vk::Constant> constants() const;
   // Returns the variant of a shader that reads or writes targets of the samples.
-  std::string variant(const std::string& shader) const {
-    return samples == 1 ? shader : shader + (sampleLayers ? "+layers" : "+msaa");
+  vk::ShaderKey variant(vk::ShaderKey shader) const {
+    using Samples = vk::ShaderKey::Samples;
+    shader.samples = samples == 1 ? Samples::One : sampleLayers ? Samples::SampleLayers : Samples::Multisampled;
+    return shader;
   }
 };
 inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: lights tested, g: lights used

@@ -50,7 +50,7 @@ class Bindings {
 struct ComputePass {
   graph::Stage stage;
   std::string name;
-  std::string shader;
+  vk::ShaderKey shader;
   Bindings bindings;
   glm::uvec3 size{1};                     // invocations: pixels and layers; unused if `groups` is set
   std::vector<vk::Constant> constants{};  // specialization constants

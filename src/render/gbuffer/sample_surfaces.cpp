@@ -56,7 +56,7 @@ graph::ImageId addSampleSurfaces(const FrameContext& f, const Gbuffer& gbuffer) 
   addCompute(f,
              {.stage = graph::Stage::Geometry,
               .name = "surfaces of samples",
-              .shader = "sample_surfaces.comp@" + f.setup.layout->file,
+              .shader = {"sample_surfaces.comp", f.setup.layout->file},
               .bindings = std::move(bindings),
               .size = f.pixels(),
               .constants = f.setup.constants()},

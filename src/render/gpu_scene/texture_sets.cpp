@@ -147,9 +147,10 @@ std::vector<vk::Binding> textureBindings(const vk::Device& device) {
   return std::vector<vk::Binding>(shared::kTextureCount, vk::Binding::Sampled);
 }
 
-std::string materialVariant(const vk::Device& device, const std::string& shader) {
-  const std::string indexed = shader + "+indexed";
-  return device.maxTextureArray() > 0 && vk::hasShader(indexed) ? indexed : shader;
+vk::ShaderKey materialVariant(const vk::Device& device, vk::ShaderKey shader) {
+  shader.indexed = device.maxTextureArray() > 0;
+  if (!vk::hasShader(shader)) shader.indexed = false;  // it samples no textures
+  return shader;
 }
 
 }  // namespace latelight::render

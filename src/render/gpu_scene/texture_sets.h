@@ -35,6 +35,6 @@ std::unique_ptr<TextureSets> makeTextureSets(vk::Device& device, const scene::Sc
                                              const GpuTextures& textures);
 std::vector<vk::Binding> textureBindings(const vk::Device& device);
 // Returns the variant of a shader that reads materials. Shaders that sample bindless textures are compiled separately.
-std::string materialVariant(const vk::Device& device, const std::string& shader);
+vk::ShaderKey materialVariant(const vk::Device& device, vk::ShaderKey shader);
 
 }  // namespace latelight::render

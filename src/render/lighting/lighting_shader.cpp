@@ -30,7 +30,7 @@ ComputePass lightingPass(const FrameContext& f, const Gbuffer& gbuffer, const st
   constants.push_back({kSomeShadedSeparatelyConstant, layered ? 1u : 0u});
   ComputePass pass{.stage = graph::Stage::Lighting,
                    .name = name,
-                   .shader = f.setup.variant(file + "@" + f.setup.layout->file),
+                   .shader = f.setup.variant({file, f.setup.layout->file}),
                    .bindings = std::move(bindings),
                    .size = f.pixels(),
                    .constants = std::move(constants),

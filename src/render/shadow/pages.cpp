@@ -36,7 +36,7 @@ ComputePass askingPass(const FrameContext& f, const Gbuffer& gbuffer) {
   constants.push_back({kSamplesConstant, f.setup.samples});
   return {.stage = graph::Stage::Shadows,
           .name = "shadow pages asked",
-          .shader = f.setup.variant("pages_asked.comp@" + f.setup.layout->file),
+          .shader = f.setup.variant({"pages_asked.comp", f.setup.layout->file}),
           .bindings = Bindings(f.device).sampled(gbufferInputs(gbuffer)),
           .size = f.pixels(),
           .constants = std::move(constants),

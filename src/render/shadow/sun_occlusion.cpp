@@ -16,7 +16,7 @@ vk::PipelineRef stepPipeline(const FrameContext& f, const Bindings& bindings, bo
   const Layout& layout = *f.setup.layout;
   vk::GraphicsDesc desc;
   desc.vertex = "screen.vert";
-  desc.fragment = (fills ? "sun_occlusion.frag@" : "sun_mark.frag@") + layout.file;
+  desc.fragment = {fills ? "sun_occlusion.frag" : "sun_mark.frag", layout.file};
   desc.bindings = bindings.kinds();
   desc.constants = f.setup.constants();
   desc.pushBytes = sizeof(shared::SunPush);

@@ -39,10 +39,10 @@ ScenePipelines blendedPipelines(const FrameContext& f, const Bindings& maps, con
   desc.depthCompare = VK_COMPARE_OP_GREATER_OR_EQUAL;
   desc.depthWrite = false;
   desc.blend = target.blend;
-  desc.name = target.fragment;
+  desc.name = target.fragment.name();
   const vk::PipelineRef plain = f.device.cache().pipeline(desc);
   if (!blendedHaveLayers(f)) return {plain, plain};
-  desc.fragment = materialVariant(f.device, target.fragment + "+coated");
+  desc.fragment.coated = true;
   desc.constants.push_back({kLayersConstant, f.setup.layers});
   desc.name += " coated";
   return {plain, plain, f.device.cache().pipeline(desc)};

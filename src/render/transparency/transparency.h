@@ -40,7 +40,8 @@ uint32_t fragmentSamples(const vk::Device& device, const FrameConfig& setup);
 // Pipelines that draw blended fragments (blended.glsl). Depth is tested but not written. A surface at exactly the depth
 // of an opaque one, such as a decal, is visible. Set 0 is blendedMaps().
 struct BlendedTarget {
-  std::string vertex, fragment;  // shaders; default vertex shader: scene.vert
+  std::string vertex;  // default: scene.vert
+  vk::ShaderKey fragment;
   uint32_t pushBytes = sizeof(shared::DrawPush);
   std::vector<VkFormat> colors{};
   vk::Blend blend = vk::Blend::Replace;

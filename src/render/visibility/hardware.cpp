@@ -122,7 +122,7 @@ void HardwareVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) con
   const Layout& layout = *f.setup.layout;
   vk::GraphicsDesc desc = behindDepth(f.setup);
   if (layout.keepsMotion) desc.vertex = "scene_motion.vert";
-  desc.fragment = f.setup.variant("geometry.frag@" + layout.file);
+  desc.fragment = f.setup.variant({"geometry.frag", layout.file});
   desc.name = "geometry " + layout.name;
   const auto lightTarget = static_cast<uint32_t>(layout.targets.size());
   desc.colorsWritten = writtenTargets(f.setup, gbuffer);
@@ -185,8 +185,10 @@ void HardwareVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuf
                                       const FragmentBuffers& buffers) const {
   requireStores(f.device);
   const uint32_t samples = fragmentSamples(f.device, f.setup);
+  vk::ShaderKey fragment = "blended_store.frag";
+  if (samples > 1) fragment.samples = vk::ShaderKey::Samples::Multisampled;
   const BlendedTarget target{.vertex = "scene_ordered.vert",
-                             .fragment = samples > 1 ? "blended_store.frag+msaa" : "blended_store.frag",
+                             .fragment = fragment,
                              .pushBytes = pushBytesWith<shared::FragmentDraw>(),
                              .samples = samples};
   const graph::ImageId depth = attachableDepth(f, samples > 1 ? gbuffer.sampleDepth : gbuffer.depth);

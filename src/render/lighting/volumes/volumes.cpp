@@ -251,7 +251,8 @@ class VolumesPass {
     if (multisampled()) desc.stencil = besideSeveral(step);
     const std::string& layout = f_.setup.layout->file;
     if (step.lights)
-      desc.fragment = rate == kRateSample ? "volume_samples.frag@" + layout : f_.setup.variant("volume.frag@" + layout);
+      desc.fragment = rate == kRateSample ? vk::ShaderKey("volume_samples.frag", layout)
+                                          : f_.setup.variant({"volume.frag", layout});
     return f_.device.cache().pipeline(desc);
   }
 

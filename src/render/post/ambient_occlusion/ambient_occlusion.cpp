@@ -19,12 +19,12 @@ constexpr float kToleranceShare = 0.3f;
 graph::ImageId addOcclusion(const FrameContext& f, const Gbuffer& gbuffer) {
   const graph::ImageId hidden = createTarget(f, kAoFormat, "hidden");
   Bindings bindings(f.device);
-  std::string shader = "gtao_depth.comp";
+  vk::ShaderKey shader = "gtao_depth.comp";
   // Forward techniques write no normals, and with several samples per pixel there is no single normal. Normals are then
   // derived from depth.
   const bool surfaces = !f.setup.lighting->forward && f.setup.samples == 1;
   if (surfaces) {
-    shader = "gtao.comp@" + f.setup.layout->file;
+    shader = {"gtao.comp", f.setup.layout->file};
     bindings.sampled(gbuffer.targets);
   }
   bindings.sampled(gbuffer.depth).storage(hidden, graph::Use::StorageWrite);

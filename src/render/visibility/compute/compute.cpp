@@ -264,7 +264,7 @@ void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) cons
   bindings.storage(gbuffer.sampleLight, graph::Use::StorageWrite);
   ComputePass pass{.stage = graph::Stage::Geometry,
                    .name = "geometry " + layout.name,
-                   .shader = "resolve.comp@" + layout.file,
+                   .shader = {"resolve.comp", layout.file},
                    .bindings = std::move(bindings),
                    .constants = {{kResolvedTargetsConstant, wanted},
                                  {kSrgbConstant, srgb},
@@ -281,14 +281,14 @@ void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) cons
 void ComputeVisibility::addSurfaces(const FrameContext& f, Gbuffer& gbuffer) const {
   Bindings bindings(f.device);
   bindings.sampled(gbuffer.targets).sampled(gbuffer.depth).sampled(gbuffer.sampleLight);
-  addSurfacesBy(f, gbuffer, "surfaces_of_triangles.comp@" + f.setup.layout->file, std::move(bindings));
+  addSurfacesBy(f, gbuffer, {"surfaces_of_triangles.comp", f.setup.layout->file}, std::move(bindings));
 }
 
 void ComputeVisibility::addTriangleSurfaces(const FrameContext& f, Gbuffer& gbuffer) const {
   if (f.setup.samples > 1) addSurfacesBy(f, gbuffer, "surfaces_are_triangles.comp", Bindings(f.device));
 }
 
-void ComputeVisibility::addSurfacesBy(const FrameContext& f, Gbuffer& gbuffer, std::string shader,
+void ComputeVisibility::addSurfacesBy(const FrameContext& f, Gbuffer& gbuffer, vk::ShaderKey shader,
                                       Bindings bindings) const {
   gbuffer.sampleDepth = createTarget(f, VK_FORMAT_R32_SFLOAT, "depth of surfaces", f.setup.samples);
   gbuffer.surfaces = createSurfaces(f);
@@ -451,7 +451,7 @@ void ComputeVisibility::lightFragments(const FrameContext& f, const Gbuffer& gbu
   ComputePass pass{
       .stage = graph::Stage::Transparency,
       .name = "transparency light",
-      .shader = blendedHaveLayers(f) ? "light_fragments.comp+coated" : "light_fragments.comp",
+      .shader = "light_fragments.comp",
       .bindings = blendedMaps(f, gbuffer, graph::Use::SampledCompute),
       .size = {std::min(buffers.capacity, kFragmentRow), (buffers.capacity + kFragmentRow - 1) / kFragmentRow, 1},
       .buffers = {{buffers.fragments, graph::Use::StorageReadWrite},
@@ -459,6 +459,7 @@ void ComputeVisibility::lightFragments(const FrameContext& f, const Gbuffer& gbu
                   {buffers.lists, graph::Use::StorageRead}},
       .groupX = 256,
       .groupY = 1};
+  pass.shader.coated = blendedHaveLayers(f);
   readsTextures(f, pass);
   const TransparencySetup& setup = f.setup.transparency;
   pass.constants.insert(pass.constants.end(), {{kEveryLightConstant, setup.everyLight ? 1u : 0u},

@@ -60,7 +60,7 @@ class ComputeVisibility final : public Visibility {
   void addResolve(const FrameContext& f, ComputePass pass, graph::BufferId outputs = {}) const;
   void addSurfaces(const FrameContext& f, Gbuffer& gbuffer) const;
   void addTriangleSurfaces(const FrameContext& f, Gbuffer& gbuffer) const;
-  void addSurfacesBy(const FrameContext& f, Gbuffer& gbuffer, std::string shader, Bindings bindings) const;
+  void addSurfacesBy(const FrameContext& f, Gbuffer& gbuffer, vk::ShaderKey shader, Bindings bindings) const;
 
   const GpuScene& scene_;
   const RasterInstances& ranks_;
