@@ -92,7 +92,7 @@ std::string ShaderKey::name() const {
   std::string name = file;
   if (!layout.empty()) name += "@" + layout;
   if (samples == Samples::Multisampled) name += "+msaa";
-  if (samples == Samples::SampleLayers) name += "+layers";
+  if (samples == Samples::SampleLayers) name += "+sample-layers";
   if (coated) name += "+coated";
   if (indexed) name += "+indexed";
   return name;

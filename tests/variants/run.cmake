@@ -34,6 +34,7 @@ expect("// variants: visible\nvoid main() {}\n"
   "planted.comp declares the variant \"visible\", but includes nothing that differs by it.")
 expect("// variants: multisampled\n${samples}" "variants: [multisampled]")
 expect("// variants: layout, multisampled\n${both}" "variants: [layout;multisampled]")
+expect("// variants: multisampled, sample-layers\n${samples}" "variants: [multisampled;sample-layers]")
 expect("// variants: layout\n#define ONE_SAMPLE\n${both}" "variants: [layout]")
 expect("// variants: textured\n${textures}" "variants: [textured]")
 expect("#define MULTISAMPLED\n${samples}" "variants: []")

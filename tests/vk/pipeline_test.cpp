@@ -100,7 +100,7 @@ TEST(Shaders, NamesHaveTheLayoutFirstAndThenTheVariants) {
   EXPECT_EQ(key.name(), "a.frag@thin+msaa+indexed");
   key.samples = ShaderKey::Samples::SampleLayers;
   key.coated = true;
-  EXPECT_EQ(key.name(), "a.frag@thin+layers+coated+indexed");
+  EXPECT_EQ(key.name(), "a.frag@thin+sample-layers+coated+indexed");
 }
 
 TEST(Shaders, UnknownOnesAreNamed) {

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: layout, visible, multisampled, layered
+// variants: layout, visible, multisampled, sample-layers
 // Tiled and clustered deferred shading: shades each pixel with the light list of its cell, which light_lists.comp
 // wrote. A cell is a tile (tiled) or a depth slice of a tile (clustered). Inputs: the G-buffer and the lists. Output:
 // the lit picture in lightTarget, and the numbers of lights tested and used in lightCounts.

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: multisampled, layered
+// variants: multisampled, sample-layers
 // Light culling: lists the lights that may reach the samples of each cell, for tiled and clustered deferred shading. A
 // cell is a tile of 16x16 pixels or a depth slice of a tile (kCellsATile). With several samples per pixel, the
 // centroids of a pixel's surfaces stand for its samples, because surfaces are lit there.

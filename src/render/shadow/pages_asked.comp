@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: layout, multisampled, layered
+// variants: layout, multisampled, sample-layers
 // Virtual shadow maps, first pass: marks the pages that the surfaces of the G-buffer may look up, for each light that
 // reaches them. The marking is conservative: it uses the lookup point and the maximum distance from it at which the
 // lookup (shadow.glsl) reads texels. Inputs: the G-buffer, push.lights. Output: push.asked, a bit mask of pages.

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: layout, visible, multisampled, layered
+// variants: layout, visible, multisampled, sample-layers
 // Deferred shading without light culling: reads the G-buffer and shades every pixel with every light. Output: the lit
 // picture in lightTarget, and the numbers of lights tested and used in lightCounts.
 #include "render/glsl/common.glsl"

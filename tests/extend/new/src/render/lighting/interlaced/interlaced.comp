@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: layout, visible, multisampled, layered
+// variants: layout, visible, multisampled, sample-layers
 // interlaced: every second row of the picture, every light at every pixel of them.
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
