@@ -9,17 +9,25 @@
 #   sample-layers  with multisampled: again for samples in      MULTISAMPLED, SAMPLE_LAYERS  +sample-layers  (2)
 #                  array layers
 #   coated         again for materials that may have coats      COATED                       +coated         (3)
+#   hits           again per entry of LATELIGHT_HITS            RASTER_HIT, HIT_<HIT>        +<hit>          (5)
 #   textured       again for bindless textures                  TEXTURES_BY_INDEX            +indexed        (4)
 #
 #   (1) gbuffer_layout.h, or gbuffer_read.glsl or gbuffer_write.glsl, which include it
 #   (2) multisample.glsl or gbuffer_read.glsl
 #   (3) blended.glsl or blended_light.glsl (src/render/transparency), which light blended surfaces
 #   (4) fragment_point.glsl, surface_fragment.glsl, surface_point.glsl or blended.glsl, which sample materials' textures
+#   (5) raster_hit.glsl (src/render/visibility/compute), which stores a pixel that a triangle covers
 #
 # Each variant multiplies those above it, and suffixes combine: <file>@<layout>+msaa+indexed. A shader that defines
 # MULTISAMPLED itself has only that form, and one that defines ONE_SAMPLE has no multisampled form. For layouts without
 # targets, a `visible` shader reads surfaces from the visibility buffer (gbuffer_read.glsl): it has no +msaa form there,
 # and every form is also compiled as +indexed.
+#
+# Hits are the ways in which the raster compute stores a covered pixel, except that of opaque triangles, which has no
+# suffix. Hits that sample textures are also compiled as +indexed, without a declaration.
+set(LATELIGHT_HITS masked blended overdraw lens lens-blended)
+set(LATELIGHT_TEXTURED_HITS masked lens lens-blended)
+
 set(LATELIGHT_SPIRV ${PROJECT_BINARY_DIR}/spirv)
 # Debug information contains the sources and their paths, so release builds omit it.
 set(LATELIGHT_SHADER_DEBUG $<$<NOT:$<CONFIG:Release>>:-g>)
@@ -97,6 +105,9 @@ function(latelight_declared_variants source out)
   if(text MATCHES "#include \"render/transparency/blended(_light)?\\.glsl\"")
     list(APPEND used coated)
   endif()
+  if(text MATCHES "#include \"render/visibility/compute/raster_hit\\.glsl\"")
+    list(APPEND used hits)
+  endif()
   list(JOIN used ", " wanted)
   foreach(variant IN LISTS used)
     if(NOT variant IN_LIST declared)
@@ -155,6 +166,14 @@ function(latelight_shaders module)
       list(TRANSFORM variants APPEND "+coated" OUTPUT_VARIABLE coated)
       list(APPEND variants ${coated})
     endif()
+    if("hits" IN_LIST declared)
+      foreach(hit IN LISTS LATELIGHT_HITS)
+        list(APPEND variants "-+${hit}")
+      endforeach()
+      foreach(hit IN LISTS LATELIGHT_TEXTURED_HITS)
+        list(APPEND variants "-+${hit}+indexed")
+      endforeach()
+    endif()
     if("textured" IN_LIST declared)
       list(TRANSFORM variants APPEND "+indexed" OUTPUT_VARIABLE indexed)
       list(APPEND variants ${indexed})
@@ -184,6 +203,13 @@ function(latelight_shaders module)
       if(variant MATCHES "\\+coated")
         list(APPEND includes -DCOATED)
       endif()
+      foreach(hit IN LISTS LATELIGHT_HITS)
+        if(variant MATCHES "\\+${hit}(\\+|$)")
+          string(TOUPPER ${hit} macro)
+          string(REPLACE "-" "_" macro ${macro})
+          list(APPEND includes -DRASTER_HIT -DHIT_${macro})
+        endif()
+      endforeach()
       if(variant MATCHES "\\+indexed")
         list(APPEND includes -DTEXTURES_BY_INDEX)
       endif()

@@ -88,12 +88,18 @@ std::span<const uint32_t> shaderOfFolder(std::string_view name) {
 
 }  // namespace
 
+std::string_view ShaderKey::hitName() const {
+  constexpr std::string_view kNames[] = {"", "masked", "blended", "overdraw", "lens", "lens-blended"};
+  return kNames[static_cast<size_t>(hit)];
+}
+
 std::string ShaderKey::name() const {
   std::string name = file;
   if (!layout.empty()) name += "@" + layout;
   if (samples == Samples::Multisampled) name += "+msaa";
   if (samples == Samples::SampleLayers) name += "+sample-layers";
   if (coated) name += "+coated";
+  if (hit != Hit::Opaque) name.append("+").append(hitName());
   if (indexed) name += "+indexed";
   return name;
 }

@@ -19,6 +19,8 @@ struct ShaderKey {
     Multisampled,  // of multisampled images
     SampleLayers,  // of images with an array layer per sample
   };
+  // The kind of hit of the raster compute: how a pixel that a triangle covers is stored (raster_hit.glsl).
+  enum class Hit : uint8_t { Opaque, Masked, Blended, Overdraw, Lens, LensBlended };
 
   ShaderKey() = default;
   // Implicit, because most shaders have only one form.
@@ -28,10 +30,13 @@ struct ShaderKey {
   std::string file;    // without its folder: "geometry.frag"
   std::string layout;  // the G-buffer layout's file; empty: the shader is the same for all
   Samples samples = Samples::One;
+  Hit hit = Hit::Opaque;
   bool coated = false;   // for materials that may have coats
   bool indexed = false;  // for bindless textures
 
   bool empty() const { return file.empty(); }
+  // The suffix of `hit` without its +, such as "lens-blended"; empty for Opaque.
+  std::string_view hitName() const;
   // The name under which the build embeds this variant, such as "geometry.frag@thin+msaa".
   std::string name() const;
   bool operator==(const ShaderKey&) const = default;

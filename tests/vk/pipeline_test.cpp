@@ -101,6 +101,24 @@ TEST(Shaders, NamesHaveTheLayoutFirstAndThenTheVariants) {
   key.samples = ShaderKey::Samples::SampleLayers;
   key.coated = true;
   EXPECT_EQ(key.name(), "a.frag@thin+sample-layers+coated+indexed");
+  ShaderKey raster("a.comp");
+  raster.hit = ShaderKey::Hit::LensBlended;
+  EXPECT_EQ(raster.name(), "a.comp+lens-blended");
+  raster.indexed = true;
+  EXPECT_EQ(raster.name(), "a.comp+lens-blended+indexed");
+}
+
+TEST(Shaders, TheRasterHasAVariantPerKindOfHit) {
+  using enum ShaderKey::Hit;
+  for (const ShaderKey::Hit hit : {Opaque, Masked, Blended, Overdraw, Lens, LensBlended}) {
+    for (const char* file : {"raster.comp", "raster_large.comp"}) {
+      ShaderKey key = file;
+      key.hit = hit;
+      EXPECT_TRUE(hasShader(key)) << key.name();
+      key.indexed = true;
+      EXPECT_EQ(hasShader(key), hit == Masked || hit == Lens || hit == LensBlended) << key.name();
+    }
+  }
 }
 
 TEST(Shaders, UnknownOnesAreNamed) {

@@ -24,6 +24,7 @@ namespace latelight::render {
 namespace {
 
 using namespace shared;  // kRaster*, kQueue*
+using Hit = vk::ShaderKey::Hit;
 
 // The constant of an output slot in surface_outputs.glsl.
 vk::ConstantId outputConstant(size_t slot) {
@@ -123,12 +124,10 @@ RasterViews ComputeVisibility::viewsBeside(const FrameContext& f, const std::vec
 graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const RasterViews& views) const {
   const RasterQueues queues(f, views, share_);
   addClear(f, graph::Stage::Visibility, "raster clear", {queues.visible});
-  RasterChain whole{graph::Stage::Visibility, "raster.comp", "raster_large.comp", 0, kRankMasked};
-  RasterChain cut{
-      graph::Stage::Visibility, "raster_masked.comp", "raster_large_masked.comp", kRankMasked, kRankMasked, true};
+  RasterChain whole{graph::Stage::Visibility, Hit::Opaque, 0, kRankMasked};
+  RasterChain cut{graph::Stage::Visibility, Hit::Masked, kRankMasked, kRankMasked, true};
   if (views.lens) {
-    whole.small = cut.small = "raster_lens.comp";
-    whole.large = cut.large = "raster_large_lens.comp";
+    whole.hit = cut.hit = Hit::Lens;
     whole.textures = true;  // one shader for opaque and masked
   }
   const bool some = share_.ranks > share_.masked;
@@ -193,9 +192,7 @@ graph::ImageId ComputeVisibility::addOverdraw(const FrameContext& f) const {
   const RasterViews views{f.constants, f.width, f.height, f.viewCount()};
   const RasterQueues queues(f, views, share_);
   addClear(f, graph::Stage::Geometry, "raster clear", {queues.visible});
-  if (share_.ranks > 0)
-    addRasterChain(f, ranks_, share_, views, queues,
-                   {graph::Stage::Geometry, "raster_overdraw.comp", "raster_large_overdraw.comp", 0, 0});
+  if (share_.ranks > 0) addRasterChain(f, ranks_, share_, views, queues, {graph::Stage::Geometry, Hit::Overdraw, 0, 0});
   const graph::ImageId overdraw = createTarget(f, VK_FORMAT_R32_SFLOAT, "overdraw");
   addCompute(f,
              {.stage = graph::Stage::Geometry,
@@ -426,21 +423,13 @@ void ComputeVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuff
                       {buffers.counts, graph::Use::StorageReadWrite},
                       {buffers.totals, graph::Use::StorageReadWrite}},
                      [=](graph::Context& context) { return std::array{listsOf(context, buffers)}; });
-  RasterChain chain{graph::Stage::Transparency,
-                    "raster_blended.comp",
-                    "raster_large_blended.comp",
-                    kRankBlended,
-                    kRankBlended,
-                    false,
-                    lists,
-                    filled};
+  RasterChain chain{graph::Stage::Transparency, Hit::Blended, kRankBlended, kRankBlended, false, lists, filled};
   if (pyramid_) {
     chain.culls = kCullByPyramid;
     chain.pyramid = pyramid_;
   }
   if (views.lens) {
-    chain.small = "raster_lens_blended.comp";
-    chain.large = "raster_large_lens_blended.comp";
+    chain.hit = Hit::LensBlended;
     chain.textures = true;
   }
   addRasterChain(f, ranks_, ranks_.all(), views, RasterQueues(f, views, ranks_.all(), visible_), chain);

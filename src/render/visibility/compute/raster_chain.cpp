@@ -54,11 +54,14 @@ glm::uvec2 tilesOf(const RasterViews& v) {
   return (glm::uvec2(v.width, v.height) + (kRasterTile - 1)) / kRasterTile;
 }
 
-// A step reads and writes any of its buffers. The pass name follows from the shader: raster_cull.comp is "raster cull".
-ComputePass rasterStep(const FrameContext& f, graph::Stage stage, std::string shader,
+// A step reads and writes any of its buffers. The pass name follows from the shader: raster_cull.comp is "raster cull",
+// and raster.comp+lens-blended is "raster lens blended".
+ComputePass rasterStep(const FrameContext& f, graph::Stage stage, const vk::ShaderKey& shader,
                        std::vector<graph::Access> buffers) {
-  std::string name = shader.substr(0, shader.find('.'));
-  std::ranges::replace(name, '_', ' ');
+  std::string name = shader.file.substr(0, shader.file.find('.'));
+  if (!shader.hitName().empty()) name.append(" ").append(shader.hitName());
+  std::ranges::replace_if(
+      name, [](char c) { return c == '_' || c == '-'; }, ' ');
   return {.stage = stage,
           .name = name,
           .shader = shader,
@@ -94,17 +97,18 @@ struct RasterChainBuilder {
   RasterChain chain;
 
   void cull() const;
-  void over(const char* shader, glm::uvec3 groups) const;
+  void over(const vk::ShaderKey& shader, glm::uvec3 groups) const;
   // `which` is kQueue*; `entries` is the number of entries per workgroup.
   struct Queue {
     uint32_t which, room, entries;
   };
   // Shaders that evaluate masked materials read textures if chain.textures is set.
   enum class Materials { Unread, Evaluated };
-  void overQueue(const char* shader, Materials materials, Queue queue, std::vector<vk::Constant> constants = {}) const;
+  void overQueue(const vk::ShaderKey& shader, Materials materials, Queue queue,
+                 std::vector<vk::Constant> constants = {}) const;
 
  private:
-  ComputePass step(const char* shader) const;
+  ComputePass step(const vk::ShaderKey& shader) const;
   RasterPush push(graph::Context& context) const;
   VkDeviceAddress addressOf(graph::Context& context, graph::BufferId buffer) const {
     return buffer ? context.buffer(buffer).address() : 0;
@@ -160,7 +164,7 @@ RasterPush RasterChainBuilder::push(graph::Context& context) const {
           .entryRoom = queues.room.entries};
 }
 
-ComputePass RasterChainBuilder::step(const char* shader) const {
+ComputePass RasterChainBuilder::step(const vk::ShaderKey& shader) const {
   ComputePass pass = rasterStep(f, chain.stage, shader, queues.accesses());
   if (chain.lists) pass.buffers.emplace_back(chain.lists, graph::Use::StorageRead);
   if (views.pages) pass.buffers.emplace_back(views.pages, graph::Use::StorageRead);
@@ -169,14 +173,14 @@ ComputePass RasterChainBuilder::step(const char* shader) const {
   return pass;
 }
 
-void RasterChainBuilder::over(const char* shader, glm::uvec3 groups) const {
+void RasterChainBuilder::over(const vk::ShaderKey& shader, glm::uvec3 groups) const {
   ComputePass pass = step(shader);
   addVastConstant(f, pass);
   pass.size = groups;
   addCompute(f, std::move(pass), [self = *this](graph::Context& context) { return self.push(context); });
 }
 
-void RasterChainBuilder::overQueue(const char* shader, Materials materials, Queue queue,
+void RasterChainBuilder::overQueue(const vk::ShaderKey& shader, Materials materials, Queue queue,
                                    std::vector<vk::Constant> constants) const {
   const bool jobs = queue.which == kQueueJobs;
   const uint32_t parts = jobs ? views.samples : 1;
@@ -231,21 +235,23 @@ void addRasterChain(const FrameContext& f, const RasterInstances& ranks, const R
   constexpr auto kUnread = RasterChainBuilder::Materials::Unread, kEvaluated = RasterChainBuilder::Materials::Evaluated;
   const RasterChainBuilder steps{f, ranks, static_cast<uint32_t>(share.parts), views, queues, chain};
   const RasterRoom& room = queues.room;
-  const uint32_t subgroups = kRasterGroup / f.device.subgroupSize();  // per workgroup of the shader chain.small
+  const uint32_t subgroups = kRasterGroup / f.device.subgroupSize();  // per workgroup of raster.comp
   // lavapipe ends a shader's loops after 65535 iterations in total. A cluster stays below that if its loops only visit
   // pixels, with 180 iterations per triangle.
   const bool apart = f.device.isCpu() && !chain.textures && !chain.lists && views.samples == 1;
+  vk::ShaderKey small = "raster.comp", large = "raster_large.comp";
+  small.hit = large.hit = chain.hit;
   addClear(f, chain.stage, "raster clear", {queues.counters, queues.tiles},
            {queues.work, queues.clipped, queues.large, queues.entries, queues.jobs});
   steps.cull();
-  steps.overQueue(chain.small, kEvaluated, {kQueueWork, room.work, apart ? subgroups : 1},
+  steps.overQueue(small, kEvaluated, {kQueueWork, room.work, apart ? subgroups : 1},
                   {{kApartConstant, apart ? 1u : 0u}});
-  if (!apart) steps.overQueue(chain.small, kEvaluated, {kQueueMedium, room.medium, subgroups}, {{kQueuedConstant, 1}});
+  if (!apart) steps.overQueue(small, kEvaluated, {kQueueMedium, room.medium, subgroups}, {{kQueuedConstant, 1}});
   steps.overQueue("raster_clip.comp", kUnread, {kQueueClipped, room.clipped, 64});
   steps.overQueue("raster_count.comp", kUnread, {kQueueLarge, room.large, kBinGroup});
   steps.over("raster_tiles.comp", {(tilesOf(views).x * tilesOf(views).y * views.count + 63) / 64, 1, 1});
   steps.overQueue("raster_fill.comp", kUnread, {kQueueLarge, room.large, kBinGroup});
-  steps.overQueue(chain.large, kEvaluated, {kQueueJobs, room.jobs, 1});
+  steps.overQueue(large, kEvaluated, {kQueueJobs, room.jobs, 1});
   if (!f.overflow) return;
   const graph::BufferId host = copyToHost(f, chain.stage, "raster counters", {queues.counters}).front();
   f.overflow->checks.push_back(

@@ -2,11 +2,11 @@
 // Software Rasterization on GPUs, HPG; Karis, Stubbe and Wihlidal 2021, A Deep Dive into Nanite Virtualized Geometry,
 // SIGGRAPH course). It renders the clusters of all instances into views of one size:
 //
-//  clusters -> raster_cull -> work -> chain.small -+-> visibility buffer
-//                                                  +-> medium -> chain.small (a subgroup each) -> visibility buffer
-//                                                  +-> clipped -> raster_clip -> large
-//                                                  +-> large -> raster_count, raster_tiles, raster_fill
-//  raster_tiles, raster_fill -> tiles, entries, jobs -> chain.large (a workgroup per tile) -> visibility buffer
+//  clusters -> raster_cull -> work -> raster -+-> visibility buffer
+//                                             +-> medium -> raster (a subgroup each) -> visibility buffer
+//                                             +-> clipped -> raster_clip -> large
+//                                             +-> large -> raster_count, raster_tiles, raster_fill
+//  raster_tiles, raster_fill -> tiles, entries, jobs -> raster_large (a workgroup per tile) -> visibility buffer
 #pragma once
 
 #include <functional>
@@ -45,11 +45,11 @@ struct RasterQueues {
   RasterRoom room;
 };
 
-// Variants of a chain differ in what happens at a covered pixel, and thus in their shaders.
+// Chains differ in what happens at a covered pixel, and thus in the variants of raster.comp and raster_large.comp.
 struct RasterChain {
   graph::Stage stage{};
-  const char *small = nullptr, *large = nullptr;  // shaders
-  uint32_t wanted = 0, asked = 0;                 // required flags, and the mask of tested flags (kRank*)
+  vk::ShaderKey::Hit hit = vk::ShaderKey::Hit::Opaque;
+  uint32_t wanted = 0, asked = 0;  // required flags, and the mask of tested flags (kRank*)
   bool textures = false;
   graph::BufferId lists{};                                       // of blended surfaces: shared::FragmentLists
   std::vector<graph::BufferId> filled{};                         // the buffers of these lists

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Converts the counts of raster_overdraw.comp to an image.
+// Converts the counts of raster_hit.glsl to an image.
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/raster_push.h"
 #include "render/visibility/compute/visible.glsl"
