@@ -49,11 +49,11 @@ Json describeShadings(const render::ShadingCounts& counts) {
           {"shadingsAPixel", share(counts.shadings, counts.drawn)}};
 }
 
-void printReport(const scene::Scene& scene, const vk::Device& device, const render::Renderer& renderer,
+void printReport(const scene::Scene& scene, const vk::Device& device, const render::RenderStatistics& statistics,
                  const std::vector<std::filesystem::path>& files, const std::vector<render::Picked>& picked,
                  const RenderTimes& times) {
   Json passes = Json::array();
-  for (const graph::PassTime& pass : renderer.times())
+  for (const graph::PassTime& pass : statistics.passTimes)
     passes.push_back({{"pass", pass.name}, {"milliseconds", pass.milliseconds}});
   Json names = Json::array();
   for (const auto& file : files) names.push_back(file.string());
@@ -70,7 +70,7 @@ void printReport(const scene::Scene& scene, const vk::Device& device, const rend
                 {"total", times.total}}},
               {"gpu", passes}};
   if (!picked.empty()) report["picked"] = describePicked(picked);
-  if (const auto& counts = renderer.shadingCounts()) report["shading"] = describeShadings(*counts);
+  if (const auto& counts = statistics.shadingCounts) report["shading"] = describeShadings(*counts);
   // Paths and names need not be UTF-8.
   fmt::print("{}\n", report.dump(2, ' ', false, Json::error_handler_t::replace));
 }
@@ -172,12 +172,19 @@ PendingFrame startFrame(RenderRun& run, uint32_t frame) {
   const scene::Camera camera = run.timeline.cameraAt(frame);
   const render::SceneState moment = run.timeline.momentAt(frame);
   PendingFrame pending;
-  if (!run.options.pixels.empty())
-    run.picked = render::pick(run.renderer, run.scene, camera, run.options.settings, run.options.pixels, moment);
-  if (run.plan.debug && run.plan.debug->targets)
-    pending.targets = run.renderer.readTargets(camera, run.options.settings, moment);
-  else if (!run.options.out.empty())
+  if (!run.options.pixels.empty()) {
+    render::PickResult result =
+        render::pick(run.renderer, run.scene, camera, run.options.settings, run.options.pixels, moment);
+    run.picked = std::move(result.picked);
+    run.statistics = std::move(result.statistics);
+  }
+  if (run.plan.debug && run.plan.debug->targets) {
+    render::TargetsResult result = run.renderer.readTargets(camera, run.options.settings, moment);
+    pending.targets = std::move(result.gbuffer);
+    run.statistics = std::move(result.statistics);
+  } else if (!run.options.out.empty()) {
     pending.picture = run.renderer.submit(std::span(&camera, 1), run.options.settings, moment);
+  }
   RenderOptions shown = run.options;
   shown.frame = frame;
   shown.settings.time = run.timeline.secondsAt(frame);
@@ -191,7 +198,11 @@ PendingFrame startFrame(RenderRun& run, uint32_t frame) {
 RenderedFrame finishFrame(RenderRun& run, PendingFrame&& pending) {
   const auto mark = Clock::now();
   RenderedFrame rendered{.targets = std::move(pending.targets), .metadata = std::move(pending.metadata)};
-  if (pending.picture) rendered.picture = std::move(pending.picture->take().front());
+  if (pending.picture) {
+    render::RenderResult result = pending.picture->take();
+    rendered.picture = std::move(result.frames.front());
+    run.statistics = std::move(result.statistics);
+  }
   run.times.render += seconds(mark);
   return rendered;
 }
@@ -271,10 +282,10 @@ void renderAll(RenderRun& run) {
     renderSequence(run);
   else
     writeFrame(run, finishFrame(run, startFrame(run, run.timeline.first())));
-  if (!o.graph.empty()) writeFile(o.graph, std::as_bytes(std::span(run.renderer.graphviz())));
+  if (!o.graph.empty()) writeFile(o.graph, std::as_bytes(std::span(run.statistics.graphviz)));
   run.times.total += seconds(start);
 
-  if (o.json) printReport(run.scene, run.device, run.renderer, run.files, run.picked, run.times);
+  if (o.json) printReport(run.scene, run.device, run.statistics, run.files, run.picked, run.times);
   if (!o.json)
     printPicked(run.picked, run.scene.yUp && o.settings.axes == render::Axes::File ? "gltf" : "z-up",
                 render::nameOf(o.settings.normalFrame));

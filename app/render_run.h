@@ -44,7 +44,8 @@ struct RenderRun {
   RenderTimes times{};  // accumulated so far
   std::vector<std::filesystem::path> files{};
   std::vector<render::Picked> picked{};
-  bool hasIdManifest = false;  // the id manifest of a sequence has been written
+  render::RenderStatistics statistics{};  // of the last frame
+  bool hasIdManifest = false;             // the id manifest of a sequence has been written
 };
 
 // Renders, writes and reports everything. Throws Error: SomeFramesFailed, Internal for validation messages, and errors

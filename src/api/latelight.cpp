@@ -338,7 +338,7 @@ std::vector<Frame> Ticket::take() {
   if (impl_->results == Results::Arrays) badUsage("these pictures are arrays on the device: take those");
   const std::shared_ptr<Impl> taken = std::move(impl_);
   std::vector<Frame> frames;
-  for (output::FrameOutput& frame : taken->ticket.take()) frames.push_back(publicFrame(std::move(frame)));
+  for (output::FrameOutput& frame : taken->ticket.take().frames) frames.push_back(publicFrame(std::move(frame)));
   return frames;
 }
 
@@ -354,7 +354,7 @@ std::map<std::string, DeviceArray> Ticket::takeArrays() {
   if (impl_->results != Results::Arrays) badUsage("these pictures are no arrays: submit them with Results::Arrays");
   const std::shared_ptr<Impl> taken = std::move(impl_);
   std::map<std::string, DeviceArray> arrays;
-  for (render::ExportedArray& from : taken->ticket.takeArrays()) {
+  for (render::ExportedArray& from : taken->ticket.take().arrays) {
     DeviceArray& array = arrays[from.aov ? std::string(output::info(*from.aov).name) : "rgba"];
     using enum DeviceArray::Element;
     array.element = !from.aov ? Uint8 : output::holdsIds(*from.aov) ? Uint32 : Float32;
@@ -408,7 +408,7 @@ std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::ar
   std::vector<Pick> picks;
   const scene::Camera view = render::fitted(internalCamera(camera, impl_->scene), settings.cameraFit);
   const render::SceneState moment = internalState(options, settings, impl_->scene, 1);
-  for (const render::Picked& p : render::pick(impl_->renderer, impl_->scene, view, settings, places, moment))
+  for (const render::Picked& p : render::pick(impl_->renderer, impl_->scene, view, settings, places, moment).picked)
     picks.push_back({p.id,
                      p.part,
                      p.node,

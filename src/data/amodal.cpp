@@ -102,7 +102,7 @@ class Alone {
       std::optional<render::Ticket> now;
       if (first < end) now.emplace(submit(std::span(groups).subspan(first, end - first)));
       if (before) {
-        const std::vector<output::FrameOutput> pictures = before->take();
+        const std::vector<output::FrameOutput> pictures = before->take().frames;
         for (size_t i = 0; i < pictures.size(); ++i) taken(groups[first - most + i], pictures[i].aovs.front());
       }
       before = std::move(now);

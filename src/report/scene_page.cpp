@@ -138,7 +138,7 @@ class ScenePage {
   }
 
   output::RawGbuffer readTargets(const render::Layout& layout) {
-    return s_.renderer.readTargets(s_.camera, settingsFor(s_, layout), s_.moment);
+    return s_.renderer.readTargets(s_.camera, settingsFor(s_, layout), s_.moment).gbuffer;
   }
 
   std::string layoutHtml(const render::Layout& layout, const output::RawGbuffer& exact, study::Table& errors) {

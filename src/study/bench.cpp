@@ -95,16 +95,17 @@ std::vector<scene::Camera> allAround(const scene::Scene& scene, const scene::Cam
   return cameras;
 }
 
-// Returns milliseconds until the device is done. A call with `takes` resolves overflow and makes the pass times
-// available.
-double timeOfViews(render::Renderer& renderer, std::span<const scene::Camera> cameras, const render::Poses& poses,
-                   const render::Settings& settings, bool takes) {
+struct TimedViews {
+  render::Ticket ticket;
+  double milliseconds;  // until the device is done
+};
+
+TimedViews timeViews(render::Renderer& renderer, std::span<const scene::Camera> cameras, const render::Poses& poses,
+                     const render::Settings& settings) {
   const Stopwatch stopwatch;
   render::Ticket ticket = renderer.submit(cameras, settings, {.poses = poses}, render::Results::OnDevice);
   while (!ticket.done()) std::this_thread::sleep_for(std::chrono::microseconds(50));
-  const double elapsed = 1000 * stopwatch.seconds();
-  if (takes) ticket.take();
-  return elapsed;
+  return {std::move(ticket), 1000 * stopwatch.seconds()};
 }
 
 }  // namespace
@@ -118,17 +119,15 @@ Table benchViews(render::Renderer& renderer, const scene::Scene& scene, const sc
   for (const Raster raster : rastersOf(settings)) {
     render::Settings s = settings;
     s.raster = raster;
-    timeOfViews(renderer, cameras, poses, s, true);
+    timeViews(renderer, cameras, poses, s).ticket.take();  // resolves overflow
     // Warm up until results that stay on the device reuse memory of earlier calls.
     const Stopwatch stopwatch;
-    for (uint32_t run = 0; run < kWarm || stopwatch.seconds() < kWarmUp; ++run)
-      timeOfViews(renderer, cameras, poses, s, false);
+    for (uint32_t run = 0; run < kWarm || stopwatch.seconds() < kWarmUp; ++run) timeViews(renderer, cameras, poses, s);
     Milliseconds samples;
     for (uint32_t run = 0; run < options.frames; ++run)
-      samples.push_back(timeOfViews(renderer, cameras, poses, s, false));
-    timeOfViews(renderer, cameras, poses, s, true);
+      samples.push_back(timeViews(renderer, cameras, poses, s).milliseconds);
     PassSamples passes;
-    passes.add(renderer.times());
+    passes.add(timeViews(renderer, cameras, poses, s).ticket.take().statistics.passTimes);
     const std::string name(render::nameOf(raster));
     for (const std::string& pass : passes.names) table.rows.push_back({name, pass, median(passes.of.at(pass)), "", ""});
     table.rows.push_back(

@@ -271,13 +271,13 @@ class LightStudy {
     const Stopwatch all;
     while (goesOn(m.frames, all.seconds())) {
       const Stopwatch frame;
-      renderer.render(camera, settings);
+      const std::vector<graph::PassTime> passes = renderer.submit(camera, settings).take().statistics.passTimes;
       const double seconds = frame.seconds();
       m.seconds = m.frames < 2 ? seconds : std::min(m.seconds, seconds);
-      if (renderer.times().empty())
+      if (passes.empty())
         fail(ExitCode::NoDevice, "{} has no timestamps to measure with; choose another --device", device_.info().name);
-      if (m.frames < 2) m.passes = renderer.times();
-      keepLeast(m.passes, renderer.times());
+      if (m.frames < 2) m.passes = passes;
+      keepLeast(m.passes, passes);
       ++m.frames;
     }
     m.bytes = static_cast<double>(device_.memory().statistics().usedBytes - before);

@@ -53,7 +53,7 @@ std::vector<PassSamples> measureInTurn(render::Renderer& renderer, const scene::
   constexpr double kTurn = 1e-3;  // radians per frame
   const auto render = [&](uint32_t frame, const render::Settings& with) {
     const scene::Camera now = turned(camera, frame * kTurn, glm::dvec3(camera.toWorld[3]));
-    renderer.submit({&now, 1}, with, moment, render::Results::OnDevice).take();
+    return renderer.submit({&now, 1}, with, moment, render::Results::OnDevice).take().statistics.passTimes;
   };
   for (const render::Settings& each : settings) render(0, each);  // creates pipelines and caches of the scene
   const Stopwatch stopwatch;
@@ -61,10 +61,7 @@ std::vector<PassSamples> measureInTurn(render::Renderer& renderer, const scene::
     for (const render::Settings& each : settings) render(0, each);
   std::vector<PassSamples> samples(settings.size());
   for (uint32_t frame = 1; frame <= frames; ++frame)
-    for (size_t i = 0; i < settings.size(); ++i) {
-      render(frame, settings[i]);
-      samples[i].add(renderer.times());
-    }
+    for (size_t i = 0; i < settings.size(); ++i) samples[i].add(render(frame, settings[i]));
   return samples;
 }
 

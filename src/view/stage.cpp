@@ -137,24 +137,27 @@ Stage::Result Stage::render(const ChosenSettings& chosen, const CameraChoice& ch
   const render::SceneState moment = momentOf(choice, s);
   Result result;
   if (chosen.debug && chosen.debug->targets) {
-    result.picture = output::debugPicture(*chosen.debug, renderer().readTargets(camera, s, moment));
+    render::TargetsResult targets = renderer().readTargets(camera, s, moment);
+    result.picture = output::debugPicture(*chosen.debug, targets.gbuffer);
+    passes_ = std::move(targets.statistics.passTimes);
   } else {
     const bool sheet = chosen.debug && chosen.debug->sheet;
     if (ids && !sheet && !output::contains(s.aovs, output::Aov::Id)) s.aovs.push_back(output::Aov::Id);
-    output::FrameOutput frame = std::move(renderer().render({&camera, 1}, s, moment).front());
+    render::RenderResult rendered = renderer().submit({&camera, 1}, s, moment).take();
+    output::FrameOutput& frame = rendered.frames.front();
     result.picture = chosen.debug ? output::debugPicture(*chosen.debug, frame)
                                   : output::Picture{frame.width, frame.height, std::move(frame.display)};
     const auto found = std::ranges::find(frame.aovs, output::Aov::Id, &output::AovImage::aov);
     if (ids && !sheet && found != frame.aovs.end()) result.ids = std::move(*found);
+    passes_ = std::move(rendered.statistics.passTimes);
   }
-  passes_ = renderer().times();
   return result;
 }
 
 render::Picked Stage::pick(const render::Settings& settings, const CameraChoice& choice, glm::uvec2 pixel) {
   render::Settings s = prepared(settings);
   s.stripPixels = 1;  // only the rows around the pixel
-  return render::pick(renderer(), *scene_, camera(choice, s), s, {&pixel, 1}, momentOf(choice, s)).front();
+  return render::pick(renderer(), *scene_, camera(choice, s), s, {&pixel, 1}, momentOf(choice, s)).picked.front();
 }
 
 }  // namespace latelight::view

@@ -33,7 +33,7 @@ class DeviceArraysTest : public RenderTest {
     const std::vector<scene::Camera> cameras = camerasAround(views);
     Renderer renderer(device(), scene, &sky);
     const std::vector<output::FrameOutput> expected = renderer.render(cameras, settings);
-    const std::vector<ExportedArray> arrays = renderer.submit(cameras, settings, {}, Results::Exported).takeArrays();
+    const std::vector<ExportedArray> arrays = renderer.submit(cameras, settings, {}, Results::Exported).take().arrays;
     ASSERT_EQ(arrays.size(), settings.aovs.size() + settings.display);
     for (const ExportedArray& array : arrays)
       for (size_t view = 0; view < views; ++view) {

@@ -76,7 +76,7 @@ class TicketsTest : public RenderTest {
       uint32_t taken = 0;
       const auto take = [&, ahead = ahead] {
         SCOPED_TRACE(fmt::format("frame {}, up to {} ahead", taken, ahead));
-        expectSame(tickets.front().take().front(), expected[taken++]);
+        expectSame(tickets.front().take().frames.front(), expected[taken++]);
         tickets.pop_front();
       };
       for (uint32_t frame = 0; frame < kTicketFrames; ++frame) {
@@ -142,8 +142,8 @@ TEST_F(TicketsTest, OverflowIsOfTheSceneAsItWasSubmitted) {
   for (uint32_t i = 0; i < 40; ++i)
     removeInstance(story.scene, static_cast<uint32_t>(story.scene.instances.size()) - 1 - i);
   Ticket after = renderer.submit({&story.camera, 1}, story.settings);
-  const output::FrameOutput later = after.take().front();
-  expectSame(ticket.take().front(), expected);
+  const output::FrameOutput later = after.take().frames.front();
+  expectSame(ticket.take().frames.front(), expected);
   expectSame(later, renderOne(device(), story.scene, story.camera, story.settings, &story.sky));
   EXPECT_FALSE(later.display == expected.display);
 }
@@ -155,7 +155,7 @@ TEST_F(TicketsTest, ManyViewsAtOnce) {
   Renderer renderer(device(), story.scene, &story.sky);
   Ticket first = renderer.submit(cameras, story.settings);
   const std::vector<output::FrameOutput> second = renderer.render(std::span(cameras).first(3), story.settings);
-  const std::vector<output::FrameOutput> all = first.take();
+  const std::vector<output::FrameOutput> all = first.take().frames;
   ASSERT_EQ(all.size(), cameras.size());
   for (size_t i = 0; i < second.size(); ++i) expectSame(second[i], all[i]);
   for (size_t i = 0; i < all.size(); ++i)

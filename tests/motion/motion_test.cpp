@@ -208,7 +208,7 @@ TEST_F(MotionTest, Killzone2KeepsMotionInItsEightBits) {
   Renderer renderer(device(), scene, nullptr);
   const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, settings, moment).front());
   settings.layout = &findLayout("killzone2");
-  const output::RawGbuffer raw = renderer.readTargets(camera, settings, moment);
+  const output::RawGbuffer raw = renderer.readTargets(camera, settings, moment).gbuffer;
   const std::vector<float>& motion = imageOf(frame, Aov::Motion).values;
   const auto target = std::find_if(raw.targets.begin(), raw.targets.end(),
                                    [](const output::RawTarget& t) { return t.name == "motion"; });

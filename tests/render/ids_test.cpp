@@ -190,7 +190,7 @@ TEST_F(Ids, PickedPixelsKnowTheirMeshAndMaterial) {
     Renderer renderer(device(), scene, nullptr);
     for (const scene::Instance& instance : scene.instances) {
       const Picked picked =
-          pick(renderer, scene, frontCamera(), settingsOf(kSize, kSize), {&pixels[instance.part], 1}).front();
+          pick(renderer, scene, frontCamera(), settingsOf(kSize, kSize), {&pixels[instance.part], 1}).picked.front();
       EXPECT_EQ(picked.id, instance.id);
       EXPECT_EQ(picked.part, instance.part);
       EXPECT_EQ(picked.node, scene.nodes[instance.node].path);

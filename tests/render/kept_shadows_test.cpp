@@ -72,10 +72,10 @@ class KeptShadowsTest : public RenderTest {
   // Returns whether shadow maps were drawn.
   static bool rendersAsAFreshOne(Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
                                  const Settings& settings) {
-    const output::FrameOutput kept = std::move(renderer.render({&camera, 1}, settings).front());
-    EXPECT_EQ(imageOf(kept, Aov::Color).values,
+    const RenderResult kept = renderer.submit({&camera, 1}, settings).take();
+    EXPECT_EQ(imageOf(kept.frames.front(), Aov::Color).values,
               imageOf(renderOne(device(), scene, camera, settings), Aov::Color).values);
-    return std::ranges::any_of(renderer.times(), [](const auto& time) { return time.name == "shadow maps"; });
+    return std::ranges::any_of(kept.statistics.passTimes, [](const auto& time) { return time.name == "shadow maps"; });
   }
 };
 

@@ -277,7 +277,8 @@ TEST_P(MsaaTest, EverySampleMayShowASurfaceOfItsOwn) {
     SCOPED_TRACE(technique->name);
     settings.lighting = technique;
     const scene::Camera camera = frontCamera();
-    const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, settings).front());
+    const RenderResult result = renderer.submit({&camera, 1}, settings).take();
+    const output::FrameOutput& frame = result.frames.front();
     for (uint32_t y = 0; y < kSize; ++y) {
       const size_t pixel = size_t{y} * kSize;
       ASSERT_EQ(imageOf(frame, Aov::Samples).values[pixel], samples) << y;
@@ -286,7 +287,7 @@ TEST_P(MsaaTest, EverySampleMayShowASurfaceOfItsOwn) {
       for (int c = 0; c < 3; ++c) ASSERT_NEAR(found[c], sum[c] / static_cast<float>(samples), 2e-3f) << y;
       ASSERT_EQ(found[3], 1) << y;
     }
-    const ShadingCounts counts = renderer.shadingCounts().value();
+    const ShadingCounts counts = result.statistics.shadingCounts.value();
     EXPECT_EQ(counts.pixels, kSize * kSize);
     EXPECT_EQ(counts.drawn, kSize);
     EXPECT_EQ(counts.several, kSize);
@@ -434,8 +435,9 @@ TEST_P(MsaaModels, EdgesAreBetterByAFactor) {
   const scene::Camera camera = cameraOf(model.scene, kWidth, kHeight);
   Settings settings = multisampled(GetParam().sampling, kWidth, kHeight);
   settings.countSurfaces = true;
-  const Values surfaces = colorOf(renderer, camera, settings);
-  const ShadingCounts counts = renderer.shadingCounts().value();
+  const RenderResult result = renderer.submit({&camera, 1}, settings).take();
+  const Values surfaces = imageOf(result.frames.front(), Aov::Color).values;
+  const ShadingCounts counts = result.statistics.shadingCounts.value();
   settings.everySample = true;
   const Values samples = colorOf(renderer, camera, settings);
   settings = settingsOf(kWidth, kHeight, {Aov::Color, Aov::Part});

@@ -337,13 +337,13 @@ TEST_F(ShadowTest, SamplesOfAPictureShareTheirMaps) {
       settings.aa = readText<AntiAliasing>("--aa", aa);
       settings.wholeShadowMaps = true;  // of pages each sample draws those that none before it looks up
       Renderer renderer(device(), scene, nullptr);
-      const output::FrameOutput first = std::move(renderer.render({&camera, 1}, settings).front());
+      const RenderResult result = renderer.submit({&camera, 1}, settings).take();
+      const output::FrameOutput& first = result.frames.front();
       // That of the last sample.
-      EXPECT_EQ(renderer.graphviz().find("shadow maps") != std::string::npos, aa == std::string("none"));
-      EXPECT_NE(renderer.graphviz().find("shadow atlas"), std::string::npos);
-      EXPECT_EQ(std::count_if(renderer.times().begin(), renderer.times().end(),
-                              [](const graph::PassTime& time) { return time.name == "shadow maps"; }),
-                1);
+      const std::string& graph = result.statistics.graphviz;
+      EXPECT_EQ(graph.find("shadow maps") != std::string::npos, aa == std::string("none"));
+      EXPECT_NE(graph.find("shadow atlas"), std::string::npos);
+      EXPECT_EQ(std::ranges::count(result.statistics.passTimes, "shadow maps", &graph::PassTime::name), 1);
       const auto brightness = [&](float x) {  // of the middle row, x in metres
         const auto column = static_cast<size_t>((x + kHalf) / (2 * kHalf) * kSmall);
         return imageOf(first, Aov::Color).values[4 * (kSmall / 2 * kSmall + column)];

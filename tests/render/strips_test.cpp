@@ -165,8 +165,8 @@ TEST_F(RenderTest, PickingFromAStripIsPickingFromTheWhole) {
   Renderer renderer(device(), scene, nullptr);
   const Settings settings = settingsOf(kStripWidth, kStripHeight);
   const std::vector<glm::uvec2> pixels{{48, 199}, {30, 63}, {60, 64}, {48, 130}, {5, 1}};
-  const auto whole = pick(renderer, scene, scene.cameras.front(), settings, pixels);
-  const auto strips = pick(renderer, scene, scene.cameras.front(), stripped(settings), pixels);
+  const auto whole = pick(renderer, scene, scene.cameras.front(), settings, pixels).picked;
+  const auto strips = pick(renderer, scene, scene.cameras.front(), stripped(settings), pixels).picked;
   ASSERT_EQ(strips.size(), pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
     EXPECT_EQ(strips[i].pixel, pixels[i]);

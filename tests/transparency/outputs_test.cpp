@@ -38,7 +38,7 @@ TEST_F(OutputsBesideGlass, AreThereOneByOne) {
 
 TEST_F(OutputsBesideGlass, AndTheLayoutsTargets) {
   Renderer renderer(device(), scene, nullptr);
-  EXPECT_FALSE(renderer.readTargets(camera, settingsOf(9, 7)).targets.empty());
+  EXPECT_FALSE(renderer.readTargets(camera, settingsOf(9, 7)).gbuffer.targets.empty());
 }
 
 // A picture and its counts take turns; each keeps its pipelines.

@@ -26,7 +26,7 @@ TEST_F(Picking, SaysWhatTheDataOutputsHave) {
   std::vector<glm::uvec2> pixels;
   for (uint32_t y = 0; y < kHeight; y += 5)
     for (uint32_t x = 0; x < kWidth; x += 7) pixels.push_back({x, y});
-  const std::vector<Picked> picked = pick(renderer, scene, camera, settings, pixels);
+  const std::vector<Picked> picked = pick(renderer, scene, camera, settings, pixels).picked;
   ASSERT_EQ(picked.size(), pixels.size());
   size_t surfaces = 0;
   for (size_t i = 0; i < picked.size(); ++i) {

@@ -200,7 +200,7 @@ void Worker::finishOldest() {
   inFlight_.pop_front();
   std::vector<output::FrameOutput> pictures;
   try {
-    pictures = oldest.ticket.take();
+    pictures = oldest.ticket.take().frames;
   } catch (const std::exception&) {
     renderAlone(oldest.chunk);
     return;
@@ -240,7 +240,7 @@ void Worker::renderAlone(const Chunk& chunk) {
     try {
       render::Ticket ticket = submit(one);
       RenderedFrame frame = std::move(framesOf(one).front());
-      finish(std::move(frame), std::move(ticket.take().front()));
+      finish(std::move(frame), std::move(ticket.take().frames.front()));
     } catch (const std::exception& error) {
       fail(one, error.what());
       replaceLostDevice();

@@ -173,7 +173,7 @@ struct Settings {
   uint32_t stripPixels = 1u << 23;  // larger pictures are rendered in strips of at most this many pixels (strips.h)
   bool everySample = false;         // reference: MSAA shades all samples, even if they are alike
   bool wholeShadowMaps = false;     // reference: shadow maps are drawn in full, not only the pages that are looked up
-  bool countSurfaces = false;       // fills Renderer::shadingCounts()
+  bool countSurfaces = false;       // fills RenderStatistics::shadingCounts
 };
 
 // Returns the factor for radiance.

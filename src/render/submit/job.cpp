@@ -35,6 +35,7 @@ ViewsInTime ViewBatch::views(const glm::dvec3& origin, glm::vec2 jitter) const {
 
 // Strips arrive from top to bottom.
 void RenderJob::keep(const ViewBatch& part, std::vector<output::FrameOutput>&& some) {
+  std::vector<output::FrameOutput>& pictures = result.frames;
   if (part.strip.rows == rows) {
     std::move(some.begin(), some.end(), std::back_inserter(pictures));
     return;
@@ -43,7 +44,7 @@ void RenderJob::keep(const ViewBatch& part, std::vector<output::FrameOutput>&& s
   for (size_t view = 0; view < part.count; ++view) append(pictures[part.first + view], some[view]);
 }
 
-void RenderJob::addTimes(const graph::Submission& done) {
+void addTimes(std::vector<graph::PassTime>& times, const graph::Submission& done) {
   for (const graph::PassTime& time : done.times()) {
     const auto known = std::ranges::find(times, time.name, &graph::PassTime::name);
     if (known == times.end()) {

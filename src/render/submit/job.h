@@ -6,12 +6,12 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "base/log.h"
 #include "base/memory.h"
 #include "render/submit/request.h"
+#include "render/submit/result.h"
 #include "render/submit/scene_state.h"
 #include "render/submit/strips.h"
 
@@ -46,23 +46,21 @@ struct RenderJob {
 
   size_t viewCount() const { return now.size(); }
   void keep(const ViewBatch& part, std::vector<output::FrameOutput>&& pictures);
-  void addTimes(const graph::Submission& done);
 
   std::vector<scene::Camera> now, previous, next;
   Settings settings;
   uint32_t rows;  // of the pictures
   bool continues;
   Results results = Results::ToHost;
-  std::deque<ViewBatch> parts;  // parts that have not been read, in order; their addresses are stable
-  std::vector<output::FrameOutput> pictures;
-  std::vector<ExportedArray> arrays;  // replaces `pictures` for Results::Exported
-  MemoryClaim memory;                 // of the pictures
-  std::optional<Progress> progress;   // over all views, their strips and their samples
-  std::exception_ptr error;           // caught by resolveOverflow(), rethrown when the job is read
-  std::vector<graph::PassTime> times;
-  std::optional<ShadingCounts> shadingCounts;
-  std::string graphviz;
+  std::deque<ViewBatch> parts;       // parts that have not been read, in order; their addresses are stable
+  RenderResult result;               // of the parts that have been read
+  MemoryClaim memory;                // of the pictures
+  std::optional<Progress> progress;  // over all views, their strips and their samples
+  std::exception_ptr error;          // caught by resolveOverflow(), rethrown when the job is read
 };
+
+// Adds the times of a graph to those of the same passes in earlier graphs.
+void addTimes(std::vector<graph::PassTime>& times, const graph::Submission& done);
 
 // Returns outputs that have no values yet, with `rows` rows.
 output::FrameOutput emptyOutput(const Settings& settings, uint32_t rows);

@@ -49,25 +49,27 @@ Picked describe(const scene::Scene& scene, const DataAt& data) {
 
 }  // namespace
 
-std::vector<Picked> pick(Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                         const Settings& settings, std::span<const glm::uvec2> pixels, const SceneState& moment) {
+PickResult pick(Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera, const Settings& settings,
+                std::span<const glm::uvec2> pixels, const SceneState& moment) {
   checkPixels(settings, pixels);
   Settings data = settings;
   data.display = false;
   data.positionOrigin = {};
   data.aovs = {Aov::Id, Aov::Part, Aov::Position, Aov::Normal, Aov::GeoNormal, Aov::Depth, Aov::Distance, Aov::Uv};
-  std::vector<Picked> picked(pixels.size());
+  PickResult result{.picked = std::vector<Picked>(pixels.size()), .statistics = {}};
   for (const Strip strip : stripsOf(data)) {
     const auto lies = [&](glm::uvec2 pixel) { return pixel.y >= strip.first && pixel.y - strip.first < strip.rows; };
     if (std::none_of(pixels.begin(), pixels.end(), lies)) continue;
-    const output::FrameOutput frame = renderer.renderStrip(camera, data, strip, moment);
+    RenderResult rendered = renderer.renderStrip(camera, data, strip, moment);
+    const output::FrameOutput& frame = rendered.frames.front();
     for (size_t i = 0; i < pixels.size(); ++i) {
       if (!lies(pixels[i])) continue;
-      picked[i] = describe(scene, {frame, size_t{pixels[i].y - strip.first} * settings.width + pixels[i].x});
-      picked[i].pixel = pixels[i];
+      result.picked[i] = describe(scene, {frame, size_t{pixels[i].y - strip.first} * settings.width + pixels[i].x});
+      result.picked[i].pixel = pixels[i];
     }
+    result.statistics = std::move(rendered.statistics);
   }
-  return picked;
+  return result;
 }
 
 void checkPixels(const Settings& settings, std::span<const glm::uvec2> pixels) {

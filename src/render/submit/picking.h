@@ -26,8 +26,13 @@ struct Picked {
 // Throws Error(Usage) for a pixel outside the picture.
 void checkPixels(const Settings& settings, std::span<const glm::uvec2> pixels);
 
+struct PickResult {
+  std::vector<Picked> picked;   // in the order of the pixels
+  RenderStatistics statistics;  // of the last strip that was rendered
+};
+
 // Checks the pixels, and renders the required data outputs without lighting.
-std::vector<Picked> pick(Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                         const Settings& settings, std::span<const glm::uvec2> pixels, const SceneState& moment = {});
+PickResult pick(Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera, const Settings& settings,
+                std::span<const glm::uvec2> pixels, const SceneState& moment = {});
 
 }  // namespace latelight::render

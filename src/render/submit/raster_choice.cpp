@@ -108,9 +108,10 @@ std::vector<double> depthTimes(Renderer& renderer, const scene::Scene& scene, Ra
   settings.raster = raster;
   settings.aovs = {output::Aov::Depth};
   const auto timeOfFrame = [&] {
-    renderer.submit(std::span(scene.cameras).first(1), settings, {}, Results::OnDevice).take();
+    const RenderResult result =
+        renderer.submit(std::span(scene.cameras).first(1), settings, {}, Results::OnDevice).take();
     double sum = 0;
-    for (const graph::PassTime& pass : renderer.times())
+    for (const graph::PassTime& pass : result.statistics.passTimes)
       if (pass.stage == graph::Stage::Visibility) sum += pass.milliseconds;
     return sum;
   };

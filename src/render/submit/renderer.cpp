@@ -153,9 +153,9 @@ Ticket Renderer::submit(std::span<const scene::Camera> cameras, const Settings& 
   return {*this, start(cameras, settings, moment, stripsOf(settings, transmissive), results)};
 }
 
-output::FrameOutput Renderer::renderStrip(const scene::Camera& camera, const Settings& settings, Strip strip,
-                                          const SceneState& moment) {
-  return std::move(Ticket(*this, start({&camera, 1}, settings, moment, {&strip, 1})).take().front());
+RenderResult Renderer::renderStrip(const scene::Camera& camera, const Settings& settings, Strip strip,
+                                   const SceneState& moment) {
+  return Ticket(*this, start({&camera, 1}, settings, moment, {&strip, 1})).take();
 }
 
 std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> cameras, const Settings& wanted,
@@ -168,7 +168,7 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
   uint64_t claimed = rows;
   if (strips.size() > 1) claimed += strips.front().rows;  // the strip in flight
   if (results == Results::Exported)
-    job->arrays = exportedArrays(device_, *exports_, settings, rows, cameras.size());
+    job->result.arrays = exportedArrays(device_, *exports_, settings, rows, cameras.size());
   else
     job->memory.grow(bytesAPixel(settings) * settings.width * claimed * cameras.size(), "the pictures");
   size_t atOnce = std::min(cameras.size(), mostViews(device_, settings));
@@ -249,7 +249,7 @@ Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> max
   part.earlier.clear();
   overflow_.checks.clear();  // left by an error
   if (std::exchange(part.started, true) && part.shadows) part.shadows->drawAgain();
-  const ResultArrays arrays{part.job.arrays, part.first, part.strip.first};
+  const ResultArrays arrays{part.job.result.arrays, part.first, part.strip.first};
   vk::Image sum;
   if (jitters.size() > 1) sum = makeSum(part);
   for (size_t i = 0; i < jitters.size(); ++i) {
@@ -313,10 +313,11 @@ void Renderer::read(RenderJob& job) {
     part.request->read(part.submission, pictures);
     job.keep(part, std::move(pictures));
   }
-  part.request->countShadings(part.submission, job.shadingCounts);
-  for (const graph::Submission& earlier : part.earlier) job.addTimes(earlier);
-  job.addTimes(part.submission);
-  job.graphviz = part.request->graph().graphviz();
+  RenderStatistics& statistics = job.result.statistics;
+  part.request->countShadings(part.submission, statistics.shadingCounts);
+  for (const graph::Submission& earlier : part.earlier) addTimes(statistics.passTimes, earlier);
+  addTimes(statistics.passTimes, part.submission);
+  statistics.graphviz = part.request->graph().graphviz();
   job.progress->step(part.count);
   job.parts.pop_front();
 }
@@ -324,25 +325,16 @@ void Renderer::read(RenderJob& job) {
 void Renderer::finish(RenderJob& job) {
   while (!job.parts.empty()) read(job);
   job.progress.reset();
-  times_ = std::move(job.times);
-  shadingCounts_ = job.shadingCounts;
-  graphviz_ = std::move(job.graphviz);
 }
 
 bool Ticket::done() const {
   return std::ranges::all_of(job_->parts, [](const ViewBatch& part) { return part.submission.done(); });
 }
 
-std::vector<output::FrameOutput> Ticket::take() {
+RenderResult Ticket::take() {
   const std::shared_ptr<RenderJob> job = std::exchange(job_, nullptr);
   renderer_->finish(*job);
-  return std::move(job->pictures);
-}
-
-std::vector<ExportedArray> Ticket::takeArrays() {
-  const std::shared_ptr<RenderJob> job = std::exchange(job_, nullptr);
-  renderer_->finish(*job);
-  return std::move(job->arrays);
+  return std::move(job->result);
 }
 
 vk::Image Renderer::makeSum(const ViewBatch& part) {
@@ -355,8 +347,7 @@ vk::Image Renderer::makeSum(const ViewBatch& part) {
            .name = "sum"}};
 }
 
-output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Settings& wanted,
-                                         const SceneState& moment) {
+TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings& wanted, const SceneState& moment) {
   const Settings settings = settingsFor({&camera, 1}, wanted);
   begin(settings, moment);
   if (settings.lighting->forward)
@@ -385,11 +376,9 @@ output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Sett
     done = submit(*graph, graph->compile());
     done.wait();
   } while (overflowed(std::exchange(overflow_.checks, {}), done));
-  job.addTimes(done);
-  times_ = job.times;
-  shadingCounts_.reset();
-  graphviz_ = graph->graphviz();
-  return readback->read(done, set.views().front());
+  TargetsResult result{readback->read(done, set.views().front()), {.graphviz = graph->graphviz()}};
+  addTimes(result.statistics.passTimes, done);
+  return result;
 }
 
 }  // namespace latelight::render

@@ -4,16 +4,12 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "graph/graph.h"
-#include "output/files.h"
-#include "output/targets.h"
 #include "render/gpu_scene/gpu_environment.h"
 #include "render/gpu_scene/gpu_scene.h"
 #include "render/lens/lens_rays.h"
-#include "render/outputs/outputs.h"
 #include "render/post/taa/taa.h"
 #include "render/settings/settings.h"
 #include "render/submit/scene_state.h"
@@ -38,28 +34,21 @@ class Renderer {
   Ticket submit(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment = {},
                 Results results = Results::ToHost);
 
-  // Submits the pictures and waits for them.
+  // Submits the pictures, waits for them, and returns only the frames.
   std::vector<output::FrameOutput> render(std::span<const scene::Camera> cameras, const Settings& settings,
                                           const SceneState& moment = {}) {
-    return submit(cameras, settings, moment).take();
+    return submit(cameras, settings, moment).take().frames;
   }
 
   // Renders only one of stripsOf(settings). Its rows are the same as in the full picture.
-  output::FrameOutput renderStrip(const scene::Camera& camera, const Settings& settings, Strip strip,
-                                  const SceneState& moment = {});
+  RenderResult renderStrip(const scene::Camera& camera, const Settings& settings, Strip strip,
+                           const SceneState& moment = {});
 
   // Returns the targets of the picture's own G-buffer, at pixel centers. Throws Error(Usage) if it has none.
-  output::RawGbuffer readTargets(const scene::Camera& camera, const Settings& settings, const SceneState& moment = {});
+  TargetsResult readTargets(const scene::Camera& camera, const Settings& settings, const SceneState& moment = {});
 
-  // GPU milliseconds per pass of the pictures taken last, summed over their frames, in the order of the passes. Empty
-  // if the device has no timestamps.
-  const std::vector<graph::PassTime>& times() const { return times_; }
-  // Counts over the same pictures. Requires several samples per pixel, a deferred technique, and countSurfaces.
-  const std::optional<ShadingCounts>& shadingCounts() const { return shadingCounts_; }
   const ClusterOcclusion& hiddenClusters() const { return hidden_; }
   const ShadowMapCache& shadowMaps() const { return shadowMaps_[1]; }  // of the raster compute
-  // The last graph, in Graphviz format.
-  const std::string& graphviz() const { return graphviz_; }
 
  private:
   friend class Ticket;
@@ -106,9 +95,6 @@ class Renderer {
   // The last part in flight. resolveOverflow() detects whether it overflowed, and renders it again, before anything
   // changes that the part depends on.
   std::shared_ptr<ViewBatch> unsettled_;
-  std::vector<graph::PassTime> times_;
-  std::optional<ShadingCounts> shadingCounts_;
-  std::string graphviz_;
 };
 
 }  // namespace latelight::render
