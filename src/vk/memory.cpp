@@ -20,6 +20,8 @@ struct Allocator::Block {
   BlockRanges ranges{0};
   uint64_t allocations = 0;
   MemoryClaim claim;  // claim of host memory
+
+  bool isShared(uint32_t ofType, bool isLinear) const { return !dedicated && type == ofType && linear == isLinear; }
 };
 
 namespace {
@@ -90,7 +92,7 @@ Allocation Allocator::allocate(const VkMemoryRequirements& needs, MemoryKind kin
   if (sharing == Sharing::Blocks && needs.size > kLargestShared) sharing = Sharing::Alone;
   if (sharing == Sharing::Blocks)
     for (const auto& block : blocks_)
-      if (!block->dedicated && block->type == type && block->linear == linear)
+      if (block->isShared(type, linear))
         if (Allocation found = take(*block, needs); found.memory) return found;
   Block& block =
       addBlock(sharing == Sharing::Blocks ? nextBlockSize(needs, type, linear) : needs.size, type, linear, sharing);
@@ -103,7 +105,7 @@ VkDeviceSize Allocator::nextBlockSize(const VkMemoryRequirements& needs, uint32_
   if (!device_.isCpu()) return kBlockSize;
   VkDeviceSize sum = 0;
   for (const auto& block : blocks_)
-    if (!block->dedicated && block->type == type && block->linear == linear) sum += block->size;
+    if (block->isShared(type, linear)) sum += block->size;
   return std::clamp(std::bit_ceil(std::max(sum, needs.size)), kFirstCpuBlock, kBlockSize);
 }
 
@@ -168,8 +170,7 @@ void Allocator::release(const Allocation& allocation) {
   // One empty block of each kind is kept, so that a single resource that is repeatedly created and freed does not
   // allocate a block each time.
   const auto isSpare = [&](const auto& other) {
-    return other.get() != &block && !other->dedicated && other->type == block.type && other->linear == block.linear &&
-           other->allocations == 0;
+    return other.get() != &block && other->isShared(block.type, block.linear) && other->allocations == 0;
   };
   if (!block.dedicated && std::none_of(blocks_.begin(), blocks_.end(), isSpare)) return;
   vkFreeMemory(device_.get(), block.memory, nullptr);
