@@ -5,6 +5,7 @@
 #include <deque>
 #include <map>
 #include <mutex>
+#include <unordered_map>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -35,10 +36,16 @@ constexpr EmbeddedShader kShaders[] = {
     {nullptr, nullptr, nullptr},
 };
 
+// Passes look shaders up in every frame.
 std::span<const uint32_t> findShader(std::string_view name) {
-  for (const EmbeddedShader& shader : kShaders)
-    if (shader.name && shader.name == name) return {shader.begin, shader.end};
-  return {};
+  static const auto shaders = [] {
+    std::unordered_map<std::string_view, std::span<const uint32_t>> all;
+    for (const EmbeddedShader& shader : kShaders)
+      if (shader.name) all[shader.name] = {shader.begin, shader.end};
+    return all;
+  }();
+  const auto found = shaders.find(name);
+  return found == shaders.end() ? std::span<const uint32_t>() : found->second;
 }
 
 // --- shaders of a folder --------------------------------------------------------------------------------------------

@@ -147,9 +147,13 @@ std::vector<vk::Binding> textureBindings(const vk::Device& device) {
   return std::vector<vk::Binding>(shared::kTextureCount, vk::Binding::Sampled);
 }
 
+bool samplesTextures(vk::ShaderKey shader) {
+  shader.indexed = true;
+  return vk::hasShader(shader);
+}
+
 vk::ShaderKey materialVariant(const vk::Device& device, vk::ShaderKey shader) {
-  shader.indexed = device.maxTextureArray() > 0;
-  if (!vk::hasShader(shader)) shader.indexed = false;  // it samples no textures
+  shader.indexed = device.maxTextureArray() > 0 && samplesTextures(shader);
   return shader;
 }
 

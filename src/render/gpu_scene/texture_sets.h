@@ -34,7 +34,10 @@ class TextureSets {
 std::unique_ptr<TextureSets> makeTextureSets(vk::Device& device, const scene::Scene& scene,
                                              const GpuTextures& textures);
 std::vector<vk::Binding> textureBindings(const vk::Device& device);
-// Returns the variant of a shader that reads materials. Shaders that sample bindless textures are compiled separately.
+// Shaders that sample materials' textures are compiled a second time for bindless textures, which is how they are
+// known.
+bool samplesTextures(vk::ShaderKey shader);
+// Returns the variant of a shader that reads materials.
 vk::ShaderKey materialVariant(const vk::Device& device, vk::ShaderKey shader);
 
 }  // namespace latelight::render

@@ -125,11 +125,8 @@ graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const Raste
   const RasterQueues queues(f, views, share_);
   addClear(f, graph::Stage::Visibility, "raster clear", {queues.visible});
   RasterChain whole{graph::Stage::Visibility, Hit::Opaque, 0, kRankMasked};
-  RasterChain cut{graph::Stage::Visibility, Hit::Masked, kRankMasked, kRankMasked, true};
-  if (views.lens) {
-    whole.hit = cut.hit = Hit::Lens;
-    whole.textures = true;  // one shader for opaque and masked
-  }
+  RasterChain cut{graph::Stage::Visibility, Hit::Masked, kRankMasked, kRankMasked};
+  if (views.lens) whole.hit = cut.hit = Hit::Lens;  // one shader for opaque and masked
   const bool some = share_.ranks > share_.masked;
   if (some && views.cullsHidden) {
     whole.hidden = hidden_.addTo(f, hiddenOf_, (share_.parts + 31) / 32 * views.count);
@@ -423,15 +420,12 @@ void ComputeVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuff
                       {buffers.counts, graph::Use::StorageReadWrite},
                       {buffers.totals, graph::Use::StorageReadWrite}},
                      [=](graph::Context& context) { return std::array{listsOf(context, buffers)}; });
-  RasterChain chain{graph::Stage::Transparency, Hit::Blended, kRankBlended, kRankBlended, false, lists, filled};
+  RasterChain chain{graph::Stage::Transparency, Hit::Blended, kRankBlended, kRankBlended, lists, filled};
   if (pyramid_) {
     chain.culls = kCullByPyramid;
     chain.pyramid = pyramid_;
   }
-  if (views.lens) {
-    chain.hit = Hit::LensBlended;
-    chain.textures = true;
-  }
+  if (views.lens) chain.hit = Hit::LensBlended;
   addRasterChain(f, ranks_, ranks_.all(), views, RasterQueues(f, views, ranks_.all(), visible_), chain);
 }
 

@@ -102,10 +102,7 @@ struct RasterChainBuilder {
   struct Queue {
     uint32_t which, room, entries;
   };
-  // Shaders that evaluate masked materials read textures if chain.textures is set.
-  enum class Materials { Unread, Evaluated };
-  void overQueue(const vk::ShaderKey& shader, Materials materials, Queue queue,
-                 std::vector<vk::Constant> constants = {}) const;
+  void overQueue(const vk::ShaderKey& shader, Queue queue, std::vector<vk::Constant> constants = {}) const;
 
  private:
   ComputePass step(const vk::ShaderKey& shader) const;
@@ -180,7 +177,7 @@ void RasterChainBuilder::over(const vk::ShaderKey& shader, glm::uvec3 groups) co
   addCompute(f, std::move(pass), [self = *this](graph::Context& context) { return self.push(context); });
 }
 
-void RasterChainBuilder::overQueue(const vk::ShaderKey& shader, Materials materials, Queue queue,
+void RasterChainBuilder::overQueue(const vk::ShaderKey& shader, Queue queue,
                                    std::vector<vk::Constant> constants) const {
   const bool jobs = queue.which == kQueueJobs;
   const uint32_t parts = jobs ? views.samples : 1;
@@ -190,7 +187,7 @@ void RasterChainBuilder::overQueue(const vk::ShaderKey& shader, Materials materi
         return RasterArgumentsPush{context.buffer(counters).address(), queue.which, queue.room, queue.entries, parts};
       });
   ComputePass pass = step(shader);
-  if (chain.textures && materials == Materials::Evaluated) readsTextures(f, pass);
+  if (samplesTextures(shader)) readsTextures(f, pass);
   // Tiles treat triangles of shadow maps and of other views alike.
   pass.constants.insert(pass.constants.end(), {{kSamplesConstant, views.samples},
                                                jobs ? vk::Constant{kShadowMapsConstant, 0} : mapsConstant(),
@@ -232,26 +229,24 @@ std::vector<graph::Access> RasterQueues::accesses() const {
 
 void addRasterChain(const FrameContext& f, const RasterInstances& ranks, const RasterInstances::Share& share,
                     const RasterViews& views, const RasterQueues& queues, const RasterChain& chain) {
-  constexpr auto kUnread = RasterChainBuilder::Materials::Unread, kEvaluated = RasterChainBuilder::Materials::Evaluated;
   const RasterChainBuilder steps{f, ranks, static_cast<uint32_t>(share.parts), views, queues, chain};
   const RasterRoom& room = queues.room;
   const uint32_t subgroups = kRasterGroup / f.device.subgroupSize();  // per workgroup of raster.comp
-  // lavapipe ends a shader's loops after 65535 iterations in total. A cluster stays below that if its loops only visit
-  // pixels, with 180 iterations per triangle.
-  const bool apart = f.device.isCpu() && !chain.textures && !chain.lists && views.samples == 1;
   vk::ShaderKey small = "raster.comp", large = "raster_large.comp";
   small.hit = large.hit = chain.hit;
+  // lavapipe ends a shader's loops after 65535 iterations in total. A cluster stays below that if its loops only visit
+  // pixels, with 180 iterations per triangle.
+  const bool apart = f.device.isCpu() && !samplesTextures(small) && !chain.lists && views.samples == 1;
   addClear(f, chain.stage, "raster clear", {queues.counters, queues.tiles},
            {queues.work, queues.clipped, queues.large, queues.entries, queues.jobs});
   steps.cull();
-  steps.overQueue(small, kEvaluated, {kQueueWork, room.work, apart ? subgroups : 1},
-                  {{kApartConstant, apart ? 1u : 0u}});
-  if (!apart) steps.overQueue(small, kEvaluated, {kQueueMedium, room.medium, subgroups}, {{kQueuedConstant, 1}});
-  steps.overQueue("raster_clip.comp", kUnread, {kQueueClipped, room.clipped, 64});
-  steps.overQueue("raster_count.comp", kUnread, {kQueueLarge, room.large, kBinGroup});
+  steps.overQueue(small, {kQueueWork, room.work, apart ? subgroups : 1}, {{kApartConstant, apart ? 1u : 0u}});
+  if (!apart) steps.overQueue(small, {kQueueMedium, room.medium, subgroups}, {{kQueuedConstant, 1}});
+  steps.overQueue("raster_clip.comp", {kQueueClipped, room.clipped, 64});
+  steps.overQueue("raster_count.comp", {kQueueLarge, room.large, kBinGroup});
   steps.over("raster_tiles.comp", {(tilesOf(views).x * tilesOf(views).y * views.count + 63) / 64, 1, 1});
-  steps.overQueue("raster_fill.comp", kUnread, {kQueueLarge, room.large, kBinGroup});
-  steps.overQueue(large, kEvaluated, {kQueueJobs, room.jobs, 1});
+  steps.overQueue("raster_fill.comp", {kQueueLarge, room.large, kBinGroup});
+  steps.overQueue(large, {kQueueJobs, room.jobs, 1});
   if (!f.overflow) return;
   const graph::BufferId host = copyToHost(f, chain.stage, "raster counters", {queues.counters}).front();
   f.overflow->checks.push_back(

@@ -49,12 +49,11 @@ struct RasterQueues {
 struct RasterChain {
   graph::Stage stage{};
   vk::ShaderKey::Hit hit = vk::ShaderKey::Hit::Opaque;
-  uint32_t wanted = 0, asked = 0;  // required flags, and the mask of tested flags (kRank*)
-  bool textures = false;
-  graph::BufferId lists{};                                       // of blended surfaces: shared::FragmentLists
-  std::vector<graph::BufferId> filled{};                         // the buffers of these lists
-  uint32_t culls = shared::kCullAll;                             // culling mode, shared::kCull*
-  graph::BufferId hidden{}, pyramid{};                           // inputs of occlusion culling, if `culls` uses it
+  uint32_t wanted = 0, asked = 0;         // required flags, and the mask of tested flags (kRank*)
+  graph::BufferId lists{};                // of blended surfaces: shared::FragmentLists
+  std::vector<graph::BufferId> filled{};  // the buffers of these lists
+  uint32_t culls = shared::kCullAll;      // culling mode, shared::kCull*
+  graph::BufferId hidden{}, pyramid{};    // inputs of occlusion culling, if `culls` uses it
   std::function<void(const shared::RasterCounters&)> counted{};  // called with the counters after the graph has run
 };
 
