@@ -1,9 +1,8 @@
 // Random edits: after any edits between frames, each frame equals that of a new renderer.
-#include <malloc.h>
-
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "edits/host_memory.h"
 #include "edits/workshop.h"
 #include "scene/edit.h"
 #include "vk/memory.h"
@@ -257,7 +256,6 @@ class EditsTest : public RenderTest {
   output::FrameOutput render(Renderer& renderer) const {
     return std::move(renderer.render({&camera_, 1}, settings_).front());
   }
-  size_t leastHostBytes(Renderer& renderer) const;
   output::FrameOutput fresh(const scene::Scene& scene) { return renderOne(device(), scene, camera_, settings_, &sky_); }
 };
 
@@ -279,27 +277,15 @@ TEST_F(EditsTest, TenThousandEditsAsIfEachFrameWereTheFirst) {
   for (const std::string& message : own.validationMessages()) ADD_FAILURE() << message;
 }
 
-// What the host's heap keeps: now and then a frame leaves the driver a command buffer more until the next.
-size_t EditsTest::leastHostBytes(Renderer& renderer) const {
-  size_t least = ~size_t{0};
-  for (int again = 0; again < 8; ++again) {
-    render(renderer);
-    const auto host = mallinfo2();
-    least = std::min(least, host.uordblks + host.hblkhd);
-  }
-  return least;
-}
-
 // What the renderer and its device take after the same frame, again and again. Without validation, which keeps what it
-// has seen. A leak adds in every round; something that a thread of the process makes once, in one alone: hence the
-// median.
+// has seen.
 TEST_F(EditsTest, TenThousandEditsTakeNoMemory) {
   constexpr uint32_t kRounds = 10, kEditsARound = kEdits / kRounds;
   vk::Device own({.selector = "cpu"});
   Renderer renderer(own, scene_, &sky_);
   Editor editor(scene_, 5);
   std::vector<vk::Allocator::Statistics> onDevice;
-  std::vector<double> onHost, growth;
+  std::vector<size_t> onHost;
   for (uint32_t i = 0; i < kEdits; ++i) {
     editor.edit();
     if ((i + 1) % (kEdits / kFrames) == 0) render(renderer);
@@ -307,13 +293,11 @@ TEST_F(EditsTest, TenThousandEditsTakeNoMemory) {
     editor.level();
     for (int again = 0; again < 8; ++again) render(renderer);  // until nothing is kept of frames before
     onDevice.push_back(own.memory().statistics());
-    onHost.push_back(static_cast<double>(leastHostBytes(renderer)));
+    onHost.push_back(leastHostBytes([&] { render(renderer); }));
   }
   EXPECT_LE(onDevice.back().allocations, onDevice[kRounds / 2 - 1].allocations);
   EXPECT_LE(onDevice.back().usedBytes, onDevice[kRounds / 2 - 1].usedBytes);
-  for (size_t i = 1; i < onHost.size(); ++i) growth.push_back(onHost[i] - onHost[i - 1]);
-  std::nth_element(growth.begin(), growth.begin() + growth.size() / 2, growth.end());
-  EXPECT_LE(growth[growth.size() / 2] / kEditsARound, 13) << "bytes an edit";
+  EXPECT_LE(medianGrowth(onHost) / kEditsARound, 13) << "bytes an edit";
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
 // Removing meshes, materials and textures: the replacement of a removed element, and the freed memory.
 #include <gmock/gmock.h>
-#include <malloc.h>
 
 #include <algorithm>
 #include <functional>
 
 #include "base/error.h"
+#include "edits/host_memory.h"
 #include "edits/workshop.h"
 #include "scene/animation.h"
 #include "scene/edit.h"
@@ -101,8 +101,7 @@ TEST_F(RemovalTest, WhatAFailedFrameWasToUploadMayBeReplaced) {
 // --- memory ---------------------------------------------------------------------------------------------------------
 
 // A thousand rounds of a texture, a material, a mesh and an instance: 64 x 64 texels and their mip levels are 22 kB, so
-// that what is not freed shows on the device and on the host. A leak grows the host's heap in every hundred rounds; the
-// driver and the allocator grow it now and then, which the median leaves out.
+// that what is not freed shows on the device and on the host.
 TEST_F(RemovalTest, AThousandRoundsTakeNoMemory) {
   constexpr int kRounds = 1000;
   constexpr uint32_t kSide = 64;
@@ -129,21 +128,12 @@ TEST_F(RemovalTest, AThousandRoundsTakeNoMemory) {
     removeMaterial(scene_, material);
     removeTexture(scene_, texture);
     if (round % 100 != 99) continue;
-    size_t least = ~size_t{0};
-    for (int again = 0; again < 8; ++again) {  // until nothing is kept of frames before
-      renderer.render({&camera, 1}, settings);
-      const auto host = mallinfo2();
-      least = std::min(least, host.uordblks + host.hblkhd);
-    }
+    // After these frames nothing is kept of those before.
+    onHost.push_back(leastHostBytes([&] { renderer.render({&camera, 1}, settings); }));
     onDevice.push_back(own.memory().statistics().usedBytes);
-    onHost.push_back(least);
   }
   EXPECT_LE(onDevice.back(), onDevice[1]);
-  std::vector<int64_t> growth;
-  for (size_t i = 2; i < onHost.size(); ++i)
-    growth.push_back(static_cast<int64_t>(onHost[i]) - static_cast<int64_t>(onHost[i - 1]));
-  std::ranges::sort(growth);
-  EXPECT_LE(growth[growth.size() / 2], 100 * 100) << "100 bytes per round";
+  EXPECT_LE(medianGrowth(std::span(onHost).subspan(1)), 100 * 100) << "100 bytes per round";
   EXPECT_EQ(scene_.textures.size(), 4u);
   EXPECT_EQ(scene_.materials.size(), workshop().materials.size() + 1);
 }
