@@ -2,6 +2,7 @@
 // after common.glsl.
 #ifndef LATELIGHT_PIXEL_RAY_GLSL
 #define LATELIGHT_PIXEL_RAY_GLSL
+
 layout(constant_id = kLensConstant) const uint kLens = 0u;  // FrameConfig::lens
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LensRayRef { LensRay v[]; };

@@ -10,8 +10,6 @@
 
 namespace latelight::render {
 
-namespace {}  // namespace
-
 ForwardLoop forwardLoop(vk::Device& device) {
   VkPhysicalDeviceSubgroupProperties subgroups{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroups};
