@@ -21,6 +21,7 @@
 #include "data/batch/slurm.h"
 #include "data/json_builder.h"
 #include "data/stop.h"
+#include "vk/cuda_devices.h"
 #include "vk/driver_cache.h"
 
 namespace latelight::app {
@@ -152,8 +153,9 @@ void report(const data::BatchResult& result, const std::string& folder) {
 }
 
 std::vector<std::string> workersOf(const BatchArguments& a) {
+  const std::optional<std::string> visible = environment("CUDA_VISIBLE_DEVICES");
   const std::vector<std::string> devices =
-      data::chooseDevices(vk::listDevices(), a.devices, environment("CUDA_VISIBLE_DEVICES"));
+      data::chooseDevices(vk::listDevices(), a.devices, visible, visible ? vk::cudaDevices() : std::nullopt);
   std::vector<std::string> workers;
   for (uint32_t i = 0; i < a.workers; ++i) workers.insert(workers.end(), devices.begin(), devices.end());
   return workers;
@@ -224,7 +226,7 @@ void addRunOptions(CLI::App& command, BatchArguments& a) {
       ->group(group);
   command.add_flag("--dry-run", a.dryRun, "Print the frames that would be rendered")->group(group);
   command.add_option("--shard", a.shard, "Part i/n of the frames; default: from Slurm, Open MPI or PMI")->group(group);
-  command.add_option("--devices", a.devices, "Devices: auto, all, or comma-separated numbers, names and UUIDs")
+  command.add_option("--devices", a.devices, "Devices: auto, all, or comma-separated cuda:N, numbers, names and UUIDs")
       ->capture_default_str()
       ->group(group);
   command.add_option("--workers", a.workers, "Number of renderers per device")

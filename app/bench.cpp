@@ -178,7 +178,8 @@ void addBenchCommand(CLI::App& app) {
   CLI::App* raster = bench->add_subcommand("raster", "Random triangles by number and size, with both rasters");
   raster->add_option("--most", a.most, "Skip cases with more triangles")->capture_default_str();
   raster
-      ->add_option("--device", a.render.device, "Device: auto, cpu, a number, a name or a UUID (see latelight devices)")
+      ->add_option("--device", a.render.device,
+                   "Device: auto, cpu, cuda:N, a number, a name or a UUID (see latelight devices)")
       ->capture_default_str();
   raster->callback([arguments] { runRaster(*arguments); });
   CLI::App* frame = bench->add_subcommand("frame", "The passes of a frame, with the options of render");

@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "app/commands.h"
+#include "base/log.h"
+#include "vk/added_drivers.h"
 #include "vk/device.h"
 
 namespace latelight::app {
@@ -58,6 +60,7 @@ void printTable(const std::vector<vk::DeviceInfo>& devices, std::optional<uint32
     if (line > 0 && !devices[line - 1].missing.empty())
       fmt::print("   can't be used: it lacks {}\n", fmt::join(devices[line - 1].missing, ", "));
   }
+  for (const vk::AddedDriver& driver : vk::addedDrivers()) fmt::print("{}\n", printable(driver.why));
   if (automatic) fmt::print("--device auto takes {}.\n", *automatic);
 }
 

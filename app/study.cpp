@@ -174,7 +174,7 @@ void addStudyCommand(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--device", a.options.device,
-                   "Device: auto, cpu, a number, a name or a UUID (see latelight devices)")
+                   "Device: auto, cpu, cuda:N, a number, a name or a UUID (see latelight devices)")
       ->capture_default_str();
   command->add_flag("--json", a.json, "Print the tables as JSON to standard output");
   command->add_flag("--validate", a.options.validation, "Enable the Vulkan validation layers; any message is an error");

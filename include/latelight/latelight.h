@@ -521,8 +521,9 @@ class LATELIGHT_API Ticket {
 // can be used there, and so can a new renderer of it.
 class LATELIGHT_API Renderer {
  public:
-  // `device` is "auto", "cpu", an index, a part of a name, or a UUID. `environment` is a .hdr or .exr file, "studio",
-  // "none", or empty: the studio if the scene has no light. The scene must outlive the renderer.
+  // `device` is "auto", "cpu", "cuda:N" (CUDA's device N), an index, a part of a name, or a UUID. `environment` is a
+  // .hdr or .exr file, "studio", "none", or empty: the studio if the scene has no light. The scene must outlive the
+  // renderer.
   explicit Renderer(const Scene& scene, const std::string& device = "auto", const std::string& environment = "");
   Renderer(const Scene& scene, const std::string& device, const EnvironmentData& environment);
   ~Renderer();

@@ -279,7 +279,8 @@ void bindRenderer(nb::module_& module) {
       "__init__", &makeRenderer, argument("scene"), argument("device") = "auto", argument("environment") = nb::none(),
       nb::sig("def __init__(self, scene: Scene, device: str | int = \"auto\", "
               "environment: str | os.PathLike[str] | numpy.typing.NDArray[typing.Any] | None = None) -> None"),
-      "device: \"auto\", \"cpu\", an index, a part of a name or a UUID\nenvironment: a .hdr or .exr file, \"studio\", "
+      "device: \"auto\", \"cpu\", \"cuda:0\" (as torch numbers GPUs), an index, a part of a name or a "
+      "UUID\nenvironment: a .hdr or .exr file, \"studio\", "
       "\"none\", or linear radiance as an array (H, 2 H, 3), center column at +X of\nthe glTF frame and top row at the "
       "zenith; None: the studio where the scene has no light\n\nRaises NoDeviceError where there is no such device.");
   type.def_prop_ro("scene", [](const SharedRenderer& r) { return r.scene(); });

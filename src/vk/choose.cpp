@@ -8,6 +8,8 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "vk/added_drivers.h"
+#include "vk/cuda_devices.h"
 #include "vk/features.h"
 #include "vk/instance.h"
 
@@ -64,6 +66,11 @@ std::vector<std::string> findMissing(VkPhysicalDevice device, uint32_t apiVersio
   return missing;
 }
 
+bool isOwnCpuDriver(const DeviceInfo& info) {
+  return info.type == "cpu" &&
+         std::ranges::any_of(addedDrivers(), [](const AddedDriver& driver) { return driver.isCpu; });
+}
+
 std::string join(const std::vector<std::string>& parts) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
@@ -90,6 +97,25 @@ DeviceChoice chooseAutomatically(const std::vector<DeviceInfo>& devices) {
                                     device.name)};
   fail(ExitCode::NoDevice, "No device is usable ({} lacks {}): run `latelight doctor`.", devices[0].name,
        join(devices[0].missing));
+}
+
+// Returns the device that CUDA numbers so. `selector` is "cuda:N", or "cuda" for "cuda:0".
+DeviceChoice chooseByCuda(const std::vector<DeviceInfo>& devices, const std::string& selector) {
+  const std::string_view number = std::string_view(selector).substr(std::min<size_t>(selector.size(), 5));
+  const std::optional<uint32_t> index = selector == "cuda" ? 0u : parseNumber<uint32_t>(number);
+  const std::optional<std::vector<std::string>> uuids = cudaDevices();
+  if (!uuids)
+    fail(ExitCode::NoDevice,
+         "The device {} cannot be found: CUDA's driver (libcuda.so.1) is missing or does not start.",
+         shortened(selector));
+  if (!index || *index >= uuids->size())
+    fail(ExitCode::NoDevice, "CUDA has no device {}: it lists {} (see CUDA_VISIBLE_DEVICES).", shortened(selector),
+         uuids->size());
+  for (const DeviceInfo& device : devices)
+    if (device.uuid == (*uuids)[*index])
+      return choose(device, fmt::format("{} is CUDA's device {}", device.name, *index));
+  fail(ExitCode::NoDevice, "CUDA's device {} is not among Vulkan's ({}): run `latelight doctor`.", *index,
+       listNames(devices));
 }
 
 // Returns the device with this number, UUID or name, and the reason; null if there is none.
@@ -154,7 +180,8 @@ DeviceInfo describe(VkPhysicalDevice device, uint32_t index) {
   info.name = properties.properties.deviceName;
   info.uuid = hex(id.deviceUUID);
   info.type = typeName(properties.properties.deviceType);
-  info.driver = fmt::format("{} {}", driver.driverName, driver.driverInfo);
+  info.driver =
+      fmt::format("{} {}{}", driver.driverName, driver.driverInfo, isOwnCpuDriver(info) ? " (latelight-cpu)" : "");
   info.apiVersion = versionName(properties.properties.apiVersion);
   for (uint32_t i = 0; i < memory.memoryHeapCount; ++i)
     if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) info.memory += memory.memoryHeaps[i].size;
@@ -181,9 +208,10 @@ DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::str
     fail(ExitCode::NoDevice, "No device runs on the CPU (there is {}): install mesa-vulkan-drivers.",
          listNames(devices));
   }
+  if (selector == "cuda" || selector.starts_with("cuda:")) return chooseByCuda(devices, selector);
   auto [device, why] = find(devices, selector);
   if (!device)
-    fail(ExitCode::NoDevice, "No device is called \"{}\": choose auto, cpu, or one of {}.", shortened(selector),
+    fail(ExitCode::NoDevice, "No device is called \"{}\": choose auto, cpu, cuda:0, or one of {}.", shortened(selector),
          listNames(devices));
   return choose(*device, fmt::format("{} was asked for: {}", device->name, why));
 }

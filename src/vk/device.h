@@ -37,8 +37,8 @@ struct DeviceInfo {
 std::vector<DeviceInfo> listDevices();
 
 // The device that `selector` selects, and a sentence with the reason. selector: "auto" (the first usable of discrete,
-// integrated, virtual, cpu), "cpu", an index, a part of a name (case ignored), or a UUID. Throws Error(NoDevice) that
-// lists the devices, or states which features the selected one lacks.
+// integrated, virtual, cpu), "cpu", "cuda:N" (CUDA's device N), an index, a part of a name (case ignored), or a UUID.
+// Throws Error(NoDevice) that lists the devices, or states which features the selected one lacks.
 struct DeviceChoice {
   DeviceInfo device;
   std::string why;

@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "vk/added_drivers.h"
 #include "vk/drivers.h"
 #include "vk/loader.h"
 
@@ -18,24 +19,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kInstallDriver =
-    "For the CPU: apt-get install mesa-vulkan-drivers. For a GPU: install its vendor's driver with the Vulkan part "
-    "(NVIDIA: libnvidia-gl of the same version; in a container start it with NVIDIA_DRIVER_CAPABILITIES=all).";
-
-// The folder in which NVIDIA's container tools and some clusters install the driver. No loader searches it.
-constexpr const char* kNvidiaFolder = "/usr/local/nvidia/share/vulkan/icd.d";
+const std::string kInstallDriver =
+    "For the CPU: apt-get install mesa-vulkan-drivers, or pip install latelight-cpu. For a GPU: install its vendor's "
+    "driver with the Vulkan part (NVIDIA: libnvidia-gl of the same version; in a container start it with "
+    "NVIDIA_DRIVER_CAPABILITIES=all).";
 
 bool exists(const fs::path& path) {
   std::error_code error;
   return fs::exists(path, error);
-}
-
-std::string installDriver() {
-  std::string remedy = kInstallDriver;
-  if (exists(kNvidiaFolder))
-    remedy +=
-        fmt::format(" Or set VK_DRIVER_FILES to the .json file in {}, where NVIDIA's driver lies.", kNvidiaFolder);
-  return remedy;
 }
 
 Finding examineLoader() {
@@ -48,13 +39,21 @@ Finding examineLoader() {
                 "`./dev bundle` makes, which has one."};
 }
 
+// The system's lavapipe, where Latelight's own CPU driver is used instead. Loading both would mix two versions of LLVM.
+bool isReplaced(const fs::path& file) {
+  return file.filename().string().starts_with("lvp_icd") &&
+         std::ranges::any_of(addedDrivers(), [](const AddedDriver& driver) { return driver.isCpu; });
+}
+
 void examineDrivers(std::vector<Finding>& findings) {
   const DriverFiles drivers = findDriverFiles();
   if (drivers.files.empty())
     findings.push_back(
         {false, fmt::format("No Vulkan driver is installed: there is no driver file (.json) in {}.", drivers.where),
-         installDriver()});
+         kInstallDriver});
+  for (const AddedDriver& driver : addedDrivers()) findings.push_back({true, driver.why, ""});
   for (const fs::path& file : drivers.files) {
+    if (isReplaced(file)) continue;
     const DriverProbe probe = probeDriver(file);
     if (probe.error.empty())
       findings.push_back({true, fmt::format("The driver {} ({}) loads.", probe.library, file.string()), ""});
@@ -66,13 +65,34 @@ void examineDrivers(std::vector<Finding>& findings) {
   }
 }
 
-// A kernel driver without the Vulkan driver is common in containers on compute clusters.
+// A kernel driver without a Vulkan driver that works is common in containers. The cases are those of
+// github.com/NVIDIA/nvidia-container-toolkit, issues 16, 191 and 1952.
 void examineNvidia(Diagnosis& diagnosis) {
   const bool listed = std::any_of(diagnosis.devices.begin(), diagnosis.devices.end(), [](const DeviceInfo& device) {
     return device.name.find("NVIDIA") != std::string::npos;
   });
-  if (listed || !exists("/proc/driver/nvidia/version")) return;
-  diagnosis.findings.push_back({false, "There is an NVIDIA GPU, but no Vulkan device of it.", installDriver()});
+  if (listed) return;
+  std::vector<NvidiaLibrary> libraries = probeNvidiaLibraries();
+  std::erase_if(libraries, [](const NvidiaLibrary& library) { return library.isMissing; });
+  if (libraries.empty()) {
+    if (exists("/proc/driver/nvidia/version"))
+      diagnosis.findings.push_back(
+          {false, "There is an NVIDIA GPU, but its driver's Vulkan libraries (libGLX_nvidia.so.0) are not here.",
+           "In a container: start it with NVIDIA_DRIVER_CAPABILITIES=all (or with \"graphics\" in the list), and with "
+           "--runtime=nvidia --gpus all. Elsewhere: install libnvidia-gl of the driver's version."});
+    return;
+  }
+  for (const NvidiaLibrary& library : libraries)
+    if (!library.error.empty())
+      diagnosis.findings.push_back(
+          {false, fmt::format("NVIDIA's driver library {} {}.", library.library, library.error),
+           "Install what it needs: apt-get install libxext6 libegl1. In a container, start it with "
+           "NVIDIA_DRIVER_CAPABILITIES=all, so that all libraries of the driver are mounted."});
+  if (libraries.back().error.empty() && exists("/proc/driver/nvidia/version"))
+    diagnosis.findings.push_back(
+        {false, "NVIDIA's Vulkan driver loads, but finds no device.",
+         "Look whether `nvidia-smi` lists the GPU, whether this user may open /dev/nvidia*, and whether the libraries "
+         "have the version of the kernel's driver (/proc/driver/nvidia/version)."});
 }
 
 bool isUsable(const DeviceInfo& device) {
@@ -100,7 +120,7 @@ Finding examineChoice(const std::vector<DeviceInfo>& devices) {
   }
   const bool anyVersion = std::any_of(devices.begin(), devices.end(), hasVersion);
   return {false, anyVersion ? "No device has all that is needed of Vulkan 1.3." : "No device has Vulkan 1.3 or newer.",
-          installDriver()};
+          kInstallDriver};
 }
 
 void examineLoaded(Diagnosis& diagnosis) {
@@ -110,7 +130,7 @@ void examineLoaded(Diagnosis& diagnosis) {
     // Error messages end with the advice to run this command.
     const std::string sentence = error.what();
     diagnosis.findings.push_back(
-        {false, sentence.substr(0, sentence.find(": run `latelight doctor`")) + ".", installDriver()});
+        {false, sentence.substr(0, sentence.find(": run `latelight doctor`")) + ".", kInstallDriver});
     return;
   }
   diagnosis.usable = std::any_of(diagnosis.devices.begin(), diagnosis.devices.end(), isUsable);
@@ -124,7 +144,7 @@ std::vector<Finding> examineDevices(const std::vector<DeviceInfo>& devices) {
     return {{false, "No driver finds a device.",
              "Look whether this user may open /dev/dri/render* (groups render and video) or, for NVIDIA, whether "
              "`nvidia-smi` lists the GPU. " +
-                 installDriver()}};
+                 kInstallDriver}};
   std::vector<Finding> findings;
   for (const DeviceInfo& device : devices) findings.push_back(examineDevice(device));
   findings.push_back(examineChoice(devices));

@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <volk.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -73,21 +74,6 @@ std::vector<fs::path> filesOf(const std::string& list) {
   return files;
 }
 
-// Returns the library that a driver file names, or the error in the file.
-DriverProbe readDriverFile(const fs::path& file) {
-  std::error_code error;
-  if (!fs::is_regular_file(file, error)) return {"", "is not there"};
-  std::ifstream stream(file);
-  if (!stream) return {"", "can't be read"};
-  const nlohmann::json json = nlohmann::json::parse(stream, nullptr, false);
-  if (json.is_discarded()) return {"", "is not JSON"};
-  const auto icd = json.is_object() ? json.find("ICD") : json.end();
-  if (!json.is_object() || icd == json.end() || !icd->is_object() || !icd->contains("library_path") ||
-      !(*icd)["library_path"].is_string())
-    return {"", "is not a driver file: it has no ICD.library_path"};
-  return {(*icd)["library_path"].get<std::string>(), ""};
-}
-
 }  // namespace
 
 DriverFiles findDriverFiles() {
@@ -107,6 +93,47 @@ DriverFiles findDriverFiles() {
   return found;
 }
 
+DriverProbe readDriverFile(const fs::path& file) {
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return {"", "is not there"};
+  std::ifstream stream(file);
+  if (!stream) return {"", "can't be read"};
+  const nlohmann::json json = nlohmann::json::parse(stream, nullptr, false);
+  if (json.is_discarded()) return {"", "is not JSON"};
+  const auto icd = json.is_object() ? json.find("ICD") : json.end();
+  if (!json.is_object() || icd == json.end() || !icd->is_object() || !icd->contains("library_path") ||
+      !(*icd)["library_path"].is_string())
+    return {"", "is not a driver file: it has no ICD.library_path"};
+  return {(*icd)["library_path"].get<std::string>(), ""};
+}
+
+std::string probeDriverLibrary(const std::string& library) {
+  void* handle = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!handle) return fmt::format("does not load ({})", dlerror());
+  // The library stays open: the loader will open it again, and some drivers crash when they are unloaded.
+  using Entry = PFN_vkVoidFunction (*)(VkInstance, const char*);
+  auto entry = reinterpret_cast<Entry>(dlsym(handle, "vk_icdGetInstanceProcAddr"));
+  if (!entry) entry = reinterpret_cast<Entry>(dlsym(handle, "vkGetInstanceProcAddr"));
+  if (!entry) return "is not a Vulkan driver";
+  // NVIDIA's driver loads, but has no functions, where libraries that it opens later are missing.
+  if (!entry(VK_NULL_HANDLE, "vkCreateInstance")) return "is a Vulkan driver that cannot create an instance";
+  return "";
+}
+
+std::vector<NvidiaLibrary> probeNvidiaLibraries() {
+  std::vector<NvidiaLibrary> libraries;
+  // The last two folders are where NVIDIA's container tools and some clusters mount the driver.
+  for (const char* folder : {"", "/usr/local/nvidia/lib64/", "/usr/local/nvidia/lib/"})
+    for (const char* name : {"libGLX_nvidia.so.0", "libEGL_nvidia.so.0"}) {
+      const std::string library = std::string(folder) + name;
+      const std::string error = probeDriverLibrary(library);
+      // dlopen's message begins with the name of the library that is missing, which may be one that this one needs.
+      libraries.push_back({library, error, error.starts_with("does not load (" + library + ": cannot open")});
+      if (error.empty()) return libraries;
+    }
+  return libraries;
+}
+
 DriverProbe probeDriver(const fs::path& file) {
   DriverProbe probe = readDriverFile(file);
   if (!probe.error.empty()) return probe;
@@ -114,14 +141,8 @@ DriverProbe probeDriver(const fs::path& file) {
   // name without a slash.
   const bool isPath = probe.library.find('/') != std::string::npos;
   const std::string library = isPath ? (file.parent_path() / probe.library).string() : probe.library;
-  void* handle = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (!handle) {
-    probe.error = fmt::format("names the library {}, which does not load ({})", probe.library, dlerror());
-    return probe;
-  }
-  if (!dlsym(handle, "vk_icdGetInstanceProcAddr") && !dlsym(handle, "vkGetInstanceProcAddr"))
-    probe.error = fmt::format("names the library {}, which is not a Vulkan driver", probe.library);
-  // The library stays open: the loader will open it again, and some drivers crash when they are unloaded.
+  if (const std::string error = probeDriverLibrary(library); !error.empty())
+    probe.error = fmt::format("names the library {}, which {}", probe.library, error);
   return probe;
 }
 

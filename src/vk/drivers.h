@@ -18,6 +18,21 @@ struct DriverProbe {
   std::string library;  // as named in the file; empty if the file cannot be read
   std::string error;    // the end of a sentence; empty: the driver loads
 };
+// Reads the file, without loading its library.
+DriverProbe readDriverFile(const std::filesystem::path& file);
+// Loads its library as the loader does.
 DriverProbe probeDriver(const std::filesystem::path& file);
+
+// Loads a driver's library by path, or by a name that the dynamic linker searches for. Returns what is wrong with it,
+// as the end of a sentence; empty: it is a Vulkan driver that can create instances.
+std::string probeDriverLibrary(const std::string& library);
+
+// A library of NVIDIA's driver that may be on this machine, and why it does not work (as probeDriverLibrary says).
+struct NvidiaLibrary {
+  std::string library, error;
+  bool isMissing = false;  // there is no such library
+};
+// Tries the names under which NVIDIA's Vulkan driver is installed, up to the first that works.
+std::vector<NvidiaLibrary> probeNvidiaLibraries();
 
 }  // namespace latelight::vk

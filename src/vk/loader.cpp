@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "base/fork.h"
+#include "vk/added_drivers.h"
 
 namespace latelight::vk {
 
@@ -34,7 +35,9 @@ Loader loadVulkan() {
   if (loaded) return *loaded;
   const char* chosen = std::getenv("LATELIGHT_VULKAN_LOADER");
   Loader loader = open(chosen && *chosen ? chosen : "libvulkan.so.1");
-  if (loader.found()) loaded = loader;
+  if (!loader.found()) return loader;
+  addDrivers();
+  loaded = loader;
   return loader;
 }
 

@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "app/folder.h"
 #include "app/process.h"
+#include "vk/drivers.h"
 
 namespace latelight::app {
 namespace {
@@ -81,7 +84,118 @@ TEST(Doctor, NamesADriverLibraryThatDoesNotLoad) {
   expectProblem({{"VK_DRIVER_FILES", folder.at("lost_icd.json")}}, "libvulkan_lost.so", "");
 }
 
+// --- drivers that Latelight adds
+// --------------------------------------------------------------------------------------
+
+// The library of the system's lavapipe, which stands in for other drivers.
+std::string lavapipe() {
+  for (const std::filesystem::path& file : vk::findDriverFiles().files)
+    if (file.filename().string().starts_with("lvp_icd")) return vk::readDriverFile(file).library;
+  ADD_FAILURE() << "mesa-vulkan-drivers is missing";
+  return "";
+}
+
+std::string manifestOf(const std::string& library) {
+  return json{{"file_format_version", "1.0.0"}, {"ICD", {{"library_path", library}, {"api_version", "1.3.0"}}}}.dump();
+}
+
+// A container into which the libraries of NVIDIA's driver are mounted, but no other driver.
+struct Container {
+  Container() {
+    std::filesystem::create_directory(folder.at("lib"));
+    std::filesystem::create_symlink(lavapipe(), folder.at("lib/libEGL_nvidia.so.0"));
+  }
+  Environment environment() const {
+    return {{"LD_LIBRARY_PATH", folder.at("lib")},
+            {"XDG_DATA_DIRS", folder.at("none")},
+            {"XDG_CACHE_HOME", folder.at("cache")}};
+  }
+  Folder folder;
+};
+
+TEST(AddedDrivers, NvidiaNeedsNoDriverFile) {
+  const Container container;
+  const Outcome doctor = run({"doctor"}, container.environment());
+  EXPECT_EQ(doctor.code, 0) << doctor.text();
+  EXPECT_THAT(doctor.out, HasSubstr("NVIDIA's driver has no driver file, so Latelight has made one for "
+                                    "libEGL_nvidia.so.0."));
+  const Outcome devices = run({"devices"}, container.environment());
+  EXPECT_THAT(devices.out, HasSubstr("llvmpipe"));
+  EXPECT_THAT(devices.out, HasSubstr("Latelight has made one for libEGL_nvidia.so.0."));
+}
+
+// As where libX11 is missing, which libGLX_nvidia.so.0 requires and libEGL_nvidia.so.0 does not.
+TEST(AddedDrivers, NvidiaMayHaveADriverFileThatDoesNotWork) {
+  Container container;
+  container.folder.write("nvidia_icd.json", manifestOf("libGLX_nvidia.so.0"));
+  Environment environment = container.environment();
+  environment["VK_ADD_DRIVER_FILES"] = container.folder.at("nvidia_icd.json");
+  const Outcome devices = run({"devices"}, environment);
+  EXPECT_EQ(devices.code, 0) << devices.text();
+  EXPECT_THAT(devices.out, HasSubstr("no driver file that works, so Latelight has made one for libEGL_nvidia.so.0."));
+}
+
+TEST(AddedDrivers, NothingIsAddedToDriversThatAVariableLists) {
+  const Container container;
+  Environment environment = container.environment();
+  environment["VK_DRIVER_FILES"] = container.folder.at("none");
+  EXPECT_EQ(run({"devices"}, environment).code, 4);
+  EXPECT_FALSE(std::filesystem::exists(container.folder.at("cache/latelight/nvidia_icd.json")));
+}
+
+TEST(AddedDrivers, NvidiasLibraryMayLackWhatItNeeds) {
+  expectProblem({{"LD_LIBRARY_PATH", LATELIGHT_FAKE_DRIVERS "/nvidia"}, {"XDG_DATA_DIRS", "/nonexistent"}},
+                "NVIDIA's driver library libGLX_nvidia.so.0 is a Vulkan driver that cannot create an instance.",
+                "libxext6 libegl1");
+}
+
+TEST(AddedDrivers, TheCpuDriverOfThePackageReplacesTheSystems) {
+  Folder folder;
+  folder.write("latelight_cpu_icd.json", manifestOf(lavapipe()));
+  const Environment environment{{"LATELIGHT_CPU_DRIVER", folder.at("latelight_cpu_icd.json")}};
+  const json devices = json::parse(run({"devices", "--json"}, environment).out);
+  ASSERT_EQ(std::ranges::count_if(devices, [](const json& device) { return device["type"] == "cpu"; }), 1);
+  EXPECT_THAT(run({"doctor"}, environment).out, HasSubstr("Latelight's own CPU driver replaces that of the system."));
+  const Outcome outcome =
+      run({"render", "builtin:boxes", "-o", folder.at("a.exr"), "--aov", "depth", "--size", "16x9", "--device", "cpu"},
+          environment);
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  std::ifstream side(folder.at("a.json"));
+  EXPECT_THAT(json::parse(side)["device"]["driver"].get<std::string>(), HasSubstr("(latelight-cpu)"));
+}
+
 // --- devices --------------------------------------------------------------------------------------------------------
+
+std::string uuidOfTheCpu() {
+  for (const json& device : json::parse(run({"devices", "--json"}).out))
+    if (device["type"] == "cpu") return device["uuid"];
+  return "";
+}
+
+// CUDA's device 1 is the CPU here, for want of a GPU.
+TEST(Devices, AreChosenByCudasNumber) {
+  Folder folder;
+  const Environment cuda{{"LD_LIBRARY_PATH", LATELIGHT_FAKE_DRIVERS "/cuda"},
+                         {"FAKE_CUDA_UUIDS", std::string(32, 'f') + "," + uuidOfTheCpu()}};
+  const auto render = [&](const std::string& device, const Environment& environment) {
+    return run({"render", "builtin:boxes", "-o", folder.at("a.png"), "--size", "16x9", "--device", device},
+               environment);
+  };
+  const Outcome found = render("cuda:1", cuda);
+  EXPECT_EQ(found.code, 0) << found.text();
+  for (const auto& [device, sentence] :
+       std::map<std::string, std::string>{{"cuda", "CUDA's device 0 is not among Vulkan's"},
+                                          {"cuda:2", "CUDA has no device cuda:2: it lists 2"},
+                                          {"cuda:-1", "CUDA has no device cuda:-1"},
+                                          {"cuda:", "CUDA has no device cuda:"}}) {
+    const Outcome refused = render(device, cuda);
+    EXPECT_EQ(refused.code, 4) << device;
+    EXPECT_THAT(refused.err, HasSubstr(sentence));
+  }
+  Environment broken = cuda;
+  broken["FAKE_CUDA_UUIDS"] = "broken";
+  EXPECT_THAT(render("cuda:1", broken).err, HasSubstr("CUDA's driver (libcuda.so.1) is missing or does not start"));
+}
 
 TEST(Devices, TextAndJsonAgree) {
   const Outcome text = run({"devices"}), structured = run({"devices", "--json"});

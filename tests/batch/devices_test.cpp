@@ -46,6 +46,17 @@ TEST(Devices, ByNumberNameAndUuid) {
   EXPECT_THAT(chosen(false, "two"), IsEmpty());
 }
 
+// CUDA's order is not always Vulkan's (CUDA_DEVICE_ORDER).
+TEST(Devices, CudaCanBeAsked) {
+  const auto chosenBy = [](const std::string& text, const std::vector<std::string>& cuda) {
+    return chooseDevices(machine(true), text, "0,1", cuda);
+  };
+  EXPECT_THAT(chosenBy("all", {kSecond, kFirst}), ElementsAre(kSecond, kFirst));
+  EXPECT_THAT(chosenBy("auto", {kSecond, kFirst}), ElementsAre(kSecond));
+  EXPECT_THAT(chosenBy("all", {kSecond}), ElementsAre(kSecond));
+  EXPECT_THROW(chosenBy("all", {std::string(32, 'f')}), Error);
+}
+
 TEST(Devices, CudasVariableLeavesOthersOut) {
   EXPECT_THAT(chosen(true, "all", "1"), ElementsAre(kSecond));
   EXPECT_THAT(chosen(true, "auto", "1"), ElementsAre(kSecond));

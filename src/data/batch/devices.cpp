@@ -19,7 +19,8 @@ std::string digitsOf(std::string_view uuid) {
   return digits;
 }
 
-// Reads CUDA_VISIBLE_DEVICES as CUDA does: the first entry that matches no device ends the list.
+// Reads CUDA_VISIBLE_DEVICES as CUDA does, where CUDA cannot be asked: the first entry that matches no device ends the
+// list.
 std::vector<vk::DeviceInfo> visibleTo(const std::vector<vk::DeviceInfo>& gpus, const std::string& list) {
   std::vector<vk::DeviceInfo> visible;
   for (const std::string_view entry : splitAtCommas(list)) {
@@ -36,13 +37,21 @@ std::vector<vk::DeviceInfo> visibleTo(const std::vector<vk::DeviceInfo>& gpus, c
   return visible;
 }
 
+std::vector<vk::DeviceInfo> withUuids(const std::vector<vk::DeviceInfo>& gpus, const std::vector<std::string>& uuids) {
+  std::vector<vk::DeviceInfo> listed;
+  for (const std::string& uuid : uuids)
+    std::ranges::copy_if(gpus, std::back_inserter(listed), [&](const auto& gpu) { return gpu.uuid == uuid; });
+  return listed;
+}
+
 // Returns the devices that "auto" and "all" choose from.
 std::vector<vk::DeviceInfo> candidates(const std::vector<vk::DeviceInfo>& devices,
-                                       const std::optional<std::string>& cudaVisible) {
+                                       const std::optional<std::string>& cudaVisible,
+                                       const std::optional<std::vector<std::string>>& cudaUuids) {
   std::vector<vk::DeviceInfo> gpus, usable;
   std::ranges::copy_if(devices, std::back_inserter(gpus), [](const auto& device) { return device.type != "cpu"; });
   if (cudaVisible && !gpus.empty()) {
-    gpus = visibleTo(gpus, *cudaVisible);
+    gpus = cudaUuids ? withUuids(gpus, *cudaUuids) : visibleTo(gpus, *cudaVisible);
     if (gpus.empty() && !cudaVisible->empty() && *cudaVisible != "-1")
       fail(ExitCode::NoDevice, "CUDA_VISIBLE_DEVICES is \"{}\", which matches no device: use --devices",
            shortened(*cudaVisible));
@@ -56,11 +65,12 @@ std::vector<vk::DeviceInfo> candidates(const std::vector<vk::DeviceInfo>& device
 }  // namespace
 
 std::vector<std::string> chooseDevices(const std::vector<vk::DeviceInfo>& devices, const std::string& text,
-                                       const std::optional<std::string>& cudaVisible) {
-  if (text == "auto") return {vk::chooseDevice(candidates(devices, cudaVisible), "auto").device.uuid};
+                                       const std::optional<std::string>& cudaVisible,
+                                       const std::optional<std::vector<std::string>>& cudaUuids) {
+  if (text == "auto") return {vk::chooseDevice(candidates(devices, cudaVisible, cudaUuids), "auto").device.uuid};
   std::vector<std::string> uuids;
   if (text == "all")
-    for (const vk::DeviceInfo& device : candidates(devices, cudaVisible)) uuids.push_back(device.uuid);
+    for (const vk::DeviceInfo& device : candidates(devices, cudaVisible, cudaUuids)) uuids.push_back(device.uuid);
   else
     for (const std::string_view selector : splitAtCommas(text))
       uuids.push_back(vk::chooseDevice(devices, std::string(selector)).device.uuid);
