@@ -14,7 +14,8 @@
 #include "base/log.h"
 #include "render/lighting/technique.h"
 #include "render/submit/session.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
+#include "scene/load/load.h"
 #include "vk/driver_cache.h"
 #include "vk/shaders.h"
 

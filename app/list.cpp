@@ -15,7 +15,7 @@
 #include "output/aov.h"
 #include "render/gbuffer/layout.h"
 #include "render/settings/settings.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 #include "scene/gltf/extensions.h"
 #include "scene/light_types.h"
 #include "vk/resources.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "base/text.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 
 namespace latelight::app {
 

@@ -20,12 +20,13 @@
 #include "output/files.h"
 #include "output/used_files.h"
 #include "render/frame/view.h"
-#include "render/lens/lens_settings.h"
 #include "render/outputs/outputs.h"
+#include "render/submit/lens_settings.h"
 #include "render/submit/raster_choice.h"
 #include "render/submit/renderer.h"
 #include "render/submit/request.h"
 #include "render/submit/session.h"
+#include "scene/load/load.h"
 #include "vk/driver_cache.h"
 
 namespace latelight::app {

@@ -7,7 +7,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "render/gbuffer/layout.h"
-#include "render/settings/option_table.h"
+#include "render/options/option_table.h"
 #include "scene/ids.h"
 
 namespace latelight::app {
@@ -46,6 +46,7 @@ const render::OptionTable<RenderOptions>& commandTable() {
   t.text(&O::member, ROW(member, name, help), defaultValue, topic);
 #define OPTION_LIST(member, name, type, help) addList(t, &O::member, ROW(member, name, help), type);
 #include "app/render_command.def"
+#include "render/options/options.h"
 #undef ROW
     return t;
   }();

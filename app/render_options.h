@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "render/settings/options.h"
+#include "render/options/options.h"
 #include "render/settings/settings.h"
 #include "scene/scene.h"
 

@@ -14,6 +14,7 @@
 #include "render/submit/session.h"
 #include "report/command.h"
 #include "report/scene_page.h"
+#include "scene/load/load.h"
 #include "vk/driver_cache.h"
 
 namespace latelight::app {

@@ -14,7 +14,7 @@
 #include "render/settings/settings.h"
 #include "report/command.h"
 #include "report/study_page.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 #include "study/study.h"
 #include "vk/driver_cache.h"
 

@@ -51,7 +51,7 @@ set(LATELIGHT_SPIRV_INLINE
 # no GLSL constants, which would be part of every shader's SPIR-V.
 function(latelight_constant_ids)
   set(text "")
-  foreach(folder IN ITEMS vk render/frame study)
+  foreach(folder IN ITEMS vk render/base study)
     set(source ${PROJECT_SOURCE_DIR}/src/${folder}/constants.def)
     set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${source})
     file(STRINGS ${source} lines REGEX "^[A-Z]+_CONSTANT\\(")

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "render/settings/options.h"
+#include "render/options/options.h"
 #include "view/state.h"
 
 namespace latelight::app {

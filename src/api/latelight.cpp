@@ -8,12 +8,14 @@
 #include "base/error.h"
 #include "base/fork.h"
 #include "output/png.h"
+#include "render/options/options.h"
 #include "render/submit/id_manifest.h"
 #include "render/submit/picking.h"
 #include "render/submit/raster_choice.h"
 #include "render/submit/renderer.h"
 #include "render/submit/session.h"
 #include "scene/framing.h"
+#include "scene/load/load.h"
 
 namespace latelight {
 

@@ -2,7 +2,7 @@
 #include <latelight/latelight.h>
 
 #include "output/aov.h"
-#include "render/settings/options.h"
+#include "render/options/options.h"
 
 namespace latelight {
 

@@ -12,7 +12,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
-#include "scene/textures/texture.h"
+#include "scene/image_size.h"
 #include "shared/light.h"
 
 namespace latelight::scene {

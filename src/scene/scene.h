@@ -245,11 +245,4 @@ struct LoadOptions {
   uint32_t textureSlots = ~0u;
 };
 
-// Loads a .gltf or .glb file, or "builtin:NAME[,key=value...]". Throws Error(BadInput) that names the file and the
-// problem, and Error(Usage) for options that do not apply to the scene.
-Scene load(const std::string& source, const LoadOptions& options = {});
-
-Scene loadGltf(const std::filesystem::path& path, const LoadOptions& options);  // gltf.cpp
-Scene makeBuiltin(const std::string& name, uint32_t textureSlots = ~0u);        // builtin.cpp; after "builtin:"
-
 }  // namespace latelight::scene

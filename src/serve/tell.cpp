@@ -5,7 +5,7 @@
 #include <span>
 
 #include "output/aov.h"
-#include "render/settings/options.h"
+#include "render/options/options.h"
 #include "serve/messages.h"
 #include "view/shell_words.h"
 

@@ -12,7 +12,8 @@
 
 #include "base/stopwatch.h"
 #include "render/submit/raster_choice.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
+#include "scene/load/load.h"
 #include "study/pass_samples.h"
 
 namespace latelight::study {

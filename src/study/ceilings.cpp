@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "graph/graph.h"
-#include "render/frame/pass.h"
+#include "render/base/pass.h"
 #include "study/ceilings_push.h"
 
 namespace latelight::study {

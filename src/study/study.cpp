@@ -1,6 +1,6 @@
 #include "study/study.h"
 
-#include "render/frame/registry.h"
+#include "render/base/registry.h"
 
 namespace latelight::study {
 

@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "render/gbuffer/layout.h"
-#include "render/settings/options.h"
+#include "render/options/options.h"
 #include "render/submit/session.h"
 
 namespace latelight::view {

@@ -12,6 +12,7 @@
 #include "render/submit/raster_choice.h"
 #include "render/submit/session.h"
 #include "scene/framing.h"
+#include "scene/load/load.h"
 #include "vk/shaders.h"
 
 namespace latelight::view {

@@ -18,6 +18,7 @@
 #include "base/log.h"
 #include "scene/environment/environment.h"
 #include "scene/environment/picture_io.h"
+#include "scene/load/load.h"
 #include "scene/scene.h"
 
 namespace latelight::app {

@@ -19,41 +19,16 @@ bool nothingGenerated(const std::string&) {
   return false;
 }
 
-TEST(IncludeRules, CatchWhatPointsTheWrongWay) {
+TEST(IncludeRules, CatchVulkanAndUnclearPaths) {
   const auto wrong = [](std::string_view folder, std::string_view text) {
     return wrongIncludes(folder, text, nothingGenerated);
   };
-  EXPECT_THAT(wrong("base", "#include \"vk/device.h\"\n"), ElementsAre("vk/device.h"));
-  EXPECT_THAT(wrong("vk", "#include \"base/log.h\"\n#include \"graph/graph.h\"\n"), ElementsAre("graph/graph.h"));
-  EXPECT_THAT(wrong("graph", "// text\n  #  include \"render/frame/frame.h\""), ElementsAre("render/frame/frame.h"));
-  EXPECT_THAT(wrong("scene", "#include \"vk/resources.h\"\n"), ElementsAre("vk/resources.h"));
-  EXPECT_THAT(wrong("shared", "#include \"base/error.h\"\n"), ElementsAre("base/error.h"));
-  EXPECT_THAT(wrong("output", "#include \"scene/scene.h\"\n#include \"render/frame/frame.h\"\n"),
-              ElementsAre("render/frame/frame.h"));
-  EXPECT_THAT(wrong("render", "#include \"app/commands.h\"\n"), ElementsAre("app/commands.h"));
-  EXPECT_THAT(wrong("render", "#include \"study/study.h\"\n"), ElementsAre("study/study.h"));
-  EXPECT_THAT(wrong("study", "#include \"render/frame/frame.h\"\n#include \"app/commands.h\"\n"),
-              ElementsAre("app/commands.h"));
-  EXPECT_THAT(wrong("include", "#include <volk.h>\n#include \"base/error.h\"\n"),
-              ElementsAre("volk.h (Vulkan)", "base/error.h"));
+  EXPECT_THAT(wrong("include", "#include <volk.h>\n"), ElementsAre("volk.h (Vulkan)"));
   EXPECT_THAT(wrong("scene", "#include <vulkan/vulkan.h>\n"), ElementsAre("vulkan/vulkan.h (Vulkan)"));
-  EXPECT_THAT(wrong("vk", "#include <latelight/latelight.h>\n"), ElementsAre("latelight/latelight.h"));
-  EXPECT_THAT(wrong("graph", "#include \"use.h\"\n"), testing::SizeIs(1));
-  EXPECT_THAT(wrong("somewhere", ""), testing::SizeIs(1));
-  EXPECT_THAT(wrong("render", "#include <volk.h>\n#include \"graph/graph.h\"\n// #include \"app/x.h\"\n"), IsEmpty());
-}
-
-TEST(IncludeRules, CatchWhatReachesUpInsideRender) {
-  EXPECT_THAT(includesFromAbove("render/gpu_scene/lights.cpp", "#include \"render/frame/frame.h\"\n"),
-              ElementsAre("render/frame/frame.h"));
-  EXPECT_THAT(includesFromAbove("render/post/fog/fog.h",
-                                "#include \"render/submit/request.h\"\n#include \"render/frame/pass.h\"\n"),
-              ElementsAre("render/submit/request.h"));
-  EXPECT_THAT(includesFromAbove("render/submit/request.cpp", "#include \"render/submit/renderer.h\"\n"),
-              ElementsAre("render/submit/renderer.h"));
-  EXPECT_THAT(includesFromAbove("render/submit/renderer.cpp",
-                                "#include \"render/submit/request.h\"\n#include \"scene/scene.h\"\n"),
-              IsEmpty());
+  EXPECT_THAT(wrong("graph", "// text\n  #  include \"use.h\""), testing::SizeIs(1));
+  EXPECT_THAT(wrong("render", "#include \"../submit/renderer.h\"\n"), testing::SizeIs(1));
+  EXPECT_THAT(wrong("render", "#include \"render/frame/../submit/renderer.h\"\n"), testing::SizeIs(1));
+  EXPECT_THAT(wrong("render", "#include <volk.h>\n#include \"graph/graph.h\"\n// #include \"x.h\"\n"), IsEmpty());
 }
 
 TEST(IncludeRules, FindTheWayToVulkan) {
@@ -102,15 +77,6 @@ size_t check(const fs::path& root, const std::string& folder) {
   return count;
 }
 
-TEST(Includes, PointDownInsideRender) {
-  const fs::path source = fs::path(LATELIGHT_SOURCE_DIR) / "src";
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(source / "render")) {
-    if (entry.path().extension() != ".h" && entry.path().extension() != ".cpp") continue;
-    const std::string path = fs::relative(entry.path(), source).string();
-    EXPECT_THAT(includesFromAbove(path, textOf(entry.path())), IsEmpty()) << path;
-  }
-}
-
 // However far away: what is below the renderer compiles on a machine without Vulkan, and so does a user of the API.
 TEST(Includes, ComeToVulkanOnlyWhereItIsUsed) {
   const fs::path root = LATELIGHT_SOURCE_DIR;
@@ -126,7 +92,7 @@ TEST(Includes, ComeToVulkanOnlyWhereItIsUsed) {
   }
 }
 
-TEST(Includes, PointTheRightWay) {
+TEST(Includes, AreClearAndKeepVulkanInItsFolders) {
   const fs::path source = LATELIGHT_SOURCE_DIR;
   for (const fs::directory_entry& folder : fs::directory_iterator(source / "src")) {
     EXPECT_GT(check(folder.path(), folder.path().filename().string()), 0u) << folder.path();

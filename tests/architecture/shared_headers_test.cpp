@@ -1,14 +1,14 @@
 // Every header in src/shared, and every header that the build generates from them, compiles by itself as GLSL and as
-// C++. Headers for arbitrary engines also compile as HLSL.
+// C++, and includes only others of these. Headers for arbitrary engines also compile as HLSL.
 #include <gtest/gtest.h>
 
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "architecture/command.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "base/parallel.h"
@@ -18,24 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What a command wrote, and whether it ended with 0.
-struct Result {
-  bool good = false;
-  std::string output;
-};
-
-Result runCommand(const std::string& command) {
-  Result result;
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-  if (!pipe) return result;
-  char buffer[4096];
-  while (const size_t got = fread(buffer, 1, sizeof(buffer), pipe)) result.output.append(buffer, got);
-  result.good = pclose(pipe) == 0;
-  return result;
-}
-
 std::string includePaths() {
-  return fmt::format("-I'{0}/src' -I'{0}/include' -I'{1}'", LATELIGHT_SOURCE_DIR, LATELIGHT_GENERATED_DIR);
+  return fmt::format("-I'{}/shared' -I'{}'", LATELIGHT_INCLUDE_PATHS, LATELIGHT_GENERATED_DIR);
 }
 
 class Folder {

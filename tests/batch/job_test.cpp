@@ -12,7 +12,7 @@
 #include "base/memory.h"
 #include "data/batch/job.h"
 #include "data/batch/schema.h"
-#include "render/settings/options.h"
+#include "render/options/options.h"
 
 namespace latelight::data {
 namespace {

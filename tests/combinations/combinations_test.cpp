@@ -9,7 +9,7 @@
 #include <span>
 
 #include "combinations/scene.h"
-#include "render/frame/registry.h"
+#include "render/base/registry.h"
 #include "render/frame/view.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"

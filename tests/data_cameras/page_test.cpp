@@ -7,6 +7,7 @@
 #include "data/cameras/transforms.h"
 #include "data/cameras/tum.h"
 #include "data_cameras/support.h"
+#include "scene/load/load.h"
 
 namespace latelight::data::test {
 namespace {

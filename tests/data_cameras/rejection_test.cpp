@@ -3,7 +3,8 @@
 #include "data/cameras/surroundings.h"
 #include "data/random.h"
 #include "data_cameras/support.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
+#include "scene/load/load.h"
 
 namespace latelight::data::test {
 namespace {

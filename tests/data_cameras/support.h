@@ -13,6 +13,7 @@
 #include "data/cameras/calibrated.h"
 #include "data/cameras/cameras.h"
 #include "render/frame/view.h"
+#include "scene/load/load.h"
 
 namespace latelight::data::test {
 

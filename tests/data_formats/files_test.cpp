@@ -10,6 +10,7 @@
 #include "output/support.h"
 #include "render/submit/session.h"
 #include "scene/edit.h"
+#include "scene/load/load.h"
 
 namespace latelight::data::test {
 namespace {

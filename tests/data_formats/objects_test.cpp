@@ -5,9 +5,10 @@
 #include "data/amodal.h"
 #include "data_formats/support.h"
 #include "models/models.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 #include "scene/builtin/scene_builder.h"
 #include "scene/edit.h"
+#include "scene/load/load.h"
 
 namespace latelight::data::test {
 namespace {

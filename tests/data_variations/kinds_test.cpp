@@ -6,6 +6,7 @@
 #include "data/variations/temperature.h"
 #include "data_variations/support.h"
 #include "models/models.h"
+#include "scene/load/load.h"
 #include "shared/light.h"
 
 namespace latelight::data::test {

@@ -9,7 +9,8 @@
 #include "app/folder.h"
 #include "base/error.h"
 #include "data/variations/variations.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
+#include "scene/load/load.h"
 #include "scene/scene.h"
 
 namespace latelight::data::test {

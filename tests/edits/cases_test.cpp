@@ -7,6 +7,7 @@
 #include "models/models.h"
 #include "scene/edit.h"
 #include "scene/framing.h"
+#include "scene/load/load.h"
 
 namespace latelight::render::test {
 namespace {

@@ -9,6 +9,7 @@
 #include "models/models.h"
 #include "scene/animation.h"
 #include "scene/edit.h"
+#include "scene/load/load.h"
 
 namespace latelight::render::test {
 namespace {

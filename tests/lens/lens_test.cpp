@@ -15,6 +15,7 @@
 #include "render/reference_caster.h"
 #include "render/support.h"
 #include "scene/framing.h"
+#include "scene/load/load.h"
 
 namespace latelight::render::test {
 namespace {

@@ -10,6 +10,7 @@
 #include "motion/reference_motion.h"
 #include "render/gbuffer/layout.h"
 #include "render/support.h"
+#include "scene/load/load.h"
 
 namespace latelight::render::test {
 namespace {

@@ -8,6 +8,7 @@
 #include "models/models.h"
 #include "motion/files.h"
 #include "render/support.h"
+#include "scene/load/load.h"
 
 namespace latelight::render::test {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "app/render_options.h"
 #include "output/aov.h"
-#include "render/settings/options.h"
-#include "scene/builtin.h"
+#include "render/options/options.h"
+#include "scene/builtin/builtin.h"
 
 namespace latelight::app {
 

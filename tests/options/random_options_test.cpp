@@ -29,6 +29,7 @@
 #include "render/submit/raster_choice.h"
 #include "render/submit/session.h"
 #include "render/support.h"
+#include "scene/load/load.h"
 #include "shared/random.h"
 
 namespace latelight::app {

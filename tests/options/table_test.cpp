@@ -8,9 +8,10 @@
 #include <set>
 
 #include "base/error.h"
-#include "render/settings/options.h"
+#include "render/options/options.h"
 #include "render/support.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
+#include "scene/load/load.h"
 
 namespace latelight::render {
 namespace {

@@ -7,11 +7,12 @@
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "render/frame/registry.h"
+#include "render/base/registry.h"
 #include "render/lighting/technique.h"
 #include "render/reference_caster.h"
 #include "render/support.h"
 #include "scene/framing.h"
+#include "scene/load/load.h"
 #include "shared/ambient_occlusion.h"
 
 namespace latelight::render::test {

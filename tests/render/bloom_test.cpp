@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "render/base/readback.h"
 #include "render/post/bloom/bloom.h"
-#include "render/submit/readback.h"
 #include "render/support.h"
 #include "shared/color.h"
 #include "shared/random.h"

@@ -10,7 +10,8 @@
 
 #include "base/hash.h"
 #include "render/support.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
+#include "scene/load/load.h"
 #include "shared/brdf_reference.h"
 #include "shared/color.h"
 #include "shared/light.h"
@@ -129,7 +130,7 @@ TEST_F(BoxesTest, EveryDataOutputIsTheFacesOwn) {
   });
 }
 
-// Matte faces by the figures in scene/builtin.h, glossy ones by appendix B in double.
+// Matte faces by the figures in scene/builtin/builtin.h, glossy ones by appendix B in double.
 TEST_F(BoxesTest, RadianceIsTheFacesOwn) {
   const scene::Scene scene = scene::load("builtin:boxes");
   Settings settings = settingsOf(kWidth, kHeight, {Aov::Color});

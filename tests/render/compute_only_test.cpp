@@ -6,6 +6,7 @@
 #include "output/aov.h"
 #include "render/submit/raster_choice.h"
 #include "render/support.h"
+#include "scene/load/load.h"
 
 namespace latelight::render::test {
 namespace {

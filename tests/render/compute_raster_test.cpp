@@ -10,6 +10,7 @@
 
 #include "models/models.h"
 #include "render/support.h"
+#include "scene/load/load.h"
 #include "shared/samples.h"
 
 namespace latelight::render::test {

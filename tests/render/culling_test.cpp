@@ -6,7 +6,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
-#include "render/frame/frustum.h"
+#include "render/base/frustum.h"
 #include "render/frame/view.h"
 #include "render/support.h"
 #include "render/visibility/draw_order.h"

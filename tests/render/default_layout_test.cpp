@@ -8,6 +8,7 @@
 #include "models/models.h"
 #include "render/support.h"
 #include "scene/framing.h"
+#include "scene/load/load.h"
 #include "shared/light.h"
 
 namespace latelight::render::test {

@@ -11,14 +11,16 @@
 #include <memory>
 #include <tuple>
 
+#include "render/base/readback.h"
 #include "render/frame/view.h"
 #include "render/frame_bench.h"
 #include "render/lighting/forward/forward.h"
 #include "render/lighting/volumes/volume_mesh.h"
 #include "render/lighting/volumes/volumes.h"
 #include "render/post/resolve.h"
-#include "render/submit/readback.h"
+#include "render/submit/frame_passes.h"
 #include "render/support.h"
+#include "scene/load/load.h"
 #include "shared/light.h"
 #include "shared/random.h"
 

@@ -17,6 +17,7 @@
 #include "models/models.h"
 #include "render/reference_caster.h"
 #include "render/support.h"
+#include "scene/load/load.h"
 
 namespace latelight::render::test {
 namespace {

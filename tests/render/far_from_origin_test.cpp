@@ -10,9 +10,10 @@
 #include "models/models.h"
 #include "render/support.h"
 #include "scene/animation.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 #include "scene/framing.h"
 #include "scene/gltf_builder.h"
+#include "scene/load/load.h"
 
 namespace latelight::render::test {
 namespace {

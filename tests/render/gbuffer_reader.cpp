@@ -4,10 +4,10 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "render/base/readback.h"
 #include "render/frame/view.h"
 #include "render/gbuffer/texel.h"
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
-#include "render/submit/readback.h"
 #include "render/visibility/hardware.h"
 #include "scene/half.h"
 

@@ -11,6 +11,7 @@
 #include "render/submit/picking.h"
 #include "render/support.h"
 #include "scene/gltf_builder.h"
+#include "scene/load/load.h"
 
 namespace latelight::render::test {
 namespace {

@@ -9,6 +9,7 @@
 #include "models/models.h"
 #include "render/frame/view.h"
 #include "render/gbuffer_reader.h"
+#include "scene/load/load.h"
 #include "scene/textures/texture.h"
 #include "shared/brdf/blinn_phong.h"
 #include "shared/color.h"

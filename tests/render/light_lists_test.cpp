@@ -7,11 +7,13 @@
 #include <cstring>
 #include <random>
 
+#include "render/base/readback.h"
 #include "render/frame/view.h"
 #include "render/frame_bench.h"
-#include "render/submit/readback.h"
+#include "render/submit/frame_passes.h"
 #include "render/support.h"
 #include "scene/half.h"
+#include "scene/load/load.h"
 #include "shared/color.h"
 #include "shared/light.h"
 

@@ -10,6 +10,7 @@
 #include "render/outputs/outputs.h"
 #include "render/support.h"
 #include "scene/framing.h"
+#include "scene/load/load.h"
 #include "shared/light.h"
 
 namespace latelight::render::test {

@@ -9,7 +9,9 @@
 #include "base/error.h"
 #include "models/models.h"
 #include "render/lighting/technique.h"
+#include "render/options/options.h"
 #include "render/support.h"
+#include "scene/load/load.h"
 #include "shared/light.h"
 #include "shared/samples.h"
 

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "render/support.h"
 #include "scene/framing.h"
+#include "scene/load/load.h"
 
 namespace latelight::render::test {
 namespace {

@@ -4,11 +4,12 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
+#include "render/base/readback.h"
 #include "render/shadow/page_push.h"
 #include "render/shadow/pages.h"
-#include "render/submit/readback.h"
 #include "render/support.h"
 #include "scene/edit.h"
+#include "scene/load/load.h"
 #include "shared/light.h"
 
 namespace latelight::render::test {

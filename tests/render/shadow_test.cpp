@@ -7,13 +7,13 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "base/error.h"
+#include "render/base/readback.h"
 #include "render/frame/view.h"
 #include "render/frame_bench.h"
 #include "render/gbuffer/layout.h"
 #include "render/shadow/cascades.h"
 #include "render/shadow/choose.h"
 #include "render/shadow/frame_shadows.h"
-#include "render/submit/readback.h"
 #include "render/support.h"
 #include "shared/light.h"
 #include "shared/shadow.h"

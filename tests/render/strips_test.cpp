@@ -9,6 +9,7 @@
 #include "render/frame/view.h"
 #include "render/submit/picking.h"
 #include "render/support.h"
+#include "scene/load/load.h"
 #include "shared/light.h"
 #include "vk/memory.h"
 

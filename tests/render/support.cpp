@@ -7,6 +7,7 @@
 
 #include "scene/framing.h"
 #include "scene/half.h"
+#include "scene/load/load.h"
 #include "scene/textures/texture.h"
 #include "test_device.h"
 

@@ -1,5 +1,5 @@
 // The texture properties for which lavapipe compiles separate shaders.
-#include "render/frame/texture_kinds.h"
+#include "render/gpu_scene/texture_kinds.h"
 
 #include <gmock/gmock.h>
 

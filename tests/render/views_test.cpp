@@ -10,6 +10,7 @@
 #include "render/lighting/technique.h"
 #include "render/submit/session.h"
 #include "render/support.h"
+#include "scene/load/load.h"
 
 namespace latelight::render::test {
 namespace {

@@ -13,9 +13,10 @@
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "builtin_checks.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 #include "scene/builtin/exact_math.h"
 #include "scene/builtin/hall/hall.h"
+#include "scene/load/load.h"
 #include "shared/light.h"
 
 namespace latelight::scene {

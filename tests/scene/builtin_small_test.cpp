@@ -8,8 +8,9 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "builtin_checks.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 #include "scene/builtin/exact_math.h"
+#include "scene/load/load.h"
 #include "shared/light.h"
 #include "shared/projection.h"
 

@@ -10,7 +10,8 @@
 #include <cstring>
 #include <random>
 
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
+#include "scene/load/load.h"
 
 namespace latelight::scene {
 namespace {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "scene/gltf/load.h"
 #include "scene/scene.h"
 
 namespace latelight::scene::test {

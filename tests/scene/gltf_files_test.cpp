@@ -6,6 +6,7 @@
 
 #include "gltf_builder.h"
 #include "models/models.h"
+#include "scene/gltf/load.h"
 
 namespace latelight::scene::test {
 namespace {

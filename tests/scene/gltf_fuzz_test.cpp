@@ -6,6 +6,7 @@
 
 #include "base/log.h"
 #include "gltf_compressed_files.h"
+#include "scene/gltf/load.h"
 
 namespace latelight::scene::test {
 namespace {

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "gltf_builder.h"
+#include "scene/load/load.h"
 
 namespace latelight::scene::test {
 namespace {

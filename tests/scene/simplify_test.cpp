@@ -4,7 +4,8 @@
 
 #include <algorithm>
 
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
+#include "scene/load/load.h"
 
 namespace latelight::scene {
 namespace {

@@ -25,7 +25,7 @@
 #include "models/models.h"
 #include "output/aov.h"
 #include "output/png.h"
-#include "render/settings/options.h"
+#include "render/options/options.h"
 #include "serve/client.h"
 #include "serve/messages.h"
 #include "serve/picture.h"

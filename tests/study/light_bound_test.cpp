@@ -6,9 +6,10 @@
 #include <cstring>
 #include <vector>
 
-#include "render/frame/pass.h"
+#include "render/base/pass.h"
 #include "render/submit/renderer.h"
 #include "scene/light_types.h"
+#include "scene/load/load.h"
 #include "study/bench_lighting.h"
 #include "study/ceilings.h"
 #include "study/ceilings_push.h"

@@ -5,12 +5,13 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "render/frame/registry.h"
+#include "render/base/readback.h"
+#include "render/base/registry.h"
 #include "render/frame/view.h"
 #include "render/frame_bench.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
-#include "render/submit/readback.h"
+#include "render/submit/frame_passes.h"
 #include "render/transparency/transparency.h"
 #include "shared/light.h"
 #include "shared/random.h"

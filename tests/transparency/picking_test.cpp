@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "render/support.h"
 #include "scene/gltf_builder.h"
+#include "scene/load/load.h"
 
 namespace latelight::render::test {
 namespace {

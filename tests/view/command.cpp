@@ -10,6 +10,7 @@
 #include "app/render_run.h"
 #include "render/submit/raster_choice.h"
 #include "render/submit/session.h"
+#include "scene/load/load.h"
 
 namespace latelight::view {
 

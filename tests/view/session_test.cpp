@@ -19,7 +19,7 @@
 #include "lost_device/lose.h"
 #include "models/models.h"
 #include "output/png.h"
-#include "render/settings/options.h"
+#include "render/options/options.h"
 #include "view/command.h"
 #include "vk/shaders.h"
 

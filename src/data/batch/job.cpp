@@ -7,8 +7,8 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "data/batch/schema.h"
+#include "render/options/options.h"
 #include "render/outputs/outputs.h"
-#include "render/settings/options.h"
 #include "scene/ids.h"
 
 namespace latelight::data {

@@ -13,6 +13,7 @@
 #include "data/json_text.h"
 #include "data/stop.h"
 #include "output/files.h"
+#include "scene/load/load.h"
 
 namespace latelight::data {
 

@@ -1,6 +1,7 @@
 #include "data/batch/scene_loader.h"
 
 #include "base/error.h"
+#include "scene/load/load.h"
 
 namespace latelight::data {
 

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "data/json_text.h"
-#include "render/settings/options.h"
+#include "render/options/options.h"
 
 namespace latelight::data {
 

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "data/cameras/target.h"
+#include "scene/load/load.h"
 
 namespace latelight::data {
 

@@ -1,4 +1,4 @@
-// The frame of the deferred renderer: the data that its passes share, and the functions that add them to a graph.
+// The frame of the deferred renderer: the data that its passes share. submit/frame_passes.h adds them to a graph.
 #pragma once
 
 #include <functional>
@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "graph/graph.h"
-#include "render/frame/constant_ids.h"
-#include "render/frame/pass.h"
+#include "render/base/constant_ids.h"
+#include "render/base/pass.h"
 #include "render/gbuffer/layout.h"
 #include "render/gpu_scene/gpu_environment.h"
 #include "render/gpu_scene/gpu_scene.h"
@@ -151,19 +151,5 @@ struct Overflow {
 
 // Waits for the graph and returns true if anything in it overflowed.
 bool overflowed(const std::vector<Overflow::Check>& checks, const graph::Submission& done);
-
-// The outputs of a frame.
-struct LitFrame {
-  graph::ImageId picture;      // linear radiance times exposure, premultiplied; alpha 1 where something is drawn
-  graph::ImageId lightCounts;  // as in Gbuffer
-  Gbuffer gbuffer;             // without targets if the technique is a forward one
-};
-
-// Adds the passes of a frame.
-LitFrame addFrame(const FrameContext& f);
-// The same without blended surfaces, which no G-buffer and no count includes.
-LitFrame addOpaque(const FrameContext& f);
-// The same as addOpaque(), with existing depth.
-LitFrame addLit(const FrameContext& f, const FrameDepth& depth);
 
 }  // namespace latelight::render

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "render/frame/registry.h"
+#include "render/base/registry.h"
 #include "vk/resources.h"
 
 namespace latelight::render {

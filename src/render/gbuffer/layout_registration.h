@@ -1,6 +1,6 @@
 // Turns GBUFFER_TARGETS into the layout's entry in the registry. A generated source (cmake/registry.cmake) includes it
 // once per layout, after the layout's own header and with LATELIGHT_LAYOUT defined as its name.
-#include "render/frame/registry.h"
+#include "render/base/registry.h"
 #include "render/gbuffer/layout.h"
 
 namespace latelight::render {

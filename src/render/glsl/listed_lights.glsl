@@ -4,7 +4,7 @@
 #ifndef LATELIGHT_LISTED_LIGHTS_GLSL
 #define LATELIGHT_LISTED_LIGHTS_GLSL
 #include "render/glsl/subgroup_shared_barrier.glsl"
-#include "render/frame/pixel_group.h"
+#include "render/base/pixel_group.h"
 
 shared uint listedLights[kPixelGroupX * kPixelGroupY];
 

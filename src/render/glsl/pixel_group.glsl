@@ -1,8 +1,8 @@
-// The workgroup of shaders with one pixel per invocation (render/frame/pixel_group.h).
+// The workgroup of shaders with one pixel per invocation (render/base/pixel_group.h).
 #ifndef LATELIGHT_PIXEL_GROUP_GLSL
 #define LATELIGHT_PIXEL_GROUP_GLSL
 #include "render/glsl/morton.glsl"
-#include "render/frame/pixel_group.h"
+#include "render/base/pixel_group.h"
 
 layout(local_size_x = kPixelGroupX * kPixelGroupY) in;
 

@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "render/base/frustum.h"
 #include "render/deform/deformer.h"
-#include "render/frame/frustum.h"
 #include "render/gpu_scene/buffer.h"
 #include "scene/scene.h"
 #include "shared/types.h"

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "render/frame/texture_kinds.h"
+#include "render/gpu_scene/texture_kinds.h"
 #include "render/gpu_scene/textures.h"
 #include "vk/object_cache.h"
 

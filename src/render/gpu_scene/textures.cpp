@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "render/frame/texture_kinds.h"
+#include "render/gpu_scene/texture_kinds.h"
 #include "vk/object_cache.h"
 
 namespace latelight::render {

@@ -2,8 +2,8 @@
 // the visibility buffer (raster compute).
 #include "render/layered/layered.h"
 
+#include "render/base/pixel_group.h"
 #include "render/frame/lit_maps.h"
-#include "render/frame/pixel_group.h"
 #include "render/layered/layered_push.h"
 #include "render/lighting/forward/forward.h"
 #include "render/lighting/light_lists.h"

@@ -1,7 +1,7 @@
 #include "render/lighting/lighting_shader.h"
 
+#include "render/base/pixel_group.h"
 #include "render/frame/lit_maps.h"
-#include "render/frame/pixel_group.h"
 #include "render/visibility/compute/compute.h"
 
 namespace latelight::render {

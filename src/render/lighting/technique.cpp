@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "render/frame/registry.h"
+#include "render/base/registry.h"
 
 namespace latelight::render {
 

@@ -3,28 +3,14 @@
 // technique_NAME()`, and the registry needs nothing else.
 #pragma once
 
-#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "render/frame/frame.h"
+#include "render/settings/technique_info.h"
 
 namespace latelight::render {
-
-struct TechniqueInfo {
-  std::string name;         // set by the registry: the folder's name, with - for _
-  const char* description;  // one line
-  bool forward = false;     // draws the scene itself after the depth pass: no geometry pass, no layout
-  bool draws = false;       // requires the graphics pipeline; every forward technique does
-  // Adds the passes that write the lit picture to gbuffer.light, with alpha 1 at pixels with a surface. For a deferred
-  // technique, gbuffer.light initially contains emitted radiance and ambient occlusion; for a forward technique it is
-  // empty, and gbuffer.targets is empty too. Every technique shades the same lights with shared/shade.h, so all produce
-  // the same picture. If the setup counts lights, the pass writes the counts to gbuffer.lightCounts. Compute shaders of
-  // a deferred technique declare the variants layout, visible, multisampled and layered (docs/extending.md, "Shader
-  // variants") and call showSurfaces() first.
-  std::function<void(const FrameContext& f, Gbuffer& gbuffer)> add;
-};
 
 std::span<const TechniqueInfo> techniques();
 const TechniqueInfo& findTechnique(std::string_view name);  // throws Error(Usage) that lists the names

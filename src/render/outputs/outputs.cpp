@@ -5,10 +5,10 @@
 #include <bit>
 
 #include "base/parallel.h"
+#include "render/base/readback.h"
 #include "render/frame/frame.h"
 #include "render/gbuffer/layout.h"
 #include "render/outputs/pack_push.h"
-#include "render/submit/readback.h"
 #include "shared/samples.h"
 
 namespace latelight::render {

@@ -10,11 +10,11 @@
 
 #include "graph/graph.h"
 #include "output/files.h"
-#include "render/frame/pass.h"
+#include "render/base/pass.h"
+#include "render/base/readback.h"
 #include "render/outputs/exported.h"
 #include "render/outputs/surface_outputs.h"
 #include "render/settings/settings.h"
-#include "render/submit/readback.h"
 
 namespace latelight::render {
 

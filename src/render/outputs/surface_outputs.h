@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "render/submit/readback.h"
+#include "render/base/readback.h"
 
 namespace latelight::render {
 

@@ -4,9 +4,9 @@
 
 #include <optional>
 
-#include "render/frame/pass.h"
+#include "render/base/pass.h"
+#include "render/base/readback.h"
 #include "render/settings/settings.h"
-#include "render/submit/readback.h"
 
 namespace latelight::render {
 

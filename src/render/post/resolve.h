@@ -3,9 +3,9 @@
 
 #include <glm/vec4.hpp>
 
-#include "render/frame/pass.h"
+#include "render/base/pass.h"
+#include "render/base/readback.h"
 #include "render/post/compose_push.h"
-#include "render/submit/readback.h"
 
 namespace latelight::render {
 

@@ -6,13 +6,9 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "render/frame/registry.h"
+#include "render/base/registry.h"
 #include "render/gbuffer/layout.h"
-#include "render/lighting/technique.h"
-#include "render/lighting/volumes/volumes.h"
-#include "render/post/ambient_occlusion/ambient_occlusion.h"
-#include "render/post/bloom/bloom.h"
-#include "render/transparency/transparency.h"
+#include "render/settings/technique_info.h"
 #include "shared/color.h"
 #include "shared/shade.h"
 #include "shared/shadow.h"
@@ -20,7 +16,7 @@
 
 namespace latelight::render {
 
-// The enumerations equal the constants that shaders and passes switch on.
+// The enumerations equal the constants that shaders switch on.
 static_assert(indexOf(Tonemap::Khronos) == shared::kTonemapKhronosNeutral);
 static_assert(indexOf(Tonemap::Aces) == shared::kTonemapAces);
 static_assert(indexOf(Tonemap::Agx) == shared::kTonemapAgx);
@@ -43,16 +39,6 @@ static_assert(indexOf(ShadowFormat::Rgba8Classic) == shared::kShadowRgba8Classic
 static_assert(indexOf(ShadowFilter::Hard) == shared::kShadowFilterHard);
 static_assert(indexOf(ShadowFilter::Pcf) == shared::kShadowFilterPcf);
 static_assert(indexOf(ShadowFilter::Pcss) == shared::kShadowFilterPcss);
-static_assert(indexOf(VolumesOrder::Classic) == kVolumesClassic);
-static_assert(indexOf(VolumesOrder::Killzone) == kVolumesKillzone);
-static_assert(indexOf(TransparencyMethod::Exact) == kTransparencyExact);
-static_assert(indexOf(TransparencyMethod::Sorted) == kTransparencySorted);
-static_assert(indexOf(TransparencyMethod::Weighted) == kTransparencyWeighted);
-static_assert(indexOf(TransparencyMethod::None) == kTransparencyNone);
-static_assert(indexOf(AmbientOcclusion::None) == kAoNone);
-static_assert(indexOf(AmbientOcclusion::Gtao) == kAoGtao);
-static_assert(indexOf(BloomFireflies::Damp) == kBloomDamp);
-static_assert(indexOf(BloomFireflies::Keep) == kBloomKeep);
 
 namespace {
 
@@ -80,13 +66,6 @@ std::optional<Color> colorIn(std::string_view text) {
   return color;
 }
 
-template <typename Range>
-auto& entryNamed(const char* option, const Range& registry, std::string_view name) {
-  for (const auto& entry : registry)
-    if (entry.name == name) return entry;
-  badUsage("{} takes one of these, not \"{}\": {}", option, name, namesOf(registry));
-}
-
 }  // namespace
 
 uint32_t readChoiceIndex(const char* option, std::span<const NamedOption> names, std::string_view text) {
@@ -101,11 +80,6 @@ const Layout& readEntry<Layout>(const char* option, std::string_view name) {
 template <>
 const NormalEncoding& readEntry<NormalEncoding>(const char* option, std::string_view name) {
   return entryNamed(option, normalEncodings(), name);
-}
-
-template <>
-const TechniqueInfo& readEntry<TechniqueInfo>(const char* option, std::string_view name) {
-  return entryNamed(option, techniques(), name);
 }
 
 template <>

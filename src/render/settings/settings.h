@@ -130,7 +130,7 @@ const Layout& readEntry<Layout>(const char* option, std::string_view name);
 template <>
 const NormalEncoding& readEntry<NormalEncoding>(const char* option, std::string_view name);
 template <>
-const TechniqueInfo& readEntry<TechniqueInfo>(const char* option, std::string_view name);
+const TechniqueInfo& readEntry<TechniqueInfo>(const char* option, std::string_view name);  // options/options.cpp
 template <typename T>
 T readText(const char* option, std::string_view text);
 template <>
@@ -191,8 +191,5 @@ bool rastersInCompute(const Settings& settings);
 
 // Returns every post-processing effect and the option that enables it.
 std::span<const NamedOption> postEffects();
-
-// Throws Error(Usage) if a value is out of range, or if two contradict each other.
-void checkSettings(const Settings& settings);
 
 }  // namespace latelight::render

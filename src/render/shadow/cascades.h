@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "render/frame/frustum.h"
+#include "render/base/frustum.h"
 #include "scene/scene.h"
 #include "shared/types.h"
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "render/frame/pixel_group.h"
+#include "render/base/pixel_group.h"
 #include "render/lighting/lighting_shader.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/shadow/page_push.h"

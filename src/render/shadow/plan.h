@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "render/frame/frustum.h"
+#include "render/base/frustum.h"
 #include "render/settings/settings.h"
 #include "scene/scene.h"
 #include "shared/types.h"

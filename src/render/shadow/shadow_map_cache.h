@@ -9,7 +9,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "render/frame/frustum.h"
+#include "render/base/frustum.h"
 #include "render/gpu_scene/gpu_scene.h"
 #include "render/shadow/atlas.h"
 #include "render/shadow/plan.h"

@@ -5,7 +5,7 @@
 
 #include "render/frame/view.h"
 #include "render/gbuffer/layout.h"
-#include "render/settings/options.h"
+#include "render/options/options.h"
 #include "render/submit/id_manifest.h"
 #include "render/submit/session.h"
 

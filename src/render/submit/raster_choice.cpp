@@ -16,6 +16,7 @@
 #include "render/outputs/outputs.h"
 #include "render/submit/request.h"
 #include "render/visibility/compute/compute.h"
+#include "scene/load/load.h"
 #include "scene/scene.h"
 
 namespace latelight::render {

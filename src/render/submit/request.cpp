@@ -2,9 +2,10 @@
 
 #include <algorithm>
 
+#include "render/base/readback.h"
 #include "render/lighting/technique.h"
 #include "render/post/resolve.h"
-#include "render/submit/readback.h"
+#include "render/submit/frame_passes.h"
 #include "render/transparency/transparency.h"
 
 namespace latelight::render {

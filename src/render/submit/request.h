@@ -7,6 +7,7 @@
 #include "render/outputs/outputs.h"
 #include "render/post/post.h"
 #include "render/post/taa/taa.h"
+#include "render/submit/frame_passes.h"
 #include "render/submit/view_set.h"
 
 namespace latelight::render {

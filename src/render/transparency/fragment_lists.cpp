@@ -16,7 +16,7 @@
 #include <bit>
 
 #include "base/error.h"
-#include "render/submit/readback.h"
+#include "render/base/readback.h"
 #include "render/transparency/fragments_push.h"
 #include "render/transparency/transparency.h"
 #include "render/visibility/visibility.h"

@@ -4,9 +4,15 @@
 #include "render/frame/lit_maps.h"
 #include "render/layered/behind.h"
 #include "render/lighting/forward/forward.h"
+#include "render/settings/settings.h"
 #include "render/visibility/visibility.h"
 
 namespace latelight::render {
+
+static_assert(indexOf(TransparencyMethod::Exact) == kTransparencyExact);
+static_assert(indexOf(TransparencyMethod::Sorted) == kTransparencySorted);
+static_assert(indexOf(TransparencyMethod::Weighted) == kTransparencyWeighted);
+static_assert(indexOf(TransparencyMethod::None) == kTransparencyNone);
 
 bool blendedHaveLayers(const FrameContext& f) {
   return (f.visibility.materials().translucent & shared::kMaterialLayered) != 0;

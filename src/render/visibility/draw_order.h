@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "render/frame/frustum.h"
+#include "render/base/frustum.h"
 #include "render/gpu_scene/gpu_scene.h"
 
 namespace latelight::render {

@@ -4,8 +4,8 @@
 #include "base/parallel.h"
 #include "render/frame/lit_maps.h"
 #include "render/gbuffer/layout.h"
-#include "render/gbuffer/sample_surfaces.h"
 #include "render/transparency/transparency.h"
+#include "render/visibility/sample_surfaces.h"
 #include "vk/features.h"
 
 namespace latelight::render {

@@ -1,5 +1,5 @@
-// builtin:boxes, whose images can be computed by hand; see scene/builtin.h.
-#include "scene/builtin.h"
+// builtin:boxes, whose images can be computed by hand; see scene/builtin/builtin.h.
+#include "scene/builtin/builtin.h"
 #include "scene/builtin/make.h"
 #include "scene/builtin/scene_builder.h"
 #include "shared/light.h"

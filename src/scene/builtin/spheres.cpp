@@ -1,7 +1,7 @@
-// builtin:spheres, a grid of spheres over roughness and metalness; see scene/builtin.h.
+// builtin:spheres, a grid of spheres over roughness and metalness; see scene/builtin/builtin.h.
 #include <fmt/format.h>
 
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 #include "scene/builtin/exact_math.h"
 #include "scene/builtin/make.h"
 #include "scene/builtin/scene_builder.h"

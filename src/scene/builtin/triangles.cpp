@@ -1,7 +1,7 @@
 // Random triangles for measuring rasterization. No triangle shares a vertex with another.
 #include <algorithm>
 
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 #include "scene/builtin/exact_math.h"
 #include "scene/builtin/make.h"
 #include "scene/builtin/random.h"

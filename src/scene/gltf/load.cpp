@@ -1,5 +1,7 @@
 // Loads glTF 2.0 files as scenes (scene::loadGltf). Chapter and section numbers in this folder are those of the glTF
 // 2.0 specification (Khronos, 2021).
+#include "scene/gltf/load.h"
+
 #include <algorithm>
 #include <functional>
 #include <new>

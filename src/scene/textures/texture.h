@@ -6,20 +6,10 @@
 #include <span>
 #include <string>
 
+#include "scene/image_size.h"
 #include "scene/scene.h"
 
 namespace latelight::scene {
-
-struct ImageSize {
-  uint32_t width = 0, height = 0;
-};
-
-// Maximum side of a texture, which every known Vulkan device supports.
-inline constexpr uint32_t kMaxTextureSide = 16384;
-
-// Return the number of levels of the full mip chain, and the total bytes of all levels as RGBA with 8 bits per channel.
-uint32_t mipLevelCount(ImageSize size);
-size_t mipChainBytes(ImageSize size);
 
 // Returns the size of an encoded image (JPEG, PNG, WebP, KTX2, AVIF, BMP, TGA, GIF; recognized by its first bytes,
 // regardless of its name) from its header. Throws Error(BadInput) with `name` if it has another format, is broken, or

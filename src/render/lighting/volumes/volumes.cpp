@@ -8,7 +8,7 @@
 #include <cmath>
 #include <memory>
 
-#include "render/frame/frustum.h"
+#include "render/base/frustum.h"
 #include "render/frame/lit_maps.h"
 #include "render/lighting/light_sum.h"
 #include "render/lighting/lighting_push.h"
@@ -17,12 +17,16 @@
 #include "render/lighting/volumes/volume_mesh.h"
 #include "render/lighting/volumes/volume_push.h"
 #include "render/lighting/volumes/volumes.h"
+#include "render/settings/settings.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/visibility/draw.h"
 #include "shared/light.h"
 #include "vk/features.h"
 
 namespace latelight::render {
+
+static_assert(indexOf(VolumesOrder::Classic) == kVolumesClassic);
+static_assert(indexOf(VolumesOrder::Killzone) == kVolumesKillzone);
 
 namespace {
 

@@ -5,8 +5,12 @@
 #include "render/lighting/lighting_shader.h"
 #include "render/lighting/technique.h"
 #include "render/post/ambient_occlusion/ambient_occlusion_push.h"
+#include "render/settings/settings.h"
 
 namespace latelight::render {
+
+static_assert(indexOf(AmbientOcclusion::None) == kAoNone);
+static_assert(indexOf(AmbientOcclusion::Gtao) == kAoGtao);
 
 namespace {
 

@@ -2,10 +2,14 @@
 
 #include <fmt/core.h>
 
-#include "render/frame/constant_ids.h"
+#include "render/base/constant_ids.h"
 #include "render/post/bloom/bloom_push.h"
+#include "render/settings/settings.h"
 
 namespace latelight::render {
+
+static_assert(indexOf(BloomFireflies::Damp) == kBloomDamp);
+static_assert(indexOf(BloomFireflies::Keep) == kBloomKeep);
 
 namespace {
 

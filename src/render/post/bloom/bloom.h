@@ -4,7 +4,7 @@
 // to fine, and the result is blended with the picture.
 #pragma once
 
-#include "render/frame/pass.h"
+#include "render/base/pass.h"
 
 namespace latelight::render {
 

@@ -5,18 +5,18 @@
 #include <map>
 
 #include "base/error.h"
+#include "render/base/pixel_group.h"
+#include "render/base/readback.h"
 #include "render/frame/lit_maps.h"
-#include "render/frame/pixel_group.h"
 #include "render/gbuffer/layout.h"
-#include "render/gbuffer/sample_surfaces.h"
 #include "render/lens/lens_push.h"
 #include "render/lens/lens_rays.h"
 #include "render/outputs/pack_push.h"
 #include "render/outputs/surface_outputs.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/shadow/pages.h"
-#include "render/submit/readback.h"
 #include "render/transparency/transparency.h"
+#include "render/visibility/sample_surfaces.h"
 #include "vk/features.h"
 
 namespace latelight::render {

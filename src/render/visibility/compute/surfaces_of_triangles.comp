@@ -10,7 +10,7 @@
 #define GBUFFER_SAMPLED_ONLY
 #define GBUFFER_NO_SURFACES
 #include "render/glsl/gbuffer_read.glsl"
-#include "render/gbuffer/same_surface.glsl"
+#include "render/visibility/same_surface.glsl"
 #define SURFACES_BINDING GBUFFER_BINDINGS
 #include "render/visibility/compute/pixel_surfaces.glsl"
 

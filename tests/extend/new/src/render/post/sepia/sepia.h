@@ -1,7 +1,7 @@
 // Sepia toning: an example of a post-processing effect.
 #pragma once
 
-#include "render/frame/pass.h"
+#include "render/base/pass.h"
 
 namespace latelight::render {
 

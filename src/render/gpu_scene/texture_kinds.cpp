@@ -1,4 +1,4 @@
-#include "render/frame/texture_kinds.h"
+#include "render/gpu_scene/texture_kinds.h"
 
 #include <algorithm>
 #include <bit>

@@ -12,7 +12,7 @@
 #define GBUFFER_SAMPLED_ONLY
 #define GBUFFER_NO_SURFACES
 #include "render/glsl/gbuffer_read.glsl"
-#include "render/gbuffer/same_surface.glsl"
+#include "render/visibility/same_surface.glsl"
 #include "render/lighting/lighting_push.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;

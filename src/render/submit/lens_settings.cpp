@@ -1,4 +1,4 @@
-#include "render/lens/lens_settings.h"
+#include "render/submit/lens_settings.h"
 
 #include "base/error.h"
 #include "render/gbuffer/layout.h"

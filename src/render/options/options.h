@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "render/options/options.h"
 #include "render/settings/settings.h"
 
 namespace latelight::render {
@@ -63,5 +64,8 @@ std::string rangeText(const Option& option);
 // appears in metadata, or throws Error(Usage).
 std::span<const Option> options();
 std::string read(Settings& settings, const Option& option, std::string_view text);
+
+// Throws Error(Usage) if a value is out of range, or if two contradict each other.
+void checkSettings(const Settings& settings);
 
 }  // namespace latelight::render

@@ -1,4 +1,4 @@
-#include "render/frame/pass.h"
+#include "render/base/pass.h"
 
 namespace latelight::render {
 

@@ -1,4 +1,4 @@
-#include "render/gbuffer/sample_surfaces.h"
+#include "render/visibility/sample_surfaces.h"
 
 #include "base/error.h"
 #include "render/lighting/lighting_push.h"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "base/text.h"
-#include "render/settings/options.h"
+#include "render/options/options.h"
 
 namespace latelight::render {
 

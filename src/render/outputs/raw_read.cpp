@@ -1,10 +1,10 @@
-#include "render/gbuffer/raw_read.h"
+#include "render/outputs/raw_read.h"
 
 #include <limits>
 
 #include "base/parallel.h"
+#include "render/base/readback.h"
 #include "render/gbuffer/texel.h"
-#include "render/submit/readback.h"
 #include "vk/resources.h"
 
 namespace latelight::render {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "render/frame/pass.h"
+#include "render/base/pass.h"
 
 namespace latelight::render {
 

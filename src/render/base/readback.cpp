@@ -1,4 +1,4 @@
-#include "render/submit/readback.h"
+#include "render/base/readback.h"
 
 namespace latelight::render {
 

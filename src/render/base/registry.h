@@ -31,4 +31,12 @@ auto& findByName(const Range& range, std::string_view name, std::string_view wha
   badUsage("there is no {} \"{}\"; there are: {}", what, name, namesOf(range));
 }
 
+// Returns the entry with the name that an option was given, or throws Error(Usage) that begins with the option.
+template <typename Range>
+auto& entryNamed(const char* option, const Range& registry, std::string_view name) {
+  for (const auto& entry : registry)
+    if (entry.name == name) return entry;
+  badUsage("{} takes one of these, not \"{}\": {}", option, name, namesOf(registry));
+}
+
 }  // namespace latelight::render

@@ -15,7 +15,7 @@ constexpr bool isOwnConstant(uint32_t id) {
 #define OWN_CONSTANT(scope, name, id)    \
   LATELIGHT_CONSTANT_ID(scope, name, id) \
   static_assert(isOwnConstant(id), #name " has an id of the frame or of the device");
-#include "render/frame/constants.def"
+#include "render/base/constants.def"
 #undef FRAME_CONSTANT
 #undef OWN_CONSTANT
 

@@ -1,5 +1,5 @@
 // Parses the names and parameters of built-in scenes, and generates them.
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 
 #include <fmt/format.h>
 

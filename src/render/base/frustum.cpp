@@ -1,4 +1,4 @@
-#include "render/frame/frustum.h"
+#include "render/base/frustum.h"
 
 #include <algorithm>
 #include <cmath>

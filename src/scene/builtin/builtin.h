@@ -30,6 +30,8 @@ struct Builtin {
   Scene (*make)(std::span<const uint64_t> values, uint32_t textureSlots);
 };
 std::span<const Builtin> builtins();
+// `name`: what follows "builtin:".
+Scene makeBuiltin(const std::string& name, uint32_t textureSlots = ~0u);
 
 // Parses "300k", "1.5M" or "42": digits, at most one decimal point, and an optional suffix. Returns nullopt if the
 // result is not an integer in range.

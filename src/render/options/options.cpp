@@ -1,12 +1,12 @@
-#include "render/settings/options.h"
+#include "render/options/options.h"
 
 #include <bit>
 
 #include "base/error.h"
-#include "render/frame/registry.h"
+#include "render/base/registry.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
-#include "render/settings/option_table.h"
+#include "render/options/option_table.h"
 #include "shared/samples.h"
 
 namespace latelight::render {
@@ -36,6 +36,11 @@ std::vector<NamedOption> entriesOf<TechniqueInfo>() {
 }
 
 }  // namespace
+
+template <>
+const TechniqueInfo& readEntry<TechniqueInfo>(const char* option, std::string_view name) {
+  return entryNamed(option, techniques(), name);
+}
 
 template <>
 std::vector<NamedOption> namesOfText<AntiAliasing>() {

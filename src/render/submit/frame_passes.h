@@ -1,0 +1,22 @@
+// The passes of a frame, in order.
+#pragma once
+
+#include "render/frame/frame.h"
+
+namespace latelight::render {
+
+// The outputs of a frame.
+struct LitFrame {
+  graph::ImageId picture;      // linear radiance times exposure, premultiplied; alpha 1 where something is drawn
+  graph::ImageId lightCounts;  // as in Gbuffer
+  Gbuffer gbuffer;             // without targets if the technique is a forward one
+};
+
+// Adds the passes of a frame.
+LitFrame addFrame(const FrameContext& f);
+// The same without blended surfaces, which no G-buffer and no count includes.
+LitFrame addOpaque(const FrameContext& f);
+// The same as addOpaque(), with existing depth.
+LitFrame addLit(const FrameContext& f, const FrameDepth& depth);
+
+}  // namespace latelight::render
