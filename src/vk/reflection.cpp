@@ -15,6 +15,8 @@ namespace {
 
 using namespace spirv;
 
+constexpr uint32_t kStorageImage = 2;  // the operand "Sampled" of OpTypeImage for an image without a sampler
+
 using Decorations = std::map<uint32_t, uint32_t>;  // decoration -> its first operand, or 0
 
 // A module's declarations by id, and the bodies of its functions.
@@ -35,8 +37,8 @@ class Module {
   const Instruction& definition(uint32_t id) const;
   std::string name(uint32_t id) const;
   std::string memberName(uint32_t type, uint32_t member) const;
-  std::optional<uint32_t> decoration(uint32_t id, Decoration kind) const;
-  uint32_t memberDecoration(uint32_t type, uint32_t member, Decoration kind) const;  // 0 if it has none
+  std::optional<uint32_t> decoration(uint32_t id, spv::Decoration kind) const;
+  uint32_t memberDecoration(uint32_t type, uint32_t member, spv::Decoration kind) const;  // 0 if it has none
   const Instruction& pointee(const Instruction& variable) const;
   std::string variableName(uint32_t id) const;
 
@@ -71,25 +73,25 @@ Module::Module(std::span<const uint32_t> code) {
 void Module::read(const Instruction& instruction) {
   const auto& [op, operands] = instruction;
   switch (op) {
-    case kOpName:
+    case spv::OpName:
       names_[operands[0]] = text(operands.subspan(1));
       break;
-    case kOpMemberName:
+    case spv::OpMemberName:
       memberNames_[operands[0]][operands[1]] = text(operands.subspan(2));
       break;
-    case kOpEntryPoint:
+    case spv::OpEntryPoint:
       entry_ = operands[1];
       break;
-    case kOpDecorate:
+    case spv::OpDecorate:
       decorations_[operands[0]][operands[1]] = operands.size() > 2 ? operands[2] : 0;
       break;
-    case kOpMemberDecorate:
+    case spv::OpMemberDecorate:
       memberDecorations_[operands[0]][operands[1]][operands[2]] = operands.size() > 3 ? operands[3] : 0;
       break;
-    case kOpFunction:
+    case spv::OpFunction:
       inside_ = operands[1];
       break;
-    case kOpFunctionEnd:
+    case spv::OpFunctionEnd:
       inside_ = 0;
       break;
     default:
@@ -102,9 +104,9 @@ void Module::read(const Instruction& instruction) {
 
 void Module::declare(const Instruction& instruction) {
   const auto& [op, operands] = instruction;
-  if (op >= kOpTypeBool && op <= kOpTypePointer) definitions_[operands[0]] = instruction;
-  const bool constant = op == kOpConstant || (op >= kOpSpecConstantTrue && op <= kOpSpecConstant);
-  if (constant || op == kOpVariable) definitions_[operands[1]] = instruction;
+  if (op >= spv::OpTypeBool && op <= spv::OpTypePointer) definitions_[operands[0]] = instruction;
+  const bool constant = op == spv::OpConstant || (op >= spv::OpSpecConstantTrue && op <= spv::OpSpecConstant);
+  if (constant || op == spv::OpVariable) definitions_[operands[1]] = instruction;
 }
 
 const Instruction& Module::definition(uint32_t id) const {
@@ -123,14 +125,14 @@ std::string Module::memberName(uint32_t type, uint32_t member) const {
   return of == memberNames_.end() || !of->second.contains(member) ? std::string() : of->second.at(member);
 }
 
-std::optional<uint32_t> Module::decoration(uint32_t id, Decoration kind) const {
+std::optional<uint32_t> Module::decoration(uint32_t id, spv::Decoration kind) const {
   const auto of = decorations_.find(id);
   if (of == decorations_.end()) return std::nullopt;
   const auto found = of->second.find(kind);
   return found == of->second.end() ? std::nullopt : std::optional(found->second);
 }
 
-uint32_t Module::memberDecoration(uint32_t type, uint32_t member, Decoration kind) const {
+uint32_t Module::memberDecoration(uint32_t type, uint32_t member, spv::Decoration kind) const {
   const auto of = memberDecorations_.find(type);
   if (of == memberDecorations_.end() || !of->second.contains(member)) return 0;
   const Decorations& found = of->second.at(member);
@@ -153,20 +155,20 @@ std::string Module::variableName(uint32_t id) const {
 std::span<const uint32_t> pointersOf(const Instruction& instruction) {
   const auto& [op, operands] = instruction;
   switch (op) {
-    case kOpStore:
+    case spv::OpStore:
       return operands.first(1);
-    case kOpCopyMemory:
+    case spv::OpCopyMemory:
       return operands.first(2);
-    case kOpLoad:
-    case kOpImageTexelPointer:
-    case kOpAccessChain:
-    case kOpInBoundsAccessChain:
-    case kOpPtrAccessChain:
-    case kOpInBoundsPtrAccessChain:
-    case kOpArrayLength:
-    case kOpCopyObject:
+    case spv::OpLoad:
+    case spv::OpImageTexelPointer:
+    case spv::OpAccessChain:
+    case spv::OpInBoundsAccessChain:
+    case spv::OpPtrAccessChain:
+    case spv::OpInBoundsPtrAccessChain:
+    case spv::OpArrayLength:
+    case spv::OpCopyObject:
       return operands.subspan(2, 1);
-    case kOpFunctionCall:
+    case spv::OpFunctionCall:
       return operands.subspan(3);  // arguments
     default:
       return {};
@@ -182,8 +184,8 @@ std::set<uint32_t> Module::usedVariables() const {
     if (function == functions_.end()) continue;
     for (const Instruction& instruction : function->second) {
       for (uint32_t id : pointersOf(instruction))
-        if (definition(id).op == kOpVariable) used.insert(id);
-      if (instruction.op == kOpFunctionCall && seen.insert(instruction.operands[2]).second)
+        if (definition(id).op == spv::OpVariable) used.insert(id);
+      if (instruction.op == spv::OpFunctionCall && seen.insert(instruction.operands[2]).second)
         open.push_back(instruction.operands[2]);
     }
   }
@@ -192,21 +194,23 @@ std::set<uint32_t> Module::usedVariables() const {
 
 std::optional<Binding> Module::kindOf(const Instruction& variable) const {
   const Instruction& type = pointee(variable);
-  if (variable.operands[2] == kUniform && type.op == kOpTypeStruct) return Binding::Uniform;
-  if (variable.operands[2] != kUniformConstant) return std::nullopt;
-  if (type.op == kOpTypeRuntimeArray)
-    return definition(type.operands[1]).op == kOpTypeSampledImage ? std::optional(Binding::TextureArray) : std::nullopt;
-  const Instruction& image = type.op == kOpTypeSampledImage ? definition(type.operands[1]) : type;
-  if (image.op != kOpTypeImage || image.operands[2] == kDimBuffer) return std::nullopt;
-  if (type.op == kOpTypeSampledImage) return Binding::Sampled;
-  return image.operands[6] == kSampledStorage ? std::optional(Binding::Storage) : std::nullopt;
+  if (variable.operands[2] == spv::StorageClassUniform && type.op == spv::OpTypeStruct) return Binding::Uniform;
+  if (variable.operands[2] != spv::StorageClassUniformConstant) return std::nullopt;
+  if (type.op == spv::OpTypeRuntimeArray)
+    return definition(type.operands[1]).op == spv::OpTypeSampledImage ? std::optional(Binding::TextureArray)
+                                                                      : std::nullopt;
+  const Instruction& image = type.op == spv::OpTypeSampledImage ? definition(type.operands[1]) : type;
+  if (image.op != spv::OpTypeImage || image.operands[2] == spv::DimBuffer) return std::nullopt;
+  if (type.op == spv::OpTypeSampledImage) return Binding::Sampled;
+  return image.operands[6] == kStorageImage ? std::optional(Binding::Storage) : std::nullopt;
 }
 
 std::vector<UsedBinding> Module::bindings() const {
   std::vector<UsedBinding> found;
   for (uint32_t id : usedVariables())
-    if (const std::optional<uint32_t> binding = decoration(id, kBinding))
-      found.push_back({decoration(id, kDescriptorSet).value_or(0), *binding, kindOf(definition(id)), variableName(id)});
+    if (const std::optional<uint32_t> binding = decoration(id, spv::DecorationBinding))
+      found.push_back({decoration(id, spv::DecorationDescriptorSet).value_or(0), *binding, kindOf(definition(id)),
+                       variableName(id)});
   std::sort(found.begin(), found.end(), [](const UsedBinding& a, const UsedBinding& b) {
     return std::pair(a.set, a.binding) < std::pair(b.set, b.binding);
   });
@@ -216,10 +220,10 @@ std::vector<UsedBinding> Module::bindings() const {
 std::vector<DeclaredConstant> Module::constants() const {
   std::vector<DeclaredConstant> found;
   for (const auto& [id, instruction] : definitions_) {
-    const std::optional<uint32_t> number = decoration(id, kSpecId);
+    const std::optional<uint32_t> number = decoration(id, spv::DecorationSpecId);
     if (!number) continue;
     const Instruction& type = definition(instruction.operands[0]);
-    const bool isWord = type.op == kOpTypeBool || (type.op == kOpTypeInt && type.operands[1] == 32);
+    const bool isWord = type.op == spv::OpTypeBool || (type.op == spv::OpTypeInt && type.operands[1] == 32);
     found.push_back({*number, isWord, name(id)});
   }
   return found;
@@ -230,20 +234,20 @@ std::vector<DeclaredConstant> Module::constants() const {
 uint32_t Module::bytesOf(uint32_t id, uint32_t matrixStride) const {
   const auto& [op, operands] = definition(id);
   switch (op) {
-    case kOpTypeInt:
-    case kOpTypeFloat:
+    case spv::OpTypeInt:
+    case spv::OpTypeFloat:
       return operands[1] / 8;
-    case kOpTypeVector:
+    case spv::OpTypeVector:
       return bytesOf(operands[1], 0) * operands[2];
-    case kOpTypeMatrix:
+    case spv::OpTypeMatrix:
       return matrixStride * (operands[2] - 1) + bytesOf(operands[1], 0);
-    case kOpTypeArray: {
+    case spv::OpTypeArray: {
       const uint32_t count = definition(operands[2]).operands[2];
-      return decoration(id, kArrayStride).value_or(0) * (count - 1) + bytesOf(operands[1], matrixStride);
+      return decoration(id, spv::DecorationArrayStride).value_or(0) * (count - 1) + bytesOf(operands[1], matrixStride);
     }
-    case kOpTypeStruct:
+    case spv::OpTypeStruct:
       return bytesOfStruct(definition(id));
-    case kOpTypePointer:
+    case spv::OpTypePointer:
       return sizeof(VkDeviceAddress);
     default:
       return 0;  // a runtime array
@@ -254,19 +258,19 @@ uint32_t Module::bytesOfStruct(const Instruction& type) const {
   const uint32_t id = type.operands[0];
   uint32_t end = 0;
   for (uint32_t i = 0; i + 1 < type.operands.size(); ++i)
-    end = std::max(
-        end, memberDecoration(id, i, kOffset) + bytesOf(type.operands[i + 1], memberDecoration(id, i, kMatrixStride)));
+    end = std::max(end, memberDecoration(id, i, spv::DecorationOffset) +
+                            bytesOf(type.operands[i + 1], memberDecoration(id, i, spv::DecorationMatrixStride)));
   return end;
 }
 
 uint32_t Module::alignmentOf(uint32_t id) const {
   const auto& [op, operands] = definition(id);
   switch (op) {
-    case kOpTypeVector:
-    case kOpTypeMatrix:
-    case kOpTypeArray:
+    case spv::OpTypeVector:
+    case spv::OpTypeMatrix:
+    case spv::OpTypeArray:
       return alignmentOf(operands[1]);
-    case kOpTypeStruct: {
+    case spv::OpTypeStruct: {
       uint32_t most = 1;
       for (uint32_t member : operands.subspan(1)) most = std::max(most, alignmentOf(member));
       return most;
@@ -278,14 +282,14 @@ uint32_t Module::alignmentOf(uint32_t id) const {
 
 uint32_t Module::strideOfArrays(uint32_t element) const {
   for (const auto& [id, type] : definitions_)
-    if ((type.op == kOpTypeArray || type.op == kOpTypeRuntimeArray) && type.operands[1] == element)
-      if (const std::optional<uint32_t> stride = decoration(id, kArrayStride)) return *stride;
+    if ((type.op == spv::OpTypeArray || type.op == spv::OpTypeRuntimeArray) && type.operands[1] == element)
+      if (const std::optional<uint32_t> stride = decoration(id, spv::DecorationArrayStride)) return *stride;
   return 0;
 }
 
 std::optional<PushBlock> Module::push() const {
   for (const auto& [id, instruction] : definitions_) {
-    if (instruction.op != kOpVariable || instruction.operands[2] != kPushConstant) continue;
+    if (instruction.op != spv::OpVariable || instruction.operands[2] != spv::StorageClassPushConstant) continue;
     const Instruction& type = pointee(instruction);
     return PushBlock{name(type.operands[0]), bytesOfStruct(type), alignmentOf(type.operands[0])};
   }
@@ -296,11 +300,13 @@ std::vector<StructLayout> Module::structs() const {
   std::vector<StructLayout> found;
   for (const auto& [id, members] : memberDecorations_) {
     const Instruction& type = definition(id);
-    if (type.op != kOpTypeStruct || !members.contains(0) || !members.at(0).contains(kOffset)) continue;
-    StructLayout layout{name(id), decoration(id, kBlock).has_value(), bytesOfStruct(type), strideOfArrays(id), {}};
+    if (type.op != spv::OpTypeStruct || !members.contains(0) || !members.at(0).contains(spv::DecorationOffset))
+      continue;
+    StructLayout layout{
+        name(id), decoration(id, spv::DecorationBlock).has_value(), bytesOfStruct(type), strideOfArrays(id), {}};
     for (const auto& [index, decorations] : members)
-      layout.members.push_back(
-          {memberName(id, index), memberDecoration(id, index, kOffset), memberDecoration(id, index, kMatrixStride)});
+      layout.members.push_back({memberName(id, index), memberDecoration(id, index, spv::DecorationOffset),
+                                memberDecoration(id, index, spv::DecorationMatrixStride)});
     found.push_back(std::move(layout));
   }
   return found;

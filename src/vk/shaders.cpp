@@ -71,7 +71,7 @@ Words readWords(const std::filesystem::path& file) {
   const std::vector<std::byte> bytes = readFile(file);
   Words words(bytes.size() / sizeof(uint32_t));
   std::memcpy(words.data(), bytes.data(), words.size() * sizeof(uint32_t));
-  if (bytes.size() % sizeof(uint32_t) != 0 || words.empty() || words[0] != spirv::kMagic)
+  if (bytes.size() % sizeof(uint32_t) != 0 || words.empty() || words[0] != spv::MagicNumber)
     badInput("{} is not SPIR-V", file.string());
   return words;
 }

@@ -20,42 +20,42 @@ using Words = std::vector<uint32_t>;
 // Evaluates OpSpecConstantOp for words, and for bools as 0 and 1. Returns nothing for operations that remain unchanged.
 std::optional<uint32_t> computed(uint32_t op, const Words& x) {
   switch (op) {
-    case kOpUConvert:
+    case spv::OpUConvert:
       return x[0];
-    case kOpIAdd:
+    case spv::OpIAdd:
       return x[0] + x[1];
-    case kOpISub:
+    case spv::OpISub:
       return x[0] - x[1];
-    case kOpIMul:
+    case spv::OpIMul:
       return x[0] * x[1];
-    case kOpUDiv:
+    case spv::OpUDiv:
       return x[1] ? std::optional(x[0] / x[1]) : std::nullopt;
-    case kOpSDiv:
+    case spv::OpSDiv:
       return x[1] && ~x[1] ? std::optional<uint32_t>(static_cast<int32_t>(x[0]) / static_cast<int32_t>(x[1]))
                            : std::nullopt;
-    case kOpLogicalOr:
+    case spv::OpLogicalOr:
       return x[0] | x[1];
-    case kOpLogicalAnd:
+    case spv::OpLogicalAnd:
       return x[0] & x[1];
-    case kOpLogicalNot:
+    case spv::OpLogicalNot:
       return 1 - x[0];
-    case kOpSelect:
+    case spv::OpSelect:
       return x[0] ? x[1] : x[2];
-    case kOpIEqual:
+    case spv::OpIEqual:
       return x[0] == x[1];
-    case kOpINotEqual:
+    case spv::OpINotEqual:
       return x[0] != x[1];
-    case kOpUGreaterThan:
+    case spv::OpUGreaterThan:
       return x[0] > x[1];
-    case kOpUGreaterThanEqual:
+    case spv::OpUGreaterThanEqual:
       return x[0] >= x[1];
-    case kOpULessThan:
+    case spv::OpULessThan:
       return x[0] < x[1];
-    case kOpULessThanEqual:
+    case spv::OpULessThanEqual:
       return x[0] <= x[1];
-    case kOpShiftRightLogical:
+    case spv::OpShiftRightLogical:
       return x[1] < 32 ? std::optional(x[0] >> x[1]) : std::nullopt;
-    case kOpBitwiseAnd:
+    case spv::OpBitwiseAnd:
       return x[0] & x[1];
     default:
       return std::nullopt;
@@ -87,7 +87,7 @@ Specializer::Specializer(std::span<const uint32_t> code, std::span<const Constan
   out.assign(header.begin(), header.end());
   std::span<const uint32_t> left = code.subspan(header.size());
   forEachInstruction(code, [&](const Instruction& instruction) {
-    if (instruction.op == kOpFunction) return false;
+    if (instruction.op == spv::OpFunction) return false;
     take(instruction);
     left = left.subspan(instruction.operands.size() + 1);
     return true;
@@ -105,9 +105,9 @@ void Specializer::define(uint32_t type, uint32_t id, uint32_t value) {
   if (bits <= 32) values_[id] = value;
   const uint32_t words[] = {type, id, value, 0};
   if (bits == 1)
-    put(value ? kOpConstantTrue : kOpConstantFalse, std::span(words).first(2));
+    put(value ? spv::OpConstantTrue : spv::OpConstantFalse, std::span(words).first(2));
   else
-    put(kOpConstant, std::span(words).first(bits > 32 ? 4 : 3));
+    put(spv::OpConstant, std::span(words).first(bits > 32 ? 4 : 3));
 }
 
 std::optional<uint32_t> Specializer::resultOf(const Instruction& operation) const {
@@ -124,16 +124,16 @@ std::optional<uint32_t> Specializer::resultOf(const Instruction& operation) cons
 // Returns the default value of a constant.
 std::optional<uint32_t> Specializer::valueOf(const Instruction& instruction) const {
   switch (instruction.op) {
-    case kOpConstantTrue:
-    case kOpSpecConstantTrue:
+    case spv::OpConstantTrue:
+    case spv::OpSpecConstantTrue:
       return 1;
-    case kOpConstantFalse:
-    case kOpSpecConstantFalse:
+    case spv::OpConstantFalse:
+    case spv::OpSpecConstantFalse:
       return 0;
-    case kOpConstant:
-    case kOpSpecConstant:
+    case spv::OpConstant:
+    case spv::OpSpecConstant:
       return instruction.operands.size() == 3 ? std::optional(instruction.operands[2]) : std::nullopt;
-    case kOpSpecConstantOp:
+    case spv::OpSpecConstantOp:
       return resultOf(instruction);
     default:
       return std::nullopt;
@@ -142,9 +142,9 @@ std::optional<uint32_t> Specializer::valueOf(const Instruction& instruction) con
 
 void Specializer::take(const Instruction& instruction) {
   const auto& [op, operands] = instruction;
-  if (op == kOpTypeBool) bits_[operands[0]] = 1;
-  if (op == kOpTypeInt) bits_[operands[0]] = operands[1];
-  if (op == kOpDecorate && operands[1] == kSpecId) {
+  if (op == spv::OpTypeBool) bits_[operands[0]] = 1;
+  if (op == spv::OpTypeInt) bits_[operands[0]] = operands[1];
+  if (op == spv::OpDecorate && operands[1] == spv::DecorationSpecId) {
     const auto constant = std::ranges::find(constants_, ConstantId{operands[2]}, &Constant::id);
     if (constant != constants_.end()) given_[operands[0]] = constant->value;
     return;
@@ -153,8 +153,10 @@ void Specializer::take(const Instruction& instruction) {
   if (value && given_.contains(operands[1])) value = given_.at(operands[1]);
   if (value)
     define(operands[0], operands[1], *value);
+  else if (op == spv::OpSpecConstantComposite)
+    put(spv::OpConstantComposite, operands);
   else
-    put(op == kOpSpecConstantComposite ? kOpConstantComposite : op, operands);
+    put(op, operands);
 }
 
 }  // namespace

@@ -81,7 +81,7 @@ TEST(InterfaceCheck, NamesAConstantOfAnotherType) {
   std::vector<uint32_t> code(std::begin(kTinyShader), std::end(kTinyShader));
   spirv::forEachInstruction(code, [&code](const spirv::Instruction& instruction) {  // its operands: id, width and sign
     const auto& [op, operands] = instruction;
-    if (op == spirv::kOpTypeInt && operands[1] == 32 && operands[2] == 0) code[&operands[1] - code.data()] = 16;
+    if (op == spv::OpTypeInt && operands[1] == 32 && operands[2] == 0) code[&operands[1] - code.data()] = 16;
     return true;
   });
   const CheckedStage stage{"tiny", code};

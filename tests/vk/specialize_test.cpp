@@ -17,17 +17,17 @@ using Result = std::pair<uint32_t, Words>;
 
 // Types 1 (bool), 2 (uint), 3 (int) and 4 (64-bit uint), and whatever `instructions` are.
 Words moduleOf(std::initializer_list<Words> instructions) {
-  Words code{kMagic, 0x00010600, 0, 100, 0};
+  Words code{spv::MagicNumber, 0x00010600, 0, 100, 0};
   const auto add = [&code](const Words& words) {
     code.push_back(static_cast<uint32_t>(words.size()) << 16 | words[0]);
     code.insert(code.end(), words.begin() + 1, words.end());
   };
   for (const auto& [id, constant] : {std::pair{10u, 7u}, {11u, 8u}, {12u, 9u}})
-    add({kOpDecorate, id, kSpecId, constant});
-  add({kOpTypeBool, 1});
-  add({kOpTypeInt, 2, 32, 0});
-  add({kOpTypeInt, 3, 32, 1});
-  add({kOpTypeInt, 4, 64, 0});
+    add({spv::OpDecorate, id, spv::DecorationSpecId, constant});
+  add({spv::OpTypeBool, 1});
+  add({spv::OpTypeInt, 2, 32, 0});
+  add({spv::OpTypeInt, 3, 32, 1});
+  add({spv::OpTypeInt, 4, 64, 0});
   for (const Words& instruction : instructions) add(instruction);
   return code;
 }
@@ -43,46 +43,48 @@ Result last(const Words& code) {
 }
 
 TEST(Specialize, ConstantsTakeWhatIsGivenOrKeepTheirOwn) {
-  const Words word = moduleOf({{kOpSpecConstant, 2, 10, 5}}), yes = moduleOf({{kOpSpecConstantTrue, 1, 11}}),
-              no = moduleOf({{kOpSpecConstantFalse, 1, 11}});
+  const Words word = moduleOf({{spv::OpSpecConstant, 2, 10, 5}}), yes = moduleOf({{spv::OpSpecConstantTrue, 1, 11}}),
+              no = moduleOf({{spv::OpSpecConstantFalse, 1, 11}});
   constexpr Constant given[] = {{ConstantId{7}, 77}, {ConstantId{8}, 1}}, off[] = {{ConstantId{8}, 0}};
-  EXPECT_EQ(last(specialize(word, given)), Result(kOpConstant, {77}));
-  EXPECT_EQ(last(specialize(word, {})), Result(kOpConstant, {5}));
-  EXPECT_EQ(last(specialize(no, given)), Result(kOpConstantTrue, {}));
-  EXPECT_EQ(last(specialize(no, {})), Result(kOpConstantFalse, {}));
-  EXPECT_EQ(last(specialize(yes, off)), Result(kOpConstantFalse, {}));
-  EXPECT_EQ(last(specialize(yes, {})), Result(kOpConstantTrue, {}));
+  EXPECT_EQ(last(specialize(word, given)), Result(spv::OpConstant, {77}));
+  EXPECT_EQ(last(specialize(word, {})), Result(spv::OpConstant, {5}));
+  EXPECT_EQ(last(specialize(no, given)), Result(spv::OpConstantTrue, {}));
+  EXPECT_EQ(last(specialize(no, {})), Result(spv::OpConstantFalse, {}));
+  EXPECT_EQ(last(specialize(yes, off)), Result(spv::OpConstantFalse, {}));
+  EXPECT_EQ(last(specialize(yes, {})), Result(spv::OpConstantTrue, {}));
 }
 
 // OpSpecConstantOp of two given words, by the arithmetic of C++.
 TEST(Specialize, OperationsAreDone) {
   const std::pair<uint32_t, std::function<uint32_t(uint32_t, uint32_t)>> words[] = {
-      {kOpIAdd, std::plus<uint32_t>()},
-      {kOpISub, std::minus<uint32_t>()},
-      {kOpIMul, std::multiplies<uint32_t>()},
-      {kOpUDiv, std::divides<uint32_t>()},
-      {kOpSDiv,
+      {spv::OpIAdd, std::plus<uint32_t>()},
+      {spv::OpISub, std::minus<uint32_t>()},
+      {spv::OpIMul, std::multiplies<uint32_t>()},
+      {spv::OpUDiv, std::divides<uint32_t>()},
+      {spv::OpSDiv,
        [](uint32_t a, uint32_t b) { return static_cast<uint32_t>(static_cast<int>(a) / static_cast<int>(b)); }},
-      {kOpShiftRightLogical, [](uint32_t a, uint32_t b) { return a >> b; }},
-      {kOpBitwiseAnd, std::bit_and<uint32_t>()}};
+      {spv::OpShiftRightLogical, [](uint32_t a, uint32_t b) { return a >> b; }},
+      {spv::OpBitwiseAnd, std::bit_and<uint32_t>()}};
   const std::pair<uint32_t, std::function<bool(uint32_t, uint32_t)>> bools[] = {
-      {kOpIEqual, std::equal_to<uint32_t>()},      {kOpINotEqual, std::not_equal_to<uint32_t>()},
-      {kOpUGreaterThan, std::greater<uint32_t>()}, {kOpUGreaterThanEqual, std::greater_equal<uint32_t>()},
-      {kOpULessThan, std::less<uint32_t>()},       {kOpULessThanEqual, std::less_equal<uint32_t>()}};
+      {spv::OpIEqual, std::equal_to<uint32_t>()},      {spv::OpINotEqual, std::not_equal_to<uint32_t>()},
+      {spv::OpUGreaterThan, std::greater<uint32_t>()}, {spv::OpUGreaterThanEqual, std::greater_equal<uint32_t>()},
+      {spv::OpULessThan, std::less<uint32_t>()},       {spv::OpULessThanEqual, std::less_equal<uint32_t>()}};
   for (const uint32_t a : {0u, 7u, 20u, 0xffffff00u})
     for (const uint32_t b : {1u, 7u, 20u}) {
       const Constant given[] = {{ConstantId{7}, a}, {ConstantId{8}, b}};
       for (const auto& [opcode, function] : words) {
-        const Words code = moduleOf({{kOpSpecConstant, 2, 10, 1},
-                                     {kOpSpecConstant, 2, 11, 1},
-                                     {kOpSpecConstantOp, opcode == kOpSDiv ? 3u : 2u, 20, opcode, 10, 11}});
-        EXPECT_EQ(last(specialize(code, given)), Result(kOpConstant, Words{function(a, b)}))
+        const Words code = moduleOf({{spv::OpSpecConstant, 2, 10, 1},
+                                     {spv::OpSpecConstant, 2, 11, 1},
+                                     {spv::OpSpecConstantOp, opcode == spv::OpSDiv ? 3u : 2u, 20, opcode, 10, 11}});
+        EXPECT_EQ(last(specialize(code, given)), Result(spv::OpConstant, Words{function(a, b)}))
             << opcode << ": " << a << ", " << b;
       }
       for (const auto& [opcode, function] : bools) {
-        const Words code = moduleOf(
-            {{kOpSpecConstant, 2, 10, 1}, {kOpSpecConstant, 2, 11, 1}, {kOpSpecConstantOp, 1, 20, opcode, 10, 11}});
-        EXPECT_EQ(last(specialize(code, given)), Result(function(a, b) ? kOpConstantTrue : kOpConstantFalse, Words{}))
+        const Words code = moduleOf({{spv::OpSpecConstant, 2, 10, 1},
+                                     {spv::OpSpecConstant, 2, 11, 1},
+                                     {spv::OpSpecConstantOp, 1, 20, opcode, 10, 11}});
+        EXPECT_EQ(last(specialize(code, given)),
+                  Result(function(a, b) ? spv::OpConstantTrue : spv::OpConstantFalse, Words{}))
             << opcode;
       }
     }
@@ -93,48 +95,50 @@ TEST(Specialize, OperationsOnBools) {
     for (const bool b : {false, true}) {
       const Constant given[] = {{ConstantId{7}, a}, {ConstantId{8}, b}};
       const auto result = [&](const Words& operation) {
-        return last(specialize(moduleOf({{kOpSpecConstantTrue, 1, 10},
-                                         {kOpSpecConstantTrue, 1, 11},
-                                         {kOpConstant, 2, 13, 30},
-                                         {kOpConstant, 2, 14, 40},
+        return last(specialize(moduleOf({{spv::OpSpecConstantTrue, 1, 10},
+                                         {spv::OpSpecConstantTrue, 1, 11},
+                                         {spv::OpConstant, 2, 13, 30},
+                                         {spv::OpConstant, 2, 14, 40},
                                          operation}),
                                given));
       };
-      const auto is = [](bool value) { return Result(value ? kOpConstantTrue : kOpConstantFalse, Words{}); };
-      EXPECT_EQ(result({kOpSpecConstantOp, 1, 20, kOpLogicalOr, 10, 11}), is(a || b));
-      EXPECT_EQ(result({kOpSpecConstantOp, 1, 20, kOpLogicalAnd, 10, 11}), is(a && b));
-      EXPECT_EQ(result({kOpSpecConstantOp, 1, 20, kOpLogicalNot, 10}), is(!a));
-      EXPECT_EQ(result({kOpSpecConstantOp, 2, 20, kOpSelect, 10, 13, 14}), Result(kOpConstant, Words{a ? 30u : 40u}));
+      const auto is = [](bool value) { return Result(value ? spv::OpConstantTrue : spv::OpConstantFalse, Words{}); };
+      EXPECT_EQ(result({spv::OpSpecConstantOp, 1, 20, spv::OpLogicalOr, 10, 11}), is(a || b));
+      EXPECT_EQ(result({spv::OpSpecConstantOp, 1, 20, spv::OpLogicalAnd, 10, 11}), is(a && b));
+      EXPECT_EQ(result({spv::OpSpecConstantOp, 1, 20, spv::OpLogicalNot, 10}), is(!a));
+      EXPECT_EQ(result({spv::OpSpecConstantOp, 2, 20, spv::OpSelect, 10, 13, 14}),
+                Result(spv::OpConstant, Words{a ? 30u : 40u}));
     }
 }
 
 TEST(Specialize, WhatCannotBeDoneStays) {
   constexpr Constant given[] = {{ConstantId{7}, 3}, {ConstantId{8}, 0}};
-  const Words words{kOpSpecConstant, 2, 10, 1}, others{kOpSpecConstant, 2, 11, 1};
-  EXPECT_EQ(last(specialize(moduleOf({words, {kOpSpecConstantOp, 4, 20, kOpUConvert, 10}}), given)),
-            Result(kOpConstant, (Words{3, 0})))
+  const Words words{spv::OpSpecConstant, 2, 10, 1}, others{spv::OpSpecConstant, 2, 11, 1};
+  EXPECT_EQ(last(specialize(moduleOf({words, {spv::OpSpecConstantOp, 4, 20, spv::OpUConvert, 10}}), given)),
+            Result(spv::OpConstant, (Words{3, 0})))
       << "64 bits";
-  const Words byZero{kOpSpecConstantOp, 2, 20, kOpUDiv, 10, 11}, other{kOpSpecConstantOp, 2, 20, kOpNot, 10};
+  const Words byZero{spv::OpSpecConstantOp, 2, 20, spv::OpUDiv, 10, 11},
+      other{spv::OpSpecConstantOp, 2, 20, spv::OpNot, 10};
   EXPECT_EQ(last(specialize(moduleOf({words, others, byZero}), given)),
-            Result(kOpSpecConstantOp, (Words{kOpUDiv, 10, 11})));
-  EXPECT_EQ(last(specialize(moduleOf({words, other}), given)), Result(kOpSpecConstantOp, (Words{kOpNot, 10})));
-  const Words wide{kOpSpecConstant, 4, 12, 1, 1}, sum{kOpSpecConstantOp, 4, 20, kOpIAdd, 12, 12};
-  EXPECT_EQ(last(specialize(moduleOf({wide, sum}), given)), Result(kOpSpecConstantOp, (Words{kOpIAdd, 12, 12})))
+            Result(spv::OpSpecConstantOp, (Words{spv::OpUDiv, 10, 11})));
+  EXPECT_EQ(last(specialize(moduleOf({words, other}), given)), Result(spv::OpSpecConstantOp, (Words{spv::OpNot, 10})));
+  const Words wide{spv::OpSpecConstant, 4, 12, 1, 1}, sum{spv::OpSpecConstantOp, 4, 20, spv::OpIAdd, 12, 12};
+  EXPECT_EQ(last(specialize(moduleOf({wide, sum}), given)), Result(spv::OpSpecConstantOp, (Words{spv::OpIAdd, 12, 12})))
       << "of 64 bits";
 }
 
 TEST(Specialize, AModuleWithoutInstructionsStays) {
-  const Words code{kMagic, 0x00010600, 0, 1, 0};
+  const Words code{spv::MagicNumber, 0x00010600, 0, 1, 0};
   EXPECT_EQ(specialize(code, {}), code);
 }
 
 TEST(Specialize, WordsThatAreNotSpirvAreRefused) {
-  const Words code = moduleOf({{kOpSpecConstant, 2, 10, 5}});
+  const Words code = moduleOf({{spv::OpSpecConstant, 2, 10, 5}});
   EXPECT_THROW(specialize({}, {}), Error);
   EXPECT_THROW(specialize(Words(code.begin() + 1, code.end()), {}), Error);
   EXPECT_THROW(specialize(Words(code.begin(), code.end() - 1), {}), Error) << "breaks off in an instruction";
   Words unbounded = code;
-  unbounded.push_back(kOpName);  // of no words
+  unbounded.push_back(spv::OpName);  // of no words
   EXPECT_THROW(specialize(unbounded, {}), Error);
 }
 
@@ -143,8 +147,8 @@ TEST(Specialize, WordsThatAreNotSpirvAreRefused) {
 TEST(Specialize, NothingIsLeftInTheShaders) {
   for (const std::string_view name : shaderNames())
     forEachInstruction(specialize(shaderCodeOf(name), {}), [name](const Instruction& instruction) {
-      EXPECT_FALSE(instruction.op >= kOpSpecConstantTrue && instruction.op <= kOpSpecConstantOp) << name;
-      return instruction.op != kOpFunction;
+      EXPECT_FALSE(instruction.op >= spv::OpSpecConstantTrue && instruction.op <= spv::OpSpecConstantOp) << name;
+      return instruction.op != spv::OpFunction;
     });
 }
 
