@@ -1,38 +1,20 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
-#include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <mutex>
+#include <stdexcept>
 
 #include "base/error.h"
 #include "output/decode.h"
 #include "output/exr.h"
+#include "scene/exr_stream.h"
 
 namespace latelight::output {
 namespace {
-
-class MemoryIn : public Imf::IStream {
- public:
-  explicit MemoryIn(std::span<const std::byte> bytes) : Imf::IStream("memory"), bytes_(bytes) {}
-  bool read(char data[], int count) override {
-    const auto wanted = static_cast<size_t>(count);
-    if (count < 0 || at_ > bytes_.size() || wanted > bytes_.size() - at_) throw std::runtime_error("it ends too early");
-    std::memcpy(data, bytes_.data() + at_, wanted);
-    at_ += wanted;
-    return at_ < bytes_.size();
-  }
-  uint64_t tellg() override { return at_; }
-  void seekg(uint64_t position) override { at_ = position; }
-
- private:
-  std::span<const std::byte> bytes_;
-  uint64_t at_ = 0;
-};
 
 // The pixels of one channel with 32 bits each: unsigned integers, or floats (which represent any half exactly).
 using Plane = std::vector<uint32_t>;
@@ -97,8 +79,8 @@ ReadImage decodeExr(std::span<const std::byte> bytes, const std::filesystem::pat
   static std::once_flag limits;
   std::call_once(limits, [] { Imf::Header::setMaxImageSize(kMax, kMax); });
   try {
-    MemoryIn in(bytes);
-    Imf::InputFile file(in);
+    scene::ExrStream stream(bytes, path.string());
+    Imf::InputFile file(stream);
     return readAll(file, path);
   } catch (const Error&) {
     throw;

@@ -3,7 +3,6 @@
 #include <OpenEXR/ImfChromaticities.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
-#include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenEXR/ImfPartType.h>
@@ -13,42 +12,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <optional>
-#include <stdexcept>
 
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "scene/environment/picture_io.h"
+#include "scene/exr_stream.h"
 
 namespace latelight::scene {
 namespace {
-
-class MemoryStream : public Imf::IStream {
- public:
-  MemoryStream(std::span<const std::byte> bytes, const std::string& name) : IStream(name.c_str()), bytes_(bytes) {}
-
-  bool read(char to[], int count) override {
-    std::memcpy(to, advance(count), static_cast<size_t>(count));
-    return next_ < bytes_.size();
-  }
-  uint64_t tellg() override { return next_; }
-  void seekg(uint64_t position) override { next_ = position; }
-
- private:
-  const char* advance(int count) {
-    if (count < 0 || next_ > bytes_.size() || static_cast<uint64_t>(count) > bytes_.size() - next_) {
-      throw std::runtime_error("it ends early");
-    }
-    const char* from = reinterpret_cast<const char*>(bytes_.data()) + next_;
-    next_ += static_cast<uint64_t>(count);
-    return from;
-  }
-
-  std::span<const std::byte> bytes_;
-  uint64_t next_ = 0;
-};
 
 // The names of the image's four channels in the file. One name may be used for several channels.
 using ChannelNames = std::array<std::string, 4>;
@@ -146,7 +119,7 @@ void checkColours(const Imf::Header& header, const std::string& name) {
 }
 
 FloatImage decode(std::span<const std::byte> bytes, const std::string& name) {
-  MemoryStream stream(bytes, name);
+  ExrStream stream(bytes, name);
   Imf::MultiPartInputFile file(stream, static_cast<int>(threadCount()));
   const Imf::Header& header = file.header(0);
   if (header.hasType() && !Imf::isSupportedType(header.type())) badInput("'{}' has a part of unknown type", name);
