@@ -30,7 +30,7 @@ void complain(std::string_view sentence) {
 
 int outOfMemory() {
   complain("out of memory; use a smaller scene or image");
-  return static_cast<int>(ExitCode::DeviceLost);
+  return static_cast<int>(ExitCode::OutOfMemory);
 }
 
 std::string commandNames(const CLI::App& cli) {

@@ -76,8 +76,9 @@ constexpr Ending kEndings[] = {
     {2, "An invalid argument, or a file that cannot be written."},
     {3, "A file that is missing, broken, or requires an unsupported feature."},
     {4, "No suitable Vulkan 1.3 device."},
-    {5, "The device was lost, or memory ran out."},
+    {5, "The device was lost."},
     {6, "Some frames failed; the others are complete."},
+    {7, "Out of memory, or beyond a limit of the device."},
 };
 
 void printPage(const CLI::App& cli) {

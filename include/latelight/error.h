@@ -15,8 +15,9 @@ enum class ExitCode {
   Usage = 2,       // an invalid argument
   BadInput = 3,    // a file that is missing, broken or needs unsupported features
   NoDevice = 4,    // no Vulkan 1.3 device
-  DeviceLost = 5,  // the device was lost, or the device or the machine is out of memory
+  DeviceLost = 5,  // the driver stopped the device; a new one may work
   SomeFramesFailed = 6,
+  OutOfMemory = 7,  // of the device or the machine, or a limit of the device; use a smaller image or scene
 };
 
 // The message is one sentence that says what is wrong, where, and what to do.

@@ -30,7 +30,7 @@ namespace latelight {
 LATELIGHT_API const char* version();
 
 // Limits the machine's memory, in bytes, that this process may use for scenes, pictures and devices that run on the
-// CPU. An operation that would exceed the limit throws Error(DeviceLost) before it allocates. 0, the default, is three
+// CPU. An operation that would exceed the limit throws Error(OutOfMemory) before it allocates. 0, the default, is three
 // quarters of the free memory.
 LATELIGHT_API void setMemoryLimit(uint64_t bytes);
 

@@ -18,6 +18,8 @@ const char* className(const Error& error) {
       return "NoDeviceError";
     case ExitCode::DeviceLost:
       return "DeviceLostError";
+    case ExitCode::OutOfMemory:
+      return "OutOfMemoryError";
     default:
       return "LatelightError";
   }

@@ -30,7 +30,7 @@ NB_MODULE(_core, module) {
       "set_memory_limit",
       [](nb::handle bytes) { setMemoryLimit(static_cast<uint64_t>(integerOf(bytes, "bytes", 0, INT64_MAX))); },
       argument("bytes"), nb::sig("def set_memory_limit(bytes: int) -> None"),
-      "Bytes of the machine's memory that scenes, pictures and CPU devices may take; more raises DeviceLostError "
+      "Bytes of the machine's memory that scenes, pictures and CPU devices may take; more raises OutOfMemoryError "
       "before\nit is taken. 0, as at first: three quarters of what is free.");
 }
 

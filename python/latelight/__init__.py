@@ -39,6 +39,7 @@ from .errors import (
     InputError,
     LatelightError,
     NoDeviceError,
+    OutOfMemoryError,
     UsageError,
 )
 from .frames import DeviceFrames, Frame, Frames
@@ -67,6 +68,7 @@ __all__ = [
     "MeshHandle",
     "NoDeviceError",
     "Node",
+    "OutOfMemoryError",
     "Pick",
     "Renderer",
     "Scene",

@@ -30,6 +30,12 @@ class NoDeviceError(LatelightError):
 
 
 class DeviceLostError(LatelightError):
-    """The device was lost, or it or the machine has no memory left."""
+    """The device was lost: its driver stopped it. A new renderer may work."""
 
     exit_code = 5
+
+
+class OutOfMemoryError(LatelightError, MemoryError):
+    """The device or the machine has no memory left, or the scene exceeds a limit of the device."""
+
+    exit_code = 7

@@ -100,7 +100,7 @@ void detail::takeMemory(uint64_t bytes, std::string_view what) {
   const uint64_t limit = limitBeside(before);
   do {
     if (bytes > limit || before > limit - bytes)
-      fail(ExitCode::DeviceLost,
+      fail(ExitCode::OutOfMemory,
            "there is no memory for {}: {} are needed, and {} of the {} that may be taken are in use; use something "
            "smaller, or allow more with --memory",
            what, mebibytes(bytes), mebibytes(before), mebibytes(limit));
@@ -135,7 +135,7 @@ MemoryClaim& MemoryClaim::operator=(MemoryClaim&& other) noexcept {
 }
 
 void failWithoutMemory(std::string_view what) {
-  fail(ExitCode::DeviceLost, "the machine has no memory left for {}; use less", what);
+  fail(ExitCode::OutOfMemory, "the machine has no memory left for {}; use less", what);
 }
 
 uint64_t parseMemory(std::string_view text) {

@@ -22,7 +22,7 @@ uint64_t addressesLeft();
 class MemoryClaim {
  public:
   MemoryClaim() = default;
-  // Throws Error(DeviceLost) with a message that names `what` ("its textures") if the claim exceeds the remaining
+  // Throws Error(OutOfMemory) with a message that names `what` ("its textures") if the claim exceeds the remaining
   // memory.
   MemoryClaim(uint64_t bytes, std::string_view what) { grow(bytes, what); }
   ~MemoryClaim();
@@ -74,7 +74,7 @@ struct CountedAllocator {
 template <typename T, typename Content>
 using CountedVector = std::vector<T, CountedAllocator<T, Content>>;
 
-// Throws Error(DeviceLost) for an allocation that failed despite a claim.
+// Throws Error(OutOfMemory) for an allocation that failed despite a claim.
 [[noreturn]] void failWithoutMemory(std::string_view what);
 
 // Parses "512M", "4G", "1.5G", "70000K" or a number of bytes. Multiples are binary for all suffixes ("4GB", "4GiB").

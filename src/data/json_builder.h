@@ -38,7 +38,7 @@ struct JsonSize {
 };
 
 // Events must be properly nested. Every `line` counts from 1. Throws JsonError for duplicate keys of an object, for
-// nesting that is too deep, and for aliases that copy too much. Throws Error(DeviceLost) if memory runs out.
+// nesting that is too deep, and for aliases that copy too much. Throws Error(OutOfMemory) if memory runs out.
 class JsonBuilder {
  public:
   // `what` names the document in messages about memory, such as "the job 'hall.yaml'".

@@ -295,7 +295,7 @@ std::shared_ptr<Submission::State> Executor::Impl::prepare(const Graph& graph, P
   try {
     return tryTo();
   } catch (const Error& error) {
-    if (error.code() != ExitCode::DeviceLost) throw;
+    if (error.code() != ExitCode::OutOfMemory) throw;
   }
   while (!inFlight.empty()) finishOldest();
   stock->transients.clear();

@@ -68,7 +68,7 @@ void destroy(VkDevice device, VkImageView object) {
 void check(VkResult result, const char* call, const char* file, int line) {
   if (result == VK_SUCCESS) return;
   if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY)
-    fail(ExitCode::DeviceLost, "The device is out of memory ({}): use a smaller image or scene.", resultName(result));
+    fail(ExitCode::OutOfMemory, "The device is out of memory ({}): use a smaller image or scene.", resultName(result));
   if (result == VK_ERROR_DEVICE_LOST)
     fail(ExitCode::DeviceLost,
          "The device was lost: its driver stopped it, or a submission took too long; try again, or with --device cpu.");

@@ -10,7 +10,7 @@ namespace latelight::vk {
 
 class Device;
 
-// Throws Error(DeviceLost or Internal) with the call's text, result and location.
+// Throws Error(DeviceLost, OutOfMemory or Internal) with the call's text, result and location.
 void check(VkResult result, const char* call, const char* file, int line);
 #define VK_CHECK(call) ::latelight::vk::check((call), #call, __FILE__, __LINE__)
 

@@ -29,7 +29,7 @@ Instance::Instance(bool validation) {
   // Drivers that run out of address space abort, crash, or are not found.
   constexpr uint64_t kDriver = uint64_t{512} << 20;
   if (const uint64_t left = addressesLeft(); left < kDriver)
-    fail(ExitCode::DeviceLost,
+    fail(ExitCode::OutOfMemory,
          "A Vulkan driver requires {} MiB of address space, but {} MiB are left: raise `ulimit -v`.", kDriver >> 20,
          left >> 20);
   const Loader loader = loadVulkan();

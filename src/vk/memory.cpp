@@ -155,7 +155,7 @@ VkDeviceSize Allocator::reserved() const {
 }
 
 void Allocator::failFull(VkDeviceSize size, VkDeviceSize room) const {
-  fail(ExitCode::DeviceLost,
+  fail(ExitCode::OutOfMemory,
        "{} cannot allocate another {:.1f} MiB: it has {:.0f} MiB, of which {:.0f} MiB are in use; use a smaller image "
        "or scene.",
        device_.info().name, mebibytes(size), mebibytes(room), mebibytes(reserved()));

@@ -59,7 +59,7 @@ class Allocator {
     Alone,     // a dedicated allocation
     Exported,  // a dedicated allocation that other APIs can import
   };
-  // Throws Error(DeviceLost), with the sizes in the message, if the device is out of memory.
+  // Throws Error(OutOfMemory), with the sizes in the message, if the device is out of memory.
   Allocation allocate(const VkMemoryRequirements& needs, MemoryKind kind, bool linear, Sharing sharing);
   // Returns the memory type of such an allocation.
   uint32_t typeFor(const VkMemoryRequirements& needs, MemoryKind kind) const;

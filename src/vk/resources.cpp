@@ -133,7 +133,7 @@ BufferDesc completed(BufferDesc desc) {
 
 VkBufferCreateInfo bufferInfo(Device& device, const BufferDesc& desc) {
   if (desc.size > device.maxBufferSize())
-    fail(ExitCode::DeviceLost, "A buffer of {} bytes ({}) is too large for {}, which allows {}: use a smaller scene.",
+    fail(ExitCode::OutOfMemory, "A buffer of {} bytes ({}) is too large for {}, which allows {}: use a smaller scene.",
          desc.size, desc.name, device.info().name, device.maxBufferSize());
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   info.size = desc.size;

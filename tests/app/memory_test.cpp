@@ -1,4 +1,4 @@
-// Out of host memory: exit code 5, one sentence and no output file, wherever it happens.
+// Out of host memory: exit code 7, one sentence and no output file, wherever it happens.
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,12 +25,12 @@ Outcome limited(const Folder& folder, unsigned mebibytes, const std::string& arg
 }
 
 void expectPictureOrRefusal(const Folder& folder, const Outcome& outcome) {
-  EXPECT_TRUE(outcome.code == 0 || outcome.code == 5) << outcome.text();
+  EXPECT_TRUE(outcome.code == 0 || outcome.code == 7) << outcome.text();
   EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), outcome.code == 0 ? 0 : 1) << outcome.err;
   EXPECT_EQ(folder.names().size(), outcome.code == 0 ? 2u : 1u);
 }
 
-TEST(OutOfMemory, IsExitFiveUnderAnyLimitOfAddresses) {
+TEST(OutOfMemory, IsExitSevenUnderAnyLimitOfAddresses) {
   bool refused = false, drawn = false;
   for (unsigned mebibytes : {200, 350, 500, 600, 700, 850, 1000, 1500, 4000}) {
     SCOPED_TRACE(mebibytes);
@@ -38,14 +38,14 @@ TEST(OutOfMemory, IsExitFiveUnderAnyLimitOfAddresses) {
     folder.write("scene.glb", texturedModel());
     const Outcome outcome = limited(folder, mebibytes, "render scene.glb -o o.png --size 64x36 --device cpu --quiet");
     expectPictureOrRefusal(folder, outcome);
-    refused |= outcome.code == 5;
+    refused |= outcome.code == 7;
     drawn |= outcome.code == 0;
   }
   EXPECT_TRUE(refused);
   EXPECT_TRUE(drawn);
 }
 
-TEST(OutOfMemory, IsExitFiveUnderTheProgramsOwnBound) {
+TEST(OutOfMemory, IsExitSevenUnderTheProgramsOwnBound) {
   for (const char* memory : {"1M", "10M", "4G"}) {
     SCOPED_TRACE(memory);
     Folder folder;
@@ -54,8 +54,8 @@ TEST(OutOfMemory, IsExitFiveUnderTheProgramsOwnBound) {
                                                      "--device", "cpu", "--quiet", "--memory", memory},
                                        .folder = folder.path()});
     expectPictureOrRefusal(folder, outcome);
-    EXPECT_EQ(outcome.code, memory == std::string("4G") ? 0 : 5);
-    if (outcome.code == 5) {
+    EXPECT_EQ(outcome.code, memory == std::string("4G") ? 0 : 7);
+    if (outcome.code == 7) {
       EXPECT_THAT(outcome.err, HasSubstr("--memory"));
     }
   }

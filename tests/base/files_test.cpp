@@ -100,7 +100,7 @@ TEST_F(Files, OfMoreBytesThanMemoryAreAnError) {
   fs::resize_file(huge, uintmax_t{1} << 46, error);  // sparse: takes no room on disk
   if (error) fs::resize_file(huge, (uintmax_t{1} << 44) - 4096, error);
   if (error) GTEST_SKIP() << "this file system has no sparse files of 16 TiB";
-  EXPECT_THAT(sentence(ExitCode::DeviceLost, [&] { readFile(huge); }), HasSubstr("memory"));
+  EXPECT_THAT(sentence(ExitCode::OutOfMemory, [&] { readFile(huge); }), HasSubstr("memory"));
 }
 
 TEST_F(Files, LeaveNothingWhenTheyCannotBeWritten) {

@@ -31,7 +31,7 @@ class Memory : public testing::Test {
     try {
       call();
     } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ExitCode::DeviceLost);
+      EXPECT_EQ(error.code(), ExitCode::OutOfMemory);
       return error.what();
     }
     return "";

@@ -183,7 +183,7 @@ TEST(Job, MemoryIsClaimedBeforeItIsTaken) {
   try {
     readJobFile(folder.at("job.json"));
   } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::DeviceLost);
+    EXPECT_EQ(error.code(), ExitCode::OutOfMemory);
     sentence = error.what();
   }
   setMemoryLimit(before);

@@ -132,13 +132,13 @@ TEST(CameraBounds, TooManyCamerasAreRefusedAtOnce) {
 TEST(CameraBounds, CamerasAreClaimedBeforeTheyAreMade) {
   const uint64_t before = memoryLimit();
   setMemoryLimit(64 << 20);
-  const std::string many = sentenceOf([] { made(R"({"type": "orbit", "count": 1000000})"); }, ExitCode::DeviceLost);
+  const std::string many = sentenceOf([] { made(R"({"type": "orbit", "count": 1000000})"); }, ExitCode::OutOfMemory);
   const std::string named = sentenceOf(
       [] {
         made(R"({"type": "rig", "cameras": {"type": "orbit", "count": 2000}, "offsets": [{"name": ")" +
              std::string(100'000, 'n') + R"(", "translation": [0, 0, 0]}]})");
       },
-      ExitCode::DeviceLost);
+      ExitCode::OutOfMemory);
   const size_t few = made(R"({"type": "orbit", "count": 1000})").size();
   setMemoryLimit(before);
   EXPECT_THAT(many, testing::HasSubstr("there is no memory for the"));
@@ -154,7 +154,7 @@ TEST(CameraBounds, CamerasOfFilesAreClaimed) {
   folder.write("t.txt", lines);
   const uint64_t before = memoryLimit();
   setMemoryLimit(32 << 20);
-  const std::string sentence = sentenceOf([&] { readTum(folder.at("t.txt")); }, ExitCode::DeviceLost);
+  const std::string sentence = sentenceOf([&] { readTum(folder.at("t.txt")); }, ExitCode::OutOfMemory);
   setMemoryLimit(before);
   EXPECT_THAT(sentence, testing::HasSubstr("there is no memory for the cameras of a file"));
   EXPECT_EQ(readTum(folder.at("t.txt")).size(), 200'000u);

@@ -19,10 +19,20 @@ def refused(words, call, kind=latelight.UsageError):
     assert "\n" not in str(caught.value)
 
 
+ERRORS = (
+    latelight.UsageError,
+    latelight.InputError,
+    latelight.NoDeviceError,
+    latelight.DeviceLostError,
+    latelight.OutOfMemoryError,
+)
+
+
 def test_kinds():
     assert issubclass(latelight.UsageError, ValueError)
     assert issubclass(latelight.ArgumentTypeError, TypeError)
-    assert [k.exit_code for k in (latelight.UsageError, latelight.InputError, latelight.NoDeviceError)] == [2, 3, 4]
+    assert [k.exit_code for k in ERRORS] == [2, 3, 4, 5, 7]
+    assert issubclass(latelight.OutOfMemoryError, MemoryError)
     refused("nowhere.glb", lambda: latelight.Scene("nowhere.glb"), latelight.InputError)
     refused("no such", lambda: latelight.Renderer(latelight.Scene(), "no such"), latelight.NoDeviceError)
 

@@ -305,7 +305,7 @@ class GltfMemory : public testing::Test {
   ~GltfMemory() override { setMemoryLimit(0); }
   static std::string refusal(const GltfBuilder& b, uint64_t limit) {
     setMemoryLimit(limit);
-    return errorOf(b, ExitCode::DeviceLost);
+    return errorOf(b, ExitCode::OutOfMemory);
   }
 };
 

@@ -180,7 +180,7 @@ TEST_F(DeviceTest, SubmitsFromManyThreads) {
 TEST_F(DeviceTest, ErrorsCarryTheirCode) {
   std::string sentence;
   EXPECT_EQ(codeOf([] { check(VK_ERROR_DEVICE_LOST, "call", "/a/b.cpp", 3); }), ExitCode::DeviceLost);
-  EXPECT_EQ(codeOf([] { check(VK_ERROR_OUT_OF_DEVICE_MEMORY, "call", "/a/b.cpp", 3); }), ExitCode::DeviceLost);
+  EXPECT_EQ(codeOf([] { check(VK_ERROR_OUT_OF_DEVICE_MEMORY, "call", "/a/b.cpp", 3); }), ExitCode::OutOfMemory);
   EXPECT_EQ(codeOf([] { check(VK_ERROR_FORMAT_NOT_SUPPORTED, "vkCall(x)", "/a/b.cpp", 3); }, &sentence),
             ExitCode::Internal);
   EXPECT_EQ(sentence, "vkCall(x) returns VK_ERROR_FORMAT_NOT_SUPPORTED (b.cpp:3)");
@@ -191,9 +191,9 @@ TEST_F(DeviceTest, MemoryThatIsNotThereIsAnErrorWithTheSizes) {
   const VkMemoryRequirements needs{VkDeviceSize{1} << 44, 256, ~0u};
   EXPECT_EQ(codeOf([&] { device().memory().allocate(needs, MemoryKind::Device, true, Allocator::Sharing::Blocks); },
                    &sentence),
-            ExitCode::DeviceLost);
+            ExitCode::OutOfMemory);
   EXPECT_THAT(sentence, AnyOf(HasSubstr("16777216 MiB"), HasSubstr("16777216.0 MiB"))) << "by which limit it meets";
-  EXPECT_EQ(codeOf([&] { Buffer(device(), {.size = VkDeviceSize{1} << 40}); }), ExitCode::DeviceLost);
+  EXPECT_EQ(codeOf([&] { Buffer(device(), {.size = VkDeviceSize{1} << 40}); }), ExitCode::OutOfMemory);
   EXPECT_EQ(codeOf([&] { Image(device(), {.format = VK_FORMAT_R8_UNORM, .width = 1u << 20}); }), ExitCode::Usage);
 }
 

@@ -57,7 +57,7 @@ bool Worker::loadNext() {
     try {
       scene_ = next_.valid() ? next_.get() : loader_.load(*sceneIndex_);
     } catch (const Error& error) {
-      if (error.code() != ExitCode::DeviceLost) throw;
+      if (error.code() != ExitCode::OutOfMemory) throw;
       scene_ = loader_.load(*sceneIndex_);  // memory was too small for this scene and the previous one together
     }
   } catch (const std::exception& error) {

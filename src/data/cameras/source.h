@@ -17,8 +17,8 @@ namespace latelight::data {
 // them.
 class CameraBudget {
  public:
-  // Throws Error(Usage) whose message begins with `path` if there are too many cameras, and Error(DeviceLost) if memory
-  // runs out.
+  // Throws Error(Usage) whose message begins with `path` if there are too many cameras, and Error(OutOfMemory) if
+  // memory runs out.
   void take(double count, double nameBytes, const std::string& path);
   // Returns the claim on the finished cameras. The claim on temporary data ends with this object.
   MemoryClaim keep() { return std::move(kept_); }

@@ -25,8 +25,8 @@ struct ExportedMemory {
 // rendering into it. Any thread may release arrays at any time.
 class ExportPool : public std::enable_shared_from_this<ExportPool> {
  public:
-  // Returns at least `bytes` bytes. Throws Error(NoDevice) if the device cannot export memory, and Error(DeviceLost) if
-  // it has no memory left.
+  // Returns at least `bytes` bytes. Throws Error(NoDevice) if the device cannot export memory, and Error(OutOfMemory)
+  // if it has no memory left.
   std::shared_ptr<ExportedMemory> take(vk::Device& device, uint64_t bytes);
 
  private:

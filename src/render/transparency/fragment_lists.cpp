@@ -168,7 +168,7 @@ bool overflowed(const FrameContext& f, Room room, const shared::FragmentTotals& 
   if (needed <= room.fragments && totals.longest <= room.longest) return false;
   const uint64_t most = mostRoom(f.device, f.setup.transparency);
   if (needed > most)
-    fail(ExitCode::DeviceLost,
+    fail(ExitCode::OutOfMemory,
          "transparency needs {} fragments of {} bytes for this image, but {} supports at most {}: use a smaller image, "
          "or sorted or weighted with the raster hardware",
          needed, sizeof(shared::Fragment), f.device.info().name, most);

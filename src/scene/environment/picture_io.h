@@ -45,7 +45,7 @@ FloatImage decodePicture(std::span<const std::byte> bytes, const std::string& na
 FloatImage decodeRadiance(std::span<const std::byte> bytes, const std::string& name);
 
 // Checks the size in a header before anything is decoded. Throws Error(BadInput) if the image exceeds the maximum size,
-// and Error(DeviceLost) if the memory limit does not allow its floats.
+// and Error(OutOfMemory) if the memory limit does not allow its floats.
 void checkPictureSize(int64_t width, int64_t height, const std::string& name);
 
 // Decodes OpenEXR: scan lines or tiles, the first of several parts; R G B or Y, in half, float or uint, with or without

@@ -34,7 +34,7 @@ struct ImageSource {
 class Budget {
  public:
   void setInput(size_t inputBytes) { left_ = (size_t{1} << 30) + 256 * inputBytes; }
-  // Throws Error(BadInput) that names `what` if the file exceeds this budget, and Error(DeviceLost) if it exceeds the
+  // Throws Error(BadInput) that names `what` if the file exceeds this budget, and Error(OutOfMemory) if it exceeds the
   // memory limit.
   void charge(size_t bytes, std::string_view what) const;
   void release() { memory_ = {}; }  // call after loading is complete
