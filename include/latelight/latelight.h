@@ -484,7 +484,8 @@ class LATELIGHT_API DeviceArray {
   std::string deviceUuid() const;  // 32 hex digits
   // The renderer reuses memory. An importer may attach an object, which is released together with the memory, and a
   // callback, which is called before the renderer renders to the memory again, for example to wait for readers.
-  std::shared_ptr<void>& import() const;
+  void attach(std::shared_ptr<void> object) const;
+  std::shared_ptr<void> attached() const;  // null if nothing is
   void beforeReuse(std::function<void()> call) const;
 
  private:

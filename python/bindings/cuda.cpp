@@ -174,13 +174,13 @@ class Imported {
 }  // namespace
 
 CudaPlace cudaPlaceOf(const DeviceArray& array) {
-  std::shared_ptr<void>& kept = array.import();
-  if (!kept) {
+  if (!array.attached()) {
     const auto imported = std::make_shared<Imported>(array);
-    array.beforeReuse([imported = imported.get()] { imported->waitForReaders(); });  // called only while `kept` exists
-    kept = imported;
+    // The memory calls this only while it holds `imported`.
+    array.beforeReuse([imported = imported.get()] { imported->waitForReaders(); });
+    array.attach(imported);
   }
-  return static_cast<const Imported*>(kept.get())->place();
+  return static_cast<const Imported*>(array.attached().get())->place();
 }
 
 }  // namespace latelight::python

@@ -381,8 +381,11 @@ uint64_t DeviceArray::memoryBytes() const {
 std::string DeviceArray::deviceUuid() const {
   return impl_->device->info().uuid;
 }
-std::shared_ptr<void>& DeviceArray::import() const {
-  return impl_->memory->import;
+void DeviceArray::attach(std::shared_ptr<void> object) const {
+  impl_->memory->attached = std::move(object);
+}
+std::shared_ptr<void> DeviceArray::attached() const {
+  return impl_->memory->attached;
 }
 void DeviceArray::beforeReuse(std::function<void()> call) const {
   impl_->memory->beforeReuse = std::move(call);

@@ -133,7 +133,8 @@ TEST(DeviceArrays, MemoryIsRenderedToAgainOnceNobodyHasIt) {
   const void* first = depth.host();
   const auto import = std::make_shared<int>(7);
   int calls = 0;
-  depth.import() = import;
+  depth.attach(import);
+  EXPECT_EQ(held.at("depth").attached(), import) << "copies share the memory";
   depth.beforeReuse([&] { ++calls; });
   EXPECT_NE(shop.render(renderer).at("depth").host(), first) << "somebody has it";
   held.clear();

@@ -17,7 +17,7 @@ namespace latelight::render {
 
 struct ExportedMemory {
   vk::Buffer buffer;
-  std::shared_ptr<void> import;       // owned by an importer, released with the memory
+  std::shared_ptr<void> attached;     // owned by an importer, released with the memory
   std::function<void()> beforeReuse;  // called before the memory is rendered to again
 };
 
