@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "scene/edit.h"
+#include "scene/file_frame.h"
 #include "scene/light_types.h"
 #include "scene/vertices.h"
 #include "shared/light.h"
@@ -27,14 +28,7 @@ using glm::vec4;
 
 constexpr double kDegrees = 180.0 / glm::pi<double>();
 
-// --- frames ---------------------------------------------------------------------------------------------------------
-
-dmat4 worldFromFile(const scene::Scene& scene) {
-  return scene.yUp ? scene::toWorldFromGltf() : dmat4(1);
-}
-dmat4 fileFromWorld(const scene::Scene& scene) {
-  return scene.yUp ? scene::toGltfFromWorld() : dmat4(1);
-}
+// --- transforms -----------------------------------------------------------------------------------------------------
 
 vec3 three(const std::array<float, 3>& v) {
   return {v[0], v[1], v[2]};

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "base/parallel.h"
+#include "scene/file_frame.h"
 
 namespace latelight::data {
 
@@ -52,7 +53,7 @@ class Boxes {
         pose_(pose),
         geometry_(geometry),
         toWorld_(scene::instanceTransforms(scene, pose)),
-        fromWorld_(scene.yUp && !zUp ? scene::toGltfFromWorld() : glm::dmat4(1)) {}
+        fromWorld_(zUp ? glm::dmat4(1) : scene::fileFromWorld(scene)) {}
 
   Object around(uint32_t id, const Instances& instances) const {
     Object object{.id = id};

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "scene/file_frame.h"
 
 namespace latelight::scene {
 namespace {
@@ -102,10 +103,6 @@ bool finite(dvec3 v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-dvec3 toWorld(const Scene& scene, dvec3 v) {
-  return scene.yUp ? dvec3(v.x, -v.z, v.y) : v;
-}
-
 }  // namespace
 
 float verticalScale(const Camera& camera, float aspect) {
@@ -145,12 +142,12 @@ Camera orbitCamera(const Scene& scene, float azimuth, float elevation, std::opti
 Camera lookAt(const Scene& scene, dvec3 eye, dvec3 target, std::optional<dvec3> up, float verticalFov) {
   checkFov(verticalFov);
   if (!finite(eye) || !finite(target) || (up && !finite(*up))) badUsage("A camera needs finite coordinates");
-  const dvec3 from = toWorld(scene, eye), direction = toWorld(scene, target) - from;
+  const dvec3 from = worldFromFile(scene, eye), direction = worldFromFile(scene, target) - from;
   const double length = glm::length(direction);
   if (!(length > 0.0))
     badUsage("The camera's eye and target are both ({:g}, {:g}, {:g}): set them apart", eye.x, eye.y, eye.z);
   const dvec3 away = direction / length;
-  dvec3 upward = up ? toWorld(scene, *up) : dvec3(0, 0, 1);
+  dvec3 upward = up ? worldFromFile(scene, *up) : dvec3(0, 0, 1);
   if (!up && glm::length(glm::cross(away, upward)) < 1e-6) upward = dvec3(0, 1, 0);
   const dvec3 right = glm::cross(away, upward);
   if (!(glm::length(right) > 1e-6 * glm::length(upward)))

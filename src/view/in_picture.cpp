@@ -52,14 +52,6 @@ std::optional<glm::dvec3> draggedTo(const scene::Camera& camera, glm::uvec2 size
   return glm::dvec3(camera.toWorld * glm::dvec4(to.x, v.y, to.y, 1));
 }
 
-glm::dvec3 fromFile(const scene::Scene& scene, glm::dvec3 v) {
-  return scene.yUp ? glm::dvec3(v.x, -v.z, v.y) : v;
-}
-
-glm::dvec3 toFile(const scene::Scene& scene, glm::dvec3 v) {
-  return scene.yUp ? glm::dvec3(v.x, v.z, -v.y) : v;
-}
-
 scene::Bounds boundsOf(const scene::Scene& scene, uint32_t id) {
   scene::Bounds bounds;
   for (const scene::Instance& instance : scene.instances) {

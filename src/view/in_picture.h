@@ -19,10 +19,6 @@ std::optional<glm::dvec2> pixelOf(const scene::Camera& camera, glm::uvec2 size, 
 // camera.
 std::optional<glm::dvec3> draggedTo(const scene::Camera& camera, glm::uvec2 size, glm::dvec3 from, glm::dvec2 pixel);
 
-// Conversions between the scene file's coordinates and the renderer's world.
-glm::dvec3 fromFile(const scene::Scene& scene, glm::dvec3 v);
-glm::dvec3 toFile(const scene::Scene& scene, glm::dvec3 v);
-
 // Returns the bounds of the instances with this id, at rest.
 scene::Bounds boundsOf(const scene::Scene& scene, uint32_t id);
 

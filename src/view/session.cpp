@@ -12,6 +12,7 @@
 #include "base/log.h"
 #include "output/png.h"
 #include "render/gbuffer/layout.h"
+#include "scene/file_frame.h"
 #include "scene/framing.h"
 #include "scene/light_types.h"
 #include "view/in_picture.h"
@@ -61,7 +62,7 @@ ViewSession::Impl::Impl(const Start& start)
   settings(Side::Left);  // throws if they are invalid
   stage.light(environmentWord());
   if (start.eye && start.target) {
-    const auto world = [&](glm::dvec3 v) { return fromFile(stage.scene(), v); };
+    const auto world = [&](glm::dvec3 v) { return scene::worldFromFile(stage.scene(), v); };
     const double fov = start.fov ? *start.fov * M_PI / 180 : double{scene::kDefaultVerticalFov};
     control.emplace(Viewpoint{world(*start.eye), world(*start.target), fov}, worldBounds(stage.scene()).radius());
   }
@@ -112,7 +113,9 @@ CameraChoice ViewSession::Impl::cameraChoice() const {
   if (!control) return {.camera = state.camera};
   const Viewpoint& view = control->view();
   const double distance = std::max(glm::length(view.target - view.eye), 1e-9);
-  const auto placed = [&](const glm::dvec3& point) { return roundedFor(distance, toFile(stage.scene(), point)); };
+  const auto placed = [&](const glm::dvec3& point) {
+    return roundedFor(distance, scene::fileFromWorld(stage.scene(), point));
+  };
   return {.placed = CameraChoice::Placed{placed(view.eye), placed(view.target), view.verticalFov * 180 / M_PI}};
 }
 
@@ -248,7 +251,7 @@ void ViewSession::Impl::describeLights() {
   state.lights.clear();
   for (const uint32_t i : lights) {
     const scene::Light& light = stage.scene().lights[i];
-    const glm::dvec3 p = toFile(stage.scene(), light.position);
+    const glm::dvec3 p = scene::fileFromWorld(stage.scene(), light.position);
     LightState told{light.name, std::string(scene::lightTypes()[light.type].name), {p.x, p.y, p.z}, {}};
     if (const auto pixel = pixelOf(from, {s.width, s.height}, light.position))
       told.at = {static_cast<float>(pixel->x), static_cast<float>(pixel->y)};

@@ -7,6 +7,7 @@
 #include "output/files.h"
 #include "output/used_files.h"
 #include "scene/edit.h"
+#include "scene/file_frame.h"
 #include "scene/framing.h"
 #include "view/in_picture.h"
 #include "view/session_impl.h"
@@ -58,7 +59,7 @@ void ViewSession::Impl::take(const Input& input) {
                  [&](const Play& wanted) { change([&] { play(wanted.on); }); },
                  [&](const MoveLight& move) {
                    const glm::dvec3 to(move.position[0], move.position[1], move.position[2]);
-                   change([&] { moveLight(lightAt(move.light), fromFile(stage.scene(), to)); });
+                   change([&] { moveLight(lightAt(move.light), scene::worldFromFile(stage.scene(), to)); });
                  },
                  [&](const DragLight& drag) { change([&] {
                                                 dragLight(lightAt(drag.light), {drag.x, drag.y});

@@ -1,6 +1,7 @@
 // Splits, outlines and dragged objects, by known pixels.
 #include <gtest/gtest.h>
 
+#include "scene/file_frame.h"
 #include "scene/framing.h"
 #include "view/in_picture.h"
 #include "view/outline.h"
@@ -60,17 +61,17 @@ scene::Camera frontal() {
 
 TEST(InPictureTest, PlacesByTheirTangents) {
   scene::Scene empty;
-  const auto at = pixelOf(frontal(), {400, 200}, fromFile(empty, {1, 0.5, 0}));
+  const auto at = pixelOf(frontal(), {400, 200}, scene::worldFromFile(empty, {1, 0.5, 0}));
   ASSERT_TRUE(at);
   const double height = 2 * 5 * std::tan(0.5);
   EXPECT_NEAR(at->x, 200 + 200 / height, 1e-3);
   EXPECT_NEAR(at->y, 100 - 100 / height, 1e-3);
-  EXPECT_FALSE(pixelOf(frontal(), {400, 200}, fromFile(empty, {0, 0, 6}))) << "behind the camera";
+  EXPECT_FALSE(pixelOf(frontal(), {400, 200}, scene::worldFromFile(empty, {0, 0, 6}))) << "behind the camera";
 }
 
 TEST(InPictureTest, WhatIsDraggedIsWhereItWasDraggedTo) {
   scene::Scene empty;
-  const glm::vec3 from = fromFile(empty, {1, 0.5, -2});
+  const glm::vec3 from = scene::worldFromFile(empty, {1, 0.5, -2});
   const auto to = draggedTo(frontal(), {400, 200}, from, {37, 150});
   ASSERT_TRUE(to);
   EXPECT_NEAR(to->y, from.y, 1e-4) << "at its own depth";

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "scene/builtin/exact_math.h"
+#include "scene/file_frame.h"
 
 namespace latelight::data {
 
@@ -26,7 +27,7 @@ std::vector<uint32_t> instancesBelow(const scene::Scene& scene, const std::strin
 
 Aabb boxOf(const scene::Scene& scene, const std::vector<uint32_t>& instances, const std::string& path) {
   Aabb box;
-  const glm::dmat4 toFile = scene.yUp ? scene::toGltfFromWorld() : glm::dmat4(1);
+  const glm::dmat4 toFile = scene::fileFromWorld(scene);
   for (const uint32_t number : instances) {
     const scene::Mesh& mesh = scene.meshes[scene.instances[number].mesh];
     if (mesh.positions.empty()) continue;

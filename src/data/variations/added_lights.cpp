@@ -6,10 +6,10 @@
 
 #include "base/error.h"
 #include "data/variations/draws.h"
-#include "data/variations/frames.h"
 #include "data/variations/temperature.h"
 #include "data/variations/variation.h"
 #include "scene/builtin/exact_math.h"
+#include "scene/file_frame.h"
 #include "scene/light_types.h"
 #include "shared/light.h"
 

@@ -5,10 +5,10 @@
 
 #include "base/error.h"
 #include "data/variations/draws.h"
-#include "data/variations/frames.h"
 #include "data/variations/pattern.h"
 #include "data/variations/temperature.h"
 #include "data/variations/variation.h"
+#include "scene/file_frame.h"
 
 namespace latelight::data {
 

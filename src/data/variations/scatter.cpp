@@ -13,6 +13,7 @@
 #include "data/variations/pattern.h"
 #include "data/variations/surface.h"
 #include "data/variations/variation.h"
+#include "scene/file_frame.h"
 
 namespace latelight::data {
 

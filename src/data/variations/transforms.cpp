@@ -9,6 +9,7 @@
 #include "data/variations/frames.h"
 #include "data/variations/pattern.h"
 #include "data/variations/variation.h"
+#include "scene/file_frame.h"
 
 namespace latelight::data {
 

@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "render/frame/view.h"
 #include "render/gbuffer/layout.h"
+#include "scene/file_frame.h"
 
 namespace latelight::render {
 
@@ -63,8 +64,8 @@ glm::dmat4 openCvPose(const scene::Camera& camera, const scene::Scene& scene, bo
 }
 
 glm::dmat4 toWorldFromOpenCv(const glm::dmat4& pose, const scene::Scene& scene) {
-  const glm::dmat4 axes = scene.yUp ? scene::toWorldFromGltf() : glm::dmat4(1.0);
-  return axes * pose * glm::transpose(viewFromOpenCv());  // a rotation: its transpose is its inverse
+  return scene::worldFromFile(scene) * pose *
+         glm::transpose(viewFromOpenCv());  // a rotation: its transpose is its inverse
 }
 
 }  // namespace latelight::render
