@@ -97,7 +97,7 @@ ResultFolder::ResultFolder(const std::filesystem::path& path, const std::string&
   checkWritable(path / (study + ".json"));
   for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error)) {
     const std::string ending = entry->path().extension().string();
-    const bool isResult = ending == ".csv" || ending == ".json" || ending == ".png" || ending == ".gnuplot";
+    const bool isResult = ending == ".csv" || ending == ".json" || ending == ".png" || ending == ".svg";
     if (isResult && entry->path().filename().string().starts_with(study)) checkWritable(entry->path());
   }
 }
@@ -110,7 +110,8 @@ void writeAll(const std::filesystem::path& folder, const Arguments& a, const stu
   for (const study::Table& table : result.tables) writeText(folder / (table.name + ".csv"), study::toCsv(table));
   for (const study::NamedPicture& picture : result.pictures)
     output::writePicture(folder / (picture.name + ".png"), picture.picture);
-  for (const study::NamedFile& file : study::drawPlots(result.plots)) writeFile(folder / file.name, file.bytes);
+  for (const study::Plot& plot : result.plots)
+    if (const std::string svg = study::svgOf(plot); !svg.empty()) writeText(folder / (plot.name + ".svg"), svg);
   writeText(folder / (a.name + ".json"), toJson(a, result).dump(1) + "\n");
 }
 

@@ -7,13 +7,16 @@
 #include <numeric>
 
 #include "report/html.h"
+#include "study/svg.h"
 
 namespace latelight::report {
 
 namespace {
 
-constexpr size_t kColors = 8;  // the style sheet has .part0 ... .part7; curves also differ by dashes
-constexpr double kWidth = 760, kNames = 150, kRight = 24;
+using study::kCurveStyles;  // the style sheet has .part0 ... .part7
+using study::svgRule, study::svgText;
+
+constexpr double kWidth = study::PlotDrawing::kWidth, kNames = 150, kRight = 24;
 
 std::string svg(double height, const std::string& title, const std::string& body) {
   return fmt::format(
@@ -23,21 +26,12 @@ std::string svg(double height, const std::string& title, const std::string& body
       kWidth, height, escaped(title), body);
 }
 
-std::string svgText(double x, double y, const char* anchor, std::string_view text) {
-  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", x, y, anchor, escaped(text));
-}
-
-std::string rule(double x1, double y1, double x2, double y2) {
-  return fmt::format("<line class=\"rule\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\"/>\n", x1, y1, x2,
-                     y2);
-}
-
 // The legend is HTML outside the SVG, so that its text wraps and can be copied.
 std::string legend(const std::vector<std::string>& names, const char* shape) {
   std::string items;
   for (size_t i = 0; i < names.size(); ++i)
     items += fmt::format("<li><svg class=\"swatch {}\" viewBox=\"0 0 24 12\" aria-hidden=\"true\">{}</svg>{}</li>\n",
-                         fmt::format("part{}", i % kColors), shape, escaped(names[i]));
+                         fmt::format("part{}", i % kCurveStyles), shape, escaped(names[i]));
   return "<ul class=\"legend\">\n" + items + "</ul>\n";
 }
 
@@ -56,7 +50,7 @@ std::string barRow(const BarChart& chart, const BarChart::Bar& bar, double y, do
         "<rect class=\"part{}\" x=\"{:.2f}\" y=\"{:.1f}\" width=\"{:.2f}\" height=\"18\"><title>{}, {}: {:.3g} "
         "{}</title>"
         "</rect>\n",
-        i % kColors, x, y, bar.values[i] * scale, escaped(bar.name), escaped(chart.parts[i]), bar.values[i],
+        i % kCurveStyles, x, y, bar.values[i] * scale, escaped(bar.name), escaped(chart.parts[i]), bar.values[i],
         escaped(chart.unit));
     x += bar.values[i] * scale;
   }
@@ -65,26 +59,6 @@ std::string barRow(const BarChart& chart, const BarChart::Bar& bar, double y, do
 
 double sumOf(const BarChart::Bar& bar) {
   return std::accumulate(bar.values.begin(), bar.values.end(), 0.0);
-}
-
-// The powers of ten that enclose positive values.
-struct Decades {
-  double low = 1e300, high = 1e-300;
-  void add(double value) {
-    low = std::min(low, std::pow(10, std::floor(std::log10(value))));
-    high = std::max(high, std::pow(10, std::ceil(std::log10(value))));
-  }
-  double at(double value) const { return high > low ? std::log10(value / low) / std::log10(high / low) : 0.5; }
-};
-
-std::string decadeRules(const Decades& across, const Decades& up, const auto& xOf, const auto& yOf, double bottom) {
-  std::string html;
-  for (double x = across.low; x <= across.high * 1.01; x *= 10)
-    html += rule(xOf(x), yOf(up.low), xOf(x), yOf(up.high)) + svgText(xOf(x), bottom, "middle", fmt::format("{:g}", x));
-  for (double y = up.low; y <= up.high * 1.01; y *= 10)
-    html += rule(xOf(across.low), yOf(y), xOf(across.high), yOf(y)) +
-            svgText(kNames / 2 - 6, yOf(y) + 4, "end", fmt::format("{:g}", y));
-  return html;
 }
 
 bool isNumber(const study::Table& table, size_t column) {
@@ -109,7 +83,7 @@ std::string toHtml(const BarChart& chart) {
   const double bottom = 26.0 * static_cast<double>(chart.bars.size());
   std::string body;
   for (double value = 0; value <= most * 1.001; value += step)
-    body += rule(kNames + value * scale, 0, kNames + value * scale, bottom) +
+    body += svgRule(kNames + value * scale, 0, kNames + value * scale, bottom) +
             svgText(kNames + value * scale, bottom + 18, "middle", fmt::format("{:g}", value));
   body += svgText(kNames - 8, bottom + 18, "end", chart.unit);
   for (size_t i = 0; i < chart.bars.size(); ++i) body += barRow(chart, chart.bars[i], 26.0 * double(i) + 2, scale);
@@ -117,29 +91,10 @@ std::string toHtml(const BarChart& chart) {
 }
 
 std::string toHtml(const study::Plot& plot) {
-  constexpr double kTop = 24, kBottom = 340;
-  Decades across, up;
-  const auto shows = [](const study::Sample& s) { return s.x > 0 && s.y > 0; };
-  for (const study::Curve& curve : plot.curves)
-    for (const study::Sample& s : curve.samples)
-      if (shows(s)) across.add(s.x), up.add(s.y);
-  if (across.low > across.high) return "";
-  const auto xOf = [&](double x) { return kNames / 2 + across.at(x) * (kWidth - kNames / 2 - kRight); };
-  const auto yOf = [&](double y) { return kBottom - up.at(y) * (kBottom - kTop); };
-  std::string body = decadeRules(across, up, xOf, yOf, kBottom + 18);
-  body += svgText(4, 14, "start", plot.yLabel) + svgText(kWidth - kRight, kBottom + 36, "end", plot.xLabel);
-  std::vector<std::string> names;
-  for (const study::Curve& curve : plot.curves) {
-    std::string points;
-    for (const study::Sample& s : curve.samples)
-      if (shows(s)) points += fmt::format("{:.1f},{:.1f} ", xOf(s.x), yOf(s.y));
-    if (points.empty()) continue;
-    body += fmt::format("<polyline class=\"part{}\" points=\"{}\"><title>{}</title></polyline>\n",
-                        names.size() % kColors, points, escaped(curve.name));
-    names.push_back(curve.name);
-  }
-  return fmt::format("<h3>{}</h3>\n", escaped(plot.title)) + legend(names, "<polyline points=\"0,6 24,6\"/>") +
-         svg(kBottom + 44, plot.title, body);
+  const study::PlotDrawing drawing = study::drawPlot(plot);
+  if (drawing.elements.empty()) return "";
+  return fmt::format("<h3>{}</h3>\n", escaped(plot.title)) + legend(drawing.curves, "<polyline points=\"0,6 24,6\"/>") +
+         svg(study::PlotDrawing::kHeight, plot.title, drawing.elements);
 }
 
 std::string toHtml(const study::Table& table, const std::string& caption) {

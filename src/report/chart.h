@@ -1,4 +1,4 @@
-// Charts as SVG. A table of the same numbers follows each chart, as its description says.
+// Charts as SVG inside HTML. A table of the same numbers follows each chart, as its description says.
 #pragma once
 
 #include <string>

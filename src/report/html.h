@@ -8,11 +8,13 @@
 #include <string_view>
 
 #include "output/aov.h"
+#include "study/svg.h"
 
 namespace latelight::report {
 
+using study::escaped;
+
 std::string_view webFile(std::string_view name);  // a file of web/report
-std::string escaped(std::string_view text);       // for text and for attributes in double quotes
 std::string base64(std::span<const std::byte> bytes);
 
 // Returns an image with a text alternative and a caption in HTML. `id` is that of the <img>.

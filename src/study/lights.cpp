@@ -453,7 +453,7 @@ class LightStudy {
       Plot plot{fmt::format("lights-vs-{}", axis.sweep),
                 fmt::format("{} against {}, {}", axis.of, axis.unit, device_.info().name),
                 axis.unit,
-                "milliseconds a frame",
+                "milliseconds per frame",
                 {}};
       for (const TechniqueInfo& technique : render::techniques())
         plot.curves.push_back({technique.name, samplesOf(axis, technique)});
@@ -462,7 +462,7 @@ class LightStudy {
     Plot each{"lights-each",
               fmt::format("One more light that reaches everything, {}", device_.info().name),
               "triangles",
-              "milliseconds a light",
+              "milliseconds per light",
               {}};
     for (const TechniqueInfo& technique : render::techniques())
       each.curves.push_back({technique.name, costOfALight(gridOf(technique))});

@@ -1,154 +1,137 @@
 #include "study/plot.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <memory>
-#include <span>
-#include <system_error>
+#include <cmath>
 
-#include "base/log.h"
-
-extern char** environ;
+#include "study/svg.h"
 
 namespace latelight::study {
 
 namespace {
 
-// Okabe and Ito's colors are distinguishable with any color vision. Point types differ as well.
-constexpr std::array kColors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
+constexpr double kPlotLeft = 75, kPlotRight = PlotDrawing::kWidth - 24, kPlotTop = 24, kPlotBottom = 340;
 
-std::string inQuotes(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+bool isDrawable(const Sample& sample) {
+  return sample.x > 0 && sample.y > 0;
+}
+
+// The powers of ten that enclose positive values.
+struct Decades {
+  double low = 1e300, high = 1e-300;
+  void add(double value) {
+    low = std::min(low, std::pow(10, std::floor(std::log10(value))));
+    high = std::max(high, std::pow(10, std::ceil(std::log10(value))));
   }
-  return result + '"';
-}
-
-bool drawable(const Curve& curve) {
-  return std::any_of(curve.samples.begin(), curve.samples.end(), [](const Sample& s) { return s.x > 0 && s.y > 0; });
-}
-
-// --- running gnuplot -------------------------------------------------------------------------------------------------
-
-struct Close {
-  void operator()(std::FILE* file) const { std::fclose(file); }
+  // 0 at `low`, 1 at `high`
+  double at(double value) const { return high > low ? std::log10(value / low) / std::log10(high / low) : 0.5; }
 };
 
-struct Drawn {
-  std::vector<std::byte> png;
-  std::string problem;  // the error message; empty: none
+struct PlotAxes {
+  Decades across, up;
+  double x(double value) const { return kPlotLeft + across.at(value) * (kPlotRight - kPlotLeft); }
+  double y(double value) const { return kPlotBottom - up.at(value) * (kPlotBottom - kPlotTop); }
 };
 
-std::vector<std::byte> readToEnd(int from) {
-  std::vector<std::byte> bytes;
-  std::array<std::byte, 1 << 14> part;
-  for (;;) {
-    const ssize_t got = read(from, part.data(), part.size());
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return bytes;
-    bytes.insert(bytes.end(), part.begin(), part.begin() + got);
-  }
+// "0.01", "10", "1k", "10M"
+std::string tickText(double value) {
+  constexpr std::array<std::pair<double, char>, 3> kPrefixes{{{1e9, 'G'}, {1e6, 'M'}, {1e3, 'k'}}};
+  for (const auto& [factor, letter] : kPrefixes)
+    if (value > factor * 0.999) return fmt::format("{:g}{}", value / factor, letter);
+  return fmt::format("{:g}", value);
 }
 
-// Starts gnuplot with `input` as standard input and `output` as standard output, and closes `output`. Returns 0 or
-// errno.
-int spawnGnuplot(int input, int output, pid_t& child) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  char name[] = "gnuplot";
-  char* const arguments[] = {name, nullptr};
-  const int error = posix_spawnp(&child, name, &actions, nullptr, arguments, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  close(output);
-  return error;
+std::string gridOf(const PlotAxes& axes) {
+  const auto& [across, up] = axes;
+  std::string svg;
+  for (double x = across.low; x <= across.high * 1.01; x *= 10)
+    svg += svgRule(axes.x(x), axes.y(up.low), axes.x(x), axes.y(up.high)) +
+           svgText(axes.x(x), kPlotBottom + 18, "middle", tickText(x));
+  for (double y = up.low; y <= up.high * 1.01; y *= 10)
+    svg += svgRule(axes.x(across.low), axes.y(y), axes.x(across.high), axes.y(y)) +
+           svgText(kPlotLeft - 6, axes.y(y) + 4, "end", tickText(y));
+  return svg;
 }
 
-// Passes the script in a file instead of a pipe, so that no deadlock is possible, regardless of sizes.
-Drawn runGnuplot(const std::string& script) {
-  const std::unique_ptr<std::FILE, Close> file(std::tmpfile());
-  int ends[2];
-  if (!file || std::fwrite(script.data(), 1, script.size(), file.get()) != script.size() ||
-      std::fflush(file.get()) != 0 || pipe2(ends, O_CLOEXEC) != 0)
-    return {{}, fmt::format("its script can't be given to it: {}", std::generic_category().message(errno))};
-  lseek(fileno(file.get()), 0, SEEK_SET);
-  pid_t child = 0;
-  const int error = spawnGnuplot(fileno(file.get()), ends[1], child);
-  Drawn drawn;
-  if (error == 0) {
-    drawn.png = readToEnd(ends[0]);
-    int status = 0;
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
-    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || drawn.png.empty()) drawn.problem = "it failed";
-  } else if (error == ENOENT) {
-    drawn.problem = "it is not installed (Debian's package is gnuplot-nox)";
-  } else {
-    drawn.problem = std::generic_category().message(error);
+// Returns an empty text if the curve has no sample that can be drawn.
+std::string curveOf(const Curve& curve, const PlotAxes& axes, size_t style) {
+  std::string points, dots;
+  for (const Sample& sample : curve.samples) {
+    if (!isDrawable(sample)) continue;
+    const double x = axes.x(sample.x), y = axes.y(sample.y);
+    points += fmt::format("{:.1f},{:.1f} ", x, y);
+    dots += fmt::format("<circle class=\"part{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\"/>\n", style, x, y);
   }
-  close(ends[0]);
-  return drawn;
+  if (points.empty()) return "";
+  return fmt::format("<polyline class=\"part{}\" points=\"{}\"><title>{}</title></polyline>\n", style, points,
+                     escaped(curve.name)) +
+         dots;
+}
+
+// Okabe and Ito's colors, which are distinguishable with any color vision, and dashes: those of the light theme in
+// web/report/style.css.
+struct Style {
+  const char *color, *dashes;
+};
+constexpr std::array<Style, kCurveStyles> kStyles{{{"#0072b2", "none"},
+                                                   {"#d55e00", "9 3"},
+                                                   {"#009e73", "3 3"},
+                                                   {"#cc79a7", "12 3 3 3"},
+                                                   {"#e69f00", "6 6"},
+                                                   {"#56b4e9", "2 5"},
+                                                   {"#6b4fa0", "15 4"},
+                                                   {"#8a8f96", "9 3 2 3 2 3"}}};
+
+std::string styleSheet() {
+  std::string css =
+      "text { fill: #1c1e21; font: 12px sans-serif; } .title { font-size: 15px; } .rule { stroke: #d4d8dd; }\n"
+      "polyline { fill: none; stroke-width: 2.5; } circle { stroke: none; }\n";
+  for (size_t i = 0; i < kStyles.size(); ++i)
+    css += fmt::format("polyline.part{0} {{ stroke: {1}; stroke-dasharray: {2}; }} circle.part{0} {{ fill: {1}; }}\n",
+                       i, kStyles[i].color, kStyles[i].dashes);
+  return css;
 }
 
 }  // namespace
 
-std::string gnuplotScript(const Plot& plot) {
-  std::string text = "# Draws itself: gnuplot FILE > picture.png\n";
-  text +=
-      "if (strstrt(GPVAL_TERMINALS, \"pngcairo\")) {\n"
-      "  set terminal pngcairo noenhanced size 880,560 font \"sans,11\"\n"
-      "} else {\n"
-      "  set terminal png noenhanced size 880,560\n"
-      "}\n";
-  text += fmt::format("set title {}\nset xlabel {}\nset ylabel {}\n", inQuotes(plot.title), inQuotes(plot.xLabel),
-                      inQuotes(plot.yLabel));
-  text +=
-      "set logscale xy\nset format x \"%.0s%c\"\nset format y \"%g\"\nset grid xtics ytics lt 1 lw 0.5 lc rgb "
-      "\"#cccccc\"\n"
-      "set key outside right top\n";
-  std::string lines;
-  size_t number = 0;
+PlotDrawing drawPlot(const Plot& plot) {
+  PlotAxes axes;
+  for (const Curve& curve : plot.curves)
+    for (const Sample& sample : curve.samples)
+      if (isDrawable(sample)) axes.across.add(sample.x), axes.up.add(sample.y);
+  if (axes.across.low > axes.across.high) return {};
+  PlotDrawing drawing;
+  drawing.elements =
+      gridOf(axes) + svgText(4, 14, "start", plot.yLabel) + svgText(kPlotRight, kPlotBottom + 36, "end", plot.xLabel);
   for (const Curve& curve : plot.curves) {
-    if (!drawable(curve)) continue;
-    text += fmt::format("$curve{} << EOD\n", number);
-    for (const Sample& s : curve.samples)
-      if (s.x > 0 && s.y > 0) text += fmt::format("{} {}\n", s.x, s.y);
-    text += "EOD\n";
-    lines += fmt::format("{}$curve{} using 1:2 with linespoints lw 2 ps 1.2 pt {} lc rgb \"{}\" title {}",
-                         number ? ", \\\n  " : "", number, number + 4, kColors[number % kColors.size()],
-                         inQuotes(curve.name));
-    ++number;
+    const std::string drawn = curveOf(curve, axes, drawing.curves.size() % kCurveStyles);
+    if (drawn.empty()) continue;
+    drawing.elements += drawn;
+    drawing.curves.push_back(curve.name);
   }
-  return number ? text + "plot " + lines + "\n" : text;
+  return drawing;
 }
 
-std::vector<NamedFile> drawPlots(const std::vector<Plot>& plots) {
-  std::vector<NamedFile> files;
-  for (const Plot& plot : plots) {
-    if (std::none_of(plot.curves.begin(), plot.curves.end(), drawable)) continue;
-    const std::string script = gnuplotScript(plot);
-    const auto bytes = std::as_bytes(std::span(script));
-    files.push_back({plot.name + ".gnuplot", {bytes.begin(), bytes.end()}});
-    Drawn drawn = runGnuplot(script);
-    if (drawn.problem.empty())
-      files.push_back({plot.name + ".png", std::move(drawn.png)});
-    else
-      warn("gnuplot cannot draw the plots: {}; its scripts are next to the tables", drawn.problem);
+std::string svgOf(const Plot& plot) {
+  constexpr double kLegend = 180, kTitle = 30, kLine = 20;
+  const PlotDrawing drawing = drawPlot(plot);
+  if (drawing.elements.empty()) return "";
+  std::string legend;
+  for (size_t i = 0; i < drawing.curves.size(); ++i) {
+    const double y = kPlotTop + kLine * static_cast<double>(i);
+    legend += fmt::format("<polyline class=\"part{0}\" points=\"{1},{2} {3},{2}\"/>\n", i % kCurveStyles,
+                          PlotDrawing::kWidth, y, PlotDrawing::kWidth + 30) +
+              svgText(PlotDrawing::kWidth + 38, y + 4, "start", drawing.curves[i]);
   }
-  return files;
+  return fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\">\n"
+      "<title>{2}</title>\n<style>\n{3}</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n"
+      "<text class=\"title\" x=\"{4}\" y=\"20\" text-anchor=\"middle\">{2}</text>\n"
+      "<g transform=\"translate(0 {5})\">\n{6}{7}</g>\n</svg>\n",
+      PlotDrawing::kWidth + kLegend, PlotDrawing::kHeight + kTitle, escaped(plot.title), styleSheet(),
+      (PlotDrawing::kWidth + kLegend) / 2, kTitle, drawing.elements, legend);
 }
 
 }  // namespace latelight::study

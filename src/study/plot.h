@@ -1,4 +1,4 @@
-// Plots by gnuplot, which runs as a program. The script is saved next to the image, and can redraw it anywhere.
+// Plots of curves on logarithmic axes as SVG: as files of their own, and as parts of HTML pages.
 #pragma once
 
 #include <cstddef>
@@ -9,27 +9,29 @@
 
 namespace latelight::study {
 
-struct NamedFile {
-  std::string name;
-  std::vector<std::byte> bytes;
-};
-
 struct Curve {
   std::string name;
-  std::vector<Sample> samples;
+  std::vector<Sample> samples;  // only positive ones are drawn
 };
 
-// Curves on logarithmic axes.
 struct Plot {
-  std::string name;  // base name of its files
+  std::string name;  // base name of its file
   std::string title, xLabel, yLabel;
   std::vector<Curve> curves;
 };
 
-// Returns the script from which gnuplot 5 writes a PNG to its standard output. The same plot produces the same text.
-std::string gnuplotScript(const Plot& plot);
+// The elements of a plot without its title and legend. The element of curve i has the class part{i % kCurveStyles},
+// whose color and dashes the document defines; the grid has the class rule.
+struct PlotDrawing {
+  static constexpr double kWidth = 760, kHeight = 384;
+  std::string elements;             // empty if no curve has a sample that can be drawn
+  std::vector<std::string> curves;  // names of the curves that are drawn, in order
+};
+inline constexpr size_t kCurveStyles = 8;
+PlotDrawing drawPlot(const Plot& plot);
 
-// Returns NAME.gnuplot for each plot, and NAME.png if gnuplot is installed; warns if it is absent or fails.
-std::vector<NamedFile> drawPlots(const std::vector<Plot>& plots);
+// Returns a document with title and legend, or an empty text if no curve has a sample that can be drawn. The same plot
+// produces the same text.
+std::string svgOf(const Plot& plot);
 
 }  // namespace latelight::study

@@ -196,32 +196,30 @@ TEST(SweepLine, GrowsAsItGrewLast) {
   EXPECT_NEAR(*line.expected(4000), 16'000, 1e-6);
 }
 
-TEST(Gnuplot, GetsTheSameScriptForTheSamePlot) {
-  const Plot plot{"p",
-                  "a \"title\"\nof two",
-                  "lights",
-                  "ms",
-                  {{"one", {{1, 2}, {10, 20.5}}}, {"gone", {{1, 0}}}, {"two_b", {{100, 0.25}, {1000, -1}}}}};
-  const std::string script = gnuplotScript(plot);
-  EXPECT_EQ(script, gnuplotScript(plot));
-  EXPECT_THAT(script, HasSubstr("set title \"a \\\"title\\\" of two\"\n"));
-  EXPECT_THAT(script, HasSubstr("$curve0 << EOD\n1 2\n10 20.5\nEOD\n$curve1 << EOD\n100 0.25\nEOD\n"));
-  EXPECT_THAT(script, HasSubstr("plot $curve0 using 1:2"));
-  EXPECT_THAT(script, HasSubstr("title \"one\", \\\n  $curve1"));
-  EXPECT_THAT(script, testing::Not(HasSubstr("gone")));
+// The axes run from 1 to 100 lights (x from 75 to 736) and from 1 to 10 ms (y from 340 to 24).
+TEST(PlotSvg, PutsSamplesBetweenTheirPowersOfTen) {
+  const Plot plot{
+      "p",
+      "a <title> & \"more\"",
+      "lights",
+      "ms",
+      {{"one", {{1, 1}, {10, 10}, {100, std::sqrt(10.0)}}}, {"gone", {{1, 0}}}, {"two", {{10, 1}, {10, -1}}}}};
+  const std::string svg = svgOf(plot);
+  EXPECT_EQ(svg, svgOf(plot));
+  EXPECT_THAT(svg, HasSubstr("<title>a &lt;title&gt; &amp; &quot;more&quot;</title>"));
+  EXPECT_THAT(svg, HasSubstr("class=\"part0\" points=\"75.0,340.0 405.5,24.0 736.0,182.0 \"><title>one</title>"));
+  EXPECT_THAT(svg, HasSubstr("<circle class=\"part1\" cx=\"405.5\" cy=\"340.0\" r=\"3.5\"/>\n"));
+  EXPECT_THAT(svg, testing::Not(HasSubstr("gone")));
+  EXPECT_EQ(drawPlot(plot).curves, (std::vector<std::string>{"one", "two"}));
 }
 
-TEST(Gnuplot, KeepsTheScriptWhetherOrNotItDraws) {
-  const std::vector<Plot> plots{{"p", "t", "x", "y", {{"c", {{1, 2}, {10, 20}}}}}, {"empty", "t", "x", "y", {}}};
-  const std::vector<NamedFile> files = drawPlots(plots);
-  ASSERT_FALSE(files.empty());
-  EXPECT_EQ(files[0].name, "p.gnuplot");
-  const std::string path = std::getenv("PATH");
-  setenv("PATH", "/nowhere", 1);
-  const std::vector<NamedFile> without = drawPlots(plots);
-  setenv("PATH", path.c_str(), 1);
-  ASSERT_EQ(without.size(), 1u);
-  EXPECT_EQ(without[0].bytes, files[0].bytes);
+TEST(PlotSvg, LabelsPowersOfTenWithPrefixes) {
+  const std::string svg = svgOf({"p", "t", "x", "y", {{"c", {{1000, 0.01}, {1e6, 0.1}}}}});
+  for (const char* tick : {">1k<", ">10k<", ">100k<", ">1M<", ">0.01<", ">0.1<"}) EXPECT_THAT(svg, HasSubstr(tick));
+}
+
+TEST(PlotSvg, IsEmptyWithoutPositiveSamples) {
+  EXPECT_EQ(svgOf({"p", "t", "x", "y", {{"c", {{1, 0}, {-1, 1}}}}}), "");
 }
 
 }  // namespace
