@@ -178,7 +178,7 @@ void GlWindow::end() {
 }
 
 // Both the bytes and the window are sRGB, so no conversion is needed.
-void GlWindow::setPicture(const view::Frame& frame) {
+void GlWindow::setPicture(const view::SessionFrame& frame) {
   makeCurrent();
   glBindTexture(GL_TEXTURE_2D, texture_);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);

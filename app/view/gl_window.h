@@ -44,7 +44,7 @@ class GlWindow {
 
   void begin();  // ImGui's functions draw into this window until end()
   void end();
-  void setPicture(const view::Frame& frame);
+  void setPicture(const view::SessionFrame& frame);
   ImTextureID picture() const { return reinterpret_cast<ImTextureID>(static_cast<intptr_t>(texture_)); }
 
  private:

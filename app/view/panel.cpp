@@ -197,7 +197,7 @@ void plot(const std::string& name, const std::deque<float>& values, const char* 
   ImGui::PlotLines(("##" + name).c_str(), all.data(), static_cast<int>(all.size()), 0, title, 0, FLT_MAX, size);
 }
 
-void drawCosts(const view::State& state, const view::Frame& frame, const PanelMemory& memory) {
+void drawCosts(const view::State& state, const view::SessionFrame& frame, const PanelMemory& memory) {
   line(fmt::format("G-buffer: {} bytes per pixel, {:.1f} MiB", state.bytesPerPixel,
                    1.0 * state.bytesPerPixel * state.width * state.height / (1 << 20)));
   line(fmt::format("{} x {}, {:.1f} ms{}", frame.width, frame.height, frame.milliseconds,
@@ -235,7 +235,7 @@ void drawFiles(const view::State& state, PanelMemory& memory, const Send& send) 
 
 }  // namespace
 
-void TimeHistory::add(const view::Frame& frame) {
+void TimeHistory::add(const view::SessionFrame& frame) {
   constexpr size_t kMax = 120;
   const auto append = [](std::deque<float>& values, double milliseconds) {
     values.push_back(static_cast<float>(milliseconds));
@@ -251,8 +251,8 @@ const std::string& commandOf(const view::State& state, const PanelMemory& memory
   return memory.side == Side::Left ? state.command : state.rightCommand;
 }
 
-void drawPanel(const view::State& state, const view::Frame& frame, PanelMemory& memory, const Send& send, ImVec2 from,
-               ImVec2 size) {
+void drawPanel(const view::State& state, const view::SessionFrame& frame, PanelMemory& memory, const Send& send,
+               ImVec2 from, ImVec2 size) {
   ImGui::SetNextWindowPos(from);
   ImGui::SetNextWindowSize(size);
   if (std::exchange(memory.focuses, false)) ImGui::SetNextWindowFocus();

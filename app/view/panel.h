@@ -20,7 +20,7 @@ struct TimeHistory {
   std::deque<float> pictures;
   std::map<std::string, std::deque<float>> passes;
   double last = 0;
-  void add(const view::Frame& frame);
+  void add(const view::SessionFrame& frame);
 };
 
 // The state of the panel, and its requests to the window.
@@ -36,8 +36,8 @@ struct PanelMemory {
 // Returns the command of the side whose options are shown.
 const std::string& commandOf(const view::State& state, const PanelMemory& memory);
 
-void drawPanel(const view::State& state, const view::Frame& frame, PanelMemory& memory, const Send& send, ImVec2 from,
-               ImVec2 size);
+void drawPanel(const view::State& state, const view::SessionFrame& frame, PanelMemory& memory, const Send& send,
+               ImVec2 from, ImVec2 size);
 void drawHelp(PanelMemory& memory);
 
 }  // namespace latelight::app

@@ -59,7 +59,7 @@ struct Window::Impl {
   GlWindow gl;
   view::SessionThread session;
   std::shared_ptr<const view::State> state;
-  std::shared_ptr<const view::Frame> frame;
+  std::shared_ptr<const view::SessionFrame> frame;
   PanelMemory memory;
   Overlay overlay;
   SunDial sunDial;
@@ -75,7 +75,7 @@ Window::Impl::Impl(const view::Start& start)
       session(start, [] { glfwPostEmptyEvent(); }) {
   const view::SessionThread::News news = session.take();
   state = news.state ? news.state : std::make_shared<view::State>();
-  frame = std::make_shared<view::Frame>();
+  frame = std::make_shared<view::SessionFrame>();
   memory.scene = start.scene, memory.environment = start.environment;
   glfwShowWindow(gl.get());
 }

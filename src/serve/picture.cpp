@@ -52,7 +52,7 @@ std::string encodeJpeg(std::span<const uint8_t> rgba, uint32_t width, uint32_t r
 }
 
 // Opaque pixels are encoded in place, without a copy.
-std::string encodeStrip(const view::Frame& frame, const Strip& strip, int quality) {
+std::string encodeStrip(const view::SessionFrame& frame, const Strip& strip, int quality) {
   const size_t row = size_t{4} * frame.width;
   const auto rgba = std::span(frame.rgba).subspan(row * strip.y, row * strip.rows);
   if (isOpaque(rgba)) return encodeJpeg(rgba, frame.width, strip.rows, quality);
@@ -61,7 +61,7 @@ std::string encodeStrip(const view::Frame& frame, const Strip& strip, int qualit
 
 }  // namespace
 
-std::vector<Strip> encodeStrips(const view::Frame& frame, int quality) {
+std::vector<Strip> encodeStrips(const view::SessionFrame& frame, int quality) {
   const uint32_t rows = rowsOfStrip(frame.height);
   std::vector<Strip> strips;
   for (uint32_t y = 0; y < frame.height; y += rows) strips.push_back({y, std::min(rows, frame.height - y), {}});
@@ -71,7 +71,7 @@ std::vector<Strip> encodeStrips(const view::Frame& frame, int quality) {
   return strips;
 }
 
-uint64_t encodingBytes(const view::Frame& frame) {
+uint64_t encodingBytes(const view::SessionFrame& frame) {
   return tjBufSize(static_cast<int>(frame.width), static_cast<int>(frame.height), TJSAMP_444) + frame.rgba.size();
 }
 

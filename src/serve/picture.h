@@ -16,13 +16,13 @@ struct Strip {
 };
 // Transparent pixels are blended over kBehind, because JPEG has no alpha. `quality`: 1 to 100. From kFullColor on,
 // chroma is not subsampled.
-std::vector<Strip> encodeStrips(const view::Frame& frame, int quality);
+std::vector<Strip> encodeStrips(const view::SessionFrame& frame, int quality);
 constexpr uint8_t kBehind[3] = {24, 26, 30};
 constexpr int kFullColor = 90;
 
 size_t bytesOf(const std::vector<Strip>& strips);
 // An upper bound of the memory for encodeStrips() and a message with its strips: JPEG's upper bound, which is more than
 // twice the size of noise, plus a copy of the pixels.
-uint64_t encodingBytes(const view::Frame& frame);
+uint64_t encodingBytes(const view::SessionFrame& frame);
 
 }  // namespace latelight::serve

@@ -36,7 +36,7 @@ struct Encoded {
   std::vector<Strip> strips;
   MemoryClaim stripsMemory, messageMemory;
 };
-Encoded encode(const view::Frame& frame, const Pace& pace, bool fine) {
+Encoded encode(const view::SessionFrame& frame, const Pace& pace, bool fine) {
   const auto begin = Clock::now();
   MemoryClaim memory(encodingBytes(frame), kPicture);
   int quality = pace.quality(fine);
@@ -201,7 +201,7 @@ void Viewer::Impl::sendNews() {
   Encoded encoded{};
   std::vector<std::string_view> payload;
   if (session->wantsFrame()) session->next();
-  const view::Frame& frame = session->frame();
+  const view::SessionFrame& frame = session->frame();
   const bool fine = frame.final && !session->moves();
   if (frame.width != 0 && (frame.number != pictures || (fine && !isFine))) {
     pictures = frame.number, isFine = fine;

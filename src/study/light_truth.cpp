@@ -112,10 +112,10 @@ double turn(const dvec3& d) {
 }
 
 // The surface's own frame: the normal is Z, and the eye is above +X.
-struct Frame {
+struct ShadingFrame {
   dvec3 x, y, z, eye;
 
-  Frame(const dvec3& normal, const dvec3& toEye) : z(glm::normalize(normal)) {
+  ShadingFrame(const dvec3& normal, const dvec3& toEye) : z(glm::normalize(normal)) {
     const dvec3 along = toEye - z * glm::dot(z, toEye);
     const dvec3 other = std::abs(z.z) < 0.9 ? dvec3(0, 0, 1) : dvec3(1, 0, 0);
     x = glm::length(along) > 1e-7 ? glm::normalize(along) : glm::normalize(glm::cross(other, z));
@@ -149,7 +149,7 @@ struct EnvironmentTruth::Direct {
 };
 
 Bounces::Bounces(const Surface& s, const dvec3& toEye, uint32_t walks) {
-  const Frame frame(dvec3(s.normal), toEye);
+  const ShadingFrame frame(dvec3(s.normal), toEye);
   for (uint32_t i = 0; i < walks; ++i) walk(s, frame.eye, i);
   for (auto& row : cells_)
     for (dvec3& cell : row) cell /= walks;
@@ -228,7 +228,7 @@ dvec3 EnvironmentTruth::sampleLight(double choice, double u, double v) const {
 }
 
 EnvironmentTruth::Direct EnvironmentTruth::direct(const Surface& s, const dvec3& toEye, uint32_t samples) const {
-  const Frame frame(dvec3(s.normal), toEye);
+  const ShadingFrame frame(dvec3(s.normal), toEye);
   Direct result;
   const double alpha = alphaOf(s), nv = frame.eye.z;
   const auto add = [&](const dvec3& l, const dvec3& world) {
@@ -258,7 +258,7 @@ EnvironmentTruth::Direct EnvironmentTruth::direct(const Surface& s, const dvec3&
 }
 
 dvec3 EnvironmentTruth::afterBounces(const Bounces& bounces, const Surface& s, const dvec3& toEye) const {
-  const Frame frame(dvec3(s.normal), toEye);
+  const ShadingFrame frame(dvec3(s.normal), toEye);
   dvec3 light(0), whole(0);
   for (uint32_t y = 0; y < small_.height; ++y) {
     const double polar = (y + 0.5) * kPi / small_.height, sine = std::sin(polar);

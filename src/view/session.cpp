@@ -313,7 +313,7 @@ double ViewSession::patience() const {
   return waits ? std::max(kStill - impl_->sinceTouched(), 0.0) : FileWatch::kSeconds;
 }
 
-const Frame& ViewSession::next() {
+const SessionFrame& ViewSession::next() {
   Impl& i = *impl_;
   const auto make = [&] {
     i.advance();
@@ -340,7 +340,7 @@ const Frame& ViewSession::next() {
   return i.picture;
 }
 
-const Frame& ViewSession::frame() const {
+const SessionFrame& ViewSession::frame() const {
   return impl_->picture;
 }
 

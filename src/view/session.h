@@ -49,8 +49,8 @@ class ViewSession {
   // Returns the seconds after which wantsFrame() may return true without any input; at most 0.5.
   double patience() const;
   // Renders the next picture and waits for the device. After an error, it returns the earlier picture.
-  const Frame& next();
-  const Frame& frame() const;  // the last picture
+  const SessionFrame& next();
+  const SessionFrame& frame() const;  // the last picture
   // Returns true if the next picture is likely to differ: something moves, or did recently.
   bool moves() const;
   const State& state() const;

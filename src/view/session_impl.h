@@ -88,7 +88,7 @@ struct ViewSession::Impl {
   std::optional<CameraControl> control;
   std::vector<uint32_t> lights;  // indices of positional lights in the scene
   State state;
-  Frame picture;
+  SessionFrame picture;
   Stage::Result sides[2];
   std::vector<std::string> validation;
   bool dirty = true, recompose = false;

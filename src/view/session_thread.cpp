@@ -18,7 +18,7 @@ struct SessionThread::Impl {
 
   void run();
   bool waitForWork();
-  void publish(const Frame* made);
+  void publish(const SessionFrame* made);
 
   ViewSession session;
   std::function<void()> wake;
@@ -46,10 +46,10 @@ bool SessionThread::Impl::waitForWork() {
   return true;
 }
 
-void SessionThread::Impl::publish(const Frame* made) {
+void SessionThread::Impl::publish(const SessionFrame* made) {
   auto state = std::make_shared<const State>(session.state());
   const bool isNew = made && made->number != std::exchange(shown, made->number);
-  auto frame = isNew ? std::make_shared<const Frame>(*made) : nullptr;
+  auto frame = isNew ? std::make_shared<const SessionFrame>(*made) : nullptr;
   {
     std::lock_guard lock(mutex);
     news.state = std::move(state);

@@ -12,8 +12,8 @@ class SessionThread {
  public:
   // The newest state and picture. Newer ones replace those that nobody has taken.
   struct News {
-    std::shared_ptr<const State> state;  // null: unchanged
-    std::shared_ptr<const Frame> frame;  // null: unchanged
+    std::shared_ptr<const State> state;         // null: unchanged
+    std::shared_ptr<const SessionFrame> frame;  // null: unchanged
   };
 
   // Returns when the scene is loaded, and throws like ViewSession. The session's thread calls `wake` whenever take()

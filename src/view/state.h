@@ -71,7 +71,7 @@ struct State {
 };
 
 // A rendered picture of a session.
-struct Frame {
+struct SessionFrame {
   uint32_t width = 0, height = 0;       // in pixels; may be less than requested; 0: no picture yet
   std::vector<uint8_t> rgba;            // sRGB, straight alpha, rows from the top
   uint64_t number = 0;                  // increases whenever pixels change

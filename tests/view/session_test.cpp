@@ -41,7 +41,7 @@ struct Viewer {
   void operator()(const Input& input) { session.input(input); }
   const State& state() const { return session.state(); }
   // Until nothing more is to be done.
-  const Frame& settle() {
+  const SessionFrame& settle() {
     while (session.wantsFrame() || !last || !last->final)
       if (session.wantsFrame())
         last = &session.next();
@@ -50,7 +50,7 @@ struct Viewer {
     return *last;
   }
   ViewSession session;
-  const Frame* last = nullptr;
+  const SessionFrame* last = nullptr;
 };
 
 // Lights, a camera, and few triangles.
@@ -66,7 +66,7 @@ Start small(const std::string& scene = lit()) {
 void expectAsRendered(Viewer& viewer, const std::string& what) {
   SCOPED_TRACE(what + ": " + viewer.state().command);
   const Folder folder;
-  const Frame& frame = viewer.settle();
+  const SessionFrame& frame = viewer.settle();
   EXPECT_THAT(viewer.state().error, IsEmpty());
   const std::string file = rendered(viewer.session.commandLine(), folder.at("rendered.png"));
   const auto png = output::encodePng(output::Picture{frame.width, frame.height, frame.rgba});
@@ -280,12 +280,12 @@ TEST(ViewSessionTest, ADraftComesFirstAndTheWholePictureFollows) {
   Viewer viewer(start);
   viewer(SetNavigation{Navigation::Fly});
   viewer(Key{"w", true});  // held, so that it moves however long the picture takes
-  const Frame& draft = viewer.session.next();
+  const SessionFrame& draft = viewer.session.next();
   EXPECT_FALSE(draft.final);
   EXPECT_LT(draft.width, 640u);
   EXPECT_NEAR(16.0 / 9, 1.0 * draft.width / draft.height, 0.05);
   viewer(Blur{});
-  const Frame& whole = viewer.settle();
+  const SessionFrame& whole = viewer.settle();
   EXPECT_EQ(whole.width, 640u);
   EXPECT_EQ(whole.height, 360u);
 }
@@ -294,10 +294,10 @@ TEST(ViewSessionTest, ADraftComesFirstAndTheWholePictureFollows) {
 TEST(ViewSessionTest, DraftsAreRehearsedUnseenWhileNothingMoves) {
   Viewer viewer(small());
   while (!viewer.session.next().final) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  const Frame whole = viewer.session.frame();
+  const SessionFrame whole = viewer.session.frame();
   EXPECT_EQ(viewer.session.patience(), 0);
   EXPECT_TRUE(viewer.session.wantsFrame());
-  const Frame& settled = viewer.settle();
+  const SessionFrame& settled = viewer.settle();
   EXPECT_FALSE(viewer.session.wantsFrame()) << "once";
   EXPECT_EQ(settled.number, whole.number);
   EXPECT_TRUE(settled.rgba == whole.rgba);
@@ -323,20 +323,20 @@ TEST(ViewSessionTest, EachSideOfASplitIsAsItsCommandLineHasIt) {
   viewer(SetSplit{SetSplit::Slider, 0.5});
   viewer(SetOption{"tonemap", "aces", Side::Right});
   viewer(ShowOutput{"normal", Side::Right});
-  const Frame split = viewer.settle();
+  const SessionFrame split = viewer.settle();
   const Folder folder;
   viewer(Screenshot{folder.at("left.png"), Side::Left});
   viewer(Screenshot{folder.at("right.png"), Side::Right});
   viewer(SetSplit{SetSplit::Slider, 1.0});
-  const Frame left = viewer.settle();
+  const SessionFrame left = viewer.settle();
   viewer(Key{"]", true});
   EXPECT_EQ(viewer.state().split.at, 1.0) << "no further";
   for (int i = 0; i < 50; ++i) viewer(Key{"[", true});
   EXPECT_NEAR(viewer.state().split.at, 0, 1e-9);
   viewer(SetSplit{SetSplit::Slider, 0.0});
-  const Frame right = viewer.settle();
+  const SessionFrame right = viewer.settle();
   for (uint32_t i = 0; i < 96 * 54; ++i) {
-    const Frame& side = i % 96 < 48 ? left : right;
+    const SessionFrame& side = i % 96 < 48 ? left : right;
     ASSERT_TRUE(std::equal(&split.rgba[4 * i], &split.rgba[4 * i] + 4, &side.rgba[4 * i])) << i;
   }
   EXPECT_TRUE(folder.read("left.png") == rendered(viewer.session.commandLine(Side::Left), folder.at("l.png")));
@@ -356,7 +356,7 @@ TEST(ViewSessionTest, ASplitIsLitAlike) {
 TEST(ViewSessionTest, ValuesUnderThePointerAreThoseOfPick) {
   Viewer viewer(small());
   viewer(PointerMove{30.5, 40.5});
-  const Frame frame = viewer.settle();
+  const SessionFrame frame = viewer.settle();
   ASSERT_TRUE(viewer.state().probe);
   const Probe probe = *viewer.state().probe;
   EXPECT_TRUE(std::equal(probe.rgba.begin(), probe.rgba.end(), &frame.rgba[4 * (40 * 96 + 30)]));
@@ -371,12 +371,12 @@ TEST(ViewSessionTest, ValuesUnderThePointerAreThoseOfPick) {
 
 TEST(ViewSessionTest, AClickSelectsAndIsOutlined) {
   Viewer viewer(small());
-  const Frame before = viewer.settle();
+  const SessionFrame before = viewer.settle();
   viewer(PointerMove{30, 40});
   viewer(PointerButton{Button::Left, true});
   viewer(PointerButton{Button::Left, false});
   ASSERT_TRUE(viewer.state().selected);
-  const Frame outlined = viewer.settle();
+  const SessionFrame outlined = viewer.settle();
   EXPECT_FALSE(outlined.rgba == before.rgba);
   viewer(Key{"f", true});
   ASSERT_TRUE(viewer.state().steered) << "the selection is framed";
@@ -390,7 +390,7 @@ TEST(ViewSessionTest, AClickSelectsAndIsOutlined) {
 TEST(ViewSessionTest, KeysPointAtPixelsAndSelect) {
   const auto pixel = [](uint32_t x, uint32_t y) { return std::array<uint32_t, 2>{x, y}; };
   Viewer viewer(small());
-  const Frame before = viewer.settle();
+  const SessionFrame before = viewer.settle();
   const std::string command = viewer.state().command;
   EXPECT_FALSE(viewer.state().crosshair);
   viewer(Key{"p", true});
@@ -474,7 +474,7 @@ TEST(ViewSessionTest, FollowsItsFile) {
   std::filesystem::copy_file(lit(), file);
   Viewer viewer(small(file));
   viewer(Key{"ArrowLeft", true});
-  const Frame before = viewer.settle();
+  const SessionFrame before = viewer.settle();
   std::filesystem::copy_file(modelPath("textured.glb"), file, std::filesystem::copy_options::overwrite_existing);
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(30);
   while (viewer.session.wantsFrame() == false && std::chrono::steady_clock::now() < end)
@@ -515,7 +515,7 @@ TEST(ViewSessionTest, FollowsEachFileOfItsScene) {
   const std::vector<std::string> files = inFiles(modelPath("textured.glb"), folder);
   ASSERT_GT(files.size(), 3u);
   Viewer viewer(small(folder.at("scene.gltf")));
-  const Frame before = viewer.settle();
+  const SessionFrame before = viewer.settle();
   const auto changesBy = [&](const std::string& file, const std::string& bytes) {
     folder.write(file, bytes);
     const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(30);
@@ -556,7 +556,7 @@ TEST(ViewSessionTest, FollowsShadersOfAFolder) {
   write(own);
   const UsedShaders used(folder.path());
   Viewer viewer(small());
-  const Frame before = viewer.settle();
+  const SessionFrame before = viewer.settle();
   const auto follows = [&viewer] {
     const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(30);
     while (!viewer.session.wantsFrame() && std::chrono::steady_clock::now() < end)
@@ -564,7 +564,7 @@ TEST(ViewSessionTest, FollowsShadersOfAFolder) {
     return viewer.settle();
   };
   write(flattened(own));
-  const Frame black = follows();
+  const SessionFrame black = follows();
   EXPECT_EQ(viewer.state().error, "");
   ASSERT_EQ(black.rgba.size(), before.rgba.size());
   for (size_t i = 0; i < black.rgba.size(); i += 4)
@@ -599,7 +599,7 @@ TEST(ViewSessionTest, OpensAnotherScene) {
 TEST(ViewSessionTest, VariantsAreAsTheCommandLineHasThem) {
   Viewer viewer(small(modelPath("intricate.glb").string()));
   ASSERT_THAT(viewer.state().variants, testing::ElementsAre("red", "blue"));
-  const Frame before = viewer.settle();
+  const SessionFrame before = viewer.settle();
   viewer(UseVariant{"blue"});
   EXPECT_EQ(viewer.state().variant, "blue");
   expectAsRendered(viewer, "blue");
@@ -613,7 +613,7 @@ TEST(ViewSessionTest, VariantsAreAsTheCommandLineHasThem) {
 
 TEST(ViewSessionTest, LightsGoWhereTheyAreDragged) {
   Viewer viewer(small());
-  const Frame before = viewer.settle();
+  const SessionFrame before = viewer.settle();
   uint32_t light = 0;
   while (light < viewer.state().lights.size() && !viewer.state().lights[light].at) ++light;
   ASSERT_LT(light, viewer.state().lights.size());
@@ -660,7 +660,7 @@ TEST(ViewSessionTest, FollowsTheFileOfItsEnvironment) {
   start.environment = folder.at("sky.hdr");
   Viewer viewer(start);
   viewer(DragLight{0, 20, 10});
-  const Frame before = viewer.settle();
+  const SessionFrame before = viewer.settle();
   const auto changes = [&](const std::string& bytes) {
     folder.write("sky.hdr", bytes);
     const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(30);
@@ -671,7 +671,7 @@ TEST(ViewSessionTest, FollowsTheFileOfItsEnvironment) {
   EXPECT_FALSE(changes(sky(kTwo)).rgba == before.rgba);
   EXPECT_THAT(viewer.state().error, IsEmpty());
   EXPECT_TRUE(viewer.state().lightsMoved) << "the scene itself stays as it is";
-  const Frame after = changes("no picture");
+  const SessionFrame after = changes("no picture");
   EXPECT_THAT(viewer.state().error, HasSubstr("sky.hdr"));
   EXPECT_FALSE(after.rgba == before.rgba) << "the picture that could be read last";
   EXPECT_TRUE(changes(sky(kOne)).rgba == before.rgba);
@@ -684,7 +684,7 @@ TEST(ViewSessionTest, AnEnvironmentIsGivenWithoutAFileHere) {
   folder.write("sky.hdr", sky);
   Viewer viewer(small("builtin:spheres"));
   viewer(UseEnvironment{folder.at("sky.hdr")});
-  const Frame ofFile = viewer.settle();
+  const SessionFrame ofFile = viewer.settle();
   viewer(UseEnvironment{""});
   viewer(GiveEnvironment{"sky.hdr", std::make_shared<const models::Bytes>(sky)});
   EXPECT_THAT(viewer.state().error, IsEmpty());
@@ -708,7 +708,7 @@ TEST(ViewSessionTest, ALostDeviceIsASentenceAndTheNextPictureBeginsWithANewOne) 
   Start start = small();
   start.device = "cpu";
   ViewSession sound(start);
-  const Frame expected = settled(sound);
+  const SessionFrame expected = settled(sound);
   int losses = 0;
   for (int submission = 1; submission <= 9; submission += 2) {
     DevicesToLose devices;

@@ -209,7 +209,8 @@ Path circleArc(const Axis& axis, double firstTurn, double lastTurn, uint32_t col
   path.columns = columns;
   path.frame = [=](double u) {
     const dvec2 cs = onCircle(firstTurn + (lastTurn - firstTurn) * u);
-    return Frame{axis.origin, axis.from * cs.x + side * cs.y, axis.axis, (lastTurn - firstTurn) * u * kTau * radius};
+    return PathFrame{axis.origin, axis.from * cs.x + side * cs.y, axis.axis,
+                     (lastTurn - firstTurn) * u * kTau * radius};
   };
   return path;
 }
@@ -218,7 +219,7 @@ Path straight(dvec3 from, dvec3 to, dvec3 x, dvec3 y, uint32_t columns) {
   Path path;
   path.columns = columns;
   const double length = glm::length(to - from);
-  path.frame = [=](double u) { return Frame{u >= 1 ? to : from + (to - from) * u, x, y, length * u}; };
+  path.frame = [=](double u) { return PathFrame{u >= 1 ? to : from + (to - from) * u, x, y, length * u}; };
   return path;
 }
 
@@ -235,7 +236,7 @@ std::vector<Patch> sweep(const Profile& profile, const Path& path, const Detail&
     patch.pointV0 = path.closed && run->front().position.x == 0;
     patch.pointV1 = path.closed && run->back().position.x == 0;
     patch.surface = [run, frame = path.frame, scale, tile, rows = patch.rows](double u, double v) {
-      const Frame f = frame(u);
+      const PathFrame f = frame(u);
       const Profile::Point& p = (*run)[static_cast<size_t>(v * rows + 0.5)];
       SurfacePoint point;
       point.position = f.origin + f.x * p.position.x + f.y * p.position.y;

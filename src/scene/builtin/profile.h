@@ -56,7 +56,7 @@ class Profile {
 };
 
 // The frame of a profile along its path: position = origin + x X + y Y. The path runs towards Y x X (cross product).
-struct Frame {
+struct PathFrame {
   dvec3 origin, x, y;
   double length = 0;  // meters along the path, for uv
 };
@@ -65,7 +65,7 @@ struct Path {
   uint32_t columns = 1;
   bool closed = false;
   double wholeTiles = 0;  // length of a closed path in meters, rounded to full tiles to match at the seam
-  std::function<Frame(double u)> frame;
+  std::function<PathFrame(double u)> frame;
 };
 
 // An axis, and the direction from it at which the sweep begins. The sweep rotates from `from` towards cross(axis,

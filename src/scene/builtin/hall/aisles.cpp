@@ -57,7 +57,7 @@ Path ribPath(dvec3 half, uint32_t segments) {
     const dvec3 origin = across * (width * cs.x) + dvec3(0, kArchSpring + half.y * cs.y, 0);
     const dvec3 outward = glm::normalize(across * (half.y * cs.x) + dvec3(0, width * cs.y, 0));
     const dvec3 y = glm::cross(across, dvec3(0, 1, 0));
-    return Frame{origin, outward, y, 0.5 * u * kTau * (width + half.y) / 2};
+    return PathFrame{origin, outward, y, 0.5 * u * kTau * (width + half.y) / 2};
   };
   return path;
 }
