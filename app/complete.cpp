@@ -18,7 +18,7 @@ bool takesValue(const CLI::Option& option) {
 }
 
 // The context of the cursor: the command, and the option whose value is being typed.
-struct Place {
+struct CursorContext {
   const CLI::App* command;
   const CLI::Option* value = nullptr;
   size_t positionals = 0;  // count before the cursor
@@ -30,20 +30,20 @@ const CLI::App* commandNamed(const CLI::App& cli, const std::string& name) {
   return found.empty() ? nullptr : found.front();
 }
 
-Place placeAfter(const CLI::App& cli, std::span<const std::string> words) {
-  Place place{&cli};
+CursorContext cursorAfter(const CLI::App& cli, std::span<const std::string> words) {
+  CursorContext cursor{&cli};
   for (const std::string& word : words) {
-    if (std::exchange(place.value, nullptr)) continue;
+    if (std::exchange(cursor.value, nullptr)) continue;
     if (word.starts_with("-")) {
-      const CLI::Option* option = place.command->get_option_no_throw(word);
-      if (option && takesValue(*option)) place.value = option;
-    } else if (const CLI::App* command = commandNamed(*place.command, word)) {
-      place.command = command;
+      const CLI::Option* option = cursor.command->get_option_no_throw(word);
+      if (option && takesValue(*option)) cursor.value = option;
+    } else if (const CLI::App* command = commandNamed(*cursor.command, word)) {
+      cursor.command = command;
     } else {
-      ++place.positionals;
+      ++cursor.positionals;
     }
   }
-  return place;
+  return cursor;
 }
 
 const render::Option* entryOf(const CLI::Option& option) {
@@ -97,17 +97,17 @@ void addOptions(Completions& all, const CLI::App& command, const std::string& be
 Completions complete(const CLI::App& cli, std::span<const std::string> words) {
   Completions all;
   const std::string begun = words.empty() ? "" : words.back();
-  const Place place = placeAfter(cli, words.first(words.size() - !words.empty()));
-  if (place.value) {
-    addValues(all, *place.command, *place.value, begun);
+  const CursorContext cursor = cursorAfter(cli, words.first(words.size() - !words.empty()));
+  if (cursor.value) {
+    addValues(all, *cursor.command, *cursor.value, begun);
   } else if (begun.starts_with("-")) {
-    addOptions(all, *place.command, begun);
+    addOptions(all, *cursor.command, begun);
   } else {
-    for (const CLI::App* command : place.command->get_subcommands([](const CLI::App*) { return true; }))
+    for (const CLI::App* command : cursor.command->get_subcommands([](const CLI::App*) { return true; }))
       if (!command->get_group().empty() && command->get_name().starts_with(begun))
         all.words.push_back({command->get_name(), command->get_description()});
-    const auto options = place.command->get_options([](const CLI::Option* o) { return o->get_positional(); });
-    if (place.positionals < options.size()) addValues(all, *place.command, *options[place.positionals], begun);
+    const auto options = cursor.command->get_options([](const CLI::Option* o) { return o->get_positional(); });
+    if (cursor.positionals < options.size()) addValues(all, *cursor.command, *options[cursor.positionals], begun);
   }
   return all;
 }

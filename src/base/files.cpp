@@ -91,7 +91,7 @@ int readAll(int fd, size_t size, std::vector<std::byte>& bytes) {
 }
 
 // The target of a write, and what exists there.
-struct Place {
+struct WriteTarget {
   fs::path path;    // with links resolved
   mode_t mode = 0;  // st_mode; 0: nothing exists there
   uid_t user = 0;   // owner of the existing file
@@ -100,7 +100,7 @@ struct Place {
 };
 
 // Throws Error(Usage) for targets that must not be written to, even if permissions allow it.
-Place findPlace(const fs::path& path) {
+WriteTarget findTarget(const fs::path& path) {
   if (path.empty()) badUsage("can't write to a file without a name; give a file name");
   struct stat status {};
   if (stat(path.c_str(), &status) != 0) {
@@ -126,25 +126,25 @@ Place findPlace(const fs::path& path) {
 
 // Returns 0 or an errno. Copies the attributes of the replaced file to the new file, as far as this user is permitted;
 // set-user-ID and similar bits are dropped.
-int takeOver(int fd, const Place& place) {
+int takeOver(int fd, const WriteTarget& target) {
   constexpr auto kSameUser = static_cast<uid_t>(-1);
   constexpr auto kSameGroup = static_cast<gid_t>(-1);
   struct stat made {};
   if (fstat(fd, &made) != 0) return errno;
-  [[maybe_unused]] const bool user = made.st_uid == place.user || fchown(fd, place.user, kSameGroup) == 0;
-  const bool group = made.st_gid == place.group || fchown(fd, kSameUser, place.group) == 0;
+  [[maybe_unused]] const bool user = made.st_uid == target.user || fchown(fd, target.user, kSameGroup) == 0;
+  const bool group = made.st_gid == target.group || fchown(fd, kSameUser, target.group) == 0;
   // The old group's permissions must not apply to another group.
-  return fchmod(fd, place.mode & (group ? 0777 : 0707)) == 0 ? 0 : errno;
+  return fchmod(fd, target.mode & (group ? 0777 : 0707)) == 0 ? 0 : errno;
 }
 
 // 0 or an errno.
-int replace(const Place& place, std::span<const std::byte> bytes) {
-  TemporaryFile file(place.path, place.mode ? place.mode & 0600 : 0666);
+int replace(const WriteTarget& target, std::span<const std::byte> bytes) {
+  TemporaryFile file(target.path, target.mode ? target.mode & 0600 : 0666);
   if (file.error()) return file.error();
-  if (place.mode)
-    if (const int error = takeOver(file.get(), place)) return error;
+  if (target.mode)
+    if (const int error = takeOver(file.get(), target)) return error;
   if (const int error = writeAll(file.get(), bytes)) return error;
-  return file.become(place.path);
+  return file.become(target.path);
 }
 
 // Returns 0 or an errno. Writes directly to a pipe or a device, which cannot be replaced by renaming.
@@ -208,18 +208,18 @@ void writeFile(const fs::path& path, std::span<const std::byte> bytes) {
     }
     return;
   }
-  const Place place = findPlace(path);
-  const int error = place.isFile() ? replace(place, bytes) : writeInto(path, bytes);
-  if (error == ENXIO && S_ISFIFO(place.mode))
+  const WriteTarget target = findTarget(path);
+  const int error = target.isFile() ? replace(target, bytes) : writeInto(path, bytes);
+  if (error == ENXIO && S_ISFIFO(target.mode))
     badUsage("can't write '{}': it is a pipe without a reader; start the reader first", path.string());
   if (error) failToWrite(path, error);
 }
 
 void checkWritable(const fs::path& path) {
   if (path == "-") return;
-  const Place place = findPlace(path);
-  if (!place.isFile()) return;
-  if (const int error = TemporaryFile(place.path, 0600).error()) failToWrite(path, error);
+  const WriteTarget target = findTarget(path);
+  if (!target.isFile()) return;
+  if (const int error = TemporaryFile(target.path, 0600).error()) failToWrite(path, error);
 }
 
 std::optional<fs::path> cacheFolder() {

@@ -18,52 +18,53 @@ constexpr uint64_t kMaxViews = 4096;                   // per submission
 constexpr uint32_t kWidest = 16384;                    // the limit of --size
 
 // The position of an object's box relative to a picture, derived from the box's projected corners.
-struct Place {
+struct ScreenBounds {
   enum Lies { Outside, Across, Inside } lies;
   double left, right, top, bottom;  // screen bounds: conservative, in pixels, y down
 };
 
-Place placeOf(const shared::View& view, const glm::dmat4& viewFromObject, const Object& object) {
+ScreenBounds screenBoundsOf(const shared::View& view, const glm::dmat4& viewFromObject, const Object& object) {
   const shared::Projection& p = view.projection;
   const bool perspective = p.kind == shared::kPerspective;
-  Place place{Place::Inside, view.size.x, 0, view.size.y, 0};
+  ScreenBounds bounds{ScreenBounds::Inside, view.size.x, 0, view.size.y, 0};
   int beyond[4] = {0, 0, 0, 0};  // number of corners beyond each side of the frustum
   for (const glm::dvec3 corner : cornersOf(object)) {
     const glm::dvec3 c(viewFromObject * glm::dvec4(corner, 1));
     const double w = perspective ? c.y : 1, slack = 1e-4 * (std::abs(c.x) + std::abs(c.y) + std::abs(c.z));
     const double x = p.H * c.x + p.X * w, z = p.V * c.z + p.Z * w;
-    if ((perspective && w <= slack) || std::abs(x) >= w - slack || std::abs(z) >= w - slack) place.lies = Place::Across;
+    if ((perspective && w <= slack) || std::abs(x) >= w - slack || std::abs(z) >= w - slack)
+      bounds.lies = ScreenBounds::Across;
     const double outside[4] = {x, -x, z, -z};
     for (int side = 0; side < 4; ++side) beyond[side] += outside[side] > w + slack;
     const bool seen = !perspective || w > slack;
     const double column = (x / w + 1) / 2 * view.size.x, row = (1 - z / w) / 2 * view.size.y;
-    place.left = std::min(place.left, seen ? column - 2 : 0);
-    place.right = std::max(place.right, seen ? column + 2 : view.size.x);
-    place.top = std::min(place.top, seen ? row - 2 : 0);
-    place.bottom = std::max(place.bottom, seen ? row + 2 : view.size.y);
+    bounds.left = std::min(bounds.left, seen ? column - 2 : 0);
+    bounds.right = std::max(bounds.right, seen ? column + 2 : view.size.x);
+    bounds.top = std::min(bounds.top, seen ? row - 2 : 0);
+    bounds.bottom = std::max(bounds.bottom, seen ? row + 2 : view.size.y);
   }
-  if (std::ranges::find(beyond, 8) != std::end(beyond)) place.lies = Place::Outside;
-  return place;
+  if (std::ranges::find(beyond, 8) != std::end(beyond)) bounds.lies = ScreenBounds::Outside;
+  return bounds;
 }
 
-bool meet(const Place& a, const Place& b) {
+bool meet(const ScreenBounds& a, const ScreenBounds& b) {
   return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
 }
 
-struct Placed {
+struct BoundedObject {
   Object* object;
-  Place place;
+  ScreenBounds bounds;
 };
-using Group = std::vector<Placed>;
+using Group = std::vector<BoundedObject>;
 
 // Distributes objects to groups in which no screen bounds overlap (greedy, first fit).
-std::vector<Group> apart(const std::vector<Placed>& objects) {
+std::vector<Group> apart(const std::vector<BoundedObject>& objects) {
   std::vector<Group> groups;
-  for (const Placed& placed : objects) {
-    const auto meets = [&](const Placed& other) { return meet(placed.place, other.place); };
+  for (const BoundedObject& each : objects) {
+    const auto meets = [&](const BoundedObject& other) { return meet(each.bounds, other.bounds); };
     const auto free =
         std::ranges::find_if(groups, [&](const Group& group) { return std::ranges::none_of(group, meets); });
-    (free == groups.end() ? groups.emplace_back() : *free).push_back(placed);
+    (free == groups.end() ? groups.emplace_back() : *free).push_back(each);
   }
   return groups;
 }
@@ -85,14 +86,14 @@ class Alone {
     viewFromPositions_ = glm::inverse(render::rigidPose(camera)) * (zUp ? glm::dmat4(1) : scene::toWorldFromGltf());
   }
 
-  Placed place(Object& object) const {
-    if (camera_.lens) return {&object, {Place::Inside, 0, view_.size.x, 0, view_.size.y}};
-    return {&object, placeOf(view_, viewFromPositions_ * object.toWorld, object)};
+  BoundedObject bounded(Object& object) const {
+    if (camera_.lens) return {&object, {ScreenBounds::Inside, 0, view_.size.x, 0, view_.size.y}};
+    return {&object, screenBoundsOf(view_, viewFromPositions_ * object.toWorld, object)};
   }
 
   // Calls taken() with each picture and the objects in it. The next pictures are rendered while taken() reads these.
   using Taken = std::function<void(const Group&, const output::AovImage&)>;
-  void render(const std::vector<Placed>& objects, const Taken& taken) {
+  void render(const std::vector<BoundedObject>& objects, const Taken& taken) {
     const std::vector<Group> groups = apart(objects);
     const uint64_t pixels = uint64_t{settings_.width} * settings_.height;
     const size_t most = std::clamp<uint64_t>(kPixelsAtOnce / pixels, 1, kMaxViews);
@@ -113,7 +114,7 @@ class Alone {
   render::Ticket submit(std::span<const Group> groups) {
     std::unordered_map<uint32_t, uint32_t> groupOf;  // group number, from 1, by id
     for (uint32_t i = 0; i < groups.size(); ++i)
-      for (const Placed& placed : groups[i]) groupOf[placed.object->id] = i + 1;
+      for (const BoundedObject& each : groups[i]) groupOf[each.object->id] = i + 1;
     moment_.groups.assign(scene_.instances.size(), 0);
     for (size_t i = 0; i < scene_.instances.size(); ++i)
       if (const auto group = groupOf.find(scene_.instances[i].id); group != groupOf.end())
@@ -134,12 +135,12 @@ class Alone {
 
 void takeMasks(const Group& group, const output::AovImage& ids) {
   std::map<uint32_t, Mask> masks = masksOf(ids);
-  for (const Placed& placed : group) {
-    const auto mask = masks.find(placed.object->id);
+  for (const BoundedObject& each : group) {
+    const auto mask = masks.find(each.object->id);
     if (mask == masks.end()) continue;
-    placed.object->pixels = mask->second.area();
-    placed.object->full = mask->second.box();
-    placed.object->alone = std::move(mask->second);
+    each.object->pixels = mask->second.area();
+    each.object->full = mask->second.box();
+    each.object->alone = std::move(mask->second);
   }
 }
 
@@ -164,7 +165,7 @@ PixelBox around(const PixelBox& a, const PixelBox& b) {
 // Adds the pixels that objects cover in the enlarged picture outside its central third, which is the original picture.
 void addBeyond(const Group& group, const output::AovImage& wide) {
   std::unordered_map<uint32_t, Object*> objects;
-  for (const Placed& placed : group) objects[placed.object->id] = placed.object;
+  for (const BoundedObject& each : group) objects[each.object->id] = each.object;
   const uint32_t width = wide.width / 3, height = wide.height / 3;
   for (uint32_t y = 0; y < wide.height; ++y)
     for (uint32_t x = 0; x < wide.width; ++x) {
@@ -182,13 +183,13 @@ void addBeyond(const Group& group, const output::AovImage& wide) {
 void renderAlone(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
                  const render::Settings& settings, const render::SceneState& moment, std::vector<Object>& objects) {
   Alone alone(renderer, scene, camera, settings, moment);
-  std::vector<Placed> seen;
+  std::vector<BoundedObject> seen;
   std::vector<Object*> across;
   for (Object& object : objects) {
     object.alone = {settings.width, settings.height, {settings.width * settings.height}};
-    const Placed placed = alone.place(object);
-    if (placed.place.lies != Place::Outside) seen.push_back(placed);
-    if (placed.place.lies == Place::Across) across.push_back(&object);
+    const BoundedObject each = alone.bounded(object);
+    if (each.bounds.lies != ScreenBounds::Outside) seen.push_back(each);
+    if (each.bounds.lies == ScreenBounds::Across) across.push_back(&object);
   }
   alone.render(seen, takeMasks);
   const std::optional<scene::Camera> wide = widened(camera, settings);
@@ -197,9 +198,9 @@ void renderAlone(render::Renderer& renderer, const scene::Scene& scene, const sc
   large.width *= 3;
   large.height *= 3;
   Alone beyond(renderer, scene, *wide, large, moment);
-  std::vector<Placed> placed;
-  for (Object* object : across) placed.push_back(beyond.place(*object));
-  beyond.render(placed, addBeyond);
+  std::vector<BoundedObject> bounded;
+  for (Object* object : across) bounded.push_back(beyond.bounded(*object));
+  beyond.render(bounded, addBeyond);
 }
 
 }  // namespace latelight::data

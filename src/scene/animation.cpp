@@ -29,14 +29,14 @@ glm::dquat quaternion(const dvec4& v) {
 }
 
 // The position of a time among the keyframes: `fraction` of the interval between `key` and the next key.
-struct Place {
+struct KeyPosition {
   size_t key;
   double fraction;
   double span;  // seconds between the two keys
 };
 
 // Times before the first key or after the last one are clamped to it (glTF 2.0, 3.11).
-Place placeOf(const std::vector<float>& times, double seconds) {
+KeyPosition keyAt(const std::vector<float>& times, double seconds) {
   const size_t after = static_cast<size_t>(std::upper_bound(times.begin(), times.end(), seconds) - times.begin());
   if (after == 0) return {0, 0, 0};
   if (after == times.size()) return {after - 1, 0, 0};
@@ -45,8 +45,8 @@ Place placeOf(const std::vector<float>& times, double seconds) {
 }
 
 // Cubic Hermite spline with tangents per second (glTF 2.0, appendix C).
-double cubic(const float* key, uint32_t width, uint32_t i, const Place& place) {
-  const double u = place.fraction, u2 = u * u, u3 = u2 * u, span = place.span;
+double cubic(const float* key, uint32_t width, uint32_t i, const KeyPosition& position) {
+  const double u = position.fraction, u2 = u * u, u3 = u2 * u, span = position.span;
   const double from = key[width + i], leaving = key[2 * width + i];
   if (span == 0) return from;
   const double arriving = key[3 * width + i], to = key[4 * width + i];
@@ -62,20 +62,20 @@ dvec4 slerp(const float* from, const float* to, double fraction) {
 }
 
 void valueAt(const Curve& track, bool rotation, double seconds, std::span<double> out) {
-  const Place place = placeOf(track.times, seconds);
+  const KeyPosition position = keyAt(track.times, seconds);
   const uint32_t width = track.width;
-  const float* key = &track.values[place.key * width * (track.interpolation == Interpolation::Cubic ? 3 : 1)];
-  const bool between = place.span > 0 && track.interpolation == Interpolation::Linear;
+  const float* key = &track.values[position.key * width * (track.interpolation == Interpolation::Cubic ? 3 : 1)];
+  const bool between = position.span > 0 && track.interpolation == Interpolation::Linear;
   if (between && rotation) {
-    const dvec4 q = slerp(key, key + width, place.fraction);
+    const dvec4 q = slerp(key, key + width, position.fraction);
     for (int i = 0; i < 4; ++i) out[i] = q[i];
     return;
   }
   for (uint32_t i = 0; i < width; ++i) {
     if (track.interpolation == Interpolation::Cubic)
-      out[i] = cubic(key, width, i, place);
+      out[i] = cubic(key, width, i, position);
     else
-      out[i] = between ? key[i] + (double{key[width + i]} - key[i]) * place.fraction : key[i];
+      out[i] = between ? key[i] + (double{key[width + i]} - key[i]) * position.fraction : key[i];
   }
 }
 

@@ -157,12 +157,12 @@ struct Pixel {
   bool grazing;
 };
 
-struct Place {
+struct ErrorGroup {
   size_t light;
   Kind kind;
   size_t band;  // roughness band
   bool grazing;
-  auto operator<=>(const Place&) const = default;
+  auto operator<=>(const ErrorGroup&) const = default;
 };
 struct Errors {
   double sum = 0, worst = 0;
@@ -294,25 +294,25 @@ class AccuracyStudy {
     lights_.push_back(light);
   }
 
-  const char* causeOf(const Place& place) const {
-    if (place.light < punctualLights().size()) return "rounding";
-    if (place.kind == Dielectric && place.band == 0 && !place.grazing) return "resolution of the environment maps";
-    if (place.band == 0) return "mixture of two levels; stretched highlight";
-    if (place.band == 1) return "stretched lobe approximated by a round lobe and a cosine lobe";
+  const char* causeOf(const ErrorGroup& group) const {
+    if (group.light < punctualLights().size()) return "rounding";
+    if (group.kind == Dielectric && group.band == 0 && !group.grazing) return "resolution of the environment maps";
+    if (group.band == 0) return "mixture of two levels; stretched highlight";
+    if (group.band == 1) return "stretched lobe approximated by a round lobe and a cosine lobe";
     return "shape of the lobe; multiple scattering as a cosine lobe";
   }
 
   Table summary() const {
     Table table{"accuracy", {"light", "material", "roughness", "mean", "facing", "grazing", "max", "cause"}, {}, true};
-    for (const auto& [place, facing] : bands_) {
-      if (place.grazing) continue;
-      Place beside = place;
+    for (const auto& [group, facing] : bands_) {
+      if (group.grazing) continue;
+      ErrorGroup beside = group;
       beside.grazing = true;
       const Errors& grazing = bands_.at(beside);
-      table.rows.push_back({lights_[place.light], kKinds[place.kind], kBands[place.band],
+      table.rows.push_back({lights_[group.light], kKinds[group.kind], kBands[group.band],
                             (facing.sum + grazing.sum) / double(facing.count + grazing.count),
                             facing.sum / double(facing.count), grazing.sum / double(grazing.count),
-                            std::max(facing.worst, grazing.worst), causeOf(place)});
+                            std::max(facing.worst, grazing.worst), causeOf(group)});
     }
     return table;
   }
@@ -333,7 +333,7 @@ class AccuracyStudy {
   const std::vector<std::string> files_;
   std::vector<std::string> lights_;
   std::vector<Bounces> bounces_;  // one per pixel's surface
-  std::map<Place, Errors> bands_;
+  std::map<ErrorGroup, Errors> bands_;
   std::map<std::tuple<size_t, size_t, size_t, bool>, Errors> spheres_;
 };
 

@@ -45,18 +45,18 @@ constexpr std::string_view kOverLights = "lights", kOverTriangles = "triangles",
 
 // --- subjects --------------------------------------------------------------------------------------------------------
 
-struct Place {
+struct SweepPoint {
   bool everywhere = false;  // all lights reach the whole hall; otherwise their radius shrinks with their number
   uint64_t triangles = 0, lights = 0;
   Size size;
-  auto operator<=>(const Place&) const = default;
+  auto operator<=>(const SweepPoint&) const = default;
 };
 
 // A point as a step of the sweeps to which it belongs. A technique stops at a point if any of these sweeps has stopped.
 struct Step {
   size_t number;  // in the plan
   std::string_view sweep;
-  Place place;
+  SweepPoint point;
   std::vector<std::pair<std::string, double>> lines;  // name, position along it
 };
 
@@ -120,11 +120,11 @@ std::vector<Step> planSteps(const SweepOptions& o) {
   // Lights and sizes vary in a hall that is not simplified.
   const auto whole =
       std::find_if(o.triangles.begin(), o.triangles.end(), [](uint64_t t) { return t >= kCoarsestHall; });
-  const Place base{false, whole == o.triangles.end() ? o.triangles.front() : *whole,
-                   few == o.lights.begin() ? o.lights.front() : *(few - 1), o.sizes.front()};
+  const SweepPoint base{false, whole == o.triangles.end() ? o.triangles.front() : *whole,
+                        few == o.lights.begin() ? o.lights.front() : *(few - 1), o.sizes.front()};
   std::vector<Step> steps;
-  const auto add = [&](std::string_view sweep, const Place& place, double x) {
-    steps.push_back({steps.size(), sweep, place, {{std::string(sweep), x}}});
+  const auto add = [&](std::string_view sweep, const SweepPoint& point, double x) {
+    steps.push_back({steps.size(), sweep, point, {{std::string(sweep), x}}});
   };
   for (uint64_t lights : o.lights) add(kOverLights, {false, base.triangles, lights, base.size}, double(lights));
   for (uint64_t triangles : o.triangles)
@@ -194,7 +194,7 @@ class LightStudy {
     std::vector<const Step*> order;
     for (const Step& step : steps) order.push_back(&step);
     std::stable_sort(order.begin(), order.end(), [](const Step* a, const Step* b) {
-      return std::tie(a->place.triangles, a->place.lights) < std::tie(b->place.triangles, b->place.lights);
+      return std::tie(a->point.triangles, a->point.lights) < std::tie(b->point.triangles, b->point.lights);
     });
     Progress progress("Measuring", steps.size() * render::techniques().size());
     for (const Step* step : order) {
@@ -215,7 +215,7 @@ class LightStudy {
       if (lines[i]->stopped()) return;
       expected = std::max(expected, lines[i]->expected(step.lines[i].second).value_or(0));
     }
-    const auto known = measured_.find({technique.name, step.place});
+    const auto known = measured_.find({technique.name, step.point});
     expected *= kFrames;
     if (known == measured_.end() && expected > sweep_.budget) {
       stop(step, technique,
@@ -225,48 +225,48 @@ class LightStudy {
     }
     Measurement m;
     try {
-      m = known == measured_.end() ? measure(step.place, technique, step.sweep == kOverLights) : known->second;
+      m = known == measured_.end() ? measure(step.point, technique, step.sweep == kOverLights) : known->second;
     } catch (const Error& error) {
       if (error.code() != ExitCode::Usage) throw;
       stop(step, technique, fmt::format("skipped: {}", error.what()));
       return;
     }
-    measured_.emplace(std::pair(technique.name, step.place), m);
+    measured_.emplace(std::pair(technique.name, step.point), m);
     for (size_t i = 0; i < lines.size(); ++i) lines[i]->add(step.lines[i].second, m.seconds);
     rows_.push_back({step, &technique, std::move(m), ""});
   }
 
   void stop(const Step& step, const TechniqueInfo& technique, std::string note) {
     for (SweepLine* line : linesOf(step, technique)) line->stop();
-    warn("{}, {} with {} triangles, {} lights, {}x{}: {}", step.sweep, technique.name, step.place.triangles,
-         step.place.lights, step.place.size.first, step.place.size.second, note);
+    warn("{}, {} with {} triangles, {} lights, {}x{}: {}", step.sweep, technique.name, step.point.triangles,
+         step.point.lights, step.point.size.first, step.point.size.second, note);
     rows_.push_back({step, &technique, {}, std::move(note)});
   }
 
-  static scene::Scene loadHall(const Place& place) {
+  static scene::Scene loadHall(const SweepPoint& point) {
     scene::Scene hall = scene::load(
-        fmt::format("builtin:hall,triangles={},lights={}", std::max(place.triangles, kCoarsestHall), place.lights));
-    if (place.triangles < kCoarsestHall) scene::simplify(hall, place.triangles);
+        fmt::format("builtin:hall,triangles={},lights={}", std::max(point.triangles, kCoarsestHall), point.lights));
+    if (point.triangles < kCoarsestHall) scene::simplify(hall, point.triangles);
     return hall;
   }
 
   // Caches the last scene, because all its measurements precede those of the next scene.
-  const scene::Scene& sceneOf(const Place& place) {
-    const std::pair key(place.triangles, place.lights);
-    if (sceneKey_ != key || (everywhere_ && !place.everywhere)) scene_ = loadHall(place);
-    if (place.everywhere)
+  const scene::Scene& sceneOf(const SweepPoint& point) {
+    const std::pair key(point.triangles, point.lights);
+    if (sceneKey_ != key || (everywhere_ && !point.everywhere)) scene_ = loadHall(point);
+    if (point.everywhere)
       for (scene::Light& light : scene_.lights) light.range = kEverywhere;
     sceneKey_ = key;
-    everywhere_ = place.everywhere;
+    everywhere_ = point.everywhere;
     return scene_;
   }
 
-  Measurement measure(const Place& place, const TechniqueInfo& technique, bool count) {
-    const scene::Scene& scene = sceneOf(place);
+  Measurement measure(const SweepPoint& point, const TechniqueInfo& technique, bool count) {
+    const scene::Scene& scene = sceneOf(point);
     // Each measurement has its own renderer, so that the memory belongs to this technique only.
     render::Renderer renderer(device_, scene, nullptr);
     const uint64_t before = device_.memory().statistics().usedBytes;
-    render::Settings settings{.width = place.size.first, .height = place.size.second, .lighting = &technique};
+    render::Settings settings{.width = point.size.first, .height = point.size.second, .lighting = &technique};
     settings.shadows = render::ShadowFormat::None;  // measures the cost of light, not of shadows
     const std::span<const scene::Camera> camera(&scene.cameras.front(), 1);
     Measurement m{.triangles = scene.triangleCount()};
@@ -296,7 +296,7 @@ class LightStudy {
   // --- tables -------------------------------------------------------------------------------------------------------
 
   static std::vector<Cell> keyOf(const Row& row) {
-    const Place& p = row.step.place;
+    const SweepPoint& p = row.step.point;
     return {std::string(row.step.sweep),
             row.technique->name,
             p.everywhere ? "everywhere" : "own",
@@ -360,12 +360,12 @@ class LightStudy {
   static std::span<const Axis> axes() {
     static constexpr auto lit = [](const Row& row) { return row.measured.lit(); };
     static const Axis all[] = {
-        {kOverLights, "Lighting", "lights", [](const Row& row) { return double(row.step.place.lights); },
+        {kOverLights, "Lighting", "lights", [](const Row& row) { return double(row.step.point.lights); },
          [](const Row& row) { return row.measured.lighting(); }},
         {kOverTriangles, "Depth, geometry and lighting", "triangles",
          [](const Row& row) { return double(row.measured.triangles); }, lit},
         {kOverSize, "Depth, geometry and lighting", "pixels",
-         [](const Row& row) { return double(row.step.place.size.first) * row.step.place.size.second; }, lit},
+         [](const Row& row) { return double(row.step.point.size.first) * row.step.point.size.second; }, lit},
     };
     return all;
   }
@@ -395,7 +395,7 @@ class LightStudy {
   std::vector<const Row*> gridOf(const TechniqueInfo& technique) const {
     std::vector<const Row*> grid;
     for (const Row& row : rows_)
-      if (row.technique == &technique && row.measured.frames && row.step.place.everywhere) grid.push_back(&row);
+      if (row.technique == &technique && row.measured.frames && row.step.point.everywhere) grid.push_back(&row);
     return grid;
   }
 
@@ -405,9 +405,9 @@ class LightStudy {
     for (size_t i = std::size(kGridLights); i-- > 1;) {
       std::vector<Sample> costs;
       for (const Row* many : grid) {
-        if (many->step.place.lights != kGridLights[i]) continue;
+        if (many->step.point.lights != kGridLights[i]) continue;
         for (const Row* one : grid) {
-          if (one->step.place.lights != kGridLights[0] || one->measured.triangles != many->measured.triangles) continue;
+          if (one->step.point.lights != kGridLights[0] || one->measured.triangles != many->measured.triangles) continue;
           costs.push_back({double(one->measured.triangles),
                            (many->measured.lit() - one->measured.lit()) / double(kGridLights[i] - kGridLights[0])});
         }
@@ -430,7 +430,7 @@ class LightStudy {
       std::vector<std::vector<double>> sums, products;
       std::vector<double> times;
       for (const Row* row : grid) {
-        const double lights = double(row->step.place.lights), triangles = double(row->measured.triangles);
+        const double lights = double(row->step.point.lights), triangles = double(row->measured.triangles);
         sums.push_back({1, lights, triangles});
         products.push_back({1, triangles, lights * triangles});
         times.push_back(row->measured.lit());
@@ -475,7 +475,7 @@ class LightStudy {
   scene::Scene scene_;
   std::pair<uint64_t, uint64_t> sceneKey_;  // triangles and lights of scene_
   bool everywhere_ = false;                 // the radius of its lights
-  std::map<std::pair<std::string, Place>, Measurement> measured_;
+  std::map<std::pair<std::string, SweepPoint>, Measurement> measured_;
   std::map<std::pair<std::string, std::string>, SweepLine> lines_;  // technique, line
   std::vector<Row> rows_;
 };

@@ -54,7 +54,7 @@ Displaced displace(const Relief& relief, vec3 p, vec3 n) {
 }
 
 // The offsets of a patch's vertices and indices in the mesh.
-struct Place {
+struct PatchOffsets {
   const Patch* patch;
   size_t vertex, index;
 };
@@ -63,28 +63,28 @@ class MeshBuild {
  public:
   MeshBuild(const MeshPlan& plan, Mesh& mesh) : plan_(plan), mesh_(mesh) {}
 
-  void vertexRow(const Place& place, uint32_t j) {
-    const Patch& patch = *place.patch;
+  void vertexRow(const PatchOffsets& offsets, uint32_t j) {
+    const Patch& patch = *offsets.patch;
     for (uint32_t i = 0; i <= patch.columns; ++i) {
       const double u = double(i) / patch.columns, v = double(j) / patch.rows;
       const bool wrapU = patch.closedU && i == patch.columns, wrapV = patch.closedV && j == patch.rows;
       SurfacePoint point = patch.surface(wrapU ? 0 : u, wrapV ? 0 : v);
       if (wrapU || wrapV) point.uv = patch.surface(u, v).uv;
-      store(place.vertex + size_t{j} * (patch.columns + 1) + i, point);
+      store(offsets.vertex + size_t{j} * (patch.columns + 1) + i, point);
     }
   }
 
   // Computes the averaged normals of a row of a patch whose positions are all set.
-  void averageRow(const Place& place, uint32_t j) {
-    const Patch& patch = *place.patch;
+  void averageRow(const PatchOffsets& offsets, uint32_t j) {
+    const Patch& patch = *offsets.patch;
     const bool point = (patch.pointV0 && j == 0) || (patch.pointV1 && j == patch.rows);
     vec3 all(0);
-    for (uint32_t i = 0; point && i < patch.columns; ++i) all += normalAround(place, i, j);
+    for (uint32_t i = 0; point && i < patch.columns; ++i) all += normalAround(offsets, i, j);
     for (uint32_t i = 0; i <= patch.columns; ++i) {
-      const vec3 sum = point ? all : normalAround(place, i, j);
+      const vec3 sum = point ? all : normalAround(offsets, i, j);
       const float length = glm::length(sum);
       if (!(length > 0)) continue;
-      shared::VertexAttributes& a = mesh_.attributes[place.vertex + size_t{j} * (patch.columns + 1) + i];
+      shared::VertexAttributes& a = mesh_.attributes[offsets.vertex + size_t{j} * (patch.columns + 1) + i];
       a.normal = sum / length;
       const vec3 tangent = vec3(a.tangent) - a.normal * glm::dot(a.normal, vec3(a.tangent));
       const dvec3 unit = unitOr(dvec3(tangent), across(dvec3(a.normal)));
@@ -93,12 +93,12 @@ class MeshBuild {
   }
 
   // Writes two triangles per quad, split along its shorter diagonal, and skips degenerate triangles.
-  void indexRow(const Place& place, uint32_t j, size_t at) {
-    const Patch& patch = *place.patch;
+  void indexRow(const PatchOffsets& offsets, uint32_t j, size_t at) {
+    const Patch& patch = *offsets.patch;
     const bool first = patch.pointV0 && j == 0, last = patch.pointV1 && j + 1 == patch.rows;
     uint32_t* out = mesh_.indices.data() + at;
     for (uint32_t i = 0; i < patch.columns; ++i) {
-      const uint32_t a = uint32_t(place.vertex + size_t{j} * (patch.columns + 1) + i), b = a + 1;
+      const uint32_t a = uint32_t(offsets.vertex + size_t{j} * (patch.columns + 1) + i), b = a + 1;
       const uint32_t d = a + patch.columns + 1, c = d + 1;
       const auto triangle = [&](uint32_t x, uint32_t y, uint32_t z) {
         *out++ = x;
@@ -127,10 +127,10 @@ class MeshBuild {
   }
 
   // Returns the sum of the area vectors of the four quads around a vertex, across the seam if the patch is closed.
-  vec3 normalAround(const Place& place, uint32_t i, uint32_t j) const {
-    const Patch& patch = *place.patch;
+  vec3 normalAround(const PatchOffsets& offsets, uint32_t i, uint32_t j) const {
+    const Patch& patch = *offsets.patch;
     const auto at = [&](uint32_t column, uint32_t row) {
-      return mesh_.positions[place.vertex + size_t{row} * (patch.columns + 1) + column];
+      return mesh_.positions[offsets.vertex + size_t{row} * (patch.columns + 1) + column];
     };
     const auto quadArea = [&](int64_t column, int64_t row) {
       if (patch.closedU) column = (column + patch.columns) % patch.columns;
@@ -233,16 +233,16 @@ Mesh buildMesh(const MeshPlan& plan) {
   Mesh mesh;
   mesh.name = plan.name;
   struct Row {
-    Place place;
+    PatchOffsets offsets;
     uint32_t j;
     size_t index;
   };
   std::vector<Row> rows;
   size_t vertices = 0, indices = 0;
   for (const Patch& patch : plan.patches) {
-    const Place place{&patch, vertices, indices};
+    const PatchOffsets offsets{&patch, vertices, indices};
     for (uint32_t j = 0; j <= patch.rows; ++j) {
-      rows.push_back({place, j, indices});
+      rows.push_back({offsets, j, indices});
       if (j < patch.rows) indices += 3 * trianglesOfRow(patch, j);
     }
     vertices += patch.vertices();
@@ -254,15 +254,15 @@ Mesh buildMesh(const MeshPlan& plan) {
   MeshBuild build(plan, mesh);
   const size_t grain = std::max<size_t>(1, 4096 * rows.size() / std::max<size_t>(1, vertices));
   parallelFor(rows.size(), grain, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) build.vertexRow(rows[i].place, rows[i].j);
+    for (size_t i = begin; i < end; ++i) build.vertexRow(rows[i].offsets, rows[i].j);
   });
   parallelFor(rows.size(), grain * 4, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
-      if (rows[i].place.patch->averaged) build.averageRow(rows[i].place, rows[i].j);
+      if (rows[i].offsets.patch->averaged) build.averageRow(rows[i].offsets, rows[i].j);
   });
   parallelFor(rows.size(), grain * 4, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
-      if (rows[i].j < rows[i].place.patch->rows) build.indexRow(rows[i].place, rows[i].j, rows[i].index);
+      if (rows[i].j < rows[i].offsets.patch->rows) build.indexRow(rows[i].offsets, rows[i].j, rows[i].index);
   });
   findBounds(mesh);
   return mesh;
