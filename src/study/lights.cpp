@@ -53,7 +53,7 @@ struct SweepPoint {
 };
 
 // A point as a step of the sweeps to which it belongs. A technique stops at a point if any of these sweeps has stopped.
-struct Step {
+struct SweepStep {
   size_t number;  // in the plan
   std::string_view sweep;
   SweepPoint point;
@@ -86,7 +86,7 @@ struct Measurement {
 };
 
 struct Row {
-  Step step;
+  SweepStep step;
   const TechniqueInfo* technique;
   Measurement measured;  // no frames: skipped
   std::string note;
@@ -115,14 +115,14 @@ SweepOptions withDefaults(SweepOptions o, bool cpu) {
 }
 
 // Varies one list at a time from the base point. Then adds the grid, if there are at least two triangle counts.
-std::vector<Step> planSteps(const SweepOptions& o) {
+std::vector<SweepStep> planSteps(const SweepOptions& o) {
   const auto few = std::upper_bound(o.lights.begin(), o.lights.end(), kBaseLights);
   // Lights and sizes vary in a hall that is not simplified.
   const auto whole =
       std::find_if(o.triangles.begin(), o.triangles.end(), [](uint64_t t) { return t >= kCoarsestHall; });
   const SweepPoint base{false, whole == o.triangles.end() ? o.triangles.front() : *whole,
                         few == o.lights.begin() ? o.lights.front() : *(few - 1), o.sizes.front()};
-  std::vector<Step> steps;
+  std::vector<SweepStep> steps;
   const auto add = [&](std::string_view sweep, const SweepPoint& point, double x) {
     steps.push_back({steps.size(), sweep, point, {{std::string(sweep), x}}});
   };
@@ -174,7 +174,7 @@ class LightStudy {
 
   Result run() {
     check(sweep_);
-    const std::vector<Step> steps = planSteps(sweep_);
+    const std::vector<SweepStep> steps = planSteps(sweep_);
     takeAll(steps);
     for (const std::string& message : device_.validationMessages())
       fail(ExitCode::Internal, "the Vulkan validation layer says: {}", message);
@@ -182,7 +182,7 @@ class LightStudy {
   }
 
  private:
-  std::vector<SweepLine*> linesOf(const Step& step, const TechniqueInfo& technique) {
+  std::vector<SweepLine*> linesOf(const SweepStep& step, const TechniqueInfo& technique) {
     std::vector<SweepLine*> lines;
     for (const auto& [name, x] : step.lines) lines.push_back(&lines_[{technique.name, name}]);
     return lines;
@@ -190,14 +190,14 @@ class LightStudy {
 
   // Measures in the order of scenes, so that each scene is created once. Few lights and triangles come first, so every
   // sweep grows. The table keeps the order of the plan.
-  void takeAll(const std::vector<Step>& steps) {
-    std::vector<const Step*> order;
-    for (const Step& step : steps) order.push_back(&step);
-    std::stable_sort(order.begin(), order.end(), [](const Step* a, const Step* b) {
+  void takeAll(const std::vector<SweepStep>& steps) {
+    std::vector<const SweepStep*> order;
+    for (const SweepStep& step : steps) order.push_back(&step);
+    std::stable_sort(order.begin(), order.end(), [](const SweepStep* a, const SweepStep* b) {
       return std::tie(a->point.triangles, a->point.lights) < std::tie(b->point.triangles, b->point.lights);
     });
     Progress progress("Measuring", steps.size() * render::techniques().size());
-    for (const Step* step : order) {
+    for (const SweepStep* step : order) {
       for (const TechniqueInfo& technique : render::techniques()) {
         take(*step, technique);
         progress.step();
@@ -208,7 +208,7 @@ class LightStudy {
   }
 
   // Measures a step, or reports why it is skipped.
-  void take(const Step& step, const TechniqueInfo& technique) {
+  void take(const SweepStep& step, const TechniqueInfo& technique) {
     const std::vector<SweepLine*> lines = linesOf(step, technique);
     double expected = 0;
     for (size_t i = 0; i < lines.size(); ++i) {
@@ -236,7 +236,7 @@ class LightStudy {
     rows_.push_back({step, &technique, std::move(m), ""});
   }
 
-  void stop(const Step& step, const TechniqueInfo& technique, std::string note) {
+  void stop(const SweepStep& step, const TechniqueInfo& technique, std::string note) {
     for (SweepLine* line : linesOf(step, technique)) line->stop();
     warn("{}, {} with {} triangles, {} lights, {}x{}: {}", step.sweep, technique.name, step.point.triangles,
          step.point.lights, step.point.size.first, step.point.size.second, note);
