@@ -44,8 +44,8 @@ size_t coresLent() {
 // One call of parallelFor. Chunks are distributed in order, so when a chunk throws, all earlier chunks were
 // distributed, too. Storing the exception of the first chunk therefore makes the rethrown exception the same on every
 // run.
-struct Job {
-  Job(size_t count, size_t grain, const std::function<void(size_t, size_t)>& body)
+struct ParallelLoop {
+  ParallelLoop(size_t count, size_t grain, const std::function<void(size_t, size_t)>& body)
       : count(count), grain(grain), chunks((count + grain - 1) / grain), body(body) {}
 
   const size_t count, grain, chunks;
@@ -86,54 +86,54 @@ class Pool {
     }
   }
 
-  void run(const std::shared_ptr<Job>& job) {
+  void run(const std::shared_ptr<ParallelLoop>& loop) {
     {
       std::lock_guard lock(mutex_);
-      jobs_.push_back(job);
+      loops_.push_back(loop);
     }
     // Wakes only as many threads as there is work for: the caller participates, and idle threads would only contend for
     // the lock.
-    for (size_t i = 1; i < std::min(job->chunks, threadCount()); ++i) wake_.notify_one();
-    job->work();
+    for (size_t i = 1; i < std::min(loop->chunks, threadCount()); ++i) wake_.notify_one();
+    loop->work();
     {
       std::lock_guard lock(mutex_);
-      std::erase(jobs_, job);
+      std::erase(loops_, loop);
     }
     // The caller waits only for running chunks, so nesting cannot deadlock.
-    std::unique_lock lock(job->mutex);
-    job->finished.wait(lock, [&] { return job->running == 0; });
+    std::unique_lock lock(loop->mutex);
+    loop->finished.wait(lock, [&] { return loop->running == 0; });
   }
 
  private:
-  // Returns the newest job with remaining work, so inner loops finish before outer ones. It joins the job under the
-  // pool's lock: after run() has removed the job from the list, no thread joins later.
-  std::shared_ptr<Job> join() {
+  // Returns the newest loop with remaining work, so inner loops finish before outer ones. It joins the loop under the
+  // pool's lock: after run() has removed the loop from the list, no thread joins later.
+  std::shared_ptr<ParallelLoop> join() {
     std::unique_lock lock(mutex_);
-    std::shared_ptr<Job> job;
+    std::shared_ptr<ParallelLoop> loop;
     wake_.wait(lock, [&] {
-      const auto found = std::find_if(jobs_.rbegin(), jobs_.rend(), [](const auto& j) { return !j->exhausted(); });
-      if (found == jobs_.rend()) return false;
-      job = *found;
+      const auto found = std::find_if(loops_.rbegin(), loops_.rend(), [](const auto& j) { return !j->exhausted(); });
+      if (found == loops_.rend()) return false;
+      loop = *found;
       return true;
     });
-    std::lock_guard joined(job->mutex);
-    ++job->running;
-    return job;
+    std::lock_guard joined(loop->mutex);
+    ++loop->running;
+    return loop;
   }
 
   void serve() {
     const SignalStack stack;
     for (;;) {
-      const std::shared_ptr<Job> job = join();
-      job->work();
-      std::lock_guard lock(job->mutex);
-      if (--job->running == 0) job->finished.notify_all();
+      const std::shared_ptr<ParallelLoop> loop = join();
+      loop->work();
+      std::lock_guard lock(loop->mutex);
+      if (--loop->running == 0) loop->finished.notify_all();
     }
   }
 
   std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<std::shared_ptr<Job>> jobs_;
+  std::deque<std::shared_ptr<ParallelLoop>> loops_;
 };
 
 thread_local bool serialScope = false;
@@ -173,13 +173,13 @@ SerialScope::~SerialScope() {
 
 void parallelFor(size_t count, size_t grain, const std::function<void(size_t begin, size_t end)>& body) {
   if (count == 0) return;
-  const auto job = std::make_shared<Job>(count, std::max<size_t>(grain, 1), body);
-  if (job->chunks == 1 || threadCount() == 1 || serialScope) {
-    job->work();
+  const auto loop = std::make_shared<ParallelLoop>(count, std::max<size_t>(grain, 1), body);
+  if (loop->chunks == 1 || threadCount() == 1 || serialScope) {
+    loop->work();
   } else {
-    pool().run(job);
+    pool().run(loop);
   }
-  if (job->failure) std::rethrow_exception(job->failure);
+  if (loop->failure) std::rethrow_exception(loop->failure);
 }
 
 }  // namespace latelight
