@@ -1,4 +1,4 @@
-// Writes a data set in every format for read_set.py, and the rendered values next to it, as .npy.
+// Writes a data set in every format, and the rendered values next to it, as .npy. read_set.py reads it.
 #include <cstdlib>
 
 #include "data_formats/support.h"
@@ -12,19 +12,35 @@ using output::Aov;
 class SetTest : public FormatsTest {
  protected:
   void add(std::string_view name, const Json& options = Json::object()) {
-    formats_.push_back({make(name, options), fmt::format("{}-{}", formats_.size(), name), {}});
+    formats_.push_back({make(name, options), fmt::format("{}-{}", formats_.size(), name), {}, 0});
   }
 
   // A frame in all formats, each below a folder of its own.
   void write(DataFrame frame, const std::filesystem::path& set) {
     writeRaw(frame.picture, set / "raw" / frame.name);
     writeRaw(frame.samples, set / "raw" / frame.name / "samples");
-    for (Written& written : formats_)
-      written.entries.push_back(written.format->writeFrame(frame, set / written.folder).entry);
+    for (Written& written : formats_) {
+      FrameRecord record = written.format->writeFrame(frame, set / written.folder);
+      written.entries.push_back(std::move(record.entry));
+      expectFiles(set / written.folder, record.files);
+      written.files += record.files.size();
+    }
   }
 
   void finish(const std::filesystem::path& set) {
-    for (const Written& written : formats_) written.format->writeSet(written.entries, set / written.folder);
+    for (Written& written : formats_) {
+      const std::vector<std::string> files = written.format->writeSet(written.entries, set / written.folder);
+      expectFiles(set / written.folder, files);
+      EXPECT_GT(written.files + files.size(), 0u) << written.folder;
+    }
+  }
+
+  static void expectFiles(const std::filesystem::path& folder, const std::vector<std::string>& names) {
+    for (const std::string& name : names) {
+      std::error_code error;
+      EXPECT_GT(std::filesystem::file_size(folder / name, error), 0u) << folder / name;
+      EXPECT_FALSE(error) << folder / name << ": " << error.message();
+    }
   }
 
   static void writeRaw(const output::FrameOutput& picture, const std::filesystem::path& raw) {
@@ -37,12 +53,13 @@ class SetTest : public FormatsTest {
     std::unique_ptr<Format> format;
     std::string folder;
     std::vector<Json> entries;
+    size_t files = 0;  // of all frames
   };
   std::vector<Written> formats_;
 };
 
-TEST_F(SetTest, IsWritten) {
-  const char* kept = std::getenv("LATELIGHT_TEST_SET");  // else nothing but that it can be written is tested
+TEST_F(SetTest, HasTheFilesThatItsRecordsName) {
+  const char* kept = std::getenv("LATELIGHT_TEST_SET");  // set by read_set, which compares their contents
   const std::filesystem::path set = kept ? kept : folder;
   const Json all{"color", "depth", "distance", "normal", "position", "albedo", "id", "material", "uv", "motion"};
   add("exr", {{"outputs", all}});
