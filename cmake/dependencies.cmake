@@ -6,7 +6,6 @@ find_package(Vulkan REQUIRED)
 find_package(SPIRV-Headers REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(yaml-cpp REQUIRED)
-find_package(TinyGLTF REQUIRED)
 find_package(meshoptimizer REQUIRED)
 # Debian's libimath-dev also declares Imath's Python library, which is in another package, and prints long messages if
 # that is not installed. Latelight does not use it.
@@ -44,7 +43,7 @@ add_compile_definitions(VK_NO_PROTOTYPES)
 
 add_library(latelight_scene_dependencies INTERFACE)
 target_link_libraries(latelight_scene_dependencies INTERFACE
-  TinyGLTF::TinyGLTF meshoptimizer::meshoptimizer PkgConfig::draco PkgConfig::webp PkgConfig::turbojpeg PkgConfig::spng
+  meshoptimizer::meshoptimizer PkgConfig::draco PkgConfig::webp PkgConfig::turbojpeg PkgConfig::spng
   PkgConfig::zstd OpenEXR::OpenEXR nlohmann_json::nlohmann_json)
 add_library(latelight_output_dependencies INTERFACE)
 target_link_libraries(latelight_output_dependencies INTERFACE

@@ -11,25 +11,16 @@ namespace latelight::scene::gltf {
 namespace {
 
 // Returns the bytes of one element. Matrix columns start at multiples of 4 bytes (glTF 2.0, 3.6.2.4).
-size_t elementBytes(int type, size_t component) {
-  auto matrix = [&](size_t n) { return n * ((n * component + 3) / 4 * 4); };
-  switch (type) {
-    case TINYGLTF_TYPE_MAT2:
-      return matrix(2);
-    case TINYGLTF_TYPE_MAT3:
-      return matrix(3);
-    case TINYGLTF_TYPE_MAT4:
-      return matrix(4);
-    default:
-      return component * size_t(tinygltf::GetNumComponentsInType(uint32_t(type)));
-  }
+size_t elementBytes(const file::Accessor& accessor, size_t component) {
+  const size_t column = accessor.rows * component;
+  return accessor.columns == 1 ? column : accessor.columns * ((column + 3) / 4 * 4);
 }
 
 // Throws unless `count` elements of `size` bytes, `stride` apart, lie within the view. None of the products can
 // overflow: counts are below 2^32, strides below 2^12, offsets below 2^41.
 const std::byte* within(const Document& document, int view, size_t offset, size_t count, size_t stride, size_t size,
                         const std::string& name) {
-  Bytes bytes = document.views[size_t(view)];
+  Bytes bytes = document.views[size_t(view)].bytes;
   size_t end = offset + (count - 1) * stride + size;
   if (end > bytes.size())
     badInput("{} reaches to byte {} of bufferViews[{}], which has {}", name, end, view, bytes.size());
@@ -48,9 +39,9 @@ std::byte* own(const Document& document, Elements& elements, size_t size) {
 
 uint32_t indexAt(const std::byte* p, int componentType) {
   switch (componentType) {
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+    case file::kUnsignedByte:
       return uint32_t(*p);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: {
+    case file::kUnsignedShort: {
       uint16_t v;
       std::memcpy(&v, p, 2);
       return v;
@@ -64,19 +55,17 @@ uint32_t indexAt(const std::byte* p, int componentType) {
 }
 
 bool isIndexType(int componentType) {
-  return componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
-         componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
-         componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+  return componentType == file::kUnsignedByte || componentType == file::kUnsignedShort ||
+         componentType == file::kUnsignedInt;
 }
 
-void applySparse(const Document& document, const tinygltf::Accessor& accessor, Elements& elements, size_t size) {
-  const auto& sparse = accessor.sparse;
-  size_t count = size_t(sparse.count), indexBytes = componentBytes(sparse.indices.componentType);
+void applySparse(const Document& document, const file::Sparse& sparse, Elements& elements, size_t size) {
+  size_t count = sparse.count, indexBytes = componentBytes(sparse.indices.componentType);
   if (!isIndexType(sparse.indices.componentType)) badInput("{} has sparse indices of an invalid type", elements.name);
-  const std::byte* indices = within(document, sparse.indices.bufferView, size_t(sparse.indices.byteOffset), count,
-                                    indexBytes, indexBytes, elements.name + "'s sparse indices");
-  const std::byte* values = within(document, sparse.values.bufferView, size_t(sparse.values.byteOffset), count, size,
-                                   size, elements.name + "'s sparse values");
+  const std::byte* indices = within(document, sparse.indices.bufferView, sparse.indices.byteOffset, count, indexBytes,
+                                    indexBytes, elements.name + "'s sparse indices");
+  const std::byte* values = within(document, sparse.values.bufferView, sparse.values.byteOffset, count, size, size,
+                                   elements.name + "'s sparse values");
   Elements dense = elements;
   std::byte* target = own(document, elements, size);
   if (dense.data)
@@ -121,14 +110,14 @@ void convert(const Elements& e, size_t first, size_t count, glm::vec<N, float>* 
 
 size_t componentBytes(int componentType) {
   switch (componentType) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+    case file::kByte:
+    case file::kUnsignedByte:
       return 1;
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+    case file::kShort:
+    case file::kUnsignedShort:
       return 2;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+    case file::kUnsignedInt:
+    case file::kFloat:
       return 4;
     default:
       return 0;
@@ -136,7 +125,7 @@ size_t componentBytes(int componentType) {
 }
 
 Elements resolve(const Document& document, int index) {
-  const tinygltf::Accessor& accessor = document.model.accessors[size_t(index)];
+  const file::Accessor& accessor = document.model.accessors[size_t(index)];
   Elements elements{.count = accessor.count,
                     .componentType = accessor.componentType,
                     .normalized = accessor.normalized,
@@ -144,17 +133,17 @@ Elements resolve(const Document& document, int index) {
   size_t component = componentBytes(accessor.componentType);
   if (component == 0)
     badInput("{} has the componentType {}, which glTF does not have", elements.name, accessor.componentType);
-  elements.components = size_t(tinygltf::GetNumComponentsInType(uint32_t(accessor.type)));
-  size_t size = elementBytes(accessor.type, component);
+  elements.components = accessor.columns * accessor.rows;
+  size_t size = elementBytes(accessor, component);
   if (accessor.bufferView >= 0) {
-    elements.stride = document.model.bufferViews[size_t(accessor.bufferView)].byteStride;
+    elements.stride = document.views[size_t(accessor.bufferView)].byteStride;
     if (elements.stride == 0) elements.stride = size;
     if (elements.stride < size) badInput("{} has elements of {} bytes, {} apart", elements.name, size, elements.stride);
     elements.data = within(document, accessor.bufferView, accessor.byteOffset, elements.count, elements.stride, size,
                            elements.name);
   }
-  if (accessor.sparse.isSparse)
-    applySparse(document, accessor, elements, size);
+  if (accessor.sparse)
+    applySparse(document, *accessor.sparse, elements, size);
   else if (accessor.bufferView < 0)
     own(document, elements, size);  // zeros, as the specification requires
   return elements;
@@ -163,15 +152,15 @@ Elements resolve(const Document& document, int index) {
 template <int N>
 void readVectors(const Elements& e, size_t first, size_t count, glm::vec<N, float>* out, float fill) {
   switch (e.componentType) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
+    case file::kByte:
       return convert<int8_t>(e, first, count, out, fill);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+    case file::kUnsignedByte:
       return convert<uint8_t>(e, first, count, out, fill);
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
+    case file::kShort:
       return convert<int16_t>(e, first, count, out, fill);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+    case file::kUnsignedShort:
       return convert<uint16_t>(e, first, count, out, fill);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+    case file::kUnsignedInt:
       return convert<uint32_t>(e, first, count, out, fill);
     default:
       return convert<float>(e, first, count, out, fill);
@@ -183,7 +172,7 @@ std::vector<glm::vec<N, float>> readRepaired(const Elements& e, size_t first, si
                                              float otherwise, float fill) {
   std::vector<glm::vec<N, float>> out(count);
   readVectors(e, first, count, out.data(), fill);
-  if (e.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) return out;
+  if (e.componentType != file::kFloat) return out;
   for (glm::vec<N, float>& value : out) {
     bool finite = true;
     for (int c = 0; c < N; ++c) finite &= std::isfinite(value[c]);
@@ -195,8 +184,7 @@ std::vector<glm::vec<N, float>> readRepaired(const Elements& e, size_t first, si
 }
 
 std::vector<glm::mat4> readMatrices(const Elements& e) {
-  if (e.components != 16 || e.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT)
-    badInput("{} should hold 4x4 matrices of floats", e.name);
+  if (e.components != 16 || e.componentType != file::kFloat) badInput("{} should hold 4x4 matrices of floats", e.name);
   std::vector<glm::mat4> out(e.count);
   for (size_t i = 0; i < e.count; ++i) {
     std::memcpy(&out[i], e.data + i * e.stride, sizeof(glm::mat4));

@@ -14,7 +14,7 @@ struct Elements {
   const std::byte* data = nullptr;
   size_t count = 0;
   size_t stride = 0;      // bytes from one element to the next
-  int componentType = 0;  // glTF's constants: 5120 to 5126
+  int componentType = 0;  // file::ComponentType
   size_t components = 0;  // per element: 1 for scalars, 16 for MAT4
   bool normalized = false;
   std::shared_ptr<std::byte[]> owned;  // set if the bytes are not the file's: sparse, absent or Draco-compressed

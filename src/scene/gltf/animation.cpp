@@ -14,8 +14,6 @@
 namespace latelight::scene::gltf {
 namespace {
 
-using nlohmann::json;
-
 // The reason why a channel cannot be applied to the file. The channel is ignored, and the rest of the file is read.
 struct Inapplicable {
   std::string reason;
@@ -25,8 +23,7 @@ template <typename... Args>
   throw Inapplicable{fmt::format(format, std::forward<Args>(args)...)};
 }
 
-Interpolation readInterpolation(const json& sampler) {
-  const std::string text = sampler.value("interpolation", std::string("LINEAR"));
+Interpolation readInterpolation(const std::string& text) {
   if (text == "STEP") return Interpolation::Step;
   if (text == "LINEAR") return Interpolation::Linear;
   if (text == "CUBICSPLINE") return Interpolation::Cubic;
@@ -56,7 +53,7 @@ std::vector<glm::vec<N, float>> readFiniteValues(const Elements& elements) {
 
 std::vector<float> readTimes(const Document& document, int accessor, const std::string& name) {
   const Elements elements = resolve(document, accessor);
-  if (elements.components != 1 || elements.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT)
+  if (elements.components != 1 || elements.componentType != file::kFloat)
     badInput("{} has times that are not floats, in {}", name, elements.name);
   document.budget.charge(elements.count * sizeof(float), elements.name);
   std::vector<float> times;
@@ -82,7 +79,7 @@ std::vector<float> readValues(const Document& document, int accessor, const Curv
   if (elements.components != layout.components || elements.count != curve.times.size() * keys * layout.elements)
     badInput("{} has {} times, for which {} has the wrong number of values or components", name, curve.times.size(),
              elements.name);
-  const bool bytes = elements.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE;
+  const bool bytes = elements.componentType == file::kUnsignedByte;
   if (layout.boolean && (!bytes || curve.interpolation != Interpolation::Step))
     leaveOut("says what is visible in {} by other than steps of unsigned bytes", elements.name);
   document.budget.charge(elements.count * sizeof(glm::vec4) * 2, elements.name);
@@ -104,14 +101,13 @@ class AnimationReader {
   AnimationReader(const Document& document, const Hierarchy& hierarchy, const Scene& scene)
       : document_(document), hierarchy_(hierarchy), scene_(scene) {}
 
-  Animation read(const json& source, size_t index) {
-    out_ = {.name = source.value("name", fmt::format("animation{}", index))};
+  Animation read(const file::Animation& source, size_t index) {
+    out_ = {.name = source.name.value_or(fmt::format("animation{}", index))};
     source_ = &source;
-    const json& channels = source["channels"];
-    for (size_t i = 0; i < channels.size(); ++i) {
+    for (size_t i = 0; i < source.channels.size(); ++i) {
       name_ = fmt::format("animations[{}].channels[{}]", index, i);
       try {
-        readChannel(channels[i]);
+        readChannel(source.channels[i]);
       } catch (const Inapplicable& channel) {
         warn("{} {}, and is left out", name_, channel.reason);
       }
@@ -120,23 +116,19 @@ class AnimationReader {
   }
 
  private:
-  void readChannel(const json& channel) {
-    const json& target = channel["target"];
-    const size_t sampler = channel["sampler"].get<size_t>();
-    const json& samplers = (*source_)["samplers"];
-    if (sampler >= samplers.size())
-      badInput("{}.sampler is {}, but there are {} samplers", name_, sampler, samplers.size());
-    sampler_ = &samplers[sampler];
-    const std::string path = target["path"].get<std::string>();
-    if (path == "pointer") return readPointer(target);
-    const AnimatedProperty property = readPath(path);
-    if (target.contains("node")) addTrack(target["node"].get<uint32_t>(), property, -1);
+  void readChannel(const file::AnimationChannel& channel) {
+    const std::vector<file::AnimationSampler>& samplers = source_->samplers;
+    if (channel.sampler >= samplers.size())
+      badInput("{}.sampler is {}, but there are {} samplers", name_, channel.sampler, samplers.size());
+    sampler_ = &samplers[channel.sampler];
+    if (channel.path == "pointer") return readPointer(channel);
+    const AnimatedProperty property = readPath(channel.path);
+    if (channel.node >= 0) addTrack(uint32_t(channel.node), property, -1);
   }
 
-  void readPointer(const json& target) {
-    const json::json_pointer place("/extensions/KHR_animation_pointer/pointer");
-    if (!target.contains(place)) badInput("{} targets a pointer, but has none", name_);
-    const auto found = resolvePointer(document_, hierarchy_, scene_, target.at(place).get<std::string>(), name_);
+  void readPointer(const file::AnimationChannel& channel) {
+    if (!channel.pointer) badInput("{} targets a pointer, but has none", name_);
+    const auto found = resolvePointer(document_, hierarchy_, scene_, *channel.pointer, name_);
     if (!found) return;
     if (const auto* pointed = std::get_if<NodeProperty>(&*found))
       for (const uint32_t node : pointed->nodes) addTrack(node, pointed->property, pointed->element);
@@ -154,7 +146,7 @@ class AnimationReader {
     if (weights) track.width = element < 0 ? weightCount(document_, node) : 1;
     if (visible) track.width = 1;
     if (track.width == 0) leaveOut("moves weights of nodes[{}], whose mesh has no morph targets", node);
-    if (document_.model.nodes[node].matrix.size() == 16 && !weights && !visible)
+    if (!document_.model.nodes[node].matrix.empty() && !weights && !visible)
       return warn("{} moves nodes[{}], whose transform is a matrix: it stays as it is", name_, node);
     const Layout layout{.components = weights ? 1 : track.width,
                         .elements = weights ? track.width : 1,
@@ -176,48 +168,45 @@ class AnimationReader {
   }
 
   void readCurve(Curve& curve, const Layout& layout) {
-    curve.interpolation = readInterpolation(*sampler_);
-    curve.times = readTimes(document_, (*sampler_)["input"].get<int>(), name_);
-    curve.values = readValues(document_, (*sampler_)["output"].get<int>(), curve, layout, name_);
+    curve.interpolation = readInterpolation(sampler_->interpolation);
+    curve.times = readTimes(document_, sampler_->input, name_);
+    curve.values = readValues(document_, sampler_->output, curve, layout, name_);
     out_.duration = std::max(out_.duration, curve.times.back());
   }
 
   const Document& document_;
   const Hierarchy& hierarchy_;
   const Scene& scene_;
-  const json* source_ = nullptr;   // JSON of the animation
-  const json* sampler_ = nullptr;  // JSON of the channel's sampler
-  std::string name_;               // the channel's name in messages
+  const file::Animation* source_ = nullptr;
+  const file::AnimationSampler* sampler_ = nullptr;  // the channel's
+  std::string name_;                                 // the channel's name in messages
   Animation out_;
 };
 
-RigNode readRigNode(const tinygltf::Model& model, const tinygltf::Node& source) {
+RigNode readRigNode(const file::Model& model, const file::Node& source) {
   RigNode node;
-  node.visible = isVisible(source);
-  const auto at = [](const std::vector<double>& v, size_t i, double otherwise) {
-    return i < v.size() ? v[i] : otherwise;
-  };
-  node.hasMatrix = source.matrix.size() == 16;
+  node.visible = source.visible;
+  node.hasMatrix = !source.matrix.empty();
   if (node.hasMatrix) node.matrix = readMatrix(source.matrix);
-  for (int i = 0; i < 3; ++i) node.translation[i] = at(source.translation, size_t(i), 0);
-  for (int i = 0; i < 3; ++i) node.scale[i] = at(source.scale, size_t(i), 1);
-  for (int i = 0; i < 4; ++i) node.rotation[i] = at(source.rotation, size_t(i), i == 3 ? 1 : 0);
+  node.translation = source.translation;
+  node.rotation = source.rotation;
+  node.scale = source.scale;
   if (source.mesh < 0) return node;
-  const tinygltf::Mesh& mesh = model.meshes[size_t(source.mesh)];
+  const file::Mesh& mesh = model.meshes[size_t(source.mesh)];
   const std::vector<double>& weights = source.weights.empty() ? mesh.weights : source.weights;
-  for (size_t i = 0; i < targetCount(mesh); ++i) node.weights.push_back(float(at(weights, i, 0)));
+  for (size_t i = 0; i < targetCount(mesh); ++i) node.weights.push_back(i < weights.size() ? float(weights[i]) : 0);
   return node;
 }
 
-std::vector<RigNode> readRigNodes(const tinygltf::Model& model) {
+std::vector<RigNode> readRigNodes(const file::Model& model) {
   std::vector<RigNode> nodes;
-  for (const tinygltf::Node& source : model.nodes) nodes.push_back(readRigNode(model, source));
+  for (const file::Node& source : model.nodes) nodes.push_back(readRigNode(model, source));
   for (size_t i = 0; i < model.nodes.size(); ++i)
     for (int child : model.nodes[i].children) nodes[size_t(child)].parent = int(i);
   return nodes;
 }
 
-std::vector<uint32_t> parentsFirst(const tinygltf::Model& model, const std::vector<RigNode>& nodes) {
+std::vector<uint32_t> parentsFirst(const file::Model& model, const std::vector<RigNode>& nodes) {
   std::vector<uint32_t> order;
   for (size_t i = 0; i < nodes.size(); ++i)
     if (nodes[i].parent < 0) order.push_back(uint32_t(i));
@@ -236,7 +225,7 @@ glm::dvec3 skinOrigin(const Document& document, const Hierarchy& hierarchy, int 
 }
 
 Skin readSkin(const Document& document, const Hierarchy& hierarchy, int index) {
-  const tinygltf::Skin& source = document.model.skins[size_t(index)];
+  const file::Skin& source = document.model.skins[size_t(index)];
   if (source.joints.empty()) badInput("skins[{}] has no joints", index);
   Skin skin{.joints = {source.joints.begin(), source.joints.end()},
             .inverseBind = std::vector<mat4>(source.joints.size(), mat4(1)),
@@ -255,7 +244,8 @@ Skin readSkin(const Document& document, const Hierarchy& hierarchy, int index) {
 void readRig(const Document& document, const Hierarchy& hierarchy, Scene& scene) {
   std::vector<Animation> animations;
   AnimationReader reader(document, hierarchy, scene);
-  for (size_t i = 0; i < document.animations.size(); ++i) animations.push_back(reader.read(document.animations[i], i));
+  for (const file::Animation& source : document.model.animations)
+    animations.push_back(reader.read(source, animations.size()));
   if (animations.empty()) return;
   Rig& rig = scene.rig;
   rig.animations = std::move(animations);

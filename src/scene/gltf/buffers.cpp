@@ -7,6 +7,7 @@
 #include "base/allowed_folders.h"
 #include "base/error.h"
 #include "scene/gltf/document.h"
+#include "scene/gltf/json.h"
 
 namespace latelight::scene::gltf {
 using nlohmann::json;
@@ -124,6 +125,12 @@ Bytes readBuffer(Document& document, const json& buffer, size_t index, bool isRe
   return bytes.first(length);
 }
 
+size_t strideOf(const json& view, size_t index) {
+  const size_t stride = view.value("byteStride", size_t{0});
+  if (stride % 4 != 0) badInput("bufferViews[{}].byteStride is {}, which is not a multiple of 4", index, stride);
+  return stride;
+}
+
 Bytes slice(const std::vector<Bytes>& buffers, const json& view, size_t index) {
   Bytes buffer = buffers[view["buffer"].get<size_t>()];
   size_t offset = view.value("byteOffset", size_t{0}), length = view["byteLength"].get<size_t>();
@@ -144,7 +151,7 @@ ImageSource readImage(Document& document, const json& image, size_t index, const
   }
   source.name = label.empty() ? fmt::format("images[{}]", index) : fmt::format("images[{}] ({})", index, label);
   if (embedded) {
-    source.encoded = document.views[image["bufferView"].get<size_t>()];
+    source.encoded = document.views[image["bufferView"].get<size_t>()].bytes;
   } else if (image.contains("uri")) {
     try {
       source.encoded = readUri(document, enclosure, image["uri"].get_ref<const std::string&>(), source.name);
@@ -162,9 +169,10 @@ ImageSource readImage(Document& document, const json& image, size_t index, const
 std::vector<std::filesystem::path> filesBeside(const json& root) {
   std::vector<std::filesystem::path> files;
   for (const char* key : {"buffers", "images"})
-    for (const json& entry : root.value(key, json::array())) {
-      const std::string uri = entry.value("uri", std::string());
-      if (!uri.empty() && !uri.starts_with("data:")) files.emplace_back(percentDecode(uri));
+    for (const json& entry : arrayIn(root, key)) {
+      const json* uri = findProperty(entry, "uri");
+      const std::string_view text = uri ? uri->get_ref<const std::string&>() : std::string_view();
+      if (!text.empty() && !text.starts_with("data:")) files.emplace_back(percentDecode(text));
     }
   return files;
 }
@@ -180,23 +188,20 @@ void Budget::charge(size_t bytes, std::string_view what) const {
 }
 
 void readBuffers(Document& document, const json& root, const AllowedFolders& enclosure, Bytes binary) {
-  const json none = json::array();
-  auto arrayOf = [&](const char* key) -> const json& {
-    auto found = root.find(key);
-    return found == root.end() ? none : *found;
-  };
   std::vector<Bytes> buffers;
-  const std::vector<bool> read = findRead(arrayOf("buffers"), arrayOf("bufferViews"));
-  for (const json& buffer : arrayOf("buffers")) {
+  const std::vector<bool> read = findRead(arrayIn(root, "buffers"), arrayIn(root, "bufferViews"));
+  for (const json& buffer : arrayIn(root, "buffers")) {
     const size_t index = buffers.size();
     buffers.push_back(readBuffer(document, buffer, index, read[index], enclosure, binary));
   }
   document.budget.setInput(document.inputBytes);
-  for (const json& view : arrayOf("bufferViews")) {
-    document.views.push_back(view.contains(kCompressedView) ? Bytes() : slice(buffers, view, document.views.size()));
+  for (const json& view : arrayIn(root, "bufferViews")) {
+    const size_t index = document.views.size();
+    document.views.push_back({.bytes = view.contains(kCompressedView) ? Bytes() : slice(buffers, view, index),
+                              .byteStride = strideOf(view, index)});
   }
   decodeMeshopt(document, root, buffers);
-  for (const json& image : arrayOf("images"))
+  for (const json& image : arrayIn(root, "images"))
     document.images.push_back(readImage(document, image, document.images.size(), enclosure));
 }
 

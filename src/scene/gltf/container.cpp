@@ -15,8 +15,8 @@ constexpr uint32_t kMagic = 0x46546C67;  // "glTF"
 constexpr uint32_t kJsonChunk = 0x4E4F534A;
 constexpr uint32_t kBinaryChunk = 0x004E4942;
 constexpr size_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
-constexpr size_t kMaxJsonBytes = 1u << 30;  // tinygltf counts with 32 bits
-constexpr int kMaxDepth = 128;              // tinygltf and JSON printing recurse
+constexpr size_t kMaxJsonBytes = 1u << 30;
+constexpr int kMaxDepth = 128;  // printing JSON recurses
 
 uint32_t wordAt(Bytes bytes, size_t at) {  // GLB is little-endian
   uint32_t word = 0;

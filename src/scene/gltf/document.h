@@ -1,8 +1,6 @@
-// A glTF file in memory: its validated JSON as tinygltf's typed model, and its bytes. It is read-only once opened, so
-// that meshes and textures can be built from it on all threads at once.
+// A glTF file in memory: the contents of its JSON, and its bytes. It is read-only once opened, so that meshes and
+// textures can be built from it on all threads at once.
 #pragma once
-
-#include <tiny_gltf.h>
 
 #include <atomic>
 #include <cstddef>
@@ -17,6 +15,7 @@
 
 #include "base/allowed_folders.h"
 #include "base/memory.h"
+#include "scene/gltf/model.h"
 
 namespace latelight::scene::gltf {
 
@@ -56,13 +55,17 @@ class Repairs {
   mutable std::set<std::string> attributes_;
 };
 
+struct BufferView {
+  Bytes bytes;            // decompressed
+  size_t byteStride = 0;  // 0: elements are tightly packed
+};
+
 struct Document {
-  tinygltf::Model model;     // without buffers, images and animations: tinygltf never receives their bytes
-  std::vector<Bytes> views;  // per bufferView, decompressed
+  file::Model model;
+  std::vector<BufferView> views;
   std::vector<ImageSource> images;
-  nlohmann::json animations = nlohmann::json::array();  // as in the file, validated
-  std::vector<std::filesystem::path> beside;            // files that it refers to, relative to its folder
-  size_t inputBytes = 0;                                // total of all files read
+  std::vector<std::filesystem::path> beside;  // files that it refers to, relative to its folder
+  size_t inputBytes = 0;                      // total of all files read
   Budget budget;
   Repairs repairs;
 
@@ -92,21 +95,10 @@ std::vector<std::filesystem::path> filesBeside(const nlohmann::json& root);
 // Decompresses bufferViews with EXT_meshopt_compression into document.views.
 void decodeMeshopt(Document& document, const nlohmann::json& root, const std::vector<Bytes>& buffers);
 
-// Passes the JSON to tinygltf, modified so that tinygltf processes nothing that could fail.
-void readModel(Document& document, nlohmann::json root);
-
 void openDocument(Document& document, const std::filesystem::path& path, const AllowedFolders& enclosure);
-
-// --- extensions ------------------------------------------------------------------------------------------------------
 
 // Throws Error(BadInput) that names the first unsupported required extension; warns about ignored extensions that
 // affect the rendered image.
 void checkExtensions(const nlohmann::json& root);
-
-// Returns the extension's object, or null.
-const tinygltf::Value* extension(const tinygltf::ExtensionMap& map, const char* name);
-// Returns a number of an extension's object, or the default.
-double numberOr(const tinygltf::Value& object, const char* key, double otherwise);
-int indexOr(const tinygltf::Value& object, const char* key, int otherwise);
 
 }  // namespace latelight::scene::gltf

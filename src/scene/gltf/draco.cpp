@@ -76,15 +76,15 @@ bool convertPoints(const draco::Mesh& mesh, const draco::PointAttribute& attribu
 
 bool convert(const draco::Mesh& mesh, const draco::PointAttribute& attribute, const Elements& e, std::byte* out) {
   switch (e.componentType) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
+    case file::kByte:
       return convertPoints(mesh, attribute, e.components, reinterpret_cast<int8_t*>(out));
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+    case file::kUnsignedByte:
       return convertPoints(mesh, attribute, e.components, reinterpret_cast<uint8_t*>(out));
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
+    case file::kShort:
       return convertPoints(mesh, attribute, e.components, reinterpret_cast<int16_t*>(out));
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+    case file::kUnsignedShort:
       return convertPoints(mesh, attribute, e.components, reinterpret_cast<uint16_t*>(out));
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+    case file::kUnsignedInt:
       return convertPoints(mesh, attribute, e.components, reinterpret_cast<uint32_t*>(out));
     default:
       return convertPoints(mesh, attribute, e.components, reinterpret_cast<float*>(out));
@@ -94,16 +94,16 @@ bool convert(const draco::Mesh& mesh, const draco::PointAttribute& attribute, co
 // The accessor specifies the type of the values; Draco stores only their number.
 Elements readAttribute(const Document& document, const draco::Mesh& mesh, int uniqueId, int accessorIndex,
                        const std::string& name) {
-  const tinygltf::Accessor& accessor = document.model.accessors[size_t(accessorIndex)];
+  const file::Accessor& accessor = document.model.accessors[size_t(accessorIndex)];
   const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(uint32_t(uniqueId));
   if (!attribute) badInput("{} has no compressed attribute {}", name, uniqueId);
   size_t component = componentBytes(accessor.componentType);
-  int components = tinygltf::GetNumComponentsInType(uint32_t(accessor.type));
-  if (component == 0 || components < 1 || components > 4) badInput("{} has an accessor of an unusable type", name);
+  const size_t components = accessor.columns * accessor.rows;
+  if (component == 0 || components > 4) badInput("{} has an accessor of an unusable type", name);
   Elements elements{.count = mesh.num_points(),
-                    .stride = component * size_t(components),
+                    .stride = component * components,
                     .componentType = accessor.componentType,
-                    .components = size_t(components),
+                    .components = components,
                     .normalized = accessor.normalized,
                     .name = name};
   size_t bytes = elements.count * elements.stride;
@@ -129,9 +129,8 @@ std::unique_ptr<draco::Mesh> decodeBytes(const Document& document, Bytes data, c
 
 }  // namespace
 
-DracoMesh decodeDraco(const Document& document, const tinygltf::Primitive& primitive, const std::string& name) {
-  const tinygltf::Value& object = *extension(primitive.extensions, "KHR_draco_mesh_compression");
-  Bytes data = document.views[size_t(indexOr(object, "bufferView", 0))];
+DracoMesh decodeDraco(const Document& document, const file::Primitive& primitive, const std::string& name) {
+  Bytes data = document.views[size_t(primitive.draco->bufferView)].bytes;
   std::unique_ptr<draco::Mesh> mesh = decodeBytes(document, data, name);
 
   DracoMesh out;
@@ -139,13 +138,11 @@ DracoMesh decodeDraco(const Document& document, const tinygltf::Primitive& primi
   for (draco::FaceIndex f(0); f < mesh->num_faces(); ++f)
     for (int i = 0; i < 3; ++i) out.indices[size_t(f.value()) * 3 + size_t(i)] = mesh->face(f)[size_t(i)].value();
 
-  const tinygltf::Value& attributes = object.Get("attributes");
-  if (!attributes.IsObject()) badInput("{} has no compressed attributes", name);
-  for (const std::string& key : attributes.Keys()) {
+  if (primitive.draco->attributes.empty()) badInput("{} has no compressed attributes", name);
+  for (const auto& [key, uniqueId] : primitive.draco->attributes) {
     auto accessor = primitive.attributes.find(key);
     if (accessor == primitive.attributes.end()) continue;
-    out.attributes[key] = readAttribute(document, *mesh, indexOr(attributes, key.c_str(), -1), accessor->second,
-                                        fmt::format("{}'s {}", name, key));
+    out.attributes[key] = readAttribute(document, *mesh, uniqueId, accessor->second, fmt::format("{}'s {}", name, key));
   }
   return out;
 }

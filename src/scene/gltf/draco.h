@@ -15,6 +15,6 @@ struct DracoMesh {
 };
 
 // Decodes a primitive that has the extension. Throws Error(BadInput) with `name`.
-DracoMesh decodeDraco(const Document& document, const tinygltf::Primitive& primitive, const std::string& name);
+DracoMesh decodeDraco(const Document& document, const file::Primitive& primitive, const std::string& name);
 
 }  // namespace latelight::scene::gltf

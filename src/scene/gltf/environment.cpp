@@ -19,8 +19,6 @@
 namespace latelight::scene::gltf {
 namespace {
 
-using tinygltf::Value;
-
 constexpr uint32_t kMinHeight = 64, kMaxHeight = 1024;  // height of the resampled image
 
 vec3 gltfFromWorld(const vec3& d) {
@@ -28,11 +26,9 @@ vec3 gltfFromWorld(const vec3& d) {
 }
 
 // Returns the rotation from the file's frame to the light's own frame; the inverse of the light's rotation.
-glm::mat3 readTurn(const Value& light) {
-  if (!light.Has("rotation")) return glm::mat3(1);
-  const Value& r = light.Get("rotation");
-  const auto at = [&](int i) { return float(r.Get(i).GetNumberAsDouble()); };
-  const glm::quat q(at(3), at(0), at(1), at(2));
+glm::mat3 readTurn(const file::ImageBasedLight& light) {
+  const vec4& r = light.rotation;
+  const glm::quat q(r.w, r.x, r.y, r.z);
   const float length = glm::length(q);
   return length > 0 && std::isfinite(length) ? glm::transpose(glm::mat3_cast(q / length)) : glm::mat3(1);
 }
@@ -41,9 +37,9 @@ glm::mat3 readTurn(const Value& light) {
 
 class Cube {
  public:
-  Cube(const Document& document, const Value& faces) {
+  Cube(const Document& document, const std::array<int, 6>& faces) {
     for (size_t i = 0; i < 6; ++i) {
-      const ImageSource& source = document.images[size_t(faces.Get(int(i)).Get<int>())];
+      const ImageSource& source = document.images[size_t(faces[i])];
       if (!source.problem.empty()) badInput("{}", source.problem);
       const ImageSize size = imageSize(source.encoded, source.name);
       if (size.width != size.height || (i > 0 && size.width != faces_[0].width))
@@ -108,14 +104,6 @@ FloatImage pictureOf(const Cube& cube, const glm::mat3& turn, float intensity) {
 
 using Harmonics = std::array<vec3, 9>;
 
-Harmonics readHarmonics(const Value& light) {
-  Harmonics harmonics;
-  for (int i = 0; i < 9; ++i)
-    for (int c = 0; c < 3; ++c)
-      harmonics[size_t(i)][c] = float(light.Get("irradianceCoefficients").Get(i).Get(c).GetNumberAsDouble());
-  return harmonics;
-}
-
 // Evaluates the real spherical harmonics of bands 0 to 2 (R. Ramamoorthi and P. Hanrahan, "An Efficient Representation
 // for Irradiance Environment Maps", SIGGRAPH 2001, equation 3).
 vec3 irradiance(const Harmonics& c, const vec3& n) {
@@ -138,24 +126,22 @@ RadianceMap makeDiffuse(uint32_t size, const Harmonics& harmonics, const glm::ma
   return makeRadianceMap(map, exceedsHalves(map));
 }
 
-const Value* lightOf(const tinygltf::Model& model) {
+const file::ImageBasedLight* lightOf(const file::Model& model) {
   if (model.scenes.empty()) return nullptr;
-  const tinygltf::Scene& shown = model.scenes[size_t(std::max(model.defaultScene, 0))];
-  const Value* chosen = extension(shown.extensions, "EXT_lights_image_based");
-  const Value* all = extension(model.extensions, "EXT_lights_image_based");
-  return chosen && all ? &all->Get("lights").Get(indexOr(*chosen, "light", 0)) : nullptr;
+  const int light = model.scenes[size_t(std::max(model.scene, 0))].imageBasedLight;
+  return light < 0 ? nullptr : &model.imageBasedLights[size_t(light)];
 }
 
 }  // namespace
 
 void readEnvironment(const Document& document, Scene& scene) {
-  const Value* light = lightOf(document.model);
+  const file::ImageBasedLight* light = lightOf(document.model);
   if (!light) return;
   const glm::mat3 turn = readTurn(*light);
-  const auto intensity = float(numberOr(*light, "intensity", 1));
-  const Cube cube(document, light->Get("specularImages").Get(0));
+  const auto intensity = float(light->intensity);
+  const Cube cube(document, light->specularImages);
   Environment environment = makeEnvironment(pictureOf(cube, turn, intensity));
-  environment.diffuse = makeDiffuse(environment.diffuse.width, readHarmonics(*light), turn, intensity);
+  environment.diffuse = makeDiffuse(environment.diffuse.width, light->irradianceCoefficients, turn, intensity);
   environment.name = "scene";
   scene.environment = std::make_shared<Environment>(std::move(environment));
 }

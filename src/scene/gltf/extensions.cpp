@@ -140,20 +140,5 @@ void checkExtensions(const nlohmann::json& root) {
   }
 }
 
-const tinygltf::Value* extension(const tinygltf::ExtensionMap& map, const char* name) {
-  auto found = map.find(name);
-  return found == map.end() || !found->second.IsObject() ? nullptr : &found->second;
-}
-
-double numberOr(const tinygltf::Value& object, const char* key, double otherwise) {
-  const tinygltf::Value& value = object.Get(key);
-  return value.IsNumber() ? value.GetNumberAsDouble() : otherwise;
-}
-
-int indexOr(const tinygltf::Value& object, const char* key, int otherwise) {
-  const tinygltf::Value& value = object.Get(key);
-  return value.IsInt() ? value.Get<int>() : otherwise;
-}
-
 }  // namespace gltf
 }  // namespace latelight::scene

@@ -23,14 +23,13 @@ namespace {
 
 // A key that is equal for primitives with the same bytes, also across meshes, because exporters repeat a geometry for
 // each material.
-using Geometry = std::tuple<std::map<std::string, int>, std::vector<std::map<std::string, int>>, int, int, int>;
+using Geometry = std::tuple<file::Attributes, std::vector<file::Attributes>, int, int, int>;
 
-Geometry geometryOf(const tinygltf::Primitive& p) {
-  const tinygltf::Value* draco = extension(p.extensions, "KHR_draco_mesh_compression");
-  return {p.attributes, p.targets, p.indices, p.mode, draco ? indexOr(*draco, "bufferView", -1) : -1};
+Geometry geometryOf(const file::Primitive& p) {
+  return {p.attributes, p.targets, p.indices, p.mode, p.draco ? p.draco->bufferView : -1};
 }
 
-std::vector<double> weightsOf(const tinygltf::Node& node, const tinygltf::Mesh& mesh, const tinygltf::Primitive& p) {
+std::vector<double> weightsOf(const file::Node& node, const file::Mesh& mesh, const file::Primitive& p) {
   std::vector<double> weights = node.weights.empty() ? mesh.weights : node.weights;
   weights.resize(std::min(weights.size(), p.targets.size()));
   bool idle = std::all_of(weights.begin(), weights.end(), [](double w) { return w == 0; });
@@ -47,7 +46,7 @@ std::optional<uint32_t> tangentSlot(const Material& material) {
 }
 
 // Tangents are generated for the texture that uses them: for its UV set, with its transform applied.
-std::optional<TangentSpace> tangentSpaceOf(const Material& material, const tinygltf::Primitive& p) {
+std::optional<TangentSpace> tangentSpaceOf(const Material& material, const file::Primitive& p) {
   bool given = p.attributes.contains("TANGENT") && p.attributes.contains("NORMAL");
   const std::optional<uint32_t> slot = tangentSlot(material);
   if (given || !slot) return std::nullopt;
@@ -68,16 +67,14 @@ struct Placements {
   }
 };
 
-Placements readPlacements(const Document& document, const tinygltf::Node& node, size_t index) {
-  const tinygltf::Value* object = extension(node.extensions, "EXT_mesh_gpu_instancing");
-  if (!object) return {};
-  const tinygltf::Value& attributes = object->Get("attributes");
+Placements readPlacements(const Document& document, const file::Node& node, size_t index) {
+  if (!node.instancing) return {};
   std::optional<size_t> count;
   auto read = [&](const char* key, vec4 otherwise, bool normalized) {
     std::vector<vec4> values;
-    int accessor = attributes.IsObject() ? indexOr(attributes, key, -1) : -1;
-    if (accessor < 0) return values;
-    Elements elements = resolve(document, accessor);
+    const auto accessor = node.instancing->find(key);
+    if (accessor == node.instancing->end()) return values;
+    Elements elements = resolve(document, accessor->second);
     elements.normalized |= normalized;
     if (count.value_or(elements.count) != elements.count)
       badInput("nodes[{}] has EXT_mesh_gpu_instancing attributes of different lengths", index);
@@ -117,7 +114,7 @@ class Placer {
  private:
   void placeNode(size_t place) {
     size_t index = size_t(hierarchy_.order[place]);
-    const tinygltf::Node& node = document_.model.nodes[index];
+    const file::Node& node = document_.model.nodes[index];
     if (node.mesh < 0) return;
     scene_.nodes[place].mesh = meshName(document_, node.mesh);
     const Placements placements = readPlacements(document_, node, index);
@@ -129,9 +126,9 @@ class Placer {
 
   void placePrimitive(size_t place, size_t p, const Placements& placements) {
     size_t index = size_t(hierarchy_.order[place]);
-    const tinygltf::Node& node = document_.model.nodes[index];
-    const tinygltf::Mesh& mesh = document_.model.meshes[size_t(node.mesh)];
-    const tinygltf::Primitive& primitive = mesh.primitives[p];
+    const file::Node& node = document_.model.nodes[index];
+    const file::Mesh& mesh = document_.model.meshes[size_t(node.mesh)];
+    const file::Primitive& primitive = mesh.primitives[p];
     if (!isDrawn(primitive)) return;
     uint32_t material = materialFor(primitive);
     MeshRequest request{.mesh = node.mesh,
@@ -149,7 +146,7 @@ class Placer {
     instance.posed = posed;
     instance.hidden = hierarchy_.hidden[index];
     document_.budget.charge(placements.count * 2 * sizeof(Instance), scene_.nodes[place].path);
-    const bool instanced = extension(node.extensions, "EXT_mesh_gpu_instancing");
+    const bool instanced = node.instancing.has_value();
     const size_t first = scene_.instances.size();
     scene_.instances.resize(first + placements.count, instance);
     if (instanced && !scene_.rig.empty()) scene_.rig.offsets.resize(scene_.instances.size(), glm::dmat4(1));
@@ -190,16 +187,16 @@ class Placer {
     }
   }
 
-  bool isDrawn(const tinygltf::Primitive& primitive) const {
+  bool isDrawn(const file::Primitive& primitive) const {
     if (triangleCount(document_, primitive) > 0) return true;
-    if (primitive.mode < TINYGLTF_MODE_TRIANGLES)
+    if (primitive.mode < file::kTriangles)
       warn("points and lines are not supported and are skipped");
     else
       warn("the file has primitives without triangles, which are skipped");
     return false;
   }
 
-  uint32_t materialFor(const tinygltf::Primitive& primitive) {
+  uint32_t materialFor(const file::Primitive& primitive) {
     int material = materialOf(primitive, variant_);
     if (material >= 0) return uint32_t(material);
     if (!default_) {
@@ -213,7 +210,7 @@ class Placer {
   int movedWeights(int node) const { return moved_.contains(uint32_t(node)) ? node : -1; }
 
   // Returns the index of an equal request, or appends this one and returns its index.
-  uint32_t find(const MeshRequest& request, const tinygltf::Primitive& primitive) {
+  uint32_t find(const MeshRequest& request, const file::Primitive& primitive) {
     std::vector<uint32_t>& candidates = known_[geometryOf(primitive)];
     for (uint32_t candidate : candidates) {
       const MeshRequest& other = requests_[candidate];

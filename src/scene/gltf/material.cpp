@@ -7,65 +7,21 @@
 
 #include "base/error.h"
 #include "base/log.h"
-#include "scene/gltf/extensions.h"
 
 namespace latelight::scene::gltf {
 namespace {
 
-using tinygltf::Value;
-
 constexpr float kDielectricF0 = 0.04f;  // for the default index of refraction, 1.5
 
-// The properties that all kinds of texture references share.
-struct Reference {
-  int texture = -1;
-  int uvSet = 0;
-  const Value* transform = nullptr;
-};
-
-const Value* transformOf(const tinygltf::ExtensionMap& extensions) {
-  return extension(extensions, "KHR_texture_transform");
-}
-
-template <typename Info>  // tinygltf's three kinds of texture info
-Reference referenceTo(const Info& info) {
-  return {info.index, info.texCoord, transformOf(info.extensions)};
-}
-
-// Texture references of extensions are plain JSON.
-Reference referenceTo(const Value& info) {
-  if (!info.IsObject()) return {};
-  const Value& extensions = info.Get("extensions");
-  const Value* transform = extensions.IsObject() && extensions.Has("KHR_texture_transform")
-                               ? &extensions.Get("KHR_texture_transform")
-                               : nullptr;
-  return {indexOr(info, "index", -1), indexOr(info, "texCoord", 0), transform};
-}
-
-double elementOr(const Value& object, const char* key, size_t i, double otherwise) {
-  const Value& array = object.Get(key);
-  if (!array.IsArray() || i >= array.ArrayLen()) return otherwise;
-  const Value& element = array.Get(int(i));
-  return element.IsNumber() ? element.GetNumberAsDouble() : otherwise;
-}
-
-TransformParts partsOf(const Reference& reference) {
-  if (!reference.transform) return {};
-  const Value& t = *reference.transform;
-  return {.offset = vec2(elementOr(t, "offset", 0, 0), elementOr(t, "offset", 1, 0)),
-          .rotation = float(numberOr(t, "rotation", 0)),
-          .scale = vec2(elementOr(t, "scale", 0, 1), elementOr(t, "scale", 1, 1))};
-}
-
-void setTransform(shared::TextureTransform& out, const Reference& reference) {
-  setRows(out, partsOf(reference));
-  const int uvSet = reference.transform ? indexOr(*reference.transform, "texCoord", reference.uvSet) : reference.uvSet;
-  if (uvSet > 1) warn("a texture uses TEXCOORD_{}; two UV sets are supported, and TEXCOORD_1 is used instead", uvSet);
-  out.uvSet = uint32_t(std::min(uvSet, 1));
+void setTransform(shared::TextureTransform& out, const file::TextureInfo& info) {
+  setRows(out, info.transform);
+  if (info.texCoord > 1)
+    warn("a texture uses TEXCOORD_{}; two UV sets are supported, and TEXCOORD_1 is used instead", info.texCoord);
+  out.uvSet = uint32_t(std::min(info.texCoord, 1));
 }
 
 // Returns true if two references sample their textures at the same coordinates.
-bool samePlace(const Reference& a, const Reference& b) {
+bool samePlace(const file::TextureInfo& a, const file::TextureInfo& b) {
   shared::TextureTransform first, second;
   setTransform(first, a);
   setTransform(second, b);
@@ -73,33 +29,33 @@ bool samePlace(const Reference& a, const Reference& b) {
 }
 
 Wrap wrapOf(int gl) {
-  if (gl == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return Wrap::Clamp;
-  if (gl == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return Wrap::Mirror;
+  if (gl == file::kClampToEdge) return Wrap::Clamp;
+  if (gl == file::kMirroredRepeat) return Wrap::Mirror;
   return Wrap::Repeat;
 }
 
-Sampler samplerOf(const tinygltf::Model& model, int index) {
+Sampler samplerOf(const file::Model& model, int index) {
   Sampler sampler;
   if (index < 0) return sampler;
-  const tinygltf::Sampler& source = model.samplers[size_t(index)];
+  const file::Sampler& source = model.samplers[size_t(index)];
   sampler.wrapU = wrapOf(source.wrapS);
   sampler.wrapV = wrapOf(source.wrapT);
-  if (source.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST) sampler.magnify = Filter::Nearest;
+  if (source.magFilter == file::kNearest) sampler.magnify = Filter::Nearest;
   auto minify = [&](Filter filter, MipFilter mip) { sampler.minify = filter, sampler.mip = mip; };
   switch (source.minFilter) {
-    case TINYGLTF_TEXTURE_FILTER_NEAREST:
+    case file::kNearest:
       minify(Filter::Nearest, MipFilter::None);
       break;
-    case TINYGLTF_TEXTURE_FILTER_LINEAR:
+    case file::kLinear:
       minify(Filter::Linear, MipFilter::None);
       break;
-    case TINYGLTF_TEXTURE_FILTER_NEAREST_MIPMAP_NEAREST:
+    case file::kNearestMipmapNearest:
       minify(Filter::Nearest, MipFilter::Nearest);
       break;
-    case TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_NEAREST:
+    case file::kLinearMipmapNearest:
       minify(Filter::Linear, MipFilter::Nearest);
       break;
-    case TINYGLTF_TEXTURE_FILTER_NEAREST_MIPMAP_LINEAR:
+    case file::kNearestMipmapLinear:
       minify(Filter::Nearest, MipFilter::Linear);
       break;
     default:
@@ -108,21 +64,12 @@ Sampler samplerOf(const tinygltf::Model& model, int index) {
   return sampler;
 }
 
-int imageOf(const tinygltf::Texture& texture) {
-  for (const std::string_view name : {"EXT_texture_webp", "KHR_texture_basisu", "EXT_texture_avif"}) {
-    if (name == "EXT_texture_avif" && !kReadsAvif) continue;
-    const Value* other = extension(texture.extensions, name.data());
-    if (const int image = other ? indexOr(*other, "source", -1) : -1; image >= 0) return image;
-  }
-  return texture.source;
-}
-
 class MaterialReader {
  public:
   MaterialReader(const Document& document, uint32_t slots, TextureTable& textures)
       : document_(document), slots_(slots), textures_(textures) {}
 
-  Material read(const tinygltf::Material& source) {
+  Material read(const file::Material& source) {
     source_ = &source;
     out_ = defaultMaterial();
     parts_ = {};
@@ -131,8 +78,8 @@ class MaterialReader {
     readAlpha();
     readExtensions();
     // The specular-glossiness extension is a different model, which replaces metallic-roughness and its extensions.
-    if (const Value* e = extension(source.extensions, "KHR_materials_pbrSpecularGlossiness"))
-      readSpecularGlossiness(*e);
+    if (source.specularGlossiness)
+      readSpecularGlossiness(*source.specularGlossiness);
     else
       readMetallicRoughness();
     return std::move(out_);
@@ -140,16 +87,16 @@ class MaterialReader {
   const MaterialParts& parts() const { return parts_; }  // parts of the last material read
 
  private:
-  void slot(uint32_t slot, const Reference& reference, bool srgb) {
-    const int image = imageAt(reference);
-    if (image >= 0) fill(slot, reference, {.image = image, .srgb = srgb});
+  void slot(uint32_t slot, const file::TextureInfo& info, bool srgb) {
+    const int image = imageAt(info);
+    if (image >= 0) fill(slot, info, {.image = image, .srgb = srgb});
   }
 
-  // Returns the reference's image, or -1 if it has none or an unreadable one.
-  int imageAt(const Reference& reference) const {
-    if (reference.texture < 0) return -1;
-    const int image = imageOf(document_.model.textures[size_t(reference.texture)]);
-    if (image < 0) warn("textures[{}] has no readable image, and is ignored", reference.texture);
+  // Returns the texture's image, or -1 if there is none or an unreadable one.
+  int imageAt(const file::TextureInfo& info) const {
+    if (info.texture < 0) return -1;
+    const int image = document_.model.textures[size_t(info.texture)].image;
+    if (image < 0) warn("textures[{}] has no readable image, and is ignored", info.texture);
     return image;
   }
 
@@ -158,58 +105,52 @@ class MaterialReader {
     return (slots_ >> slot & 1u) != 0 || (slot == shared::kTextureBaseColor && alphaDecides);
   }
 
-  void fill(uint32_t slot, const Reference& reference, const TextureRequest& request) {
+  void fill(uint32_t slot, const file::TextureInfo& info, const TextureRequest& request) {
     if (!isWanted(slot)) return;
-    const tinygltf::Texture& texture = document_.model.textures[size_t(reference.texture)];
+    const file::Texture& texture = document_.model.textures[size_t(info.texture)];
     out_.slots[slot] = {textures_.request(request), samplerOf(document_.model, texture.sampler)};
     out_.data.textures |= 1u << slot;
-    setTransform(out_.data.transforms[slot], reference);
-    parts_.transforms[slot] = partsOf(reference);
+    setTransform(out_.data.transforms[slot], info);
+    parts_.transforms[slot] = info.transform;
   }
 
   void readSurface() {
     shared::Material& data = out_.data;
-    for (int i = 0; i < 3; ++i) parts_.emissive[i] = data.emissive[i] = float(source_->emissiveFactor[size_t(i)]);
-    data.normalScale = float(source_->normalTexture.scale);
-    data.occlusionStrength = std::clamp(float(source_->occlusionTexture.strength), 0.0f, 1.0f);
-    slot(shared::kTextureNormal, referenceTo(source_->normalTexture), false);
-    slot(shared::kTextureOcclusion, referenceTo(source_->occlusionTexture), false);
-    slot(shared::kTextureEmissive, referenceTo(source_->emissiveTexture), true);
+    parts_.emissive = data.emissive = source_->emissiveFactor;
+    data.normalScale = source_->normalScale;
+    data.occlusionStrength = std::clamp(source_->occlusionStrength, 0.0f, 1.0f);
+    slot(shared::kTextureNormal, source_->normalTexture, false);
+    slot(shared::kTextureOcclusion, source_->occlusionTexture, false);
+    slot(shared::kTextureEmissive, source_->emissiveTexture, true);
     if (source_->doubleSided) data.flags |= shared::kMaterialDoubleSided;
   }
 
   void readMetallicRoughness() {
     shared::Material& data = out_.data;
-    const tinygltf::PbrMetallicRoughness& pbr = source_->pbrMetallicRoughness;
-    for (int i = 0; i < 4; ++i) data.baseColor[i] = float(pbr.baseColorFactor[size_t(i)]);
-    data.metallic = std::clamp(float(pbr.metallicFactor), 0.0f, 1.0f);
-    data.roughness = std::clamp(float(pbr.roughnessFactor), 0.0f, 1.0f);
-    slot(shared::kTextureBaseColor, referenceTo(pbr.baseColorTexture), true);
-    slot(shared::kTextureMetallicRoughness, referenceTo(pbr.metallicRoughnessTexture), false);
-    if (const Value* e = extension(source_->extensions, "KHR_materials_ior"))
-      data.f0 = f0OfIor(float(numberOr(*e, "ior", 1.5)));
-    if (const Value* e = extension(source_->extensions, "KHR_materials_specular")) {
-      data.specular = float(numberOr(*e, "specularFactor", 1));
-      for (int i = 0; i < 3; ++i) data.specularColor[i] = float(elementOr(*e, "specularColorFactor", size_t(i), 1));
-      slot(shared::kTextureSpecular, referenceTo(e->Get("specularTexture")), false);
-      slot(shared::kTextureSpecularColor, referenceTo(e->Get("specularColorTexture")), true);
-    }
+    const file::MetallicRoughness& pbr = source_->metallicRoughness;
+    data.baseColor = pbr.baseColorFactor;
+    data.metallic = std::clamp(pbr.metallicFactor, 0.0f, 1.0f);
+    data.roughness = std::clamp(pbr.roughnessFactor, 0.0f, 1.0f);
+    slot(shared::kTextureBaseColor, pbr.baseColorTexture, true);
+    slot(shared::kTextureMetallicRoughness, pbr.metallicRoughnessTexture, false);
+    data.f0 = f0OfIor(source_->ior);
+    data.specular = source_->specular.specularFactor;
+    data.specularColor = source_->specular.specularColorFactor;
+    slot(shared::kTextureSpecular, source_->specular.specularTexture, false);
+    slot(shared::kTextureSpecularColor, source_->specular.specularColorTexture, true);
   }
 
   // Maps specular-glossiness to a dielectric: base color is c_diff attenuated by the specular color, F0 comes from an
   // index of refraction of 0 with that specular color, and roughness is 1 - glossiness.
-  void readSpecularGlossiness(const Value& e) {
+  void readSpecularGlossiness(const file::SpecularGlossiness& e) {
     shared::Material& data = out_.data;
-    std::array<float, 3> specular;
-    for (size_t i = 0; i < 3; ++i)
-      specular[i] = data.specularColor[int(i)] = float(elementOr(e, "specularFactor", i, 1));
-    const auto glossiness = float(numberOr(e, "glossinessFactor", 1));
-    for (int i = 0; i < 4; ++i) data.baseColor[i] = float(elementOr(e, "diffuseFactor", size_t(i), 1));
+    const std::array<float, 3> specular{e.specularFactor.x, e.specularFactor.y, e.specularFactor.z};
+    data.specularColor = e.specularFactor;
+    data.baseColor = e.diffuseFactor;
     data.metallic = 0;
-    data.roughness = std::clamp(1 - glossiness, 0.0f, 1.0f);
+    data.roughness = std::clamp(1 - e.glossinessFactor, 0.0f, 1.0f);
     data.f0 = f0OfIor(0);
-    const Reference diffuse = referenceTo(e.Get("diffuseTexture"));
-    const Reference both = referenceTo(e.Get("specularGlossinessTexture"));
+    const file::TextureInfo &diffuse = e.diffuseTexture, &both = e.specularGlossinessTexture;
     const int image = imageAt(diffuse), specularImage = imageAt(both);
     const float left = 1 - *std::ranges::max_element(specular);
     if (specularImage < 0) {
@@ -220,7 +161,7 @@ class MaterialReader {
     data.roughness = 1;
     fill(shared::kTextureSpecularColor, both, {.image = specularImage, .srgb = true});
     fill(shared::kTextureMetallicRoughness, both,
-         {.make = TextureRequest::Make::Roughness, .specular = specularImage, .factor = {glossiness, 0, 0}});
+         {.make = TextureRequest::Make::Roughness, .specular = specularImage, .factor = {e.glossinessFactor, 0, 0}});
     if (image >= 0 && !samePlace(diffuse, both))
       warn(
           "a material of KHR_materials_pbrSpecularGlossiness has two textures with different transforms: the diffuse "
@@ -237,7 +178,7 @@ class MaterialReader {
     shared::Material& data = out_.data;
     if (source_->alphaMode == "MASK") {
       data.flags |= shared::kMaterialMasked;
-      data.alphaCutoff = float(source_->alphaCutoff);
+      data.alphaCutoff = source_->alphaCutoff;
     } else if (source_->alphaMode == "BLEND") {
       data.flags |= shared::kMaterialBlended;
     } else if (source_->alphaMode != "OPAQUE") {
@@ -247,81 +188,65 @@ class MaterialReader {
 
   void readExtensions() {
     shared::Material& data = out_.data;
-    if (extension(source_->extensions, "KHR_materials_unlit")) data.flags |= shared::kMaterialUnlit;
-    if (const Value* e = extension(source_->extensions, "KHR_materials_emissive_strength"))
-      data.emissive *= parts_.emissiveStrength = float(numberOr(*e, "emissiveStrength", 1));
+    if (source_->unlit) data.flags |= shared::kMaterialUnlit;
+    data.emissive *= parts_.emissiveStrength = source_->emissiveStrength;
     readCoats();
     readReflection();
     readTransmission();
   }
 
-  const Value* layer(const char* name) const { return extension(source_->extensions, name); }
-
-  static void colorInto(vec3& color, const Value& object, const char* key) {
-    for (int i = 0; i < 3; ++i) color[i] = float(elementOr(object, key, size_t(i), color[i]));
-  }
-
   void readCoats() {
     shared::MaterialLayers& l = out_.data.layers;
-    if (const Value* e = layer("KHR_materials_clearcoat")) {
-      l.clearcoat = float(numberOr(*e, "clearcoatFactor", 0));
-      l.clearcoatRoughness = float(numberOr(*e, "clearcoatRoughnessFactor", 0));
-      const Value& normal = e->Get("clearcoatNormalTexture");
-      if (normal.IsObject()) l.clearcoatNormalScale = float(numberOr(normal, "scale", 1));
-      slot(shared::kTextureClearcoat, referenceTo(e->Get("clearcoatTexture")), false);
-      slot(shared::kTextureClearcoatRoughness, referenceTo(e->Get("clearcoatRoughnessTexture")), false);
-      slot(shared::kTextureClearcoatNormal, referenceTo(normal), false);
-    }
-    if (const Value* e = layer("KHR_materials_sheen")) {
-      colorInto(l.sheenColor, *e, "sheenColorFactor");
-      l.sheenRoughness = float(numberOr(*e, "sheenRoughnessFactor", 0));
-      slot(shared::kTextureSheenColor, referenceTo(e->Get("sheenColorTexture")), true);
-      slot(shared::kTextureSheenRoughness, referenceTo(e->Get("sheenRoughnessTexture")), false);
-    }
+    const file::Clearcoat& coat = source_->clearcoat;
+    l.clearcoat = coat.clearcoatFactor;
+    l.clearcoatRoughness = coat.clearcoatRoughnessFactor;
+    l.clearcoatNormalScale = coat.clearcoatNormalScale;
+    slot(shared::kTextureClearcoat, coat.clearcoatTexture, false);
+    slot(shared::kTextureClearcoatRoughness, coat.clearcoatRoughnessTexture, false);
+    slot(shared::kTextureClearcoatNormal, coat.clearcoatNormalTexture, false);
+    const file::Sheen& sheen = source_->sheen;
+    l.sheenColor = sheen.sheenColorFactor;
+    l.sheenRoughness = sheen.sheenRoughnessFactor;
+    slot(shared::kTextureSheenColor, sheen.sheenColorTexture, true);
+    slot(shared::kTextureSheenRoughness, sheen.sheenRoughnessTexture, false);
   }
 
   void readReflection() {
     shared::MaterialLayers& l = out_.data.layers;
-    if (const Value* e = layer("KHR_materials_anisotropy")) {
-      l.anisotropy = float(numberOr(*e, "anisotropyStrength", 0));
-      l.anisotropyRotation = float(numberOr(*e, "anisotropyRotation", 0));
-      slot(shared::kTextureAnisotropy, referenceTo(e->Get("anisotropyTexture")), false);
-    }
-    if (const Value* e = layer("KHR_materials_iridescence")) {
-      l.iridescence = float(numberOr(*e, "iridescenceFactor", 0));
-      l.iridescenceIor = float(numberOr(*e, "iridescenceIor", l.iridescenceIor));
-      l.iridescenceThinnest = float(numberOr(*e, "iridescenceThicknessMinimum", l.iridescenceThinnest));
-      l.iridescenceThickest = float(numberOr(*e, "iridescenceThicknessMaximum", l.iridescenceThickest));
-      slot(shared::kTextureIridescence, referenceTo(e->Get("iridescenceTexture")), false);
-      slot(shared::kTextureIridescenceThickness, referenceTo(e->Get("iridescenceThicknessTexture")), false);
-    }
+    const file::Anisotropy& anisotropy = source_->anisotropy;
+    l.anisotropy = anisotropy.anisotropyStrength;
+    l.anisotropyRotation = anisotropy.anisotropyRotation;
+    slot(shared::kTextureAnisotropy, anisotropy.anisotropyTexture, false);
+    const file::Iridescence& film = source_->iridescence;
+    l.iridescence = film.iridescenceFactor;
+    l.iridescenceIor = film.iridescenceIor;
+    l.iridescenceThinnest = film.iridescenceThicknessMinimum;
+    l.iridescenceThickest = film.iridescenceThicknessMaximum;
+    slot(shared::kTextureIridescence, film.iridescenceTexture, false);
+    slot(shared::kTextureIridescenceThickness, film.iridescenceThicknessTexture, false);
   }
 
   void readTransmission() {
     shared::MaterialLayers& l = out_.data.layers;
-    if (const Value* e = layer("KHR_materials_transmission")) {
-      l.transmission = float(numberOr(*e, "transmissionFactor", 0));
-      slot(shared::kTextureTransmission, referenceTo(e->Get("transmissionTexture")), false);
-    }
-    if (const Value* e = layer("KHR_materials_volume")) {
-      l.thickness = float(numberOr(*e, "thicknessFactor", 0));
-      l.attenuationDistance = float(numberOr(*e, "attenuationDistance", 0));
-      colorInto(l.attenuationColor, *e, "attenuationColor");
-      slot(shared::kTextureThickness, referenceTo(e->Get("thicknessTexture")), false);
-    }
-    if (const Value* e = layer("KHR_materials_dispersion")) l.dispersion = float(numberOr(*e, "dispersion", 0));
-    if (const Value* e = layer("KHR_materials_diffuse_transmission")) {
-      l.diffuseTransmission = float(numberOr(*e, "diffuseTransmissionFactor", 0));
-      colorInto(l.diffuseTransmissionColor, *e, "diffuseTransmissionColorFactor");
-      slot(shared::kTextureDiffuseTransmission, referenceTo(e->Get("diffuseTransmissionTexture")), false);
-      slot(shared::kTextureDiffuseTransmissionColor, referenceTo(e->Get("diffuseTransmissionColorTexture")), true);
-    }
+    l.transmission = source_->transmission.transmissionFactor;
+    slot(shared::kTextureTransmission, source_->transmission.transmissionTexture, false);
+    const file::Volume& volume = source_->volume;
+    l.thickness = volume.thicknessFactor;
+    l.attenuationDistance = volume.attenuationDistance;
+    l.attenuationColor = volume.attenuationColor;
+    slot(shared::kTextureThickness, volume.thicknessTexture, false);
+    l.dispersion = source_->dispersion;
+    const file::DiffuseTransmission& diffuse = source_->diffuseTransmission;
+    l.diffuseTransmission = diffuse.diffuseTransmissionFactor;
+    l.diffuseTransmissionColor = diffuse.diffuseTransmissionColorFactor;
+    slot(shared::kTextureDiffuseTransmission, diffuse.diffuseTransmissionTexture, false);
+    slot(shared::kTextureDiffuseTransmissionColor, diffuse.diffuseTransmissionColorTexture, true);
   }
 
   const Document& document_;
   const uint32_t slots_;
   TextureTable& textures_;
-  const tinygltf::Material* source_ = nullptr;
+  const file::Material* source_ = nullptr;
   Material out_;
   MaterialParts parts_;
 };
@@ -362,13 +287,7 @@ void readMaterials(const Document& document, uint32_t slots, TextureTable& textu
 }
 
 int readVariants(const Document& document, const std::string& wanted, Scene& scene) {
-  if (const Value* object = extension(document.model.extensions, "KHR_materials_variants")) {
-    const Value& variants = object->Get("variants");
-    for (size_t i = 0; variants.IsArray() && i < variants.ArrayLen(); ++i) {
-      const Value& name = variants.Get(int(i)).Get("name");
-      scene.variants.push_back(name.IsString() ? name.Get<std::string>() : "");
-    }
-  }
+  scene.variants = document.model.variants;
   if (wanted.empty()) return -1;
   auto found = std::find(scene.variants.begin(), scene.variants.end(), wanted);
   if (found != scene.variants.end()) return int(found - scene.variants.begin());
@@ -376,17 +295,10 @@ int readVariants(const Document& document, const std::string& wanted, Scene& sce
   badUsage("there is no variant \"{}\": the file has {}", wanted, fmt::join(scene.variants, ", "));
 }
 
-int materialOf(const tinygltf::Primitive& primitive, int variant) {
-  const Value* object = extension(primitive.extensions, "KHR_materials_variants");
-  if (variant < 0 || !object) return primitive.material;
-  const Value& mappings = object->Get("mappings");
-  for (size_t i = 0; mappings.IsArray() && i < mappings.ArrayLen(); ++i) {
-    const Value& mapping = mappings.Get(int(i));
-    const Value& variants = mapping.Get("variants");
-    for (size_t v = 0; variants.IsArray() && v < variants.ArrayLen(); ++v)
-      if (variants.Get(int(v)).IsInt() && variants.Get(int(v)).Get<int>() == variant)
-        return indexOr(mapping, "material", primitive.material);
-  }
+int materialOf(const file::Primitive& primitive, int variant) {
+  if (variant < 0) return primitive.material;
+  for (const file::VariantMapping& mapping : primitive.variants)
+    if (std::ranges::find(mapping.variants, variant) != mapping.variants.end()) return mapping.material;
   return primitive.material;
 }
 

@@ -33,6 +33,6 @@ Material defaultMaterial();
 int readVariants(const Document& document, const std::string& wanted, Scene& scene);
 
 // Returns the material of a primitive under a variant (-1: the default), or -1 if it has none.
-int materialOf(const tinygltf::Primitive& primitive, int variant);
+int materialOf(const file::Primitive& primitive, int variant);
 
 }  // namespace latelight::scene::gltf

@@ -87,7 +87,7 @@ std::shared_ptr<Deformation> readDeformation(const Document& document, const Mes
   auto deformation = std::make_shared<Deformation>();
   if (request.skin >= 0) readSkinWeights(document, request.skin, source, origin, *deformation);
   if (request.weightsNode >= 0) {
-    const tinygltf::Mesh& parent = document.model.meshes[size_t(request.mesh)];
+    const file::Mesh& parent = document.model.meshes[size_t(request.mesh)];
     deformation->weightsNode = request.weightsNode;
     readMorphTargets(document, parent.primitives[size_t(request.primitive)], source, origin, *deformation);
     for (MorphTarget& target : deformation->targets)
@@ -119,9 +119,9 @@ void poseAtRest(const Document& document, const Hierarchy& hierarchy, const Mesh
 
 }  // namespace
 
-size_t targetCount(const tinygltf::Mesh& mesh) {
+size_t targetCount(const file::Mesh& mesh) {
   size_t count = 0;
-  for (const tinygltf::Primitive& primitive : mesh.primitives) count = std::max(count, primitive.targets.size());
+  for (const file::Primitive& primitive : mesh.primitives) count = std::max(count, primitive.targets.size());
   return count;
 }
 
@@ -131,8 +131,8 @@ std::string meshName(const Document& document, int mesh) {
 }
 
 Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshRequest& request) {
-  const tinygltf::Mesh& parent = document.model.meshes[size_t(request.mesh)];
-  const tinygltf::Primitive& primitive = parent.primitives[size_t(request.primitive)];
+  const file::Mesh& parent = document.model.meshes[size_t(request.mesh)];
+  const file::Primitive& primitive = parent.primitives[size_t(request.primitive)];
   Source source =
       readSource(document, primitive, fmt::format("meshes[{}].primitives[{}]", request.mesh, request.primitive));
   document.budget.charge(source.count * kVertexBytes, source.name);
@@ -157,7 +157,7 @@ Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshR
   if (auto deformation = readDeformation(document, request, source, origin, turned, mesh)) {
     deformation->flatNormals = flat && origin.size() == mesh.indices.size();  // false if tangents split vertices
     poseAtRest(document, hierarchy, request, *deformation, mesh);
-    if (!document.animations.empty()) mesh.deformation = std::move(deformation);
+    if (!document.model.animations.empty()) mesh.deformation = std::move(deformation);
   }
   requireFinite(mesh.positions, source.name);
   findBounds(mesh);

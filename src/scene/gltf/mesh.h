@@ -31,13 +31,13 @@ struct MeshRequest {
 
 // Returns the mesh's number of morph targets: the maximum over its primitives. Exporters omit targets from primitives
 // that they do not move.
-size_t targetCount(const tinygltf::Mesh& mesh);
+size_t targetCount(const file::Mesh& mesh);
 
 // Returns the name of a mesh of the file, or "mesh<index>" if it has none.
 std::string meshName(const Document& document, int mesh);
 
 // Returns the number of the primitive's triangles; 0 for points, lines and primitives without positions.
-size_t triangleCount(const Document& document, const tinygltf::Primitive& primitive);
+size_t triangleCount(const Document& document, const file::Primitive& primitive);
 
 // Builds the mesh. Throws Error(BadInput) that names the primitive. Thread-safe.
 Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshRequest& request);

@@ -68,7 +68,7 @@ Stream readStream(Document& document, const json& view, size_t index, const std:
   document.budget.charge(bytes, name);
   document.decoded.push_back(std::make_unique_for_overwrite<std::byte[]>(bytes));
   stream.target = document.decoded.back().get();
-  document.views[index] = Bytes(stream.target, bytes);
+  document.views[index].bytes = Bytes(stream.target, bytes);
   return stream;
 }
 

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "scene/framing.h"
+#include "scene/gltf/json.h"
 #include "scene/light_types.h"
 #include "shared/light.h"
 
@@ -23,12 +24,9 @@ using glm::dvec4;
 
 constexpr size_t kMaxPathBytes = size_t{256} << 20;  // a chain of n nodes has paths of n^2 characters in total
 
-dmat4 localTransform(const tinygltf::Node& node) {
-  if (node.matrix.size() == 16) return readMatrix(node.matrix);
-  auto at = [](const std::vector<double>& v, size_t i, double otherwise) { return i < v.size() ? v[i] : otherwise; };
-  const auto &t = node.translation, &r = node.rotation, &s = node.scale;
-  return composeTransform({at(t, 0, 0), at(t, 1, 0), at(t, 2, 0)}, {at(r, 0, 0), at(r, 1, 0), at(r, 2, 0), at(r, 3, 1)},
-                          {at(s, 0, 1), at(s, 1, 1), at(s, 2, 1)});
+dmat4 localTransform(const file::Node& node) {
+  if (!node.matrix.empty()) return readMatrix(node.matrix);
+  return composeTransform(node.translation, node.rotation, node.scale);
 }
 
 bool isFinite(const dmat4& m) {
@@ -38,7 +36,7 @@ bool isFinite(const dmat4& m) {
 }
 
 // Returns the parent of each node, or -1. A node has at most one parent (glTF 2.0, 3.5.2).
-std::vector<int> findParents(const tinygltf::Model& model) {
+std::vector<int> findParents(const file::Model& model) {
   std::vector<int> parents(model.nodes.size(), -1);
   for (size_t i = 0; i < model.nodes.size(); ++i) {
     for (int child : model.nodes[i].children) {
@@ -53,7 +51,7 @@ std::vector<int> findParents(const tinygltf::Model& model) {
 
 // Returns the transforms of all nodes, including those outside the default scene, because joints may be outside it.
 // Unreachable nodes are part of a cycle.
-std::vector<dmat4> worldTransforms(const tinygltf::Model& model, const std::vector<int>& parents) {
+std::vector<dmat4> worldTransforms(const file::Model& model, const std::vector<int>& parents) {
   std::vector<dmat4> world(model.nodes.size());
   std::vector<int> pending;
   for (size_t i = 0; i < parents.size(); ++i)
@@ -73,15 +71,15 @@ std::vector<dmat4> worldTransforms(const tinygltf::Model& model, const std::vect
 }
 
 // Returns the roots of the file's default scene, or of its first scene, or of all nodes if it has no scenes.
-std::vector<int> findRoots(const tinygltf::Model& model, const std::vector<int>& parents) {
-  if (!model.scenes.empty()) return model.scenes[size_t(std::max(model.defaultScene, 0))].nodes;
+std::vector<int> findRoots(const file::Model& model, const std::vector<int>& parents) {
+  if (!model.scenes.empty()) return model.scenes[size_t(std::max(model.scene, 0))].nodes;
   std::vector<int> roots;
   for (size_t i = 0; i < parents.size(); ++i)
     if (parents[i] < 0) roots.push_back(int(i));
   return roots;
 }
 
-std::vector<int> traverse(const tinygltf::Model& model, const std::vector<int>& roots) {
+std::vector<int> traverse(const file::Model& model, const std::vector<int>& roots) {
   std::vector<int> order, pending(roots.rbegin(), roots.rend());
   std::vector<bool> seen(model.nodes.size());
   while (!pending.empty()) {
@@ -116,76 +114,79 @@ class Paths {
 };
 
 // Returns nullopt if the camera has no width or no height.
-std::optional<Camera> readCamera(const tinygltf::Camera& source) {
+std::optional<Camera> readProjection(const file::Orthographic& source) {
   Camera camera;
-  if (source.type == "orthographic") {
-    camera.orthographic = true;
-    const float xHalf = std::abs(float(source.orthographic.xmag));
-    camera.yHalf = std::abs(float(source.orthographic.ymag));
-    camera.nearClip = float(source.orthographic.znear);
-    camera.farClip = float(source.orthographic.zfar);
-    if (xHalf == 0 || camera.yHalf == 0) return std::nullopt;
-    camera.aspect = xHalf / camera.yHalf;
-  } else {
-    camera.verticalFov = float(source.perspective.yfov);
-    if (!showsSomething(camera.verticalFov)) {
-      warn("a camera's yfov of {:g} radians is not possible: {:g} is used instead", source.perspective.yfov,
-           kDefaultVerticalFov);
-      camera.verticalFov = kDefaultVerticalFov;
-    }
-    if (const auto near = float(source.perspective.znear); near > 0)
-      camera.nearClip = near;
-    else
-      warn("a camera has its near plane at 0: it clips nothing near it");
-    if (source.perspective.zfar > 0) camera.farClip = float(source.perspective.zfar);
-    if (source.perspective.aspectRatio > 0) camera.aspect = float(source.perspective.aspectRatio);
+  camera.orthographic = true;
+  const float xHalf = std::abs(float(source.xmag));
+  camera.yHalf = std::abs(float(source.ymag));
+  camera.nearClip = float(source.znear);
+  camera.farClip = float(source.zfar);
+  if (xHalf == 0 || camera.yHalf == 0) return std::nullopt;
+  camera.aspect = xHalf / camera.yHalf;
+  return camera;
+}
+
+Camera readProjection(const file::Perspective& source) {
+  Camera camera;
+  camera.verticalFov = float(source.yfov);
+  if (!showsSomething(camera.verticalFov)) {
+    warn("a camera's yfov of {:g} radians is not possible: {:g} is used instead", source.yfov, kDefaultVerticalFov);
+    camera.verticalFov = kDefaultVerticalFov;
   }
-  if (!(camera.farClip > camera.nearClip)) {
+  if (const auto near = float(source.znear); near > 0)
+    camera.nearClip = near;
+  else
+    warn("a camera has its near plane at 0: it clips nothing near it");
+  if (source.zfar > 0) camera.farClip = float(source.zfar);
+  if (source.aspectRatio > 0) camera.aspect = float(source.aspectRatio);
+  return camera;
+}
+
+// Returns nullopt if the camera has no width or no height.
+std::optional<Camera> readCamera(const file::Camera& source) {
+  const auto read = [](const auto& projection) { return std::optional<Camera>(readProjection(projection)); };
+  std::optional<Camera> camera = std::visit(read, source.projection);
+  if (camera && !(camera->farClip > camera->nearClip)) {
     warn("a camera has its far plane before its near plane: it sees to infinity");
-    camera.farClip = std::numeric_limits<float>::infinity();
+    camera->farClip = std::numeric_limits<float>::infinity();
   }
   return camera;
 }
 
 // Returns nullopt for an unknown type.
-std::optional<Light> readLight(const tinygltf::Light& source) {
+std::optional<Light> readLight(const file::Light& source) {
   Light light;
   const std::optional<uint32_t> type = findLightType(source.type);
   if (!type) return std::nullopt;
   light.type = *type;
-  if (source.color.size() == 3) light.color = vec3(source.color[0], source.color[1], source.color[2]);
+  light.color = source.color;
   light.intensity = float(source.intensity);
   if (source.range > 0) light.range = float(source.range);
   if (shared::lightHasCone(light.type)) {
-    light.outerCone = float(source.spot.outerConeAngle);
-    light.innerCone = std::min(float(source.spot.innerConeAngle), light.outerCone);
+    light.outerCone = float(source.outerConeAngle);
+    light.innerCone = std::min(float(source.innerConeAngle), light.outerCone);
   }
   return light;
 }
 
-// Returns extras of a light, or of its node, which have precedence: properties that KHR_lights_punctual does not
-// define.
-const tinygltf::Value* lightExtra(const tinygltf::Node& node, const tinygltf::Light& light, const char* key) {
-  for (const tinygltf::Value* extras : {&node.extras, &light.extras})
-    if (extras->IsObject() && extras->Has(key)) return &extras->Get(key);
+// Returns a property that KHR_lights_punctual does not define, from the extras of the node or, if these do not contain
+// it, from those of the light. Returns null if there is none.
+const nlohmann::json* lightExtra(const file::Node& node, const file::Light& light, const char* key) {
+  for (const nlohmann::json* extras : {&node.extras, &light.extras})
+    if (const nlohmann::json* value = findProperty(*extras, key); value && !value->empty()) return value;
   return nullptr;
 }
 
-void readShadowExtras(const tinygltf::Node& node, const tinygltf::Light& source, Light& light) {
-  const tinygltf::Value* cast = lightExtra(node, source, "castShadow");
-  if (cast && cast->IsBool()) light.castShadow = cast->Get<bool>();
+void readShadowExtras(const file::Node& node, const file::Light& source, Light& light) {
+  const nlohmann::json* cast = lightExtra(node, source, "castShadow");
+  if (cast && cast->is_boolean()) light.castShadow = cast->get<bool>();
   const bool directional = shared::lightIsDirectional(light.type);
-  const tinygltf::Value* size = lightExtra(node, source, directional ? "angle" : "radius");
-  const double value = size && size->IsNumber() ? size->GetNumberAsDouble() : 0;
+  const nlohmann::json* size = lightExtra(node, source, directional ? "angle" : "radius");
+  const double value = size && size->is_number() ? size->get<double>() : 0;
   if (std::isfinite(value) && value > 0) light.size = float(directional ? std::min(value, 90.0) * M_PI / 180 : value);
 }
 
 }  // namespace
-
-bool isVisible(const tinygltf::Node& node) {
-  const tinygltf::Value* object = extension(node.extensions, "KHR_node_visibility");
-  return !object || !object->Has("visible") || object->Get("visible").Get<bool>();
-}
 
 dmat4 readMatrix(const std::vector<double>& columns) {
   dmat4 m;
@@ -197,16 +198,16 @@ dmat4 readMatrix(const std::vector<double>& columns) {
 }
 
 Hierarchy readNodes(const Document& document, Scene& scene) {
-  const tinygltf::Model& model = document.model;
+  const file::Model& model = document.model;
   std::vector<int> parents = findParents(model);
   Hierarchy hierarchy{.world = worldTransforms(model, parents), .hidden = std::vector<bool>(model.nodes.size())};
   hierarchy.order = traverse(model, findRoots(model, parents));
   std::vector<int> placeOf(model.nodes.size(), -1);
   Paths paths;
   for (int index : hierarchy.order) {
-    const tinygltf::Node& source = model.nodes[size_t(index)];
+    const file::Node& source = model.nodes[size_t(index)];
     const int parent = parents[size_t(index)];
-    hierarchy.hidden[size_t(index)] = !isVisible(source) || (parent >= 0 && hierarchy.hidden[size_t(parent)]);
+    hierarchy.hidden[size_t(index)] = !source.visible || (parent >= 0 && hierarchy.hidden[size_t(parent)]);
     Node node;
     node.name = source.name.empty() ? fmt::format("node{}", index) : source.name;
     node.parent = parent < 0 ? -1 : placeOf[size_t(parent)];
@@ -224,7 +225,7 @@ void readCameras(const Document& document, const Hierarchy& hierarchy, Scene& sc
     size_t index = size_t(hierarchy.order[i]);
     int source = document.model.nodes[index].camera;
     if (source < 0) continue;
-    const tinygltf::Camera& data = document.model.cameras[size_t(source)];
+    const file::Camera& data = document.model.cameras[size_t(source)];
     std::optional<Camera> camera = readCamera(data);
     if (!camera) {
       warn("the camera at {} has no width or no height, and is left out", scene.nodes[i].path);
@@ -241,18 +242,16 @@ void readCameras(const Document& document, const Hierarchy& hierarchy, Scene& sc
 void readLights(const Document& document, const Hierarchy& hierarchy, Scene& scene) {
   for (size_t i = 0; i < hierarchy.order.size(); ++i) {
     size_t index = size_t(hierarchy.order[i]);
-    const tinygltf::Value* object = extension(document.model.nodes[index].extensions, "KHR_lights_punctual");
-    if (!object) continue;
-    size_t source = size_t(indexOr(*object, "light", 0));
-    if (source >= document.model.lights.size()) badInput("nodes[{}] names a light that can't be read", index);
-    const tinygltf::Light& data = document.model.lights[source];
+    const file::Node& node = document.model.nodes[index];
+    if (node.light < 0) continue;
+    const file::Light& data = document.model.lights[size_t(node.light)];
     std::optional<Light> light = readLight(data);
     if (!light) {
       warn("the light at {} has the unknown type \"{}\", and is left out", scene.nodes[i].path, data.type);
       continue;
     }
     light->name = data.name.empty() ? scene.nodes[i].name : data.name;
-    readShadowExtras(document.model.nodes[index], data, *light);
+    readShadowExtras(node, data, *light);
     light->node = int(i);
     light->hidden = hierarchy.hidden[index];
     placeLight(*light, hierarchy.world[index]);

@@ -15,9 +15,6 @@ struct Hierarchy {
   std::vector<int> order;         // glTF nodes of the default scene, parents first; the order of Scene::nodes
 };
 
-// Returns the node's own visibility (KHR_node_visibility), without its ancestors'.
-bool isVisible(const tinygltf::Node& node);
-
 // Returns a node's own matrix. Its last row must be 0 0 0 1 (glTF 2.0, 3.5.3); other values are ignored with a warning.
 glm::dmat4 readMatrix(const std::vector<double>& columns);
 

@@ -70,19 +70,15 @@ std::optional<PointedProperty> findInMesh(const Document& document, const Parts&
   return property;
 }
 
-int lightOf(const tinygltf::Node& node) {
-  const tinygltf::Value* object = extension(node.extensions, "KHR_lights_punctual");
-  return object ? indexOr(*object, "light", -1) : -1;
-}
-
-// Returns the scene's lights or cameras that nodes created from an element of the file.
-template <typename Element, typename SourceOf>
+// Returns the scene's lights or cameras that nodes created from an element of the file. `index` is the node's index of
+// that element.
+template <typename Element>
 std::vector<uint32_t> madeFrom(const std::vector<Element>& all, const Document& document, const Hierarchy& hierarchy,
-                               uint32_t source, SourceOf sourceOf) {
+                               uint32_t source, int file::Node::*index) {
   std::vector<uint32_t> found;
   for (uint32_t i = 0; i < all.size(); ++i) {
     const int node = hierarchy.order[size_t(all[i].node)];
-    if (sourceOf(document.model.nodes[size_t(node)]) == int(source)) found.push_back(i);
+    if (document.model.nodes[size_t(node)].*index == int(source)) found.push_back(i);
   }
   return found;
 }
@@ -96,7 +92,7 @@ std::optional<PointedProperty> findInElement(AnimatedElements elements, std::vec
 
 std::optional<PointedProperty> find(const Document& document, const Hierarchy& hierarchy, const Scene& scene,
                                     const Parts& parts, const std::string& name) {
-  const tinygltf::Model& model = document.model;
+  const file::Model& model = document.model;
   if (parts.list == "/nodes/") return findInNode(document, parts, name);
   if (parts.list == "/meshes/") return findInMesh(document, parts, name);
   if (parts.list == "/materials/") {
@@ -106,13 +102,11 @@ std::optional<PointedProperty> find(const Document& document, const Hierarchy& h
   if (parts.list == "/cameras/") {
     checkIndex(parts, model.cameras.size(), name);
     return findInElement(AnimatedElements::Cameras,
-                         madeFrom(scene.cameras, document, hierarchy, parts.index,
-                                  [](const tinygltf::Node& node) { return node.camera; }),
-                         parts.below);
+                         madeFrom(scene.cameras, document, hierarchy, parts.index, &file::Node::camera), parts.below);
   }
   checkIndex(parts, model.lights.size(), name);
-  return findInElement(AnimatedElements::Lights, madeFrom(scene.lights, document, hierarchy, parts.index, lightOf),
-                       parts.below);
+  return findInElement(AnimatedElements::Lights,
+                       madeFrom(scene.lights, document, hierarchy, parts.index, &file::Node::light), parts.below);
 }
 
 }  // namespace

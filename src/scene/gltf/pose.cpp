@@ -102,8 +102,8 @@ std::vector<T> gather(const std::vector<T>& stream, const std::vector<uint32_t>&
   return out;
 }
 
-MorphTarget readTarget(const Document& document, const std::map<std::string, int>& target, size_t index,
-                       const Source& source, const std::vector<uint32_t>& origin) {
+MorphTarget readTarget(const Document& document, const file::Attributes& target, size_t index, const Source& source,
+                       const std::vector<uint32_t>& origin) {
   MorphTarget deltas;
   for (const auto& [key, accessor] : target) {
     if (!isGeometry(key)) continue;
@@ -119,7 +119,7 @@ MorphTarget readTarget(const Document& document, const std::map<std::string, int
 
 }  // namespace
 
-void applyMorphTargets(const Document& document, const tinygltf::Primitive& primitive, const Source& source,
+void applyMorphTargets(const Document& document, const file::Primitive& primitive, const Source& source,
                        const std::vector<double>& weights, bool geometry, Vertices& vertices) {
   size_t count = std::min(weights.size(), primitive.targets.size());
   for (size_t t = 0; t < count; ++t) {
@@ -148,7 +148,7 @@ void readSkinWeights(const Document& document, int skin, const Source& source, c
   }
 }
 
-void readMorphTargets(const Document& document, const tinygltf::Primitive& primitive, const Source& source,
+void readMorphTargets(const Document& document, const file::Primitive& primitive, const Source& source,
                       const std::vector<uint32_t>& origin, Deformation& deformation) {
   for (size_t t = 0; t < primitive.targets.size(); ++t)
     deformation.targets.push_back(readTarget(document, primitive.targets[t], t, source, origin));

@@ -1,5 +1,5 @@
 // Table-driven validation of glTF 2.0 JSON: one rule per property (its kind, range, and target of indices) and a
-// recursive check that repairs values tinygltf does not accept.
+// recursive check that repairs values out of range.
 #include "scene/gltf/schema.h"
 
 #include <algorithm>
@@ -73,7 +73,7 @@ struct Schema {
 };
 
 constexpr double kMaxCount = 4294967295.0;
-constexpr double kMaxInt = 2147483647.0;       // tinygltf stores these in an int
+constexpr double kMaxInt = 2147483647.0;       // these are stored in an int
 constexpr double kMaxBytes = 1099511627776.0;  // 1 TiB: sums of a few can't overflow
 constexpr double kPositive = 1.17549435e-38;   // the smallest normal float
 constexpr double kMaxFloat = std::numeric_limits<float>::max();
@@ -520,7 +520,6 @@ class Validator {
     if (!value.is_number_integer()) bad("should be a whole number");
     double d = value.get<double>();
     if (d < least || d > most) bad("is {}, which is not in [{:.0f}, {:.0f}]", value.dump(), least, most);
-    value = static_cast<uint64_t>(d);  // all valid integers are >= 0, and tinygltf requires unsigned ones for some
   }
 
   // Clamps numbers to their range, because exporters round factors and angles, and some write values outside the range

@@ -13,8 +13,8 @@ namespace {
 constexpr size_t kMaxVertices = std::numeric_limits<uint32_t>::max();
 
 size_t trianglesOf(int mode, size_t corners) {
-  if (mode == TINYGLTF_MODE_TRIANGLES) return corners / 3;
-  bool strip = mode == TINYGLTF_MODE_TRIANGLE_STRIP || mode == TINYGLTF_MODE_TRIANGLE_FAN;
+  if (mode == file::kTriangles) return corners / 3;
+  bool strip = mode == file::kTriangleStrip || mode == file::kTriangleFan;
   return strip && corners >= 3 ? corners - 2 : 0;
 }
 
@@ -22,14 +22,14 @@ size_t trianglesOf(int mode, size_t corners) {
 // 3.7.2.1).
 std::vector<uint32_t> unroll(std::vector<uint32_t> corners, int mode) {
   size_t triangles = trianglesOf(mode, corners.size());
-  if (mode == TINYGLTF_MODE_TRIANGLES) {
+  if (mode == file::kTriangles) {
     corners.resize(triangles * 3);
     return corners;
   }
   std::vector<uint32_t> list(triangles * 3);
   for (size_t i = 0; i < triangles; ++i) {
     uint32_t* t = &list[i * 3];
-    if (mode == TINYGLTF_MODE_TRIANGLE_STRIP)
+    if (mode == file::kTriangleStrip)
       t[0] = corners[i], t[1] = corners[i + 1 + i % 2], t[2] = corners[i + 2 - i % 2];
     else
       t[0] = corners[i + 1], t[1] = corners[i + 2], t[2] = corners[0];
@@ -49,22 +49,22 @@ void narrow(Source& source, size_t vertexCount) {
 
 }  // namespace
 
-size_t triangleCount(const Document& document, const tinygltf::Primitive& primitive) {
+size_t triangleCount(const Document& document, const file::Primitive& primitive) {
   auto position = primitive.attributes.find("POSITION");
   if (position == primitive.attributes.end()) return 0;
   int corners = primitive.indices >= 0 ? primitive.indices : position->second;
   return trianglesOf(primitive.mode, document.model.accessors[size_t(corners)].count);
 }
 
-Source readSource(const Document& document, const tinygltf::Primitive& primitive, std::string name) {
+Source readSource(const Document& document, const file::Primitive& primitive, std::string name) {
   Source source{.name = std::move(name)};
   std::vector<uint32_t> corners;
   int mode = primitive.mode;
-  if (extension(primitive.extensions, "KHR_draco_mesh_compression")) {
+  if (primitive.draco) {
     DracoMesh mesh = decodeDraco(document, primitive, source.name);
     corners = std::move(mesh.indices);
     source.attributes = std::move(mesh.attributes);
-    mode = TINYGLTF_MODE_TRIANGLES;  // Draco's faces are triangles, regardless of the primitive's mode
+    mode = file::kTriangles;  // Draco's faces are triangles, regardless of the primitive's mode
   } else if (primitive.indices >= 0) {
     Elements indices = resolve(document, primitive.indices);
     document.budget.charge(indices.count * sizeof(uint32_t), source.name);

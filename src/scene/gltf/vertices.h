@@ -22,7 +22,7 @@ struct Source {
 };
 
 // Locates the data, decodes Draco, unrolls strips and fans, and checks every index. (gltf_topology.cpp)
-Source readSource(const Document& document, const tinygltf::Primitive& primitive, std::string name);
+Source readSource(const Document& document, const file::Primitive& primitive, std::string name);
 
 // Reads the elements of an attribute of the source, or of a morph target ("targets[1].NORMAL"). Elements that are not
 // finite are repaired: all their components become `otherwise`.
@@ -36,13 +36,13 @@ std::vector<glm::vec<N, float>> readAttribute(const Document& document, const So
 }
 
 // Adds weighted morph targets. Positions, normals and tangents are changed only if `geometry`. (gltf_pose.cpp)
-void applyMorphTargets(const Document& document, const tinygltf::Primitive& primitive, const Source& source,
+void applyMorphTargets(const Document& document, const file::Primitive& primitive, const Source& source,
                        const std::vector<double>& weights, bool geometry, Vertices& vertices);
 // Read skin weights and morph targets as data, for vertices that are copies of those in `origin`. readSkinWeights()
 // reads nothing if a primitive has no weights. (gltf_pose.cpp)
 void readSkinWeights(const Document& document, int skin, const Source& source, const std::vector<uint32_t>& origin,
                      Deformation& deformation);
-void readMorphTargets(const Document& document, const tinygltf::Primitive& primitive, const Source& source,
+void readMorphTargets(const Document& document, const file::Primitive& primitive, const Source& source,
                       const std::vector<uint32_t>& origin, Deformation& deformation);
 // Returns the transform of each joint from bind space to the file's own frame, with the nodes at rest.
 std::vector<mat4> restJoints(const Document& document, const Hierarchy& hierarchy, int skin);
