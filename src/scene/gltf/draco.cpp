@@ -57,8 +57,7 @@ std::optional<Sizes> peekSizes(Bytes data) {
   constexpr uint64_t kMagic = 0x4F43415244;  // "DRACO"
   if (!flags || *magic != kMagic || *type != kMesh || *major != 2 || *minor < 2) return std::nullopt;
   if (*flags & kMetadataFlag) return std::nullopt;  // precedes the sizes; glTF does not use it
-  Sizes sizes;
-  if (*method == 1) reader.fixed(1);  // EdgeBreaker: the traversal method
+  if (*method == 1) reader.fixed(1);                // EdgeBreaker: the traversal method
   std::optional<uint64_t> first = reader.varint(), second = reader.varint();
   if (!first || !second) return std::nullopt;
   if (*method == 1) return Sizes{.faces = *second, .points = *first};
