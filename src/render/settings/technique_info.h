@@ -19,8 +19,8 @@ struct TechniqueInfo {
   // technique, gbuffer.light initially contains emitted radiance and ambient occlusion; for a forward technique it is
   // empty, and gbuffer.targets is empty too. Every technique shades the same lights with shared/shade.h, so all produce
   // the same picture. If the setup counts lights, the pass writes the counts to gbuffer.lightCounts. Compute shaders of
-  // a deferred technique declare the variants layout, visible, multisampled and layered (docs/extending.md, "Shader
-  // variants") and call showSurfaces() first.
+  // a deferred technique declare the variants layout, visible, multisampled and sample-layers (docs/extending.md,
+  // "Shader variants") and call showSurfaces() first.
   std::function<void(const FrameContext& f, Gbuffer& gbuffer)> add;
 };
 

@@ -111,8 +111,8 @@ struct RasterPush {
   uint workRoom, clippedRoom, mediumRoom, largeRoom, entryRoom;  // capacities of the queues
 };
 
-// Occlusion culling modes of raster_cull.comp: which clusters within the view it queues. kCullSeen and kCullFound are
-// the early and late pass of two-pass occlusion culling.
+// Occlusion culling modes of raster_cull.comp: which clusters within the view it queues. kCullEarly and kCullLate are
+// the two passes of two-pass occlusion culling.
 SH_CONST uint kCullAll = 0u;
 SH_CONST uint kCullEarly = 1u;      // not occluded in the previous frame
 SH_CONST uint kCullLate = 2u;       // occluded in the previous frame, but not now; stores the new occlusion bits
