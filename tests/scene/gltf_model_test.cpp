@@ -60,6 +60,12 @@ TEST(GltfModel, DefaultsOfTheRest) {
   EXPECT_EQ(model.lights.at(0).outerConeAngle, std::numbers::pi / 4);
 }
 
+TEST(GltfModel, WholeNumbersBeyond32Bits) {
+  const json volume = {{"thicknessFactor", 8589934592}};
+  const json root = {{"materials", {{{"extensions", {{"KHR_materials_volume", volume}}}}}}};
+  EXPECT_EQ(gltf::file::readModel(root).materials.at(0).volume.thicknessFactor, 0x1p33f);
+}
+
 TEST(GltfModel, TypesThatGltfDoesNotDefine) {
   GltfBuilder accessor = triangleFile(), stride = triangleFile();
   accessor.root["accessors"][1]["type"] = "VEC5";
