@@ -357,7 +357,7 @@ void defineTextures(Class& type) {
       nb::sig("def add_texture(self, pixels: numpy.typing.ArrayLike, srgb: bool = True, name: str = \"\") -> "
               "TextureHandle"),
       "pixels: (H, W, C) uint8, rows from the top; 1 channel is gray, 2 gray and alpha, 3 RGB, 4 RGBA. srgb: as base "
-      "colours\n"
+      "colors\n"
       "and emitted light are stored; False for normals, roughness and other data.");
   type.def(
       "set_texture_pixels",
@@ -383,6 +383,9 @@ void defineTextures(Class& type) {
       },
       argument("texture"), nb::sig("def remove_texture(self, texture: TextureHandle) -> None"),
       "Raises UsageError while a material samples it.");
+}
+
+void defineMaterialTextures(Class& type) {
   const std::string signature = fmt::format(
       "def set_texture(self, material: MaterialHandle, slot: typing.Literal[\"{}\"], texture: TextureHandle | None, "
       "wrap: typing.Literal[\"repeat\", \"mirror\", \"clamp\"] = \"repeat\", smooth: bool = True, uv_set: int = 0) "
@@ -536,6 +539,7 @@ void bindScene(nb::module_& module) {
   defineInstances(type);
   defineMaterials(type);
   defineTextures(type);
+  defineMaterialTextures(type);
   defineLights(type);
   defineMeshes(type);
 }

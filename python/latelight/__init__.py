@@ -10,6 +10,7 @@
 Units are meters and degrees; poses and positions are in the scene file's own frame (glTF: right-handed, Y up).
 """
 
+from . import _cpu_driver  # before the first device is opened
 from ._core import (
     Animation,
     Camera,
