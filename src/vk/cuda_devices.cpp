@@ -13,6 +13,8 @@ struct Uuid {
   unsigned char bytes[16];
 };
 
+constexpr int kNoDevice = 100;  // CUDA_ERROR_NO_DEVICE, also where CUDA_VISIBLE_DEVICES excludes every device
+
 // The used functions, whose ABI does not change. Each returns 0 on success.
 struct CudaDriver {
   int (*init)(unsigned flags) = nullptr;
@@ -27,7 +29,7 @@ std::optional<CudaDriver> loadCuda() {
   driver.init = reinterpret_cast<decltype(driver.init)>(dlsym(library, "cuInit"));
   driver.count = reinterpret_cast<decltype(driver.count)>(dlsym(library, "cuDeviceGetCount"));
   driver.uuid = reinterpret_cast<decltype(driver.uuid)>(dlsym(library, "cuDeviceGetUuid"));
-  if (!driver.init || !driver.count || !driver.uuid || driver.init(0) != 0) return std::nullopt;
+  if (!driver.init || !driver.count || !driver.uuid) return std::nullopt;
   return driver;
 }
 
@@ -35,8 +37,11 @@ std::optional<CudaDriver> loadCuda() {
 
 std::optional<std::vector<std::string>> cudaDevices() {
   const std::optional<CudaDriver> driver = loadCuda();
+  if (!driver) return std::nullopt;
+  const int started = driver->init(0);
+  if (started == kNoDevice) return std::vector<std::string>{};
   int count = 0;
-  if (!driver || driver->count(&count) != 0) return std::nullopt;
+  if (started != 0 || driver->count(&count) != 0) return std::nullopt;
   std::vector<std::string> uuids;
   for (int device = 0; device < count; ++device) {
     Uuid uuid{};

@@ -39,10 +39,15 @@ Finding examineLoader() {
                 "`./dev bundle` makes, which has one."};
 }
 
-// The system's lavapipe, where Latelight's own CPU driver is used instead. Loading both would mix two versions of LLVM.
+// True for driver files in whose place Latelight has added another: the system's lavapipe, since loading both would mix
+// two versions of LLVM, and a file of NVIDIA's that leads to no driver that works.
 bool isReplaced(const fs::path& file) {
-  return file.filename().string().starts_with("lvp_icd") &&
-         std::ranges::any_of(addedDrivers(), [](const AddedDriver& driver) { return driver.isCpu; });
+  const auto added = [](bool cpu) {
+    return std::ranges::any_of(addedDrivers(), [&](const AddedDriver& driver) { return driver.isCpu == cpu; });
+  };
+  if (file.filename().string().starts_with("lvp_icd")) return added(true);
+  return added(false) && readDriverFile(file).library.find("nvidia") != std::string::npos &&
+         !probeDriver(file).error.empty();
 }
 
 void examineDrivers(std::vector<Finding>& findings) {

@@ -133,6 +133,9 @@ TEST(AddedDrivers, NvidiaMayHaveADriverFileThatDoesNotWork) {
   const Outcome devices = run({"devices"}, environment);
   EXPECT_EQ(devices.code, 0) << devices.text();
   EXPECT_THAT(devices.out, HasSubstr("no driver file that works, so Latelight has made one for libEGL_nvidia.so.0."));
+  const Outcome doctor = run({"doctor"}, environment);
+  EXPECT_EQ(doctor.code, 0);
+  EXPECT_THAT(doctor.out, testing::Not(HasSubstr("problem")));
 }
 
 TEST(AddedDrivers, NothingIsAddedToDriversThatAVariableLists) {
@@ -192,6 +195,10 @@ TEST(Devices, AreChosenByCudasNumber) {
     EXPECT_EQ(refused.code, 4) << device;
     EXPECT_THAT(refused.err, HasSubstr(sentence));
   }
+  Environment empty = cuda;
+  empty["FAKE_CUDA_UUIDS"] = "";
+  EXPECT_THAT(render("cuda:0", empty).err,
+              HasSubstr("CUDA has no device cuda:0: it lists 0 (see CUDA_VISIBLE_DEVICES)"));
   Environment broken = cuda;
   broken["FAKE_CUDA_UUIDS"] = "broken";
   EXPECT_THAT(render("cuda:1", broken).err, HasSubstr("CUDA's driver (libcuda.so.1) is missing or does not start"));

@@ -13,7 +13,7 @@ const char* list() {
 extern "C" {
 
 int cuInit(unsigned) {
-  return std::strcmp(list(), "broken") == 0;
+  return std::strcmp(list(), "broken") == 0 ? 999 : *list() ? 0 : 100;
 }
 
 int cuDeviceGetCount(int* count) {
