@@ -58,7 +58,9 @@ TEST(Sequences, FramesShareTheirIdManifest) {
   // Every id that a frame shows is there.
   const output::ReadImage image = output::readImage(folder.path() / "s/out.0002.exr");
   for (const double id : image.find("id")->values)
-    if (id != 0) ASSERT_TRUE(shared["ids"].contains(std::to_string(static_cast<uint32_t>(id)))) << id;
+    if (id != 0) {
+      ASSERT_TRUE(shared["ids"].contains(std::to_string(static_cast<uint32_t>(id)))) << id;
+    }
 }
 
 TEST(Sequences, NothingIsSharedWhereThereAreNoIds) {

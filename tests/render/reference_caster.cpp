@@ -104,7 +104,7 @@ void ReferenceCaster::filter(const RTCFilterFunctionNArguments* arguments) {
 
 ReferenceCaster::ReferenceCaster(const scene::Scene& scene, const scene::Camera& camera, uint32_t width,
                                  uint32_t height)
-    : scene_(scene), camera_(camera), width_(width), height_(height), eye_(camera.toWorld[3]) {
+    : camera_(camera), width_(width), height_(height), eye_(camera.toWorld[3]) {
   for (int i = 0; i < 3; ++i) axes_[i] = glm::normalize(dvec3(camera.toWorld[i]));
   const double up = camera.orthographic ? camera.yHalf : std::tan(0.5 * camera.verticalFov);
   scale_ = {up * width / height, up};

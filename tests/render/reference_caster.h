@@ -65,7 +65,6 @@ class ReferenceCaster {
   void markEdge(glm::dvec3 a, glm::dvec3 b);
   static void filter(const RTCFilterFunctionNArguments* arguments);
 
-  const scene::Scene& scene_;
   scene::Camera camera_;
   uint32_t width_, height_;
   glm::dmat3 axes_;  // right, away, up in the world

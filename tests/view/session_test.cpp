@@ -1,6 +1,7 @@
 // Viewing sessions against `latelight render` with their command lines, byte for byte.
 #include "view/session.h"
 
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -20,7 +20,7 @@ class Visibility;
 struct LensRays;
 struct TechniqueInfo;
 struct FrameConfig;
-struct FrameShadows;
+class FrameShadows;
 struct Overflow;
 struct SurfaceOutputs;
 

@@ -1,5 +1,7 @@
 #include "render/submit/describe.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <limits>
 
