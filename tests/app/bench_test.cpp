@@ -10,6 +10,7 @@
 
 #include "app/folder.h"
 #include "app/process.h"
+#include "long_tests.h"
 #include "output/read.h"
 
 namespace latelight::app {
@@ -24,6 +25,7 @@ Outcome bench(std::vector<std::string> arguments) {
 }
 
 TEST(Bench, MeasuresRandomTrianglesWithBothRasters) {
+  LATELIGHT_SKIP_UNLESS_ALL();
   const Outcome outcome = bench({"raster", "--device", "cpu", "--most", "10k", "--runs", "1", "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.text();
   const json report = json::parse(outcome.out);
@@ -113,6 +115,7 @@ TEST(Bench, MeasuresLightingOverLights) {
       EXPECT_EQ(row["lists ms"], "");
     else
       EXPECT_GT(row["lists ms"], 0);
+    if (order[i].second == 1 && !latelight::test::runsInFull()) continue;
     const Outcome counted =
         latelight({"render", "builtin:hall,triangles=50k,seed=3,lights=" + std::to_string(order[i].second), "-o",
                    folder.at("{aov}.npy"), "--aov", "lights-tested,lights-used", "--lighting", order[i].first,

@@ -7,6 +7,7 @@
 
 #include "app/folder.h"
 #include "app/process.h"
+#include "long_tests.h"
 #include "pairwise.h"
 
 namespace latelight::app {
@@ -180,6 +181,7 @@ TEST(List, SaysWhatAPictureCosts) {
 // Layouts x normals x lighting x shading x tonemaps, so that every two choices meet. Normals are not chosen for layouts
 // with a form of their own, nor volumes, which are drawn, for one that is never drawn.
 TEST(List, EveryPairOfChoicesRendersWithoutAValidationMessage) {
+  LATELIGHT_SKIP_UNLESS_ALL();  // test_combinations combines most of them
   const json all = listAll();
   const std::vector<std::pair<std::string, std::string>> options{{"layouts", "--layout"},
                                                                  {"normals", "--normals"},

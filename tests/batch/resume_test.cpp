@@ -7,6 +7,7 @@
 #include <random>
 
 #include "batch/sets.h"
+#include "long_tests.h"
 #include "output/read.h"
 
 namespace latelight::data {
@@ -66,9 +67,10 @@ TEST(Resume, AHundredKillsLeaveTheSetOfAnUndisturbedRun) {
   ASSERT_EQ(undisturbed.code, 0) << undisturbed.text();
   const auto whole = filesOf(folder, "whole");
   ASSERT_EQ(whole.size(), 400 * 4 + 1u);
+  const int kills = latelight::test::rounds(50, 10);
   app::inPairs(2, [&](size_t i) {
     const std::string set = "killed" + std::to_string(i);
-    EXPECT_GT(killOften(folder, set, 50, static_cast<uint32_t>(i), whole), 10);
+    EXPECT_GT(killOften(folder, set, kills, static_cast<uint32_t>(i), whole), kills / 5);
     const Outcome last = latelight(job(folder, set, {"--resume"}));
     EXPECT_EQ(last.code, 0) << last.text();
     expectSame(filesOf(folder, set), whole);

@@ -2,6 +2,7 @@
 # then prints "N passed, N failed, N skipped". Exit 1 if any failed.
 # ctest.xml is `ctest --output-junit`; test_NAME.xml is what GoogleTest wrote for ctest's test NAME. Such a test counts
 # as its cases; any other as one; and one that failed though no case of it did (it crashed, it hung) as one more failure.
+# Cases that run in part or not at all without `./dev test --all` (tests/long_tests.h) are named before the rest.
 
 function attribute(name,   found) {
   if (!match($0, " " name "=\"[^\"]*\"")) return ""
@@ -42,6 +43,10 @@ fromCtest && /^[ \t]*<skipped/ {
   # ctest says "notrun" of a test that skipped itself, and of one whose program is missing.
   if (outcome[name] == "notrun" && attribute("message") !~ /^SKIP_/) outcome[name] = "missing"
 }
+fromCtest && match($0, /left to \.\/dev test --all: .*/) {  # in the output of a script
+  left++
+  note("left", name, plain(substr($0, RSTART + 26)))
+}
 fromCtest { next }
 
 /^[ \t]*<testcase / {
@@ -58,7 +63,20 @@ fromCtest { next }
     passed++
   }
 }
-/^[ \t]*<skipped/ { note("skipped", case_, plain(attribute("message"))) }
+/^[ \t]*<skipped/ {
+  reason = plain(attribute("message"))
+  if (reason == "left to ./dev test --all") {
+    skipped--
+    left++
+    note("left", case_, "")
+  } else {
+    note("skipped", case_, reason)
+  }
+}
+/^[ \t]*<property name="part"/ {
+  left++
+  note("left", case_, attribute("value"))
+}
 /^[ \t]*<failure/ && failing != case_ {
   failing = case_
   passed--
@@ -83,6 +101,7 @@ END {
       note("skipped", name, "")
     }
   }
+  if (left) printf "%d tests run in part or not at all without ./dev test --all:\n%s", left, notes["left"]
   printf "%s%s", notes["skipped"], notes["failed"]
   printf "%d passed, %d failed, %d skipped\n", passed, failed, skipped
   exit failed > 0

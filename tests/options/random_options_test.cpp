@@ -20,6 +20,7 @@
 #include "app/render_run.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "long_tests.h"
 #include "options/choices.h"
 #include "options/everything.h"
 #include "output/exr.h"
@@ -37,7 +38,7 @@ namespace {
 
 using Options = std::map<std::string, std::string>;  // of a draw: option and value
 
-constexpr uint32_t kGroups = 10, kDraws = 8;  // a run, and of a group
+constexpr uint32_t kDraws = 8;  // per group
 
 uint64_t fromEnvironment(const char* name, uint64_t otherwise) {
   const char* value = std::getenv(name);
@@ -314,7 +315,7 @@ TEST_F(RandomOptions, AreDoneOrRefused) {
   setQuiet(true);
   for (int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL}) std::signal(signal, sayCurrent);
   const uint64_t seed = fromEnvironment("LATELIGHT_RANDOM_SEED", 1),
-                 groups = fromEnvironment("LATELIGHT_RANDOM_GROUPS", kGroups);
+                 groups = fromEnvironment("LATELIGHT_RANDOM_GROUPS", latelight::test::rounds(10, 3));
   Stage stage(device());
   size_t rendered = 0, refused = 0;
   for (uint64_t group = 0; group < groups; ++group) {

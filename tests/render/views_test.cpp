@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "long_tests.h"
 #include "models/models.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
@@ -112,7 +113,7 @@ TEST_F(ViewsTest, ThreeAtOnceAreThreeAloneSuperSampledInAnotherLayout) {
 
 // Shadow maps are chosen, fitted and drawn for each view: the cameras see different lights, one of them none.
 scene::Scene litHall() {
-  return scene::load("builtin:hall,triangles=50k,lights=40,glass=1");
+  return scene::load("builtin:hall,triangles=50k,lights=12,glass=1");
 }
 
 std::vector<scene::Camera> hallCameras(const scene::Scene& scene) {
@@ -160,7 +161,8 @@ TEST_F(ViewsTest, TemporalSequencesOfManyCamerasAreThoseOfEach) {
   Renderer together(device(), scene, nullptr);
   std::vector<std::unique_ptr<Renderer>> alone;
   for (size_t i = 0; i < at(0).size(); ++i) alone.push_back(std::make_unique<Renderer>(device(), scene, nullptr));
-  for (int frame = 0; frame < 3; ++frame) {
+  const int frames = latelight::test::rounds(3, 2);
+  for (int frame = 0; frame < frames; ++frame) {
     SCOPED_TRACE(fmt::format("frame {}", frame));
     const SceneState all{
         .poses = {}, .previousCameras = at(frame - 1), .nextCameras = at(frame + 1), .continues = frame > 0};

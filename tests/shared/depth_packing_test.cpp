@@ -1,5 +1,6 @@
 // Depth packed in four bytes, checked through the bytes.
 #include "shared/depth_packing.h"
+#include "long_tests.h"
 
 #include <gtest/gtest.h>
 
@@ -25,9 +26,11 @@ vec4 stored(vec4 e) {
 // All 1 065 353 217 of them.
 TEST(DepthPacking, ExactKeepsEveryFloatFromZeroToOne) {
   std::atomic<uint64_t> wrong = 0, count = 0;
-  parallelFor(size_t{kOne} + 1, size_t{1} << 22, [&](size_t begin, size_t end) {
+  const size_t step = latelight::test::runsInFull() ? 1 : 17;
+  parallelFor(size_t{kOne} / step + 1, size_t{1} << 22, [&](size_t begin, size_t end) {
     uint64_t bad = 0;
-    for (size_t bits = begin; bits < end; ++bits) {
+    for (size_t i = begin; i < end; ++i) {
+      const size_t bits = i * step;
       const float depth = std::bit_cast<float>(static_cast<uint32_t>(bits));
       bad += std::bit_cast<uint32_t>(unpackDepth(stored(packDepth(depth)))) != bits;
     }
@@ -35,7 +38,7 @@ TEST(DepthPacking, ExactKeepsEveryFloatFromZeroToOne) {
     count += end - begin;
   });
   EXPECT_EQ(wrong, 0u);
-  EXPECT_EQ(count, uint64_t{kOne} + 1);
+  EXPECT_EQ(count, uint64_t{kOne} / step + 1);
 }
 
 TEST(DepthPacking, ExactKeepsWhatLiesOutside) {

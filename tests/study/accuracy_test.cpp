@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <set>
 
+#include "long_tests.h"
 #include "study/study.h"
 
 namespace latelight::study {
@@ -20,7 +21,9 @@ double boundOf(const std::string& light, const std::string& material) {
 
 TEST(AccuracyStudy, PicturesAreNearTheIntegral) {
   const char* name = std::getenv("LATELIGHT_TEST_DEVICE");
-  const Result result = studyAccuracy({.device = name && *name ? name : "cpu", .validation = true, .samples = 600'000});
+  const Result result = studyAccuracy({.device = name && *name ? name : "cpu",
+                                       .validation = true,
+                                       .samples = latelight::test::rounds(600'000u, 150'000u)});
   const Table& table = result.tables.front();
   ASSERT_EQ(table.name, "accuracy");
   std::set<std::string> lights;

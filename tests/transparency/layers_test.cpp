@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "long_tests.h"
 #include "shared/color.h"
 #include "shared/random.h"
 #include "transparency/scenes.h"
@@ -182,19 +183,20 @@ TEST_F(Layers, RandomTrianglesThroughEachOther) {
 // Each covers the picture; in no order. More fragments than there is room for at first, and lists that take ten steps
 // to sort. Each jittered frame of super-sampling sees the same.
 TEST_F(Layers, TenThousandAreSortedToo) {
-  constexpr uint32_t kLayers = 10'000, kSize = 4;
+  constexpr uint32_t kSize = 4;
+  const uint32_t count = latelight::test::rounds(10'000u, 2'000u);
   shared::Random random(5);
-  std::vector<ColoredTriangle> triangles(kLayers);
+  std::vector<ColoredTriangle> triangles(count);
   std::vector<Layer> layers;
-  for (uint32_t i = 0; i < kLayers; ++i) {
-    const float z = -1.5f + 3.0f * static_cast<float>((i * 7919) % kLayers) / kLayers;
+  for (uint32_t i = 0; i < count; ++i) {
+    const float z = -1.5f + 3.0f * static_cast<float>((i * 7919) % count) / static_cast<float>(count);
     vec4 color = randomColor(random);
     color.a = random.uniform(0.0002f, 0.001f);
     triangles[i] = {{{-4, -4, z}, {12, -4, z}, {-4, 12, z}}, color};
     layers.push_back({z, color});
   }
   // Colours that drift with depth, so that a wrong order shows.
-  for (uint32_t i = 0; i < kLayers; ++i) {
+  for (uint32_t i = 0; i < count; ++i) {
     const float t = (static_cast<float>(layers[i].z) + 1.5f) / 3;
     triangles[i].color = layers[i].color = vec4(t, 1 - t, layers[i].color.b, layers[i].color.a);
   }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "long_tests.h"
 #include "shared/samples.h"
 #include "transparency/scenes.h"
 
@@ -85,6 +86,7 @@ scene::Scene glassSpheres() {
 }
 
 TEST_P(GlassSamples, MakeRimsSmooth) {
+  if (GetParam() > 2) LATELIGHT_SKIP_UNLESS_ALL();
   const scene::Scene scene = glassSpheres();
   for (const char* method : {"exact", "sorted", "weighted"}) {
     Settings wanted = settings(48, method);

@@ -18,6 +18,7 @@
 
 #include "app/folder.h"
 #include "app/process.h"
+#include "long_tests.h"
 #include "lost_device/lose.h"
 #include "models/models.h"
 #include "output/read.h"
@@ -431,6 +432,7 @@ class AnythingWindowTest : public WindowTest, public testing::WithParamInterface
 };
 
 TEST_P(AnythingWindowTest, EndsWithoutAFaultAndShowsItsCommandsPicture) {
+  if (GetParam() > 1) LATELIGHT_SKIP_UNLESS_ALL();
   screen_.act({"search", "--name", "latelight", "windowsize", "700", std::to_string(kTall)});
   for (int i = 0; i < 5; ++i) {
     sendTwenty(kWholePanel, "F2");  // which shows it, too
