@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "combinations/scene.h"
+#include "long_tests.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
 #include "render/support.h"
@@ -77,6 +78,7 @@ TEST_P(MsaaCombinations, LightsAlikeByEveryDeferredTechnique) {
   const std::string layout = findLayout(GetParam()).name;
   size_t turn = turnOf(layout);
   const bool many = turn % 3 == 0;
+  if (!many) LATELIGHT_SKIP_UNLESS_ALL();
   const std::vector<uint8_t> jagged = render(layout, "fullscreen", 1).display;
   const auto check = [&](uint32_t samples, Raster raster) {
     SCOPED_TRACE(fmt::format("{} samples by {}", samples, nameOf(raster)));

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "layers/scenes.h"
+#include "long_tests.h"
 #include "render/gbuffer/layout.h"
 #include "render/submit/strips.h"
 #include "scene/edit.h"
@@ -48,6 +50,8 @@ scene::Scene identifiedRoom() {
 }
 
 TEST_F(Layered, EveryTechniqueAndLayoutGivesTheSameBytes) {
+  // test_render covers how these shaders find lights.
+  if (std::getenv("LATELIGHT_TEST_GPU_SHADERS")) LATELIGHT_SKIP_UNLESS_ALL();
   const scene::Scene scene = identifiedRoom();
   const scene::Environment environment = constantEnvironment();
   Renderer renderer(device(), scene, &environment);

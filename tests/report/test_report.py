@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from browser import PROGRAM, faults, latelight, screenshot
+from browser import PROGRAM, RUNS_ALL, faults, latelight, screenshot
 from conftest import SCENE, SIZE
 
 PIXELS = [(0, 0), (20, 40), (48, 27), (61, 33), (95, 53)]
@@ -265,6 +265,7 @@ def test_prints_without_controls(opened, folder):
     assert pdf.startswith(b"%PDF") and pdf.count(b"/Type /Page\n") >= 4
 
 
+@pytest.mark.skipif(not RUNS_ALL, reason="left to ./dev test --all: a second report")
 def test_the_same_but_for_times(report, folder):
     again = folder / "again.html"
     latelight("report", *SCENE, "--runs", 2, "-o", again)

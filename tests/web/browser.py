@@ -10,6 +10,7 @@ from playwright.sync_api import sync_playwright
 
 PROGRAM = os.environ["LATELIGHT_PROGRAM"]
 HANGS = 30 * 60 * 1000  # milliseconds: on a busy machine everything may take long
+RUNS_ALL = os.environ.get("LATELIGHT_TEST_ALL", "0") not in ("", "0")  # see tests/long_tests.h
 SCREENSHOTS = os.environ.get("LATELIGHT_SCREENSHOTS")  # a folder, for those who want to look
 
 
