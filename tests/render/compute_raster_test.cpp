@@ -8,6 +8,7 @@
 #include <glm/gtc/constants.hpp>
 #include <random>
 
+#include "long_tests.h"
 #include "models/models.h"
 #include "render/support.h"
 #include "scene/load/load.h"
@@ -103,6 +104,10 @@ scene::Scene halves(const Cover& cover, uint32_t bit, uint32_t shown) {
 // With so many samples a pixel.
 class ComputeCoverage : public RenderTest, public testing::WithParamInterface<uint32_t> {
  protected:
+  void SetUp() override {
+    RenderTest::SetUp();
+    if (GetParam() == 4) LATELIGHT_SKIP_UNLESS_ALL();  // 16 samples are rasterized in the same way
+  }
   // How many samples of each pixel are covered.
   static std::vector<uint32_t> covered(const scene::Scene& scene, const scene::Camera& camera, uint32_t size) {
     const uint32_t samples = GetParam();
