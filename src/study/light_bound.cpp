@@ -22,8 +22,8 @@ render::TechniqueInfo lightBound(uint32_t type, uint32_t lights) {
   const auto add = [=](const render::FrameContext& f, const render::Gbuffer& gbuffer) {
     render::ComputePass pass = render::lightingPass(f, gbuffer, "lighting bound", "light_bound.comp");
     pass.constants.push_back({kLightTypeConstant, type});
-    addCompute(f, std::move(pass), [=, &f](graph::Context& context) {
-      return shared::LightBoundPush{f.constants, render::shownSurfaces(f, context), commonLight(), shared::vec3(1e-4f),
+    addCompute(f, std::move(pass), [lights, frame = f.constants, visible = gbuffer.visible](graph::Context& context) {
+      return shared::LightBoundPush{frame, render::shownSurfaces(visible, context), commonLight(), shared::vec3(1e-4f),
                                     lights};
     });
   };

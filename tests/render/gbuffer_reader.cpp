@@ -90,9 +90,8 @@ ReadGbuffer GbufferReader::read(const FrameConfig& setup, const scene::Camera& c
   graph::Graph graph;
   const FrameContext& f = frames_.frame(graph, setup, {result.view},
                                         {light.exposure, light.environmentIntensity, light.environmentRotation});
-  Gbuffer gbuffer{.depth = f.visibility.addDepth(f).pixels};
+  Gbuffer gbuffer = gbufferOf(f.visibility.addDepth(f));
   gbuffer.light = createTarget(f, kLightFormat, "light");
-  gbuffer.sampleDepth = gbuffer.depth;
   gbuffer.sampleLight = gbuffer.light;
   gbuffer.lightCounts = graph.create(vk::ImageDesc{.format = kCountsFormat, .width = 1, .height = 1, .layers = 1});
   f.visibility.addGbuffer(f, gbuffer);

@@ -53,10 +53,16 @@ struct FrameContext : Builder {
 // multisampled image, as FrameConfig::sampleLayers states.
 graph::ImageId createTarget(const FrameContext& f, VkFormat format, const std::string& name, uint32_t samples = 1);
 
-// Reversed device depth, 0 for the background: per pixel, and per sample in the form that the frame's visibility uses.
-// With one sample per pixel, they are the same image.
-struct FrameDepth {
+// The visible surface of each sample, as the depth pass found it.
+struct VisibilityBuffer {
+  // Reversed device depth, 0 for the background: per pixel, and per sample in the form that the frame's visibility
+  // uses. With one sample per pixel, they are the same image. `samples` is null if `ids` holds the samples' depths.
   graph::ImageId pixels, samples;
+  // With the raster compute only: depth and triangle id per sample, the instances that the ids refer to
+  // (shared::InstanceList), and the depth pyramid (HZB) of occlusion culling, null without it.
+  graph::BufferId ids{};
+  VkDeviceAddress instances = 0;
+  graph::BufferId pyramid{};
 };
 
 // The light lists of a lighting technique, per tile or per slice of a tile (clustered light culling).
@@ -68,6 +74,7 @@ struct LightLists {
 
 // A G-buffer under construction: the layout's targets, and depth and light, which every layout has.
 struct Gbuffer {
+  VisibilityBuffer visible;  // what the targets are resolved from
   std::vector<graph::ImageId> targets;
   graph::ImageId depth;
   graph::ImageId light;  // emitted radiance and ambient occlusion; the lighting technique writes the lit picture here
@@ -83,6 +90,8 @@ struct Gbuffer {
   bool forLighting = false;  // only lighting reads the targets, and it leaves surfaces with coats to render/layered
   LightLists lightLists;     // of the pixels' surfaces, after the lighting technique has built them
 };
+// Returns a G-buffer that has nothing but its depth.
+Gbuffer gbufferOf(const VisibilityBuffer& visible);
 
 // How blended surfaces are rendered (render/transparency).
 struct TransparencySetup {

@@ -27,6 +27,10 @@ uint32_t writtenTargets(const FrameConfig& setup, const Gbuffer& gbuffer) {
   return (setup.targets & ((1u << light) - 1)) | (gbuffer.sampleLight ? 1u << light : 0u);
 }
 
+Gbuffer gbufferOf(const VisibilityBuffer& visible) {
+  return {.visible = visible, .depth = visible.pixels, .sampleDepth = visible.samples};
+}
+
 graph::ImageId createTarget(const FrameContext& f, VkFormat format, const std::string& name, uint32_t samples) {
   return f.graph.create(vk::ImageDesc{.format = format,
                                       .width = f.width,

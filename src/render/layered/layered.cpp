@@ -7,7 +7,6 @@
 #include "render/layered/layered_push.h"
 #include "render/lighting/forward/forward.h"
 #include "render/lighting/light_lists.h"
-#include "render/visibility/compute/compute.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
@@ -83,7 +82,7 @@ LightLists listsOfPixels(const FrameContext& f, const Gbuffer& gbuffer) {
 }
 
 // Shades the pixels whose visible triangles have a layered material.
-void shadeLayered(const FrameContext& f, const Gbuffer& gbuffer, const ComputeVisibility& raster) {
+void shadeLayered(const FrameContext& f, const Gbuffer& gbuffer) {
   Bindings bindings = litMaps(f, gbuffer, graph::Use::SampledCompute);
   bindings.storage(gbuffer.light, graph::Use::StorageReadWrite);
   bindings.storage(gbuffer.lightCounts, graph::Use::StorageReadWrite);
@@ -100,10 +99,10 @@ void shadeLayered(const FrameContext& f, const Gbuffer& gbuffer, const ComputeVi
   const std::vector<vk::Constant> listed = listConstants(lists);
   pass.constants.insert(pass.constants.end(), listed.begin(), listed.end());
   pass.constants.insert(pass.constants.end(), {{kSamplesConstant, f.setup.samples}, opaqueLayers(f.setup)});
-  raster.readsShown(f, pass);
-  addCompute(f, std::move(pass), [=, &f, &raster](graph::Context& context) {
+  readVisibleSurfaces(f, gbuffer.visible, pass);
+  addCompute(f, std::move(pass), [lists, frame = f.constants, visible = gbuffer.visible](graph::Context& context) {
     return shared::LayeredPush{
-        .frame = f.constants, .shown = raster.shown(context), .lists = pushedLists(lists, context)};
+        .frame = frame, .shown = shownSurfaces(visible, context), .lists = pushedLists(lists, context)};
   });
 }
 
@@ -112,7 +111,7 @@ void shadeLayered(const FrameContext& f, const Gbuffer& gbuffer, const ComputeVi
 void addLayered(const FrameContext& f, const Gbuffer& gbuffer) {
   if (!(f.visibility.materials().solid & shared::kMaterialLayered)) return;
   if (const HardwareVisibility* hardware = f.visibility.asHardware()) return drawLayered(f, gbuffer, *hardware);
-  shadeLayered(f, gbuffer, *f.visibility.asCompute());
+  shadeLayered(f, gbuffer);
 }
 
 }  // namespace latelight::render

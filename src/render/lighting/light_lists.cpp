@@ -73,9 +73,9 @@ void addLightLists(const FrameContext& f, Gbuffer& gbuffer, const LightListsDesc
   lighting.constants.insert(lighting.constants.end(), constants.begin(), constants.end());
   const std::vector<graph::Access> read = listAccesses(lists);
   lighting.buffers.insert(lighting.buffers.end(), read.begin(), read.end());
-  addCompute(f, std::move(lighting), [=, &f](graph::Context& context) {
+  addCompute(f, std::move(lighting), [lists, frame = f.constants, visible = gbuffer.visible](graph::Context& context) {
     return shared::CellsPush{
-        .frame = f.constants, .lists = pushedLists(lists, context), .shown = shownSurfaces(f, context)};
+        .frame = frame, .lists = pushedLists(lists, context), .shown = shownSurfaces(visible, context)};
   });
 }
 

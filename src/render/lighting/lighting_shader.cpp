@@ -2,7 +2,6 @@
 
 #include "render/base/pixel_group.h"
 #include "render/frame/lit_maps.h"
-#include "render/visibility/compute/compute.h"
 
 namespace latelight::render {
 
@@ -37,16 +36,12 @@ ComputePass lightingPass(const FrameContext& f, const Gbuffer& gbuffer, const st
                    .groupX = shared::kPixelGroupX,
                    .groupY = shared::kPixelGroupY,
                    .fullImage = true};
-  readSurfaces(f, pass);
+  readSurfaces(f, gbuffer, pass);
   return pass;
 }
 
-void readSurfaces(const FrameContext& f, ComputePass& pass) {
-  if (!f.setup.layout->hasTargets()) f.visibility.asCompute()->readsShown(f, pass);
-}
-
-shared::ShownPush shownSurfaces(const FrameContext& f, graph::Context& context) {
-  return f.setup.layout->hasTargets() ? shared::ShownPush{} : f.visibility.asCompute()->shown(context);
+void readSurfaces(const FrameContext& f, const Gbuffer& gbuffer, ComputePass& pass) {
+  if (!f.setup.layout->hasTargets()) readVisibleSurfaces(f, gbuffer.visible, pass);
 }
 
 }  // namespace latelight::render

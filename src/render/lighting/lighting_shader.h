@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "render/frame/frame.h"
-#include "render/visibility/compute/shown_push.h"
+#include "render/visibility/visibility.h"
 
 namespace latelight::render {
 
@@ -23,10 +23,9 @@ struct KeptByLighting {
 ComputePass lightingPass(const FrameContext& f, const Gbuffer& gbuffer, const std::string& name,
                          const std::string& file, KeptByLighting kept = {});
 
-// For a pass that reads surfaces through gbuffer_read.glsl with a layout without targets: readSurfaces() declares the
-// visibility buffer and the resources that shaders need to evaluate surfaces, and shownSurfaces() returns the push
-// constants for showSurfaces(). With other layouts they add nothing and return an empty struct.
-void readSurfaces(const FrameContext& f, ComputePass& pass);
-shared::ShownPush shownSurfaces(const FrameContext& f, graph::Context& context);
+// For a pass that reads surfaces through gbuffer_read.glsl. With a layout without targets it declares the visibility
+// buffer and the resources that shaders need to evaluate surfaces; shownSurfaces() then returns the push constants for
+// showSurfaces(). With other layouts it adds nothing.
+void readSurfaces(const FrameContext& f, const Gbuffer& gbuffer, ComputePass& pass);
 
 }  // namespace latelight::render

@@ -52,10 +52,10 @@ LitFrame addOpaque(const FrameContext& f) {
   return addLit(f, f.visibility.addDepth(f));
 }
 
-LitFrame addLit(const FrameContext& f, const FrameDepth& depth) {
+LitFrame addLit(const FrameContext& f, const VisibilityBuffer& visible) {
   rejectTooManyUnbounded(f);
   const bool multisampled = f.setup.samples > 1;
-  Gbuffer g{.depth = depth.pixels, .sampleDepth = depth.samples};
+  Gbuffer g = gbufferOf(visible);
   g.light = createTarget(f, kLightFormat, "light");
   g.sampleLight = multisampled ? createTarget(f, kLightFormat, "light of samples", f.setup.samples) : g.light;
   g.lightCounts = createCounts(f);

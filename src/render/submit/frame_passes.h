@@ -16,7 +16,7 @@ struct LitFrame {
 LitFrame addFrame(const FrameContext& f);
 // The same without blended surfaces, which no G-buffer and no count includes.
 LitFrame addOpaque(const FrameContext& f);
-// The same as addOpaque(), with existing depth.
-LitFrame addLit(const FrameContext& f, const FrameDepth& depth);
+// The same as addOpaque(), of surfaces that are known already.
+LitFrame addLit(const FrameContext& f, const VisibilityBuffer& visible);
 
 }  // namespace latelight::render

@@ -76,9 +76,9 @@ ViewSet& FrameGraphBuilder::jittered() {
 }
 
 // Finds the surfaces at pixel centers once, for everything that needs them.
-graph::ImageId FrameGraphBuilder::steadyDepth() {
-  if (!steadyDepth_) steadyDepth_ = steady().visibility().addDepth(steady().frame(graph_, FrameConfig{})).pixels;
-  return steadyDepth_;
+const VisibilityBuffer& FrameGraphBuilder::steadyVisible() {
+  if (!steadyVisible_) steadyVisible_ = steady().visibility().addDepth(steady().frame(graph_, FrameConfig{}));
+  return *steadyVisible_;
 }
 
 // Adds the lit frame of the picture. The frame also counts lights if it can, because lights are counted at pixel
@@ -88,7 +88,7 @@ LitFrame FrameGraphBuilder::addPicture(const SurfaceOutputs* outputs) {
   setup.outputs = outputs;
   setup.countLights = isSteady() && asksFor(settings_, Origin::LightCounts);
   const FrameContext& f = jittered().frame(graph_, setup);
-  const LitFrame lit = isSteady() ? addLit(f, {steadyDepth(), steadyDepth()}) : addOpaque(f);
+  const LitFrame lit = isSteady() ? addLit(f, steadyVisible()) : addOpaque(f);
   addTransparency(f, lit.gbuffer);
   return lit;
 }
@@ -110,9 +110,9 @@ void FrameGraphBuilder::finish(const vk::Image* sum, uint32_t count, TemporalHis
     }
     if (history) {
       const FrameContext& f = jittered().frame(graph_, FrameConfig{});
-      const graph::ImageId depth = lit_->gbuffer.depth;
-      const graph::ImageId motion = jittered().visibility().addMotion(f, depth, MotionUse::Reproject);
-      picture = addTemporal(f, {picture, depth, motion}, *history, !continues);
+      const VisibilityBuffer& visible = lit_->gbuffer.visible;
+      const graph::ImageId motion = jittered().visibility().addMotion(f, visible, MotionUse::Reproject);
+      picture = addTemporal(f, {picture, visible.pixels, motion}, *history, !continues);
       count = 1;
     }
     addPost(*lit_, picture, count);
@@ -151,7 +151,7 @@ void FrameGraphBuilder::addLightCounts() {
     setup.sampleLayers = false;
     setup.everySample = false;
     setup.sunInGbuffer = shadows_ && keepsSun(setup, settings_);
-    counts = addLit(steady().frame(graph_, setup), {steadyDepth(), steadyDepth()}).lightCounts;
+    counts = addLit(steady().frame(graph_, setup), steadyVisible()).lightCounts;
   }
   outputs_.add({state_.device, graph_}, Origin::LightCounts, [&](std::string_view) { return counts; });
 }
@@ -164,7 +164,7 @@ void FrameGraphBuilder::addSampleCounts() {
     if (!lit_) lit_ = addOpaque(jittered().frame(graph_, frameSetup(settings_, shadows_ != nullptr)));
     counts = lit_->gbuffer.surfaces ? lit_->gbuffer.surfaces : lit_->gbuffer.depth;
   } else {
-    counts = steadyDepth();
+    counts = steadyVisible().pixels;
   }
   outputs_.add({state_.device, graph_}, Origin::SampleCounts, [&](std::string_view) { return counts; });
 }
@@ -187,26 +187,26 @@ const SurfaceOutputs* FrameGraphBuilder::packSurfaces() {
 // Data outputs are evaluated at pixel centers, in full precision, for any layout and anti-aliasing of the picture.
 void FrameGraphBuilder::addData() {
   ViewSet* set = &steady();
-  graph::ImageId depth;
+  VisibilityBuffer visible;
   if (showsBlendedData()) {
     solid_.emplace(state_, steadyViews_, settings_, nullptr, VisibilityOptions{.blendedToo = true, .atCentres = true});
     set = &*solid_;
-    depth = solid_->visibility().addDepth(solid_->frame(graph_, FrameConfig{})).pixels;
+    visible = solid_->visibility().addDepth(solid_->frame(graph_, FrameConfig{}));
   } else {
-    depth = steadyDepth();
+    visible = steadyVisible();
   }
-  if (asksFor(settings_, Origin::Surface) && !surfaceOutputs_) addSurfaceData(*set, depth);
+  if (asksFor(settings_, Origin::Surface) && !surfaceOutputs_) addSurfaceData(*set, visible);
   if (!asksFor(settings_, Origin::Motion)) return;
   const FrameContext& f = set->frame(graph_, FrameConfig{});
-  const graph::ImageId motion = set->visibility().addMotion(f, depth, MotionUse::Data);
+  const graph::ImageId motion = set->visibility().addMotion(f, visible, MotionUse::Data);
   outputs_.add(f, Origin::Motion, [&](std::string_view) { return motion; });
 }
 
 // Packs outputs where surfaces are resolved or, with hardware, from a separate G-buffer in the layout `exact`, which
 // has only the targets that the requested outputs need.
-void FrameGraphBuilder::addSurfaceData(ViewSet& set, graph::ImageId depth) {
+void FrameGraphBuilder::addSurfaceData(ViewSet& set, const VisibilityBuffer& visible) {
   FrameConfig setup{.layout = &findLayout("exact"), .targets = 0};
-  Gbuffer gbuffer{.depth = depth, .sampleDepth = depth};
+  Gbuffer gbuffer = gbufferOf(visible);
   if (set.visibility().asCompute()) {
     setup.outputs = packSurfaces();
     return set.visibility().addGbuffer(set.frame(graph_, setup), gbuffer);
@@ -217,22 +217,23 @@ void FrameGraphBuilder::addSurfaceData(ViewSet& set, graph::ImageId depth) {
   const auto target = [&](std::string_view name) {
     for (size_t i = 0; i < gbuffer.targets.size(); ++i)
       if (setup.layout->targets[i].name == name) return gbuffer.targets[i];
-    return depth;
+    return gbuffer.depth;
   };
   outputs_.add(f, Origin::Surface, target, f.constants);
 }
 
 void FrameGraphBuilder::addRasterData() {
   ViewSet* set = &steady();
+  VisibilityBuffer visible;
   if (set->visibility().asCompute()) {
-    steadyDepth();
+    visible = steadyVisible();
   } else {
     set = &rastered_.emplace(state_, steadyViews_, settings_, nullptr, VisibilityOptions{.inCompute = true});
-    set->visibility().addDepth(set->frame(graph_, FrameConfig{}));
+    visible = set->visibility().addDepth(set->frame(graph_, FrameConfig{}));
   }
   const FrameContext& f = set->frame(graph_, FrameConfig{});
   const ComputeVisibility& raster = *set->visibility().asCompute();
-  const ComputeVisibility::RasterImages images = raster.addRasterImages(f);
+  const ComputeVisibility::RasterImages images = raster.addRasterImages(f, visible);
   outputs_.add(f, Origin::Raster, [&](std::string_view name) {
     if (name == "overdraw") return raster.addOverdraw(f);
     return name == "classes" ? images.classes : images.numbers;

@@ -48,9 +48,9 @@ class FrameGraphBuilder {
   bool packsWithPicture();
   const SurfaceOutputs* packSurfaces();
   void addData();
-  void addSurfaceData(ViewSet& set, graph::ImageId depth);
+  void addSurfaceData(ViewSet& set, const VisibilityBuffer& visible);
   void addRasterData();
-  graph::ImageId steadyDepth();
+  const VisibilityBuffer& steadyVisible();
 
   const RenderState& state_;
   const Settings& settings_;
@@ -60,7 +60,7 @@ class FrameGraphBuilder {
   std::optional<ViewSet> steady_, jittered_;
   std::optional<ViewSet> solid_;     // counts blended surfaces as opaque
   std::optional<ViewSet> rastered_;  // in compute, if steady_ is not
-  graph::ImageId steadyDepth_;
+  std::optional<VisibilityBuffer> steadyVisible_;
   std::optional<LitFrame> lit_;  // the picture's, before transparency
 
   PackedOutputs outputs_;

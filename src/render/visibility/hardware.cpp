@@ -95,7 +95,7 @@ void HardwareVisibility::addSolid(const FrameContext& f, graph::Stage stage, vk:
 
 // Depth prepass: finds the nearest surface of every pixel, so that the geometry pass shades each pixel once. Equal
 // depths are resolved in the geometry pass, where the surface drawn last wins.
-FrameDepth HardwareVisibility::addDepth(const FrameContext& f) const {
+VisibilityBuffer HardwareVisibility::addDepth(const FrameContext& f) const {
   if (f.setup.samples > 1) requireSamples(f.device, f.setup);
   vk::GraphicsDesc desc;
   desc.depth = kDepthFormat;
@@ -140,7 +140,8 @@ void HardwareVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) con
   if (f.setup.samples > 1) gbuffer.surfaces = addSampleSurfaces(f, gbuffer);
 }
 
-graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const {
+graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, const VisibilityBuffer& visible,
+                                             MotionUse use) const {
   const VkFormat format = use == MotionUse::Data ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
   vk::GraphicsDesc desc = behindDepth(f.setup);
   desc.samples = 1;
@@ -156,8 +157,8 @@ graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, graph::Image
   const ScenePipelines pipelines = scenePipelines(f, desc);
   const graph::ImageId motion = createTarget(f, format, "motion");
   f.graph.pass(graph::Stage::Geometry, "motion",
-               {{depth, graph::Use::DepthTest}, {motion, graph::Use::ColorAttachment}},
-               [=, &f, this](graph::Context& context) {
+               {{visible.pixels, graph::Use::DepthTest}, {motion, graph::Use::ColorAttachment}},
+               [=, &f, this, depth = visible.pixels](graph::Context& context) {
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
                    beginView(context, f, view, std::span(&motion, 1), {depth, false});
                    context.commands().bind(background.get(), {}, shared::DrawPush{.frame = f.constants, .view = view});

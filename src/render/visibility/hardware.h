@@ -15,9 +15,9 @@ class HardwareVisibility final : public Visibility {
   HardwareVisibility(vk::Device& device, const GpuScene& scene, const DrawOrder& order,
                      std::span<const shared::View> views, const VisibilityOptions& options = {});
 
-  FrameDepth addDepth(const FrameContext& f) const override;
+  VisibilityBuffer addDepth(const FrameContext& f) const override;
   void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const override;
-  graph::ImageId addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const override;
+  graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use) const override;
   void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const override;
   void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
   void lightFragments(const FrameContext&, const Gbuffer&, const FragmentBuffers&) const override {}  // lit when stored

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "render/frame/frame.h"
+#include "render/visibility/compute/shown_push.h"
 #include "shared/fragment_lists.h"
 
 namespace latelight::render {
@@ -38,16 +39,16 @@ class Visibility {
  public:
   virtual ~Visibility() = default;
 
-  // Adds the depth of the nearest surface per sample (setup.samples) and per pixel. At equal depth the surface that is
-  // drawn last wins; the order is by material, then mesh, then position in the scene.
-  virtual FrameDepth addDepth(const FrameContext& f) const = 0;
-  // Adds the layout's targets to the G-buffer and fills them and its light target from the visible surfaces. With
+  // Finds the nearest surface per sample (setup.samples) and per pixel. At equal depth the surface that is drawn last
+  // wins; the order is by material, then mesh, then position in the scene.
+  virtual VisibilityBuffer addDepth(const FrameContext& f) const = 0;
+  // Adds the layout's targets to the G-buffer and fills them and its light target from gbuffer.visible. With
   // several samples per pixel it also adds the groups of samples that show one surface, and the depths at which they
   // are lit.
   virtual void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const = 0;
   // Returns the motion vectors at the pixel centers as R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT: xy to the previous
   // frame, zw to the next frame. In pixels, y down, without jitter.
-  virtual graph::ImageId addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const = 0;
+  virtual graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use) const = 0;
   // Renders the shadow maps of f.shadows into `atlas`. If the technique supports virtual shadow maps, only the pages
   // that the G-buffer's pixels look up are rendered.
   virtual void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const = 0;
@@ -63,5 +64,11 @@ class Visibility {
   // The technique as compute visibility; null if it does not rasterize in compute shaders.
   virtual const ComputeVisibility* asCompute() const = 0;
 };
+
+// For compute passes with the setup's constants that evaluate the surfaces of visible.ids themselves
+// (shown_surface.glsl): readVisibleSurfaces() adds the resources that they read. shownSurfaces() returns their push
+// constants, which are zeros for a pass that does not read them.
+void readVisibleSurfaces(const FrameContext& f, const VisibilityBuffer& visible, ComputePass& pass);
+shared::ShownPush shownSurfaces(const VisibilityBuffer& visible, graph::Context& context);
 
 }  // namespace latelight::render

@@ -18,9 +18,10 @@ void add(const FrameContext& f, const Gbuffer& gbuffer) {
   if (lights > most)
     badUsage("fullscreen supports at most {} lights on a CPU device, but there are {}: choose tiled or clustered", most,
              lights);
-  addCompute(f, lightingPass(f, gbuffer, "lighting fullscreen", "fullscreen.comp"), [&f](graph::Context& context) {
-    return shared::LightingPush{f.constants, shownSurfaces(f, context)};
-  });
+  addCompute(f, lightingPass(f, gbuffer, "lighting fullscreen", "fullscreen.comp"),
+             [frame = f.constants, visible = gbuffer.visible](graph::Context& context) {
+               return shared::LightingPush{frame, shownSurfaces(visible, context)};
+             });
 }
 
 }  // namespace

@@ -38,11 +38,12 @@ graph::ImageId addOcclusion(const FrameContext& f, const Gbuffer& gbuffer) {
                    .bindings = bindings,
                    .size = f.pixels(),
                    .constants = f.setup.constants()};
-  if (surfaces) readSurfaces(f, pass);
-  const auto [radius, reach] = std::pair(f.aoRadius, kReachShare * static_cast<float>(f.height));
-  addCompute(f, std::move(pass), [=, &f](graph::Context& context) {
-    return shared::OcclusionPush{f.constants, radius, reach,
-                                 surfaces ? shownSurfaces(f, context) : shared::ShownPush{}};
+  if (surfaces) readSurfaces(f, gbuffer, pass);
+  const shared::OcclusionPush push{f.constants, f.aoRadius, kReachShare * static_cast<float>(f.height), {}};
+  addCompute(f, std::move(pass), [push, visible = gbuffer.visible](graph::Context& context) {
+    shared::OcclusionPush filled = push;
+    filled.shown = shownSurfaces(visible, context);
+    return filled;
   });
   return hidden;
 }

@@ -68,16 +68,17 @@ View posed(const View& pinhole, const View& camera) {
 }  // namespace
 
 // Adds a pass over all pixels of the visibility buffer. `outputs` is OutputPlace[] or empty.
-void ComputeVisibility::addResolve(const FrameContext& f, ComputePass pass, graph::BufferId outputs) const {
+void ComputeVisibility::addResolve(const FrameContext& f, const VisibilityBuffer& visible, ComputePass pass,
+                                   graph::BufferId outputs) const {
   pass.size = f.pixels();
   pass.constants.push_back({kSamplesConstant, f.setup.samples});
   addVastConstant(f, pass);
-  pass.buffers.emplace_back(visible_, graph::Use::StorageRead);
+  pass.buffers.emplace_back(visible.ids, graph::Use::StorageRead);
   if (outputs) pass.buffers.emplace_back(outputs, graph::Use::StorageRead);
-  addCompute(f, std::move(pass), [=, this, &f](graph::Context& context) {
-    return ResolvePush{.frame = f.constants,
-                       .instances = ranks_.address(),
-                       .visible = context.buffer(visible_).address(),
+  addCompute(f, std::move(pass), [=, frame = f.constants](graph::Context& context) {
+    return ResolvePush{.frame = frame,
+                       .instances = visible.instances,
+                       .visible = context.buffer(visible.ids).address(),
                        .outputs = outputs ? context.buffer(outputs).address() : 0};
   });
 }
@@ -118,11 +119,12 @@ RasterViews ComputeVisibility::viewsBeside(const FrameContext& f, const std::vec
           .count = frame.viewCount};
 }
 
-// Returns the visibility buffer of these views. With two-pass occlusion culling, the early pass renders the clusters
-// that were not occluded in the previous frame; the late pass tests all clusters against the depth pyramid (HZB) of the
-// early pass, renders those that became visible and stores the new occlusion bits.
-graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const RasterViews& views) const {
+// Returns the visibility buffer of these views, without depth images. With two-pass occlusion culling, the early pass
+// renders the clusters that were not occluded in the previous frame; the late pass tests all clusters against the depth
+// pyramid (HZB) of the early pass, renders those that became visible and stores the new occlusion bits.
+VisibilityBuffer ComputeVisibility::addVisible(const FrameContext& f, const RasterViews& views) const {
   const RasterQueues queues(f, views, share_);
+  VisibilityBuffer visible{.ids = queues.visible, .instances = ranks_.address()};
   addClear(f, graph::Stage::Visibility, "raster clear", {queues.visible});
   RasterChain whole{graph::Stage::Visibility, Hit::Opaque, 0, kRankMasked};
   RasterChain cut{graph::Stage::Visibility, Hit::Masked, kRankMasked, kRankMasked};
@@ -132,7 +134,7 @@ graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const Raste
     whole.hidden = hidden_.addTo(f, hiddenOf_, (share_.parts + 31) / 32 * views.count);
     whole.culls = kCullEarly;
     addRasterChain(f, ranks_, share_, views, queues, whole);
-    whole.pyramid = cut.pyramid = pyramid_ = addPyramid(f, views, queues.visible);
+    whole.pyramid = cut.pyramid = visible.pyramid = addPyramid(f, views, queues.visible);
     whole.culls = kCullLate;
     whole.counted = [&hidden = hidden_, of = hiddenOf_](const RasterCounters& counters) {
       hidden.keep(of, counters.work, counters.hidden);
@@ -141,28 +143,30 @@ graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const Raste
   }
   if (some) addRasterChain(f, ranks_, share_, views, queues, whole);
   if (share_.masked > 0) addRasterChain(f, ranks_, share_, views, queues, cut);
-  return queues.visible;
+  return visible;
 }
 
-FrameDepth ComputeVisibility::addDepth(const FrameContext& f) const {
+VisibilityBuffer ComputeVisibility::addDepth(const FrameContext& f) const {
   RasterViews views = viewsOf(f);
   if (!views.lens) {
     views.cullsHidden = hidden_.shouldCull(f.device, hiddenOf_, share_.parts * views.count);
     if (!f.device.isCpu()) prepareHiding(f, views);
   }
-  visible_ = addVisible(f, views);
-  const graph::ImageId depth = createTarget(f, VK_FORMAT_R32_SFLOAT, "depth");
-  addResolve(f, {.stage = graph::Stage::Visibility,
-                 .name = "depth",
-                 .shader = "visible_depth.comp",
-                 .bindings = Bindings(f.device).storage(depth, graph::Use::StorageWrite)});
-  if (f.setup.samples == 1) return {depth, depth};
-  return {depth, {}};  // the visibility buffer holds the samples' depths
+  VisibilityBuffer visible = addVisible(f, views);
+  visible.pixels = createTarget(f, VK_FORMAT_R32_SFLOAT, "depth");
+  addResolve(f, visible,
+             {.stage = graph::Stage::Visibility,
+              .name = "depth",
+              .shader = "visible_depth.comp",
+              .bindings = Bindings(f.device).storage(visible.pixels, graph::Use::StorageWrite)});
+  if (f.setup.samples == 1) visible.samples = visible.pixels;
+  return visible;
 }
 
 // --- data outputs about rasterization --------------------------------------------------------------------------------
 
-ComputeVisibility::RasterImages ComputeVisibility::addRasterImages(const FrameContext& f) const {
+ComputeVisibility::RasterImages ComputeVisibility::addRasterImages(const FrameContext& f,
+                                                                   const VisibilityBuffer& visible) const {
   const RasterImages images{createTarget(f, VK_FORMAT_R32G32B32A32_SFLOAT, "raster numbers"),
                             createTarget(f, VK_FORMAT_R32G32_SFLOAT, "raster classes")};
   addCompute(f,
@@ -173,14 +177,14 @@ ComputeVisibility::RasterImages ComputeVisibility::addRasterImages(const FrameCo
                               .storage(images.numbers, graph::Use::StorageWrite)
                               .storage(images.classes, graph::Use::StorageWrite),
               .size = f.pixels(),
-              .buffers = {{visible_, graph::Use::StorageRead}}},
-             [this, &f](graph::Context& context) {
-               return RasterPush{.buffers = {.frame = f.constants,
-                                             .instances = ranks_.address(),
-                                             .visible = context.buffer(visible_).address()},
-                                 .views = f.viewCount(),
-                                 .width = f.width,
-                                 .height = f.height};
+              .buffers = {{visible.ids, graph::Use::StorageRead}}},
+             [visible, frame = f.constants, size = f.pixels()](graph::Context& context) {
+               return RasterPush{.buffers = {.frame = frame,
+                                             .instances = visible.instances,
+                                             .visible = context.buffer(visible.ids).address()},
+                                 .views = size.z,
+                                 .width = size.x,
+                                 .height = size.y};
              });
   return images;
 }
@@ -267,7 +271,7 @@ void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) cons
                    .groupY = shared::kPixelGroupY};
   readsTextures(f, pass);
   const graph::BufferId outputs = f.setup.outputs ? packOutputs(f, pass) : graph::BufferId{};
-  addResolve(f, std::move(pass), outputs);
+  addResolve(f, gbuffer.visible, std::move(pass), outputs);
   if (f.setup.samples > 1) addSurfaces(f, gbuffer);
 }
 
@@ -287,25 +291,23 @@ void ComputeVisibility::addSurfacesBy(const FrameContext& f, Gbuffer& gbuffer, v
   gbuffer.sampleDepth = createTarget(f, VK_FORMAT_R32_SFLOAT, "depth of surfaces", f.setup.samples);
   gbuffer.surfaces = createSurfaces(f);
   bindings.storage(gbuffer.sampleDepth, graph::Use::StorageWrite).storage(gbuffer.surfaces, graph::Use::StorageWrite);
-  addResolve(f, {.stage = graph::Stage::Geometry,
-                 .name = "surfaces of samples",
-                 .shader = std::move(shader),
-                 .bindings = std::move(bindings),
-                 .constants = f.setup.constants()});
+  addResolve(f, gbuffer.visible,
+             {.stage = graph::Stage::Geometry,
+              .name = "surfaces of samples",
+              .shader = std::move(shader),
+              .bindings = std::move(bindings),
+              .constants = f.setup.constants()});
 }
 
-void ComputeVisibility::readsShown(const FrameContext& f, ComputePass& pass) const {
-  bindTextures(f, pass);
-  pass.buffers.emplace_back(visible_, graph::Use::StorageRead);
-}
-
-graph::ImageId ComputeVisibility::addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const {
+graph::ImageId ComputeVisibility::addMotion(const FrameContext& f, const VisibilityBuffer& visible,
+                                            MotionUse use) const {
   const VkFormat format = use == MotionUse::Data ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
   const graph::ImageId motion = createTarget(f, format, "motion");
-  addResolve(f, {.stage = graph::Stage::Geometry,
-                 .name = "motion",
-                 .shader = "visible_motion.comp",
-                 .bindings = Bindings(f.device).storage(motion, graph::Use::StorageWrite)});
+  addResolve(f, visible,
+             {.stage = graph::Stage::Geometry,
+              .name = "motion",
+              .shader = "visible_motion.comp",
+              .bindings = Bindings(f.device).storage(motion, graph::Use::StorageWrite)});
   return motion;
 }
 
@@ -372,7 +374,7 @@ void ComputeVisibility::addShadowMapsOf(const FrameContext& f, const ShadowMaps&
   maps.within = f.graph.constants(std::as_bytes(std::span(within)));
   maps.pages = together.pages;
   const VkDeviceAddress places = f.graph.constants(std::as_bytes(std::span(targets)));
-  const graph::BufferId visible = addVisible(f, maps);
+  const VisibilityBuffer visible = addVisible(f, maps);
   addCompute(f,
              {.stage = graph::Stage::Shadows,
               .name = "shadow maps",
@@ -380,11 +382,11 @@ void ComputeVisibility::addShadowMapsOf(const FrameContext& f, const ShadowMaps&
               .bindings = Bindings(f.device).storage(atlas, use),
               .size = {size, size, maps.count},
               .constants = f.setup.constants(),
-              .buffers = {{visible, graph::Use::StorageRead}, {together.pages, graph::Use::StorageRead}}},
-             [=, this](graph::Context& context) {
+              .buffers = {{visible.ids, graph::Use::StorageRead}, {together.pages, graph::Use::StorageRead}}},
+             [=, constants = maps.constants, pages = together.pages](graph::Context& context) {
                const auto address = [&](graph::BufferId buffer) { return context.buffer(buffer).address(); };
-               return ShadowStorePush{
-                   maps.constants, ranks_.address(), address(visible), places, address(together.pages), size, 0};
+               return ShadowStorePush{constants, visible.instances, address(visible.ids), places, address(pages), size,
+                                      0};
              });
 }
 
@@ -421,12 +423,12 @@ void ComputeVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuff
                       {buffers.totals, graph::Use::StorageReadWrite}},
                      [=](graph::Context& context) { return std::array{listsOf(context, buffers)}; });
   RasterChain chain{graph::Stage::Transparency, Hit::Blended, kRankBlended, kRankBlended, lists, filled};
-  if (pyramid_) {
+  if (gbuffer.visible.pyramid) {
     chain.culls = kCullByPyramid;
-    chain.pyramid = pyramid_;
+    chain.pyramid = gbuffer.visible.pyramid;
   }
   if (views.lens) chain.hit = Hit::LensBlended;
-  addRasterChain(f, ranks_, ranks_.all(), views, RasterQueues(f, views, ranks_.all(), visible_), chain);
+  addRasterChain(f, ranks_, ranks_.all(), views, RasterQueues(f, views, ranks_.all(), gbuffer.visible.ids), chain);
 }
 
 void ComputeVisibility::lightFragments(const FrameContext& f, const Gbuffer& gbuffer,
@@ -449,13 +451,15 @@ void ComputeVisibility::lightFragments(const FrameContext& f, const Gbuffer& gbu
                                                {kSortedConstant, setup.method == kTransparencySorted ? 1u : 0u},
                                                {kSamplesConstant, f.setup.samples}});
   if (blendedHaveLayers(f)) pass.constants.push_back({kLayersConstant, f.setup.layers});
-  addCompute(f, std::move(pass), [=, this, &f](graph::Context& context) {
-    return FragmentLightPush{.lists = listsOf(context, buffers),
-                             .frame = f.constants,
-                             .instances = ranks_.address(),
-                             .firstTriangle = ranks_.solidTriangles(),
-                             .width = f.width,
-                             .height = f.height};
+  const FragmentLightPush push{.frame = f.constants,
+                               .instances = ranks_.address(),
+                               .firstTriangle = ranks_.solidTriangles(),
+                               .width = f.width,
+                               .height = f.height};
+  addCompute(f, std::move(pass), [=](graph::Context& context) {
+    FragmentLightPush filled = push;
+    filled.lists = listsOf(context, buffers);
+    return filled;
   });
 }
 

@@ -7,7 +7,6 @@
 #include "render/visibility/compute/cluster_occlusion.h"
 #include "render/visibility/compute/raster_chain.h"
 #include "render/visibility/compute/raster_instances.h"
-#include "render/visibility/compute/shown_push.h"
 #include "render/visibility/visibility.h"
 
 namespace latelight::render {
@@ -21,9 +20,9 @@ class ComputeVisibility final : public Visibility {
   ComputeVisibility(const GpuScene& scene, const RasterInstances& ranks, ClusterOcclusion& hidden,
                     const VisibilityOptions& options);
 
-  FrameDepth addDepth(const FrameContext& f) const override;
+  VisibilityBuffer addDepth(const FrameContext& f) const override;
   void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const override;
-  graph::ImageId addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const override;
+  graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use) const override;
   void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const override;
   void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
   void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
@@ -32,32 +31,25 @@ class ComputeVisibility final : public Visibility {
   const HardwareVisibility* asHardware() const override { return nullptr; }
   const ComputeVisibility* asCompute() const override { return this; }
 
-  // For passes with the setup's constants that evaluate visible surfaces themselves (shown_surface.glsl): readsShown()
-  // adds the resources that they read, shown() returns their push constants.
-  void readsShown(const FrameContext& f, ComputePass& pass) const;
-  shared::ShownPush shown(graph::Context& context) const {
-    return {ranks_.address(), context.buffer(visible_).address()};
-  }
-
-  // Images that describe how the visible triangles were rasterized; outputs.def defines their contents. Requires
-  // addDepth().
+  // Images that describe how the visible triangles were rasterized; outputs.def defines their contents.
   struct RasterImages {
     graph::ImageId numbers, classes;
   };
-  RasterImages addRasterImages(const FrameContext& f) const;
+  RasterImages addRasterImages(const FrameContext& f, const VisibilityBuffer& visible) const;
   // Adds the overdraw: the number of opaque and masked triangles that cover each pixel's center, including occluded
   // ones.
   graph::ImageId addOverdraw(const FrameContext& f) const;
 
  private:
-  graph::BufferId addVisible(const FrameContext& f, const RasterViews& views) const;
+  VisibilityBuffer addVisible(const FrameContext& f, const RasterViews& views) const;
   RasterViews viewsOf(const FrameContext& f) const;
   RasterViews pinholeViews(const FrameContext& f) const;
   // Sets up views of one size that are not the frame's views.
   RasterViews viewsBeside(const FrameContext& f, const std::vector<shared::View>& views) const;
   struct ShadowMaps;
   void addShadowMapsOf(const FrameContext& f, const ShadowMaps& maps, graph::ImageId atlas, graph::Use use) const;
-  void addResolve(const FrameContext& f, ComputePass pass, graph::BufferId outputs = {}) const;
+  void addResolve(const FrameContext& f, const VisibilityBuffer& visible, ComputePass pass,
+                  graph::BufferId outputs = {}) const;
   void addSurfaces(const FrameContext& f, Gbuffer& gbuffer) const;
   void addTriangleSurfaces(const FrameContext& f, Gbuffer& gbuffer) const;
   void addSurfacesBy(const FrameContext& f, Gbuffer& gbuffer, vk::ShaderKey shader, Bindings bindings) const;
@@ -67,9 +59,6 @@ class ComputeVisibility final : public Visibility {
   ClusterOcclusion& hidden_;
   HiddenOf hiddenOf_;
   RasterInstances::Share share_;
-  // The buffers of the current graph, set by addDepth().
-  mutable graph::BufferId visible_;
-  mutable graph::BufferId pyramid_;  // invalid without occlusion culling
 };
 
 }  // namespace latelight::render

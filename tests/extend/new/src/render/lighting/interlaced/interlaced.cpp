@@ -14,8 +14,8 @@ void add(const FrameContext& f, const Gbuffer& gbuffer) {
         lightingPass(f, gbuffer, "lighting interlaced", "interlaced.comp", {.picture = row > 0, .counts = row > 0});
     field.size.y = (f.height + 1 - row) / 2;
     if (field.size.y == 0) continue;
-    addCompute(f, std::move(field), [row, &f](graph::Context& context) {
-      return shared::FieldPush{.frame = f.constants, .shown = shownSurfaces(f, context), .firstRow = row};
+    addCompute(f, std::move(field), [row, frame = f.constants, visible = gbuffer.visible](graph::Context& context) {
+      return shared::FieldPush{.frame = frame, .shown = shownSurfaces(visible, context), .firstRow = row};
     });
   }
 }
