@@ -13,7 +13,7 @@ html_extra_path = ["index.html"]
 
 extensions = ["myst_parser", "breathe", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 root_doc = "docs/site/index"
-include_patterns = ["README.md", "CODE_STYLE.md", "docs/**"]
+include_patterns = ["*.md", "docs/**"]
 exclude_patterns = ["docs/images/**"]
 
 myst_heading_anchors = 4
