@@ -34,7 +34,7 @@ const FrameContext& FrameBench::frame(graph::Graph& graph, const FrameConfig& se
   frame.environmentSin = std::sin(light.environmentRotation);
   frame.environmentLevels = static_cast<float>(environment_.levels());
   kept_->constants = vk::uploadedBuffer(device_, "frame constants", std::as_bytes(std::span(&frame, 1)));
-  kept_->visibility = std::make_unique<HardwareVisibility>(device_, scene_, order_, kept_->views);
+  kept_->visibility = std::make_unique<Visibility>(HardwareVisibility(device_, scene_, order_, kept_->views));
   const shared::vec2 size = kept_->views.front().size;
   kept_->context = std::make_unique<FrameContext>(FrameContext{{device_, graph},
                                                                scene_,

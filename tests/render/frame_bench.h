@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "render/frame/frame.h"
+#include "render/visibility/compute/compute.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render::test {
@@ -37,7 +38,7 @@ class FrameBench {
   struct Kept {
     std::vector<shared::View> views;
     FrameConfig setup;
-    std::unique_ptr<HardwareVisibility> visibility;
+    std::unique_ptr<Visibility> visibility;
     vk::Buffer viewBuffer, constants;
     std::unique_ptr<FrameContext> context;
   };

@@ -90,11 +90,11 @@ ReadGbuffer GbufferReader::read(const FrameConfig& setup, const scene::Camera& c
   graph::Graph graph;
   const FrameContext& f = frames_.frame(graph, setup, {result.view},
                                         {light.exposure, light.environmentIntensity, light.environmentRotation});
-  Gbuffer gbuffer = gbufferOf(f.visibility.addDepth(f));
+  Gbuffer gbuffer = gbufferOf(addVisibility(f));
   gbuffer.light = createTarget(f, kLightFormat, "light");
   gbuffer.sampleLight = gbuffer.light;
   gbuffer.lightCounts = graph.create(vk::ImageDesc{.format = kCountsFormat, .width = 1, .height = 1, .layers = 1});
-  f.visibility.addGbuffer(f, gbuffer);
+  addGbuffer(f, gbuffer);
   std::vector<graph::BufferId> targets;
   for (graph::ImageId target : gbuffer.targets) targets.push_back(addReadback(graph, target));
   const graph::BufferId depth = addReadback(graph, gbuffer.depth), before = addReadback(graph, gbuffer.light);

@@ -285,7 +285,7 @@ TEST_F(ShadowTest, DevicesLookUpWhatTheHostLooksUp) {
       FrameContext f = bench.frame(graph, {.shadowFormat = index, .shadowFilter = shared::kShadowFilterPcf}, {view});
       f.shadows = &shadows;
       const graph::ImageId drawn = graph.import(shadows.atlas(), std::nullopt);
-      f.visibility.addShadowMaps(f, {}, drawn);
+      addShadowMaps(f, {}, drawn);
       const graph::BufferId read = addReadback(graph, drawn);
       const std::byte* texels = bench.run(graph).buffer(read).mapped();
       const vk::ImageDesc& atlas = shadows.atlas().desc();

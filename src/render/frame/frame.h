@@ -4,6 +4,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "graph/graph.h"
@@ -16,7 +17,9 @@
 
 namespace latelight::render {
 
-class Visibility;
+class HardwareVisibility;
+class ComputeVisibility;
+using Visibility = std::variant<HardwareVisibility, ComputeVisibility>;  // visibility/visibility.h
 struct LensRays;
 struct TechniqueInfo;
 struct FrameConfig;

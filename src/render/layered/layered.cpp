@@ -109,9 +109,9 @@ void shadeLayered(const FrameContext& f, const Gbuffer& gbuffer) {
 }  // namespace
 
 void addLayered(const FrameContext& f, const Gbuffer& gbuffer) {
-  if (!(f.visibility.materials().solid & shared::kMaterialLayered)) return;
-  if (const HardwareVisibility* hardware = f.visibility.asHardware()) return drawLayered(f, gbuffer, *hardware);
-  shadeLayered(f, gbuffer);
+  if (!(shownMaterials(f).solid & shared::kMaterialLayered)) return;
+  if (gbuffer.visible.ids) return shadeLayered(f, gbuffer);
+  drawLayered(f, gbuffer, hardwareOf(f, "layered"));
 }
 
 }  // namespace latelight::render

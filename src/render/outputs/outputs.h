@@ -64,7 +64,7 @@ class PackedOutputs {
            VkDeviceAddress frame = 0, float scale = 1);
 
   // Returns the requested outputs of Surface for a pass that resolves surfaces and packs them itself
-  // (Visibility::addGbuffer).
+  // (addGbuffer() of visibility/visibility.h).
   SurfaceOutputs addSurfaces(const Builder& b, glm::uvec3 size);
 
   // Returns where a pass writes the display picture, RGBA8, with `size` texels and views.

@@ -27,8 +27,8 @@ graph::BufferId createWords(const FrameContext& f, const char* name) {
 // Returns false if there are blended or layered surfaces: these are lit in pixels for which the G-buffer contains
 // another surface or none.
 bool gbufferHasAll(const FrameContext& f) {
-  const bool blended = f.setup.transparency.method != kTransparencyNone && f.visibility.anyBlended();
-  return !blended && !(f.visibility.materials().solid & kMaterialLayered);
+  const bool blended = f.setup.transparency.method != kTransparencyNone && anyBlended(f);
+  return !blended && !(shownMaterials(f).solid & kMaterialLayered);
 }
 
 ComputePass askingPass(const FrameContext& f, const Gbuffer& gbuffer) {

@@ -42,14 +42,14 @@ graph::ImageId addShadows(const FrameContext& f, const Gbuffer& g) {
   const graph::ImageId atlas =
       f.graph.import(f.shadows->atlas(), keeps ? std::optional(graph::Use::SampledCompute) : std::nullopt);
   f.graph.exports(atlas, graph::Use::SampledCompute);
-  f.visibility.addShadowMaps(f, g, atlas);
+  addShadowMaps(f, g, atlas);
   return atlas;
 }
 
 }  // namespace
 
 LitFrame addOpaque(const FrameContext& f) {
-  return addLit(f, f.visibility.addDepth(f));
+  return addLit(f, addVisibility(f));
 }
 
 LitFrame addLit(const FrameContext& f, const VisibilityBuffer& visible) {
@@ -60,7 +60,7 @@ LitFrame addLit(const FrameContext& f, const VisibilityBuffer& visible) {
   g.sampleLight = multisampled ? createTarget(f, kLightFormat, "light of samples", f.setup.samples) : g.light;
   g.lightCounts = createCounts(f);
   g.forLighting = !f.setup.countLights && !f.setup.ambientOcclusion && !f.setup.sunInGbuffer;
-  if (!f.setup.lighting->forward) f.visibility.addGbuffer(f, g);
+  if (!f.setup.lighting->forward) addGbuffer(f, g);
   g.shadows = addShadows(f, g);
   g.ambientOcclusion = addAmbientOcclusion(f, g);
   if (f.setup.sunInGbuffer) addSunOcclusion(f, g);

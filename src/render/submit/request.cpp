@@ -77,7 +77,7 @@ ViewSet& FrameGraphBuilder::jittered() {
 
 // Finds the surfaces at pixel centers once, for everything that needs them.
 const VisibilityBuffer& FrameGraphBuilder::steadyVisible() {
-  if (!steadyVisible_) steadyVisible_ = steady().visibility().addDepth(steady().frame(graph_, FrameConfig{}));
+  if (!steadyVisible_) steadyVisible_ = addVisibility(steady().frame(graph_, FrameConfig{}));
   return *steadyVisible_;
 }
 
@@ -111,7 +111,7 @@ void FrameGraphBuilder::finish(const vk::Image* sum, uint32_t count, TemporalHis
     if (history) {
       const FrameContext& f = jittered().frame(graph_, FrameConfig{});
       const VisibilityBuffer& visible = lit_->gbuffer.visible;
-      const graph::ImageId motion = jittered().visibility().addMotion(f, visible, MotionUse::Reproject);
+      const graph::ImageId motion = addMotion(f, visible, MotionUse::Reproject);
       picture = addTemporal(f, {picture, visible.pixels, motion}, *history, !continues);
       count = 1;
     }
@@ -170,7 +170,7 @@ void FrameGraphBuilder::addSampleCounts() {
 }
 
 bool FrameGraphBuilder::showsBlendedData() {
-  return settings_.dataSurfaces == DataSurfaces::Any && steady().visibility().anyBlended();
+  return settings_.dataSurfaces == DataSurfaces::Any && anyBlended(steady().frame(graph_, FrameConfig{}));
 }
 
 // Returns true if the picture's own frame resolves exactly the surfaces that the data outputs describe.
@@ -191,14 +191,14 @@ void FrameGraphBuilder::addData() {
   if (showsBlendedData()) {
     solid_.emplace(state_, steadyViews_, settings_, nullptr, VisibilityOptions{.blendedToo = true, .atCentres = true});
     set = &*solid_;
-    visible = solid_->visibility().addDepth(solid_->frame(graph_, FrameConfig{}));
+    visible = addVisibility(solid_->frame(graph_, FrameConfig{}));
   } else {
     visible = steadyVisible();
   }
   if (asksFor(settings_, Origin::Surface) && !surfaceOutputs_) addSurfaceData(*set, visible);
   if (!asksFor(settings_, Origin::Motion)) return;
   const FrameContext& f = set->frame(graph_, FrameConfig{});
-  const graph::ImageId motion = set->visibility().addMotion(f, visible, MotionUse::Data);
+  const graph::ImageId motion = addMotion(f, visible, MotionUse::Data);
   outputs_.add(f, Origin::Motion, [&](std::string_view) { return motion; });
 }
 
@@ -207,13 +207,13 @@ void FrameGraphBuilder::addData() {
 void FrameGraphBuilder::addSurfaceData(ViewSet& set, const VisibilityBuffer& visible) {
   FrameConfig setup{.layout = &findLayout("exact"), .targets = 0};
   Gbuffer gbuffer = gbufferOf(visible);
-  if (set.visibility().asCompute()) {
+  if (visible.ids) {
     setup.outputs = packSurfaces();
-    return set.visibility().addGbuffer(set.frame(graph_, setup), gbuffer);
+    return addGbuffer(set.frame(graph_, setup), gbuffer);
   }
   setup.targets = exactTargets(settings_.aovs);
   const FrameContext& f = set.frame(graph_, setup);
-  if (setup.targets) set.visibility().addGbuffer(f, gbuffer);
+  if (setup.targets) addGbuffer(f, gbuffer);
   const auto target = [&](std::string_view name) {
     for (size_t i = 0; i < gbuffer.targets.size(); ++i)
       if (setup.layout->targets[i].name == name) return gbuffer.targets[i];
@@ -225,14 +225,14 @@ void FrameGraphBuilder::addSurfaceData(ViewSet& set, const VisibilityBuffer& vis
 void FrameGraphBuilder::addRasterData() {
   ViewSet* set = &steady();
   VisibilityBuffer visible;
-  if (set->visibility().asCompute()) {
+  if (rastersInCompute(settings_)) {
     visible = steadyVisible();
   } else {
     set = &rastered_.emplace(state_, steadyViews_, settings_, nullptr, VisibilityOptions{.inCompute = true});
-    visible = set->visibility().addDepth(set->frame(graph_, FrameConfig{}));
+    visible = addVisibility(set->frame(graph_, FrameConfig{}));
   }
   const FrameContext& f = set->frame(graph_, FrameConfig{});
-  const ComputeVisibility& raster = *set->visibility().asCompute();
+  const auto& raster = std::get<ComputeVisibility>(set->visibility());
   const ComputeVisibility::RasterImages images = raster.addRasterImages(f, visible);
   outputs_.add(f, Origin::Raster, [&](std::string_view name) {
     if (name == "overdraw") return raster.addOverdraw(f);

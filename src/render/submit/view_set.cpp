@@ -8,11 +8,11 @@ namespace latelight::render {
 
 namespace {
 
-std::unique_ptr<Visibility> makeVisibility(const RenderState& state, std::span<const shared::View> views,
-                                           const Settings& settings, const VisibilityOptions& options) {
+Visibility makeVisibility(const RenderState& state, std::span<const shared::View> views, const Settings& settings,
+                          const VisibilityOptions& options) {
   if (options.inCompute || rastersInCompute(settings))
-    return std::make_unique<ComputeVisibility>(state.scene, state.ranks, state.hidden, options);
-  return std::make_unique<HardwareVisibility>(state.device, state.scene, state.order, views, options);
+    return ComputeVisibility(state.scene, state.ranks, state.hidden, options);
+  return HardwareVisibility(state.device, state.scene, state.order, views, options);
 }
 
 // On lavapipe with two cores, layered and blended surfaces take twice as long with the light tree's traversal as with a
@@ -77,7 +77,7 @@ const FrameContext& ViewSet::frame(graph::Graph& graph, const FrameConfig& setup
       {state_.device, graph},
       state_.scene,
       state_.environment,
-      *visibility_,
+      visibility_,
       kept,
       views_.now,
       constants_.address(),

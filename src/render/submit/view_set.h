@@ -40,11 +40,13 @@ class ViewSet {
   // `shadows`: the shadows of these views, or null.
   ViewSet(const RenderState& state, const ViewsInTime& views, const Settings& settings, FrameShadows* shadows,
           const VisibilityOptions& options);
+  ViewSet(const ViewSet&) = delete;  // frames refer to the visibility
+  ViewSet& operator=(const ViewSet&) = delete;
   // Returns a frame of these views, to which passes can be added.
   const FrameContext& frame(graph::Graph& graph, const FrameConfig& setup);
 
   std::span<const shared::View> views() const { return views_.now; }
-  const Visibility& visibility() const { return *visibility_; }
+  const Visibility& visibility() const { return visibility_; }
 
  private:
   void uploadConstants(const Settings& settings);
@@ -53,7 +55,7 @@ class ViewSet {
   ViewsInTime views_;
   const Settings& settings_;
   FrameShadows* shadows_;
-  std::unique_ptr<Visibility> visibility_;
+  Visibility visibility_;
   vk::Buffer viewBuffer_, constants_;
   std::deque<FrameConfig> setups_;
   std::deque<FrameContext> frames_;

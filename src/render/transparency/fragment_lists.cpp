@@ -7,7 +7,7 @@
 //
 // place allocates each pixel's part of the arrays, gather makes the fragments of a pixel contiguous, sort is a merge
 // sort over all long lists, and blend composites each pixel over the picture; short lists are sorted there. The raster
-// hardware stores shaded fragments; the raster compute shades them after gather (Visibility::lightFragments()).
+// hardware stores shaded fragments; the raster compute shades them after gather (lightFragments()).
 //
 // If the number of fragments or the longest list exceeds the capacity with which the frame was recorded, nothing is
 // blended. A check of the totals detects this and increases the capacity, and the frame is rendered again.
@@ -209,9 +209,9 @@ uint32_t fragmentSamples(const vk::Device& device, const FrameConfig& setup) {
 void addFragmentLists(const FrameContext& f, const Gbuffer& gbuffer) {
   const Buffers b = createBuffers(f, roomFor(f));
   addClear(f, graph::Stage::Transparency, "transparency clear", {b.counts, b.totals});
-  f.visibility.addFragments(f, gbuffer, b);
+  addFragments(f, gbuffer, b);
   addPlace(f, b);
-  f.visibility.lightFragments(f, gbuffer, b);
+  lightFragments(f, gbuffer, b);
   addBlend(f, gbuffer.light, b, addSort(f, b));
   addCheck(f, b);
 }

@@ -44,7 +44,7 @@ void recordFaces(graph::Context& context, const GpuScene& scene, SceneBinder& bi
 }  // namespace
 
 void addSortedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
-  const DeviceDraws& draws = f.visibility.asHardware()->blended();
+  const DeviceDraws& draws = hardwareOf(f, "sorted").blended();
   const graph::ImageId depth = attachableDepth(f, gbuffer.depth);
   const Bindings maps = blendedMaps(f, gbuffer, graph::Use::SampledFragment);
   const ScenePipelines pipelines =

@@ -8,7 +8,7 @@
 namespace latelight::render {
 
 void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
-  const DeviceDraws& draws = f.visibility.asHardware()->blended();
+  const DeviceDraws& draws = hardwareOf(f, "weighted").blended();
   const graph::ImageId depth = attachableDepth(f, gbuffer.depth);
   const VkFormat format = lightSumFormat(f.device);
   const std::vector<graph::ImageId> sums{createTarget(f, format, "weighted colors"),

@@ -95,7 +95,7 @@ void HardwareVisibility::addSolid(const FrameContext& f, graph::Stage stage, vk:
 
 // Depth prepass: finds the nearest surface of every pixel, so that the geometry pass shades each pixel once. Equal
 // depths are resolved in the geometry pass, where the surface drawn last wins.
-VisibilityBuffer HardwareVisibility::addDepth(const FrameContext& f) const {
+VisibilityBuffer HardwareVisibility::addVisibility(const FrameContext& f) const {
   if (f.setup.samples > 1) requireSamples(f.device, f.setup);
   vk::GraphicsDesc desc;
   desc.depth = kDepthFormat;
@@ -218,11 +218,6 @@ void HardwareVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuf
                    vkCmdEndRendering(context.get());
                  }
                });
-}
-
-const HardwareVisibility& hardwareOf(const FrameContext& f, const char* technique) {
-  if (const auto* hardware = dynamic_cast<const HardwareVisibility*>(&f.visibility)) return *hardware;
-  badUsage("{} uses the graphics pipeline: it requires the raster hardware", technique);
 }
 
 }  // namespace latelight::render

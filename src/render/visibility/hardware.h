@@ -10,27 +10,25 @@
 namespace latelight::render {
 
 // Hardware visibility of one set of views. The constructor culls the instances once for all passes.
-class HardwareVisibility final : public Visibility {
+class HardwareVisibility {
  public:
   HardwareVisibility(vk::Device& device, const GpuScene& scene, const DrawOrder& order,
                      std::span<const shared::View> views, const VisibilityOptions& options = {});
 
-  VisibilityBuffer addDepth(const FrameContext& f) const override;
-  void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const override;
-  graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use) const override;
-  void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const override;
-  void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
-  void lightFragments(const FrameContext&, const Gbuffer&, const FragmentBuffers&) const override {}  // lit when stored
-  bool anyBlended() const override;
-  ShownMaterials materials() const override { return materials_; }
-  const HardwareVisibility* asHardware() const override { return this; }
-  const ComputeVisibility* asCompute() const override { return nullptr; }
+  // The functions of visibility.h.
+  VisibilityBuffer addVisibility(const FrameContext& f) const;
+  void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const;
+  graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use) const;
+  void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const;
+  void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const;
+  bool anyBlended() const;
+  ShownMaterials materials() const { return materials_; }
 
   // The draw lists, for techniques that draw the scene with their own shaders.
   const DeviceDraws& solid() const { return solid_; }      // one list per view
   const DeviceDraws& blended() const { return blended_; }  // one list per view
-  // Adds a pass named desc.name that shades the visible surfaces of addDepth() into `colors`, one target for each of
-  // desc.colorsWritten. `desc` comes from behindDepth(); its bindings and colors are set here.
+  // Adds a pass named desc.name that shades the visible surfaces of addVisibility() into `colors`, one target for each
+  // of desc.colorsWritten. `desc` comes from behindDepth(); its bindings and colors are set here.
   void addSolid(const FrameContext& f, graph::Stage stage, vk::GraphicsDesc desc, const Bindings& inputs,
                 graph::ImageId depth, const std::vector<graph::ImageId>& colors) const;
   // Draws the opaque and masked surfaces of a view, within a rendering that has begun.
@@ -51,8 +49,8 @@ class HardwareVisibility final : public Visibility {
 // The state common to all draws after the depth pass: the depth test is EQUAL, so only visible surfaces are shaded.
 vk::GraphicsDesc behindDepth(const FrameConfig& setup);
 
-// Returns the frame's hardware visibility, for a technique that draws the scene itself. Throws Error(Usage) if the
-// frame uses another raster.
-const HardwareVisibility& hardwareOf(const FrameContext& f, const char* technique);
+// Returns the frame's hardware visibility, for passes of `user` that draw the scene themselves. Throws Error(Usage) if
+// the frame uses another raster.
+const HardwareVisibility& hardwareOf(const FrameContext& f, const char* user);
 
 }  // namespace latelight::render

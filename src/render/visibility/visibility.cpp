@@ -1,8 +1,48 @@
 #include "render/visibility/visibility.h"
 
-#include "render/visibility/compute/raster_chain.h"
+#include "base/error.h"
+#include "render/visibility/compute/compute.h"
+#include "render/visibility/hardware.h"
 
 namespace latelight::render {
+
+VisibilityBuffer addVisibility(const FrameContext& f) {
+  return std::visit([&](const auto& technique) { return technique.addVisibility(f); }, f.visibility);
+}
+
+void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) {
+  std::visit([&](const auto& technique) { technique.addGbuffer(f, gbuffer); }, f.visibility);
+}
+
+graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use) {
+  return std::visit([&](const auto& technique) { return technique.addMotion(f, visible, use); }, f.visibility);
+}
+
+void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) {
+  std::visit([&](const auto& technique) { technique.addShadowMaps(f, gbuffer, atlas); }, f.visibility);
+}
+
+void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) {
+  std::visit([&](const auto& technique) { technique.addFragments(f, gbuffer, buffers); }, f.visibility);
+}
+
+// The graphics pipeline lights fragments when it stores them.
+void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) {
+  if (const auto* compute = std::get_if<ComputeVisibility>(&f.visibility)) compute->lightFragments(f, gbuffer, buffers);
+}
+
+bool anyBlended(const FrameContext& f) {
+  return std::visit([](const auto& technique) { return technique.anyBlended(); }, f.visibility);
+}
+
+ShownMaterials shownMaterials(const FrameContext& f) {
+  return std::visit([](const auto& technique) { return technique.materials(); }, f.visibility);
+}
+
+const HardwareVisibility& hardwareOf(const FrameContext& f, const char* user) {
+  if (const auto* hardware = std::get_if<HardwareVisibility>(&f.visibility)) return *hardware;
+  badUsage("{} uses the graphics pipeline: it requires the raster hardware", user);
+}
 
 void readVisibleSurfaces(const FrameContext& f, const VisibilityBuffer& visible, ComputePass& pass) {
   bindTextures(f, pass);

@@ -1,6 +1,7 @@
-// The interface of visibility techniques. A technique finds the visible surface of each sample in all views of a frame
-// at once and derives the frame's depth, G-buffer, motion vectors and fragments from it. The rest of the frame does not
-// depend on the technique.
+// Visibility: the visible surface of each sample in all views of a frame at once, and what follows from it: the frame's
+// depth, G-buffer, motion vectors and fragments. Two techniques implement these functions, the graphics pipeline
+// (hardware.h) and software rasterization in compute shaders (compute/compute.h). The rest of the frame does not depend
+// on the technique.
 #pragma once
 
 #include "render/frame/frame.h"
@@ -32,38 +33,25 @@ struct VisibilityOptions {
   bool atCentres = false;   // one sample at the pixel's center; instances that cover no center are culled
 };
 
-class ComputeVisibility;
-class HardwareVisibility;
-
-class Visibility {
- public:
-  virtual ~Visibility() = default;
-
-  // Finds the nearest surface per sample (setup.samples) and per pixel. At equal depth the surface that is drawn last
-  // wins; the order is by material, then mesh, then position in the scene.
-  virtual VisibilityBuffer addDepth(const FrameContext& f) const = 0;
-  // Adds the layout's targets to the G-buffer and fills them and its light target from gbuffer.visible. With
-  // several samples per pixel it also adds the groups of samples that show one surface, and the depths at which they
-  // are lit.
-  virtual void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const = 0;
-  // Returns the motion vectors at the pixel centers as R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT: xy to the previous
-  // frame, zw to the next frame. In pixels, y down, without jitter.
-  virtual graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use) const = 0;
-  // Renders the shadow maps of f.shadows into `atlas`. If the technique supports virtual shadow maps, only the pages
-  // that the G-buffer's pixels look up are rendered.
-  virtual void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const = 0;
-  // addFragments() stores the fragments of blended surfaces that no opaque surface occludes, in any order. After they
-  // are in lists (unsorted, as FragmentLists::lists), lightFragments() lights those that are not lit yet; with the
-  // method `sorted` it also sets their sort keys.
-  virtual void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const = 0;
-  virtual void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const = 0;
-  virtual bool anyBlended() const = 0;  // true if any view may show blended surfaces
-  virtual ShownMaterials materials() const = 0;
-  // The technique as hardware visibility; null if it does not use the graphics pipeline.
-  virtual const HardwareVisibility* asHardware() const = 0;
-  // The technique as compute visibility; null if it does not rasterize in compute shaders.
-  virtual const ComputeVisibility* asCompute() const = 0;
-};
+// Finds the nearest surface per sample (setup.samples) and per pixel. At equal depth the surface that is drawn last
+// wins; the order is by material, then mesh, then position in the scene.
+VisibilityBuffer addVisibility(const FrameContext& f);
+// Adds the layout's targets to the G-buffer and fills them and its light target from gbuffer.visible. With several
+// samples per pixel it also adds the groups of samples that show one surface, and the depths at which they are lit.
+void addGbuffer(const FrameContext& f, Gbuffer& gbuffer);
+// Returns the motion vectors at the pixel centers as R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT: xy to the previous
+// frame, zw to the next frame. In pixels, y down, without jitter.
+graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use);
+// Renders the shadow maps of f.shadows into `atlas`. If the technique supports virtual shadow maps, only the pages that
+// the G-buffer's pixels look up are rendered.
+void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas);
+// addFragments() stores the fragments of blended surfaces that no opaque surface occludes, in any order. After they are
+// in lists (unsorted, as FragmentLists::lists), lightFragments() lights those that are not lit yet; with the method
+// `sorted` it also sets their sort keys.
+void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers);
+void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers);
+bool anyBlended(const FrameContext& f);  // true if any view may show blended surfaces
+ShownMaterials shownMaterials(const FrameContext& f);
 
 // For compute passes with the setup's constants that evaluate the surfaces of visible.ids themselves
 // (shown_surface.glsl): readVisibleSurfaces() adds the resources that they read. shownSurfaces() returns their push

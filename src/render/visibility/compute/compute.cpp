@@ -146,7 +146,7 @@ VisibilityBuffer ComputeVisibility::addVisible(const FrameContext& f, const Rast
   return visible;
 }
 
-VisibilityBuffer ComputeVisibility::addDepth(const FrameContext& f) const {
+VisibilityBuffer ComputeVisibility::addVisibility(const FrameContext& f) const {
   RasterViews views = viewsOf(f);
   if (!views.lens) {
     views.cullsHidden = hidden_.shouldCull(f.device, hiddenOf_, share_.parts * views.count);
@@ -233,7 +233,7 @@ graph::BufferId packOutputs(const FrameContext& f, ComputePass& pass) {
 // Returns true if surfaces with coats, which are shaded separately, write only a marker to the G-buffer. With several
 // samples per pixel they write everything, because the targets decide which samples show one surface.
 bool leavesLayers(const FrameContext& f, const Gbuffer& gbuffer) {
-  const bool some = (f.visibility.materials().solid & shared::kMaterialLayered) != 0;
+  const bool some = (shownMaterials(f).solid & shared::kMaterialLayered) != 0;
   return some && gbuffer.forLighting && f.setup.samples == 1 && !f.setup.outputs;
 }
 

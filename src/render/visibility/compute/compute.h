@@ -15,21 +15,20 @@ namespace latelight::render {
 // none.
 std::string computeRasterLacks(const vk::Device& device);
 
-class ComputeVisibility final : public Visibility {
+class ComputeVisibility {
  public:
   ComputeVisibility(const GpuScene& scene, const RasterInstances& ranks, ClusterOcclusion& hidden,
                     const VisibilityOptions& options);
 
-  VisibilityBuffer addDepth(const FrameContext& f) const override;
-  void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const override;
-  graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use) const override;
-  void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const override;
-  void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
-  void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
-  bool anyBlended() const override { return ranks_.anyBlended(); }
-  ShownMaterials materials() const override { return ranks_.materials(); }
-  const HardwareVisibility* asHardware() const override { return nullptr; }
-  const ComputeVisibility* asCompute() const override { return this; }
+  // The functions of visibility.h.
+  VisibilityBuffer addVisibility(const FrameContext& f) const;
+  void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const;
+  graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use) const;
+  void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const;
+  void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const;
+  void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const;
+  bool anyBlended() const { return ranks_.anyBlended(); }
+  ShownMaterials materials() const { return ranks_.materials(); }
 
   // Images that describe how the visible triangles were rasterized; outputs.def defines their contents.
   struct RasterImages {
