@@ -11,9 +11,9 @@
 
 namespace latelight::test {
 
-using Combination = std::vector<size_t>;  // one value a choice, in [0, its count)
+using Combination = std::vector<size_t>;  // one value per choice, in [0, its count)
 
-// All combinations of `counts` values that are valid.
+// The valid combinations of `counts` values.
 inline std::vector<Combination> combinations(const std::vector<size_t>& counts,
                                              const std::function<bool(const Combination&)>& valid) {
   std::vector<Combination> all;
@@ -25,7 +25,8 @@ inline std::vector<Combination> combinations(const std::vector<size_t>& counts,
   return all;
 }
 
-using ValuePair = std::tuple<size_t, size_t, size_t, size_t>;  // choice and value, choice and value
+// a choice with its value, and another choice with its value
+using ValuePair = std::tuple<size_t, size_t, size_t, size_t>;
 
 inline std::vector<ValuePair> pairsOf(const Combination& c) {
   std::vector<ValuePair> pairs;
@@ -34,7 +35,7 @@ inline std::vector<ValuePair> pairsOf(const Combination& c) {
   return pairs;
 }
 
-// Greedily: always the first of those that add most pairs, until none does.
+// Greedy: adds the first of the combinations that cover the most new pairs, until none is left.
 inline std::vector<Combination> pairwise(const std::vector<size_t>& counts,
                                          const std::function<bool(const Combination&)>& valid) {
   const std::vector<Combination> all = combinations(counts, valid);

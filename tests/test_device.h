@@ -6,7 +6,7 @@
 
 namespace latelight::test {
 
-// What LATELIGHT_TEST_DEVICE selects (vk/device.h); else a CPU device.
+// The device that LATELIGHT_TEST_DEVICE selects (vk/device.h); a CPU device by default.
 inline std::string testDevice() {
   const char* name = std::getenv("LATELIGHT_TEST_DEVICE");
   return name && *name ? name : "cpu";

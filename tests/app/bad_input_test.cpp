@@ -1,4 +1,4 @@
-// Damaged input files end with exit code 0 or 3 and a one-sentence message; never with a signal, another code, or a
+// Damaged input files end with exit code 0 or 3 and a one-sentence message, never with a signal, another code or a
 // hang.
 #include <gmock/gmock.h>
 #include <gtest/gtest-spi.h>
@@ -27,13 +27,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr unsigned kSecondsACase = 3600;  // it has hung, and is ended
+constexpr unsigned kSecondsACase = 3600;  // a case that runs longer hangs and is killed
 
-// --- in a process of their own, many one after the other ------------------------------------------------------------
+// --- many cases per process -----------------------------------------------------------------------------------------
 
-constexpr const char* kRange = "LATELIGHT_TEST_CASES";  // "scenes 0 600": kind, first case, end
+// "scenes 0 600": the kind, the first case and the end of the range
+constexpr const char* kRange = "LATELIGHT_TEST_CASES";
 
-// What the renderer takes for granted; false indices would be read out of bounds on the device.
+// Checks the indices that the renderer relies on. Invalid ones would be read out of bounds on the device.
 std::string flawOf(const scene::Scene& scene) {
   const auto inRange = [](int64_t i, size_t count) { return i >= 0 && static_cast<size_t>(i) < count; };
   for (const scene::Mesh& mesh : scene.meshes) {
@@ -64,7 +65,7 @@ std::string flawOf(const std::string& sentence, const std::string& file) {
   return "";
 }
 
-// What the batches must catch, one a case.
+// The minimum number of cases of each kind that the program must detect.
 void planted(unsigned seed) {
   if (seed == 1) std::abort();
   if (seed == 2) throw std::bad_alloc();
@@ -74,7 +75,7 @@ void planted(unsigned seed) {
     for (alarm(1);;) pause();
 }
 
-// What is wrong with how the program takes this; empty: nothing.
+// Returns how the program mishandled this case; empty if it handled it correctly.
 std::string load(const std::string& kind, unsigned seed, const fs::path& path) {
   try {
     if (kind == "scenes") return flawOf(scene::load(path.string()));
@@ -91,7 +92,8 @@ std::string load(const std::string& kind, unsigned seed, const fs::path& path) {
   return "";
 }
 
-// Run by the tests below. Prints "> <case>" before each, so that its end can be told from where it ended.
+// The tests below run this in another process. It prints "> <case>" before each case, so that the parent process can
+// tell in which one it ended.
 TEST(BadInputInAProcess, DISABLED_Batch) {
   char kind[32];
   unsigned first = 0, end = 0;
@@ -112,14 +114,14 @@ TEST(BadInputInAProcess, DISABLED_Batch) {
   std::printf("done\n");
 }
 
-// The case that a batch which ended early had begun last.
+// Returns the last case that a batch had begun when it ended early.
 unsigned lastCase(const std::string& out) {
   const size_t at = out.rfind("> ");
   return at == std::string::npos ? 0 : static_cast<unsigned>(std::strtoul(out.c_str() + at + 2, nullptr, 10));
 }
 
 void expectNoHarm(const std::string& kind, const std::vector<GoodScene>& good, unsigned count) {
-  Folder scratch;  // for what a batch that is killed leaves
+  Folder scratch;  // for the files that a killed batch does not remove
   for (unsigned first = 0; first < count;) {
     const Outcome batch = runProcess(
         "/proc/self/exe", {.arguments = {"--gtest_filter=BadInputInAProcess.*", "--gtest_also_run_disabled_tests"},
@@ -149,7 +151,7 @@ TEST(BadInput, GoodFilesAreGood) {
   }
 }
 
-// A batch that could not fail would prove nothing.
+// A batch in which no case fails would prove nothing.
 TEST(BadInput, BatchesCatchWhatIsPlanted) {
   testing::TestPartResultArray failures;
   {
@@ -162,7 +164,7 @@ TEST(BadInput, BatchesCatchWhatIsPlanted) {
     EXPECT_THAT(failures.GetTestPartResult(i).message(), testing::HasSubstr("case " + std::to_string(i + 1) + ","));
 }
 
-// The damage must reach further than the first check, or it tests nothing.
+// The damage must pass the first check, or the test covers nothing else.
 TEST(BadInput, DamageIsVaried) {
   std::set<std::string> sentences;
   unsigned unharmed = 0;
@@ -192,15 +194,15 @@ TEST(BadInput, DamagedEnvironmentsUpToTheirMaps) {
   expectNoHarm("environments", goodPictures(), 16);
 }
 
-// --- through the whole program --------------------------------------------------------------------------------------
+// --- complete program runs ------------------------------------------------------------------------------------------
 
 struct Rendered {
   std::string what;
   Outcome outcome;
-  std::vector<std::string> left;  // files beside those that were there
+  std::vector<std::string> left;  // files that did not exist before
 };
 
-// render at 64x36 in the folder of the damaged files.
+// Runs render at 64x36 in the folder of the damaged files.
 Rendered renderDamaged(const std::vector<GoodScene>& good, unsigned seed) {
   Folder folder;
   const Damage broken = damage(good, seed);
@@ -238,11 +240,11 @@ TEST(BadInput, AHundredDamagedFilesThroughTheProgram) {
   for (const Rendered& rendered : all) expectWholeOrRefused(rendered);
 }
 
-// --- malformed files that others collected --------------------------------------------------------------------------
+// --- malformed files of test collections ----------------------------------------------------------------------------
 
 constexpr const char* kAssimp = "/usr/share/assimp/models/glTF2";
 
-// Parts of paths: what is wrong in these is told by their names, or is an extension that is required.
+// Parts of the paths of files that need not fail: their names state the defect, or they require an extension.
 constexpr const char* kRefused[] = {"techniqueWebGL",  "BoxWithInfinites", "IncorrectVertexArrays",
                                     "IndexOutOfRange", "MissingBin",       "RecursiveNodes",
                                     "SchemaFailures",  "NoScene.gltf",     "wrongTypes"};

@@ -30,7 +30,7 @@ TEST(Bench, MeasuresRandomTrianglesWithBothRasters) {
   ASSERT_EQ(outcome.code, 0) << outcome.text();
   const json report = json::parse(outcome.out);
   EXPECT_NE(report["device"], "");
-  ASSERT_EQ(report["raster"].size(), 1u);  // the row of 10k triangles
+  ASSERT_EQ(report["raster"].size(), 1u);  // the row for 10k triangles
   for (const json& row : report["raster"]) {
     EXPECT_GT(row["hardware ms"], 0);
     EXPECT_GT(row["compute ms"], 0);
@@ -65,7 +65,7 @@ void expectCeilings(const json& report) {
   EXPECT_GT(report["ceilings"]["multiply-adds a second"], 0);
 }
 
-// Lighting in `compact` reads 16 + 4 + 8 bytes a pixel and writes 8; the finished picture takes 8 to read and 4 to
+// Lighting in `compact` reads 16 + 4 + 8 bytes per pixel and writes 8. The finished picture takes 8 to read and 4 to
 // write.
 TEST(Bench, ComparesWholePassesWithCopies) {
   const Outcome outcome = bench({"frame", "builtin:boxes", "--device", "cpu", "--size", "64x48", "--runs", "1",
@@ -87,7 +87,7 @@ TEST(Bench, ComparesWholePassesWithCopies) {
     EXPECT_DOUBLE_EQ(row["MB"], 1e-6 * bytes);
     EXPECT_NEAR(row["% of copies"], 100 * bytes / (1e-3 * row["ms"].get<double>() * copied), 1e-6);
   }
-  EXPECT_EQ(found, 4u);  // with both rasters
+  EXPECT_EQ(found, 4u);  // both rasters
 }
 
 double meanOfFile(const std::filesystem::path& path) {
@@ -138,7 +138,8 @@ TEST(Bench, MeasuresTheBoundOfLighting) {
     seen.emplace(row["light"], row["shading"]);
     EXPECT_GT(row["no lights ms"], 0);
     EXPECT_DOUBLE_EQ(row["MB"], 1e-6 * 36 * 160 * 90);
-    const double cost = row["ps a light"];  // a difference of two times: on a busy machine it may be anything
+    // a difference of two measured times, so any value is possible on a busy machine
+    const double cost = row["ps a light"];
     EXPECT_NEAR(row["G lights/s"].get<double>() * cost, 1000, 1e-6);
     EXPECT_NEAR(row["multiply-adds"], 1e-12 * cost * report["ceilings"]["multiply-adds a second"].get<double>(), 1e-3);
     EXPECT_EQ(row["lighting"], "tiled");

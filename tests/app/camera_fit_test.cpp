@@ -1,4 +1,4 @@
-// Cameras of a file in pictures of another aspect ratio: glTF 2.0 (3.10.3) requires viewers to display the camera's
+// Cameras of a file in pictures of another aspect ratio. glTF 2.0 (3.10.3) requires viewers to display the camera's
 // full frame without cropping or scaling it. A square at depth 4 spans [-0.8, 0.8] x [-0.4, 0.4] of a frame that is
 // twice as wide as high: the camera's half extents are 1 and 0.5 at a depth of 1 m, or 4 and 2 m.
 #include <fmt/format.h>
@@ -47,7 +47,7 @@ void writeScene(const Folder& folder, bool orthographic) {
   folder.write("scene.gltf", std::string_view(root.dump()));
 }
 
-// How many pixels the square spans.
+// The number of pixels that the square spans.
 struct Span {
   int width = 0, height = 0;
   bool operator==(const Span&) const = default;
@@ -59,7 +59,8 @@ Span spanIn(const Folder& folder, const std::string& file, int width, int height
   int left = width, right = -1, top = height, bottom = -1;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
-      if (image.channels.at(0).values.at(static_cast<size_t>(y * width + x)) < 100) {  // depth; elsewhere infinite
+      // depth; infinite outside the square
+      if (image.channels.at(0).values.at(static_cast<size_t>(y * width + x)) < 100) {
         left = std::min(left, x), right = std::max(right, x);
         top = std::min(top, y), bottom = std::max(bottom, y);
       }
@@ -68,9 +69,9 @@ Span spanIn(const Folder& folder, const std::string& file, int width, int height
 
 struct Picture {
   int width, height;
-  Span whole, vertical;  // by --camera-fit
+  Span whole, vertical;  // with --camera-fit
 };
-// As wide as the frame, the square spans 0.8 of the width. As high as it, 0.8 of the height.
+// In a picture as wide as the frame, the square spans 0.8 of the width. In one as high, it spans 0.8 of the height.
 constexpr Picture kPictures[] = {{100, 50, {80, 40}, {80, 40}},
                                  {100, 100, {80, 40}, {100, 80}},
                                  {50, 200, {40, 20}, {50, 160}},
@@ -93,7 +94,7 @@ TEST(CameraFit, ShowsTheWholeFrameOrItsVerticalExtent) {
                   fit == "whole" ? picture.whole : picture.vertical);
         const json side = json::parse(folder.read("a.json"));
         EXPECT_EQ(side["settings"]["camera-fit"], fit);
-        // K projects the square's corner (3.2, -1.6, 4) of the camera's frame to the corner of its pixels.
+        // K projects the square's corner (3.2, -1.6, 4) in the camera frame to the corner of its pixels.
         const json& k = side["camera"]["K"];
         const double w = orthographic ? 1 : 4;
         const double x = (k[0][0].get<double>() * 3.2) / w + k[0][2].get<double>();
@@ -106,7 +107,7 @@ TEST(CameraFit, ShowsTheWholeFrameOrItsVerticalExtent) {
   }
 }
 
-// --fov says what the picture shows, whatever the file's camera does: 90 degrees are 4 m above the axis at 4 m.
+// --fov overrides the file's camera: 90 degrees span 4 m above the axis at a distance of 4 m.
 TEST(CameraFit, IsNothingToAFieldOfViewThatIsGiven) {
   const Folder folder;
   writeScene(folder, false);
@@ -133,7 +134,7 @@ TEST(CameraFit, IsThatOfRenderInABatch) {
 
 // --- names ----------------------------------------------------------------------------------------------------------
 
-// Two cameras whose names differ in their last letter alone, and are longer than a file's may be.
+// Two cameras whose names differ only in their last letter and exceed the maximum length of a file name.
 TEST(FileNames, OfLongCamerasAreShortened) {
   const Folder folder;
   writeScene(folder, false);
@@ -163,7 +164,7 @@ TEST(FileNames, OfLongCamerasAreShortened) {
   ASSERT_EQ(set.code, 0) << set.text();
   EXPECT_EQ(
       std::distance(std::filesystem::directory_iterator(folder.path() / "set"), std::filesystem::directory_iterator()),
-      4);  // two pictures, the manifest, and the log's folder
+      4);  // two pictures, the manifest and the folder of the log
 }
 
 TEST(FileNames, WhatIsTooLongAllTheSameIsRefused) {

@@ -1,4 +1,4 @@
-// The program's own descriptions (help, version), and that it accepts the options that they list.
+// The program's own descriptions (help, version) are complete, and it accepts the options that they list.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ TEST(CommandLine, HelpNamesEveryOption) {
   }
 }
 
-// Every row of the table of options is in the help, with its default and the first of its names.
+// The help lists every row of the table of options, with its default and its first name.
 TEST(CommandLine, HelpFollowsTheTableOfOptions) {
   const std::string help = succeed({"render", "--help"}).out;
   const json options = json::parse(succeed({"list", "options", "--json"}).out)["options"];
@@ -66,7 +66,7 @@ TEST(CommandLine, HelpFollowsTheTableOfOptions) {
   }
 }
 
-// What the table says a number may be is what the command takes, and what its sentence says.
+// The command accepts exactly the range that the table states for a number, and its message names that range.
 TEST(CommandLine, ChecksFollowTheTableOfOptions) {
   const json options = json::parse(succeed({"list", "options", "--json"}).out)["options"];
   size_t checked = 0;
@@ -110,7 +110,7 @@ TEST(List, TextAndJsonNameTheSame) {
   }
 }
 
-// The names that the option's error sentence gives are those of the list.
+// The option's error message lists the same names as `list`.
 TEST(List, AgreesWithWhatErrorsOffer) {
   const json all = listAll();
   const std::map<std::string, std::string> options{
@@ -126,7 +126,7 @@ TEST(List, AgreesWithWhatErrorsOffer) {
   }
 }
 
-// Runs each, two at a time; every one must end well without a word.
+// Runs the commands, two at a time. Each must succeed without a message.
 void expectAllRender(const std::vector<std::vector<std::string>>& choices) {
   Folder folder;
   std::vector<Outcome> outcomes(choices.size());
@@ -134,7 +134,7 @@ void expectAllRender(const std::vector<std::vector<std::string>>& choices) {
     std::vector<std::string> arguments{"render", "--size", "32x18", "--device", "cpu", "--validate"};
     arguments.insert(arguments.end(), choices[i].begin(), choices[i].end());
     arguments.insert(arguments.end(), {"-o", folder.at(std::to_string(i) + ".exr")});
-    // lavapipe's compiler is what they would mostly wait for.
+    // Without this, most of the time would be spent in lavapipe's compiler.
     outcomes[i] = latelight({.arguments = arguments, .environment = {{"GALLIVM_PERF", "nopt"}}});
   });
   for (size_t i = 0; i < choices.size(); ++i) {
@@ -146,7 +146,7 @@ void expectAllRender(const std::vector<std::vector<std::string>>& choices) {
   }
 }
 
-// The first of the rows that has that name.
+// Returns the first row with this name.
 json rowNamed(const json& rows, const std::string& name) {
   for (const json& row : rows)
     if (row["name"] == name) return row;
@@ -178,8 +178,8 @@ TEST(List, SaysWhatAPictureCosts) {
   }
 }
 
-// Layouts x normals x lighting x shading x tonemaps, so that every two choices meet. Normals are not chosen for layouts
-// with a form of their own, nor volumes, which are drawn, for one that is never drawn.
+// Layouts x normals x lighting x shading x tonemaps, with every pair of choices. Layouts with their own encoding accept
+// no choice of normals, and volumes, which are drawn, are not combined with layouts that are never drawn.
 TEST(List, EveryPairOfChoicesRendersWithoutAValidationMessage) {
   LATELIGHT_SKIP_UNLESS_ALL();  // test_combinations combines most of them
   const json all = listAll();

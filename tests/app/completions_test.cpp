@@ -1,4 +1,4 @@
-// Completions, run in real shells, and the manual page.
+// Completions in real shells, and the manual page.
 #include <gmock/gmock.h>
 
 #include <fstream>
@@ -23,7 +23,7 @@ std::vector<std::string> linesOf(const std::string& text) {
   return lines;
 }
 
-// The words alone, without their descriptions.
+// The words without their descriptions.
 std::vector<std::string> completed(std::vector<std::string> words) {
   words.insert(words.begin(), {"complete", "--"});
   const Outcome outcome = latelight(words);
@@ -56,7 +56,7 @@ TEST(Completions, OfNoOtherShell) {
   EXPECT_THAT(outcome.err, HasSubstr("bash, zsh and fish"));
 }
 
-// The words that a shell completes to, by its own script.
+// Returns the words that a shell proposes with its own script.
 std::string inShell(const std::string& shell, const std::string& script) {
   const Folder folder;
   std::ofstream(folder.at("script")) << script;
@@ -107,7 +107,7 @@ TEST(ManPage, IsWhatMandocTakes) {
   std::ofstream(folder.at("page")) << latelight({"man"}).out;
   const Outcome lint =
       runProcess("/usr/bin/mandoc", {.arguments = {"-T", "lint", "-W", "warning", "page"}, .folder = folder.path()});
-  // A date would differ from build to build.
+  // A date would make builds differ.
   EXPECT_EQ(lint.out + lint.err, "mandoc: page:1:17: WARNING: missing date, using \"\": TH\n");
 }
 

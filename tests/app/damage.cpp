@@ -28,7 +28,7 @@ Bytes bytesOf(const std::string& text) {
   return {bytes.begin(), bytes.end()};
 }
 
-// The file with those beside it, if it is there.
+// Returns the file and the files next to it that it refers to, if it exists.
 void addInstalled(std::vector<GoodScene>& all, const fs::path& path, std::initializer_list<const char*> beside = {}) {
   if (!fs::exists(path)) return;
   GoodScene scene{path.filename().string(), path.filename().string(), {}};
@@ -46,7 +46,7 @@ void addMade(std::vector<GoodScene>& all, const char* name, Bytes bytes) {
 class Random {
  public:
   explicit Random(uint32_t seed) : engine_(seed) {}
-  // In [0, count); the same on every machine, unlike std::uniform_int_distribution.
+  // Returns a number in [0, count), the same on every machine, unlike std::uniform_int_distribution.
   size_t below(size_t count) { return count ? engine_() % count : 0; }
 
  private:
@@ -84,7 +84,7 @@ std::string overwriteWord(Bytes& bytes, Random& random) {
   return fmt::format("the word at {} becomes {:08x}", at, word);
 }
 
-// A run of digits, wherever it is, becomes another number: in JSON and in the head of a picture that hurts the most.
+// Replaces a run of digits by another number. JSON and image headers are most sensitive to this.
 std::string replaceNumber(Bytes& bytes, Random& random) {
   constexpr std::array<std::string_view, 10> kNumbers{"0",          "-1",  "1",    "1e9",   "4294967295",
                                                       "2147483647", "0.5", "1e40", "65536", "99999999999999999999"};
@@ -119,7 +119,7 @@ std::string repeatRange(Bytes& bytes, Random& random) {
   return fmt::format("{} bytes at {} repeated", count, at);
 }
 
-// A .glb's chunk of JSON grown or shrunk would always fail by its stated length; this states the new one.
+// A .glb file whose JSON chunk grew or shrank would always fail because of its stated length; this updates the length.
 void mendGlb(Bytes& bytes, size_t before) {
   if (bytes.size() < 20 || std::memcmp(bytes.data(), "glTF", 4) != 0 || bytes.size() == before) return;
   uint32_t json = 0;

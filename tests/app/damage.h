@@ -1,4 +1,4 @@
-// Valid files, and a thousand ways to damage them. Each case is the same in every run.
+// Valid files, and a thousand ways to damage them. Every run uses the same cases.
 #pragma once
 
 #include <cstddef>
@@ -15,12 +15,12 @@ namespace latelight::app {
 using namespace models;
 
 struct GoodScene {
-  std::string name;                    // for messages
+  std::string name;                    // used in messages
   std::string main;                    // the file to load
-  std::map<std::string, Bytes> files;  // by name, `main` among them
+  std::map<std::string, Bytes> files;  // by name, including `main`
 };
 
-// Made by the tests, and those of assimp-testmodels and ../shared/models that are installed.
+// Valid scenes: files that the tests create, and the installed files of assimp-testmodels and ../shared/models.
 const std::vector<GoodScene>& goodScenes();
 
 // Environment pictures.
@@ -32,11 +32,11 @@ struct Damage {
   std::map<std::string, Bytes> files;
 };
 
-// One file of one of `good` is cut, or some of its bits, bytes, words, numbers or ranges are changed. Without a trace
-// of chance: `seed` says all.
+// Damages one file of one entry of `good`: truncates it, or changes some of its bits, bytes, words, numbers or ranges.
+// The result depends only on `seed`.
 Damage damage(const std::vector<GoodScene>& good, uint32_t seed);
 
-// Writes its files and gives the path of the main one.
+// Writes the files and returns the path of the main one.
 std::filesystem::path writeTo(const Folder& folder, const Damage& damage);
 
 }  // namespace latelight::app

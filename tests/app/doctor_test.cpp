@@ -1,4 +1,4 @@
-// `latelight doctor` and `devices` as processes, with parts of the system hidden by environment variables.
+// `latelight doctor` and `devices` in their own processes, with parts of the system hidden by environment variables.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -49,7 +49,7 @@ TEST(Doctor, SaysWhichDeviceAutoTakesAndWhy) {
   EXPECT_THAT(run({"doctor"}).out, HasSubstr(taken));
 }
 
-// With what is hidden: exit 4, a problem that says `what`, and a remedy that says `how`.
+// With this hidden, the command exits with 4, reports a problem that contains `what`, and a remedy that contains `how`.
 void expectProblem(const Environment& hidden, const std::string& what, const std::string& how) {
   const Outcome text = run({"doctor"}, hidden), structured = run({"doctor", "--json"}, hidden);
   EXPECT_EQ(text.code, 4) << text.text();
@@ -224,7 +224,7 @@ TEST(Devices, TextAndJsonAgree) {
   EXPECT_EQ(chosen, 1);
 }
 
-// "cpu", the number, the UUID and a part of the name all mean the device.
+// "cpu", the number, the UUID and a part of the name all select the device.
 TEST(Devices, AreChosenByWhatIsListed) {
   const json devices = json::parse(run({"devices", "--json"}).out);
   const auto cpu =

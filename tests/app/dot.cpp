@@ -17,7 +17,7 @@ class Reader {
     }
     dot.directed = accept("digraph");
     if (!dot.directed) expect("graph");
-    if (token_ != "{") advance();  // its name
+    if (token_ != "{") advance();  // the graph's name
     expect("{");
     while (!accept("}")) statement(dot);
     if (!token_.empty()) fail("the end");
@@ -30,7 +30,7 @@ class Reader {
                              token_ + "'");
   }
 
-  // The next token: a name, a quoted string (without quotes, `quoted_`), a sign; empty at the end.
+  // Reads the next token: a name, a quoted string (without quotes, sets `quoted_`) or a symbol; empty at the end.
   void advance() {
     while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_]))) ++at_;
     token_.clear();

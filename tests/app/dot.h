@@ -15,7 +15,7 @@ struct Dot {
   std::vector<std::string> labels() const;
 };
 
-// Throws std::runtime_error with the place where it is not DOT.
+// Throws std::runtime_error with the position of the first syntax error.
 Dot parseDot(const std::string& text);
 
 }  // namespace latelight::app

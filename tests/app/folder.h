@@ -1,4 +1,4 @@
-// A temporary folder that is deleted with the test, and its files.
+// A temporary folder that is deleted at the end of the test, and access to its files.
 #pragma once
 
 #include <stdlib.h>
@@ -31,7 +31,7 @@ class Folder {
   const std::filesystem::path& path() const { return path_; }
   std::string at(std::string_view name) const { return (path_ / name).string(); }
 
-  // Names of all files below, sorted; folders with a slash at the end. Impl ones too.
+  // Returns the names of all files in the folder and its subfolders, sorted. Folders end in a slash.
   std::vector<std::string> names() const {
     std::vector<std::string> all;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(path_))
@@ -44,7 +44,7 @@ class Folder {
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   }
   void write(std::string_view name, std::string_view text) const { write(name, std::as_bytes(std::span(text))); }
-  // The whole file; empty where it is missing.
+  // Returns the contents of the file; empty if it does not exist.
   std::string read(std::string_view name) const {
     std::ifstream file(path_ / name, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};

@@ -1,4 +1,4 @@
-// Golden image tests: compares small pictures with stored ones. `LATELIGHT_BLESS=1 test_app --gtest_filter='*Golden*'`
+// Golden image tests: compare small pictures with stored ones. `LATELIGHT_BLESS=1 test_app --gtest_filter='*Golden*'`
 // stores the rendered pictures instead; inspect every picture that it changes.
 #include <gtest/gtest.h>
 
@@ -16,8 +16,8 @@ namespace {
 using namespace models;
 namespace fs = std::filesystem;
 
-// A pixel may differ by two levels: devices round the G-buffer, textures and exp2 differently. Where an edge, a
-// texture's level or a highlight falls to the other side, it differs by more: in at most this share of the pixels.
+// A pixel may differ by two levels, because devices round the G-buffer, textures and exp2 differently. At most this
+// share of the pixels may differ by more: there an edge, a mip level or a highlight falls on the other side.
 constexpr double kTolerance = 2.0 / 255;
 constexpr double kShare = 0.005;
 
@@ -30,7 +30,7 @@ std::ostream& operator<<(std::ostream& out, const Golden& golden) {
   return out << golden.name;
 }
 
-// Half a degree of sun is less than a pixel here, so the panorama's is ten: see models.h.
+// Half a degree of sun is smaller than a pixel here, so the sun of the panorama spans ten (models.h).
 void writeModels(const Folder& folder) {
   folder.write("punctual.glb", punctualModel());
   folder.write("textured.glb", texturedModel());
@@ -42,7 +42,7 @@ fs::path stored(const Golden& golden) {
   return fs::path(LATELIGHT_SOURCE_DIR) / "tests/golden" / (std::string(golden.name) + ".png");
 }
 
-// Where a failure leaves the picture and how it differs: beside the test program.
+// The folder next to the test program into which a failing test writes the picture and the difference.
 fs::path failures() {
   return fs::read_symlink("/proc/self/exe").parent_path() / "golden-failures";
 }

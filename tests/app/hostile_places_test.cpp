@@ -1,4 +1,4 @@
-// Hostile surroundings: outputs that overwrite inputs, pipes, links and full disks, streams that cannot be written,
+// Hostile environments: outputs that overwrite inputs, pipes, links and full disks, streams that cannot be written,
 // termination by signals, and names and arguments that are not valid text.
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -33,7 +33,8 @@ using testing::StartsWith;
 constexpr int kUsage = 2, kBadInput = 3, kNoDevice = 4;
 constexpr const char* kPng = "\x89PNG\r\n\x1a\n";
 
-// A triangle that fills the view, with a buffer and a picture beside it. Its node's name acts on terminals.
+// A triangle that fills the view, with a buffer and a texture next to it. The name of its node contains control
+// characters for terminals.
 constexpr const char* kTriangle = R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
   "nodes": [{"mesh": 0, "name": "\u001b[2J\n\u009bx"}],
   "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
@@ -58,7 +59,7 @@ class Places : public testing::Test {
     arguments.insert(arguments.begin(), {"render", "--size", "32x18", "--device", "cpu"});
     return run(std::move(arguments));
   }
-  // The program by a shell's command; "$0" is its name.
+  // Runs the program in a shell command; "$0" is its path.
   Outcome shell(const std::string& command) const {
     return runProcess("/bin/sh", {.arguments = {"-c", command, LATELIGHT_PROGRAM}, .folder = folder.path()});
   }
@@ -72,7 +73,7 @@ class Places : public testing::Test {
   Folder folder;
 };
 
-// --- outputs, inputs, and what stands where they go -----------------------------------------------------------------
+// --- outputs, inputs, and files at their paths ----------------------------------------------------------------------
 
 TEST_F(Places, NothingThatIsReadIsWrittenOver) {
   fs::create_symlink("s.gltf", folder.path() / "link.dot");
@@ -149,7 +150,7 @@ TEST_F(Places, StudiesFindOutBeforehandWhetherTheyMayWrite) {
   expectRefused(study("/proc"), "/proc");
   expectRefused(study("s.bin"), "no folder");
   expectRefused(study("no/such"), "no/such");
-  // Nothing comes of it: its folder goes again.
+  // The run produces no file, so its folder is removed again.
   expectRefused(run({"study", "depth", "--device", "5", "-o", "new"}), "\"5\"", kNoDevice);
   EXPECT_EQ(folder.names(), names);
   fs::create_directory(folder.path() / "old");
@@ -159,7 +160,7 @@ TEST_F(Places, StudiesFindOutBeforehandWhetherTheyMayWrite) {
   EXPECT_EQ(folder.read("old/depth.csv"), "mine");
 }
 
-// --- streams, disks and ends ----------------------------------------------------------------------------------------
+// --- streams, disks and termination ---------------------------------------------------------------------------------
 
 TEST_F(Places, ErrorsThatCannotBeWrittenKeepTheirCode) {
   EXPECT_EQ(shell("exec \"$0\" render none.glb -o a.png 2>/dev/full").code, kBadInput);
@@ -172,7 +173,8 @@ TEST_F(Places, ErrorsThatCannotBeWrittenKeepTheirCode) {
   expectRefused(shell("exec \"$0\" list >&-"), "standard output");
 }
 
-// The first file that is opened would take a closed stream's place, and get what is printed.
+// Otherwise the first file that is opened would get the descriptor of a closed stream and receive the program's
+// messages.
 TEST_F(Places, ClosedStreamsGetIntoNoFile) {
   const Outcome outcome =
       shell("exec \"$0\" render s.gltf -o a.png --size 32x18 --device cpu --hdri nothing <&- >&- 2>&-");
@@ -184,14 +186,14 @@ TEST_F(Places, ClosedStreamsGetIntoNoFile) {
   EXPECT_EQ(folder.read("a.png"), folder.read("b.png"));
 }
 
-// As of any program whose output goes to head: the signal says it, and no sentence does.
+// As with any program whose output goes to head, the signal is the report, without a message.
 TEST_F(Places, ReadersOfTextMayLeave) {
   const Outcome outcome = shell("mkfifo p; exec 3<>p 4>p 3<&-; \"$0\" list >&4; echo $? >code");
   EXPECT_EQ(outcome.err, "");
   EXPECT_EQ(folder.read("code"), std::to_string(128 + SIGPIPE) + "\n");
 }
 
-// The driver maps an index with holes into memory: writing into them on a full disk ended the program by SIGBUS.
+// The driver maps a sparse index file into memory. Writing to it on a full disk used to end the program with SIGBUS.
 TEST_F(Places, AFullDiskOfTheDriversCacheIsNotTheEnd) {
   const test::SmallDisk disk(16u << 10);
   if (!disk) GTEST_SKIP() << "This user may not mount a small disk.";
@@ -213,7 +215,7 @@ TEST_F(Places, AFullDiskOfThePictureIsASentence) {
   EXPECT_EQ(std::distance(fs::directory_iterator(disk.path()), fs::directory_iterator()), 1);
 }
 
-// A run of many frames, ended at some moment after its first file is there.
+// A run of many frames that is terminated at some time after its first file was written.
 int endedBy(int signal, const Folder& folder, unsigned microseconds) {
   const std::string out = folder.at("{frame}.{aov}.npy");
   const char* arguments[] = {LATELIGHT_PROGRAM, "render", "builtin:boxes", "--size",  "64x36",
@@ -229,7 +231,7 @@ int endedBy(int signal, const Folder& folder, unsigned microseconds) {
   return waitpid(process, &status, 0) == process && WIFSIGNALED(status) ? WTERMSIG(status) : -1;
 }
 
-// The moments between are tests/base/temporary_file_test.cpp's.
+// temporary_file_test.cpp covers the times in between.
 TEST_F(Places, SignalsLeaveWholeFilesOnly) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     Folder frames;
@@ -272,7 +274,7 @@ TEST_F(Places, LongOptionsHaveTwoDashes) {
   EXPECT_EQ(run({"-qh"}).code, 0);
   EXPECT_EQ(run({"render", "s.gltf", "-qoa.png", "--hdri", "none", "--size", "32x18", "--device", "cpu"}).code, 0);
   EXPECT_THAT(folder.read("a.png"), StartsWith(kPng));
-  // A value is what stands where one is due.
+  // An option's value may look like an option if a value is expected.
   expectRefused(run({"render", "s.gltf", "-o", "b.png", "--variant", "-hdri"}), "-hdri");
 }
 
@@ -317,7 +319,7 @@ TEST_F(Places, LongArgumentsAreNotRepeatedWhole) {
 }
 
 TEST_F(Places, ANumberIsADevicesIndexAndNoPartOfItsName) {
-  // The CPU device's name has its LLVM's version and "256 bits" in it.
+  // The name of the CPU device contains its LLVM version and "256 bits".
   for (const char* number : {"5", "256", "15"})
     expectRefused(run({"render", "builtin:boxes", "-o", "a.png", "--device", number}), number, kNoDevice);
 }

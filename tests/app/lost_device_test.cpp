@@ -1,4 +1,4 @@
-// The device is lost at each point of the program's work.
+// The device is lost at each step of the program's work.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ TEST(LostDeviceTest, RenderEndsWithASentenceAndNoFile) {
   EXPECT_GT(losses, 0);
 }
 
-// What was in flight is made again on a new device: the set is that of an undisturbed run.
+// Frames that were in flight are rendered again on a new device, so the set equals that of an undisturbed run.
 TEST(LostDeviceTest, ABatchGoesOnWithANewDevice) {
   const std::vector<std::string> words{"batch",    "--scenes",  "builtin:boxes",
                                        "--repeat", "4",         "--size",

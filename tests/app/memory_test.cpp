@@ -16,7 +16,7 @@ namespace {
 using namespace models;
 using testing::HasSubstr;
 
-// The program under a limit on its address space, MiB.
+// Runs the program with a limit on its address space, in MiB.
 Outcome limited(const Folder& folder, unsigned mebibytes, const std::string& arguments) {
   return runProcess(
       "/bin/sh",
@@ -73,7 +73,7 @@ TEST(OutOfMemory, OfPicturesIsSaidBeforeTheyAreDrawn) {
   EXPECT_THAT(wrong.err, HasSubstr("--memory takes a size"));
 }
 
-// A Radiance file of a few MiB whose image is `height` rows of twice as many pixels.
+// Returns a Radiance file of a few MiB whose image has `height` rows of twice as many pixels.
 std::vector<std::byte> greySky(uint32_t height) {
   const uint32_t width = 2 * height;
   std::string row = {2, 2, static_cast<char>(width >> 8), static_cast<char>(width & 255)};
@@ -88,8 +88,8 @@ std::vector<std::byte> greySky(uint32_t height) {
   return {bytes.begin(), bytes.end()};
 }
 
-// 16 bytes a pixel, known from its header. The whole command stays below: the environment of a scene without light, of
-// a data set, and of its variations.
+// The image needs 16 bytes per pixel, which its header reveals. The whole command stays below the limit: with the
+// environment of a scene without lights, of a data set, and of its variations.
 TEST(OutOfMemory, OfEnvironmentsIsSaidBeforeTheyAreDecoded) {
   Folder folder;
   folder.write("sky.hdr", greySky(4096));

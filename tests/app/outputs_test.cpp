@@ -1,4 +1,4 @@
-// The files that `render` writes: names and formats, equal values in all formats, the side file, the report, and the
+// The files that `render` writes: names and formats, equal values in all formats, the side file, the report and the
 // frame graph.
 #include "app/process.h"
 
@@ -35,7 +35,7 @@ constexpr uint32_t kWidth = 64, kHeight = 36;
 
 class Outputs : public testing::Test {
  protected:
-  // render in the folder, on the CPU, kWidth x kHeight pixels if not said.
+  // Runs render in the folder, on the CPU, with kWidth x kHeight pixels by default.
   Outcome render(std::vector<std::string> arguments) const {
     if (std::find(arguments.begin(), arguments.end(), "--size") == arguments.end())
       arguments.insert(arguments.begin(), {"--size", "64x36"});
@@ -56,7 +56,7 @@ std::string allAovs() {
   return list;
 }
 
-// Those that a PNG can hold.
+// The outputs that PNG files can store.
 std::vector<output::AovInfo> pngAovs() {
   std::vector<output::AovInfo> some;
   for (const output::AovInfo& aov : output::aovs())
@@ -70,8 +70,8 @@ const std::vector<double>& values(const ReadImage& image, std::string_view chann
   return found->values;
 }
 
-// Blended surfaces that data outputs leave out are mentioned, with the option that includes them; those whose alpha is
-// 1 everywhere are there.
+// The program mentions blended surfaces that data outputs omit, and the option that includes them. Blended surfaces
+// whose alpha is 1 everywhere are included.
 TEST_F(Outputs, WhatDataLeaveOutIsMentioned) {
   const auto errors = [&](double alpha, const std::vector<std::string>& more) {
     scene::test::GltfBuilder b = scene::test::triangleFile();
@@ -120,7 +120,7 @@ TEST_F(Outputs, NpyHoldsTheNumbersOfTheExr) {
         EXPECT_EQ(mine, theirs);
         continue;
       }
-      // Halves have 11 bits.
+      // Half floats have 11 significant bits.
       for (size_t i = 0; i < mine.size(); ++i) ASSERT_NEAR(mine[i], theirs[i], std::abs(mine[i]) / 2048 + 1e-7) << i;
     }
   }
@@ -130,7 +130,7 @@ TEST_F(Outputs, NpyHoldsTheNumbersOfTheExr) {
 TEST_F(Outputs, PngHoldsTheNumbersOfTheExrAsItsCodingSays) {
   std::string list;
   for (const output::AovInfo& aov : pngAovs()) list += (list.empty() ? "" : ",") + std::string(aov.name);
-  const std::vector<std::string> fromAside{"builtin:boxes", "--orbit", "30,25"};  // some background is in sight
+  const std::vector<std::string> fromAside{"builtin:boxes", "--orbit", "30,25"};  // some background is visible
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), fromAside.begin(), fromAside.end());
     return more;
@@ -159,7 +159,7 @@ TEST_F(Outputs, PngHoldsTheNumbersOfTheExrAsItsCodingSays) {
   EXPECT_LT(drawn, z.size() * 9 / 10);
 }
 
-// The same in every format, and resolved by the side file; a group's nodes have the group's.
+// Ids are equal in every format, and the side file resolves them. The nodes of a group have the group's id.
 TEST_F(Outputs, IdsPartsAndMaterialsAreTheSameInEveryFormat) {
   folder.write("model.glb", texturedModel());
   const auto with = [](const std::string& out) {
@@ -195,7 +195,7 @@ TEST_F(Outputs, IdsPartsAndMaterialsAreTheSameInEveryFormat) {
   EXPECT_GT(seen["id"].size(), 1u);
 }
 
-// The floor's ids are those of its node's path, and every id in the picture is in the manifest.
+// The floor's id belongs to the path of its node, and the manifest contains every id in the picture.
 TEST_F(Outputs, IdsAreInTheManifest) {
   render({"builtin:boxes", "-o", "a.exr", "--aov", "id"});
   const json manifest = readJson("a.json")["ids"];
@@ -260,12 +260,12 @@ TEST_F(Outputs, SideFileSaysHowToReadThePixels) {
   EXPECT_EQ(side["height"], kHeight);
   EXPECT_EQ(side["world"]["name"], "gltf");
   EXPECT_EQ(side["settings"]["layout"], "optimized");
-  EXPECT_THAT(side["settings"]["raster"], testing::AnyOf("hardware", "compute"));  // not auto
+  EXPECT_THAT(side["settings"]["raster"], testing::AnyOf("hardware", "compute"));  // the resolved choice, not auto
   EXPECT_EQ(side["aovs"]["depth"]["file"], "a.exr");
   EXPECT_EQ(side["aovs"]["depth"]["unit"], "m");
   EXPECT_THAT(side["device"]["name"].get<std::string>(), HasSubstr("llvmpipe"));
   EXPECT_TRUE(side["versions"].contains("latelight"));
-  // 1 / tan(fov / 2) is 2, so the focal length is the picture's height.
+  // 1 / tan(fov / 2) is 2, so the focal length equals the picture's height.
   const json& k = side["camera"]["K"];
   EXPECT_NEAR(k[0][0].get<double>(), kHeight, 1e-4);
   EXPECT_NEAR(k[1][1].get<double>(), kHeight, 1e-4);
@@ -273,7 +273,7 @@ TEST_F(Outputs, SideFileSaysHowToReadThePixels) {
   EXPECT_NEAR(k[1][2].get<double>(), kHeight / 2.0, 1e-6);
 }
 
-// position = pose * (depth * K^-1 * pixel), by nothing but the files' own numbers.
+// position = pose * (depth * K^-1 * pixel), computed only from the numbers in the files.
 TEST_F(Outputs, PixelsPosesAndPositionsAgree) {
   render({"builtin:boxes", "-o", "a.exr", "--aov", "depth,position", "--eye", "3,4,7", "--target", "0,0.5,-1"});
   const json camera = readJson("a.json")["camera"];
@@ -332,9 +332,9 @@ TEST_F(Outputs, GraphIsInTheDotLanguage) {
 
 // --- picking --------------------------------------------------------------------------------------------------------
 
-// The data's numbers at that pixel, with names from the manifest; alone it writes nothing and lights nothing.
+// Picking returns the data of that pixel, with names from the manifest. It writes no file and computes no lighting.
 TEST_F(Outputs, PickedPixelsAreTheDataOutputs) {
-  const std::vector<std::string> scene{"builtin:boxes", "--orbit", "30,25"};  // some background is in sight
+  const std::vector<std::string> scene{"builtin:boxes", "--orbit", "30,25"};  // some background is visible
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), scene.begin(), scene.end());
     return more;
@@ -363,9 +363,9 @@ TEST_F(Outputs, PickedPixelsAreTheDataOutputs) {
   EXPECT_EQ(read("b.png").width, kWidth);
 }
 
-// --- the same again -------------------------------------------------------------------------------------------------
+// --- reproducibility ------------------------------------------------------------------------------------------------
 
-// lavapipe keeps each shader that it compiled as a file of its own. It would be one for nearly every material.
+// lavapipe stores every compiled shader in a file of its own. There must not be one for nearly every material.
 TEST_F(Outputs, ManyMaterialsNeedFewShaders) {
   folder.write("many.glb", manyMaterialsModel());
   const std::string cache = folder.path() / "cache";
@@ -401,7 +401,7 @@ TEST_F(Outputs, TheSameCommandTwiceGivesTheSameBytes) {
   EXPECT_GE(compared, 5 + output::aovs().size());
 }
 
-// As many threads as may be, and one.
+// The maximum number of threads, and one.
 TEST_F(Outputs, ThreadsDoNotChangeTheBytes) {
   folder.write("model.glb", texturedModel());
   render({"model.glb", "-o", "many.png"});
@@ -413,7 +413,7 @@ TEST_F(Outputs, ThreadsDoNotChangeTheBytes) {
   EXPECT_TRUE(folder.read("many.png") == folder.read("one.png"));
 }
 
-// --- pictures for the eye, and comparing ----------------------------------------------------------------------------
+// --- debug pictures and comparisons ---------------------------------------------------------------------------------
 
 TEST_F(Outputs, DebugPicturesAreOpaque) {
   render({"builtin:boxes", "-o", "depth.png", "--debug", "depth"});
@@ -422,18 +422,18 @@ TEST_F(Outputs, DebugPicturesAreOpaque) {
   EXPECT_THAT(values(depth, "A"), testing::Each(1.0));
   render({"builtin:boxes", "-o", "sheet.png", "--debug", "sheet"});
   const ReadImage sheet = read("sheet.png");
-  // Four columns; 15 AOVs need four rows of pictures and labels.
+  // The picture has four columns; 15 AOVs need four rows of pictures and labels.
   EXPECT_GE(sheet.width, 4 * kWidth);
   EXPECT_GE(sheet.height, 4 * kHeight);
   EXPECT_THAT(values(sheet, "A"), testing::Each(1.0));
 }
 
-// The layout's own targets, as many as its list says and no other layout's; whatever the anti-aliasing.
+// The debug picture shows the targets of the selected layout, as listed, whatever the anti-aliasing.
 TEST_F(Outputs, DebugTargetsAreThoseOfTheLayout) {
   render({"builtin:boxes", "-o", "{scene}.{aov}.png", "--debug", "targets", "--layout", "blog"});
   const ReadImage blog = read("boxes.targets.png");
   EXPECT_THAT(values(blog, "A"), testing::Each(1.0));
-  // Nine pictures (ids, three pairs of colour and alpha, normals, light and depth) in rows of four.
+  // Nine pictures (ids, three pairs of color and alpha, normals, light and depth) in rows of four.
   EXPECT_GE(blog.width, 4 * kWidth);
   EXPECT_GE(blog.height, 3 * kHeight);
   render({"builtin:boxes", "-o", "smooth.png", "--debug", "targets", "--layout", "blog", "--aa", "ss4"});

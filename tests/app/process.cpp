@@ -24,7 +24,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Owned by the environment, so that it goes before static destructors run.
+// The environment owns it, so that it is destroyed before static objects.
 std::unique_ptr<Folder> cacheFolder;
 class Caches : public testing::Environment {
   void SetUp() override { caches(); }
@@ -101,7 +101,8 @@ pid_t start(const std::filesystem::path& executable, const Command& command, con
   return process;
 }
 
-// Reads both pipes until the process and its children have closed them, or until the deadline, or `until` is true.
+// Reads both pipes until the process and its children have closed them, the deadline has passed, or `until` returns
+// true.
 bool readAll(const Pipe& out, const Pipe& err, Outcome& outcome, Clock::time_point deadline,
              const std::function<bool()>& until = nullptr) {
   constexpr std::chrono::milliseconds::rep kBetween = 2;

@@ -13,38 +13,40 @@
 namespace latelight::app {
 
 struct Command {
-  std::vector<std::string> arguments;              // after the program's name
-  std::map<std::string, std::string> environment;  // beside this process's; XDG_CACHE_HOME is caches() unless set here
-  std::filesystem::path folder;                    // to run in; empty: this process's
-  std::filesystem::path standardOutput;            // a file to open for it, as with ">"; empty: captured in `out`
-  std::chrono::milliseconds timeout{3'600'000};    // it has hung, and is killed
-  std::function<bool()> until;                     // asked again and again: it has done enough, and is killed
-  int lastSignal = SIGKILL;                        // what it then gets
+  std::vector<std::string> arguments;  // without the program's name
+  // added to this process's environment; XDG_CACHE_HOME is caches() by default
+  std::map<std::string, std::string> environment;
+  std::filesystem::path folder;  // working directory; empty: that of this process
+  // the file that receives standard output, as with ">"; empty: captured in `out`
+  std::filesystem::path standardOutput;
+  std::chrono::milliseconds timeout{3'600'000};  // a process that runs longer hangs and is killed
+  std::function<bool()> until;                   // polled; when it returns true, the process is sent `lastSignal`
+  int lastSignal = SIGKILL;                      // the signal that is sent after `until` or `timeout`
 };
 
 struct Outcome {
-  int code = -1;          // of exit; -1 where it did not exit by itself
-  int signal = 0;         // that ended it; 0: none
-  bool timedOut = false;  // or had done enough, and was sent the signal for that
+  int code = -1;          // exit code; -1 if the process did not exit by itself
+  int signal = 0;         // signal that ended the process; 0: none
+  bool timedOut = false;  // true if `timeout` passed or `until` returned true, and the signal was sent
   std::string out, err;
   bool exited() const { return code >= 0; }
-  // "exit 3", "signal 11", "not within its time", and what it said on standard error: for messages.
+  // Returns "exit 3", "signal 11" or that the time ran out, followed by standard error; for messages.
   std::string text() const;
 };
 
-// Throws std::runtime_error where `executable` can't be started.
+// Throws std::runtime_error if `executable` cannot be started.
 Outcome runProcess(const std::filesystem::path& executable, const Command& command);
 
-// latelight.
+// The path of latelight.
 Outcome latelight(const Command& command);
 Outcome latelight(std::vector<std::string> arguments);
-// A line that begins with "latelight", as a shell reads it.
+// Runs a line that begins with "latelight", split as a shell splits it.
 Outcome latelightInShell(std::string line, const std::filesystem::path& folder);
 
-// Calls body(0..count-1), two at a time: for runs that are mostly start-up. Exceptions end the test program.
+// Calls body(0..count-1), two at a time, for runs that consist mostly of start-up. An exception ends the test program.
 void inPairs(size_t count, const std::function<void(size_t)>& body);
 
-// A folder for all caches of this test program, gone when it ends.
+// A folder for all caches of this test program, deleted when it ends.
 const std::filesystem::path& caches();
 
 }  // namespace latelight::app

@@ -34,7 +34,7 @@ TEST(Sequences, FramesAreNumberedAndTheirFoldersMade) {
   EXPECT_NE(folder.read("new/turn/0003.exr"), folder.read("new/turn/0004.exr")) << "the camera turns";
 }
 
-// The ids mean the same in all frames: a file beside them says what, once. A single image's side file has it itself.
+// Ids mean the same in all frames, so one manifest describes them. For a single image, the side file contains it.
 TEST(Sequences, FramesShareTheirIdManifest) {
   Folder folder;
   const Outcome outcome =
@@ -55,7 +55,7 @@ TEST(Sequences, FramesShareTheirIdManifest) {
     EXPECT_FALSE(side.contains("ids")) << frame;
     EXPECT_FALSE(side.contains("materials")) << frame;
   }
-  // Every id that a frame shows is there.
+  // The manifest contains every id that occurs in a frame.
   const output::ReadImage image = output::readImage(folder.path() / "s/out.0002.exr");
   for (const double id : image.find("id")->values)
     if (id != 0) {
@@ -77,7 +77,7 @@ TEST(Sequences, NumbersAreAsWideAsTheLast) {
   EXPECT_THAT(folder.names(), ElementsAre("099999.png", "100000.png"));
 }
 
-// Its time and its first frame's are the same, so its bytes are.
+// The time equals that of the first frame, so the file does too, byte for byte.
 TEST(Sequences, AFrameIsThePictureOfItsTime) {
   Folder folder;
   EXPECT_EQ(render(folder, {"--frames", "5", "--fps", "10", "--turn", "30", "-o", "{frame}.png"}).code, 0);

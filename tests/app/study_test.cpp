@@ -71,7 +71,7 @@ TEST(Study, OfLightsWritesTablesAndPlots) {
   const auto json = nlohmann::json::parse(text(out / "lights.json"));
   EXPECT_EQ(json["budget"], 1e6);
   EXPECT_FALSE(json.contains("samples"));
-  EXPECT_EQ(json["lights"].size() % 3, 0u);  // each technique in three sweeps
+  EXPECT_EQ(json["lights"].size() % 3, 0u);  // three sweeps per technique
   EXPECT_GT(json["lights"].size(), 0u);
 }
 

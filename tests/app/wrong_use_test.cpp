@@ -22,17 +22,17 @@ struct WrongUse {
   const char* name;
   std::vector<std::string> arguments;
   int code;
-  std::vector<std::string> says;  // parts of the sentence
+  std::vector<std::string> says;  // parts of the message
   std::map<std::string, std::string> environment = {};
 };
 
-// Shown where a test fails.
+// Printed if a test fails.
 std::ostream& operator<<(std::ostream& out, const WrongUse& use) {
   for (const std::string& argument : use.arguments) out << '\'' << argument << "' ";
   return out;
 }
 
-// "latelight: <sentence>" and nothing else.
+// Expects "latelight: <sentence>" and no other output.
 void expectOneSentence(const Outcome& outcome) {
   EXPECT_TRUE(outcome.err.starts_with("latelight: ")) << outcome.err;
   EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
@@ -41,7 +41,7 @@ void expectOneSentence(const Outcome& outcome) {
   EXPECT_EQ(outcome.out, "");
 }
 
-// What stands in the folder that the program runs in.
+// Returns the names of the files in the folder in which the program runs.
 void fill(const Folder& folder) {
   std::filesystem::create_directory(folder.path() / "folder.png");
   std::filesystem::create_directory(folder.path() / "scene.gltf");
@@ -162,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUse{"CompareShare", {"compare", "two.png", "two.png", "--share", "nan"}, kUsage, {"--share"}}),
     wrongUseName);
 
-// render builtin:boxes -o a.png and what is wrong.
+// The arguments `render builtin:boxes -o a.png`, and the invalid ones after them.
 WrongUse option(const char* name, std::vector<std::string> wrong, std::vector<std::string> says) {
   std::vector<std::string> arguments{"render", "builtin:boxes", "-o", "a.png"};
   arguments.insert(arguments.end(), wrong.begin(), wrong.end());
@@ -364,7 +364,8 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUse{"NamelessDevice", renderOn(""), kNoDevice, {"auto, cpu"}}),
     wrongUseName);
 
-// As a user who may not write there: root may write anywhere, so it lends the program to nobody (65534).
+// Runs the program as a user who may not write there. Root may write anywhere, so it runs the program as nobody
+// (65534).
 TEST(WrongUse, AFolderThatIsReadOnlyIsNamedBeforeRendering) {
   Folder folder;
   const std::filesystem::path locked = folder.path() / "locked", program = folder.path() / "latelight";
@@ -383,7 +384,7 @@ TEST(WrongUse, AFolderThatIsReadOnlyIsNamedBeforeRendering) {
   EXPECT_TRUE(std::filesystem::is_empty(locked));
 }
 
-// Names in a file are part of sentences: they must not end the line, nor reach the terminal as its commands.
+// Messages contain names from files. These must not end the line or reach the terminal as control characters.
 TEST(WrongUse, NamesFromFilesAreMadePrintable) {
   Folder folder;
   folder.write("a.gltf", R"({"asset": {"version": "2.0"}, "extensionsRequired": ["KHR\n\u001b[2J\u007fx"]})");
@@ -393,7 +394,7 @@ TEST(WrongUse, NamesFromFilesAreMadePrintable) {
   EXPECT_THAT(outcome.err, HasSubstr("KHR??[2J?x"));
 }
 
-// A limit on the size of files stands for a disk that fills up within the file.
+// A limit on the size of files simulates a disk that becomes full within the file.
 TEST(WrongUse, ADiskThatFillsUpLeavesNoHalfFile) {
   Folder folder;
   const std::string command =
@@ -422,7 +423,7 @@ TEST(WrongUse, AFullStandardOutputIsAnError) {
   }
 }
 
-// What went wrong must not touch what was there.
+// Failed runs must not change existing files.
 TEST(WrongUse, AFailureKeepsTheFileThatWasThere) {
   Folder folder;
   folder.write("a.png", "an older picture");

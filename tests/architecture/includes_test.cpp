@@ -34,7 +34,7 @@ TEST(IncludeRules, CatchVulkanAndUnclearPaths) {
 TEST(IncludeRules, FindTheWayToVulkan) {
   const std::map<std::string, std::string> files = {
       {"a.h", "#include <vector>\n#include \"b.h\"\n#include \"c.h\"\n"},
-      {"b.h", "#include \"a.h\"\n"},  // a circle
+      {"b.h", "#include \"a.h\"\n"},  // a cycle
       {"c.h", "#include <volk.h>\n"},
   };
   const auto textOf = [&](const std::string& path) { return files.contains(path) ? files.at(path) : std::string(); };
@@ -55,7 +55,7 @@ std::string textOf(const fs::path& path) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// What the build writes; some of it once a layout, in folders of their own.
+// Files that the build writes, some of them once per layout in folders of their own.
 std::set<std::string> generatedNames() {
   std::set<std::string> names;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(LATELIGHT_GENERATED_DIR)) {
@@ -64,7 +64,7 @@ std::set<std::string> generatedNames() {
   return names;
 }
 
-// Checks the files under `root`, which lies in `folder`; gives how many there were.
+// Checks the files under `root`, which belongs to `folder`. Returns their number.
 size_t check(const fs::path& root, const std::string& folder) {
   static const std::set<std::string> generated = generatedNames();
   const auto isGenerated = [](const std::string& name) { return generated.contains(name); };

@@ -33,7 +33,7 @@ class Folder {
   Folder(const Folder&) = delete;
   Folder& operator=(const Folder&) = delete;
 
-  // A file that is named after the header and holds `text`.
+  // Creates a file that is named after the header and contains `text`.
   std::string write(std::string header, const char* ending, const std::string& text) const {
     for (char& c : header) c = c == '/' ? '_' : c;
     const fs::path path = path_ / (header + ending);
@@ -84,7 +84,7 @@ std::vector<std::string> sharedHeaders() {
   return headers;
 }
 
-// Those for engines of any kind (docs/shared-headers.md).
+// The headers for arbitrary engines (docs/shared-headers.md).
 std::vector<std::string> portableHeaders() {
   std::vector<std::string> headers = sharedHeaders();
   std::erase_if(headers, [](const std::string& header) {

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-// A folder "scene" with "scene.gltf", "a.bin" and "deep/b.bin", and beside it "secret.bin" and "other/c.bin".
+// Creates a folder "scene" with "scene.gltf", "a.bin" and "deep/b.bin", and next to it "secret.bin" and "other/c.bin".
 class AllowedFoldersTest : public testing::Test {
  protected:
   AllowedFoldersTest() {
@@ -67,7 +67,7 @@ TEST_F(AllowedFoldersTest, RefuseWhatLiesOutside) {
     EXPECT_THAT(refusal(name),
                 AllOf(HasSubstr(name.string()), HasSubstr("outside the scene's folder"), HasSubstr("--allow-outside")));
   EXPECT_THAT(refusal("nowhere.bin"), HasSubstr("nowhere.bin, which does not exist"));
-  // A folder whose name begins alike is another one.
+  // A folder whose name begins with the same letters is a different one.
   fs::create_directories(root / "scene2");
   std::ofstream(root / "scene2/d.bin") << "d";
   EXPECT_THAT(refusal("../scene2/d.bin"), HasSubstr("outside"));
@@ -84,7 +84,7 @@ TEST_F(AllowedFoldersTest, FollowLinksToTheirEnd) {
   EXPECT_THAT(refusal("circle.bin"), HasSubstr("cannot be found"));
 }
 
-// Scenes are often kept as links, alone or with all their files.
+// Scenes are often reached through symbolic links, to the scene file or to all of its files.
 TEST_F(AllowedFoldersTest, ASceneThatIsALinkHasTwoFolders) {
   fs::create_directories(root / "links");
   link("../scene/scene.gltf", "links/scene.gltf");
@@ -123,12 +123,12 @@ TEST_F(AllowedFoldersTest, AreOfFilesAloneEvenWhereAllIsAllowed) {
   close(socketFile);
   for (const char* name : {"pipe", "zero", "environ", "socket", "deep", "/dev/zero", "/proc/self/environ",
                            "/proc/version", "/sys/kernel/mm/transparent_hugepage/enabled"}) {
-    if (!fs::exists(root / "scene" / name)) continue;  // containers without /sys
+    if (!fs::exists(root / "scene" / name)) continue;  // containers may have no /sys
     EXPECT_THAT(refusal(name, {"/"}), AllOf(HasSubstr(name), HasSubstr("not a regular file"))) << name;
   }
 }
 
-// A name that is a good file when it is looked at and a link when it is opened.
+// A path that is a valid file when it is checked and a link when it is opened.
 TEST_F(AllowedFoldersTest, AreNotDeceivedByWhatChanges) {
   std::atomic<bool> done = false;
   std::thread swapper([&] {

@@ -35,7 +35,7 @@ std::string textOf(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// The sentence of the Error that `call` throws, after its code was checked.
+// Returns the message of the Error that `call` throws, after checking its code.
 std::string sentence(ExitCode code, const std::function<void()>& call) {
   try {
     call();
@@ -68,7 +68,7 @@ TEST_F(Files, ComeBackAsWritten) {
 
 TEST_F(Files, ReadsFilesThatDoNotStateTheirSize) {
   EXPECT_THAT(textOf(readFile("/proc/self/status")), HasSubstr("Pid:"));
-  // A pipe as a shell's <(command) gives it; more than a pipe holds, so that its writer waits for the reader.
+  // A pipe, as created by a shell's <(command), with more data than it can buffer, so its writer waits for the reader.
   int ends[2];
   ASSERT_EQ(pipe(ends), 0);
   const std::string text(200000, 'x');
@@ -97,7 +97,7 @@ TEST_F(Files, OfMoreBytesThanMemoryAreAnError) {
   const fs::path huge = folder / "huge";
   std::ofstream(huge).put('x');
   std::error_code error;
-  fs::resize_file(huge, uintmax_t{1} << 46, error);  // sparse: takes no room on disk
+  fs::resize_file(huge, uintmax_t{1} << 46, error);  // sparse: needs no space on disk
   if (error) fs::resize_file(huge, (uintmax_t{1} << 44) - 4096, error);
   if (error) GTEST_SKIP() << "this file system has no sparse files of 16 TiB";
   EXPECT_THAT(sentence(ExitCode::OutOfMemory, [&] { readFile(huge); }), HasSubstr("memory"));
@@ -115,7 +115,7 @@ TEST_F(Files, LeaveNothingWhenTheyCannotBeWritten) {
 
 TEST_F(Files, KeepTheOldOneWhenTheDiskIsFull) {
   writeFile(folder / "f", bytesOf("old"));
-  // A limit on file sizes stands for the full disk: the write fails half way, with the temporary file already there.
+  // A limit on file sizes simulates a full disk: the write fails halfway, after the temporary file was created.
   const pid_t child = fork();
   if (child == 0) {
     signal(SIGXFSZ, SIG_IGN);
@@ -185,7 +185,7 @@ TEST_F(Files, KeepTheOwnerOfWhatTheyReplace) {
   EXPECT_EQ(status.st_gid, 2345u);
 }
 
-// By root too, who may write to them.
+// Even for root, who may write to them.
 TEST_F(Files, ThatAreReadOnlyAreNotReplaced) {
   writeFile(folder / "f", bytesOf("old"));
   ASSERT_EQ(chmod((folder / "f").c_str(), 0444), 0);
@@ -215,12 +215,12 @@ TEST_F(Files, AreWrittenIntoPipesThatSomebodyReads) {
   const fs::path pipe = folder / "pipe";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   EXPECT_THAT(sentence(ExitCode::Usage, [&] { writeFile(pipe, bytesOf("x")); }), HasSubstr("without a reader"));
-  checkWritable(pipe);  // whose reader may come later
+  checkWritable(pipe);  // the reader may come later
   const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
   writeFile(pipe, bytesOf("picture"));
   char text[16];
   EXPECT_EQ(read(reader, text, sizeof(text)), 7);
-  // More than a pipe holds, and a reader who goes.
+  // More than a pipe buffers, and a reader that closes it.
   const auto before = std::signal(SIGPIPE, SIG_IGN);
   std::jthread leaving([&] {
     while (read(reader, text, 1) < 1) std::this_thread::yield();
@@ -300,7 +300,7 @@ TEST_F(Cache, ForgetsDamagedEntries) {
   }
 }
 
-// Neither is waited for, and a link's target is another's.
+// The writer does not wait for either, and does not replace the target of a link.
 TEST_F(Cache, ReplacesPipesAndLinks) {
   storeCache("e", bytesOf("x"));
   const fs::path path = folder / "latelight" / "e";

@@ -18,7 +18,7 @@
 namespace latelight {
 namespace {
 
-// The exit code of a forked process that returns `body`'s result; -1 where it did not end within ten seconds.
+// Returns the exit code of a forked process that returns the result of `body`; -1 if it did not end within ten seconds.
 int inFork(const std::function<int()>& body) {
   const pid_t child = fork();
   if (child == 0) {
@@ -39,7 +39,7 @@ size_t sumOfIndices(size_t count) {
 }
 
 TEST(Fork, LeavesTheThreadPoolUsable) {
-  EXPECT_EQ(sumOfIndices(1000), 499'500u);  // the pool has its threads by now
+  EXPECT_EQ(sumOfIndices(1000), 499'500u);  // starts the threads of the pool
   EXPECT_EQ(inFork([] { return sumOfIndices(1000) == 499'500u ? 7 : 1; }), 7);
   EXPECT_EQ(inFork([] { return inFork([] { return sumOfIndices(1000) == 499'500u ? 7 : 1; }); }), 7) << "twice";
   EXPECT_EQ(sumOfIndices(1000), 499'500u);
@@ -61,7 +61,7 @@ TEST(Fork, FindsLocksFreeThatOtherThreadsHold) {
   for (int i = 0; i < 20; ++i) {
     EXPECT_EQ(inFork([&] {
                 const std::lock_guard lock(mutex);
-                return guarded == 0 ? 7 : 1;  // nobody was in the middle of it
+                return guarded == 0 ? 7 : 1;  // no thread was modifying it
               }),
               7);
   }
@@ -69,7 +69,7 @@ TEST(Fork, FindsLocksFreeThatOtherThreadsHold) {
   other.join();
 }
 
-// As a callback may that is called under a lock.
+// As a callback that is called under a lock might do.
 TEST(Fork, OfTheThreadThatHoldsALock) {
   static ForkSafeMutex mutex;
   const std::lock_guard lock(mutex);

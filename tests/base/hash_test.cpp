@@ -8,12 +8,12 @@
 namespace latelight {
 namespace {
 
-// Test vectors of Noll's page, http://www.isthe.com/chongo/tech/comp/fnv/.
+// Test vectors from Noll's page, http://www.isthe.com/chongo/tech/comp/fnv/.
 static_assert(hash32("") == 0x811c9dc5u);
 static_assert(hash32("a") == 0xe40c292cu);
 static_assert(hash32("foobar") == 0xbf9cf968u);
 
-// xxHash's own sanity values: XXH3_64bits of nothing, seed 0.
+// From the sanity checks of xxHash: XXH3_64bits of an empty input with seed 0.
 TEST(Hash64, IsXxh3) {
   EXPECT_EQ(hash64(nullptr, 0), 0x2d06800538d394c2u);
 }

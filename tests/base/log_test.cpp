@@ -22,7 +22,7 @@ std::string capture(const std::function<void()>& call) {
   return testing::internal::GetCapturedStderr();
 }
 
-// What `call` writes on standard error when that is a terminal.
+// Returns what `call` writes to standard error if that is a terminal.
 std::string onTerminal(const std::function<void()>& call) {
   int ours = -1, theirs = -1;
   if (openpty(&ours, &theirs, nullptr, nullptr, nullptr) != 0) return "no terminal";
@@ -32,7 +32,7 @@ std::string onTerminal(const std::function<void()>& call) {
   call();
   std::fflush(stderr);
   dup2(saved, STDERR_FILENO);
-  close(theirs);  // then reading ends, with an error, after all that was written
+  close(theirs);  // reading then ends with an error after the last output
   std::string text;
   char buffer[4096];
   for (ssize_t got = 0; (got = read(ours, buffer, sizeof(buffer))) > 0;) text.append(buffer, static_cast<size_t>(got));
@@ -40,7 +40,7 @@ std::string onTerminal(const std::function<void()>& call) {
   return text;
 }
 
-// Half of some work that shows no bar for its first `silence` seconds.
+// Half of some work that displays no bar for the first `silence` seconds.
 void work(double silence) {
   Progress progress("loading", 100, silence);
   progress.step(50);

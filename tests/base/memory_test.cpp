@@ -26,7 +26,7 @@ class Memory : public testing::Test {
   Memory() { setMemoryLimit(100 * kMiB); }
   ~Memory() override { setMemoryLimit(0); }
 
-  // The sentence of the refusal; empty where there is none.
+  // Returns the message of the rejected allocation; empty if it succeeds.
   static std::string refusal(const std::function<void()>& call) {
     try {
       call();

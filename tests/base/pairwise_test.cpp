@@ -6,7 +6,7 @@ namespace latelight::test {
 namespace {
 
 TEST(Pairwise, MeetsEveryValidPairInFewCombinations) {
-  // Values of the second choice other than 0 need the first to be below 2.
+  // Values of the second choice other than 0 require the first to be below 2.
   const auto valid = [](const Combination& c) { return c[0] < 2 || c[1] == 0; };
   const std::vector<size_t> counts{6, 5, 4, 3};
   const std::vector<Combination> all = combinations(counts, valid), chosen = pairwise(counts, valid);
@@ -19,7 +19,7 @@ TEST(Pairwise, MeetsEveryValidPairInFewCombinations) {
     for (const ValuePair& pair : pairsOf(c)) met.insert(pair);
   }
   EXPECT_EQ(met, wanted);
-  EXPECT_GE(chosen.size(), 24u);  // 6 * 4 pairs of the largest choices
+  EXPECT_GE(chosen.size(), 24u);  // 6 * 4 pairs of the two largest choices
   EXPECT_LE(chosen.size(), 36u);
 }
 

@@ -16,7 +16,7 @@
 namespace latelight {
 namespace {
 
-// More threads than a small machine has cores, so that races have a chance; set before the pool starts.
+// More threads than a small machine has cores, so that races can occur; set before the pool starts.
 const int kForced = setenv("LATELIGHT_THREADS", "8", 1);
 
 TEST(Parallel, UsesTheThreadsAskedFor) {
@@ -47,7 +47,7 @@ TEST(Parallel, RunsOnSeveralThreads) {
   std::mutex mutex;
   std::condition_variable arrival;
   std::set<std::thread::id> threads;
-  // The first call waits for one on another thread: with a single thread that would never come.
+  // The first call waits for one on another thread. With a single thread this would never return.
   parallelFor(64, 1, [&](size_t, size_t) {
     std::unique_lock lock(mutex);
     threads.insert(std::this_thread::get_id());
@@ -110,7 +110,7 @@ TEST(Parallel, KeepsToItsThreadWhereAsked) {
     });
     return others.load();
   };
-  // On a busy machine they may be late.
+  // On a busy machine the threads may start late.
   const auto othersCome = [&] {
     const int attempts = threadCount() > 1 ? 1000 : 1;
     for (int i = 0; i < attempts; ++i)

@@ -48,7 +48,7 @@ class Temporaries : public testing::Test {
   const fs::path folder = temporary.path();
 };
 
-// `body` in a process of its own.
+// Runs `body` in a process of its own.
 pid_t start(const std::function<void()>& body) {
   const pid_t child = fork();
   if (child != 0) return child;
@@ -77,7 +77,7 @@ TEST_F(Temporaries, GoWithTheirObject) {
 TEST_F(Temporaries, GoBeforeASignalEndsTheProgram) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGABRT, SIGSEGV, SIGBUS, SIGXCPU, SIGUSR1, SIGALRM}) {
     const int status = statusOf(start([&] {
-      std::signal(signal, SIG_DFL);  // sanitizers have handlers of their own for some
+      std::signal(signal, SIG_DFL);  // sanitizers install their own handlers for some signals
       handleFatalSignals();
       const TemporaryFile one(folder / "a.png", 0666), other(folder / "b.png", 0666);
       if (names().size() == 2) raise(signal);
@@ -88,7 +88,7 @@ TEST_F(Temporaries, GoBeforeASignalEndsTheProgram) {
   }
 }
 
-// How the processes below crash.
+// The ways in which the processes below crash.
 [[gnu::noinline]] int overflowStack(int depth) {
   volatile char room[4096];
   room[0] = static_cast<char>(depth);
@@ -99,13 +99,14 @@ TEST_F(Temporaries, GoBeforeASignalEndsTheProgram) {
   return *from + 1;
 }
 
-// What a process that runs `crash` with a temporary file prints, once it has ended by SIGSEGV without leaving the file.
+// Returns the output of a process that runs `crash` with a temporary file. Expects that SIGSEGV ends it and that it
+// removes the file.
 std::string printedByCrash(const fs::path& folder, const std::function<void()>& crash) {
   int standardError[2];
   EXPECT_EQ(pipe(standardError), 0);
   const pid_t child = start([&] {
     dup2(standardError[1], STDERR_FILENO);
-    std::signal(SIGSEGV, SIG_DFL);  // sanitizers have handlers of their own
+    std::signal(SIGSEGV, SIG_DFL);  // sanitizers install their own handlers
     handleFatalSignals();
     const TemporaryFile file(folder / "a.png", 0666);
     if (!fs::is_empty(folder)) crash();
@@ -133,20 +134,20 @@ TEST_F(Temporaries, GoBeforeACrashWhichPrintsABacktrace) {
   const auto readNull = [&] { sum = readNothing(nullptr); };
   const auto overflow = [&] { sum = overflowStack(0); };
   crashes(readNull, "readNothing");
-  // A handler needs a stack of its own where a thread's has overflowed: in the main thread and in all others.
+  // After a stack overflow, a handler needs an alternate stack, in the main thread and in all others.
   crashes(overflow, "overflowStack");
   crashes([&] { inBackground(overflow).get(); }, "overflowStack");
   crashes(
       [&] {
         parallelFor(64, 1, [&](size_t, size_t) {
-          if (gettid() == getpid()) usleep(200'000);  // another thread comes first, where there is one
+          if (gettid() == getpid()) usleep(200'000);  // another thread, if there is one, gets the signal first
           overflow();
         });
       },
       "overflowStack");
 }
 
-// nohup's choice.
+// as nohup does
 TEST_F(Temporaries, SignalsThatAreIgnoredStayIgnored) {
   const int status = statusOf(start([&] {
     std::signal(SIGHUP, SIG_IGN);
@@ -157,7 +158,7 @@ TEST_F(Temporaries, SignalsThatAreIgnoredStayIgnored) {
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 7);
 }
 
-// Two threads write without end, and are ended at any moment of it.
+// Two threads write files in an endless loop, and the process is terminated at arbitrary times.
 TEST_F(Temporaries, NeverOutliveASignalAtAnyMoment) {
   std::mt19937 random(9);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP})
@@ -186,7 +187,7 @@ TEST_F(Temporaries, NeverOutliveASignalAtAnyMoment) {
 }
 
 TEST_F(Temporaries, OfKilledProcessesAreSweptByTheNext) {
-  int ready[2];  // said once it is locked: before, another may sweep it
+  int ready[2];  // sent once the file is locked; before, another process may delete it
   ASSERT_EQ(pipe(ready), 0);
   const pid_t child = start([&] {
     const TemporaryFile file(folder / "a.png", 0666);
@@ -199,7 +200,8 @@ TEST_F(Temporaries, OfKilledProcessesAreSweptByTheNext) {
   close(ready[0]);
   close(ready[1]);
   const std::string left = names().front();
-  // While it lives, nobody sweeps it. Each process sweeps a folder once, so in one of their own.
+  // While the process lives, no other process deletes its file. Each process cleans a folder only once, so this runs in
+  // processes of its own.
   const auto write = [&](const char* name) {
     EXPECT_EQ(WEXITSTATUS(statusOf(start([&] {
                 writeFile(folder / name, {});

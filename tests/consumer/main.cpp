@@ -1,5 +1,5 @@
-// Uses the installed library as an external program would. The version it was built for is the first argument. A
-// program may have macros of any name, and keeps them.
+// Uses the installed library as an external program would. The first argument is the version for which it was built.
+// Programs may define macros of any name, which the headers must not change.
 #define OPTION_FLAG 7
 #define OPTION_NAME(name) #name
 #include <latelight/latelight.h>
@@ -22,7 +22,7 @@ bool edits() {
 
   auto box = scene.instancesOf("/boxes/matte").front();
   latelight::Transform transform = scene.instance(box).transform;
-  transform[7] += 0.5;  // up
+  transform[7] += 0.5;  // moves it up
   scene.setTransform(box, transform);
 
   auto paint = scene.instance(box).material;
@@ -42,7 +42,7 @@ bool edits() {
       scene.addInstance(scene.addMesh(triangle), paint, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, "flag");
 
   latelight::Frame frame = renderer.render(scene.defaultCamera(16.0f / 9));
-  scene.removeInstance(flag);  // from here on the handle is refused
+  scene.removeInstance(flag);  // the handle is rejected from here on
   try {
     scene.removeInstance(flag);
     return false;

@@ -22,7 +22,8 @@ std::map<void*, PFN_vkGetInstanceProcAddr> instances;
 std::map<void*, Device> devices;
 uint64_t submissions = 0;
 
-// What all objects of an instance, and of a device with its queues, have in common (the loader's own rule for layers).
+// The key that all objects of an instance, or of a device and its queues, have in common (the loader's rule for
+// layers).
 void* keyOf(const void* object) {
   return *static_cast<void* const*>(object);
 }
@@ -49,7 +50,7 @@ VKAPI_ATTR VkResult VKAPI_CALL queueSubmit2(VkQueue queue, uint32_t count, const
     if (lose && ++submissions == std::strtoull(lose, nullptr, 10)) {
       device.lost = true;
       submissions = 0;
-      unsetenv("LATELIGHT_LOSE_SUBMISSION");  // the loader may load this library anew, and so count anew
+      unsetenv("LATELIGHT_LOSE_SUBMISSION");  // the loader may load this library again, which would restart the count
     }
     if (device.lost) return VK_ERROR_DEVICE_LOST;
   }
@@ -58,7 +59,7 @@ VKAPI_ATTR VkResult VKAPI_CALL queueSubmit2(VkQueue queue, uint32_t count, const
 VKAPI_ATTR VkResult VKAPI_CALL deviceWaitIdle(VkDevice device) {
   return call<PFN_vkDeviceWaitIdle>("vkDeviceWaitIdle", device);
 }
-// What a lost device was to signal never comes; so there is no waiting below.
+// A lost device never signals its semaphores and fences, so the functions below do not wait.
 VKAPI_ATTR VkResult VKAPI_CALL waitSemaphores(VkDevice device, const VkSemaphoreWaitInfo* info, uint64_t timeout) {
   if (deviceOf(device).lost) return VK_ERROR_DEVICE_LOST;
   return call<PFN_vkWaitSemaphores>("vkWaitSemaphores", device, info, timeout);

@@ -13,7 +13,7 @@ inline std::map<std::string, std::string> losingDevice(int submission) {
           {"LATELIGHT_LOSE_SUBMISSION", std::to_string(submission)}};
 }
 
-// Devices of this process that are made while it stands, to lose one at a time.
+// While this object exists, devices that this process creates can lose themselves, one at a time.
 class DevicesToLose {
  public:
   DevicesToLose() {
@@ -26,7 +26,7 @@ class DevicesToLose {
   DevicesToLose(const DevicesToLose&) = delete;
   DevicesToLose& operator=(const DevicesToLose&) = delete;
 
-  // Counted from now on, and over all of them.
+  // Counted from now on, over all devices.
   void loseAt(int submission) { setenv(kSubmission, std::to_string(submission).c_str(), 1); }
   bool hasLost() const { return !std::getenv(kSubmission); }
 

@@ -22,9 +22,9 @@ Values namesIn(const Range& range) {
   return names;
 }
 
-// --- what the table of options says ---------------------------------------------------------------------------------
+// --- values from the table of options -------------------------------------------------------------------------------
 
-// The ends of what a number may be, its default and something between; and what lies beyond.
+// The limits of a number, its default and a value in between; and values beyond the limits.
 Choice numberOf(const render::Option& option) {
   const bool whole = option.kind == render::OptionKind::Integer;
   const render::Range& range = option.range;
@@ -43,7 +43,7 @@ Choice numberOf(const render::Option& option) {
   return choice;
 }
 
-// Texts are for addTexts() to say.
+// addTexts() adds the values of texts.
 Choice choiceOf(const render::Option& option) {
   Choice choice;
   if (option.kind == render::OptionKind::Flag) {
@@ -67,16 +67,16 @@ Table tableOf() {
   return table;
 }
 
-// --- what it does not ----------------------------------------------------------------------------------------------
+// --- values that are not in the table -------------------------------------------------------------------------------
 
-// How often an option is given where that is not as often as others of its kind.
+// The shares of options that are given more or less often than others of their kind.
 void setShares(Table& t) {
   const std::pair<const char*, double> shares[] = {
       {"--layout", 0.8},        {"--normals", 0.5},       {"--lighting", 0.9}, {"--transparency", 0.5},
       {"--shadows", 0.6},       {"--shadow-filter", 0.5}, {"--time", 0.3},     {"--bloom", 0.3},
       {"--data-surfaces", 0.6}, {"--validate", 0.05},     {"--fog", 0.3},      {"--json", 0.12}};
   for (const auto& [name, share] : shares) t.at(name).share = share;
-  t.at("--anisotropy").rate = Rate::Group;  // all samplers are made anew
+  t.at("--anisotropy").rate = Rate::Group;  // all samplers are recreated
 }
 
 Values antiAliasings() {
@@ -85,7 +85,7 @@ Values antiAliasings() {
   return names;
 }
 
-// Each alone, all, all that PNG has, and lists of two.
+// Each output by itself, all of them, all that PNG supports, and lists of two.
 Values aovLists() {
   Values lists = namesIn(output::aovs());
   std::string all, png;
@@ -106,7 +106,7 @@ Values debugPictures() {
   return pictures;
 }
 
-// The hall is drawn small and with glass; others as they are.
+// The hall is rendered small and with glass; the others as they are.
 Values scenes(const Values& models) {
   Values names;
   for (const scene::Builtin& builtin : scene::builtins()) {
@@ -114,17 +114,18 @@ Values scenes(const Values& models) {
     if (builtin.name == "hall") name += ",triangles=50k,lights=12,glass=1";
     names.push_back(name);
   }
-  for (int i = 0; i < 2; ++i) names.insert(names.end(), models.begin(), models.end());  // they have more to show
+  // more often, because they contain more
+  for (int i = 0; i < 2; ++i) names.insert(names.end(), models.begin(), models.end());
   return names;
 }
 
 void addSceneTexts(Table& t, const Values& models, const std::filesystem::path& folder) {
   t["SCENE"] = {1, scenes(models), {"builtin:nothing"}, Rate::Group};
   t["--variant"] = {0.15, {"red", "blue"}, {"green"}, Rate::Group};
-  t["--allow-outside"] = {0.1, {folder.string()}, {}};  // looked at where a file is loaded
+  t["--allow-outside"] = {0.1, {folder.string()}, {}};  // checked when a file is loaded
   t["--memory"] = {0.1, {"4G", "100G"}, {"0", "much", "-1G"}};
   t["--id-depth"] = {0.15, {"0", "1", "9"}, {"-1", "deep"}, Rate::Group};
-  t["--id-nodes"] = {0.15, {"box", "/floor,mirrored", "lower,strip"}, {}, Rate::Group};  // looked for in the scene
+  t["--id-nodes"] = {0.15, {"box", "/floor,mirrored", "lower,strip"}, {}, Rate::Group};  // must be names in the scene
   t["--size"] = {1, {"48x27", "48x27", "48x27", "33x17", "7x40", "1x1"}, {"0x9", "20000x9", "48", "-4x4"}};
   t["--camera"] = {0.15, {"0"}, {"99", "nobody"}};
   t["--eye"] = {0.2, {"0.3,1.2,6", "0,1,0.2", "-3,2,3"}, {"1,2", "a,b,c", "nan,0,0"}};
@@ -143,7 +144,7 @@ void addSceneTexts(Table& t, const Values& models, const std::filesystem::path& 
 
 void addPictureTexts(Table& t, const std::string& panorama) {
   t["--shadow-lights"] = {
-      0.3, {"auto", "all", "none", "0", "2", "lamp", "spot,sun"}, {}};  // names are looked for where lights shine
+      0.3, {"auto", "all", "none", "0", "2", "lamp", "spot,sun"}, {}};  // names must belong to lights that shine
   t["--sun"] = {0.25, {"30,40", "-60,-10,0", "0,90,1e6"}, {"1", "a,b", "0,0,-1"}};
   t["--aa"] = {0.7, antiAliasings(), {"ss0", "ss17", "msaa"}, Rate::Group};
   t["--hdri"] = {0.4, {"studio", "none", panorama}, {}, Rate::Group};
@@ -163,7 +164,7 @@ void addOutputTexts(Table& t, const std::filesystem::path& folder) {
   t["--aov"] = {0.7, aovLists(), {"nothing", "color,,depth"}};
   t["--pick"] = {0.12, {"0,0"}, {"99,0", "1", "-1,0"}};
   t["--debug"] = {0.2, debugPictures(), {"nothing"}};
-  t["--device"] = {0.1, {"auto", "cpu", "0"}, {}};  // one is there already: what it names is not looked for
+  t["--device"] = {0.1, {"auto", "cpu", "0"}, {}};  // one exists already, so the name is not searched for
   t["--dump-graph"] = {0.1, {at("graph.dot")}, {at("none/graph.dot")}};
 }
 

@@ -8,19 +8,20 @@
 
 namespace latelight::app {
 
-// How often a value changes: by every draw, or by every group of draws, since pipelines, a scene or an environment are
-// made anew for it.
+// How often a value changes: with every draw, or with every group of draws, because pipelines, a scene or an
+// environment are recreated for it.
 enum class Rate { Draw, Group };
 
 struct Choice {
-  double share = 0;                // of the draws, how many give the option
-  std::vector<std::string> right;  // values; of a flag, one that is empty
-  std::vector<std::string> wrong;  // refused by themselves, whatever else is given
+  double share = 0;                // share of the draws that give the option
+  std::vector<std::string> right;  // valid values; an empty one for a flag
+  std::vector<std::string> wrong;  // values that are rejected whatever other options are given
   Rate rate = Rate::Draw;
 };
 
-// By option, as "--size"; "SCENE" is the argument. Flags, numbers and names come from the table of options, so what is
-// added there is drawn too; texts are given here. `models` and `panorama`: files. `folder`: for output.
+// By option, such as "--size"; "SCENE" is the argument. Flags, numbers and names come from the table of options, so new
+// ones are drawn without a change here; values of texts are listed in choices.cpp. `models` and `panorama`: files.
+// `folder`: for output.
 std::map<std::string, Choice> choicesIn(const std::filesystem::path& folder, const std::vector<std::string>& models,
                                         const std::string& panorama);
 

@@ -16,14 +16,14 @@ using glm::vec4;
 using nlohmann::json;
 using scene::test::GltfBuilder;
 
-constexpr int kFront = 0;  // the node of the camera that moves
+constexpr int kFront = 0;  // the node of the animated camera
 
 json quaternion(float degrees, vec3 axis) {
   const glm::quat q = glm::angleAxis(glm::radians(degrees), axis);
   return {q.x, q.y, q.z, q.w};
 }
 
-// A square of `cells` by `cells` over [-1, 1]^2 in the XY plane, facing +Z; v down.
+// A square of `cells` by `cells` over [-1, 1]^2 in the XY plane, facing +Z, with v pointing down.
 struct Grid {
   std::vector<vec3> positions;
   std::vector<vec2> uv;
@@ -68,7 +68,7 @@ int place(GltfBuilder& file, const char* name, int mesh, vec3 at, vec3 scale, js
   return file.node(more);
 }
 
-// A checker of two colours, eight pixels a side.
+// A checkerboard of two colors, eight pixels wide and high.
 int addTexture(GltfBuilder& file, glm::u8vec4 even, glm::u8vec4 odd) {
   output::Picture picture{8, 8, {}};
   for (int i = 0; i < 64; ++i) {
@@ -106,10 +106,10 @@ void addFloorAndWall(GltfBuilder& file) {
   const int floor = meshOf(file, primitiveOf(file, Grid(2), tiles));
   place(file, "floor", floor, vec3(0), {4, 3, 1}, {{"rotation", quaternion(-90, vec3(1, 0, 0))}});
   const int wall = meshOf(file, primitiveOf(file, Grid(1), addMaterial(file, "wall", vec4(0.7f, 0.6f, 0.6f, 1), 0, 1)));
-  place(file, "wall", wall, {0.5f, 1.5f, -2.5f}, {3, 1.5f, 1});  // beside it there is nothing
+  place(file, "wall", wall, {0.5f, 1.5f, -2.5f}, {3, 1.5f, 1});  // next to it the background is visible
 }
 
-// A lacquered brushed metal, a cloth, and a pane of coloured glass.
+// Brushed metal with a clear coat, a cloth, and a pane of colored glass.
 template <typename Card>
 void addLayeredCards(GltfBuilder& file, const Card& card) {
   const auto layered = [&](const char* name, vec4 color, float metallic, json extensions) {
@@ -168,7 +168,7 @@ void addCards(GltfBuilder& file, const Kinds& kinds) {
        {-2.8f, 1.6f, -1.5f}, 10);
 }
 
-// Boxes of positions alone: in one of two materials by variant, and a mirrored one.
+// Boxes with only positions: one whose variant selects one of two materials, and a mirrored one.
 void addBoxes(GltfBuilder& file) {
   file.use("KHR_materials_variants");
   file.root["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "red"}}, {{"name", "blue"}}};
@@ -190,9 +190,9 @@ void addBoxes(GltfBuilder& file) {
   place(file, "mirrored", mesh, {1.8f, 0.5f, 0.6f}, {-0.3f, 0.5f, 0.3f});
 }
 
-// --- what moves -----------------------------------------------------------------------------------------------------
+// --- animations -----------------------------------------------------------------------------------------------------
 
-// An animation of nodes over two seconds.
+// An animation of nodes that lasts two seconds.
 class Animation {
  public:
   Animation(GltfBuilder& file, const char* name) : file_(file), json_{{"name", name}} {}
@@ -217,7 +217,7 @@ class Animation {
   json json_;
 };
 
-// A strip that bends at its middle. Gives the joint that turns.
+// A strip that bends in the middle. Returns the joint that rotates.
 int addSkinned(GltfBuilder& file, int material) {
   const Grid grid(4);
   json primitive = primitiveOf(file, grid, material);

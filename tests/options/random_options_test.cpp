@@ -36,7 +36,7 @@
 namespace latelight::app {
 namespace {
 
-using Options = std::map<std::string, std::string>;  // of a draw: option and value
+using Options = std::map<std::string, std::string>;  // the options of a draw with their values
 
 constexpr uint32_t kDraws = 8;  // per group
 
@@ -64,7 +64,7 @@ std::string commandOf(const Options& options) {
   return line;
 }
 
-// What the process was about when a signal ended it.
+// The current command, for the message if a signal ends the process.
 char current[4096];
 void sayCurrent(int signal) {
   [[maybe_unused]] const auto written = write(STDERR_FILENO, current, std::strlen(current));
@@ -85,7 +85,7 @@ class Drawing {
     return options;
   }
 
-  // In most draws what can't be together is not; in the others the program has to say so.
+  // Most draws avoid options that exclude each other; in the others, the program must reject them.
   void reconcile(Options& o) {
     if (random_.uniform() < 0.1f) return;
     if (o.contains("--debug")) {
@@ -122,7 +122,7 @@ class Drawing {
     drop("--json", o["--out"] == "-");
   }
 
-  // Gives one option a value that has to be refused.
+  // Sets one option to a value that must be rejected.
   void spoil(Options& options) {
     auto at = std::next(choices_.begin(), static_cast<ptrdiff_t>(random_.bits() % choices_.size()));
     while (at->second.wrong.empty()) at = std::next(at) == choices_.end() ? choices_.begin() : std::next(at);
@@ -140,14 +140,14 @@ class Drawing {
 
 // --- running --------------------------------------------------------------------------------------------------------
 
-// How a run ended, and what it left.
+// The result of a run, and its files.
 struct Outcome {
   int code = 0;
-  std::string sentence;                      // where it is not 0
+  std::string sentence;                      // set if the exit code is not 0
   std::map<std::string, std::string> files;  // by name; "-" is standard output
 };
 
-// Scenes, environments and renderers, kept while a group lasts; scenes longer.
+// Scenes, environments and renderers. They are cached for a group, scenes longer.
 class Stage {
  public:
   explicit Stage(vk::Device& device) : device_(device) {}
@@ -175,13 +175,13 @@ class Stage {
   std::map<std::pair<const scene::Scene*, std::string>, std::unique_ptr<render::Renderer>> renderers_;
 };
 
-// As the program's main does.
+// As in the main function of the program.
 void run(Stage& stage, const Options& options) {
   CLI::App command;
   RenderOptions o;
   addRenderOptions(command, o);
   std::vector<std::string> arguments = argumentsOf(options);
-  std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
+  std::reverse(arguments.begin(), arguments.end());  // in the order that CLI11 expects
   command.parse(arguments);
   const RenderPlan plan = planRender(o);
   const scene::Scene& scene = stage.scene(o);
@@ -210,7 +210,7 @@ Outcome outcomeOf(Stage& stage, const Options& options, const Folder& folder) {
   return outcome;
 }
 
-// --- what has to hold -----------------------------------------------------------------------------------------------
+// --- checks ---------------------------------------------------------------------------------------------------------
 
 void expectSentence(const std::string& sentence) {
   EXPECT_GE(sentence.size(), 10u) << sentence;
@@ -218,7 +218,7 @@ void expectSentence(const std::string& sentence) {
   EXPECT_EQ(sentence.find('\n'), std::string::npos) << sentence;
 }
 
-// Where nothing is drawn, depth and distance are infinite; nothing else ever is.
+// In the background, depth and distance are infinite. No other value ever is.
 void expectFinite(const std::filesystem::path& file) {
   const std::string name = file.filename().string();
   for (const output::Channel& channel : output::readImage(file).channels) {
@@ -231,7 +231,7 @@ void expectFinite(const std::filesystem::path& file) {
   }
 }
 
-// A folder whose files go with the test, and those that draws read.
+// A folder whose files are deleted with the test, and the files that draws read.
 class RandomOptions : public render::test::RenderTest {
  protected:
   RandomOptions() {
@@ -258,7 +258,7 @@ class RandomOptions : public render::test::RenderTest {
     for (const auto& entry : std::filesystem::directory_iterator(outputs.path()))
       std::filesystem::remove_all(entry.path());
   }
-  // Whether it was rendered.
+  // Returns true if it was rendered.
   bool check(Stage& stage, const Options& options, bool spoiled) const {
     SCOPED_TRACE(commandOf(options));
     fmt::format_to_n(current, sizeof(current) - 1, "{}\n", commandOf(options)).out[0] = '\0';
@@ -286,7 +286,7 @@ class RandomOptions : public render::test::RenderTest {
     ASSERT_EQ(first.files.size(), second.files.size());
     for (const auto& [name, bytes] : first.files) {
       if (name == "-" && timesOut) continue;
-      if (name.ends_with(".dot")) continue;  // uploads what the command before left otherwise: once
+      if (name.ends_with(".dot")) continue;  // may differ once: it uploads what the command before had changed
       EXPECT_TRUE(second.files.at(name) == bytes) << name << " has other bytes";
     }
   }

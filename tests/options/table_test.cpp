@@ -35,7 +35,7 @@ void expectSame(const Settings& a, const Settings& b) {
 #undef EXPECT_MEMBER
 }
 
-// What is said where the text is refused; empty where it is not.
+// The message if the text is rejected; empty if it is accepted.
 std::string refusal(const Option& option, const std::string& text) {
   Settings settings;
   try {
@@ -116,7 +116,7 @@ TEST(OptionTable, ChoicesTakeTheirNamesAndNoOthers) {
 
 using Change = std::function<void(latelight::Options&)>;
 
-// A value of each member that it must refuse.
+// For each member, a value that the API must reject.
 std::vector<std::pair<std::string, Change>> wrongMembers() {
   const auto beyond = [](const Range& range) {
     if (std::isfinite(range.most)) return range.most + 1;
@@ -155,7 +155,7 @@ TEST(OptionsOfTheApi, AreCheckedByTheTable) {
   }
 }
 
-// A picture by the C++ API is the one that the same texts give.
+// A picture of the C++ API equals that of the same options as text.
 TEST(OptionsOfTheApi, MeanWhatTheCommandLineMeans) {
   struct Case {
     Change change;

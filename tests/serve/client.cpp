@@ -25,8 +25,9 @@ using Json = nlohmann::json;
 
 void connect(tcp::socket& socket, uint16_t port) {
   socket.connect({asio::ip::make_address("127.0.0.1"), port});
-  socket.set_option(tcp::no_delay(true));  // as browsers do: a key does not wait for what was said before it
-  const timeval patience{.tv_sec = 1800, .tv_usec = 0};  // against hangs alone
+  // as in browsers: a key does not wait for the acknowledgment of earlier messages
+  socket.set_option(tcp::no_delay(true));
+  const timeval patience{.tv_sec = 1800, .tv_usec = 0};  // only against hangs
   setsockopt(socket.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
 }
 
@@ -111,7 +112,7 @@ const Json& Client::state() const {
   return impl_->state;
 }
 
-// What the stream has read ahead counts, too, which a socket alone does not tell: pings are answered by reading.
+// Data that the stream has already buffered counts, too, which the socket does not show: reading answers pings.
 bool Client::hearsWithin(std::chrono::milliseconds time) {
   pollfd socket{.fd = impl_->stream.next_layer().native_handle(), .events = POLLIN, .revents = 0};
   return poll(&socket, 1, static_cast<int>(time.count())) > 0;

@@ -10,18 +10,18 @@
 
 namespace latelight::serve {
 
-// Sends these bytes on a connection of their own, and returns all that comes back until it is closed.
+// Sends these bytes on a new connection, and returns everything that is received until it is closed.
 std::string ask(uint16_t port, const std::string& bytes);
 std::string get(uint16_t port, const std::string& target, const std::string& more = "");  // `more`: lines of the header
 
 class Client {
  public:
-  // Throws where the server does not let it in.
+  // Throws if the server rejects the connection.
   Client(uint16_t port, const std::string& token, const std::string& origin = "");
-  ~Client();  // goes without a word
+  ~Client();  // closes the connection without a message
   Client(Client&&) noexcept;
 
-  uint64_t say(nlohmann::json message);  // its serial number
+  uint64_t say(nlohmann::json message);  // returns its serial number
   void sayText(const std::string& text);
   void sayBinary(const std::string& bytes);
 
@@ -29,14 +29,14 @@ class Client {
     nlohmann::json header;
     std::string payload;
   };
-  Message hear();                     // throws where the server closed the connection, or says nothing for half an hour
+  Message hear();                     // throws if the server closed the connection, or sent no message for half an hour
   void show(const Message& message);  // acknowledges it
-  // The next final picture, with everything on the way shown, and the session's state by then.
+  // Returns the next final picture, after all pictures in flight were shown, and the session's state at that time.
   Message hearFinal();
   const nlohmann::json& state() const;
   bool hearsWithin(std::chrono::milliseconds time);
 
-  uint16_t closeCode() const;  // the server's; 0: none was said
+  uint16_t closeCode() const;  // received from the server; 0: none
   std::string closeReason() const;
 
  private:
@@ -44,7 +44,7 @@ class Client {
   std::unique_ptr<Impl> impl_;
 };
 
-// RGB of a picture's strips, decoded.
+// The decoded RGB pixels of a picture's strips.
 struct Decoded {
   uint32_t width = 0, height = 0;
   std::string rgb;

@@ -10,18 +10,19 @@ namespace {
 
 using Time = Pace::Time;
 
-// A network of so many bytes a second, each of which takes so long to arrive, and a page that is shown all at once.
+// A network with this rate and latency, and a page that shows pictures at once.
 struct Network {
   double rate, delay;
-  double free = 0;  // when what was sent so far has gone out
+  double free = 0;  // time at which all messages so far have been sent
 };
 
 struct Outcome {
-  std::vector<double> late;  // seconds between the making of a picture and its arrival
+  std::vector<double> late;  // seconds between the creation of a picture and its arrival
   int quality = 0, finalQuality = 0;
 };
 
-// Pictures are made whenever they may be sent; one of quality 85 has so many bytes, others have fewer in proportion.
+// Pictures are created whenever they may be sent. `bytes` is the size at quality 85; at other qualities it is
+// proportional.
 Outcome simulate(Network network, double bytes, double seconds) {
   Pace pace;
   Outcome run;
@@ -39,7 +40,7 @@ Outcome simulate(Network network, double bytes, double seconds) {
       underway.erase(underway.begin());
     }
     if (!pace.maySend()) continue;
-    const bool empty = number == 0;  // as the first messages are: they tell how long the way is
+    const bool empty = number == 0;  // like the first messages, which reveal the latency
     const size_t size = empty ? 200 : sized(pace.quality(false));
     if (!empty) pace.made(size);
     pace.sent(++number, size, at(t));
@@ -66,11 +67,11 @@ TEST(PaceTest, AtMostTwoMessagesAreUnderway) {
   EXPECT_FALSE(pace.maySend());
   pace.written(Time{});
   pace.written(Time{});
-  pace.shown(7, Time{});  // a number that was never sent is no reason to stop
+  pace.shown(7, Time{});  // a number that was never sent must not stop the sender
   EXPECT_TRUE(pace.maySend());
 }
 
-// Otherwise a page that reads nothing could have any number of messages made.
+// Otherwise the server would create any number of messages for a page that reads nothing.
 TEST(PaceTest, WhatWasNotWrittenWasNotShown) {
   Pace pace;
   pace.sent(1, 10, Time{});
@@ -110,7 +111,7 @@ TEST(PaceTest, ASlowNetworkGetsCoarserOnesWithoutAQueue) {
   const Outcome run = simulate({.rate = 200e3, .delay = 0.02}, 100e3, 20);
   EXPECT_LE(run.quality, 40);
   EXPECT_LT(run.finalQuality, 92);
-  // Two pictures of quality 30 take 0.35 s there.
+  // Two pictures of quality 30 take 0.35 s on that network.
   EXPECT_LT(*std::max_element(run.late.end() - 10, run.late.end()), 0.6);
 }
 

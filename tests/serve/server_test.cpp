@@ -50,7 +50,7 @@ size_t descriptors() {
 size_t threads() {
   return entries("/proc/self/task");
 }
-// Without what was freed and is only kept for later: how much that is depends on how many threads ran at once.
+// Without memory that the allocator keeps for reuse, which depends on how many threads ran at the same time.
 size_t residentBytes() {
   malloc_trim(0);
   std::ifstream file("/proc/self/statm");
@@ -76,7 +76,7 @@ class ServerTest : public testing::Test {
   }
 
   static Client connected() { return Client(server->port(), server->token()); }
-  // With a session; those of pages that have gone end a little later.
+  // The number of pages with a session; sessions of closed pages end a little later.
   static Client client() {
     std::optional<Client> made;
     EXPECT_TRUE(waitUntil([&] {
@@ -100,7 +100,7 @@ class ServerTest : public testing::Test {
   }
   template <typename Condition>
   static bool waitUntil(const Condition& condition) {
-    for (int i = 0; i < 36000; ++i) {  // half an hour, against hangs alone
+    for (int i = 0; i < 36000; ++i) {  // half an hour, only against hangs
       if (condition()) return true;
       std::this_thread::sleep_for(50ms);
     }
@@ -151,14 +151,14 @@ TEST_F(ServerTest, RefusesSocketsWithoutTheToken) {
   EXPECT_NO_THROW(Client(server->port(), server->token(), "http://127.0.0.1:" + std::to_string(server->port())));
 }
 
-// A request that never ends holds its connection no longer than the server's patience.
+// A request that never ends occupies its connection only until the server's timeout.
 TEST_F(ServerTest, WaitsForNoRequestForLong) {
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_EQ(ask(server->port(), "GET / HTTP/1.1\r\nHost: localhost\r\nX-Slow: "), "");
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 20s);
 }
 
-// --- what pages say -------------------------------------------------------------------------------------------------
+// --- messages from pages --------------------------------------------------------------------------------------------
 
 TEST_F(ServerTest, ClosesOnMalformedMessages) {
   const char* const kMessages[] = {
@@ -208,7 +208,8 @@ TEST_F(ServerTest, ClosesOnMalformedMessages) {
   EXPECT_EQ(binary.closeCode(), 1008);
 }
 
-// What is far too long is not read to its end: the connection may break under the sender, before the code arrives.
+// The server does not read a message that is far too long to its end, so the connection may break before the code
+// arrives.
 TEST_F(ServerTest, ClosesOnTooLongMessages) {
   const auto keyOf = [](size_t length) { return R"({"type":"key","name":")" + std::string(length, 'a') + "\"}"; };
   Client large = client(), huge = client();
@@ -224,7 +225,7 @@ TEST_F(ServerTest, ClosesOnTooLongMessages) {
   EXPECT_NO_THROW(resized().hearFinal());
 }
 
-// What is well-formed and can't be is the session's to explain.
+// The session explains messages that are well-formed but invalid.
 TEST_F(ServerTest, SaysWhatOptionsCantBe) {
   Client page = resized();
   page.hearFinal();
@@ -237,7 +238,7 @@ TEST_F(ServerTest, SaysWhatOptionsCantBe) {
 
 // --- pictures -------------------------------------------------------------------------------------------------------
 
-// The file that a shell makes of the command.
+// The file that the command writes in a shell.
 std::string rendered(const std::string& command, const app::Folder& folder = {}) {
   const app::Outcome outcome = app::latelightInShell(command, folder.path());
   EXPECT_EQ(outcome.code, 0) << command << ": " << outcome.err;
@@ -275,7 +276,7 @@ TEST_F(ServerTest, PicturesAreTheCommandLines) {
   EXPECT_LT(std::sqrt(squares / static_cast<double>(sent.rgb.size())), 4);  // JPEG of quality 92
 }
 
-// The command line names it as the page did, for those who have it.
+// The command line names the file as the page did, for users who have it.
 TEST_F(ServerTest, AnEnvironmentIsSentByThePage) {
   const app::Folder folder;
   const models::Bytes sky = models::radiancePanorama(64, 32);
@@ -296,7 +297,7 @@ TEST_F(ServerTest, AnEnvironmentIsSentByThePage) {
   EXPECT_EQ(page.state()["environment"], "sky.hdr");
 }
 
-// Another server, until it goes.
+// Runs another server during its lifetime.
 struct Running {
   explicit Running(const std::string& scene, bool validate = true, const ServerOptions& options = {})
       : server(options, {.scene = scene, .device = "cpu", .validate = validate, .width = 64, .height = 48}),
@@ -339,7 +340,7 @@ TEST(ServerOfALitSceneTest, LightsAreToldWhereTheyAreWantedAndGoWhereTheyAreDrag
 
 // --- a device that is lost ---
 
-// What the page has once it has followed this, and nothing more comes.
+// The state of the page after it has followed this and no more messages come.
 Client::Message hearRest(Client& page, uint64_t serial) {
   Client::Message picture;
   for (;;) {
@@ -351,7 +352,7 @@ Client::Message hearRest(Client& page, uint64_t serial) {
   }
 }
 
-// Each page has a device of its own. Where one is lost, its page is told so, and its next picture is as all others'.
+// Each page has its own device. If one is lost, its page is notified, and its next picture equals those of the others.
 TEST(ServerThatLosesADeviceTest, ThePageIsToldAndTheOthersGoOn) {
   DevicesToLose devices;
   Running running("builtin:boxes", false);
@@ -381,7 +382,8 @@ TEST(ServerThatLosesADeviceTest, ThePageIsToldAndTheOthersGoOn) {
   EXPECT_EQ(screenshot(unlucky), screenshot(other));
 }
 
-// A picture that is whole while something moves is no finer than the network likes; the same one follows, fine.
+// A picture at full resolution during movement is encoded as coarsely as the network requires; the same one follows in
+// good quality.
 TEST_F(ServerTest, WholePicturesAreFineOnceTheyStandStill) {
   Client page = resized(48, 32);
   page.hearFinal();
@@ -393,7 +395,7 @@ TEST_F(ServerTest, WholePicturesAreFineOnceTheyStandStill) {
     }
   };
   std::optional<Client::Message> moving;
-  for (int i = 0; i < 200 && !moving; ++i) {  // drafts, until their size is known not to matter
+  for (int i = 0; i < 200 && !moving; ++i) {  // drafts, until their size is known to be unnecessary
     page.say({{"type", "key"}, {"name", "ArrowLeft"}, {"down", true}});
     const Client::Message shown = hearPicture();
     if (shown.header["picture"]["final"] == false && shown.header["picture"]["width"] == 48) moving = shown;
@@ -413,7 +415,7 @@ TEST_F(ServerTest, IdlePagesGetNothing) {
     page.show(page.hear());
     return false;
   };
-  bool idle = false;  // what is under way may come late
+  bool idle = false;  // pictures in flight may arrive late
   for (int i = 0; i < 60 && !idle; ++i) idle = hearsNothing();
   EXPECT_TRUE(idle);
 }
@@ -427,7 +429,7 @@ TEST_F(ServerTest, UnshownPicturesAreNotFollowedByMore) {
   }
 }
 
-// --- many -----------------------------------------------------------------------------------------------------------
+// --- many pages -----------------------------------------------------------------------------------------------------
 
 TEST_F(ServerTest, EightLookAtOnceAndTheNinthWaits) {
   {
@@ -442,7 +444,7 @@ TEST_F(ServerTest, EightLookAtOnceAndTheNinthWaits) {
   client();
 }
 
-// A session that still makes its picture after its page has gone holds up no reload.
+// A session that still renders after its page was closed does not delay a reload.
 TEST(ServerOfOneSessionTest, AReloadedPageGetsInAtOnce) {
   Running running("builtin:boxes", false, {.sessions = 1});
   for (int reload = 0; reload < 3; ++reload) {
@@ -450,7 +452,7 @@ TEST(ServerOfOneSessionTest, AReloadedPageGetsInAtOnce) {
     EXPECT_NO_THROW(page.show(page.hear())) << page.closeReason();
     page.say({{"type", "option"}, {"name", "aa"}, {"value", "ss4"}});
     page.say({{"type", "resize"}, {"width", 800}, {"height", 600}});
-    std::this_thread::sleep_for(100ms);  // it has begun
+    std::this_thread::sleep_for(100ms);  // it has started
   }
   Client page(running.server.port(), running.server.token());
   page.show(page.hear());
@@ -459,7 +461,7 @@ TEST(ServerOfOneSessionTest, AReloadedPageGetsInAtOnce) {
   EXPECT_THAT(second.closeReason(), HasSubstr("all 1 sessions"));
 }
 
-// Connections that say nothing make room, the oldest first; sessions and pages with the token do not notice.
+// Idle connections are closed for new ones, the oldest first; sessions and pages with the token are not affected.
 TEST(ServerInACrowdTest, SilentConnectionsKeepNobodyOut) {
   namespace asio = boost::asio;
   using asio::ip::tcp;
@@ -484,7 +486,7 @@ TEST(ServerInACrowdTest, SilentConnectionsKeepNobodyOut) {
 
 // --- memory ---------------------------------------------------------------------------------------------------------
 
-// Limits what this process may claim, until it goes.
+// Limits the memory of this process during its lifetime.
 struct MemoryLimit {
   explicit MemoryLimit(uint64_t bytes) { setMemoryLimit(bytes); }
   ~MemoryLimit() { setMemoryLimit(0); }
@@ -494,7 +496,7 @@ void announce(Client& page, const std::string& name, size_t bytes) {
   page.say({{"type", "file"}, {"name", name}, {"bytes", bytes}});
 }
 
-// While a picture is made, one page sends far more than it may keep waiting.
+// While a picture is rendered, one page sends far more than it may queue.
 TEST_F(ServerTest, OfFilesThatWaitTheLastIsKept) {
   constexpr size_t kBytes = 32 << 20, kPiece = 64 << 10;
   const models::Bytes sky = models::radiancePanorama(64, 32);
@@ -547,7 +549,7 @@ TEST_F(ServerTest, WithoutMemoryThereIsASentenceAndThePageGoesOn) {
   while (page.state()["error"] != "") page.show(page.hear());
 }
 
-// A page that reads nothing, and says that all was shown, gets two messages made and no more.
+// For a page that reads nothing, but reports every picture as shown, the server creates only two messages.
 TEST(ViewerTest, NothingIsMadeForAPageThatDoesNotRead) {
   std::mutex mutex;
   std::condition_variable changed;
@@ -576,7 +578,7 @@ TEST(ViewerTest, NothingIsMadeForAPageThatDoesNotRead) {
     ASSERT_LE(sent.size(), 2);
   }
   size_t written = 0, shots = 0;
-  while (shots < kShots) {  // all of them are made once it reads
+  while (shots < kShots) {  // all of them are created once the page reads
     {
       std::unique_lock lock(mutex);
       ASSERT_TRUE(changed.wait_for(lock, 1800s, [&] { return sent.size() > written; }));
@@ -591,7 +593,7 @@ TEST(ViewerTest, NothingIsMadeForAPageThatDoesNotRead) {
   EXPECT_TRUE(changed.wait_for(lock, 1800s, [&] { return ended; }));
 }
 
-// Bytes between a page and the server, so many a second towards the page.
+// Forwards bytes between a page and the server, with a limited rate towards the page.
 class SlowNetwork {
  public:
   SlowNetwork(uint16_t port, double rate) : rate_(rate) {
@@ -608,7 +610,7 @@ class SlowNetwork {
   using Tcp = boost::asio::ip::tcp;
   static constexpr auto kStep = 10ms;
 
-  // What is there, up to so many bytes.
+  // Reads the available bytes, up to a limit.
   static void pass(Tcp::socket& from, Tcp::socket& to, size_t most) {
     std::vector<char> bytes(std::min(most, from.available()));
     if (bytes.empty()) return;
@@ -618,7 +620,7 @@ class SlowNetwork {
   void carry(uint16_t port) {
     Tcp::socket page = acceptor_.accept(), server(io_);
     server.open(Tcp::v4());
-    server.set_option(Tcp::socket::receive_buffer_size(16 << 10));  // what the network itself would hold
+    server.set_option(Tcp::socket::receive_buffer_size(16 << 10));  // otherwise the network itself would buffer more
     server.connect({boost::asio::ip::address_v4::loopback(), port});
     const auto step = static_cast<size_t>(rate_ * std::chrono::duration<double>(kStep).count());
     while (!stops_) {
@@ -639,7 +641,7 @@ class SlowNetwork {
   std::thread thread_;
 };
 
-// Its pictures become coarse, what waits for it is little, and others do not wait with it.
+// Its pictures become coarse, few bytes wait for it, and other pages do not wait for it.
 TEST_F(ServerTest, ASlowPageGetsCoarsePicturesAndHoldsUpNobody) {
   SlowNetwork network(server->port(), 50e3);
   Client slow(network.port(), server->token()), fast = resized();
@@ -673,7 +675,7 @@ TEST_F(ServerTest, ASlowPageGetsCoarsePicturesAndHoldsUpNobody) {
   EXPECT_LT(residentBytes(), bytesBefore + (256 << 20)) << "what is rendered at that size, and two messages";
 }
 
-// Pages that come and go, most of them in the middle of something, leave nothing behind.
+// Pages that open and close, most of them in the middle of a request, leak nothing.
 TEST_F(ServerTest, ReconnectsGiveBackWhatTheyTook) {
   const auto comeAndGo = [](int i) {
     Client page = resized();
@@ -692,14 +694,14 @@ TEST_F(ServerTest, ReconnectsGiveBackWhatTheyTook) {
     EXPECT_TRUE(settles(threadsBefore, threads)) << threads() << " of " << threadsBefore;
     return static_cast<int64_t>(residentBytes()) - bytesBefore;
   };
-  constexpr int64_t kEnough = 8 << 20;  // 80 kB a page: what leaks grows by more each time
+  constexpr int64_t kEnough = 8 << 20;  // 80 kB per page; a leak would grow further with each round
   int64_t least = grown();
   for (int i = 0; i < 5 && least > kEnough; ++i) least = std::min(least, grown());
   EXPECT_LT(least, kEnough);
   RecordProperty("grown", static_cast<int>(least >> 10));
 }
 
-// --- anything -------------------------------------------------------------------------------------------------------
+// --- random messages ------------------------------------------------------------------------------------------------
 
 Json randomMessage(std::mt19937& random) {
   const auto upTo = [&](uint32_t most) { return std::uniform_int_distribution<uint32_t>(0, most)(random); };

@@ -1,4 +1,4 @@
-// Camera control against geometry: the positions of points in the picture before and after each movement.
+// Camera control compared with geometry: the positions of points in the picture before and after each movement.
 #include "view/camera_control.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ using glm::dvec2;
 using glm::dvec3;
 constexpr double kPi = std::numbers::pi;
 
-// In heights of the picture from its centre, y down, by similar triangles.
+// In units of the picture's height from its center, y down, by similar triangles.
 dvec2 projected(const Viewpoint& view, dvec3 point) {
   const dvec3 away = glm::normalize(view.target - view.eye);
   const dvec3 right = glm::normalize(glm::cross(away, dvec3(0, 0, 1))), up = glm::cross(right, away);
@@ -23,7 +23,7 @@ dvec2 projected(const Viewpoint& view, dvec3 point) {
   return {glm::dot(way, right) / height, -glm::dot(way, up) / height};
 }
 
-// Scenes as small as dust and as large as countries.
+// Scenes from the size of dust to that of countries.
 class CameraControlTest : public testing::TestWithParam<double> {
  protected:
   double size() const { return GetParam(); }
@@ -135,14 +135,14 @@ TEST_P(CameraControlTest, LooksFromTheFrontTheRightAndTheTop) {
   EXPECT_NEAR(axesOf(c.view()).right.x, 1, 1e-9);
 }
 
-// A ball touches the nearer edges of the picture, and no more.
+// A ball touches the closer edges of the picture exactly.
 TEST_P(CameraControlTest, ABallIsFramedExactly) {
   for (const double aspect : {16.0 / 9, 1.0, 0.5}) {
     CameraControl c = control();
     const dvec3 centre = dvec3(3, -1, 2) * size();
     const double radius = 0.7 * size();
     c.frame(centre, radius, aspect);
-    // The cone around the ball from the eye.
+    // The cone from the eye around the ball.
     const double half = std::asin(radius / glm::length(centre - c.view().eye));
     const double edge = std::atan(std::tan(c.view().verticalFov / 2) * std::min(1.0, aspect));
     EXPECT_NEAR(half, edge, 1e-9);

@@ -18,7 +18,7 @@ namespace {
 
 std::unique_ptr<vk::Device> shared;
 
-// Static destructors would come too late for what the device's own destructor calls.
+// Static destructors would run too late for the calls that the device's own destructor makes.
 class Shutdown : public testing::Environment {
   void TearDown() override { shared.reset(); }
 };
@@ -29,12 +29,12 @@ vk::Device& device() {
   return *shared;
 }
 
-// As the command does it.
+// As in the command.
 void run(std::vector<std::string> arguments) {
   CLI::App command;
   app::RenderOptions o;
   app::addRenderOptions(command, o);
-  std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
+  std::reverse(arguments.begin(), arguments.end());  // in the order that CLI11 expects
   command.parse(arguments);
   const app::RenderPlan plan = app::planRender(o);
   const scene::Scene scene = scene::load(o.scene, {.variant = o.variant, .ids = o.idGrouping});

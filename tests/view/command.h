@@ -7,7 +7,7 @@
 
 namespace latelight::view {
 
-// The file that these words, from "latelight" on, write with -o `file`. Errors are failures of the test.
+// Returns the file that the command writes with -o `file`; `words` begin with "latelight". Errors fail the test.
 std::string rendered(const std::vector<std::string>& words, const std::string& file);
 
 }  // namespace latelight::view

@@ -6,7 +6,7 @@
 namespace latelight::view {
 namespace {
 
-// A device that takes so long a picture and a pixel.
+// A device with these times per picture and per pixel.
 struct Device {
   double picture, pixel;
   double seconds(const render::Settings& s) const { return picture + pixel * s.width * s.height; }
@@ -42,7 +42,7 @@ TEST(DraftTest, TenPicturesASecondWithAsManyPixelsAsThatLeaves) {
   }
 }
 
-// Once it has settled no picture is of another size than the one before.
+// Once the size has settled, it no longer changes.
 TEST(DraftTest, NothingSwings) {
   for (const double whole : {0.1, 0.3, 0.7, 2.0}) {
     const Device device{0.02, whole / (1280 * 720)};

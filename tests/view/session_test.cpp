@@ -33,7 +33,7 @@ using models::radiancePanorama;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// Each test's own, under validation.
+// Each test has its own session, under validation.
 struct Viewer {
   explicit Viewer(Start start) : session((start.device = "cpu", start.validate = true, start)) {}
   ~Viewer() {
@@ -54,7 +54,7 @@ struct Viewer {
   const SessionFrame* last = nullptr;
 };
 
-// Lights, a camera, and few triangles.
+// A scene with lights, a camera, and few triangles.
 std::string lit() {
   return modelPath("punctual.glb").string();
 }
@@ -63,7 +63,7 @@ Start small(const std::string& scene = lit()) {
   return {.scene = scene, .width = 96, .height = 54};
 }
 
-// The final picture's pixels, and the screenshot's bytes, are those that the command makes.
+// Expects that the final picture's pixels and the screenshot's bytes equal those of the command.
 void expectAsRendered(Viewer& viewer, const std::string& what) {
   SCOPED_TRACE(what + ": " + viewer.state().command);
   const Folder folder;
@@ -79,7 +79,7 @@ void expectAsRendered(Viewer& viewer, const std::string& what) {
 
 // --- options --------------------------------------------------------------------------------------------------------
 
-// A value that is not the default. Texts are given here: a new one fails the test until it has a value.
+// A value other than the default. Values of texts are listed here, so a new one fails the test until it has a value.
 std::string valueOf(const render::Option& option) {
   static const std::map<std::string, std::string, std::less<>> kTexts{
       {"background", "hdri"},   {"aa", "ss2"},       {"animation", "0"},          {"shadow-lights", "none"},
@@ -106,7 +106,7 @@ std::string valueOf(const render::Option& option) {
   }
 }
 
-// As it is pasted into a shell, by the program itself.
+// The command line as pasted into a shell, run by the program itself.
 TEST(ViewSessionTest, TheCommandIsOneForAShell) {
   const Folder folder;
   Start start = small();
@@ -267,7 +267,7 @@ TEST(ViewSessionTest, NothingIsRenderedWhileNothingChanges) {
     EXPECT_FALSE(viewer.session.wantsFrame());
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
-  viewer(PointerMove{20, 20});  // what is under the pointer is found out, once
+  viewer(PointerMove{20, 20});  // determines once what is under the pointer
   EXPECT_EQ(viewer.settle().number, number) << "no other picture";
   viewer(PointerMove{20, 20});
   viewer(SetNavigation{Navigation::Fly});
@@ -291,7 +291,7 @@ TEST(ViewSessionTest, ADraftComesFirstAndTheWholePictureFollows) {
   EXPECT_EQ(whole.height, 360u);
 }
 
-// What drafts leave out, and their pipelines, are found out before anything moves.
+// The effects that drafts omit, and their pipelines, are determined before anything moves.
 TEST(ViewSessionTest, DraftsAreRehearsedUnseenWhileNothingMoves) {
   Viewer viewer(small());
   while (!viewer.session.next().final) std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -344,15 +344,15 @@ TEST(ViewSessionTest, EachSideOfASplitIsAsItsCommandLineHasIt) {
   EXPECT_TRUE(folder.read("right.png") == rendered(viewer.session.commandLine(Side::Right), folder.at("r.png")));
 }
 
-// Where one side shows the environment both are lit by it, and both command lines say so.
+// If one side shows the environment, it lights both, and both command lines state so.
 TEST(ViewSessionTest, ASplitIsLitAlike) {
   Viewer viewer(small());
-  viewer(SetSplit{SetSplit::Slider, 1});  // all of the left one
+  viewer(SetSplit{SetSplit::Slider, 1});  // only the left side
   viewer(SetOption{"background", "hdri", Side::Right});
   expectAsRendered(viewer, "lit by what the other side shows");
 }
 
-// --- what is pointed at ---------------------------------------------------------------------------------------------
+// --- objects at the pointer -----------------------------------------------------------------------------------------
 
 TEST(ViewSessionTest, ValuesUnderThePointerAreThoseOfPick) {
   Viewer viewer(small());
@@ -387,7 +387,7 @@ TEST(ViewSessionTest, AClickSelectsAndIsOutlined) {
   EXPECT_FALSE(viewer.state().selected) << "a drag is no click";
 }
 
-// As the pointer does: by one pixel and by ten, to the picture's edge and no further.
+// Like the pointer: by one pixel and by ten, up to the picture's edge and no further.
 TEST(ViewSessionTest, KeysPointAtPixelsAndSelect) {
   const auto pixel = [](uint32_t x, uint32_t y) { return std::array<uint32_t, 2>{x, y}; };
   Viewer viewer(small());
@@ -442,7 +442,7 @@ TEST(ViewSessionTest, APictureThatShrinksLeavesThePointerBeside) {
   EXPECT_THAT(viewer.state().error, IsEmpty());
 }
 
-// --- scenes that change ---------------------------------------------------------------------------------------------
+// --- changes of the scene -------------------------------------------------------------------------------------------
 
 TEST(ViewSessionTest, PlaysAnAnimation) {
   Viewer viewer(small(modelPath("skinned.glb").string()));
@@ -490,7 +490,8 @@ TEST(ViewSessionTest, FollowsItsFile) {
   EXPECT_TRUE(viewer.settle().final) << "with the scene that it has";
 }
 
-// A .glb as a .gltf with a file for its buffer and one for each picture, by their names; the .gltf is the first.
+// Splits a .glb into a .gltf with one file for its buffer and one for each image, by their names; the .gltf is the
+// first.
 std::vector<std::string> inFiles(const std::filesystem::path& glb, const Folder& folder) {
   std::ifstream stream(glb, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
@@ -534,7 +535,7 @@ TEST(ViewSessionTest, FollowsEachFileOfItsScene) {
   EXPECT_FALSE(viewer.settle().rgba == before.rgba);
 }
 
-// All but what is nearly black becomes black: without the slope of sRGB's curve.
+// Everything except nearly black becomes black: without the slope of sRGB's curve.
 std::vector<uint32_t> flattened(std::span<const uint32_t> code) {
   constexpr auto kSlope = std::bit_cast<uint32_t>(1.055f), kOffset = std::bit_cast<uint32_t>(0.055f);
   std::vector<uint32_t> words(code.begin(), code.end());
@@ -649,7 +650,7 @@ TEST(ViewSessionTest, AnEnvironmentIsTakenAsItIsDropped) {
 
 TEST(ViewSessionTest, FollowsTheFileOfItsEnvironment) {
   const Folder folder;
-  // All of one radiance; the exponent is each pixel's last byte.
+  // Uniform radiance; the exponent is each pixel's last byte.
   const auto sky = [](char exponent) {
     std::string file = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n";
     for (int i = 0; i < 8 * 16; ++i) file += {100, 80, 60, exponent};
@@ -700,7 +701,8 @@ TEST(ViewSessionTest, AnEnvironmentIsGivenWithoutAFileHere) {
 
 // --- a device that is lost ---
 
-// At each submission of a session's first pictures: a sentence, and the next picture is as if nothing had happened.
+// At each submission of a session's first pictures: one message, and the next picture equals that of an undisturbed
+// session.
 TEST(ViewSessionTest, ALostDeviceIsASentenceAndTheNextPictureBeginsWithANewOne) {
   const auto settled = [](ViewSession& session) {
     while (session.wantsFrame() || !session.frame().final) session.next();
@@ -728,7 +730,7 @@ TEST(ViewSessionTest, ALostDeviceIsASentenceAndTheNextPictureBeginsWithANewOne) 
   EXPECT_GE(losses, 2);
 }
 
-// --- anything at all ------------------------------------------------------------------------------------------------
+// --- random input ---------------------------------------------------------------------------------------------------
 
 Input anyInput(std::mt19937& random) {
   const auto below = [&](uint32_t n) { return static_cast<uint32_t>(random() % n); };
@@ -756,7 +758,7 @@ Input anyInput(std::mt19937& random) {
     case 9:
     case 10: {
       const render::Option& option = render::options()[below(static_cast<uint32_t>(render::options().size()))];
-      // Each set of compiled options takes lavapipe seconds for its pipelines.
+      // lavapipe needs seconds for the pipelines of each set of compiled options.
       const bool slow = option.effect == render::OptionEffect::Compiled && below(8) != 0;
       return SetOption{option.name, slow || below(3) == 0 ? "" : valueOf(option), side};
     }

@@ -56,7 +56,7 @@ class Drag {
     send("XdndPosition", {0, long{x_} << 16 | y_, CurrentTime, static_cast<long>(atom("XdndActionCopy"))});
     if (!(waitFor("XdndStatus").data.l[1] & 1)) throw std::runtime_error("the window takes no files");
     send("XdndDrop", {0, CurrentTime});
-    // GLFW says how many bytes it took, where XDND has one bit.
+    // GLFW returns the number of bytes that it accepted, where XDND has a single bit.
     if (waitFor("XdndFinished").data.l[1] == 0) throw std::runtime_error("the window did not take the file");
   }
 
@@ -76,7 +76,7 @@ class Drag {
     XSendEvent(get(), target_, False, NoEventMask, &event);
   }
 
-  // The list of files, for a window that asks for it.
+  // The list of files, for a window that requests it.
   void give(const XSelectionRequestEvent& asked) const {
     XChangeProperty(get(), asked.requestor, asked.property, asked.target, 8, PropModeReplace,
                     reinterpret_cast<const unsigned char*>(list_.data()), static_cast<int>(list_.size()));
@@ -90,7 +90,7 @@ class Drag {
   }
 
   XClientMessageEvent waitFor(const char* type) const {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(5);  // against hangs alone
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(5);  // only against hangs
     while (std::chrono::steady_clock::now() < end) {
       while (XPending(get())) {
         XEvent event;
@@ -136,7 +136,7 @@ void restore(const std::string& display, unsigned long window) {
   XMapWindow(to.get(), window);
 }
 
-// Its owner gives it as a property of a window of our own (ICCCM 2.2).
+// Its owner provides it as a property of a window of ours (ICCCM 2.2).
 std::string clipboard(const std::string& display) {
   const Connection to = connect(display);
   const auto atom = [&to](const char* name) { return XInternAtom(to.get(), name, False); };

@@ -15,7 +15,7 @@ namespace latelight::app {
 
 namespace {
 
-// A number of an XWD file's header, which are big-endian (X11's XWDFile.h).
+// Reads a big-endian number from an XWD file's header (X11's XWDFile.h).
 uint32_t wordAt(const std::string& bytes, size_t index) {
   uint32_t word = 0;
   for (size_t i = 0; i < 4; ++i) word = word << 8 | static_cast<uint8_t>(bytes.at(4 * index + i));
@@ -38,7 +38,7 @@ Screen::Screen(uint32_t width, uint32_t height) {
     _exit(127);
   }
   close(pipe[1]);
-  // Its number when it is ready; the end of the line is written by itself.
+  // Reads the display's number, which Xvfb prints when it is ready; the end of the line is written separately.
   name_ = ":";
   for (char c = 0; read(pipe[0], &c, 1) == 1 && c != '\n';) name_ += c;
   close(pipe[0]);

@@ -14,14 +14,14 @@ namespace latelight::app {
 
 class Screen {
  public:
-  // Throws std::runtime_error where Xvfb or xdotool are not there.
+  // Throws std::runtime_error if Xvfb or xdotool does not exist.
   Screen(uint32_t width, uint32_t height);
   ~Screen();
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
 
   const std::string& name() const { return name_; }                                 // for DISPLAY
-  void act(std::vector<std::string> words) const;                                   // of xdotool
+  void act(std::vector<std::string> words) const;                                   // runs xdotool
   output::Picture pixels(uint32_t width, uint32_t height, uint32_t top = 0) const;  // from the left, alpha 255
   void stop();                                                                      // it is gone for all who use it
 

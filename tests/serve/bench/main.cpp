@@ -29,11 +29,11 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-// The next picture, decoded and shown.
+// Returns the next picture after decoding and showing it.
 struct Heard {
   Json picture;
-  uint64_t serial = 0;  // that it follows
-  double decoding = 0;  // milliseconds
+  uint64_t serial = 0;  // of the input that it follows
+  double decoding = 0;  // in milliseconds
 };
 Heard hearPicture(Client& page) {
   for (;;) {
@@ -50,7 +50,7 @@ void drag(Client& page, int step) {
   page.say({{"type", "move"}, {"x", 300 + 5 * step % 400}, {"y", 300}});
 }
 
-// As a mouse moves: some two hundred times a second, whether pictures come or not.
+// Like a mouse: some two hundred events per second, whether pictures arrive or not.
 Client::Message hearWhileDragging(Client& page, int& step) {
   for (;;) {
     do drag(page, ++step);
@@ -67,7 +67,7 @@ void measureRate(Client& page, double seconds) {
   page.say({{"type", "move"}, {"x", 300}, {"y", 300}});
   page.say({{"type", "button"}, {"button", "left"}, {"down", true}});
   int step = 0;
-  for (const auto begin = Clock::now(); since(begin) < 2;) hearWhileDragging(page, step);  // finds its pace
+  for (const auto begin = Clock::now(); since(begin) < 2;) hearWhileDragging(page, step);  // lets it find its pace
   int pictures = 0;
   size_t bytes = 0;
   double rendering = 0;
@@ -86,7 +86,7 @@ void measureRate(Client& page, double seconds) {
              static_cast<double>(bytes) / pictures / 1000, rendering / pictures);
 }
 
-// From standing still, as a key press finds it. What is neither made, encoded nor decoded is on its way, or waits.
+// From rest, as for a key press. The rest of the time is transfer and waiting.
 void measureLatency(Client& page, int times) {
   std::vector<double> waits, rendering, encoding, decoding, ways, finals;
   for (int i = 0; i < times; ++i) {
@@ -110,7 +110,7 @@ void measureLatency(Client& page, int times) {
       median(rendering), median(encoding), median(decoding), median(ways));
 }
 
-// Until it goes.
+// Runs until it is stopped.
 struct Running {
   Server& server;
   std::thread thread;
