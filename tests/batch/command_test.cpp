@@ -22,7 +22,7 @@ app::Command dryRun(const Folder& folder, std::vector<std::string> more) {
   return batch(folder, all);
 }
 
-// How many frames it says would be rendered.
+// Returns the number of frames that the command reports.
 std::string frames(const Outcome& outcome) {
   EXPECT_EQ(outcome.code, 0) << outcome.text();
   const size_t line = outcome.out.rfind('\n', outcome.out.size() - 2) + 1;
@@ -45,7 +45,7 @@ TEST(BatchCommand, TakesListsAsJson) {
   EXPECT_THAT(wrong.err, HasSubstr("--cameras takes a name or JSON"));
 }
 
-// One element each time, or several: none is lost.
+// One element per option, or several: none is lost.
 TEST(BatchCommand, ListsMayBeGivenInParts) {
   const Folder folder;
   ASSERT_EQ(latelight(batch(folder, {"--scenes", "builtin:boxes", "-o", "set", "--formats", R"(["npz", "ply"])",
@@ -70,7 +70,7 @@ TEST(BatchCommand, NamesMayHaveBracketsAndCommas) {
   EXPECT_EQ(frames(latelight(dryRun(folder, {"--allow-outside", "[f,g]", "--id-nodes", "floor"}))), "1");
 }
 
-// Words after an option's value are not more values of it.
+// Words after an option's value are not further values of the option.
 TEST(BatchCommand, AValueIsOneWord) {
   const Folder folder;
   EXPECT_EQ(latelight(batch(folder, {"--scenes", "builtin:boxes", "builtin:hall", "-o", "set", "--dry-run"})).code, 2);
@@ -99,7 +99,7 @@ TEST(BatchCommand, NamesThatNoFileCanHave) {
   EXPECT_EQ(code({"serve", "builtin:boxes", "--hdri", name + ".hdr", "--port", "0", "--device", "cpu"}), 3);
 }
 
-// A job's numbers are repeated as they are.
+// The numbers of a job are repeated as written.
 TEST(BatchCommand, LargeNumbersAreRepeatedAsTheyAre) {
   const Folder folder;
   const Outcome outcome = latelight(dryRun(folder, {"--repeat", "9223372036854775808"}));

@@ -93,7 +93,7 @@ TEST(Failures, AFullDiskLeavesOnlyWholeFrames) {
   EXPECT_LT(there.size(), whole.size());
   there.erase("manifest.json");
   expectPartOf(there, whole);
-  // More room, as after others have removed what was theirs.
+  // A higher limit, as if another process had freed space on the disk.
   ASSERT_EQ(mount("tmpfs", disk.path().c_str(), "tmpfs", MS_REMOUNT, "size=8M"), 0);
   const Outcome resumed = latelight(into("disk/set", {"--resume"}));
   EXPECT_EQ(resumed.code, 0) << resumed.text();
@@ -115,7 +115,7 @@ TEST(Failures, PlacesWhereNothingCanBeMade) {
   EXPECT_EQ(folder.read("other/photo.png"), "mine");
 }
 
-// Frames in flight are written, none is torn, and the rest is made later.
+// Frames in flight are written, no file is incomplete, and --resume renders the rest.
 TEST(Signals, EndABatchBetweenFrames) {
   for (const int signal : {SIGTERM, SIGINT}) {
     Folder folder;
@@ -130,13 +130,13 @@ TEST(Signals, EndABatchBetweenFrames) {
     EXPECT_THAT(outcome.err, HasSubstr(signal == SIGINT ? "stopped by SIGINT with " : "stopped by SIGTERM with "));
     const Outcome verify = latelight({.arguments = {"batch", "verify", "set"}, .folder = folder.path()});
     EXPECT_EQ(verify.code, 0) << verify.text();
-    // Each frame that is there is in the manifest: none was rendered for nothing.
+    // The manifest lists every frame that exists, so none was rendered in vain.
     const std::string said = verify.out.substr(verify.out.find("of ") + 3);
     EXPECT_EQ(std::to_string(filesOf(folder, "set").size()) + " frames are as they were written\n", said);
   }
 }
 
-// Ends a job by a signal after a while; how long it then took, in seconds.
+// Ends a job with a signal after some time. Returns the seconds that it then took to stop.
 double secondsAfter(int signal, app::Command command, Outcome& outcome) {
   const auto start = std::chrono::steady_clock::now();
   command.timeout = std::chrono::milliseconds(2000);
@@ -146,7 +146,7 @@ double secondsAfter(int signal, app::Command command, Outcome& outcome) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() - 2;
 }
 
-// 10,000 objects with 100,000 tries each, of which few find a place.
+// 10,000 objects with 100,000 attempts each, few of which find a free position.
 TEST(Signals, EndABatchWhileItScatters) {
   Folder folder;
   folder.write("job.json", std::string_view(R"({"scenes": "builtin:boxes", "output": "set", "variations": [
@@ -157,7 +157,7 @@ TEST(Signals, EndABatchWhileItScatters) {
   EXPECT_THAT(outcome.err, HasSubstr("stopped by SIGTERM with 0 of 1 frames"));
 }
 
-// Many places in a hall, each tested against all that stands there, take minutes.
+// Many positions in a hall, each tested against all of its geometry, take minutes.
 TEST(Signals, EndABatchWhileCamerasAreSought) {
   Folder folder;
   folder.write("job.json", std::string_view(R"({"scenes": "builtin:hall", "output": "set", "cameras":

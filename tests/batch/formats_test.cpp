@@ -1,4 +1,4 @@
-// The loop renders the additional outputs that formats require.
+// The batch renders the additional outputs that formats require.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

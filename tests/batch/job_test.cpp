@@ -118,13 +118,13 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
   EXPECT_THAT(wrongIn("job.txt", ""), HasSubstr("does not end in a language"));
 }
 
-// An end of a document without another, and empty ones after it, are no second document.
+// A document end without a further document, or followed by empty ones, is accepted as a single document.
 TEST(Job, OneDocumentMayEnd) {
   for (const char* end : {"...\n", "---\n", "# the end\n"})
     EXPECT_EQ(wrongIn("job.yaml", std::string("---\nscenes: builtin:boxes\noutput: set\n") + end), "") << end;
 }
 
-// Whole numbers of 64 bits are repeated as they are written, on both sides of 2^63.
+// 64-bit integers are repeated as written, on both sides of 2^63.
 TEST(Job, LargeNumbersAreRepeatedAsTheyAre) {
   const std::string start = "scenes: builtin:boxes\noutput: set\n";
   for (const char* number : {"9223372036854775807", "9223372036854775808", "18446744073709551615"}) {
@@ -142,7 +142,7 @@ double secondsOf(const std::function<void()>& call) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// Nine levels of nine aliases would be 9^9 texts.
+// Nine levels of nine aliases would expand to 9^9 strings.
 TEST(Job, AliasesDoNotMultiplyWithoutABound) {
   std::string laughs = "a0: &a0 [lol, lol, lol, lol, lol, lol, lol, lol, lol]\n";
   for (int level = 1; level < 9; ++level) {
@@ -152,14 +152,14 @@ TEST(Job, AliasesDoNotMultiplyWithoutABound) {
     laughs += "]\n";
   }
   EXPECT_LT(secondsOf([&] { EXPECT_THAT(wrongIn("job.yaml", laughs), HasSubstr("its aliases repeat too much")); }), 1);
-  // Few copies are fine.
+  // A few copies are accepted.
   Folder folder;
   folder.write("job.yaml", std::string_view("k: &k [1, [2, 3]]\nl: [*k, *k]\nm: *k\n"));
   EXPECT_EQ(readJobFile(folder.at("job.yaml")).json.dump(),
             R"({"k":[1,[2,3]],"l":[[1,[2,3]],[1,[2,3]]],"m":[1,[2,3]]})");
 }
 
-// Each key was compared with all before it: 200,000 of them took minutes.
+// If each key were compared with all previous ones, 200,000 keys would take minutes.
 TEST(Job, ManyKeysTakeLinearTime) {
   std::string yaml, json = "{";
   for (int i = 0; i < 200'000; ++i) {
@@ -171,7 +171,7 @@ TEST(Job, ManyKeysTakeLinearTime) {
   EXPECT_THAT(wrongIn("job.json", json + ",\n\"key7\": 2}"), HasSubstr("job.json:2: the key key7 is there twice"));
 }
 
-// A job that says of itself that it needs more memory than there is.
+// A job that declares that it needs more memory than there is.
 TEST(Job, MemoryIsClaimedBeforeItIsTaken) {
   Folder folder;
   std::string many = R"({"scenes": "builtin:boxes", "output": "set", "variations": [)";
@@ -202,7 +202,7 @@ TEST(Job, WrongJsonIsToldByItsLine) {
   EXPECT_THAT(wrongIn("job.yaml", std::string(100'000, '[')), HasSubstr("job.yaml"));
 }
 
-// The bounds are those of the table that the command line has.
+// The limits are those of the table that the command line uses.
 TEST(Schema, HasEveryOptionOfAPicture) {
   const auto& options = jobSchema()["properties"]["options"]["properties"];
   EXPECT_EQ(options.size(), render::options().size());

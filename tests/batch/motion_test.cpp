@@ -24,8 +24,8 @@ using testing::ElementsAre;
 constexpr double kFocal = 40;
 constexpr float kUnknown = 1e10f;
 
-// The square [-40, 40]^2 of the node "square", and a camera at z = 4. Where `moves` names a node, it moves by a metre a
-// second to the right, from 0 s to 10 s.
+// The square [-40, 40]^2 of the node "square", and a camera at z = 4. The node named by `moves`, if any, moves right by
+// one meter per second, from 0 s to 10 s.
 void writeScene(const Folder& folder, const std::string& file, const std::string& moves = "") {
   const float positions[] = {-40, -40, 0, 40, -40, 0, 40, 40, 0, -40, 40, 0};
   const uint16_t indices[] = {0, 1, 2, 0, 2, 3};
@@ -46,7 +46,7 @@ void writeScene(const Folder& folder, const std::string& file, const std::string
       {"asset", {{"version", "2.0"}}},
       {"scenes", {{{"nodes", {0, 1}}}}},
       {"nodes", {{{"name", "square"}, {"mesh", 0}}, {{"name", "camera"}, {"camera", 0}, {"translation", {0, 0, 4}}}}},
-      // The focal length of 40 pixels in 24 rows.
+      // A focal length of 40 pixels for 24 rows.
       {"cameras", {{{"type", "perspective"}, {"perspective", {{"yfov", 2 * std::atan(12 / kFocal)}, {"znear", 0.1}}}}}},
       {"meshes", {{{"primitives", {{{"attributes", {{"POSITION", 0}}}, {"indices", 1}}}}}}},
       {"buffers", {{{"uri", file + ".bin"}, {"byteLength", buffer.size()}}}},
@@ -83,7 +83,8 @@ Outcome make(const Folder& folder, const std::string& scene, const std::string& 
   return latelight(batch(folder, all));
 }
 
-// The flow to the right of all pixels of a file, which is alike; it is none along y. Both are 1e10 where it is unknown.
+// Returns the horizontal flow of a file, which must be equal in all pixels. The vertical flow must be 0. Both are 1e10
+// if unknown.
 double flowIn(const Folder& folder, const std::string& file) {
   const std::string bytes = folder.read("set/" + file);
   EXPECT_EQ(bytes.size(), 12u + 8 * 32 * 24) << file;
@@ -97,7 +98,7 @@ double flowIn(const Folder& folder, const std::string& file) {
   return flow[0];
 }
 
-// Of frames 0 to n - 1: to the next frame, or to the previous one.
+// Expects the flow of frames 0 to n - 1: to the next frame, or to the previous one.
 std::vector<double> flowsOf(const Folder& folder, size_t frames, const char* kind = "flow") {
   std::vector<double> flows;
   for (size_t i = 0; i < frames; ++i) flows.push_back(flowIn(folder, fmt::format("{}/{:06}.flo", kind, i)));
@@ -117,12 +118,12 @@ json motionOf(const Folder& folder) {
   return motion;
 }
 
-// --- cameras in an order --------------------------------------------------------------------------------------------
+// --- cameras with an order ------------------------------------------------------------------------------------------
 
-// Three poses: from the first to the second 0.1 m to the right, and 0.3 m from there.
+// Three poses: the second is 0.1 m to the right of the first, the third another 0.3 m.
 struct Source {
   const char* name;
-  std::string cameras;  // of a job
+  std::string cameras;  // value of the job's key
   void (*write)(const Folder& folder) = nullptr;
 };
 
@@ -141,7 +142,7 @@ void writeTransforms(const Folder& folder) {
   folder.write("transforms.json", std::string_view(root.dump()));
 }
 
-// The images are in no order; their names are.
+// The images are unordered in the file; their names determine the order.
 void writeColmap(const Folder& folder) {
   fs::create_directory(folder.path() / "sparse");
   folder.write("sparse/cameras.txt", std::string_view("1 SIMPLE_PINHOLE 32 24 40 16 12\n"));
@@ -185,7 +186,7 @@ TEST(MotionOfASet, LeadsToTheNeighborsOfEachOrderedSource) {
   });
 }
 
-// Each member's next frame is the same member's; the sequence begins again with each variation.
+// The next frame of each member belongs to the same member. The sequence begins again with each variation.
 TEST(MotionOfASet, OfAPairLeadsToTheSameMember) {
   const Folder folder;
   writeScene(folder, "s.gltf");
@@ -205,7 +206,7 @@ TEST(MotionOfASet, OfAPairLeadsToTheSameMember) {
   EXPECT_EQ(motion[6]["previous"], json());
 }
 
-// Pictures of several cameras, each in a folder of its own: what follows the last of one is not the first of another.
+// Several cameras with a folder of images each: the first image of one camera does not follow the last of another.
 TEST(MotionOfASet, KeepsToTheFolderOfItsPictures) {
   const Folder folder;
   writeScene(folder, "s.gltf");
@@ -235,7 +236,7 @@ TEST(MotionOfASet, IsUnknownWithoutAnOrder) {
   for (const json& motion : motionOf(folder)) EXPECT_EQ(motion, json({{"previous", nullptr}, {"next", nullptr}}));
 }
 
-// The square moves by 0.1 m a frame; a camera of a list stands.
+// The square moves by 0.1 m per frame; a camera of a list is static.
 TEST(MotionOfASet, OfAMovingSceneIsThatOfTheScene) {
   const Folder folder;
   writeScene(folder, "s.gltf", "square");
@@ -248,9 +249,10 @@ TEST(MotionOfASet, OfAMovingSceneIsThatOfTheScene) {
   EXPECT_EQ(motionOf(folder)[0], json({{"previous", {{"time", 1.9}}}, {"next", {{"time", 2.1}}}}));
 }
 
-// --- time of the scene ----------------------------------------------------------------------------------------------
+// --- the scene's time -----------------------------------------------------------------------------------------------
 
-// Camera and square both move by 0.1 m from frame to frame: nothing flows. At one moment the camera alone moves.
+// Camera and square both move by 0.1 m from frame to frame, so there is no flow. With a fixed time only the camera
+// moves.
 TEST(MotionOfASet, TimeAdvancesFromFrameToFrame) {
   const std::string path = R"({"type": "path", "fps": 10, )" + kLens + R"(, "keys": [
       {"time": 0, "eye": [0, 0, 4], "target": [0, 0, 0]}, {"time": 0.2, "eye": [0.2, 0, 4], "target": [0.2, 0, 0]}]})";
@@ -261,7 +263,7 @@ TEST(MotionOfASet, TimeAdvancesFromFrameToFrame) {
   struct Case {
     std::string cameras;
     std::vector<std::string> options;
-    double flow, last;  // in pixels, and the time of the last frame
+    double flow, last;  // the flow in pixels, and the time of the last frame
   };
   const Case cases[] = {{path, {"--time", "1"}, 0, 1.2},
                         {transforms, {"--time", "1", "--fps", "10"}, 0, 1.2},
@@ -285,7 +287,7 @@ TEST(MotionOfASet, TimeAdvancesFromFrameToFrame) {
   });
 }
 
-// The file's camera moves by a metre a second: at 2 s it is at x = 2, and so is the left one of a pair.
+// The file's camera moves by one meter per second. At 2 s it is at x = 2, as is the left camera of a pair.
 TEST(MotionOfASet, TheScenesCameraIsWhereItIsAtTheTime) {
   const Folder folder;
   writeScene(folder, "s.gltf", "camera");
@@ -321,7 +323,7 @@ TEST(MotionOfASet, IsTheSameInPartsAndOnceItIsResumed) {
   fs::remove(folder.path() / "parts/flow/000001.flo");
   making("parts", {"--resume"});
   expectSame(filesOf(folder, "parts"), filesOf(folder, "set"));
-  // A further pose: the last frame now has a next one.
+  // With one more pose, the last frame has a next one.
   folder.write("tum.txt", std::string_view(folder.read("tum.txt") + "3.5 0.6 0 4 1 0 0 0\n"));
   making("parts", {"--resume"});
   making("again");

@@ -31,14 +31,15 @@ app::Command job(const Folder& folder, const std::string& set, std::vector<std::
   return batch(folder, all);
 }
 
-// Lines of the shard's log: one for each finished frame, and its first line.
+// The lines of the shard's log: its first line, and one per finished frame.
 auto linesOf(const Folder& folder, const std::string& set) {
   return std::ranges::count(folder.read(set + "/.latelight/shard-0-of-1.jsonl"), '\n');
 }
 
-// Kills the job again and again, with all that is visible compared each time: every fifth time after a random while of
-// its start, before it has a frame; else once it has finished a random number of further frames, from one to more than
-// the set has left. A finished set is begun again. Returns how often some frames were there, and others missing.
+// Kills the job repeatedly and compares all visible files each time. Every fifth time this happens after a random time
+// during its start, before it has a frame; otherwise once it has finished a random number of further frames, from one
+// to more than the set still needs. A finished set is started over. Returns how often some frames existed and others
+// were missing.
 int killOften(const Folder& folder, const std::string& set, int times, uint32_t seed,
               const std::map<std::string, std::string>& whole) {
   std::mt19937 random(seed);
@@ -160,7 +161,7 @@ TEST(Resume, AChangedSceneIsRenderedAgain) {
   EXPECT_THAT(logOf(folder), HasSubstr("begins: 0 of 3 frames"));
 }
 
-// What a single picture is, by the other command.
+// Returns the picture that the command render writes for the frame.
 TEST(Resume, AFrameIsThePictureOfRender) {
   Folder folder;
   ASSERT_EQ(latelight(batch(folder, {"--scenes", "builtin:boxes", "-o", "set", "--name", "{camera}"})).code, 0);

@@ -13,19 +13,20 @@
 
 namespace latelight::data {
 
-// The smallest scene that is seen from somewhere.
+// The smallest scene that a camera can see.
 inline constexpr const char* kCameraAlone =
     R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"camera": 0}],
         "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}]})";
 
-// Tiny frames of the CPU device.
+// Options for tiny frames on the CPU device.
 inline app::Command batch(const app::Folder& folder, std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "batch");
   for (const char* more : {"--devices", "cpu", "--size", "32x24"}) arguments.emplace_back(more);
   return {.arguments = std::move(arguments), .folder = folder.path()};
 }
 
-// The files of a set by name, but for what tells of its making. What is being written is not there under its name.
+// Returns the files of a set by name, except those that describe its creation. Files that are being written have
+// another name and are not included.
 inline std::map<std::string, std::string> filesOf(const app::Folder& folder, const std::string& set) {
   std::map<std::string, std::string> files;
   std::error_code ignored;
@@ -38,7 +39,7 @@ inline std::map<std::string, std::string> filesOf(const app::Folder& folder, con
   return files;
 }
 
-// That all its files are those of another set, as they are there: none is torn.
+// Expects that every file of the set equals that of the other set, so that none is incomplete.
 inline void expectPartOf(const std::map<std::string, std::string>& part,
                          const std::map<std::string, std::string>& all) {
   for (const auto& [name, bytes] : part) {

@@ -68,7 +68,7 @@ TEST(Shard, IsReadFromWhatStartedTheProcess) {
   EXPECT_EQ(chosen("0/2", {{"PMI_RANK", "3"}, {"PMI_SIZE", "4"}}), "0-of-2") << "what is given counts";
 }
 
-// sbatch sets the rank 0 and the number of tasks for the script itself, which is one process.
+// sbatch sets rank 0 and the number of tasks for the script itself, which is a single process.
 TEST(Shard, ABatchScriptIsNoPart) {
   const Variables script{{"SLURM_JOB_ID", "7"}, {"SLURM_PROCID", "0"}, {"SLURM_NTASKS", "4"}, {"SLURM_NPROCS", "4"}};
   EXPECT_EQ(chosen("", script), "0-of-1");
@@ -77,7 +77,7 @@ TEST(Shard, ABatchScriptIsNoPart) {
   EXPECT_EQ(chosen("", together(kArray, script)), "2-of-4 by SLURM_ARRAY_TASK_ID, _MIN and _COUNT");
 }
 
-// mpirun starts its daemons as a step, one a node, and they start the processes.
+// mpirun starts its daemons as a job step, one per node, and these start the processes.
 TEST(Shard, MpirunWithinAStepCountsItsOwnProcesses) {
   EXPECT_EQ(chosen("", together(kStep, kOpenMpi)), "3-of-4 by OMPI_COMM_WORLD_RANK and OMPI_COMM_WORLD_SIZE");
   EXPECT_THAT(chosen("", together(kArray, kOpenMpi)), testing::StartsWith("11-of-16 by SLURM_ARRAY_TASK_ID"));
@@ -94,12 +94,12 @@ TEST(Shard, RefusesWhatIsNone) {
   EXPECT_THAT(chosen("", {{"PMI_RANK", "x"}, {"PMI_SIZE", "4"}}), HasSubstr("PMI_RANK must be a whole number"));
 }
 
-// The scene's file is written once: shards that run at the same time read it.
+// The scene's file is written once, because shards that run concurrently read it.
 struct PartsFolder : Folder {
   PartsFolder() { write("empty.gltf", std::string_view(kCameraAlone)); }
 };
 
-// Two scenes, one of a camera alone.
+// Two scenes, one of which contains only a camera.
 app::Command parts(const PartsFolder& folder, const std::string& set, std::vector<std::string> more,
                    const char* repeat = "11") {
   std::vector<std::string> all{"--scenes",  "builtin:boxes",
@@ -119,7 +119,7 @@ TEST(Shards, HoweverItIsSplitTheSetIsTheSame) {
   expectSame(filesOf(folder, "workers"), filesOf(folder, "whole"));
   for (const size_t count : {3, 8}) {
     const std::string set = "of" + std::to_string(count);
-    app::inPairs(count, [&](size_t i) {  // the last ones first
+    app::inPairs(count, [&](size_t i) {  // last shards first
       const std::string shard = std::to_string(count - 1 - i) + "/" + std::to_string(count);
       const Outcome outcome = latelight(parts(folder, set, {"--shard", shard, "--threads", std::to_string(1 + i % 3)}));
       EXPECT_EQ(outcome.code, 0) << outcome.text();
@@ -158,7 +158,7 @@ TEST(Shards, SomeAreMergedOnceOthersAreThere) {
   EXPECT_EQ(latelight(parts(folder, "set", {"--shard", "0/2"})).code, 2) << "that one is there";
   EXPECT_EQ(latelight(parts(folder, "set", {"--shard", "0/3"})).code, 2) << "split otherwise";
   EXPECT_EQ(latelight(parts(folder, "set", {"--shard", "1/2", "--exposure", "1"})).code, 2) << "another job";
-  // Split otherwise, what is there is kept.
+  // After a change of the number of shards, existing frames are kept.
   ASSERT_EQ(latelight(parts(folder, "set", {"--resume"})).code, 0);
   EXPECT_THAT(folder.read("set/.latelight/log"), HasSubstr("shard 0-of-1 begins: 11 of 22 frames"));
   EXPECT_EQ(run({"batch", "status", "set"}).code, 0);

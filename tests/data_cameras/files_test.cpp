@@ -13,7 +13,7 @@ namespace {
 using testing::ElementsAre;
 using enum scene::LensModel;
 
-// Right, down and away of a camera, and where it is.
+// The axes of a camera (right, down, forward) and its position.
 void expectPose(const dmat4& pose, dvec3 right, dvec3 down, dvec3 away, dvec3 eye) {
   expectNear(dvec3(pose[0]), right, 1e-12);
   expectNear(dvec3(pose[1]), down, 1e-12);
@@ -48,7 +48,7 @@ TEST(TransformsTest, ReadsNerfstudios) {
 }
 
 TEST(TransformsTest, ReadsAnglesOfView) {
-  // As the synthetic scenes of NeRF: one angle for the width, and no size.
+  // Like the synthetic scenes of NeRF: one angle for the width, and no size.
   const Folder folder;
   folder.write("transforms.json", R"({"camera_angle_x": 1.5707963267948966, "frames": [{"file_path": "r_0",
       "transform_matrix": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 4], [0, 0, 0, 1]]}]})");
@@ -62,7 +62,7 @@ TEST(TransformsTest, ReadsAnglesOfView) {
                            folder.at("transforms.json") + "\"}");
   EXPECT_EQ(placed[0].name, "r_0");
   EXPECT_EQ(placed[0].width, 800u);
-  expectNear(eyeOf(placed[0]), {0, 4, 0}, 1e-6);  // Z up becomes the scene's Y
+  expectNear(eyeOf(placed[0]), {0, 4, 0}, 1e-6);  // Z up becomes Y up in the scene
   EXPECT_NEAR(placed[0].camera.verticalFov, 2 * std::atan(0.5), 1e-6);
 }
 
@@ -79,7 +79,7 @@ TEST(TransformsTest, RefusesWhatNoLensHolds) {
   EXPECT_THAT(reads(R"("cx": "middle")"), testing::HasSubstr("\"cx\" must be a finite number"));
 }
 
-// The example of COLMAP's page "Output Format".
+// The example from COLMAP's page "Output Format".
 constexpr const char* kCamerasText = R"(# Camera list with one line of data per camera:
 #   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]
 # Number of cameras: 3
@@ -107,8 +107,8 @@ TEST(ColmapTest, ReadsTheExampleOfItsPage) {
   EXPECT_EQ(cameras[0].lens->fy, 2559.81);
   EXPECT_EQ(cameras[1].lens->model, OpenCv);
   EXPECT_EQ(cameras[1].lens->distortion[0], -0.0218531);
-  // "The coordinates of the projection/camera center are given by -R^t * T", and R X + T are a point's in the camera,
-  // "whose X axis points to the right, the Y axis to the bottom, and the Z axis to the front".
+  // "The coordinates of the projection/camera center are given by -R^t * T", and R X + T is a point in the camera
+  // frame, "whose X axis points to the right, the Y axis to the bottom, and the Z axis to the front".
   const double w = 0.851773, x = 0.0165051, y = 0.503764, z = -0.142941, n = w * w + x * x + y * y + z * z;
   const dvec3 v(x, y, z), t(-0.737434, 1.02973, 3.74354);
   const auto turned = [&](dvec3 p) { return p + 2.0 / n * glm::cross(v, glm::cross(v, p) + w * p); };
@@ -175,7 +175,7 @@ TEST(ColmapTest, KnowsEachModel) {
 
 TEST(TumTest, ReadsTrajectories) {
   const Folder folder;
-  // Half a turn about X, and a quarter turn about Y.
+  // Half a turn about X, then a quarter turn about Y.
   folder.write(
       "groundtruth.txt",
       "# ground truth trajectory\n# timestamp tx ty tz qx qy qz qw\n"
@@ -194,7 +194,7 @@ TEST(TumTest, ReadsTrajectories) {
 }
 
 TEST(BopTest, ReadsSceneCameras) {
-  // As docs/bop_datasets_format.md of bop_toolkit: millimetres, world to camera, row by row.
+  // As in docs/bop_datasets_format.md of bop_toolkit: millimeters, world to camera, row by row.
   const Folder folder;
   folder.write("scene_camera.json", R"({
     "10": {"cam_K": [572.4, 0.0, 325.2, 0.0, 573.5, 242.0, 0.0, 0.0, 1.0], "depth_scale": 1.0,
@@ -204,7 +204,7 @@ TEST(BopTest, ReadsSceneCameras) {
   ASSERT_EQ(cameras.size(), 2u);
   EXPECT_EQ(cameras[0].name, "9");
   EXPECT_EQ(cameras[1].lens->fy, 573.5);
-  EXPECT_EQ(cameras[1].lens->cx, 325.7);  // OpenCV's first pixel has its centre at 0
+  EXPECT_EQ(cameras[1].lens->cx, 325.7);  // OpenCV's first pixel has its center at 0
   EXPECT_EQ(cameras[1].lens->cy, 242.5);
   expectPose(cameras[1].pose, {1, 0, 0}, {0, -1, 0}, {0, 0, -1}, {-0.1, 0.2, 3});
   expectPose(cameras[0].pose, {0, 0, 1}, {0, 1, 0}, {-1, 0, 0}, {1, 0, 0});

@@ -1,4 +1,4 @@
-// Damaged files of cameras: each is read, or ends with one sentence that names the file.
+// Damaged camera files: each is read, or ends with one sentence that names the file.
 #include <fmt/format.h>
 
 #include "data/cameras/bop.h"
@@ -43,7 +43,7 @@ std::string damaged(std::string text, Random& random) {
   return text;
 }
 
-// Files by name; read() takes them from the folder.
+// Files by name; read() reads them from the folder.
 template <typename Read>
 void expectHarmless(const Folder& folder, const std::vector<std::string>& names, const Read& read) {
   std::map<std::string, std::string> good;

@@ -1,4 +1,4 @@
-// Generated cameras (lists, orbits, points on spheres and in boxes) against geometric closed forms.
+// Generated cameras (lists, orbits, points on spheres and in boxes) compared with geometric closed forms.
 #include <set>
 
 #include "data_cameras/support.h"
@@ -23,13 +23,13 @@ TEST(ListTest, LooksAtItsTarget) {
   EXPECT_EQ(cameras[1].name, "camera1");
   EXPECT_EQ(cameras[1].width, 64u);
   EXPECT_EQ(cameras[1].height, 48u);
-  expectNear(seenFrom(cameras[1], {1, 0, 0}), {0, -1, 4}, 1e-6);  // its up is +X
-  // Straight down, up is away from the front (+Z).
+  expectNear(seenFrom(cameras[1], {1, 0, 0}), {0, -1, 4}, 1e-6);  // its up direction is +X
+  // For a camera that looks straight down, up is away from the front (+Z).
   expectNear(seenFrom(cameras[2], {0, 0, -1}), {0, -1, 4}, 1e-6);
 }
 
 TEST(ListTest, TakesPosesOfBothCameraFrames) {
-  // At (1, 2, 3), looking along +X with Y up: to the right is +Z, down is -Y.
+  // A camera at (1, 2, 3) that looks along +X with Y up: right is +Z, down is -Y.
   const auto cameras = made(R"({"type": "list", "cameras": [
       {"pose": [[0, 0, 1, 1], [0, -1, 0, 2], [1, 0, 0, 3], [0, 0, 0, 1]]},
       {"pose": [[0, 0, -1, 1], [0, 1, 0, 2], [1, 0, 0, 3], [0, 0, 0, 1]], "frame": "opengl"}]})");
@@ -106,7 +106,7 @@ TEST(OrbitTest, MaySpiralAndStopAtItsEnd) {
 }
 
 TEST(OrbitTest, FitsItsTarget) {
-  // The bounds of a unit cube around its middle have the radius sqrt(3) / 2.
+  // The bounds of a unit cube around its center have the radius sqrt(3) / 2.
   const std::string node = R"("target": {"node": "/boxes/matte"})";
   const auto cameras = made(R"({"type": "orbit", "count": 1, "elevation": 0, "fov": 60, )" + node + "}");
   const dvec3 middle(-3.25, 1, -1.25);
@@ -127,8 +127,8 @@ TEST(SphereTest, GridIsOnTheSphereAndEven) {
     sum += points.back();
   }
   EXPECT_LT(glm::length(sum) / 400, 2e-3);
-  // Each has room of about 4 pi / 400; the nearest neighbours on a grid of that density are sqrt(4 pi / 400) = 0.18
-  // apart, and random points would come as near as 0.01.
+  // Each point has an area of about 4 pi / 400. Nearest neighbors on a grid of that density are sqrt(4 pi / 400) = 0.18
+  // apart; random points would come as close as 0.01.
   for (size_t i = 0; i < points.size(); ++i)
     for (size_t j = 0; j < i; ++j) EXPECT_GT(glm::length(points[i] - points[j]), 0.13);
 }
@@ -136,7 +136,7 @@ TEST(SphereTest, GridIsOnTheSphereAndEven) {
 TEST(SphereTest, RandomPointsAreUniform) {
   const auto cameras = made(
       R"({"type": "sphere", "count": 8000, "points": "random", "radius": [20, 30], "target": [0, 0, 0], "rejectInside": false})");
-  // By Archimedes, equal steps of height have equal areas; and of azimuth.
+  // By Archimedes, equal steps of height have equal areas, as do equal steps of azimuth.
   std::vector<uint32_t> cells(20);
   for (const JobCamera& camera : cameras) {
     const dvec3 p = eyeOf(camera);
@@ -190,7 +190,7 @@ TEST(CamerasTest, DependOnTheSeedAlone) {
     EXPECT_EQ(first[i].camera.toWorld, again[i].camera.toWorld);
     EXPECT_NE(first[i].camera.toWorld, other[i].camera.toWorld);
   }
-  // More of them leave the first where they were.
+  // Adding cameras does not change the first ones.
   const auto more = made(R"({"type": "box", "count": 9, "min": [20, 0, 0], "max": [25, 2, 2]})");
   for (size_t i = 0; i < 5; ++i) EXPECT_EQ(first[i].camera.toWorld, more[i].camera.toWorld);
 }

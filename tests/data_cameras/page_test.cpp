@@ -24,7 +24,7 @@ std::vector<std::string> examplesOf(const std::string& page) {
   return examples;
 }
 
-// The files that the page names, in the working folder of a test.
+// The files that the page mentions, in the working folder of a test.
 class PageTest : public testing::Test {
  protected:
   PageTest() : before_(std::filesystem::current_path()) {
@@ -63,7 +63,7 @@ TEST_F(PageTest, ExamplesMakeCameras) {
     EXPECT_TRUE(types.contains(std::string(source.name))) << source.name;
 }
 
-// A key that the schema doesn't know is refused, and it knows each source.
+// A key that the schema does not contain is rejected, and the schema contains every source.
 TEST(SchemaTest, HasEachSource) {
   std::ifstream file(std::string(LATELIGHT_SOURCE_DIR) + "/src/data/cameras/schema.json");
   const Json schema = Json::parse(file);

@@ -19,7 +19,7 @@ TEST(PathTest, PassesItsKeyFrames) {
   EXPECT_NEAR(cameras[0].camera.verticalFov, 40 * kPi / 180, 1e-6);
   EXPECT_NEAR(cameras[5].camera.verticalFov, 50 * kPi / 180, 1e-6);
   EXPECT_NEAR(cameras[25].camera.verticalFov, 60 * kPi / 180, 1e-6);
-  // Neither places nor turns jump.
+  // Neither positions nor orientations jump.
   for (size_t i = 1; i < cameras.size(); ++i) {
     EXPECT_LT(glm::length(eyeOf(cameras[i]) - eyeOf(cameras[i - 1])), 0.7);
     EXPECT_GT(glm::dot(cameras[i].camera.toWorld[1], cameras[i - 1].camera.toWorld[1]), 0.97f);
@@ -33,7 +33,8 @@ TEST(PathTest, TakesFramesASecond) {
   expectNear(eyeOf(cameras[6]), {0, 0, 1 + 8 * 1.5 / 1.6}, 1e-5);
 }
 
-// Points on a line at distances 1, 4, 9: knots at 1, 2 and 3 more, so that Neville's scheme gives this polynomial.
+// Points on a line at distances 1, 4 and 9, so the knot intervals are 1, 2 and 3, and Neville's scheme yields this
+// polynomial.
 TEST(CatmullRomTest, HasCentripetalKnots) {
   const std::array<dvec3, 4> points{dvec3(0), dvec3(1, 0, 0), dvec3(5, 0, 0), dvec3(14, 0, 0)};
   for (const double share : {0.0, 0.25, 0.5, 1.0}) {
@@ -49,7 +50,7 @@ TEST(SquadTest, TurnsEvenlyAboutOneAxis) {
   const auto turn = [](double angle) { return dvec4(std::cos(angle / 2), 0, std::sin(angle / 2), 0); };
   const auto expectTurn = [&](dvec4 q, double angle) { EXPECT_LE(glm::length(q - turn(angle)), 1e-12); };
   expectTurn(slerp(turn(0.2), turn(1.4), 0.25), 0.5);
-  // About one axis squad is Shoemake's parabola of the angles, and in equal steps the line.
+  // About a single axis, squad is Shoemake's parabola of the angles, and with equal steps it is linear.
   const double angles[] = {0.1, 0.4, 0.7, 1.0};
   dvec4 q[4];
   for (int i = 0; i < 4; ++i) q[i] = turn(angles[i]);
@@ -72,7 +73,7 @@ TEST(StereoTest, IsAPairSideBySide) {
 }
 
 TEST(RigTest, PutsItsMembersWhereOffsetsSay) {
-  // The base looks along -Z; the second member looks to its right, and has a lens of its own.
+  // The base looks along -Z; the second member looks to its right and has its own lens.
   const auto cameras = made(R"({"type": "rig", "offsets": [
       {"name": "front", "translation": [0.5, -1, 2]},
       {"name": "side", "pose": [[0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]], "fov": 90, "size": [32, 32]}],

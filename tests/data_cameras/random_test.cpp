@@ -1,4 +1,4 @@
-// The generator against its paper's known answers, and its samples against the required distributions.
+// The generator compared with the known answers of its paper, and its samples with the required distributions.
 #include "data/random.h"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 namespace latelight::data {
 namespace {
 
-// kat_vectors of the Random123 library, philox4x32-10.
+// From kat_vectors of the Random123 library, philox4x32-10.
 TEST(RandomTest, GivesTheKnownAnswers) {
   EXPECT_EQ(philox({0, 0, 0, 0}, {0, 0}), (Block{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
   constexpr uint32_t kOnes = 0xffffffff;
@@ -28,7 +28,7 @@ TEST(RandomTest, SeedNumberAndNameSayAll) {
   EXPECT_EQ(different.size(), 6u);
 }
 
-// 42.31 is what chi-square exceeds with 19 degrees of freedom one time in 600.
+// Chi-square with 19 degrees of freedom exceeds 42.31 once in 600 times.
 double chiSquare(const std::vector<uint32_t>& counts, double expected) {
   double sum = 0;
   for (const uint32_t count : counts) sum += (count - expected) * (count - expected) / expected;
@@ -46,10 +46,10 @@ TEST(RandomTest, NumbersAreUniform) {
   }
   EXPECT_LT(chiSquare(units, 10000), 42.31);
   EXPECT_LT(chiSquare(below, 10000), 42.31);
-  // Three quarters of 2^32: a product alone would give each third number twice as often.
+  // Three quarters of 2^32: a product without rejection would return every third number twice as often.
   std::vector<uint32_t> thirds(3);
   for (int i = 0; i < 30000; ++i) ++thirds[random.below(3u << 30) % 3];
-  EXPECT_LT(chiSquare(thirds, 10000), 13.8);  // two degrees of freedom, one time in 1000
+  EXPECT_LT(chiSquare(thirds, 10000), 13.8);  // two degrees of freedom, once in 1000 times
 }
 
 TEST(RandomTest, ChoosesEachAsOften) {

@@ -1,5 +1,5 @@
-// The surroundings of a point against closed forms for boxes and spheres, and the cameras that are rejected because of
-// them.
+// The surroundings of a point compared with closed forms for boxes and spheres, and the cameras that are rejected
+// because of them.
 #include "data/cameras/surroundings.h"
 #include "data/random.h"
 #include "data_cameras/support.h"
@@ -40,7 +40,7 @@ TEST(SurroundingsTest, AreThoseOfBoxes) {
   EXPECT_GT(insides, 100);
 }
 
-// Points at whole numbers look along edges and through corners.
+// From points with integer coordinates, rays pass along edges and through corners.
 TEST(SurroundingsTest, EdgesCountOnce) {
   const Surroundings surroundings(boxes());
   for (double x = -4; x <= 4; x += 0.125)
@@ -66,15 +66,16 @@ TEST(SurroundingsTest, AreThoseOfSpheresThatAreScaledAndTurnedInsideOut) {
     return Surroundings(changed).inside(centre + dvec3(0.1, 0.1, 0.05));
   };
   EXPECT_TRUE(winding(glm::mat4(1)));
-  EXPECT_TRUE(winding(glm::mat4(-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1)));  // mirrored, fronts still outwards
+  // mirrored, with its front faces still outward
+  EXPECT_TRUE(winding(glm::mat4(-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1)));
   const Surroundings surroundings(scene);
   for (const double r : {0.0, 0.2, 0.43, 0.45}) {
     const dvec3 p = centre + dvec3(0, 0, r);
     EXPECT_EQ(surroundings.inside(p), r < scene::kSpheresRadius) << r;
-    // The spheres are of triangles: a little inside of the true ones.
+    // The spheres consist of triangles, which lie slightly inside the true spheres.
     EXPECT_NEAR(surroundings.nearest(p), std::abs(scene::kSpheresRadius - r), 0.002);
   }
-  // A room: the same with its fronts inwards.
+  // A room: the same box with its front faces inward.
   for (scene::Mesh& mesh : scene.meshes)
     for (size_t i = 0; i < mesh.indices.size(); i += 3) std::swap(mesh.indices[i], mesh.indices[i + 1]);
   EXPECT_FALSE(Surroundings(scene).inside(centre));

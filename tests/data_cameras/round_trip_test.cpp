@@ -1,4 +1,4 @@
-// Cameras are the same after they are written and read again.
+// Cameras are unchanged after they are written and read back.
 #include <fmt/format.h>
 
 #include "data/cameras/bop.h"
@@ -22,7 +22,7 @@ scene::Lens anyLens(scene::LensModel model, Random& random) {
   return lens;
 }
 
-// Turns of all kinds, half ones included, and places near and far.
+// Rotations of all kinds, including half turns, and positions near and far.
 dmat4 anyPose(uint64_t number, Random& random) {
   dvec4 q(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1), random.between(-1, 1));
   if (number % 4 == 0) q[0] = 0;

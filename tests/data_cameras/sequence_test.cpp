@@ -65,7 +65,7 @@ TEST(SequenceTest, PathsAndTrajectoriesHaveTimes) {
   folder.write("tum.txt", std::string_view("12.25 0 0 0 0 0 0 1\n12 1 0 0 0 0 0 1\n13.5 2 0 0 0 0 0 1\n"));
   const auto cameras = made(R"({"type": "tum", "file": ")" + folder.at("tum.txt") + "\"}");
   EXPECT_THAT(secondsOf(cameras), ElementsAre(0, 0.25, 1.5));
-  expectNear(eyeOf(cameras[0]), {1, 0, 0}, 1e-6);  // by their times, whatever their order in the file
+  expectNear(eyeOf(cameras[0]), {1, 0, 0}, 1e-6);  // ordered by time, whatever the order in the file
 }
 
 TEST(SequenceTest, ImagesOfColmapAreInTheOrderOfTheirNames) {
@@ -113,7 +113,8 @@ TEST(SizeTest, IsTheJobsWhereAFileDoesNotSayIt) {
 
 // --- models ---------------------------------------------------------------------------------------------------------
 
-// COLMAP's models without distortion: at an angle t from the axis a fisheye's pixel is f t from the principal point.
+// COLMAP's models without distortion: a fisheye camera projects an angle t from the axis to a distance of f t from the
+// principal point.
 TEST(ModelsTest, ColmapsFisheyesWithoutDistortionAreEquidistant) {
   const Folder folder;
   folder.write("images.txt", std::string_view("1 1 0 0 0 0 0 0 1 a.png\n\n"));
@@ -160,7 +161,7 @@ TEST(ModelsTest, NerfstudiosRadialOnesAreOpenCvs) {
   EXPECT_THAT(lens(R"("camera_model": "SIMPLE_RADIAL", "k1": 0.1)").distortion, ElementsAre(0.1, 0, 0, 0, 0, 0, 0, 0));
   const scene::Lens radial = lens(R"("camera_model": "RADIAL", "k1": 0.1, "k2": 0.2)");
   EXPECT_EQ(radial.model, scene::LensModel::OpenCv);
-  // OpenCV: x (1 + k1 r^2 + k2 r^4) of the point x, y at depth 1.
+  // OpenCV's model: x (1 + k1 r^2 + k2 r^4) for the point (x, y) at depth 1.
   const auto pixel = scene::LensProjection(radial).project({0.5, 0, 1});
   EXPECT_NEAR(pixel->x, 32 + 50 * 0.5 * (1 + 0.1 * 0.25 + 0.2 * 0.0625), 1e-9);
   for (const char* model : {"SIMPLE_PINHOLE", "PINHOLE", "OPENCV", "OPENCV_FISHEYE", "EQUIRECTANGULAR"})

@@ -23,7 +23,7 @@ using Json = nlohmann::ordered_json;
 
 inline constexpr double kPi = std::numbers::pi;
 
-// builtin:boxes, made once.
+// builtin:boxes, created once.
 inline const scene::Scene& boxes() {
   static const scene::Scene scene = scene::load("builtin:boxes");
   return scene;
@@ -33,14 +33,15 @@ inline std::vector<JobCamera> made(const std::string& spec, const scene::Scene& 
   return makeCameras(Json::parse(spec), scene, seed);
 }
 
-// A point of the file's own frame (Y up) in the camera's, by the renderer's own view: X right, Y down, Z forward.
+// Transforms a point from the file's frame (Y up) to the camera's (X right, Y down, Z forward), with the renderer's
+// view.
 inline dvec3 seenFrom(const JobCamera& camera, dvec3 point) {
   const shared::View view = render::makeView(camera.camera, 100, 100);
   const dvec3 v = dvec3(view.worldToView * glm::vec4(float(point.x), float(-point.z), float(point.y), 1));
   return {v.x, -v.z, v.y};
 }
 
-// Where in a picture, by the renderer's own projection.
+// Projects a point to pixel coordinates, with the renderer's projection.
 inline dvec2 pixelOf(const JobCamera& camera, dvec3 point, uint32_t width, uint32_t height) {
   const shared::Projection p = render::makeView(camera.camera, width, height).projection;
   const dvec3 v = seenFrom(camera, point);
@@ -52,7 +53,7 @@ inline dvec3 eyeOf(const JobCamera& camera) {
   return {world.x, world.z, -world.y};
 }
 
-// The sentence of an error, and that it is of a kind.
+// Returns the message of an error after checking its kind.
 template <typename Call>
 std::string sentenceOf(const Call& call, ExitCode code) {
   try {

@@ -105,7 +105,7 @@ TEST(EmptySceneTest, SaysThatThereIsNothing) {
       made(R"({"type": "box", "count": 3, "min": [0, 0, 0], "max": [1, 1, 1], "target": "random"})", empty).size(), 3u);
 }
 
-// Pairs and rigs multiply, and sources add up: what they come to is known before any camera is made.
+// Pairs and rigs multiply cameras, and sources add up. The total is known before any camera is created.
 TEST(CameraBounds, TooManyCamerasAreRefusedAtOnce) {
   const auto pairs = [](int count) {
     std::string spec = R"({"type": "orbit", "count": 1})";
@@ -128,7 +128,7 @@ TEST(CameraBounds, TooManyCamerasAreRefusedAtOnce) {
   EXPECT_EQ(made(pairs(10)).size(), 1024u);
 }
 
-// They are claimed from --memory, the names that members add too.
+// Cameras count towards --memory, as do the names that members add.
 TEST(CameraBounds, CamerasAreClaimedBeforeTheyAreMade) {
   const uint64_t before = memoryLimit();
   setMemoryLimit(64 << 20);
@@ -146,7 +146,7 @@ TEST(CameraBounds, CamerasAreClaimedBeforeTheyAreMade) {
   EXPECT_EQ(few, 1000u);
 }
 
-// A file says less of a camera than it takes: 16 bytes a line here, and some 400 for each camera.
+// A camera needs more memory than its description in a file: a line of 16 bytes becomes some 400 bytes.
 TEST(CameraBounds, CamerasOfFilesAreClaimed) {
   const Folder folder;
   std::string lines;

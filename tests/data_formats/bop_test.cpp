@@ -1,4 +1,4 @@
-// The objects of a BOP set that share a model, and that poses transform the model's vertices to those of the object.
+// Objects of a BOP set that share a model. Poses transform the model's vertices to those of the object.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ using glm::dmat4, glm::dvec3, glm::dvec4;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// Without any symmetry, so that each rotation shows.
+// A mesh without symmetries, so that every rotation is observable.
 scene::Mesh tetrahedron(dvec3 tip = {0.2, 0.3, 0.9}) {
   scene::Mesh mesh{.name = "geometry_0"};
   mesh.positions = {{0, 0, 0}, {1, 0.1f, 0}, {0.1f, 0.6f, 0.05f}, glm::vec3(tip)};
@@ -27,7 +27,7 @@ scene::Mesh tetrahedron(dvec3 tip = {0.2, 0.3, 0.9}) {
   return mesh;
 }
 
-// About an axis that no axis of the mesh is along.
+// Rotates about an axis that is not parallel to any axis of the mesh.
 glm::mat4 turned(double angle, dvec3 scale, dvec3 at) {
   const dvec3 k = glm::normalize(dvec3(1, 2, -0.5));
   const double c = std::cos(angle), s = std::sin(angle);
@@ -60,7 +60,7 @@ class BopTest : public FormatsTest {
     return std::move(builder.scene);
   }
 
-  // A frame's entry, and the set of it alone.
+  // Returns the entry of a frame, and the set that consists of it.
   Json frameOf(const scene::Scene& scene, const Json& options = Json::object()) {
     Studio studio(device(), scene);
     const auto format = make("bop", options);
@@ -77,7 +77,7 @@ class BopTest : public FormatsTest {
       for (const Json& object : objects) ids.push_back(object["obj_id"].get<uint32_t>());
     return ids;
   }
-  // By node, as a frame has them: sorted by the objects' ids.
+  // Sorted by the objects' ids, as in a frame.
   static std::vector<std::string> nodesOf(const Json& entry) {
     std::vector<std::string> nodes;
     for (const Json& object : entry["objects"]) nodes.push_back(object["node"].get<std::string>());
@@ -114,14 +114,14 @@ TEST_F(BopTest, ShapeSizeAndHandednessTellModelsApart) {
   const scene::Scene scene = sceneOf(
       {tetrahedron(), tetrahedron({0.2, 0.3, 0.8}), tetrahedron()},
       {{"plain", 0, turned(1, dvec3(1), {-5, 0, 0})},
-       {"other", 1, turned(1, dvec3(1), {-3, 0, 0})},  // of the same name, and in a box of the same width and depth
+       {"other", 1, turned(1, dvec3(1), {-3, 0, 0})},  // of the same name, in a box of the same width and depth
        {"twin", 2, turned(2, dvec3(1), {-1, 0, 0})},   // the same vertices, as another mesh
        {"large", 0, turned(3, dvec3(1.2), {1, 0, 0})},
        {"mirrored", 0, turned(1, dvec3(-1, 1, 1), {3, 0, 0})},
-       {"mirrored too", 0, turned(4, dvec3(1, 1, -1), {5, 0, 0})},  // along another axis: a turn of the one before
-       {"twice", 0, turned(2, dvec3(-1, -1, 1), {-3, 3, 0})},       // two mirrors are a turn
+       {"mirrored too", 0, turned(4, dvec3(1, 1, -1), {5, 0, 0})},  // along another axis: the previous one, rotated
+       {"twice", 0, turned(2, dvec3(-1, -1, 1), {-3, 3, 0})},       // two reflections are a rotation
        {"squeezed", 0, turned(2, dvec3(1, 0.5, 1), {0, 3, 0})},
-       {"nearly", 0, turned(0.2, dvec3(1.00001), {3, 3, 0})}});  // but for rounding
+       {"nearly", 0, turned(0.2, dvec3(1.00001), {3, 3, 0})}});  // equal except for rounding
   auto ids = idsByNode(frameOf(scene));
   ASSERT_EQ(ids.size(), 9u);
   EXPECT_EQ(ids["/test/twin"], ids["/test/plain"]);
@@ -133,8 +133,8 @@ TEST_F(BopTest, ShapeSizeAndHandednessTellModelsApart) {
   EXPECT_EQ(different, (std::set<uint32_t>{1, 2, 3, 4, 5}));
 }
 
-// The model's vertices are those of its first object, by the mesh and the scale in its own frame; each pose of the
-// model takes them to where the node's matrix takes the mesh's.
+// The model has the vertices of its first object: the mesh with the scale in its own frame. Each pose transforms them
+// to the vertices that the node's matrix produces from the mesh.
 TEST_F(BopTest, PosesTakeTheModelToEachObject) {
   std::vector<Placed> placed{{"a", 0, turned(0.4, {0.8, 1.1, 0.6}, {-4, 1, 0})},
                              {"b", 0, turned(2.9, {0.8, 1.1, 0.6}, {0, -1, 0.5})},
@@ -169,7 +169,7 @@ TEST_F(BopTest, PosesTakeTheModelToEachObject) {
   }
 }
 
-// Splits agree where one takes the other's list: what both have keeps its number, what is new follows.
+// Splits agree if one uses the other's list: models in both keep their numbers, and new ones follow.
 TEST_F(BopTest, NumbersComeFromAnotherSet) {
   const auto meshes = std::vector{tetrahedron(), tetrahedron({0.2, 0.3, 0.8}), tetrahedron({0.1, 0.1, 0.5})};
   const Json train =
@@ -183,10 +183,10 @@ TEST_F(BopTest, NumbersComeFromAnotherSet) {
   auto second = idsByNode(test, options);
   EXPECT_EQ(second["/test/old"], first["/test/y"]);
   EXPECT_EQ(second["/test/new"], 3u);
-  // The numbers of models that are not seen stay taken.
+  // The numbers of models that are not visible stay reserved.
   EXPECT_EQ(json("models/models_info.json").size(), 3u);
   EXPECT_EQ(json("models/models.json").size(), 3u);
-  // Without it the same objects may have others.
+  // Without the list, the same objects may get other numbers.
   EXPECT_EQ(idsOf({test}).size(), 2u);
 }
 
@@ -227,7 +227,7 @@ TEST_F(BopTest, RefusesOtherMappings) {
     }
 }
 
-// Wherever a mesh's vertices and triangles stand in its lists.
+// Whatever the order of a mesh's vertices and triangles in its lists.
 TEST(GeometryHash, FollowsVerticesAndTriangles) {
   const std::vector<glm::vec3> a{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
       b{{0, 0, 1}, {-0.0f, 1, 0}, {1, 0, 0}, {0, 0, 0}, {1, 0, 0}};

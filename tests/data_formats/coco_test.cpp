@@ -54,9 +54,9 @@ TEST_F(CocoTest, BoxesAndAreasOfSquares) {
 
 TEST_F(CocoTest, CategoriesOfAMapping) {
   const Json set = written({{"categories", {{"nothing", "ghost"}, {"front$", "sign"}, {"ba", "wall"}}}});
-  ASSERT_EQ(set["categories"].size(), 3u);  // the ghost too, which nothing is
+  ASSERT_EQ(set["categories"].size(), 3u);  // includes the ghost, which no object belongs to
   EXPECT_EQ(set["categories"][1]["name"], "sign");
-  ASSERT_EQ(set["annotations"].size(), 4u);  // "cut" is none of them
+  ASSERT_EQ(set["annotations"].size(), 4u);  // "cut" belongs to none of them
   for (const Json& annotation : set["annotations"])
     EXPECT_EQ(annotation["category_id"], annotation["node"] == "/squares/front" ? 2 : 3);
 }
@@ -69,8 +69,8 @@ std::string saidOf(const Json& categories) try {
   return error.what();
 }
 
-// Names come from scene files of any origin: a matcher that steps back takes time without end for one of these, and one
-// that calls itself ends by a signal.
+// Names come from scene files of any origin. A backtracking matcher would take exponential time for one of these, and a
+// recursive one would overflow the stack.
 TEST_F(CocoTest, NoNameIsTooMuchForAnExpression) {
   const auto start = std::chrono::steady_clock::now();
   for (const char* expression : {"/.*wheel", "(a|b)*c", "(a+)+$x", "a*a*a*b", "(a*)*b"}) {
@@ -95,7 +95,7 @@ TEST_F(CocoTest, RefusesExpressionsInOneSentence) {
     EXPECT_THAT(said, testing::HasSubstr("no regular expression in RE2's syntax"));
     EXPECT_LT(said.size(), 1000u);
   }
-  // Nesting takes no stack, and what is accepted is bounded.
+  // Nested expressions need no stack, and the accepted length is limited.
   EXPECT_EQ(saidOf({{std::string(5'000, '(') + std::string(5'000, ')'), "w"}}), "");
   EXPECT_THAT(saidOf({{std::string(16'000, '(') + std::string(16'000, ')'), "w"}}),
               testing::HasSubstr("which is longer than 10000 bytes"));
@@ -104,7 +104,7 @@ TEST_F(CocoTest, RefusesExpressionsInOneSentence) {
 
 TEST_F(CocoTest, CategoriesOfMeshesAndMaterials) {
   EXPECT_EQ(written({{"categories", "material"}})["categories"][1]["name"], "red");
-  EXPECT_EQ(written({})["categories"].size(), 1u);  // of one mesh
+  EXPECT_EQ(written({})["categories"].size(), 1u);  // instances of one mesh
 }
 
 }  // namespace

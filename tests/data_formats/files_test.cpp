@@ -1,4 +1,4 @@
-// The contents of the files of single frames, against closed forms and results computed by hand.
+// The contents of the files of single frames, compared with closed forms and results computed by hand.
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -22,7 +22,7 @@ using output::sentence;
 
 class FormatFilesTest : public FormatsTest {
  protected:
-  // Of one frame with one output of these values.
+  // A frame with one output that has these values.
   ReadImage png(std::string_view format, const Json& options, Aov aov, std::vector<float> values) {
     DataFrame frame{.name = "a"};
     const auto width = static_cast<uint32_t>(values.size() / output::info(aov).channels);
@@ -57,7 +57,7 @@ TEST_F(FormatFilesTest, KittiFlowIsRoundedAndSaysWhatItHolds) {
   EXPECT_EQ(channel(flow, 2), (std::vector<double>{1, 1, 1, 0}));
 }
 
-// Where there is no next frame: 1e10, beyond Middlebury's 1e9, and KITTI's blue of 0.
+// If there is no next frame, the flow is 1e10, above Middlebury's limit of 1e9, and KITTI's blue is 0.
 TEST_F(FormatFilesTest, FlowToNoFrameIsUnknown) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::vector<float> motion{1, 2, nan, nan, 3, 4, nan, nan};
@@ -79,14 +79,15 @@ TEST_F(FormatFilesTest, FlowToNoFrameIsUnknown) {
   EXPECT_EQ(flowTo("previous"), (std::vector<float>{1, 2, 3, 4}));
 }
 
-// A plane at depth z that moves by t parallel to the picture flows by f t / z at every pixel.
+// A plane at depth z that moves by t parallel to the image plane has a flow of f t / z at every pixel.
 TEST_F(FormatFilesTest, FlowOfAPlane) {
   const scene::Scene scene = squares();
   Studio studio(device(), scene);
   const scene::Camera camera = squaresCamera(true);
   render::SceneState moment;
   moment.previousCameras = moment.nextCameras = {camera};
-  moment.nextCameras[0].toWorld[3] += glm::vec4(-0.25f, 0, -0.125f, 0);  // left and down: all goes right and up
+  // the camera moves left and down, so everything moves right and up in the picture
+  moment.nextCameras[0].toWorld[3] += glm::vec4(-0.25f, 0, -0.125f, 0);
   const std::unique_ptr<Format> forward = make("flow"), backward = make("flow", {{"to", "previous"}});
   const DataFrame frame = studio.frame(camera, 64, 64, {forward.get()}, 0, moment);
   const std::string file = forward->writeFrame(frame, folder).files.at(0);
@@ -96,7 +97,7 @@ TEST_F(FormatFilesTest, FlowOfAPlane) {
   float magic, flow[2];
   std::memcpy(&magic, bytes.data(), 4);
   EXPECT_EQ(magic, 202021.25f);
-  const size_t pixel = 32 * 64 + 20;  // of the back square, 2 m away: 32 px / m there
+  const size_t pixel = 32 * 64 + 20;  // a pixel of the back square, 2 m away, where 32 pixels are 1 m
   std::memcpy(flow, bytes.data() + 12 + 8 * pixel, 8);
   EXPECT_NEAR(flow[0], 32.0 / 2 * 0.25, 1e-4);
   EXPECT_NEAR(flow[1], -32.0 / 2 * 0.125, 1e-4);
@@ -106,7 +107,7 @@ TEST_F(FormatFilesTest, FlowOfAPlane) {
   EXPECT_NEAR(flow[1], 0, 1e-6);
 }
 
-// The points of a square in the plane z = 0 lie in it, face its front, and have its colour.
+// The points of a square in the plane z = 0 lie in it, have its normal and its color.
 TEST_F(FormatFilesTest, PointsLieOnTheirSurface) {
   const scene::Scene scene = squares();
   Studio studio(device(), scene);
@@ -137,14 +138,14 @@ TEST_F(FormatFilesTest, FilmsNeedFfmpeg) {
   EXPECT_THAT(sentence(ExitCode::Usage, [] { make("video"); }), testing::HasSubstr("requires ffmpeg"));
   std::ofstream(folder / "ffmpeg") << "#!/bin/sh\nexit 1\n";
   std::filesystem::permissions(folder / "ffmpeg", std::filesystem::perms::owner_all);
-  std::ofstream(folder / "a.png") << std::string(1 << 20, 'x');  // more than a socket takes at once
+  std::ofstream(folder / "a.png") << std::string(1 << 20, 'x');  // more than a socket accepts at once
   EXPECT_THAT(sentence(ExitCode::Usage, [&] { make("video")->writeSet(std::vector<Json>{"a.png"}, folder); }),
               testing::HasSubstr("ffmpeg failed to encode"));
   setenv("PATH", path.c_str(), 1);
   EXPECT_FALSE(std::filesystem::exists(folder / "video.mp4"));
 }
 
-// The same intrinsics are said once; different ones with each frame.
+// Intrinsics that are equal in all frames are written once, different ones with each frame.
 TEST_F(FormatFilesTest, TransformsOfSeveralCameras) {
   const scene::Scene scene = squares();
   Studio studio(device(), scene);
@@ -169,14 +170,14 @@ TEST_F(FormatFilesTest, TransformsOfSeveralCameras) {
   EXPECT_FALSE(json("transforms.json")["frames"][0].contains("fl_x"));
 }
 
-// As a data set of pictures that are 64 pixels wide has them.
+// The transforms.json of a data set whose pictures are 64 pixels wide.
 const scene::Lens kLenses[] = {
     {scene::LensModel::OpenCv, 64, 36, 40, 41, 30, 19, {-0.2, 0.05, 0.001, -0.002, 0.01}},
     {scene::LensModel::Fisheye, 64, 36, 20, 21, 33, 17, {0.02, -0.01, 0.003, -0.001}},
     {scene::LensModel::Equirectangular, 64, 32},
 };
 
-// Cameras of transforms.json, read again.
+// Cameras of transforms.json that are read back.
 TEST_F(FormatFilesTest, TransformsHoldLenses) {
   const scene::Scene scene = squares();
   Studio studio(device(), scene);
@@ -222,8 +223,8 @@ TEST_F(FormatFilesTest, LensesAreRefusedWhereThereAreNone) {
   EXPECT_THAT(said("transforms", rational), testing::HasSubstr("no k4, k5 and k6"));
 }
 
-// Corners of boxes that show: pixels of the object around where a corner is said to be seen, as far from the eye as the
-// corner and of its depth.
+// The visible corners of boxes: the object's pixels around the position of such a corner are as far from the camera as
+// the corner, and have its depth.
 int cornersThatShow(const DataFrame& frame, const Object& object, const Json& corners, glm::dvec3 eye) {
   const AovImage& ids = render::test::imageOf(frame.picture, Aov::Id);
   const AovImage& positions = render::test::imageOf(frame.picture, Aov::Position);

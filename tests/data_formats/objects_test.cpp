@@ -1,5 +1,5 @@
-// Objects of a frame against closed forms: their bounding boxes, and the pixels that each would cover by itself (amodal
-// masks).
+// Objects of a frame compared with closed forms: their bounding boxes, and the pixels that each object would cover by
+// itself (amodal masks).
 #include <cmath>
 
 #include "data/amodal.h"
@@ -15,7 +15,7 @@ namespace {
 
 using output::Aov;
 
-// Says what a test needs of its frames, and writes nothing.
+// A format that requests what a test needs of its frames, and writes nothing.
 class Needs : public Format {
  public:
   explicit Needs(Extras extras, std::vector<Aov> aovs = {Aov::Id}) : extras_(extras), aovs_(std::move(aovs)) {}
@@ -65,7 +65,7 @@ TEST_F(ObjectsTest, BoxesOfKnownBoxes) {
   }
 }
 
-// Turned by 30 degrees about Y, stretched, and mirrored: the box turns with the node, and has its stretch.
+// The node is rotated by 30 degrees about Y, stretched and mirrored. The box rotates with the node and has its scale.
 TEST_F(ObjectsTest, BoxesTurnWithTheirNodes) {
   scene::builtin::SceneBuilder builder("turned");
   builder.scene.meshes.push_back(render::test::sphereMesh(1));
@@ -87,7 +87,7 @@ TEST_F(ObjectsTest, BoxesTurnWithTheirNodes) {
   expectNear(ball.high, {3, 2, 1}, 1e-5);
 }
 
-// Edges lie between pixels, so that every count is whole.
+// Edges lie between pixels, so every count is an integer.
 TEST_P(AloneTest, CountsOfSquares) {
   const scene::Scene scene = squares();
   for (const bool perspective : {false, true}) {
@@ -105,7 +105,7 @@ TEST_P(AloneTest, CountsOfSquares) {
   }
 }
 
-// The front square hides 16 x 32 of the back one's 64 x 64 pixels: seven eighths of it are visible.
+// The front square occludes 16 x 32 of the back one's 64 x 64 pixels: seven eighths of it are visible.
 TEST_P(AloneTest, ShareVisible) {
   const scene::Scene scene = squares();
   Studio studio(device(), scene, GetParam());
@@ -116,7 +116,8 @@ TEST_P(AloneTest, ShareVisible) {
   EXPECT_EQ(visible.at(front.id).area(), front.pixels);
 }
 
-// What is visible of an object is part of what it covers alone, to the pixel, in a scene with edges of all directions.
+// The visible pixels of an object are a subset of those that it covers by itself, in a scene with edges in all
+// directions.
 TEST_P(AloneTest, HoldsWhatIsVisible) {
   const scene::Scene& scene = render::test::hall();
   Studio studio(device(), scene, GetParam());
@@ -133,7 +134,7 @@ TEST_P(AloneTest, HoldsWhatIsVisible) {
   EXPECT_GT(hidden, 3u);
 }
 
-// Objects that share a view have what they have in views of their own.
+// Objects that are rendered together in one view have the same masks as in views of their own.
 TEST_F(ObjectsTest, AloneTogetherAsOneByOne) {
   const scene::Scene& scene = render::test::hall();
   const scene::Camera camera = render::test::cameraOf(scene, 96, 54);
@@ -155,7 +156,7 @@ TEST_F(ObjectsTest, AloneTogetherAsOneByOne) {
   EXPECT_GT(seen, 5u);
 }
 
-// What a pixel shows lies in the box of its object, in the middle of every animation; groups too.
+// The visible points of an object lie in its box, in the middle of every animation. This includes groups.
 void expectBoxesHoldPixels(vk::Device& device, const scene::Scene& scene, const render::SceneState& moment) {
   Studio studio(device, scene);
   const Needs needs({.boxes = true}, {Aov::Id, Aov::Position});

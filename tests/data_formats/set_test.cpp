@@ -15,7 +15,7 @@ class SetTest : public FormatsTest {
     formats_.push_back({make(name, options), fmt::format("{}-{}", formats_.size(), name), {}, 0});
   }
 
-  // A frame in all formats, each below a folder of its own.
+  // A frame in all formats, each in a folder of its own.
   void write(DataFrame frame, const std::filesystem::path& set) {
     writeRaw(frame.picture, set / "raw" / frame.name);
     writeRaw(frame.samples, set / "raw" / frame.name / "samples");

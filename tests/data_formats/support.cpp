@@ -12,7 +12,7 @@ namespace latelight::data::test {
 
 namespace {
 
-// By the field of view, not by what the renderer makes of it.
+// Derived from the field of view, independently of the renderer.
 std::array<double, 9> intrinsicsOf(const scene::Camera& camera, double width, double height) {
   const double f = height / 2 / (camera.orthographic ? camera.yHalf : std::tan(double{camera.verticalFov} / 2));
   return {f, 0, width / 2, 0, f, height / 2, 0, 0, 1};

@@ -14,13 +14,13 @@ using Json = nlohmann::ordered_json;
 
 std::unique_ptr<Format> make(std::string_view name, const Json& options = Json::object());
 
-// A scene, its renderer, and frames of it.
+// A scene, its renderer, and rendered frames.
 class Studio {
  public:
   Studio(vk::Device& device, const scene::Scene& scene, render::Raster raster = render::test::testRaster())
       : scene_(scene), raster_(raster), renderer_(device, scene, nullptr) {}
 
-  // With all that these formats need. `index`: of the frame, which is named by it.
+  // Returns a frame with everything that these formats need. `index` is the frame's number and name.
   DataFrame frame(const scene::Camera& camera, uint32_t width, uint32_t height,
                   const std::vector<const Format*>& formats, uint64_t index = 0, const render::SceneState& moment = {});
 
@@ -31,10 +31,11 @@ class Studio {
   GeometryHashes geometry_;
 };
 
-// Squares that face a camera at +Z, of glTF's frame: "back" is [-1, 1]^2 at z = 0; "front", half as large, stands at
-// z = 0.5 before its right edge, its middle at x = 1; "cut" is as large as the back one, its middle at (2, 1.5).
+// Squares that face a camera at +Z (glTF's frame). "back" is [-1, 1]^2 at z = 0. "front", half as large, stands at z =
+// 0.5 in front of its right edge, with its center at x = 1. "cut" is as large as the back one and has its center at (2,
+// 1.5).
 scene::Scene squares();
-// Camera of squares(): looks at them along -Z, so that the square [-2, 2]^2 at z = 0 fills the picture.
+// The camera of squares(): it looks along -Z, and the square [-2, 2]^2 at z = 0 fills the picture.
 scene::Camera squaresCamera(bool perspective = false);
 
 class FormatsTest : public render::test::RenderTest {

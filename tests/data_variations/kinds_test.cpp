@@ -12,7 +12,8 @@
 namespace latelight::data::test {
 namespace {
 
-// Uniform in [low, high], by chi-square with nine degrees of freedom: 27.88 one time in 1000.
+// Expects uniformly distributed values in [low, high]. Chi-square with nine degrees of freedom exceeds 27.88 once in
+// 1000 times.
 void expectUniform(const std::vector<double>& values, double low, double high) {
   std::vector<double> counts(10);
   for (const double value : values) {
@@ -55,7 +56,7 @@ TEST(MaterialsTest, AreDrawnFromTheirRanges) {
   expectUniform(emitted, 1, 2);
 }
 
-// From Philox, FNV-1a and the words' places by another program: what a seed draws is for ever.
+// Computed with another implementation of Philox and FNV-1a. The samples of a seed must never change.
 TEST(MaterialsTest, AreTheSameOnEveryMachine) {
   Varied varied(R"([{"type": "materials", "materials": "matte", "roughness": [0.25, 0.75]}])");
   ASSERT_EQ(varied.scene.materials[2].name, "matte");
@@ -253,7 +254,7 @@ TEST(LightsTest, StateTheirPositionsAsDoubles) {
     EXPECT_EQ(said[i]["position"][0].get<double>(), scene.lights[i].position.x) << i;
 }
 
-// As all positions that a set states: in the frame of the scene's file, where Y points up in glTF.
+// Like all positions that a set states, these are in the frame of the scene's file, where Y points up in glTF.
 TEST(LightsTest, StateTheirPositionsInTheFilesFrame) {
   scene::Scene scene = scene::load(models::modelPath("punctual.glb").string());
   ASSERT_TRUE(scene.yUp);
@@ -279,7 +280,8 @@ TEST(VisibilityTest, IsByChance) {
     EXPECT_EQ(said.size(), static_cast<size_t>(a) + b);
     EXPECT_EQ(a, !said.empty() && said[0] == "/boxes/matte");
   }
-  // Independent of each other; 16.27 is chi-square's with three degrees of freedom one time in 1000.
+  // The choices are independent of each other. Chi-square with three degrees of freedom exceeds 16.27 once in 1000
+  // times.
   const double expected[] = {450, 150, 150, 50};
   double chi = 0;
   for (size_t i = 0; i < 4; ++i) chi += (cases[i] - expected[i]) * (cases[i] - expected[i]) / expected[i];

@@ -8,7 +8,7 @@ namespace {
 
 using render::test::RenderTest;
 
-// One of each kind, and two that take turns on the same elements.
+// One variation of each kind, and two that alternate on the same elements.
 std::string everyKind(const Folder& folder) {
   folder.write("a.bmp", bitmap(255, 60, 20));
   folder.write("b.bmp", bitmap(30, 60, 255));
@@ -59,7 +59,7 @@ TEST_F(OrderTest, NothingIsLeftOfOtherNumbers) {
     EXPECT_EQ(said, expected[number]);
     render::test::expectSame(picture(renderer), fresh[number]);
   }
-  // They are different pictures.
+  // The pictures of different variations differ.
   ASSERT_GE(fresh.size(), 6u);
   for (auto a = fresh.begin(); std::next(a) != fresh.end(); ++a)
     EXPECT_NE(a->second.aovs[0].values, std::next(a)->second.aovs[0].values);

@@ -11,14 +11,14 @@ namespace {
 dvec3 nearestIn(const OrientedBox& box, dvec3 p) {
   dvec3 nearest = box.centre;
   for (int axis = 0; axis < 3; ++axis) {
-    const dvec3 half = box.half[axis];  // at right angles to the others
+    const dvec3 half = box.half[axis];  // perpendicular to the others
     nearest += half * glm::clamp(glm::dot(p - box.centre, half) / glm::dot(half, half), -1.0, 1.0);
   }
   return nearest;
 }
 
-// The distance of two boxes, by going from one to the other's nearest point and back: it converges to their nearest
-// points (Cheney and Goldstein 1959).
+// The distance of two boxes by alternating projection, which converges to their nearest points (Cheney and Goldstein
+// 1959, "Proximity maps for convex sets").
 double distanceBetween(const OrientedBox& a, const OrientedBox& b) {
   dvec3 p = a.centre, q = b.centre;
   for (int i = 0; i < 3000; ++i) q = nearestIn(b, p), p = nearestIn(a, q);
@@ -56,7 +56,7 @@ TEST(OrientedBoxTest, MayTouch) {
   EXPECT_FALSE(areApart(a, a, 0));
 }
 
-// The world box of an object's unit cube.
+// The world-space box of an object's unit cube.
 OrientedBox boxOf(const scene::Scene& scene, const scene::Instance& instance) {
   const scene::Mesh& mesh = scene.meshes[instance.mesh];
   OrientedBox box{.centre = dvec3(mesh.boundsMin + mesh.boundsMax) * 0.5};
@@ -87,7 +87,7 @@ TEST(ScatterTest, PutsObjectsOnASurfaceApart) {
     EXPECT_GT(boxes.size(), 6u);
     expectApart(boxes, 0.1);
     for (const OrientedBox& box : boxes) {
-      EXPECT_NEAR(box.centre.z - extentAlong(box, {0, 0, 1}), 0, 1e-6);  // the floor's top
+      EXPECT_NEAR(box.centre.z - extentAlong(box, {0, 0, 1}), 0, 1e-6);  // the top of the floor
       EXPECT_TRUE(std::abs(box.centre.x) <= 12 && box.centre.y >= -9 && box.centre.y <= 6);
       for (const scene::BoxesBox& own : scene::boxesBoxes()) {
         if (own.name == "floor" || own.name == "mirrored") continue;
@@ -141,7 +141,7 @@ TEST(ScatterTest, TakesWholeFilesAsOneObject) {
   }
   ASSERT_EQ(parts.size(), 2u);
   for (const auto& [id, count] : parts) EXPECT_EQ(count, int(scene::kSpheresColumns * scene::kSpheresRows));
-  // "transform" takes the file's own places there: here those of its first sphere's middle.
+  // "transform" samples positions in the file's frame, here those of its first sphere's center.
   const Json& rows = said[0]["transform"];
   const dvec3 centre(scene::spheresCentre(0, 0));
   dvec3 placed;

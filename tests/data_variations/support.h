@@ -19,7 +19,7 @@ using app::Folder;
 using glm::dmat4, glm::dvec3, glm::dvec4;
 using Json = nlohmann::ordered_json;
 
-// A .bmp of one colour, 2x2 pixels.
+// Returns a .bmp file of 2x2 pixels of one color.
 inline std::string bitmap(uint8_t red, uint8_t green, uint8_t blue) {
   const std::string head{'B', 'M', 70, 0, 0, 0, 0, 0,  0, 0, 54, 0, 0, 0, 40, 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 1,
                          0,   24,  0,  0, 0, 0, 0, 16, 0, 0, 0,  0, 0, 0, 0,  0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};

@@ -1,4 +1,4 @@
-// Invalid variations: each ends with one sentence that names the key.
+// Invalid variations: each one ends with a one-sentence message that names the key.
 #include "data_variations/support.h"
 
 namespace latelight::data::test {

@@ -134,8 +134,8 @@ TEST(EditApi, TicketsGiveTheSceneAsItWasSubmitted) {
   scene.setMaterial(scene.materials()[0], red);
   Ticket second = renderer->submit({camera, camera}, small());
   EXPECT_THAT(refusal([&] { renderer->submit({}, small()); }), HasSubstr("camera"));
-  dropped = std::move(first);  // the one that it was is never taken
-  renderer.reset();            // tickets keep what they need
+  dropped = std::move(first);  // assigning drops the previous one without taking its results
+  renderer.reset();            // tickets keep alive what they need
   const std::vector<Frame> after = second.take();
   ASSERT_EQ(after.size(), 2u);
   expectSame(after[0], after[1]);
@@ -190,12 +190,12 @@ TEST(EditApi, WhatIsAddedIsSeenAndFoundByItsIds) {
   EXPECT_THAT(refusal([&] { scene.instancesOf("/sign"); }), HasSubstr("no node \"/sign\""));
 }
 
-// As an importer does: those of the triangles, and tangents along the texture coordinates.
+// Like the output of an importer: normals of the triangles, and tangents along the texture coordinates.
 TEST(EditApi, NormalsAreMadeWhereThereAreNone) {
   Scene scene("builtin:boxes");
   Renderer renderer(scene, "cpu");
   const Camera camera = scene.lookAt({0, 50, 10}, {0, 50, 0});
-  MeshData roof;  // two triangles that share an edge, and lean apart
+  MeshData roof;  // two triangles that share an edge and are tilted apart
   roof.positions = {{-1, -1, -1}, {0, -1, 0}, {0, 1, 0}, {1, -1, -1}};
   roof.indices = {0, 1, 2, 1, 3, 2};
   roof.uv = {{0, 1}, {0.5f, 1}, {0.5f, 0}, {1, 1}};

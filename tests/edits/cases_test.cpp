@@ -1,5 +1,5 @@
-// Edge cases of edits: before the first frame, of nothing, of everything, of animated properties, and with two
-// renderers.
+// Edge cases of edits: before the first frame, without any element, of all elements, of animated properties, and with
+// two renderers.
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -40,7 +40,7 @@ TEST_F(EditCasesTest, BeforeTheFirstFrame) {
   expectAsFresh(renderer, device(), scene_, settings_);
 }
 
-// Each follows at its own pace.
+// Each renderer follows the edits when it renders.
 TEST_F(EditCasesTest, TwoRenderersOnOneScene) {
   Renderer often(device(), scene_, nullptr), seldom(device(), scene_, nullptr);
   for (uint32_t i = 0; i < 6; ++i) {
@@ -53,7 +53,7 @@ TEST_F(EditCasesTest, TwoRenderersOnOneScene) {
   expectAsFresh(seldom, device(), scene_, settings_);
 }
 
-// Of all ways to light, too: none of them may ask for what is not there.
+// With every lighting technique, none of which may depend on an element that does not exist.
 TEST_F(EditCasesTest, RemovingEverythingAndPuttingSomethingBack) {
   Renderer renderer(device(), scene_, nullptr);
   expectAsFresh(renderer, device(), scene_, settings_);
@@ -124,7 +124,7 @@ TEST_F(EditCasesTest, MeshesWithoutTriangles) {
   expectAsFresh(renderer, device(), scene_, settings_);
 }
 
-// Lists outgrow their room on the device, and shrink again.
+// Lists outgrow their capacity on the device, and shrink again.
 TEST_F(EditCasesTest, ManyMoreAndFewAgain) {
   Renderer renderer(device(), scene_, nullptr);
   const scene::Light lamp = scene_.lights[1];
@@ -144,7 +144,7 @@ TEST_F(EditCasesTest, ManyMoreAndFewAgain) {
   expectAsFresh(renderer, device(), scene_, settings_);
 }
 
-// --- what moves -----------------------------------------------------------------------------------------------------
+// --- animated elements ----------------------------------------------------------------------------------------------
 
 class EditMovingTest : public RenderTest, public testing::WithParamInterface<std::string> {
  protected:
@@ -163,7 +163,7 @@ class EditMovingTest : public RenderTest, public testing::WithParamInterface<std
   scene::Scene scene_ = scene::load(models::modelPath(GetParam()).string());
   Renderer renderer_{device(), scene_, nullptr};
 
-  // At rest, and at some times.
+  // At rest, and at several times.
   void expectAllAsFresh() {
     const scene::Camera camera = scene::frameScene(scene_, 1.5f);
     for (const double time : {0.3, -1.0, 0.6}) {
@@ -199,7 +199,7 @@ TEST_P(EditMovingTest, MeshesThatMoveAreReplaced) {
   expectAllAsFresh();
   const uint64_t pipelines = device().pipelinesMade();
   const uint32_t mesh = moving();
-  // By one that moves as well, but is thinner.
+  // Replaced by a mesh that moves as well, but is thinner.
   scene::Mesh thinner = scene_.meshes[mesh];
   auto deformation = std::make_shared<scene::Deformation>(*thinner.deformation);
   for (vec3& p : thinner.positions) p.x *= 0.5f;
@@ -207,7 +207,7 @@ TEST_P(EditMovingTest, MeshesThatMoveAreReplaced) {
   thinner.deformation = deformation;
   setMesh(scene_, mesh, thinner);
   expectAllAsFresh();
-  // By one that stands still, and back.
+  // Replaced by a static mesh, and back.
   setMesh(scene_, mesh, sphereMesh(0.5f));
   expectAllAsFresh();
   setMesh(scene_, mesh, thinner);

@@ -1,4 +1,4 @@
-// Outputs in device memory, as arrays of all views: they equal the pictures on the host; their ownership and lifetime.
+// Outputs in device memory, as arrays of all views: they equal the images on the host; their ownership and lifetime.
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <latelight/latelight.h>
@@ -95,7 +95,7 @@ TEST_F(DeviceArraysTest, OfDataAlone) {
   compare(settings, 2);
 }
 
-// More views than a frame takes at once.
+// More views than one frame accepts.
 TEST_F(DeviceArraysTest, OfManyViews) {
   if (!device().isCpu()) GTEST_SKIP() << "the host has no arrays of " << device().info().name;
   Settings settings = oddSettings();
@@ -104,7 +104,7 @@ TEST_F(DeviceArraysTest, OfManyViews) {
   compare(settings, 300);
 }
 
-// --- by the public API ----------------------------------------------------------------------------------------------
+// --- through the public API -----------------------------------------------------------------------------------------
 
 struct Shop {
   latelight::Scene scene{models::modelPath("punctual.glb").string()};

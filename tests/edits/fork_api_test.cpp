@@ -10,7 +10,7 @@
 namespace latelight {
 namespace {
 
-// The exit code of a forked process that returns `body`'s result; -1 where it did not end within a minute.
+// Returns the exit code of a forked process that returns the result of `body`; -1 if it did not end within a minute.
 int inFork(const std::function<int()>& body) {
   const pid_t child = fork();
   if (child == 0) {
@@ -80,7 +80,7 @@ TEST(Forked, RenderersOfTheParentAreRefusedAndNewOnesWork) {
   EXPECT_EQ(renderer.render(camera, small()).rgba, expected.rgba);
 }
 
-// What is dropped in the forked process waits for nothing, and the parent's device has lost nothing.
+// Destroying objects in the forked process waits for nothing, and the parent's device stays valid.
 TEST(Forked, DestructorsLeaveTheDeviceAlone) {
   Scene scene("builtin:boxes");
   auto renderer = std::make_unique<Renderer>(scene, "cpu");

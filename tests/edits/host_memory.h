@@ -1,4 +1,4 @@
-// What a renderer keeps in the host's heap, for tests that look for leaks.
+// The host's heap that a renderer uses, for tests that search for leaks.
 #pragma once
 
 #include <cstddef>
@@ -7,12 +7,12 @@
 
 namespace latelight::render::test {
 
-// Returns the least number of bytes in the heap after each of eight frames: now and then a frame leaves the driver a
-// command buffer more until the next.
+// Returns the minimum number of allocated bytes after each of eight frames, because the driver occasionally keeps one
+// more command buffer until the next frame.
 size_t leastHostBytes(const std::function<void()>& frame);
 
-// Returns the median difference between one number of bytes and the next. A leak adds to each; something that the
-// driver or a thread of the process makes once adds to one alone.
+// Returns the median difference between successive numbers of bytes. A leak adds to every difference, a one-time
+// allocation of the driver or of a thread only to one.
 double medianGrowth(std::span<const size_t> bytes);
 
 }  // namespace latelight::render::test

@@ -26,7 +26,7 @@ TEST(EditLog, SaysWhatChangedSinceEachOnceAscending) {
   EXPECT_THAT(log.since(log.revision()), IsEmpty());
 }
 
-// Against a log that keeps everything.
+// Compares with a log that never discards entries.
 TEST(EditLog, ForgetsNothingThatSomebodyHasNotSeen) {
   std::mt19937 engine(4);
   EditLog log;

@@ -1,4 +1,4 @@
-// Scenes that a program builds from scratch and reads back, through the public API.
+// Scenes that a program builds from scratch and reads back through the public API.
 #include <gmock/gmock.h>
 #include <latelight/latelight.h>
 
@@ -15,7 +15,7 @@ using testing::ElementsAre;
 using testing::FloatNear;
 using testing::HasSubstr;
 
-// Two metres wide and high, facing +Z, its texture upright.
+// A square of 2 m x 2 m that faces +Z, with an upright texture.
 MeshData picture() {
   MeshData mesh;
   mesh.name = "picture";
@@ -66,8 +66,8 @@ TEST(MadeScene, IsEmptyAtFirst) {
 
 TEST(MadeScene, ShowsItsTexturesTexels) {
   Scene scene;
-  Renderer renderer(scene, "cpu");                                         // what comes later is uploaded
-  const Camera camera = scene.lookAt({0, 0, 2}, {0, 0, 0}, 53.13010235f);  // the picture fills it
+  Renderer renderer(scene, "cpu");  // elements that are added later are uploaded, too
+  const Camera camera = scene.lookAt({0, 0, 2}, {0, 0, 0}, 53.13010235f);  // the square fills the picture
   renderer.render(camera, square({"albedo"}));
   const auto material = scene.addMaterial({.name = "paint", .roughness = 1});
   const auto texture = scene.addTexture(checks());

@@ -18,8 +18,8 @@ using scene::Material;
 
 constexpr uint32_t kEdits = 10000, kFrames = 60;
 constexpr uint32_t kMaxInstances = 24, kMaxLights = 12, kMaxMaterials = 12, kMaxMeshes = 8, kMaxTextures = 8;
-constexpr uint32_t kSun = 0;    // stays, so that every frame has shadows
-constexpr uint32_t kFloor = 0;  // a material
+constexpr uint32_t kSun = 0;    // is never removed, so that every frame has shadows
+constexpr uint32_t kFloor = 0;  // the index of a material
 constexpr uint32_t kFirstTextures = 3;
 
 class Editor {
@@ -59,7 +59,8 @@ class Editor {
     }
   }
 
-  // What is much the same whatever was done before: as many of everything as there may be, all of one kind.
+  // Brings the scene to a similar state, whatever was edited before: the maximum number of all elements, each of one
+  // kind.
   void level() {
     fill();
     for (uint32_t i = 0; i < scene_.meshes.size(); ++i) scene::setMesh(scene_, i, squareMesh());
@@ -77,7 +78,7 @@ class Editor {
   }
 
  private:
-  // Until there is no room for more of anything.
+  // Adds elements until every maximum is reached.
   void fill() {
     while (present(scene_.instances) < kMaxInstances) addInstance();
     while (present(scene_.lights) < kMaxLights) addLight();
@@ -103,7 +104,7 @@ class Editor {
   }
   uint32_t anyInstance() { return any(scene_.instances); }
   uint32_t anyMaterial() { return any(scene_.materials); }
-  // One whose colors are stored so; those that the scene has at first are never removed.
+  // Returns an image whose colors are stored in this way. The initial images are never removed.
   int anyTexture(bool srgb) {
     uint32_t index = 0;
     do index = any(scene_.textures);
@@ -121,7 +122,7 @@ class Editor {
 
   void addInstance() {
     if (present(scene_.instances) == kMaxInstances) return removeInstance();
-    // Now and then just where another is: what is drawn last shows.
+    // Sometimes this is exactly the position of another instance; the one that is drawn last is visible.
     const bool twin = dice_.chance(0.3f);
     const Instance& like = scene_.instances[anyInstance()];
     const uint32_t mesh = twin ? like.mesh : any(scene_.meshes);
@@ -137,7 +138,7 @@ class Editor {
 
   static Material plain() { return scene::builtin::plainMaterial("", vec3(0.5f), 0, 0.5f); }
 
-  // In the slots that the scene has at first.
+  // In the slots that the scene has initially.
   Material material() {
     Material m = scene::builtin::plainMaterial("", dice_.inside(vec3(0), vec3(1)), dice_.unit(), dice_.unit());
     if (dice_.chance(0.4f))
@@ -201,7 +202,7 @@ class Editor {
     if (present(scene_.meshes) < kMaxMeshes) scene::addMesh(scene_, mesh());
   }
 
-  // A mesh and a material, once the instances that have them are gone.
+  // Removes a mesh and a material after the instances that use them.
   void removeShape() {
     const uint32_t mesh = any(scene_.meshes), material = any(scene_.materials);
     const auto hasEither = [&](const Instance& i) { return i.mesh == mesh || i.material == material; };
@@ -219,7 +220,7 @@ class Editor {
     return textureOf(side, side, srgb, texels);
   }
 
-  // Sizes are powers of two, since lavapipe compiles shaders for other ones again.
+  // Sizes are powers of two, because lavapipe compiles shaders again for other sizes.
   uint32_t anySide() { return 4u << dice_.below(3); }
 
   void setTexture() {
@@ -232,7 +233,7 @@ class Editor {
     scene::addTexture(scene_, noise(anySide(), dice_.chance(0.5f)));
   }
 
-  // Materials that sample it get others first.
+  // Materials that sample it are assigned another texture first.
   void removeTexture() {
     if (count(scene_.textures) <= kFirstTextures) return;
     const uint32_t index = kFirstTextures + dice_.below(count(scene_.textures) - kFirstTextures);
@@ -261,7 +262,7 @@ class EditsTest : public RenderTest {
 };
 
 TEST_F(EditsTest, TenThousandEditsAsIfEachFrameWereTheFirst) {
-  vk::Device own({.selector = "cpu", .validation = true});  // what is made on it is made for edits
+  vk::Device own({.selector = "cpu", .validation = true});  // objects created on it are created for edits
   Renderer renderer(own, scene_, &sky_);
   expectSame(render(renderer), fresh(scene_));
   const uint64_t pipelines = own.pipelinesMade();
@@ -279,8 +280,8 @@ TEST_F(EditsTest, TenThousandEditsAsIfEachFrameWereTheFirst) {
   for (const std::string& message : own.validationMessages()) ADD_FAILURE() << message;
 }
 
-// What the renderer and its device take after the same frame, again and again. Without validation, which keeps what it
-// has seen.
+// Returns the memory of the renderer and its device after the same frame, repeatedly. Validation is off, because it
+// keeps everything that it has seen.
 TEST_F(EditsTest, TenThousandEditsTakeNoMemory) {
   constexpr uint32_t kRounds = 10, kEditsARound = kEdits / kRounds;
   vk::Device own({.selector = "cpu"});
@@ -293,7 +294,7 @@ TEST_F(EditsTest, TenThousandEditsTakeNoMemory) {
     if ((i + 1) % (kEdits / kFrames) == 0) render(renderer);
     if ((i + 1) % kEditsARound != 0) continue;
     editor.level();
-    for (int again = 0; again < 8; ++again) render(renderer);  // until nothing is kept of frames before
+    for (int again = 0; again < 8; ++again) render(renderer);  // until no resource of earlier frames is cached
     onDevice.push_back(own.memory().statistics());
     onHost.push_back(leastHostBytes([&] { render(renderer); }));
   }

@@ -30,14 +30,14 @@ MeshData square(const char* name) {
           .uv = {{0, 1}, {1, 1}, {1, 0}, {0, 0}}};
 }
 
-// One color, opaque.
+// An opaque texture of one color.
 TextureData plain(uint32_t width, uint32_t height, std::array<uint8_t, 3> color, bool srgb = false) {
   TextureData data{"plain", width, height, srgb, {}};
   for (uint32_t i = 0; i < width * height; ++i) data.rgba.insert(data.rgba.end(), {color[0], color[1], color[2], 255});
   return data;
 }
 
-// A wall that fills the picture, its base color from a texture.
+// A wall that fills the picture and has a base color texture.
 struct Wall {
   Scene scene;
   Handle<Mesh> mesh = scene.addMesh(square("wall"));
@@ -114,7 +114,7 @@ TEST(Removal, ReplacedPixelsShowInAllMaterialsAndSizes) {
   wall.scene.setTextureData(wall.texture, plain(16, 8, {0, 255, 0}));
   EXPECT_EQ(wall.albedo(renderer), (std::array<float, 3>{0, 1, 0}));
   EXPECT_EQ(wall.scene.texture(wall.texture).width, 16u);
-  wall.scene.setTextureData(wall.texture, plain(5, 3, {0, 0, 255}));  // no power of two
+  wall.scene.setTextureData(wall.texture, plain(5, 3, {0, 0, 255}));  // not a power of two
   EXPECT_EQ(wall.albedo(renderer), (std::array<float, 3>{0, 0, 1}));
   const auto grey = [&](bool srgb) {
     wall.scene.setTextureData(wall.texture, plain(4, 4, {128, 128, 128}, srgb));

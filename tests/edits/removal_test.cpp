@@ -1,4 +1,4 @@
-// Removing meshes, materials and textures: the replacement of a removed element, and the freed memory.
+// Removing meshes, materials and textures: which element replaces a removed one, and the memory that is freed.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ std::string refusal(const std::function<void()>& edit) {
   return "nothing was refused";
 }
 
-// --- the scene's own elements ---------------------------------------------------------------------------------------
+// --- elements that the scene had at first ---------------------------------------------------------------------------
 
 class RemovalTest : public RenderTest {
  protected:
@@ -47,7 +47,7 @@ TEST_F(RemovalTest, RemovedInstancesWhoseMeshIsGoneAreNotRestored) {
   expectAsFresh(renderer, device(), scene_, settings_);
 }
 
-// An animation that names an element does not go on with what takes its place.
+// An animation that targets a removed element does not animate the element that takes its slot.
 TEST_F(RemovalTest, AnimationsLeaveWhatTakesThePlaceAlone) {
   scene_.rig.nodes.resize(scene_.nodes.size());
   for (uint32_t i = 0; i < scene_.nodes.size(); ++i) scene_.rig.order.push_back(i), scene_.rig.sceneNodes.push_back(i);
@@ -79,7 +79,8 @@ TEST_F(RemovalTest, AnimationsLeaveWhatTakesThePlaceAlone) {
   EXPECT_EQ(scene::posedLights(scene_, pose())[light].intensity, scene_.lights[1].intensity);
 }
 
-// A frame that fails after the scene's changes were taken leaves them to the next one, even if they change again.
+// If a frame fails after it has accepted the scene's changes, the next frame applies them, even if the scene changes
+// again.
 TEST_F(RemovalTest, WhatAFailedFrameWasToUploadMayBeReplaced) {
   vk::Device own({.selector = "cpu", .validation = true, .graphics = false});
   Renderer renderer(own, scene_, nullptr);
@@ -100,8 +101,8 @@ TEST_F(RemovalTest, WhatAFailedFrameWasToUploadMayBeReplaced) {
 
 // --- memory ---------------------------------------------------------------------------------------------------------
 
-// A thousand rounds of a texture, a material, a mesh and an instance: 64 x 64 texels and their mip levels are 22 kB, so
-// that what is not freed shows on the device and on the host.
+// A thousand rounds of a texture, a material, a mesh and an instance. 64 x 64 texels and their mip levels are 22 kB, so
+// that memory that is not freed is measurable on the device and on the host.
 TEST_F(RemovalTest, AThousandRoundsTakeNoMemory) {
   constexpr int kRounds = 1000;
   constexpr uint32_t kSide = 64;
@@ -128,7 +129,7 @@ TEST_F(RemovalTest, AThousandRoundsTakeNoMemory) {
     removeMaterial(scene_, material);
     removeTexture(scene_, texture);
     if (round % 100 != 99) continue;
-    // After these frames nothing is kept of those before.
+    // After these frames, no resource of earlier ones is cached.
     onHost.push_back(leastHostBytes([&] { renderer.render({&camera, 1}, settings); }));
     onDevice.push_back(own.memory().statistics().usedBytes);
   }

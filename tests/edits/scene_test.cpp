@@ -29,7 +29,7 @@ mat4 shifted(float x) {
   return m;
 }
 
-// What it refuses with; the scene is as it was.
+// Returns the message of the rejected edit. The scene must be unchanged.
 template <typename Edit>
 std::string refusal(const Scene& scene, Edit edit) {
   const auto revisions = [&] {
@@ -140,7 +140,8 @@ TEST(SceneEdit, AddedInstancesHaveNodesAndIdsOfTheirOwnThatGoWithThem) {
   EXPECT_FALSE(ids.contains(0) || parts.contains(0));
   const uint32_t id = scene.instances[first].id;
   removeInstance(scene, first);
-  EXPECT_EQ(scene.instances[addInstance(scene, 1, 0, shifted(1), "crate")].id, id);  // of what it is called
+  // an instance is named after its mesh
+  EXPECT_EQ(scene.instances[addInstance(scene, 1, 0, shifted(1), "crate")].id, id);
   for (int i = 0; i < 100; ++i) removeInstance(scene, addInstance(scene, 0, 0, shifted(3)));
   EXPECT_EQ(scene.nodes.size(), nodes + 3);
 }
@@ -181,7 +182,7 @@ TEST(SceneEdit, WhatIsRestoredIsAsItWas) {
   EXPECT_EQ(scene.nodes[scene.instances[2].node].path, scene.nodes[before.node].path);
   EXPECT_FALSE(scene.instances[2].placed);
   EXPECT_THAT(scene.edits.instances.since(revision), ElementsAre(2));
-  EXPECT_EQ(addInstance(scene, 0, 0, shifted(1), "ball"), 4u);  // the other gap, and not that of the one restored
+  EXPECT_EQ(addInstance(scene, 0, 0, shifted(1), "ball"), 4u);  // in the other gap, not that of the restored instance
   const std::string present = refusal(scene, [&] { restoreInstance(scene, 2); });
   EXPECT_THAT(present, HasSubstr("the instance 2 is not one"));
   EXPECT_THAT(refusal(scene, [&] { restoreInstance(scene, 4); }), HasSubstr("the instance 4 is not one"));
@@ -303,7 +304,7 @@ TEST(SceneEdit, RefusesMeshes) {
               HasSubstr("a deformation of 0"));
 }
 
-// Against a set, with many of one hash.
+// Compares with a std::set, with many equal hashes.
 TEST(UniqueIds, WhatIsReleasedIsFreeAndNothingElse) {
   Dice dice(3);
   UniqueIds ids;

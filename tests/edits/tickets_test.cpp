@@ -18,7 +18,7 @@ using output::Aov;
 
 constexpr uint32_t kTicketFrames = 10;
 
-// The scene of a frame: other transforms, materials, lights and instances each time.
+// The scene of a frame: transforms, materials, lights and instances differ in each.
 void editFor(scene::Scene& scene, uint32_t frame) {
   Dice dice(frame + 1);
   const uint32_t moved = dice.below(static_cast<uint32_t>(scene.instances.size()));
@@ -35,7 +35,7 @@ void editFor(scene::Scene& scene, uint32_t frame) {
   addInstance(scene, scene.instances[moved].mesh, scene.instances[moved].material, place);
 }
 
-// A scene whose frames differ, by edits or poses, and how they are rendered.
+// A scene whose frames differ by edits or poses, and the settings with which they are rendered.
 struct Story {
   scene::Scene scene = workshop();
   scene::Camera camera = workshopCamera();
@@ -58,7 +58,7 @@ struct Story {
 
 class TicketsTest : public RenderTest {
  protected:
-  // Frames of a story that are taken one by one, against those that others are submitted before.
+  // Compares frames that are rendered one by one with frames that are submitted before the previous ones are read back.
   static void compare(const std::function<Story()>& begin) {
     std::vector<output::FrameOutput> expected;
     {
@@ -128,7 +128,7 @@ TEST_F(TicketsTest, PosesOfSkinsAndMorphTargets) {
   }
 }
 
-// What overflows is found only once the device has been there. It is done again as the scene was.
+// Overflow is detected only after the device has finished. The frame is then rendered again with the scene as it was.
 TEST_F(TicketsTest, OverflowIsOfTheSceneAsItWasSubmitted) {
   Story story;
   const auto blended = std::ranges::find_if(story.scene.instances, [&](const scene::Instance& instance) {

@@ -1,4 +1,4 @@
-// Animated properties other than transforms: values of materials and lights, and visibility.
+// Animated properties other than transforms: properties of materials and lights, and visibility.
 #include <algorithm>
 
 #include "edits/workshop.h"
@@ -25,7 +25,7 @@ scene::ValueTrack lineOf(scene::AnimatedElements elements, uint32_t index, const
 
 constexpr uint32_t kHidden = 2, kLight = 0, kHiddenLight = 1;
 
-// The workshop with nodes that nothing moves; one of its lights is at that of an instance.
+// The workshop with nodes that no animation moves. One light is on the node of an instance.
 scene::Scene standing() {
   scene::Scene scene = workshop();
   scene.rig.nodes.resize(scene.nodes.size());
@@ -35,7 +35,7 @@ scene::Scene standing() {
   return scene;
 }
 
-// With materials and a light that change, and an instance and a light that are seen from half a second on.
+// Animates materials and a light, and makes an instance and a light visible after half a second.
 class ValuesTest : public RenderTest {
  protected:
   ValuesTest() {
@@ -62,7 +62,7 @@ class ValuesTest : public RenderTest {
     return {.poses = {pose, pose, pose}};
   }
 
-  // The same at a time by edits alone.
+  // Sets the same values with edits.
   scene::Scene edited(double seconds) const {
     scene::Scene scene = standing();
     const float value = kFrom + (kTo - kFrom) * float(seconds);
@@ -92,10 +92,10 @@ class ValuesTest : public RenderTest {
   const scene::Camera camera_ = workshopCamera();
 };
 
-// Frame after frame, back and forth, with both rasters.
+// Frame by frame, forward and backward, with both rasters.
 TEST_F(ValuesTest, AreThoseOfEditsAtThatTime) {
   ASSERT_LT(kTextured, scene_.materials.size());
-  settings_.aovs.clear();  // the ids of an edited scene are others
+  settings_.aovs.clear();  // an edited scene has different ids
   for (const Raster raster : {Raster::Hardware, Raster::Compute}) {
     settings_.raster = raster;
     Renderer renderer(device(), scene_, nullptr);
@@ -119,7 +119,7 @@ TEST_F(ValuesTest, AtRestTheyAreThoseOfTheScene) {
   expectAsFresh(renderer, device(), scene_, settings_);
 }
 
-// Edits go on beside them.
+// Edits are applied in addition to the animation.
 TEST_F(ValuesTest, FollowEdits) {
   Renderer renderer(device(), scene_, nullptr);
   expectAsFresh(renderer, device(), scene_, settings_, nullptr, at(scene_, 0.25));

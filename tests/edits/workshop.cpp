@@ -14,7 +14,7 @@ using scene::builtin::SceneBuilder;
 
 enum MeshOf : uint32_t { kSphere, kSquare, kColoredSquare };
 
-// Of a checker with holes, of roughness, of dots that glow.
+// Textures with a checkerboard with holes, with roughness, and with glowing dots.
 std::vector<scene::Texture> textures() {
   std::vector<glm::u8vec4> holes, rough, dots;
   for (uint32_t i = 0; i < 64; ++i) {
@@ -73,7 +73,7 @@ scene::Texture copyOf(const scene::Texture& texture) {
   return copy;
 }
 
-// Drops removed elements, and returns the new index of each other one.
+// Drops removed elements, and returns the new index of every other one.
 template <typename T>
 std::vector<uint32_t> closeGaps(std::vector<T>& all) {
   std::vector<uint32_t> indices;

@@ -10,19 +10,19 @@
 
 namespace latelight::render::test {
 
-// A floor, spheres and cards: opaque, masked, blended, double-sided, unlit and glowing ones, some of them mirrored,
-// under a directional, a point and a spot light. Three textures, in the slots of base colour, metal-roughness and
+// A floor, spheres and cards: opaque, masked, blended, double-sided, unlit and emissive ones, some of them mirrored,
+// under a directional, a point and a spot light. Three textures, in the slots for base color, metallic-roughness and
 // emission.
 scene::Scene workshop();
 scene::Camera workshopCamera();
 
-// A small picture of it with shadows, and all kinds of data.
+// Settings for a small picture of it with shadows and all data outputs.
 Settings workshopSettings();
 
-// The same but for its gaps, as it would be if what was removed had never been there.
+// Returns the same scene without its gaps, as if the removed elements had never existed.
 scene::Scene withoutGaps(const scene::Scene& scene);
 
-// Numbers that are the same with every library.
+// Random numbers that do not depend on the standard library.
 class Dice {
  public:
   explicit Dice(uint32_t seed) : engine_(seed) {}
@@ -39,10 +39,10 @@ class Dice {
   std::mt19937 engine_;
 };
 
-// Adds failures that say which outputs of two frames differ, and where first.
+// Adds failures that name the outputs of two frames that differ, and the position of the first difference.
 void expectSame(const output::FrameOutput& actual, const output::FrameOutput& expected);
 
-// A frame of the renderer, and the same from one made afresh: they are to be the same.
+// Compares a frame of the renderer with that of a new renderer.
 void expectAsFresh(Renderer& renderer, vk::Device& device, const scene::Scene& scene, const Settings& settings,
                    const scene::Environment* environment = nullptr, const SceneState& moment = {});
 

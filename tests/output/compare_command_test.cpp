@@ -20,7 +20,7 @@ class CompareCommand : public InFolder {
     writePicture(at("b.png"), b);
     writePicture(at("small.png"), {1, 1, {0, 0, 0, 255}});
   }
-  // Its exit code; what it printed is in `printed`.
+  // Returns its exit code, and sets `printed` to its output.
   int run(std::vector<std::string> arguments) {
     CLI::App cli;
     app::addCompareCommand(cli);
@@ -75,7 +75,7 @@ TEST_F(CompareCommand, PrintsJson) {
   EXPECT_EQ(nlohmann::json::parse(printed)["outputs"]["color"]["flip"], 0);
 }
 
-// Depth of 2 and 2.02 m, and ids of which one of two differs: one maximum over both says nothing.
+// Depths of 2 and 2.02 m, and two ids of which one differs: a common maximum over both would be meaningless.
 TEST_F(CompareCommand, MeasuresEachOutput) {
   const auto write = [&](const char* name, float depth, uint32_t id) {
     AovImage z = makeAovImage(Aov::Depth, 2, 1), ids = makeAovImage(Aov::Id, 2, 1);
@@ -102,7 +102,7 @@ TEST_F(CompareCommand, MeasuresEachOutput) {
   EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "depth="}), 2);
 }
 
-// Colors by what a person sees of the difference.
+// Compares colors with a perceptual metric.
 TEST_F(CompareCommand, JudgesByFlip) {
   run({at("a.png"), at("b.png"), "--json"});
   const double flip = nlohmann::json::parse(printed)["outputs"]["color"]["flip"];

@@ -49,7 +49,7 @@ TEST(CompareOutputs, FindsTheOutputsOfAFile) {
 }
 
 TEST(CompareOutputs, DepthIsRelative) {
-  // 1 of 100, 0.5 of 2, none, and a surface in one file only.
+  // Differences of 1 of 100, 0.5 of 2 and 0, and a surface in only one of the files.
   const OutputDifference d = only({{"Z", {99, 2, kInf, 4}}}, {{"Z", {100, 1.5, kInf, kInf}}});
   EXPECT_NEAR(d.maximum, 0.25, 1e-12);
   EXPECT_NEAR(d.mean, (0.01 + 0.25) / 3, 1e-12);
@@ -61,14 +61,14 @@ TEST(CompareOutputs, DepthIsRelative) {
 }
 
 TEST(CompareOutputs, PositionsAreRelativeToTheirLength) {
-  // Lengths 5 and 13: the difference (0, 0, 12) by 13.
+  // Vectors of lengths 5 and 13; the length of the difference is 12.
   const OutputDifference d =
       only({{"P.X", {3}}, {"P.Y", {4}}, {"P.Z", {0}}}, {{"P.X", {3}}, {"P.Y", {4}}, {"P.Z", {12}}});
   EXPECT_NEAR(d.maximum, 12.0 / 13, 1e-12);
 }
 
 TEST(CompareOutputs, NormalsAreAngles) {
-  // 90 degrees; the same at another length; background in both; background in one.
+  // 90 degrees apart; equal except for the length; background in both; background in one.
   const OutputDifference d = only({{"N.X", {1, 1, 0, 0}}, {"N.Y", {0, 0, 0, 1}}, {"N.Z", {0, 0, 0, 0}}},
                                   {{"N.X", {0, 0.5, 0, 0}}, {"N.Y", {1, 0, 0, 0}}, {"N.Z", {0, 0, 0, 0}}});
   EXPECT_NEAR(d.maximum, 90, 1e-12);
@@ -82,7 +82,7 @@ TEST(CompareOutputs, NormalsAreAngles) {
 }
 
 TEST(CompareOutputs, MotionIsInPixels) {
-  // Ends 3, 4 apart towards the frame before, and 6, 8 towards the one after.
+  // The ends differ by (3, 4) to the previous frame, and by (6, 8) to the next one.
   const OutputDifference d = only({{"motion.X", {1}}, {"motion.Y", {1}}, {"motion.Z", {0}}, {"motion.W", {0}}},
                                   {{"motion.X", {4}}, {"motion.Y", {5}}, {"motion.Z", {6}}, {"motion.W", {8}}});
   EXPECT_NEAR(d.maximum, 10, 1e-12);
@@ -90,7 +90,7 @@ TEST(CompareOutputs, MotionIsInPixels) {
 
 TEST(CompareOutputs, IdsAreEqualOrNot) {
   OutputOptions options;
-  options.tolerance = 1e9;  // means nothing to ids
+  options.tolerance = 1e9;  // does not apply to ids
   const OutputDifference d = only({{"id", {1, 2, 4294967295.0, 4}}}, {{"id", {1, 3, 4294967294.0, 4}}}, options);
   EXPECT_EQ(d.beyond, 2u);
   EXPECT_EQ(d.share(), 0.5);
@@ -109,7 +109,7 @@ TEST(CompareOutputs, TolerancesAreByOutput) {
   EXPECT_THAT(sentence(ExitCode::Usage, [&] { compareOutputs(a, b, options); }), HasSubstr("\"normal\""));
 }
 
-// --- files named after an output ------------------------------------------------------------------------------------
+// --- files that are named after an output ---------------------------------------------------------------------------
 
 TEST(AsOutput, DecodesPngByItsName) {
   const double level = 1 / 65535.0;
@@ -129,7 +129,7 @@ TEST(AsOutput, DecodesPngByItsName) {
   EXPECT_EQ(array.channels[2].name, "P.Z");
 }
 
-// Depth in PNG is rounded to the millimetre: one step is no difference.
+// Depth in PNG files is rounded to millimeters; one step is no difference.
 TEST(AsOutput, AStepOfAPngIsNoDifference) {
   const auto at = [](int millimetres) {
     return asOutput(image({{"Y", {millimetres / 65535.0}}}, ChannelType::Unorm16), "a.depth.png");
@@ -152,7 +152,7 @@ double everywhere(const std::vector<double>& errors) {
 
 TEST(Flip, OfUniformPicturesIsTheColorMetric) {
   EXPECT_EQ(everywhere(flip(uniform({0.3, 0.5, 0.1}), uniform({0.3, 0.5, 0.1}))), 0);
-  // Green and blue are the largest distance that there is.
+  // Green and blue have the largest possible distance.
   EXPECT_NEAR(everywhere(flip(uniform({0, 1, 0}), uniform({0, 0, 1}))), 1, 1e-9);
   // Green and blue have the L* a* b* 87.736 -86.179 83.183 and 32.298 79.194 -107.859: with Hunt's effect they are
   // 203.302 apart in HyAB, and 203.302^0.7 = 41.2761. Black and white are 100 apart, and 100^0.7 = 25.1189. Beyond 0.4
@@ -167,7 +167,7 @@ TEST(Flip, IsSymmetricAndFadesWithDistance) {
   for (size_t i = 0; i < errors.size(); ++i) EXPECT_NEAR(errors[i], other[i], 1e-12);
   EXPECT_EQ(std::ranges::max_element(errors) - errors.begin(), 32 * 64 + 32);
   EXPECT_EQ(errors[0], 0);
-  // Seen from farther away a single pixel matters less.
+  // A single pixel matters less from farther away.
   EXPECT_LT(flip(a, b, 200)[32 * 64 + 32], errors[32 * 64 + 32]);
 }
 

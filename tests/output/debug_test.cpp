@@ -66,10 +66,10 @@ TEST(DebugPicture, OfOverdrawIsBrighterTheMore) {
   EXPECT_EQ(pixel(picture, 0), background());
   const auto brightness = [&](uint32_t x) {
     const Pixel p = pixel(picture, x);
-    return 0.30 * p[0] + 0.59 * p[1] + 0.11 * p[2];  // the weights that cubehelix was made for
+    return 0.30 * p[0] + 0.59 * p[1] + 0.11 * p[2];  // the weights that cubehelix is designed for
   };
   for (uint32_t x = 1; x < 31; ++x) EXPECT_GT(brightness(x + 1), brightness(x)) << x;
-  const double step = brightness(3) - brightness(1);  // for each doubling
+  const double step = brightness(3) - brightness(1);  // per doubling
   EXPECT_NEAR(brightness(7) - brightness(3), step, 3);
   EXPECT_NEAR(brightness(31) - brightness(15), step, 3);
   for (uint32_t x = 32; x < 41; ++x) EXPECT_EQ(pixel(picture, x), pixel(picture, 31));
@@ -81,7 +81,7 @@ TEST(DebugPicture, OfDepthIsBrighterTheNearer) {
   const Picture picture = debugPicture(depth);
   const auto brightness = [&](uint32_t x) {
     const Pixel p = pixel(picture, x);
-    return 0.30 * p[0] + 0.59 * p[1] + 0.11 * p[2];  // the weights that cubehelix was made for
+    return 0.30 * p[0] + 0.59 * p[1] + 0.11 * p[2];  // the weights that cubehelix is designed for
   };
   for (uint32_t x = 2; x < 98; ++x) EXPECT_LT(brightness(x + 1), brightness(x) + 0.7) << x;
   EXPECT_GT(brightness(0), brightness(99) + 120);
@@ -136,7 +136,7 @@ TEST(ContactSheet, HoldsEveryPictureAtItsSize) {
   EXPECT_EQ(sheet.rgba.size(), size_t{sheet.width} * sheet.height * 4);
   EXPECT_EQ(count(sheet, {255, 0, 0, 255}), 100u * 50);
   EXPECT_EQ(count(sheet, {0, 255, 0, 255}), 100u * 50);  // scaled down
-  EXPECT_EQ(count(sheet, {0, 0, 255, 255}), 40u * 30);   // never up
+  EXPECT_EQ(count(sheet, {0, 0, 255, 255}), 40u * 30);   // never scaled up
   EXPECT_LT(sheet.width, 2 * 100 + 50u);
   EXPECT_LT(sheet.height, 2 * (50 + 30) + 50u);
 }
@@ -149,8 +149,8 @@ TEST(ContactSheet, WritesItsLabels) {
   EXPECT_EQ(ink(""), 0u);
   EXPECT_GT(ink("depth"), 100u);
   EXPECT_GT(ink("depth and more"), ink("depth"));
-  EXPECT_GT(ink("n\xc3\xa4h\n"), ink("nh"));                         // not ASCII: question marks
-  EXPECT_GT(ink(std::string(500, 'm')), ink(std::string(10, 'm')));  // cut off at the picture's width
+  EXPECT_GT(ink("n\xc3\xa4h\n"), ink("nh"));                         // non-ASCII bytes become question marks
+  EXPECT_GT(ink(std::string(500, 'm')), ink(std::string(10, 'm')));  // truncated at the picture's width
 }
 
 TEST(ContactSheet, BreaksLongLabelsAtSpaces) {
@@ -158,13 +158,13 @@ TEST(ContactSheet, BreaksLongLabelsAtSpaces) {
     return contactSheet(std::vector<Labelled>{{label, plain(200, 10, {0, 0, 0, 255})}}).height;
   };
   EXPECT_EQ(height("depth"), height(""));
-  EXPECT_EQ(height(std::string(500, 'm')), height(""));  // no space to break at
+  EXPECT_EQ(height(std::string(500, 'm')), height(""));  // no space at which to break
   EXPECT_GT(height("what is in each channel of this target"), height(""));
   EXPECT_EQ(height("mmmmmmmmmmmmmmmmmmmm mmmmmmmmmmmmmmmmmmmm mmmmmmmmmmmmmmmmmmmm") - height(""),
             2 * (height("mmmmmmmmmmmmmmmmmmmm mmmmmmmmmmmmmmmmmmmm") - height("")));
 }
 
-// Averages are taken in linear light: half black, half white is 188, not 128.
+// Averages are computed in linear light: half black, half white is 188, not 128.
 TEST(ContactSheet, ScalesInLinearLight) {
   Picture stripes{200, 4, {}};
   for (uint32_t i = 0; i < 200 * 4; ++i) {

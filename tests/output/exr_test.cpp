@@ -96,7 +96,7 @@ TEST_F(Exr, HasTheChannelsOfTheDesign) {
   EXPECT_EQ(found, expected);
 }
 
-// Half: the nearest one, by rounding worked out here; beyond its range the largest finite one.
+// The nearest half float, rounded here independently; beyond the range, the largest finite one.
 double storedHalf(double value) {
   if (!std::isfinite(value)) return value;
   int exponent = 0;
@@ -106,7 +106,7 @@ double storedHalf(double value) {
 }
 
 TEST_F(Exr, HoldsEveryAovExactly) {
-  const std::vector<AovImage> images = allImages(67, 45);  // no multiple of a block of 16 rows
+  const std::vector<AovImage> images = allImages(67, 45);  // not a multiple of a block of 16 rows
   write(images, {});
   const ReadImage back = readImage(at("f.exr"));
   ASSERT_EQ(back.width, 67u);
@@ -176,7 +176,7 @@ TEST_F(Exr, SaysWhatMadeItAndHow) {
   EXPECT_FALSE(Imf::hasCapDate(file));
 }
 
-// A camera at (1, 2, 3) in glTF's frame that looks along -X with its up along Y.
+// A camera at (1, 2, 3) in glTF's frame that looks along -X with Y up.
 Metadata sidewaysCamera(const std::string& convention) {
   Metadata metadata;
   metadata.camera.convention = convention;
@@ -224,7 +224,7 @@ TEST_F(Exr, IsTheSameEveryTime) {
   }
 }
 
-// Another program's eyes: the tool of Debian's package openexr.
+// Another program reads the file: the tool of Debian's package openexr.
 TEST_F(Exr, IsReadByExrheader) {
   if (!std::filesystem::exists("/usr/bin/exrheader")) GTEST_SKIP() << "there is no exrheader: install openexr";
   write(allImages(20, 10), someMetadata());

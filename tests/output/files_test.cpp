@@ -23,7 +23,7 @@ class Output : public InFolder {
   OutputRequest request(const std::string& name, std::vector<Aov> aovs = {Aov::Color}) const {
     return {at(name), std::move(aovs), std::nullopt};
   }
-  // Checked, then written.
+  // Checks the path, then writes the file.
   std::vector<std::string> write(const OutputRequest& request, const Metadata& metadata = {}) {
     checkOutput(request);
     std::vector<std::string> written;
@@ -133,7 +133,7 @@ TEST_F(Output, IsCheckedBeforeRendering) {
 
 TEST_F(Output, ToAFolderThatIsClosedIsRefusedBeforeRendering) {
   if (geteuid() == 0) {
-    // Permissions do not bind the administrator; the kernel's own folder does, when writing.
+    // Permissions do not restrict root, but the kernel's own folder does, on writing.
     EXPECT_THAT(sentence(ExitCode::Usage,
                          [&] {
                            writeOutput({"/proc/a.png", {Aov::Color}, std::nullopt}, frame, {});
@@ -174,7 +174,7 @@ TEST_F(Output, IsTheSameEveryTime) {
   }
 }
 
-// Standard output while it lives goes to a file.
+// While it exists, standard output goes to a file.
 class Redirected {
  public:
   explicit Redirected(const std::string& path) : saved_(dup(STDOUT_FILENO)) {

@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// /A, which has no mesh, over the skinned /A/B of three parts and the copies of /A/C.
+// The group /A without a mesh, with the skinned /A/B of three parts and the copies of /A/C below it.
 IdManifest some() {
   IdManifest manifest;
   manifest.ids = {{5, "/A", {}, 0, "", false, {}},
@@ -53,7 +53,7 @@ TEST(IdManifest, SaysWhatIdsStandFor) {
 TEST(IdManifest, OfManyObjectsIsQuick) {
   IdManifest manifest;
   for (uint32_t i = 0; i < 200000; ++i) manifest.ids.push_back({.id = i + 1, .node = "/n", .mesh = "m"});
-  // With a search for each key it would take minutes; the ordered Json reads with one.
+  // A search for each key would take minutes; the ordered Json reads the keys with a single one.
   const auto json = nlohmann::json::parse(idManifestText(manifest));
   EXPECT_EQ(json["ids"].size(), 200000u);
 }

@@ -18,7 +18,7 @@ std::vector<std::byte> bytesOf(std::string_view text) {
   return {bytes.begin(), bytes.end()};
 }
 
-// The header by its bytes, as NumPy's format description has it.
+// Parses the header byte by byte, as in NumPy's format description.
 TEST(Npy, HasTheHeaderOfVersionOne) {
   AovImage image = makeAovImage(Aov::Position, 2, 1);
   image.values = {1, 2, 3, 4, 5, 6};

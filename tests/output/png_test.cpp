@@ -19,13 +19,14 @@ double unorm(double value, double levels) {
   return std::floor(std::clamp(value, 0.0, 1.0) * levels + 0.5);
 }
 
-// IEC 61966-2-1, in double.
+// IEC 61966-2-1, in double precision.
 double srgb(double linear) {
   linear = std::clamp(linear, 0.0, 1.0);
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
 }
 
-// What the table says is stored, worked out anew in double; +-1 where float rounding may decide otherwise.
+// The stored value according to the table, recomputed in double precision; +-1 where rounding of floats may decide
+// otherwise.
 struct Expected {
   size_t channels;
   ChannelType type;
@@ -127,7 +128,7 @@ TEST(Png, SurvivesNumbersThatAreNone) {
   }
 }
 
-// Every number of channels and bits, pictures of one pixel, one row and many stripes.
+// Every number of channels and bits, with pictures of one pixel, one row and many stripes.
 TEST(Png, ComesBackExactlyInEveryShape) {
   std::mt19937 random(3);
   const std::pair<uint32_t, uint32_t> sizes[] = {{1, 1}, {300, 1}, {1, 300}, {517, 701}};

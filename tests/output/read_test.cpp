@@ -17,7 +17,7 @@ using testing::HasSubstr;
 
 class Reading : public InFolder {
  protected:
-  // By libspng's own encoder, for the kinds of PNG that we read and do not write.
+  // Encoded by libspng, for the kinds of PNG that Latelight reads but does not write.
   void writePng(uint8_t colorType, uint8_t bits, const std::vector<uint8_t>& rows, const spng_plte* palette = nullptr,
                 const spng_trns* transparent = nullptr) {
     spng_ctx* context = spng_ctx_new(SPNG_CTX_ENCODER);
@@ -148,7 +148,7 @@ TEST_P(Broken, FilesAreReadOrRejectedByName) {
   int read = 0, rejected = 0;
   for (int i = 0; i < 600; ++i) {
     std::vector<std::byte> bytes = good;
-    // Headers are short and matter most: every other flip is there.
+    // Headers are short and matter most, so every other flip changes one.
     const size_t range = i % 2 ? std::min<size_t>(bytes.size(), 400) : bytes.size();
     const size_t at = random() % range;
     bytes[at] ^= static_cast<std::byte>(1 + random() % 255);

@@ -19,7 +19,7 @@
 
 namespace latelight::output {
 
-// The sentence of the Error that `call` throws, after its code was checked.
+// Returns the message of the Error that `call` throws, after checking its code.
 inline std::string sentence(ExitCode code, const std::function<void()>& call) {
   try {
     call();
@@ -38,7 +38,7 @@ class InFolder : public testing::Test {
     folder = mkdtemp(name.data());
   }
   ~InFolder() override { std::filesystem::remove_all(folder); }
-  // Names of all files, sorted, folders with a slash.
+  // The names of all files, sorted; folders end in a slash.
   std::vector<std::string> names() const {
     std::vector<std::string> all;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
@@ -55,9 +55,9 @@ inline bool isNormal(Aov aov) {
   return aov == Aov::Normal || aov == Aov::GeoNormal;
 }
 
-// Values as a renderer makes them, the extremes among them; every seventh pixel is background.
+// Values like those of a renderer, including the extremes; every seventh pixel is background.
 inline AovImage numbers(Aov aov, uint32_t width, uint32_t height, unsigned seed = 1) {
-  std::mt19937 random(seed + static_cast<unsigned>(aov));  // its sequence is the same everywhere
+  std::mt19937 random(seed + static_cast<unsigned>(aov));  // produces the same sequence on every platform
   const auto uniform = [&] { return static_cast<float>(random() >> 8) / 16777216.0f; };
   AovImage image = makeAovImage(aov, width, height);
   for (size_t i = 0; i < image.ids.size(); ++i) image.ids[i] = i % 7 == 0 ? 0 : random();

@@ -17,7 +17,7 @@ Rgb pixel(const Labelled& labelled, size_t i) {
 
 constexpr float kNowhere = std::numeric_limits<float>::infinity();
 
-// Four pixels, the last of them background.
+// Four pixels, the last of which is background.
 RawGbuffer gbufferOf(RawTarget target) {
   return {.width = 4, .height = 1, .targets = {std::move(target)}, .depth = {1, 2, 3, kNowhere}};
 }
@@ -67,7 +67,8 @@ TEST(TargetPictures, ScaleFloatsByTheirRangeAndSaySo) {
   EXPECT_EQ(pixel(direction[1], 0), (Rgb{64, 64, 64}));
 
   const auto position = shown({-10, 5, 0, 0, 10, 6, 0, 1, 0, 5.5f, 0, 1e6f});
-  EXPECT_EQ(position[0].label, "target.xyz value [-10 to 0, 5 to 5.5, 0 to 0]");  // the 99th of three is the second
+  // the 99th percentile of three values is the second
+  EXPECT_EQ(position[0].label, "target.xyz value [-10 to 0, 5 to 5.5, 0 to 0]");
   EXPECT_EQ(pixel(position[0], 0), (Rgb{0, 0, 0}));
   EXPECT_EQ(pixel(position[0], 2), (Rgb{255, 255, 0}));
 
@@ -80,7 +81,7 @@ TEST(TargetPictures, StretchOverDecadesByLogarithms) {
   RawGbuffer gbuffer = gbufferOf(floats("rgb: colour; a: power", TargetKind::Float, 4, values));
   gbuffer.depth[3] = 4;
   gbuffer.width = 4;
-  // Percentiles of four values: the least and the second largest.
+  // Percentiles of four values: the smallest and the second largest.
   EXPECT_EQ(targetPictures(gbuffer)[1].label, "target.a power [0 to 999]");
   gbuffer.targets[0].values[11] = 1e6f - 1;
   const auto pictures = targetPictures(gbuffer);

@@ -34,7 +34,7 @@ TEST_F(Used, InputsAreNotOutputsWhateverTheirNames) {
     EXPECT_THAT(refusal({at("in.glb")}, {at(name)}), AllOf(HasSubstr(name), HasSubstr("this command reads it")))
         << name;
   EXPECT_THAT(refusal({at("link.glb")}, {at("in.glb")}), HasSubstr("in.glb"));
-  // One that the scene names, and that is not there.
+  // A file that the scene refers to, but that does not exist.
   EXPECT_THAT(refusal({at("sub/missing.png")}, {at("sub/missing.png")}), HasSubstr("missing.png"));
   check({at("in.glb")}, {at("out.png"), at("sub/in.glb")});
 }
@@ -48,10 +48,10 @@ TEST_F(Used, TwoOutputsAreTwoFiles) {
   EXPECT_THAT(refusal({}, {at("link.png"), at("old.png")}), HasSubstr("the same file"));
   ASSERT_EQ(mkfifo(at("pipe").c_str(), 0600), 0);
   EXPECT_THAT(refusal({}, {at("pipe"), at("pipe")}), HasSubstr("two outputs"));
-  // Each name of a file is replaced by itself.
+  // Writing replaces each name of a file separately, so hard links are separate outputs.
   fs::create_hard_link(at("old.png"), at("second.png"));
   check({}, {at("old.png"), at("second.png"), at("sub/old.png")});
-  // In folders that are made later.
+  // In folders that do not exist yet.
   EXPECT_THAT(refusal({}, {at("new/a.png"), at("sub/../new/a.png")}), HasSubstr("the same file"));
 }
 
