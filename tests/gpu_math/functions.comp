@@ -1,5 +1,5 @@
 #version 460
-// Evaluates one shared function a row (y) for one set of arguments a column (x).
+// Evaluates one shared function per row (y) for one set of arguments per column (x).
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference2 : require

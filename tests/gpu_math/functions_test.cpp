@@ -1,4 +1,4 @@
-// Each shared function on the device against the same header on the host.
+// Compares each shared function on the device with the same header on the host.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -26,7 +26,7 @@ constexpr Case kCases[] = {
 #undef ENTRY
 };
 
-// A direction, one in eight along an axis or a diagonal, where encodings have their seams.
+// Returns a direction, one in eight along an axis or a diagonal, where encodings have their seams.
 vec3 someDirection(Random& random) {
   if (random.uniform() >= 0.125f) return random.direction();
   const auto step = [&] { return std::floor(random.uniform(-1.0f, 2.0f)); };
@@ -35,7 +35,7 @@ vec3 someDirection(Random& random) {
 }
 
 Arguments someArguments(Random& random) {
-  const auto share = [&] {  // [0, 1], the ends now and then
+  const auto share = [&] {  // [0, 1], sometimes exactly 0 or 1
     const float x = random.uniform(-0.02f, 1.02f);
     return clamp(x, 0.0f, 1.0f);
   };
@@ -105,14 +105,14 @@ const Results& results() {
 
 class Functions : public testing::TestWithParam<uint> {};
 
-// How far beyond nothing the two are, as a share of what the case allows; infinite where just one is a number.
+// Returns the difference of the two as a multiple of the case's tolerance; infinite if only one of them is a number.
 float share(const Case& bounds, float device, float host) {
   if (std::isnan(host) || std::isnan(device)) return std::isnan(host) && std::isnan(device) ? 0.0f : INFINITY;
   if (device == host) return 0.0f;
   return std::abs(device - host) / (bounds.relative * std::abs(host) + bounds.absolute);
 }
 
-// Arguments that differ from these by about their rounding.
+// Arguments that differ from these by about their rounding error.
 Arguments besides(Arguments a, Random& random) {
   const auto some = [&] { return random.uniform(-4e-7f, 4e-7f); };
   for (vec3* direction : {&a.n, &a.l, &a.v}) *direction += vec3(some(), some(), some());
@@ -122,8 +122,9 @@ Arguments besides(Arguments a, Random& random) {
   return a;
 }
 
-// Devices other than the CPU's fuse products into sums. Where a function jumps (a light at the horizon, a frame of
-// parallel directions), they give what the host gives beside it; where that is no number, nothing is expected of them.
+// Devices other than the CPU's fuse products into sums. At discontinuities of a function (a light at the horizon, a
+// frame of parallel directions), they may return what the host returns nearby; if that is not a number, any result is
+// accepted.
 bool isGivenBeside(const Case& bounds, uint function, const Arguments& arguments, vec4 device) {
   Random random(5);
   vec4 least = evaluateFunction(function, arguments), most = least;
@@ -156,7 +157,7 @@ TEST_P(Functions, DeviceAgreesWithHost) {
   RecordProperty("shareOfBound", std::to_string(worst));
 }
 
-// A function that is 0 for all arguments would agree with anything.
+// A function that is 0 for all arguments would agree with any other.
 TEST_P(Functions, ResultsVary) {
   if (std::string(kCases[GetParam()].name) == "withoutReflection") return;
   bool varies = false;

@@ -1,5 +1,5 @@
 #version 460
-// Copies one value of every shared struct, so that its layout stands in the SPIR-V. It is never run.
+// Copies one value of every shared struct, so that the SPIR-V contains its layout. It is never run.
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require

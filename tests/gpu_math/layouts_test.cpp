@@ -27,7 +27,7 @@ struct HostStruct {
   std::vector<HostMember> members;
 };
 
-// By name; structs.inc has what the build found in the headers.
+// By name; structs.inc lists the structs that the build found in the headers.
 const std::map<std::string, HostStruct>& hostStructs() {
 #define MEMBER(type, member) {#member, offsetof(type, member)},
 #define STRUCT(type, members) {#type, {sizeof(type), {members}}},
@@ -39,7 +39,7 @@ const std::map<std::string, HostStruct>& hostStructs() {
   return structs;
 }
 
-// In what the device's struct differs from the host's; nothing where they are the same.
+// Describes how the device's struct differs from the host's; empty if they are equal.
 std::string difference(const HostStruct& host, const vk::StructLayout& device) {
   if (device.members.size() != host.members.size())
     return fmt::format("{} has {} members, {} on the host", device.name, device.members.size(), host.members.size());
@@ -56,7 +56,7 @@ std::string difference(const HostStruct& host, const vk::StructLayout& device) {
   return "";
 }
 
-// The same of a struct of a shader, by its name.
+// The same for a shader's struct, by its name.
 std::string difference(const vk::StructLayout& device) {
   const auto host = hostStructs().find(device.name);
   return host == hostStructs().end() ? device.name + " is in no shared header" : difference(host->second, device);
@@ -68,7 +68,8 @@ TEST(Layouts, EveryMemberLiesWhereTheHostHasIt) {
   for (const vk::StructLayout& layout : vk::reflect(test::readSpirv("gpu_math_layouts")).structs) {
     if (layout.isBlock) continue;
     EXPECT_THAT(difference(layout), IsEmpty());
-    if (layout.stride != 0) inArrays.insert(layout.name);  // else a type of its own, as a member of another struct
+    // otherwise a separate type, used as a member of another struct
+    if (layout.stride != 0) inArrays.insert(layout.name);
   }
   EXPECT_THAT(inArrays, ContainerEq(host));
   for (const char* name : {"Projection", "Fog", "FrameConstants", "Fragment", "DrawPush", "LightDraw", "TemporalPush"})

@@ -1,5 +1,5 @@
 #version 460
-// Evaluates one portable function a row (y) for one set of arguments a column (x), from GLSL.
+// Evaluates one portable function per row (y) for one set of arguments per column (x), in GLSL.
 #extension GL_GOOGLE_include_directive : require
 #include "shared/portable_cases.h"
 

@@ -1,4 +1,4 @@
-// Evaluates one portable function a row (y) for one set of arguments a column (x), from HLSL.
+// Evaluates one portable function per row (y) for one set of arguments per column (x), in HLSL.
 #define SH_HLSL
 #include "shared/portable_cases.h"
 

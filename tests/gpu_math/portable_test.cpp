@@ -20,11 +20,12 @@ constexpr uint kGroup = 64;    // the shaders' workgroup
 struct Case {
   std::string name;
   float relative, absolute;
-  float fused;  // absolute, on devices other than the CPU's, which fuse products into sums
+  float fused;  // absolute, for devices other than the CPU's, which fuse products into sums
 };
 
-// Of an encoding's cases: Vulkan allows inversesqrt and division 2.5 ULP, and atan2 far more than is seen. The discs of
-// spheremap and lambert have roots of 1 less nearly 1 at their rim, which differ by more where products are fused.
+// For the cases of an encoding: Vulkan allows 2.5 ULP for inversesqrt and division, and far more for atan2 than devices
+// show. The discs of spheremap and lambert take the root of 1 minus a number near 1 at their rim, which differs more if
+// products are fused.
 Case caseOf(const std::string& part, const std::string& encoding) {
   const float absolute = encoding.starts_with("spherical") ? 4e-6f : 6e-7f;
   const bool isDisc = encoding.starts_with("spheremap") || encoding == "lambert";
@@ -44,7 +45,7 @@ std::vector<Case> cases() {
   return list;
 }
 
-// A direction, one in eight along an axis or a diagonal, where encodings have their seams.
+// Returns a direction, one in eight along an axis or a diagonal, where encodings have their seams.
 vec3 someDirection(Random& random) {
   if (random.uniform() >= 0.125f) return random.direction();
   const auto step = [&] { return std::floor(random.uniform(-1.0f, 2.0f)); };
@@ -63,7 +64,7 @@ PortableArguments someArguments(Random& random) {
   return a;
 }
 
-// A compute pipeline with two storage buffers bound, as an engine without buffer addresses would have it.
+// A compute pipeline with two bound storage buffers, as in an engine without buffer addresses.
 class BoundShader {
  public:
   BoundShader(vk::Device& device, const std::string& spirv, const vk::Buffer& in, const vk::Buffer& out)

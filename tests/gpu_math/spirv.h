@@ -7,7 +7,7 @@
 
 namespace latelight::test {
 
-// The words of `name`.spv in the build's folder of test shaders. Throws where it cannot be read.
+// Returns the words of `name`.spv in the build's folder of test shaders. Throws if the file cannot be read.
 std::vector<uint32_t> readSpirv(const std::string& name);
 
 }  // namespace latelight::test

@@ -12,7 +12,7 @@ using models::json;
 
 namespace {
 
-// Of a sphere by its column and row, from 0 to 1.
+// Position on a sphere by column and row, from 0 to 1.
 template <typename Set>
 Grid grid(const char* name, bool environment, Set set) {
   Grid g{name, {}, environment};
@@ -141,13 +141,13 @@ json extensionsOf(const Sphere& s) {
   return e;
 }
 
-// A sphere's tangent goes round the axis, with growing u; in the frame of `normal`.
+// A sphere's tangent points around the axis, towards increasing u; in the frame of `normal`.
 vec3 tangentAt(vec3 normal, vec3 axis) {
   const vec3 along = glm::cross(axis, normal);
   return glm::length(along) > 1e-4f ? glm::normalize(along) : vec3(1.0f, 0.0f, 0.0f);
 }
 
-// The centre of a sphere's square: x to the right, y up.
+// The center of a sphere's square: x to the right, y up.
 glm::vec2 centre(uint32_t column, uint32_t row) {
   return {float(column) + 0.5f - 0.5f * float(kColumns), 0.5f * float(kRows) - 0.5f - float(row)};
 }

@@ -12,34 +12,35 @@
 namespace latelight::materials {
 
 inline constexpr uint32_t kColumns = 5, kRows = 3;
-inline constexpr uint32_t kCell = 20;    // pixels a sphere's square is wide
-inline constexpr float kRadius = 0.46f;  // of a sphere; squares are 1 m wide
+inline constexpr uint32_t kCell = 20;    // width of a sphere's square, in pixels
+inline constexpr float kRadius = 0.46f;  // of a sphere; the squares are 1 m wide
 inline constexpr uint32_t kWidth = kColumns * kCell, kHeight = kRows * kCell;
 
 struct Sphere {
   glm::vec4 baseColor{0.6f, 0.6f, 0.6f, 1.0f};
   float metallic = 0.0f, roughness = 0.5f;
-  shared::SurfaceLayers layers = shared::emptyLayers();  // without directions
+  shared::SurfaceLayers layers = shared::emptyLayers();  // without their directions
   glm::vec3 attenuationColor{1.0f};
-  float attenuationDistance = 0.0f;  // m; 0: none
+  float attenuationDistance = 0.0f;  // in meters; 0: no attenuation
 };
 
 struct Grid {
   std::string name;
-  std::vector<Sphere> spheres;  // rows from the top
-  bool environment = true;      // what is seen behind the spheres is no part of the integral
+  std::vector<Sphere> spheres;  // in rows from the top
+  bool environment = true;  // false: the environment is visible through the spheres, which the integral does not cover
 };
 
 const std::vector<Grid>& grids();
 
-// The grid as a binary glTF file, without lights: its orthographic camera sees each sphere in its square.
+// Returns the grid as a binary glTF file without lights. Its orthographic camera shows each sphere in its square.
 std::vector<std::byte> glb(const Grid& grid);
 
-// Where a pixel's centre meets a sphere, in world space, seen along +Y. False beside it, and at its rim.
+// Sets the point where the center of a pixel hits a sphere, in world space, seen along +Y. Returns false next to a
+// sphere and at its rim.
 bool pointAt(const Grid& grid, uint32_t x, uint32_t y, shared::Surface& surface, shared::SurfaceLayers& layers);
 inline const shared::vec3 kToEye(0.0f, -1.0f, 0.0f);
 
-// Two lights in front, and one behind, which is seen through what lets it through.
+// Two lights in front, and one behind, which is visible through transmissive materials.
 std::vector<scene::Light> lights();
 
 }  // namespace latelight::materials

@@ -11,8 +11,8 @@ namespace {
 using glm::dvec3;
 using shared::vec3;
 
-// Points of a lattice that is even in each two of its dimensions (Roberts 2018), for each pixel a moved one: its error
-// is not the same in all of a picture.
+// Points of a lattice that is uniform in any two of its dimensions (Roberts 2018), shifted for each pixel so that the
+// error is not the same everywhere.
 class Lattice {
  public:
   explicit Lattice(uint32_t pixel) {
@@ -28,7 +28,7 @@ class Lattice {
   double start_[3];
 };
 
-// A lobe of half vectors about a normal, of light that is reflected to an eye; or that passes, mirrored.
+// A lobe of half vectors about a normal, for light that is reflected to the eye or, mirrored, transmitted.
 struct Facets {
   shared::StretchedFrame frame;
   vec3 eye;

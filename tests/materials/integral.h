@@ -1,4 +1,4 @@
-// The radiance that a layered material reflects to the eye: by evaluation at each light, and by integration over an
+// The radiance that a layered material reflects to the eye, by evaluation for each light and by integration over an
 // environment.
 #pragma once
 
@@ -14,9 +14,9 @@ struct Point {
   uint32_t pixel;
 };
 
-// One bounce, with `samples` directions spread over the environment's light, and the cosines and lobes that the
-// material has, by multiple importance sampling (Veach 1997). Between facets light is reflected several times, by the
-// shares in `tables`.
+// One bounce, with `samples` directions distributed by multiple importance sampling (Veach 1997) over the environment's
+// radiance, the cosines and the lobes of the material. Multiple reflections between facets follow the shares in
+// `tables`.
 glm::dvec3 integrate(const Point& point, const shared::LayerTables& tables, const study::EnvironmentTruth& environment,
                      uint32_t samples);
 

@@ -1,4 +1,4 @@
-// Pictures of layered materials: compares the renderer's with reference pictures from the formulas, for punctual lights
+// Compares the renderer's pictures of layered materials with reference pictures from the formulas, for punctual lights
 // and by integration over an environment. With LATELIGHT_TEST_PICTURES=FOLDER, the test writes the pictures to that
 // folder, and tests/materials/flip compares them.
 #include <fmt/format.h>
@@ -28,7 +28,7 @@ using shared::vec3;
 
 constexpr uint32_t kSamples = 4096, kUsualSamples = 1024;
 
-// Radiance of each pixel; 0 beside the spheres and at their rims.
+// The radiance of each pixel; 0 next to the spheres and at their rims.
 using Radiance = std::vector<dvec3>;
 
 template <typename F>
@@ -51,7 +51,7 @@ shared::LayerTables tablesAt(const Point& p, const HostEnvironment& environment)
   return {table(places.base), table(places.coat), table(places.behind)};
 }
 
-// The lookups that shading makes in place of the integral (render/layered).
+// The lookups that shading uses instead of the integral (render/layered).
 vec3 stretchedLobe(shared::LayeredBrdf& b, const HostEnvironment& environment) {
   const shared::FilmCurve film = shared::filmCurve(b);
   shared::StretchedSum sum = shared::emptySum();
@@ -121,7 +121,7 @@ void keep(const Radiance& radiance, const std::string& name) {
       .write(reinterpret_cast<const char*>(png.data()), std::streamsize(png.size()));
 }
 
-// Mean and worst difference over the spheres' pixels, in levels of 255 of the sRGB picture.
+// The mean and maximum difference over the pixels of spheres, in levels of 255 of the sRGB picture.
 struct Apart {
   double mean = 0.0, worst = 0.0;
 };
@@ -197,7 +197,7 @@ TEST_F(Materials, EnvironmentsShadeByTheLookups) {
   }
 }
 
-// Directions whose shares add up to a level's lobe are looked up in it.
+// The lookup of a level uses directions whose shares add up to its lobe.
 TEST(MaterialLookups, SharesFindTheLevelOfTheirWidth) {
   for (size_t level = 1; level < scene::kSpecularRoughness.size(); ++level) {
     const double alpha = std::pow(scene::kSpecularRoughness[level], 2.0);
@@ -207,7 +207,7 @@ TEST(MaterialLookups, SharesFindTheLevelOfTheirWidth) {
   EXPECT_EQ(shared::levelOfShare(INFINITY), 5.0f);
 }
 
-// The lookups on the host: their pictures are the renderer's by the test above.
+// The lookups on the host. By the test above, they produce the renderer's pictures.
 TEST(MaterialLookups, AreNearTheIntegral) {
   const HostEnvironment lookups(studio());
   const study::EnvironmentTruth truth = truthOf(studio());

@@ -1,4 +1,4 @@
-// Writes the tests' models to a folder, for inspection and measurement.
+// Writes the models of the tests to a folder, for inspection and measurement.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>

@@ -15,14 +15,14 @@ using glm::vec3;
 using glm::vec4;
 
 constexpr int kMaterials = 100, kColumns = 10;
-// Textures, one kind after the other.
+// Textures, grouped by kind.
 constexpr int kColors = 26, kBumps = 10, kMetals = 10, kGlows = 4;
 
-// Powers of two and others; coprime counts of widths and heights make every pair different.
+// Powers of two and other sizes. The numbers of widths and heights are coprime, so every pair is different.
 constexpr std::array<uint32_t, 8> kWidths{64, 100, 128, 150, 256, 96, 200, 32};
 constexpr std::array<uint32_t, 7> kHeights{64, 80, 128, 256, 120, 144, 48};
 
-// A dot pattern in two colours that follow from `seed`.
+// A dot pattern in two colors that depend on `seed`.
 vec4 dots(vec2 uv, int seed) {
   const float hue = 0.61803f * static_cast<float>(seed);
   const vec3 light =
@@ -47,7 +47,7 @@ vec4 glow(vec2 uv, int) {
   return vec4(vec3(0.5f, 0.3f, 0.1f) * glm::step(0.9f, uv.x), 1);
 }
 
-// How a picture is stored: as JPEG, or as PNG with these channels of so many bits.
+// How an image is stored: as JPEG, or as PNG with these channels and this number of bits.
 struct Storage {
   uint32_t channels, bits;
 };
@@ -63,7 +63,7 @@ Bytes encode(const Picture& picture, Storage storage) {
                            reinterpret_cast<const std::byte*>(samples.data()), output::PngLight::Srgb);
 }
 
-// The index of the file's next texture.
+// Returns the index of the file's next texture.
 int texture(GltfBuilder& file, vec4 (*color)(vec2, int)) {
   const int i = file.root.contains("textures") ? static_cast<int>(file.root["textures"].size()) : 0;
   const auto at = static_cast<size_t>(i);

@@ -20,7 +20,7 @@ using glm::vec4;
 
 const json kLyingFlat = rotation(-90, vec3(1, 0, 0));
 
-// --- pictures -------------------------------------------------------------------------------------------------------
+// --- images ---------------------------------------------------------------------------------------------------------
 
 Picture paintChecker() {
   return paint(64, 64, [](vec2 uv) {
@@ -29,7 +29,7 @@ Picture paintChecker() {
   });
 }
 
-// Rounded bumps, one a checker's field.
+// Rounded bumps, one per field of the checkerboard.
 Picture paintBumps() {
   return paint(64, 64, [](vec2 uv) {
     const vec2 within = glm::fract(uv * 4.0f) * 2.0f - 1.0f;
@@ -38,7 +38,7 @@ Picture paintBumps() {
   });
 }
 
-// Occlusion in R, roughness in G, metalness in B: bands of metal, rougher downwards.
+// Occlusion in R, roughness in G, metalness in B: bands of metal whose roughness increases downward.
 Picture paintMetalRoughness() {
   return paint(64, 64, [](vec2 uv) {
     const bool metal = static_cast<int>(uv.x * 8) % 2 == 0;
@@ -103,7 +103,7 @@ int unlitMaterial(GltfBuilder& file, PictureKind kind) {
                                 {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", checker}}}}}});
 }
 
-// Bytes of four, white at the top to green at the bottom.
+// Vertex colors of four bytes, from white at the top to green at the bottom.
 int vertexColors(GltfBuilder& file, const Shape& shape) {
   std::vector<uint8_t> colors;
   for (const vec2 uv : shape.uv) {
@@ -144,7 +144,7 @@ GltfBuilder buildTextured(PictureKind kind) {
 
 // --- intricate model ------------------------------------------------------------------------------------------------
 
-// A buffer view that EXT_meshopt_compression unpacks to `values`; its own buffer is never stored.
+// A buffer view that EXT_meshopt_compression unpacks to `values`; the uncompressed buffer is never stored.
 template <typename T>
 int compressedView(GltfBuilder& file, const std::vector<T>& values, bool indices) {
   Bytes packed(indices ? meshopt_encodeIndexBufferBound(values.size(), 65536)
@@ -172,7 +172,7 @@ int compressedView(GltfBuilder& file, const std::vector<T>& values, bool indices
 int compressedMesh(GltfBuilder& file, int material) {
   file.use("EXT_meshopt_compression");
   const Shape ball = sphere(24, 12);
-  std::vector<vec4> positions;  // a stride of 16: the codec takes multiples of four
+  std::vector<vec4> positions;  // a stride of 16, because the codec requires multiples of four
   for (const vec3 p : ball.positions) positions.emplace_back(p, 0);
   const int view = compressedView(file, positions, false);
   file.root["bufferViews"][view]["byteStride"] = sizeof(vec4);
@@ -183,7 +183,7 @@ int compressedMesh(GltfBuilder& file, int material) {
   return file.add("meshes", {{"primitives", json::array({p})}});
 }
 
-// A square of 16 bit positions (KHR_mesh_quantization) as a strip, and a fan without indices.
+// A square with 16-bit positions (KHR_mesh_quantization) as a strip, and a fan without indices.
 int quantisedMesh(GltfBuilder& file, int material) {
   file.use("KHR_mesh_quantization");
   const std::vector<int16_t> corners{-32767, -32767, 0, 0, 32767, -32767, 0, 0,
@@ -196,7 +196,7 @@ int quantisedMesh(GltfBuilder& file, int material) {
                                            {{"attributes", {{"POSITION", fan}}}, {"mode", 6}}})}});
 }
 
-// A card with one corner moved by a sparse accessor, in one of two materials by variant.
+// A card with one corner moved by a sparse accessor. The variant selects one of two materials.
 int sparseMesh(GltfBuilder& file, int material, int other) {
   file.use("KHR_materials_variants");
   file.root["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "red"}}, {{"name", "blue"}}};
@@ -214,7 +214,7 @@ int sparseMesh(GltfBuilder& file, int material, int other) {
 json instancing(GltfBuilder& file) {
   file.use("EXT_mesh_gpu_instancing");
   const int at = file.positions({{-2, 0, 0}, {0, 0.5f, 0}, {2, 0, 0}});
-  // By 0, 40 and -40 degrees about Y.
+  // Rotated by 0, 40 and -40 degrees about Y.
   const int turned =
       file.vectors(std::vector<vec4>{{0, 0, 0, 1}, {0, 0.3420201f, 0, 0.9396926f}, {0, -0.3420201f, 0, 0.9396926f}});
   return {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", at}, {"ROTATION", turned}}}}}};
@@ -222,7 +222,7 @@ json instancing(GltfBuilder& file) {
 
 // --- panoramas ------------------------------------------------------------------------------------------------------
 
-// Blue sky over brown ground, and a sun of 40 over 10 degrees at the centre column, 35 degrees up.
+// A blue sky over brown ground, and a sun of 40 by 10 degrees in the center column, 35 degrees up.
 vec3 sky(vec2 uv) {
   const float azimuth = (uv.x - 0.5f) * 360, elevation = (0.5f - uv.y) * 180;
   const vec3 base =
@@ -322,7 +322,7 @@ Bytes intricateModel() {
   place(file, "quantised", quantisedMesh(file, blue), {-2, 1, 0});
   place(file, "sparse", sparseMesh(file, red, blue), {0, 0, 1}, {{"extensions", instancing(file)}});
   perspectiveCamera(file, "front", {0, 1, 6}, -5);
-  // The second buffer is what meshopt's views would hold unpacked; it has no bytes.
+  // The second buffer would contain the unpacked views of meshopt; it has no bytes.
   file.buffer.resize((file.buffer.size() + 3) / 4 * 4);
   file.root["buffers"] = {
       {{"byteLength", file.buffer.size()}},

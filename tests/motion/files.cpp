@@ -104,7 +104,7 @@ GltfBuilder bendingStrip() {
   b.root["accessors"][attributes["WEIGHTS_0"].get<size_t>()]["normalized"] = true;
   b.mesh(primitive);
   b.root["nodes"][0]["skin"] = 0;
-  b.root["nodes"][0]["translation"] = {50, 60, 70};  // of no account: the mesh is skinned
+  b.root["nodes"][0]["translation"] = {50, 60, 70};  // ignored, because the mesh is skinned
   b.node({{"name", "lower"}, {"children", {2}}});
   b.add("nodes", {{"name", "upper"}});
   b.add("skins", {{"joints", {1, 2}}});

@@ -5,13 +5,13 @@
 
 namespace latelight::render::test {
 
-// A box that turns about Y by a quarter in a second and moves along X and towards the viewer, linearly; a square behind
-// it that stands.
+// A box that rotates about Y by a quarter turn in one second and moves along X and towards the viewer, linearly, in
+// front of a static square.
 scene::test::GltfBuilder movingBox();
-// A square whose one morph target bends it, its weight from 0 to 1 in a second by a cubic spline.
+// A square with one morph target that bends it; its weight increases from 0 to 1 in one second along a cubic spline.
 scene::test::GltfBuilder morphingSquare();
-// A strip along Y with two joints, of which the upper turns about X by a quarter in a second; eight influences a
-// vertex, of which sets 0 and 1 both count.
+// A strip along Y with two joints, of which the upper one rotates about X by a quarter turn in one second. Eight
+// influences per vertex; sets 0 and 1 both apply.
 scene::test::GltfBuilder bendingStrip();
 
 }  // namespace latelight::render::test

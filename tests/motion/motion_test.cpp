@@ -1,4 +1,5 @@
-// Motion vectors of every pixel against reprojected positions, and poses computed by the device against the CPU.
+// Motion vectors of every pixel compared with reprojected positions, and poses computed by the device with those of the
+// CPU.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -27,7 +28,7 @@ SceneState momentOf(const scene::Scene& scene, double seconds, const std::string
                     scene::poseAt(scene, playback, seconds + kStep)}};
 }
 
-// Both cameras move: a step to the side, and a turn.
+// Both cameras move: one sideways, and one by a rotation.
 void moveCamera(SceneState& moment, const scene::Camera& camera) {
   scene::Camera before = camera, after = camera;
   before.toWorld = glm::translate(glm::dmat4(1), glm::dvec3(0.02f, -0.05f, 0.01f)) * camera.toWorld;
@@ -38,7 +39,7 @@ void moveCamera(SceneState& moment, const scene::Camera& camera) {
 
 class MotionTest : public RenderTest {
  protected:
-  // The largest difference over all pixels that both see the same of, which must be nearly all of those drawn.
+  // The maximum difference over all pixels in which both see the same surface, which must be nearly all covered pixels.
   static void expectReprojected(const scene::Scene& scene, const scene::Camera& camera, const SceneState& moment,
                                 double least, DataSurfaces surfaces = DataSurfaces::Opaque) {
     Renderer renderer(device(), scene, nullptr);
@@ -89,7 +90,7 @@ TEST_F(MotionTest, MovingCameraInTheHallAgreesWithReprojection) {
   expectReprojected(hall(), camera, moment, 0.5);
 }
 
-// Glass is among what the rays hit, and shows wherever it is.
+// The rays hit glass, too, so it is visible everywhere.
 TEST_F(MotionTest, BlendedSurfacesAgreeWithReprojectionWhereTheirDataLeave) {
   const scene::Scene scene = scene::load("builtin:hall,triangles=50k,lights=1,glass=1");
   const scene::Camera camera = cameraOf(scene, kWidth, kHeight);
@@ -109,7 +110,8 @@ TEST_F(MotionTest, SyntheticFilesAgreeWithReprojection) {
   }
 }
 
-// The box's front centre, worked out by hand: at 0.5 s it has turned by 45 degrees, a frame before by 3.75 less.
+// The center of the box's front, computed by hand: at 0.5 s it has rotated by 45 degrees, and one frame before by 3.75
+// degrees less.
 TEST_F(MotionTest, BoxMovesAsItsAnimationSays) {
   const scene::Scene scene = movingBox().load();
   const SceneState moment = momentOf(scene, 0.5);
@@ -119,7 +121,7 @@ TEST_F(MotionTest, BoxMovesAsItsAnimationSays) {
       renderer.render({&camera, 1}, settingsOf(kWidth, kHeight, {Aov::Motion, Aov::Position}), moment).front());
   const size_t pixel = kHeight / 2 * kWidth + kWidth / 2;
   const glm::dvec3 p(vec3At(imageOf(frame, Aov::Position), pixel));  // glTF's frame
-  const auto boxAt = [](double t) {  // linear in time, whatever the interpolation of its turn: slerp is even
+  const auto boxAt = [](double t) {                                  // linear in time, as is slerp with a single angle
     glm::dmat4 m = glm::translate(glm::dmat4(1), glm::dvec3(-1 + 2 * t, 0.5 * t, t));
     return glm::rotate(m, t * M_PI / 2, glm::dvec3(0, 1, 0));
   };
@@ -138,15 +140,15 @@ TEST_F(MotionTest, BoxMovesAsItsAnimationSays) {
   EXPECT_GT(glm::length(back), 0.5);
 }
 
-// Where floats end: what comes from there, or goes there, has no place on the picture, and motion is a number all the
-// same.
+// At the limit of floats: a surface that comes from there, or goes there, has no position in the picture, but its
+// motion is still a number.
 TEST_F(MotionTest, ExtremeTransformsGiveNumbers) {
   const scene::Camera camera = frontPerspective(0.9f, 5);
   for (const char* path : {"translation", "scale"})
     for (const float end : {1e-38f, 1e10f, 1e20f, 1e30f, 1e36f, -1e36f, 3e38f}) {
       scene::test::GltfBuilder b = movingBox();
       const bool scales = std::string_view(path) == "scale";
-      const int track = scales ? 0 : 1;  // of the box's own animation
+      const int track = scales ? 0 : 1;  // the track of the box's own animation
       b.root["animations"][0]["channels"][track]["target"]["path"] = path;
       b.root["animations"][0]["samplers"][track]["output"] =
           b.positions({scales ? glm::vec3(1) : glm::vec3(0), glm::vec3(end, end, -end)});
@@ -173,7 +175,7 @@ TEST_F(MotionTest, NothingMovesAtRest) {
   for (float value : imageOf(frame, Aov::Motion).values) ASSERT_EQ(value, 0);
 }
 
-// The background is infinitely far: it stays where the camera only moves, and turns with it.
+// The background is infinitely far away: it stays in place if the camera only moves, and rotates with it.
 TEST_F(MotionTest, BackgroundMovesWithTheCamerasTurn) {
   scene::Scene scene = movingBox().load();
   scene.instances.clear();
@@ -200,7 +202,7 @@ TEST_F(MotionTest, BackgroundMovesWithTheCamerasTurn) {
   EXPECT_NEAR(motion[3], 0, 0.001);
 }
 
-// Killzone 2's layout keeps motion in quarters of a pixel.
+// Killzone 2's layout stores motion in quarters of a pixel.
 TEST_F(MotionTest, Killzone2KeepsMotionInItsEightBits) {
   const scene::Scene scene = movingBox().load();
   const scene::Camera camera = frontPerspective(0.9f, 5);
@@ -226,8 +228,7 @@ TEST_F(MotionTest, Killzone2KeepsMotionInItsEightBits) {
   EXPECT_GT(moved, 500u);
 }
 
-// A skinned mesh that leaves where it was at rest is not culled with it, and the device's vertices lie where the CPU's
-// do.
+// A skinned mesh that leaves its rest position is not culled with it, and the device's vertices equal the CPU's.
 TEST_F(MotionTest, DevicesVerticesLieWhereTheCpusDo) {
   for (const auto& file : {morphingSquare(), bendingStrip()}) {
     const scene::Scene scene = file.load();
@@ -236,7 +237,7 @@ TEST_F(MotionTest, DevicesVerticesLieWhereTheCpusDo) {
     Renderer renderer(device(), scene, nullptr);
     const output::FrameOutput frame = std::move(
         renderer.render({&camera, 1}, settingsOf(kWidth, kHeight, {Aov::Depth, Aov::Normal}), moment).front());
-    // The same geometry, made on the CPU and at rest.
+    // The same geometry, posed on the CPU and static.
     scene::Scene posed = file.load();
     scene::Mesh& mesh = posed.meshes[0];
     const scene::Deformation& d = *scene.meshes[0].deformation;

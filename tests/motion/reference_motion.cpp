@@ -41,7 +41,7 @@ class Caster {
         pixels_(size_t{width} * height) {}
 
   struct Corner {
-    dvec3 now, before, after;  // world
+    dvec3 now, before, after;  // in world space
   };
   void add(const Corner (&corners)[3]) {
     dvec3 v[3];
@@ -60,7 +60,7 @@ class Caster {
     const Area all{0, int(width_) - 1, 0, int(height_) - 1};
     dvec2 low(1e30), high(-1e30);
     for (const dvec3& corner : v) {
-      if (corner.y < 1e-3) return all;  // reaches behind the eye
+      if (corner.y < 1e-3) return all;  // crosses the plane of the eye
       low = glm::min(low, now_.pixel(corner));
       high = glm::max(high, now_.pixel(corner));
     }
@@ -69,7 +69,7 @@ class Caster {
             std::max(within(low.y - 1, all.bottom + 1), 0), within(high.y + 1, all.bottom)};
   }
 
-  // The ray is one from the eye, so barycentric weights are triple products with it.
+  // The ray starts at the eye, so barycentric coordinates are triple products with it.
   void cast(const Corner (&corners)[3], const dvec3 (&v)[3], int x, int y) {
     const dvec3 ray = now_.ray({x + 0.5, y + 0.5});
     dvec3 weight(glm::dot(ray, glm::cross(v[1], v[2])), glm::dot(ray, glm::cross(v[2], v[0])),

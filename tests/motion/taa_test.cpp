@@ -1,5 +1,5 @@
-// Temporal anti-aliasing against supersampling of the same frames: it is better than no anti-aliasing, close to
-// supersampling, and without flicker.
+// Temporal antialiasing compared with supersampling of the same frames: it is better than no antialiasing, close to
+// supersampling, and does not flicker.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ struct Sequence {
   uint32_t frames;
 };
 
-// Root mean square of two pictures' difference, levels, over the pixels that either shows something in.
+// The root mean square difference of two pictures, in levels, over the pixels that are covered in either.
 double difference(const Picture& a, const Picture& b) {
   double sum = 0, count = 0;
   for (size_t i = 0; i < a.size(); i += 4) {
@@ -61,8 +61,8 @@ class TemporalTest : public RenderTest {
     return pictures;
   }
 
-  // The sequence with temporal anti-aliasing stays within `most` levels of 16 samples a pixel, and is `factor` times
-  // nearer to that than one sample is.
+  // With temporal antialiasing, the sequence stays within `most` levels of 16 samples per pixel, and is `factor` times
+  // closer to it than one sample.
   static void expectNear(const Sequence& sequence, double most, double factor) {
     const auto exact = render(sequence, false, 4), none = render(sequence, false, 1),
                temporal = render(sequence, true, 1);
@@ -91,13 +91,13 @@ TEST_F(TemporalTest, BoxRollsNearSuperSampling) {
   expectNear({scene, "", 0.2, 8}, 12, 2);
 }
 
-// A picture alone is the mean of its samples.
+// A single picture is the mean of its samples.
 TEST_F(TemporalTest, StillPicturesConverge) {
   const scene::Scene scene = movingBox().load();
   expectNear({scene, "", 0.3, 1}, 4, 4);
 }
 
-// Where nothing moves, frames differ by no more than one sample in many.
+// If nothing moves, frames differ by at most one sample of many.
 TEST_F(TemporalTest, StandingScenesDontFlicker) {
   const std::vector<Picture> pictures = render({hall(), "", 0, 10}, true, 1);
   const std::vector<Picture> once = render({hall(), "", 0, 1}, false, 1);
@@ -109,8 +109,8 @@ TEST_F(TemporalTest, StandingScenesDontFlicker) {
   EXPECT_GT(difference(once[0], pictures[0]), 3) << "there is nothing that could flicker";
 }
 
-// What leaves a pixel leaves nothing behind: where a picture without history is even for three pixels around, one with
-// a history is the same.
+// A surface that leaves a pixel leaves no ghost: where a picture without history is uniform for three pixels around,
+// one with history is equal.
 TEST_F(TemporalTest, NoGhostsStay) {
   const scene::Scene scene = movingBox().load();
   const Picture last = render({scene, "", 0.2, 8}, true, 1).back();

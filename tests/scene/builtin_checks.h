@@ -16,8 +16,8 @@
 namespace latelight::scene {
 
 struct TriangleShares {
-  double degenerate = 0;  // area 0 to rounding
-  double against = 0;     // geometric normal against one of its vertex normals by more than 90 degrees
+  double degenerate = 0;  // share of triangles whose area is 0 except for rounding
+  double against = 0;     // share of triangles whose normal differs from a vertex normal by more than 90 degrees
 };
 
 inline TriangleShares triangleShares(const Mesh& mesh) {
@@ -27,7 +27,7 @@ inline TriangleShares triangleShares(const Mesh& mesh) {
     const glm::dvec3 a(mesh.positions[t[0]]), b(mesh.positions[t[1]]), c(mesh.positions[t[2]]);
     const glm::dvec3 n = glm::cross(b - a, c - a);
     const double longest = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
-    // Less high than a few roundings of its coordinates.
+    // Returns true if the triangle's height is within a few rounding errors of its coordinates.
     const double coordinate = std::max({glm::length(a), glm::length(b), glm::length(c)});
     if (glm::length(n) <= longest * coordinate * 5e-7) {
       ++degenerate;
@@ -66,8 +66,8 @@ inline void checkVertices(const Mesh& mesh, bool needsTangents) {
   EXPECT_LT(worstAngle, 1e-4) << mesh.name;
 }
 
-// Every mesh: indices and vertices sound, front faces on the side of their normals, no more than these shares of
-// triangles otherwise.
+// Checks that indices and vertices of every mesh are valid, and that front faces are on the side of their normals,
+// except for these shares of the triangles.
 inline void checkMeshes(const Scene& scene, double degenerate = 0, double against = 0) {
   std::vector<bool> mapped(scene.meshes.size());
   for (const Instance& instance : scene.instances)
@@ -84,7 +84,8 @@ inline void checkMeshes(const Scene& scene, double degenerate = 0, double agains
   }
 }
 
-// Welded by exact position, every edge has as many triangles on one side as on the other: a closed surface.
+// If vertices at equal positions are merged, every edge has as many triangles on one side as on the other, so the
+// surface is closed.
 inline size_t openEdges(const Mesh& mesh) {
   std::map<std::array<float, 3>, uint32_t> places;
   std::vector<uint32_t> weld;

@@ -34,7 +34,7 @@ const Scene& hall(const std::string& parameters) {
   return found->second;
 }
 
-// The lamps alone, and the hall's lights.
+// Only the lamps with their lights.
 Scene litBy(uint32_t lights) {
   builtin::hall::HallBuilder builder(builtin::Detail{0.05}, 1, false);
   builtin::hall::addLamps(builder);
@@ -48,7 +48,7 @@ void mixIn(uint64_t& hash, const std::vector<T>& values) {
   hash = hash64(values.data(), values.size() * sizeof(T), hash);
 }
 
-// Of everything in the scene that isn't a name.
+// A hash of the scene's contents except names.
 uint64_t hashOfScene(const Scene& scene) {
   uint64_t hash = 0;
   for (const Mesh& mesh : scene.meshes) {
@@ -59,7 +59,7 @@ uint64_t hashOfScene(const Scene& scene) {
   }
   for (const Texture& texture : scene.textures) hash = hash64(texture.pixels.get(), texture.bytes(), hash);
   for (const Material& material : scene.materials) hash = hash64(&material.data, sizeof(material.data), hash);
-  for (const Instance& i : scene.instances) {  // by members: there is padding between them
+  for (const Instance& i : scene.instances) {  // by member, because there is padding between them
     hash = hash64(&i.toWorld, sizeof(i.toWorld), hash);
     const uint32_t numbers[] = {i.mesh, i.material, i.node, i.id, i.part, i.primitive, static_cast<uint32_t>(i.copy)};
     const bool flags[] = {i.posed, i.placed, i.removed, i.hidden};
@@ -106,7 +106,7 @@ TEST(Hall, ClosedBodiesAreClosed) {
   for (const Mesh& mesh : scene.meshes) {
     if (!closed.contains(mesh.name)) continue;
     ++seen;
-    // Each is made of whole bodies; a stand below one is open where it stands on its plinth.
+    // Each object consists of closed bodies, except for the stand below it, which is open where it rests on its plinth.
     if (mesh.name == "ball" || mesh.name == "knot") continue;
     checkWatertight(mesh);
   }
@@ -114,8 +114,8 @@ TEST(Hall, ClosedBodiesAreClosed) {
 }
 
 TEST(Hall, NormalMappedMeshesKeepTheirTexturesShape) {
-  // A texture is stretched where a triangle's two axes have different texel densities: not by more than four, on all
-  // but a few slivers.
+  // A texture is stretched if a triangle's two axes have different texel densities. The ratio is at most four, except
+  // on a few slivers.
   const Scene& scene = hall("");
   std::set<uint32_t> done;
   for (const Instance& instance : scene.instances) {
@@ -135,7 +135,7 @@ TEST(Hall, NormalMappedMeshesKeepTheirTexturesShape) {
         stretched += area;
         continue;
       }
-      // Singular values of the map from uv to space.
+      // The singular values of the map from uv to space.
       const glm::dvec3 u = (e1 * f2.y - e2 * f1.y) / determinant, v = (e2 * f1.x - e1 * f2.x) / determinant;
       const double a = glm::dot(u, u), b = glm::dot(u, v), c = glm::dot(v, v);
       const double mean = 0.5 * (a + c), spread = std::sqrt(0.25 * (a - c) * (a - c) + b * b);
@@ -196,7 +196,7 @@ TEST(Hall, HasNamedCamerasInsideOfIt) {
   EXPECT_NEAR(scene.cameras[0].toWorld[3].z, 1.65f, 0.1f);  // eye height
 }
 
-// Mean radiance of a grey Lambertian floor and ceiling along the nave, each point's capped at white.
+// The mean radiance of a gray Lambertian floor and ceiling along the nave, with each point's value limited to white.
 double brightness(const Scene& scene) {
   double sum = 0;
   int count = 0;
@@ -246,7 +246,7 @@ TEST(Hall, IsTheSameEachTime) {
   EXPECT_NE(hashOfScene(hall(name)), hashOfScene(load(hallNamed(",triangles=1M,lights=1000,seed=8"))));
 }
 
-// What this test program prints when it builds a hall and does nothing else (HallInAProcess).
+// The output of this test program when it only builds a hall (HallInAProcess).
 struct Probe {
   unsigned long long hash = 0, triangles = 0;
   long kilobytes = 0;
@@ -295,7 +295,7 @@ TEST(Hall, BuildsInLittleMemory) {
 }
 
 TEST(HallPlan, CountsGrowWithDetailAndStayBelowTheLargestMesh) {
-  // Triangles of each recipe are counted before it is built; built, it has as many.
+  // The triangles of each recipe are counted before it is built; the built mesh has exactly as many.
   for (const double scale : {0.1, 0.3, 0.5, 1.0, 2.0}) {
     builtin::hall::HallBuilder hall(builtin::Detail{scale}, 1, false);
     builtin::hall::addColumns(hall);

@@ -1,4 +1,4 @@
-// Noise of the built-in scenes, against the definition of value noise, evaluated per lattice point.
+// Noise of the built-in scenes compared with the definition of value noise, evaluated per lattice point.
 #include <gtest/gtest.h>
 
 #include <cmath>

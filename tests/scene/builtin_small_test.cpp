@@ -1,4 +1,4 @@
-// builtin:boxes, builtin:spheres, the names' grammar and the values that scene.cpp computes.
+// builtin:boxes, builtin:spheres, the grammar of the names and the values that scene.cpp computes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ TEST(BuiltinTriangles, AreAsManyAndAsLargeAsAsked) {
   ASSERT_EQ(scene.meshes.size(), 2u);
   const Mesh& mesh = scene.meshes[1];
   ASSERT_EQ(mesh.indices.size(), 600u);
-  const double leg = 3.5 * 2 / kTrianglesPicture;  // in the middle, where the picture is 2 metres high
+  const double leg = 3.5 * 2 / kTrianglesPicture;  // in the center, where the picture is 2 meters high
   for (size_t i = 0; i < mesh.positions.size(); i += 3) {
     const glm::dvec3 a(mesh.positions[i]), b(mesh.positions[i + 1]), c(mesh.positions[i + 2]);
     EXPECT_NEAR(glm::length(b - a), leg, leg * 1e-3);

@@ -1,5 +1,5 @@
-// Clusters (meshlets) against their triangles: every triangle lies in the bounding sphere, and is back-facing wherever
-// the normal cone states so.
+// Clusters (meshlets) compared with their triangles: every triangle lies in the bounding sphere, and is back-facing
+// from every point for which the normal cone states so.
 #include "scene/clusters.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ constexpr float kRounding = 1e-5f;
 struct Corners {
   vec3 a, b, c;
 };
-// By the cluster's own vertices.
+// With the cluster's own vertices.
 std::vector<Corners> trianglesOf(const Mesh& mesh, const Clusters& all, size_t cluster) {
   const size_t first = shared::kClusterTriangles * cluster;
   std::vector<Corners> triangles;
@@ -36,7 +36,7 @@ std::vector<Corners> trianglesOf(const Mesh& mesh, const Clusters& all, size_t c
   return triangles;
 }
 
-// Positions and triangles alone.
+// A mesh with only positions and triangles.
 Mesh meshOf(const std::vector<vec3>& positions, const std::vector<uint32_t>& indices) {
   Mesh mesh;
   mesh.positions = positions;
@@ -73,7 +73,7 @@ TEST(Clusters, AreAllOfAMesh) {
   EXPECT_TRUE(clustersOf({}).clusters.empty());
 }
 
-// Each once, with its own corners in their order, whether they share vertices or not.
+// Every triangle occurs once, with its own corners in their order, whether vertices are shared or not.
 TEST(Clusters, HaveEveryTriangleOnce) {
   for (const Mesh& mesh : {randomMesh(1000), ball()}) {
     const Clusters all = clustersOf(mesh);
@@ -92,7 +92,7 @@ TEST(Clusters, HaveEveryTriangleOnce) {
   }
 }
 
-// A file may have its triangles in any order.
+// A file may store its triangles in any order.
 TEST(Clusters, AreCompactWhateverTheOrder) {
   Mesh shuffled = ball();
   std::vector<std::array<uint32_t, 3>> triangles(shuffled.indices.size() / 3);
@@ -108,7 +108,7 @@ TEST(Clusters, AreCompactWhateverTheOrder) {
     double sum = 0;
     const Clusters all = clustersOf(mesh);
     for (const shared::Cluster& cluster : all.clusters) sum += cluster.radius;
-    // That of a square with as much of the area is half its diagonal.
+    // The radius for a square of the same area is half its diagonal.
     const auto count = static_cast<double>(all.clusters.size());
     EXPECT_LT(sum / count, 1.5 * std::sqrt(area / count / 2));
   }

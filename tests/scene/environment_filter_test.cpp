@@ -1,4 +1,4 @@
-// Prefiltering of an environment image, against closed forms and against sums over every pixel.
+// Prefiltering of an environment image compared with closed forms and with sums over every pixel.
 #include "scene/environment/filter.h"
 
 #include <gtest/gtest.h>
@@ -19,8 +19,8 @@ float relativeError(const vec3& found, const vec3& expected) {
   return glm::length(found - expected) / glm::length(expected);
 }
 
-// The weight of light at cosine c to a lobe's axis: written from GGX's distribution itself (half vector at half the
-// angle), unlike the code.
+// The weight of light at cosine c to a lobe's axis, directly from GGX's distribution (half vector at half the angle),
+// unlike the code.
 double lobe(double c, double alpha) {
   if (c <= 0.0) return 0.0;
   const double nh = std::cos(std::acos(std::min(c, 1.0)) / 2.0), a2 = alpha * alpha;
@@ -28,7 +28,7 @@ double lobe(double c, double alpha) {
   return a2 / (d * d) * c / (1.0 + a2 * c);
 }
 
-// The mean of c under the lobe: what it leaves of a linear gradient.
+// The mean of c under the lobe, by which it scales a linear gradient.
 double linearShare(double alpha) {
   double weighted = 0.0, whole = 0.0;
   constexpr int kSteps = 200000;
@@ -79,7 +79,7 @@ TEST(EnvironmentFilter, GradientHasItsClosedForm) {
   const Environment e = filterEnvironment(
       makePicture(256, [&](const vec3& d) { return vec3(1.0f) + vec3(0.2f, 0.5f, 0.9f) * glm::dot(d, axis); }));
   const auto expect = [&](const RadianceMap& map, double share, const std::string& what) {
-    // What bilinear filtering leaves falls with the square of the size.
+    // The error of bilinear filtering decreases with the square of the size.
     const float allowed = 0.003f + 4.0f / static_cast<float>(map.width * map.width);
     for (int i = 0; i < 500; ++i) {
       const vec3 d = spiral(i, 500);
@@ -95,7 +95,7 @@ TEST(EnvironmentFilter, GradientHasItsClosedForm) {
   }
 }
 
-// A disc of uniform radiance: irradiance is L pi sin^2(radius) cos where all of it is above the horizon.
+// A disk of uniform radiance: irradiance is L pi sin^2(radius) cos if all of it is above the horizon.
 TEST(EnvironmentFilter, DiscLightsBySolidAngleAndCosine) {
   const vec3 towards = glm::normalize(vec3(-0.5f, 0.4f, 0.6f));
   const double radius = 0.05, radiance = 2000.0;
@@ -144,7 +144,7 @@ TEST(EnvironmentFilter, EveryLevelKeepsTheEnergy) {
   EXPECT_LE(relativeError(mean(e.diffuse), exact / whole), 0.01f);
 }
 
-// A sun of one pixel: the hardest picture, against the sum over every pixel.
+// A sun of one pixel, the most difficult image, compared with the sum over every pixel.
 class SunOfOnePixel : public testing::TestWithParam<float> {};
 
 TEST_P(SunOfOnePixel, LightsLobesAsTheSumOverPixels) {
@@ -181,14 +181,14 @@ TEST_P(SunOfOnePixel, LightsLobesAsTheSumOverPixels) {
 
 INSTANTIATE_TEST_SUITE_P(EnvironmentFilter, SunOfOnePixel, testing::Values(65504.0f, 300000.0f, 1e9f));
 
-// A disk of radiance L and solid angle S at elevation e: the plane's irradiance is L S sin e. The diffuse map's
-// resolution, and that of the tree, allow 1 % of it at elevations of 15 degrees and more.
+// A disk of radiance L and solid angle S at elevation e: the plane's irradiance is L S sin e. The resolution of the
+// diffuse map and of the tree allows an error of 1 % at elevations of at least 15 degrees.
 TEST(EnvironmentFilter, SunsBeyondHalvesKeepTheirIrradiance) {
   for (const double degrees : {15.0, 40.0, 75.0}) {
     for (const float radiance : {3e5f, 1e9f}) {
       const double e = degrees * std::numbers::pi / 180;
       const vec3 sun(std::cos(e), 0, std::sin(e));
-      double irradiance = 0, power = 0;  // of those pixels that show it, each with its own solid angle and elevation
+      double irradiance = 0, power = 0;  // of the pixels that show the sun, each with its own solid angle and elevation
       const FloatImage picture = makePicture(512, [&](const vec3& d) {
         const bool inside = glm::length(d - sun) < 0.012f;
         const double polar = std::acos(d.z), half = std::numbers::pi / 1024;
@@ -205,7 +205,7 @@ TEST(EnvironmentFilter, SunsBeyondHalvesKeepTheirIrradiance) {
       EXPECT_NEAR(lookUp(environment.specular[0], sun).x, radiance, 1e-3f * radiance);
       const glm::vec2 uv = shared::equirectangular(sun);
       EXPECT_EQ(texel(environment.radiance, size_t(uv.x * 1024), size_t(uv.y * 512)).x, radiance);
-      // Every level of the specular maps has the image's light.
+      // Every level of the specular maps contains the image's total light.
       const double light = power / (4 * std::numbers::pi) + sky;
       for (const RadianceMap& map : environment.specular) {
         EXPECT_TRUE(map.isFloat);
@@ -268,7 +268,7 @@ TEST(EnvironmentFilter, DirectionsAreTheDesigns) {
     }
   };
   const vec3 red(1, 0, 0), green(0, 1, 0), blue(0, 0, 1), white(1, 1, 1), yellow(1, 1, 0), cyan(0, 1, 1);
-  paint(0, 256, 0, 128, white);  // what is left of it: the ends, which meet behind
+  paint(0, 256, 0, 128, white);  // the rest of it: the ends, which meet at the back
   paint(96, 160, 0, 128, red);
   paint(160, 224, 0, 128, green);
   paint(32, 96, 0, 128, blue);
@@ -312,7 +312,7 @@ TEST(EnvironmentFilter, AbsurdValuesAreClamped) {
       ASSERT_TRUE(value >= 0 && value <= 1.001f * kMaxRadiance) << value << " in a map of " << map.width;
 }
 
-// Sizes that divide nothing, a picture wider than is kept, and its mean.
+// Sizes without common divisors, a picture that is wider than the stored one, and its mean.
 TEST(EnvironmentFilter, ResizingKeepsTheMeanOverTheSphere) {
   const auto mean = [](const FloatImage& image) {
     double sum = 0, whole = 0;

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-// Flat Radiance: the simplest file there is.
+// A flat Radiance file, the simplest one.
 std::vector<std::byte> flatHdr(uint32_t width, uint32_t height, unsigned seed) {
   const std::string header = fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", height, width);
   std::vector<std::byte> bytes(header.size() + size_t{4} * width * height);
@@ -93,7 +93,7 @@ TEST_F(EnvironmentLoad, SecondLoadIsTheSameBytesFromTheCache) {
   ASSERT_EQ(cacheEntries(), 1u);
   EXPECT_TRUE(same(first, loadEnvironment(file)));
 
-  // The second did read the entry: one with a valid sum but another pixel comes back as it is.
+  // The second call did read the entry: one with a valid checksum but another pixel is returned as it is.
   const std::string name = cacheEntry().filename();
   std::vector<std::byte> entry = loadCache(name).value();
   entry.back() ^= std::byte{1};
@@ -130,7 +130,7 @@ TEST_F(EnvironmentLoad, BrokenCacheEntriesAreComputedAgain) {
     writeFile(path, std::span(raw).first(length));
     EXPECT_TRUE(same(good, loadEnvironment(file))) << "truncated to " << length;
   }
-  // Wrong in itself, though its sum is right: as another program or version might leave it.
+  // Invalid contents with a valid checksum, as another program or version might write them.
   const std::string name = path.filename();
   const std::vector<std::byte> entry = loadCache(name).value();
   for (const size_t at : {0u, 4u, 8u, 15u, 16u, 17u, 24u, 27u, 28u, 33u, 44u}) {
@@ -164,7 +164,7 @@ TEST_F(EnvironmentLoad, ErrorsNameTheFile) {
   EXPECT_EQ(cacheEntries(), 0u) << "failures leave nothing in the cache";
 }
 
-// Run by the next test in processes of their own: a process has one pool of threads.
+// The next test runs this in processes of their own, because a process has one pool of threads.
 TEST(EnvironmentDigestInAProcess, DISABLED_Print) {
   const FloatImage picture = decodePicture(flatHdr(300, 150, 7), "memory");
   std::ofstream(std::getenv("LATELIGHT_TEST_DIGEST")) << digest(filterEnvironment(picture));
@@ -192,7 +192,7 @@ TEST_F(EnvironmentLoad, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(digests[0], digests[2]);
 }
 
-// Days: blue above, earth below, and the sun's side `factor` times as bright as the other.
+// A day: blue above, earth below, with the sun's side `factor` times as bright as the other.
 TEST_F(EnvironmentLoad, Panoramas) {
   const auto expectDay = [](const std::string& name, float factor) {
     SCOPED_TRACE(name);
@@ -210,7 +210,7 @@ TEST_F(EnvironmentLoad, Panoramas) {
   for (const std::string& name : models::withReal({}, {"spiaggia_1k.hdr"})) expectDay(name, 3);
 }
 
-// One of our own, and Debian's blender-data where it is installed.
+// A file of our own, and Debian's blender-data if it is installed.
 TEST_F(EnvironmentLoad, Exrs) {
   std::vector<fs::path> files{models::modelPath("sky.exr")};
   const fs::path world = "/usr/share/blender/datafiles/studiolights/world";

@@ -62,7 +62,7 @@ TEST(Half, EveryHalfThereAndBack) {
   }
 }
 
-// Between two halves: to the nearer, in the middle to the even one, by the processor and by Imath alike.
+// Between two half floats: rounds to the nearer one, and ties to even, on the processor and in Imath alike.
 TEST(Half, RoundsToNearestEven) {
   for (uint32_t i = 0; i < 0x7bff; ++i) {
     const float low = floatFromHalf(static_cast<uint16_t>(i)), high = floatFromHalf(static_cast<uint16_t>(i + 1));
@@ -104,10 +104,10 @@ TEST(Radiance, OldRunLengths) {
 TEST(Radiance, NewRunLengths) {
   Bytes bytes = hdrHeader("-Y 1 +X 10");
   append(bytes, {2, 2, 0, 10});
-  append(bytes, {138, 77});                           // red: ten of 77
+  append(bytes, {138, 77});                           // red: a run of ten times 77
   append(bytes, {10, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9});  // green: ten literals
-  append(bytes, {132, 5, 2, 6, 7, 132, 8});           // blue: four 5, 6, 7, four 8
-  append(bytes, {138, 136});                          // exponent: 1
+  append(bytes, {132, 5, 2, 6, 7, 132, 8});           // blue: a run of four 5, literals 6 and 7, a run of four 8
+  append(bytes, {138, 136});                          // exponent: a run of ten
   const FloatImage image = decodePicture(bytes, "new");
   const float blue[] = {5, 5, 5, 5, 6, 7, 8, 8, 8, 8};
   for (size_t x = 0; x < 10; ++x) {
@@ -164,7 +164,7 @@ struct ExrOptions {
   int parts = 1;
 };
 
-// What channel c has at (x, y): small whole numbers, exact in every type.
+// The value of channel c at (x, y): small integers, exact in every type.
 float exrValue(size_t c, int x, int y) {
   return static_cast<float>(1 + c * 300 + static_cast<size_t>(x + 20) + 40 * static_cast<size_t>(y + 10) % 200);
 }
@@ -304,7 +304,7 @@ TEST(BrokenPictures, EveryTruncationIsAnError) {
   }
 }
 
-// A flipped byte may still be a picture; anything but a picture or an Error fails the test.
+// A file with a flipped byte may still be an image; anything other than an image or an Error fails the test.
 TEST(BrokenPictures, FlippedBytesAreErrorsOrPictures) {
   ExrOptions tiles;
   tiles.tiled = true;

@@ -17,8 +17,8 @@
 
 namespace latelight::scene {
 
-// World direction of the middle of an equirectangular pixel, by the design's words: the centre column is glTF's +X, u
-// grows towards glTF's +Z (world -Y), the top row is up.
+// The world direction of the center of an equirectangular pixel, from the definition: the center column is glTF's +X, u
+// increases towards glTF's +Z (world -Y), the top row is up.
 inline glm::vec3 pixelDirection(double x, double y, const FloatImage& image) {
   const double turn = (x / image.width - 0.5) * 2.0 * std::numbers::pi, polar = y / image.height * std::numbers::pi;
   return {std::sin(polar) * std::cos(turn), -std::sin(polar) * std::sin(turn), std::cos(polar)};
@@ -40,7 +40,7 @@ inline glm::vec3 texel(const RadianceMap& map, size_t x, size_t y) {
   return map.at(x, y);
 }
 
-// As a bilinear sampler that clamps to the edge reads it.
+// Samples like a bilinear sampler that clamps to the edge.
 inline glm::vec3 bilinear(const RadianceMap& map, const glm::vec2& uv) {
   const auto size = static_cast<float>(map.width);
   const float x = std::clamp(uv.x * size - 0.5f, 0.0f, size - 1.0f),
@@ -57,14 +57,14 @@ inline glm::vec3 lookUp(const RadianceMap& map, const glm::vec3& direction) {
   return bilinear(map, shared::octahedralTexture(o, static_cast<float>(map.width)));
 }
 
-// The i-th of `count` directions spread evenly over the sphere (a Fibonacci spiral).
+// The i-th of `count` directions, uniformly distributed over the sphere (a Fibonacci spiral).
 inline glm::vec3 spiral(int i, int count) {
   const double z = 1.0 - (2.0 * i + 1.0) / count, turn = i * std::numbers::pi * (3.0 - std::sqrt(5.0));
   const double r = std::sqrt(1.0 - z * z);
   return {r * std::cos(turn), r * std::sin(turn), z};
 }
 
-// Sets a variable of the process's environment while it lives.
+// Sets an environment variable of the process during its lifetime.
 class ScopedVariable {
  public:
   ScopedVariable(const char* name, const std::string& value) : name_(name) {
@@ -86,7 +86,7 @@ class ScopedVariable {
   std::optional<std::string> old_;
 };
 
-// A folder of its own, gone at the end.
+// A temporary folder, deleted at the end.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

@@ -1,4 +1,4 @@
-// The split-sum table against a quadrature over light directions.
+// The split-sum table compared with a quadrature over light directions.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,8 +10,8 @@
 namespace latelight::scene {
 namespace {
 
-// The integral of D V F (n.l) over the hemisphere of l, in doubles, from the papers' formulas and none of the code's:
-// Trowbridge-Reitz, Smith height-correlated, Schlick. `steps` in each of two angles, denser where l mirrors v.
+// The integral of D V F (n.l) over the hemisphere of l, in double precision, from the papers' formulas instead of the
+// code's: Trowbridge-Reitz, height-correlated Smith, Schlick. `steps` in each of two angles, denser where l mirrors v.
 glm::dvec2 quadrature(double nv, double roughness, int steps) {
   const double a2 = std::pow(roughness, 4.0);
   const glm::dvec3 v(std::sqrt(1.0 - nv * nv), 0.0, nv);
@@ -60,7 +60,7 @@ TEST_F(ReflectanceTable, MatchesQuadrature) {
 TEST_F(ReflectanceTable, SmoothSurfacesReflectAsFresnelSays) {
   constexpr uint32_t kSize = 64;
   const std::vector<glm::vec2> table = ggxReflectanceTable(kSize);
-  for (uint32_t x = 2; x < kSize; ++x) {  // nearer to the horizon even the smoothest lobe is wide
+  for (uint32_t x = 2; x < kSize; ++x) {  // closer to the horizon, even the smoothest lobe is wide
     const double grazing = std::pow(1.0 - (x + 0.5) / kSize, 5.0);
     EXPECT_NEAR(table[x].x, 1.0 - grazing, 0.002) << x;
     EXPECT_NEAR(table[x].y, grazing, 0.002) << x;

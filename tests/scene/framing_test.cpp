@@ -24,7 +24,7 @@ Scene boxScene(vec3 min, vec3 max) {
   return scene;
 }
 
-// NDC of a point of the file's frame, and its view depth in z.
+// NDC of a point in the file's frame, with its view depth in z.
 glm::dvec3 seen(const Camera& camera, vec3 gltf, double aspect) {
   const glm::dmat4 toView = glm::inverse(glm::dmat4(camera.toWorld));
   const glm::dvec3 v = toView * glm::dmat4(toWorldFromGltf()) * glm::dvec4(glm::dvec3(gltf), 1.0);
@@ -65,8 +65,8 @@ TEST(Framing, KeepsEveryCornerInThePictureAndTouchesItsMargin) {
   }
 }
 
-// Nothing that has an extent beside the scene is nearer than the near plane, and nothing is so far that its device
-// depth leaves the range in which floats keep all of their digits.
+// Objects that are large compared with the scene are not in front of the near plane, and none is so far away that its
+// device depth becomes a denormal float.
 TEST(Framing, NearPlanesCutNothingAndLeaveRoomForWhatIsFar) {
   for (const Extent& e : kExtents) {
     const Scene scene = boxScene(e.min, e.max);
@@ -191,7 +191,7 @@ TEST(LookAt, LooksStraightUpAndDownToo) {
   for (const float y : {-5.0f, 5.0f}) {
     const Camera camera = lookAt(scene, {0, y, 0}, {0, 0, 0});
     EXPECT_NEAR(glm::determinant(glm::mat3(camera.toWorld)), 1, 1e-5f);
-    EXPECT_GT(seen(camera, {0, 0, -1}, 1.0).y, 0.1);  // what is behind the scene is at the top
+    EXPECT_GT(seen(camera, {0, 0, -1}, 1.0).y, 0.1);  // the point behind the scene appears at the top
   }
   EXPECT_GT(seen(lookAt(scene, {0, 5, 0}, {0, 0, 0}, vec3(1, 0, 0)), {1, 0, 0}, 1.0).y, 0.1);
 }

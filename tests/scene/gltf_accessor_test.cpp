@@ -1,4 +1,4 @@
-// Accessors of every kind, checked by the meshes that are loaded from them.
+// Accessors of every kind, checked through the meshes that are loaded from them.
 #include <gmock/gmock.h>
 
 #include <limits>
@@ -10,7 +10,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// A triangle whose TEXCOORD_0 comes from values of type T.
+// A triangle whose TEXCOORD_0 has values of type T.
 template <typename T>
 Scene withTexcoords(Component component, bool normalized) {
   GltfBuilder b;
@@ -37,7 +37,7 @@ void checkIntegers(Component component) {
   EXPECT_EQ(plain[2].uv0, vec2(1, 3));
   const auto normalized = withTexcoords<T>(component, true).meshes[0].attributes;
   EXPECT_EQ(normalized[0].uv0, vec2(0, 1));
-  EXPECT_EQ(normalized[1].uv0, vec2(Limits::min() == 0 ? 0.0f : -1.0f, 2 / most));  // -128 and -127 are both -1
+  EXPECT_EQ(normalized[1].uv0, vec2(Limits::min() == 0 ? 0.0f : -1.0f, 2 / most));  // -128 and -127 both map to -1
   EXPECT_EQ(normalized[2].uv0, vec2(1 / most, 3 / most));
 }
 
@@ -89,7 +89,7 @@ TEST(GltfAccessor, SparseOverValuesAndOverNothing) {
         sparseOf(b.view(indices), type, b.view(std::vector<vec3>{{5, 0, 0}, {0, 6, 0}}), 2);
     Scene scene = b.load();
     EXPECT_THAT(scene.meshes[0].positions, testing::ElementsAre(vec3(0, 0, 0), vec3(5, 0, 0), vec3(0, 6, 0)));
-    b.root["accessors"][0].erase("bufferView");  // zeros below
+    b.root["accessors"][0].erase("bufferView");  // no buffer view: zeros
     b.root["accessors"][0]["sparse"]["count"] = 2;
     EXPECT_THAT(b.load().meshes[0].positions, testing::ElementsAre(vec3(0, 0, 0), vec3(5, 0, 0), vec3(0, 6, 0)));
   }
@@ -108,7 +108,7 @@ void checkIndices(Component component) {
   GltfBuilder b = triangleFile();
   b.primitive()["indices"] = b.accessor(b.view(std::vector<T>{2, 0, 1}), component, "SCALAR", 3);
   Scene scene = b.load();
-  // Normals are missing, so vertices are unshared in the order of the indices.
+  // Normals are missing, so the vertices are duplicated in the order of the indices.
   EXPECT_EQ(scene.meshes[0].positions[0], vec3(0, 1, 0));
   EXPECT_EQ(scene.meshes[0].positions[2], vec3(1, 0, 0));
   b.primitive()["indices"] = b.accessor(b.view(std::vector<T>{2, 0, 3}), component, "SCALAR", 3);

@@ -26,7 +26,7 @@ GltfBuilder animated(const char* path, const std::vector<float>& times, const ch
   return b;
 }
 
-// The node's transform, in the file's own frame.
+// The node's transform, in the file's frame.
 glm::dmat4 nodeAt(const Scene& scene, double seconds, bool loop = false) {
   return poseAt(scene, choosePlayback(scene, "", loop), seconds).world[0];
 }
@@ -66,7 +66,7 @@ TEST(Animation, TransformsThatLeaveTheRangeOfFloatsAreRefused) {
   EXPECT_THROW(nodeAt(scene, 1), Error);
 }
 
-// A cubic through its keys with its tangents is that cubic: x = t^3 - t over [0, 2].
+// A cubic through its own keys with its own tangents is reproduced: x = t^3 - t over [0, 2].
 TEST(Animation, CubicSplinesAreHermites) {
   const Scene scene = animated("translation", {0, 2}, "CUBICSPLINE", [](GltfBuilder& b) {
                         return b.positions({{9, 9, 9}, {0, 0, 0}, {-1, 0, 0}, {11, 0, 0}, {6, 0, 0}, {9, 9, 9}});
@@ -74,7 +74,7 @@ TEST(Animation, CubicSplinesAreHermites) {
   for (double t : {0.0, 0.3, 1.0, 1.7, 2.0}) EXPECT_NEAR(placeAt(scene, t).x, t * t * t - t, 1e-12);
 }
 
-// Quarter turns by normalised shorts, and the short way round where the quaternion changes its sign.
+// Quarter turns as normalized shorts, with the shorter path where the quaternion changes its sign.
 TEST(Animation, RotationsGoRoundEvenly) {
   const float h = std::sqrt(0.5f);
   for (const vec4& to : {vec4(0, h, 0, h), vec4(0, -h, 0, -h)}) {
@@ -104,7 +104,7 @@ TEST(Animation, SparseValuesCount) {
   EXPECT_DOUBLE_EQ(nodeAt(b.load(), 0.5)[0][0], 2);
 }
 
-// The animation's first pose is the file's own where they agree, to the bit.
+// The animation's first pose equals the file's, bit for bit, if they agree.
 TEST(Animation, AtRestEverythingIsWhereTheFileHasIt) {
   GltfBuilder b = animated("translation", {0, 1}, "LINEAR", [](GltfBuilder& g) {
     return g.positions({{1, 2, 3}, {4, 5, 6}});
@@ -151,7 +151,8 @@ TEST(Animation, ChosenByNameNumberOrAll) {
 
 // --- vertices ------------------------------------------------------------------------------------------------------
 
-// Two joints, the second turning about Z; both sets of influences, of two component types, weights that don't add up.
+// Two joints, the second of which rotates about Z; both sets of influences, with two component types and weights that
+// do not sum to 1.
 GltfBuilder skinned() {
   GltfBuilder b = animated("rotation", {0, 1}, "LINEAR", [](GltfBuilder& g) {
     return g.vectors(std::vector<vec4>{{0, 0, 0, 1}, {0, 0, 1, 0}});
@@ -181,7 +182,7 @@ TEST(Skins, BothSetsOfInfluencesMoveVertices) {
   const DeformedVertices v = deform(d, jointMatrices(scene.rig.skins[0], pose), {});
   expectNear(v.positions[0], vec3(0, 0, 0));
   expectNear(v.positions[1], vec3(.5f, .5f, 0));  // halfway between (1,0,0) and (0,1,0)
-  expectNear(v.positions[2], vec3(-1, 0, 0));     // all of (0,1,0) turned
+  expectNear(v.positions[2], vec3(-1, 0, 0));     // fully rotated (0,1,0)
   EXPECT_EQ(instanceTransforms(scene, pose)[0], toWorldFromGltf());
 }
 
@@ -193,7 +194,7 @@ TEST(Skins, WithoutAnAnimationNothingIsKept) {
   EXPECT_TRUE(scene.rig.empty());
 }
 
-// Joints as EXT_meshopt_compression has them, four bytes a vertex.
+// Joints as EXT_meshopt_compression stores them, with four bytes per vertex.
 TEST(Skins, CompressedJointsAreTheSame) {
   GltfBuilder b = skinned();
   const json plain = b.root;
@@ -237,7 +238,7 @@ TEST(MorphTargets, WeightsMoveVerticesAndNormals) {
   expectNear(v.attributes[1].normal, glm::normalize(vec3(0, 2, 1)));
 }
 
-// Two nodes share a mesh, and an animation moves the weights of one.
+// Two nodes share a mesh, and an animation changes the weights of one.
 TEST(MorphTargets, EachNodeHasItsOwnWeights) {
   GltfBuilder b = animated("weights", {0}, "STEP", [](GltfBuilder& g) {
     return g.accessor(g.view(std::vector<float>{1}), kFloat, "SCALAR", 1);
@@ -250,7 +251,7 @@ TEST(MorphTargets, EachNodeHasItsOwnWeights) {
   EXPECT_FALSE(scene.meshes[scene.instances[1].mesh].deformation);
 }
 
-// Whatever random joints and weights do, the box holds the mesh.
+// For all random joints and weights, the box contains the mesh.
 TEST(Reach, HoldsWhatItDeforms) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> unit(-1, 1);
@@ -280,7 +281,7 @@ TEST(Reach, HoldsWhatItDeforms) {
   }
 }
 
-// --- what is wrong with files ---------------------------------------------------------------------------------------
+// --- invalid files --------------------------------------------------------------------------------------------------
 
 TEST(Animation, BrokenFilesAreRefusedBySentence) {
   const auto broken = [](const std::function<void(GltfBuilder&, json&)>& breakIt) {
@@ -300,7 +301,7 @@ TEST(Animation, BrokenFilesAreRefusedBySentence) {
               HasSubstr("the wrong number of values"));
 }
 
-// A channel that can't apply goes alone: the file is read, and the channel beside it moves the node.
+// Only an invalid channel is skipped: the file is read, and the channel next to it moves the node.
 TEST(Animation, ChannelsThatCanNotApplyAreLeftOut) {
   const auto leftOut = [](const std::function<void(GltfBuilder&, json&)>& breakIt) {
     GltfBuilder b = animated("translation", {0, 1}, "LINEAR", [](GltfBuilder& g) {
@@ -333,7 +334,7 @@ TEST(Animation, ChannelsThatCanNotApplyAreLeftOut) {
   EXPECT_THAT(withTimes({0, NAN}), HasSubstr("not finite numbers"));
   EXPECT_THAT(
       leftOut([](GltfBuilder& b, json& a) {
-        b.positions({{0, 0, 0}});  // the next accessor is not that of the case before, or no warning is repeated
+        b.positions({{0, 0, 0}});  // a different accessor than in the case before, because warnings are not repeated
         a["samplers"][1]["output"] = b.positions({{0, 0, 0}, {NAN, 0, 0}});
       }),
       HasSubstr("not finite numbers"));
@@ -347,7 +348,7 @@ TEST(Animation, MayHaveNoChannels) {
   EXPECT_EQ(scene.instances.size(), 1u);
 }
 
-// glTF 2.0, 3.7.2.2: weights count by the targets, whichever primitive has them.
+// glTF 2.0, 3.7.2.2: the number of weights equals the number of targets, whichever primitive has them.
 TEST(Animation, MorphTargetsMayBeOnAnyPrimitive) {
   for (const size_t with : {0u, 1u}) {
     GltfBuilder b = triangleFile();
@@ -368,9 +369,9 @@ TEST(Animation, MorphTargetsMayBeOnAnyPrimitive) {
   }
 }
 
-// --- skins that mirror ----------------------------------------------------------------------------------------------
+// --- mirroring skins ------------------------------------------------------------------------------------------------
 
-// The triangle, with a normal map's tangents, moved by one joint below a node of this scale. Its normal is +Z.
+// The triangle, with tangents for a normal map, moved by one joint below a node with this scale. Its normal is +Z.
 GltfBuilder skinnedTriangle(const std::vector<double>& scale) {
   GltfBuilder b = triangleFile();
   b.primitive()["attributes"]["NORMAL"] = b.vectors(std::vector<vec3>(3, {0, 0, 1}));
@@ -384,8 +385,8 @@ GltfBuilder skinnedTriangle(const std::vector<double>& scale) {
   return b;
 }
 
-// Front faces are counter-clockwise where the scene is at rest, whatever the joints do, and the frame of the tangents
-// is the mirrored one: cross(normal, tangent) w follows v, which the joints turn as they turn positions.
+// Front faces are counter-clockwise in the rest pose, whatever the joints do, and the tangent frame is mirrored:
+// cross(normal, tangent) w follows v, which the joints transform like positions.
 TEST(Skin, MirroredTrianglesKeepTheirFronts) {
   const double turns[][3] = {{1, 1, 1}, {-1, 1, 1}, {1, -1, 1}, {1, 1, -1}, {-1, -1, 1}, {-2, -3, -1}};
   for (const auto& s : turns) {

@@ -30,7 +30,7 @@ enum Component {
   kFloat = 5126
 };
 
-// A folder that goes with the test.
+// A folder that is deleted with the test.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -99,13 +99,13 @@ struct GltfBuilder {
   int vectors(const std::vector<vec3>& p) { return accessor(view(p), kFloat, "VEC3", p.size()); }
   int vectors(const std::vector<vec4>& p) { return accessor(view(p), kFloat, "VEC4", p.size()); }
 
-  // A mesh with one primitive, shown by a node of its own. Gives the mesh's index.
+  // Adds a mesh with one primitive, and a node that shows it. Returns the mesh's index.
   int mesh(json primitive) {
     int index = add("meshes", {{"primitives", json::array({std::move(primitive)})}});
     node({{"mesh", index}});
     return index;
   }
-  // A node among the scene's roots.
+  // Adds a root node.
   int node(json item) {
     int index = add("nodes", std::move(item));
     root["scene"] = 0;
@@ -138,7 +138,7 @@ struct GltfBuilder {
     }
     return out;
   }
-  // One file with a data URI.
+  // A single file with a data URI.
   std::string embedded() const {
     json withBuffer = root;
     withBuffer["buffers"] = json::array(
@@ -164,7 +164,7 @@ inline GltfBuilder triangleFile() {
   return b;
 }
 
-// The sentence of the error that loading ends with; fails the test if there is none of that code.
+// Returns the message with which loading fails; fails the test if there is no error with this code.
 inline std::string errorOf(const GltfBuilder& b, ExitCode code = ExitCode::BadInput, const LoadOptions& options = {}) {
   try {
     b.load(options);

@@ -12,7 +12,7 @@ namespace latelight::scene::test {
 
 inline constexpr size_t kSide = 9, kVertices = kSide * kSide;
 
-// A bent square of vertices and its triangles.
+// The vertices and triangles of a bent square.
 struct Grid {
   std::vector<vec3> positions, normals;
   std::vector<uint32_t> indices;
@@ -31,7 +31,7 @@ struct Grid {
   }
 };
 
-// A bufferView compressed by meshoptimizer, over a fallback buffer that has no bytes.
+// A bufferView that meshoptimizer compressed, over a fallback buffer without bytes.
 inline int meshoptView(GltfBuilder& b, const std::vector<unsigned char>& encoded, size_t count, size_t stride,
                        const char* mode, const char* filter) {
   int data = b.view(encoded);
@@ -88,7 +88,7 @@ inline GltfBuilder meshoptFile() {
   return b;
 }
 
-// The grid as Draco's mesh, with its attributes' ids.
+// The grid as a Draco mesh, with the ids of its attributes.
 inline GltfBuilder dracoFile(int method) {
   Grid grid;
   draco::Mesh mesh;

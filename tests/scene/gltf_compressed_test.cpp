@@ -1,4 +1,4 @@
-// Compressed geometry and pictures: EXT_meshopt_compression, KHR_draco_mesh_compression, KHR_mesh_quantization and
+// Compressed geometry and textures: EXT_meshopt_compression, KHR_draco_mesh_compression, KHR_mesh_quantization and
 // EXT_texture_webp, each encoded here by its own library.
 #include <gmock/gmock.h>
 #include <meshoptimizer.h>
@@ -25,7 +25,7 @@ TEST(GltfCompressed, MeshoptAttributesFiltersAndTriangles) {
     expectNear(mesh.attributes[v].normal, grid.normals[v], 2e-3f);
     expectNear(vec3(mesh.attributes[v].uv0, 0), vec3(vec2(grid.positions[v]), 0), 1e-5f);
   }
-  // The codec may turn a triangle's corners; it keeps their order and the triangles'.
+  // The codec may rotate a triangle's corners, but keeps their order and that of the triangles.
   ASSERT_EQ(mesh.indices.size(), grid.indices.size());
   for (size_t i = 0; i < mesh.indices.size(); i += 3) {
     std::array<uint32_t, 3> a = {mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]};
@@ -64,7 +64,7 @@ TEST(GltfCompressed, MeshoptQuaternionsOfInstances) {
 
 TEST(GltfCompressed, BrokenMeshopt) {
   GltfBuilder b = meshoptFile();
-  b.buffer.at(0) ^= std::byte{0xff};  // the header of the positions' stream
+  b.buffer.at(0) ^= std::byte{0xff};  // the header of the stream of positions
   EXPECT_THAT(errorOf(b), HasSubstr("bufferViews[1] cannot be decompressed"));
   b = meshoptFile();
   b.root["bufferViews"][1]["extensions"]["EXT_meshopt_compression"]["byteStride"] = 14;
@@ -77,12 +77,12 @@ TEST(GltfCompressed, BrokenMeshopt) {
   EXPECT_THAT(errorOf(b), HasSubstr("which has 0"));  // the fallback buffer
 }
 
-// Files that require the extension leave the fallback's bytes out, and many don't say that it is one.
+// Files that require the extension omit the fallback's bytes, and many do not mark it as a fallback.
 TEST(GltfCompressed, MeshoptWithoutAFallback) {
   GltfBuilder b = meshoptFile();
   b.root["buffers"][1].erase("extensions");
   EXPECT_EQ(b.load().meshes.at(0).positions, Grid().positions);
-  b.root["bufferViews"][1].erase("extensions");  // now something reads it
+  b.root["bufferViews"][1].erase("extensions");  // now it is read
   EXPECT_THAT(errorOf(b), HasSubstr("buffers[1] has neither a uri"));
 }
 
@@ -93,7 +93,8 @@ TEST(GltfCompressed, DracoByBothMethods) {
     const Mesh& mesh = scene.meshes.at(0);
     ASSERT_EQ(mesh.indices.size(), grid.indices.size());
     ASSERT_EQ(mesh.positions.size(), kVertices);
-    // EdgeBreaker reorders: each vertex must still lie on the sheet and have its normal, and the area must be the same.
+    // EdgeBreaker reorders vertices: each must still lie on the sheet and have its normal, and the area must be the
+    // same.
     double area = 0, wanted = 0;
     for (size_t i = 0; i < mesh.indices.size(); i += 3) {
       auto doubled = [&](const std::vector<vec3>& p, const std::vector<uint32_t>& x) {
@@ -117,7 +118,7 @@ TEST(GltfCompressed, BrokenDraco) {
   b.root["bufferViews"][0]["byteLength"] = b.buffer.size();
   EXPECT_THAT(errorOf(b), HasSubstr("meshes[0].primitives[0] cannot be decompressed"));
   b = dracoFile(draco::MESH_SEQUENTIAL_ENCODING);
-  // The face count, a number of up to five bytes, becomes four billion.
+  // Changes the number of faces, stored in up to five bytes, to four billion.
   for (size_t i = 0; i < 4; ++i) b.buffer[11 + i] = std::byte{0xff};
   b.buffer[15] = std::byte{0x0f};
   EXPECT_THAT(errorOf(b), HasSubstr("far more than a file of this size can contain"));
@@ -155,14 +156,14 @@ TEST(GltfCompressed, WebpTextures) {
   ASSERT_EQ(texture.width, 2u);
   EXPECT_EQ(texture.levels, 2u);
   EXPECT_EQ(std::memcmp(texture.pixels.get(), pixels, sizeof(pixels)), 0);
-  // The extension may leave its picture out: then the texture's own counts.
+  // The extension may have no source; then the texture's own applies.
   b.root["textures"][0] = {{"source", 0}, {"extensions", {{"EXT_texture_webp", json::object()}}}};
   EXPECT_EQ(b.load().textures.size(), 1u);
   b.root["textures"][0] = {{"extensions", {{"EXT_texture_webp", json::object()}}}};
   EXPECT_EQ(b.load().textures.size(), 0u);
 }
 
-// KTX2 and AVIF pictures as textures: what they decode to is in texture_ktx2_test.cpp and texture_test.cpp.
+// KTX2 and AVIF images as textures; texture_ktx2_test.cpp and texture_test.cpp check the decoded values.
 TEST(GltfCompressed, PicturesOfOtherExtensions) {
   const fs::path folder = fs::path(LATELIGHT_SOURCE_DIR) / "tests/scene/ktx2";
   const std::vector<std::byte> ktx2 = readFile(folder / "etc1s.ktx2"), texels = readFile(folder / "etc1s.rgba");

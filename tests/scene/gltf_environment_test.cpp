@@ -1,4 +1,4 @@
-// EXT_lights_image_based: cube maps with one color per face, and spherical harmonics, against their closed forms.
+// EXT_lights_image_based: cube maps with one color per face, and spherical harmonics, compared with their closed forms.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -10,9 +10,9 @@ namespace latelight::scene::test {
 namespace {
 
 using testing::HasSubstr;
-using Color = std::array<uint8_t, 4>;  // as in a picture
+using Color = std::array<uint8_t, 4>;  // as in an image
 
-// A square TGA of one colour.
+// A square TGA image of one color.
 std::vector<uint8_t> squareOf(const Color& c, uint8_t side) {
   std::vector<uint8_t> tga = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, side, 0, side, 0, 32, 0x28};
   for (int i = 0; i < side * side; ++i) tga.insert(tga.end(), {c[2], c[1], c[0], c[3]});
@@ -20,9 +20,9 @@ std::vector<uint8_t> squareOf(const Color& c, uint8_t side) {
 }
 
 constexpr Color kFaces[6] = {{255, 0, 0, 255},   {0, 255, 0, 255}, {0, 0, 255, 255}, {255, 255, 0, 255},
-                             {0, 255, 255, 255}, {255, 0, 255, 51}};  // the last: five times as bright
+                             {0, 255, 255, 255}, {255, 0, 255, 51}};  // the last one: five times as bright
 const vec3 kRadiance[6] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {0, 1, 1}, {5, 0, 5}};
-const vec3 kAxes[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};  // glTF's
+const vec3 kAxes[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};  // in glTF's frame
 
 GltfBuilder litFile(json light) {
   GltfBuilder b = triangleFile();
@@ -49,7 +49,7 @@ vec3 diffuse(const Scene& scene, const vec3& gltf) {
   return lookUp(scene.environment->diffuse, inWorld(gltf));
 }
 
-// Half floats hold 11 bits.
+// Half floats have 11 significant bits.
 void expectClose(const vec3& a, const vec3& b) {
   expectNear(a, b, 1e-3f * (glm::length(b) + 1));
 }
@@ -60,7 +60,7 @@ TEST(ImageBasedLight, ShinesWithTheColorsOfItsFaces) {
   for (size_t i = 0; i < 6; ++i) expectClose(mirrored(scene, kAxes[i]), 2.0f * kRadiance[i]);
 }
 
-// The faces meet as OpenGL's do: rows of a side face run downwards, and columns towards -Z on the face of +X.
+// The faces are oriented as in OpenGL: rows of a side face run downward, and columns of the face +X towards -Z.
 TEST(ImageBasedLight, ItsFacesLieAsOpenGlsDo) {
   GltfBuilder b = litFile({});
   // The upper left texels of +X are white.
@@ -76,7 +76,7 @@ TEST(ImageBasedLight, ItsFacesLieAsOpenGlsDo) {
   expectClose(mirrored(scene, glm::normalize(vec3(1, -.5, .5))), vec3(0));
 }
 
-// E(n) = sum of the coefficients times the harmonics; the map is E / pi.
+// E(n) = the sum of the coefficients times the harmonics; the map stores E / pi.
 TEST(ImageBasedLight, ItsDiffuseLightIsThatOfItsHarmonics) {
   const Scene scene = litFile({{"intensity", 3}}).load();
   const auto expected = [](const vec3& n) {
@@ -88,7 +88,7 @@ TEST(ImageBasedLight, ItsDiffuseLightIsThatOfItsHarmonics) {
   EXPECT_LT(glm::length(diffuse(scene, between) - expected(between)), 5e-3f);
 }
 
-// A quarter of a turn about Y takes +Z to +X.
+// A quarter turn about Y rotates +Z to +X.
 TEST(ImageBasedLight, TurnsWithItsRotation) {
   const double half = std::sqrt(.5);
   const Scene scene = litFile({{"rotation", {0, half, 0, half}}}).load();

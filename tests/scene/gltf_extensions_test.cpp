@@ -1,4 +1,5 @@
-// The table of extensions against docs/gltf.md, and files that use all of them, damaged in each of their fields.
+// The table of extensions compared with docs/gltf.md, and files that use all of them, with each of their fields
+// damaged.
 #include "scene/gltf/extensions.h"
 
 #include <gmock/gmock.h>
@@ -21,7 +22,7 @@ Names namesOf(Treatment treatment) {
   Names names;
   for (const Extension& extension : extensions())
     if (extension.treatment == treatment) names.emplace(extension.name);
-  if (treatment == Treatment::Read) names.insert("EXT_texture_avif");  // whatever this build has found
+  if (treatment == Treatment::Read) names.insert("EXT_texture_avif");  // depends on the libraries of the build
   if (treatment == Treatment::Left) names.erase("EXT_texture_avif");
   return names;
 }
@@ -56,9 +57,10 @@ TEST(GltfExtensions, OnlyThoseThatAreReadMayBeRequired) {
   }
 }
 
-// --- a file with all of them ----------------------------------------------------------------------------------------
+// --- a file with all extensions -------------------------------------------------------------------------------------
 
-// What has bytes of its own rather than fields: gltf_compressed_test.cpp and gltf_fuzz_test.cpp damage those.
+// Extensions with their own binary data instead of fields; gltf_compressed_test.cpp and gltf_fuzz_test.cpp damage
+// those.
 const Names kBytes = {"EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_mesh_quantization"};
 
 int addImage(GltfBuilder& b) {
@@ -169,7 +171,7 @@ GltfBuilder completeFile() {
   return b;
 }
 
-// Pointers to the fields within extensions, and their values.
+// JSON pointers to the fields within extensions, with their values.
 std::map<std::string, json> fieldsOf(const GltfBuilder& b) {
   std::map<std::string, json> fields;
   const json flat = b.root.flatten();
@@ -201,7 +203,7 @@ TEST(GltfExtensions, FieldsOfAnotherTypeAreRefused) {
   for (const auto& [pointer, value] : fieldsOf(b)) {
     const json other = value.is_string() ? json(5) : json("text");
     for (const json& wrong : {other, json(nullptr), json::array({json::object()})}) {
-      if (value.is_object()) continue;  // an empty one, as of KHR_materials_unlit
+      if (value.is_object()) continue;  // an empty object, as for KHR_materials_unlit
       SCOPED_TRACE(pointer + " is " + wrong.dump());
       EXPECT_FALSE(errorOf(withField(b, pointer, wrong)).empty());
     }
@@ -216,7 +218,7 @@ TEST(GltfExtensions, FieldsOutOfRangeAreReadOrRefused) {
          {json(-1), json(0), json(0.5), json(1e300), json(1e38), json(4294967295u), json(-2147483649)}) {
       SCOPED_TRACE(pointer + " is " + odd.dump());
       try {
-        // The environment takes half a second to make.
+        // The environment takes half a second to prepare.
         const Scene scene = withField(b, pointer, odd).load({.textures = false});
         posedMaterials(scene, poseAt(scene, choosePlayback(scene, "", false), 0.5));
       } catch (const Error& error) {

@@ -78,11 +78,11 @@ TEST(GltfFiles, BrokenContainers) {
   EXPECT_THAT(errorOfBytes({}), HasSubstr("empty"));
 }
 
-// A chunk's length in its header that counts no padding, with the padding there or not.
+// The header states a chunk length without padding; the padding exists or not.
 std::vector<std::byte> unaligned(const GltfBuilder& b, bool padded) {
   std::vector<std::byte> bytes = b.glb();
   const size_t length = size_t(bytes[12]) | size_t(bytes[13]) << 8 | size_t(bytes[14]) << 16;
-  EXPECT_EQ(bytes[20 + length - 1], std::byte{' '});  // or there is nothing to leave out
+  EXPECT_EQ(bytes[20 + length - 1], std::byte{' '});  // there must be padding to omit
   for (size_t i = 0; i < 4; ++i) bytes[12 + i] = std::byte((length - 1) >> (8 * i));
   if (padded) return bytes;
   bytes.erase(bytes.begin() + std::ptrdiff_t(20 + length - 1));
@@ -134,7 +134,7 @@ TEST(GltfFiles, StayInTheirFolder) {
   EXPECT_THROW(loadGltf(scene, {.allowOutside = {"/"}}), Error);
   write("own.bin");
   EXPECT_EQ(loadGltf(scene, {}).meshes.size(), 1u);
-  // Pictures too.
+  // This applies to images, too.
   b.add("images", {{"uri", "../secret.png"}});
   writeBytes(folder.path() / "secret.png", b.buffer);
   b.add("textures", {{"source", 0}});
@@ -183,7 +183,7 @@ TEST(GltfFiles, MissingAndBrokenPictures) {
   GltfBuilder b = triangleFile();
   b.add("images", {{"uri", "nowhere.png"}});
   b.add("textures", {{"source", 0}});
-  EXPECT_EQ(b.load().textures.size(), 0u);  // nobody asks for it
+  EXPECT_EQ(b.load().textures.size(), 0u);  // nothing refers to it
   b.primitive()["material"] = b.add("materials", {{"normalTexture", {{"index", 0}}}});
   EXPECT_THAT(errorOf(b), HasSubstr("nowhere.png"));
   b.root["images"][0] = {{"bufferView", b.view(std::vector<uint8_t>{1, 2, 3, 4})}, {"name", "rust"}};
@@ -229,7 +229,7 @@ TEST(GltfFiles, AssimpsMalformedModels) {
     EXPECT_FALSE(errorOfFile(kAssimp / name).empty()) << name;
 }
 
-// Triangles, textures and their mip levels, and tangents of each mesh.
+// The number of triangles, textures and their mip levels, and whether each mesh has tangents.
 void expectTextured(const std::string& name, size_t triangles, size_t textures, uint32_t mostLevels) {
   SCOPED_TRACE(name);
   const Scene scene = loadGltf(models::modelPath(name), {});
@@ -256,7 +256,7 @@ TEST(GltfFiles, TexturedModels) {
   for (const std::string& name : models::withReal({}, {"DamagedHelmet.glb"})) expectTextured(name, 15'452, 5, 12);
 }
 
-// The lowest and the highest place, and how long it is from back to front.
+// The lowest and highest point, and the length from back to front.
 void expectUpright(const std::string& name, vec3 lowHighLong, float tolerance) {
   SCOPED_TRACE(name);
   const Bounds bounds = worldBounds(loadGltf(models::modelPath(name), {}));
@@ -266,7 +266,7 @@ void expectUpright(const std::string& name, vec3 lowHighLong, float tolerance) {
 TEST(GltfFiles, SkinnedModelsStandUpright) {
   expectUpright("skinned.glb", {0, 2, 0.6f}, 0.01f);
   for (const std::string& name : models::withReal({}, {"Fox.glb", "CesiumMan.glb"}))
-    name == "Fox.glb" ? expectUpright(name, {-0.12f, 78.9f, 154.7f}, 0.2f)  // centimetres
+    name == "Fox.glb" ? expectUpright(name, {-0.12f, 78.9f, 154.7f}, 0.2f)  // in centimeters
                       : expectUpright(name, {0, 1.507f, 1.138f}, 0.02f);
 }
 

@@ -1,4 +1,4 @@
-// A thousand damaged files: each loads or throws Error, and nothing else.
+// A thousand damaged files: each one loads or throws Error; no other result is accepted.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -25,7 +25,7 @@ std::vector<std::byte> bytesOf(const fs::path& path) {
   return {bytes.begin(), bytes.end()};
 }
 
-// A file that touches most of the importer: nodes, sparse accessors, skins, morphs, cameras, lights, instancing.
+// A file that uses most of the importer: nodes, sparse accessors, skins, morph targets, cameras, lights, instancing.
 GltfBuilder busyFile() {
   GltfBuilder b = triangleFile();
   json& attributes = b.primitive()["attributes"];
@@ -100,7 +100,7 @@ std::vector<std::byte> damage(std::vector<std::byte> bytes, Random& random) {
       case 1:
         target = std::byte(below(256));
         break;
-      default:  // what does most to JSON
+      default:  // most effective in JSON
         target = std::byte("0123456789-.eE{}[]\",:"[below(21)]);
         break;
     }
@@ -108,11 +108,11 @@ std::vector<std::byte> damage(std::vector<std::byte> bytes, Random& random) {
   return bytes;
 }
 
-// True if it loaded. A failure's file is kept where gtest says.
+// Returns true if it loads. On failure, the file is kept at the path that gtest prints.
 bool survives(const fs::path& path) {
   try {
     const Scene scene = loadGltf(path, {});
-    // What loads can be played, at any time.
+    // A file that loads can be played at any time.
     for (double seconds : {-1.0, 0.3, 1e6}) {
       const Pose pose = poseAt(scene, choosePlayback(scene, "", true), seconds);
       instanceTransforms(scene, pose);
@@ -146,7 +146,7 @@ class Quiet {
 TEST(GltfFuzz, AThousandTruncationsAndByteFlips) {
   Quiet quiet;
   TemporaryFolder folder;
-  // LATELIGHT_FUZZ_SEED and LATELIGHT_FUZZ_COUNT: for longer runs by hand.
+  // LATELIGHT_FUZZ_SEED and LATELIGHT_FUZZ_COUNT allow longer runs by hand.
   const char *seed = std::getenv("LATELIGHT_FUZZ_SEED"), *count = std::getenv("LATELIGHT_FUZZ_COUNT");
   Random random(seed ? uint32_t(std::atol(seed)) : 20240229u);
   int files = count ? std::atoi(count) : 1000;
@@ -163,12 +163,12 @@ TEST(GltfFuzz, AThousandTruncationsAndByteFlips) {
     SCOPED_TRACE(fmt::format("number {} of {}", i, sample.name));
     loaded += survives(path);
   }
-  // Some flips hit nothing that matters; were it all or none, the damage would not be testing much.
+  // Some flips have no effect. If all or none had one, the damage would test little.
   EXPECT_GT(loaded, files / 20);
   EXPECT_LT(loaded, files * 9 / 10);
 }
 
-// Every value of a good file replaced by values of other kinds and sizes.
+// Replaces every value of a valid file by values of other types and sizes.
 TEST(GltfFuzz, EveryValueReplaced) {
   Quiet quiet;
   TemporaryFolder folder;

@@ -12,7 +12,7 @@ namespace {
 using testing::HasSubstr;
 using namespace shared;
 
-// A 1x1 picture in every slot's place: a BMP of one pixel.
+// A 1x1 image for every slot: a BMP of one pixel.
 int addPicture(GltfBuilder& b) {
   std::vector<uint8_t> bmp = {'B', 'M', 58, 0, 0, 0, 0, 0, 0, 0, 54, 0, 0, 0,  40,
                               0,   0,   0,  1, 0, 0, 0, 1, 0, 0, 0,  1, 0, 24, 0};
@@ -64,7 +64,7 @@ TEST(GltfMaterial, FactorsTexturesAndFlags) {
                                 {"alphaCutoff", .3},
                                 {"doubleSided", true}});
   Scene scene = b.load();
-  ASSERT_EQ(scene.materials.size(), 1u);  // no default beside it
+  ASSERT_EQ(scene.materials.size(), 1u);  // no additional default material
   const scene::Material& material = scene.materials[0];
   EXPECT_EQ(material.name, "paint");
   EXPECT_EQ(material.data.baseColor, vec4(.1f, .2f, .3f, .4f));
@@ -77,7 +77,7 @@ TEST(GltfMaterial, FactorsTexturesAndFlags) {
   EXPECT_EQ(material.data.flags, kMaterialMasked | kMaterialDoubleSided);
   EXPECT_EQ(material.data.textures, 0b11111u);
   EXPECT_EQ(material.data.transforms[kTextureMetallicRoughness].uvSet, 1u);
-  // One picture, two codings.
+  // One image, used with two encodings.
   ASSERT_EQ(scene.textures.size(), 2u);
   int color = material.slots[kTextureBaseColor].texture, data = material.slots[kTextureNormal].texture;
   EXPECT_TRUE(scene.textures[size_t(color)].srgb);
@@ -143,7 +143,8 @@ TEST(GltfMaterial, Extensions) {
   EXPECT_EQ(withMaterial(ior).load().materials[0].data.f0, 1);
 }
 
-// Every texture of the layered extensions: its slot, whether it holds colours, and a transform and a set of its own.
+// Every texture of the layered extensions: its slot, whether it contains colors, and its own transform and texture
+// coordinate set.
 TEST(GltfMaterial, LayersHaveTextures) {
   struct Slot {
     const char *extension, *key;
@@ -219,7 +220,7 @@ TEST(GltfMaterial, LayersHaveFactors) {
   EXPECT_EQ(l.diffuseTransmissionColor, vec3(1, .5f, 0));
 }
 
-// As the ends of their ranges, with a warning; only what is no number at all is an error.
+// They are clamped to their ranges, with a warning; only values that are not numbers are errors.
 TEST(GltfMaterial, LayersOutOfRange) {
   const auto material = [](const char* extension, const char* key, json value) {
     return withMaterial({{"extensions", {{extension, {{key, std::move(value)}}}}}});
@@ -245,8 +246,8 @@ TEST(GltfMaterial, LayersOutOfRange) {
 }
 
 TEST(GltfMaterial, TextureTransform) {
-  // KHR_texture_transform's own test model: the sign that says "correct" stands at this texture coordinate of the panel
-  // that is turned by 22.5 degrees, and the arrow's tip in the picture is at 0.5 + 0.2778.
+  // KHR_texture_transform's own test model: the sign "correct" is at this texture coordinate of the panel that is
+  // rotated by 22.5 degrees, and the arrow's tip in the image is at 0.5 + 0.2778.
   GltfBuilder b = withMaterial(
       {{"normalTexture",
         {{"index", 0}, {"extensions", {{"KHR_texture_transform", {{"rotation", 0.39269908169872414}}}}}}}});
@@ -263,7 +264,7 @@ TEST(GltfMaterial, TextureTransform) {
   EXPECT_EQ(t.uvSet, 1u);
 }
 
-// Each slot by itself, so that none has another's.
+// Each slot by itself, so that none uses another's.
 TEST(GltfMaterial, EverySlotHasItsOwnTransformAndUvSet) {
   for (const bool inTransform : {false, true}) {
     json material;
@@ -332,7 +333,7 @@ double linear(double srgb) {
   return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
 }
 
-// c_diff = diffuse (1 - max(specular)), F0 = specular, alpha = (1 - glossiness)^2, as the extension has them.
+// c_diff = diffuse (1 - max(specular)), F0 = specular, alpha = (1 - glossiness)^2, as in the extension.
 TEST(GltfMaterial, SpecularGlossinessFactors) {
   const GltfBuilder b = withMaterial(
       glossy({{"diffuseFactor", {.5, .25, 1, .75}}, {"specularFactor", {.25, .5, .125}}, {"glossinessFactor", .7}}));
@@ -342,11 +343,11 @@ TEST(GltfMaterial, SpecularGlossinessFactors) {
   EXPECT_FLOAT_EQ(m.roughness, .3f);
   EXPECT_EQ(m.f0 * m.specularColor * m.specular, vec3(.25, .5, .125));
   const shared::Material defaults = withMaterial(glossy(json::object())).load().materials[0].data;
-  EXPECT_EQ(defaults.baseColor, vec4(0, 0, 0, 1));  // white specular leaves nothing
+  EXPECT_EQ(defaults.baseColor, vec4(0, 0, 0, 1));  // white specular leaves no diffuse part
   EXPECT_EQ(defaults.roughness, 0);
 }
 
-// Each texel to the nearest of 8 bits, of the very numbers of the file.
+// Each texel is the nearest 8-bit value, computed from the file's own numbers.
 TEST(GltfMaterial, SpecularGlossinessTextures) {
   GltfBuilder b = withMaterial({});
   const std::array<uint8_t, 4> diffuse[2] = {{200, 100, 0, 128}, {255, 255, 255, 255}};
@@ -390,7 +391,7 @@ TEST(GltfMaterial, SpecularGlossinessWithOneTexture) {
   EXPECT_EQ(uint8_t(base.pixels[0]), 0);
   EXPECT_EQ(uint8_t(base.pixels[4]), 255);
   EXPECT_EQ(material.data.transforms[kTextureBaseColor].uvSet, 1u);
-  // A diffuse texture alone is the base colour as it is.
+  // A diffuse texture without another one is used unchanged as the base color.
   b.root["materials"][0] = glossy({{"diffuseTexture", {{"index", gloss}}}, {"specularFactor", {.5, 0, 0}}});
   scene = b.load();
   EXPECT_EQ(scene.textures.size(), 1u);

@@ -14,7 +14,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// Five points with normals, so that vertices stay shared, drawn in a mode.
+// Five points with normals, so that vertices stay shared, drawn with this primitive mode.
 Scene drawn(int mode) {
   GltfBuilder b;
   int p = b.positions({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 2, 0}});
@@ -24,7 +24,7 @@ Scene drawn(int mode) {
 }
 
 TEST(GltfMesh, ListsStripsAndFans) {
-  EXPECT_THAT(drawn(4).meshes[0].indices, ElementsAre(0, 1, 2));  // the rest of a list is no triangle
+  EXPECT_THAT(drawn(4).meshes[0].indices, ElementsAre(0, 1, 2));  // the rest of a list is not a triangle
   EXPECT_THAT(drawn(5).meshes[0].indices, ElementsAre(0, 1, 2, 1, 3, 2, 2, 3, 4));
   EXPECT_THAT(drawn(6).meshes[0].indices, ElementsAre(1, 2, 0, 2, 3, 0, 3, 4, 0));
 }
@@ -112,7 +112,7 @@ TEST(Tangents, FollowUAndPointUpWhereVFallsDown) {
 }
 
 TEST(Tangents, SplitWhereMirroredHalvesMeet) {
-  // Two triangles share an edge; on the second, u runs backwards.
+  // Two triangles share an edge; on the second one, u runs backward.
   std::vector<vec3> p = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}}, n(4, vec3(0, 0, 1));
   std::vector<vec2> uv = {{0, 1}, {1, 1}, {0, 0}, {1, 1}};
   std::vector<uint32_t> indices = {0, 1, 2, 0, 2, 3};
@@ -124,7 +124,7 @@ TEST(Tangents, SplitWhereMirroredHalvesMeet) {
 }
 
 TEST(Tangents, EqualVerticesShareTheirsThoughNotTheirIndex) {
-  // A fold: the same two corners twice, with one normal. Each side alone would tilt its tangent.
+  // A fold: the same two corners twice, with one normal. Each side by itself would tilt its tangent.
   vec3 normal = glm::normalize(vec3(0, 0, 1));
   std::vector<vec3> p = {{0, 0, 0}, {0, 1, 0}, {1, 0.5f, 0.5f}, {0, 0, 0}, {0, 1, 0}, {-1, 0.2f, 0.5f}}, n(6, normal);
   std::vector<vec2> uv = {{.5f, 1}, {.5f, 0}, {1, .4f}, {.5f, 1}, {.5f, 0}, {0, .8f}};
@@ -161,7 +161,7 @@ GltfBuilder normalMapped() {
 TEST(GltfMesh, TangentsAreMadeForNormalMapsOnly) {
   GltfBuilder b = normalMapped();
   EXPECT_EQ(b.load().meshes[0].attributes[0].tangent, vec4(1, 0, 0, 1));
-  // They follow the texture's transform: a quarter turn.
+  // Tangents follow the texture's transform: a quarter turn.
   b.root["materials"][0]["normalTexture"]["extensions"]["KHR_texture_transform"] = {{"rotation", std::acos(0.0)}};
   Scene turned = b.load();
   expectNear(vec3(turned.meshes[0].attributes[0].tangent), vec3(0, -1, 0));
@@ -192,7 +192,7 @@ TEST(GltfMesh, MorphTargetsByDefaultWeights) {
   Scene scene = b.load();
   EXPECT_EQ(scene.meshes[0].positions[0], vec3(2, 0, 2));
   expectNear(scene.meshes[0].attributes[0].normal, glm::normalize(vec3(0, .5f, 1)));
-  b.root["nodes"][0]["weights"] = {1, 0};  // a node's own come first
+  b.root["nodes"][0]["weights"] = {1, 0};  // a node's own weights take precedence
   EXPECT_EQ(b.load().meshes[0].positions[0], vec3(0, 0, 4));
 }
 
@@ -216,7 +216,7 @@ TEST(GltfMesh, SkinsAreInTheirJointsPoseAndIgnoreTheirNode) {
   Scene scene = b.load();
   ASSERT_EQ(scene.meshes.size(), 1u);
   expectNear(scene.meshes[0].positions[0], vec3(0, 0, 10));
-  expectNear(scene.meshes[0].positions[1], vec3(1, 0, 10));        // (1,0,0) less the shift is the hand's origin
+  expectNear(scene.meshes[0].positions[1], vec3(1, 0, 10));        // (1,0,0) minus the shift is the hand's origin
   expectNear(scene.meshes[0].positions[2], vec3(-.5f, 1.5f, 10));  // halfway between (0,1,10) and (-1,2,10)
   expectNear(scene.meshes[0].attributes[1].normal, vec3(0, 0, 1));
   EXPECT_EQ(scene.instances[0].toWorld, toWorldFromGltf());
@@ -224,7 +224,7 @@ TEST(GltfMesh, SkinsAreInTheirJointsPoseAndIgnoreTheirNode) {
   joints[0] = 2;
   b.primitive()["attributes"]["JOINTS_0"] = b.accessor(b.view(joints), kUnsignedByte, "VEC4", 3);
   EXPECT_THAT(errorOf(b), HasSubstr("names joint 2 of skins[0], which has 2"));
-  // Where it has no weight it may be any.
+  // With a weight of 0, the joint may be any.
   std::swap(joints[0], joints[1]);
   b.primitive()["attributes"]["JOINTS_0"] = b.accessor(b.view(joints), kUnsignedByte, "VEC4", 3);
   expectNear(b.load().meshes[0].positions[0], vec3(0, 0, 10));
@@ -232,7 +232,7 @@ TEST(GltfMesh, SkinsAreInTheirJointsPoseAndIgnoreTheirNode) {
 
 // --- values that are no numbers -------------------------------------------------------------------------------------
 
-// Two triangles with these attributes besides their positions.
+// Two triangles with these attributes in addition to their positions.
 GltfBuilder twoTriangles() {
   GltfBuilder b;
   const int p = b.positions({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {3, 0, 0}, {2, 1, 0}});
@@ -251,7 +251,7 @@ TEST(GltfMesh, ValuesThatAreNotFiniteAreRepaired) {
   attributes["NORMAL"] = b.vectors(normals);
   attributes["TANGENT"] = b.vectors(tangents);
   attributes["COLOR_0"] = b.vectors(colors);
-  b.root["accessors"][0]["min"] = {nullptr, 0, 0};  // as exporters write bounds of such values
+  b.root["accessors"][0]["min"] = {nullptr, 0, 0};  // as exporters write the bounds of such values
   testing::internal::CaptureStderr();
   const Mesh mesh = b.load().meshes.at(0);
   const std::string warning = testing::internal::GetCapturedStderr();
@@ -308,12 +308,12 @@ TEST(GltfMesh, InvertedNormalsAreTurnedOver) {
               HasSubstr("meshes[0].primitives[1] has normals that point into its surface, which are turned over"));
   EXPECT_EQ(mesh.attributes[0].normal, proper);
   EXPECT_EQ(mesh.attributes[0].tangent, vec4(1, 0, 0, -1)) << "with the same bitangent";
-  expectNear(mesh.attributes[1].normal, bent);  // as those of leaves are
+  expectNear(mesh.attributes[1].normal, bent);  // as for the normals of leaves
   EXPECT_EQ(mesh.attributes[2].normal, proper);
   EXPECT_EQ(mesh.attributes[2].tangent, vec4(1, 0, 0, 1));
 }
 
-// At a pole of a sphere, rounding decides which way the triangle with two corners there is wound.
+// At the pole of a sphere, rounding decides the winding of the triangle that has two corners there.
 TEST(GltfMesh, NormalsOfSliversStay) {
   for (const auto& [radius, center] : {std::pair(1.0f, 0.0f), {1e-3f, 0.0f}, {1e4f, 0.0f}, {1.0f, 100.0f}}) {
     models::Shape shape = models::sphere(32, 16);
@@ -328,8 +328,8 @@ TEST(GltfMesh, NormalsOfSliversStay) {
   }
 }
 
-// What a morph target adds to a normal that is turned over is turned over, too: (0, 0, -1) + (1, 0, 0) points along
-// (1, 0, -1), which turned over is (-1, 0, 1).
+// A flipped normal flips the morph target's displacement, too: (0, 0, -1) + (1, 0, 0) points along (1, 0, -1), which is
+// (-1, 0, 1) when flipped.
 TEST(GltfMesh, MorphTargetsFollowNormalsThatAreTurnedOver) {
   GltfBuilder b = triangleFile();
   b.primitive()["attributes"]["NORMAL"] = b.vectors(std::vector<vec3>(3, {0, 0, -1}));

@@ -31,7 +31,8 @@ TEST(GltfNodes, TransformsByPartsAndByMatrix) {
   b.root["nodes"][0]["scale"] = {2, 1, 1};
   Scene scene = b.load();
   expectNear(apply(scene.nodes[0].local, vec3(1, 0, 0)), vec3(1, 4, 3));
-  // To the renderer's world: Y of the file is up, which is Z here; Z of the file comes towards the viewer, -Y here.
+  // Conversion to the renderer's world: the file's Y is up, which is Z here; the file's Z points towards the viewer,
+  // which is -Y here.
   expectNear(apply(scene.instances[0].toWorld, vec3(1, 0, 0)), vec3(1, -3, 4));
   b.root["nodes"][0] = {{"mesh", 0}, {"matrix", {0, 2, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1}}};
   expectNear(apply(b.load().instances[0].toWorld, vec3(1, 0, 0)), vec3(1, -3, 4));
@@ -131,7 +132,7 @@ TEST(GltfNodes, GpuInstancing) {
 }
 
 TEST(GltfNodes, IdsNeverCollide) {
-  // 100000 instances: among 32-bit hashes of so many names, a collision is all but certain to occur (p = 0.69).
+  // 100000 instances: among the 32-bit hashes of so many names, a collision is likely (p = 0.69).
   GltfBuilder b = triangleFile();
   int t = b.positions(std::vector<vec3>(100000, vec3(0)));
   b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", t}};
@@ -161,7 +162,7 @@ TEST(GltfNodes, PerspectiveCameras) {
   EXPECT_FLOAT_EQ(eye.verticalFov, .7f);
   EXPECT_FALSE(eye.aspect);
   EXPECT_TRUE(std::isinf(eye.farClip));
-  // One metre ahead of the camera is -Z in the file; scaling does not stretch it.
+  // One meter ahead of the camera is -Z in the file; the node's scale does not apply to it.
   expectNear(apply(toGltfFromWorld() * eye.toWorld, vec3(0, 1, 0)), vec3(1, 2, 2));
   expectNear(apply(toGltfFromWorld() * eye.toWorld, vec3(0, 0, 1)), vec3(1, 3, 3));
   EXPECT_EQ(scene.cameras[1].name, "Second");
@@ -175,7 +176,7 @@ TEST(GltfNodes, PerspectiveCameras) {
   EXPECT_THAT(errorOf(b), HasSubstr("cameras[1].perspective.yfov is missing"));
 }
 
-// glTF asks for an angle below pi, and says that files with another one may be shown.
+// glTF requires an angle below pi, and allows viewers to show files with a larger one.
 TEST(GltfNodes, AnglesThatShowNothingAreReplaced) {
   GltfBuilder b;
   b.node({{"camera", b.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", .1}}}})}});
@@ -193,7 +194,7 @@ TEST(GltfNodes, AnglesThatShowNothingAreReplaced) {
   EXPECT_THAT(errorOf(b), HasSubstr("yfov"));
 }
 
-// A matrix's last row is that of a transform, whatever the file says: else a camera has no inverse.
+// A matrix's last row is that of an affine transform, whatever the file states; otherwise a camera has no inverse.
 TEST(GltfNodes, MatricesAreTransforms) {
   for (const std::vector<double>& last : {std::vector<double>{.3, .2, .1, 1}, {0, 0, 0, 2}, {0, 0, 0, 0}}) {
     GltfBuilder b = triangleFile();
@@ -219,7 +220,7 @@ TEST(GltfNodes, OrthographicCameras) {
   EXPECT_EQ(camera.yHalf, 3);
   EXPECT_EQ(camera.nearClip, 0);
   EXPECT_EQ(camera.farClip, 9);
-  // One that shows nothing is left out, and the next one is the first.
+  // An unusable camera is skipped, and the next one becomes the first.
   b.add("cameras", {{"type", "orthographic"}, {"orthographic", {{"xmag", 0}, {"ymag", 3}, {"znear", 0}, {"zfar", 9}}}});
   b.root["nodes"] = json::array();
   b.root["scenes"] = json::array({{{"nodes", json::array()}}});
@@ -278,7 +279,7 @@ TEST(GltfNodes, PunctualLights) {
   EXPECT_EQ(scene.lights[1].type, shared::kLightSpot);
 }
 
-// What a light's own extras say, a node's override; nonsense says nothing.
+// A node's extras override those of the light; invalid values are ignored.
 TEST(GltfNodes, ExtrasSayWhatLightsCastShadows) {
   GltfBuilder b;
   b.root["extensions"]["KHR_lights_punctual"]["lights"] = {
@@ -299,7 +300,7 @@ TEST(GltfNodes, ExtrasSayWhatLightsCastShadows) {
   EXPECT_EQ(scene.lights[3].size, .25f);
 }
 
-// A bound on memory is kept before memory is asked for, by all that files can ask for.
+// The memory limit is checked before memory is allocated, for every kind of data in a file.
 class GltfMemory : public testing::Test {
  protected:
   ~GltfMemory() override { setMemoryLimit(0); }
@@ -310,7 +311,7 @@ class GltfMemory : public testing::Test {
 };
 
 TEST_F(GltfMemory, BoundsTextures) {
-  // A PNG's header alone; it is never decoded.
+  // Only the header of a PNG; it is never decoded.
   const std::vector<uint8_t> header = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n', 0,    0,    0,
                                        13,   'I', 'H', 'D', 'R',  0,    0,    0x20, 0,    0,    0,
                                        0x20, 0,   8,   6,   0,    0,    0,    0x72, 0xaa, 0xca, 0x59};
@@ -331,7 +332,7 @@ TEST_F(GltfMemory, BoundsAccessorsNodesAndJson) {
   for (int i = 0; i < 20000; ++i) nodes.add("nodes", json::object());
   EXPECT_THAT(refusal(nodes, 8 << 20), testing::HasSubstr("its nodes"));
   EXPECT_THAT(refusal(nodes, 1 << 20), testing::HasSubstr("its JSON"));
-  // What has been refused gives all of it back.
+  // A rejected allocation releases everything.
   setMemoryLimit(64 << 20);
   EXPECT_EQ(nodes.load().meshes.size(), 1u);
 }
@@ -345,11 +346,11 @@ TEST_F(GltfMemory, BoundsInstances) {
   setMemoryLimit(uint64_t{2} << 30);
   const Scene scene = b.load();
   EXPECT_EQ(scene.instances.size(), size_t(count));
-  // While it lives, it counts.
+  // It counts during its lifetime.
   EXPECT_THROW(MemoryClaim((uint64_t{2} << 30) - (64 << 20), "more"), Error);
 }
 
-// Two in a hundred thousand names may have the same hash.
+// Two of a hundred thousand names may have the same hash.
 TEST(GltfNodes, ManyInstancesHaveIdsOfTheirOwn) {
   GltfBuilder b = triangleFile();
   const size_t count = 200000;

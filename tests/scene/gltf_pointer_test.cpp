@@ -1,4 +1,5 @@
-// KHR_animation_pointer and KHR_node_visibility: each kind of property by itself, against the closed form of its track.
+// KHR_animation_pointer and KHR_node_visibility: each kind of property by itself, compared with the closed form of its
+// track.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -16,7 +17,7 @@ using testing::HasSubstr;
 
 constexpr double kTime = 0.25;
 
-// A triangle with a material, a light and a camera, twice, where all that pointers reach is there.
+// A triangle with a material, a light and a camera, each twice, with every property that pointers can target.
 GltfBuilder sceneFile() {
   GltfBuilder b = triangleFile();
   const uint8_t pixel[] = {200, 100, 50};
@@ -41,7 +42,7 @@ GltfBuilder sceneFile() {
   return b;
 }
 
-// Adds an animation of a pointer, in a straight line from one value to the other within a second.
+// Adds an animation of a pointer, linear from one value to the other within a second.
 void animate(GltfBuilder& b, const std::string& pointer, std::vector<float> from, const std::vector<float>& to) {
   const char* types[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
   const size_t width = from.size();
@@ -65,7 +66,7 @@ struct At {
   const Scene& scene;
 };
 
-// From 0.2 to 0.6 it is 0.3 after a quarter of a second.
+// From 0.2 to 0.6, the value after a quarter of a second is 0.3.
 using Read = std::function<float(const At&)>;
 void expectScalar(const std::string& pointer, const Read& read) {
   GltfBuilder b = sceneFile();
@@ -91,7 +92,7 @@ TEST(AnimationPointer, MovesScalarsOfMaterials) {
                [](const At& at) { return at.material().f0 * 169 / 49 * .3f; });
 }
 
-// Those of layers too, whose values are all allowed to be 0.3.
+// Properties of layers, too, all of which may have the value 0.3.
 TEST(AnimationPointer, MovesScalarsOfLayers) {
   using Layers = shared::MaterialLayers;
   const std::pair<const char*, float Layers::*> all[] = {
@@ -114,7 +115,7 @@ TEST(AnimationPointer, MovesScalarsOfLayers) {
                  [member = member](const At& at) { return at.material().layers.*member; });
 }
 
-// Beyond a property's range its end; an index of refraction is at least 1.
+// Beyond a property's range the value is clamped; an index of refraction is at least 1.
 TEST(AnimationPointer, KeepsLayersInTheirRanges) {
   const auto layersOf = [](const char* below, std::vector<float> value) {
     GltfBuilder b = sceneFile();
@@ -127,7 +128,8 @@ TEST(AnimationPointer, KeepsLayersInTheirRanges) {
   EXPECT_EQ(layersOf("transmission/transmissionFactor", {1.5f}).transmission, 1);
   EXPECT_EQ(layersOf("dispersion/dispersion", {-1}).dispersion, 0);
   EXPECT_EQ(layersOf("clearcoat/clearcoatNormalTexture/scale", {-2}).clearcoatNormalScale, -2);
-  EXPECT_GT(layersOf("volume/attenuationDistance", {0}).attenuationDistance, 0);  // at which nothing would be absorbed
+  // at which there would be no absorption
+  EXPECT_GT(layersOf("volume/attenuationDistance", {0}).attenuationDistance, 0);
   EXPECT_EQ(layersOf("sheen/sheenColorFactor", {-1, .5f, 2}).sheenColor, vec3(0, .5f, 1));
 }
 
@@ -154,7 +156,7 @@ TEST(AnimationPointer, MovesColors) {
             vec3(.25, .125, .75));
 }
 
-// The transform of every slot; the parts that no animation moves stay as the file has them.
+// The transform of every slot; parts that are not animated keep the file's values.
 TEST(AnimationPointer, MovesTheTransformsOfAllTextures) {
   for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot) {
     const std::string below = "/materials/0" + kTexturePointers[slot] + "/extensions/KHR_texture_transform/";
@@ -171,7 +173,7 @@ TEST(AnimationPointer, MovesTheTransformsOfAllTextures) {
     EXPECT_EQ(transformOf("0").row1, vec3(0, 3, .5));
     EXPECT_EQ(transformOf("2").row0, vec3(2, 0, .5));
     EXPECT_EQ(transformOf("2").row1, vec3(0, 3, .25));
-    // A quarter of a turn: u runs along v, and v against u.
+    // A quarter turn: u runs along v, and v against u.
     const auto turned = transformOf("all");
     EXPECT_LT(glm::length(turned.row0 - vec3(0, 3, .25)), 1e-6f);
     EXPECT_LT(glm::length(turned.row1 - vec3(-2, 0, .5)), 1e-6f);
@@ -237,7 +239,7 @@ json visible(bool value) {
   return {{"KHR_node_visibility", {{"visible", value}}}};
 }
 
-// A triangle below a node, and a light below that.
+// A triangle below a node, and a light below the triangle's node.
 GltfBuilder familyFile() {
   GltfBuilder b = triangleFile();
   b.root["nodes"][0] = {{"children", {1}}};
@@ -276,7 +278,7 @@ TEST(NodeVisibility, IsAnimated) {
   }
   EXPECT_FALSE(isShown(scene, {}, scene.instances[0]));
   b.root["animations"][0]["samplers"][0].erase("interpolation");
-  const Scene still = b.load();  // a channel that cannot apply is left out, with a warning
+  const Scene still = b.load();  // an inapplicable channel is skipped with a warning
   EXPECT_FALSE(isShown(still, {}, still.instances[0]));
 }
 
@@ -296,10 +298,10 @@ TEST(AnimationPointer, RefusesWhatIsNotThere) {
   EXPECT_THAT(pointerError("/extensions/KHR_lights_punctual/lights/1/intensity"), HasSubstr("there are 1"));
   EXPECT_THAT(pointerError("/nodes/0/weights/0"), HasSubstr("there are 0"));
   EXPECT_THAT(pointerError("nodes"), HasSubstr("slash"));
-  EXPECT_THAT(pointerError("/nodes/0/translation"), HasSubstr("wrong number"));  // of components
+  EXPECT_THAT(pointerError("/nodes/0/translation"), HasSubstr("wrong number"));  // the number of components
 }
 
-// A property that nothing here has stays as it is, and the file loads.
+// A property that the file does not have is ignored, and the file loads.
 TEST(AnimationPointer, LeavesOtherPropertiesAsTheyAre) {
   for (const char* pointer : {"/materials/0/extensions/KHR_materials_unknown/factor", "/asset/version", "/nodes",
                               "/nodes/0/extras/size", "/materials/0/doubleSided"}) {

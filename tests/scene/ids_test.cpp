@@ -16,7 +16,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// Car > (Wheel > Rim, Wheel, Door), Road; all but Car have the mesh of two primitives.
+// Car > (Wheel > Rim, Wheel, Door), Road; all except Car have the mesh with two primitives.
 GltfBuilder carFile() {
   GltfBuilder b = triangleFile();
   b.root["meshes"][0]["name"] = "Thing";
@@ -33,7 +33,7 @@ GltfBuilder carFile() {
   return b;
 }
 
-// The path whose hash is the id of the instances of each node, by the nodes' paths.
+// For each node, the path whose hash is the id of its instances.
 std::map<std::string, std::string> idsOf(const Scene& scene) {
   std::map<uint32_t, std::string> paths;
   for (const Node& node : scene.nodes) paths[hash32(node.path)] = node.path;
@@ -89,7 +89,7 @@ TEST(Ids, GiveWayWhereTheyMeet) {
   EXPECT_EQ(ids.make("e"), hash32("e"));
 }
 
-// A copy is what a person would point at: one id for all its primitives, below the node's.
+// A copy is a single object for a user: one id for all of its primitives, below that of the node.
 TEST(Ids, CopiesHaveIdsOfTheirOwn) {
   GltfBuilder b = carFile();
   const int places = b.positions({{1, 0, 0}, {2, 0, 0}, {3, 0, 0}});
@@ -108,7 +108,7 @@ TEST(Ids, CopiesHaveIdsOfTheirOwn) {
   };
   const auto own = [](int copy) { return hash32(fmt::format("/Car/Door/instance{}", copy)); };
   check(own);
-  EXPECT_EQ(scene.nodes[3].id, hash32("/Car/Wheel#2"));  // in the order of the scene, where Rim is before it
+  EXPECT_EQ(scene.nodes[3].id, hash32("/Car/Wheel#2"));  // in the order of the scene, in which Rim precedes it
   groupIds(scene, {.depth = 2});
   check(own);  // they are at depth 2
   groupIds(scene, {.depth = 1});

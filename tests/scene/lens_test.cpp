@@ -1,4 +1,4 @@
-// Lenses against an independent implementation of OpenCV's formulas, and against closed forms.
+// Lenses compared with an independent implementation of OpenCV's formulas, and with closed forms.
 #include "scene/lens.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ const std::array<double, 8> kPincushion{0.15, 0.05, -5e-4, 3e-4, 0.01};
 const std::array<double, 8> kRational{0.9, 0.1, 1e-4, 2e-4, 0.01, 1.2, 0.25, 0.02};
 const std::array<double, 8> kBent{-0.03, 0.012, -0.004, 0.0007};
 
-// As the manual of OpenCV's calib3d has it: k1 k2 p1 p2 k3 k4 k5 k6.
+// In the order of OpenCV's calib3d manual: k1 k2 p1 p2 k3 k4 k5 k6.
 dvec2 openCv(const Lens& lens, dvec3 v) {
   const auto& [k1, k2, p1, p2, k3, k4, k5, k6] = lens.distortion;
   const double x = v.x / v.z, y = v.y / v.z, r2 = x * x + y * y;
@@ -68,7 +68,7 @@ TEST(LensTest, ProjectsAsOpenCvDoes) {
     }
 }
 
-// Every pixel that has a direction is where that direction is seen.
+// Every pixel that has a direction is the projection of that direction.
 void expectRoundTrips(const Lens& lens, double leastShare) {
   const LensProjection projection(lens);
   std::mt19937 random(1);
@@ -100,7 +100,7 @@ TEST(LensTest, PixelsAreWhereTheirDirectionsAreSeen) {
   expectRoundTrips({.model = LensModel::CubeMap, .width = 600, .height = 100}, 1);
 }
 
-// A direction in the lens's valid region is found again, up to its very end.
+// A direction in the lens's valid region is recovered, up to the region's boundary.
 TEST(LensTest, DirectionsAreFoundAgain) {
   for (const auto& distortion : {kBarrel, kPincushion, kRational}) {
     const Lens lens = lensOf(LensModel::OpenCv, distortion);
@@ -119,7 +119,7 @@ TEST(LensTest, DirectionsAreFoundAgain) {
   }
 }
 
-// k1 = -0.3 alone: r (1 - 0.3 r^2) is largest at r = 1 / sqrt(0.9), where it is 2/3 of that.
+// With only k1 = -0.3, r (1 - 0.3 r^2) has its maximum at r = 1 / sqrt(0.9), where it is 2/3 of that.
 TEST(LensTest, NothingIsSeenBeyondTheTurn) {
   const Lens lens = lensOf(LensModel::OpenCv, {-0.3});
   const LensProjection projection(lens);
@@ -153,8 +153,8 @@ TEST(LensTest, ClosedForms) {
   for (int face = 0; face < 6; ++face) expectNear(cube.unproject({100 * face + 50, 50}), axes[face]);
   expectNear(cube.unproject({450, 0}), {0, -1, 1});    // ahead, its upper edge
   expectNear(cube.unproject({350, 100}), {0, -1, 1});  // above, its lower edge: the same
-  expectNear(cube.unproject({250, 0}), {0, 1, 1});     // below, its upper edge is the lower one of what lies ahead
-  expectNear(cube.unproject({0.0, 50}), {1, 0, 1});    // to the right, its left edge is the right one of that
+  expectNear(cube.unproject({250, 0}), {0, 1, 1});     // below: its upper edge is the lower edge of the front face
+  expectNear(cube.unproject({0.0, 50}), {1, 0, 1});    // right: its left edge is the right edge of the front face
   EXPECT_EQ(cube.depthOf({0.6, 0, -0.8}), 0.8);
   const LensProjection fisheye(
       {.model = LensModel::Fisheye, .width = 400, .height = 400, .fx = 60, .fy = 60, .cx = 200, .cy = 200});

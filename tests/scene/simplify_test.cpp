@@ -22,7 +22,7 @@ TEST(Simplify, LeavesAboutAsManyTrianglesAsAsked) {
     EXPECT_EQ(mesh.indices.size() % 3, 0u) << mesh.name;
     EXPECT_LT(*std::max_element(mesh.indices.begin(), mesh.indices.end()), mesh.positions.size()) << mesh.name;
   }
-  EXPECT_EQ(worldBounds(scene).min, before.min);  // vertices stay
+  EXPECT_EQ(worldBounds(scene).min, before.min);  // vertices are unchanged
 }
 
 TEST(Simplify, LeavesASceneThatIsCoarseEnough) {

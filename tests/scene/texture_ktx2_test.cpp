@@ -1,4 +1,4 @@
-// KTX2 textures, against files and texels of other programs, which ktx2/make.mjs lists.
+// KTX2 textures compared with files and texels of other programs, which ktx2/make.mjs lists.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,8 @@ Encoded fileOf(const std::string& name) {
   return readFile(std::filesystem::path(LATELIGHT_SOURCE_DIR) / "tests/scene/ktx2" / name);
 }
 
-// The texels that differ from those of `expected`, and by how much at most. Levels that it lacks are not compared.
+// The number of texels that differ from those of `expected`, and the maximum difference. Levels that `expected` lacks
+// are not compared.
 struct Difference {
   size_t texels = 0;
   int most = 0;
@@ -46,7 +47,7 @@ Difference differenceOf(const std::string& file, bool srgb, const std::string& e
 constexpr const char* kEtc1s[] = {"etc1s", "etc1s_alpha", "etc1s_one_level"};
 constexpr const char* kUastc[] = {"uastc", "uastc_zstd", "uastc_modes"};
 
-// Every level, as Basis Universal's own transcoder gives it.
+// Every level, as decoded by Basis Universal's own transcoder.
 TEST(Ktx2, DecodesToTheBytesOfBasisUniversal) {
   for (const std::string name : kEtc1s)
     for (bool srgb : {false, true}) EXPECT_EQ(differenceOf(name + ".ktx2", srgb, name + ".rgba"), Difference{}) << name;
@@ -54,13 +55,13 @@ TEST(Ktx2, DecodesToTheBytesOfBasisUniversal) {
     EXPECT_EQ(differenceOf(name + ".ktx2", false, name + ".rgba"), Difference{}) << name;
 }
 
-// Colours in sRGB are rounded in another way (Khronos Data Format 1.3, 23.19), as Arm's decoder of ASTC does.
+// sRGB colors are rounded in another way (Khronos Data Format 1.3, 23.19), as in Arm's ASTC decoder.
 TEST(Ktx2, DecodesColorsAsAstcDoes) {
   for (const std::string name : kUastc)
     EXPECT_EQ(differenceOf(name + ".ktx2", true, name + "_srgb.rgba"), Difference{}) << name;
 }
 
-// An error is a sentence that names the texture; returns whether there was one.
+// Checks that an error names the texture; returns whether there was one.
 bool isRefused(std::span<const std::byte> encoded) {
   try {
     decodeTexture(encoded, true, "images[7] (rust.ktx2)");
@@ -72,7 +73,7 @@ bool isRefused(std::span<const std::byte> encoded) {
   }
 }
 
-// Each byte in turn, in header, index, codebooks and blocks.
+// Flips each byte in turn, in header, index, codebooks and blocks.
 TEST(Ktx2, SurvivesDamageToEachByte) {
   for (const std::string name : {"etc1s", "etc1s_one_level", "uastc", "uastc_zstd"}) {
     const Encoded whole = fileOf(name + ".ktx2");
@@ -82,8 +83,7 @@ TEST(Ktx2, SurvivesDamageToEachByte) {
            {uint8_t(0), uint8_t(0xff), uint8_t(uint8_t(whole[i]) ^ 1), uint8_t(uint8_t(whole[i]) ^ 0x80)}) {
         Encoded damaged = whole;
         damaged[i] = std::byte(value);
-        // The size may become any that a texture may have: a GiB each is what a scene's memory is asked for, not a
-        // test.
+        // The size may become any valid one. A scene's memory limit would allow a GiB for each, but not a test.
         if (i >= 20 && i < 28) continue;
         refused += isRefused(damaged);
       }
@@ -95,13 +95,13 @@ TEST(Ktx2, SurvivesDamageToEachByte) {
 TEST(Ktx2, RefusesFilesThatEndEarly) {
   for (const std::string name : {"etc1s", "uastc_zstd"}) {
     const Encoded whole = fileOf(name + ".ktx2");
-    // Levels are stored from the smallest on, so that the largest ends where the file does.
+    // Levels are stored from the smallest to the largest, so the largest one ends at the end of the file.
     for (size_t bytes = 0; bytes < whole.size(); ++bytes)
       EXPECT_TRUE(isRefused(std::span(whole).first(bytes))) << bytes;
   }
 }
 
-// What a KTX2 file can be, but not one of glTF's.
+// Valid KTX2 files that glTF does not allow.
 TEST(Ktx2, RefusesOtherKindsOfTextures) {
   struct Case {
     size_t at;
@@ -126,7 +126,7 @@ TEST(Ktx2, RefusesOtherKindsOfTextures) {
   }
 }
 
-// A file with a part of the chain has the levels that other pictures get.
+// A file with part of the mip chain gets the same levels as other images.
 TEST(Ktx2, MakesTheLevelsThatAFileLacks) {
   const Encoded whole = fileOf("uastc_zstd.ktx2");
   Encoded cut = whole;

@@ -127,7 +127,7 @@ TEST(TextureCodecs, JpegOfEveryKind) {
 }
 
 TEST(TextureCodecs, JpegOfFourInks) {
-  // Adobe's inverted inks: 255 is none. Half black over cyan.
+  // Adobe's inverted inks: 255 is no ink. Half black over cyan.
   std::vector<uint8_t> inks;
   for (int i = 0; i < 64; ++i) inks.insert(inks.end(), {0, 255, 255, 128});
   Texture texture = decodeTexture(toJpeg(inks, 8, 8, TJPF_CMYK, TJSAMP_444), false, "p");
@@ -141,7 +141,7 @@ TEST(TextureCodecs, Webp) {
   Encoded encoded(reinterpret_cast<std::byte*>(bytes), reinterpret_cast<std::byte*>(bytes) + size);
   WebPFree(bytes);
   Texture texture = decodeTexture(encoded, false, "p");
-  // Lossless coding drops the colour of invisible pixels.
+  // Lossless encoders drop the color of invisible pixels.
   for (size_t i = 0; i < p.rgba.size(); i += 4)
     if (p.rgba[i + 3] == 0) std::memset(&p.rgba[i], 0, 4), std::memset(&texture.pixels[i], 0, 4);
   EXPECT_EQ(largestDifference(texture, p.rgba), 0);
@@ -150,7 +150,7 @@ TEST(TextureCodecs, Webp) {
 }
 
 #ifdef LATELIGHT_AVIF
-// Lossless: as red, green and blue, all of whose texels are kept.
+// Lossless, as red, green and blue, whose texels are all kept.
 Encoded toAvif(const Picture& p) {
   avifImage* image = avifImageCreate(int(p.width), int(p.height), 8, AVIF_PIXEL_FORMAT_YUV444);
   image->matrixCoefficients = AVIF_MATRIX_COEFFICIENTS_IDENTITY;
@@ -201,7 +201,7 @@ TEST(TextureCodecs, BrokenPictures) {
 
 TEST(TextureCodecs, HugePicturesAreRefusedByTheirHeader) {
   Encoded png = toPng(noise(1, 1));
-  png[16] = std::byte{0x00}, png[17] = std::byte{0x01};  // width 65537; the chunk's checksum is now wrong too
+  png[16] = std::byte{0x00}, png[17] = std::byte{0x01};  // width 65537; the chunk's checksum is wrong now, too
   EXPECT_FALSE(errorOf(png).empty());
 }
 
@@ -222,7 +222,7 @@ double toSrgb(double l) {
   return l <= 0.0031308 ? l * 12.92 : 1.055 * std::pow(l, 1 / 2.4) - 0.055;
 }
 
-// The mean over the area that pixel (x, y) of the next level covers, in doubles.
+// The mean over the area that pixel (x, y) of the next level covers, in double precision.
 double areaMean(const uint8_t* level, ImageSize from, ImageSize to, uint32_t x, uint32_t y, int channel, bool srgb) {
   double sum = 0, area = 0;
   double x0 = double(x) * from.width / to.width, x1 = double(x + 1) * from.width / to.width;
@@ -272,7 +272,7 @@ TEST(TextureMips, FlatColorsSurvive) {
       }
 }
 
-// As long as one of them lives, and only where they are decoded alike.
+// As long as one of them exists, and only for the same decoding.
 TEST(SharedPixels, AreThoseOfPicturesWithTheSameBytes) {
   const Encoded first = toPng(noise(16, 16)), second = toPng(noise(16, 17));
   Texture one = decodeTexture(first, true, "one");

@@ -33,7 +33,8 @@ inline double smithLambda(double cosine, double alpha) {
   return 0.5 * (std::sqrt(1.0 + alpha * alpha * (1.0 / (cosine * cosine) - 1.0)) - 1.0);
 }
 
-// mix(dielectric_brdf, metal_brdf, metallic), KHR_materials_specular's dielectric_brdf included. n.l and n.v > 0.
+// mix(dielectric_brdf, metal_brdf, metallic), including KHR_materials_specular's dielectric_brdf. Requires n.l and n.v
+// > 0.
 inline Vec gltfBrdf(const shared::Surface& s, const Vec& n, const Vec& l, const Vec& v) {
   const Vec h = unit({l[0] + v[0], l[1] + v[1], l[2] + v[2]});
   const double alpha = double(s.roughness) * s.roughness;
@@ -52,8 +53,8 @@ inline Vec gltfBrdf(const shared::Surface& s, const Vec& n, const Vec& l, const 
   return result;
 }
 
-// Integral over the hemisphere about Z of `f(l)`, l a unit Vec, with the midpoint rule in (cos, azimuth). For lobes no
-// narrower than the cells.
+// The integral over the hemisphere about Z of `f(l)`, where l is a unit Vec, with the midpoint rule in (cos, azimuth).
+// The lobes must not be narrower than the cells.
 template <typename F>
 double integrateHemisphere(int cells, F f) {
   double sum = 0.0;
@@ -67,8 +68,8 @@ double integrateHemisphere(int cells, F f) {
   return sum * M_PI / (double(cells) * cells);
 }
 
-// Integral over light directions of `f(l)`, with half vectors about `v` spread by GGX's own distribution of half
-// vectors (density D n.h / (4 v.h)), so that the narrowest lobe is as well covered as the widest. n is Z.
+// The integral over light directions of `f(l)`, with half vectors distributed by GGX's own distribution (density D n.h
+// / (4 v.h)), so that the narrowest lobe is covered as well as the widest. n is Z.
 template <typename F>
 double integrateLobe(int cells, const Vec& v, double alpha, F f) {
   double sum = 0.0;

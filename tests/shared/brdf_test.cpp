@@ -128,7 +128,7 @@ TEST(Ggx, FollowsAppendixBToFarUnderHalfAnEightBitLevel) {
   RecordProperty("worst relative", std::to_string(worstRelative));
 }
 
-// Perceptual roughness 1/32 and the highlight's own neighbourhood, where 1 + (n.h)^2 (alpha^2 - 1) in float32 is noise.
+// Perceptual roughness 1/32, near the highlight, where 1 + (n.h)^2 (alpha^2 - 1) is mostly rounding error in float32.
 TEST(Ggx, SmallestRoughnessKeepsItsDigitsAroundThePeak) {
   Random random(2);
   for (int i = 0; i < 10000; ++i) {
@@ -164,8 +164,8 @@ TEST(Ggx, DistributionIntegratesToOneOverTheProjectedHemisphere) {
   }
 }
 
-// Heitz 2014: light and eye on the same side see the same facets, so that more passes than if either hid them by
-// itself, and never more than the one that hides more lets through.
+// Heitz 2014: light and eye on the same side see the same facets. More light therefore passes than for independent
+// masking, but at most as much as the direction with more masking lets through.
 TEST(Ggx, VisibilityIsCorrelated) {
   EXPECT_FLOAT_EQ(ggxVisibility(1.0f, 1.0f, 0.3f), 0.25f);
   Random random(3);
@@ -179,8 +179,7 @@ TEST(Ggx, VisibilityIsCorrelated) {
   }
 }
 
-// Light sent to all sides by a white mirror of every roughness: never more than came in, and all of it where it is
-// smooth.
+// A white mirror of any roughness scatters at most the light that arrives, and all of it if it is smooth.
 TEST(Ggx, WhiteMetalReflectsNoMoreThanItReceives) {
   for (const float roughness : {0.03125f, 0.1f, 0.25f, 0.5f, 0.75f, 1.0f}) {
     const Surface s = surface(vec3(1.0f, 1.0f, 1.0f), 1.0f, roughness);
@@ -201,8 +200,8 @@ TEST(Ggx, WhiteMetalReflectsNoMoreThanItReceives) {
   }
 }
 
-// Appendix B says of its own coupling of diffuse and specular that it does not conserve energy at grazing angles. How
-// far it goes: a white dielectric returns up to 1.32 of what it receives at n.v = 0.05, and never more than all above
+// Appendix B states that its coupling of diffuse and specular does not conserve energy at grazing angles. The error is
+// bounded: a white dielectric returns at most 1.32 of the incoming light at n.v = 0.05, and at most all of it above
 // 0.75.
 TEST(Ggx, WhiteDielectricStaysWithinAppendixBsKnownExcess) {
   double worst = 0.0;
@@ -294,7 +293,7 @@ TEST(BlinnPhong, ExponentAndRoughnessAreInverse) {
     EXPECT_NEAR(roughnessFromExponent(exponentFromRoughness(roughness)), roughness, 1e-6f);
 }
 
-// A white lobe reflects exactly all light that comes along the normal, and less at every other angle.
+// A white lobe reflects exactly all light that arrives along the normal, and less at every other angle.
 TEST(BlinnPhong, LobeIsNormalised) {
   for (const float exponent : {0.0f, 1.0f, 4.0f, 16.0f, 255.0f}) {
     for (const double cosine : {1.0, 0.9, 0.5, 0.1}) {
@@ -325,7 +324,7 @@ TEST(BlinnPhong, LargestExponentKeepsItsDigits) {
 // --- environment
 // ------------------------------------------------------------------------------------------------------
 
-// In a room of radiance 1 on all sides, white surfaces of every kind cannot be told from the room.
+// In a room of radiance 1 on all sides, white surfaces of every kind are indistinguishable from the room.
 TEST(EnvironmentShading, WhiteSurfacesVanishInAWhiteRoom) {
   const vec3 one(1.0f, 1.0f, 1.0f);
   for (const vec2 table : {vec2(0.95f, 0.05f), vec2(0.6f, 0.1f), vec2(0.3f, 0.2f), vec2(1.0f, 0.0f)}) {

@@ -29,7 +29,7 @@ TEST(Color, TransferFunctionsHitTheStandardsPoints) {
 TEST(Color, TransferFunctionsGrowAcrossTheJoin) {
   for (float x = 0.0f; x < 1.0f; x += 1.0f / 65536.0f)
     EXPECT_GT(srgbFromLinear(x + 1.0f / 65536.0f), srgbFromLinear(x));
-  // The standard's two constants disagree by 3e-8 at the join: no step that a float of that size would show twice.
+  // The standard's two constants disagree by 3e-8 at the join, which is below the spacing of two floats of that size.
   EXPECT_NEAR(srgbFromLinear(std::nextafter(0.0031308f, 1.0f)), srgbFromLinear(0.0031308f), 1e-7f);
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr uint32_t kOne = std::bit_cast<uint32_t>(1.0f);
 
-// What an RGBA8 target gives back.
+// The value that an RGBA8 target returns.
 float stored(float channel) {
   return static_cast<float>(static_cast<int>(channel * 255.0f + 0.5f)) / 255.0f;
 }
@@ -23,7 +23,7 @@ vec4 stored(vec4 e) {
   return vec4(stored(e.x), stored(e.y), stored(e.z), stored(e.w));
 }
 
-// All 1 065 353 217 of them.
+// All 1,065,353,217 of them.
 TEST(DepthPacking, ExactKeepsEveryFloatFromZeroToOne) {
   std::atomic<uint64_t> wrong = 0, count = 0;
   const size_t step = latelight::test::runsInFull() ? 1 : 17;
@@ -51,7 +51,7 @@ TEST(DepthPacking, ClassicTurnsOneIntoZero) {
   EXPECT_EQ(unpackDepth(stored(packDepth(1.0f))), 1.0f);
 }
 
-// A sum of four floats below 1 rounds to 2^-24 here and there.
+// A sum of four floats below 1 may be rounded to 2^-24.
 TEST(DepthPacking, ClassicErrsByAFewRoundingsBelowOne) {
   double worst = 0;
   for (uint32_t bits = 0; bits < kOne; bits += 97) {

@@ -7,7 +7,7 @@
 namespace latelight::shared {
 namespace {
 
-// glTF is Y up and looks along -Z; the world is Z up with Y away from the viewer.
+// glTF has Y up and looks along -Z; the world has Z up, and Y points away from the viewer.
 vec3 worldFromGltf(float x, float y, float z) {
   return vec3(x, -z, y);
 }
@@ -53,7 +53,7 @@ TEST(Environment, RotationKeepsLengthsAndTheZenith) {
   }
 }
 
-// The map's creases, its axes and edges, run through texel centres: at .5, (size - 1) / 2 and size - 1.5 texels.
+// The map's creases, its axes and edges, pass through texel centers: at .5, (size - 1) / 2 and size - 1.5 texels.
 TEST(Environment, OctahedralCreasesAreTexelCentres) {
   for (const float size : {4.0f, 18.0f, 258.0f}) {
     const vec2 corner = octahedralTexture(vec2(-1.0f, 1.0f), size) * size;
@@ -71,7 +71,7 @@ TEST(Environment, OctahedralMapKeepsEveryDirection) {
   }
 }
 
-// The square's border folds onto itself: both halves of each edge meet.
+// The square's border folds onto itself: both halves of each edge coincide.
 TEST(Environment, OctahedralEdgesFold) {
   for (float t = 0.0f; t <= 1.0f; t += 1.0f / 64.0f) {
     EXPECT_LE(length(directionFromOctahedral(vec2(1.0f, t)) - directionFromOctahedral(vec2(1.0f, -t))), 1e-6f);

@@ -1,4 +1,4 @@
-// Fog's optical depth in closed form against numerical integration of its density.
+// The closed form of fog's optical depth compared with numerical integration of its density.
 #include "shared/fog.h"
 
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ TEST(Fog, BeyondEverythingItIsTheLimitOfLongRays) {
   EXPECT_EQ(shared::fogOpticalDepthToInfinity({}, vec3(0), vec3(1, 0, 0)), 0.0f);
 }
 
-// Nothing a user may ask for gives a value that is not a number.
+// All valid settings produce finite numbers.
 TEST(Fog, ExtremesAreFinite) {
   for (float falloff : {0.0f, 1e-6f, 1.0f, 1e6f})
     for (float density : {1e-6f, 1e6f})

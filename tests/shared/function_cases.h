@@ -40,12 +40,12 @@ SH_FUNC vec4 bytes(uint x) {
   return vec4(float(x & 255u), float((x >> 8u) & 255u), float((x >> 16u) & 255u), float(x >> 24u));
 }
 
-// One of two channels and one of three. All of them are in portable_cases.h.
+// A function of one channel and one of three. All of them are in portable_cases.h.
 SH_FUNC uint someEncoding(Arguments a) {
   return a.k % 2u == 0u ? kNormal_octahedral : kNormal_xyz;
 }
 
-// Of a pixel.
+// The inputs of a pixel.
 SH_FUNC uint someSamples(Arguments a) {
   return 1u << (a.k % 5u);
 }
@@ -124,7 +124,7 @@ SH_FUNC GbufferContext someContext(Arguments a) {
   return context;
 }
 
-// Continuous where the angle wraps: the halves left and right of the centre column apart by the sign of y.
+// Continuous where the angle wraps: the sign of y separates the halves left and right of the center column.
 SH_FUNC vec4 panorama(vec3 d) {
   vec2 uv = equirectangular(d);
   return vec4(abs(uv.x - 0.5f), (uv.x - 0.5f) * d.y, uv.y, 0.0f);
@@ -140,7 +140,7 @@ SH_FUNC vec4 surfaceReflectanceOf(Arguments a) {
   return vec4(r.once.x, r.once.y, r.scattered.x, r.scattered.y);
 }
 
-// Every layer at once, the film and the volume by `k`.
+// All layers at once; the film and the volume depend on `k`.
 SH_FUNC SurfaceLayers someLayers(Arguments a) {
   SurfaceLayers l = emptyLayers();
   vec3 other = abs(a.n.z) < 0.9f ? vec3(0.0f, 0.0f, 1.0f) : vec3(1.0f, 0.0f, 0.0f);
@@ -193,7 +193,7 @@ SH_FUNC vec4 sheenSampleOf(Arguments a) {
   return vec4(r.toLight.x, r.toLight.y, r.toLight.z, r.weight);
 }
 
-// The lobe under radiances of two colours.
+// The lobe under radiance of two colors.
 SH_FUNC vec4 stretchedSumOf(Arguments a) {
   LayeredBrdf b = someLayered(a, kShadingGgx);
   FilmCurve film = filmCurve(b);

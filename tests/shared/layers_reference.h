@@ -42,7 +42,7 @@ inline double charlie(const Vec& n, const Vec& l, const Vec& v, double alpha) {
          (1.0 + charlieLambda(nv, alpha) + charlieLambda(nl, alpha)) / (4.0 * nv * nl);
 }
 
-// KHR_materials_anisotropy: D and V of widths `at` along t and `ab` along b.
+// KHR_materials_anisotropy: D and V with widths `at` along t and `ab` along b.
 inline double anisotropicDistribution(const Vec& n, const Vec& t, const Vec& h, double at, double ab) {
   const Vec b = cross(n, t);
   const double a2 = at * ab;
@@ -59,8 +59,8 @@ inline double schlickWeight(double cosine) {
   return std::pow(std::clamp(1.0 - cosine, 0.0, 1.0), 5.0);
 }
 
-// The CIE 1931 colour matching functions (Wyman, Sloan and Shirley 2013, Simple Analytic Approximations to the CIE XYZ
-// Color Matching Functions, multi-lobe form); nm.
+// The CIE 1931 color matching functions (Wyman, Sloan and Shirley 2013, Simple Analytic Approximations to the CIE XYZ
+// Color Matching Functions, multi-lobe form); in nm.
 inline Vec colorMatching(double nm) {
   const auto g = [&](double middle, double below, double above) {
     const double x = (nm - middle) / (nm < middle ? below : above);
@@ -105,7 +105,7 @@ inline double airy(double f0, double ior, double thickness, double cosine, doubl
   return r12 + passes + 2.0 * (passes - (1.0 - r12)) * (z / (1.0 - z)).real();
 }
 
-// Its colour in daylight, which is white.
+// Its color in daylight, which is white.
 inline Vec filmColor(double f0, double ior, double thickness, double cosine) {
   Vec sum{}, white{};
   for (double nm = 380.5; nm < 780.0; nm += 1.0) {
@@ -124,7 +124,7 @@ inline double ggx(const Vec& n, const Vec& l, const Vec& v, double alpha) {
          (4.0 * nl * nv);
 }
 
-// All layers but film and volume, for light from either side; times |n.l|. `sheenAlbedo` is E(n.v).
+// All layers except film and volume, for light from either side, times |n.l|. `sheenAlbedo` is E(n.v).
 inline Vec layeredRadiance(const shared::Surface& s, const shared::SurfaceLayers& a, const Vec& l, const Vec& v,
                            double sheenAlbedo) {
   const Vec n = unit(vec(s.normal)), t = unit(vec(a.anisotropyDirection)), coat = unit(vec(a.clearcoatNormal));

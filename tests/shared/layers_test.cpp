@@ -36,7 +36,7 @@ Surface someSurface(Random& random, float roughness) {
   return s;
 }
 
-// Every layer but the film and the volume, each present in half of the results.
+// Every layer except the film and the volume, each present in half of the results.
 SurfaceLayers someLayers(Random& random, const Surface& s) {
   const auto share = [&] { return random.uniform() < 0.5f ? random.uniform() : 0.0f; };
   SurfaceLayers l = emptyLayers();
@@ -54,7 +54,7 @@ SurfaceLayers someLayers(Random& random, const Surface& s) {
   return l;
 }
 
-// The split-sum table's numbers, by integration.
+// The values of the split-sum table, by integration.
 vec2 tableAt(vec2 place) {
   const double nv = std::clamp(double(place.x), 1e-4, 1.0), alpha = ggxAlpha(place.y);
   const Vec v{std::sqrt(1.0 - nv * nv), 0.0, nv}, n{0.0, 0.0, 1.0};
@@ -190,7 +190,7 @@ TEST(Layers, FollowTheSpecificationsForLightsOnBothSides) {
     if (dot(s.normal, eye) < 1e-2f || std::abs(dot(s.normal, light)) < 1e-2f) continue;
     if (dot(l.clearcoatNormal, eye) < 1e-2f || std::abs(dot(l.clearcoatNormal, light)) < 1e-2f) continue;
     const LayeredBrdf b = layeredBrdf(s, l, eye, kShadingGgx, kSomeTables);
-    if (b.sheenScale < 1.0f) continue;  // the specification's sheen makes energy there
+    if (b.sheenScale < 1.0f) continue;  // the sheen of the specification creates energy there
     const vec3 actual = lit(b, light, kShadingGgx);
     const Vec expected = reference::layeredRadiance(s, l, le, ve, b.sheenAlbedo);
     behind += dot(s.normal, light) < 0.0f && expected[0] > 0.0;
@@ -199,7 +199,7 @@ TEST(Layers, FollowTheSpecificationsForLightsOnBothSides) {
   EXPECT_GT(behind, 5000);
 }
 
-// Over dielectrics, and over metals, where the series that shading cuts off converges slowly.
+// Over dielectrics, and over metals, for which the series that shading truncates converges slowly.
 TEST(ThinFilm, FollowsTheSpectralIntegral) {
   for (const auto& [f0, mostWorst, mostMean] :
        {std::array{0.04f, 0.03f, 0.005f}, {0.5f, 0.06f, 0.01f}, {0.9f, 0.18f, 0.02f}}) {
@@ -292,7 +292,7 @@ TEST(Charlie, AlbedoIsThatOfTheIntegral) {
   for (const float roughness : {0.0f, 0.1f, 0.2f, 0.35f, 0.5f, 0.75f, 1.0f}) {
     for (const double cosine : {1.0, 0.8, 0.6, 0.4, 0.25, 0.12, 0.06, 0.03, 0.01}) {
       const Vec v{std::sqrt(1.0 - cosine * cosine), 0.0, cosine}, n{0.0, 0.0, 1.0};
-      // Cells denser at the horizon, where a smooth lobe lies: z = t^2.
+      // Cells are denser at the horizon, where a smooth lobe lies: z = t^2.
       const double integral = reference::integrateHemisphere(300, [&](const Vec& cell) {
         const double z = cell[2] * cell[2], flat = std::hypot(cell[0], cell[1]), r = std::sqrt(1.0 - z * z);
         const Vec l{cell[0] / flat * r, cell[1] / flat * r, z};
@@ -314,8 +314,8 @@ TEST(StretchedLobe, DistributionIntegratesToOneOverTheProjectedHemisphere) {
   }
 }
 
-// Smith's masking: the facets that an eye sees have together the area that the surface has for it (Heitz 2014, equation
-// 14). The masking of one direction is 2 n.v / (n.v + root).
+// Smith's masking: the visible facets have together the projected area of the surface (Heitz 2014, equation 14). The
+// masking of one direction is 2 n.v / (n.v + root).
 TEST(StretchedLobe, MaskingLeavesTheVisibleArea) {
   const StretchedFrame f = stretchedFrame(kZ, vec3(1.0f, 0.0f, 0.0f), 0.5f, 0.7f);
   for (const double cosine : {1.0, 0.6, 0.2}) {
@@ -329,7 +329,7 @@ TEST(StretchedLobe, MaskingLeavesTheVisibleArea) {
   }
 }
 
-// The directions stand for all that the lobe reflects: their shares are those of the integral over lights.
+// The directions represent everything that the lobe reflects: their shares are those of the integral over lights.
 TEST(StretchedLobe, DirectionsHaveTheSharesOfTheIntegral) {
   double worst = 0.0;
   for (const auto& [roughness, strength] : {std::array{0.5f, 0.5f}, {0.4f, 1.0f}, {0.8f, 0.3f}}) {
@@ -353,7 +353,7 @@ TEST(StretchedLobe, DirectionsHaveTheSharesOfTheIntegral) {
   RecordProperty("worst", std::to_string(worst));
 }
 
-// Light from one half of the sky and not from the other: the mean over the directions against the integral over lights.
+// Light from one half of the sky only: the mean over the directions compared with the integral over lights.
 TEST(Sheen, DirectionsFindTheMeanOfTheIntegral) {
   double worst = 0.0, sum = 0.0;
   int count = 0;
@@ -406,7 +406,8 @@ TEST(Layers, ThoseThatLookAtBothSidesAlikeAreReciprocal) {
 struct Furnace {
   const char* name;
   void (*set)(Surface& s, SurfaceLayers& l);
-  double least, most;  // share of uniform light from all sides that comes back, with energy compensation
+  // minimum and maximum share of uniform light from all sides that is reflected, with energy compensation
+  double least, most;
 };
 constexpr Furnace kFurnaces[] = {
     {"coat", [](Surface&, SurfaceLayers& l) { l.clearcoat = 1.0f; }, 0.99, 1.01},
@@ -426,7 +427,7 @@ constexpr Furnace kFurnaces[] = {
      0.98, 1.01},
 };
 
-// Both sides of the surface see white; nothing may be made or lost, but for what the approximations' bounds say.
+// Both sides of the surface are in a white room; energy is neither created nor lost beyond the approximations' bounds.
 TEST(Layers, WhiteOnesReturnAllLight) {
   for (const Furnace& f : kFurnaces) {
     double least = 9.0, most = 0.0;
@@ -452,7 +453,7 @@ TEST(Layers, WhiteOnesReturnAllLight) {
   }
 }
 
-// An environment of radiance 1 on all sides, seen through the surface, too, cannot be told from it.
+// An environment of radiance 1 on all sides, including behind the transmissive surface, is indistinguishable from it.
 TEST(Layers, WhiteOnesVanishInAWhiteRoom) {
   for (const Furnace& f : kFurnaces) {
     for (const float roughness : {0.0f, 0.4f, 1.0f}) {
@@ -473,8 +474,8 @@ TEST(Layers, WhiteOnesVanishInAWhiteRoom) {
   }
 }
 
-// With a film some colours are lost, where the largest channel decides what is left for what lies beneath; none are
-// made.
+// With a film some colors are lost, because the largest channel decides how much light reaches the base; none is
+// created.
 TEST(Layers, FilmsMakeNoLight) {
   Random random(9);
   for (int i = 0; i < 2000; ++i) {

@@ -71,7 +71,7 @@ TEST(SampleLight, StaysFiniteFarAway) {
   EXPECT_EQ(irradianceOf(sampleLight(light, vec3(1e25f, 0.0f, 0.0f))), vec3(0.0f, 0.0f, 0.0f));
 }
 
-// One candela at one metre along a ray `angle` off the axis.
+// One candela at one meter along a ray at `angle` from the axis.
 float spotAt(float inner, float outer, float angle) {
   Light light = pointLight(vec3(0.0f, 0.0f, 0.0f), vec3(1.0f, 1.0f, 1.0f), kInfinity);
   light.type = kLightSpot;

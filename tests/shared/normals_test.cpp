@@ -28,7 +28,7 @@ float stored(float x, float levels) {
   return levels == 0.0f ? x : std::floor(clamp(x, 0.0f, 1.0f) * levels + 0.5f) / levels;
 }
 
-// Through channels of `bits` bits, or of floats for 0.
+// Quantizes to channels of `bits` bits; 0: floats.
 vec3 roundTrip(uint encoding, vec3 n, uint bits) {
   const float levels = static_cast<float>((1u << bits) - 1u);
   const vec3 all(levels, levels, levels);
@@ -40,7 +40,7 @@ bool canHold(uint encoding, vec3 n) {
   return !normalHemisphereOnly(encoding) || n.z >= 0.0f;
 }
 
-// Degrees between unit vectors, precise near 0 where acos is not.
+// The angle between unit vectors in degrees, precise near 0, unlike acos.
 double degreesBetween(vec3 a, vec3 b) {
   const double x = double(a.y) * b.z - double(a.z) * b.y, y = double(a.z) * b.x - double(a.x) * b.z,
                z = double(a.x) * b.y - double(a.y) * b.x;
@@ -48,8 +48,8 @@ double degreesBetween(vec3 a, vec3 b) {
   return std::atan2(std::sqrt(x * x + y * y + z * z), cosine) * 180.0 / M_PI;
 }
 
-// The six axes, the eight corners and twelve edges of the octahedron, its seams (z = 0, x = 0, y = 0) and both poles'
-// neighbourhoods, with steps to either side.
+// The six axes, the eight corners and twelve edges of the octahedron, its seams (z = 0, x = 0, y = 0), both poles, and
+// small steps to all sides.
 std::vector<vec3> hardDirections() {
   std::vector<vec3> list;
   for (int x = -1; x <= 1; ++x)
@@ -83,7 +83,8 @@ TEST(Normals, ErrorStaysWithinItsBound) {
       const NormalBound bound = normalBound(encoding.name, double((1u << bits) - 1u));
       const double limit = bound.radians * 180.0 / M_PI, worst = worstDegrees(encoding.id, bits);
       EXPECT_LE(worst, 1.001 * limit + 1e-5) << encoding.name << " with " << bits << " bits a channel";
-      // What is worst in narrow places only is not met by every number of bits with as many directions.
+      // Maxima that occur only in small regions are not reached for every number of bits with this number of
+      // directions.
       if (bits == 8) {
         EXPECT_GE(worst, bound.tightest * limit) << "the stated bound of " << encoding.name << " is slack";
       }
@@ -92,7 +93,7 @@ TEST(Normals, ErrorStaysWithinItsBound) {
   }
 }
 
-// Rounding each coordinate alone is never better, and often worse.
+// Rounding each coordinate separately is never better, and often worse.
 TEST(Normals, PreciseOctahedralIsTheBestOfItsNeighbours) {
   Random random(6);
   size_t better = 0;
@@ -106,7 +107,7 @@ TEST(Normals, PreciseOctahedralIsTheBestOfItsNeighbours) {
   EXPECT_GT(better, 10000u);
 }
 
-// Channels with a code for 0 give back axes as they are, whatever their bits.
+// Channels with a code for 0 return axes unchanged, whatever their number of bits.
 TEST(Normals, AxesAreExactWhereZeroHasACode) {
   for (const uint bits : {8u, 10u, 12u, 16u})
     for (const float sign : {1.0f, -1.0f}) {
@@ -116,7 +117,7 @@ TEST(Normals, AxesAreExactWhereZeroHasACode) {
         EXPECT_EQ(roundTrip(kNormal_octahedral, n, bits), n) << bits << " bits, axis " << axis;
         EXPECT_EQ(roundTrip(kNormal_octahedral_precise, n, bits), n) << bits << " bits, axis " << axis;
       }
-      // The spheremap's equator is a circle of radius sqrt 1/2, which no code hits: its poles only.
+      // The spheremap's equator is a circle of radius sqrt 1/2, which no code hits, so only its poles are exact.
       const vec3 pole(0.0f, 0.0f, sign);
       EXPECT_EQ(roundTrip(kNormal_spheremap_signed, pole, bits), pole) << bits << " bits";
     }
@@ -147,8 +148,8 @@ TEST(Normals, ChannelsStayInRange) {
   }
 }
 
-// Float channels: what is left is the error of 32-bit floats, which hold about 2^23 steps between 1/2 and 1, and that
-// of their functions.
+// Float channels: the remaining error is that of 32-bit floats, which have about 2^23 steps between 1/2 and 1, and of
+// the functions on them.
 TEST(Normals, LoseNothingBeforeTheyAreStored) {
   Random random(8);
   for (const Encoding& encoding : encodings()) {
@@ -162,7 +163,7 @@ TEST(Normals, LoseNothingBeforeTheyAreStored) {
   }
 }
 
-// The generated switch gives each number its own encoding.
+// The generated switch assigns each number its own encoding.
 TEST(Normals, GeneratedSwitchAgreesWithTheFiles) {
   const vec3 n = normalize(vec3(0.3f, -0.5f, -0.7f)), levels(255.0f, 255.0f, 255.0f);
 #define CHECK(name, id)                                                   \
@@ -184,7 +185,7 @@ TEST(Octahedral, LowerHalfFoldsOverTheDiagonals) {
   EXPECT_NEAR(o.y, 5.0f / 6.0f, 1e-6f);                                         // (1 - 1/6) * 1
 }
 
-// The published formulas where they are defined. CryEngine 3's and Lambert's are the same map.
+// The published formulas in their domains. CryEngine 3's and Lambert's are the same map.
 TEST(Spheremap, MatchesPublishedFormulas) {
   Random random(9);
   for (int i = 0; i < 10000; ++i) {

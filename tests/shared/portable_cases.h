@@ -14,7 +14,7 @@ SH_BEGIN
 
 struct PortableArguments {
   vec4 n;   // xyz: unit; w: device depth, from above 0 to below 1
-  vec4 c;   // [0, 1]; xyz have one of 2^16 codes, w is any float
+  vec4 c;   // [0, 1]; xyz are multiples of 1 / (2^16 - 1), w is any float
   vec4 w;   // [1e-3, 1e3]
   uvec4 k;  // 32 bits each
 };
@@ -28,8 +28,8 @@ SH_FUNC vec3 sameLevels(float levels) {
   return vec3(levels, levels, levels);
 }
 
-// 0: float channels. 1: those of 8 bits; what chooses between codes may choose otherwise where two are as good, so the
-// error stands for them. 2 and 3: decoded from 16 bits and from floats.
+// 0: float channels. 1: channels of 8 bits; encodings that select among codes may select another one if two are equally
+// good, so the error is compared instead. 2 and 3: decoded from 16 bits and from floats.
 SH_FUNC vec4 evaluateEncoding(uint encoding, uint part, PortableArguments a) {
   vec3 n = vec3(a.n.x, a.n.y, a.n.z);
   vec3 c = vec3(a.c.x, a.c.y, a.c.z);
@@ -43,7 +43,7 @@ SH_FUNC vec4 evaluateEncoding(uint encoding, uint part, PortableArguments a) {
   return wide(decodeNormal(encoding, c, sameLevels(part == 2u ? 65535.0f : 0.0f)));
 }
 
-// Conventional and reversed, finite and infinite, perspective and orthographic, off-centre.
+// Conventional and reversed, finite and infinite, perspective and orthographic, off-center.
 SH_FUNC Projection portableProjection(PortableArguments a) {
   float near = 0.1f;
   float far = 60.0f;
@@ -69,7 +69,7 @@ SH_FUNC Projection portableProjection(PortableArguments a) {
 
 SH_FUNC vec4 positionTimesStep(PortableArguments a, uint method) {
   Projection p = portableProjection(a);
-  // Where depth is steep, all but its last digits cancel: metres are then as uncertain as one rounding of it.
+  // Where depth is steep, all digits except the last cancel, so meters are as uncertain as one rounding of the depth.
   float depth = viewDepth(p, a.n.w);
   vec3 v = viewPosition(p, method, vec2(a.n.x, a.n.y), a.n.w);
   float slope = p.kind == kPerspective ? depth * depth / abs(p.B) : 1.0f / abs(p.A);

@@ -22,7 +22,7 @@ Row operator*(const Row& v, const Matrix& m) {
   return r;
 }
 
-// The matrix for row vectors on the left; the principal point is added where w, which is y, is computed.
+// The matrix for row vectors on the left; the principal point is added in the column of w, which is y.
 Matrix rowVectorMatrix(const Projection& p) {
   return {{{p.H, 0, 0, 0}, {p.X, p.Z, p.A, 1}, {0, p.V, 0, 0}, {0, 0, p.B, 0}}};
 }
@@ -36,7 +36,7 @@ Matrix rowVectorInverse(const Projection& p) {
 struct Case {
   std::string name;
   Projection projection;
-  double near, far;  // metres; far infinite where there is none
+  double near, far;  // in meters; far is infinite if there is none
 };
 
 // Device depth 0 or 1 at the near plane and its opposite at the far plane, solved from depth = A + B / y.
@@ -78,7 +78,7 @@ vec3 pointInView(Random& random, const Case& c) {
   return viewPositionAtDepth(c.projection, vec2(random.uniform(-1.0f, 1.0f), random.uniform(-1.0f, 1.0f)), depth);
 }
 
-// Metres of view depth by which one rounding of device depth moves a point, which bounds every round trip.
+// The change of view depth in meters that one rounding of device depth causes, which bounds every round trip.
 double depthStep(const Projection& p, double depth) {
   const double slope = p.kind == kPerspective ? depth * depth / std::abs(p.B) : 1.0 / std::abs(p.A);
   return 4.0 * 0x1p-24 * slope + 1e-6 * depth;
@@ -122,8 +122,9 @@ TEST(Projection, InverseMatchesItsThreeForms) {
   }
 }
 
-// The three methods against the same in double, through the float's device depth. Ray and matrix follow the formula
-// that each is named after; so do P and Q, which are rounded: where A is near 1 and d near A, their rounding counts.
+// The three methods compared with the same in double precision, through the float's device depth. Ray and matrix follow
+// the formulas after which they are named, as do P and Q, which are rounded: if A is near 1 and d near A, their
+// rounding matters.
 TEST(Projection, PositionMethodsAgree) {
   Random random(6);
   for (const Case& c : cases()) {

@@ -26,7 +26,7 @@ TEST(Samples, HaveAColumnAndARowEach) {
   }
 }
 
-// In sixteenths of a pixel, as the table of the specification has them.
+// In sixteenths of a pixel, as in the table of the specification.
 TEST(Samples, LieInVulkansStandardPlaces) {
   const std::vector<std::vector<vec2>> tables{{{8, 8}},
                                               {{12, 12}, {4, 4}},

@@ -61,7 +61,7 @@ TEST(KhronosNeutral, HitsTheSpecificationsPoints) {
   EXPECT_NEAR(greyOut(kTonemapKhronosNeutral, 1.8f), 0.9535484f, 1e-6f);  // p 1.76: 1 - 0.0576 / 1.24
 }
 
-// A colour whose least channel is 0 has no toe and passes untouched below the shoulder.
+// A color whose smallest channel is 0 has no toe and is unchanged below the shoulder.
 TEST(KhronosNeutral, LeavesSaturatedBaseColoursAlone) {
   EXPECT_EQ(tonemap(kTonemapKhronosNeutral, vec3(0.7f, 0.3f, 0.0f)), vec3(0.7f, 0.3f, 0.0f));
 }
@@ -75,7 +75,7 @@ TEST(KhronosNeutral, DesaturatesWhatIsTooBright) {
   EXPECT_EQ(t.y, t.z);
 }
 
-// The specification gives the inverse in closed form (its lut-writer.mjs); here for grey above the shoulder.
+// The specification states the inverse in closed form (its lut-writer.mjs); tested here for gray above the shoulder.
 TEST(KhronosNeutral, InvertsInClosedForm) {
   for (float x = 0.9f; x < 50.0f; x *= 1.1f) {
     const double peak = greyOut(kTonemapKhronosNeutral, x);
@@ -114,7 +114,7 @@ TEST(Agx, FollowsTheExactCurve) {
   }
 }
 
-// Middle grey sits on the pivot: display code 1/2, linear 0.5^2.2 = 0.2176376.
+// Middle gray is at the pivot: display code 1/2, linear 0.5^2.2 = 0.2176376.
 TEST(Agx, MiddleGreyIsHalf) {
   EXPECT_NEAR(std::pow(greyOut(kTonemapAgx, 0.18f), 1.0f / 2.2f), 0.5f, 0.006f);
 }
