@@ -29,7 +29,7 @@ int worstDifference(const Picture& a, const Picture& b) {
   return worst;
 }
 
-// Of the pixels, those whose largest difference is beyond so many levels.
+// The share of pixels whose largest channel difference exceeds so many levels.
 double shareBeyond(const Picture& a, const Picture& b, int levels) {
   size_t beyond = 0;
   for (size_t i = 0; i < a.size(); i += 4) {
@@ -47,7 +47,7 @@ double meanSquare(const Picture& a, const Picture& b) {
   return sum / static_cast<double>(a.size());
 }
 
-// A picture of everything else would agree with anything: this one is covered, and has lights and darks.
+// A picture of the background would agree with any other. This one must be covered, with bright and dark parts.
 void expectContent(const Picture& picture) {
   size_t covered = 0, dark = 0, bright = 0;
   for (size_t i = 0; i < picture.size(); i += 4) {
@@ -80,7 +80,7 @@ struct Stage {
   }
 };
 
-// Those of the kind but fullscreen.
+// All techniques of this kind except fullscreen.
 std::vector<TechniqueInfo> otherTechniques(bool forward) {
   std::vector<TechniqueInfo> others;
   for (const TechniqueInfo& technique : techniques())
@@ -96,7 +96,7 @@ class CombinationsTest : public RenderTest {
   static void TearDownTestSuite() { stage.reset(); }
   static std::unique_ptr<Stage> stage;
 
-  // These techniques against fullscreen with the stage's settings.
+  // Compares these techniques with fullscreen, with the stage's settings.
   static void compareTechniques(std::span<const TechniqueInfo> others) {
     const Picture expected = stage->render("fullscreen");
     expectContent(expected);
@@ -111,8 +111,8 @@ std::unique_ptr<Stage> CombinationsTest::stage;
 
 class EachLayout : public CombinationsTest, public testing::WithParamInterface<std::string> {};
 
-// Every encoding and every position method meets the layout, each time with one technique beside fullscreen, in turn:
-// all of them together would mostly be pipelines to build. The first have every technique.
+// Every layout is combined with every encoding and every position method, each with one technique besides fullscreen,
+// in rotation; all combinations would mostly build pipelines. The first ones are tested with every technique.
 TEST_P(EachLayout, LightsAlikeByEveryTechnique) {
   const Layout& layout = findLayout(GetParam());
   const std::vector<TechniqueInfo> others = otherTechniques(false);
@@ -137,7 +137,7 @@ TEST_P(EachLayout, LightsAlikeByEveryTechnique) {
 INSTANTIATE_TEST_SUITE_P(All, EachLayout, testing::ValuesIn(layoutNames()),
                          [](const testing::TestParamInfo<std::string>& info) { return findLayout(info.param).file; });
 
-// Of the other formats, a layout has one, in turn.
+// Each layout is tested with one of the other formats, in rotation.
 TEST_P(EachLayout, ShadowsAlikeByEveryFormat) {
   const Layout& layout = findLayout(GetParam());
   stage->settings.layout = &layout;
@@ -152,13 +152,14 @@ TEST_P(EachLayout, ShadowsAlikeByEveryFormat) {
     if (format.name != std::string("none") && format.name != std::string("d32")) others.push_back(format.name);
   const std::string& format = others[turnOf(layout.name) % others.size()];
   stage->settings.shadows = choiceNamed<ShadowFormat>(format).value();
-  // Where a point lies at the very depth of what is stored, a rounding decides; 16 bits more often.
+  // If a point lies exactly at the stored depth, rounding decides; with 16 bits this happens more often.
   EXPECT_LE(shareBeyond(stage->render("fullscreen"), expected, 2), 0.01) << format;
   stage->settings.shadows = ShadowFormat::None;
 }
 
-// More samples bring the picture nearer to sixteen a pixel. FXAA has one, and here, where shapes are a few pixels wide,
-// it can but guess: it only has to stay about as near. Other numbers of samples are the renderer's tests'.
+// More samples bring the picture closer to that of 16 samples per pixel. FXAA has one sample and can only estimate in
+// this scene, whose shapes are a few pixels wide, so it only has to stay about as close. The tests of the renderer
+// cover other numbers of samples.
 TEST_P(EachLayout, SmoothsEdgesByEveryAntiAliasing) {
   stage->settings.layout = &findLayout(GetParam());
   stage->settings.normals = &findNormalEncoding("octahedral");
@@ -184,7 +185,8 @@ TEST_P(EachLayout, SmoothsEdgesByEveryAntiAliasing) {
   fmt::print("{}: of the squared error without, to ss4:{}\n", GetParam(), report);
 }
 
-// Every deferred technique looks up alike: with one layout, and with one that keeps the sun's shadow.
+// Every deferred technique reads shadow maps in the same way, tested with one layout, and with one that stores the
+// sun's shadow.
 TEST_F(CombinationsTest, ShadowsAlikeByEveryTechnique) {
   stage->settings.shadows = ShadowFormat::D32;
   for (const char* layout : {"thin", "killzone2"}) {
@@ -195,7 +197,7 @@ TEST_F(CombinationsTest, ShadowsAlikeByEveryTechnique) {
   stage->settings.shadows = ShadowFormat::None;
 }
 
-// They have no layout: what they light is what a layout that loses nothing holds.
+// Forward techniques have no layout: they shade the same values that a lossless layout stores.
 class ForwardTechniques : public CombinationsTest {};
 
 TEST_F(ForwardTechniques, LightAlikeTheFloatsOfPlain) {
@@ -208,9 +210,10 @@ TEST_F(ForwardTechniques, LightAlikeTheFloatsOfPlain) {
 
 // --- without a G-buffer ---------------------------------------------------------------------------------------------
 
-// What a shader evaluates and lights at once is what the layout `exact` keeps in floats in between, so the picture is
-// the same, byte for byte where both are compiled alike: on the CPU device. There only the light that surfaces emit
-// differs, which the light accumulation target rounds to a half float before the rest is added: by a step of the sum.
+// A shader that evaluates and lights a surface at once uses the same floats that the layout `exact` stores in between.
+// The picture is therefore equal, byte for byte if both are compiled in the same way, as on the CPU device. Only the
+// emitted light differs there: the light accumulation target rounds it to a half float before the rest is added, so the
+// sum differs by one step.
 class WithoutTargets : public RenderTest {
  protected:
   static std::vector<float> colorOf(Renderer& renderer, std::span<const scene::Camera> cameras, Settings settings,
@@ -229,7 +232,7 @@ class WithoutTargets : public RenderTest {
     s.environmentIntensity = 0.15f;
     return s;
   }
-  // Within `steps` of a half float.
+  // Returns true if the values differ by at most `steps` half floats.
   static void expectAlike(Renderer& renderer, std::span<const scene::Camera> cameras, const Settings& s, float steps) {
     const std::vector<float> exact = colorOf(renderer, cameras, s, "exact");
     const std::vector<float> found = colorOf(renderer, cameras, s, "visibility");
@@ -267,7 +270,7 @@ TEST_F(WithoutTargets, ThePictureIsThatOfFloats) {
   check("tiled, with shadows, occlusion and fog", s);
   s.aa = {.superSampling = 2};
   check("super-sampled", s);
-  // Every sample on its own, since a G-buffer would have triangles of one surface lit as one.
+  // Shades every sample separately; otherwise a G-buffer would shade triangles of one surface once.
   s.aa = {.samples = 4}, s.everySample = true;
   check("four samples", s);
 }
@@ -278,7 +281,7 @@ TEST_F(WithoutTargets, WhatIsEmittedIsRoundedOnce) {
   expectAlike(renderer, scene.cameras, settings(), 1);
 }
 
-// What a layout says of its positions decides which position methods it is rendered with.
+// The layout's description of its positions decides with which position methods it is rendered.
 TEST(FixedPositions, AreThoseThatDepthDoesNotChange) {
   shared::GbufferContext context{};
   context.view = makeView(frontPerspective(1, 4), 4, 4);

@@ -61,7 +61,7 @@ size_t partlyCovered(const output::FrameOutput& frame) {
   return count;
 }
 
-// The pixels of two pictures that differ by more than so many levels of 255.
+// The number of pixels of two pictures that differ by more than so many levels of 255.
 size_t pixelsBeyond(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b, int levels) {
   size_t count = 0;
   for (size_t i = 0; i < a.size(); i += 4) {
@@ -72,8 +72,8 @@ size_t pixelsBeyond(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b
   return count;
 }
 
-// Of each number of samples by each raster one technique beside fullscreen, in turn; of every third layout 16 samples,
-// which compute shaders find as they find four.
+// For each number of samples and each raster, one technique besides fullscreen, in rotation. Every third layout is
+// tested with 16 samples, which compute shaders process like four.
 TEST_P(MsaaCombinations, LightsAlikeByEveryDeferredTechnique) {
   const std::string layout = findLayout(GetParam()).name;
   size_t turn = turnOf(layout);
@@ -93,7 +93,7 @@ TEST_P(MsaaCombinations, LightsAlikeByEveryDeferredTechnique) {
     EXPECT_LE(largestDifference(render(layout, technique, samples, raster).display, expected.display), 1) << technique;
     return expected.display;
   };
-  // What hardware can't draw is compared with what loses nothing.
+  // Layouts that the hardware raster does not support are compared with a lossless one.
   const bool drawn = findLayout(layout).hasTargets();
   const std::vector<uint8_t> hardware = drawn ? check(4, Raster::Hardware) : render("exact", "fullscreen").display;
   const std::vector<uint8_t> compute = check(4, Raster::Compute);
@@ -106,9 +106,9 @@ TEST_P(MsaaCombinations, LightsAlikeByEveryDeferredTechnique) {
 INSTANTIATE_TEST_SUITE_P(All, MsaaCombinations, testing::ValuesIn(layoutNames()),
                          [](const testing::TestParamInfo<std::string>& info) { return findLayout(info.param).file; });
 
-// Forward techniques shade each fragment; a deferred one each surface, in one place where fragments are of one surface.
-// So they agree with one another, and with the layout that loses nothing but where a surface's own detail is finer than
-// a pixel.
+// Forward techniques shade each fragment, deferred ones each surface, at one point if its fragments belong to one
+// surface. They therefore agree with each other, and with the lossless layout except where a surface's detail is finer
+// than a pixel.
 using MsaaForward = MsaaCombinations;
 TEST_F(MsaaForward, LightsAlikeByBothTechniques) {
   const output::FrameOutput forward = render("plain", "forward"), multipass = render("plain", "forward-multipass");

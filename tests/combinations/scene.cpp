@@ -20,7 +20,7 @@ struct Maker {
     scene.materials.push_back(scene::builtin::plainMaterial("m", color, metallic, roughness));
     return scene.materials.back().data;
   }
-  // Of the material made last.
+  // Applies to the material that was added last.
   void place(uint32_t mesh, vec3 at, vec3 size, vec3 turn = vec3(0)) {
     mat4 local = glm::translate(mat4(1), at);
     for (int axis = 0; axis < 3; ++axis) {
@@ -42,7 +42,7 @@ struct Maker {
   }
 };
 
-// glTF's frame: a floor and a wall, and before them a thing of each kind.
+// In glTF's frame: a floor and a wall, and in front of them one object of each kind.
 void addThings(Maker& m) {
   constexpr uint32_t kSquare = 0, kSphere = 1;
   m.scene.meshes = {squareMesh(), sphereMesh(0.5f)};
@@ -78,16 +78,17 @@ void addThings(Maker& m) {
   m.place(kSquare, {-1.7f, 0.9f, -1}, vec3(0.6f));
 }
 
-// World space, in which the wall is the plane y = 2.
+// In world space, in which the wall is the plane y = 2.
 void addLights(Maker& m) {
   m.light(shared::kLightDirectional, {-3, -10, 8}, {0, 0, 0}, {1, 0.95f, 0.9f}, 0.6f);
-  for (int i = 0; i < 11; ++i) {  // more than a subgroup of the CPU device holds
+  for (int i = 0; i < 11; ++i) {  // more lights than a subgroup of the CPU device has lanes
     const auto f = static_cast<float>(i);
     m.light(shared::kLightPoint, {-2.5f + 0.5f * f, 0.2f * f - 1, f < 5 ? 1 : -1}, {0, 9, 0},
             {1, 0.2f + 0.07f * f, 0.5f}, 0.8f)
         .range = 1.2f + 0.2f * f;
   }
-  m.light(shared::kLightPoint, {0.5f, -5, 2}, {0, 0, 0}, {0.4f, 0.6f, 1}, 6);  // behind the camera, without a range
+  // behind the camera, with unlimited range
+  m.light(shared::kLightPoint, {0.5f, -5, 2}, {0, 0, 0}, {0.4f, 0.6f, 1}, 6);
   scene::Light& wide = m.light(shared::kLightSpot, {-1, -2, 2}, {-1, 0.5f, -1}, {0.6f, 0.9f, 1}, 12);
   wide.range = 6.0f, wide.innerCone = 0.3f, wide.outerCone = 0.8f;
   scene::Light& narrow = m.light(shared::kLightSpot, {1.5f, -3.8f, -0.5f}, {0.5f, 2, 0.5f}, {1, 1, 0.4f}, 40);

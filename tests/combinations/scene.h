@@ -8,6 +8,7 @@ namespace latelight::render::test {
 scene::Scene everyKind();
 
 std::vector<std::string> layoutNames();
-size_t turnOf(const std::string& layout);  // its number: what takes turns begins with another one at each layout
+// its number: whatever is tested in rotation begins with another choice for each layout
+size_t turnOf(const std::string& layout);
 
 }  // namespace latelight::render::test

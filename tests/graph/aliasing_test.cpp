@@ -1,4 +1,4 @@
-// Memory aliasing: which transients share memory, on plain data.
+// Memory aliasing: which transients share memory, tested on plain data.
 #include "graph/aliasing.h"
 
 #include <gmock/gmock.h>
@@ -20,7 +20,8 @@ bool liveAtOnce(const Footprint& a, const Footprint& b) {
   return a.first <= b.last && b.first <= a.last;
 }
 
-// Nothing that lives at once overlaps, all lie in a heap of their type and on their alignment.
+// Expects that resources with overlapping lifetimes do not overlap in memory, and that each has a heap of its type and
+// its alignment.
 void expectRight(const std::vector<Footprint>& footprints, const Packing& packing) {
   ASSERT_EQ(packing.places.size(), footprints.size());
   for (size_t i = 0; i < footprints.size(); ++i) {
@@ -41,7 +42,7 @@ void expectRight(const std::vector<Footprint>& footprints, const Packing& packin
   }
 }
 
-// The largest sum of what is needed in one step: no packing takes less.
+// Returns the maximum sum of sizes that are needed in one step, a lower bound for any packing.
 uint64_t largestNeed(const std::vector<Footprint>& footprints) {
   uint64_t largest = 0;
   for (const Footprint& at : footprints) {
@@ -89,7 +90,7 @@ TEST(Packing, TakesAnotherHeapWhereOneWouldBeTooLarge) {
   EXPECT_EQ(packing.heaps.size(), 3u);
 }
 
-// Sizes and lives as of frames: targets of a few kinds, small buffers among them, most of them short-lived.
+// Sizes and lifetimes similar to those of frames: targets of a few kinds and small buffers, most of them short-lived.
 std::vector<Footprint> randomFootprints(std::mt19937& random) {
   const auto pick = [&](uint32_t count) { return static_cast<uint32_t>(random() % count); };
   std::vector<Footprint> footprints(1 + pick(60));
@@ -115,7 +116,7 @@ TEST(Packing, OfRandomLivesIsRightAndTight) {
     const double ratio = static_cast<double>(packing.bytes()) / static_cast<double>(largestNeed(footprints));
     worst = std::max(worst, ratio);
     sum += ratio;
-    // Alignment may leave gaps, but what shares nothing is at least no larger than side by side.
+    // Alignment may leave gaps, but the result is at most as large as without sharing.
     uint64_t aligned = 0;
     for (const Footprint& f : footprints) aligned += f.size + f.alignment - 1;
     EXPECT_LE(packing.bytes(), aligned);
@@ -158,7 +159,7 @@ class Aliasing : public testing::Test {
   BufferId buffer(const char* name) { return graph.create(vk::BufferDesc{.size = 256, .name = name}); }
   void pass(const char* name, std::vector<Access> accesses) { graph.pass(Stage::Post, name, std::move(accesses), {}); }
 
-  // The plan, where all that may lies at the beginning of one heap.
+  // Returns the plan if all resources that may share memory start at offset 0 of one heap.
   std::vector<std::string> plan(const std::vector<uint64_t>& sizes = {}) const {
     Plan plan = graph.compile();
     std::vector<Footprint> footprints;
@@ -195,7 +196,7 @@ TEST_F(Aliasing, KnowsTheLivesOfTransients) {
   EXPECT_THAT(kept, ElementsAre("out", "upload"));
 }
 
-// A blur, and a blur of the blur: the third image lies where the first was.
+// A blur of a blur: the third image has the memory of the first.
 TEST_F(Aliasing, WaitsForTheLastReads) {
   const ImageId a = image("a"), b = image("b"), c = image("c");
   pass("draw", {{a, Use::ColorAttachment}});
@@ -212,7 +213,7 @@ TEST_F(Aliasing, WaitsForTheLastReads) {
                                   "  b: -[-] -> comp[Sw] undefined>general",            //
                                   "again",                                              //
                                   "  b: comp[Sw] -> comp[Sr] general",                  //
-                                  "  c: comp[-] -> color[Cr|Cw] undefined>attachment",  //  where a was
+                                  "  c: comp[-] -> color[Cr|Cw] undefined>attachment",  // had the memory of a
                                   "out",                                                //
                                   "  c: color[Cw] -> color[Cr|Cw] attachment",          //
                                   "copy",                                               //
@@ -221,7 +222,8 @@ TEST_F(Aliasing, WaitsForTheLastReads) {
                                   "  out: copy[Xw] -> host[H]"));
 }
 
-// A buffer's first use takes no barrier but for aliasing; what was never read must become available.
+// The first use of a buffer needs no barrier except for aliasing, and writes that were never read must become
+// available.
 TEST_F(Aliasing, WaitsForWritesThatNobodyRead) {
   const BufferId a = buffer("a"), side = buffer("side"), b = buffer("b"), out = buffer("out");
   pass("first", {{side, Use::FragmentWrite}, {a, Use::StorageWrite}, {out, Use::StorageWrite}});
@@ -230,7 +232,7 @@ TEST_F(Aliasing, WaitsForWritesThatNobodyRead) {
   graph.exports(out, Use::HostRead);
   EXPECT_THAT(plan({64, 64, 128}), ElementsAre("first",                           //
                                                "second",                          //
-                                               "  b: frag|comp[Sw] -> copy[Xw]",  //  where both were
+                                               "  b: frag|comp[Sw] -> copy[Xw]",  // had the memory of both
                                                "third",                           //
                                                "  b: copy[Xw] -> comp[Sr]",       //
                                                "  out: comp[Sw] -> comp[Sr|Sw]",  //

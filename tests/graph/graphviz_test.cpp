@@ -14,7 +14,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-// The part of the DOT language that the dump uses, checked line by line; fails on anything else.
+// Parses the part of the DOT language that the dump uses, line by line. Fails on anything else.
 struct Dot {
   explicit Dot(const std::string& text) {
     std::istringstream stream(text);

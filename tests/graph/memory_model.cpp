@@ -13,14 +13,14 @@ namespace {
 using Stages = VkPipelineStageFlags2;
 using Accesses = VkAccessFlags2;
 
-// What a use does to memory.
+// The effect of a use on memory.
 struct Effect {
   Stages stages;
   Accesses access;
   Accesses writing;
   VkImageLayout layout;
-  bool needsContents;  // garbage would show
-  bool overwrites;     // all of it
+  bool needsContents;  // undefined contents would be visible
+  bool overwrites;     // overwrites the full contents
 };
 
 Effect effectOf(Use use) {
@@ -80,12 +80,12 @@ Effect effectOf(Use use) {
   return {};
 }
 
-// An access, or a layout transition, that later ones may have to be ordered after.
+// An access or a layout transition that later accesses may have to be ordered after.
 struct Operation {
-  Stages stages;             // where it happens; none for a transition
-  Accesses writing;          // what it writes through; none for reads and transitions
-  Stages reached = 0;        // stages whose later work waits for it, by a chain of barriers
-  Stages reachedMemory = 0;  // those that also wait for its being available
+  Stages stages;             // where it is executed; empty for a transition
+  Accesses writing;          // the access types of its writes; empty for reads and transitions
+  Stages reached = 0;        // stages whose later work waits for it, through a chain of barriers
+  Stages reachedMemory = 0;  // those to which its writes are also available
   std::vector<std::pair<Stages, Accesses>> visible;
 
   bool isTransition() const { return stages == 0; }
@@ -123,7 +123,7 @@ class Memory {
       writes_ = {Operation{effect.stages, effect.writing}};
       return;
     }
-    // Whoever wrote it made it visible to this use.
+    // The last write must be visible to this use.
     writes_ = {Operation{0, 0, effect.stages, effect.stages, {{effect.stages, effect.access}}}};
     reads_ = {Operation{effect.stages, 0}};
   }
@@ -166,7 +166,7 @@ class Memory {
     defined_ = changed_ = true;
   }
 
-  // At the end of the plan: as the next user expects it.
+  // Checks the state at the end of the plan, which the next user expects.
   void finish(const Resource& resource, std::vector<std::string>& wrong) {
     if (!resource.exported.empty()) {
       access(resource.exported, wrong);
@@ -175,7 +175,7 @@ class Memory {
     }
   }
 
-  // Other contents come to the same bytes: after these barriers, first used by these stages.
+  // Other contents use the same bytes from here on: after these barriers, first in these stages.
   void handOver(const std::vector<Barrier>& barriers, Stages stages, std::vector<std::string>& wrong) const {
     for (const std::vector<Operation>* operations : {&writes_, &reads_}) {
       for (Operation operation : *operations) {
@@ -188,7 +188,7 @@ class Memory {
   }
 
  private:
-  // A transition reads and writes the whole image between the barrier's two scopes.
+  // A transition reads and writes the full image between the barrier's two scopes.
   void transition(const Barrier& barrier, std::vector<std::string>& wrong) {
     for (const Operation& read : reads_) {
       if (!waitedFor(read, barrier)) wrong.push_back("a transition that does not wait for a read before it");
@@ -214,10 +214,10 @@ class Memory {
 
   bool isImage_;
   bool defined_;
-  bool changed_ = false;  // written or moved to another layout
+  bool changed_ = false;  // written, or transitioned to another layout
   VkImageLayout layout_ = VK_IMAGE_LAYOUT_UNDEFINED;
-  std::vector<Operation> writes_;  // the last, or none
-  std::vector<Operation> reads_;   // since
+  std::vector<Operation> writes_;  // the last write, if any
+  std::vector<Operation> reads_;   // since that write
 };
 
 bool concerns(const Barrier& barrier, const Resource& resource) {
@@ -246,7 +246,7 @@ Memory runSteps(const Resource& resource, const std::vector<ModelPass>& passes, 
   return memory;
 }
 
-// The steps from a resource's first use to its last, and what is before the first. Nothing if it has none.
+// The steps from a resource's first use to its last, and the barriers before the first; empty if it is not used.
 struct Occupation {
   const Resource* resource;
   size_t first, last;
@@ -283,7 +283,7 @@ std::vector<Occupation> occupationsOf(const std::vector<Resource>& resources, co
 std::vector<std::string> findAliasingHazards(const std::vector<Resource>& resources,
                                              const std::vector<ModelPass>& passes, const Plan& plan) {
   std::vector<std::string> wrong, elsewhere;
-  std::set<uint64_t> bytes;  // one of each range that the same resources share
+  std::set<uint64_t> bytes;  // one per range that the same resources share
   for (const Resource& resource : resources) bytes.insert({resource.begin, resource.end});
   for (const uint64_t byte : bytes) {
     const std::vector<Occupation> occupations = occupationsOf(resources, passes, plan, byte);

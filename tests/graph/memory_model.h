@@ -14,8 +14,8 @@ struct Resource {
   ImageId image;
   BufferId buffer;
   bool imported = false;
-  std::vector<Use> before, exported;  // one or none
-  // Bytes of memory that others have too, before and after; none: memory of its own.
+  std::vector<Use> before, exported;  // at most one element each
+  // Ranges of memory that other resources use before and after; empty if the resource does not share memory.
   uint64_t begin = 0, end = 0;
 };
 
@@ -23,16 +23,16 @@ struct ModelPass {
   std::vector<Access> accesses;
 };
 
-// What is wrong with the plan, each in a few words; nothing if it is right.
+// Returns the errors of the plan, each in a few words; empty if it is valid.
 std::vector<std::string> findHazards(const std::vector<Resource>& resources, const std::vector<ModelPass>& passes,
                                      const Plan& plan);
 
-// What is wrong between resources that share bytes: two at once, or one that comes before the other is over. Of the
-// barriers of the one that comes, only those before its first use count.
+// Returns the errors between resources that share bytes: two that are in use at once, or one that begins before the
+// other has ended. Only the barriers before the first use of the later one count.
 std::vector<std::string> findAliasingHazards(const std::vector<Resource>& resources,
                                              const std::vector<ModelPass>& passes, const Plan& plan);
 
-// The exported contents, as hashes of all that went into them, when the passes listed run in that order.
+// Returns the exported contents as hashes of all their inputs, if the listed passes run in this order.
 std::vector<uint64_t> exportedValues(const std::vector<Resource>& resources, const std::vector<ModelPass>& passes,
                                      const std::vector<uint32_t>& order);
 

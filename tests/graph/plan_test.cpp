@@ -1,4 +1,4 @@
-// Compiled plans against plans written by hand: the passes that run, and every barrier.
+// Compares compiled plans with plans written by hand: the passes that run, and every barrier.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -67,7 +67,7 @@ TEST_F(Plans, DiamondReadsOneWriteOnEachSide) {
   EXPECT_THAT(plan(), ElementsAre("top",                            //
                                   "left",                           //
                                   "  top: comp[Sw] -> comp[Sr]",    //
-                                  "right",                          //  sees it already
+                                  "right",                          // already visible
                                   "bottom",                         //
                                   "  left: comp[Sw] -> comp[Sr]",   //
                                   "  right: comp[Sw] -> comp[Sr]",  //
@@ -112,13 +112,13 @@ TEST_F(Plans, KeepWhatIsReadBeforeItIsOverwritten) {
                                   "read",                       //
                                   "  a: comp[Sw] -> comp[Sr]",  //
                                   "second",                     //
-                                  "  a: comp[-] -> comp[Sw]",   //  write after read: nothing to flush
+                                  "  a: comp[-] -> comp[Sw]",   // write after read: no flush needed
                                   "end",                        //
                                   "  a: comp[Sw] -> host[H]",   //
                                   "  b: comp[Sw] -> host[H]"));
 }
 
-// What exact transparency does: counters cleared, counted up by fragments, read by compute shaders.
+// The sequence of exact transparency: counters are cleared, incremented by fragments, and read by compute shaders.
 TEST_F(Plans, OrderWhatFragmentsStore) {
   const BufferId counts = buffer("counts"), list = buffer("list"), out = buffer("out");
   pass("clear", {{counts, Use::CopyTarget}});
@@ -141,7 +141,7 @@ TEST_F(Plans, OrderWhatFragmentsStore) {
   EXPECT_THAT(complaint(), HasSubstr("pass 'count' reads 'unwritten', which nothing wrote"));
 }
 
-// A copy may fill a part: what was written before it may still show.
+// A copy may write only a part of its target, so earlier contents may remain.
 TEST_F(Plans, KeepWhatACopyMayLeave) {
   const BufferId a = buffer("a");
   pass("clear", {{a, Use::CopyTarget}});
@@ -160,7 +160,7 @@ TEST_F(Plans, MakeAWriteVisibleToEachStageOnce) {
   pass("rewrite", {{list, Use::StorageWrite}});
   graph.exports(out, Use::HostRead);
   graph.exports(list, Use::HostRead);
-  // `out` starts unwritten.
+  // `out` is initially unwritten.
   EXPECT_THAT(complaint(), HasSubstr("pass 'draw' reads 'out', which nothing wrote"));
 
   graph = Graph();
@@ -191,7 +191,7 @@ TEST_F(Plans, MakeAWriteVisibleToEachStageOnce) {
                                   "  out: copy[Xw] -> host[H]"));
 }
 
-// The second reader's barrier starts at the first reader: that is where the transition was waited for.
+// The second reader's barrier starts at the stage of the first reader, which waited for the transition.
 TEST_F(Plans, OrderLaterReadersAfterTheLayoutTransition) {
   const ImageId color = image("color");
   const BufferId out = buffer("out");

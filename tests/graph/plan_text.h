@@ -1,4 +1,4 @@
-// Plans as lines of text, so that an expected plan reads like one.
+// Plans as lines of text, so that tests can state an expected plan.
 //
 //   "light"                                               a pass that runs
 //   "  color: color[Cw] -> frag[T] attachment>readonly"   a barrier before it: stages[accesses] -> ..., layouts

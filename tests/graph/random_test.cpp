@@ -1,4 +1,4 @@
-// Random graphs against the memory model: every plan must be correct and contain nothing superfluous.
+// Compares plans of random graphs with the memory model: each plan must be correct and contain nothing superfluous.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -42,9 +42,9 @@ bool needsContents(const std::vector<Use>& uses) {
   return false;
 }
 
-// A graph with its own record of what was declared.
+// A graph with a separate record of its declarations.
 struct RandomGraph {
-  // `transient`: with many resources, few of them imported or exported, each used by few passes.
+  // `transient`: many resources, few of them imported or exported, each used by few passes.
   explicit RandomGraph(uint32_t seed, bool transient = false) : random(seed), transient(transient) {
     const size_t resourceCount = 1 + pick(transient ? 16 : 6);
     for (size_t i = 0; i < resourceCount; ++i) addResource(i);
@@ -141,7 +141,7 @@ TEST(RandomGraphs, HaveNoHazards) {
     barriers += allBarriers(plan).size();
     steps += plan.steps.size();
   }
-  // The generator makes something to look at.
+  // The generated graphs contain what the test checks.
   EXPECT_GT(barriers, 5 * kGraphs);
   EXPECT_GT(steps, kGraphs);
 }
@@ -166,7 +166,7 @@ TEST(RandomGraphs, HaveNoBarrierTooMany) {
   }
 }
 
-// Takes each bit away in turn.
+// Calls the function with each bit removed in turn.
 template <typename Flags>
 void expectEachBitNeeded(const RandomGraph& random, Plan& plan, const Barrier& barrier, Flags& flags) {
   const Flags whole = flags;
@@ -185,13 +185,14 @@ TEST(RandomGraphs, HaveNoBitTooMany) {
     Plan plan = random.graph.compile();
     for (Barrier* barrier : allBarriers(plan)) {
       expectEachBitNeeded(random, plan, *barrier, barrier->targetStage);
-      // A write after reads asks again for what the reads saw already: it is simpler, and moves no memory.
+      // A write after reads waits again for what the reads have already waited for. This is simpler and flushes no
+      // memory.
       if (barrier->sourceAccess) expectEachBitNeeded(random, plan, *barrier, barrier->targetAccess);
     }
   }
 }
 
-// A plan whose transients of random sizes share memory.
+// A plan in which transients of random sizes share memory.
 struct AliasedPlan {
   explicit AliasedPlan(uint32_t seed) : graph(seed, true), plan(graph.graph.compile()) {
     std::vector<Footprint> footprints;
@@ -212,7 +213,7 @@ struct AliasedPlan {
     });
   }
 
-  // Those that come to memory that others had before.
+  // Counts the resources whose memory had other contents before.
   std::vector<Barrier*> aliasingBarriers() {
     std::vector<Barrier*> result;
     for (const Plan::Lifetime& life : plan.lives)
@@ -241,12 +242,12 @@ TEST(RandomGraphs, HaveNoHazardsWhereTransientsShareMemory) {
     ASSERT_TRUE(wrong.empty()) << "seed " << seed << ": " << wrong[0] << "\n" << aliased.graph.text(aliased.plan);
     aliases += aliased.aliasingBarriers().size();
   }
-  EXPECT_GT(aliases, kGraphs / 4);  // there is something to look at
+  EXPECT_GT(aliases, kGraphs / 4);  // enough aliases to test
 }
 
-// Of what a barrier waits for, either all of the stages or one of the accesses is taken away. (Single stages may be
-// too many: reads that a barrier has ordered before later reads are waited for again. So may accesses of an image's:
-// what an image wrote is waited for again where buffers have had its memory since.)
+// Removes either all stages or one of the accesses that a barrier waits for, and expects that the model notices.
+// (Single stages may be superfluous: reads that a barrier has ordered before later reads are waited for again. The same
+// holds for accesses to images: writes to an image are waited for again if buffers have used its memory since.)
 TEST(RandomGraphs, NoticeWhatAnAliasingBarrierLacks) {
   size_t noticed = 0;  // accesses of images
   for (uint32_t seed = 0; seed < kGraphs; ++seed) {

@@ -13,7 +13,7 @@ using testing::HasSubstr;
 
 class SharedMemory : public Executors {
  protected:
-  // As if all were needed from the first step to the last: none shares with another.
+  // Extends all lifetimes to the full plan, so that no resources share memory.
   static Plan withoutSharing(Plan plan) {
     for (Plan::Lifetime& life : plan.lives) {
       life.first = 0;
@@ -29,7 +29,7 @@ class SharedMemory : public Executors {
   }
   uint64_t usedBytes() const { return device->memory().statistics().usedBytes; }
 
-  // Images and buffers in turn, each made of the one before it and of its own number.
+  // Alternating images and buffers, each computed from the previous one and its own number.
   BufferId addChain(Graph& graph, uint32_t length) {
     const BufferId out = graph.create(readbackDesc(1024 * length));
     BufferId before = graph.create(bufferDesc("first"));
@@ -69,14 +69,14 @@ TEST_F(SharedMemory, GivesTheSameBytesInLessMemory) {
   const uint64_t afterSharing = usedBytes();
   EXPECT_EQ(contents(sharing.buffer(out)), contents(plain.buffer(out)));
   const std::vector<uint32_t> words = contents(plain.buffer(out));
-  EXPECT_EQ(words[256 * 11], 11u);       // the last one's own half
-  EXPECT_EQ(words[256 * 11 + 255], 9u);  // the upper half of the one before, which came from the one before that
+  EXPECT_EQ(words[256 * 11], 11u);       // its own half
+  EXPECT_EQ(words[256 * 11 + 255], 9u);  // the upper half of the previous one, which comes from the one before that
 
-  // Known before; beside the transients, both executors made the same.
+  // The expected sizes. Both executors allocated the same besides the transients.
   const TransientBytes bytes = transientBytes(*device, graph, plan);
   EXPECT_EQ((afterPlain - start) - (afterSharing - afterPlain), bytes.withoutAliasing - bytes.peak);
   EXPECT_EQ(transientBytes(*device, graph, withoutSharing(plan)).peak, bytes.withoutAliasing);
-  const uint64_t outBytes = 12 * 1024;  // is exported, and shares with none
+  const uint64_t outBytes = 12 * 1024;  // is exported, and shares memory with no other resource
   EXPECT_GE(bytes.peak, outBytes + 2 * 1024);
   EXPECT_LE(bytes.peak - outBytes, (bytes.withoutAliasing - outBytes) / 6);
 }
@@ -102,11 +102,11 @@ TEST_F(SharedMemory, IsTheSameForEqualGraphs) {
     submissions.erase(submissions.begin());
   }
   EXPECT_EQ(images.size(), 1u) << "submissions in flight have it in turn";
-  // One image; results and timestamps for those in flight, and for one that is looked at.
+  // One image; results and timestamps of the submissions in flight, and of one that is read.
   EXPECT_LE(usedBytes() - start, 1024 + (Executor::kInFlight + 1) * (1024 + 512));
 }
 
-// Graphs in turn that are alike in size have one memory; it goes when the graphs go.
+// Graphs of equal sizes that alternate use the same memory, which is freed with the graphs.
 TEST_F(SharedMemory, IsSharedByGraphsInTurn) {
   const auto run = [&](Executor& executor, uint32_t rows) {
     Graph graph;
@@ -131,7 +131,7 @@ TEST_F(SharedMemory, IsSharedByGraphsInTurn) {
   EXPECT_LT(usedBytes() - start, large / 4);
 }
 
-// Bytes that may still be claimed.
+// Returns the number of bytes that can still be allocated.
 uint64_t claimable() {
   uint64_t bytes = 0;
   for (uint64_t step = uint64_t{1} << 42; step > 0; step /= 2) {
@@ -144,7 +144,7 @@ uint64_t claimable() {
   return bytes;
 }
 
-// With room for one graph's transients, not for two graphs'.
+// The limit suffices for the transients of one graph, but not for two.
 TEST_F(SharedMemory, MakesRoomForOthersWhereThereIsNoneLeft) {
   constexpr uint64_t kMiB = 1 << 20;
   Executor executor(*device);
@@ -167,8 +167,8 @@ TEST_F(SharedMemory, MakesRoomForOthersWhereThereIsNoneLeft) {
   run(60);
 }
 
-// The second resource is written where the first is still read. The layers know that two buffers, or two images, have
-// the same memory; of a buffer and an image they don't, and tests of plans look for those barriers.
+// The second resource is written while the first is still read. The validation layers know that two buffers or two
+// images share memory. They do not for a buffer and an image; the tests of plans check those barriers.
 class MissingBarrier : public SharedMemory, public testing::WithParamInterface<bool> {};
 
 TEST_P(MissingBarrier, IsCaught) {

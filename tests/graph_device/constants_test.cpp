@@ -23,7 +23,7 @@ class Constants : public Executors {
     std::iota(result.begin(), result.end(), first);
     return result;
   }
-  // Adds the words to the graph, and a pass that reads them into the result.
+  // Adds the words to the graph, and a pass that copies them to the result.
   BufferId addReader(Graph& graph, const std::vector<uint32_t>& values) {
     const BufferId out = graph.create(readbackDesc(4 * values.size()));
     addReader(graph, values, out);
@@ -51,13 +51,13 @@ TEST_F(Constants, AreReadByShaders) {
   Executor executor(*device);
   Graph graph(executor);
   std::vector<BufferId> outs;
-  // Of many sizes; the last alone is more than a chunk.
+  // Many sizes; the last one exceeds a chunk.
   const std::vector<size_t> sizes = {1, 3, 256, 5000, 20000, 7, 100000};
   for (const size_t size : sizes) outs.push_back(addReader(graph, words(static_cast<uint32_t>(size), size)));
   executor.run(graph, graph.compile());
   for (size_t i = 0; i < sizes.size(); ++i)
     EXPECT_EQ(contents(executor.buffer(outs[i])), words(static_cast<uint32_t>(sizes[i]), sizes[i]));
-  // The same graph again, with more.
+  // The same graph again, with more constants.
   outs.push_back(addReader(graph, words(77)));
   executor.run(graph, graph.compile());
   EXPECT_EQ(contents(executor.buffer(outs[2])), words(256));
@@ -70,7 +70,7 @@ TEST_F(Constants, LieAtAddressesForAnyStruct) {
   for (size_t size : {0, 1, 17, 4}) EXPECT_EQ(graph.constants(std::vector<std::byte>(size)) % 16, 0u);
 }
 
-// The graph is gone, and others write theirs, before the shader reads.
+// The graph is destroyed and other graphs write their constants before the shader reads.
 TEST_F(Constants, StayUntilTheSubmissionHasFinished) {
   Executor executor(*device);
   vk::Gate gate(*device);
@@ -117,7 +117,7 @@ TEST_F(Constants, UseTheirMemoryAgain) {
   EXPECT_EQ(memory().usedBytes, used);
 }
 
-// Executor and submission are dropped in flight, and a graph is left that takes more.
+// Executor and submission are destroyed in flight, and a remaining graph adds constants.
 TEST_F(Constants, OutliveTheirExecutor) {
   const vk::Buffer result(*device, readbackDesc());
   const std::vector<uint32_t> others = words(6);

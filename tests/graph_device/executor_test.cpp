@@ -142,7 +142,7 @@ TEST_F(Executors, KeepTransientResourcesFromRunToRun) {
     Graph graph;
     vk::ImageDesc desc = imageDesc("color");
     desc.width = width;
-    // Alike, and needed at once: they must not be one.
+    // Of equal size and in use at once, so they must not share memory.
     const ImageId one = graph.create(desc), two = graph.create(desc);
     const BufferId out = graph.create(readbackDesc(width * 16 * 4));
     clear(graph, "one", one, 1);
@@ -171,7 +171,7 @@ TEST_F(Executors, KeepTransientResourcesFromRunToRun) {
   frame(16, same);
   frame(32, [&](VkImage i, VkBuffer) { EXPECT_NE(i, image); });
   frame(16, same);
-  // What no run takes any more is freed.
+  // Memory that no submission uses any more is freed.
   const auto usedBytes = [&] { return device->memory().statistics().usedBytes; };
   const uint64_t withSmall = usedBytes();
   for (int i = 0; i < 6; ++i) frame(32, [](VkImage, VkBuffer) {});
@@ -252,7 +252,7 @@ TEST_F(Executors, GiveResultsToOthersOnceTheyAreDropped) {
   a.wait();
   a = Submission();
   EXPECT_EQ(submit(a), first);
-  // One that is dropped in flight keeps its own until it has finished.
+  // A submission that is destroyed in flight keeps its resources until it has finished.
   vk::Gate gate(*device);
   Graph held;
   const BufferId out = held.create(readbackDesc());
@@ -281,7 +281,7 @@ TEST_F(Executors, LeaveResultsToSubmissionsThatOutliveThem) {
     copy(graph, "read back", a, out);
     graph.exports(out, Use::HostRead);
     submission = executor.submit(graph, graph.compile());
-    executor.submit(graph, graph.compile());  // dropped in flight, with its executor
+    executor.submit(graph, graph.compile());  // destroyed in flight, with its executor
   }
   EXPECT_FALSE(submission.done());
   gate.open();
@@ -289,7 +289,7 @@ TEST_F(Executors, LeaveResultsToSubmissionsThatOutliveThem) {
   EXPECT_THAT(contents(submission.buffer(out)), Each(12u));
 }
 
-// Would wait for ever where a result is late for what was submitted after it.
+// This would wait forever if a result became available only after a later submission.
 TEST_F(Executors, GiveResultsWhileLaterSubmissionsRun) {
   Executor executor(*device);
   vk::Gate gate(*device);
@@ -356,7 +356,7 @@ TEST_F(Executors, TimeEachPassThatRan) {
   }
 }
 
-// A buffer that no graph knows, filled and read with no barrier but the prologue's.
+// A buffer that no graph knows, filled and read with only the prologue's barrier.
 TEST_F(Executors, RunThePrologueFirstAndMakeItSeen) {
   Executor executor(*device);
   const vk::Buffer scene(*device, bufferDesc("scene")), copied(*device, bufferDesc("copied"));
@@ -425,7 +425,7 @@ TEST_F(Executors, RefuseResourcesThatNoPassDeclared) {
   EXPECT_THROW(run(executor, graph), Error);
 }
 
-// Else a pass would run or not by which others lead somewhere.
+// Otherwise other passes would decide whether this pass runs.
 TEST_F(Executors, RefuseResourcesThatOnlyAnotherPassDeclared) {
   Executor executor(*device);
   Graph graph;
@@ -437,7 +437,7 @@ TEST_F(Executors, RefuseResourcesThatOnlyAnotherPassDeclared) {
   EXPECT_THROW(run(executor, graph), Error);
 }
 
-// Without this test, a missing validation layer would look like a clean one.
+// Without this test, a missing validation layer would look like a run without errors.
 TEST_F(Executors, AreCaughtWhenABarrierIsMissing) {
   Executor executor(*device);
   Graph graph;

@@ -28,7 +28,7 @@ class Layered : public RenderTest {
     const scene::Camera camera = roomCamera();
     return imageOf(renderer.render({&camera, 1}, settings).front(), Aov::Color).values;
   }
-  // Which pixels show a layered surface: its place among the room's materials, or -1.
+  // For each pixel, the index of its layered material among the room's materials, or -1.
   static std::vector<int> layeredPixels(Renderer& renderer, const scene::Scene& scene) {
     const scene::Camera camera = roomCamera();
     const output::FrameOutput frame = renderer.render({&camera, 1}, picture({Aov::Material})).front();
@@ -42,7 +42,7 @@ class Layered : public RenderTest {
   }
 };
 
-// The materials of a room that a test makes have ids, by which their pixels are known.
+// The materials of a room have ids in these tests, which identify their pixels.
 scene::Scene identifiedRoom() {
   scene::Scene scene = layeredRoom();
   for (uint32_t i = 0; i < scene.materials.size(); ++i) scene.materials[i].data.id = i + 1;
@@ -78,8 +78,8 @@ TEST_F(Layered, EveryTechniqueAndLayoutGivesTheSameBytes) {
   }
 }
 
-// Of both rasters, which find a point's place with other rounding, as for plain surfaces.
-// With several samples a pixel, the pixels of edges too: each triangle is shaded in the middle of its samples by both.
+// Both rasters, which round positions differently, as for plain surfaces. With several samples per pixel, edges must
+// agree too: both shade each triangle at the centroid of its samples.
 TEST_F(Layered, BothRastersAgree) {
   const scene::Scene scene = identifiedRoom();
   Renderer renderer(device(), scene, nullptr);
@@ -109,7 +109,7 @@ TEST_F(Layered, BothRastersAgree) {
   }
 }
 
-// A texture of zeros takes every layer's strength away, but the surface goes the way of layered ones.
+// A texture of zeros removes every layer's strength, but the surface is still shaded as a layered one.
 TEST_F(Layered, WithoutStrengthIsThePlainPicture) {
   scene::Scene scene = layeredRoom();
   scene.textures.push_back(textureOf(1, 1, false, {glm::u8vec4(0)}));
@@ -122,7 +122,7 @@ TEST_F(Layered, WithoutStrengthIsThePlainPicture) {
     plain.materials[i].data.layers = scene::noLayers();
   }
   const scene::Environment environment = constantEnvironment();
-  // How surfaces are found and how they are shaded are apart: with the raster compute the default shading is enough.
+  // Visibility and shading are independent of each other, so the default shading suffices for the compute raster.
   const auto shadings = choices<Shading>().first(testRaster() == Raster::Compute ? 1 : choices<Shading>().size());
   for (const NamedOption& shading : shadings) {
     Settings settings = picture();
@@ -139,7 +139,7 @@ TEST_F(Layered, WithoutStrengthIsThePlainPicture) {
   }
 }
 
-// Factors of 0 are no layers at all: the very pictures of a scene without, by the same passes.
+// Factors of 0 add no layers: the picture equals that of a scene without layers, and the passes are the same.
 TEST_F(Layered, FactorsOfZeroAreNoLayers) {
   scene::Scene scene = layeredRoom(), plain = layeredRoom();
   for (scene::Material& m : scene.materials) {
@@ -181,7 +181,7 @@ TEST_F(Layered, StripsAreTheWholePicture) {
   size_t different = 0;
   for (size_t i = 0; i < whole.size(); ++i)
     different += std::abs(whole[i] - parted[i]) > 4e-3f * std::max(1.0f, whole[i]);
-  EXPECT_LE(different, whole.size() / 1000);  // in highlights, by the rounding of places
+  EXPECT_LE(different, whole.size() / 1000);  // in highlights, because positions are rounded
 }
 
 TEST_F(Layered, ViewsTogetherAreViewsAlone) {
@@ -194,7 +194,7 @@ TEST_F(Layered, ViewsTogetherAreViewsAlone) {
               imageOf(renderer.render({&cameras[i], 1}, picture()).front(), Aov::Color).values);
 }
 
-// A lens that bends nothing shows what a pinhole does, but for the rounding of places.
+// A lens without distortion shows what a pinhole camera does, except for the rounding of positions.
 TEST_F(Layered, ALensWithoutDistortionIsAPinhole) {
   const scene::Scene scene = identifiedRoom();
   const scene::Environment environment = constantEnvironment();
@@ -215,7 +215,7 @@ TEST_F(Layered, ALensWithoutDistortionIsAPinhole) {
   EXPECT_LE(far, layered / 100);
 }
 
-// Edges of layered surfaces are smoothed as much as those of plain ones: against 16 samples a pixel.
+// Edges of layered surfaces are antialiased as well as those of plain ones, compared with 16 samples per pixel.
 TEST_F(Layered, SamplesSmoothEdges) {
   const scene::Scene scene = layeredRoom();
   Renderer renderer(device(), scene, nullptr);
@@ -235,7 +235,7 @@ TEST_F(Layered, SamplesSmoothEdges) {
   }
 }
 
-// A layer that an edit puts on, changes and takes off: the picture of a renderer made afresh each time.
+// An edit adds, changes and removes a layer. Each picture equals that of a new renderer.
 TEST_F(Layered, EditsAreAFreshLoad) {
   scene::Scene scene = layeredRoom();
   for (scene::Material& m : scene.materials) m.data.layers = scene::noLayers();
@@ -253,7 +253,7 @@ TEST_F(Layered, EditsAreAFreshLoad) {
   coated.data.layers.clearcoat = 1;
   const Values coat = edited(coated);
   EXPECT_NE(coat, before);
-  // With the same layers as before, though of other strengths, and on other materials.
+  // With the same layers as before, but other strengths and materials.
   const uint64_t pipelines = device().pipelinesMade();
   scene::Material worn = coated;
   worn.data.layers.clearcoat = 0.5f, worn.data.layers.clearcoatRoughness = 0.3f;

@@ -31,15 +31,15 @@ class Transmission : public RenderTest {
   }
 };
 
-// Of a pixel's centre, on the plane z = 0.
+// The center of a pixel on the plane z = 0.
 glm::dvec2 placeOf(size_t pixel) {
   const double scale = std::tan(kFov / 2.0) * kDistance * 2 / kSize;
   return {(static_cast<double>(pixel % kSize) + 0.5 - kSize / 2.0) * scale,
           -(static_cast<double>(pixel / kSize) + 0.5 - kSize / 2.0) * scale};
 }
 
-// Where on the stripes' plane the eye looks through a plate of this index: along the refracted ray for `thickness`,
-// then straight on from the eye.
+// The point of the stripes' plane that is visible through a plate with this index: the ray is refracted for the length
+// `thickness`, and the background is sampled where the eye sees the ray's end.
 double strikes(glm::dvec2 at, double ior, double thickness) {
   const glm::dvec3 in = glm::normalize(glm::dvec3(at, -kDistance));
   const glm::dvec2 side = glm::dvec2(in) / ior;
@@ -51,13 +51,13 @@ bool isBright(double x) {
   return static_cast<int>(std::floor(x / kStripe)) % 2 == 0;
 }
 
-// Metres on the stripes' plane to the next edge.
+// The distance to the next edge on the stripes' plane, in meters.
 double toEdge(double x) {
   const double share = x / kStripe - std::floor(x / kStripe);
   return std::min(share, 1 - share) * kStripe;
 }
 
-// Each channel of each pixel but those next to an edge. On the plate.
+// Calls the function for each channel of each pixel on the plate, except next to an edge.
 void expectStripes(const Values& picture, double thickness, const std::array<double, 3>& ior) {
   const double pixel = std::tan(kFov / 2.0) * (kDistance + kAway) * 2 / kSize;
   size_t checked = 0;
@@ -86,7 +86,7 @@ TEST_F(Transmission, DispersionPartsTheChannels) {
   expectStripes(seen(behindPlate(plate)), 0.9, {1.5 - spread, 1.5, 1.5 + spread});
 }
 
-// Thickness is in object space: a plate that is stretched along its normal is thicker.
+// The thickness is in object space, so a plate that is stretched along its normal is thicker.
 TEST_F(Transmission, ThicknessFollowsTheNode) {
   scene::Scene scene = behindPlate(clearPlate(0.3f));
   scene::Instance& plate = scene.instances.back();
@@ -109,7 +109,7 @@ TEST_F(Transmission, AbsorbsByBeersLaw) {
   EXPECT_EQ(picture[4 * pixel + 3], 1);
 }
 
-// Stripes lose their contrast, and none of their light.
+// Blurred stripes lose contrast, but no light.
 TEST_F(Transmission, RoughnessBlurs) {
   double before = 1;
   for (const float roughness : {0.0f, 0.15f, 0.3f, 0.5f, 0.8f}) {
@@ -132,7 +132,7 @@ TEST_F(Transmission, RoughnessBlurs) {
   EXPECT_LT(before, 0.05);
 }
 
-// Where nothing is drawn behind, the environment shows.
+// If nothing is drawn behind the plate, the environment is visible.
 TEST_F(Transmission, ShowsTheEnvironmentWhereNothingElseIs) {
   scene::Scene scene = behindPlate(clearPlate(0.5f));
   for (scene::Instance& instance : scene.instances)
@@ -147,7 +147,8 @@ TEST_F(Transmission, ShowsTheEnvironmentWhereNothingElseIs) {
   EXPECT_EQ(picture[3], 0);
 }
 
-// Blended over: by alpha. Behind, in the volume or farther: a transmissive surface shows solid ones alone.
+// In front: blended over the plate by alpha. Behind the plate, inside its volume or farther away: transmissive surfaces
+// show only opaque ones.
 TEST_F(Transmission, MixesWithBlendedSurfacesInOneOrder) {
   const Values alone = seen(behindPlate(clearPlate(0.5f)));
   for (const char* method : {"exact", "sorted"}) {
@@ -175,7 +176,7 @@ TEST_F(Transmission, MixesWithBlendedSurfacesInOneOrder) {
   }
 }
 
-// A share of transmission leaves the rest diffuse, and alpha covers both.
+// A fraction of transmission leaves the rest diffuse, and alpha applies to both.
 TEST_F(Transmission, AlphaCoversTransmissionToo) {
   scene::Material plate = clearPlate(0);
   const Values whole = seen(behindPlate(plate));

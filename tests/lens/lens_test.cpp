@@ -1,5 +1,5 @@
-// Pictures through lenses against an independent ray caster: the surface that each pixel's own ray hits, with the rays
-// of scene::LensProjection, which tests/scene checks.
+// Pictures through lenses compared with an independent ray caster: the surface that each pixel's own ray hits, with the
+// rays of scene::LensProjection, which tests/scene checks.
 //
 // A pixel is *steady* if the rays through its center, corners and sides hit one part, at distances within 5 % of each
 // other. Other pixels are at an edge, where rounding may select another triangle than the caster does.
@@ -33,7 +33,7 @@ struct Picture {
   uint32_t width, height;
 };
 
-// The first is drawn as any pinhole view, whose vertices lie on a grid of 1/256 pixel.
+// The first is rendered like any pinhole view, whose vertices lie on a grid of 1/256 pixel.
 const Picture kPictures[] = {
     {"pinhole", {LensModel::Pinhole, 161, 121, 150, 110, 70, 66}, 161, 121},
     {"opencv", {LensModel::OpenCv, 161, 121, 110, 112, 82, 57, {-0.28, 0.07, 1.2e-3, -8e-4, -0.005}}, 161, 121},
@@ -46,12 +46,12 @@ const Picture kPictures[] = {
     {"cubemap", {.model = LensModel::CubeMap}, 384, 64},
 };
 
-// What is compared at one pixel.
+// The comparison of one pixel.
 struct Share {
   size_t pixels = 0, covered = 0, steady = 0;
-  size_t parts = 0, steadyParts = 0;                     // that differ
-  size_t depths = 0, normals = 0;                        // of the same part, beyond the tolerance
-  double distance = 0, depth = 0, position = 0, uv = 0;  // the largest errors of steady pixels
+  size_t parts = 0, steadyParts = 0;  // number of pixels with a different part
+  size_t depths = 0, normals = 0;     // number of pixels with the same part, but beyond the tolerance
+  double distance = 0, depth = 0, position = 0, uv = 0;  // maximum errors of steady pixels
 
   void merge(const Share& s) {
     pixels += s.pixels, covered += s.covered, steady += s.steady, parts += s.parts, steadyParts += s.steadyParts;
@@ -145,7 +145,8 @@ class Comparison {
   output::FrameOutput frame_;
 };
 
-// Prints what was measured, and checks it. Of pixels where anything is seen, the share of other parts, all at edges.
+// Prints and checks the measured errors. `edges` is the allowed share of covered pixels with a different part, all of
+// which must be at edges.
 void expectAsRaysSee(vk::Device& device, const std::string& name, const scene::Scene& scene,
                      const scene::Camera& camera) {
   for (const Picture& picture : kPictures) {
@@ -174,7 +175,7 @@ TEST_F(LensPictureTest, SpheresAsRaysSeeThem) {
   const scene::Scene spheres = scene::load("builtin:spheres");
   scene::Camera camera = cameraOf(spheres, 160, 120);
   expectAsRaysSee(device(), "spheres", spheres, camera);
-  camera.toWorld[3] = glm::vec4(spheres.instances.front().toWorld[3]);  // in the middle of one
+  camera.toWorld[3] = glm::vec4(spheres.instances.front().toWorld[3]);  // at the center of a sphere
   expectAsRaysSee(device(), "inside a sphere", spheres, camera);
 }
 
@@ -185,8 +186,8 @@ TEST_F(LensPictureTest, ModelsAsRaysSeeThem) {
   }
 }
 
-// Squares all around the camera: single- and double-sided, mirrored, and with holes that an alpha mask cuts, of texels
-// so large that level 0 of the texture is what is sampled. In units of `scale` metres.
+// Squares all around the camera: single- and double-sided, mirrored, and alpha-masked with holes. Their texels are so
+// large that level 0 of the texture is sampled. In units of `scale` meters.
 scene::Scene squaresAround(float scale) {
   scene::builtin::SceneBuilder builder("squares");
   scene::Scene& scene = builder.scene;
@@ -220,7 +221,7 @@ output::AovImage colorOf(vk::Device& device, const scene::Scene& scene, scene::C
   return imageOf(renderOne(device, scene, camera, settings, environment), Aov::Color);
 }
 
-// Share of the pixels that differ by more than 1 % of white, or of their own light.
+// The share of pixels that differ by more than 1 % of white, or of their own value.
 double shareThatDiffers(const output::AovImage& a, const output::AovImage& b) {
   size_t count = 0;
   for (size_t i = 0; i < a.values.size(); i += 4) {
@@ -232,8 +233,8 @@ double shareThatDiffers(const output::AovImage& a, const output::AovImage& b) {
   return 4.0 * double(count) / double(a.values.size());
 }
 
-// A lens that bends nothing shows what a pinhole does, which other tests check: shadows, fog, glass, masks and the
-// environment included. Shadow maps are fitted to a somewhat wider view, and their edges move.
+// A lens without distortion shows what a pinhole camera does, which other tests check, including shadows, fog, glass,
+// masks and the environment. Shadow maps are fitted to a slightly wider view, so their edges move.
 TEST_F(LensPictureTest, WithoutDistortionItIsAPinhole) {
   const scene::Environment environment = constantEnvironment();
   for (const char* name : {"punctual.glb", "textured.glb", "blended.glb"}) {
@@ -255,7 +256,7 @@ TEST_F(LensPictureTest, WithoutDistortionItIsAPinhole) {
   }
 }
 
-// Lists of the lights near each tile lose none, whichever way the rays go.
+// The light lists of tiles contain every light that reaches them, for all directions of rays.
 TEST_F(LensPictureTest, EveryLightingGivesTheSamePicture) {
   Settings settings = settingsOf(128, 64);
   const scene::Lens lens{.model = LensModel::Equirectangular};
@@ -267,7 +268,7 @@ TEST_F(LensPictureTest, EveryLightingGivesTheSamePicture) {
   }
 }
 
-// Whatever of the sphere they look at, pixels of two lenses that look the same way see the same light.
+// Two lenses see the same light in the same direction, whichever part of the sphere they cover.
 TEST_F(LensPictureTest, TheSameLightInEachModel) {
   Settings settings = settingsOf(64, 64);
   settings.shadows = ShadowFormat::D16;
@@ -287,7 +288,7 @@ TEST_F(LensPictureTest, TheSameLightInEachModel) {
     EXPECT_LT(glm::length(other - pinhole), 0.02f * glm::length(pinhole)) << other.x << ' ' << pinhole.x;
 }
 
-// --- what is asked --------------------------------------------------------------------------------------------------
+// --- interface ------------------------------------------------------------------------------------------------------
 
 TEST_F(LensPictureTest, OutsideOfItsCircleALensSeesNothing) {
   scene::Camera camera = frontPerspective(0.6f, 4);
@@ -323,14 +324,14 @@ TEST_F(LensPictureTest, ManyAtOnceAndInStripsAreTheSameBytes) {
   }
 }
 
-// The public API has the same lenses.
+// The public API supports the same lenses.
 TEST_F(LensPictureTest, AsProgramsAskForThem) {
   const latelight::Scene boxes("builtin:boxes");
   latelight::Renderer renderer(boxes, "cpu");
   latelight::Camera camera = boxes.cameras().front();
   camera.lens = latelight::Lens{latelight::LensModel::Fisheye, 96, 96, 20, 20, 48, 48, {-0.03, 0.012}};
   latelight::Options options;
-  options.width = options.height = 48;  // half of what the lens is calibrated for
+  options.width = options.height = 48;  // half of the size for which the lens is calibrated
   options.aovs = {"distance"};
   const latelight::Frame frame = renderer.render(camera, options);
 

@@ -1,4 +1,4 @@
-// Finished pictures against the integral of light: what docs/accuracy.md states, from fewer samples.
+// Finished pictures compared with the integral of light: the claims of docs/accuracy.md, with fewer samples.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -10,9 +10,9 @@
 namespace latelight::study {
 namespace {
 
-// Levels of 255. An environment's bounds are the aim: 3 in the mean for dielectrics and 4 for metals, at any roughness;
-// of the sun in the dark, which is the hardest there is, what was measured and a tenth. Punctual lights are shaded by
-// the BRDF itself.
+// In levels of 255. The bounds for environments are the goal: a mean of 3 for dielectrics and 4 for metals, at any
+// roughness. For the sun in the dark, the most difficult case, they are the measured values plus a tenth. Punctual
+// lights are shaded by the BRDF itself.
 double boundOf(const std::string& light, const std::string& material) {
   if (light.ends_with(" light")) return 0.05;
   if (material == "dielectric") return 3;

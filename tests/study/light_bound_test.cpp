@@ -25,7 +25,7 @@ vk::Device makeDevice() {
 
 // --- ceilings -------------------------------------------------------------------------------------------------------
 
-// One pass of a shader that finds its buffers by address; gives what it leaves in `results`.
+// Runs one pass of a shader that finds its buffers by address; returns the contents of `results`.
 template <typename Push>
 std::vector<std::byte> runCeiling(vk::Device& device, const char* shader, uint32_t invocations, uint64_t bytes,
                                   const Push& push) {
@@ -63,7 +63,7 @@ TEST(Ceilings, TheCopyCopiesEveryByte) {
   EXPECT_TRUE(device.validationMessages().empty());
 }
 
-// Against the same sums in double: every step of every chain is in the result.
+// Compared with the same sums in double precision: every step of every chain affects the result.
 TEST(Ceilings, TheArithmeticIsDone) {
   vk::Device device = makeDevice();
   constexpr uint32_t kInvocations = 512, kRounds = 5;

@@ -1,4 +1,4 @@
-// The ground truth of lighting against closed forms, and energy compensation against the ground truth.
+// The ground truth of lighting compared with closed forms, and energy compensation compared with the ground truth.
 #include "study/light_truth.h"
 
 #include <gtest/gtest.h>
@@ -47,7 +47,7 @@ Surface surfaceOf(vec3 baseColor, float metallic, float roughness, vec3 normal) 
   return s;
 }
 
-// A direction at that cosine to the normal.
+// A direction whose angle to the normal has this cosine.
 dvec3 eyeAt(const Surface& s, double cosine) {
   const dvec3 n(s.normal), across = glm::normalize(glm::cross(n, dvec3(0.3, 0.5, -0.8)));
   return n * cosine + across * std::sqrt(1 - cosine * cosine);
@@ -89,7 +89,8 @@ TEST(LightTruth, SmoothMetalsMirror) {
   }
 }
 
-// A small bright sun, which neither the lobe's nor the cosine's samples find: the BRDF times its irradiance.
+// A small bright sun, which neither the samples of the lobe nor those of the cosine find: the BRDF times its
+// irradiance.
 TEST(LightTruth, SmallSunsLightByTheBrdf) {
   const dvec3 towards = glm::normalize(dvec3(0.4, -0.3, 0.85));
   const double radius = 0.02;
@@ -104,7 +105,7 @@ TEST(LightTruth, SmallSunsLightByTheBrdf) {
             (std::cos(y * std::numbers::pi / picture.height) - std::cos((y + 1) * std::numbers::pi / picture.height));
   const EnvironmentTruth sun(picture);
   for (const float roughness : {0.2f, 0.4f}) {
-    // A dark dielectric: what bounces between facets, and what it takes from the diffuse part, is next to nothing.
+    // A dark dielectric: light that bounces between facets, and its effect on the diffuse part, are negligible.
     const Surface s = surfaceOf(vec3(0), 0, roughness, vec3(0.1f, 0, 1));
     const dvec3 eye = eyeAt(s, 0.8);
     const double cosine = glm::dot(dvec3(s.normal), towards);
@@ -113,8 +114,8 @@ TEST(LightTruth, SmallSunsLightByTheBrdf) {
   }
 }
 
-// What shading adds for several bounces (surfaceReflectance()) is what the walk over facets finds, in a white room,
-// where nothing else counts: a coloured metal's albedo.
+// The energy that shading adds for multiple bounces (surfaceReflectance()) equals the result of the walk over facets in
+// a white room, where it is the only difference: a colored metal's albedo.
 TEST(LightTruth, CompensatedEnergyIsThatOfTheWalk) {
   const EnvironmentTruth room(pictureOf(32, [](const dvec3&) { return vec3(1); }));
   constexpr uint32_t kTable = 64;

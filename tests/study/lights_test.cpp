@@ -23,7 +23,7 @@ using testing::HasSubstr;
 Options tiny() {
   const char* name = std::getenv("LATELIGHT_TEST_DEVICE");
   Options options{.device = name && *name ? name : "cpu", .validation = true};
-  // However slow the machine is, no step is left out.
+  // However slow the machine is, no step is skipped.
   options.sweep = {.budget = 1e6, .lights = {10, 1}, .triangles = {50'000}, .sizes = {{48, 27}}};
   return options;
 }
@@ -70,7 +70,7 @@ TEST(LightStudy, MeasuresEveryTechniqueAtEveryPlace) {
     const bool forward = render::findTechnique(text(table, row, "technique")).forward;
     EXPECT_EQ(number(table, row, "geometry ms") == 0, forward);
     EXPECT_EQ(number(table, row, "G-buffer B/px"), forward ? 12 : 28);  // depth and light accumulation; with `compact`
-    // A frame's own memory holds at least its targets.
+    // The memory of a frame includes at least its targets.
     EXPECT_GE(number(table, row, "frame MiB") * (1 << 20), 48 * 27 * number(table, row, "G-buffer B/px"));
   }
   EXPECT_EQ(seen.size(), render::techniques().size());
@@ -90,7 +90,8 @@ TEST(LightStudy, CountsLights) {
     }
   }
   ASSERT_EQ(used.size(), 2u);
-  for (const auto& [lights, means] : used) {  // the same in all techniques, rounding at a reach's edge aside
+  // equal for all techniques, except for rounding at the boundary of a light's range
+  for (const auto& [lights, means] : used) {
     EXPECT_LE(*means.rbegin() - *means.begin(), 1) << lights;
     EXPECT_GT(*means.begin(), 0) << lights;
   }
@@ -104,7 +105,7 @@ TEST(LightStudy, WritesPassesOfEveryMeasurement) {
   EXPECT_EQ(passes, (std::set<std::string>{"depth", "geometry compact", "light lists", "lighting tiled", "compose"}));
 }
 
-// Nothing is below the limit: the first step of a line is taken, since nothing foretells it, and no other.
+// No step is below the limit: only the first one of a line runs, because nothing predicts its time.
 TEST(LightStudy, StopsWhereTheNextStepWouldTakeTooLong) {
   Options options = tiny();
   options.validation = false;  // the same frames again
@@ -121,7 +122,7 @@ TEST(LightStudy, StopsWhereTheNextStepWouldTakeTooLong) {
     ++(first ? measured : skipped);
   }
   EXPECT_EQ(measured, render::techniques().size());
-  EXPECT_EQ(skipped, render::techniques().size());  // once a technique: not at 16 lights again
+  EXPECT_EQ(skipped, render::techniques().size());  // once per technique, so 16 lights are not measured again
 }
 
 TEST(LightStudy, RefusesWhatTheHallCannotHave) {
@@ -133,10 +134,10 @@ TEST(LightStudy, RefusesWhatTheHallCannotHave) {
   EXPECT_THROW(studyLights(options), Error);
 }
 
-// --- what it is made of ---------------------------------------------------------------------------------------------
+// --- components -----------------------------------------------------------------------------------------------------
 
 TEST(Fit, FindsTheExponent) {
-  const std::vector<Sample> cubic{{1, 2}, {10, 2000}, {100, 2e6}, {0, 5}, {3, -1}};  // the last two are left out
+  const std::vector<Sample> cubic{{1, 2}, {10, 2000}, {100, 2e6}, {0, 5}, {3, -1}};  // the last two are ignored
   const auto fit = fitPower(cubic);
   ASSERT_TRUE(fit);
   EXPECT_NEAR(fit->exponent, 3, 1e-12);
@@ -146,7 +147,7 @@ TEST(Fit, FindsTheExponent) {
   EXPECT_FALSE(fitPower(std::vector<Sample>{}));
 }
 
-// Sums and products of lights and triangles: each model explains its own and not the other's.
+// Sums and products of lights and triangles: each model explains its own data, and not the other's.
 TEST(Fit, TellsASumFromAProduct) {
   std::vector<std::vector<double>> sums, products;
   std::vector<double> sum, product;
@@ -167,7 +168,7 @@ TEST(Fit, TellsASumFromAProduct) {
   EXPECT_NEAR(fitLinear(products, product)->r2, 1, 1e-12);
   EXPECT_LT(fitLinear(products, sum)->r2, 0.9);
   EXPECT_LT(fitLinear(sums, product)->r2, 0.9);
-  for (std::vector<double>& row : sums) row[2] = 5e4;  // as if there had been one number of triangles
+  for (std::vector<double>& row : sums) row[2] = 5e4;  // as if there were only one number of triangles
   EXPECT_FALSE(fitLinear(sums, sum));
 }
 
@@ -190,9 +191,9 @@ TEST(SweepLine, GrowsAsItGrewLast) {
   EXPECT_NEAR(*line.expected(100), 5, 1e-12);
   line.add(100, 5);  // the root
   EXPECT_NEAR(*line.expected(10'000), 50, 1e-9);
-  line.add(1000, 4);  // noise: never less than before
+  line.add(1000, 4);  // noise: the prediction never decreases
   EXPECT_NEAR(*line.expected(10'000), 4, 1e-12);
-  line.add(2000, 4000);  // noise: never faster than the square
+  line.add(2000, 4000);  // noise: the prediction never grows faster than the square
   EXPECT_NEAR(*line.expected(4000), 16'000, 1e-6);
 }
 

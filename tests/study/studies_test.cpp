@@ -1,4 +1,4 @@
-// The studies' figures, with fewer samples than the program uses, against known and derived ones.
+// The figures of the studies, with fewer samples than the program uses, compared with known and derived ones.
 #include "study/study.h"
 
 #include <gtest/gtest.h>
@@ -45,11 +45,11 @@ double value(const Table& table, const std::vector<std::string>& key, const std:
 
 struct Known {
   const char *encoding, *bits, *region;
-  double mean, digit;  // of the mean, in its last printed place
+  double mean, digit;  // of the mean, in its last printed digit
   double maximum;
 };
-// Degrees. The program itself lands on the digits; fewer directions come within one. Maxima are of samples, so two sets
-// of directions differ: see docs/normals.md.
+// In degrees. The program reproduces all digits; fewer directions come within one. Maxima depend on the samples, so two
+// sets of directions differ (docs/normals.md).
 constexpr Known kKnown[] = {
     {"octahedral", "8+8", "sphere", 0.337, 0.001, 0.949},
     {"octahedral", "10+10", "sphere", 0.0837, 0.0001, 0.237},
@@ -58,7 +58,7 @@ constexpr Known kKnown[] = {
     {"octahedral-precise", "8+8", "sphere", 0.315, 0.001, 0.636},
     {"spheremap", "8+8", "sphere", 0.492, 0.001, 11.7},
     {"lambert", "8+8", "sphere", 0.492, 0.001, 11.7},
-    // Known as .353; 0.3525 lies between the two.
+    // Published as .353; 0.3525 is between the two.
     {"spheremap", "8+8", "hemisphere", 0.3525, 0.001, 0.897},
     {"lambert", "8+8", "hemisphere", 0.3525, 0.001, 0.897},
     {"spherical-angles", "8+8", "sphere", 0.355, 0.001, 0.787},
@@ -83,7 +83,7 @@ TEST(NormalStudy, ReproducesKnownFigures) {
     const std::vector<std::string> key{known.encoding, known.bits, known.region};
     for (const char* side : {"", "device "}) {
       EXPECT_NEAR(value(table, key, side + std::string("mean deg")), known.mean, known.digit) << side;
-      // 300 000 directions do not meet the narrowest places.
+      // 300,000 directions do not reach the smallest regions.
       EXPECT_NEAR(value(table, key, side + std::string("max deg")), known.maximum, 0.05 * known.maximum) << side;
     }
     EXPECT_GT(value(table, key, "rms deg"), value(table, key, "mean deg"));
@@ -129,14 +129,15 @@ TEST(DepthStudy, ExactPackingLosesNothingAndTheClassicLosesOne) {
     EXPECT_EQ(value(table, {"rgba8"}, column), 0.0);
     EXPECT_EQ(value(table, {"d32"}, column), 0.0);
     EXPECT_NEAR(value(table, {"rgba8-classic"}, column), 1.2e-7, 0.05e-7);
-    EXPECT_NEAR(value(table, {"d16"}, column), 0.5 / 65535, 0x1p-24);  // of the float that is stored
+    // half a step, plus the rounding of the stored float
+    EXPECT_NEAR(value(table, {"d16"}, column), 0.5 / 65535, 0x1p-24);
     EXPECT_NEAR(value(table, {"d24"}, column), 0.5 / 16777215, 1e-9);
   }
   EXPECT_EQ(value(table, {"rgba8"}, "1 becomes"), 1.0);
   EXPECT_EQ(value(table, {"rgba8-classic"}, "1 becomes"), 0.0);
 }
 
-// Reversed depth in floats has the floats' relative error; in integers it is as bad as conventional depth.
+// Reversed depth in floats has the relative error of floats; in integers it is as inaccurate as conventional depth.
 TEST(DepthStudy, ReversedFloatsKeepRelativeDepth) {
   const Table& table = tableOf(depths(), "depth");
   EXPECT_LT(value(table, {"d32", "reversed infinite"}, "max rel"), 2e-7);
@@ -162,7 +163,7 @@ TEST(PositionStudy, MethodsOnlyDifferByRounding) {
   }
 }
 
-// --- what they are made of ------------------------------------------------------------------------------------------
+// --- components -----------------------------------------------------------------------------------------------------
 
 TEST(Statistics, CountEvenSamplesAndFindTheWorstOfAll) {
   const std::vector<double> errors{3, 1, INFINITY, 2, 9};

@@ -1,4 +1,4 @@
-// Every method against sorts and sums of its own layers on the CPU.
+// Compares every method with sorts and sums of its own layers on the CPU.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -59,7 +59,7 @@ struct Staircase {
     shared::Random random(3);
     const vec4 only(0.7f, 0.3f, 0.5f, 0.2f);
     for (uint32_t i = 0; i < kColumns; ++i) {
-      // A permutation: depth has nothing to do with the order that layers are drawn in.
+      // A permutation, so that depth is independent of the order in which layers are drawn.
       const double z = i == 0 ? -1.75 : -1.25 + 2.5 * ((i * 11) % kColumns) / kColumns;
       layers.push_back({z, oneColor ? only : randomColor(random)});
       const float left = -1 + 2.0f * static_cast<float>(i) / kColumns, half = (1.1f - left) / 2;
@@ -96,7 +96,7 @@ TEST_F(Layers, SortedIsExactWhereNothingInterpenetrates) {
   for (size_t i = 0; i < exact.size(); ++i) ASSERT_LE(apart(sorted[i], dvec4(exact[i])), kStep) << i;
 }
 
-// Of one colour the weighted mean is that colour, and coverage needs no order.
+// If all layers have one color, the weighted mean is that color, and coverage is independent of the order.
 TEST_F(Layers, WeightedIsExactForOneColorAndForCoverage) {
   const Staircase same(true), many;
   const std::vector<vec4> picture = linear(same.stack.scene, kColumns, "weighted");
@@ -107,7 +107,7 @@ TEST_F(Layers, WeightedIsExactForOneColorAndForCoverage) {
     ASSERT_NEAR(colors[i].a, many.expected(i % kColumns, i / kColumns).a, kStep) << i;
 }
 
-// The published weight, on two layers: equation 7 of McGuire and Bavoil 2013, distances from the camera at z = 4.
+// The published weight for two layers: equation 7 of McGuire and Bavoil 2013, with distances from the camera at z = 4.
 TEST_F(Layers, WeightedWeighsAsItsPaperSays) {
   Stack stack;
   const Layer near{1, {1, 0, 0, 0.5f}}, far{-1, {0, 1, 0, 0.75f}};
@@ -129,9 +129,9 @@ TEST_F(Layers, NoneLeavesThemOut) {
   EXPECT_LE(apart(picture.back(), dvec4(stairs.wall, 1)), kStep);
 }
 
-// --- triangles through each other -----------------------------------------------------------------------------------
+// --- intersecting triangles -----------------------------------------------------------------------------------------
 
-// Where a pixel's centre meets a triangle, clear of its edges; `margin` is less than 0 outside.
+// The point where the center of a pixel meets a triangle; `margin` is its distance to the edges, less than 0 outside.
 struct Meeting {
   double z, margin;
 };
@@ -178,10 +178,10 @@ TEST_F(Layers, RandomTrianglesThroughEachOther) {
   EXPECT_GT(most, 12u);
 }
 
-// --- very many ------------------------------------------------------------------------------------------------------
+// --- very many layers -----------------------------------------------------------------------------------------------
 
-// Each covers the picture; in no order. More fragments than there is room for at first, and lists that take ten steps
-// to sort. Each jittered frame of super-sampling sees the same.
+// Each layer covers the picture, in no particular order. There are more fragments than the initial capacity, and lists
+// that need ten steps to sort. Each jittered frame of supersampling sees the same.
 TEST_F(Layers, TenThousandAreSortedToo) {
   constexpr uint32_t kSize = 4;
   const uint32_t count = latelight::test::rounds(10'000u, 2'000u);
@@ -206,9 +206,9 @@ TEST_F(Layers, TenThousandAreSortedToo) {
     for (const vec4& pixel : linear(scene, kSize, "exact", superSampling)) ASSERT_LE(apart(pixel, expected), kStep);
 }
 
-// --- order of what has none, and coverage ---------------------------------------------------------------------------
+// --- equal depths, and coverage -------------------------------------------------------------------------------------
 
-// Of the very same depth what is drawn later lies over what is drawn earlier: by material, as the scene is drawn.
+// At equal depth, a surface that is drawn later lies over one that is drawn earlier: by material, in the scene's order.
 TEST_F(Layers, TiesAreSettledByTheOrderOfDraws) {
   Stack stack;
   std::vector<Layer> layers;
@@ -223,7 +223,7 @@ TEST_F(Layers, TiesAreSettledByTheOrderOfDraws) {
   EXPECT_EQ(linear(stack.scene, 16, "exact"), picture);
 }
 
-// On an opaque surface of the very same depth it shows: a decal.
+// On an opaque surface of equal depth it is visible: a decal.
 TEST_F(Layers, DecalsShow) {
   Stack stack;
   stack.square(stack.glass({1, 0, 0, 0.5f}), {0, 0, 0}, {1.1f, 1.1f});
@@ -232,7 +232,7 @@ TEST_F(Layers, DecalsShow) {
     for (const vec4& pixel : linear(stack.scene, 4, method)) EXPECT_LE(apart(pixel, {0.5, 0, 0.5, 1}), kStep) << method;
 }
 
-// PNG's straight alpha: the colour of the glass, its coverage beside it, or over the background asked for.
+// PNG's straight alpha: the color of the glass with its coverage, or blended over the requested background.
 TEST_F(Layers, GlassOverNothingHasItsOwnColorAndCoverage) {
   Stack stack;
   stack.square(stack.glass({0.25f, 0.5f, 0.75f, 0.4f}), {0, 0, 0}, {1.1f, 1.1f});
@@ -255,7 +255,7 @@ TEST_F(Layers, GlassOverNothingHasItsOwnColorAndCoverage) {
   }
 }
 
-// Alpha of texture, factor and vertex colour multiply; a surface seen from behind shows where it is double-sided.
+// The alpha of texture, factor and vertex color are multiplied; back faces are visible if the material is double-sided.
 TEST_F(Layers, AlphaIsTextureTimesFactorTimesVertexColor) {
   Stack stack;
   stack.scene.meshes.front() = squareMesh(true);

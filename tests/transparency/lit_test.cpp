@@ -1,5 +1,5 @@
-// Blended surfaces under lights: they are lit like opaque ones, independent of the technique that lights the rest of
-// the picture, the same with the light tree as with all lights, and with buffers that grow.
+// Blended surfaces under lights: they are lit like opaque ones, independently of the technique that lights the rest of
+// the picture, equally with the light tree and with all lights, and with buffers that grow.
 #include <fmt/core.h>
 
 #include <cstring>
@@ -24,7 +24,7 @@ using output::Aov;
 
 constexpr uint32_t kWidth = 80, kHeight = 48;
 
-// Spheres and panes of every kind of blended material over nothing, and one over a wall.
+// Spheres and panes with every kind of blended material in front of the background, and one in front of a wall.
 scene::Scene glassRoom(uint32_t lights) {
   scene::builtin::SceneBuilder builder("glass");
   scene::Scene& scene = builder.scene;
@@ -64,7 +64,7 @@ scene::Scene glassRoom(uint32_t lights) {
   return std::move(scene);
 }
 
-// --- frames with a setup of one's own -------------------------------------------------------------------------------
+// --- frames with their own setup ------------------------------------------------------------------------------------
 
 class Bench {
  public:
@@ -74,7 +74,7 @@ class Bench {
     std::vector<uint16_t> halves;  // RGBA
     uint32_t runs = 0;
   };
-  // With room for so many fragments at first.
+  // With this initial capacity for fragments.
   Result render(const TransparencySetup& transparency, uint64_t fragments = 0) {
     const FrameConfig setup{
         .layout = &findLayout("thin"), .lighting = &findTechnique("fullscreen"), .transparency = transparency};
@@ -100,7 +100,8 @@ class Bench {
 
 class LitGlass : public RenderTest {};
 
-// From room for one fragment: what does not fit is found, room made, and the picture is that of ample room.
+// Starts with a capacity of one fragment: the overflow is detected, the buffer grows, and the picture equals that of
+// ample capacity.
 TEST_F(LitGlass, MemoryGrowsUntilAllFits) {
   const scene::Scene scene = glassRoom(20);
   Bench bench(device(), scene);
@@ -111,7 +112,7 @@ TEST_F(LitGlass, MemoryGrowsUntilAllFits) {
   EXPECT_EQ(bench.render({}, 1 << 20).halves, ample.halves);  // the same bytes again
 }
 
-// Where the device has no more room, a sentence that names the way out; never a picture that lacks something.
+// If the device has no more memory, the error names a remedy; a picture is never incomplete.
 TEST_F(LitGlass, MemoryThatEndsIsSaid) {
   const scene::Scene scene = glassRoom(1);
   Bench bench(device(), scene);
@@ -131,13 +132,13 @@ TEST_F(LitGlass, TheLightTreeLeavesNoLightOut) {
   for (uint32_t method : {kTransparencyExact, kTransparencySorted}) {
     const std::vector<uint16_t> tree = bench.render({.method = method}).halves;
     const std::vector<uint16_t> every = bench.render({.method = method, .everyLight = true}).halves;
-    int worst = 0;  // steps of a half
+    int worst = 0;  // in steps of a half float
     for (size_t i = 0; i < tree.size(); ++i) worst = std::max(worst, std::abs(int{tree[i]} - int{every[i]}));
     EXPECT_LE(worst, 1) << method;
   }
 }
 
-// --- with everything else
+// --- with other features
 // ---------------------------------------------------------------------------------------------
 
 std::vector<float> colorOf(Renderer& renderer, const Settings& settings) {
@@ -145,7 +146,8 @@ std::vector<float> colorOf(Renderer& renderer, const Settings& settings) {
   return imageOf(renderer.render({&camera, 1}, settings).front(), Aov::Color).values;
 }
 
-// Where nothing opaque lies behind, the very same bytes; elsewhere what the layout makes of the wall shows through.
+// If nothing opaque is behind, the result is equal byte for byte; otherwise the layout's version of the wall is visible
+// through it.
 TEST_F(LitGlass, IsAlikeWithEveryTechniqueAndLayout) {
   const scene::Scene scene = glassRoom(20);
   Renderer renderer(device(), scene, nullptr);
@@ -175,8 +177,8 @@ TEST_F(LitGlass, IsAlikeWithEveryTechniqueAndLayout) {
   EXPECT_GT(glassAlone, (techniques().size() + layoutsToMeet().size()) * kWidth * kHeight / 20);
 }
 
-// Next to alpha 1, where materials count as opaque, the picture is that of the same materials unblended, in both
-// shading models and an environment.
+// As alpha approaches 1, at which materials count as opaque, the picture approaches that of the same materials
+// unblended, in both shading models and with an environment.
 TEST_F(LitGlass, WithAlphaOneIsTheOpaqueSurface) {
   scene::Scene scene = glassRoom(20);
   scene::Scene opaque = glassRoom(20);
@@ -197,7 +199,7 @@ TEST_F(LitGlass, WithAlphaOneIsTheOpaqueSurface) {
   }
 }
 
-// Several cameras at once have lists of their own.
+// Several cameras of one frame have separate lists.
 TEST_F(LitGlass, ViewsTogetherAreViewsAlone) {
   const scene::Scene scene = glassRoom(5);
   Renderer renderer(device(), scene, nullptr);

@@ -16,7 +16,7 @@ using output::Aov;
 
 class OpaqueBlend : public RenderTest {
  protected:
-  // Whether the square before the camera is among the data outputs.
+  // Returns true if the square in front of the camera is in the data outputs.
   static bool isInData(Renderer& renderer, const SceneState& moment = {}) {
     const scene::Camera camera = frontCamera();
     const Settings settings = settingsOf(5, 5, {Aov::Depth, Aov::Id});
@@ -68,7 +68,7 @@ TEST_F(OpaqueBlend, FollowsTexturesThatAreReplaced) {
     scene::setTexture(scene, 0, textureOf(2, 2, true, isOpaque ? opaque : translucent));
     EXPECT_EQ(isInData(renderer), isOpaque);
   }
-  // A new texture in the place of a removed one.
+  // A new texture in the slot of a removed one.
   scene::Material material = scene.materials[0];
   const scene::Material textured = material;
   material.slots[shared::kTextureBaseColor].texture = -1;
@@ -80,7 +80,7 @@ TEST_F(OpaqueBlend, FollowsTexturesThatAreReplaced) {
   EXPECT_TRUE(isInData(renderer));
 }
 
-// Colors of vertices count for the materials that they are drawn with, and where an edit gives a mesh others.
+// Vertex colors count for the materials with which they are drawn, also if an edit gives a mesh another one.
 TEST_F(OpaqueBlend, FollowsVertexColors) {
   Stack stack;
   scene::Scene& scene = stack.scene;
@@ -99,7 +99,7 @@ TEST_F(OpaqueBlend, FollowsVertexColors) {
   colored.extras[2].color.a = 1;
   scene::setMesh(scene, 1, colored);
   EXPECT_TRUE(isInData(renderer));
-  // An added instance of another mesh makes its material blended, for all of them.
+  // An added instance of another mesh makes its material blended for all instances.
   colored.extras[0].color.a = 0;
   const uint32_t other = scene::addMesh(scene, colored);
   const uint32_t added = scene::addInstance(scene, other, second, glm::translate(glm::mat4(1), vec3(9, 0, 0)));
@@ -108,12 +108,12 @@ TEST_F(OpaqueBlend, FollowsVertexColors) {
   EXPECT_TRUE(isInData(renderer));
 }
 
-// KHR_animation_pointer moves alpha from 1 to 0 in two seconds.
+// KHR_animation_pointer changes alpha from 1 to 0 in two seconds.
 TEST_F(OpaqueBlend, FollowsAnimations) {
   scene::test::GltfBuilder b = scene::test::triangleFile();
   b.add("materials", {{"alphaMode", "BLEND"}});
   b.primitive()["material"] = 0;
-  b.root["nodes"][0]["translation"] = {-0.3, -0.3, 0};  // around the middle of the picture
+  b.root["nodes"][0]["translation"] = {-0.3, -0.3, 0};  // around the center of the picture
   b.use("KHR_animation_pointer");
   const int times = b.accessor(b.view(std::vector<float>{0, 2}), scene::test::kFloat, "SCALAR", 2);
   const int factors = b.vectors(std::vector<vec4>{{1, 1, 1, 1}, {1, 1, 1, 0}});
@@ -133,7 +133,8 @@ TEST_F(OpaqueBlend, FollowsAnimations) {
   EXPECT_TRUE(isInData(renderer));
 }
 
-// Of what is not left out nothing is said. (The test `program` has what is said of the rest, once a process.)
+// There is no message if nothing is omitted. (The test `program` checks the message, which is printed once per
+// process.)
 TEST_F(OpaqueBlend, NothingIsSaidOfWhatIsThere) {
   Stack stack;
   stack.square(stack.glass({1, 0, 0, 0.5f}), {0, 0, 0}, {1, 1});

@@ -16,7 +16,8 @@ class OutputsBesideGlass : public RenderTest {
   scene::Camera camera = frontCamera();
 };
 
-// One alone, so that no pass for another makes what it lacks; then once more, for which nothing has to be compiled.
+// Each output by itself, so that no pass for another one creates what it lacks; then again, when nothing needs to be
+// compiled.
 TEST_F(OutputsBesideGlass, AreThereOneByOne) {
   Renderer renderer(device(), scene, nullptr);
   for (const NamedOption& surfaces : choices<DataSurfaces>())
@@ -41,7 +42,7 @@ TEST_F(OutputsBesideGlass, AndTheLayoutsTargets) {
   EXPECT_FALSE(renderer.readTargets(camera, settingsOf(9, 7)).gbuffer.targets.empty());
 }
 
-// A picture and its counts take turns; each keeps its pipelines.
+// A picture and its counts alternate; each keeps its pipelines.
 TEST_F(OutputsBesideGlass, TakeTurnsWithoutPipelinesMadeAnew) {
   Renderer renderer(device(), scene, nullptr);
   const Settings settings = settingsOf(9, 7, {Aov::Color, Aov::LightsTested, Aov::Samples, Aov::Motion});

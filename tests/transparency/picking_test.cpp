@@ -1,4 +1,4 @@
-// Picked pixels against the data outputs and the scene.
+// Picked pixels compared with the data outputs and the scene.
 #include "render/submit/picking.h"
 
 #include <latelight/latelight.h>
@@ -20,7 +20,7 @@ TEST_F(Picking, SaysWhatTheDataOutputsHave) {
   const scene::Scene scene = scene::load("builtin:boxes");
   Renderer renderer(device(), scene, nullptr);
   scene::Camera camera = scene.cameras.front();
-  camera.principal = {0, -1.2f};  // some background
+  camera.principal = {0, -1.2f};  // with some background
   Settings settings = settingsOf(
       kWidth, kHeight, {Aov::Id, Aov::Position, Aov::Normal, Aov::GeoNormal, Aov::Depth, Aov::Distance, Aov::Uv});
   const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, settings).front());
@@ -68,7 +68,7 @@ TEST_F(Picking, OutsideThePictureIsRefused) {
   }
 }
 
-// A triangle that goes 10 m along X in a second, picked where it is then.
+// A triangle that moves 10 m along X in one second, picked at its current position.
 TEST_F(Picking, ShowsTheTimeThatIsAskedFor) {
   scene::test::GltfBuilder b = scene::test::triangleFile();
   const std::vector<float> times = {0, 1};
@@ -85,7 +85,7 @@ TEST_F(Picking, ShowsTheTimeThatIsAskedFor) {
   options.width = options.height = 16;
   for (const double time : {0.0, 0.5, 1.0}) {
     SCOPED_TRACE(time);
-    const float x = static_cast<float>(10 * time) + 0.25f;  // of a point of the triangle
+    const float x = static_cast<float>(10 * time) + 0.25f;  // for a point of the triangle
     latelight::Camera camera = scene.lookAt({x, 0.25f, 3}, {x, 0.25f, 0}, 40);
     camera.nearClip = 0.01f;
     options.time = time;

@@ -27,7 +27,7 @@ class GlassSamples : public RenderTest, public testing::WithParamInterface<uint3
   static std::vector<float> color(const scene::Scene& scene, const Settings& settings) {
     return imageOf(renderOne(device(), scene, frontCamera(), settings), Aov::Color).values;
   }
-  // The share of a pixel's samples between two places across it.
+  // The share of a pixel's samples between two positions along x.
   static float shareBetween(double low, double high) {
     uint32_t count = 0;
     for (uint32_t i = 0; i < GetParam(); ++i) {
@@ -45,8 +45,8 @@ float unitsAt(double pixel) {
   return static_cast<float>(pixel * 2 / kSide - 1);
 }
 
-// Glass from 3.2 pixels on, and a wall before it from 3.7 pixels on: between them the glass alone shows, over the
-// pixel's mean of the wall and nothing.
+// Glass from pixel 3.2 on, and a wall in front of it from pixel 3.7 on. Between them only the glass is visible, over
+// the pixel's mean of the wall and the background.
 TEST_P(GlassSamples, CoverWhatTheyCoverAndNothingHides) {
   const vec4 glass(0.8f, 0.4f, 0.2f, 0.6f);
   const vec3 wall(0.1f, 0.5f, 0.9f);
@@ -73,7 +73,7 @@ TEST_P(GlassSamples, CoverWhatTheyCoverAndNothingHides) {
   }
 }
 
-// Spheres of flat glass: the more samples, the nearer to 256 of them.
+// Spheres of flat glass: the more samples, the closer the picture is to that of 256 samples.
 scene::Scene glassSpheres() {
   Stack stack;
   stack.scene.meshes.push_back(sphereMesh(0.5f));

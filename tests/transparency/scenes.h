@@ -17,7 +17,7 @@ struct Stack {
 
   Stack() { scene.meshes.push_back(squareMesh()); }
 
-  // Blended, unlit: the colour is the radiance.
+  // Blended and unlit: the color is the radiance.
   uint32_t glass(vec4 color) {
     scene::Material& material =
         scene.materials.emplace_back(scene::builtin::plainMaterial("glass", vec3(color), 0, 0.5f));
@@ -30,21 +30,21 @@ struct Stack {
     scene.materials[material].data.flags &= ~shared::kMaterialBlended;
     return material;
   }
-  // The square of `half` sides around (x, y, z).
+  // A square around (x, y, z) with half the side length `half`.
   void square(uint32_t material, vec3 centre, glm::vec2 half) {
     const glm::mat4 moved = glm::translate(glm::mat4(1), centre);
     builder.addInstance("square", builder.kRoot, 0, material, glm::scale(moved, vec3(half, 1)));
   }
 };
 
-// Triangles in one mesh, each of one colour and alpha.
+// Triangles in one mesh, each with its own color and alpha.
 struct ColoredTriangle {
   vec3 corners[3];
   vec4 color;
 };
 scene::Scene sceneOf(const std::vector<ColoredTriangle>& triangles);
 
-// A fragment as the reference sorts it, and all of a pixel's over `under`, farthest first.
+// A fragment for the reference sort, and the result of blending all fragments of a pixel over `under`, farthest first.
 struct Layer {
   double z;  // towards the viewer
   vec4 color;

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Luminance in brown instead of a share of the colour.
+// Blends the color towards its luminance in brown.
 #include "render/glsl/common.glsl"
 #include "render/post/sepia/sepia_push.h"
 
