@@ -138,10 +138,10 @@ std::string_view nameOfSignal(int signal) {
 }
 
 void report(const data::BatchResult& result, const std::string& folder) {
-  size_t said = 0;
+  size_t warnings = 0;
   for (const auto& [name, why] : result.failed)
-    if (++said <= 20) warn("{}: {}", name, why);
-  if (said > 20) warn("{} more failed: see latelight batch status {}", said - 20, folder);
+    if (++warnings <= 20) warn("{}: {}", name, why);
+  if (warnings > 20) warn("{} more failed: see latelight batch status {}", warnings - 20, folder);
   const uint64_t missing = result.frames - result.finished;
   if (result.signal)
     fail(ExitCode::SomeFramesFailed, "stopped by {} with {} of {} frames in '{}'; --resume makes the others",
@@ -173,7 +173,7 @@ void runBatch(const BatchArguments& a) {
   if (a.slurm > 0) return printSlurm(a);
   limitMemory(a.memory);
   const data::Job job = readJob(a);
-  const data::ChosenShard part = data::chooseShard(a.shard, environment);
+  const data::SelectedShard part = data::chooseShard(a.shard, environment);
   if (!part.by.empty())
     record(fmt::format("part {}/{} of the frames, chosen by {}; --shard i/n chooses another", part.shard.index,
                        part.shard.count, part.by));

@@ -55,7 +55,7 @@ void runRaster(BenchArguments& a) {
 // Checks the options of a benchmark with a scene, and opens its device.
 template <typename Measure>
 void onDevice(RenderOptions& o, const Measure& measure) {
-  if (o.isGiven("out")) badUsage("bench writes no image: omit -o");
+  if (o.isExplicit("out")) badUsage("bench writes no image: omit -o");
   checkOptions(o);
   checkTime(o);
   vk::avoidFullDriverCache();
@@ -78,7 +78,7 @@ void inScene(vk::Device& device, RenderOptions& o, const std::string& name, cons
 }
 
 void refuseRaster(const RenderOptions& o) {
-  if (o.isGiven("raster")) badUsage("bench measures both rasters: omit --raster");
+  if (o.isExplicit("raster")) badUsage("bench measures both rasters: omit --raster");
 }
 
 void runFrame(BenchArguments& a) {
@@ -96,7 +96,7 @@ void runFrame(BenchArguments& a) {
 
 // Both benchmarks compare lighting with its lower bound, which supports one sample per pixel.
 void refuseSamples(const RenderOptions& o) {
-  if (o.isGiven("aa")) badUsage("bench lights and bench shade light each pixel once: omit --aa");
+  if (o.isExplicit("aa")) badUsage("bench lights and bench shade light each pixel once: omit --aa");
 }
 
 // Checks the scene's possible numbers of lights before anything is measured.
@@ -122,7 +122,7 @@ void checkLights(const std::string& scene, const std::vector<uint64_t>& counts) 
 void runLights(BenchArguments& a) {
   RenderOptions& o = a.render;
   refuseSamples(o);
-  if (o.isGiven("lighting")) badUsage("bench lights measures every technique that runs in compute: omit --lighting");
+  if (o.isExplicit("lighting")) badUsage("bench lights measures every technique that runs in compute: omit --lighting");
   std::vector<uint64_t> counts = parseCounts("--lights", a.lights);
   checkLights(o.scene, counts);
   std::ranges::sort(counts);
@@ -141,7 +141,7 @@ void runLights(BenchArguments& a) {
 void runShade(BenchArguments& a) {
   RenderOptions& o = a.render;
   refuseSamples(o);
-  if (o.isGiven("shading")) badUsage("bench shade measures every reflection model: omit --shading");
+  if (o.isExplicit("shading")) badUsage("bench shade measures every reflection model: omit --shading");
   if (o.settings.lighting->draws)
     badUsage("bench shade requires a technique that runs in compute, unlike {}: choose another --lighting",
              o.settings.lighting->name);

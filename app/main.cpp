@@ -98,7 +98,7 @@ void keepValuesWhole(CLI::App& cli) {
 
 // Rejects empty values: they come from unset shell variables and do not request the default. Some options have a better
 // message of their own.
-void refuseEmptyValues(CLI::App& cli) {
+void rejectEmptyValues(CLI::App& cli) {
   const CLI::Validator check(
       [](const std::string& value) { return value.empty() ? "its value is empty" : std::string(); }, "");
   for (CLI::Option* option : allOptions(cli))
@@ -134,7 +134,7 @@ int parseAndRun(int argc, char** argv) {
     return 0;
   }
   keepValuesWhole(cli);
-  refuseEmptyValues(cli);
+  rejectEmptyValues(cli);
   checkDashes(cli, argc, argv);
   try {
     cli.parse(argc, argv);

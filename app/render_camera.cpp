@@ -14,14 +14,14 @@ namespace latelight::app {
 namespace {
 
 const scene::Camera& findCamera(const scene::Scene& scene, const std::vector<scene::Camera>& cameras,
-                                const std::string& wanted) {
+                                const std::string& requested) {
   for (const scene::Camera& camera : cameras)
-    if (camera.name == wanted) return camera;
-  if (auto index = parseIndex(wanted); index && *index < cameras.size()) return cameras[*index];
+    if (camera.name == requested) return camera;
+  if (auto index = parseIndex(requested); index && *index < cameras.size()) return cameras[*index];
   std::string names;
   for (size_t i = 0; i < scene.cameras.size(); ++i)
     names += fmt::format("{}{} \"{}\"", i ? ", " : "", i, scene.cameras[i].name);
-  badUsage("{} has no camera \"{}\"; {}", scene.source, wanted,
+  badUsage("{} has no camera \"{}\"; {}", scene.source, requested,
            names.empty() ? "it has none: use --eye and --target, or --orbit" : "it has: " + names);
 }
 
@@ -29,7 +29,7 @@ scene::Camera placeCamera(const scene::Scene& scene, const std::vector<scene::Ca
                           const RenderOptions& o) {
   const float aspect = static_cast<float>(o.settings.width) / static_cast<float>(o.settings.height);
   const float fov = o.fov ? static_cast<float>(*o.fov * M_PI / 180.0) : scene::kDefaultVerticalFov;
-  if (!scene::showsSomething(fov))
+  if (!scene::isUsableFieldOfView(fov))
     badUsage("--fov must be an angle between 0 and 180 degrees, from {:g} to {:.6g}, not {}",
              glm::degrees(scene::kMinVerticalFov), glm::degrees(scene::kMaxVerticalFov), *o.fov);
   if (!o.camera.empty() + !o.eye.empty() + !o.orbit.empty() > 1)

@@ -149,9 +149,9 @@ void checkOptions(RenderOptions& o) {
   o.pixels = parsePixels(o.picks);
   render::checkPixels(s, o.pixels);
   const render::Layout& layout = *s.layout;
-  if (o.isGiven("normals") && layout.fixedNormal)
+  if (o.isExplicit("normals") && layout.fixedNormal)
     badUsage("--normals does not apply to the layout {}, which stores normals as {}", layout.name, layout.fixedNormal);
-  if (o.isGiven("position") && layout.fixedPosition)
+  if (o.isExplicit("position") && layout.fixedPosition)
     badUsage("--position does not apply to the layout {}, which stores positions as {}", layout.name,
              layout.fixedPosition);
 }

@@ -31,7 +31,7 @@ struct RenderOptions {
   std::map<std::string, std::string, std::less<>> given;  // the options that were given, by key ("exposure"), as text
   std::vector<glm::uvec2> pixels;                         // parsed from `picks`
 
-  bool isGiven(std::string_view key) const {
+  bool isExplicit(std::string_view key) const {
     return given.contains(key);
   }
 };

@@ -39,7 +39,7 @@ void checkTime(const RenderOptions& o) {
   if (!o.picks.empty()) badUsage("--pick applies to one time: use --time instead of --frames");
   const auto [first, last] = parseFrames(o.frames);
   if (last - first >= kMaxFrames) badUsage("--frames takes at most {} frames, not \"{}\"", kMaxFrames, o.frames);
-  if (o.isGiven("frame")) badUsage("--frame and --frames both set {{frame}}; use one of them");
+  if (o.isExplicit("frame")) badUsage("--frame and --frames both set {{frame}}; use one of them");
   if (o.out.find("{frame}") == std::string::npos && first != last)
     badUsage(
         "--frames requires {{frame}} in -o, such as out/{{frame}}.png; otherwise each frame would replace the "

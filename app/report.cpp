@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "app/commands.h"
-#include "app/given.h"
+#include "app/explicit_options.h"
 #include "app/render_options.h"
 #include "app/render_run.h"
 #include "base/files.h"
@@ -33,7 +33,7 @@ struct ReportArguments {
 // Rejects options that a page does not support or varies itself.
 void checkGiven(const RenderOptions& o) {
   for (const char* key : {"aov", "pick", "debug", "no-side-file", "json", "dump-graph", "frames", "frame", "lens"})
-    if (o.isGiven(key)) badUsage("report selects its own images and values: omit --{}", key);
+    if (o.isExplicit(key)) badUsage("report selects its own images and values: omit --{}", key);
   if (o.out.empty()) badUsage("--out is required: give the output file, for example -o report.html");
   checkWritable(o.out);
 }
@@ -42,7 +42,7 @@ void checkGiven(const RenderOptions& o) {
 // page and of an image differ.
 std::vector<std::string> wordsOf(const ReportArguments& a, std::vector<std::string_view> but) {
   but.insert(but.end(), {"out", "validate", "size", "runs"});
-  std::vector<std::string> words = report::joined({a.render.scene}, givenOptions(*a.command, but));
+  std::vector<std::string> words = report::joined({a.render.scene}, explicitOptions(*a.command, but));
   words.insert(words.end(), {"--size", fmt::format("{}x{}", a.render.settings.width, a.render.settings.height)});
   return words;
 }

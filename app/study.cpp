@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "app/commands.h"
-#include "app/given.h"
+#include "app/explicit_options.h"
 #include "app/parse.h"
 #include "base/files.h"
 #include "base/text.h"
@@ -117,7 +117,7 @@ void writeAll(const std::filesystem::path& folder, const Arguments& a, const stu
 
 std::string pageOf(const Arguments& a, const study::Study& study, const study::Result& result) {
   std::vector<std::string> words{"study", a.name};
-  words = report::joined(std::move(words), givenOptions(*a.command, {"out", "json", "validate"}));
+  words = report::joined(std::move(words), explicitOptions(*a.command, {"out", "json", "validate"}));
   return report::studyPage(study, a.options, result, words);
 }
 

@@ -27,7 +27,7 @@ void addViewOptions(CLI::App& command, ViewOptions& options) {
 
 view::Start viewStart(ViewOptions& o, std::string_view command) {
   for (const std::string_view key : kUseless)
-    if (o.isGiven(key)) badUsage("{} is interactive and does not support --{}", command, key);
+    if (o.isExplicit(key)) badUsage("{} is interactive and does not support --{}", command, key);
   checkOptions(o);
   vk::useShadersOf(o.shaders);
   view::Start start{.scene = o.scene,
@@ -46,7 +46,7 @@ view::Start viewStart(ViewOptions& o, std::string_view command) {
   if (!o.debug.empty()) start.choice.output = o.debug;
   for (const render::Option& option : render::options()) {
     const std::string key(render::keyOf(option));
-    if (!o.isGiven(key) || key == "size") continue;
+    if (!o.isExplicit(key) || key == "size") continue;
     start.choice.options[key] = option.kind == render::OptionKind::Flag ? "true" : o.given.find(key)->second;
   }
   return start;

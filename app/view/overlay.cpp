@@ -82,9 +82,9 @@ void drawSlider(float x, const PictureArea& area) {
 
 // Draws a crosshair that does not cover its pixel.
 void drawCrosshair(ImVec2 at, const PictureArea& area) {
-  for (const float way : {-area.scale, area.scale}) {
-    drawLine({at.x + 4 * way, at.y}, {at.x + 16 * way, at.y}, 2 * area.scale);
-    drawLine({at.x, at.y + 4 * way}, {at.x, at.y + 16 * way}, 2 * area.scale);
+  for (const float sign : {-area.scale, area.scale}) {
+    drawLine({at.x + 4 * sign, at.y}, {at.x + 16 * sign, at.y}, 2 * area.scale);
+    drawLine({at.x, at.y + 4 * sign}, {at.x, at.y + 16 * sign}, 2 * area.scale);
   }
 }
 

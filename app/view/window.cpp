@@ -52,7 +52,7 @@ struct Window::Impl {
   void pressKey(const std::string& name, bool down, int modifiers);
   bool command(const std::string& name);
   bool windowKey(const std::string& name, bool shift);
-  bool anywhereKey(const std::string& name);
+  bool globalKey(const std::string& name);
   void copyCommand();
   std::string sun() const;
 
@@ -191,7 +191,7 @@ bool Window::Impl::command(const std::string& name) {
 }
 
 // Handles the keys of the window itself, which also work while the panel has the focus.
-bool Window::Impl::anywhereKey(const std::string& name) {
+bool Window::Impl::globalKey(const std::string& name) {
   if (name == "F1") return memory.help = !memory.help, true;
   if (name == "F2") return memory.shown = memory.focuses = true;
   return false;
@@ -212,7 +212,7 @@ void Window::Impl::pressKey(const std::string& name, bool down, int modifiers) {
     if (down) command(name);
     return;
   }
-  if (down && anywhereKey(name)) return;
+  if (down && globalKey(name)) return;
   if (io.WantCaptureKeyboard) {
     if (down && name == "Escape" && !isBusyWithKeys()) ImGui::SetWindowFocus(nullptr);
     return;

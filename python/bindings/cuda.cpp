@@ -158,7 +158,7 @@ class Imported {
   Imported(const Imported&) = delete;
   Imported& operator=(const Imported&) = delete;
 
-  CudaPlace place() const { return {reinterpret_cast<void*>(pointer_), device_}; }
+  CudaPointer place() const { return {reinterpret_cast<void*>(pointer_), device_}; }
   void waitForReaders() const {
     const InContext current(context_);
     check(cuda().cuCtxSynchronize(), "finish its work");
@@ -173,7 +173,7 @@ class Imported {
 
 }  // namespace
 
-CudaPlace cudaPlaceOf(const DeviceArray& array) {
+CudaPointer cudaPointerOf(const DeviceArray& array) {
   if (!array.attached()) {
     const auto imported = std::make_shared<Imported>(array);
     // The memory calls this only while it holds `imported`.

@@ -5,13 +5,13 @@
 
 namespace latelight::python {
 
-struct CudaPlace {
+struct CudaPointer {
   void* pointer = nullptr;
   int device = 0;  // CUDA's index of the device, as torch counts
 };
 
 // Returns CUDA's address of the array. The memory is imported once. Before the renderer reuses it, it waits for all
 // work of CUDA in this context. Throws Error(NoDevice) if CUDA is absent or does not know the device.
-CudaPlace cudaPlaceOf(const DeviceArray& array);
+CudaPointer cudaPointerOf(const DeviceArray& array);
 
 }  // namespace latelight::python

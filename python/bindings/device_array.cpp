@@ -41,7 +41,7 @@ PlacedArray placed(DeviceArray&& array, bool single) {
     placed.pointer = const_cast<void*>(host);
     return placed;
   }
-  const CudaPlace place = cudaPlaceOf(placed.array);
+  const CudaPointer place = cudaPointerOf(placed.array);
   placed.pointer = place.pointer;
   placed.deviceType = kOnCuda;
   placed.device = place.device;

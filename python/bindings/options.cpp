@@ -111,7 +111,7 @@ bool setBesideTable(Options& options, std::string_view name, nb::handle value) {
   return true;
 }
 
-[[noreturn]] void refuseKeyword(const std::string& name) {
+[[noreturn]] void rejectKeyword(const std::string& name) {
   const RunningPython section;
   nb::list known;
   for (const Keyword& keyword : keywords()) known.append(keyword.name);
@@ -124,7 +124,7 @@ bool setBesideTable(Options& options, std::string_view name, nb::handle value) {
 void setKeyword(Options& options, const std::string& name, nb::handle value) {
   const auto found = std::ranges::find(keywords(), name, &Keyword::name);
   if (found != keywords().end()) return found->set(options, value, name);
-  if (!setBesideTable(options, name, value)) refuseKeyword(name);
+  if (!setBesideTable(options, name, value)) rejectKeyword(name);
 }
 
 void setSize(Options& options, nb::handle size) {

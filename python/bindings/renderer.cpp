@@ -111,7 +111,7 @@ class SharedTicket {
 // --- the class ------------------------------------------------------------------------------------------------------
 
 EnvironmentData environmentOf(nb::handle value) {
-  const FloatArray array = floatsOf(value, "environment", {-1, -1, 3}, Integers::Refused);
+  const FloatArray array = floatsOf(value, "environment", {-1, -1, 3}, Integers::Rejected);
   EnvironmentData data{static_cast<uint32_t>(array.shape[1]), static_cast<uint32_t>(array.shape[0]), {}};
   data.radiance.resize(size_t{data.width} * data.height);
   if (data.radiance.empty()) badValue("environment must not be empty");

@@ -81,22 +81,22 @@ bool isRefusal(const nb::python_error& error) {
 }
 
 // Must follow a call that set Python's error indicator. Throws every error except a rejection.
-void takeRefusal() {
+void clearError() {
   const nb::python_error error;
   if (!isRefusal(error)) throw error;
 }
 
 // Stops at a nesting depth beyond that of NumPy's arrays, because NumPy rejects such lists.
-void refuseMasks(nb::handle value, std::string_view name, const nb::object& maskedArray, int depth = 0) {
+void rejectMasks(nb::handle value, std::string_view name, const nb::object& maskedArray, int depth = 0) {
   constexpr int kMaxDepth = 64;
   if (isNumPy(value, maskedArray) && nb::cast<bool>(numpy("ma").attr("is_masked")(value)))
     badValue("{} has masked values: fill them first, with numpy.ma.filled()", name);
   if (depth == kMaxDepth || !(PyList_CheckExact(value.ptr()) || PyTuple_CheckExact(value.ptr()))) return;
   for (Py_ssize_t i = 0; i < PySequence_Fast_GET_SIZE(value.ptr()); ++i)
-    refuseMasks(PySequence_Fast_GET_ITEM(value.ptr(), i), name, maskedArray, depth + 1);
+    rejectMasks(PySequence_Fast_GET_ITEM(value.ptr(), i), name, maskedArray, depth + 1);
 }
-void refuseMasks(nb::handle value, std::string_view name) {
-  refuseMasks(value, name, numpy("ma").attr("MaskedArray"));
+void rejectMasks(nb::handle value, std::string_view name) {
+  rejectMasks(value, name, numpy("ma").attr("MaskedArray"));
 }
 
 template <typename T>
@@ -127,7 +127,7 @@ bool normalize(const nb::object& array, Integers integers, std::vector<float>& t
 }
 
 // Rejects other small integers, whose meaning is unknown: such types usually store scaled values to save memory.
-void refuseOtherSmallIntegers(const nb::object& array, Integers integers, std::string_view name) {
+void rejectOtherSmallIntegers(const nb::object& array, Integers integers, std::string_view name) {
   if (integers == Integers::Plain || kindOf(array) == 'f' || itemBytes(array) > 2) return;
   badType("{} must be an array of floats, {}, not {}", name,
           integers == Integers::Normalized ? "uint8 or uint16" : "int8 or int16", dtypeName(array));
@@ -158,14 +158,14 @@ bool boolOf(nb::handle value, std::string_view name) {
 double numberOf(nb::handle value, std::string_view name) {
   if (PyFloat_CheckExact(value.ptr())) return PyFloat_AS_DOUBLE(value.ptr());
   const RunningPython section;
-  refuseMasks(value, name);
+  rejectMasks(value, name);
   const bool isArray = isNumPy(value, numpy("generic")) || isNumPy(value, numpy("ndarray"));
   if (PyUnicode_Check(value.ptr()) || PyBool_Check(value.ptr()) ||
       (isArray && (nb::cast<int>(value.attr("ndim")) > 0 || !has(nb::borrow(value), Elements::Numbers))))
     badType("{} must be a number, not {}", name, typeName(value));
   const double number = PyFloat_AsDouble(value.ptr());
   if (number != -1 || !PyErr_Occurred()) return number;
-  takeRefusal();
+  clearError();
   if (PyIndex_Check(value.ptr())) badValue("{} is too large", name);
   badType("{} must be a number, not {}", name, typeName(value));
 }
@@ -179,9 +179,9 @@ float floatOf(nb::handle value, std::string_view name) {
 
 int64_t integerOf(nb::handle value, std::string_view name, int64_t least, int64_t most) {
   const RunningPython section;
-  if (!PyLong_CheckExact(value.ptr())) refuseMasks(value, name);
+  if (!PyLong_CheckExact(value.ptr())) rejectMasks(value, name);
   const nb::object index = nb::steal(PyNumber_Index(value.ptr()));
-  if (!index.is_valid()) takeRefusal();
+  if (!index.is_valid()) clearError();
   if (!index.is_valid() || PyBool_Check(value.ptr()))
     badType("{} must be a whole number, not {}", name, typeName(value));
   int64_t number = 0;
@@ -195,14 +195,14 @@ std::string textOf(nb::handle value, std::string_view name) {
   Py_ssize_t bytes = 0;
   const char* text = PyUnicode_AsUTF8AndSize(value.ptr(), &bytes);
   if (text) return {text, static_cast<size_t>(bytes)};
-  takeRefusal();
+  clearError();
   badValue("{} must be valid Unicode, without surrogates", name);
 }
 
 std::string pathOf(nb::handle value, std::string_view name) {
   const RunningPython section;
   const nb::object path = nb::steal(PyOS_FSPath(value.ptr()));
-  if (!path.is_valid()) takeRefusal();
+  if (!path.is_valid()) clearError();
   if (!path.is_valid() || !PyUnicode_Check(path.ptr()))
     badType("{} must be a path, not {}", name, path.is_valid() ? typeName(path) : typeName(value));
   const std::string text = textOf(path, name);
@@ -214,7 +214,7 @@ nb::list itemsOf(nb::handle value, std::string_view name, std::string_view what)
   const RunningPython section;
   const nb::object items = nb::steal(PySequence_List(value.ptr()));
   if (items.is_valid()) return nb::borrow<nb::list>(items);
-  takeRefusal();
+  clearError();
   badType("{} must be {}, not {}", name, what, typeName(value));
 }
 
@@ -235,7 +235,7 @@ std::vector<std::string> pathsOf(nb::handle value, std::string_view name) {
 nb::object arrayOf(nb::handle value, std::string_view name, Elements elements, const std::vector<int64_t>& shape,
                    const char* dtype) {
   const RunningPython section;
-  refuseMasks(value, name);
+  rejectMasks(value, name);
   nb::object array;
   try {
     array = numpy("asarray")(value);
@@ -258,11 +258,11 @@ size_t lengthOf(const nb::object& array, size_t axis) {
 
 FloatArray floatsOf(nb::handle value, std::string_view name, const std::vector<int64_t>& shape, Integers integers) {
   const RunningPython section;
-  const Elements elements = integers == Integers::Refused ? Elements::Floats : Elements::Numbers;
+  const Elements elements = integers == Integers::Rejected ? Elements::Floats : Elements::Numbers;
   const nb::object array = arrayOf(value, name, elements, shape);
   FloatArray floats{{}, shapeOf(array)};
   if (normalize(array, integers, floats.values)) return floats;
-  refuseOtherSmallIntegers(array, integers, name);
+  rejectOtherSmallIntegers(array, integers, name);
   if (kindOf(array) == 'f' && itemBytes(array) <= 4) {
     floats.values = valuesOf<float>(numpy("ascontiguousarray")(array, "float32"));
     requireFinite(floats.values, name);

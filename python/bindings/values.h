@@ -88,7 +88,7 @@ enum class Integers {
   Plain,             // as numbers
   Normalized,        // uint8 / 255 and uint16 / 65535, as glTF stores colors and texture coordinates
   SignedNormalized,  // int8 / 127 and int16 / 32767, at least -1, as KHR_mesh_quantization stores normals and tangents
-  Refused,
+  Rejected,
 };
 
 // Finite numbers in row-major order.

@@ -78,7 +78,7 @@ scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
     }
   if (!isRigid(pose))
     badUsage("the camera's pose must be a rotation and a translation, without mirror, shear or scale, over 0 0 0 1");
-  if (!camera.orthographic && !scene::showsSomething(camera.verticalFov / kDegreesPerRadian))
+  if (!camera.orthographic && !scene::isUsableFieldOfView(camera.verticalFov / kDegreesPerRadian))
     badUsage("the vertical field of view must be between 0 and 180 degrees, from {:g} to {:.6g}, not {}",
              scene::kMinVerticalFov * kDegreesPerRadian, scene::kMaxVerticalFov * kDegreesPerRadian,
              camera.verticalFov);

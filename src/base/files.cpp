@@ -126,7 +126,7 @@ WriteTarget findTarget(const fs::path& path) {
 
 // Returns 0 or an errno. Copies the attributes of the replaced file to the new file, as far as this user is permitted;
 // set-user-ID and similar bits are dropped.
-int takeOver(int fd, const WriteTarget& target) {
+int copyAttributes(int fd, const WriteTarget& target) {
   constexpr auto kSameUser = static_cast<uid_t>(-1);
   constexpr auto kSameGroup = static_cast<gid_t>(-1);
   struct stat made {};
@@ -142,7 +142,7 @@ int replace(const WriteTarget& target, std::span<const std::byte> bytes) {
   TemporaryFile file(target.path, target.mode ? target.mode & 0600 : 0666);
   if (file.error()) return file.error();
   if (target.mode)
-    if (const int error = takeOver(file.get(), target)) return error;
+    if (const int error = copyAttributes(file.get(), target)) return error;
   if (const int error = writeAll(file.get(), bytes)) return error;
   return file.become(target.path);
 }

@@ -25,7 +25,7 @@ constexpr const char* kClearLine = "\r\x1b[K";
 
 std::atomic<bool> quiet = false;
 ForkSafeMutex terminal;  // held while writing to standard error
-int drawnBars = 0;       // number of bars on the terminal's last line (guarded by `terminal`)
+int visibleBars = 0;     // number of bars on the terminal's last line (guarded by `terminal`)
 thread_local std::vector<std::string>* capture = nullptr;
 
 bool isTerminal() {
@@ -94,11 +94,11 @@ void warn(const std::string& sentence) {
     capture->push_back(sentence);
     return;
   }
-  static std::unordered_set<std::string> said;
+  static std::unordered_set<std::string> logged;
   std::lock_guard lock(terminal);
-  if (!said.insert(sentence).second) return;
+  if (!logged.insert(sentence).second) return;
   const bool color = wantsColor();
-  const std::string line = fmt::format("{}{}warning:{} {}\n", drawnBars ? kClearLine : "", color ? "\x1b[33m" : "",
+  const std::string line = fmt::format("{}{}warning:{} {}\n", visibleBars ? kClearLine : "", color ? "\x1b[33m" : "",
                                        color ? "\x1b[0m" : "", printable(sentence));
   std::fputs(line.c_str(), stderr);
 }
@@ -109,8 +109,8 @@ void record(const std::string& sentence) {
   std::tm utc{};
   gmtime_r(&now, &utc);
   std::lock_guard lock(terminal);
-  const std::string line = fmt::format("{}{:02}:{:02}:{:02} {}\n", drawnBars ? kClearLine : "", utc.tm_hour, utc.tm_min,
-                                       utc.tm_sec, printable(sentence));
+  const std::string line = fmt::format("{}{:02}:{:02}:{:02} {}\n", visibleBars ? kClearLine : "", utc.tm_hour,
+                                       utc.tm_min, utc.tm_sec, printable(sentence));
   std::fputs(line.c_str(), stderr);
 }
 
@@ -131,7 +131,7 @@ struct Progress::State {
     const int percent = static_cast<int>(100.0 * static_cast<double>(now) / static_cast<double>(total));
     const int filled = kBarWidth * percent / 100;
     std::lock_guard lock(terminal);
-    if (!drawn) ++drawnBars;
+    if (!drawn) ++visibleBars;
     drawn = true;
     const std::string line =
         fmt::format("{}{} [{:#<{}}{:-<{}}] {:3}%", kClearLine, what, "", filled, "", kBarWidth - filled, percent);
@@ -148,7 +148,7 @@ Progress::Progress(std::string_view what, uint64_t total, double silence)
 Progress::~Progress() {
   if (state_ && state_->drawn) {
     std::lock_guard lock(terminal);
-    --drawnBars;
+    --visibleBars;
     std::fputs(kClearLine, stderr);
   }
   delete state_;

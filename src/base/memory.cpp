@@ -21,7 +21,7 @@ namespace {
 constexpr uint64_t kUnlimited = std::numeric_limits<uint64_t>::max();
 
 std::atomic<uint64_t> chosenLimit = 0;
-std::atomic<uint64_t> taken = 0;
+std::atomic<uint64_t> reserved = 0;
 
 // The first number in a file; kUnlimited if it does not begin with one ("max").
 uint64_t numberIn(const fs::path& path) {
@@ -65,7 +65,7 @@ uint64_t defaultLimit() {
 
 // The limit, or less if `ulimit -v` leaves less in addition to current use. A driver crashes without address space for
 // its compiler and threads, so some is reserved.
-uint64_t limitBeside(uint64_t before) {
+uint64_t limitFor(uint64_t before) {
   constexpr uint64_t kForDrivers = uint64_t{256} << 20;
   const uint64_t left = addressesLeft();
   if (left == kUnlimited) return memoryLimit();
@@ -96,19 +96,19 @@ void setMemoryLimit(uint64_t bytes) {
 }
 
 void detail::takeMemory(uint64_t bytes, std::string_view what) {
-  uint64_t before = taken;
-  const uint64_t limit = limitBeside(before);
+  uint64_t before = reserved;
+  const uint64_t limit = limitFor(before);
   do {
     if (bytes > limit || before > limit - bytes)
       fail(ExitCode::OutOfMemory,
            "there is no memory for {}: {} are needed, and {} of the {} that may be taken are in use; use something "
            "smaller, or allow more with --memory",
            what, mebibytes(bytes), mebibytes(before), mebibytes(limit));
-  } while (!taken.compare_exchange_weak(before, before + bytes));
+  } while (!reserved.compare_exchange_weak(before, before + bytes));
 }
 
 void detail::returnMemory(uint64_t bytes) {
-  taken -= bytes;
+  reserved -= bytes;
 }
 
 void MemoryClaim::grow(uint64_t bytes, std::string_view what) {
@@ -120,7 +120,7 @@ void MemoryClaim::shrink(uint64_t bytes) {
   uint64_t before = bytes_, less = 0;
   do less = std::min(bytes, before);
   while (!bytes_.compare_exchange_weak(before, before - less));
-  taken -= less;
+  reserved -= less;
 }
 
 MemoryClaim::~MemoryClaim() {

@@ -25,7 +25,7 @@ namespace {
 
 constexpr size_t kMaxThreads = 1024;
 
-std::optional<size_t> threadsAskedFor() {
+std::optional<size_t> requestedThreads() {
   const char* text = std::getenv("LATELIGHT_THREADS");
   if (!text || !*text) return std::nullopt;
   if (const auto count = parseNumber<size_t>(text); count && *count >= 1) return std::min(*count, kMaxThreads);
@@ -159,7 +159,7 @@ Pool& pool() {
 
 size_t threadCount() {
   static const size_t count = [] {
-    const std::optional<size_t> asked = threadsAskedFor();
+    const std::optional<size_t> asked = requestedThreads();
     return asked ? *asked : std::min(coresLent(), kMaxThreads);
   }();
   return count;

@@ -132,11 +132,11 @@ int TemporaryFile::become(const fs::path& target) {
   if (copy < 0 || close(copy) != 0) return errno;
   const List list;
   if (rename(path_.c_str(), target.c_str()) != 0) return errno;
-  leaveList();  // immediately, because its old name may soon be reused
+  removeFromList();  // immediately, because its old name may soon be reused
   return 0;
 }
 
-void TemporaryFile::leaveList() {
+void TemporaryFile::removeFromList() {
   (previous_ ? previous_->next_ : first) = next_;
   if (next_) next_->previous_ = previous_;
   previous_ = next_ = nullptr;
@@ -148,7 +148,7 @@ void TemporaryFile::discard() {
   if (listed_) {
     const List list;
     unlink(path_.c_str());
-    leaveList();
+    removeFromList();
   }
   close(fd_);
   fd_ = -1;

@@ -25,7 +25,7 @@ class TemporaryFile {
  private:
   friend void removeTemporaryFiles();
   int makeOnce(mode_t permissions);
-  void leaveList();
+  void removeFromList();
   void discard();
 
   std::filesystem::path path_;

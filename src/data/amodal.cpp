@@ -19,7 +19,7 @@ constexpr uint32_t kWidest = 16384;                    // the limit of --size
 
 // The position of an object's box relative to a picture, derived from the box's projected corners.
 struct ScreenBounds {
-  enum Lies { Outside, Across, Inside } lies;
+  enum Containment { Outside, Across, Inside } containment;
   double left, right, top, bottom;  // screen bounds: conservative, in pixels, y down
 };
 
@@ -33,7 +33,7 @@ ScreenBounds screenBoundsOf(const shared::View& view, const glm::dmat4& viewFrom
     const double w = perspective ? c.y : 1, slack = 1e-4 * (std::abs(c.x) + std::abs(c.y) + std::abs(c.z));
     const double x = p.H * c.x + p.X * w, z = p.V * c.z + p.Z * w;
     if ((perspective && w <= slack) || std::abs(x) >= w - slack || std::abs(z) >= w - slack)
-      bounds.lies = ScreenBounds::Across;
+      bounds.containment = ScreenBounds::Across;
     const double outside[4] = {x, -x, z, -z};
     for (int side = 0; side < 4; ++side) beyond[side] += outside[side] > w + slack;
     const bool seen = !perspective || w > slack;
@@ -43,11 +43,11 @@ ScreenBounds screenBoundsOf(const shared::View& view, const glm::dmat4& viewFrom
     bounds.top = std::min(bounds.top, seen ? row - 2 : 0);
     bounds.bottom = std::max(bounds.bottom, seen ? row + 2 : view.size.y);
   }
-  if (std::ranges::find(beyond, 8) != std::end(beyond)) bounds.lies = ScreenBounds::Outside;
+  if (std::ranges::find(beyond, 8) != std::end(beyond)) bounds.containment = ScreenBounds::Outside;
   return bounds;
 }
 
-bool meet(const ScreenBounds& a, const ScreenBounds& b) {
+bool overlap(const ScreenBounds& a, const ScreenBounds& b) {
   return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
 }
 
@@ -61,7 +61,7 @@ using Group = std::vector<BoundedObject>;
 std::vector<Group> apart(const std::vector<BoundedObject>& objects) {
   std::vector<Group> groups;
   for (const BoundedObject& each : objects) {
-    const auto meets = [&](const BoundedObject& other) { return meet(each.bounds, other.bounds); };
+    const auto meets = [&](const BoundedObject& other) { return overlap(each.bounds, other.bounds); };
     const auto free =
         std::ranges::find_if(groups, [&](const Group& group) { return std::ranges::none_of(group, meets); });
     (free == groups.end() ? groups.emplace_back() : *free).push_back(each);
@@ -70,10 +70,10 @@ std::vector<Group> apart(const std::vector<BoundedObject>& objects) {
 }
 
 // Renders objects in isolation with one camera: each group of objects has a view of its own.
-class Alone {
+class IsolatedRenderer {
  public:
-  Alone(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-        const render::Settings& settings, const render::SceneState& moment)
+  IsolatedRenderer(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
+                   const render::Settings& settings, const render::SceneState& moment)
       : renderer_(renderer),
         scene_(scene),
         camera_(camera),
@@ -152,7 +152,7 @@ std::optional<scene::Camera> widened(const scene::Camera& camera, const render::
   wide.verticalFov = 2 * std::atan(3 * std::tan(camera.verticalFov / 2));
   wide.yHalf = 3 * camera.yHalf;
   wide.principal = camera.principal / 3.0f;
-  if (!wide.orthographic && !scene::showsSomething(wide.verticalFov)) return std::nullopt;
+  if (!wide.orthographic && !scene::isUsableFieldOfView(wide.verticalFov)) return std::nullopt;
   return wide;
 }
 
@@ -180,16 +180,16 @@ void addBeyond(const Group& group, const output::AovImage& wide) {
 
 }  // namespace
 
-void renderAlone(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                 const render::Settings& settings, const render::SceneState& moment, std::vector<Object>& objects) {
-  Alone alone(renderer, scene, camera, settings, moment);
+void renderIsolated(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
+                    const render::Settings& settings, const render::SceneState& moment, std::vector<Object>& objects) {
+  IsolatedRenderer alone(renderer, scene, camera, settings, moment);
   std::vector<BoundedObject> seen;
   std::vector<Object*> across;
   for (Object& object : objects) {
     object.alone = {settings.width, settings.height, {settings.width * settings.height}};
     const BoundedObject each = alone.bounded(object);
-    if (each.bounds.lies != ScreenBounds::Outside) seen.push_back(each);
-    if (each.bounds.lies == ScreenBounds::Across) across.push_back(&object);
+    if (each.bounds.containment != ScreenBounds::Outside) seen.push_back(each);
+    if (each.bounds.containment == ScreenBounds::Across) across.push_back(&object);
   }
   alone.render(seen, takeMasks);
   const std::optional<scene::Camera> wide = widened(camera, settings);
@@ -197,7 +197,7 @@ void renderAlone(render::Renderer& renderer, const scene::Scene& scene, const sc
   render::Settings large = settings;
   large.width *= 3;
   large.height *= 3;
-  Alone beyond(renderer, scene, *wide, large, moment);
+  IsolatedRenderer beyond(renderer, scene, *wide, large, moment);
   std::vector<BoundedObject> bounded;
   for (Object* object : across) bounded.push_back(beyond.bounded(*object));
   beyond.render(bounded, addBeyond);

@@ -15,7 +15,7 @@ namespace latelight::data {
 // and high around it. Pixels beyond the border are not counted if there can be no such picture: for cameras with a lens
 // and for the largest sizes. An object at exactly the position of another object with the same mesh and material is
 // never drawn and has an empty mask.
-void renderAlone(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                 const render::Settings& settings, const render::SceneState& moment, std::vector<Object>& objects);
+void renderIsolated(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
+                    const render::Settings& settings, const render::SceneState& moment, std::vector<Object>& objects);
 
 }  // namespace latelight::data

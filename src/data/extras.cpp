@@ -16,7 +16,7 @@ void renderExtras(render::Renderer& renderer, const scene::Scene& scene, const s
   if (needed.boxes || needed.alone || needed.shapes)
     frame.objects =
         objectsOf(scene, moment.poses.current, settings.axes == render::Axes::ZUp, needed.shapes ? &geometry : nullptr);
-  if (needed.alone) renderAlone(renderer, scene, camera, settings, moment, frame.objects);
+  if (needed.alone) renderIsolated(renderer, scene, camera, settings, moment, frame.objects);
   if (needed.samples == 0) return;
   render::Settings fine = settings;
   fine.width *= needed.samples;

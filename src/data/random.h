@@ -49,8 +49,8 @@ class Random {
   // Uniform in [0, count), without bias (Lemire 2019, "Fast random integer generation in an interval").
   uint32_t below(uint32_t count) {
     uint64_t product = uint64_t{bits()} * count;
-    const uint32_t unfair = (0u - count) % count;  // 2^32 mod count: lower products would bias the result
-    while (static_cast<uint32_t>(product) < unfair) product = uint64_t{bits()} * count;
+    const uint32_t biased = (0u - count) % count;  // 2^32 mod count: lower products would bias the result
+    while (static_cast<uint32_t>(product) < biased) product = uint64_t{bits()} * count;
     return static_cast<uint32_t>(product >> 32);
   }
   // Returns `chosen` different integers of [0, count) in the order they were drawn. `chosen` is at most `count`.

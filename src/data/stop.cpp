@@ -7,12 +7,12 @@ namespace latelight::data {
 
 namespace {
 
-std::atomic<int> askedBy = 0;
+std::atomic<int> receivedSignal = 0;
 struct sigaction beforeTerm {
 }, beforeInt{};
 
-void askToStop(int signal) {
-  if (askedBy.exchange(signal) == 0) return;
+void requestStop(int signal) {
+  if (receivedSignal.exchange(signal) == 0) return;
   sigaction(signal, signal == SIGTERM ? &beforeTerm : &beforeInt, nullptr);
   raise(signal);
 }
@@ -21,18 +21,18 @@ void askToStop(int signal) {
 
 void stopOnSignals() {
   struct sigaction action {};
-  action.sa_handler = askToStop;
+  action.sa_handler = requestStop;
   action.sa_flags = SA_RESTART;
   sigaction(SIGTERM, &action, &beforeTerm);
   sigaction(SIGINT, &action, &beforeInt);
 }
 
 int stopSignal() {
-  return askedBy;
+  return receivedSignal;
 }
 
 void throwIfStopped() {
-  if (const int signal = askedBy) throw Stopped{signal};
+  if (const int signal = receivedSignal) throw Stopped{signal};
 }
 
 }  // namespace latelight::data

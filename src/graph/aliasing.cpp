@@ -16,7 +16,7 @@ uint64_t alignUp(uint64_t offset, uint64_t alignment) {
   return (offset + alignment - 1) & ~(alignment - 1);
 }
 
-bool liveAtOnce(const Footprint& a, const Footprint& b) {
+bool lifetimesOverlap(const Footprint& a, const Footprint& b) {
   return a.first <= b.last && b.first <= a.last;
 }
 
@@ -56,7 +56,7 @@ class Packer {
   uint64_t lowestOffset(uint32_t heap, const Footprint& footprint) const {
     uint64_t offset = 0;
     for (const size_t other : placed_[heap]) {
-      if (!liveAtOnce(footprints_[other], footprint)) continue;
+      if (!lifetimesOverlap(footprints_[other], footprint)) continue;
       if (offset + footprint.size <= result_.places[other].offset) break;
       offset = std::max(offset, alignUp(result_.places[other].offset + footprints_[other].size, footprint.alignment));
     }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr VkDeviceSize kChunkBytes = VkDeviceSize{64} << 10;
 constexpr VkDeviceSize kAlignment = 16;  // default buffer reference alignment in GLSL, and enough for vectors
-constexpr uint64_t kChunkKept = 4;       // submissions for which a free chunk is kept
+constexpr uint64_t kChunkLifetime = 4;   // submissions for which a free chunk is kept
 
 }  // namespace
 
@@ -29,14 +29,14 @@ VkDeviceAddress ConstantChunk::append(std::span<const std::byte> bytes) {
 void ConstantPool::tick() {
   std::lock_guard lock(mutex_);
   ++now_;
-  std::erase_if(free_, [&](const auto& chunk) { return chunk->lastUse_ + kChunkKept < now_; });
+  std::erase_if(free_, [&](const auto& chunk) { return chunk->lastUse_ + kChunkLifetime < now_; });
 }
 
 std::shared_ptr<ConstantChunk> ConstantPool::take(VkDeviceSize size) {
   std::unique_ptr<ConstantChunk> chunk;
   {
     std::lock_guard lock(mutex_);
-    const auto found = std::find_if(free_.begin(), free_.end(), [&](const auto& c) { return c->hasRoom(size); });
+    const auto found = std::find_if(free_.begin(), free_.end(), [&](const auto& c) { return c->hasCapacity(size); });
     if (found != free_.end()) {
       chunk = std::move(*found);
       free_.erase(found);
@@ -44,12 +44,12 @@ std::shared_ptr<ConstantChunk> ConstantPool::take(VkDeviceSize size) {
   }
   if (!chunk) chunk = std::make_unique<ConstantChunk>(device_, std::max(size, kChunkBytes));
   const auto giveBackTo = [pool = shared_from_this()](ConstantChunk* dropped) {
-    pool->giveBack(std::unique_ptr<ConstantChunk>(dropped));
+    pool->recycle(std::unique_ptr<ConstantChunk>(dropped));
   };
   return std::shared_ptr<ConstantChunk>(chunk.release(), giveBackTo);
 }
 
-void ConstantPool::giveBack(std::unique_ptr<ConstantChunk> chunk) {
+void ConstantPool::recycle(std::unique_ptr<ConstantChunk> chunk) {
   std::lock_guard lock(mutex_);
   chunk->used_ = 0;
   chunk->lastUse_ = now_;
@@ -58,7 +58,7 @@ void ConstantPool::giveBack(std::unique_ptr<ConstantChunk> chunk) {
 
 VkDeviceAddress Graph::constants(std::span<const std::byte> bytes) {
   if (!constantPool_) fail(ExitCode::Internal, "frame graph: a graph without an executor has no memory for constants");
-  if (constants_.empty() || !constants_.back()->hasRoom(bytes.size()))
+  if (constants_.empty() || !constants_.back()->hasCapacity(bytes.size()))
     constants_.push_back(constantPool_->take(bytes.size()));
   return constants_.back()->append(bytes);
 }

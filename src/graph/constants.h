@@ -15,7 +15,7 @@ namespace latelight::graph {
 class ConstantChunk {
  public:
   ConstantChunk(vk::Device& device, VkDeviceSize size);
-  bool hasRoom(VkDeviceSize size) const { return used_ + size <= buffer_.size(); }
+  bool hasCapacity(VkDeviceSize size) const { return used_ + size <= buffer_.size(); }
   VkDeviceAddress append(std::span<const std::byte> bytes);
 
  private:
@@ -34,7 +34,7 @@ class ConstantPool : public std::enable_shared_from_this<ConstantPool> {
   std::shared_ptr<ConstantChunk> take(VkDeviceSize size);
 
  private:
-  void giveBack(std::unique_ptr<ConstantChunk> chunk);
+  void recycle(std::unique_ptr<ConstantChunk> chunk);
   vk::Device& device_;
   std::mutex mutex_;
   uint64_t now_ = 0;  // number of submissions so far

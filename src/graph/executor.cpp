@@ -159,7 +159,7 @@ struct SubmissionPool {
   explicit SubmissionPool(vk::Device& device)
       : device(device), transients(device), constants(std::make_shared<ConstantPool>(device)) {}
   std::unique_ptr<CommandRecorder> takeRecorder();
-  void giveBack(std::unique_ptr<CommandRecorder> recorder);
+  void recycle(std::unique_ptr<CommandRecorder> recorder);
 
   vk::Device& device;
   TransientPool transients;
@@ -177,7 +177,7 @@ std::unique_ptr<CommandRecorder> SubmissionPool::takeRecorder() {
   return recorder;
 }
 
-void SubmissionPool::giveBack(std::unique_ptr<CommandRecorder> recorder) {
+void SubmissionPool::recycle(std::unique_ptr<CommandRecorder> recorder) {
   std::lock_guard lock(mutex);
   recorders.push_back(std::move(recorder));
 }
@@ -185,12 +185,11 @@ void SubmissionPool::giveBack(std::unique_ptr<CommandRecorder> recorder) {
 }  // namespace
 
 struct Submission::State {
-  explicit State(std::shared_ptr<SubmissionPool> stock)
-      : stock(std::move(stock)), recorder(this->stock->takeRecorder()) {}
+  explicit State(std::shared_ptr<SubmissionPool> pool) : pool(std::move(pool)), recorder(this->pool->takeRecorder()) {}
   ~State();
   void finish();
 
-  std::shared_ptr<SubmissionPool> stock;
+  std::shared_ptr<SubmissionPool> pool;
   uint64_t value = 0;  // on the device's timeline
   // Indexed by the graph's ids. After recording, only results remain: imported or exported resources.
   std::vector<const vk::Image*> images;
@@ -207,22 +206,22 @@ struct Submission::State {
 // Runs when the results are no longer needed and the submission has finished; until then the executor keeps a
 // reference. Without an executor, nothing returned here is reused, but graphs may still request constants.
 Submission::State::~State() {
-  if (recorder) stock->giveBack(std::move(recorder));
-  for (auto& image : pooledImages) stock->transients.giveBack(std::move(image));
-  for (auto& buffer : pooledBuffers) stock->transients.giveBack(std::move(buffer));
-  if (!constants.empty()) stock->device.deferDeletion([constants = std::move(constants)] {});
+  if (recorder) pool->recycle(std::move(recorder));
+  for (auto& image : pooledImages) pool->transients.recycle(std::move(image));
+  for (auto& buffer : pooledBuffers) pool->transients.recycle(std::move(buffer));
+  if (!constants.empty()) pool->device.deferDeletion([constants = std::move(constants)] {});
 }
 
 // Waits until the submission has finished, and reads the times from the queries before another submission overwrites
 // them.
 void Submission::State::finish() {
-  stock->device.wait(value);
+  pool->device.wait(value);
   std::lock_guard lock(mutex);
   if (!recorder) return;
   const std::vector<double> milliseconds = recorder->timers.read();
   times.resize(milliseconds.size());  // empty without timestamps
   for (size_t i = 0; i < milliseconds.size(); ++i) times[i].milliseconds = milliseconds[i];
-  stock->giveBack(std::move(recorder));
+  pool->recycle(std::move(recorder));
   constants.clear();
 }
 
@@ -233,7 +232,7 @@ Submission& Submission::operator=(Submission&&) noexcept = default;
 Submission::~Submission() = default;
 
 bool Submission::done() const {
-  return !state_ || state_->stock->device.finished(state_->value);
+  return !state_ || state_->pool->device.finished(state_->value);
 }
 
 void Submission::wait() const {
@@ -260,15 +259,15 @@ const vk::Buffer& Submission::buffer(BufferId id) const {
 }
 
 struct Executor::Impl {
-  explicit Impl(vk::Device& device) : labels(device.instance()), stock(std::make_shared<SubmissionPool>(device)) {}
+  explicit Impl(vk::Device& device) : labels(device.instance()), pool(std::make_shared<SubmissionPool>(device)) {}
   void finishOldest();
   std::shared_ptr<Submission::State> prepare(const Graph& graph, Plan& plan);
   void materialize(const Graph& graph, Plan& plan, Submission::State& state);
   void record(const Graph& graph, const Plan& plan, Submission::State& state, VkCommandBuffer buffer);
-  static void keepResults(const Graph& graph, Submission::State& state);
+  static void storeResults(const Graph& graph, Submission::State& state);
 
   LabelCalls labels;
-  std::shared_ptr<SubmissionPool> stock;
+  std::shared_ptr<SubmissionPool> pool;
   std::deque<std::shared_ptr<Submission::State>> inFlight;  // oldest first
 };
 
@@ -276,7 +275,7 @@ Executor::Executor(vk::Device& device) : impl_(std::make_unique<Impl>(device)) {
 
 Executor::~Executor() = default;
 
-Graph::Graph(Executor& executor) : constantPool_(executor.impl_->stock->constants) {}
+Graph::Graph(Executor& executor) : constantPool_(executor.impl_->pool->constants) {}
 
 void Executor::Impl::finishOldest() {
   inFlight.front()->finish();
@@ -287,7 +286,7 @@ void Executor::Impl::finishOldest() {
 // is retried without them.
 std::shared_ptr<Submission::State> Executor::Impl::prepare(const Graph& graph, Plan& plan) {
   const auto tryTo = [&] {
-    auto state = std::make_shared<Submission::State>(stock);
+    auto state = std::make_shared<Submission::State>(pool);
     state->constants = graph.constants_;
     materialize(graph, plan, *state);
     return state;
@@ -298,7 +297,7 @@ std::shared_ptr<Submission::State> Executor::Impl::prepare(const Graph& graph, P
     if (error.code() != ExitCode::OutOfMemory) throw;
   }
   while (!inFlight.empty()) finishOldest();
-  stock->transients.clear();
+  pool->transients.clear();
   return tryTo();
 }
 
@@ -308,14 +307,14 @@ void Executor::Impl::materialize(const Graph& graph, Plan& plan, Submission::Sta
   for (const Graph::BufferNode& node : graph.buffers_) state.buffers.push_back(node.imported);
   for (const Plan::Transient& kept : plan.kept) {
     if (kept.image) {
-      state.pooledImages.push_back(stock->transients.take(graph.desc(kept.image)));
+      state.pooledImages.push_back(pool->transients.take(graph.desc(kept.image)));
       state.images[kept.image.index] = &state.pooledImages.back()->resource;
     } else {
-      state.pooledBuffers.push_back(stock->transients.take(graph.desc(kept.buffer)));
+      state.pooledBuffers.push_back(pool->transients.take(graph.desc(kept.buffer)));
       state.buffers[kept.buffer.index] = &state.pooledBuffers.back()->resource;
     }
   }
-  const PlacedTransients& placed = stock->transients.place(graph, plan);
+  const TransientPlacement& placed = pool->transients.place(graph, plan);
   for (size_t i = 0; i < plan.lives.size(); ++i) {
     if (plan.lives[i].image) {
       state.images[plan.lives[i].image.index] = &std::get<vk::Image>(placed.resources[i]);
@@ -327,7 +326,7 @@ void Executor::Impl::materialize(const Graph& graph, Plan& plan, Submission::Sta
 }
 
 void Executor::Impl::record(const Graph& graph, const Plan& plan, Submission::State& state, VkCommandBuffer buffer) {
-  vk::Commands commands(stock->device, buffer, state.recorder->descriptors);
+  vk::Commands commands(pool->device, buffer, state.recorder->descriptors);
   Context context;
   context.commands_ = &commands;
   context.images_ = &state.images;
@@ -351,7 +350,7 @@ void Executor::Impl::record(const Graph& graph, const Plan& plan, Submission::St
 }
 
 // Drops the references to other transients, because another submission may use them by the time results are read.
-void Executor::Impl::keepResults(const Graph& graph, Submission::State& state) {
+void Executor::Impl::storeResults(const Graph& graph, Submission::State& state) {
   for (size_t i = 0; i < state.images.size(); ++i)
     if (!graph.images_[i].imported && !graph.images_[i].exported) state.images[i] = nullptr;
   for (size_t i = 0; i < state.buffers.size(); ++i)
@@ -360,16 +359,16 @@ void Executor::Impl::keepResults(const Graph& graph, Submission::State& state) {
 
 Submission Executor::submit(const Graph& graph, const Plan& plan) {
   Impl& impl = *impl_;
-  vk::Device& device = impl.stock->device;
+  vk::Device& device = impl.pool->device;
   while (impl.inFlight.size() >= kInFlight) impl.finishOldest();
   while (!impl.inFlight.empty() && device.finished(impl.inFlight.front()->value)) impl.finishOldest();
-  impl.stock->transients.tick();
-  impl.stock->constants->tick();
+  impl.pool->transients.tick();
+  impl.pool->constants->tick();
   Plan placed = plan;
   const std::shared_ptr<Submission::State> state = impl.prepare(graph, placed);
   state->value = device.submit([&](VkCommandBuffer buffer) { impl.record(graph, placed, *state, buffer); });
   impl.inFlight.push_back(state);
-  Impl::keepResults(graph, *state);
+  Impl::storeResults(graph, *state);
   return Submission(state);
 }
 

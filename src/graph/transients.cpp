@@ -8,7 +8,7 @@
 namespace latelight::graph {
 namespace {
 
-constexpr uint64_t kTransientKept = 4;  // submissions after which unused entries are freed
+constexpr uint64_t kTransientLifetime = 4;  // submissions after which unused entries are freed
 
 // Returns null if no entry is free.
 template <typename Entry, typename Desc>
@@ -22,10 +22,10 @@ std::unique_ptr<Entry> find(std::vector<std::unique_ptr<Entry>>& free, const Des
 
 template <typename Entry>
 void tidy(std::vector<std::unique_ptr<Entry>>& free, uint64_t now) {
-  std::erase_if(free, [&](const auto& entry) { return entry->lastUse + kTransientKept < now; });
+  std::erase_if(free, [&](const auto& entry) { return entry->lastUse + kTransientLifetime < now; });
 }
 
-using Desc = PlacedTransients::Desc;
+using Desc = TransientPlacement::Desc;
 
 Desc descOf(const Graph& graph, const Plan::Transient& transient) {
   if (transient.image) return graph.desc(transient.image);
@@ -47,7 +47,7 @@ Footprint footprintOf(vk::Device& device, const Desc& desc, const Plan::Lifetime
           .last = life.last};
 }
 
-bool isFor(const PlacedTransients& placed, const Graph& graph, const Plan& plan) {
+bool isFor(const TransientPlacement& placed, const Graph& graph, const Plan& plan) {
   if (placed.descs.size() != plan.lives.size()) return false;
   for (size_t i = 0; i < plan.lives.size(); ++i) {
     const Footprint& footprint = placed.footprints[i];
@@ -57,8 +57,8 @@ bool isFor(const PlacedTransients& placed, const Graph& graph, const Plan& plan)
   return true;
 }
 
-PlacedTransients::Resource makeResource(vk::Device& device, const Desc& desc, const vk::Heap& heap,
-                                        VkDeviceSize offset) {
+TransientPlacement::Resource makeResource(vk::Device& device, const Desc& desc, const vk::Heap& heap,
+                                          VkDeviceSize offset) {
   if (const auto* image = std::get_if<vk::ImageDesc>(&desc)) return vk::Image(device, *image, heap, offset);
   return vk::Buffer(device, std::get<vk::BufferDesc>(desc), heap, offset);
 }
@@ -98,13 +98,13 @@ std::shared_ptr<vk::Heap> TransientPool::heapFor(const Packing::Heap& needed,
   return std::make_shared<vk::Heap>(device_, needed.type, needed.size, needed.alignment);
 }
 
-const PlacedTransients& TransientPool::place(const Graph& graph, const Plan& plan) {
+const TransientPlacement& TransientPool::place(const Graph& graph, const Plan& plan) {
   for (const auto& placed : placed_) {
     if (!isFor(*placed, graph, plan)) continue;
     placed->lastUse = now_;
     return *placed;
   }
-  auto placed = std::make_unique<PlacedTransients>();
+  auto placed = std::make_unique<TransientPlacement>();
   placed->lastUse = now_;
   for (const Plan::Lifetime& life : plan.lives) placed->descs.push_back(descOf(graph, life));
   placed->footprints = footprintsOf(device_, graph, plan);
@@ -144,13 +144,13 @@ std::unique_ptr<PooledBuffer> TransientPool::take(const vk::BufferDesc& desc) {
   return buffer ? std::move(buffer) : std::make_unique<PooledBuffer>(device_, desc);
 }
 
-void TransientPool::giveBack(std::unique_ptr<PooledImage> image) {
+void TransientPool::recycle(std::unique_ptr<PooledImage> image) {
   std::lock_guard lock(mutex_);
   image->lastUse = now_;
   images_.push_back(std::move(image));
 }
 
-void TransientPool::giveBack(std::unique_ptr<PooledBuffer> buffer) {
+void TransientPool::recycle(std::unique_ptr<PooledBuffer> buffer) {
   std::lock_guard lock(mutex_);
   buffer->lastUse = now_;
   buffers_.push_back(std::move(buffer));

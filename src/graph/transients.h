@@ -25,7 +25,7 @@ using PooledBuffer = Pooled<vk::Buffer, vk::BufferDesc>;
 
 // The transients of a plan that share memory (aliasing), placed at offsets in heaps. Arrays are indexed like
 // plan.lives.
-struct PlacedTransients {
+struct TransientPlacement {
   using Desc = std::variant<vk::ImageDesc, vk::BufferDesc>;
   using Resource = std::variant<vk::Image, vk::Buffer>;
   std::vector<Desc> descs;
@@ -46,17 +46,17 @@ class TransientPool {
   void clear();  // frees everything not in use
   // Returns the resources for plan.lives, created once for equal graphs. Submissions in flight share them, because the
   // queue runs them one after the other. The reference is valid until the next tick().
-  const PlacedTransients& place(const Graph& graph, const Plan& plan);
+  const TransientPlacement& place(const Graph& graph, const Plan& plan);
   // For results, which belong to a single submission.
   std::unique_ptr<PooledImage> take(const vk::ImageDesc& desc);
   std::unique_ptr<PooledBuffer> take(const vk::BufferDesc& desc);
-  void giveBack(std::unique_ptr<PooledImage> image);
-  void giveBack(std::unique_ptr<PooledBuffer> buffer);
+  void recycle(std::unique_ptr<PooledImage> image);
+  void recycle(std::unique_ptr<PooledBuffer> buffer);
 
  private:
   std::shared_ptr<vk::Heap> heapFor(const Packing::Heap& needed, const std::vector<std::shared_ptr<vk::Heap>>& taken);
   vk::Device& device_;
-  std::vector<std::unique_ptr<PlacedTransients>> placed_;
+  std::vector<std::unique_ptr<TransientPlacement>> placed_;
   std::mutex mutex_;  // guards the rest
   uint64_t now_ = 0;  // number of submissions so far
   std::vector<std::unique_ptr<PooledImage>> images_;

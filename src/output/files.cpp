@@ -120,9 +120,9 @@ std::vector<std::byte> encode(Format format, std::span<const Aov> aovs, const Fr
 }  // namespace
 
 std::span<const std::byte> FrameOutput::displayPng() const {
-  if (keptPng.empty())
-    keptPng = encodePng(width, height, 4, 8, reinterpret_cast<const std::byte*>(display.data()), PngLight::Srgb);
-  return keptPng;
+  if (cachedPng.empty())
+    cachedPng = encodePng(width, height, 4, 8, reinterpret_cast<const std::byte*>(display.data()), PngLight::Srgb);
+  return cachedPng;
 }
 
 void forgetMotion(FrameOutput& frame, bool previous, bool next) {

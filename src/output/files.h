@@ -43,7 +43,7 @@ struct FrameOutput {
   // `display` as a PNG file, cached from the first call on, because several formats of a data set write it. Not
   // thread-safe.
   std::span<const std::byte> displayPng() const;
-  mutable std::vector<std::byte> keptPng = {};
+  mutable std::vector<std::byte> cachedPng = {};
 };
 
 // Sets motion to the previous frame, to the next one, or both to NaN, because there is no such frame.

@@ -15,7 +15,7 @@
 namespace latelight::output {
 namespace {
 
-constexpr std::array<uint8_t, 4> kNothing{28, 28, 31, 255};
+constexpr std::array<uint8_t, 4> kEmptyColor{28, 28, 31, 255};
 
 // --- "rgb: diffuse color; a: power" ----------------------------------------------------------------------------------
 
@@ -90,7 +90,7 @@ template <typename ColorOf>
 Picture paint(const RawGbuffer& gbuffer, ColorOf&& colorOf) {
   Picture picture{gbuffer.width, gbuffer.height, std::vector<uint8_t>(gbuffer.depth.size() * 4)};
   for (size_t i = 0; i < gbuffer.depth.size(); ++i) {
-    std::array<uint8_t, 4> color = kNothing;
+    std::array<uint8_t, 4> color = kEmptyColor;
     if (std::isfinite(gbuffer.depth[i])) {
       const std::array<uint8_t, 3> rgb = colorOf(i);
       color = {rgb[0], rgb[1], rgb[2], 255};

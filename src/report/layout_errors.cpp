@@ -63,12 +63,12 @@ LayoutErrors layoutErrors(const render::Layout& layout, const output::RawGbuffer
                           const output::RawGbuffer& exact, const render::Settings& settings,
                           const scene::Camera& camera) {
   const shared::View view = render::makeView(camera, settings.width, settings.height);
-  Surfaces theirs(layout, stored, settings, view), truth(render::findLayout("exact"), exact, settings, view);
+  Surfaces decoded(layout, stored, settings, view), truth(render::findLayout("exact"), exact, settings, view);
   LayoutErrors errors;
   size_t count = 0;
   for (size_t pixel = 0; pixel < exact.depth.size(); ++pixel) {
     if (!std::isfinite(exact.depth[pixel])) continue;
-    const shared::Surface a = shared::litSurface(theirs.at(pixel)), b = shared::litSurface(truth.at(pixel));
+    const shared::Surface a = shared::litSurface(decoded.at(pixel)), b = shared::litSurface(truth.at(pixel));
     ++count;
     add(errors.normal, degreesBetween(a.normal, b.normal));
     add(errors.position, 1000 * glm::length(glm::dvec3(a.position) - glm::dvec3(b.position)));

@@ -54,7 +54,7 @@ class ScenePage {
   Words rendering(const render::Layout& layout, const render::TechniqueInfo& technique, const Words& more) const {
     const render::Raster raster = settingsFor(s_, layout).raster;
     const Words choice{"--raster", render::nameOf(raster), "--layout", layout.name, "--lighting", technique.name};
-    return joined(joined(joined({"render"}, givenFor(s_, layout)), choice), more);
+    return joined(joined(joined({"render"}, optionsFor(s_, layout)), choice), more);
   }
   std::string sizeText() const { return fmt::format("{}x{}", s_.settings.width, s_.settings.height); }
 
@@ -236,7 +236,7 @@ class ScenePage {
 
 }  // namespace
 
-std::vector<std::string> givenFor(const Subject& subject, const render::Layout& layout) {
+std::vector<std::string> optionsFor(const Subject& subject, const render::Layout& layout) {
   std::vector<std::string> words;
   for (size_t i = 0; i < subject.given.size(); ++i) {
     const std::string& word = subject.given[i];
@@ -249,7 +249,7 @@ std::vector<std::string> givenFor(const Subject& subject, const render::Layout& 
 }
 
 bool canLight(const Subject& subject, const render::Layout& layout) {
-  return layout.hasTargets() || render::computeRasterLacks(subject.device).empty();
+  return layout.hasTargets() || render::missingForComputeRaster(subject.device).empty();
 }
 
 render::Settings settingsFor(const Subject& subject, const render::Layout& layout) {

@@ -28,7 +28,7 @@ struct Subject {
 };
 
 // Returns `given` without the options that this layout would reject as meaningless.
-std::vector<std::string> givenFor(const Subject& subject, const render::Layout& layout);
+std::vector<std::string> optionsFor(const Subject& subject, const render::Layout& layout);
 
 // canLight() returns true if the device can light this layout. settingsFor() returns the settings for a layout; they
 // use another technique and raster if those of the page cannot light it. For a technique, they use another layout if

@@ -26,7 +26,7 @@ void measure(const Subject& s, std::vector<Timed>& all) {
   std::vector<render::Settings> settings;
   for (const Timed& each : all) settings.push_back(each.settings);
   const std::vector<study::PassSamples> samples =
-      study::measureInTurn(s.renderer, s.camera, s.moment, settings, s.runs);
+      study::measureInterleaved(s.renderer, s.camera, s.moment, settings, s.runs);
   for (size_t i = 0; i < all.size(); ++i) all[i].samples = samples[i];
 }
 
@@ -99,7 +99,7 @@ study::Table tableOf(const std::vector<Timed>& all, const Passes& passes) {
 std::string commandsOf(const Subject& s, const std::vector<Timed>& all) {
   std::string html;
   for (const Timed& timed : all) {
-    std::vector<std::string> words = joined({"bench", "frame"}, givenFor(s, *timed.settings.layout));
+    std::vector<std::string> words = joined({"bench", "frame"}, optionsFor(s, *timed.settings.layout));
     if (!timed.settings.lighting->forward)
       words = joined(std::move(words), std::vector<std::string>{"--layout", timed.settings.layout->name});
     html += commandHtml(joined(std::move(words), std::vector<std::string>{"--lighting", timed.settings.lighting->name,

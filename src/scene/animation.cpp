@@ -218,20 +218,20 @@ dmat4 composeTransform(dvec3 translation, dvec4 rotation, dvec3 scale) {
   return m;
 }
 
-Playback choosePlayback(const Scene& scene, const std::string& wanted, bool loop) {
+Playback choosePlayback(const Scene& scene, const std::string& requested, bool loop) {
   const std::vector<Animation>& all = scene.rig.animations;
   Playback playback{.animations = {}, .loop = loop};
-  if (wanted.empty() || wanted == "all") {
-    const size_t count = wanted.empty() ? std::min<size_t>(all.size(), 1) : all.size();
+  if (requested.empty() || requested == "all") {
+    const size_t count = requested.empty() ? std::min<size_t>(all.size(), 1) : all.size();
     for (size_t i = 0; i < count; ++i) playback.animations.push_back(static_cast<uint32_t>(i));
-    if (wanted == "all" && all.empty()) badUsage("{} has no animation: omit --animation", scene.source);
+    if (requested == "all" && all.empty()) badUsage("{} has no animation: omit --animation", scene.source);
     return playback;
   }
   for (size_t i = 0; i < all.size(); ++i)
-    if (all[i].name == wanted) return playback.animations = {static_cast<uint32_t>(i)}, playback;
-  const auto number = parseNumber<uint32_t>(wanted);
+    if (all[i].name == requested) return playback.animations = {static_cast<uint32_t>(i)}, playback;
+  const auto number = parseNumber<uint32_t>(requested);
   if (!number || *number >= all.size())
-    badUsage("{} has no animation \"{}\"; {}", scene.source, wanted, animationList(scene));
+    badUsage("{} has no animation \"{}\"; {}", scene.source, requested, animationList(scene));
   playback.animations = {*number};
   return playback;
 }

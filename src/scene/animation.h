@@ -126,7 +126,7 @@ struct Playback {
 
 // Selects animations by `wanted`: "" is the first one, otherwise a name, an index or "all". Throws Error(Usage) with a
 // list of the scene's animations if none matches. "" is valid for scenes without animations.
-Playback choosePlayback(const Scene& scene, const std::string& wanted, bool loop);
+Playback choosePlayback(const Scene& scene, const std::string& requested, bool loop);
 float duration(const Scene& scene, const Playback& playback);  // the duration of the longest one
 // Returns the pose at any finite time, or an empty pose if nothing in the scene is animated. Throws Error(BadInput) if
 // a transform overflows floats.

@@ -27,10 +27,10 @@ struct Box {
 Box visibleBox(const Scene& scene) {
   const Bounds bounds = worldBounds(scene);
   Box box{dvec3(-0.5), dvec3(0.5)};
-  const auto sane = [](dvec3 v) {
+  const auto isFinite = [](dvec3 v) {
     return std::abs(v.x) < kLargest && std::abs(v.y) < kLargest && std::abs(v.z) < kLargest;
   };
-  if (bounds.empty() || !sane(bounds.min) || !sane(bounds.max)) return box;
+  if (bounds.empty() || !isFinite(bounds.min) || !isFinite(bounds.max)) return box;
   box = {bounds.min, bounds.max};
   // The bounds are a point, or so small relative to their position that doubles can't resolve a camera around them.
   const dvec3 c = box.centre();
@@ -94,7 +94,7 @@ dvec3 fittingEye(const Box& box, const Axes& axes, double h, double v) {
 }
 
 void checkFov(float verticalFov) {
-  if (!showsSomething(verticalFov))
+  if (!isUsableFieldOfView(verticalFov))
     badUsage("A field of view of {:g} degrees is not possible: use {:g} to {:.6g}", glm::degrees(verticalFov),
              glm::degrees(kMinVerticalFov), glm::degrees(kMaxVerticalFov));
 }

@@ -18,7 +18,7 @@ inline constexpr float kDefaultVerticalFov = 0.7f;  // full angle; about 40 degr
 // Valid full vertical angles: 1e-7 to 179.999 degrees. Outside this range, the tangent in floats is inaccurate or even
 // NaN.
 inline constexpr float kMinVerticalFov = 1.74532925e-9f, kMaxVerticalFov = 3.14157520f;
-inline bool showsSomething(float verticalFov) {
+inline bool isUsableFieldOfView(float verticalFov) {
   return verticalFov >= kMinVerticalFov && verticalFov <= kMaxVerticalFov;
 }
 

@@ -20,7 +20,7 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-constexpr double kNoTurn = std::numeric_limits<double>::infinity();
+constexpr double kNoTurningPoint = std::numeric_limits<double>::infinity();
 constexpr double kPi = glm::pi<double>();
 
 constexpr LensModelInfo kModels[] = {
@@ -85,7 +85,7 @@ std::vector<double> positiveRoots(std::vector<double> p) {
 
 double firstPositiveRoot(std::span<const double> p) {
   const std::vector<double> roots = positiveRoots({p.begin(), p.end()});
-  return roots.empty() ? kNoTurn : roots.front();
+  return roots.empty() ? kNoTurningPoint : roots.front();
 }
 
 // --- distortion -----------------------------------------------------------------------------------------------------
@@ -148,15 +148,15 @@ Distorted distorted(const Lens& lens, const Radial& radial, dvec2 p) {
 }
 
 // Returns the undistorted radius of a point at this distance from the axis, without tangential distortion.
-double undistortedRadius(const Radial& radial, double most, double wanted) {
-  const double end = std::isfinite(most) ? std::sqrt(most) : kNoTurn;
-  if (std::isfinite(end) && !(end * radial.at(most) > wanted)) return end;
-  double high = std::min(end, std::max(wanted, 1e-6));
-  while (high < end && high * radial.at(high * high) < wanted && high < 1e9) high *= 2;
+double undistortedRadius(const Radial& radial, double most, double target) {
+  const double end = std::isfinite(most) ? std::sqrt(most) : kNoTurningPoint;
+  if (std::isfinite(end) && !(end * radial.at(most) > target)) return end;
+  double high = std::min(end, std::max(target, 1e-6));
+  while (high < end && high * radial.at(high * high) < target && high < 1e9) high *= 2;
   high = std::min(high, end);
-  double low = 0, r = std::min(wanted, high);
+  double low = 0, r = std::min(target, high);
   for (int i = 0; i < 60 && low < high; ++i) {
-    const double excess = r * radial.at(r * r) - wanted;
+    const double excess = r * radial.at(r * r) - target;
     (excess > 0 ? high : low) = r;
     const double slope = radial.at(r * r) + 2 * r * r * radial.slope(r * r), next = r - excess / slope;
     const double stepped = next > low && next < high ? next : 0.5 * (low + high);
@@ -168,37 +168,37 @@ double undistortedRadius(const Radial& radial, double most, double wanted) {
 
 // Refines the result of undistortedRadius() by Newton's method with step halving, including tangential distortion.
 // Returns nullopt if it does not converge within the monotonic range.
-std::optional<dvec2> undistorted(const Lens& lens, const Radial& radial, double most, dvec2 wanted) {
-  const double length = glm::length(wanted);
-  if (length == 0 && lens.distortion[2] == 0 && lens.distortion[3] == 0) return wanted;
-  dvec2 p = length > 0 ? wanted * (undistortedRadius(radial, most, length) / length) : wanted;
+std::optional<dvec2> undistorted(const Lens& lens, const Radial& radial, double most, dvec2 target) {
+  const double length = glm::length(target);
+  if (length == 0 && lens.distortion[2] == 0 && lens.distortion[3] == 0) return target;
+  dvec2 p = length > 0 ? target * (undistortedRadius(radial, most, length) / length) : target;
   Distorted d = distorted(lens, radial, p);
   for (int i = 0; i < 50; ++i) {
-    const dvec2 miss = wanted - d.at;
+    const dvec2 miss = target - d.at;
     const double determinant = d.determinant();
     if (!(determinant > 0)) return std::nullopt;
     dvec2 step = dvec2(d.byY.y * miss.x - d.byY.x * miss.y, d.byX.x * miss.y - d.byX.y * miss.x) / determinant;
     if (glm::length(step) <= 1e-15 * glm::length(p)) break;
     Distorted next = distorted(lens, radial, p + step);
-    for (int half = 0; half < 40 && !(glm::length(wanted - next.at) < glm::length(miss)); ++half) {
+    for (int half = 0; half < 40 && !(glm::length(target - next.at) < glm::length(miss)); ++half) {
       step *= 0.5;
       next = distorted(lens, radial, p + step);
     }
-    if (!(glm::length(wanted - next.at) < glm::length(miss))) break;  // the limit of double precision
+    if (!(glm::length(target - next.at) < glm::length(miss))) break;  // the limit of double precision
     p += step;
     d = next;
   }
-  const bool arrived = glm::length(wanted - d.at) <= 1e-12 * (1 + length);
+  const bool arrived = glm::length(target - d.at) <= 1e-12 * (1 + length);
   if (!arrived || !(glm::dot(p, p) < most) || !(d.determinant() > 0)) return std::nullopt;
   return p;
 }
 
-std::optional<double> unbent(const Lens& lens, double most, double wanted) {
-  if (wanted > bent(lens, most)) return std::nullopt;
+std::optional<double> unbent(const Lens& lens, double most, double target) {
+  if (target > bent(lens, most)) return std::nullopt;
   const std::array<double, 5> p = fisheyeOf(lens);
-  double low = 0, high = most, theta = std::min(wanted, most);
+  double low = 0, high = most, theta = std::min(target, most);
   for (int i = 0; i < 60; ++i) {
-    const double excess = bent(lens, theta) - wanted, t2 = theta * theta;
+    const double excess = bent(lens, theta) - target, t2 = theta * theta;
     (excess > 0 ? high : low) = theta;
     const double slope = valueOf(p, t2) + 2 * t2 * slopeOf(p, t2), next = theta - excess / slope;
     const double stepped = next > low && next < high ? next : 0.5 * (low + high);

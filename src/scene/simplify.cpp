@@ -17,12 +17,12 @@ using Indices = std::vector<uint32_t>;
 
 // Simplifies to at most the fraction `share` of the mesh's triangles, and at least one.
 Indices coarser(const Mesh& mesh, const Indices& fine, double share) {
-  const size_t wanted = 3 * std::max<size_t>(1, static_cast<size_t>(share * static_cast<double>(fine.size() / 3)));
-  if (wanted >= fine.size()) return fine;
+  const size_t indexCount = 3 * std::max<size_t>(1, static_cast<size_t>(share * static_cast<double>(fine.size() / 3)));
+  if (indexCount >= fine.size()) return fine;
   Indices coarse(fine.size());
   coarse.resize(meshopt_simplifySloppy(coarse.data(), fine.data(), fine.size(), &mesh.positions.front().x,
-                                       mesh.positions.size(), sizeof(vec3), wanted, std::numeric_limits<float>::max(),
-                                       nullptr));
+                                       mesh.positions.size(), sizeof(vec3), indexCount,
+                                       std::numeric_limits<float>::max(), nullptr));
   if (coarse.empty()) coarse.assign(fine.begin(), fine.begin() + 3);
   return coarse;
 }

@@ -49,7 +49,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     parser_.emplace();
     parser_->header_limit(kMaxHeaderBytes);
     parser_->body_limit(0);
-    stream_.expires_after(hub_.patience());
+    stream_.expires_after(hub_.requestTimeout());
     http::async_read(stream_, buffer_, *parser_,
                      [self = shared_from_this()](beast::error_code error, size_t) { self->answer(error); });
   }
@@ -57,7 +57,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
  private:
   void answer(beast::error_code error);
   void upgrade();
-  Response respond(const http::request<http::empty_body>& request, const Gate::Answer& answer, bool crowded);
+  Response respond(const http::request<http::empty_body>& request, const AccessCheck::Answer& answer, bool crowded);
   void write(Response response);
 
   beast::tcp_stream stream_;
@@ -78,9 +78,9 @@ void Connection::answer(beast::error_code error) {
   }
   if (error) return record(fmt::format("refused {}: its request can't be read: {}", peer_, error.message()));
   const http::request<http::empty_body>& request = parser_->get();
-  Knock knock{view(request.target()), view(request[http::field::host]), {}};
-  if (request.find(http::field::origin) != request.end()) knock.origin = view(request[http::field::origin]);
-  const Gate::Answer answer = hub_.gate().open(knock);
+  RequestHeader header{view(request.target()), view(request[http::field::host]), {}};
+  if (request.find(http::field::origin) != request.end()) header.origin = view(request[http::field::origin]);
+  const AccessCheck::Answer answer = hub_.accessCheck().open(header);
   if (!answer.refusal.empty()) record(fmt::format("refused {}: {}", peer_, answer.refusal));
   const bool crowded = answer.refusal.empty() && !visit_->beginService();
   if (crowded) record(fmt::format("refused {}: too many connections", peer_));
@@ -89,7 +89,8 @@ void Connection::answer(beast::error_code error) {
   write(respond(request, answer, crowded));
 }
 
-Response Connection::respond(const http::request<http::empty_body>& request, const Gate::Answer& answer, bool crowded) {
+Response Connection::respond(const http::request<http::empty_body>& request, const AccessCheck::Answer& answer,
+                             bool crowded) {
   const PageFile* file = answer.refusal.empty() && !crowded ? findPageFile(answer.path) : nullptr;
   const bool reads = request.method() == http::verb::get || request.method() == http::verb::head;
   Response response{http::status::ok, request.version()};

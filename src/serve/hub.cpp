@@ -17,13 +17,17 @@ namespace {
 constexpr size_t kMaxWaiting = 256, kMaxServed = 256;  // connections
 // Sessions that may still finish a picture after their pages have left, in addition to the open sessions: a reload, or
 // several in a row, must be admitted at once.
-constexpr size_t kMaxLeaving = 4;
+constexpr size_t kMaxClosing = 4;
 
 }  // namespace
 
-Hub::Hub(boost::asio::io_context& io, Gate gate, view::Start start, uint32_t sessions,
-         std::chrono::milliseconds patience)
-    : io_(io), gate_(std::move(gate)), start_(std::move(start)), sessions_(sessions), patience_(patience) {}
+Hub::Hub(boost::asio::io_context& io, AccessCheck accessCheck, view::Start start, uint32_t sessions,
+         std::chrono::milliseconds requestTimeout)
+    : io_(io),
+      accessCheck_(std::move(accessCheck)),
+      start_(std::move(start)),
+      sessions_(sessions),
+      requestTimeout_(requestTimeout) {}
 
 // --- connections ----------------------------------------------------------------------------------------------------
 
@@ -42,7 +46,7 @@ bool Hub::closeLongestWaiting() {
 }
 
 // Logs at most once per second, so that clients that open connections cannot fill a disk.
-void Hub::makeRoom() {
+void Hub::closeIdleSession() {
   if (waiting_.size() < kMaxWaiting || !closeLongestWaiting()) return;
   const auto now = std::chrono::steady_clock::now();
   if (now - crowdLogged_ < std::chrono::seconds(1)) return;
@@ -58,7 +62,7 @@ void Hub::close() {
 }
 
 Visit::Visit(Hub& hub, std::function<void()> close) : hub_(hub), list_(&hub.waiting_) {
-  hub_.makeRoom();
+  hub_.closeIdleSession();
   list_->push_back({std::move(close)});
   visitor_ = std::prev(list_->end());
 }
@@ -89,7 +93,7 @@ Hub::Admission Hub::admit(Calls calls) {
       static_cast<size_t>(std::ranges::count_if(viewers_, [](const auto& entry) { return entry.second.released; }));
   if (viewers_.size() - leaving >= sessions_)
     return {nullptr, fmt::format("all {} sessions are in use; close another page", sessions_)};
-  if (leaving >= sessions_ + kMaxLeaving)
+  if (leaving >= sessions_ + kMaxClosing)
     return {nullptr, fmt::format("{} sessions are still ending; try again in a moment", leaving)};
   const uint64_t number = ++numbers_;
   const auto with = [this, number](const auto& act) {

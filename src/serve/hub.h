@@ -11,18 +11,19 @@
 #include <string>
 #include <vector>
 
-#include "serve/gate.h"
+#include "serve/access_check.h"
 #include "serve/viewer.h"
 
 namespace latelight::serve {
 
 class Hub {
  public:
-  Hub(boost::asio::io_context& io, Gate gate, view::Start start, uint32_t sessions, std::chrono::milliseconds patience);
+  Hub(boost::asio::io_context& io, AccessCheck accessCheck, view::Start start, uint32_t sessions,
+      std::chrono::milliseconds requestTimeout);
 
-  const Gate& gate() const { return gate_; }
+  const AccessCheck& accessCheck() const { return accessCheck_; }
   const view::Start& start() const { return start_; }
-  std::chrono::milliseconds patience() const { return patience_; }  // for a request, and between two
+  std::chrono::milliseconds requestTimeout() const { return requestTimeout_; }  // for a request, and between two
 
   // Creates a viewer with a unique number. Its calls arrive in this thread, and none arrives after release().
   struct Calls {
@@ -55,14 +56,14 @@ class Hub {
   using Visitors = std::list<Visitor>;
 
   void end(Visitor& visitor);
-  void makeRoom();
+  void closeIdleSession();
   void join(uint64_t number);
 
   boost::asio::io_context& io_;
-  const Gate gate_;
+  const AccessCheck accessCheck_;
   const view::Start start_;
   const uint32_t sessions_;
-  const std::chrono::milliseconds patience_;
+  const std::chrono::milliseconds requestTimeout_;
   Visitors waiting_;  // waiting for a request, in order of arrival; not authorized since then
   Visitors served_;   // have shown the token: they receive a response, or belong to a page's session
   bool closed_ = false;

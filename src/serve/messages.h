@@ -44,7 +44,7 @@ inline bool isAnswered(const Order& order) {
 }
 inline bool isFile(const Order& order) {
   const auto* input = std::get_if<view::Input>(&order.what);
-  return input && std::holds_alternative<view::GiveEnvironment>(*input);
+  return input && std::holds_alternative<view::UploadEnvironment>(*input);
 }
 // Thrown for a message that the server's own page never sends. The connection is closed with this sentence.
 class BadMessage : public std::runtime_error {

@@ -17,7 +17,7 @@ class Pace {
   // A message is in flight until it has been written and the page has reported that it was shown; the report is not
   // sufficient by itself. A second one may follow meanwhile unless they are large, so that a slow network receives
   // fewer pictures but no late ones.
-  bool maySend() const { return underway_.size() < kMaxUnderway && bytes_ <= kMaxBytesUnderway; }
+  bool maySend() const { return inFlight_.size() < kMaxInFlight && bytes_ <= kMaxBytesInFlight; }
   void sent(uint64_t number, size_t bytes, Time now);
   void written(Time now);                 // the oldest unwritten message has been written
   void shown(uint64_t number, Time now);  // the page has shown this message and all before it
@@ -30,19 +30,19 @@ class Pace {
 
  private:
   static constexpr int kFinest = 92, kFine = 85, kCoarse = 30;
-  static constexpr size_t kMaxUnderway = 2, kMaxBytesUnderway = 32 << 20;
+  static constexpr size_t kMaxInFlight = 2, kMaxBytesInFlight = 32 << 20;
 
-  void settle(Time now);
+  void updateAcknowledged(Time now);
 
   struct Message {
     uint64_t number;
     size_t bytes;
     Time at;
   };
-  std::deque<Message> underway_;
-  size_t bytes_ = 0;                    // total bytes of underway_
-  uint64_t written_ = 0, settled_ = 0;  // numbers of messages: written, and no longer in flight
-  uint64_t shown_ = 0;                  // highest message number that the page reported
+  std::deque<Message> inFlight_;
+  size_t bytes_ = 0;                         // total bytes of inFlight_
+  uint64_t written_ = 0, acknowledged_ = 0;  // numbers of messages: written, and no longer in flight
+  uint64_t shown_ = 0;                       // highest message number that the page reported
   Time lastShown_{};
   static constexpr double kUnknown = 1e12;
   double rate_ = kUnknown;         // bytes per second

@@ -52,7 +52,7 @@ struct Server::Impl {
       : acceptor(listen(io, options)),
         token(newToken()),
         hub(io, {token, options.names}, start, options.sessions,
-            std::chrono::milliseconds(std::lround(1000 * options.patience))) {
+            std::chrono::milliseconds(std::lround(1000 * options.requestTimeout))) {
     auto first = std::make_unique<view::ViewSession>(start);
     device = first->state().device;
     hub.keepReady(std::move(first));

@@ -19,7 +19,7 @@ struct ServerOptions {
   std::vector<std::string> names{};  // names of this machine in browsers, lower case; addresses and "localhost" are
                                      // always accepted
   uint32_t sessions = 8;             // maximum number at the same time
-  double patience = 10;              // maximum duration of a request, in seconds
+  double requestTimeout = 10;        // maximum duration of a request, in seconds
 };
 
 class Server {

@@ -31,7 +31,7 @@ void Upload::add(std::span<const std::byte> piece) {
 Order Upload::order() {
   if (!refusal_.empty()) return {Refused{refusal_}, serial_};
   std::shared_ptr<const std::vector<std::byte>> bytes(contents_, &contents_->bytes);
-  return {view::GiveEnvironment{announced_.name, std::move(bytes)}, serial_};
+  return {view::UploadEnvironment{announced_.name, std::move(bytes)}, serial_};
 }
 
 }  // namespace latelight::serve

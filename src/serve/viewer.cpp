@@ -144,7 +144,7 @@ bool Viewer::Impl::waitForWork() {
     const bool mayMake = hasBegun && pace.maySend();
     const auto news = [&] { return stops || mayFollow() || (hasBegun && !mayMake && pace.maySend()); };
     if (mayMake)
-      changed.wait_for(lock, std::chrono::duration<double>(session->patience()), news);
+      changed.wait_for(lock, std::chrono::duration<double>(session->secondsUntilStep()), news);
     else
       changed.wait(lock, news);
     if (stops) return false;

@@ -51,7 +51,7 @@ SH_FUNC float fogTransmittance(float opticalDepth) {
 }
 
 // Applies fog to radiance `c`, premultiplied by its alpha. The fog covers the background, so alpha grows.
-SH_FUNC vec4 seenThroughFog(Fog fog, vec4 c, float transmittance) {
+SH_FUNC vec4 applyFog(Fog fog, vec4 c, float transmittance) {
   float added = 1.0f - transmittance;
   return vec4(c.x * transmittance + fog.color.x * added, c.y * transmittance + fog.color.y * added,
               c.z * transmittance + fog.color.z * added, c.w * transmittance + added);

@@ -19,7 +19,7 @@
 // code names a layout.
 //
 // A layout without targets defines GBUFFER_NO_TARGETS and an empty GBUFFER_TARGETS, and neither packs nor unpacks:
-// shaders evaluate surfaces from the visibility buffer instead (render/visibility/compute/shown_surface.glsl).
+// shaders evaluate surfaces from the visibility buffer instead (render/visibility/compute/visible_surface.glsl).
 //
 // A layout that stores Surface::motion defines GBUFFER_KEEPS_MOTION; motion is not computed for the others.
 //

@@ -130,7 +130,7 @@ SH_FUNC vec3 eyeThrough(vec3 normal, vec3 toEye, SurfaceLayers l, uint channel) 
 }
 
 // The positions at which layeredBrdf() requires the split-sum table.
-SH_FUNC LayerTables layerTablePlaces(Surface s, SurfaceLayers l, vec3 toEye) {
+SH_FUNC LayerTables layerTableCoordinates(Surface s, SurfaceLayers l, vec3 toEye) {
   LayerTables t;
   t.base = vec2(saturate(dot(s.normal, toEye)), s.roughness);
   t.coat = vec2(saturate(dot(l.clearcoatNormal, toEye)), saturate(l.clearcoatRoughness));
@@ -243,7 +243,7 @@ SH_FUNC void addSheen(SH_INOUT(LayeredBrdf) b) {
   b.underAverage = b.underCoatAverage * left;
 }
 
-// `tables` holds the values of the split-sum table at layerTablePlaces().
+// `tables` holds the values of the split-sum table at layerTableCoordinates().
 SH_FUNC LayeredBrdf layeredBrdf(Surface s, SurfaceLayers l, vec3 toEye, uint shading, LayerTables tables) {
   LayeredBrdf b;
   b.surface = s;
@@ -324,7 +324,7 @@ SH_FUNC float throughLobe(LayeredBrdf b, vec3 mirrored, float nl, uint channel) 
 }
 
 // Radiance that a light on the back side transmits through the surface. `nl` is the cosine on that side.
-SH_FUNC vec3 lightFromBehind(LayeredBrdf b, LightSample light, float nl) {
+SH_FUNC vec3 lightFromBackSide(LayeredBrdf b, LightSample light, float nl) {
   vec3 mirrored = light.toLight + b.base.normal * (2.0f * nl);
   vec3 f = b.backDiffuse;
   if (b.layers.transmission > 0.0f) {
@@ -360,7 +360,7 @@ SH_FUNC vec3 shadeLayeredLight(LayeredBrdf b, LightSample light, uint shading) {
   vec3 radiance = surfaceLight(b, light, shading) * b.under + sheenLight(b, light) + coatLight(b, light);
   float nl = dot(b.base.normal, light.toLight);
   if (nl < 0.0f && passesLight(b.layers))
-    radiance = radiance + lightFromBehind(b, light, min(nl * -1.0f, 1.0f)) * b.under;
+    radiance = radiance + lightFromBackSide(b, light, min(nl * -1.0f, 1.0f)) * b.under;
   return radiance;
 }
 

@@ -31,7 +31,7 @@ SH_FUNC vec2 samplePlace(uint samples, uint index) {
 
 // The surfaces of a pixel are stored in an array image with 32 bits per texel, as one mask of samples per surface with
 // one bit per sample. The first mask is in the lowest bits of the view's first layer, and 0 follows the last one.
-SH_FUNC uint surfacesALayer(uint samples) {
+SH_FUNC uint surfacesPerLayer(uint samples) {
   return 32u / samples;
 }
 SH_FUNC uint surfaceLayers(uint samples) {

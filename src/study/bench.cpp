@@ -63,7 +63,7 @@ Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const 
   const std::span<const Raster> rasters = rastersOf(settings);
   std::vector<render::Settings> each(rasters.size(), settings);
   for (size_t i = 0; i < each.size(); ++i) each[i].raster = rasters[i];
-  const std::vector<PassSamples> samples = measureInTurn(renderer, camera, moment, each, options.frames);
+  const std::vector<PassSamples> samples = measureInterleaved(renderer, camera, moment, each, options.frames);
   Table table{"frame", {"raster", "pass", "ms", "spread %", "MB", "% of copies"}, {}};
   for (size_t i = 0; i < each.size(); ++i) {
     const std::string name(render::nameOf(rasters[i]));

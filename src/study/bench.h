@@ -42,7 +42,7 @@ class LightsBench {
   const Ceilings& ceilings() const { return ceilings_; }
 
  private:
-  bool goesOn(const render::TechniqueInfo& technique, uint64_t lights) const;
+  bool shouldContinue(const render::TechniqueInfo& technique, uint64_t lights) const;
 
   Ceilings ceilings_;
   BenchOptions options_;

@@ -20,8 +20,8 @@ LightTimes lightTimes(const PassSamples& passes) {
   return times;
 }
 
-double picosecondsALight(double milliseconds, double usedAPixel, const render::Settings& settings) {
-  const double used = usedAPixel * settings.width * settings.height;
+double picosecondsPerLight(double milliseconds, double usedPerPixel, const render::Settings& settings) {
+  const double used = usedPerPixel * settings.width * settings.height;
   return used > 0 ? 1e9 * milliseconds / used : 0;
 }
 

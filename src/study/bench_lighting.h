@@ -17,7 +17,7 @@ struct LightTimes {
 LightTimes lightTimes(const PassSamples& passes);
 
 // Returns picoseconds per pixel and per light that the pixel uses; 0 if no light is used.
-double picosecondsALight(double milliseconds, double usedAPixel, const render::Settings& settings);
+double picosecondsPerLight(double milliseconds, double usedPerPixel, const render::Settings& settings);
 
 // Returns one cell, which is empty if the value is 0.
 Cell cellOf(double value);

@@ -18,7 +18,7 @@ LightsBench::LightsBench(const Ceilings& ceilings, const BenchOptions& options)
 
 // Skips techniques whose predicted time exceeds the budget: with a million lights, those that iterate over all lights
 // require seconds per frame.
-bool LightsBench::goesOn(const render::TechniqueInfo& technique, uint64_t lights) const {
+bool LightsBench::shouldContinue(const render::TechniqueInfo& technique, uint64_t lights) const {
   if (technique.draws) return false;
   const auto line = lines_.find(&technique);
   if (line == lines_.end()) return true;
@@ -34,7 +34,7 @@ void LightsBench::add(render::Renderer& renderer, const scene::Camera& camera, c
   all.front().lighting = &floor;
   std::vector<LightCounts> counts(1);
   for (const render::TechniqueInfo& technique : render::techniques()) {
-    if (!goesOn(technique, lights)) continue;
+    if (!shouldContinue(technique, lights)) continue;
     all.push_back(settings);
     all.back().lighting = &technique;
     try {
@@ -46,7 +46,7 @@ void LightsBench::add(render::Renderer& renderer, const scene::Camera& camera, c
       all.pop_back();
     }
   }
-  const std::vector<PassSamples> samples = measureInTurn(renderer, camera, moment, all, options_.frames);
+  const std::vector<PassSamples> samples = measureInterleaved(renderer, camera, moment, all, options_.frames);
   const double floorTime = lightTimes(samples.front()).both();
   for (size_t i = 1; i < all.size(); ++i) {
     const LightTimes times = lightTimes(samples[i]);
@@ -55,7 +55,7 @@ void LightsBench::add(render::Renderer& renderer, const scene::Camera& camera, c
         all[i].lighting->name, static_cast<double>(lights), cellOf(times.lists), times.lighting, times.spread});
     addCopyCells(row, ceilings_, times.trafficBytes, times.lighting);
     row.insert(row.end(), {counts[i].tested, counts[i].used,
-                           cellOf(picosecondsALight(times.both() - floorTime, counts[i].used, all[i]))});
+                           cellOf(picosecondsPerLight(times.both() - floorTime, counts[i].used, all[i]))});
   }
 }
 

@@ -29,7 +29,7 @@ struct BoundCost {
 BoundCost costOf(std::span<const PassSamples> samples, std::span<const LightCounts> counts,
                  const render::Settings& settings) {
   const double more = lightTimes(samples[2]).both() - lightTimes(samples[1]).both();
-  return {lightTimes(samples[0]), picosecondsALight(more, counts[2].used - counts[1].used, settings)};
+  return {lightTimes(samples[0]), picosecondsPerLight(more, counts[2].used - counts[1].used, settings)};
 }
 
 // Adds the rows of one shading model. The technique of the settings is the last measurement.
@@ -46,11 +46,11 @@ void addRows(Table& table, render::Renderer& renderer, const scene::Camera& came
   all.push_back(settings);
   std::vector<LightCounts> counts;
   for (const render::Settings& s : all) counts.push_back(countLights(renderer, camera, moment, s));
-  const std::vector<PassSamples> samples = measureInTurn(renderer, camera, moment, all, frames);
+  const std::vector<PassSamples> samples = measureInterleaved(renderer, camera, moment, all, frames);
   const double technique = lightTimes(samples.back()).both();
   for (size_t i = 0; i < bounds.size(); ++i) {
     const BoundCost cost = costOf(std::span(samples).subspan(3 * i, 3), std::span(counts).subspan(3 * i, 3), settings);
-    const double used = picosecondsALight(technique - cost.floor.both(), counts.back().used, settings);
+    const double used = picosecondsPerLight(technique - cost.floor.both(), counts.back().used, settings);
     std::vector<Cell>& row = table.rows.emplace_back(std::vector<Cell>{std::string(scene::lightTypes()[i].name),
                                                                        render::nameOf(settings.shading),
                                                                        cost.floor.both(), cost.floor.spread});

@@ -32,7 +32,7 @@ void addCopy(const render::Builder& b) {
                       .name = "copy",
                       .shader = "copy_ceiling.comp",
                       .bindings = render::Bindings(b.device),
-                      .size = {static_cast<uint32_t>(size / sizeof(shared::uvec4) / shared::kCopiedAtATime), 1, 1},
+                      .size = {static_cast<uint32_t>(size / sizeof(shared::uvec4) / shared::kCopyChunk), 1, 1},
                       .buffers = {{source, graph::Use::StorageRead}, {target, graph::Use::StorageWrite}},
                       .groupX = kCeilingGroup,
                       .groupY = 1},

@@ -6,7 +6,7 @@
 
 SH_BEGIN
 
-SH_CONST uint kCopiedAtATime = 4u;  // uvec4s per invocation: the number of loads in flight
+SH_CONST uint kCopyChunk = 4u;  // uvec4s per invocation: the number of loads in flight
 
 struct CopyPush {
   uint64_t source;  // uvec4[]

@@ -12,8 +12,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer T
 layout(push_constant, scalar) uniform Push { CopyPush push; };
 
 void main() {
-  uint first = gl_WorkGroupID.x * gl_WorkGroupSize.x * kCopiedAtATime + gl_LocalInvocationIndex;
-  uvec4 values[kCopiedAtATime];
-  for (uint i = 0u; i < kCopiedAtATime; ++i) values[i] = SourceRef(push.source).v[first + i * gl_WorkGroupSize.x];
-  for (uint i = 0u; i < kCopiedAtATime; ++i) TargetRef(push.target).v[first + i * gl_WorkGroupSize.x] = values[i];
+  uint first = gl_WorkGroupID.x * gl_WorkGroupSize.x * kCopyChunk + gl_LocalInvocationIndex;
+  uvec4 values[kCopyChunk];
+  for (uint i = 0u; i < kCopyChunk; ++i) values[i] = SourceRef(push.source).v[first + i * gl_WorkGroupSize.x];
+  for (uint i = 0u; i < kCopyChunk; ++i) TargetRef(push.target).v[first + i * gl_WorkGroupSize.x] = values[i];
 }

@@ -70,7 +70,7 @@ std::optional<LinearFit> fitLinear(std::span<const std::vector<double>> rows, st
   return LinearFit{std::move(*coefficients), r2};
 }
 
-std::vector<Sample> growingPart(std::vector<Sample> sweep) {
+std::vector<Sample> increasingPart(std::vector<Sample> sweep) {
   size_t first = 0;
   while (first < sweep.size() && sweep[first].y < 2 * sweep[0].y) ++first;
   if (sweep.size() - first < 2) first = sweep.size() - std::min<size_t>(sweep.size(), 3);

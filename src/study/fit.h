@@ -13,7 +13,7 @@ struct Sample {
 
 // Returns the part of a sweep (x increasing) that fixed costs no longer dominate: from the point where y is twice the
 // first value. If y hardly grows, returns the last three samples.
-std::vector<Sample> growingPart(std::vector<Sample> sweep);
+std::vector<Sample> increasingPart(std::vector<Sample> sweep);
 
 struct PowerFit {
   double exponent;  // in y = factor * x^exponent

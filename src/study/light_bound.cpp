@@ -23,7 +23,7 @@ render::TechniqueInfo lightBound(uint32_t type, uint32_t lights) {
     render::ComputePass pass = render::lightingPass(f, gbuffer, "lighting bound", "light_bound.comp");
     pass.constants.push_back({kLightTypeConstant, type});
     addCompute(f, std::move(pass), [lights, frame = f.constants, visible = gbuffer.visible](graph::Context& context) {
-      return shared::LightBoundPush{frame, render::shownSurfaces(visible, context), commonLight(), shared::vec3(1e-4f),
+      return shared::LightBoundPush{frame, render::surfacePush(visible, context), commonLight(), shared::vec3(1e-4f),
                                     lights};
     });
   };

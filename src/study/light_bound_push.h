@@ -9,7 +9,7 @@ SH_BEGIN
 
 struct LightBoundPush {
   uint64_t frame;  // FrameConstants
-  ShownPush shown;
+  VisibleSurfacePush shown;
   Light light;  // properties that all synthetic lights share
   vec3 apart;   // offset in meters from one light to the next
   uint lights;

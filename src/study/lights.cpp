@@ -68,10 +68,10 @@ struct Measurement {
   uint64_t triangles = 0;             // as built
   std::optional<LightCounts> counts;  // only in the sweep over lights
 
-  double sum(const std::function<bool(const std::string&)>& wanted) const {
+  double sum(const std::function<bool(const std::string&)>& matches) const {
     double milliseconds = 0;
     for (const graph::PassTime& pass : passes)
-      if (wanted(pass.name)) milliseconds += pass.milliseconds;
+      if (matches(pass.name)) milliseconds += pass.milliseconds;
     return milliseconds;
   }
   static bool isDepth(const std::string& pass) { return pass == "depth"; }
@@ -161,7 +161,7 @@ void check(const SweepOptions& o) {
 
 // --- measuring ------------------------------------------------------------------------------------------------------
 
-void keepLeast(std::vector<graph::PassTime>& least, const std::vector<graph::PassTime>& times) {
+void keepMinimum(std::vector<graph::PassTime>& least, const std::vector<graph::PassTime>& times) {
   for (size_t i = 0; i < least.size(); ++i)
     least[i].milliseconds = std::min(least[i].milliseconds, times[i].milliseconds);
 }
@@ -271,7 +271,7 @@ class LightStudy {
     const std::span<const scene::Camera> camera(&scene.cameras.front(), 1);
     Measurement m{.triangles = scene.triangleCount()};
     const Stopwatch all;
-    while (goesOn(m.frames, all.seconds())) {
+    while (shouldContinue(m.frames, all.seconds())) {
       const Stopwatch frame;
       const std::vector<graph::PassTime> passes = renderer.submit(camera, settings).take().statistics.passTimes;
       const double seconds = frame.seconds();
@@ -279,7 +279,7 @@ class LightStudy {
       if (passes.empty())
         fail(ExitCode::NoDevice, "{} has no timestamps to measure with; choose another --device", device_.info().name);
       if (m.frames < 2) m.passes = passes;
-      keepLeast(m.passes, passes);
+      keepMinimum(m.passes, passes);
       ++m.frames;
     }
     m.bytes = static_cast<double>(device_.memory().statistics().usedBytes - before);
@@ -287,7 +287,7 @@ class LightStudy {
     return m;
   }
 
-  bool goesOn(uint32_t frames, double seconds) const {
+  bool shouldContinue(uint32_t frames, double seconds) const {
     if (frames == 0) return true;
     if (frames < kFrames) return seconds < sweep_.budget;
     return device_.isCpu() ? frames < kMaxFrames && seconds < kShort : seconds < kWarmUp;
@@ -382,7 +382,7 @@ class LightStudy {
     Table table{"lights-exponents", {"time of", "against", "technique", "exponent", "R2", "points", "from", "to"}, {}};
     for (const Axis& axis : axes()) {
       for (const TechniqueInfo& technique : render::techniques()) {
-        const std::vector<Sample> samples = growingPart(samplesOf(axis, technique));
+        const std::vector<Sample> samples = increasingPart(samplesOf(axis, technique));
         const std::optional<PowerFit> fit = fitPower(samples);
         if (!fit) continue;
         table.rows.push_back({axis.of, axis.unit, technique.name, fit->exponent, fit->r2, double(samples.size()),
@@ -401,7 +401,7 @@ class LightStudy {
 
   // Returns the milliseconds that one additional light costs, against triangles. The difference is taken between one
   // light and the highest count that was measured with at least two triangle counts.
-  static std::vector<Sample> costOfALight(const std::vector<const Row*>& grid) {
+  static std::vector<Sample> costPerLight(const std::vector<const Row*>& grid) {
     for (size_t i = std::size(kGridLights); i-- > 1;) {
       std::vector<Sample> costs;
       for (const Row* many : grid) {
@@ -436,7 +436,7 @@ class LightStudy {
         times.push_back(row->measured.lit());
       }
       const std::optional<LinearFit> sum = fitLinear(sums, times), product = fitLinear(products, times);
-      const std::vector<Sample> costs = costOfALight(grid);
+      const std::vector<Sample> costs = costPerLight(grid);
       if (!sum || !product || costs.size() < 2) continue;  // too few points of the grid
       table.rows.push_back({technique.name, sum->r2 > product->r2 ? "lights + triangles" : "lights x triangles",
                             sum->r2, product->r2, double(times.size()), costs.front().y, costs.back().y,
@@ -465,7 +465,7 @@ class LightStudy {
               "milliseconds per light",
               {}};
     for (const TechniqueInfo& technique : render::techniques())
-      each.curves.push_back({technique.name, costOfALight(gridOf(technique))});
+      each.curves.push_back({technique.name, costPerLight(gridOf(technique))});
     all.push_back(std::move(each));
     return all;
   }

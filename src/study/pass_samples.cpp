@@ -47,9 +47,9 @@ scene::Camera turned(scene::Camera camera, double angle, glm::dvec3 middle) {
   return camera;
 }
 
-std::vector<PassSamples> measureInTurn(render::Renderer& renderer, const scene::Camera& camera,
-                                       const render::SceneState& moment, std::span<const render::Settings> settings,
-                                       uint32_t frames) {
+std::vector<PassSamples> measureInterleaved(render::Renderer& renderer, const scene::Camera& camera,
+                                            const render::SceneState& moment,
+                                            std::span<const render::Settings> settings, uint32_t frames) {
   constexpr double kTurn = 1e-3;  // radians per frame
   const auto render = [&](uint32_t frame, const render::Settings& with) {
     const scene::Camera now = turned(camera, frame * kTurn, glm::dvec3(camera.toWorld[3]));

@@ -37,8 +37,8 @@ constexpr double kWarmUp = 0.5;
 // Renders this many frames with each of the settings after a warm-up; the results stay on the device. The settings
 // alternate, so that other load on the machine affects all of them equally. The camera turns a little between frames,
 // so that only view-independent data are reused from earlier frames.
-std::vector<PassSamples> measureInTurn(render::Renderer& renderer, const scene::Camera& camera,
-                                       const render::SceneState& moment, std::span<const render::Settings> settings,
-                                       uint32_t frames);
+std::vector<PassSamples> measureInterleaved(render::Renderer& renderer, const scene::Camera& camera,
+                                            const render::SceneState& moment,
+                                            std::span<const render::Settings> settings, uint32_t frames);
 
 }  // namespace latelight::study

@@ -7,7 +7,7 @@ namespace latelight::view {
 void FileWatch::watch(const std::vector<std::filesystem::path>& files) {
   files_ = files;
   known_ = seen_ = times();
-  looked_ = Clock::now();
+  checkedAt_ = Clock::now();
 }
 
 FileWatch::Times FileWatch::times() const {
@@ -22,8 +22,8 @@ FileWatch::Times FileWatch::times() const {
 
 bool FileWatch::changed() {
   const auto now = Clock::now();
-  if (files_.empty() || std::chrono::duration<double>(now - looked_).count() < kSeconds) return false;
-  looked_ = now;
+  if (files_.empty() || std::chrono::duration<double>(now - checkedAt_).count() < kSeconds) return false;
+  checkedAt_ = now;
   const Times earlier = std::exchange(seen_, times());
   const bool complete = seen_ == earlier && std::ranges::none_of(seen_, [](const auto& t) { return !t; });
   if (!complete || seen_ == known_) return false;

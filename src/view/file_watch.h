@@ -24,7 +24,7 @@ class FileWatch {
 
   std::vector<std::filesystem::path> files_;
   Times known_, seen_;
-  Clock::time_point looked_{};
+  Clock::time_point checkedAt_{};
 };
 
 }  // namespace latelight::view

@@ -29,7 +29,7 @@ glm::dvec3 inView(const scene::Camera& camera, glm::dvec3 world) {
 // Limits the state that is reported with each picture.
 constexpr size_t kMaxLights = 1024;
 
-std::vector<uint32_t> placedLights(const scene::Scene& scene) {
+std::vector<uint32_t> positionalLights(const scene::Scene& scene) {
   std::vector<uint32_t> lights;
   for (uint32_t i = 0; i < scene.lights.size(); ++i)
     if (!scene.lights[i].removed && scene.lights[i].type != shared::kLightDirectional && lights.size() < kMaxLights)

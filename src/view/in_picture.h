@@ -11,7 +11,7 @@
 namespace latelight::view {
 
 // Returns the indices in Scene::lights of the positional lights that are not removed, up to a maximum.
-std::vector<uint32_t> placedLights(const scene::Scene& scene);
+std::vector<uint32_t> positionalLights(const scene::Scene& scene);
 
 // Returns the pixel of a world position, or nothing if it is behind the camera.
 std::optional<glm::dvec2> pixelOf(const scene::Camera& camera, glm::uvec2 size, glm::dvec3 world);

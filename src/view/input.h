@@ -67,7 +67,7 @@ struct UseEnvironment {
   std::string name;  // a value of --hdri; empty: the scene's
 };
 // An environment image that is not a file of this machine, with its original name.
-struct GiveEnvironment {
+struct UploadEnvironment {
   std::string name;
   std::shared_ptr<const std::vector<std::byte>> file;
 };
@@ -104,7 +104,7 @@ struct UseVariant {
 };
 
 using Input = std::variant<Resize, PointerMove, PointerLeave, PointerButton, Wheel, Key, Blur, SetOption, ShowOutput,
-                           SetSplit, UseCamera, UseEnvironment, GiveEnvironment, SetNavigation, Play, MoveLight,
+                           SetSplit, UseCamera, UseEnvironment, UploadEnvironment, SetNavigation, Play, MoveLight,
                            DragLight, NudgeLight, Screenshot, Reload, OpenScene, UseVariant>;
 
 }  // namespace latelight::view

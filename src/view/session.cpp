@@ -51,7 +51,7 @@ ViewSession::Impl::Impl(const Start& start)
       stage(start.scene, start.load, {.selector = start.device, .validation = start.validate}),
       draft(stage.device().isCpu()),
       rehearsals(kRehearsals),
-      lights(placedLights(stage.scene())) {
+      lights(positionalLights(stage.scene())) {
   state.scene = start.scene;
   state.device = stage.device().info().name;
   state.environment = start.environment;
@@ -307,7 +307,7 @@ bool ViewSession::wantsFrame() {
          i.wantsRehearsal();
 }
 
-double ViewSession::patience() const {
+double ViewSession::secondsUntilStep() const {
   if (impl_->dirty || impl_->runs() || impl_->wantsRehearsal()) return 0;
   const bool waits = !impl_->picture.final || impl_->isMoving();
   return waits ? std::max(kStill - impl_->sinceTouched(), 0.0) : FileWatch::kSeconds;

@@ -47,7 +47,7 @@ class ViewSession {
   // changes, twice per second.
   bool wantsFrame();
   // Returns the seconds after which wantsFrame() may return true without any input; at most 0.5.
-  double patience() const;
+  double secondsUntilStep() const;
   // Renders the next picture and waits for the device. After an error, it returns the earlier picture.
   const SessionFrame& next();
   const SessionFrame& frame() const;  // the last picture

@@ -28,7 +28,7 @@ struct ViewSession::Impl {
   void setSplit(const SetSplit& split);
   void useCamera(const std::string& name);
   void useEnvironment(const std::string& name);
-  void giveEnvironment(const GiveEnvironment& given);
+  void uploadEnvironment(const UploadEnvironment& given);
   void movePointer(const PointerMove& move);
   void turnWheel(double steps);
   void pressKey(const Key& key);

@@ -54,7 +54,7 @@ void ViewSession::Impl::take(const Input& input) {
                  [&](const SetSplit& split) { setSplit(split); },
                  [&](const UseCamera& use) { change([&] { useCamera(use.name); }); },
                  [&](const UseEnvironment& use) { change([&] { useEnvironment(use.name); }); },
-                 [&](const GiveEnvironment& given) { change([&] { giveEnvironment(given); }); },
+                 [&](const UploadEnvironment& given) { change([&] { uploadEnvironment(given); }); },
                  [&](const SetNavigation& set) { steering.navigation = set.mode; },
                  [&](const Play& wanted) { change([&] { play(wanted.on); }); },
                  [&](const MoveLight& move) {
@@ -215,7 +215,7 @@ void ViewSession::Impl::useEnvironment(const std::string& name) {
   }
 }
 
-void ViewSession::Impl::giveEnvironment(const GiveEnvironment& given) {
+void ViewSession::Impl::uploadEnvironment(const UploadEnvironment& given) {
   scene::Environment made = scene::makeEnvironment(scene::decodePicture(*given.file, given.name));
   made.name = given.name;
   stage.give(std::move(made));
@@ -283,7 +283,7 @@ void ViewSession::Impl::load(const std::string& source, const scene::LoadOptions
   stage.open(source, options);
   start.scene = state.scene = source;
   start.load = options;
-  lights = placedLights(stage.scene());
+  lights = positionalLights(stage.scene());
   state.lightsMoved = false;
 }
 

@@ -36,7 +36,8 @@ bool SessionThread::Impl::waitForWork() {
   std::deque<Input> taken;
   {
     std::unique_lock lock(mutex);
-    changed.wait_for(lock, std::chrono::duration<double>(session.patience()), [&] { return stops || !work.empty(); });
+    changed.wait_for(lock, std::chrono::duration<double>(session.secondsUntilStep()),
+                     [&] { return stops || !work.empty(); });
     if (stops) return false;
     taken.swap(work);
   }

@@ -19,11 +19,11 @@ namespace latelight::view {
 
 namespace {
 
-const scene::Camera& findCamera(const std::vector<scene::Camera>& cameras, const std::string& wanted) {
+const scene::Camera& findCamera(const std::vector<scene::Camera>& cameras, const std::string& requested) {
   for (const scene::Camera& camera : cameras)
-    if (camera.name == wanted) return camera;
-  if (const auto index = parseNumber<size_t>(wanted); index && *index < cameras.size()) return cameras[*index];
-  badUsage("the scene has no camera \"{}\"", wanted);
+    if (camera.name == requested) return camera;
+  if (const auto index = parseNumber<size_t>(requested); index && *index < cameras.size()) return cameras[*index];
+  badUsage("the scene has no camera \"{}\"", requested);
 }
 
 std::string textOf(const glm::dvec3& v) {

@@ -192,8 +192,8 @@ class Device::Impl::Recording {
 namespace {
 
 bool validationWanted(const DeviceOptions& options) {
-  const char* wish = std::getenv("LATELIGHT_VALIDATION");
-  return options.validation || (wish && std::strcmp(wish, "1") == 0);
+  const char* request = std::getenv("LATELIGHT_VALIDATION");
+  return options.validation || (request && std::strcmp(request, "1") == 0);
 }
 
 std::vector<const char*> offeredExtensions(VkPhysicalDevice physical) {
@@ -202,9 +202,9 @@ std::vector<const char*> offeredExtensions(VkPhysicalDevice physical) {
   std::vector<VkExtensionProperties> offered(count);
   VK_CHECK(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, offered.data()));
   std::vector<const char*> names;
-  for (const char* wanted : kOptionalExtensions)
+  for (const char* optional : kOptionalExtensions)
     for (const VkExtensionProperties& extension : offered)
-      if (std::strcmp(extension.extensionName, wanted) == 0) names.push_back(wanted);
+      if (std::strcmp(extension.extensionName, optional) == 0) names.push_back(optional);
   return names;
 }
 

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 // Larger than Mesa's index of about 1.3 MB, because other processes may use up the space before the driver creates it.
-constexpr uint64_t kRoom = uint64_t{8} << 20;  // bytes
+constexpr uint64_t kMinFreeBytes = uint64_t{8} << 20;  // bytes
 
 std::string_view variable(const char* name) {
   const char* value = std::getenv(name);
@@ -38,7 +38,7 @@ fs::path cacheFolder() {
 }
 
 // Returns the free bytes on the folder's disk, or the maximum if they cannot be determined.
-uint64_t roomIn(fs::path folder) {
+uint64_t freeBytesIn(fs::path folder) {
   struct statvfs status {};
   while (statvfs(folder.empty() ? "." : folder.c_str(), &status) != 0) {
     if (errno != ENOENT || folder.empty() || folder == folder.parent_path()) return UINT64_MAX;
@@ -71,7 +71,7 @@ bool reserveDriverCache() {
   const fs::path folder = cacheFolder();
   if (folder.empty()) return true;
   const Index index = fillIndex(folder / "index");
-  return index == Index::Missing ? roomIn(folder) >= kRoom : index == Index::Whole;
+  return index == Index::Missing ? freeBytesIn(folder) >= kMinFreeBytes : index == Index::Whole;
 }
 
 void avoidFullDriverCache() {

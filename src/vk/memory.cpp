@@ -89,7 +89,7 @@ uint32_t Allocator::typeFor(const VkMemoryRequirements& needs, MemoryKind kind) 
 Allocation Allocator::allocate(const VkMemoryRequirements& needs, MemoryKind kind, bool linear, Sharing sharing) {
   const uint32_t type = typeFor(needs, kind);
   std::lock_guard lock(mutex_);
-  if (sharing == Sharing::Blocks && needs.size > kLargestShared) sharing = Sharing::Alone;
+  if (sharing == Sharing::Blocks && needs.size > kLargestShared) sharing = Sharing::Dedicated;
   if (sharing == Sharing::Blocks)
     for (const auto& block : blocks_)
       if (block->isShared(type, linear))

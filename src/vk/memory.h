@@ -55,9 +55,9 @@ class Allocator {
   explicit Allocator(Device& device);
   ~Allocator();
   enum class Sharing : uint8_t {
-    Blocks,    // small resources share blocks
-    Alone,     // a dedicated allocation
-    Exported,  // a dedicated allocation that other APIs can import
+    Blocks,     // small resources share blocks
+    Dedicated,  // a dedicated allocation
+    Exported,   // a dedicated allocation that other APIs can import
   };
   // Throws Error(OutOfMemory), with the sizes in the message, if the device is out of memory.
   Allocation allocate(const VkMemoryRequirements& needs, MemoryKind kind, bool linear, Sharing sharing);

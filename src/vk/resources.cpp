@@ -177,7 +177,7 @@ void Buffer::bind(VkDeviceMemory memory, VkDeviceSize offset) {
   VkBufferDeviceAddressInfo address{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
   address.buffer = buffer_;
   address_ = vkGetBufferDeviceAddress(device_->get(), &address);
-  bornAfter_ = device_->submissions();
+  createdAt_ = device_->submissions();
   device_->setName(VK_OBJECT_TYPE_BUFFER, number(buffer_), desc_.name.c_str());
 }
 
@@ -190,7 +190,7 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
   std::swap(desc_, other.desc_);
   std::swap(buffer_, other.buffer_);
   std::swap(address_, other.address_);
-  std::swap(bornAfter_, other.bornAfter_);
+  std::swap(createdAt_, other.createdAt_);
   std::swap(allocation_, other.allocation_);
   return *this;
 }
@@ -241,7 +241,7 @@ Image::Image(Device& device, const ImageDesc& desc) : Image() {
   vkGetImageMemoryRequirements(device.get(), image_, &needs);
   using enum Allocator::Sharing;
   allocation_ =
-      device.memory().allocate(needs, MemoryKind::Device, hostTexture, desc.usage & kAttachment ? Alone : Blocks);
+      device.memory().allocate(needs, MemoryKind::Device, hostTexture, desc.usage & kAttachment ? Dedicated : Blocks);
   hostWritable_ = hostTexture && allocation_.mapped;
   bind(allocation_.memory, allocation_.offset);
 }

@@ -53,13 +53,13 @@ class Buffer {
   int exportMemory() const;
   VkDeviceSize memorySize() const { return allocation_.size; }  // in bytes; importers require it
   // True if nothing was submitted since the buffer was created, so that nothing in flight uses it.
-  bool isNew() const { return bornAfter_ == device_->submissions(); }
+  bool isNew() const { return createdAt_ == device_->submissions(); }
 
  private:
   void bind(VkDeviceMemory memory, VkDeviceSize offset);
   Device* device_ = nullptr;
   BufferDesc desc_;
-  uint64_t bornAfter_ = 0;
+  uint64_t createdAt_ = 0;
   VkBuffer buffer_ = VK_NULL_HANDLE;
   VkDeviceAddress address_ = 0;
   Allocation allocation_;  // none in a heap

@@ -73,11 +73,11 @@ TEST(Bench, ComparesWholePassesWithCopies) {
   ASSERT_EQ(outcome.code, 0) << outcome.text();
   const json report = json::parse(outcome.out);
   expectCeilings(report);
-  const std::map<std::string, double> bytesAPixel{{"lighting fullscreen", 36}, {"compose", 12}};
+  const std::map<std::string, double> bytesPerPixel{{"lighting fullscreen", 36}, {"compose", 12}};
   size_t found = 0;
   for (const json& row : report["frame"]) {
-    const auto known = bytesAPixel.find(row["pass"]);
-    if (known == bytesAPixel.end()) {
+    const auto known = bytesPerPixel.find(row["pass"]);
+    if (known == bytesPerPixel.end()) {
       EXPECT_EQ(row["MB"], "") << row;
       EXPECT_EQ(row["% of copies"], "") << row;
       continue;

@@ -17,7 +17,7 @@ using testing::HasSubstr;
 using Variables = std::map<std::string, std::string>;
 
 std::string chosen(const std::string& text, const Variables& variables = {}) try {
-  const ChosenShard part = chooseShard(text, [&](const char* name) {
+  const SelectedShard part = chooseShard(text, [&](const char* name) {
     const auto found = variables.find(name);
     return found == variables.end() ? std::nullopt : std::optional(found->second);
   });

@@ -8,7 +8,7 @@ namespace {
 
 using testing::ElementsAre;
 
-std::vector<int> placesOf(const std::vector<JobCamera>& cameras, std::optional<size_t> SequencePlace::*neighbor) {
+std::vector<int> placesOf(const std::vector<JobCamera>& cameras, std::optional<size_t> SequencePosition::*neighbor) {
   std::vector<int> places;
   for (const JobCamera& camera : cameras) {
     const std::optional<size_t> place = camera.sequence ? (*camera.sequence).*neighbor : std::nullopt;
@@ -17,10 +17,10 @@ std::vector<int> placesOf(const std::vector<JobCamera>& cameras, std::optional<s
   return places;
 }
 std::vector<int> nextsOf(const std::vector<JobCamera>& cameras) {
-  return placesOf(cameras, &SequencePlace::next);
+  return placesOf(cameras, &SequencePosition::next);
 }
 std::vector<int> previousOf(const std::vector<JobCamera>& cameras) {
-  return placesOf(cameras, &SequencePlace::previous);
+  return placesOf(cameras, &SequencePosition::previous);
 }
 std::vector<double> secondsOf(const std::vector<JobCamera>& cameras) {
   std::vector<double> seconds;

@@ -147,7 +147,7 @@ TEST_F(ObjectsTest, AloneTogetherAsOneByOne) {
     one[0].alone = {};
     one[0].pixels = 0;
     one[0].full = {};
-    renderAlone(renderer, scene, camera, render::test::settingsOf(96, 54), {}, one);
+    renderIsolated(renderer, scene, camera, render::test::settingsOf(96, 54), {}, one);
     EXPECT_EQ(one[0].alone.runs, frame.objects[i].alone.runs);
     EXPECT_EQ(one[0].pixels, frame.objects[i].pixels);
     EXPECT_EQ(one[0].full, frame.objects[i].full);

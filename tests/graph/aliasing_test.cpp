@@ -16,7 +16,7 @@ using testing::ElementsAre;
 
 constexpr uint64_t kAnySize = ~uint64_t{0};
 
-bool liveAtOnce(const Footprint& a, const Footprint& b) {
+bool lifetimesOverlap(const Footprint& a, const Footprint& b) {
   return a.first <= b.last && b.first <= a.last;
 }
 
@@ -34,7 +34,7 @@ void expectRight(const std::vector<Footprint>& footprints, const Packing& packin
     EXPECT_LE(place.offset + footprints[i].size, heap.size);
     for (size_t j = 0; j < i; ++j) {
       const Placement& other = packing.places[j];
-      if (place.heap != other.heap || !liveAtOnce(footprints[i], footprints[j])) continue;
+      if (place.heap != other.heap || !lifetimesOverlap(footprints[i], footprints[j])) continue;
       EXPECT_TRUE(place.offset + footprints[i].size <= other.offset ||
                   other.offset + footprints[j].size <= place.offset)
           << i << " and " << j << " overlap";

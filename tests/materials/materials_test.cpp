@@ -46,7 +46,7 @@ Radiance forEachPoint(const Grid& grid, F radianceAt) {
 }
 
 shared::LayerTables tablesAt(const Point& p, const HostEnvironment& environment) {
-  const shared::LayerTables places = shared::layerTablePlaces(p.surface, p.layers, p.toEye);
+  const shared::LayerTables places = shared::layerTableCoordinates(p.surface, p.layers, p.toEye);
   const auto table = [&](shared::vec2 place) { return environment.splitSum(place.x, place.y); };
   return {table(places.base), table(places.coat), table(places.behind)};
 }

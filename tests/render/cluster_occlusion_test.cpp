@@ -144,11 +144,11 @@ TEST_F(HiddenClustersTest, WhatIsHiddenIsNotRasterized) {
     const scene::Camera other =
         scene::lookAt(scene, {0, 0, 400}, {0, 0, 800});  // settles what the last frame has found
     renderer.render({&other, 1}, settingsOf(8, 8, {Aov::Color}));
-    return renderer.hiddenClusters().counts(HiddenOf::Steady);
+    return renderer.clusterOcclusion().counts(OcclusionHistory::Steady);
   };
   const ClusterOcclusion::Counts first = counts();
   EXPECT_EQ(first.found, 0u) << "nothing was known, so that all were rasterized";
-  EXPECT_GT(first.hidden, kBalls * kClustersOfABall * 8 / 10) << "most balls are behind the wall";
+  EXPECT_GT(first.occluded, kBalls * kClustersOfABall * 8 / 10) << "most balls are behind the wall";
 }
 
 }  // namespace

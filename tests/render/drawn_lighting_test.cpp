@@ -67,7 +67,7 @@ class Bench {
     const FrameContext& f = frames_.frame(graph, setup, {views.begin(), views.end()},
                                           {.exposure = 1.25f, .environmentIntensity = intensity_});
     const LitFrame frame = addFrame(f);
-    const ResultPlace finished = createResult(f, "picture", uint64_t{4} * f.width * f.height, f.viewCount());
+    const ResultTarget finished = createResult(f, "picture", uint64_t{4} * f.width * f.height, f.viewCount());
     addCompose(f, frame.picture, {}, finished);
     const graph::BufferId display = addReadback(f, finished.buffer);
     graph::BufferId counts;

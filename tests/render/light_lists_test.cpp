@@ -173,8 +173,9 @@ const TechniqueInfo* const kFullscreen = &findTechnique("fullscreen");
 template <uint32_t Cells, uint32_t Entries>
 TechniqueInfo withRoomFor() {
   return {.name = "small", .description = "lists of few lights", .add = [](const FrameContext& f, Gbuffer& gbuffer) {
-            addLightLists(f, gbuffer,
-                          {.name = Cells == 1 ? "tiled" : "clustered", .cellsATile = Cells, .entriesATile = Entries});
+            addLightLists(
+                f, gbuffer,
+                {.name = Cells == 1 ? "tiled" : "clustered", .cellsPerTile = Cells, .entriesPerTile = Entries});
           }};
 }
 

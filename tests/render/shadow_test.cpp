@@ -448,7 +448,7 @@ TEST_F(ShadowTest, TilesOfAnAtlasLieApartAndLeaveNoGap) {
     for (size_t j = 0; j < i; ++j) EXPECT_TRUE(apart(taken[i], taken[j])) << i << ", " << j;
   }
   // Whatever the order in which they are given back, what is left are the whole layers.
-  for (size_t i = 0; i < taken.size(); ++i) tiles.giveBack(taken[i * 7 % taken.size()]);
+  for (size_t i = 0; i < taken.size(); ++i) tiles.recycle(taken[i * 7 % taken.size()]);
   for (uint32_t layer = 0; layer < kLayers; ++layer) EXPECT_TRUE(tiles.take(kSide));
   EXPECT_FALSE(tiles.take(32));
 }

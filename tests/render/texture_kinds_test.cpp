@@ -58,9 +58,9 @@ TEST_F(TextureKinds, OnlySizesOfSeveralKindsAreMadeAlike) {
   };
   std::vector<scene::Texture> textures;
   textures.push_back(texture(4, 8));
-  EXPECT_FALSE(makesSizesAlike(device(), textures));
+  EXPECT_FALSE(unifiesTextureSizes(device(), textures));
   textures.push_back(texture(4, 6));
-  EXPECT_EQ(makesSizesAlike(device(), textures), device().isCpu());
+  EXPECT_EQ(unifiesTextureSizes(device(), textures), device().isCpu());
   const uint32_t most = device().properties().limits.maxImageDimension2D;
   EXPECT_TRUE(getsOddBase(device(), 4, 8));
   EXPECT_TRUE(getsOddBase(device(), 1, 6));

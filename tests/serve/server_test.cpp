@@ -64,7 +64,7 @@ class ServerTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     view::Start start{.scene = "builtin:boxes", .device = "cpu", .validate = true, .width = 64, .height = 48};
-    server = new Server({.sessions = kSessions, .patience = 0.5}, start);
+    server = new Server({.sessions = kSessions, .requestTimeout = 0.5}, start);
     thread = new std::thread([] { EXPECT_NO_THROW(server->run()); });
     waitUntil([] { return get(server->port(), "/").starts_with("HTTP/1.1 403"); });
   }

@@ -77,9 +77,9 @@ TEST(Fog, ExtremesAreFinite) {
 
 TEST(Fog, CoversWhatIsBehindIt) {
   const Fog fog{.color = vec3(0.2f, 0.4f, 0.8f), .density = 1, .falloff = 0, .base = 0};
-  const shared::vec4 empty = shared::seenThroughFog(fog, shared::vec4(0), 0.25f);
+  const shared::vec4 empty = shared::applyFog(fog, shared::vec4(0), 0.25f);
   EXPECT_EQ(empty, shared::vec4(0.15f, 0.3f, 0.6f, 0.75f));
-  const shared::vec4 solid = shared::seenThroughFog(fog, shared::vec4(2, 2, 2, 1), 0.25f);
+  const shared::vec4 solid = shared::applyFog(fog, shared::vec4(2, 2, 2, 1), 0.25f);
   EXPECT_EQ(solid.w, 1.0f);
   EXPECT_FLOAT_EQ(solid.x, 0.65f);
 }

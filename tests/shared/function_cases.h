@@ -165,7 +165,7 @@ SH_FUNC SurfaceLayers someLayers(Arguments a) {
 }
 
 SH_FUNC LayeredBrdf someLayered(Arguments a, uint shading) {
-  LayerTables t = layerTablePlaces(someSurface(a), someLayers(a), a.v);
+  LayerTables t = layerTableCoordinates(someSurface(a), someLayers(a), a.v);
   t.base = vec2(0.5f + 0.4f * t.base.x, 0.1f * t.base.y);
   t.coat = vec2(0.5f + 0.4f * t.coat.x, 0.1f * t.coat.y);
   t.behind = vec2(0.5f + 0.4f * t.behind.x, 0.1f * t.behind.y);

@@ -68,7 +68,7 @@ vec2 tableAt(vec2 place) {
   return vec2(float(whole - grazing), float(grazing));
 }
 LayerTables tablesFor(const Surface& s, const SurfaceLayers& l, vec3 toEye) {
-  const LayerTables places = layerTablePlaces(s, l, toEye);
+  const LayerTables places = layerTableCoordinates(s, l, toEye);
   return {tableAt(places.base), tableAt(places.coat), tableAt(places.behind)};
 }
 constexpr vec2 kSomeTable(0.7f, 0.1f);
@@ -165,7 +165,7 @@ TEST(Layers, AreFiniteAndNotNegativeEverywhere) {
     if (i % 3 == 0) eye = light * -1.0f;
     if (i % 4 == 1) eye = s.normal * -1.0f;
     if (i % 8 == 2) eye = s.normal;
-    const LayerTables places = layerTablePlaces(s, l, eye);
+    const LayerTables places = layerTableCoordinates(s, l, eye);
     for (const vec2 place : {places.base, places.coat, places.behind})
       EXPECT_TRUE(place.x >= 0.0f && place.x <= 1.0f && place.y >= 0.0f && place.y <= 1.0f);
     const LayeredBrdf b = layeredBrdf(s, l, eye, shading, kSomeTables);

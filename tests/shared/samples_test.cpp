@@ -58,8 +58,8 @@ TEST(Samples, LieInVulkansStandardPlaces) {
 
 TEST(Samples, HaveRoomForAMaskEach) {
   for (const uint samples : {2u, 4u, 8u, 16u}) {
-    EXPECT_GE(surfacesALayer(samples) * surfaceLayers(samples), samples);
-    EXPECT_LE(surfacesALayer(samples) * samples, 32u);
+    EXPECT_GE(surfacesPerLayer(samples) * surfaceLayers(samples), samples);
+    EXPECT_LE(surfacesPerLayer(samples) * samples, 32u);
   }
 }
 

@@ -52,7 +52,7 @@ std::vector<std::byte> runCeiling(vk::Device& device, const char* shader, uint32
 TEST(Ceilings, TheCopyCopiesEveryByte) {
   vk::Device device = makeDevice();
   constexpr uint32_t kInvocations = 3 * 256;
-  std::vector<std::byte> bytes(sizeof(shared::uvec4) * shared::kCopiedAtATime * kInvocations);
+  std::vector<std::byte> bytes(sizeof(shared::uvec4) * shared::kCopyChunk * kInvocations);
   for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::byte>((i * 2654435761u) >> 13);
   const vk::Buffer source = vk::uploadedBuffer(device, "source", bytes);
   EXPECT_EQ(runCeiling(device, "copy_ceiling.comp", kInvocations, bytes.size(),

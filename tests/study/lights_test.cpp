@@ -175,7 +175,7 @@ TEST(Fit, TellsASumFromAProduct) {
 TEST(Fit, LeavesOutWhatCostsTheSameAnyway) {
   const auto xs = [](std::vector<Sample> sweep) {
     std::vector<double> x;
-    for (const Sample& sample : growingPart(std::move(sweep))) x.push_back(sample.x);
+    for (const Sample& sample : increasingPart(std::move(sweep))) x.push_back(sample.x);
     return x;
   };
   EXPECT_EQ(xs({{1, 10}, {10, 11}, {100, 20}, {1000, 110}}), (std::vector<double>{100, 1000}));

@@ -272,7 +272,7 @@ TEST(ViewSessionTest, NothingIsRenderedWhileNothingChanges) {
   viewer(PointerMove{20, 20});
   viewer(SetNavigation{Navigation::Fly});
   EXPECT_FALSE(viewer.session.wantsFrame());
-  EXPECT_GT(viewer.session.patience(), 0.4);
+  EXPECT_GT(viewer.session.secondsUntilStep(), 0.4);
 }
 
 TEST(ViewSessionTest, ADraftComesFirstAndTheWholePictureFollows) {
@@ -296,7 +296,7 @@ TEST(ViewSessionTest, DraftsAreRehearsedUnseenWhileNothingMoves) {
   Viewer viewer(small());
   while (!viewer.session.next().final) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   const SessionFrame whole = viewer.session.frame();
-  EXPECT_EQ(viewer.session.patience(), 0);
+  EXPECT_EQ(viewer.session.secondsUntilStep(), 0);
   EXPECT_TRUE(viewer.session.wantsFrame());
   const SessionFrame& settled = viewer.settle();
   EXPECT_FALSE(viewer.session.wantsFrame()) << "once";
@@ -688,11 +688,11 @@ TEST(ViewSessionTest, AnEnvironmentIsGivenWithoutAFileHere) {
   viewer(UseEnvironment{folder.at("sky.hdr")});
   const SessionFrame ofFile = viewer.settle();
   viewer(UseEnvironment{""});
-  viewer(GiveEnvironment{"sky.hdr", std::make_shared<const models::Bytes>(sky)});
+  viewer(UploadEnvironment{"sky.hdr", std::make_shared<const models::Bytes>(sky)});
   EXPECT_THAT(viewer.state().error, IsEmpty());
   EXPECT_EQ(viewer.state().environment, "sky.hdr");
   EXPECT_TRUE(viewer.settle().rgba == ofFile.rgba);
-  viewer(GiveEnvironment{"broken.hdr", std::make_shared<const models::Bytes>(sky.begin(), sky.begin() + 100)});
+  viewer(UploadEnvironment{"broken.hdr", std::make_shared<const models::Bytes>(sky.begin(), sky.begin() + 100)});
   EXPECT_THAT(viewer.state().error, HasSubstr("broken.hdr"));
   EXPECT_EQ(viewer.state().environment, "sky.hdr");
   viewer(Reload{});

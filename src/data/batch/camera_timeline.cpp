@@ -32,7 +32,7 @@ CameraTimeline::CameraTimeline(const Job& job, const scene::Scene& scene) : job_
 
 std::optional<double> CameraTimeline::time(size_t i) const {
   const std::optional<double>& first = job_.settings.time;
-  const std::optional<SequencePlace>& place = cameras_[i].sequence;
+  const std::optional<SequencePosition>& place = cameras_[i].sequence;
   if (!first || !place) return first;
   if (place->seconds) return *first + *place->seconds;
   const bool advances = job_.given.contains("fps");

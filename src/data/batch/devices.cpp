@@ -26,11 +26,11 @@ std::vector<vk::DeviceInfo> visibleTo(const std::vector<vk::DeviceInfo>& gpus, c
   for (const std::string_view entry : splitAtCommas(list)) {
     const std::optional<size_t> number = parseNumber<size_t>(entry);
     const std::string digits = digitsOf(entry);
-    const auto isMeant = [&](const vk::DeviceInfo& gpu) {
+    const auto matches = [&](const vk::DeviceInfo& gpu) {
       return number ? &gpu - gpus.data() == static_cast<ptrdiff_t>(*number)
                     : entry.starts_with("GPU-") && !digits.empty() && gpu.uuid.starts_with(digits);
     };
-    const auto found = std::ranges::find_if(gpus, isMeant);
+    const auto found = std::ranges::find_if(gpus, matches);
     if (found == gpus.end()) break;
     visible.push_back(*found);
   }

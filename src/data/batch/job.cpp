@@ -117,7 +117,7 @@ JobFormat makeFormat(const Json& spec, const std::string& place) {
 }
 
 uint64_t bytesOfPixel(const render::Settings& settings) {
-  return std::max<uint64_t>(render::bytesAPixel(settings), 1);
+  return std::max<uint64_t>(render::bytesPerPixel(settings), 1);
 }
 
 Job makeJob(const JobDocument& document) {

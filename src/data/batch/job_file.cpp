@@ -35,20 +35,20 @@ class YamlEvents : public YAML::EventHandler {
       add(scalar(tag, text), mark, anchor);
   }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
-    refuseKey(mark);
+    rejectKey(mark);
     const auto found = anchors_.find(anchor);
     if (found == anchors_.end()) throw JsonError(lineOf(mark), "an alias stands within what it names");
     builder_.copy(found->second.value, found->second.size, textBytes_, lineOf(mark));
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                        YAML::EmitterStyle::value) override {
-    refuseKey(mark);
+    rejectKey(mark);
     open_.push_back({anchor, builder_.size()});
     builder_.startArray(lineOf(mark));
   }
   void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                   YAML::EmitterStyle::value) override {
-    refuseKey(mark);
+    rejectKey(mark);
     open_.push_back({anchor, builder_.size()});
     builder_.startObject(lineOf(mark));
   }
@@ -73,12 +73,12 @@ class YamlEvents : public YAML::EventHandler {
 
   static int lineOf(const YAML::Mark& mark) { return std::max(mark.line, 0) + 1; }
 
-  void refuseKey(const YAML::Mark& mark) const {
+  void rejectKey(const YAML::Mark& mark) const {
     if (builder_.expectsKey()) throw JsonError(lineOf(mark), "a key is a text");
   }
 
   void add(Json value, const YAML::Mark& mark, YAML::anchor_t anchor) {
-    refuseKey(mark);
+    rejectKey(mark);
     const JsonSize before = builder_.size();
     builder_.value(std::move(value), lineOf(mark));
     remember(anchor, before);

@@ -181,8 +181,8 @@ void Plan::look(PlannedScene& scene) try {
   if (job_.scenes.size() == 1) scene_ = std::move(loaded);
 } catch (const Error& error) {
   // If no scene has loaded so far, a usage error is attributed to the job.
-  const bool someGood = std::ranges::any_of(scenes_, [](const PlannedScene& other) { return other.error.empty(); });
-  if (job_.scenes.size() == 1 || (error.code() == ExitCode::Usage && !someGood)) throw;
+  const bool anyLoaded = std::ranges::any_of(scenes_, [](const PlannedScene& other) { return other.error.empty(); });
+  if (job_.scenes.size() == 1 || (error.code() == ExitCode::Usage && !anyLoaded)) throw;
   scene.error = error.what();
 }
 
@@ -204,17 +204,17 @@ void Plan::order() {
   }
 }
 
-std::optional<FramePlace> Plan::at(uint64_t index) const {
+std::optional<FrameLocation> Plan::at(uint64_t index) const {
   const auto next = std::ranges::upper_bound(starts_, index);
   const auto scene = static_cast<uint32_t>(next - starts_.begin() - 1);
   if (!scenes_[scene].error.empty()) return std::nullopt;
   const uint64_t within = index - starts_[scene], cameras = scenes_[scene].cameras.size();
-  return FramePlace{scene, static_cast<uint32_t>(within / cameras), static_cast<uint32_t>(within % cameras)};
+  return FrameLocation{scene, static_cast<uint32_t>(within / cameras), static_cast<uint32_t>(within % cameras)};
 }
 
 std::string Plan::name(uint64_t index) const {
   constexpr uint64_t kDigits = 6;
-  const FramePlace place = at(index).value();
+  const FrameLocation place = at(index).value();
   std::string name = job_.name;
   replaceAll(name, "{index}", number(index, frames() - 1, kDigits));
   replaceAll(name, "{variation}", number(place.variation, job_.repeat - 1));
@@ -249,7 +249,7 @@ void Plan::checkNames() const {
 }
 
 uint64_t Plan::settings(uint64_t index) const {
-  const FramePlace place = at(index).value();
+  const FrameLocation place = at(index).value();
   const PlannedScene& scene = scenes_[place.scene];
   return hashOf({jobHash_, scene.source, scene.hash, place.variation, camera(place).hash, index, name(index)});
 }

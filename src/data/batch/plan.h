@@ -31,7 +31,7 @@ struct PlannedScene {
 };
 
 // The scene, variation and camera of a frame, by index.
-struct FramePlace {
+struct FrameLocation {
   uint32_t scene = 0, variation = 0, camera = 0;
 };
 
@@ -46,11 +46,11 @@ class Plan {
   uint64_t frames() const { return starts_.back(); }  // number of frame indices, including those of broken scenes
   const std::vector<PlannedScene>& scenes() const { return scenes_; }
   // Returns nullopt for an index of a broken scene.
-  std::optional<FramePlace> at(uint64_t index) const;
+  std::optional<FrameLocation> at(uint64_t index) const;
   std::string name(uint64_t index) const;
   // Returns the name of another camera's frame with the same scene and variation.
-  std::string nameBeside(uint64_t index, size_t camera) const { return name(index - at(index)->camera + camera); }
-  const PlannedCamera& camera(FramePlace place) const { return scenes_[place.scene].cameras[place.camera]; }
+  std::string neighborName(uint64_t index, size_t camera) const { return name(index - at(index)->camera + camera); }
+  const PlannedCamera& camera(FrameLocation place) const { return scenes_[place.scene].cameras[place.camera]; }
   // The hash of everything that the frame's files depend on, except the device. A finished frame with a different hash
   // is rendered again.
   uint64_t settings(uint64_t index) const;

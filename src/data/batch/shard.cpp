@@ -27,16 +27,16 @@ Shard checked(uint64_t index, uint64_t count, std::string_view from) {
   return {static_cast<uint32_t>(index), static_cast<uint32_t>(count)};
 }
 
-std::optional<ChosenShard> from(const Environment& environment, const char* index, const char* count) {
+std::optional<SelectedShard> from(const Environment& environment, const char* index, const char* count) {
   const std::optional<uint32_t> i = numberIn(environment, index), n = numberIn(environment, count);
   if (!i || !n) return std::nullopt;
   const std::string by = fmt::format("{} and {}", index, count);
-  return ChosenShard{checked(*i, *n, fmt::format("--shard, here by {},", by)), by};
+  return SelectedShard{checked(*i, *n, fmt::format("--shard, here by {},", by)), by};
 }
 
 // A shard per task of a Slurm step, which srun starts. Outside of a step there is only one process, a batch script or
 // an interactive shell, although Slurm sets the rank and the number of tasks there, too.
-std::optional<ChosenShard> fromSlurmStep(const Environment& environment) {
+std::optional<SelectedShard> fromSlurmStep(const Environment& environment) {
   constexpr uint32_t kFirstSpecialStep = 0xfffffff0;  // batch scripts, interactive steps and similar
   const std::optional<uint32_t> step = numberIn(environment, "SLURM_STEP_ID");
   if (!step || *step >= kFirstSpecialStep) return std::nullopt;
@@ -46,13 +46,13 @@ std::optional<ChosenShard> fromSlurmStep(const Environment& environment) {
 
 // A shard per process that a launcher started. mpirun's own variables have priority, because mpirun starts through a
 // Slurm step whose tasks are its daemons.
-std::optional<ChosenShard> fromLauncher(const Environment& environment) {
+std::optional<SelectedShard> fromLauncher(const Environment& environment) {
   if (auto part = from(environment, "OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE")) return part;
   if (auto part = from(environment, "PMI_RANK", "PMI_SIZE")) return part;
   return fromSlurmStep(environment);
 }
 
-std::optional<ChosenShard> fromArray(const Environment& environment) {
+std::optional<SelectedShard> fromArray(const Environment& environment) {
   const auto id = numberIn(environment, "SLURM_ARRAY_TASK_ID"), first = numberIn(environment, "SLURM_ARRAY_TASK_MIN"),
              count = numberIn(environment, "SLURM_ARRAY_TASK_COUNT"),
              last = numberIn(environment, "SLURM_ARRAY_TASK_MAX");
@@ -60,14 +60,14 @@ std::optional<ChosenShard> fromArray(const Environment& environment) {
   if (last && *last - *first + 1 != *count)
     badUsage("the Slurm array {}-{} has {} jobs, and shards are counted without gaps: give --shard i/n", *first, *last,
              *count);
-  return ChosenShard{checked(uint64_t{*id} - *first, *count, "--shard, here by SLURM_ARRAY_TASK_ID,"),
-                     "SLURM_ARRAY_TASK_ID, _MIN and _COUNT"};
+  return SelectedShard{checked(uint64_t{*id} - *first, *count, "--shard, here by SLURM_ARRAY_TASK_ID,"),
+                       "SLURM_ARRAY_TASK_ID, _MIN and _COUNT"};
 }
 
 // Combines the job array with the launcher: each job of the array may consist of several processes.
-ChosenShard fromEnvironment(const Environment& environment) {
-  const std::optional<ChosenShard> array = fromArray(environment), inner = fromLauncher(environment);
-  if (!array || !inner) return array.value_or(inner.value_or(ChosenShard{}));
+SelectedShard fromEnvironment(const Environment& environment) {
+  const std::optional<SelectedShard> array = fromArray(environment), inner = fromLauncher(environment);
+  if (!array || !inner) return array.value_or(inner.value_or(SelectedShard{}));
   const Shard &outer = array->shard, &own = inner->shard;
   const std::string by = array->by + " with " + inner->by;
   return {checked(uint64_t{outer.index} * own.count + own.index, uint64_t{outer.count} * own.count,
@@ -85,7 +85,7 @@ std::string Shard::name() const {
   return fmt::format("{}-of-{}", index, count);
 }
 
-ChosenShard chooseShard(const std::string& text, const Environment& environment) {
+SelectedShard chooseShard(const std::string& text, const Environment& environment) {
   if (text.empty()) return fromEnvironment(environment);
   const size_t slash = std::min(text.find('/'), text.size());
   const std::string_view all = text;

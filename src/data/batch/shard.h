@@ -18,7 +18,7 @@ struct Shard {
   std::string name() const;  // "0-of-3"
 };
 
-struct ChosenShard {
+struct SelectedShard {
   Shard shard;
   std::string by;  // the environment variables that chose the shard; empty: none
 };
@@ -26,7 +26,7 @@ struct ChosenShard {
 // Chooses a shard by the text of --shard: "i/n", with i from 0 to n - 1, or "/n" in a Kubernetes indexed job, whose
 // environment sets only i. If the text is empty, the environment (Slurm arrays and steps, Open MPI, PMI) chooses the
 // shard; if it does not, the shard is the whole job. Throws Error(Usage).
-ChosenShard chooseShard(const std::string& text,
-                        const std::function<std::optional<std::string>(const char*)>& environment);
+SelectedShard chooseShard(const std::string& text,
+                          const std::function<std::optional<std::string>(const char*)>& environment);
 
 }  // namespace latelight::data

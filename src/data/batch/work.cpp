@@ -9,7 +9,7 @@ WorkList::WorkList(const Plan& plan, uint64_t first, uint64_t end, const Manifes
   constexpr uint64_t kFrameBytes = 2 * sizeof(uint64_t) + sizeof(Chunk);  // each frame may need its own chunk
   memory_.grow((end - first) * kFrameBytes, "the list of the job's frames");
   for (uint64_t index = first; index < end; ++index) {
-    const std::optional<FramePlace> place = plan.at(index);
+    const std::optional<FrameLocation> place = plan.at(index);
     if (!place || finished.frames.contains(index)) continue;
     const PlannedCamera& camera = plan.camera(*place);
     std::deque<Chunk>& chunks = scenes_[place->scene].chunks;

@@ -91,7 +91,7 @@ void Worker::useEnvironment() {
 }
 
 RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::Metadata& shared) {
-  const FramePlace place = *plan_.at(index);
+  const FrameLocation place = *plan_.at(index);
   const CameraTimeline& cameras = scene_->cameras();
   const JobCamera& camera = cameras.camera(place.camera);
   const PlannedScene& planned = plan_.scenes()[place.scene];
@@ -111,7 +111,7 @@ RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::
   if (!output::contains(job_.settings.aovs, output::Aov::Motion)) return frame;
   const auto describe = [&](const std::optional<CameraTimeline::Neighbor>& neighbor) {
     if (!neighbor) return std::optional<output::NeighborFrame>();
-    const std::string name = neighbor->place ? plan_.nameBeside(index, *neighbor->place) : "";
+    const std::string name = neighbor->place ? plan_.neighborName(index, *neighbor->place) : "";
     return std::optional(output::NeighborFrame{name, neighbor->time});
   };
   m.neighbors = output::NeighborFrames{describe(cameras.previous(place.camera)), describe(cameras.next(place.camera))};
@@ -190,7 +190,7 @@ void Worker::start(Chunk chunk) {
     inFlight_.push_back({std::move(chunk), std::move(ticket), std::move(frames)});
   } catch (const std::exception&) {
     finishAll();
-    renderAlone(chunk);
+    renderIsolated(chunk);
   }
   while (inFlight_.size() > kInFlight) finishOldest();
 }
@@ -202,7 +202,7 @@ void Worker::finishOldest() {
   try {
     pictures = oldest.ticket.take().frames;
   } catch (const std::exception&) {
-    renderAlone(oldest.chunk);
+    renderIsolated(oldest.chunk);
     return;
   }
   for (size_t i = 0; i < pictures.size(); ++i) finish(std::move(oldest.frames[i]), std::move(pictures[i]));
@@ -228,11 +228,11 @@ void Worker::replaceLostDevice() {
   inFlight_.clear();
   renderer_.reset();
   useDevice();
-  for (const Chunk& chunk : again) renderAlone(chunk);
+  for (const Chunk& chunk : again) renderIsolated(chunk);
 }
 
 // Renders frames one by one, so that a failure affects only one frame.
-void Worker::renderAlone(const Chunk& chunk) {
+void Worker::renderIsolated(const Chunk& chunk) {
   replaceLostDevice();
   for (const uint64_t index : chunk.frames) {
     Chunk one = chunk;

@@ -36,7 +36,7 @@ class Worker {
   void finishOldest();
   void finishAll();
   void finish(RenderedFrame frame, output::FrameOutput picture);
-  void renderAlone(const Chunk& chunk);
+  void renderIsolated(const Chunk& chunk);
   vk::Device& device() { return devices_.back(); }
   void useDevice();
   void replaceLostDevice();

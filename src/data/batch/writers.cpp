@@ -41,7 +41,7 @@ Writers::~Writers() {
 void Writers::push(RenderedFrame frame) {
   const uint64_t bytes = bytesOf(frame);
   std::unique_lock lock(mutex_);
-  room_.wait(lock, [&] {
+  spaceFreed_.wait(lock, [&] {
     return bytes_ == 0 || (bytes_ + bytes <= most_ && waiting_.size() < kWaitingFrames * threads_.size());
   });
   bytes_ += bytes;
@@ -63,7 +63,7 @@ void Writers::work() {
     write(std::move(frame));
     lock.lock();
     bytes_ -= bytes;
-    room_.notify_all();
+    spaceFreed_.notify_all();
   }
 }
 

@@ -39,7 +39,7 @@ class Writers {
   uint64_t most_, bytes_ = 0;
   bool done_ = false;
   std::mutex mutex_;
-  std::condition_variable more_, room_;
+  std::condition_variable more_, spaceFreed_;
   std::deque<RenderedFrame> waiting_;
   std::vector<std::thread> threads_;
 };

@@ -77,10 +77,10 @@ void makeNamesUnique(std::vector<JobCamera>& cameras) {
   std::unordered_set<std::string> taken;
   std::unordered_map<std::string, uint64_t> twins;
   for (size_t i = 0; i < cameras.size(); ++i) {
-    const std::string wanted = fileName(cameras[i].name, i);
-    std::string name = wanted;
+    const std::string baseName = fileName(cameras[i].name, i);
+    std::string name = baseName;
     while (!taken.insert(name).second)
-      name = fmt::format("{}-{}", wanted, ++twins.try_emplace(wanted, 1).first->second);
+      name = fmt::format("{}-{}", baseName, ++twins.try_emplace(baseName, 1).first->second);
     cameras[i].name = cameras[i].camera.name = name;
   }
 }
@@ -94,12 +94,13 @@ std::span<const CameraSource> cameraSources() {
 void CameraBudget::take(double count, double nameBytes, const std::string& path) {
   // While a job's camera is created, its shot, the shot of its rig's base camera and a camera read from a file exist at
   // the same time. The capacity of lists may be twice their length.
-  constexpr double kMakingBytes = 3 * sizeof(Shot) + sizeof(CalibratedCamera) + 128, kKeptBytes = 2 * sizeof(JobCamera);
+  constexpr double kWorkingBytes = 3 * sizeof(Shot) + sizeof(CalibratedCamera) + 128,
+                   kResultBytes = 2 * sizeof(JobCamera);
   count_ += count;
   if (count_ > double(kMaxCamerasOfScene))
     badUsage("{}: there are more than {} cameras in all: make fewer", path, kMaxCamerasOfScene);
-  making_.grow(static_cast<uint64_t>(count * kMakingBytes + 3 * nameBytes), "the making of the job's cameras");
-  kept_.grow(static_cast<uint64_t>(count * kKeptBytes + 2 * nameBytes), "the job's cameras");
+  working_.grow(static_cast<uint64_t>(count * kWorkingBytes + 3 * nameBytes), "the making of the job's cameras");
+  kept_.grow(static_cast<uint64_t>(count * kResultBytes + 2 * nameBytes), "the job's cameras");
 }
 
 std::vector<Shot> makeShots(const Json& spec, const std::string& path, const CameraContext& context) {

@@ -18,7 +18,7 @@ struct PictureSize {
 };
 
 // The position of a camera in a sequence, the ordered poses of one source. Lists, spheres and boxes are not sequences.
-struct SequencePlace {
+struct SequencePosition {
   uint64_t number = 0;                   // from 0
   std::optional<double> seconds{};       // since the first pose; empty if the source has no times
   std::optional<size_t> previous, next;  // indices in the list of all cameras; empty at the ends
@@ -28,7 +28,7 @@ struct JobCamera {
   scene::Camera camera;
   std::string name;                // unique in the list; part of frame names that contain {camera}
   uint32_t width = 0, height = 0;  // in pixels; 0: the job's size
-  std::optional<SequencePlace> sequence{};
+  std::optional<SequencePosition> sequence{};
   bool followsScene = false;  // the pose comes from a camera of the scene, which animations may move
 };
 

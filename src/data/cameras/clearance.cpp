@@ -16,7 +16,7 @@ bool Clearance::allows(glm::dvec3 eye) const {
   return !rejectInside_ || !surroundings_->inside(eye);
 }
 
-void failWithoutPlace(const Spec& spec, uint64_t found, uint64_t count) {
+void failWithoutPosition(const Spec& spec, uint64_t found, uint64_t count) {
   badUsage("{}: found places for {} of {} cameras only, with {} tries for the next: lower \"clearance\", or move them",
            spec.path(), found, count, kTries);
 }

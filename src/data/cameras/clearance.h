@@ -23,6 +23,6 @@ class Clearance {
 // The maximum number of random positions tried per camera.
 inline constexpr uint32_t kTries = 1000;
 // Throws Error(Usage): only `found` of `count` cameras have an accepted position.
-[[noreturn]] void failWithoutPlace(const Spec& spec, uint64_t found, uint64_t count);
+[[noreturn]] void failWithoutPosition(const Spec& spec, uint64_t found, uint64_t count);
 
 }  // namespace latelight::data

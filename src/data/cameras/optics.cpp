@@ -80,7 +80,7 @@ Optics opticsOf(const Lens& lens, uint32_t width, uint32_t height) {
   optics.halfAngle = arcTangent(std::max(0.0, *std::ranges::min_element(edges)), 1);
   const bool sameShape = double(width) * lens.height == double(height) * lens.width;
   const double angle = 2 * arcTangent(lens.height / 2, lens.fy);
-  const bool seen = scene::showsSomething(static_cast<float>(angle));
+  const bool seen = scene::isUsableFieldOfView(static_cast<float>(angle));
   if (lens.model != LensModel::Pinhole || lens.fx != lens.fy || !sameShape || !seen) {
     optics.camera.lens = lens;
     return optics;
@@ -112,7 +112,7 @@ Optics readOptics(Spec& spec, PictureSize job) {
   return opticsOf(lens, size.width, size.height);
 }
 
-bool saysOptics(Spec& spec) {
+bool hasOptics(Spec& spec) {
   constexpr std::string_view kKeys[] = {"fov", "K", "model", "distortion", "size", "pixelCentre"};
   return std::ranges::any_of(kKeys, [&](std::string_view key) { return spec.has(key); });
 }

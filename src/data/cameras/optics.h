@@ -17,7 +17,7 @@ struct Optics {
 // Reads the keys "fov", "K", "model", "distortion", "size" and "pixelCentre". The default is a field of view of 40
 // degrees. K is in pixels of "size", or of `job` if there is no "size".
 Optics readOptics(Spec& spec, PictureSize job);
-bool saysOptics(Spec& spec);  // true if one of these keys is present
+bool hasOptics(Spec& spec);  // true if one of these keys is present
 
 // Converts a lens to a camera. A pinhole with square pixels becomes a field of view and a principal point; all other
 // lenses remain lenses.

@@ -64,12 +64,12 @@ void makeSequence(std::vector<Shot>& shots, const std::vector<double>& seconds) 
   for (size_t i = 0; i < shots.size(); ++i) {
     const std::string_view name = shots[i].name;
     const std::string_view folder = name.substr(0, name.rfind('/') + 1);
-    SequencePlace& place = shots[i].sequence.emplace();
+    SequencePosition& place = shots[i].sequence.emplace();
     const size_t start = first.try_emplace(folder, i).first->second;
     if (!seconds.empty()) place.seconds = seconds[i] - seconds[start];
     const auto [before, isFirst] = last.try_emplace(folder, i);
     if (isFirst) continue;
-    SequencePlace& other = *shots[before->second].sequence;
+    SequencePosition& other = *shots[before->second].sequence;
     place.number = other.number + 1;
     place.previous = std::exchange(before->second, i);
     other.next = i;

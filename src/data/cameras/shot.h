@@ -14,7 +14,7 @@ struct Shot {
   glm::dmat4 pose{1};              // OpenCV's camera frame (X right, Y down, Z forward) to the scene file's frame
   scene::Camera optics;            // everything except the pose
   uint32_t width = 0, height = 0;  // in pixels; 0: the job's size
-  std::optional<SequencePlace> sequence{};
+  std::optional<SequencePosition> sequence{};
   bool followsScene = false;
 };
 

@@ -25,7 +25,7 @@ class CameraBudget {
 
  private:
   double count_ = 0;
-  MemoryClaim making_, kept_;
+  MemoryClaim working_, kept_;
 };
 
 struct CameraContext {

@@ -32,7 +32,7 @@ std::vector<Shot> shotsInBox(Spec& spec, const CameraContext& context) {
   for (uint64_t i = 0; i < count; ++i) {
     Random random(context.seed, i, spec.path());
     for (uint32_t tried = 0;; ++tried) {
-      if (tried == kTries) failWithoutPlace(spec, i, count);
+      if (tried == kTries) failWithoutPosition(spec, i, count);
       glm::dvec3 eye;
       for (int axis = 0; axis < 3; ++axis) eye[axis] = random.between(box.low[axis], box.high[axis]);
       const double turns = random.unit(), height = random.between(-1, 1);

@@ -13,7 +13,7 @@ std::vector<Shot> shotsOfList(Spec& spec, const CameraContext& context) {
   context.claim(spec, entries.size(), names);
   std::vector<Shot> shots;
   for (Spec& entry : entries) {
-    const Optics optics = saysOptics(entry) ? readOptics(entry, context.size) : normal;
+    const Optics optics = hasOptics(entry) ? readOptics(entry, context.size) : normal;
     const std::string name = entry.text("name", numberedName("camera", shots.size(), entries.size()));
     shots.push_back({name, readPose(entry, context), optics.camera, optics.width, optics.height});
     entry.finish();

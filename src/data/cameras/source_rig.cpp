@@ -55,7 +55,7 @@ Member readMember(Spec& spec, const CameraContext& context) {
     member.offset = readPoseMatrix(spec);
   else
     member.offset[3] = glm::dvec4(spec.vector("translation"), 1);
-  if (saysOptics(spec)) member.optics = readOptics(spec, context.size);
+  if (hasOptics(spec)) member.optics = readOptics(spec, context.size);
   spec.finish();
   return member;
 }

@@ -55,7 +55,7 @@ std::vector<Shot> shotsOnSphere(Spec& spec, const CameraContext& context) {
     glm::dmat4 pose = grid ? gridPose(shell, context, i, count, random) : randomPose(shell, context, random);
     bool allowed = clearance.allows(glm::dvec3(pose[3]));
     for (uint32_t tried = 1; !grid && !allowed; ++tried) {
-      if (tried == kTries) failWithoutPlace(spec, i, count);
+      if (tried == kTries) failWithoutPosition(spec, i, count);
       pose = randomPose(shell, context, random);
       allowed = clearance.allows(glm::dvec3(pose[3]));
     }

@@ -107,13 +107,13 @@ Json intrinsicsOf(const Json& all, const Json& frame) {
 }
 
 void checkWritable(const CalibratedCamera& camera, const std::filesystem::path& file) {
-  const std::string lack = camera.lens ? transformsLack(*camera.lens) : "it has no lens";
+  const std::string lack = camera.lens ? missingInTransforms(*camera.lens) : "it has no lens";
   if (!lack.empty()) badUsage("{} cannot express the camera \"{}\": {}", file.string(), camera.name, lack);
 }
 
 }  // namespace
 
-std::string transformsLack(const Lens& lens) {
+std::string missingInTransforms(const Lens& lens) {
   if (lens.model == LensModel::CubeMap) return "the format knows no cube maps";
   for (size_t term = 5; term < 8; ++term)
     if (lens.distortion[term] != 0) return "the format has no k4, k5 and k6 of OpenCV's distortion";

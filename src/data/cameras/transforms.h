@@ -11,7 +11,7 @@
 namespace latelight::data {
 
 // Returns the reason that the format can't represent this lens, as the end of a sentence; empty if it can.
-std::string transformsLack(const scene::Lens& lens);
+std::string missingInTransforms(const scene::Lens& lens);
 // Describes a lens in the format: "camera_model", "w" and "h", and for models that have them the focal lengths, the
 // principal point and the distortion.
 nlohmann::ordered_json transformsLens(const scene::Lens& lens);
@@ -21,7 +21,7 @@ nlohmann::ordered_json transformsLens(const scene::Lens& lens);
 std::vector<CalibratedCamera> readTransforms(const std::filesystem::path& file, PictureSize size = {});
 
 // Writes cameras so that readTransforms() returns the same ones. Names are the pictures' paths. Throws Error(Usage) if
-// a camera has no lens or one that transformsLack() rejects, and if the file cannot be written.
+// a camera has no lens or one that missingInTransforms() rejects, and if the file cannot be written.
 void writeTransforms(const std::filesystem::path& file, std::span<const CalibratedCamera> cameras);
 
 }  // namespace latelight::data

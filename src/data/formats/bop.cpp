@@ -122,7 +122,7 @@ class Bop : public Format {
     files["models/models.json"] = models.list();
     std::vector<std::string> written;
     for (const auto& [name, json] : files) {
-      writeJsonBelow(folder, name, json);
+      writeJsonIn(folder, name, json);
       written.push_back(name);
     }
     return written;

@@ -19,23 +19,23 @@ Json extentOf(uint64_t pixels, const PixelBox& box) {
 }
 
 // The projection of a frame's camera.
-struct Sight {
+struct Projector {
   const output::CameraMetadata& camera;
   std::optional<scene::LensProjection> lens;
-  explicit Sight(const output::CameraMetadata& metadata) : camera(metadata) {
+  explicit Projector(const output::CameraMetadata& metadata) : camera(metadata) {
     if (metadata.lens) lens.emplace(*metadata.lens);
   }
 };
 
 // Projects a point in the camera's frame to [x, y, depth]. Returns null for points behind a perspective camera and for
 // points that the lens does not project.
-Json projected(const Sight& sight, glm::dvec3 at) {
-  const output::CameraMetadata& camera = sight.camera;
-  if (sight.lens) {
+Json projected(const Projector& projector, glm::dvec3 at) {
+  const output::CameraMetadata& camera = projector.camera;
+  if (projector.lens) {
     const double distance = glm::length(at);
-    const std::optional<glm::dvec2> pixel = distance > 0 ? sight.lens->project(at) : std::nullopt;
+    const std::optional<glm::dvec2> pixel = distance > 0 ? projector.lens->project(at) : std::nullopt;
     if (!pixel) return nullptr;
-    return {pixel->x, pixel->y, distance * sight.lens->depthOf(at / distance)};
+    return {pixel->x, pixel->y, distance * projector.lens->depthOf(at / distance)};
   }
   const auto& k = camera.intrinsics;
   const double w = camera.orthographic ? 1 : at.z;
@@ -44,14 +44,14 @@ Json projected(const Sight& sight, glm::dvec3 at) {
 }
 
 // Describes the oriented 3D box. The origin of its own frame is its center.
-Json boxInSpace(const Object& object, const Sight& sight) {
+Json boxInSpace(const Object& object, const Projector& projector) {
   glm::dmat4 toWorld = object.toWorld;
   toWorld[3] = object.toWorld * glm::dvec4((object.low + object.high) * 0.5, 1);
-  const glm::dmat4 fromWorld = openCvFromWorld(sight.camera);
+  const glm::dmat4 fromWorld = openCvFromWorld(projector.camera);
   const glm::dvec3 size = object.high - object.low;
   Json corners = Json::array();
   for (const glm::dvec3 corner : cornersOf(object))
-    corners.push_back(projected(sight, glm::dvec3(fromWorld * object.toWorld * glm::dvec4(corner, 1))));
+    corners.push_back(projected(projector, glm::dvec3(fromWorld * object.toWorld * glm::dvec4(corner, 1))));
   return {{"size", {size.x, size.y, size.z}},
           {"toWorld", output::rowsOf(toWorld)},
           {"toCamera", output::rowsOf(fromWorld * toWorld)},
@@ -72,12 +72,12 @@ class Boxes : public Format {
 
   FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
     const std::map<uint32_t, Mask> visible = masksOf(imageOf(frame.picture, output::Aov::Id));
-    const Sight sight(frame.metadata.camera);
+    const Projector projector(frame.metadata.camera);
     Json objects = Json::array();
     for (const Object& object : frame.objects) {
       const auto found = visible.find(object.id);
       const Mask* mask = found == visible.end() ? nullptr : &found->second;
-      if (mask || object.pixels > 0) objects.push_back(describe(frame, sight, object, mask));
+      if (mask || object.pixels > 0) objects.push_back(describe(frame, projector, object, mask));
     }
     const Json json{{"frame", frame.index},
                     {"name", frame.name},
@@ -87,7 +87,7 @@ class Boxes : public Format {
                     {"camera", cameraOf(frame.metadata.camera)},
                     {"objects", objects}};
     const std::string file = frameFile(file_, frame);
-    writeJsonBelow(folder, file, json);
+    writeJsonIn(folder, file, json);
     return {{file}, nullptr};
   }
 
@@ -102,7 +102,7 @@ class Boxes : public Format {
     return json;
   }
 
-  Json describe(const DataFrame& frame, const Sight& sight, const Object& object, const Mask* visible) const {
+  Json describe(const DataFrame& frame, const Projector& projector, const Object& object, const Mask* visible) const {
     Json json{{"id", object.id}};
     if (const output::IdEntry* entry = entryOf(*frame.metadata.ids, object.id)) {
       json["node"] = nameOf(*entry);
@@ -116,7 +116,7 @@ class Boxes : public Format {
       json["whole"]["pixelsInPicture"] = object.alone.area();
       json["visibleShare"] = static_cast<double>(pixels) / static_cast<double>(object.pixels);
     }
-    json["box"] = boxInSpace(object, sight);
+    json["box"] = boxInSpace(object, projector);
     return json;
   }
 

@@ -163,7 +163,7 @@ class Coco : public Format {
         R"("categories":{}}})"
         "\n",
         fmt::join(images, ","), fmt::join(annotations, ","), dumped(categories));
-    writeBelow(folder, file_, std::as_bytes(std::span(text)));
+    writeIn(folder, file_, std::as_bytes(std::span(text)));
     return {file_};
   }
 

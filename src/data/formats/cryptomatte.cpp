@@ -62,24 +62,24 @@ struct MatteNames {
 };
 
 // The ids that are visible in the samples. Each frame's file lists only these, because a scene may have far more.
-using Shown = std::unordered_set<uint32_t>;
+using VisibleIds = std::unordered_set<uint32_t>;
 
-Shown shownIn(const output::AovImage& samples) {
-  Shown ids;
+VisibleIds visibleIdsOf(const output::AovImage& samples) {
+  VisibleIds ids;
   uint32_t last = 0;
   for (const uint32_t id : samples.ids)
     if (id != std::exchange(last, id)) ids.insert(id);
   return ids;
 }
 
-MatteNames objectNames(const output::IdManifest& ids, const Shown& shown) {
+MatteNames objectNames(const output::IdManifest& ids, const VisibleIds& shown) {
   MatteNames names{"CryptoObject", output::Aov::Id};
   for (const output::IdEntry& entry : ids.ids)
     if (shown.contains(entry.id)) names.add(entry.id, nameOf(entry));
   return names;
 }
 
-MatteNames materialNames(const output::IdManifest& ids, const Shown& shown) {
+MatteNames materialNames(const output::IdManifest& ids, const VisibleIds& shown) {
   MatteNames names{"CryptoMaterial", output::Aov::Material};
   for (const output::IdMaterial& material : ids.materials)
     if (shown.contains(material.id))
@@ -159,8 +159,8 @@ class Cryptomatte : public Format {
     output::ExrExtras extras;
     std::vector<std::vector<Plane>> planes;  // must live until the file is encoded
     const output::IdManifest& ids = *frame.metadata.ids;
-    for (const MatteNames& names : {objectNames(ids, shownIn(imageOf(frame.samples, output::Aov::Id))),
-                                    materialNames(ids, shownIn(imageOf(frame.samples, output::Aov::Material)))}) {
+    for (const MatteNames& names : {objectNames(ids, visibleIdsOf(imageOf(frame.samples, output::Aov::Id))),
+                                    materialNames(ids, visibleIdsOf(imageOf(frame.samples, output::Aov::Material)))}) {
       planes.push_back(ranksOf(names, imageOf(frame.samples, names.aov), color->width, color->height, ranks_));
       for (size_t i = 0; i < planes.back().size(); ++i)
         extras.channels.push_back({fmt::format("{}{:02}.{}", names.layer, i / 4, "RGBA"[i % 4]), planes.back()[i]});

@@ -28,7 +28,7 @@ std::string frameFile(std::string_view pattern, const DataFrame& frame) {
   return file;
 }
 
-void writeBelow(const fs::path& folder, const std::string& name, std::span<const std::byte> bytes) {
+void writeIn(const fs::path& folder, const std::string& name, std::span<const std::byte> bytes) {
   const fs::path path = folder / name;
   std::error_code ignored;  // errors are reported when the file is written
   fs::create_directories(path.parent_path(), ignored);
@@ -36,13 +36,13 @@ void writeBelow(const fs::path& folder, const std::string& name, std::span<const
 }
 
 void writeOf(FrameRecord& record, const fs::path& folder, const std::string& name, std::span<const std::byte> bytes) {
-  writeBelow(folder, name, bytes);
+  writeIn(folder, name, bytes);
   record.files.push_back(name);
 }
 
-void writeJsonBelow(const fs::path& folder, const std::string& name, const nlohmann::ordered_json& json) {
+void writeJsonIn(const fs::path& folder, const std::string& name, const nlohmann::ordered_json& json) {
   const std::string text = dumped(json) + "\n";
-  writeBelow(folder, name, std::as_bytes(std::span(text)));
+  writeIn(folder, name, std::as_bytes(std::span(text)));
 }
 
 }  // namespace latelight::data

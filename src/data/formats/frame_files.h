@@ -23,12 +23,12 @@ output::Metadata metadataOf(const DataFrame& frame);
 std::string frameFile(std::string_view pattern, const DataFrame& frame);
 
 // Writes a file below the data set's folder, whole or not at all. Creates missing folders.
-void writeBelow(const std::filesystem::path& folder, const std::string& name, std::span<const std::byte> bytes);
-// Writes a file as writeBelow() does, and adds it to the frame's record.
+void writeIn(const std::filesystem::path& folder, const std::string& name, std::span<const std::byte> bytes);
+// Writes a file as writeIn() does, and adds it to the frame's record.
 void writeOf(FrameRecord& record, const std::filesystem::path& folder, const std::string& name,
              std::span<const std::byte> bytes);
 
-// Writes JSON on one line, as writeBelow() does.
-void writeJsonBelow(const std::filesystem::path& folder, const std::string& name, const nlohmann::ordered_json& json);
+// Writes JSON on one line, as writeIn() does.
+void writeJsonIn(const std::filesystem::path& folder, const std::string& name, const nlohmann::ordered_json& json);
 
 }  // namespace latelight::data

@@ -50,11 +50,11 @@ Json commonOf(std::span<const Json> entries) {
   };
   Json common = Json::object();
   if (entries.empty()) return common;
-  const bool bentAlike =
+  const bool sameDistortion =
       std::ranges::all_of(entries, [&](const Json& e) { return bendingOf(e) == bendingOf(entries[0]); });
   for (const auto& [key, value] : entries[0]["optics"].items()) {
     const auto same = [&](const Json& entry) { return entry["optics"].value(key, Json()) == value; };
-    if (isBending(key) ? bentAlike : std::ranges::all_of(entries, same)) common[key] = value;
+    if (isBending(key) ? sameDistortion : std::ranges::all_of(entries, same)) common[key] = value;
   }
   return common;
 }
@@ -84,7 +84,7 @@ class Transforms : public Format {
     const output::CameraMetadata& camera = frame.metadata.camera;
     if (camera.orthographic)
       badUsage("the format transforms cannot express orthographic cameras such as \"{}\"", camera.name);
-    if (const std::string lack = camera.lens ? transformsLack(*camera.lens) : ""; !lack.empty())
+    if (const std::string lack = camera.lens ? missingInTransforms(*camera.lens) : ""; !lack.empty())
       badUsage("the format transforms cannot express the camera \"{}\": {}", camera.name, lack);
     FrameRecord record;
     const std::string depthFile = frameFile(depthFile_, frame);
@@ -111,7 +111,7 @@ class Transforms : public Format {
       for (const auto& [key, value] : entry["optics"].items())
         if (!common.contains(key)) frame[key] = value;
     }
-    writeJsonBelow(folder, file_, set);
+    writeJsonIn(folder, file_, set);
     return {file_};
   }
 

@@ -31,7 +31,7 @@ class AddedLights : public Variation {
     count_ = spec.counts("count", kMaxLights);
     light_.type = readType(spec);
     intensity_ = spec.interval("intensity", kNotNegative);
-    if (spec.has("temperature")) temperature_ = spec.interval("temperature", {kColdest, kHottest});
+    if (spec.has("temperature")) temperature_ = spec.interval("temperature", {kMinTemperature, kMaxTemperature});
     const bool local = !shared::lightIsDirectional(light_.type);
     if (local) place_ = {spec.vector("min"), spec.vector("max")};
     for (int axis = 0; axis < 3; ++axis)
@@ -45,10 +45,10 @@ class AddedLights : public Variation {
   }
 
   Json draw(const Draw& draw, Draft& draft) const override {
-    Json said{{"lights", Json::array()}};
+    Json record{{"lights", Json::array()}};
     const uint32_t count = drawn(count_, draw.of(path_ + "/count"));
-    for (uint32_t i = 0; i < count; ++i) said["lights"].push_back(add(draw, i, draft));
-    return said;
+    for (uint32_t i = 0; i < count; ++i) record["lights"].push_back(add(draw, i, draft));
+    return record;
   }
 
  private:
@@ -63,25 +63,25 @@ class AddedLights : public Variation {
     const auto random = [&](const char* what) { return draw.of(fmt::format("{}/{}/{}", path_, number, what)); };
     const glm::dmat4 toWorld = worldFromFile(draft.scene);
     scene::Light light = light_;
-    Json said;
+    Json record;
     light.intensity = drawn(intensity_, random("intensity"));
-    said["intensity"] = light.intensity;
+    record["intensity"] = light.intensity;
     if (temperature_) {
       const float kelvin = drawn(*temperature_, random("temperature"));
       light.color = colorOfTemperature(kelvin);
-      said["temperature"] = kelvin;
+      record["temperature"] = kelvin;
     }
     if (!shared::lightIsDirectional(light.type)) {
       const glm::dvec3 position = drawn(place_, random("position"));
       light.position = glm::dvec3(toWorld * glm::dvec4(position, 1));
-      said["position"] = listOf(position);
+      record["position"] = listOf(position);
     }
     if (hasDirection(light.type)) {
       light.direction = downwards(random("direction"));
-      said["direction"] = listOf(glm::transpose(glm::mat3(toWorld)) * light.direction);
+      record["direction"] = listOf(glm::transpose(glm::mat3(toWorld)) * light.direction);
     }
     draft.addedLights.push_back(light);
-    return said;
+    return record;
   }
 
   // Returns a random direction in the world, where up is Z. Directions are uniform by solid angle within the cone.

@@ -24,16 +24,16 @@ class Environments : public Variation {
   }
 
   nlohmann::ordered_json draw(const Draw& draw, Draft& draft) const override {
-    nlohmann::ordered_json said = nlohmann::ordered_json::object();
+    nlohmann::ordered_json record = nlohmann::ordered_json::object();
     if (!environments_.empty()) {
       const auto count = static_cast<uint32_t>(environments_.size());
-      said["environment"] = draft.environment = environments_[draw.of(path_ + "/environment").below(count)];
+      record["environment"] = draft.environment = environments_[draw.of(path_ + "/environment").below(count)];
     }
     if (rotation_) {
       draft.environmentRotation = drawn(*rotation_, draw.of(path_ + "/rotation"));
-      said["rotation"] = *draft.environmentRotation;
+      record["rotation"] = *draft.environmentRotation;
     }
-    return said;
+    return record;
   }
 
  private:

@@ -21,7 +21,7 @@ class Lights : public Variation {
   Lights(Spec& spec, const scene::Scene& scene) : path_(spec.path()) {
     lights_ = selectLights(spec, "lights", scene);
     if (spec.has("intensity")) intensity_ = spec.interval("intensity", kNotNegative);
-    if (spec.has("temperature")) temperature_ = spec.interval("temperature", {kColdest, kHottest});
+    if (spec.has("temperature")) temperature_ = spec.interval("temperature", {kMinTemperature, kMaxTemperature});
     if (spec.has("jitter")) jitter_ = spec.number("jitter", kNotNegative);
     if (spec.has("on")) on_ = spec.counts("on", lights_.size());
     if (!intensity_ && !temperature_ && !jitter_ && !on_)
@@ -35,32 +35,32 @@ class Lights : public Variation {
       for (const uint32_t lit : draw.of(path_ + "/on").choose(count, static_cast<uint32_t>(lights_.size())))
         on[lit] = true;
     }
-    Json said;
+    Json record;
     for (size_t i = 0; i < lights_.size(); ++i)
-      said["lights"].push_back(change(draw, lights_[i], on[i], fileFromWorld(draft.scene), draft.light(lights_[i])));
-    return said;
+      record["lights"].push_back(change(draw, lights_[i], on[i], fileFromWorld(draft.scene), draft.light(lights_[i])));
+    return record;
   }
 
  private:
   Json change(const Draw& draw, uint32_t index, bool on, const glm::dmat4& fromWorld, scene::Light& light) const {
     const auto random = [&](const char* what) { return draw.of(fmt::format("{}/{}/{}", path_, index, what)); };
-    Json said{{"name", light.name}};
+    Json record{{"name", light.name}};
     if (intensity_) light.intensity *= drawn(*intensity_, random("intensity"));
     if (temperature_) {
       const float kelvin = drawn(*temperature_, random("temperature"));
       light.color = colorOfTemperature(kelvin);
-      said["temperature"] = kelvin;
+      record["temperature"] = kelvin;
     }
     if (jitter_) {
       const glm::dvec3 reach(*jitter_);
       const glm::dvec3 moved = drawn(Spec::Corners{-reach, reach}, random("jitter"));
       light.position += moved;
       light.node = -1;  // the light no longer follows its node
-      said["position"] = listOf(glm::dvec3(fromWorld * glm::dvec4(light.position, 1)));
+      record["position"] = listOf(glm::dvec3(fromWorld * glm::dvec4(light.position, 1)));
     }
     if (!on) light.intensity = 0;
-    said["intensity"] = light.intensity;
-    return said;
+    record["intensity"] = light.intensity;
+    return record;
   }
 
   std::string path_;

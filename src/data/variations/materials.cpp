@@ -28,10 +28,10 @@ class Materials : public Variation {
   }
 
   Json draw(const Draw& draw, Draft& draft) const override {
-    Json said;
+    Json record;
     for (const uint32_t index : materials_) {
       shared::Material& data = draft.material(index).data;
-      Json& own = said["materials"].emplace_back(Json{{"name", draft.scene.materials[index].name}});
+      Json& own = record["materials"].emplace_back(Json{{"name", draft.scene.materials[index].name}});
       const auto random = [&](const char* what) { return draw.of(fmt::format("{}/{}/{}", path_, index, what)); };
       if (baseColor_) {
         data.baseColor = glm::vec4(drawn(*baseColor_, random("baseColor")), data.baseColor.a);
@@ -41,7 +41,7 @@ class Materials : public Variation {
       if (metallic_) own["metallic"] = data.metallic = drawn(*metallic_, random("metallic"));
       if (emissive_) own["emissive"] = listOf(data.emissive = drawn(*emissive_, random("emissive")));
     }
-    return said;
+    return record;
   }
 
  private:

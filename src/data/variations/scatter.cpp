@@ -41,14 +41,14 @@ class Scatter : public Variation {
     turn_ = spec.interval("turn", {}, Interval{0, 360});
     spacing_ = spec.number("spacing", kNotNegative, 0.0);
     tries_ = spec.count("tries", 1, 1'000'000, 100);
-    if (spec.has("avoid")) avoided_ = boxesOf(scene, selectNodes(spec, "avoid", scene));
+    if (spec.has("avoid")) obstacles_ = boxesOf(scene, selectNodes(spec, "avoid", scene));
     name_ = spec.text("name", "scattered");
     if (name_.find('/') != std::string::npos) badUsage("{} must not contain a slash", spec.pathOf("name"));
   }
 
   Json draw(const Draw& draw, Draft& draft) const override {
     const uint32_t count = drawn(count_, draw.of(path_ + "/count"));
-    Json said{{"wanted", count}, {"objects", Json::array()}};
+    Json record{{"wanted", count}, {"objects", Json::array()}};
     for (uint32_t i = 0; i < count; ++i) {
       Random random = draw.of(fmt::format("{}/{}", path_, i));
       const ObjectTemplate& object = templates_[random.below(static_cast<uint32_t>(templates_.size()))];
@@ -59,9 +59,9 @@ class Scatter : public Variation {
       for (const scene::ObjectPart& part : object.parts)
         added.parts.push_back({part.mesh, part.material, *place * part.toWorld});
       draft.taken.push_back(transformed(object.box, *place));
-      said["objects"].push_back(describe(added.name, object, *place, draft.scene));
+      record["objects"].push_back(describe(added.name, object, *place, draft.scene));
     }
-    return said;
+    return record;
   }
 
  private:
@@ -113,7 +113,7 @@ class Scatter : public Variation {
       }
     }
     const auto apart = [&](const OrientedBox& other) { return areApart(box, other, spacing_); };
-    return std::ranges::all_of(draft.taken, apart) && std::ranges::all_of(avoided_, apart);
+    return std::ranges::all_of(draft.taken, apart) && std::ranges::all_of(obstacles_, apart);
   }
 
   // Describes an object for the manifest. "transform" is a matrix in the file's frame, as a list of rows.
@@ -133,7 +133,7 @@ class Scatter : public Variation {
   Interval scale_, turn_;  // turn: in degrees, about the world's up axis
   double spacing_ = 0;
   uint64_t tries_ = 0;
-  std::vector<OrientedBox> avoided_;
+  std::vector<OrientedBox> obstacles_;
 };
 
 }  // namespace

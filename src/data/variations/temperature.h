@@ -5,7 +5,7 @@
 
 namespace latelight::data {
 
-inline constexpr double kColdest = 1667, kHottest = 25000;  // in kelvin, the range of the fit
+inline constexpr double kMinTemperature = 1667, kMaxTemperature = 25000;  // in kelvin, the range of the fit
 
 // Returns the color of the Planckian locus as linear Rec. 709 with luminance 1, so a light's intensity in candela does
 // not change. The cubic fits in 1/T (Kim et al. 2002, "Design of advanced color temperature control system for HDTV

@@ -58,14 +58,14 @@ class Textures : public Variation {
   }
 
   Json draw(const Draw& draw, Draft& draft) const override {
-    Json said;
+    Json record;
     for (const uint32_t index : materials_) {
       const auto random = [&](const char* what) { return draw.of(fmt::format("{}/{}/{}", path_, index, what)); };
       const uint32_t chosen = random("texture").below(static_cast<uint32_t>(files_.size()));
       scene::Material& material = draft.material(index);
       material.slots[slot_.slot].texture = static_cast<int>(textures_[chosen]);
       material.data.textures |= 1u << slot_.slot;
-      Json& own = said["materials"].emplace_back(
+      Json& own = record["materials"].emplace_back(
           Json{{"name", material.name}, {"slot", slot_.name}, {"texture", files_[chosen]}});
       if (!repeat_) continue;
       const float times = drawn(*repeat_, random("repeat"));
@@ -73,7 +73,7 @@ class Textures : public Variation {
       transform.row0 *= times, transform.row1 *= times;
       own["repeat"] = times;
     }
-    return said;
+    return record;
   }
 
  private:

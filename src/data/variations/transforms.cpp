@@ -34,37 +34,37 @@ class Transforms : public Variation {
   }
 
   Json draw(const Draw& draw, Draft& draft) const override {
-    Json said;
+    Json record;
     std::map<uint32_t, dmat4> changes;  // transforms in the world, by node
-    for (const uint32_t node : nodes_) changes[node] = change(draw, node, draft.scene, said["nodes"].emplace_back());
+    for (const uint32_t node : nodes_) changes[node] = change(draw, node, draft.scene, record["nodes"].emplace_back());
     for (uint32_t i = 0; i < above_.size(); ++i) {
       if (above_[i].empty()) continue;
       dmat4 toWorld(draft.transform(i));
       for (const uint32_t node : above_[i]) toWorld = changes[node] * toWorld;
       draft.transform(i) = toWorld;
     }
-    return said;
+    return record;
   }
 
  private:
   // Returns a random transform in the world. It rotates and scales about the node's origin, along the axes of the
   // file's frame.
-  dmat4 change(const Draw& draw, uint32_t index, const scene::Scene& scene, Json& said) const {
+  dmat4 change(const Draw& draw, uint32_t index, const scene::Scene& scene, Json& record) const {
     const auto random = [&](const char* what) { return draw.of(fmt::format("{}/{}/{}", path_, index, what)); };
-    said["node"] = scene.nodes[index].path;
+    record["node"] = scene.nodes[index].path;
     dmat4 moved(1);
     dvec3 translation(0);
     if (translation_) translation = drawn(*translation_, random("translation"));
-    if (translation_) said["translation"] = {translation.x, translation.y, translation.z};
+    if (translation_) record["translation"] = {translation.x, translation.y, translation.z};
     if (rotation_) {
       const double degrees = drawn(*rotation_, random("rotation"));
       moved = turnAbout(axis_, degrees);
-      said["rotation"] = degrees;
+      record["rotation"] = degrees;
     }
     if (scale_) {
       const double scale = drawn(*scale_, random("scale"));
       for (int axis = 0; axis < 3; ++axis) moved[axis] *= scale;
-      said["scale"] = scale;
+      record["scale"] = scale;
     }
     const dvec3 origin(fileFromWorld(scene) * dvec4(scene.nodes[index].toWorld[3]));
     moved[3] = dvec4(origin + translation - dvec3(moved * dvec4(origin, 0)), 1);

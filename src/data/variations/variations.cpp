@@ -122,8 +122,8 @@ Json Variations::apply(uint64_t number) {
   Draft draft{.scene = impl_->scene};
   Json drawn = Json::array();
   for (const Impl::Entry& entry : impl_->entries) {
-    Json& said = drawn.emplace_back(Json{{"type", entry.type}});
-    said.update(entry.variation->draw({impl_->seed, number}, draft));
+    Json& record = drawn.emplace_back(Json{{"type", entry.type}});
+    record.update(entry.variation->draw({impl_->seed, number}, draft));
   }
   impl_->change(draft);
   return drawn;

@@ -27,12 +27,12 @@ class Visibility : public Variation {
   }
 
   Json draw(const Draw& draw, Draft& draft) const override {
-    const std::set<uint32_t> seen = visible_ ? chosen(draw) : byChance(draw);
-    Json said{{"visible", Json::array()}};
-    for (const uint32_t node : seen) said["visible"].push_back(draft.scene.nodes[node].path);
+    const std::set<uint32_t> seen = visible_ ? chosen(draw) : drawIndependently(draw);
+    Json record{{"visible", Json::array()}};
+    for (const uint32_t node : seen) record["visible"].push_back(draft.scene.nodes[node].path);
     for (uint32_t i = 0; i < above_.size(); ++i)
       if (!std::ranges::all_of(above_[i], [&](uint32_t node) { return seen.contains(node); })) draft.hidden.insert(i);
-    return said;
+    return record;
   }
 
  private:
@@ -43,7 +43,7 @@ class Visibility : public Variation {
       seen.insert(nodes_[i]);
     return seen;
   }
-  std::set<uint32_t> byChance(const Draw& draw) const {
+  std::set<uint32_t> drawIndependently(const Draw& draw) const {
     std::set<uint32_t> seen;
     for (const uint32_t node : nodes_)
       if (draw.of(fmt::format("{}/{}", path_, node)).unit() < probability_) seen.insert(node);

@@ -10,13 +10,13 @@ vk::BufferDesc hostBuffer(const std::string& name, uint64_t bytes) {
 
 }  // namespace
 
-ResultPlace createResult(const Builder& b, const std::string& name, uint64_t viewBytes, size_t views) {
+ResultTarget createResult(const Builder& b, const std::string& name, uint64_t viewBytes, size_t views) {
   const uint64_t bytes = viewBytes * views;
   const vk::BufferDesc desc = b.device.isCpu() ? hostBuffer(name, bytes) : vk::BufferDesc{.size = bytes, .name = name};
   return {.buffer = b.graph.create(desc), .viewBytes = viewBytes};
 }
 
-void keepResults(const Builder& b, std::span<const graph::BufferId> results) {
+void storeResults(const Builder& b, std::span<const graph::BufferId> results) {
   for (const graph::BufferId result : results)
     b.graph.exports(result, b.device.isCpu() ? graph::Use::HostRead : graph::Use::CopySource);
 }
@@ -44,7 +44,7 @@ std::vector<graph::BufferId> copyToHost(const Builder& b, graph::Stage stage, co
 std::vector<graph::BufferId> addReadback(const Builder& b, std::span<const graph::BufferId> results) {
   const std::vector<graph::BufferId> from(results.begin(), results.end());
   if (!b.device.isCpu() && !from.empty()) return copyToHost(b, graph::Stage::Output, "read back", from);
-  keepResults(b, from);
+  storeResults(b, from);
   return from;
 }
 

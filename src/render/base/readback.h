@@ -10,7 +10,7 @@
 namespace latelight::render {
 
 // Where a pass writes a result of some views: a separate buffer, or a part of a larger one.
-struct ResultPlace {
+struct ResultTarget {
   graph::BufferId buffer;
   graph::Use use = graph::Use::StorageWrite;
   uint64_t offset = 0;     // bytes: start of the first view
@@ -19,10 +19,10 @@ struct ResultPlace {
   VkDeviceAddress address(graph::Context& context) const { return context.buffer(buffer).address() + offset; }
 };
 // Creates a new buffer in device memory, which the host can read on a CPU device.
-ResultPlace createResult(const Builder& b, const std::string& name, uint64_t viewBytes, size_t views);
+ResultTarget createResult(const Builder& b, const std::string& name, uint64_t viewBytes, size_t views);
 
 // Keeps results of a graph on the device after it has run.
-void keepResults(const Builder& b, std::span<const graph::BufferId> results);
+void storeResults(const Builder& b, std::span<const graph::BufferId> results);
 // Copies the current contents of buffers to buffers that the host can read after the graph has run. Returns these in
 // the same order.
 std::vector<graph::BufferId> copyToHost(const Builder& b, graph::Stage stage, const char* name,

@@ -71,7 +71,7 @@ struct VisibilityBuffer {
 // The light lists of a lighting technique, per tile or per slice of a tile (clustered light culling).
 struct LightLists {
   graph::BufferId cells, entries;
-  uint32_t cellsATile = 0, entriesATile = 0;  // lists and capacity per tile; 0: there are none
+  uint32_t cellsPerTile = 0, entriesPerTile = 0;  // lists and capacity per tile; 0: there are none
   glm::uvec2 tiles{};
 };
 

@@ -2,7 +2,7 @@
 // binding 0, then depth, the light accumulation target and the light counts, all as array images with one layer per
 // view. With MULTISAMPLED, the multisampled light of the geometry pass and the pixels' surfaces stand between depth and
 // the light accumulation target, which then has one sample per pixel. If the layout has no targets, surfaces are
-// evaluated from the visibility buffer; the shader has the variant `visible` and calls showSurfaces() first.
+// evaluated from the visibility buffer; the shader has the variant `visible` and calls bindSurfaces() first.
 #ifndef LATELIGHT_GBUFFER_READ_GLSL
 #define LATELIGHT_GBUFFER_READ_GLSL
 #include "gbuffer_layout.h"
@@ -10,10 +10,10 @@
 #include "render/glsl/setup.glsl"
 #include "render/glsl/gbuffer_context.glsl"
 #ifdef GBUFFER_NO_TARGETS
-#include "render/visibility/compute/shown_surface.glsl"
+#include "render/visibility/compute/visible_surface.glsl"
 #else
 #include "render/visibility/compute/shown_push.h"
-void showSurfaces(uint64_t frame, ShownPush push) {}
+void bindSurfaces(uint64_t frame, VisibleSurfacePush push) {}
 #endif
 
 #define GBUFFER_SAMPLER_vec4 TARGET_SAMPLER
@@ -69,14 +69,14 @@ Surface unpackSurface(View view, vec2 place, GbufferTexel texel, float depth, fl
 // Returns the Surface at a pixel of a view; with MULTISAMPLED, the one that these samples show.
 #if defined(GBUFFER_NO_TARGETS) && defined(MULTISAMPLED)
 Surface readSurface(View view, ivec3 pixel, uint samples, float depth, float ao) {
-  return shownSurface(view, pixel, samples);
+  return visibleSurface(view, pixel, samples);
 }
 #elif defined(GBUFFER_NO_TARGETS)
-Surface readSurface(View view, ivec3 pixel, float depth, float ao) { return shownSurface(view, pixel, 1u); }
+Surface readSurface(View view, ivec3 pixel, float depth, float ao) { return visibleSurface(view, pixel, 1u); }
 #elif defined(MULTISAMPLED)
 Surface readSurface(View view, ivec3 pixel, uint samples, float depth, float ao) {
   GbufferTexel texel = readTexel(pixel, max(findLSB(samples), 0));
-  return unpackSurface(view, vec2(pixel.xy) + middleOfSamples(samples), texel, depth, ao);
+  return unpackSurface(view, vec2(pixel.xy) + sampleCentroid(samples), texel, depth, ao);
 }
 #else
 Surface readSurface(View view, ivec3 pixel, float depth, float ao) {

@@ -5,18 +5,18 @@
 #include "gbuffer_layout.h"
 #include "render/glsl/gbuffer_context.glsl"
 
-const float kLitElsewhere = -1.0;
+const float kShadedSeparately = -1.0;
 
 // Returns the value of the light accumulation target: emitted radiance, and ambient occlusion or, for layered
-// materials, the marker kLitElsewhere; render/layered lights those.
+// materials, the marker kShadedSeparately; render/layered lights those.
 vec4 emittedLight(FrameConstants frame, Surface s) {
   bool layered = (s.flags & kSurfaceLayered) != 0u;
-  return vec4(min(emittedRadiance(s) * frame.exposure, vec3(65504.0)), layered ? kLitElsewhere : s.ao);
+  return vec4(min(emittedRadiance(s) * frame.exposure, vec3(65504.0)), layered ? kShadedSeparately : s.ao);
 }
 
 // Returns the surface as the layout stores it. Without flags, unlit surfaces are stored as surfaces that reflect
 // nothing.
-Surface keptSurface(Surface s) {
+Surface storedSurface(Surface s) {
 #ifndef GBUFFER_KEEPS_FLAGS
   s = litSurface(s);
 #endif

@@ -14,10 +14,10 @@ const uint kTileSize = 16u;
 const uint kSlices = 32u;
 const uint kOverflow = 0xffffffffu;  // count of a cell whose list did not fit
 
-layout(constant_id = kCellsPerTileConstant) const uint kCellsATile = 1;      // lists per tile: 1, or one per slice
-layout(constant_id = kEntriesPerTileConstant) const uint kEntriesATile = 1;  // capacity for entries per tile
+layout(constant_id = kCellsPerTileConstant) const uint kCellsPerTile = 1;    // lists per tile: 1, or one per slice
+layout(constant_id = kEntriesPerTileConstant) const uint kEntriesPerTile = 1;  // capacity for entries per tile
 
-// A tile has kCellsATile + 1 elements: its slices (key of its nearest sample, bits per slice), then its cells (first
+// A tile has kCellsPerTile + 1 elements: its slices (key of its nearest sample, bits per slice), then its cells (first
 // entry within the tile's entries, number of lights).
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer CellsRef { uvec2 v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer EntriesRef { uint v[]; };  // light indices

@@ -53,20 +53,20 @@ void findBounds(inout Shading shading) {
 }
 
 // A light that one lane contributes.
-struct DealtLight {
+struct LaneLight {
   uint index;
   Light light;
   LightShadow shadow;
 };
 
-DealtLight dealtLight(FrameConstants frame, uint view, uint index) {
-  return DealtLight(index, frameLight(frame, index), shadowOf(frame, view, index));
+LaneLight laneLight(FrameConstants frame, uint view, uint index) {
+  return LaneLight(index, frameLight(frame, index), shadowOf(frame, view, index));
 }
 
 // Returns a lane's light to all lanes. On GPUs a uniform load is cheaper than a dozen broadcasts.
-Light lightOfLane(FrameConstants frame, DealtLight mine, uint lane) {
-  if (kCpuDevice != 0u) return broadcastLight(mine.light, lane);
-  return frameLight(frame, fromLane(mine.index, lane));
+Light lightOfLane(FrameConstants frame, LaneLight own, uint lane) {
+  if (kCpuDevice != 0u) return broadcastLight(own.light, lane);
+  return frameLight(frame, fromLane(own.index, lane));
 }
 
 // Adds the reflected radiance of one light, which is the same for all lanes.
@@ -90,14 +90,14 @@ void addShadowed(inout Shading shading, FrameConstants frame, Light light, Light
 }
 
 // The loop tests at the end: lavapipe executes the body once more if a loop tests at the beginning.
-void shadeHits(inout Shading shading, FrameConstants frame, DealtLight mine, uvec4 hits, bool shadowed) {
+void shadeHits(inout Shading shading, FrameConstants frame, LaneLight own, uvec4 hits, bool shadowed) {
   if (!anyLane(hits)) return;
   do {
     uint lane = popLane(hits);
-    Light light = lightOfLane(frame, mine, lane);
+    Light light = lightOfLane(frame, own, lane);
     LightSample arriving = sampleLight(light, shading.s.position);
     if (shadowed)
-      addShadowed(shading, frame, light, arriving, broadcastShadow(mine.shadow, lane));
+      addShadowed(shading, frame, light, arriving, broadcastShadow(own.shadow, lane));
     else
       addLight(shading, arriving);
   } while (anyLane(hits));
@@ -106,10 +106,10 @@ void shadeHits(inout Shading shading, FrameConstants frame, DealtLight mine, uve
 // Each lane contributes a light. All lanes shade the lights with `hit`, in lane order: first those without shadows,
 // then, in a separate loop, those with shadows. (lavapipe executes both sides of a branch; with a separate loop, a
 // subgroup without shadowed lights executes the lookups at most once, not once per light.)
-void shadeDealt(inout Shading shading, FrameConstants frame, DealtLight mine, bool hit) {
-  bool shadowed = kShadowFormat != kShadowNone && mine.shadow.maps != 0u;
-  shadeHits(shading, frame, mine, subgroupBallot(hit && !shadowed), false);
-  if (kShadowFormat != kShadowNone) shadeHits(shading, frame, mine, subgroupBallot(hit && shadowed), true);
+void shadeLaneLights(inout Shading shading, FrameConstants frame, LaneLight own, bool hit) {
+  bool shadowed = kShadowFormat != kShadowNone && own.shadow.maps != 0u;
+  shadeHits(shading, frame, own, subgroupBallot(hit && !shadowed), false);
+  if (kShadowFormat != kShadowNone) shadeHits(shading, frame, own, subgroupBallot(hit && shadowed), true);
 }
 
 // Shades the lights [first, end) of the frame.
@@ -117,8 +117,8 @@ void shadeRange(inout Shading shading, FrameConstants frame, uint first, uint en
   if (first >= end) return;
   do {
     uint index = first + laneRank;
-    DealtLight mine = dealtLight(frame, shading.view, min(index, end - 1u));
-    shadeDealt(shading, frame, mine, index < end && reaches(mine.light, shading.low, shading.high));
+    LaneLight own = laneLight(frame, shading.view, min(index, end - 1u));
+    shadeLaneLights(shading, frame, own, index < end && reaches(own.light, shading.low, shading.high));
     first += lanesPresent;
   } while (first < end);
 }

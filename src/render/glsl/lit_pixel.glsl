@@ -14,7 +14,7 @@ struct LitPixel {
   ivec3 place;     // pixel and view
   uint samples;    // that show the surface
   bool lit;        // there is a surface
-  bool elsewhere;  // render/layered lights it; treated as if there were no surface
+  bool shadedSeparately;  // render/layered lights it; treated as if there were no surface
   float depth;     // device depth
   Surface s;
   vec3 toEye;
@@ -50,15 +50,15 @@ LitPixel readPixel(FrameConstants frame, View view, ivec3 place, uint samples) {
   p.depth = samples != 0u ? texelFetch(gbufferDepth, place, 0).r : 0.0;
 #endif
   p.lit = p.depth != 0.0;
-  p.elsewhere = false;
+  p.shadedSeparately = false;
   p.s = emptySurface();
   p.toEye = vec3(0.0, 0.0, 1.0);
   p.emitted = vec3(0.0);
   p.radiance = vec3(0.0);
   vec4 accumulated = p.lit ? accumulatedLight(place, samples) : vec4(0.0);
   // Layered surfaces need no further reads, except to count their lights.
-  if (kSomeShadedSeparately != 0u && kCountLights == 0u) p.elsewhere = accumulated.a == kLitElsewhere;
-  if (p.lit && !p.elsewhere) {
+  if (kSomeShadedSeparately != 0u && kCountLights == 0u) p.shadedSeparately = accumulated.a == kShadedSeparately;
+  if (p.lit && !p.shadedSeparately) {
 #ifdef MULTISAMPLED
     p.s = readSurface(view, place, samples, p.depth, accumulated.a);
 #else
@@ -102,22 +102,22 @@ bool lightPixel(FrameConstants frame, ivec3 place) {
   bool inside = all(lessThan(vec2(place.xy), view.size));
   LitPixel p = readPixel(frame, view, place, inside ? 1u : 0u);
   vec3 byLights = lightsOn(frame, view, p);
-  if (inside && !p.elsewhere)
+  if (inside && !p.shadedSeparately)
     imageStore(lightTarget, place, p.lit ? vec4(litRadiance(frame, p, byLights), 1.0) : vec4(0.0));
   return p.lit;
 }
 #else
 // Every invocation lights its pixel's first surface. The remaining surfaces are redistributed to the subgroup's lanes.
-shared vec3 dealtRadiance[256];
+shared vec3 itemRadiance[256];
 
 // Adds the radiance that the lanes computed for this lane's pixel in a round. The sum has the order of the surfaces, so
 // it does not depend on the rounds.
-void addDealt(inout vec3 radiance, uint round, uint items, vec3 lit) {
+void addItemRadiance(inout vec3 radiance, uint round, uint items, vec3 lit) {
   uint first = round * lanesPresent;
-  dealtRadiance[dealtBase + laneRank] = lit;
+  itemRadiance[itemBase + laneRank] = lit;
   subgroupSharedBarrier();
-  for (uint i = max(dealtOwn, first); i < min(dealtOwn + items, first + lanesPresent); ++i)
-    radiance += dealtRadiance[dealtBase + i - first];
+  for (uint i = max(firstItem, first); i < min(firstItem + items, first + lanesPresent); ++i)
+    radiance += itemRadiance[itemBase + i - first];
   subgroupSharedBarrier();
 }
 
@@ -131,15 +131,15 @@ bool lightPixel(FrameConstants frame, ivec3 place) {
   LitPixel p;
   p.place = place;
   p.samples = shown.x != 0u ? surfaceSamples(pixelSurfaces, place, 0u) : 0u;
-  uint rounds = 1u + dealtRounds();
+  uint rounds = 1u + itemRounds();
   for (uint round = 0u; round < rounds; ++round) {
     p = readPixel(frame, view, p.place, p.samples);
     vec3 lit = litRadiance(frame, p, lightsOn(frame, view, p)) * (float(bitCount(p.samples)) / float(kSamples));
     if (round == 0u)
       radiance = lit;
     else
-      addDealt(radiance, round - 1u, more, lit);
-    DealtItem next = dealtItem(round);
+      addItemRadiance(radiance, round - 1u, more, lit);
+    LaneItem next = laneItem(round);
     p.place = ivec3(next.pixel, place.z);
     p.samples = next.there ? surfaceSamples(pixelSurfaces, p.place, next.index + 1u) : 0u;
   }

@@ -27,8 +27,9 @@ uint surfaceWord(usampler2DArray surfaces, ivec3 pixel, uint layer) {
 
 // Returns the samples of a surface; 0 after the last one.
 uint surfaceSamples(usampler2DArray surfaces, ivec3 pixel, uint index) {
-  uint inLayer = surfacesALayer(kSamples);
-  return bitfieldExtract(surfaceWord(surfaces, pixel, index / inLayer), int(kSamples * (index % inLayer)), int(kSamples));
+  uint inLayer = surfacesPerLayer(kSamples);
+  return bitfieldExtract(surfaceWord(surfaces, pixel, index / inLayer), int(kSamples * (index % inLayer)),
+                         int(kSamples));
 }
 
 // Returns the number of surfaces and the number of covered samples.
@@ -38,7 +39,7 @@ uvec2 countSurfaces(usampler2DArray surfaces, ivec3 pixel) {
   for (uint layer = 0u; layer < surfaceLayers(kSamples) && more; ++layer) {
     uint some = surfaceWord(surfaces, pixel, layer), here = uint(findMSB(some) + int(kSamples)) / kSamples;
     counts += uvec2(here, bitCount(some));
-    more = here == surfacesALayer(kSamples);
+    more = here == surfacesPerLayer(kSamples);
   }
   return counts;
 }

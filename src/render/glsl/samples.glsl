@@ -15,7 +15,7 @@ bool hasSample(uint samples, uint index) { return kSamples == 1u ? samples != 0u
 // Returns the position at which a surface is evaluated: the center of its samples. Device depth is linear in the image,
 // so the depth of a plane there is the mean of the samples' depths; the center of all samples is the pixel's center.
 // The result must be exact, because light_lists.comp and the lighting shaders must assign a surface to the same slice.
-vec2 middleOfSamples(uint samples) {
+vec2 sampleCentroid(uint samples) {
   vec2 sum = vec2(0.0);
   for (uint i = 0u; i < kSamples; ++i) sum += hasSample(samples, i) ? samplePlace(kSamples, i) : vec2(0.0);
   return sum / float(max(bitCount(samples), 1));

@@ -30,7 +30,7 @@ void shadeCell(inout Shading shading, FrameConstants frame, CellLights lights, u
 // --- per pixel -------------------------------------------------------------------------------------------------------
 
 // The position of a pixel's surface when the lists were built.
-struct CellPlace {
+struct CellLookup {
   uint view;
   Projection projection;
   float depth;  // device depth
@@ -41,11 +41,11 @@ struct CellPlace {
 // together, slice by slice; if the tile is one cell whose list fits, all lanes shade at once. (If the list overflowed,
 // the boxes that query the light tree should not span the depth of the scene. On lavapipe, the loops of a shader end
 // silently after 65535 iterations in total.)
-vec3 shadeFromCells(FrameConstants frame, LightCells cells, CellPlace place, Surface s, LIT_BRDF brdf, bool lit) {
+vec3 shadeFromCells(FrameConstants frame, LightCells cells, CellLookup place, Surface s, LIT_BRDF brdf, bool lit) {
   uint64_t tile = tileOf(gl_WorkGroupID / uvec3(kTileSize / kPixelGroupX, kTileSize / kPixelGroupY, 1u), cells.tiles);
-  CellLights lights = CellLights(CellsRef(cells.cells + tile * (8u * (kCellsATile + 1u))),
-                                 cells.entries + tile * (4u * kEntriesATile));
-  bool together = kCellsATile == 1u && lights.cells.v[1].y != kOverflow;
+  CellLights lights = CellLights(CellsRef(cells.cells + tile * (8u * (kCellsPerTile + 1u))),
+                                 cells.entries + tile * (4u * kEntriesPerTile));
+  bool together = kCellsPerTile == 1u && lights.cells.v[1].y != kOverflow;
   uint slice = together ? 0u : sliceOf(depthKey(place.projection, place.depth), lights.cells.v[0]);
   bool waits = lit;
   if (!subgroupAny(waits)) return vec3(0.0);
@@ -54,7 +54,7 @@ vec3 shadeFromCells(FrameConstants frame, LightCells cells, CellPlace place, Sur
   while (true) {
     uint next = subgroupMin(waits ? slice : kSlices);
     shading.lit = waits && slice == next;
-    shadeCell(shading, frame, lights, kCellsATile == 1u ? 0u : next);
+    shadeCell(shading, frame, lights, kCellsPerTile == 1u ? 0u : next);
     waits = waits && !shading.lit;
     if (!subgroupAny(waits)) break;  // not at the beginning: lavapipe would execute the body once more
   }

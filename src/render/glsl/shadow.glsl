@@ -91,7 +91,7 @@ float shadowPcss(ShadowMap m, ShadowPoint p, vec2 plane) {
 // precedes the load: for lanes that left the loop earlier, lavapipe returns the last iteration's value of
 // variables that only the loop body defines.)
 bool findShadowMap(FrameConstants frame, Light light, LightShadow shadow, vec3 position, out ShadowMap m) {
-  float room = shadowReach(kShadowFilter) + 0.5;
+  float margin = shadowReach(kShadowFilter) + 0.5;
   bool directional = lightIsDirectional(light.type);
   bool cube = !directional && shadow.maps == 6u;
   uint next = shadow.first + (cube ? shadowFace(position - light.position) : 0u);
@@ -101,7 +101,7 @@ bool findShadowMap(FrameConstants frame, Light light, LightShadow shadow, vec3 p
                 uint[2](0u, 0u));
   while (!found && next < end) {
     m = frameShadowMap(frame, next);
-    found = !directional || shadowInside(m, shadowPoint(m, position).texel, room);
+    found = !directional || shadowInside(m, shadowPoint(m, position).texel, margin);
     ++next;
   }
   return found;

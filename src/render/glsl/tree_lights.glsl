@@ -31,8 +31,8 @@ void shadeNear(inout Shading shading, FrameConstants frame, uint64_t list, uint 
     bool there = light < end;
     light = there ? light : 0u;
     if (there && listed && light >= frame.directionalLights) light = UintRef(list).v[light - frame.directionalLights];
-    DealtLight mine = dealtLight(frame, shading.view, light);
-    shadeDealt(shading, frame, mine, there && reaches(mine.light, shading.low, shading.high));
+    LaneLight own = laneLight(frame, shading.view, light);
+    shadeLaneLights(shading, frame, own, there && reaches(own.light, shading.low, shading.high));
     next += lanesPresent;
     if (next < end) continue;
     listed = false;  // continue with a leaf of the tree

@@ -99,15 +99,15 @@ void GpuGeometry::update(vk::Uploader& uploader, std::span<const uint32_t> chang
   }
   posed_ = rest_;
   deformer_ = nullptr;  // pose() follows if the scene is posed
-  if (keepsClusters_) {
+  if (hasClusters_) {
     clusters_.resize(scene_.meshes.size());
     for (const uint32_t mesh : changed) uploadClusters(uploader, mesh);
   }
   list_.upload(uploader, records_, changed);
 }
 
-void GpuGeometry::keepClusters(vk::Uploader& uploader) {
-  if (std::exchange(keepsClusters_, true)) return;
+void GpuGeometry::storeClusters(vk::Uploader& uploader) {
+  if (std::exchange(hasClusters_, true)) return;
   clusters_.resize(scene_.meshes.size());
   for (uint32_t mesh = 0; mesh < clusters_.size(); ++mesh) uploadClusters(uploader, mesh);
   list_.upload(uploader, posedRecords(deformer_));

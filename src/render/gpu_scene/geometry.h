@@ -30,7 +30,7 @@ class GpuGeometry {
   // Uploads meshes that were replaced, added or removed.
   void update(vk::Uploader& uploader, std::span<const uint32_t> changed);
   // Builds and uploads clusters for all meshes and, from then on, for each mesh that changes.
-  void keepClusters(vk::Uploader& uploader);
+  void storeClusters(vk::Uploader& uploader);
   // Uploads the records: at rest if `deformer` is null, otherwise with the addresses of its deformed vertices.
   void pose(vk::Uploader& uploader, const Deformer* deformer);
 
@@ -51,8 +51,8 @@ class GpuGeometry {
   vk::Device& device_;
   const scene::Scene& scene_;
   std::vector<vk::Buffer> buffers_;   // by mesh: indices, positions, attributes, extras
-  std::vector<vk::Buffer> clusters_;  // by mesh; empty before keepClusters()
-  bool keepsClusters_ = false;
+  std::vector<vk::Buffer> clusters_;  // by mesh; empty before storeClusters()
+  bool hasClusters_ = false;
   const Deformer* deformer_ = nullptr;  // holds the vertices of deformed meshes; null: they are at rest
   std::vector<shared::Mesh> records_;   // at rest
   std::vector<VertexStreams> rest_, posed_;

@@ -33,8 +33,8 @@ class GpuScene {
   void addChanges(graph::Graph& graph) const;
   void changesSubmitted();
   vk::Uploader& uploads() { return uploads_; }  // the pending uploads
-  void keepClusters() { geometry_.keepClusters(uploads_); }
-  void keepTexels() { materials_.keepTexels(uploads_); }
+  void storeClusters() { geometry_.storeClusters(uploads_); }
+  void storeTexels() { materials_.storeTexels(uploads_); }
   void setAnisotropy(uint32_t samples) { materials_.setAnisotropy(uploads_, samples); }
   // Overrides the scene's lights immediately, until the next edit or pose.
   void setLights(std::vector<scene::Light> lights);

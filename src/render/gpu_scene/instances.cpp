@@ -15,7 +15,7 @@ namespace {
 
 constexpr size_t kInstancesAtOnce = 16384;  // per chunk, so that waking a thread is worthwhile
 
-constexpr Sphere kNowhere{glm::vec3(0), -std::numeric_limits<float>::infinity()};  // outside every frustum
+constexpr Sphere kEmptySphere{glm::vec3(0), -std::numeric_limits<float>::infinity()};  // outside every frustum
 
 // Returns a bounding sphere of the corners of the box.
 WorldSphere boundsOf(const scene::ReachBox& box, const glm::dmat4& toWorld) {
@@ -29,7 +29,7 @@ WorldSphere boundsOf(const scene::ReachBox& box, const glm::dmat4& toWorld) {
 // Returns the sphere with its center rounded to floats. The radius grows by the error that this rounding and the
 // transformation to a view can cause.
 Sphere roundedSphere(const WorldSphere& sphere, const glm::dvec3& origin) {
-  if (sphere.radius < 0) return kNowhere;
+  if (sphere.radius < 0) return kEmptySphere;
   constexpr double kRounding = 1e-6, kCenterRounding = 2e-7;
   const glm::dvec3 center = sphere.center - origin, size = glm::abs(center);
   return {glm::vec3(center),
@@ -130,7 +130,7 @@ void GpuInstances::pose(vk::Uploader& uploader, const Poses& poses, const Deform
       spheres_[i] = sphereOf(static_cast<uint32_t>(i), transforms[i], poses.current, deformer);
   });
   moveOrigin();
-  placeAll(transforms);
+  updateAll(transforms);
   list_.upload(uploader, records_);
   moves_ = !poses.current.empty();
   if (moves_) uploadMoved(previous_, uploader, poses.previous);
@@ -139,9 +139,9 @@ void GpuInstances::pose(vk::Uploader& uploader, const Poses& poses, const Deform
   ++revision_;
 }
 
-void GpuInstances::placeAll(const std::vector<glm::dmat4>& transforms) {
+void GpuInstances::updateAll(const std::vector<glm::dmat4>& transforms) {
   records_.resize(transforms.size());
-  bounds_.resize(transforms.size(), kNowhere);
+  bounds_.resize(transforms.size(), kEmptySphere);
   parallelFor(transforms.size(), kInstancesAtOnce, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) place(static_cast<uint32_t>(i), transforms[i]);
   });
@@ -158,11 +158,11 @@ void GpuInstances::uploadMoved(GpuList<shared::Instance>& list, vk::Uploader& up
 
 void GpuInstances::update(vk::Uploader& uploader, std::span<const uint32_t> changed) {
   records_.resize(scene_.instances.size());
-  bounds_.resize(scene_.instances.size(), kNowhere);
+  bounds_.resize(scene_.instances.size(), kEmptySphere);
   spheres_.resize(scene_.instances.size());
   for (const uint32_t index : changed) spheres_[index] = sphereOf(index, scene_.instances[index].toWorld, {}, nullptr);
   if (moveOrigin()) {
-    placeAll(scene::instanceTransforms(scene_, {}));
+    updateAll(scene::instanceTransforms(scene_, {}));
     list_.upload(uploader, records_);
   } else {
     for (const uint32_t index : changed) place(index, scene_.instances[index].toWorld);

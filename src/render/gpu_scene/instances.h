@@ -49,7 +49,7 @@ class GpuInstances {
   bool isVast(uint32_t instance, const glm::dmat4& toWorld) const;
   void countVast();
   bool moveOrigin();  // moves it to spheres_; returns true if it changed
-  void placeAll(const std::vector<glm::dmat4>& transforms);
+  void updateAll(const std::vector<glm::dmat4>& transforms);
   void place(uint32_t instance, const glm::dmat4& toWorld);
   uint32_t groupBits(uint32_t instance) const;
   void uploadMoved(GpuList<shared::Instance>& list, vk::Uploader& uploader, const scene::Pose& pose) const;

@@ -130,7 +130,7 @@ size_t groupsOf(size_t count) {
 void buildNodes(LightTree& tree) {
   const size_t local = tree.lights.size() - tree.directionalLights, leaves = groupsOf(local);
   size_t firstOfLevel = 0;
-  for (size_t room = kLightTreeWidth; room < leaves; room *= kLightTreeWidth)
+  for (size_t capacity = kLightTreeWidth; capacity < leaves; capacity *= kLightTreeWidth)
     firstOfLevel = kLightTreeWidth * (firstOfLevel + 1);
   tree.firstLeaf = static_cast<uint32_t>(firstOfLevel);
   // Groups of siblings are complete; the root's group exists even if there is no light.

@@ -95,10 +95,10 @@ void GpuMaterials::uploadRecords(vk::Uploader& uploader, std::span<const uint32_
 void GpuMaterials::uploadUniforms(vk::Uploader& uploader, std::span<const uint32_t> changed) {
   std::vector<uint32_t> all;
   if (uniforms_.size() < records_.size() * uniformStride_) {
-    const size_t room = uniforms_ ? std::bit_ceil(records_.size()) : records_.size();
+    const size_t capacity = uniforms_ ? std::bit_ceil(records_.size()) : records_.size();
     uniforms_ = vk::Buffer(
         device_,
-        {.size = room * uniformStride_, .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, .name = "material uniforms"});
+        {.size = capacity * uniformStride_, .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, .name = "material uniforms"});
     makeUniformSet();
     all = allOf(records_.size());
     changed = all;

@@ -36,7 +36,7 @@ class GpuMaterials {
   const shared::Material& record(uint32_t material) const { return records_[material]; }
   MaterialSets sets(uint32_t material) const;
   VkDescriptorSet textureSet() const { return textures_.sets().set(0); }  // bindless: for all materials
-  void keepTexels(vk::Uploader& uploader) { textures_.keepTexels(uploader); }
+  void storeTexels(vk::Uploader& uploader) { textures_.storeTexels(uploader); }
   VkDeviceAddress textureRecords() const { return textures_.records(); }
   static std::vector<std::vector<vk::Binding>> setBindings(const vk::Device& device);  // of sets 1 and 2
   // The texture slots for which shaders are specialized: bit i is set if a material has, or had, a texture in slot i.

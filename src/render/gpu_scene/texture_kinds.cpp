@@ -24,7 +24,7 @@ bool unite(SlotSamplers& all, const SlotSamplers& more) {
 
 }  // namespace
 
-bool makesSizesAlike(const vk::Device& device, const std::vector<scene::Texture>& textures) {
+bool unifiesTextureSizes(const vk::Device& device, const std::vector<scene::Texture>& textures) {
   const auto odd = [](const scene::Texture& t) {
     return !std::has_single_bit(t.width) || !std::has_single_bit(t.height);
   };

@@ -16,7 +16,7 @@ namespace latelight::render {
 // Returns true if these textures have several kinds of sizes, the device specializes shaders for them, and their total
 // size is not too large. Textures with a power-of-two side then get an odd base (vk::ImageDesc::oddBase), whose size is
 // the one that counts.
-bool makesSizesAlike(const vk::Device& device, const std::vector<scene::Texture>& textures);
+bool unifiesTextureSizes(const vk::Device& device, const std::vector<scene::Texture>& textures);
 
 // Returns true if a texture of that size should get an odd base: a side is a power of two, and the device supports
 // images of the base's size.

@@ -49,7 +49,7 @@ uint32_t usualAnisotropy(const vk::Device& device) {
 GpuTextures::GpuTextures(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader)
     : device_(device),
       scene_(scene),
-      sizesAlike_(makesSizesAlike(device, scene.textures)),
+      uniformSizes_(unifiesTextureSizes(device, scene.textures)),
       records_(device, "texture records"),
       sets_(makeTextureSets(device, scene, *this)) {
   uploadEmptyTextures(uploader);
@@ -60,10 +60,10 @@ void GpuTextures::update(vk::Uploader& uploader, std::span<const uint32_t> textu
   const auto known = static_cast<uint32_t>(textures_.size()), count = static_cast<uint32_t>(scene_.textures.size());
   textures_.resize(count);
   entriesOf_.resize(count);
-  if (keepsTexels_) texels_.resize(count);
+  if (hasTexels_) texels_.resize(count);
   const auto upload = [&](uint32_t texture) {
     uploadImage(uploader, texture);
-    if (keepsTexels_) uploadTexels(uploader, texture);
+    if (hasTexels_) uploadTexels(uploader, texture);
   };
   for (uint32_t texture = known; texture < count; ++texture) upload(texture);
   for (const uint32_t texture : textures) {
@@ -73,7 +73,7 @@ void GpuTextures::update(vk::Uploader& uploader, std::span<const uint32_t> textu
   }
   indices_.resize(scene_.materials.size());
   for (const uint32_t material : materials) addEntries(material);
-  if (keepsTexels_) uploadRecords(uploader);
+  if (hasTexels_) uploadRecords(uploader);
   sets_->update(materials);
 }
 
@@ -88,7 +88,7 @@ void GpuTextures::uploadImage(vk::Uploader& uploader, uint32_t index) {
                               .levels = texture.levels,
                               .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
                               .name = texture.name,
-                              .oddBase = sizesAlike_ && getsOddBase(device_, texture.width, texture.height)});
+                              .oddBase = uniformSizes_ && getsOddBase(device_, texture.width, texture.height)});
   uploader.upload(image, {texture.pixels.get(), texture.bytes()});
 }
 
@@ -125,8 +125,8 @@ uint32_t GpuTextures::addEntry(const scene::TextureSlot& slot) {
   return known.emplace_back(entry);
 }
 
-void GpuTextures::keepTexels(vk::Uploader& uploader) {
-  if (std::exchange(keepsTexels_, true)) return;
+void GpuTextures::storeTexels(vk::Uploader& uploader) {
+  if (std::exchange(hasTexels_, true)) return;
   texels_.resize(textures_.size());
   for (uint32_t texture = 0; texture < texels_.size(); ++texture) uploadTexels(uploader, texture);
   uploadRecords(uploader);
@@ -176,7 +176,7 @@ void GpuTextures::uploadEmptyTextures(vk::Uploader& uploader) {
                                .levels = 2,
                                .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
                                .name = "empty",
-                               .oddBase = sizesAlike_});
+                               .oddBase = uniformSizes_});
     static constexpr std::array<std::byte, 5 * 4> kBlack{};
     uploader.upload(empty, kBlack);
   }
@@ -209,7 +209,7 @@ void GpuTextures::setAnisotropy(vk::Uploader& uploader, uint32_t samples) {
   if (samples == anisotropy_) return;
   anisotropy_ = samples;
   ++revision_;
-  if (keepsTexels_) uploadRecords(uploader);
+  if (hasTexels_) uploadRecords(uploader);
   sets_->update(allOf(scene_.materials.size()));
 }
 

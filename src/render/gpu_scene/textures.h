@@ -40,7 +40,7 @@ class GpuTextures {
   VkSampler sampler(const scene::Sampler& sampler) const;
 
   // Uploads texels to buffers, too, from then on: for shaders that filter textures themselves (texels.glsl).
-  void keepTexels(vk::Uploader& uploader);
+  void storeTexels(vk::Uploader& uploader);
   VkDeviceAddress records() const { return records_.address(); }  // shared::TextureRecord[], by entry; 0: none
 
  private:
@@ -55,7 +55,7 @@ class GpuTextures {
 
   vk::Device& device_;
   const scene::Scene& scene_;
-  bool sizesAlike_ = false;
+  bool uniformSizes_ = false;
   uint32_t anisotropy_ = 1;
   std::vector<vk::Image> textures_;
   std::vector<vk::Image> emptyTextures_;  // linear, sRGB
@@ -64,7 +64,7 @@ class GpuTextures {
   uint64_t revision_ = 1;
   std::vector<std::vector<uint32_t>> entriesOf_;  // by texture
   std::vector<TextureIndices> indices_;           // by material
-  bool keepsTexels_ = false;
+  bool hasTexels_ = false;
   std::vector<vk::Buffer> texels_;  // by texture
   GpuList<shared::TextureRecord> records_;
   std::unique_ptr<TextureSets> sets_;

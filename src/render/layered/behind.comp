@@ -6,13 +6,13 @@
 #include "render/layered/behind_push.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(push_constant) uniform Push { BehindPush push; };
+layout(push_constant) uniform Push { BackgroundMipPush push; };
 layout(set = 0, binding = 0) uniform sampler2DArray picture;
 layout(set = 0, binding = 1, rgba32f) uniform image2DArray levels;
 
 vec4 finer(ivec2 texel, int view, uvec2 size) {
-  ivec2 corner = ivec2(behindLevelCorner(size, push.level - 1u));
-  ivec2 last = ivec2(behindLevelSize(size, push.level - 1u)) - 1;
+  ivec2 corner = ivec2(backgroundMipCorner(size, push.level - 1u));
+  ivec2 last = ivec2(backgroundMipSize(size, push.level - 1u)) - 1;
   return imageLoad(levels, ivec3(corner + clamp(texel, ivec2(0), last), view));
 }
 
@@ -28,7 +28,7 @@ vec4 halved(ivec2 texel, int view, uvec2 size) {
 void main() {
   ivec3 place = ivec3(gl_GlobalInvocationID);
   uvec2 size = uvec2(textureSize(picture, 0).xy);
-  if (any(greaterThanEqual(uvec2(place.xy), behindLevelSize(size, push.level)))) return;
+  if (any(greaterThanEqual(uvec2(place.xy), backgroundMipSize(size, push.level)))) return;
   vec4 found = push.level == 0u ? texelFetch(picture, place, 0) : halved(place.xy, place.z, size);
-  imageStore(levels, ivec3(ivec2(behindLevelCorner(size, push.level)) + place.xy, place.z), found);
+  imageStore(levels, ivec3(ivec2(backgroundMipCorner(size, push.level)) + place.xy, place.z), found);
 }

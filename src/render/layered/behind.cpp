@@ -8,8 +8,9 @@ namespace latelight::render {
 
 graph::ImageId addTransmissionBackground(const FrameContext& f, graph::ImageId picture) {
   const shared::uvec2 size(f.width, f.height);
-  const uint32_t levels = shared::behindLevels(size);
-  const shared::uvec2 last = shared::behindLevelCorner(size, levels - 1) + shared::behindLevelSize(size, levels - 1);
+  const uint32_t levels = shared::backgroundMips(size);
+  const shared::uvec2 last =
+      shared::backgroundMipCorner(size, levels - 1) + shared::backgroundMipSize(size, levels - 1);
   // 32-bit floats: some devices truncate to half floats instead of rounding, so a chain of levels would lose light.
   const graph::ImageId behind = f.graph.create(vk::ImageDesc{.format = VK_FORMAT_R32G32B32A32_SFLOAT,
                                                              .width = size.x + std::max(size.x / 2, 1u),
@@ -17,7 +18,7 @@ graph::ImageId addTransmissionBackground(const FrameContext& f, graph::ImageId p
                                                              .layers = f.viewCount(),
                                                              .name = "behind"});
   for (uint32_t level = 0; level < levels; ++level) {
-    const shared::uvec2 texels = shared::behindLevelSize(size, level);
+    const shared::uvec2 texels = shared::backgroundMipSize(size, level);
     Bindings bindings(f.device);
     bindings.sampled(picture);
     bindings.storage(behind, level == 0 ? graph::Use::StorageWrite : graph::Use::StorageReadWrite);
@@ -27,7 +28,7 @@ graph::ImageId addTransmissionBackground(const FrameContext& f, graph::ImageId p
                 .shader = "behind.comp",
                 .bindings = std::move(bindings),
                 .size = {texels.x, texels.y, f.viewCount()}},
-               shared::BehindPush{level});
+               shared::BackgroundMipPush{level});
   }
   return behind;
 }

@@ -7,9 +7,9 @@
 namespace latelight::render {
 
 // Bilinear within a level.
-inline constexpr vk::SamplerDesc kBehindSampler{.mip = VK_SAMPLER_MIPMAP_MODE_NEAREST,
-                                                .wrapU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
-                                                .wrapV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
+inline constexpr vk::SamplerDesc kBackgroundSampler{.mip = VK_SAMPLER_MIPMAP_MODE_NEAREST,
+                                                    .wrapU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                                                    .wrapV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
 
 // Adds the passes that create the pyramid. Returns one image with the picture and all levels, in the arrangement of
 // behind_push.h, with one layer per view.

@@ -6,10 +6,10 @@
 
 // The radiance transmitted through the surface. With dispersion, each channel follows its own refracted ray.
 vec3 radianceThrough(FrameConstants frame, uint view, LayeredBrdf b, vec2 own) {
-  vec3 found = radianceBehind(frame, view, transmittedRay(b, 1u), own);
+  vec3 found = backgroundRadiance(frame, view, transmittedRay(b, 1u), own);
   if (!disperses(b)) return found;
-  found.r = radianceBehind(frame, view, transmittedRay(b, 0u), own).r;
-  found.b = radianceBehind(frame, view, transmittedRay(b, 2u), own).b;
+  found.r = backgroundRadiance(frame, view, transmittedRay(b, 0u), own).r;
+  found.b = backgroundRadiance(frame, view, transmittedRay(b, 2u), own).b;
   return found;
 }
 

@@ -21,8 +21,8 @@ layout(set = 0, binding = AFTER_LIT_MAPS + 1, rgba32f) uniform writeonly image2D
 
 bool isLayered(uint id) {
   InstanceList list = InstanceListRef(push.shown.instances).v;
-  uint rank = RankOfPartRef(list.rankOfPart).v[(id - 1u) / kRasterGroup];
-  return (rankedInstance(list, rank).flags & kRankLayered) != 0u;
+  uint drawIndex = DrawIndexOfPartRef(list.drawIndexOfPart).v[(id - 1u) / kRasterGroup];
+  return (rasterInstanceAt(list, drawIndex).flags & kDrawLayered) != 0u;
 }
 
 // Returns the mask of samples of the next triangle with a layered material, or 0 if none is left. Removes them and the
@@ -41,8 +41,8 @@ uint nextLayered(uint first, inout uint left) {
 // technique are built for other surfaces.
 vec3 lightsOn(FrameConstants frame, View view, uint viewIndex, uint64_t visible, LayeredPoint point, LayeredBrdf brdf,
               bool shows) {
-  if (kCellsATile == 0u) return lightsAtPoint(frame, viewIndex, point, brdf, shows, false);
-  CellPlace place = CellPlace(viewIndex, view.projection, visibleDepth(visible));
+  if (kCellsPerTile == 0u) return lightsAtPoint(frame, viewIndex, point, brdf, shows, false);
+  CellLookup place = CellLookup(viewIndex, view.projection, visibleDepth(visible));
   return shadeFromCells(frame, push.lists, place, point.s, brdf, shows);
 }
 
@@ -51,9 +51,9 @@ vec3 lightsOn(FrameConstants frame, View view, uint viewIndex, uint64_t visible,
 vec3 radianceOf(FrameConstants frame, ivec3 pixel, uint first, uint samples) {
   View view = frameView(frame, uint(pixel.z));
   uint64_t visible = samples != 0u ? VisibleRef(push.shown.visible).v[first + uint(findLSB(samples))] : uint64_t(1);
-  SeenTriangle t = seenTriangle(frame, push.shown.instances, visibleId(visible));
-  SurfacePoint p = seenPoint(frame, view, t, vec2(pixel.xy) + middleOfSamples(samples));
-  Material m = frameMaterial(frame, frameInstance(frame, t.rank.instance).material);
+  VisibleTriangle t = visibleTriangle(frame, push.shown.instances, visibleId(visible));
+  SurfacePoint p = visiblePoint(frame, view, t, vec2(pixel.xy) + sampleCentroid(samples));
+  Material m = frameMaterial(frame, frameInstance(frame, t.draw.instance).material);
   LayeredPoint point = layeredPoint(frame, uint(pixel.z), m, p);
   point.s.ao *= visibleHemisphere(pixel);
   LayeredBrdf brdf = layeredBrdfAt(point);

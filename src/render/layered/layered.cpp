@@ -47,7 +47,7 @@ void drawLayered(const FrameContext& f, const Gbuffer& gbuffer, const HardwareVi
   const graph::ImageId target =
       several ? createTarget(f, kLightFormat, "layered light of samples", f.setup.samples) : gbuffer.light;
   const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
-  vk::GraphicsDesc desc = behindDepth(f.setup);
+  vk::GraphicsDesc desc = depthTestedDesc(f.setup);
   desc.fragment = f.setup.variant("layered.frag");
   desc.constants.push_back(opaqueLayers(f.setup));
   desc.constants.push_back({kPlainLoopConstant, forwardLoop(f.device) == ForwardLoop::Plain ? 1u : 0u});
@@ -102,7 +102,7 @@ void shadeLayered(const FrameContext& f, const Gbuffer& gbuffer) {
   readVisibleSurfaces(f, gbuffer.visible, pass);
   addCompute(f, std::move(pass), [lists, frame = f.constants, visible = gbuffer.visible](graph::Context& context) {
     return shared::LayeredPush{
-        .frame = frame, .shown = shownSurfaces(visible, context), .lists = pushedLists(lists, context)};
+        .frame = frame, .shown = surfacePush(visible, context), .lists = pushedLists(lists, context)};
   });
 }
 

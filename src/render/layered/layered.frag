@@ -32,5 +32,5 @@ void main() {
   picture = vec4(exposedRadiance(frame, point, brdf, radiance), 1.0);
   counts = lightCount();
   // As in geometry.frag, the discard comes last, because texture derivatives need the full quad.
-  if (kAlphaMasked != 0u) cutFragment(m, p);
+  if (kAlphaMasked != 0u) alphaTest(m, p);
 }

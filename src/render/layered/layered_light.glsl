@@ -30,7 +30,7 @@ LayeredPoint layeredPoint(FrameConstants frame, uint view, Material m, SurfacePo
 }
 
 LayeredBrdf layeredBrdfAt(LayeredPoint point) {
-  LayerTables t = layerTablePlaces(point.s, point.layers, point.toEye);
+  LayerTables t = layerTableCoordinates(point.s, point.layers, point.toEye);
   t.base = textureLod(reflectanceTable, t.base, 0.0).rg;
   if (point.layers.clearcoat > 0.0) t.coat = textureLod(reflectanceTable, t.coat, 0.0).rg;
   if (kShading == kShadingGgxCompensated && point.layers.transmission > 0.0)

@@ -8,7 +8,7 @@ SH_BEGIN
 
 struct LayeredPush {
   uint64_t frame;  // FrameConstants
-  ShownPush shown;
+  VisibleSurfacePush shown;
   LightCells lists;  // of the lighting technique; not read if there are none
 };
 

@@ -13,7 +13,7 @@ namespace {
 // sideways. It samples a grid over the picture and adds a margin for the pixels in between.
 std::optional<glm::dvec2> reachOf(const scene::Lens& lens) {
   constexpr int kSteps = 32;
-  constexpr double kOutermost = 0.4, kRoom = 1.05;
+  constexpr double kOutermost = 0.4, kMargin = 1.05;
   const scene::LensProjection projection(lens);
   glm::dvec2 reach(1e-3);
   for (int i = 0; i < (kSteps + 1) * (kSteps + 1); ++i) {
@@ -23,7 +23,7 @@ std::optional<glm::dvec2> reachOf(const scene::Lens& lens) {
     if (ray->z < kOutermost) return std::nullopt;
     reach = glm::max(reach, glm::abs(glm::dvec2(*ray)) / ray->z);
   }
-  return reach * kRoom;
+  return reach * kMargin;
 }
 
 }  // namespace

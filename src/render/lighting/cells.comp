@@ -13,12 +13,12 @@ layout(push_constant, scalar) uniform Push { CellsPush push; };
 
 vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
   if (kLights == 0u || !subgroupAny(p.lit)) return vec3(0.0);
-  CellPlace place = CellPlace(uint(p.place.z), view.projection, p.depth);
+  CellLookup place = CellLookup(uint(p.place.z), view.projection, p.depth);
   return shadeFromCells(frame, push.lists, place, p.s, surfaceBrdf(p.s, p.toEye, kShading), p.lit);
 }
 
 void main() {
-  showSurfaces(push.frame, push.shown);
+  bindSurfaces(push.frame, push.shown);
   ivec3 place = ownPixel();
   bool lit = lightPixel(FrameRef(push.frame).v, place);
   writeCounts(place, lit, lightCount());

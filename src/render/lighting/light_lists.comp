@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // variants: multisampled, sample-layers
 // Light culling: lists the lights that may reach the samples of each cell, for tiled and clustered deferred shading. A
-// cell is a tile of 16x16 pixels or a depth slice of a tile (kCellsATile). With several samples per pixel, the
+// cell is a tile of 16x16 pixels or a depth slice of a tile (kCellsPerTile). With several samples per pixel, the
 // centroids of a pixel's surfaces stand for its samples, because surfaces are lit there.
 //
 // One subgroup builds the lists of a tile. It computes the bounding box of each cell's samples in world space (explicit
@@ -23,7 +23,7 @@
 #include "render/lighting/lighting_push.h"
 #include "shared/light.h"
 
-const uint kTilesAGroup = 8u;
+const uint kTilesPerGroup = 8u;
 layout(local_size_x = 256) in;
 layout(set = 0, binding = 0) uniform TARGET_SAMPLER gbufferDepth;
 #ifdef MULTISAMPLED
@@ -165,7 +165,7 @@ Cell cellOf(Tile tile, FrameConstants frame, uint slices) {
       uint slice = sliceOf(depthKey(tile.view.projection, depth), tile.slices);
       bool inCell = depth != 0.0 && (slices >> slice & 1u) != 0u;
       Projection p = tile.view.projection;
-      vec2 place = vec2(pixel) + middleOfSamples(samples);
+      vec2 place = vec2(pixel) + sampleCentroid(samples);
       vec3 v = kLens != 0u ? pixelRay(frame, tile.view, place) * viewDepth(p, depth)
                            : viewPositionAtDepth(p, pixelToNdc(place, tile.view.size), viewDepth(p, depth));
       vec3 position = tile.view.viewToWorld * vec4(v, 1.0);
@@ -231,7 +231,7 @@ bool listed(Tile tile, Cell cell, Light l) {
   bool near = dot(d, d) < l.radius * l.radius;
   bool inCone = coneReaches(l, cell.low, cell.high);
   bool inSlices = true;
-  if (kCellsATile == 1u) inSlices = (slicesReached(tile, l) & cell.slices) != 0u;
+  if (kCellsPerTile == 1u) inSlices = (slicesReached(tile, l) & cell.slices) != 0u;
   bool aimed = !lightHasCone(l.type) || inCone;
   return near && aimed && inSlices;
 }
@@ -241,17 +241,17 @@ bool listed(Tile tile, Cell cell, Light l) {
 // Appends the lights that reach the cell to the tile's entries and returns their number. On overflow it stops early and
 // returns a number larger than the remaining capacity.
 uint appendList(Tile tile, Cell cell, FrameConstants frame) {
-  EntriesRef entries = EntriesRef(push.lists.entries + uint64_t(tile.index) * (4u * kEntriesATile));
+  EntriesRef entries = EntriesRef(push.lists.entries + uint64_t(tile.index) * (4u * kEntriesPerTile));
   uint count = 0u, leaf;
   TreeWalk walk = startWalk(frame, cell.low, cell.high, true);
-  while (count <= kEntriesATile - tile.used && nextLeaf(walk, frame, leaf)) {
+  while (count <= kEntriesPerTile - tile.used && nextLeaf(walk, frame, leaf)) {
     for (uint first = 0u; first < kLightTreeWidth; first += lanesPresent) {
       uint light = leaf + first + laneRank;
       Light l = frameLight(frame, min(light, frame.lightCount - 1u));
       bool hit = first + laneRank < kLightTreeWidth && light < frame.lightCount && listed(tile, cell, l);
       uvec4 hits = subgroupBallot(hit);
       uint place = tile.used + count + subgroupBallotExclusiveBitCount(hits);
-      if (hit && place < kEntriesATile) entries.v[place] = light;
+      if (hit && place < kEntriesPerTile) entries.v[place] = light;
       count += subgroupBallotBitCount(hits);
     }
   }
@@ -259,15 +259,15 @@ uint appendList(Tile tile, Cell cell, FrameConstants frame) {
 }
 
 void listTile(inout Tile tile, FrameConstants frame) {
-  CellsRef cells = CellsRef(push.lists.cells + uint64_t(tile.index) * (8u * (kCellsATile + 1u)));
+  CellsRef cells = CellsRef(push.lists.cells + uint64_t(tile.index) * (8u * (kCellsPerTile + 1u)));
   cells.v[0] = tile.slices;  // every lane writes the same value
-  uint pending = kCellsATile == 1u ? 1u : tile.occupied;
+  uint pending = kCellsPerTile == 1u ? 1u : tile.occupied;
   while (pending != 0u) {
     uint slice = uint(findLSB(pending));
     pending &= pending - 1u;
-    Cell cell = cellOf(tile, frame, kCellsATile == 1u ? tile.occupied : 1u << slice);
+    Cell cell = cellOf(tile, frame, kCellsPerTile == 1u ? tile.occupied : 1u << slice);
     uint count = appendList(tile, cell, frame);
-    bool fits = count <= kEntriesATile - tile.used;
+    bool fits = count <= kEntriesPerTile - tile.used;
     cells.v[1u + slice] = uvec2(tile.used, fits ? count : kOverflow);
     if (fits) tile.used += count;
   }
@@ -276,8 +276,8 @@ void listTile(inout Tile tile, FrameConstants frame) {
 void main() {
   countLanes();
   FrameConstants frame = FrameRef(push.frame).v;
-  for (uint i = gl_SubgroupID; i < kTilesAGroup; i += gl_NumSubgroups) {
-    uvec2 place = uvec2(gl_WorkGroupID.x * kTilesAGroup + i, gl_WorkGroupID.y);
+  for (uint i = gl_SubgroupID; i < kTilesPerGroup; i += gl_NumSubgroups) {
+    uvec2 place = uvec2(gl_WorkGroupID.x * kTilesPerGroup + i, gl_WorkGroupID.y);
     if (place.x >= push.lists.tiles.x) break;
     Tile tile;
     tile.layer = gl_WorkGroupID.z;

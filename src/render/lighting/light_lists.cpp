@@ -7,7 +7,7 @@ namespace latelight::render {
 
 namespace {
 
-constexpr uint32_t kTileSize = 16, kTilesAGroup = 8;  // light_cells.glsl, light_lists.comp
+constexpr uint32_t kTileSize = 16, kTilesPerGroup = 8;  // light_cells.glsl, light_lists.comp
 
 uint32_t tilesAlong(uint32_t pixels) {
   return (pixels + kTileSize - 1) / kTileSize;
@@ -16,10 +16,10 @@ uint32_t tilesAlong(uint32_t pixels) {
 LightLists createLists(const FrameContext& f, const LightListsDesc& desc) {
   const glm::uvec2 tiles(tilesAlong(f.width), tilesAlong(f.height));
   const VkDeviceSize count = VkDeviceSize{tiles.x} * tiles.y * f.viewCount();
-  return {.cells = f.graph.create(vk::BufferDesc{.size = count * 8 * (desc.cellsATile + 1), .name = "light cells"}),
-          .entries = f.graph.create(vk::BufferDesc{.size = count * 4 * desc.entriesATile, .name = "light entries"}),
-          .cellsATile = desc.cellsATile,
-          .entriesATile = desc.entriesATile,
+  return {.cells = f.graph.create(vk::BufferDesc{.size = count * 8 * (desc.cellsPerTile + 1), .name = "light cells"}),
+          .entries = f.graph.create(vk::BufferDesc{.size = count * 4 * desc.entriesPerTile, .name = "light entries"}),
+          .cellsPerTile = desc.cellsPerTile,
+          .entriesPerTile = desc.entriesPerTile,
           .tiles = tiles};
 }
 
@@ -37,7 +37,7 @@ void addListing(const FrameContext& f, const Gbuffer& gbuffer, const LightLists&
               .size = {lists.tiles, f.viewCount()},
               .constants = std::move(constants),
               .buffers = {{lists.cells, graph::Use::StorageWrite}, {lists.entries, graph::Use::StorageWrite}},
-              .groupX = kTilesAGroup,
+              .groupX = kTilesPerGroup,
               .groupY = 1},
              [=, frame = f.constants](graph::Context& context) {
                return shared::CellsPush{.frame = frame, .lists = pushedLists(lists, context)};
@@ -47,16 +47,16 @@ void addListing(const FrameContext& f, const Gbuffer& gbuffer, const LightLists&
 }  // namespace
 
 std::vector<vk::Constant> listConstants(const LightLists& lists) {
-  return {{kCellsPerTileConstant, lists.cellsATile}, {kEntriesPerTileConstant, lists.entriesATile}};
+  return {{kCellsPerTileConstant, lists.cellsPerTile}, {kEntriesPerTileConstant, lists.entriesPerTile}};
 }
 
 std::vector<graph::Access> listAccesses(const LightLists& lists) {
-  if (lists.cellsATile == 0) return {};
+  if (lists.cellsPerTile == 0) return {};
   return {{lists.cells, graph::Use::StorageRead}, {lists.entries, graph::Use::StorageRead}};
 }
 
 shared::LightCells pushedLists(const LightLists& lists, graph::Context& context) {
-  if (lists.cellsATile == 0) return {};
+  if (lists.cellsPerTile == 0) return {};
   return {.cells = context.buffer(lists.cells).address(),
           .entries = context.buffer(lists.entries).address(),
           .tiles = lists.tiles};
@@ -75,7 +75,7 @@ void addLightLists(const FrameContext& f, Gbuffer& gbuffer, const LightListsDesc
   lighting.buffers.insert(lighting.buffers.end(), read.begin(), read.end());
   addCompute(f, std::move(lighting), [lists, frame = f.constants, visible = gbuffer.visible](graph::Context& context) {
     return shared::CellsPush{
-        .frame = frame, .lists = pushedLists(lists, context), .shown = shownSurfaces(visible, context)};
+        .frame = frame, .lists = pushedLists(lists, context), .shown = surfacePush(visible, context)};
   });
 }
 

@@ -12,17 +12,17 @@
 namespace latelight::render {
 
 struct LightListsDesc {
-  std::string name;         // name of the technique
-  uint32_t cellsATile = 1;  // 1: one list per tile; kSlices: one list per depth slice of a tile
+  std::string name;           // name of the technique
+  uint32_t cellsPerTile = 1;  // 1: one list per tile; kSlices: one list per depth slice of a tile
   // Capacity of a tile's lists, in lights. 512 entries are 8 bytes per pixel, as much as the light accumulation target.
   // After an overflow each subgroup of the tile's pixels traverses the tree itself: slower, with the same result.
-  uint32_t entriesATile = 512;
+  uint32_t entriesPerTile = 512;
 };
 inline constexpr uint32_t kSlices = 32;  // glsl/light_cells.glsl
 
 // Adds both passes and stores the lists in gbuffer.lightLists.
 void addLightLists(const FrameContext& f, Gbuffer& gbuffer, const LightListsDesc& desc);
-// For other shaders that use glsl/shade_cells.glsl with these lists: their specialization constants (kCellsATile is 0
+// For other shaders that use glsl/shade_cells.glsl with these lists: their specialization constants (kCellsPerTile is 0
 // if there are no lists), the buffers that they read, and their push constants.
 std::vector<vk::Constant> listConstants(const LightLists& lists);
 std::vector<graph::Access> listAccesses(const LightLists& lists);

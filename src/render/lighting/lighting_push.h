@@ -9,7 +9,7 @@ SH_BEGIN
 
 struct LightingPush {
   uint64_t frame;  // FrameConstants
-  ShownPush shown;
+  VisibleSurfacePush shown;
 };
 
 struct LightCells {  // the light lists of tiled and clustered
@@ -21,7 +21,7 @@ struct LightCells {  // the light lists of tiled and clustered
 struct CellsPush {
   uint64_t frame;  // FrameConstants
   LightCells lists;
-  ShownPush shown;
+  VisibleSurfacePush shown;
 };
 
 SH_END

@@ -14,7 +14,7 @@ std::vector<graph::ImageId> gbufferInputs(const Gbuffer& gbuffer) {
 }
 
 ComputePass lightingPass(const FrameContext& f, const Gbuffer& gbuffer, const std::string& name,
-                         const std::string& file, KeptByLighting kept) {
+                         const std::string& file, PreservedByLighting kept) {
   Bindings bindings(f.device);
   bindings.sampled(gbufferInputs(gbuffer));
   // With several samples per pixel, the geometry pass writes its light to another image; in a layout without targets it

@@ -17,15 +17,15 @@ std::vector<graph::ImageId> gbufferInputs(const Gbuffer& gbuffer);
 // A pass over every pixel of every view, in workgroups of kPixelGroupX by kPixelGroupY pixels, for addCompute(). `file`
 // is the shader's file, compiled for each layout. `kept` names the images whose contents from earlier passes are
 // preserved. The pass's own bindings start after the lit maps.
-struct KeptByLighting {
+struct PreservedByLighting {
   bool picture = false, counts = false;
 };
 ComputePass lightingPass(const FrameContext& f, const Gbuffer& gbuffer, const std::string& name,
-                         const std::string& file, KeptByLighting kept = {});
+                         const std::string& file, PreservedByLighting kept = {});
 
 // For a pass that reads surfaces through gbuffer_read.glsl. With a layout without targets it declares the visibility
-// buffer and the resources that shaders need to evaluate surfaces; shownSurfaces() then returns the push constants for
-// showSurfaces(). With other layouts it adds nothing.
+// buffer and the resources that shaders need to evaluate surfaces; surfacePush() then returns the push constants for
+// bindSurfaces(). With other layouts it adds nothing.
 void readSurfaces(const FrameContext& f, const Gbuffer& gbuffer, ComputePass& pass);
 
 }  // namespace latelight::render

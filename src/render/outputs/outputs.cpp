@@ -42,13 +42,13 @@ constexpr Source source(Origin origin, uint32_t packing, uint32_t textures, Plac
   , Place {     \
     __VA_ARGS__ \
   }
-#define PLACES_1(a) AT a
-#define PLACES_2(a, b) AT a AT b
-#define PLACES_OF(one, two, name, ...) name
+#define SLOTS_1(a) AT a
+#define SLOTS_2(a, b) AT a AT b
+#define SLOTS_OF(one, two, name, ...) name
 constexpr Source kSources[] = {
 #define OUTPUT(aov, name, channels, exrChannels, exr, png, background, unit, description, debug, origin, packing, \
                textures, ...)                                                                                     \
-  source(Origin::origin, packing, textures PLACES_OF(__VA_ARGS__, PLACES_2, PLACES_1)(__VA_ARGS__)),
+  source(Origin::origin, packing, textures SLOTS_OF(__VA_ARGS__, SLOTS_2, SLOTS_1)(__VA_ARGS__)),
 #include "output/outputs.def"
 };
 
@@ -68,12 +68,12 @@ Origin originOf(Aov aov) {
   return sourceOf(aov).origin;
 }
 
-bool asksFor(const Settings& settings, Origin origin) {
+bool requestsOutput(const Settings& settings, Origin origin) {
   return std::ranges::any_of(settings.aovs, [&](Aov aov) { return originOf(aov) == origin; });
 }
 
 bool showsPicture(const Settings& settings) {
-  return settings.display || asksFor(settings, Origin::Picture);
+  return settings.display || requestsOutput(settings, Origin::Picture);
 }
 
 uint32_t textureSlots(const Settings& settings) {
@@ -82,7 +82,7 @@ uint32_t textureSlots(const Settings& settings) {
   return slots;
 }
 
-uint64_t bytesAPixel(const Settings& settings) {
+uint64_t bytesPerPixel(const Settings& settings) {
   uint64_t bytes = settings.display ? 4 : 0;
   for (const Aov aov : settings.aovs) bytes += 4 * output::info(aov).channels;
   return bytes;
@@ -107,8 +107,8 @@ uint32_t PackedOutputs::axesOf(uint32_t packing) const {
 }
 
 // An exported array is imported as read and written, so that the results of its other views are preserved.
-ResultPlace PackedOutputs::place(const Builder& b, std::optional<Aov> aov, uint32_t texelBytes, glm::uvec3 size) {
-  ResultPlace place;
+ResultTarget PackedOutputs::place(const Builder& b, std::optional<Aov> aov, uint32_t texelBytes, glm::uvec3 size) {
+  ResultTarget place;
   if (arrays_.arrays.empty()) {
     const std::string name = aov ? "output " + std::string(output::info(*aov).name) : "picture";
     place = createResult(b, name, uint64_t{texelBytes} * size.x * size.y, size.z);
@@ -136,7 +136,7 @@ void PackedOutputs::add(const Builder& b, Origin origin, const std::function<gra
     const bool integers = holdsIntegers(b.graph.desc(first).format);
     const uint32_t samples = from.packing == kPackCount ? settings_.aa.samples : 1;
     if (integers) size.z /= surfaceLayers(samples);
-    const ResultPlace to = place(b, aov, 4 * channels, size);
+    const ResultTarget to = place(b, aov, 4 * channels, size);
     Bindings bindings(b.device);
     bindings.sampled(first);
     if (!integers) bindings.sampled(second);
@@ -201,7 +201,7 @@ void PackedOutputs::exportResults(const Builder& b, Results results) {
     return;
   }
   onHost_ = results == Results::ToHost || b.device.isCpu();
-  if (!onHost_) return keepResults(b, buffers());
+  if (!onHost_) return storeResults(b, buffers());
   const std::vector<graph::BufferId> host = addReadback(b, buffers());
   for (size_t i = 0; i < results_.size(); ++i) results_[i].buffer = host[i];
 }

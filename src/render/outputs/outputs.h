@@ -28,11 +28,11 @@ enum class Origin {
   Raster,  // statistics of the raster compute, whichever raster renders the rest
 };
 Origin originOf(output::Aov aov);
-bool asksFor(const Settings& settings, Origin origin);
+bool requestsOutput(const Settings& settings, Origin origin);
 bool showsPicture(const Settings& settings);  // for display or as an output
 // The texture slots of materials that the requested outputs depend on: scene::LoadOptions::textureSlots.
 uint32_t textureSlots(const Settings& settings);
-uint64_t bytesAPixel(const Settings& settings);  // of all requested outputs
+uint64_t bytesPerPixel(const Settings& settings);  // of all requested outputs
 
 // Returns the targets of the layout `exact` that these outputs need, one bit each.
 uint32_t exactTargets(std::span<const output::Aov> aovs);
@@ -68,7 +68,7 @@ class PackedOutputs {
   SurfaceOutputs addSurfaces(const Builder& b, glm::uvec3 size);
 
   // Returns where a pass writes the display picture, RGBA8, with `size` texels and views.
-  ResultPlace addDisplay(const Builder& b, glm::uvec3 size) { return place(b, std::nullopt, 4, size); }
+  ResultTarget addDisplay(const Builder& b, glm::uvec3 size) { return place(b, std::nullopt, 4, size); }
   // Makes the results available as `results` states. Call it after all requested outputs have been added.
   void exportResults(const Builder& b, Results results);
 
@@ -81,7 +81,7 @@ class PackedOutputs {
     std::optional<output::Aov> aov;  // none: the display picture
     graph::BufferId buffer;
   };
-  ResultPlace place(const Builder& b, std::optional<output::Aov> aov, uint32_t texelBytes, glm::uvec3 size);
+  ResultTarget place(const Builder& b, std::optional<output::Aov> aov, uint32_t texelBytes, glm::uvec3 size);
   uint32_t axesOf(uint32_t packing) const;
   std::vector<graph::BufferId> buffers() const;
   void unpack(const graph::Submission& done, std::span<const graph::BufferId> buffers,

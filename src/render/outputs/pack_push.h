@@ -33,7 +33,7 @@ SH_CONST uint kAxesOpenCv = 2u;  // the camera's: X right, Y down, Z forward
 SH_CONST uint kAxesOpenGl = 3u;  // the camera's: X right, Y up, Z back
 
 // The destination of an output that is packed where surfaces are resolved (surface_outputs.glsl).
-struct OutputPlace {
+struct OutputSlot {
   uint64_t values;  // as in PackPush
   uint64_t viewBytes;
 };

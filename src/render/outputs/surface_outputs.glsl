@@ -43,7 +43,7 @@ ExactTargets exactTargets(Surface s) {
 #undef GBUFFER_FIXED_POSITION
 #undef GBUFFER_TARGETS
 
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer OutputPlacesRef { OutputPlace v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer OutputSlotsRef { OutputSlot v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer OutputBitsRef { uint v[]; };
 
 #define OUTPUT_SLOTS(SLOT)                                                                                   \
@@ -54,7 +54,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Ou
 OUTPUT_SLOTS(OUTPUT_CONSTANT)
 const bool kPacksOutputs = kOutput0 != 0u;  // slots are filled from the first one on
 
-void writeOutput(uint64_t frame, OutputPlace place, uint bits, ExactTargets targets, float depth, ivec3 pixel, int width) {
+void writeOutput(uint64_t frame, OutputSlot place, uint bits, ExactTargets targets, float depth, ivec3 pixel,
+                 int width) {
   SurfaceOutput o = surfaceOutputOf(bits);
   uvec4 found = targets.v[o.target], values;
   for (uint i = 0u; i < 4u; ++i) values[i] = found[min(o.first + i, 3u)];
@@ -71,7 +72,7 @@ void writeOutput(uint64_t frame, OutputPlace place, uint bits, ExactTargets targ
 
 void writeOutputs(uint64_t frame, uint64_t places, ExactTargets targets, float depth, ivec3 pixel, int width) {
 #define OUTPUT_WRITE(i) \
-  if (kOutput##i != 0u) writeOutput(frame, OutputPlacesRef(places).v[i], kOutput##i, targets, depth, pixel, width);
+  if (kOutput##i != 0u) writeOutput(frame, OutputSlotsRef(places).v[i], kOutput##i, targets, depth, pixel, width);
   OUTPUT_SLOTS(OUTPUT_WRITE)
 }
 

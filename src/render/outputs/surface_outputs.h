@@ -9,7 +9,7 @@ namespace latelight::render {
 
 struct SurfaceOutputs {
   std::vector<uint32_t> bits;  // shared::surfaceOutputBits() of each output
-  std::vector<ResultPlace> places;
+  std::vector<ResultTarget> places;
 };
 
 }  // namespace latelight::render

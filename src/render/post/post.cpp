@@ -25,7 +25,7 @@ ComposeSettings composeSettings(const Settings& s, float scale) {
 }  // namespace
 
 FinishedPicture finishPicture(const Builder& b, graph::ImageId picture, float scale, const Settings& settings,
-                              const std::optional<ResultPlace>& display) {
+                              const std::optional<ResultTarget>& display) {
   FinishedPicture result{.linear = picture, .scale = scale};
   if (settings.bloom > 0) {
     result.linear = addBloom(b, picture, bloomParameters(settings, scale));

@@ -18,6 +18,6 @@ struct FinishedPicture {
 // `scale` is 1 / number of frames summed in `picture`. `display` is the destination of the finished picture, as written
 // by addCompose(); if none, only the linear picture is computed.
 FinishedPicture finishPicture(const Builder& b, graph::ImageId picture, float scale, const Settings& settings,
-                              const std::optional<ResultPlace>& display);
+                              const std::optional<ResultTarget>& display);
 
 }  // namespace latelight::render

@@ -20,12 +20,12 @@ shared::ComposePush composePush(const ComposeSettings& settings, VkDeviceAddress
   return {pixels, viewBytes, settings.scale, settings.tonemap, settings.background};
 }
 
-void addCompose(const Builder& b, graph::ImageId picture, const ComposeSettings& settings, const ResultPlace& to) {
+void addCompose(const Builder& b, graph::ImageId picture, const ComposeSettings& settings, const ResultTarget& to) {
   addFinalPass(b, "compose", picture, settings, to);
 }
 
 void addFinalPass(const Builder& b, const std::string& name, graph::ImageId picture, const ComposeSettings& settings,
-                  const ResultPlace& to) {
+                  const ResultTarget& to) {
   addCompute(b,
              {.stage = graph::Stage::Post,
               .name = name,

@@ -22,10 +22,10 @@ struct ComposeSettings {
 shared::ComposePush composePush(const ComposeSettings& settings, VkDeviceAddress pixels, uint64_t viewBytes);
 
 // Writes the finished picture: RGBA8, sRGB, straight alpha.
-void addCompose(const Builder& b, graph::ImageId picture, const ComposeSettings& settings, const ResultPlace& to);
+void addCompose(const Builder& b, graph::ImageId picture, const ComposeSettings& settings, const ResultTarget& to);
 // Adds a pass that writes the finished picture with the shader `name`.comp, which must write it with writeCode() of
 // compose.glsl.
 void addFinalPass(const Builder& b, const std::string& name, graph::ImageId picture, const ComposeSettings& settings,
-                  const ResultPlace& to);
+                  const ResultTarget& to);
 
 }  // namespace latelight::render

@@ -20,7 +20,7 @@ struct TechniqueInfo {
   // empty, and gbuffer.targets is empty too. Every technique shades the same lights with shared/shade.h, so all produce
   // the same picture. If the setup counts lights, the pass writes the counts to gbuffer.lightCounts. Compute shaders of
   // a deferred technique declare the variants layout, visible, multisampled and sample-layers (docs/extending.md,
-  // "Shader variants") and call showSurfaces() first.
+  // "Shader variants") and call bindSurfaces() first.
   std::function<void(const FrameContext& f, Gbuffer& gbuffer)> add;
 };
 

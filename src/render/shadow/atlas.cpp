@@ -31,7 +31,7 @@ std::optional<AtlasTile> AtlasTiles::take(uint32_t size) {
   return free.extract(free.begin()).value();
 }
 
-void AtlasTiles::giveBack(const AtlasTile& tile) {
+void AtlasTiles::recycle(const AtlasTile& tile) {
   std::set<AtlasTile>& free = free_[tile.size];
   free.insert(tile);
   if (tile.size == side_) return;
@@ -40,7 +40,7 @@ void AtlasTiles::giveBack(const AtlasTile& tile) {
   for (const AtlasTile& quarter : quarters(parent))
     if (!free.contains(quarter)) return;
   for (const AtlasTile& quarter : quarters(parent)) free.erase(quarter);
-  giveBack(parent);
+  recycle(parent);
 }
 
 }  // namespace latelight::render

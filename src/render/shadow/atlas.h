@@ -18,12 +18,12 @@ struct AtlasTile {
 
 // A buddy allocator (Knowlton 1965, A Fast Storage Allocator, CACM 8(10)). The sizes of tiles are powers of two from
 // kMinShadowTile to the side of a layer. take() splits a free tile into quarters until it has the requested size, and
-// giveBack() merges four free quarters. Tiles allocated in order of decreasing size leave no gaps.
+// recycle() merges four free quarters. Tiles allocated in order of decreasing size leave no gaps.
 class AtlasTiles {
  public:
   AtlasTiles(uint32_t side, uint32_t layers);
   std::optional<AtlasTile> take(uint32_t size);  // none if no tile of this size is free
-  void giveBack(const AtlasTile& tile);
+  void recycle(const AtlasTile& tile);
 
  private:
   uint32_t side_;

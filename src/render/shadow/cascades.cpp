@@ -52,11 +52,11 @@ std::vector<Sphere> fitCascades(const shared::View& view, const scene::Bounds& b
   const Sphere scene{glm::vec3(bounds.centre()), std::max(static_cast<float>(bounds.radius()), 1e-6f)};
   const shared::Projection& p = view.projection;
   const double centre = (view.worldToView * glm::vec4(scene.centre, 1)).y, radius = scene.radius;
-  const double room = 1e-3 * radius;  // for flat scenes and rounded coordinates
+  const double margin = 1e-3 * radius;  // for flat scenes and rounded coordinates
   const double near = shared::viewDepth(p, 1.0f), far = shared::viewDepth(p, 0.0f);
   // Distances in an orthographic view are measured from its near end, which may be behind its own position.
   const double from = p.kind == shared::kOrthographic ? near : 0;
-  const double first = std::max(nearestDepth(bounds, view) - room, near) - from;
+  const double first = std::max(nearestDepth(bounds, view) - margin, near) - from;
   const double last = std::min(centre + radius, far) - from;
   if (!(last > 0) || !(last > first)) return {};
   const double end = steppedUp(last), begin = first > 0 ? steppedDown(first) : 0;

@@ -24,8 +24,8 @@ static_assert(kMinShadowTile == shared::kShadowCell);
 
 // --- selection ------------------------------------------------------------------------------------------------------
 
-void checkNames(const ShadowLights& wanted, std::span<const scene::Light> lights) {
-  for (const std::string& name : wanted.names)
+void checkNames(const ShadowLights& requested, std::span<const scene::Light> lights) {
+  for (const std::string& name : requested.names)
     if (std::none_of(lights.begin(), lights.end(), [&](const scene::Light& light) { return light.name == name; }))
       badUsage("no light is called \"{}\": --shadow-lights takes auto, all, none, a number, or names of lights", name);
 }
@@ -57,7 +57,7 @@ struct Candidate {
   }
 };
 
-std::vector<Candidate> candidates(const ShadowScene& scene, const shared::View& view, const ShadowLights& wanted,
+std::vector<Candidate> candidates(const ShadowScene& scene, const shared::View& view, const ShadowLights& requested,
                                   bool anyCascade) {
   const Frustum frustum(view);
   std::vector<Candidate> found;
@@ -66,15 +66,15 @@ std::vector<Candidate> candidates(const ShadowScene& scene, const shared::View& 
     const scene::Light& authored = scene.authored[scene.sources[i]];
     const bool directional = shared::lightIsDirectional(light.type);
     const auto named = [&] {
-      return wanted.names.empty() ||
-             std::find(wanted.names.begin(), wanted.names.end(), authored.name) != wanted.names.end();
+      return requested.names.empty() ||
+             std::find(requested.names.begin(), requested.names.end(), authored.name) != requested.names.end();
     };
     if (!authored.castShadow.value_or(true) || !named()) continue;
     if (directional ? !anyCascade : !frustum.touches({light.position, light.radius})) continue;
     found.push_back(
         {i, scene.sources[i], directional, authored.castShadow.value_or(false), importance(light, scene, view)});
   }
-  const size_t count = std::min<size_t>(found.size(), wanted.automatic ? kAutomaticShadows : wanted.most);
+  const size_t count = std::min<size_t>(found.size(), requested.automatic ? kAutomaticShadows : requested.most);
   std::partial_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(count), found.end());
   found.resize(count);
   return found;
@@ -120,15 +120,15 @@ bool halve(std::vector<ShadowCaster>& casters, const ShadowScene& scene, bool di
 }
 
 // Reduces sizes until all tiles fit into `room` texels, then drops lights. Returns the number of dropped lights.
-size_t fit(std::vector<ShadowCaster>& casters, const ShadowScene& scene, uint64_t room) {
+size_t fit(std::vector<ShadowCaster>& casters, const ShadowScene& scene, uint64_t budget) {
   constexpr uint32_t kFine = 256;  // only local lights' tiles are halved down to this size, then all tiles
-  while (areaOf(casters) > room && halve(casters, scene, false, kFine)) {
+  while (areaOf(casters) > budget && halve(casters, scene, false, kFine)) {
   }
-  while (areaOf(casters) > room && halve(casters, scene, true, kMinShadowTile)) {
+  while (areaOf(casters) > budget && halve(casters, scene, true, kMinShadowTile)) {
   }
   const size_t before = casters.size();
   uint64_t area = areaOf(casters);
-  for (; area > room; casters.pop_back())
+  for (; area > budget; casters.pop_back())
     area -= uint64_t{casters.back().maps} * casters.back().size * casters.back().size;
   return before - casters.size();
 }
@@ -146,17 +146,17 @@ std::optional<double> shadowCone(const shared::Light& light) {
 
 std::vector<ShadowCaster> chooseShadowCasters(const ShadowScene& scene, const shared::View& view,
                                               const Settings& settings, uint32_t cascades) {
-  const ShadowLights& wanted = settings.shadowLights;
-  checkNames(wanted, scene.authored);
+  const ShadowLights& requested = settings.shadowLights;
+  checkNames(requested, scene.authored);
   std::vector<ShadowCaster> casters;
-  for (const Candidate& candidate : candidates(scene, view, wanted, cascades > 0)) {
+  for (const Candidate& candidate : candidates(scene, view, requested, cascades > 0)) {
     const shared::Light& light = scene.lights[candidate.light];
     const uint32_t maps = candidate.directional ? cascades : shadowCone(light) ? 1 : 6;
     casters.push_back({candidate.light, maps, sizeOf(light, scene, view, maps)});
   }
   const size_t asked = casters.size();
   const size_t dropped = fit(casters, scene, uint64_t{settings.shadowAtlas} * settings.shadowAtlas);
-  if (dropped && !wanted.automatic)
+  if (dropped && !requested.automatic)
     warn("the {} most important of {} lights cast shadows: no more fit into a shadow atlas of {} texels",
          asked - dropped, asked, settings.shadowAtlas);
   return casters;

@@ -50,7 +50,7 @@ FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, ShadowPlan
       filter_(indexOf(settings.shadowFilter)),
       inCompute_(rastersInCompute(settings)),
       plan_(std::move(plan)),
-      mayAskForPages_(inCompute_ && !settings.wholeShadowMaps && !asksFor(settings, Origin::LightCounts)) {
+      canRequestPages_(inCompute_ && !settings.wholeShadowMaps && !requestsOutput(settings, Origin::LightCounts)) {
   for (const ShadowPlan::OfView& view : plan_.of)
     for (const ShadowPlan::Entry& entry : view.lights) columns_.push_back(entry.light);
   std::sort(columns_.begin(), columns_.end());
@@ -101,9 +101,9 @@ void FrameShadows::enterMaps() {
   });
   std::unordered_map<std::string_view, uint32_t> entered;
   for (size_t map = 0; map < keys.size(); ++map) {
-    const auto [found, isNew] = entered.try_emplace(keys[map], static_cast<uint32_t>(wanted_.size()));
-    if (isNew) wanted_.push_back({keys[map], &plan_.views[map]});
-    wantedOfMap_.push_back(found->second);
+    const auto [found, isNew] = entered.try_emplace(keys[map], static_cast<uint32_t>(requested_.size()));
+    if (isNew) requested_.push_back({keys[map], &plan_.views[map]});
+    requestOfMap_.push_back(found->second);
   }
 }
 
@@ -114,16 +114,16 @@ void FrameShadows::place(vk::Device& device, ShadowMapCache& kept) {
   kind.usage |= inCompute_                ? VK_IMAGE_USAGE_STORAGE_BIT
                 : shadowIsPacked(format_) ? VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT
                                           : VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
-  placed_ = kept.place(device, kind, wanted_);
+  placed_ = kept.place(device, kind, requested_);
   for (size_t i = 0; i < plan_.maps.size(); ++i) {
-    const AtlasTile& tile = placed_[wantedOfMap_[i]]->tile;
+    const AtlasTile& tile = placed_[requestOfMap_[i]]->tile;
     plan_.maps[i].corner = {tile.x, tile.y};
     plan_.maps[i].layer = tile.layer;
   }
   atlas_ = kept.atlas();
   pages_ = kept.pages();
   keepsAtlas_ = kept.anyDrawn();
-  for (size_t i = 0; i < wanted_.size(); ++i) list(placed_[i], *wanted_[i].view);
+  for (size_t i = 0; i < requested_.size(); ++i) list(placed_[i], *requested_[i].view);
   std::ranges::stable_sort(maps_, {}, [](const Map& map) { return map.tile.layer; });
   undrawn_ = !maps_.empty();
 }
@@ -141,7 +141,7 @@ std::vector<shared::PagedLight> FrameShadows::pagedLights() const {
   std::set<uint32_t> paged;  // indices into columns_
   for (size_t i = 0; i < table_.size(); ++i)
     for (uint32_t map = 0; map < table_[i].maps; ++map)
-      if (!placed_[wantedOfMap_[table_[i].first + map]]->whole)
+      if (!placed_[requestOfMap_[table_[i].first + map]]->whole)
         paged.insert(static_cast<uint32_t>(i % columns_.size()));
   std::vector<shared::PagedLight> lights;
   for (const uint32_t column : paged) lights.push_back({columns_[column], column});
@@ -155,7 +155,7 @@ void FrameShadows::drawAgain() {
 
 bool FrameShadows::takeDrawing() {
   const bool undrawn = std::exchange(undrawn_, false);
-  return undrawn || (asksForPages_ && !maps_.empty());
+  return undrawn || (requestsPages_ && !maps_.empty());
 }
 
 void FrameShadows::addedDrawing() {
@@ -166,7 +166,7 @@ void FrameShadows::addedDrawing() {
 void FrameShadows::settled() {
   for (const std::shared_ptr<CachedShadowMap>& map : drawn_) {
     map->drawn = true;
-    map->whole = !asksForPages_ || map->drawings > kFramesUntilFullDraw;
+    map->whole = !requestsPages_ || map->drawings > kFramesUntilFullDraw;
   }
 }
 

@@ -48,11 +48,11 @@ class FrameShadows {
   const vk::Buffer& pages() const { return *pages_; }
   bool keepsAtlas() const { return keepsAtlas_; }  // true if it contains maps or pages drawn by earlier graphs
 
-  // By default, the first graph of a picture draws complete maps for all samples and strips. After askForPages(), each
+  // By default, the first graph of a picture draws complete maps for all samples and strips. After requestPages(), each
   // graph draws the pages that its pixels look up and that no earlier graph has drawn.
-  bool mayAskForPages() const { return mayAskForPages_; }
-  void askForPages() { asksForPages_ = true; }
-  bool asksForPages() const { return asksForPages_; }
+  bool canRequestPages() const { return canRequestPages_; }
+  void requestPages() { requestsPages_ = true; }
+  bool requestsPages() const { return requestsPages_; }
   std::vector<shared::PagedLight> pagedLights() const;  // lights with maps that are not completely drawn
   void drawAgain();                                     // call it for a graph that runs again after an overflow
   bool takeDrawing();                                   // call it per graph: returns true if the graph must draw maps
@@ -71,9 +71,9 @@ class FrameShadows {
   uint32_t format_, filter_;  // kShadow*, kShadowFilter*
   bool inCompute_;            // compute shaders draw the maps
   ShadowPlan plan_;
-  std::vector<ShadowMapCache::Wanted> wanted_;            // distinct maps: cascades of several views may be equal
-  std::vector<uint32_t> wantedOfMap_;                     // index into wanted_ for each map of the plan
-  std::vector<std::shared_ptr<CachedShadowMap>> placed_;  // parallel to wanted_
+  std::vector<ShadowMapCache::Request> requested_;        // distinct maps: cascades of several views may be equal
+  std::vector<uint32_t> requestOfMap_;                    // index into requested_ for each map of the plan
+  std::vector<std::shared_ptr<CachedShadowMap>> placed_;  // parallel to requested_
   std::vector<std::shared_ptr<CachedShadowMap>> drawn_;   // the cache entries of maps_, before sorting by layer
   std::vector<Map> maps_;
   std::vector<uint32_t> columns_;  // lights that cast shadows in some view, ascending
@@ -82,7 +82,7 @@ class FrameShadows {
   std::shared_ptr<const vk::Image> atlas_;
   std::shared_ptr<const vk::Buffer> pages_;
   bool keepsAtlas_ = false;
-  bool mayAskForPages_, asksForPages_ = false;
+  bool canRequestPages_, requestsPages_ = false;
   vk::Buffer bitsBuffer_, tableBuffer_, mapsBuffer_, viewsBuffer_, constantsBuffer_;
   bool undrawn_ = false;
 };

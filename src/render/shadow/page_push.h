@@ -25,21 +25,21 @@ struct PagedMap {
   uint whole;      // 1: all pages are required
 };
 
-struct PagesAskedPush {
-  uint64_t frame;   // FrameConstants
-  uint64_t lights;  // PagedLight[lightCount]
-  uint64_t asked;   // page words, output
+struct PagesRequestedPush {
+  uint64_t frame;      // FrameConstants
+  uint64_t lights;     // PagedLight[lightCount]
+  uint64_t requested;  // page words, output
   uint lightCount;
   uint across;  // cells per row of the atlas
   uint down;    // rows of cells per layer
   uint padding;
 };
 
-struct PagesChosenPush {
-  uint64_t maps;   // PagedMap[mapCount]
-  uint64_t asked;  // page words: pages that pixels look up
-  uint64_t kept;   // page words: pages drawn so far; the selected pages are added
-  uint64_t drawn;  // page words, output: pages to draw
+struct PagesSelectedPush {
+  uint64_t maps;       // PagedMap[mapCount]
+  uint64_t requested;  // page words: pages that pixels look up
+  uint64_t kept;       // page words: pages drawn so far; the selected pages are added
+  uint64_t drawn;      // page words, output: pages to draw
   uint mapCount;
   uint across;
 };

@@ -1,6 +1,7 @@
-// The page passes of virtual shadow maps. pages_asked.comp marks the pages that the G-buffer's surfaces look up (buffer
-// "asked pages"). pages_chosen.comp selects the marked pages that have not been drawn (buffer "drawn pages", which the
-// raster reads) and adds them to the pages of the atlas, which persist from frame to frame (FrameShadows::pages()).
+// The page passes of virtual shadow maps. pages_requested.comp marks the pages that the G-buffer's surfaces look up
+// (buffer "asked pages"). pages_selected.comp selects the marked pages that have not been drawn (buffer "drawn pages",
+// which the raster reads) and adds them to the pages of the atlas, which persist from frame to frame
+// (FrameShadows::pages()).
 #include "render/shadow/pages.h"
 
 #include <algorithm>
@@ -31,12 +32,12 @@ bool gbufferHasAll(const FrameContext& f) {
   return !blended && !(shownMaterials(f).solid & kMaterialLayered);
 }
 
-ComputePass askingPass(const FrameContext& f, const Gbuffer& gbuffer) {
+ComputePass requestPass(const FrameContext& f, const Gbuffer& gbuffer) {
   std::vector<vk::Constant> constants = f.setup.constants();
   constants.push_back({kSamplesConstant, f.setup.samples});
   return {.stage = graph::Stage::Shadows,
           .name = "shadow pages asked",
-          .shader = f.setup.variant({"pages_asked.comp", f.setup.layout->file}),
+          .shader = f.setup.variant({"pages_requested.comp", f.setup.layout->file}),
           .bindings = Bindings(f.device).sampled(gbufferInputs(gbuffer)),
           .size = f.pixels(),
           .constants = std::move(constants),
@@ -44,19 +45,24 @@ ComputePass askingPass(const FrameContext& f, const Gbuffer& gbuffer) {
           .groupY = shared::kPixelGroupY};
 }
 
-graph::BufferId addAsked(const FrameContext& f, const Gbuffer& gbuffer) {
+graph::BufferId addRequests(const FrameContext& f, const Gbuffer& gbuffer) {
   const std::vector<PagedLight> lights = f.shadows->pagedLights();
   const VkDeviceAddress list = f.graph.constants(std::as_bytes(std::span(lights)));
   const vk::ImageDesc& atlas = f.shadows->atlas().desc();
-  const graph::BufferId asked = createWords(f, "asked pages");
-  addClear(f, graph::Stage::Shadows, "shadow pages clear", {asked});
-  ComputePass pass = askingPass(f, gbuffer);
-  pass.buffers = {{asked, graph::Use::StorageReadWrite}};
+  const graph::BufferId requested = createWords(f, "asked pages");
+  addClear(f, graph::Stage::Shadows, "shadow pages clear", {requested});
+  ComputePass pass = requestPass(f, gbuffer);
+  pass.buffers = {{requested, graph::Use::StorageReadWrite}};
   addCompute(f, std::move(pass), [=, &f, count = static_cast<uint32_t>(lights.size())](graph::Context& context) {
-    return PagesAskedPush{
-        f.constants, list, context.buffer(asked).address(), count, pageWordStep(atlas), atlas.height / kShadowCell, 0};
+    return PagesRequestedPush{f.constants,
+                              list,
+                              context.buffer(requested).address(),
+                              count,
+                              pageWordStep(atlas),
+                              atlas.height / kShadowCell,
+                              0};
   });
-  return asked;
+  return requested;
 }
 
 }  // namespace
@@ -77,16 +83,16 @@ uint32_t firstPageWord(const vk::ImageDesc& atlas, const AtlasTile& tile) {
 graph::BufferId addShadowPages(const FrameContext& f, const Gbuffer& gbuffer) {
   FrameShadows& shadows = *f.shadows;
   const vk::ImageDesc& atlas = shadows.atlas().desc();
-  if (shadows.mayAskForPages() && f.setup.layout->hasTargets()) {
+  if (shadows.canRequestPages() && f.setup.layout->hasTargets()) {
     // Create the pipeline even if this frame marks no pages, because that may change with the scene: only the first
     // frame should wait for a pipeline.
-    pipelineOf<PagesAskedPush>(f, askingPass(f, gbuffer));
-    if (gbufferHasAll(f)) shadows.askForPages();
+    pipelineOf<PagesRequestedPush>(f, requestPass(f, gbuffer));
+    if (gbufferHasAll(f)) shadows.requestPages();
   }
   std::vector<PagedMap> maps;
   bool any = false;
   for (const FrameShadows::Map& map : shadows.maps()) {
-    const bool whole = map.whole || !shadows.asksForPages();
+    const bool whole = map.whole || !shadows.requestsPages();
     const uint32_t rows = std::max(map.tile.size / kShadowPage, 1u);
     maps.push_back({firstPageWord(atlas, map.tile), rows, map.discarded ? 1u : 0u, whole ? 1u : 0u});
     any |= !whole;
@@ -95,25 +101,25 @@ graph::BufferId addShadowPages(const FrameContext& f, const Gbuffer& gbuffer) {
   const VkDeviceAddress list = f.graph.constants(std::as_bytes(std::span(maps)));
   const graph::BufferId kept = f.graph.import(shadows.pages(), graph::Use::StorageReadWrite);
   const graph::BufferId drawn = createWords(f, "drawn pages");
-  const graph::BufferId asked = any ? addAsked(f, gbuffer) : drawn;  // not read if all maps are drawn whole
+  const graph::BufferId requested = any ? addRequests(f, gbuffer) : drawn;  // not read if all maps are drawn whole
   std::vector<graph::Access> buffers{{kept, graph::Use::StorageReadWrite}, {drawn, graph::Use::StorageWrite}};
-  if (any) buffers.emplace_back(asked, graph::Use::StorageRead);
+  if (any) buffers.emplace_back(requested, graph::Use::StorageRead);
   addCompute(f,
              {.stage = graph::Stage::Shadows,
               .name = "shadow pages chosen",
-              .shader = "pages_chosen.comp",
+              .shader = "pages_selected.comp",
               .bindings = Bindings(f.device),
               .size = {32, count, 1},
               .buffers = std::move(buffers),
               .groupX = 32,
               .groupY = 8},
              [=](graph::Context& context) {
-               return PagesChosenPush{list,
-                                      context.buffer(asked).address(),
-                                      context.buffer(kept).address(),
-                                      context.buffer(drawn).address(),
-                                      count,
-                                      pageWordStep(atlas)};
+               return PagesSelectedPush{list,
+                                        context.buffer(requested).address(),
+                                        context.buffer(kept).address(),
+                                        context.buffer(drawn).address(),
+                                        count,
+                                        pageWordStep(atlas)};
              });
   return drawn;
 }

@@ -131,9 +131,9 @@ Frame cascadeFrame(const Axes& axes, const Sphere& sphere, const Interval& depth
   const double texel = 2 * f.half / size;
   f.across = std::round(glm::dot(axes.right, dvec3(sphere.centre)) / texel) * texel;
   f.upward = std::round(glm::dot(axes.up, dvec3(sphere.centre)) / texel) * texel;
-  const double room = 1e-3 * (depths.high - depths.low) + 1e-6;
-  f.near = depths.low - room;
-  f.far = depths.high + room;
+  const double margin = 1e-3 * (depths.high - depths.low) + 1e-6;
+  f.near = depths.low - margin;
+  f.far = depths.high + margin;
   return f;
 }
 

@@ -32,9 +32,9 @@ bool castsInto(const Sphere& caster, const CachedShadowMap& map) {
   return (!map.within || meet(*map.within, rounded)) && map.frustum.touches(rounded);
 }
 
-uint64_t texelsOf(std::span<const ShadowMapCache::Wanted> wanted) {
+uint64_t texelsOf(std::span<const ShadowMapCache::Request> requested) {
   uint64_t texels = 0;
-  for (const ShadowMapCache::Wanted& w : wanted) texels += uint64_t{w.view->size} * w.view->size;
+  for (const ShadowMapCache::Request& w : requested) texels += uint64_t{w.view->size} * w.view->size;
   return texels;
 }
 
@@ -75,13 +75,13 @@ void ShadowMapCache::follow(const GpuScene& scene) {
   std::erase_if(maps_, [&](const auto& entry) {
     const CachedShadowMap& map = *entry.second;
     const bool stale = std::ranges::any_of(changed, [&](const Sphere& caster) { return castsInto(caster, map); });
-    if (stale) tiles_.giveBack(map.tile);
+    if (stale) tiles_.recycle(map.tile);
     return stale;
   });
 }
 
 void ShadowMapCache::forget() {
-  for (const auto& [key, map] : maps_) tiles_.giveBack(map->tile);
+  for (const auto& [key, map] : maps_) tiles_.recycle(map->tile);
   maps_.clear();
 }
 
@@ -102,11 +102,11 @@ std::vector<AtlasTile> ShadowMapCache::tiles() const {
 bool ShadowMapCache::holds(const vk::ImageDesc& kind, uint64_t texels, uint32_t largest) {
   if (!atlas_) return false;
   const vk::ImageDesc& has = atlas_->desc();
-  const uint64_t room = uint64_t{has.width} * has.height * has.layers;
+  const uint64_t capacity = uint64_t{has.width} * has.height * has.layers;
   constexpr uint32_t kFramesUntilFullDraw = 4;  // frames to wait before replacing the atlas
-  tooLarge_ = room > 4 * texels ? tooLarge_ + 1 : 0;
-  return has.format == kind.format && has.usage == kind.usage && has.width >= largest && room >= texels &&
-         (tooLarge_ <= kFramesUntilFullDraw);
+  oversizedFrames_ = capacity > 4 * texels ? oversizedFrames_ + 1 : 0;
+  return has.format == kind.format && has.usage == kind.usage && has.width >= largest && capacity >= texels &&
+         (oversizedFrames_ <= kFramesUntilFullDraw);
 }
 
 void ShadowMapCache::renew(vk::Device& device, vk::ImageDesc kind, uint64_t texels, uint32_t largest) {
@@ -122,58 +122,59 @@ void ShadowMapCache::renew(vk::Device& device, vk::ImageDesc kind, uint64_t texe
                              .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
                              .name = "shadow pages"});
   tiles_ = AtlasTiles(side, kind.layers);
-  tooLarge_ = 0;
+  oversizedFrames_ = 0;
 }
 
-void ShadowMapCache::dropUnasked() {
+void ShadowMapCache::dropUnrequested() {
   std::erase_if(maps_, [&](const auto& entry) {
-    const bool unasked = entry.second->frame != frame_;
-    if (unasked) tiles_.giveBack(entry.second->tile);
-    return unasked;
+    const bool unrequested = entry.second->frame != frame_;
+    if (unrequested) tiles_.recycle(entry.second->tile);
+    return unrequested;
   });
 }
 
-std::shared_ptr<CachedShadowMap> ShadowMapCache::add(const Wanted& wanted) {
-  const ShadowView& view = *wanted.view;
+std::shared_ptr<CachedShadowMap> ShadowMapCache::add(const Request& requested) {
+  const ShadowView& view = *requested.view;
   std::optional<AtlasTile> tile = tiles_.take(view.size);
   if (!tile) {
-    dropUnasked();
+    dropUnrequested();
     tile = tiles_.take(view.size);
   }
   if (!tile) return nullptr;
   const auto map = std::make_shared<CachedShadowMap>(
       CachedShadowMap{.tile = *tile, .frustum = Frustum(view.view), .within = view.within, .frame = frame_});
-  maps_.emplace(wanted.key, map);
+  maps_.emplace(requested.key, map);
   return map;
 }
 
 // Returns an empty list if the tiles of cached maps leave no space for the new ones.
-std::vector<std::shared_ptr<CachedShadowMap>> ShadowMapCache::tryPlace(std::span<const Wanted> wanted) {
-  std::vector<std::shared_ptr<CachedShadowMap>> found(wanted.size());
-  for (size_t i = 0; i < wanted.size(); ++i)
-    if (const auto kept = maps_.find(wanted[i].key); kept != maps_.end()) {
+std::vector<std::shared_ptr<CachedShadowMap>> ShadowMapCache::tryPlace(std::span<const Request> requested) {
+  std::vector<std::shared_ptr<CachedShadowMap>> found(requested.size());
+  for (size_t i = 0; i < requested.size(); ++i)
+    if (const auto kept = maps_.find(requested[i].key); kept != maps_.end()) {
       found[i] = kept->second;
       found[i]->frame = frame_;
     }
-  std::vector<uint32_t> order(wanted.size());
+  std::vector<uint32_t> order(requested.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::ranges::stable_sort(order, [&](uint32_t a, uint32_t b) { return wanted[a].view->size > wanted[b].view->size; });
+  std::ranges::stable_sort(order,
+                           [&](uint32_t a, uint32_t b) { return requested[a].view->size > requested[b].view->size; });
   for (const uint32_t i : order)
-    if (!found[i] && !(found[i] = add(wanted[i]))) return {};
+    if (!found[i] && !(found[i] = add(requested[i]))) return {};
   return found;
 }
 
 std::vector<std::shared_ptr<CachedShadowMap>> ShadowMapCache::place(vk::Device& device, const vk::ImageDesc& kind,
-                                                                    std::span<const Wanted> wanted) {
+                                                                    std::span<const Request> requested) {
   ++frame_;
-  const uint64_t texels = texelsOf(wanted);
+  const uint64_t texels = texelsOf(requested);
   uint32_t largest = 0;
-  for (const Wanted& w : wanted) largest = std::max(largest, w.view->size);
+  for (const Request& w : requested) largest = std::max(largest, w.view->size);
   if (!holds(kind, texels, largest)) renew(device, kind, texels, largest);
-  std::vector<std::shared_ptr<CachedShadowMap>> found = tryPlace(wanted);
+  std::vector<std::shared_ptr<CachedShadowMap>> found = tryPlace(requested);
   if (!found.empty()) return found;
   forget();
-  return tryPlace(wanted);
+  return tryPlace(requested);
 }
 
 }  // namespace latelight::render

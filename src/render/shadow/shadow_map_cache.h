@@ -29,7 +29,7 @@ struct CachedShadowMap {
 
 class ShadowMapCache {
  public:
-  struct Wanted {
+  struct Request {
     std::string key;  // everything except the scene that determines the map's contents; equal keys mean equal maps
     const ShadowView* view;
   };
@@ -41,7 +41,7 @@ class ShadowMapCache {
   // Places all of these maps in tiles of one atlas and returns them in the same order. Cached maps keep their tiles.
   // All keys must be different. `kind` states the format and usage of the atlas.
   std::vector<std::shared_ptr<CachedShadowMap>> place(vk::Device& device, const vk::ImageDesc& kind,
-                                                      std::span<const Wanted> wanted);
+                                                      std::span<const Request> requested);
   const std::shared_ptr<const vk::Image>& atlas() const { return atlas_; }
   const std::shared_ptr<const vk::Buffer>& pages() const { return pages_; }  // drawn pages: words (page_push.h)
   bool anyDrawn() const;
@@ -56,16 +56,16 @@ class ShadowMapCache {
   std::vector<Sphere> changedCasters(const GpuScene& scene);
   bool holds(const vk::ImageDesc& kind, uint64_t texels, uint32_t largest);
   void renew(vk::Device& device, vk::ImageDesc kind, uint64_t texels, uint32_t largest);
-  std::vector<std::shared_ptr<CachedShadowMap>> tryPlace(std::span<const Wanted> wanted);
-  std::shared_ptr<CachedShadowMap> add(const Wanted& wanted);
-  void dropUnasked();
+  std::vector<std::shared_ptr<CachedShadowMap>> tryPlace(std::span<const Request> requested);
+  std::shared_ptr<CachedShadowMap> add(const Request& requested);
+  void dropUnrequested();
 
   std::shared_ptr<const vk::Image> atlas_;
   std::shared_ptr<const vk::Buffer> pages_;
   AtlasTiles tiles_{0, 0};
   std::unordered_map<std::string, std::shared_ptr<CachedShadowMap>> maps_;
   uint64_t frame_ = 0;
-  uint32_t tooLarge_ = 0;  // consecutive frames for which the atlas was much too large
+  uint32_t oversizedFrames_ = 0;  // consecutive frames for which the atlas was much too large
   std::vector<Caster> casters_;
   glm::dvec3 origin_{0};                                 // of the positions in casters_
   uint64_t instances_ = 0, shapes_ = 0, materials_ = 0;  // revisions of the scene that the maps represent

@@ -38,7 +38,7 @@ namespace {
 // Returns the settings that the picture depends on, as on the command line. The frames of outputs are stated
 // separately.
 std::map<std::string, std::string> describeSettings(const Settings& s, const std::string& environment,
-                                                    const GivenOptions& given) {
+                                                    const ExplicitOptions& given) {
   std::map<std::string, std::string> settings;
   for (const Option& option : options()) {
     const auto found = given.find(keyOf(option));
@@ -59,7 +59,7 @@ std::map<std::string, std::string> describeSettings(const Settings& s, const std
 }  // namespace
 
 output::Metadata describe(const scene::Scene& scene, const scene::Camera& camera, const std::string& environment,
-                          const Settings& s, const GivenOptions& given) {
+                          const Settings& s, const ExplicitOptions& given) {
   output::Metadata m;
   m.scene = scene.name;
   m.source = scene.source;

@@ -12,12 +12,12 @@
 namespace latelight::render {
 
 // The texts of the options that the user gave, by key ("exposure").
-using GivenOptions = std::map<std::string, std::string, std::less<>>;
+using ExplicitOptions = std::map<std::string, std::string, std::less<>>;
 
 output::CameraMetadata describeCamera(const scene::Camera& camera, const scene::Scene& scene, const Settings& settings);
 
 // `environment`: its name, empty for none. Ids are described only if an output holds them.
 output::Metadata describe(const scene::Scene& scene, const scene::Camera& camera, const std::string& environment,
-                          const Settings& settings, const GivenOptions& given);
+                          const Settings& settings, const ExplicitOptions& given);
 
 }  // namespace latelight::render

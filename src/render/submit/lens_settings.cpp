@@ -11,9 +11,9 @@ Settings lensSettings(const Settings& settings) {
   const auto needsPinhole = [](const char* what) {
     badUsage("{} requires a pinhole or orthographic camera, but this camera has another lens", what);
   };
-  if (asksFor(settings, Origin::Motion)) needsPinhole("the output motion");
-  if (asksFor(settings, Origin::Raster)) needsPinhole("an output named raster");
-  if (showsPicture(settings) || asksFor(settings, Origin::LightCounts)) {
+  if (requestsOutput(settings, Origin::Motion)) needsPinhole("the output motion");
+  if (requestsOutput(settings, Origin::Raster)) needsPinhole("an output named raster");
+  if (showsPicture(settings) || requestsOutput(settings, Origin::LightCounts)) {
     if (settings.lighting->draws)
       badUsage("{} lighting takes a pinhole or orthographic camera: choose {}", settings.lighting->name,
                techniquesThatCompute());

@@ -58,7 +58,7 @@ Times knownTimes(vk::Device& device) {
 
 // Returns the choice if the device and the settings support only one raster.
 std::optional<RasterChoice> onlyChoice(const vk::Device& device, const Settings& settings) {
-  const std::string lacks = computeRasterLacks(device);
+  const std::string lacks = missingForComputeRaster(device);
   if (!device.hasGraphics()) {
     if (!lacks.empty()) fail(ExitCode::NoDevice, "{} has no graphics queue, and {}.", device.info().name, lacks);
     return RasterChoice{Raster::Compute, "the device has no graphics pipeline"};

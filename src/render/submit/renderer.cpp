@@ -68,11 +68,11 @@ scene::Light lightOf(const SunLight& sun) {
 
 bool leavesOutBlended(const Settings& settings) {
   return settings.dataSurfaces != DataSurfaces::Any &&
-         (asksFor(settings, Origin::Surface) || asksFor(settings, Origin::Motion));
+         (requestsOutput(settings, Origin::Surface) || requestsOutput(settings, Origin::Motion));
 }
 
 bool needsComputeRaster(const Settings& settings) {
-  return rastersInCompute(settings) || asksFor(settings, Origin::Raster);
+  return rastersInCompute(settings) || requestsOutput(settings, Origin::Raster);
 }
 
 // Fails if the device lacks a required feature, before anything is built.
@@ -83,7 +83,7 @@ void requireRaster(const vk::Device& device, const Settings& settings) {
     fail(ExitCode::NoDevice, "{} has no graphics pipeline: choose the raster compute, and one of the techniques {}.",
          name, techniquesThatCompute());
   if (!needsComputeRaster(settings)) return;
-  if (const std::string lacks = computeRasterLacks(device); !lacks.empty())
+  if (const std::string lacks = missingForComputeRaster(device); !lacks.empty())
     fail(ExitCode::NoDevice, "{} can't rasterize in compute: {}; {}.", name, lacks,
          compute ? "choose hardware" : "leave the outputs named raster out");
 }
@@ -96,9 +96,10 @@ Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::E
       gpuScene_(device, scene),
       environment_(device, environment),
       hasEnvironment_(environment != nullptr),
-      ranks_(device),
+      rasterInstances_(device),
       executor_(device),
-      state_{device_, executor_, gpuScene_, environment_, hasEnvironment_, drawOrder_, ranks_, hidden_, overflow_} {}
+      state_{device_,    executor_,        gpuScene_,         environment_, hasEnvironment_,
+             drawOrder_, rasterInstances_, clusterOcclusion_, overflow_} {}
 
 Renderer::~Renderer() = default;
 
@@ -118,9 +119,9 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
         "--data-surfaces any includes them");
   requireRaster(device_, settings);
   if (!needsComputeRaster(settings)) return;
-  gpuScene_.keepClusters();
-  ranks_.update(gpuScene_, drawOrder_, gpuScene_.uploads());
-  if (device_.maxTextureArray() == 0) gpuScene_.keepTexels();
+  gpuScene_.storeClusters();
+  rasterInstances_.update(gpuScene_, drawOrder_, gpuScene_.uploads());
+  if (device_.maxTextureArray() == 0) gpuScene_.storeTexels();
 }
 
 bool Renderer::castsShadows(const Settings& settings) const {
@@ -172,7 +173,7 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
   if (results == Results::Exported)
     job->result.arrays = exportedArrays(device_, *exports_, settings, rows, cameras.size());
   else
-    job->memory.grow(bytesAPixel(settings) * settings.width * claimed * cameras.size(), "the pictures");
+    job->memory.grow(bytesPerPixel(settings) * settings.width * claimed * cameras.size(), "the pictures");
   size_t atOnce = std::min(cameras.size(), mostViews(device_, settings));
   if (castsShadows(settings))
     atOnce = std::clamp<uint64_t>(memoryForViews(device_) / (4 * shadowTexels(settings)), 1, atOnce);
@@ -210,7 +211,7 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
       job->parts.pop_back();
       return std::clamp<uint64_t>(count * memoryForViews(device_) / started.bytes, 1, count - 1);
     }
-    unsettled_ = {job, &part};
+    uncheckedBatch_ = {job, &part};
   }
   return count;
 }
@@ -291,8 +292,8 @@ graph::Submission Renderer::submit(const graph::Graph& graph, const graph::Plan&
 }
 
 void Renderer::resolveOverflow() {
-  if (!unsettled_) return;
-  const std::shared_ptr<ViewBatch> part = std::exchange(unsettled_, nullptr);
+  if (!uncheckedBatch_) return;
+  const std::shared_ptr<ViewBatch> part = std::exchange(uncheckedBatch_, nullptr);
   try {
     while (overflowed(std::exchange(part->checks, {}), part->submission)) {
       if (part->job.settings.aa.temporal) history_.undo();
@@ -307,7 +308,7 @@ void Renderer::resolveOverflow() {
 
 void Renderer::read(RenderJob& job) {
   ViewBatch& part = job.parts.front();
-  if (unsettled_.get() == &part) resolveOverflow();
+  if (uncheckedBatch_.get() == &part) resolveOverflow();
   if (job.error) std::rethrow_exception(job.error);
   part.submission.wait();
   if (job.results != Results::Exported) {

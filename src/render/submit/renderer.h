@@ -47,7 +47,7 @@ class Renderer {
   // Returns the targets of the picture's own G-buffer, at pixel centers. Throws Error(Usage) if it has none.
   TargetsResult readTargets(const scene::Camera& camera, const Settings& settings, const SceneState& moment = {});
 
-  const ClusterOcclusion& hiddenClusters() const { return hidden_; }
+  const ClusterOcclusion& clusterOcclusion() const { return clusterOcclusion_; }
   const ShadowMapCache& shadowMaps() const { return shadowMaps_[1]; }  // of the raster compute
 
  private:
@@ -83,8 +83,8 @@ class Renderer {
   GpuEnvironment environment_;
   bool hasEnvironment_;
   DrawOrder drawOrder_;
-  RasterInstances ranks_;
-  ClusterOcclusion hidden_;
+  RasterInstances rasterInstances_;
+  ClusterOcclusion clusterOcclusion_;
   graph::Executor executor_;
   Overflow overflow_;
   RenderState state_;
@@ -94,7 +94,7 @@ class Renderer {
   ShadowMapCache shadowMaps_[2];  // of hardware and compute
   // The last part in flight. resolveOverflow() detects whether it overflowed, and renders it again, before anything
   // changes that the part depends on.
-  std::shared_ptr<ViewBatch> unsettled_;
+  std::shared_ptr<ViewBatch> uncheckedBatch_;
 };
 
 }  // namespace latelight::render

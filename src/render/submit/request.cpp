@@ -45,7 +45,7 @@ FrameConfig frameSetup(const Settings& s, bool shadows) {
 }
 
 bool isLit(const Settings& s) {
-  return showsPicture(s) || asksFor(s, Origin::LightCounts);
+  return showsPicture(s) || requestsOutput(s, Origin::LightCounts);
 }
 
 FrameGraphBuilder::FrameGraphBuilder(const RenderState& state, const Settings& settings, bool yUp,
@@ -86,7 +86,7 @@ const VisibilityBuffer& FrameGraphBuilder::steadyVisible() {
 LitFrame FrameGraphBuilder::addPicture(const SurfaceOutputs* outputs) {
   FrameConfig setup = frameSetup(settings_, shadows_ != nullptr);
   setup.outputs = outputs;
-  setup.countLights = isSteady() && asksFor(settings_, Origin::LightCounts);
+  setup.countLights = isSteady() && requestsOutput(settings_, Origin::LightCounts);
   const FrameContext& f = jittered().frame(graph_, setup);
   const LitFrame lit = isSteady() ? addLit(f, steadyVisible()) : addOpaque(f);
   addTransparency(f, lit.gbuffer);
@@ -117,10 +117,10 @@ void FrameGraphBuilder::finish(const vk::Image* sum, uint32_t count, TemporalHis
     }
     addPost(*lit_, picture, count);
   }
-  if (asksFor(settings_, Origin::LightCounts)) addLightCounts();
-  if (asksFor(settings_, Origin::SampleCounts)) addSampleCounts();
-  if (asksFor(settings_, Origin::Surface) || asksFor(settings_, Origin::Motion)) addData();
-  if (asksFor(settings_, Origin::Raster)) addRasterData();
+  if (requestsOutput(settings_, Origin::LightCounts)) addLightCounts();
+  if (requestsOutput(settings_, Origin::SampleCounts)) addSampleCounts();
+  if (requestsOutput(settings_, Origin::Surface) || requestsOutput(settings_, Origin::Motion)) addData();
+  if (requestsOutput(settings_, Origin::Raster)) addRasterData();
 }
 
 void FrameGraphBuilder::exportResults(Results results) {
@@ -129,7 +129,7 @@ void FrameGraphBuilder::exportResults(Results results) {
 
 void FrameGraphBuilder::addPost(const LitFrame& lit, graph::ImageId picture, uint32_t count) {
   const Builder b{state_.device, graph_};
-  std::optional<ResultPlace> display;
+  std::optional<ResultTarget> display;
   if (settings_.display) display = outputs_.addDisplay(b, texels(graph_, picture));
   const FinishedPicture finished = finishPicture(b, picture, 1.0f / static_cast<float>(count), settings_, display);
   outputs_.add(
@@ -175,7 +175,7 @@ bool FrameGraphBuilder::showsBlendedData() {
 
 // Returns true if the picture's own frame resolves exactly the surfaces that the data outputs describe.
 bool FrameGraphBuilder::packsWithPicture() {
-  return asksFor(settings_, Origin::Surface) && rastersInCompute(settings_) && !settings_.lighting->forward &&
+  return requestsOutput(settings_, Origin::Surface) && rastersInCompute(settings_) && !settings_.lighting->forward &&
          settings_.layout->hasTargets() && isSteady() && !showsBlendedData();
 }
 
@@ -195,8 +195,8 @@ void FrameGraphBuilder::addData() {
   } else {
     visible = steadyVisible();
   }
-  if (asksFor(settings_, Origin::Surface) && !surfaceOutputs_) addSurfaceData(*set, visible);
-  if (!asksFor(settings_, Origin::Motion)) return;
+  if (requestsOutput(settings_, Origin::Surface) && !surfaceOutputs_) addSurfaceData(*set, visible);
+  if (!requestsOutput(settings_, Origin::Motion)) return;
   const FrameContext& f = set->frame(graph_, FrameConfig{});
   const graph::ImageId motion = addMotion(f, visible, MotionUse::Data);
   outputs_.add(f, Origin::Motion, [&](std::string_view) { return motion; });

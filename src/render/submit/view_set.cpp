@@ -11,7 +11,7 @@ namespace {
 Visibility makeVisibility(const RenderState& state, std::span<const shared::View> views, const Settings& settings,
                           const VisibilityOptions& options) {
   if (options.inCompute || rastersInCompute(settings))
-    return ComputeVisibility(state.scene, state.ranks, state.hidden, options);
+    return ComputeVisibility(state.scene, state.rasterInstances, state.clusterOcclusion, options);
   return HardwareVisibility(state.device, state.scene, state.order, views, options);
 }
 

@@ -24,8 +24,8 @@ struct RenderState {
   const GpuEnvironment& environment;
   bool hasEnvironment;
   const DrawOrder& order;
-  const RasterInstances& ranks;
-  ClusterOcclusion& hidden;
+  const RasterInstances& rasterInstances;
+  ClusterOcclusion& clusterOcclusion;
   Overflow& overflow;
 };
 

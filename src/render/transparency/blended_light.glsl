@@ -15,7 +15,7 @@ layout(constant_id = kEveryLightConstant) const uint kEveryLight = 0;  // 1: no 
 // surfaces behind it already include their own fog.
 vec4 throughFog(Fog fog, View view, vec3 position, vec4 color) {
   vec3 seen = view.worldToView * vec4(position, 1.0);
-  return seenThroughFog(fog, color, fogTransmittanceTo(fog, view, seen));
+  return applyFog(fog, color, fogTransmittanceTo(fog, view, seen));
 }
 
 #ifdef COATED
@@ -35,7 +35,8 @@ vec4 blendedColor(FrameConstants frame, uint view, Material m, SurfacePoint p, v
   prepareForLights(s, toEye);
   SurfaceBrdf brdf = surfaceBrdf(s, toEye, kShading);
   bool lit = shows && alpha > 0.0;
-  radiance += kEveryLight != 0u ? shadeAllLightsPlainly(frame, view, s, brdf) : shadeAllByTree(frame, view, s, brdf, lit);
+  radiance += kEveryLight != 0u ? shadeAllLightsPlainly(frame, view, s, brdf) : shadeAllByTree(frame, view, s, brdf,
+                                                                                               lit);
   vec3 sum = min(emitted * frame.exposure, vec3(65504.0)) + radiance * frame.exposure;
   vec4 color = vec4(min(sum, vec3(65504.0)), 1.0);
   if (frame.fog.density > 0.0) color = throughFog(frame.fog, frameView(frame, view), s.position, color);

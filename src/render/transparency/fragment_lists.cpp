@@ -35,19 +35,19 @@ constexpr uint64_t kMinRoom = 1 << 16;                  // minimum capacity in f
 constexpr uint64_t kMaxRoom = (uint64_t{1} << 31) - 1;  // maximum capacity: indices into buffers are signed in SPIR-V
 
 // The maximum capacity in fragments, which are stored in one buffer.
-uint64_t mostRoom(vk::Device& device, const TransparencySetup& setup) {
+uint64_t maxFragments(vk::Device& device, const TransparencySetup& setup) {
   const uint64_t most = std::min(kMaxRoom, device.maxBufferSize() / sizeof(shared::Fragment));
   return setup.most ? std::min(most, setup.most) : most;
 }
 
 // The capacities with which a frame is recorded.
-struct Room {
+struct FragmentCapacity {
   uint64_t fragments;
   uint32_t longest;  // length of the longest list, a power of two
 };
 
-Room roomFor(const FrameContext& f) {
-  const uint64_t most = mostRoom(f.device, f.setup.transparency);
+FragmentCapacity capacityFor(const FrameContext& f) {
+  const uint64_t most = maxFragments(f.device, f.setup.transparency);
   const uint64_t first = std::max(uint64_t{f.width} * f.height * f.viewCount(), kMinRoom);
   const uint64_t learned = f.overflow ? f.overflow->fragments : 0;
   return {std::min(learned ? learned : first, most), std::max(f.overflow ? f.overflow->longestList : 0, kShortList)};
@@ -56,25 +56,25 @@ Room roomFor(const FrameContext& f) {
 struct Buffers : FragmentBuffers {
   std::array<graph::BufferId, 2> sorted;  // null if no list can be long
   uint32_t pixels;
-  Room room;
+  FragmentCapacity limits;
 };
 
-Buffers createBuffers(const FrameContext& f, Room room) {
+Buffers createBuffers(const FrameContext& f, FragmentCapacity limits) {
   Buffers b;
   b.pixels = f.width * f.height * f.viewCount();
-  b.room = room;
-  b.capacity = static_cast<uint32_t>(room.fragments);
-  b.longest = room.longest;
+  b.limits = limits;
+  b.capacity = static_cast<uint32_t>(limits.fragments);
+  b.longest = limits.longest;
   const auto make = [&](const char* name, uint64_t bytes) {
     return f.graph.create(vk::BufferDesc{.size = bytes, .name = name});
   };
-  b.fragments = make("blended fragments", room.fragments * sizeof(shared::Fragment));
+  b.fragments = make("blended fragments", limits.fragments * sizeof(shared::Fragment));
   b.counts = make("fragments a pixel", uint64_t{4} * b.pixels);
   b.starts = make("starts of lists", uint64_t{4} * b.pixels);
   b.totals = make("totals of fragments", sizeof(shared::FragmentTotals));
-  b.lists = make("lists of fragments", 4 * room.fragments);
-  if (room.longest > kShortList)
-    b.sorted = {make("sorted lists", 4 * room.fragments), make("sorted lists too", 4 * room.fragments)};
+  b.lists = make("lists of fragments", 4 * limits.fragments);
+  if (limits.longest > kShortList)
+    b.sorted = {make("sorted lists", 4 * limits.fragments), make("sorted lists too", 4 * limits.fragments)};
   return b;
 }
 
@@ -97,9 +97,9 @@ void addPlace(const FrameContext& f, const Buffers& b) {
                    {b.totals, graph::Use::StorageReadWrite},
                    {b.starts, graph::Use::StorageWrite}};
   addCompute(f, std::move(place), [=](graph::Context& context) {
-    return shared::PlacePush{listsOf(context, b), b.pixels, 0};
+    return shared::ScatterPush{listsOf(context, b), b.pixels, 0};
   });
-  ComputePass gather = step(f, "transparency gather", "fragments_gather.comp", b.room.fragments);
+  ComputePass gather = step(f, "transparency gather", "fragments_gather.comp", b.limits.fragments);
   gather.buffers = {{b.fragments, graph::Use::StorageRead},
                     {b.starts, graph::Use::StorageRead},
                     {b.totals, graph::Use::StorageRead},
@@ -121,7 +121,7 @@ graph::BufferId addSort(const FrameContext& f, const Buffers& b) {
   size_t steps = 0;
   const auto addStep = [&](uint32_t run) {
     const graph::BufferId source = from, target = b.sorted[steps++ % 2];
-    ComputePass sort = step(f, "transparency sort", "fragments_sort.comp", b.room.fragments);
+    ComputePass sort = step(f, "transparency sort", "fragments_sort.comp", b.limits.fragments);
     sort.buffers = readLists(b, source);
     sort.buffers.emplace_back(target, graph::Use::StorageWrite);
     addCompute(f, std::move(sort), [=](graph::Context& context) {
@@ -130,8 +130,8 @@ graph::BufferId addSort(const FrameContext& f, const Buffers& b) {
     });
     from = target;
   };
-  if (b.room.longest > kShortList) addStep(0);
-  for (uint32_t run = kShortList; run < b.room.longest; run *= 2) addStep(run);
+  if (b.limits.longest > kShortList) addStep(0);
+  for (uint32_t run = kShortList; run < b.limits.longest; run *= 2) addStep(run);
   return from;
 }
 
@@ -142,7 +142,7 @@ bool isWeighted(const FrameContext& f) {
 // Lists longer than kBlendedAtOnce are blended in parts, one pass each. With `weighted`, which requires complete lists,
 // each part then has its own mean.
 void addBlend(const FrameContext& f, graph::ImageId light, const Buffers& b, graph::BufferId sorted) {
-  for (uint32_t first = 0; first < b.room.longest; first += kBlendedAtOnce) {
+  for (uint32_t first = 0; first < b.limits.longest; first += kBlendedAtOnce) {
     Bindings bindings(f.device);
     bindings.storage(light, graph::Use::StorageReadWrite);
     addCompute(f,
@@ -163,25 +163,25 @@ void addBlend(const FrameContext& f, graph::ImageId light, const Buffers& b, gra
 
 // Returns true if a capacity was exceeded. Increases the capacity, with a margin because the next frame may require
 // more.
-bool overflowed(const FrameContext& f, Room room, const shared::FragmentTotals& totals) {
+bool overflowed(const FrameContext& f, FragmentCapacity limits, const shared::FragmentTotals& totals) {
   const uint64_t needed = uint64_t{totals.carries} << 32 | totals.placed;
-  if (needed <= room.fragments && totals.longest <= room.longest) return false;
-  const uint64_t most = mostRoom(f.device, f.setup.transparency);
+  if (needed <= limits.fragments && totals.longest <= limits.longest) return false;
+  const uint64_t most = maxFragments(f.device, f.setup.transparency);
   if (needed > most)
     fail(ExitCode::OutOfMemory,
          "transparency needs {} fragments of {} bytes for this image, but {} supports at most {}: use a smaller image, "
          "or sorted or weighted with the raster hardware",
          needed, sizeof(shared::Fragment), f.device.info().name, most);
-  if (needed > room.fragments) f.overflow->fragments = std::min(needed + needed / 4, most);
-  f.overflow->longestList = std::max(room.longest, std::bit_ceil(totals.longest));
+  if (needed > limits.fragments) f.overflow->fragments = std::min(needed + needed / 4, most);
+  f.overflow->longestList = std::max(limits.longest, std::bit_ceil(totals.longest));
   return true;
 }
 
 void addCheck(const FrameContext& f, const Buffers& b) {
   const graph::BufferId host = copyToHost(f, graph::Stage::Transparency, "transparency totals", {b.totals}).front();
   if (f.overflow)
-    f.overflow->checks.push_back([&f, host, room = b.room](const graph::Submission& done) {
-      return overflowed(f, room, *done.buffer(host).as<shared::FragmentTotals>());
+    f.overflow->checks.push_back([&f, host, limits = b.limits](const graph::Submission& done) {
+      return overflowed(f, limits, *done.buffer(host).as<shared::FragmentTotals>());
     });
 }
 
@@ -207,7 +207,7 @@ uint32_t fragmentSamples(const vk::Device& device, const FrameConfig& setup) {
 }
 
 void addFragmentLists(const FrameContext& f, const Gbuffer& gbuffer) {
-  const Buffers b = createBuffers(f, roomFor(f));
+  const Buffers b = createBuffers(f, capacityFor(f));
   addClear(f, graph::Stage::Transparency, "transparency clear", {b.counts, b.totals});
   addFragments(f, gbuffer, b);
   addPlace(f, b);

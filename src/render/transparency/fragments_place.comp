@@ -8,7 +8,7 @@
 
 layout(local_size_x = 256) in;
 
-layout(push_constant, scalar) uniform Push { PlacePush push; };
+layout(push_constant, scalar) uniform Push { ScatterPush push; };
 
 void main() {
   uint pixel = gl_WorkGroupID.y * kFragmentRow + gl_GlobalInvocationID.x;

@@ -6,7 +6,7 @@
 
 SH_BEGIN
 
-struct PlacePush {  // fragments_place.comp
+struct ScatterPush {  // fragments_place.comp
   FragmentLists lists;
   uint pixels;
   uint padding;
@@ -35,7 +35,7 @@ struct BlendPush {  // fragments_blend.comp
 SH_END
 
 #if defined(__cplusplus)
-static_assert(sizeof(latelight::shared::PlacePush) == 56);
+static_assert(sizeof(latelight::shared::ScatterPush) == 56);
 static_assert(sizeof(latelight::shared::SortPush) == 72);
 static_assert(sizeof(latelight::shared::BlendPush) == 72);
 #endif

@@ -22,7 +22,7 @@ Bindings blendedMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::Use u
   Bindings maps = litMaps(f, gbuffer, use);
   if (!blendedHaveLayers(f)) return maps;
   if (gbuffer.behind)
-    maps.sampled(gbuffer.behind, kBehindSampler);
+    maps.sampled(gbuffer.behind, kBackgroundSampler);
   else
     maps.outside(f.environment.nothing());
   return maps;

@@ -21,14 +21,14 @@ VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout, VkA
 // Bindings of the vertex buffers of scene draws.
 constexpr uint32_t kPositions = 0, kAttributes = 1, kInstances = 2;  // the views are binding 3
 
-bool cutsOut(const shared::Material& material) {
+bool alphaTests(const shared::Material& material) {
   return (material.flags & shared::kMaterialMasked) != 0 || shared::translucent(material.flags);
 }
 
 const vk::PipelineRef& pipelineOf(const ScenePipelines& pipelines, const shared::Material& material, bool vast) {
   if (pipelines.layered && (material.flags & shared::kMaterialLayered)) return *pipelines.layered;
-  if (vast) return cutsOut(material) ? *pipelines.vastMasked : *pipelines.vastOpaque;
-  return cutsOut(material) ? pipelines.masked : pipelines.opaque;
+  if (vast) return alphaTests(material) ? *pipelines.vastMasked : *pipelines.vastOpaque;
+  return alphaTests(material) ? pipelines.masked : pipelines.opaque;
 }
 
 }  // namespace

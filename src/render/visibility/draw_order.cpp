@@ -16,7 +16,7 @@ bool isBlended(const GpuScene& scene, uint32_t instance) {
   return shared::translucent(scene.materials().record(material).flags);
 }
 
-bool standsWhere(const shared::Instance& a, const shared::Instance& b) {
+bool hasSameTransform(const shared::Instance& a, const shared::Instance& b) {
   return a.mesh == b.mesh && a.material == b.material && a.objectToWorld == b.objectToWorld &&
          a.translationLow == b.translationLow;
 }
@@ -53,11 +53,12 @@ void DrawOrder::update(const GpuScene& scene) {
   while (order_.size() < all.count()) order_.push_back(static_cast<uint32_t>(order_.size()));
   if (!std::is_sorted(order_.begin(), order_.end(), before)) std::sort(order_.begin(), order_.end(), before);
   anyBlended_ = std::any_of(order_.begin(), order_.end(), [&](uint32_t i) { return isBlended(scene, i); });
-  hidden_.assign(order_.size(), 0);
+  covered_.assign(order_.size(), 0);
   parallelFor(order_.size(), kInstancesAtOnce, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end && i + 1 < order_.size(); ++i)
-      hidden_[i] = standsWhere(all.record(order_[i]), all.record(order_[i + 1])) && !isBlended(scene, order_[i]) &&
-                   all.bounds(order_[i + 1]).radius >= 0;  // an instance that is not rendered hides nothing
+      covered_[i] = hasSameTransform(all.record(order_[i]), all.record(order_[i + 1])) &&
+                    !isBlended(scene, order_[i]) &&
+                    all.bounds(order_[i + 1]).radius >= 0;  // an instance that is not rendered hides nothing
   });
 }
 
@@ -69,7 +70,7 @@ DrawList DrawOrder::select(const GpuScene& scene, Kind kind, const std::function
     for (size_t i = begin; i < end; ++i) {
       const uint32_t instance = order_[i];
       if (group != 0 && all.record(instance).flags >> shared::kInstanceGroupShift != group) continue;
-      if (!hidden_[i] && isBlended(scene, instance) == (kind == Kind::Blended) && wanted(all.bounds(instance)))
+      if (!covered_[i] && isBlended(scene, instance) == (kind == Kind::Blended) && wanted(all.bounds(instance)))
         found.push_back(instance);
     }
   };

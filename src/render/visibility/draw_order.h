@@ -43,7 +43,7 @@ class DrawOrder {
   std::vector<uint32_t> order_;
   // Per element of order_: 1 if the next element is an identical copy in the same position, which hides this one
   // completely.
-  std::vector<uint8_t> hidden_;
+  std::vector<uint8_t> covered_;
   bool anyBlended_ = false;
   uint64_t instances_ = 0, materials_ = 0;  // revisions of the last update
 };

@@ -35,7 +35,7 @@ Material drawMaterial() { return materials[kCpuDevice != 0u ? uint(push.frame >>
 // Attributes are evaluated at the center of the covered samples, as in the compute resolve. The pixel's center may lie
 // outside the triangle, where a normal or texture coordinate belongs to no point of it, and a centroid may lie anywhere
 // in the covered part.
-#define INSIDE(v) interpolateAtOffset(v, middleOfSamples(uint(gl_SampleMaskIn[0])) - 0.5)
+#define INSIDE(v) interpolateAtOffset(v, sampleCentroid(uint(gl_SampleMaskIn[0])) - 0.5)
 // Mip levels follow from the gradients between pixel centers. The interpolation stands in the branch that samples:
 // outside of it, lavapipe returns other coordinates, which differ more from those of single-sampled rendering, and
 // other gradients of the input itself.
@@ -75,7 +75,7 @@ SurfacePoint fragmentPoint() {
 
 #ifdef MULTISAMPLED
 // Returns the samples that pass the alpha test. The test runs per sample, so that masked edges are anti-aliased too.
-int uncutSamples(Material m) {
+int alphaTestedSamples(Material m) {
   int left = 0;
   for (int i = 0; i < int(kSamples); ++i) {
     precise float alpha = m.baseColor.a * interpolateAtSample(varyingColor, i).a;
@@ -88,9 +88,9 @@ int uncutSamples(Material m) {
 #endif
 
 // Alpha test. Call it last in a shader, because textures need the whole quad.
-void cutFragment(Material m, SurfacePoint p) {
+void alphaTest(Material m, SurfacePoint p) {
 #ifdef MULTISAMPLED
-  gl_SampleMask[0] &= uncutSamples(m);
+  gl_SampleMask[0] &= alphaTestedSamples(m);
   if (gl_SampleMask[0] == 0) discard;
 #else
   if (masked(m, p)) discard;

@@ -31,7 +31,7 @@ void main() {
   Surface s = evaluateMaterial(frame, m, p);
   bool wantsLight = (kTargets >> (0 GBUFFER_TARGETS(COUNT)) & 1u) != 0u;
   lightAccumulation = wantsLight ? emittedLight(frame, s) : vec4(0.0);
-  s = keptSurface(s);
+  s = storedSurface(s);
   GbufferContext context = gbufferContext(frameView(frame, push.view), gl_FragCoord.xy);
 #ifdef GBUFFER_KEEPS_MOTION
   s.motion = surfaceMotion(context.view.size).xy;
@@ -42,5 +42,5 @@ void main() {
   GBUFFER_TARGETS(WRITE)
   // The depth pass rejects masked fragments, but another surface may have exactly the same depth. This test comes last,
   // because textures need the whole quad.
-  if (kAlphaMasked != 0u) cutFragment(m, p);
+  if (kAlphaMasked != 0u) alphaTest(m, p);
 }

@@ -20,7 +20,7 @@ VkFormat unusedFormat(VkFormat wanted) {
 
 }  // namespace
 
-vk::GraphicsDesc behindDepth(const FrameConfig& setup) {
+vk::GraphicsDesc depthTestedDesc(const FrameConfig& setup) {
   vk::GraphicsDesc desc;
   desc.depth = kDepthFormat;
   desc.depthCompare = VK_COMPARE_OP_EQUAL;
@@ -61,8 +61,8 @@ bool HardwareVisibility::anyBlended() const {
   return !blended_.empty();
 }
 
-void HardwareVisibility::recordSolid(graph::Context& context, const FrameContext& f, uint32_t view,
-                                     const ScenePipelines& pipelines, std::span<const vk::BoundImage> images) const {
+void HardwareVisibility::recordOpaque(graph::Context& context, const FrameContext& f, uint32_t view,
+                                      const ScenePipelines& pipelines, std::span<const vk::BoundImage> images) const {
   const auto record = [&](const DeviceDraws& draws) {
     SceneBinder binder(context, scene_, draws, {f.constants, f.viewBuffer, view}, pipelines, images);
     recordDraws(context, scene_, binder, draws[view]);
@@ -87,7 +87,7 @@ void HardwareVisibility::addSolid(const FrameContext& f, graph::Stage stage, vk:
                  const std::vector<vk::BoundImage> images = inputs.images(context);
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
                    beginView(context, f, view, colors, {depth, false}, ColorUse::Clear, written);
-                   recordSolid(context, f, view, pipelines, images);
+                   recordOpaque(context, f, view, pipelines, images);
                    vkCmdEndRendering(context.get());
                  }
                });
@@ -111,7 +111,7 @@ VisibilityBuffer HardwareVisibility::addVisibility(const FrameContext& f) const 
                [=, &f, this](graph::Context& context) {
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
                    beginView(context, f, view, {}, {depth, true});
-                   recordSolid(context, f, view, pipelines);
+                   recordOpaque(context, f, view, pipelines);
                    vkCmdEndRendering(context.get());
                  }
                });
@@ -120,7 +120,7 @@ VisibilityBuffer HardwareVisibility::addVisibility(const FrameContext& f) const 
 
 void HardwareVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const {
   const Layout& layout = *f.setup.layout;
-  vk::GraphicsDesc desc = behindDepth(f.setup);
+  vk::GraphicsDesc desc = depthTestedDesc(f.setup);
   if (layout.keepsMotion) desc.vertex = "scene_motion.vert";
   desc.fragment = f.setup.variant({"geometry.frag", layout.file});
   desc.name = "geometry " + layout.name;
@@ -143,7 +143,7 @@ void HardwareVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) con
 graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, const VisibilityBuffer& visible,
                                              MotionUse use) const {
   const VkFormat format = use == MotionUse::Data ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
-  vk::GraphicsDesc desc = behindDepth(f.setup);
+  vk::GraphicsDesc desc = depthTestedDesc(f.setup);
   desc.samples = 1;
   desc.colors = {format};
   desc.name = "motion";
@@ -163,7 +163,7 @@ graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, const Visibi
                    beginView(context, f, view, std::span(&motion, 1), {depth, false});
                    context.commands().bind(background.get(), {}, shared::DrawPush{.frame = f.constants, .view = view});
                    recordScreen(context);
-                   recordSolid(context, f, view, pipelines);
+                   recordOpaque(context, f, view, pipelines);
                    vkCmdEndRendering(context.get());
                  }
                });

@@ -22,18 +22,18 @@ class HardwareVisibility {
   void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const;
   void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const;
   bool anyBlended() const;
-  ShownMaterials materials() const { return materials_; }
+  VisibleMaterials materials() const { return materials_; }
 
   // The draw lists, for techniques that draw the scene with their own shaders.
   const DeviceDraws& solid() const { return solid_; }      // one list per view
   const DeviceDraws& blended() const { return blended_; }  // one list per view
   // Adds a pass named desc.name that shades the visible surfaces of addVisibility() into `colors`, one target for each
-  // of desc.colorsWritten. `desc` comes from behindDepth(); its bindings and colors are set here.
+  // of desc.colorsWritten. `desc` comes from depthTestedDesc(); its bindings and colors are set here.
   void addSolid(const FrameContext& f, graph::Stage stage, vk::GraphicsDesc desc, const Bindings& inputs,
                 graph::ImageId depth, const std::vector<graph::ImageId>& colors) const;
   // Draws the opaque and masked surfaces of a view, within a rendering that has begun.
-  void recordSolid(graph::Context& context, const FrameContext& f, uint32_t view, const ScenePipelines& pipelines,
-                   std::span<const vk::BoundImage> images = {}) const;
+  void recordOpaque(graph::Context& context, const FrameContext& f, uint32_t view, const ScenePipelines& pipelines,
+                    std::span<const vk::BoundImage> images = {}) const;
 
  private:
   DeviceDraws select(DrawOrder::Kind kind, std::span<const shared::View> views) const;
@@ -43,11 +43,11 @@ class HardwareVisibility {
   const DrawOrder& order_;
   VisibilityOptions options_;
   DeviceDraws solid_, blended_;
-  ShownMaterials materials_;
+  VisibleMaterials materials_;
 };
 
 // The state common to all draws after the depth pass: the depth test is EQUAL, so only visible surfaces are shaded.
-vk::GraphicsDesc behindDepth(const FrameConfig& setup);
+vk::GraphicsDesc depthTestedDesc(const FrameConfig& setup);
 
 // Returns the frame's hardware visibility, for passes of `user` that draw the scene themselves. Throws Error(Usage) if
 // the frame uses another raster.

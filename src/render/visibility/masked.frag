@@ -11,5 +11,5 @@ void main() {
 #ifdef MULTISAMPLED
   gl_SampleMask[0] = -1;
 #endif
-  cutFragment(drawMaterial(), fragmentPoint());
+  alphaTest(drawMaterial(), fragmentPoint());
 }

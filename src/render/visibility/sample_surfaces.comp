@@ -21,7 +21,7 @@ layout(set = 0, binding = GBUFFER_BINDINGS, r32ui) uniform writeonly uimage2DArr
 layout(push_constant, scalar) uniform Push { LightingPush push; };
 
 // Returns true if all samples equal the first.
-bool allAlike(ivec3 pixel) {
+bool surfacesAreEqual(ivec3 pixel) {
   GbufferTexel first = readTexel(pixel, 0);
   vec4 light = texelFetch(lightOfSamples, pixel, 0);
   bool alike = true;
@@ -38,7 +38,8 @@ Sample readSample(View view, ivec3 pixel, int index, float depth) {
   Sample r;
   r.depth = depth;
   r.light = texelFetch(lightOfSamples, pixel, index);
-  r.s = unpackSurface(view, vec2(pixel.xy) + samplePlace(kSamples, uint(index)), readTexel(pixel, index), depth, r.light.a);
+  r.s = unpackSurface(view, vec2(pixel.xy) + samplePlace(kSamples, uint(index)), readTexel(pixel, index), depth,
+                      r.light.a);
   return r;
 }
 
@@ -72,7 +73,7 @@ void main() {
     depths[i] = texelFetch(gbufferDepth, pixel, i).r;
     if (depths[i] != 0.0) covered |= 1u << i;
   }
-  bool part = bitCount(covered) > 1 && (kEverySample != 0u || covered != 15u || !allAlike(pixel));
+  bool part = bitCount(covered) > 1 && (kEverySample != 0u || covered != 15u || !surfacesAreEqual(pixel));
   uint surfaces = covered;
   // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
   for (; part; part = false) surfaces = partSamples(view, pixel, depths);

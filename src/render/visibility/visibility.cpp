@@ -35,7 +35,7 @@ bool anyBlended(const FrameContext& f) {
   return std::visit([](const auto& technique) { return technique.anyBlended(); }, f.visibility);
 }
 
-ShownMaterials shownMaterials(const FrameContext& f) {
+VisibleMaterials shownMaterials(const FrameContext& f) {
   return std::visit([](const auto& technique) { return technique.materials(); }, f.visibility);
 }
 
@@ -49,7 +49,7 @@ void readVisibleSurfaces(const FrameContext& f, const VisibilityBuffer& visible,
   pass.buffers.emplace_back(visible.ids, graph::Use::StorageRead);
 }
 
-shared::ShownPush shownSurfaces(const VisibilityBuffer& visible, graph::Context& context) {
+shared::VisibleSurfacePush surfacePush(const VisibilityBuffer& visible, graph::Context& context) {
   if (!visible.ids || !context.declares(visible.ids)) return {};
   return {visible.instances, context.buffer(visible.ids).address()};
 }

@@ -14,7 +14,7 @@ namespace latelight::render {
 enum class MotionUse { Reproject, Data };
 
 // The union of the material flags (kMaterial*) of all surfaces that may be visible.
-struct ShownMaterials {
+struct VisibleMaterials {
   uint32_t solid = 0, translucent = 0;
   void add(uint32_t flags) { (shared::translucent(flags) ? translucent : solid) |= flags; }
 };
@@ -51,12 +51,12 @@ void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId
 void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers);
 void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers);
 bool anyBlended(const FrameContext& f);  // true if any view may show blended surfaces
-ShownMaterials shownMaterials(const FrameContext& f);
+VisibleMaterials shownMaterials(const FrameContext& f);
 
 // For compute passes with the setup's constants that evaluate the surfaces of visible.ids themselves
-// (shown_surface.glsl): readVisibleSurfaces() adds the resources that they read. shownSurfaces() returns their push
+// (visible_surface.glsl): readVisibleSurfaces() adds the resources that they read. surfacePush() returns their push
 // constants, which are zeros for a pass that does not read them.
 void readVisibleSurfaces(const FrameContext& f, const VisibilityBuffer& visible, ComputePass& pass);
-shared::ShownPush shownSurfaces(const VisibilityBuffer& visible, graph::Context& context);
+shared::VisibleSurfacePush surfacePush(const VisibilityBuffer& visible, graph::Context& context);
 
 }  // namespace latelight::render

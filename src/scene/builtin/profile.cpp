@@ -110,7 +110,7 @@ Profile& Profile::line(double x, double y) {
   return *this;
 }
 
-Profile& Profile::arc(double x, double y, double quarters, double segmentsAQuarter) {
+Profile& Profile::arc(double x, double y, double quarters, double segmentsPerQuarter) {
   const dvec2 a = end_, b(x, y);
   // The center lies on the chord's bisector, at a distance of half the chord over tan(half the angle).
   const double half = quarters * 0.5;
@@ -124,7 +124,7 @@ Profile& Profile::arc(double x, double y, double quarters, double segmentsAQuart
         const double c = cosQuarters(quarters * t), s = sinQuarters(quarters * t);
         return centre + dvec2(spoke.x * c - spoke.y * s, spoke.x * s + spoke.y * c);
       },
-      segmentsAQuarter * std::abs(quarters), std::abs(quarters) > 1.2 ? 2 : 1, b);
+      segmentsPerQuarter * std::abs(quarters), std::abs(quarters) > 1.2 ? 2 : 1, b);
   return *this;
 }
 

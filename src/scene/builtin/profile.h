@@ -21,7 +21,7 @@ class Profile {
   Profile& line(double x, double y);
   // Appends a circular arc that bends by `quarters` of a full turn: positive to the left (a convex molding), negative
   // to the right (a concave one).
-  Profile& arc(double x, double y, double quarters, double segmentsAQuarter = 3);
+  Profile& arc(double x, double y, double quarters, double segmentsPerQuarter = 3);
   // Appends a smooth curve (Catmull-Rom spline) through the points.
   Profile& curve(const std::vector<dvec2>& points, double segmentsEach = 2);
   // The next element continues the previous one without a sharp edge.

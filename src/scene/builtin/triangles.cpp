@@ -11,7 +11,7 @@ namespace latelight::scene::builtin {
 
 namespace {
 
-constexpr uint32_t kTrianglesAMesh = 1'000'000;
+constexpr uint32_t kTrianglesPerMesh = 1'000'000;
 
 // The camera's view is 2 meters high at the center of the triangles, at a distance of kDistance meters.
 constexpr float kDistance = 100, kVerticalFov = 0.019999333f;  // 2 atan(1 / 100)
@@ -36,10 +36,10 @@ Scene makeTriangles(uint64_t count, double size) {
   SceneBuilder builder("triangles");
   builder.scene.materials.push_back(plainMaterial("grey", vec3(0.5f), 0, 1));
   Random random(1);
-  for (uint64_t first = 0; first < count; first += kTrianglesAMesh) {
+  for (uint64_t first = 0; first < count; first += kTrianglesPerMesh) {
     Mesh& mesh = builder.scene.meshes.emplace_back();
     mesh.name = "triangles";
-    const uint64_t here = std::min<uint64_t>(count - first, kTrianglesAMesh);
+    const uint64_t here = std::min<uint64_t>(count - first, kTrianglesPerMesh);
     mesh.positions.reserve(3 * here);
     for (uint64_t i = 0; i < here; ++i)
       addTriangle(mesh, random, static_cast<float>(size * 2 / double{kTrianglesPicture}));

@@ -20,12 +20,13 @@ glm::vec4 RadianceMap::at(size_t x, size_t y) const {
 }
 
 bool exceedsHalves(const FloatImage& image) {
-  constexpr float kFirstBeyond = 65520.0f;  // smaller values round to the largest half, 65504, or below
+  constexpr float kFirstUnrepresentable = 65520.0f;  // smaller values round to the largest half, 65504, or below
   std::atomic<bool> exceeds = false;
   const size_t row = size_t{4} * image.width;
   parallelFor(image.height, 32, [&](size_t begin, size_t end) {
     const float* pixels = image.pixels.data();
-    if (std::any_of(pixels + begin * row, pixels + end * row, [](float value) { return value >= kFirstBeyond; }))
+    if (std::any_of(pixels + begin * row, pixels + end * row,
+                    [](float value) { return value >= kFirstUnrepresentable; }))
       exceeds = true;
   });
   return exceeds;

@@ -19,7 +19,7 @@ struct Inapplicable {
   std::string reason;
 };
 template <typename... Args>
-[[noreturn]] void leaveOut(fmt::format_string<Args...> format, Args&&... args) {
+[[noreturn]] void skipTrack(fmt::format_string<Args...> format, Args&&... args) {
   throw Inapplicable{fmt::format(format, std::forward<Args>(args)...)};
 }
 
@@ -27,7 +27,7 @@ Interpolation readInterpolation(const std::string& text) {
   if (text == "STEP") return Interpolation::Step;
   if (text == "LINEAR") return Interpolation::Linear;
   if (text == "CUBICSPLINE") return Interpolation::Cubic;
-  leaveOut("has the unknown interpolation \"{}\"", text);
+  skipTrack("has the unknown interpolation \"{}\"", text);
 }
 
 AnimatedProperty readPath(const std::string& path) {
@@ -35,7 +35,7 @@ AnimatedProperty readPath(const std::string& path) {
   if (path == "rotation") return AnimatedProperty::Rotation;
   if (path == "scale") return AnimatedProperty::Scale;
   if (path == "weights") return AnimatedProperty::Weights;
-  leaveOut("moves \"{}\", which no node has", path);
+  skipTrack("moves \"{}\", which no node has", path);
 }
 
 uint32_t weightCount(const Document& document, uint32_t node) {
@@ -47,7 +47,7 @@ template <int N>
 std::vector<glm::vec<N, float>> readFiniteValues(const Elements& elements) {
   bool anyBroken = false;
   std::vector<glm::vec<N, float>> values = readRepaired<N>(elements, 0, elements.count, anyBroken);
-  if (anyBroken) leaveOut("has values that are not finite numbers, in {}", elements.name);
+  if (anyBroken) skipTrack("has values that are not finite numbers, in {}", elements.name);
   return values;
 }
 
@@ -58,8 +58,8 @@ std::vector<float> readTimes(const Document& document, int accessor, const std::
   document.budget.charge(elements.count * sizeof(float), elements.name);
   std::vector<float> times;
   for (const glm::vec1& time : readFiniteValues<1>(elements)) times.push_back(time.x);
-  if (!std::is_sorted(times.begin(), times.end())) leaveOut("has times that fall, in {}", elements.name);
-  if (times.front() < 0) leaveOut("has a time before 0, in {}", elements.name);
+  if (!std::is_sorted(times.begin(), times.end())) skipTrack("has times that fall, in {}", elements.name);
+  if (times.front() < 0) skipTrack("has a time before 0, in {}", elements.name);
   return times;
 }
 
@@ -81,7 +81,7 @@ std::vector<float> readValues(const Document& document, int accessor, const Curv
              elements.name);
   const bool bytes = elements.componentType == file::kUnsignedByte;
   if (layout.boolean && (!bytes || curve.interpolation != Interpolation::Step))
-    leaveOut("says what is visible in {} by other than steps of unsigned bytes", elements.name);
+    skipTrack("says what is visible in {} by other than steps of unsigned bytes", elements.name);
   document.budget.charge(elements.count * sizeof(glm::vec4) * 2, elements.name);
   std::vector<float> values;
   values.reserve(elements.count * elements.components);
@@ -145,7 +145,7 @@ class AnimationReader {
     if (property == AnimatedProperty::Rotation) track.width = 4;
     if (weights) track.width = element < 0 ? weightCount(document_, node) : 1;
     if (visible) track.width = 1;
-    if (track.width == 0) leaveOut("moves weights of nodes[{}], whose mesh has no morph targets", node);
+    if (track.width == 0) skipTrack("moves weights of nodes[{}], whose mesh has no morph targets", node);
     if (!document_.model.nodes[node].matrix.empty() && !weights && !visible)
       return warn("{} moves nodes[{}], whose transform is a matrix: it stays as it is", name_, node);
     const Layout layout{.components = weights ? 1 : track.width,

@@ -72,7 +72,7 @@ std::vector<std::byte> readDataUri(std::string_view uri, const std::string& name
   return {begin, begin + plain.size()};
 }
 
-std::vector<std::byte> readBeside(const AllowedFolders& enclosure, std::string_view uri, const std::string& name) {
+std::vector<std::byte> readExternal(const AllowedFolders& enclosure, std::string_view uri, const std::string& name) {
   if (uri.find("://") != std::string_view::npos || uri.starts_with("file:"))
     badInput("{} is at {}; only local files are read: put it next to the scene, and use a relative path", name, uri);
   std::string decoded = percentDecode(uri);
@@ -85,7 +85,7 @@ std::vector<std::byte> readBeside(const AllowedFolders& enclosure, std::string_v
 }
 
 Bytes readUri(Document& document, const AllowedFolders& enclosure, std::string_view uri, const std::string& name) {
-  document.files.push_back(uri.starts_with("data:") ? readDataUri(uri, name) : readBeside(enclosure, uri, name));
+  document.files.push_back(uri.starts_with("data:") ? readDataUri(uri, name) : readExternal(enclosure, uri, name));
   document.inputBytes += document.files.back().size();
   return document.files.back();
 }
@@ -166,7 +166,7 @@ ImageSource readImage(Document& document, const json& image, size_t index, const
 
 }  // namespace
 
-std::vector<std::filesystem::path> filesBeside(const json& root) {
+std::vector<std::filesystem::path> externalFiles(const json& root) {
   std::vector<std::filesystem::path> files;
   for (const char* key : {"buffers", "images"})
     for (const json& entry : arrayIn(root, key)) {

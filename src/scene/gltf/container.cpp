@@ -31,7 +31,7 @@ bool chunkFits(Bytes file, size_t at) {
 
 // Returns the start of the chunk after one that ends at `end`. Chunks are padded to 4 bytes, and their lengths include
 // the padding. Some writers pad without including it, others do neither.
-size_t behindChunk(Bytes file, size_t end, bool isJson) {
+size_t endOfChunk(Bytes file, size_t end, bool isJson) {
   const size_t padded = (end + 3) / 4 * 4;
   if (padded == end || end + kChunkHeaderBytes > file.size() || chunkFits(file, padded)) return padded;
   const char* which = isJson ? "JSON" : "binary";
@@ -60,7 +60,7 @@ Container readBinary(Bytes file) {
     if (first != (type == kJsonChunk)) badInput("the .glb file's first chunk, and only that, must be JSON");
     if (type == kJsonChunk) container.json = chunk;
     if (type == kBinaryChunk && container.binary.empty()) container.binary = chunk;
-    at = behindChunk(file, at + size, type == kJsonChunk);
+    at = endOfChunk(file, at + size, type == kJsonChunk);
   }
   if (container.json.empty()) badInput("the .glb file has no JSON chunk");
   return container;

@@ -48,7 +48,7 @@ void openDocument(Document& document, const std::filesystem::path& path, const A
   const MemoryClaim tree(treeBytes(container.json), "its JSON");
   const json root = readJson(container.json);
   readBuffers(document, root, enclosure, container.binary);
-  document.beside = filesBeside(root);
+  document.beside = externalFiles(root);
   document.budget.charge(modelBytes(root), "its nodes and primitives");
   document.model = file::readModel(root);
 }

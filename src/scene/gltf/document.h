@@ -90,7 +90,7 @@ uint64_t treeBytes(Bytes json);
 void readBuffers(Document& document, const nlohmann::json& root, const AllowedFolders& enclosure, Bytes binary);
 
 // Returns the files to which buffers and images refer, relative to the document's folder.
-std::vector<std::filesystem::path> filesBeside(const nlohmann::json& root);
+std::vector<std::filesystem::path> externalFiles(const nlohmann::json& root);
 
 // Decompresses bufferViews with EXT_meshopt_compression into document.views.
 void decodeMeshopt(Document& document, const nlohmann::json& root, const std::vector<Bytes>& buffers);

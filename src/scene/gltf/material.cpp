@@ -100,13 +100,13 @@ class MaterialReader {
     return image;
   }
 
-  bool isWanted(uint32_t slot) const {
+  bool isRequested(uint32_t slot) const {
     const bool alphaDecides = (out_.data.flags & (shared::kMaterialMasked | shared::kMaterialBlended)) != 0;
     return (slots_ >> slot & 1u) != 0 || (slot == shared::kTextureBaseColor && alphaDecides);
   }
 
   void fill(uint32_t slot, const file::TextureInfo& info, const TextureRequest& request) {
-    if (!isWanted(slot)) return;
+    if (!isRequested(slot)) return;
     const file::Texture& texture = document_.model.textures[size_t(info.texture)];
     out_.slots[slot] = {textures_.request(request), samplerOf(document_.model, texture.sampler)};
     out_.data.textures |= 1u << slot;
@@ -286,13 +286,13 @@ void readMaterials(const Document& document, uint32_t slots, TextureTable& textu
   }
 }
 
-int readVariants(const Document& document, const std::string& wanted, Scene& scene) {
+int readVariants(const Document& document, const std::string& requested, Scene& scene) {
   scene.variants = document.model.variants;
-  if (wanted.empty()) return -1;
-  auto found = std::find(scene.variants.begin(), scene.variants.end(), wanted);
+  if (requested.empty()) return -1;
+  auto found = std::find(scene.variants.begin(), scene.variants.end(), requested);
   if (found != scene.variants.end()) return int(found - scene.variants.begin());
-  if (scene.variants.empty()) badUsage("there is no variant \"{}\": the file has no material variants", wanted);
-  badUsage("there is no variant \"{}\": the file has {}", wanted, fmt::join(scene.variants, ", "));
+  if (scene.variants.empty()) badUsage("there is no variant \"{}\": the file has no material variants", requested);
+  badUsage("there is no variant \"{}\": the file has {}", requested, fmt::join(scene.variants, ", "));
 }
 
 int materialOf(const file::Primitive& primitive, int variant) {

@@ -30,7 +30,7 @@ Material defaultMaterial();
 
 // Fills scene.variants. Returns the index of the variant of that name, or -1 for an empty name. Throws Error(Usage)
 // with a list of the names if there is none of that name.
-int readVariants(const Document& document, const std::string& wanted, Scene& scene);
+int readVariants(const Document& document, const std::string& requested, Scene& scene);
 
 // Returns the material of a primitive under a variant (-1: the default), or -1 if it has none.
 int materialOf(const file::Primitive& primitive, int variant);

@@ -129,7 +129,7 @@ std::optional<Camera> readProjection(const file::Orthographic& source) {
 Camera readProjection(const file::Perspective& source) {
   Camera camera;
   camera.verticalFov = float(source.yfov);
-  if (!showsSomething(camera.verticalFov)) {
+  if (!isUsableFieldOfView(camera.verticalFov)) {
     warn("a camera's yfov of {:g} radians is not possible: {:g} is used instead", source.yfov, kDefaultVerticalFov);
     camera.verticalFov = kDefaultVerticalFov;
   }

@@ -117,7 +117,7 @@ constexpr Rule extensions(const Schema* schema) {
 
 // --- the tables: glTF 2.0 appendix A and the schemas of the extensions -----------------------------------------------
 
-constexpr Schema kAnything{};
+constexpr Schema kAnyValue{};
 
 constexpr Rule kAssetRules[] = {string("version", true), string("minVersion"), string("generator")};
 constexpr Schema kAsset{kAssetRules};
@@ -299,7 +299,7 @@ constexpr Rule kSpecularGlossinessRules[] = {numbers("diffuseFactor", 4, 4), obj
                                              object("specularGlossinessTexture", &kTextureInfo)};
 constexpr Schema kSpecularGlossiness{kSpecularGlossinessRules};
 constexpr Rule kMaterialExtensionRules[] = {object("KHR_materials_pbrSpecularGlossiness", &kSpecularGlossiness),
-                                            object("KHR_materials_unlit", &kAnything),
+                                            object("KHR_materials_unlit", &kAnyValue),
                                             object("KHR_materials_emissive_strength", &kEmissiveStrength),
                                             object("KHR_materials_ior", &kIor),
                                             object("KHR_materials_specular", &kSpecular),

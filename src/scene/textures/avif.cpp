@@ -59,13 +59,13 @@ const Codec kAvifCodec{sizeOfAvif, decodeAvif};
 
 namespace {
 
-ImageSize refuseAvif(std::span<const std::byte>, const std::string& name) {
+ImageSize rejectAvif(std::span<const std::byte>, const std::string& name) {
   badInput("{} is an AVIF image, but this program was built without libavif: convert it to PNG, JPEG or WebP", name);
 }
 
 }  // namespace
 
-const Codec kAvifCodec{refuseAvif};
+const Codec kAvifCodec{rejectAvif};
 
 #endif
 

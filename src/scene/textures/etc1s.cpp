@@ -36,7 +36,7 @@ class Etc1sBlocks {
   }
 
   uint32_t nextPredictions() {
-    constexpr uint32_t kRepeat = 256, kFewestRepeats = 3;
+    constexpr uint32_t kRepeat = 256, kMinRepeats = 3;
     if (predictionRepeats_ > 0) {
       --predictionRepeats_;
       return lastPredictions_;
@@ -44,7 +44,7 @@ class Etc1sBlocks {
     const uint32_t symbol = books_.endpointPrediction_.decode(reader_);
     if (symbol > kRepeat) throw BrokenTexture("it has an endpoint prediction that does not exist");
     if (symbol == kRepeat)
-      predictionRepeats_ = variableLength(4) + kFewestRepeats - 1;
+      predictionRepeats_ = variableLength(4) + kMinRepeats - 1;
     else
       lastPredictions_ = symbol;
     return lastPredictions_;

@@ -37,7 +37,7 @@ uint64_t numberAt(Bytes bytes, uint64_t offset, uint64_t length) {
 uint32_t wordAt(Bytes bytes, uint64_t offset) {
   return uint32_t(numberAt(bytes, offset, 4));
 }
-uint64_t longAt(Bytes bytes, uint64_t offset) {
+uint64_t uint64At(Bytes bytes, uint64_t offset) {
   return numberAt(bytes, offset, 8);
 }
 
@@ -52,7 +52,7 @@ struct Ktx2Header {
         scheme(wordAt(file, 44)),
         descriptor(part(file, wordAt(file, 48), wordAt(file, 52))),
         metadata(part(file, wordAt(file, 56), wordAt(file, 60))),
-        global(part(file, longAt(file, 64), longAt(file, 72))) {}
+        global(part(file, uint64At(file, 64), uint64At(file, 72))) {}
 
   uint32_t format;  // VkFormat
   ImageSize size;
@@ -67,14 +67,14 @@ struct Ktx2Header {
 struct Ktx2Level {
   ImageSize size;
   Bytes bytes;
-  uint64_t plainBytes;
+  uint64_t uncompressedBytes;
 };
 
 Ktx2Level levelOf(Bytes file, const Ktx2Header& header, uint32_t index) {
   const uint64_t entry = kHeaderBytes + index * kLevelBytes;
   return {{std::max(1u, header.size.width >> index), std::max(1u, header.size.height >> index)},
-          part(file, longAt(file, entry), longAt(file, entry + 8)),
-          longAt(file, entry + 16)};
+          part(file, uint64At(file, entry), uint64At(file, entry + 8)),
+          uint64At(file, entry + 16)};
 }
 
 // Returns a value of the file's key/value data, or nullopt if the key does not exist.
@@ -129,7 +129,7 @@ void decodeEtc1s(const Ktx2Header& header, const Etc1sCodebooks& codebooks, uint
 void decodeUastcLevel(const Ktx2Header& header, const Ktx2Level& level, bool srgb, std::byte* rgba) {
   if (header.scheme != kZstandard) return decodeUastc(level.bytes, level.size, srgb, rgba);
   const size_t wanted = size_t((level.size.width + 3) / 4) * ((level.size.height + 3) / 4) * kUastcBlockBytes;
-  if (level.plainBytes != wanted) throw BrokenTexture("a level has not the bytes of its size");
+  if (level.uncompressedBytes != wanted) throw BrokenTexture("a level has not the bytes of its size");
   const auto blocks = std::make_unique_for_overwrite<std::byte[]>(wanted);
   if (ZSTD_decompress(blocks.get(), wanted, level.bytes.data(), level.bytes.size()) != wanted)
     throw BrokenTexture("a level is broken Zstandard data");

@@ -129,8 +129,8 @@ void buildMips(Texture& texture) {
   for (uint32_t i = 1; i < texture.levels; ++i) {
     ImageSize to{std::max(1u, from.width / 2), std::max(1u, from.height / 2)};
     Level level{source, source + size_t(from.width) * from.height, from, to, texture.srgb};
-    size_t rowsAChunk = std::max<size_t>(1, 65536 / to.width);
-    parallelFor(to.height, rowsAChunk, [&](size_t begin, size_t end) {
+    size_t rowsPerChunk = std::max<size_t>(1, 65536 / to.width);
+    parallelFor(to.height, rowsPerChunk, [&](size_t begin, size_t end) {
       for (size_t row = begin; row < end; ++row) shrinkRow(level, uint32_t(row));
     });
     source = level.target;

@@ -62,7 +62,7 @@ constexpr std::array<uint8_t, 128> kModeOf = [] {
 }();
 
 // Digits are stored in groups, each as one number: five of radix 3 in 8 bits, three of radix 5 in 7.
-constexpr uint32_t digitsAGroup(uint32_t radix) {
+constexpr uint32_t digitsPerGroup(uint32_t radix) {
   return radix == 3 ? 5 : 3;
 }
 constexpr uint32_t groupBits(uint32_t radix, uint32_t digits) {
@@ -128,7 +128,7 @@ std::array<uint8_t, 18> takeEndpoints(const Mode& mode, BlockBits& bits) {
   const uint32_t count = 2 * mode.components * mode.subsets;
   uint32_t digits[18] = {};
   if (range.radix > 1) {
-    const uint32_t group = digitsAGroup(range.radix);
+    const uint32_t group = digitsPerGroup(range.radix);
     for (uint32_t first = 0; first < count; first += group) {
       const uint32_t size = std::min(group, count - first);
       uint32_t all = bits.take(groupBits(range.radix, size));

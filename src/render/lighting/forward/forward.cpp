@@ -14,15 +14,15 @@ ForwardLoop forwardLoop(vk::Device& device) {
   VkPhysicalDeviceSubgroupProperties subgroups{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroups};
   vkGetPhysicalDeviceProperties2(device.physical(), &properties);
-  const bool dealt = (subgroups.supportedStages & VK_SHADER_STAGE_FRAGMENT_BIT) &&
-                     (subgroups.supportedOperations & vk::kSubgroupOperations) == vk::kSubgroupOperations;
-  return dealt ? ForwardLoop::Dealt : ForwardLoop::Plain;
+  const bool redistributed = (subgroups.supportedStages & VK_SHADER_STAGE_FRAGMENT_BIT) &&
+                             (subgroups.supportedOperations & vk::kSubgroupOperations) == vk::kSubgroupOperations;
+  return redistributed ? ForwardLoop::Redistributed : ForwardLoop::Plain;
 }
 
 void addForward(const FrameContext& f, const Gbuffer& gbuffer, ForwardLoop loop) {
   const HardwareVisibility& hardware = hardwareOf(f, "forward lighting");
   const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
-  vk::GraphicsDesc desc = behindDepth(f.setup);
+  vk::GraphicsDesc desc = depthTestedDesc(f.setup);
   desc.fragment = f.setup.variant("forward.frag");
   desc.constants.push_back({kPlainLoopConstant, loop == ForwardLoop::Plain ? 1u : 0u});
   desc.name = "lighting forward";

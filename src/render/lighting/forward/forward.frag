@@ -40,5 +40,5 @@ void main() {
   counts = lightCount();
   // The depth pass discarded masked-out fragments, but another surface may lie at exactly the same depth. The discard
   // comes last, because texture derivatives need the full quad.
-  if (kAlphaMasked != 0u) cutFragment(m, p);
+  if (kAlphaMasked != 0u) alphaTest(m, p);
 }

@@ -32,5 +32,5 @@ void main() {
   surface = uvec2(varyingInstance, gl_PrimitiveID);
   counts = vec4(0.0);
   // As in geometry.frag, the discard comes last, because texture derivatives need the full quad.
-  if (kAlphaMasked != 0u) cutFragment(m, p);
+  if (kAlphaMasked != 0u) alphaTest(m, p);
 }

@@ -38,5 +38,5 @@ void main() {
 #endif
   radiance = shows ? vec4(one * frame.exposure, 0.0) : vec4(0.0);
   counts = shows ? lightCount() : vec4(0.0);
-  if (kAlphaMasked != 0u) cutFragment(m, p);
+  if (kAlphaMasked != 0u) alphaTest(m, p);
 }

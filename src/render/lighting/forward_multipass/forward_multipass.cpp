@@ -26,7 +26,7 @@ bool reaches(const shared::Light& light, const Sphere& bounds) {
 // Draws the scene without lights: emission and environment.
 void addBase(const FrameContext& f, const Gbuffer& gbuffer, Targets targets) {
   const HardwareVisibility& hardware = hardwareOf(f, "forward-multipass lighting");
-  vk::GraphicsDesc desc = behindDepth(f.setup);
+  vk::GraphicsDesc desc = depthTestedDesc(f.setup);
   desc.fragment = f.setup.variant("forward_base.frag");
   desc.name = "forward base";
   std::vector<graph::ImageId> colors{targets.sum, targets.surfaces};
@@ -80,7 +80,7 @@ void addLights(const FrameContext& f, const Gbuffer& gbuffer, Targets targets) {
   const HardwareVisibility& hardware = hardwareOf(f, "forward-multipass lighting");
   Bindings bindings = litMaps(f, gbuffer, graph::Use::SampledFragment);
   bindings.sampled(targets.surfaces);
-  vk::GraphicsDesc desc = behindDepth(f.setup);
+  vk::GraphicsDesc desc = depthTestedDesc(f.setup);
   desc.fragment = f.setup.variant("forward_light.frag");
   desc.pushBytes = pushBytesWith<shared::LightDraw>();
   desc.bindings = bindings.kinds();

@@ -16,7 +16,7 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
 }
 
 void main() {
-  showSurfaces(push.frame, push.shown);
+  bindSurfaces(push.frame, push.shown);
   ivec3 place = ownPixel();
   bool lit = lightPixel(FrameRef(push.frame).v, place);
   writeCounts(place, lit, lightCount());

@@ -20,7 +20,7 @@ void add(const FrameContext& f, const Gbuffer& gbuffer) {
              lights);
   addCompute(f, lightingPass(f, gbuffer, "lighting fullscreen", "fullscreen.comp"),
              [frame = f.constants, visible = gbuffer.visible](graph::Context& context) {
-               return shared::LightingPush{frame, shownSurfaces(visible, context)};
+               return shared::LightingPush{frame, surfacePush(visible, context)};
              });
 }
 

@@ -50,7 +50,7 @@ constexpr VkStencilOpState kMarkOnFail = stencilOps(VK_COMPARE_OP_ALWAYS, VK_STE
 constexpr VkStencilOpState kMarkOnPass = stencilOps(VK_COMPARE_OP_ALWAYS, VK_STENCIL_OP_REPLACE, VK_STENCIL_OP_KEEP);
 constexpr VkStencilOpState kMarked = stencilOps(VK_COMPARE_OP_EQUAL, VK_STENCIL_OP_KEEP, VK_STENCIL_OP_KEEP);
 
-enum Step : uint32_t { kMarkClassic, kMarkKillzone, kLightMarked, kLightMarkedBehind, kLightUnmarked, kLightScreen };
+enum Step : uint32_t { kMarkClassic, kMarkKillzone, kLightMarked, kLightMarkedBackFaces, kLightUnmarked, kLightScreen };
 
 // A volume is convex, so each pixel that it covers has one front face and one back face, or only a back face if the
 // camera is inside. A surface can be lit only if the back face lies behind it: both orders mark those pixels.
@@ -81,20 +81,20 @@ constexpr StepState kSteps[] = {
 // With several samples per pixel, the highest stencil bit marks pixels with several surfaces. These are lit per sample,
 // all others once per pixel (Valient 2007). The other bits contain the number of a light.
 enum Rate : uint32_t { kRatePixel, kRateSample };
-constexpr uint32_t kSeveralSurfaces = 0x80;
-constexpr VkStencilOpState kMarkSeveral{.failOp = VK_STENCIL_OP_KEEP,
-                                        .passOp = VK_STENCIL_OP_REPLACE,
-                                        .depthFailOp = VK_STENCIL_OP_KEEP,
-                                        .compareOp = VK_COMPARE_OP_ALWAYS,
-                                        .compareMask = kSeveralSurfaces,
-                                        .writeMask = kSeveralSurfaces};
+constexpr uint32_t kMultipleSurfaces = 0x80;
+constexpr VkStencilOpState kMarkMultiple{.failOp = VK_STENCIL_OP_KEEP,
+                                         .passOp = VK_STENCIL_OP_REPLACE,
+                                         .depthFailOp = VK_STENCIL_OP_KEEP,
+                                         .compareOp = VK_COMPARE_OP_ALWAYS,
+                                         .compareMask = kMultipleSurfaces,
+                                         .writeMask = kMultipleSurfaces};
 
-// The stencil state of a step, combined with the bit kSeveralSurfaces. Steps that light without a mark still test the
+// The stencil state of a step, combined with the bit kMultipleSurfaces. Steps that light without a mark still test the
 // bit.
-VkStencilOpState besideSeveral(const StepState& step) {
+VkStencilOpState exceptMultiple(const StepState& step) {
   VkStencilOpState stencil = step.stencil.value_or(kMarked);
-  stencil.writeMask = 0xff & ~kSeveralSurfaces;
-  if (!step.stencil) stencil.compareMask = kSeveralSurfaces;
+  stencil.writeMask = 0xff & ~kMultipleSurfaces;
+  if (!step.stencil) stencil.compareMask = kMultipleSurfaces;
   return stencil;
 }
 
@@ -121,15 +121,15 @@ class VolumePlan {
     if (!frustum_.touches(lit)) return std::nullopt;
     const float depth = (view_.worldToView * glm::vec4(light.position, 1.0f)).y;
     const float extent = kVolumeExtent * lit.radius;
-    const bool cutFar = depth + extent >= shared::viewDepth(view_.projection, 0.0f);
+    const bool crossesFarPlane = depth + extent >= shared::viewDepth(view_.projection, 0.0f);
     // Depth clamp keeps back faces beyond the far plane. Without it they would be clipped, and pixels inside the volume
     // would not be marked.
-    if (cutFar && !depthClamp_) return screen;
+    if (crossesFarPlane && !depthClamp_) return screen;
     const uint32_t shape = isCone(light) ? kShapeCone : kShapeSphere;
     if (projectedRadius(lit) < kMinMarkedRadius) return VolumeDraw{shape, std::nullopt, kLightUnmarked, lit.radius};
     if (order_ == kVolumesClassic) return VolumeDraw{shape, kMarkClassic, kLightMarked, lit.radius};
-    const bool cutNear = depth - extent <= shared::viewDepth(view_.projection, 1.0f);
-    return VolumeDraw{shape, kMarkKillzone, cutNear ? kLightMarked : kLightMarkedBehind, lit.radius};
+    const bool crossesNearPlane = depth - extent <= shared::viewDepth(view_.projection, 1.0f);
+    return VolumeDraw{shape, kMarkKillzone, crossesNearPlane ? kLightMarked : kLightMarkedBackFaces, lit.radius};
   }
 
  private:
@@ -199,14 +199,14 @@ class VolumesPass {
         buffers_(f),
         inputs_(inputs(f, gbuffer)),
         depth_(f.device, graph::Use::SampledFragment),
-        several_(f.device, graph::Use::SampledFragment) {
+        multipleSurfaces_(f.device, graph::Use::SampledFragment) {
     depth_.sampled(gbuffer.sampleDepth);
     if (gbuffer.surfaces) depth_.sampled(gbuffer.surfaces);
-    if (gbuffer.surfaces) several_.sampled(gbuffer.surfaces);
+    if (gbuffer.surfaces) multipleSurfaces_.sampled(gbuffer.surfaces);
     copyDepth_ = depthCopyPipeline();
     for (const StepState& step : kSteps) steps_.push_back(stepPipeline(step, kRatePixel));
     if (!multisampled()) return;
-    markSeveral_ = severalPipeline();
+    markMultiple_ = multiplePipeline();
     for (const StepState& step : kSteps) sampleSteps_.push_back(stepPipeline(step, kRateSample));
   }
 
@@ -252,7 +252,7 @@ class VolumesPass {
 
   vk::PipelineRef stepPipeline(const StepState& step, Rate rate) const {
     vk::GraphicsDesc desc = describe(step);
-    if (multisampled()) desc.stencil = besideSeveral(step);
+    if (multisampled()) desc.stencil = exceptMultiple(step);
     const std::string& layout = f_.setup.layout->file;
     if (step.lights)
       desc.fragment = rate == kRateSample ? vk::ShaderKey("volume_samples.frag", layout)
@@ -268,11 +268,11 @@ class VolumesPass {
     return f_.device.cache().pipeline(desc);
   }
 
-  vk::PipelineRef severalPipeline() const {
+  vk::PipelineRef multiplePipeline() const {
     vk::GraphicsDesc desc =
-        describe({"mark several surfaces", false, VK_COMPARE_OP_ALWAYS, kMarkSeveral, VK_CULL_MODE_NONE});
+        describe({"mark several surfaces", false, VK_COMPARE_OP_ALWAYS, kMarkMultiple, VK_CULL_MODE_NONE});
     desc.fragment = "volume_edges.frag";
-    desc.bindings = several_.kinds();
+    desc.bindings = multipleSurfaces_.kinds();
     return f_.device.cache().pipeline(desc);
   }
 
@@ -283,19 +283,19 @@ class VolumesPass {
     vkCmdClearAttachments(commands, 1, &clear, 1, &rect);
   }
 
-  void markSeveral(graph::Context& context, VolumePush push) const {
+  void markMultiple(graph::Context& context, VolumePush push) const {
     if (!multisampled()) return;
     push.shape = kShapeScreen;
     VkCommandBuffer commands = context.get();
-    context.commands().bind(markSeveral_.get(), several_.images(context), push);
-    vkCmdSetStencilReference(commands, VK_STENCIL_FACE_FRONT_AND_BACK, kSeveralSurfaces);
+    context.commands().bind(markMultiple_.get(), multipleSurfaces_.images(context), push);
+    vkCmdSetStencilReference(commands, VK_STENCIL_FACE_FRONT_AND_BACK, kMultipleSurfaces);
     recordScreen(context);
   }
 
   void recordLight(VkCommandBuffer commands, const VolumeDraw& draw, uint32_t reference) const {
     if (!multisampled()) return recordStep(commands, draw.light, draw.shape, steps_[draw.light]);
     for (const Rate rate : {kRatePixel, kRateSample}) {
-      const uint32_t several = rate == kRateSample ? kSeveralSurfaces : 0;
+      const uint32_t several = rate == kRateSample ? kMultipleSurfaces : 0;
       vkCmdSetStencilReference(commands, VK_STENCIL_FACE_FRONT_AND_BACK, reference | several);
       recordStep(commands, draw.light, draw.shape, (several ? sampleSteps_ : steps_)[draw.light]);
     }
@@ -317,8 +317,8 @@ class VolumesPass {
   bool depthClamp_;
   VkFormat sumFormat_;
   VolumeBuffers buffers_;
-  Bindings inputs_, depth_, several_;
-  vk::PipelineRef copyDepth_, markSeveral_;
+  Bindings inputs_, depth_, multipleSurfaces_;
+  vk::PipelineRef copyDepth_, markMultiple_;
   std::vector<vk::PipelineRef> steps_, sampleSteps_;  // indexed as kSteps: per pixel, and per sample if multisampled
 };
 
@@ -327,7 +327,7 @@ uint64_t VolumesPass::record(graph::Context& context, uint32_t view) const {
   VolumePush push{.frame = f_.constants, .vertices = buffers_.vertices.address(), .view = view, .shape = kShapeScreen};
   context.commands().bind(copyDepth_.get(), depth_.images(context), push);
   recordScreen(context);
-  markSeveral(context, push);
+  markMultiple(context, push);
 
   std::vector<vk::BoundImage> images = inputs_.images(context);
   images.push_back({.uniform = buffers_.views[view].get()});
@@ -347,9 +347,9 @@ uint64_t VolumesPass::record(graph::Context& context, uint32_t view) const {
     push.radius = draw->radius;
     context.commands().push(screen, push);
     if (draw->mark) {
-      if (reference == (multisampled() ? kSeveralSurfaces - 1 : 0xff)) {
+      if (reference == (multisampled() ? kMultipleSurfaces - 1 : 0xff)) {
         clearStencil(commands);
-        markSeveral(context, push);
+        markMultiple(context, push);
         context.commands().bind(screen, images, push);
         reference = 0;
       }

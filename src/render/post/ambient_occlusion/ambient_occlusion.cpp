@@ -21,7 +21,7 @@ constexpr float kReachShare = 0.5f;
 constexpr float kToleranceShare = 0.3f;
 
 graph::ImageId addOcclusion(const FrameContext& f, const Gbuffer& gbuffer) {
-  const graph::ImageId hidden = createTarget(f, kAoFormat, "hidden");
+  const graph::ImageId occluded = createTarget(f, kAoFormat, "hidden");
   Bindings bindings(f.device);
   vk::ShaderKey shader = "gtao_depth.comp";
   // Forward techniques write no normals, and with several samples per pixel there is no single normal. Normals are then
@@ -31,7 +31,7 @@ graph::ImageId addOcclusion(const FrameContext& f, const Gbuffer& gbuffer) {
     shader = {"gtao.comp", f.setup.layout->file};
     bindings.sampled(gbuffer.targets);
   }
-  bindings.sampled(gbuffer.depth).storage(hidden, graph::Use::StorageWrite);
+  bindings.sampled(gbuffer.depth).storage(occluded, graph::Use::StorageWrite);
   ComputePass pass{.stage = graph::Stage::Lighting,
                    .name = "ambient occlusion",
                    .shader = shader,
@@ -42,20 +42,20 @@ graph::ImageId addOcclusion(const FrameContext& f, const Gbuffer& gbuffer) {
   const shared::OcclusionPush push{f.constants, f.aoRadius, kReachShare * static_cast<float>(f.height), {}};
   addCompute(f, std::move(pass), [push, visible = gbuffer.visible](graph::Context& context) {
     shared::OcclusionPush filled = push;
-    filled.shown = shownSurfaces(visible, context);
+    filled.shown = surfacePush(visible, context);
     return filled;
   });
-  return hidden;
+  return occluded;
 }
 
 // Averages occlusion along one axis. The pass along axis 1 also converts occlusion to visibility.
-graph::ImageId addDenoise(const FrameContext& f, graph::ImageId depth, graph::ImageId hidden, uint32_t axis) {
+graph::ImageId addDenoise(const FrameContext& f, graph::ImageId depth, graph::ImageId occluded, uint32_t axis) {
   const graph::ImageId result = createTarget(f, kAoFormat, axis == 0 ? "hidden, averaged across" : "ambient occlusion");
   addCompute(f,
              {.stage = graph::Stage::Lighting,
               .name = "ambient occlusion denoise",
               .shader = "ambient_occlusion_denoise.comp",
-              .bindings = Bindings(f.device).sampled(depth).sampled(hidden).storage(result, graph::Use::StorageWrite),
+              .bindings = Bindings(f.device).sampled(depth).sampled(occluded).storage(result, graph::Use::StorageWrite),
               .size = f.pixels(),
               .constants = {{kLastAxisConstant, axis}}},
              shared::DenoisePush{f.constants, kToleranceShare * f.aoRadius, f.aoStrength});
@@ -66,8 +66,8 @@ graph::ImageId addDenoise(const FrameContext& f, graph::ImageId depth, graph::Im
 
 graph::ImageId addAmbientOcclusion(const FrameContext& f, const Gbuffer& gbuffer) {
   if (f.setup.ambientOcclusion == kAoNone) return {};
-  const graph::ImageId hidden = addOcclusion(f, gbuffer);
-  return addDenoise(f, gbuffer.depth, addDenoise(f, gbuffer.depth, hidden, 0), 1);
+  const graph::ImageId occluded = addOcclusion(f, gbuffer);
+  return addDenoise(f, gbuffer.depth, addDenoise(f, gbuffer.depth, occluded, 0), 1);
 }
 
 }  // namespace latelight::render

@@ -12,7 +12,7 @@ layout(local_size_x = 16, local_size_y = 16) in;
 // 1: second axis, which outputs visibility instead of occlusion.
 layout(constant_id = kLastAxisConstant) const uint kLast = 0;
 layout(set = 0, binding = 0) uniform sampler2DArray gbufferDepth;
-layout(set = 0, binding = 1) uniform sampler2DArray hidden;
+layout(set = 0, binding = 1) uniform sampler2DArray occluded;
 layout(set = 0, binding = 2, r32f) uniform writeonly image2DArray result;
 layout(push_constant, scalar) uniform Push { DenoisePush push; };
 
@@ -28,7 +28,7 @@ void main() {
     ivec3 at = place + kAxis * (i - 2);
     bool inside = at == clamp(at, ivec3(0, 0, place.z), last);
     depths[i] = inside ? texelFetch(gbufferDepth, at, 0).r : 0.0;
-    values[i] = inside ? texelFetch(hidden, at, 0).r : 0.0;
+    values[i] = inside ? texelFetch(occluded, at, 0).r : 0.0;
   }
   float before = depths[2] - depths[1], after = depths[3] - depths[2];
   if (depths[1] == 0.0) before = 3.0e38;

@@ -12,7 +12,7 @@ struct OcclusionPush {
   uint64_t frame;  // FrameConstants
   float radius;    // meters
   float reach;     // maximum radius in pixels, so that samples are not too far apart
-  ShownPush shown;
+  VisibleSurfacePush shown;
 };
 
 // Push constants of ambient_occlusion_denoise.comp.

@@ -12,15 +12,15 @@ layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = GBUFFER_BINDINGS, r32f) uniform writeonly image2DArray occlusion;
 
 void main() {
-  showSurfaces(push.frame, push.shown);
+  bindSurfaces(push.frame, push.shown);
   View view = frameView(FrameRef(push.frame).v, gl_GlobalInvocationID.z);
   ivec3 place = ivec3(gl_GlobalInvocationID);
   if (any(greaterThanEqual(vec2(place.xy), view.size))) return;
   float depth = texelFetch(gbufferDepth, place, 0).r;
-  float hidden = 0.0;
+  float occluded = 0.0;
   if (depth != 0.0) {
     vec3 normal = rotateToView(view, readSurface(view, place, depth, 1.0).normal);
-    hidden = occlusionAt(view, centerAt(view, place, depth), normal);
+    occluded = occlusionAt(view, centerAt(view, place, depth), normal);
   }
-  imageStore(occlusion, place, vec4(hidden));
+  imageStore(occlusion, place, vec4(occluded));
 }

@@ -9,8 +9,8 @@
 #include "render/post/ambient_occlusion/ambient_occlusion_push.h"
 #include "shared/ambient_occlusion.h"
 
-layout(constant_id = kSlicesConstant) const uint kSlicesAPixel = 3;
-layout(constant_id = kStepsConstant) const uint kStepsASide = 6;
+layout(constant_id = kSlicesConstant) const uint kSlicesPerPixel = 3;
+layout(constant_id = kStepsConstant) const uint kStepsPerSide = 6;
 layout(push_constant, scalar) uniform Push { OcclusionPush push; };
 
 // A pixel and the plane of its surface in screen space.
@@ -82,10 +82,10 @@ bool sampleAt(View view, Center c, vec2 offset, out vec3 position) {
 // The occluded fraction of half a slice. The amount by which each sample raises the horizon is weighted by the sample's
 // distance. A sample blocks later samples only in proportion to its own weight, so the result is continuous when an
 // occluder leaves the radius.
-float hiddenArc(View view, Center c, vec2 direction, SliceNormal n, vec2 steps) {
-  float visible = wholeArc(n), hidden = 0.0, before = 0.0;
-  for (uint i = 0u; i < kStepsASide; ++i) {
-    float t = (float(i) + steps.x) / float(kStepsASide);
+float occludedArc(View view, Center c, vec2 direction, SliceNormal n, vec2 steps) {
+  float visible = wholeArc(n), occluded = 0.0, before = 0.0;
+  for (uint i = 0u; i < kStepsPerSide; ++i) {
+    float t = (float(i) + steps.x) / float(kStepsPerSide);
     vec3 position;
     float along = 1.0 + t * t * steps.y;
     bool there = sampleAt(view, c, direction * along, position);
@@ -98,11 +98,11 @@ float hiddenArc(View view, Center c, vec2 direction, SliceNormal n, vec2 steps) 
     float weight = there && abovePlane(n, cosine) ? occlusionFalloff(nearer, push.radius) : 0.0;
     float arc = visibleArc(n, cosine);
     if (weight > 0.0 && arc < visible) {
-      hidden += weight * (visible - arc);
+      occluded += weight * (visible - arc);
       visible = mix(visible, arc, min(4.0 * weight, 1.0));
     }
   }
-  return hidden;
+  return occluded;
 }
 
 SliceNormal sliceNormal(vec3 normal, vec3 toEye, vec3 tangent) {
@@ -112,7 +112,7 @@ SliceNormal sliceNormal(vec3 normal, vec3 toEye, vec3 tangent) {
 }
 
 // The occluded fraction of the slice at `angle` in the picture, in both directions.
-float hiddenSlice(View view, Center c, vec3 normal, float angle, vec2 steps) {
+float occludedSlice(View view, Center c, vec3 normal, float angle, vec2 steps) {
   vec2 direction = vec2(cos(angle), sin(angle));  // pixels, y down
   // The view-space direction that projects to `direction`, then made perpendicular to V, the direction to the eye.
   vec3 across = vec3(direction.x / (view.projection.H * view.size.x), 0.0,
@@ -122,7 +122,7 @@ float hiddenSlice(View view, Center c, vec3 normal, float angle, vec2 steps) {
   float length = length(normal - axis * dot(normal, axis));
   SliceNormal forward = sliceNormal(normal, c.toEye, tangent);
   SliceNormal backward = SliceNormal(-forward.angle, forward.cosine, -forward.sine);
-  return length * (hiddenArc(view, c, direction, forward, steps) + hiddenArc(view, c, -direction, backward, steps));
+  return length * (occludedArc(view, c, direction, forward, steps) + occludedArc(view, c, -direction, backward, steps));
 }
 
 // The occluded fraction of the cosine-weighted hemisphere. Its average over a block is in [0, 1].
@@ -134,8 +134,9 @@ float occlusionAt(View view, Center c, vec3 normal) {
   uint x = uint(c.place.x) & 3u, y = uint(c.place.y) & 3u;
   float turn = (float((x + y & 3u) * 4u + y) + 0.5) / 16.0;
   float start = (float(((x + 2u * y) & 3u) * 4u + (x ^ y)) + 0.5) / 16.0;
-  float hidden = 0.0;
-  for (uint i = 0u; i < kSlicesAPixel; ++i)
-    hidden += hiddenSlice(view, c, normal, kPi * (float(i) + turn) / float(kSlicesAPixel), vec2(start, pixels - 1.0));
-  return hidden / float(kSlicesAPixel);
+  float occluded = 0.0;
+  for (uint i = 0u; i < kSlicesPerPixel; ++i)
+    occluded += occludedSlice(view, c, normal, kPi * (float(i) + turn) / float(kSlicesPerPixel), vec2(start,
+                                                                                                      pixels - 1.0));
+  return occluded / float(kSlicesPerPixel);
 }

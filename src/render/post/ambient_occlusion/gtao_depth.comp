@@ -14,10 +14,10 @@ void main() {
   ivec3 place = ivec3(gl_GlobalInvocationID);
   if (any(greaterThanEqual(vec2(place.xy), view.size))) return;
   float depth = texelFetch(gbufferDepth, place, 0).r;
-  float hidden = 0.0;
+  float occluded = 0.0;
   if (depth != 0.0) {
     Center center = centerAt(view, place, depth);
-    hidden = occlusionAt(view, center, normalFromDepth(view, center));
+    occluded = occlusionAt(view, center, normalFromDepth(view, center));
   }
-  imageStore(occlusion, place, vec4(hidden));
+  imageStore(occlusion, place, vec4(occluded));
 }

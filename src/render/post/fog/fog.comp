@@ -26,5 +26,5 @@ void main() {
   vec3 seen = kLens != 0u ? ray * away : viewPositionAtDepth(view.projection, ndc, away);
   float transmittance = depth == 0.0 ? fogTransmittanceBeyond(frame.fog, view, ndc, ray)
                                      : fogTransmittanceTo(frame.fog, view, seen);
-  imageStore(lightTarget, pixel, seenThroughFog(frame.fog, imageLoad(lightTarget, pixel), transmittance));
+  imageStore(lightTarget, pixel, applyFog(frame.fog, imageLoad(lightTarget, pixel), transmittance));
 }

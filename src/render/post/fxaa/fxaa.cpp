@@ -2,7 +2,7 @@
 
 namespace latelight::render {
 
-void addFxaa(const Builder& b, graph::ImageId picture, const ComposeSettings& settings, const ResultPlace& to) {
+void addFxaa(const Builder& b, graph::ImageId picture, const ComposeSettings& settings, const ResultTarget& to) {
   const glm::uvec3 size = texels(b.graph, picture);
   const graph::ImageId display =
       b.graph.create(vk::ImageDesc{.format = VK_FORMAT_R32G32B32A32_SFLOAT,  // unchanged pixels round as without FXAA

@@ -6,6 +6,6 @@
 namespace latelight::render {
 
 // Writes the finished picture as addCompose() does, with FXAA.
-void addFxaa(const Builder& b, graph::ImageId picture, const ComposeSettings& settings, const ResultPlace& to);
+void addFxaa(const Builder& b, graph::ImageId picture, const ComposeSettings& settings, const ResultTarget& to);
 
 }  // namespace latelight::render

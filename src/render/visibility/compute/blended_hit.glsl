@@ -17,6 +17,6 @@ uint seenSamples(uint first, uint samples, PixelDepth depth) {
 void hit(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint id) {
   uint seen = seenSamples(visibleAt(view, pixel), samples, depth);
   if (seen == 0u) return;
-  float middle = kSamples == 1u ? depthAt(depth, 0u) : depthAt(depth, middleOfSamples(seen));
+  float middle = kSamples == 1u ? depthAt(depth, 0u) : depthAt(depth, sampleCentroid(seen));
   storeFragment(pixelIndex(uvec3(pixel, view), uvec2(push.width, push.height)), middle, id, seen);
 }

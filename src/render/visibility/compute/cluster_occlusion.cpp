@@ -5,7 +5,7 @@
 
 namespace latelight::render {
 
-bool ClusterOcclusion::shouldCull(const vk::Device& device, HiddenOf of, uint64_t clusters) {
+bool ClusterOcclusion::shouldCull(const vk::Device& device, OcclusionHistory of, uint64_t clusters) {
   constexpr uint32_t kFinding = 3;     // frames that always cull, since the first has no history,
   constexpr uint32_t kEvery = 64;      // out of this many
   constexpr uint64_t kMax = 1u << 29;  // 64 MiB of bits
@@ -14,10 +14,10 @@ bool ClusterOcclusion::shouldCull(const vk::Device& device, HiddenOf of, uint64_
   if (clusters < fewest || clusters > kMax) return false;
   Kept& kept = kept_[static_cast<size_t>(of)];
   const uint32_t frame = kept.frames++ % kEvery;
-  return frame < kFinding || kept.counts.hidden >= fewest;
+  return frame < kFinding || kept.counts.occluded >= fewest;
 }
 
-graph::BufferId ClusterOcclusion::addTo(const FrameContext& f, HiddenOf of, uint64_t words) {
+graph::BufferId ClusterOcclusion::addTo(const FrameContext& f, OcclusionHistory of, uint64_t words) {
   Kept& kept = kept_[static_cast<size_t>(of)];
   const uint64_t bytes = sizeof(uint32_t) * std::bit_ceil(words);
   if (!kept.buffer || kept.buffer->desc().size != bytes)

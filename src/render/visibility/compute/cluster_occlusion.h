@@ -13,24 +13,26 @@ namespace latelight::render {
 
 // The separate histories: of views without jitter, of views with jitter, and of views whose blended surfaces count as
 // opaque.
-enum class HiddenOf { Steady, Jittered, WithBlended, Count };
+enum class OcclusionHistory { Steady, Jittered, WithBlended, Count };
 
 class ClusterOcclusion {
  public:
   // Returns whether occlusion culling is expected to reduce the next frame's time; `clusters` is the number in all
   // views. If there are many, some frames always cull to measure, and the others do if enough clusters were occluded.
-  bool shouldCull(const vk::Device& device, HiddenOf of, uint64_t clusters);
+  bool shouldCull(const vk::Device& device, OcclusionHistory of, uint64_t clusters);
   // Returns the occlusion bits; `words` is the number of uint32_t for all views of the frame. Unknown bits are 0, which
   // means not occluded.
-  graph::BufferId addTo(const FrameContext& f, HiddenOf of, uint64_t words);
+  graph::BufferId addTo(const FrameContext& f, OcclusionHistory of, uint64_t words);
 
   // Counts of the last frame that culled: `found` clusters were rasterized although they had been occluded in the frame
   // before, `hidden` clusters are occluded.
   struct Counts {
-    uint32_t found = 0, hidden = 0;
+    uint32_t found = 0, occluded = 0;
   };
-  const Counts& counts(HiddenOf of) const { return kept_[static_cast<size_t>(of)].counts; }
-  void keep(HiddenOf of, uint32_t found, uint32_t hidden) { kept_[static_cast<size_t>(of)].counts = {found, hidden}; }
+  const Counts& counts(OcclusionHistory of) const { return kept_[static_cast<size_t>(of)].counts; }
+  void keep(OcclusionHistory of, uint32_t found, uint32_t occluded) {
+    kept_[static_cast<size_t>(of)].counts = {found, occluded};
+  }
 
  private:
   struct Kept {
@@ -39,7 +41,7 @@ class ClusterOcclusion {
     uint32_t frames = 0;  // frames so far; select those that measure
     Counts counts;
   };
-  std::array<Kept, static_cast<size_t>(HiddenOf::Count)> kept_;
+  std::array<Kept, static_cast<size_t>(OcclusionHistory::Count)> kept_;
 };
 
 }  // namespace latelight::render

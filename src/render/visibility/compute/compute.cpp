@@ -33,7 +33,7 @@ vk::ConstantId outputConstant(size_t slot) {
 
 }  // namespace
 
-std::string computeRasterLacks(const vk::Device& device) {
+std::string missingForComputeRaster(const vk::Device& device) {
   const vk::Features& has = device.features();
   if (!has.v12.shaderBufferInt64Atomics) return "it has no 64-bit atomics in buffers, which the raster compute takes";
   if (!has.core.features.shaderStorageImageWriteWithoutFormat)
@@ -41,15 +41,15 @@ std::string computeRasterLacks(const vk::Device& device) {
   return "";
 }
 
-ComputeVisibility::ComputeVisibility(const GpuScene& scene, const RasterInstances& ranks, ClusterOcclusion& hidden,
-                                     const VisibilityOptions& options)
+ComputeVisibility::ComputeVisibility(const GpuScene& scene, const RasterInstances& rasterInstances,
+                                     ClusterOcclusion& occluded, const VisibilityOptions& options)
     : scene_(scene),
-      ranks_(ranks),
-      hidden_(hidden),
-      hiddenOf_(options.blendedToo  ? HiddenOf::WithBlended
-                : options.atCentres ? HiddenOf::Steady
-                                    : HiddenOf::Jittered),
-      share_(options.blendedToo ? ranks.all() : ranks.solid()) {}
+      rasterInstances_(rasterInstances),
+      clusterOcclusion_(occluded),
+      occlusionHistory_(options.blendedToo  ? OcclusionHistory::WithBlended
+                        : options.atCentres ? OcclusionHistory::Steady
+                                            : OcclusionHistory::Jittered),
+      share_(options.blendedToo ? rasterInstances.all() : rasterInstances.solid()) {}
 
 // --- visible surfaces ------------------------------------------------------------------------------------------------
 
@@ -67,7 +67,7 @@ View posed(const View& pinhole, const View& camera) {
 
 }  // namespace
 
-// Adds a pass over all pixels of the visibility buffer. `outputs` is OutputPlace[] or empty.
+// Adds a pass over all pixels of the visibility buffer. `outputs` is OutputSlot[] or empty.
 void ComputeVisibility::addResolve(const FrameContext& f, const VisibilityBuffer& visible, ComputePass pass,
                                    graph::BufferId outputs) const {
   pass.size = f.pixels();
@@ -124,33 +124,33 @@ RasterViews ComputeVisibility::viewsBeside(const FrameContext& f, const std::vec
 // pyramid (HZB) of the early pass, renders those that became visible and stores the new occlusion bits.
 VisibilityBuffer ComputeVisibility::addVisible(const FrameContext& f, const RasterViews& views) const {
   const RasterQueues queues(f, views, share_);
-  VisibilityBuffer visible{.ids = queues.visible, .instances = ranks_.address()};
+  VisibilityBuffer visible{.ids = queues.visible, .instances = rasterInstances_.address()};
   addClear(f, graph::Stage::Visibility, "raster clear", {queues.visible});
-  RasterChain whole{graph::Stage::Visibility, Hit::Opaque, 0, kRankMasked};
-  RasterChain cut{graph::Stage::Visibility, Hit::Masked, kRankMasked, kRankMasked};
+  RasterChain whole{graph::Stage::Visibility, Hit::Opaque, 0, kDrawMasked};
+  RasterChain cut{graph::Stage::Visibility, Hit::Masked, kDrawMasked, kDrawMasked};
   if (views.lens) whole.hit = cut.hit = Hit::Lens;  // one shader for opaque and masked
-  const bool some = share_.ranks > share_.masked;
-  if (some && views.cullsHidden) {
-    whole.hidden = hidden_.addTo(f, hiddenOf_, (share_.parts + 31) / 32 * views.count);
+  const bool some = share_.count > share_.masked;
+  if (some && views.cullsOccluded) {
+    whole.occluded = clusterOcclusion_.addTo(f, occlusionHistory_, (share_.parts + 31) / 32 * views.count);
     whole.culls = kCullEarly;
-    addRasterChain(f, ranks_, share_, views, queues, whole);
+    addRasterChain(f, rasterInstances_, share_, views, queues, whole);
     whole.pyramid = cut.pyramid = visible.pyramid = addPyramid(f, views, queues.visible);
     whole.culls = kCullLate;
-    whole.counted = [&hidden = hidden_, of = hiddenOf_](const RasterCounters& counters) {
-      hidden.keep(of, counters.work, counters.hidden);
+    whole.counted = [&occluded = clusterOcclusion_, of = occlusionHistory_](const RasterCounters& counters) {
+      occluded.keep(of, counters.work, counters.occluded);
     };
     cut.culls = kCullByPyramid;
   }
-  if (some) addRasterChain(f, ranks_, share_, views, queues, whole);
-  if (share_.masked > 0) addRasterChain(f, ranks_, share_, views, queues, cut);
+  if (some) addRasterChain(f, rasterInstances_, share_, views, queues, whole);
+  if (share_.masked > 0) addRasterChain(f, rasterInstances_, share_, views, queues, cut);
   return visible;
 }
 
 VisibilityBuffer ComputeVisibility::addVisibility(const FrameContext& f) const {
   RasterViews views = viewsOf(f);
   if (!views.lens) {
-    views.cullsHidden = hidden_.shouldCull(f.device, hiddenOf_, share_.parts * views.count);
-    if (!f.device.isCpu()) prepareHiding(f, views);
+    views.cullsOccluded = clusterOcclusion_.shouldCull(f.device, occlusionHistory_, share_.parts * views.count);
+    if (!f.device.isCpu()) prepareOcclusionCulling(f, views);
   }
   VisibilityBuffer visible = addVisible(f, views);
   visible.pixels = createTarget(f, VK_FORMAT_R32_SFLOAT, "depth");
@@ -193,7 +193,8 @@ graph::ImageId ComputeVisibility::addOverdraw(const FrameContext& f) const {
   const RasterViews views{f.constants, f.width, f.height, f.viewCount()};
   const RasterQueues queues(f, views, share_);
   addClear(f, graph::Stage::Geometry, "raster clear", {queues.visible});
-  if (share_.ranks > 0) addRasterChain(f, ranks_, share_, views, queues, {graph::Stage::Geometry, Hit::Overdraw, 0, 0});
+  if (share_.count > 0)
+    addRasterChain(f, rasterInstances_, share_, views, queues, {graph::Stage::Geometry, Hit::Overdraw, 0, 0});
   const graph::ImageId overdraw = createTarget(f, VK_FORMAT_R32_SFLOAT, "overdraw");
   addCompute(f,
              {.stage = graph::Stage::Geometry,
@@ -221,10 +222,10 @@ graph::BufferId packOutputs(const FrameContext& f, ComputePass& pass) {
     places.emplace_back(outputs.places[i].buffer, outputs.places[i].use);
   }
   pass.buffers = places;
-  return addSmallBuffer(f, graph::Stage::Geometry, "output places", sizeof(OutputPlace) * outputs.places.size(),
+  return addSmallBuffer(f, graph::Stage::Geometry, "output places", sizeof(OutputSlot) * outputs.places.size(),
                         std::move(places), [places = outputs.places](graph::Context& context) {
-                          std::vector<OutputPlace> addresses;
-                          for (const ResultPlace& place : places)
+                          std::vector<OutputSlot> addresses;
+                          for (const ResultTarget& place : places)
                             addresses.push_back({place.address(context), place.viewBytes});
                           return addresses;
                         });
@@ -232,7 +233,7 @@ graph::BufferId packOutputs(const FrameContext& f, ComputePass& pass) {
 
 // Returns true if surfaces with coats, which are shaded separately, write only a marker to the G-buffer. With several
 // samples per pixel they write everything, because the targets decide which samples show one surface.
-bool leavesLayers(const FrameContext& f, const Gbuffer& gbuffer) {
+bool shadesLayeredSeparately(const FrameContext& f, const Gbuffer& gbuffer) {
   const bool some = (shownMaterials(f).solid & shared::kMaterialLayered) != 0;
   return some && gbuffer.forLighting && f.setup.samples == 1 && !f.setup.outputs;
 }
@@ -266,7 +267,7 @@ void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) cons
                    .bindings = std::move(bindings),
                    .constants = {{kResolvedTargetsConstant, wanted},
                                  {kSrgbConstant, srgb},
-                                 {kLayersElsewhereConstant, leavesLayers(f, gbuffer) ? 1u : 0u}},
+                                 {kLayeredSeparatelyConstant, shadesLayeredSeparately(f, gbuffer) ? 1u : 0u}},
                    .groupX = shared::kPixelGroupX,
                    .groupY = shared::kPixelGroupY};
   readsTextures(f, pass);
@@ -422,13 +423,14 @@ void ComputeVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuff
                       {buffers.counts, graph::Use::StorageReadWrite},
                       {buffers.totals, graph::Use::StorageReadWrite}},
                      [=](graph::Context& context) { return std::array{listsOf(context, buffers)}; });
-  RasterChain chain{graph::Stage::Transparency, Hit::Blended, kRankBlended, kRankBlended, lists, filled};
+  RasterChain chain{graph::Stage::Transparency, Hit::Blended, kDrawBlended, kDrawBlended, lists, filled};
   if (gbuffer.visible.pyramid) {
     chain.culls = kCullByPyramid;
     chain.pyramid = gbuffer.visible.pyramid;
   }
   if (views.lens) chain.hit = Hit::LensBlended;
-  addRasterChain(f, ranks_, ranks_.all(), views, RasterQueues(f, views, ranks_.all(), gbuffer.visible.ids), chain);
+  addRasterChain(f, rasterInstances_, rasterInstances_.all(), views,
+                 RasterQueues(f, views, rasterInstances_.all(), gbuffer.visible.ids), chain);
 }
 
 void ComputeVisibility::lightFragments(const FrameContext& f, const Gbuffer& gbuffer,
@@ -452,8 +454,8 @@ void ComputeVisibility::lightFragments(const FrameContext& f, const Gbuffer& gbu
                                                {kSamplesConstant, f.setup.samples}});
   if (blendedHaveLayers(f)) pass.constants.push_back({kLayersConstant, f.setup.layers});
   const FragmentLightPush push{.frame = f.constants,
-                               .instances = ranks_.address(),
-                               .firstTriangle = ranks_.solidTriangles(),
+                               .instances = rasterInstances_.address(),
+                               .firstTriangle = rasterInstances_.solidTriangles(),
                                .width = f.width,
                                .height = f.height};
   addCompute(f, std::move(pass), [=](graph::Context& context) {

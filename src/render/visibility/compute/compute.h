@@ -13,11 +13,11 @@ namespace latelight::render {
 
 // Returns the feature that these shaders require and the device lacks, as the end of a sentence; empty if there is
 // none.
-std::string computeRasterLacks(const vk::Device& device);
+std::string missingForComputeRaster(const vk::Device& device);
 
 class ComputeVisibility {
  public:
-  ComputeVisibility(const GpuScene& scene, const RasterInstances& ranks, ClusterOcclusion& hidden,
+  ComputeVisibility(const GpuScene& scene, const RasterInstances& rasterInstances, ClusterOcclusion& occluded,
                     const VisibilityOptions& options);
 
   // The functions of visibility.h.
@@ -27,8 +27,8 @@ class ComputeVisibility {
   void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const;
   void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const;
   void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const;
-  bool anyBlended() const { return ranks_.anyBlended(); }
-  ShownMaterials materials() const { return ranks_.materials(); }
+  bool anyBlended() const { return rasterInstances_.anyBlended(); }
+  VisibleMaterials materials() const { return rasterInstances_.materials(); }
 
   // Images that describe how the visible triangles were rasterized; outputs.def defines their contents.
   struct RasterImages {
@@ -54,9 +54,9 @@ class ComputeVisibility {
   void addSurfacesBy(const FrameContext& f, Gbuffer& gbuffer, vk::ShaderKey shader, Bindings bindings) const;
 
   const GpuScene& scene_;
-  const RasterInstances& ranks_;
-  ClusterOcclusion& hidden_;
-  HiddenOf hiddenOf_;
+  const RasterInstances& rasterInstances_;
+  ClusterOcclusion& clusterOcclusion_;
+  OcclusionHistory occlusionHistory_;
   RasterInstances::Share share_;
 };
 

@@ -3,7 +3,7 @@
 #include "render/lens/lens_push.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer LensTargetRef { LensTarget v; };
-layout(constant_id = kCutsOutConstant) const uint kCutsOut = 0u;  // 1: triangles are alpha tested
+layout(constant_id = kAlphaTestConstant) const uint kAlphaTest = 0u;  // 1: triangles are alpha tested
 
 // Two unit vectors across a ray, which form a right-handed frame with it.
 struct Across {
@@ -37,9 +37,9 @@ float meet(vec3 corners[3], vec3 ray, uint flags) {
   vec3 areas = vec3(crossed(at[1], at[2]), crossed(at[2], at[0]), crossed(at[0], at[1]));
   bool inside = all(greaterThanEqual(areas, vec3(0.0))) || all(lessThanEqual(areas, vec3(0.0)));
   float area = areas.x + areas.y + areas.z;
-  // Front faces are counter-clockwise on screen, unless the instance is mirrored (kRankClockwise).
-  bool front = (area < 0.0) != ((flags & kRankClockwise) != 0u);
-  if (!inside || area == 0.0 || !(front || (flags & kRankDoubleSided) != 0u)) return 0.0;
+  // Front faces are counter-clockwise on screen, unless the instance is mirrored (kDrawClockwise).
+  bool front = (area < 0.0) != ((flags & kDrawClockwise) != 0u);
+  if (!inside || area == 0.0 || !(front || (flags & kDrawDoubleSided) != 0u)) return 0.0;
   float distance = dot(areas, along) / area;
   return distance > 0.0 && distance < 3.0e38 ? distance : 0.0;
 }
@@ -48,13 +48,13 @@ float meet(vec3 corners[3], vec3 ray, uint flags) {
 // device depth.
 void meets(FrameConstants frame, uint view, ivec2 pixel, float depth, uint id);
 
-bool isCutOut(FrameConstants frame, View view, SeenTriangle t, ivec2 pixel) {
-  if (kCutsOut == 0u) return false;
+bool failsAlphaTest(FrameConstants frame, View view, VisibleTriangle t, ivec2 pixel) {
+  if (kAlphaTest == 0u) return false;
 #ifndef TEXTURES_BY_INDEX
   textureRecords = frame.textures;
 #endif
-  SurfacePoint p = seenPoint(frame, view, t, vec2(pixel) + 0.5);
-  return masked(frameMaterial(frame, frameInstance(frame, t.rank.instance).material), p);
+  SurfacePoint p = visiblePoint(frame, view, t, vec2(pixel) + 0.5);
+  return masked(frameMaterial(frame, frameInstance(frame, t.draw.instance).material), p);
 }
 
 void hit(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint id) {
@@ -64,15 +64,15 @@ void hit(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint id) {
   if (next == end) return;
   FrameConstants frame = FrameRef(target.frame).v;
   View camera = frameView(frame, view / target.views);
-  SeenTriangle t = seenTriangle(frame, push.buffers.instances, id);
+  VisibleTriangle t = visibleTriangle(frame, push.buffers.instances, id);
   vec3 corners[3] = cornersOf(frame, camera, t);
   for (; next < end; ++next) {
     uint ray = UintRef(target.pixels).v[next];
     ivec2 at = ivec2(ray % target.width, ray / target.width);
-    float distance = meet(corners, lensRay(frame, camera, at).direction, t.rank.flags);
+    float distance = meet(corners, lensRay(frame, camera, at).direction, t.draw.flags);
     for (bool some = distance != 0.0 && isVast(t); some; some = false)
       distance = length(vastPoint(frame, camera, vastCornersOf(frame, camera, t), vec2(at) + 0.5));
-    if (distance != 0.0 && !isCutOut(frame, camera, t, at))
+    if (distance != 0.0 && !failsAlphaTest(frame, camera, t, at))
       meets(frame, view / target.views, at, deviceDepth(camera.projection, distance), id);
   }
 }

@@ -15,11 +15,11 @@ layout(constant_id = kSortedConstant) const uint kSorted = 0u;
 
 // Sets the key for sorting by instance: the view depth of the instance's center, farther ones first. An instance's back
 // faces come before its front faces, which is correct for convex meshes. The keys order up to 2^31 blended triangles.
-void setSortedKey(inout Fragment f, View view, SeenTriangle t, SurfacePoint p) {
-  uint y = floatBitsToUint((view.worldToView * vec4(t.rank.centre, 1.0)).y);
+void setSortedKey(inout Fragment f, View view, VisibleTriangle t, SurfacePoint p) {
+  uint y = floatBitsToUint((view.worldToView * vec4(t.draw.centre, 1.0)).y);
   uint ascending = (y & 0x80000000u) != 0u ? ~y : y | 0x80000000u;
   f.depth = ~ascending;
-  f.order = 2u * (t.rank.firstTriangle - push.firstTriangle) + (p.facing > 0.0 ? t.rank.triangles : 0u) + t.number;
+  f.order = 2u * (t.draw.firstTriangle - push.firstTriangle) + (p.facing > 0.0 ? t.draw.triangles : 0u) + t.number;
 }
 
 // Evaluates one view at a time, because the subgroup shares the shadow data of a view's lights.
@@ -49,10 +49,10 @@ void main() {
   textureRecords = frame.textures;
 #endif
   uint view = f.pixel / (push.width * push.height), inView = f.pixel % (push.width * push.height);
-  vec2 place = vec2(inView % push.width, inView / push.width) + middleOfSamples(f.coverage);
-  SeenTriangle t = seenTriangle(frame, push.instances, f.order);
-  SurfacePoint p = seenPoint(frame, frameView(frame, view), t, place);
-  Material m = frameMaterial(frame, frameInstance(frame, t.rank.instance).material);
+  vec2 place = vec2(inView % push.width, inView / push.width) + sampleCentroid(f.coverage);
+  VisibleTriangle t = visibleTriangle(frame, push.instances, f.order);
+  SurfacePoint p = visiblePoint(frame, frameView(frame, view), t, place);
+  Material m = frameMaterial(frame, frameInstance(frame, t.draw.instance).material);
   vec4 color = colorOf(frame, view, m, p, place, there);
   if (!there) return;
   f.color = uvec2(packHalf2x16(color.rg), packHalf2x16(color.ba));

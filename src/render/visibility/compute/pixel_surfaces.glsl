@@ -30,7 +30,7 @@ void main() {
   uint left = coveredSamples(VisibleRef(push.visible), first);
   for (uint layer = 0u; layer < surfaceLayers(kSamples); ++layer) {
     uint some = 0u;
-    for (uint i = 0u; i < surfacesALayer(kSamples) && left != 0u; ++i) {
+    for (uint i = 0u; i < surfacesPerLayer(kSamples) && left != 0u; ++i) {
       uint surface = nextSurface(view, pixel, first, left);
       imageStore(depthTarget, sampleLayer(pixel, uint(findLSB(surface))), vec4(meanDepth(first, surface)));
       some |= surface << (kSamples * i);

@@ -9,7 +9,7 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/drawn_pages.glsl"
-#include "render/visibility/compute/seen_triangle.glsl"
+#include "render/visibility/compute/visible_triangle.glsl"
 #include "render/visibility/compute/visible.glsl"
 
 layout(push_constant, scalar) uniform Push { RasterPush push; };
@@ -159,8 +159,8 @@ float withinRange(float least, float most, float depth) { return clamp(depth >= 
 
 // --- samples ---------------------------------------------------------------------------------------------------------
 
-const int kPlaceStep = kSubpixels / int(kSamples);  // between columns or rows of samples, in subpixels
-const int kFirstPlace = kPlaceStep / 2;             // offset of the first one
+const int kSubpixelStep = kSubpixels / int(kSamples);  // between columns or rows of samples, in subpixels
+const int kFirstSampleOffset = kSubpixelStep / 2;   // offset of the first one
 
 // 1: conservative rasterization. A triangle covers every pixel that it touches, regardless of its facing; hit() decides
 // the rest.
@@ -199,7 +199,7 @@ float depthAt(PixelDepth d, uint index) {
 // Returns the pixels with samples that may be inside.
 PixelBox pixelsOf(Triangle t) {
   ivec2 low = min(t.a, min(t.b, t.c)), high = max(t.a, max(t.b, t.c));
-  return PixelBox((low + kFirstPlace - 1 - kReach) >> 8, (high - kFirstPlace + kReach) >> 8);
+  return PixelBox((low + kFirstSampleOffset - 1 - kReach) >> 8, (high - kFirstSampleOffset + kReach) >> 8);
 }
 PixelBox onScreen(PixelBox box) {
   return PixelBox(max(box.low, ivec2(0)), min(box.high, ivec2(push.width, push.height) - 1));
@@ -239,11 +239,11 @@ void writeSamples(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint i
 
 // Makes the triangle clockwise. Returns false if it is culled, because it is a back face or has no area.
 bool orient(inout Triangle t, RasterInstance r) {
-  bool doubleSided = (r.flags & kRankDoubleSided) != 0u || kShadowMaps != 0u;
-  bool clockwise = (r.flags & kRankClockwise) != 0u;
+  bool doubleSided = (r.flags & kDrawDoubleSided) != 0u || kShadowMaps != 0u;
+  bool clockwise = (r.flags & kDrawClockwise) != 0u;
   int64_t area = int64_t(t.b.x - t.a.x) * int64_t(t.c.y - t.a.y) - int64_t(t.b.y - t.a.y) * int64_t(t.c.x - t.a.x);
   if (area == 0 && kTouched == 0u) return false;
-  // Front faces are counter-clockwise on screen, unless the instance is mirrored (kRankClockwise).
+  // Front faces are counter-clockwise on screen, unless the instance is mirrored (kDrawClockwise).
   bool front = (area < 0) != clockwise;
   if (!front && !doubleSided && kTouched == 0u) return false;
   if (area < 0) {
@@ -262,7 +262,7 @@ Triangle triangleOf(LargeTriangle t) {
 }
 void pushLarge(uint view, Triangle t) {
   uint place = atomicAdd(CountersRef(push.buffers.counters).v.large, 1u);
-  if (place < push.largeRoom) LargeRef(push.buffers.large).v[place] = queued(view, t);
+  if (place < push.largeCapacity) LargeRef(push.buffers.large).v[place] = queued(view, t);
 }
 
 #endif

@@ -16,6 +16,6 @@ void main() {
                : push.which == kQueueMedium  ? counters.v.medium
                : push.which == kQueueLarge   ? counters.v.large
                                              : counters.v.jobs;
-  count = (min(count, push.room) + push.entries - 1u) / push.entries;
+  count = (min(count, push.capacity) + push.entries - 1u) / push.entries;
   counters.v.groups = uvec3(min(count, kRasterRow), (count + kRasterRow - 1u) / kRasterRow, push.parts);
 }

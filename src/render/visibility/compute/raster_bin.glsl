@@ -6,7 +6,7 @@ layout(local_size_x = 256) in;
 
 void main() {
   uint number = groupNumber() * kBinGroup + gl_LocalInvocationIndex / kLanes;
-  if (number >= min(CountersRef(push.buffers.counters).v.large, push.largeRoom)) return;
+  if (number >= min(CountersRef(push.buffers.counters).v.large, push.largeCapacity)) return;
   LargeTriangle large = LargeRef(push.buffers.large).v[number];
   Triangle t = triangleOf(large);
   PixelBox box = onScreen(pixelsOf(t));

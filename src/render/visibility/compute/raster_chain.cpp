@@ -13,34 +13,34 @@ using namespace shared;  // kRaster*, kQueue*
 
 // Returns the queue capacities. `work` is the maximum number of clusters. At most about an eighth of the triangles are
 // medium or large, and more with several samples per pixel, because size classes count samples.
-RasterRoom roomOf(const FrameContext& f, uint32_t work, uint32_t samples) {
+RasterCapacity capacityOf(const FrameContext& f, uint32_t work, uint32_t samples) {
   const uint32_t some = 16 * samples * std::min(work, 1u << 20);
-  RasterRoom room{.work = work,
-                  .clipped = 1u << 12,
-                  .medium = std::clamp(some, 1u << 12, 1u << 20),
-                  .large = std::clamp(some, 1u << 13, 1u << 16),
-                  .entries = 8 * std::clamp(some, 1u << 13, 1u << 16)};
-  if (!f.overflow) return room;
-  room.work = std::min(work, std::max(1u << 20, f.overflow->rasterWork));
-  room.clipped = std::max(room.clipped, f.overflow->clippedTriangles);
-  room.medium = std::max(room.medium, f.overflow->mediumTriangles);
-  room.large = std::max(room.large, f.overflow->largeTriangles);
-  room.entries = std::max(room.entries, f.overflow->tileEntries);
-  return room;
+  RasterCapacity capacity{.work = work,
+                          .clipped = 1u << 12,
+                          .medium = std::clamp(some, 1u << 12, 1u << 20),
+                          .large = std::clamp(some, 1u << 13, 1u << 16),
+                          .entries = 8 * std::clamp(some, 1u << 13, 1u << 16)};
+  if (!f.overflow) return capacity;
+  capacity.work = std::min(work, std::max(1u << 20, f.overflow->rasterWork));
+  capacity.clipped = std::max(capacity.clipped, f.overflow->clippedTriangles);
+  capacity.medium = std::max(capacity.medium, f.overflow->mediumTriangles);
+  capacity.large = std::max(capacity.large, f.overflow->largeTriangles);
+  capacity.entries = std::max(capacity.entries, f.overflow->tileEntries);
+  return capacity;
 }
 
 // Returns true if a queue overflowed. Grows its capacity beyond the requirement, because the next frame may need more.
-bool overflowed(Overflow& overflow, const RasterRoom& room, const RasterCounters& counters) {
+bool overflowed(Overflow& overflow, const RasterCapacity& capacity, const RasterCounters& counters) {
   const auto grow = [](uint32_t& kept, uint32_t has, uint32_t needed) {
     if (needed <= has) return false;
     kept = std::max(kept, std::bit_ceil(needed));
     return true;
   };
-  bool any = grow(overflow.rasterWork, room.work, counters.work);
-  any |= grow(overflow.clippedTriangles, room.clipped, counters.clipped);
-  any |= grow(overflow.mediumTriangles, room.medium, counters.medium);
-  any |= grow(overflow.largeTriangles, room.large, counters.large);
-  any |= grow(overflow.tileEntries, room.entries, counters.entries);
+  bool any = grow(overflow.rasterWork, capacity.work, counters.work);
+  any |= grow(overflow.clippedTriangles, capacity.clipped, counters.clipped);
+  any |= grow(overflow.mediumTriangles, capacity.medium, counters.medium);
+  any |= grow(overflow.largeTriangles, capacity.large, counters.large);
+  any |= grow(overflow.tileEntries, capacity.entries, counters.entries);
   return any;
 }
 
@@ -90,7 +90,7 @@ ComputePass pyramidPass(const FrameContext& f, const RasterViews& views) {
 // Adds the steps of one chain. Passes that are recorded later keep copies.
 struct RasterChainBuilder {
   const FrameContext& f;
-  const RasterInstances& ranks;
+  const RasterInstances& rasterInstances;
   uint32_t parts;
   RasterViews views;
   RasterQueues queues;
@@ -100,7 +100,7 @@ struct RasterChainBuilder {
   void over(const vk::ShaderKey& shader, glm::uvec3 groups) const;
   // `which` is kQueue*; `entries` is the number of entries per workgroup.
   struct Queue {
-    uint32_t which, room, entries;
+    uint32_t which, capacity, entries;
   };
   void overQueue(const vk::ShaderKey& shader, Queue queue, std::vector<vk::Constant> constants = {}) const;
 
@@ -118,29 +118,29 @@ void RasterChainBuilder::cull() const {
   ComputePass pass = cullPass(f, chain.stage, chain, bool{views.pages});
   pass.buffers = {{queues.work, graph::Use::StorageWrite}, {queues.counters, graph::Use::StorageReadWrite}};
   if (views.pages) pass.buffers.emplace_back(views.pages, graph::Use::StorageRead);
-  if (chain.hidden) pass.buffers.emplace_back(chain.hidden, graph::Use::StorageReadWrite);
+  if (chain.occluded) pass.buffers.emplace_back(chain.occluded, graph::Use::StorageReadWrite);
   if (chain.pyramid) pass.buffers.emplace_back(chain.pyramid, graph::Use::StorageRead);
   pass.size = {std::min((parts + kCullGroup - 1) / kCullGroup, kRasterRow), (parts + kPartsInRow - 1) / kPartsInRow,
                views.count};
   addCompute(f, std::move(pass), [self = *this](graph::Context& context) {
     return CullPush{.frame = self.views.constants,
-                    .instances = self.ranks.address(),
+                    .instances = self.rasterInstances.address(),
                     .work = self.addressOf(context, self.queues.work),
                     .counters = self.addressOf(context, self.queues.counters),
                     .within = self.views.within,
                     .pages = self.addressOf(context, self.views.pages),
-                    .hidden = self.addressOf(context, self.chain.hidden),
+                    .occluded = self.addressOf(context, self.chain.occluded),
                     .pyramid = self.addressOf(context, self.chain.pyramid),
                     .parts = self.parts,
                     .width = self.views.width,
                     .height = self.views.height,
-                    .workRoom = self.queues.room.work};
+                    .workCapacity = self.queues.capacity.work};
   });
 }
 
 RasterPush RasterChainBuilder::push(graph::Context& context) const {
   return {.buffers = {.frame = views.constants,
-                      .instances = ranks.address(),
+                      .instances = rasterInstances.address(),
                       .visible = addressOf(context, queues.visible),
                       .work = addressOf(context, queues.work),
                       .clipped = addressOf(context, queues.clipped),
@@ -154,11 +154,11 @@ RasterPush RasterChainBuilder::push(graph::Context& context) const {
           .views = views.count,
           .width = views.width,
           .height = views.height,
-          .workRoom = queues.room.work,
-          .clippedRoom = queues.room.clipped,
-          .mediumRoom = queues.room.medium,
-          .largeRoom = queues.room.large,
-          .entryRoom = queues.room.entries};
+          .workCapacity = queues.capacity.work,
+          .clippedCapacity = queues.capacity.clipped,
+          .mediumCapacity = queues.capacity.medium,
+          .largeCapacity = queues.capacity.large,
+          .entryCapacity = queues.capacity.entries};
 }
 
 ComputePass RasterChainBuilder::step(const vk::ShaderKey& shader) const {
@@ -181,17 +181,17 @@ void RasterChainBuilder::overQueue(const vk::ShaderKey& shader, Queue queue,
                                    std::vector<vk::Constant> constants) const {
   const bool jobs = queue.which == kQueueJobs;
   const uint32_t parts = jobs ? views.samples : 1;
-  addCompute(
-      f, rasterStep(f, chain.stage, "raster_arguments.comp", {{queues.counters, graph::Use::StorageReadWrite}}),
-      [queue, parts, counters = queues.counters](graph::Context& context) {
-        return RasterArgumentsPush{context.buffer(counters).address(), queue.which, queue.room, queue.entries, parts};
-      });
+  addCompute(f, rasterStep(f, chain.stage, "raster_arguments.comp", {{queues.counters, graph::Use::StorageReadWrite}}),
+             [queue, parts, counters = queues.counters](graph::Context& context) {
+               return RasterArgumentsPush{context.buffer(counters).address(), queue.which, queue.capacity,
+                                          queue.entries, parts};
+             });
   ComputePass pass = step(shader);
   if (samplesTextures(shader)) readsTextures(f, pass);
   // Tiles treat triangles of shadow maps and of other views alike.
   pass.constants.insert(pass.constants.end(), {{kSamplesConstant, views.samples},
                                                jobs ? vk::Constant{kShadowMapsConstant, 0} : mapsConstant(),
-                                               {kCutsOutConstant, chain.wanted & kRankMasked}});
+                                               {kAlphaTestConstant, chain.wanted & kDrawMasked}});
   pass.constants.insert(pass.constants.end(), constants.begin(), constants.end());
   addVastConstant(f, pass);
   pass.groups = queues.counters;
@@ -204,19 +204,20 @@ void RasterChainBuilder::overQueue(const vk::ShaderKey& shader, Queue queue,
 RasterQueues::RasterQueues(const FrameContext& f, const RasterViews& views, const RasterInstances::Share& share,
                            graph::BufferId known)
     // Rounded up to a power of two, so that small edits of the scene do not change the size.
-    : visible(known), room(roomOf(f, std::bit_ceil(static_cast<uint32_t>(share.parts)) * views.count, views.samples)) {
+    : visible(known),
+      capacity(capacityOf(f, std::bit_ceil(static_cast<uint32_t>(share.parts)) * views.count, views.samples)) {
   const auto make = [&](const char* name, uint64_t bytes) {
     return f.graph.create(vk::BufferDesc{.size = bytes, .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, .name = name});
   };
   const uint32_t tileCount = tilesOf(views).x * tilesOf(views).y * views.count;
-  room.jobs = tileCount + room.entries / kRasterJobTriangles;
+  capacity.jobs = tileCount + capacity.entries / kRasterJobTriangles;
   if (!visible) visible = make("visible", uint64_t{8} * pixelsOf(f, views) * views.samples);
-  work = make("raster work", sizeof(RasterWork) * room.work);
-  clipped = make("clipped triangles", sizeof(ClippedTriangle) * room.clipped);
-  large = make("large triangles", sizeof(LargeTriangle) * (uint64_t{room.large} + room.medium));
+  work = make("raster work", sizeof(RasterWork) * capacity.work);
+  clipped = make("clipped triangles", sizeof(ClippedTriangle) * capacity.clipped);
+  large = make("large triangles", sizeof(LargeTriangle) * (uint64_t{capacity.large} + capacity.medium));
   tiles = make("raster tiles", uint64_t{8} * tileCount);
-  entries = make("tile entries", uint64_t{4} * room.entries);
-  jobs = make("raster jobs", sizeof(RasterJob) * room.jobs);
+  entries = make("tile entries", uint64_t{4} * capacity.entries);
+  jobs = make("raster jobs", sizeof(RasterJob) * capacity.jobs);
   counters = make("raster counters", sizeof(RasterCounters));
 }
 
@@ -227,10 +228,10 @@ std::vector<graph::Access> RasterQueues::accesses() const {
   return all;
 }
 
-void addRasterChain(const FrameContext& f, const RasterInstances& ranks, const RasterInstances::Share& share,
+void addRasterChain(const FrameContext& f, const RasterInstances& rasterInstances, const RasterInstances::Share& share,
                     const RasterViews& views, const RasterQueues& queues, const RasterChain& chain) {
-  const RasterChainBuilder steps{f, ranks, static_cast<uint32_t>(share.parts), views, queues, chain};
-  const RasterRoom& room = queues.room;
+  const RasterChainBuilder steps{f, rasterInstances, static_cast<uint32_t>(share.parts), views, queues, chain};
+  const RasterCapacity& capacity = queues.capacity;
   const uint32_t subgroups = kRasterGroup / f.device.subgroupSize();  // per workgroup of raster.comp
   vk::ShaderKey small = "raster.comp", large = "raster_large.comp";
   small.hit = large.hit = chain.hit;
@@ -240,20 +241,20 @@ void addRasterChain(const FrameContext& f, const RasterInstances& ranks, const R
   addClear(f, chain.stage, "raster clear", {queues.counters, queues.tiles},
            {queues.work, queues.clipped, queues.large, queues.entries, queues.jobs});
   steps.cull();
-  steps.overQueue(small, {kQueueWork, room.work, apart ? subgroups : 1}, {{kApartConstant, apart ? 1u : 0u}});
-  if (!apart) steps.overQueue(small, {kQueueMedium, room.medium, subgroups}, {{kQueuedConstant, 1}});
-  steps.overQueue("raster_clip.comp", {kQueueClipped, room.clipped, 64});
-  steps.overQueue("raster_count.comp", {kQueueLarge, room.large, kBinGroup});
+  steps.overQueue(small, {kQueueWork, capacity.work, apart ? subgroups : 1}, {{kApartConstant, apart ? 1u : 0u}});
+  if (!apart) steps.overQueue(small, {kQueueMedium, capacity.medium, subgroups}, {{kQueuedConstant, 1}});
+  steps.overQueue("raster_clip.comp", {kQueueClipped, capacity.clipped, 64});
+  steps.overQueue("raster_count.comp", {kQueueLarge, capacity.large, kBinGroup});
   steps.over("raster_tiles.comp", {(tilesOf(views).x * tilesOf(views).y * views.count + 63) / 64, 1, 1});
-  steps.overQueue("raster_fill.comp", {kQueueLarge, room.large, kBinGroup});
-  steps.overQueue(large, {kQueueJobs, room.jobs, 1});
+  steps.overQueue("raster_fill.comp", {kQueueLarge, capacity.large, kBinGroup});
+  steps.overQueue(large, {kQueueJobs, capacity.jobs, 1});
   if (!f.overflow) return;
   const graph::BufferId host = copyToHost(f, chain.stage, "raster counters", {queues.counters}).front();
   f.overflow->checks.push_back(
-      [&overflow = *f.overflow, host, room, counted = chain.counted](const graph::Submission& done) {
+      [&overflow = *f.overflow, host, capacity, counted = chain.counted](const graph::Submission& done) {
         const auto& counters = *done.buffer(host).as<RasterCounters>();
         if (counted) counted(counters);
-        return overflowed(overflow, room, counters);
+        return overflowed(overflow, capacity, counters);
       });
 }
 
@@ -269,12 +270,12 @@ graph::BufferId addPyramid(const FrameContext& f, const RasterViews& views, grap
   return pyramid;
 }
 
-void prepareHiding(const FrameContext& f, const RasterViews& views) {
+void prepareOcclusionCulling(const FrameContext& f, const RasterViews& views) {
   pipelineOf<PyramidPush>(f, pyramidPass(f, views));
   for (const uint32_t culls : {kCullEarly, kCullLate})
     pipelineOf<CullPush>(
-        f, cullPass(f, graph::Stage::Visibility, {.wanted = 0, .asked = kRankMasked, .culls = culls}, false));
-  for (const uint32_t flag : {kRankMasked, kRankBlended})
+        f, cullPass(f, graph::Stage::Visibility, {.wanted = 0, .asked = kDrawMasked, .culls = culls}, false));
+  for (const uint32_t flag : {kDrawMasked, kDrawBlended})
     pipelineOf<CullPush>(
         f, cullPass(f, graph::Stage::Visibility, {.wanted = flag, .asked = flag, .culls = kCullByPyramid}, false));
 }

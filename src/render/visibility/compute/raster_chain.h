@@ -26,11 +26,11 @@ struct RasterViews {
   bool lens = false;           // pinhole views that find the rays of a lens image; `within` is its LensTarget
   VkDeviceAddress within = 0;  // RasterPush::within
   graph::BufferId pages{};     // of shadow maps: the pages to render (shadow/pages.h)
-  bool cullsHidden = false;    // two-pass occlusion culling
+  bool cullsOccluded = false;  // two-pass occlusion culling
 };
 
 // Capacities of the queues, from the requirements of earlier frames.
-struct RasterRoom {
+struct RasterCapacity {
   uint32_t work, clipped, medium, large, entries, jobs;
 };
 
@@ -42,7 +42,7 @@ struct RasterQueues {
   std::vector<graph::Access> accesses() const;
 
   graph::BufferId visible, work, clipped, large, tiles, entries, jobs, counters;
-  RasterRoom room;
+  RasterCapacity capacity;
 };
 
 // Chains differ in what happens at a covered pixel, and thus in the variants of raster.comp and raster_large.comp.
@@ -53,19 +53,19 @@ struct RasterChain {
   graph::BufferId lists{};                // of blended surfaces: shared::FragmentLists
   std::vector<graph::BufferId> filled{};  // the buffers of these lists
   uint32_t culls = shared::kCullAll;      // culling mode, shared::kCull*
-  graph::BufferId hidden{}, pyramid{};    // inputs of occlusion culling, if `culls` uses it
+  graph::BufferId occluded{}, pyramid{};  // inputs of occlusion culling, if `culls` uses it
   std::function<void(const shared::RasterCounters&)> counted{};  // called with the counters after the graph has run
 };
 
 // Renders the instances in `share`. `share` and `ranks` must live until the graph has run.
-void addRasterChain(const FrameContext& f, const RasterInstances& ranks, const RasterInstances::Share& share,
+void addRasterChain(const FrameContext& f, const RasterInstances& rasterInstances, const RasterInstances::Share& share,
                     const RasterViews& views, const RasterQueues& queues, const RasterChain& chain);
 
 // Adds the depth pyramid (HZB) of the visibility buffer (shared::PyramidPush).
 graph::BufferId addPyramid(const FrameContext& f, const RasterViews& views, graph::BufferId visible);
 
 // Requests the pipelines of occlusion culling ahead of time, so that only the first frame waits for them.
-void prepareHiding(const FrameContext& f, const RasterViews& views);
+void prepareOcclusionCulling(const FrameContext& f, const RasterViews& views);
 
 // bindTextures() is for shaders that read material textures; readsTextures() also adds the setup's constants.
 void bindTextures(const FrameContext& f, ComputePass& pass);

@@ -45,9 +45,9 @@ bool isFinite(vec4 v) { return !any(isnan(v)) && !any(isinf(v)); }
 
 void main() {
   uint index = groupNumber() * 64u + gl_LocalInvocationIndex;
-  if (index >= min(CountersRef(push.buffers.counters).v.clipped, push.clippedRoom)) return;
+  if (index >= min(CountersRef(push.buffers.counters).v.clipped, push.clippedCapacity)) return;
   ClippedTriangle work = ClippedRef(push.buffers.clipped).v[index];
-  RasterInstance r = rankedInstance(InstanceListRef(push.buffers.instances).v, work.rank);
+  RasterInstance r = rasterInstanceAt(InstanceListRef(push.buffers.instances).v, work.drawIndex);
   FrameConstants frame = FrameRef(push.buffers.frame).v;
   View view = frameView(frame, work.view);
   mat4x3 placed = relativeToEye(frameInstance(frame, r.instance), view);
@@ -62,7 +62,7 @@ void main() {
   }
   p.count = 3u;
   vec3 depths = depthPlane(view, seen[0], seen[1], seen[2]);
-  bool vast = kVast != 0u && (r.flags & kRankVast) != 0u;
+  bool vast = kVast != 0u && (r.flags & kDrawVast) != 0u;
   for (uint plane = 0u; plane < 6u && !vast; ++plane) p = clip(p, plane);
   // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
   for (bool some = vast; some; some = false) {

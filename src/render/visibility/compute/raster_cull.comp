@@ -8,7 +8,7 @@
 #extension GL_KHR_shader_subgroup_vote : require
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/drawn_pages.glsl"
-#include "render/visibility/compute/seen_triangle.glsl"
+#include "render/visibility/compute/visible_triangle.glsl"
 
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Push { CullPush push; };
@@ -19,7 +19,7 @@ bool reaches(float scale, float offset, float x, float depth, float radius) {
 }
 
 // Frustum culling: returns true if the view may see the sphere. `center` here and below is relative to the eye.
-bool mayShow(View view, vec3 center, float radius) {
+bool mayBeVisible(View view, vec3 center, float radius) {
   Projection p = view.projection;
   vec3 c = toView(view, center);
   float r = radius + 1e-5 * (abs(c.x) + abs(c.y) + abs(c.z));
@@ -37,14 +37,14 @@ layout(constant_id = kCullPassConstant) const uint kCullPass = kCullAll;
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer WorkRef { RasterWork v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CountersRef { RasterCounters v; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ClusterRef { Cluster v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer HiddenRef { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer OcclusionBitsRef { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PyramidRef { float v[]; };
 
 // Backface cone culling (Shirman and Abi-Ezzi 1993, The Cone of Normals Technique for Fast Processing of Curved
 // Patches): returns true if only back faces of the cluster are visible. The margin covers rounding, and triangles seen
 // almost edge-on, which may become front faces when they are snapped to subpixels.
 bool facesAway(View view, RasterInstance r, Cluster c, mat4x3 placed) {
-  if ((r.flags & kRankDoubleSided) != 0u || kShadowMaps != 0u || (r.flags & kRankSimilar) == 0u) return false;
+  if ((r.flags & kDrawDoubleSided) != 0u || kShadowMaps != 0u || (r.flags & kDrawSimilar) == 0u) return false;
   const float kMargin = 0.01;
   vec3 direction = placed * vec4(c.apex, 1.0);
   if (view.projection.kind != kPerspective) direction = view.viewToWorld * vec4(0.0, 1.0, 0.0, 0.0);
@@ -108,7 +108,7 @@ bool inGroup(View view, RasterInstance r) {
 
 // Returns true if the bounds are in the view, ignoring occlusion.
 bool inView(View view, uint viewIndex, vec3 center, float radius) {
-  if (!mayShow(view, center, radius)) return false;
+  if (!mayBeVisible(view, center, radius)) return false;
   if (kShadowMaps == 0u) return true;
   vec4 within = RasterMapRef(push.within).v[viewIndex].within;
   vec3 way = center - (within.xyz - view.eye);
@@ -120,19 +120,19 @@ bool inView(View view, uint viewIndex, vec3 center, float radius) {
 // --- occlusion -------------------------------------------------------------------------------------------------------
 
 // The screen bounds of a box.
-struct SeenBox {
+struct ScreenBox {
   bool behind;     // it may reach the eye or lie behind it
   float nearest;   // maximum depth that pixels of its triangles can have (reversed depth)
   PixelBox pixels;
 };
 
-SeenBox seenBox(View view, Bounds bounds) {
+ScreenBox screenBox(View view, Bounds bounds) {
   Projection p = view.projection;
   vec3 centre = toView(view, bounds.center);
   vec3 slack = vec3(1e-5 * (abs(centre.x) + abs(centre.y) + abs(centre.z)));
   vec3 reach = abs(bounds.sides[0]) + abs(bounds.sides[1]) + abs(bounds.sides[2]) + slack;
   float nearest = centre.y - reach.y;
-  if (p.kind == kPerspective && nearest <= 0.0) return SeenBox(true, 1.0, PixelBox(ivec2(0), ivec2(-1)));
+  if (p.kind == kPerspective && nearest <= 0.0) return ScreenBox(true, 1.0, PixelBox(ivec2(0), ivec2(-1)));
   // Snapping to subpixels may bring a triangle nearer, by at most the depth range of its corners (setRange() in
   // raster.glsl).
   float depth = deviceDepth(p, nearest), most = 2.0 * depth - deviceDepth(p, nearest + min(bounds.edge, 2.0 * reach.y));
@@ -147,15 +147,15 @@ SeenBox seenBox(View view, Bounds bounds) {
   }
   vec2 last = vec2(push.width, push.height) - 1.0;
   vec2 first = (vec2(low.x, -high.y) * 0.5 + 0.5) * view.size, end = (vec2(high.x, -low.y) * 0.5 + 0.5) * view.size;
-  return SeenBox(false, most * 1.00001, PixelBox(ivec2(clamp(first - 1.5, vec2(0.0), last)),
+  return ScreenBox(false, most * 1.00001, PixelBox(ivec2(clamp(first - 1.5, vec2(0.0), last)),
                                                  ivec2(clamp(end + 1.5, vec2(0.0), last))));
 }
 
 // Occlusion test against the depth pyramid (HZB): returns true if the visible surface is nearer at every sample that
 // the box may touch. A box that covers more than kAcross squares per axis on every level counts as visible.
-bool isHidden(View view, uint viewIndex, Bounds bounds) {
+bool isOccluded(View view, uint viewIndex, Bounds bounds) {
   const int kAcross = 4;
-  SeenBox box = seenBox(view, bounds);
+  ScreenBox box = screenBox(view, bounds);
   if (box.behind) return false;
   uint level = 0u;
   ivec2 low = box.pixels.low / int(kPyramidSquare), high = box.pixels.high / int(kPyramidSquare);
@@ -176,9 +176,9 @@ bool isHidden(View view, uint viewIndex, Bounds bounds) {
 
 // --- queue -----------------------------------------------------------------------------------------------------------
 
-uint hiddenWord(uint viewIndex, uint number) { return viewIndex * ((push.parts + 31u) / 32u) + number / 32u; }
+uint occlusionWord(uint viewIndex, uint number) { return viewIndex * ((push.parts + 31u) / 32u) + number / 32u; }
 
-shared uint hiddenNow[2];  // occlusion bits of the workgroup's clusters
+shared uint occludedBits[2];  // occlusion bits of the workgroup's clusters
 
 bool isQueued(uint number, uint viewIndex, RasterInstance r, uint cluster) {
   if ((r.flags & kFlagMask) != kRequiredFlags || r.radius < 0.0) return false;
@@ -189,28 +189,28 @@ bool isQueued(uint number, uint viewIndex, RasterInstance r, uint cluster) {
   Bounds bounds;
   bool shows = findBounds(view, r, cluster, bounds) && inView(view, viewIndex, bounds.center, bounds.radius);
   if (kCullPass == kCullAll) return shows;
-  bool wasHidden = false;
+  bool wasOccluded = false;
   if (kCullPass != kCullByPyramid)
-    wasHidden = (HiddenRef(push.hidden).v[hiddenWord(viewIndex, number)] >> (number & 31u) & 1u) != 0u;
-  if (kCullPass == kCullEarly) return shows && !wasHidden;
-  bool hidden = shows && isHidden(view, viewIndex, bounds);
-  if (kCullPass == kCullByPyramid) return shows && !hidden;
-  if (hidden) atomicOr(hiddenNow[number / 32u & 1u], 1u << (number & 31u));
-  return shows && wasHidden && !hidden;
+    wasOccluded = (OcclusionBitsRef(push.occluded).v[occlusionWord(viewIndex, number)] >> (number & 31u) & 1u) != 0u;
+  if (kCullPass == kCullEarly) return shows && !wasOccluded;
+  bool occluded = shows && isOccluded(view, viewIndex, bounds);
+  if (kCullPass == kCullByPyramid) return shows && !occluded;
+  if (occluded) atomicOr(occludedBits[number / 32u & 1u], 1u << (number & 31u));
+  return shows && wasOccluded && !occluded;
 }
 
-void keepHidden(uint viewIndex) {
+void storeOcclusion(uint viewIndex) {
   barrier();
   uint number = groupNumber() * kCullGroup + gl_LocalInvocationIndex * 32u;
   if (gl_LocalInvocationIndex >= 2u || number >= push.parts) return;
-  uint hidden = hiddenNow[gl_LocalInvocationIndex];
-  HiddenRef(push.hidden).v[hiddenWord(viewIndex, number)] = hidden;
-  if (hidden != 0u) atomicAdd(CountersRef(push.counters).v.hidden, uint(bitCount(hidden)));
+  uint occluded = occludedBits[gl_LocalInvocationIndex];
+  OcclusionBitsRef(push.occluded).v[occlusionWord(viewIndex, number)] = occluded;
+  if (occluded != 0u) atomicAdd(CountersRef(push.counters).v.occluded, uint(bitCount(occluded)));
 }
 
 void main() {
   if (kCullPass == kCullLate) {
-    if (gl_LocalInvocationIndex < 2u) hiddenNow[gl_LocalInvocationIndex] = 0u;
+    if (gl_LocalInvocationIndex < 2u) occludedBits[gl_LocalInvocationIndex] = 0u;
     barrier();
   }
   uint number = groupNumber() * kCullGroup + gl_LocalInvocationIndex, viewIndex = gl_WorkGroupID.z;
@@ -218,8 +218,8 @@ void main() {
   bool queued = anyDrawn(viewIndex) && number < push.parts;
   if (queued) {
     InstanceList list = InstanceListRef(push.instances).v;
-    work.rank = RankOfPartRef(list.rankOfPart).v[number];
-    RasterInstance r = rankedInstance(list, work.rank);
+    work.drawIndex = DrawIndexOfPartRef(list.drawIndexOfPart).v[number];
+    RasterInstance r = rasterInstanceAt(list, work.drawIndex);
     work.cluster = number - r.firstTriangle / kRasterGroup;
     queued = isQueued(number, viewIndex, r, work.cluster);
   }
@@ -228,6 +228,6 @@ void main() {
   // One atomic per subgroup: atomics at one address are serialized, and a thousand shadow maps would issue millions.
   if (subgroupElect() && count != 0u) first = atomicAdd(CountersRef(push.counters).v.work, count);
   uint place = subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(all);
-  if (queued && place < push.workRoom) WorkRef(push.work).v[place] = work;
-  if (kCullPass == kCullLate) keepHidden(viewIndex);
+  if (queued && place < push.workCapacity) WorkRef(push.work).v[place] = work;
+  if (kCullPass == kCullLate) storeOcclusion(viewIndex);
 }

@@ -4,6 +4,6 @@
 #define BIN(tile, triangle)                                             \
   {                                                                     \
     uint place = atomicAdd(table.v[2u * (tile) + 1u], 1u);              \
-    if (place < push.entryRoom) EntriesRef(push.buffers.entries).v[place] = triangle; \
+    if (place < push.entryCapacity) EntriesRef(push.buffers.entries).v[place] = triangle; \
   }
 #include "render/visibility/compute/raster_bin.glsl"

@@ -15,7 +15,8 @@ layout(constant_id = kApartConstant) const uint kApart = 0u;
 // that its workgroup would run much longer than the others if it rasterized them.
 layout(constant_id = kQueuedConstant) const uint kQueued = 0u;
 
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer ClusterTriangleRef { ClusterTriangle v[]; };
+layout(buffer_reference, scalar,
+       buffer_reference_align = 8) readonly buffer ClusterTriangleRef { ClusterTriangle v[]; };
 
 struct Edges {  // edge functions at a pixel's first sample, and their steps per pixel to the right and down
   ivec3 at, right, down;
@@ -23,7 +24,7 @@ struct Edges {  // edge functions at a pixel's first sample, and their steps per
 
 // On an edge that the triangle does not own, the edge function is decreased by 1, so that 0 becomes outside.
 Edges edgesAt(Triangle t, ivec2 pixel) {
-  ivec2 p = pixel * kSubpixels + kFirstPlace;
+  ivec2 p = pixel * kSubpixels + kFirstSampleOffset;
   ivec2 u = t.c - t.b, v = t.a - t.c, w = t.b - t.a;
   ivec2 fromB = p - t.b, fromC = p - t.c, fromA = p - t.a;
   Edges e;
@@ -73,7 +74,8 @@ void rasterSmall(uint index, View view, Triangle t, PixelBox box) {
     inside &= inside - 1u;
     int y = (at * inverse) >> 16;
     ivec2 way = ivec2(at - y * size.x, y);
-    testPixel(index, t, box.low + way, e.at + e.right * way.x + e.down * way.y, e, corner + dot(steps, vec2(way)), steps);
+    testPixel(index, t, box.low + way, e.at + e.right * way.x + e.down * way.y, e, corner + dot(steps, vec2(way)),
+              steps);
   } while (inside != 0u);
 }
 
@@ -119,11 +121,11 @@ struct Group {
 
 // A number beyond the queue returns the last cluster with no triangles: the last row of workgroups exceeds the queue.
 Group groupOf(uint number) {
-  uint last = min(CountersRef(push.buffers.counters).v.work, push.workRoom);
+  uint last = min(CountersRef(push.buffers.counters).v.work, push.workCapacity);
   FrameConstants frame = FrameRef(push.buffers.frame).v;
   Group g;
   g.work = WorkRef(push.buffers.work).v[min(number, max(last, 1u) - 1u)];
-  g.r = rankedInstance(InstanceListRef(push.buffers.instances).v, g.work.rank);
+  g.r = rasterInstanceAt(InstanceListRef(push.buffers.instances).v, g.work.drawIndex);
   g.view = frameView(frame, g.work.view);
   g.placed = relativeToEye(frameInstance(frame, g.r.instance), g.view);
   g.mesh = frameMesh(frame, g.r.mesh);
@@ -147,11 +149,11 @@ Corner cornerOf(Group g, Cluster c, uint vertex) {
 // handles.
 bool takeTriangle(Group g, uint number, Corner a, Corner b, Corner c, out Triangle t) {
   if ((a.outside & b.outside & c.outside & ~kOutsideVolume) != 0u) return false;
-  bool vast = kVast != 0u && (g.r.flags & kRankVast) != 0u;
+  bool vast = kVast != 0u && (g.r.flags & kDrawVast) != 0u;
   if (vast || ((a.outside | b.outside | c.outside) & kOutsideVolume) != 0u) {
     uint place = atomicAdd(CountersRef(push.buffers.counters).v.clipped, 1u);
-    if (place < push.clippedRoom)
-      ClippedRef(push.buffers.clipped).v[place] = ClippedTriangle(g.work.rank, number, g.work.view);
+    if (place < push.clippedCapacity)
+      ClippedRef(push.buffers.clipped).v[place] = ClippedTriangle(g.work.drawIndex, number, g.work.view);
     return false;
   }
   t = Triangle(a.screen, b.screen, c.screen, vec3(0.0), 0.0, 0.0, g.r.firstTriangle + number + 1u);
@@ -186,7 +188,7 @@ void pushMedium(uint view, Triangle t, bool some) {
   uint first = 0u;
   if (subgroupElect()) first = atomicAdd(CountersRef(push.buffers.counters).v.medium, subgroupBallotBitCount(all));
   uint place = subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(all);
-  if (some && place < push.mediumRoom) LargeRef(push.buffers.large).v[push.largeRoom + place] = queued(view, t);
+  if (some && place < push.mediumCapacity) LargeRef(push.buffers.large).v[push.largeCapacity + place] = queued(view, t);
 }
 
 // One cluster per workgroup.
@@ -220,8 +222,8 @@ void rasterApart() {
 
 void rasterQueued() {
   uint number = groupNumber() * gl_NumSubgroups + gl_SubgroupID;
-  if (number >= min(CountersRef(push.buffers.counters).v.medium, push.mediumRoom)) return;
-  LargeTriangle t = LargeRef(push.buffers.large).v[push.largeRoom + number];
+  if (number >= min(CountersRef(push.buffers.counters).v.medium, push.mediumCapacity)) return;
+  LargeTriangle t = LargeRef(push.buffers.large).v[push.largeCapacity + number];
   rasterMedium(t.view, frameView(FrameRef(push.buffers.frame).v, t.view), triangleOf(t));
 }
 

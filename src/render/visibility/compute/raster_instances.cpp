@@ -25,14 +25,14 @@ Stretch stretchOf(const shared::Instance& instance) {
 
 uint32_t flagsOf(const shared::Instance& instance, const shared::Material& material) {
   uint32_t flags = 0;
-  if (material.flags & shared::kMaterialDoubleSided) flags |= shared::kRankDoubleSided;
-  if (instance.flags & shared::kInstanceClockwise) flags |= shared::kRankClockwise;
+  if (material.flags & shared::kMaterialDoubleSided) flags |= shared::kDrawDoubleSided;
+  if (instance.flags & shared::kInstanceClockwise) flags |= shared::kDrawClockwise;
   const bool blended = shared::translucent(material.flags);
-  if (blended || (material.flags & shared::kMaterialMasked)) flags |= shared::kRankMasked;
-  if (blended) flags |= shared::kRankBlended;
-  if (material.flags & shared::kMaterialLayered) flags |= shared::kRankLayered;
-  if (stretchOf(instance).similar) flags |= shared::kRankSimilar;
-  if (instance.flags & shared::kInstanceVast) flags |= shared::kRankVast;
+  if (blended || (material.flags & shared::kMaterialMasked)) flags |= shared::kDrawMasked;
+  if (blended) flags |= shared::kDrawBlended;
+  if (material.flags & shared::kMaterialLayered) flags |= shared::kDrawLayered;
+  if (stretchOf(instance).similar) flags |= shared::kDrawSimilar;
+  if (instance.flags & shared::kInstanceVast) flags |= shared::kDrawVast;
   return flags;
 }
 
@@ -46,9 +46,9 @@ void RasterInstances::update(const GpuScene& scene, const DrawOrder& order, vk::
   instances_ = all.revision();
   materials_ = scene.materials().revision();
   records_.clear();
-  partRanks_.clear();
+  partDrawIndices_.clear();
   all_ = {};
-  materialsShown_ = {};
+  visibleMaterials_ = {};
   for (const DrawOrder::Kind kind : {DrawOrder::Kind::Solid, DrawOrder::Kind::Blended}) {
     for (const uint32_t instance : order.select(scene, kind, [](const Sphere&) { return true; }).instances) {
       const shared::Instance& record = all.record(instance);
@@ -56,7 +56,7 @@ void RasterInstances::update(const GpuScene& scene, const DrawOrder& order, vk::
       const uint32_t count = scene.geometry().indexCount(record.mesh) / 3;
       const shared::Material& material = scene.materials().record(record.material);
       const uint32_t flags = flagsOf(record, material);
-      materialsShown_.add(material.flags);
+      visibleMaterials_.add(material.flags);
       const auto firstTriangle = static_cast<uint32_t>(all_.parts * shared::kRasterGroup);
       const uint32_t parts = (count + shared::kRasterGroup - 1) / shared::kRasterGroup;
       records_.push_back({bounds.centre, bounds.radius, scene.geometry().clusters(record.mesh), stretchOf(record).most,
@@ -65,16 +65,16 @@ void RasterInstances::update(const GpuScene& scene, const DrawOrder& order, vk::
       if (all_.parts >= kMaxParts)
         badInput("the scene's instances have more triangles than the raster compute supports: {} clusters of {}",
                  kMaxParts, shared::kRasterGroup);
-      partRanks_.insert(partRanks_.end(), parts, all_.ranks);
-      ++all_.ranks;
-      all_.masked += (flags & shared::kRankMasked) != 0;
+      partDrawIndices_.insert(partDrawIndices_.end(), parts, all_.count);
+      ++all_.count;
+      all_.masked += (flags & shared::kDrawMasked) != 0;
     }
     if (kind == DrawOrder::Kind::Solid) solid_ = all_;
   }
   if (records_.empty()) return;
   list_.upload(uploader, records_);
-  rankOfPart_.upload(uploader, partRanks_);
-  lists_.upload(uploader, std::vector{shared::InstanceList{list_.address(), rankOfPart_.address()}});
+  drawIndexOfPart_.upload(uploader, partDrawIndices_);
+  lists_.upload(uploader, std::vector{shared::InstanceList{list_.address(), drawIndexOfPart_.address()}});
 }
 
 }  // namespace latelight::render

@@ -15,7 +15,7 @@ class RasterInstances {
  public:
   explicit RasterInstances(vk::Device& device)
       : list_(device, "instances in order"),
-        rankOfPart_(device, "instances of parts"),
+        drawIndexOfPart_(device, "instances of parts"),
         lists_(device, "instance list") {}
   // Follows the scene and uploads changes with `uploader`. Does nothing if no instance or material has changed.
   void update(const GpuScene& scene, const DrawOrder& order, vk::Uploader& uploader);
@@ -24,24 +24,24 @@ class RasterInstances {
   VkDeviceAddress address() const { return lists_.address(); }
   // A prefix of the instances: solid() are the opaque and masked ones, all() includes the blended ones.
   struct Share {
-    uint32_t ranks = 0, masked = 0;  // instances; those that are masked or blended
+    uint32_t count = 0, masked = 0;  // instances; those that are masked or blended
     uint64_t parts = 0;              // total parts of kRasterGroup triangles
   };
   const Share& solid() const { return solid_; }
   const Share& all() const { return all_; }
-  bool anyBlended() const { return all_.ranks > solid_.ranks; }
-  const ShownMaterials& materials() const { return materialsShown_; }
+  bool anyBlended() const { return all_.count > solid_.count; }
+  const VisibleMaterials& materials() const { return visibleMaterials_; }
   // Number of triangle ids before those of the blended instances.
   uint32_t solidTriangles() const { return static_cast<uint32_t>(solid_.parts * shared::kRasterGroup); }
 
  private:
   std::vector<shared::RasterInstance> records_;
-  std::vector<uint32_t> partRanks_;
+  std::vector<uint32_t> partDrawIndices_;
   GpuList<shared::RasterInstance> list_;
-  GpuList<uint32_t> rankOfPart_;
+  GpuList<uint32_t> drawIndexOfPart_;
   GpuList<shared::InstanceList> lists_;  // a single element
   Share solid_, all_;
-  ShownMaterials materialsShown_;
+  VisibleMaterials visibleMaterials_;
   uint64_t instances_ = 0, materials_ = 0;  // revisions of the last update
 };
 

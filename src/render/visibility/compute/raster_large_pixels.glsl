@@ -5,7 +5,7 @@ layout(local_size_x = 16, local_size_y = 16) in;
 uint coveredSamples(Edge a, Edge b, Edge c) {
   uint covered = 0u;
   for (uint i = 0u; i < kSamples; ++i) {
-    int64_t x = int(sampleColumn(kSamples, i)) * kPlaceStep, y = int(sampleRow(kSamples, i)) * kPlaceStep;
+    int64_t x = int(sampleColumn(kSamples, i)) * kSubpixelStep, y = int(sampleRow(kSamples, i)) * kSubpixelStep;
     int64_t inA = a.at + a.right * x + a.down * y, inB = b.at + b.right * x + b.down * y;
     covered |= (inA | inB | (c.at + c.right * x + c.down * y)) >= 0 ? 1u << i : 0u;
   }
@@ -16,12 +16,13 @@ void main() {
   uint number = groupNumber();
   if (number >= CountersRef(push.buffers.counters).v.jobs) return;
   RasterJob job = JobsRef(push.buffers.jobs).v[number];
-  TilePlace place = placeOf(job.tile);
+  TileOrigin place = placeOf(job.tile);
   ivec2 corner = place.corner + ivec2(gl_LocalInvocationID.xy);
   View seen = frameView(FrameRef(push.buffers.frame).v, place.view);
   const uint kBlocks = 16u / kSamples;
   for (uint i = 0u; i < job.count * kBlocks; ++i) {
-    Triangle t = triangleOf(LargeRef(push.buffers.large).v[EntriesRef(push.buffers.entries).v[job.first + i / kBlocks]]);
+    Triangle t = triangleOf(LargeRef(push.buffers.large).v[EntriesRef(push.buffers.entries).v[job.first + i
+                                                                                              / kBlocks]]);
     uint block = gl_WorkGroupID.z * kBlocks + i % kBlocks;
     ivec2 pixel = corner + ivec2(block % 4u, block / 4u) * 16;
     Edge a = edgeAt(t.b, t.c, pixel), b = edgeAt(t.c, t.a, pixel), c = edgeAt(t.a, t.b, pixel);

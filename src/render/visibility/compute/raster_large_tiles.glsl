@@ -27,7 +27,7 @@ shared TileTriangle triangles[kRasterJobTriangles];
 shared uint triangleCount;
 
 int boundedWeight(Edge e) { return int(clamp(e.at >> 8, int64_t(-kBound), int64_t(kBound))); }
-uint restOf(Edge e) { return uint(e.at & 255) / uint(kPlaceStep); }
+uint restOf(Edge e) { return uint(e.at & 255) / uint(kSubpixelStep); }
 
 TileTriangle inTile(Triangle t, ivec2 corner) {
   Edge a = edgeAt(t.b, t.c, corner), b = edgeAt(t.c, t.a, corner), c = edgeAt(t.a, t.b, corner);
@@ -90,7 +90,7 @@ void main() {
   uint number = groupNumber();
   if (number >= CountersRef(push.buffers.counters).v.jobs) return;
   RasterJob job = JobsRef(push.buffers.jobs).v[number];
-  TilePlace place = placeOf(job.tile);
+  TileOrigin place = placeOf(job.tile);
   uint count = setUp(job, place.corner);
   ivec2 block = partOfTile() + blockOf(gl_LocalInvocationIndex);
   View seen = frameView(FrameRef(push.buffers.frame).v, place.view);

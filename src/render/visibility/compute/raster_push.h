@@ -42,29 +42,29 @@ struct RasterInstance {
   uint triangles;
   uint flags;  // kRank*
 };
-SH_CONST uint kRankDoubleSided = 1u;
-SH_CONST uint kRankClockwise = 2u;
-SH_CONST uint kRankMasked = 4u;  // masked or blended: alpha removes parts of it
-SH_CONST uint kRankBlended = 8u;
-SH_CONST uint kRankSimilar = 16u;  // its transform preserves angles
-SH_CONST uint kRankLayered = 32u;
-SH_CONST uint kRankVast = 64u;  // kInstanceVast
+SH_CONST uint kDrawDoubleSided = 1u;
+SH_CONST uint kDrawClockwise = 2u;
+SH_CONST uint kDrawMasked = 4u;  // masked or blended: alpha removes parts of it
+SH_CONST uint kDrawBlended = 8u;
+SH_CONST uint kDrawSimilar = 16u;  // its transform preserves angles
+SH_CONST uint kDrawLayered = 32u;
+SH_CONST uint kDrawVast = 64u;  // kInstanceVast
 
-SH_CONST uint kRankedBytes = 48u;
+SH_CONST uint kRasterInstanceBytes = 48u;
 
-struct InstanceList {   // in draw order
-  uint64_t ranks;       // RasterInstance[]
-  uint64_t rankOfPart;  // uint[]: the instance of the triangles from kRasterGroup * i on
+struct InstanceList {        // in draw order
+  uint64_t rasterInstances;  // RasterInstance[]
+  uint64_t drawIndexOfPart;  // uint[]: the instance of the triangles from kRasterGroup * i on
 };
 
 struct RasterWork {  // a cluster of an instance in a view
-  uint rank;
+  uint drawIndex;
   uint cluster;  // of the mesh
   uint view;
 };
 
 struct ClippedTriangle {  // a triangle that crosses a plane of the view volume
-  uint rank;
+  uint drawIndex;
   uint triangle;
   uint view;
 };
@@ -84,7 +84,7 @@ struct RasterJob {    // a batch of large triangles of one tile
 };
 
 struct RasterCounters {
-  uint hidden;                                       // number of occluded clusters
+  uint occluded;                                     // number of occluded clusters
   uint work, clipped, medium, large, entries, jobs;  // required entries of the queues, which may exceed their capacity
   uvec3 groups;                                      // workgroups of the next indirect dispatch
 };
@@ -95,7 +95,7 @@ struct RasterBuffers {  // addresses
   uint64_t visible;     // uint64_t per sample: depth bits << 32 | id; 0: background
   uint64_t work;        // RasterWork[]
   uint64_t clipped;     // ClippedTriangle[]
-  uint64_t large;       // LargeTriangle[largeRoom], then [mediumRoom] medium ones
+  uint64_t large;       // LargeTriangle[largeCapacity], then [mediumCapacity] medium ones
   uint64_t tiles;       // uint[2] per tile: number of large triangles, first entry
   uint64_t entries;     // uint[], large triangles by tile
   uint64_t jobs;        // RasterJob[]
@@ -107,8 +107,8 @@ struct RasterPush {
   uint64_t within;     // shadow maps: RasterMap[views]; lens: LensTarget
   uint64_t fragments;  // blended surfaces: FragmentLists; shadow maps: the words of their pages (page_push.h)
   uint views;
-  uint width, height;                                            // in pixels, per view
-  uint workRoom, clippedRoom, mediumRoom, largeRoom, entryRoom;  // capacities of the queues
+  uint width, height;                                                                // in pixels, per view
+  uint workCapacity, clippedCapacity, mediumCapacity, largeCapacity, entryCapacity;  // capacities of the queues
 };
 
 // Occlusion culling modes of raster_cull.comp: which clusters within the view it queues. kCullEarly and kCullLate are
@@ -146,11 +146,11 @@ struct CullPush {
   uint64_t counters;   // RasterCounters
   uint64_t within;     // of shadow maps: RasterMap[views]
   uint64_t pages;      // of shadow maps: the words of their pages (page_push.h)
-  uint64_t hidden;     // uint[views][(parts + 31) / 32]; bit i: cluster i was occluded
+  uint64_t occluded;   // uint[views][(parts + 31) / 32]; bit i: cluster i was occluded
   uint64_t pyramid;    // as in PyramidPush
   uint parts;          // number of parts of all instances in the share
   uint width, height;  // in pixels, per view
-  uint workRoom;
+  uint workCapacity;
 };
 
 struct RasterMap {  // a shadow map
@@ -181,7 +181,7 @@ struct ShadowStorePush {
 struct RasterArgumentsPush {
   uint64_t counters;
   uint which;  // kQueue*
-  uint room;
+  uint capacity;
   uint entries;  // per workgroup
   uint parts;    // workgroups per push.entries entries
 };
@@ -195,7 +195,7 @@ struct ResolvePush {
   uint64_t frame;
   uint64_t instances;
   uint64_t visible;
-  uint64_t outputs;  // OutputPlace[] of resolve.comp; 0: none
+  uint64_t outputs;  // OutputSlot[] of resolve.comp; 0: none
 };
 
 struct FragmentLightPush {
@@ -210,8 +210,8 @@ struct FragmentLightPush {
 SH_END
 
 #if defined(__cplusplus)
-// Offsets that seen_triangle.glsl relies on.
-static_assert(sizeof(latelight::shared::RasterInstance) == latelight::shared::kRankedBytes);
+// Offsets that visible_triangle.glsl relies on.
+static_assert(sizeof(latelight::shared::RasterInstance) == latelight::shared::kRasterInstanceBytes);
 static_assert(offsetof(latelight::shared::RasterInstance, clusters) == 16);
 static_assert(offsetof(latelight::shared::RasterInstance, mesh) == 32);
 #endif

@@ -6,14 +6,14 @@
 uvec2 tilesOfView() { return (uvec2(push.width, push.height) + kRasterTile - 1u) / kRasterTile; }
 
 // Tile indices count by row, then by view.
-struct TilePlace {
+struct TileOrigin {
   uint view;
   ivec2 corner;  // the first pixel
 };
-TilePlace placeOf(uint tile) {
+TileOrigin placeOf(uint tile) {
   uvec2 tiles = tilesOfView();
   uint inView = tile % (tiles.x * tiles.y);
-  return TilePlace(tile / (tiles.x * tiles.y), ivec2(inView % tiles.x, inView / tiles.x) * int(kRasterTile));
+  return TileOrigin(tile / (tiles.x * tiles.y), ivec2(inView % tiles.x, inView / tiles.x) * int(kRasterTile));
 }
 
 struct Edge {        // edge function
@@ -22,14 +22,14 @@ struct Edge {        // edge function
 };
 
 Edge edgeAt(ivec2 from, ivec2 to, ivec2 pixel) {
-  ivec2 way = to - from, p = pixel * kSubpixels + kFirstPlace - from;
+  ivec2 way = to - from, p = pixel * kSubpixels + kFirstSampleOffset - from;
   int64_t at = int64_t(way.x) * int64_t(p.y) - int64_t(way.y) * int64_t(p.x);
   return Edge(at - (ownsEdge(way) ? 0 : 1) + reachOf(way), -way.y, way.x);
 }
 
 // Returns the maximum of the edge function at the samples of `side` by `side` pixels.
 int64_t largest(Edge e, int side) {
-  return e.at + int64_t(side * kSubpixels - kPlaceStep) * int64_t(max(e.right, 0) + max(e.down, 0));
+  return e.at + int64_t(side * kSubpixels - kSubpixelStep) * int64_t(max(e.right, 0) + max(e.down, 0));
 }
 
 bool touches(Triangle t, ivec2 corner, int side) {

@@ -15,7 +15,7 @@ void main() {
   CountersRef counters = CountersRef(push.buffers.counters);
   uint first = atomicAdd(counters.v.entries, count);
   table.v[2u * tile + 1u] = first;
-  if (first + count > push.entryRoom) return;  // on overflow the chain is rerun; if the entries fit, the jobs do
+  if (first + count > push.entryCapacity) return;  // on overflow the chain is rerun; if the entries fit, the jobs do
   uint jobs = (count + kRasterJobTriangles - 1u) / kRasterJobTriangles;
   uint place = atomicAdd(counters.v.jobs, jobs);
   for (uint i = 0u; i < jobs; ++i) {

@@ -15,15 +15,15 @@
 #include "render/glsl/pixel_group.glsl"
 #include "shared/color.h"
 #ifdef GBUFFER_KEEPS_MOTION
-#include "render/visibility/compute/seen_motion.glsl"
+#include "render/visibility/compute/visible_motion.glsl"
 #endif
 
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
 // kTargets, bit i: target i is written; the bit after the last: light. kSrgb, bit i: target i is stored in sRGB.
-// kLayersElsewhere, 1: surfaces with coats write no attributes.
+// kLayeredSeparately, 1: surfaces with coats write no attributes.
 layout(constant_id = kResolvedTargetsConstant) const uint kTargets = ~0u;
 layout(constant_id = kSrgbConstant) const uint kSrgb = 0u;
-layout(constant_id = kLayersElsewhereConstant) const uint kLayersElsewhere = 0u;
+layout(constant_id = kLayeredSeparatelyConstant) const uint kLayeredSeparately = 0u;
 
 #define IMAGE_vec4 image2DArray
 #define IMAGE_uint uimage2DArray
@@ -70,18 +70,18 @@ void resolve(FrameConstants frame, View view, ivec3 pixel, uint samples) {
 #ifndef TEXTURES_BY_INDEX
   textureRecords = frame.textures;
 #endif
-  vec2 place = vec2(pixel.xy) + middleOfSamples(samples);
-  SeenTriangle t = seenTriangle(frame, push.instances, id);
-  if (kLayersElsewhere != 0u && (t.rank.flags & kRankLayered) != 0u) {
-    store(texel, emptyTexel(), vec4(0.0, 0.0, 0.0, kLitElsewhere));
+  vec2 place = vec2(pixel.xy) + sampleCentroid(samples);
+  VisibleTriangle t = visibleTriangle(frame, push.instances, id);
+  if (kLayeredSeparately != 0u && (t.draw.flags & kDrawLayered) != 0u) {
+    store(texel, emptyTexel(), vec4(0.0, 0.0, 0.0, kShadedSeparately));
     return;
   }
-  SurfacePoint p = seenPoint(frame, view, t, place);
-  Surface s = evaluateMaterial(frame, frameMaterial(frame, frameInstance(frame, t.rank.instance).material), p);
+  SurfacePoint p = visiblePoint(frame, view, t, place);
+  Surface s = evaluateMaterial(frame, frameMaterial(frame, frameInstance(frame, t.draw.instance).material), p);
   if (kPacksOutputs)
     writeOutputs(push.frame, push.outputs, exactTargets(s), visibleDepth(visible), pixel, int(view.size.x));
   vec4 light = emittedLight(frame, s);
-  s = keptSurface(s);
+  s = storedSurface(s);
 #ifdef GBUFFER_KEEPS_MOTION
   s.motion = seenMotion(frame, view, uint(pixel.z), t, place).xy;
 #endif
@@ -122,8 +122,8 @@ void main() {
   for (uint round = 0u;; ++round) {
     if (samples != 0u) resolve(frame, view, pixel, samples);
     if (kSamples == 1u) break;  // no loop: faster on lavapipe
-    if (round == dealtRounds()) break;
-    DealtItem next = dealtItem(round);
+    if (round == itemRounds()) break;
+    LaneItem next = laneItem(round);
     pixel.xy = next.pixel;
     samples = next.there ? samplesOfTriangle(visibleIndex(uvec3(pixel), uvec2(size)), next.index + 1u) : 0u;
   }

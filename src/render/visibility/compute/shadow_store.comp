@@ -3,7 +3,7 @@
 // Converts the visibility buffer of shadow maps to their tiles in the atlas: depth, linear in meters, with the caster's
 // slope bias, as in shadow.frag.
 #include "render/glsl/common.glsl"
-#include "render/visibility/compute/seen_triangle.glsl"
+#include "render/visibility/compute/visible_triangle.glsl"
 #include "render/visibility/compute/visible.glsl"
 #include "render/glsl/setup.glsl"
 #include "shared/shadow.h"
@@ -15,7 +15,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Tar
 
 // Returns the slope of the triangle's plane: the change of y per texel to the right and down.
 vec2 slopes(FrameConstants frame, View view, uint id, float y, vec2 texel) {
-  SeenTriangle t = seenTriangle(frame, push.instances, id);
+  VisibleTriangle t = visibleTriangle(frame, push.instances, id);
   vec3 corners[3] = cornersOf(frame, view, t);
   vec3 n = cross(corners[1] - corners[0], corners[2] - corners[0]);
   vec2 steps = vec2(2.0 / view.projection.H, 2.0 / view.projection.V) / float(push.size);

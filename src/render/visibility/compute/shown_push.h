@@ -1,4 +1,4 @@
-// Push constants of shaders that evaluate visible surfaces from the visibility buffer (shown_surface.glsl).
+// Push constants of shaders that evaluate visible surfaces from the visibility buffer (visible_surface.glsl).
 #ifndef LATELIGHT_SHOWN_PUSH_H
 #define LATELIGHT_SHOWN_PUSH_H
 
@@ -6,9 +6,9 @@
 
 SH_BEGIN
 
-struct ShownPush {     // zeros if the layout has targets
-  uint64_t instances;  // InstanceList
-  uint64_t visible;    // VisibleRef of visible.glsl
+struct VisibleSurfacePush {  // zeros if the layout has targets
+  uint64_t instances;        // InstanceList
+  uint64_t visible;          // VisibleRef of visible.glsl
 };
 
 SH_END

@@ -3,7 +3,7 @@
 #define LATELIGHT_SURFACE_POINT_GLSL
 #include "render/glsl/material.glsl"
 #include "render/glsl/vertex_directions.glsl"
-#include "render/visibility/compute/seen_triangle.glsl"
+#include "render/visibility/compute/visible_triangle.glsl"
 
 // --- attributes ------------------------------------------------------------------------------------------------------
 
@@ -13,7 +13,8 @@ vec3 unitDirection(vec3 direction) { return direction * inversesqrt(max(dot(dire
 
 // Sets normal and tangent, world space. A transform that preserves angles rotates all vertices' directions alike, so
 // only the interpolated directions are transformed.
-void setDirections(inout SurfacePoint p, SeenTriangle t, Instance instance, VertexAttributes attributes[3], vec3 weights) {
+void setDirections(inout SurfacePoint p, VisibleTriangle t, Instance instance, VertexAttributes attributes[3],
+                   vec3 weights) {
   float handedness = (instance.flags & kInstanceMirrored) != 0u ? -1.0 : 1.0;
   vec3 normal = vec3(0.0);
   vec4 tangent = vec4(0.0);
@@ -21,11 +22,11 @@ void setDirections(inout SurfacePoint p, SeenTriangle t, Instance instance, Vert
     normal += weights[i] * unitDirection(attributes[i].normal);
     tangent += weights[i] * attributes[i].tangent;
   }
-  mat3 linear = mat3(instance.objectToWorld) / t.rank.stretch;
+  mat3 linear = mat3(instance.objectToWorld) / t.draw.stretch;
   p.normal = linear * normal;
   p.tangent = vec4(linear * tangent.xyz, tangent.w * handedness);
   // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
-  for (bool bent = (t.rank.flags & kRankSimilar) == 0u; bent; bent = false) {
+  for (bool bent = (t.draw.flags & kDrawSimilar) == 0u; bent; bent = false) {
     VertexDirections directions = vertexDirections(instance);
     p.normal = vec3(0.0);
     for (int i = 0; i < 3; ++i) p.normal += weights[i] * worldNormal(directions, attributes[i].normal);
@@ -34,7 +35,8 @@ void setDirections(inout SurfacePoint p, SeenTriangle t, Instance instance, Vert
 }
 
 // Sets the UV sets with their derivatives, and the vertex color.
-void setCoordinates(inout SurfacePoint p, SeenTriangle t, Mesh mesh, Instance instance, VertexAttributes attributes[3],
+void setCoordinates(inout SurfacePoint p, VisibleTriangle t, Mesh mesh, Instance instance,
+                    VertexAttributes attributes[3],
                     Weights w) {
   vec2 uv = vec2(0.0), right = vec2(0.0), down = vec2(0.0);
   for (int i = 0; i < 3; ++i) {
@@ -60,19 +62,19 @@ void setCoordinates(inout SurfacePoint p, SeenTriangle t, Mesh mesh, Instance in
 }
 
 // Sets the position and the first UV set on a vast triangle, where cancellation requires double-float arithmetic.
-void setVastPlace(inout SurfacePoint p, FrameConstants frame, View view, SeenTriangle t, vec2 pixel,
+void setVastPlace(inout SurfacePoint p, FrameConstants frame, View view, VisibleTriangle t, vec2 pixel,
                   VertexAttributes attributes[3]) {
   Exact3 corners[3] = vastCornersOf(frame, view, t);
   vec3 seen = vastPoint(frame, view, corners, pixel);
   p.position = toWorldAxes(view, seen) + view.eye;
   VastWeights w = vastWeights(corners[0], corners[1], corners[2], exact(seen));
   p.uv.xy = attributeOf(w, vec3(attributes[0].uv0, 0.0), vec3(attributes[1].uv0, 0.0), vec3(attributes[2].uv0, 0.0)).xy;
-  if ((frameInstance(frame, t.rank.instance).flags & kInstanceExtras) == 0u) p.uv.zw = p.uv.xy;
+  if ((frameInstance(frame, t.draw.instance).flags & kInstanceExtras) == 0u) p.uv.zw = p.uv.xy;
 }
 
-SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pixel) {
-  Instance instance = frameInstance(frame, t.rank.instance);
-  Mesh mesh = frameMesh(frame, t.rank.mesh);
+SurfacePoint visiblePoint(FrameConstants frame, View view, VisibleTriangle t, vec2 pixel) {
+  Instance instance = frameInstance(frame, t.draw.instance);
+  Mesh mesh = frameMesh(frame, t.draw.mesh);
   mat4x3 placed = relativeToEye(instance, view);
   vec3 corners[3];  // relative to the eye, in world axes
   VertexAttributes attributes[3];
@@ -80,7 +82,8 @@ SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pix
     corners[i] = placed * vec4(positionAt(mesh.positions, t.indices[i]), 1.0);
     attributes[i] = attributesAt(mesh.attributes, t.indices[i]);
   }
-  Weights w = weightsAt(frame, view, toView(view, corners[0]), toView(view, corners[1]), toView(view, corners[2]), pixel);
+  Weights w = weightsAt(frame, view, toView(view, corners[0]), toView(view, corners[1]), toView(view, corners[2]),
+                        pixel);
   SurfacePoint p;
   p.position = corners[0] * w.at.x + corners[1] * w.at.y + corners[2] * w.at.z + view.eye;
   setDirections(p, t, instance, attributes, w.at);
@@ -91,8 +94,8 @@ SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pix
   vec3 toEye = view.projection.kind == kPerspective ? -corners[0] : view.viewToWorld * vec4(0.0, -1.0, 0.0, 0.0);
   p.facing = dot(plane, toEye) >= 0.0 ? 1.0 : -1.0;
   p.plane = plane * p.facing;
-  p.instance = t.rank.instance;
-  p.mesh = t.rank.mesh;
+  p.instance = t.draw.instance;
+  p.mesh = t.draw.mesh;
   p.triangle = t.number;
   return p;
 }
@@ -100,14 +103,14 @@ SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pix
 // --- textures --------------------------------------------------------------------------------------------------------
 
 // The texture coordinates of a material's texture at the point, and their derivatives per pixel to the right and down.
-struct TexturePlace {
+struct TextureLookup {
   vec2 uv, right, down;
 };
-TexturePlace texturePlace(Material m, uint slot, SurfacePoint p) {
-  TexturePlace place = TexturePlace(p.uv.xy, uvRight.xy, uvDown.xy);
+TextureLookup textureLookup(Material m, uint slot, SurfacePoint p) {
+  TextureLookup place = TextureLookup(p.uv.xy, uvRight.xy, uvDown.xy);
   for (bool moved = (m.flags & kMaterialPlainUv) == 0u; moved; moved = false) {
     TextureTransform t = m.transforms[slot];
-    place = TexturePlace(transformedUv(t, p.uv), transformedGradient(t, uvRight), transformedGradient(t, uvDown));
+    place = TextureLookup(transformedUv(t, p.uv), transformedGradient(t, uvRight), transformedGradient(t, uvDown));
   }
   return place;
 }
@@ -115,14 +118,14 @@ TexturePlace texturePlace(Material m, uint slot, SurfacePoint p) {
 #ifdef TEXTURES_BY_INDEX
 layout(set = 1, binding = 0) uniform sampler2D materialTextures[];
 vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
-  TexturePlace place = texturePlace(m, slot, p);
+  TextureLookup place = textureLookup(m, slot, p);
   return textureGrad(materialTextures[nonuniformEXT(m.images[slot])], place.uv, place.right, place.down);
 }
 #else
 #include "render/visibility/compute/texels.glsl"
 uint64_t textureRecords;  // FrameConstants::textures
 vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
-  TexturePlace place = texturePlace(m, slot, p);
+  TextureLookup place = textureLookup(m, slot, p);
   return filteredTexture(TextureRef(textureRecords).v[m.images[slot]], place.uv, place.right, place.down);
 }
 #endif

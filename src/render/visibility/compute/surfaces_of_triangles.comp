@@ -19,7 +19,7 @@ Sample readTriangle(View view, ivec3 pixel, uint first, uint samples) {
   Sample r;
   r.depth = meanDepth(first, samples);
   r.light = fetchSample(lightOfSamples, pixel, index);
-  vec2 place = vec2(pixel.xy) + middleOfSamples(samples);
+  vec2 place = vec2(pixel.xy) + sampleCentroid(samples);
   r.s = unpackSurface(view, place, readTexel(pixel, index), r.depth, r.light.a);
   return r;
 }

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Resolves depth from the visibility buffer; 0 is background.
 #include "render/glsl/common.glsl"
-#include "render/visibility/compute/seen_triangle.glsl"
+#include "render/visibility/compute/visible_triangle.glsl"
 #include "render/visibility/compute/visible.glsl"
 
 layout(local_size_x = 16, local_size_y = 16) in;
@@ -13,7 +13,7 @@ layout(set = 0, binding = 0, r32f) writeonly uniform image2DArray depth;
 float planeDepth(uint id, uint viewIndex, vec2 place) {
   FrameConstants frame = FrameRef(push.frame).v;
   View view = frameView(frame, viewIndex);
-  SeenTriangle t = seenTriangle(frame, push.instances, id);
+  VisibleTriangle t = visibleTriangle(frame, push.instances, id);
   vec3 corners[3] = cornersOf(frame, view, t);
   vec3 weights = weightsAt(frame, view, corners[0], corners[1], corners[2], place).at;
   return deviceDepth(view.projection, dot(weights, vec3(corners[0].y, corners[1].y, corners[2].y)));

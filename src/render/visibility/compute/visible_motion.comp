@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 // Resolves motion vectors from the visibility buffer, including those of the background.
 #include "render/glsl/common.glsl"
-#include "render/visibility/compute/seen_triangle.glsl"
-#include "render/visibility/compute/seen_motion.glsl"
+#include "render/visibility/compute/visible_triangle.glsl"
+#include "render/visibility/compute/visible_motion.glsl"
 #include "render/visibility/compute/visible.glsl"
 #include "render/visibility/background_motion.glsl"
 
@@ -20,6 +20,6 @@ void main() {
   uint id = visibleId(VisibleRef(push.visible).v[visibleIndex(uvec3(pixel), uvec2(size))]);
   vec2 centre = vec2(pixel.xy) + 0.5;
   vec4 found = id == 0u ? backgroundMotion(frame, view, uint(pixel.z), centre)
-                        : seenMotion(frame, view, uint(pixel.z), seenTriangle(frame, push.instances, id), centre);
+                        : seenMotion(frame, view, uint(pixel.z), visibleTriangle(frame, push.instances, id), centre);
   imageStore(motion, pixel, found);
 }

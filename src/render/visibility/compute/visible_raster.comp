@@ -14,21 +14,21 @@ float facing(View view, vec3 a, vec3 b, vec3 c, ivec2 pixel) {
   return abs(dot(normal, ray)) / max(length(normal) * length(ray), 1e-37);
 }
 
-vec2 classOf(FrameConstants frame, View view, SeenTriangle seen, ivec2 pixel) {
-  mat4x3 placed = relativeToEye(frameInstance(frame, seen.rank.instance), view);
-  uint64_t positions = frameMesh(frame, seen.rank.mesh).positions;
+vec2 classOf(FrameConstants frame, View view, VisibleTriangle seen, ivec2 pixel) {
+  mat4x3 placed = relativeToEye(frameInstance(frame, seen.draw.instance), view);
+  uint64_t positions = frameMesh(frame, seen.draw.mesh).positions;
   Corner a = cornerAt(view, placed, positionAt(positions, seen.indices.x));
   Corner b = cornerAt(view, placed, positionAt(positions, seen.indices.y));
   Corner c = cornerAt(view, placed, positionAt(positions, seen.indices.z));
   float turned = facing(view, a.seen, b.seen, c.seen, pixel);
-  if ((seen.rank.flags & kRankVast) != 0u || ((a.outside | b.outside | c.outside) & kOutsideVolume) != 0u)
+  if ((seen.draw.flags & kDrawVast) != 0u || ((a.outside | b.outside | c.outside) & kOutsideVolume) != 0u)
     return vec2(float(kRasterClipped), turned);
   Triangle t = Triangle(a.screen, b.screen, c.screen, vec3(0.0), 0.0, 0.0, 0u);
   return vec2(float(sizeClass(t, onScreen(pixelsOf(t)))), turned);
 }
 
-uint clusterOf(FrameConstants frame, SeenTriangle seen) {
-  return UintRef(frameMesh(frame, seen.rank.mesh).clusters.clusterOfTriangle).v[seen.number];
+uint clusterOf(FrameConstants frame, VisibleTriangle seen) {
+  return UintRef(frameMesh(frame, seen.draw.mesh).clusters.clusterOfTriangle).v[seen.number];
 }
 
 void main() {
@@ -41,8 +41,8 @@ void main() {
     return;
   }
   FrameConstants frame = FrameRef(push.buffers.frame).v;
-  SeenTriangle seen = seenTriangle(frame, push.buffers.instances, id);
+  VisibleTriangle seen = visibleTriangle(frame, push.buffers.instances, id);
   imageStore(numbers, pixel,
-             vec4(float(seen.rank.instance + 1u), float(clusterOf(frame, seen)), float(seen.number), 0.0));
+             vec4(float(seen.draw.instance + 1u), float(clusterOf(frame, seen)), float(seen.number), 0.0));
   imageStore(classes, pixel, vec4(classOf(frame, frameView(frame, uint(pixel.z)), seen, pixel.xy), 0.0, 0.0));
 }

@@ -196,36 +196,36 @@ MeshPlan galleryFloor(const Detail& detail) {
 struct Item {
   const char* name;
   uint32_t mesh;
-  Stuff stuff;
+  HallMaterial material;
 };
 
 }  // namespace
 
 void addAisles(HallBuilder& hall) {
   const Detail& d = hall.detail;
-  const Item items[] = {{"vault", hall.mesh(groinVault(d)), Stuff::Plaster},
-                        {"ribs", hall.mesh(diagonalRibs(d)), Stuff::Trim},
-                        {"wall", hall.mesh(outerWall(d)), Stuff::Ashlar},
-                        {"dado", hall.mesh(dado(d)), Stuff::Tile},
-                        {"dado mouldings", hall.mesh(dadoMouldings(d)), Stuff::Marble},
-                        {"window frame", hall.mesh(windowFrame(d)), Stuff::Trim},
-                        {"window pane", hall.mesh(windowPane(d)), Stuff::WindowGlass},
-                        {"gallery room", hall.mesh(galleryRoom(d)), Stuff::Plaster},
-                        {"gallery floor", hall.mesh(galleryFloor(d)), Stuff::AisleFloor}};
+  const Item items[] = {{"vault", hall.mesh(groinVault(d)), HallMaterial::Plaster},
+                        {"ribs", hall.mesh(diagonalRibs(d)), HallMaterial::Trim},
+                        {"wall", hall.mesh(outerWall(d)), HallMaterial::Ashlar},
+                        {"dado", hall.mesh(dado(d)), HallMaterial::Tile},
+                        {"dado mouldings", hall.mesh(dadoMouldings(d)), HallMaterial::Marble},
+                        {"window frame", hall.mesh(windowFrame(d)), HallMaterial::Trim},
+                        {"window pane", hall.mesh(windowPane(d)), HallMaterial::WindowGlass},
+                        {"gallery room", hall.mesh(galleryRoom(d)), HallMaterial::Plaster},
+                        {"gallery floor", hall.mesh(galleryFloor(d)), HallMaterial::AisleFloor}};
   const uint32_t arch = hall.mesh(transverseArch(d)), pier = hall.mesh(pilaster(d));
   for (int side = 0; side < 2; ++side) {
     const double sign = side ? -1 : 1;
     const uint32_t aisle = hall.group(side ? "left aisle" : "right aisle", SceneBuilder::kRoot);
     for (int bay = kBays - 1; bay >= 0; --bay) {
       const uint32_t group =
-          hall.group(fmt::format("bay {}", kBays - bay), aisle, turnedAt(sign * kAisleX, 0, bayCentre(bay), 2 * side));
-      for (const Item& item : items) hall.place(item.name, group, item.mesh, item.stuff);
+          hall.group(fmt::format("bay {}", kBays - bay), aisle, rotatedAt(sign * kAisleX, 0, bayCentre(bay), 2 * side));
+      for (const Item& item : items) hall.place(item.name, group, item.mesh, item.material);
     }
     for (int boundary = kBays; boundary >= 0; --boundary) {
       const std::string number = std::to_string(kBays - boundary + 1);
       const double z = bayBoundary(boundary);
-      hall.place("arch " + number, aisle, arch, Stuff::Trim, turnedAt(sign * kAisleX, 0, z, 2 * side));
-      hall.place("pilaster " + number, aisle, pier, Stuff::Ashlar, turnedAt(sign * kOuterX, 0, z, 2 * side));
+      hall.place("arch " + number, aisle, arch, HallMaterial::Trim, rotatedAt(sign * kAisleX, 0, z, 2 * side));
+      hall.place("pilaster " + number, aisle, pier, HallMaterial::Ashlar, rotatedAt(sign * kOuterX, 0, z, 2 * side));
     }
   }
 }

@@ -184,21 +184,22 @@ void addArcades(HallBuilder& hall) {
     const uint32_t arcade = hall.group(side ? "left arcade" : "right arcade", SceneBuilder::kRoot);
     for (int bay = kBays - 1; bay >= 0; --bay) {
       const uint32_t group =
-          hall.group(fmt::format("bay {}", kBays - bay), arcade, turnedAt(x, 0, bayCentre(bay), 2 * side));
-      hall.place("spandrels", group, spandrel, Stuff::Plaster);
-      hall.place("archivolt", group, arch, Stuff::Trim);
-      hall.place("keystone", group, key, Stuff::Trim);
-      hall.place("cornices", group, moulding, Stuff::Trim);
-      hall.place("dentils", group, blocks, Stuff::Trim);
+          hall.group(fmt::format("bay {}", kBays - bay), arcade, rotatedAt(x, 0, bayCentre(bay), 2 * side));
+      hall.place("spandrels", group, spandrel, HallMaterial::Plaster);
+      hall.place("archivolt", group, arch, HallMaterial::Trim);
+      hall.place("keystone", group, key, HallMaterial::Trim);
+      hall.place("cornices", group, moulding, HallMaterial::Trim);
+      hall.place("dentils", group, blocks, HallMaterial::Trim);
     }
     for (int boundary = kBays; boundary >= 0; --boundary) {
       const std::string number = std::to_string(kBays - boundary + 1);
-      const mat4 where = turnedAt(x, 0, bayBoundary(boundary), 2 * side);
-      hall.place("strip " + number, arcade, band, Stuff::Trim, where);
+      const mat4 where = rotatedAt(x, 0, bayBoundary(boundary), 2 * side);
+      hall.place("strip " + number, arcade, band, HallMaterial::Trim, where);
       if (boundary == 0 || boundary == kBays) continue;
       const mat4 high = where * at(-kWallHalf - 0.06, 6.35, 0);
-      hall.place("roundel " + number, arcade, disc, boundary % 2 ? Stuff::RedMarble : Stuff::GreenMarble, high);
-      hall.place("roundel ring " + number, arcade, ring, Stuff::Gilt, high);
+      hall.place("roundel " + number, arcade, disc, boundary % 2 ? HallMaterial::RedMarble : HallMaterial::GreenMarble,
+                 high);
+      hall.place("roundel ring " + number, arcade, ring, HallMaterial::Gilt, high);
     }
   }
 }

@@ -11,14 +11,14 @@ namespace {
 
 constexpr int kFlutes = 20;
 constexpr double kShaftFoot = 0.6, kShaftHead = 3.86, kHeadRadius = 0.3;
-const vec3 kSomewhere(float(kColumnX), 0, float(kBay / 2));  // any column: their surroundings are equal
+const vec3 kSampleColumn(float(kColumnX), 0, float(kBay / 2));  // any column: their surroundings are equal
 
 Path around(const Detail& detail, double normal, uint32_t least, double radius) {
   return circle(Axis{}, detail.segments(normal, least), radius);
 }
 
 MeshPlan base(const Detail& detail) {
-  MeshPlan plan{"column base", {}, shadeInHall(kSomewhere), {}};
+  MeshPlan plan{"column base", {}, shadeInHall(kSampleColumn), {}};
   Profile plinth(0, 0);
   plinth.line(0, 0.125).line(-0.012, 0.14).line(-0.25, 0.14);
   plan.add(sweepPolygon(plinth, square(0.49), true, detail.segments(1), detail, kMarbleTile));
@@ -49,7 +49,7 @@ dvec3 shaftPoint(double u, double t, bool fluted) {
 }
 
 MeshPlan shaft(const Detail& detail) {
-  MeshPlan plan{"column shaft", {}, shadeInHall(kSomewhere), {}};
+  MeshPlan plan{"column shaft", {}, shadeInHall(kSampleColumn), {}};
   const bool fluted = detail.scale > 0.35;
   const struct {
     double from, to;
@@ -76,7 +76,7 @@ MeshPlan shaft(const Detail& detail) {
 }
 
 MeshPlan capital(const Detail& detail) {
-  MeshPlan plan{"column capital", {}, shadeInHall(kSomewhere), {}};
+  MeshPlan plan{"column capital", {}, shadeInHall(kSampleColumn), {}};
   Profile bell(kHeadRadius, kShaftHead - 0.01);
   bell.line(0.305, kShaftHead).arc(0.305, kShaftHead + 0.06, 2, 2).line(0.29, kShaftHead + 0.065);
   bell.curve({{0.285, 4.0}, {0.3, 4.2}, {0.36, 4.31}}, 2).line(0.38, 4.35);
@@ -123,7 +123,7 @@ Patch volute(const Detail& detail, double turn) {
 }
 
 MeshPlan ornament(const Detail& detail) {
-  MeshPlan plan{"column leaves", {}, shadeInHall(kSomewhere), {}};
+  MeshPlan plan{"column leaves", {}, shadeInHall(kSampleColumn), {}};
   for (int i = 0; i < 8; ++i) {
     if (detail.scale < 0.25 && i % 2) continue;
     plan.add(leaf(detail, i / 8.0, 3.92, 0.24, 0.085));
@@ -136,7 +136,7 @@ MeshPlan ornament(const Detail& detail) {
 
 // The block between capital and arch, like a piece of entablature.
 MeshPlan impost(const Detail& detail) {
-  MeshPlan plan{"impost block", {}, shadeInHall(kSomewhere), {}};
+  MeshPlan plan{"impost block", {}, shadeInHall(kSampleColumn), {}};
   Profile block(-0.2, kColumnTop);
   block.line(-0.02, kColumnTop).line(-0.02, 4.56).line(-0.01, 4.565).line(-0.01, 4.62).arc(0.012, 4.65, -1, 2);
   block.line(-0.025, 4.655).line(-0.025, 4.82).arc(0.03, 4.88, 1, 2).line(0.055, 4.885).line(0.055, 4.93);
@@ -154,14 +154,14 @@ void addColumns(HallBuilder& hall) {
   int number = 0;
   for (int side = 0; side < 2; ++side) {
     for (int boundary = kBays; boundary >= 0; --boundary) {
-      const mat4 where = turnedAt(side ? -kColumnX : kColumnX, 0, bayBoundary(boundary), 2 * side);
+      const mat4 where = rotatedAt(side ? -kColumnX : kColumnX, 0, bayBoundary(boundary), 2 * side);
       const uint32_t group = hall.group(fmt::format("column {}", ++number), SceneBuilder::kRoot, where);
       const bool red = boundary % 2 == 0;
-      hall.place("base", group, meshes[0], Stuff::Marble);
-      hall.place("shaft", group, meshes[1], red ? Stuff::RedMarble : Stuff::GreenMarble);
-      hall.place("capital", group, meshes[2], Stuff::Marble);
-      hall.place("leaves", group, meshes[3], Stuff::Gilt);
-      hall.place("impost", group, meshes[4], Stuff::Trim);
+      hall.place("base", group, meshes[0], HallMaterial::Marble);
+      hall.place("shaft", group, meshes[1], red ? HallMaterial::RedMarble : HallMaterial::GreenMarble);
+      hall.place("capital", group, meshes[2], HallMaterial::Marble);
+      hall.place("leaves", group, meshes[3], HallMaterial::Gilt);
+      hall.place("impost", group, meshes[4], HallMaterial::Trim);
     }
   }
 }

@@ -261,11 +261,11 @@ MeshPlan door(const Detail& detail) {
 struct Item {
   const char* name;
   MeshPlan plan;
-  Stuff stuff;
+  HallMaterial material;
 };
 
 void placeAll(HallBuilder& hall, uint32_t group, std::vector<Item> items) {
-  for (Item& item : items) hall.place(item.name, group, hall.mesh(std::move(item.plan)), item.stuff);
+  for (Item& item : items) hall.place(item.name, group, hall.mesh(std::move(item.plan)), item.material);
 }
 
 }  // namespace
@@ -273,27 +273,27 @@ void placeAll(HallBuilder& hall, uint32_t group, std::vector<Item> items) {
 void addEnds(HallBuilder& hall) {
   const Detail& d = hall.detail;
   const uint32_t east = hall.group("apse", SceneBuilder::kRoot, at(0, 0, -kHalfLength));
-  const uint32_t west = hall.group("entrance", SceneBuilder::kRoot, turnedAt(0, 0, kHalfLength, 2));
+  const uint32_t west = hall.group("entrance", SceneBuilder::kRoot, rotatedAt(0, 0, kHalfLength, 2));
   placeAll(hall, east,
-           {{"wall", endWall(d, "apse end wall", kApseSpring, kApseRadius), Stuff::Ashlar},
-            {"arch", portal(d, "apse arch", 0, kApseSpring, kApseRadius, 0.05), Stuff::Trim},
-            {"arch bead", archBead(d), Stuff::Gilt},
-            {"mosaic", semidome(d), Stuff::Mosaic},
-            {"cornice", apseCornice(d), Stuff::Trim},
-            {"slabs", apseWall(d, "apse slabs", kApseSpring - 0.47, 1.7, kMarbleTile), Stuff::RedMarble},
-            {"dado", apseWall(d, "apse dado", 1.7, kApseFloor, kMarbleTile), Stuff::GreenMarble},
-            {"pilasters", apsePilasters(d), Stuff::Marble},
-            {"responds", apseResponds(d), Stuff::Trim},
-            {"steps", steps(d), Stuff::Marble}});
+           {{"wall", endWall(d, "apse end wall", kApseSpring, kApseRadius), HallMaterial::Ashlar},
+            {"arch", portal(d, "apse arch", 0, kApseSpring, kApseRadius, 0.05), HallMaterial::Trim},
+            {"arch bead", archBead(d), HallMaterial::Gilt},
+            {"mosaic", semidome(d), HallMaterial::Mosaic},
+            {"cornice", apseCornice(d), HallMaterial::Trim},
+            {"slabs", apseWall(d, "apse slabs", kApseSpring - 0.47, 1.7, kMarbleTile), HallMaterial::RedMarble},
+            {"dado", apseWall(d, "apse dado", 1.7, kApseFloor, kMarbleTile), HallMaterial::GreenMarble},
+            {"pilasters", apsePilasters(d), HallMaterial::Marble},
+            {"responds", apseResponds(d), HallMaterial::Trim},
+            {"steps", steps(d), HallMaterial::Marble}});
   placeAll(hall, west,
-           {{"wall", endWall(d, "entrance end wall", kDoorSpring, kDoorRadius), Stuff::Ashlar},
-            {"portal", portal(d, "portal", 0, kDoorSpring, kDoorRadius, 0.35), Stuff::Trim},
-            {"door", door(d), Stuff::Bronze}});
+           {{"wall", endWall(d, "entrance end wall", kDoorSpring, kDoorRadius), HallMaterial::Ashlar},
+            {"portal", portal(d, "portal", 0, kDoorSpring, kDoorRadius, 0.35), HallMaterial::Trim},
+            {"door", door(d), HallMaterial::Bronze}});
   const uint32_t cornice = hall.mesh(endCornice(d)), frame = hall.mesh(roseFrame(d)), glass = hall.mesh(roseGlass(d));
   for (const uint32_t group : {east, west}) {
-    hall.place("cornice", group, cornice, Stuff::Trim);
-    hall.place("rose", group, frame, Stuff::Trim);
-    hall.place("rose glass", group, glass, Stuff::WindowGlass);
+    hall.place("cornice", group, cornice, HallMaterial::Trim);
+    hall.place("rose", group, frame, HallMaterial::Trim);
+    hall.place("rose glass", group, glass, HallMaterial::WindowGlass);
   }
 }
 

@@ -231,30 +231,31 @@ void addExhibits(HallBuilder& hall) {
                              hall.mesh(supershape(d, 6, 1, 1.7, 1.7, "flower")),
                              hall.mesh(supershape(d, 7, 0.6, 1.1, 0.9, "star"))};
   const uint32_t stand = hall.mesh(plinth(d)), statue = hall.mesh(figure(d)), base = hall.mesh(drum(d));
-  constexpr Stuff kStuffs[] = {Stuff::Ceramic, Stuff::Copper, Stuff::Obsidian, Stuff::Celadon,
-                               Stuff::Brass,   Stuff::Bronze, Stuff::Steel,    Stuff::Marble};
+  constexpr HallMaterial kMaterials[] = {HallMaterial::Ceramic, HallMaterial::Copper, HallMaterial::Obsidian,
+                                         HallMaterial::Celadon, HallMaterial::Brass,  HallMaterial::Bronze,
+                                         HallMaterial::Steel,   HallMaterial::Marble};
   Random random(hall.seed, 5);
-  uint32_t body = random.below(6), stuff = random.below(8);
-  constexpr Stuff kGlasses[] = {Stuff::AmberGlass, Stuff::BlueGlass, Stuff::GreenGlass};
+  uint32_t body = random.below(6), material = random.below(8);
+  constexpr HallMaterial kGlasses[] = {HallMaterial::AmberGlass, HallMaterial::BlueGlass, HallMaterial::GreenGlass};
   const uint32_t panes = hall.glass ? hall.mesh(glassCase()) : 0;
   const uint32_t exhibits = hall.group("exhibits", SceneBuilder::kRoot);
   for (int bay = kBays - 1; bay >= 0; --bay) {
     for (int side = 0; side < 2; ++side) {
       const std::string number = std::to_string(2 * (kBays - 1 - bay) + side + 1);
-      const mat4 where = turnedAt(side ? -kColumnX : kColumnX, 0, bayCentre(bay), static_cast<int>(random.below(4)));
+      const mat4 where = rotatedAt(side ? -kColumnX : kColumnX, 0, bayCentre(bay), static_cast<int>(random.below(4)));
       const uint32_t group = hall.group("exhibit " + number, exhibits, where);
-      hall.place("plinth", group, stand, (bay + side) % 2 ? Stuff::BlackMarble : Stuff::Marble);
+      hall.place("plinth", group, stand, (bay + side) % 2 ? HallMaterial::BlackMarble : HallMaterial::Marble);
       const bool blown = hall.glass && (bay + side) % 2 == 0;
-      hall.place("body", group, bodies[body], blown ? kGlasses[(bay + side) / 2 % 3] : kStuffs[stuff],
+      hall.place("body", group, bodies[body], blown ? kGlasses[(bay + side) / 2 % 3] : kMaterials[material],
                  at(0, kPlinthTop, 0));
-      if (hall.glass) hall.place("case", group, panes, Stuff::CaseGlass, at(0, kPlinthTop, 0));
+      if (hall.glass) hall.place("case", group, panes, HallMaterial::CaseGlass, at(0, kPlinthTop, 0));
       body = (body + 1 + random.below(2)) % 6;
-      stuff = (stuff + 1 + random.below(3)) % 8;
+      material = (material + 1 + random.below(3)) % 8;
     }
   }
   const uint32_t group = hall.group("figure", exhibits, at(0, 0, -kHalfLength));
-  hall.place("drum", group, base, Stuff::BlackMarble);
-  hall.place("body", group, statue, Stuff::Marble, at(0, kFigureFoot + 1.1, 0));
+  hall.place("drum", group, base, HallMaterial::BlackMarble);
+  hall.place("body", group, statue, HallMaterial::Marble, at(0, kFigureFoot + 1.1, 0));
 }
 
 }  // namespace latelight::scene::builtin::hall

@@ -49,14 +49,14 @@ void addFloor(HallBuilder& hall, uint64_t spareTriangles) {
   for (int bay = kBays - 1; bay >= 0; --bay) {
     const std::string number = std::to_string(kBays - bay);
     const double z = bayCentre(bay);
-    hall.place("nave " + number, floor, meshes[0], Stuff::NaveFloor, at(0, 0, z));
+    hall.place("nave " + number, floor, meshes[0], HallMaterial::NaveFloor, at(0, 0, z));
     for (int side = 0; side < 2; ++side) {
       const double sign = side ? -1 : 1;
       const char* name = side ? "left" : "right";
-      hall.place(fmt::format("{} band {}", name, number), floor, meshes[1], Stuff::BlackMarble,
-                 turnedAt(sign * kColumnX, 0, z, 2 * side));
-      hall.place(fmt::format("{} aisle {}", name, number), floor, meshes[2], Stuff::AisleFloor,
-                 turnedAt(sign * kAisleX, 0, z, 2 * side));
+      hall.place(fmt::format("{} band {}", name, number), floor, meshes[1], HallMaterial::BlackMarble,
+                 rotatedAt(sign * kColumnX, 0, z, 2 * side));
+      hall.place(fmt::format("{} aisle {}", name, number), floor, meshes[2], HallMaterial::AisleFloor,
+                 rotatedAt(sign * kAisleX, 0, z, 2 * side));
     }
   }
 }

@@ -127,21 +127,21 @@ struct Meshes {
 
 void placeBay(HallBuilder& hall, const Meshes& m, uint32_t group) {
   constexpr int kBalusters = 4;
-  hall.place("wall", group, m.wall, Stuff::Plaster);
-  hall.place("archivolts", group, m.archivolts, Stuff::Trim);
-  hall.place("rails", group, m.rails, Stuff::Trim);
+  hall.place("wall", group, m.wall, HallMaterial::Plaster);
+  hall.place("archivolts", group, m.archivolts, HallMaterial::Trim);
+  hall.place("rails", group, m.rails, HallMaterial::Trim);
   int number = 0;
   for (int arch = -1; arch <= 1; ++arch) {
     for (int i = 0; i < kBalusters; ++i) {
       const double z = arch * kGalleryPitch + (i - (kBalusters - 1) * 0.5) * 0.28125;
-      hall.place(fmt::format("baluster {}", ++number), group, m.baluster, Stuff::Marble, at(0, 0, z));
+      hall.place(fmt::format("baluster {}", ++number), group, m.baluster, HallMaterial::Marble, at(0, 0, z));
     }
   }
   for (int i = 0; i < 2; ++i) {
     const mat4 where = at(0, 0, (i - 0.5) * kGalleryPitch);
-    hall.place(fmt::format("pedestal {}", i + 1), group, m.pedestal, Stuff::Trim, where);
-    hall.place(fmt::format("column {}", i + 1), group, m.column, Stuff::Marble, where);
-    hall.place(fmt::format("abacus {}", i + 1), group, m.abacus, Stuff::Trim, where);
+    hall.place(fmt::format("pedestal {}", i + 1), group, m.pedestal, HallMaterial::Trim, where);
+    hall.place(fmt::format("column {}", i + 1), group, m.column, HallMaterial::Marble, where);
+    hall.place(fmt::format("abacus {}", i + 1), group, m.abacus, HallMaterial::Trim, where);
   }
 }
 
@@ -156,10 +156,10 @@ void addGalleries(HallBuilder& hall) {
     const uint32_t gallery = hall.group(side ? "left gallery" : "right gallery", SceneBuilder::kRoot);
     for (int bay = kBays - 1; bay >= 0; --bay)
       placeBay(hall, meshes,
-               hall.group(fmt::format("bay {}", kBays - bay), gallery, turnedAt(x, 0, bayCentre(bay), 2 * side)));
+               hall.group(fmt::format("bay {}", kBays - bay), gallery, rotatedAt(x, 0, bayCentre(bay), 2 * side)));
     for (int boundary = kBays; boundary >= 0; --boundary)
-      hall.place(fmt::format("pier {}", kBays - boundary + 1), gallery, meshes.pier, Stuff::Trim,
-                 turnedAt(x, 0, bayBoundary(boundary), 2 * side));
+      hall.place(fmt::format("pier {}", kBays - boundary + 1), gallery, meshes.pier, HallMaterial::Trim,
+                 rotatedAt(x, 0, bayBoundary(boundary), 2 * side));
   }
 }
 

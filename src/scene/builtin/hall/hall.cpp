@@ -22,22 +22,22 @@ Relief reliefAt(const Detail& detail, uint32_t seed) {
   return relief;
 }
 
-bool isHewn(Stuff stuff) {
-  return stuff == Stuff::Ashlar || stuff == Stuff::Plaster || stuff == Stuff::Trim;
+bool isHewn(HallMaterial material) {
+  return material == HallMaterial::Ashlar || material == HallMaterial::Plaster || material == HallMaterial::Trim;
 }
 
 }  // namespace
 
-double tileOf(Stuff stuff) {
-  switch (stuff) {
-    case Stuff::Ashlar:
+double tileOf(HallMaterial material) {
+  switch (material) {
+    case HallMaterial::Ashlar:
       return kAshlarTile;
-    case Stuff::Mosaic:
+    case HallMaterial::Mosaic:
       return kMosaicTile;
-    case Stuff::Tile:
+    case HallMaterial::Tile:
       return kTileTile;
-    case Stuff::Plaster:
-    case Stuff::Trim:
+    case HallMaterial::Plaster:
+    case HallMaterial::Trim:
       return kPlasterTile;
     default:
       return kMarbleTile;
@@ -57,11 +57,12 @@ uint32_t HallBuilder::group(const std::string& name, uint32_t parent, const mat4
   return counting_ ? SceneBuilder::kRoot : builder.addNode(name, parent, local);
 }
 
-uint32_t HallBuilder::place(const std::string& name, uint32_t parent, uint32_t mesh, Stuff stuff, const mat4& local) {
+uint32_t HallBuilder::place(const std::string& name, uint32_t parent, uint32_t mesh, HallMaterial material,
+                            const mat4& local) {
   triangles_ += planTriangles_[mesh];
   if (counting_ || planTriangles_[mesh] == 0) return kNoInstance;  // too fine for this detail
-  if (isHewn(stuff)) plans_[mesh].relief = reliefAt(detail, seed);
-  builder.addInstance(name, parent, mesh, static_cast<uint32_t>(stuff), local);
+  if (isHewn(material)) plans_[mesh].relief = reliefAt(detail, seed);
+  builder.addInstance(name, parent, mesh, static_cast<uint32_t>(material), local);
   return static_cast<uint32_t>(builder.scene.instances.size() - 1);
 }
 
@@ -90,7 +91,7 @@ mat4 at(double x, double y, double z) {
   return m;
 }
 
-mat4 turnedAt(double x, double y, double z, int quarters) {
+mat4 rotatedAt(double x, double y, double z, int quarters) {
   mat4 m = at(x, y, z);
   const float c = float(cosQuarters(quarters)), s = float(sinQuarters(quarters));
   m[0] = vec4(c, 0, -s, 0);

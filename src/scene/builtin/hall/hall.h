@@ -12,7 +12,7 @@
 namespace latelight::scene::builtin::hall {
 
 // Surface materials of the hall: indices into the scene's materials.
-enum class Stuff : uint32_t {
+enum class HallMaterial : uint32_t {
   NaveFloor,
   AisleFloor,
   Ashlar,
@@ -45,7 +45,7 @@ enum class Stuff : uint32_t {
 
 // Side lengths of the texture tiles, in meters.
 inline constexpr double kAshlarTile = 2.25, kPlasterTile = 3.0, kMarbleTile = 1.5, kMosaicTile = 1.0, kTileTile = 0.9;
-double tileOf(Stuff stuff);
+double tileOf(HallMaterial material);
 
 // A possible light position: one of the hall's own lamps.
 struct LampSite {
@@ -69,7 +69,8 @@ class HallBuilder {
   uint32_t mesh(MeshPlan plan);
   uint32_t group(const std::string& name, uint32_t parent, const mat4& local = mat4(1));
   // Returns the instance's index in the scene.
-  uint32_t place(const std::string& name, uint32_t parent, uint32_t mesh, Stuff stuff, const mat4& local = mat4(1));
+  uint32_t place(const std::string& name, uint32_t parent, uint32_t mesh, HallMaterial material,
+                 const mat4& local = mat4(1));
   void lamp(const LampSite& site) { lamps.push_back(site); }
 
   uint64_t triangles() const { return triangles_; }
@@ -88,7 +89,7 @@ class HallBuilder {
 };
 
 mat4 at(double x, double y, double z);
-mat4 turnedAt(double x, double y, double z, int quarters);  // about +Y, exact
+mat4 rotatedAt(double x, double y, double z, int quarters);  // about +Y, exact
 
 // Bays are numbered from the apse, and bay boundaries from 0 to kBays.
 inline double bayCentre(int bay) {

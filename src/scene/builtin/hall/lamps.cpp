@@ -123,22 +123,22 @@ vec3 inWorld(const HallBuilder& hall, uint32_t group, vec3 p) {
 void addLantern(HallBuilder& hall, const Meshes& meshes, const std::string& name, uint32_t chainMesh, mat4 where,
                 LampSite site) {
   const uint32_t group = hall.group(name, SceneBuilder::kRoot, where);
-  hall.place("frame", group, meshes.frame, Stuff::Brass);
-  hall.place("chain", group, chainMesh, Stuff::Brass);
-  site.instance = hall.place("glass", group, meshes.glass, Stuff::DarkGlass);
+  hall.place("frame", group, meshes.frame, HallMaterial::Brass);
+  hall.place("chain", group, chainMesh, HallMaterial::Brass);
+  site.instance = hall.place("glass", group, meshes.glass, HallMaterial::DarkGlass);
   site.position = inWorld(hall, group, {0, -float(kLanternHeight) / 2 - 0.06f, 0});
   hall.lamp(site);
 }
 
 void addChandelier(HallBuilder& hall, const Meshes& meshes, int number, uint32_t chainMesh, double z) {
   const uint32_t group = hall.group(fmt::format("chandelier {}", number), SceneBuilder::kRoot, at(0, kWheelHeight, z));
-  hall.place("wheel", group, meshes.wheel, Stuff::Brass);
-  hall.place("chain", group, chainMesh, Stuff::Brass, at(0, 0.9, 0));
+  hall.place("wheel", group, meshes.wheel, HallMaterial::Brass);
+  hall.place("chain", group, chainMesh, HallMaterial::Brass, at(0, 0.9, 0));
   for (int i = 0; i < kCandles; ++i) {
     const dvec2 cs = onCircle((i + 0.5) / kCandles);
     const vec3 where(float(kWheel * cs.x), 0.24f, float(-kWheel * cs.y));
     LampSite site{{}, kCandle, 1.7f, 14.0f, kNoInstance};
-    site.instance = hall.place(fmt::format("globe {}", i + 1), group, meshes.globe, Stuff::DarkGlass,
+    site.instance = hall.place(fmt::format("globe {}", i + 1), group, meshes.globe, HallMaterial::DarkGlass,
                                at(where.x, where.y, where.z));
     site.position = inWorld(hall, group, where);
     hall.lamp(site);
@@ -147,8 +147,8 @@ void addChandelier(HallBuilder& hall, const Meshes& meshes, int number, uint32_t
 
 void addCandleStand(HallBuilder& hall, const Meshes& meshes, const std::string& name, mat4 where, LampSite site) {
   const uint32_t group = hall.group(name, SceneBuilder::kRoot, where);
-  hall.place("stand", group, meshes.stand, Stuff::Brass);
-  site.instance = hall.place("globe", group, meshes.globe, Stuff::DarkGlass, at(0, 1.6, 0));
+  hall.place("stand", group, meshes.stand, HallMaterial::Brass);
+  site.instance = hall.place("globe", group, meshes.globe, HallMaterial::DarkGlass, at(0, 1.6, 0));
   site.position = inWorld(hall, group, {0, 1.6f, 0});
   hall.lamp(site);
 }

@@ -147,7 +147,8 @@ void addLampLights(HallBuilder& hall, uint32_t count) {
     const LampSite& lamp = hall.lamps[order[i]];
     scene.lights.push_back(pointLight("lamp", lamp.position, lamp.color, lamp.weight, lamp.range * reach));
     scene.lights.back().size = kGlassRadius;
-    if (lamp.instance != kNoInstance) scene.instances[lamp.instance].material = static_cast<uint32_t>(Stuff::LampGlass);
+    if (lamp.instance != kNoInstance)
+      scene.instances[lamp.instance].material = static_cast<uint32_t>(HallMaterial::LampGlass);
   }
 }
 

@@ -76,66 +76,66 @@ Maps addTextures(Scene& scene, uint32_t seed, uint32_t slots) {
   return all;
 }
 
-Material makeMaterial(Stuff stuff, const Maps& maps) {
-  switch (stuff) {
-    case Stuff::NaveFloor:
+Material makeMaterial(HallMaterial material, const Maps& maps) {
+  switch (material) {
+    case HallMaterial::NaveFloor:
       return mapped("nave floor", maps.nave, vec3(1), 1);
-    case Stuff::AisleFloor:
+    case HallMaterial::AisleFloor:
       return mapped("aisle floor", maps.aisle, vec3(1), 1);
-    case Stuff::Ashlar:
+    case HallMaterial::Ashlar:
       return mapped("ashlar", maps.ashlar, vec3(1), 1);
-    case Stuff::Plaster:
+    case HallMaterial::Plaster:
       return mapped("plaster", maps.plaster, vec3(1), 1);
-    case Stuff::Trim:
+    case HallMaterial::Trim:
       return mapped("pale stone", maps.plaster, {0.56f, 0.57f, 0.56f}, 0.85f, 0.6f);
-    case Stuff::Marble:
+    case HallMaterial::Marble:
       return veined("white marble", maps.pale, vec3(1), 0.3f);
-    case Stuff::RedMarble:
+    case HallMaterial::RedMarble:
       return veined("red marble", maps.dark, {1.0f, 0.60f, 0.48f}, 0.24f);
-    case Stuff::GreenMarble:
+    case HallMaterial::GreenMarble:
       return veined("green marble", maps.dark, {0.74f, 0.92f, 0.78f}, 0.24f);
-    case Stuff::BlackMarble:
+    case HallMaterial::BlackMarble:
       return veined("black marble", maps.dark, {0.09f, 0.09f, 0.10f}, 0.22f);
-    case Stuff::VaultBlue:
+    case HallMaterial::VaultBlue:
       return mapped("painted plaster", maps.plaster, {0.05f, 0.12f, 0.30f}, 0.8f, 0.6f);
-    case Stuff::Mosaic:
+    case HallMaterial::Mosaic:
       return mapped("gold mosaic", maps.mosaic, vec3(1), 1);
-    case Stuff::Tile:
+    case HallMaterial::Tile:
       return mapped("glazed tile", maps.tile, vec3(1), 1);
-    case Stuff::Gilt:
+    case HallMaterial::Gilt:
       return metal("gilt", {1.0f, 0.72f, 0.32f}, 0.38f);
-    case Stuff::Brass:
+    case HallMaterial::Brass:
       return metal("brass", {0.91f, 0.73f, 0.42f}, 0.36f);
-    case Stuff::Bronze:
+    case HallMaterial::Bronze:
       return metal("bronze", {0.62f, 0.40f, 0.24f}, 0.45f);
-    case Stuff::Copper:
+    case HallMaterial::Copper:
       return metal("copper", {0.93f, 0.50f, 0.36f}, 0.3f);
-    case Stuff::Steel:
+    case HallMaterial::Steel:
       return metal("steel", {0.66f, 0.64f, 0.62f}, 0.28f);
-    case Stuff::Ceramic:
+    case HallMaterial::Ceramic:
       return plainMaterial("ceramic", {0.58f, 0.13f, 0.05f}, 0, 0.22f);
-    case Stuff::Celadon:
+    case HallMaterial::Celadon:
       return plainMaterial("celadon", {0.38f, 0.60f, 0.48f}, 0, 0.16f);
-    case Stuff::Obsidian:
+    case HallMaterial::Obsidian:
       return plainMaterial("obsidian", {0.02f, 0.02f, 0.025f}, 0, 0.12f);
-    case Stuff::LampGlass:
+    case HallMaterial::LampGlass:
       return glowing("lamp glass", {6.0f, 3.9f, 2.0f});
-    case Stuff::DarkGlass:
+    case HallMaterial::DarkGlass:
       return plainMaterial("dark glass", {0.10f, 0.09f, 0.08f}, 0, 0.2f);
-    case Stuff::WindowGlass: {
+    case HallMaterial::WindowGlass: {
       Material material = glowing("leaded glass", vec3(0.9f));
       setSlot(material, kTextureEmissive, maps.glass);
       return material;
     }
-    case Stuff::CaseGlass:
+    case HallMaterial::CaseGlass:
       return blended("case glass", {0.55f, 0.75f, 0.70f}, 0.2f);
-    case Stuff::AmberGlass:
+    case HallMaterial::AmberGlass:
       return blended("amber glass", {0.95f, 0.42f, 0.06f}, 0.5f);
-    case Stuff::BlueGlass:
+    case HallMaterial::BlueGlass:
       return blended("blue glass", {0.08f, 0.20f, 0.75f}, 0.5f);
-    case Stuff::GreenGlass:
+    case HallMaterial::GreenGlass:
       return blended("green glass", {0.06f, 0.55f, 0.22f}, 0.5f);
-    case Stuff::Count:
+    case HallMaterial::Count:
       break;
   }
   return plainMaterial("none", vec3(0.5f), 0, 1);
@@ -145,8 +145,8 @@ Material makeMaterial(Stuff stuff, const Maps& maps) {
 
 void addMaterials(Scene& scene, const HallParameters& p) {
   const Maps maps = addTextures(scene, static_cast<uint32_t>(p.seed), p.textureSlots);
-  const auto end = static_cast<uint32_t>(p.glass ? Stuff::Count : Stuff::CaseGlass);
-  for (uint32_t i = 0; i < end; ++i) scene.materials.push_back(makeMaterial(static_cast<Stuff>(i), maps));
+  const auto end = static_cast<uint32_t>(p.glass ? HallMaterial::Count : HallMaterial::CaseGlass);
+  for (uint32_t i = 0; i < end; ++i) scene.materials.push_back(makeMaterial(static_cast<HallMaterial>(i), maps));
 }
 
 }  // namespace latelight::scene::builtin::hall

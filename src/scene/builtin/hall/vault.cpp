@@ -202,20 +202,20 @@ void addVault(HallBuilder& hall) {
   for (int bay = kBays - 1; bay >= 0; --bay) {
     const uint32_t group = hall.group(fmt::format("bay {}", kBays - bay), vault);
     const double z = bayCentre(bay);
-    hall.place("bars", group, grid, Stuff::Trim, at(0, kVaultSpring, z));
+    hall.place("bars", group, grid, HallMaterial::Trim, at(0, kVaultSpring, z));
     for (int i = 0; i < kAround; ++i) {
       for (int j = 0; j < kAlong; ++j) {
         const mat4 where = turnedAround((i - (kAround - 1) * 0.5) * kTurn, z + (j - (kAlong - 1) * 0.5) * kPitch);
         const std::string number = std::to_string(i * kAlong + j + 1);
-        hall.place("coffer " + number, group, frame, Stuff::Trim, where);
-        hall.place("bead " + number, group, bead, Stuff::Gilt, where);
-        hall.place("ground " + number, group, ground, Stuff::VaultBlue, where);
-        hall.place("rosette " + number, group, flower, Stuff::Gilt, where);
+        hall.place("coffer " + number, group, frame, HallMaterial::Trim, where);
+        hall.place("bead " + number, group, bead, HallMaterial::Gilt, where);
+        hall.place("ground " + number, group, ground, HallMaterial::VaultBlue, where);
+        hall.place("rosette " + number, group, flower, HallMaterial::Gilt, where);
       }
     }
   }
   for (int boundary = kBays; boundary >= 0; --boundary)
-    hall.place(fmt::format("rib {}", kBays - boundary + 1), vault, ribs, Stuff::Trim,
+    hall.place(fmt::format("rib {}", kBays - boundary + 1), vault, ribs, HallMaterial::Trim,
                at(0, kVaultSpring, bayBoundary(boundary)));
 }
 

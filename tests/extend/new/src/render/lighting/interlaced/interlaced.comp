@@ -15,7 +15,7 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
 }
 
 void main() {
-  showSurfaces(push.frame, push.shown);
+  bindSurfaces(push.frame, push.shown);
   ivec3 place = ownPixel();
   place.y = 2 * place.y + int(push.firstRow);
   bool lit = lightPixel(FrameRef(push.frame).v, place);

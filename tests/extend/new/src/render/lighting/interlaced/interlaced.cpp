@@ -15,7 +15,7 @@ void add(const FrameContext& f, const Gbuffer& gbuffer) {
     field.size.y = (f.height + 1 - row) / 2;
     if (field.size.y == 0) continue;
     addCompute(f, std::move(field), [row, frame = f.constants, visible = gbuffer.visible](graph::Context& context) {
-      return shared::FieldPush{.frame = frame, .shown = shownSurfaces(visible, context), .firstRow = row};
+      return shared::FieldPush{.frame = frame, .shown = surfacePush(visible, context), .firstRow = row};
     });
   }
 }

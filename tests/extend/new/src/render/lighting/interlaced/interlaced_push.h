@@ -9,7 +9,7 @@ SH_BEGIN
 
 struct FieldPush {
   uint64_t frame;  // FrameConstants
-  ShownPush shown;
+  VisibleSurfacePush shown;
   uint firstRow;  // 0 or 1
   uint padding;
 };

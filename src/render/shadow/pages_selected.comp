@@ -7,7 +7,7 @@
 #include "render/shadow/page_push.h"
 
 layout(local_size_x = 32, local_size_y = 8) in;
-layout(push_constant, scalar) uniform Push { PagesChosenPush push; };
+layout(push_constant, scalar) uniform Push { PagesSelectedPush push; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PagedMapRef { PagedMap v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PagesRef { uint v[]; };
 
@@ -18,8 +18,8 @@ void main() {
   if (row >= map.rows) return;
   uint word = map.first + row * push.across;
   PagesRef kept = PagesRef(push.kept);
-  uint asked = map.whole != 0u ? ~0u >> (32u - map.rows) : PagesRef(push.asked).v[word];
+  uint requested = map.whole != 0u ? ~0u >> (32u - map.rows) : PagesRef(push.requested).v[word];
   uint has = map.discarded != 0u ? 0u : kept.v[word];
-  PagesRef(push.drawn).v[word] = asked & ~has;
-  kept.v[word] = has | asked;
+  PagesRef(push.drawn).v[word] = requested & ~has;
+  kept.v[word] = has | requested;
 }

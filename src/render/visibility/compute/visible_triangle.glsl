@@ -9,11 +9,11 @@
 
 layout(constant_id = kVastConstant) const uint kVast = 0u;  // FrameConfig::vast
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RankOfPartRef { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer DrawIndexOfPartRef { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer InstanceListRef { InstanceList v; };
 
-RasterInstance rankedInstance(InstanceList list, uint rank) {
-  uint64_t at = list.ranks + uint64_t(rank) * kRankedBytes;
+RasterInstance rasterInstanceAt(InstanceList list, uint drawIndex) {
+  uint64_t at = list.rasterInstances + uint64_t(drawIndex) * kRasterInstanceBytes;
   vec4 sphere = floatsAt(at, 0u);
   uvec4 first = wordsAt(at, 1u), second = wordsAt(at, 2u);
   return RasterInstance(sphere.xyz, sphere.w, packUint2x32(first.xy), uintBitsToFloat(first.z), first.w, second.x,
@@ -22,25 +22,25 @@ RasterInstance rankedInstance(InstanceList list, uint rank) {
 
 // --- triangle --------------------------------------------------------------------------------------------------------
 
-struct SeenTriangle {
-  RasterInstance rank;
+struct VisibleTriangle {
+  RasterInstance draw;
   uint number;  // index in its mesh
   uvec3 indices;
 };
 
-SeenTriangle seenTriangle(FrameConstants frame, uint64_t instances, uint id) {
+VisibleTriangle visibleTriangle(FrameConstants frame, uint64_t instances, uint id) {
   InstanceList list = InstanceListRef(instances).v;
-  SeenTriangle t;
-  t.rank = rankedInstance(list, RankOfPartRef(list.rankOfPart).v[(id - 1u) / kRasterGroup]);
-  t.number = id - 1u - t.rank.firstTriangle;
-  t.indices = triangleIndices(frameMesh(frame, t.rank.mesh), t.number);
+  VisibleTriangle t;
+  t.draw = rasterInstanceAt(list, DrawIndexOfPartRef(list.drawIndexOfPart).v[(id - 1u) / kRasterGroup]);
+  t.number = id - 1u - t.draw.firstTriangle;
+  t.indices = triangleIndices(frameMesh(frame, t.draw.mesh), t.number);
   return t;
 }
 
 // Returns the corners in view space.
-vec3[3] cornersOf(FrameConstants frame, View view, SeenTriangle t) {
-  mat4x3 placed = relativeToEye(frameInstance(frame, t.rank.instance), view);
-  uint64_t positions = frameMesh(frame, t.rank.mesh).positions;
+vec3[3] cornersOf(FrameConstants frame, View view, VisibleTriangle t) {
+  mat4x3 placed = relativeToEye(frameInstance(frame, t.draw.instance), view);
+  uint64_t positions = frameMesh(frame, t.draw.mesh).positions;
   vec3 corners[3];
   for (int i = 0; i < 3; ++i)
     corners[i] = toView(view, placed * vec4(positionAt(positions, t.indices[i]), 1.0));
@@ -48,9 +48,9 @@ vec3[3] cornersOf(FrameConstants frame, View view, SeenTriangle t) {
 }
 
 // Returns the corners of a vast triangle in view space.
-Exact3[3] vastCornersOf(FrameConstants frame, View view, SeenTriangle t) {
-  Instance instance = frameInstance(frame, t.rank.instance);
-  uint64_t positions = frameMesh(frame, t.rank.mesh).positions;
+Exact3[3] vastCornersOf(FrameConstants frame, View view, VisibleTriangle t) {
+  Instance instance = frameInstance(frame, t.draw.instance);
+  uint64_t positions = frameMesh(frame, t.draw.mesh).positions;
   Exact3 corners[3];
   for (int i = 0; i < 3; ++i) corners[i] = seenExactly(view, instance, positionAt(positions, t.indices[i]));
   return corners;
@@ -65,7 +65,7 @@ vec3 vastPoint(FrameConstants frame, View view, Exact3 corners[3], vec2 pixel) {
   return from + ray * ((plane.distance - dot(plane.normal, from)) / dot(plane.normal, ray));
 }
 
-bool isVast(SeenTriangle t) { return kVast != 0u && (t.rank.flags & kRankVast) != 0u; }
+bool isVast(VisibleTriangle t) { return kVast != 0u && (t.draw.flags & kDrawVast) != 0u; }
 
 // --- barycentric coordinates -----------------------------------------------------------------------------------------
 

@@ -8,10 +8,10 @@
 #include "render/visibility/compute/visible.glsl"
 
 uint64_t shownFrame;  // FrameConstants
-ShownPush shown;
+VisibleSurfacePush shown;
 
-// Call it before shownSurface().
-void showSurfaces(uint64_t frame, ShownPush push) {
+// Call it before visibleSurface().
+void bindSurfaces(uint64_t frame, VisibleSurfacePush push) {
   shownFrame = frame;
   shown = push;
 #ifndef TEXTURES_BY_INDEX
@@ -20,12 +20,12 @@ void showSurfaces(uint64_t frame, ShownPush push) {
 }
 
 // Returns the surface that these covered samples show, at their center on the first sample's triangle.
-Surface shownSurface(View view, ivec3 pixel, uint samples) {
+Surface visibleSurface(View view, ivec3 pixel, uint samples) {
   FrameConstants frame = FrameRef(shownFrame).v;
   uint index = visibleIndex(uvec3(pixel), uvec2(view.size)) + uint(max(findLSB(samples), 0));
-  SeenTriangle t = seenTriangle(frame, shown.instances, visibleId(VisibleRef(shown.visible).v[index]));
-  SurfacePoint p = seenPoint(frame, view, t, vec2(pixel.xy) + middleOfSamples(samples));
-  return evaluateMaterial(frame, frameMaterial(frame, frameInstance(frame, t.rank.instance).material), p);
+  VisibleTriangle t = visibleTriangle(frame, shown.instances, visibleId(VisibleRef(shown.visible).v[index]));
+  SurfacePoint p = visiblePoint(frame, view, t, vec2(pixel.xy) + sampleCentroid(samples));
+  return evaluateMaterial(frame, frameMaterial(frame, frameInstance(frame, t.draw.instance).material), p);
 }
 
 #endif

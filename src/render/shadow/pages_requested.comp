@@ -13,9 +13,9 @@
 #include "shared/light.h"
 #include "shared/shadow.h"
 
-layout(push_constant, scalar) uniform Push { PagesAskedPush push; };
+layout(push_constant, scalar) uniform Push { PagesRequestedPush push; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PagedLightRef { PagedLight v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer AskedRef { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer RequestedRef { uint v[]; };
 
 // --- one map --------------------------------------------------------------------------------------------------------
 
@@ -37,17 +37,17 @@ float reachAround(ShadowMap m, ShadowPoint p) {
 }
 
 // Marks the pages of the map that the lookup of the point may read.
-void ask(ShadowMap m, ShadowPoint p) {
+void request(ShadowMap m, ShadowPoint p) {
   float reach = reachAround(m, p);
   vec2 last = vec2(m.size - 1.0);
   uvec2 low = uvec2(clamp(p.texel - reach, vec2(0.0), last)) / kShadowPage;
   uvec2 high = uvec2(clamp(p.texel + reach, vec2(0.0), last)) / kShadowPage;
   uint span = (~0u >> (31u - (high.x - low.x))) << low.x;
-  AskedRef asked = AskedRef(push.asked);
+  RequestedRef requested = RequestedRef(push.requested);
   uvec2 cell = m.corner / kShadowCell;
   for (uint row = low.y; row <= high.y; ++row) {
     uint word = (m.layer * push.down + cell.y + row) * push.across + cell.x;
-    if ((asked.v[word] & span) != span) atomicOr(asked.v[word], span);
+    if ((requested.v[word] & span) != span) atomicOr(requested.v[word], span);
   }
 }
 
@@ -55,20 +55,20 @@ void ask(ShadowMap m, ShadowPoint p) {
 
 // Marks pages of the finest cascade that contains the point. If rounding may decide whether it does, marks pages of the
 // next coarser cascade as well.
-void askCascades(FrameConstants frame, LightShadow shadow, vec3 position) {
-  float room = shadowReach(kShadowFilter) + 0.5;
+void requestCascades(FrameConstants frame, LightShadow shadow, vec3 position) {
+  float margin = shadowReach(kShadowFilter) + 0.5;
   bool sure = false;
   for (uint i = 0u; i < shadow.maps && !sure; ++i) {
     ShadowMap m = frameShadowMap(frame, shadow.first + i);
     ShadowPoint p = shadowPoint(m, position);
-    if (shadowInside(m, p.texel, room - 1.0)) ask(m, p);
-    sure = shadowInside(m, p.texel, room + 1.0);
+    if (shadowInside(m, p.texel, margin - 1.0)) request(m, p);
+    sure = shadowInside(m, p.texel, margin + 1.0);
   }
 }
 
 // Marks pages of a spot light's map, or of the cube face that contains the point. If rounding may decide between faces,
 // marks pages of each of them.
-void askAround(FrameConstants frame, LightShadow shadow, vec3 light, vec3 position) {
+void requestCubeFaces(FrameConstants frame, LightShadow shadow, vec3 light, vec3 position) {
   vec3 toPoint = position - light, along = abs(toPoint);
   float nearly = 0.999 * max(along.x, max(along.y, along.z));
   for (uint i = 0u; i < shadow.maps; ++i) {
@@ -76,81 +76,81 @@ void askAround(FrameConstants frame, LightShadow shadow, vec3 light, vec3 positi
     if (shadow.maps == 6u && onAxis < nearly) continue;
     ShadowMap m = frameShadowMap(frame, shadow.first + i);
     ShadowPoint p = shadowPoint(m, position);
-    if (p.away > 0.0) ask(m, p);
+    if (p.away > 0.0) request(m, p);
   }
 }
 
 // --- one surface ----------------------------------------------------------------------------------------------------
 
-struct DealtLight {
+struct LaneLight {
   vec3 position;
   float radius;
   uint type;
   LightShadow shadow;
 };
 
-DealtLight lightInView(FrameConstants frame, uint view, uint number) {
+LaneLight lightInView(FrameConstants frame, uint view, uint number) {
   PagedLight paged = PagedLightRef(push.lights).v[number];
   Light light = frameLight(frame, paged.light);
   LightShadow shadow = LightShadowRef(frame.lightShadows).v[view * frame.shadowColumns + paged.column];
   const float kRounding = 1.001;
-  return DealtLight(light.position, light.radius * kRounding, light.type, shadow);
+  return LaneLight(light.position, light.radius * kRounding, light.type, shadow);
 }
 
-DealtLight ofLane(DealtLight mine, uint lane) {
-  return DealtLight(fromLane(mine.position, lane), fromLane(mine.radius, lane),
-                    fromLane(mine.type, lane),
-                    LightShadow(fromLane(mine.shadow.first, lane), fromLane(mine.shadow.maps, lane), 0u));
+LaneLight ofLane(LaneLight own, uint lane) {
+  return LaneLight(fromLane(own.position, lane), fromLane(own.radius, lane),
+                    fromLane(own.type, lane),
+                    LightShadow(fromLane(own.shadow.first, lane), fromLane(own.shadow.maps, lane), 0u));
 }
 
 // Returns true if the light casts shadows and may reach into the box.
-bool reachesInto(DealtLight l, vec3 low, vec3 high) {
+bool reachesInto(LaneLight l, vec3 low, vec3 high) {
   vec3 d = max(max(low - l.position, l.position - high), vec3(0.0));
   return l.shadow.maps != 0u && (lightIsDirectional(l.type) || dot(d, d) < l.radius * l.radius);
 }
 
-void askLight(FrameConstants frame, DealtLight l, vec3 position) {
+void requestForLight(FrameConstants frame, LaneLight l, vec3 position) {
   if (lightIsDirectional(l.type))
-    askCascades(frame, l.shadow, position);
+    requestCascades(frame, l.shadow, position);
   else
-    askAround(frame, l.shadow, l.position, position);
+    requestCubeFaces(frame, l.shadow, l.position, position);
 }
 
 // Marks the pages for a surface's position. The lanes of a subgroup each test one light against the box around all
 // positions of the subgroup. Every invocation of the subgroup must call it; `there` is false for those without a
 // surface.
-void askAt(FrameConstants frame, uint view, vec3 position, bool there) {
+void requestAt(FrameConstants frame, uint view, vec3 position, bool there) {
   const float kFar = 3.0e38;
   vec3 low = subgroupMin(there ? position : vec3(kFar)), high = subgroupMax(there ? position : vec3(-kFar));
   for (uint first = 0u; first < push.lightCount; first += lanesPresent) {
     uint number = first + laneRank;
-    DealtLight mine = lightInView(frame, view, min(number, push.lightCount - 1u));
-    uvec4 hits = subgroupBallot(number < push.lightCount && reachesInto(mine, low, high));
+    LaneLight own = lightInView(frame, view, min(number, push.lightCount - 1u));
+    uvec4 hits = subgroupBallot(number < push.lightCount && reachesInto(own, low, high));
     if (!anyLane(hits)) continue;
     do {
-      DealtLight l = ofLane(mine, popLane(hits));
-      if (there && reachesInto(l, position, position)) askLight(frame, l, position);
+      LaneLight l = ofLane(own, popLane(hits));
+      if (there && reachesInto(l, position, position)) requestForLight(frame, l, position);
     } while (anyLane(hits));
   }
 }
 
 #ifdef MULTISAMPLED
-void askAtPixel(FrameConstants frame, View view, ivec3 place, bool inside) {
+void requestAtPixel(FrameConstants frame, View view, ivec3 place, bool inside) {
   uint surfaces = inside ? countSurfaces(pixelSurfaces, place).x : 0u, most = subgroupMax(surfaces);
   for (uint i = 0u; i < most; ++i) {
     bool there = i < surfaces;
     uint samples = there ? surfaceSamples(pixelSurfaces, place, i) : 0u;
     vec3 position = vec3(0.0);
     if (there) position = readSurface(view, place, samples, depthOfSamples(gbufferDepth, place, samples), 1.0).position;
-    askAt(frame, uint(place.z), position, there);
+    requestAt(frame, uint(place.z), position, there);
   }
 }
 #else
-void askAtPixel(FrameConstants frame, View view, ivec3 place, bool inside) {
+void requestAtPixel(FrameConstants frame, View view, ivec3 place, bool inside) {
   float depth = inside ? texelFetch(gbufferDepth, place, 0).r : 0.0;
   vec3 position = vec3(0.0);
   if (depth != 0.0) position = readSurface(view, place, depth, 1.0).position;
-  askAt(frame, uint(place.z), position, depth != 0.0);
+  requestAt(frame, uint(place.z), position, depth != 0.0);
 }
 #endif
 
@@ -159,5 +159,5 @@ void main() {
   FrameConstants frame = FrameRef(push.frame).v;
   View view = frameView(frame, uint(place.z));
   countLanes();
-  askAtPixel(frame, view, place, all(lessThan(vec2(place.xy), view.size)));
+  requestAtPixel(frame, view, place, all(lessThan(vec2(place.xy), view.size)));
 }

@@ -11,12 +11,12 @@ bool samePlace(Instance a, Instance b) {
 }
 
 // Returns motion vectors, in pixels: xy to the previous frame, zw to the next frame.
-vec4 seenMotion(FrameConstants frame, View view, uint viewIndex, SeenTriangle t, vec2 pixel) {
+vec4 seenMotion(FrameConstants frame, View view, uint viewIndex, VisibleTriangle t, vec2 pixel) {
   View viewBefore = viewAt(frame.previousViews, viewIndex), viewAfter = viewAt(frame.nextViews, viewIndex);
-  mat4x3 now = relativeToEye(frameInstance(frame, t.rank.instance), view);
-  mat4x3 before = relativeToEye(instanceAt(frame.previousInstances, t.rank.instance), viewBefore);
-  mat4x3 after = relativeToEye(instanceAt(frame.nextInstances, t.rank.instance), viewAfter);
-  Mesh mesh = frameMesh(frame, t.rank.mesh);
+  mat4x3 now = relativeToEye(frameInstance(frame, t.draw.instance), view);
+  mat4x3 before = relativeToEye(instanceAt(frame.previousInstances, t.draw.instance), viewBefore);
+  mat4x3 after = relativeToEye(instanceAt(frame.nextInstances, t.draw.instance), viewAfter);
+  Mesh mesh = frameMesh(frame, t.draw.mesh);
   vec3 corners[3], clipNow = vec3(0.0), clipBefore = vec3(0.0), clipAfter = vec3(0.0);
   for (int i = 0; i < 3; ++i)
     corners[i] = toView(view, now * vec4(positionAt(mesh.positions, t.indices[i]), 1.0));
@@ -27,9 +27,9 @@ vec4 seenMotion(FrameConstants frame, View view, uint viewIndex, SeenTriangle t,
     clipAfter += w.at[i] * clipOf(viewAfter, after, mesh.nextPositions, t.indices[i]);
   }
   // If a vast triangle is static, its motion follows only from the eye positions, which are known exactly.
-  Instance current = frameInstance(frame, t.rank.instance);
-  for (bool some = isVast(t) && samePlace(current, instanceAt(frame.previousInstances, t.rank.instance)) &&
-                   samePlace(current, instanceAt(frame.nextInstances, t.rank.instance));
+  Instance current = frameInstance(frame, t.draw.instance);
+  for (bool some = isVast(t) && samePlace(current, instanceAt(frame.previousInstances, t.draw.instance)) &&
+                   samePlace(current, instanceAt(frame.nextInstances, t.draw.instance));
        some; some = false) {
     vec3 seen = vastPoint(frame, view, vastCornersOf(frame, view, t), pixel);
     vec3 relative = toWorldAxes(view, seen);

@@ -1,4 +1,4 @@
-#include "serve/gate.h"
+#include "serve/access_check.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 const std::string kToken = "0123456789abcdef0123456789abcdef";
 
 std::string refusal(std::string_view target, std::string_view host, std::optional<std::string_view> origin = {}) {
-  return Gate(kToken, {"render.example.org"}).open({target, host, origin}).refusal;
+  return AccessCheck(kToken, {"render.example.org"}).open({target, host, origin}).refusal;
 }
 
 TEST(GateTest, TokensAreRandom) {
@@ -38,8 +38,8 @@ TEST(GateTest, ComparesWholeTokens) {
 }
 
 TEST(GateTest, OpensForTheTokenAlone) {
-  EXPECT_EQ(Gate(kToken, {}).open({"/" + kToken + "/main.js?x=/y", "localhost", {}}).path, "main.js");
-  EXPECT_EQ(Gate(kToken, {}).open({"/" + kToken + "/", "localhost", {}}).path, "");
+  EXPECT_EQ(AccessCheck(kToken, {}).open({"/" + kToken + "/main.js?x=/y", "localhost", {}}).path, "main.js");
+  EXPECT_EQ(AccessCheck(kToken, {}).open({"/" + kToken + "/", "localhost", {}}).path, "");
   for (const std::string& target :
        std::vector<std::string>{"", "/", "//", "*", "/main.js", "/?token=" + kToken, "/" + kToken.substr(1) + "/",
                                 "/x/" + kToken + "/", "/" + kToken + "x/", "http://localhost/" + kToken + "/"})

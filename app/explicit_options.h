@@ -9,6 +9,6 @@
 namespace latelight::app {
 
 // Returns the options that were passed to a command, in the order of its help, except those with these long names.
-std::vector<std::string> givenOptions(const CLI::App& command, const std::vector<std::string_view>& but);
+std::vector<std::string> explicitOptions(const CLI::App& command, const std::vector<std::string_view>& but);
 
 }  // namespace latelight::app

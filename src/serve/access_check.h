@@ -10,22 +10,22 @@
 namespace latelight::serve {
 
 // The parts of a request that are checked.
-struct Knock {
+struct RequestHeader {
   std::string_view target;                 // "/TOKEN/style.css"
   std::string_view host;                   // "localhost:8765"
   std::optional<std::string_view> origin;  // set for requests from a page: "http://localhost:8765"
 };
 
-class Gate {
+class AccessCheck {
  public:
   // `names`: the names of this machine that browsers use, in addition to "localhost" and addresses.
-  Gate(std::string token, std::vector<std::string> names);
+  AccessCheck(std::string token, std::vector<std::string> names);
 
   struct Answer {
     std::string path;     // the path after the token: "", "style.css"
     std::string refusal;  // reason in a few words; empty: access is granted
   };
-  Answer open(const Knock& knock) const;
+  Answer open(const RequestHeader& header) const;
 
  private:
   bool knows(std::string_view host) const;

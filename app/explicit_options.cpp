@@ -1,10 +1,10 @@
-#include "app/given.h"
+#include "app/explicit_options.h"
 
 #include <algorithm>
 
 namespace latelight::app {
 
-std::vector<std::string> givenOptions(const CLI::App& command, const std::vector<std::string_view>& but) {
+std::vector<std::string> explicitOptions(const CLI::App& command, const std::vector<std::string_view>& but) {
   std::vector<std::string> words;
   for (const CLI::Option* option : command.get_options()) {
     if (option->count() == 0 || option->get_lnames().empty()) continue;

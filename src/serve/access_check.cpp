@@ -1,4 +1,4 @@
-#include "serve/gate.h"
+#include "serve/access_check.h"
 
 #include <arpa/inet.h>
 
@@ -27,20 +27,21 @@ std::string nameOf(std::string_view host) {
 
 }  // namespace
 
-Gate::Gate(std::string token, std::vector<std::string> names) : token_(std::move(token)), names_(std::move(names)) {}
+AccessCheck::AccessCheck(std::string token, std::vector<std::string> names)
+    : token_(std::move(token)), names_(std::move(names)) {}
 
 // Protects against DNS rebinding: a site that rebinds its name to this machine still uses that name as the host. An
 // address cannot be rebound.
-bool Gate::knows(std::string_view host) const {
+bool AccessCheck::knows(std::string_view host) const {
   const std::string name = nameOf(host);
   return name == "localhost" || isAddress(name) || std::ranges::find(names_, name) != names_.end();
 }
 
-Gate::Answer Gate::open(const Knock& knock) const {
-  if (!knows(knock.host)) return {"", "a host name that is not this machine's"};
-  if (knock.origin && *knock.origin != "http://" + std::string(knock.host)) return {"", "a page of another origin"};
-  if (!knock.target.starts_with('/')) return {"", "a malformed address"};
-  const std::string_view path = knock.target.substr(1, knock.target.find('?') - 1);
+AccessCheck::Answer AccessCheck::open(const RequestHeader& header) const {
+  if (!knows(header.host)) return {"", "a host name that is not this machine's"};
+  if (header.origin && *header.origin != "http://" + std::string(header.host)) return {"", "a page of another origin"};
+  if (!header.target.starts_with('/')) return {"", "a malformed address"};
+  const std::string_view path = header.target.substr(1, header.target.find('?') - 1);
   const size_t slash = path.find('/');
   if (slash == std::string_view::npos || !sameToken(path.substr(0, slash), token_)) return {"", "a wrong token"};
   return {std::string(path.substr(slash + 1)), ""};
