@@ -104,9 +104,7 @@ int deviceByUuid(const std::string& uuid) {
   for (int device = 0; device < count; ++device) {
     Uuid its{};
     check(cuda().cuDeviceGetUuid(&its, device), "name a device");
-    std::string text;
-    for (const unsigned char byte : its.bytes) text += fmt::format("{:02x}", byte);
-    if (text == uuid) return device;
+    if (fmt::format("{:02x}", fmt::join(its.bytes, "")) == uuid) return device;
   }
   throw Error(ExitCode::NoDevice, fmt::format("CUDA has no device {}: see CUDA_VISIBLE_DEVICES", uuid));
 }

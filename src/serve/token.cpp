@@ -16,9 +16,7 @@ std::string newToken() {
   do got = getrandom(bytes.data(), bytes.size(), 0);
   while (got < 0 && errno == EINTR);
   if (got != static_cast<ssize_t>(bytes.size())) fail(ExitCode::Internal, "the system provides no random bytes");
-  std::string hex;
-  for (const unsigned char byte : bytes) hex += fmt::format("{:02x}", byte);
-  return hex;
+  return fmt::format("{:02x}", fmt::join(bytes, ""));
 }
 
 bool sameToken(std::string_view a, std::string_view b) {

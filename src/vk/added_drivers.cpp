@@ -52,6 +52,7 @@ std::optional<fs::path> nvidiaManifest() {
 }
 
 bool writeManifest(const fs::path& path, const std::string& library) {
+  if (readDriverFile(path).library == library) return true;  // of an earlier process
   const nlohmann::ordered_json manifest{{"file_format_version", "1.0.0"},
                                         {"ICD", {{"library_path", library}, {"api_version", "1.3.0"}}}};
   const std::string text = manifest.dump(2) + "\n";
@@ -63,16 +64,12 @@ bool writeManifest(const fs::path& path, const std::string& library) {
   return true;
 }
 
-bool namesNvidia(const DriverProbe& probe) {
-  return probe.library.find("nvidia") != std::string::npos;
-}
-
 void addNvidia() {
   const std::optional<fs::path> own = nvidiaManifest();
   if (!own) return;
   bool listed = false;
   for (const fs::path& file : findDriverFiles().files) {
-    if (file == *own || !namesNvidia(readDriverFile(file))) continue;
+    if (file == *own || !readDriverFile(file).isNvidia()) continue;
     if (probeDriver(file).error.empty()) return;
     listed = true;
   }

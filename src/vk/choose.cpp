@@ -37,12 +37,6 @@ std::string versionName(uint32_t version) {
                      VK_API_VERSION_PATCH(version));
 }
 
-std::string hex(const uint8_t (&bytes)[VK_UUID_SIZE]) {
-  std::string text;
-  for (uint8_t byte : bytes) text += fmt::format("{:02x}", byte);
-  return text;
-}
-
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
   return text;
@@ -178,7 +172,7 @@ DeviceInfo describe(VkPhysicalDevice device, uint32_t index) {
   DeviceInfo info;
   info.index = index;
   info.name = properties.properties.deviceName;
-  info.uuid = hex(id.deviceUUID);
+  info.uuid = fmt::format("{:02x}", fmt::join(id.deviceUUID, ""));
   info.type = typeName(properties.properties.deviceType);
   info.driver =
       fmt::format("{} {}{}", driver.driverName, driver.driverInfo, isOwnCpuDriver(info) ? " (latelight-cpu)" : "");

@@ -46,9 +46,7 @@ std::optional<std::vector<std::string>> cudaDevices() {
   for (int device = 0; device < count; ++device) {
     Uuid uuid{};
     if (driver->uuid(&uuid, device) != 0) return std::nullopt;
-    std::string text;
-    for (const unsigned char byte : uuid.bytes) text += fmt::format("{:02x}", byte);
-    uuids.push_back(text);
+    uuids.push_back(fmt::format("{:02x}", fmt::join(uuid.bytes, "")));
   }
   return uuids;
 }

@@ -46,8 +46,7 @@ bool isReplaced(const fs::path& file) {
     return std::ranges::any_of(addedDrivers(), [&](const AddedDriver& driver) { return driver.isCpu == cpu; });
   };
   if (file.filename().string().starts_with("lvp_icd")) return added(true);
-  return added(false) && readDriverFile(file).library.find("nvidia") != std::string::npos &&
-         !probeDriver(file).error.empty();
+  return added(false) && readDriverFile(file).isNvidia() && !probeDriver(file).error.empty();
 }
 
 void examineDrivers(std::vector<Finding>& findings) {

@@ -17,6 +17,7 @@ DriverFiles findDriverFiles();
 struct DriverProbe {
   std::string library;  // as named in the file; empty if the file cannot be read
   std::string error;    // the end of a sentence; empty: the driver loads
+  bool isNvidia() const { return library.find("nvidia") != std::string::npos; }
 };
 // Reads the file, without loading its library.
 DriverProbe readDriverFile(const std::filesystem::path& file);

@@ -109,7 +109,7 @@ void shadeLayered(const FrameContext& f, const Gbuffer& gbuffer) {
 }  // namespace
 
 void addLayered(const FrameContext& f, const Gbuffer& gbuffer) {
-  if (!(shownMaterials(f).solid & shared::kMaterialLayered)) return;
+  if (!(visibleMaterials(f).solid & shared::kMaterialLayered)) return;
   if (gbuffer.visible.ids) return shadeLayered(f, gbuffer);
   drawLayered(f, gbuffer, hardwareOf(f, "layered"));
 }

@@ -25,7 +25,7 @@ ComputePass lightingPass(const FrameContext& f, const Gbuffer& gbuffer, const st
   appendLitMaps(bindings, f, gbuffer);
   std::vector<vk::Constant> constants = f.setup.constants();
   constants.push_back({kSamplesConstant, f.setup.samples});
-  const bool layered = (shownMaterials(f).solid & shared::kMaterialLayered) != 0;
+  const bool layered = (visibleMaterials(f).solid & shared::kMaterialLayered) != 0;
   constants.push_back({kSomeShadedSeparatelyConstant, layered ? 1u : 0u});
   ComputePass pass{.stage = graph::Stage::Lighting,
                    .name = name,

@@ -29,7 +29,7 @@ graph::BufferId createWords(const FrameContext& f, const char* name) {
 // another surface or none.
 bool gbufferHasAll(const FrameContext& f) {
   const bool blended = f.setup.transparency.method != kTransparencyNone && anyBlended(f);
-  return !blended && !(shownMaterials(f).solid & kMaterialLayered);
+  return !blended && !(visibleMaterials(f).solid & kMaterialLayered);
 }
 
 ComputePass requestPass(const FrameContext& f, const Gbuffer& gbuffer) {

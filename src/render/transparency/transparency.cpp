@@ -15,7 +15,7 @@ static_assert(indexOf(TransparencyMethod::Weighted) == kTransparencyWeighted);
 static_assert(indexOf(TransparencyMethod::None) == kTransparencyNone);
 
 bool blendedHaveLayers(const FrameContext& f) {
-  return (shownMaterials(f).translucent & shared::kMaterialLayered) != 0;
+  return (visibleMaterials(f).translucent & shared::kMaterialLayered) != 0;
 }
 
 Bindings blendedMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::Use use) {
@@ -57,7 +57,7 @@ ScenePipelines blendedPipelines(const FrameContext& f, const Bindings& maps, con
 void addTransparency(const FrameContext& f, Gbuffer gbuffer) {
   const uint32_t method = f.setup.transparency.method;
   if (method == kTransparencyNone || !anyBlended(f)) return;
-  if (shownMaterials(f).translucent & shared::kMaterialTransmissive)
+  if (visibleMaterials(f).translucent & shared::kMaterialTransmissive)
     gbuffer.behind = addTransmissionBackground(f, gbuffer.light);
   if (gbuffer.visible.ids) return addFragmentLists(f, gbuffer);
   switch (method) {

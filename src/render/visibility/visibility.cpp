@@ -35,7 +35,7 @@ bool anyBlended(const FrameContext& f) {
   return std::visit([](const auto& technique) { return technique.anyBlended(); }, f.visibility);
 }
 
-VisibleMaterials shownMaterials(const FrameContext& f) {
+VisibleMaterials visibleMaterials(const FrameContext& f) {
   return std::visit([](const auto& technique) { return technique.materials(); }, f.visibility);
 }
 

@@ -51,7 +51,7 @@ void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId
 void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers);
 void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers);
 bool anyBlended(const FrameContext& f);  // true if any view may show blended surfaces
-VisibleMaterials shownMaterials(const FrameContext& f);
+VisibleMaterials visibleMaterials(const FrameContext& f);
 
 // For compute passes with the setup's constants that evaluate the surfaces of visible.ids themselves
 // (visible_surface.glsl): readVisibleSurfaces() adds the resources that they read. surfacePush() returns their push

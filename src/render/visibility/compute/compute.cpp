@@ -234,7 +234,7 @@ graph::BufferId packOutputs(const FrameContext& f, ComputePass& pass) {
 // Returns true if surfaces with coats, which are shaded separately, write only a marker to the G-buffer. With several
 // samples per pixel they write everything, because the targets decide which samples show one surface.
 bool shadesLayeredSeparately(const FrameContext& f, const Gbuffer& gbuffer) {
-  const bool some = (shownMaterials(f).solid & shared::kMaterialLayered) != 0;
+  const bool some = (visibleMaterials(f).solid & shared::kMaterialLayered) != 0;
   return some && gbuffer.forLighting && f.setup.samples == 1 && !f.setup.outputs;
 }
 
