@@ -145,7 +145,8 @@ FixedState::FixedState(const GraphicsDesc& desc) {
   target.dstColorBlendFactor = kept(desc.blend == Blend::Over);
   target.dstAlphaBlendFactor = kept(desc.blend == Blend::Over || desc.blend == Blend::SumAndOver);
   targets.assign(desc.colors.size(), target);
-  for (size_t i = 0; i < targets.size(); ++i)
+  // The first color keeps its mask if another is written: lavapipe of Mesa 25 writes none if the first mask is empty.
+  for (size_t i = desc.colorsWritten == 0 ? 0 : 1; i < targets.size(); ++i)
     if ((desc.colorsWritten >> i & 1u) == 0) targets[i].colorWriteMask = 0;
   for (const VertexBuffer& buffer : desc.vertexBuffers) {
     const auto binding = static_cast<uint32_t>(vertexBindings.size());
