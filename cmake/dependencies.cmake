@@ -14,9 +14,9 @@ set(CMAKE_MESSAGE_LOG_LEVEL ERROR)
 find_package(OpenEXR REQUIRED)
 set(CMAKE_MESSAGE_LOG_LEVEL "${log_level}")
 find_package(ZLIB REQUIRED)
-find_package(Boost REQUIRED)  # only Beast, which is header-only
+find_package(Boost CONFIG REQUIRED)  # only Beast, which is header-only
 find_package(PkgConfig REQUIRED)
-pkg_check_modules(draco REQUIRED IMPORTED_TARGET draco)
+find_package(draco CONFIG REQUIRED)
 pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)
 pkg_check_modules(turbojpeg REQUIRED IMPORTED_TARGET libturbojpeg)
 pkg_check_modules(spng REQUIRED IMPORTED_TARGET spng)
@@ -43,7 +43,7 @@ add_compile_definitions(VK_NO_PROTOTYPES)
 
 add_library(latelight_scene_dependencies INTERFACE)
 target_link_libraries(latelight_scene_dependencies INTERFACE
-  meshoptimizer::meshoptimizer PkgConfig::draco PkgConfig::webp PkgConfig::turbojpeg PkgConfig::spng
+  meshoptimizer::meshoptimizer draco::draco PkgConfig::webp PkgConfig::turbojpeg PkgConfig::spng
   PkgConfig::zstd OpenEXR::OpenEXR nlohmann_json::nlohmann_json)
 add_library(latelight_output_dependencies INTERFACE)
 target_link_libraries(latelight_output_dependencies INTERFACE

@@ -1,5 +1,6 @@
 # Builds the program `latelight` and the library `latelight`, which exports only the public headers in
 # include/latelight.
+include(CheckCXXCompilerFlag)
 find_package(CLI11 REQUIRED)
 get_property(modules GLOBAL PROPERTY LATELIGHT_MODULES)
 set_property(SOURCE ${PROJECT_SOURCE_DIR}/src/base/version.cpp APPEND PROPERTY
@@ -32,8 +33,13 @@ if(LATELIGHT_VIEWER)
   set_property(SOURCE ${PROJECT_SOURCE_DIR}/app/view/display.cpp PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)
 endif()
 # These targets consist mostly of templates from headers; with less optimization they compile in two thirds of the time.
+# GCC 13 and later on x86 turn an option off with -O1 that has to be as it was in the precompiled header.
+check_cxx_compiler_flag(-munroll-only-small-loops LATELIGHT_UNROLLS_SMALL_LOOPS)
 foreach(target latelight_render_command latelight_program latelight_serve)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  if(LATELIGHT_UNROLLS_SMALL_LOOPS)
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-munroll-only-small-loops>)
+  endif()
 endforeach()
 set_source_files_properties(${PROJECT_SOURCE_DIR}/src/serve/picture.cpp PROPERTIES
   SKIP_UNITY_BUILD_INCLUSION ON COMPILE_OPTIONS $<$<CONFIG:Release>:-O3>)

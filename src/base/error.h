@@ -23,17 +23,23 @@ decltype(auto) shortenedIfText(const T& value) {
     return (value);
 }
 
+// Takes its arguments as lvalues, which fmt::make_format_args() requires.
+template <typename... Args>
+std::string formatted(fmt::string_view format, const Args&... args) {
+  return fmt::vformat(format, fmt::make_format_args(args...));
+}
+
 template <typename... Args>
 [[noreturn]] void fail(ExitCode code, fmt::format_string<Args...> format, Args&&... args) {
   throw Error(code, fmt::format(format, std::forward<Args>(args)...));
 }
 template <typename... Args>
 [[noreturn]] void badInput(fmt::format_string<Args...> format, Args&&... args) {
-  throw Error(ExitCode::BadInput, fmt::vformat(format, fmt::make_format_args(shortenedIfText(args)...)));
+  throw Error(ExitCode::BadInput, formatted(format, shortenedIfText(args)...));
 }
 template <typename... Args>
 [[noreturn]] void badUsage(fmt::format_string<Args...> format, Args&&... args) {
-  throw Error(ExitCode::Usage, fmt::vformat(format, fmt::make_format_args(shortenedIfText(args)...)));
+  throw Error(ExitCode::Usage, formatted(format, shortenedIfText(args)...));
 }
 
 }  // namespace latelight

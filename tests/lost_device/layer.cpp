@@ -126,7 +126,7 @@ PFN_vkVoidFunction own(const char* name) {
 
 }  // namespace
 
-extern "C" VK_LAYER_EXPORT VKAPI_ATTR VkResult VKAPI_CALL
+extern "C" [[gnu::visibility("default")]] VKAPI_ATTR VkResult VKAPI_CALL
 vkNegotiateLoaderLayerInterfaceVersion(VkNegotiateLayerInterface* offered) {
   offered->loaderLayerInterfaceVersion = 2;
   offered->pfnGetInstanceProcAddr = getInstanceProcAddr;

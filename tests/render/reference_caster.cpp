@@ -13,11 +13,31 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// What the filter function is told beside the hit.
+#if RTC_VERSION_MAJOR >= 4
+using QueryContext = RTCRayQueryContext;
+#else
+using QueryContext = RTCIntersectContext;
+#endif
+
+// Argument of the filter function besides the hit.
 struct CastContext {
-  RTCIntersectContext base;  // must come first: Embree hands back a pointer to it
-  int* count;                // if set, hits are counted and passed through
+  QueryContext base;  // must come first: Embree passes on a pointer to it
+  int* count;         // if set, hits are counted and passed through
 };
+
+// Embree 4 has the same query as Embree 3, with its arguments in a struct.
+void intersect(RTCScene scene, CastContext& context, RTCRayHit& ray) {
+#if RTC_VERSION_MAJOR >= 4
+  rtcInitRayQueryContext(&context.base);
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.context = &context.base;
+  rtcIntersect1(scene, &ray, &arguments);
+#else
+  rtcInitIntersectContext(&context.base);
+  rtcIntersect1(scene, &context.base, &ray);
+#endif
+}
 
 double wrapped(double u, scene::Wrap wrap) {
   switch (wrap) {
@@ -111,7 +131,7 @@ ReferenceCaster::ReferenceCaster(const scene::Scene& scene, const scene::Camera&
 
   device_ = rtcNewDevice(nullptr);
   embree_ = rtcNewScene(device_);
-  rtcSetSceneFlags(embree_, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+  rtcSetSceneFlags(embree_, RTC_SCENE_FLAG_ROBUST);
   for (const scene::Instance& instance : scene.instances) {
     Surface& surface = *surfaces_.emplace_back(std::make_unique<Surface>(Surface{&scene, &instance, {}}));
     const scene::Mesh& mesh = surface.mesh();
@@ -169,8 +189,7 @@ std::optional<Hit> ReferenceCaster::castAlong(dvec3 direction) const {
 std::optional<Hit> ReferenceCaster::cast(const Ray& ray) const {
   RTCRayHit r = embreeRay(ray.origin, ray.direction, camera_.nearClip, camera_.farClip);
   CastContext context{{}, nullptr};
-  rtcInitIntersectContext(&context.base);
-  rtcIntersect1(embree_, &context.base, &r);
+  intersect(embree_, context, r);
   if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   return refine(ray, r.hit.geomID, r.hit.primID);
 }
@@ -180,16 +199,14 @@ int ReferenceCaster::surfacesNear(dvec2 pixel, double depth, double tolerance) c
   RTCRayHit r = embreeRay(ray.origin, ray.direction, depth * (1 - tolerance), depth * (1 + tolerance));
   int count = 0;
   CastContext context{{}, &count};
-  rtcInitIntersectContext(&context.base);
-  rtcIntersect1(embree_, &context.base, &r);
+  intersect(embree_, context, r);
   return count;
 }
 
 double ReferenceCaster::freeDistance(dvec3 origin, dvec3 direction, double farthest) const {
   RTCRayHit r = embreeRay(origin, direction, 1e-4 * farthest, farthest);
   CastContext context{{}, nullptr};
-  rtcInitIntersectContext(&context.base);
-  rtcIntersect1(embree_, &context.base, &r);
+  intersect(embree_, context, r);
   return r.hit.geomID == RTC_INVALID_GEOMETRY_ID ? kInfinity : double{r.ray.tfar};
 }
 

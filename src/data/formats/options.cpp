@@ -21,24 +21,24 @@ void FormatOptions::wrong(std::string_view key, std::string_view takes) const {
   badUsage("{} of the format {} takes {}", key, format_, takes);
 }
 
-bool FormatOptions::flag(std::string_view key, bool normal) {
+bool FormatOptions::flag(std::string_view key, bool preset) {
   const Json* value = find(key);
-  if (!value) return normal;
+  if (!value) return preset;
   if (!value->is_boolean()) wrong(key, "true or false");
   return value->get<bool>();
 }
 
-double FormatOptions::number(std::string_view key, double normal, double least, double most) {
+double FormatOptions::number(std::string_view key, double preset, double minimum, double maximum) {
   const Json* value = find(key);
-  if (!value) return normal;
-  if (!value->is_number() || !(value->get<double>() >= least && value->get<double>() <= most))
-    wrong(key, fmt::format("a number from {} to {}", least, most));
+  if (!value) return preset;
+  if (!value->is_number() || !(value->get<double>() >= minimum && value->get<double>() <= maximum))
+    wrong(key, fmt::format("a number from {} to {}", minimum, maximum));
   return value->get<double>();
 }
 
-std::string FormatOptions::text(std::string_view key, std::string_view normal) {
+std::string FormatOptions::text(std::string_view key, std::string_view preset) {
   const Json* value = find(key);
-  if (!value) return std::string(normal);
+  if (!value) return std::string(preset);
   if (!value->is_string() || value->get_ref<const std::string&>().empty()) wrong(key, "a text");
   return value->get<std::string>();
 }
@@ -50,32 +50,32 @@ std::string FormatOptions::choice(std::string_view key, std::initializer_list<st
   return name;
 }
 
-std::vector<output::Aov> FormatOptions::outputs(std::string_view key, std::vector<output::Aov> normal) {
+std::vector<output::Aov> FormatOptions::outputs(std::string_view key, const std::vector<output::Aov>& preset) {
   const Json* value = find(key);
-  if (!value) return normal;
+  if (!value) return preset;
   const auto isText = [](const Json& name) { return name.is_string(); };
   if (!value->is_array() || value->empty() || !std::ranges::all_of(*value, isText))
     wrong(key, "a list of names (latelight list aovs)");
   return output::parseAovs(fmt::format("{}", fmt::join(value->get<std::vector<std::string>>(), ",")));
 }
 
-std::string FormatOptions::file(std::string_view key, std::string_view normal, std::string_view ending) {
-  const std::string name = text(key, normal);
+std::string FormatOptions::file(std::string_view key, std::string_view preset, std::string_view ending) {
+  const std::string name = text(key, preset);
   const std::filesystem::path path(name);
   if (path.is_absolute() || std::ranges::find(path, "..") != path.end() || !name.ends_with(ending))
     wrong(key, fmt::format("a file below the data set's folder that ends in {}", ending));
   return name;
 }
 
-std::string FormatOptions::frameFile(std::string_view key, std::string_view normal, std::string_view ending) {
-  const std::string name = file(key, normal, ending);
+std::string FormatOptions::frameFile(std::string_view key, std::string_view preset, std::string_view ending) {
+  const std::string name = file(key, preset, ending);
   if (name.find("{name}") == std::string::npos)
     wrong(key, "a file with {name} in it, or each frame would replace the one before");
   return name;
 }
 
-std::string FormatOptions::setFile(std::string_view key, std::string_view normal, std::string_view ending) {
-  return file(key, normal, ending);
+std::string FormatOptions::setFile(std::string_view key, std::string_view preset, std::string_view ending) {
+  return file(key, preset, ending);
 }
 
 void FormatOptions::finish() const {
