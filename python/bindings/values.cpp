@@ -92,8 +92,7 @@ void rejectMasks(nb::handle value, std::string_view name, const nb::object& mask
   if (isNumPy(value, maskedArray) && nb::cast<bool>(numpy("ma").attr("is_masked")(value)))
     badValue("{} has masked values: fill them first, with numpy.ma.filled()", name);
   if (depth == kMaxDepth || !(PyList_CheckExact(value.ptr()) || PyTuple_CheckExact(value.ptr()))) return;
-  for (Py_ssize_t i = 0; i < PySequence_Fast_GET_SIZE(value.ptr()); ++i)
-    rejectMasks(PySequence_Fast_GET_ITEM(value.ptr(), i), name, maskedArray, depth + 1);
+  for (const nb::handle item : value) rejectMasks(item, name, maskedArray, depth + 1);
 }
 void rejectMasks(nb::handle value, std::string_view name) {
   rejectMasks(value, name, numpy("ma").attr("MaskedArray"));
@@ -141,8 +140,13 @@ void requireFinite(const std::vector<T>& values, std::string_view name) {
 
 }  // namespace
 
+// With the module for types of C that are not built in ("numpy.ndarray"), and without it for classes.
 std::string typeName(nb::handle value) {
-  return Py_TYPE(value.ptr())->tp_name;
+  const nb::handle type = value.type();
+  const auto name = nb::cast<std::string>(type.attr("__name__"));
+  if (PyType_GetFlags(reinterpret_cast<PyTypeObject*>(type.ptr())) & Py_TPFLAGS_HEAPTYPE) return name;
+  const auto module = nb::cast<std::string>(type.attr("__module__"));
+  return module == "builtins" ? name : module + "." + name;
 }
 
 std::string shown(const nb::object& value) {
@@ -156,7 +160,7 @@ bool boolOf(nb::handle value, std::string_view name) {
 }
 
 double numberOf(nb::handle value, std::string_view name) {
-  if (PyFloat_CheckExact(value.ptr())) return PyFloat_AS_DOUBLE(value.ptr());
+  if (PyFloat_CheckExact(value.ptr())) return PyFloat_AsDouble(value.ptr());
   const RunningPython section;
   rejectMasks(value, name);
   const bool isArray = isNumPy(value, numpy("generic")) || isNumPy(value, numpy("ndarray"));
