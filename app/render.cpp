@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "app/commands.h"
+#include "app/render_heap.h"
 #include "app/render_metadata.h"
 #include "app/render_pick.h"
 #include "app/render_run.h"
@@ -308,6 +309,7 @@ void render(RenderOptions& o) {
   const auto start = Clock::now();
   const RenderPlan plan = planRender(o);
 
+  if (!o.scene.starts_with("builtin:")) reuseFreedMemory();  // for textures, which built-in scenes do not have
   vk::avoidFullDriverCache();
   // The device starts while the scene loads, because they share nothing.
   auto deviceStart = inBackground(

@@ -1,0 +1,39 @@
+#include "app/render_heap.h"
+
+#include <malloc.h>
+#include <sys/mman.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <limits>
+
+#include "base/memory.h"
+
+namespace latelight::app {
+
+namespace {
+
+constexpr size_t kHeap = size_t{512} << 20;  // a dozen textures of 2048 x 2048, decoded and in the driver's images
+// Larger blocks do not come from the heap: of shadow maps, only parts are written, and huge pages would clear the rest.
+constexpr int kLargestBlock = 33 << 20;
+constexpr uintptr_t kHugePage = uintptr_t{2} << 20;
+
+}  // namespace
+
+void reuseFreedMemory() {
+#ifdef __GLIBC__
+  if (addressesLeft() != std::numeric_limits<uint64_t>::max()) return;
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());  // the heap does not shrink
+  mallopt(M_ARENA_MAX, 1);                                     // threads share the one heap
+  mallopt(M_MMAP_THRESHOLD, 2 * kHeap);                        // the following block extends the heap
+  void* heap = std::malloc(kHeap);
+  if (!heap) return;
+  const uintptr_t begin = (reinterpret_cast<uintptr_t>(heap) + kHugePage - 1) / kHugePage * kHugePage;
+  const uintptr_t end = reinterpret_cast<uintptr_t>(heap) + kHeap;
+  madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);  // a hint: kernels without huge pages refuse it
+  std::free(heap);
+  mallopt(M_MMAP_THRESHOLD, kLargestBlock);
+#endif
+}
+
+}  // namespace latelight::app
