@@ -64,7 +64,7 @@ class Bench {
   LitPicture light(const FrameConfig& setup, std::span<const shared::View> views, LightRange range) {
     frames_.shine(range.first, range.count);
     graph::Graph graph;
-    const FrameContext& f = frames_.frame(graph, setup, {views.begin(), views.end()},
+    const FrameContext f = frames_.frame(graph, setup, {views.begin(), views.end()},
                                           {.exposure = 1.25f, .environmentIntensity = intensity_});
     const LitFrame frame = addFrame(f);
     const ResultTarget finished = createResult(f, "picture", uint64_t{4} * f.width * f.height, f.viewCount());

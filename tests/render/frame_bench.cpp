@@ -18,11 +18,10 @@ void FrameBench::shine(uint32_t first, uint32_t count) {
   scene_.setLights({begin, begin + count});
 }
 
-const FrameContext& FrameBench::frame(graph::Graph& graph, const FrameConfig& setup, std::vector<shared::View> views,
-                                      const BenchLight& light, Overflow* overflow) {
+FrameContext FrameBench::frame(graph::Graph& graph, const FrameConfig& setup, std::vector<shared::View> views,
+                               const BenchLight& light, Overflow* overflow) {
   kept_ = std::make_unique<Kept>();
   kept_->views = std::move(views);
-  kept_->setup = setup;
   kept_->viewBuffer = vk::uploadedBuffer(device_, "views", std::as_bytes(std::span(kept_->views)), kViewUsage);
   shared::FrameConstants frame{};
   scene_.describe(frame);
@@ -36,19 +35,19 @@ const FrameContext& FrameBench::frame(graph::Graph& graph, const FrameConfig& se
   kept_->constants = vk::uploadedBuffer(device_, "frame constants", std::as_bytes(std::span(&frame, 1)));
   kept_->visibility = std::make_unique<Visibility>(HardwareVisibility(device_, scene_, order_, kept_->views));
   const shared::vec2 size = kept_->views.front().size;
-  kept_->context = std::make_unique<FrameContext>(FrameContext{{device_, graph},
-                                                               scene_,
-                                                               environment_,
-                                                               *kept_->visibility,
-                                                               kept_->setup,
-                                                               kept_->views,
-                                                               kept_->constants.address(),
-                                                               kept_->viewBuffer.get(),
-                                                               static_cast<uint32_t>(size.x),
-                                                               static_cast<uint32_t>(size.y),
-                                                               scene_.lights().lights()});
-  kept_->context->overflow = overflow;
-  return *kept_->context;
+  FrameContext f{{device_, graph},
+                 scene_,
+                 environment_,
+                 *kept_->visibility,
+                 setup,
+                 kept_->views,
+                 kept_->constants.address(),
+                 kept_->viewBuffer.get(),
+                 static_cast<uint32_t>(size.x),
+                 static_cast<uint32_t>(size.y),
+                 scene_.lights().lights()};
+  f.overflow = overflow;
+  return f;
 }
 
 const graph::Submission& FrameBench::run(const graph::Graph& graph) {

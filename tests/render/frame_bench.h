@@ -23,8 +23,8 @@ class FrameBench {
   void shine(uint32_t first, uint32_t count);
 
   // A frame to add passes to, of a graph that is run before the next frame is asked for.
-  const FrameContext& frame(graph::Graph& graph, const FrameConfig& setup, std::vector<shared::View> views,
-                            const BenchLight& light = {}, Overflow* overflow = nullptr);
+  FrameContext frame(graph::Graph& graph, const FrameConfig& setup, std::vector<shared::View> views,
+                     const BenchLight& light = {}, Overflow* overflow = nullptr);
   const graph::Submission& run(const graph::Graph& graph);
 
  private:
@@ -37,10 +37,8 @@ class FrameBench {
   // Of the frame asked for last.
   struct Kept {
     std::vector<shared::View> views;
-    FrameConfig setup;
     std::unique_ptr<Visibility> visibility;
     vk::Buffer viewBuffer, constants;
-    std::unique_ptr<FrameContext> context;
   };
   std::unique_ptr<Kept> kept_;
 };

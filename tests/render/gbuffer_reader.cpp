@@ -88,7 +88,7 @@ ReadGbuffer GbufferReader::read(const FrameConfig& setup, const scene::Camera& c
                      .height = height};
   frames_.shine(light.firstLight, light.lightCount);
   graph::Graph graph;
-  const FrameContext& f = frames_.frame(graph, setup, {result.view},
+  const FrameContext f = frames_.frame(graph, setup, {result.view},
                                         {light.exposure, light.environmentIntensity, light.environmentRotation});
   Gbuffer gbuffer = gbufferOf(addVisibility(f));
   gbuffer.light = createTarget(f, kLightFormat, "light");

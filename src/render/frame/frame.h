@@ -22,21 +22,67 @@ class ComputeVisibility;
 using Visibility = std::variant<HardwareVisibility, ComputeVisibility>;  // visibility/visibility.h
 struct LensRays;
 struct TechniqueInfo;
-struct FrameConfig;
 class FrameShadows;
 struct Overflow;
 struct SurfaceOutputs;
+
+// How blended surfaces are rendered (render/transparency).
+struct TransparencySetup {
+  uint32_t method = 0;      // kTransparency*
+  bool everyLight = false;  // reference: loop over all lights instead of traversing the light tree
+  uint64_t most = 0;        // limit on the fragments that `exact` stores; 0: the device's limit
+  bool operator==(const TransparencySetup&) const = default;
+};
+
+// The settings of a frame for which its shaders are specialized (specialization constants).
+struct FrameConfig {
+  const Layout* layout = nullptr;
+  uint32_t normalEncoding = 0;  // kNormal_*
+  const TechniqueInfo* lighting = nullptr;
+  uint32_t shading = 0;                     // kShading*
+  uint32_t normalSpace = 0;                 // kNormalSpace*
+  uint32_t positionMethod = 0;              // kPosition*
+  uint32_t volumesOrder = 0;                // kVolumes*, for the technique `volumes`
+  uint32_t targets = ~0u;                   // bit i: the layout's target i is required
+  const SurfaceOutputs* outputs = nullptr;  // packed in addition to the targets, with visibility in compute
+  bool countLights = false;
+  uint32_t ambientOcclusion = 0;  // kAo*
+  uint32_t textureSlots = ~0u;    // bit i: a material may have a texture in slot i (GpuScene::textureSlots)
+  uint32_t layers = 0;            // kLayer*: coats that a material may have (GpuMaterials::layers)
+  bool lights = true;             // lights may exist; false: shaders of the deferred techniques have no light loops
+  bool fewLights = false;         // on a CPU device, a loop over all lights is faster than light culling
+  bool environment = true;        // the renderer has an environment
+  bool vast = false;              // some triangles are vast (GpuInstances::anyVast)
+  bool fog = false;               // the constants define fog
+  TransparencySetup transparency;
+  uint32_t shadowFormat = 0;  // kShadow*
+  uint32_t shadowFilter = 0;  // kShadowFilter*
+  bool lens = false;          // pixels use the rays of FrameConstants::rays
+  bool sunInGbuffer = false;  // the layout's sunTarget holds the sun's shadow, which lighting reads there
+  uint32_t samples = 1;       // per pixel: a power of two up to shared::kMaxSamples
+  bool sampleLayers = false;  // several samples are array layers; false: images are multisampled
+  bool everySample = false;   // reference: every sample is shaded, even if they are alike
+
+  // Returns the specialization constants of every shader that includes render/glsl/setup.glsl.
+  std::vector<vk::Constant> constants() const;
+  // Returns the variant of a shader that reads or writes targets of the samples.
+  vk::ShaderKey variant(vk::ShaderKey shader) const {
+    using Samples = vk::ShaderKey::Samples;
+    shader.samples = samples == 1 ? Samples::One : sampleLayers ? Samples::SampleLayers : Samples::Multisampled;
+    return shader;
+  }
+};
 
 // Usage of a buffer of views: shaders read it by address, and draws bind it as a vertex buffer.
 inline constexpr VkBufferUsageFlags kViewUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
 
 // A frame under construction: one scene seen from V views, each of which is an array layer of every target. Passes
-// refer to it until their graph has been submitted.
+// capture copies. The objects that it refers to live until the graph has been submitted.
 struct FrameContext : Builder {
   const GpuScene& scene;
   const GpuEnvironment& environment;
   const Visibility& visibility;
-  const FrameConfig& setup;
+  FrameConfig setup;
   std::span<const shared::View> views;  // as in the device's constants
   VkDeviceAddress constants;            // shared::FrameConstants
   VkBuffer viewBuffer;                  // their View[], for draws
@@ -96,52 +142,6 @@ struct Gbuffer {
 // Returns a G-buffer that has nothing but its depth.
 Gbuffer gbufferOf(const VisibilityBuffer& visible);
 
-// How blended surfaces are rendered (render/transparency).
-struct TransparencySetup {
-  uint32_t method = 0;      // kTransparency*
-  bool everyLight = false;  // reference: loop over all lights instead of traversing the light tree
-  uint64_t most = 0;        // limit on the fragments that `exact` stores; 0: the device's limit
-  bool operator==(const TransparencySetup&) const = default;
-};
-
-// The settings of a frame for which its shaders are specialized (specialization constants).
-struct FrameConfig {
-  const Layout* layout = nullptr;
-  uint32_t normalEncoding = 0;  // kNormal_*
-  const TechniqueInfo* lighting = nullptr;
-  uint32_t shading = 0;                     // kShading*
-  uint32_t normalSpace = 0;                 // kNormalSpace*
-  uint32_t positionMethod = 0;              // kPosition*
-  uint32_t volumesOrder = 0;                // kVolumes*, for the technique `volumes`
-  uint32_t targets = ~0u;                   // bit i: the layout's target i is required
-  const SurfaceOutputs* outputs = nullptr;  // packed in addition to the targets, with visibility in compute
-  bool countLights = false;
-  uint32_t ambientOcclusion = 0;  // kAo*
-  uint32_t textureSlots = ~0u;    // bit i: a material may have a texture in slot i (GpuScene::textureSlots)
-  uint32_t layers = 0;            // kLayer*: coats that a material may have (GpuMaterials::layers)
-  bool lights = true;             // lights may exist; false: shaders of the deferred techniques have no light loops
-  bool fewLights = false;         // on a CPU device, a loop over all lights is faster than light culling
-  bool environment = true;        // the renderer has an environment
-  bool vast = false;              // some triangles are vast (GpuInstances::anyVast)
-  bool fog = false;               // the constants define fog
-  TransparencySetup transparency;
-  uint32_t shadowFormat = 0;  // kShadow*
-  uint32_t shadowFilter = 0;  // kShadowFilter*
-  bool lens = false;          // pixels use the rays of FrameConstants::rays
-  bool sunInGbuffer = false;  // the layout's sunTarget holds the sun's shadow, which lighting reads there
-  uint32_t samples = 1;       // per pixel: a power of two up to shared::kMaxSamples
-  bool sampleLayers = false;  // several samples are array layers; false: images are multisampled
-  bool everySample = false;   // reference: every sample is shaded, even if they are alike
-
-  // Returns the specialization constants of every shader that includes render/glsl/setup.glsl.
-  std::vector<vk::Constant> constants() const;
-  // Returns the variant of a shader that reads or writes targets of the samples.
-  vk::ShaderKey variant(vk::ShaderKey shader) const {
-    using Samples = vk::ShaderKey::Samples;
-    shader.samples = samples == 1 ? Samples::One : sampleLayers ? Samples::SampleLayers : Samples::Multisampled;
-    return shader;
-  }
-};
 inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: lights tested, g: lights used
 
 // Returns the targets that the geometry pass writes. Bit i: the layout's target i; the bit after the last: emitted

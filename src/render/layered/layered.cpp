@@ -61,7 +61,7 @@ void drawLayered(const FrameContext& f, const Gbuffer& gbuffer, const HardwareVi
   accesses.emplace_back(gbuffer.sampleDepth, graph::Use::DepthTest);
   for (const graph::ImageId color : colors)
     accesses.emplace_back(color, several ? graph::Use::ColorAttachment : graph::Use::ColorAttachmentLoad);
-  f.graph.pass(graph::Stage::Lighting, desc.name, std::move(accesses), [=, &f, &hardware](graph::Context& context) {
+  f.graph.pass(graph::Stage::Lighting, desc.name, std::move(accesses), [=, &hardware](graph::Context& context) {
     const std::vector<vk::BoundImage> images = maps.images(context);
     for (uint32_t view = 0; view < f.viewCount(); ++view) {
       beginView(context, f, view, colors, {gbuffer.sampleDepth, false}, several ? ColorUse::Clear : ColorUse::Keep);

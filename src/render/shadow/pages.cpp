@@ -53,7 +53,7 @@ graph::BufferId addRequests(const FrameContext& f, const Gbuffer& gbuffer) {
   addClear(f, graph::Stage::Shadows, "shadow pages clear", {requested});
   ComputePass pass = requestPass(f, gbuffer);
   pass.buffers = {{requested, graph::Use::StorageReadWrite}};
-  addCompute(f, std::move(pass), [=, &f, count = static_cast<uint32_t>(lights.size())](graph::Context& context) {
+  addCompute(f, std::move(pass), [=, count = static_cast<uint32_t>(lights.size())](graph::Context& context) {
     return PagesRequestedPush{f.constants,
                               list,
                               context.buffer(requested).address(),

@@ -61,7 +61,7 @@ void addSunOcclusion(const FrameContext& f, const Gbuffer& gbuffer) {
   std::vector<graph::Access> accesses = bound.accesses();
   accesses.emplace_back(stencil, graph::Use::DepthAttachment);
   accesses.emplace_back(target, graph::Use::ColorAttachmentLoad);
-  f.graph.pass(graph::Stage::Shadows, "sun occlusion", std::move(accesses), [=, &f](graph::Context& context) {
+  f.graph.pass(graph::Stage::Shadows, "sun occlusion", std::move(accesses), [=](graph::Context& context) {
     const std::vector<vk::BoundImage> images = bound.images(context);
     for (uint32_t view = 0; view < f.viewCount(); ++view) {
       const std::optional<uint32_t> sun = f.shadows->sun(view);

@@ -87,7 +87,7 @@ LitFrame FrameGraphBuilder::addPicture(const SurfaceOutputs* outputs) {
   FrameConfig setup = frameSetup(settings_, shadows_ != nullptr);
   setup.outputs = outputs;
   setup.countLights = isSteady() && requestsOutput(settings_, Origin::LightCounts);
-  const FrameContext& f = jittered().frame(graph_, setup);
+  const FrameContext f = jittered().frame(graph_, setup);
   const LitFrame lit = isSteady() ? addLit(f, steadyVisible()) : addOpaque(f);
   addTransparency(f, lit.gbuffer);
   return lit;
@@ -109,7 +109,7 @@ void FrameGraphBuilder::finish(const vk::Image* sum, uint32_t count, TemporalHis
       picture = total;
     }
     if (history) {
-      const FrameContext& f = jittered().frame(graph_, FrameConfig{});
+      const FrameContext f = jittered().frame(graph_, FrameConfig{});
       const VisibilityBuffer& visible = lit_->gbuffer.visible;
       const graph::ImageId motion = addMotion(f, visible, MotionUse::Reproject);
       picture = addTemporal(f, {picture, visible.pixels, motion}, *history, !continues);
@@ -197,7 +197,7 @@ void FrameGraphBuilder::addData() {
   }
   if (requestsOutput(settings_, Origin::Surface) && !surfaceOutputs_) addSurfaceData(*set, visible);
   if (!requestsOutput(settings_, Origin::Motion)) return;
-  const FrameContext& f = set->frame(graph_, FrameConfig{});
+  const FrameContext f = set->frame(graph_, FrameConfig{});
   const graph::ImageId motion = addMotion(f, visible, MotionUse::Data);
   outputs_.add(f, Origin::Motion, [&](std::string_view) { return motion; });
 }
@@ -212,7 +212,7 @@ void FrameGraphBuilder::addSurfaceData(ViewSet& set, const VisibilityBuffer& vis
     return addGbuffer(set.frame(graph_, setup), gbuffer);
   }
   setup.targets = exactTargets(settings_.aovs);
-  const FrameContext& f = set.frame(graph_, setup);
+  const FrameContext f = set.frame(graph_, setup);
   if (setup.targets) addGbuffer(f, gbuffer);
   const auto target = [&](std::string_view name) {
     for (size_t i = 0; i < gbuffer.targets.size(); ++i)
@@ -231,7 +231,7 @@ void FrameGraphBuilder::addRasterData() {
     set = &rastered_.emplace(state_, steadyViews_, settings_, nullptr, VisibilityOptions{.inCompute = true});
     visible = addVisibility(set->frame(graph_, FrameConfig{}));
   }
-  const FrameContext& f = set->frame(graph_, FrameConfig{});
+  const FrameContext f = set->frame(graph_, FrameConfig{});
   const auto& raster = std::get<ComputeVisibility>(set->visibility());
   const ComputeVisibility::RasterImages images = raster.addRasterImages(f, visible);
   outputs_.add(f, Origin::Raster, [&](std::string_view name) {

@@ -62,23 +62,22 @@ void ViewSet::uploadConstants(const Settings& s) {
   constants_ = vk::uploadedBuffer(state_.device, "frame constants", std::as_bytes(std::span(&frame, 1)));
 }
 
-const FrameContext& ViewSet::frame(graph::Graph& graph, const FrameConfig& setup) {
-  FrameConfig& kept = setups_.emplace_back(setup);
-  kept.lens = views_.lens != nullptr;
-  kept.vast = state_.scene.instances().anyVast();
-  kept.textureSlots = state_.scene.materials().textureSlots();
-  kept.layers = state_.scene.materials().layers();
-  kept.environment = state_.hasEnvironment;
+FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {
+  setup.lens = views_.lens != nullptr;
+  setup.vast = state_.scene.instances().anyVast();
+  setup.textureSlots = state_.scene.materials().textureSlots();
+  setup.layers = state_.scene.materials().layers();
+  setup.environment = state_.hasEnvironment;
   // On GPUs, light loops stay enabled, so that the first light that an edit adds creates no pipelines.
-  kept.lights = !state_.device.isCpu() || state_.scene.lights().count() > 0;
-  kept.fewLights = state_.device.hasCpuShaders() && state_.scene.lights().count() <= kFewLights;
+  setup.lights = !state_.device.isCpu() || state_.scene.lights().count() > 0;
+  setup.fewLights = state_.device.hasCpuShaders() && state_.scene.lights().count() <= kFewLights;
   const shared::vec2 size = views_.now.front().size;
-  return frames_.emplace_back(FrameContext{
+  return {
       {state_.device, graph},
       state_.scene,
       state_.environment,
       visibility_,
-      kept,
+      setup,
       views_.now,
       constants_.address(),
       viewBuffer_.get(),
@@ -88,10 +87,10 @@ const FrameContext& ViewSet::frame(graph::Graph& graph, const FrameConfig& setup
       state_.hasEnvironment && settings_.background.kind == Background::Environment,
       settings_.aoRadius.value_or(static_cast<float>(kAoRadiusShare * state_.scene.bounds().radius())),
       settings_.aoStrength,
-      kept.shadowFormat ? shadows_ : nullptr,
+      setup.shadowFormat ? shadows_ : nullptr,
       views_.lens.get(),
       &state_.overflow,
-  });
+  };
 }
 
 }  // namespace latelight::render

@@ -1,8 +1,7 @@
-// A set of views of a scene in a graph: their constants in device memory, the part of the scene that they may see, and
-// the frames built for them. It lives until the graph has been submitted.
+// A set of views of a scene in a graph: their constants in device memory, and the part of the scene that they may see.
+// It lives until the graph has been submitted, because frames refer to it.
 #pragma once
 
-#include <deque>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -43,7 +42,7 @@ class ViewSet {
   ViewSet(const ViewSet&) = delete;  // frames refer to the visibility
   ViewSet& operator=(const ViewSet&) = delete;
   // Returns a frame of these views, to which passes can be added.
-  const FrameContext& frame(graph::Graph& graph, const FrameConfig& setup);
+  FrameContext frame(graph::Graph& graph, FrameConfig setup) const;
 
   std::span<const shared::View> views() const { return views_.now; }
   const Visibility& visibility() const { return visibility_; }
@@ -57,8 +56,6 @@ class ViewSet {
   FrameShadows* shadows_;
   Visibility visibility_;
   vk::Buffer viewBuffer_, constants_;
-  std::deque<FrameConfig> setups_;
-  std::deque<FrameContext> frames_;
 };
 
 }  // namespace latelight::render

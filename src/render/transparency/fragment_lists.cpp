@@ -154,7 +154,7 @@ void addBlend(const FrameContext& f, graph::ImageId light, const Buffers& b, gra
                 .constants = {{kSamplesConstant, fragmentSamples(f.device, f.setup)},
                               {kWeightedConstant, isWeighted(f) ? 1u : 0u}},
                 .buffers = readLists(b, sorted)},
-               [=, &f](graph::Context& context) {
+               [=](graph::Context& context) {
                  return shared::BlendPush{listsOf(context, b), context.buffer(sorted).address(), first, kBlendedAtOnce,
                                           f.constants};
                });
@@ -180,7 +180,7 @@ bool overflowed(const FrameContext& f, FragmentCapacity limits, const shared::Fr
 void addCheck(const FrameContext& f, const Buffers& b) {
   const graph::BufferId host = copyToHost(f, graph::Stage::Transparency, "transparency totals", {b.totals}).front();
   if (f.overflow)
-    f.overflow->checks.push_back([&f, host, limits = b.limits](const graph::Submission& done) {
+    f.overflow->checks.push_back([f, host, limits = b.limits](const graph::Submission& done) {
       return overflowed(f, limits, *done.buffer(host).as<shared::FragmentTotals>());
     });
 }

@@ -53,7 +53,7 @@ void addSortedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
   accesses.emplace_back(depth, graph::Use::DepthTest);
   accesses.emplace_back(gbuffer.light, graph::Use::ColorAttachmentLoad);
   f.graph.pass(graph::Stage::Transparency, "transparency sorted", std::move(accesses),
-               [=, &f, &draws](graph::Context& context) {
+               [=, &draws](graph::Context& context) {
                  const std::vector<vk::BoundImage> images = maps.images(context);
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
                    beginView(context, f, view, {&gbuffer.light, 1}, {depth, false}, ColorUse::Keep);

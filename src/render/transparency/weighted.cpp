@@ -20,7 +20,7 @@ void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
   accesses.emplace_back(depth, graph::Use::DepthTest);
   for (graph::ImageId sum : sums) accesses.emplace_back(sum, graph::Use::ColorAttachment);
   f.graph.pass(graph::Stage::Transparency, "transparency weighted", std::move(accesses),
-               [=, &f, &draws](graph::Context& context) {
+               [=, &draws](graph::Context& context) {
                  const std::vector<vk::BoundImage> images = maps.images(context);
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
                    beginView(context, f, view, sums, {depth, false});

@@ -181,7 +181,7 @@ graph::ImageId addScreenDepth(const FrameContext& f, graph::Stage stage, const c
   const vk::PipelineRef pipeline = f.device.cache().pipeline(desc);
   const graph::ImageId depth = createTarget(f, kDepthFormat, name);
   f.graph.pass(stage, name, {{depth, graph::Use::DepthAttachment}, {from, graph::Use::SampledFragment}},
-               [=, &f](graph::Context& context) {
+               [=](graph::Context& context) {
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
                    beginView(context, f, view, {}, {depth, true});
                    context.commands().bind(pipeline.get(), bindings.images(context), view);

@@ -83,7 +83,7 @@ void HardwareVisibility::addSolid(const FrameContext& f, graph::Stage stage, vk:
   }
   const ScenePipelines pipelines = scenePipelines(f, desc);
   f.graph.pass(stage, desc.name, std::move(accesses),
-               [=, &f, this, written = desc.colorsWritten](graph::Context& context) {
+               [=, this, written = desc.colorsWritten](graph::Context& context) {
                  const std::vector<vk::BoundImage> images = inputs.images(context);
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
                    beginView(context, f, view, colors, {depth, false}, ColorUse::Clear, written);
@@ -108,7 +108,7 @@ VisibilityBuffer HardwareVisibility::addVisibility(const FrameContext& f) const 
   const ScenePipelines pipelines = scenePipelines(f, desc, masked);
   const graph::ImageId depth = createTarget(f, kDepthFormat, "depth", f.setup.samples);
   f.graph.pass(graph::Stage::Visibility, "depth", {{depth, graph::Use::DepthAttachment}},
-               [=, &f, this](graph::Context& context) {
+               [=, this](graph::Context& context) {
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
                    beginView(context, f, view, {}, {depth, true});
                    recordOpaque(context, f, view, pipelines);
@@ -158,7 +158,7 @@ graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, const Visibi
   const graph::ImageId motion = createTarget(f, format, "motion");
   f.graph.pass(graph::Stage::Geometry, "motion",
                {{visible.pixels, graph::Use::DepthTest}, {motion, graph::Use::ColorAttachment}},
-               [=, &f, this, depth = visible.pixels](graph::Context& context) {
+               [=, this, depth = visible.pixels](graph::Context& context) {
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
                    beginView(context, f, view, std::span(&motion, 1), {depth, false});
                    context.commands().bind(background.get(), {}, shared::DrawPush{.frame = f.constants, .view = view});
@@ -201,7 +201,7 @@ void HardwareVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuf
                                    {buffers.counts, graph::Use::FragmentReadWrite},
                                    {buffers.totals, graph::Use::FragmentReadWrite}});
   f.graph.pass(graph::Stage::Transparency, "transparency store", std::move(accesses),
-               [=, &f, this](graph::Context& context) {
+               [=, this](graph::Context& context) {
                  const std::vector<vk::BoundImage> images = maps.images(context);
                  const shared::FragmentLists lists = listsOf(context, buffers);
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {

@@ -110,7 +110,7 @@ void HardwareVisibility::addShadowMaps(const FrameContext& f, const Gbuffer&, gr
   shared::FrameConstants frame{};
   scene_.describe(frame);
   const VkDeviceAddress constants = f.shadows->mapConstants(frame);
-  f.graph.pass(graph::Stage::Shadows, "shadow maps", std::move(accesses), [=, &f, this](graph::Context& context) {
+  f.graph.pass(graph::Stage::Shadows, "shadow maps", std::move(accesses), [=, this](graph::Context& context) {
     const std::span<const FrameShadows::Map> maps = f.shadows->maps();
     for (uint32_t i = 0; i < maps.size(); ++i) {
       const uint32_t layer = maps[i].tile.layer;

@@ -95,7 +95,7 @@ void addLights(const FrameContext& f, const Gbuffer& gbuffer, Targets targets) {
   accesses.emplace_back(gbuffer.sampleDepth, graph::Use::DepthTest);
   for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachmentLoad);
   f.graph.pass(graph::Stage::Lighting, "forward lights", std::move(accesses),
-               [=, &f, &hardware, depth = gbuffer.sampleDepth](graph::Context& context) {
+               [=, &hardware, depth = gbuffer.sampleDepth](graph::Context& context) {
                  const std::vector<vk::BoundImage> images = bindings.images(context);
                  const DeviceDraws& draws = hardware.solid();
                  uint64_t passes = 0;

@@ -312,7 +312,7 @@ class VolumesPass {
     vkCmdDrawIndexed(commands, part.indexCount, 1, part.firstIndex, static_cast<int32_t>(part.firstVertex), 0);
   }
 
-  const FrameContext& f_;
+  const FrameContext f_;
   scene::Bounds sceneBounds_;
   bool depthClamp_;
   VkFormat sumFormat_;
@@ -370,7 +370,7 @@ void addVolumes(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId su
   std::vector<graph::Access> accesses = pass->accesses();
   accesses.emplace_back(stencil, graph::Use::DepthAttachment);
   for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
-  f.graph.pass(graph::Stage::Lighting, "light volumes", std::move(accesses), [=, &f](graph::Context& context) {
+  f.graph.pass(graph::Stage::Lighting, "light volumes", std::move(accesses), [=](graph::Context& context) {
     uint64_t passes = 0;
     for (uint32_t view = 0; view < f.viewCount(); ++view) {
       beginView(context, f, view, colors, {stencil, true});

@@ -89,7 +89,7 @@ ComputePass pyramidPass(const FrameContext& f, const RasterViews& views) {
 
 // Adds the steps of one chain. Passes that are recorded later keep copies.
 struct RasterChainBuilder {
-  const FrameContext& f;
+  FrameContext f;
   const RasterInstances& rasterInstances;
   uint32_t parts;
   RasterViews views;
