@@ -26,6 +26,7 @@ render::TechniqueInfo lightBound(uint32_t type, uint32_t lights) {
       return shared::LightBoundPush{frame, render::surfacePush(visible, context), commonLight(), shared::vec3(1e-4f),
                                     lights};
     });
+    return render::LightLists{};
   };
   return {.name = "bound", .description = "lights made up in registers", .add = add};
 }

@@ -65,7 +65,7 @@ class Bench {
     frames_.shine(range.first, range.count);
     graph::Graph graph;
     const FrameContext f = frames_.frame(graph, setup, {views.begin(), views.end()},
-                                          {.exposure = 1.25f, .environmentIntensity = intensity_});
+                                         {.exposure = 1.25f, .environmentIntensity = intensity_});
     const LitFrame frame = addFrame(f);
     const ResultTarget finished = createResult(f, "picture", uint64_t{4} * f.width * f.height, f.viewCount());
     addCompose(f, frame.picture, {}, finished);
@@ -301,7 +301,7 @@ TEST_F(DrawnLightingTest, ForwardIsFullscreenOnTheExactLayout) {
 
 TEST_F(DrawnLightingTest, ForwardsLoopsAgree) {
   TechniqueInfo plain = findTechnique("forward");
-  plain.add = [](const FrameContext& f, const Gbuffer& gbuffer) { addForward(f, gbuffer, ForwardLoop::Plain); };
+  plain.add = [](const FrameContext& f, const Gbuffer& gbuffer) { return addForward(f, gbuffer, ForwardLoop::Plain); };
   FrameConfig setup = setupOf("forward", "exact");
   setup.shading = 1;
   const LitPicture dealt = stage->bright.light(setup, stage->views, stage->bright.allLights());

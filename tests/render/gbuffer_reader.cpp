@@ -89,12 +89,12 @@ ReadGbuffer GbufferReader::read(const FrameConfig& setup, const scene::Camera& c
   frames_.shine(light.firstLight, light.lightCount);
   graph::Graph graph;
   const FrameContext f = frames_.frame(graph, setup, {result.view},
-                                        {light.exposure, light.environmentIntensity, light.environmentRotation});
+                                       {light.exposure, light.environmentIntensity, light.environmentRotation});
   Gbuffer gbuffer = gbufferOf(addVisibility(f));
   gbuffer.light = createTarget(f, kLightFormat, "light");
   gbuffer.sampleLight = gbuffer.light;
   gbuffer.lightCounts = graph.create(vk::ImageDesc{.format = kCountsFormat, .width = 1, .height = 1, .layers = 1});
-  addGbuffer(f, gbuffer);
+  gbuffer = addGbuffer(f, std::move(gbuffer));
   std::vector<graph::BufferId> targets;
   for (graph::ImageId target : gbuffer.targets) targets.push_back(addReadback(graph, target));
   const graph::BufferId depth = addReadback(graph, gbuffer.depth), before = addReadback(graph, gbuffer.light);

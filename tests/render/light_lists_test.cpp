@@ -172,11 +172,11 @@ const TechniqueInfo* const kFullscreen = &findTechnique("fullscreen");
 
 template <uint32_t Cells, uint32_t Entries>
 TechniqueInfo withRoomFor() {
-  return {.name = "small", .description = "lists of few lights", .add = [](const FrameContext& f, Gbuffer& gbuffer) {
-            addLightLists(
-                f, gbuffer,
-                {.name = Cells == 1 ? "tiled" : "clustered", .cellsPerTile = Cells, .entriesPerTile = Entries});
-          }};
+  return {
+      .name = "small", .description = "lists of few lights", .add = [](const FrameContext& f, const Gbuffer& gbuffer) {
+        return addLightLists(
+            f, gbuffer, {.name = Cells == 1 ? "tiled" : "clustered", .cellsPerTile = Cells, .entriesPerTile = Entries});
+      }};
 }
 
 class LightListsTest : public RenderTest {};

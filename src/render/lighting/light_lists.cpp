@@ -62,12 +62,9 @@ shared::LightCells pushedLists(const LightLists& lists, graph::Context& context)
           .tiles = lists.tiles};
 }
 
-void addLightLists(const FrameContext& f, Gbuffer& gbuffer, const LightListsDesc& desc) {
-  if (f.setup.lights) {
-    gbuffer.lightLists = createLists(f, desc);
-    addListing(f, gbuffer, gbuffer.lightLists);
-  }
-  const LightLists lists = gbuffer.lightLists;
+LightLists addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const LightListsDesc& desc) {
+  const LightLists lists = f.setup.lights ? createLists(f, desc) : LightLists{};
+  if (f.setup.lights) addListing(f, gbuffer, lists);
   ComputePass lighting = lightingPass(f, gbuffer, "lighting " + desc.name, "cells.comp");
   const std::vector<vk::Constant> constants = listConstants(lists);
   lighting.constants.insert(lighting.constants.end(), constants.begin(), constants.end());
@@ -77,6 +74,7 @@ void addLightLists(const FrameContext& f, Gbuffer& gbuffer, const LightListsDesc
     return shared::CellsPush{
         .frame = frame, .lists = pushedLists(lists, context), .shown = surfacePush(visible, context)};
   });
+  return lists;
 }
 
 }  // namespace latelight::render

@@ -20,8 +20,8 @@ struct LightListsDesc {
 };
 inline constexpr uint32_t kSlices = 32;  // glsl/light_cells.glsl
 
-// Adds both passes and stores the lists in gbuffer.lightLists.
-void addLightLists(const FrameContext& f, Gbuffer& gbuffer, const LightListsDesc& desc);
+// Adds both passes and returns the lists, which are empty if the frame has no lights.
+LightLists addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const LightListsDesc& desc);
 // For other shaders that use glsl/shade_cells.glsl with these lists: their specialization constants (kCellsPerTile is 0
 // if there are no lists), the buffers that they read, and their push constants.
 std::vector<vk::Constant> listConstants(const LightLists& lists);

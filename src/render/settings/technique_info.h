@@ -9,6 +9,7 @@ namespace latelight::render {
 
 struct FrameContext;
 struct Gbuffer;
+struct LightLists;
 
 struct TechniqueInfo {
   std::string name;         // set by the registry: the folder's name, with - for _
@@ -20,8 +21,9 @@ struct TechniqueInfo {
   // empty, and gbuffer.targets is empty too. Every technique shades the same lights with shared/shade.h, so all produce
   // the same picture. If the setup counts lights, the pass writes the counts to gbuffer.lightCounts. Compute shaders of
   // a deferred technique declare the variants layout, visible, multisampled and sample-layers (docs/extending.md,
-  // "Shader variants") and call bindSurfaces() first.
-  std::function<void(const FrameContext& f, Gbuffer& gbuffer)> add;
+  // "Shader variants") and call bindSurfaces() first. Returns the light lists of the visible surfaces for later passes,
+  // or empty ones.
+  std::function<LightLists(const FrameContext& f, const Gbuffer& gbuffer)> add;
 };
 
 }  // namespace latelight::render

@@ -60,11 +60,11 @@ LitFrame addLit(const FrameContext& f, const VisibilityBuffer& visible) {
   g.sampleLight = multisampled ? createTarget(f, kLightFormat, "light of samples", f.setup.samples) : g.light;
   g.lightCounts = createCounts(f);
   g.forLighting = !f.setup.countLights && !f.setup.ambientOcclusion && !f.setup.sunInGbuffer;
-  if (!f.setup.lighting->forward) addGbuffer(f, g);
+  if (!f.setup.lighting->forward) g = addGbuffer(f, std::move(g));
   g.shadows = addShadows(f, g);
   g.ambientOcclusion = addAmbientOcclusion(f, g);
   if (f.setup.sunInGbuffer) addSunOcclusion(f, g);
-  f.setup.lighting->add(f, g);
+  g.lightLists = f.setup.lighting->add(f, g);
   addLayered(f, g);
   if (f.environmentBackground) addBackground(f, g);
   if (f.setup.fog) addFog(f, g);

@@ -209,11 +209,12 @@ void FrameGraphBuilder::addSurfaceData(ViewSet& set, const VisibilityBuffer& vis
   Gbuffer gbuffer = gbufferOf(visible);
   if (visible.ids) {
     setup.outputs = packSurfaces();
-    return addGbuffer(set.frame(graph_, setup), gbuffer);
+    addGbuffer(set.frame(graph_, setup), gbuffer);
+    return;
   }
   setup.targets = exactTargets(settings_.aovs);
   const FrameContext f = set.frame(graph_, setup);
-  if (setup.targets) addGbuffer(f, gbuffer);
+  if (setup.targets) gbuffer = addGbuffer(f, std::move(gbuffer));
   const auto target = [&](std::string_view name) {
     for (size_t i = 0; i < gbuffer.targets.size(); ++i)
       if (setup.layout->targets[i].name == name) return gbuffer.targets[i];

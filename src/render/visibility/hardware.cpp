@@ -82,15 +82,14 @@ void HardwareVisibility::addSolid(const FrameContext& f, graph::Stage stage, vk:
     accesses.emplace_back(color, graph::Use::ColorAttachment);
   }
   const ScenePipelines pipelines = scenePipelines(f, desc);
-  f.graph.pass(stage, desc.name, std::move(accesses),
-               [=, this, written = desc.colorsWritten](graph::Context& context) {
-                 const std::vector<vk::BoundImage> images = inputs.images(context);
-                 for (uint32_t view = 0; view < f.viewCount(); ++view) {
-                   beginView(context, f, view, colors, {depth, false}, ColorUse::Clear, written);
-                   recordOpaque(context, f, view, pipelines, images);
-                   vkCmdEndRendering(context.get());
-                 }
-               });
+  f.graph.pass(stage, desc.name, std::move(accesses), [=, this, written = desc.colorsWritten](graph::Context& context) {
+    const std::vector<vk::BoundImage> images = inputs.images(context);
+    for (uint32_t view = 0; view < f.viewCount(); ++view) {
+      beginView(context, f, view, colors, {depth, false}, ColorUse::Clear, written);
+      recordOpaque(context, f, view, pipelines, images);
+      vkCmdEndRendering(context.get());
+    }
+  });
 }
 
 // Depth prepass: finds the nearest surface of every pixel, so that the geometry pass shades each pixel once. Equal
@@ -118,7 +117,7 @@ VisibilityBuffer HardwareVisibility::addVisibility(const FrameContext& f) const 
   return {f.setup.samples > 1 ? addDepthResolve(f, depth) : depth, depth};
 }
 
-void HardwareVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const {
+Gbuffer HardwareVisibility::addGbuffer(const FrameContext& f, Gbuffer gbuffer) const {
   const Layout& layout = *f.setup.layout;
   vk::GraphicsDesc desc = depthTestedDesc(f.setup);
   if (layout.keepsMotion) desc.vertex = "scene_motion.vert";
@@ -138,6 +137,7 @@ void HardwareVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) con
   colors.push_back(gbuffer.sampleLight);
   addSolid(f, graph::Stage::Geometry, desc, Bindings(f.device), gbuffer.sampleDepth, colors);
   if (f.setup.samples > 1) gbuffer.surfaces = addSampleSurfaces(f, gbuffer);
+  return gbuffer;
 }
 
 graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, const VisibilityBuffer& visible,

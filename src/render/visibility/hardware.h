@@ -17,7 +17,7 @@ class HardwareVisibility {
 
   // The functions of visibility.h.
   VisibilityBuffer addVisibility(const FrameContext& f) const;
-  void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const;
+  Gbuffer addGbuffer(const FrameContext& f, Gbuffer gbuffer) const;
   graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use) const;
   void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const;
   void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const;

@@ -10,8 +10,8 @@ VisibilityBuffer addVisibility(const FrameContext& f) {
   return std::visit([&](const auto& technique) { return technique.addVisibility(f); }, f.visibility);
 }
 
-void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) {
-  std::visit([&](const auto& technique) { technique.addGbuffer(f, gbuffer); }, f.visibility);
+Gbuffer addGbuffer(const FrameContext& f, Gbuffer gbuffer) {
+  return std::visit([&](const auto& technique) { return technique.addGbuffer(f, std::move(gbuffer)); }, f.visibility);
 }
 
 graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use) {

@@ -36,9 +36,9 @@ struct VisibilityOptions {
 // Finds the nearest surface per sample (setup.samples) and per pixel. At equal depth the surface that is drawn last
 // wins; the order is by material, then mesh, then position in the scene.
 VisibilityBuffer addVisibility(const FrameContext& f);
-// Adds the layout's targets to the G-buffer and fills them and its light target from gbuffer.visible. With several
-// samples per pixel it also adds the groups of samples that show one surface, and the depths at which they are lit.
-void addGbuffer(const FrameContext& f, Gbuffer& gbuffer);
+// Fills the layout's targets and the light target from gbuffer.visible. Returns the G-buffer with these targets and,
+// with several samples per pixel, the groups of samples that show one surface, and the depths at which they are lit.
+Gbuffer addGbuffer(const FrameContext& f, Gbuffer gbuffer);
 // Returns the motion vectors at the pixel centers as R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT: xy to the previous
 // frame, zw to the next frame. In pixels, y down, without jitter.
 graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use);

@@ -7,8 +7,8 @@ namespace latelight::render {
 
 TechniqueInfo technique_clustered() {
   return {.description = "deferred: light lists per depth slice of each tile, by the bounding box of its samples",
-          .add = [](const FrameContext& f, Gbuffer& gbuffer) {
-            addLightLists(f, gbuffer, {.name = "clustered", .cellsPerTile = kSlices});
+          .add = [](const FrameContext& f, const Gbuffer& gbuffer) {
+            return addLightLists(f, gbuffer, {.name = "clustered", .cellsPerTile = kSlices});
           }};
 }
 

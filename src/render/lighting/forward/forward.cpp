@@ -19,7 +19,7 @@ ForwardLoop forwardLoop(vk::Device& device) {
   return redistributed ? ForwardLoop::Redistributed : ForwardLoop::Plain;
 }
 
-void addForward(const FrameContext& f, const Gbuffer& gbuffer, ForwardLoop loop) {
+LightLists addForward(const FrameContext& f, const Gbuffer& gbuffer, ForwardLoop loop) {
   const HardwareVisibility& hardware = hardwareOf(f, "forward lighting");
   const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
   vk::GraphicsDesc desc = depthTestedDesc(f.setup);
@@ -30,13 +30,16 @@ void addForward(const FrameContext& f, const Gbuffer& gbuffer, ForwardLoop loop)
   if (f.setup.countLights) colors.push_back(gbuffer.lightCounts);
   hardware.addSolid(f, graph::Stage::Lighting, desc, maps, gbuffer.sampleDepth, colors);
   if (f.setup.samples > 1) addFinishSum(f, gbuffer.sampleLight, gbuffer.light);
+  return {};
 }
 
 TechniqueInfo technique_forward() {
   return {.description = "forward: one draw per object, all lights in its shader",
           .forward = true,
           .draws = true,
-          .add = [](const FrameContext& f, const Gbuffer& gbuffer) { addForward(f, gbuffer, forwardLoop(f.device)); }};
+          .add = [](const FrameContext& f, const Gbuffer& gbuffer) {
+            return addForward(f, gbuffer, forwardLoop(f.device));
+          }};
 }
 
 }  // namespace latelight::render

@@ -12,6 +12,6 @@ enum class ForwardLoop : uint32_t { Redistributed, Plain };
 ForwardLoop forwardLoop(vk::Device& device);  // Dealt if the device supports it
 
 // Adds the pass that writes the lit picture to gbuffer.light. Requires the raster hardware.
-void addForward(const FrameContext& f, const Gbuffer& gbuffer, ForwardLoop loop);
+LightLists addForward(const FrameContext& f, const Gbuffer& gbuffer, ForwardLoop loop);
 
 }  // namespace latelight::render

@@ -109,12 +109,13 @@ void addLights(const FrameContext& f, const Gbuffer& gbuffer, Targets targets) {
                });
 }
 
-void add(const FrameContext& f, const Gbuffer& gbuffer) {
+LightLists add(const FrameContext& f, const Gbuffer& gbuffer) {
   const Targets targets{createTarget(f, lightSumFormat(f.device), "sum of lights", f.setup.samples),
                         createTarget(f, kSurfaceFormat, "surfaces", f.setup.samples)};
   addBase(f, gbuffer, targets);
   addLights(f, gbuffer, targets);
   addFinishSum(f, targets.sum, gbuffer.light);
+  return {};
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 // subgroup needs two iterations for each batch of lights that its lanes load, and one for each light that reaches it.
 constexpr uint32_t kMaxOnCpu = 200'000;  // at one sample per pixel
 
-void add(const FrameContext& f, const Gbuffer& gbuffer) {
+LightLists add(const FrameContext& f, const Gbuffer& gbuffer) {
   const uint32_t most = f.device.isCpu() ? kMaxOnCpu / f.setup.samples : ~0u, lights = f.scene.lights().count();
   if (lights > most)
     badUsage("fullscreen supports at most {} lights on a CPU device, but there are {}: choose tiled or clustered", most,
@@ -22,6 +22,7 @@ void add(const FrameContext& f, const Gbuffer& gbuffer) {
              [frame = f.constants, visible = gbuffer.visible](graph::Context& context) {
                return shared::LightingPush{frame, surfacePush(visible, context)};
              });
+  return {};
 }
 
 }  // namespace

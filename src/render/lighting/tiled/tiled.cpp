@@ -7,7 +7,9 @@ namespace latelight::render {
 
 TechniqueInfo technique_tiled() {
   return {.description = "deferred: light lists per 16x16 tile, by the bounding box and 2.5D depth mask of its samples",
-          .add = [](const FrameContext& f, Gbuffer& gbuffer) { addLightLists(f, gbuffer, {.name = "tiled"}); }};
+          .add = [](const FrameContext& f, const Gbuffer& gbuffer) {
+            return addLightLists(f, gbuffer, {.name = "tiled"});
+          }};
 }
 
 }  // namespace latelight::render

@@ -381,12 +381,13 @@ void addVolumes(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId su
   });
 }
 
-void add(const FrameContext& f, const Gbuffer& gbuffer) {
+LightLists add(const FrameContext& f, const Gbuffer& gbuffer) {
   const graph::ImageId sum = createTarget(f, lightSumFormat(f.device), "sum of lights", f.setup.samples);
   addVolumes(f, gbuffer, sum);
   ComputePass finish = lightingPass(f, gbuffer, "lighting volumes", "volumes.comp", {.counts = f.setup.countLights});
   finish.bindings.sampled(sum);
   addCompute(f, std::move(finish), shared::LightingPush{.frame = f.constants});
+  return {};
 }
 
 }  // namespace

@@ -240,9 +240,9 @@ bool shadesLayeredSeparately(const FrameContext& f, const Gbuffer& gbuffer) {
 
 }  // namespace
 
-void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const {
+Gbuffer ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer gbuffer) const {
   const Layout& layout = *f.setup.layout;
-  if (!layout.hasTargets()) return addTriangleSurfaces(f, gbuffer);
+  if (!layout.hasTargets()) return addTriangleSurfaces(f, std::move(gbuffer));
   const auto lightTarget = static_cast<uint32_t>(layout.targets.size());
   const uint32_t wanted = writtenTargets(f.setup, gbuffer);
   // Targets that are not written still require a bound image.
@@ -273,22 +273,24 @@ void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) cons
   readsTextures(f, pass);
   const graph::BufferId outputs = f.setup.outputs ? packOutputs(f, pass) : graph::BufferId{};
   addResolve(f, gbuffer.visible, std::move(pass), outputs);
-  if (f.setup.samples > 1) addSurfaces(f, gbuffer);
+  return f.setup.samples > 1 ? addSurfaces(f, std::move(gbuffer)) : gbuffer;
 }
 
 // Adds the surfaces of multisampled pixels, and the depths at which they are lit.
-void ComputeVisibility::addSurfaces(const FrameContext& f, Gbuffer& gbuffer) const {
+Gbuffer ComputeVisibility::addSurfaces(const FrameContext& f, Gbuffer gbuffer) const {
   Bindings bindings(f.device);
   bindings.sampled(gbuffer.targets).sampled(gbuffer.depth).sampled(gbuffer.sampleLight);
-  addSurfacesBy(f, gbuffer, {"surfaces_of_triangles.comp", f.setup.layout->file}, std::move(bindings));
+  return addSurfacesBy(f, std::move(gbuffer), {"surfaces_of_triangles.comp", f.setup.layout->file},
+                       std::move(bindings));
 }
 
-void ComputeVisibility::addTriangleSurfaces(const FrameContext& f, Gbuffer& gbuffer) const {
-  if (f.setup.samples > 1) addSurfacesBy(f, gbuffer, "surfaces_are_triangles.comp", Bindings(f.device));
+Gbuffer ComputeVisibility::addTriangleSurfaces(const FrameContext& f, Gbuffer gbuffer) const {
+  if (f.setup.samples == 1) return gbuffer;
+  return addSurfacesBy(f, std::move(gbuffer), "surfaces_are_triangles.comp", Bindings(f.device));
 }
 
-void ComputeVisibility::addSurfacesBy(const FrameContext& f, Gbuffer& gbuffer, vk::ShaderKey shader,
-                                      Bindings bindings) const {
+Gbuffer ComputeVisibility::addSurfacesBy(const FrameContext& f, Gbuffer gbuffer, vk::ShaderKey shader,
+                                         Bindings bindings) const {
   gbuffer.sampleDepth = createTarget(f, VK_FORMAT_R32_SFLOAT, "depth of surfaces", f.setup.samples);
   gbuffer.surfaces = createSurfaces(f);
   bindings.storage(gbuffer.sampleDepth, graph::Use::StorageWrite).storage(gbuffer.surfaces, graph::Use::StorageWrite);
@@ -298,6 +300,7 @@ void ComputeVisibility::addSurfacesBy(const FrameContext& f, Gbuffer& gbuffer, v
               .shader = std::move(shader),
               .bindings = std::move(bindings),
               .constants = f.setup.constants()});
+  return gbuffer;
 }
 
 graph::ImageId ComputeVisibility::addMotion(const FrameContext& f, const VisibilityBuffer& visible,

@@ -22,7 +22,7 @@ class ComputeVisibility {
 
   // The functions of visibility.h.
   VisibilityBuffer addVisibility(const FrameContext& f) const;
-  void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const;
+  Gbuffer addGbuffer(const FrameContext& f, Gbuffer gbuffer) const;
   graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use) const;
   void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const;
   void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const;
@@ -49,9 +49,9 @@ class ComputeVisibility {
   void addShadowMapsOf(const FrameContext& f, const ShadowMaps& maps, graph::ImageId atlas, graph::Use use) const;
   void addResolve(const FrameContext& f, const VisibilityBuffer& visible, ComputePass pass,
                   graph::BufferId outputs = {}) const;
-  void addSurfaces(const FrameContext& f, Gbuffer& gbuffer) const;
-  void addTriangleSurfaces(const FrameContext& f, Gbuffer& gbuffer) const;
-  void addSurfacesBy(const FrameContext& f, Gbuffer& gbuffer, vk::ShaderKey shader, Bindings bindings) const;
+  Gbuffer addSurfaces(const FrameContext& f, Gbuffer gbuffer) const;
+  Gbuffer addTriangleSurfaces(const FrameContext& f, Gbuffer gbuffer) const;
+  Gbuffer addSurfacesBy(const FrameContext& f, Gbuffer gbuffer, vk::ShaderKey shader, Bindings bindings) const;
 
   const GpuScene& scene_;
   const RasterInstances& rasterInstances_;

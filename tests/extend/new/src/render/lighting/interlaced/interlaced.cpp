@@ -8,7 +8,7 @@ namespace latelight::render {
 
 namespace {
 
-void add(const FrameContext& f, const Gbuffer& gbuffer) {
+LightLists add(const FrameContext& f, const Gbuffer& gbuffer) {
   for (const uint32_t row : {0u, 1u}) {
     ComputePass field =
         lightingPass(f, gbuffer, "lighting interlaced", "interlaced.comp", {.picture = row > 0, .counts = row > 0});
@@ -18,6 +18,7 @@ void add(const FrameContext& f, const Gbuffer& gbuffer) {
       return shared::FieldPush{.frame = frame, .shown = surfacePush(visible, context), .firstRow = row};
     });
   }
+  return {};
 }
 
 }  // namespace
