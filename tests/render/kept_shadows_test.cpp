@@ -61,7 +61,7 @@ class KeptShadowsTest : public RenderTest {
                       const Settings& settings = keptSettings()) {
     const shared::View view = makeView(camera, settings.width, settings.height);
     FrameShadows shadows = shadowsOf(scene, {&view, 1}, kept, settings);
-    shadows.settled();
+    shadows.commit(ShadowMapState::Complete);
     return shadows.maps().size();
   }
 

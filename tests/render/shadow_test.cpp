@@ -278,8 +278,8 @@ TEST_F(ShadowTest, DevicesLookUpWhatTheHostLooksUp) {
       FrameBench bench(device(), scene);
       const shared::View view = makeView(frontCamera(kHalf, 4), kShadowSize, kShadowSize);
       ShadowMapCache kept;
-      FrameShadows shadows(device(), bench.scene(), planShadows(shadowSceneOf(bench.scene()), {&view, 1}, settings),
-                           settings, kept);
+      const FrameShadows shadows(device(), bench.scene(),
+                                 planShadows(shadowSceneOf(bench.scene()), {&view, 1}, settings), settings, kept);
       const ShadowPlan& plan = shadows.plan();
       graph::Graph graph;
       FrameContext f = bench.frame(graph, {.shadowFormat = index, .shadowFilter = shared::kShadowFilterPcf}, {view});

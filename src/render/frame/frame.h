@@ -23,6 +23,7 @@ using Visibility = std::variant<HardwareVisibility, ComputeVisibility>;  // visi
 struct LensRays;
 struct TechniqueInfo;
 class FrameShadows;
+enum class ShadowMapState : uint8_t;  // shadow/frame_shadows.h
 struct Overflow;
 struct SurfaceOutputs;
 
@@ -90,7 +91,8 @@ struct FrameContext : Builder {
   std::span<const shared::Light> lights;  // the lights of the constants, on the host
   bool environmentBackground = false;     // draw the environment behind all surfaces
   float aoRadius = 0, aoStrength = 1;     // ambient occlusion: meters, exponent
-  FrameShadows* shadows = nullptr;        // null: no light casts shadows
+  const FrameShadows* shadows = nullptr;  // null: no light casts shadows
+  ShadowMapState shadowState{};           // of the maps before this frame
   const LensRays* lens = nullptr;         // null: all views are projections
   Overflow* overflow = nullptr;           // buffers whose size passes have to estimate; null: there are none
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <set>
 
 #include "base/parallel.h"
@@ -65,7 +64,7 @@ FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, ShadowPlan
   else
     kept.forget();
   place(device, kept);
-  upload(device);
+  upload(device, scene);
 }
 
 void FrameShadows::number(uint32_t lights) {
@@ -122,55 +121,41 @@ void FrameShadows::place(vk::Device& device, ShadowMapCache& kept) {
   }
   atlas_ = kept.atlas();
   pages_ = kept.pages();
-  keepsAtlas_ = kept.anyDrawn();
+  cacheIsDrawn_ = kept.anyDrawn();
+  listPagedLights();
   for (size_t i = 0; i < requested_.size(); ++i) list(placed_[i], *requested_[i].view);
   std::ranges::stable_sort(maps_, {}, [](const Map& map) { return map.tile.layer; });
-  undrawn_ = !maps_.empty();
 }
 
 // Adds the map to maps_ unless it is completely drawn. If several frames have drawn pages of a map, the map is likely
 // to stay. It is then drawn completely, so later frames need not mark its pages.
 void FrameShadows::list(const std::shared_ptr<CachedShadowMap>& map, const ShadowView& view) {
   if (map->whole) return;
-  maps_.push_back({map->tile, &view, !map->drawn, ++map->drawings > kFramesUntilFullDraw});
-  map->drawn = false;  // until settled()
-  drawn_.push_back(map);
+  const uint32_t drawings = map->drawings + 1;
+  maps_.push_back({map->tile, &view, !map->drawn, drawings > kFramesUntilFullDraw});
+  map->drawn = false;  // until commit()
+  pending_.push_back({map, drawings});
 }
 
-std::vector<shared::PagedLight> FrameShadows::pagedLights() const {
+void FrameShadows::listPagedLights() {
   std::set<uint32_t> paged;  // indices into columns_
   for (size_t i = 0; i < table_.size(); ++i)
     for (uint32_t map = 0; map < table_[i].maps; ++map)
       if (!placed_[requestOfMap_[table_[i].first + map]]->whole)
         paged.insert(static_cast<uint32_t>(i % columns_.size()));
-  std::vector<shared::PagedLight> lights;
-  for (const uint32_t column : paged) lights.push_back({columns_[column], column});
-  return lights;
+  for (const uint32_t column : paged) pagedLights_.push_back({columns_[column], column});
 }
 
-void FrameShadows::drawAgain() {
-  undrawn_ = !maps_.empty();
-  for (Map& map : maps_) map.discarded = true;
-}
-
-bool FrameShadows::takeDrawing() {
-  const bool undrawn = std::exchange(undrawn_, false);
-  return undrawn || (requestsPages_ && !maps_.empty());
-}
-
-void FrameShadows::addedDrawing() {
-  keepsAtlas_ = true;
-  for (Map& map : maps_) map.discarded = false;
-}
-
-void FrameShadows::settled() {
-  for (const std::shared_ptr<CachedShadowMap>& map : drawn_) {
-    map->drawn = true;
-    map->whole = !requestsPages_ || map->drawings > kFramesUntilFullDraw;
+void FrameShadows::commit(ShadowMapState state) {
+  if (state != ShadowMapState::Complete && state != ShadowMapState::Paged) return;
+  for (const Pending& pending : pending_) {
+    pending.map->drawn = true;
+    pending.map->drawings = pending.drawings;
+    pending.map->whole = state == ShadowMapState::Complete || pending.drawings > kFramesUntilFullDraw;
   }
 }
 
-void FrameShadows::upload(vk::Device& device) {
+void FrameShadows::upload(vk::Device& device, const GpuScene& scene) {
   std::vector<shared::View> views;
   for (const Map& map : maps_) views.push_back(map.view->drawn);
   if (views.empty()) views.emplace_back();
@@ -178,7 +163,11 @@ void FrameShadows::upload(vk::Device& device) {
   tableBuffer_ = uploaded(device, "shadows of lights", table_);
   mapsBuffer_ = uploaded(device, "shadow maps", plan_.maps);
   viewsBuffer_ = vk::uploadedBuffer(device, "shadow views", std::as_bytes(std::span(views)), kViewUsage);
-  constantsBuffer_ = uploaded(device, "shadow constants", std::vector<shared::FrameConstants>(1));
+  shared::FrameConstants constants{};
+  scene.describe(constants);
+  constants.views = constants.previousViews = constants.nextViews = viewsBuffer_.address();
+  constants.viewCount = static_cast<uint32_t>(maps_.size());
+  constantsBuffer_ = uploaded(device, "shadow constants", std::vector{constants});
 }
 
 shared::LightShadow FrameShadows::of(uint32_t view, uint32_t light) const {
@@ -197,14 +186,6 @@ void FrameShadows::describe(shared::FrameConstants& frame) const {
   frame.lightShadows = tableBuffer_.address();
   frame.shadowMaps = mapsBuffer_.address();
   frame.shadowColumns = static_cast<uint32_t>(columns_.size());
-}
-
-VkDeviceAddress FrameShadows::mapConstants(const shared::FrameConstants& frame) {
-  shared::FrameConstants constants = frame;
-  constants.views = constants.previousViews = constants.nextViews = viewsBuffer_.address();
-  constants.viewCount = static_cast<uint32_t>(maps_.size());
-  std::memcpy(constantsBuffer_.mapped(), &constants, sizeof(constants));
-  return constantsBuffer_.address();
 }
 
 }  // namespace latelight::render

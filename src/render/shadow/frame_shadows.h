@@ -1,5 +1,5 @@
-// The shadow maps of a frame: places the maps of a ShadowPlan in the shadow atlas, tracks which ones the frame has to
-// draw, and provides the tables by which shaders look them up by light and view.
+// The shadow maps of a picture: places the maps of a ShadowPlan in the shadow atlas, lists those that it has to draw,
+// and provides the tables by which shaders look them up by light and view.
 #pragma once
 
 #include <memory>
@@ -18,6 +18,15 @@ namespace latelight::render {
 // The lights and bounds of a scene, for planShadows(). Refers to the scene's memory.
 ShadowScene shadowSceneOf(const GpuScene& scene);
 
+// The contents of a picture's shadow maps before one of its graphs, which draw maps for all samples and strips.
+enum class ShadowMapState : uint8_t {
+  Cached,     // as the cache holds them
+  Discarded,  // a graph that drew them overflowed
+  Complete,   // an earlier graph has drawn them
+  Paged,      // each graph draws the pages that its pixels look up and that no earlier graph has drawn
+};
+
+// Constant while the graphs of its picture are built and run.
 class FrameShadows {
  public:
   // Does not change the scene. If the raster is compute, maps cached in `kept` are reused.
@@ -36,28 +45,23 @@ class FrameShadows {
   struct Map {
     AtlasTile tile;
     const ShadowView* view;
-    bool discarded;  // its pages hold nothing yet
-    bool whole;      // draw all pages, even if other maps draw only pages that pixels look up
+    bool empty;  // in the cache, its pages hold nothing yet
+    bool whole;  // draw all pages, even if other maps draw only pages that pixels look up
   };
   std::span<const Map> maps() const { return maps_; }
   // Constants of a frame whose views are maps(), in order.
-  VkDeviceAddress mapConstants(const shared::FrameConstants& frame);
+  VkDeviceAddress mapConstants() const { return constantsBuffer_.address(); }
   VkBuffer mapViews() const { return viewsBuffer_.get(); }  // their View[]
 
   const vk::Image& atlas() const { return *atlas_; }
   const vk::Buffer& pages() const { return *pages_; }
-  bool keepsAtlas() const { return keepsAtlas_; }  // true if it contains maps or pages drawn by earlier graphs
+  // Returns true if the atlas contains maps or pages that earlier graphs have drawn.
+  bool keepsAtlas(ShadowMapState state) const { return cacheIsDrawn_ || state != ShadowMapState::Cached; }
 
-  // By default, the first graph of a picture draws complete maps for all samples and strips. After requestPages(), each
-  // graph draws the pages that its pixels look up and that no earlier graph has drawn.
   bool canRequestPages() const { return canRequestPages_; }
-  void requestPages() { requestsPages_ = true; }
-  bool requestsPages() const { return requestsPages_; }
-  std::vector<shared::PagedLight> pagedLights() const;  // lights with maps that are not completely drawn
-  void drawAgain();                                     // call it for a graph that runs again after an overflow
-  bool takeDrawing();                                   // call it per graph: returns true if the graph must draw maps
-  void addedDrawing();                                  // call it after a graph has recorded all pending drawing
-  void settled();  // call it after the device has drawn the maps without overflow: later frames may use them
+  const std::vector<shared::PagedLight>& pagedLights() const { return pagedLights_; }  // their maps lack pages
+  // Call it after the device has drawn the maps without overflow: later pictures may use them.
+  void commit(ShadowMapState state);
 
  private:
   void number(uint32_t lights);
@@ -66,7 +70,8 @@ class FrameShadows {
   void enterMaps();
   void place(vk::Device& device, ShadowMapCache& kept);
   void list(const std::shared_ptr<CachedShadowMap>& map, const ShadowView& view);
-  void upload(vk::Device& device);
+  void listPagedLights();
+  void upload(vk::Device& device, const GpuScene& scene);
 
   uint32_t format_, filter_;  // kShadow*, kShadowFilter*
   bool inCompute_;            // compute shaders draw the maps
@@ -74,17 +79,21 @@ class FrameShadows {
   std::vector<ShadowMapCache::Request> requested_;        // distinct maps: cascades of several views may be equal
   std::vector<uint32_t> requestOfMap_;                    // index into requested_ for each map of the plan
   std::vector<std::shared_ptr<CachedShadowMap>> placed_;  // parallel to requested_
-  std::vector<std::shared_ptr<CachedShadowMap>> drawn_;   // the cache entries of maps_, before sorting by layer
+  struct Pending {
+    std::shared_ptr<CachedShadowMap> map;
+    uint32_t drawings;  // number of pictures that have drawn it, including this one
+  };
+  std::vector<Pending> pending_;  // the cache entries of maps_, before sorting by layer
   std::vector<Map> maps_;
+  std::vector<shared::PagedLight> pagedLights_;
   std::vector<uint32_t> columns_;  // lights that cast shadows in some view, ascending
   std::vector<shared::ShadowBits> bits_;
   std::vector<shared::LightShadow> table_;  // one row per view
   std::shared_ptr<const vk::Image> atlas_;
   std::shared_ptr<const vk::Buffer> pages_;
-  bool keepsAtlas_ = false;
-  bool canRequestPages_, requestsPages_ = false;
+  bool cacheIsDrawn_ = false;
+  bool canRequestPages_;
   vk::Buffer bitsBuffer_, tableBuffer_, mapsBuffer_, viewsBuffer_, constantsBuffer_;
-  bool undrawn_ = false;
 };
 
 VkFormat shadowImageFormat(uint32_t format, bool inCompute = false);  // of the atlas: attachment or storage image

@@ -32,6 +32,15 @@ bool gbufferHasAll(const FrameContext& f) {
   return !blended && !(visibleMaterials(f).solid & kMaterialLayered);
 }
 
+bool canMarkPages(const FrameContext& f) {
+  return f.shadows->canRequestPages() && f.setup.layout->hasTargets();
+}
+
+// Returns true if the map's pages hold nothing yet.
+bool isEmpty(const FrameShadows::Map& map, ShadowMapState state) {
+  return state == ShadowMapState::Cached ? map.empty : state == ShadowMapState::Discarded;
+}
+
 ComputePass requestPass(const FrameContext& f, const Gbuffer& gbuffer) {
   std::vector<vk::Constant> constants = f.setup.constants();
   constants.push_back({kSamplesConstant, f.setup.samples});
@@ -80,21 +89,23 @@ uint32_t firstPageWord(const vk::ImageDesc& atlas, const AtlasTile& tile) {
          tile.x / kShadowCell;
 }
 
+bool drawsPages(const FrameContext& f) {
+  return canMarkPages(f) && gbufferHasAll(f);
+}
+
 graph::BufferId addShadowPages(const FrameContext& f, const Gbuffer& gbuffer) {
-  FrameShadows& shadows = *f.shadows;
+  const FrameShadows& shadows = *f.shadows;
   const vk::ImageDesc& atlas = shadows.atlas().desc();
-  if (shadows.canRequestPages() && f.setup.layout->hasTargets()) {
-    // Create the pipeline even if this frame marks no pages, because that may change with the scene: only the first
-    // frame should wait for a pipeline.
-    pipelineOf<PagesRequestedPush>(f, requestPass(f, gbuffer));
-    if (gbufferHasAll(f)) shadows.requestPages();
-  }
+  // Create the pipeline even if this frame marks no pages, because that may change with the scene: only the first frame
+  // should wait for a pipeline.
+  if (canMarkPages(f)) pipelineOf<PagesRequestedPush>(f, requestPass(f, gbuffer));
+  const bool marks = drawsPages(f);
   std::vector<PagedMap> maps;
   bool any = false;
   for (const FrameShadows::Map& map : shadows.maps()) {
-    const bool whole = map.whole || !shadows.requestsPages();
+    const bool whole = map.whole || !marks;
     const uint32_t rows = std::max(map.tile.size / kShadowPage, 1u);
-    maps.push_back({firstPageWord(atlas, map.tile), rows, map.discarded ? 1u : 0u, whole ? 1u : 0u});
+    maps.push_back({firstPageWord(atlas, map.tile), rows, isEmpty(map, f.shadowState) ? 1u : 0u, whole ? 1u : 0u});
     any |= !whole;
   }
   const auto count = static_cast<uint32_t>(maps.size());

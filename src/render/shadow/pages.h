@@ -15,9 +15,12 @@ uint64_t pageWords(const vk::ImageDesc& atlas);
 uint32_t firstPageWord(const vk::ImageDesc& atlas, const AtlasTile& tile);
 uint32_t pageWordStep(const vk::ImageDesc& atlas);  // distance from the word of a row of pages to that of the next
 
+// Returns true if the frame draws only the pages that its pixels look up. False if these cannot be marked, for example
+// because surfaces that are not in the G-buffer (blended or layered) look up shadows too.
+bool drawsPages(const FrameContext& f);
+
 // Adds the passes that select the pages to draw in f.shadows->maps(), and returns the page words of all maps. Selects
-// all pages if they cannot be marked, for example because surfaces that are not in the G-buffer (blended or layered)
-// look up shadows too.
+// all pages unless drawsPages().
 graph::BufferId addShadowPages(const FrameContext& f, const Gbuffer& gbuffer);
 
 }  // namespace latelight::render

@@ -23,7 +23,7 @@ struct CachedShadowMap {
   std::optional<Sphere> within;  // the same for objects outside this sphere
   bool drawn = false;            // some of its pages have been drawn
   bool whole = false;            // all of its pages have been drawn
-  uint32_t drawings = 0;         // number of frames that have drawn it
+  uint32_t drawings = 0;         // number of pictures that have drawn it
   uint64_t frame = 0;            // number of the last frame that requested it
 };
 

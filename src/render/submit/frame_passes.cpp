@@ -9,6 +9,7 @@
 #include "render/post/background.h"
 #include "render/post/fog/fog.h"
 #include "render/shadow/frame_shadows.h"
+#include "render/shadow/pages.h"
 #include "render/shadow/sun_occlusion.h"
 #include "render/transparency/transparency.h"
 #include "render/visibility/visibility.h"
@@ -34,16 +35,22 @@ void rejectTooManyUnbounded(const FrameContext& f) {
     badUsage("a CPU device supports at most {} lights without a range, but the scene has {}", most, unbounded);
 }
 
-// Draws the shadow maps if this graph has to. Reads the G-buffer as it is at this point.
-graph::ImageId addShadows(const FrameContext& f, const Gbuffer& g) {
-  if (!f.shadows) return {};
-  if (!f.shadows->takeDrawing()) return f.graph.import(f.shadows->atlas(), graph::Use::SampledCompute);
-  const bool keeps = f.shadows->keepsAtlas();
+struct Shadows {
+  graph::ImageId atlas;
+  ShadowMapState state;  // after the frame
+};
+
+// Draws the shadow maps unless they are complete. Reads the G-buffer as it is at this point.
+Shadows addShadows(const FrameContext& f, const Gbuffer& g) {
+  if (!f.shadows) return {{}, f.shadowState};
+  if (f.shadows->maps().empty() || f.shadowState == ShadowMapState::Complete)
+    return {f.graph.import(f.shadows->atlas(), graph::Use::SampledCompute), f.shadowState};
+  const bool keeps = f.shadows->keepsAtlas(f.shadowState);
   const graph::ImageId atlas =
       f.graph.import(f.shadows->atlas(), keeps ? std::optional(graph::Use::SampledCompute) : std::nullopt);
   f.graph.exports(atlas, graph::Use::SampledCompute);
   addShadowMaps(f, g, atlas);
-  return atlas;
+  return {atlas, drawsPages(f) ? ShadowMapState::Paged : ShadowMapState::Complete};
 }
 
 }  // namespace
@@ -61,14 +68,15 @@ LitFrame addLit(const FrameContext& f, const VisibilityBuffer& visible) {
   g.lightCounts = createCounts(f);
   g.forLighting = !f.setup.countLights && !f.setup.ambientOcclusion && !f.setup.sunInGbuffer;
   if (!f.setup.lighting->forward) g = addGbuffer(f, std::move(g));
-  g.shadows = addShadows(f, g);
+  const Shadows shadows = addShadows(f, g);
+  g.shadows = shadows.atlas;
   g.ambientOcclusion = addAmbientOcclusion(f, g);
   if (f.setup.sunInGbuffer) addSunOcclusion(f, g);
   g.lightLists = f.setup.lighting->add(f, g);
   addLayered(f, g);
   if (f.environmentBackground) addBackground(f, g);
   if (f.setup.fog) addFog(f, g);
-  return {g.light, g.lightCounts, g};
+  return {g.light, g.lightCounts, g, shadows.state};
 }
 
 LitFrame addFrame(const FrameContext& f) {

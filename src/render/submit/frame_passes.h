@@ -10,6 +10,7 @@ struct LitFrame {
   graph::ImageId picture;      // linear radiance times exposure, premultiplied; alpha 1 where something is drawn
   graph::ImageId lightCounts;  // as in Gbuffer
   Gbuffer gbuffer;             // without targets if the technique is a forward one
+  ShadowMapState shadowState;  // of the maps after this frame
 };
 
 // Adds the passes of a frame.

@@ -22,8 +22,9 @@ struct RenderJob;
 // Some of a job's views in one strip of their pictures. They are rendered together, with one graph per sample of a
 // pixel. The part is read after its last graph has run.
 struct ViewBatch {
-  ViewBatch(RenderJob& job, size_t first, size_t count, Strip strip, std::shared_ptr<FrameShadows> shadows)
-      : job(job), first(first), count(count), strip(strip), shadows(std::move(shadows)) {}
+  ViewBatch(RenderJob& job, size_t first, size_t count, Strip strip, std::shared_ptr<FrameShadows> shadows,
+            ShadowMapState shadowState)
+      : job(job), first(first), count(count), strip(strip), shadows(std::move(shadows)), shadowState(shadowState) {}
 
   // `origin`: the origin of the device's world space in the scene's.
   ViewsInTime views(const glm::dvec3& origin, glm::vec2 jitter) const;
@@ -32,6 +33,7 @@ struct ViewBatch {
   size_t first, count;  // views
   Strip strip;
   std::shared_ptr<FrameShadows> shadows;  // of all strips; null: no light casts shadows
+  ShadowMapState shadowState;             // before the first graph; once started, after the last one
   bool started = false;                   // at least once: after an overflow it is started again
   bool continues = false;  // the history of temporal anti-aliasing holds the previous frame of these views
   std::vector<graph::Submission> earlier;    // of all samples except the last

@@ -194,13 +194,14 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
   ShadowPlan plan = planShadows(std::span(job->now).subspan(first, count), s);  // while previous views are rendered
   resolveOverflow();
   const std::shared_ptr<FrameShadows> shadows = placeShadows(std::move(plan), s);
+  ShadowMapState shadowState = ShadowMapState::Cached;
   for (const Strip strip : strips) {
     // With several strips, only one has memory at a time. Otherwise some views are read while the device renders the
     // next.
     const size_t waiting = strips.size() > 1 ? 0 : 1;
     while (job->results == Results::ToHost && job->parts.size() > waiting) read(*job);
     resolveOverflow();
-    ViewBatch& part = job->parts.emplace_back(*job, first, count, strip, shadows);
+    ViewBatch& part = job->parts.emplace_back(*job, first, count, strip, shadows, shadowState);
     part.continues = job->continues && count == job->viewCount() && history_.fits(s.width, s.height, count);
     if (!job->progress) job->progress.emplace("Rendering", jittersOf(part).size() * strips.size() * job->viewCount());
     std::optional<uint64_t> maxBytes;
@@ -211,6 +212,7 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
       job->parts.pop_back();
       return std::clamp<uint64_t>(count * memoryForViews(device_) / started.bytes, 1, count - 1);
     }
+    shadowState = part.shadowState;
     uncheckedBatch_ = {job, &part};
   }
   return count;
@@ -251,13 +253,13 @@ Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> max
   const bool yUp = scene_.yUp && s.axes == Axes::File;
   part.earlier.clear();
   overflow_.checks.clear();  // left by an error
-  if (std::exchange(part.started, true) && part.shadows) part.shadows->drawAgain();
+  if (std::exchange(part.started, true)) part.shadowState = ShadowMapState::Discarded;
   const ResultArrays arrays{part.job.result.arrays, part.first, part.strip.first};
   vk::Image sum;
   if (jitters.size() > 1) sum = makeSum(part);
   for (size_t i = 0; i < jitters.size(); ++i) {
-    FrameGraphBuilder& request =
-        part.request.emplace(state_, s, yUp, steady, viewsOf(part, jitters[i]), part.shadows.get(), arrays);
+    FrameGraphBuilder& request = part.request.emplace(state_, s, yUp, steady, viewsOf(part, jitters[i]),
+                                                      part.shadows.get(), part.shadowState, arrays);
     const bool last = i + 1 == jitters.size();
     TemporalHistory* history = s.aa.temporal ? &history_ : nullptr;
     if (last)
@@ -265,6 +267,7 @@ Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> max
     else
       request.accumulate(sum, i == 0);
     if (last) request.exportResults(part.job.results);
+    part.shadowState = request.shadowState();
     part.checks = std::exchange(overflow_.checks, {});
     gpuScene_.addChanges(request.graph());
     const graph::Plan plan = request.graph().compile();
@@ -300,7 +303,7 @@ void Renderer::resolveOverflow() {
       while (startPart(*part, std::nullopt).outcome == Start::Overflowed) {
       }
     }
-    if (part->shadows) part->shadows->settled();
+    if (part->shadows) part->shadows->commit(part->shadowState);
   } catch (...) {
     part->job.error = std::current_exception();
   }
@@ -364,16 +367,18 @@ TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings&
   std::shared_ptr<FrameShadows> shadows;
   if (layout.sunTarget >= 0)  // otherwise nothing in the targets is lit
     shadows = placeShadows(planShadows(job.now, atCentres), atCentres);
-  const ViewBatch part(job, 0, 1, {0, settings.height}, shadows);
+  const ViewBatch part(job, 0, 1, {0, settings.height}, shadows, ShadowMapState::Cached);
   ViewSet set(state_, viewsOf(part, glm::vec2(0)), atCentres, shadows.get(), VisibilityOptions{.atCentres = true});
   std::optional<graph::Graph> graph;
   std::optional<RawReadback> readback;
   graph::Submission done;
   overflow_.checks.clear();  // left by an error
   do {
-    if (graph && shadows) shadows->drawAgain();
+    const bool again = graph.has_value();
     graph.emplace(executor_);
-    const LitFrame lit = addOpaque(set.frame(*graph, frameSetup(atCentres, shadows != nullptr)));
+    FrameContext f = set.frame(*graph, frameSetup(atCentres, shadows != nullptr));
+    f.shadowState = again ? ShadowMapState::Discarded : ShadowMapState::Cached;
+    const LitFrame lit = addOpaque(f);
     readback.emplace(*graph, layout, settings.normals->index, lit.gbuffer);
     gpuScene_.addChanges(*graph);
     done = submit(*graph, graph->compile());

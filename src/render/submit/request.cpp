@@ -49,13 +49,15 @@ bool isLit(const Settings& s) {
 }
 
 FrameGraphBuilder::FrameGraphBuilder(const RenderState& state, const Settings& settings, bool yUp,
-                                     const ViewsInTime& steady, const ViewsInTime& jittered, FrameShadows* shadows,
+                                     const ViewsInTime& steady, const ViewsInTime& jittered,
+                                     const FrameShadows* shadows, ShadowMapState shadowState,
                                      const ResultArrays& arrays)
     : state_(state),
       settings_(settings),
       steadyViews_(steady),
       jitteredViews_(jittered),
       shadows_(shadows),
+      shadowState_(shadowState),
       graph_(state.executor),
       outputs_(settings, yUp, steady.lens != nullptr, arrays) {}
 
@@ -81,14 +83,21 @@ const VisibilityBuffer& FrameGraphBuilder::steadyVisible() {
   return *steadyVisible_;
 }
 
+FrameContext FrameGraphBuilder::litContext(const ViewSet& set, const FrameConfig& setup) {
+  FrameContext f = set.frame(graph_, setup);
+  f.shadowState = shadowState_;
+  return f;
+}
+
 // Adds the lit frame of the picture. The frame also counts lights if it can, because lights are counted at pixel
 // centers.
 LitFrame FrameGraphBuilder::addPicture(const SurfaceOutputs* outputs) {
   FrameConfig setup = frameSetup(settings_, shadows_ != nullptr);
   setup.outputs = outputs;
   setup.countLights = isSteady() && requestsOutput(settings_, Origin::LightCounts);
-  const FrameContext f = jittered().frame(graph_, setup);
+  const FrameContext f = litContext(jittered(), setup);
   const LitFrame lit = isSteady() ? addLit(f, steadyVisible()) : addOpaque(f);
+  shadowState_ = lit.shadowState;
   addTransparency(f, lit.gbuffer);
   return lit;
 }
@@ -151,7 +160,7 @@ void FrameGraphBuilder::addLightCounts() {
     setup.sampleLayers = false;
     setup.everySample = false;
     setup.sunInGbuffer = shadows_ && keepsSun(setup, settings_);
-    counts = addLit(steady().frame(graph_, setup), steadyVisible()).lightCounts;
+    counts = addLit(litContext(steady(), setup), steadyVisible()).lightCounts;
   }
   outputs_.add({state_.device, graph_}, Origin::LightCounts, [&](std::string_view) { return counts; });
 }
@@ -161,7 +170,7 @@ void FrameGraphBuilder::addLightCounts() {
 void FrameGraphBuilder::addSampleCounts() {
   graph::ImageId counts;
   if (settings_.aa.samples > 1) {
-    if (!lit_) lit_ = addOpaque(jittered().frame(graph_, frameSetup(settings_, shadows_ != nullptr)));
+    if (!lit_) lit_ = addOpaque(litContext(jittered(), frameSetup(settings_, shadows_ != nullptr)));
     counts = lit_->gbuffer.surfaces ? lit_->gbuffer.surfaces : lit_->gbuffer.depth;
   } else {
     counts = steadyVisible().pixels;

@@ -18,10 +18,12 @@ bool isLit(const Settings& settings);  // data outputs require no lighting
 class FrameGraphBuilder {
  public:
   // `steady`: the views without jitter; `jittered`: the same with the jitter of the picture's current frame. `shadows`:
-  // of these views, or null. `yUp`: world positions and directions are output in glTF's frame. `arrays`: the arrays
-  // that exported results are written to, which live as long as the graph runs.
+  // of these views, or null; `shadowState`: of their maps before this graph. `yUp`: world positions and directions are
+  // output in glTF's frame. `arrays`: the arrays that exported results are written to, which live as long as the graph
+  // runs.
   FrameGraphBuilder(const RenderState& state, const Settings& settings, bool yUp, const ViewsInTime& steady,
-                    const ViewsInTime& jittered, FrameShadows* shadows, const ResultArrays& arrays);
+                    const ViewsInTime& jittered, const FrameShadows* shadows, ShadowMapState shadowState,
+                    const ResultArrays& arrays);
 
   // Adds only the picture's frame, and adds its result to `sum`: one of several samples per pixel.
   void accumulate(const vk::Image& sum, bool first);
@@ -31,6 +33,7 @@ class FrameGraphBuilder {
   void exportResults(Results results);  // exports the requested results, as the last step
 
   graph::Graph& graph() { return graph_; }
+  ShadowMapState shadowState() const { return shadowState_; }  // after this graph
 
   // Call after the graph has run.
   void read(const graph::Submission& done, std::vector<output::FrameOutput>& pictures) const;
@@ -40,6 +43,7 @@ class FrameGraphBuilder {
   ViewSet& steady();
   ViewSet& jittered();
   bool isSteady() const;  // the picture's frame has one sample per pixel, at its center
+  FrameContext litContext(const ViewSet& set, const FrameConfig& setup);
   LitFrame addPicture(const SurfaceOutputs* outputs = nullptr);
   void addPost(const LitFrame& lit, graph::ImageId picture, uint32_t count);
   void addLightCounts();
@@ -55,7 +59,8 @@ class FrameGraphBuilder {
   const RenderState& state_;
   const Settings& settings_;
   ViewsInTime steadyViews_, jitteredViews_;
-  FrameShadows* shadows_;
+  const FrameShadows* shadows_;
+  ShadowMapState shadowState_;
   graph::Graph graph_;
   std::optional<ViewSet> steady_, jittered_;
   std::optional<ViewSet> solid_;     // counts blended surfaces as opaque

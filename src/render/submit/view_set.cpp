@@ -21,8 +21,8 @@ constexpr uint32_t kFewLights = 32;
 
 }  // namespace
 
-ViewSet::ViewSet(const RenderState& state, const ViewsInTime& views, const Settings& settings, FrameShadows* shadows,
-                 const VisibilityOptions& options)
+ViewSet::ViewSet(const RenderState& state, const ViewsInTime& views, const Settings& settings,
+                 const FrameShadows* shadows, const VisibilityOptions& options)
     : state_(state),
       views_(views),
       settings_(settings),
@@ -72,7 +72,7 @@ FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {
   setup.lights = !state_.device.isCpu() || state_.scene.lights().count() > 0;
   setup.fewLights = state_.device.hasCpuShaders() && state_.scene.lights().count() <= kFewLights;
   const shared::vec2 size = views_.now.front().size;
-  return {
+  FrameContext f{
       {state_.device, graph},
       state_.scene,
       state_.environment,
@@ -87,10 +87,11 @@ FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {
       state_.hasEnvironment && settings_.background.kind == Background::Environment,
       settings_.aoRadius.value_or(static_cast<float>(kAoRadiusShare * state_.scene.bounds().radius())),
       settings_.aoStrength,
-      setup.shadowFormat ? shadows_ : nullptr,
-      views_.lens.get(),
-      &state_.overflow,
   };
+  if (setup.shadowFormat) f.shadows = shadows_;
+  f.lens = views_.lens.get();
+  f.overflow = &state_.overflow;
+  return f;
 }
 
 }  // namespace latelight::render

@@ -37,7 +37,7 @@ struct ViewsInTime {
 class ViewSet {
  public:
   // `shadows`: the shadows of these views, or null.
-  ViewSet(const RenderState& state, const ViewsInTime& views, const Settings& settings, FrameShadows* shadows,
+  ViewSet(const RenderState& state, const ViewsInTime& views, const Settings& settings, const FrameShadows* shadows,
           const VisibilityOptions& options);
   ViewSet(const ViewSet&) = delete;  // frames refer to the visibility
   ViewSet& operator=(const ViewSet&) = delete;
@@ -53,7 +53,7 @@ class ViewSet {
   RenderState state_;
   ViewsInTime views_;
   const Settings& settings_;
-  FrameShadows* shadows_;
+  const FrameShadows* shadows_;
   Visibility visibility_;
   vk::Buffer viewBuffer_, constants_;
 };

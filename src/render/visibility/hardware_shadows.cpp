@@ -107,16 +107,13 @@ void HardwareVisibility::addShadowMaps(const FrameContext& f, const Gbuffer&, gr
   accesses.emplace_back(targets.depth, graph::Use::DepthAttachment);
   const ScenePipelines pipelines = shadowPipelines(f);
   const auto casters = std::make_shared<DeviceDraws>(selectCasters(f, order_));
-  shared::FrameConstants frame{};
-  scene_.describe(frame);
-  const VkDeviceAddress constants = f.shadows->mapConstants(frame);
   f.graph.pass(graph::Stage::Shadows, "shadow maps", std::move(accesses), [=, this](graph::Context& context) {
     const std::span<const FrameShadows::Map> maps = f.shadows->maps();
     for (uint32_t i = 0; i < maps.size(); ++i) {
       const uint32_t layer = maps[i].tile.layer;
       if (i == 0 || layer != maps[i - 1].tile.layer) beginLayer(context, targets, layer);
       setTile(context, maps[i].tile);
-      SceneBinder binder(context, scene_, *casters, {constants, f.shadows->mapViews(), i}, pipelines);
+      SceneBinder binder(context, scene_, *casters, {f.shadows->mapConstants(), f.shadows->mapViews(), i}, pipelines);
       for (const Draw& draw : (*casters)[i]) {
         pushMore(context, binder.bind(draw), shared::ShadowDraw{maps[i].view->unit});
         vkCmdSetCullMode(context.get(), VK_CULL_MODE_NONE);

@@ -401,7 +401,7 @@ void ComputeVisibility::addShadowMaps(const FrameContext& f, const Gbuffer& gbuf
   const graph::BufferId pages = addShadowPages(f, gbuffer);
   std::map<uint32_t, std::vector<const FrameShadows::Map*>> bySize;
   for (const FrameShadows::Map& map : f.shadows->maps()) bySize[map.tile.size].push_back(&map);
-  graph::Use use = f.shadows->keepsAtlas() ? graph::Use::StorageReadWrite : graph::Use::StorageWrite;
+  graph::Use use = f.shadows->keepsAtlas(f.shadowState) ? graph::Use::StorageReadWrite : graph::Use::StorageWrite;
   for (const auto& [size, maps] : bySize) {
     const uint64_t atOnce =
         std::clamp<uint64_t>(kTexelsAtOnce / (uint64_t{size} * size), 1, std::max<uint64_t>(mostWork, 1));
@@ -411,7 +411,6 @@ void ComputeVisibility::addShadowMaps(const FrameContext& f, const Gbuffer& gbuf
       addShadowMapsOf(f, {size, {begin, end}, pages}, atlas, std::exchange(use, graph::Use::StorageReadWrite));
     }
   }
-  f.shadows->addedDrawing();
 }
 
 // --- blended surfaces ------------------------------------------------------------------------------------------------
