@@ -9,6 +9,7 @@ namespace latelight::graph {
 namespace {
 
 constexpr uint64_t kTransientLifetime = 4;  // submissions after which unused entries are freed
+constexpr uint64_t kMaxResultLifetime = 64;  // maximum for results, which may be large
 
 // Returns null if no entry is free.
 template <typename Entry, typename Desc>
@@ -22,7 +23,15 @@ std::unique_ptr<Entry> find(std::vector<std::unique_ptr<Entry>>& free, const Des
 
 template <typename Entry>
 void tidy(std::vector<std::unique_ptr<Entry>>& free, uint64_t now) {
-  std::erase_if(free, [&](const auto& entry) { return entry->lastUse + kTransientLifetime < now; });
+  std::erase_if(free, [&](const auto& entry) { return entry->keptUntil < now; });
+}
+
+// A request of many views consists of several submissions and holds the results of all of them. The next one takes them
+// again, so they are kept for twice as many submissions as their last user held them.
+template <typename Entry>
+void keep(std::vector<std::unique_ptr<Entry>>& free, std::unique_ptr<Entry> entry, uint64_t now) {
+  entry->keptUntil = now + std::clamp(2 * (now - entry->takenAt), kTransientLifetime, kMaxResultLifetime);
+  free.push_back(std::move(entry));
 }
 
 using Desc = TransientPlacement::Desc;
@@ -120,7 +129,7 @@ const TransientPlacement& TransientPool::place(const Graph& graph, const Plan& p
 void TransientPool::tick() {
   std::lock_guard lock(mutex_);
   ++now_;
-  tidy(placed_, now_);
+  std::erase_if(placed_, [&](const auto& placed) { return placed->lastUse + kTransientLifetime < now_; });
   tidy(images_, now_);
   tidy(buffers_, now_);
 }
@@ -135,25 +144,27 @@ void TransientPool::clear() {
 std::unique_ptr<PooledImage> TransientPool::take(const vk::ImageDesc& desc) {
   std::lock_guard lock(mutex_);
   std::unique_ptr<PooledImage> image = find(images_, desc);
-  return image ? std::move(image) : std::make_unique<PooledImage>(device_, desc);
+  if (!image) image = std::make_unique<PooledImage>(device_, desc);
+  image->takenAt = now_;
+  return image;
 }
 
 std::unique_ptr<PooledBuffer> TransientPool::take(const vk::BufferDesc& desc) {
   std::lock_guard lock(mutex_);
   std::unique_ptr<PooledBuffer> buffer = find(buffers_, desc);
-  return buffer ? std::move(buffer) : std::make_unique<PooledBuffer>(device_, desc);
+  if (!buffer) buffer = std::make_unique<PooledBuffer>(device_, desc);
+  buffer->takenAt = now_;
+  return buffer;
 }
 
 void TransientPool::recycle(std::unique_ptr<PooledImage> image) {
   std::lock_guard lock(mutex_);
-  image->lastUse = now_;
-  images_.push_back(std::move(image));
+  keep(images_, std::move(image), now_);
 }
 
 void TransientPool::recycle(std::unique_ptr<PooledBuffer> buffer) {
   std::lock_guard lock(mutex_);
-  buffer->lastUse = now_;
-  buffers_.push_back(std::move(buffer));
+  keep(buffers_, std::move(buffer), now_);
 }
 
 }  // namespace latelight::graph

@@ -18,7 +18,7 @@ struct Pooled {
   Pooled(vk::Device& device, const Desc& desc) : desc(desc), resource(device, desc) {}
   Desc desc;
   Resource resource;
-  uint64_t lastUse = 0;  // the pool's count of submissions
+  uint64_t takenAt = 0, keptUntil = 0;  // in the pool's count of submissions
 };
 using PooledImage = Pooled<vk::Image, vk::ImageDesc>;
 using PooledBuffer = Pooled<vk::Buffer, vk::BufferDesc>;

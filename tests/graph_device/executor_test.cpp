@@ -208,6 +208,26 @@ TEST_F(Executors, HaveSeveralSubmissionsInFlight) {
   }
 }
 
+// The results of a request of many submissions are released together, and taken again by the next one.
+TEST_F(Executors, KeepResultsOfManySubmissions) {
+  Executor executor(*device);
+  std::vector<Submission> held;
+  size_t first = 0;
+  for (int request = 0; request < 4; ++request) {
+    held.clear();
+    for (int i = 0; i < 12; ++i) {
+      Graph graph;
+      const BufferId out = graph.create(bufferDesc("result", 4096));
+      fill(graph, "fill", out, 1);
+      graph.exports(out, Use::CopySource);
+      held.push_back(executor.submit(graph, graph.compile()));
+      held.back().wait();
+    }
+    if (request == 0) first = device->memory().statistics().allocations;
+    EXPECT_EQ(device->memory().statistics().allocations, first);
+  }
+}
+
 TEST_F(Executors, WaitForTheOldestWhereTooManyAreInFlight) {
   Executor executor(*device);
   const auto submit = [&](uint32_t value, const std::function<void(VkCommandBuffer)>& recorded) {
