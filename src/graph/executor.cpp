@@ -184,45 +184,102 @@ void SubmissionPool::recycle(std::unique_ptr<CommandRecorder> recorder) {
 
 }  // namespace
 
-struct Submission::State {
-  explicit State(std::shared_ptr<SubmissionPool> pool) : pool(std::move(pool)), recorder(this->pool->takeRecorder()) {}
-  ~State();
-  void finish();
+namespace {
+
+// A secondary command buffer, which a primary one may execute in many submissions.
+class SecondaryCommands {
+ public:
+  explicit SecondaryCommands(vk::Device& device) : device_(device) {
+    VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+    pool.queueFamilyIndex = device.queueFamily();
+    VK_CHECK(vkCreateCommandPool(device.get(), &pool, nullptr, &pool_));
+  }
+  ~SecondaryCommands() {
+    device_.deferDeletion([device = device_.get(), pool = pool_] { vkDestroyCommandPool(device, pool, nullptr); });
+  }
+  SecondaryCommands(const SecondaryCommands&) = delete;
+  SecondaryCommands& operator=(const SecondaryCommands&) = delete;
+
+  template <typename Record>
+  void record(Record&& record) {
+    VkCommandBufferAllocateInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+    info.commandPool = pool_;
+    info.level = VK_COMMAND_BUFFER_LEVEL_SECONDARY;
+    info.commandBufferCount = 1;
+    VK_CHECK(vkAllocateCommandBuffers(device_.get(), &info, &commands_));
+    const VkCommandBufferInheritanceInfo inherited{VK_STRUCTURE_TYPE_COMMAND_BUFFER_INHERITANCE_INFO};
+    VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    begin.pInheritanceInfo = &inherited;
+    VK_CHECK(vkBeginCommandBuffer(commands_, &begin));
+    record(commands_);
+    VK_CHECK(vkEndCommandBuffer(commands_));
+  }
+  void execute(VkCommandBuffer primary) const { vkCmdExecuteCommands(primary, 1, &commands_); }
+
+ private:
+  vk::Device& device_;
+  VkCommandPool pool_ = VK_NULL_HANDLE;
+  VkCommandBuffer commands_ = VK_NULL_HANDLE;
+};
+
+}  // namespace
+
+class RecordedGraph {
+ public:
+  explicit RecordedGraph(std::shared_ptr<SubmissionPool> pool)
+      : pool(std::move(pool)), recorder(this->pool->takeRecorder()) {}
+  ~RecordedGraph();
+  RecordedGraph(const RecordedGraph&) = delete;
+  RecordedGraph& operator=(const RecordedGraph&) = delete;
 
   std::shared_ptr<SubmissionPool> pool;
-  uint64_t value = 0;  // on the device's timeline
+  std::unique_ptr<CommandRecorder> recorder;
   // Indexed by the graph's ids. After recording, only results remain: imported or exported resources.
   std::vector<const vk::Image*> images;
   std::vector<const vk::Buffer*> buffers;
   std::vector<std::unique_ptr<PooledImage>> pooledImages;
   std::vector<std::unique_ptr<PooledBuffer>> pooledBuffers;
-
-  std::mutex mutex;  // guards the rest, until it has finished
-  std::unique_ptr<CommandRecorder> recorder;
   std::vector<std::shared_ptr<ConstantChunk>> constants;
-  std::vector<PassTime> times;
+  std::vector<PassTime> passes;  // without times
+  // Only for repeated submission: the commands, and the transients that they use.
+  std::unique_ptr<SecondaryCommands> commands;
+  std::shared_ptr<TransientPlacement> placement;
 };
 
-// Runs when the results are no longer needed and the submission has finished; until then the executor keeps a
+// Runs when the results are no longer needed and all submissions have finished; until then the executor keeps a
 // reference. Without an executor, nothing returned here is reused, but graphs may still request constants.
-Submission::State::~State() {
+RecordedGraph::~RecordedGraph() {
   if (recorder) pool->recycle(std::move(recorder));
   for (auto& image : pooledImages) pool->transients.recycle(std::move(image));
   for (auto& buffer : pooledBuffers) pool->transients.recycle(std::move(buffer));
   if (!constants.empty()) pool->device.deferDeletion([constants = std::move(constants)] {});
 }
 
+struct Submission::State {
+  explicit State(std::shared_ptr<RecordedGraph> recorded) : recorded(std::move(recorded)) {}
+  void finish();
+  vk::Device& device() const { return recorded->pool->device; }
+
+  std::shared_ptr<RecordedGraph> recorded;
+  uint64_t value = 0;  // on the device's timeline
+  std::mutex mutex;    // guards the rest, until it has finished
+  bool finished = false;
+  std::vector<PassTime> times;
+};
+
 // Waits until the submission has finished, and reads the times from the queries before another submission overwrites
 // them.
 void Submission::State::finish() {
-  pool->device.wait(value);
+  device().wait(value);
   std::lock_guard lock(mutex);
-  if (!recorder) return;
-  const std::vector<double> milliseconds = recorder->timers.read();
+  if (std::exchange(finished, true)) return;
+  const std::vector<double> milliseconds = recorded->recorder->timers.read();
+  times = recorded->passes;
   times.resize(milliseconds.size());  // empty without timestamps
   for (size_t i = 0; i < milliseconds.size(); ++i) times[i].milliseconds = milliseconds[i];
-  pool->recycle(std::move(recorder));
-  constants.clear();
+  if (recorded->commands) return;
+  recorded->pool->recycle(std::move(recorded->recorder));
+  recorded->constants.clear();
 }
 
 Submission::Submission() = default;
@@ -232,7 +289,7 @@ Submission& Submission::operator=(Submission&&) noexcept = default;
 Submission::~Submission() = default;
 
 bool Submission::done() const {
-  return !state_ || state_->pool->device.finished(state_->value);
+  return !state_ || state_->device().finished(state_->value);
 }
 
 void Submission::wait() const {
@@ -247,13 +304,13 @@ const std::vector<PassTime>& Submission::times() const {
 }
 
 const vk::Image& Submission::image(ImageId id) const {
-  const vk::Image* image = state_ ? state_->images.at(id.index) : nullptr;
+  const vk::Image* image = state_ ? state_->recorded->images.at(id.index) : nullptr;
   if (!image) fail(ExitCode::Internal, "frame graph: image {} is not a result of the submission", id.index);
   return *image;
 }
 
 const vk::Buffer& Submission::buffer(BufferId id) const {
-  const vk::Buffer* buffer = state_ ? state_->buffers.at(id.index) : nullptr;
+  const vk::Buffer* buffer = state_ ? state_->recorded->buffers.at(id.index) : nullptr;
   if (!buffer) fail(ExitCode::Internal, "frame graph: buffer {} is not a result of the submission", id.index);
   return *buffer;
 }
@@ -261,10 +318,13 @@ const vk::Buffer& Submission::buffer(BufferId id) const {
 struct Executor::Impl {
   explicit Impl(vk::Device& device) : labels(device.instance()), pool(std::make_shared<SubmissionPool>(device)) {}
   void finishOldest();
-  std::shared_ptr<Submission::State> prepare(const Graph& graph, Plan& plan);
-  void materialize(const Graph& graph, Plan& plan, Submission::State& state);
-  void record(const Graph& graph, const Plan& plan, Submission::State& state, VkCommandBuffer buffer);
-  static void storeResults(const Graph& graph, Submission::State& state);
+  void finishDone();
+  void begin();
+  std::shared_ptr<RecordedGraph> prepare(const Graph& graph, Plan& plan);
+  void materialize(const Graph& graph, Plan& plan, RecordedGraph& recorded);
+  void record(const Graph& graph, const Plan& plan, RecordedGraph& recorded, VkCommandBuffer buffer);
+  static void storeResults(const Graph& graph, RecordedGraph& recorded);
+  Submission submit(std::shared_ptr<RecordedGraph> recorded, const std::function<void(VkCommandBuffer)>& commands);
 
   LabelCalls labels;
   std::shared_ptr<SubmissionPool> pool;
@@ -282,14 +342,26 @@ void Executor::Impl::finishOldest() {
   inFlight.pop_front();
 }
 
+void Executor::Impl::finishDone() {
+  while (!inFlight.empty() && pool->device.finished(inFlight.front()->value)) finishOldest();
+}
+
+// Prepares for another submission.
+void Executor::Impl::begin() {
+  while (inFlight.size() >= kInFlight) finishOldest();
+  finishDone();
+  pool->transients.tick();
+  pool->constants->tick();
+}
+
 // Creates or reuses everything that the plan needs. If an allocation fails while other graphs' resources are kept, it
 // is retried without them.
-std::shared_ptr<Submission::State> Executor::Impl::prepare(const Graph& graph, Plan& plan) {
+std::shared_ptr<RecordedGraph> Executor::Impl::prepare(const Graph& graph, Plan& plan) {
   const auto tryTo = [&] {
-    auto state = std::make_shared<Submission::State>(pool);
-    state->constants = graph.constants_;
-    materialize(graph, plan, *state);
-    return state;
+    auto recorded = std::make_shared<RecordedGraph>(pool);
+    recorded->constants = graph.constants_;
+    materialize(graph, plan, *recorded);
+    return recorded;
   };
   try {
     return tryTo();
@@ -302,74 +374,101 @@ std::shared_ptr<Submission::State> Executor::Impl::prepare(const Graph& graph, P
 }
 
 // Collects the imported resources, creates one resource for each transient of the plan, and adds the aliasing barriers.
-void Executor::Impl::materialize(const Graph& graph, Plan& plan, Submission::State& state) {
-  for (const Graph::ImageNode& node : graph.images_) state.images.push_back(node.imported);
-  for (const Graph::BufferNode& node : graph.buffers_) state.buffers.push_back(node.imported);
+void Executor::Impl::materialize(const Graph& graph, Plan& plan, RecordedGraph& recorded) {
+  for (const Graph::ImageNode& node : graph.images_) recorded.images.push_back(node.imported);
+  for (const Graph::BufferNode& node : graph.buffers_) recorded.buffers.push_back(node.imported);
   for (const Plan::Transient& kept : plan.kept) {
     if (kept.image) {
-      state.pooledImages.push_back(pool->transients.take(graph.desc(kept.image)));
-      state.images[kept.image.index] = &state.pooledImages.back()->resource;
+      recorded.pooledImages.push_back(pool->transients.take(graph.desc(kept.image)));
+      recorded.images[kept.image.index] = &recorded.pooledImages.back()->resource;
     } else {
-      state.pooledBuffers.push_back(pool->transients.take(graph.desc(kept.buffer)));
-      state.buffers[kept.buffer.index] = &state.pooledBuffers.back()->resource;
+      recorded.pooledBuffers.push_back(pool->transients.take(graph.desc(kept.buffer)));
+      recorded.buffers[kept.buffer.index] = &recorded.pooledBuffers.back()->resource;
     }
   }
-  const TransientPlacement& placed = pool->transients.place(graph, plan);
+  recorded.placement = pool->transients.place(graph, plan);
+  const TransientPlacement& placed = *recorded.placement;
   for (size_t i = 0; i < plan.lives.size(); ++i) {
     if (plan.lives[i].image) {
-      state.images[plan.lives[i].image.index] = &std::get<vk::Image>(placed.resources[i]);
+      recorded.images[plan.lives[i].image.index] = &std::get<vk::Image>(placed.resources[i]);
     } else {
-      state.buffers[plan.lives[i].buffer.index] = &std::get<vk::Buffer>(placed.resources[i]);
+      recorded.buffers[plan.lives[i].buffer.index] = &std::get<vk::Buffer>(placed.resources[i]);
     }
   }
   addAliasingBarriers(plan, placed.footprints, placed.packing);
 }
 
-void Executor::Impl::record(const Graph& graph, const Plan& plan, Submission::State& state, VkCommandBuffer buffer) {
-  vk::Commands commands(pool->device, buffer, state.recorder->descriptors);
+void Executor::Impl::record(const Graph& graph, const Plan& plan, RecordedGraph& recorded, VkCommandBuffer buffer) {
+  vk::Commands commands(pool->device, buffer, recorded.recorder->descriptors);
   Context context;
   context.commands_ = &commands;
-  context.images_ = &state.images;
-  context.buffers_ = &state.buffers;
-  Timers& timers = state.recorder->timers;
+  context.images_ = &recorded.images;
+  context.buffers_ = &recorded.buffers;
+  Timers& timers = recorded.recorder->timers;
   recordFullBarrier(buffer);  // earlier submissions on the queue use the same memory for their transients
   timers.begin(buffer, static_cast<uint32_t>(plan.steps.size()));
   uint32_t mark = 0;
   for (const Plan::Step& step : plan.steps) {
     const Pass& pass = graph.passes_[step.pass];
-    state.times.push_back({pass.stage, pass.name, 0, pass.trafficBytes});
+    recorded.passes.push_back({pass.stage, pass.name, 0, pass.trafficBytes});
     const Label label(labels, buffer, pass.name);
     timers.mark(buffer, mark++);
-    recordBarriers(buffer, step.before, state.images, state.buffers);
+    recordBarriers(buffer, step.before, recorded.images, recorded.buffers);
     context.pass_ = &pass;
     if (pass.record) pass.record(context);
     timers.mark(buffer, mark++);
   }
-  recordBarriers(buffer, plan.after, state.images, state.buffers);
+  recordBarriers(buffer, plan.after, recorded.images, recorded.buffers);
   timers.end(buffer);
 }
 
 // Drops the references to other transients, because another submission may use them by the time results are read.
-void Executor::Impl::storeResults(const Graph& graph, Submission::State& state) {
-  for (size_t i = 0; i < state.images.size(); ++i)
-    if (!graph.images_[i].imported && !graph.images_[i].exported) state.images[i] = nullptr;
-  for (size_t i = 0; i < state.buffers.size(); ++i)
-    if (!graph.buffers_[i].imported && !graph.buffers_[i].exported) state.buffers[i] = nullptr;
+void Executor::Impl::storeResults(const Graph& graph, RecordedGraph& recorded) {
+  for (size_t i = 0; i < recorded.images.size(); ++i)
+    if (!graph.images_[i].imported && !graph.images_[i].exported) recorded.images[i] = nullptr;
+  for (size_t i = 0; i < recorded.buffers.size(); ++i)
+    if (!graph.buffers_[i].imported && !graph.buffers_[i].exported) recorded.buffers[i] = nullptr;
+}
+
+Submission Executor::Impl::submit(std::shared_ptr<RecordedGraph> recorded,
+                                  const std::function<void(VkCommandBuffer)>& commands) {
+  const auto state = std::make_shared<Submission::State>(std::move(recorded));
+  state->value = pool->device.submit(commands);
+  inFlight.push_back(state);
+  return Submission(state);
 }
 
 Submission Executor::submit(const Graph& graph, const Plan& plan) {
   Impl& impl = *impl_;
-  vk::Device& device = impl.pool->device;
-  while (impl.inFlight.size() >= kInFlight) impl.finishOldest();
-  while (!impl.inFlight.empty() && device.finished(impl.inFlight.front()->value)) impl.finishOldest();
-  impl.pool->transients.tick();
-  impl.pool->constants->tick();
+  impl.begin();
   Plan placed = plan;
-  const std::shared_ptr<Submission::State> state = impl.prepare(graph, placed);
-  state->value = device.submit([&](VkCommandBuffer buffer) { impl.record(graph, placed, *state, buffer); });
-  impl.inFlight.push_back(state);
-  Impl::storeResults(graph, *state);
-  return Submission(state);
+  const std::shared_ptr<RecordedGraph> recorded = impl.prepare(graph, placed);
+  Submission submission =
+      impl.submit(recorded, [&](VkCommandBuffer buffer) { impl.record(graph, placed, *recorded, buffer); });
+  recorded->placement = nullptr;  // the pool shares its memory with other graphs, and frees it when nothing uses it
+  Impl::storeResults(graph, *recorded);
+  return submission;
+}
+
+std::shared_ptr<RecordedGraph> Executor::record(const Graph& graph, const Plan& plan) {
+  Impl& impl = *impl_;
+  Plan placed = plan;
+  std::shared_ptr<RecordedGraph> recorded = impl.prepare(graph, placed);
+  recorded->commands = std::make_unique<SecondaryCommands>(impl.pool->device);
+  recorded->commands->record([&](VkCommandBuffer buffer) { impl.record(graph, placed, *recorded, buffer); });
+  Impl::storeResults(graph, *recorded);
+  return recorded;
+}
+
+Submission Executor::submit(const std::shared_ptr<RecordedGraph>& recorded) {
+  impl_->begin();
+  impl_->pool->transients.use(*recorded->placement);
+  return impl_->submit(recorded, [&](VkCommandBuffer buffer) { recorded->commands->execute(buffer); });
+}
+
+bool Executor::isIdle(const std::shared_ptr<RecordedGraph>& recorded) {
+  impl_->finishDone();
+  return recorded.use_count() == 1;
 }
 
 const Submission& Executor::run(const Graph& graph, const Plan& plan) {

@@ -228,6 +228,9 @@ struct PassTime {
   uint64_t trafficBytes;  // bytes of the resources that it reads and writes in full; 0: unknown
 };
 
+// The recorded commands of a graph, everything that they use, and its results.
+class RecordedGraph;
+
 // A graph in flight, then its results. It owns the exported transient resources: once it is dropped and has finished,
 // other submissions may use them. It may outlive its executor but not the device, and another thread may hold it.
 class Submission {
@@ -271,6 +274,14 @@ class Executor {
   // passes are rethrown, and nothing is submitted. If the device is out of memory, resources kept from other graphs are
   // freed first.
   Submission submit(const Graph& graph, const Plan& plan);
+
+  // Records the plan for any number of submissions. Whatever differs between these is data in imported buffers.
+  std::shared_ptr<RecordedGraph> record(const Graph& graph, const Plan& plan);
+  // Submits recorded commands without waiting. Requires isIdle(recorded), because the results of all its submissions
+  // are in the same memory.
+  Submission submit(const std::shared_ptr<RecordedGraph>& recorded);
+  // Returns true if no submission of it is in flight, and nobody holds one. `recorded` must be its only other owner.
+  bool isIdle(const std::shared_ptr<RecordedGraph>& recorded);
 
   // Submits and waits; the members below refer to the last run.
   const Submission& run(const Graph& graph, const Plan& plan);

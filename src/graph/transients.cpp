@@ -8,7 +8,7 @@
 namespace latelight::graph {
 namespace {
 
-constexpr uint64_t kTransientLifetime = 4;  // submissions after which unused entries are freed
+constexpr uint64_t kTransientLifetime = 4;   // submissions after which unused entries are freed
 constexpr uint64_t kMaxResultLifetime = 64;  // maximum for results, which may be large
 
 // Returns null if no entry is free.
@@ -107,13 +107,13 @@ std::shared_ptr<vk::Heap> TransientPool::heapFor(const Packing::Heap& needed,
   return std::make_shared<vk::Heap>(device_, needed.type, needed.size, needed.alignment);
 }
 
-const TransientPlacement& TransientPool::place(const Graph& graph, const Plan& plan) {
+std::shared_ptr<TransientPlacement> TransientPool::place(const Graph& graph, const Plan& plan) {
   for (const auto& placed : placed_) {
     if (!isFor(*placed, graph, plan)) continue;
     placed->lastUse = now_;
-    return *placed;
+    return placed;
   }
-  auto placed = std::make_unique<TransientPlacement>();
+  auto placed = std::make_shared<TransientPlacement>();
   placed->lastUse = now_;
   for (const Plan::Lifetime& life : plan.lives) placed->descs.push_back(descOf(graph, life));
   placed->footprints = footprintsOf(device_, graph, plan);
@@ -123,7 +123,7 @@ const TransientPlacement& TransientPool::place(const Graph& graph, const Plan& p
     const auto [heap, offset] = placed->packing.places[i];
     placed->resources.push_back(makeResource(device_, placed->descs[i], *placed->heaps[heap], offset));
   }
-  return *placed_.emplace_back(std::move(placed));
+  return placed_.emplace_back(std::move(placed));
 }
 
 void TransientPool::tick() {

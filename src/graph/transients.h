@@ -45,8 +45,9 @@ class TransientPool {
   void tick();
   void clear();  // frees everything not in use
   // Returns the resources for plan.lives, created once for equal graphs. Submissions in flight share them, because the
-  // queue runs them one after the other. The reference is valid until the next tick().
-  const TransientPlacement& place(const Graph& graph, const Plan& plan);
+  // queue runs them one after the other.
+  std::shared_ptr<TransientPlacement> place(const Graph& graph, const Plan& plan);
+  void use(TransientPlacement& placed) { placed.lastUse = now_; }  // call it when a submission uses it again
   // For results, which belong to a single submission.
   std::unique_ptr<PooledImage> take(const vk::ImageDesc& desc);
   std::unique_ptr<PooledBuffer> take(const vk::BufferDesc& desc);
@@ -56,7 +57,7 @@ class TransientPool {
  private:
   std::shared_ptr<vk::Heap> heapFor(const Packing::Heap& needed, const std::vector<std::shared_ptr<vk::Heap>>& taken);
   vk::Device& device_;
-  std::vector<std::unique_ptr<TransientPlacement>> placed_;
+  std::vector<std::shared_ptr<TransientPlacement>> placed_;
   std::mutex mutex_;  // guards the rest
   uint64_t now_ = 0;  // number of submissions so far
   std::vector<std::unique_ptr<PooledImage>> images_;

@@ -208,6 +208,33 @@ TEST_F(Executors, HaveSeveralSubmissionsInFlight) {
   }
 }
 
+TEST_F(Executors, SubmitRecordedGraphsAgain) {
+  Executor executor(*device);
+  const vk::Buffer data(*device, {.size = 1024, .kind = vk::MemoryKind::Upload, .name = "data"});
+  Graph graph;
+  const BufferId in = graph.import(data, std::nullopt), a = graph.create(bufferDesc("a"));
+  const BufferId out = graph.create(readbackDesc());
+  copy(graph, "copy", in, a);
+  copy(graph, "read back", a, out);
+  graph.exports(out, Use::HostRead);
+  const std::shared_ptr<RecordedGraph> recorded = executor.record(graph, graph.compile());
+  EXPECT_THAT(ran, ElementsAre("copy", "read back"));
+  const auto allocations = [&] { return device->memory().statistics().allocations; };
+  const size_t before = allocations();
+  for (uint32_t value = 1; value < 4; ++value) {
+    ASSERT_TRUE(executor.isIdle(recorded));
+    std::fill_n(data.as<uint32_t>(), 256, value);
+    const Submission done = executor.submit(recorded);
+    done.wait();
+    EXPECT_THAT(contents(done.buffer(out)), Each(value));
+    EXPECT_EQ(done.times().size(), 2u);
+    EXPECT_FALSE(executor.isIdle(recorded)) << "its results are in use";
+    EXPECT_THROW(static_cast<void>(done.buffer(a)), Error);
+  }
+  EXPECT_EQ(ran.size(), 2u) << "passes ran once";
+  EXPECT_EQ(allocations(), before);
+}
+
 // The results of a request of many submissions are released together, and taken again by the next one.
 TEST_F(Executors, KeepResultsOfManySubmissions) {
   Executor executor(*device);
