@@ -111,6 +111,7 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<output::D
 
   render::Settings& s = o.settings;
   s.countSurfaces = o.json;
+  s.describeGraph = !o.graph.empty();
   if (debug) {
     render::showDebug(s, *debug);
     return request;

@@ -335,6 +335,7 @@ TEST_F(ShadowTest, SamplesOfAPictureShareTheirMaps) {
       Settings settings = shadowSettings(format, "pcf");
       settings.width = settings.height = kSmall;
       settings.aa = readText<AntiAliasing>("--aa", aa);
+      settings.describeGraph = true;
       settings.wholeShadowMaps = true;  // of pages each sample draws those that none before it looks up
       Renderer renderer(device(), scene, nullptr);
       const RenderResult result = renderer.submit({&camera, 1}, settings).take();

@@ -174,6 +174,7 @@ struct Settings {
   bool everySample = false;         // reference: MSAA shades all samples, even if they are alike
   bool wholeShadowMaps = false;     // reference: shadow maps are drawn in full, not only the pages that are looked up
   bool countSurfaces = false;       // fills RenderStatistics::shadingCounts
+  bool describeGraph = false;       // fills RenderStatistics::graphviz
 };
 
 // Returns the factor for radiance.

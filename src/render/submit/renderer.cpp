@@ -323,7 +323,7 @@ void Renderer::read(RenderJob& job) {
   part.request->countShadings(part.submission, statistics.shadingCounts);
   for (const graph::Submission& earlier : part.earlier) addTimes(statistics.passTimes, earlier);
   addTimes(statistics.passTimes, part.submission);
-  statistics.graphviz = part.request->graph().graphviz();
+  if (job.settings.describeGraph) statistics.graphviz = part.request->graph().graphviz();
   job.progress->step(part.count);
   job.parts.pop_front();
 }
@@ -384,7 +384,8 @@ TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings&
     done = submit(*graph, graph->compile());
     done.wait();
   } while (overflowed(std::exchange(overflow_.checks, {}), done));
-  TargetsResult result{readback->read(done, set.views().front()), {.graphviz = graph->graphviz()}};
+  TargetsResult result{readback->read(done, set.views().front()), {}};
+  if (settings.describeGraph) result.statistics.graphviz = graph->graphviz();
   addTimes(result.statistics.passTimes, done);
   return result;
 }

@@ -20,7 +20,7 @@ struct RenderStatistics {
   std::vector<graph::PassTime> passTimes;
   // Requires several samples per pixel, a deferred technique, and Settings::countSurfaces.
   std::optional<ShadingCounts> shadingCounts;
-  std::string graphviz;  // the last graph, in Graphviz format
+  std::string graphviz;  // the last graph, in Graphviz format; requires Settings::describeGraph
 };
 
 struct RenderResult {
