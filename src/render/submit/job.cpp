@@ -6,19 +6,11 @@
 
 namespace latelight::render {
 
-namespace {
-
-std::vector<scene::Camera> orElse(const std::vector<scene::Camera>& cameras, std::span<const scene::Camera> others) {
-  return cameras.empty() ? std::vector(others.begin(), others.end()) : cameras;
-}
-
-}  // namespace
-
 RenderJob::RenderJob(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment,
                      uint32_t rows)
     : now(cameras.begin(), cameras.end()),
-      previous(orElse(moment.previousCameras, cameras)),
-      next(orElse(moment.nextCameras, cameras)),
+      previous(moment.previousCameras),
+      next(moment.nextCameras),
       settings(settings),
       rows(rows),
       continues(moment.continues) {}
@@ -30,7 +22,13 @@ ViewsInTime ViewBatch::views(const glm::dvec3& origin, glm::vec2 jitter) const {
       views.push_back(viewOf(makeView(cameras[i], job.settings.width, job.settings.height, jitter, origin), strip));
     return views;
   };
-  return {viewsOf(job.now, jitter), viewsOf(job.previous, glm::vec2(0)), viewsOf(job.next, glm::vec2(0))};
+  ViewsInTime views{viewsOf(job.now, jitter), {}, {}};
+  const bool still = job.previous.empty() || job.next.empty();
+  std::vector<shared::View> steady;
+  if (still) steady = jitter == glm::vec2(0) ? views.now : viewsOf(job.now, glm::vec2(0));
+  views.previous = job.previous.empty() ? steady : viewsOf(job.previous, glm::vec2(0));
+  views.next = job.next.empty() ? steady : viewsOf(job.next, glm::vec2(0));
+  return views;
 }
 
 // Strips arrive from top to bottom.

@@ -49,7 +49,7 @@ struct RenderJob {
   size_t viewCount() const { return now.size(); }
   void keep(const ViewBatch& part, std::vector<output::FrameOutput>&& pictures);
 
-  std::vector<scene::Camera> now, previous, next;
+  std::vector<scene::Camera> now, previous, next;  // previous and next may be empty: as now
   Settings settings;
   uint32_t rows;  // of the pictures
   bool continues;

@@ -108,7 +108,10 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
   if (settings.background.kind == Background::Environment && !hasEnvironment_)
     badUsage(
         "the environment can't be the background where there is none: choose one (a .hdr or .exr file, or studio)");
-  resolveOverflow();
+  // Batches in flight depend on the scene's state, so nothing may change before it is known that none overflowed.
+  const SceneInput input = inputOf(settings, moment);
+  if (input.posed || sceneInput_ != input) resolveOverflow();
+  sceneInput_.reset();
   gpuScene_.update(moment.poses, settings.sun ? std::optional(lightOf(*settings.sun)) : std::nullopt);
   gpuScene_.setAnisotropy(settings.anisotropy.value_or(usualAnisotropy(device_)));
   gpuScene_.setGroups(moment.groups);
@@ -118,10 +121,23 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
         "the data outputs show what lies behind blended and transmissive surfaces and not these themselves; "
         "--data-surfaces any includes them");
   requireRaster(device_, settings);
-  if (!needsComputeRaster(settings)) return;
-  gpuScene_.storeClusters();
-  rasterInstances_.update(gpuScene_, drawOrder_, gpuScene_.uploads());
-  if (device_.maxTextureArray() == 0) gpuScene_.storeTexels();
+  if (needsComputeRaster(settings)) {
+    gpuScene_.storeClusters();
+    rasterInstances_.update(gpuScene_, drawOrder_, gpuScene_.uploads());
+    if (device_.maxTextureArray() == 0) gpuScene_.storeTexels();
+  }
+  sceneInput_ = input;
+}
+
+Renderer::SceneInput Renderer::inputOf(const Settings& settings, const SceneState& moment) const {
+  const scene::SceneEdits& edits = scene_.edits;
+  return {{edits.meshes.revision(), edits.materials.revision(), edits.textures.revision(), edits.instances.revision(),
+           edits.lights.revision()},
+          !moment.poses.current.empty(),
+          settings.sun,
+          settings.anisotropy,
+          needsComputeRaster(settings),
+          moment.groups};
 }
 
 bool Renderer::castsShadows(const Settings& settings) const {
@@ -192,7 +208,9 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
                             std::span<const Strip> strips) {
   const Settings& s = job->settings;
   ShadowPlan plan = planShadows(std::span(job->now).subspan(first, count), s);  // while previous views are rendered
-  resolveOverflow();
+  // Shadow maps and the history of temporal anti-aliasing change with each batch. Others do not depend on each other.
+  const bool independent = !castsShadows(s) && !s.aa.temporal;
+  if (!independent) resolveOverflow();
   const std::shared_ptr<FrameShadows> shadows = placeShadows(std::move(plan), s);
   ShadowMapState shadowState = ShadowMapState::Cached;
   for (const Strip strip : strips) {
@@ -200,7 +218,8 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
     // next.
     const size_t waiting = strips.size() > 1 ? 0 : 1;
     while (job->results == Results::ToHost && job->parts.size() > waiting) read(*job);
-    resolveOverflow();
+    if (!independent) resolveOverflow();
+    while (uncheckedBatches_.size() >= graph::Executor::kInFlight) resolveOverflow(uncheckedBatches_.front().get());
     ViewBatch& part = job->parts.emplace_back(*job, first, count, strip, shadows, shadowState);
     part.continues = job->continues && count == job->viewCount() && history_.fits(s.width, s.height, count);
     if (!job->progress) job->progress.emplace("Rendering", jittersOf(part).size() * strips.size() * job->viewCount());
@@ -213,7 +232,7 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
       return std::clamp<uint64_t>(count * memoryForViews(device_) / started.bytes, 1, count - 1);
     }
     shadowState = part.shadowState;
-    uncheckedBatch_ = {job, &part};
+    uncheckedBatches_.emplace_back(job, &part);
   }
   return count;
 }
@@ -258,8 +277,9 @@ Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> max
   vk::Image sum;
   if (jitters.size() > 1) sum = makeSum(part);
   for (size_t i = 0; i < jitters.size(); ++i) {
-    FrameGraphBuilder& request = part.request.emplace(state_, s, yUp, steady, viewsOf(part, jitters[i]),
-                                                      part.shadows.get(), part.shadowState, arrays);
+    const ViewsInTime jittered = jitters[i] == glm::vec2(0) ? steady : viewsOf(part, jitters[i]);
+    FrameGraphBuilder& request =
+        part.request.emplace(state_, s, yUp, steady, jittered, part.shadows.get(), part.shadowState, arrays);
     const bool last = i + 1 == jitters.size();
     TemporalHistory* history = s.aa.temporal ? &history_ : nullptr;
     if (last)
@@ -294,24 +314,28 @@ graph::Submission Renderer::submit(const graph::Graph& graph, const graph::Plan&
   return submission;
 }
 
-void Renderer::resolveOverflow() {
-  if (!uncheckedBatch_) return;
-  const std::shared_ptr<ViewBatch> part = std::exchange(uncheckedBatch_, nullptr);
-  try {
-    while (overflowed(std::exchange(part->checks, {}), part->submission)) {
-      if (part->job.settings.aa.temporal) history_.undo();
-      while (startPart(*part, std::nullopt).outcome == Start::Overflowed) {
+void Renderer::resolveOverflow(const ViewBatch* last) {
+  while (!uncheckedBatches_.empty()) {
+    const std::shared_ptr<ViewBatch> part = std::move(uncheckedBatches_.front());
+    uncheckedBatches_.pop_front();
+    try {
+      while (overflowed(std::exchange(part->checks, {}), part->submission)) {
+        if (part->job.settings.aa.temporal) history_.undo();
+        while (startPart(*part, std::nullopt).outcome == Start::Overflowed) {
+        }
       }
+      if (part->shadows) part->shadows->commit(part->shadowState);
+    } catch (...) {
+      part->job.error = std::current_exception();
     }
-    if (part->shadows) part->shadows->commit(part->shadowState);
-  } catch (...) {
-    part->job.error = std::current_exception();
+    if (part.get() == last) return;
   }
 }
 
 void Renderer::read(RenderJob& job) {
   ViewBatch& part = job.parts.front();
-  if (uncheckedBatch_.get() == &part) resolveOverflow();
+  const auto isThis = [&](const auto& batch) { return batch.get() == &part; };
+  if (std::ranges::any_of(uncheckedBatches_, isThis)) resolveOverflow(&part);
   if (job.error) std::rethrow_exception(job.error);
   part.submission.wait();
   if (job.results != Results::Exported) {

@@ -1,6 +1,8 @@
 // Renders pictures of one scene on one device, any number of times.
 #pragma once
 
+#include <array>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <span>
@@ -65,9 +67,20 @@ class Renderer {
   };
   // `maxBytes`: limit on the transient memory of the first graph.
   Start startPart(ViewBatch& part, std::optional<uint64_t> maxBytes);
+  // The state of the scene and of the settings that begin() brings to the device.
+  struct SceneInput {
+    std::array<uint64_t, 5> edits;
+    bool posed;
+    std::optional<SunLight> sun;
+    std::optional<uint32_t> anisotropy;
+    bool inCompute;
+    std::vector<uint32_t> groups;
+    bool operator==(const SceneInput&) const = default;
+  };
+  SceneInput inputOf(const Settings& settings, const SceneState& moment) const;
   graph::Submission submit(const graph::Graph& graph, const graph::Plan& plan);
-  void resolveOverflow();
-  void read(RenderJob& job);  // the oldest part
+  void resolveOverflow(const ViewBatch* last = nullptr);  // of the batches up to this one; null: of all
+  void read(RenderJob& job);                              // the oldest part
   void finish(RenderJob& job);
 
   ViewsInTime viewsOf(const ViewBatch& part, glm::vec2 jitter);
@@ -91,10 +104,11 @@ class Renderer {
   TemporalHistory history_;
   LensRayCache lensRays_;
   std::shared_ptr<ExportPool> exports_ = std::make_shared<ExportPool>();
-  ShadowMapCache shadowMaps_[2];  // of hardware and compute
-  // The last part in flight. resolveOverflow() detects whether it overflowed, and renders it again, before anything
-  // changes that the part depends on.
-  std::shared_ptr<ViewBatch> uncheckedBatch_;
+  ShadowMapCache shadowMaps_[2];          // of hardware and compute
+  std::optional<SceneInput> sceneInput_;  // of the last begin(), unless it failed
+  // Batches in flight, in order. resolveOverflow() detects whether they overflowed, and renders them again, before
+  // anything changes that they depend on.
+  std::deque<std::shared_ptr<ViewBatch>> uncheckedBatches_;
 };
 
 }  // namespace latelight::render
