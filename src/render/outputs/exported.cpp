@@ -1,6 +1,7 @@
 #include "render/outputs/exported.h"
 
 #include <algorithm>
+#include <atomic>
 
 #include "base/error.h"
 
@@ -30,7 +31,9 @@ std::shared_ptr<ExportedMemory> ExportPool::take(vk::Device& device, uint64_t by
     if (!cpu && !vk::exportsBuffers(device))
       fail(ExitCode::NoDevice, "{} cannot export its memory to other libraries: read the images on the host.",
            device.info().name);
+    static std::atomic<uint64_t> serial = 0;
     memory = std::make_unique<ExportedMemory>();
+    memory->serial = ++serial;
     memory->buffer = {device,
                       {.size = bytes,
                        .kind = cpu ? vk::MemoryKind::Readback : vk::MemoryKind::Device,

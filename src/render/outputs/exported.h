@@ -17,6 +17,7 @@ namespace latelight::render {
 
 struct ExportedMemory {
   vk::Buffer buffer;
+  uint64_t serial = 0;                // differs from that of any other memory
   std::shared_ptr<void> attached;     // owned by an importer, released with the memory
   std::function<void()> beforeReuse;  // called before the memory is rendered to again
 };

@@ -175,6 +175,7 @@ struct Settings {
   bool wholeShadowMaps = false;     // reference: shadow maps are drawn in full, not only the pages that are looked up
   bool countSurfaces = false;       // fills RenderStatistics::shadingCounts
   bool describeGraph = false;       // fills RenderStatistics::graphviz
+  bool operator==(const Settings&) const = default;
 };
 
 // Returns the factor for radiance.

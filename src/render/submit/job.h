@@ -34,10 +34,11 @@ struct ViewBatch {
   Strip strip;
   std::shared_ptr<FrameShadows> shadows;  // of all strips; null: no light casts shadows
   ShadowMapState shadowState;             // before the first graph; once started, after the last one
+  bool replayed = false;                  // it submitted recorded commands again
   bool started = false;                   // at least once: after an overflow it is started again
   bool continues = false;  // the history of temporal anti-aliasing holds the previous frame of these views
-  std::vector<graph::Submission> earlier;    // of all samples except the last
-  std::optional<FrameGraphBuilder> request;  // of the last sample, as is `submission`
+  std::vector<graph::Submission> earlier;      // of all samples except the last
+  std::shared_ptr<FrameGraphBuilder> request;  // of the last sample, as is `submission`; may be that of a replay
   graph::Submission submission;
   std::vector<Overflow::Check> checks;  // of `submission`; empty once it is known that nothing overflowed
 };

@@ -181,6 +181,7 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
                                            const SceneState& moment, std::span<const Strip> strips, Results results) {
   const Settings settings = settingsFor(cameras, wanted);
   begin(settings, moment);
+  replays_.tick();
   const uint32_t rows = strips.size() > 1 ? settings.height : strips.front().rows;
   const auto job = std::make_shared<RenderJob>(cameras, settings, moment, rows);
   job->results = results;
@@ -264,22 +265,114 @@ std::vector<glm::vec2> Renderer::jittersOf(const ViewBatch& part) const {
   return jitters;
 }
 
-// On overflow, the caller starts again from the first sample, because the accumulated sum includes an incomplete one.
 Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> maxBytes) {
+  part.replayed = false;
+  const std::optional<ReplayKey> key = replayKey(part);
+  if (!key) return build(part, maxBytes);
+  const ViewsInTime views = viewsOf(part, glm::vec2(0));
+  const std::shared_ptr<Replay> replay = replayOf(part, *key, views);
+  if (!replay) {
+    const Start started = build(part, maxBytes);
+    if (started.outcome == Start::TooManyViews) replays_.forget(*key);
+    return started;
+  }
+  part.started = true;
+  part.earlier.clear();
+  submitChanges(part);
+  part.request = {replay, &replay->request};
+  part.checks = replay->checks;
+  part.submission = executor_.submit(replay->recorded);
+  return {Start::Done};
+}
+
+std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
+  const Settings& s = part.job.settings;
+  if (!sceneInput_ || !rastersInCompute(s) || s.lighting->draws || s.aa.superSampling > 1 || s.aa.temporal ||
+      s.describeGraph || part.shadows || bendsRays(part.job.now[part.first]))
+    return std::nullopt;
+  ReplayKey key{
+      .views = part.count,
+      .firstView = part.job.result.arrays.empty() ? 0 : part.first,
+      .arrays = {},
+      .strip = part.strip,
+      .results = part.job.results,
+      .revisions = {sceneInput_->edits[0], sceneInput_->edits[1], sceneInput_->edits[2],
+                    gpuScene_.materials().revision()},
+      .lights = gpuScene_.lights().count(),
+      .unboundedLights = gpuScene_.lights().unbounded(),
+      .anyVast = gpuScene_.instances().anyVast(),
+      .textures = device_.maxTextureArray() ? gpuScene_.materials().textureSet() : VK_NULL_HANDLE,
+      .instances = rasterInstances_.address(),
+      .solid = rasterInstances_.solid(),
+      .all = rasterInstances_.all(),
+      .materials = rasterInstances_.materials(),
+      .ambientOcclusionScale = s.ambientOcclusion == AmbientOcclusion::None ? 0 : gpuScene_.bounds().radius(),
+      .capacities = {overflow_.fragments, overflow_.longestList, overflow_.rasterWork, overflow_.clippedTriangles,
+                     overflow_.mediumTriangles, overflow_.largeTriangles, overflow_.tileEntries},
+      .settings = s,
+  };
+  for (const ExportedArray& array : part.job.result.arrays) key.arrays.push_back(array.memory->serial);
+  return key;
+}
+
+std::shared_ptr<Replay> Renderer::replayOf(ViewBatch& part, const ReplayKey& key, const ViewsInTime& views) {
+  if (std::shared_ptr<Replay> replay = replays_.find(key, executor_, clusterOcclusion_, device_)) {
+    replay->request.update(views);
+    for (const ClusterOcclusion::Decision& decision : replay->decisions) clusterOcclusion_.noteRepeated(decision);
+    part.replayed = true;
+    return replay;
+  }
+  if (!replays_.shouldRecord(key)) return nullptr;
+  try {
+    std::shared_ptr<Replay> replay = recordReplay(part, views);
+    replays_.add(key, replay);
+    return replay;
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::OutOfMemory) throw;
+  }
+  replays_.clear();
+  return nullptr;
+}
+
+std::shared_ptr<Replay> Renderer::recordReplay(const ViewBatch& part, const ViewsInTime& views) {
+  const Settings& s = part.job.settings;
+  const ResultArrays arrays{part.job.result.arrays, part.first, part.strip.first};
+  overflow_.checks.clear();  // left by an error
+  clusterOcclusion_.takeDecisions();
+  const auto replay = std::make_shared<Replay>(s, state_, scene_.yUp && s.axes == Axes::File, views, arrays);
+  replay->request.finish(nullptr, 1, nullptr, false);
+  replay->request.exportResults(part.job.results);
+  replay->checks = std::exchange(overflow_.checks, {});
+  replay->decisions = clusterOcclusion_.takeDecisions();
+  replay->recorded = executor_.record(replay->request.graph(), replay->request.graph().compile());
+  return replay;
+}
+
+// Submits the scene's changes in a graph of their own, before the commands of a replay.
+void Renderer::submitChanges(ViewBatch& part) {
+  graph::Graph graph(executor_);
+  gpuScene_.addChanges(graph);
+  if (graph.passCount() > 0) part.earlier.push_back(submit(graph, graph.compile()));
+}
+
+// On overflow, the caller starts again from the first sample, because the accumulated sum includes an incomplete one.
+Renderer::Start Renderer::build(ViewBatch& part, std::optional<uint64_t> maxBytes) {
   const Settings& s = part.job.settings;
   const std::vector<glm::vec2> jitters = jittersOf(part);
   const ViewsInTime steady = viewsOf(part, glm::vec2(0));
   const bool yUp = scene_.yUp && s.axes == Axes::File;
   part.earlier.clear();
   overflow_.checks.clear();  // left by an error
+  clusterOcclusion_.takeDecisions();
   if (std::exchange(part.started, true)) part.shadowState = ShadowMapState::Discarded;
   const ResultArrays arrays{part.job.result.arrays, part.first, part.strip.first};
   vk::Image sum;
   if (jitters.size() > 1) sum = makeSum(part);
   for (size_t i = 0; i < jitters.size(); ++i) {
     const ViewsInTime jittered = jitters[i] == glm::vec2(0) ? steady : viewsOf(part, jitters[i]);
-    FrameGraphBuilder& request =
-        part.request.emplace(state_, s, yUp, steady, jittered, part.shadows.get(), part.shadowState, arrays);
+    part.request = std::make_shared<FrameGraphBuilder>(state_, s, yUp, steady, jittered, part.shadows.get(),
+                                                       part.shadowState, arrays);
+    FrameGraphBuilder& request = *part.request;
     const bool last = i + 1 == jitters.size();
     TemporalHistory* history = s.aa.temporal ? &history_ : nullptr;
     if (last)
@@ -309,7 +402,14 @@ Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> max
 
 // Submits a graph that includes the scene's changes.
 graph::Submission Renderer::submit(const graph::Graph& graph, const graph::Plan& plan) {
-  graph::Submission submission = executor_.submit(graph, plan);
+  graph::Submission submission;
+  try {
+    submission = executor_.submit(graph, plan);
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::OutOfMemory || replays_.empty()) throw;
+    replays_.clear();
+    submission = executor_.submit(graph, plan);
+  }
   gpuScene_.changesSubmitted();
   return submission;
 }
@@ -348,6 +448,7 @@ void Renderer::read(RenderJob& job) {
   for (const graph::Submission& earlier : part.earlier) addTimes(statistics.passTimes, earlier);
   addTimes(statistics.passTimes, part.submission);
   if (job.settings.describeGraph) statistics.graphviz = part.request->graph().graphviz();
+  statistics.replays += part.replayed;
   job.progress->step(part.count);
   job.parts.pop_front();
 }

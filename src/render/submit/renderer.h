@@ -14,6 +14,7 @@
 #include "render/lens/lens_rays.h"
 #include "render/post/taa/taa.h"
 #include "render/settings/settings.h"
+#include "render/submit/replay.h"
 #include "render/submit/scene_state.h"
 #include "render/submit/strips.h"
 #include "render/submit/ticket.h"
@@ -67,6 +68,12 @@ class Renderer {
   };
   // `maxBytes`: limit on the transient memory of the first graph.
   Start startPart(ViewBatch& part, std::optional<uint64_t> maxBytes);
+  Start build(ViewBatch& part, std::optional<uint64_t> maxBytes);
+  // Return the replay of a batch, or nothing if its commands depend on more than their key, or if it was not recorded.
+  std::optional<ReplayKey> replayKey(const ViewBatch& part) const;
+  std::shared_ptr<Replay> replayOf(ViewBatch& part, const ReplayKey& key, const ViewsInTime& views);
+  std::shared_ptr<Replay> recordReplay(const ViewBatch& part, const ViewsInTime& views);
+  void submitChanges(ViewBatch& part);
   // The state of the scene and of the settings that begin() brings to the device.
   struct SceneInput {
     std::array<uint64_t, 5> edits;
@@ -106,6 +113,7 @@ class Renderer {
   std::shared_ptr<ExportPool> exports_ = std::make_shared<ExportPool>();
   ShadowMapCache shadowMaps_[2];          // of hardware and compute
   std::optional<SceneInput> sceneInput_;  // of the last begin(), unless it failed
+  ReplayCache replays_;
   // Batches in flight, in order. resolveOverflow() detects whether they overflowed, and renders them again, before
   // anything changes that they depend on.
   std::deque<std::shared_ptr<ViewBatch>> uncheckedBatches_;

@@ -136,6 +136,11 @@ void FrameGraphBuilder::exportResults(Results results) {
   outputs_.exportResults({state_.device, graph_}, results);
 }
 
+void FrameGraphBuilder::update(const ViewsInTime& views) {
+  for (std::optional<ViewSet>* set : {&steady_, &jittered_, &solid_, &rastered_})
+    if (*set) (*set)->update(views);
+}
+
 void FrameGraphBuilder::addPost(const LitFrame& lit, graph::ImageId picture, uint32_t count) {
   const Builder b{state_.device, graph_};
   std::optional<ResultTarget> display;

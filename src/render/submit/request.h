@@ -31,6 +31,8 @@ class FrameGraphBuilder {
   // one. `history`: of temporal anti-aliasing, or null. `continues`: it holds the frame before this picture.
   void finish(const vk::Image* sum, uint32_t count, TemporalHistory* history, bool continues);
   void exportResults(Results results);  // exports the requested results, as the last step
+  // Replaces all views by as many others without jitter, for a recorded graph that runs again.
+  void update(const ViewsInTime& views);
 
   graph::Graph& graph() { return graph_; }
   ShadowMapState shadowState() const { return shadowState_; }  // after this graph

@@ -20,6 +20,7 @@ struct RenderStatistics {
   std::vector<graph::PassTime> passTimes;
   // Requires several samples per pixel, a deferred technique, and Settings::countSurfaces.
   std::optional<ShadingCounts> shadingCounts;
+  uint32_t replays = 0;  // graphs that submitted the recorded commands of an earlier request
   std::string graphviz;  // the last graph, in Graphviz format; requires Settings::describeGraph
 };
 

@@ -14,6 +14,7 @@ namespace latelight::render {
 // A range of rows of a picture.
 struct Strip {
   uint32_t first, rows;
+  bool operator==(const Strip&) const = default;
 };
 
 // Returns the strips from top to bottom. A picture is a single strip if it is small, or if its pixels depend on distant

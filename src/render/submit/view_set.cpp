@@ -1,5 +1,6 @@
 #include "render/submit/view_set.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
@@ -28,15 +29,36 @@ ViewSet::ViewSet(const RenderState& state, const ViewsInTime& views, const Setti
       settings_(settings),
       shadows_(shadows),
       visibility_(makeVisibility(state, views_.now, settings, options)) {
-  uploadConstants(settings);
+  upload();
 }
 
-void ViewSet::uploadConstants(const Settings& s) {
-  std::vector<shared::View> all = views_.now;
-  all.insert(all.end(), views_.previous.begin(), views_.previous.end());
-  all.insert(all.end(), views_.next.begin(), views_.next.end());
-  viewBuffer_ = vk::uploadedBuffer(state_.device, "views", std::as_bytes(std::span(all)), kViewUsage);
+namespace {
 
+vk::Buffer uploadBuffer(vk::Device& device, const char* name, uint64_t bytes, VkBufferUsageFlags usage) {
+  return {device, {.size = bytes, .usage = usage, .kind = vk::MemoryKind::Upload, .name = name}};
+}
+
+}  // namespace
+
+void ViewSet::update(const ViewsInTime& views) {
+  std::ranges::copy(views.now, views_.now.begin());
+  std::ranges::copy(views.previous, views_.previous.begin());
+  std::ranges::copy(views.next, views_.next.begin());
+  upload();
+}
+
+// Writes the views and the frame's constants to device memory, which keeps its addresses.
+void ViewSet::upload() {
+  const size_t count = views_.now.size();
+  if (!viewBuffer_) {
+    viewBuffer_ = uploadBuffer(state_.device, "views", 3 * count * sizeof(shared::View), kViewUsage);
+    constants_ = uploadBuffer(state_.device, "frame constants", sizeof(shared::FrameConstants),
+                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+  }
+  auto* views = viewBuffer_.as<shared::View>();
+  for (const auto* some : {&views_.now, &views_.previous, &views_.next}) views = std::ranges::copy(*some, views).out;
+
+  const Settings& s = settings_;
   shared::FrameConstants frame{};
   state_.scene.describe(frame);
   if (shadows_) shadows_->describe(frame);
@@ -46,10 +68,10 @@ void ViewSet::uploadConstants(const Settings& s) {
   frame.positionOffset = glm::vec3(offset);
   frame.positionOffsetLow = glm::vec3(offset - glm::dvec3(frame.positionOffset));
   frame.views = viewBuffer_.address();
-  frame.previousViews = frame.views + views_.now.size() * sizeof(shared::View);
-  frame.nextViews = frame.previousViews + views_.now.size() * sizeof(shared::View);
+  frame.previousViews = frame.views + count * sizeof(shared::View);
+  frame.nextViews = frame.previousViews + count * sizeof(shared::View);
   frame.rays = views_.lens ? views_.lens->rays.address() : 0;
-  frame.viewCount = static_cast<uint32_t>(views_.now.size());
+  frame.viewCount = static_cast<uint32_t>(count);
   frame.exposure = exposureFactor(s);
   frame.environmentIntensity = state_.hasEnvironment ? s.environmentIntensity : 0.0f;
   frame.environmentCos = std::cos(s.environmentRotation);
@@ -59,7 +81,7 @@ void ViewSet::uploadConstants(const Settings& s) {
                .density = s.fogDensity,
                .falloff = s.fogHeight > 0 ? 1 / s.fogHeight : 0.0f,
                .base = static_cast<float>(s.fogBase - state_.scene.origin().z)};
-  constants_ = vk::uploadedBuffer(state_.device, "frame constants", std::as_bytes(std::span(&frame, 1)));
+  *constants_.as<shared::FrameConstants>() = frame;
 }
 
 FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {

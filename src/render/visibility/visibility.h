@@ -17,6 +17,7 @@ enum class MotionUse { Reproject, Data };
 struct VisibleMaterials {
   uint32_t solid = 0, translucent = 0;
   void add(uint32_t flags) { (shared::translucent(flags) ? translucent : solid) |= flags; }
+  bool operator==(const VisibleMaterials&) const = default;
 };
 
 // Storage of blended fragments (shared/fragment_lists.h), as buffers of the graph.

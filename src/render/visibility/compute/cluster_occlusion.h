@@ -6,6 +6,8 @@
 
 #include <array>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "render/frame/frame.h"
 
@@ -24,6 +26,19 @@ class ClusterOcclusion {
   // means not occluded.
   graph::BufferId addTo(const FrameContext& f, OcclusionHistory of, uint64_t words);
 
+  // The choices that determined the passes of frames. A recorded graph may be submitted again while the next frame
+  // repeats() all of its choices; noteRepeated() counts that frame.
+  struct Decision {
+    OcclusionHistory of;
+    uint64_t clusters;
+    bool culls;
+    std::shared_ptr<const vk::Buffer> buffer;  // the occlusion bits; null if it does not cull
+    bool filled = false;
+  };
+  std::vector<Decision> takeDecisions() { return std::exchange(decisions_, {}); }  // since the last call
+  bool repeats(const vk::Device& device, const Decision& decision) const;
+  void noteRepeated(const Decision& decision) { ++kept_[static_cast<size_t>(decision.of)].frames; }
+
   // Counts of the last frame that culled: `found` clusters were rasterized although they had been occluded in the frame
   // before, `hidden` clusters are occluded.
   struct Counts {
@@ -41,7 +56,10 @@ class ClusterOcclusion {
     uint32_t frames = 0;  // frames so far; select those that measure
     Counts counts;
   };
+  bool wouldCull(const vk::Device& device, OcclusionHistory of, uint64_t clusters) const;
+
   std::array<Kept, static_cast<size_t>(OcclusionHistory::Count)> kept_;
+  std::vector<Decision> decisions_;
 };
 
 }  // namespace latelight::render

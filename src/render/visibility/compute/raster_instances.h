@@ -26,6 +26,7 @@ class RasterInstances {
   struct Share {
     uint32_t count = 0, masked = 0;  // instances; those that are masked or blended
     uint64_t parts = 0;              // total parts of kRasterGroup triangles
+    bool operator==(const Share&) const = default;
   };
   const Share& solid() const { return solid_; }
   const Share& all() const { return all_; }
