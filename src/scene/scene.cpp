@@ -22,18 +22,6 @@ dmat4 rigid(const dmat4& m, bool& degenerate) {
   return dmat4(dvec4(x, 0), dvec4(y, 0), dvec4(z, 0), m[3]);
 }
 
-void addBounds(const Scene& scene, const Instance& instance, Bounds& bounds) {
-  const Mesh& mesh = scene.meshes[instance.mesh];
-  if (mesh.positions.empty()) return;
-  for (int corner = 0; corner < 8; ++corner) {
-    const vec3 p(corner & 1 ? mesh.boundsMax.x : mesh.boundsMin.x, corner & 2 ? mesh.boundsMax.y : mesh.boundsMin.y,
-                 corner & 4 ? mesh.boundsMax.z : mesh.boundsMin.z);
-    const dvec3 world = instance.toWorld * glm::dvec4(p, 1.0);
-    bounds.min = glm::min(bounds.min, world);
-    bounds.max = glm::max(bounds.max, world);
-  }
-}
-
 }  // namespace
 
 shared::MaterialLayers noLayers() {
@@ -116,13 +104,26 @@ vec3 vertexOrigin(const Mesh& mesh) {
   return origin;
 }
 
+void addBounds(const Scene& scene, const Instance& instance, const dmat4& toWorld, Bounds& bounds) {
+  const Mesh& mesh = scene.meshes[instance.mesh];
+  if (mesh.positions.empty()) return;
+  for (int corner = 0; corner < 8; ++corner) {
+    const vec3 p(corner & 1 ? mesh.boundsMax.x : mesh.boundsMin.x, corner & 2 ? mesh.boundsMax.y : mesh.boundsMin.y,
+                 corner & 4 ? mesh.boundsMax.z : mesh.boundsMin.z);
+    const dvec3 world = toWorld * glm::dvec4(p, 1.0);
+    bounds.min = glm::min(bounds.min, world);
+    bounds.max = glm::max(bounds.max, world);
+  }
+}
+
 Bounds worldBounds(const Scene& scene) {
   Bounds all;
   std::mutex mutex;
   parallelFor(scene.instances.size(), 16384, [&](size_t begin, size_t end) {
     Bounds some;
     for (size_t i = begin; i < end; ++i)
-      if (isShown(scene, {}, scene.instances[i])) addBounds(scene, scene.instances[i], some);
+      if (isShown(scene, {}, scene.instances[i]))
+        addBounds(scene, scene.instances[i], scene.instances[i].toWorld, some);
     std::lock_guard lock(mutex);
     all.min = glm::min(all.min, some.min);
     all.max = glm::max(all.max, some.max);

@@ -134,6 +134,7 @@ struct Camera {
   std::optional<Lens> lens;  // replaces the field of view and the principal point
   int node = -1;             // node that the camera follows, index into Scene::nodes; -1: none
   uint32_t group = 0;        // renders only the instances of this group (render::SceneState::groups); 0: all
+  uint32_t world = 0;        // the world that it shows (render::SceneState::worlds); 0 without worlds
 };
 
 extern const uint32_t kPointLight;  // kLightPoint; external, so that this header need not change with added types
@@ -208,6 +209,8 @@ struct Bounds {
   double radius() const { return empty() ? 0.0 : glm::length(max - min) * 0.5; }
 };
 Bounds worldBounds(const Scene&);
+// Extends `bounds` by those of an instance with this transform.
+void addBounds(const Scene& scene, const Instance& instance, const dmat4& toWorld, Bounds& bounds);
 // Computes the mesh's bounds and its longest edge; they are zero if it has no positions.
 void findBounds(Mesh& mesh);
 // Returns the object-space point relative to which a device stores the vertices: 0, or a point near the vertices if

@@ -255,7 +255,8 @@ struct View {
   vec2 jitter;            // NDC: the part of the projection's principal point that jitters the samples
   uint group;             // the view renders only instances of this group; 0: all instances
   vec3 eyeLow;            // low part of the eye's position, which `eye` rounds off
-  uint padding[2];
+  uint world;             // index of the view's world; 0 without worlds. Only the host reads it.
+  uint padding;
 };
 SH_CONST uint kViewBytes = 176u;
 
@@ -265,6 +266,8 @@ struct LensRay {
   float depth;     // value of the data output `depth` per meter along the ray
 };
 
+// With worlds (docs/worlds.md), every view has its own constants, which follow each other in the order of the views:
+// those of its world. Otherwise all views share one.
 struct FrameConstants {
   uint64_t views;         // View[viewCount]
   uint64_t instances;     // Instance[]
@@ -282,6 +285,7 @@ struct FrameConstants {
   uint64_t previousViews;  // without jitter
   uint64_t nextViews;
   uint64_t rays;  // for lenses: LensRay[height + 2][width] of all views, from the row above the picture on; else 0
+  uint64_t rasterInstances;  // with worlds and the raster compute: RasterInstance[] of the view's world; else 0
   uint viewCount;
   uint lightCount;
   uint directionalLights;
@@ -291,11 +295,13 @@ struct FrameConstants {
   float environmentIntensity;  // 0: no environment
   float environmentCos;        // rotation about Z (shared/environment.h)
   float environmentSin;
+  float aoRadius;           // of ambient occlusion, in meters
   float environmentLevels;  // number of prefiltered levels, from roughness 0 at level 0 to roughness 1 at the last
   Fog fog;                  // applied to all surfaces, including blended ones, and to the background
   vec3 positionOffset;      // from device world space to that of the output `position`, as a pair of floats: high part
   vec3 positionOffsetLow;
 };
+SH_CONST uint kFrameBytes = 224u;
 
 SH_END
 
@@ -312,6 +318,7 @@ static_assert(sizeof(latelight::shared::LightBox) == 24);
 static_assert(sizeof(latelight::shared::VertexAttributes) == latelight::shared::kAttributesBytes);
 static_assert(offsetof(latelight::shared::VertexAttributes, uv0) == 28);
 static_assert(sizeof(latelight::shared::View) == latelight::shared::kViewBytes);
+static_assert(sizeof(latelight::shared::FrameConstants) == latelight::shared::kFrameBytes);
 static_assert(offsetof(latelight::shared::View, viewToWorld) == 48);
 static_assert(offsetof(latelight::shared::View, projection) == 96);
 static_assert(offsetof(latelight::shared::View, eye) == 124);

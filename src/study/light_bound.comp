@@ -36,6 +36,6 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
 void main() {
   bindSurfaces(push.frame, push.shown);
   ivec3 place = ownPixel();
-  bool lit = lightPixel(FrameRef(push.frame).v, place);
+  bool lit = lightPixel(frameOf(push.frame, gl_WorkGroupID.z), place);
   writeCounts(place, lit, lightCount());
 }

@@ -44,8 +44,7 @@ FrameContext FrameBench::frame(graph::Graph& graph, const FrameConfig& setup, st
                  kept_->constants.address(),
                  kept_->viewBuffer.get(),
                  static_cast<uint32_t>(size.x),
-                 static_cast<uint32_t>(size.y),
-                 scene_.lights().lights()};
+                 static_cast<uint32_t>(size.y)};
   f.overflow = overflow;
   return f;
 }

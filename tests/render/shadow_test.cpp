@@ -482,7 +482,7 @@ TEST_F(ShadowTest, TheSceneSaysWhichLightsCast) {
     std::vector<uint32_t> sources;
     const ShadowPlan plan = hallPlan(uploaded, frontPerspective(1, 3), lights);
     for (const ShadowPlan::Entry& entry : plan.of[0].lights)
-      sources.push_back(uploaded.lights().sources()[entry.light]);
+      sources.push_back(uploaded.lights().set().sources[entry.light]);
     return sources;
   };
   EXPECT_EQ(chosen("all"), (std::vector<uint32_t>{2, 1}));

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "graph/graph.h"
+#include "render/base/constant_ids.h"
 #include "vk/object_cache.h"
 
 namespace latelight::render {
@@ -18,6 +19,7 @@ namespace latelight::render {
 struct Builder {
   vk::Device& device;
   graph::Graph& graph;
+  bool worlds = false;  // each view has its own shared::FrameConstants
 };
 
 // Descriptor set 0 of a shader, binding by binding.
@@ -80,6 +82,7 @@ vk::PipelineRef pipelineOf(const Builder& b, const ComputePass& pass) {
                        .constants = pass.constants,
                        .pushBytes = pushBytes<Constants>(),
                        .name = pass.name};
+  if (b.worlds) desc.constants.push_back({kWorldsConstant, 1});
   if (pass.sceneSet) desc.sceneSets = {pass.sceneBindings};
   return b.device.cache().pipeline(desc);
 }

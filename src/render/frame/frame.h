@@ -85,10 +85,9 @@ struct FrameContext : Builder {
   const Visibility& visibility;
   FrameConfig setup;
   std::span<const shared::View> views;  // as in the device's constants
-  VkDeviceAddress constants;            // shared::FrameConstants
+  VkDeviceAddress constants;            // shared::FrameConstants; with worlds, one per view
   VkBuffer viewBuffer;                  // their View[], for draws
   uint32_t width, height;
-  std::span<const shared::Light> lights;  // the lights of the constants, on the host
   bool environmentBackground = false;     // draw the environment behind all surfaces
   float aoRadius = 0, aoStrength = 1;     // ambient occlusion: meters, exponent
   const FrameShadows* shadows = nullptr;  // null: no light casts shadows
@@ -96,6 +95,10 @@ struct FrameContext : Builder {
   const LensRays* lens = nullptr;         // null: all views are projections
   Overflow* overflow = nullptr;           // buffers whose size passes have to estimate; null: there are none
 
+  VkDeviceAddress constantsOf(uint32_t view) const {
+    return constants + (worlds ? view * sizeof(shared::FrameConstants) : 0);
+  }
+  std::span<const shared::Light> lightsOf(uint32_t view) const { return scene.lightsOf(views[view].world).lights; }
   uint32_t viewCount() const { return static_cast<uint32_t>(views.size()); }
   glm::uvec3 pixels() const { return {width, height, viewCount()}; }  // the size of a dispatch over all views
 };

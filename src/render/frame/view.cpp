@@ -53,6 +53,7 @@ shared::View makeView(const scene::Camera& camera, uint32_t width, uint32_t heig
   placeEye(view, pose[3]);
   view.size = {static_cast<float>(width), static_cast<float>(height)};
   view.group = camera.group;
+  view.world = camera.world;
 
   shared::Projection& p = view.projection;
   float aspect = view.size.x / view.size.y;

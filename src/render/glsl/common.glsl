@@ -23,6 +23,15 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Lig
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ExtraRef { VertexExtra v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer UintRef { uint v[]; };
 
+// 1: each view has its own constants (FrameConstants).
+layout(constant_id = kWorldsConstant) const uint kWorlds = 0;
+
+// Returns the constants of a view. `frames`: those of the frame, as passed to compute shaders. A draw is passed those
+// of its view.
+FrameConstants frameOf(uint64_t frames, uint view) {
+  return FrameRef(kWorlds != 0u ? frames + uint64_t(view) * kFrameBytes : frames).v;
+}
+
 Mesh frameMesh(FrameConstants frame, uint index) { return MeshRef(frame.meshes).v[index]; }
 uvec3 triangleIndices(Mesh mesh, uint triangle) {
   UintRef indices = UintRef(mesh.indices);

@@ -29,12 +29,14 @@ GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene, vk::Uploader&&
       scene_(scene),
       geometry_(device, scene, uploader),
       instances_(device, scene, uploader),
+      worlds_(device),
       materials_(device, scene, uploader),
       lights_(device),
       uploads_(device, vk::UploadMode::Deferred),
       seen_(revisionsOf(scene)) {
   lightsOrigin_ = origin();
   lights_.set(uploader, scene::posedLights(scene, {}), origin());
+  countLights();
   uploader.flush();
 }
 
@@ -55,11 +57,44 @@ void GpuScene::update(const Poses& poses, const std::optional<scene::Light>& sun
   if (lightsMove || now.lights != seen_.lights || sun != sun_ || lightsOrigin_ != origin()) {
     sun_ = sun;
     lightsOrigin_ = origin();
-    std::vector<scene::Light> lights = scene::posedLights(scene_, poses.current);
-    if (sun) lights.push_back(*sun);
-    lights_.set(uploads_, std::move(lights), origin());
+    lights_.set(uploads_, lightsIn(poses), origin());
+    countLights();
   }
   seen_ = now;
+}
+
+std::vector<scene::Light> GpuScene::lightsIn(const Poses& poses) const {
+  std::vector<scene::Light> lights = scene::posedLights(scene_, poses.current);
+  if (sun_) lights.push_back(*sun_);
+  return lights;
+}
+
+void GpuScene::countLights() {
+  lightCount_ = unboundedLights_ = 0;
+  const auto count = [&](const LightSet& set) {
+    lightCount_ = std::max(lightCount_, static_cast<uint32_t>(set.lights.size()));
+    unboundedLights_ = std::max(unboundedLights_, set.unbounded);
+  };
+  if (worlds_.hasLights())
+    std::ranges::for_each(worlds_.lights(), count);
+  else
+    count(lights_.set());
+}
+
+void GpuScene::setWorlds(const WorldStates& worlds, const Poses& poses) {
+  if (worlds.count == 0) {
+    worlds_.clear();
+  } else {
+    worlds_.update(uploads_, scene_, instances_, worlds, poses, posed_ ? deformer_.get() : nullptr);
+    worlds_.updateLights(uploads_, worlds, worlds.lightValues.empty() ? std::vector<scene::Light>{} : lightsIn(poses),
+                         origin());
+  }
+  countLights();
+}
+
+InstancesOfWorld GpuScene::instancesOf(uint32_t world) const {
+  if (hasWorlds()) return worlds_.of(world);
+  return {instances_.records(), instances_.allSpheres(), instances_.address()};
 }
 
 void GpuScene::addChanges(graph::Graph& graph) const {
@@ -113,24 +148,32 @@ void GpuScene::pose(const Poses& poses) {
 void GpuScene::setLights(std::vector<scene::Light> lights) {
   vk::Uploader uploader(device_);
   lights_.set(uploader, std::move(lights), origin());
+  countLights();
   uploader.flush();
 }
 
-scene::Bounds GpuScene::bounds() const {
+scene::Bounds GpuScene::bounds(uint32_t world) const {
+  if (hasWorlds()) return worlds_.bounds(world);
   if (!bounds_) bounds_ = posed_ ? instances_.allBounds() : scene::worldBounds(scene_);
   return *bounds_;
 }
 
-scene::Bounds GpuScene::deviceBounds() const {
-  scene::Bounds all = bounds();
+scene::Bounds GpuScene::deviceBounds(uint32_t world) const {
+  scene::Bounds all = bounds(world);
   all.min -= origin();
   all.max -= origin();
   return all;
 }
 
-void GpuScene::describe(shared::FrameConstants& frame) const {
-  instances_.describe(frame);
-  lights_.describe(frame);
+void GpuScene::describe(shared::FrameConstants& frame, uint32_t world) const {
+  if (hasWorlds())
+    worlds_.describe(frame, world);
+  else
+    instances_.describe(frame);
+  if (worlds_.hasLights())
+    worlds_.describeLights(frame, world);
+  else
+    lights_.describe(frame);
   frame.meshes = geometry_.address();
   frame.materials = materials_.address();
   frame.textures = materials_.textureRecords();

@@ -9,6 +9,7 @@
 #include "render/gpu_scene/instances.h"
 #include "render/gpu_scene/lights.h"
 #include "render/gpu_scene/materials.h"
+#include "render/gpu_scene/worlds.h"
 #include "scene/scene.h"
 
 namespace latelight::render {
@@ -21,12 +22,14 @@ class GpuScene {
   const GpuGeometry& geometry() const { return geometry_; }
   const GpuInstances& instances() const { return instances_; }
   const GpuMaterials& materials() const { return materials_; }
-  const GpuLights& lights() const { return lights_; }
+  const GpuLights& lights() const { return lights_; }  // the scene's
 
   // Follows the scene's edits since the last call, and moves instances, deformed meshes and the scene's lights to these
   // poses. `sun`: a light in addition to the scene's. The required device work, which is none for a static scene, is
   // pending until the next graph.
   void update(const Poses& poses, const std::optional<scene::Light>& sun = {});
+  // Sets the worlds to render until the next call; call it after update(), with the same poses.
+  void setWorlds(const WorldStates& worlds, const Poses& poses);
   void setGroups(const std::vector<uint32_t>& groups) { instances_.setGroups(uploads_, groups); }
   // Adds the pending work to the prologue of a graph: uploads, then deformation. It stays pending until
   // changesSubmitted().
@@ -39,15 +42,29 @@ class GpuScene {
   // Overrides the scene's lights immediately, until the next edit or pose.
   void setLights(std::vector<scene::Light> lights);
 
-  scene::Bounds bounds() const;  // of all instances in their current pose, in the scene's world space
+  // The scene's instances as a world has them. Without worlds, those of world 0 are the scene's.
+  bool hasWorlds() const { return worlds_.count() > 0; }
+  const GpuWorlds& worlds() const { return worlds_; }
+  InstancesOfWorld instancesOf(uint32_t world) const;
+  bool anyVast() const { return instances_.anyVast() || (hasWorlds() && worlds_.anyVast()); }
+
+  // The lights of a world, or the scene's. The counts are the maximum over all worlds.
+  const LightSet& lightsOf(uint32_t world) const {
+    return worlds_.hasLights() ? worlds_.lights()[world] : lights_.set();
+  }
+  uint32_t lightCount() const { return lightCount_; }
+  uint32_t unboundedLights() const { return unboundedLights_; }
+
+  // Bounds of all of the world's instances in their current pose, in the scene's world space.
+  scene::Bounds bounds(uint32_t world = 0) const;
   // The origin of the device's world space in the scene's. It is near most visible instances, so that floats position
   // lights and shadow maps precisely, wherever the scene lies. It depends only on the scene's current state.
   const glm::dvec3& origin() const { return instances_.origin(); }
-  bool isYUp() const { return scene_.yUp; }  // the file uses glTF's axes
-  scene::Bounds deviceBounds() const;        // in the device's world space
+  bool isYUp() const { return scene_.yUp; }              // the file uses glTF's axes
+  scene::Bounds deviceBounds(uint32_t world = 0) const;  // bounds() in the device's world space
 
-  // Fills the addresses and counts that belong to the scene.
-  void describe(shared::FrameConstants& frame) const;
+  // Fills the addresses and counts that belong to the scene, as the world has it.
+  void describe(shared::FrameConstants& frame, uint32_t world = 0) const;
 
  private:
   GpuScene(vk::Device& device, const scene::Scene& scene, vk::Uploader&& uploader);
@@ -57,11 +74,14 @@ class GpuScene {
   static Seen revisionsOf(const scene::Scene& scene);
   void follow();
   void pose(const Poses& poses);
+  std::vector<scene::Light> lightsIn(const Poses& poses) const;
+  void countLights();
 
   vk::Device& device_;
   const scene::Scene& scene_;
   GpuGeometry geometry_;
   GpuInstances instances_;
+  GpuWorlds worlds_;
   GpuMaterials materials_;
   GpuLights lights_;
   std::unique_ptr<Deformer> deformer_;  // created with the first pose, if a mesh needs it
@@ -70,6 +90,7 @@ class GpuScene {
   Seen seen_;
   bool posed_ = false;  // false: the scene is at rest
   std::optional<scene::Light> sun_;
+  uint32_t lightCount_ = 0, unboundedLights_ = 0;
   glm::dvec3 lightsOrigin_{0};
   mutable std::optional<scene::Bounds> bounds_;  // cached until the next edit or pose
 };

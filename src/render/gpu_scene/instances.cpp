@@ -54,19 +54,32 @@ GpuInstances::GpuInstances(vk::Device& device, const scene::Scene& scene, vk::Up
   pose(uploader, {}, nullptr);
 }
 
-void GpuInstances::place(uint32_t index, const glm::dmat4& toWorld) {
+shared::Instance GpuInstances::recordOf(uint32_t index, const glm::dmat4& toWorld, bool turnedOver) const {
   const scene::Instance& instance = scene_.instances[index];
-  const bool mirrored = glm::determinant(glm::dmat3(toWorld)) < 0, clockwise = mirrored != spheres_[index].turnedOver;
-  shared::Instance& record = records_[index];
-  record = {.mesh = instance.mesh,
-            .material = instance.material,
-            .id = instance.id,
-            .part = instance.part,
-            .flags = (mirrored ? shared::kInstanceMirrored : 0u) | (clockwise ? shared::kInstanceClockwise : 0u) |
-                     (isVast(index, toWorld) ? shared::kInstanceVast : 0u) |
-                     (scene_.meshes[instance.mesh].extras.empty() ? 0u : shared::kInstanceExtras) | groupBits(index)};
+  const bool mirrored = glm::determinant(glm::dmat3(toWorld)) < 0, clockwise = mirrored != turnedOver;
+  shared::Instance record{
+      .mesh = instance.mesh,
+      .material = instance.material,
+      .id = instance.id,
+      .part = instance.part,
+      .flags = (mirrored ? shared::kInstanceMirrored : 0u) | (clockwise ? shared::kInstanceClockwise : 0u) |
+               (isVast(index, toWorld) ? shared::kInstanceVast : 0u) |
+               (scene_.meshes[instance.mesh].extras.empty() ? 0u : shared::kInstanceExtras) | groupBits(index)};
+  move(record, index, toWorld);
+  return record;
+}
+
+void GpuInstances::move(shared::Instance& record, uint32_t index, const glm::dmat4& toWorld) const {
   setTransform(record, deviceTransform(index, toWorld), origin_);
-  bounds_[index] = roundedSphere(spheres_[index], origin_);
+}
+
+Sphere GpuInstances::onDevice(const WorldSphere& sphere) const {
+  return roundedSphere(sphere, origin_);
+}
+
+void GpuInstances::place(uint32_t index, const glm::dmat4& toWorld) {
+  records_[index] = recordOf(index, toWorld, spheres_[index].turnedOver);
+  bounds_[index] = onDevice(spheres_[index]);
 }
 
 // Triangles of this size extend so far beyond most views that float precision is not sufficient for their vertices.
@@ -151,8 +164,7 @@ void GpuInstances::updateAll(const std::vector<glm::dmat4>& transforms) {
 void GpuInstances::uploadMoved(GpuList<shared::Instance>& list, vk::Uploader& uploader, const scene::Pose& pose) const {
   const std::vector<glm::dmat4> transforms = scene::instanceTransforms(scene_, pose);
   std::vector<shared::Instance> instances = records_;
-  for (uint32_t i = 0; i < instances.size(); ++i)
-    setTransform(instances[i], deviceTransform(i, transforms[i]), origin_);
+  for (uint32_t i = 0; i < instances.size(); ++i) move(instances[i], i, transforms[i]);
   list.upload(uploader, instances);
 }
 
@@ -194,10 +206,14 @@ scene::Bounds GpuInstances::allBounds() const {
   scene::Bounds all;
   for (const WorldSphere& sphere : spheres_) {
     if (sphere.radius < 0) continue;
-    all.min = glm::min(all.min, sphere.center - sphere.radius);
-    all.max = glm::max(all.max, sphere.center + sphere.radius);
+    include(all, sphere);
   }
   return all;
+}
+
+void include(scene::Bounds& bounds, const WorldSphere& sphere) {
+  bounds.min = glm::min(bounds.min, sphere.center - sphere.radius);
+  bounds.max = glm::max(bounds.max, sphere.center + sphere.radius);
 }
 
 void GpuInstances::describe(shared::FrameConstants& frame) const {

@@ -34,16 +34,24 @@ class GpuInstances {
   uint32_t count() const { return static_cast<uint32_t>(records_.size()); }
   const shared::Instance& record(uint32_t instance) const { return records_[instance]; }
   const Sphere& bounds(uint32_t instance) const { return bounds_[instance]; }  // outside every frustum if hidden
-  scene::Bounds allBounds() const;                                             // encloses the spheres, world space
-  bool anyVast() const { return vast_ > 0; }                                   // any instance has kInstanceVast
-  uint64_t revision() const { return revision_; }                              // increases with every change
+  std::span<const shared::Instance> records() const { return records_; }
+  std::span<const Sphere> allSpheres() const { return bounds_; }  // bounds() of all instances
+  scene::Bounds allBounds() const;                                // encloses the spheres, world space
+  bool anyVast() const { return vast_ > 0; }                      // any instance has kInstanceVast
+  uint64_t revision() const { return revision_; }                 // increases with every change
 
   VkDeviceAddress address() const { return list_.address(); }  // shared::Instance[]
   void describe(shared::FrameConstants& frame) const;
 
- private:
+  // The same instances with other transforms, for worlds: the bounding sphere of an instance, its record, and a record
+  // with another transform.
   WorldSphere sphereOf(uint32_t instance, const glm::dmat4& toWorld, const scene::Pose& pose,
                        const Deformer* deformer) const;
+  shared::Instance recordOf(uint32_t instance, const glm::dmat4& toWorld, bool turnedOver) const;
+  void move(shared::Instance& record, uint32_t instance, const glm::dmat4& toWorld) const;
+  Sphere onDevice(const WorldSphere& sphere) const;  // relative to the origin
+
+ private:
   glm::dmat4 deviceTransform(uint32_t instance, const glm::dmat4& toWorld) const;
   glm::dvec3 meanCenter() const;
   bool isVast(uint32_t instance, const glm::dmat4& toWorld) const;
@@ -65,5 +73,8 @@ class GpuInstances {
   size_t vast_ = 0;
   uint64_t revision_ = 1;
 };
+
+// Extends the bounds by a sphere that is not hidden.
+void include(scene::Bounds& bounds, const WorldSphere& sphere);
 
 }  // namespace latelight::render

@@ -50,41 +50,50 @@ void uploadChanges(GpuList<T>& list, vk::Uploader& uploader, const std::vector<T
 
 }  // namespace
 
-void GpuLights::set(vk::Uploader& uploader, std::vector<scene::Light> lights, const glm::dvec3& origin) {
-  authored_ = std::move(lights);
-  std::erase_if(authored_, [](const scene::Light& light) { return light.removed; });
+LightSet makeLightSet(std::vector<scene::Light> lights, const glm::dvec3& origin) {
+  LightSet set{.authored = std::move(lights)};
+  std::erase_if(set.authored, [](const scene::Light& light) { return light.removed; });
   std::vector<shared::Light> shining;
   std::vector<uint32_t> sources;
   size_t broken = 0;
-  for (uint32_t i = 0; i < authored_.size(); ++i) {
-    const shared::Light l = deviceLight(authored_[i], origin);
+  for (uint32_t i = 0; i < set.authored.size(); ++i) {
+    const shared::Light l = deviceLight(set.authored[i], origin);
     broken += !isFinite(l);
     if (!isFinite(l) || !(l.radius > 0) || !(shared::maxChannel(l.intensity) > 0)) continue;
     shining.push_back(l);
     sources.push_back(i);
   }
   if (broken)
-    warn("{} of {} lights are skipped, because they have a value that is not finite", broken, authored_.size());
+    warn("{} of {} lights are skipped, because they have a value that is not finite", broken, set.authored.size());
   LightTree tree = buildLightTree(shining);
-  sources_.clear();
-  for (const uint32_t source : tree.sources) sources_.push_back(sources[source]);
-  directional_ = tree.directionalLights;
-  unbounded_ = static_cast<uint32_t>(
-                   std::ranges::count(tree.lights, std::numeric_limits<float>::infinity(), &shared::Light::radius)) -
-               directional_;
-  leaves_ = tree.firstLeaf;
-  uploadChanges(list_, uploader, lights_, tree.lights);
-  uploadChanges(tree_, uploader, nodes_, tree.nodes);
-  lights_ = std::move(tree.lights);
-  nodes_ = std::move(tree.nodes);
+  for (const uint32_t source : tree.sources) set.sources.push_back(sources[source]);
+  set.directional = tree.directionalLights;
+  set.unbounded = static_cast<uint32_t>(
+                      std::ranges::count(tree.lights, std::numeric_limits<float>::infinity(), &shared::Light::radius)) -
+                  set.directional;
+  set.leaves = tree.firstLeaf;
+  set.lights = std::move(tree.lights);
+  set.nodes = std::move(tree.nodes);
+  return set;
+}
+
+void LightSet::describe(shared::FrameConstants& frame) const {
+  frame.lightCount = static_cast<uint32_t>(lights.size());
+  frame.directionalLights = directional;
+  frame.lightTreeLeaves = leaves;
+}
+
+void GpuLights::set(vk::Uploader& uploader, std::vector<scene::Light> lights, const glm::dvec3& origin) {
+  LightSet now = makeLightSet(std::move(lights), origin);
+  uploadChanges(list_, uploader, set_.lights, now.lights);
+  uploadChanges(tree_, uploader, set_.nodes, now.nodes);
+  set_ = std::move(now);
 }
 
 void GpuLights::describe(shared::FrameConstants& frame) const {
   frame.lights = list_.address();
   frame.lightTree = tree_.address();
-  frame.lightCount = count();
-  frame.directionalLights = directional_;
-  frame.lightTreeLeaves = leaves_;
+  set_.describe(frame);
 }
 
 }  // namespace latelight::render

@@ -10,6 +10,21 @@
 
 namespace latelight::render {
 
+// Lights that emit light, as on the device.
+struct LightSet {
+  std::vector<scene::Light> authored;   // as set, without removed lights
+  std::vector<shared::Light> lights;    // in the order of the light tree
+  std::vector<uint32_t> sources;        // index of each of `lights` in `authored`
+  std::vector<shared::LightBox> nodes;  // of the light tree
+  uint32_t directional = 0, leaves = 0;
+  uint32_t unbounded = 0;  // number of point and spot lights without a range
+
+  // Fills everything except the addresses.
+  void describe(shared::FrameConstants& frame) const;
+};
+// `origin`: the origin of the device's world space in the scene's (GpuScene::origin()).
+LightSet makeLightSet(std::vector<scene::Light> lights, const glm::dvec3& origin);
+
 class GpuLights {
  public:
   explicit GpuLights(vk::Device& device) : list_(device, "lights"), tree_(device, "light tree") {}
@@ -17,22 +32,16 @@ class GpuLights {
   // (GpuScene::origin()).
   void set(vk::Uploader& uploader, std::vector<scene::Light> lights, const glm::dvec3& origin);
 
-  uint32_t count() const { return static_cast<uint32_t>(lights_.size()); }
-  std::span<const shared::Light> lights() const { return lights_; }  // as on the device
-  uint32_t unbounded() const { return unbounded_; }                  // number of point and spot lights without a range
-  std::span<const scene::Light> authored() const { return authored_; }  // as set, without removed lights
-  std::span<const uint32_t> sources() const { return sources_; }        // index of each of lights() in authored()
+  const LightSet& set() const { return set_; }
+  uint32_t count() const { return static_cast<uint32_t>(set_.lights.size()); }
+  std::span<const shared::Light> lights() const { return set_.lights; }
 
   void describe(shared::FrameConstants& frame) const;
 
  private:
-  std::vector<scene::Light> authored_;
-  std::vector<shared::Light> lights_;
-  std::vector<uint32_t> sources_;
-  std::vector<shared::LightBox> nodes_;  // of the light tree
+  LightSet set_;
   GpuList<shared::Light> list_;
   GpuList<shared::LightBox> tree_;
-  uint32_t directional_ = 0, unbounded_ = 0, leaves_ = 0;
 };
 
 }  // namespace latelight::render

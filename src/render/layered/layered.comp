@@ -19,20 +19,20 @@ layout(push_constant, scalar) uniform Push { LayeredPush push; };
 layout(set = 0, binding = AFTER_LIT_MAPS, rgba16f) uniform image2DArray lightTarget;
 layout(set = 0, binding = AFTER_LIT_MAPS + 1, rgba32f) uniform writeonly image2DArray lightCounts;
 
-bool isLayered(uint id) {
+bool isLayered(FrameConstants frame, uint id) {
   InstanceList list = InstanceListRef(push.shown.instances).v;
   uint drawIndex = DrawIndexOfPartRef(list.drawIndexOfPart).v[(id - 1u) / kRasterGroup];
-  return (rasterInstanceAt(list, drawIndex).flags & kDrawLayered) != 0u;
+  return (rasterInstanceAt(list, frame, drawIndex).flags & kDrawLayered) != 0u;
 }
 
 // Returns the mask of samples of the next triangle with a layered material, or 0 if none is left. Removes them and the
 // preceding samples from `left`.
-uint nextLayered(uint first, inout uint left) {
+uint nextLayered(FrameConstants frame, uint first, inout uint left) {
   VisibleRef visible = VisibleRef(push.shown.visible);
   uint found = 0u;
   while (left != 0u && found == 0u) {
     uint samples = nextTriangle(visible, first, left);
-    if (isLayered(visibleId(visible.v[first + uint(findLSB(samples))]))) found = samples;
+    if (isLayered(frame, visibleId(visible.v[first + uint(findLSB(samples))]))) found = samples;
   }
   return found;
 }
@@ -63,7 +63,7 @@ vec3 radianceOf(FrameConstants frame, ivec3 pixel, uint first, uint samples) {
 }
 
 void main() {
-  FrameConstants frame = FrameRef(push.frame).v;
+  FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
 #ifndef TEXTURES_BY_INDEX
   textureRecords = frame.textures;
 #endif
@@ -72,7 +72,7 @@ void main() {
   bool inside = all(lessThan(uvec2(pixel.xy), size));
   uint first = visibleIndex(uvec3(inside ? uvec2(pixel.xy) : uvec2(0u), pixel.z), size);
   uint left = inside ? coveredSamples(VisibleRef(push.shown.visible), first) : 0u, covered = 0u;
-  uint samples = nextLayered(first, left);
+  uint samples = nextLayered(frame, first, left);
   if (!subgroupAny(samples != 0u)) return;
   vec3 sum = vec3(0.0);
   while (true) {
@@ -80,7 +80,7 @@ void main() {
     if (samples != 0u) sum += one * (float(bitCount(samples)) / float(kSamples));
     covered |= samples;
     if (kSamples == 1u) break;  // removes the loop, which lavapipe would execute once more with nothing to light
-    samples = nextLayered(first, left);
+    samples = nextLayered(frame, first, left);
     if (!subgroupAny(samples != 0u)) break;
   }
   if (covered == 0u) return;

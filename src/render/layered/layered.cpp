@@ -65,7 +65,7 @@ void drawLayered(const FrameContext& f, const Gbuffer& gbuffer, const HardwareVi
     const std::vector<vk::BoundImage> images = maps.images(context);
     for (uint32_t view = 0; view < f.viewCount(); ++view) {
       beginView(context, f, view, colors, {gbuffer.sampleDepth, false}, several ? ColorUse::Clear : ColorUse::Keep);
-      SceneBinder binder(context, f.scene, hardware.solid(), {f.constants, f.viewBuffer, view}, pipelines, images);
+      SceneBinder binder(context, f.scene, hardware.solid(), drawnView(f, view), pipelines, images);
       recordLayered(context, f, hardware.solid(), view, binder);
       vkCmdEndRendering(context.get());
     }

@@ -275,7 +275,7 @@ void listTile(inout Tile tile, FrameConstants frame) {
 
 void main() {
   countLanes();
-  FrameConstants frame = FrameRef(push.frame).v;
+  FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
   for (uint i = gl_SubgroupID; i < kTilesPerGroup; i += gl_NumSubgroups) {
     uvec2 place = uvec2(gl_WorkGroupID.x * kTilesPerGroup + i, gl_WorkGroupID.y);
     if (place.x >= push.lists.tiles.x) break;

@@ -14,8 +14,8 @@ layout(set = 0, binding = 1) uniform sampler2D environmentPicture;  // equirecta
 layout(push_constant, scalar) uniform Push { BackgroundPush push; };
 
 void main() {
-  FrameConstants frame = FrameRef(push.frame).v;
   ivec3 pixel = ivec3(gl_GlobalInvocationID);
+  FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
   View view = frameView(frame, pixel.z);
   if (any(greaterThanEqual(vec2(pixel.xy), view.size))) return;
   vec4 drawn = imageLoad(lightTarget, pixel);

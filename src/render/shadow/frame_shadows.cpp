@@ -38,9 +38,9 @@ bool shadowIsPacked(uint32_t format) {
   return format == shared::kShadowRgba8 || format == shared::kShadowRgba8Classic;
 }
 
-ShadowScene shadowSceneOf(const GpuScene& scene) {
-  const GpuLights& lights = scene.lights();
-  return {lights.lights(), lights.sources(), lights.authored(), scene.deviceBounds()};
+ShadowScene shadowSceneOf(const GpuScene& scene, uint32_t world) {
+  const LightSet& set = scene.lightsOf(world);
+  return {set.lights, set.sources, set.authored, scene.deviceBounds(world)};
 }
 
 FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, ShadowPlan plan, const Settings& settings,
@@ -55,11 +55,11 @@ FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, ShadowPlan
   std::sort(columns_.begin(), columns_.end());
   columns_.erase(std::unique(columns_.begin(), columns_.end()), columns_.end());
   if (columns_.empty()) return;
-  number(scene.lights().count());
+  number(scene.lightCount());
   enterMaps();
   // The rounding of the graphics pipeline depends on the position in the atlas, so cached maps would depend on earlier
-  // frames.
-  if (inCompute_)
+  // frames. Worlds usually change from frame to frame.
+  if (inCompute_ && !scene.hasWorlds())
     kept.follow(scene);
   else
     kept.forget();
@@ -163,11 +163,14 @@ void FrameShadows::upload(vk::Device& device, const GpuScene& scene) {
   tableBuffer_ = uploaded(device, "shadows of lights", table_);
   mapsBuffer_ = uploaded(device, "shadow maps", plan_.maps);
   viewsBuffer_ = vk::uploadedBuffer(device, "shadow views", std::as_bytes(std::span(views)), kViewUsage);
-  shared::FrameConstants constants{};
-  scene.describe(constants);
-  constants.views = constants.previousViews = constants.nextViews = viewsBuffer_.address();
-  constants.viewCount = static_cast<uint32_t>(maps_.size());
-  constantsBuffer_ = uploaded(device, "shadow constants", std::vector{constants});
+  // With worlds, each map has constants of its own.
+  std::vector<shared::FrameConstants> constants(scene.hasWorlds() ? maps_.size() : 1);
+  for (size_t i = 0; i < constants.size(); ++i) {
+    scene.describe(constants[i], maps_.empty() ? 0 : maps_[i].view->view.world);
+    constants[i].views = constants[i].previousViews = constants[i].nextViews = viewsBuffer_.address();
+    constants[i].viewCount = static_cast<uint32_t>(maps_.size());
+  }
+  constantsBuffer_ = uploaded(device, "shadow constants", constants);
 }
 
 shared::LightShadow FrameShadows::of(uint32_t view, uint32_t light) const {

@@ -15,8 +15,8 @@
 
 namespace latelight::render {
 
-// The lights and bounds of a scene, for planShadows(). Refers to the scene's memory.
-ShadowScene shadowSceneOf(const GpuScene& scene);
+// The lights and bounds of a scene, as a world has it, for planShadows(). Refers to the scene's memory.
+ShadowScene shadowSceneOf(const GpuScene& scene, uint32_t world = 0);
 
 // The contents of a picture's shadow maps before one of its graphs, which draw maps for all samples and strips.
 enum class ShadowMapState : uint8_t {
@@ -49,7 +49,7 @@ class FrameShadows {
     bool whole;  // draw all pages, even if other maps draw only pages that pixels look up
   };
   std::span<const Map> maps() const { return maps_; }
-  // Constants of a frame whose views are maps(), in order.
+  // Constants of a frame whose views are maps(), in order; with worlds, one per map.
   VkDeviceAddress mapConstants() const { return constantsBuffer_.address(); }
   VkBuffer mapViews() const { return viewsBuffer_.get(); }  // their View[]
 

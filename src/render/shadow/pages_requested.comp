@@ -156,7 +156,7 @@ void requestAtPixel(FrameConstants frame, View view, ivec3 place, bool inside) {
 
 void main() {
   ivec3 place = ownPixel();
-  FrameConstants frame = FrameRef(push.frame).v;
+  FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
   View view = frameView(frame, uint(place.z));
   countLanes();
   requestAtPixel(frame, view, place, all(lessThan(vec2(place.xy), view.size)));

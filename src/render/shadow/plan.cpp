@@ -166,6 +166,7 @@ struct LightMaps {
 
 struct Planner {
   const ShadowScene& scene;
+  uint32_t world;
   const Settings& settings;
   uint32_t format;
 
@@ -182,7 +183,9 @@ struct Planner {
     map.depthSlack = slackOf(format);
     const double scale = f.perspective ? 1 / f.far : 1;
     const double unit = map.texel * map.depthScale * (f.perspective ? f.far : 1);
-    to.views.push_back({viewOf(f, 1, size), viewOf(f, scale, size), size, static_cast<float>(unit), within});
+    ShadowView& view = to.views.emplace_back(
+        ShadowView{viewOf(f, 1, size), viewOf(f, scale, size), size, static_cast<float>(unit), within});
+    view.view.world = view.drawn.world = world;
   }
 
   // `cascades` are the spheres of the view's cascades, used for directional lights.
@@ -219,10 +222,13 @@ struct Chosen {
   std::vector<ShadowCaster> casters;
 };
 
-std::vector<Chosen> choose(const ShadowScene& scene, std::span<const shared::View> views, const Settings& settings) {
+std::vector<Chosen> choose(std::span<const ShadowScene> worlds, std::span<const shared::View> views,
+                           const Settings& settings) {
   std::vector<Chosen> chosen(views.size());
   parallelFor(views.size(), kViewsAtOnce, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
+      const ShadowScene& scene = worlds[views[i].world];
+      if (scene.bounds.empty()) continue;
       chosen[i].cascades = fitCascades(views[i], scene.bounds);
       chosen[i].casters =
           chooseShadowCasters(scene, views[i], settings, static_cast<uint32_t>(chosen[i].cascades.size()));
@@ -231,15 +237,16 @@ std::vector<Chosen> choose(const ShadowScene& scene, std::span<const shared::Vie
   return chosen;
 }
 
-// The key by which views share maps: light and size, and for a directional light also the view's cascades.
+// The key by which views share maps: world, light and size, and for a directional light also the view's cascades.
 struct Shared {
-  uint32_t light, size;
+  uint32_t world, light, size;
   std::vector<uint32_t> cascades;  // bits of their spheres' floats
   auto operator<=>(const Shared&) const = default;
 };
 
-Shared sharedOf(const ShadowScene& scene, const ShadowCaster& caster, const std::vector<Sphere>& cascades) {
-  Shared key{caster.light, caster.size, {}};
+Shared sharedOf(const ShadowScene& scene, uint32_t world, const ShadowCaster& caster,
+                const std::vector<Sphere>& cascades) {
+  Shared key{world, caster.light, caster.size, {}};
   if (shared::lightIsDirectional(scene.lights[caster.light].type))
     for (const Sphere& s : cascades)
       for (const float value : {s.centre.x, s.centre.y, s.centre.z, s.radius})
@@ -257,32 +264,42 @@ uint64_t shadowTexels(const Settings& s) {
   return automatic ? std::min(most, 2 * 6 * kAutomaticShadows * side * side) : most;
 }
 
-ShadowPlan planShadows(const ShadowScene& scene, std::span<const shared::View> views, const Settings& settings) {
+ShadowPlan planShadows(std::span<const ShadowScene> worlds, std::span<const shared::View> views,
+                       const Settings& settings) {
   ShadowPlan plan;
   plan.of.resize(views.size());
   const uint32_t format = indexOf(settings.shadows);
-  if (format == shared::kShadowNone || scene.bounds.empty()) return plan;
-  const std::vector<Chosen> chosen = choose(scene, views, settings);
+  if (format == shared::kShadowNone) return plan;
+  const std::vector<Chosen> chosen = choose(worlds, views, settings);
 
   std::map<Shared, uint32_t> firsts;
-  std::vector<std::pair<const ShadowCaster*, const Chosen*>> distinct;
+  struct Distinct {
+    const ShadowCaster* caster;
+    const Chosen* chosen;
+    uint32_t world;
+  };
+  std::vector<Distinct> distinct;
   uint32_t maps = 0;
-  for (size_t view = 0; view < views.size(); ++view)
+  for (size_t view = 0; view < views.size(); ++view) {
+    const uint32_t world = views[view].world;
+    const ShadowScene& scene = worlds[world];
     for (const ShadowCaster& caster : chosen[view].casters) {
-      const auto [first, isNew] = firsts.try_emplace(sharedOf(scene, caster, chosen[view].cascades), maps);
+      const auto [first, isNew] = firsts.try_emplace(sharedOf(scene, world, caster, chosen[view].cascades), maps);
       if (isNew) {
-        distinct.emplace_back(&caster, &chosen[view]);
+        distinct.push_back({&caster, &chosen[view], world});
         maps += caster.maps;
       }
       ShadowPlan::OfView& of = plan.of[view];
       of.lights.push_back({caster.light, first->second, caster.maps});
       if (!of.sun && shared::lightIsDirectional(scene.lights[caster.light].type)) of.sun = caster.light;
     }
+  }
 
-  const Planner planner{scene, settings, format};
   std::vector<LightMaps> planned(distinct.size());
   parallelFor(distinct.size(), kLightsAtOnce, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) planned[i] = planner.mapsOf(*distinct[i].first, distinct[i].second->cascades);
+    for (size_t i = begin; i < end; ++i)
+      planned[i] = Planner{worlds[distinct[i].world], distinct[i].world, settings, format}.mapsOf(
+          *distinct[i].caster, distinct[i].chosen->cascades);
   });
   for (const LightMaps& light : planned) {
     plan.views.insert(plan.views.end(), light.views.begin(), light.views.end());

@@ -25,7 +25,8 @@ struct ShadowView {
   std::optional<Sphere> within;  // objects outside cast no shadows into the map
 };
 
-// The shadow maps of all views of a frame. Views in which a light has equal maps share them.
+// The shadow maps of all views of a frame. Views of one world in which a light has equal
+// maps share them.
 struct ShadowPlan {
   struct Entry {
     uint32_t light;  // index among the frame's lights
@@ -53,6 +54,11 @@ uint64_t shadowTexels(const Settings& settings);  // maximum number of texels of
 // Selects the lights of each view: those that request shadows in the scene come first, then directional lights, then
 // the others by their brightness at the eye; ties are resolved by scene order. A light whose sphere the view does not
 // touch gets no maps. Throws Error(Usage) for names that no light has.
-ShadowPlan planShadows(const ShadowScene& scene, std::span<const shared::View> views, const Settings& settings);
+// `worlds`: one scene per world; without worlds, the scene.
+ShadowPlan planShadows(std::span<const ShadowScene> worlds, std::span<const shared::View> views,
+                       const Settings& settings);
+inline ShadowPlan planShadows(const ShadowScene& scene, std::span<const shared::View> views, const Settings& settings) {
+  return planShadows({&scene, 1}, views, settings);
+}
 
 }  // namespace latelight::render

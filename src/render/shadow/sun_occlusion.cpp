@@ -68,7 +68,7 @@ void addSunOcclusion(const FrameContext& f, const Gbuffer& gbuffer) {
       if (!sun) continue;
       beginView(context, f, view, std::span(&target, 1), {stencil, true}, ColorUse::Keep);
       vkCmdSetStencilReference(context.get(), VK_STENCIL_FACE_FRONT_AND_BACK, kMayBeLit);
-      const shared::SunPush push{f.constants, view, f.shadows->of(view, *sun), f.lights[*sun]};
+      const shared::SunPush push{f.constantsOf(view), view, f.shadows->of(view, *sun), f.lightsOf(view)[*sun]};
       for (const vk::PipelineRef& step : {mark, fill}) {
         context.commands().bind(step.get(), images, push);
         recordScreen(context);

@@ -30,7 +30,7 @@ graph::ImageId createCounts(const FrameContext& f) {
 // missing.
 void rejectTooManyUnbounded(const FrameContext& f) {
   constexpr uint32_t kMax = 20'000;  // for one sample per pixel
-  const uint32_t most = kMax / f.setup.samples, unbounded = f.scene.lights().unbounded();
+  const uint32_t most = kMax / f.setup.samples, unbounded = f.scene.unboundedLights();
   if (f.device.isCpu() && unbounded > most)
     badUsage("a CPU device supports at most {} lights without a range, but the scene has {}", most, unbounded);
 }

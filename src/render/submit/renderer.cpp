@@ -113,6 +113,7 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
   if (input.posed || sceneInput_ != input) resolveOverflow();
   sceneInput_.reset();
   gpuScene_.update(moment.poses, settings.sun ? std::optional(lightOf(*settings.sun)) : std::nullopt);
+  gpuScene_.setWorlds(moment.worlds, moment.poses);
   gpuScene_.setAnisotropy(settings.anisotropy.value_or(usualAnisotropy(device_)));
   gpuScene_.setGroups(moment.groups);
   drawOrder_.update(gpuScene_);
@@ -141,7 +142,7 @@ Renderer::SceneInput Renderer::inputOf(const Settings& settings, const SceneStat
 }
 
 bool Renderer::castsShadows(const Settings& settings) const {
-  return settings.shadows != ShadowFormat::None && gpuScene_.lights().count() > 0 && isLit(settings);
+  return settings.shadows != ShadowFormat::None && gpuScene_.lightCount() > 0 && isLit(settings);
 }
 
 // Plans the maps for the full pictures without jitter, so that the samples and strips of a picture share the positions
@@ -151,7 +152,10 @@ ShadowPlan Renderer::planShadows(std::span<const scene::Camera> cameras, const S
   std::vector<shared::View> views;
   for (const scene::Camera& camera : cameras)
     views.push_back(shadowView(camera, settings.width, settings.height, gpuScene_));
-  return render::planShadows(shadowSceneOf(gpuScene_), views, settings);
+  std::vector<ShadowScene> worlds;
+  for (uint32_t world = 0; world < std::max(1u, gpuScene_.worlds().count()); ++world)
+    worlds.push_back(shadowSceneOf(gpuScene_, world));
+  return render::planShadows(worlds, views, settings);
 }
 
 // Returns null if no light casts shadows. From here on, newly planned maps may replace earlier ones in the atlas.
@@ -298,9 +302,9 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       .results = part.job.results,
       .revisions = {sceneInput_->edits[0], sceneInput_->edits[1], sceneInput_->edits[2],
                     gpuScene_.materials().revision()},
-      .lights = gpuScene_.lights().count(),
-      .unboundedLights = gpuScene_.lights().unbounded(),
-      .anyVast = gpuScene_.instances().anyVast(),
+      .lights = gpuScene_.lightCount(),
+      .unboundedLights = gpuScene_.unboundedLights(),
+      .anyVast = gpuScene_.anyVast(),
       .textures = device_.maxTextureArray() ? gpuScene_.materials().textureSet() : VK_NULL_HANDLE,
       .instances = rasterInstances_.address(),
       .solid = rasterInstances_.solid(),

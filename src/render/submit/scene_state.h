@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "render/deform/deformer.h"
+#include "render/gpu_scene/worlds.h"
 #include "scene/scene.h"
 
 namespace latelight::render {
@@ -16,6 +17,8 @@ struct SceneState {
   // The group of each of the scene's instances, by index, from 1 to 65535. A camera with a group renders only that
   // group's instances. Instances beyond the end of the list, or with group 0, are in no group.
   std::vector<uint32_t> groups;
+  // Worlds, of which each camera shows one (Camera::world).
+  WorldStates worlds;
   // This frame follows the frame submitted last, so temporal anti-aliasing continues from it.
   bool continues = false;
 };

@@ -47,20 +47,27 @@ void ViewSet::update(const ViewsInTime& views) {
   upload();
 }
 
-// Writes the views and the frame's constants to device memory, which keeps its addresses.
+// Writes the views and the frame's constants to device memory, which keeps its addresses. With worlds, each view has
+// constants of its own.
 void ViewSet::upload() {
-  const size_t count = views_.now.size();
+  const size_t count = views_.now.size(), frames = state_.scene.hasWorlds() ? count : 1;
   if (!viewBuffer_) {
     viewBuffer_ = uploadBuffer(state_.device, "views", 3 * count * sizeof(shared::View), kViewUsage);
-    constants_ = uploadBuffer(state_.device, "frame constants", sizeof(shared::FrameConstants),
+    constants_ = uploadBuffer(state_.device, "frame constants", frames * sizeof(shared::FrameConstants),
                               VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
   }
   auto* views = viewBuffer_.as<shared::View>();
   for (const auto* some : {&views_.now, &views_.previous, &views_.next}) views = std::ranges::copy(*some, views).out;
+  for (size_t i = 0; i < frames; ++i)
+    constants_.as<shared::FrameConstants>()[i] = constantsOf(state_.scene.hasWorlds() ? views_.now[i].world : 0);
+}
 
+shared::FrameConstants ViewSet::constantsOf(uint32_t world) const {
   const Settings& s = settings_;
+  const size_t count = views_.now.size();
   shared::FrameConstants frame{};
-  state_.scene.describe(frame);
+  state_.scene.describe(frame, world);
+  if (state_.scene.hasWorlds()) frame.rasterInstances = state_.rasterInstances.address(world);
   if (shadows_) shadows_->describe(frame);
   const glm::dvec3 point = s.positionOrigin.point;
   const bool file = state_.scene.isYUp() && s.axes == Axes::File;
@@ -73,29 +80,32 @@ void ViewSet::upload() {
   frame.rays = views_.lens ? views_.lens->rays.address() : 0;
   frame.viewCount = static_cast<uint32_t>(count);
   frame.exposure = exposureFactor(s);
-  frame.environmentIntensity = state_.hasEnvironment ? s.environmentIntensity : 0.0f;
-  frame.environmentCos = std::cos(s.environmentRotation);
-  frame.environmentSin = std::sin(s.environmentRotation);
+  const float rotation = state_.scene.worlds().environmentRotation(world, s.environmentRotation);
+  frame.environmentIntensity =
+      state_.hasEnvironment ? state_.scene.worlds().environmentIntensity(world, s.environmentIntensity) : 0.0f;
+  frame.environmentCos = std::cos(rotation);
+  frame.environmentSin = std::sin(rotation);
   frame.environmentLevels = static_cast<float>(state_.environment.levels());
   frame.fog = {.color = s.fogColor,
                .density = s.fogDensity,
                .falloff = s.fogHeight > 0 ? 1 / s.fogHeight : 0.0f,
                .base = static_cast<float>(s.fogBase - state_.scene.origin().z)};
-  *constants_.as<shared::FrameConstants>() = frame;
+  frame.aoRadius = s.aoRadius.value_or(static_cast<float>(kAoRadiusShare * state_.scene.bounds(world).radius()));
+  return frame;
 }
 
 FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {
   setup.lens = views_.lens != nullptr;
-  setup.vast = state_.scene.instances().anyVast();
+  setup.vast = state_.scene.anyVast();
   setup.textureSlots = state_.scene.materials().textureSlots();
   setup.layers = state_.scene.materials().layers();
   setup.environment = state_.hasEnvironment;
   // On GPUs, light loops stay enabled, so that the first light that an edit adds creates no pipelines.
-  setup.lights = !state_.device.isCpu() || state_.scene.lights().count() > 0;
-  setup.fewLights = state_.device.hasCpuShaders() && state_.scene.lights().count() <= kFewLights;
+  setup.lights = !state_.device.isCpu() || state_.scene.lightCount() > 0;
+  setup.fewLights = state_.device.hasCpuShaders() && state_.scene.lightCount() <= kFewLights;
   const shared::vec2 size = views_.now.front().size;
   FrameContext f{
-      {state_.device, graph},
+      {state_.device, graph, state_.scene.hasWorlds()},
       state_.scene,
       state_.environment,
       visibility_,
@@ -105,7 +115,6 @@ FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {
       viewBuffer_.get(),
       static_cast<uint32_t>(size.x),
       static_cast<uint32_t>(size.y),
-      state_.scene.lights().lights(),
       state_.hasEnvironment && settings_.background.kind == Background::Environment,
       settings_.aoRadius.value_or(static_cast<float>(kAoRadiusShare * state_.scene.bounds().radius())),
       settings_.aoStrength,

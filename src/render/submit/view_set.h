@@ -52,6 +52,7 @@ class ViewSet {
 
  private:
   void upload();
+  shared::FrameConstants constantsOf(uint32_t world) const;
 
   RenderState state_;
   ViewsInTime views_;

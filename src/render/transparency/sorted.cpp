@@ -17,10 +17,11 @@ std::vector<Draw> backToFront(const FrameContext& f, const DeviceDraws& draws, u
     Draw draw;
   };
   std::vector<Placed> placed;
+  const std::span<const Sphere> bounds = f.scene.instancesOf(f.views[view].world).bounds;
   for (Draw draw : draws[view]) {
     const uint32_t end = draw.first + draw.count;
     for (draw.count = 1; draw.first < end; ++draw.first) {
-      const glm::vec3 centre = f.scene.instances().bounds(draws.instance(draw.first)).centre;
+      const glm::vec3 centre = bounds[draws.instance(draw.first)].centre;
       placed.push_back({(f.views[view].worldToView * glm::vec4(centre, 1.0f)).y, draw});
     }
   }
@@ -57,7 +58,7 @@ void addSortedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
                  const std::vector<vk::BoundImage> images = maps.images(context);
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
                    beginView(context, f, view, {&gbuffer.light, 1}, {depth, false}, ColorUse::Keep);
-                   SceneBinder binder(context, f.scene, draws, {f.constants, f.viewBuffer, view}, pipelines, images);
+                   SceneBinder binder(context, f.scene, draws, drawnView(f, view), pipelines, images);
                    for (const Draw& draw : backToFront(f, draws, view)) recordFaces(context, f.scene, binder, draw);
                    vkCmdEndRendering(context.get());
                  }

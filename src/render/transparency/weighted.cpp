@@ -24,7 +24,7 @@ void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
                  const std::vector<vk::BoundImage> images = maps.images(context);
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
                    beginView(context, f, view, sums, {depth, false});
-                   SceneBinder binder(context, f.scene, draws, {f.constants, f.viewBuffer, view}, pipelines, images);
+                   SceneBinder binder(context, f.scene, draws, drawnView(f, view), pipelines, images);
                    recordDraws(context, f.scene, binder, draws[view]);
                    vkCmdEndRendering(context.get());
                  }

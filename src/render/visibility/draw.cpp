@@ -101,7 +101,7 @@ ScenePipelines scenePipelines(const FrameContext& f, const vk::GraphicsDesc& opa
     return desc;
   };
   ScenePipelines pipelines{device.cache().pipeline(completed(opaque, 0)), device.cache().perhaps(completed(masked, 1))};
-  if (!f.scene.instances().anyVast()) return pipelines;
+  if (!f.scene.anyVast()) return pipelines;
   pipelines.vastOpaque = device.cache().perhaps(forVast(completed(opaque, 0)));
   pipelines.vastMasked = device.cache().perhaps(forVast(completed(masked, 1)));
   return pipelines;
@@ -111,11 +111,15 @@ ScenePipelines scenePipelines(const FrameContext& f, const vk::GraphicsDesc& des
   return scenePipelines(f, desc, desc);
 }
 
+DrawnView drawnView(const FrameContext& f, uint32_t view) {
+  return {f.constantsOf(view), f.viewBuffer, view, f.scene.instancesOf(f.views[view].world).address};
+}
+
 SceneBinder::SceneBinder(graph::Context& context, const GpuScene& scene, const DeviceDraws& draws,
                          const DrawnView& view, const ScenePipelines& pipelines, std::span<const vk::BoundImage> images)
     : context_(context),
       scene_(scene),
-      push_{.frame = view.frame, .instances = scene.instances().address(), .view = view.view},
+      push_{.frame = view.frame, .instances = view.instances, .view = view.view},
       pipelines_(pipelines),
       images_(images) {
   const VkBuffer buffers[] = {draws.instances(), view.views};

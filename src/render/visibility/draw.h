@@ -45,10 +45,12 @@ ScenePipelines scenePipelines(const FrameContext& f, const vk::GraphicsDesc& opa
 
 // The view that a SceneBinder draws.
 struct DrawnView {
-  VkDeviceAddress frame;  // shared::FrameConstants
-  VkBuffer views;         // its View[]
-  uint32_t view;          // index into views
+  VkDeviceAddress frame;      // shared::FrameConstants
+  VkBuffer views;             // its View[]
+  uint32_t view;              // index into views
+  VkDeviceAddress instances;  // shared::Instance[] of the view's world
 };
+DrawnView drawnView(const FrameContext& f, uint32_t view);
 
 // Binds the state of the draws of one view (pipeline, sets, material, culling, vertex buffers) and skips redundant
 // changes.

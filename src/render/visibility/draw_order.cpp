@@ -11,9 +11,8 @@ namespace {
 
 constexpr size_t kInstancesAtOnce = 16384;  // per task; smaller tasks cost more to start than they save
 
-bool isBlended(const GpuScene& scene, uint32_t instance) {
-  const uint32_t material = scene.instances().record(instance).material;
-  return shared::translucent(scene.materials().record(material).flags);
+bool isBlended(const GpuScene& scene, const shared::Instance& instance) {
+  return shared::translucent(scene.materials().record(instance.material).flags);
 }
 
 bool hasSameTransform(const shared::Instance& a, const shared::Instance& b) {
@@ -22,8 +21,7 @@ bool hasSameTransform(const shared::Instance& a, const shared::Instance& b) {
 }
 
 // Appends an instance, to the last draw if it has the same state.
-void append(DrawList& list, const GpuScene& scene, uint32_t instance) {
-  const shared::Instance& record = scene.instances().record(instance);
+void append(DrawList& list, const GpuScene& scene, const shared::Instance& record, uint32_t instance) {
   const bool clockwise = (record.flags & shared::kInstanceClockwise) != 0;
   // Layered materials have their own pipelines, which do not draw fans.
   const bool vast = (record.flags & shared::kInstanceVast) != 0 &&
@@ -52,25 +50,28 @@ void DrawOrder::update(const GpuScene& scene) {
   if (order_.size() > all.count()) order_.clear();
   while (order_.size() < all.count()) order_.push_back(static_cast<uint32_t>(order_.size()));
   if (!std::is_sorted(order_.begin(), order_.end(), before)) std::sort(order_.begin(), order_.end(), before);
-  anyBlended_ = std::any_of(order_.begin(), order_.end(), [&](uint32_t i) { return isBlended(scene, i); });
+  anyBlended_ = std::any_of(order_.begin(), order_.end(), [&](uint32_t i) { return isBlended(scene, all.record(i)); });
   covered_.assign(order_.size(), 0);
   parallelFor(order_.size(), kInstancesAtOnce, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end && i + 1 < order_.size(); ++i)
       covered_[i] = hasSameTransform(all.record(order_[i]), all.record(order_[i + 1])) &&
-                    !isBlended(scene, order_[i]) &&
+                    !isBlended(scene, all.record(order_[i])) &&
                     all.bounds(order_[i + 1]).radius >= 0;  // an instance that is not rendered hides nothing
   });
 }
 
 DrawList DrawOrder::select(const GpuScene& scene, Kind kind, const std::function<bool(const Sphere&)>& wanted,
-                           uint32_t group) const {
+                           uint32_t group, uint32_t world) const {
   if (kind == Kind::Blended && !anyBlended_) return {};
-  const GpuInstances& all = scene.instances();
+  const InstancesOfWorld all = scene.instancesOf(world);
+  const bool drawsCovered = scene.hasWorlds();
   const auto look = [&](size_t begin, size_t end, std::vector<uint32_t>& found) {
     for (size_t i = begin; i < end; ++i) {
       const uint32_t instance = order_[i];
-      if (group != 0 && all.record(instance).flags >> shared::kInstanceGroupShift != group) continue;
-      if (!covered_[i] && isBlended(scene, instance) == (kind == Kind::Blended) && wanted(all.bounds(instance)))
+      const shared::Instance& record = all.records[instance];
+      if (group != 0 && record.flags >> shared::kInstanceGroupShift != group) continue;
+      if (covered_[i] && !drawsCovered) continue;
+      if (isBlended(scene, record) == (kind == Kind::Blended) && wanted(all.bounds[instance]))
         found.push_back(instance);
     }
   };
@@ -79,7 +80,7 @@ DrawList DrawOrder::select(const GpuScene& scene, Kind kind, const std::function
               [&](size_t begin, size_t end) { look(begin, end, parts[begin / kInstancesAtOnce]); });
   DrawList list;
   for (const std::vector<uint32_t>& part : parts)
-    for (const uint32_t instance : part) append(list, scene, instance);
+    for (const uint32_t instance : part) append(list, scene, all.records[instance], instance);
   return list;
 }
 

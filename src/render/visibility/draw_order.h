@@ -35,14 +35,14 @@ class DrawOrder {
   enum class Kind { Solid, Blended };  // opaque and masked; alpha-blended
   bool anyBlended() const { return anyBlended_; }
   // Returns the instances of a kind whose bounds `wanted` accepts; `wanted` is called on all threads. `group` restricts
-  // the result to one group; 0 selects all.
+  // the result to one group; 0 selects all. The instances are those of `world`.
   DrawList select(const GpuScene& scene, Kind kind, const std::function<bool(const Sphere&)>& wanted,
-                  uint32_t group = 0) const;
+                  uint32_t group = 0, uint32_t world = 0) const;
 
  private:
   std::vector<uint32_t> order_;
   // Per element of order_: 1 if the next element is an identical copy in the same position, which hides this one
-  // completely.
+  // completely. Worlds may move the copies apart.
   std::vector<uint8_t> covered_;
   bool anyBlended_ = false;
   uint64_t instances_ = 0, materials_ = 0;  // revisions of the last update

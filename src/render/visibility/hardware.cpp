@@ -51,7 +51,7 @@ DeviceDraws HardwareVisibility::select(DrawOrder::Kind kind, std::span<const sha
       const auto wanted = [&](const Sphere& bounds) {
         return frustum.touches(bounds) && (!options_.atCentres || frustum.holdsCentre(bounds));
       };
-      lists[view] = order_.select(scene_, kind, wanted, views[view].group);
+      lists[view] = order_.select(scene_, kind, wanted, views[view].group, views[view].world);
     }
   });
   return {device_, std::move(lists)};
@@ -64,7 +64,7 @@ bool HardwareVisibility::anyBlended() const {
 void HardwareVisibility::recordOpaque(graph::Context& context, const FrameContext& f, uint32_t view,
                                       const ScenePipelines& pipelines, std::span<const vk::BoundImage> images) const {
   const auto record = [&](const DeviceDraws& draws) {
-    SceneBinder binder(context, scene_, draws, {f.constants, f.viewBuffer, view}, pipelines, images);
+    SceneBinder binder(context, scene_, draws, drawnView(f, view), pipelines, images);
     recordDraws(context, scene_, binder, draws[view]);
   };
   record(solid_);
@@ -161,7 +161,8 @@ graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, const Visibi
                [=, this, depth = visible.pixels](graph::Context& context) {
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
                    beginView(context, f, view, std::span(&motion, 1), {depth, false});
-                   context.commands().bind(background.get(), {}, shared::DrawPush{.frame = f.constants, .view = view});
+                   context.commands().bind(background.get(), {},
+                                           shared::DrawPush{.frame = f.constantsOf(view), .view = view});
                    recordScreen(context);
                    recordOpaque(context, f, view, pipelines);
                    vkCmdEndRendering(context.get());
@@ -206,7 +207,7 @@ void HardwareVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuf
                  const shared::FragmentLists lists = listsOf(context, buffers);
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
                    beginView(context, f, view, {}, {depth, false});
-                   SceneBinder binder(context, scene_, blended_, {f.constants, f.viewBuffer, view}, pipelines, images);
+                   SceneBinder binder(context, scene_, blended_, drawnView(f, view), pipelines, images);
                    uint32_t order = 0;  // wraps around beyond 2^32 triangles per view
                    for (const Draw& draw : blended_[view]) {
                      const vk::Pipeline& pipeline = binder.bind(draw);

@@ -56,9 +56,12 @@ DeviceDraws selectCasters(const FrameContext& f, const DrawOrder& order) {
     for (size_t i = begin; i < end; ++i) {
       const ShadowView& map = *maps[i].view;
       const Frustum frustum(map.view);
-      lists[i] = order.select(f.scene, DrawOrder::Kind::Solid, [&](const Sphere& bounds) {
-        return frustum.touches(bounds) && (!map.within || overlap(*map.within, bounds));
-      });
+      lists[i] = order.select(
+          f.scene, DrawOrder::Kind::Solid,
+          [&](const Sphere& bounds) {
+            return frustum.touches(bounds) && (!map.within || overlap(*map.within, bounds));
+          },
+          0, map.view.world);
     }
   });
   return {f.device, std::move(lists)};
@@ -113,7 +116,9 @@ void HardwareVisibility::addShadowMaps(const FrameContext& f, const Gbuffer&, gr
       const uint32_t layer = maps[i].tile.layer;
       if (i == 0 || layer != maps[i - 1].tile.layer) beginLayer(context, targets, layer);
       setTile(context, maps[i].tile);
-      SceneBinder binder(context, scene_, *casters, {f.shadows->mapConstants(), f.shadows->mapViews(), i}, pipelines);
+      const VkDeviceAddress frame = f.shadows->mapConstants() + (f.worlds ? i * sizeof(shared::FrameConstants) : 0);
+      const VkDeviceAddress instances = scene_.instancesOf(maps[i].view->view.world).address;
+      SceneBinder binder(context, scene_, *casters, {frame, f.shadows->mapViews(), i, instances}, pipelines);
       for (const Draw& draw : (*casters)[i]) {
         pushMore(context, binder.bind(draw), shared::ShadowDraw{maps[i].view->unit});
         vkCmdSetCullMode(context.get(), VK_CULL_MODE_NONE);

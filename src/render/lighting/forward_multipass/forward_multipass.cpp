@@ -35,9 +35,9 @@ void addBase(const FrameContext& f, const Gbuffer& gbuffer, Targets targets) {
                     gbuffer.sampleDepth, colors);
 }
 
-// Draws the instances of a draw call that a light reaches. Returns the number of draws.
+// Draws the instances of a draw call that a light reaches, by their bounds. Returns the number of draws.
 uint64_t recordReached(graph::Context& context, const FrameContext& f, const DeviceDraws& draws, const Draw& draw,
-                       const vk::Pipeline& pipeline, const shared::LightDraw& push) {
+                       std::span<const Sphere> bounds, const vk::Pipeline& pipeline, const shared::LightDraw& push) {
   uint64_t passes = 0;
   Draw run = draw;
   run.count = 0;
@@ -49,7 +49,7 @@ uint64_t recordReached(graph::Context& context, const FrameContext& f, const Dev
     ++passes;
   };
   for (uint32_t i = draw.first; i < draw.first + draw.count; ++i) {
-    if (!reaches(push.light, f.scene.instances().bounds(draws.instance(i)))) {
+    if (!reaches(push.light, bounds[draws.instance(i)])) {
       flush();
       continue;
     }
@@ -65,12 +65,14 @@ uint64_t recordReached(graph::Context& context, const FrameContext& f, const Dev
 uint64_t recordLights(graph::Context& context, const FrameContext& f, const DeviceDraws& draws, uint32_t view,
                       SceneBinder& binder) {
   uint64_t passes = 0;
+  const std::span<const shared::Light> lights = f.lightsOf(view);
+  const std::span<const Sphere> bounds = f.scene.instancesOf(f.views[view].world).bounds;
   for (const Draw& draw : draws[view]) {
     if (f.scene.materials().record(draw.material).flags & (shared::kMaterialUnlit | shared::kMaterialLayered)) continue;
     const vk::Pipeline& pipeline = binder.bind(draw);
-    for (uint32_t light = 0; light < f.lights.size(); ++light) {
+    for (uint32_t light = 0; light < lights.size(); ++light) {
       const shared::LightShadow shadow = f.shadows ? f.shadows->of(view, light) : shared::LightShadow{};
-      passes += recordReached(context, f, draws, draw, pipeline, {f.lights[light], shadow});
+      passes += recordReached(context, f, draws, draw, bounds, pipeline, {lights[light], shadow});
     }
   }
   return passes;
@@ -101,7 +103,7 @@ void addLights(const FrameContext& f, const Gbuffer& gbuffer, Targets targets) {
                  uint64_t passes = 0;
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
                    beginView(context, f, view, colors, {depth, false}, ColorUse::Keep);
-                   SceneBinder binder(context, f.scene, draws, {f.constants, f.viewBuffer, view}, pipelines, images);
+                   SceneBinder binder(context, f.scene, draws, drawnView(f, view), pipelines, images);
                    passes += recordLights(context, f, draws, view, binder);
                    vkCmdEndRendering(context.get());
                  }

@@ -14,7 +14,7 @@ namespace {
 constexpr uint32_t kMaxOnCpu = 200'000;  // at one sample per pixel
 
 LightLists add(const FrameContext& f, const Gbuffer& gbuffer) {
-  const uint32_t most = f.device.isCpu() ? kMaxOnCpu / f.setup.samples : ~0u, lights = f.scene.lights().count();
+  const uint32_t most = f.device.isCpu() ? kMaxOnCpu / f.setup.samples : ~0u, lights = f.scene.lightCount();
   if (lights > most)
     badUsage("fullscreen supports at most {} lights on a CPU device, but there are {}: choose tiled or clustered", most,
              lights);

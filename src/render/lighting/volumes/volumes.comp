@@ -25,4 +25,4 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
 #endif
 }
 
-void main() { lightPixel(FrameRef(push.frame).v, ownPixel()); }
+void main() { lightPixel(frameOf(push.frame, gl_WorkGroupID.z), ownPixel()); }

@@ -193,7 +193,6 @@ class VolumesPass {
  public:
   VolumesPass(const FrameContext& f, const Gbuffer& gbuffer, VkFormat sumFormat)
       : f_(f),
-        sceneBounds_(f.scene.deviceBounds()),
         depthClamp_(f.device.features().core.features.depthClamp),
         sumFormat_(sumFormat),
         buffers_(f),
@@ -313,7 +312,6 @@ class VolumesPass {
   }
 
   const FrameContext f_;
-  scene::Bounds sceneBounds_;
   bool depthClamp_;
   VkFormat sumFormat_;
   VolumeBuffers buffers_;
@@ -324,7 +322,8 @@ class VolumesPass {
 
 uint64_t VolumesPass::record(graph::Context& context, uint32_t view) const {
   VkCommandBuffer commands = context.get();
-  VolumePush push{.frame = f_.constants, .vertices = buffers_.vertices.address(), .view = view, .shape = kShapeScreen};
+  VolumePush push{
+      .frame = f_.constantsOf(view), .vertices = buffers_.vertices.address(), .view = view, .shape = kShapeScreen};
   context.commands().bind(copyDepth_.get(), depth_.images(context), push);
   recordScreen(context);
   markMultiple(context, push);
@@ -335,13 +334,15 @@ uint64_t VolumesPass::record(graph::Context& context, uint32_t view) const {
   context.commands().bind(screen, images, push);  // all steps have the same pipeline layout, so set 0 stays bound
   vkCmdBindIndexBuffer(commands, buffers_.indices.get(), 0, VK_INDEX_TYPE_UINT32);
 
-  const VolumePlan plan(f_.views[view], sceneBounds_, f_.setup.volumesOrder, depthClamp_);
+  const VolumePlan plan(f_.views[view], f_.scene.deviceBounds(f_.views[view].world), f_.setup.volumesOrder,
+                        depthClamp_);
+  const std::span<const shared::Light> lights = f_.lightsOf(view);
   uint32_t reference = 0;  // of the last marked light; stencil is cleared to 0
   uint64_t passes = 0;
-  for (uint32_t light = 0; light < f_.lights.size(); ++light) {
-    const std::optional<VolumeDraw> draw = plan.of(f_.lights[light]);
+  for (uint32_t light = 0; light < lights.size(); ++light) {
+    const std::optional<VolumeDraw> draw = plan.of(lights[light]);
     if (!draw) continue;
-    push.light = f_.lights[light];
+    push.light = lights[light];
     push.shadow = f_.shadows ? f_.shadows->of(view, light) : shared::LightShadow{};
     push.shape = draw->shape;
     push.radius = draw->radius;

@@ -58,7 +58,7 @@ graph::ImageId addDenoise(const FrameContext& f, graph::ImageId depth, graph::Im
               .bindings = Bindings(f.device).sampled(depth).sampled(occluded).storage(result, graph::Use::StorageWrite),
               .size = f.pixels(),
               .constants = {{kLastAxisConstant, axis}}},
-             shared::DenoisePush{f.constants, kToleranceShare * f.aoRadius, f.aoStrength});
+             shared::DenoisePush{f.constants, kToleranceShare * f.aoRadius, f.aoStrength, kToleranceShare, 0});
   return result;
 }
 

@@ -35,7 +35,8 @@ void main() {
   if (depths[3] == 0.0) after = 3.0e38;
   float slope = abs(before) < abs(after) ? before : after;
   if (abs(slope) > 1.0e38) slope = 0.0;
-  float tolerance = max(deviceDepthStep(view.projection, depths[2], push.tolerance), 1.0e-37);
+  float meters = kWorlds != 0u ? push.share * frameOf(push.frame, gl_WorkGroupID.z).aoRadius : push.tolerance;
+  float tolerance = max(deviceDepthStep(view.projection, depths[2], meters), 1.0e-37);
   float sum = values[2], weights = 1.0;
   for (int i = 0; i < 5; ++i) {
     // The slope of a strip that is one pixel wide comes from its surroundings, so pixels of equal depth are included as

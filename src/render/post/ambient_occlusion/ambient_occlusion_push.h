@@ -10,7 +10,7 @@ SH_BEGIN
 // Push constants of gtao.glsl.
 struct OcclusionPush {
   uint64_t frame;  // FrameConstants
-  float radius;    // meters
+  float radius;    // meters; with worlds, FrameConstants::aoRadius replaces it
   float reach;     // maximum radius in pixels, so that samples are not too far apart
   VisibleSurfacePush shown;
 };
@@ -20,13 +20,15 @@ struct DenoisePush {
   uint64_t frame;   // FrameConstants
   float tolerance;  // meters from the plane at which the weight of a pixel is 0
   float strength;   // exponent of visibility
+  float share;      // with worlds, FrameConstants::aoRadius times this replaces `tolerance`
+  uint padding;
 };
 
 SH_END
 
 #if defined(__cplusplus)
 static_assert(sizeof(latelight::shared::OcclusionPush) == 32);
-static_assert(sizeof(latelight::shared::DenoisePush) == 16);
+static_assert(sizeof(latelight::shared::DenoisePush) == 24);
 #endif
 
 #endif

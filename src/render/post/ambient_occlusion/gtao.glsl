@@ -79,6 +79,8 @@ bool sampleAt(View view, Center c, vec2 offset, out vec3 position) {
   return depth > 0.0 || view.projection.kind == kOrthographic;
 }
 
+float occlusionRadius() { return kWorlds != 0u ? frameOf(push.frame, gl_WorkGroupID.z).aoRadius : push.radius; }
+
 // The occluded fraction of half a slice. The amount by which each sample raises the horizon is weighted by the sample's
 // distance. A sample blocks later samples only in proportion to its own weight, so the result is continuous when an
 // occluder leaves the radius.
@@ -95,7 +97,7 @@ float occludedArc(View view, Center c, vec2 direction, SliceNormal n, vec2 steps
     // The occluder of the sky between the previous horizon and this one lies between the two samples.
     float nearer = distance * 0.5 * (1.0 + before / along);
     before = along;
-    float weight = there && abovePlane(n, cosine) ? occlusionFalloff(nearer, push.radius) : 0.0;
+    float weight = there && abovePlane(n, cosine) ? occlusionFalloff(nearer, occlusionRadius()) : 0.0;
     float arc = visibleArc(n, cosine);
     if (weight > 0.0 && arc < visible) {
       occluded += weight * (visible - arc);
@@ -128,7 +130,7 @@ float occludedSlice(View view, Center c, vec3 normal, float angle, vec2 steps) {
 // The occluded fraction of the cosine-weighted hemisphere. Its average over a block is in [0, 1].
 float occlusionAt(View view, Center c, vec3 normal) {
   float metre = view.projection.V * view.size.y * 0.5 / (view.projection.kind == kPerspective ? c.position.y : 1.0);
-  float pixels = min(push.radius * metre, push.reach);
+  float pixels = min(occlusionRadius() * metre, push.reach);
   if (pixels <= 1.0) return 0.0;
   // Two permutations of the block's 16 pixels: one for directions, one for the offsets of the steps along them.
   uint x = uint(c.place.x) & 3u, y = uint(c.place.y) & 3u;

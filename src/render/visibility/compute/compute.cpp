@@ -62,6 +62,7 @@ View posed(const View& pinhole, const View& camera) {
   for (int i = 0; i < 3; ++i) view.viewToWorld[i] = glm::mat3(camera.viewToWorld) * pinhole.viewToWorld[i];
   view.viewToWorld[3] = view.eye = camera.eye;
   view.eyeLow = camera.eyeLow;
+  view.world = camera.world;
   return view;
 }
 
@@ -109,14 +110,19 @@ RasterViews ComputeVisibility::pinholeViews(const FrameContext& f) const {
 }
 
 RasterViews ComputeVisibility::viewsBeside(const FrameContext& f, const std::vector<shared::View>& views) const {
-  shared::FrameConstants frame{};
-  scene_.describe(frame);
-  frame.views = frame.previousViews = frame.nextViews = f.graph.constants(std::as_bytes(std::span(views)));
-  frame.viewCount = static_cast<uint32_t>(views.size());
-  return {.constants = f.graph.constants(std::as_bytes(std::span(&frame, 1))),
+  const VkDeviceAddress list = f.graph.constants(std::as_bytes(std::span(views)));
+  std::vector<shared::FrameConstants> frames(f.worlds ? views.size() : 1);
+  for (size_t i = 0; i < frames.size(); ++i) {
+    shared::FrameConstants& frame = frames[i];
+    scene_.describe(frame, views[i].world);
+    if (f.worlds) frame.rasterInstances = rasterInstances_.address(views[i].world);
+    frame.views = frame.previousViews = frame.nextViews = list;
+    frame.viewCount = static_cast<uint32_t>(views.size());
+  }
+  return {.constants = f.graph.constants(std::as_bytes(std::span(frames))),
           .width = static_cast<uint32_t>(views.front().size.x),
           .height = static_cast<uint32_t>(views.front().size.y),
-          .count = frame.viewCount};
+          .count = static_cast<uint32_t>(views.size())};
 }
 
 // Returns the visibility buffer of these views, without depth images. With two-pass occlusion culling, the early pass

@@ -62,7 +62,7 @@ void hit(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint id) {
   uint place = pixelIndex(uvec3(pixel, view % target.views), uvec2(push.width, push.height));
   uint next = UintRef(target.starts).v[place], end = UintRef(target.starts).v[place + 1u];
   if (next == end) return;
-  FrameConstants frame = FrameRef(target.frame).v;
+  FrameConstants frame = frameOf(target.frame, view / target.views);
   View camera = frameView(frame, view / target.views);
   VisibleTriangle t = visibleTriangle(frame, push.buffers.instances, id);
   vec3 corners[3] = cornersOf(frame, camera, t);

@@ -23,13 +23,13 @@ void setSortedKey(inout Fragment f, View view, VisibleTriangle t, SurfacePoint p
 }
 
 // Evaluates one view at a time, because the subgroup shares the shadow data of a view's lights.
-vec4 colorOf(FrameConstants frame, uint view, Material m, SurfacePoint p, vec2 own, bool there) {
+vec4 colorOf(uint view, Material m, SurfacePoint p, vec2 own, bool there) {
   vec4 color = vec4(0.0);
   bool waits = there;
   while (subgroupAny(waits)) {
     uint next = subgroupMin(waits ? view : 0xffffffffu);
     bool now = waits && view == next;
-    vec4 one = blendedColor(frame, next, m, p, own, now);
+    vec4 one = blendedColor(frameOf(push.frame, next), next, m, p, own, now);
     if (now) color = one;
     waits = waits && !now;
   }
@@ -44,16 +44,16 @@ void main() {
   uint index = ListWordsRef(push.lists.lists).v[min(number, total - 1u)];
   Fragment f = FragmentsRef(push.lists.fragments).v[index];
   if (!there) f.order = push.firstTriangle + 1u;  // another invocation may have replaced it by a key
-  FrameConstants frame = FrameRef(push.frame).v;
+  uint view = f.pixel / (push.width * push.height), inView = f.pixel % (push.width * push.height);
+  FrameConstants frame = frameOf(push.frame, view);
 #ifndef TEXTURES_BY_INDEX
   textureRecords = frame.textures;
 #endif
-  uint view = f.pixel / (push.width * push.height), inView = f.pixel % (push.width * push.height);
   vec2 place = vec2(inView % push.width, inView / push.width) + sampleCentroid(f.coverage);
   VisibleTriangle t = visibleTriangle(frame, push.instances, f.order);
   SurfacePoint p = visiblePoint(frame, frameView(frame, view), t, place);
   Material m = frameMaterial(frame, frameInstance(frame, t.draw.instance).material);
-  vec4 color = colorOf(frame, view, m, p, place, there);
+  vec4 color = colorOf(view, m, p, place, there);
   if (!there) return;
   f.color = uvec2(packHalf2x16(color.rg), packHalf2x16(color.ba));
   if (kSorted != 0u) setSortedKey(f, frameView(frame, view), t, p);

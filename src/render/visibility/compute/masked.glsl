@@ -1,7 +1,7 @@
 // Alpha test of masked triangles: returns the samples that pass. The test runs per sample, so that masked edges are
 // anti-aliased too. Include after raster.glsl and surface_point.glsl.
 uint alphaTestedSamples(uint viewIndex, ivec2 pixel, uint samples, uint id) {
-  FrameConstants frame = FrameRef(push.buffers.frame).v;
+  FrameConstants frame = frameOf(push.buffers.frame, viewIndex);
 #ifndef TEXTURES_BY_INDEX
   textureRecords = frame.textures;
 #endif

@@ -289,7 +289,7 @@ void bindTextures(const FrameContext& f, ComputePass& pass) {
 
 void addVastConstant(const FrameContext& f, ComputePass& pass) {
   const bool known = std::ranges::count(pass.constants, kVastConstant, &vk::Constant::id) > 0;
-  if (!known) pass.constants.push_back({kVastConstant, f.scene.instances().anyVast() ? 1u : 0u});
+  if (!known) pass.constants.push_back({kVastConstant, f.scene.anyVast() ? 1u : 0u});
 }
 
 void readsTextures(const FrameContext& f, ComputePass& pass) {

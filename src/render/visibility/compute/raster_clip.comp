@@ -47,8 +47,8 @@ void main() {
   uint index = groupNumber() * 64u + gl_LocalInvocationIndex;
   if (index >= min(CountersRef(push.buffers.counters).v.clipped, push.clippedCapacity)) return;
   ClippedTriangle work = ClippedRef(push.buffers.clipped).v[index];
-  RasterInstance r = rasterInstanceAt(InstanceListRef(push.buffers.instances).v, work.drawIndex);
-  FrameConstants frame = FrameRef(push.buffers.frame).v;
+  FrameConstants frame = frameOf(push.buffers.frame, work.view);
+  RasterInstance r = rasterInstanceAt(InstanceListRef(push.buffers.instances).v, frame, work.drawIndex);
   View view = frameView(frame, work.view);
   mat4x3 placed = relativeToEye(frameInstance(frame, r.instance), view);
   Mesh mesh = frameMesh(frame, r.mesh);

@@ -83,7 +83,7 @@ bool findBounds(View view, RasterInstance r, uint cluster, out Bounds bounds) {
   mat3 viewAxes = mat3(view.worldToView);
   bounds = Bounds(r.centre - view.eye, r.radius, viewAxes * r.radius, 2.0 * r.radius);
   if (r.clusters == uint64_t(0)) return true;
-  mat4x3 placed = relativeToEye(frameInstance(FrameRef(push.frame).v, r.instance), view);
+  mat4x3 placed = relativeToEye(frameInstance(frameOf(push.frame, gl_WorkGroupID.z), r.instance), view);
   Cluster c = ClusterRef(r.clusters).v[cluster];
   mat3 extent = mat3(c.extent.x, 0.0, 0.0, 0.0, c.extent.y, 0.0, 0.0, 0.0, c.extent.z);
   bounds = Bounds(placed * vec4(c.centre, 1.0), c.radius * r.stretch, viewAxes * (mat3(placed) * extent),
@@ -103,7 +103,7 @@ bool anyDrawn(uint viewIndex) {
 
 bool inGroup(View view, RasterInstance r) {
   if (view.group == 0u) return true;
-  return frameInstance(FrameRef(push.frame).v, r.instance).flags >> kInstanceGroupShift == view.group;
+  return frameInstance(frameOf(push.frame, gl_WorkGroupID.z), r.instance).flags >> kInstanceGroupShift == view.group;
 }
 
 // Returns true if the bounds are in the view, ignoring occlusion.
@@ -219,7 +219,7 @@ void main() {
   if (queued) {
     InstanceList list = InstanceListRef(push.instances).v;
     work.drawIndex = DrawIndexOfPartRef(list.drawIndexOfPart).v[number];
-    RasterInstance r = rasterInstanceAt(list, work.drawIndex);
+    RasterInstance r = rasterInstanceAt(list, frameOf(push.frame, viewIndex), work.drawIndex);
     work.cluster = number - r.firstTriangle / kRasterGroup;
     queued = isQueued(number, viewIndex, r, work.cluster);
   }

@@ -122,10 +122,10 @@ struct Group {
 // A number beyond the queue returns the last cluster with no triangles: the last row of workgroups exceeds the queue.
 Group groupOf(uint number) {
   uint last = min(CountersRef(push.buffers.counters).v.work, push.workCapacity);
-  FrameConstants frame = FrameRef(push.buffers.frame).v;
   Group g;
   g.work = WorkRef(push.buffers.work).v[min(number, max(last, 1u) - 1u)];
-  g.r = rasterInstanceAt(InstanceListRef(push.buffers.instances).v, g.work.drawIndex);
+  FrameConstants frame = frameOf(push.buffers.frame, g.work.view);
+  g.r = rasterInstanceAt(InstanceListRef(push.buffers.instances).v, frame, g.work.drawIndex);
   g.view = frameView(frame, g.work.view);
   g.placed = relativeToEye(frameInstance(frame, g.r.instance), g.view);
   g.mesh = frameMesh(frame, g.r.mesh);

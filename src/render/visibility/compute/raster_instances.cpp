@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/parallel.h"
 
 namespace latelight::render {
 
@@ -41,18 +42,21 @@ constexpr uint64_t kMaxParts = (uint64_t{1} << 32) / shared::kRasterGroup;  // t
 }  // namespace
 
 void RasterInstances::update(const GpuScene& scene, const DrawOrder& order, vk::Uploader& uploader) {
-  const GpuInstances& all = scene.instances();
-  if (instances_ == all.revision() && materials_ == scene.materials().revision()) return;
-  instances_ = all.revision();
-  materials_ = scene.materials().revision();
+  const uint64_t instances = scene.instances().revision(), materials = scene.materials().revision();
+  const uint64_t worlds = scene.worlds().revision();
+  if (instances_ == instances && materials_ == materials && worlds_ == worlds) return;
+  instances_ = instances;
+  materials_ = materials;
+  worlds_ = worlds;
+  const InstancesOfWorld all = scene.instancesOf(0);
   records_.clear();
   partDrawIndices_.clear();
   all_ = {};
   visibleMaterials_ = {};
   for (const DrawOrder::Kind kind : {DrawOrder::Kind::Solid, DrawOrder::Kind::Blended}) {
     for (const uint32_t instance : order.select(scene, kind, [](const Sphere&) { return true; }).instances) {
-      const shared::Instance& record = all.record(instance);
-      const Sphere& bounds = all.bounds(instance);
+      const shared::Instance& record = all.records[instance];
+      const Sphere& bounds = all.bounds[instance];
       const uint32_t count = scene.geometry().indexCount(record.mesh) / 3;
       const shared::Material& material = scene.materials().record(record.material);
       const uint32_t flags = flagsOf(record, material);
@@ -72,9 +76,31 @@ void RasterInstances::update(const GpuScene& scene, const DrawOrder& order, vk::
     if (kind == DrawOrder::Kind::Solid) solid_ = all_;
   }
   if (records_.empty()) return;
+  addWorlds(scene);
   list_.upload(uploader, records_);
   drawIndexOfPart_.upload(uploader, partDrawIndices_);
   lists_.upload(uploader, std::vector{shared::InstanceList{list_.address(), drawIndexOfPart_.address()}});
+}
+
+// Adds the records of all worlds after the first.
+void RasterInstances::addWorlds(const GpuScene& scene) {
+  const size_t count = records_.size();
+  if (scene.worlds().count() < 2) return;
+  records_.resize(count * scene.worlds().count());
+  parallelFor(scene.worlds().count() - 1, std::max<size_t>(1, 4096 / count), [&](size_t begin, size_t end) {
+    for (size_t world = begin + 1; world < end + 1; ++world) {
+      const InstancesOfWorld there = scene.instancesOf(static_cast<uint32_t>(world));
+      for (size_t i = 0; i < count; ++i) {
+        shared::RasterInstance raster = records_[i];
+        const shared::Instance& record = there.records[raster.instance];
+        raster.centre = there.bounds[raster.instance].centre;
+        raster.radius = there.bounds[raster.instance].radius;
+        raster.stretch = stretchOf(record).most;
+        raster.flags = flagsOf(record, scene.materials().record(record.material));
+        records_[world * count + i] = raster;
+      }
+    }
+  });
 }
 
 }  // namespace latelight::render

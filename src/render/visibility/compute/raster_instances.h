@@ -22,6 +22,10 @@ class RasterInstances {
 
   // The address of shared::InstanceList: opaque and masked instances, then blended ones.
   VkDeviceAddress address() const { return lists_.address(); }
+  // The address of the records of a world, shared::RasterInstance[].
+  VkDeviceAddress address(uint32_t world) const {
+    return list_.address() + uint64_t{world} * all_.count * sizeof(shared::RasterInstance);
+  }
   // A prefix of the instances: solid() are the opaque and masked ones, all() includes the blended ones.
   struct Share {
     uint32_t count = 0, masked = 0;  // instances; those that are masked or blended
@@ -36,14 +40,16 @@ class RasterInstances {
   uint32_t solidTriangles() const { return static_cast<uint32_t>(solid_.parts * shared::kRasterGroup); }
 
  private:
-  std::vector<shared::RasterInstance> records_;
+  void addWorlds(const GpuScene& scene);
+
+  std::vector<shared::RasterInstance> records_;  // with worlds, those of each world
   std::vector<uint32_t> partDrawIndices_;
   GpuList<shared::RasterInstance> list_;
   GpuList<uint32_t> drawIndexOfPart_;
   GpuList<shared::InstanceList> lists_;  // a single element
   Share solid_, all_;
   VisibleMaterials visibleMaterials_;
-  uint64_t instances_ = 0, materials_ = 0;  // revisions of the last update
+  uint64_t instances_ = 0, materials_ = 0, worlds_ = 0;  // revisions of the last update
 };
 
 }  // namespace latelight::render

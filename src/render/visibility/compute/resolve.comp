@@ -107,7 +107,7 @@ uint samplesOfTriangle(uint first, uint number) {
 // Each invocation resolves its pixel's first triangle; the remaining triangles are redistributed to the lanes of the
 // subgroup. With one sample per pixel there is at most one triangle.
 void main() {
-  FrameConstants frame = FrameRef(push.frame).v;
+  FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
   ivec3 pixel = ownPixel();
   View view = frameView(frame, uint(pixel.z));
   ivec2 size = ivec2(view.size);

@@ -42,7 +42,7 @@ bool isDrawn(ShadowTarget target, uvec2 texel) {
 void main() {
   uvec3 at = gl_GlobalInvocationID;
   if (at.x >= push.size || at.y >= push.size) return;
-  FrameConstants frame = FrameRef(push.frame).v;
+  FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
   ShadowTarget target = TargetRef(push.targets).v[at.z];
   if (!isDrawn(target, at.xy)) return;
   uint64_t visible = VisibleRef(push.visible).v[visibleIndex(at, uvec2(push.size))];

@@ -11,7 +11,7 @@ layout(set = 0, binding = 0, r32f) writeonly uniform image2DArray depth;
 
 // Returns the device depth of a triangle's plane at a position in the image.
 float planeDepth(uint id, uint viewIndex, vec2 place) {
-  FrameConstants frame = FrameRef(push.frame).v;
+  FrameConstants frame = frameOf(push.frame, viewIndex);
   View view = frameView(frame, viewIndex);
   VisibleTriangle t = visibleTriangle(frame, push.instances, id);
   vec3 corners[3] = cornersOf(frame, view, t);

@@ -12,7 +12,7 @@ layout(push_constant, scalar) uniform Push { ResolvePush push; };
 layout(set = 0, binding = 0) writeonly uniform image2DArray motion;
 
 void main() {
-  FrameConstants frame = FrameRef(push.frame).v;
+  FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
   ivec3 pixel = ivec3(gl_GlobalInvocationID);
   View view = frameView(frame, uint(pixel.z));
   ivec2 size = ivec2(view.size);

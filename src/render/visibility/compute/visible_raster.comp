@@ -40,7 +40,7 @@ void main() {
     imageStore(classes, pixel, vec4(0.0));
     return;
   }
-  FrameConstants frame = FrameRef(push.buffers.frame).v;
+  FrameConstants frame = frameOf(push.buffers.frame, gl_WorkGroupID.z);
   VisibleTriangle seen = visibleTriangle(frame, push.buffers.instances, id);
   imageStore(numbers, pixel,
              vec4(float(seen.draw.instance + 1u), float(clusterOf(frame, seen)), float(seen.number), 0.0));

@@ -21,7 +21,7 @@ void bindSurfaces(uint64_t frame, VisibleSurfacePush push) {
 
 // Returns the surface that these covered samples show, at their center on the first sample's triangle.
 Surface visibleSurface(View view, ivec3 pixel, uint samples) {
-  FrameConstants frame = FrameRef(shownFrame).v;
+  FrameConstants frame = frameOf(shownFrame, uint(pixel.z));
   uint index = visibleIndex(uvec3(pixel), uvec2(view.size)) + uint(max(findLSB(samples), 0));
   VisibleTriangle t = visibleTriangle(frame, shown.instances, visibleId(VisibleRef(shown.visible).v[index]));
   SurfacePoint p = visiblePoint(frame, view, t, vec2(pixel.xy) + sampleCentroid(samples));

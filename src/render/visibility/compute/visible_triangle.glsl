@@ -12,8 +12,10 @@ layout(constant_id = kVastConstant) const uint kVast = 0u;  // FrameConfig::vast
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer DrawIndexOfPartRef { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer InstanceListRef { InstanceList v; };
 
-RasterInstance rasterInstanceAt(InstanceList list, uint drawIndex) {
-  uint64_t at = list.rasterInstances + uint64_t(drawIndex) * kRasterInstanceBytes;
+// `frame`: the constants of the view, whose world may have its own instances.
+RasterInstance rasterInstanceAt(InstanceList list, FrameConstants frame, uint drawIndex) {
+  uint64_t records = kWorlds != 0u ? frame.rasterInstances : list.rasterInstances;
+  uint64_t at = records + uint64_t(drawIndex) * kRasterInstanceBytes;
   vec4 sphere = floatsAt(at, 0u);
   uvec4 first = wordsAt(at, 1u), second = wordsAt(at, 2u);
   return RasterInstance(sphere.xyz, sphere.w, packUint2x32(first.xy), uintBitsToFloat(first.z), first.w, second.x,
@@ -31,7 +33,7 @@ struct VisibleTriangle {
 VisibleTriangle visibleTriangle(FrameConstants frame, uint64_t instances, uint id) {
   InstanceList list = InstanceListRef(instances).v;
   VisibleTriangle t;
-  t.draw = rasterInstanceAt(list, DrawIndexOfPartRef(list.drawIndexOfPart).v[(id - 1u) / kRasterGroup]);
+  t.draw = rasterInstanceAt(list, frame, DrawIndexOfPartRef(list.drawIndexOfPart).v[(id - 1u) / kRasterGroup]);
   t.number = id - 1u - t.draw.firstTriangle;
   t.indices = triangleIndices(frameMesh(frame, t.draw.mesh), t.number);
   return t;

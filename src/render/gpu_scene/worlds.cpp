@@ -1,0 +1,167 @@
+// A world's records equal those of the scene edited to the world's state, so both give the same bytes. They differ only
+// in the origin, which is the scene's for all worlds.
+#include "render/gpu_scene/worlds.h"
+
+#include <algorithm>
+
+#include "base/parallel.h"
+
+namespace latelight::render {
+
+namespace {
+
+constexpr size_t kInstancesPerTask = 4096, kLightSetsPerTask = 64;  // so that waking a thread is worthwhile
+
+size_t worldsPerTask(size_t instances) {
+  return std::max<size_t>(1, kInstancesPerTask / std::max<size_t>(1, instances));
+}
+
+// The scene's instances in one world.
+struct WorldState {
+  std::vector<glm::dmat4> transforms;
+  std::vector<uint8_t> exists;
+};
+
+// Replaces the listed instances' transforms by those of a world.
+void moveTo(std::vector<glm::dmat4>& transforms, const WorldStates& worlds, const std::vector<glm::dmat4>& values,
+            uint32_t world) {
+  if (values.empty()) return;
+  const size_t listed = worlds.instances.size();
+  for (size_t i = 0; i < listed; ++i) transforms[worlds.instances[i]] = values[world * listed + i];
+}
+
+WorldState stateOf(const WorldStates& worlds, uint32_t world, const std::vector<glm::dmat4>& transforms) {
+  WorldState state{transforms, std::vector<uint8_t>(transforms.size(), 1)};
+  moveTo(state.transforms, worlds, worlds.transforms, world);
+  const size_t listed = worlds.instances.size();
+  for (size_t i = 0; !worlds.exists.empty() && i < listed; ++i)
+    state.exists[worlds.instances[i]] = worlds.exists[world * listed + i];
+  if (!worlds.empty.empty() && worlds.empty[world]) std::ranges::fill(state.exists, uint8_t{0});
+  return state;
+}
+
+}  // namespace
+
+void GpuWorlds::update(vk::Uploader& uploader, const scene::Scene& scene, const GpuInstances& instances,
+                       const WorldStates& worlds, const Poses& poses, const Deformer* deformer) {
+  const std::vector<glm::dmat4> transforms = scene::instanceTransforms(scene, poses.current);
+  count_ = worlds.count;
+  instances_ = static_cast<uint32_t>(transforms.size());
+  records_.resize(size_t{count_} * instances_);
+  bounds_.resize(records_.size());
+  worldBounds_.assign(count_, {});
+  // Bounds are those of GpuScene::bounds(), at rest or in a pose.
+  const auto extend = [&](scene::Bounds& all, uint32_t i, const glm::dmat4& toWorld, const WorldSphere& sphere) {
+    if (sphere.radius < 0) return;
+    if (poses.current.empty())
+      scene::addBounds(scene, scene.instances[i], toWorld, all);
+    else
+      include(all, sphere);
+  };
+  const auto place = [&](uint32_t world) {
+    const WorldState state = stateOf(worlds, world, transforms);
+    for (uint32_t i = 0; i < instances_; ++i) {
+      const glm::dmat4& toWorld = state.transforms[i];
+      WorldSphere sphere = instances.sphereOf(i, toWorld, poses.current, deformer);
+      if (!state.exists[i]) sphere.radius = WorldSphere{}.radius;
+      records_[size_t{world} * instances_ + i] = instances.recordOf(i, toWorld, sphere.turnedOver);
+      bounds_[size_t{world} * instances_ + i] = instances.onDevice(sphere);
+      extend(worldBounds_[world], i, toWorld, sphere);
+    }
+  };
+  parallelFor(count_, worldsPerTask(instances_), [&](size_t begin, size_t end) {
+    for (size_t world = begin; world < end; ++world) place(static_cast<uint32_t>(world));
+  });
+  vast_ = std::ranges::any_of(
+      records_, [](const shared::Instance& record) { return (record.flags & shared::kInstanceVast) != 0; });
+  list_.upload(uploader, records_);
+  moves_ = !poses.current.empty() || !worlds.previous.empty() || !worlds.next.empty();
+  if (moves_) {
+    uploadMoved(previous_, uploader, scene, instances, worlds, worlds.previous, poses.previous);
+    uploadMoved(next_, uploader, scene, instances, worlds, worlds.next, poses.next);
+  }
+  rotations_ = worlds.environmentRotation;
+  intensities_ = worlds.environmentIntensity;
+  ++revision_;
+}
+
+// Uploads the instances with the transforms of another frame.
+void GpuWorlds::uploadMoved(GpuList<shared::Instance>& list, vk::Uploader& uploader, const scene::Scene& scene,
+                            const GpuInstances& instances, const WorldStates& worlds,
+                            const std::vector<glm::dmat4>& transforms, const scene::Pose& pose) const {
+  const std::vector<glm::dmat4> scenes = scene::instanceTransforms(scene, pose);
+  const std::vector<glm::dmat4>& values = transforms.empty() ? worlds.transforms : transforms;
+  std::vector<shared::Instance> moved = records_;
+  parallelFor(count_, worldsPerTask(instances_), [&](size_t begin, size_t end) {
+    for (size_t world = begin; world < end; ++world) {
+      std::vector<glm::dmat4> there = scenes;
+      moveTo(there, worlds, values, static_cast<uint32_t>(world));
+      for (uint32_t i = 0; i < instances_; ++i) instances.move(moved[world * instances_ + i], i, there[i]);
+    }
+  });
+  list.upload(uploader, moved);
+}
+
+// Every world has the space of the largest one, so that shaders may load a light whose index is valid in another world.
+void GpuWorlds::updateLights(vk::Uploader& uploader, const WorldStates& worlds, const std::vector<scene::Light>& lights,
+                             const glm::dvec3& origin) {
+  lights_.clear();
+  if (worlds.lightValues.empty()) return;
+  lights_.resize(count_);
+  const size_t listed = worlds.lights.size();
+  parallelFor(count_, kLightSetsPerTask, [&](size_t begin, size_t end) {
+    for (size_t world = begin; world < end; ++world) {
+      std::vector<scene::Light> own = lights;
+      for (size_t i = 0; i < listed; ++i) {
+        scene::Light& light = own[worlds.lights[i]];
+        scene::Light value = worlds.lightValues[world * listed + i];
+        value.removed = light.removed;
+        if (value.node >= 0) value.position = light.position, value.direction = light.direction;
+        light = std::move(value);
+      }
+      lights_[world] = makeLightSet(std::move(own), origin);
+    }
+  });
+  lightStride_ = treeStride_ = 1;
+  for (const LightSet& set : lights_) {
+    lightStride_ = std::max(lightStride_, set.lights.size());
+    treeStride_ = std::max(treeStride_, set.nodes.size());
+  }
+  std::vector<shared::Light> all(count_ * lightStride_);
+  std::vector<shared::LightBox> nodes(count_ * treeStride_);
+  for (size_t world = 0; world < count_; ++world) {
+    std::ranges::copy(lights_[world].lights, all.begin() + static_cast<std::ptrdiff_t>(world * lightStride_));
+    std::ranges::copy(lights_[world].nodes, nodes.begin() + static_cast<std::ptrdiff_t>(world * treeStride_));
+  }
+  lightList_.upload(uploader, all);
+  lightTrees_.upload(uploader, nodes);
+}
+
+float GpuWorlds::environmentRotation(uint32_t world, float others) const {
+  return count_ > 0 && !rotations_.empty() ? rotations_[world] : others;
+}
+
+float GpuWorlds::environmentIntensity(uint32_t world, float others) const {
+  return count_ > 0 && !intensities_.empty() ? intensities_[world] : others;
+}
+
+void GpuWorlds::describeLights(shared::FrameConstants& frame, uint32_t world) const {
+  frame.lights = lightList_.address() + world * lightStride_ * sizeof(shared::Light);
+  frame.lightTree = lightTrees_.address() + world * treeStride_ * sizeof(shared::LightBox);
+  lights_[world].describe(frame);
+}
+
+InstancesOfWorld GpuWorlds::of(uint32_t world) const {
+  const size_t first = size_t{world} * instances_;
+  return {std::span(records_).subspan(first, instances_), std::span(bounds_).subspan(first, instances_),
+          list_.address() + first * sizeof(shared::Instance)};
+}
+
+void GpuWorlds::describe(shared::FrameConstants& frame, uint32_t world) const {
+  const uint64_t offset = uint64_t{world} * instances_ * sizeof(shared::Instance);
+  frame.instances = list_.address() + offset;
+  frame.previousInstances = moves_ ? previous_.address() + offset : frame.instances;
+  frame.nextInstances = moves_ ? next_.address() + offset : frame.instances;
+}
+
+}  // namespace latelight::render
