@@ -402,6 +402,34 @@ struct Options {
   bool continues = false;                            // true in a sequence: this frame follows the last rendered one
 };
 
+// The state of many worlds of one scene (docs/worlds.md), for Renderer::submit(). Lists hold the values world by world.
+// A list that is empty leaves the scene's values, which all worlds share.
+struct Worlds {
+  uint32_t count = 0;  // number of worlds, at least 1
+
+  std::vector<Handle<Instance>> instances;  // those that the next four lists describe; empty: Scene::instances()
+  std::vector<Transform> transforms;        // count x instances, as Scene::setTransform() sets them
+  std::vector<Transform> previousTransforms, nextTransforms;  // in the previous and the next frame, for motion;
+                                                              // require `transforms`
+  std::vector<uint8_t> exists;  // count x instances; 0: the world does not have the instance
+
+  std::vector<Handle<Light>> lights;  // those that `lightValues` describes
+  std::vector<Light> lightValues;     // count x lights, as Scene::setLight() sets them
+
+  std::vector<double> environmentRotation;  // count, in place of the options of the same names
+  std::vector<float> environmentIntensity;  // count
+
+  std::vector<Camera> cameras;  // the cameras of each world, at least one
+  // The instance that each camera rides on, if any: its cameraToWorld is then relative to the instance's frame, whose
+  // axes have the length 1. Empty: no camera rides.
+  std::vector<std::optional<Handle<Instance>>> cameraInstances;
+  std::vector<Transform> cameraToWorld;  // count x cameras, in place of Camera::cameraToWorld
+  std::vector<Transform> previousCameraToWorld, nextCameraToWorld;  // empty: as cameraToWorld
+  // count x cameras: focal lengths and principal point (fx, fy, cx, cy) in pixels of the rendered images. They replace
+  // the cameras' fields of view.
+  std::vector<std::array<double, 4>> intrinsics;
+};
+
 struct Aov {
   uint32_t channels = 0;
   std::vector<float> values;  // channels interleaved, rows from the top
@@ -505,6 +533,8 @@ class LATELIGHT_API Ticket {
   // Waits for the pictures and returns them in the order of their cameras. Rendering errors are thrown here. A second
   // call throws Error(Usage), and so does a ticket of Results::Arrays.
   std::vector<Frame> take();
+  // The worlds with values that are not finite. Their images show only the background; other worlds are unaffected.
+  const std::vector<uint32_t>& invalidWorlds() const;
   // The counterpart of take() for Results::Arrays: waits and returns each output by its name; the picture is "rgba".
   std::map<std::string, DeviceArray> takeArrays();
 
@@ -549,6 +579,10 @@ class LATELIGHT_API Renderer {
   // written, and more pictures submitted. Up to three tickets keep a device busy; each holds its pictures' memory until
   // it is taken or dropped.
   Ticket submit(const std::vector<Camera>& cameras, const Options& options = {}, Results results = Results::ToHost);
+  // Renders the cameras of all worlds. Frames are in the order of the worlds, and of the cameras within each world.
+  // Each has the bytes that the scene, edited to that world's state, has in a render of its own.
+  std::vector<Frame> render(const Worlds& worlds, const Options& options = {});
+  Ticket submit(const Worlds& worlds, const Options& options = {}, Results results = Results::ToHost);
   // The visible surfaces at pixels (x, y from the upper left) of such a picture, in the order of `pixels`. No lighting
   // is computed.
   std::vector<Pick> pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,

@@ -51,16 +51,6 @@ Transform publicTransform(const dmat4& toWorld, const scene::Scene& scene) {
   return rows;
 }
 
-dmat4 internalTransform(const Transform& rows, const scene::Scene& scene) {
-  dmat4 toFile;
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column) toFile[column][row] = rows[4 * row + column];
-  for (const double number : rows)
-    if (!std::isfinite(static_cast<float>(number)))
-      badUsage("the transform of an instance has a number that is not finite");
-  return worldFromFile(scene) * toFile;
-}
-
 // --- materials ------------------------------------------------------------------------------------------------------
 
 constexpr uint32_t kAlphaFlags[] = {0, shared::kMaterialMasked, shared::kMaterialBlended};  // by AlphaMode
@@ -192,29 +182,6 @@ vec3 unitDirection(const Light& light) {
   return vec3(direction / length);
 }
 
-// `like`: the light before the edit. The light keeps its node if it is not moved. Position and direction are compared
-// in the file's frame, so that values that were read and set again do not change.
-scene::Light internalLight(const Light& from, const scene::Scene& scene, const scene::Light& like = {}) {
-  const dmat4 toWorld = worldFromFile(scene);
-  const std::optional<uint32_t> type = scene::findLightType(from.type);
-  if (!type) badUsage("the light \"{}\" has the unknown type \"{}\"", printable(from.name), printable(from.type));
-  const Light before = publicLight(like, scene);
-  scene::Light out = like;
-  out.name = from.name;
-  out.type = *type;
-  if (from.position != before.position) out.position = dvec3(toWorld * dvec4(three(from.position), 1));
-  if (from.direction != before.direction) out.direction = vec3(toWorld * dvec4(unitDirection(from), 0));
-  if (out.position != like.position || out.direction != like.direction) out.node = -1;
-  out.color = three(from.color);
-  out.intensity = from.intensity;
-  out.range = from.range;
-  out.innerCone = static_cast<float>(from.innerCone / kDegrees);
-  out.outerCone = static_cast<float>(from.outerCone / kDegrees);
-  out.size = static_cast<float>(shared::lightIsDirectional(out.type) ? from.size / kDegrees : from.size);
-  out.castShadow = from.castShadow;
-  return out;
-}
-
 // --- meshes ---------------------------------------------------------------------------------------------------------
 
 template <typename To, typename From>
@@ -296,6 +263,37 @@ scene::Mesh internalMesh(const MeshData& from) {
 }
 
 }  // namespace
+
+dmat4 internalTransform(const Transform& rows, const scene::Scene& scene) {
+  dmat4 toFile;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) toFile[column][row] = rows[4 * row + column];
+  for (const double number : rows)
+    if (!std::isfinite(static_cast<float>(number)))
+      badUsage("the transform of an instance has a number that is not finite");
+  return worldFromFile(scene) * toFile;
+}
+
+scene::Light internalLight(const Light& from, const scene::Scene& scene, const scene::Light& like) {
+  const dmat4 toWorld = worldFromFile(scene);
+  const std::optional<uint32_t> type = scene::findLightType(from.type);
+  if (!type) badUsage("the light \"{}\" has the unknown type \"{}\"", printable(from.name), printable(from.type));
+  const Light before = publicLight(like, scene);
+  scene::Light out = like;
+  out.name = from.name;
+  out.type = *type;
+  if (from.position != before.position) out.position = dvec3(toWorld * dvec4(three(from.position), 1));
+  if (from.direction != before.direction) out.direction = vec3(toWorld * dvec4(unitDirection(from), 0));
+  if (out.position != like.position || out.direction != like.direction) out.node = -1;
+  out.color = three(from.color);
+  out.intensity = from.intensity;
+  out.range = from.range;
+  out.innerCone = static_cast<float>(from.innerCone / kDegrees);
+  out.outerCone = static_cast<float>(from.outerCone / kDegrees);
+  out.size = static_cast<float>(shared::lightIsDirectional(out.type) ? from.size / kDegrees : from.size);
+  out.castShadow = from.castShadow;
+  return out;
+}
 
 // --- handles --------------------------------------------------------------------------------------------------------
 

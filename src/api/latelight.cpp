@@ -2,7 +2,6 @@
 #include <latelight/latelight.h>
 
 #include <cmath>
-#include <glm/gtc/constants.hpp>
 
 #include "api/scene.h"
 #include "base/error.h"
@@ -21,23 +20,9 @@ namespace latelight {
 
 namespace {
 
-constexpr float kDegreesPerRadian = 180.0f / glm::pi<float>();
-
 Lens publicLens(const scene::Lens& from) {
   return {
       static_cast<LensModel>(from.model), from.width, from.height, from.fx, from.fy, from.cx, from.cy, from.distortion};
-}
-
-// The renderer rejects invalid values.
-scene::Lens internalLens(const Lens& from) {
-  return {static_cast<scene::LensModel>(from.model),
-          from.width,
-          from.height,
-          from.fx,
-          from.fy,
-          from.cx,
-          from.cy,
-          from.distortion};
 }
 
 Camera publicCamera(const scene::Camera& camera, const scene::Scene& scene) {
@@ -55,54 +40,6 @@ Camera publicCamera(const scene::Camera& camera, const scene::Scene& scene) {
   c.principalX = camera.principal.x;
   c.principalY = camera.principal.y;
   if (camera.lens) c.lens = publicLens(*camera.lens);
-  return c;
-}
-
-bool isRigid(const glm::dmat4& pose) {
-  for (int i = 0; i < 4; ++i)
-    if (pose[i][3] != (i == 3 ? 1.0 : 0.0)) return false;
-  const glm::dmat3 axes(pose);
-  const glm::dmat3 products = glm::transpose(axes) * axes;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      if (std::abs(products[i][j] - (i == j ? 1.0 : 0.0)) > 1e-3) return false;
-  return glm::determinant(axes) > 0;
-}
-
-scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
-  glm::dmat4 pose;
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column) {
-      pose[column][row] = camera.cameraToWorld[4 * row + column];
-      if (!std::isfinite(pose[column][row])) badUsage("the camera's pose has a value that is not a number");
-    }
-  if (!isRigid(pose))
-    badUsage("the camera's pose must be a rotation and a translation, without mirror, shear or scale, over 0 0 0 1");
-  if (!camera.orthographic && !scene::isUsableFieldOfView(camera.verticalFov / kDegreesPerRadian))
-    badUsage("the vertical field of view must be between 0 and 180 degrees, from {:g} to {:.6g}, not {}",
-             scene::kMinVerticalFov * kDegreesPerRadian, scene::kMaxVerticalFov * kDegreesPerRadian,
-             camera.verticalFov);
-  if (camera.orthographic && !(camera.halfHeight > 0)) badUsage("an orthographic camera needs a height above 0");
-  if (camera.orthographic && !(std::isfinite(camera.nearClip) && std::isfinite(camera.farClip)))
-    badUsage("an orthographic camera needs a near and a far plane that are numbers");
-  if (camera.aspect && !(*camera.aspect > 0 && std::isfinite(*camera.aspect)))
-    badUsage("the camera's aspect must be a number above 0, not {}", *camera.aspect);
-  if (!std::isfinite(camera.principalX) || !std::isfinite(camera.principalY))
-    badUsage("the camera's principal point has a value that is not a number");
-  if (!(camera.farClip > camera.nearClip) || (!camera.orthographic && !(camera.nearClip > 0)))
-    badUsage("the camera's near plane must be in front of its far plane");
-  scene::Camera c;
-  c.name = camera.name;
-  c.toWorld = render::toWorldFromOpenCv(pose, scene);
-  c.orthographic = camera.orthographic;
-  c.verticalFov = camera.verticalFov / kDegreesPerRadian;
-  c.yHalf = camera.halfHeight;
-  c.aspect = camera.aspect;
-  c.nearClip = camera.nearClip;
-  c.farClip = camera.farClip;
-  c.principal = {camera.principalX, camera.principalY};
-  if (camera.lens) c.lens = internalLens(*camera.lens);
-  if (camera.lens && c.orthographic) badUsage("an orthographic camera has no lens");
   return c;
 }
 
@@ -250,12 +187,14 @@ Camera Scene::lookAt(std::array<double, 3> eye, std::array<double, 3> target, fl
 
 struct Renderer::Impl {
   OwnerProcess owner;
+  const Scene::Impl& source;
   const scene::Scene& scene;
   std::shared_ptr<vk::Device> device;  // arrays share it
   render::Renderer renderer;
 
-  Impl(const scene::Scene& scene, const std::string& selector, const std::optional<scene::Environment>& environment)
-      : scene(scene),
+  Impl(const Scene::Impl& source, const std::string& selector, const std::optional<scene::Environment>& environment)
+      : source(source),
+        scene(source.scene),
         device(std::make_shared<vk::Device>(vk::DeviceOptions{.selector = selector})),
         renderer(*device, scene, environment ? &*environment : nullptr) {}
 };
@@ -285,10 +224,10 @@ scene::Environment makeEnvironment(const EnvironmentData& data) {
 }  // namespace
 
 Renderer::Renderer(const Scene& scene, const std::string& device, const EnvironmentData& environment)
-    : impl_(ownedByProcess(new Impl(scene.impl_->scene, device, makeEnvironment(environment)))) {}
+    : impl_(ownedByProcess(new Impl(*scene.impl_, device, makeEnvironment(environment)))) {}
 Renderer::Renderer(const Scene& scene, const std::string& device, const std::string& environment)
     : impl_(ownedByProcess(
-          new Impl(scene.impl_->scene, device,
+          new Impl(*scene.impl_, device,
                    render::loadEnvironment(scene.impl_->scene,
                                            render::environmentName(scene.impl_->scene, environment, false))))) {}
 Renderer::~Renderer() = default;
@@ -323,6 +262,7 @@ struct Ticket::Impl {
   std::shared_ptr<Renderer::Impl> renderer;
   render::Ticket ticket;
   Results results;
+  std::vector<uint32_t> invalidWorlds{};
 };
 
 Ticket::Ticket() = default;
@@ -402,6 +342,29 @@ Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& optio
   ticket.impl_ = ownedByProcess(
       new Ticket::Impl{impl_, impl_->renderer.submit(internal, settings, moment, internalResults(results)), results});
   return ticket;
+}
+
+std::vector<Frame> Renderer::render(const Worlds& worlds, const Options& options) {
+  return submit(worlds, options).take();
+}
+
+Ticket Renderer::submit(const Worlds& worlds, const Options& options, Results results) {
+  usable(impl_);
+  if (!options.previousCameras.empty() || !options.nextCameras.empty())
+    badUsage("worlds have previous and next cameras of their own: leave those of the options empty");
+  const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene);
+  render::SceneState moment = internalState(options, settings, impl_->scene, 0);
+  const WorldCameras internal = impl_->source.convert(worlds, settings, moment);
+  Ticket ticket;
+  ticket.impl_ = ownedByProcess(
+      new Ticket::Impl{impl_, impl_->renderer.submit(internal.cameras, settings, moment, internalResults(results)),
+                       results, internal.invalid});
+  return ticket;
+}
+
+const std::vector<uint32_t>& Ticket::invalidWorlds() const {
+  if (!impl_) badUsage("these pictures have been taken already");
+  return impl_->invalidWorlds;
 }
 
 std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,

@@ -3,9 +3,24 @@
 
 #include <latelight/latelight.h>
 
+#include <glm/gtc/constants.hpp>
+
 #include "scene/scene.h"
 
+namespace latelight::render {
+struct SceneState;
+struct Settings;
+}  // namespace latelight::render
+
 namespace latelight {
+
+inline constexpr float kDegreesPerRadian = 180.0f / glm::pi<float>();
+
+// The cameras of all worlds, world by world.
+struct WorldCameras {
+  std::vector<scene::Camera> cameras;
+  std::vector<uint32_t> invalid;  // worlds with values that are not finite
+};
 
 struct Scene::Impl {
   scene::Scene scene;
@@ -19,6 +34,10 @@ struct Scene::Impl {
   uint32_t index(Handle<Light> light) const;
   uint32_t index(Handle<Mesh> mesh) const;
   uint32_t index(Handle<Texture> texture) const;
+
+  // Converts worlds for the renderer: returns the cameras, and writes the rest to `state`.
+  struct WorldConverter;
+  WorldCameras convert(const Worlds& worlds, const render::Settings& settings, render::SceneState& state) const;
 
   // Handles of the elements that have not been removed, in the scene's order.
   template <typename Element, typename T>
@@ -43,5 +62,12 @@ struct Scene::Impl {
  private:
   static uint32_t nextNumber();
 };
+
+// Convert values of the public API to the renderer's. They throw Error(Usage) for invalid values.
+glm::dmat4 internalTransform(const Transform& rows, const scene::Scene& scene);
+scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene);
+// `like`: the light before the edit. The light keeps its node if it is not moved. Position and direction are compared
+// in the file's frame, so that values that were read and set again do not change.
+scene::Light internalLight(const Light& from, const scene::Scene& scene, const scene::Light& like = {});
 
 }  // namespace latelight

@@ -133,7 +133,7 @@ TEST(EditApi, TicketsGiveTheSceneAsItWasSubmitted) {
   red.baseColor = {1, 0, 0, 1};
   scene.setMaterial(scene.materials()[0], red);
   Ticket second = renderer->submit({camera, camera}, small());
-  EXPECT_THAT(refusal([&] { renderer->submit({}, small()); }), HasSubstr("camera"));
+  EXPECT_THAT(refusal([&] { renderer->submit(std::vector<Camera>{}, small()); }), HasSubstr("camera"));
   dropped = std::move(first);  // assigning drops the previous one without taking its results
   renderer.reset();            // tickets keep alive what they need
   const std::vector<Frame> after = second.take();

@@ -1,0 +1,76 @@
+// Converts cameras of the public API.
+#include <cmath>
+
+#include "api/scene.h"
+#include "base/error.h"
+#include "render/submit/session.h"
+#include "scene/framing.h"
+#include "scene/lens.h"
+
+namespace latelight {
+
+namespace {
+
+// The renderer rejects invalid values.
+scene::Lens internalLens(const Lens& from) {
+  return {static_cast<scene::LensModel>(from.model),
+          from.width,
+          from.height,
+          from.fx,
+          from.fy,
+          from.cx,
+          from.cy,
+          from.distortion};
+}
+
+bool isRigid(const glm::dmat4& pose) {
+  for (int i = 0; i < 4; ++i)
+    if (pose[i][3] != (i == 3 ? 1.0 : 0.0)) return false;
+  const glm::dmat3 axes(pose);
+  const glm::dmat3 products = glm::transpose(axes) * axes;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (std::abs(products[i][j] - (i == j ? 1.0 : 0.0)) > 1e-3) return false;
+  return glm::determinant(axes) > 0;
+}
+
+}  // namespace
+
+scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
+  glm::dmat4 pose;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) {
+      pose[column][row] = camera.cameraToWorld[4 * row + column];
+      if (!std::isfinite(pose[column][row])) badUsage("the camera's pose has a value that is not a number");
+    }
+  if (!isRigid(pose))
+    badUsage("the camera's pose must be a rotation and a translation, without mirror, shear or scale, over 0 0 0 1");
+  if (!camera.orthographic && !scene::isUsableFieldOfView(camera.verticalFov / kDegreesPerRadian))
+    badUsage("the vertical field of view must be between 0 and 180 degrees, from {:g} to {:.6g}, not {}",
+             scene::kMinVerticalFov * kDegreesPerRadian, scene::kMaxVerticalFov * kDegreesPerRadian,
+             camera.verticalFov);
+  if (camera.orthographic && !(camera.halfHeight > 0)) badUsage("an orthographic camera needs a height above 0");
+  if (camera.orthographic && !(std::isfinite(camera.nearClip) && std::isfinite(camera.farClip)))
+    badUsage("an orthographic camera needs a near and a far plane that are numbers");
+  if (camera.aspect && !(*camera.aspect > 0 && std::isfinite(*camera.aspect)))
+    badUsage("the camera's aspect must be a number above 0, not {}", *camera.aspect);
+  if (!std::isfinite(camera.principalX) || !std::isfinite(camera.principalY))
+    badUsage("the camera's principal point has a value that is not a number");
+  if (!(camera.farClip > camera.nearClip) || (!camera.orthographic && !(camera.nearClip > 0)))
+    badUsage("the camera's near plane must be in front of its far plane");
+  scene::Camera c;
+  c.name = camera.name;
+  c.toWorld = render::toWorldFromOpenCv(pose, scene);
+  c.orthographic = camera.orthographic;
+  c.verticalFov = camera.verticalFov / kDegreesPerRadian;
+  c.yHalf = camera.halfHeight;
+  c.aspect = camera.aspect;
+  c.nearClip = camera.nearClip;
+  c.farClip = camera.farClip;
+  c.principal = {camera.principalX, camera.principalY};
+  if (camera.lens) c.lens = internalLens(*camera.lens);
+  if (camera.lens && c.orthographic) badUsage("an orthographic camera has no lens");
+  return c;
+}
+
+}  // namespace latelight

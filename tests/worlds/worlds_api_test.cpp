@@ -1,0 +1,171 @@
+// Worlds through the public API: instances, cameras that ride on them, intrinsics, and errors.
+#include <gmock/gmock.h>
+#include <latelight/latelight.h>
+
+#include <cstring>
+#include <functional>
+#include <limits>
+
+#include "test_device.h"
+
+namespace latelight {
+namespace {
+
+using test::testDevice;
+using testing::HasSubstr;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+Transform placed(double x, double y, double z, double size = 1) {
+  return {size, 0, 0, x, 0, size, 0, y, 0, 0, size, z, 0, 0, 0, 1};
+}
+
+// A red and a green square that face +Z, in a scene with glTF's axes.
+struct Squares {
+  Scene scene;
+  Handle<Instance> red, green;
+
+  Squares() {
+    MeshData mesh{.name = "square", .positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}};
+    mesh.indices = {0, 1, 2, 0, 2, 3};
+    const Handle<Mesh> square = scene.addMesh(mesh);
+    red = scene.addInstance(square, material("red", {1, 0, 0}), placed(-1, 0, 0));
+    green = scene.addInstance(square, material("green", {0, 1, 0}), placed(1, 0, 0));
+  }
+  Handle<Material> material(const char* name, std::array<float, 3> color) {
+    return scene.addMaterial({.name = name, .emissive = color, .unlit = true});
+  }
+};
+
+// Looks along -Z from z = 4.
+Camera front() {
+  Camera camera;
+  camera.cameraToWorld = {1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 4, 0, 0, 0, 1};
+  return camera;
+}
+
+Options small() {
+  Options options;
+  options.width = 24;
+  options.height = 16;
+  options.aovs = {"depth", "id"};
+  return options;
+}
+
+void expectSame(const Frame& actual, const Frame& expected) {
+  EXPECT_EQ(actual.rgba, expected.rgba);
+  EXPECT_EQ(actual.aovs.at("id").ids, expected.aovs.at("id").ids);
+  const std::vector<float>&a = actual.aovs.at("depth").values, &b = expected.aovs.at("depth").values;
+  ASSERT_EQ(a.size(), b.size());
+  EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0);
+}
+
+std::string refusal(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::Usage);
+    return error.what();
+  }
+  return "nothing was refused";
+}
+
+TEST(WorldsApi, MoveAndRemoveInstances) {
+  Squares made, edited;
+  Renderer renderer(made.scene, testDevice()), alone(edited.scene, testDevice());
+  Worlds worlds{.count = 2, .instances = {made.green, made.red}};
+  worlds.transforms = {placed(1, 0, 0), placed(-2, 1, 0), placed(0.5, -1, 1, 0.5), placed(-1, 0, 0)};
+  worlds.exists = {1, 1, 1, 0};
+  worlds.cameras = {front()};
+  const std::vector<Frame> frames = renderer.render(worlds, small());
+  ASSERT_EQ(frames.size(), 2u);
+  edited.scene.setTransform(edited.red, placed(-2, 1, 0));
+  expectSame(frames[0], alone.render(front(), small()));
+  edited.scene.setTransform(edited.green, placed(0.5, -1, 1, 0.5));
+  edited.scene.removeInstance(edited.red);
+  expectSame(frames[1], alone.render(front(), small()));
+}
+
+TEST(WorldsApi, CamerasHaveTheirOwnPosesAndIntrinsics) {
+  Squares made;
+  Renderer renderer(made.scene, testDevice());
+  Worlds worlds{.count = 2};
+  worlds.cameras = {front(), front()};
+  const Transform near{1, 0, 0, 0.5, 0, -1, 0, 0, 0, 0, -1, 3, 0, 0, 0, 1};
+  worlds.cameraToWorld = {front().cameraToWorld, near, near, front().cameraToWorld};
+  worlds.intrinsics = {{20, 20, 12, 8}, {20, 20, 12, 8}, {30, 25, 10, 7}, {16, 16, 12, 8}};
+  const std::vector<Frame> frames = renderer.render(worlds, small());
+  ASSERT_EQ(frames.size(), 4u);
+  for (size_t i = 0; i < 4; ++i) {
+    Camera camera = front();
+    camera.cameraToWorld = worlds.cameraToWorld[i];
+    const auto [fx, fy, cx, cy] = worlds.intrinsics[i];
+    camera.lens = Lens{.width = 24, .height = 16, .fx = fx, .fy = fy, .cx = cx, .cy = cy};
+    expectSame(frames[i], renderer.render(camera, small()));
+  }
+}
+
+// The pose is relative to the instance's frame, whose scale does not count.
+TEST(WorldsApi, CamerasRideOnInstances) {
+  Squares made;
+  Renderer renderer(made.scene, testDevice());
+  Worlds worlds{.count = 2, .instances = {made.red}};
+  worlds.transforms = {placed(-1, 0, 2, 0.5), {0, 0, 2, 3, 0, 2, 0, 0, -2, 0, 0, 0, 0, 0, 0, 1}};
+  worlds.cameras = {front()};
+  worlds.cameraInstances = {made.red};
+  const std::vector<Frame> frames = renderer.render(worlds, small());
+  Camera camera = front();
+  camera.cameraToWorld[3] = -1;
+  camera.cameraToWorld[11] = 6;
+  made.scene.setTransform(made.red, worlds.transforms[0]);
+  expectSame(frames[0], renderer.render(camera, small()));
+  // A quarter turn about Y: the instance's Z is the world's X, and its X is the world's -Z.
+  camera.cameraToWorld = {0, 0, -1, 7, 0, -1, 0, 0, -1, 0, 0, 0, 0, 0, 0, 1};
+  made.scene.setTransform(made.red, worlds.transforms[1]);
+  expectSame(frames[1], renderer.render(camera, small()));
+}
+
+TEST(WorldsApi, ValuesThatAreNotFiniteAffectOnlyTheirWorld) {
+  Squares made;
+  Renderer renderer(made.scene, testDevice());
+  Worlds worlds{.count = 4, .instances = {made.red}};
+  worlds.transforms.assign(4, placed(-1, 0, 0));
+  worlds.transforms[1][3] = kNaN;
+  worlds.cameras = {front()};
+  worlds.cameraToWorld.assign(4, front().cameraToWorld);
+  worlds.cameraToWorld[2][0] = std::numeric_limits<double>::infinity();
+  Ticket ticket = renderer.submit(worlds, small());
+  EXPECT_EQ(ticket.invalidWorlds(), (std::vector<uint32_t>{1, 2}));
+  const std::vector<Frame> frames = ticket.take();
+  const Frame expected = renderer.render(front(), small());
+  for (const size_t world : {0, 3}) expectSame(frames[world], expected);
+  for (const size_t world : {1, 2})
+    EXPECT_THAT(frames[world].aovs.at("id").ids, testing::Each(0u)) << "world " << world;
+}
+
+TEST(WorldsApi, RejectWrongLists) {
+  Squares made;
+  Renderer renderer(made.scene, testDevice());
+  const auto refused = [&](const std::function<void(Worlds&)>& change) {
+    Worlds worlds{.count = 2, .instances = {made.red}};
+    worlds.cameras = {front()};
+    change(worlds);
+    return refusal([&] { renderer.render(worlds, small()); });
+  };
+  EXPECT_THAT(refused([](Worlds& w) { w.count = 0; }), HasSubstr("Worlds::count must be at least 1"));
+  EXPECT_THAT(refused([](Worlds& w) { w.cameras.clear(); }), HasSubstr("at least one camera"));
+  EXPECT_THAT(refused([](Worlds& w) { w.transforms.resize(3); }),
+              HasSubstr("Worlds::transforms must have 2 values, one per world and instance, and has 3"));
+  EXPECT_THAT(refused([](Worlds& w) { w.exists = {1}; }), HasSubstr("Worlds::exists must have 2 values"));
+  EXPECT_THAT(refused([](Worlds& w) { w.cameraToWorld.resize(1); }), HasSubstr("one per world and camera"));
+  EXPECT_THAT(refused([](Worlds& w) { w.previousTransforms.resize(2); }), HasSubstr("require transforms"));
+  EXPECT_THAT(refused([&](Worlds& w) { w.instances.push_back(made.red); }), HasSubstr("lists an instance twice"));
+  EXPECT_THAT(refused([](Worlds& w) { w.cameraInstances.resize(2); }), HasSubstr("one value per camera, 1, and has 2"));
+  EXPECT_THAT(refused([](Worlds& w) { w.cameraToWorld.assign(2, placed(0, 0, 0, 2)); }),
+              HasSubstr("must be a rotation and a translation"));
+  made.scene.removeInstance(made.red);
+  EXPECT_THAT(refused([](Worlds&) {}), HasSubstr("removed"));
+}
+
+}  // namespace
+}  // namespace latelight
