@@ -33,9 +33,9 @@ struct PlacedArray {
   int deviceType = kOnHost, device = 0;
 };
 
-PlacedArray placed(DeviceArray&& array, bool single) {
-  PlacedArray placed{.array = std::move(array), .shape = {}};
-  for (size_t axis = single ? 1 : 0; axis < 4; ++axis)
+PlacedArray placed(DeviceArray&& array, const std::vector<size_t>& views) {
+  PlacedArray placed{.array = std::move(array), .shape = views};
+  for (size_t axis = 1; axis < 4; ++axis)
     if (axis < 3 || placed.array.shape[axis] > 1) placed.shape.push_back(placed.array.shape[axis]);
   if (const void* host = placed.array.host()) {
     placed.pointer = const_cast<void*>(host);
@@ -81,9 +81,9 @@ nb::dict cudaInterface(const PlacedArray& a) {
 
 }  // namespace
 
-nb::dict deviceArrays(std::map<std::string, DeviceArray>&& arrays, bool single) {
+nb::dict deviceArrays(std::map<std::string, DeviceArray>&& arrays, const std::vector<size_t>& views) {
   nb::dict all;
-  for (auto& [name, array] : arrays) all[name.c_str()] = nb::cast(placed(std::move(array), single));
+  for (auto& [name, array] : arrays) all[name.c_str()] = nb::cast(placed(std::move(array), views));
   return all;
 }
 

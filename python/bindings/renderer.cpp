@@ -11,6 +11,7 @@
 #include "options.h"
 #include "scene.h"
 #include "values.h"
+#include "worlds.h"
 
 namespace latelight::python {
 
@@ -69,24 +70,36 @@ nb::dict arraysOf(Frame&& frame) {
   return arrays;
 }
 
-nb::object framesOf(std::vector<Frame>&& frames, bool single) {
+// The views of a call: the lengths of the axes before those of the images.
+struct Views {
+  std::vector<size_t> shape;      // empty: a single camera; (V); (N, C) for worlds
+  std::vector<uint32_t> invalid;  // worlds
+  bool worlds() const { return shape.size() == 2; }
+};
+
+nb::object framesOf(std::vector<Frame>&& frames, const Views& views) {
   const RunningPython section;
   const nb::module_ module = nb::module_::import_("latelight.frames");
   const nb::object type = module.attr("Frame");
   nb::list all;
   for (Frame& frame : frames) all.append(type(arraysOf(std::move(frame))));
-  return single ? nb::object(all[0]) : module.attr("Frames")(all);
+  if (views.shape.empty()) return nb::object(all[0]);
+  if (views.worlds()) return module.attr("WorldFrames")(all, views.shape[1], nb::cast(views.invalid));
+  return module.attr("Frames")(all);
 }
 
-nb::object deviceFramesOf(std::map<std::string, DeviceArray>&& arrays, bool single) {
+nb::object deviceFramesOf(std::map<std::string, DeviceArray>&& arrays, const Views& views) {
   const RunningPython section;
-  return nb::module_::import_("latelight.frames").attr("DeviceFrames")(deviceArrays(std::move(arrays), single));
+  const nb::module_ module = nb::module_::import_("latelight.frames");
+  const nb::dict placed = deviceArrays(std::move(arrays), views.shape);
+  if (views.worlds()) return module.attr("DeviceWorldFrames")(placed, nb::cast(views.invalid));
+  return module.attr("DeviceFrames")(placed);
 }
 
 class SharedTicket {
  public:
-  SharedTicket(std::shared_ptr<SharedRenderer> renderer, Ticket&& ticket, bool single, bool onDevice)
-      : renderer_(std::move(renderer)), ticket_(std::move(ticket)), single_(single), onDevice_(onDevice) {}
+  SharedTicket(std::shared_ptr<SharedRenderer> renderer, Ticket&& ticket, Views views, bool onDevice)
+      : renderer_(std::move(renderer)), ticket_(std::move(ticket)), views_(std::move(views)), onDevice_(onDevice) {}
   ~SharedTicket() {
     try {
       renderer_->use([&](Renderer&) { const Ticket dropped = std::move(ticket_); });
@@ -98,14 +111,15 @@ class SharedTicket {
     return renderer_->use([&](Renderer&) { return ticket_.done(); });
   }
   nb::object take() {
-    if (onDevice_) return deviceFramesOf(renderer_->use([&](Renderer&) { return ticket_.takeArrays(); }), single_);
-    return framesOf(renderer_->use([&](Renderer&) { return ticket_.take(); }), single_);
+    if (onDevice_) return deviceFramesOf(renderer_->use([&](Renderer&) { return ticket_.takeArrays(); }), views_);
+    return framesOf(renderer_->use([&](Renderer&) { return ticket_.take(); }), views_);
   }
 
  private:
   std::shared_ptr<SharedRenderer> renderer_;
   Ticket ticket_;
-  bool single_, onDevice_;
+  Views views_;
+  bool onDevice_;
 };
 
 // --- the class ------------------------------------------------------------------------------------------------------
@@ -151,7 +165,8 @@ std::shared_ptr<SharedTicket> submit(const std::shared_ptr<SharedRenderer>& rend
   const Results results = onDevice ? Results::Arrays : Results::ToHost;
   try {
     Ticket ticket = renderer->use([&](Renderer& renderer) { return renderer.submit(views, options, results); });
-    return std::make_shared<SharedTicket>(renderer, std::move(ticket), single, onDevice);
+    Views shape{single ? std::vector<size_t>{} : std::vector{views.size()}, {}};
+    return std::make_shared<SharedTicket>(renderer, std::move(ticket), std::move(shape), onDevice);
   } catch (const TypeMistake&) {
     throw;
   } catch (const Error& error) {
@@ -162,6 +177,32 @@ std::shared_ptr<SharedTicket> submit(const std::shared_ptr<SharedRenderer>& rend
 nb::object render(const std::shared_ptr<SharedRenderer>& renderer, nb::handle cameras, nb::handle size,
                   nb::handle outputs, const nb::kwargs& keywords) {
   return submit(renderer, cameras, size, outputs, keywords)->take();
+}
+
+std::shared_ptr<SharedTicket> submitWorlds(const std::shared_ptr<SharedRenderer>& renderer, nb::handle count,
+                                           nb::handle cameras, nb::handle size, nb::handle outputs,
+                                           const nb::kwargs& keywords) {
+  nb::dict optional;
+  optional.update(keywords);
+  const bool onDevice = boolOf(optional.attr("pop")("on_device", false), "on_device");
+  const auto lightOf = [&](Handle<Light> light) {
+    return renderer->scene()->read([&](const Scene& scene) { return scene.light(light); });
+  };
+  const Worlds worlds = worldsOf(count, cameras, optional, lightOf);
+  const Options options = optionsOf(size, outputs, optional);
+  const Results results = onDevice ? Results::Arrays : Results::ToHost;
+  try {
+    Ticket ticket = renderer->use([&](Renderer& renderer) { return renderer.submit(worlds, options, results); });
+    Views views{{worlds.count, worlds.cameras.size()}, ticket.invalidWorlds()};
+    return std::make_shared<SharedTicket>(renderer, std::move(ticket), std::move(views), onDevice);
+  } catch (const Error& error) {
+    throw inPython(error);
+  }
+}
+
+nb::object renderWorlds(const std::shared_ptr<SharedRenderer>& renderer, nb::handle count, nb::handle cameras,
+                        nb::handle size, nb::handle outputs, const nb::kwargs& keywords) {
+  return submitWorlds(renderer, count, cameras, size, outputs, keywords)->take();
 }
 
 std::vector<Pick> pick(const std::shared_ptr<SharedRenderer>& renderer, nb::handle camera, nb::handle pixels,
@@ -246,6 +287,33 @@ void defineRender(nb::class_<SharedRenderer>& type) {
            nb::arg("options"), nb::sig(later.c_str()), submitted.c_str());
 }
 
+void defineWorlds(nb::class_<SharedRenderer>& type) {
+  const auto signature = [](const char* name, const char* onDevice, const char* result) {
+    return fmt::format(
+        "def {}(self, count: int, cameras: Camera | {}, size: tuple[int, int] = (1280, 720), outputs: str | "
+        "collections.abc.Sequence[str] = (\"rgba\",), *{}, on_device: {}{}) -> {}",
+        name, kMany, worldParameters(), onDevice, optionParameters(), result);
+  };
+  const std::string docs = "\n\ncount: the number N of worlds\ncameras: the C cameras of each world" + worldDocs() +
+                           "\nsize, outputs, on_device and options: as those of render()";
+  const std::string rendered =
+      "Images of N worlds: the scene in N states. What is not given is the scene's, in all worlds. Arrays have the "
+      "shape\n(N, C, H, W) or (N, C, H, W, channels)." +
+      docs;
+  const std::string submitted = "The same as render_worlds(), and returns while the device works." + docs;
+  const std::string here = signature("render_worlds", "typing.Literal[False] = False", "latelight.frames.WorldFrames");
+  const std::string there = signature("render_worlds", "typing.Literal[True]", "latelight.frames.DeviceWorldFrames");
+  const std::string later = signature("submit_worlds", "bool = False", "Ticket");
+  const auto size = nb::make_tuple(1280, 720);
+  const auto outputs = nb::make_tuple("rgba");
+  type.def("render_worlds", &renderWorlds, argument("count"), argument("cameras"), argument("size") = size,
+           argument("outputs") = outputs, nb::arg("options"), nb::sig(here.c_str()), rendered.c_str());
+  type.def("render_worlds", &renderWorlds, argument("count"), argument("cameras"), argument("size") = size,
+           argument("outputs") = outputs, nb::arg("options"), nb::sig(there.c_str()));
+  type.def("submit_worlds", &submitWorlds, argument("count"), argument("cameras"), argument("size") = size,
+           argument("outputs") = outputs, nb::arg("options"), nb::sig(later.c_str()), submitted.c_str());
+}
+
 }  // namespace
 
 // Ignores errors: an error that a device reports only here would have been raised when its images are taken.
@@ -264,12 +332,14 @@ void bindRenderer(nb::module_& module) {
   nb::class_<SharedTicket>(module, "Ticket", nb::is_weak_referenceable(),
                            "Pictures on their way: what Renderer.submit() returns.")
       .def_prop_ro("done", &SharedTicket::done, "take() would not wait for the device")
-      .def(
-          "take", &SharedTicket::take,
-          nb::sig("def take(self) -> latelight.frames.Frame | latelight.frames.Frames | latelight.frames.DeviceFrames"),
-          "Waits for the pictures and gives them, once: a Frame for a camera, Frames for a list. What went wrong on "
-          "the "
-          "way\nis raised here.");
+      .def("take", &SharedTicket::take,
+           nb::sig(
+               "def take(self) -> latelight.frames.Frame | latelight.frames.Frames | latelight.frames.DeviceFrames | "
+               "latelight.frames.WorldFrames"),
+           "Waits for the pictures and gives them, once: a Frame for a camera, Frames for a list, WorldFrames for "
+           "worlds. What went wrong on "
+           "the "
+           "way\nis raised here.");
   nb::class_<SharedRenderer> type(
       module, "Renderer", nb::is_weak_referenceable(),
       "One scene on one device; keeps its pipelines and buffers from one call to the next.\n\n"
@@ -295,6 +365,7 @@ void bindRenderer(nb::module_& module) {
       "finish", [](SharedRenderer& r) { r.use([](Renderer& r) { r.finish(); }); },
       "Waits until the device has finished everything that was submitted.");
   defineRender(type);
+  defineWorlds(type);
   const std::string signature =
       "def pick(self, camera: Camera, pixels: numpy.typing.ArrayLike, size: tuple[int, int] = (1280, 720), *" +
       optionParameters() + ") -> list[Pick]";

@@ -43,7 +43,7 @@ from .errors import (
     OutOfMemoryError,
     UsageError,
 )
-from .frames import DeviceFrames, Frame, Frames
+from .frames import DeviceFrames, DeviceWorldFrames, Frame, Frames, WorldFrames
 
 __version__ = version()
 
@@ -54,6 +54,7 @@ __all__ = [
     "DeviceArray",
     "DeviceFrames",
     "DeviceLostError",
+    "DeviceWorldFrames",
     "Frame",
     "Frames",
     "InputError",
@@ -77,6 +78,7 @@ __all__ = [
     "TextureHandle",
     "Ticket",
     "UsageError",
+    "WorldFrames",
     "__version__",
     "set_memory_limit",
     "version",

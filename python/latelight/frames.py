@@ -90,3 +90,46 @@ class Frames(Sequence[Frame]):
 
     def __repr__(self) -> str:
         return f"Frames({len(self)} x {self._frames[0]!r})" if self._frames else "Frames()"
+
+
+class WorldFrames(Sequence[Frames]):
+    """The outputs of worlds: frames[3] are the Frames of world 3, frames["depth"] all depths, (N, C, H, W).
+
+    Outputs with more than one channel are (N, C, H, W, channels). `invalid_worlds` are the worlds with values that are
+    not finite; their images show only the background.
+    """
+
+    def __init__(self, frames: list[Frame], cameras: int, invalid_worlds: Sequence[int]) -> None:
+        self._worlds = [Frames(frames[first : first + cameras]) for first in range(0, len(frames), cameras)]
+        self._stacked: dict[str, np.ndarray] = {}
+        self.invalid_worlds = tuple(invalid_worlds)
+
+    @overload
+    def __getitem__(self, key: int) -> Frames: ...
+    @overload
+    def __getitem__(self, key: slice) -> Sequence[Frames]: ...
+    @overload
+    def __getitem__(self, key: str) -> np.ndarray: ...
+    def __getitem__(self, key: Any) -> Any:
+        if not isinstance(key, str):
+            return self._worlds[key]
+        if key not in self._stacked:
+            self._stacked[key] = np.stack([np.stack([frame[key] for frame in world]) for world in self._worlds])
+        return self._stacked[key]
+
+    def __len__(self) -> int:
+        return len(self._worlds)
+
+    def __repr__(self) -> str:
+        return f"WorldFrames({len(self)} x {self._worlds[0]!r})"
+
+
+class DeviceWorldFrames(DeviceFrames):
+    """The outputs of worlds in the memory of the renderer's device: (N, C, H, W), or (N, C, H, W, channels).
+
+    `invalid_worlds` are the worlds with values that are not finite; their images show only the background.
+    """
+
+    def __init__(self, arrays: dict[str, DeviceArray], invalid_worlds: Sequence[int]) -> None:
+        super().__init__(arrays)
+        self.invalid_worlds = tuple(invalid_worlds)

@@ -1,4 +1,4 @@
-"""The code of docs/python.md, docs/embed.md, README.md and of the examples, run as it stands."""
+"""The code of docs/python.md, docs/worlds.md, docs/embed.md, README.md and of the examples, run as it stands."""
 
 import json
 import re
@@ -58,6 +58,14 @@ def test_embedding(tmp_path, monkeypatch, capsys):
     (source,) = blocks(ROOT / "docs" / "embed.md")
     frame = run_all([source], "embed.md")["frame"]
     assert capsys.readouterr().out == f"(180, 320, 4) {frame['depth'][90, 160]:.2f} m\n"
+
+
+def test_worlds():
+    (source,) = blocks(ROOT / "docs" / "worlds.md")
+    frames = run_all([source], "worlds.md")["frames"]
+    assert frames["depth"].shape == (3, 2, 64, 64)
+    assert (frames[0][0]["depth"] != frames[1][0]["depth"]).any()
+    assert len(np.unique(frames[1][0]["id"])) == len(np.unique(frames[2][0]["id"])) + 1
 
 
 def test_the_notebook():

@@ -1,0 +1,190 @@
+#include "worlds.h"
+
+#include "cameras.h"
+#include "values.h"
+
+namespace latelight::python {
+
+namespace {
+
+// An array with one 4x4 or 3x4 matrix per world and element.
+std::vector<Transform> transformsOf(nb::handle value, const char* name, int64_t worlds, int64_t each) {
+  std::vector<Transform> transforms;
+  if (value.is_none()) return transforms;
+  const nb::object array = arrayOf(value, name, Elements::Numbers, {worlds, each, -1, 4}, "float64");
+  const size_t rows = lengthOf(array, 2);
+  if (rows != 3 && rows != 4) badValue("{} must have matrices of 3 or 4 rows, not of {}", name, rows);
+  transforms.resize(static_cast<size_t>(worlds * each), Transform{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1});
+  const double* numbers = viewOf<double>(array).data();
+  for (size_t i = 0; i < transforms.size(); ++i) std::copy_n(numbers + i * 4 * rows, 4 * rows, transforms[i].begin());
+  return transforms;
+}
+
+std::vector<uint8_t> flagsOf(nb::handle value, const char* name, int64_t worlds, int64_t each) {
+  if (value.is_none()) return {};
+  const nb::object numpy = nb::module_::import_("numpy");
+  const nb::object array = numpy.attr("asarray")(value);
+  if (shown(array.attr("dtype")) != "bool")
+    badType("{} must be an array of bool, not of {}", name, shown(array.attr("dtype")));
+  const nb::object bytes = arrayOf(array.attr("astype")("uint8"), name, Elements::Uint8, {worlds, each}, "uint8");
+  const uint8_t* flags = viewOf<uint8_t>(bytes).data();
+  return {flags, flags + worlds * each};
+}
+
+// Camera matrices K, one per world and camera.
+std::vector<std::array<double, 4>> intrinsicsOf(nb::handle value, const char* name, int64_t worlds, int64_t each) {
+  std::vector<std::array<double, 4>> intrinsics;
+  if (value.is_none()) return intrinsics;
+  const nb::object array = arrayOf(value, name, Elements::Numbers, {worlds, each, 3, 3}, "float64");
+  const double* k = viewOf<double>(array).data();
+  for (int64_t i = 0; i < worlds * each; ++i, k += 9) {
+    if (k[1] != 0 || k[3] != 0) badValue("{} must have no skew, and has {} and {}", name, k[1], k[3]);
+    if (k[6] != 0 || k[7] != 0 || k[8] != 1) badValue("{} must have the last row 0 0 1", name);
+    intrinsics.push_back({k[0], k[4], k[2], k[5]});
+  }
+  return intrinsics;
+}
+
+template <typename Element>
+std::vector<Handle<Element>> handlesOf(nb::handle value, const char* name, const char* one) {
+  std::vector<Handle<Element>> handles;
+  if (value.is_none()) return handles;
+  for (const nb::handle item : itemsOf(value, name, "a list of handles"))
+    handles.push_back(objectOf<Handle<Element>>(item, fmt::format("each of {}", name), one));
+  return handles;
+}
+
+// Numbers, one or `channels` of them per world and element. They may be infinite or NaN.
+std::vector<double> numbersOf(nb::handle value, const char* name, std::vector<int64_t> shape) {
+  const nb::object array = arrayOf(value, name, Elements::Numbers, shape, "float64");
+  const auto view = viewOf<double>(array);
+  return {view.data(), view.data() + view.size()};
+}
+
+// Sets one member of the lights of all worlds.
+template <typename T, size_t N>
+void setMember(std::vector<Light>& lights, nb::handle value, const char* name, int64_t worlds,
+               std::array<T, N> Light::*member) {
+  if (value.is_none()) return;
+  const int64_t each = static_cast<int64_t>(lights.size()) / worlds;
+  const std::vector<double> numbers = numbersOf(value, name, {worlds, each, static_cast<int64_t>(N)});
+  for (size_t i = 0; i < lights.size(); ++i)
+    for (size_t channel = 0; channel < N; ++channel)
+      (lights[i].*member)[channel] = static_cast<T>(numbers[N * i + channel]);
+}
+
+// Removes the arguments of lights and of the environment from `keywords`. `lightOf` returns the scene's light.
+void setLights(Worlds& worlds, nb::dict& keywords, const std::function<Light(Handle<Light>)>& lightOf) {
+  const auto take = [&](const char* name) { return nb::object(keywords.attr("pop")(name, nb::none())); };
+  const int64_t n = worlds.count;
+  worlds.lights = handlesOf<Light>(take("lights"), "lights", "a LightHandle");
+  const nb::object position = take("light_position"), direction = take("light_direction"), color = take("light_color"),
+                   intensity = take("light_intensity");
+  for (const auto& [value, name] : {std::pair(position, "light_position"), std::pair(direction, "light_direction"),
+                                    std::pair(color, "light_color"), std::pair(intensity, "light_intensity")})
+    if (!value.is_none() && worlds.lights.empty())
+      badValue("{} requires the list of lights that it describes: lights", name);
+  for (int64_t world = 0; world < n; ++world)
+    for (const Handle<Light>& light : worlds.lights) worlds.lightValues.push_back(lightOf(light));
+  setMember(worlds.lightValues, position, "light_position", n, &Light::position);
+  setMember(worlds.lightValues, direction, "light_direction", n, &Light::direction);
+  setMember(worlds.lightValues, color, "light_color", n, &Light::color);
+  if (!intensity.is_none()) {
+    const std::vector<double> numbers =
+        numbersOf(intensity, "light_intensity", {n, static_cast<int64_t>(worlds.lights.size())});
+    for (size_t i = 0; i < numbers.size(); ++i) worlds.lightValues[i].intensity = static_cast<float>(numbers[i]);
+  }
+  if (const nb::object value = take("environment_rotation"); !value.is_none())
+    worlds.environmentRotation = numbersOf(value, "environment_rotation", {n});
+  if (const nb::object value = take("environment_intensity"); !value.is_none())
+    for (const double number : numbersOf(value, "environment_intensity", {n}))
+      worlds.environmentIntensity.push_back(static_cast<float>(number));
+}
+
+std::vector<std::optional<Handle<Instance>>> mountsOf(nb::handle value, const char* name) {
+  std::vector<std::optional<Handle<Instance>>> mounts;
+  if (value.is_none()) return mounts;
+  for (const nb::handle item : itemsOf(value, name, "a list of InstanceHandle or None")) {
+    auto& mount = mounts.emplace_back();
+    if (!item.is_none())
+      mount = objectOf<Handle<Instance>>(item, fmt::format("each of {}", name), "an InstanceHandle or None");
+  }
+  return mounts;
+}
+
+constexpr const char* kArray = "numpy.typing.ArrayLike | None = None";
+
+struct WorldArgument {
+  const char* name;
+  const char* type;
+  const char* docs;
+};
+constexpr WorldArgument kArguments[] = {
+    {"instances", "collections.abc.Sequence[InstanceHandle] | None = None",
+     "the I instances that the next four describe; required by them"},
+    {"transforms", kArray, "(N, I, 4, 4) or (N, I, 3, 4): as Scene.set_transform()"},
+    {"previous_transforms", kArray, "the same in the previous frame, for the output motion"},
+    {"next_transforms", kArray, "the same in the next frame"},
+    {"exists", kArray, "(N, I) bool: whether a world has an instance"},
+    {"lights", "collections.abc.Sequence[LightHandle] | None = None",
+     "the L lights that the next four describe; required by them"},
+    {"light_position", kArray, "(N, L, 3), meters"},
+    {"light_direction", kArray, "(N, L, 3): from the light, of any length above 0"},
+    {"light_color", kArray, "(N, L, 3)"},
+    {"light_intensity", kArray, "(N, L): candela; lux for directional lights"},
+    {"environment_rotation", kArray, "(N,) degrees, in place of the option"},
+    {"environment_intensity", kArray, "(N,), in place of the option"},
+    {"camera_to_world", kArray, "(N, C, 4, 4) or (N, C, 3, 4): in place of the cameras' own poses"},
+    {"previous_camera_to_world", kArray, "the same in the previous frame"},
+    {"next_camera_to_world", kArray, "the same in the next frame"},
+    {"k", kArray, "(N, C, 3, 3): camera matrices for images of this size, in place of the fields of view"},
+    {"camera_instances", "collections.abc.Sequence[InstanceHandle | None] | None = None",
+     "the instance that each camera rides on; its pose is relative to that instance"},
+};
+
+}  // namespace
+
+Worlds worldsOf(nb::handle count, nb::handle cameras, nb::dict& keywords,
+                const std::function<Light(Handle<Light>)>& lightOf) {
+  Worlds worlds;
+  const int64_t n = integerOf(count, "count", 1, INT32_MAX);
+  worlds.count = static_cast<uint32_t>(n);
+  worlds.cameras = camerasOf(cameras, "cameras");
+  if (worlds.cameras.empty()) badValue("cameras must have at least one");
+  const auto take = [&](const char* name) { return nb::object(keywords.attr("pop")(name, nb::none())); };
+  worlds.instances = handlesOf<Instance>(take("instances"), "instances", "an InstanceHandle");
+  worlds.cameraInstances = mountsOf(take("camera_instances"), "camera_instances");
+  const auto i = static_cast<int64_t>(worlds.instances.size()), c = static_cast<int64_t>(worlds.cameras.size());
+  const auto ofInstances = [&](const char* name) {
+    const nb::object value = take(name);
+    if (!value.is_none() && i == 0) badValue("{} requires the list of instances that it describes: instances", name);
+    return transformsOf(value, name, n, i);
+  };
+  const auto ofCameras = [&](const char* name) { return transformsOf(take(name), name, n, c); };
+  worlds.transforms = ofInstances("transforms");
+  worlds.previousTransforms = ofInstances("previous_transforms");
+  worlds.nextTransforms = ofInstances("next_transforms");
+  const nb::object exists = take("exists");
+  if (!exists.is_none() && i == 0) badValue("exists requires the list of instances that it describes: instances");
+  worlds.exists = flagsOf(exists, "exists", n, i);
+  setLights(worlds, keywords, lightOf);
+  worlds.cameraToWorld = ofCameras("camera_to_world");
+  worlds.previousCameraToWorld = ofCameras("previous_camera_to_world");
+  worlds.nextCameraToWorld = ofCameras("next_camera_to_world");
+  worlds.intrinsics = intrinsicsOf(take("k"), "k", n, c);
+  return worlds;
+}
+
+std::string worldParameters() {
+  std::string text;
+  for (const WorldArgument& argument : kArguments) text += fmt::format(", {}: {}", argument.name, argument.type);
+  return text;
+}
+
+std::string worldDocs() {
+  std::string text;
+  for (const WorldArgument& argument : kArguments) text += fmt::format("\n{}: {}", argument.name, argument.docs);
+  return text;
+}
+
+}  // namespace latelight::python

@@ -1,0 +1,118 @@
+"""Worlds: each one's images are those of the scene edited to its state."""
+
+import latelight
+import numpy as np
+import pytest
+
+SIZE = (24, 16)
+OUTPUTS = ("rgba", "depth", "id")
+CORNERS = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)  # a square that faces +Z
+TRIANGLES = [[0, 1, 2], [0, 2, 3]]
+
+
+@pytest.fixture(scope="module")
+def scene():
+    made = latelight.Scene()
+    square = made.add_mesh(CORNERS, TRIANGLES)
+    for x, color in ((-1, (1, 0, 0)), (1, (0, 1, 0))):
+        paint = made.add_material(latelight.Material(emissive=color, unlit=True))
+        made.add_instance(square, paint, at(x))
+    return made
+
+
+@pytest.fixture(scope="module")
+def worlds_renderer(scene):
+    return latelight.Renderer(scene)
+
+
+@pytest.fixture
+def camera():
+    return latelight.Camera.look_at((0, 0, 4), (0, 0, 0))
+
+
+def at(x, y=0.0, z=0.0):
+    matrix = np.eye(4)
+    matrix[:3, 3] = x, y, z
+    return matrix
+
+
+def test_move_instances(scene, worlds_renderer, camera):
+    red, green = scene.instances()
+    transforms = np.array([[at(-1), at(1)], [at(-0.5, 1), at(0.25, -1, 1)]], np.float32)[:, :, :3]
+    exists = np.array([[True, True], [True, False]])
+    given = {"instances": [red, green], "transforms": transforms, "exists": exists}
+    frames = worlds_renderer.render_worlds(2, camera, SIZE, OUTPUTS, **given)
+    assert len(frames) == 2 and frames.invalid_worlds == ()
+    assert frames["depth"].shape == (2, 1, 16, 24) and frames["rgba"].shape == (2, 1, 16, 24, 4)
+    expected = worlds_renderer.render(camera, SIZE, OUTPUTS)
+    for name in OUTPUTS:
+        np.testing.assert_array_equal(frames[0][0][name], expected[name])
+    ids = set(np.unique(frames[1][0]["id"]))
+    assert ids == {0, scene.instance(red).id}
+    arrays = worlds_renderer.render_worlds(2, camera, SIZE, OUTPUTS, **given, on_device=True)
+    for name in OUTPUTS:
+        assert arrays[name].shape == frames[name].shape
+        if arrays[name].device == "cpu":
+            np.testing.assert_array_equal(arrays[name].numpy(), frames[name])
+
+
+def test_cameras_have_poses_and_matrices(worlds_renderer, camera):
+    poses = np.stack([[latelight.Camera.look_at((x, 1, 4), (0, 0, 0)).camera_to_world] for x in (-1.0, 0.5, 2.0)])
+    k = np.tile([[20.0, 0, 11], [0, 20, 9], [0, 0, 1]], (3, 1, 1, 1))
+    frames = worlds_renderer.render_worlds(3, [camera], SIZE, OUTPUTS, camera_to_world=poses, k=k)
+    for world in range(3):
+        expected = worlds_renderer.render(latelight.Camera.from_k(k[world, 0], poses[world, 0], SIZE), SIZE, OUTPUTS)
+        for name in OUTPUTS:
+            np.testing.assert_allclose(frames[world][0][name], expected[name], rtol=1e-5)
+
+
+def test_nan_spoils_only_its_world(scene, worlds_renderer, camera):
+    transforms = np.tile(at(-1), (3, 1, 1, 1))
+    transforms[1, 0, 0, 3] = np.nan
+    moved = scene.instances()[:1]
+    frames = worlds_renderer.submit_worlds(3, camera, SIZE, "id", instances=moved, transforms=transforms).take()
+    assert frames.invalid_worlds == (1,)
+    assert not frames[1][0]["id"].any()
+    np.testing.assert_array_equal(frames[0][0]["id"], frames[2][0]["id"])
+    assert frames[0][0]["id"].any()
+
+
+def test_lights_and_environment(camera):
+    scene = latelight.Scene()
+    square = scene.add_mesh(CORNERS, TRIANGLES)
+    scene.add_instance(square, scene.add_material(latelight.Material(metallic=0)))
+    lamp = scene.add_light(latelight.Light(position=(0, 0, 2), intensity=4))
+    renderer = latelight.Renderer(scene, environment="studio")
+    frames = renderer.render_worlds(
+        2, camera, SIZE, "color", lights=[lamp], light_position=[[(0, 0, 2)], [(0.5, 0, 1)]],
+        light_intensity=[[4], [2]], environment_intensity=[0, 1], environment_rotation=[0, 90],
+    )
+    for world, (position, intensity, options) in enumerate(
+        [((0, 0, 2), 4, {"environment_intensity": 0}), ((0.5, 0, 1), 2, {"environment_rotation": 90})]
+    ):
+        scene.set_light(lamp, latelight.Light(position=position, intensity=intensity))
+        expected = renderer.render(camera, SIZE, "color", **options)["color"]
+        np.testing.assert_array_equal(frames[world][0]["color"], expected)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "sentence"),
+    [
+        ({"transforms": np.zeros((3, 1, 4, 4))}, latelight.UsageError, "transforms must"),
+        ({"transforms": np.zeros((2, 1, 2, 4))}, latelight.UsageError, "matrices of 3 or 4 rows, not of 2"),
+        ({"transforms": "here"}, latelight.ArgumentTypeError, "transforms must"),
+        ({"exists": np.ones((2, 1))}, latelight.ArgumentTypeError, "exists must be an array of bool, not of float64"),
+        ({"exists": np.ones((2, 2), bool)}, latelight.UsageError, "exists must"),
+        ({"camera_instances": [1]}, latelight.ArgumentTypeError, "an InstanceHandle or None"),
+        ({"k": np.zeros((2, 1, 3, 3))}, latelight.UsageError, "last row 0 0 1"),
+        ({"instances": None, "exists": np.ones((2, 1), bool)}, latelight.UsageError, "requires the list of instances"),
+        ({"light_color": np.zeros((2, 1, 3))}, latelight.UsageError, "requires the list of lights"),
+        ({"environment_intensity": [1, 2, 3]}, latelight.UsageError, "environment_intensity must"),
+        ({"environment_intensity": [1, -2]}, latelight.UsageError, "at least 0, not -2"),
+        ({"transfroms": 1}, latelight.ArgumentTypeError, "transfroms"),
+    ],
+)
+def test_wrong_arrays_are_refused(scene, worlds_renderer, camera, arguments, error, sentence):
+    arguments = {"instances": scene.instances()[:1], **arguments}
+    with pytest.raises(error, match=sentence):
+        worlds_renderer.render_worlds(2, camera, SIZE, **arguments)
