@@ -219,6 +219,39 @@ TEST_F(WorldsTest, TechniquesThatDrawAreThoseOfTheEditedScene) {
   }
 }
 
+// A ball moves between a lamp and a floor, which alone determines the bounds of the scene: the lamp's shadow maps have
+// the same place in all worlds and without any.
+TEST_P(WorldsWith, LeaveNoShadowBehind) {
+  scene::builtin::SceneBuilder builder("ball");
+  builder.scene.meshes = {sphereMesh(0.5f), squareMesh()};
+  builder.scene.materials = {scene::builtin::plainMaterial("m", glm::vec3(0.8f), 0, 1)};
+  builder.addInstance("ball", builder.kRoot, 0, 0);
+  const glm::mat4 flat =
+      glm::rotate(glm::translate(glm::mat4(1), glm::vec3(0, -1, 0)), -1.5707964f, glm::vec3(1, 0, 0));
+  builder.addInstance("floor", builder.kRoot, 1, 0, glm::scale(flat, glm::vec3(6)));
+  builder.addInstance("ceiling", builder.kRoot, 1, 0,
+                      glm::scale(glm::translate(flat, glm::vec3(0, 0, 4)), glm::vec3(6)));
+  scene::Light lamp;
+  lamp.name = "lamp";
+  lamp.position = {0, 0, 1.5};
+  lamp.intensity = 20;
+  builder.scene.lights = {lamp};
+  Settings settings = settingsWith(GetParam());
+  settings.aovs = {Aov::Color};
+  settings.shadowAtlas = 256;
+  scene::Camera camera = frontPerspective(1.2f, 5);
+  camera.toWorld = glm::translate(dmat4(1), dvec3(0, 0, 0.8)) * camera.toWorld;
+  Renderer renderer(device(), builder.scene, nullptr);
+  SceneState state;
+  state.worlds = {.count = 1, .instances = {0}};
+  state.worlds.transforms = {glm::translate(builder.scene.instances[0].toWorld, dvec3(1.2, 0.3, 0))};
+  const output::FrameOutput moved = renderer.submit({&camera, 1}, settings, state).take().frames.front();
+  const output::FrameOutput after = renderer.submit({&camera, 1}, settings).take().frames.front();
+  EXPECT_FALSE(sameBits(imageOf(moved, Aov::Color).values, imageOf(after, Aov::Color).values));
+  Renderer other(device(), builder.scene, nullptr);
+  expectSame(after, other.submit({&camera, 1}, settings).take().frames.front());
+}
+
 // --- motion ----------------------------------------------------------------------------------------------------------
 
 // A square that fills the picture and moved by a different distance in each world: an orthographic camera shows

@@ -58,8 +58,8 @@ FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, ShadowPlan
   number(scene.lightCount());
   enterMaps();
   // The rounding of the graphics pipeline depends on the position in the atlas, so cached maps would depend on earlier
-  // frames. Worlds usually change from frame to frame.
-  if (inCompute_ && !scene.hasWorlds())
+  // frames.
+  if (inCompute_)
     kept.follow(scene);
   else
     kept.forget();

@@ -65,6 +65,7 @@ std::vector<Sphere> ShadowMapCache::changedCasters(const GpuScene& scene) {
 }
 
 void ShadowMapCache::follow(const GpuScene& scene) {
+  if (const bool had = std::exchange(hadWorlds_, scene.hasWorlds()); had || hadWorlds_) forget();
   if (const uint64_t now = scene.materials().revision(); std::exchange(materials_, now) != now) forget();
   if (std::exchange(origin_, scene.origin()) != scene.origin()) forget();
   const uint64_t instances = scene.instances().revision(), shapes = scene.geometry().revision();

@@ -34,7 +34,8 @@ class ShadowMapCache {
     const ShadowView* view;
   };
 
-  // Drops the maps that changes to the scene have invalidated.
+  // Drops the maps that changes to the scene have invalidated. Worlds usually change in every frame, so they drop all
+  // maps, as does the first frame without worlds after them.
   void follow(const GpuScene& scene);
   void forget();  // drops all maps
 
@@ -67,7 +68,8 @@ class ShadowMapCache {
   uint64_t frame_ = 0;
   uint32_t oversizedFrames_ = 0;  // consecutive frames for which the atlas was much too large
   std::vector<Caster> casters_;
-  glm::dvec3 origin_{0};                                 // of the positions in casters_
+  glm::dvec3 origin_{0};  // of the positions in casters_
+  bool hadWorlds_ = false;
   uint64_t instances_ = 0, shapes_ = 0, materials_ = 0;  // revisions of the scene that the maps represent
 };
 
