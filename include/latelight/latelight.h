@@ -402,16 +402,26 @@ struct Options {
   bool continues = false;                            // true in a sequence: this frame follows the last rendered one
 };
 
+// Factors that multiply a material's textures, in place of those of Material.
+struct MaterialFactors {
+  std::array<float, 4> baseColor{1, 1, 1, 1};
+  float metallic = 1, roughness = 1;
+  std::array<float, 3> emissive{0, 0, 0};
+};
+
 // The state of many worlds of one scene (docs/worlds.md), for Renderer::submit(). Lists hold the values world by world.
 // A list that is empty leaves the scene's values, which all worlds share.
 struct Worlds {
   uint32_t count = 0;  // number of worlds, at least 1
 
-  std::vector<Handle<Instance>> instances;  // those that the next four lists describe; empty: Scene::instances()
+  std::vector<Handle<Instance>> instances;  // those that the lists below describe; empty: Scene::instances()
   std::vector<Transform> transforms;        // count x instances, as Scene::setTransform() sets them
   std::vector<Transform> previousTransforms, nextTransforms;  // in the previous and the next frame, for motion;
                                                               // require `transforms`
   std::vector<uint8_t> exists;  // count x instances; 0: the world does not have the instance
+
+  std::vector<Handle<Material>> materials;  // count x instances: the material of each instance
+  std::vector<MaterialFactors> factors;     // count x instances: in place of the factors of that material
 
   std::vector<Handle<Light>> lights;  // those that `lightValues` describes
   std::vector<Light> lightValues;     // count x lights, as Scene::setLight() sets them

@@ -27,6 +27,12 @@ bool isFinite(const Light& light) {
          std::ranges::all_of(light.color, finite) && finite(light.intensity);
 }
 
+bool isFinite(const MaterialFactors& factors) {
+  const auto finite = [](double value) { return std::isfinite(value); };
+  return std::ranges::all_of(factors.baseColor, finite) && std::ranges::all_of(factors.emissive, finite) &&
+         finite(factors.metallic) && finite(factors.roughness);
+}
+
 // `elements`: each world has a value per element, or a single one if it is empty.
 void checkCount(size_t has, size_t worlds, size_t each, const char* list, std::string_view elements) {
   if (has == worlds * each || (has == 0 && each != 0)) return;
@@ -48,10 +54,11 @@ struct Scene::Impl::WorldConverter {
   void check() const;
   void listInstances();
   void findInvalid();
+  void convertMaterials() const;
   void convertLights() const;
   std::vector<glm::dmat4> transformsOf(const std::vector<Transform>& values) const;
-  glm::dmat4 frameOf(Handle<Instance> instance, uint32_t world, const std::vector<glm::dmat4>& transforms,
-                     const scene::Pose& pose) const;
+  glm::dmat4 frameOf(uint32_t instance, uint32_t world, const std::vector<glm::dmat4>& transforms,
+                     const std::vector<glm::dmat4>& scenes) const;
   std::vector<scene::Camera> camerasAt(const std::vector<Transform>& poses, const std::vector<glm::dmat4>& transforms,
                                        const scene::Pose& pose) const;
 };
@@ -64,6 +71,8 @@ void Scene::Impl::WorldConverter::check() const {
   checkCount(from.previousTransforms.size(), from.count, instances, "previousTransforms", "instance");
   checkCount(from.nextTransforms.size(), from.count, instances, "nextTransforms", "instance");
   checkCount(from.exists.size(), from.count, instances, "exists", "instance");
+  checkCount(from.materials.size(), from.count, instances, "materials", "instance");
+  checkCount(from.factors.size(), from.count, instances, "factors", "instance");
   checkCount(from.lightValues.size(), from.count, from.lights.size(), "lightValues", "light");
   checkCount(from.environmentRotation.size(), from.count, 1, "environmentRotation", "");
   checkCount(from.environmentIntensity.size(), from.count, 1, "environmentIntensity", "");
@@ -101,6 +110,8 @@ void Scene::Impl::WorldConverter::findInvalid() {
   for (const auto* values : {&from.transforms, &from.previousTransforms, &from.nextTransforms, &from.cameraToWorld,
                              &from.previousCameraToWorld, &from.nextCameraToWorld})
     mark(*values);
+  for (size_t i = 0; i < from.factors.size(); ++i)
+    if (!isFinite(from.factors[i])) invalid[i / to.instances.size()] = 1;
   for (size_t i = 0; i < from.lightValues.size(); ++i)
     if (!isFinite(from.lightValues[i])) invalid[i / from.lights.size()] = 1;
   for (size_t world = 0; world < from.environmentRotation.size(); ++world)
@@ -110,6 +121,30 @@ void Scene::Impl::WorldConverter::findInvalid() {
   for (size_t i = 0; i < from.intrinsics.size(); ++i)
     if (!std::ranges::all_of(from.intrinsics[i], [](double value) { return std::isfinite(value); }))
       invalid[i / from.cameras.size()] = 1;
+}
+
+void Scene::Impl::WorldConverter::convertMaterials() const {
+  for (const Handle<Material>& material : from.materials) to.materials.push_back(scene.index(material));
+  for (size_t i = 0; i < from.factors.size(); ++i) {
+    const MaterialFactors values = invalid[i / to.instances.size()] ? MaterialFactors{} : from.factors[i];
+    const auto [r, g, b, alpha] = values.baseColor;
+    const auto [x, y, z] = values.emissive;
+    scene::Material checked{.name = "Worlds::factors"};
+    checked.data =
+        scene.scene
+            .materials[to.materials.empty() ? scene.scene.instances[to.instances[i % to.instances.size()]].material
+                                            : to.materials[i]]
+            .data;
+    checked.data.baseColor = {r, g, b, alpha};
+    checked.data.emissive = {x, y, z};
+    checked.data.metallic = values.metallic;
+    checked.data.roughness = values.roughness;
+    scene::checkMaterial(scene.scene, checked);
+    to.factors.push_back({.baseColor = checked.data.baseColor,
+                          .emissive = checked.data.emissive,
+                          .metallic = values.metallic,
+                          .roughness = values.roughness});
+  }
 }
 
 void Scene::Impl::WorldConverter::convertLights() const {
@@ -143,13 +178,14 @@ std::vector<glm::dmat4> Scene::Impl::WorldConverter::transformsOf(const std::vec
   return transforms;
 }
 
-// Returns the instance's frame in a world, without scale, in the renderer's world space.
-glm::dmat4 Scene::Impl::WorldConverter::frameOf(Handle<Instance> instance, uint32_t world,
+// Returns the instance's frame in a world, without scale, in the renderer's world space. `scenes`: the transforms of
+// the scene's instances.
+glm::dmat4 Scene::Impl::WorldConverter::frameOf(uint32_t instance, uint32_t world,
                                                 const std::vector<glm::dmat4>& transforms,
-                                                const scene::Pose& pose) const {
-  const uint32_t index = scene.index(instance), place = placeOf[index];
-  glm::dmat4 frame = place != ~0u && !transforms.empty() ? transforms[size_t{world} * to.instances.size() + place]
-                                                         : scene::instanceTransforms(scene.scene, pose)[index];
+                                                const std::vector<glm::dmat4>& scenes) const {
+  const uint32_t place = placeOf[instance];
+  const bool own = place != ~0u && !transforms.empty();
+  glm::dmat4 frame = own ? transforms[size_t{world} * to.instances.size() + place] : scenes[instance];
   for (int i = 0; i < 3; ++i) {
     const double length = glm::length(glm::dvec3(frame[i]));
     if (!(length > 0)) badUsage("a camera rides on an instance whose transform has an axis of length 0");
@@ -165,6 +201,8 @@ std::vector<scene::Camera> Scene::Impl::WorldConverter::camerasAt(const std::vec
                                                                   const scene::Pose& pose) const {
   std::vector<scene::Camera> cameras;
   const size_t each = from.cameras.size();
+  std::vector<glm::dmat4> scenes;  // transforms of the scene's instances
+  if (!from.cameraInstances.empty()) scenes = scene::instanceTransforms(scene.scene, pose);
   for (size_t i = 0; i < from.count * each; ++i) {
     const auto world = static_cast<uint32_t>(i / each);
     Camera camera = from.cameras[i % each];
@@ -179,7 +217,7 @@ std::vector<scene::Camera> Scene::Impl::WorldConverter::camerasAt(const std::vec
     if (rides) {
       // The pose relative to the instance's frame, in the renderer's axes.
       const glm::dmat4 relative = glm::inverse(scene::worldFromFile(scene.scene)) * internal.toWorld;
-      internal.toWorld = frameOf(*from.cameraInstances[i % each], world, transforms, pose) * relative;
+      internal.toWorld = frameOf(scene.index(*from.cameraInstances[i % each]), world, transforms, scenes) * relative;
     }
     internal.world = world;
     cameras.push_back(std::move(internal));
@@ -198,6 +236,7 @@ WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& 
   to.previous = converter.transformsOf(worlds.previousTransforms);
   to.next = converter.transformsOf(worlds.nextTransforms);
   to.exists = worlds.exists;
+  converter.convertMaterials();
   converter.convertLights();
   to.empty = converter.invalid;
   const auto orNow = [](const auto& values, const auto& now) -> const auto& {
@@ -206,10 +245,13 @@ WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& 
   const render::Poses& poses = state.poses;
   WorldCameras result;
   result.cameras = converter.camerasAt(worlds.cameraToWorld, to.transforms, poses.current);
-  state.previousCameras = converter.camerasAt(orNow(worlds.previousCameraToWorld, worlds.cameraToWorld),
-                                              orNow(to.previous, to.transforms), poses.previous);
-  state.nextCameras = converter.camerasAt(orNow(worlds.nextCameraToWorld, worlds.cameraToWorld),
-                                          orNow(to.next, to.transforms), poses.next);
+  // Otherwise the cameras do not move.
+  if (!worlds.previousCameraToWorld.empty() || !worlds.cameraInstances.empty())
+    state.previousCameras = converter.camerasAt(orNow(worlds.previousCameraToWorld, worlds.cameraToWorld),
+                                                orNow(to.previous, to.transforms), poses.previous);
+  if (!worlds.nextCameraToWorld.empty() || !worlds.cameraInstances.empty())
+    state.nextCameras = converter.camerasAt(orNow(worlds.nextCameraToWorld, worlds.cameraToWorld),
+                                            orNow(to.next, to.transforms), poses.next);
   for (uint32_t world = 0; world < worlds.count; ++world)
     if (converter.invalid[world]) result.invalid.push_back(world);
   if (!result.invalid.empty())

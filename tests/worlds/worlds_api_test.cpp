@@ -33,7 +33,7 @@ struct Squares {
     green = scene.addInstance(square, material("green", {0, 1, 0}), placed(1, 0, 0));
   }
   Handle<Material> material(const char* name, std::array<float, 3> color) {
-    return scene.addMaterial({.name = name, .emissive = color, .unlit = true});
+    return scene.addMaterial({.name = name, .baseColor = {color[0], color[1], color[2], 1}, .unlit = true});
   }
 };
 
@@ -125,6 +125,31 @@ TEST(WorldsApi, CamerasRideOnInstances) {
   expectSame(frames[1], renderer.render(camera, small()));
 }
 
+TEST(WorldsApi, ChooseMaterialsAndFactors) {
+  Squares made;
+  Renderer renderer(made.scene, testDevice());
+  const Handle<Material> blue = made.material("blue", {0, 0, 1});
+  const Handle<Material> red = made.scene.instance(made.red).material;
+  Worlds worlds{.count = 2, .instances = {made.red}};
+  worlds.cameras = {front()};
+  worlds.materials = {blue, red};
+  const std::vector<Frame> chosen = renderer.render(worlds, small());
+  expectSame(chosen[1], renderer.render(front(), small()));
+  made.scene.assignMaterial(made.red, blue);
+  expectSame(chosen[0], renderer.render(front(), small()));
+  // The base color is the color of an unlit material.
+  worlds.materials.clear();
+  worlds.factors = {{.baseColor = {1, 1, 0, 1}}, {.baseColor = {0, 1, 1, 1}}};
+  const std::vector<Frame> colored = renderer.render(worlds, small());
+  for (size_t world = 0; world < 2; ++world) {
+    Material material = made.scene.material(blue);
+    material.baseColor = worlds.factors[world].baseColor;
+    made.scene.setMaterial(blue, material);
+    expectSame(colored[world], renderer.render(front(), small()));
+  }
+  EXPECT_NE(colored[0].rgba, colored[1].rgba);
+}
+
 TEST(WorldsApi, ValuesThatAreNotFiniteAffectOnlyTheirWorld) {
   Squares made;
   Renderer renderer(made.scene, testDevice());
@@ -156,6 +181,9 @@ TEST(WorldsApi, RejectWrongLists) {
   EXPECT_THAT(refused([](Worlds& w) { w.cameras.clear(); }), HasSubstr("at least one camera"));
   EXPECT_THAT(refused([](Worlds& w) { w.transforms.resize(3); }),
               HasSubstr("Worlds::transforms must have 2 values, one per world and instance, and has 3"));
+  EXPECT_THAT(refused([](Worlds& w) { w.factors.assign(2, {.roughness = 2}); }), HasSubstr("roughness"));
+  EXPECT_THAT(refused([](Worlds& w) { w.lightValues.resize(2); }), HasSubstr("Worlds::lightValues must have 0 values"));
+  EXPECT_THAT(refused([](Worlds& w) { w.environmentIntensity = {1, -1}; }), HasSubstr("at least 0, not -1"));
   EXPECT_THAT(refused([](Worlds& w) { w.exists = {1}; }), HasSubstr("Worlds::exists must have 2 values"));
   EXPECT_THAT(refused([](Worlds& w) { w.cameraToWorld.resize(1); }), HasSubstr("one per world and camera"));
   EXPECT_THAT(refused([](Worlds& w) { w.previousTransforms.resize(2); }), HasSubstr("require transforms"));

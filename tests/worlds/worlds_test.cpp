@@ -91,6 +91,39 @@ void addRandomLights(const scene::Scene& scene, WorldStates& worlds) {
   }
 }
 
+// Adds random materials of the scene, and random factors.
+void addRandomMaterials(const scene::Scene& scene, WorldStates& worlds) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> share(0.1f, 1.0f);
+  for (size_t i = 0; i < worlds.count * worlds.instances.size(); ++i) {
+    worlds.materials.push_back(static_cast<uint32_t>(random() % scene.materials.size()));
+    worlds.factors.push_back({.baseColor = {share(random), share(random), share(random), share(random)},
+                              .emissive = glm::vec3(0, share(random), 0),
+                              .metallic = share(random),
+                              .roughness = share(random)});
+  }
+}
+
+// Gives each listed instance a material of its own, with the id of the material that the world chooses.
+void setMaterials(scene::Scene& scene, const WorldStates& worlds, uint32_t world, size_t own) {
+  const size_t listed = worlds.instances.size();
+  for (size_t i = 0; i < listed; ++i) {
+    scene::Material material = scene.materials[worlds.materials[world * listed + i]];
+    const MaterialFactors& factors = worlds.factors[world * listed + i];
+    const uint32_t id = material.data.id;
+    material.data.baseColor = factors.baseColor;
+    material.data.emissive = factors.emissive;
+    material.data.metallic = factors.metallic;
+    material.data.roughness = factors.roughness;
+    if (own + i < scene.materials.size())
+      scene::setMaterial(scene, static_cast<uint32_t>(own + i), material);
+    else
+      scene::addMaterial(scene, material);
+    scene.materials[own + i].data.id = id;
+    scene::setMaterialOf(scene, worlds.instances[i], static_cast<uint32_t>(own + i));
+  }
+}
+
 // Edits the scene to the state of a world.
 void become(scene::Scene& scene, const WorldStates& worlds, uint32_t world) {
   for (size_t i = 0; i < worlds.lights.size(); ++i)
@@ -105,8 +138,8 @@ void become(scene::Scene& scene, const WorldStates& worlds, uint32_t world) {
 class WorldsTest : public RenderTest {
  protected:
   // Renders two cameras per world, all worlds at once, and compares each with the edited scene.
-  static void compare(const std::string& source, Settings settings, const SceneState& moment = {},
-                      bool lights = false) {
+  static void compare(const std::string& source, Settings settings, const SceneState& moment = {}, bool lights = false,
+                      bool materials = false) {
     scene::Scene scene = scene::load(source), edited = scene::load(source);
     const scene::Environment studio = scene::loadEnvironment("studio");
     const bool environment = scene.lights.empty();
@@ -114,6 +147,8 @@ class WorldsTest : public RenderTest {
     SceneState state = moment;
     state.worlds = randomWorlds(scene, moment.poses.current.empty());
     if (lights) addRandomLights(scene, state.worlds);
+    if (materials) addRandomMaterials(scene, state.worlds);
+    const size_t materialCount = scene.materials.size();
     if (lights && environment) {
       state.worlds.environmentRotation = {0.3f, -1.2f, 2.5f};
       state.worlds.environmentIntensity = {0.4f, 1.0f, 0.0f};
@@ -131,6 +166,7 @@ class WorldsTest : public RenderTest {
     Renderer alone(device(), edited, environment ? &studio : nullptr);
     for (uint32_t world = 0; world < kWorlds; ++world) {
       become(edited, state.worlds, world);
+      if (materials) setMaterials(edited, state.worlds, world, materialCount);
       for (uint32_t i = 0; i < 2; ++i) {
         SCOPED_TRACE(fmt::format("{}, world {}, camera {}", source, world, i));
         scene::Camera camera = cameras[2 * world + i];
@@ -188,6 +224,16 @@ TEST_P(WorldsWith, HaveTheirOwnEnvironment) {
   Settings settings = settingsWith(GetParam());
   settings.background.kind = Background::Environment;
   compare(model("blended.glb"), settings, {}, true);
+}
+
+// Opaque, masked and blended instances change places.
+TEST_P(WorldsWith, HaveTheirOwnMaterials) {
+  compare(model("blended.glb"), settingsWith(GetParam()), {}, false, true);
+  Settings settings = settingsWith(GetParam());
+  settings.dataSurfaces = DataSurfaces::Any;
+  settings.lighting = &findTechnique("forward");
+  settings.raster = Raster::Hardware;
+  if (GetParam() == Raster::Hardware) compare(model("textured.glb"), settings, {}, true, true);
 }
 
 // Poses deform the worm and its bounds; worlds move its instance in addition.

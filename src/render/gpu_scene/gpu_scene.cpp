@@ -84,7 +84,9 @@ void GpuScene::countLights() {
 void GpuScene::setWorlds(const WorldStates& worlds, const Poses& poses) {
   if (worlds.count == 0) {
     worlds_.clear();
+    materials_.setVariants(uploads_, {});
   } else {
+    materials_.setVariants(uploads_, variantsOf(worlds, scene_));
     worlds_.update(uploads_, scene_, instances_, worlds, poses, posed_ ? deformer_.get() : nullptr);
     worlds_.updateLights(uploads_, worlds, worlds.lightValues.empty() ? std::vector<scene::Light>{} : lightsIn(poses),
                          origin());

@@ -24,13 +24,14 @@ std::vector<std::vector<vk::Binding>> GpuMaterials::setBindings(const vk::Device
 }
 
 MaterialSets GpuMaterials::sets(uint32_t material) const {
-  return {{textures_.sets().set(material), uniformSet_}, static_cast<uint32_t>(material * uniformStride_)};
+  return {{textures_.sets().set(baseOf(material)), uniformSet_}, static_cast<uint32_t>(material * uniformStride_)};
 }
 
 void GpuMaterials::update(vk::Uploader& uploader, std::span<const uint32_t> textures,
                           std::span<const uint32_t> changed) {
   textures_.update(uploader, textures, changed);
   const std::vector<uint32_t> followers = opacity_.updateTextures(textures);
+  variants_.clear();
   records_.resize(scene_.materials.size());
   std::vector<uint32_t> all;
   std::ranges::set_union(changed, followers, std::back_inserter(all));
@@ -51,15 +52,39 @@ void GpuMaterials::pose(vk::Uploader& uploader, const std::map<uint32_t, shared:
     setRecord(material, data);
     if (std::memcmp(&before, &records_[material], sizeof(before)) != 0) changed.push_back(material);
   };
-  for (const uint32_t material : posed_)
+  for (const auto& [material, data] : posed_)
     if (!posed.contains(material)) set(material, scene_.materials[material].data);
-  posed_.clear();
-  for (const auto& [material, data] : posed) {
-    set(material, data);
-    posed_.push_back(material);
-  }
+  for (const auto& [material, data] : posed) set(material, data);
+  posed_ = posed;
   std::ranges::sort(changed);
   if (!changed.empty()) uploadRecords(uploader, changed);
+}
+
+void GpuMaterials::setVariants(vk::Uploader& uploader, std::vector<Variant> variants) {
+  const size_t first = scene_.materials.size();
+  if (variants.empty() && variants_.empty()) return;
+  variants_ = std::move(variants);
+  records_.resize(first + variants_.size());
+  std::vector<uint32_t> changed;
+  for (size_t i = 0; i < variants_.size(); ++i) {
+    const auto& [base, factors] = variants_[i];
+    const auto posed = posed_.find(base);
+    shared::Material data = posed != posed_.end() ? posed->second : scene_.materials[base].data;
+    data.baseColor = factors.baseColor;
+    data.emissive = factors.emissive;
+    data.metallic = factors.metallic;
+    data.roughness = factors.roughness;
+    const auto index = static_cast<uint32_t>(first + i);
+    const shared::Material before = records_[index];
+    setRecord(index, data);
+    if (std::memcmp(&before, &records_[index], sizeof(before)) != 0) changed.push_back(index);
+  }
+  if (!changed.empty()) uploadRecords(uploader, changed);
+}
+
+uint32_t GpuMaterials::baseOf(uint32_t material) const {
+  const size_t count = scene_.materials.size();
+  return material < count ? material : variants_[material - count].base;
 }
 
 namespace {
@@ -77,9 +102,10 @@ bool hasPlainUv(const shared::Material& material) {
 
 void GpuMaterials::setRecord(uint32_t material, const shared::Material& data) {
   shared::Material& record = records_[material] = data;
-  std::ranges::copy(textures_.indices(material), record.images);
+  const uint32_t base = baseOf(material);
+  std::ranges::copy(textures_.indices(base), record.images);
   record.flags |= scene::layerFlags(record);
-  if ((record.flags & shared::kMaterialBlended) && opacity_.isOpaque(material, record))
+  if ((record.flags & shared::kMaterialBlended) && opacity_.isOpaque(base, record))
     record.flags &= ~shared::kMaterialBlended;
   if (hasPlainUv(record)) record.flags |= shared::kMaterialPlainUv;
   textureSlots_ |= record.textures;

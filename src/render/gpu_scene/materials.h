@@ -22,6 +22,13 @@ struct MaterialSets {
   uint32_t offset;
 };
 
+// Factors that multiply a material's textures (glTF 2.0, section 3.9.2).
+struct MaterialFactors {
+  glm::vec4 baseColor{1};
+  glm::vec3 emissive{0};
+  float metallic = 1, roughness = 1;
+};
+
 class GpuMaterials {
  public:
   GpuMaterials(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
@@ -31,6 +38,13 @@ class GpuMaterials {
   void updateOpacity(vk::Uploader& uploader, std::span<const uint32_t> meshes);
   // Replaces the scene's records of these materials, by index, until the next call.
   void pose(vk::Uploader& uploader, const std::map<uint32_t, shared::Material>& posed);
+  // Adds materials that differ from the scene's only in factors, for worlds. Their indices follow those of the scene's
+  // materials, in this order, until the next call.
+  struct Variant {
+    uint32_t base;  // material of the scene
+    MaterialFactors factors;
+  };
+  void setVariants(vk::Uploader& uploader, std::vector<Variant> variants);
   void setAnisotropy(vk::Uploader& uploader, uint32_t samples) { textures_.setAnisotropy(uploader, samples); }
 
   const shared::Material& record(uint32_t material) const { return records_[material]; }
@@ -49,6 +63,7 @@ class GpuMaterials {
 
  private:
   void setRecord(uint32_t material, const shared::Material& data);
+  uint32_t baseOf(uint32_t material) const;  // the scene's material whose textures it has
   void uploadRecords(vk::Uploader& uploader, std::span<const uint32_t> changed);
   void uploadUniforms(vk::Uploader& uploader, std::span<const uint32_t> changed);
   void makeUniformSet();
@@ -58,7 +73,8 @@ class GpuMaterials {
   GpuTextures textures_;
   Opacity opacity_;
   std::vector<shared::Material> records_;
-  std::vector<uint32_t> posed_;  // materials whose records are not the scene's
+  std::map<uint32_t, shared::Material> posed_;  // records that are not the scene's
+  std::vector<Variant> variants_;
   GpuList<shared::Material> list_;
   vk::Buffer uniforms_;  // the records, each at a multiple of uniformStride_
   VkDeviceSize uniformStride_ = 0;

@@ -20,6 +20,7 @@ size_t worldsPerTask(size_t instances) {
 struct WorldState {
   std::vector<glm::dmat4> transforms;
   std::vector<uint8_t> exists;
+  std::vector<uint32_t> materials;  // indices of GpuMaterials
 };
 
 // Replaces the listed instances' transforms by those of a world.
@@ -30,17 +31,33 @@ void moveTo(std::vector<glm::dmat4>& transforms, const WorldStates& worlds, cons
   for (size_t i = 0; i < listed; ++i) transforms[worlds.instances[i]] = values[world * listed + i];
 }
 
-WorldState stateOf(const WorldStates& worlds, uint32_t world, const std::vector<glm::dmat4>& transforms) {
-  WorldState state{transforms, std::vector<uint8_t>(transforms.size(), 1)};
+WorldState stateOf(const WorldStates& worlds, uint32_t world, const scene::Scene& scene,
+                   const std::vector<glm::dmat4>& transforms) {
+  WorldState state{transforms, std::vector<uint8_t>(transforms.size(), 1), {}};
+  for (const scene::Instance& instance : scene.instances) state.materials.push_back(instance.material);
   moveTo(state.transforms, worlds, worlds.transforms, world);
   const size_t listed = worlds.instances.size();
   for (size_t i = 0; !worlds.exists.empty() && i < listed; ++i)
     state.exists[worlds.instances[i]] = worlds.exists[world * listed + i];
+  for (size_t i = 0; !worlds.materials.empty() && i < listed; ++i)
+    state.materials[worlds.instances[i]] = worlds.materials[world * listed + i];
+  for (size_t i = 0; !worlds.factors.empty() && i < listed; ++i)
+    state.materials[worlds.instances[i]] = static_cast<uint32_t>(scene.materials.size() + world * listed + i);
   if (!worlds.empty.empty() && worlds.empty[world]) std::ranges::fill(state.exists, uint8_t{0});
   return state;
 }
 
 }  // namespace
+
+std::vector<GpuMaterials::Variant> variantsOf(const WorldStates& worlds, const scene::Scene& scene) {
+  std::vector<GpuMaterials::Variant> variants;
+  const size_t listed = worlds.instances.size();
+  for (size_t i = 0; i < worlds.factors.size(); ++i) {
+    const uint32_t own = scene.instances[worlds.instances[i % listed]].material;
+    variants.push_back({worlds.materials.empty() ? own : worlds.materials[i], worlds.factors[i]});
+  }
+  return variants;
+}
 
 void GpuWorlds::update(vk::Uploader& uploader, const scene::Scene& scene, const GpuInstances& instances,
                        const WorldStates& worlds, const Poses& poses, const Deformer* deformer) {
@@ -59,12 +76,14 @@ void GpuWorlds::update(vk::Uploader& uploader, const scene::Scene& scene, const 
       include(all, sphere);
   };
   const auto place = [&](uint32_t world) {
-    const WorldState state = stateOf(worlds, world, transforms);
+    const WorldState state = stateOf(worlds, world, scene, transforms);
     for (uint32_t i = 0; i < instances_; ++i) {
       const glm::dmat4& toWorld = state.transforms[i];
       WorldSphere sphere = instances.sphereOf(i, toWorld, poses.current, deformer);
       if (!state.exists[i]) sphere.radius = WorldSphere{}.radius;
-      records_[size_t{world} * instances_ + i] = instances.recordOf(i, toWorld, sphere.turnedOver);
+      shared::Instance& record = records_[size_t{world} * instances_ + i];
+      record = instances.recordOf(i, toWorld, sphere.turnedOver);
+      record.material = state.materials[i];
       bounds_[size_t{world} * instances_ + i] = instances.onDevice(sphere);
       extend(worldBounds_[world], i, toWorld, sphere);
     }
@@ -80,6 +99,7 @@ void GpuWorlds::update(vk::Uploader& uploader, const scene::Scene& scene, const 
     uploadMoved(previous_, uploader, scene, instances, worlds, worlds.previous, poses.previous);
     uploadMoved(next_, uploader, scene, instances, worlds, worlds.next, poses.next);
   }
+  hasMaterials_ = !worlds.materials.empty() || !worlds.factors.empty();
   rotations_ = worlds.environmentRotation;
   intensities_ = worlds.environmentIntensity;
   ++revision_;

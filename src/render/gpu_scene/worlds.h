@@ -10,6 +10,7 @@
 #include "render/gpu_scene/buffer.h"
 #include "render/gpu_scene/instances.h"
 #include "render/gpu_scene/lights.h"
+#include "render/gpu_scene/materials.h"
 #include "scene/scene.h"
 #include "shared/types.h"
 
@@ -22,12 +23,17 @@ struct WorldStates {
   std::vector<glm::dmat4> transforms;      // [count][instances], to the scene's world space; all are finite
   std::vector<glm::dmat4> previous, next;  // the same in the previous and next frame; empty: as `transforms`
   std::vector<uint8_t> exists;             // [count][instances], 0: the world does not have this instance
+  std::vector<uint32_t> materials;         // [count][instances]: the scene's material of each instance, by index
+  std::vector<MaterialFactors> factors;    // [count][instances], in place of the material's
   std::vector<uint8_t> empty;              // [count], 1: the world has no instance at all
   std::vector<uint32_t> lights;            // lights of the scene that `lightValues` describes, by index
   std::vector<scene::Light> lightValues;   // [count][lights]; those with a node keep the scene's position and direction
   std::vector<float> environmentRotation;  // [count], radians
   std::vector<float> environmentIntensity;  // [count]
 };
+
+// Returns the materials that the factors of worlds require, world by world.
+std::vector<GpuMaterials::Variant> variantsOf(const WorldStates& worlds, const scene::Scene& scene);
 
 // The instances as one world has them, or as the scene has them if there are no worlds.
 struct InstancesOfWorld {
@@ -59,7 +65,9 @@ class GpuWorlds {
   InstancesOfWorld of(uint32_t world) const;
   const scene::Bounds& bounds(uint32_t world) const { return worldBounds_[world]; }  // in the scene's world space
   bool anyVast() const { return vast_; }
-  uint64_t revision() const { return count_ > 0 ? revision_ : 0; }  // 0 without worlds; increases with every update
+  uint64_t revision() const { return count_ > 0 ? revision_ : 0; }   // 0 without worlds; increases with every update
+  bool hasMaterials() const { return count_ > 0 && hasMaterials_; }  // other than the scene's
+  std::span<const shared::Instance> records() const { return records_; }  // of all worlds
   bool hasLights() const { return count_ > 0 && !lights_.empty(); }
   std::span<const LightSet> lights() const { return lights_; }  // one per world
   // The rotation and the intensity of the environment in a world, in place of these.
@@ -84,7 +92,7 @@ class GpuWorlds {
   size_t lightStride_ = 0, treeStride_ = 0;  // elements per world
   std::vector<float> rotations_, intensities_;
   bool moves_ = false;  // previous_ and next_ have other transforms than list_
-  bool vast_ = false;
+  bool vast_ = false, hasMaterials_ = false;
   uint64_t revision_ = 0;
 };
 

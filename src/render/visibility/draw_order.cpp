@@ -40,7 +40,9 @@ void append(DrawList& list, const GpuScene& scene, const shared::Instance& recor
 
 void DrawOrder::update(const GpuScene& scene) {
   const GpuInstances& all = scene.instances();
-  if (instances_ == all.revision() && materials_ == scene.materials().revision()) return;
+  const uint64_t worlds = scene.worlds().hasMaterials() ? scene.worlds().revision() : 0;
+  if (instances_ == all.revision() && materials_ == scene.materials().revision() && worlds_ == worlds) return;
+  worlds_ = worlds;
   instances_ = all.revision();
   materials_ = scene.materials().revision();
   const auto before = [&](uint32_t a, uint32_t b) {
@@ -51,6 +53,9 @@ void DrawOrder::update(const GpuScene& scene) {
   while (order_.size() < all.count()) order_.push_back(static_cast<uint32_t>(order_.size()));
   if (!std::is_sorted(order_.begin(), order_.end(), before)) std::sort(order_.begin(), order_.end(), before);
   anyBlended_ = std::any_of(order_.begin(), order_.end(), [&](uint32_t i) { return isBlended(scene, all.record(i)); });
+  if (scene.worlds().hasMaterials())
+    anyBlended_ |= std::ranges::any_of(scene.worlds().records(),
+                                       [&](const shared::Instance& record) { return isBlended(scene, record); });
   covered_.assign(order_.size(), 0);
   parallelFor(order_.size(), kInstancesAtOnce, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end && i + 1 < order_.size(); ++i)

@@ -32,8 +32,9 @@ class DrawOrder {
   // Follows the scene's instances. Does nothing if no instance or material has changed.
   void update(const GpuScene& scene);
 
-  enum class Kind { Solid, Blended };  // opaque and masked; alpha-blended
-  bool anyBlended() const { return anyBlended_; }
+  enum class Kind { Solid, Blended };                          // opaque and masked; alpha-blended
+  bool anyBlended() const { return anyBlended_; }              // in any world
+  const std::vector<uint32_t>& all() const { return order_; }  // all instances, of both kinds
   // Returns the instances of a kind whose bounds `wanted` accepts; `wanted` is called on all threads. `group` restricts
   // the result to one group; 0 selects all. The instances are those of `world`.
   DrawList select(const GpuScene& scene, Kind kind, const std::function<bool(const Sphere&)>& wanted,
@@ -45,7 +46,7 @@ class DrawOrder {
   // completely. Worlds may move the copies apart.
   std::vector<uint8_t> covered_;
   bool anyBlended_ = false;
-  uint64_t instances_ = 0, materials_ = 0;  // revisions of the last update
+  uint64_t instances_ = 0, materials_ = 0, worlds_ = 0;  // revisions of the last update
 };
 
 }  // namespace latelight::render

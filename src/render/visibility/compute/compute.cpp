@@ -49,7 +49,8 @@ ComputeVisibility::ComputeVisibility(const GpuScene& scene, const RasterInstance
       occlusionHistory_(options.blendedToo  ? OcclusionHistory::WithBlended
                         : options.atCentres ? OcclusionHistory::Steady
                                             : OcclusionHistory::Jittered),
-      share_(options.blendedToo ? rasterInstances.all() : rasterInstances.solid()) {}
+      share_(options.blendedToo ? rasterInstances.all() : rasterInstances.solid()),
+      leavesOutBlended_(rasterInstances.mixesBlended() && !options.blendedToo) {}
 
 // --- visible surfaces ------------------------------------------------------------------------------------------------
 
@@ -134,8 +135,9 @@ VisibilityBuffer ComputeVisibility::addVisible(const FrameContext& f, const Rast
   addClear(f, graph::Stage::Visibility, "raster clear", {queues.visible});
   RasterChain whole{graph::Stage::Visibility, Hit::Opaque, 0, kDrawMasked};
   RasterChain cut{graph::Stage::Visibility, Hit::Masked, kDrawMasked, kDrawMasked};
+  if (leavesOutBlended_) cut.asked |= kDrawBlended;
   if (views.lens) whole.hit = cut.hit = Hit::Lens;  // one shader for opaque and masked
-  const bool some = share_.count > share_.masked;
+  const bool some = share_.anyOpaque;
   if (some && views.cullsOccluded) {
     whole.occluded = clusterOcclusion_.addTo(f, occlusionHistory_, (share_.parts + 31) / 32 * views.count);
     whole.culls = kCullEarly;
@@ -148,7 +150,7 @@ VisibilityBuffer ComputeVisibility::addVisible(const FrameContext& f, const Rast
     cut.culls = kCullByPyramid;
   }
   if (some) addRasterChain(f, rasterInstances_, share_, views, queues, whole);
-  if (share_.masked > 0) addRasterChain(f, rasterInstances_, share_, views, queues, cut);
+  if (share_.anyMasked) addRasterChain(f, rasterInstances_, share_, views, queues, cut);
   return visible;
 }
 

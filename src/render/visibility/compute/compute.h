@@ -58,6 +58,7 @@ class ComputeVisibility {
   ClusterOcclusion& clusterOcclusion_;
   OcclusionHistory occlusionHistory_;
   RasterInstances::Share share_;
+  bool leavesOutBlended_;  // share_ includes blended instances that do not belong to it
 };
 
 }  // namespace latelight::render

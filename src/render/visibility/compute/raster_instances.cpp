@@ -48,31 +48,21 @@ void RasterInstances::update(const GpuScene& scene, const DrawOrder& order, vk::
   instances_ = instances;
   materials_ = materials;
   worlds_ = worlds;
-  const InstancesOfWorld all = scene.instancesOf(0);
   records_.clear();
   partDrawIndices_.clear();
   all_ = {};
   visibleMaterials_ = {};
+  anyBlended_ = order.anyBlended();
+  mixed_ = scene.worlds().hasMaterials();
+  if (mixed_) {
+    for (const uint32_t instance : order.all()) add(scene, instance);
+    all_.anyOpaque = all_.anyMasked = true;
+    solid_ = all_;
+  }
   for (const DrawOrder::Kind kind : {DrawOrder::Kind::Solid, DrawOrder::Kind::Blended}) {
-    for (const uint32_t instance : order.select(scene, kind, [](const Sphere&) { return true; }).instances) {
-      const shared::Instance& record = all.records[instance];
-      const Sphere& bounds = all.bounds[instance];
-      const uint32_t count = scene.geometry().indexCount(record.mesh) / 3;
-      const shared::Material& material = scene.materials().record(record.material);
-      const uint32_t flags = flagsOf(record, material);
-      visibleMaterials_.add(material.flags);
-      const auto firstTriangle = static_cast<uint32_t>(all_.parts * shared::kRasterGroup);
-      const uint32_t parts = (count + shared::kRasterGroup - 1) / shared::kRasterGroup;
-      records_.push_back({bounds.centre, bounds.radius, scene.geometry().clusters(record.mesh), stretchOf(record).most,
-                          instance, record.mesh, firstTriangle, count, flags});
-      all_.parts += parts;
-      if (all_.parts >= kMaxParts)
-        badInput("the scene's instances have more triangles than the raster compute supports: {} clusters of {}",
-                 kMaxParts, shared::kRasterGroup);
-      partDrawIndices_.insert(partDrawIndices_.end(), parts, all_.count);
-      ++all_.count;
-      all_.masked += (flags & shared::kDrawMasked) != 0;
-    }
+    if (mixed_) break;
+    for (const uint32_t instance : order.select(scene, kind, [](const Sphere&) { return true; }).instances)
+      add(scene, instance);
     if (kind == DrawOrder::Kind::Solid) solid_ = all_;
   }
   if (records_.empty()) return;
@@ -82,9 +72,36 @@ void RasterInstances::update(const GpuScene& scene, const DrawOrder& order, vk::
   lists_.upload(uploader, std::vector{shared::InstanceList{list_.address(), drawIndexOfPart_.address()}});
 }
 
+// Adds the record of an instance, as the first world or the scene has it.
+void RasterInstances::add(const GpuScene& scene, uint32_t instance) {
+  const InstancesOfWorld all = scene.instancesOf(0);
+  const shared::Instance& record = all.records[instance];
+  const Sphere& bounds = all.bounds[instance];
+  const uint32_t count = scene.geometry().indexCount(record.mesh) / 3;
+  const shared::Material& material = scene.materials().record(record.material);
+  const uint32_t flags = flagsOf(record, material);
+  visibleMaterials_.add(material.flags);
+  const auto firstTriangle = static_cast<uint32_t>(all_.parts * shared::kRasterGroup);
+  const uint32_t parts = (count + shared::kRasterGroup - 1) / shared::kRasterGroup;
+  records_.push_back({bounds.centre, bounds.radius, scene.geometry().clusters(record.mesh), stretchOf(record).most,
+                      instance, record.mesh, firstTriangle, count, flags});
+  all_.parts += parts;
+  if (all_.parts >= kMaxParts)
+    badInput("the scene's instances have more triangles than the raster compute supports: {} clusters of {}", kMaxParts,
+             shared::kRasterGroup);
+  partDrawIndices_.insert(partDrawIndices_.end(), parts, all_.count);
+  ++all_.count;
+  const bool masked = (flags & shared::kDrawMasked) != 0;
+  all_.anyMasked |= masked;
+  all_.anyOpaque |= !masked;
+}
+
 // Adds the records of all worlds after the first.
 void RasterInstances::addWorlds(const GpuScene& scene) {
   const size_t count = records_.size();
+  if (mixed_)
+    for (const shared::Instance& record : scene.worlds().records())
+      visibleMaterials_.add(scene.materials().record(record.material).flags);
   if (scene.worlds().count() < 2) return;
   records_.resize(count * scene.worlds().count());
   parallelFor(scene.worlds().count() - 1, std::max<size_t>(1, 4096 / count), [&](size_t begin, size_t end) {

@@ -26,20 +26,24 @@ class RasterInstances {
   VkDeviceAddress address(uint32_t world) const {
     return list_.address() + uint64_t{world} * all_.count * sizeof(shared::RasterInstance);
   }
-  // A prefix of the instances: solid() are the opaque and masked ones, all() includes the blended ones.
+  // A prefix of the instances: solid() are the opaque and masked ones, all() includes the blended ones. If worlds have
+  // their own materials, both are all instances, and only the flags of RasterInstance tell which are blended.
   struct Share {
-    uint32_t count = 0, masked = 0;  // instances; those that are masked or blended
-    uint64_t parts = 0;              // total parts of kRasterGroup triangles
+    uint32_t count = 0;                         // instances
+    bool anyOpaque = false, anyMasked = false;  // masked or blended
+    uint64_t parts = 0;                         // total parts of kRasterGroup triangles
     bool operator==(const Share&) const = default;
   };
+  bool mixesBlended() const { return mixed_; }  // solid() includes blended instances
   const Share& solid() const { return solid_; }
   const Share& all() const { return all_; }
-  bool anyBlended() const { return all_.count > solid_.count; }
+  bool anyBlended() const { return anyBlended_; }
   const VisibleMaterials& materials() const { return visibleMaterials_; }
   // Number of triangle ids before those of the blended instances.
-  uint32_t solidTriangles() const { return static_cast<uint32_t>(solid_.parts * shared::kRasterGroup); }
+  uint32_t solidTriangles() const { return mixed_ ? 0 : static_cast<uint32_t>(solid_.parts * shared::kRasterGroup); }
 
  private:
+  void add(const GpuScene& scene, uint32_t instance);
   void addWorlds(const GpuScene& scene);
 
   std::vector<shared::RasterInstance> records_;  // with worlds, those of each world
@@ -48,6 +52,7 @@ class RasterInstances {
   GpuList<uint32_t> drawIndexOfPart_;
   GpuList<shared::InstanceList> lists_;  // a single element
   Share solid_, all_;
+  bool mixed_ = false, anyBlended_ = false;
   VisibleMaterials visibleMaterials_;
   uint64_t instances_ = 0, materials_ = 0, worlds_ = 0;  // revisions of the last update
 };
