@@ -286,6 +286,8 @@ struct FrameConstants {
   uint64_t nextViews;
   uint64_t rays;  // for lenses: LensRay[height + 2][width] of all views, from the row above the picture on; else 0
   uint64_t rasterInstances;  // with worlds and the raster compute: RasterInstance[] of the view's world; else 0
+  // RayScene (shared/rays.h), if shaders trace rays through the scene; else 0.
+  uint64_t rayScene;
   uint viewCount;
   uint lightCount;
   uint directionalLights;
@@ -301,7 +303,7 @@ struct FrameConstants {
   vec3 positionOffset;      // from device world space to that of the output `position`, as a pair of floats: high part
   vec3 positionOffsetLow;
 };
-SH_CONST uint kFrameBytes = 224u;
+SH_CONST uint kFrameBytes = 232u;
 
 SH_END
 

@@ -40,6 +40,8 @@ class GpuGeometry {
   VkDeviceAddress address() const { return list_.address(); }  // shared::Mesh[]
   // Returns shared::Cluster[] with valid bounds, or 0 if there are none. The bounds are not valid for a deformed mesh.
   VkDeviceAddress clusters(uint32_t mesh) const;
+  // Returns true if the mesh's vertices on the device are those of a pose, which the host does not know.
+  bool isDeformed(uint32_t mesh) const { return deformer_ && scene_.meshes[mesh].deformation; }
   // Increase whenever the shape of the mesh, or of any mesh, changes.
   uint64_t revision(uint32_t mesh) const { return revisions_[mesh]; }
   uint64_t revision() const { return revision_; }

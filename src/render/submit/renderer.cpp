@@ -56,7 +56,11 @@ size_t throughOneLens(std::span<const scene::Camera> cameras) {
   return static_cast<size_t>(other - cameras.begin());
 }
 
-scene::Light lightOf(const SunLight& sun) {
+}  // namespace
+
+std::optional<scene::Light> sunOf(const Settings& settings) {
+  if (!settings.sun) return std::nullopt;
+  const SunLight& sun = *settings.sun;
   scene::Light light;
   light.name = "sun";
   light.type = shared::kLightDirectional;
@@ -65,6 +69,8 @@ scene::Light lightOf(const SunLight& sun) {
                                -std::cos(sun.elevation) * std::cos(sun.azimuth), std::sin(sun.elevation));
   return light;
 }
+
+namespace {
 
 bool leavesOutBlended(const Settings& settings) {
   return settings.dataSurfaces != DataSurfaces::Any &&
@@ -112,7 +118,7 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
   const SceneInput input = inputOf(settings, moment);
   if (input.posed || sceneInput_ != input) resolveOverflow();
   sceneInput_.reset();
-  gpuScene_.update(moment.poses, settings.sun ? std::optional(lightOf(*settings.sun)) : std::nullopt);
+  gpuScene_.update(moment.poses, sunOf(settings));
   gpuScene_.setWorlds(moment.worlds, moment.poses);
   gpuScene_.setAnisotropy(settings.anisotropy.value_or(usualAnisotropy(device_)));
   gpuScene_.setGroups(moment.groups);
@@ -134,7 +140,7 @@ Renderer::SceneInput Renderer::inputOf(const Settings& settings, const SceneStat
   const scene::SceneEdits& edits = scene_.edits;
   return {{edits.meshes.revision(), edits.materials.revision(), edits.textures.revision(), edits.instances.revision(),
            edits.lights.revision()},
-          !moment.poses.current.empty(),
+          !moment.poses.current.empty() || moment.worlds.count > 0,
           settings.sun,
           settings.anisotropy,
           needsComputeRaster(settings),
@@ -291,8 +297,8 @@ Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> max
 
 std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
   const Settings& s = part.job.settings;
-  if (!sceneInput_ || !rastersInCompute(s) || s.lighting->draws || s.aa.superSampling > 1 || s.aa.temporal ||
-      s.describeGraph || part.shadows || bendsRays(part.job.now[part.first]))
+  if (!sceneInput_ || gpuScene_.hasWorlds() || !rastersInCompute(s) || s.lighting->draws || s.aa.superSampling > 1 ||
+      s.aa.temporal || s.describeGraph || part.shadows || bendsRays(part.job.now[part.first]))
     return std::nullopt;
   ReplayKey key{
       .views = part.count,
@@ -416,6 +422,13 @@ graph::Submission Renderer::submit(const graph::Graph& graph, const graph::Plan&
   }
   gpuScene_.changesSubmitted();
   return submission;
+}
+
+SceneBvh& Renderer::followedBvh() {
+  if (!bvh_) bvh_ = std::make_unique<SceneBvh>(device_, scene_, gpuScene_);
+  gpuScene_.storeTexels();
+  bvh_->update();
+  return *bvh_;
 }
 
 void Renderer::resolveOverflow(const ViewBatch* last) {

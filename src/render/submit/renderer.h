@@ -13,7 +13,9 @@
 #include "render/gpu_scene/gpu_scene.h"
 #include "render/lens/lens_rays.h"
 #include "render/post/taa/taa.h"
+#include "render/rays/scene_bvh.h"
 #include "render/settings/settings.h"
+#include "render/submit/cast.h"
 #include "render/submit/replay.h"
 #include "render/submit/scene_state.h"
 #include "render/submit/strips.h"
@@ -25,6 +27,9 @@
 namespace latelight::render {
 
 struct ViewBatch;
+
+// Returns the light of --sun, or nothing without it.
+std::optional<scene::Light> sunOf(const Settings& settings);
 
 class Renderer {
  public:
@@ -49,6 +54,11 @@ class Renderer {
 
   // Returns the targets of the picture's own G-buffer, at pixel centers. Throws Error(Usage) if it has none.
   TargetsResult readTargets(const scene::Camera& camera, const Settings& settings, const SceneState& moment = {});
+
+  // Casts rays through the scene and waits for what they hit. Settings::dataSurfaces selects the surfaces; axes and
+  // positionOrigin select the coordinate frames of rays and results. The first call builds the scene's BVHs, which
+  // later calls update.
+  CastResult cast(const CastRays& rays, const Settings& settings, const SceneState& moment = {});
 
   const ClusterOcclusion& clusterOcclusion() const { return clusterOcclusion_; }
   const ShadowMapCache& shadowMaps() const { return shadowMaps_[1]; }  // of the raster compute
@@ -77,7 +87,7 @@ class Renderer {
   // The state of the scene and of the settings that begin() brings to the device.
   struct SceneInput {
     std::array<uint64_t, 5> edits;
-    bool posed;
+    bool posed;  // or in several worlds
     std::optional<SunLight> sun;
     std::optional<uint32_t> anisotropy;
     bool inCompute;
@@ -86,6 +96,7 @@ class Renderer {
   };
   SceneInput inputOf(const Settings& settings, const SceneState& moment) const;
   graph::Submission submit(const graph::Graph& graph, const graph::Plan& plan);
+  SceneBvh& followedBvh();                                // after GpuScene::update(): the BVHs of the same state
   void resolveOverflow(const ViewBatch* last = nullptr);  // of the batches up to this one; null: of all
   void read(RenderJob& job);                              // the oldest part
   void finish(RenderJob& job);
@@ -112,6 +123,7 @@ class Renderer {
   LensRayCache lensRays_;
   std::shared_ptr<ExportPool> exports_ = std::make_shared<ExportPool>();
   ShadowMapCache shadowMaps_[2];          // of hardware and compute
+  std::unique_ptr<SceneBvh> bvh_;         // null before the first request for rays
   std::optional<SceneInput> sceneInput_;  // of the last begin(), unless it failed
   ReplayCache replays_;
   // Batches in flight, in order. resolveOverflow() detects whether they overflowed, and renders them again, before

@@ -122,7 +122,7 @@ vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
   return textureGrad(materialTextures[nonuniformEXT(m.images[slot])], place.uv, place.right, place.down);
 }
 #else
-#include "render/visibility/compute/texels.glsl"
+#include "render/glsl/texels.glsl"
 uint64_t textureRecords;  // FrameConstants::textures
 vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
   TextureLookup place = textureLookup(m, slot, p);

@@ -1,0 +1,272 @@
+// Rays through the scene: closest hit and any hit, shared by all shaders that trace rays. A ray visits the BVH over the
+// instances and, below it, the BVHs of their meshes (shared/rays.h). It goes to the nearer child first and keeps the
+// other on a stack (Aila and Laine 2009, Understanding the Efficiency of Ray Traversal on GPUs).
+//
+// The vertices of a mesh are transformed to the space of the ray, whose origin is 0 and whose z axis is the ray. There,
+// an edge's sign is computed from its two vertices only, so that two triangles with a common edge agree on it and no
+// ray passes between them (Woop, Benthin and Wald 2013, Watertight Ray/Triangle Intersection, JCGT 2(1)). Vertices are
+// relative to the ray's origin before they are rounded, so hits near the origin are as precise as the raster's,
+// wherever the scene lies. Boxes are widened by the rounding of the transforms, and their tests by that of the tests
+// (Ize 2013, Robust BVH Ray Traversal, JCGT 2(2)).
+//
+// Include after common.glsl.
+#ifndef LATELIGHT_RAYS_GLSL
+#define LATELIGHT_RAYS_GLSL
+#include "render/glsl/texels.glsl"
+#include "render/visibility/vast_triangle.glsl"
+#include "shared/rays.h"
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer RaySceneRef { RayScene v; };
+
+struct Ray {
+  vec3 origin, originLow;  // the device's world space, as a pair of floats
+  vec3 direction;          // unit; the ray hits nothing if it is not
+  float near, far;         // meters
+};
+
+struct RayHit {
+  float distance;  // meters; infinite: the ray hits nothing, and the members below are not set
+  uint instance;   // index in FrameConstants::instances
+  uint triangle;   // index in the mesh
+  uvec3 corners;   // its vertices
+  vec3 weights;    // barycentric coordinates
+  bool front;      // the ray hits the front face
+};
+
+#define kRayInfinity uintBitsToFloat(0x7f800000u)
+bool isHit(RayHit hit) { return hit.distance < kRayInfinity; }
+
+// The surfaces that a ray hits.
+const uint kRayTwoSided = 1u;          // back faces of single-sided materials, too
+const uint kRayAnySurface = 2u;        // blended and transmissive surfaces, too
+const uint kRayStopAtFirst = 4u;       // any hit: only isHit() is valid
+const uint kRayStackEnd = 0xfffffffeu;  // on the stack, below the nodes of a mesh: return to the instances
+
+// --- boxes -----------------------------------------------------------------------------------------------------------
+
+// A ray in the space of a BVH, as the slab test needs it.
+struct RaySlabs {
+  vec3 fromLow, fromHigh;  // the origin, moved by the slack of the boxes
+  vec3 inverse;            // 1 / direction, finite
+};
+
+RaySlabs raySlabs(vec3 origin, vec3 direction, vec3 slack) {
+  vec3 safe = mix(direction, vec3(1e-30), lessThan(abs(direction), vec3(1e-30)));
+  return RaySlabs(origin + slack, origin - slack, 1.0 / safe);
+}
+
+// Returns the distance at which the ray enters the box, or infinity if it misses the box.
+float enterBox(RaySlabs ray, vec3 low, vec3 high, float near, float far) {
+  vec3 a = (low - ray.fromLow) * ray.inverse, b = (high - ray.fromHigh) * ray.inverse;
+  vec3 first = min(a, b), last = max(a, b);
+  const float kGrow = 1.0 + 8.0 * 5.960464e-8;
+  float enter = max(max(first.x, first.y), max(first.z, near));
+  float leave = min(min(last.x, last.y), last.z) * kGrow;
+  return enter <= min(leave, far) ? enter : kRayInfinity;
+}
+
+// --- instances -------------------------------------------------------------------------------------------------------
+
+// The instance whose mesh a ray visits.
+struct RayMesh {
+  uint index;       // in FrameConstants::instances
+  uint material;
+  uint flags;       // kRay*
+  uint64_t nodes, triangles, positions;
+  mat3 toRay;       // from object space to the ray's axes
+  vec3 offset;      // the origin of object space, in the ray's axes
+  RaySlabs slabs;
+};
+
+// Returns an orthonormal right-handed frame whose third axis is the unit direction.
+mat3 rayAxes(vec3 direction) {
+  vec3 other = abs(direction.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
+  vec3 right = normalize(cross(other, direction));
+  return mat3(right, cross(direction, right), direction);
+}
+
+RayMesh enterInstance(FrameConstants frame, RayScene scene, uint index, Ray ray, mat3 axes) {
+  uint64_t at = scene.instances + uint64_t(index) * kRayInstanceBytes;
+  vec4 x = floatsAt(at, 0u), y = floatsAt(at, 1u), z = floatsAt(at, 2u);
+  uvec4 addresses = wordsAt(at, 3u), rest = wordsAt(at, 4u);
+  Instance instance = frameInstance(frame, rest.y);
+  precise vec3 offset = (instance.objectToWorld[3] - ray.origin) + (instance.translationLow - ray.originLow);
+  mat3 toAxes = transpose(axes);
+  RayMesh mesh;
+  mesh.index = rest.y;
+  mesh.material = instance.material;
+  mesh.flags = rest.z;
+  mesh.nodes = packUint2x32(addresses.xy);
+  mesh.triangles = packUint2x32(addresses.zw);
+  mesh.positions = MeshRef(frame.meshes).v[instance.mesh].positions;
+  mesh.toRay = toAxes * mat3(instance.objectToWorld);
+  mesh.offset = toAxes * offset;
+  vec3 origin = -vec3(dot(x.xyz, offset), dot(y.xyz, offset), dot(z.xyz, offset));
+  vec3 direction = vec3(dot(x.xyz, ray.direction), dot(y.xyz, ray.direction), dot(z.xyz, ray.direction));
+  mesh.slabs = raySlabs(origin, direction, vec3(x.w, y.w, z.w) * (length(offset) + uintBitsToFloat(rest.x)));
+  return mesh;
+}
+
+// --- triangles -------------------------------------------------------------------------------------------------------
+
+float rayEdge(vec2 a, vec2 b) {
+  precise float area = a.x * b.y - a.y * b.x;
+  return area;
+}
+
+// The same with exact products.
+float exactRayEdge(vec2 a, vec2 b) {
+  Exact3 products = exactProduct(vec3(a, 0.0), vec3(b.yx, 0.0));
+  precise float area = (products.hi.x - products.hi.y) + (products.lo.x - products.lo.y);
+  return area;
+}
+
+// Barycentric coordinates of the ray in a triangle that it hits. The area of a sliver is less than the rounding of the
+// products that it is the difference of.
+vec3 rayWeights(vec3 areas, vec2 a, vec2 b, vec2 c) {
+  vec2 extent = max(abs(a), max(abs(b), abs(c)));
+  float size = max(extent.x, extent.y);
+  for (bool sliver = abs(areas.x + areas.y + areas.z) < 1e-4 * size * size; sliver; sliver = false) {
+    vec3 exactly = vec3(exactRayEdge(b, c), exactRayEdge(c, a), exactRayEdge(a, b));
+    if (exactly.x + exactly.y + exactly.z != 0.0) areas = clamp(exactly / (exactly.x + exactly.y + exactly.z), 0.0, 1.0);
+  }
+  return areas / (areas.x + areas.y + areas.z);
+}
+
+// The alpha of a surface as the raster's alpha test reads it, from level 0 of the texture.
+float rayAlpha(FrameConstants frame, uint materialIndex, uint instanceIndex, uvec3 corners, vec3 weights) {
+  Material m = frameMaterial(frame, materialIndex);
+  Instance instance = frameInstance(frame, instanceIndex);
+  Mesh mesh = frameMesh(frame, instance.mesh);
+  vec4 uv = vec4(0.0);
+  precise float alpha = m.baseColor.a;
+  for (int i = 0; i < 3; ++i) uv.xy += weights[i] * attributesAt(mesh.attributes, corners[i]).uv0;
+  for (bool some = (instance.flags & kInstanceExtras) != 0u; some; some = false) {
+    float color = 0.0;
+    for (int i = 0; i < 3; ++i) {
+      VertexExtra extra = ExtraRef(mesh.extras).v[corners[i]];
+      uv.zw += weights[i] * extra.uv1;
+      color += weights[i] * extra.color.a;
+    }
+    alpha *= color;
+  }
+  for (bool some = (m.textures & (1u << kTextureBaseColor)) != 0u; some; some = false) {
+    TextureTransform t = m.transforms[kTextureBaseColor];
+    vec3 at = vec3(t.uvSet == 0u ? uv.xy : uv.zw, 1.0);
+    alpha *= filteredTexture(TextureRef(frame.textures).v[m.images[kTextureBaseColor]],
+                             vec2(dot(t.row0, at), dot(t.row1, at)), vec2(0.0), vec2(0.0)).a;
+  }
+  return alpha;
+}
+
+// As masked() of material.glsl.
+bool rayPasses(FrameConstants frame, RayMesh mesh, uvec3 corners, vec3 weights) {
+  uint64_t at = frame.materials + uint64_t(mesh.material) * kMaterialBytes;
+  float cutoff = floatsAt(at, 2u).w;
+  uint flags = wordsAt(at, 4u).y;
+  float alpha = rayAlpha(frame, mesh.material, mesh.index, corners, weights);
+  return (flags & kMaterialMasked) != 0u ? alpha < cutoff : alpha <= 0.0;
+}
+
+void visitTriangle(FrameConstants frame, RayMesh mesh, uint index, Ray ray, uint what, inout RayHit hit) {
+  uvec4 triangle = wordsAt(mesh.triangles, index);
+  vec3 a = mesh.toRay * positionAt(mesh.positions, triangle.x) + mesh.offset;
+  vec3 b = mesh.toRay * positionAt(mesh.positions, triangle.y) + mesh.offset;
+  vec3 c = mesh.toRay * positionAt(mesh.positions, triangle.z) + mesh.offset;
+  vec3 areas = vec3(rayEdge(b.xy, c.xy), rayEdge(c.xy, a.xy), rayEdge(a.xy, b.xy));
+  bool inside = all(greaterThanEqual(areas, vec3(0.0))) || all(lessThanEqual(areas, vec3(0.0)));
+  float area = areas.x + areas.y + areas.z;
+  vec3 weights = rayWeights(areas, a.xy, b.xy, c.xy);
+  float distance = dot(weights, vec3(a.z, b.z, c.z));
+  // Counter-clockwise triangles have a negative area, because the ray's third axis points away from its origin.
+  bool front = (area < 0.0) != ((mesh.flags & kRayClockwise) != 0u);
+  bool visible = front || (mesh.flags & kRayDoubleSided) != 0u || (what & kRayTwoSided) != 0u;
+  bool hits = inside && area != 0.0 && visible && distance >= ray.near && distance < hit.distance &&
+              distance <= ray.far;
+  // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
+  for (bool tested = hits && (mesh.flags & kRayAlphaTested) != 0u; tested; tested = false)
+    hits = !rayPasses(frame, mesh, triangle.xyz, weights);
+  if (!hits) return;
+  hit.distance = distance;
+  hit.instance = mesh.index;
+  hit.triangle = triangle.w;
+  hit.corners = triangle.xyz;
+  hit.weights = weights;
+  hit.front = front;
+}
+
+// --- traversal -------------------------------------------------------------------------------------------------------
+
+RayHit noHit() { return RayHit(kRayInfinity, 0u, 0u, uvec3(0u), vec3(0.0), false); }
+
+bool isUsable(Ray ray) {
+  return abs(dot(ray.direction, ray.direction) - 1.0) < 1e-3 && all(lessThan(abs(ray.origin), vec3(3.0e37))) &&
+         ray.near <= ray.far;
+}
+
+// `what`: kRay* above.
+RayHit traceRay(FrameConstants frame, Ray ray, uint what) {
+  RayHit hit = noHit();
+  RayScene scene = RaySceneRef(frame.rayScene).v;
+  mat3 axes = rayAxes(ray.direction);
+  float extent = abs(ray.origin.x) + abs(ray.origin.y) + abs(ray.origin.z);
+  RaySlabs world = raySlabs(ray.origin, ray.direction, vec3(extent * 9.5367432e-7));
+  RaySlabs slabs = world;
+  uint64_t nodes = scene.nodes;
+  RayMesh mesh;
+  mesh.flags = 0u;
+  bool inMesh = false;
+  uint stack[kRayStack];
+  uint top = 1u;
+  stack[0] = kRayNone;
+  uint current = scene.instanceCount != 0u && isUsable(ray) ? 0u : kRayNone;
+  while (current != kRayNone) {
+    while ((current & kRayLeaf) == 0u) {
+      uint64_t at = nodes + uint64_t(current) * kRayNodeBytes;
+      vec4 lowA = floatsAt(at, 0u), highA = floatsAt(at, 1u), lowB = floatsAt(at, 2u), highB = floatsAt(at, 3u);
+      uint a = floatBitsToUint(lowA.w), b = floatBitsToUint(highA.w);
+      float far = min(hit.distance, ray.far);
+      float toA = enterBox(slabs, lowA.xyz, highA.xyz, ray.near, far);
+      float toB = b == kRayNone ? kRayInfinity : enterBox(slabs, lowB.xyz, highB.xyz, ray.near, far);
+      bool both = toA < kRayInfinity && toB < kRayInfinity;
+      if (both) stack[top] = toA <= toB ? b : a;
+      if (!both && toA == toB) current = stack[top - 1u];  // both are infinite
+      else current = toA <= toB ? a : b;
+      top += both ? 1u : (toA == toB ? ~0u : 0u);
+    }
+    for (bool leaves = current == kRayStackEnd; leaves; leaves = false) {
+      inMesh = false;
+      nodes = scene.nodes;
+      slabs = world;
+      current = stack[--top];
+    }
+    bool enters = !inMesh && current < kRayStackEnd && (current & kRayLeaf) != 0u;
+    bool tests = inMesh && current < kRayStackEnd && (current & kRayLeaf) != 0u;
+    for (bool some = enters; some; some = false) {
+      mesh = enterInstance(frame, scene, current & kRayFirstMask, ray, axes);
+      bool skipped = (mesh.flags & kRayTranslucent) != 0u && (what & kRayAnySurface) == 0u;
+      inMesh = !skipped;
+      if (inMesh) {
+        stack[top++] = kRayStackEnd;
+        nodes = mesh.nodes;
+        slabs = mesh.slabs;
+      }
+      current = inMesh ? 0u : stack[--top];
+    }
+    for (bool some = tests; some; some = false) {
+      uint first = current & kRayFirstMask, count = (current >> kRayCountShift & 7u) + 1u;
+      for (uint i = first; i < first + count; ++i) visitTriangle(frame, mesh, i, ray, what, hit);
+      bool stops = isHit(hit) && (what & kRayStopAtFirst) != 0u;
+      current = stops ? kRayNone : stack[--top];
+    }
+  }
+  return hit;
+}
+
+// Returns true if something that is neither blended nor transmissive lies on the ray. Both sides of surfaces block
+// rays, as in shadow maps.
+bool isBlocked(FrameConstants frame, Ray ray) {
+  return isHit(traceRay(frame, ray, kRayTwoSided | kRayStopAtFirst));
+}
+
+#endif

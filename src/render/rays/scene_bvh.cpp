@@ -1,0 +1,263 @@
+#include "render/rays/scene_bvh.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "render/rays/refit_push.h"
+
+namespace latelight::render {
+
+namespace {
+
+// Relative bounds of what rounding to floats can add up to: of a transformed ray, and of a box in world space.
+constexpr double kRounding = 0x1p-20;
+
+Box trianglesBox(const scene::Mesh& mesh, glm::vec3 origin, size_t triangle) {
+  Box box;
+  for (size_t i = 0; i < 3; ++i) box.add(mesh.positions[mesh.indices[3 * triangle + i]] - origin);
+  return box;
+}
+
+Bvh bvhOf(const scene::Mesh& mesh) {
+  const glm::vec3 origin = scene::vertexOrigin(mesh);
+  std::vector<Box> boxes(mesh.indices.size() / 3);
+  for (size_t i = 0; i < boxes.size(); ++i) boxes[i] = trianglesBox(mesh, origin, i);
+  return buildBvh(boxes, shared::kMaxRayLeaf, shared::kMaxMeshDepth);
+}
+
+// Maximum distance of the corners of a box from the origin of its space, in world space.
+double reachOf(const Box& box, const glm::dmat3& worldFromObject) {
+  double reach = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 at(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                        corner & 4 ? box.high.z : box.low.z);
+    reach = std::max(reach, glm::length(worldFromObject * at));
+  }
+  return reach;
+}
+
+// Sets the rows of the transform to object space. An axis that the instance flattens has no inverse: its boxes become
+// unbounded, so that rays visit all of them along this axis.
+void setRows(shared::RayInstance& record, glm::dmat3 worldFromObject) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  bool flat[3]{};
+  for (int axis = 0; axis < 3; ++axis) {
+    if (glm::length(worldFromObject[axis]) > 1e-30) continue;
+    flat[axis] = true;
+    const glm::dvec3 normal = glm::cross(worldFromObject[(axis + 1) % 3], worldFromObject[(axis + 2) % 3]);
+    if (glm::length(normal) > 0) worldFromObject[axis] = glm::normalize(normal);
+  }
+  const glm::dmat3 rows = glm::transpose(glm::inverse(worldFromObject));
+  for (int axis = 0; axis < 3; ++axis) {
+    const double length = glm::length(rows[axis]);
+    const bool usable = !flat[axis] && std::isfinite(length) && length < 1e30;
+    record.rows[axis] = usable ? glm::vec4(rows[axis], length * kRounding) : glm::vec4(0, 0, 0, kInfinity);
+  }
+}
+
+uint32_t rayFlags(const shared::Instance& instance, const shared::Material& material) {
+  uint32_t flags = 0;
+  if (material.flags & shared::kMaterialDoubleSided) flags |= shared::kRayDoubleSided;
+  if (material.flags & (shared::kMaterialMasked | shared::kMaterialBlended)) flags |= shared::kRayAlphaTested;
+  if (shared::translucent(material.flags)) flags |= shared::kRayTranslucent;
+  if (instance.flags & shared::kInstanceClockwise) flags |= shared::kRayClockwise;
+  return flags;
+}
+
+}  // namespace
+
+SceneBvh::SceneBvh(vk::Device& device, const scene::Scene& scene, GpuScene& gpuScene)
+    : device_(device),
+      scene_(scene),
+      gpuScene_(gpuScene),
+      nodes_(device, "ray nodes of instances"),
+      instances_(device, "ray instances"),
+      record_(device, "ray scene"),
+      refitPipeline_(device.cache().pipeline(
+          vk::ComputeDesc{.shader = "ray_refit.comp", .pushBytes = sizeof(shared::RayRefitPush), .name = "refit"})),
+      meshEdits_(scene.edits.meshes.revision()) {}
+
+bool SceneBvh::isShown(uint32_t instance) const {
+  return gpuScene_.instances().bounds(instance).radius >= 0 &&
+         !scene_.meshes[gpuScene_.instances().record(instance).mesh].indices.empty();
+}
+
+void SceneBvh::update() {
+  const GpuInstances& instances = gpuScene_.instances();
+  if (geometryRevision_ == gpuScene_.geometry().revision() && instanceRevision_ == instances.revision() &&
+      materialRevision_ == gpuScene_.materials().revision())
+    return;
+  followMeshes();
+  geometryRevision_ = gpuScene_.geometry().revision();
+  instanceRevision_ = instances.revision();
+  materialRevision_ = gpuScene_.materials().revision();
+  buildInstances();
+}
+
+void SceneBvh::followMeshes() {
+  meshes_.resize(scene_.meshes.size());
+  for (const uint32_t mesh : scene_.edits.meshes.since(meshEdits_)) {
+    meshes_[mesh] = {};
+    std::erase(refits_, mesh);
+  }
+  meshEdits_ = scene_.edits.meshes.revision();
+  std::vector<bool> shown(meshes_.size());
+  for (uint32_t i = 0; i < gpuScene_.instances().count(); ++i)
+    if (isShown(i)) shown[gpuScene_.instances().record(i).mesh] = true;
+  std::vector<uint32_t> absent;
+  for (uint32_t mesh = 0; mesh < meshes_.size(); ++mesh)
+    if (shown[mesh] && !meshes_[mesh].buffer) absent.push_back(mesh);
+  buildMeshes(absent);
+  for (uint32_t mesh = 0; mesh < meshes_.size(); ++mesh) {
+    MeshBvh& bvh = meshes_[mesh];
+    if (!bvh.buffer || !shown[mesh] || bvh.revision == gpuScene_.geometry().revision(mesh)) continue;
+    const bool deformed = gpuScene_.geometry().isDeformed(mesh);
+    if ((deformed || bvh.refitted) && std::ranges::find(refits_, mesh) == refits_.end()) refits_.push_back(mesh);
+    bvh.refitted = deformed;
+    bvh.revision = gpuScene_.geometry().revision(mesh);
+  }
+}
+
+// Builds a limited number of meshes at once, so that few of them are in the host's memory.
+void SceneBvh::buildMeshes(std::span<const uint32_t> meshes) {
+  constexpr size_t kAtOnce = 256;
+  for (size_t first = 0; first < meshes.size(); first += kAtOnce) {
+    const std::span<const uint32_t> some = meshes.subspan(first, std::min(kAtOnce, meshes.size() - first));
+    std::vector<Bvh> built(some.size());
+    parallelFor(some.size(), 1, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) built[i] = bvhOf(scene_.meshes[some[i]]);
+    });
+    for (size_t i = 0; i < some.size(); ++i) upload(some[i], built[i]);
+  }
+}
+
+void SceneBvh::upload(uint32_t index, const Bvh& bvh) {
+  const scene::Mesh& mesh = scene_.meshes[index];
+  std::vector<shared::RayTriangle> triangles;
+  triangles.reserve(bvh.items.size());
+  for (const uint32_t item : bvh.items) {
+    const uint32_t* corners = &mesh.indices[3 * size_t{item}];
+    triangles.push_back({{corners[0], corners[1], corners[2]}, item});
+  }
+  MeshBvh& target = meshes_[index] = {};
+  target.triangles = bvh.nodes.size() * sizeof(shared::RayNode);
+  target.buffer = vk::Buffer(device_, {.size = target.triangles + triangles.size() * sizeof(shared::RayTriangle),
+                                       .name = mesh.name + ", BVH"});
+  gpuScene_.uploads().upload(target.buffer, std::as_bytes(std::span(bvh.nodes)));
+  gpuScene_.uploads().upload(target.buffer, std::as_bytes(std::span(triangles)), target.triangles);
+  target.levels = bvh.levels;
+  for (const shared::RayNode& root : std::span(bvh.nodes).first(1)) {
+    target.bounds.add(Box{root.lowA, root.highA});
+    if (root.b != shared::kRayNone) target.bounds.add(Box{root.lowB, root.highB});
+  }
+}
+
+// Returns the bounds of an instance in the device's world space. They contain the vertices as shaders place them.
+Box SceneBvh::boundsOf(uint32_t index) const {
+  const shared::Instance& instance = gpuScene_.instances().record(index);
+  const glm::dmat3 linear(glm::mat3(instance.objectToWorld));
+  const glm::dvec3 translation(instance.objectToWorld[3]);
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
+  if (gpuScene_.geometry().isDeformed(instance.mesh)) {
+    const Sphere& sphere = gpuScene_.instances().bounds(index);
+    low = glm::dvec3(sphere.centre) - double{sphere.radius};
+    high = glm::dvec3(sphere.centre) + double{sphere.radius};
+  } else {
+    const Box& box = meshes_[instance.mesh].bounds;
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec3 at =
+          linear * glm::dvec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                              corner & 4 ? box.high.z : box.low.z) +
+          translation;
+      low = glm::min(low, at), high = glm::max(high, at);
+    }
+  }
+  const glm::dvec3 extent = glm::max(glm::abs(low), glm::abs(high));
+  const double slack = kRounding * (extent.x + extent.y + extent.z + glm::length(translation)) + 1e-30;
+  return {glm::vec3(low - slack), glm::vec3(high + slack)};
+}
+
+shared::RayInstance SceneBvh::recordOf(uint32_t index) const {
+  const shared::Instance& instance = gpuScene_.instances().record(index);
+  const MeshBvh& bvh = meshes_[instance.mesh];
+  const glm::dmat3 linear(glm::mat3(instance.objectToWorld));
+  shared::RayInstance record{.nodes = bvh.buffer.address(),
+                             .triangles = bvh.buffer.address() + bvh.triangles,
+                             .instance = index,
+                             .flags = rayFlags(instance, gpuScene_.materials().record(instance.material))};
+  setRows(record, linear);
+  double reach = reachOf(bvh.bounds, linear);
+  if (gpuScene_.geometry().isDeformed(instance.mesh)) {
+    const Sphere& sphere = gpuScene_.instances().bounds(index);
+    reach = glm::length(glm::dvec3(sphere.centre) - glm::dvec3(instance.objectToWorld[3])) + sphere.radius;
+  }
+  record.reach = static_cast<float>(reach * (1 + kRounding));
+  return record;
+}
+
+void SceneBvh::buildInstances() {
+  std::vector<uint32_t> shown;
+  for (uint32_t i = 0; i < gpuScene_.instances().count(); ++i)
+    if (isShown(i)) shown.push_back(i);
+  std::vector<Box> boxes(shown.size());
+  std::vector<shared::RayInstance> records(shown.size());
+  constexpr size_t kAtOnce = 4096;
+  parallelFor(shown.size(), kAtOnce, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) boxes[i] = boundsOf(shown[i]);
+  });
+  const Bvh bvh = buildBvh(boxes, 1, shared::kMaxInstanceDepth);
+  parallelFor(shown.size(), kAtOnce, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) records[i] = recordOf(shown[bvh.items[i]]);
+  });
+  vk::Uploader& uploads = gpuScene_.uploads();
+  if (!shown.empty()) {
+    nodes_.upload(uploads, bvh.nodes);
+    instances_.upload(uploads, records);
+  }
+  const shared::RayScene record{.nodes = nodes_.address(),
+                                .instances = instances_.address(),
+                                .instanceCount = static_cast<uint32_t>(shown.size())};
+  record_.upload(uploads, std::span(&record, 1));
+  instanceNodes_ = bvh.nodes.size();
+  instanceCount_ = shown.size();
+}
+
+void SceneBvh::addChanges(graph::Graph& graph) const {
+  if (refits_.empty()) return;
+  graph.prologue(graph::Stage::Deformation, "refit", [this](graph::Context& context) { recordRefits(context); });
+}
+
+// Refits the same level, counted from the leaves, of all meshes between two barriers.
+void SceneBvh::recordRefits(graph::Context& context) const {
+  size_t most = 0;
+  for (const uint32_t mesh : refits_) most = std::max(most, meshes_[mesh].levels.size() - 1);
+  for (size_t above = 0; above < most; ++above) {
+    if (above > 0)
+      vk::recordMemoryBarrier(context.get(), VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                              VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                              VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT);
+    for (const uint32_t mesh : refits_) {
+      const MeshBvh& bvh = meshes_[mesh];
+      if (above + 1 >= bvh.levels.size()) continue;
+      const size_t level = bvh.levels.size() - 2 - above;
+      const shared::RayRefitPush push{.meshes = gpuScene_.geometry().address(),
+                                      .nodes = bvh.buffer.address(),
+                                      .triangles = bvh.buffer.address() + bvh.triangles,
+                                      .mesh = mesh,
+                                      .first = bvh.levels[level],
+                                      .end = bvh.levels[level + 1]};
+      context.commands().bind(refitPipeline_.get(), {}, push);
+      context.commands().dispatch(push.end - push.first, 1, 1, 64, 1);
+    }
+  }
+}
+
+uint64_t SceneBvh::bytes() const {
+  uint64_t bytes = instanceNodes_ * sizeof(shared::RayNode) + instanceCount_ * sizeof(shared::RayInstance);
+  for (const MeshBvh& mesh : meshes_)
+    if (mesh.buffer) bytes += mesh.buffer.size();
+  return bytes;
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,63 @@
+// The scene's BVHs in device memory: one per mesh that is visible anywhere, and one over the instances. They exist only
+// after the first request for rays.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "render/gpu_scene/gpu_scene.h"
+#include "render/rays/bvh.h"
+#include "vk/object_cache.h"
+
+namespace latelight::render {
+
+class SceneBvh {
+ public:
+  // Both must outlive this object.
+  SceneBvh(vk::Device& device, const scene::Scene& scene, GpuScene& gpuScene);
+
+  // Follows the edits and poses that GpuScene::update() has followed. Meshes that changed are built again; deformed
+  // ones are refitted by the next graph. The uploads are part of GpuScene::uploads().
+  void update();
+  // Adds the pending refits to the prologue of a graph, after GpuScene::addChanges(). They stay pending until
+  // changesSubmitted().
+  void addChanges(graph::Graph& graph) const;
+  void changesSubmitted() { refits_.clear(); }
+
+  VkDeviceAddress address() const { return record_.address(); }  // shared::RayScene
+  uint64_t bytes() const;                                        // device memory of all BVHs
+
+ private:
+  struct MeshBvh {
+    vk::Buffer buffer;  // shared::RayNode[], then shared::RayTriangle[]
+    VkDeviceSize triangles = 0;
+    std::vector<uint32_t> levels;  // as in Bvh
+    Box bounds;                    // at rest, in the mesh's space on the device
+    uint64_t revision = 0;         // of GpuGeometry, when it was built or refitted
+    bool refitted = false;         // its boxes are those of a pose
+  };
+
+  void followMeshes();
+  void buildMeshes(std::span<const uint32_t> meshes);
+  void upload(uint32_t mesh, const Bvh& bvh);
+  void buildInstances();
+  bool isShown(uint32_t instance) const;
+  Box boundsOf(uint32_t instance) const;
+  shared::RayInstance recordOf(uint32_t instance) const;
+  void recordRefits(graph::Context& context) const;
+
+  vk::Device& device_;
+  const scene::Scene& scene_;
+  GpuScene& gpuScene_;
+  std::vector<MeshBvh> meshes_;   // by mesh; without a buffer before it is built
+  std::vector<uint32_t> refits_;  // meshes whose refit is pending
+  GpuList<shared::RayNode> nodes_;
+  GpuList<shared::RayInstance> instances_;
+  GpuList<shared::RayScene> record_;
+  vk::PipelineRef refitPipeline_;
+  uint64_t meshEdits_ = 0;  // revisions that this follows so far
+  uint64_t geometryRevision_ = 0, instanceRevision_ = 0, materialRevision_ = 0;
+  size_t instanceNodes_ = 0, instanceCount_ = 0;
+};
+
+}  // namespace latelight::render

@@ -1,0 +1,170 @@
+#include "render/submit/cast.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "render/base/readback.h"
+#include "render/options/options.h"
+#include "render/rays/cast_push.h"
+#include "render/submit/job.h"
+#include "render/submit/renderer.h"
+
+namespace latelight::render {
+
+namespace {
+
+constexpr size_t kRaysAtOnce = size_t{1} << 20;
+constexpr size_t kRaysOfTask = 8192;
+
+bool isFinite(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+// Returns the unit vector of a direction of any length; not finite for directions without one.
+glm::dvec3 unitOf(const glm::dvec3& direction) {
+  const double largest = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
+  const glm::dvec3 scaled = direction / largest;
+  return scaled / glm::length(scaled);  // squares of the quotient neither overflow nor underflow
+}
+
+// Returns what floats round off. Volatile, because GCC 12 removes the rounding of components that it vectorizes.
+glm::vec3 lowPart(const glm::dvec3& v) {
+  glm::vec3 low;
+  for (int i = 0; i < 3; ++i) {
+    const volatile float high = static_cast<float>(v[i]);
+    low[i] = static_cast<float>(v[i] - double{high});
+  }
+  return low;
+}
+
+// A coordinate frame of rays, relative to the device's world space.
+struct RayFrame {
+  glm::dmat3 worldFromFrame;
+  glm::dvec3 deviceOrigin;    // in world space
+  glm::dvec3 positionOrigin;  // in the frame
+
+  shared::CastRay toDevice(const glm::dvec3& origin, const glm::dvec3& direction, double maxDistance) const {
+    const glm::dvec3 from = worldFromFrame * origin - deviceOrigin, unit = worldFromFrame * unitOf(direction);
+    if (!isFinite(from) || !isFinite(unit)) return {.near = 1, .far = 0};  // hits nothing
+    shared::CastRay ray{.origin = glm::vec3(from), .near = 0, .direction = glm::vec3(unit)};
+    ray.far = static_cast<float>(std::min(maxDistance, double{std::numeric_limits<float>::max()}));
+    ray.originLow = lowPart(from);
+    ray.directionLow = lowPart(unit);
+    return ray;
+  }
+};
+
+void resize(CastHits& hits, size_t count) {
+  hits.distance.resize(count);
+  for (std::vector<glm::vec3>* vectors : {&hits.position, &hits.normal, &hits.geonormal}) vectors->resize(count);
+  hits.uv.resize(count);
+  for (std::vector<uint32_t>* numbers : {&hits.id, &hits.part, &hits.material, &hits.triangle}) numbers->resize(count);
+}
+
+// The position follows from the ray in double precision, so it is as precise as the distance.
+void store(const shared::CastHit& hit, const CastRays& rays, const RayFrame& frame, size_t ray, CastHits& hits) {
+  hits.distance[ray] = hit.distance;
+  hits.id[ray] = hit.id, hits.part[ray] = hit.part, hits.material[ray] = hit.material;
+  hits.triangle[ray] = hit.triangle;
+  hits.uv[ray] = hit.uv;
+  if (std::isinf(hit.distance)) return;
+  const glm::dvec3 along = unitOf(rays.directions[ray]) * double{hit.distance};
+  hits.position[ray] = glm::vec3(rays.origins[ray] - frame.positionOrigin + along);
+  const glm::dmat3 frameFromWorld = glm::transpose(frame.worldFromFrame);
+  hits.normal[ray] = glm::vec3(frameFromWorld * glm::dvec3(hit.normal));
+  hits.geonormal[ray] = glm::vec3(frameFromWorld * glm::dvec3(hit.geonormal));
+}
+
+struct CastPass {
+  graph::BufferId hits;  // readable by the host
+  vk::Buffer staging;    // of the rays
+};
+
+CastPass addCast(const Builder& b, const shared::FrameConstants& frame, std::span<const shared::CastRay> rays,
+                 uint32_t what, const std::vector<vk::Constant>& constants, graph::Graph& graph) {
+  CastPass pass{.hits = {}, .staging = vk::uploadedBuffer(b.device, "rays", std::as_bytes(rays))};
+  graph::BufferId source = graph.import(pass.staging, std::nullopt);
+  if (!b.device.isCpu()) {
+    const graph::BufferId staged = source,
+                          local = graph.create(vk::BufferDesc{.size = rays.size_bytes(), .name = "rays"});
+    graph.pass(graph::Stage::Upload, "upload rays", {{staged, graph::Use::CopySource}, {local, graph::Use::CopyTarget}},
+               [=](graph::Context& context) {
+                 const VkBufferCopy all{0, 0, context.buffer(local).size()};
+                 vkCmdCopyBuffer(context.get(), context.buffer(staged).get(), context.buffer(local).get(), 1, &all);
+               });
+    source = local;
+  }
+  const graph::BufferId hits = createResult(b, "hits", rays.size() * sizeof(shared::CastHit), 1).buffer;
+  const VkDeviceAddress address = graph.constants(std::as_bytes(std::span(&frame, 1)));
+  const auto count = static_cast<uint32_t>(rays.size());
+  addCompute(b,
+             {.stage = graph::Stage::Visibility,
+              .name = "cast rays",
+              .shader = "cast.comp",
+              .bindings = Bindings(b.device),
+              .size = {count, 1, 1},
+              .constants = constants,
+              .buffers = {{source, graph::Use::StorageRead}, {hits, graph::Use::StorageWrite}},
+              .groupX = 64,
+              .groupY = 1},
+             [=](graph::Context& context) {
+               return shared::CastPush{.frame = address,
+                                       .rays = context.buffer(source).address(),
+                                       .hits = context.buffer(hits).address(),
+                                       .count = count,
+                                       .what = what};
+             });
+  pass.hits = addReadback(b, hits);
+  return pass;
+}
+
+}  // namespace
+
+CastResult Renderer::cast(const CastRays& rays, const Settings& settings, const SceneState& moment) {
+  checkSettings(settings);
+  if (rays.origins.size() != rays.directions.size())
+    badUsage("{} rays have an origin, but {} have a direction", rays.origins.size(), rays.directions.size());
+  if (!(rays.maxDistance >= 0)) badUsage("the maximum distance of rays must be at least 0, not {}", rays.maxDistance);
+  if (settings.normalFrame != NormalFrame::World)
+    badUsage("rays have no camera: their normals require --normal-frame world");
+  resolveOverflow();
+  sceneInput_.reset();
+  gpuScene_.update(moment.poses, sunOf(settings));
+  gpuScene_.setWorlds({}, moment.poses);
+  SceneBvh& bvh = followedBvh();
+  const bool file = scene_.yUp && settings.axes == Axes::File;
+  const RayFrame frame{.worldFromFrame = file ? glm::dmat3(scene::toWorldFromGltf()) : glm::dmat3(1),
+                       .deviceOrigin = gpuScene_.origin(),
+                       .positionOrigin = settings.positionOrigin.point};
+  shared::FrameConstants constants{};
+  gpuScene_.describe(constants);
+  constants.rayScene = bvh.address();
+  const std::vector<vk::Constant> specialized{{kTextureSlotsConstant, gpuScene_.materials().textureSlots()}};
+  const uint32_t what = settings.dataSurfaces == DataSurfaces::Any ? shared::kCastAnySurface : 0u;
+  CastResult result{.hits = {}, .statistics = {}, .bvhBytes = bvh.bytes()};
+  resize(result.hits, rays.origins.size());
+  for (size_t first = 0; first < rays.origins.size(); first += kRaysAtOnce) {
+    std::vector<shared::CastRay> chunk(std::min(kRaysAtOnce, rays.origins.size() - first));
+    parallelFor(chunk.size(), kRaysOfTask, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i)
+        chunk[i] = frame.toDevice(rays.origins[first + i], rays.directions[first + i], rays.maxDistance);
+    });
+    graph::Graph graph(executor_);
+    const CastPass pass = addCast({device_, graph}, constants, chunk, what, specialized, graph);
+    gpuScene_.addChanges(graph);
+    bvh.addChanges(graph);
+    const graph::Submission done = submit(graph, graph.compile());
+    bvh.changesSubmitted();
+    done.wait();
+    const auto* hits = done.buffer(pass.hits).as<shared::CastHit>();
+    parallelFor(chunk.size(), kRaysOfTask, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) store(hits[i], rays, frame, first + i, result.hits);
+    });
+    addTimes(result.statistics.passTimes, done);
+  }
+  return result;
+}
+
+}  // namespace latelight::render

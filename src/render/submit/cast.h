@@ -1,0 +1,35 @@
+// Rays from the host through a scene: the surface that each hits first.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "render/submit/result.h"
+
+namespace latelight::render {
+
+// Rays in the coordinate frame of Settings::axes, with any length of direction. A ray whose direction is zero, or which
+// has a value that is not a finite number, hits nothing.
+struct CastRays {
+  std::span<const glm::dvec3> origins, directions;               // as many of both
+  double maxDistance = std::numeric_limits<double>::infinity();  // meters
+};
+
+// One value per ray. Rays that hit nothing have an infinite distance and zeros, as the background in data outputs.
+struct CastHits {
+  std::vector<float> distance;                         // meters along the ray
+  std::vector<glm::vec3> position, normal, geonormal;  // as the outputs of these names
+  std::vector<glm::vec2> uv;
+  std::vector<uint32_t> id, part, material;
+  std::vector<uint32_t> triangle;  // index in the mesh of the part
+};
+
+struct CastResult {
+  CastHits hits;
+  RenderStatistics statistics;
+  uint64_t bvhBytes = 0;  // device memory of the scene's BVHs
+};
+
+}  // namespace latelight::render

@@ -1,0 +1,72 @@
+// The bounding volume hierarchies (BVHs) that rays traverse, in device memory (render/rays): one over the triangles of
+// each mesh, in object space, and one over the instances of the scene, in world space.
+#ifndef LATELIGHT_SHARED_RAYS_H
+#define LATELIGHT_SHARED_RAYS_H
+#include "shared/lang.h"
+
+SH_BEGIN
+
+// A node holds the boxes of both its children, so that one load decides which of them a ray visits (Aila and Laine
+// 2009, Understanding the Efficiency of Ray Traversal on GPUs). Node 0 is the root, and children follow their parents.
+struct RayNode {
+  vec3 lowA;
+  uint a;  // kRayLeaf, the number of items - 1, and the first item; or the index of a node
+  vec3 highA;
+  uint b;  // likewise; kRayNone: there is no second child
+  vec3 lowB;
+  uint paddingA;
+  vec3 highB;
+  uint paddingB;
+};
+SH_CONST uint kRayNodeBytes = 64u;
+SH_CONST uint kRayLeaf = 0x80000000u;
+SH_CONST uint kRayCountShift = 28u;  // three bits: number of items - 1
+SH_CONST uint kRayFirstMask = 0x0fffffffu;
+SH_CONST uint kRayNone = 0xffffffffu;
+SH_CONST uint kMaxRayLeaf = 4u;  // items per leaf
+
+// Maximum number of inner nodes on a path from the root, in the BVH of the instances and in that of a mesh. Together
+// with a marker between them they bound the stack of a traversal.
+SH_CONST uint kMaxInstanceDepth = 27u;
+SH_CONST uint kMaxMeshDepth = 44u;
+SH_CONST uint kRayStack = 72u;
+
+struct RayTriangle {  // in the order of the leaves
+  uint corners[3];    // vertices of the mesh
+  uint number;        // index of the triangle in the mesh
+};
+
+// A placement of a mesh, in the order of the leaves.
+struct RayInstance {  // 80 bytes
+  // Rows of the linear transform from world to object space. w: the slack of boxes along this axis of object space, per
+  // meter of distance, which covers the rounding of the transform.
+  vec4 rows[3];
+  uint64_t nodes;      // RayNode[] of the mesh
+  uint64_t triangles;  // RayTriangle[]
+  float reach;         // meters: maximum distance of the mesh from the origin of its object space, in world space
+  uint instance;       // index in FrameConstants::instances
+  uint flags;          // kRay*
+  uint padding;
+};
+SH_CONST uint kRayInstanceBytes = 80u;
+SH_CONST uint kRayDoubleSided = 1u;
+SH_CONST uint kRayAlphaTested = 2u;  // masked or blended: the texture decides if a ray passes
+SH_CONST uint kRayTranslucent = 4u;  // blended or transmissive
+SH_CONST uint kRayClockwise = 8u;    // front faces are clockwise
+
+struct RayScene {
+  uint64_t nodes;      // RayNode[] over the instances
+  uint64_t instances;  // RayInstance[]
+  uint instanceCount;  // 0: there is nothing to hit, and no node
+  uint padding;
+};
+
+SH_END
+
+#if defined(__cplusplus)
+static_assert(sizeof(latelight::shared::RayNode) == latelight::shared::kRayNodeBytes);
+static_assert(sizeof(latelight::shared::RayInstance) == latelight::shared::kRayInstanceBytes);
+static_assert(sizeof(latelight::shared::RayTriangle) == 16);
+#endif
+
+#endif

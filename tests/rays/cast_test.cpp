@@ -1,0 +1,408 @@
+// Renderer::cast(): along the rays of pixels it returns the raster's values, and in any direction those of an
+// independent ray caster in double precision. Rays through edges and vertices of closed meshes hit them.
+#include <fmt/core.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "base/error.h"
+#include "models/models.h"
+#include "render/reference_caster.h"
+#include "render/submit/session.h"
+#include "render/support.h"
+#include "scene/builtin/scene_builder.h"
+#include "scene/edit.h"
+#include "scene/load/load.h"
+
+namespace latelight::render::test {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+using output::Aov;
+
+constexpr uint32_t kWidth = 160, kHeight = 90;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+Settings castSettings() {
+  Settings settings = settingsOf(kWidth, kHeight,
+                                 {Aov::Depth, Aov::Distance, Aov::Position, Aov::GeoNormal, Aov::Normal, Aov::Uv,
+                                  Aov::Id, Aov::Part, Aov::Material});
+  settings.axes = Axes::ZUp;
+  return settings;
+}
+
+struct PixelRays {
+  std::vector<dvec3> origins, directions;
+};
+
+// The rays of all pixels of a camera, in the renderer's world. The direction's component along the view axis is 1.
+PixelRays pixelRays(const scene::Camera& camera) {
+  PixelRays rays;
+  const double up = camera.orthographic ? double{camera.yHalf} : std::tan(0.5 * double{camera.verticalFov});
+  const dvec2 scale(up * kWidth / kHeight, up);
+  glm::dmat3 axes(camera.toWorld);
+  for (int i = 0; i < 3; ++i) axes[i] = glm::normalize(axes[i]);
+  for (uint32_t y = 0; y < kHeight; ++y)
+    for (uint32_t x = 0; x < kWidth; ++x) {
+      const dvec2 ndc(2 * (x + 0.5) / kWidth - 1 - double{camera.principal.x},
+                      1 - 2 * (y + 0.5) / kHeight - double{camera.principal.y});
+      const dvec3 across = axes[0] * (ndc.x * scale.x) + axes[2] * (ndc.y * scale.y);
+      const dvec3 eye(camera.toWorld[3]);
+      rays.origins.push_back(camera.orthographic ? eye + across : eye);
+      rays.directions.push_back(camera.orthographic ? axes[1] : axes[1] + across);
+    }
+  return rays;
+}
+
+struct Largest {
+  double value = 0;
+  void add(double v) { value = std::max(value, std::isnan(v) ? double{kInfinity} : v); }
+};
+
+class CastTest : public RenderTest {
+ protected:
+  static CastHits cast(const scene::Scene& scene, const std::vector<dvec3>& origins,
+                       const std::vector<dvec3>& directions) {
+    Renderer renderer(device(), scene, nullptr);
+    return renderer.cast({origins, directions}, castSettings()).hits;
+  }
+
+  // Compares with Embree, refined in double precision, and with the raster's ids, at pixels off edges.
+  static void compare(const std::string& name, const scene::Scene& scene, const scene::Camera& camera) {
+    Renderer renderer(device(), scene, nullptr);
+    const Settings settings = castSettings();
+    const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, settings).front());
+    const PixelRays rays = pixelRays(camera);
+    const CastHits hits = renderer.cast({rays.origins, rays.directions}, settings).hits;
+    const ReferenceCaster reference(scene, camera, kWidth, kHeight);
+    size_t covered = 0, edges = 0, wrong = 0;
+    Largest distance, position, geonormal, uv, raster;
+    std::string first;
+    for (size_t i = 0; i < hits.distance.size(); ++i) {
+      const std::optional<Hit> hit = reference.cast(dvec2(i % kWidth + 0.5, i / kWidth + 0.5));
+      if (!hit && hits.part[i] == 0) {
+        EXPECT_EQ(hits.distance[i], kInfinity);
+        continue;
+      }
+      ++covered;
+      const bool atEdge = reference.edgeDepth(i) <= (hit ? hit->depth : double{kInfinity}) * 1.001;
+      const dvec2 center(i % kWidth + 0.5, i / kWidth + 0.5);
+      if (atEdge || (hit && reference.surfacesNear(center, hit->depth, 1e-5) > 1)) {
+        ++edges;
+        continue;
+      }
+      if (!hit || hits.part[i] != hit->part || hits.triangle[i] != hit->triangle) {
+        if (wrong++ == 0)
+          first = fmt::format("pixel {} {}: part {} triangle {} at {}, but the caster hits part {} triangle {} at {}",
+                              i % kWidth, i / kWidth, hits.part[i], hits.triangle[i], hits.distance[i],
+                              hit ? hit->part : 0, hit ? hit->triangle : 0, hit ? hit->distance : 0);
+        continue;
+      }
+      distance.add(std::abs(hits.distance[i] - hit->distance) / hit->distance);
+      position.add(glm::length(dvec3(hits.position[i]) - hit->position) / hit->distance);
+      geonormal.add(glm::length(dvec3(hits.geonormal[i]) - hit->geonormal) / (2e-6 + 2e-6 / hit->flatness));
+      uv.add(glm::length(dvec2(hits.uv[i]) - hit->uv) /
+             (2e-4 * std::max({1.0, glm::length(hit->uv), hit->uvPerPixel})));
+      if (imageOf(frame, Aov::Part).ids[i] != hits.part[i]) continue;  // the raster's own tests find the reason
+      EXPECT_EQ(imageOf(frame, Aov::Id).ids[i], hits.id[i]);
+      EXPECT_EQ(imageOf(frame, Aov::Material).ids[i], hits.material[i]);
+      raster.add(std::abs(hits.distance[i] - double{imageOf(frame, Aov::Distance).values[i]}) / hit->distance);
+    }
+    fmt::print(
+        "{}: {} pixels hit, {} at edges, {} wrong; distance {:.1e}, position {:.1e}, against the raster {:.1e}; "
+        "geonormal {:.2f} and uv {:.2f} of their tolerance\n",
+        name, covered, edges, wrong, distance.value, position.value, raster.value, geonormal.value, uv.value);
+    EXPECT_GT(covered - edges, 0.04 * kWidth * kHeight);
+    EXPECT_EQ(wrong, 0u) << first;
+    EXPECT_LT(distance.value, 1e-6);
+    EXPECT_LT(position.value, 1e-6);
+    EXPECT_LT(geonormal.value, 1);
+    EXPECT_LT(uv.value, 1);
+  }
+
+  static void compareFile(const std::filesystem::path& path) {
+    const scene::Scene scene = scene::load(path);
+    compare(path.filename(), scene, cameraOf(scene, kWidth, kHeight));
+  }
+};
+
+TEST_F(CastTest, HitsWhatEmbreeHits) {
+  for (const char* name : {"skinned.glb", "morphed.glb", "punctual.glb", "many_materials.glb"})
+    compareFile(models::modelPath(name));
+  for (const std::string& name : models::withReal({}, {"DamagedHelmet.glb", "Fox.glb", "CesiumMan.glb"}))
+    compareFile(models::modelPath(name));
+  compareFile("builtin:spheres");
+  compareFile("builtin:boxes");
+  compare("hall", hall(), cameraOf(hall(), kWidth, kHeight));
+}
+
+// Squares that turn about the vertical: single- and double-sided, mirrored, alpha-masked with texels large enough for
+// the raster to sample level 0 of the texture.
+scene::Scene turnedSquares(double farAway = 0) {
+  scene::builtin::SceneBuilder builder("squares");
+  scene::Scene& scene = builder.scene;
+  addSquareOfFourKinds(scene);
+  for (uint32_t i = 0; i < 32; ++i) {
+    const float angle = 0.35f + 0.77f * static_cast<float>(i), mirror = i & 4 ? -1.3f : 0.8f;
+    glm::mat4 local(1);
+    local[0] = glm::vec4(mirror * std::cos(angle), 0.2f, -std::sin(angle), 0);
+    local[1] = glm::vec4(0.1f, 1.1f, 0.3f, 0);
+    local[2] = glm::vec4(std::sin(angle), 0, std::cos(angle), 0);
+    local[3] = glm::vec4(-7 + 2 * static_cast<float>(i % 8), 3.6f - 2.4f * static_cast<float>(i / 8),
+                         -0.1f * static_cast<float>(i), 1);
+    builder.addInstance("square", builder.kRoot, 0, i % 4, local);
+  }
+  for (scene::Instance& instance : scene.instances) instance.toWorld[3].x += farAway;
+  return std::move(builder.scene);
+}
+
+TEST_F(CastTest, HitsSidesMirrorsAndMasksAsTheRaster) {
+  compare("squares", turnedSquares(), frontPerspective(0.6f, 16));
+  compare("orthographic squares", turnedSquares(), frontCamera(5, 20));
+}
+
+scene::Scene oneMesh(scene::Mesh mesh, bool doubleSided) {
+  scene::builtin::SceneBuilder builder("mesh");
+  builder.scene.meshes.push_back(std::move(mesh));
+  scene::findBounds(builder.scene.meshes.back());
+  scene::Material material;
+  material.data.baseColor = glm::vec4(1);
+  material.data.id = 7;
+  material.data.flags = doubleSided ? shared::kMaterialDoubleSided : 0u;
+  builder.scene.materials.push_back(material);
+  builder.addInstance("mesh", builder.kRoot, 0, 0, glm::mat4(1));
+  builder.scene.instances[0].toWorld = glm::dmat4(1);
+  return std::move(builder.scene);
+}
+
+constexpr size_t kFar = 6'400'000;  // meters, from a planet's center to its surface
+
+// The same squares a planet's radius from the origin, whose floats have steps of half a meter there.
+TEST_F(CastTest, IsAsPreciseFarFromTheOrigin) {
+  const scene::Scene near = turnedSquares(), far = turnedSquares(double{kFar});
+  PixelRays rays = pixelRays(frontPerspective(0.6f, 16));
+  const CastHits expected = cast(near, rays.origins, rays.directions);
+  for (dvec3& origin : rays.origins) origin.x += double{kFar};
+  const CastHits hits = cast(far, rays.origins, rays.directions);
+  size_t hitCount = 0;
+  for (size_t i = 0; i < hits.distance.size(); ++i) {
+    if (std::isinf(expected.distance[i]) || std::isinf(hits.distance[i])) continue;
+    ++hitCount;
+    if (hits.triangle[i] == expected.triangle[i] && hits.normal[i] == expected.normal[i])
+      EXPECT_NEAR(hits.distance[i], expected.distance[i], 2e-6 * expected.distance[i]);
+  }
+  EXPECT_GT(hitCount, 1000u);
+}
+
+// From the center of a closed mesh, a ray to each vertex and to the middle of each edge hits the mesh: no ray passes
+// between two triangles.
+TEST_F(CastTest, NoRayPassesBetweenTriangles) {
+  const scene::Mesh sphere = sphereMesh(2);
+  std::vector<dvec3> origins, directions;
+  const dvec3 inside(0.31, -0.17, 0.23);
+  const auto add = [&](dvec3 target) {
+    for (const dvec3& from : {dvec3(0), inside}) origins.push_back(from), directions.push_back(target - from);
+  };
+  for (size_t i = 0; i < sphere.indices.size(); ++i) {
+    const dvec3 a(sphere.positions[sphere.indices[i]]);
+    const dvec3 b(sphere.positions[sphere.indices[i - i % 3 + (i % 3 + 1) % 3]]);
+    add(a);
+    for (const double share : {0.5, 0.25, 0.123456789}) add(glm::mix(a, b, share));
+  }
+  const CastHits hits = cast(oneMesh(sphere, true), origins, directions);
+  size_t leaks = 0;
+  for (size_t i = 0; i < hits.distance.size(); ++i) {
+    leaks += std::isinf(hits.distance[i]);
+    const double length = glm::length(directions[i]);
+    if (!std::isinf(hits.distance[i])) EXPECT_NEAR(hits.distance[i], length, 1e-5 * length);
+  }
+  EXPECT_GT(hits.distance.size(), 4000u);
+  EXPECT_EQ(leaks, 0u);
+}
+
+scene::Mesh cubeMesh() {  // [-1, 1]^3
+  scene::Mesh mesh;
+  for (int i = 0; i < 8; ++i) {
+    mesh.positions.emplace_back(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+    mesh.attributes.push_back({glm::normalize(mesh.positions.back()), glm::vec4(1, 0, 0, 1), glm::vec2(0)});
+  }
+  mesh.indices = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                  2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
+  return mesh;
+}
+
+// A cube along its axes: from inside, along its edges just inside and just outside, and through its corners.
+TEST_F(CastTest, HitsAlongAxesAndEdges) {
+  constexpr double kLittle = 0x1p-20;
+  std::vector<dvec3> origins, directions;
+  std::vector<float> expected;
+  const auto add = [&](dvec3 origin, dvec3 direction, float distance) {
+    origins.push_back(origin), directions.push_back(direction), expected.push_back(distance);
+  };
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1.0, 1.0}) {
+      dvec3 along(0), besides(0.5);
+      along[axis] = sign, besides[axis] = 0;
+      add(dvec3(0), along, 1);
+      add(besides - along * 3.0, along, 2);
+      for (const double side : {1 - kLittle, 1 + kLittle}) {
+        dvec3 edge(side);
+        edge[axis] = -3 * sign;
+        add(edge, along, side < 1 ? 2 : kInfinity);
+      }
+    }
+  for (int corner = 0; corner < 8; ++corner) {
+    const dvec3 to(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+    add(dvec3(0), to, std::sqrt(3.0f));
+  }
+  const CastHits hits = cast(oneMesh(cubeMesh(), true), origins, directions);
+  for (size_t i = 0; i < origins.size(); ++i)
+    if (std::isinf(expected[i]))
+      EXPECT_EQ(hits.distance[i], kInfinity) << i;
+    else
+      EXPECT_NEAR(hits.distance[i], expected[i], 4e-7) << i;
+}
+
+TEST_F(CastTest, OddRaysHitNothing) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
+  const dvec3 along(0, 0, -1);
+  const std::vector<dvec3> origins{dvec3(0), dvec3(0), dvec3(nan, 0, 0), dvec3(0), dvec3(0, infinite, 0), dvec3(0)};
+  const std::vector<dvec3> directions{dvec3(0), dvec3(0, nan, 0), along, dvec3(infinite, 0, 0), along, 1e-200 * along};
+  const CastHits hits = cast(oneMesh(sphereMesh(2), true), origins, directions);
+  for (size_t i = 0; i + 1 < origins.size(); ++i) {
+    EXPECT_EQ(hits.distance[i], kInfinity) << i;
+    EXPECT_EQ(hits.part[i], 0u);
+    EXPECT_EQ(hits.normal[i], glm::vec3(0));
+  }
+  EXPECT_NEAR(hits.distance.back(), 2, 0.05);  // any length of direction will do
+}
+
+// Inside a sphere of single-sided faces, rays pass its back faces; the maximum distance ends rays.
+TEST_F(CastTest, RespectsSidesAndMaximumDistance) {
+  const std::vector<dvec3> origins{dvec3(0.01, 0.02, 0), dvec3(0.01, 0.02, 5)};
+  const std::vector<dvec3> directions{dvec3(0, 0, -3), dvec3(0, 0, -3)};
+  const scene::Scene single = oneMesh(sphereMesh(2), false);
+  Renderer renderer(device(), single, nullptr);
+  CastHits hits = renderer.cast({origins, directions}, castSettings()).hits;
+  EXPECT_EQ(hits.distance[0], kInfinity);
+  EXPECT_NEAR(hits.distance[1], 3, 0.05);
+  EXPECT_EQ(hits.material[1], 7u);
+  EXPECT_GT(hits.geonormal[1].z, 0.9f);
+  hits = renderer.cast({origins, directions, 2.5}, castSettings()).hits;
+  EXPECT_EQ(hits.distance[1], kInfinity);
+  EXPECT_THROW(renderer.cast({origins, std::span(directions).first(1)}, castSettings()), Error);
+  EXPECT_THROW(renderer.cast({origins, directions, -1}, castSettings()), Error);
+  Settings camera = castSettings();
+  camera.normalFrame = NormalFrame::OpenCv;
+  EXPECT_THROW(renderer.cast({origins, directions}, camera), Error);
+}
+
+// glTF's frame: the same rays, turned, hit at the same distances, and positions are in the frame of the rays.
+TEST_F(CastTest, FollowsAxesAndPositionOrigin) {
+  const scene::Scene scene = scene::load(models::modelPath("punctual.glb"));
+  ASSERT_TRUE(scene.yUp);
+  PixelRays rays = pixelRays(cameraOf(scene, kWidth, kHeight));
+  Renderer renderer(device(), scene, nullptr);
+  const CastHits expected = renderer.cast({rays.origins, rays.directions}, castSettings()).hits;
+  const glm::dmat3 turned(scene::toGltfFromWorld());
+  for (size_t i = 0; i < rays.origins.size(); ++i) {
+    rays.origins[i] = turned * rays.origins[i];
+    rays.directions[i] = turned * rays.directions[i];
+  }
+  Settings file = castSettings();
+  file.axes = Axes::File;
+  file.positionOrigin.point = {1, 2, 3};
+  const CastHits hits = renderer.cast({rays.origins, rays.directions}, file).hits;
+  EXPECT_EQ(hits.distance, expected.distance);
+  for (size_t i = 0; i < hits.distance.size(); ++i) {
+    if (std::isinf(hits.distance[i])) continue;
+    const dvec3 position = turned * dvec3(expected.position[i]) - dvec3(1, 2, 3);
+    EXPECT_LT(glm::length(dvec3(hits.position[i]) - position), 1e-5);
+    EXPECT_LT(glm::length(dvec3(hits.normal[i]) - turned * dvec3(expected.normal[i])), 1e-6);
+  }
+}
+
+// Blended surfaces are hit only if data outputs describe them.
+TEST_F(CastTest, HitsBlendedSurfacesAsDataOutputsDo) {
+  const scene::Scene scene = scene::load(models::modelPath("blended.glb"));
+  const scene::Camera camera = cameraOf(scene, kWidth, kHeight);
+  const PixelRays rays = pixelRays(camera);
+  Renderer renderer(device(), scene, nullptr);
+  std::vector<uint32_t> parts[2];
+  for (const DataSurfaces surfaces : {DataSurfaces::Opaque, DataSurfaces::Any}) {
+    Settings settings = castSettings();
+    settings.dataSurfaces = surfaces;
+    const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, settings).front());
+    const CastHits hits = renderer.cast({rays.origins, rays.directions}, settings).hits;
+    size_t differ = 0;
+    for (size_t i = 0; i < hits.part.size(); ++i) differ += hits.part[i] != imageOf(frame, Aov::Part).ids[i];
+    EXPECT_LT(differ, 0.004 * kWidth * kHeight);  // at edges
+    parts[surfaces == DataSurfaces::Any] = hits.part;
+  }
+  EXPECT_NE(parts[0], parts[1]);
+}
+
+// Compares with the raster's parts and distances in the scene's current state.
+void expectAsRaster(Renderer& renderer, const scene::Camera& camera, const SceneState& moment) {
+  const PixelRays rays = pixelRays(camera);
+  const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, castSettings(), moment).front());
+  const CastHits hits = renderer.cast({rays.origins, rays.directions}, castSettings(), moment).hits;
+  size_t differ = 0, covered = 0;
+  for (size_t i = 0; i < hits.part.size(); ++i) {
+    const double expected = imageOf(frame, Aov::Distance).values[i];
+    const bool same = hits.part[i] == imageOf(frame, Aov::Part).ids[i];
+    covered += hits.part[i] != 0;
+    differ += !same || (!std::isinf(expected) && std::abs(hits.distance[i] - expected) > 1e-4 * expected);
+  }
+  EXPECT_GT(covered, 0.02 * kWidth * kHeight);
+  EXPECT_LT(differ, 0.01 * static_cast<double>(covered));
+}
+
+TEST_F(CastTest, FollowsSkinsAndMorphTargets) {
+  for (const char* name : {"skinned.glb", "morphed.glb"}) {
+    const scene::Scene scene = scene::load(models::modelPath(name));
+    const scene::Camera camera = cameraOf(scene, kWidth, kHeight);
+    Renderer renderer(device(), scene, nullptr);
+    Settings settings = castSettings();
+    for (const std::optional<double> time : {std::optional(0.3), std::optional(0.5), std::optional<double>()}) {
+      settings.time = time;
+      expectAsRaster(renderer, camera, {.poses = posesAt(scene, settings)});
+    }
+  }
+}
+
+TEST_F(CastTest, FollowsEdits) {
+  scene::Scene scene = turnedSquares();
+  const scene::Camera camera = frontPerspective(0.6f, 16);
+  Renderer renderer(device(), scene, nullptr);
+  expectAsRaster(renderer, camera, {});
+  scene::removeInstance(scene, 3);
+  glm::dmat4 moved = scene.instances[5].toWorld;
+  moved[3] += glm::dvec4(0.3, 0, 0.4, 0);
+  scene::setTransform(scene, 5, moved);
+  expectAsRaster(renderer, camera, {});
+  scene::setMesh(scene, 0, sphereMesh(0.8f));
+  expectAsRaster(renderer, camera, {});
+  scene::Material opaque = scene.materials[3];
+  opaque.data.flags &= ~shared::kMaterialMasked;
+  scene::setMaterial(scene, 3, opaque);
+  expectAsRaster(renderer, camera, {});
+  for (uint32_t i = 0; i < scene.instances.size(); ++i)
+    if (i != 3) scene::removeInstance(scene, i);
+  const PixelRays rays = pixelRays(camera);
+  EXPECT_EQ(renderer.cast({rays.origins, rays.directions}, castSettings()).hits.part,
+            std::vector<uint32_t>(rays.origins.size(), 0));
+}
+
+// An instance that its transform flattens still is a surface.
+TEST_F(CastTest, HitsFlattenedInstances) {
+  scene::Scene scene = oneMesh(sphereMesh(2), true);
+  scene.instances[0].toWorld[2] = glm::dvec4(0);
+  const CastHits hits = cast(scene, {dvec3(0.3, 0.4, 3), dvec3(0.3, 0.4, -3)}, {dvec3(0, 0, -1), dvec3(0, 0.1, 1)});
+  EXPECT_FLOAT_EQ(hits.distance[0], 3);
+  EXPECT_NEAR(hits.distance[1], 3 * std::sqrt(1.01), 1e-6);
+}
+
+}  // namespace
+}  // namespace latelight::render::test
