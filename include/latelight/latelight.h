@@ -21,6 +21,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -463,6 +464,17 @@ struct Pick {
   std::array<float, 2> uv{};
 };
 
+// The surfaces that rays hit first: one value per ray. A ray that hits nothing has an infinite distance, and all its
+// other values are 0. Options::axes and positionOrigin select the frames of positions and normals.
+struct CastHits {
+  std::vector<float> distance;                                    // meters along the ray
+  std::vector<std::array<float, 3>> position, normal, geonormal;  // as the outputs of these names; normals are on the
+                                                                  // side that the ray comes from
+  std::vector<std::array<float, 2>> uv;                           // first set of texture coordinates
+  std::vector<uint32_t> id, part, material;                       // values of the outputs of these names
+  std::vector<uint32_t> triangle;                                 // index in the mesh of the part
+};
+
 // An entry of options.def, for programs that list the options.
 struct OptionInfo {
   std::string group, name, member;  // "Picture", "--exposure", "exposure"
@@ -597,6 +609,13 @@ class LATELIGHT_API Renderer {
   // is computed.
   std::vector<Pick> pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,
                          const Options& options = {});
+  // Casts rays through the scene, any number at once, and returns what each hits within `maxDistance` meters.
+  // Directions may have any length; a ray whose direction is zero or not finite hits nothing. Origins, directions and
+  // results are in the frame of Options::axes. Options::time and animation select the pose, and dataSurfaces selects if
+  // rays hit blended surfaces. The first call builds a bounding volume hierarchy of the scene, which later calls
+  // update.
+  CastHits cast(std::span<const std::array<double, 3>> origins, std::span<const std::array<double, 3>> directions,
+                const Options& options = {}, double maxDistance = std::numeric_limits<double>::infinity());
 
  private:
   friend class Ticket;

@@ -227,6 +227,41 @@ std::vector<Pick> pick(const std::shared_ptr<SharedRenderer>& renderer, nb::hand
   }
 }
 
+std::vector<std::array<double, 3>> vectorsOf(nb::handle value, std::string_view name) {
+  const nb::object array = arrayOf(value, name, Elements::Numbers, {-1, 3}, "float64");
+  std::vector<std::array<double, 3>> vectors(lengthOf(array, 0));
+  if (!vectors.empty()) std::memcpy(vectors.data(), viewOf<double>(array).data(), sizeof(vectors[0]) * vectors.size());
+  return vectors;
+}
+
+nb::dict cast(const std::shared_ptr<SharedRenderer>& renderer, nb::handle origins, nb::handle directions,
+              nb::handle maxDistance, const nb::kwargs& keywords) {
+  const std::vector<std::array<double, 3>> from = vectorsOf(origins, "origins"),
+                                           along = vectorsOf(directions, "directions");
+  if (from.size() != along.size())
+    badValue("origins and directions must have equal lengths, not {} and {}", from.size(), along.size());
+  const double limit = numberOf(maxDistance, "max_distance");
+  const Options options = optionsOf(nb::none(), nb::make_tuple("rgba"), keywords);
+  CastHits hits;
+  try {
+    hits = renderer->use([&](Renderer& renderer) { return renderer.cast(from, along, options, limit); });
+  } catch (const Error& error) {
+    throw inPython(error);
+  }
+  const std::vector<size_t> shape{from.size()};
+  nb::dict arrays;
+  arrays["distance"] = owned(std::move(hits.distance), shape);
+  arrays["position"] = ownedRows(hits.position);
+  arrays["normal"] = ownedRows(hits.normal);
+  arrays["geonormal"] = ownedRows(hits.geonormal);
+  arrays["uv"] = ownedRows(hits.uv);
+  arrays["id"] = owned(std::move(hits.id), shape);
+  arrays["part"] = owned(std::move(hits.part), shape);
+  arrays["material"] = owned(std::move(hits.material), shape);
+  arrays["triangle"] = owned(std::move(hits.triangle), shape);
+  return arrays;
+}
+
 void bindPick(nb::module_& module) {
   nb::class_<Pick>(module, "Pick", "What a pixel shows, at its center.")
       .def_ro("id", &Pick::id, "as in the output \"id\"; 0: background, and nothing else is set")
@@ -372,6 +407,19 @@ void bindRenderer(nb::module_& module) {
   type.def("pick", &pick, argument("camera"), argument("pixels"), argument("size") = nb::make_tuple(1280, 720),
            nb::arg("options"), nb::sig(signature.c_str()),
            "What pixels (N, 2), x and y from the upper left, of such a picture show, in their order. Lights nothing.");
+  const std::string castSignature =
+      "def cast(self, origins: numpy.typing.ArrayLike, directions: numpy.typing.ArrayLike, "
+      "max_distance: float = float(\"inf\"), *" +
+      optionParameters() + ") -> dict[str, numpy.typing.NDArray[typing.Any]]";
+  type.def(
+      "cast", &cast, argument("origins"), argument("directions"),
+      nb::arg("max_distance") = std::numeric_limits<double>::infinity(), nb::arg("options"),
+      nb::sig(castSignature.c_str()),
+      "Casts rays through the scene. origins and directions are arrays (N, 3) in the frame of axes; directions may "
+      "have\nany length.\n\nReturns arrays of N values by name: distance (meters; infinite for a ray that hits "
+      "nothing), position, normal,\ngeonormal, uv, id, part and material as the outputs of these names, and "
+      "triangle, the index in the part's mesh.\nThe options time, animation, data_surfaces, axes and "
+      "position_origin apply.");
 }
 
 }  // namespace latelight::python

@@ -2,6 +2,7 @@
 #include <latelight/latelight.h>
 
 #include <cmath>
+#include <cstring>
 
 #include "api/scene.h"
 #include "base/error.h"
@@ -390,6 +391,42 @@ std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::ar
                      p.distance,
                      {p.uv.x, p.uv.y}});
   return picks;
+}
+
+namespace {
+
+// The public vectors have the layout of glm's.
+std::span<const glm::dvec3> vectors(std::span<const std::array<double, 3>> arrays) {
+  static_assert(sizeof(glm::dvec3) == sizeof(std::array<double, 3>));
+  return {reinterpret_cast<const glm::dvec3*>(arrays.data()), arrays.size()};
+}
+
+template <size_t N, typename Vector>
+std::vector<std::array<float, N>> arraysOf(const std::vector<Vector>& from) {
+  static_assert(sizeof(Vector) == sizeof(std::array<float, N>));
+  std::vector<std::array<float, N>> arrays(from.size());
+  if (!from.empty()) std::memcpy(arrays.data(), from.data(), sizeof(Vector) * from.size());
+  return arrays;
+}
+
+}  // namespace
+
+CastHits Renderer::cast(std::span<const std::array<double, 3>> origins,
+                        std::span<const std::array<double, 3>> directions, const Options& options, double maxDistance) {
+  usable(impl_);
+  const render::Settings settings = internalSettings(options);
+  const render::SceneState moment = internalState(options, settings, impl_->scene, 0);
+  render::CastHits hits =
+      impl_->renderer.cast({vectors(origins), vectors(directions), maxDistance}, settings, moment).hits;
+  return {.distance = std::move(hits.distance),
+          .position = arraysOf<3>(hits.position),
+          .normal = arraysOf<3>(hits.normal),
+          .geonormal = arraysOf<3>(hits.geonormal),
+          .uv = arraysOf<2>(hits.uv),
+          .id = std::move(hits.id),
+          .part = std::move(hits.part),
+          .material = std::move(hits.material),
+          .triangle = std::move(hits.triangle)};
 }
 
 }  // namespace latelight

@@ -153,3 +153,51 @@ def test_the_models_of_the_machine(model, device):
     frame = latelight.Renderer(scene, device).render(scene.default_camera(1), (64, 64), ("rgba", "depth"))
     assert 0.1 < np.isfinite(frame["depth"]).mean() < 0.9
     assert frame["rgba"][..., :3].std() > 10
+
+
+def rays_of(camera, width, height):
+    """Origins and directions through the centers of a picture's pixels, in the scene file's frame."""
+    focal = height / 2 / np.tan(np.radians(camera.vertical_fov) / 2)
+    x, y = np.meshgrid(np.arange(width) + 0.5 - width / 2, np.arange(height) + 0.5 - height / 2)
+    pose = np.asarray(camera.camera_to_world)
+    directions = np.stack([x / focal, y / focal, np.ones_like(x)], axis=-1).reshape(-1, 3) @ pose[:3, :3].T
+    return np.broadcast_to(pose[:3, 3], directions.shape), directions
+
+
+def test_rays_hit_what_pixels_show(renderer, camera):
+    frame = renderer.render(camera, SIZE, ("distance", "position", "id", "part", "material"))
+    hits = renderer.cast(*rays_of(camera, *SIZE))
+    assert {name: (array.shape, array.dtype.name) for name, array in hits.items()} == {
+        "distance": ((1536,), "float32"),
+        "position": ((1536, 3), "float32"),
+        "normal": ((1536, 3), "float32"),
+        "geonormal": ((1536, 3), "float32"),
+        "uv": ((1536, 2), "float32"),
+        "id": ((1536,), "uint32"),
+        "part": ((1536,), "uint32"),
+        "material": ((1536,), "uint32"),
+        "triangle": ((1536,), "uint32"),
+    }
+    same = hits["part"] == frame["part"].ravel()
+    assert np.mean(same) > 0.99
+    for name in ("id", "material"):
+        assert np.array_equal(hits[name][same], frame[name].ravel()[same])
+    assert np.mean(np.isclose(hits["distance"], frame["distance"].ravel(), rtol=1e-5)) > 0.99
+    close = np.isclose(hits["position"], frame["position"].reshape(-1, 3), atol=1e-4).all(axis=1)
+    assert np.mean(close) > 0.99
+
+
+def test_rays_of_any_numbers(renderer):
+    up = np.array([[0, 1, 0]], dtype=np.float32)
+    assert len(renderer.cast(np.zeros((0, 3)), np.zeros((0, 3)))["distance"]) == 0
+    assert np.isinf(renderer.cast([[0, 1000, 0]], up)["distance"]).all()
+    assert np.isinf(renderer.cast([[0, np.nan, 0]], up)["distance"]).all()
+    nearest = renderer.cast([[0, 1000, 0]], -up)["distance"][0]
+    assert np.isinf(renderer.cast([[0, 1000, 0]], -up, max_distance=nearest - 1)["distance"]).all()
+    for wrong in (dict(origins=[[0, 0]], directions=up), dict(origins=[[0, 0, 0]] * 2, directions=up)):
+        with pytest.raises(latelight.UsageError):
+            renderer.cast(**wrong)
+    with pytest.raises(latelight.UsageError, match="max_distance|maximum distance"):
+        renderer.cast([[0, 0, 0]], up, max_distance=-1)
+    with pytest.raises(latelight.UsageError, match="normal_frame"):
+        renderer.cast([[0, 0, 0]], up, normal_frame="opencv")
