@@ -13,11 +13,11 @@ using glm::mat4;
 using glm::vec3;
 
 struct Maker {
-  scene::builtin::SceneBuilder builder{"every kind"};
+  scene::SceneBuilder builder{"every kind"};
   scene::Scene& scene = builder.scene;
 
   shared::Material& material(vec3 color, float metallic, float roughness) {
-    scene.materials.push_back(scene::builtin::plainMaterial("m", color, metallic, roughness));
+    scene.materials.push_back(scene::plainMaterial("m", color, metallic, roughness));
     return scene.materials.back().data;
   }
   // Applies to the material that was added last.

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "data_formats/support.h"
-#include "scene/builtin/scene_builder.h"
+#include "scene/scene_builder.h"
 
 namespace latelight::data::test {
 namespace {
@@ -51,9 +51,9 @@ class BopTest : public FormatsTest {
   };
 
   static scene::Scene sceneOf(const std::vector<scene::Mesh>& meshes, const std::vector<Placed>& placed) {
-    scene::builtin::SceneBuilder builder("test");
+    scene::SceneBuilder builder("test");
     builder.scene.meshes = meshes;
-    builder.scene.materials.push_back(scene::builtin::plainMaterial("grey", {0.5f, 0.5f, 0.5f}, 0, 1));
+    builder.scene.materials.push_back(scene::plainMaterial("grey", {0.5f, 0.5f, 0.5f}, 0, 1));
     builder.scene.materials[0].data.id = 1;
     for (const Placed& p : placed)
       builder.scene.nodes[builder.addInstance(p.name, 0, p.mesh, 0, p.local)].mesh = meshes[p.mesh].name;

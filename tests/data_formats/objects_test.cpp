@@ -6,9 +6,9 @@
 #include "data_formats/support.h"
 #include "models/models.h"
 #include "scene/builtin/builtin.h"
-#include "scene/builtin/scene_builder.h"
 #include "scene/edit.h"
 #include "scene/load/load.h"
+#include "scene/scene_builder.h"
 
 namespace latelight::data::test {
 namespace {
@@ -67,9 +67,9 @@ TEST_F(ObjectsTest, BoxesOfKnownBoxes) {
 
 // The node is rotated by 30 degrees about Y, stretched and mirrored. The box rotates with the node and has its scale.
 TEST_F(ObjectsTest, BoxesTurnWithTheirNodes) {
-  scene::builtin::SceneBuilder builder("turned");
+  scene::SceneBuilder builder("turned");
   builder.scene.meshes.push_back(render::test::sphereMesh(1));
-  builder.scene.materials.push_back(scene::builtin::plainMaterial("white", {1, 1, 1}, 0, 1));
+  builder.scene.materials.push_back(scene::plainMaterial("white", {1, 1, 1}, 0, 1));
   const double angle = shared::kPi / 6;
   const glm::dvec3 x(std::cos(angle), 0, -std::sin(angle)), y(0, 1, 0), z(std::sin(angle), 0, std::cos(angle));
   builder.addInstance("ball", 0, 0, 0,

@@ -6,7 +6,7 @@
 
 #include "render/submit/id_manifest.h"
 #include "render/submit/session.h"
-#include "scene/builtin/scene_builder.h"
+#include "scene/scene_builder.h"
 
 namespace latelight::data::test {
 
@@ -59,10 +59,10 @@ DataFrame Studio::frame(const scene::Camera& camera, uint32_t width, uint32_t he
 }
 
 scene::Scene squares() {
-  scene::builtin::SceneBuilder builder("squares");
+  scene::SceneBuilder builder("squares");
   builder.scene.meshes.push_back(render::test::squareMesh());
-  builder.scene.materials.push_back(scene::builtin::plainMaterial("red", {1, 0, 0}, 0, 1));
-  builder.scene.materials.push_back(scene::builtin::plainMaterial("blue", {0, 0, 1}, 0, 1));
+  builder.scene.materials.push_back(scene::plainMaterial("red", {1, 0, 0}, 0, 1));
+  builder.scene.materials.push_back(scene::plainMaterial("blue", {0, 0, 1}, 0, 1));
   for (uint32_t id = 1; scene::Material & material : builder.scene.materials) material.data.id = id++;
   const auto add = [&](const char* name, glm::vec3 at, float size, uint32_t material) {
     glm::mat4 local(size);

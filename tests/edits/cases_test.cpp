@@ -84,7 +84,7 @@ TEST_F(EditCasesTest, ASceneThatBeginsEmpty) {
   Renderer renderer(device(), scene, nullptr);
   expectAsFresh(renderer, device(), scene, settings_);
   const uint32_t mesh = scene::addMesh(scene, sphereMesh(1));
-  const uint32_t material = scene::addMaterial(scene, scene::builtin::plainMaterial("new", vec3(1), 0, 0.5f));
+  const uint32_t material = scene::addMaterial(scene, scene::plainMaterial("new", vec3(1), 0, 0.5f));
   expectAsFresh(renderer, device(), scene, settings_);
   addInstance(scene, mesh, material, standing({0, 0, 1}, 1));
   expectAsFresh(renderer, device(), scene, settings_);

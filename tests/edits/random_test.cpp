@@ -136,11 +136,11 @@ class Editor {
     if (present(scene_.instances) > 4) scene::removeInstance(scene_, instance);
   }
 
-  static Material plain() { return scene::builtin::plainMaterial("", vec3(0.5f), 0, 0.5f); }
+  static Material plain() { return scene::plainMaterial("", vec3(0.5f), 0, 0.5f); }
 
   // In the slots that the scene has initially.
   Material material() {
-    Material m = scene::builtin::plainMaterial("", dice_.inside(vec3(0), vec3(1)), dice_.unit(), dice_.unit());
+    Material m = scene::plainMaterial("", dice_.inside(vec3(0), vec3(1)), dice_.unit(), dice_.unit());
     if (dice_.chance(0.4f))
       test::setTexture(m, shared::kTextureBaseColor, anyTexture(true),
                        dice_.chance(0.5f) ? kNearest : scene::Sampler());

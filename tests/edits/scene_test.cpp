@@ -194,7 +194,7 @@ TEST(SceneEdit, AddedMaterialsHaveIdsOfTheirOwn) {
   Scene scene = workshop();
   std::set<uint32_t> ids{0};
   for (int i = 0; i < 3; ++i) addMaterial(scene, scene.materials[1]);
-  addMaterial(scene, builtin::plainMaterial("", vec3(1), 0, 1));
+  addMaterial(scene, plainMaterial("", vec3(1), 0, 1));
   for (const Material& material : scene.materials) EXPECT_TRUE(ids.insert(material.data.id).second);
 }
 

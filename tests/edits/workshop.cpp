@@ -9,8 +9,8 @@ namespace latelight::render::test {
 namespace {
 
 using glm::vec3;
-using scene::builtin::plainMaterial;
-using scene::builtin::SceneBuilder;
+using scene::plainMaterial;
+using scene::SceneBuilder;
 
 enum MeshOf : uint32_t { kSphere, kSquare, kColoredSquare };
 

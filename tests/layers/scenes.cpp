@@ -7,7 +7,7 @@ namespace latelight::render::test {
 namespace {
 
 scene::Material plain(const char* name, vec3 color, float metallic, float roughness) {
-  return scene::builtin::plainMaterial(name, color, metallic, roughness);
+  return scene::plainMaterial(name, color, metallic, roughness);
 }
 
 void addLights(scene::Scene& scene) {
@@ -50,7 +50,7 @@ scene::Material layeredMaterial(LayeredKind kind) {
 }
 
 scene::Scene layeredRoom() {
-  scene::builtin::SceneBuilder builder("layers");
+  scene::SceneBuilder builder("layers");
   scene::Scene& scene = builder.scene;
   scene.meshes = {squareMesh(), sphereMesh(0.8f)};
   std::vector<glm::u8vec4> holes;
@@ -85,7 +85,7 @@ scene::Material clearPlate(float thickness) {
 }
 
 scene::Scene stripesBehind(const scene::Material& plate, float stripe, float away) {
-  scene::builtin::SceneBuilder builder("stripes");
+  scene::SceneBuilder builder("stripes");
   scene::Scene& scene = builder.scene;
   scene.meshes = {squareMesh()};
   scene.materials = {plain("dark", vec3(0), 0, 1), plain("bright", vec3(0), 0, 1), plate};

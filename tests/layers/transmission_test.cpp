@@ -154,7 +154,7 @@ TEST_F(Transmission, MixesWithBlendedSurfacesInOneOrder) {
   for (const char* method : {"exact", "sorted"}) {
     for (const float z : {0.5f, -0.2f, -0.8f}) {
       scene::Scene scene = behindPlate(clearPlate(0.5f));
-      scene::Material pane = scene::builtin::plainMaterial("pane", {0.2f, 0.4f, 0.8f}, 0, 1);
+      scene::Material pane = scene::plainMaterial("pane", {0.2f, 0.4f, 0.8f}, 0, 1);
       pane.data.baseColor.a = 0.5f;
       pane.data.flags |= shared::kMaterialBlended | shared::kMaterialUnlit;
       scene.materials.push_back(pane);

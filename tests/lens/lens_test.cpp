@@ -189,7 +189,7 @@ TEST_F(LensPictureTest, ModelsAsRaysSeeThem) {
 // Squares all around the camera: single- and double-sided, mirrored, and alpha-masked with holes. Their texels are so
 // large that level 0 of the texture is sampled. In units of `scale` meters.
 scene::Scene squaresAround(float scale) {
-  scene::builtin::SceneBuilder builder("squares");
+  scene::SceneBuilder builder("squares");
   scene::Scene& scene = builder.scene;
   addSquareOfFourKinds(scene);
   for (uint32_t i = 0; i < 60; ++i) {

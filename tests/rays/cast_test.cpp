@@ -10,9 +10,9 @@
 #include "render/reference_caster.h"
 #include "render/submit/session.h"
 #include "render/support.h"
-#include "scene/builtin/scene_builder.h"
 #include "scene/edit.h"
 #include "scene/load/load.h"
+#include "scene/scene_builder.h"
 
 namespace latelight::render::test {
 namespace {
@@ -140,7 +140,7 @@ TEST_F(CastTest, HitsWhatEmbreeHits) {
 // Squares that turn about the vertical: single- and double-sided, mirrored, alpha-masked with texels large enough for
 // the raster to sample level 0 of the texture.
 scene::Scene turnedSquares(double farAway = 0) {
-  scene::builtin::SceneBuilder builder("squares");
+  scene::SceneBuilder builder("squares");
   scene::Scene& scene = builder.scene;
   addSquareOfFourKinds(scene);
   for (uint32_t i = 0; i < 32; ++i) {
@@ -163,7 +163,7 @@ TEST_F(CastTest, HitsSidesMirrorsAndMasksAsTheRaster) {
 }
 
 scene::Scene oneMesh(scene::Mesh mesh, bool doubleSided) {
-  scene::builtin::SceneBuilder builder("mesh");
+  scene::SceneBuilder builder("mesh");
   builder.scene.meshes.push_back(std::move(mesh));
   scene::findBounds(builder.scene.meshes.back());
   scene::Material material;

@@ -23,7 +23,7 @@ using glm::vec3;
 using output::Aov;
 
 scene::Material white() {
-  scene::Material material = scene::builtin::plainMaterial("white", vec3(1), 0, 1);
+  scene::Material material = scene::plainMaterial("white", vec3(1), 0, 1);
   material.data.specular = 0;
   material.data.flags |= shared::kMaterialDoubleSided;
   return material;
@@ -31,7 +31,7 @@ scene::Material white() {
 
 // Squares in glTF's frame, each where `local` puts [-1, 1]^2 of the plane z = 0.
 scene::Scene squares(const std::vector<glm::mat4>& locals) {
-  scene::builtin::SceneBuilder builder("squares");
+  scene::SceneBuilder builder("squares");
   builder.scene.meshes.push_back(squareMesh());
   builder.scene.materials.push_back(white());
   for (const glm::mat4& local : locals) builder.addInstance("square", builder.kRoot, 0, 0, local);

@@ -32,7 +32,7 @@ glm::mat4 lean() {
 }
 
 struct Floor {
-  scene::builtin::SceneBuilder builder{"floor"};
+  scene::SceneBuilder builder{"floor"};
 
   explicit Floor(const std::function<void(scene::Material&)>& change) {
     scene::Scene& scene = builder.scene;
@@ -42,7 +42,7 @@ struct Floor {
       for (uint32_t column = 0; column < kTexels; ++column)
         texels.push_back(isWhite(column, row) ? glm::u8vec4(255) : glm::u8vec4(0, 0, 0, 255));
     scene.textures.push_back(textureOf(kTexels, kTexels, false, texels));
-    scene::Material material = scene::builtin::plainMaterial("floor", vec3(1), 0, 1);
+    scene::Material material = scene::plainMaterial("floor", vec3(1), 0, 1);
     setTexture(material, shared::kTextureBaseColor, 0);
     material.data.flags |= shared::kMaterialUnlit;
     change(material);

@@ -218,9 +218,9 @@ std::vector<PlaneLight> planeLights() {
 }
 
 scene::Scene planeScene(const PlaneMaterial& m, scene::Light light) {
-  scene::builtin::SceneBuilder builder("plane");
+  scene::SceneBuilder builder("plane");
   builder.scene.meshes.push_back(squareMesh());
-  scene::Material material = scene::builtin::plainMaterial(m.name, m.baseColor, m.metallic, m.roughness);
+  scene::Material material = scene::plainMaterial(m.name, m.baseColor, m.metallic, m.roughness);
   material.data.f0 = (m.ior - 1) * (m.ior - 1) / ((m.ior + 1) * (m.ior + 1));
   material.data.specular = m.specular;
   material.data.specularColor = m.specularColor;
@@ -348,12 +348,12 @@ TEST_F(PlaneTest, SoDoesThinWhereItHoldsTheMaterial) {
 
 // White spheres, from rough to smooth, Lambertian, dielectric and metal.
 scene::Scene whiteSpheres() {
-  scene::builtin::SceneBuilder builder("furnace");
+  scene::SceneBuilder builder("furnace");
   builder.scene.meshes.push_back(sphereMesh(0.45f));
   for (uint32_t kind = 0; kind < 3; ++kind)
     for (uint32_t i = 0; i < 3; ++i) {
-      scene::Material material = scene::builtin::plainMaterial("white", vec3(1), kind == 2 ? 1.0f : 0.0f,
-                                                               0.1f + 0.45f * static_cast<float>(i));
+      scene::Material material =
+          scene::plainMaterial("white", vec3(1), kind == 2 ? 1.0f : 0.0f, 0.1f + 0.45f * static_cast<float>(i));
       material.data.specular = kind == 0 ? 0.0f : 1.0f;
       builder.scene.materials.push_back(std::move(material));
       glm::mat4 local(1);
@@ -405,12 +405,11 @@ TEST_F(FurnaceTest, AConstantPictureIsAConstantEnvironment) {
 TEST_F(FurnaceTest, UnlitSurfacesShowTheirBaseColourExactly) {
   for (const char* layout : {"exact", "compact", "thin", "optimized"}) {
     SCOPED_TRACE(layout);
-    scene::builtin::SceneBuilder builder("unlit");
+    scene::SceneBuilder builder("unlit");
     builder.scene.meshes.push_back(squareMesh());
     const glm::ivec3 codes[] = {{255, 128, 1}, {0, 77, 200}, {13, 254, 90}};
     for (int i = 0; i < 3; ++i) {
-      scene::Material material =
-          scene::builtin::plainMaterial("unlit", decoded(codes[i].x, codes[i].y, codes[i].z), 0.5f, 0.3f);
+      scene::Material material = scene::plainMaterial("unlit", decoded(codes[i].x, codes[i].y, codes[i].z), 0.5f, 0.3f);
       material.data.flags |= shared::kMaterialUnlit;
       material.data.emissive = vec3(1);  // KHR_materials_unlit: the base colour and nothing else
       builder.scene.materials.push_back(std::move(material));

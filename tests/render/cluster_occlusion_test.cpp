@@ -20,7 +20,7 @@ constexpr uint32_t kBalls = 1500, kClustersOfABall = 8;
 // A wall of four squares before a cloud of balls; some are before the wall. All of one kind: see
 // addSquareOfFourKinds().
 scene::Scene ballsBehindAWall(uint32_t kind = 0) {
-  scene::builtin::SceneBuilder builder("balls");
+  scene::SceneBuilder builder("balls");
   addSquareOfFourKinds(builder.scene);
   builder.scene.meshes.push_back(sphereMesh(0.12f));
   for (const float x : {-2.0f, 0.0f, 2.0f, 4.0f})

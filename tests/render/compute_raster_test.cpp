@@ -82,7 +82,7 @@ Cover fan(uint32_t slices, uint32_t seed) {
 // Half of the triangles in an instance, the others in another, by a bit of each one's hash: where both show a pixel, it
 // was hit twice. Several bits tell any two triangles apart.
 scene::Scene halves(const Cover& cover, uint32_t bit, uint32_t shown) {
-  scene::builtin::SceneBuilder builder("cover");
+  scene::SceneBuilder builder("cover");
   scene::Mesh mesh = squareMesh();
   mesh.positions.clear();
   for (const vec2 p : cover.points) mesh.positions.push_back(vec3(p, 0));
@@ -94,7 +94,7 @@ scene::Scene halves(const Cover& cover, uint32_t bit, uint32_t shown) {
       mesh.indices.insert(mesh.indices.end(), &cover.indices[3 * t], &cover.indices[3 * t] + 3);
   }
   builder.scene.meshes.push_back(std::move(mesh));
-  scene::Material material = scene::builtin::plainMaterial("plain", vec3(1), 0, 1);
+  scene::Material material = scene::plainMaterial("plain", vec3(1), 0, 1);
   material.data.flags |= shared::kMaterialDoubleSided;
   builder.scene.materials.push_back(material);
   builder.addInstance("cover", builder.kRoot, 0, 0, glm::mat4(1));
@@ -347,10 +347,10 @@ TEST_F(AgainstHardware, BlendedSurfacesAsSolidOnes) {
 
 // Where two surfaces are at the very same depth, the one that is drawn later shows: by material, mesh, then number.
 TEST_F(AgainstHardware, OfEqualDepthsTheLastOneShows) {
-  scene::builtin::SceneBuilder builder("same");
+  scene::SceneBuilder builder("same");
   builder.scene.meshes = {squareMesh(), squareMesh()};
   for (const float red : {0.2f, 0.6f, 0.9f})
-    builder.scene.materials.push_back(scene::builtin::plainMaterial(fmt::format("{}", red), vec3(red, 0, 0), 0, 1));
+    builder.scene.materials.push_back(scene::plainMaterial(fmt::format("{}", red), vec3(red, 0, 0), 0, 1));
   const std::pair<uint32_t, uint32_t> kinds[] = {{1, 2}, {0, 1}, {1, 1}, {0, 0}, {0, 2}, {1, 0}};
   for (const auto& [mesh, material] : kinds) builder.addInstance("square", builder.kRoot, mesh, material, glm::mat4(1));
   const Difference d = compare(builder.scene, frontCamera(0.9f), 64, 64);

@@ -95,7 +95,7 @@ TEST_F(CullingTest, DrawsEveryInstanceThatShows) {
   constexpr uint32_t kSide = 64, kCount = 40000;
   constexpr float kHalf = 0.3f / kSide * 2;  // of a square's side: 0.6 pixels
   scene::Scene scene;
-  scene.materials.push_back(scene::builtin::plainMaterial("grey", vec3(0.5f), 0, 1));
+  scene.materials.push_back(scene::plainMaterial("grey", vec3(0.5f), 0, 1));
   scene.meshes.push_back(squareMesh());
   scene.nodes.push_back({.name = "squares", .path = "/squares"});
   std::mt19937 random(3);
@@ -139,7 +139,7 @@ TEST_F(CullingTest, DrawsEveryInstanceThatShows) {
 TEST_F(CullingTest, DrawsFewOfManyInstances) {
   constexpr uint32_t kGrid = 450;
   scene::Scene scene;
-  scene.materials.push_back(scene::builtin::plainMaterial("grey", vec3(0.5f), 0, 1));
+  scene.materials.push_back(scene::plainMaterial("grey", vec3(0.5f), 0, 1));
   scene.meshes.push_back(squareMesh());
   scene.nodes.push_back({.name = "grid", .path = "/grid"});
   for (uint32_t i = 0; i < kGrid * kGrid; ++i) {
@@ -168,7 +168,7 @@ TEST_F(CullingTest, DrawsFewOfManyInstances) {
 // The same thing drawn many times in one place is seen once: as the last of them.
 TEST_F(CullingTest, DrawsOneOfManyInTheSamePlace) {
   scene::Scene scene;
-  scene.materials.push_back(scene::builtin::plainMaterial("grey", vec3(0.5f), 0, 1));
+  scene.materials.push_back(scene::plainMaterial("grey", vec3(0.5f), 0, 1));
   scene.materials.push_back(scene.materials.front());
   scene.materials.back().data.flags |= shared::kMaterialBlended;
   scene.materials.back().data.baseColor.a = 0.5f;

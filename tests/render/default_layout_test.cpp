@@ -89,7 +89,7 @@ scene::Scene oddSpheres(float strength) {
                                       {1.8f, 0.6f, vec3(1, 0.1f, 0.05f)},
                                       {1.33f, 1, vec3(1)}};
   const vec3 colors[] = {{0.8f, 0.5f, 0.2f}, {0.02f, 0.004f, 0.001f}, vec3(1), {0.05f, 0.3f, 0.9f}, vec3(0.18f)};
-  scene::builtin::SceneBuilder builder("odd spheres");
+  scene::SceneBuilder builder("odd spheres");
   scene::Scene& scene = builder.scene;
   scene.meshes.push_back(sphereMesh(0.47f));
   scene.textures.push_back(
@@ -101,7 +101,7 @@ scene::Scene oddSpheres(float strength) {
     for (size_t column = 0; column < std::size(kMetalness); ++column, ++index) {
       const Reflectance& r = reflectances[index % std::size(reflectances)];
       scene::Material material =
-          scene::builtin::plainMaterial("odd", colors[index % std::size(colors)], kMetalness[column], kRoughness[row]);
+          scene::plainMaterial("odd", colors[index % std::size(colors)], kMetalness[column], kRoughness[row]);
       material.data.f0 = (r.ior - 1) * (r.ior - 1) / ((r.ior + 1) * (r.ior + 1));
       material.data.specular = r.specular;
       material.data.specularColor = r.tint;

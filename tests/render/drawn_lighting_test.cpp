@@ -96,7 +96,7 @@ FrameConfig setupOf(const char* technique, const char* layout, uint32_t order = 
 // --- the room: a floor, a wall at y = 2, and every kind of material before it ---------------------------------------
 
 struct Room {
-  scene::builtin::SceneBuilder builder{"room"};
+  scene::SceneBuilder builder{"room"};
   scene::Scene& scene = builder.scene;
 
   Room() {
@@ -151,7 +151,7 @@ struct Room {
   }
 
   uint32_t add(vec3 color, float metallic, float roughness) {
-    scene.materials.push_back(scene::builtin::plainMaterial("m", color, metallic, roughness));
+    scene.materials.push_back(scene::plainMaterial("m", color, metallic, roughness));
     return static_cast<uint32_t>(scene.materials.size()) - 1;
   }
   void place(uint32_t mesh, uint32_t material, const glm::mat4& local) {

@@ -216,7 +216,7 @@ TEST_F(EmbreeTest, Hall) {
 // Squares that turn about the vertical: single- and double-sided, mirrored, alpha-masked with texels large enough for
 // the texture's level 0 to be what is sampled.
 scene::Scene turnedSquares() {
-  scene::builtin::SceneBuilder builder("squares");
+  scene::SceneBuilder builder("squares");
   scene::Scene& scene = builder.scene;
   addSquareOfFourKinds(scene);
   for (uint32_t i = 0; i < 32; ++i) {

@@ -42,9 +42,9 @@ class EnvironmentSun : public RenderTest {
  protected:
   // A square that faces the zenith, seen from above.
   static scene::Scene ground(float albedo, float metallic, float roughness) {
-    scene::builtin::SceneBuilder builder("ground");
+    scene::SceneBuilder builder("ground");
     builder.scene.meshes.push_back(squareMesh());
-    scene::Material material = scene::builtin::plainMaterial("ground", vec3(albedo), metallic, roughness);
+    scene::Material material = scene::plainMaterial("ground", vec3(albedo), metallic, roughness);
     if (metallic == 0) material.data.specular = 0;  // Lambertian
     builder.scene.materials.push_back(material);
     builder.addInstance("ground", builder.kRoot, 0, 0, glm::rotate(glm::mat4(1), -shared::kPi / 2, vec3(1, 0, 0)));

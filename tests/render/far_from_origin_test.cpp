@@ -235,10 +235,10 @@ TEST_F(FarFromOrigin, SkinsMoveAsAtTheOrigin) {
 
 // A ground of two triangles, 20,000 km wide, seen from 1.7 m above it: depth by the pixels' rays in doubles.
 TEST_F(FarFromOrigin, AGroundAsWideAsAPlanetIsWhereItIs) {
-  scene::builtin::SceneBuilder builder("ground");
+  scene::SceneBuilder builder("ground");
   builder.scene.meshes = {squareMesh()};
   findBounds(builder.scene.meshes.front());
-  builder.scene.materials = {scene::builtin::plainMaterial("m", glm::vec3(0.8f), 0, 1)};
+  builder.scene.materials = {scene::plainMaterial("m", glm::vec3(0.8f), 0, 1)};
   const glm::mat4 up(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1);  // exactly
   builder.addInstance("ground", builder.kRoot, 0, 0, glm::scale(glm::mat4(1), glm::vec3(1e7f)) * up);
   const scene::Scene scene = std::move(builder.scene);

@@ -21,9 +21,9 @@ constexpr float kApart = 6;
 constexpr uint32_t kFloor = kBalls;  // instance
 
 scene::Scene ballsUnderLamps() {
-  scene::builtin::SceneBuilder builder("balls");
+  scene::SceneBuilder builder("balls");
   builder.scene.meshes = {sphereMesh(0.5f), squareMesh()};
-  builder.scene.materials = {scene::builtin::plainMaterial("m", vec3(0.8f), 0, 1)};
+  builder.scene.materials = {scene::plainMaterial("m", vec3(0.8f), 0, 1)};
   const auto at = [](uint32_t i) { return (static_cast<float>(i) - 0.5f * (kBalls - 1)) * kApart; };
   for (uint32_t i = 0; i < kBalls; ++i) {
     builder.addInstance("ball", builder.kRoot, 0, 0, glm::translate(glm::mat4(1), vec3(at(i), 0, 0)));

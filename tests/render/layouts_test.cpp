@@ -645,9 +645,9 @@ class HalfPlaneTest : public RenderTest {
   static double insideBy(dvec2 pixel) { return glm::dot(pixel - dvec2(kSize / 2.0), inward()); }
 
   static scene::Scene halfPlane() {
-    scene::builtin::SceneBuilder builder("half-plane");
+    scene::SceneBuilder builder("half-plane");
     builder.scene.meshes.push_back(squareMesh());
-    scene::Material material = scene::builtin::plainMaterial("white", vec3(1), 0, 1);
+    scene::Material material = scene::plainMaterial("white", vec3(1), 0, 1);
     material.data.flags |= shared::kMaterialUnlit;
     builder.scene.materials.push_back(std::move(material));
     const float c = static_cast<float>(std::cos(kAngle)), s = static_cast<float>(std::sin(kAngle));

@@ -13,10 +13,10 @@ constexpr uint32_t kSize = 64;
 
 // The square fills the middle half of the picture. World space: it lies in the plane y = 0 and faces -y.
 scene::Scene litSquare() {
-  scene::builtin::SceneBuilder builder("square");
+  scene::SceneBuilder builder("square");
   scene::Scene& scene = builder.scene;
   scene.meshes.push_back(squareMesh());
-  scene.materials.push_back(scene::builtin::plainMaterial("white", glm::vec3(1), 0, 0.5f));
+  scene.materials.push_back(scene::plainMaterial("white", glm::vec3(1), 0, 0.5f));
   builder.addInstance("square", builder.kRoot, 0, 0, glm::mat4(1));
   const auto light = [&](uint32_t type, glm::vec3 position, glm::vec3 direction, std::optional<float> range) {
     scene::Light& l = scene.lights.emplace_back();

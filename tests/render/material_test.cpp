@@ -108,9 +108,9 @@ HostTexture oddTexture() {
 // --- one square -----------------------------------------------------------------------------------------------------
 
 struct Square {
-  scene::builtin::SceneBuilder builder{"materials"};
+  scene::SceneBuilder builder{"materials"};
   scene::Scene& scene = builder.scene;
-  scene::Material material = scene::builtin::plainMaterial("material", vec3(1), 1, 1);
+  scene::Material material = scene::plainMaterial("material", vec3(1), 1, 1);
 
   explicit Square(bool extras = false) { scene.meshes.push_back(squareMesh(extras)); }
   // To be called once, when the material is done.
@@ -331,7 +331,7 @@ void expectMasked(vk::Device& device, float distance) {
   square.place();
   HostTexture texture{4, 4, true, {}};
   for (int i = 0; i < 16; ++i) texture.texels.emplace_back(255, 0, 0, 17 * i);
-  square.material = scene::builtin::plainMaterial("masked", vec3(1), 0, 1);
+  square.material = scene::plainMaterial("masked", vec3(1), 0, 1);
   square.material.data.flags |= shared::kMaterialMasked;
   square.material.data.alphaCutoff = 17 * 6 / 255.0f;
   setTexture(square.material, shared::kTextureBaseColor, square.add(texture), kNearest);

@@ -78,9 +78,9 @@ INSTANTIATE_TEST_SUITE_P(All, MsaaTest,
 // A white unlit square, moved by a part of a pixel of a picture of kSize pixels that shows 2 by 2 units.
 constexpr uint32_t kSize = 32;
 scene::Scene movedSquare(glm::vec2 pixels) {
-  scene::builtin::SceneBuilder builder("square");
+  scene::SceneBuilder builder("square");
   builder.scene.meshes.push_back(squareMesh());
-  builder.scene.materials.push_back(scene::builtin::plainMaterial("white", glm::vec3(1), 0, 1));
+  builder.scene.materials.push_back(scene::plainMaterial("white", glm::vec3(1), 0, 1));
   builder.scene.materials.back().data.flags |= shared::kMaterialUnlit;
   const glm::vec3 move = glm::vec3(pixels.x, -pixels.y, 0) * (2.0f / kSize);
   builder.addInstance("square", builder.kRoot, 0, 0,
@@ -152,7 +152,7 @@ TEST_P(MsaaTest, MasksAreCutForEachSample) {
 // A lit square that fills the picture: its surfaces are lit at the pixels' centres, as without samples.
 TEST_P(MsaaTest, PixelsOfOneSurfaceAreLitAtTheirCentre) {
   scene::Scene scene = movedSquare({0, 0});
-  scene.materials.back() = scene::builtin::plainMaterial("glossy", glm::vec3(0.8f), 0.3f, 0.3f);
+  scene.materials.back() = scene::plainMaterial("glossy", glm::vec3(0.8f), 0.3f, 0.3f);
   scene::Light& light = scene.lights.emplace_back();
   light.type = shared::kLightPoint;
   light.position = {0.1f, -0.3f, 0.1f};
@@ -249,10 +249,10 @@ TEST(MsaaSettings, WhatCanNotBeIsRefused) {
 
 // Unlit strips from top to bottom, each `width` pixels wide, from the picture's left edge on.
 scene::Scene strips(const std::vector<glm::vec3>& colors, double width) {
-  scene::builtin::SceneBuilder builder("strips");
+  scene::SceneBuilder builder("strips");
   builder.scene.meshes.push_back(squareMesh());
   for (size_t i = 0; i < colors.size(); ++i) {
-    builder.scene.materials.push_back(scene::builtin::plainMaterial("m", colors[i], 0, 1));
+    builder.scene.materials.push_back(scene::plainMaterial("m", colors[i], 0, 1));
     builder.scene.materials.back().data.flags |= shared::kMaterialUnlit;
     const double half = width / kSize, centre = -1 + (2.0 * static_cast<double>(i) + 1) * half;
     builder.addInstance("strip", builder.kRoot, 0, static_cast<uint32_t>(i),
@@ -321,10 +321,10 @@ TEST_P(MsaaTest, ColoursMeetByTheirShares) {
 
 // Where shading is the same all over a surface it is one and the same to shade each sample or each surface.
 scene::Scene flatSpheres() {
-  scene::builtin::SceneBuilder builder("spheres");
+  scene::SceneBuilder builder("spheres");
   builder.scene.meshes = {sphereMesh(0.4f), squareMesh()};
   const auto add = [&](glm::vec3 color, uint32_t mesh, glm::mat4 place) {
-    builder.scene.materials.push_back(scene::builtin::plainMaterial("m", color, 0, 1));
+    builder.scene.materials.push_back(scene::plainMaterial("m", color, 0, 1));
     builder.scene.materials.back().data.flags |= shared::kMaterialUnlit;
     builder.addInstance("thing", builder.kRoot, mesh, static_cast<uint32_t>(builder.scene.materials.size()) - 1, place);
   };

@@ -20,9 +20,9 @@ constexpr uint32_t kWidth = 160, kHeight = 90;
 
 // Boxes whose faces are seen from without and from within; the instances' transforms are those of the file's frame.
 scene::Scene boxesAt(const std::vector<glm::mat4>& places) {
-  scene::builtin::SceneBuilder builder("boxes");
+  scene::SceneBuilder builder("boxes");
   builder.scene.meshes = {squareMesh()};
-  builder.scene.materials = {scene::builtin::plainMaterial("m", vec3(0.8f), 0, 1)};
+  builder.scene.materials = {scene::plainMaterial("m", vec3(0.8f), 0, 1)};
   builder.scene.materials.front().data.flags |= shared::kMaterialDoubleSided;
   for (const glm::mat4& place : places)
     for (int face = 0; face < 6; ++face) {

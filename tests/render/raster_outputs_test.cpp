@@ -25,13 +25,13 @@ scene::Mesh meshOf(const std::vector<vec3>& positions, const std::vector<uint32_
 }
 
 scene::Material plain(uint32_t flags) {
-  scene::Material material = scene::builtin::plainMaterial("plain", vec3(1), 0, 1);
+  scene::Material material = scene::plainMaterial("plain", vec3(1), 0, 1);
   material.data.flags |= flags;
   return material;
 }
 
 scene::Scene sceneOf(scene::Mesh mesh, const std::vector<glm::mat4>& places, scene::Material material) {
-  scene::builtin::SceneBuilder builder("raster");
+  scene::SceneBuilder builder("raster");
   builder.scene.meshes.push_back(std::move(mesh));
   builder.scene.materials.push_back(std::move(material));
   for (const glm::mat4& place : places) builder.addInstance("mesh", builder.kRoot, 0, 0, place);

@@ -22,12 +22,12 @@ using output::Aov;
 
 // glTF's frame. The square [-2, 2]^2 in the plane z = 0, seen along -Z from z = 4.
 struct Plane {
-  scene::builtin::SceneBuilder builder{"plane"};
+  scene::SceneBuilder builder{"plane"};
   shared::Surface surface = shared::emptySurface();
 
   Plane(float roughness, float specular) {
     builder.scene.meshes.push_back(squareMesh());
-    scene::Material material = scene::builtin::plainMaterial("plain", vec3(0.5f, 0.8f, 0.3f), 0, roughness);
+    scene::Material material = scene::plainMaterial("plain", vec3(0.5f, 0.8f, 0.3f), 0, roughness);
     material.data.specular = specular;
     builder.scene.materials.push_back(std::move(material));
     builder.addInstance("square", builder.kRoot, 0, 0, glm::scale(glm::mat4(1), vec3(2)));

@@ -22,12 +22,12 @@ using output::Aov;
 // Balls and boards strewn over a floor, under a sun, spots and points. glTF's frame.
 struct Strewn {
   std::mt19937 random;
-  scene::builtin::SceneBuilder builder{"strewn"};
+  scene::SceneBuilder builder{"strewn"};
   scene::Scene& scene = builder.scene;
 
   explicit Strewn(uint32_t seed) : random(seed) {
     scene.meshes = {sphereMesh(0.5f), squareMesh()};
-    scene.materials = {scene::builtin::plainMaterial("plain", vec3(0.8f), 0, 1)};
+    scene.materials = {scene::plainMaterial("plain", vec3(0.8f), 0, 1)};
     for (uint32_t i = 0; i < 30; ++i) builder.addInstance("thing", builder.kRoot, i % 2, 0, placed());
     const mat4 flat = glm::rotate(glm::translate(mat4(1), vec3(0, -1, 0)), -1.5707964f, vec3(1, 0, 0));
     builder.addInstance("floor", builder.kRoot, 1, 0, glm::scale(flat, vec3(14)));

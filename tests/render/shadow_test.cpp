@@ -33,9 +33,9 @@ constexpr float kPixel = 2 * kHalf / kShadowSize;  // metres
 
 // A wall in the plane y = 2, and 1 m before it a board whose right edge is at x = -0.5; seen along +y.
 scene::Scene boardBeforeWall(const scene::Light& light) {
-  scene::builtin::SceneBuilder builder("board");
+  scene::SceneBuilder builder("board");
   builder.scene.meshes = {squareMesh()};
-  builder.scene.materials = {scene::builtin::plainMaterial("m", vec3(0.8f), 0, 1)};
+  builder.scene.materials = {scene::plainMaterial("m", vec3(0.8f), 0, 1)};
   const auto place = [&](vec3 at, vec3 size) {
     builder.addInstance("board", builder.kRoot, 0, 0, glm::scale(glm::translate(glm::mat4(1), at), size));
   };
@@ -360,9 +360,9 @@ TEST_F(ShadowTest, SamplesOfAPictureShareTheirMaps) {
 // A ball under each kind of light shadows no point of itself that faces the light well, whatever its facets' slopes: no
 // acne. And a plate behind it, from the far side of the ball on, is dark.
 TEST_F(ShadowTest, NothingShadowsItself) {
-  scene::builtin::SceneBuilder builder("ball");
+  scene::SceneBuilder builder("ball");
   builder.scene.meshes = {sphereMesh(1), squareMesh()};
-  builder.scene.materials = {scene::builtin::plainMaterial("m", vec3(0.8f), 0, 1)};
+  builder.scene.materials = {scene::plainMaterial("m", vec3(0.8f), 0, 1)};
   builder.addInstance("ball", builder.kRoot, 0, 0, glm::mat4(1));
   const glm::mat4 tilted = glm::rotate(glm::translate(glm::mat4(1), vec3(0, -1.4f, 0)), -1.4f, vec3(1, 0, 0));
   builder.addInstance("floor", builder.kRoot, 1, 0, glm::scale(tilted, vec3(3)));

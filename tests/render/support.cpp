@@ -159,7 +159,7 @@ void addSquareOfFourKinds(scene::Scene& scene) {
   for (int i = 0; i < 8 * 8; ++i) holes.emplace_back(200, 100, 50, (i * 37 % 11) < 5 ? 40 : 220);
   scene.textures.push_back(textureOf(8, 8, true, holes));
   for (uint32_t kind = 0; kind < 4; ++kind) {
-    scene::Material material = scene::builtin::plainMaterial("kind", glm::vec3(0.5f), 0, 1);
+    scene::Material material = scene::plainMaterial("kind", glm::vec3(0.5f), 0, 1);
     if (kind & 1) material.data.flags |= shared::kMaterialDoubleSided;
     if (kind & 2) {
       material.data.flags |= shared::kMaterialMasked;

@@ -11,9 +11,9 @@
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
 #include "render/submit/renderer.h"
-#include "scene/builtin/scene_builder.h"
 #include "scene/environment/environment.h"
 #include "scene/scene.h"
+#include "scene/scene_builder.h"
 #include "vk/device.h"
 
 namespace latelight::render::test {

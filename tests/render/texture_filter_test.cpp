@@ -43,7 +43,7 @@ TEST_F(TextureFilterTest, BothRastersShowTheHallAsThePageOfLimitsSays) {
 // A square whose texture has levels that differ by a constant: the metalness that shows is the level that was sampled.
 scene::Scene squareOfLevels(float texelsPerPixel, uint32_t pixels) {
   constexpr uint32_t kTexels = 256;
-  scene::builtin::SceneBuilder builder{"levels"};
+  scene::SceneBuilder builder{"levels"};
   scene::Scene& scene = builder.scene;
   scene.meshes.push_back(squareMesh());
   scene::Texture texture = scene::makeTexture({kTexels, kTexels}, false, "levels");
@@ -54,7 +54,7 @@ scene::Scene squareOfLevels(float texelsPerPixel, uint32_t pixels) {
     offset += bytes;
   }
   scene.textures.push_back(std::move(texture));
-  scene::Material material = scene::builtin::plainMaterial("levels", glm::vec3(1), 1, 1);
+  scene::Material material = scene::plainMaterial("levels", glm::vec3(1), 1, 1);
   setTexture(material, shared::kTextureMetallicRoughness, 0, {.mip = scene::MipFilter::Linear});
   const float scale = texelsPerPixel * static_cast<float>(pixels) / kTexels;
   material.data.transforms[shared::kTextureMetallicRoughness].row0 = {scale, 0, 0};

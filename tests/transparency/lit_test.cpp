@@ -26,12 +26,11 @@ constexpr uint32_t kWidth = 80, kHeight = 48;
 
 // Spheres and panes with every kind of blended material in front of the background, and one in front of a wall.
 scene::Scene glassRoom(uint32_t lights) {
-  scene::builtin::SceneBuilder builder("glass");
+  scene::SceneBuilder builder("glass");
   scene::Scene& scene = builder.scene;
   scene.meshes = {squareMesh(), sphereMesh(0.8f)};
   const auto material = [&](vec4 color, float metallic, float roughness) -> shared::Material& {
-    scene::Material& m =
-        scene.materials.emplace_back(scene::builtin::plainMaterial("m", vec3(color), metallic, roughness));
+    scene::Material& m = scene.materials.emplace_back(scene::plainMaterial("m", vec3(color), metallic, roughness));
     m.data.baseColor.a = color.a;
     m.data.flags |= color.a < 1 ? shared::kMaterialBlended : 0u;
     return m.data;

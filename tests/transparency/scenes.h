@@ -12,15 +12,14 @@ using glm::vec3;
 using glm::vec4;
 
 struct Stack {
-  scene::builtin::SceneBuilder builder{"stack"};
+  scene::SceneBuilder builder{"stack"};
   scene::Scene& scene = builder.scene;
 
   Stack() { scene.meshes.push_back(squareMesh()); }
 
   // Blended and unlit: the color is the radiance.
   uint32_t glass(vec4 color) {
-    scene::Material& material =
-        scene.materials.emplace_back(scene::builtin::plainMaterial("glass", vec3(color), 0, 0.5f));
+    scene::Material& material = scene.materials.emplace_back(scene::plainMaterial("glass", vec3(color), 0, 0.5f));
     material.data.baseColor.a = color.a;
     material.data.flags |= shared::kMaterialBlended | shared::kMaterialUnlit;
     return static_cast<uint32_t>(scene.materials.size() - 1);

@@ -268,9 +268,9 @@ TEST_F(WorldsTest, TechniquesThatDrawAreThoseOfTheEditedScene) {
 // A ball moves between a lamp and a floor, which alone determines the bounds of the scene: the lamp's shadow maps have
 // the same place in all worlds and without any.
 TEST_P(WorldsWith, LeaveNoShadowBehind) {
-  scene::builtin::SceneBuilder builder("ball");
+  scene::SceneBuilder builder("ball");
   builder.scene.meshes = {sphereMesh(0.5f), squareMesh()};
-  builder.scene.materials = {scene::builtin::plainMaterial("m", glm::vec3(0.8f), 0, 1)};
+  builder.scene.materials = {scene::plainMaterial("m", glm::vec3(0.8f), 0, 1)};
   builder.addInstance("ball", builder.kRoot, 0, 0);
   const glm::mat4 flat =
       glm::rotate(glm::translate(glm::mat4(1), glm::vec3(0, -1, 0)), -1.5707964f, glm::vec3(1, 0, 0));
@@ -303,9 +303,9 @@ TEST_P(WorldsWith, LeaveNoShadowBehind) {
 // A square that fills the picture and moved by a different distance in each world: an orthographic camera shows
 // kWidth / 2 pixels per meter, so the motion follows from the distance.
 TEST_P(WorldsWith, HaveTheirOwnMotion) {
-  scene::builtin::SceneBuilder builder("square");
+  scene::SceneBuilder builder("square");
   builder.scene.meshes = {squareMesh()};
-  builder.scene.materials = {scene::builtin::plainMaterial("m", glm::vec3(0.5f), 0, 1)};
+  builder.scene.materials = {scene::plainMaterial("m", glm::vec3(0.5f), 0, 1)};
   builder.addInstance("square", builder.kRoot, 0, 0, glm::scale(glm::mat4(1), glm::vec3(3)));
   const dmat4 here = builder.scene.instances[0].toWorld;
   SceneState state;

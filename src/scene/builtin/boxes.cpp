@@ -1,7 +1,7 @@
 // builtin:boxes, whose images can be computed by hand; see scene/builtin/builtin.h.
 #include "scene/builtin/builtin.h"
 #include "scene/builtin/make.h"
-#include "scene/builtin/scene_builder.h"
+#include "scene/scene_builder.h"
 #include "shared/light.h"
 
 namespace latelight::scene {

@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 #include "scene/builtin/random.h"
-#include "scene/builtin/scene_builder.h"
+#include "scene/scene_builder.h"
 
 namespace latelight::scene::builtin {
 namespace {

@@ -4,7 +4,7 @@
 #include "scene/builtin/builtin.h"
 #include "scene/builtin/exact_math.h"
 #include "scene/builtin/make.h"
-#include "scene/builtin/scene_builder.h"
+#include "scene/scene_builder.h"
 
 namespace latelight::scene {
 

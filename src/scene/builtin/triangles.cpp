@@ -5,7 +5,7 @@
 #include "scene/builtin/exact_math.h"
 #include "scene/builtin/make.h"
 #include "scene/builtin/random.h"
-#include "scene/builtin/scene_builder.h"
+#include "scene/scene_builder.h"
 
 namespace latelight::scene::builtin {
 

@@ -7,7 +7,7 @@
 #include "scene/builtin/hall/dimensions.h"
 #include "scene/builtin/make.h"
 #include "scene/builtin/mesh_plan.h"
-#include "scene/builtin/scene_builder.h"
+#include "scene/scene_builder.h"
 
 namespace latelight::scene::builtin::hall {
 

@@ -1,15 +1,17 @@
-// Adds nodes, instances and cameras to a built-in scene.
-#include "scene/builtin/scene_builder.h"
+// Adds nodes, instances and cameras to a scene that is built rather than loaded from glTF.
+#include "scene/scene_builder.h"
 
 #include <fmt/format.h>
 
-namespace latelight::scene::builtin {
+namespace latelight::scene {
 
-SceneBuilder::SceneBuilder(const std::string& root) {
+SceneBuilder::SceneBuilder(const std::string& root, bool yUp, const dmat4& local) {
+  scene.yUp = yUp;
   Node node;
   node.name = root;
   node.path = "/" + root;
-  node.toWorld = toWorldFromGltf();
+  node.local = local;
+  node.toWorld = (yUp ? toWorldFromGltf() : dmat4(1)) * local;
   node.id = ids_.make(node.path);
   paths_.insert(node.path);
   scene.nodes.push_back(std::move(node));
@@ -32,15 +34,21 @@ uint32_t SceneBuilder::addNode(const std::string& name, uint32_t parent, const m
 uint32_t SceneBuilder::addInstance(const std::string& name, uint32_t parent, uint32_t mesh, uint32_t material,
                                    const mat4& local) {
   const uint32_t node = addNode(name, parent, local);
+  addPrimitive(node, mesh, material, 0, false);
+  return node;
+}
+
+void SceneBuilder::addPrimitive(uint32_t node, uint32_t mesh, uint32_t material, uint32_t primitive, bool several) {
+  const Node& owner = scene.nodes[node];
   Instance instance;
   instance.mesh = mesh;
   instance.material = material;
   instance.node = node;
-  instance.toWorld = scene.nodes[node].toWorld;
-  instance.id = scene.nodes[node].id;
-  instance.part = instance.id;  // the node's only primitive
+  instance.primitive = primitive;
+  instance.toWorld = owner.toWorld;
+  instance.id = owner.id;
+  instance.part = parts_.make(several ? fmt::format("{}/primitive{}", owner.path, primitive) : owner.path);
   scene.instances.push_back(instance);
-  return node;
 }
 
 void SceneBuilder::addCamera(const std::string& name, vec3 eye, vec3 target, float verticalFov) {
@@ -72,4 +80,4 @@ Material plainMaterial(const std::string& name, vec3 baseColor, float metallic, 
   return material;
 }
 
-}  // namespace latelight::scene::builtin
+}  // namespace latelight::scene
