@@ -68,8 +68,7 @@ void onDevice(RenderOptions& o, const Measure& measure) {
 // Creates the renderer, camera and scene state.
 template <typename Measure>
 void inScene(vk::Device& device, RenderOptions& o, const std::string& name, const Measure& measure) {
-  const scene::Scene scene =
-      scene::load(name, {.variant = o.variant, .allowOutside = o.allowOutside, .ids = o.idGrouping});
+  const scene::Scene scene = scene::load(name, loadOptions(o));
   const Timeline timeline(scene, o);
   const scene::Camera camera = timeline.cameraAt(timeline.first());
   const std::optional<scene::Environment> environment = render::loadEnvironment(scene, environmentOf(o, scene));

@@ -315,10 +315,9 @@ void render(RenderOptions& o) {
   // The device starts while the scene loads, because they share nothing.
   auto deviceStart = inBackground(
       [&] { return std::make_unique<vk::Device>(vk::DeviceOptions{.selector = o.device, .validation = o.validate}); });
-  const scene::Scene scene = scene::load(o.scene, {.variant = o.variant,
-                                                   .allowOutside = o.allowOutside,
-                                                   .ids = o.idGrouping,
-                                                   .textureSlots = texturesFor(o, plan)});
+  scene::LoadOptions load = loadOptions(o);
+  load.textureSlots = texturesFor(o, plan);
+  const scene::Scene scene = scene::load(o.scene, load);
   const Timeline timeline(scene, o);
   timeline.cameraAt(timeline.first());  // reports errors early
   const std::string environmentName = environmentOf(o, scene);

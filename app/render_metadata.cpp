@@ -14,6 +14,9 @@ output::Metadata describeRender(const scene::Scene& scene, const scene::Camera& 
   m.versions = {{"latelight", LATELIGHT_VERSION}, {"vulkan", device.info().apiVersion}};
   if (o.idDepth) m.settings["id-depth"] = fmt::format("{}", *o.idDepth);
   if (!o.idNodes.empty()) m.settings["id-nodes"] = o.idNodes;
+  if (!o.unit.empty()) m.settings["unit"] = o.unit;
+  if (!o.upAxis.empty()) m.settings["up-axis"] = o.upAxis;
+  if (o.pointRadius) m.settings["point-radius"] = fmt::format("{}", *o.pointRadius);
   if (o.turn != 0) m.settings["turn"] = fmt::format("{}", o.turn);
   if (!o.settings.time && o.turn == 0) m.settings.erase("fps");
   return m;

@@ -156,4 +156,13 @@ void checkOptions(RenderOptions& o) {
              layout.fixedPosition);
 }
 
+scene::LoadOptions loadOptions(const RenderOptions& o) {
+  return {.variant = o.variant,
+          .allowOutside = o.allowOutside,
+          .ids = o.idGrouping,
+          .unit = o.unit,
+          .upAxis = o.upAxis,
+          .pointRadius = o.pointRadius};
+}
+
 }  // namespace latelight::app

@@ -48,5 +48,7 @@ void addRenderOptions(CLI::App& command, RenderOptions& options);
 void limitMemory(const std::string& text);
 // Checks limits and contradictions that parsing does not detect. Throws Error(Usage).
 void checkOptions(RenderOptions& options);
+// Returns how to load the scene, with all its textures, from options that checkOptions() has checked.
+scene::LoadOptions loadOptions(const RenderOptions& options);
 
 }  // namespace latelight::app

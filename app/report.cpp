@@ -72,8 +72,7 @@ void run(ReportArguments& a) {
   checkOptions(o);
   checkTime(o);
   vk::avoidFullDriverCache();
-  const scene::Scene scene =
-      scene::load(o.scene, {.variant = o.variant, .allowOutside = o.allowOutside, .ids = o.idGrouping});
+  const scene::Scene scene = scene::load(o.scene, loadOptions(o));
   std::vector<std::filesystem::path> inputs = scene.files;
   if (const std::string environment = environmentOf(o, scene); !environment.empty()) inputs.emplace_back(environment);
   output::UsedFiles(inputs).checkOutputs(std::vector<std::filesystem::path>{o.out});

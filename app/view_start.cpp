@@ -31,7 +31,7 @@ view::Start viewStart(ViewOptions& o, std::string_view command) {
   checkOptions(o);
   vk::useShadersOf(o.shaders);
   view::Start start{.scene = o.scene,
-                    .load = {.variant = o.variant, .allowOutside = o.allowOutside, .ids = o.idGrouping},
+                    .load = loadOptions(o),
                     .device = o.device,
                     .validate = o.validate,
                     .environment = o.hdri,

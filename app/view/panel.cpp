@@ -229,7 +229,8 @@ void drawFiles(const view::State& state, PanelMemory& memory, const Send& send) 
   ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 7);
   if (editText("scene", memory.scene)) send(view::OpenScene{memory.scene});
   explain(
-      "Open another scene with Enter: a .gltf or .glb file, or a built-in scene. You can also drop a file on the "
+      "Open another scene with Enter: a .gltf, .glb, .obj, .ply or .stl file, or a built-in scene. You can also drop a "
+      "file on the "
       "window.");
 }
 

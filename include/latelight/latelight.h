@@ -89,6 +89,10 @@ struct SceneOptions {
   // Error(Usage).
   std::optional<uint32_t> idDepth{};
   std::vector<std::string> idNodes{};
+  // For OBJ, PLY and STL files, which do not state them. Other scenes throw Error(Usage).
+  std::string unit{};                  // unit of length: "mm", "cm", "m", "in" or "ft"; empty: "m"
+  std::string upAxis{};                // "y" or "z"; empty: "y" for OBJ, "z" for PLY and STL
+  std::optional<float> pointRadius{};  // radius in meters of the spheres that stand for the points of a PLY file
 };
 
 // --- scene elements, which can be read and edited -------------------------------------------------------------------
@@ -246,9 +250,10 @@ struct Instance {
   uint32_t id = 0, part = 0;                                            // values of the outputs of the same names
 };
 
-// A scene from a .gltf or .glb file, or "builtin:hall", "builtin:spheres" or "builtin:boxes". It is loaded once,
-// rendered any number of times, and edited between frames. Renderers upload the changes before their next frame. Their
-// pictures equal those of a new renderer, except for the environment, which is chosen when a renderer is created.
+// A scene from a .gltf, .glb, .obj, .ply or .stl file, or "builtin:hall", "builtin:spheres" or "builtin:boxes". It is
+// loaded once, rendered any number of times, and edited between frames. Renderers upload the changes before their next
+// frame. Their pictures equal those of a new renderer, except for the environment, which is chosen when a renderer is
+// created.
 //
 // An invalid edit throws Error(Usage) with a sentence that names the reason, and changes nothing. During an edit, no
 // other thread may use a renderer of the scene.

@@ -135,28 +135,35 @@ Enum enumOf(nb::handle value, const char* name, const char* const (&names)[N]) {
 // --- the parts of the class -----------------------------------------------------------------------------------------
 
 void load(SharedScene* self, nb::handle source, nb::handle variant, nb::handle allowOutside, nb::handle idDepth,
-          nb::handle idNodes) {
+          nb::handle idNodes, nb::handle unit, nb::handle upAxis, nb::handle pointRadius) {
   SceneOptions options{.materialVariant = textOf(variant, "material_variant"),
                        .allowOutside = pathsOf(allowOutside, "allow_outside")};
   if (!idDepth.is_none()) options.idDepth = static_cast<uint32_t>(integerOf(idDepth, "id_depth", 0, UINT32_MAX));
   options.idNodes = textsOf(idNodes, "id_nodes");
+  options.unit = textOf(unit, "unit");
+  options.upAxis = textOf(upAxis, "up_axis");
+  if (!pointRadius.is_none()) options.pointRadius = static_cast<float>(numberOf(pointRadius, "point_radius"));
   const std::string path = source.is_none() ? "" : pathOf(source, "source");
   const WithoutGil others;
   new (self) SharedScene(source.is_none() ? Scene() : Scene(path, options));
 }
 
 void defineWhole(Class& type) {
-  type.def(
-      "__init__", &load, argument("source") = nb::none(), argument("material_variant") = "",
-      argument("allow_outside") = nb::make_tuple(), argument("id_depth") = nb::none(),
-      argument("id_nodes") = nb::make_tuple(),
-      nb::sig("def __init__(self, source: str | os.PathLike[str] | None = None, material_variant: str = \"\", "
-              "allow_outside: collections.abc.Sequence[str] = (), id_depth: int | None = None, "
-              "id_nodes: collections.abc.Sequence[str] = ()) -> None"),
-      "Loads a .gltf or .glb file, or \"builtin:hall\", \"builtin:spheres\", \"builtin:boxes\"; without a source it is "
-      "empty.\n\nmaterial_variant: of KHR_materials_variants, by name\nallow_outside: folders that it may read "
-      "files from, beside its own and what lies below that\nid_depth, id_nodes: whole subtrees of nodes under one "
-      "id (docs/conventions.md)\n\nRaises InputError for a file that is missing or broken.");
+  type.def("__init__", &load, argument("source") = nb::none(), argument("material_variant") = "",
+           argument("allow_outside") = nb::make_tuple(), argument("id_depth") = nb::none(),
+           argument("id_nodes") = nb::make_tuple(), argument("unit") = "", argument("up_axis") = "",
+           argument("point_radius") = nb::none(),
+           nb::sig("def __init__(self, source: str | os.PathLike[str] | None = None, material_variant: str = \"\", "
+                   "allow_outside: collections.abc.Sequence[str] = (), id_depth: int | None = None, "
+                   "id_nodes: collections.abc.Sequence[str] = (), unit: str = \"\", up_axis: str = \"\", "
+                   "point_radius: float | None = None) -> None"),
+           "Loads a .gltf, .glb, .obj, .ply or .stl file, or \"builtin:hall\", \"builtin:spheres\", \"builtin:boxes\"; "
+           "without a source it is empty.\n\nmaterial_variant: of KHR_materials_variants, by name\nallow_outside: "
+           "folders that it may read "
+           "files from, beside its own and what lies below that\nid_depth, id_nodes: whole subtrees of nodes under one "
+           "id (docs/conventions.md)\nunit, up_axis: of OBJ, PLY and STL files: mm, cm, m, in or ft, and y or z\n"
+           "point_radius: in meters, of the spheres that stand for the points of a PLY file\n\nRaises InputError for a "
+           "file that is missing or broken.");
   type.def_prop_ro("triangle_count",
                    [](const SharedScene& s) { return s.read([](const Scene& s) { return s.triangleCount(); }); });
   type.def(

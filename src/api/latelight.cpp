@@ -137,7 +137,10 @@ Scene::Scene(const std::string& source, const std::string& materialVariant)
 Scene::Scene(const std::string& source, const SceneOptions& options)
     : impl_(new Impl{scene::load(source, {.variant = options.materialVariant,
                                           .allowOutside = options.allowOutside,
-                                          .ids = {options.idDepth, options.idNodes}})}) {
+                                          .ids = {options.idDepth, options.idNodes},
+                                          .unit = options.unit,
+                                          .upAxis = options.upAxis,
+                                          .pointRadius = options.pointRadius})}) {
   for (const scene::Animation& animation : impl_->scene.rig.animations)
     impl_->animations.push_back({animation.name, animation.duration});
   for (const scene::Camera& camera : impl_->scene.cameras) impl_->cameras.push_back(publicCamera(camera, impl_->scene));

@@ -181,6 +181,12 @@ struct SceneEdits {
 
 struct Environment;
 
+// The material of an instance in a variant that changes it (KHR_materials_variants).
+struct VariantMaterial {
+  uint32_t variant = 0;  // index into Scene::variants
+  uint32_t instance = 0, material = 0;
+};
+
 struct Scene {
   std::string name;                          // the file's name without folder and extension, or the built-in scene's
   std::string source;                        // as the user specified it
@@ -194,6 +200,7 @@ struct Scene {
   std::vector<Camera> cameras;
   std::vector<Light> lights;
   std::vector<std::string> variants;               // KHR_materials_variants
+  std::vector<VariantMaterial> variantMaterials;   // as loaded; edits of the scene do not change them
   Rig rig;                                         // animation data; all members above are at rest
   std::shared_ptr<const Environment> environment;  // the file's own, or null
   SceneEdits edits;
@@ -242,7 +249,11 @@ struct LoadOptions {
   // Folders that the file may read in addition to its own folder and its subfolders (base/allowed_folders.h).
   std::vector<std::string> allowOutside;
   IdGrouping ids{};
-  bool textures = true;  // false: no textures are decoded, for callers that require only geometry
+  // For OBJ, PLY and STL files, which do not state them (mesh_files/source.h); empty: the format's default.
+  std::string unit;                  // unit of length: "mm", "cm", "m", "in" or "ft"
+  std::string upAxis;                // "y" or "z"
+  std::optional<float> pointRadius;  // radius of the spheres that stand for the points of a PLY file, in meters
+  bool textures = true;              // false: no textures are decoded, for callers that require only geometry
   // Bit i requests the textures in slot i of materials (shared::kTexture*); other slots stay empty. The base color is
   // always loaded if alpha affects visibility.
   uint32_t textureSlots = ~0u;

@@ -142,6 +142,9 @@ std::vector<std::string> ViewSession::Impl::commandLine(Side side) const {
   for (const std::string& folder : start.load.allowOutside) add("--allow-outside", folder);
   if (start.load.ids.depth) add("--id-depth", fmt::format("{}", *start.load.ids.depth));
   add("--id-nodes", fmt::format("{}", fmt::join(start.load.ids.nodes, ",")));
+  add("--unit", start.load.unit);
+  add("--up-axis", start.load.upAxis);
+  if (start.load.pointRadius) add("--point-radius", fmt::format("{}", *start.load.pointRadius));
   const auto append = [&](const std::vector<std::string>& more) {
     words.insert(words.end(), more.begin(), more.end());
   };

@@ -123,6 +123,10 @@ void addSceneTexts(Table& t, const Values& models, const std::filesystem::path& 
   t["SCENE"] = {1, scenes(models), {"builtin:nothing"}, Rate::Group};
   t["--variant"] = {0.15, {"red", "blue"}, {"green"}, Rate::Group};
   t["--allow-outside"] = {0.1, {folder.string()}, {}};  // checked when a file is loaded
+  // These apply to other files than the models, which reject them.
+  t["--unit"] = {0, {"mm"}, {}};
+  t["--up-axis"] = {0, {"z"}, {}};
+  t.at("--point-radius").share = 0;
   t["--memory"] = {0.1, {"4G", "100G"}, {"0", "much", "-1G"}};
   t["--id-depth"] = {0.15, {"0", "1", "9"}, {"-1", "deep"}, Rate::Group};
   t["--id-nodes"] = {0.15, {"box", "/floor,mirrored", "lower,strip"}, {}, Rate::Group};  // must be names in the scene

@@ -75,6 +75,9 @@ void readScenes(Job& job, const JobDocument& document) {
   job.load.allowOutside = json.value("allow-outside", std::vector<std::string>());
   job.load.ids.nodes = json.value("id-nodes", std::vector<std::string>());
   if (json.contains("id-depth")) job.load.ids.depth = json["id-depth"].get<uint32_t>();
+  job.load.unit = json.value("unit", "");
+  job.load.upAxis = json.value("up-axis", "");
+  if (json.contains("point-radius")) job.load.pointRadius = json["point-radius"].get<float>();
   scene::checkGrouping(job.load.ids);
   job.hdri = json.value("hdri", "");
   if (!job.hdri.empty() && job.hdri != "studio" && job.hdri != "none") checkThere(job.hdri, document.place("hdri"));

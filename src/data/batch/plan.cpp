@@ -134,6 +134,7 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   addCameraFiles(job.cameras, cameraFiles);
   loadHash_ = hashOf({d.value("cameras", Json()), hashOfFiles(cameraFiles), d.value("variant", Json()),
                       d.value("allow-outside", Json()), d.value("id-depth", Json()), d.value("id-nodes", Json()),
+                      d.value("unit", Json()), d.value("up-axis", Json()), d.value("point-radius", Json()),
                       d.value("options", Json()), moves, job.seed, version()});
   const Json known = readSaved(saved);
   for (const std::string& source : job.scenes) {

@@ -149,6 +149,7 @@ class Placer {
     const bool instanced = node.instancing.has_value();
     const size_t first = scene_.instances.size();
     scene_.instances.resize(first + placements.count, instance);
+    addVariants(primitive, first);
     if (instanced && !scene_.rig.empty()) scene_.rig.offsets.resize(scene_.instances.size(), glm::dmat4(1));
     parallelFor(placements.count, 4096, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
@@ -159,6 +160,17 @@ class Placer {
         if (instanced && !scene_.rig.empty()) scene_.rig.offsets[first + k] = below;
       }
     });
+  }
+
+  // Records the materials of the instances from `first` on in the variants that the primitive lists.
+  void addVariants(const file::Primitive& primitive, size_t first) {
+    for (const file::VariantMapping& mapping : primitive.variants)
+      for (const int variant : mapping.variants) {
+        const size_t count = scene_.instances.size() - first;
+        document_.budget.charge(count * 2 * sizeof(VariantMaterial), "its variants");
+        for (size_t i = first; i < first + count; ++i)
+          scene_.variantMaterials.push_back({uint32_t(variant), uint32_t(i), uint32_t(mapping.material)});
+      }
   }
 
   // Assigns the ids of a node's instances: primitive by primitive, with all copies of each.

@@ -7,8 +7,8 @@
 
 namespace latelight::scene {
 
-// Loads a .gltf or .glb file, or "builtin:NAME[,key=value...]". Throws Error(BadInput) that names the file and the
-// problem, and Error(Usage) for options that do not apply to the scene.
+// Loads a .gltf, .glb, .obj, .ply or .stl file, or "builtin:NAME[,key=value...]". Throws Error(BadInput) that names
+// the file and the problem, and Error(Usage) for options that do not apply to the scene.
 Scene load(const std::string& source, const LoadOptions& options = {});
 
 }  // namespace latelight::scene

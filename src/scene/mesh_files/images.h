@@ -1,0 +1,64 @@
+// The image files of a mesh file, and the textures that are made from them.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "scene/mesh_files/source.h"
+
+namespace latelight::scene::mesh_files {
+
+// An image file, and how MTL's options change its values: base + gain * value, and the channel that a scalar is read
+// from ('r', 'g', 'b', 'm' for alpha, 'l' for luminance).
+struct ImageUse {
+  std::string file;  // empty: no image
+  char channel = 'l';
+  float base = 0, gain = 1;
+  auto operator<=>(const ImageUse&) const = default;
+};
+
+// A texture that is made from up to two images.
+struct ImageRequest {
+  enum class Make {
+    Plain,               // `first` unchanged; sRGB if `srgb`
+    ColorWithAlpha,      // the color of `first` (white if absent), the scalar of `second` as alpha
+    RoughnessMetallic,   // green: the scalar of `first`, blue: that of `second`; 1 if absent
+    ScalarInRed,         // the scalar of `first`, in red and green, as glTF's factors of coats read it
+    ScalarInAlpha,       // the scalar of `first` in alpha
+    NormalsFromHeights,  // tangent-space normals of the height map `first`, unless it holds normals
+  };
+  Make make = Make::Plain;
+  ImageUse first, second;
+  bool srgb = false;
+  float bump = 1;  // texels of height between 0 and 1
+  auto operator<=>(const ImageRequest&) const = default;
+};
+
+class Images {
+ public:
+  explicit Images(Source& source) : source_(source) {}
+  // Returns true if the file exists; otherwise prints a warning. Throws Error(BadInput) if the scene may not read it.
+  bool isReadable(const std::string& file);
+  // Returns the index of the texture in the scene, which decode() fills.
+  int request(const ImageRequest& request);
+  // Decodes all textures on all threads.
+  void decode();
+
+ private:
+  const std::vector<std::byte>& encoded(const std::string& file) const { return *files_.at(file); }
+  Texture make(const ImageRequest& request) const;
+  Texture pack(const ImageRequest& request) const;
+  size_t bytesOf(const ImageRequest& request) const;
+
+  Source& source_;
+  std::map<std::string, std::optional<std::vector<std::byte>>> files_;
+  std::map<ImageRequest, int> known_;
+  std::vector<ImageRequest> requests_;
+};
+
+}  // namespace latelight::scene::mesh_files

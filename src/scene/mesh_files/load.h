@@ -1,0 +1,16 @@
+// Loads OBJ, PLY and STL files: meshes without lights, cameras and animations.
+#pragma once
+
+#include <filesystem>
+
+#include "scene/scene.h"
+
+namespace latelight::scene {
+
+enum class MeshFormat { Obj, Ply, Stl };
+
+// Throws Error(BadInput) that names the file, the place in it and the problem, and Error(Usage) for options that do not
+// apply.
+Scene loadMeshFile(const std::filesystem::path& path, MeshFormat format, const LoadOptions& options);
+
+}  // namespace latelight::scene

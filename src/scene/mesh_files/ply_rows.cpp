@@ -1,0 +1,118 @@
+#include "scene/mesh_files/ply_rows.h"
+
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "scene/mesh_files/text.h"
+
+namespace latelight::scene::mesh_files {
+namespace {
+
+template <typename T>
+double fromBytes(const char* at, bool bigEndian) {
+  std::array<char, sizeof(T)> bytes;
+  std::memcpy(bytes.data(), at, sizeof(T));
+  if (bigEndian != (std::endian::native == std::endian::big)) std::ranges::reverse(bytes);
+  return static_cast<double>(std::bit_cast<T>(bytes));
+}
+
+double fromBytes(PlyType type, const char* at, bool bigEndian) {
+  switch (type) {
+    case PlyType::Int8:
+      return fromBytes<int8_t>(at, bigEndian);
+    case PlyType::Uint8:
+      return fromBytes<uint8_t>(at, bigEndian);
+    case PlyType::Int16:
+      return fromBytes<int16_t>(at, bigEndian);
+    case PlyType::Uint16:
+      return fromBytes<uint16_t>(at, bigEndian);
+    case PlyType::Int32:
+      return fromBytes<int32_t>(at, bigEndian);
+    case PlyType::Uint32:
+      return fromBytes<uint32_t>(at, bigEndian);
+    case PlyType::Float:
+      return fromBytes<float>(at, bigEndian);
+    case PlyType::Double:
+      return fromBytes<double>(at, bigEndian);
+    case PlyType::None:
+      break;
+  }
+  return 0;
+}
+
+}  // namespace
+
+void PlyRows::endsEarly() const {
+  badInput("the file ends in row {} of the {} rows of its element \"{}\": copy it again", row_, element_->count,
+           printable(element_->name));
+}
+
+void PlyRows::begin(const PlyElement& element) {
+  element_ = &element;
+  row_ = 0;
+  values_.assign(element.properties.size(), 0);
+  lists_.assign(element.properties.size(), {});
+  uint64_t bytes = 0;  // the minimum per row
+  for (const PlyProperty& p : element.properties)
+    bytes += encoding_ == PlyEncoding::Ascii ? 2 : sizeOf(p.isList() ? p.countType : p.type);
+  if (element.count > 0 && bytes == 0)
+    badInput("its element \"{}\" has {} rows but no properties", printable(element.name), element.count);
+  if (element.count > 0 && element.count > (file_.size() - at_ + 1) / bytes)
+    badInput("its element \"{}\" should have {} rows, but only {} bytes follow: copy it again", printable(element.name),
+             element.count, file_.size() - at_);
+}
+
+double PlyRows::readText(PlyType type) {
+  while (at_ < file_.size() && (isBlank(file_[at_]) || file_[at_] == '\n')) ++at_;
+  if (at_ == file_.size()) endsEarly();
+  const char *begin = file_.data() + at_, *end = file_.data() + file_.size();
+  float value = 0;
+  double exact = 0;
+  const char* after = nullptr;
+  if (isInteger(type) || type == PlyType::Double) {  // floats cannot hold all integers
+    const auto result = std::from_chars(begin + (*begin == '+'), end, exact);
+    after = result.ec == std::errc() ? result.ptr : nullptr;
+  }
+  if (!after) after = parseFloat(begin, end, value), exact = value;
+  if (!after || (after < end && !isBlank(*after) && *after != '\n'))
+    badInput("line {} has \"{}\" instead of a number, in row {} of its element \"{}\"", lineAt(file_, at_),
+             printable(Words(file_.substr(at_, 40)).word()), row_, printable(element_->name));
+  at_ = static_cast<size_t>(after - file_.data());
+  return exact;
+}
+
+double PlyRows::read(PlyType type) {
+  if (encoding_ == PlyEncoding::Ascii) return readText(type);
+  const size_t size = sizeOf(type);
+  if (file_.size() - at_ < size) endsEarly();
+  const double value = fromBytes(type, file_.data() + at_, encoding_ == PlyEncoding::BigEndian);
+  at_ += size;
+  return value;
+}
+
+void PlyRows::readList(const PlyProperty& property, std::vector<double>& list) {
+  const double count = read(property.countType);
+  const size_t size = encoding_ == PlyEncoding::Ascii ? 2 : sizeOf(property.type);
+  if (count < 0 || count != std::floor(count))
+    badInput("a list of {} entries is in row {} of its element \"{}\"", count, row_, printable(element_->name));
+  if (count > double((file_.size() - at_ + 1) / size)) endsEarly();
+  list.resize(static_cast<size_t>(count));
+  for (double& value : list) value = read(property.type);
+}
+
+void PlyRows::next() {
+  ++row_;
+  for (size_t i = 0; i < element_->properties.size(); ++i) {
+    const PlyProperty& property = element_->properties[i];
+    if (property.isList())
+      readList(property, lists_[i]);
+    else
+      values_[i] = read(property.type);
+  }
+}
+
+}  // namespace latelight::scene::mesh_files

@@ -1,0 +1,171 @@
+// Reads STL files, binary and ASCII (3D Systems, "StereoLithography Interface Specification", 1989). The normals of
+// facets follow from their corners, because many writers store zeros. The colors that some writers put into the
+// attribute bytes of binary files are ignored.
+#include <atomic>
+#include <cstring>
+#include <memory>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "scene/mesh_files/polygon.h"
+#include "scene/mesh_files/source.h"
+#include "scene/mesh_files/text.h"
+
+namespace latelight::scene::mesh_files {
+namespace {
+
+constexpr size_t kHeaderBytes = 80, kCountBytes = 4, kFacetBytes = 50;
+constexpr size_t kStart = kHeaderBytes + kCountBytes;
+constexpr size_t kCornerBytes = sizeof(vec3) + sizeof(shared::VertexAttributes) + sizeof(uint32_t);
+constexpr uint64_t kMaxFacets = UINT32_MAX / 3;
+
+uint32_t facetCount(std::span<const std::byte> bytes) {  // binary STL is little-endian
+  uint32_t count = 0;
+  for (size_t i = 0; i < kCountBytes; ++i) count |= uint32_t(bytes[kHeaderBytes + i]) << (8 * i);
+  return count;
+}
+
+// Binary files may also begin with "solid", so a size that matches the count of facets is decisive.
+bool isBinary(const Source& source) {
+  const std::string_view text = source.text();
+  if (text.size() >= kStart && text.size() == kStart + kFacetBytes * uint64_t{facetCount(source.bytes)}) return true;
+  Words words(text.substr(0, 4096));
+  if (!equalsIgnoringCase(words.word(), "solid")) return true;
+  for (std::string_view word = words.word(); !word.empty(); word = words.word())
+    if (equalsIgnoringCase(word, "facet") || equalsIgnoringCase(word, "endsolid")) return false;
+  return text.substr(0, 4096).find('\0') != std::string_view::npos;
+}
+
+void fillFlat(Mesh& mesh) {
+  mesh.attributes.resize(mesh.positions.size());
+  mesh.indices.resize(mesh.positions.size());
+  parallelFor(mesh.positions.size() / 3, 16384, [&](size_t begin, size_t end) {
+    for (size_t facet = begin; facet < end; ++facet) {
+      const glm::dvec3 area = polygonNormal(std::span(mesh.positions).subspan(3 * facet, 3));
+      const double length = glm::length(area);
+      const vec3 normal = length > 0 && std::isfinite(length) ? vec3(area / length) : vec3(0, 0, 1);
+      for (size_t v = 3 * facet; v < 3 * facet + 3; ++v) {
+        mesh.attributes[v] = {normal, vec4(0), vec2(0)};
+        mesh.indices[v] = static_cast<uint32_t>(v);
+      }
+    }
+  });
+}
+
+void readBinary(Source& source) {
+  const size_t size = source.bytes.size();
+  if (size < kStart) badInput("the file has {} bytes, fewer than the header of an STL file: copy it again", size);
+  const uint64_t count = facetCount(source.bytes), needed = kStart + kFacetBytes * count;
+  if (size < needed)
+    badInput("it is a binary STL file of {} facets, which should have {} bytes but has {}: copy it again", count,
+             needed, size);
+  if (count > kMaxFacets) badInput("it has {} facets, more than the limit of {}: split it", count, kMaxFacets);
+  if (count == 0) badInput("it has no facets: export it again with its triangles");
+  if (size > needed)
+    warn("{} has {} bytes after its last facet, which are ignored", source.path.string(), size - needed);
+  source.claim(count * 3 * kCornerBytes);
+  Mesh mesh;
+  mesh.positions.resize(3 * count);
+  parallelFor(count, 16384, [&](size_t begin, size_t end) {
+    for (size_t facet = begin; facet < end; ++facet)  // a normal, three corners and two attribute bytes
+      std::memcpy(&mesh.positions[3 * facet], source.bytes.data() + kStart + kFacetBytes * facet + sizeof(vec3),
+                  3 * sizeof(vec3));
+  });
+  fillFlat(mesh);
+  dropBrokenTriangles(mesh, source.path.string());
+  std::vector<Primitive> primitives(1);
+  primitives[0].mesh = std::move(mesh);
+  source.addNode("", SceneBuilder::kRoot, std::move(primitives));
+}
+
+// --- ASCII ----------------------------------------------------------------------------------------------------------
+
+// Reads the solids of an ASCII file. Only "solid", "endsolid", "vertex" and "endfacet" matter. Facets of more than
+// three corners, which some writers produce, are triangulated.
+class AsciiReader {
+ public:
+  explicit AsciiReader(Source& source) : source_(source), text_(source.text()) {}
+
+  void run() {
+    for (size_t at = 0; at < text_.size();) {
+      const size_t end = std::min(text_.find('\n', at), text_.size());
+      readLine(text_.substr(at, end - at), at);
+      at = end + 1;
+    }
+    finishSolid();
+    if (!any_) badInput("it has no facets: export it again with its triangles");
+  }
+
+ private:
+  void readLine(std::string_view line, size_t at) {
+    Words words(line);
+    const std::string_view key = words.word();
+    if (equalsIgnoringCase(key, "vertex")) {
+      vec3 p;
+      for (int i = 0; i < 3; ++i)
+        if (!words.number(p[i])) wrong(at, "requires three numbers after \"vertex\"");
+      corners_.push_back(p);
+    } else if (equalsIgnoringCase(key, "endfacet")) {
+      finishFacet(at);
+    } else if (equalsIgnoringCase(key, "facet")) {
+      if (!corners_.empty()) wrong(at, "begins a facet before the last one has ended with \"endfacet\"");
+    } else if (equalsIgnoringCase(key, "solid")) {
+      finishSolid();
+      name_ = std::string(words.rest());
+    } else if (!key.empty() && !equalsIgnoringCase(key, "outer") && !equalsIgnoringCase(key, "endloop") &&
+               !equalsIgnoringCase(key, "endsolid")) {
+      wrong(at, fmt::format("begins with \"{}\", which ASCII STL does not define: export the file again",
+                            printableStart(key)));
+    }
+  }
+
+  static std::string printableStart(std::string_view word) { return printable(word.substr(0, 40)); }
+
+  [[noreturn]] void wrong(size_t at, const std::string& problem) const {
+    badInput("line {} {}", lineAt(text_, at), problem);
+  }
+
+  void finishFacet(size_t at) {
+    if (corners_.size() < 3) wrong(at, fmt::format("ends a facet with {} corners instead of 3", corners_.size()));
+    triangles_.clear();
+    triangulate(corners_, triangles_);
+    source_.claim(triangles_.size() * 3 * kCornerBytes);
+    for (const auto& triangle : triangles_)
+      for (const uint32_t corner : triangle) positions_.push_back(corners_[corner]);
+    corners_.clear();
+  }
+
+  void finishSolid() {
+    if (!corners_.empty()) badInput("the file ends within a facet: copy it again");
+    if (positions_.empty()) return;
+    if (positions_.size() / 3 > kMaxFacets) badInput("it has more than {} facets: split it", kMaxFacets);
+    std::vector<Primitive> primitives(1);
+    Mesh& mesh = primitives[0].mesh;
+    mesh.positions = std::move(positions_);
+    fillFlat(mesh);
+    dropBrokenTriangles(mesh, source_.path.string());
+    source_.addNode(name_.empty() ? "solid" : name_, SceneBuilder::kRoot, std::move(primitives));
+    positions_.clear();
+    any_ = true;
+  }
+
+  Source& source_;
+  const std::string_view text_;
+  std::string name_;
+  std::vector<vec3> positions_, corners_;
+  std::vector<std::array<uint32_t, 3>> triangles_;
+  bool any_ = false;
+};
+
+}  // namespace
+
+void readStl(Source& source) {
+  source.builder.scene.materials.push_back(plainMaterial("default", vec3(0.8f), 0, 0.5f));
+  if (isBinary(source))
+    readBinary(source);
+  else
+    AsciiReader(source).run();
+}
+
+}  // namespace latelight::scene::mesh_files

@@ -1,0 +1,239 @@
+// OBJ files: faces, indices, nodes, normals, and the materials of MTL.
+#include <cmath>
+
+#include "mesh_files/support.h"
+
+namespace latelight::scene::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr const char* kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+std::vector<std::string> pathsOf(const Scene& scene) {
+  std::vector<std::string> paths;
+  for (const Instance& instance : scene.instances) paths.push_back(scene.nodes[instance.node].path);
+  return paths;
+}
+
+const Material& materialOf(const Scene& scene, size_t instance = 0) {
+  return scene.materials[scene.instances.at(instance).material];
+}
+
+TEST(Obj, PolygonsNegativeIndicesAndContinuedLines) {
+  const std::vector<std::string> faces = {"f 1 2 3 4\n",
+                                          "f -4 -3 -2 -1\n",
+                                          "f 1 2 \\\n 3 \\\r\n 4\n",
+                                          "f 1// 2// 3// 4//\n",
+                                          "  f\t1 2 3 4  # a comment\r\n",
+                                          "fo 1 2 3 4"};
+  for (const std::string& face : faces) {
+    const Scene scene = MeshFile("a.obj", kSquare + face).load();
+    EXPECT_TRUE(scene.yUp);
+    const std::vector<dvec3> corners = cornersOf(scene);
+    ASSERT_EQ(corners.size(), 6u) << face;
+    double area = 0;
+    for (size_t i = 0; i < 6; i += 3)
+      area += glm::cross(corners[i + 1] - corners[i], corners[i + 2] - corners[i]).z / 2;
+    EXPECT_NEAR(area, 1, 1e-9) << face;
+  }
+}
+
+// Blocks of the file are parsed separately; an index may refer to any of them.
+TEST(Obj, IndicesCrossBlocks) {
+  std::string text;
+  for (int i = 0; i < 200'000; ++i)
+    text += fmt::format("v {} 0 0\nv {} 1 0\nv {} 0 1\n# a long comment\nf -3 -2 -1\n", i, i, i);
+  text += "f 1 300000 -1\n";
+  ASSERT_GT(text.size(), size_t{9} << 20);  // several blocks of 4 MiB
+  const std::vector<dvec3> corners = cornersOf(MeshFile("a.obj", text).load());
+  ASSERT_EQ(corners.size(), 600'003u);
+  for (size_t i = 0; i < 600'000; i += 9999)
+    EXPECT_EQ(corners[i], dvec3(double(i / 3), double(i % 3 == 1), double(i % 3 == 2)));
+  EXPECT_EQ(corners[600'000], dvec3(0, 0, 0));
+  EXPECT_EQ(corners[600'001], dvec3(99999, 0, 1));
+  EXPECT_EQ(corners[600'002], dvec3(199999, 0, 1));
+}
+
+TEST(Obj, ObjectsAndGroupsAreNodes) {
+  const std::string text = std::string(kSquare) +
+                           "f 1 2 3\ng left side\nf 1 2 4\no body\nf 2 3 4\ng arm\nf 1 3 4\nusemtl red\nf 4 3 2\n"
+                           "o empty\no body\nf 1 4 2\n";
+  const Scene scene = MeshFile("robot.obj", text).load();
+  EXPECT_THAT(pathsOf(scene), ElementsAre("/robot", "/robot/left side", "/robot/body", "/robot/body", "/robot/body/arm",
+                                          "/robot/body/arm"));
+  EXPECT_EQ(scene.nodes.size(), 4u);
+  EXPECT_EQ(scene.instances[4].id, scene.instances[5].id);
+  EXPECT_NE(scene.instances[4].part, scene.instances[5].part);
+}
+
+TEST(Obj, CornersShareVertices) {
+  const std::string text =
+      std::string(kSquare) + "vt 0 0\nvt 1 0.25\nvn 0 0 2\nf 1/1/1 2/2/1 3/2/1\nf 1/1/1 3/2/1 4/1/1\n";
+  const Mesh mesh = MeshFile("a.obj", text).load().meshes.at(0);
+  ASSERT_EQ(mesh.positions.size(), 4u);
+  EXPECT_EQ(mesh.attributes[0].normal, vec3(0, 0, 1));
+  EXPECT_EQ(mesh.attributes[0].uv0, vec2(0, 1));
+  EXPECT_EQ(mesh.attributes[1].uv0, vec2(1, 0.75f));
+}
+
+// A roof of two squares that meet at a right angle, along the y axis.
+TEST(Obj, SmoothingGroupsAverageNormals) {
+  const std::string roof = "v 0 0 0\nv 0 1 0\nv 1 1 -1\nv 1 0 -1\nv -1 1 -1\nv -1 0 -1\n";
+  const auto normalAtRidge = [&](const std::string& faces) {
+    return MeshFile("a.obj", roof + faces).load().meshes.at(0).attributes[0].normal;
+  };
+  const float s = std::sqrt(0.5f);
+  const auto expectNormal = [](vec3 a, vec3 b) { EXPECT_LT(glm::length(a - b), 1e-6f); };
+  expectNormal(normalAtRidge("f 1 4 3 2\nf 1 2 5 6\n"), {s, 0, s});
+  expectNormal(normalAtRidge("s 1\nf 1 4 3 2\nf 1 2 5 6\n"), {0, 0, 1});
+  expectNormal(normalAtRidge("s 1\nf 1 4 3 2\ns 2\nf 1 2 5 6\n"), {s, 0, s});
+  expectNormal(normalAtRidge("s 1\nf 1 4 3 2\ns off\nf 1 2 5 6\n"), {s, 0, s});
+  // Smoothing does not end at a material.
+  expectNormal(normalAtRidge("s 3\nf 1 4 3 2\nusemtl b\nf 1 2 5 6\n"), {0, 0, 1});
+}
+
+TEST(Obj, VerticesHaveColors) {
+  const Scene scene = MeshFile("a.obj", "v 0 0 0 1 0.5 0\nv 1 0 0 1 0.5 0\nv 0 1 0\nf 1 2 3\n").load();
+  ASSERT_EQ(scene.meshes.at(0).extras.size(), 3u);
+  EXPECT_NEAR(scene.meshes[0].extras[0].color.g, 0.21404, 1e-4);
+  EXPECT_EQ(scene.meshes[0].extras[2].color, vec4(1));
+}
+
+// --- materials ------------------------------------------------------------------------------------------------------
+
+MeshFile withMtl(const std::string& mtl) {
+  MeshFile file("a.obj",
+                std::string("mtllib a b.mtl\nvt 0 0\nvt 1 0\nvt 1 1\n") + kSquare + "usemtl m\nf 1/1 2/2 3/3\n");
+  file.add("a b.mtl", "newmtl m\n" + mtl);
+  return file;
+}
+
+TEST(Mtl, PhongBecomesRoughness) {
+  const Scene scene = withMtl("Kd 0.25 0.5 1\nKs 0.5 0.25 0\nNs 30\nd 0.5\nKe 1 2 3\n").load();
+  const shared::Material& m = materialOf(scene).data;
+  EXPECT_EQ(materialOf(scene).name, "m");
+  EXPECT_EQ(m.baseColor, vec4(0.25f, 0.5f, 1, 0.5f));
+  EXPECT_NEAR(m.roughness, 0.5, 1e-6);  // (2 / 32)^(1/4)
+  EXPECT_EQ(m.specularColor, vec3(1, 0.5f, 0));
+  EXPECT_EQ(m.emissive, vec3(1, 2, 3));
+  EXPECT_EQ(m.metallic, 0);
+  EXPECT_EQ(m.flags & shared::kMaterialBlended, shared::kMaterialBlended);
+  EXPECT_EQ(materialOf(withMtl("Tr 0.25\n").load()).data.baseColor.a, 0.75f);
+  EXPECT_EQ(materialOf(withMtl("Kd 1 0 0\nillum 0\n").load()).data.flags, shared::kMaterialUnlit);
+  EXPECT_EQ(materialOf(withMtl("illum 1\nKs 1 1 1\nNs 900\n").load()).data.roughness, 1);
+}
+
+TEST(Mtl, PbrKeysAreUsed) {
+  const shared::Material m =
+      materialOf(withMtl("Pr 0.3\nPm 0.7\nPs 0.2\nPc 0.9\nPcr 0.1\naniso 0.4\nanisor 0.25\nNs 900\n").load()).data;
+  EXPECT_EQ(m.roughness, 0.3f);
+  EXPECT_EQ(m.metallic, 0.7f);
+  EXPECT_EQ(m.layers.sheenColor, vec3(0.2f));
+  EXPECT_EQ(m.layers.clearcoat, 0.9f);
+  EXPECT_EQ(m.layers.clearcoatRoughness, 0.1f);
+  EXPECT_EQ(m.layers.anisotropy, 0.4f);
+  EXPECT_NEAR(m.layers.anisotropyRotation, 1.5707963, 1e-6);
+}
+
+std::array<int, 4> texelOf(const Scene& scene, uint32_t slot, size_t at = 0) {
+  const auto* texel =
+      reinterpret_cast<const uint8_t*>(scene.textures.at(size_t(materialOf(scene).slots[slot].texture)).pixels.get()) +
+      4 * at;
+  return {texel[0], texel[1], texel[2], texel[3]};
+}
+
+TEST(Mtl, MapsBecomeTextures) {
+  MeshFile file = withMtl(
+      "map_Kd -s 2 4 1 -o 0.5 0.25 -clamp on my color.png\nmap_d mask.png\nmap_Pr -imfchan g rough.png\nmap_Pm "
+      "rough.png\n"
+      "norm -bm 0.5 normal.png\nmap_Ke -mm 0 2 color.png\n");
+  file.add("my color.png", png(1, 1, {{10, 20, 30, 255}}))
+      .add("mask.png", png(2, 1, {{40, 40, 40, 255}, {80, 80, 80, 255}}));
+  file.add("rough.png", png(1, 1, {{200, 100, 200, 255}})).add("normal.png", png(1, 1, {{128, 128, 255, 255}}));
+  file.add("color.png", png(1, 1, {{1, 2, 3, 255}}));
+  const Scene scene = file.load();
+  const Material& m = materialOf(scene);
+  EXPECT_THAT(texelOf(scene, shared::kTextureBaseColor, 0), ElementsAre(10, 20, 30, 40));
+  EXPECT_THAT(texelOf(scene, shared::kTextureBaseColor, 1), ElementsAre(10, 20, 30, 80));
+  EXPECT_TRUE(scene.textures[size_t(m.slots[shared::kTextureBaseColor].texture)].srgb);
+  // Luminance of (200, 100, 200): 128.48.
+  EXPECT_THAT(texelOf(scene, shared::kTextureMetallicRoughness), ElementsAre(255, 100, 128, 255));
+  EXPECT_FALSE(scene.textures[size_t(m.slots[shared::kTextureMetallicRoughness].texture)].srgb);
+  EXPECT_THAT(texelOf(scene, shared::kTextureNormal), ElementsAre(128, 128, 255, 255));
+  EXPECT_EQ(m.data.normalScale, 0.5f);
+  EXPECT_EQ(m.data.emissive, vec3(2));
+  EXPECT_EQ(m.data.roughness, 1);
+  EXPECT_EQ(m.data.metallic, 1);
+  EXPECT_EQ(m.slots[shared::kTextureBaseColor].sampler.wrapU, Wrap::Clamp);
+  // (u, v) = (0.25, 0.5), v up, is shown at (2 u + 0.5, 4 v + 0.25) = (1, 2.25), which is -1.25 with v down.
+  const shared::TextureTransform& t = m.data.transforms[shared::kTextureBaseColor];
+  EXPECT_NEAR(glm::dot(t.row0, vec3(0.25f, 0.5f, 1)), 1, 1e-6);
+  EXPECT_NEAR(glm::dot(t.row1, vec3(0.25f, 0.5f, 1)), -1.25, 1e-6);
+  EXPECT_NE(scene.meshes[0].attributes[0].tangent, vec4(0));
+}
+
+TEST(Mtl, HeightMapsBecomeNormalMaps) {
+  MeshFile file = withMtl("map_Bump -bm 1 height.png\n");
+  // A ramp along u, with 51 of 255 per texel, that wraps.
+  file.add(
+      "height.png",
+      png(5, 1, {{0, 0, 0, 255}, {51, 51, 51, 255}, {102, 102, 102, 255}, {153, 153, 153, 255}, {204, 204, 204, 255}}));
+  const Scene scene = file.load();
+  const double slope = 8 * 0.2;  // 8 texels between black and white
+  const double length = std::hypot(slope, 1);
+  const auto texel = texelOf(scene, shared::kTextureNormal, 2);
+  EXPECT_NEAR(texel[0], (-slope / length * 0.5 + 0.5) * 255, 0.51);
+  EXPECT_NEAR(texel[1], 127.5, 0.51);
+  EXPECT_NEAR(texel[2], (1 / length * 0.5 + 0.5) * 255, 0.51);
+  MeshFile normals = withMtl("bump normal.png\n");
+  normals.add("normal.png", png(1, 1, {{200, 90, 250, 255}}));
+  EXPECT_THAT(texelOf(normals.load(), shared::kTextureNormal), ElementsAre(200, 90, 250, 255));
+}
+
+TEST(Mtl, FilesOutsideAreRejected) {
+  MeshFile file("in/a.obj", std::string("mtllib ../a.mtl\n") + kSquare + "f 1 2 3\n");
+  file.add("a.mtl", "newmtl m\n");
+  EXPECT_THAT(file.error(), HasSubstr("outside the scene's folder"));
+  const std::filesystem::path outside = std::filesystem::path(file.path()).parent_path().parent_path();
+  EXPECT_EQ(file.load({.allowOutside = {outside.string()}}).triangleCount(), 1u);
+  MeshFile texture = withMtl("map_Kd /etc/passwd\n");
+  EXPECT_THAT(texture.error(), HasSubstr("outside the scene's folder"));
+}
+
+TEST(Mtl, MissingFilesAreLeftOut) {
+  const Scene scene = withMtl("Kd 1 0 0\nmap_Kd C:\\images\\missing.png\n").load();
+  EXPECT_EQ(vec3(materialOf(scene).data.baseColor), vec3(1, 0, 0));
+  EXPECT_TRUE(scene.textures.empty());
+  EXPECT_EQ(
+      MeshFile("a.obj", std::string("mtllib no.mtl\n") + kSquare + "usemtl x\nf 1 2 3\n").load().materials[0].name,
+      "x");
+}
+
+TEST(ObjErrors, NameTheLine) {
+  const auto error = [](const std::string& text) { return MeshFile("a.obj", kSquare + text).error(); };
+  EXPECT_THAT(error(""), HasSubstr("no faces"));
+  EXPECT_THAT(error("v 1 2\n"), HasSubstr("line 5 requires three numbers"));
+  EXPECT_THAT(error("v 1 2 z\n"), HasSubstr("line 5 requires three numbers"));
+  EXPECT_THAT(error("f 1 2\n"), HasSubstr("line 5 is a face of fewer than three corners"));
+  EXPECT_THAT(error("f 1 2 5\n"), HasSubstr("line 5 refers to a vertex that does not exist: the file has 4"));
+  EXPECT_THAT(error("# f\nf 1 2 3\nf -5 1 2\n"), HasSubstr("line 7 refers to a vertex"));
+  EXPECT_THAT(error("f 0 1 2\n"), HasSubstr("counts from 1"));
+  EXPECT_THAT(error("f 1 2 1000000000\n"), HasSubstr("line 5"));
+  EXPECT_THAT(error("f 1 2 99999999999999999999\n"), HasSubstr("malformed"));
+  EXPECT_THAT(error("f 1 2 a\n"), HasSubstr("malformed corner"));
+  EXPECT_THAT(error("f 1/1/1/1 2 3\n"), HasSubstr("malformed corner"));
+  EXPECT_THAT(error("v nan 0 0\nf 1 2 5\n"), HasSubstr("finite"));
+  EXPECT_EQ(
+      cornersOf(MeshFile("a.obj", std::string(kSquare) + "v 1e99 0 0\nf 1 2 5\nf 1/7/9 2/7/9 3/7/9\n").load()).size(),
+      3u);
+  EXPECT_THAT(withMtl("Kd red\n").error(), HasSubstr("a b.mtl: line 2"));
+  EXPECT_THAT(withMtl("map_Kd -s 2 2 2\n").error(), HasSubstr("names no image"));
+  MeshFile image = withMtl("map_Kd color.png\n");
+  image.add("color.png", "no image");
+  EXPECT_THAT(image.error(), HasSubstr("color.png is not a JPEG"));
+}
+
+}  // namespace
+}  // namespace latelight::scene::test

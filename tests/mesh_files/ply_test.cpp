@@ -1,0 +1,164 @@
+// PLY files in the three encodings, with the names that programs give to their properties.
+#include "mesh_files/support.h"
+
+namespace latelight::scene::test {
+namespace {
+
+using testing::HasSubstr;
+
+struct Encoding {
+  const char* format;
+  bool isText, isBigEndian;
+};
+class Ply : public testing::TestWithParam<Encoding> {
+ protected:
+  template <typename T>
+  std::string values(const std::vector<T>& numbers) const {
+    if (!GetParam().isText) return bytesOf(numbers, GetParam().isBigEndian);
+    std::string text;
+    for (const T number : numbers) text += fmt::format("{} ", +number);
+    return text + "\n";
+  }
+  std::string start() const { return fmt::format("ply\nformat {} 1.0\ncomment a test\n", GetParam().format); }
+};
+INSTANTIATE_TEST_SUITE_P(Encodings, Ply,
+                         testing::Values(Encoding{"ascii", true, false}, Encoding{"binary_little_endian", false, false},
+                                         Encoding{"binary_big_endian", false, true}),
+                         [](const auto& info) { return std::string(info.param.format); });
+
+constexpr const char* kPosition = "property float x\nproperty float32 y\nproperty double z\n";
+
+TEST_P(Ply, PolygonsBecomeTriangles) {
+  // A square, and a chevron whose fan about its first corner would leave it.
+  std::string text = start() + "element vertex 8\n" + kPosition +
+                     "element face 2\nproperty list uchar int vertex_indices\nend_header\n";
+  const std::vector<vec3> positions = {{0, 0, 0}, {1, 0, 0},  {1, 1, 0}, {0, 1, 0},
+                                       {0, 3, 0}, {-2, 0, 0}, {0, 1, 0}, {2, 0, 0}};
+  for (const vec3& p : positions) text += values<float>({p.x, p.y}) + values<double>({p.z});
+  for (const uint8_t first : {uint8_t{0}, uint8_t{4}})
+    text += values<uint8_t>({4}) + values<int32_t>({first, first + 1, first + 2, first + 3});
+  const Scene scene = MeshFile("a.ply", text).load();
+  EXPECT_FALSE(scene.yUp);
+  const std::vector<dvec3> corners = cornersOf(scene);
+  ASSERT_EQ(corners.size(), 12u);
+  double area = 0;
+  for (size_t i = 0; i < corners.size(); i += 3) {
+    const double twice = glm::cross(corners[i + 1] - corners[i], corners[i + 2] - corners[i]).z;
+    EXPECT_GT(twice, 0) << "triangle " << i / 3;
+    area += twice / 2;
+  }
+  EXPECT_NEAR(area, 1 + 4, 1e-9);  // the chevron: two triangles of 2 x 2 / 2
+}
+
+TEST_P(Ply, VerticesHaveNormalsColorsAndTextureCoordinates) {
+  std::string text =
+      start() + "element vertex 3\n" + kPosition +
+      "property float nx\nproperty float ny\nproperty float nz\nproperty uchar red\nproperty uchar green\n"
+      "property uchar blue\nproperty float texture_u\nproperty float texture_v\n"
+      "element extra 2\nproperty list uchar short numbers\n"
+      "element face 1\nproperty list int uint vertex_index\nend_header\n";
+  for (int i = 0; i < 3; ++i)
+    text += values<float>({float(i == 1), float(i == 2)}) + values<double>({0}) + values<float>({0, 0, 2}) +
+            values<uint8_t>({255, 188, 0}) + values<float>({0.25f, 0.125f});
+  text += values<uint8_t>({2}) + values<int16_t>({-1, 7}) + values<uint8_t>({0});
+  text += values<int32_t>({3}) + values<uint32_t>({0, 1, 2});
+  const Scene scene = MeshFile("a.ply", text).load();
+  const Mesh& mesh = scene.meshes.at(0);
+  ASSERT_EQ(mesh.positions.size(), 3u);
+  EXPECT_EQ(mesh.attributes[2].normal, vec3(0, 0, 1));
+  EXPECT_EQ(mesh.attributes[2].uv0, vec2(0.25f, 0.875f));
+  ASSERT_EQ(mesh.extras.size(), 3u);
+  EXPECT_NEAR(mesh.extras[0].color.g, 0.50289, 1e-4);  // IEC 61966-2-1: ((188/255 + 0.055) / 1.055)^2.4
+  EXPECT_EQ(mesh.extras[0].color.r, 1);
+  EXPECT_EQ(mesh.extras[0].color.b, 0);
+  EXPECT_EQ(vec3(scene.materials[0].data.baseColor), vec3(1));
+}
+
+TEST_P(Ply, PointsAreSpheresOfTheGivenRadius) {
+  const std::string text = start() + "element vertex 2\n" + kPosition + "end_header\n" + values<float>({1, 2}) +
+                           values<double>({3}) + values<float>({-1, 2}) + values<double>({3});
+  const MeshFile file("a.ply", text);
+  EXPECT_THAT(file.error(), HasSubstr("--point-radius"));
+  const Scene scene = file.load({.unit = "cm", .pointRadius = 0.001f});
+  EXPECT_EQ(scene.triangleCount(), 40u);
+  const std::vector<dvec3> corners = cornersOf(scene);
+  for (size_t i = 0; i < corners.size(); i += 3) {
+    const dvec3 center(i < 60 ? 0.01 : -0.01, 0.02, 0.03);
+    EXPECT_NEAR(glm::length(corners[i] - center), 0.001, 1e-8);
+    const dvec3 normal = glm::cross(corners[i + 1] - corners[i], corners[i + 2] - corners[i]);
+    EXPECT_GT(glm::dot(normal, corners[i] - center), 0);
+  }
+  EXPECT_THAT(file.error(ExitCode::Usage, {.pointRadius = 0.0f}), HasSubstr("--point-radius"));
+}
+
+TEST_P(Ply, StripsAlternate) {
+  std::string text = start() + "element vertex 5\n" + kPosition +
+                     "element tristrips 1\nproperty list int int vertex_indices\nend_header\n";
+  for (int i = 0; i < 5; ++i) text += values<float>({float(i / 2), float(i % 2)}) + values<double>({0});
+  text += values<int32_t>({8}) + values<int32_t>({0, 2, 1, 3, -1, 2, 4, 3});
+  const std::vector<dvec3> corners = cornersOf(MeshFile("a.ply", text).load());
+  ASSERT_EQ(corners.size(), 9u);
+  for (size_t i = 0; i < 9; i += 3)
+    EXPECT_GT(glm::cross(corners[i + 1] - corners[i], corners[i + 2] - corners[i]).z, 0) << i;
+}
+
+TEST_P(Ply, ShortFilesAreReported) {
+  const std::string text = start() + "element vertex 1000000000\n" + kPosition + "end_header\n" + values<float>({1, 2});
+  EXPECT_THAT(MeshFile("a.ply", text).error(), HasSubstr("1000000000 rows"));
+  const std::string list = start() + "element vertex 1\n" + kPosition +
+                           "element face 1\nproperty list int int vertex_indices\nend_header\n" +
+                           values<float>({1, 2}) + values<double>({3}) + values<int32_t>({2'000'000'000}) +
+                           values<int32_t>({0, 0, 0});
+  EXPECT_THAT(MeshFile("a.ply", list).error(), HasSubstr("ends in row 1"));
+}
+
+std::string textured(const std::string& names) {
+  return "ply\nformat ascii 1.0\n" + names +
+         "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n"
+         "property list uchar int vertex_indices\nproperty list uchar float texcoord\nproperty int texnumber\n"
+         "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 6 0 0 1 0 0 1 1\n3 0 1 2 6 0 0 0.5 0 0 0.5 0\n";
+}
+
+TEST(PlyTextures, BelongToFaces) {
+  const std::string image = png(1, 1, {{0, 255, 0, 255}});
+  MeshFile file("a.ply", textured("comment TextureFile one.png\ncomment TextureFile sub/two.png\n"));
+  file.add("one.png", image).add("sub/two.png", image);
+  const Scene scene = file.load();
+  ASSERT_EQ(scene.instances.size(), 2u);
+  ASSERT_EQ(scene.textures.size(), 2u);
+  EXPECT_EQ(scene.textures[0].width, 1u);
+  EXPECT_EQ(scene.materials[0].slots[shared::kTextureBaseColor].texture, 0);
+  EXPECT_EQ(scene.meshes[scene.instances[0].mesh].attributes[1].uv0, vec2(0.5f, 1));  // texture 0: the second face
+  EXPECT_EQ(scene.meshes[scene.instances[1].mesh].attributes[1].uv0, vec2(1, 1));
+  EXPECT_EQ(scene.instances[0].id, scene.instances[1].id);
+  EXPECT_NE(scene.instances[0].part, scene.instances[1].part);
+  EXPECT_EQ(scene.files.size(), 3u);
+}
+
+TEST(PlyTextures, StayInTheirFolder) {
+  MeshFile file("in/a.ply", textured("comment TextureFile ../secret.png\n"));
+  file.add("secret.png", png(1, 1, {{0, 0, 0, 255}}));
+  EXPECT_THAT(file.error(), HasSubstr("outside the scene's folder"));
+  EXPECT_EQ(MeshFile("a.ply", textured("comment TextureFile missing.png\n")).load().textures.size(), 0u);
+}
+
+TEST(PlyErrors, NameTheLine) {
+  const auto error = [](const std::string& text) { return MeshFile("a.ply", text).error(); };
+  EXPECT_THAT(error("plyy\n"), HasSubstr("\"ply\""));
+  EXPECT_THAT(error("ply\nformat ascii 1.0\n"), HasSubstr("end_header"));
+  EXPECT_THAT(error("ply\nformat zip 1.0\nend_header\n"), HasSubstr("line 2 "));
+  EXPECT_THAT(error("ply\nelement vertex 1\nproperty quad x\nend_header\n"), HasSubstr("line 3 "));
+  EXPECT_THAT(error("ply\nformat ascii 1.0\nend_header\n"), HasSubstr("no vertices"));
+  EXPECT_THAT(error("ply\nformat ascii 1.0\nelement vertex 1\nproperty float a\nend_header\n1\n"),
+              HasSubstr("x, y and z"));
+  EXPECT_THAT(error("ply\nformat ascii 1.0\nelement vertex 99\nend_header\n"), HasSubstr("no properties"));
+  const std::string start = std::string("ply\nformat ascii 1.0\nelement vertex 1\n") + kPosition +
+                            "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  EXPECT_THAT(error(start + "0 0 zero\n3 0 0 0\n"), HasSubstr("line 10 has \"zero\""));
+  EXPECT_THAT(error(start + "0 0 0\n3 0 0 1\n"), HasSubstr("face 1 refers to vertex 1"));
+  EXPECT_THAT(error(start + "0 0 0\n3 0 0 -1\n"), HasSubstr("face 1 refers to vertex -1"));
+  EXPECT_THAT(error(start + "0 0 0\n-3 0 0 0\n"), HasSubstr("list of -3"));
+}
+
+}  // namespace
+}  // namespace latelight::scene::test

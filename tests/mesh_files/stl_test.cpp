@@ -1,0 +1,101 @@
+// STL files, binary and ASCII, with corners that are known.
+#include "mesh_files/support.h"
+
+namespace latelight::scene::test {
+namespace {
+
+using testing::HasSubstr;
+
+const std::vector<std::array<float, 9>> kFacets = {{0, 0, 0, 1, 0, 0, 0, 2, 0}, {0, 0, 3, 0, 2, 3, 1, 0, 3}};
+
+std::string binaryStl(const std::string& start, const std::vector<std::array<float, 9>>& facets, uint32_t count) {
+  std::string text = start;
+  text.resize(80, ' ');
+  text += bytesOf<uint32_t>({count});
+  for (const auto& facet : facets)
+    text += std::string(12, '\0') + bytesOf<float>({facet.begin(), facet.end()}) + std::string(2, '\0');
+  return text;
+}
+
+std::string asciiFacet(const std::array<float, 9>& f) {
+  return fmt::format(
+      "facet normal 0 0 0\n outer loop\n  vertex {} {} {}\n  vertex {} {} {}\n  vertex {} {} {}\n "
+      "endloop\nendfacet\n",
+      f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8]);
+}
+
+void expectFacets(const Scene& scene) {
+  const std::vector<dvec3> corners = cornersOf(scene);
+  ASSERT_EQ(corners.size(), 6u);
+  for (size_t i = 0; i < 6; ++i) {
+    const float* expected = &kFacets[i / 3][3 * (i % 3)];
+    EXPECT_TRUE(near(corners[i], {expected[0], expected[1], expected[2]})) << i;
+  }
+}
+
+TEST(Stl, BinaryAndAsciiHaveTheirCorners) {
+  const MeshFile binary("a.stl", binaryStl("solid like ASCII facet", kFacets, 2));
+  expectFacets(binary.load());
+  const MeshFile ascii("a.stl", "solid part\n" + asciiFacet(kFacets[0]) + asciiFacet(kFacets[1]) + "endsolid part\n");
+  const Scene scene = ascii.load();
+  expectFacets(scene);
+  EXPECT_EQ(scene.nodes.back().path, "/a/part");
+  const MeshFile upper("a.STL", "SOLID\r\n" + asciiFacet(kFacets[0]) + asciiFacet(kFacets[1]) + "ENDSOLID\r\n");
+  expectFacets(upper.load());
+}
+
+TEST(Stl, NormalsAreThoseOfTheTriangles) {
+  const Scene scene = MeshFile("a.stl", binaryStl("", kFacets, 2)).load();
+  const Mesh& mesh = scene.meshes.at(0);
+  EXPECT_EQ(mesh.attributes[0].normal, vec3(0, 0, 1));
+  EXPECT_EQ(mesh.attributes[3].normal, vec3(0, 0, -1));
+}
+
+TEST(Stl, UnitsAndAxesAreThoseOfTheOptions) {
+  const MeshFile file("a.stl", binaryStl("", kFacets, 2));
+  EXPECT_FALSE(file.load().yUp);
+  const Scene scene = file.load({.unit = "mm", .upAxis = "y"});
+  EXPECT_TRUE(scene.yUp);
+  EXPECT_TRUE(near(cornersOf(scene)[2], {0, 0.002, 0}));
+  const dvec3 world = worldBounds(scene).max;  // the world has Z up, so the file's z points towards -y
+  EXPECT_TRUE(near(world, {0.001, 0, 0.002}));
+  EXPECT_THAT(file.error(ExitCode::Usage, {.unit = "yd"}), HasSubstr("mm, cm, m, in or ft"));
+  EXPECT_THAT(file.error(ExitCode::Usage, {.upAxis = "x"}), HasSubstr("y or z"));
+  EXPECT_THAT(file.error(ExitCode::Usage, {.variant = "red"}), HasSubstr("variant"));
+  EXPECT_THROW(scene::load("builtin:boxes", {.unit = "mm"}), Error);
+}
+
+TEST(Stl, EachSolidIsANode) {
+  const Scene scene = MeshFile("a.stl", "solid one\n" + asciiFacet(kFacets[0]) + "endsolid one\nsolid two words\n" +
+                                            asciiFacet(kFacets[1]) + "endsolid\n")
+                          .load();
+  ASSERT_EQ(scene.instances.size(), 2u);
+  EXPECT_EQ(scene.nodes[scene.instances[0].node].path, "/a/one");
+  EXPECT_EQ(scene.nodes[scene.instances[1].node].path, "/a/two words");
+  EXPECT_NE(scene.instances[0].id, scene.instances[1].id);
+}
+
+TEST(Stl, WrongFilesAreReported) {
+  EXPECT_THAT(MeshFile("a.stl", binaryStl("", kFacets, 1'000'000'000)).error(), HasSubstr("1000000000 facets"));
+  EXPECT_THAT(MeshFile("a.stl", binaryStl("", {}, 0)).error(), HasSubstr("no facets"));
+  EXPECT_THAT(MeshFile("a.stl", "").error(), HasSubstr("0 bytes"));
+  EXPECT_THAT(MeshFile("a.stl", "solid a\nfacet\nvertex 1 2\n").error(), HasSubstr("line 3"));
+  EXPECT_THAT(MeshFile("a.stl", "solid a\nfacet\nvertex 1 2 3\n").error(), HasSubstr("ends within a facet"));
+  EXPECT_THAT(MeshFile("a.stl", "solid a\nfacet\nvertex 1 2 3\nendfacet\n").error(), HasSubstr("line 4"));
+  EXPECT_THAT(MeshFile("a.stl", "solid a\nfacet\nvertexes 1 2 3\n").error(), HasSubstr("vertexes"));
+  std::vector<std::array<float, 9>> broken(1, kFacets[0]);
+  broken[0][4] = NAN;
+  EXPECT_THAT(MeshFile("a.stl", binaryStl("", broken, 1)).error(), HasSubstr("finite"));
+  broken.push_back(kFacets[1]);
+  EXPECT_EQ(cornersOf(MeshFile("a.stl", binaryStl("", broken, 2)).load()).size(), 3u);
+}
+
+TEST(Stl, ContentsDecideWithoutAnExtension) {
+  expectFacets(MeshFile("part", binaryStl("", kFacets, 2)).load());
+  EXPECT_EQ(cornersOf(MeshFile("part.txt", "solid a\n" + asciiFacet(kFacets[0])).load()).size(), 3u);
+  EXPECT_EQ(cornersOf(MeshFile("part.txt", "# made by hand\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").load()).size(), 3u);
+  EXPECT_THAT(MeshFile("part.txt", "hello").error(), HasSubstr("not a scene file"));
+}
+
+}  // namespace
+}  // namespace latelight::scene::test
