@@ -17,6 +17,7 @@ void addBenchCommand(CLI::App& app);
 void addBatchCommand(CLI::App& app);
 void addReportCommand(CLI::App& app);
 void addServeCommand(CLI::App& app);
+void addExportCommand(CLI::App& app);
 void addViewCommand(CLI::App& app);
 // These describe the other commands, so they must be added last.
 void addCompletionsCommand(CLI::App& app);

@@ -123,6 +123,7 @@ int parseAndRun(int argc, char** argv) {
   app::addDevicesCommand(cli);
   app::addDoctorCommand(cli);
   app::addCompareCommand(cli);
+  app::addExportCommand(cli);
   app::addStudyCommand(cli);
   app::addServeCommand(cli);
   app::addBenchCommand(cli);

@@ -116,17 +116,25 @@ std::span<const Option> commandOptions() {
   return commandTable().options();
 }
 
+namespace {
+
+// Stores the text as it appears in metadata.
+void give(RenderOptions& o, const Option& option, std::string text) {
+  o.given.insert_or_assign(std::string(render::keyOf(option)), std::move(text));
+}
+
+}  // namespace
+
+void addCommandOption(CLI::App& command, RenderOptions& o, const Option& option) {
+  addOption(command, option,
+            [&o, &option](const std::string& text) { give(o, option, commandTable().read(o, option, text)); });
+}
+
 void addRenderOptions(CLI::App& command, RenderOptions& o) {
-  // Stores the text as it appears in metadata.
-  const auto give = [&o](const Option& option, std::string text) {
-    o.given.insert_or_assign(std::string(render::keyOf(option)), std::move(text));
-  };
-  for (const Option& option : commandOptions())
-    addOption(command, option,
-              [&o, &option, give](const std::string& text) { give(option, commandTable().read(o, option, text)); });
+  for (const Option& option : commandOptions()) addCommandOption(command, o, option);
   for (const Option& option : render::options())
     addOption(command, option,
-              [&o, &option, give](const std::string& text) { give(option, render::read(o.settings, option, text)); });
+              [&o, &option](const std::string& text) { give(o, option, render::read(o.settings, option, text)); });
 }
 
 void limitMemory(const std::string& text) {

@@ -42,6 +42,8 @@ std::span<const render::Option> commandOptions();
 // Adds one option to a command. `take` is called with the text of each value, or "" for a flag.
 void addOption(CLI::App& command, const render::Option& option, const std::function<void(const std::string&)>& take);
 
+// Adds one of commandOptions(), whose value `options` stores.
+void addCommandOption(CLI::App& command, RenderOptions& options, const render::Option& option);
 void addRenderOptions(CLI::App& command, RenderOptions& options);
 // Applies the value of --memory to the process; empty means that the option was not passed. Throws Error(Usage) if the
 // text is not a size.

@@ -267,6 +267,9 @@ class LATELIGHT_API Scene {
   Scene& operator=(Scene&&) noexcept;
 
   uint64_t triangleCount() const;
+  // Writes the scene as it is, with its edits, to a .glb file, or its geometry at rest to an .obj or .ply file. Throws
+  // Error(Usage) for other names and for files that cannot be written.
+  void exportTo(const std::string& file) const;
   // The meaning of the ids in the outputs "id", "part" and "material", as JSON: the "ids" and "materials" of the side
   // file that docs/conventions.md describes.
   std::string idManifest() const;

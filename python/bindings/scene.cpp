@@ -164,6 +164,14 @@ void defineWhole(Class& type) {
            "id (docs/conventions.md)\nunit, up_axis: of OBJ, PLY and STL files: mm, cm, m, in or ft, and y or z\n"
            "point_radius: in meters, of the spheres that stand for the points of a PLY file\n\nRaises InputError for a "
            "file that is missing or broken.");
+  type.def(
+      "export",
+      [](const SharedScene& s, nb::handle file) {
+        const std::string path = pathOf(file, "file");
+        s.read([&](const Scene& s) { s.exportTo(path); });
+      },
+      argument("file"), nb::sig("def export(self, file: str | os.PathLike[str]) -> None"),
+      "Writes the scene as it is, with its edits, to a .glb file, or its geometry to an .obj or .ply file.");
   type.def_prop_ro("triangle_count",
                    [](const SharedScene& s) { return s.read([](const Scene& s) { return s.triangleCount(); }); });
   type.def(

@@ -7,6 +7,7 @@
 #include "api/scene.h"
 #include "base/error.h"
 #include "base/fork.h"
+#include "export/export.h"
 #include "output/png.h"
 #include "render/options/options.h"
 #include "render/submit/id_manifest.h"
@@ -151,6 +152,9 @@ Scene& Scene::operator=(Scene&&) noexcept = default;
 
 uint64_t Scene::triangleCount() const {
   return impl_->scene.triangleCount();
+}
+void Scene::exportTo(const std::string& file) const {
+  exports::exportScene(impl_->scene, file);
 }
 std::string Scene::idManifest() const {
   return output::idManifestText(render::idManifest(impl_->scene));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/animated_pointers.h"
 #include "scene/framing.h"
 #include "scene/scene.h"
 #include "shared/light.h"
@@ -223,6 +224,14 @@ std::optional<AnimatedValue> findAnimatedValue(AnimatedElements elements, std::s
   if (elements == AnimatedElements::Cameras) return find(kCameraProperties, pointer);
   const std::optional<AnimatedValue> found = find(kMaterialProperties, pointer);
   return found ? found : findTransform(pointer);
+}
+
+std::string animatedPointer(AnimatedElements elements, uint32_t property, uint32_t slot) {
+  if (elements == AnimatedElements::Lights) return std::string(kLightProperties[property].pointer);
+  if (elements == AnimatedElements::Cameras) return std::string(kCameraProperties[property].pointer);
+  if (property < std::size(kMaterialProperties)) return std::string(kMaterialProperties[property].pointer);
+  const auto& transform = kTransformProperties[property - std::size(kMaterialProperties)];
+  return std::string(kTexturePointers[slot]).append(kTransform).append(transform.pointer);
 }
 
 void setValue(shared::Material& material, MaterialParts& parts, uint32_t property, uint32_t slot, const vec4& value) {

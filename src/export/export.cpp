@@ -1,0 +1,69 @@
+#include "export/export.h"
+
+#include <cctype>
+#include <new>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "export/document.h"
+#include "export/formats.h"
+#include "export/materials.h"
+#include "export/nodes.h"
+
+namespace latelight::exports {
+namespace {
+
+std::string extensionOf(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+// An upper bound of what is written, apart from images, whose size is not known before they are encoded.
+uint64_t geometryBytes(const scene::Scene& scene) {
+  uint64_t bytes = 0;
+  for (const scene::Mesh& mesh : scene.meshes) bytes += mesh.bytes();
+  return bytes;
+}
+
+}  // namespace
+
+std::vector<std::byte> encodeGlb(const scene::Scene& scene) {
+  const MemoryClaim memory(2 * geometryBytes(scene), "the exported file");
+  if (scene.environment) warn("{}: the environment of the file is not exported", scene.source);
+  Document document;
+  document.root["asset"] = {{"version", "2.0"}, {"generator", "Latelight"}};
+  Exported exported{.materials = addMaterials(scene, document)};
+  for (const std::string& variant : scene.variants)
+    document.extension(document.root, "KHR_materials_variants")["variants"].push_back({{"name", variant}});
+  addNodes(scene, document, exported);
+  addSkins(scene, document, exported);
+  addAnimations(scene, document, exported);
+  return document.glb();
+}
+
+void checkExportName(const std::filesystem::path& file) {
+  const std::string extension = extensionOf(file);
+  if (extension != ".glb" && extension != ".obj" && extension != ".ply")
+    badUsage("'{}' is not the name of an exported scene: end it in .glb, .obj or .ply", file.string());
+}
+
+void exportScene(const scene::Scene& scene, const std::filesystem::path& file) {
+  checkExportName(file);
+  const std::string extension = extensionOf(file);
+  try {
+    if (extension == ".glb") return writeFile(file, encodeGlb(scene));
+    if (extension == ".ply") return writeFile(file, encodePly(scene));
+    std::filesystem::path materials = file;
+    materials.replace_extension(".mtl");
+    const std::string mtl = encodeMtl(scene), obj = encodeObj(scene, materials.filename().string());
+    writeFile(materials, std::as_bytes(std::span(mtl)));
+    writeFile(file, std::as_bytes(std::span(obj)));
+  } catch (const std::bad_alloc&) {
+    failWithoutMemory(fmt::format("the exported file {}", file.string()));
+  }
+}
+
+}  // namespace latelight::exports

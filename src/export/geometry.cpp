@@ -1,0 +1,153 @@
+// Writes the geometry of a scene at rest to OBJ and PLY: all visible instances in the place where they are, in meters.
+// OBJ has glTF's axes, and PLY has Z up, which are the defaults when such files are loaded.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <glm/gtc/matrix_inverse.hpp>
+#include <iterator>
+
+#include "base/error.h"
+#include "export/formats.h"
+#include "shared/color.h"
+
+namespace latelight::exports {
+namespace {
+
+using namespace scene;
+
+// An instance's transform and that of its normals, and whether it mirrors.
+struct Placement {
+  dmat4 transform;
+  glm::dmat3 normals;
+  bool mirrors;
+};
+
+Placement placementOf(const Instance& instance, bool yUp) {
+  const dmat4 transform = yUp ? toGltfFromWorld() * instance.toWorld : instance.toWorld;
+  const glm::dmat3 linear(transform);
+  const double volume = glm::determinant(linear);
+  return {transform, volume == 0 ? glm::dmat3(1) : glm::inverseTranspose(linear), volume < 0};
+}
+
+vec3 normalIn(const Placement& placement, const vec3& normal) {
+  const dvec3 turned = placement.normals * dvec3(normal);
+  const double length = glm::length(turned);
+  return length > 0 ? vec3(turned / length) : normal;
+}
+
+bool isExported(const Instance& instance) {
+  return !instance.removed && !instance.hidden;
+}
+
+// Names of MTL end at the line.
+std::string nameOf(const Scene& scene, uint32_t material) {
+  std::string name = scene.materials[material].name;
+  for (char& c : name)
+    if (c == '\n' || c == '\r') c = ' ';
+  return name.empty() ? fmt::format("material{}", material) : name;
+}
+
+}  // namespace
+
+std::string encodeMtl(const Scene& scene) {
+  std::string text;
+  const auto out = std::back_inserter(text);
+  for (uint32_t i = 0; i < scene.materials.size(); ++i) {
+    if (scene.materials[i].removed) continue;
+    const shared::Material& m = scene.materials[i].data;
+    fmt::format_to(out, "newmtl {}\nKd {} {} {}\nPr {}\nPm {}\n", nameOf(scene, i), m.baseColor.r, m.baseColor.g,
+                   m.baseColor.b, m.roughness, m.metallic);
+    if (m.emissive != vec3(0)) fmt::format_to(out, "Ke {} {} {}\n", m.emissive.r, m.emissive.g, m.emissive.b);
+    if ((m.flags & shared::kMaterialBlended) && m.baseColor.a < 1) fmt::format_to(out, "d {}\n", m.baseColor.a);
+    if (m.flags & shared::kMaterialUnlit) text += "illum 0\n";
+  }
+  return text;
+}
+
+std::string encodeObj(const Scene& scene, const std::string& materials) {
+  std::string text = fmt::format("mtllib {}\n", materials);
+  const auto out = std::back_inserter(text);
+  uint64_t first = 1;
+  for (const Instance& instance : scene.instances) {
+    if (!isExported(instance)) continue;
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    const Placement placement = placementOf(instance, true);
+    fmt::format_to(out, "o {}\nusemtl {}\n", scene.nodes[instance.node].path.substr(1),
+                   nameOf(scene, instance.material));
+    for (const vec3& position : mesh.positions) {
+      const dvec3 p = placement.transform * glm::dvec4(position, 1);
+      fmt::format_to(out, "v {} {} {}\n", float(p.x), float(p.y), float(p.z));
+    }
+    for (const shared::VertexAttributes& a : mesh.attributes) fmt::format_to(out, "vt {} {}\n", a.uv0.x, 1 - a.uv0.y);
+    for (const shared::VertexAttributes& a : mesh.attributes) {
+      const vec3 n = normalIn(placement, a.normal);
+      fmt::format_to(out, "vn {} {} {}\n", n.x, n.y, n.z);
+    }
+    for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+      const uint64_t a = first + mesh.indices[i], b = first + mesh.indices[i + (placement.mirrors ? 2 : 1)],
+                     c = first + mesh.indices[i + (placement.mirrors ? 1 : 2)];
+      fmt::format_to(out, "f {0}/{0}/{0} {1}/{1}/{1} {2}/{2}/{2}\n", a, b, c);
+    }
+    first += mesh.positions.size();
+  }
+  return text;
+}
+
+std::vector<std::byte> encodePly(const Scene& scene) {
+  uint64_t vertices = 0, triangles = 0;
+  for (const Instance& instance : scene.instances) {
+    if (!isExported(instance)) continue;
+    vertices += scene.meshes[instance.mesh].positions.size();
+    triangles += scene.meshes[instance.mesh].indices.size() / 3;
+  }
+  if (vertices > INT32_MAX)
+    badUsage("the scene has {} vertices, more than a PLY file can index: export .glb", vertices);
+  const std::string header = fmt::format(
+      "ply\nformat binary_little_endian 1.0\ncomment meters, Z up\nelement vertex {}\nproperty float x\nproperty float "
+      "y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float "
+      "v\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement face {}\nproperty list uchar int "
+      "vertex_indices\nend_header\n",
+      vertices, triangles);
+  std::vector<std::byte> file;
+  file.reserve(header.size() + vertices * 35 + triangles * 13);
+  const auto append = [&](const void* data, size_t size) {
+    const auto* bytes = static_cast<const std::byte*>(data);
+    file.insert(file.end(), bytes, bytes + size);
+  };
+  append(header.data(), header.size());
+  for (const Instance& instance : scene.instances) {
+    if (!isExported(instance)) continue;
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    const Placement placement = placementOf(instance, false);
+    const vec3 base(scene.materials[instance.material].data.baseColor);
+    for (size_t i = 0; i < mesh.positions.size(); ++i) {
+      const vec3 p(placement.transform * glm::dvec4(mesh.positions[i], 1));
+      const vec3 n = normalIn(placement, mesh.attributes[i].normal);
+      const vec2 uv(mesh.attributes[i].uv0.x, 1 - mesh.attributes[i].uv0.y);
+      const vec3 color = glm::clamp(base * (mesh.extras.empty() ? vec3(1) : vec3(mesh.extras[i].color)), 0.0f, 1.0f);
+      append(&p, sizeof p), append(&n, sizeof n), append(&uv, sizeof uv);
+      for (int c = 0; c < 3; ++c) {
+        const auto byte = static_cast<uint8_t>(std::lround(shared::srgbFromLinear(color[c]) * 255));
+        append(&byte, 1);
+      }
+    }
+  }
+  int32_t first = 0;
+  for (const Instance& instance : scene.instances) {
+    if (!isExported(instance)) continue;
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    const bool mirrors = placementOf(instance, false).mirrors;
+    for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+      const uint8_t three = 3;
+      append(&three, 1);
+      for (const size_t corner : {i, i + (mirrors ? 2 : 1), i + (mirrors ? 1 : 2)}) {
+        const int32_t index = first + static_cast<int32_t>(mesh.indices[corner]);
+        append(&index, sizeof index);
+      }
+    }
+    first += static_cast<int32_t>(mesh.positions.size());
+  }
+  return file;
+}
+
+}  // namespace latelight::exports

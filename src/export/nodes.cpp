@@ -1,0 +1,358 @@
+// Writes nodes. Names and parents are those of the scene, so that paths, and with them ids, stay the same when the file
+// is loaded. Transforms are in glTF's frame: a node whose parent and local transform multiply to its place is written
+// as it is; one that an edit has moved gets the local transform that leads there.
+//
+// Copies by EXT_mesh_gpu_instancing become nodes below theirs, named as the ids of copies are made.
+#include "export/nodes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "base/log.h"
+#include "export/meshes.h"
+#include "scene/light_types.h"
+#include "shared/light.h"
+
+namespace latelight::exports {
+namespace {
+
+using namespace scene;
+
+Json matrixOf(const dmat4& m) {
+  Json array = Json::array();
+  for (int i = 0; i < 16; ++i) array.push_back(m[i / 4][i % 4]);
+  return array;
+}
+
+void setMatrix(Json& node, const dmat4& m) {
+  if (m != dmat4(1)) node["matrix"] = matrixOf(m);
+}
+
+template <int N>
+Json numbersOf(const glm::vec<N, double>& v) {
+  Json array = Json::array();
+  for (int i = 0; i < N; ++i) array.push_back(v[i]);
+  return array;
+}
+
+dmat4 inFile(const dmat4& toWorld) {
+  return toGltfFromWorld() * toWorld;
+}
+
+// Instances of a node that are at the same place and visible alike.
+struct Group {
+  dmat4 toWorld{1};
+  bool hidden = false;
+  bool follows = false;  // an animated node moves it
+  int copy = -1;
+  std::vector<uint32_t> instances;
+};
+
+class NodeWriter {
+ public:
+  NodeWriter(const Scene& scene, Document& document, Exported& exported)
+      : scene_(scene), document_(document), exported_(exported), meshes_(scene, document) {
+    for (const VariantMaterial& v : scene.variantMaterials)
+      variants_[v.instance].push_back({v.variant, exported.materials[v.material]});
+  }
+
+  void run() {
+    collectInstances();
+    if (scene_.rig.empty())
+      addSceneNodes();
+    else
+      addRigNodes();
+    for (uint32_t node = 0; node < scene_.nodes.size(); ++node)
+      if (nodes_[node] >= 0) addMeshes(node);
+    addLights();
+    addCameras();
+    Json roots = Json::array();
+    for (size_t i = 0; i < parents_.size(); ++i)
+      if (parents_[i] < 0) roots.push_back(i);
+    document_.root["scene"] = 0;
+    document_.add("scenes", {{"nodes", std::move(roots)}});
+  }
+
+ private:
+  Json& at(int node) { return document_.root["nodes"][static_cast<size_t>(node)]; }
+
+  int addNode(Json node, int parent) {
+    const auto index = static_cast<int>(document_.add("nodes", std::move(node)));
+    parents_.push_back(parent);
+    if (parent >= 0) at(parent)["children"].push_back(index);
+    return index;
+  }
+
+  // Instances that follow an animated node are at one place, whether or not a skin moves them.
+  void collectInstances() {
+    groups_.resize(scene_.nodes.size());
+    std::map<std::pair<uint32_t, int>, std::vector<size_t>> candidates;  // groups by node and copy
+    for (uint32_t i = 0; i < scene_.instances.size(); ++i) {
+      const Instance& instance = scene_.instances[i];
+      if (instance.removed) continue;
+      const bool follows = !scene_.rig.empty() && !instance.placed;
+      std::vector<Group>& groups = groups_[instance.node];
+      std::vector<size_t>& similar = candidates[{instance.node, instance.copy}];
+      const auto isSame = [&](size_t group) {
+        return groups[group].hidden == instance.hidden && groups[group].follows == follows &&
+               (follows || groups[group].toWorld == instance.toWorld);
+      };
+      const auto found = std::ranges::find_if(similar, isSame);
+      const size_t group = found == similar.end() ? groups.size() : *found;
+      if (found == similar.end()) {
+        groups.push_back({instance.toWorld, instance.hidden, follows, instance.copy, {}});
+        similar.push_back(group);
+      }
+      groups[group].instances.push_back(i);
+    }
+  }
+
+  // --- nodes --------------------------------------------------------------------------------------------------------
+
+  // The place of a node, or that of its instances if an edit or a skin has moved all of them and nothing else is there.
+  void findPlaces() {
+    places_.resize(scene_.nodes.size());
+    std::vector<bool> isShared(scene_.nodes.size());  // has children, lights or cameras
+    for (const Node& node : scene_.nodes)
+      if (node.parent >= 0) isShared[size_t(node.parent)] = true;
+    for (const Light& light : scene_.lights)
+      if (light.node >= 0) isShared[size_t(light.node)] = true;
+    for (const Camera& camera : scene_.cameras)
+      if (camera.node >= 0) isShared[size_t(camera.node)] = true;
+    for (size_t i = 0; i < places_.size(); ++i) {
+      const bool movesAlone = !isShared[i] && groups_[i].size() == 1 && groups_[i][0].copy < 0;
+      places_[i] = movesAlone ? groups_[i][0].toWorld : scene_.nodes[i].toWorld;
+    }
+  }
+
+  dmat4 localOf(size_t i) const {
+    const Node& node = scene_.nodes[i];
+    if (node.parent < 0)
+      return scene_.yUp && toWorldFromGltf() * node.local == places_[i] ? node.local : inFile(places_[i]);
+    const dmat4& parent = places_[size_t(node.parent)];
+    return parent * node.local == places_[i] ? node.local : glm::inverse(parent) * places_[i];
+  }
+
+  void addSceneNodes() {
+    findPlaces();
+    nodes_.assign(scene_.nodes.size(), -1);
+    std::vector<bool> isFree(scene_.nodes.size());
+    for (const uint32_t free : scene_.edits.freeNodes) isFree[free] = true;
+    for (size_t i = 0; i < scene_.nodes.size(); ++i) {
+      if (isFree[i]) continue;
+      Json node{{"name", scene_.nodes[i].name}};
+      setMatrix(node, localOf(i));
+      const int parent = scene_.nodes[i].parent;
+      nodes_[i] = addNode(std::move(node), parent < 0 ? -1 : nodes_[size_t(parent)]);
+    }
+  }
+
+  // Writes all nodes of the rig in its order, because joints need not be in the scene, and then added ones.
+  void addRigNodes() {
+    const Rig& rig = scene_.rig;
+    places_.resize(scene_.nodes.size());
+    for (size_t i = 0; i < places_.size(); ++i) places_[i] = scene_.nodes[i].toWorld;
+    std::vector<const Node*> source(rig.nodes.size());
+    for (size_t i = 0; i < rig.sceneNodes.size(); ++i) source[rig.sceneNodes[i]] = &scene_.nodes[i];
+    for (size_t i = 0; i < rig.nodes.size(); ++i) {
+      Json node{{"name", source[i] ? source[i]->name : fmt::format("node{}", i)}};
+      setTransform(node, rig.nodes[i]);
+      if (!rig.nodes[i].visible) hide(node);
+      document_.add("nodes", std::move(node));
+      parents_.push_back(rig.nodes[i].parent);
+      exported_.rigNodes.push_back(static_cast<int>(i));
+    }
+    for (size_t i = 0; i < rig.nodes.size(); ++i)
+      if (parents_[i] >= 0) at(parents_[i])["children"].push_back(i);
+    nodes_.assign(rig.sceneNodes.begin(), rig.sceneNodes.end());
+    for (size_t i = nodes_.size(); i < scene_.nodes.size(); ++i) {
+      Json node{{"name", scene_.nodes[i].name}};
+      setMatrix(node, inFile(places_[i]));
+      nodes_.push_back(addNode(std::move(node), -1));
+    }
+  }
+
+  static void setTransform(Json& node, const RigNode& source) {
+    if (source.hasMatrix) return setMatrix(node, source.matrix);
+    if (source.translation != dvec3(0)) node["translation"] = numbersOf(source.translation);
+    if (source.rotation != glm::dvec4(0, 0, 0, 1)) node["rotation"] = numbersOf(source.rotation);
+    if (source.scale != dvec3(1)) node["scale"] = numbersOf(source.scale);
+  }
+
+  void hide(Json& node) { document_.extension(node, "KHR_node_visibility")["visible"] = false; }
+
+  // --- meshes -------------------------------------------------------------------------------------------------------
+
+  void addMeshes(uint32_t node) {
+    bool isUsed = false;  // a node has one mesh
+    for (const Group& group : groups_[node]) {
+      const bool isAtNode = group.copy < 0 && (group.follows || group.toWorld == places_[node]);
+      const bool wouldHide = group.hidden && !group.follows && groups_[node].size() > 1;
+      if (isAtNode && !isUsed && !wouldHide) {
+        isUsed = true;
+        setMesh(node, nodes_[node], group);
+        if (group.hidden && !group.follows) hideLeaf(node);
+      } else if (group.follows || scene_.rig.empty()) {
+        addBelow(node, group);
+      } else {  // placed by an edit
+        Json placed{{"name", scene_.nodes[node].name}};
+        setMatrix(placed, inFile(group.toWorld));
+        setMesh(node, addNode(std::move(placed), -1), group);
+      }
+    }
+  }
+
+  // Hides a node whose mesh is hidden, unless that would hide nodes below it.
+  void hideLeaf(uint32_t node) {
+    if (!at(nodes_[node]).contains("children")) hide(at(nodes_[node]));
+  }
+
+  void addBelow(uint32_t node, const Group& group) {
+    const dmat4& parent = places_[node];
+    const bool hasOffset = group.follows && group.copy >= 0 && !scene_.rig.offsets.empty();
+    Json below{{"name", group.copy >= 0 ? fmt::format("instance{}", group.copy) : scene_.nodes[node].mesh}};
+    setMatrix(below, hasOffset ? scene_.rig.offsets[group.instances[0]] : glm::inverse(parent) * group.toWorld);
+    const int index = addNode(std::move(below), nodes_[node]);
+    if (group.hidden && !group.follows) hide(at(index));
+    setMesh(node, index, group);
+  }
+
+  void setMesh(uint32_t node, int index, const Group& group) {
+    std::vector<Primitive> primitives;
+    const Deformation* deformation = nullptr;
+    int skin = -1;
+    for (const uint32_t i : group.instances) {
+      const Instance& instance = scene_.instances[i];
+      Primitive primitive{.mesh = instance.mesh, .material = exported_.materials[instance.material]};
+      if (const auto variants = variants_.find(i); variants != variants_.end()) primitive.variants = variants->second;
+      primitives.push_back(std::move(primitive));
+      if (const auto& own = scene_.meshes[instance.mesh].deformation) {
+        deformation = own.get();
+        skin = std::max(skin, own->skin);
+      }
+    }
+    // Meshes are named after the node's; a mesh of several primitives has the numbers of these in the scene's names.
+    at(index)["mesh"] = meshes_.add(scene_.nodes[node].mesh, primitives);
+    if (skin >= 0) at(index)["skin"] = skin;
+    if (!deformation || deformation->weightsNode < 0) return;
+    Json weights = Json::array();
+    for (const float weight : scene_.rig.nodes[size_t(deformation->weightsNode)].weights)
+      weights.push_back(shortest(weight));
+    if (!weights.empty()) at(index)["weights"] = std::move(weights);
+  }
+
+  // --- lights and cameras -------------------------------------------------------------------------------------------
+
+  // The node's transform in glTF's frame, as it will be loaded.
+  dmat4 placeOf(int node) const { return inFile(places_[size_t(node)]); }
+
+  void addLights() {
+    exported_.lights.assign(scene_.lights.size(), -1);
+    for (size_t i = 0; i < scene_.lights.size(); ++i) {
+      const Light& light = scene_.lights[i];
+      if (light.removed) continue;
+      Json& lights = document_.extension(document_.root, "KHR_lights_punctual")["lights"];
+      exported_.lights[i] = static_cast<int>(lights.size());
+      lights.push_back(describe(light));
+      Json& node = at(nodeOf(light));
+      document_.extension(node, "KHR_lights_punctual")["light"] = exported_.lights[i];
+    }
+  }
+
+  static Json describe(const Light& light) {
+    Json out{{"type", lightTypes()[light.type].name}, {"intensity", shortest(light.intensity)}};
+    if (!light.name.empty()) out["name"] = light.name;
+    if (light.color != vec3(1)) out["color"] = arrayOf(light.color);
+    if (light.range) out["range"] = shortest(*light.range);
+    if (shared::lightHasCone(light.type))
+      out["spot"] = {{"innerConeAngle", shortest(light.innerCone)}, {"outerConeAngle", shortest(light.outerCone)}};
+    const bool isDirectional = shared::lightIsDirectional(light.type);
+    if (light.size > 0)
+      out["extras"][isDirectional ? "angle" : "radius"] =
+          isDirectional ? double{light.size} * 180 / M_PI : shortest(light.size);
+    if (light.castShadow) out["extras"]["castShadow"] = *light.castShadow;
+    return out;
+  }
+
+  // Returns the light's node if that places it, and has no other light; otherwise a new node.
+  int nodeOf(const Light& light) {
+    const int own = light.node >= 0 ? nodes_[size_t(light.node)] : -1;
+    if (own >= 0 && !light.hidden && !at(own).contains("/extensions/KHR_lights_punctual"_json_pointer)) {
+      Light placed = light;
+      placeLight(placed, placeOf(light.node));
+      if (placed == light) return own;
+    }
+    const dvec3 position(toGltfFromWorld() * glm::dvec4(light.position, 1));
+    const dvec3 back = -glm::normalize(dvec3(toGltfFromWorld() * glm::dvec4(light.direction, 0)));
+    const dvec3 side = glm::normalize(glm::cross(std::abs(back.y) < 0.9 ? dvec3(0, 1, 0) : dvec3(1, 0, 0), back));
+    Json node{{"name", light.name.empty() ? "light" : light.name}};
+    setMatrix(node, dmat4(glm::dvec4(side, 0), glm::dvec4(glm::cross(back, side), 0), glm::dvec4(back, 0),
+                          glm::dvec4(position, 1)));
+    if (light.hidden) hide(node);
+    return addNode(std::move(node), -1);
+  }
+
+  void addCameras() {
+    exported_.cameras.assign(scene_.cameras.size(), -1);
+    for (size_t i = 0; i < scene_.cameras.size(); ++i) {
+      const Camera& camera = scene_.cameras[i];
+      if (camera.lens || camera.principal != vec2(0)) {
+        warn("the camera {} has a lens or a shifted center, which glTF does not define, and is left out", camera.name);
+        continue;
+      }
+      exported_.cameras[i] = static_cast<int>(document_.add("cameras", describe(camera)));
+      at(nodeOf(camera))["camera"] = exported_.cameras[i];
+    }
+  }
+
+  static Json describe(const Camera& camera) {
+    Json projection{{"znear", shortest(camera.nearClip)}};
+    if (std::isfinite(camera.farClip)) projection["zfar"] = shortest(camera.farClip);
+    if (camera.orthographic) {
+      constexpr double kFar = 1e6;  // meters, for a camera that sees to infinity, which glTF does not define
+      if (!std::isfinite(camera.farClip)) projection["zfar"] = kFar;
+      projection["xmag"] = shortest(camera.yHalf * camera.aspect.value_or(1));
+      projection["ymag"] = shortest(camera.yHalf);
+    } else {
+      projection["yfov"] = shortest(camera.verticalFov);
+      if (camera.aspect) projection["aspectRatio"] = shortest(*camera.aspect);
+    }
+    const char* type = camera.orthographic ? "orthographic" : "perspective";
+    Json out{{"type", type}, {type, std::move(projection)}};
+    if (!camera.name.empty()) out["name"] = camera.name;
+    return out;
+  }
+
+  int nodeOf(const Camera& camera) {
+    const int own = camera.node >= 0 ? nodes_[size_t(camera.node)] : -1;
+    if (own >= 0 && !at(own).contains("camera")) {
+      Camera placed = camera;
+      placeCamera(placed, placeOf(camera.node));
+      if (placed.toWorld == camera.toWorld) return own;
+    }
+    Json node{{"name", camera.name.empty() ? "camera" : camera.name}};
+    setMatrix(node, toGltfFromWorld() * camera.toWorld * toWorldFromGltf());
+    return addNode(std::move(node), -1);
+  }
+
+  const Scene& scene_;
+  Document& document_;
+  Exported& exported_;
+  MeshWriter meshes_;
+  std::map<uint32_t, std::vector<std::pair<uint32_t, int>>> variants_;  // by instance
+  std::vector<std::vector<Group>> groups_;                              // per node of the scene
+  std::vector<dmat4> places_;                                           // per node of the scene, to the world
+  std::vector<int> nodes_;                                              // per node of the scene, in the document
+  std::vector<int> parents_;                                            // per node of the document
+};
+
+}  // namespace
+
+void addNodes(const Scene& scene, Document& document, Exported& exported) {
+  NodeWriter(scene, document, exported).run();
+}
+
+}  // namespace latelight::exports

@@ -1,0 +1,221 @@
+// Exported files, loaded again: the same ids, geometry, materials, lights, cameras, animations and variants.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "app/folder.h"
+#include "base/error.h"
+#include "export/export.h"
+#include "models/models.h"
+#include "scene/edit.h"
+#include "scene/load/load.h"
+
+namespace latelight::scene::test {
+namespace {
+
+using testing::HasSubstr;
+
+Scene exported(const Scene& scene, const char* name = "out.glb", const LoadOptions& options = {}) {
+  const app::Folder folder;
+  exports::exportScene(scene, folder.at(name));
+  return load(folder.at(name), options);
+}
+
+// The instance with that part id; parts are unique.
+const Instance* partOf(const Scene& scene, uint32_t part) {
+  for (const Instance& instance : scene.instances)
+    if (!instance.removed && instance.part == part) return &instance;
+  return nullptr;
+}
+
+void expectNear(const dmat4& a, const dmat4& b) {
+  for (int i = 0; i < 4; ++i) EXPECT_LT(glm::length(a[i] - b[i]), 1e-9 * (1 + glm::length(b[i])));
+}
+
+void expectSameMesh(const Mesh& a, const Mesh& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.indices, b.indices);
+  ASSERT_EQ(a.positions.size(), b.positions.size());
+  EXPECT_EQ(a.positions, b.positions);
+  float normal = 0, tangent = 0, uv = 0;
+  for (size_t i = 0; i < a.positions.size(); ++i) {
+    normal = std::max(normal, glm::length(a.attributes[i].normal - b.attributes[i].normal));
+    tangent = std::max(tangent, glm::length(a.attributes[i].tangent - b.attributes[i].tangent));
+    uv = std::max(uv, glm::length(a.attributes[i].uv0 - b.attributes[i].uv0));
+  }
+  EXPECT_LT(normal, 1e-6f) << a.name;
+  EXPECT_EQ(uv, 0) << a.name;
+  // A mesh that uses no tangents may get other ones when it is loaded, or none.
+  if (!a.attributes.empty() && a.attributes[0].tangent != vec4(0)) {
+    EXPECT_LT(tangent, 1e-5f) << a.name;
+  }
+}
+
+void expectSameMaterial(const Material& a, const Material& b) {
+  EXPECT_EQ(a.name, b.name);
+  const shared::Material &x = a.data, &y = b.data;
+  EXPECT_EQ(x.baseColor, y.baseColor);
+  EXPECT_EQ(x.emissive, y.emissive);
+  EXPECT_EQ(x.metallic, y.metallic);
+  EXPECT_EQ(x.roughness, y.roughness);
+  EXPECT_EQ(x.specularColor, y.specularColor);
+  EXPECT_EQ(x.specular, y.specular);
+  EXPECT_NEAR(x.f0, y.f0, 1e-6);
+  EXPECT_EQ(x.flags, y.flags);
+  EXPECT_EQ(x.textures, y.textures);
+  EXPECT_EQ(x.id, y.id);
+  EXPECT_EQ(std::memcmp(&x.layers, &y.layers, sizeof x.layers), 0) << a.name;
+  for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot) {
+    EXPECT_EQ(a.slots[slot].texture < 0, b.slots[slot].texture < 0);
+    if (a.slots[slot].texture < 0) continue;
+    EXPECT_EQ(a.slots[slot].sampler, b.slots[slot].sampler);
+    EXPECT_LT(glm::length(x.transforms[slot].row0 - y.transforms[slot].row0), 1e-6f);
+    EXPECT_LT(glm::length(x.transforms[slot].row1 - y.transforms[slot].row1), 1e-6f);
+    EXPECT_EQ(x.transforms[slot].uvSet, y.transforms[slot].uvSet);
+  }
+}
+
+void expectSameTexture(const Texture& a, const Texture& b) {
+  ASSERT_EQ(a.width, b.width);
+  ASSERT_EQ(a.height, b.height);
+  EXPECT_EQ(a.srgb, b.srgb);
+  EXPECT_EQ(std::memcmp(a.pixels.get(), b.pixels.get(), size_t{4} * a.width * a.height), 0);
+}
+
+void expectSame(const Scene& a, const Scene& b) {
+  EXPECT_EQ(a.triangleCount(), b.triangleCount());
+  for (const Instance& instance : b.instances) {
+    if (instance.removed) continue;
+    const Instance* same = partOf(a, instance.part);
+    ASSERT_TRUE(same) << b.nodes[instance.node].path;
+    const std::string copy = instance.copy < 0 ? "" : fmt::format("/instance{}", instance.copy);  // copies become nodes
+    EXPECT_EQ(a.nodes[same->node].path, b.nodes[instance.node].path + copy);
+    EXPECT_EQ(same->id, instance.id);
+    EXPECT_EQ(same->hidden, instance.hidden);
+    expectNear(same->toWorld, instance.toWorld);
+    expectSameMesh(a.meshes[same->mesh], b.meshes[instance.mesh]);
+    const Material &x = a.materials[same->material], &y = b.materials[instance.material];
+    expectSameMaterial(x, y);
+    for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot)
+      if (y.slots[slot].texture >= 0)
+        expectSameTexture(a.textures[size_t(x.slots[slot].texture)], b.textures[size_t(y.slots[slot].texture)]);
+  }
+  ASSERT_EQ(a.lights.size(), b.lights.size());
+  for (size_t i = 0; i < a.lights.size(); ++i) {
+    const Light &x = a.lights[i], &y = b.lights[i];
+    EXPECT_EQ(x.name, y.name);
+    EXPECT_EQ(x.type, y.type);
+    EXPECT_EQ(x.color, y.color);
+    EXPECT_EQ(x.intensity, y.intensity);
+    EXPECT_EQ(x.range, y.range);
+    EXPECT_EQ(x.innerCone, y.innerCone);
+    EXPECT_EQ(x.outerCone, y.outerCone);
+    EXPECT_EQ(x.castShadow, y.castShadow);
+    EXPECT_NEAR(x.size, y.size, 1e-6);
+    EXPECT_LT(glm::length(x.position - y.position), 1e-9);
+    EXPECT_LT(glm::length(x.direction - y.direction), 1e-6f);
+  }
+  ASSERT_EQ(a.cameras.size(), b.cameras.size());
+  for (size_t i = 0; i < a.cameras.size(); ++i) {
+    EXPECT_EQ(a.cameras[i].name, b.cameras[i].name);
+    EXPECT_EQ(a.cameras[i].verticalFov, b.cameras[i].verticalFov);
+    EXPECT_EQ(a.cameras[i].aspect, b.cameras[i].aspect);
+    EXPECT_EQ(a.cameras[i].nearClip, b.cameras[i].nearClip);
+    EXPECT_EQ(a.cameras[i].farClip, b.cameras[i].farClip);
+    for (int c = 0; c < 4; ++c) EXPECT_LT(glm::length(a.cameras[i].toWorld[c] - b.cameras[i].toWorld[c]), 1e-6);
+  }
+}
+
+class ExportedModel : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Models, ExportedModel,
+                         testing::Values("punctual.glb", "textured.glb", "intricate.glb", "skinned.glb", "morphed.glb",
+                                         "blended.glb", "many_materials.glb"),
+                         [](const auto& info) { return info.param.substr(0, info.param.find('.')); });
+
+TEST_P(ExportedModel, IsTheSameScene) {
+  const Scene scene = load(models::modelPath(GetParam()).string());
+  expectSame(exported(scene), scene);
+}
+
+TEST(Export, BuiltInScenesAreTheSame) {
+  for (const char* name : {"builtin:hall,triangles=50k,lights=12", "builtin:spheres", "builtin:boxes"}) {
+    const Scene scene = load(name);
+    const app::Folder folder;
+    exports::exportScene(scene, folder.at("out.glb"));
+    expectSame(load(folder.at("out.glb")), scene);
+  }
+}
+
+TEST(Export, AnimationsGiveTheSamePoses) {
+  for (const char* model : {"skinned.glb", "morphed.glb"}) {
+    const Scene scene = load(models::modelPath(model).string()), again = exported(scene);
+    ASSERT_EQ(again.rig.animations.size(), scene.rig.animations.size());
+    for (uint32_t i = 0; i < scene.rig.animations.size(); ++i) {
+      EXPECT_EQ(again.rig.animations[i].name, scene.rig.animations[i].name);
+      const Playback playback{.animations = {i}};
+      const Pose a = poseAt(scene, playback, 0.3), b = poseAt(again, playback, 0.3);
+      ASSERT_EQ(a.world.size(), b.world.size());
+      for (size_t n = 0; n < a.world.size(); ++n) expectNear(a.world[n], b.world[n]);
+      EXPECT_EQ(a.weights, b.weights);
+    }
+    for (size_t i = 0; i < scene.meshes.size(); ++i) {
+      const auto &a = scene.meshes[i].deformation, &b = again.meshes[i].deformation;
+      ASSERT_EQ(a == nullptr, b == nullptr);
+      if (!a) continue;
+      EXPECT_EQ(a->positions, b->positions);
+      EXPECT_EQ(a->jointWeights, b->jointWeights);
+      EXPECT_EQ(a->targets.size(), b->targets.size());
+    }
+  }
+}
+
+TEST(Export, VariantsAreKept) {
+  const std::string model = models::modelPath("intricate.glb").string();
+  const app::Folder folder;
+  exports::exportScene(load(model), folder.at("out.glb"));
+  for (const char* variant : {"red", "blue"}) {
+    const LoadOptions options{.variant = variant};
+    expectSame(load(folder.at("out.glb"), options), load(model, options));
+  }
+}
+
+TEST(Export, EditsAreIncluded) {
+  Scene scene = load("builtin:boxes");
+  const size_t before = scene.instances.size();
+  const Instance first = scene.instances[0];
+  dmat4 moved = first.toWorld;
+  moved[3] += glm::dvec4(1, 2, 3, 0);
+  setTransform(scene, 0, moved);
+  removeInstance(scene, 1);
+  const Scene again = exported(scene);
+  EXPECT_EQ(again.instances.size(), before - 1);
+  const Instance* same = partOf(again, first.part);
+  ASSERT_TRUE(same);
+  expectNear(same->toWorld, moved);
+}
+
+TEST(Export, GeometryIsWrittenToObjAndPly) {
+  const Scene scene = load(models::modelPath("textured.glb").string());
+  const Bounds bounds = worldBounds(scene);
+  for (const char* name : {"out.obj", "out.ply"}) {
+    const Scene again = exported(scene, name);
+    EXPECT_EQ(again.triangleCount(), scene.triangleCount()) << name;
+    EXPECT_LT(glm::length(worldBounds(again).min - bounds.min), 1e-5) << name;
+    EXPECT_LT(glm::length(worldBounds(again).max - bounds.max), 1e-5) << name;
+  }
+}
+
+TEST(Export, OtherNamesAreRejected) {
+  const app::Folder folder;
+  try {
+    exports::exportScene(load("builtin:boxes"), folder.at("out.fbx"));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::Usage);
+    EXPECT_THAT(error.what(), HasSubstr(".glb, .obj or .ply"));
+  }
+}
+
+}  // namespace
+}  // namespace latelight::scene::test
