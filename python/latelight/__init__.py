@@ -34,6 +34,9 @@ from ._core import (
     set_memory_limit,
     version,
 )
+from ._from_open3d import from_open3d
+from ._from_trimesh import from_trimesh, from_urdf, pose_urdf
+from ._from_usd import from_usd
 from .errors import (
     ArgumentTypeError,
     DeviceLostError,
@@ -80,6 +83,11 @@ __all__ = [
     "UsageError",
     "WorldFrames",
     "__version__",
+    "from_open3d",
+    "from_trimesh",
+    "from_urdf",
+    "from_usd",
+    "pose_urdf",
     "set_memory_limit",
     "version",
 ]

@@ -1,0 +1,86 @@
+"""Builds a scene from arrays, for the converters of other packages' models.
+
+The scene is in glTF's frame (Y up, meters). Models with Z up are turned: (x, y, z) becomes (x, z, -y)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ._core import Material, MaterialHandle, MeshHandle, Scene
+from .errors import UsageError
+
+FROM_Z_UP = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], np.float64)
+
+
+def up_transform(up: str) -> np.ndarray:
+    if up not in ("y", "z"):
+        raise UsageError(f'up must be "y" or "z", not "{up}"')
+    return np.eye(4) if up == "y" else FROM_Z_UP
+
+
+def linear(colors: np.ndarray) -> np.ndarray:
+    """Decodes sRGB in [0, 1] (IEC 61966-2-1). Alpha, the fourth channel, is linear."""
+    colors = np.array(colors, np.float64)
+    rgb = colors[..., :3]
+    colors[..., :3] = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    return colors.astype(np.float32)
+
+
+def v_down(uv: Any) -> np.ndarray:
+    """Texture coordinates with v up become those of glTF, with v down."""
+    uv = np.array(uv, np.float32)[:, :2]
+    uv[:, 1] = 1 - uv[:, 1]
+    return uv
+
+
+def node_name(name: Any) -> str:
+    return str(name).replace("/", "_") or "node"
+
+
+def missing(package: str, function: str) -> UsageError:
+    return UsageError(f"latelight.{function} requires the package {package}: install it, for example with pip")
+
+
+class Builder:
+    """Adds meshes, materials and instances. Objects that are used several times are added once."""
+
+    def __init__(self, up: str) -> None:
+        self.scene = Scene()
+        self.world = up_transform(up)
+        self.materials: dict[Any, MaterialHandle] = {}
+        self.textures: dict[Any, Any] = {}
+        self.kept: list[Any] = []  # keeps the ids in the keys above unique
+        self.default: MaterialHandle | None = None
+
+    def default_material(self) -> MaterialHandle:
+        if self.default is None:
+            self.default = self.scene.add_material(
+                Material(name="default", base_color=(0.8, 0.8, 0.8, 1), metallic=0, roughness=0.5)
+            )
+        return self.default
+
+    def white(self, translucent: bool) -> MaterialHandle:
+        """For meshes whose vertices have colors."""
+        key = ("white", translucent)
+        if key not in self.materials:
+            mode = "blend" if translucent else "opaque"
+            self.materials[key] = self.scene.add_material(
+                Material(name="vertex colors", metallic=0, roughness=0.5, alpha_mode=mode)
+            )
+        return self.materials[key]
+
+    def add_texture(self, material: MaterialHandle, slot: Any, image: Any, srgb: bool) -> None:
+        if image is None:
+            return
+        key = (id(image), srgb)
+        if key not in self.textures:
+            self.kept.append(image)
+            mode = "RGBA" if "A" in getattr(image, "mode", "") or getattr(image, "mode", "") == "P" else "RGB"
+            pixels = np.asarray(image.convert(mode) if hasattr(image, "convert") else image)
+            self.textures[key] = self.scene.add_texture(np.ascontiguousarray(pixels), srgb=srgb, name=slot)
+        self.scene.set_texture(material, slot, self.textures[key])
+
+    def add_instance(self, mesh: MeshHandle, material: MaterialHandle, transform: Any, name: Any) -> None:
+        self.scene.add_instance(mesh, material, self.world @ np.asarray(transform, np.float64), node_name(name))
