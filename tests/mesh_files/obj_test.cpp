@@ -211,6 +211,11 @@ TEST(Mtl, MissingFilesAreLeftOut) {
       "x");
 }
 
+TEST(Obj, TextMayHaveAByteOrderMark) {
+  EXPECT_EQ(MeshFile("a.obj", "\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").load().triangleCount(), 1u);
+  EXPECT_THAT(MeshFile("a.obj", "\xff\xfev").error(), HasSubstr("UTF-8"));
+}
+
 TEST(ObjErrors, NameTheLine) {
   const auto error = [](const std::string& text) { return MeshFile("a.obj", kSquare + text).error(); };
   EXPECT_THAT(error(""), HasSubstr("no faces"));

@@ -148,7 +148,7 @@ TEST(PlyErrors, NameTheLine) {
   EXPECT_THAT(error("ply\nformat ascii 1.0\n"), HasSubstr("end_header"));
   EXPECT_THAT(error("ply\nformat zip 1.0\nend_header\n"), HasSubstr("line 2 "));
   EXPECT_THAT(error("ply\nelement vertex 1\nproperty quad x\nend_header\n"), HasSubstr("line 3 "));
-  EXPECT_THAT(error("ply\nformat ascii 1.0\nend_header\n"), HasSubstr("no vertices"));
+  EXPECT_THAT(error("ply\nformat ascii 1.0\nby hand\nend_header\n"), HasSubstr("no vertices"));
   EXPECT_THAT(error("ply\nformat ascii 1.0\nelement vertex 1\nproperty float a\nend_header\n1\n"),
               HasSubstr("x, y and z"));
   EXPECT_THAT(error("ply\nformat ascii 1.0\nelement vertex 99\nend_header\n"), HasSubstr("no properties"));

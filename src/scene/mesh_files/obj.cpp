@@ -127,6 +127,8 @@ class ObjReader {
   explicit ObjReader(Source& source) : source_(source), images_(source) {}
 
   void run() {
+    if (source_.text().starts_with("\xff\xfe") || source_.text().starts_with("\xfe\xff"))
+      badInput("it is UTF-16 text: save it as UTF-8");
     source_.claim(source_.bytes.size());  // the parsed numbers have about the size of their text
     file_ = parseObj(source_.text());
     warnAboutFile();

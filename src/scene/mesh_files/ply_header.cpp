@@ -53,15 +53,13 @@ class HeaderReader {
     badInput("line {} of its header {}", std::ranges::count(before, onlyCr ? '\r' : '\n') + 1, problem);
   }
 
+  // Other lines are ignored: some writers break their comments into lines.
   void read(std::string_view key, Words& words) {
     if (key == "format") return readFormat(words);
     if (key == "element") return readElement(words);
     if (key == "property") return readProperty(words);
     if (key == "comment" && equalsIgnoringCase(words.word(), "texturefile"))
       header_.textures.emplace_back(words.rest());
-    if (key != "comment" && key != "obj_info" && !key.empty())
-      wrong(fmt::format("begins with \"{}\": it must be format, element, property, comment or end_header",
-                        printable(key.substr(0, 40))));
   }
 
   void readFormat(Words& words) {

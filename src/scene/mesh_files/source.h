@@ -41,7 +41,11 @@ class Source {
  public:
   Source(const std::filesystem::path& path, MeshFormat format, const LoadOptions& options);
 
-  std::string_view text() const { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+  // The file as text, without a byte-order mark.
+  std::string_view text() const {
+    const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    return all.starts_with("\xef\xbb\xbf") ? all.substr(3) : all;
+  }
   // Adds a node below the root, or the root itself if `name` is empty, with the primitives of its mesh. Primitives
   // without triangles are left out.
   uint32_t addNode(const std::string& name, uint32_t parent, std::vector<Primitive> primitives);

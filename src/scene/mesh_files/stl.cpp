@@ -88,6 +88,7 @@ class AsciiReader {
   explicit AsciiReader(Source& source) : source_(source), text_(source.text()) {}
 
   void run() {
+    source_.claim(text_.size());  // a corner has fewer bytes than its line
     for (size_t at = 0; at < text_.size();) {
       const size_t end = std::min(text_.find('\n', at), text_.size());
       readLine(text_.substr(at, end - at), at);
@@ -130,7 +131,6 @@ class AsciiReader {
     if (corners_.size() < 3) wrong(at, fmt::format("ends a facet with {} corners instead of 3", corners_.size()));
     triangles_.clear();
     triangulate(corners_, triangles_);
-    source_.claim(triangles_.size() * 3 * kCornerBytes);
     for (const auto& triangle : triangles_)
       for (const uint32_t corner : triangle) positions_.push_back(corners_[corner]);
     corners_.clear();
@@ -140,6 +140,7 @@ class AsciiReader {
     if (!corners_.empty()) badInput("the file ends within a facet: copy it again");
     if (positions_.empty()) return;
     if (positions_.size() / 3 > kMaxFacets) badInput("it has more than {} facets: split it", kMaxFacets);
+    source_.claim(positions_.size() * kCornerBytes);
     std::vector<Primitive> primitives(1);
     Mesh& mesh = primitives[0].mesh;
     mesh.positions = std::move(positions_);
