@@ -16,7 +16,10 @@ class _Open3d(Builder):
         positions, indices = np.asarray(mesh.vertices, np.float32), np.asarray(mesh.triangles, np.int64)
         if len(indices) == 0:
             return
-        colors = linear(np.clip(np.asarray(mesh.vertex_colors), 0, 1)) if mesh.has_vertex_colors() else None
+        colors = None
+        if mesh.has_vertex_colors():
+            rgb = np.clip(np.asarray(mesh.vertex_colors), 0, 1)
+            colors = linear(np.concatenate([rgb, np.ones((len(rgb), 1))], axis=1))
         normals = np.asarray(mesh.vertex_normals, np.float32) if mesh.has_vertex_normals() else None
         images = [np.asarray(image) for image in mesh.textures]
         images = [image for image in images if image.size]

@@ -174,3 +174,21 @@ def test_models_of_other_types_are_refused():
         latelight.from_trimesh(trimesh.creation.box(), up="x")
     with pytest.raises(latelight.UsageError, match="from_open3d requires"):
         latelight.from_open3d("mesh")
+
+
+def test_open3d_meshes_have_colors_and_textures():
+    o3d = pytest.importorskip("open3d", reason="Open3D is too large to be installed for every test")
+    box = o3d.geometry.TriangleMesh.create_box(1, 2, 3)
+    box.paint_uniform_color((1, 0.5, 0))
+    scene = latelight.from_open3d(box, up="z")
+    assert_bounds(scene, (0, 0, -2), (1, 3, 0))
+    np.testing.assert_allclose(scene.mesh_arrays(scene.meshes()[0])["colors"][0], (1, 0.21404, 0, 1), atol=1e-4)
+    triangle = o3d.geometry.TriangleMesh(
+        o3d.utility.Vector3dVector([[0, 0, 0], [1, 0, 0], [1, 1, 0]]), o3d.utility.Vector3iVector([[0, 1, 2]])
+    )
+    triangle.triangle_uvs = o3d.utility.Vector2dVector([[0, 0], [1, 0], [1, 0.25]])
+    triangle.textures = [o3d.geometry.Image(np.full((2, 4, 3), 200, np.uint8))]
+    triangle.triangle_material_ids = o3d.utility.IntVector([0])
+    scene = latelight.from_open3d(triangle)
+    np.testing.assert_allclose(scene.mesh_arrays(scene.meshes()[0])["uv"], [[0, 1], [1, 1], [1, 0.75]])
+    assert scene.texture(scene.textures()[0]).width == 4
