@@ -216,6 +216,12 @@ TEST(Obj, TextMayHaveAByteOrderMark) {
   EXPECT_THAT(MeshFile("a.obj", "\xff\xfev").error(), HasSubstr("UTF-8"));
 }
 
+TEST(ObjErrors, LongPathsAreLimited) {
+  std::string text = std::string(kSquare) + "o " + std::string(1 << 20, 'a') + "\n";
+  for (int i = 0; i < 300; ++i) text += fmt::format("g {}\nf 1 2 3\n", i);
+  EXPECT_THAT(MeshFile("a.obj", text).error(), HasSubstr("names of its objects and groups"));
+}
+
 TEST(ObjErrors, NameTheLine) {
   const auto error = [](const std::string& text) { return MeshFile("a.obj", kSquare + text).error(); };
   EXPECT_THAT(error(""), HasSubstr("no faces"));

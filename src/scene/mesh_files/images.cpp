@@ -80,7 +80,7 @@ bool Images::isReadable(const std::string& file) {
   std::error_code ignored;
   if (const auto status = std::filesystem::status(source_.path.parent_path() / file, ignored);
       !std::filesystem::exists(status)) {
-    warn("{}: the image {} does not exist, and is left out", source_.path.string(), printable(file));
+    warn("{}: the image {} does not exist, and is left out", source_.path.string(), shortened(printable(file)));
     return false;
   }
   try {

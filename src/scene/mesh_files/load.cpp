@@ -30,6 +30,9 @@ double metersPerUnit(const std::string& name) {
   return unit->meters;
 }
 
+// The paths of all groups begin with that of their object, so they may be far longer than the file.
+constexpr size_t kMaxPathBytes = size_t{256} << 20;
+
 bool isFinite(const vec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
@@ -80,6 +83,8 @@ uint32_t Source::addNode(const std::string& name, uint32_t parent, std::vector<P
   std::erase_if(primitives, [](const Primitive& primitive) { return primitive.mesh.indices.empty(); });
   const uint32_t node = name.empty() ? parent : builder.addNode(name, parent);
   Scene& scene = builder.scene;
+  if ((pathBytes_ += scene.nodes[node].path.size()) > kMaxPathBytes)
+    badInput("the names of its objects and groups are too long: shorten them");
   const std::string meshName = scene.nodes[node].name;
   if (!primitives.empty()) scene.nodes[node].mesh = meshName;
   const bool several = primitives.size() > 1;

@@ -262,7 +262,7 @@ class ObjReader {
         const bool isOne = names.find_first_of(" \t") == std::string_view::npos;
         for (std::string_view word = words.word(); !word.empty(); word = words.word())
           if (isOne || !readLibrary(std::string(word)))
-            warn("{}: the material library {} does not exist, and is left out", name(), printable(word));
+            warn("{}: the material library {} does not exist, and is left out", name(), shortened(printable(word)));
       }
   }
 
@@ -295,7 +295,8 @@ class ObjReader {
         continue;
       }
       if (!part.material.empty())
-        warn("{}: no material library defines the material {}: it is gray", name(), printable(part.material));
+        warn("{}: no material library defines the material {}: it is gray", name(),
+             shortened(printable(part.material)));
       materials.push_back(plainMaterial(part.material.empty() ? "default" : std::string(part.material),
                                         vec3(file_.colors.empty() ? 0.8f : 1), 0, 0.5f));
     }

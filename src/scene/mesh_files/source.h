@@ -59,6 +59,9 @@ class Source {
   const AllowedFolders folders;
   SceneBuilder builder;
   MemoryClaim working;
+
+ private:
+  size_t pathBytes_ = 0;
 };
 
 // Drops triangles with a corner whose position is not finite, with a warning, and moves such vertices to a finite
