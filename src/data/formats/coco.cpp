@@ -7,14 +7,12 @@
 #include <map>
 #include <set>
 
-#include "base/error.h"
 #include "base/parallel.h"
-#include "data/cameras/json_file.h"
+#include "data/formats/categories.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
 #include "data/formats/names.h"
 #include "data/formats/options.h"
-#include "data/formats/path_rules.h"
 #include "data/formats/picture_file.h"
 #include "data/json_text.h"
 
@@ -23,69 +21,6 @@ namespace latelight::data {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// Assigns categories to objects.
-class Categories {
- public:
-  explicit Categories(const Json* spec) {
-    if (!spec) return;
-    const std::string name = spec->is_string() ? spec->get<std::string>() : "";
-    if (spec->is_object())
-      readRules(*spec);
-    else if (name.ends_with(".json"))
-      readRules(rulesIn(name));
-    else if (name == "mesh" || name == "node" || name == "material")
-      from_ = name;
-    else
-      badUsage("{}", kTakes);
-  }
-
-  // Returns the object's category. It is empty if the object has none; the object is then excluded.
-  std::string of(const output::IdEntry& entry, const output::IdManifest& ids) const {
-    if (rules_.empty()) return named(entry, ids);
-    const std::optional<size_t> rule = rules_.find(nameOf(entry));
-    return rule ? names_[*rule] : "";
-  }
-
-  // Returns the categories of the rules, in the order of their numbers. They are listed even if no object has them.
-  std::vector<std::string> fixed() const {
-    std::vector<std::string> names;
-    for (const std::string& category : names_)
-      if (std::ranges::find(names, category) == names.end()) names.push_back(category);
-    return names;
-  }
-
- private:
-  static constexpr std::string_view kTakes =
-      "categories of the format coco takes mesh, node, material, an object of regular expressions of nodes' paths and "
-      "the category of each, or a .json file with such an object";
-
-  static Json rulesIn(const std::string& path) {
-    Json json = readJson(path).json;
-    if (!json.is_object()) badInput("'{}' is not a JSON object of regular expressions and categories", path);
-    return json;
-  }
-
-  void readRules(const Json& rules) {
-    for (const auto& [pattern, category] : rules.items()) {
-      if (!category.is_string() || category.get_ref<const std::string&>().empty()) badUsage("{}", kTakes);
-      rules_.add(pattern, "categories of the format coco");
-      names_.push_back(category.get<std::string>());
-    }
-    if (rules_.empty()) badUsage("{}", kTakes);
-  }
-
-  std::string named(const output::IdEntry& entry, const output::IdManifest& ids) const {
-    const std::vector<std::string> materials =
-        from_ == "material" ? ids.materialsOf(entry) : std::vector<std::string>();
-    const std::string& name = from_ == "node" ? entry.node : materials.empty() ? entry.mesh : materials.front();
-    return name.empty() ? entry.node : name;
-  }
-
-  std::string from_ = "mesh";
-  PathRules rules_;
-  std::vector<std::string> names_;  // categories by rule
-};
 
 Json boxOf(const PixelBox& box) {
   return {box.x, box.y, box.width, box.height};
@@ -168,23 +103,16 @@ class Coco : public Format {
   }
 
  private:
-  Coco(const Json& json, FormatOptions options) : categories_(options.find("categories")) {
+  Coco(const Json& json, FormatOptions options) : categories_("coco", options.find("categories")) {
     file_ = options.setFile("file", "annotations/instances.json", ".json");
     picture_ = PictureFile(options);
     options.finish();
   }
 
-  // Numbers the categories from 1: in the order of the rules, or sorted by name if there are no rules.
+  // Numbers the categories from 1.
   Json categoriesOf(std::span<const Json> entries, std::map<std::string, uint64_t>& numbers) const {
-    std::vector<std::string> names = categories_.fixed();
-    if (names.empty()) {
-      std::set<std::string> seen;
-      for (const Json& entry : entries)
-        for (const Json& object : entry["objects"]) seen.insert(object["category"].get<std::string>());
-      names.assign(seen.begin(), seen.end());
-    }
     Json categories = Json::array();
-    for (const std::string& name : names) {
+    for (const std::string& name : categories_.all(entries)) {
       numbers[name] = categories.size() + 1;
       categories.push_back({{"id", categories.size() + 1}, {"name", name}, {"supercategory", ""}});
     }

@@ -15,9 +15,12 @@ std::unique_ptr<Format> makeDepthPng(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeExr(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeFiles(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeFlow(const nlohmann::ordered_json& options);
+std::unique_ptr<Format> makeKitti(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeNpz(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makePly(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeTransforms(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeVideo(const nlohmann::ordered_json& options);
+std::unique_ptr<Format> makeVoc(const nlohmann::ordered_json& options);
+std::unique_ptr<Format> makeYolo(const nlohmann::ordered_json& options);
 
 }  // namespace latelight::data

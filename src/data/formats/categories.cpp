@@ -1,0 +1,77 @@
+#include "data/formats/categories.h"
+
+#include <algorithm>
+#include <set>
+
+#include "base/error.h"
+#include "data/cameras/json_file.h"
+#include "data/formats/names.h"
+
+namespace latelight::data {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+[[noreturn]] void refuse(const std::string& format) {
+  badUsage(
+      "categories of the format {} takes mesh, node, material, an object of regular expressions of nodes' paths and "
+      "the "
+      "category of each, or a .json file with such an object",
+      format);
+}
+
+Json rulesIn(const std::string& path) {
+  Json json = readJson(path).json;
+  if (!json.is_object()) badInput("'{}' is not a JSON object of regular expressions and categories", path);
+  return json;
+}
+
+}  // namespace
+
+Categories::Categories(std::string_view format, const Json* spec) : format_(format) {
+  if (!spec) return;
+  const std::string name = spec->is_string() ? spec->get<std::string>() : "";
+  if (spec->is_object())
+    readRules(*spec);
+  else if (name.ends_with(".json"))
+    readRules(rulesIn(name));
+  else if (name == "mesh" || name == "node" || name == "material")
+    from_ = name;
+  else
+    refuse(format_);
+}
+
+void Categories::readRules(const Json& rules) {
+  for (const auto& [pattern, category] : rules.items()) {
+    if (!category.is_string() || category.get_ref<const std::string&>().empty()) refuse(format_);
+    rules_.add(pattern, "categories of the format " + format_);
+    names_.push_back(category.get<std::string>());
+  }
+  if (rules_.empty()) refuse(format_);
+}
+
+std::string Categories::of(const output::IdEntry& entry, const output::IdManifest& ids) const {
+  if (rules_.empty()) return named(entry, ids);
+  const std::optional<size_t> rule = rules_.find(nameOf(entry));
+  return rule ? names_[*rule] : "";
+}
+
+std::string Categories::named(const output::IdEntry& entry, const output::IdManifest& ids) const {
+  const std::vector<std::string> materials = from_ == "material" ? ids.materialsOf(entry) : std::vector<std::string>();
+  const std::string& name = from_ == "node" ? entry.node : materials.empty() ? entry.mesh : materials.front();
+  return name.empty() ? entry.node : name;
+}
+
+std::vector<std::string> Categories::all(std::span<const Json> entries) const {
+  std::vector<std::string> names;
+  for (const std::string& category : names_)
+    if (std::ranges::find(names, category) == names.end()) names.push_back(category);
+  if (!names.empty()) return names;
+  std::set<std::string> seen;
+  for (const Json& entry : entries)
+    for (const Json& object : entry["objects"]) seen.insert(object["category"].get<std::string>());
+  return {seen.begin(), seen.end()};
+}
+
+}  // namespace latelight::data

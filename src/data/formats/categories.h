@@ -1,0 +1,37 @@
+// The categories of objects, for formats that name or number them.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "data/formats/path_rules.h"
+#include "output/id_manifest.h"
+
+namespace latelight::data {
+
+class Categories {
+ public:
+  // Reads the option "categories" of a format, or null for its default: mesh, node or material, an object of regular
+  // expressions and categories, or a .json file with one. Throws Error(Usage) that names the format.
+  Categories(std::string_view format, const nlohmann::ordered_json* spec);
+
+  // Returns the object's category. It is empty if the object has none; the object is then excluded.
+  std::string of(const output::IdEntry& entry, const output::IdManifest& ids) const;
+
+  // Returns the names of all categories of a set, whose entries have "objects" with a "category": in the order of the
+  // rules, or sorted by name if there are no rules. Those of rules are listed even if no object has them.
+  std::vector<std::string> all(std::span<const nlohmann::ordered_json> entries) const;
+
+ private:
+  void readRules(const nlohmann::ordered_json& rules);
+  std::string named(const output::IdEntry& entry, const output::IdManifest& ids) const;
+
+  std::string format_;
+  std::string from_ = "mesh";
+  PathRules rules_;
+  std::vector<std::string> names_;  // categories by rule
+};
+
+}  // namespace latelight::data

@@ -1,0 +1,111 @@
+// The formats yolo, voc and kitti against boxes computed by hand: the squares of support.h in a picture of 128 pixels.
+#include <gmock/gmock.h>
+
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "base/error.h"
+#include "data_formats/support.h"
+
+namespace latelight::data::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::UnorderedElementsAre;
+
+class AnnotationsTest : public FormatsTest {
+ protected:
+  // Writes one frame, and the files of the set.
+  FrameRecord write(const char* name, const Json& options, bool perspective = false) {
+    const scene::Scene scene = squares();
+    Studio studio(device(), scene);
+    const std::unique_ptr<Format> format = make(name, options);
+    const DataFrame frame = studio.frame(squaresCamera(perspective), 128, 128, {format.get()}, 3);
+    FrameRecord record = format->writeFrame(frame, folder);
+    const std::vector<Json> entries{record.entry};
+    for (std::string& file : format->writeSet(entries, folder)) record.files.push_back(std::move(file));
+    return record;
+  }
+  std::string text(const std::string& file) const {
+    std::ifstream in(folder / file);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  std::vector<std::string> lines(const std::string& file) const {
+    std::istringstream in(text(file));
+    std::vector<std::string> all;
+    for (std::string line; std::getline(in, line);) all.push_back(line);
+    return all;
+  }
+};
+
+TEST_F(AnnotationsTest, YoloBoxesAreSharesOfThePicture) {
+  const FrameRecord record = write("yolo", {{"categories", "node"}});
+  EXPECT_THAT(record.files, ElementsAre("images/000003.png", "labels/000003.txt", "data.yaml"));
+  EXPECT_THAT(lines("labels/000003.txt"),
+              UnorderedElementsAre("0 0.50000000 0.50000000 0.50000000 0.50000000",    // back
+                                   "1 0.87500000 0.18750000 0.25000000 0.37500000",    // cut
+                                   "2 0.75000000 0.50000000 0.25000000 0.25000000"));  // front
+  EXPECT_THAT(lines("data.yaml"),
+              ElementsAre("path: .", "train: images", "val: images", "names:", "  0: \"/squares/back\"",
+                          "  1: \"/squares/cut\"", "  2: \"/squares/front\""));
+}
+
+TEST_F(AnnotationsTest, YoloClassesOfRulesAreInTheirOrder) {
+  write("yolo", {{"categories", {{"nothing", "ghost"}, {"front$", "sign"}}}});
+  EXPECT_THAT(lines("labels/000003.txt"), ElementsAre(testing::StartsWith("1 0.75")));
+  EXPECT_THAT(text("data.yaml"), HasSubstr("  0: \"ghost\"\n  1: \"sign\"\n"));
+}
+
+TEST_F(AnnotationsTest, VocBoxesCountPixelsFromOne) {
+  const FrameRecord record = write("voc", {{"categories", {{"front", "a < b"}, {"back", "back"}, {"cut", "cut"}}}});
+  EXPECT_THAT(record.files, ElementsAre("images/000003.png", "Annotations/000003.xml"));
+  const std::string xml = text("Annotations/000003.xml");
+  EXPECT_THAT(xml, HasSubstr("<filename>000003.png</filename>"));
+  EXPECT_THAT(xml, HasSubstr("<width>128</width><height>128</height>"));
+  const auto object = [&](const std::string& name) {
+    const size_t at = xml.find("<name>" + name + "</name>");
+    return at == std::string::npos ? "" : xml.substr(at, xml.find("</object>", at) - at);
+  };
+  EXPECT_THAT(object("a &lt; b"), HasSubstr("<xmin>81</xmin><ymin>49</ymin><xmax>112</xmax><ymax>80</ymax>"));
+  EXPECT_THAT(object("a &lt; b"), HasSubstr("<occluded>0</occluded>"));
+  EXPECT_THAT(object("back"), HasSubstr("<occluded>1</occluded>"));  // 7 of 8 pixels are visible
+  EXPECT_THAT(object("back"), HasSubstr("<truncated>0</truncated>"));
+  EXPECT_THAT(object("cut"), HasSubstr("<truncated>1</truncated>"));
+  EXPECT_THAT(object("cut"), HasSubstr("<xmin>97</xmin><ymin>1</ymin><xmax>128</xmax><ymax>48</ymax>"));
+}
+
+// The camera is 2 m in front of the back square and sees 90 degrees: 64 pixels are 2 m there.
+TEST_F(AnnotationsTest, KittiBoxesAreInTheCamerasFrame) {
+  const FrameRecord record = write("kitti", {{"categories", {{"back", "back wall"}, {"front", "front"}}}}, true);
+  EXPECT_THAT(record.files, ElementsAre("images/000003.png", "label_2/000003.txt", "calib/000003.txt"));
+  const std::vector<std::string> all = lines("label_2/000003.txt");
+  ASSERT_EQ(all.size(), 2u);
+  const std::string& back = all[0].starts_with("back") ? all[0] : all[1];
+  // Its front points towards the camera: a turn of +90 degrees from +X, since y points down.
+  EXPECT_EQ(back,
+            "back_wall 0.00 0 1.570796 32 32 95 95 2.000000 2.000000 0.000000 0.000000 1.000000 2.000000 1.570796");
+  const std::string& front = all[0].starts_with("back") ? all[1] : all[0];
+  EXPECT_THAT(front, HasSubstr(" 1.000000 1.000000 0.000000 1.000000 0.500000 1.500000 1.570796"));
+  const std::string calibration = text("calib/000003.txt");
+  double fx = 0, fy = 0;  // 64, as precise as the camera's field of view, a float
+  ASSERT_EQ(
+      std::sscanf(calibration.c_str() + calibration.find("P2:"), "P2: %lf 0 63.5 0 0 %lf 63.5 0 0 0 1 0", &fx, &fy), 2);
+  EXPECT_NEAR(fx, 64, 1e-5);
+  EXPECT_NEAR(fy, 64, 1e-5);
+}
+
+TEST_F(AnnotationsTest, KittiRejectsOtherCameras) {
+  try {
+    write("kitti", Json::object());
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::Usage);
+    EXPECT_THAT(error.what(), HasSubstr("perspective"));
+  }
+}
+
+}  // namespace
+}  // namespace latelight::data::test
