@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "base/error.h"
 #include "vk/spirv.h"
@@ -44,6 +45,7 @@ class Module {
 
   std::optional<Binding> kindOf(const Instruction& variable) const;
   uint32_t bytesOf(uint32_t type, uint32_t matrixStride) const;
+  uint32_t measure(uint32_t type, uint32_t matrixStride) const;
   uint32_t bytesOfStruct(const Instruction& type) const;
   uint32_t alignmentOf(uint32_t type) const;
   uint32_t strideOfArrays(uint32_t element) const;
@@ -55,6 +57,25 @@ class Module {
   std::map<uint32_t, Instruction> definitions_;  // types, constants and variables of the module
   std::map<uint32_t, std::vector<Instruction>> functions_;
   uint32_t entry_ = 0, inside_ = 0;  // functions: the entry point, and the one being read
+  mutable std::map<std::pair<uint32_t, uint32_t>, uint32_t> bytes_;  // by type and matrix stride
+  mutable std::map<uint32_t, uint32_t> alignments_;                  // by type
+  mutable uint32_t nesting_ = 0;
+};
+
+// Counts how deeply types are nested, which SPIR-V limits to 255 (SPIR-V 1.6, section 2.17).
+class NestingScope {
+ public:
+  explicit NestingScope(uint32_t& nesting) : nesting_(nesting) {
+    if (nesting_ == kMaxNesting) fail(ExitCode::Internal, "The types of a shader are nested too deeply.");
+    ++nesting_;
+  }
+  ~NestingScope() { --nesting_; }
+  NestingScope(const NestingScope&) = delete;
+  NestingScope& operator=(const NestingScope&) = delete;
+
+ private:
+  static constexpr uint32_t kMaxNesting = 255;
+  uint32_t& nesting_;
 };
 
 std::string text(std::span<const uint32_t> words) {
@@ -146,13 +167,14 @@ const Instruction& Module::pointee(const Instruction& variable) const {
 // A block without a name has the name of its type.
 std::string Module::variableName(uint32_t id) const {
   const std::string own = name(id);
-  return own.empty() ? name(pointee(definition(id)).operands[0]) : own;
+  const Instruction& type = pointee(definition(id));
+  return own.empty() && !type.operands.empty() ? name(type.operands[0]) : own;
 }
 
 // --- used bindings --------------------------------------------------------------------------------------------------
 
 // The operands of an instruction that may be pointers to module variables.
-std::span<const uint32_t> pointersOf(const Instruction& instruction) {
+Operands pointersOf(const Instruction& instruction) {
   const auto& [op, operands] = instruction;
   switch (op) {
     case spv::OpStore:
@@ -167,7 +189,7 @@ std::span<const uint32_t> pointersOf(const Instruction& instruction) {
     case spv::OpInBoundsPtrAccessChain:
     case spv::OpArrayLength:
     case spv::OpCopyObject:
-      return operands.subspan(2, 1);
+      return operands.subspan(2).first(1);
     case spv::OpFunctionCall:
       return operands.subspan(3);  // arguments
     default:
@@ -231,7 +253,17 @@ std::vector<DeclaredConstant> Module::constants() const {
 
 // --- struct layouts -------------------------------------------------------------------------------------------------
 
+// Each type is measured once, so that types that contain many others, or themselves, end as well.
 uint32_t Module::bytesOf(uint32_t id, uint32_t matrixStride) const {
+  const auto [known, isNew] = bytes_.try_emplace({id, matrixStride}, 0u);
+  if (isNew) {
+    const NestingScope scope(nesting_);
+    known->second = measure(id, matrixStride);
+  }
+  return known->second;
+}
+
+uint32_t Module::measure(uint32_t id, uint32_t matrixStride) const {
   const auto& [op, operands] = definition(id);
   switch (op) {
     case spv::OpTypeInt:
@@ -242,7 +274,8 @@ uint32_t Module::bytesOf(uint32_t id, uint32_t matrixStride) const {
     case spv::OpTypeMatrix:
       return matrixStride * (operands[2] - 1) + bytesOf(operands[1], 0);
     case spv::OpTypeArray: {
-      const uint32_t count = definition(operands[2]).operands[2];
+      const Instruction& length = definition(operands[2]);
+      const uint32_t count = length.op == spv::OpConstant || length.op == spv::OpSpecConstant ? length.operands[2] : 1;
       return decoration(id, spv::DecorationArrayStride).value_or(0) * (count - 1) + bytesOf(operands[1], matrixStride);
     }
     case spv::OpTypeStruct:
@@ -264,20 +297,18 @@ uint32_t Module::bytesOfStruct(const Instruction& type) const {
 }
 
 uint32_t Module::alignmentOf(uint32_t id) const {
+  const auto [known, isNew] = alignments_.try_emplace(id, 1u);
+  if (!isNew) return known->second;
+  const NestingScope scope(nesting_);
   const auto& [op, operands] = definition(id);
-  switch (op) {
-    case spv::OpTypeVector:
-    case spv::OpTypeMatrix:
-    case spv::OpTypeArray:
-      return alignmentOf(operands[1]);
-    case spv::OpTypeStruct: {
-      uint32_t most = 1;
-      for (uint32_t member : operands.subspan(1)) most = std::max(most, alignmentOf(member));
-      return most;
-    }
-    default:
-      return bytesOf(id, 0);
-  }
+  uint32_t most = 1;
+  if (op == spv::OpTypeVector || op == spv::OpTypeMatrix || op == spv::OpTypeArray)
+    most = alignmentOf(operands[1]);
+  else if (op == spv::OpTypeStruct)
+    for (uint32_t member : operands.subspan(1)) most = std::max(most, alignmentOf(member));
+  else
+    most = std::max(bytesOf(id, 0), 1u);
+  return known->second = most;
 }
 
 uint32_t Module::strideOfArrays(uint32_t element) const {
@@ -291,6 +322,7 @@ std::optional<PushBlock> Module::push() const {
   for (const auto& [id, instruction] : definitions_) {
     if (instruction.op != spv::OpVariable || instruction.operands[2] != spv::StorageClassPushConstant) continue;
     const Instruction& type = pointee(instruction);
+    if (type.op != spv::OpTypeStruct) fail(ExitCode::Internal, "The push constants of a shader are not a block.");
     return PushBlock{name(type.operands[0]), bytesOfStruct(type), alignmentOf(type.operands[0])};
   }
   return std::nullopt;

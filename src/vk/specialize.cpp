@@ -18,7 +18,7 @@ using namespace spirv;
 using Words = std::vector<uint32_t>;
 
 // Evaluates OpSpecConstantOp for words, and for bools as 0 and 1. Returns nothing for operations that remain unchanged.
-std::optional<uint32_t> computed(uint32_t op, const Words& x) {
+std::optional<uint32_t> computed(uint32_t op, const Operands& x) {
   switch (op) {
     case spv::OpUConvert:
       return x[0];

@@ -4,6 +4,10 @@
 
 namespace latelight::vk::spirv {
 
+void Operands::require(bool isThere) {
+  if (!isThere) fail(ExitCode::Internal, "The SPIR-V of a shader is invalid: an instruction lacks an operand.");
+}
+
 void forEachInstruction(std::span<const uint32_t> code, const std::function<bool(const Instruction&)>& take) {
   if (code.size() < kHeaderWords || code[0] != spv::MagicNumber) fail(ExitCode::Internal, "A shader is not SPIR-V.");
   for (size_t at = kHeaderWords; at < code.size();) {
