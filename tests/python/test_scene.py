@@ -218,3 +218,44 @@ def test_a_texture_per_frame_takes_no_memory(wall, device, way):
         after.append(resident_bytes())
     assert len(scene.textures()) == 1
     assert after[-1] - after[49] < 50e6  # of 280 MB
+
+
+def test_mesh_files_have_the_given_unit_and_axes(tmp_path):
+    path = tmp_path / "square.obj"
+    path.write_text("v 0 0 0\nv 100 0 0\nv 100 200 0\nv 0 200 0\nf 1 2 3 4\n")
+    np.testing.assert_allclose(latelight.Scene(path).bounds, ((0, 0, 0), (100, 200, 0)))
+    scene = latelight.Scene(path, unit="cm", up_axis="z")
+    np.testing.assert_allclose(scene.bounds, ((0, 0, 0), (1, 2, 0)), atol=1e-12)
+    with pytest.raises(latelight.UsageError, match="mm, cm, m, in or ft"):
+        latelight.Scene(path, unit="yard")
+    with pytest.raises(latelight.UsageError, match="--unit"):
+        latelight.Scene("builtin:boxes", unit="mm")
+    with pytest.raises(latelight.InputError, match="line 1"):
+        path.write_text("f 1 2 3\n")
+        latelight.Scene(path)
+
+
+def test_points_are_spheres(tmp_path):
+    path = tmp_path / "cloud.ply"
+    path.write_text(
+        "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+        "0 0 0\n1 2 3\n"
+    )
+    assert latelight.Scene(path, point_radius=0.5).triangle_count == 40  # two icosahedra
+    with pytest.raises(latelight.InputError, match="--point-radius"):
+        latelight.Scene(path)
+
+
+def test_exported_scenes_have_their_edits(wall, tmp_path):
+    scene, instance, material = wall
+    transform = np.eye(4)
+    transform[:3, 3] = (1, 2, 3)
+    scene.set_transform(instance, transform)
+    scene.export(tmp_path / "wall.glb")
+    again = latelight.Scene(tmp_path / "wall.glb")
+    (same,) = again.instances()
+    np.testing.assert_array_equal(again.instance(same).transform, transform)
+    assert again.instance(same).id == scene.instance(instance).id
+    assert again.material(again.materials()[0]).base_color == scene.material(material).base_color
+    with pytest.raises(latelight.UsageError, match=".glb, .obj or .ply"):
+        scene.export(tmp_path / "wall.fbx")
