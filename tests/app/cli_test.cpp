@@ -39,6 +39,7 @@ TEST(CommandLine, HelpNamesEveryOption) {
       {"bench", {"raster", "frame", "views", "lights", "shade"}},
       {"batch",
        {"JOB", "--scenes", "--output", "-o", "--exposure", "--resume", "--shard", "verify", "merge", "status"}},
+      {"export", {"SCENE", "--out", "-o", "--unit", "--up-axis", "--point-radius", "--variant"}},
       {"compare", {"A", "B", "--tolerance", "--share", "--flip", "--ppd", "--channel", "--diff", "--json"}}};
   const std::string all = succeed({"--help"}).out;
   EXPECT_THAT(all, HasSubstr("--version"));

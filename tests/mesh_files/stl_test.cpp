@@ -95,6 +95,8 @@ TEST(Stl, ContentsDecideWithoutAnExtension) {
   EXPECT_EQ(cornersOf(MeshFile("part.txt", "solid a\n" + asciiFacet(kFacets[0])).load()).size(), 3u);
   EXPECT_EQ(cornersOf(MeshFile("part.txt", "# made by hand\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").load()).size(), 3u);
   EXPECT_THAT(MeshFile("part.txt", "hello").error(), HasSubstr("not a scene file"));
+  EXPECT_THAT(MeshFile("robot.urdf", "<robot/>").error(), HasSubstr("from_urdf()"));
+  EXPECT_THAT(MeshFile("stage.usda", "#usda 1.0").error(), HasSubstr("from_usd()"));
 }
 
 }  // namespace

@@ -94,6 +94,18 @@ Scene loadBuiltin(const std::string& source, const LoadOptions& options) {
   return scene;
 }
 
+// Names the function of the Python package that converts a file of a format that is not read here.
+void refuseConvertible(const std::string& source) {
+  constexpr std::pair<std::string_view, std::string_view> kConverters[] = {{".urdf", "from_urdf"},
+                                                                           {".usd", "from_usd"},
+                                                                           {".usda", "from_usd"},
+                                                                           {".usdc", "from_usd"},
+                                                                           {".usdz", "from_usd"}};
+  for (const auto& [extension, function] : kConverters)
+    if (endsWith(source, extension))
+      badInput("{} is read by the Python package only: use latelight.{}()", source, function);
+}
+
 Scene loadFile(const std::string& source, const LoadOptions& options) {
   const std::filesystem::path path(source);
   std::error_code error;
@@ -102,6 +114,7 @@ Scene loadFile(const std::string& source, const LoadOptions& options) {
       "give a .gltf, .glb, .obj, .ply or .stl file, or a built-in scene such as builtin:hall";
   if (!std::filesystem::exists(status)) badInput("The scene file {} does not exist: {}", source, kAdvice);
   if (std::filesystem::is_directory(status)) badInput("{} is a folder: {}", source, kAdvice);
+  refuseConvertible(source);
   const Format format = formatOf(source);
   if (format == Format::Unknown) badInput("{} is not a scene file: {}", source, kAdvice);
   if (format == Format::Obj) return loadMeshFile(path, MeshFormat::Obj, options);
