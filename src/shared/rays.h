@@ -55,11 +55,38 @@ SH_CONST uint kRayTranslucent = 4u;  // blended or transmissive
 SH_CONST uint kRayClockwise = 8u;    // front faces are clockwise
 
 struct RayScene {
-  uint64_t nodes;      // RayNode[] over the instances
-  uint64_t instances;  // RayInstance[]
-  uint instanceCount;  // 0: there is nothing to hit, and no node
+  uint64_t nodes;        // RayNode[] over the instances
+  uint64_t instances;    // RayInstance[]
+  uint64_t environment;  // EnvironmentCell[kEnvironmentColumns * kEnvironmentRows]; 0: rays do not sample it
+  uint instanceCount;    // 0: there is nothing to hit, and no node
   uint padding;
 };
+
+// A grid over the directions of an environment in its own frame, by which rays choose bright directions. Columns have
+// equal ranges of longitude and rows equal ranges of latitude, as in the equirectangular image. The cells form an alias
+// table (Vose 1991, A Linear Algorithm for Generating Random Numbers with a Given Distribution).
+SH_CONST uint kEnvironmentColumns = 256u;
+SH_CONST uint kEnvironmentRows = 128u;
+struct EnvironmentCell {  // 16 bytes
+  float threshold;        // fraction of choices of this cell that stay; the others move to the alias
+  uint alias;
+  float density;  // of the chosen directions in this cell, 1/sr
+  float padding;
+};
+
+// The values match Indirect.
+SH_CONST uint kIndirectNone = 0u;
+SH_CONST uint kIndirectOneBounce = 1u;
+SH_CONST uint kIndirectPath = 2u;
+
+// Shadows by rays instead of maps: one light in one view, in FrameConstants::shadowMaps[viewCount][shadowColumns].
+struct RayShadow {  // 16 bytes
+  uint light;       // index in FrameConstants::lights
+  uint rays;        // per surface; 0: the light casts no shadows in this view
+  float lightSize;  // radius of the light in meters; for a directional light, the tangent of its angular radius
+  uint padding;
+};
+SH_CONST uint kShadowRays = 5u;  // the value of ShadowFormat
 
 SH_END
 

@@ -278,7 +278,7 @@ struct FrameConstants {
   uint64_t lightTree;     // LightBox[]
   uint64_t shadowBits;    // ShadowBits[(lightCount + 31) / 32]
   uint64_t lightShadows;  // LightShadow[viewCount][shadowColumns]
-  uint64_t shadowMaps;    // ShadowMap[]
+  uint64_t shadowMaps;    // ShadowMap[]; with shadows by rays, RayShadow[] (shared/rays.h)
   // The previous and the next frame: arrays like `instances` and `views`, or the same addresses if nothing moves.
   uint64_t previousInstances;
   uint64_t nextInstances;

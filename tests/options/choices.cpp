@@ -72,11 +72,12 @@ Table tableOf() {
 // The shares of options that are given more or less often than others of their kind.
 void setShares(Table& t) {
   const std::pair<const char*, double> shares[] = {
-      {"--layout", 0.8},        {"--normals", 0.5},       {"--lighting", 0.9}, {"--transparency", 0.5},
-      {"--shadows", 0.6},       {"--shadow-filter", 0.5}, {"--time", 0.3},     {"--bloom", 0.3},
-      {"--data-surfaces", 0.6}, {"--validate", 0.05},     {"--fog", 0.3},      {"--json", 0.12}};
+      {"--layout", 0.8},        {"--normals", 0.5}, {"--lighting", 0.9}, {"--transparency", 0.5},  {"--shadows", 0.6},
+      {"--shadow-filter", 0.5}, {"--time", 0.3},    {"--bloom", 0.3},    {"--data-surfaces", 0.6}, {"--validate", 0.05},
+      {"--fog", 0.3},           {"--json", 0.12},   {"--indirect", 0.15}};
   for (const auto& [name, share] : shares) t.at(name).share = share;
   t.at("--anisotropy").rate = Rate::Group;  // all samplers are recreated
+  t.at("--samples").right = {"1"};          // paths take long, and a CPU device refuses many rays
 }
 
 Values antiAliasings() {

@@ -117,6 +117,13 @@ class Drawing {
       drop("--raster", true);
       drop("--aa", o.contains("--lighting") && render::findTechnique(o.at("--lighting")).draws);
     }
+    const bool traces = o.contains("--lighting") && render::findTechnique(o.at("--lighting")).traces;
+    const bool forward = o.contains("--lighting") && render::findTechnique(o.at("--lighting")).forward;
+    const bool rays = o.contains("--shadows") && o.at("--shadows") == "rays";
+    drop("--shadows", rays && forward);
+    drop("--indirect", forward);
+    drop("--aa",
+         o.contains("--aa") && o.at("--aa").starts_with("msaa") && (traces || rays || o.contains("--indirect")));
     drop("--camera", o.contains("--eye") || o.contains("--orbit"));
     drop("--orbit", o.contains("--eye"));
     drop("--json", o["--out"] == "-");

@@ -62,6 +62,9 @@ struct FrameConfig {
   bool sunInGbuffer = false;  // the layout's sunTarget holds the sun's shadow, which lighting reads there
   uint32_t samples = 1;       // per pixel: a power of two up to shared::kMaxSamples
   bool sampleLayers = false;  // several samples are array layers; false: images are multisampled
+  bool rayShadows = false;    // rays find the shadows of lights; shadowFormat is then 0
+  uint32_t indirect = 0;      // kIndirect*: light between surfaces, by rays
+  uint32_t paths = 16;        // number of them per surface of a pixel
   bool everySample = false;   // reference: every sample is shaded, even if they are alike
 
   // Returns the specialization constants of every shader that includes render/glsl/setup.glsl.
@@ -92,8 +95,11 @@ struct FrameContext : Builder {
   float aoRadius = 0, aoStrength = 1;     // ambient occlusion: meters, exponent
   const FrameShadows* shadows = nullptr;  // null: no light casts shadows
   ShadowMapState shadowState{};           // of the maps before this frame
-  const LensRays* lens = nullptr;         // null: all views are projections
-  Overflow* overflow = nullptr;           // buffers whose size passes have to estimate; null: there are none
+  // The constants without the lights whose shadows rays find, which a pass after the lighting technique adds; 0: the
+  // lighting technique adds all lights.
+  VkDeviceAddress otherConstants = 0;
+  const LensRays* lens = nullptr;  // null: all views are projections
+  Overflow* overflow = nullptr;    // buffers whose size passes have to estimate; null: there are none
 
   VkDeviceAddress constantsOf(uint32_t view) const {
     return constants + (worlds ? view * sizeof(shared::FrameConstants) : 0);

@@ -44,14 +44,22 @@ SurfacePoint rayPoint(FrameConstants frame, Ray ray, RayHit hit) {
   p.instance = hit.instance;
   p.mesh = instance.mesh;
   p.triangle = hit.triangle;
+#ifdef LATELIGHT_SURFACE_POINT_GLSL
+  uvRight = uvDown = vec4(0.0);
+#endif
   return p;
 }
 
+#ifdef LATELIGHT_SURFACE_POINT_GLSL  // which defines sampleTexture()
+void bindRayTextures(FrameConstants frame) {}
+#else
 uint64_t rayTextures;  // FrameConstants::textures
+void bindRayTextures(FrameConstants frame) { rayTextures = frame.textures; }
 vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
   vec2 uv = p.uv.xy;
   for (bool moved = (m.flags & kMaterialPlainUv) == 0u; moved; moved = false) uv = transformedUv(m.transforms[slot], p.uv);
   return filteredTexture(TextureRef(rayTextures).v[m.images[slot]], uv, vec2(0.0), vec2(0.0));
 }
+#endif
 
 #endif

@@ -135,26 +135,28 @@ vec3 rayWeights(vec3 areas, vec2 a, vec2 b, vec2 c) {
 
 // The alpha of a surface as the raster's alpha test reads it, from level 0 of the texture.
 float rayAlpha(FrameConstants frame, uint materialIndex, uint instanceIndex, uvec3 corners, vec3 weights) {
-  Material m = frameMaterial(frame, materialIndex);
+  MaterialRef m = MaterialRef(frame.materials + uint64_t(materialIndex) * kMaterialBytes);
   Instance instance = frameInstance(frame, instanceIndex);
-  Mesh mesh = frameMesh(frame, instance.mesh);
+  uint64_t attributes = MeshRef(frame.meshes).v[instance.mesh].attributes;
+  uint64_t extras = MeshRef(frame.meshes).v[instance.mesh].extras;
   vec4 uv = vec4(0.0);
-  precise float alpha = m.baseColor.a;
-  for (int i = 0; i < 3; ++i) uv.xy += weights[i] * attributesAt(mesh.attributes, corners[i]).uv0;
+  precise float alpha = m.v.baseColor.a;
+  for (int i = 0; i < 3; ++i) uv.xy += weights[i] * attributesAt(attributes, corners[i]).uv0;
   for (bool some = (instance.flags & kInstanceExtras) != 0u; some; some = false) {
     float color = 0.0;
     for (int i = 0; i < 3; ++i) {
-      VertexExtra extra = ExtraRef(mesh.extras).v[corners[i]];
+      VertexExtra extra = ExtraRef(extras).v[corners[i]];
       uv.zw += weights[i] * extra.uv1;
       color += weights[i] * extra.color.a;
     }
     alpha *= color;
   }
-  for (bool some = (m.textures & (1u << kTextureBaseColor)) != 0u; some; some = false) {
-    TextureTransform t = m.transforms[kTextureBaseColor];
+  for (bool some = (m.v.textures & (1u << kTextureBaseColor)) != 0u; some; some = false) {
+    TextureTransform t = m.v.transforms[kTextureBaseColor];
     vec3 at = vec3(t.uvSet == 0u ? uv.xy : uv.zw, 1.0);
-    alpha *= filteredTexture(TextureRef(frame.textures).v[m.images[kTextureBaseColor]],
-                             vec2(dot(t.row0, at), dot(t.row1, at)), vec2(0.0), vec2(0.0)).a;
+    TextureRecord texture = TextureRef(frame.textures).v[m.v.images[kTextureBaseColor]];
+    alpha *= filteredLevel(texture, 0u, vec2(dot(t.row0, at), dot(t.row1, at)),
+                           (texture.flags & kTextureMagnifyNearest) != 0u).a;
   }
   return alpha;
 }

@@ -2,6 +2,9 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <functional>
+#include <iterator>
 #include <vector>
 
 #include "render/base/registry.h"
@@ -13,6 +16,15 @@ namespace latelight::render {
 #undef TECHNIQUE
 
 std::span<const TechniqueInfo> techniques() {
+  static const std::vector<TechniqueInfo> same = [] {
+    std::vector<TechniqueInfo> infos;
+    std::ranges::copy_if(allTechniques(), std::back_inserter(infos), std::logical_not(), &TechniqueInfo::traces);
+    return infos;
+  }();
+  return same;
+}
+
+std::span<const TechniqueInfo> allTechniques() {
   static const std::vector<TechniqueInfo> all = [] {
     std::vector<TechniqueInfo> infos;
 #define TECHNIQUE(folder) infos.push_back(technique_##folder()), infos.back().name = registryName(#folder);
@@ -24,7 +36,7 @@ std::span<const TechniqueInfo> techniques() {
 }
 
 const TechniqueInfo& findTechnique(std::string_view name) {
-  return findByName(techniques(), name, "lighting technique");
+  return findByName(allTechniques(), name, "lighting technique");
 }
 
 std::string techniquesThatCompute() {

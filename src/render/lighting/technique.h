@@ -12,8 +12,9 @@
 
 namespace latelight::render {
 
-std::span<const TechniqueInfo> techniques();
-const TechniqueInfo& findTechnique(std::string_view name);  // throws Error(Usage) that lists the names
+std::span<const TechniqueInfo> techniques();                // those that produce the same picture
+std::span<const TechniqueInfo> allTechniques();             // and those that trace paths
+const TechniqueInfo& findTechnique(std::string_view name);  // of all; throws Error(Usage) that lists the names
 std::string techniquesThatCompute();                        // "a, b or c": those without `draws`
 
 }  // namespace latelight::render

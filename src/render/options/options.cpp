@@ -32,14 +32,14 @@ std::vector<NamedOption> entriesOf<NormalEncoding>() {
 }
 template <>
 std::vector<NamedOption> entriesOf<TechniqueInfo>() {
-  return describedIn(techniques());
+  return describedIn(allTechniques());
 }
 
 }  // namespace
 
 template <>
 const TechniqueInfo& readEntry<TechniqueInfo>(const char* option, std::string_view name) {
-  return entryNamed(option, techniques(), name);
+  return entryNamed(option, allTechniques(), name);
 }
 
 template <>
@@ -181,8 +181,27 @@ std::string read(Settings& settings, const Option& option, std::string_view text
   return table().read(settings, option, text);
 }
 
+namespace {
+
+void checkPaths(const Settings& settings) {
+  const bool indirect = settings.indirect != Indirect::None;
+  if (indirect && settings.lighting->forward)
+    badUsage("--indirect requires a deferred technique, unlike {}", settings.lighting->name);
+  const bool rays = settings.shadows == ShadowFormat::Rays && !settings.lighting->traces;
+  if (rays && settings.lighting->forward)
+    badUsage("--shadows rays requires a deferred technique, unlike {}", settings.lighting->name);
+  if (rays && settings.aa.samples > 1)
+    badUsage("--aa msaa{} does not sample --shadows rays: use --aa ss2 or more", settings.aa.samples);
+  if ((indirect || settings.lighting->traces) && settings.aa.samples > 1)
+    badUsage("--aa msaa{} does not sample the paths of {}: use --aa ss2 or more", settings.aa.samples,
+             indirect ? "--indirect" : "--lighting reference");
+}
+
+}  // namespace
+
 void checkSettings(const Settings& settings) {
   table().check(settings);
+  checkPaths(settings);
   if (!takesCompute(settings)) return;
   const bool triangles = lightsTriangles(settings);
   if (triangles && settings.lighting->draws)

@@ -50,7 +50,7 @@ void main() {
   uint index = gl_GlobalInvocationID.x + gl_GlobalInvocationID.y * (gl_NumWorkGroups.x * gl_WorkGroupSize.x);
   if (index >= push.count) return;
   FrameConstants frame = FrameRef(push.frame).v;
-  rayTextures = frame.textures;
+  bindRayTextures(frame);
   uint64_t at = push.rays + uint64_t(index) * kCastRayBytes;
   vec4 origin = floatsAt(at, 0u), direction = floatsAt(at, 1u);
   Ray ray = Ray(origin.xyz, floatsAt(at, 2u).xyz, direction.xyz, origin.w, direction.w);

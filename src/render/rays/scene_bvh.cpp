@@ -83,6 +83,11 @@ bool SceneBvh::isShown(uint32_t instance) const {
          !scene_.meshes[gpuScene_.instances().record(instance).mesh].indices.empty();
 }
 
+void SceneBvh::setEnvironment(VkDeviceAddress cells) {
+  environment_ = cells;
+  instanceRevision_ = 0;  // the record is uploaded with the instances
+}
+
 void SceneBvh::update() {
   const GpuInstances& instances = gpuScene_.instances();
   if (geometryRevision_ == gpuScene_.geometry().revision() && instanceRevision_ == instances.revision() &&
@@ -217,6 +222,7 @@ void SceneBvh::buildInstances() {
   }
   const shared::RayScene record{.nodes = nodes_.address(),
                                 .instances = instances_.address(),
+                                .environment = environment_,
                                 .instanceCount = static_cast<uint32_t>(shown.size())};
   record_.upload(uploads, std::span(&record, 1));
   instanceNodes_ = bvh.nodes.size();

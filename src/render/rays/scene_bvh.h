@@ -16,6 +16,8 @@ class SceneBvh {
   // Both must outlive this object.
   SceneBvh(vk::Device& device, const scene::Scene& scene, GpuScene& gpuScene);
 
+  // Sets RayScene::environment, from the next update() on.
+  void setEnvironment(VkDeviceAddress cells);
   // Follows the edits and poses that GpuScene::update() has followed. Meshes that changed are built again; deformed
   // ones are refitted by the next graph. The uploads are part of GpuScene::uploads().
   void update();
@@ -57,6 +59,7 @@ class SceneBvh {
   vk::PipelineRef refitPipeline_;
   uint64_t meshEdits_ = 0;  // revisions that this follows so far
   uint64_t geometryRevision_ = 0, instanceRevision_ = 0, materialRevision_ = 0;
+  VkDeviceAddress environment_ = 0;
   size_t instanceNodes_ = 0, instanceCount_ = 0;
 };
 

@@ -10,6 +10,7 @@
 #include "render/gbuffer/layout.h"
 #include "render/settings/technique_info.h"
 #include "shared/color.h"
+#include "shared/rays.h"
 #include "shared/shade.h"
 #include "shared/shadow.h"
 #include "shared/tonemap.h"
@@ -36,6 +37,9 @@ static_assert(indexOf(ShadowFormat::D32) == shared::kShadowD32);
 static_assert(indexOf(ShadowFormat::D16) == shared::kShadowD16);
 static_assert(indexOf(ShadowFormat::Rgba8) == shared::kShadowRgba8);
 static_assert(indexOf(ShadowFormat::Rgba8Classic) == shared::kShadowRgba8Classic);
+static_assert(indexOf(ShadowFormat::Rays) == shared::kShadowRays);
+static_assert(indexOf(Indirect::OneBounce) == shared::kIndirectOneBounce);
+static_assert(indexOf(Indirect::Path) == shared::kIndirectPath);
 static_assert(indexOf(ShadowFilter::Hard) == shared::kShadowFilterHard);
 static_assert(indexOf(ShadowFilter::Pcf) == shared::kShadowFilterPcf);
 static_assert(indexOf(ShadowFilter::Pcss) == shared::kShadowFilterPcss);

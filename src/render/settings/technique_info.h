@@ -16,6 +16,7 @@ struct TechniqueInfo {
   const char* description;  // one line
   bool forward = false;     // draws the scene itself after the depth pass: no geometry pass, no layout
   bool draws = false;       // requires the graphics pipeline; every forward technique does
+  bool traces = false;      // traces paths: its picture includes light between surfaces, unlike those of all others
   // Adds the passes that write the lit picture to gbuffer.light, with alpha 1 at pixels with a surface. For a deferred
   // technique, gbuffer.light initially contains emitted radiance and ambient occlusion; for a forward technique it is
   // empty, and gbuffer.targets is empty too. Every technique shades the same lights with shared/shade.h, so all produce

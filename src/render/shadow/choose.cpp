@@ -154,6 +154,7 @@ std::vector<ShadowCaster> chooseShadowCasters(const ShadowScene& scene, const sh
     const uint32_t maps = candidate.directional ? cascades : shadowCone(light) ? 1 : 6;
     casters.push_back({candidate.light, maps, sizeOf(light, scene, view, maps)});
   }
+  if (settings.shadows == ShadowFormat::Rays) return casters;
   const size_t asked = casters.size();
   const size_t dropped = fit(casters, scene, uint64_t{settings.shadowAtlas} * settings.shadowAtlas);
   if (dropped && !requested.automatic)

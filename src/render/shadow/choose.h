@@ -15,7 +15,7 @@ inline constexpr uint32_t kAutomaticShadows = 8;  // number of lights that --sha
 
 // Returns the shadow casters in order of importance. `cascades` is the number of maps of each directional light. The
 // total area of all tiles is at most the square of settings.shadowAtlas: tiles of local lights are halved first, then
-// all tiles, and finally the least important lights are dropped.
+// all tiles, and finally the least important lights are dropped. Without maps, no light is dropped.
 std::vector<ShadowCaster> chooseShadowCasters(const ShadowScene& scene, const shared::View& view,
                                               const Settings& settings, uint32_t cascades);
 

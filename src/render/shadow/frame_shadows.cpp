@@ -49,13 +49,18 @@ FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, ShadowPlan
       filter_(indexOf(settings.shadowFilter)),
       inCompute_(rastersInCompute(settings)),
       plan_(std::move(plan)),
-      canRequestPages_(inCompute_ && !settings.wholeShadowMaps && !requestsOutput(settings, Origin::LightCounts)) {
+      canRequestPages_(inCompute_ && !tracesRays() && !settings.wholeShadowMaps &&
+                       !requestsOutput(settings, Origin::LightCounts)) {
   for (const ShadowPlan::OfView& view : plan_.of)
     for (const ShadowPlan::Entry& entry : view.lights) columns_.push_back(entry.light);
   std::sort(columns_.begin(), columns_.end());
   columns_.erase(std::unique(columns_.begin(), columns_.end()), columns_.end());
   if (columns_.empty()) return;
   number(scene.lightCount());
+  if (tracesRays()) {
+    uploadRays(device, scene.lights().lights());
+    return;
+  }
   enterMaps();
   // The rounding of the graphics pipeline depends on the position in the atlas, so cached maps would depend on earlier
   // frames.
@@ -173,6 +178,28 @@ void FrameShadows::upload(vk::Device& device, const GpuScene& scene) {
   constantsBuffer_ = uploaded(device, "shadow constants", constants);
 }
 
+void FrameShadows::uploadRays(vk::Device& device, std::span<const shared::Light> lights) {
+  std::vector<shared::RayShadow> rays;
+  for (size_t i = 0; i < table_.size(); ++i) {
+    shared::RayShadow none{.light = columns_[i % columns_.size()]};
+    rays.push_back(table_[i].maps ? plan_.rays[table_[i].first] : none);
+  }
+  std::vector<shared::Light> others(lights.begin(), lights.end());
+  for (const uint32_t light : columns_) others[light].intensity = glm::vec3(0);
+  mapsBuffer_ = uploaded(device, "shadow rays", rays);
+  lightsBuffer_ = uploaded(device, "lights without shadows", others);
+}
+
+uint32_t FrameShadows::mostRays() const {
+  uint32_t most = 0;
+  for (const ShadowPlan::OfView& view : plan_.of) {
+    uint32_t rays = 0;
+    for (const ShadowPlan::Entry& entry : view.lights) rays += entry.maps;
+    most = std::max(most, rays);
+  }
+  return most;
+}
+
 shared::LightShadow FrameShadows::of(uint32_t view, uint32_t light) const {
   const size_t column = columnOf(light);
   if (column == columns_.size() || columns_[column] != light) return {};
@@ -185,8 +212,10 @@ std::optional<uint32_t> FrameShadows::sun(uint32_t view) const {
 
 void FrameShadows::describe(shared::FrameConstants& frame) const {
   if (empty()) return;
-  frame.shadowBits = bitsBuffer_.address();
-  frame.lightShadows = tableBuffer_.address();
+  if (!tracesRays()) {
+    frame.shadowBits = bitsBuffer_.address();
+    frame.lightShadows = tableBuffer_.address();
+  }
   frame.shadowMaps = mapsBuffer_.address();
   frame.shadowColumns = static_cast<uint32_t>(columns_.size());
 }

@@ -1,5 +1,5 @@
-// The shadow maps of a picture: places the maps of a ShadowPlan in the shadow atlas, lists those that it has to draw,
-// and provides the tables by which shaders look them up by light and view.
+// The shadows of a picture. Its maps: places the maps of a ShadowPlan in the shadow atlas, lists those that it has to
+// draw, and provides the tables by which shaders look them up by light and view.
 #pragma once
 
 #include <memory>
@@ -11,6 +11,7 @@
 #include "render/shadow/page_push.h"
 #include "render/shadow/plan.h"
 #include "render/shadow/shadow_map_cache.h"
+#include "shared/rays.h"
 #include "vk/resources.h"
 
 namespace latelight::render {
@@ -33,7 +34,12 @@ class FrameShadows {
   FrameShadows(vk::Device& device, const GpuScene& scene, ShadowPlan plan, const Settings& settings,
                ShadowMapCache& kept);
 
-  bool empty() const { return columns_.empty(); }  // true if no light casts shadows in any view
+  bool empty() const { return columns_.empty(); }                     // true if no light casts shadows in any view
+  bool tracesRays() const { return format_ == shared::kShadowRays; }  // there are no maps and no atlas
+  uint32_t mostRays() const;                                          // maximum number of rays per surface
+  uint32_t columns() const { return static_cast<uint32_t>(columns_.size()); }  // lights with shadows in any view
+  // The frame's lights except those with shadows in any view, which emit nothing there. Only if tracesRays().
+  VkDeviceAddress otherLights() const { return lightsBuffer_.address(); }
   const ShadowPlan& plan() const { return plan_; }
   shared::LightShadow of(uint32_t view, uint32_t light) const;
   std::optional<uint32_t> sun(uint32_t view) const;  // the view's first directional light that casts shadows
@@ -72,6 +78,7 @@ class FrameShadows {
   void list(const std::shared_ptr<CachedShadowMap>& map, const ShadowView& view);
   void listPagedLights();
   void upload(vk::Device& device, const GpuScene& scene);
+  void uploadRays(vk::Device& device, std::span<const shared::Light> lights);
 
   uint32_t format_, filter_;  // kShadow*, kShadowFilter*
   bool inCompute_;            // compute shaders draw the maps
@@ -93,7 +100,7 @@ class FrameShadows {
   std::shared_ptr<const vk::Buffer> pages_;
   bool cacheIsDrawn_ = false;
   bool canRequestPages_;
-  vk::Buffer bitsBuffer_, tableBuffer_, mapsBuffer_, viewsBuffer_, constantsBuffer_;
+  vk::Buffer bitsBuffer_, tableBuffer_, mapsBuffer_, viewsBuffer_, constantsBuffer_, lightsBuffer_;
 };
 
 VkFormat shadowImageFormat(uint32_t format, bool inCompute = false);  // of the atlas: attachment or storage image

@@ -12,6 +12,7 @@
 #include "render/base/frustum.h"
 #include "render/settings/settings.h"
 #include "scene/scene.h"
+#include "shared/rays.h"
 #include "shared/types.h"
 
 namespace latelight::render {
@@ -40,6 +41,7 @@ struct ShadowPlan {
   std::vector<OfView> of;               // one per view
   std::vector<ShadowView> views;        // one per map
   std::vector<shared::ShadowMap> maps;  // as lookups read them, without their position in the atlas
+  std::vector<shared::RayShadow> rays;  // instead of views and maps, if rays decide; Entry::first is an index in it
 };
 
 struct ShadowScene {
@@ -49,7 +51,7 @@ struct ShadowScene {
   scene::Bounds bounds;  // in the device's world space
 };
 
-uint64_t shadowTexels(const Settings& settings);  // maximum number of texels of the maps of one view
+uint64_t shadowTexels(const Settings& settings);  // maximum number of texels of the maps of one view; 0: no maps
 
 // Selects the lights of each view: those that request shadows in the scene come first, then directional lights, then
 // the others by their brightness at the eye; ties are resolved by scene order. A light whose sphere the view does not

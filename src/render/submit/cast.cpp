@@ -133,7 +133,7 @@ CastResult Renderer::cast(const CastRays& rays, const Settings& settings, const 
   sceneInput_.reset();
   gpuScene_.update(moment.poses, sunOf(settings));
   gpuScene_.setWorlds({}, moment.poses);
-  SceneBvh& bvh = followedBvh();
+  SceneBvh& bvh = followedBvh(false);
   const bool file = scene_.yUp && settings.axes == Axes::File;
   const RayFrame frame{.worldFromFrame = file ? glm::dmat3(scene::toWorldFromGltf()) : glm::dmat3(1),
                        .deviceOrigin = gpuScene_.origin(),
@@ -153,10 +153,8 @@ CastResult Renderer::cast(const CastRays& rays, const Settings& settings, const 
     });
     graph::Graph graph(executor_);
     const CastPass pass = addCast({device_, graph}, constants, chunk, what, specialized, graph);
-    gpuScene_.addChanges(graph);
-    bvh.addChanges(graph);
+    addSceneChanges(graph);
     const graph::Submission done = submit(graph, graph.compile());
-    bvh.changesSubmitted();
     done.wait();
     const auto* hits = done.buffer(pass.hits).as<shared::CastHit>();
     parallelFor(chunk.size(), kRaysOfTask, [&](size_t begin, size_t end) {

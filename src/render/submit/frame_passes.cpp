@@ -4,12 +4,14 @@
 
 #include "base/error.h"
 #include "render/layered/layered.h"
+#include "render/lighting/reference/paths.h"
 #include "render/lighting/technique.h"
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
 #include "render/post/background.h"
 #include "render/post/fog/fog.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/shadow/pages.h"
+#include "render/shadow/ray_shadows.h"
 #include "render/shadow/sun_occlusion.h"
 #include "render/transparency/transparency.h"
 #include "render/visibility/visibility.h"
@@ -42,7 +44,7 @@ struct Shadows {
 
 // Draws the shadow maps unless they are complete. Reads the G-buffer as it is at this point.
 Shadows addShadows(const FrameContext& f, const Gbuffer& g) {
-  if (!f.shadows) return {{}, f.shadowState};
+  if (!f.shadows || f.shadows->tracesRays()) return {{}, f.shadowState};
   if (f.shadows->maps().empty() || f.shadowState == ShadowMapState::Complete)
     return {f.graph.import(f.shadows->atlas(), graph::Use::SampledCompute), f.shadowState};
   const bool keeps = f.shadows->keepsAtlas(f.shadowState);
@@ -72,7 +74,12 @@ LitFrame addLit(const FrameContext& f, const VisibilityBuffer& visible) {
   g.shadows = shadows.atlas;
   g.ambientOcclusion = addAmbientOcclusion(f, g);
   if (f.setup.sunInGbuffer) addSunOcclusion(f, g);
-  g.lightLists = f.setup.lighting->add(f, g);
+  const bool rayShadows = f.otherConstants && !f.setup.lighting->traces;  // paths find shadows themselves
+  FrameContext others = f;
+  if (rayShadows) others.constants = f.otherConstants, others.shadows = nullptr;
+  g.lightLists = f.setup.lighting->add(others, g);
+  if (rayShadows) addRayShadows(f, g);
+  if (f.setup.indirect) addIndirect(f, g);
   addLayered(f, g);
   if (f.environmentBackground) addBackground(f, g);
   if (f.setup.fog) addFog(f, g);

@@ -77,6 +77,14 @@ bool leavesOutBlended(const Settings& settings) {
          (requestsOutput(settings, Origin::Surface) || requestsOutput(settings, Origin::Motion));
 }
 
+bool tracesPaths(const Settings& settings) {
+  return settings.indirect != Indirect::None || settings.lighting->traces;
+}
+
+bool tracesRays(const Settings& settings) {
+  return settings.shadows == ShadowFormat::Rays || tracesPaths(settings);
+}
+
 bool needsComputeRaster(const Settings& settings) {
   return rastersInCompute(settings) || requestsOutput(settings, Origin::Raster);
 }
@@ -105,7 +113,7 @@ Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::E
       rasterInstances_(device),
       executor_(device),
       state_{device_,    executor_,        gpuScene_,         environment_, hasEnvironment_,
-             drawOrder_, rasterInstances_, clusterOcclusion_, overflow_} {}
+             drawOrder_, rasterInstances_, clusterOcclusion_, overflow_,    bvh_} {}
 
 Renderer::~Renderer() = default;
 
@@ -128,6 +136,11 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
         "the data outputs show what lies behind blended and transmissive surfaces and not these themselves; "
         "--data-surfaces any includes them");
   requireRaster(device_, settings);
+  if (moment.worlds.count > 0 && tracesRays(settings))
+    badUsage(
+        "rays trace the scene itself and not its worlds: render worlds with shadow maps, without indirect light and "
+        "without the technique reference");
+  if (tracesRays(settings) && isLit(settings)) followedBvh(tracesPaths(settings));
   if (needsComputeRaster(settings)) {
     gpuScene_.storeClusters();
     rasterInstances_.update(gpuScene_, drawOrder_, gpuScene_.uploads());
@@ -202,7 +215,7 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
   else
     job->memory.grow(bytesPerPixel(settings) * settings.width * claimed * cameras.size(), "the pictures");
   size_t atOnce = std::min(cameras.size(), mostViews(device_, settings));
-  if (castsShadows(settings))
+  if (castsShadows(settings) && shadowTexels(settings) > 0)
     atOnce = std::clamp<uint64_t>(memoryForViews(device_) / (4 * shadowTexels(settings)), 1, atOnce);
   for (size_t first = 0; first < cameras.size();) {
     const size_t count = std::min(atOnce, throughOneLens(cameras.subspan(first)));
@@ -297,8 +310,8 @@ Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> max
 
 std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
   const Settings& s = part.job.settings;
-  if (!sceneInput_ || gpuScene_.hasWorlds() || !rastersInCompute(s) || s.lighting->draws || s.aa.superSampling > 1 ||
-      s.aa.temporal || s.describeGraph || part.shadows || bendsRays(part.job.now[part.first]))
+  if (!sceneInput_ || gpuScene_.hasWorlds() || tracesRays(s) || !rastersInCompute(s) || s.lighting->draws ||
+      s.aa.superSampling > 1 || s.aa.temporal || s.describeGraph || part.shadows || bendsRays(part.job.now[part.first]))
     return std::nullopt;
   ReplayKey key{
       .views = part.count,
@@ -361,7 +374,7 @@ std::shared_ptr<Replay> Renderer::recordReplay(const ViewBatch& part, const View
 // Submits the scene's changes in a graph of their own, before the commands of a replay.
 void Renderer::submitChanges(ViewBatch& part) {
   graph::Graph graph(executor_);
-  gpuScene_.addChanges(graph);
+  addSceneChanges(graph);
   if (graph.passCount() > 0) part.earlier.push_back(submit(graph, graph.compile()));
 }
 
@@ -392,7 +405,7 @@ Renderer::Start Renderer::build(ViewBatch& part, std::optional<uint64_t> maxByte
     if (last) request.exportResults(part.job.results);
     part.shadowState = request.shadowState();
     part.checks = std::exchange(overflow_.checks, {});
-    gpuScene_.addChanges(request.graph());
+    addSceneChanges(request.graph());
     const graph::Plan plan = request.graph().compile();
     if (i == 0 && maxBytes) {
       const uint64_t needed = transientBytes(device_, request.graph(), plan).peak;
@@ -421,11 +434,21 @@ graph::Submission Renderer::submit(const graph::Graph& graph, const graph::Plan&
     submission = executor_.submit(graph, plan);
   }
   gpuScene_.changesSubmitted();
+  if (bvh_) bvh_->changesSubmitted();
   return submission;
 }
 
-SceneBvh& Renderer::followedBvh() {
+void Renderer::addSceneChanges(graph::Graph& graph) const {
+  gpuScene_.addChanges(graph);
+  if (bvh_) bvh_->addChanges(graph);
+}
+
+SceneBvh& Renderer::followedBvh(bool samplesEnvironment) {
   if (!bvh_) bvh_ = std::make_unique<SceneBvh>(device_, scene_, gpuScene_);
+  if (samplesEnvironment && hasEnvironment_ && !environmentCells_) {
+    environmentCells_ = makeEnvironmentCells(device_, executor_, environment_);
+    bvh_->setEnvironment(environmentCells_.address());
+  }
   gpuScene_.storeTexels();
   bvh_->update();
   return *bvh_;
@@ -502,6 +525,7 @@ TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings&
     badUsage("{} lighting has no G-buffer to show: choose a deferred technique", settings.lighting->name);
   if (!settings.layout->hasTargets())
     badUsage("the layout {} has no targets to show: choose another", settings.layout->name);
+  if (tracesRays(settings)) followedBvh(tracesPaths(settings));  // even if no picture is requested
   Settings atCentres = settings;
   atCentres.aa.samples = 1;
   RenderJob job({&camera, 1}, atCentres, moment, settings.height);
@@ -522,7 +546,7 @@ TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings&
     f.shadowState = again ? ShadowMapState::Discarded : ShadowMapState::Cached;
     const LitFrame lit = addOpaque(f);
     readback.emplace(*graph, layout, settings.normals->index, lit.gbuffer);
-    gpuScene_.addChanges(*graph);
+    addSceneChanges(*graph);
     done = submit(*graph, graph->compile());
     done.wait();
   } while (overflowed(std::exchange(overflow_.checks, {}), done));

@@ -13,6 +13,7 @@
 #include "render/gpu_scene/gpu_scene.h"
 #include "render/lens/lens_rays.h"
 #include "render/post/taa/taa.h"
+#include "render/rays/environment_cells.h"
 #include "render/rays/scene_bvh.h"
 #include "render/settings/settings.h"
 #include "render/submit/cast.h"
@@ -96,7 +97,8 @@ class Renderer {
   };
   SceneInput inputOf(const Settings& settings, const SceneState& moment) const;
   graph::Submission submit(const graph::Graph& graph, const graph::Plan& plan);
-  SceneBvh& followedBvh();                                // after GpuScene::update(): the BVHs of the same state
+  void addSceneChanges(graph::Graph& graph) const;
+  SceneBvh& followedBvh(bool samplesEnvironment);         // after GpuScene::update(): the BVHs of the same state
   void resolveOverflow(const ViewBatch* last = nullptr);  // of the batches up to this one; null: of all
   void read(RenderJob& job);                              // the oldest part
   void finish(RenderJob& job);
@@ -118,12 +120,13 @@ class Renderer {
   ClusterOcclusion clusterOcclusion_;
   graph::Executor executor_;
   Overflow overflow_;
+  std::unique_ptr<SceneBvh> bvh_;  // null before the first request for rays
+  vk::Buffer environmentCells_;    // null before paths sample the environment
   RenderState state_;
   TemporalHistory history_;
   LensRayCache lensRays_;
   std::shared_ptr<ExportPool> exports_ = std::make_shared<ExportPool>();
   ShadowMapCache shadowMaps_[2];          // of hardware and compute
-  std::unique_ptr<SceneBvh> bvh_;         // null before the first request for rays
   std::optional<SceneInput> sceneInput_;  // of the last begin(), unless it failed
   ReplayCache replays_;
   // Batches in flight, in order. resolveOverflow() detects whether they overflowed, and renders them again, before

@@ -35,8 +35,11 @@ FrameConfig frameSetup(const Settings& s, bool shadows) {
                     .transparency = {indexOf(s.transparency)},
                     .samples = s.aa.samples,
                     .sampleLayers = s.aa.samples > 1 && rastersInCompute(s),
+                    .indirect = indexOf(s.indirect),
+                    .paths = s.samples,
                     .everySample = s.everySample && s.aa.samples > 1};
-  if (shadows) {
+  setup.rayShadows = shadows && s.shadows == ShadowFormat::Rays;
+  if (shadows && !setup.rayShadows) {
     setup.shadowFormat = indexOf(s.shadows);
     setup.shadowFilter = indexOf(s.shadowFilter);
     setup.sunInGbuffer = keepsSun(setup, s);

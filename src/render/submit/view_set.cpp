@@ -60,6 +60,11 @@ void ViewSet::upload() {
   for (const auto* some : {&views_.now, &views_.previous, &views_.next}) views = std::ranges::copy(*some, views).out;
   for (size_t i = 0; i < frames; ++i)
     constants_.as<shared::FrameConstants>()[i] = constantsOf(state_.scene.hasWorlds() ? views_.now[i].world : 0);
+  if (!shadows_ || !shadows_->tracesRays()) return;
+  shared::FrameConstants others = constantsOf(0);
+  others.lights = shadows_->otherLights();
+  otherConstants_ =
+      vk::uploadedBuffer(state_.device, "constants of other lights", std::as_bytes(std::span(&others, 1)));
 }
 
 shared::FrameConstants ViewSet::constantsOf(uint32_t world) const {
@@ -78,6 +83,7 @@ shared::FrameConstants ViewSet::constantsOf(uint32_t world) const {
   frame.previousViews = frame.views + count * sizeof(shared::View);
   frame.nextViews = frame.previousViews + count * sizeof(shared::View);
   frame.rays = views_.lens ? views_.lens->rays.address() : 0;
+  frame.rayScene = state_.bvh ? state_.bvh->address() : 0;
   frame.viewCount = static_cast<uint32_t>(count);
   frame.exposure = exposureFactor(s);
   const float rotation = state_.scene.worlds().environmentRotation(world, s.environmentRotation);
@@ -119,7 +125,8 @@ FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {
       settings_.aoRadius.value_or(static_cast<float>(kAoRadiusShare * state_.scene.bounds().radius())),
       settings_.aoStrength,
   };
-  if (setup.shadowFormat) f.shadows = shadows_;
+  if (setup.shadowFormat || setup.rayShadows) f.shadows = shadows_;
+  if (setup.rayShadows && shadows_) f.otherConstants = otherConstants_.address();
   f.lens = views_.lens.get();
   f.overflow = &state_.overflow;
   return f;

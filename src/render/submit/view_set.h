@@ -8,6 +8,7 @@
 
 #include "render/frame/frame.h"
 #include "render/lens/lens_rays.h"
+#include "render/rays/scene_bvh.h"
 #include "render/settings/settings.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/visibility/compute/compute.h"
@@ -26,6 +27,7 @@ struct RenderState {
   const RasterInstances& rasterInstances;
   ClusterOcclusion& clusterOcclusion;
   Overflow& overflow;
+  const std::unique_ptr<SceneBvh>& bvh;  // null without rays
 };
 
 // Equal numbers of views in the current, previous and next frame. The previous and next views have no jitter.
@@ -59,7 +61,7 @@ class ViewSet {
   const Settings& settings_;
   const FrameShadows* shadows_;
   Visibility visibility_;
-  vk::Buffer viewBuffer_, constants_;
+  vk::Buffer viewBuffer_, constants_, otherConstants_;
 };
 
 }  // namespace latelight::render

@@ -1,0 +1,20 @@
+// Push constants of paths.comp.
+#ifndef LATELIGHT_RENDER_LIGHTING_REFERENCE_PATHS_PUSH_H
+#define LATELIGHT_RENDER_LIGHTING_REFERENCE_PATHS_PUSH_H
+
+#include "render/visibility/compute/shown_push.h"
+#include "shared/lang.h"
+
+SH_BEGIN
+
+struct PathsPush {
+  uint64_t frame;  // FrameConstants
+  VisibleSurfacePush shown;
+  uint first, end;  // samples of this pass
+  uint samples;     // of all passes
+  uint bounces;     // maximum number of surfaces after the visible one
+};
+
+SH_END
+
+#endif

@@ -1,0 +1,73 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// variants: layout, visible
+// Adds the light of lights that cast shadows, and traces rays to them: one to a light without size, and several to the
+// disk of a light with a radius. Inputs: the G-buffer, FrameConstants::shadowMaps (RayShadow) and the scene's BVHs.
+// Output: lightTarget. The lighting technique has added all other light before.
+#define ONE_SAMPLE
+#include "render/glsl/common.glsl"
+#include "render/glsl/gbuffer_read.glsl"
+#include "render/glsl/lights.glsl"
+#include "render/glsl/lit_pixel.glsl"
+#include "render/glsl/ray_samples.glsl"
+#include "render/glsl/rays.glsl"
+#include "render/shadow/ray_shadows_push.h"
+
+layout(push_constant, scalar) uniform Push { RayShadowsPush push; };
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RayShadowRef { RayShadow v[]; };
+
+// Returns the ray from a surface to a point of a light: the center, moved by `offset` in units of the light's size.
+Ray shadowRay(View view, Light light, RayShadow shadow, Surface s, vec3 toLight, vec2 offset) {
+  Ray ray;
+  ray.origin = s.position + s.normal * rayOffset(s.position, distance(s.position, view.eye));
+  ray.originLow = vec3(0.0);
+  mat3 axes = rayAxes(toLight);
+  vec3 moved = (axes[0] * offset.x + axes[1] * offset.y) * shadow.lightSize;
+  bool directional = lightIsDirectional(light.type);
+  vec3 way = directional ? toLight + moved : light.position + moved - ray.origin;
+  float away = length(way);
+  ray.direction = way / away;
+  ray.near = 0.0;
+  // Geometry nearer to a light than its radius is the light's own body.
+  ray.far = directional ? 3.0e38 : max(away - shadow.lightSize - rayOffset(light.position, away), 0.0);
+  return ray;
+}
+
+// Returns the fraction of a light's disk that rays reach. The samples depend only on the surface's position.
+float litByRays(FrameConstants frame, View view, Light light, RayShadow shadow, Surface s, vec3 toLight) {
+  if (shadow.rays == 0u) return 1.0;
+  vec2 start = raySeed(s.position);
+  float lit = 0.0;
+  for (uint i = 0u; i < shadow.rays; ++i) {
+    vec2 offset = shadow.lightSize == 0.0 ? vec2(0.0) : diskSample(raySample(start, i));
+    lit += isBlocked(frame, shadowRay(view, light, shadow, s, toLight, offset)) ? 0.0 : 1.0;
+  }
+  return lit / float(shadow.rays);
+}
+
+vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
+  vec3 radiance = vec3(0.0);
+  SurfaceBrdf brdf = surfaceBrdf(p.s, p.toEye, kShading);
+  for (uint i = push.first; i < push.end; ++i) {
+    RayShadow shadow = RayShadowRef(frame.shadowMaps).v[uint(p.place.z) * frame.shadowColumns + i];
+    Light light = frameLight(frame, shadow.light);
+    LightSample arriving = sampleLight(light, p.s.position);
+    vec3 sent = shadeLight(brdf, arriving, kShading);
+    for (bool some = any(greaterThan(sent, vec3(0.0))); some; some = false)
+      radiance += sent * litByRays(frame, view, light, shadow, p.s, arriving.toLight);
+  }
+  return radiance;
+}
+
+void main() {
+  bindSurfaces(push.frame, push.shown);
+  FrameConstants frame = FrameRef(push.frame).v;
+  ivec3 place = ownPixel();
+  View view = frameView(frame, place.z);
+  bool inside = all(lessThan(vec2(place.xy), view.size));
+  LitPixel p = readPixel(frame, view, place, inside ? 1u : 0u);
+  if (!inside || !p.lit || p.shadedSeparately || !reflects(p.s)) return;
+  vec4 before = imageLoad(lightTarget, place);
+  imageStore(lightTarget, place, vec4(min(before.rgb + lightsAt(frame, view, p) * frame.exposure, vec3(65504.0)), before.a));
+}

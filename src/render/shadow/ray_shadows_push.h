@@ -1,0 +1,18 @@
+// Push constants of ray_shadows.comp.
+#ifndef LATELIGHT_RENDER_SHADOW_RAY_SHADOWS_PUSH_H
+#define LATELIGHT_RENDER_SHADOW_RAY_SHADOWS_PUSH_H
+
+#include "render/visibility/compute/shown_push.h"
+#include "shared/lang.h"
+
+SH_BEGIN
+
+struct RayShadowsPush {
+  uint64_t frame;  // FrameConstants
+  VisibleSurfacePush shown;
+  uint first, end;  // columns of FrameConstants::shadowMaps: the lights of this pass
+};
+
+SH_END
+
+#endif

@@ -1,0 +1,303 @@
+// Shadows by rays and light between surfaces, against closed forms.
+#include <cmath>
+#include <numbers>
+
+#include "base/error.h"
+#include "render/support.h"
+#include "scene/scene_builder.h"
+#include "shared/light.h"
+
+namespace latelight::render::test {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+using glm::vec3;
+using output::Aov;
+
+constexpr float kPi = std::numbers::pi_v<float>;
+
+uint32_t addMaterial(scene::Scene& scene, vec3 color, vec3 emissive = vec3(0)) {
+  scene::Material material;
+  material.data.baseColor = glm::vec4(color, 1);
+  material.data.emissive = emissive;
+  material.data.roughness = 1;
+  material.data.specular = 0;  // Lambertian
+  material.data.specularColor = vec3(1);
+  material.data.id = static_cast<uint32_t>(scene.materials.size()) + 1;
+  material.data.flags = shared::kMaterialDoubleSided;
+  scene.materials.push_back(material);
+  return static_cast<uint32_t>(scene.materials.size()) - 1;
+}
+
+// A box [-1, 1]^3 with flat normals.
+scene::Mesh boxMesh() {
+  scene::Mesh mesh;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const float side : {-1.0f, 1.0f}) {
+      const auto first = static_cast<uint32_t>(mesh.positions.size());
+      for (int i = 0; i < 4; ++i) {
+        vec3 position(side), normal(0);
+        position[(axis + 1) % 3] = i & 1 ? 1.0f : -1.0f;
+        position[(axis + 2) % 3] = i & 2 ? 1.0f : -1.0f;
+        normal[axis] = side;
+        mesh.positions.push_back(position);
+        mesh.attributes.push_back({normal, glm::vec4(0), glm::vec2(0)});
+      }
+      if (side > 0)
+        mesh.indices.insert(mesh.indices.end(), {first, first + 1, first + 2, first + 1, first + 3, first + 2});
+      else
+        mesh.indices.insert(mesh.indices.end(), {first, first + 2, first + 1, first + 1, first + 2, first + 3});
+    }
+  scene::findBounds(mesh);
+  return mesh;
+}
+
+// A white floor in the plane z = 0 of the renderer's world, below a box or a sphere, lit by one light, seen from above.
+struct FloorScene {
+  scene::SceneBuilder builder{"floor"};
+  scene::Camera camera;
+  uint32_t size = 96;
+
+  FloorScene(scene::Mesh occluder, const glm::dmat4& placed, const scene::Light& light) {
+    scene::Scene& scene = builder.scene;
+    const uint32_t white = addMaterial(scene, vec3(1));
+    scene.meshes = {squareMesh(), std::move(occluder)};
+    for (uint32_t mesh = 0; mesh < 2; ++mesh) {
+      scene::findBounds(scene.meshes[mesh]);
+      builder.addInstance(mesh ? "occluder" : "floor", builder.kRoot, mesh, white, glm::mat4(1));
+      scene.instances[mesh].toWorld = glm::dmat4(1);
+    }
+    scene.instances[0].toWorld[0].x = scene.instances[0].toWorld[1].y = 4;
+    scene.instances[1].toWorld = placed;
+    scene.lights.push_back(light);
+    camera.orthographic = true;
+    camera.yHalf = 4;
+    camera.nearClip = 0.5f;
+    camera.farClip = 100;
+    // Looks down: right is +X, up in the image is +Y.
+    camera.toWorld[1] = glm::dvec4(0, 0, -1, 0);
+    camera.toWorld[2] = glm::dvec4(0, 1, 0, 0);
+    camera.toWorld[3] = glm::dvec4(0, 0, 50, 1);
+  }
+
+  Settings settings() const {
+    Settings s = settingsOf(size, size, {Aov::Color, Aov::Position});
+    s.axes = Axes::ZUp;
+    s.shadows = ShadowFormat::Rays;
+    return s;
+  }
+  dvec2 place(uint32_t x, uint32_t y) const { return dvec2((x + 0.5) / size * 2 - 1, 1 - (y + 0.5) / size * 2) * 4.0; }
+};
+
+class RayLightTest : public RenderTest {
+ protected:
+  // Returns the fraction of the light that reaches each pixel of the floor, or -1 where the occluder covers it.
+  static std::vector<float> litFractions(const FloorScene& floor, const Settings& settings) {
+    Settings without = settings;
+    without.shadows = ShadowFormat::None;
+    const output::FrameOutput shadowed = renderOne(device(), floor.builder.scene, floor.camera, settings);
+    const output::FrameOutput lit = renderOne(device(), floor.builder.scene, floor.camera, without);
+    std::vector<float> fractions;
+    for (size_t i = 0; i < size_t{floor.size} * floor.size; ++i) {
+      const bool covered = vec3At(imageOf(lit, Aov::Position), i).z > 1e-3f;
+      fractions.push_back(
+          covered ? -1 : imageOf(shadowed, Aov::Color).values[4 * i] / imageOf(lit, Aov::Color).values[4 * i]);
+    }
+    return fractions;
+  }
+};
+
+scene::Light sunFrom(dvec3 toLight) {
+  scene::Light light;
+  light.type = shared::kLightDirectional;
+  light.intensity = kPi;
+  light.direction = -vec3(glm::normalize(toLight));
+  return light;
+}
+
+// A point of the floor is in shadow if its ray toward the sun passes nearer to the sphere's center than its radius. The
+// mesh lies between the sphere and a smaller one.
+TEST_F(RayLightTest, ASphereCastsItsShadow) {
+  const dvec3 center(-0.4, 0.3, 1.7), toLight = glm::normalize(dvec3(0.5, -0.3, 1));
+  glm::dmat4 placed(1);
+  placed[3] = glm::dvec4(center, 1);
+  const FloorScene floor(sphereMesh(1), placed, sunFrom(toLight));
+  const std::vector<float> lit = litFractions(floor, floor.settings());
+  const double inner = std::cos(std::numbers::pi / 16) - 1e-3;  // of the coarser direction
+  size_t dark = 0, bright = 0;
+  for (uint32_t i = 0; i < lit.size(); ++i) {
+    if (lit[i] < 0) continue;
+    const dvec3 to = center - dvec3(floor.place(i % floor.size, i / floor.size), 0);
+    const double distance = glm::length(to - toLight * glm::dot(to, toLight));
+    dark += distance < inner;
+    bright += distance > 1 + 1e-3;
+    if (distance < inner || distance > 1 + 1e-3) EXPECT_EQ(lit[i], distance < inner ? 0 : 1) << i;
+  }
+  EXPECT_GT(dark, 100u);
+  EXPECT_GT(bright, 6000u);
+}
+
+// A point light below the sphere's side: the shadow is a cone's section.
+TEST_F(RayLightTest, PointAndSpotLightsCastSharpShadows) {
+  for (const uint32_t type : {shared::kLightPoint, shared::kLightSpot}) {
+    const dvec3 center(0.2, -0.3, 1.3), position(1.1, 0.4, 3.5);
+    scene::Light light;
+    light.type = type;
+    light.intensity = 20;
+    light.position = position;
+    light.direction = vec3(glm::normalize(center - position));
+    light.outerCone = 1.2f;
+    glm::dmat4 placed(0.6);
+    placed[3] = glm::dvec4(center, 1);
+    const FloorScene floor(sphereMesh(1), placed, light);
+    const std::vector<float> lit = litFractions(floor, floor.settings());
+    const double inner = 0.6 * std::cos(std::numbers::pi / 16) - 1e-3;
+    size_t dark = 0;
+    for (uint32_t i = 0; i < lit.size(); ++i) {
+      if (!(lit[i] >= 0)) continue;  // covered, or outside the cone
+      const dvec3 from(floor.place(i % floor.size, i / floor.size), 0), to = center - from;
+      const dvec3 toLight = glm::normalize(position - from);
+      const double distance = glm::length(to - toLight * glm::dot(to, toLight));
+      dark += distance < inner;
+      if (distance < inner || distance > 0.6 + 1e-3) EXPECT_EQ(lit[i], distance < inner ? 0 : 1) << i;
+    }
+    EXPECT_GT(dark, 100u);
+  }
+}
+
+// Behind a straight edge, the visible part of the sun's disk is a segment of a circle.
+TEST_F(RayLightTest, AStraightEdgeHasThePenumbraOfADisk) {
+  scene::Light sun = sunFrom({0, 0, 1});
+  sun.size = 0.2f;  // angular diameter
+  glm::dmat4 placed(1);
+  placed[0].x = placed[1].y = 20;  // covers x > 0 at the height of 4 m
+  placed[2].z = 0.01;
+  placed[3] = glm::dvec4(20, 0, 4, 1);
+  FloorScene floor(boxMesh(), placed, sun);
+  floor.camera.toWorld[3].z = 3.5;  // below the occluder
+  floor.camera.nearClip = 0.1f;
+  Settings settings = floor.settings();
+  settings.samples = 256;
+  const std::vector<float> lit = litFractions(floor, settings);
+  const double radius = 3.99 * std::tan(0.1);
+  double worst = 0, mean = 0;
+  for (uint32_t i = 0; i < lit.size(); ++i) {
+    const double x = std::clamp(-floor.place(i % floor.size, i / floor.size).x / radius, -1.0, 1.0);
+    const double expected = 1 - (std::acos(x) - x * std::sqrt(1 - x * x)) / std::numbers::pi;
+    worst = std::max(worst, std::abs(lit[i] - expected));
+    mean += lit[i] - expected;
+  }
+  EXPECT_LT(worst, 0.03);
+  EXPECT_LT(std::abs(mean) / static_cast<double>(lit.size()), 1e-3);
+}
+
+TEST_F(RayLightTest, RefusesMoreRaysThanACpuCanLoopOver) {
+  if (!device().isCpu()) GTEST_SKIP() << "GPUs have no such limit";
+  scene::Light sun = sunFrom({0, 0, 1});
+  sun.size = 0.2f;
+  const FloorScene floor(boxMesh(), glm::dmat4(1), sun);
+  Settings settings = floor.settings();
+  settings.samples = 257;
+  EXPECT_THROW(renderOne(device(), floor.builder.scene, floor.camera, settings), Error);
+}
+
+// --- light between surfaces ------------------------------------------------------------------------------------------
+
+float meanColor(const output::FrameOutput& frame) {
+  const std::vector<float>& values = imageOf(frame, Aov::Color).values;
+  double sum = 0, pixels = 0;
+  for (size_t i = 0; i < values.size(); i += 4)
+    if (values[i + 3] == 1) sum += (values[i] + values[i + 1] + values[i + 2]) / 3, ++pixels;
+  return static_cast<float>(sum / pixels);
+}
+
+// Inside a closed box whose walls emit e and reflect a fraction r, the radiance after n surfaces is the geometric
+// series e (1 + r + ... + r^n) everywhere.
+TEST_F(RayLightTest, AClosedBoxIsAGeometricSeries) {
+  scene::SceneBuilder builder("box");
+  builder.scene.meshes.push_back(boxMesh());
+  builder.addInstance("box", builder.kRoot, 0, addMaterial(builder.scene, vec3(0.5f), vec3(0.5f)), glm::mat4(1));
+  builder.scene.instances[0].toWorld = glm::dmat4(1);
+  scene::Camera camera;
+  camera.verticalFov = 1.2f;
+  camera.toWorld[3] = glm::dvec4(0.1, -0.3, 0.2, 1);
+  Settings settings = settingsOf(32, 32, {Aov::Color});
+  settings.samples = 64;
+  settings.indirect = Indirect::OneBounce;
+  EXPECT_NEAR(meanColor(renderOne(device(), builder.scene, camera, settings)), 0.75f, 1e-3f);
+  settings.indirect = Indirect::Path;
+  EXPECT_NEAR(meanColor(renderOne(device(), builder.scene, camera, settings)), 1, 3e-3f);
+  settings.indirect = Indirect::None;
+  settings.lighting = &findTechnique("reference");
+  EXPECT_NEAR(meanColor(renderOne(device(), builder.scene, camera, settings)), 1, 3e-3f);
+}
+
+// White furnace: under a uniform environment, a white surface of any material is as bright as the environment.
+TEST_F(RayLightTest, WhiteSurfacesVanishInAFurnace) {
+  const scene::Environment environment = constantEnvironment();
+  for (const float metallic : {0.0f, 1.0f})
+    for (const float roughness : {0.0f, 0.3f, 1.0f})
+      for (const char* layout : {"exact", "visibility"}) {
+        scene::SceneBuilder builder("furnace");
+        builder.scene.meshes.push_back(sphereMesh(1));
+        scene::Scene& scene = builder.scene;
+        builder.addInstance("sphere", builder.kRoot, 0, addMaterial(scene, vec3(1)), glm::mat4(1));
+        scene.materials[0].data.metallic = metallic;
+        scene.materials[0].data.roughness = roughness;
+        scene.materials[0].data.specular = 1;
+        scene.materials[0].data.f0 = 0.04f;
+        Settings settings = settingsOf(32, 32, {Aov::Color});
+        settings.layout = &findLayout(layout);
+        settings.lighting = &findTechnique("reference");
+        settings.samples = 128;
+        settings = inTheirRaster(settings);
+        const float mean = meanColor(renderOne(device(), scene, frontCamera(0.7f), settings, &environment));
+        // The split-sum table, from which multiple scattering follows, ends half a texel before roughness 1.
+        const float tolerance = metallic == 1 && roughness == 1 ? 0.02f : 0.005f;
+        EXPECT_NEAR(mean, 1, tolerance) << layout << " metallic " << metallic << " roughness " << roughness;
+      }
+}
+
+// A Lambertian floor below an overcast sky of radiance 1, under a large square at height h: by symmetry, the fraction
+// of the cosine-weighted hemisphere that a parallel square of side 2 a subtends at the point below its center is the
+// form factor (4 / pi) a / sqrt(a^2 + h^2) atan(a / sqrt(a^2 + h^2)).
+TEST_F(RayLightTest, TheEnvironmentCastsShadows) {
+  scene::Light dark = sunFrom({0, 0, 1});
+  dark.intensity = 0;
+  glm::dmat4 placed(1);
+  placed[0].x = placed[1].y = 1.5;
+  placed[2].z = 0.001;
+  placed[3] = glm::dvec4(0, 0, 1, 1);
+  FloorScene floor(boxMesh(), placed, dark);
+  floor.builder.scene.lights.clear();
+  floor.builder.scene.materials.push_back(floor.builder.scene.materials[0]);
+  floor.builder.scene.materials[1].data.baseColor = glm::vec4(0, 0, 0, 1);
+  floor.builder.scene.instances[1].material = 1;  // the square reflects nothing
+  floor.camera.toWorld[3].z = 0.9;
+  floor.camera.nearClip = 0.01f;
+  floor.camera.yHalf = 0.02f;
+  const scene::Environment environment = constantEnvironment();
+  Settings settings = floor.settings();
+  settings.width = settings.height = 16;
+  settings.samples = 256;
+  settings.indirect = Indirect::OneBounce;
+  const double side = 1.5 / std::sqrt(1.5 * 1.5 + 0.998);
+  const double blocked = 4 / std::numbers::pi * side * std::atan(side);
+  EXPECT_NEAR(meanColor(renderOne(device(), floor.builder.scene, floor.camera, settings, &environment)), 1 - blocked,
+              0.003);
+}
+
+TEST_F(RayLightTest, RefusesWhatPathsCannotStartFrom) {
+  const FloorScene floor(boxMesh(), glm::dmat4(1), sunFrom({0, 0, 1}));
+  Settings settings = floor.settings();
+  settings.indirect = Indirect::OneBounce;
+  settings.lighting = &findTechnique("forward");
+  EXPECT_THROW(renderOne(device(), floor.builder.scene, floor.camera, settings), Error);
+  settings.lighting = &findTechnique("reference");
+  settings.aa.samples = 4;
+  EXPECT_THROW(renderOne(device(), floor.builder.scene, floor.camera, settings), Error);
+}
+
+}  // namespace
+}  // namespace latelight::render::test
