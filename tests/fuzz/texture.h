@@ -1,0 +1,19 @@
+// Decodes an encoded texture as materials do. Large sizes are left out: their memory is what tests of limits check.
+#pragma once
+
+#include "fuzz/fuzz.h"
+#include "scene/textures/texture.h"
+
+namespace latelight::fuzz {
+
+inline void decodeSmallTexture(std::span<const std::byte> encoded) {
+  constexpr uint64_t kMaxTexels = 1 << 18;
+  expectErrors({ExitCode::BadInput}, [&] {
+    const scene::ImageSize size = scene::imageSize(encoded, "an image");
+    if (uint64_t{size.width} * size.height > kMaxTexels) return;
+    scene::decodeTexture(encoded, true, "an image");
+    scene::decodeTexture(encoded, false, "an image");
+  });
+}
+
+}  // namespace latelight::fuzz
