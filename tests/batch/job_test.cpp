@@ -103,6 +103,8 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
       {"a: &a [*a, *a]\n", "job.yaml:3: an alias stands within what it names"},
       {"? [a]\n: b\n", "job.yaml:3: a key is a text"},
       {"---\nscenes: builtin:hall\n", "job.yaml:3: a second document begins"},
+      {"---\n---\nscenes: builtin:hall\n", "job.yaml:4: a second document begins"},
+      {"---\n,\n", "job.yaml:4: it is not YAML"},
   };
   for (const auto& [text, sentence] : yaml) EXPECT_THAT(wrongIn("job.yaml", start + text), HasSubstr(sentence)) << text;
   EXPECT_THAT(wrongIn("job.yaml", "output: set\n"), HasSubstr("the key \"scenes\" is missing"));
@@ -119,6 +121,12 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
 }
 
 // A document end without a further document, or followed by empty ones, is accepted as a single document.
+// yaml-cpp reads each of these as empty documents without end.
+TEST(Job, TextsThatBeginNoValueAreNotYaml) {
+  for (const char* text : {",", "]", "}", ", a: 1", "] ---\n--- ]"})
+    EXPECT_THAT(wrongIn("job.yaml", text), HasSubstr("job.yaml:1: it is not YAML")) << text;
+}
+
 TEST(Job, OneDocumentMayEnd) {
   for (const char* end : {"...\n", "---\n", "# the end\n"})
     EXPECT_EQ(wrongIn("job.yaml", std::string("---\nscenes: builtin:boxes\noutput: set\n") + end), "") << end;

@@ -1,11 +1,13 @@
 #include "data/batch/job_file.h"
 
 #include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/mark.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <sstream>
 #include <unordered_map>
+#include <utility>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -24,7 +26,7 @@ class YamlEvents : public YAML::EventHandler {
  public:
   YamlEvents(JsonBuilder& builder, uint64_t textBytes) : builder_(builder), textBytes_(textBytes) {}
 
-  void OnDocumentStart(const YAML::Mark& mark) override { firstLine_ = lineOf(mark); }
+  void OnDocumentStart(const YAML::Mark& mark) override { begin_ = mark; }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { add(Json(), mark, anchor); }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
@@ -59,7 +61,8 @@ class YamlEvents : public YAML::EventHandler {
   }
   void OnMapEnd() override { OnSequenceEnd(); }
 
-  int firstLine() const { return firstLine_; }  // the document's first line
+  int firstLine() const { return lineOf(begin_); }   // the document's first line
+  int firstCharacter() const { return begin_.pos; }  // its index in the text
 
  private:
   struct Open {
@@ -108,7 +111,7 @@ class YamlEvents : public YAML::EventHandler {
   std::vector<Open> open_;
   std::unordered_map<YAML::anchor_t, Anchor> anchors_;
   MemoryClaim memory_;
-  int firstLine_ = 1;
+  YAML::Mark begin_ = YAML::Mark::null_mark();
 };
 
 // Claims memory for the tokens of yaml-cpp, which stores all tokens of a line until it knows if the line begins with a
@@ -132,11 +135,16 @@ JsonDocument readYaml(const std::string& text, const std::string& what) {
   YamlEvents events(builder, text.size());
   try {
     if (!parser.HandleNextDocument(events)) return {};
-    JsonBuilder second(what);
-    YamlEvents others(second, text.size());
-    while (parser.HandleNextDocument(others))
-      if (const JsonDocument other = second.take(); !other.json.is_null())
+    for (int before = events.firstCharacter();;) {
+      JsonBuilder other(what);
+      YamlEvents others(other, text.size());
+      if (!parser.HandleNextDocument(others)) break;
+      if (!other.take().json.is_null())
         throw JsonError(others.firstLine(), "a second document begins: a job is one, so put it into a file of its own");
+      // yaml-cpp does not skip characters that begin no value, such as ",", and finds empty documents there forever.
+      if (others.firstCharacter() == std::exchange(before, others.firstCharacter()))
+        throw JsonError(others.firstLine(), "it is not YAML: there is a character that begins no value");
+    }
   } catch (const YAML::Exception& error) {
     throw JsonError(error.mark.line + 1, "it is not YAML: " + error.msg);
   }
