@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <new>
 #include <stdexcept>
@@ -18,6 +19,7 @@
 #include "app/complete.h"
 #include "base/fatal_signals.h"
 #include "base/log.h"
+#include "base/temporary_file.h"
 
 namespace {
 
@@ -31,6 +33,24 @@ void complain(std::string_view sentence) {
 int outOfMemory() {
   complain("out of memory; use a smaller scene or image");
   return static_cast<int>(ExitCode::OutOfMemory);
+}
+
+std::terminate_handler otherwise = nullptr;
+
+// Memory may run out where no exception may leave, such as in the destructor of nlohmann::json, which allocates. The
+// program then ends like outOfMemory(), but without allocating.
+[[noreturn]] void endWithoutMemory() {
+  try {
+    if (const std::exception_ptr exception = std::current_exception()) std::rethrow_exception(exception);
+  } catch (const std::bad_alloc&) {
+    removeTemporaryFiles();
+    constexpr std::string_view kSentence = "latelight: out of memory; use a smaller scene or image\n";
+    if (write(STDERR_FILENO, kSentence.data(), kSentence.size()) < 0) errno = 0;  // only the exit code remains
+    _exit(static_cast<int>(ExitCode::OutOfMemory));
+  } catch (...) {
+  }
+  otherwise();
+  std::abort();
 }
 
 std::string commandNames(const CLI::App& cli) {
@@ -189,6 +209,7 @@ int main(int argc, char** argv) {
   // A file that reaches the size limit, or a pipe without a reader, must fail in write() instead of ending the process.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
+  otherwise = std::set_terminate(endWithoutMemory);
   handleFatalSignals();
   const int code = run(argc, argv);
   // Text is written when its buffer is flushed, so a full disk may only be reported here.

@@ -137,15 +137,20 @@ Allocator::Block& Allocator::addBlock(VkDeviceSize size, uint32_t type, bool lin
   // machine has, and the process is killed when it touches that memory.
   if (device_.isCpu() || !(heap.flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT))
     block->claim = MemoryClaim(size, fmt::format("what {} works on", device_.info().name));
+  blocks_.reserve(blocks_.size() + 1);
   const VkResult result = size > heap.size ? VK_ERROR_OUT_OF_DEVICE_MEMORY
                                            : vkAllocateMemory(device_.get(), &info, nullptr, &block->memory);
   if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY) failFull(size, heap.size);
   VK_CHECK(result);
+  if (memoryType.propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) {
+    void** const mapped = reinterpret_cast<void**>(&block->mapped);
+    const VkResult mapping = vkMapMemory(device_.get(), block->memory, 0, VK_WHOLE_SIZE, 0, mapped);
+    // Otherwise, later allocations would take it for memory that the host does not access.
+    if (mapping != VK_SUCCESS) vkFreeMemory(device_.get(), block->memory, nullptr);
+    VK_CHECK(mapping);
+  }
   blocks_.push_back(std::move(block));
-  Block& added = *blocks_.back();
-  if (memoryType.propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)
-    VK_CHECK(vkMapMemory(device_.get(), added.memory, 0, VK_WHOLE_SIZE, 0, reinterpret_cast<void**>(&added.mapped)));
-  return added;
+  return *blocks_.back();
 }
 
 VkDeviceSize Allocator::reserved() const {

@@ -1,6 +1,9 @@
 // A Vulkan layer that simulates a lost device. The submission with the number LATELIGHT_LOSE_SUBMISSION, counted over
 // all devices of the process since the variable is set, and all later calls to its device return VK_ERROR_DEVICE_LOST.
 // Devices created later work.
+//
+// It also lets a single call fail without memory: LATELIGHT_FAIL_CALL is its name and its number, counted from 1 over
+// all devices, such as "vkAllocateMemory 3".
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
 
@@ -20,7 +23,7 @@ struct Device {
 std::mutex mutex;
 std::map<void*, PFN_vkGetInstanceProcAddr> instances;
 std::map<void*, Device> devices;
-uint64_t submissions = 0;
+uint64_t submissions = 0, calls = 0;
 
 // The key that all objects of an instance, or of a device and its queues, have in common (the loader's rule for
 // layers).
@@ -42,6 +45,42 @@ VkResult call(const char* name, Handle handle, Arguments... arguments) {
   return device.lost ? VK_ERROR_DEVICE_LOST : result;
 }
 
+// Returns whether this call is the one that fails.
+bool fails(const char* name) {
+  const std::lock_guard lock(mutex);
+  const char* fault = std::getenv("LATELIGHT_FAIL_CALL");
+  const size_t size = std::strlen(name);
+  if (!fault || std::strncmp(fault, name, size) != 0 || fault[size] != ' ') return false;
+  if (++calls != std::strtoull(fault + size, nullptr, 10)) return false;
+  calls = 0;
+  unsetenv("LATELIGHT_FAIL_CALL");
+  return true;
+}
+
+// The calls that can fail, besides those below.
+// clang-format off
+#define FAILING_CALLS(X)                                                                                           \
+  X(vkAllocateMemory) X(vkMapMemory) X(vkCreateBuffer) X(vkCreateImage) X(vkCreateImageView) X(vkCreateSampler)    \
+  X(vkCreateShaderModule) X(vkCreateComputePipelines) X(vkCreateGraphicsPipelines) X(vkCreatePipelineLayout)       \
+  X(vkCreateDescriptorPool) X(vkCreateDescriptorSetLayout) X(vkAllocateDescriptorSets) X(vkCreateCommandPool)      \
+  X(vkAllocateCommandBuffers) X(vkCreateSemaphore) X(vkCreateQueryPool) X(vkCreateFence)
+// clang-format on
+
+template <typename Call>
+struct Failing;
+template <typename... Arguments>
+struct Failing<VkResult(VKAPI_PTR*)(VkDevice, Arguments...)> {
+  using Call = VkResult(VKAPI_PTR*)(VkDevice, Arguments...);
+  template <const char* const* kName>
+  static VKAPI_ATTR VkResult VKAPI_CALL function(VkDevice device, Arguments... arguments) {
+    if (fails(*kName)) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    return call<Call>(*kName, device, arguments...);
+  }
+};
+#define NAME_OF(name) constexpr const char* kName_##name = #name;
+FAILING_CALLS(NAME_OF)
+#undef NAME_OF
+
 VKAPI_ATTR VkResult VKAPI_CALL queueSubmit2(VkQueue queue, uint32_t count, const VkSubmitInfo2* infos, VkFence fence) {
   {
     const std::lock_guard lock(mutex);
@@ -54,6 +93,7 @@ VKAPI_ATTR VkResult VKAPI_CALL queueSubmit2(VkQueue queue, uint32_t count, const
     }
     if (device.lost) return VK_ERROR_DEVICE_LOST;
   }
+  if (fails("vkQueueSubmit2")) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
   return call<PFN_vkQueueSubmit2>("vkQueueSubmit2", queue, count, infos, fence);
 }
 VKAPI_ATTR VkResult VKAPI_CALL deviceWaitIdle(VkDevice device) {
@@ -62,6 +102,7 @@ VKAPI_ATTR VkResult VKAPI_CALL deviceWaitIdle(VkDevice device) {
 // A lost device never signals its semaphores and fences, so the functions below do not wait.
 VKAPI_ATTR VkResult VKAPI_CALL waitSemaphores(VkDevice device, const VkSemaphoreWaitInfo* info, uint64_t timeout) {
   if (deviceOf(device).lost) return VK_ERROR_DEVICE_LOST;
+  if (fails("vkWaitSemaphores")) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
   return call<PFN_vkWaitSemaphores>("vkWaitSemaphores", device, info, timeout);
 }
 
@@ -121,6 +162,13 @@ PFN_vkVoidFunction own(const char* name) {
       {"vkWaitSemaphores", reinterpret_cast<PFN_vkVoidFunction>(waitSemaphores)}};
   for (const auto& [known, function] : functions)
     if (std::strcmp(name, known) == 0) return function;
+  // Without a fault these calls stay those of the driver.
+  if (!std::getenv("LATELIGHT_FAIL_CALL")) return nullptr;
+#define FUNCTION_OF(known)            \
+  if (std::strcmp(name, #known) == 0) \
+    return reinterpret_cast<PFN_vkVoidFunction>(Failing<PFN_##known>::function<&kName_##known>);
+  FAILING_CALLS(FUNCTION_OF)
+#undef FUNCTION_OF
   return nullptr;
 }
 

@@ -13,6 +13,13 @@ inline std::map<std::string, std::string> losingDevice(int submission) {
           {"LATELIGHT_LOSE_SUBMISSION", std::to_string(submission)}};
 }
 
+// The environment of a program of which one Vulkan call fails without memory.
+inline std::map<std::string, std::string> failingCall(const std::string& name, int number) {
+  return {{"VK_LAYER_PATH", LATELIGHT_LOST_DEVICE},
+          {"VK_INSTANCE_LAYERS", "VK_LAYER_LATELIGHT_lose_device"},
+          {"LATELIGHT_FAIL_CALL", name + " " + std::to_string(number)}};
+}
+
 // While this object exists, devices that this process creates can lose themselves, one at a time.
 class DevicesToLose {
  public:
