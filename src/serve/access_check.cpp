@@ -17,12 +17,17 @@ bool isAddress(const std::string& text) {
   return inet_pton(AF_INET, text.c_str(), &bytes) == 1 || inet_pton(AF_INET6, text.c_str(), &bytes) == 1;
 }
 
-// Returns the host name: "localhost" for "LocalHost:8765", "::1" for "[::1]:8765".
+// Returns the host name (RFC 3986, 3.2.2): "localhost" for "LocalHost:8765", "::1" for "[::1]:8765". Returns "" if
+// anything other than a port follows.
 std::string nameOf(std::string_view host) {
-  if (host.starts_with('[')) return std::string(host.substr(1, host.find(']') - 1));
-  std::string name(host.substr(0, host.find(':')));
+  const bool bracketed = host.starts_with('[');
+  const size_t end = std::min(host.find(bracketed ? ']' : ':'), host.size());
+  if (bracketed && end == host.size()) return "";
+  std::string name(bracketed ? host.substr(1, end - 1) : host.substr(0, end));
+  const std::string_view port = host.substr(bracketed ? end + 1 : end);
+  const bool isPort = port.empty() || (port.starts_with(':') && port.find_first_not_of("0123456789", 1) == port.npos);
   std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return name;
+  return isPort && (!bracketed || isAddress(name)) ? name : "";
 }
 
 }  // namespace

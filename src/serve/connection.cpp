@@ -1,7 +1,5 @@
 #include "serve/connection.h"
 
-#include <fmt/format.h>
-
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
@@ -9,7 +7,6 @@
 #include <optional>
 #include <utility>
 
-#include "base/journal.h"
 #include "serve/page.h"
 #include "serve/socket.h"
 
@@ -33,6 +30,16 @@ constexpr const char* kPolicy =
 
 std::string_view view(beast::string_view text) {
   return {text.data(), text.size()};
+}
+
+// No client sends two of a field that states a single value. Which of them counts would be a matter of taste, so such a
+// request states none, and is refused.
+RequestHeader headerOf(const http::request<http::empty_body>& request) {
+  RequestHeader header{view(request.target()), {}, {}};
+  if (request.count(http::field::host) == 1) header.host = view(request[http::field::host]);
+  if (const size_t origins = request.count(http::field::origin); origins > 0)
+    header.origin = origins == 1 ? view(request[http::field::origin]) : std::string_view();
+  return header;
 }
 
 class Connection : public std::enable_shared_from_this<Connection> {
@@ -73,17 +80,15 @@ class Connection : public std::enable_shared_from_this<Connection> {
 void Connection::answer(beast::error_code error) {
   if (error == http::error::end_of_stream || error == boost::asio::error::operation_aborted) return;
   if (error == beast::error::timeout) {
-    if (parser_->got_some()) record(fmt::format("refused {}: its request took too long", peer_));
+    if (parser_->got_some()) hub_.logRefusal(peer_, "its request took too long");
     return;
   }
-  if (error) return record(fmt::format("refused {}: its request can't be read: {}", peer_, error.message()));
+  if (error) return hub_.logRefusal(peer_, "its request can't be read: " + error.message());
   const http::request<http::empty_body>& request = parser_->get();
-  RequestHeader header{view(request.target()), view(request[http::field::host]), {}};
-  if (request.find(http::field::origin) != request.end()) header.origin = view(request[http::field::origin]);
-  const AccessCheck::Answer answer = hub_.accessCheck().open(header);
-  if (!answer.refusal.empty()) record(fmt::format("refused {}: {}", peer_, answer.refusal));
+  const AccessCheck::Answer answer = hub_.accessCheck().open(headerOf(request));
+  if (!answer.refusal.empty()) hub_.logRefusal(peer_, answer.refusal);
   const bool crowded = answer.refusal.empty() && !visit_->beginService();
-  if (crowded) record(fmt::format("refused {}: too many connections", peer_));
+  if (crowded) hub_.logRefusal(peer_, "too many connections");
   if (answer.refusal.empty() && !crowded && answer.path == "socket" && beast::websocket::is_upgrade(request))
     return startSocket(stream_.release_socket(), parser_->release(), peer_, hub_, std::move(visit_));
   write(respond(request, answer, crowded));

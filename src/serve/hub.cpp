@@ -6,6 +6,7 @@
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/post.hpp>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 #include "base/journal.h"
@@ -52,6 +53,13 @@ void Hub::closeIdleSession() {
   if (now - crowdLogged_ < std::chrono::seconds(1)) return;
   crowdLogged_ = now;
   record(fmt::format("closed the oldest connection that sent no request: {} wait", kMaxWaiting));
+}
+
+void Hub::logRefusal(const std::string& peer, const std::string& why) {
+  const std::optional<uint64_t> leftOut = refusals_.next(std::chrono::steady_clock::now());
+  if (!leftOut) return;
+  if (*leftOut > 0) record(fmt::format("refused {} more since the last line", *leftOut));
+  record(fmt::format("refused {}: {}", peer, why));
 }
 
 void Hub::close() {

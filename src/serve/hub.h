@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "serve/access_check.h"
+#include "serve/log_limit.h"
 #include "serve/viewer.h"
 
 namespace latelight::serve {
@@ -45,6 +46,9 @@ class Hub {
   // Frees a connection: closes the one that has waited for a request the longest. Returns false if none waits.
   bool closeLongestWaiting();
 
+  // Logs the reason for which a request or a page was refused, a limited number of times.
+  void logRefusal(const std::string& peer, const std::string& why);
+
   const std::vector<std::string>& validationMessages() const { return validationMessages_; }
 
  private:
@@ -68,6 +72,7 @@ class Hub {
   Visitors served_;   // have shown the token: they receive a response, or belong to a page's session
   bool closed_ = false;
   std::chrono::steady_clock::time_point crowdLogged_{};
+  LogLimit refusals_;
   std::unique_ptr<view::ViewSession> ready_;  // the first session, created while the server starts
   struct Admitted {
     std::shared_ptr<Viewer> viewer;

@@ -104,7 +104,7 @@ void Socket::read() {
 
 void Socket::take(beast::error_code error) {
   if (error) leave();
-  if (error == websocket::error::message_too_big) return record(fmt::format("refused {}: too long a message", peer_));
+  if (error == websocket::error::message_too_big) return hub_.logRefusal(peer_, "too long a message");
   if (error || !viewer_) return;
   try {
     const std::string message = beast::buffers_to_string(buffer_.data());
@@ -136,7 +136,7 @@ void Socket::takePiece(const std::string& bytes) {
 }
 
 void Socket::refuse(const std::string& why) {
-  record(fmt::format("refused {}: {}", peer_, why));
+  hub_.logRefusal(peer_, why);
   close(websocket::close_code::policy_error, why);
 }
 

@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "serve/log_limit.h"
 #include "serve/token.h"
 
 namespace latelight::serve {
@@ -51,8 +52,10 @@ TEST(GateTest, KnowsItsOwnNames) {
   for (const char* host : {"localhost", "LocalHost:8765", "127.0.0.1:1", "[::1]:8765", "[::1]", "192.168.1.7:80",
                            "render.example.org:8765", "Render.Example.org"})
     EXPECT_EQ(refusal(target, host), "") << host;
-  for (const char* host : {"", "evil.example.org", "localhost.evil.example.org", "127.0.0.1.evil.example.org:8765",
-                           "[evil", "xlocalhost", "render.example.org.evil"})
+  for (const char* host :
+       {"", "evil.example.org", "localhost.evil.example.org", "127.0.0.1.evil.example.org:8765", "[evil", "xlocalhost",
+        "render.example.org.evil", "[::1]evil.example.org", "[::1", "[::1]8765", "[localhost]:8765", "::1",
+        "localhost:evil", "127.0.0.1:80:90", "localhost:80.evil.example.org"})
     EXPECT_NE(refusal(target, host), "") << host;
 }
 
@@ -62,6 +65,15 @@ TEST(GateTest, PagesOfOtherOriginsStayOutside) {
   for (const char* origin : {"", "null", "http://localhost", "http://localhost:80", "https://localhost:8765",
                              "http://evil.example.org", "http://127.0.0.1:8765"})
     EXPECT_NE(refusal(target, "localhost:8765", origin), "") << origin;
+}
+
+TEST(LogLimitTest, CountsWhatItLeavesOut) {
+  LogLimit limit;
+  const LogLimit::Time begin{};
+  for (uint32_t i = 0; i < LogLimit::kMaxLines; ++i) EXPECT_EQ(limit.next(begin), 0u);
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(limit.next(begin + LogLimit::kPeriod / 2), std::nullopt);
+  EXPECT_EQ(limit.next(begin + LogLimit::kPeriod), 1000u);
+  EXPECT_EQ(limit.next(begin + LogLimit::kPeriod), 0u);
 }
 
 }  // namespace
