@@ -185,10 +185,12 @@ std::shared_ptr<SharedTicket> submitWorlds(const std::shared_ptr<SharedRenderer>
   nb::dict optional;
   optional.update(keywords);
   const bool onDevice = boolOf(optional.attr("pop")("on_device", false), "on_device");
-  const auto lightOf = [&](Handle<Light> light) {
-    return renderer->scene()->read([&](const Scene& scene) { return scene.light(light); });
-  };
-  const Worlds worlds = worldsOf(count, cameras, optional, lightOf);
+  SharedScene& scene = *renderer->scene();
+  const SceneValues values{
+      [&](Handle<Instance> handle) { return scene.read([&](const Scene& s) { return s.instance(handle); }); },
+      [&](Handle<Material> handle) { return scene.read([&](const Scene& s) { return s.material(handle); }); },
+      [&](Handle<Light> handle) { return scene.read([&](const Scene& s) { return s.light(handle); }); }};
+  const Worlds worlds = worldsOf(count, cameras, optional, values);
   const Options options = optionsOf(size, outputs, optional);
   const Results results = onDevice ? Results::Arrays : Results::ToHost;
   try {

@@ -73,8 +73,63 @@ void setMember(std::vector<Light>& lights, nb::handle value, const char* name, i
       (lights[i].*member)[channel] = static_cast<T>(numbers[N * i + channel]);
 }
 
-// Removes the arguments of lights and of the environment from `keywords`. `lightOf` returns the scene's light.
-void setLights(Worlds& worlds, nb::dict& keywords, const std::function<Light(Handle<Light>)>& lightOf) {
+// Sets the material of each instance: an index into the list of materials.
+void setMaterials(Worlds& worlds, nb::dict& keywords) {
+  const std::vector<Handle<Material>> materials =
+      handlesOf<Material>(keywords.attr("pop")("materials", nb::none()), "materials", "a MaterialHandle");
+  const nb::object choice = keywords.attr("pop")("material_choice", nb::none());
+  if (choice.is_none() != materials.empty()) badValue("materials and material_choice require each other");
+  if (choice.is_none()) return;
+  const auto each = static_cast<int64_t>(worlds.instances.size());
+  const nb::object array = arrayOf(choice, "material_choice", Elements::Integers, {worlds.count, each}, "int64");
+  const auto view = viewOf<int64_t>(array);
+  for (size_t i = 0; i < view.size(); ++i) {
+    const int64_t index = view.data()[i];
+    if (index < 0 || index >= static_cast<int64_t>(materials.size()))
+      badValue("material_choice must be from 0 to {}, and one value is {}", materials.size() - 1, index);
+    worlds.materials.push_back(materials[static_cast<size_t>(index)]);
+  }
+}
+
+// Sets one factor of the instances of all worlds.
+template <typename T>
+void setFactor(Worlds& worlds, nb::handle value, const char* name, T MaterialFactors::*member) {
+  if (value.is_none()) return;
+  std::vector<int64_t> shape{worlds.count, static_cast<int64_t>(worlds.instances.size())};
+  constexpr size_t kChannels = sizeof(T) / sizeof(float);
+  if (kChannels > 1) shape.push_back(kChannels);
+  const std::vector<double> numbers = numbersOf(value, name, shape);
+  for (size_t i = 0; i < worlds.factors.size(); ++i) {
+    std::array<float, kChannels> values;
+    for (size_t channel = 0; channel < kChannels; ++channel)
+      values[channel] = static_cast<float>(numbers[kChannels * i + channel]);
+    std::memcpy(&(worlds.factors[i].*member), values.data(), sizeof(values));
+  }
+}
+
+MaterialFactors factorsOf(const Material& material) {
+  return {material.baseColor, material.metallic, material.roughness, material.emissive};
+}
+
+// Sets the factors of all instances if any is given. Those that are not given are the material's.
+void setFactors(Worlds& worlds, nb::dict& keywords, const SceneValues& scene) {
+  const auto take = [&](const char* name) { return nb::object(keywords.attr("pop")(name, nb::none())); };
+  const nb::object color = take("base_color"), metallic = take("metallic"), roughness = take("roughness"),
+                   emissive = take("emissive");
+  if (color.is_none() && metallic.is_none() && roughness.is_none() && emissive.is_none()) return;
+  if (worlds.instances.empty()) badValue("factors of materials require the list of instances: instances");
+  for (size_t i = 0; i < worlds.count * worlds.instances.size(); ++i)
+    worlds.factors.push_back(factorsOf(
+        scene.material(worlds.materials.empty() ? scene.instance(worlds.instances[i % worlds.instances.size()]).material
+                                                : worlds.materials[i])));
+  setFactor(worlds, color, "base_color", &MaterialFactors::baseColor);
+  setFactor(worlds, metallic, "metallic", &MaterialFactors::metallic);
+  setFactor(worlds, roughness, "roughness", &MaterialFactors::roughness);
+  setFactor(worlds, emissive, "emissive", &MaterialFactors::emissive);
+}
+
+// Removes the arguments of lights and of the environment from `keywords`.
+void setLights(Worlds& worlds, nb::dict& keywords, const SceneValues& scene) {
   const auto take = [&](const char* name) { return nb::object(keywords.attr("pop")(name, nb::none())); };
   const int64_t n = worlds.count;
   worlds.lights = handlesOf<Light>(take("lights"), "lights", "a LightHandle");
@@ -85,7 +140,7 @@ void setLights(Worlds& worlds, nb::dict& keywords, const std::function<Light(Han
     if (!value.is_none() && worlds.lights.empty())
       badValue("{} requires the list of lights that it describes: lights", name);
   for (int64_t world = 0; world < n; ++world)
-    for (const Handle<Light>& light : worlds.lights) worlds.lightValues.push_back(lightOf(light));
+    for (const Handle<Light>& light : worlds.lights) worlds.lightValues.push_back(scene.light(light));
   setMember(worlds.lightValues, position, "light_position", n, &Light::position);
   setMember(worlds.lightValues, direction, "light_direction", n, &Light::direction);
   setMember(worlds.lightValues, color, "light_color", n, &Light::color);
@@ -121,11 +176,17 @@ struct WorldArgument {
 };
 constexpr WorldArgument kArguments[] = {
     {"instances", "collections.abc.Sequence[InstanceHandle] | None = None",
-     "the I instances that the next four describe; required by them"},
+     "the I instances that the arguments with (N, I) describe; required by them"},
     {"transforms", kArray, "(N, I, 4, 4) or (N, I, 3, 4): as Scene.set_transform()"},
     {"previous_transforms", kArray, "the same in the previous frame, for the output motion"},
     {"next_transforms", kArray, "the same in the next frame"},
     {"exists", kArray, "(N, I) bool: whether a world has an instance"},
+    {"materials", "collections.abc.Sequence[MaterialHandle] | None = None", "those that material_choice refers to"},
+    {"material_choice", kArray, "(N, I) integers: the material of each instance, as an index in `materials`"},
+    {"base_color", kArray, "(N, I, 4): linear Rec.709 and alpha, in place of the material's factor"},
+    {"metallic", kArray, "(N, I), likewise"},
+    {"roughness", kArray, "(N, I), likewise"},
+    {"emissive", kArray, "(N, I, 3), likewise"},
     {"lights", "collections.abc.Sequence[LightHandle] | None = None",
      "the L lights that the next four describe; required by them"},
     {"light_position", kArray, "(N, L, 3), meters"},
@@ -144,8 +205,7 @@ constexpr WorldArgument kArguments[] = {
 
 }  // namespace
 
-Worlds worldsOf(nb::handle count, nb::handle cameras, nb::dict& keywords,
-                const std::function<Light(Handle<Light>)>& lightOf) {
+Worlds worldsOf(nb::handle count, nb::handle cameras, nb::dict& keywords, const SceneValues& scene) {
   Worlds worlds;
   const int64_t n = integerOf(count, "count", 1, INT32_MAX);
   worlds.count = static_cast<uint32_t>(n);
@@ -167,7 +227,9 @@ Worlds worldsOf(nb::handle count, nb::handle cameras, nb::dict& keywords,
   const nb::object exists = take("exists");
   if (!exists.is_none() && i == 0) badValue("exists requires the list of instances that it describes: instances");
   worlds.exists = flagsOf(exists, "exists", n, i);
-  setLights(worlds, keywords, lightOf);
+  setMaterials(worlds, keywords);
+  setFactors(worlds, keywords, scene);
+  setLights(worlds, keywords, scene);
   worlds.cameraToWorld = ofCameras("camera_to_world");
   worlds.previousCameraToWorld = ofCameras("previous_camera_to_world");
   worlds.nextCameraToWorld = ofCameras("next_camera_to_world");

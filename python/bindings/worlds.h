@@ -9,9 +9,15 @@
 
 namespace latelight::python {
 
-// Removes the arguments that describe worlds from `keywords`. `lightOf` returns a light of the scene.
-Worlds worldsOf(nanobind::handle count, nanobind::handle cameras, nanobind::dict& keywords,
-                const std::function<Light(Handle<Light>)>& lightOf);
+// Return the values of the scene's elements.
+struct SceneValues {
+  std::function<Instance(Handle<Instance>)> instance;
+  std::function<Material(Handle<Material>)> material;
+  std::function<Light(Handle<Light>)> light;
+};
+
+// Removes the arguments that describe worlds from `keywords`.
+Worlds worldsOf(nanobind::handle count, nanobind::handle cameras, nanobind::dict& keywords, const SceneValues& scene);
 std::string worldParameters();  // of a signature: ", instances: ... = None" and so on
 std::string worldDocs();
 

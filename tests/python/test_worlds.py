@@ -15,7 +15,7 @@ def scene():
     made = latelight.Scene()
     square = made.add_mesh(CORNERS, TRIANGLES)
     for x, color in ((-1, (1, 0, 0)), (1, (0, 1, 0))):
-        paint = made.add_material(latelight.Material(emissive=color, unlit=True))
+        paint = made.add_material(latelight.Material(base_color=(*color, 1), unlit=True))
         made.add_instance(square, paint, at(x))
     return made
 
@@ -77,6 +77,27 @@ def test_nan_spoils_only_its_world(scene, worlds_renderer, camera):
     assert frames[0][0]["id"].any()
 
 
+def test_materials(scene, worlds_renderer, camera):
+    red, green = scene.instances()
+    paints = [scene.instance(square).material for square in (red, green)]
+    swapped = worlds_renderer.render_worlds(
+        2, camera, SIZE, OUTPUTS, instances=[red, green], materials=paints, material_choice=[[0, 1], [1, 0]]
+    )
+    expected = worlds_renderer.render(camera, SIZE, OUTPUTS)
+    np.testing.assert_array_equal(swapped[0][0]["rgba"], expected["rgba"])
+    np.testing.assert_array_equal(swapped[1][0]["rgba"], expected["rgba"][..., [1, 0, 2, 3]])
+    colors = np.array([[[0, 0, 0.5, 1]], [[1, 1, 0, 1]]])
+    colored = worlds_renderer.render_worlds(2, camera, SIZE, OUTPUTS, instances=[red], base_color=colors)
+    for world in range(2):
+        paint = scene.material(paints[0])
+        before, paint.base_color = paint.base_color, tuple(colors[world, 0])
+        scene.set_material(paints[0], paint)
+        frame = worlds_renderer.render(camera, SIZE, OUTPUTS)
+        np.testing.assert_array_equal(colored[world][0]["rgba"], frame["rgba"])
+        paint.base_color = before
+        scene.set_material(paints[0], paint)
+
+
 def test_lights_and_environment(camera):
     scene = latelight.Scene()
     square = scene.add_mesh(CORNERS, TRIANGLES)
@@ -106,6 +127,8 @@ def test_lights_and_environment(camera):
         ({"camera_instances": [1]}, latelight.ArgumentTypeError, "an InstanceHandle or None"),
         ({"k": np.zeros((2, 1, 3, 3))}, latelight.UsageError, "last row 0 0 1"),
         ({"instances": None, "exists": np.ones((2, 1), bool)}, latelight.UsageError, "requires the list of instances"),
+        ({"material_choice": [[0], [0]]}, latelight.UsageError, "require each other"),
+        ({"roughness": [[0.5], [2]]}, latelight.UsageError, "roughness"),
         ({"light_color": np.zeros((2, 1, 3))}, latelight.UsageError, "requires the list of lights"),
         ({"environment_intensity": [1, 2, 3]}, latelight.UsageError, "environment_intensity must"),
         ({"environment_intensity": [1, -2]}, latelight.UsageError, "at least 0, not -2"),
