@@ -26,7 +26,7 @@ namespace {
 struct BenchArguments {
   RenderOptions render;
   std::string most = "10M", lights = "1,100,1k,10k,100k,1M";
-  uint32_t views = 1024;
+  uint32_t views = 1024, worlds = 1024;
   study::BenchOptions options;
   bool json = false;
 };
@@ -152,14 +152,17 @@ void runShade(BenchArguments& a) {
   });
 }
 
-void runViews(BenchArguments& a) {
+// Measures many views, each with a world of its own if `inWorlds`.
+void runViews(BenchArguments& a, bool inWorlds) {
   RenderOptions& o = a.render;
   refuseRaster(o);
   if (!o.aovs.empty()) o.settings.aovs = output::parseAovs(o.aovs);
   o.settings.display = o.aovs.empty();
   onDevice(o, [&](vk::Device& device) {
     inScene(device, o, o.scene, [&](auto& renderer, const auto& scene, const auto& camera, const auto& moment) {
-      print(device, study::benchViews(renderer, scene, camera, moment.poses, o.settings, a.views, a.options), o.json);
+      const auto measure = inWorlds ? &study::benchWorlds : &study::benchViews;
+      const uint32_t count = inWorlds ? a.worlds : a.views;
+      print(device, measure(renderer, scene, camera, moment.poses, o.settings, count, a.options), o.json);
     });
   });
 }
@@ -169,11 +172,12 @@ void runViews(BenchArguments& a) {
 void addBenchCommand(CLI::App& app) {
   auto arguments = std::make_shared<BenchArguments>();
   BenchArguments& a = *arguments;
-  CLI::App* bench =
-      app.add_subcommand("bench", "Measure performance: rasterization, the passes of a frame, many views, or lighting");
+  CLI::App* bench = app.add_subcommand(
+      "bench", "Measure performance: rasterization, the passes of a frame, many views or worlds, or lighting");
   bench->require_subcommand(0, 1);  // the callback's message is better than "a subcommand is required"
   bench->callback([bench] {
-    if (bench->get_subcommands().empty()) badUsage("bench requires a subject: raster, frame, views, lights or shade");
+    if (bench->get_subcommands().empty())
+      badUsage("bench requires a subject: raster, frame, views, worlds, lights or shade");
   });
   CLI::App* raster = bench->add_subcommand("raster", "Random triangles by number and size, with both rasters");
   raster->add_option("--most", a.most, "Skip cases with more triangles")->capture_default_str();
@@ -189,7 +193,12 @@ void addBenchCommand(CLI::App& app) {
       bench->add_subcommand("views", "Many views per call, left on the device, with the options of render");
   addRenderOptions(*views, a.render);
   views->add_option("--views", a.views, "Number of views")->check(CLI::Range(1, 100'000))->capture_default_str();
-  views->callback([arguments] { runViews(*arguments); });
+  views->callback([arguments] { runViews(*arguments, false); });
+  CLI::App* worlds =
+      bench->add_subcommand("worlds", "Many worlds per call with new transforms each, with the options of render");
+  addRenderOptions(*worlds, a.render);
+  worlds->add_option("--worlds", a.worlds, "Number of worlds")->check(CLI::Range(1, 100'000))->capture_default_str();
+  worlds->callback([arguments] { runViews(*arguments, true); });
   CLI::App* lights = bench->add_subcommand(
       "lights", "Techniques that light in compute, by number of lights, with the options of render");
   addRenderOptions(*lights, a.render);
@@ -202,7 +211,7 @@ void addBenchCommand(CLI::App& app) {
       "shade", "Lower bound for the cost of a light, compared with --lighting, with the options of render");
   addRenderOptions(*shade, a.render);
   shade->callback([arguments] { runShade(*arguments); });
-  for (CLI::App* command : {raster, frame, views, lights, shade}) {
+  for (CLI::App* command : {raster, frame, views, worlds, lights, shade}) {
     command->add_option("--runs", a.options.frames, "Number of measured frames")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();

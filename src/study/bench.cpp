@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 #include <span>
 #include <string>
 #include <thread>
@@ -98,15 +100,59 @@ std::vector<scene::Camera> allAround(const scene::Scene& scene, const scene::Cam
 
 struct TimedViews {
   render::Ticket ticket;
-  double milliseconds;  // until the device is done
+  double host, milliseconds;  // until the last view is submitted, and until the device is done
 };
 
-TimedViews timeViews(render::Renderer& renderer, std::span<const scene::Camera> cameras, const render::Poses& poses,
-                     const render::Settings& settings) {
+TimedViews timeViews(render::Renderer& renderer, std::span<const scene::Camera> cameras,
+                     const render::SceneState& moment, const render::Settings& settings) {
   const Stopwatch stopwatch;
-  render::Ticket ticket = renderer.submit(cameras, settings, {.poses = poses}, render::Results::OnDevice);
+  render::Ticket ticket = renderer.submit(cameras, settings, moment, render::Results::OnDevice);
+  const double host = 1000 * stopwatch.seconds();
   while (!ticket.done()) std::this_thread::sleep_for(std::chrono::microseconds(50));
-  return {std::move(ticket), 1000 * stopwatch.seconds()};
+  return {std::move(ticket), host, 1000 * stopwatch.seconds()};
+}
+
+// Adds rows for one raster. momentOf(run) returns the scene's state in a run, which is not part of the time.
+template <typename MomentOf>
+void addViews(Table& table, render::Renderer& renderer, std::span<const scene::Camera> cameras,
+              const render::Settings& settings, const BenchOptions& options, const MomentOf& momentOf) {
+  constexpr uint32_t kWarm = 4;
+  uint32_t number = 0;
+  const auto next = [&] { return timeViews(renderer, cameras, momentOf(number++), settings); };
+  next().ticket.take();  // resolves overflow
+  // Warm up until results that stay on the device reuse memory of earlier calls.
+  const Stopwatch stopwatch;
+  for (uint32_t run = 0; run < kWarm || stopwatch.seconds() < kWarmUp; ++run) next();
+  Milliseconds host, samples;
+  for (uint32_t run = 0; run < options.frames; ++run) {
+    const TimedViews timed = next();
+    host.push_back(timed.host);
+    samples.push_back(timed.milliseconds);
+  }
+  PassSamples passes;
+  passes.add(next().ticket.take().statistics.passTimes);
+  const std::string name(render::nameOf(settings.raster));
+  for (const std::string& pass : passes.names) table.rows.push_back({name, pass, median(passes.of.at(pass)), "", ""});
+  table.rows.push_back({name, std::string("host, until submitted"), median(host), spread(host), ""});
+  table.rows.push_back({name, std::string("all, until done"), median(samples), spread(samples),
+                        1000 * static_cast<double>(cameras.size()) / median(samples)});
+}
+
+// The states of worlds in one run: instances turn about their own vertical axes.
+render::WorldStates turningWorlds(const scene::Scene& scene, uint32_t count, uint32_t run) {
+  render::WorldStates worlds{.count = count};
+  for (uint32_t i = 0; i < scene.instances.size(); ++i)
+    if (!scene.instances[i].removed) worlds.instances.push_back(i);
+  for (uint32_t world = 0; world < count; ++world)
+    for (const uint32_t instance : worlds.instances) {
+      const double angle = 0.1 * std::sin(1.0 + world + 0.3 * run + instance);
+      worlds.transforms.push_back(glm::rotate(scene.instances[instance].toWorld, angle, glm::dvec3(0, 1, 0)));
+    }
+  return worlds;
+}
+
+Table viewsTable(const char* name) {
+  return {name, {"raster", "pass", "ms", "spread %", "views a second"}, {}};
 }
 
 }  // namespace
@@ -114,25 +160,28 @@ TimedViews timeViews(render::Renderer& renderer, std::span<const scene::Camera> 
 Table benchViews(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
                  const render::Poses& poses, const render::Settings& settings, uint32_t count,
                  const BenchOptions& options) {
-  constexpr uint32_t kWarm = 4;
   const std::vector<scene::Camera> cameras = allAround(scene, camera, count);
-  Table table{"views", {"raster", "pass", "ms", "spread %", "views a second"}, {}};
+  Table table = viewsTable("views");
   for (const Raster raster : rastersOf(settings)) {
     render::Settings s = settings;
     s.raster = raster;
-    timeViews(renderer, cameras, poses, s).ticket.take();  // resolves overflow
-    // Warm up until results that stay on the device reuse memory of earlier calls.
-    const Stopwatch stopwatch;
-    for (uint32_t run = 0; run < kWarm || stopwatch.seconds() < kWarmUp; ++run) timeViews(renderer, cameras, poses, s);
-    Milliseconds samples;
-    for (uint32_t run = 0; run < options.frames; ++run)
-      samples.push_back(timeViews(renderer, cameras, poses, s).milliseconds);
-    PassSamples passes;
-    passes.add(timeViews(renderer, cameras, poses, s).ticket.take().statistics.passTimes);
-    const std::string name(render::nameOf(raster));
-    for (const std::string& pass : passes.names) table.rows.push_back({name, pass, median(passes.of.at(pass)), "", ""});
-    table.rows.push_back(
-        {name, std::string("all, until done"), median(samples), spread(samples), 1000 * count / median(samples)});
+    addViews(table, renderer, cameras, s, options, [&](uint32_t) { return render::SceneState{.poses = poses}; });
+  }
+  return table;
+}
+
+Table benchWorlds(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
+                  const render::Poses& poses, const render::Settings& settings, uint32_t count,
+                  const BenchOptions& options) {
+  std::vector<scene::Camera> cameras = allAround(scene, camera, count);
+  for (uint32_t world = 0; world < count; ++world) cameras[world].world = world;
+  Table table = viewsTable("worlds");
+  for (const Raster raster : rastersOf(settings)) {
+    render::Settings s = settings;
+    s.raster = raster;
+    addViews(table, renderer, cameras, s, options, [&](uint32_t run) {
+      return render::SceneState{.poses = poses, .worlds = turningWorlds(scene, count, run)};
+    });
   }
   return table;
 }

@@ -24,6 +24,24 @@ Outcome bench(std::vector<std::string> arguments) {
   return latelight(std::move(arguments));
 }
 
+// Every view has a world of its own; the time of the host is part of the whole.
+TEST(Bench, MeasuresManyWorlds) {
+  const Outcome outcome = bench({"worlds", "builtin:boxes", "--device", "cpu", "--size", "16x16", "--worlds", "4",
+                                 "--runs", "1", "--raster", "compute", "--aov", "depth", "--json"});
+  EXPECT_THAT(outcome.err, HasSubstr("omit --raster"));
+  const Outcome measured = bench({"worlds", "builtin:boxes", "--device", "cpu", "--size", "16x16", "--worlds", "4",
+                                  "--runs", "1", "--aov", "depth", "--json"});
+  ASSERT_EQ(measured.code, 0) << measured.text();
+  double host = 0;
+  for (const json& row : json::parse(measured.out)["worlds"]) {
+    if (row["pass"] == "host, until submitted") host = row["ms"];
+    if (row["pass"] != "all, until done") continue;
+    EXPECT_FLOAT_EQ(row["views a second"], 4000 / row["ms"].get<float>());
+    EXPECT_LT(host, row["ms"].get<double>());
+    EXPECT_GT(host, 0);
+  }
+}
+
 TEST(Bench, MeasuresRandomTrianglesWithBothRasters) {
   LATELIGHT_SKIP_UNLESS_ALL();
   const Outcome outcome = bench({"raster", "--device", "cpu", "--most", "10k", "--runs", "1", "--json"});
@@ -150,7 +168,7 @@ TEST(Bench, MeasuresTheBoundOfLighting) {
 
 TEST(Bench, SaysWhatItCannotDo) {
   const std::pair<std::vector<std::string>, const char*> wrong[] = {
-      {{}, "raster, frame, views, lights or shade"},
+      {{}, "raster, frame, views, worlds, lights or shade"},
       {{"views", "--views", "0"}, "--views"},
       {{"raster", "--most", "many"}, "--most takes a number"},
       {{"raster", "--runs", "0"}, "--runs"},
