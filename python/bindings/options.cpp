@@ -205,10 +205,11 @@ Options optionsOf(nb::handle size, nb::handle outputs, const nb::dict& keywords)
   return options;
 }
 
-std::string optionParameters() {
+std::string optionParameters(const std::vector<std::string>& except) {
   std::string text = kBesideTable;
   for (const Keyword& keyword : keywords())
-    text += ", " + keyword.name + ": " + typeOf(keyword) + " = " + defaultOf(keyword);
+    if (std::ranges::find(except, keyword.name) == except.end())
+      text += ", " + keyword.name + ": " + typeOf(keyword) + " = " + defaultOf(keyword);
   return text;
 }
 

@@ -6,6 +6,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace latelight::python {
 
@@ -16,7 +17,7 @@ std::string snakeCase(std::string_view member);
 Options optionsOf(nanobind::handle size, nanobind::handle outputs, const nanobind::dict& keywords);
 
 // The parts of signatures and docstrings that describe options and outputs.
-std::string optionParameters();
+std::string optionParameters(const std::vector<std::string>& except = {});
 std::string optionDocs();
 std::string outputDocs();
 

@@ -329,7 +329,8 @@ void defineWorlds(nb::class_<SharedRenderer>& type) {
     return fmt::format(
         "def {}(self, count: int, cameras: Camera | {}, size: tuple[int, int] = (1280, 720), outputs: str | "
         "collections.abc.Sequence[str] = (\"rgba\",), *{}, on_device: {}{}) -> {}",
-        name, kMany, worldParameters(), onDevice, optionParameters(), result);
+        name, kMany, worldParameters(), onDevice, optionParameters({"environment_rotation", "environment_intensity"}),
+        result);
   };
   const std::string docs = "\n\ncount: the number N of worlds\ncameras: the C cameras of each world" + worldDocs() +
                            "\nsize, outputs, on_device and options: as those of render()";

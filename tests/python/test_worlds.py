@@ -121,7 +121,7 @@ def test_lights_and_environment(camera):
     [
         ({"transforms": np.zeros((3, 1, 4, 4))}, latelight.UsageError, "transforms must"),
         ({"transforms": np.zeros((2, 1, 2, 4))}, latelight.UsageError, "matrices of 3 or 4 rows, not of 2"),
-        ({"transforms": "here"}, latelight.ArgumentTypeError, "transforms must"),
+        ({"transforms": "here"}, latelight.UsageError, "transforms must"),
         ({"exists": np.ones((2, 1))}, latelight.ArgumentTypeError, "exists must be an array of bool, not of float64"),
         ({"exists": np.ones((2, 2), bool)}, latelight.UsageError, "exists must"),
         ({"camera_instances": [1]}, latelight.ArgumentTypeError, "an InstanceHandle or None"),
