@@ -137,7 +137,8 @@ TEST_P(EachLayout, LightsAlikeByEveryTechnique) {
 INSTANTIATE_TEST_SUITE_P(All, EachLayout, testing::ValuesIn(layoutNames()),
                          [](const testing::TestParamInfo<std::string>& info) { return findLayout(info.param).file; });
 
-// Each layout is tested with one of the other formats, in rotation.
+// Each layout is tested with one of the other formats, in rotation. Rays have sharper edges than any map; tests/rays
+// compares them with closed forms.
 TEST_P(EachLayout, ShadowsAlikeByEveryFormat) {
   const Layout& layout = findLayout(GetParam());
   stage->settings.layout = &layout;
@@ -149,7 +150,8 @@ TEST_P(EachLayout, ShadowsAlikeByEveryFormat) {
   EXPECT_GT(worstDifference(unshadowed, expected), 50);
   std::vector<std::string> others;
   for (const NamedOption& format : choices<ShadowFormat>())
-    if (format.name != std::string("none") && format.name != std::string("d32")) others.push_back(format.name);
+    if (format.name != std::string("none") && format.name != std::string("d32") && format.name != std::string("rays"))
+      others.push_back(format.name);
   const std::string& format = others[turnOf(layout.name) % others.size()];
   stage->settings.shadows = choiceNamed<ShadowFormat>(format).value();
   // If a point lies exactly at the stored depth, rounding decides; with 16 bits this happens more often.
