@@ -733,6 +733,8 @@ Json randomMessage(std::mt19937& random) {
           upTo(1) && !option.names.empty()
               ? std::string(option.names[upTo(static_cast<uint32_t>(option.names.size()) - 1)].name)
               : one(kTexts);
+      // Paths take seconds per picture on a CPU.
+      if (value == "reference" || value == "one-bounce" || value == "path") return randomMessage(random);
       return {{"type", "option"}, {"name", render::keyOf(option)}, {"value", value}, {"side", one(kSides)}};
     }
     case 8:
