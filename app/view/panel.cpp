@@ -230,8 +230,7 @@ void drawFiles(const view::State& state, PanelMemory& memory, const Send& send) 
   if (editText("scene", memory.scene)) send(view::OpenScene{memory.scene});
   explain(
       "Open another scene with Enter: a .gltf, .glb, .obj, .ply or .stl file, or a built-in scene. You can also drop a "
-      "file on the "
-      "window.");
+      "file on the window.");
 }
 
 }  // namespace

@@ -16,8 +16,7 @@ using Json = nlohmann::ordered_json;
 [[noreturn]] void refuse(const std::string& format) {
   badUsage(
       "categories of the format {} takes mesh, node, material, an object of regular expressions of nodes' paths and "
-      "the "
-      "category of each, or a .json file with such an object",
+      "the category of each, or a .json file with such an object",
       format);
 }
 

@@ -63,7 +63,7 @@ class GpuScene {
   bool isYUp() const { return scene_.yUp; }              // the file uses glTF's axes
   scene::Bounds deviceBounds(uint32_t world = 0) const;  // bounds() in the device's world space
 
-  // Fills the addresses and counts that belong to the scene, as the world has it.
+  // Fills the addresses and counts of the scene's data in a world.
   void describe(shared::FrameConstants& frame, uint32_t world = 0) const;
 
  private:

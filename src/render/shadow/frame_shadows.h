@@ -16,7 +16,7 @@
 
 namespace latelight::render {
 
-// The lights and bounds of a scene, as a world has it, for planShadows(). Refers to the scene's memory.
+// The lights and bounds of a world, or of a scene without worlds, for planShadows(). Refers to the scene's memory.
 ShadowScene shadowSceneOf(const GpuScene& scene, uint32_t world = 0);
 
 // The contents of a picture's shadow maps before one of its graphs, which draw maps for all samples and strips.

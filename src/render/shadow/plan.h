@@ -26,8 +26,7 @@ struct ShadowView {
   std::optional<Sphere> within;  // objects outside cast no shadows into the map
 };
 
-// The shadow maps of all views of a frame. Views of one world in which a light has equal
-// maps share them.
+// The shadow maps of all views of a frame. Views of one world in which a light has equal maps share them.
 struct ShadowPlan {
   struct Entry {
     uint32_t light;  // index among the frame's lights

@@ -72,7 +72,7 @@ void RasterInstances::update(const GpuScene& scene, const DrawOrder& order, vk::
   lists_.upload(uploader, std::vector{shared::InstanceList{list_.address(), drawIndexOfPart_.address()}});
 }
 
-// Adds the record of an instance, as the first world or the scene has it.
+// Adds the record of an instance in the first world, or in a scene without worlds.
 void RasterInstances::add(const GpuScene& scene, uint32_t instance) {
   const InstancesOfWorld all = scene.instancesOf(0);
   const shared::Instance& record = all.records[instance];
