@@ -50,9 +50,11 @@ void Categories::readRules(const Json& rules) {
   if (rules_.empty()) refuse(format_);
 }
 
-std::string Categories::of(const output::IdEntry& entry, const output::IdManifest& ids) const {
-  if (rules_.empty()) return named(entry, ids);
-  const std::optional<size_t> rule = rules_.find(nameOf(entry));
+std::string Categories::of(uint32_t id, const output::IdManifest& ids) const {
+  const output::IdEntry* entry = entryOf(ids, id);
+  if (!entry) return "";
+  if (rules_.empty()) return named(*entry, ids);
+  const std::optional<size_t> rule = rules_.find(nameOf(*entry));
   return rule ? names_[*rule] : "";
 }
 

@@ -17,8 +17,9 @@ class Categories {
   // expressions and categories, or a .json file with one. Throws Error(Usage) that names the format.
   Categories(std::string_view format, const nlohmann::ordered_json* spec);
 
-  // Returns the object's category. It is empty if the object has none; the object is then excluded.
-  std::string of(const output::IdEntry& entry, const output::IdManifest& ids) const;
+  // Returns the category of the object with an id. It is empty if the object has none, or no object has the id; the
+  // object is then excluded.
+  std::string of(uint32_t id, const output::IdManifest& ids) const;
 
   // Returns the names of all categories of a set, whose entries have "objects" with a "category": in the order of the
   // rules, or sorted by name if there are no rules. Those of rules are listed even if no object has them.

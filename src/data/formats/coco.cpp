@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 #include "base/parallel.h"
 #include "data/formats/categories.h"
@@ -62,15 +61,14 @@ class Coco : public Format {
     const output::AovImage& ids = imageOf(frame.picture, output::Aov::Id);
     Json objects = Json::array();
     for (const auto& [id, mask] : masksOf(ids)) {
-      const output::IdEntry* entry = entryOf(*frame.metadata.ids, id);
-      const std::string category = entry ? categories_.of(*entry, *frame.metadata.ids) : "";
+      const std::string category = categories_.of(id, *frame.metadata.ids);
       if (category.empty()) continue;
       objects.push_back({{"category", category},
                          {"area", mask.area()},
                          {"bbox", boxOf(mask.box())},
                          {"segmentation", {{"size", {mask.height, mask.width}}, {"counts", mask.counts()}}},
                          {"object", id},
-                         {"node", nameOf(*entry)}});
+                         {"node", nameOf(*entryOf(*frame.metadata.ids, id))}});
     }
     record.entry = {{"id", frame.index},
                     {"file_name", picture},

@@ -67,9 +67,8 @@ class Kitti : public Format {
     const glm::dmat4 cameraFromWorld = openCvFromWorld(frame.metadata.camera);
     std::string text;
     for (const Object& object : frame.objects) {
-      const output::IdEntry* entry = entryOf(*frame.metadata.ids, object.id);
       const auto mask = masks.find(object.id);
-      std::string category = entry && mask != masks.end() ? categories_.of(*entry, *frame.metadata.ids) : std::string();
+      std::string category = mask != masks.end() ? categories_.of(object.id, *frame.metadata.ids) : "";
       std::ranges::replace(category, ' ', '_');  // blanks separate columns
       if (!category.empty()) text += describe(category, object, mask->second, uprightOf(object, cameraFromWorld));
     }

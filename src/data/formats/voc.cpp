@@ -48,10 +48,8 @@ class Voc : public Format {
         "  <segmented>0</segmented>\n",
         escaped(picture.parent_path().string()), escaped(picture.filename().string()), ids.width, ids.height);
     for (const Object& object : frame.objects) {
-      const output::IdEntry* entry = entryOf(*frame.metadata.ids, object.id);
       const auto mask = masks.find(object.id);
-      const std::string category =
-          entry && mask != masks.end() ? categories_.of(*entry, *frame.metadata.ids) : std::string();
+      const std::string category = mask != masks.end() ? categories_.of(object.id, *frame.metadata.ids) : "";
       if (!category.empty()) text += describe(category, object, mask->second);
     }
     text += "</annotation>\n";

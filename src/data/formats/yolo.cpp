@@ -32,8 +32,7 @@ class Yolo : public Format {
     const output::AovImage& ids = imageOf(frame.picture, output::Aov::Id);
     Json objects = Json::array();
     for (const auto& [id, mask] : masksOf(ids)) {
-      const output::IdEntry* entry = entryOf(*frame.metadata.ids, id);
-      const std::string category = entry ? categories_.of(*entry, *frame.metadata.ids) : "";
+      const std::string category = categories_.of(id, *frame.metadata.ids);
       if (category.empty()) continue;
       const PixelBox box = mask.box();
       const double width = ids.width, height = ids.height;
