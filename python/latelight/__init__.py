@@ -34,9 +34,11 @@ from ._core import (
     set_memory_limit,
     version,
 )
+from ._from_mujoco import MujocoScene, from_mujoco
 from ._from_open3d import from_open3d
 from ._from_trimesh import from_trimesh, from_urdf, pose_urdf
 from ._from_usd import from_usd
+from ._gymnasium import add_pixels
 from .errors import (
     ArgumentTypeError,
     DeviceLostError,
@@ -71,6 +73,7 @@ __all__ = [
     "MaterialHandle",
     "Mesh",
     "MeshHandle",
+    "MujocoScene",
     "NoDeviceError",
     "Node",
     "OutOfMemoryError",
@@ -83,6 +86,8 @@ __all__ = [
     "UsageError",
     "WorldFrames",
     "__version__",
+    "add_pixels",
+    "from_mujoco",
     "from_open3d",
     "from_trimesh",
     "from_urdf",

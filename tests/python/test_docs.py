@@ -19,9 +19,10 @@ def blocks(page):
     return re.findall(r"^```python\n(.*?)^```", page.read_text(), re.DOTALL | re.MULTILINE)
 
 
-def run_all(sources, name):
+def run_all(sources, name, **given):
     """One after the other, in one module, which forked processes find by its name."""
     module = types.ModuleType(name)
+    module.__dict__.update(given)
     sys.modules[name] = module
     for number, source in enumerate(sources):
         exec(compile(source, f"{name}, block {number + 1}", "exec"), module.__dict__)
@@ -61,11 +62,26 @@ def test_embedding(tmp_path, monkeypatch, capsys):
 
 
 def test_worlds():
-    (source,) = blocks(ROOT / "docs" / "worlds.md")
+    source = blocks(ROOT / "docs" / "worlds.md")[0]
     frames = run_all([source], "worlds.md")["frames"]
     assert frames["depth"].shape == (3, 2, 64, 64)
     assert (frames[0][0]["depth"] != frames[1][0]["depth"]).any()
     assert len(np.setdiff1d(frames[1][0]["id"], frames[2][0]["id"])) == 1  # the second box is not in the last world
+
+
+def test_worlds_of_mujoco():
+    mujoco = pytest.importorskip("mujoco")
+    model = mujoco.MjModel.from_xml_string(
+        """<mujoco><worldbody><light pos="0 0 3"/><camera name="eye" pos="0 0 3"/>
+        <body><freejoint/><geom size="0.2"/></body></worldbody></mujoco>"""
+    )
+    states = [mujoco.MjData(model) for _ in range(2)]
+    states[1].qpos[0] = 0.5
+    for state in states:
+        mujoco.mj_forward(model, state)
+    of_mujoco = blocks(ROOT / "docs" / "worlds.md")[1]
+    frames = run_all([f"import latelight\n{of_mujoco}"], "worlds.md", states=states, model=model)
+    assert (frames["frames"][0][0]["rgba"] != frames["frames"][1][0]["rgba"]).any()
 
 
 def test_the_notebook():
@@ -88,6 +104,12 @@ def test_dataset(tmp_path):
 
 def test_reinforcement(tmp_path):
     assert run_example("reinforcement.py", 2, 16, cwd=tmp_path).count("views/s") == 2
+
+
+def test_cartpole(tmp_path):
+    first, second = (run_example("cartpole.py", 2, 8, cwd=tmp_path) for _ in range(2))
+    assert first == second, "the same run twice gives the same images"
+    assert first.count("steps, images") == 2
 
 
 def test_ray_views(tmp_path):

@@ -1,0 +1,411 @@
+"""Scenes from MuJoCo models, and worlds from MuJoCo's data: one MjData per world, or arrays of all worlds."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import os
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ._core import Camera, InstanceHandle, Light, LightHandle, Material, MaterialHandle, MeshHandle, Scene
+from ._model_builder import Builder, linear, missing, node_name
+from .errors import UsageError
+
+INFINITE_PLANE = 100.0  # half the side of a plane that is infinite in MuJoCo, in extents of the model
+
+
+# --- shapes, in the frames of their geoms: positions and triangles ------------------------------------------------------
+
+
+def _grid(rows: int, columns: int) -> np.ndarray:
+    """Triangles between rows x columns points, counterclockwise where columns run right and rows up."""
+    first = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
+    right, up, across = first + 1, first + columns, first + columns + 1
+    return np.concatenate([np.stack([first, right, across], 1), np.stack([first, across, up], 1)])
+
+
+def _round(profile: np.ndarray, normals: np.ndarray, around: int = 32) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A profile of (radius, z) points from the bottom to the top, turned about Z."""
+    angle = np.linspace(0, 2 * np.pi, around + 1)
+    circle = np.stack([np.cos(angle), np.sin(angle)], 1)
+
+    def turned(points: np.ndarray) -> np.ndarray:
+        flat = points[:, None, :1] * circle[None]
+        return np.concatenate([flat, np.broadcast_to(points[:, None, 1:], (*flat.shape[:2], 1))], 2).reshape(-1, 3)
+
+    return turned(profile), turned(normals), _grid(len(profile), around + 1)
+
+
+def _half_circles(gap: float) -> tuple[np.ndarray, np.ndarray]:
+    """The profile of a sphere of radius 1 that is cut in half and moved apart by `gap` to each side."""
+    below, above = np.linspace(-np.pi / 2, 0, 9), np.linspace(0, np.pi / 2, 9)
+    angle = np.concatenate([below, above])
+    normals = np.stack([np.cos(angle), np.sin(angle)], 1)
+    offset = np.concatenate([np.full(9, -gap), np.full(9, gap)])
+    return normals + np.stack([np.zeros(18), offset], 1), normals
+
+
+def _sphere(radii: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    points, normals, triangles = _round(*_half_circles(0))
+    normals = normals / radii
+    return points * radii, normals / np.linalg.norm(normals, axis=1, keepdims=True), triangles
+
+
+def _capsule(radius: float, half: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    points, normals, triangles = _round(*_half_circles(half / radius))
+    return points * radius, normals, triangles
+
+
+def _cylinder(radius: float, half: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    profile = np.array([[0, -half], [radius, -half], [radius, -half], [radius, half], [radius, half], [0, half]])
+    normals = np.array([[0, -1], [0, -1], [1, 0], [1, 0], [0, 1], [0, 1]], float)
+    return _round(profile, normals)
+
+
+def _box(half: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    points, normals, triangles = [], [], []
+    for axis in range(3):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        for sign in (-1, 1):
+            face = np.zeros((4, 3))
+            face[:, axis] = sign
+            face[:, u] = np.array([-1, 1, 1, -1]) * sign
+            face[:, v] = [-1, -1, 1, 1]
+            normal = np.zeros(3)
+            normal[axis] = sign
+            triangles += [np.array([[0, 1, 2], [0, 2, 3]]) + 4 * len(points)]
+            points.append(face * half)
+            normals.append(np.tile(normal, (4, 1)))
+    return np.concatenate(points), np.concatenate(normals), np.concatenate(triangles)
+
+
+def _height_field(data: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The surface and the four sides down to the base. `size`: half sizes in X and Y, elevation, and base."""
+    rows, columns = data.shape
+    x, y = np.meshgrid(np.linspace(-size[0], size[0], columns), np.linspace(-size[1], size[1], rows))
+    top = np.stack([x, y, data * size[2]], 2)
+    points, triangles = [top.reshape(-1, 3)], [_grid(rows, columns)]
+    for edge in (top[0], top[::-1, 0], top[-1, ::-1], top[:, -1]):  # in the order in which their sides face outward
+        below = edge * [1, 1, 0] - [0, 0, size[3]]
+        triangles.append(_grid(2, len(edge)) + sum(map(len, points)))
+        points.append(np.concatenate([below, edge]))
+    return np.concatenate(points), np.concatenate(triangles)
+
+
+class MujocoScene:
+    """A scene made of a MuJoCo model.
+
+    `scene` is the Scene, `geoms` the ids of the geoms that it shows, and `instances` their instances, in the same order.
+    `cameras` are the model's cameras and `lights` its lights, at the positions of `qpos0`. The scene has Y up, and
+    MuJoCo Z: `worlds()` converts.
+    """
+
+    def __init__(self, scene: Scene, geoms: Sequence[int], instances: Sequence[InstanceHandle],
+                 cameras: Sequence[Camera], lights: Sequence[LightHandle]) -> None:
+        self.scene = scene
+        self.geoms = np.asarray(geoms, np.int64)
+        self.instances = list(instances)
+        self.cameras = list(cameras)
+        self.lights = list(lights)
+
+    def worlds(
+        self, data: Any = None, *, geom_xpos: Any = None, geom_xmat: Any = None, cam_xpos: Any = None,
+        cam_xmat: Any = None, camera_ids: Sequence[int] | None = None,
+    ) -> dict[str, Any]:
+        """The arguments of render_worlds() that describe worlds: `instances`, `transforms`, and `camera_to_world`.
+
+        data: an MjData, or a list with one per world; or
+        geom_xpos, geom_xmat, cam_xpos, cam_xmat: arrays (N, ngeom, 3), (N, ngeom, 9) or (N, ngeom, 3, 3), and the same
+        of cameras: NumPy's, or those of torch, JAX or CuPy on a GPU, which stay there (MJX, mujoco_warp)
+        camera_ids: the model's cameras that are rendered; default: all of them, if poses of cameras are given
+
+        For example: renderer.render_worlds(N, robot.cameras, (64, 64), **robot.worlds(all_data))"""
+        if data is not None:
+            each = list(data) if isinstance(data, Sequence) else [data]
+            geom_xpos, geom_xmat = (np.stack([getattr(d, name) for d in each]) for name in ("geom_xpos", "geom_xmat"))
+            if len(self.cameras) > 0:
+                cam_xpos, cam_xmat = (np.stack([getattr(d, name) for d in each]) for name in ("cam_xpos", "cam_xmat"))
+        if (geom_xpos is None) != (geom_xmat is None) or (cam_xpos is None) != (cam_xmat is None):
+            raise UsageError("positions and matrices require each other: geom_xpos and geom_xmat, cam_xpos and cam_xmat")
+        arguments: dict[str, Any] = {}
+        if geom_xpos is not None:
+            arguments["instances"] = self.instances
+            arguments["transforms"] = _transforms(geom_xpos, geom_xmat, self.geoms, "geom")
+        if cam_xpos is not None:
+            ids = np.arange(len(self.cameras)) if camera_ids is None else np.asarray(camera_ids, np.int64)
+            arguments["camera_to_world"] = _transforms(cam_xpos, cam_xmat, ids, "cam", (1, -1, -1))
+        return arguments
+
+
+def _namespace(array: Any) -> Any:
+    """The module whose functions compute with the array, where it is."""
+    name = type(array).__module__.split(".")[0]
+    if name == "torch" or name == "cupy":
+        return importlib.import_module(name)
+    return importlib.import_module("jax.numpy") if name in ("jax", "jaxlib") else np
+
+
+def _transforms(positions: Any, matrices: Any, ids: np.ndarray, what: str, flip: tuple[int, ...] = (1, 1, 1)) -> Any:
+    """3x4 matrices (N, I, 3, 4) in the scene's frame, of the chosen elements. `flip`: signs of the matrices' columns."""
+    xp = _namespace(positions)
+    if len(positions.shape) != 3 or positions.shape[2] != 3:
+        raise UsageError(f"{what}_xpos must have the shape (N, n{what}, 3), not {tuple(positions.shape)}")
+    rows = matrices.reshape((*positions.shape[:2], 3, 3))
+    if len(ids) and int(ids.max()) >= positions.shape[1]:
+        raise UsageError(f"{what}_xpos must have all of the model's elements, and has {positions.shape[1]}")
+
+    def constant(values: Any) -> Any:
+        if xp.__name__ == "torch":
+            return xp.tensor(values, device=positions.device, dtype=positions.dtype)
+        return xp.asarray(values, positions.dtype)
+
+    chosen = ids.tolist()
+    placed = xp.concatenate([rows[:, chosen] * constant(flip), positions[:, chosen][..., None]], -1)
+    turned = placed[:, :, [0, 2, 1]]  # (x, y, z) becomes (x, z, -y)
+    return turned * constant([[1.0], [1.0], [-1.0]])
+
+
+class _Mujoco(Builder):
+    def __init__(self, mujoco: Any, model: Any, groups: Sequence[int]) -> None:
+        super().__init__("z")
+        self.mujoco, self.model, self.groups = mujoco, model, set(groups)
+        self.shapes: dict[Any, MeshHandle] = {}
+        self.pictures: dict[int, np.ndarray] = {}
+        self.data = mujoco.MjData(model)
+        mujoco.mj_forward(model, self.data)
+
+    def run(self) -> MujocoScene:
+        model = self.model
+        geoms, instances = [], []
+        for geom in range(model.ngeom):
+            if int(model.geom_group[geom]) not in self.groups or self.color(geom)[3] == 0:
+                continue
+            mesh = self.shape(geom)
+            if mesh is None:
+                continue
+            transform = np.eye(4)
+            transform[:3, :3] = self.data.geom_xmat[geom].reshape(3, 3)
+            transform[:3, 3] = self.data.geom_xpos[geom]
+            name = node_name(model.geom(geom).name or f"geom {geom}")
+            instances.append(
+                self.scene.add_instance(mesh, self.material(geom), self.world @ transform, name)
+            )
+            geoms.append(geom)
+        cameras = [self.camera(camera) for camera in range(model.ncam)]
+        for camera in cameras:
+            self.scene.add_camera(camera)
+        return MujocoScene(self.scene, geoms, instances, cameras, self.add_lights())
+
+    # --- geometry ---
+
+    def shape(self, geom: int) -> MeshHandle | None:
+        """Geoms with equal shapes share a mesh. Nothing for shapes that are left out."""
+        model, kind = self.model, self.mujoco.mjtGeom
+        shape = kind(int(model.geom_type[geom]))
+        texture = self.texture_of(geom) if shape in (kind.mjGEOM_PLANE, kind.mjGEOM_HFIELD) else None
+        repeat = None if texture is None else (int(model.geom_matid[geom]), texture)
+        key = (shape, int(model.geom_dataid[geom]), tuple(model.geom_size[geom]), repeat)
+        if key not in self.shapes:
+            made = self.make_shape(geom, shape)
+            if made is None:
+                return None
+            self.shapes[key] = self.scene.add_mesh(**made, name=node_name(model.geom(geom).name or shape.name[7:].lower()))
+        return self.shapes[key]
+
+    def make_shape(self, geom: int, shape: Any) -> dict[str, Any] | None:
+        model, kind = self.model, self.mujoco.mjtGeom
+        size = np.asarray(model.geom_size[geom], np.float64)
+        if shape == kind.mjGEOM_MESH:
+            return self.mesh(int(model.geom_dataid[geom]))
+        if shape == kind.mjGEOM_HFIELD:
+            field = int(model.geom_dataid[geom])
+            rows, columns, first = (int(getattr(model, f"hfield_{n}")[field]) for n in ("nrow", "ncol", "adr"))
+            data = np.asarray(model.hfield_data[first : first + rows * columns]).reshape(rows, columns)
+            points, triangles = _height_field(data, np.asarray(model.hfield_size[field]))
+            return {"positions": points.astype(np.float32), "indices": triangles,
+                    "uv": self.flat_uv(geom, points, model.hfield_size[field][:2])}
+        if shape == kind.mjGEOM_PLANE:
+            half = np.where(size[:2] > 0, size[:2], INFINITE_PLANE * max(float(model.stat.extent), 1.0))
+            points = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * [*half, 0]
+            return {"positions": points.astype(np.float32), "indices": np.array([[0, 1, 2], [0, 2, 3]]),
+                    "normals": np.tile(np.float32([0, 0, 1]), (4, 1)), "uv": self.flat_uv(geom, points, half)}
+        round_shapes = {
+            kind.mjGEOM_SPHERE: lambda: _sphere(np.full(3, size[0])),
+            kind.mjGEOM_ELLIPSOID: lambda: _sphere(size),
+            kind.mjGEOM_CAPSULE: lambda: _capsule(size[0], size[1]),
+            kind.mjGEOM_CYLINDER: lambda: _cylinder(size[0], size[1]),
+            kind.mjGEOM_BOX: lambda: _box(size),
+        }
+        if shape not in round_shapes:
+            return None
+        points, normals, triangles = round_shapes[shape]()
+        return {"positions": points.astype(np.float32), "normals": normals.astype(np.float32), "indices": triangles}
+
+    def mesh(self, mesh: int) -> dict[str, Any]:
+        """Corners share no vertices, because positions, normals and texture coordinates have indices of their own."""
+        model = self.model
+
+        def rows(values: Any, first: Any, count: Any) -> np.ndarray:
+            return np.asarray(values[int(first[mesh]) : int(first[mesh]) + int(count[mesh])])
+
+        def corners(name: str) -> np.ndarray:
+            return rows(getattr(model, name), model.mesh_faceadr, model.mesh_facenum).ravel()
+
+        positions = rows(model.mesh_vert, model.mesh_vertadr, model.mesh_vertnum)
+        normals = rows(model.mesh_normal, model.mesh_normaladr, model.mesh_normalnum)
+        made = {"positions": positions[corners("mesh_face")].astype(np.float32),
+                "normals": normals[corners("mesh_facenormal")].astype(np.float32), "uv": None}
+        if int(model.mesh_texcoordadr[mesh]) >= 0:
+            uv = rows(model.mesh_texcoord, model.mesh_texcoordadr, model.mesh_texcoordnum)
+            made["uv"] = uv[corners("mesh_facetexcoord")].astype(np.float32)
+        return made
+
+    def flat_uv(self, geom: int, points: np.ndarray, half: Any) -> np.ndarray | None:
+        """Texture coordinates of planes and height fields: `texrepeat` images over the geom, or per meter."""
+        if self.texture_of(geom) is None:
+            return None
+        material = int(self.model.geom_matid[geom])
+        repeat = np.asarray(self.model.mat_texrepeat[material], np.float64)
+        per_meter = repeat if self.model.mat_texuniform[material] else repeat / (2 * np.asarray(half, np.float64))
+        uv = points[:, :2] * per_meter
+        if not self.model.mat_texuniform[material]:
+            uv = uv + repeat / 2
+        return np.stack([uv[:, 0], -uv[:, 1]], 1).astype(np.float32)
+
+    # --- materials ---
+
+    def color(self, geom: int) -> np.ndarray:
+        """The color that MuJoCo shows: the material's, unless the geom has another one than the default."""
+        own, material = np.asarray(self.model.geom_rgba[geom], np.float64), int(self.model.geom_matid[geom])
+        if material < 0 or (own != [0.5, 0.5, 0.5, 1]).any():
+            return own
+        return np.asarray(self.model.mat_rgba[material], np.float64)
+
+    def texture_of(self, geom: int) -> int | None:
+        """The image of the geom's material: a 2D texture. Cube maps are left out."""
+        material = int(self.model.geom_matid[geom])
+        if material < 0:
+            return None
+        ids = np.atleast_1d(self.model.mat_texid[material])
+        roles = [self.mujoco.mjtTextureRole.mjTEXROLE_RGB, self.mujoco.mjtTextureRole.mjTEXROLE_RGBA,
+                 self.mujoco.mjtTextureRole.mjTEXROLE_USER]
+        for role in roles:
+            texture = int(ids[int(role)]) if int(role) < len(ids) else -1
+            if texture >= 0 and self.model.tex_type[texture] == self.mujoco.mjtTexture.mjTEXTURE_2D:
+                return texture
+        return None
+
+    def picture(self, texture: int) -> np.ndarray:
+        if texture not in self.pictures:
+            model = self.model
+            width, height, channels = (int(getattr(model, f"tex_{n}")[texture]) for n in ("width", "height", "nchannel"))
+            first = int(model.tex_adr[texture])
+            pixels = np.asarray(model.tex_data[first : first + width * height * channels], np.uint8)
+            pixels = pixels.reshape(height, width, channels)
+            self.pictures[texture] = np.ascontiguousarray(np.repeat(pixels, 3, 2) if channels == 1 else pixels)
+        return self.pictures[texture]
+
+    def material(self, geom: int) -> MaterialHandle:
+        model, material, rgba = self.model, int(self.model.geom_matid[geom]), self.color(geom)
+        texture = self.texture_of(geom)
+        mapped = int(model.geom_type[geom]) in (
+            int(self.mujoco.mjtGeom.mjGEOM_MESH), int(self.mujoco.mjtGeom.mjGEOM_PLANE),
+            int(self.mujoco.mjtGeom.mjGEOM_HFIELD))
+        if not mapped:
+            texture = None
+        key = (material, tuple(rgba), texture)
+        if key in self.materials:
+            return self.materials[key]
+        shown = linear(np.clip(rgba, 0, 1))
+        values: dict[str, Any] = {"metallic": 0.0, "roughness": 0.5, "emissive": (0, 0, 0)}
+        if material >= 0:
+            own_metallic, own_roughness = float(model.mat_metallic[material]), float(model.mat_roughness[material])
+            values["metallic"] = min(own_metallic, 1.0) if own_metallic >= 0 else 0.0
+            smooth = min(max(float(model.mat_shininess[material]), 0.0), 1.0)
+            values["roughness"] = min(own_roughness, 1.0) if own_roughness >= 0 else 1 - 0.75 * smooth
+            emission = max(float(model.mat_emission[material]), 0.0)
+            values["emissive"] = tuple((emission * shown[:3]).tolist())
+        name = model.mat(material).name if material >= 0 else ""
+        handle = self.scene.add_material(
+            Material(name=name or "material", base_color=tuple(shown.tolist()),
+                     alpha_mode="blend" if rgba[3] < 1 else "opaque", **values)
+        )
+        if texture is not None:
+            self.add_texture(handle, "base_color", self.picture(texture), True)
+        self.materials[key] = handle
+        return handle
+
+    # --- cameras and lights ---
+
+    def pose(self, position: Any, matrix: Any) -> np.ndarray:
+        """The pose of a camera that looks along -Z, in OpenCV's axes."""
+        pose = np.eye(4)
+        pose[:3, :3] = np.asarray(matrix).reshape(3, 3) @ np.diag([1, -1, -1])
+        pose[:3, 3] = position
+        return self.world @ pose
+
+    def camera(self, camera: int) -> Camera:
+        model = self.model
+        fov, sensor = float(model.cam_fovy[camera]), np.asarray(model.cam_sensorsize[camera])
+        if sensor[1] > 0:  # intrinsics: focal lengths in the units of the sensor
+            fov = math.degrees(2 * math.atan(sensor[1] / 2 / float(model.cam_intrinsic[camera][1])))
+        made = self.scene.look_at((0, 0, 1), (0, 0, 0), vertical_fov=fov if fov > 0 else 45)
+        made.camera_to_world = self.pose(self.data.cam_xpos[camera], self.data.cam_xmat[camera])
+        made.name = model.cam(camera).name or f"camera {camera}"
+        return made
+
+    def add_lights(self) -> list[LightHandle]:
+        """Active lights. Lights of MuJoCo do not fade with distance and are no physical quantities: each of these is as
+        bright at the model's center as there, so that a white surface that faces it has its diffuse color."""
+        model, handles = self.model, []
+        for light in range(model.nlight):
+            if not model.light_active[light]:
+                continue
+            color = linear(np.clip(np.asarray(model.light_diffuse[light], np.float64), 0, 1))
+            position, direction = self.data.light_xpos[light], self.data.light_xdir[light]
+            directional = int(model.light_type[light]) == int(self.mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
+            cone = min(float(model.light_cutoff[light]), 90.0)
+            distance = max(float(np.linalg.norm(position - np.asarray(model.stat.center))), 0.1)
+            kind = "directional" if directional else "spot" if cone < 90 else "point"
+            arguments: dict[str, Any] = {"outer_cone": cone, "inner_cone": 0.8 * cone} if kind == "spot" else {}
+            handles.append(
+                self.scene.add_light(
+                    Light(
+                        name=model.light(light).name or f"light {light}", type=kind, color=tuple(color.tolist()),
+                        position=tuple((self.world[:3, :3] @ position).tolist()),
+                        direction=tuple((self.world[:3, :3] @ direction).tolist()),
+                        intensity=math.pi * (1 if directional else distance**2), **arguments,
+                    )
+                )
+            )
+        return handles
+
+
+def from_mujoco(model: Any, *, groups: Sequence[int] = (0, 1, 2)) -> MujocoScene:
+    """Converts a mujoco.MjModel, or the path of an MJCF (.xml) or .mjb file, with the package mujoco (3.3 or newer).
+
+    groups: the groups of geoms to show; default: those that MuJoCo's viewer shows
+
+    Converted are meshes with texture coordinates, planes, height fields, spheres, capsules, ellipsoids, cylinders,
+    boxes, colors, materials, 2D textures of meshes, planes and height fields, lights, and cameras. Planes that are
+    infinite get a side of 200 times the model's extent. Cube maps, the headlight, sites, tendons, skins, and flexible
+    bodies are left out. `MujocoScene.worlds()` converts the states of worlds."""
+    try:
+        mujoco = importlib.import_module("mujoco")
+    except ImportError:
+        raise missing("mujoco", "from_mujoco") from None
+    if isinstance(model, (str, os.PathLike)):
+        path = os.fspath(model)
+        if not os.path.isfile(path):
+            raise UsageError(f"{path} does not exist: give an .xml or .mjb file")
+        try:
+            load = mujoco.MjModel.from_binary_path if path.endswith(".mjb") else mujoco.MjModel.from_xml_path
+            model = load(path)
+        except ValueError as error:
+            raise UsageError(f"{path}: MuJoCo cannot load it: {error}") from None
+    if not isinstance(model, mujoco.MjModel):
+        raise UsageError(f"from_mujoco requires a mujoco.MjModel or a file, not {type(model).__name__}")
+    return _Mujoco(mujoco, model, groups).run()

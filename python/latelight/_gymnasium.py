@@ -1,0 +1,103 @@
+"""Rendered observations for vector environments of Gymnasium."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ._core import Camera, Renderer
+from ._from_mujoco import MujocoScene, from_mujoco
+from ._model_builder import missing
+from .errors import UsageError
+
+
+def _data_of(envs: Any) -> list[Any]:
+    """The MjData of each environment of a SyncVectorEnv."""
+    each = getattr(getattr(envs, "unwrapped", envs), "envs", None)
+    if each is None or not all(hasattr(env.unwrapped, "data") for env in each):
+        raise UsageError("the environments must be a SyncVectorEnv of MuJoCo environments, or `worlds` must be given")
+    return [env.unwrapped.data for env in each]
+
+
+def add_pixels(
+    envs: Any,
+    *,
+    scene: MujocoScene | None = None,
+    cameras: Camera | Sequence[Camera] | None = None,
+    size: tuple[int, int] = (64, 64),
+    worlds: Callable[[Any], dict[str, Any]] | None = None,
+    renderer: Renderer | None = None,
+    device: str | int = "auto",
+    **options: Any,
+) -> Any:
+    """Wraps a gymnasium.vector.VectorEnv: observations become {"state": the environment's, "pixels": images}.
+
+    All environments are rendered in one call, as worlds. "pixels" is (N, H, W, 3), or (N, C, H, W, 3) with C > 1
+    cameras: uint8, sRGB.
+
+    scene: the model's scene; default: from_mujoco() of the first environment's model
+    cameras: default: the first of the model's cameras
+    size: width and height in pixels
+    worlds: returns the arguments of render_worlds() that describe the worlds of the vector environment, for environments
+    that are no SyncVectorEnv of MuJoCo environments; requires `renderer` and `cameras`
+    renderer: default: one of the scene, on `device`
+    options: of render_worlds(), such as shadows="none"
+
+    Requires the package gymnasium (1.0 or newer)."""
+    try:
+        gymnasium = importlib.import_module("gymnasium")
+    except ImportError:
+        raise missing("gymnasium", "add_pixels") from None
+    if worlds is None:
+        data = _data_of(envs)
+        robot = scene or from_mujoco(envs.unwrapped.envs[0].unwrapped.model)
+        if cameras is None and not robot.cameras:
+            raise UsageError("the model has no camera: give `cameras`")
+        moving = cameras is None
+        cameras = robot.cameras[0] if cameras is None else cameras
+        renderer = renderer or Renderer(robot.scene, device=device)
+
+        def worlds(envs: Any) -> dict[str, Any]:
+            arguments = robot.worlds(data, camera_ids=[0])
+            if not moving:
+                arguments.pop("camera_to_world", None)
+            return arguments
+
+    elif renderer is None or cameras is None:
+        raise UsageError("`worlds` requires `renderer` and `cameras`")
+    return _class_of(gymnasium)(envs, renderer, cameras, size, worlds, options)
+
+
+def _class_of(gymnasium: Any) -> Any:
+    class RenderedVectorEnv(gymnasium.vector.VectorObservationWrapper):  # type: ignore[misc]
+        """See add_pixels()."""
+
+        def __init__(
+            self, envs: Any, renderer: Renderer, cameras: Any, size: tuple[int, int], worlds: Any, options: dict[str, Any]
+        ) -> None:
+            super().__init__(envs)
+            self.renderer, self.cameras, self.size = renderer, cameras, size
+            self._worlds, self._options = worlds, options
+            count = 1 if isinstance(cameras, Camera) else len(cameras)
+            shape = (*((count,) if count > 1 else ()), size[1], size[0], 3)
+            spaces = gymnasium.spaces
+            pixels = spaces.Box(0, 255, shape, np.uint8)
+            self.single_observation_space = spaces.Dict(state=envs.single_observation_space, pixels=pixels)
+            self.observation_space = spaces.Dict(
+                state=envs.observation_space, pixels=gymnasium.vector.utils.batch_space(pixels, envs.num_envs)
+            )
+
+        def observations(self, observations: Any) -> dict[str, Any]:
+            """The environment's observations and the images of their state."""
+            frames = self.renderer.render_worlds(
+                self.num_envs, self.cameras, self.size, "rgba", **self._worlds(self.env), **self._options
+            )
+            pixels = frames["rgba"][..., :3]
+            if pixels.shape[1] == 1:
+                pixels = pixels[:, 0]
+            return {"state": observations, "pixels": np.ascontiguousarray(pixels)}
+
+    return RenderedVectorEnv

@@ -1,0 +1,187 @@
+"""Scenes from MuJoCo models, compared with MuJoCo's own rays and camera geometry; worlds; Gymnasium."""
+
+import numpy as np
+import pytest
+
+import latelight
+
+mujoco = pytest.importorskip("mujoco")
+
+SIZE = (160, 120)
+MODEL = """<mujoco>
+<asset>
+  <texture name="checker" type="2d" builtin="checker" rgb1="1 1 1" rgb2="0 0 0" width="64" height="64"/>
+  <material name="floor" texture="checker" texrepeat="2 2" texuniform="false"/>
+  <material name="steel" rgba="0.5 0.6 0.7 1" shininess="0.8" metallic="0.25" roughness="0.75"/>
+  <mesh name="wedge" vertex="0 0 0  1 0 0  0 1 0  0 0 1"/>
+  <hfield name="hill" nrow="3" ncol="5" size="1 0.7 0.4 0.1" elevation="0 0 0 0 0  0 1 2 1 0  0 0 0 0 0"/>
+</asset>
+<worldbody>
+  <light name="sun" type="directional" dir="0.2 0.3 -1" diffuse="1 1 1"/>
+  <light name="lamp" pos="0 0 3" diffuse="0.5 0.5 0.5" cutoff="30" dir="0 0 -1"/>
+  <geom name="ground" type="plane" size="3 2 0.1" material="floor"/>
+  <body name="ball" pos="0 0 0.5"><freejoint/><geom name="ball" type="sphere" size="0.3" rgba="1 0 0 1"/></body>
+  <body pos="1 0 0.5" euler="0 30 0"><joint name="hinge" type="hinge" axis="0 1 0"/>
+    <geom name="limb" type="capsule" size="0.15 0.4" material="steel"/>
+    <geom name="tool" type="box" size="0.1 0.2 0.3" pos="0 0 0.8"/></body>
+  <geom name="egg" type="ellipsoid" size="0.2 0.3 0.4" pos="-1 0 0.4" rgba="0 1 0 1"/>
+  <geom name="can" type="cylinder" size="0.2 0.3" pos="-1 1 0.3" euler="20 0 0" rgba="0 0 1 1"/>
+  <geom name="stone" type="mesh" mesh="wedge" pos="0 1 0" rgba="1 1 0 1"/>
+  <geom name="land" type="hfield" hfield="hill" pos="0 -1.2 0.05" rgba="0.3 0.7 0.3 1"/>
+  <geom name="ghost" type="box" size="1 1 1" group="3"/>
+  <geom name="glass" type="box" size="0.1 0.1 0.1" pos="2 1 0.1" rgba="1 1 1 0.5"/>
+  <camera name="eye" pos="0 -4 2.5" xyaxes="1 0 0 0 0.5 0.85" fovy="50"/>
+  <camera name="side" pos="4 0.5 1" xyaxes="0 1 0 -0.2 0 1" fovy="70"/>
+</worldbody></mujoco>"""
+
+
+@pytest.fixture(scope="module")
+def model():
+    return mujoco.MjModel.from_xml_string(MODEL)
+
+
+@pytest.fixture(scope="module")
+def robot(model):
+    return latelight.from_mujoco(model)
+
+
+@pytest.fixture(scope="module")
+def robot_renderer(robot):
+    return latelight.Renderer(robot.scene, device="cpu")
+
+
+def data_at(model, hinge, height):
+    data = mujoco.MjData(model)
+    data.joint("hinge").qpos[0] = hinge
+    data.qpos[2] = height
+    mujoco.mj_forward(model, data)
+    return data
+
+
+def rays(model, data, camera, pixels):
+    """The geom and the depth that MuJoCo's rays find at pixel centers; -1 and infinity for nothing."""
+    focal = 0.5 * SIZE[1] / np.tan(np.radians(model.cam_fovy[camera]) / 2)
+    matrix, eye = data.cam_xmat[camera].reshape(3, 3), data.cam_xpos[camera]
+    geoms, depths = [], []
+    for x, y in pixels:
+        along = np.array([(x + 0.5 - SIZE[0] / 2) / focal, -(y + 0.5 - SIZE[1] / 2) / focal, -1.0])
+        length, geom = np.linalg.norm(along), np.full(1, -1, np.int32)
+        shown = np.array([1, 1, 1, 0, 0, 0], np.uint8)
+        distance = mujoco.mj_ray(model, data, eye, matrix @ along / length, shown, 1, -1, geom, None)
+        geoms.append(geom[0] if distance >= 0 else -1)
+        depths.append(distance / length if distance >= 0 else np.inf)
+    return np.array(geoms), np.array(depths)
+
+
+def test_worlds_show_what_rays_of_mujoco_find(model, robot, robot_renderer):
+    states = [data_at(model, 0, 0.5), data_at(model, 0.6, 1.1), data_at(model, -0.8, 0.3)]
+    frames = robot_renderer.render_worlds(
+        3, robot.cameras, SIZE, ("depth", "id"), data_surfaces="any", shadows="none", **robot.worlds(states)
+    )
+    rng = np.random.default_rng(0)
+    pixels = np.stack([rng.integers(0, length, 400) for length in SIZE], 1)
+    geom_of = {robot.scene.instance(i).id: geom for i, geom in zip(robot.instances, robot.geoms)} | {0: -1}
+    for world, data in enumerate(states):
+        for camera in range(2):
+            geoms, depths = rays(model, data, camera, pixels)
+            frame = frames[world][camera]
+            seen = np.array([geom_of[i] for i in frame["id"][pixels[:, 1], pixels[:, 0]]])
+            same = seen == geoms
+            assert same.mean() > 0.985, "only pixels on the outlines of round shapes differ"
+            hit = same & (geoms >= 0)
+            assert len(set(geoms[hit])) >= 7
+            np.testing.assert_allclose(
+                frame["depth"][pixels[:, 1], pixels[:, 0]][hit], depths[hit], rtol=5e-3, err_msg=f"{world} {camera}"
+            )
+
+
+def test_materials_lights_and_textures(robot):
+    scene = robot.scene
+
+    def of(name):
+        return scene.material(scene.instance(scene.instances(f"/{name}")[0]).material)
+
+    assert len(robot.instances) == 9 and not scene.instances("/ground") == []
+    np.testing.assert_allclose(of("ball").base_color, (1, 0, 0, 1))
+    steel = of("limb")
+    assert (steel.name, steel.metallic, steel.roughness) == ("steel", 0.25, 0.75)
+    np.testing.assert_allclose(steel.base_color[0], 0.2140411, atol=1e-6)  # 0.5 in sRGB (IEC 61966-2-1)
+    assert of("glass").alpha_mode == "blend"
+    floor = scene.instance(scene.instances("/ground")[0])
+    assert scene.texture(scene.texture_of(floor.material, "base_color")).width == 64
+    uv = scene.mesh_arrays(floor.mesh)["uv"]
+    np.testing.assert_allclose(uv.max(axis=0) - uv.min(axis=0), (2, 2))
+    sun, lamp = (scene.light(light) for light in robot.lights)
+    assert (sun.type, lamp.type) == ("directional", "spot")
+    np.testing.assert_allclose(sun.direction, np.array([0.2, -1, -0.3]) / np.linalg.norm([0.2, -1, -0.3]), atol=1e-6)
+    np.testing.assert_allclose(lamp.position, (0, 3, 0), atol=1e-6)
+
+
+def test_a_white_plane_has_the_diffuse_color_of_a_light_above(tmp_path):
+    path = tmp_path / "plane.xml"
+    path.write_text(
+        """<mujoco><worldbody><light type="directional" dir="0 0 -1" diffuse="0.5 0.5 0.5"/>
+        <geom type="plane" size="0 0 1" rgba="1 1 1 1" material="chalk"/><camera pos="0 0 2"/></worldbody>
+        <asset><material name="chalk" roughness="1"/></asset></mujoco>"""
+    )
+    robot = latelight.from_mujoco(path)
+    renderer = latelight.Renderer(robot.scene, device="cpu", environment="none")
+    frame = renderer.render(robot.cameras[0], (8, 8), "color", shadows="none")
+    np.testing.assert_allclose(frame["color"][4, 4, :3], 0.2140411, rtol=0.06)  # 0.5 in sRGB
+
+
+def test_wrong_arguments_are_refused(model, robot, tmp_path):
+    with pytest.raises(latelight.UsageError, match="requires a mujoco.MjModel or a file, not int"):
+        latelight.from_mujoco(3)
+    with pytest.raises(latelight.UsageError, match="does not exist"):
+        latelight.from_mujoco(tmp_path / "missing.xml")
+    (tmp_path / "broken.xml").write_text("<mujoco>")
+    with pytest.raises(latelight.UsageError, match="MuJoCo cannot load it"):
+        latelight.from_mujoco(tmp_path / "broken.xml")
+    with pytest.raises(latelight.UsageError, match="require each other"):
+        robot.worlds(geom_xpos=np.zeros((1, model.ngeom, 3)))
+    with pytest.raises(latelight.UsageError, match="must have the shape"):
+        robot.worlds(geom_xpos=np.zeros((model.ngeom, 3)), geom_xmat=np.zeros((model.ngeom, 9)))
+    with pytest.raises(latelight.UsageError, match="all of the model's elements, and has 2"):
+        robot.worlds(geom_xpos=np.zeros((1, 2, 3)), geom_xmat=np.zeros((1, 2, 9)))
+
+
+def test_vector_environments_have_pixels():
+    gymnasium = pytest.importorskip("gymnasium")
+
+    class Fall(gymnasium.Env):
+        """A ball that an action pushes up."""
+
+        observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (1,), np.float64)
+        action_space = gymnasium.spaces.Box(-1, 1, (1,), np.float32)
+
+        def __init__(self):
+            self.model = mujoco.MjModel.from_xml_string(MODEL)
+            self.data = mujoco.MjData(self.model)
+
+        def reset(self, *, seed=None, options=None):
+            super().reset(seed=seed)
+            mujoco.mj_resetData(self.model, self.data)
+            self.data.qpos[2] += self.np_random.uniform(0, 1)
+            mujoco.mj_forward(self.model, self.data)
+            return self.data.qpos[2:3].copy(), {}
+
+        def step(self, action):
+            self.data.qpos[2] += float(action[0])
+            mujoco.mj_forward(self.model, self.data)
+            return self.data.qpos[2:3].copy(), 0.0, False, False, {}
+
+    envs = latelight.add_pixels(
+        gymnasium.vector.SyncVectorEnv([Fall, Fall]), size=(32, 24), device="cpu", shadows="none"
+    )
+    seen, _ = envs.reset(seed=3)
+    assert seen["pixels"].shape == (2, 24, 32, 3) and seen["pixels"].dtype == np.uint8
+    assert envs.observation_space.contains(seen)
+    assert (seen["pixels"][0] != seen["pixels"][1]).any()
+    same, *_ = envs.step(np.zeros((2, 1), np.float32))
+    np.testing.assert_array_equal(same["pixels"], seen["pixels"])
+    moved, *_ = envs.step(np.array([[0.3], [0]], np.float32))
+    assert (moved["pixels"][0] != seen["pixels"][0]).any()
+    np.testing.assert_array_equal(moved["pixels"][1], seen["pixels"][1])
+    with pytest.raises(latelight.UsageError, match="SyncVectorEnv of MuJoCo environments"):
+        latelight.add_pixels(gymnasium.make_vec("CartPole-v1", 2))
