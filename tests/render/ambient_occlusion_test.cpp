@@ -29,7 +29,7 @@ scene::Material white() {
   return material;
 }
 
-// Squares in glTF's frame, each where `local` puts [-1, 1]^2 of the plane z = 0.
+// Squares in glTF's frame. Each matrix of `locals` places the square [-1, 1]^2 of the plane z = 0.
 scene::Scene squares(const std::vector<glm::mat4>& locals) {
   scene::SceneBuilder builder("squares");
   builder.scene.meshes.push_back(squareMesh());
@@ -53,7 +53,7 @@ Settings aoSettings(uint32_t width, uint32_t height, float radius) {
   return settings;
 }
 
-// The visible share of the sky, a pixel after the other; negative where nothing is drawn.
+// Returns the visible fraction of the sky per pixel; negative where nothing is drawn.
 std::vector<float> visible(const output::FrameOutput& frame) {
   const auto& color = imageOf(frame, Aov::Color).values;
   std::vector<float> result;
@@ -69,9 +69,9 @@ class AmbientOcclusionTest : public RenderTest {
   }
 };
 
-// --- an open plane hides nothing of itself --------------------------------------------------------------------------
+// --- an open plane does not occlude itself --------------------------------------------------------------------------
 
-// From nearly along it to straight down; the horizon is 2 km away.
+// The view directions range from nearly parallel to the plane to straight down; the horizon is 2 km away.
 std::vector<scene::Camera> camerasOver(const scene::Scene& plane) {
   std::vector<scene::Camera> cameras;
   for (vec3 eye : {vec3(0.3f, 0.05f, 0), vec3(0, 1.7f, 0), vec3(40, 300, 10)}) {
@@ -90,7 +90,7 @@ std::vector<scene::Camera> camerasOver(const scene::Scene& plane) {
   return cameras;
 }
 
-TEST_F(AmbientOcclusionTest, AnOpenPlaneHidesNothingOfItself) {
+TEST_F(AmbientOcclusionTest, AnOpenPlaneDoesNotOccludeItself) {
   const scene::Scene plane = squares({floorOf(2000)});
   const scene::Environment environment = constantEnvironment();
   for (const char* lighting : {"fullscreen", "forward"})
@@ -118,22 +118,22 @@ TEST_F(AmbientOcclusionTest, AnOpenPlaneHidesNothingOfItself) {
 
 // --- a wall on a floor, in closed form ------------------------------------------------------------------------------
 
-// The visible share at `x` metres from a wall that is higher than the radius and unbounded: cosine-weighted directions
-// meet it at x / cos of their angle from the wall's normal.
-double besideWall(double x, double radius) {
+// The visible fraction of the sky at `x` meters from an infinitely wide wall that is higher than the radius.
+// Cosine-weighted directions meet the wall at distance x / cos of their angle from the wall's normal.
+double visibilityNearWall(double x, double radius) {
   constexpr int kSteps = 120;
   double hidden = 0;
   for (int i = 0; i < kSteps; ++i)
     for (int j = 0; j < kSteps; ++j) {
-      const double sine = std::sqrt((i + 0.5) / kSteps);  // uniform in its square: cosine-weighted
+      const double sine = std::sqrt((i + 0.5) / kSteps);  // uniform in the squared sine, which is cosine-weighted
       const double around = M_PI * ((j + 0.5) / kSteps - 0.5);
       const double ratio = x / (sine * std::cos(around)) / radius;
       if (ratio < 1) hidden += (1 - ratio * ratio) * (1 - ratio * ratio);
     }
-  return 1 - 0.5 * hidden / (kSteps * kSteps);  // the other half of the circle looks away from the wall
+  return 1 - 0.5 * hidden / (kSteps * kSteps);  // the other half of the circle faces away from the wall
 }
 
-TEST_F(AmbientOcclusionTest, AWallHidesItsClosedForm) {
+TEST_F(AmbientOcclusionTest, AWallOccludesByItsClosedForm) {
   const scene::Scene scene = squares({floorOf(8), wallOf(8)});
   constexpr uint32_t kWidth = 240, kHeight = 160;
   for (bool orthographic : {false, true}) {
@@ -149,17 +149,17 @@ TEST_F(AmbientOcclusionTest, AWallHidesItsClosedForm) {
       const std::vector<float> found = render(scene, camera, aoSettings(kWidth, kHeight, radius));
       double worst = 0, sum = 0;
       size_t count = 0;
-      constexpr double kPixel = 0.02;  // metres, about
-      // Occluders beyond the picture's edge can't be known.
+      constexpr double kPixel = 0.02;  // meters, approximately
+      // Occluders outside the image are unknown.
       const uint32_t margin = static_cast<uint32_t>(60 * radius);
       for (uint32_t y = margin; y < kHeight - margin; y += 3)
         for (uint32_t x = margin; x < kWidth - margin; x += 7) {
           const auto hit = caster.cast({x + 0.5, y + 0.5});
-          // World frame: the wall is the plane y = 0, the floor z = 0. Both are occluded by the other.
+          // In the world frame, the wall is the plane y = 0 and the floor is z = 0. Each occludes the other.
           const double away = std::max(std::abs(hit->position.y), std::abs(hit->position.z));
-          const double error = found[size_t{y} * kWidth + x] - besideWall(away, radius);
+          const double error = found[size_t{y} * kWidth + x] - visibilityNearWall(away, radius);
           sum += std::abs(error), ++count;
-          // In the corner itself a pixel is as large as what it shows, and averaged with its neighbours.
+          // In the corner itself, a pixel is as large as the features that it shows and is averaged with its neighbors.
           if (away > 3 * kPixel) worst = std::max(worst, std::abs(error));
           EXPECT_LT(std::abs(error), 0.15);
         }
@@ -173,8 +173,8 @@ TEST_F(AmbientOcclusionTest, AWallHidesItsClosedForm) {
 
 // --- boxes against rays ---------------------------------------------------------------------------------------------
 
-// Cosine-weighted rays, weighed by the same falloff.
-double byRays(const ReferenceCaster& caster, const Hit& hit, double radius) {
+// The visible fraction by cosine-weighted rays, with the same distance falloff as the renderer.
+double visibilityByRays(const ReferenceCaster& caster, const Hit& hit, double radius) {
   constexpr int kSide = 16;
   const dvec3 n = hit.geonormal;
   const dvec3 t = glm::normalize(std::abs(n.z) < 0.9 ? glm::cross(n, dvec3(0, 0, 1)) : glm::cross(n, dvec3(1, 0, 0)));
@@ -198,7 +198,7 @@ scene::Scene whiteBoxes() {
   return scene;
 }
 
-TEST_F(AmbientOcclusionTest, BoxesHideWhatRaysMeet) {
+TEST_F(AmbientOcclusionTest, BoxesOccludeAsRaysDo) {
   const scene::Scene scene = whiteBoxes();
   constexpr uint32_t kWidth = 320, kHeight = 180;
   constexpr float kRadius = 3;
@@ -210,7 +210,7 @@ TEST_F(AmbientOcclusionTest, BoxesHideWhatRaysMeet) {
     for (uint32_t x = 2; x < kWidth; x += 5) {
       const auto hit = caster.cast({x + 0.5, y + 0.5});
       if (!hit) continue;
-      const double expected = byRays(caster, *hit, kRadius);
+      const double expected = visibilityByRays(caster, *hit, kRadius);
       const double error = found[size_t{y} * kWidth + x] - expected;
       sum += std::abs(error), squares += error * error, without += std::abs(1 - expected), ++count;
     }
@@ -218,7 +218,7 @@ TEST_F(AmbientOcclusionTest, BoxesHideWhatRaysMeet) {
   fmt::print("boxes: mean error {:.4f}, root mean square {:.4f}; without ambient occlusion {:.4f}\n", mean, rms,
              without / double(count));
   EXPECT_GT(count, 1000u);
-  // What stays out of sight hides nothing: the rest of the error.
+  // Screen-space occlusion misses occluders that are not visible to the camera, which causes the remaining error.
   EXPECT_LT(mean, 0.04);
   EXPECT_LT(mean, 0.5 * without / double(count));
 }
@@ -247,7 +247,7 @@ TEST_F(AmbientOcclusionTest, EveryLayoutAndTechniqueShowsTheSame) {
   settings.layout = &findLayout("exact");
   for (const TechniqueInfo& technique : techniques()) {
     settings.lighting = &technique;
-    // Boxes are flat: normals from depth differ at their edges alone.
+    // Boxes are flat, so normals from depth differ only at their edges.
     EXPECT_LT(meanFrom(shown()), technique.forward ? 5e-3 : 1e-6) << technique.name;
   }
   settings.lighting = &findTechnique("fullscreen");
@@ -255,7 +255,7 @@ TEST_F(AmbientOcclusionTest, EveryLayoutAndTechniqueShowsTheSame) {
   for (float v : shown()) EXPECT_TRUE(v < 0 || v > 1 - 1e-3);
 }
 
-TEST_F(AmbientOcclusionTest, ViewsAtOnceAreViewsAlone) {
+TEST_F(AmbientOcclusionTest, ViewsOfABatchEqualSingleViews) {
   const scene::Scene scene = whiteBoxes();
   const scene::Environment environment = constantEnvironment();
   std::vector<scene::Camera> cameras(2, scene.cameras.front());
@@ -299,7 +299,7 @@ TEST(AmbientOcclusionMath, PlanesAreKnownByTheirDepth) {
       p.A = kind == shared::kPerspective ? first - p.B / near : (last - first) / (far - near);
       if (kind == shared::kOrthographic) p.B = first - p.A * near;
       const auto depthAt = [&](glm::vec2 ndc) {
-        // The point of the plane through (0, 7, 0) that is seen there.
+        // The device depth of the plane through (0, 7, 0) at this position of the image.
         const vec3 a = shared::viewPositionAtDepth(p, ndc, 0), b = shared::viewPositionAtDepth(p, ndc, 1);
         const float t = (glm::dot(normal, vec3(0, 7, 0)) - glm::dot(normal, a)) / glm::dot(normal, b - a);
         return shared::deviceDepth(p, t);
@@ -309,7 +309,7 @@ TEST(AmbientOcclusionMath, PlanesAreKnownByTheirDepth) {
       const glm::vec2 gradient((depthAt(ndc + glm::vec2(e, 0)) - d) / e, (depthAt(ndc + glm::vec2(0, e)) - d) / e);
       const vec3 found = shared::normalFromDepth(p, ndc, d, gradient);
       EXPECT_LT(glm::length(found - normal), 2e-3f);
-      // With a near plane 2^70 times as near.
+      // The same with a near plane that is 2^70 times as near.
       constexpr float kNearer = 0x1p-70f;
       p.A *= kNearer, p.B *= kNearer;
       EXPECT_EQ(shared::normalFromDepth(p, ndc, d * kNearer, gradient * kNearer), found);

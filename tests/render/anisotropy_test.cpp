@@ -19,14 +19,14 @@ using output::Aov;
 constexpr uint32_t kWidth = 64, kHeight = 24, kTexels = 512, kBlock = 4;
 constexpr float kFov = 0.0233f, kDistance = 12;
 
-// Blocks of texels, black or white, by a hash.
+// Black and white blocks of texels, chosen by a hash.
 bool isWhite(uint32_t column, uint32_t row) {
   uint32_t x = (column / kBlock) * 0x9e3779b1u ^ (row / kBlock) * 0x85ebca77u;
   x = (x ^ x >> 15) * 0x2c1b3c6du;
   return ((x ^ x >> 13) & 1) != 0;
 }
 
-// The square [-1, 1]^2 leans back by this: its normal is 80 degrees from the direction to the eye.
+// Leans the square [-1, 1]^2 back, so that its normal is 80 degrees from the direction to the camera.
 glm::mat4 lean() {
   return glm::rotate(glm::mat4(1), -1.396f, vec3(1, 0, 0));
 }
@@ -51,7 +51,7 @@ struct Floor {
   }
 };
 
-// The mean of the texture over a pixel: rays through 32 x 32 places of it. Nothing where one misses the floor.
+// The mean of the texture over a pixel, sampled by 32 x 32 rays; empty if a ray misses the floor.
 std::optional<double> meanOver(uint32_t x, uint32_t y) {
   constexpr int kRays = 32;
   const glm::dmat3 toLocal = glm::inverse(glm::dmat3(lean()));
@@ -77,7 +77,7 @@ class AnisotropyTest : public RenderTest {
   }
   static std::vector<std::optional<double>> reference;
 
-  // Root mean square difference to the reference.
+  // Root mean square difference from the reference.
   static double error(const output::AovImage& image, size_t channels) {
     double sum = 0;
     size_t count = 0;
@@ -91,7 +91,7 @@ class AnisotropyTest : public RenderTest {
     return std::sqrt(sum / static_cast<double>(count));
   }
 
-  // Every filter takes a share of the error that none makes.
+  // Expects that each degree of anisotropic filtering reduces the error of isotropic filtering.
   void expectSharper(const char* name, const std::function<void(Settings&)>& set,
                      const std::function<void(scene::Material&)>& change, Aov aov = Aov::Color) {
     SCOPED_TRACE(name);
@@ -109,16 +109,16 @@ class AnisotropyTest : public RenderTest {
     fmt::print("{}: {:.4f} off without, {:.4f} with 2, {:.4f} with 8, {:.4f} with 16\n", name, none, two, eight,
                sixteen);
     EXPECT_LT(two, 0.95 * none);
-    EXPECT_LT(eight, 0.6 * none);  // 0.45 where a pixel has one sample
+    EXPECT_LT(eight, 0.6 * none);  // 0.45 with one sample per pixel
     EXPECT_LT(sixteen, 0.6 * none);
-    // And none again: what was set before leaves nothing behind.
+    // Isotropic filtering again: earlier settings have no effect on later frames.
     EXPECT_EQ(errorWith(1), none);
     EXPECT_EQ(errorWith(std::nullopt), device().isCpu() ? none : eight);
   }
 };
 std::vector<std::optional<double>> AnisotropyTest::reference;
 
-TEST_F(AnisotropyTest, FollowsTheTextureWithEveryWayToDrawIt) {
+TEST_F(AnisotropyTest, FollowsTheTextureInEveryRenderingPath) {
   const auto same = [](scene::Material&) {};
   expectSharper(
       "deferred", [](Settings&) {}, same);
@@ -132,7 +132,7 @@ TEST_F(AnisotropyTest, FollowsTheTextureWithEveryWayToDrawIt) {
       "blended", [](Settings&) {},
       [](scene::Material& m) {
         m.data.flags |= shared::kMaterialBlended;
-        m.data.baseColor.a = 0.999f;  // at 1 it would be opaque
+        m.data.baseColor.a = 0.999f;  // alpha 1 would make it opaque
       });
   expectSharper(
       "masked", [](Settings&) {},
@@ -144,7 +144,7 @@ TEST_F(AnisotropyTest, FollowsTheTextureWithEveryWayToDrawIt) {
       "albedo", [](Settings&) {}, same, Aov::Albedo);
 }
 
-// Blocks of texels, and textures without levels, are what a file asks for.
+// Nearest filtering and textures without mip levels are requested by the file and must not change.
 TEST_F(AnisotropyTest, LeavesFiltersThatAFileChooses) {
   for (const scene::Sampler& sampler :
        {kNearest, scene::Sampler{.magnify = scene::Filter::Nearest}, scene::Sampler{.mip = scene::MipFilter::None}}) {

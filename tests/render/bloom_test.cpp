@@ -23,7 +23,7 @@ struct Grid {
   std::vector<dvec3> texels;
   Grid(int w, int h) : width(w), height(h), texels(size_t(w) * size_t(h)) {}
   dvec3& at(int x, int y) { return texels[size_t(y) * size_t(width) + size_t(x)]; }
-  // The picture and its mirror images.
+  // Reads the image extended by its mirror images.
   dvec3 mirrored(int x, int y) const {
     const auto fold = [](int i, int n) {
       i = ((i % (2 * n)) + 2 * n) % (2 * n);
@@ -31,7 +31,7 @@ struct Grid {
     };
     return texels[size_t(fold(y, height)) * size_t(width) + size_t(fold(x, width))];
   }
-  // Bilinear, texel centres at .5.
+  // Bilinear sampling; texel centers are at .5.
   dvec3 sampled(double x, double y) const {
     const double fx = std::floor(x - 0.5), fy = std::floor(y - 0.5), u = x - 0.5 - fx, v = y - 0.5 - fy;
     const int i = int(fx), j = int(fy);
@@ -49,7 +49,7 @@ double luminanceOf(dvec3 c) {
   return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
 }
 
-// Jimenez 2014, slide 153: 13 bilinear taps in five groups.
+// Downsamples with 13 bilinear taps in five groups (Jimenez 2014, slide 153).
 Grid halved(const Grid& from, bool damp) {
   Grid to((from.width + 1) / 2, (from.height + 1) / 2);
   constexpr std::array<std::array<double, 3>, 5> kGroups{
@@ -99,7 +99,7 @@ Grid reference(const Grid& picture, const BloomParameters& p) {
 
 class BloomTest : public RenderTest {
  protected:
-  // Pictures of one size, a layer each.
+  // Applies bloom to images of the same size.
   static std::vector<std::vector<vec4>> bloomed(const std::vector<std::vector<vec4>>& pictures, uint32_t width,
                                                 uint32_t height, const BloomParameters& parameters) {
     std::vector<std::vector<vec4>> results;
@@ -141,7 +141,7 @@ TEST_F(BloomTest, TheChainIsItsReference) {
     Grid picture(width, height);
     for (dvec3& c : picture.texels) {
       c = dvec3(random.color());
-      if (random.uniform() < 0.05f) c *= 300;  // lights
+      if (random.uniform() < 0.05f) c *= 300;  // light sources
     }
     for (uint32_t fireflies : {kBloomDamp, kBloomKeep})
       for (float threshold : {0.0f, 1.0f}) {
@@ -160,7 +160,7 @@ TEST_F(BloomTest, TheChainIsItsReference) {
   fmt::print("bloom: at most {:.5f} of a value from its reference\n", worst);
 }
 
-TEST_F(BloomTest, LightIsKept) {
+TEST_F(BloomTest, LightIsConserved) {
   for (auto [width, height, tolerance] : {std::tuple{64, 64, 1e-5}, {128, 32, 1e-5}, {61, 47, 0.05}}) {
     SCOPED_TRACE(fmt::format("{}x{}", width, height));
     shared::Random random(3);
@@ -171,18 +171,18 @@ TEST_F(BloomTest, LightIsKept) {
     const BloomParameters parameters{.strength = 1, .radius = 0.8f, .fireflies = kBloomKeep};
     const dvec3 before = picture.sum(), after = bloomedGrid(picture, parameters).sum();
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(after[c] / before[c], 1, tolerance);
-    // Damping takes light from lone bright pixels and gives none.
+    // Damping removes light from isolated bright pixels and adds none elsewhere.
     BloomParameters damped = parameters;
     damped.fireflies = kBloomDamp;
     EXPECT_LT(bloomedGrid(picture, damped).sum().x, 0.5 * before.x);
-    // What is even stays as it is, at the edges too.
+    // A uniform image stays unchanged, also at its edges.
     Grid even(width, height);
     for (dvec3& c : even.texels) c = dvec3(0.25, 0.5, 4);
     for (const dvec3& c : bloomedGrid(even, damped).texels) ASSERT_LT(glm::length(c - dvec3(0.25, 0.5, 4)), 4e-3);
   }
 }
 
-TEST_F(BloomTest, AGlowIsEvenOnAllSidesAndFallsOff) {
+TEST_F(BloomTest, AGlowIsSymmetricAndFallsOff) {
   constexpr int kSize = 64, kMiddle = kSize / 2;
   Grid picture(kSize, kSize);
   for (int i = 0; i < 4; ++i) picture.at(kMiddle - 1 + (i & 1), kMiddle - 1 + (i >> 1)) = dvec3(1000);
@@ -198,8 +198,8 @@ TEST_F(BloomTest, AGlowIsEvenOnAllSidesAndFallsOff) {
   for (int x = kMiddle; x + 1 < kSize; ++x) EXPECT_GE(glow.at(x, kMiddle).x * 1.001, glow.at(x + 1, kMiddle).x) << x;
 }
 
-// A glow beside an object covers nothing by as much as it shines; the object stays opaque.
-TEST_F(BloomTest, GlowOverNothingHasOpacityOfItsOwn) {
+// The alpha of a glow over the background equals the glow's brightness; the object itself stays opaque.
+TEST_F(BloomTest, GlowOverTheBackgroundHasItsOwnOpacity) {
   constexpr uint32_t kSize = 32;
   std::vector<vec4> picture(kSize * kSize, vec4(0)), empty = picture;
   for (uint32_t y = 12; y < 20; ++y)

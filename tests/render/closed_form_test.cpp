@@ -1,5 +1,5 @@
-// Pictures in which every pixel is known in closed form: boxes viewed along an axis, punctual lights on a plane,
-// computed in double precision from the glTF specification, a furnace test, and unlit surfaces.
+// Images in which every pixel is known in closed form: boxes viewed along an axis, punctual lights on a plane, computed
+// in double precision from the glTF specification, a furnace test, and unlit surfaces.
 #include <fmt/core.h>
 #include <unistd.h>
 
@@ -24,15 +24,15 @@ using glm::dvec3;
 using glm::vec3;
 using output::Aov;
 
-// sRGB code of a linear value, 0 to 255, not rounded; in double and by the standard's formula.
+// The sRGB code of a linear value, 0 to 255, not rounded; computed in double precision by the standard's formula.
 double srgbLevel(double x) {
   x = std::clamp(x, 0.0, 1.0);
   return 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055);
 }
 
-// What precision costs before a picture is rounded to 8 bits, levels. It is a half float until then, which a device may
-// cut off: relative 2^-11, at most 2^-11 * 255 * 1.055 / 2.4 = 0.055 levels. The rest is for pow and the BRDF in
-// float32.
+// Loss of precision before an image is rounded to 8 bits, in levels. Until then the image is a half float, which a
+// device may truncate: relative 2^-11, at most 2^-11 * 255 * 1.055 / 2.4 = 0.055 levels. The rest is for pow and the
+// BRDF in float32.
 constexpr double kPrecision = 0.1;
 
 // --- builtin:boxes --------------------------------------------------------------------------------------------------
@@ -45,11 +45,11 @@ class BoxesTest : public RenderTest {
     const scene::BoxesBox* box;
     int axis;
     double side;   // -1 or 1: the face's normal along the axis
-    double depth;  // planar, metres
+    double depth;  // planar, in meters
     bool operator==(const Face& f) const { return box == f.box && axis == f.axis && side == f.side; }
   };
 
-  // Direction of the ray through a picture coordinate, 1 m along the view axis; glTF's frame.
+  // Direction of the ray through an image coordinate, 1 m along the view axis, in glTF's frame.
   static dvec3 ray(dvec2 pixel) {
     return {(pixel.x - kWidth / 2.0) / kHeight, (kHeight / 2.0 - pixel.y) / kHeight, -1};
   }
@@ -72,13 +72,13 @@ class BoxesTest : public RenderTest {
     return first;
   }
 
-  // The face a pixel's centre sees, unless another one is within 1/256 px of it.
+  // The face at a pixel's center. `edge` is set if another face is within 1/256 px of the center.
   static std::optional<Face> clearFace(uint32_t x, uint32_t y, bool& edge) {
-    const dvec2 centre(x + 0.5, y + 0.5);
-    const std::optional<Face> face = firstFace(centre);
+    const dvec2 center(x + 0.5, y + 0.5);
+    const std::optional<Face> face = firstFace(center);
     edge = false;
     for (dvec2 offset : {dvec2(1, 0), dvec2(-1, 0), dvec2(0, 1), dvec2(0, -1)})
-      if (firstFace(centre + offset / 256.0) != face) edge = true;
+      if (firstFace(center + offset / 256.0) != face) edge = true;
     return face;
   }
 
@@ -121,7 +121,7 @@ TEST_F(BoxesTest, EveryDataOutputIsTheFacesOwn) {
         5e-6 * face->depth);
     ASSERT_LT(glm::length(vec3At(imageOf(frame, Aov::Normal), i) - normal), 1e-6f);
     ASSERT_LT(glm::length(vec3At(imageOf(frame, Aov::GeoNormal), i) - normal), 1e-6f);
-    // Interpolated: white vertex colours may come out one ULP off.
+    // Interpolated white vertex colors may differ by one ULP.
     ASSERT_LT(glm::length(vec3At(imageOf(frame, Aov::Albedo), i) - box.baseColor), 2e-7f);
     ASSERT_EQ(vec3At(imageOf(frame, Aov::Emissive), i), box.emissive);
     ASSERT_EQ(imageOf(frame, Aov::Metallic).values[i], box.metallic);
@@ -130,7 +130,8 @@ TEST_F(BoxesTest, EveryDataOutputIsTheFacesOwn) {
   });
 }
 
-// Matte faces by the figures in scene/builtin/builtin.h, glossy ones by appendix B in double.
+// References: for matte faces, the radiance stated in scene/builtin/builtin.h; for glossy faces, appendix B of glTF in
+// double precision.
 TEST_F(BoxesTest, RadianceIsTheFacesOwn) {
   const scene::Scene scene = scene::load("builtin:boxes");
   Settings settings = settingsOf(kWidth, kHeight, {Aov::Color});
@@ -178,7 +179,8 @@ struct PlaneMaterial {
   vec3 specularColor{1};
 };
 
-// Roughness and colours that the layout `thin` can hold too, so that only its normal (12 bits a channel) is rounded.
+// Roughness values and colors that the layout `thin` represents as well, so that it rounds only the normal (12 bits per
+// channel).
 vec3 decoded(int r, int g, int b) {
   const auto channel = [](int code) { return shared::linearFromSrgb(static_cast<float>(code) / 255.0f); };
   return {channel(r), channel(g), channel(b)};
@@ -235,7 +237,7 @@ scene::Scene planeScene(const PlaneMaterial& m, scene::Light light) {
   return std::move(builder.scene);
 }
 
-// KHR_lights_punctual in double: irradiance at normal incidence, per colour of 1.
+// KHR_lights_punctual in double precision: irradiance at normal incidence for a color of 1.
 double attenuation(const scene::Light& light, dvec3 fromLight) {
   const double distance = glm::length(fromLight);
   double result = light.intensity / (distance * distance);
@@ -249,7 +251,7 @@ double attenuation(const scene::Light& light, dvec3 fromLight) {
   return result;
 }
 
-// What the eye at (0, 0, 3) sees of the point p of the plane z = 0.
+// The radiance that a camera at (0, 0, 3) receives from the point p of the plane z = 0.
 dvec3 planeRadiance(const PlaneMaterial& m, const scene::Light& light, dvec3 p) {
   shared::Surface s = shared::emptySurface();
   s.baseColor = m.baseColor;
@@ -265,7 +267,7 @@ dvec3 planeRadiance(const PlaneMaterial& m, const scene::Light& light, dvec3 p) 
 }
 
 struct Levels {
-  double linear = 0, display = 0;  // greatest difference, levels of 8 bits
+  double linear = 0, display = 0;  // largest difference, in 8-bit levels
 };
 
 class PlaneTest : public RenderTest {
@@ -283,7 +285,7 @@ class PlaneTest : public RenderTest {
     Levels worst;
     double brightest = 0;
     for (size_t i = 0; i < size_t{kSize} * kSize; ++i) {
-      const double perPixel = 6 * std::tan(0.5 * kFov) / kSize;  // metres on the plane
+      const double perPixel = 6 * std::tan(0.5 * kFov) / kSize;  // meters on the plane
       const dvec3 p((static_cast<double>(i % kSize) + 0.5 - kSize / 2.0) * perPixel,
                     (kSize / 2.0 - static_cast<double>(i / kSize) - 0.5) * perPixel, 0);
       const dvec3 expected = planeRadiance(material, light, p);
@@ -330,14 +332,14 @@ TEST_F(PlaneTest, SoDoesTheDefaultLayoutToALevel) {
   fmt::print("layout {}: {:.3f} levels before rounding to 8 bits\n", Settings().layout->name, linear);
 }
 
-TEST_F(PlaneTest, SoDoesThinWhereItHoldsTheMaterial) {
+TEST_F(PlaneTest, SoDoesThinIfItRepresentsTheMaterial) {
   double linear = 0;
   for (const PlaneLight& light : planeLights())
     for (const PlaneMaterial& material : kPlaneMaterials) {
       SCOPED_TRACE(std::string(light.name) + " on " + material.name);
       const Levels worst = compare(material, light.light, "thin");
-      // 0 lies between two codes of 12 bits, so a normal along an axis is 2.4e-4 off: at the edge of the narrowest
-      // highlight a level.
+      // 0 lies between two 12-bit codes, so a normal along an axis is off by 2.4e-4. At the edge of the narrowest
+      // highlight this is one level.
       EXPECT_LT(worst.linear, material.roughness < 0.25f ? 1.25 : 0.5);
       linear = std::max(linear, worst.linear);
     }
@@ -346,7 +348,7 @@ TEST_F(PlaneTest, SoDoesThinWhereItHoldsTheMaterial) {
 
 // --- furnace and unlit ----------------------------------------------------------------------------------------------
 
-// White spheres, from rough to smooth, Lambertian, dielectric and metal.
+// White spheres from smooth to rough: Lambertian, dielectric and metallic.
 scene::Scene whiteSpheres() {
   scene::SceneBuilder builder("furnace");
   builder.scene.meshes.push_back(sphereMesh(0.45f));
@@ -365,7 +367,7 @@ scene::Scene whiteSpheres() {
 
 class FurnaceTest : public RenderTest {
  protected:
-  // Greatest deviation from radiance 1 where a sphere is.
+  // The largest deviation from radiance 1 on the spheres.
   static double deviation(const scene::Environment& environment) {
     const scene::Scene scene = whiteSpheres();
     Settings settings = settingsOf(120, 120, {Aov::Color});
@@ -384,12 +386,12 @@ class FurnaceTest : public RenderTest {
   }
 };
 
-// Energy is conserved by construction, diffuse and multiple scattering included: only the half float rounds.
+// Energy is conserved by construction, including diffuse and multiple scattering, so only the half float rounds.
 TEST_F(FurnaceTest, WhiteReflectsAllOfAConstantEnvironment) {
   EXPECT_LT(deviation(constantEnvironment()), 1e-3);
 }
 
-TEST_F(FurnaceTest, AConstantPictureIsAConstantEnvironment) {
+TEST_F(FurnaceTest, AConstantImageIsAConstantEnvironment) {
   const std::filesystem::path file =
       std::filesystem::path(testing::TempDir()) / fmt::format("latelight-furnace-{}.hdr", getpid());
   {
@@ -399,10 +401,10 @@ TEST_F(FurnaceTest, AConstantPictureIsAConstantEnvironment) {
   }
   const scene::Environment environment = scene::loadEnvironment(file);
   std::filesystem::remove(file);
-  EXPECT_LT(deviation(environment), 2e-3);  // the maps are half floats too
+  EXPECT_LT(deviation(environment), 2e-3);  // the maps are half floats as well
 }
 
-TEST_F(FurnaceTest, UnlitSurfacesShowTheirBaseColourExactly) {
+TEST_F(FurnaceTest, UnlitSurfacesShowTheirBaseColorExactly) {
   for (const char* layout : {"exact", "compact", "thin", "optimized"}) {
     SCOPED_TRACE(layout);
     scene::SceneBuilder builder("unlit");
@@ -411,7 +413,7 @@ TEST_F(FurnaceTest, UnlitSurfacesShowTheirBaseColourExactly) {
     for (int i = 0; i < 3; ++i) {
       scene::Material material = scene::plainMaterial("unlit", decoded(codes[i].x, codes[i].y, codes[i].z), 0.5f, 0.3f);
       material.data.flags |= shared::kMaterialUnlit;
-      material.data.emissive = vec3(1);  // KHR_materials_unlit: the base colour and nothing else
+      material.data.emissive = vec3(1);  // must be ignored: KHR_materials_unlit outputs only the base color
       builder.scene.materials.push_back(std::move(material));
       glm::mat4 local(1);
       local[1][1] = 1.0f / 3;

@@ -1,4 +1,4 @@
-// Two-pass occlusion culling of clusters: pictures and data equal those of a renderer without earlier frames, to the
+// Two-pass occlusion culling of clusters: images and data equal those of a renderer without earlier frames, to the
 // byte, and occluded clusters are not rasterized.
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
@@ -15,10 +15,10 @@ namespace {
 using glm::vec3;
 using output::Aov;
 
-constexpr uint32_t kBalls = 1500, kClustersOfABall = 8;
+constexpr uint32_t kBalls = 1500, kClustersPerBall = 8;
 
-// A wall of four squares before a cloud of balls; some are before the wall. All of one kind: see
-// addSquareOfFourKinds().
+// A wall of four squares in front of a cloud of balls; some balls are in front of the wall. All balls have the same
+// kind of material; see addSquareOfFourKinds().
 scene::Scene ballsBehindAWall(uint32_t kind = 0) {
   scene::SceneBuilder builder("balls");
   addSquareOfFourKinds(builder.scene);
@@ -35,23 +35,23 @@ scene::Scene ballsBehindAWall(uint32_t kind = 0) {
   return std::move(builder.scene);
 }
 
-struct Look {
+struct CameraPose {
   vec3 eye, target;
 };
-// Past the wall's edge, through it, into the cloud, and out again.
-constexpr Look kWay[] = {{{0, 0, 4}, {0, 0, 0}},      {{0, 0, 4}, {0, 0, 0}},      {{0.05f, 0, 4}, {0, 0, 0}},
-                         {{-5, 0.5f, 3}, {0, 0, -2}}, {{-6, 0.5f, 1}, {0, 0, -2}}, {{0, 0, 0.4f}, {0, 0, -1}},
-                         {{0, 0, -0.1f}, {0, 0, -3}}, {{0, 0, -5}, {0, 0.2f, 0}},  {{0, 9, 0.1f}, {0, 0, -3}},
-                         {{0, 0, 40}, {0, 0, 0}}};
-std::vector<scene::Camera> way(const scene::Scene& scene) {
+// Past the wall's edge, through the wall, into the cloud, and out again.
+constexpr CameraPose kCameraPath[] = {
+    {{0, 0, 4}, {0, 0, 0}},      {{0, 0, 4}, {0, 0, 0}},     {{0.05f, 0, 4}, {0, 0, 0}},  {{-5, 0.5f, 3}, {0, 0, -2}},
+    {{-6, 0.5f, 1}, {0, 0, -2}}, {{0, 0, 0.4f}, {0, 0, -1}}, {{0, 0, -0.1f}, {0, 0, -3}}, {{0, 0, -5}, {0, 0.2f, 0}},
+    {{0, 9, 0.1f}, {0, 0, -3}},  {{0, 0, 40}, {0, 0, 0}}};
+std::vector<scene::Camera> cameraPath(const scene::Scene& scene) {
   const size_t step = latelight::test::runsInFull() ? 1 : 2;
   std::vector<scene::Camera> cameras;
-  for (size_t i = 0; i < std::size(kWay); i += step)
-    cameras.push_back(scene::lookAt(scene, kWay[i].eye, kWay[i].target));
+  for (size_t i = 0; i < std::size(kCameraPath); i += step)
+    cameras.push_back(scene::lookAt(scene, kCameraPath[i].eye, kCameraPath[i].target));
   return cameras;
 }
 
-class HiddenClustersTest : public RenderTest {
+class ClusterOcclusionTest : public RenderTest {
  protected:
   void SetUp() override {
     RenderTest::SetUp();
@@ -63,9 +63,9 @@ class HiddenClustersTest : public RenderTest {
     for (size_t i = 0; i < a.aovs.size(); ++i) EXPECT_EQ(a.aovs[i].values, b.aovs[i].values);
   }
 
-  static void expectAlikeOnTheWay(const scene::Scene& scene, const Settings& settings) {
+  static void expectAlikeAlongThePath(const scene::Scene& scene, const Settings& settings) {
     Renderer renderer(device(), scene, nullptr);
-    for (const scene::Camera& camera : way(scene))
+    for (const scene::Camera& camera : cameraPath(scene))
       expectAlike(renderer.render({&camera, 1}, settings).front(), renderOne(device(), scene, camera, settings));
   }
 
@@ -76,31 +76,31 @@ class HiddenClustersTest : public RenderTest {
   }
 };
 
-TEST_F(HiddenClustersTest, PicturesAreAsIfNothingWereKnown) {
+TEST_F(ClusterOcclusionTest, ImagesEqualThoseOfAFreshRenderer) {
   const scene::Scene scene = ballsBehindAWall();
-  expectAlikeOnTheWay(scene, settings());
+  expectAlikeAlongThePath(scene, settings());
   Settings samples = settings({Aov::Color});
   samples.aa.samples = 4;
-  expectAlikeOnTheWay(scene, samples);
+  expectAlikeAlongThePath(scene, samples);
   Settings superSampled = settings();
   superSampled.aa.superSampling = 2;
-  expectAlikeOnTheWay(scene, superSampled);
+  expectAlikeAlongThePath(scene, superSampled);
 }
 
-TEST_F(HiddenClustersTest, MasksAndGlassToo) {
-  expectAlikeOnTheWay(ballsBehindAWall(2), settings());
+TEST_F(ClusterOcclusionTest, MasksAndGlassToo) {
+  expectAlikeAlongThePath(ballsBehindAWall(2), settings());
   scene::Scene glass = ballsBehindAWall();
   glass.materials[0].data.flags |= shared::kMaterialBlended;
   glass.materials[0].data.baseColor.a = 0.5f;
   Settings both = settings({Aov::Color, Aov::Depth});
   both.dataSurfaces = DataSurfaces::Any;
-  expectAlikeOnTheWay(glass, both);
+  expectAlikeAlongThePath(glass, both);
 }
 
-TEST_F(HiddenClustersTest, OrthographicViewsToo) {
+TEST_F(ClusterOcclusionTest, OrthographicViewsToo) {
   const scene::Scene scene = ballsBehindAWall();
   Renderer renderer(device(), scene, nullptr);
-  for (scene::Camera camera : way(scene)) {
+  for (scene::Camera camera : cameraPath(scene)) {
     camera.orthographic = true;
     camera.yHalf = 3;
     camera.farClip = 50;
@@ -108,23 +108,23 @@ TEST_F(HiddenClustersTest, OrthographicViewsToo) {
   }
 }
 
-TEST_F(HiddenClustersTest, ManyViewsAreAsOneByOne) {
+TEST_F(ClusterOcclusionTest, ManyViewsEqualSingleViews) {
   const scene::Scene scene = ballsBehindAWall();
   Renderer renderer(device(), scene, nullptr);
-  std::vector<scene::Camera> cameras = way(scene);
+  std::vector<scene::Camera> cameras = cameraPath(scene);
   for (int i = 0; i < 3; ++i) {
-    std::ranges::reverse(cameras);  // each place shows something else
+    std::ranges::reverse(cameras);  // each view index has a different camera than before
     const std::vector<output::FrameOutput> together = renderer.render(cameras, settings());
     for (size_t c = 0; c < cameras.size(); ++c)
       expectAlike(together[c], renderOne(device(), scene, cameras[c], settings()));
   }
 }
 
-// Whatever is known of it is of another scene.
-TEST_F(HiddenClustersTest, EditsAreSeen) {
+// The cached occlusion is that of the scene before the edit.
+TEST_F(ClusterOcclusionTest, EditsAreVisible) {
   scene::Scene scene = ballsBehindAWall();
   Renderer renderer(device(), scene, nullptr);
-  const scene::Camera camera = way(scene).front();
+  const scene::Camera camera = cameraPath(scene).front();
   for (int i = 0; i < 8; ++i) {
     expectAlike(renderer.render({&camera, 1}, settings()).front(), renderOne(device(), scene, camera, settings()));
     if (i == 2) scene::setTransform(scene, 0, glm::translate(glm::mat4(1), vec3(0, 5, 0)));
@@ -135,20 +135,20 @@ TEST_F(HiddenClustersTest, EditsAreSeen) {
   }
 }
 
-TEST_F(HiddenClustersTest, WhatIsHiddenIsNotRasterized) {
+TEST_F(ClusterOcclusionTest, OccludedClustersAreNotRasterized) {
   const scene::Scene scene = ballsBehindAWall();
   Renderer renderer(device(), scene, nullptr);
-  const scene::Camera camera = way(scene).front();
+  const scene::Camera camera = cameraPath(scene).front();
   const auto counts = [&] {
     renderer.render({&camera, 1}, settings());
     const scene::Camera other =
-        scene::lookAt(scene, {0, 0, 400}, {0, 0, 800});  // settles what the last frame has found
+        scene::lookAt(scene, {0, 0, 400}, {0, 0, 800});  // resolves the counts of the last frame
     renderer.render({&other, 1}, settingsOf(8, 8, {Aov::Color}));
     return renderer.clusterOcclusion().counts(OcclusionHistory::Steady);
   };
   const ClusterOcclusion::Counts first = counts();
   EXPECT_EQ(first.found, 0u) << "nothing was known, so that all were rasterized";
-  EXPECT_GT(first.occluded, kBalls * kClustersOfABall * 8 / 10) << "most balls are behind the wall";
+  EXPECT_GT(first.occluded, kBalls * kClustersPerBall * 8 / 10) << "most balls are behind the wall";
 }
 
 }  // namespace

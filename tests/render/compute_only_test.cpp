@@ -15,7 +15,7 @@ using output::Aov;
 
 class ComputeOnly : public RenderTest {
  protected:
-  // On a queue for compute alone, where the device has one.
+  // A device whose queue supports only compute, if the hardware has such a queue.
   static vk::Device& computeDevice() { return *computeDevice_; }
   static void SetUpTestSuite() {
     const std::string selector = std::to_string(device().info().index);
@@ -34,7 +34,7 @@ class ComputeOnly : public RenderTest {
     s.shadows = ShadowFormat::D32;
     return s;
   }
-  // The same bytes as on a device that could draw.
+  // Expects the same bytes as on a device with graphics.
   static void expectAlike(const scene::Scene& scene, const Settings& s) {
     const scene::Camera camera = cameraOf(scene, s.width, s.height);
     const output::FrameOutput frame = renderOne(computeDevice(), scene, camera, s);
@@ -55,7 +55,7 @@ TEST_F(ComputeOnly, HasNoGraphics) {
   EXPECT_FALSE(computeDevice().hasGraphics());
 }
 
-// Each technique that computes with another method for glass, and other shadows and effects.
+// Each technique that supports compute, with a different method for glass, different shadows and different effects.
 TEST_F(ComputeOnly, EveryTechniqueGlassShadowAndEffect) {
   const scene::Scene glass = scene::load("builtin:hall,triangles=50k,lights=20,glass=1");
   const TransparencyMethod methods[] = {TransparencyMethod::Exact, TransparencyMethod::Sorted,
@@ -85,9 +85,9 @@ TEST_F(ComputeOnly, EveryTechniqueGlassShadowAndEffect) {
   EXPECT_GE(turn, 3u);
 }
 
-// Beside the default, with which the other tests render, and `exact`, which data outputs take: one that has targets,
-// and the one that has none. The others go the same way, and on a device with graphics every one is compared with
-// hardware. One model has masks, the other moves.
+// Other tests cover the default layout and `exact`, which data outputs use. This test adds a layout with targets and
+// the only one without targets. The remaining layouts share the path of the first, and on a device with graphics each
+// layout is compared with hardware. One model has alpha masks, the other one moves.
 TEST_F(ComputeOnly, LayoutsAndModelsOfEachKind) {
   for (const auto& [model, layout] : {std::pair{"textured.glb", "battlefield3"}, {"intricate.glb", "visibility"}}) {
     SCOPED_TRACE(layout);
@@ -98,19 +98,19 @@ TEST_F(ComputeOnly, LayoutsAndModelsOfEachKind) {
   }
 }
 
-TEST_F(ComputeOnly, SeveralSamplesAPixel) {
+TEST_F(ComputeOnly, SeveralSamplesPerPixel) {
   Settings s = settings();
   s.aovs.push_back(Aov::Samples);
   s.fogDensity = 0.05f;
   s.ambientOcclusion = AmbientOcclusion::Gtao;
   s.lighting = &findTechnique("clustered");
-  s.aa.samples = 4;                                                         // as many as hardware could have
-  expectAlike(scene::load(models::modelPath("textured.glb").string()), s);  // with a mask
+  s.aa.samples = 4;  // a number that graphics pipelines support too
+  expectAlike(scene::load(models::modelPath("textured.glb").string()), s);  // with an alpha mask
   expectAlike(scene::load("builtin:hall,triangles=50k,lights=20,glass=1"), s);
 }
 
-// Each is refused in a sentence, before anything is built.
-TEST_F(ComputeOnly, WhatDrawsIsRefused) {
+// Each is rejected with one sentence, before anything is built.
+TEST_F(ComputeOnly, SettingsThatRequireGraphicsAreRejected) {
   Settings hardware = settings(), forward = settings(), volumes = settings(), samples = settings();
   hardware.raster = Raster::Hardware;
   forward.lighting = &findTechnique("forward");
@@ -131,24 +131,25 @@ TEST_F(ComputeOnly, WhatDrawsIsRefused) {
 
 // --- auto -----------------------------------------------------------------------------------------------------------
 
-TEST_F(ComputeOnly, AutoIsWhatTheDeviceCanDo) {
+TEST_F(ComputeOnly, AutoChoosesARasterThatTheDeviceSupports) {
   Settings s;
   s.raster = Raster::Auto;
   EXPECT_EQ(chooseRaster(computeDevice(), s, hall()).raster, Raster::Compute);
   const RasterChoice choice = chooseRaster(device(), s, hall());
   EXPECT_NE(choice.raster, Raster::Auto);
-  EXPECT_EQ(chooseRaster(device(), s, hall()).why, choice.why);  // measured once
+  EXPECT_EQ(chooseRaster(device(), s, hall()).why, choice.why);  // measured only once
   s.aa.samples = 8;
-  EXPECT_EQ(chooseRaster(device(), s, hall()).raster, Raster::Compute);  // hardware has no such number
+  // The graphics pipeline does not support this number of samples.
+  EXPECT_EQ(chooseRaster(device(), s, hall()).raster, Raster::Compute);
   s.aa.samples = 1;
   s.lighting = &findTechnique("forward");
   EXPECT_EQ(chooseRaster(device(), s, hall()).raster, Raster::Hardware);
   s.raster = Raster::Compute;
-  EXPECT_EQ(chooseRaster(device(), s, hall()).raster, Raster::Compute);  // as asked
+  EXPECT_EQ(chooseRaster(device(), s, hall()).raster, Raster::Compute);  // as requested
 }
 
-// Where compute shaders have to filter textures themselves, they pay once there are many triangles: the more pixels
-// show materials, the later.
+// If compute shaders must filter textures themselves, they become faster only with many triangles. The more pixels show
+// materials, the more triangles are required.
 TEST_F(ComputeOnly, AutoDependsOnTheSceneWithoutDescriptorIndexing) {
   if (device().maxTextureArray() != 0) GTEST_SKIP() << "this device has descriptor indexing";
   scene::Scene scene;
@@ -157,7 +158,7 @@ TEST_F(ComputeOnly, AutoDependsOnTheSceneWithoutDescriptorIndexing) {
   data.display = false;
   data.aovs = {Aov::Depth, Aov::Id};
   for (Settings* s : {&data, &picture}) s->width = s->height = 1000;
-  const auto fewestForCompute = [&](const Settings& s) {  // instances, of a million triangles each
+  const auto minInstancesForCompute = [&](const Settings& s) {  // number of instances with a million triangles each
     scene.instances.clear();
     while (chooseRaster(device(), s, scene).raster == Raster::Hardware) {
       scene.instances.push_back({});
@@ -165,18 +166,18 @@ TEST_F(ComputeOnly, AutoDependsOnTheSceneWithoutDescriptorIndexing) {
     }
     return scene.instances.size();
   };
-  const size_t ofData = fewestForCompute(data), ofPicture = fewestForCompute(picture);
-  EXPECT_LT(ofData, ofPicture) << "textures to filter";
+  const size_t dataInstances = minInstancesForCompute(data), imageInstances = minInstancesForCompute(picture);
+  EXPECT_LT(dataInstances, imageInstances) << "textures to filter";
   scene.instances.back().removed = true;
   EXPECT_EQ(chooseRaster(device(), picture, scene).raster, Raster::Hardware) << "what was removed does not count";
   data.aa.samples = picture.aa.samples = 4;
-  EXPECT_EQ(fewestForCompute(data), ofData) << "data have one sample a pixel";
-  EXPECT_LT(fewestForCompute(picture), ofPicture) << "more samples to draw, of few surfaces";
+  EXPECT_EQ(minInstancesForCompute(data), dataInstances) << "data have one sample a pixel";
+  EXPECT_LT(minInstancesForCompute(picture), imageInstances) << "more samples to draw, of few surfaces";
   data.width = 5000;
   picture.aa.samples = 1;
   picture.width = 5000;
-  EXPECT_EQ(fewestForCompute(data), ofData) << "no textures to filter";
-  EXPECT_GT(fewestForCompute(picture), ofPicture + 5) << "more pixels";
+  EXPECT_EQ(minInstancesForCompute(data), dataInstances) << "no textures to filter";
+  EXPECT_GT(minInstancesForCompute(picture), imageInstances + 5) << "more pixels";
 }
 
 }  // namespace

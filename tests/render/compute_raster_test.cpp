@@ -29,16 +29,17 @@ Settings computeSettings(uint32_t width, uint32_t height, std::vector<Aov> aovs)
 
 // --- watertight -----------------------------------------------------------------------------------------------------
 
-// Triangles in the plane z = 0, which cover a square from -1 to 1 once.
+// Triangles in the plane z = 0 that cover the square from -1 to 1 exactly once.
 struct Cover {
   std::vector<vec2> points;
   std::vector<uint32_t> indices;
 };
 
-// A grid whose inner points are moved at random, by so much of a cell, and whose cells are parted by either diagonal.
-Cover randomGrid(uint32_t cells, uint32_t seed, float most = 0.45f) {
+// A grid whose inner points are displaced at random by up to `maxJitter` of a cell. Each cell is split by a diagonal
+// that lies inside.
+Cover randomGrid(uint32_t cells, uint32_t seed, float maxJitter = 0.45f) {
   std::mt19937 random(seed);
-  std::uniform_real_distribution<float> jitter(-most, most);
+  std::uniform_real_distribution<float> jitter(-maxJitter, maxJitter);
   Cover cover;
   for (uint32_t y = 0; y <= cells; ++y)
     for (uint32_t x = 0; x <= cells; ++x) {
@@ -49,7 +50,7 @@ Cover randomGrid(uint32_t cells, uint32_t seed, float most = 0.45f) {
   for (uint32_t y = 0; y < cells; ++y)
     for (uint32_t x = 0; x < cells; ++x) {
       const uint32_t a = y * (cells + 1) + x, b = a + 1, c = a + cells + 1, d = c + 1;
-      // Jitter keeps each quadrilateral simple, but only one of its diagonals may lie inside.
+      // Jitter keeps each quadrilateral simple, but possibly only one of its diagonals lies inside.
       const auto cross = [](vec2 u, vec2 v) { return u.x * v.y - u.y * v.x; };
       const auto& p = cover.points;
       const bool splits = cross(p[d] - p[a], p[b] - p[a]) * cross(p[d] - p[a], p[c] - p[a]) < 0;
@@ -61,7 +62,7 @@ Cover randomGrid(uint32_t cells, uint32_t seed, float most = 0.45f) {
   return cover;
 }
 
-// Slivers around a point near the middle; a multiple of four, so that the square has its corners.
+// Slivers around a point near the center. `slices` is a multiple of four, so that the square has its corners.
 Cover fan(uint32_t slices, uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> at(-0.3f, 0.3f);
@@ -79,8 +80,8 @@ Cover fan(uint32_t slices, uint32_t seed) {
   return cover;
 }
 
-// Half of the triangles in an instance, the others in another, by a bit of each one's hash: where both show a pixel, it
-// was hit twice. Several bits tell any two triangles apart.
+// Splits the triangles into two sets by one bit of each triangle's hash and returns one set as an instance, or all
+// triangles if `shown` is 2. A pixel covered by both sets was hit twice. Several bits separate any two triangles.
 scene::Scene halves(const Cover& cover, uint32_t bit, uint32_t shown) {
   scene::SceneBuilder builder("cover");
   scene::Mesh mesh = squareMesh();
@@ -101,14 +102,14 @@ scene::Scene halves(const Cover& cover, uint32_t bit, uint32_t shown) {
   return std::move(builder.scene);
 }
 
-// With so many samples a pixel.
+// The parameter is the number of samples per pixel.
 class ComputeCoverage : public RenderTest, public testing::WithParamInterface<uint32_t> {
  protected:
   void SetUp() override {
     RenderTest::SetUp();
     if (GetParam() == 4) LATELIGHT_SKIP_UNLESS_ALL();  // 16 samples are rasterized in the same way
   }
-  // How many samples of each pixel are covered.
+  // Returns the number of covered samples per pixel.
   static std::vector<uint32_t> covered(const scene::Scene& scene, const scene::Camera& camera, uint32_t size) {
     const uint32_t samples = GetParam();
     std::vector<uint32_t> counts(size_t{size} * size, 0);
@@ -123,8 +124,8 @@ class ComputeCoverage : public RenderTest, public testing::WithParamInterface<ui
     return counts;
   }
 
-  // Every sample that shows the square is hit once. `everywhere`: all of them show it. `folds`: pixels that may have
-  // samples that are hit more often.
+  // Expects that each sample inside the square is hit exactly once. `everywhere`: all samples are inside. `folds`: the
+  // number of pixels that may have samples that are hit more often.
   static void expectCoveredOnce(const Cover& cover, const scene::Camera& camera, uint32_t size, bool everywhere = true,
                                 size_t folds = 0) {
     const std::vector<uint32_t> all = covered(halves(cover, 0, 2), camera, size);
@@ -147,13 +148,13 @@ class ComputeCoverage : public RenderTest, public testing::WithParamInterface<ui
   }
 };
 
-// In closed form MsaaTest has the numbers between.
+// MsaaTest checks the sample counts in between in closed form.
 INSTANTIATE_TEST_SUITE_P(Samples, ComputeCoverage, testing::Values(1, 4, 16),
                          [](const auto& info) { return std::to_string(info.param); });
 
 TEST_P(ComputeCoverage, MeshesCoverEachSampleOnce) {
-  // From triangles of 200 pixels to those of a tenth of one, of which none may be so thin that it folds over when its
-  // corners are snapped.
+  // From triangles of 200 pixels to triangles of a tenth of a pixel. None may be so thin that it folds over when its
+  // vertices are snapped.
   for (const uint32_t cells : {1u, 3u, 20u, 111u, 700u}) {
     SCOPED_TRACE(fmt::format("{} x {} cells", cells, cells));
     expectCoveredOnce(randomGrid(cells, cells, cells > 100 ? 0.2f : 0.45f), frontCamera(0.97f), 128);
@@ -167,9 +168,10 @@ TEST_P(ComputeCoverage, FansCoverEachSampleOnce) {
   }
 }
 
-// A floor that the camera stands on and looks along: triangles pass beside it and behind it, and every row of them
-// crosses the near plane somewhere. Against a grid of a single cell, whose edges are its rim alone.
-TEST_P(ComputeCoverage, NothingOpensThroughTheNearPlane) {
+// A floor that the camera stands on and looks along: triangles pass next to the camera and behind it, and every row of
+// triangles crosses the near plane somewhere. The reference is a grid of a single cell, whose only edges are the
+// floor's rim and one diagonal.
+TEST_P(ComputeCoverage, TheNearPlaneOpensNoHoles) {
   constexpr uint32_t kSide = 96;
   for (const float height : {0.05f, 0.001f})
     for (const float down : {0.0f, 0.3f, 1.2f}) {
@@ -180,7 +182,7 @@ TEST_P(ComputeCoverage, NothingOpensThroughTheNearPlane) {
       const std::vector<uint32_t> whole = covered(halves(randomGrid(1, 0), 0, 2), camera, kSide);
       for (const uint32_t cells : {7u, 90u}) {
         SCOPED_TRACE(fmt::format("{} m above {} x {} cells, {} down", height, cells, cells, down));
-        // Far away triangles are so thin that some fold over.
+        // Distant triangles are so thin that some fold over.
         const size_t folds = GetParam() > 1 ? 8 : 0;
         expectCoveredOnce(randomGrid(cells, 40 + cells), camera, kSide, false, folds);
         EXPECT_EQ(covered(halves(randomGrid(cells, 40 + cells), 0, 2), camera, kSide), whole);
@@ -188,7 +190,7 @@ TEST_P(ComputeCoverage, NothingOpensThroughTheNearPlane) {
     }
 }
 
-// Triangles of 10,000 pixels and more, of which few are on screen.
+// Triangles of 10,000 pixels and more, most of which are outside the image.
 TEST_P(ComputeCoverage, HugeTrianglesCoverEachSampleOnce) {
   for (const float half : {1e-2f, 1e-4f}) {
     SCOPED_TRACE(half);
@@ -199,7 +201,7 @@ TEST_P(ComputeCoverage, HugeTrianglesCoverEachSampleOnce) {
 
 // --- against closed forms -------------------------------------------------------------------------------------------
 
-// On a grid of 1/256 pixel, of a picture whose pixels are 1/16 units wide.
+// Coordinates in units of 1/256 pixel; a pixel is 1/16 units wide.
 using Corner = glm::ivec2;
 constexpr uint32_t kClosedSide = 64;
 
@@ -209,7 +211,8 @@ scene::Scene triangleOf(const std::array<Corner, 3>& corners) {
   return halves(cover, 0, 2);
 }
 
-// In integers: a sample on an edge belongs to the triangle whose top or left edge it is.
+// Counts the samples inside a triangle in integers. A sample on an edge belongs to the triangle whose top or left edge
+// it is.
 uint32_t samplesInside(std::array<Corner, 3> t, Corner pixel, uint32_t samples) {
   const auto cross = [](Corner u, Corner v) { return int64_t{u.x} * v.y - int64_t{u.y} * v.x; };
   if (cross(t[1] - t[0], t[2] - t[0]) < 0) std::swap(t[1], t[2]);  // clockwise, y down
@@ -228,18 +231,18 @@ uint32_t samplesInside(std::array<Corner, 3> t, Corner pixel, uint32_t samples) 
   return inside;
 }
 
-// Random triangles of every size, some with corners where samples lie: each pixel has just the samples that exact
-// arithmetic finds, and they add up to the area, the better the more there are.
-TEST_P(ComputeCoverage, ATriangleCoversWhatExactArithmeticFinds) {
+// Random triangles of every size, some with vertices exactly at sample positions. Each pixel has exactly the samples
+// that exact arithmetic counts, and their sum approaches the area as the sample count grows.
+TEST_P(ComputeCoverage, ATriangleCoversTheSamplesThatExactArithmeticCounts) {
   std::mt19937 random(5);
   double off = 0;
   for (int triangle = 0; triangle < 60; ++triangle) {
-    const int reach = 200 << triangle % 7;  // subpixels
+    const int reach = 200 << triangle % 7;  // in subpixels
     const int grid = triangle % 2 ? 1 : 16;
     std::uniform_int_distribution<int> middle(0, 64 * 256), aside(-reach, reach);
-    const Corner centre(middle(random), middle(random));
+    const Corner center(middle(random), middle(random));
     std::array<Corner, 3> corners;
-    for (Corner& c : corners) c = (centre + Corner(aside(random), aside(random))) / grid * grid;
+    for (Corner& c : corners) c = (center + Corner(aside(random), aside(random))) / grid * grid;
     const std::vector<uint32_t> found = covered(triangleOf(corners), frontCamera(2), kClosedSide);
     size_t wrong = 0, total = 0;
     for (uint32_t i = 0; i < found.size(); ++i) {
@@ -261,8 +264,8 @@ TEST_P(ComputeCoverage, ATriangleCoversWhatExactArithmeticFinds) {
 // --- against the graphics pipeline ----------------------------------------------------------------------------------
 
 struct Difference {
-  size_t pixels = 0, ids = 0;     // ids: that differ
-  double depths = 0, albedo = 0;  // largest, where ids are the same; depth relative
+  size_t pixels = 0, ids = 0;     // ids: number of pixels that differ
+  double depths = 0, albedo = 0;  // largest difference where ids are equal; depth relative
 };
 
 class AgainstHardware : public RenderTest {
@@ -282,7 +285,7 @@ class AgainstHardware : public RenderTest {
       }
       if (!imageOf(compute, Aov::Part).ids[i]) continue;
       const vec3 a = vec3At(imageOf(compute, Aov::GeoNormal), i), b = vec3At(imageOf(hardware, Aov::GeoNormal), i);
-      if (glm::dot(a, b) < 0.999f) continue;  // another triangle of the same thing
+      if (glm::dot(a, b) < 0.999f) continue;  // another triangle of the same object
       const double near = imageOf(compute, Aov::Depth).values[i], far = imageOf(hardware, Aov::Depth).values[i];
       d.depths = std::max(d.depths, std::abs(near - far) / far);
       const vec3 albedo = vec3At(imageOf(compute, Aov::Albedo), i) - vec3At(imageOf(hardware, Aov::Albedo), i);
@@ -292,8 +295,8 @@ class AgainstHardware : public RenderTest {
   }
 };
 
-// The graphics pipeline rounds elsewhere, so that pixels whose centres lie on an edge, to 1/256, may differ.
-TEST_F(AgainstHardware, TheSameSurfacesShow) {
+// The graphics pipeline rounds differently, so pixels whose centers lie on an edge, within 1/256 px, may differ.
+TEST_F(AgainstHardware, TheSameSurfacesAreVisible) {
   for (const char* model : {"textured.glb", "intricate.glb", "punctual.glb"}) {
     SCOPED_TRACE(model);
     const scene::Scene scene = scene::load(models::modelPath(model).string());
@@ -306,9 +309,10 @@ TEST_F(AgainstHardware, TheSameSurfacesShow) {
   EXPECT_LE(d.ids, d.pixels / 500);
 }
 
-// Of four samples too: where a surface covers a part of a pixel, the graphics pipeline looks at its material elsewhere
-// in it, which highlights and textures show; its glass has one sample on a CPU device, so that its rims differ.
-TEST_F(AgainstHardware, TheSamePictureOfFourSamples) {
+// With four samples as well. For partly covered pixels, the graphics pipeline evaluates the material at a different
+// point of the pixel, which is visible in highlights and textures. On a CPU device its glass has one sample, so the
+// rims differ.
+TEST_F(AgainstHardware, TheSameImageWithFourSamples) {
   const auto pixelsOff = [](const scene::Scene& scene, uint32_t width, uint32_t height) {
     const scene::Environment environment = constantEnvironment();
     const scene::Camera camera = cameraOf(scene, width, height);
@@ -339,14 +343,15 @@ TEST_F(AgainstHardware, TheSamePictureOfFourSamples) {
   }
 }
 
-TEST_F(AgainstHardware, BlendedSurfacesAsSolidOnes) {
+TEST_F(AgainstHardware, BlendedSurfacesAsOpaqueOnes) {
   const scene::Scene scene = scene::load(models::modelPath("blended.glb").string());
   const Difference d = compare(scene, cameraOf(scene, 200, 150), 200, 150, DataSurfaces::Any);
   EXPECT_LE(d.ids, d.pixels / 500);
 }
 
-// Where two surfaces are at the very same depth, the one that is drawn later shows: by material, mesh, then number.
-TEST_F(AgainstHardware, OfEqualDepthsTheLastOneShows) {
+// At exactly equal depth, the surface that is drawn last is visible. The order is by material, mesh, then instance
+// index.
+TEST_F(AgainstHardware, AtEqualDepthTheLastOneIsVisible) {
   scene::SceneBuilder builder("same");
   builder.scene.meshes = {squareMesh(), squareMesh()};
   for (const float red : {0.2f, 0.6f, 0.9f})
@@ -364,7 +369,7 @@ class ComputeRuns : public ComputeCoverage {};
 INSTANTIATE_TEST_SUITE_P(Samples, ComputeRuns, testing::Values(1, 16),
                          [](const auto& info) { return std::to_string(info.param); });
 
-TEST_P(ComputeRuns, EveryRunGivesTheSameBytes) {
+TEST_P(ComputeRuns, EveryRunReturnsTheSameBytes) {
   Settings settings = computeSettings(200, 120, {Aov::Depth, Aov::Part, Aov::Normal, Aov::Color, Aov::Motion});
   settings.shadows = ShadowFormat::D32;
   settings.aa.samples = GetParam();
@@ -380,7 +385,7 @@ TEST_P(ComputeRuns, EveryRunGivesTheSameBytes) {
   }
 }
 
-TEST_P(ComputeRuns, ViewsAtOnceAreThoseOneByOne) {
+TEST_P(ComputeRuns, ViewsOfABatchEqualSingleViews) {
   std::vector<scene::Camera> cameras(5, cameraOf(hall(), 96, 64));
   for (size_t i = 0; i < cameras.size(); ++i) {
     const float angle = 1.3f * static_cast<float>(i), c = std::cos(angle), s = std::sin(angle);
@@ -399,8 +404,8 @@ TEST_P(ComputeRuns, ViewsAtOnceAreThoseOneByOne) {
   }
 }
 
-// Queues that are too small at first: the frame is rendered again, and lacks nothing.
-TEST_P(ComputeRuns, WhatOverflowsIsDoneAgain) {
+// Queues that are too small at first: the frame is rendered again and is complete.
+TEST_P(ComputeRuns, OverflowingQueuesGrowAndTheFrameRepeats) {
   const std::vector<uint32_t> all = covered(halves(fan(20000, 3), 0, 2), frontCamera(0.97f), 512);
   EXPECT_EQ(std::ranges::count(all, GetParam()), 512 * 512);
 }

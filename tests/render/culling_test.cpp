@@ -21,8 +21,8 @@ using output::Aov;
 
 constexpr uint32_t kCullingWidth = 64, kCullingHeight = 48;
 
-// Distance of a point from the ray through a pixel's centre, as the camera has it: double precision, no matrices of
-// ours.
+// Distance of a point from the ray through a pixel's center, computed from the camera's definition in double precision
+// without the renderer's matrices.
 double distanceToRay(const scene::Camera& camera, dvec2 pixel, dvec3 point) {
   const double aspect = double(kCullingWidth) / kCullingHeight;
   const dvec2 ndc(2 * pixel.x / kCullingWidth - 1 - camera.principal.x,
@@ -51,14 +51,14 @@ std::vector<scene::Camera> cameras() {
   return all;
 }
 
-TEST(Culling, KeepsWhateverHoldsThePixelsCentre) {
+TEST(Culling, KeepsSpheresThatCoverAPixelCenter) {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> unit(0, 1);
   for (const scene::Camera& camera : cameras()) {
     const Frustum frustum(makeView(camera, kCullingWidth, kCullingHeight));
     unsigned seen = 0;
     for (int i = 0; i < 3000; ++i) {
-      // Around a point on the ray of some pixel's centre, by up to a few times its own radius.
+      // A sphere around a point on the ray of some pixel's center, displaced by up to a few times its own radius.
       const dvec2 pixel(std::floor(unit(random) * kCullingWidth) + 0.5,
                         std::floor(unit(random) * kCullingHeight) + 0.5);
       const float radius = std::pow(10.0f, -4 + 4 * unit(random)), away = 0.5f + 12 * unit(random);
@@ -68,47 +68,47 @@ TEST(Culling, KeepsWhateverHoldsThePixelsCentre) {
       const dvec2 extent =
           dvec2(camera.orthographic ? camera.yHalf : half * away) * dvec2(double(kCullingWidth) / kCullingHeight, 1);
       const vec3 offset = (vec3(unit(random), unit(random), unit(random)) - 0.5f) * 3.0f * radius;
-      const vec3 centre =
+      const vec3 center =
           vec3(glm::dmat4(camera.toWorld) * glm::dvec4(ndc.x * extent.x, away, ndc.y * extent.y, 1)) + offset;
-      if (distanceToRay(camera, pixel, dvec3(centre)) > radius) continue;
+      if (distanceToRay(camera, pixel, dvec3(center)) > radius) continue;
       ++seen;
-      EXPECT_TRUE(frustum.holdsCentre({centre, radius})) << i;
+      EXPECT_TRUE(frustum.holdsCentre({center, radius})) << i;
     }
     EXPECT_GT(seen, 300u);
   }
 }
 
-TEST(Culling, LeavesOutNearlyAllThatIsSmallerThanPixels) {
+TEST(Culling, CullsNearlyAllSpheresSmallerThanPixels) {
   std::mt19937 random(2);
   std::uniform_real_distribution<float> unit(-1, 1);
   const Frustum frustum(makeView(cameras().front(), kCullingWidth, kCullingHeight));
   unsigned kept = 0;
-  for (int i = 0; i < 10000; ++i)  // 0.02 pixels wide; a quarter of a pixel each way is kept for rounding
+  for (int i = 0; i < 10000; ++i)  // each is 0.02 pixels wide; a quarter of a pixel on each side is kept for rounding
     kept += frustum.holdsCentre({vec3(unit(random), 0, unit(random)), 0.001f});
   EXPECT_LT(kept, 1200u);
 }
 
 class CullingTest : public RenderTest {};
 
-// Squares of half a pixel, far more of them than pixels: each pixel shows the nearest that holds its centre.
-TEST_F(CullingTest, DrawsEveryInstanceThatShows) {
+// Squares of 0.6 pixels, many more of them than pixels: each pixel shows the nearest square that covers its center.
+TEST_F(CullingTest, DrawsEveryVisibleInstance) {
   constexpr uint32_t kSide = 64, kCount = 40000;
-  constexpr float kHalf = 0.3f / kSide * 2;  // of a square's side: 0.6 pixels
+  constexpr float kHalf = 0.3f / kSide * 2;  // half a square's side; the side is 0.6 pixels
   scene::Scene scene;
   scene.materials.push_back(scene::plainMaterial("grey", vec3(0.5f), 0, 1));
   scene.meshes.push_back(squareMesh());
   scene.nodes.push_back({.name = "squares", .path = "/squares"});
   std::mt19937 random(3);
   std::uniform_real_distribution<float> unit(-1, 1);
-  std::vector<vec3> places;  // glTF's frame
+  std::vector<vec3> places;  // in glTF's frame
   for (uint32_t i = 0; i < kCount; ++i) {
     places.push_back({unit(random), unit(random), unit(random)});
     scene.instances.push_back({.id = i + 1});
     scene.instances.back().toWorld =
         scene::toWorldFromGltf() * glm::dmat4(glm::scale(glm::translate(glm::mat4(1), places[i]), vec3(kHalf)));
   }
-  // The nearest of each pixel, and whether some edge lies too close to its centre to say.
-  std::vector<uint32_t> wanted(kSide * kSide);
+  // The nearest square of each pixel, and whether an edge lies too close to the pixel's center to decide.
+  std::vector<uint32_t> expected(kSide * kSide);
   std::vector<bool> unsure(kSide * kSide);
   for (uint32_t i = 0; i < kCount; ++i) {
     const dvec2 p((places[i].x + 1) / 2 * kSide, (1 - places[i].y) / 2 * kSide);
@@ -116,7 +116,7 @@ TEST_F(CullingTest, DrawsEveryInstanceThatShows) {
       for (int x = std::max(0, int(p.x) - 2); x <= std::min(int(kSide) - 1, int(p.x) + 2); ++x) {
         const double edge = std::max(std::abs(x + 0.5 - p.x), std::abs(y + 0.5 - p.y)) - 0.3;
         const size_t pixel = size_t(y) * kSide + size_t(x);
-        uint32_t& nearest = wanted[pixel];
+        uint32_t& nearest = expected[pixel];
         if (nearest != 0 && places[nearest - 1].z > places[i].z + 1e-5) continue;
         if (std::abs(edge) < 0.01) unsure[pixel] = true;
         if (edge >= 0) continue;
@@ -129,13 +129,13 @@ TEST_F(CullingTest, DrawsEveryInstanceThatShows) {
   for (size_t pixel = 0; pixel < ids.size(); ++pixel) {
     if (unsure[pixel]) continue;
     ++compared;
-    EXPECT_EQ(ids[pixel], wanted[pixel]) << pixel;
+    EXPECT_EQ(ids[pixel], expected[pixel]) << pixel;
   }
   EXPECT_GT(compared, kSide * kSide / 2);
-  EXPECT_THAT(wanted, testing::Contains(testing::Ne(0u)));
+  EXPECT_THAT(expected, testing::Contains(testing::Ne(0u)));
 }
 
-// Operations are counted, not time: ten million instances that show nowhere must not be drawn.
+// The test counts operations, not time: most of the 202,500 instances, which cover no pixel center, must not be drawn.
 TEST_F(CullingTest, DrawsFewOfManyInstances) {
   constexpr uint32_t kGrid = 450;
   scene::Scene scene;
@@ -153,20 +153,20 @@ TEST_F(CullingTest, DrawsFewOfManyInstances) {
   order.update(uploaded);
   const shared::View view = makeView(frontCamera(1, 4), 64, 64);
   const Frustum frustum(view);
-  const auto select = [&](bool atCentres) {
+  const auto select = [&](bool atCenters) {
     return order.select(uploaded, DrawOrder::Kind::Solid, [&](const Sphere& bounds) {
-      return frustum.touches(bounds) && (!atCentres || frustum.holdsCentre(bounds));
+      return frustum.touches(bounds) && (!atCenters || frustum.holdsCentre(bounds));
     });
   };
   EXPECT_EQ(select(false).instances.size(), kGrid * kGrid);
   EXPECT_LT(select(true).instances.size(), kGrid * kGrid / 4);
-  // One draw, though its instances are found by several threads.
+  // All instances share one draw call, although several threads select them.
   EXPECT_EQ(select(false).draws.size(), 1u);
   EXPECT_TRUE(std::ranges::is_sorted(select(true).instances));
 }
 
-// The same thing drawn many times in one place is seen once: as the last of them.
-TEST_F(CullingTest, DrawsOneOfManyInTheSamePlace) {
+// Only the last one of several opaque instances with the same mesh, material and transform is drawn.
+TEST_F(CullingTest, DrawsOneOfManyAtTheSamePosition) {
   scene::Scene scene;
   scene.materials.push_back(scene::plainMaterial("grey", vec3(0.5f), 0, 1));
   scene.materials.push_back(scene.materials.front());
@@ -182,7 +182,7 @@ TEST_F(CullingTest, DrawsOneOfManyInTheSamePlace) {
   const scene::Camera camera = frontCamera(1, 4);
   const auto all = [](const Sphere&) { return true; };
   EXPECT_EQ(order.select(uploaded, DrawOrder::Kind::Solid, all).instances, std::vector<uint32_t>{49});
-  EXPECT_EQ(order.select(uploaded, DrawOrder::Kind::Blended, all).instances.size(), 50u);  // these add up
+  EXPECT_EQ(order.select(uploaded, DrawOrder::Kind::Blended, all).instances.size(), 50u);  // these accumulate
   const output::FrameOutput frame = renderOne(device(), scene, camera, settingsOf(8, 8, {Aov::Id}));
   EXPECT_THAT(imageOf(frame, Aov::Id).ids, testing::Each(50u));
 }

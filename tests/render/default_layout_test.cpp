@@ -1,4 +1,4 @@
-// Lighting from the default layout equals lighting from floats, to one level of 8 bits, on materials that are hard to
+// Lighting from the default layout equals lighting from floats, within one 8-bit level, on materials that are hard to
 // store, on the built-in scenes, and on real models.
 #include <fmt/core.h>
 
@@ -17,7 +17,8 @@ namespace {
 
 using glm::vec3;
 
-// Channels of 8-bit pictures: by how many levels they differ at most, and in what share of the pixels by more than one.
+// Differences of 8-bit images: the largest one in levels, and the fraction of pixels that differ by more than one
+// level.
 struct Apart {
   int most = 0;
   double beyond = 0;
@@ -47,7 +48,7 @@ class DefaultLayoutTest : public RenderTest {
  protected:
   void SetUp() override {
     RenderTest::SetUp();
-    // A layout loses the same with either raster.
+    // The loss of a layout does not depend on the raster.
     if (testRaster() == Raster::Compute) LATELIGHT_SKIP_UNLESS_ALL();
   }
   static void expectExact(const scene::Scene& scene, const scene::Environment* environment, Settings settings,
@@ -61,7 +62,7 @@ class DefaultLayoutTest : public RenderTest {
       return std::move(renderer.render({&camera, 1}, settings).front().display);
     };
     const std::vector<uint8_t> exact = render("exact"), stored = render(Settings().layout->name), thin = render("thin");
-    EXPECT_GT(brighterThan(exact, 20), exact.size() / 4 / 20);  // there is something to compare
+    EXPECT_GT(brighterThan(exact, 20), exact.size() / 4 / 20);  // the image is not nearly black
     const Apart difference = apart(stored, exact), thins = apart(thin, exact);
     fmt::print("{}: {} levels apart at most, {:.4f} % of the pixels by more than one; thin {}, {:.4f} %\n", name,
                difference.most, 100 * difference.beyond, thins.most, 100 * thins.beyond);
@@ -72,7 +73,7 @@ class DefaultLayoutTest : public RenderTest {
 
 // --- materials that are hard to store -------------------------------------------------------------------------------
 
-// Spheres in rows: metalness across, roughness downwards; reflectance by its own period.
+// Spheres in rows: metalness varies across, roughness downward, and reflectance with a period of its own.
 scene::Scene oddSpheres(float strength) {
   constexpr float kMetalness[] = {0, 0.003f, 0.1f, 0.47f, 0.891f, 0.99f, 1};
   constexpr float kRoughness[] = {0, 0.04f, 0.11f, 0.3f, 0.62f, 1};
@@ -121,7 +122,7 @@ scene::Scene oddSpheres(float strength) {
     l.color = {1, 0.9f, 0.8f};
     l.intensity = intensity * strength;
   };
-  // World space: the spheres stand in the plane y = 0, seen from -y.
+  // World space: the spheres stand in the plane y = 0 and are viewed from -y.
   light(shared::kLightDirectional, {}, {0.4f, 1, -0.6f}, 1);
   light(shared::kLightDirectional, {}, {-1, 0.2f, 0.1f}, 0.6f);
   light(shared::kLightPoint, {0.5f, -1.5f, 0.5f}, {1, 0, 0}, 3);
@@ -133,7 +134,7 @@ scene::Scene oddSpheres(float strength) {
 }
 
 TEST_F(DefaultLayoutTest, HoldsOddMaterialsUnderLights) {
-  for (float strength : {1.0f, 30.0f})  // black paint in the sun
+  for (float strength : {1.0f, 30.0f})  // black paint in sunlight
     for (const char* tonemap : {"khronos", "none"}) {
       Settings settings = settingsOf(350, 300);
       settings.tonemap = choiceNamed<Tonemap>(tonemap).value();
@@ -165,7 +166,7 @@ TEST_F(DefaultLayoutTest, HoldsTheBuiltInScenes) {
   }
 }
 
-// Under the studio and a sun that is brighter than it.
+// The studio environment plus a sun that is brighter than it.
 class DefaultLayoutModelTest : public DefaultLayoutTest, public testing::WithParamInterface<std::filesystem::path> {};
 TEST_P(DefaultLayoutModelTest, IsHeld) {
   if (!std::filesystem::exists(GetParam())) GTEST_SKIP() << GetParam() << " is not there: install assimp-testmodels";
@@ -192,7 +193,7 @@ std::vector<std::filesystem::path> testModels() {
 }
 INSTANTIATE_TEST_SUITE_P(Models, DefaultLayoutModelTest, testing::ValuesIn(testModels()), nameOf);
 
-// Of Debian's package assimp-testmodels.
+// A model of Debian's package assimp-testmodels.
 std::filesystem::path assimpModel(const char* name) {
   return std::filesystem::path("/usr/share/assimp/models/glTF2") / name;
 }

@@ -35,11 +35,11 @@ constexpr uint32_t kWidth = 128, kHeight = 80;
 // --- frames with chosen lights --------------------------------------------------------------------------------------
 
 struct LitPicture {
-  std::vector<uint8_t> display;  // RGBA, a view after the other
-  std::vector<vec4> counts;      // empty where lights were not counted
+  std::vector<uint8_t> display;  // RGBA, the views in order
+  std::vector<vec4> counts;      // empty if lights were not counted
 };
 
-// How far two pictures are apart, in 8-bit codes.
+// The largest difference of two images, in 8-bit codes.
 int worstDifference(const LitPicture& a, const LitPicture& b) {
   if (a.display.size() != b.display.size()) return 256;
   int worst = 0;
@@ -51,7 +51,7 @@ struct LightRange {
   uint32_t first = 0, count = 0;
 };
 
-// One scene in device memory, lit by any part of its lights.
+// One scene in device memory, lit by any range of its lights.
 class Bench {
  public:
   Bench(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment = nullptr)
@@ -93,7 +93,7 @@ FrameConfig setupOf(const char* technique, const char* layout, uint32_t order = 
   return {.layout = &findLayout(layout), .lighting = &findTechnique(technique), .volumesOrder = order};
 }
 
-// --- the room: a floor, a wall at y = 2, and every kind of material before it ---------------------------------------
+// --- the room: a floor, a wall at y = 2, and every kind of material in front of it ----------------------------------
 
 struct Room {
   scene::SceneBuilder builder{"room"};
@@ -101,7 +101,7 @@ struct Room {
 
   Room() {
     scene.meshes = {squareMesh(), sphereMesh(0.5f)};
-    scene.textures.push_back(  // holes, for masks
+    scene.textures.push_back(  // holes, for alpha masks
         textureOf(4, 4, true,
                   std::vector<glm::u8vec4>{{200, 90, 30, 255},
                                            {200, 90, 30, 0},
@@ -133,7 +133,7 @@ struct Room {
     scene.materials[twoSided].data.flags |= shared::kMaterialDoubleSided;
     scene.materials[glowing].data.emissive = {0.5f, 0.2f, 0.05f};
 
-    // glTF's frame: z = -2 is the world's y = 2.
+    // In glTF's frame, z = -2 is the world's y = 2.
     const glm::mat4 wall = glm::translate(glm::mat4(1), vec3(0, 0, -2)) * glm::scale(glm::mat4(1), vec3(4, 3, 1));
     place(0, plain, wall);
     const glm::mat4 lying = glm::rotate(glm::mat4(1), -1.5707963f, vec3(1, 0, 0));
@@ -145,7 +145,7 @@ struct Room {
     const glm::mat4 back = glm::rotate(glm::mat4(1), 3.5f, vec3(0, 1, 0)) * glm::scale(glm::mat4(1), vec3(0.5f));
     place(0, twoSided, glm::translate(glm::mat4(1), vec3(0, 0.6f, -1)) * back);
     place(0, masked, glm::translate(glm::mat4(1), vec3(-1.5f, 0.6f, -1)) * glm::scale(glm::mat4(1), vec3(0.6f)));
-    // The very same place: depth is equal, and what is drawn last shows.
+    // Three squares at the same position: their depths are equal, so the last one drawn is visible.
     const glm::mat4 tie = glm::translate(glm::mat4(1), vec3(1.1f, -0.3f, 0.3f)) * glm::scale(glm::mat4(1), vec3(0.3f));
     for (uint32_t material : {plain, metal, masked}) place(0, material, tie);
   }
@@ -180,11 +180,11 @@ scene::Light spotLight(vec3 position, vec3 target, float range, float intensity,
 struct LightCase {
   std::string name;
   std::vector<scene::Light> lights;
-  bool shows = true;  // something gets brighter in the first view
+  bool brightens = true;  // the lights make the first view brighter
   LightRange range{};
 };
 
-// World space; the first camera is at (0, -4, 0) and looks along y, its near plane at y = -3.875.
+// World space. The first camera is at (0, -4, 0) and looks along y; its near plane is at y = -3.875.
 std::vector<LightCase> lightCases() {
   scene::Light sun;
   sun.type = shared::kLightDirectional;
@@ -214,7 +214,7 @@ std::vector<LightCase> lightCases() {
       {"tiny, at the wall", {pointLight({0.6f, 1.97f, 1.9f}, 0.12f, 0.05f)}},
   };
   LightCase row{"from a fraction of a pixel to twice the least that is marked", {}};
-  for (int i = 0; i < 14; ++i) {  // at the wall 8 pixels are about 1.2 m
+  for (int i = 0; i < 14; ++i) {  // at the wall, 8 pixels are about 1.2 m
     const float reach = 0.01f * std::pow(1.55f, static_cast<float>(i));
     row.lights.push_back(
         pointLight({-2.6f + 0.4f * static_cast<float>(i), 2 - 0.3f * reach, 1.2f}, reach, reach * reach));
@@ -241,7 +241,8 @@ std::vector<LightCase> addLights(scene::Scene& scene) {
   return cases;
 }
 
-// All at once: perspective; orthographic; a far plane before the wall's end; off-centre, jittered and from aside.
+// All views at once: perspective; orthographic; with a far plane just behind the wall, which cuts the volumes of the
+// lights behind it; off-center, jittered and from the side.
 std::vector<shared::View> roomViews() {
   scene::Camera front = frontPerspective(1.6f, 4);
   scene::Camera flat = frontCamera(2.2f, 4);
@@ -263,7 +264,7 @@ class DrawnLightingTest : public RenderTest {
     scene::Environment environment = constantEnvironment();
     Bench dark, bright;
     explicit Stage(vk::Device& device) : dark(device, room.scene), bright(device, room.scene, &environment) {}
-    // By fullscreen, each case in all views.
+    // Images by fullscreen, one per case with all views.
     const std::vector<LitPicture>& expected(const char* layout) {
       std::vector<LitPicture>& pictures = expected_[layout];
       if (pictures.empty())
@@ -279,7 +280,7 @@ class DrawnLightingTest : public RenderTest {
   static void TearDownTestSuite() { stage.reset(); }
   static std::unique_ptr<Stage> stage;
 
-  // Every light case in every view against fullscreen on the same layout.
+  // Compares every light case in every view with fullscreen on the same layout.
   static void compareInRoom(const FrameConfig& setup, const char* layout) {
     const std::vector<LitPicture>& expected = stage->expected(layout);
     for (size_t i = 0; i < stage->cases.size(); ++i) {
@@ -287,7 +288,7 @@ class DrawnLightingTest : public RenderTest {
       SCOPED_TRACE(c.name);
       EXPECT_LE(worstDifference(stage->dark.light(setup, stage->views, c.range), expected[i]), 1);
       const auto &none = expected[0].display, &lit = expected[i].display;
-      EXPECT_EQ(!std::equal(none.begin(), none.begin() + size_t{kWidth} * kHeight * 4, lit.begin()), c.shows);
+      EXPECT_EQ(!std::equal(none.begin(), none.begin() + size_t{kWidth} * kHeight * 4, lit.begin()), c.brightens);
     }
     const LitPicture all = stage->bright.light(setupOf("fullscreen", layout), stage->views, stage->bright.allLights());
     EXPECT_LE(worstDifference(stage->bright.light(setup, stage->views, stage->bright.allLights()), all), 1);
@@ -299,14 +300,14 @@ TEST_F(DrawnLightingTest, ForwardIsFullscreenOnTheExactLayout) {
   compareInRoom(setupOf("forward", "exact"), "exact");
 }
 
-TEST_F(DrawnLightingTest, ForwardsLoopsAgree) {
+TEST_F(DrawnLightingTest, ForwardLoopsAgree) {
   TechniqueInfo plain = findTechnique("forward");
   plain.add = [](const FrameContext& f, const Gbuffer& gbuffer) { return addForward(f, gbuffer, ForwardLoop::Plain); };
   FrameConfig setup = setupOf("forward", "exact");
   setup.shading = 1;
-  const LitPicture dealt = stage->bright.light(setup, stage->views, stage->bright.allLights());
+  const LitPicture redistributed = stage->bright.light(setup, stage->views, stage->bright.allLights());
   setup.lighting = &plain;
-  EXPECT_LE(worstDifference(stage->bright.light(setup, stage->views, stage->bright.allLights()), dealt), 1);
+  EXPECT_LE(worstDifference(stage->bright.light(setup, stage->views, stage->bright.allLights()), redistributed), 1);
 }
 
 TEST_F(DrawnLightingTest, ForwardMultipassIsFullscreenOnTheExactLayout) {
@@ -334,7 +335,7 @@ TEST_F(DrawnLightingTest, BlinnPhongToo) {
   }
 }
 
-// --- counts: what was culled ----------------------------------------------------------------------------------------
+// --- counts: which lights were culled -------------------------------------------------------------------------------
 
 TEST_F(DrawnLightingTest, LightsAreCounted) {
   FrameConfig expected = setupOf("fullscreen", "exact");
@@ -355,7 +356,7 @@ TEST_F(DrawnLightingTest, LightsAreCounted) {
       EXPECT_LE(picture.counts[i].r, reference.counts[i].r);
       tested += picture.counts[i].r, used += picture.counts[i].g;
     }
-    // Where a light fades to nothing, or grazes, the last bit decides whether it sends anything.
+    // Where a light fades to zero or grazes a surface, the last bit decides whether the surface receives light.
     EXPECT_LE(different, picture.counts.size() / 200);
     EXPECT_GT(used, 0);
     fmt::print("{}: {:.1f} lights tested and {:.1f} used a pixel\n", technique,
@@ -363,7 +364,7 @@ TEST_F(DrawnLightingTest, LightsAreCounted) {
   }
 }
 
-// Lights shaded a view, of one case, in the first view.
+// The sum of lights shaded per pixel in the first view, for one case.
 double testedBy(Bench& bench, std::span<const shared::View> views, uint32_t order, const LightCase& c) {
   FrameConfig setup = setupOf("volumes", "thin", order);
   setup.countLights = true;
@@ -382,7 +383,8 @@ TEST_F(DrawnLightingTest, StencilCullingRejects) {
     EXPECT_EQ(tested(order, "behind the camera, not reaching it"), 0);
     EXPECT_GT(tested(order, "near plane cuts the sphere"), 0);
   }
-  // The classic order marks all that lies before a volume's far side; Killzone's asks for the near side as well.
+  // The classic order marks everything in front of a volume's far side; Killzone's order requires the near side as
+  // well.
   EXPECT_GT(tested(kVolumesClassic, "behind the wall"), 0);
   EXPECT_EQ(tested(kVolumesKillzone, "behind the wall"), 0);
 }
@@ -397,7 +399,7 @@ TEST(VolumeMesh, TheSphereHoldsTheUnitSphere) {
       return mesh.vertices[mesh.sphere.firstVertex + mesh.indices[mesh.sphere.firstIndex + i + k]];
     };
     const vec3 normal = glm::normalize(glm::cross(corner(1) - corner(0), corner(2) - corner(0)));
-    EXPECT_GE(glm::dot(normal, corner(0)), kVolumeMargin - 1e-5f);  // outwards, and no nearer
+    EXPECT_GE(glm::dot(normal, corner(0)), kVolumeMargin - 1e-5f);  // outward-facing, and not closer to the center
     EXPECT_LE(glm::length(corner(0)), 1.15f);
   }
 }

@@ -6,7 +6,7 @@
 //         up to half the diagonal of a cell, 0.0028 px; the rest of the 0.0039 px is for rounding in float32.
 //   tie   two surfaces lie within the tolerance of depth of each other along the ray
 //   mask  an alpha mask differs at one of four points 1/256 px from the center
-// Any other difference fails the test. Parts may differ at no more than 0.1 % of the pixels with a visible surface.
+// Any other difference fails the test. Parts may differ at up to 0.1 % of the pixels with a visible surface.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -29,8 +29,9 @@ using output::Aov;
 constexpr uint32_t kWidth = 640, kHeight = 360;
 constexpr double kDepthTolerance = 1e-4;  // relative
 constexpr double kMaxEdgeParts = 1e-3;
-// Of attributes, in units of their change over a pixel where that is large: the CPU device keeps them as planes over
-// the picture in float32, so what is left is its 6e-8 after a cancellation of up to a thousand pixels.
+// Tolerance of interpolated attributes; if they change quickly, in units of their change per pixel. The CPU device
+// stores attributes as planes over the image in float32, so the error is 6e-8 after a cancellation of up to a thousand
+// pixels.
 constexpr double kInterpolation = 2e-4;
 
 struct Worst {
@@ -41,7 +42,7 @@ struct Worst {
 struct Report {
   size_t covered = 0, edges = 0, parts = 0, other = 0, unexplained = 0;
   Worst depth, distance, position, geonormal, normal, uv;
-  std::string first;  // the first unexplained pixel, in words
+  std::string first;  // description of the first unexplained pixel
 
   void merge(const Report& r) {
     covered += r.covered, edges += r.edges, parts += r.parts, other += r.other, unexplained += r.unexplained;
@@ -51,11 +52,11 @@ struct Report {
   }
 };
 
-// The differences at one pixel, as multiples of what is allowed, but for the part.
+// The differences at one pixel, as multiples of the tolerance, except `part`.
 struct Difference {
   bool part = false;
   double depth = 0, distance = 0, position = 0, geonormal = 0, normal = 0, uv = 0;
-  double most() const { return std::max({depth, distance, position, geonormal, normal, uv}); }
+  double largest() const { return std::max({depth, distance, position, geonormal, normal, uv}); }
 };
 
 class Comparison {
@@ -82,8 +83,8 @@ class Comparison {
  private:
   void compare(uint32_t x, uint32_t y, Report& report) const {
     const size_t pixel = size_t{y} * kWidth + x;
-    const dvec2 centre(x + 0.5, y + 0.5);
-    const std::optional<Hit> hit = caster_.cast(centre);
+    const dvec2 center(x + 0.5, y + 0.5);
+    const std::optional<Hit> hit = caster_.cast(center);
     const uint32_t part = imageOf(frame_, Aov::Part).ids[pixel];
     if (!hit && part == 0) {
       if (!backgroundEverywhere(pixel)) report.unexplained++, report.first = fmt::format("background at {} {}", x, y);
@@ -97,9 +98,9 @@ class Comparison {
     Difference d;
     d.part = (hit ? hit->part : 0) != part;
     if (!d.part) d = difference(*hit, pixel);
-    if (d.part || d.most() > 1) {
+    if (d.part || d.largest() > 1) {
       (d.part ? report.parts : report.other)++;
-      if (atEdge || tie(centre, hit) || maskEdge(centre, hit)) return;
+      if (atEdge || tie(center, hit) || maskEdge(center, hit)) return;
       if (report.unexplained++ == 0) report.first = describe(x, y, hit, part, d);
       return;
     }
@@ -115,7 +116,8 @@ class Comparison {
     d.distance = relative(imageOf(frame_, Aov::Distance).values[pixel], hit.distance) / kDepthTolerance;
     d.position = glm::length(dvec3(vec3At(imageOf(frame_, Aov::Position), pixel)) - hit.position) / hit.distance /
                  kDepthTolerance;
-    // Float32 vertices know a triangle's normal to 6e-8 over its flatness; a few operations follow.
+    // A triangle's normal computed from float32 vertices is accurate to 6e-8 divided by the flatness; a few operations
+    // follow.
     d.geonormal = glm::length(dvec3(vec3At(imageOf(frame_, Aov::GeoNormal), pixel)) - hit.geonormal) /
                   (2e-6 + 2e-6 / hit.flatness);
     const scene::Instance& instance = scene_.instances[hit.instance];
@@ -137,15 +139,15 @@ class Comparison {
            vec2At(imageOf(frame_, Aov::Uv), pixel) == glm::vec2(0);
   }
 
-  bool tie(dvec2 centre, const std::optional<Hit>& hit) const {
-    return hit && caster_.surfacesNear(centre, hit->depth, kDepthTolerance) > 1;
+  bool tie(dvec2 center, const std::optional<Hit>& hit) const {
+    return hit && caster_.surfacesNear(center, hit->depth, kDepthTolerance) > 1;
   }
 
-  bool maskEdge(dvec2 centre, const std::optional<Hit>& hit) const {
+  bool maskEdge(dvec2 center, const std::optional<Hit>& hit) const {
     constexpr double r = ReferenceCaster::kEdgeReach;
     for (dvec2 offset : {dvec2(r, 0), dvec2(-r, 0), dvec2(0, r), dvec2(0, -r)}) {
-      const std::optional<Hit> beside = caster_.cast(centre + offset);
-      if ((beside ? beside->part : 0) != (hit ? hit->part : 0)) return true;
+      const std::optional<Hit> neighbor = caster_.cast(center + offset);
+      if ((neighbor ? neighbor->part : 0) != (hit ? hit->part : 0)) return true;
     }
     return false;
   }
@@ -167,9 +169,9 @@ class Comparison {
 
 class EmbreeTest : public RenderTest {
  protected:
-  // `leastCover`: share of the picture that must be covered, so that an empty one can't pass.
+  // `minCover` is the fraction of the image that must be covered, so that an empty image fails.
   static void compare(const std::string& name, const scene::Scene& scene, const scene::Camera& camera,
-                      double leastCover) {
+                      double minCover) {
     const Report r = Comparison(device(), scene, camera).run();
     const double covered = static_cast<double>(r.covered);
     fmt::print(
@@ -179,14 +181,14 @@ class EmbreeTest : public RenderTest {
         "{:.2f} of their tolerance\n",
         name, r.covered, 100 * r.edges / covered, 100 * r.parts / covered, 100 * r.other / covered, r.depth.value,
         r.distance.value, r.position.value, r.normal.value, r.geonormal.value, r.uv.value);
-    EXPECT_GT(covered, leastCover * kWidth * kHeight);
+    EXPECT_GT(covered, minCover * kWidth * kHeight);
     EXPECT_EQ(r.unexplained, 0u) << r.first;
     EXPECT_LT(r.parts, kMaxEdgeParts * covered);
   }
 
-  static void compareFile(const std::filesystem::path& path, double leastCover) {
+  static void compareFile(const std::filesystem::path& path, double minCover) {
     const scene::Scene scene = scene::load(path);
-    compare(path.filename(), scene, cameraOf(scene, kWidth, kHeight), leastCover);
+    compare(path.filename(), scene, cameraOf(scene, kWidth, kHeight), minCover);
   }
 };
 
@@ -213,8 +215,8 @@ TEST_F(EmbreeTest, Hall) {
   compare("hall", hall(), cameraOf(hall(), kWidth, kHeight), 0.9);
 }
 
-// Squares that turn about the vertical: single- and double-sided, mirrored, alpha-masked with texels large enough for
-// the texture's level 0 to be what is sampled.
+// Squares rotated about the vertical axis: single- and double-sided, mirrored, and alpha-masked with texels so large
+// that the texture's mip level 0 is sampled.
 scene::Scene turnedSquares() {
   scene::SceneBuilder builder("squares");
   scene::Scene& scene = builder.scene;
@@ -237,16 +239,15 @@ TEST_F(EmbreeTest, TurnedMirroredAndMaskedSquares) {
   compare("squares", scene, frontPerspective(0.6f, 16), 0.1);
 }
 
-TEST_F(EmbreeTest, OrthographicAndOffCentre) {
+TEST_F(EmbreeTest, OrthographicAndOffCenter) {
   const scene::Scene scene = turnedSquares();
   compare("orthographic squares", scene, frontCamera(5, 20), 0.1);
   scene::Camera shifted = frontPerspective(0.6f, 16);
   shifted.principal = {0.3f, -0.2f};
-  compare("off-centre squares", scene, shifted, 0.05);
+  compare("off-center squares", scene, shifted, 0.05);
 }
 
-// The camera stands in the hall's middle of things: triangles behind, across the near plane and larger than the
-// picture.
+// The camera stands between the boxes: triangles are behind it, cross its near plane and are larger than the image.
 TEST_F(EmbreeTest, InsideALargeTriangle) {
   const scene::Scene scene = scene::load("builtin:boxes");
   scene::Camera camera = scene.cameras.front();

@@ -1,4 +1,4 @@
-// Suns of an environment that are too bright for half floats: closed forms of the surfaces that they light.
+// Environments with a sun that is too bright for half floats, against closed forms of the surfaces that it lights.
 #include <fmt/core.h>
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -15,20 +15,20 @@ using glm::dvec3;
 using glm::vec3;
 using output::Aov;
 
-// A disk of this radiance at an elevation over +X of glTF's frame (the picture's centre column), in the dark; and the
-// irradiance of a horizontal plane, summed over the pixels that show it: L times solid angle times sin(elevation).
+// A dark environment with a disk of this radiance at an elevation over +X of glTF's frame (the image's center column).
+// `irradiance` is that of a horizontal plane, summed over the disk's pixels: L times solid angle times sin(elevation).
 struct DiskPicture {
   scene::FloatImage picture{512, 256};
   double irradiance = 0, solidAngle = 0;
 
   DiskPicture(double elevation, float radiance) {
     constexpr double kPi = std::numbers::pi, kRadius = 0.02;
-    const dvec3 towards(std::cos(elevation), std::sin(elevation), 0);
+    const dvec3 toward(std::cos(elevation), std::sin(elevation), 0);
     for (uint32_t y = 0; y < picture.height; ++y)
       for (uint32_t x = 0; x < picture.width; ++x) {
         const double polar = (y + 0.5) * kPi / picture.height, turn = ((x + 0.5) / picture.width - 0.5) * 2 * kPi;
         const dvec3 d(std::sin(polar) * std::cos(turn), std::cos(polar), std::sin(polar) * std::sin(turn));
-        if (glm::length(d - towards) > kRadius) continue;
+        if (glm::length(d - toward) > kRadius) continue;
         std::fill_n(picture.at(x, y), 3, radiance);
         const double area =
             (std::cos(y * kPi / picture.height) - std::cos((y + 1) * kPi / picture.height)) * 2 * kPi / picture.width;
@@ -40,7 +40,7 @@ struct DiskPicture {
 
 class EnvironmentSun : public RenderTest {
  protected:
-  // A square that faces the zenith, seen from above.
+  // A square that faces the zenith, viewed from above.
   static scene::Scene ground(float albedo, float metallic, float roughness) {
     scene::SceneBuilder builder("ground");
     builder.scene.meshes.push_back(squareMesh());
@@ -50,7 +50,7 @@ class EnvironmentSun : public RenderTest {
     builder.addInstance("ground", builder.kRoot, 0, 0, glm::rotate(glm::mat4(1), -shared::kPi / 2, vec3(1, 0, 0)));
     return std::move(builder.scene);
   }
-  // The radiance in the middle, seen along `direction` of glTF's frame.
+  // The radiance at the image's center, viewed along `direction` of glTF's frame.
   static vec3 radiance(const scene::Scene& scene, const scene::Environment& environment, vec3 direction,
                        float exposure = 0, float rotation = 0) {
     Settings settings = settingsOf(3, 3, {Aov::Color});
@@ -63,7 +63,7 @@ class EnvironmentSun : public RenderTest {
   }
 };
 
-// Within 2 %: 1 % of the maps and a half float's rounding.
+// The tolerance of 2 % consists of 1 % for the maps and the rounding of half floats.
 TEST_F(EnvironmentSun, LightsAPlaneByItsSolidAngle) {
   const scene::Scene scene = ground(0.5f, 0, 1);
   const vec3 down = glm::normalize(vec3(0.001f, -1, 0));
@@ -75,15 +75,15 @@ TEST_F(EnvironmentSun, LightsAPlaneByItsSolidAngle) {
       const float exposure = bright > 1e6f ? -10.0f : 0.0f;
       const double expected = 0.5 / std::numbers::pi * sun.irradiance * std::exp2(exposure);
       EXPECT_NEAR(radiance(scene, environment, down, exposure).x, expected, 0.02 * expected);
-      // All of it turns about the zenith.
+      // Rotating the environment about the zenith changes nothing.
       EXPECT_NEAR(radiance(scene, environment, down, exposure, 2).x, expected, 0.02 * expected);
     }
 }
 
-// A rough metal that mirrors it: L times solid angle times D(0) / (4 n.v) for a reflectance of 1, where masking is
-// nearly
-// 1. The renderer approximates a lobe (docs/accuracy.md), so 25 % are allowed; but whatever it makes of a sun that
-// halves can hold, it makes of all, and tests/scene compares the maps themselves with the integral.
+// A rough metal that mirrors the sun: L times solid angle times D(0) / (4 n.v) for a reflectance of 1, where masking is
+// nearly 1. The renderer approximates a lobe (docs/accuracy.md), so the test allows 25 %. The error must be the same
+// for a sun that half floats can represent and for brighter suns; tests/scene compares the maps themselves with the
+// integral.
 TEST_F(EnvironmentSun, KeepsItsLightInLobes) {
   constexpr float kRoughness = 0.5f;
   const scene::Scene scene = ground(1, 1, kRoughness);
@@ -95,12 +95,13 @@ TEST_F(EnvironmentSun, KeepsItsLightInLobes) {
     const double expected = bright * sun.solidAngle / (std::numbers::pi * alpha * alpha) / (4 * facing);
     return radiance(scene, environment, fromTheOtherSide, exposure).x / (expected * std::exp2(exposure));
   };
-  const double ofHalves = share(6e4f, 0);
-  EXPECT_NEAR(ofHalves, 1, 0.25);
-  for (const float bright : {3e5f, 1e9f}) EXPECT_NEAR(share(bright, bright > 1e6f ? -14.0f : -2.0f), ofHalves, 2e-3);
+  const double halfFloatShare = share(6e4f, 0);
+  EXPECT_NEAR(halfFloatShare, 1, 0.25);
+  for (const float bright : {3e5f, 1e9f})
+    EXPECT_NEAR(share(bright, bright > 1e6f ? -14.0f : -2.0f), halfFloatShare, 2e-3);
 }
 
-// Where nothing is drawn, the background is the sun itself; and neighbours of its disk are dark.
+// Where nothing is drawn, the background shows the sun itself, and the neighbors of its disk are dark.
 TEST_F(EnvironmentSun, IsTheBackground) {
   const scene::Scene scene = ground(0.5f, 0, 1);
   const DiskPicture sun(0.5, 1e9f);
@@ -108,8 +109,8 @@ TEST_F(EnvironmentSun, IsTheBackground) {
   Settings settings = settingsOf(3, 3, {Aov::Color});
   settings.background.kind = Background::Environment;
   settings.exposure = -20;
-  const vec3 towards(std::cos(0.5f), std::sin(0.5f), 0);
-  const scene::Camera camera = scene::lookAt(scene, vec3(0, 3, 0), vec3(0, 3, 0) + towards, {}, 0.3f);
+  const vec3 toward(std::cos(0.5f), std::sin(0.5f), 0);
+  const scene::Camera camera = scene::lookAt(scene, vec3(0, 3, 0), vec3(0, 3, 0) + toward, {}, 0.3f);
   const output::FrameOutput frame = renderOne(device(), scene, camera, settings, &environment);
   EXPECT_NEAR(imageOf(frame, Aov::Color).values[4 * 4], 1e9 * 0x1p-20, 1e9 * 0x1p-20 * 1e-3);
   EXPECT_EQ(imageOf(frame, Aov::Color).values[0], 0);

@@ -1,5 +1,6 @@
-// A scene and its cameras are moved together: no output of the renderer may change except `position`, which moves with
-// them. The reference is the same scene at the origin, which other tests compare with ray casters and closed forms.
+// The tests move a scene and its cameras together. No output of the renderer may change except `position`, which moves
+// with them. The reference is the same scene at the origin, which other tests compare with ray casters and closed
+// forms.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -24,8 +25,8 @@ using output::Aov;
 
 constexpr uint32_t kWide = 120, kHigh = 80;
 
-// The offsets have no special direction, and few bits: doubles add them to a scene's coordinates with an error of 1e-8
-// m at most.
+// The offsets have no special direction and few bits, so doubles add them to a scene's coordinates with an error of at
+// most 1e-8 m.
 dvec3 offsetOf(double size) {
   return size * dvec3(1, -0.75, 0.125);
 }
@@ -35,7 +36,7 @@ scene::Camera moved(scene::Camera camera, dvec3 by) {
   return camera;
 }
 
-// Moves a scene for as long as this lives: scenes are not copied.
+// Moves a scene during the lifetime of this object, because scenes are not copied.
 class MovedScene {
  public:
   MovedScene(scene::Scene& scene, dvec3 by) : scene_(scene), instances_(scene.instances), lights_(scene.lights) {
@@ -54,14 +55,14 @@ class MovedScene {
   std::vector<scene::Light> lights_;
 };
 
-// The larger one; what is not a number counts as larger than all numbers.
+// Returns the larger value, or infinity if `now` is not a number.
 double worse(double found, double now) {
   return now <= found ? found : std::isnan(now) ? std::numeric_limits<double>::infinity() : now;
 }
 
 struct FarDifference {
-  double depth = 0, normal = 0, motion = 0, position = 0;  // largest, where both show the same
-  double otherIds = 0, otherColors = 0;                    // shares of the pixels
+  double depth = 0, normal = 0, motion = 0, position = 0;  // largest, where both show the same id
+  double otherIds = 0, otherColors = 0;                    // fractions of the pixels
 };
 
 FarDifference differenceOf(const output::FrameOutput& a, const output::FrameOutput& b, dvec3 offset) {
@@ -87,7 +88,7 @@ FarDifference differenceOf(const output::FrameOutput& a, const output::FrameOutp
       found.motion =
           worse(found.motion, glm::length(vec2At(imageOf(a, Aov::Motion), i) - vec2At(imageOf(b, Aov::Motion), i)));
     const dvec3 pa = dvec3(vec3At(imageOf(a, Aov::Position), i)) + offset, pb(vec3At(imageOf(b, Aov::Position), i));
-    // A float's rounding of each coordinate, and what the pixel's own point is uncertain by.
+    // The rounding of each coordinate to a float, plus the uncertainty of the pixel's own point.
     const dvec3 rounding = glm::abs(pa) * 6.0e-8 + 1e-5 * (1 + da);
     found.position = worse(found.position, glm::length((pa - pb) / rounding));
   }
@@ -111,7 +112,7 @@ class FarFromOrigin : public RenderTest {
 
   static Settings settings(Raster raster) {
     Settings s = settingsOf(kWide, kHigh, {Aov::Depth, Aov::Id, Aov::GeoNormal, Aov::Motion, Aov::Position});
-    s.axes = Axes::ZUp;  // in which the tests move things
+    s.axes = Axes::ZUp;  // the axes of the offsets
     s.display = true;
     s.raster = raster;
     s.shadows = ShadowFormat::D32;
@@ -120,7 +121,7 @@ class FarFromOrigin : public RenderTest {
 
   static void expectTheSame(const std::string& name, scene::Scene& scene, const scene::Camera& camera,
                             Settings settings, std::initializer_list<double> offsets, bool motion = true) {
-    if (!motion) std::erase(settings.aovs, Aov::Motion);  // lenses have none
+    if (!motion) std::erase(settings.aovs, Aov::Motion);  // not supported with lenses
     scene::Camera before = camera;
     before.toWorld[3] += glm::dvec4(0.03, -0.02, 0.01, 0);
     const output::FrameOutput reference = render(scene, camera, settings, before);
@@ -137,7 +138,7 @@ class FarFromOrigin : public RenderTest {
       EXPECT_LE(d.motion, 1e-3) << name << " at " << size;
       EXPECT_LE(d.position, 2) << name << " at " << size;
       EXPECT_LE(d.otherIds, 5e-4) << name << " at " << size;
-      // Shadow maps of a sun are snapped to texels of the world, so that edges of shadows may move by one.
+      // Shadow maps of a sun are snapped to texels of the world, so edges of shadows may move by one texel.
       EXPECT_LE(d.otherColors, 0.02) << name << " at " << size;
     }
   }
@@ -164,7 +165,7 @@ TEST_F(FarFromOrigin, ScenesLookAsAtTheOriginInBothRasters) {
   }
 }
 
-// Images differ by the snapping of a sun's shadow maps alone.
+// Without shadows, colors do not depend on the snapping of a sun's shadow maps.
 TEST_F(FarFromOrigin, UnshadowedLightIsTheSame) {
   scene::Scene boxes = scene::makeBuiltin("boxes");
   const scene::Camera camera = cameraOf(boxes, kWide, kHigh);
@@ -182,7 +183,7 @@ TEST_F(FarFromOrigin, UnshadowedLightIsTheSame) {
   }
 }
 
-TEST_F(FarFromOrigin, LightCullingLensesAndSamplesDoToo) {
+TEST_F(FarFromOrigin, LightCullingLensesAndSamplesLookAsAtTheOrigin) {
   scene::Scene house = scene::makeBuiltin("hall,triangles=50k,lights=20");
   const scene::Camera camera = cameraOf(house, kWide, kHigh);
   for (const char* technique : {"tiled", "clustered", "volumes", "forward"}) {
@@ -199,7 +200,7 @@ TEST_F(FarFromOrigin, LightCullingLensesAndSamplesDoToo) {
   expectTheSame("four samples", house, camera, samples, {1e6});
 }
 
-// A skin whose joints the file itself puts far away, in motion.
+// An animated skin whose joints the file itself places far away.
 TEST_F(FarFromOrigin, SkinsMoveAsAtTheOrigin) {
   const scene::test::TemporaryFolder folder;
   const auto load = [&](dvec3 foot) {
@@ -233,13 +234,14 @@ TEST_F(FarFromOrigin, SkinsMoveAsAtTheOrigin) {
   }
 }
 
-// A ground of two triangles, 20,000 km wide, seen from 1.7 m above it: depth by the pixels' rays in doubles.
+// A ground of two triangles, 20,000 km wide, viewed from 1.7 m above it. The expected depth follows from the pixels'
+// rays in double precision.
 TEST_F(FarFromOrigin, AGroundAsWideAsAPlanetIsWhereItIs) {
   scene::SceneBuilder builder("ground");
   builder.scene.meshes = {squareMesh()};
   findBounds(builder.scene.meshes.front());
   builder.scene.materials = {scene::plainMaterial("m", glm::vec3(0.8f), 0, 1)};
-  const glm::mat4 up(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1);  // exactly
+  const glm::mat4 up(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1);  // a rotation without rounding
   builder.addInstance("ground", builder.kRoot, 0, 0, glm::scale(glm::mat4(1), glm::vec3(1e7f)) * up);
   const scene::Scene scene = std::move(builder.scene);
   constexpr double kHeight = 1.7;
@@ -265,7 +267,7 @@ TEST_F(FarFromOrigin, AGroundAsWideAsAPlanetIsWhereItIs) {
         if (ray.z >= 0) continue;
         ++seen;
         missing += std::isinf(got);
-        // A pixel's ray is a float: toward the horizon that decides how far it goes.
+        // A pixel's ray is a float vector. Toward the horizon, its rounding dominates the error of depth.
         worst = worse(worst, std::abs(got - depth) / depth / (1 + depth / 100));
         const dvec3 normal(vec3At(imageOf(frame, Aov::GeoNormal), i));
         moved = worse(moved, glm::length(vec2At(imageOf(frame, Aov::Motion), i)));
@@ -275,13 +277,13 @@ TEST_F(FarFromOrigin, AGroundAsWideAsAPlanetIsWhereItIs) {
                  raster == Raster::Hardware ? "hardware" : "compute", place.x, place.y, seen, worst);
       EXPECT_GT(seen, size_t{kWide} * kHigh / 2);
       EXPECT_EQ(missing, 0u);
-      // The graphics pipeline interpolates depth between corners that it snaps to a grid.
+      // The graphics pipeline interpolates depth between vertices that it snaps to a grid.
       EXPECT_LE(worst, raster == Raster::Hardware ? 2e-4 : 4e-6);
       EXPECT_LE(moved, 1e-3);  // nothing moves
     }
 }
 
-// Positions relative to a point nearby are as precise as at the origin.
+// Positions relative to a nearby point are as precise as at the origin.
 TEST_F(FarFromOrigin, PositionsMayBeRelativeToAPointNearby) {
   scene::Scene boxes = scene::makeBuiltin("boxes");
   const scene::Camera camera = cameraOf(boxes, kWide, kHigh);
@@ -298,7 +300,7 @@ TEST_F(FarFromOrigin, PositionsMayBeRelativeToAPointNearby) {
     for (size_t i = 0; i < size_t{kWide} * kHigh; ++i)
       if (imageOf(far, Aov::Id).ids[i] != 0 && ++compared) {
         // The device rounds a position to a float relative to its own origin, at most 32 m away along each axis, and
-        // the output is rounded again: two halves of the last place, in three coordinates.
+        // the output is rounded again: two errors of half a unit in the last place, in three coordinates.
         const glm::vec3 there = vec3At(imageOf(far, Aov::Position), i),
                         here = vec3At(imageOf(reference, Aov::Position), i);
         const double places = 1.2e-7 * (glm::length(here) + 64);
@@ -307,15 +309,15 @@ TEST_F(FarFromOrigin, PositionsMayBeRelativeToAPointNearby) {
     EXPECT_GT(compared, size_t{kWide} * kHigh / 10);
     fmt::print("{}: positions off by {:.2f} of their rounding\n", raster == Raster::Hardware ? "hardware" : "compute",
                worst);
-    EXPECT_LE(worst, raster == Raster::Hardware ? 4 : 1);  // which interpolates across triangles 24 m wide
+    EXPECT_LE(worst, raster == Raster::Hardware ? 4 : 1);  // hardware interpolates over triangles 24 m wide
   }
 }
 
-// Files of surveys have their vertices far from the origin, and cameras beside them.
+// Survey files have vertices far from the origin, with cameras near these vertices.
 TEST_F(FarFromOrigin, VerticesMayBeFarFromTheirNode) {
   scene::Scene boxes = scene::makeBuiltin("boxes");
   const scene::Camera camera = cameraOf(boxes, kWide, kHigh);
-  // Multiples of 2^-10 m, which floats hold at 4096 m.
+  // Multiples of 2^-10 m, which floats represent exactly at 4096 m.
   for (scene::Mesh& mesh : boxes.meshes) {
     for (glm::vec3& position : mesh.positions) position = glm::round(position * 1024.0f) / 1024.0f;
     findBounds(mesh);

@@ -19,22 +19,22 @@ class FrameBench {
  public:
   FrameBench(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment = nullptr);
   GpuScene& scene() { return scene_; }
-  // Lights [first, first + count) of the scene's shine, no others.
+  // Only lights [first, first + count) of the scene emit light.
   void shine(uint32_t first, uint32_t count);
 
-  // A frame to add passes to, of a graph that is run before the next frame is asked for.
+  // Returns a frame to add passes to. Its graph must run before the next call.
   FrameContext frame(graph::Graph& graph, const FrameConfig& setup, std::vector<shared::View> views,
                      const BenchLight& light = {}, Overflow* overflow = nullptr);
   const graph::Submission& run(const graph::Graph& graph);
 
  private:
   vk::Device& device_;
-  std::vector<scene::Light> lights_;  // the scene's
+  std::vector<scene::Light> lights_;  // all lights of the scene
   GpuScene scene_;
   GpuEnvironment environment_;
   DrawOrder order_;
   graph::Executor executor_;
-  // Of the frame asked for last.
+  // Resources of the last frame.
   struct Kept {
     std::vector<shared::View> views;
     std::unique_ptr<Visibility> visibility;

@@ -15,7 +15,7 @@ namespace latelight::render::test {
 
 namespace {
 
-// A code is the nearest of those that stand for a value; ties may go either way.
+// Returns the code that is nearest to the value; ties may round either way.
 uint32_t toUnorm(float value, uint32_t bits) {
   const double levels = (1u << bits) - 1u;
   return static_cast<uint32_t>(std::lround(std::clamp(double{value}, 0.0, 1.0) * levels));

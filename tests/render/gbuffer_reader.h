@@ -1,4 +1,4 @@
-// Reads the device's G-buffer back to the host: every target before lighting, and the lit picture after it.
+// Reads the device's G-buffer back to the host: every target before lighting, and the lit image after it.
 #pragma once
 
 #include <string>
@@ -11,13 +11,13 @@
 
 namespace latelight::render::test {
 
-// What is left of a value that is stored in the format: rounded to nearest and decoded.
+// The value after storage in the format: rounded to nearest and decoded.
 TargetValue storedValue(VkFormat format, const TargetValue& value);
 
 struct LightSettings {
   float exposure = 1;  // linear factor
   float environmentIntensity = 0, environmentRotation = 0;
-  uint32_t firstLight = 0, lightCount = 0;  // of the scene's lights, those that shine
+  uint32_t firstLight = 0, lightCount = 0;  // the range of the scene's lights that emit light
 };
 
 // One view of a G-buffer.
@@ -26,15 +26,15 @@ struct ReadGbuffer {
   uint32_t normalEncoding, normalSpace, positionMethod;
   shared::View view;
   uint32_t width, height;
-  std::vector<std::vector<TargetValue>> targets;  // one a target of the layout; one a pixel
-  std::vector<float> depth;                       // device depth, 0: background
+  std::vector<std::vector<TargetValue>> targets;  // one vector per target of the layout, one value per pixel
+  std::vector<float> depth;                       // device depth; 0 is background
   std::vector<shared::vec4> before, after;        // the light accumulation target, before and after lighting
 
-  // The surface at a pixel that is not background.
+  // The surface at a pixel, which must not be background.
   shared::Surface surface(size_t pixel) const;
 };
 
-// Scene and environment in device memory, drawn with any layout, encoding, technique and shading.
+// A scene and an environment in device memory, rendered with any layout, encoding, technique and shading.
 class GbufferReader {
  public:
   GbufferReader(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment);

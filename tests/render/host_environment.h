@@ -12,7 +12,7 @@
 
 namespace latelight::render::test {
 
-// A map in floats, read between texel centres and clamped at the edges.
+// A map in floats, sampled bilinearly and clamped at the edges.
 struct HostMap {
   uint32_t width = 0, height = 0;
   std::vector<shared::vec4> texels;
@@ -47,7 +47,7 @@ class HostEnvironment {
 
   explicit HostEnvironment(const scene::Environment& environment) : maps_(std::make_shared<Maps>(environment)) {}
 
-  // The same maps under `--hdri-rotate`, in radians.
+  // The same maps, rotated as by `--hdri-rotate`; in radians.
   HostEnvironment turned(float angle) const {
     HostEnvironment other = *this;
     other.cosine_ = std::cos(angle), other.sine_ = std::sin(angle);
@@ -57,16 +57,16 @@ class HostEnvironment {
   vec2 splitSum(float nv, float roughness) const {
     return vec2(maps_->table.bilinear({glm::clamp(nv, 0.0f, 1.0f), roughness}));
   }
-  // Irradiance / pi.
+  // Returns irradiance / pi.
   vec3 around(vec3 direction) const { return read(maps_->diffuse, octahedral(direction)); }
-  // Of the prefiltered levels; between two of them a mixture.
+  // The radiance of the prefiltered mip levels, interpolated between the two nearest.
   vec3 radiance(vec3 direction, float level) const {
     const vec2 o = octahedral(direction);
     const std::vector<HostMap>& levels = maps_->specular;
     const size_t lower = std::min(static_cast<size_t>(level), levels.size() - 2);
     return glm::mix(read(levels[lower], o), read(levels[lower + 1], o), level - static_cast<float>(lower));
   }
-  // Mean radiance over a surface's lobe; `diffuse` is the irradiance / pi about the surface's normal.
+  // Mean radiance over a surface's lobe; `diffuse` is the irradiance / pi for the surface's normal.
   vec3 lobe(vec3 normal, float roughness, vec3 toEye, vec3 diffuse) const {
     const float nv = glm::clamp(glm::dot(normal, toEye), 0.0f, 1.0f);
     const shared::vec4 lobe = maps_->lobes.bilinear(shared::lobeTexture(nv, roughness, kLobeTableSize));
@@ -80,7 +80,7 @@ class HostEnvironment {
   }
 
  private:
-  static constexpr uint32_t kTableSize = 32, kLobeTableSize = 16;  // the renderer's own choices
+  static constexpr uint32_t kTableSize = 32, kLobeTableSize = 16;  // the sizes that the renderer uses
 
   struct Maps {
     std::vector<HostMap> specular;

@@ -1,5 +1,5 @@
-// Ids in pictures: objects as a person would identify them, their parts and materials, and the manifest that resolves
-// the ids.
+// Ids in images: objects as a person would identify them, their parts and materials, and the manifest that resolves the
+// ids.
 #include <gmock/gmock.h>
 #include <latelight/latelight.h>
 
@@ -36,8 +36,8 @@ json quad(GltfBuilder& file, float left, float right, int material, bool skinned
   return primitive;
 }
 
-// Above a pair of two materials and two twins of one, all below Shelf; in the middle three copies of the pair; below a
-// pair that is moved there by its joint.
+// At the top, a pair with two materials and two singles named Twin, all children of Shelf; in the middle, three copies
+// of the pair; at the bottom, a skinned pair that its joint moves there.
 GltfBuilder shelfFile() {
   GltfBuilder b;
   const int red = b.add("materials", {{"name", "red"}}), blue = b.add("materials", {{"name", "blue"}});
@@ -77,7 +77,7 @@ const IdEntry* find(const IdManifest& manifest, uint32_t id) {
   return found == manifest.ids.end() ? nullptr : &*found;
 }
 
-// Entries by "/node" or "/node:copy".
+// Returns the entries by "/node" or "/node:copy".
 std::map<std::string, const IdEntry*> byName(const IdManifest& manifest) {
   std::map<std::string, const IdEntry*> names;
   for (const IdEntry& entry : manifest.ids)
@@ -92,11 +92,11 @@ class Ids : public RenderTest {
     return renderOne(device(), scene, camera, settingsOf(kSize, kSize, {Aov::Id, Aov::Part, Aov::Material}));
   }
 
-  // Each pixel's id is in the manifest with its part, that part with its material, each parent up to a root; each part
-  // is of one id. Gives the ids seen.
+  // Expects that the manifest contains each pixel's id with its part, that part with its material, and each parent up
+  // to a root, and that each part belongs to one id. Returns the visible ids.
   std::set<uint32_t> check(const scene::Scene& scene, const output::FrameOutput& frame) {
     const IdManifest manifest = idManifest(scene);
-    std::map<uint32_t, std::pair<uint32_t, uint32_t>> parts;  // the id and the material of each
+    std::map<uint32_t, std::pair<uint32_t, uint32_t>> parts;  // the id and the material of each part
     for (const IdEntry& entry : manifest.ids) {
       EXPECT_TRUE(entry.parent == 0 || find(manifest, entry.parent)) << entry.node;
       EXPECT_NE(entry.parent, entry.id);
@@ -146,8 +146,8 @@ TEST_F(Ids, AreWhatAPersonWouldPointAt) {
   for (const auto& [name, entry] : names) EXPECT_EQ(entry->skinned, name == "/Body") << name;
 }
 
-// The same picture in fewer ids: parts and materials don't notice.
-TEST_F(Ids, OfGroupsJoinThoseOfTheirNodes) {
+// Grouping merges ids; the images of parts and materials do not change.
+TEST_F(Ids, GroupsMergeTheIdsOfTheirNodes) {
   const scene::Scene alone = shelf();
   const output::FrameOutput apart = frameOf(alone, frontCamera());
   struct Case {
@@ -172,7 +172,7 @@ TEST_F(Ids, OfGroupsJoinThoseOfTheirNodes) {
   }
 }
 
-TEST_F(Ids, OfBuiltInScenesAreInTheirManifests) {
+TEST_F(Ids, BuiltInScenesListTheirIdsInManifests) {
   for (const char* name : {"builtin:boxes", "builtin:spheres", "builtin:hall,triangles=50k,lights=1"}) {
     SCOPED_TRACE(name);
     const scene::Scene scene = scene::load(name);
@@ -180,12 +180,12 @@ TEST_F(Ids, OfBuiltInScenesAreInTheirManifests) {
   }
 }
 
-// By the part, since several parts of several meshes and materials share an id.
-TEST_F(Ids, PickedPixelsKnowTheirMeshAndMaterial) {
+// Picking resolves pixels by part, because several parts with different meshes and materials share an id.
+TEST_F(Ids, PickingReturnsMeshAndMaterial) {
   for (const scene::IdGrouping& grouping : {scene::IdGrouping{}, scene::IdGrouping{.depth = 0}}) {
     const scene::Scene scene = shelf(grouping);
     const output::FrameOutput frame = frameOf(scene, frontCamera());
-    std::map<uint32_t, glm::uvec2> pixels;  // one a part
+    std::map<uint32_t, glm::uvec2> pixels;  // one pixel per part
     for (uint32_t i = 0; i < kSize * kSize; ++i) pixels[imageOf(frame, Aov::Part).ids[i]] = {i % kSize, i / kSize};
     EXPECT_EQ(pixels.size(), 1 + scene.instances.size());
     Renderer renderer(device(), scene, nullptr);
@@ -202,7 +202,7 @@ TEST_F(Ids, PickedPixelsKnowTheirMeshAndMaterial) {
   }
 }
 
-TEST_F(Ids, OfThePublicApiAreInItsManifest) {
+TEST_F(Ids, ThePublicApiListsIdsInItsManifest) {
   const ShelfFile file;
   const latelight::Scene scene(file.path(), latelight::SceneOptions{.idNodes = {"Shelf"}});
   const json manifest = json::parse(scene.idManifest());

@@ -1,5 +1,5 @@
-// The shadow map cache: shadow maps are redrawn if and only if necessary, and pictures equal those of a renderer
-// without a cache, to the byte.
+// The shadow map cache: shadow maps are redrawn if and only if necessary, and images equal those of a renderer without
+// a cache, to the byte.
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -15,10 +15,10 @@ namespace {
 using glm::vec3;
 using output::Aov;
 
-// Balls in a row over a floor, a lamp above each that reaches to no other.
+// Balls in a row over a floor, with a lamp above each ball that reaches no other ball.
 constexpr uint32_t kBalls = 4;
 constexpr float kApart = 6;
-constexpr uint32_t kFloor = kBalls;  // instance
+constexpr uint32_t kFloor = kBalls;  // index of the instance
 
 scene::Scene ballsUnderLamps() {
   scene::SceneBuilder builder("balls");
@@ -46,7 +46,7 @@ scene::Camera cameraAt(float x) {
   return camera;
 }
 
-Settings keptSettings() {
+Settings cacheSettings() {
   Settings settings = settingsOf(160, 90, {Aov::Color});
   settings.raster = Raster::Compute;
   settings.shadows = ShadowFormat::D32;
@@ -54,11 +54,11 @@ Settings keptSettings() {
   return settings;
 }
 
-class KeptShadowsTest : public RenderTest {
+class ShadowMapCacheTest : public RenderTest {
  protected:
-  // How many maps a frame has to draw, which it does.
-  static size_t drawn(const GpuScene& scene, const scene::Camera& camera, ShadowMapCache& kept,
-                      const Settings& settings = keptSettings()) {
+  // Counts the maps that a frame must draw, and marks them as drawn.
+  static size_t countDrawnMaps(const GpuScene& scene, const scene::Camera& camera, ShadowMapCache& kept,
+                               const Settings& settings = cacheSettings()) {
     const shared::View view = makeView(camera, settings.width, settings.height);
     FrameShadows shadows = shadowsOf(scene, {&view, 1}, kept, settings);
     shadows.commit(ShadowMapState::Complete);
@@ -66,12 +66,12 @@ class KeptShadowsTest : public RenderTest {
   }
 
   static FrameShadows shadowsOf(const GpuScene& scene, std::span<const shared::View> views, ShadowMapCache& kept,
-                                const Settings& settings = keptSettings()) {
+                                const Settings& settings = cacheSettings()) {
     return {device(), scene, planShadows(shadowSceneOf(scene), views, settings), settings, kept};
   }
-  // Returns whether shadow maps were drawn.
-  static bool rendersAsAFreshOne(Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                                 const Settings& settings) {
+  // Expects the image of a fresh renderer. Returns whether shadow maps were drawn.
+  static bool equalsFreshRenderer(Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
+                                  const Settings& settings) {
     const RenderResult kept = renderer.submit({&camera, 1}, settings).take();
     EXPECT_EQ(imageOf(kept.frames.front(), Aov::Color).values,
               imageOf(renderOne(device(), scene, camera, settings), Aov::Color).values);
@@ -79,17 +79,17 @@ class KeptShadowsTest : public RenderTest {
   }
 };
 
-TEST_F(KeptShadowsTest, OnlyWhatChangesIsDrawnAgain) {
+TEST_F(ShadowMapCacheTest, OnlyChangedMapsAreRedrawn) {
   scene::Scene scene = ballsUnderLamps();
   GpuScene uploaded(device(), scene);
   ShadowMapCache kept;
   const auto now = [&] {
     uploaded.update({}, std::nullopt);
-    return drawn(uploaded, cameraAt(0), kept);
+    return countDrawnMaps(uploaded, cameraAt(0), kept);
   };
   EXPECT_EQ(now(), 6 * kBalls);
   EXPECT_EQ(now(), 0u);
-  EXPECT_EQ(drawn(uploaded, cameraAt(0.1f), kept), 0u) << "the camera has moved";
+  EXPECT_EQ(countDrawnMaps(uploaded, cameraAt(0.1f), kept), 0u) << "the camera has moved";
 
   scene::setTransform(scene, 1, glm::translate(glm::mat4(1), vec3(-0.5f * kApart, -0.2f, 0)));
   EXPECT_EQ(now(), 1u) << "one ball has moved, below its lamp";
@@ -120,28 +120,28 @@ TEST_F(KeptShadowsTest, OnlyWhatChangesIsDrawnAgain) {
   EXPECT_EQ(now(), 6 * kBalls);
 }
 
-TEST_F(KeptShadowsTest, OtherMapsAreOtherMaps) {
+TEST_F(ShadowMapCacheTest, DifferentSettingsRequireDifferentMaps) {
   const scene::Scene scene = ballsUnderLamps();
   const GpuScene uploaded(device(), scene);
   ShadowMapCache kept;
-  Settings settings = keptSettings();
-  EXPECT_EQ(drawn(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
-  settings.shadowFilter = ShadowFilter::Hard;  // whose bias is another
-  EXPECT_EQ(drawn(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
+  Settings settings = cacheSettings();
+  EXPECT_EQ(countDrawnMaps(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
+  settings.shadowFilter = ShadowFilter::Hard;  // with a different bias
+  EXPECT_EQ(countDrawnMaps(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
   settings.shadows = ShadowFormat::D16;
-  EXPECT_EQ(drawn(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
+  EXPECT_EQ(countDrawnMaps(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
   settings.shadows = ShadowFormat::Rgba8;
-  EXPECT_EQ(drawn(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
+  EXPECT_EQ(countDrawnMaps(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
   settings.shadows = ShadowFormat::Rgba8Classic;
-  EXPECT_EQ(drawn(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
+  EXPECT_EQ(countDrawnMaps(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
   settings.raster = Raster::Hardware;
-  EXPECT_EQ(drawn(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
-  EXPECT_EQ(drawn(uploaded, cameraAt(0), kept, settings), 6 * kBalls) << "hardware keeps none";
+  EXPECT_EQ(countDrawnMaps(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
+  EXPECT_EQ(countDrawnMaps(uploaded, cameraAt(0), kept, settings), 6 * kBalls) << "hardware keeps none";
 }
 
-// A sun's cascades are maps of their own: the coarsest, around all of the scene, stays as the camera moves; the finer
-// ones stay where what moves is out of what they cover.
-TEST_F(KeptShadowsTest, CascadesAreKeptOneByOne) {
+// Each cascade of a sun is cached separately. The coarsest, which covers the whole scene, stays valid while the camera
+// moves; the finer ones stay valid if the objects that move are outside of them.
+TEST_F(ShadowMapCacheTest, CascadesAreCachedSeparately) {
   scene::Scene scene = ballsUnderLamps();
   scene.lights = {scene::Light{.type = shared::kLightDirectional, .direction = glm::normalize(vec3(0.3f, -1, -0.2f))}};
   GpuScene uploaded(device(), scene);
@@ -150,7 +150,7 @@ TEST_F(KeptShadowsTest, CascadesAreKeptOneByOne) {
     scene::Camera camera = frontPerspective(1.4f, 2);
     camera.toWorld = glm::translate(glm::dmat4(1), glm::dvec3(x, -0.5f, 0)) * camera.toWorld;
     uploaded.update({}, std::nullopt);
-    return drawn(uploaded, camera, kept);
+    return countDrawnMaps(uploaded, camera, kept);
   };
   at(0);
   EXPECT_EQ(at(0), 0u);
@@ -164,19 +164,19 @@ TEST_F(KeptShadowsTest, CascadesAreKeptOneByOne) {
   EXPECT_EQ(at(0.5f), 4u) << "a ball that comes before the camera";
 }
 
-// What overflowed, or was never drawn, is not there.
-TEST_F(KeptShadowsTest, WhatIsNotSettledIsDrawnAgain) {
+// Maps that overflowed or were never drawn are not in the cache.
+TEST_F(ShadowMapCacheTest, IncompleteMapsAreRedrawn) {
   const scene::Scene scene = ballsUnderLamps();
   const GpuScene uploaded(device(), scene);
   ShadowMapCache kept;
   const shared::View view = makeView(cameraAt(0), 160, 90);
   EXPECT_EQ(shadowsOf(uploaded, {&view, 1}, kept).maps().size(), 6 * kBalls);
-  EXPECT_EQ(drawn(uploaded, cameraAt(0), kept), 6 * kBalls);
-  EXPECT_EQ(drawn(uploaded, cameraAt(0), kept), 0u);
+  EXPECT_EQ(countDrawnMaps(uploaded, cameraAt(0), kept), 6 * kBalls);
+  EXPECT_EQ(countDrawnMaps(uploaded, cameraAt(0), kept), 0u);
 }
 
-// Views that see the same lights alike share their maps, wherever these lie.
-TEST_F(KeptShadowsTest, ViewsShareMaps) {
+// Views that require equal maps of the same lights share them, at any position in the atlas.
+TEST_F(ShadowMapCacheTest, ViewsShareMaps) {
   const scene::Scene scene = ballsUnderLamps();
   const GpuScene uploaded(device(), scene);
   ShadowMapCache kept;
@@ -187,36 +187,36 @@ TEST_F(KeptShadowsTest, ViewsShareMaps) {
   for (uint32_t light = 0; light < kBalls; ++light) EXPECT_EQ(shadows.of(0, light).first, shadows.of(2, light).first);
 }
 
-TEST_F(KeptShadowsTest, PicturesAreThoseOfAFreshRenderer) {
+TEST_F(ShadowMapCacheTest, ImagesEqualThoseOfAFreshRenderer) {
   scene::Scene scene = ballsUnderLamps();
   Renderer renderer(device(), scene, nullptr);
-  const Settings settings = keptSettings();
-  EXPECT_TRUE(rendersAsAFreshOne(renderer, scene, cameraAt(0), settings));
-  EXPECT_FALSE(rendersAsAFreshOne(renderer, scene, cameraAt(0.2f), settings));
+  const Settings settings = cacheSettings();
+  EXPECT_TRUE(equalsFreshRenderer(renderer, scene, cameraAt(0), settings));
+  EXPECT_FALSE(equalsFreshRenderer(renderer, scene, cameraAt(0.2f), settings));
   scene::setTransform(scene, 2, glm::translate(glm::mat4(1), vec3(0.5f * kApart, 0.5f, 0)));
-  EXPECT_TRUE(rendersAsAFreshOne(renderer, scene, cameraAt(0.2f), settings));
+  EXPECT_TRUE(equalsFreshRenderer(renderer, scene, cameraAt(0.2f), settings));
   Settings sun = settings;
   sun.sun.emplace();
-  EXPECT_TRUE(rendersAsAFreshOne(renderer, scene, cameraAt(0.2f), sun));
-  EXPECT_FALSE(rendersAsAFreshOne(renderer, scene, cameraAt(0.2f), sun));
-  EXPECT_FALSE(rendersAsAFreshOne(renderer, scene, cameraAt(0.2f), settings));
+  EXPECT_TRUE(equalsFreshRenderer(renderer, scene, cameraAt(0.2f), sun));
+  EXPECT_FALSE(equalsFreshRenderer(renderer, scene, cameraAt(0.2f), sun));
+  EXPECT_FALSE(equalsFreshRenderer(renderer, scene, cameraAt(0.2f), settings));
 }
 
-// A camera that comes near one lamp after the other, so that sizes change and the atlas has no room for all.
-TEST_F(KeptShadowsTest, TheAtlasHoldsWhatThisFrameNeeds) {
+// A camera approaches one lamp after another, so that sizes change and the atlas cannot hold all maps.
+TEST_F(ShadowMapCacheTest, TheAtlasHoldsTheMapsOfThisFrame) {
   const scene::Scene scene = ballsUnderLamps();
   Renderer renderer(device(), scene, nullptr);
-  Settings settings = keptSettings();
+  Settings settings = cacheSettings();
   settings.shadowAtlas = 256;
   bool some = false, none = false;
   for (int step = 0; step < 24; ++step) {
     scene::Camera camera = frontPerspective(1.0f, 5 + 3 * static_cast<float>(step % 3));
     camera.toWorld =
         glm::translate(glm::dmat4(1), glm::dvec3(-9 + 0.75f * static_cast<float>(step), 0.5f, 0)) * camera.toWorld;
-    (rendersAsAFreshOne(renderer, scene, camera, settings) ? some : none) = true;
+    (equalsFreshRenderer(renderer, scene, camera, settings) ? some : none) = true;
   }
   EXPECT_TRUE(some);
-  for (int again = 0; again < 2; ++again) none = !rendersAsAFreshOne(renderer, scene, cameraAt(0), settings);
+  for (int again = 0; again < 2; ++again) none = !equalsFreshRenderer(renderer, scene, cameraAt(0), settings);
   EXPECT_TRUE(none);
 }
 

@@ -1,4 +1,4 @@
-// The loss of precision of G-buffer layouts, per value and in pictures; and supersampling.
+// The loss of precision of G-buffer layouts, per value and in images; and supersampling.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ using shared::Surface;
 using shared::vec2;
 using shared::vec3;
 
-TEST(Layouts, BytesAPixelAreTheSumOfTheirFormats) {
+TEST(Layouts, BytesPerPixelAreTheSumOfTheirFormats) {
   for (const Layout& layout : layouts())
     for (const NormalEncoding& encoding : normalEncodings()) {
       uint32_t bytes = 0;
@@ -42,8 +42,8 @@ TEST(Layouts, BytesAPixelAreTheSumOfTheirFormats) {
     }
 }
 
-// As the layouts' own files say, depth included and the light accumulation target apart.
-TEST(Layouts, CostWhatTheirFilesSay) {
+// The sizes are stated in the layouts' own files; they include depth but not the light accumulation target.
+TEST(Layouts, HaveTheSizesThatTheirFilesState) {
   const std::pair<const char*, uint32_t> said[] = {
       {"compact", 20}, {"thin", 12},         {"optimized", 16}, {"exact", 116},    {"plain", 68},
       {"engine", 16},  {"battlefield3", 20}, {"blog", 60},      {"killzone2", 16}, {"visibility", 4}};
@@ -65,18 +65,19 @@ TEST(Layouts, KillzonesGbufferIs36Megabytes) {
 
 constexpr double kAny = std::numeric_limits<double>::infinity();
 
-// The most a value may change by being stored. Colours in units of one 8-bit sRGB code, diffuse as it is reflected at
-// normal incidence; a dielectric's f0 by its root, of 0.16; the Blinn-Phong power up to 255.
+// The maximum change of a value by storage. Colors are in units of one 8-bit sRGB code, and diffuse is the color
+// reflected at normal incidence. `f0Root` is the root of a dielectric's f0 / 0.16, and the Blinn-Phong power is capped
+// at 255.
 struct Bounds {
-  double normal = 0.1;  // radians
+  double normal = 0.1;  // in radians
   double baseColor = kAny, diffuse = 10, specular = 10, metallic = kAny, roughness = kAny, f0Root = kAny, f90 = kAny,
          power = kAny, ao = 0, motion = kAny;
-  bool viewersSide = false;  // normals that point away from the view plane come back mirrored
+  bool viewersSide = false;  // normals that point away from the view plane are returned mirrored
 };
 constexpr double kHalfCode = 0.501;           // in units of a code
-constexpr double kUnorm8 = 0.5 / 255 + 1e-6;  // of a value in [0, 1]
+constexpr double kUnorm8 = 0.5 / 255 + 1e-6;  // for a value in [0, 1]
 
-// `levels` = 2^bits - 1 of each channel; and what rounding of floats adds.
+// The bound for 2^bits - 1 levels per channel, plus the rounding of floats.
 double normalBound(const std::string& encoding, double bits) {
   return shared::normalBound(encoding, std::exp2(bits) - 1).radians * 1.001 + 2e-6;
 }
@@ -90,7 +91,7 @@ double normalBound(const NormalEncoding& encoding, double bitsOfTwo, double bits
 }
 
 Bounds boundsOf(const Layout& layout, const NormalEncoding& encoding) {
-  // Divided and multiplied again in floats.
+  // The values are divided and multiplied again in floats.
   const Bounds floats{.baseColor = 0.01,
                       .diffuse = 0.01,
                       .specular = 0.01,
@@ -123,7 +124,7 @@ Bounds boundsOf(const Layout& layout, const NormalEncoding& encoding) {
             .roughness = kUnorm8,
             .f0Root = 0.5 / 6 + 1e-6,
             .f90 = 0};
-  // Values by their roots: a step is largest where the value is, of metalness in the middle.
+  // The layout stores roots: a step is largest for large values, and for metalness in the middle of the range.
   if (layout.name == "compact")
     return {.normal = normalBound(encoding, 20, 13),
             .baseColor = 0.2,
@@ -143,8 +144,8 @@ Bounds boundsOf(const Layout& layout, const NormalEncoding& encoding) {
             .f0Root = kUnorm8 / 0.4,
             .f90 = 0,
             .ao = kUnorm8};
-  // What is rebuilt is the root of what two halves leave of 1, which may be as little as their rounding: 2^-11 of each
-  // where a device cuts off, as it may.
+  // The third component is the root of 1 minus the squares of two halves. This difference may be as small as their
+  // rounding error: 2^-11 of each on a device that truncates, which Vulkan permits.
   if (layout.name == "killzone2")
     return {.normal = std::sqrt(2 * std::sqrt(2.0) / 2048) + 1e-3,
             .baseColor = kHalfCode,
@@ -154,7 +155,7 @@ Bounds boundsOf(const Layout& layout, const NormalEncoding& encoding) {
             .power = kHalfCode,
             .motion = 0.126,
             .viewersSide = true};
-  // A layout that states none: what no usable one exceeds.
+  // For a layout that states no bounds: bounds that no usable layout exceeds.
   b.normal = std::max(b.normal, shared::normalBound(encodingFile(encoding), 255).radians);
   b.ao = 0.1;
   return b;
@@ -211,8 +212,8 @@ double cappedPower(float roughness) {
 void expectWithin(const Surface& a, const Surface& b, const Bounds& bounds) {
   EXPECT_LE(glm::length(a.normal - b.normal), bounds.normal);
   EXPECT_LE(codes(a.baseColor, b.baseColor), bounds.baseColor);
-  // The diffuse colour is divided by what the specular one leaves, and can't be beyond 1 then: half a code of a
-  // specular colour near white is more than one of a dark diffuse colour.
+  // The diffuse color is divided by one minus the specular color and then limited to 1. Half a code of a specular color
+  // near white is therefore more than one code of a dark diffuse color.
   const vec3 diffuseA = shared::diffuseAtNormalIncidence(a), diffuseB = shared::diffuseAtNormalIncidence(b);
   constexpr float kHalfCodeNearWhite = 0.0046f;
   if (shared::maxChannel(glm::abs(diffuseA - diffuseB)) > kHalfCodeNearWhite) {
@@ -261,8 +262,8 @@ TEST(Layouts, RandomSurfacesSurviveTheirStoredBits) {
     }
 }
 
-// Unit normals that point away from the view plane come back as their mirror image, exactly as long: the layout's
-// nature.
+// Unit normals that point away from the view plane are returned as their mirror images, of the same length: the layout
+// stores no sign of the third component.
 TEST(Layouts, Killzone2MirrorsNormalsThatPointAway) {
   Random random(17);
   const Layout& layout = findLayout("killzone2");
@@ -276,12 +277,12 @@ TEST(Layouts, Killzone2MirrorsNormalsThatPointAway) {
     turnToViewer(sample);
     EXPECT_LE(glm::length(back - sample.surface.normal), 0.03f);
   }
-  // Half of all directions, less those near enough to the plane.
+  // Half of all directions, minus those close to the plane.
   EXPECT_NEAR(static_cast<double>(mirrored) / kCount, 0.5 * (1 - 0.05), 0.02);
 }
 
-// Nothing that stands gets a motion by being stored, and what is too fast keeps its direction along each axis.
-TEST(Layouts, Killzone2KeepsStandingStillAndClampsWhatIsFast) {
+// A static surface has no motion after storage, and each component of a fast motion is clamped with its sign.
+TEST(Layouts, Killzone2StoresZeroMotionExactlyAndClampsFastMotion) {
   Random random(37);
   const Layout& layout = findLayout("killzone2");
   Sample sample = randomSample(random, shared::kNormal_octahedral);
@@ -312,7 +313,7 @@ TEST(Layouts, Battlefield3sMaterialIdChoosesTheShading) {
   }
 }
 
-// The usual dielectric and a metal of any colour: what the layout derives metalness from.
+// The usual dielectric and a metal of any color: the layout derives metalness from the diffuse and specular colors.
 TEST(Layouts, Killzone2TellsMetalsFromTheUsualDielectric) {
   Random random(19);
   const Layout& layout = findLayout("killzone2");
@@ -328,8 +329,8 @@ TEST(Layouts, Killzone2TellsMetalsFromTheUsualDielectric) {
   }
 }
 
-// A partly metallic surface is as bright, lit, from diffuse and specular colours as it is from metalness.
-TEST(Layouts, DiffuseAndSpecularColoursShadeAsMetalnessDoes) {
+// A partly metallic surface has the same radiance when shaded from diffuse and specular colors as from metalness.
+TEST(Layouts, DiffuseAndSpecularColorsShadeAsMetalnessDoes) {
   Random random(23);
   for (int i = 0; i < 20000; ++i) {
     const Sample sample = randomSample(random, shared::kNormal_octahedral);
@@ -368,8 +369,8 @@ TEST(Layouts, ExactKeepsEverything) {
   }
 }
 
-// Tinted and weakened reflectances too, by their roots in nine bits (eight of the grazing one); the usual dielectric
-// and what reflects nothing exactly.
+// Tinted and reduced reflectances are stored as roots in nine bits (f90 in eight). The usual dielectric and a
+// reflectance of zero are exact.
 TEST(Layouts, CompactKeepsReflectance) {
   Random random(41);
   const Layout& compact = findLayout("compact");
@@ -391,8 +392,8 @@ TEST(Layouts, CompactKeepsReflectance) {
   }
 }
 
-// Whatever bits a target holds, what is lit from them is a number.
-TEST(Layouts, CompactGivesNumbersForAnyBits) {
+// For any bits in a target, the values to be shaded are valid numbers.
+TEST(Layouts, CompactReturnsNumbersForAnyBits) {
   Random random(43);
   const Layout& compact = findLayout("compact");
   for (int i = 0; i < 20000; ++i) {
@@ -422,14 +423,14 @@ TEST(Layouts, ThinKeepsTheUsualDielectricAndNoReflectionAtAll) {
   EXPECT_EQ(none.f90, 0.0f);
 }
 
-// --- pictures -------------------------------------------------------------------------------------------------------
+// --- images ---------------------------------------------------------------------------------------------------------
 
-// Differences of 8-bit pictures, in levels, over the channels of covered pixels.
+// Differences of 8-bit images, in levels, over the channels of covered pixels.
 struct Difference {
   double mean = 0;
-  int percentile = 0;  // the 99.9th
+  int percentile = 0;  // the 99.9th percentile
   int most = 0;
-  double beyond = 0;  // share of more than 2 levels
+  double beyond = 0;  // fraction of channels that differ by more than 2 levels
   size_t count = 0;
 };
 
@@ -459,7 +460,7 @@ struct Allowed {
   int percentile;
 };
 
-// Makes nothing shinier than perceptual roughness 0.30, where `optimized` ends: a power of 255.
+// Raises perceptual roughness to at least 0.30, where `optimized` ends: a power of 255.
 void roughen(scene::Scene& scene) {
   constexpr float kMin = 0.3f;
   for (scene::Material& material : scene.materials) {
@@ -476,8 +477,8 @@ void roughen(scene::Scene& scene) {
   }
 }
 
-// Bounds are about 1.5 times what was measured on the CPU device (mean, 99.9th percentile): in the comments.
-class PicturesTest : public RenderTest {
+// Bounds are about 1.5 times the values measured on the CPU device (mean, 99.9th percentile), which the comments state.
+class LayoutImagesTest : public RenderTest {
  protected:
   static void compare(const char* name, const scene::Scene& scene, std::span<const Allowed> allowed,
                       const scene::Environment* environment) {
@@ -500,18 +501,19 @@ class PicturesTest : public RenderTest {
   }
 };
 
-// Everything is matte or of roughness 0.5, and there is one light: all that is left is rounding, mostly of normals.
-TEST_F(PicturesTest, OfTheBoxesDifferByRounding) {
+// All surfaces are matte or have roughness 0.5, and there is one light, so the only error is rounding, mostly of
+// normals.
+TEST_F(LayoutImagesTest, BoxesDifferByRounding) {
   constexpr Allowed kAllowed[] = {{"thin", "octahedral", 0.4, 2},       // 0.20, 1
-                                  {"thin", "xyz", 0.9, 3},              // 0.60, 2: 8 bits a component
+                                  {"thin", "xyz", 0.9, 3},              // 0.60, 2: 8 bits per component
                                   {"optimized", "octahedral", 0.6, 2},  // 0.38, 1
                                   {"optimized", "xyz", 0.9, 2}};        // 0.57, 1
   compare("boxes", scene::load("builtin:boxes"), kAllowed, nullptr);
 }
 
-// A shiny model under soft boxes: one with bands of metal and, where it is there, a real one. `optimized` is far off,
-// which is its nature: the cap of its power at 255. Without anything shinier than that it is within rounding.
-TEST_F(PicturesTest, OfShinyModelsDifferByRoundingAndTheCapOfThePower) {
+// Shiny models under soft boxes: one with bands of metal and, if available, a real one. `optimized` differs strongly,
+// because it caps the power at 255. Without surfaces shinier than that, it is within rounding.
+TEST_F(LayoutImagesTest, ShinyModelsDifferByRoundingAndTheCapOfThePower) {
   const scene::Environment studio = scene::loadEnvironment("studio");
   scene::Scene bands = scene::load(models::modelPath("textured.glb"));
   roughen(bands);
@@ -532,7 +534,7 @@ TEST_F(PicturesTest, OfShinyModelsDifferByRoundingAndTheCapOfThePower) {
   compare("helmet, nothing below roughness 0.3", scene, kRoughened, &studio);
 }
 
-TEST_F(PicturesTest, OfTheHallDifferByRoundingAndTheCapOfThePower) {
+TEST_F(LayoutImagesTest, TheHallDiffersByRoundingAndTheCapOfThePower) {
   constexpr Allowed kAllowed[] = {{"thin", "octahedral", 0.4, 2},         // 0.19, 1
                                   {"thin", "xyz", 0.5, 6},                // 0.25, 4
                                   {"optimized", "octahedral", 1.3, 45}};  // 0.78, 30
@@ -541,16 +543,17 @@ TEST_F(PicturesTest, OfTheHallDifferByRoundingAndTheCapOfThePower) {
 
 // --- every layout against `plain` -----------------------------------------------------------------------------------
 
-// How far the hall lit from a layout may be from what `plain` gives, in 8-bit levels over the channels of covered
-// pixels: about 1.5 times what was measured on the CPU device. `beyond` is the share of channels off by more than 2.
-struct Quantisation {
+// Maximum difference between the hall lit from a layout and from `plain`, in 8-bit levels over the channels of covered
+// pixels: about 1.5 times the values measured on the CPU device. `beyond` is the fraction of channels off by more than
+// 2.
+struct Quantization {
   const char* layout;
   double mean;
   int most;
   double beyond;
   const char* reason;
 };
-constexpr Quantisation kQuantisation[] = {
+constexpr Quantization kQuantization[] = {
     // measured: mean, most, beyond
     {"exact", 0.001, 1, 0, "floats both"},                                                       // 0, 0, 0
     {"visibility", 0.001, 1, 0, "what is emitted is rounded with the rest"},                     // 0.0004, 1, 0
@@ -563,18 +566,18 @@ constexpr Quantisation kQuantisation[] = {
     {"killzone2", 10, 255, 0.46,
      "normals mirrored, the power's end, one intensity for three channels"},  // 6.58, 218, 0.306
 };
-// Of a layout that states none yet: a picture of the same scene still.
-constexpr Quantisation kUnstated{"", 12, 255, 0.5, "states no bound of its own"};
+// For a layout that states no bounds yet: still an image of the same scene.
+constexpr Quantization kUnstated{"", 12, 255, 0.5, "states no bound of its own"};
 
-const Quantisation& quantisationOf(const Layout& layout) {
-  for (const Quantisation& q : kQuantisation)
+const Quantization& quantizationOf(const Layout& layout) {
+  for (const Quantization& q : kQuantization)
     if (layout.name == q.layout) return q;
   return kUnstated;
 }
 
 class PlainTest : public RenderTest {};
 
-TEST_F(PlainTest, DiffersFromEveryLayoutByItsQuantisationAlone) {
+TEST_F(PlainTest, DiffersFromEveryLayoutOnlyByQuantization) {
   const scene::Scene scene = scene::load("builtin:hall,triangles=60k,lights=20");
   Settings settings = settingsOf(320, 180);
   settings.display = true;
@@ -589,7 +592,7 @@ TEST_F(PlainTest, DiffersFromEveryLayoutByItsQuantisationAlone) {
     if (layout.name == "plain") continue;
     if (!layout.hasTargets() && std::exchange(settings.raster, Raster::Compute) != Raster::Compute)
       plain = render("plain");  // rasters differ at edges
-    const Quantisation& allowed = quantisationOf(layout);
+    const Quantization& allowed = quantizationOf(layout);
     SCOPED_TRACE(fmt::format("{}: {}", layout.name, allowed.reason));
     const Difference d = difference(render(layout.name), plain);
     fmt::print("{}: mean {:.4f} levels, at most {}, {:.5f} beyond 2\n", layout.name, d.mean, d.most, d.beyond);
@@ -600,7 +603,7 @@ TEST_F(PlainTest, DiffersFromEveryLayoutByItsQuantisationAlone) {
   }
 }
 
-// The share of the hall's pixels whose normal points away from the view plane, so that killzone2 mirrors it.
+// Reports the fraction of the hall's pixels whose normal points away from the view plane, so that killzone2 mirrors it.
 TEST_F(PlainTest, TellsHowManyNormalsKillzone2Mirrors) {
   const scene::Scene scene = scene::load("builtin:hall,triangles=60k,lights=20");
   constexpr uint32_t kWidth = 320, kHeight = 180;
@@ -633,14 +636,14 @@ TEST_F(PlainTest, TellsHowManyNormalsKillzone2Mirrors) {
   EXPECT_LE(worstMirror, bound);
 }
 
-// --- super-sampling -------------------------------------------------------------------------------------------------
+// --- supersampling --------------------------------------------------------------------------------------------------
 
-// The half-plane left of a slanting line through the picture's centre.
+// The half-plane to the left of a slanted line through the image's center.
 class HalfPlaneTest : public RenderTest {
  protected:
   static constexpr uint32_t kSize = 48;
   static constexpr double kAngle = 0.37;
-  // On the picture (y down), pixels: unit normal of the edge, into the half-plane.
+  // In image coordinates (y down, in pixels): the edge's unit normal, which points into the half-plane.
   static dvec2 inward() { return {-std::cos(kAngle), std::sin(kAngle)}; }
   static double insideBy(dvec2 pixel) { return glm::dot(pixel - dvec2(kSize / 2.0), inward()); }
 
@@ -659,7 +662,7 @@ class HalfPlaneTest : public RenderTest {
     return std::move(builder.scene);
   }
 
-  // Share of a pixel's square inside the half-plane: the square clipped by the line, and its area.
+  // The fraction of a pixel's square inside the half-plane: the area of the square clipped by the line.
   static double coverage(uint32_t x, uint32_t y) {
     const dvec2 corners[] = {{x, y}, {x + 1, y}, {x + 1, y + 1}, {x, y + 1}};
     std::vector<dvec2> clipped;
@@ -704,7 +707,7 @@ TEST_F(HalfPlaneTest, SamplesAreCountedAndApproachTheCoverage) {
         ASSERT_GE(rgba[3] * samples, static_cast<float>(least) - 1e-4f) << x << ' ' << y;
         ASSERT_LE(rgba[3] * samples, static_cast<float>(most) + 1e-4f) << x << ' ' << y;
         for (int c = 0; c < 3; ++c) ASSERT_NEAR(rgba[c], rgba[3], 1e-3f);  // premultiplied white
-        // Straight alpha: white wherever anything is.
+        // Straight alpha: the color is white wherever any sample is covered.
         ASSERT_EQ(frame.display[4 * pixel], rgba[3] > 0 ? 255 : 0);
         ASSERT_NEAR(frame.display[4 * pixel + 3], 255 * rgba[3], 0.51);
         const double exact = coverage(x, y);
@@ -716,13 +719,14 @@ TEST_F(HalfPlaneTest, SamplesAreCountedAndApproachTheCoverage) {
     const double mean = sum / static_cast<double>(crossed);
     fmt::print("ss{}: coverage of {} edge pixels off by {:.4f} in the mean, {:.4f} at most\n", n, crossed, mean, worst);
     EXPECT_GT(crossed, kSize);
-    EXPECT_LE(worst, 0.6 / n);  // a line passes at most about n of the n * n cells on the wrong side of their centre
+    // For at most about n of the n * n cells, the line passes on the wrong side of their center.
+    EXPECT_LE(worst, 0.6 / n);
     EXPECT_LT(mean, before * 0.6);
     before = mean;
   }
 }
 
-TEST_F(HalfPlaneTest, DataStayAtThePixelsCentre) {
+TEST_F(HalfPlaneTest, DataAreSampledAtPixelCenters) {
   const scene::Scene scene = scene::load("builtin:boxes");
   std::vector<Aov> data;
   for (const output::AovInfo& info : output::aovs())

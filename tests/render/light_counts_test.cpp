@@ -11,7 +11,8 @@ using output::Aov;
 
 constexpr uint32_t kSize = 64;
 
-// The square fills the middle half of the picture. World space: it lies in the plane y = 0 and faces -y.
+// The square fills the central half of the image in both directions. World space: it lies in the plane y = 0 and faces
+// -y.
 scene::Scene litSquare() {
   scene::SceneBuilder builder("square");
   scene::Scene& scene = builder.scene;
@@ -28,10 +29,10 @@ scene::Scene litSquare() {
     l.innerCone = 0.1f;
     l.outerCone = 0.2f;
   };
-  light(shared::kLightDirectional, {}, {0, 1, 0}, {});       // on all of it
-  light(shared::kLightDirectional, {}, {0, -1, 0}, {});      // from behind: on none
-  light(shared::kLightPoint, {0, -0.3f, 0}, {}, 0.5f);       // within 0.4 m of the centre
-  light(shared::kLightSpot, {-0.5f, -1, 0}, {0, 1, 0}, {});  // within tan(0.2) m of (-0.5, 0)
+  light(shared::kLightDirectional, {}, {0, 1, 0}, {});       // lights the whole square
+  light(shared::kLightDirectional, {}, {0, -1, 0}, {});      // from behind: lights nothing
+  light(shared::kLightPoint, {0, -0.3f, 0}, {}, 0.5f);       // lights points within 0.4 m of the center
+  light(shared::kLightSpot, {-0.5f, -1, 0}, {0, 1, 0}, {});  // lights points within tan(0.2) m of (-0.5, 0)
   light(shared::kLightPoint, {0, -50, 0}, {}, 10.0f);        // too far away
   return std::move(scene);
 }
@@ -69,7 +70,7 @@ TEST_F(RenderTest, LightsAreCountedByEveryTechnique) {
   }
 }
 
-// The reference leaves out nothing.
+// The reference technique culls no lights.
 TEST_F(RenderTest, FullscreenTestsEveryLight) {
   const scene::Scene scene = litSquare();
   const output::FrameOutput frame =

@@ -1,4 +1,4 @@
-// Tiled and clustered light culling against fullscreen, per pixel: the pictures, and the number of contributing lights.
+// Tiled and clustered light culling against fullscreen, per pixel: the images, and the number of contributing lights.
 // Covers light lists that overflow, lights in difficult positions, and every kind of view.
 #include "render/lighting/light_lists.h"
 
@@ -23,12 +23,12 @@ namespace {
 using shared::vec3;
 
 struct Picture {
-  std::vector<uint16_t> light;  // half floats, four a pixel, all views
+  std::vector<uint16_t> light;  // half floats, four per pixel, all views
   std::vector<float> counts;    // tested, used, 0, 0
-  double tested = 0, used = 0;  // a pixel, on average over those with a surface
+  double tested = 0, used = 0;  // per pixel, averaged over the pixels with a surface
 };
 
-// A scene in device memory, drawn by any technique.
+// A scene in device memory, rendered with any technique.
 class Stage {
  public:
   Stage(vk::Device& device, const scene::Scene& scene) : frames_(device, scene) {}
@@ -70,8 +70,8 @@ float displayed(uint16_t half) {
   return shared::srgbFromLinear(shared::saturate(scene::floatFromHalf(half)));
 }
 
-// At most 1/255 apart on any pixel. Lights are summed in one order, so that only rounding may differ; and every light
-// that fullscreen uses must be there, however dim: but for those at the very edge of their reach.
+// Expects a difference of at most 1/255 at every pixel. Lights are summed in one order, so only rounding may differ.
+// Every light that fullscreen uses must contribute, however dim, except lights at the very edge of their reach.
 void expectSame(const Picture& a, const Picture& reference) {
   ASSERT_EQ(a.light.size(), reference.light.size());
   float worst = 0;
@@ -93,7 +93,7 @@ void expectIdentical(const Picture& a, const Picture& b) {
 
 // --- hard cases -----------------------------------------------------------------------------------------------------
 
-// Perspective with and without a far plane, orthographic, off-centre: as many layers, of which the last shows nothing.
+// One view each: perspective with and without a far plane, orthographic, and off-center; the last view sees nothing.
 std::vector<scene::Camera> manyCameras(const scene::Scene& scene) {
   std::vector<scene::Camera> cameras(5, scene.cameras.front());
   cameras[0].farClip = 40;
@@ -139,14 +139,14 @@ std::vector<scene::Light> hardLights(const scene::Scene& scene) {
   std::vector<scene::Light> lights{
       pointLight(center, 1e6f),                                            // reaches everything
       pointLight(center + vec3(0, 0, 2), {}),                              // no range
-      pointLight(eye, 0.5f),                                               // at the eye, and seen by nothing
-      pointLight(eye, 30.0f),                                              // the eye inside
-      pointLight(eye - forward * 3.0f, 2.0f),                              // behind the eye
-      pointLight(eye - forward * 3.0f, 20.0f, 3),                          // behind it, and reaching past it
+      pointLight(eye, 0.5f),                                               // at the camera; reaches no surface
+      pointLight(eye, 30.0f),                                              // the camera is inside
+      pointLight(eye - forward * 3.0f, 2.0f),                              // behind the camera
+      pointLight(eye - forward * 3.0f, 20.0f, 3),                          // behind the camera, reaching past it
       spotLight(eye, forward, 0, 0.02f, {}),                               // a few pixels wide
       spotLight(eye, forward, 0.3f, 0.3f, {}),                             // a hard edge
-      spotLight(eye, -forward, 0, 1.5f, {}),                               // away from what is seen
-      spotLight(center + vec3(0, 0, 3), {0, 0, -1}, 0, 1.5707963f, 6.0f),  // a half space
+      spotLight(eye, -forward, 0, 1.5f, {}),                               // away from all visible surfaces
+      spotLight(center + vec3(0, 0, 3), {0, 0, -1}, 0, 1.5707963f, 6.0f),  // a half-space
       spotLight(center + vec3(1, 0, 2), {0, 0.6f, -0.8f}, 0.2f, 0.6f, {}),
       sun({1, 2, -3}),
       sun({-1, 1, -1}),
@@ -171,7 +171,7 @@ const TechniqueInfo* const kClustered = &findTechnique("clustered");
 const TechniqueInfo* const kFullscreen = &findTechnique("fullscreen");
 
 template <uint32_t Cells, uint32_t Entries>
-TechniqueInfo withRoomFor() {
+TechniqueInfo withCapacity() {
   return {
       .name = "small", .description = "lists of few lights", .add = [](const FrameContext& f, const Gbuffer& gbuffer) {
         return addLightLists(
@@ -181,9 +181,9 @@ TechniqueInfo withRoomFor() {
 
 class LightListsTest : public RenderTest {};
 
-constexpr uint32_t kListWidth = 101, kListHeight = 59;  // no multiples of a tile
+constexpr uint32_t kListWidth = 101, kListHeight = 59;  // not multiples of the tile size
 
-TEST_F(LightListsTest, LightsInHardPlacesAreAllFound) {
+TEST_F(LightListsTest, LightsInDifficultPositionsAreAllListed) {
   const scene::Scene scene = scene::load("builtin:boxes");
   const std::vector<scene::Camera> cameras = manyCameras(scene);
   Stage stage(device(), scene);
@@ -216,15 +216,16 @@ TEST_F(LightListsTest, NoLightsOrOnlyDirectionalOnes) {
   }
 }
 
-// The same lights come from the tree, in the same order: so not one bit differs.
-TEST_F(LightListsTest, ListsThatDontFitChangeNothing) {
+// If a list overflows, shaders read the same lights from the tree in the same order, so CPU devices return the same
+// bits.
+TEST_F(LightListsTest, OverflowingListsChangeNothing) {
   const scene::Scene scene = scene::load("builtin:boxes");
   const std::vector<scene::Camera> cameras = manyCameras(scene);
   Stage stage(device(), scene);
   stage.scene().setLights(hardLights(scene));
   const std::pair<const TechniqueInfo*, std::vector<TechniqueInfo>> cases[] = {
-      {kTiled, {withRoomFor<1, 1>(), withRoomFor<1, 12>()}},
-      {kClustered, {withRoomFor<kSlices, 1>(), withRoomFor<kSlices, 12>(), withRoomFor<kSlices, 40>()}}};
+      {kTiled, {withCapacity<1, 1>(), withCapacity<1, 12>()}},
+      {kClustered, {withCapacity<kSlices, 1>(), withCapacity<kSlices, 12>(), withCapacity<kSlices, 40>()}}};
   for (const auto& [technique, small] : cases) {
     const Picture reference = stage.draw(*technique, "thin", cameras, kListWidth, kListHeight);
     for (const TechniqueInfo& other : small) {
@@ -233,7 +234,7 @@ TEST_F(LightListsTest, ListsThatDontFitChangeNothing) {
       if (device().isCpu()) {
         EXPECT_TRUE(picture.light == reference.light);
       }
-      EXPECT_NE(picture.tested, reference.tested);  // some did not fit
+      EXPECT_NE(picture.tested, reference.tested);  // some lists overflowed
     }
   }
 }
@@ -242,7 +243,7 @@ TEST_F(LightListsTest, TheSameBytesEachTime) {
   const scene::Scene scene = scene::load("builtin:boxes");
   Stage stage(device(), scene);
   stage.scene().setLights(hardLights(scene));
-  for (const TechniqueInfo& technique : {*kTiled, *kClustered, withRoomFor<kSlices, 12>()})
+  for (const TechniqueInfo& technique : {*kTiled, *kClustered, withCapacity<kSlices, 12>()})
     expectIdentical(stage.draw(technique, "thin", manyCameras(scene), kListWidth, kListHeight),
                     stage.draw(technique, "thin", manyCameras(scene), kListWidth, kListHeight));
 }

@@ -19,7 +19,7 @@ using shared::Light;
 using shared::LightBox;
 using shared::vec3;
 
-class Lights {  // random ones of every kind, size and place
+class Lights {  // random lights of every type, size and position
  public:
   explicit Lights(uint32_t seed) : engine_(seed) {}
   float between(float low, float high) { return std::uniform_real_distribution(low, high)(engine_); }
@@ -103,7 +103,7 @@ TEST(LightTree, HoldsEveryLightOnceAndInOrder) {
     }
 }
 
-TEST(LightTree, NeighboursStandTogether) {
+TEST(LightTree, NeighborsAreGrouped) {
   std::vector<Light> lights = Lights(8).make(20000, 0);
   for (Light& light : lights) light.radius = 0.5f;
   const LightTree tree = buildLightTree(lights);
@@ -112,8 +112,8 @@ TEST(LightTree, NeighboursStandTogether) {
     sizes += glm::length(box.high - box.low);
     ++leaves;
   });
-  // 32 of 20000 lights in 100 m x 100 m x 10 m fill a cube with a diagonal of 9.4 m, 10.9 m with their radius. Strewn,
-  // they would have a box of 140 m.
+  // 32 of 20000 lights in 100 m x 100 m x 10 m fill a cube with a diagonal of 9.4 m, or 10.9 m with their radius. In
+  // random order, their box would have a diagonal of 140 m.
   EXPECT_LT(sizes / leaves, 25);
 }
 
@@ -124,7 +124,7 @@ TEST(LightTree, NoLightReachesOutOfItsBox) {
     const Light light = random.make(i % 2 ? shared::kLightSpot : shared::kLightPoint);
     const LightBox box = lightBox(light);
     for (int j = 0; j < 300; ++j) {
-      // Near the axis's end, near the cone's rim, and anywhere.
+      // Points near the light's radius, in random directions and in directions near its axis.
       vec3 d = random.direction();
       if (j % 3 == 0) d = glm::normalize(light.direction + 0.05f * d);
       const vec3 position = light.position + d * light.radius * random.between(0.9f, 1.0f);
@@ -136,8 +136,8 @@ TEST(LightTree, NoLightReachesOutOfItsBox) {
   EXPECT_GT(lit, 200000u);
 }
 
-// Without a range: lit places a millimetre and a thousand kilometres away.
-TEST(LightTree, NoEndlessLightReachesOutOfItsBox) {
+// Lights without a range, lit at distances from a millimeter to a thousand kilometers.
+TEST(LightTree, NoUnboundedLightReachesOutOfItsBox) {
   Lights random(12);
   size_t lit = 0, bounded = 0;
   for (int i = 0; i < 1000; ++i) {
@@ -154,7 +154,7 @@ TEST(LightTree, NoEndlessLightReachesOutOfItsBox) {
     }
   }
   EXPECT_GT(lit, 100000u);
-  EXPECT_GT(bounded, 500u);  // spots end behind them
+  EXPECT_GT(bounded, 500u);  // the boxes of spot lights end behind them
 }
 
 TEST(LightTree, ASpotsBoxIsSmallerThanItsSphere) {

@@ -25,8 +25,8 @@ using shared::Surface;
 
 constexpr uint32_t kMaterialSize = 64;
 
-// Linear width of a code of 8-bit sRGB around a linear value, times `factor`. The CPU device decodes sRGB by a
-// polynomial; Vulkan asks for half a code.
+// Half the linear width of an 8-bit sRGB code at a linear value, times `factor`. The CPU device decodes sRGB with a
+// polynomial; Vulkan requires an accuracy of half a code.
 float halfCode(float linear, float factor = 1) {
   const float code = shared::srgbFromLinear(linear / factor);
   const float slope = code <= 0.04045f ? 1 / 12.92f : 2.4f / 1.055f * std::pow((code + 0.055f) / 1.055f, 1.4f);
@@ -48,7 +48,7 @@ std::vector<glm::u8vec4> randomTexels(uint32_t count, uint64_t seed) {
   return texels;
 }
 
-// --- sampling on the host, level 0 ----------------------------------------------------------------------------------
+// --- sampling on the host, mip level 0 ------------------------------------------------------------------------------
 
 int wrappedIndex(int i, int size, scene::Wrap wrap) {
   const auto modulo = [](int a, int b) { return (a % b + b) % b; };
@@ -84,7 +84,7 @@ struct HostTexture {
     return glm::mix(glm::mix(texel(x, y, sampler), texel(x + 1, y, sampler), f.x),
                     glm::mix(texel(x, y + 1, sampler), texel(x + 1, y + 1, sampler), f.x), f.y);
   }
-  // Distance to the nearest border between texels, texels.
+  // Distance to the nearest border between texels, in texels.
   double fromBorder(dvec2 uv) const {
     const dvec2 p = uv * dvec2(width, height), d = glm::abs(p - glm::round(p));
     return std::min(d.x, d.y);
@@ -99,8 +99,7 @@ scene::Texture deviceTexture(const HostTexture& t) {
   return textureOf(t.width, t.height, t.srgb, t.texels);
 }
 
-// In a scene with one of these, textures whose sides are powers of two are stored in another way
-// (vk::ImageDesc::oddBase).
+// If a scene contains such a texture, textures with power-of-two sides are stored differently (vk::ImageDesc::oddBase).
 HostTexture oddTexture() {
   return hostTexture(5, 3, false, 1);
 }
@@ -113,7 +112,7 @@ struct Square {
   scene::Material material = scene::plainMaterial("material", vec3(1), 1, 1);
 
   explicit Square(bool extras = false) { scene.meshes.push_back(squareMesh(extras)); }
-  // To be called once, when the material is done.
+  // Call once, after the material is complete.
   void place(const glm::mat4& local = glm::mat4(1)) {
     scene.materials.push_back(std::move(material));
     builder.addInstance("square", builder.kRoot, 0, static_cast<uint32_t>(scene.materials.size() - 1), local);
@@ -126,7 +125,7 @@ struct Square {
 
 class MaterialTest : public RenderTest {
  protected:
-  // What each pixel holds, through the layout that keeps everything.
+  // Reads the surfaces of all pixels through `exact`, the layout that stores everything.
   static ReadGbuffer read(const scene::Scene& scene, const scene::Camera& camera = frontCamera()) {
     GbufferReader reader(device(), scene, nullptr);
     return reader.read({&findLayout("exact"), 0, &findTechnique("fullscreen"), shared::kShadingGgx}, camera,
@@ -146,7 +145,7 @@ void expectColor(vec3 value, vec3 expected, float tolerance) {
   for (int i = 0; i < 3; ++i) ASSERT_NEAR(value[i], expected[i], tolerance) << "channel " << i;
 }
 
-// Of an sRGB-coded texel times a factor.
+// Expects an sRGB-coded texel times a factor.
 void expectDecoded(vec3 value, vec3 factor, vec3 texel) {
   for (int i = 0; i < 3; ++i)
     ASSERT_NEAR(value[i], factor[i] * texel[i], halfCode(factor[i] * texel[i], factor[i])) << "channel " << i;
@@ -187,14 +186,14 @@ TEST_F(MaterialTest, EverySlotAndFactorReachesItsValue) {
   });
 }
 
-TEST_F(MaterialTest, WithoutTexturesFactorsAreAll) {
+TEST_F(MaterialTest, WithoutTexturesFactorsAreTheValues) {
   Square square;
   shared::Material& m = square.material.data;
   m.baseColor = {0.125f, 0.25f, 0.5f, 1};
   m.metallic = 0.375f;
   m.roughness = 0.625f;
   m.emissive = {3, 2, 1};
-  m.occlusionStrength = 0.5f;  // of no texture
+  m.occlusionStrength = 0.5f;  // ignored without a texture
   square.place();
   forEach(read(square.scene), [&](const Surface& s, dvec2) {
     expectColor(s.baseColor, {0.125f, 0.25f, 0.5f}, 1e-7f);
@@ -215,13 +214,13 @@ TEST_F(MaterialTest, WrapModesAndFiltersAsTheSamplerSays) {
   for (scene::Wrap wrapU : kWraps)
     for (scene::Wrap wrapV : kWraps)
       for (scene::Filter filter : {scene::Filter::Nearest, scene::Filter::Linear}) {
-        const bool besideOdd = wrapU == wrapV;
+        const bool withOddTexture = wrapU == wrapV;
         SCOPED_TRACE(fmt::format("wrap {} {}, filter {}", int(wrapU), int(wrapV), int(filter)));
         const Sampler sampler{wrapU, wrapV, filter, filter, scene::MipFilter::None};
         Square square;
         setTexture(square.material, shared::kTextureMetallicRoughness, square.add(texture), sampler);
-        if (besideOdd) square.add(oddTexture());
-        // From -1.4 to 2.2 and from -1.3 to 1.5: every wrap shows on both sides.
+        if (withOddTexture) square.add(oddTexture());
+        // Coordinates range from -1.4 to 2.2 and from -1.3 to 1.5, so every wrap mode is visible on both sides.
         shared::TextureTransform& t = square.material.data.transforms[shared::kTextureMetallicRoughness];
         t.row0 = {3.6f, 0, -1.4f};
         t.row1 = {0, 2.8f, -1.3f};
@@ -231,7 +230,7 @@ TEST_F(MaterialTest, WrapModesAndFiltersAsTheSamplerSays) {
           if (filter == scene::Filter::Nearest && texture.fromBorder(at) < 1e-3) return;
           const vec4 expected =
               filter == scene::Filter::Nearest ? texture.nearest(at, sampler) : texture.linear(at, sampler);
-          // The CPU device filters 8-bit textures with weights and results of 8 bits.
+          // The CPU device filters 8-bit textures with 8-bit weights and results.
           const float tolerance = filter == scene::Filter::Nearest ? 1e-6f : 2.0f / 255;
           ASSERT_NEAR(s.metallic, expected.b, tolerance);
           ASSERT_NEAR(s.roughness, expected.g, tolerance);
@@ -239,8 +238,8 @@ TEST_F(MaterialTest, WrapModesAndFiltersAsTheSamplerSays) {
       }
 }
 
-// A texture whose levels differ by a constant, seen at `texelsPerPixel`: which level is read shows in its value.
-float levelSeen(vk::Device& device, float texelsPerPixel, Sampler sampler, bool besideOdd = false) {
+// Returns the mip level that is sampled at `texelsPerPixel`, read from a texture whose levels differ by a constant.
+float sampledLevel(vk::Device& device, float texelsPerPixel, Sampler sampler, bool withOddTexture = false) {
   constexpr uint32_t kTexels = 256;
   Square square;
   scene::Texture texture = scene::makeTexture({kTexels, kTexels}, false, "levels");
@@ -251,7 +250,7 @@ float levelSeen(vk::Device& device, float texelsPerPixel, Sampler sampler, bool 
     offset += bytes;
   }
   square.scene.textures.push_back(std::move(texture));
-  if (besideOdd) square.add(oddTexture());
+  if (withOddTexture) square.add(oddTexture());
   setTexture(square.material, shared::kTextureMetallicRoughness, 0, sampler);
   const float scale = texelsPerPixel * kMaterialSize / kTexels;
   shared::TextureTransform& t = square.material.data.transforms[shared::kTextureMetallicRoughness];
@@ -273,18 +272,18 @@ TEST_F(MaterialTest, MipLevelsFollowTheFootprint) {
   for (int level = 0; level <= 5; ++level) {
     SCOPED_TRACE(level);
     const float texels = std::exp2(static_cast<float>(level));
-    EXPECT_NEAR(levelSeen(device(), texels, nearest), level, 0.01f);
-    EXPECT_NEAR(levelSeen(device(), texels, linear), level, 0.1f);
-    EXPECT_NEAR(levelSeen(device(), texels, none), 0, 0.01f);
-    EXPECT_NEAR(levelSeen(device(), texels, linear, true), level, 0.1f);
+    EXPECT_NEAR(sampledLevel(device(), texels, nearest), level, 0.01f);
+    EXPECT_NEAR(sampledLevel(device(), texels, linear), level, 0.1f);
+    EXPECT_NEAR(sampledLevel(device(), texels, none), 0, 0.01f);
+    EXPECT_NEAR(sampledLevel(device(), texels, linear, true), level, 0.1f);
   }
-  EXPECT_NEAR(levelSeen(device(), std::exp2(2.5f), linear), 2.5f, 0.1f);  // between two levels
-  EXPECT_NEAR(levelSeen(device(), 0.25f, linear), 0, 0.01f);              // magnified
+  EXPECT_NEAR(sampledLevel(device(), std::exp2(2.5f), linear), 2.5f, 0.1f);  // between two levels
+  EXPECT_NEAR(sampledLevel(device(), 0.25f, linear), 0, 0.01f);              // magnified
 }
 
-// --- coordinates and colours ----------------------------------------------------------------------------------------
+// --- coordinates and colors -----------------------------------------------------------------------------------------
 
-TEST_F(MaterialTest, TransformsAndUvSetsAreEachSlotsOwn) {
+TEST_F(MaterialTest, EachSlotHasItsOwnTransformAndUvSet) {
   const HostTexture base = hostTexture(8, 8, true, 5), occlusion = hostTexture(8, 8, false, 6);
   Square square(true);
   setTexture(square.material, shared::kTextureBaseColor, square.add(base), kNearest);
@@ -296,22 +295,22 @@ TEST_F(MaterialTest, TransformsAndUvSetsAreEachSlotsOwn) {
   square.place();
   forEach(read(square.scene), [&](const Surface& surface, dvec2 uv) {
     const dvec2 a(1.5 * c * uv.x + s * uv.y + 0.3f, -1.5 * s * uv.x + c * uv.y - 0.2f);
-    const dvec2 second = uv * dvec2(2, 3);  // squareMesh's
+    const dvec2 second = uv * dvec2(2, 3);  // the second UV set of squareMesh()
     const dvec2 b(0.5 * second.x + 0.1f * second.y + 0.7f, 0.7f * second.y + 0.4f);
     if (base.fromBorder(a) > 1e-3) expectDecoded(surface.baseColor, vec3(1), base.nearest(a));
     if (occlusion.fromBorder(b) > 1e-3) {
       ASSERT_NEAR(surface.ao, occlusion.nearest(b).r, 1e-6f);
     }
-    ASSERT_LT(glm::length(vec2(uv) - surface.uv), 1e-6f);  // the output is set 0, as in the file
+    ASSERT_LT(glm::length(vec2(uv) - surface.uv), 1e-6f);  // the output `uv` is UV set 0, as in the file
   });
 }
 
-TEST_F(MaterialTest, VertexColoursMultiplyTheBaseColour) {
+TEST_F(MaterialTest, VertexColorsMultiplyTheBaseColor) {
   Square square(true);
   scene::Mesh& mesh = square.scene.meshes[0];
   for (size_t i = 0; i < mesh.positions.size(); ++i) {
     const vec2 uv = mesh.attributes[i].uv0;
-    mesh.extras[i].color = vec4(uv.x, uv.y, 0.5f * (uv.x + uv.y), 1);  // affine: the same over both triangles
+    mesh.extras[i].color = vec4(uv.x, uv.y, 0.5f * (uv.x + uv.y), 1);  // affine: equal over both triangles
   }
   square.material.data.baseColor = {0.5f, 1, 0.8f, 1};
   square.place();
@@ -320,10 +319,10 @@ TEST_F(MaterialTest, VertexColoursMultiplyTheBaseColour) {
   });
 }
 
-// --- masks ----------------------------------------------------------------------------------------------------------
+// --- alpha masks ----------------------------------------------------------------------------------------------------
 
-// A blue square, and before it, or in the very same place, a masked red one: alpha 0 to 255 over 16 texels, cut at the
-// alpha of one of them, which stays (glTF 2.0, section 3.9.4).
+// A masked red square in front of a blue square, or at the same position. Its alpha is 0 to 255 over 16 texels; the
+// cutoff is the alpha of one texel, which remains visible (glTF 2.0, section 3.9.4).
 void expectMasked(vk::Device& device, float distance) {
   SCOPED_TRACE(fmt::format("{} m before the square behind", distance));
   Square square;
@@ -354,11 +353,11 @@ void expectMasked(vk::Device& device, float distance) {
 TEST_F(MaterialTest, MasksCutBelowTheCutoff) {
   expectMasked(device(), 0.5f);
 }
-TEST_F(MaterialTest, WhatAMaskCutsOutLeavesACoplanarSurfaceAlone) {
+TEST_F(MaterialTest, MaskedOutTexelsRevealACoplanarSurface) {
   expectMasked(device(), 0);
 }
 
-TEST_F(MaterialTest, AMaskTakesFactorAndVertexAlpha) {
+TEST_F(MaterialTest, MasksUseFactorAndVertexAlpha) {
   Square square(true);
   for (vec4* color : {&square.scene.meshes[0].extras[2].color, &square.scene.meshes[0].extras[3].color}) color->a = 0;
   square.material.data.flags |= shared::kMaterialMasked;
@@ -370,7 +369,7 @@ TEST_F(MaterialTest, AMaskTakesFactorAndVertexAlpha) {
     ASSERT_EQ(gbuffer.depth[i] != 0, 0.8 * (1 - uvOf(i).x) >= 0.5) << "pixel " << i % kMaterialSize;
 }
 
-TEST_F(MaterialTest, AlphaOfOpaqueMaterialsMeansNothing) {
+TEST_F(MaterialTest, AlphaOfOpaqueMaterialsIsIgnored) {
   Square square;
   square.material.data.baseColor.a = 0.1f;
   square.place();
@@ -386,10 +385,10 @@ vec3 mapped(vec3 t, vec3 b, vec3 n, float scale = 1) {
   return glm::normalize(t * (map.x * scale) + b * (map.y * scale) + n * map.z);
 }
 
-// The axes of the square's tangent frame in the renderer's world: glTF's X, Y and Z.
+// The axes of the square's tangent frame in the renderer's world space: glTF's X, Y and Z.
 constexpr vec3 kX(1, 0, 0), kY(0, 0, 1), kZ(0, -1, 0);
 
-glm::mat4 turnedAround() {  // by 180 degrees about the vertical
+glm::mat4 turnedAround() {  // by 180 degrees about the vertical axis
   glm::mat4 local(1);
   local[0].x = local[2].z = -1;
   return local;
@@ -431,20 +430,20 @@ TEST_F(MaterialTest, BacksOfDoubleSidedSquaresFaceTheViewer) {
           [](const Surface& s, dvec2) { expectNormals(s, -mapped(-kX, kY, -kZ), kZ); });
 }
 
-// A mirrored square's front is still its front, and its bumps are mirrored with it.
+// A mirrored square keeps its front side, and its bumps are mirrored with it.
 TEST_F(MaterialTest, MirroredInstancesMirrorTheirNormals) {
   glm::mat4 mirror(1);
   mirror[0].x = -1;
   forEach(read(bumpySquare(mirror, false)), [](const Surface& s, dvec2) { expectNormals(s, mapped(-kX, kY, kZ), kZ); });
-  // Seen from behind, a mirrored square is culled as any other.
+  // Viewed from behind, a mirrored square is culled like any other.
   const ReadGbuffer behind = read(bumpySquare(turnedAround() * mirror, false));
   for (float depth : behind.depth) ASSERT_EQ(depth, 0.0f);
   forEach(read(bumpySquare(turnedAround() * mirror, true)),
           [](const Surface& s, dvec2) { expectNormals(s, -mapped(kX, kY, -kZ), kZ); });
 }
 
-// A sphere squashed and sheared: the normal stays at right angles to the surface, as the ellipsoid's gradient has it.
-TEST_F(MaterialTest, NormalsStandOnScaledAndShearedSurfaces) {
+// A squashed and sheared sphere: the normal stays perpendicular to the surface, like the gradient of the ellipsoid.
+TEST_F(MaterialTest, NormalsArePerpendicularToScaledAndShearedSurfaces) {
   for (float mirror : {1.0f, -1.0f}) {
     Square square;
     square.scene.meshes[0] = sphereMesh(1);
@@ -464,7 +463,7 @@ TEST_F(MaterialTest, NormalsStandOnScaledAndShearedSurfaces) {
       const glm::dvec3 gradient = glm::normalize(glm::transpose(inverse) * (inverse * glm::dvec3(s.position)));
       ASSERT_LT(glm::length(glm::dvec3(s.normal) - gradient), 0.05) << "pixel " << i;  // 32 x 16 facets
       ASSERT_GT(glm::dot(s.normal, s.geonormal), 0.95f) << "pixel " << i;
-      ASSERT_LT(s.geonormal.y, 1e-6f);  // towards the viewer
+      ASSERT_LT(s.geonormal.y, 1e-6f);  // toward the viewer
     }
     EXPECT_GT(covered, 800u);
   }
@@ -496,15 +495,15 @@ TEST_F(MaterialTest, ExtensionsOfAFileReachTheSurface) {
     ASSERT_EQ(s.metallic, 0.25f);
     ASSERT_EQ(s.roughness, 0.625f);
     const float f0 = 0.33f * 0.33f / (2.33f * 2.33f);
-    expectColor(s.f0, {f0, 0.25f * f0, 0.5f}, 1e-6f);  // capped at 1 before the weight
+    expectColor(s.f0, {f0, 0.25f * f0, 0.5f}, 1e-6f);  // the color is capped at 1 before the weight
     ASSERT_EQ(s.f90, 0.5f);
     expectNormals(s, kZ, kZ);
   }
   EXPECT_NEAR(static_cast<double>(covered), kMaterialSize * kMaterialSize / 8.0,
-              kMaterialSize);  // half of a quarter of the picture
+              kMaterialSize);  // half of a quarter of the image
 }
 
-TEST_F(MaterialTest, UnlitFilesKeepTheirBaseColour) {
+TEST_F(MaterialTest, UnlitFilesKeepTheirBaseColor) {
   scene::test::GltfBuilder file = scene::test::triangleFile();
   file.use("KHR_materials_unlit");
   file.add("materials", {{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.25, 0.75, 1}}}},

@@ -14,10 +14,10 @@ using scene::test::GltfBuilder;
 
 constexpr uint32_t kCubePixels = 20;  // pixels across 2 m
 constexpr float kCubeScale = 10;
-constexpr float kCubeCentre = 0.4f;      // of the cube along X, before it is mirrored; its side is 1 m
+constexpr float kCubeCenter = 0.4f;      // along X, before mirroring; the side is 1 m
 constexpr double kCubeFrame = 1.0 / 24;  // seconds
 
-// One primitive, which nodes[0] shows.
+// One primitive, which nodes[0] uses.
 GltfBuilder cubeFile(bool doubleSided) {
   GltfBuilder b;
   std::vector<vec3> positions, normals;
@@ -30,7 +30,7 @@ GltfBuilder cubeFile(bool doubleSided) {
       for (const uint16_t corner : {0, 1, 2, 0, 2, 3})
         indices.push_back(static_cast<uint16_t>(positions.size() + corner));
       for (const vec3& p : {-u - v, u - v, u + v, v - u}) {
-        positions.push_back(n * 0.5f + p + vec3(kCubeCentre, 0, 0));
+        positions.push_back(n * 0.5f + p + vec3(kCubeCenter, 0, 0));
         normals.push_back(n);
       }
     }
@@ -41,7 +41,7 @@ GltfBuilder cubeFile(bool doubleSided) {
   return b;
 }
 
-// The cube hangs on joint 1 below the node 2.
+// The cube is skinned to joint 1, a child of node 2.
 GltfBuilder skinnedCube(bool doubleSided, const json& armature) {
   GltfBuilder b = cubeFile(doubleSided);
   json& attributes = b.primitive()["attributes"];
@@ -79,7 +79,7 @@ class Mirrored : public RenderTest {
     return std::move(renderer.render({&camera, 1}, settings, moment).front());
   }
 
-  // The cube's near face, 3.5 m away, around x = -kCubeCentre: 10 x 10 pixels.
+  // Expects the cube's near face, 3.5 m away, around x = -kCubeCenter: 10 x 10 pixels.
   static void expectNearFace(const GltfBuilder& file, std::optional<double> seconds, float forward = 0) {
     for (const Raster raster : {Raster::Hardware, Raster::Compute}) {
       SCOPED_TRACE(nameOf(raster));
@@ -88,7 +88,7 @@ class Mirrored : public RenderTest {
         const float x = (float(i % kCubePixels) + 0.5f) / kCubeScale - 1,
                     y = 1 - (float(i / kCubePixels) + 0.5f) / kCubeScale;
         const float depth = imageOf(frame, Aov::Depth).values[i];
-        if (std::abs(x + kCubeCentre) > 0.5f || std::abs(y) > 0.5f) {
+        if (std::abs(x + kCubeCenter) > 0.5f || std::abs(y) > 0.5f) {
           ASSERT_TRUE(std::isinf(depth)) << i;
           continue;
         }
@@ -113,14 +113,14 @@ TEST_F(Mirrored, BySkins) {
     bindPose.root["skins"][0]["inverseBindMatrices"] =
         bindPose.accessor(bindPose.view(std::vector{mirror}), scene::test::kFloat, "MAT4", 1);
     expectNearFace(bindPose, std::nullopt);
-    // Without normals of its own.
+    // Without normals in the file.
     GltfBuilder flat = skinnedCube(doubleSided, {{"scale", {-1, 1, 1}}});
     flat.primitive()["attributes"].erase("NORMAL");
     expectNearFace(flat, std::nullopt);
   }
 }
 
-// Mirrored at rest or not, and posed otherwise.
+// Mirrored or not at rest, and mirrored by the pose.
 TEST_F(Mirrored, BySkinsThatMove) {
   for (const bool doubleSided : {false, true})
     for (const float atRest : {1.0f, -1.0f}) {
@@ -132,7 +132,7 @@ TEST_F(Mirrored, BySkinsThatMove) {
       b.primitive()["attributes"].erase("NORMAL");
       expectNearFace(b, 2.0);
     }
-  // The joint moves along X at 0.4 m/s below its mirrored armature, so that the cube moves the other way.
+  // The joint moves along X at 0.4 m/s below its mirrored armature, so the cube moves in the opposite direction.
   GltfBuilder b = skinnedCube(false, {{"scale", {-1, 1, 1}}});
   animateCube(b, 1, "translation", b.vectors(std::vector<vec3>{{-0.2f, 0, 0}, {0.2f, 0, 0}}));
   expectNearFace(b, 0.5, float(-0.4 * kCubeFrame * kCubeScale));
@@ -141,7 +141,7 @@ TEST_F(Mirrored, BySkinsThatMove) {
 TEST_F(Mirrored, ByNodesWithMorphTargets) {
   GltfBuilder b = cubeFile(false);
   b.root["nodes"][0]["scale"] = {-1, 1, 1};
-  // Half the weight makes it as wide as it should be: the vertices' deltas are halves of a metre along X.
+  // Half the weight shifts the vertices by 0.4 m along X, which the node's translation cancels.
   b.primitive()["targets"] = {{{"POSITION", b.vectors(std::vector<vec3>(24, {0.8f, 0, 0}))}}};
   b.root["nodes"][0]["translation"] = {0.4, 0, 0};
   animateCube(b, 0, "weights", b.accessor(b.view(std::vector<float>{0, 1}), scene::test::kFloat, "SCALAR", 2));

@@ -18,18 +18,18 @@ namespace {
 
 constexpr uint32_t kModelWidth = 160, kModelHeight = 120;
 
-// Forty points and spots on a spiral around the model, and one directional light. Every third ends at its range.
+// Forty point and spot lights on a spiral around the model, and one directional light. Every third light has a range.
 void addLights(scene::Scene& scene) {
   const scene::Bounds bounds = scene::worldBounds(scene);
-  const glm::vec3 centre(bounds.centre());
+  const glm::vec3 center(bounds.centre());
   const float radius = 0.6f * glm::length(glm::vec3(bounds.max - bounds.min));
   for (int i = 0; i < 40; ++i) {
     const float z = 0.95f - 0.0475f * static_cast<float>(i), around = 2.4f * static_cast<float>(i);
     const float across = std::sqrt(1 - z * z);
     scene::Light& light = scene.lights.emplace_back();
     light.type = i % 2 ? shared::kLightSpot : shared::kLightPoint;
-    light.position = centre + radius * glm::vec3(across * std::cos(around), across * std::sin(around), z);
-    light.direction = glm::normalize(centre - glm::vec3(light.position));
+    light.position = center + radius * glm::vec3(across * std::cos(around), across * std::sin(around), z);
+    light.direction = glm::normalize(center - glm::vec3(light.position));
     light.color = {0.5f + 0.0125f * static_cast<float>(i), 0.7f, 1 - 0.02f * static_cast<float>(i)};
     light.intensity = 0.1f * radius * radius;
     light.innerCone = 0.1f;
@@ -60,15 +60,15 @@ TEST_P(ModelsTest, LooksTheSameByEveryTechnique) {
   const std::vector<uint8_t> thin = picture("thin", "fullscreen"), plain = picture("plain", "fullscreen");
   size_t bright = 0;
   for (size_t i = 0; i < plain.size(); i += 4) bright += plain[i] > 60;
-  EXPECT_GT(bright, plain.size() / 4 / 50);  // there is something to compare
+  EXPECT_GT(bright, plain.size() / 4 / 50);  // the image is not nearly black
   for (const TechniqueInfo& technique : techniques()) {
     SCOPED_TRACE(technique.name);
     const std::vector<uint8_t>& expected = technique.forward ? plain : thin;
     const std::vector<uint8_t> got = picture("thin", technique.name);
     ASSERT_EQ(got.size(), expected.size());
-    int most = 0;
-    for (size_t i = 0; i < got.size(); ++i) most = std::max(most, std::abs(got[i] - expected[i]));
-    EXPECT_LE(most, 1);
+    int worst = 0;
+    for (size_t i = 0; i < got.size(); ++i) worst = std::max(worst, std::abs(got[i] - expected[i]));
+    EXPECT_LE(worst, 1);
   }
 }
 
@@ -80,12 +80,13 @@ INSTANTIATE_TEST_SUITE_P(Files, ModelsTest,
 
 class DataOfModelsTest : public RenderTest {};
 
-// Each output alone, of a scene that is loaded with no more textures than it needs, is the same as beside all others.
-TEST_F(DataOfModelsTest, NeedNoMoreThanTheirTextures) {
+// Each output rendered alone, from a scene loaded with only the textures that it requires, equals the same output
+// rendered together with all others.
+TEST_F(DataOfModelsTest, RequireOnlyTheirTextures) {
   using output::Aov;
   const std::vector<Aov> all{Aov::Depth,     Aov::Normal,   Aov::GeoNormal, Aov::Position, Aov::Albedo, Aov::Metallic,
                              Aov::Roughness, Aov::Emissive, Aov::Ao,        Aov::Id,       Aov::Uv};
-  for (const char* model : {"textured.glb", "blended.glb"}) {  // both with a mask
+  for (const char* model : {"textured.glb", "blended.glb"}) {  // both have an alpha mask
     const std::string path = models::modelPath(model).string();
     const scene::Scene whole = scene::load(path);
     const scene::Camera camera = cameraOf(whole, kModelWidth, kModelHeight);

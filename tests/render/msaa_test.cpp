@@ -40,7 +40,7 @@ Values colorOf(Renderer& renderer, const scene::Camera& camera, const Settings& 
   return imageOf(renderer.render({&camera, 1}, settings).front(), Aov::Color).values;
 }
 
-// The samples of a pixel whose column or row lies before `edge`, in pixels.
+// The number of a pixel's samples whose column or row lies before `edge`, in pixels.
 uint32_t samplesBefore(uint32_t samples, double edge, bool across) {
   uint32_t count = 0;
   for (uint32_t i = 0; i < samples; ++i) {
@@ -55,15 +55,16 @@ class MsaaTest : public RenderTest, public testing::WithParamInterface<Sampling>
   static Settings multisampled(uint32_t width, uint32_t height, std::vector<Aov> aovs = {Aov::Color}) {
     return test::multisampled(GetParam(), width, height, std::move(aovs));
   }
-  // Those that render so: where samples are found by compute shaders, nothing can be drawn.
-  static std::vector<const TechniqueInfo*> ownTechniques() {
+  // The techniques that support these samples. Techniques that draw their lights are not supported with the raster
+  // compute.
+  static std::vector<const TechniqueInfo*> supportedTechniques() {
     std::vector<const TechniqueInfo*> own;
     for (const TechniqueInfo& technique : techniques())
       if (GetParam().raster == Raster::Hardware || !technique.draws) own.push_back(&technique);
     return own;
   }
-  // How many of a pixel's samples lie beyond an edge.
-  static float shareBeyond(double edge, bool across) {
+  // The fraction of a pixel's samples beyond an edge.
+  static float fractionBeyond(double edge, bool across) {
     return 1 -
            static_cast<float>(samplesBefore(GetParam().samples, edge, across)) / static_cast<float>(GetParam().samples);
   }
@@ -75,7 +76,7 @@ INSTANTIATE_TEST_SUITE_P(All, MsaaTest,
                                          Sampling{Raster::Compute, 16}),
                          [](const auto& info) { return nameOf(info.param); });
 
-// A white unlit square, moved by a part of a pixel of a picture of kSize pixels that shows 2 by 2 units.
+// A white unlit square, displaced by a fraction of a pixel in an image of kSize pixels that covers 2 by 2 units.
 constexpr uint32_t kSize = 32;
 scene::Scene movedSquare(glm::vec2 pixels) {
   scene::SceneBuilder builder("square");
@@ -88,30 +89,31 @@ scene::Scene movedSquare(glm::vec2 pixels) {
   return std::move(builder.scene);
 }
 
-// The square's left edge lies at 8.4 pixels, and its upper edge at 8.7: so do its right and lower ones.
+// The square's left edge lies at 8.4 pixels and its upper edge at 8.7; its right and lower edges have the same
+// fractions.
 TEST_P(MsaaTest, CoverageIsThatOfTheSamples) {
   const scene::Scene scene = movedSquare({0.4f, 0.7f});
   Renderer renderer(device(), scene, nullptr);
   Settings settings = multisampled(kSize, kSize);
-  for (const TechniqueInfo* technique : ownTechniques()) {
+  for (const TechniqueInfo* technique : supportedTechniques()) {
     SCOPED_TRACE(technique->name);
     settings.lighting = technique;
     const Values picture = colorOf(renderer, frontCamera(), settings);
     const auto at = [&](size_t x, size_t y) { return &picture[4 * (y * kSize + x)]; };
     EXPECT_EQ(at(16, 16)[3], 1);
     EXPECT_EQ(at(7, 16)[3], 0);
-    EXPECT_EQ(at(8, 16)[3], shareBeyond(0.4, true));
-    EXPECT_EQ(at(24, 16)[3], 1 - shareBeyond(0.4, true));
-    EXPECT_EQ(at(16, 8)[3], shareBeyond(0.7, false));
-    EXPECT_EQ(at(16, 24)[3], 1 - shareBeyond(0.7, false));
+    EXPECT_EQ(at(8, 16)[3], fractionBeyond(0.4, true));
+    EXPECT_EQ(at(24, 16)[3], 1 - fractionBeyond(0.4, true));
+    EXPECT_EQ(at(16, 8)[3], fractionBeyond(0.7, false));
+    EXPECT_EQ(at(16, 24)[3], 1 - fractionBeyond(0.7, false));
     for (size_t i = 0; i < picture.size(); i += 4)
       for (size_t c = 0; c < 3; ++c)  // premultiplied white, in half floats
         ASSERT_NEAR(picture[i + c], picture[i + 3], 1e-3f * picture[i + 3]) << i / 4;
   }
 }
 
-// What is behind a partly covered pixel shows through by as much as is not covered.
-TEST_P(MsaaTest, EnvironmentFillsWhatIsNotCovered) {
+// In partly covered pixels, the background contributes by the uncovered fraction.
+TEST_P(MsaaTest, EnvironmentFillsTheUncoveredFraction) {
   scene::Scene scene = movedSquare({0.4f, 0});
   scene.materials.back().data.baseColor = {0.25f, 0.5f, 0, 1};
   const scene::Environment environment = constantEnvironment();
@@ -120,15 +122,15 @@ TEST_P(MsaaTest, EnvironmentFillsWhatIsNotCovered) {
   settings.background.kind = Background::Environment;
   const Values picture = colorOf(renderer, frontCamera(), settings);
   const float* edge = &picture[4 * (16 * kSize + 8)];
-  const float share = shareBeyond(0.4, true);
+  const float share = fractionBeyond(0.4, true);
   EXPECT_NEAR(edge[0], share * 0.25f + 1 - share, 1e-3f);
   EXPECT_NEAR(edge[1], share * 0.5f + 1 - share, 1e-3f);
   EXPECT_NEAR(edge[2], 1 - share, 1e-3f);
   for (size_t i = 3; i < picture.size(); i += 4) ASSERT_EQ(picture[i], 1);
 }
 
-// Masks are cut for each sample: a mask's edge at a third of a pixel covers part of it.
-TEST_P(MsaaTest, MasksAreCutForEachSample) {
+// Alpha masks are tested per sample, so the edge of a mask within a pixel covers part of the pixel.
+TEST_P(MsaaTest, MasksAreTestedPerSample) {
   scene::Scene scene = movedSquare({0, 0});
   scene.textures.push_back(textureOf(2, 1, true, {{255, 255, 255, 255}, {255, 255, 255, 0}}));
   setTexture(scene.materials.back(), shared::kTextureBaseColor, 0);  // alpha falls smoothly from 1 to 0
@@ -143,14 +145,14 @@ TEST_P(MsaaTest, MasksAreCutForEachSample) {
       if (settings.lighting->draws && settings.raster == Raster::Compute) continue;
       const Values picture = colorOf(renderer, frontCamera(), settings);
       for (uint32_t x = 12; x < 20; ++x) {
-        ASSERT_EQ(picture[4 * (16 * kSize + x) + 3], 1 - shareBeyond(edge - x, true)) << cutoff << ' ' << x;
+        ASSERT_EQ(picture[4 * (16 * kSize + x) + 3], 1 - fractionBeyond(edge - x, true)) << cutoff << ' ' << x;
       }
     }
   }
 }
 
-// A lit square that fills the picture: its surfaces are lit at the pixels' centres, as without samples.
-TEST_P(MsaaTest, PixelsOfOneSurfaceAreLitAtTheirCentre) {
+// A lit square that fills the image: its surfaces are shaded at pixel centers, as without multisampling.
+TEST_P(MsaaTest, PixelsOfOneSurfaceAreShadedAtTheirCenter) {
   scene::Scene scene = movedSquare({0, 0});
   scene.materials.back() = scene::plainMaterial("glossy", glm::vec3(0.8f), 0.3f, 0.3f);
   scene::Light& light = scene.lights.emplace_back();
@@ -158,7 +160,7 @@ TEST_P(MsaaTest, PixelsOfOneSurfaceAreLitAtTheirCentre) {
   light.position = {0.1f, -0.3f, 0.1f};
   light.intensity = 1;
   Renderer renderer(device(), scene, nullptr);
-  for (const TechniqueInfo* technique : ownTechniques()) {
+  for (const TechniqueInfo* technique : supportedTechniques()) {
     if (technique->forward) continue;
     SCOPED_TRACE(technique->name);
     Settings settings = multisampled(kSize, kSize);
@@ -170,12 +172,12 @@ TEST_P(MsaaTest, PixelsOfOneSurfaceAreLitAtTheirCentre) {
   }
 }
 
-// Several views are layers of one frame.
-TEST_P(MsaaTest, ViewsAtOnceAreTheViewsAlone) {
+// Several views are array layers of one frame.
+TEST_P(MsaaTest, ViewsOfABatchEqualSingleViews) {
   const scene::Scene scene = movedSquare({0.4f, 0.7f});
   Renderer renderer(device(), scene, nullptr);
   const scene::Camera cameras[] = {frontCamera(), frontPerspective(0.6f, 2)};
-  for (const TechniqueInfo* technique : ownTechniques()) {
+  for (const TechniqueInfo* technique : supportedTechniques()) {
     SCOPED_TRACE(technique->name);
     Settings settings = multisampled(kSize, kSize, {Aov::Color, Aov::Samples});
     settings.lighting = technique;
@@ -187,10 +189,10 @@ TEST_P(MsaaTest, ViewsAtOnceAreTheViewsAlone) {
   }
 }
 
-// Frames with one and with four samples in one graph: images of both follow each other in the same memory, under
-// synchronization validation.
+// Frames with one and with four samples in one graph: their images alias the same memory, under synchronization
+// validation.
 using MsaaGraph = RenderTest;
-TEST_F(MsaaGraph, CountsAndDataShareIt) {
+TEST_F(MsaaGraph, CountsAndDataShareMemory) {
   const scene::Scene scene = scene::load("builtin:boxes");
   Settings settings = settingsOf(7, 40, {Aov::Emissive, Aov::LightsUsed, Aov::Samples});
   settings.raster = Raster::Hardware;
@@ -200,9 +202,9 @@ TEST_F(MsaaGraph, CountsAndDataShareIt) {
   EXPECT_EQ(imageOf(frame, Aov::Samples).values.size(), size_t{7} * 40);
 }
 
-// More lights than stencil has values beside the bit that splits the pixels.
+// More lights than the stencil can distinguish, because one of its bits classifies the pixels.
 using MsaaVolumes = RenderTest;
-TEST_F(MsaaVolumes, OfManyLightsAgree) {
+TEST_F(MsaaVolumes, ManyLightsAgree) {
   const scene::Scene scene = scene::load("builtin:hall,triangles=50k,lights=250");
   Renderer renderer(device(), scene, nullptr);
   Settings settings = multisampled({Raster::Hardware, 4}, 64, 36, {});
@@ -219,10 +221,10 @@ TEST_F(MsaaVolumes, OfManyLightsAgree) {
   }
 }
 
-// Each in one sentence: numbers of samples that there are not, those that the graphics pipeline lacks, and two ways to
-// choose samples.
-TEST(MsaaSettings, WhatCanNotBeIsRefused) {
-  const auto refusal = [](Raster raster, uint32_t samples, const char* technique, uint32_t superSampling = 1) {
+// Each error is one sentence: unsupported numbers of samples, numbers that the graphics pipeline lacks, and two
+// sampling methods at once.
+TEST(MsaaSettings, UnsupportedCombinationsAreRejected) {
+  const auto errorOf = [](Raster raster, uint32_t samples, const char* technique, uint32_t superSampling = 1) {
     Settings settings = multisampled({raster, samples}, 8, 8);
     settings.lighting = &findTechnique(technique);
     settings.aa.superSampling = superSampling;
@@ -234,35 +236,35 @@ TEST(MsaaSettings, WhatCanNotBeIsRefused) {
       return std::string(error.what());
     }
   };
-  for (const uint32_t samples : {1u, 2u, 4u, 8u, 16u}) EXPECT_EQ(refusal(Raster::Compute, samples, "tiled"), "");
-  EXPECT_EQ(refusal(Raster::Hardware, 4, "forward"), "");
-  EXPECT_EQ(refusal(Raster::Auto, 8, "clustered"), "");
+  for (const uint32_t samples : {1u, 2u, 4u, 8u, 16u}) EXPECT_EQ(errorOf(Raster::Compute, samples, "tiled"), "");
+  EXPECT_EQ(errorOf(Raster::Hardware, 4, "forward"), "");
+  EXPECT_EQ(errorOf(Raster::Auto, 8, "clustered"), "");
   for (const uint32_t samples : {0u, 3u, 12u, 32u})
-    EXPECT_NE(refusal(Raster::Compute, samples, "tiled").find("1, 2, 4, 8 or 16"), std::string::npos) << samples;
-  EXPECT_NE(refusal(Raster::Hardware, 8, "tiled").find("requires the raster compute"), std::string::npos);
-  EXPECT_NE(refusal(Raster::Compute, 16, "forward").find("unlike forward"), std::string::npos);
-  EXPECT_NE(refusal(Raster::Auto, 2, "volumes").find("unlike volumes"), std::string::npos);
-  EXPECT_NE(refusal(Raster::Compute, 4, "tiled", 2).find("use one"), std::string::npos);
+    EXPECT_NE(errorOf(Raster::Compute, samples, "tiled").find("1, 2, 4, 8 or 16"), std::string::npos) << samples;
+  EXPECT_NE(errorOf(Raster::Hardware, 8, "tiled").find("requires the raster compute"), std::string::npos);
+  EXPECT_NE(errorOf(Raster::Compute, 16, "forward").find("unlike forward"), std::string::npos);
+  EXPECT_NE(errorOf(Raster::Auto, 2, "volumes").find("unlike volumes"), std::string::npos);
+  EXPECT_NE(errorOf(Raster::Compute, 4, "tiled", 2).find("use one"), std::string::npos);
 }
 
-// --- the surfaces of pixels -----------------------------------------------------------------------------------------
+// --- surfaces per pixel ---------------------------------------------------------------------------------------------
 
-// Unlit strips from top to bottom, each `width` pixels wide, from the picture's left edge on.
+// Unlit vertical strips, each `width` pixels wide, starting at the image's left edge.
 scene::Scene strips(const std::vector<glm::vec3>& colors, double width) {
   scene::SceneBuilder builder("strips");
   builder.scene.meshes.push_back(squareMesh());
   for (size_t i = 0; i < colors.size(); ++i) {
     builder.scene.materials.push_back(scene::plainMaterial("m", colors[i], 0, 1));
     builder.scene.materials.back().data.flags |= shared::kMaterialUnlit;
-    const double half = width / kSize, centre = -1 + (2.0 * static_cast<double>(i) + 1) * half;
+    const double half = width / kSize, center = -1 + (2.0 * static_cast<double>(i) + 1) * half;
     builder.addInstance("strip", builder.kRoot, 0, static_cast<uint32_t>(i),
-                        glm::scale(glm::translate(glm::mat4(1), glm::vec3(centre, 0, 0)), glm::vec3(half, 1, 1)));
+                        glm::scale(glm::translate(glm::mat4(1), glm::vec3(center, 0, 0)), glm::vec3(half, 1, 1)));
   }
   return std::move(builder.scene);
 }
 
-// As many surfaces as samples, of one pixel: none is dropped, and each counts for its share.
-TEST_P(MsaaTest, EverySampleMayShowASurfaceOfItsOwn) {
+// A pixel with as many surfaces as samples: no surface is dropped, and each has the same weight.
+TEST_P(MsaaTest, EverySampleMayHaveItsOwnSurface) {
   const uint32_t samples = GetParam().samples;
   std::vector<glm::vec3> colors;
   glm::vec3 sum(0);
@@ -274,7 +276,7 @@ TEST_P(MsaaTest, EverySampleMayShowASurfaceOfItsOwn) {
   Renderer renderer(device(), scene, nullptr);
   Settings settings = multisampled(kSize, kSize, {Aov::Color, Aov::Samples});
   settings.countSurfaces = true;
-  for (const TechniqueInfo* technique : ownTechniques()) {
+  for (const TechniqueInfo* technique : supportedTechniques()) {
     if (technique->forward) continue;
     SCOPED_TRACE(technique->name);
     settings.lighting = technique;
@@ -297,8 +299,9 @@ TEST_P(MsaaTest, EverySampleMayShowASurfaceOfItsOwn) {
   }
 }
 
-// Two colours meet at a third of a pixel: there two surfaces show, each by its share; with one colour it is one.
-TEST_P(MsaaTest, ColoursMeetByTheirShares) {
+// Two colors meet within a pixel: the pixel has two surfaces, each weighted by its coverage; with equal colors it has
+// one.
+TEST_P(MsaaTest, ColorsMeetByTheirCoverage) {
   const glm::vec3 left(0.9f, 0.1f, 0.2f), right(0.1f, 0.3f, 0.8f);
   for (const bool alike : {false, true}) {
     const scene::Scene scene = strips({left, alike ? left : right}, 10.3);
@@ -317,9 +320,9 @@ TEST_P(MsaaTest, ColoursMeetByTheirShares) {
   }
 }
 
-// --- surfaces against samples ---------------------------------------------------------------------------------------
+// --- shading per surface against shading per sample -----------------------------------------------------------------
 
-// Where shading is the same all over a surface it is one and the same to shade each sample or each surface.
+// If shading is constant over each surface, shading per sample and per surface are equal.
 scene::Scene flatSpheres() {
   scene::SceneBuilder builder("spheres");
   builder.scene.meshes = {sphereMesh(0.4f), squareMesh()};
@@ -329,7 +332,7 @@ scene::Scene flatSpheres() {
     builder.addInstance("thing", builder.kRoot, mesh, static_cast<uint32_t>(builder.scene.materials.size()) - 1, place);
   };
   add({0.9f, 0.3f, 0.1f}, 0, glm::translate(glm::mat4(1), glm::vec3(-0.2f, 0.1f, 0)));
-  add({0.1f, 0.8f, 0.3f}, 0, glm::translate(glm::mat4(1), glm::vec3(0.25f, -0.1f, 0.1f)));  // cuts through the first
+  add({0.1f, 0.8f, 0.3f}, 0, glm::translate(glm::mat4(1), glm::vec3(0.25f, -0.1f, 0.1f)));  // intersects the first
   add({0.2f, 0.3f, 0.9f}, 1, glm::rotate(glm::mat4(1), 0.5f, glm::vec3(0.6f, 0.64f, 0.48f)));
   return std::move(builder.scene);
 }
@@ -337,7 +340,7 @@ scene::Scene flatSpheres() {
 TEST_P(MsaaTest, SurfacesOfConstantShadingLoseNothing) {
   const scene::Scene scene = flatSpheres();
   Renderer renderer(device(), scene, nullptr);
-  for (const TechniqueInfo* technique : ownTechniques()) {
+  for (const TechniqueInfo* technique : supportedTechniques()) {
     if (technique->forward) continue;
     SCOPED_TRACE(technique->name);
     Settings settings = multisampled(64, 64, {Aov::Color, Aov::Samples});
@@ -359,7 +362,7 @@ TEST_P(MsaaTest, SurfacesOfConstantShadingLoseNothing) {
   }
 }
 
-// What is shown: clamped as a display would.
+// The difference of displayed values, which are clamped.
 double difference(const Values& a, const Values& b, size_t pixel) {
   double sum = 0;
   for (size_t c = 4 * pixel; c < 4 * pixel + 4; ++c)
@@ -367,9 +370,9 @@ double difference(const Values& a, const Values& b, size_t pixel) {
   return sum / 4;
 }
 
-// The more samples, the nearer to 256: where shading is constant, all that is wrong is coverage.
+// More samples approach the result of 256 samples. Shading is constant, so coverage is the only error.
 using MsaaSamples = RenderTest;
-TEST_F(MsaaSamples, MoreOfThemComeNearerToMany) {
+TEST_F(MsaaSamples, TheErrorDecreasesWithTheirNumber) {
   constexpr uint32_t kWidth = 32;
   const scene::Scene scene = flatSpheres();
   Renderer renderer(device(), scene, nullptr);
@@ -392,10 +395,10 @@ TEST_F(MsaaSamples, MoreOfThemComeNearerToMany) {
 struct ModelCase {
   const char* name;
   Sampling sampling;
-  double mostShare;     // of the drawn pixels that are shaded per sample
-  double mostOff;       // from shading every sample, mean over the picture
-  double leastBetter;   // squared error at edges, none over this
-  double mostLost = 1;  // dB at edges, against shading every sample
+  double maxShare;        // fraction of the drawn pixels that are shaded per sample
+  double maxDifference;   // mean difference over the image from shading every sample
+  double minImprovement;  // squared error at edges without multisampling, relative to that with it
+  double maxLoss = 1;     // in dB at edges, compared with shading every sample
 };
 
 std::string nameOf(const ModelCase& c) {
@@ -418,7 +421,7 @@ Model load(const std::string& name) {
 
 class MsaaModels : public RenderTest, public testing::WithParamInterface<ModelCase> {};
 
-// Pixels whose neighbours show another object are edges, whatever multisampling takes for one.
+// Pixels with a neighbor that shows another object are edges, regardless of how multisampling classifies them.
 std::vector<bool> edges(const output::AovImage& ids) {
   std::vector<bool> edge(ids.ids.size());
   for (uint32_t y = 0; y < ids.height; ++y)
@@ -469,14 +472,14 @@ TEST_P(MsaaModels, EdgesAreBetterByAFactor) {
   fmt::print("  {} edge pixels against ss4: none {:.2f} dB, so {:.2f} dB, every sample {:.2f} dB; better by {:.2f}\n",
              count, psnr(errorNone), psnr(errorSome), psnr(errorEvery), errorNone / errorSome);
   EXPECT_GT(count, 200u);
-  EXPECT_LT(share, GetParam().mostShare);
-  EXPECT_LT(off, GetParam().mostOff);
-  EXPECT_GT(errorNone / errorSome, GetParam().leastBetter);
-  EXPECT_LT(psnr(errorEvery) - psnr(errorSome), GetParam().mostLost);
+  EXPECT_LT(share, GetParam().maxShare);
+  EXPECT_LT(off, GetParam().maxDifference);
+  EXPECT_GT(errorNone / errorSome, GetParam().minImprovement);
+  EXPECT_LT(psnr(errorEvery) - psnr(errorSome), GetParam().maxLoss);
 }
 
 std::vector<ModelCase> modelCases() {
-  // Every sample has its own texels with the raster compute: more is lost of those with one for each surface.
+  // With the raster compute, every sample has its own texels, so shading once per surface loses more.
   constexpr Sampling kHardware{Raster::Hardware, 4}, kFour{Raster::Compute, 4}, kSixteen{Raster::Compute, 16};
   std::vector<ModelCase> cases{{"hall", kHardware, 0.45, 0.004, 3},
                                {"hall", kSixteen, 0.5, 0.005, 3, 2},

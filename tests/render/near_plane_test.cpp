@@ -1,5 +1,5 @@
-// Cameras without a specified near plane: their pictures against an independent CPU ray caster whose rays start at the
-// eye, and that pictures do not depend on the distance of the near plane.
+// Cameras without a specified near plane. Their images are compared with an independent CPU ray caster whose rays start
+// at the camera, and must not depend on the distance of the near plane.
 #include <fmt/core.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ using output::Aov;
 
 constexpr uint32_t kWidth = 160, kHeight = 90;
 
-// Boxes whose faces are seen from without and from within; the instances' transforms are those of the file's frame.
+// Boxes whose faces are visible from outside and from inside; the transforms are in the file's frame.
 scene::Scene boxesAt(const std::vector<glm::mat4>& places) {
   scene::SceneBuilder builder("boxes");
   builder.scene.meshes = {squareMesh()};
@@ -29,51 +29,51 @@ scene::Scene boxesAt(const std::vector<glm::mat4>& places) {
       const float turn = shared::kPi / 2 * static_cast<float>(face);
       glm::mat4 turned = face < 4 ? glm::rotate(glm::mat4(1), turn, vec3(0, 1, 0))
                                   : glm::rotate(glm::mat4(1), turn + shared::kPi / 2, vec3(1, 0, 0));
-      turned[3] = turned[2];  // from the box's middle to the face's
+      turned[3] = turned[2];  // from the box's center to the face's center
       turned[3].w = 1;
       builder.addInstance("face", builder.kRoot, 0, 0, place * turned);
     }
   return std::move(builder.scene);
 }
 
-glm::mat4 box(vec3 middle, vec3 half) {
-  return glm::scale(glm::translate(glm::mat4(1), middle), half);
+glm::mat4 box(vec3 center, vec3 half) {
+  return glm::scale(glm::translate(glm::mat4(1), center), half);
 }
 
 class NearPlaneTest : public RenderTest {
  protected:
-  // `seen`: the scene as it stands when the picture is made.
+  // `seen` is the scene at the time of rendering.
   static void expectNothingCut(const std::string& name, const scene::Scene& seen, const scene::Camera& camera,
-                               double leastCover) {
+                               double minCover) {
     const output::FrameOutput frame =
         renderOne(device(), seen, camera, settingsOf(kWidth, kHeight, {Aov::Depth, Aov::Id}));
     scene::Camera ideal = camera;
     ideal.nearClip = 0;
     const ReferenceCaster caster(seen, ideal, kWidth, kHeight);
-    // In a view this wide an edge's clipped ends lie far off, and what they are snapped to moves it by more than a
-    // grid's cell.
-    const auto atOutline = [&](glm::dvec2 centre, bool seen) {
-      constexpr double kBeside = 0.05;
-      return caster.cast(centre + glm::dvec2(kBeside, 0)).has_value() != seen ||
-             caster.cast(centre - glm::dvec2(kBeside, 0)).has_value() != seen ||
-             caster.cast(centre + glm::dvec2(0, kBeside)).has_value() != seen ||
-             caster.cast(centre - glm::dvec2(0, kBeside)).has_value() != seen;
+    // In a view this wide, the clipped ends of an edge lie far away, and snapping them moves the edge by more than a
+    // grid cell.
+    const auto atOutline = [&](glm::dvec2 center, bool seen) {
+      constexpr double kOffset = 0.05;
+      return caster.cast(center + glm::dvec2(kOffset, 0)).has_value() != seen ||
+             caster.cast(center - glm::dvec2(kOffset, 0)).has_value() != seen ||
+             caster.cast(center + glm::dvec2(0, kOffset)).has_value() != seen ||
+             caster.cast(center - glm::dvec2(0, kOffset)).has_value() != seen;
     };
     size_t covered = 0, missing = 0, wrong = 0;
     for (size_t i = 0; i < size_t{kWidth} * kHeight; ++i) {
-      const glm::dvec2 centre(static_cast<double>(i % kWidth) + 0.5, static_cast<double>(i / kWidth) + 0.5);
-      const std::optional<Hit> hit = caster.cast(centre);
+      const glm::dvec2 center(static_cast<double>(i % kWidth) + 0.5, static_cast<double>(i / kWidth) + 0.5);
+      const std::optional<Hit> hit = caster.cast(center);
       const double depth = imageOf(frame, Aov::Depth).values[i];
       if (hit) ++covered;
       if (caster.edgeDepth(i) <= (hit ? std::min(hit->depth, depth) : depth) * 1.001) continue;
       if (!hit && std::isinf(depth)) continue;
       if (!hit || std::isinf(depth))
-        missing += !atOutline(centre, hit.has_value());
+        missing += !atOutline(center, hit.has_value());
       else
         wrong += !(std::abs(depth - hit->depth) <= 1e-4 * hit->depth);
     }
     fmt::print("{}: {} pixels covered, {} missing, {} of another depth\n", name, covered, missing, wrong);
-    EXPECT_GE(static_cast<double>(covered), leastCover * kWidth * kHeight) << name;
+    EXPECT_GE(static_cast<double>(covered), minCover * kWidth * kHeight) << name;
     EXPECT_EQ(missing, 0u) << name;
     EXPECT_EQ(wrong, 0u) << name;
   }
@@ -89,10 +89,10 @@ TEST_F(NearPlaneTest, NothingIsCutHoweverNear) {
   expectNothingCut("inside the box", scene, scene::lookAt(scene, {0.2f, 0.3f, 0.1f}, {0.9f, -0.3f, -0.4f}), 1);
 }
 
-// Far from a plane's middle its pixels are much nearer along the view than along their rays.
+// Far from a plane's center, its pixels are much nearer along the view direction than along their rays.
 TEST_F(NearPlaneTest, NothingIsCutHoweverWide) {
   const scene::Scene scene = boxesAt({box({0, 0, -1}, {500, 500, 1})});
-  // Not as large: where a plane's depth runs from 1 m to 500 m in a few pixels, floats leave 2e-4 of it.
+  // A smaller plane: if depth runs from 1 m to 500 m within a few pixels, floats resolve it only to 2e-4.
   const scene::Scene smaller = boxesAt({box({0, 0, -1}, {60, 60, 1})});
   for (const float degrees : {90.0f, 140.0f, 170.0f, 179.0f}) {
     const float fov = glm::radians(degrees);
@@ -103,7 +103,7 @@ TEST_F(NearPlaneTest, NothingIsCutHoweverWide) {
   }
 }
 
-// The camera is made once, for where it stands first; then it, or the scene, moves.
+// The camera is created once, for its first position. Then the camera or the scene moves.
 TEST_F(NearPlaneTest, NothingIsCutThatMoves) {
   const scene::Scene scene = boxesAt({box({0, 0, 0}, {1, 1, 1}), box({-7, 0, 2}, {2, 2, 2})});
   const scene::Camera far = scene::lookAt(scene, {-200, 3, 0}, {-80, 3, 0});
@@ -136,8 +136,8 @@ TEST_F(NearPlaneTest, NothingIsCutWhateverTheScale) {
   }
 }
 
-// A plane that is twice as near halves device depth and changes no digit of it, so every picture is the same to the
-// bit. What takes device depth for metres, or its square, does not survive that.
+// A near plane at half the distance halves device depth and changes no digit of its mantissa, so every image is the
+// same to the bit. Code that interprets device depth or its square as meters fails this test.
 TEST_F(NearPlaneTest, NothingDependsOnHowNearItIs) {
   scene::Scene scene = boxesAt({box({0, 1, 0}, {1, 1, 1}), box({2.5f, 0.5f, 1}, {0.5f, 0.5f, 0.5f}),
                                 box({0, -1, 0}, {30, 1, 30}), box({1.2f, 1, 2.2f}, {0.9f, 0.9f, 0.02f})});

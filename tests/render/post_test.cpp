@@ -1,4 +1,4 @@
-// The finished picture: FXAA against supersampling, fog against integration, disabled and combined effects.
+// Post-processing: FXAA against supersampling, fog against integration, disabled and combined effects.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ class PostTest : public RenderTest {
 // --- FXAA -----------------------------------------------------------------------------------------------------------
 
 struct Edges {
-  double without = 0, with = 0;  // mean square from super-sampling where without it is off by 16 codes and more
+  double without = 0, with = 0;  // squared difference from supersampling at pixels off by >= 16 codes without FXAA
   size_t pixels = 0, changedInFlat = 0, flat = 0;
 };
 
@@ -58,7 +58,7 @@ TEST_F(PostTest, FxaaBringsEdgesNearerToSuperSampling) {
     const char* name;
     const scene::Scene& scene;
     double factor;
-    size_t leastFlat;
+    size_t minFlat;
   };
   const scene::Scene boxes = scene::load("builtin:boxes");
   const Case cases[] = {{"boxes on a transparent background", boxes, 1.6, 10000}, {"hall", hall(), 2.0, 30}};
@@ -77,14 +77,14 @@ TEST_F(PostTest, FxaaBringsEdgesNearerToSuperSampling) {
                e.pixels, e.without / double(e.pixels), e.with / double(e.pixels), e.without / e.with);
     EXPECT_GT(e.pixels, 300u);
     EXPECT_GT(e.without, c.factor * e.with);
-    EXPECT_GT(e.flat, c.leastFlat);
+    EXPECT_GT(e.flat, c.minFlat);
     EXPECT_EQ(e.changedInFlat, 0u);
   }
 }
 
 // --- fog ------------------------------------------------------------------------------------------------------------
 
-// What of light gets from `from` to `to`, by Simpson's rule on the density; glTF's frame, Y up.
+// The transmittance between two points, by Simpson's rule on the density; in glTF's frame, Y up.
 double transmittance(const Settings& s, dvec3 from, dvec3 to) {
   constexpr int kSteps = 2000;
   double sum = 0;
@@ -118,7 +118,7 @@ TEST_F(PostTest, FogIsTheIntegralOfItsDensity) {
         const float *b = &imageOf(before, Aov::Color).values[4 * i], *a = &imageOf(after, Aov::Color).values[4 * i];
         if (b[3] == 0) {
           ++open;
-          EXPECT_TRUE(height > 0 || a[3] > 0.999f);  // fog without end
+          EXPECT_TRUE(height > 0 || a[3] > 0.999f);  // uniform fog is unbounded
           for (int c = 0; c < 3; ++c) ASSERT_NEAR(a[c], a[3] * settings.fogColor[c], 1e-3);
           continue;
         }
@@ -137,11 +137,11 @@ TEST_F(PostTest, FogIsTheIntegralOfItsDensity) {
     }
 }
 
-// --- all of them ----------------------------------------------------------------------------------------------------
+// --- all effects ----------------------------------------------------------------------------------------------------
 
 using Change = std::function<void(Settings&)>;
 
-TEST_F(PostTest, OffIsOffAndOnShows) {
+TEST_F(PostTest, DisabledEffectsChangeNothingAndEnabledOnesDo) {
   const scene::Scene scene = scene::load("builtin:boxes");
   const scene::Environment environment = constantEnvironment();
   Renderer renderer(device(), scene, &environment);
@@ -179,7 +179,7 @@ TEST_F(PostTest, OffIsOffAndOnShows) {
     }
 }
 
-TEST_F(PostTest, BadValuesAreSaidInASentence) {
+TEST_F(PostTest, InvalidValuesAreReportedInASentence) {
   const scene::Scene scene = scene::load("builtin:boxes");
   Renderer renderer(device(), scene, nullptr);
   static constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();

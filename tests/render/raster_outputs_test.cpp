@@ -48,11 +48,11 @@ class RasterOutputsTest : public RenderTest {
     return renderOne(device(), scene, camera, settings);
   }
 
-  // The same whichever raster the rest has.
+  // Returns the outputs with the raster compute, and expects the same with hardware.
   static output::FrameOutput render(const scene::Scene& scene, const scene::Camera& camera, uint32_t size) {
     output::FrameOutput frame = renderBy(Raster::Compute, scene, camera, size);
-    const output::FrameOutput beside = renderBy(Raster::Hardware, scene, camera, size);
-    for (size_t i = 0; i < frame.aovs.size(); ++i) EXPECT_EQ(frame.aovs[i].values, beside.aovs[i].values);
+    const output::FrameOutput hardware = renderBy(Raster::Hardware, scene, camera, size);
+    for (size_t i = 0; i < frame.aovs.size(); ++i) EXPECT_EQ(frame.aovs[i].values, hardware.aovs[i].values);
     return frame;
   }
 };
@@ -65,8 +65,8 @@ struct Box {  // the legs of a right triangle, in pixels
 
 TEST_F(RasterOutputsTest, ClassesFollowTheBoxes) {
   constexpr uint32_t kSize = 256;
-  const auto most = static_cast<uint32_t>(device().isCpu() ? shared::kMediumPixelsOfCpu : shared::kMediumPixels);
-  const auto side = static_cast<uint32_t>(std::sqrt(most));
+  const auto maxMedium = static_cast<uint32_t>(device().isCpu() ? shared::kMediumPixelsOfCpu : shared::kMediumPixels);
+  const auto side = static_cast<uint32_t>(std::sqrt(maxMedium));
   const Box boxes[] = {{3, 3, shared::kRasterSmall},        {5, 5, shared::kRasterSmall},
                        {32, 1, shared::kRasterSmall},       {33, 1, shared::kRasterMedium},
                        {6, 6, shared::kRasterMedium},       {20, 20, shared::kRasterMedium},
@@ -76,7 +76,7 @@ TEST_F(RasterOutputsTest, ClassesFollowTheBoxes) {
   std::vector<vec3> positions;
   std::vector<uint32_t> indices;
   float top = 0;
-  for (const Box& box : boxes) {  // one below the other, their right angles at the left
+  for (const Box& box : boxes) {  // one below the other, with the right angles at the left
     const vec2 corner(-0.5f * kSize, 0.5f * kSize - top);
     const auto first = static_cast<uint32_t>(positions.size());
     positions.insert(positions.end(),
@@ -102,8 +102,8 @@ TEST_F(RasterOutputsTest, ClassesFollowTheBoxes) {
   EXPECT_EQ(shown.size(), std::size(boxes));
 }
 
-// A floor from in front of the camera to behind it.
-TEST_F(RasterOutputsTest, WhatCrossesTheNearPlaneIsClipped) {
+// A floor that extends from in front of the camera to behind it.
+TEST_F(RasterOutputsTest, TrianglesThatCrossTheNearPlaneAreClipped) {
   constexpr uint32_t kSize = 64;
   constexpr float kFov = 1.2f;
   const scene::Scene scene = sceneOf(meshOf({{-9, -1, 0}, {9, -1, 0}, {0, -1, 30}}, {0, 1, 2}), {glm::mat4(1)},
@@ -124,7 +124,7 @@ TEST_F(RasterOutputsTest, WhatCrossesTheNearPlaneIsClipped) {
 
 // --- numbers --------------------------------------------------------------------------------------------------------
 
-// The square of [-1, 1]^2 in cells of two triangles each, by row from the top.
+// The square [-1, 1]^2 in cells of two triangles each, row by row from the top.
 scene::Mesh grid(uint32_t cells) {
   std::vector<vec3> positions;
   std::vector<uint32_t> indices;
@@ -178,8 +178,8 @@ TEST_F(RasterOutputsTest, OverdrawOfStackedSquaresIsTheirNumber) {
     }
 }
 
-// Back faces count where the material shows them; what alpha takes away does, and what is blended does not.
-TEST_F(RasterOutputsTest, OverdrawIsOfWhatIsRasterized) {
+// Back faces count if the material is double-sided. Masked-out fragments count, and blended ones do not.
+TEST_F(RasterOutputsTest, OverdrawCountsRasterizedFragments) {
   constexpr uint32_t kSize = 32;
   const glm::mat4 turned = glm::rotate(glm::mat4(1), 3.14159265f, vec3(0, 1, 0));
   const auto overdrawn = [&](const glm::mat4& place, uint32_t flags, float alpha) {

@@ -20,7 +20,7 @@ using glm::dvec3;
 using glm::vec3;
 using output::Aov;
 
-// glTF's frame. The square [-2, 2]^2 in the plane z = 0, seen along -Z from z = 4.
+// The square [-2, 2]^2 in the plane z = 0 of glTF's frame, viewed along -Z from z = 4.
 struct Plane {
   scene::SceneBuilder builder{"plane"};
   shared::Surface surface = shared::emptySurface();
@@ -51,7 +51,7 @@ struct Plane {
     builder.scene.lights.push_back(light);
   }
 
-  // Radiance at a point of the plane, seen along `toEye`.
+  // Radiance that a point of the plane reflects in the direction `toEye`.
   dvec3 radiance(dvec3 point, dvec3 toEye) const {
     dvec3 sum(0);
     const glm::mat4 fromWorld = glm::inverse(scene::toWorldFromGltf());
@@ -90,7 +90,7 @@ class ReachTest : public RenderTest {
  protected:
   static constexpr uint32_t kSize = 24;
 
-  // The worst difference to the reference, levels of 8 bits before they are rounded; and the brightest pixel's level.
+  // The largest difference from the reference, in 8-bit levels before rounding, and the level of the brightest pixel.
   struct Result {
     double worst = 0, brightest = 0;
   };
@@ -128,7 +128,7 @@ class ReachTest : public RenderTest {
   }
 };
 
-// Each gives at most 1.8e-4 lux, a sixth of a level by itself; together they give 28 levels.
+// Each light contributes at most 1.8e-4 lux, which is a sixth of a level; together they contribute 28 levels.
 TEST_F(ReachTest, AThousandDimLightsAddUp) {
   std::mt19937 engine(5);
   const auto between = [&](float low, float high) { return std::uniform_real_distribution(low, high)(engine); };
@@ -137,26 +137,27 @@ TEST_F(ReachTest, AThousandDimLightsAddUp) {
   expectEverywhere(plane, 2, 25);
 }
 
-// A light of 0.5 cd at 50 m gives 2e-4 lux, and a dielectric as smooth as a mirror shows it as a bright spot.
-TEST_F(ReachTest, ADimLightShowsInAMirror) {
+// A light of 0.5 cd at 50 m contributes 2e-4 lux, and a dielectric as smooth as a mirror reflects it as a bright spot.
+TEST_F(ReachTest, ADimLightIsVisibleInAMirror) {
   Plane plane(0, 1);
   plane.add({0, 0, 50}, 0.5f);
   expectEverywhere(plane, 0.05f, 150);
 }
 
-// Spots end at their cones alone, from before the eye and from behind it, and exposure moves no end.
-TEST_F(ReachTest, SpotsWithoutARangeEndAtTheirConesAlone) {
+// Unbounded spot lights end only at their cones, in front of the camera and behind it, at any exposure.
+TEST_F(ReachTest, UnboundedSpotLightsEndOnlyAtTheirCones) {
   Plane plane(0.7f, 1);
   plane.add({1, 1, 3}, 40, vec3(-0.2f, -0.3f, -1));
   plane.add({-3, 2, 30}, 2000, vec3(0.1f, -0.05f, -1));
   plane.add({0, -300, 300}, 4e5f, vec3(0, 1, -1));
   plane.add({0, 0.5f, 0.01f}, 0.1f, vec3(1, 0, -0.2f));
-  plane.add({0, 0, 5}, 1e4f, vec3(0, 0.3f, 1));  // away from all
+  plane.add({0, 0, 5}, 1e4f, vec3(0, 0.3f, 1));  // faces away from the plane
   for (float exposure : {-1.0f, -5.0f}) expectEverywhere(plane, 2, 20, exposure);
 }
 
-// lavapipe's loops have a limit; what is just within it is right, and what is not is refused.
-TEST_F(ReachTest, ManyLightsThatReachEverythingAreRightOrRefused) {
+// lavapipe limits the number of loop iterations. Lights just within the limit are rendered correctly, and one more
+// light is rejected.
+TEST_F(ReachTest, ManyUnboundedLightsAreCorrectOrRejected) {
   if (!device().isCpu()) GTEST_SKIP() << "skipped: only CPU devices have a limit";
   Plane plane(1, 0), more(1, 0);
   for (int i = 0; i < 20001; ++i)

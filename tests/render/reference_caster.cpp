@@ -22,7 +22,7 @@ using QueryContext = RTCIntersectContext;
 // Argument of the filter function besides the hit.
 struct CastContext {
   QueryContext base;  // must come first: Embree passes on a pointer to it
-  int* count;         // if set, hits are counted and passed through
+  int* count;         // if set, the filter counts hits and lets the ray continue
 };
 
 // Embree 4 has the same query as Embree 3, with its arguments in a struct.
@@ -51,7 +51,7 @@ double wrapped(double u, scene::Wrap wrap) {
   return u;
 }
 
-// Alpha of the texel of level 0 that holds the coordinate.
+// Alpha of the texel of mip level 0 at the coordinate.
 double texelAlpha(const scene::Texture& texture, const scene::Sampler& sampler, dvec2 uv) {
   const auto index = [](double u, uint32_t size) { return std::min(static_cast<uint32_t>(u * size), size - 1); };
   const uint32_t x = index(wrapped(uv.x, sampler.wrapU), texture.width);
@@ -66,7 +66,7 @@ T blend(const std::array<uint32_t, 3>& corners, dvec3 weights, F&& value) {
 
 }  // namespace
 
-// An instance in the world: what Embree reads, and what the filter needs.
+// An instance in world space: the data that Embree and the filter read.
 struct ReferenceCaster::Surface {
   const scene::Scene* scene;
   const scene::Instance* instance;
@@ -80,7 +80,7 @@ struct ReferenceCaster::Surface {
     const uint32_t* first = &mesh().indices[3 * size_t{triangle}];
     return {first[0], first[1], first[2]};
   }
-  // Twice the triangle's area long, out of its front.
+  // The normal of the front side. Its length is twice the triangle's area.
   dvec3 areaNormal(uint32_t triangle) const {
     const auto [a, b, c] = corners(triangle);
     return handedness() *
@@ -210,7 +210,7 @@ double ReferenceCaster::freeDistance(dvec3 origin, dvec3 direction, double farth
   return r.hit.geomID == RTC_INVALID_GEOMETRY_ID ? kInfinity : double{r.ray.tfar};
 }
 
-// Where the ray meets the triangle's plane, and all that is interpolated there.
+// Intersects the ray with the triangle's plane and interpolates the attributes at that point.
 Hit ReferenceCaster::refine(const Ray& ray, uint32_t index, uint32_t triangle) const {
   const Surface& surface = *surfaces_[index];
   const std::array<uint32_t, 3> abc = surface.corners(triangle);
@@ -238,7 +238,7 @@ Hit ReferenceCaster::refine(const Ray& ray, uint32_t index, uint32_t triangle) c
   hit.flatness = glm::length(n) / longest / coordinate;
   const double pixelSize = 2 * scale_.y / height_ * (camera_.orthographic ? 1 : hit.depth);
   const double cosine = std::abs(glm::dot(hit.geonormal, glm::normalize(ray.direction)));
-  const double crossed = pixelSize / std::max(cosine, 1e-6) / (glm::length(n) / longest);  // of the triangle
+  const double crossed = pixelSize / std::max(cosine, 1e-6) / (glm::length(n) / longest);  // relative to the triangle
   const auto extent = [&](auto&& value) {
     return std::max({glm::length(value(abc[1]) - value(abc[0])), glm::length(value(abc[2]) - value(abc[1])),
                      glm::length(value(abc[0]) - value(abc[2]))});
@@ -269,8 +269,8 @@ void ReferenceCaster::markEdges() {
   }
 }
 
-// Marks the pixels whose centre the edge passes. Along the axis in which it is longer, only the nearest centre of each
-// row or column can be within reach, since the reach is much less than half a pixel.
+// Marks the pixels whose center the edge passes within kEdgeReach. Along the edge's major axis, only the nearest center
+// of each row or column can be within reach, because the reach is much less than half a pixel.
 void ReferenceCaster::markEdge(dvec3 a, dvec3 b) {
   const double near = camera_.nearClip;
   if (a.y < near && b.y < near) return;
@@ -285,16 +285,16 @@ void ReferenceCaster::markEdge(dvec3 a, dvec3 b) {
   const double first = std::max(std::ceil(a[major] - kEdgeReach - 0.5), 0.0);
   const double last = std::min(std::floor(b[major] + kEdgeReach - 0.5), limit - 1.0);
   for (double i = first; i <= last; ++i) {
-    dvec2 centre;
-    centre[major] = i + 0.5;
-    const double t0 = length2 > 0 ? std::clamp((centre[major] - a[major]) / (b[major] - a[major]), 0.0, 1.0) : 0;
+    dvec2 center;
+    center[major] = i + 0.5;
+    const double t0 = length2 > 0 ? std::clamp((center[major] - a[major]) / (b[major] - a[major]), 0.0, 1.0) : 0;
     const double row = std::floor(glm::mix(a[minor], b[minor], t0));
     if (!(row >= 0 && row < minorLimit)) continue;
-    centre[minor] = row + 0.5;
-    const double t = length2 > 0 ? std::clamp(glm::dot(centre - dvec2(a), along) / length2, 0.0, 1.0) : 0;
-    if (glm::length(dvec2(a) + t * along - centre) > kEdgeReach) continue;
+    center[minor] = row + 0.5;
+    const double t = length2 > 0 ? std::clamp(glm::dot(center - dvec2(a), along) / length2, 0.0, 1.0) : 0;
+    if (glm::length(dvec2(a) + t * along - center) > kEdgeReach) continue;
     const double depth = camera_.orthographic ? glm::mix(a.z, b.z, t) : 1 / glm::mix(1 / a.z, 1 / b.z, t);
-    double& nearest = edges_[static_cast<size_t>(centre.y) * width_ + static_cast<size_t>(centre.x)];
+    double& nearest = edges_[static_cast<size_t>(center.y) * width_ + static_cast<size_t>(center.x)];
     nearest = std::min(nearest, depth);
   }
 }

@@ -22,12 +22,14 @@ namespace latelight::render::test {
 struct Hit {
   uint32_t instance, triangle;
   uint32_t part;
-  double depth;                            // metres along the view axis
-  double distance;                         // metres from where the ray starts: the eye, or the camera's plane
-  glm::dvec3 position, geonormal, normal;  // world; normals unit, towards the viewer; `normal` without a normal map
-  glm::dvec2 uv;                           // set 0
-  double uvPerPixel, normalPerPixel;       // their change over one pixel, at most
-  double flatness;  // the triangle's least height over its largest coordinate: how well float32 knows its normal
+  double depth;     // in meters along the view axis
+  double distance;  // in meters from the ray's origin: the eye or, if orthographic, the camera's plane
+  glm::dvec3 position, geonormal, normal;  // world space; unit normals toward the viewer, without normal maps
+  glm::dvec2 uv;                           // UV set 0
+  double uvPerPixel, normalPerPixel;       // maximum change over one pixel
+  // The triangle's smallest height over its largest coordinate, which determines the precision of its normal in
+  // float32.
+  double flatness;
 };
 
 class ReferenceCaster {
@@ -37,23 +39,24 @@ class ReferenceCaster {
   ReferenceCaster(const ReferenceCaster&) = delete;
   ReferenceCaster& operator=(const ReferenceCaster&) = delete;
 
-  // The nearest surface at a picture coordinate (y down, pixel centres at .5): single-sided materials seen from behind
-  // are looked through, and so is what an alpha mask cuts out (by its texture's level 0).
+  // The nearest surface at an image coordinate (y down, pixel centers at .5). The ray passes through single-sided
+  // materials hit from behind, and through texels that an alpha mask removes (by mip level 0 of the texture).
   std::optional<Hit> cast(glm::dvec2 pixel) const;
 
-  // The same along a ray from the eye in view space (X right, Y away, Z up), whose length is the unit of `depth`.
+  // The same along a ray from the eye in view space (X right, Y away, Z up). The length of the direction is the unit of
+  // `depth`.
   std::optional<Hit> castAlong(glm::dvec3 direction) const;
 
-  // How many surfaces lie along the ray within this relative distance behind and before `depth`.
+  // The number of surfaces along the ray within this relative distance of `depth`, in front of it and behind it.
   int surfacesNear(glm::dvec2 pixel, double depth, double tolerance) const;
 
-  // Metres along the unit direction to the nearest surface within `farthest`, or +inf.
+  // The distance in meters along the unit direction to the nearest surface within `farthest`, or +inf.
   double freeDistance(glm::dvec3 origin, glm::dvec3 direction, double farthest) const;
 
-  // Depth of the nearest triangle edge that passes a pixel's centre within `kEdgeReach` on the picture; +inf: none.
+  // The depth of the nearest triangle edge that passes a pixel's center within `kEdgeReach` in the image, or +inf.
   double edgeDepth(size_t pixel) const { return edges_[pixel]; }
-  // Pixels. Devices snap vertices to a grid of 1/256 pixel (8 sub-pixel bits), so an edge moves by up to half the
-  // diagonal of a cell, 0.0028; the rest is the rounding of the vertices' own projection in float32.
+  // In pixels. Devices snap vertices to a grid of 1/256 pixel (8 sub-pixel bits), so an edge moves by up to half the
+  // diagonal of a cell, 0.0028; the rest is for the rounding of the vertices' projection in float32.
   static constexpr double kEdgeReach = 1.0 / 256.0;
 
  private:
@@ -71,12 +74,12 @@ class ReferenceCaster {
 
   scene::Camera camera_;
   uint32_t width_, height_;
-  glm::dmat3 axes_;  // right, away, up in the world
+  glm::dmat3 axes_;  // right, away and up in world space
   glm::dvec3 eye_;
-  glm::dvec2 scale_;  // view x and z over depth at the picture's right and upper edge
+  glm::dvec2 scale_;  // view x and z over depth at the image's right and upper edges
   RTCDevice device_;
   RTCScene embree_;
-  std::vector<std::unique_ptr<Surface>> surfaces_;  // one an instance
+  std::vector<std::unique_ptr<Surface>> surfaces_;  // one per instance
   std::vector<double> edges_;
 };
 

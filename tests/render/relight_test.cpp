@@ -1,5 +1,5 @@
 // Each deferred lighting technique against the host, which shades the device's G-buffer with the same shared headers.
-// Covers every pair of layout, normal encoding, technique, shading and kind of light. It requires no golden pictures: a
+// Covers every pair of layout, normal encoding, technique, shading and kind of light. It requires no golden images: a
 // difference is a bug in a shader's reads, lookups or light loops.
 #include <fmt/core.h>
 
@@ -45,7 +45,7 @@ shared::Light hostLight(const scene::Light& light) {
   return l;
 }
 
-// --- the scene: a grid of metalness and roughness, and materials that emit, occlude or are not lit ------------------
+// --- the scene: a grid of metalness and roughness, and materials that emit, occlude or are unlit --------------------
 
 scene::Scene litSpheres() {
   scene::Scene scene = scene::load("builtin:spheres");
@@ -72,7 +72,7 @@ scene::Light makeLight(uint32_t type, vec3 position, vec3 target, vec3 color, fl
   return light;
 }
 
-// World space: the spheres stand in the plane y = 0, seen from -y. The lights of a kind follow each other.
+// World space: the spheres stand in the plane y = 0 and are viewed from -y. Lights of the same kind are contiguous.
 std::vector<scene::Light> directionalLights() {
   return {makeLight(shared::kLightDirectional, {3, -4, 5}, {0, 0, 0}, {1, 0.9f, 0.8f}, 2.5f),
           makeLight(shared::kLightDirectional, {-3, 2, -5}, {0, 0, 0}, {0.2f, 0.3f, 1}, 1.0f)};
@@ -80,7 +80,7 @@ std::vector<scene::Light> directionalLights() {
 
 std::vector<scene::Light> pointLights() {
   std::vector<scene::Light> lights;
-  for (int i = 0; i < 11; ++i) {  // more than a subgroup of the CPU device holds
+  for (int i = 0; i < 11; ++i) {  // more than a subgroup of the CPU device
     const float a = 0.7f * static_cast<float>(i);
     lights.push_back(makeLight(shared::kLightPoint, {3.5f * std::cos(a), -1.5f, 3 * std::sin(1.3f * a)}, vec3(0, 0, 9),
                                {1, 0.3f + 0.06f * static_cast<float>(i), 0.5f}, 1.5f));
@@ -102,7 +102,7 @@ struct LightCase {
   LightSettings settings;
 };
 
-// Adds all lights to the scene, and says which of them are of what kind.
+// Adds all lights to the scene and returns the range of each kind.
 std::vector<LightCase> addLights(scene::Scene& scene) {
   std::vector<LightCase> cases{{"no", {}}, {"environment", {.environmentIntensity = 0.7f}}};
   for (auto& [name, lights] :
@@ -117,18 +117,18 @@ std::vector<LightCase> addLights(scene::Scene& scene) {
 
 // --- the comparison -------------------------------------------------------------------------------------------------
 
-// Host and device do the same operations in the same order, so what is left is: the result's half float (2^-11), a few
-// ULP of pow, exp2 and inversesqrt in narrow lobes, and the filtering of the environment's maps, whose weights a device
-// may cut to 8 bits. A texel whose neighbour is a thousand times as bright makes the last matter; hence the few pixels.
-// Other devices than the CPU's also fuse products into sums, which tilts normals at the rim of the discs lambert and
-// spheremap (a root of 1 less nearly 1) by up to 2^-11.
+// Host and device perform the same operations in the same order. The remaining differences are the result's half float
+// (2^-11), a few ULP of pow, exp2 and inversesqrt in narrow lobes, and the filtering of the environment's maps, whose
+// weights a device may truncate to 8 bits. The last one matters only if a texel's neighbor is a thousand times as
+// bright, so a few pixels may exceed the tolerance. Devices other than the CPU also fuse products into sums, which
+// tilts normals at the rim of the discs lambert and spheremap (a root of 1 minus nearly 1) by up to 2^-11.
 constexpr float kRelative = 0.01f, kAbsolute = 1e-3f;
 constexpr double kMaxBeyond = 1e-4, kMaxBeyondFused = 2e-3;
 
 struct Agreement {
   size_t lit = 0, beyond = 0;
-  double worst = 0;      // of the tolerance
-  double brightest = 0;  // radiance, so that a black picture can't pass
+  double worst = 0;      // relative to the tolerance
+  double brightest = 0;  // radiance, so that a black image fails
 };
 
 vec3 expectedRadiance(const ReadGbuffer& gbuffer, size_t pixel, std::span<const shared::Light> lights,
@@ -178,7 +178,7 @@ void add(Agreement& to, const Agreement& a) {
 
 class RelightTest : public RenderTest {
  protected:
-  struct Bench {  // the scene on both sides
+  struct Bench {  // the scene on host and device
     scene::Scene scene = litSpheres();
     std::vector<LightCase> cases = addLights(scene);
     scene::Environment studio = scene::loadEnvironment("studio");
@@ -205,7 +205,7 @@ std::vector<const TechniqueInfo*> deferredTechniques() {
   return deferred;
 }
 
-// The pair of each light with each technique is met too, so no loop over lights goes untested.
+// The combinations include each pair of light and technique, so no loop over lights is untested.
 TEST_F(RelightTest, HostShadesTheDevicesGbufferAlike) {
   const std::vector<const TechniqueInfo*> deferred = deferredTechniques();
   std::vector<latelight::test::Combination> chosen =
@@ -215,9 +215,9 @@ TEST_F(RelightTest, HostShadesTheDevicesGbufferAlike) {
                                   const Layout& layout = layouts()[c[0]];
                                   return layout.hasTargets() && (c[1] == 0 || !layout.fixedNormal);
                                 });
-  // The first ones add most pairs.
+  // A run in part uses the first half, which adds most of the pairs.
   chosen.resize(latelight::test::rounds(chosen.size(), chosen.size() / 2));
-  const double mostBeyond = device().isCpu() ? kMaxBeyond : kMaxBeyondFused;
+  const double maxBeyond = device().isCpu() ? kMaxBeyond : kMaxBeyondFused;
   std::vector<Agreement> totals(bench->cases.size());
   for (const auto& c : chosen) {
     const FrameConfig setup{.layout = &layouts()[c[0]],
@@ -235,7 +235,7 @@ TEST_F(RelightTest, HostShadesTheDevicesGbufferAlike) {
                                 bench->hostStudio, setup.shading, settings);
     EXPECT_GT(a.lit, kRelightSize * kRelightSize / 3u);
     EXPECT_GT(a.brightest, 0.5);
-    EXPECT_LE(static_cast<double>(a.beyond), mostBeyond * static_cast<double>(a.lit));
+    EXPECT_LE(static_cast<double>(a.beyond), maxBeyond * static_cast<double>(a.lit));
     add(totals[c[4]], a);
   }
   fmt::print("{} combinations\n", chosen.size());
@@ -244,20 +244,20 @@ TEST_F(RelightTest, HostShadesTheDevicesGbufferAlike) {
                bench->cases[i].name, totals[i].beyond, totals[i].lit, kRelative, kAbsolute, totals[i].worst);
 }
 
-// What a layout may be off by on these spheres; beside killzone2, 8 bits a component of the normal and metalness in 5
-// bits are the worst.
-struct Held {
+// The maximum errors of a layout on these spheres. Apart from killzone2, the worst layouts store 8 bits per component
+// of the normal and 5 bits of metalness.
+struct MaxError {
   double normal = 0.01, diffuse = 0.03;
 };
-Held heldBy(const Layout& layout) {
-  // At a sphere's rim the normal may point away from the view plane, by up to 14 degrees in this view, and comes back
+MaxError maxErrorOf(const Layout& layout) {
+  // At a sphere's rim, the normal may point away from the view plane by up to 14 degrees in this view and is returned
   // mirrored: 2 sin 14 degrees.
   if (layout.name == "killzone2") return {.normal = 0.55};
   return {};
 }
 
-// Every layout and encoding holds what the exact one holds, within what its bits allow; so an agreement between host
-// and device can't come from both reading nonsense.
+// Every layout and encoding stores the same scene as `exact`, within the precision of its bits. Agreement between host
+// and device can therefore not result from both reading wrong data.
 TEST_F(RelightTest, EveryGbufferHoldsTheScene) {
   const auto read = [&](const Layout& layout, const NormalEncoding& encoding) {
     return bench->read({.layout = &layout, .normalEncoding = encoding.index, .lighting = &findTechnique("fullscreen")},
@@ -277,23 +277,24 @@ TEST_F(RelightTest, EveryGbufferHoldsTheScene) {
         Surface a = exact.surface(pixel);
         const Surface b = gbuffer.surface(pixel);
         position = std::max(position, double{glm::length(a.position - b.position)});
-        // What points away is lost to an encoding of the near hemisphere: at the spheres' rims, by perspective.
+        // An encoding of the near hemisphere loses normals that point away, which perspective causes at the spheres'
+        // rims.
         if (!encoding.hemisphere || shared::rotateToView(exact.view, a.normal).y <= 0)
           normal = std::max(normal, double{glm::length(a.normal - b.normal)});
-        if (a.flags & shared::kSurfaceUnlit) continue;  // the others have no base colour then
+        if (a.flags & shared::kSurfaceUnlit) continue;  // the other layouts store no base color for these
         diffuse = std::max(diffuse, double{shared::maxChannel(glm::abs(shared::diffuseAtNormalIncidence(a) -
                                                                        shared::diffuseAtNormalIncidence(b)))});
       }
       fmt::print("{}, {}: position {:.2g} m, normal {:.2g}, diffuse {:.2g}\n", layout.name, encoding.name, position,
                  normal, diffuse);
       EXPECT_LT(position, 3e-4);  // 15 m away: depth interpolated over steep triangles, 2e-5 relative
-      // 8 bits a component or 12 of two, the fewest of any layout that follows the encoding; the device's own rounding
-      // and rotation besides.
+      // 8 bits per component, or 12 for two components: the fewest of any layout that follows the encoding. The
+      // device's own rounding and rotation are added.
       std::string file = encoding.name;
       std::replace(file.begin(), file.end(), '-', '_');
       const double encoded = 1.01 * shared::normalBound(file, encoding.channels == 2 ? 4095 : 255).radians + 1e-5;
-      EXPECT_LT(normal, layout.fixedNormal ? heldBy(layout).normal : encoded);
-      EXPECT_LT(diffuse, heldBy(layout).diffuse);
+      EXPECT_LT(normal, layout.fixedNormal ? maxErrorOf(layout).normal : encoded);
+      EXPECT_LT(diffuse, maxErrorOf(layout).diffuse);
     }
 }
 

@@ -1,4 +1,4 @@
-// Virtual shadow maps, which render only the pages that pixels look up: pictures equal those of complete maps, to the
+// Virtual shadow maps, which render only the pages that pixels look up: images equal those of complete maps, to the
 // byte.
 #include <bit>
 #include <glm/gtc/matrix_transform.hpp>
@@ -19,7 +19,7 @@ using glm::mat4;
 using glm::vec3;
 using output::Aov;
 
-// Balls and boards strewn over a floor, under a sun, spots and points. glTF's frame.
+// Balls and boards scattered over a floor, lit by a sun, spot lights and point lights; in glTF's frame.
 struct Strewn {
   std::mt19937 random;
   scene::SceneBuilder builder{"strewn"};
@@ -78,7 +78,7 @@ class ShadowPagesTest : public RenderTest {
     explicit Both(const scene::Scene& scene) : paged(device(), scene, nullptr), whole(device(), scene, nullptr) {}
   };
 
-  // Of the maps that a renderer keeps.
+  // Counts the pages of the maps that a renderer caches.
   static PageCount pagesOf(const Renderer& renderer) {
     const ShadowMapCache& kept = renderer.shadowMaps();
     graph::Executor executor(device());
@@ -98,7 +98,7 @@ class ShadowPagesTest : public RenderTest {
     return count;
   }
 
-  // Returns how the pages were rendered.
+  // Expects the images of complete maps, and returns the statistics of the paged render.
   static RenderStatistics expectSame(Both& both, std::span<const scene::Camera> cameras, Settings settings) {
     RenderResult result = both.paged.submit(cameras, settings).take();
     const std::vector<output::FrameOutput>& paged = result.frames;
@@ -112,7 +112,7 @@ class ShadowPagesTest : public RenderTest {
   }
 };
 
-// With a camera that moves, and things that do: pages are added to maps that are kept.
+// The camera and an instance move between frames, so pages are added to cached maps.
 TEST_F(ShadowPagesTest, EveryFormatAndFilter) {
   const std::pair<ShadowFormat, ShadowFilter> kinds[] = {{ShadowFormat::D32, ShadowFilter::Pcf},
                                                          {ShadowFormat::D16, ShadowFilter::Hard},
@@ -137,8 +137,9 @@ TEST_F(ShadowPagesTest, EveryFormatAndFilter) {
   }
 }
 
-// Once several frames have looked up a map that nothing changes, it is drawn to its end, and no frame looks for pages.
-TEST_F(ShadowPagesTest, MapsThatStayBecomeWhole) {
+// After several frames have looked up a map that does not change, the map is drawn completely, and frames no longer
+// search for pages.
+TEST_F(ShadowPagesTest, UnchangedMapsBecomeComplete) {
   Strewn strewn(7);
   const Settings settings = pagedSettings(ShadowFormat::D32, ShadowFilter::Pcf);
   Both both(strewn.scene);
@@ -152,8 +153,8 @@ TEST_F(ShadowPagesTest, MapsThatStayBecomeWhole) {
   EXPECT_FALSE(draws());
 }
 
-// Samples of a picture and its strips are graphs of their own, which add pages to each other's; views of one graph
-// share.
+// The samples of an image and its strips are separate graphs, which add pages to the same maps; the views of one graph
+// share maps.
 TEST_F(ShadowPagesTest, SamplesStripsAndViews) {
   Strewn strewn(11);
   const std::vector<scene::Camera> cameras{strewn.camera(), strewn.camera(), strewn.camera()};
@@ -178,7 +179,7 @@ TEST_F(ShadowPagesTest, SamplesStripsAndViews) {
   }
 }
 
-// What is lit elsewhere than in the G-buffer finds whole maps; what looks through a lens finds its pages.
+// Surfaces that are shaded outside the G-buffer require complete maps; views through a lens look up pages.
 TEST_F(ShadowPagesTest, GlassAndLenses) {
   Strewn strewn(13);
   strewn.scene.materials.push_back(strewn.scene.materials.front());
@@ -199,7 +200,7 @@ TEST_F(ShadowPagesTest, GlassAndLenses) {
   EXPECT_EQ(pagesOf(both.paged).drawn, pagesOf(both.paged).all);
 }
 
-// Hundreds of maps, and queues that have no room at first: what is missing is drawn again.
+// Hundreds of maps, and queues without enough capacity at first: missing maps are drawn again.
 TEST_F(ShadowPagesTest, AllLightsOfTheHall) {
   const scene::Scene scene = scene::load("builtin:hall,triangles=50k,lights=24");
   Settings settings = pagedSettings(ShadowFormat::D32, ShadowFilter::Pcf);

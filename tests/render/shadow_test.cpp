@@ -26,12 +26,12 @@ using glm::vec3;
 using output::Aov;
 
 constexpr uint32_t kShadowSize = 256;
-constexpr float kHalf = 2;                         // of the picture, metres
-constexpr float kWall = 2, kOccluder = 1;          // their planes' y, world
-constexpr float kEdge = -0.5f;                     // the occluder's right edge, x
-constexpr float kPixel = 2 * kHalf / kShadowSize;  // metres
+constexpr float kHalf = 2;                         // half the image's extent, in meters
+constexpr float kWall = 2, kOccluder = 1;          // y of their planes in world space
+constexpr float kEdge = -0.5f;                     // x of the occluder's right edge
+constexpr float kPixel = 2 * kHalf / kShadowSize;  // in meters
 
-// A wall in the plane y = 2, and 1 m before it a board whose right edge is at x = -0.5; seen along +y.
+// A wall in the plane y = 2, and 1 m in front of it a board whose right edge is at x = -0.5; viewed along +y.
 scene::Scene boardBeforeWall(const scene::Light& light) {
   scene::SceneBuilder builder("board");
   builder.scene.meshes = {squareMesh()};
@@ -67,7 +67,7 @@ Settings shadowSettings(const char* format, const char* filter) {
 
 struct Shadowed {
   output::FrameOutput frame;
-  std::vector<float> factor;  // a pixel; -1 where no light arrives anyway
+  std::vector<float> factor;  // per pixel; -1 where no light arrives even without shadows
 };
 
 class ShadowTest : public RenderTest {
@@ -86,7 +86,7 @@ class ShadowTest : public RenderTest {
     return result;
   }
 
-  // Of the light's only map, or of the one whose texels are widest on the wall.
+  // The shadow plan of the scene for the view of render().
   static ShadowPlan plan(const scene::Scene& scene, const Settings& settings) {
     const GpuScene uploaded(device(), scene);
     const shared::View view = makeView(frontCamera(kHalf, 4), kShadowSize, kShadowSize);
@@ -94,7 +94,7 @@ class ShadowTest : public RenderTest {
   }
 };
 
-// The finest map of a light that shows the point, as findShadowMap() of glsl/shadow.glsl has it.
+// The finest map of a light that contains the point, chosen as in findShadowMap() of glsl/shadow.glsl.
 const shared::ShadowMap* mapAt(const ShadowPlan& plan, const scene::Light& light, vec3 p, uint32_t filter) {
   if (plan.of[0].lights.front().maps == 6) return &plan.maps[shared::shadowFace(p - vec3(light.position))];
   for (const shared::ShadowMap& m : plan.maps)
@@ -102,7 +102,7 @@ const shared::ShadowMap* mapAt(const ShadowPlan& plan, const scene::Light& light
   return nullptr;
 }
 
-// Where the factor crosses `level` along the picture's middle row, from `from` on rightwards; metres.
+// The x at which the factor rises above `level` in the image's center row, to the right of `from`; in meters.
 float crossing(const std::vector<float>& factor, float from, float level) {
   const size_t row = size_t{kShadowSize / 2} * kShadowSize;
   for (auto x = static_cast<size_t>((from + kHalf) / kPixel); x + 1 < kShadowSize; ++x) {
@@ -115,7 +115,7 @@ float crossing(const std::vector<float>& factor, float from, float level) {
 struct EdgeCase {
   const char* name;
   scene::Light light;
-  float edge;  // exactly
+  float edge;  // x of the shadow's edge, exact
 };
 
 std::vector<EdgeCase> edgeCases() {
@@ -127,7 +127,7 @@ std::vector<EdgeCase> edgeCases() {
           {"point", lightOf(shared::kLightPoint, at, {0, kWall, 0}), lit}};
 }
 
-TEST_F(ShadowTest, EdgesLieWhereTheyShouldToATexel) {
+TEST_F(ShadowTest, EdgesAreWithinATexelOfTheirPosition) {
   for (const EdgeCase& edge : edgeCases())
     for (const char* filter : {"hard", "pcf"}) {
       SCOPED_TRACE(fmt::format("{} light, {}", edge.name, filter));
@@ -138,7 +138,7 @@ TEST_F(ShadowTest, EdgesLieWhereTheyShouldToATexel) {
       const vec3 place(edge.edge, kWall, 0);
       const shared::ShadowMap* map = mapAt(maps, edge.light, place, shared::kShadowFilterPcf);
       ASSERT_TRUE(map);
-      // A texel's footprint on the wall, across the edge.
+      // The footprint of a texel on the wall, across the edge.
       const vec3 step(1e-3f, 0, 0);
       const vec2 moved = shared::shadowPoint(*map, place + step).texel - shared::shadowPoint(*map, place - step).texel;
       const float footprint = 2e-3f / glm::length(moved);
@@ -148,7 +148,7 @@ TEST_F(ShadowTest, EdgesLieWhereTheyShouldToATexel) {
                  edge.edge, footprint);
       EXPECT_LT(footprint, 0.07f);
       EXPECT_LE(std::abs(found - edge.edge), footprint);
-      // Both sides: all or nothing, away from the edge and within the light's cone.
+      // Both sides are fully lit or fully dark, except near the edge and outside of the light's cone.
       const size_t row = size_t{kShadowSize / 2} * kShadowSize;
       for (size_t x = 0; x < kShadowSize; ++x) {
         const float at = -kHalf + (static_cast<float>(x) + 0.5f) * kPixel, factor = shadowed.factor[row + x];
@@ -158,10 +158,8 @@ TEST_F(ShadowTest, EdgesLieWhereTheyShouldToATexel) {
     }
 }
 
-// Where the layout keeps the sun's shadow in 8 bits, light is what lookups make of it.
-// A board of 4 mm, 1 cm before a light that reaches 350 m: where it lies along the light's axis is no reason to miss
-// it.
-TEST_F(ShadowTest, WhatIsNearALightCastsToo) {
+// A board of 4 mm that is 1 cm in front of a light, which reaches 350 m, casts a shadow although it is so close.
+TEST_F(ShadowTest, OccludersNearALightCastShadows) {
   const vec3 at(-2, -1, 0.1f), target(1, kWall, 0), toward = glm::normalize(target - at);
   for (const uint32_t type : {shared::kLightSpot, shared::kLightPoint}) {
     scene::Scene scene = boardBeforeWall(lightOf(type, at, target));
@@ -178,13 +176,14 @@ TEST_F(ShadowTest, WhatIsNearALightCastsToo) {
       const auto column = static_cast<size_t>((x + kHalf) / kPixel), row = static_cast<size_t>((kHalf - z) / kPixel);
       return s.factor[row * kShadowSize + column];
     };
-    // On the wall it is 300 times as large and as far away: 0.6 m to each side of where the light points.
+    // The shadow on the wall is 300 times as large and as far away: 0.6 m to each side of the light's target.
     EXPECT_NEAR(factorAt(open, target.x, target.z), 1, 1e-3f);
     for (const float offset : {-0.4f, 0.0f, 0.4f}) EXPECT_EQ(factorAt(shadowed, target.x, offset), 0) << offset;
     for (const float offset : {-1.5f, 1.5f}) EXPECT_NEAR(factorAt(shadowed, target.x, offset), 1, 1e-3f) << offset;
   }
 }
 
+// If a layout stores the sun's shadow in 8 bits, lighting uses the values that lookups returned.
 TEST_F(ShadowTest, TheSunsShadowInTheGbufferIsTheSunsShadow) {
   const scene::Scene scene = boardBeforeWall(lightOf(shared::kLightDirectional, {-1, -1, 0.2f}, {0, 0, 0}));
   Settings settings = shadowSettings("d32", "pcf");
@@ -195,33 +194,33 @@ TEST_F(ShadowTest, TheSunsShadowInTheGbufferIsTheSunsShadow) {
   size_t between = 0, beyond = 0;
   for (size_t i = 0; i < kept.factor.size(); ++i) {
     between += expected.factor[i] > 0.1f && expected.factor[i] < 0.9f;
-    // Half a level, and half floats of the radiance; the layout's own normals and positions move edges a little.
+    // Half a level, plus half floats of the radiance. The layout's own normals and positions move edges slightly.
     beyond += std::abs(kept.factor[i] - expected.factor[i]) > 0.5f / 255 + 2e-2f;
   }
   EXPECT_GT(between, 500u);
   EXPECT_LE(beyond, between / 50);
 }
 
-// The share of a disc's area on one side of a line at x, the disc's radius being 1.
-float discShare(float x) {
+// The fraction of a unit disc's area on one side of a line at x.
+float discFraction(float x) {
   return 0.5f + (x * std::sqrt(1 - x * x) + std::asin(x)) / shared::kPi;
 }
 
-TEST_F(ShadowTest, PenumbrasAreAsWideAsTheLightMakesThem) {
+TEST_F(ShadowTest, PenumbrasHaveTheWidthThatFollowsFromTheLight) {
   scene::Light spot = lightOf(shared::kLightSpot, {-1.5f, -1, 0}, {-1.5f, kWall, 0});
   scene::Light sun = lightOf(shared::kLightDirectional, {-1, -1, 0}, {0, 0, 0});
   for (float size : {0.15f, 0.3f}) {
     spot.size = size;
     sun.size = size;
-    // 2 m from the spot to the board, 1 m from there to the wall; the sun's way from board to wall is sqrt(2) m, and
-    // the wall stretches what it sends by as much again.
+    // The board is 2 m from the spot light and 1 m from the wall. The sun's path from board to wall is sqrt(2) m, and
+    // the slanted wall stretches the penumbra by the same factor again.
     const float spotRadius = size * 0.5f, sunRadius = std::tan(0.5f * size) * 2;
     for (const auto& [name, light, radius, edge] :
          {std::tuple{"spot", spot, spotRadius, 0.0f}, {"sun", sun, sunRadius, 0.5f}}) {
       const Shadowed shadowed = render(boardBeforeWall(light), shadowSettings("d32", "pcss"));
       constexpr float kLow = -0.6f, kHigh = 0.6f;
-      const float low = crossing(shadowed.factor, kEdge + 0.02f, discShare(kLow));
-      const float high = crossing(shadowed.factor, kEdge + 0.02f, discShare(kHigh));
+      const float low = crossing(shadowed.factor, kEdge + 0.02f, discFraction(kLow));
+      const float high = crossing(shadowed.factor, kEdge + 0.02f, discFraction(kHigh));
       const float width = high - low, exact = (kHigh - kLow) * radius;
       fmt::print("{} of size {}: penumbra {:.4f} m, exactly {:.4f} m, about {:.4f}\n", name, size, width, exact,
                  0.5f * (low + high));
@@ -266,15 +265,15 @@ float hostFactor(const std::vector<HostMap>& maps, const ShadowPlan& plan, const
                    : 1;
 }
 
-TEST_F(ShadowTest, DevicesLookUpWhatTheHostLooksUp) {
+TEST_F(ShadowTest, DeviceAndHostLookupsAgree) {
   for (const EdgeCase& edge : edgeCases())
     for (const char* format : {"d32", "d16", "rgba8", "rgba8-classic"}) {
       SCOPED_TRACE(fmt::format("{} light, {}", edge.name, format));
       const scene::Scene scene = boardBeforeWall(edge.light);
       Settings settings = shadowSettings(format, "pcf");
-      settings.raster = Raster::Hardware;  // as the bench draws
+      settings.raster = Raster::Hardware;  // the raster of FrameBench
       const uint32_t index = indexOf(settings.shadows);
-      // The maps once more, read back.
+      // Draws the maps again and reads them back.
       FrameBench bench(device(), scene);
       const shared::View view = makeView(frontCamera(kHalf, 4), kShadowSize, kShadowSize);
       ShadowMapCache kept;
@@ -318,14 +317,14 @@ TEST_F(ShadowTest, DevicesLookUpWhatTheHostLooksUp) {
       }
       EXPECT_GT(lit, 2000u);
       EXPECT_GT(dark0, 2000u);
-      // Products of floats are fused here and not there: a comparison at the very depth falls either way.
+      // Only one side fuses products of floats, so a comparison at nearly equal depth may have either result.
       EXPECT_LE(beyond, 20u);
     }
 }
 
-// Samples of a picture, ordered or temporal, look up maps that its first frame has drawn; the next picture's are its
-// own.
-TEST_F(ShadowTest, SamplesOfAPictureShareTheirMaps) {
+// The samples of an image, ordered or temporal, look up maps that its first frame has drawn; the next image has its own
+// maps.
+TEST_F(ShadowTest, SamplesOfAnImageShareTheirMaps) {
   constexpr uint32_t kSmall = 64;
   const scene::Scene scene = boardBeforeWall(edgeCases().front().light);
   const scene::Camera camera = frontCamera(kHalf, 4), aside = frontCamera(kHalf * 0.8f, 4);
@@ -336,16 +335,16 @@ TEST_F(ShadowTest, SamplesOfAPictureShareTheirMaps) {
       settings.width = settings.height = kSmall;
       settings.aa = readText<AntiAliasing>("--aa", aa);
       settings.describeGraph = true;
-      settings.wholeShadowMaps = true;  // of pages each sample draws those that none before it looks up
+      settings.wholeShadowMaps = true;  // with pages, each sample draws those that no earlier sample looked up
       Renderer renderer(device(), scene, nullptr);
       const RenderResult result = renderer.submit({&camera, 1}, settings).take();
       const output::FrameOutput& first = result.frames.front();
-      // That of the last sample.
+      // The graph of the last sample.
       const std::string& graph = result.statistics.graphviz;
       EXPECT_EQ(graph.find("shadow maps") != std::string::npos, aa == std::string("none"));
       EXPECT_NE(graph.find("shadow atlas"), std::string::npos);
       EXPECT_EQ(std::ranges::count(result.statistics.passTimes, "shadow maps", &graph::PassTime::name), 1);
-      const auto brightness = [&](float x) {  // of the middle row, x in metres
+      const auto brightness = [&](float x) {  // of the center row; x in meters
         const auto column = static_cast<size_t>((x + kHalf) / (2 * kHalf) * kSmall);
         return imageOf(first, Aov::Color).values[4 * (kSmall / 2 * kSmall + column)];
       };
@@ -357,8 +356,8 @@ TEST_F(ShadowTest, SamplesOfAPictureShareTheirMaps) {
     }
 }
 
-// A ball under each kind of light shadows no point of itself that faces the light well, whatever its facets' slopes: no
-// acne. And a plate behind it, from the far side of the ball on, is dark.
+// Under each kind of light, a ball does not shadow those of its own points that face the light well, regardless of the
+// slopes of its facets (no shadow acne).
 TEST_F(ShadowTest, NothingShadowsItself) {
   scene::SceneBuilder builder("ball");
   builder.scene.meshes = {sphereMesh(1), squareMesh()};
@@ -379,7 +378,7 @@ TEST_F(ShadowTest, NothingShadowsItself) {
         const vec3 p = vec3At(imageOf(shadowed.frame, Aov::Position), i);
         if (shadowed.factor[i] < 0 || glm::length(p) > 1.001f) continue;
         const vec3 toLight = type == shared::kLightDirectional ? -light.direction : glm::normalize(from - p);
-        if (glm::dot(glm::normalize(p), toLight) < 0.25f) continue;  // a facet turns by 11 degrees from its neighbour
+        if (glm::dot(glm::normalize(p), toLight) < 0.25f) continue;  // adjacent facets differ by 11 degrees
         ++facing;
         wrong += shadowed.factor[i] < 0.99f;
       }
@@ -429,7 +428,7 @@ bool apart(const AtlasTile& a, const AtlasTile& b) {
   return a.layer != b.layer || a.x >= b.x + b.size || b.x >= a.x + a.size || a.y >= b.y + b.size || b.y >= a.y + a.size;
 }
 
-TEST_F(ShadowTest, TilesOfAnAtlasLieApartAndLeaveNoGap) {
+TEST_F(ShadowTest, TilesOfAnAtlasNeitherOverlapNorLeaveGaps) {
   constexpr uint32_t kSide = 256, kLayers = 2;
   AtlasTiles tiles(kSide, kLayers);
   std::vector<AtlasTile> taken;
@@ -448,7 +447,7 @@ TEST_F(ShadowTest, TilesOfAnAtlasLieApartAndLeaveNoGap) {
     EXPECT_LE(std::max(taken[i].x, taken[i].y) + taken[i].size, kSide);
     for (size_t j = 0; j < i; ++j) EXPECT_TRUE(apart(taken[i], taken[j])) << i << ", " << j;
   }
-  // Whatever the order in which they are given back, what is left are the whole layers.
+  // After all tiles are recycled, in any order, the free space consists of entire layers.
   for (size_t i = 0; i < taken.size(); ++i) tiles.recycle(taken[i * 7 % taken.size()]);
   for (uint32_t layer = 0; layer < kLayers; ++layer) EXPECT_TRUE(tiles.take(kSide));
   EXPECT_FALSE(tiles.take(32));
@@ -461,7 +460,7 @@ scene::Scene manyLights(uint32_t count) {
   return scene;
 }
 
-TEST_F(ShadowTest, ThousandsOfShadowsAreAsManyAsFit) {
+TEST_F(ShadowTest, TheAtlasLimitsTheNumberOfShadows) {
   const scene::Scene scene = manyLights(5000);
   const GpuScene uploaded(device(), scene);
   const ShadowPlan all = hallPlan(uploaded, frontPerspective(1, 3), "all");
@@ -472,7 +471,7 @@ TEST_F(ShadowTest, ThousandsOfShadowsAreAsManyAsFit) {
   EXPECT_THROW(hallPlan(uploaded, frontPerspective(1, 3), "moon"), Error);
 }
 
-TEST_F(ShadowTest, TheSceneSaysWhichLightsCast) {
+TEST_F(ShadowTest, TheSceneChoosesWhichLightsCastShadows) {
   scene::Scene scene = manyLights(3);
   scene.lights[0].castShadow = false;
   scene.lights[2].castShadow = true;
@@ -489,8 +488,9 @@ TEST_F(ShadowTest, TheSceneSaysWhichLightsCast) {
   EXPECT_EQ(chosen("1"), (std::vector<uint32_t>{2}));
 }
 
-// Numbers that are none, cones of no angle and lights without reach: no light, no message, and the others shine.
-TEST_F(ShadowTest, BrokenLightsCastNothing) {
+// Lights with values that are not finite, with cones of angle 0, or with a range of nearly 0 emit nothing and cause no
+// message. The other lights are not affected.
+TEST_F(ShadowTest, InvalidLightsEmitNothing) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
   scene::Scene scene = boardBeforeWall(lightOf(shared::kLightPoint, {-2, -1, 0}, {0, 0, 0}));
   const scene::Light good = scene.lights.front();

@@ -1,4 +1,4 @@
-// Pictures rendered in strips against the same pictures rendered as one: the boundaries must not be visible.
+// Images rendered in strips against the same images rendered at once: the boundaries must not be visible.
 #include "render/submit/strips.h"
 
 #include <fmt/core.h>
@@ -22,7 +22,7 @@ constexpr uint32_t kStripWidth = 96, kStripHeight = 200;  // strips of 64, 64, 6
 constexpr uint32_t kStripPixels = kStripWidth * 100;
 constexpr size_t kHandful = 6;
 
-// A scene with a glass box, lit by three lights of which all cast shadows.
+// A scene with a glass box, lit by three lights that all cast shadows.
 scene::Scene litBoxes() {
   scene::Scene scene = scene::load("builtin:boxes");
   scene::Material& glass = scene.materials[3];
@@ -44,13 +44,13 @@ Settings stripped(Settings settings) {
   return settings;
 }
 
-struct Parting {
+struct StripCase {
   const char* name;
   void (*change)(Settings&, scene::Camera&);
 };
-const Parting kPartings[] = {
+const StripCase kStripCases[] = {
     {"plain", [](Settings&, scene::Camera&) {}},
-    {"msaa4OffCentre",
+    {"msaa4OffCenter",
      [](Settings& s, scene::Camera& c) {
        s.aa.samples = 4;
        c.principal = {0.3f, -0.45f};
@@ -77,33 +77,34 @@ const Parting kPartings[] = {
      }},
 };
 
-class StripsTest : public RenderTest, public testing::WithParamInterface<Parting> {};
+class StripsTest : public RenderTest, public testing::WithParamInterface<StripCase> {};
 
-// How far an output's values may lie apart, by rounding alone. A strip's projection rounds otherwise than the whole's.
+// The maximum difference of an output's values due to rounding. The projection of a strip rounds differently from that
+// of the full image.
 struct Tolerance {
   double absolute, relative;
 };
-// Where a CPU device cuts triangles at the strip's border, the cut parts the samples of pixels it runs through: with
-// several samples the surface is lit elsewhere within such a pixel.
+// A CPU device clips triangles at the strip's border, and the clipped edge splits the samples of the pixels that it
+// crosses. With several samples per pixel, the surface is then shaded at a different point of such a pixel.
 Tolerance toleranceOf(Aov aov, uint32_t samples) {
   switch (aov) {
     case Aov::Depth:
     case Aov::Distance:
       return {0, 1e-6};
     case Aov::Position:
-      return {1e-5, 1e-6};  // metres; the camera is about ten away
+      return {1e-5, 1e-6};  // in meters; the camera is about ten meters away
     case Aov::Motion:
-      return {1e-3, 0};  // pixels
+      return {1e-3, 0};  // in pixels
     case Aov::Color:
       return samples > 1 ? Tolerance{1e-2, 2e-2} : Tolerance{2e-3, 2e-3};  // half floats
     case Aov::Uv:
-      return {1e-5, 0};  // a pixel is 0.02 and more
+      return {1e-5, 0};  // a pixel covers at least 0.02
     default:
       return {2e-6, 0};
   }
 }
 
-// Pixels whose values lie farther apart than rounding explains.
+// Returns the pixels whose values differ by more than rounding explains.
 std::vector<bool> unlike(const output::AovImage& a, const output::AovImage& b, uint32_t samples) {
   const size_t pixels = size_t{a.width} * a.height;
   std::vector<bool> differs(pixels);
@@ -117,16 +118,16 @@ std::vector<bool> unlike(const output::AovImage& a, const output::AovImage& b, u
   return differs;
 }
 
-TEST_P(StripsTest, EqualTheWholePicture) {
+TEST_P(StripsTest, EqualTheFullImage) {
   const scene::Scene scene = litBoxes();
   const scene::Environment studio = scene::loadEnvironment("studio");
   Settings settings = settingsOf(kStripWidth, kStripHeight);
   settings.display = true;
   settings.shadows = ShadowFormat::D32;
-  settings.shadowAtlas = 4096;  // whose texels are smaller than pixels: edges of shadows are lines
+  settings.shadowAtlas = 4096;  // with texels smaller than pixels, so that the edges of shadows are lines
   settings.sun = SunLight{.azimuth = 0.6f, .elevation = 0.8f};
   for (const output::AovInfo& info : output::aovs())
-    if (info.aov != output::Aov::RasterClasses)  // by the box that a triangle has in its strip
+    if (info.aov != output::Aov::RasterClasses)  // depends on the box of a triangle in its strip
       settings.aovs.push_back(info.aov);
   scene::Camera camera = scene.cameras.front();
   GetParam().change(settings, camera);
@@ -158,10 +159,10 @@ TEST_P(StripsTest, EqualTheWholePicture) {
   EXPECT_LE(apart, 4 * kHandful);
 }
 
-INSTANTIATE_TEST_SUITE_P(Render, StripsTest, testing::ValuesIn(kPartings),
+INSTANTIATE_TEST_SUITE_P(Render, StripsTest, testing::ValuesIn(kStripCases),
                          [](const auto& info) { return std::string(info.param.name); });
 
-TEST_F(RenderTest, PickingFromAStripIsPickingFromTheWhole) {
+TEST_F(RenderTest, PickingFromAStripEqualsPickingFromTheFullImage) {
   const scene::Scene scene = litBoxes();
   Renderer renderer(device(), scene, nullptr);
   const Settings settings = settingsOf(kStripWidth, kStripHeight);
@@ -178,10 +179,10 @@ TEST_F(RenderTest, PickingFromAStripIsPickingFromTheWhole) {
   EXPECT_NE(strips[0].id, 0u);
 }
 
-// What the device works on while it renders: the picture's targets, several at once, and what they are read back to.
-TEST_F(RenderTest, StripsTakeAStripsMemory) {
+// Measures the memory in use after rendering: the image's targets, several of them at once, and their readback buffers.
+TEST_F(RenderTest, StripsRequireOnlyAStripsMemory) {
   const scene::Scene scene = scene::load("builtin:boxes");
-  const auto taken = [&](const Settings& settings) {
+  const auto usedBytesOf = [&](const Settings& settings) {
     Renderer renderer(device(), scene, nullptr);
     const uint64_t before = device().memory().statistics().usedBytes;
     renderer.render({&scene.cameras.front(), 1}, settings);
@@ -189,14 +190,15 @@ TEST_F(RenderTest, StripsTakeAStripsMemory) {
   };
   Settings settings = settingsOf(512, 512, {Aov::Depth, Aov::Normal});
   settings.display = true;
-  const uint64_t whole = taken(settings);
+  const uint64_t whole = usedBytesOf(settings);
   settings.stripPixels = 512 * 64;
-  const uint64_t strips = taken(settings);  // eight of them
+  const uint64_t strips = usedBytesOf(settings);  // eight strips
   EXPECT_GT(whole, uint64_t{512} * 512 * 32);
   EXPECT_LT(strips, whole / 6);
 }
 
-// A closed form: the ray of a pixel is that of the camera's own picture, whichever strip shows it.
+// In closed form: the ray of a pixel is that of the camera's full image, regardless of the strip that contains the
+// pixel.
 TEST(Strips, EachPixelKeepsItsRay) {
   scene::Camera camera;
   camera.principal = {0.3f, -0.7f};
@@ -211,8 +213,8 @@ TEST(Strips, EachPixelKeepsItsRay) {
       EXPECT_EQ(view.size, glm::vec2(1000, strip.rows));
       for (const uint32_t row : {0u, strip.rows / 2, strip.rows - 1}) {
         const glm::dvec2 pixel(700.5, strip.first + row + 0.5);
-        // Half a height is 1 / V of the camera's plane at 1 m, and the sample lies off the pixel's centre by the
-        // jitter.
+        // Half the image's height is 1 / V in the camera's plane at 1 m, and the sample is offset from the pixel's
+        // center by the jitter.
         const double half = orthographic ? 3.0 : std::tan(0.5 * double{camera.verticalFov});
         const double x = ((2 * (pixel.x + jitter.x) / 1000 - 1) - camera.principal.x) * half / 3;
         const double z = ((1 - 2 * (pixel.y + jitter.y) / 3000) - camera.principal.y) * half;
@@ -227,7 +229,7 @@ TEST(Strips, EachPixelKeepsItsRay) {
   }
 }
 
-TEST(Strips, CoverThePictureOnce) {
+TEST(Strips, CoverTheImageOnce) {
   Settings s;
   s.width = 16384;
   s.height = 16383;
@@ -247,8 +249,8 @@ TEST(Strips, CoverThePictureOnce) {
   EXPECT_EQ(stripsOf(s).size(), 1u);
 }
 
-// Pixels of these depend on pixels that a strip does not have; data do not.
-TEST(Strips, WhatNeedsNeighboursIsWhole) {
+// Pixels of these effects depend on pixels outside of their strip; data outputs do not.
+TEST(Strips, EffectsThatReadNeighborsDisableStrips) {
   Settings large;
   large.width = large.height = 16384;
   for (void (*change)(Settings&) :

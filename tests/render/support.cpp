@@ -17,7 +17,7 @@ namespace {
 
 std::unique_ptr<vk::Device> shared;
 
-// Static destructors would come too late for what the device's own destructor calls.
+// Static destructors run too late for objects that the device's own destructor uses.
 class Shutdown : public testing::Environment {
   void TearDown() override { shared.reset(); }
 };
@@ -104,7 +104,7 @@ scene::Mesh sphereMesh(float radius) {
     }
   for (uint32_t j = 0; j < kParallels; ++j)
     for (uint32_t i = 0; i < kMeridians; ++i) {
-      const uint32_t a = j * (kMeridians + 1) + i, b = a + kMeridians + 1;  // above, and below it
+      const uint32_t a = j * (kMeridians + 1) + i, b = a + kMeridians + 1;  // a is above b
       mesh.indices.insert(mesh.indices.end(), {a, b, b + 1, a, b + 1, a + 1});
     }
   scene::findBounds(mesh);
@@ -121,7 +121,7 @@ scene::Camera frontCamera(float half, float distance) {
 
 scene::Camera frontPerspective(float verticalFov, float distance) {
   scene::Camera camera;
-  camera.toWorld[3] = glm::vec4(0, -distance, 0, 1);  // glTF's -Z is the world's +Y, a camera's forward
+  camera.toWorld[3] = glm::vec4(0, -distance, 0, 1);  // glTF's -Z is the world's +Y, the camera's forward direction
   camera.verticalFov = verticalFov;
   camera.nearClip = 0.125f;
   return camera;

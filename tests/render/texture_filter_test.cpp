@@ -1,5 +1,5 @@
 // Texture filtering in compute shaders, for devices without descriptor indexing, against sampling in the graphics
-// pipeline: docs/limits.md states how far they differ.
+// pipeline. docs/limits.md states their differences.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ class TextureFilterTest : public RenderTest {
   }
 };
 
-TEST_F(TextureFilterTest, BothRastersShowTheHallAsThePageOfLimitsSays) {
+TEST_F(TextureFilterTest, RastersDifferInTheHallByAtMostTheDocumentedLimits) {
   if (device().maxTextureArray() != 0) GTEST_SKIP() << "this device has descriptor indexing";
   const std::vector<uint8_t> drawn = imageWith(Raster::Hardware), computed = imageWith(Raster::Compute);
   ASSERT_EQ(drawn.size(), computed.size());
@@ -40,7 +40,8 @@ TEST_F(TextureFilterTest, BothRastersShowTheHallAsThePageOfLimitsSays) {
   EXPECT_LT(sum / static_cast<double>(pixels), 0.6);
 }
 
-// A square whose texture has levels that differ by a constant: the metalness that shows is the level that was sampled.
+// A square whose texture has mip levels that differ by a constant, so the metalness output identifies the sampled
+// level.
 scene::Scene squareOfLevels(float texelsPerPixel, uint32_t pixels) {
   constexpr uint32_t kTexels = 256;
   scene::SceneBuilder builder{"levels"};
@@ -65,7 +66,7 @@ scene::Scene squareOfLevels(float texelsPerPixel, uint32_t pixels) {
 }
 
 // Drivers may approximate the level of detail (Vulkan 1.3, section 16.6.7). Compute shaders that filter textures
-// themselves take its logarithm.
+// themselves compute its logarithm.
 TEST_F(TextureFilterTest, LevelsFollowTheLogarithmOfTheFootprint) {
   constexpr uint32_t kPixels = 16;
   for (const Raster raster : {Raster::Hardware, Raster::Compute}) {

@@ -27,7 +27,7 @@ size_t combinationsOf(const std::vector<SlotSamplers>& samplers) {
   return different.size();
 }
 
-TEST(SlotSamplers, EmptySlotsTakeWhatOthersHave) {
+TEST(SlotSamplers, EmptySlotsTakeTheSamplersOfOtherMaterials) {
   const auto samplers = slotSamplers(
       {materialOf({}), materialOf({{0, kClamp}}), materialOf({{2, kRepeat}}), materialOf({{0, kClamp}, {2, kRepeat}})});
   EXPECT_EQ(combinationsOf(samplers), 1u);
@@ -36,7 +36,7 @@ TEST(SlotSamplers, EmptySlotsTakeWhatOthersHave) {
   EXPECT_FALSE(samplers[0][1]);
 }
 
-TEST(SlotSamplers, TexturesKeepTheirs) {
+TEST(SlotSamplers, TexturesKeepTheirSamplers) {
   const scene::Scene scene = scene::test::GltfBuilder::loadBytes(models::manyMaterialsModel(), "many.glb");
   ASSERT_EQ(scene.materials.size(), 100u);
   ASSERT_EQ(scene.textures.size(), 50u);
@@ -52,7 +52,7 @@ TEST(SlotSamplers, TexturesKeepTheirs) {
 
 class TextureKinds : public RenderTest {};
 
-TEST_F(TextureKinds, OnlySizesOfSeveralKindsAreMadeAlike) {
+TEST_F(TextureKinds, OnlyMixedTextureSizesAreUnified) {
   const auto texture = [](uint32_t width, uint32_t height) {
     return textureOf(width, height, false, std::vector<glm::u8vec4>(size_t{width} * height));
   };
@@ -61,13 +61,13 @@ TEST_F(TextureKinds, OnlySizesOfSeveralKindsAreMadeAlike) {
   EXPECT_FALSE(unifiesTextureSizes(device(), textures));
   textures.push_back(texture(4, 6));
   EXPECT_EQ(unifiesTextureSizes(device(), textures), device().isCpu());
-  const uint32_t most = device().properties().limits.maxImageDimension2D;
+  const uint32_t maxSize = device().properties().limits.maxImageDimension2D;
   EXPECT_TRUE(getsOddBase(device(), 4, 8));
   EXPECT_TRUE(getsOddBase(device(), 1, 6));
   EXPECT_FALSE(getsOddBase(device(), 3, 6));
-  EXPECT_FALSE(getsOddBase(device(), most, 4));
-  EXPECT_FALSE(getsOddBase(device(), most / 2, 4));
-  EXPECT_TRUE(getsOddBase(device(), most / 4, 4));
+  EXPECT_FALSE(getsOddBase(device(), maxSize, 4));
+  EXPECT_FALSE(getsOddBase(device(), maxSize / 2, 4));
+  EXPECT_TRUE(getsOddBase(device(), maxSize / 4, 4));
 }
 
 }  // namespace

@@ -57,16 +57,16 @@ TEST_F(TextureSetsTest, AHundredMaterialsLookAlike) {
           settingsOf(kTextureWidth, kTextureHeight, {Aov::Color, Aov::Albedo, Aov::Normal, Aov::Roughness});
       settings.lighting = &findTechnique(technique);
       settings.aa.samples = samples;
-      settings.raster = Raster::Hardware;  // with the other raster the two filter in different ways
+      settings.raster = Raster::Hardware;  // with the raster compute, the two devices filter differently
       settings.shadows = ShadowFormat::D32;
       compare(scene, settings);
     }
 }
 
-TEST_F(TextureSetsTest, EditsAndAnisotropyAreFollowed) {
+TEST_F(TextureSetsTest, EditsAndAnisotropyTakeEffect) {
   scene::Scene scene = scene::test::GltfBuilder::loadBytes(models::manyMaterialsModel(), "many.glb");
   const scene::Camera camera = cameraOf(scene, kTextureWidth, kTextureHeight);
-  Renderer kept(*indexed_, scene, nullptr);
+  Renderer renderer(*indexed_, scene, nullptr);
   for (uint32_t step = 0; step < 4; ++step) {
     Settings settings = settingsOf(kTextureWidth, kTextureHeight, {Aov::Albedo});
     settings.raster = Raster::Hardware;
@@ -77,18 +77,18 @@ TEST_F(TextureSetsTest, EditsAndAnisotropyAreFollowed) {
       changed.slots[shared::kTextureBaseColor].sampler = kNearest;
       setMaterialOf(scene, material, addMaterial(scene, changed));
     }
-    const output::FrameOutput now = std::move(kept.render({&camera, 1}, settings).front());
+    const output::FrameOutput now = std::move(renderer.render({&camera, 1}, settings).front());
     EXPECT_EQ(imageOf(now, Aov::Albedo).values,
               imageOf(renderOne(*indexed_, scene, camera, settings), Aov::Albedo).values);
     compare(scene, settings);
   }
 }
 
-// Entries of the array come free and are used again, also by an image that has the freed one's handle.
-TEST_F(TextureSetsTest, TexturesThatAreReplacedRemovedAndAddedAreFollowed) {
+// Entries of the array are freed and reused, also by an image that has the same handle as the freed one.
+TEST_F(TextureSetsTest, ReplacedRemovedAndAddedTexturesTakeEffect) {
   scene::Scene scene = scene::test::GltfBuilder::loadBytes(models::manyMaterialsModel(), "many.glb");
   const scene::Camera camera = cameraOf(scene, kTextureWidth, kTextureHeight);
-  Renderer kept(*indexed_, scene, nullptr);
+  Renderer renderer(*indexed_, scene, nullptr);
   Settings settings = settingsOf(kTextureWidth, kTextureHeight, {Aov::Albedo});
   settings.raster = Raster::Hardware;
   const auto plain = [](uint32_t side, uint32_t step) {
@@ -110,7 +110,7 @@ TEST_F(TextureSetsTest, TexturesThatAreReplacedRemovedAndAddedAreFollowed) {
       setMaterial(scene, i, material);
     }
     if (step > 0) scene::setTexture(scene, added[3], plain(8, 0));
-    const output::FrameOutput now = std::move(kept.render({&camera, 1}, settings).front());
+    const output::FrameOutput now = std::move(renderer.render({&camera, 1}, settings).front());
     EXPECT_EQ(imageOf(now, Aov::Albedo).values,
               imageOf(renderOne(*indexed_, scene, camera, settings), Aov::Albedo).values);
     compare(scene, settings);

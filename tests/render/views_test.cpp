@@ -1,4 +1,4 @@
-// Cameras: several at once, the same one twice, and positions that project back to their pixels.
+// Several cameras at once, the same camera twice, and positions that project back to their pixels.
 #include <fmt/core.h>
 
 #include <array>
@@ -30,7 +30,7 @@ std::vector<Aov> everyAov() {
   return all;
 }
 
-// Perspective with a far plane, orthographic, and off-centre; all over the boxes.
+// Perspective with a far plane, orthographic, and off-center; all cameras view the boxes.
 std::vector<scene::Camera> threeCameras(const scene::Scene& scene) {
   std::vector<scene::Camera> cameras(3, scene.cameras.front());
   cameras[0].farClip = 40;
@@ -59,7 +59,7 @@ void expectSame(const output::FrameOutput& a, const output::FrameOutput& b) {
 
 class ViewsTest : public RenderTest {
  protected:
-  // Cameras at once against one by one, and the first call against the second, in each setting.
+  // Compares cameras at once with single cameras, and a first call with a second one.
   static void compare(const scene::Scene& scene, std::span<const scene::Camera> cameras, Settings settings) {
     const scene::Environment studio = scene::loadEnvironment("studio");
     settings.display = true;
@@ -77,11 +77,11 @@ class ViewsTest : public RenderTest {
       SCOPED_TRACE("alone, by another renderer");
       expectSame(together[i], other.render(cameras.subspan(i, 1), settings).front());
     }
-    EXPECT_FALSE(together[0].display == together[1].display);  // the cameras do differ
+    EXPECT_FALSE(together[0].display == together[1].display);  // the cameras must differ
   }
 };
 
-// More than an image has layers for.
+// More cameras than an image has array layers.
 TEST_F(ViewsTest, ManyCamerasAreRenderedInTurn) {
   const scene::Scene scene = scene::load("builtin:boxes");
   std::vector<scene::Camera> cameras(300, scene.cameras.front());
@@ -97,12 +97,12 @@ TEST_F(ViewsTest, ManyCamerasAreRenderedInTurn) {
   EXPECT_FALSE(all[0].display == all[299].display);
 }
 
-TEST_F(ViewsTest, ThreeAtOnceAreThreeAlone) {
+TEST_F(ViewsTest, ThreeAtOnceEqualSingleViews) {
   const scene::Scene scene = scene::load("builtin:boxes");
   compare(scene, threeCameras(scene), settingsOf(kViewWidth, kViewHeight));
 }
 
-TEST_F(ViewsTest, ThreeAtOnceAreThreeAloneSuperSampledInAnotherLayout) {
+TEST_F(ViewsTest, ThreeAtOnceEqualSingleViewsSupersampledInAnotherLayout) {
   const scene::Scene scene = scene::load("builtin:boxes");
   Settings settings = settingsOf(kViewWidth, kViewHeight);
   settings.aa.superSampling = 2;
@@ -111,7 +111,7 @@ TEST_F(ViewsTest, ThreeAtOnceAreThreeAloneSuperSampledInAnotherLayout) {
   compare(scene, threeCameras(scene), settings);
 }
 
-// Shadow maps are chosen, fitted and drawn for each view: the cameras see different lights, one of them none.
+// Shadow maps are chosen, fitted and drawn per view: the cameras see different lights, and one of them sees none.
 scene::Scene litHall() {
   return scene::load("builtin:hall,triangles=50k,lights=12,glass=1");
 }
@@ -125,7 +125,7 @@ std::vector<scene::Camera> hallCameras(const scene::Scene& scene) {
   return cameras;
 }
 
-TEST_F(ViewsTest, ManyAtOnceWithShadowsAreManyAlone) {
+TEST_F(ViewsTest, ManyAtOnceWithShadowsEqualSingleViews) {
   const scene::Scene scene = litHall();
   Settings settings = settingsOf(60, 40, {Aov::Color, Aov::Depth, Aov::LightsUsed});
   settings.sun = SunLight{.azimuth = 0.5f, .elevation = 0.8f};
@@ -135,7 +135,7 @@ TEST_F(ViewsTest, ManyAtOnceWithShadowsAreManyAlone) {
                                                          {"d16", "hard", "exact", "volumes"},
                                                          {"rgba8", "pcf", "compact", "forward"},
                                                          {"d32", "pcf", "compact", "forward-multipass"}}) {
-    // What is drawn is so beside either raster: once is enough.
+    // Techniques that draw are the same with either raster, so one run is sufficient.
     if (testRaster() == Raster::Compute && findTechnique(lighting).draws) continue;
     SCOPED_TRACE(fmt::format("{}, {}, {}, {}", format, filter, layout, lighting));
     settings.shadows = readChoice<ShadowFormat>("--shadows", format);
@@ -147,7 +147,7 @@ TEST_F(ViewsTest, ManyAtOnceWithShadowsAreManyAlone) {
 }
 
 // Each camera has its own history.
-TEST_F(ViewsTest, TemporalSequencesOfManyCamerasAreThoseOfEach) {
+TEST_F(ViewsTest, TemporalSequencesOfManyCamerasEqualSingleSequences) {
   const scene::Scene scene = litHall();
   Settings settings = settingsOf(60, 40, {Aov::Depth, Aov::Motion});
   settings.display = true;
@@ -189,19 +189,19 @@ TEST_F(ViewsTest, TexturedModelsAreTheSameEachTime) {
   }
 }
 
-// K and pose as the side file states them (docs/conventions.md).
+// The intrinsic matrix K and the pose, as the side file states them (docs/conventions.md).
 struct Pinhole {
-  dvec2 focal, centre;
-  dmat4 toCamera;  // OpenCV's frame
+  dvec2 focal, center;
+  dmat4 toCamera;  // in OpenCV's frame
   bool orthographic;
 
   Pinhole(const scene::Camera& camera, const scene::Scene& scene, bool zUp)
       : focal(0.5 * kViewHeight / (camera.orthographic ? camera.yHalf : std::tan(0.5 * camera.verticalFov))),
-        centre(0.5 * kViewWidth * (1 + camera.principal.x), 0.5 * kViewHeight * (1 - camera.principal.y)),
+        center(0.5 * kViewWidth * (1 + camera.principal.x), 0.5 * kViewHeight * (1 - camera.principal.y)),
         toCamera(glm::inverse(openCvPose(camera, scene, zUp))),
         orthographic(camera.orthographic) {}
 
-  dvec2 project(dvec3 inCamera) const { return dvec2(inCamera) * focal / (orthographic ? 1 : inCamera.z) + centre; }
+  dvec2 project(dvec3 inCamera) const { return dvec2(inCamera) * focal / (orthographic ? 1 : inCamera.z) + center; }
 };
 
 TEST_F(ViewsTest, PositionsProjectBackToTheirPixels) {
@@ -221,23 +221,23 @@ TEST_F(ViewsTest, PositionsProjectBackToTheirPixels) {
         if (std::isinf(depth)) continue;
         ++covered;
         const dvec3 p = pinhole.toCamera * dvec4(vec3At(imageOf(frame, Aov::Position), i), 1);
-        const dvec2 centre(static_cast<double>(i % kViewWidth) + 0.5, static_cast<double>(i / kViewWidth) + 0.5);
-        worst = std::max(worst, glm::length(pinhole.project(p) - centre));
+        const dvec2 center(static_cast<double>(i % kViewWidth) + 0.5, static_cast<double>(i / kViewWidth) + 0.5);
+        worst = std::max(worst, glm::length(pinhole.project(p) - center));
         worstDepth = std::max(worstDepth, std::abs(p.z - depth) / depth);
         worstDistance =
             std::max(worstDistance, std::abs((camera.orthographic ? p.z : glm::length(p)) - distance) / distance);
       }
       EXPECT_GT(covered, kViewWidth * kViewHeight / 2u);
-      EXPECT_LT(worst, 1e-3);  // pixels
+      EXPECT_LT(worst, 1e-3);  // in pixels
       EXPECT_LT(worstDepth, 1e-5);
       EXPECT_LT(worstDistance, 1e-5);
     }
 }
 
-TEST_F(ViewsTest, NormalsComeInTheFrameAskedFor) {
+TEST_F(ViewsTest, NormalsAreInTheRequestedFrame) {
   const scene::Scene scene = scene::load("builtin:boxes");
   scene::Camera camera = threeCameras(scene)[2];
-  const float turn = 0.3f;  // about the vertical, so that the frames differ by more than axes' names
+  const float turn = 0.3f;  // about the vertical axis, so that the frames differ by more than a permutation of axes
   camera.toWorld[0] = glm::vec4(std::cos(turn), std::sin(turn), 0, 0);
   camera.toWorld[1] = glm::vec4(-std::sin(turn), std::cos(turn), 0, 0);
   Settings settings = settingsOf(kViewWidth, kViewHeight, {Aov::Normal, Aov::GeoNormal});
