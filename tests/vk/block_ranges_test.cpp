@@ -1,3 +1,4 @@
+// The allocation of ranges in a block of device memory, against a brute-force model.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,12 +11,12 @@
 namespace latelight::vk {
 namespace {
 
-// One flag a byte: slow, and plainly right.
+// A model with one flag per byte, which is slow but obviously correct.
 class Model {
  public:
   explicit Model(size_t size) : used_(size, false) {}
 
-  // First fit, as BlockRanges promises.
+  // First fit, as BlockRanges specifies.
   uint64_t firstFit(uint64_t size, uint64_t alignment) const {
     for (uint64_t offset = 0; offset + size <= used_.size(); offset += alignment)
       if (std::none_of(used_.begin() + offset, used_.begin() + offset + size, [](bool used) { return used; }))
@@ -69,7 +70,7 @@ TEST(BlockRanges, AgreesWithABruteForceModel) {
   }
 }
 
-TEST(BlockRanges, MergesWithBothNeighbours) {
+TEST(BlockRanges, MergesWithBothNeighbors) {
   BlockRanges ranges(300);
   const uint64_t a = ranges.allocate(100, 1), b = ranges.allocate(100, 1), c = ranges.allocate(100, 1);
   EXPECT_EQ(ranges.allocate(1, 1), BlockRanges::kNone);
@@ -106,7 +107,7 @@ TEST(BlockRanges, HugeSizesDoNotWrap) {
   EXPECT_EQ(ranges.allocate(1, uint64_t{1} << 62), BlockRanges::kNone);
 }
 
-TEST(BlockRanges, EmptyAllocationsHaveOffsetsOfTheirOwn) {
+TEST(BlockRanges, EmptyAllocationsHaveDifferentOffsets) {
   BlockRanges ranges(16);
   const uint64_t a = ranges.allocate(0, 1), b = ranges.allocate(0, 1);
   EXPECT_NE(a, b);

@@ -10,7 +10,7 @@ namespace {
 
 std::unique_ptr<Device> shared;
 
-// Static destructors would come too late for what the device's own destructor calls.
+// Static destructors run too late for objects that the device's own destructor uses.
 class Shutdown : public testing::Environment {
   void TearDown() override { shared.reset(); }
 };

@@ -24,7 +24,7 @@ class DeviceTest : public testing::Test {
   }
 };
 
-// Bytes that differ from their neighbours and from row to row.
+// Bytes that differ from their neighbors and from row to row.
 inline std::vector<std::byte> pattern(size_t size, uint32_t seed = 1) {
   std::vector<std::byte> bytes(size);
   uint32_t state = seed * 2654435761u + 1;
@@ -32,15 +32,15 @@ inline std::vector<std::byte> pattern(size_t size, uint32_t seed = 1) {
   return bytes;
 }
 
-// What the device has done is seen by the host from here on.
+// Makes the device's writes so far visible to the host.
 inline void recordHostBarrier(VkCommandBuffer commands) {
   recordMemoryBarrier(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
                       VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
 }
 
-// All of a buffer, wherever its memory is.
+// Returns all bytes of a buffer, in any kind of memory.
 std::vector<std::byte> readBack(Device& device, const Buffer& buffer);
-// All levels of layer 0 of an image in READ_ONLY_OPTIMAL, as Uploader takes them.
+// Returns all mip levels of layer 0 of an image in READ_ONLY_OPTIMAL, in the format that Uploader accepts.
 std::vector<std::byte> readBack(Device& device, const Image& image);
 
 }  // namespace latelight::vk

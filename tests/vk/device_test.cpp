@@ -1,3 +1,4 @@
+// Devices: submissions, deferred deletion, memory, exported buffers, caches, and the selection of a device.
 #include <gmock/gmock.h>
 #include <unistd.h>
 
@@ -39,7 +40,7 @@ TEST_F(DeviceTest, IsUsable) {
   EXPECT_FALSE(device().has("VK_EXT_no_such_extension"));
 }
 
-// Two writes of the same bytes with nothing between them. A missing validation layer must fail here.
+// Two writes of the same bytes without a barrier between them. Without the validation layer, this test fails.
 TEST_F(DeviceTest, APlantedHazardIsReported) {
   const Buffer buffer(device(), {.size = 4096, .name = "hazard"});
   device().submitAndWait([&](VkCommandBuffer commands) {
@@ -52,7 +53,7 @@ TEST_F(DeviceTest, APlantedHazardIsReported) {
   EXPECT_THAT(messages.front(), HasSubstr("hazard")) << "objects are named";
 }
 
-TEST_F(DeviceTest, DeletesAtOnceWhenIdleAndAfterTheSubmissionElse) {
+TEST_F(DeviceTest, DeletesAtOnceIfIdleAndElseAfterTheSubmission) {
   int dead = 0;
   device().deferDeletion([&] { ++dead; });
   EXPECT_EQ(dead, 1);
@@ -81,7 +82,7 @@ TEST_F(DeviceTest, SubmitsWithoutWaitingAndFinishesInOrder) {
   EXPECT_EQ(target.as<uint32_t>()[15], 7u);
 }
 
-TEST_F(DeviceTest, DeletesWhenTheSubmissionsMadeSoFarHaveFinished) {
+TEST_F(DeviceTest, DeletesWhenEarlierSubmissionsHaveFinished) {
   Gate gate(device());
   int dead = 0;
   const uint64_t first = device().submit([&](VkCommandBuffer commands) {
@@ -95,7 +96,7 @@ TEST_F(DeviceTest, DeletesWhenTheSubmissionsMadeSoFarHaveFinished) {
   EXPECT_EQ(dead, 2);
 }
 
-// What was given up in a submission that never came may still be used by those before.
+// Objects that are deleted in a submission that failed may still be used by earlier submissions.
 TEST_F(DeviceTest, ASubmissionThatThrowsDeletesAfterThoseBeforeIt) {
   Gate gate(device());
   int dead = 0;
@@ -127,7 +128,7 @@ TEST_F(DeviceTest, ManySubmissionsNeedNoWait) {
   for (uint32_t i = 0; i < 16; ++i) EXPECT_EQ(counter.as<uint32_t>()[i], i < 8 ? 32 + i : 16 + i);
 }
 
-TEST(DeviceEnd, DeletesWhatStillWaits) {
+TEST(DeviceEnd, RunsPendingDeletions) {
   int dead = 0;
   {
     Device device({.selector = test::testDevice(), .validation = true});
@@ -186,7 +187,7 @@ TEST_F(DeviceTest, ErrorsCarryTheirCode) {
   EXPECT_EQ(sentence, "vkCall(x) returns VK_ERROR_FORMAT_NOT_SUPPORTED (b.cpp:3)");
 }
 
-TEST_F(DeviceTest, MemoryThatIsNotThereIsAnErrorWithTheSizes) {
+TEST_F(DeviceTest, InsufficientMemoryIsAnErrorWithTheSizes) {
   std::string sentence;
   const VkMemoryRequirements needs{VkDeviceSize{1} << 44, 256, ~0u};
   EXPECT_EQ(codeOf([&] { device().memory().allocate(needs, MemoryKind::Device, true, Allocator::Sharing::Blocks); },
@@ -197,8 +198,8 @@ TEST_F(DeviceTest, MemoryThatIsNotThereIsAnErrorWithTheSizes) {
   EXPECT_EQ(codeOf([&] { Image(device(), {.format = VK_FORMAT_R8_UNORM, .width = 1u << 20}); }), ExitCode::Usage);
 }
 
-// Imported again by the same device, another buffer has what was written to the first.
-TEST_F(DeviceTest, ExportedMemoryIsTheBuffersOwn) {
+// Another buffer that imports the memory into the same device contains the bytes written to the first buffer.
+TEST_F(DeviceTest, ExportedMemoryIsThatOfTheBuffer) {
   if (!exportsBuffers(device())) GTEST_SKIP() << device().info().name << " exports no buffers";
   const Buffer exported(device(), {.size = 4096, .name = "exported", .exported = true});
   VkExternalMemoryBufferCreateInfo external{VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO};
@@ -232,7 +233,7 @@ TEST_F(DeviceTest, ExportedMemoryIsTheBuffersOwn) {
   vkFreeMemory(device().get(), memory, nullptr);
 }
 
-TEST_F(DeviceTest, MemoryComesInBlocksAndGoesBack) {
+TEST_F(DeviceTest, MemoryIsAllocatedInBlocksAndReturned) {
   const Allocator::Statistics before = device().memory().statistics();
   {
     std::vector<Buffer> buffers;
@@ -258,7 +259,7 @@ TEST_F(DeviceTest, DeviceMemoryIsMappedOnTheCpu) {
   EXPECT_NE(buffer.address(), 0u);
 }
 
-// A cache folder of the test's own.
+// A temporary cache folder for one test.
 class CacheFolder {
  public:
   CacheFolder() : path_(std::filesystem::path(testing::TempDir()) / fmt::format("latelight-cache-{}", getpid())) {
@@ -316,7 +317,7 @@ DeviceInfo fake(uint32_t index, const char* name, const char* type, std::vector<
 class ChooseDevice : public testing::Test {
  protected:
   uint32_t chosen(const std::string& selector) { return chooseDevice(list, selector).device.index; }
-  std::string refusal(const std::string& selector) {
+  std::string errorFor(const std::string& selector) {
     std::string sentence;
     EXPECT_EQ(codeOf([&] { chosen(selector); }, &sentence), ExitCode::NoDevice) << selector;
     return sentence;
@@ -326,16 +327,16 @@ class ChooseDevice : public testing::Test {
                                fake(3, "GeForce RTX 3060", "discrete"), fake(4, "Other RTX 3060", "discrete")};
 };
 
-TEST_F(ChooseDevice, AutomaticTakesTheFirstUsableOfTheBestType) {
+TEST_F(ChooseDevice, AutomaticChoosesTheFirstUsableOfTheBestType) {
   EXPECT_EQ(chosen("auto"), 3u);
   list.resize(3);
   EXPECT_EQ(chosen("auto"), 1u);
   list.resize(1);
   EXPECT_EQ(chosen("auto"), 0u);
   list[0].missing = {"scalarBlockLayout"};
-  EXPECT_THAT(refusal("auto"), HasSubstr("scalarBlockLayout"));
+  EXPECT_THAT(errorFor("auto"), HasSubstr("scalarBlockLayout"));
   list.clear();
-  EXPECT_THAT(refusal("auto"), HasSubstr("latelight doctor"));
+  EXPECT_THAT(errorFor("auto"), HasSubstr("latelight doctor"));
 }
 
 TEST_F(ChooseDevice, ByTypeNumberNameAndUuid) {
@@ -347,19 +348,19 @@ TEST_F(ChooseDevice, ByTypeNumberNameAndUuid) {
   EXPECT_EQ(chosen("00000000-0000-0000-0000-00000000abc4"), 4u);
 }
 
-TEST_F(ChooseDevice, RefusalsSayWhatThereIs) {
-  EXPECT_THAT(refusal("2"), HasSubstr("Vulkan 1.3"));
-  EXPECT_THAT(refusal("voodoo"), HasSubstr("1: Iris"));
-  EXPECT_THAT(refusal("99"), HasSubstr("99"));
-  EXPECT_THAT(refusal("3060"), HasSubstr("3060")) << "in names, but a number is an index";
-  EXPECT_THAT(refusal("4294967297"), HasSubstr("4294967297")) << "1, were it cut to 32 bits";
-  refusal("");
+TEST_F(ChooseDevice, ErrorsListTheDevices) {
+  EXPECT_THAT(errorFor("2"), HasSubstr("Vulkan 1.3"));
+  EXPECT_THAT(errorFor("voodoo"), HasSubstr("1: Iris"));
+  EXPECT_THAT(errorFor("99"), HasSubstr("99"));
+  EXPECT_THAT(errorFor("3060"), HasSubstr("3060")) << "in names, but a number is an index";
+  EXPECT_THAT(errorFor("4294967297"), HasSubstr("4294967297")) << "1, were it cut to 32 bits";
+  errorFor("");
   list.erase(list.begin());
-  EXPECT_THAT(refusal("cpu"), HasSubstr("mesa-vulkan-drivers"));
+  EXPECT_THAT(errorFor("cpu"), HasSubstr("mesa-vulkan-drivers"));
 }
 
-TEST(Features, EachRowHasAFieldOfItsOwn) {
-  // A copied line would leave one feature unasked.
+TEST(Features, EachRowHasItsOwnField) {
+  // A duplicated line would leave one feature unchecked.
   Features features;
   std::vector<const VkBool32*> seen;
   for (auto table : {requiredFeatures(), graphicsFeatures(), computeFeatures(), optionalFeatures()})

@@ -57,7 +57,7 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL hidingEntry(VkInstance instance, const 
   return real;
 }
 
-// Stands between the loader and us, and hides a part of each device.
+// Intercepts the program's calls to the loader and hides a part of each device.
 void hide() {
   if (!std::getenv(kHide) || !loadVulkan().found()) return;
   realEntry = vkGetInstanceProcAddr;
@@ -129,7 +129,7 @@ class Doctor : public testing::Test {
   nlohmann::json report_;
 };
 
-TEST_F(Doctor, FindsNothingWrongWhereTheCpuDriverIsThere) {
+TEST_F(Doctor, FindsNoProblemsIfTheCpuDriverIsInstalled) {
   run({});
   EXPECT_TRUE(usable());
   EXPECT_EQ(start(), "works");
@@ -144,7 +144,7 @@ TEST_F(Doctor, NoLoader) {
   EXPECT_THAT(start(), HasSubstr("There is no Vulkan loader"));
 }
 
-TEST_F(Doctor, ALoaderThatIsNone) {
+TEST_F(Doctor, ALibraryThatIsNoLoader) {
   run({{"LATELIGHT_VULKAN_LOADER", "libm.so.6"}});
   EXPECT_FALSE(usable());
   EXPECT_THAT(problems(), Contains(HasSubstr("libm.so.6 is not a Vulkan loader")));
@@ -191,7 +191,7 @@ TEST_F(Doctor, ALibraryThatIsNoDriver) {
   EXPECT_THAT(problems(), Contains(HasSubstr("names the library libm.so.6, which is not a Vulkan driver")));
 }
 
-TEST_F(Doctor, ABrokenDriverBesideAGoodOneIsToldAndDoesNotMatter) {
+TEST_F(Doctor, ABrokenDriverNextToAGoodOneIsReportedAndHarmless) {
   run({{"VK_ADD_DRIVER_FILES", driverFile("lost.json", "./lost_driver.so")}});
   EXPECT_TRUE(usable());
   EXPECT_EQ(start(), "works");
@@ -240,7 +240,7 @@ TEST(DoctorOnDevices, NamesEachMissingFeature) {
   }
 }
 
-TEST(DoctorOnDevices, SaysWhatAutoChoosesAndWhy) {
+TEST(DoctorOnDevices, ReportsWhatAutoChoosesAndWhy) {
   std::vector<DeviceInfo> devices{fake("1.2.9", {"Vulkan 1.3 (it has 1.2.9)"}), fake("1.4.0", {})};
   devices[1].index = 1;
   devices[1].name = "Newer GPU";

@@ -1,3 +1,4 @@
+// The reservation of disk space for the index of Mesa's shader cache, on a full disk and with unusual files.
 #include "vk/driver_cache.h"
 
 #include <gtest/gtest.h>
@@ -14,9 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uintmax_t kIndexBytes = 1310728;  // as Mesa 22.3 has it
+constexpr uintmax_t kIndexBytes = 1310728;  // as in Mesa 22.3
 
-// An index of holes in the cache folder below `base`, which the environment names.
+// Creates a sparse index in the cache folder below `base`, and sets the environment variable to `base`.
 fs::path makeIndex(const fs::path& base) {
   setenv("MESA_SHADER_CACHE_DIR", base.c_str(), 1);
   const fs::path index = base / "mesa_shader_cache" / "index";
@@ -42,7 +43,7 @@ class DriverCache : public testing::Test {
   std::string before_;
 };
 
-TEST_F(DriverCache, FillsTheHolesOfItsIndexAndKeepsWhatItHolds) {
+TEST_F(DriverCache, FillsTheHolesOfTheIndexAndKeepsItsContents) {
   const test::SmallDisk disk(4u << 20);
   if (!disk) GTEST_SKIP() << "This user may not mount a small disk.";
   const fs::path index = makeIndex(disk.path());
@@ -55,7 +56,7 @@ TEST_F(DriverCache, FillsTheHolesOfItsIndexAndKeepsWhatItHolds) {
   EXPECT_TRUE(reserveDriverCache()) << "what is reserved needs no more room";
 }
 
-TEST_F(DriverCache, HasNoRoomOnAFullDisk) {
+TEST_F(DriverCache, FailsOnAFullDisk) {
   const test::SmallDisk disk(64u << 10);
   if (!disk) GTEST_SKIP() << "This user may not mount a small disk.";
   setenv("MESA_SHADER_CACHE_DIR", (disk.path() / "not" / "there").c_str(), 1);
@@ -65,7 +66,7 @@ TEST_F(DriverCache, HasNoRoomOnAFullDisk) {
   EXPECT_FALSE(reserveDriverCache());
 }
 
-TEST_F(DriverCache, TakesNoPipeForAnIndex) {
+TEST_F(DriverCache, IgnoresAPipeInPlaceOfTheIndex) {
   std::string name = (fs::temp_directory_path() / "latelight-cache-XXXXXX").string();
   const fs::path base = mkdtemp(name.data());
   const fs::path index = makeIndex(base);

@@ -5,7 +5,7 @@
 
 namespace latelight::vk {
 
-// Holds the queue up until the host opens it: what was submitted has not finished before, and must after.
+// Blocks the queue from wait() until open(): the submission that waits, and all later ones, do not finish before.
 class Gate {
  public:
   explicit Gate(Device& device) : device_(device) {

@@ -1,3 +1,4 @@
+// The reflection of shaders, and the errors if a pipeline's declaration does not match its shaders.
 #include "vk/interface_check.h"
 
 #include <gmock/gmock.h>
@@ -17,8 +18,8 @@ using testing::FieldsAre;
 
 constexpr Binding kRight[] = {Binding::Sampled, Binding::Storage};
 
-// What is said of the tiny shader in a pipeline that declares this; nothing where they fit.
-std::string said(const DeclaredInterface& declared) {
+// Returns the error of the tiny shader in a pipeline with this declared interface, or an empty string.
+std::string errorOf(const DeclaredInterface& declared) {
   const CheckedStage stage{"tiny", kTinyShader};
   try {
     checkInterface(std::span(&stage, 1), declared);
@@ -29,7 +30,7 @@ std::string said(const DeclaredInterface& declared) {
   }
 }
 
-TEST(Reflection, FindsWhatAShaderUses) {
+TEST(Reflection, FindsTheResourcesOfAShader) {
   const Reflection found = reflect(kTinyShader);
   EXPECT_THAT(found.bindings, ElementsAre(FieldsAre(0u, 0u, Binding::Sampled, "source"),
                                           FieldsAre(0u, 1u, Binding::Storage, "target")));
@@ -38,45 +39,45 @@ TEST(Reflection, FindsWhatAShaderUses) {
   EXPECT_THAT(found.constants, ElementsAre(FieldsAre(3u, true, "kFactor")));
 }
 
-TEST(Reflection, RefusesWhatIsNoSpirv) {
+TEST(Reflection, RejectsInvalidSpirv) {
   EXPECT_THROW(reflect({}), Error);
   EXPECT_THROW(reflect(std::span(kTinyShader).subspan(1)), Error);
   EXPECT_THROW(reflect(std::span(kTinyShader).first(std::size(kTinyShader) - 1)), Error);
 }
 
-TEST(InterfaceCheck, PassesWhatFits) {
+TEST(InterfaceCheck, AcceptsMatchingInterfaces) {
   constexpr Constant constants[] = {{ConstantId{3}, 5}, {ConstantId{4}, 1}};
-  EXPECT_EQ(said({.bindings = kRight, .constants = constants, .pushBytes = 20}), "");
-  EXPECT_EQ(said({.bindings = kRight, .pushBytes = 24}), "") << "with the padding at the end of a C++ struct";
-  EXPECT_EQ(said({.bindings = kRight}), "") << "push constants are not said";
+  EXPECT_EQ(errorOf({.bindings = kRight, .constants = constants, .pushBytes = 20}), "");
+  EXPECT_EQ(errorOf({.bindings = kRight, .pushBytes = 24}), "") << "with the padding at the end of a C++ struct";
+  EXPECT_EQ(errorOf({.bindings = kRight}), "") << "push constants are not said";
   constexpr Binding more[] = {Binding::Sampled, Binding::Storage, Binding::Uniform};
-  EXPECT_EQ(said({.bindings = more}), "") << "bindings of another stage";
+  EXPECT_EQ(errorOf({.bindings = more}), "") << "bindings of another stage";
 }
 
 TEST(InterfaceCheck, NamesABindingOfAnotherKind) {
   constexpr Binding sampled[] = {Binding::Sampled, Binding::Sampled};
-  EXPECT_EQ(said({.bindings = sampled}),
+  EXPECT_EQ(errorOf({.bindings = sampled}),
             "Binding 1 (target) of tiny is a storage image, but its pipeline declares a sampled image.");
   constexpr Binding uniform[] = {Binding::Uniform, Binding::Storage};
-  EXPECT_EQ(said({.bindings = uniform}),
+  EXPECT_EQ(errorOf({.bindings = uniform}),
             "Binding 0 (source) of tiny is a sampled image, but its pipeline declares a uniform buffer.");
 }
 
 TEST(InterfaceCheck, NamesABindingThatIsMissing) {
-  EXPECT_EQ(said({.bindings = std::span(kRight).first(1)}),
+  EXPECT_EQ(errorOf({.bindings = std::span(kRight).first(1)}),
             "tiny uses binding 1 (target), but its pipeline declares only 1.");
 }
 
 TEST(InterfaceCheck, NamesPushConstantsOfAnotherSize) {
-  EXPECT_EQ(said({.bindings = kRight, .pushBytes = 16}),
+  EXPECT_EQ(errorOf({.bindings = kRight, .pushBytes = 16}),
             "The push constants (Push) of tiny take 20 bytes, but its pipeline pushes 16.");
-  EXPECT_EQ(said({.bindings = kRight, .pushBytes = 28}),
+  EXPECT_EQ(errorOf({.bindings = kRight, .pushBytes = 28}),
             "The push constants (Push) of tiny take 20 bytes, but its pipeline pushes 28.");
-  EXPECT_EQ(said({.bindings = kRight, .pushBytes = 132}),
+  EXPECT_EQ(errorOf({.bindings = kRight, .pushBytes = 132}),
             "The pipeline of tiny pushes 132 bytes, but devices may support no more than 128.");
 }
 
-// The tiny shader with its specialization constant's type made another: OpTypeInt 32 0 becomes 16 bits wide.
+// The tiny shader with another type of its specialization constant: OpTypeInt 32 0 becomes 16 bits wide.
 TEST(InterfaceCheck, NamesAConstantOfAnotherType) {
   std::vector<uint32_t> code(std::begin(kTinyShader), std::end(kTinyShader));
   spirv::forEachInstruction(code, [&code](const spirv::Instruction& instruction) {  // its operands: id, width and sign
@@ -95,7 +96,7 @@ TEST(InterfaceCheck, NamesAConstantOfAnotherType) {
   }
 }
 
-TEST(InterfaceCheck, OneStageMayDeclareTheBeginningOfWhatAnotherIsPushed) {
+TEST(InterfaceCheck, OneStageMayDeclareAPrefixOfThePushConstants) {
   const CheckedStage stages[] = {{"scene.vert", shaderCode("scene.vert")}, {"shadow.frag", shaderCode("shadow.frag")}};
   EXPECT_NO_THROW(checkInterface(stages, {.pushBytes = 28}));
   try {

@@ -71,7 +71,7 @@ TEST(InvalidSpirv, SpecializationNeedsAllOperands) {
     EXPECT_THROW(specialize(moduleOf(instructions), constants), Error);
 }
 
-TEST(InvalidSpirv, TypesThatContainThemselvesEnd) {
+TEST(InvalidSpirv, RecursiveTypesTerminate) {
   const Reflection found = reflect(moduleOf(blockOf({{spv::OpTypeArray, 11, 11, 99}})));
   ASSERT_TRUE(found.push);
   EXPECT_EQ(found.push->bytes, 0u);
@@ -79,8 +79,8 @@ TEST(InvalidSpirv, TypesThatContainThemselvesEnd) {
   EXPECT_EQ(reflect(moduleOf(blockOf({{spv::OpTypeStruct, 11, 10}}))).push->bytes, 0u);
 }
 
-// Each struct has the one before it twice: 2^40 scalars, which are counted once per struct.
-TEST(InvalidSpirv, StructsThatDoubleEnd) {
+// Each struct contains the previous one twice, for a total of 2^40 scalars, which are counted once per struct.
+TEST(InvalidSpirv, ExponentialStructsTerminate) {
   std::vector<Words> types = {{spv::OpTypeInt, 100, 32, 0}};
   for (uint32_t i = 0; i < 40; ++i) types.push_back({spv::OpTypeStruct, 101 + i, 100 + i, 100 + i});
   types.push_back({spv::OpTypeArray, 11, 140, 99});

@@ -1,3 +1,4 @@
+// Compute pipelines, descriptor sets, and the names and variants of embedded shaders.
 #include "vk/pipeline.h"
 
 #include <algorithm>
@@ -15,7 +16,7 @@ struct Push {
   uint32_t width, height, add;
 };
 
-constexpr uint32_t kWidth = 37, kHeight = 11;  // no multiples of the workgroup's 8x4
+constexpr uint32_t kWidth = 37, kHeight = 11;  // not multiples of the workgroup's 8x4
 
 struct Tiny {
   explicit Tiny(Device& device)
@@ -74,7 +75,7 @@ TEST_F(DeviceTest, AComputePipelineReadsImagesConstantsAndAddresses) {
   }
 }
 
-TEST_F(DeviceTest, DescriptorSetsGrowAndAreUsedAgain) {
+TEST_F(DeviceTest, DescriptorSetsGrowAndAreReused) {
   Tiny tiny(device());
   const std::vector<BoundImage> images{{tiny.source.view(), tiny.sampler.get()}, {tiny.target.view()}};
   DescriptorPool pool(device());

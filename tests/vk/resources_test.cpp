@@ -1,3 +1,4 @@
+// Buffers and images: uploads of every format, directly and through staging memory, moves, and format properties.
 #include <algorithm>
 #include <array>
 
@@ -17,7 +18,7 @@ size_t imageBytes(const ImageDesc& desc) {
   return bytes;
 }
 
-// Any bits are a colour; a depth is a number in [0, 1].
+// Any bits are a valid color, but a depth must be a number in [0, 1].
 std::vector<std::byte> texels(const ImageDesc& desc, uint32_t seed) {
   std::vector<std::byte> bytes = pattern(imageBytes(desc), seed);
   if (desc.format == VK_FORMAT_D32_SFLOAT || desc.format == VK_FORMAT_D32_SFLOAT_S8_UINT)
@@ -30,7 +31,7 @@ std::vector<std::byte> texels(const ImageDesc& desc, uint32_t seed) {
   return bytes;
 }
 
-// Every format of the table that the device samples.
+// Every format of the table that the device can sample.
 std::vector<VkFormat> sampledFormats(Device& device) {
   std::vector<VkFormat> formats;
   for (int i = 1; i <= VK_FORMAT_D32_SFLOAT_S8_UINT; ++i) {
@@ -49,10 +50,10 @@ std::vector<VkFormat> sampledFormats(Device& device) {
 }
 
 class UploadTest : public DeviceTest, public testing::WithParamInterface<bool> {};
-INSTANTIATE_TEST_SUITE_P(Ways, UploadTest, testing::Values(false, true),
+INSTANTIATE_TEST_SUITE_P(Modes, UploadTest, testing::Values(false, true),
                          [](const auto& info) { return info.param ? "Staged" : "Direct"; });
 
-TEST_P(UploadTest, ImagesOfEveryFormatAndOddSizesComeBackAsTheyWere) {
+TEST_P(UploadTest, ImagesOfEveryFormatAndOddSizesAreReadBackUnchanged) {
   const std::vector<VkFormat> formats = sampledFormats(device());
   EXPECT_GE(formats.size(), 35u);
   for (VkFormat format : formats) {
@@ -69,7 +70,7 @@ TEST_P(UploadTest, ImagesOfEveryFormatAndOddSizesComeBackAsTheyWere) {
     uploader.flush();
     for (size_t i = 0; i < images.size(); ++i) {
       std::vector<std::byte> back = readBack(device(), images[i]);
-      // The byte beside a 24-bit depth is undefined.
+      // The byte next to a 24-bit depth is undefined.
       if (format == VK_FORMAT_X8_D24_UNORM_PACK32 || format == VK_FORMAT_D24_UNORM_S8_UINT)
         for (size_t k = 3; k < back.size(); k += 4) back[k] = std::byte{0};
       EXPECT_TRUE(back == data[i]) << formatName(format) << " " << images[i].desc().width;
@@ -77,7 +78,7 @@ TEST_P(UploadTest, ImagesOfEveryFormatAndOddSizesComeBackAsTheyWere) {
   }
 }
 
-TEST_P(UploadTest, AnImageLargerThanTheStagingMemoryArrivesWhole) {
+TEST_P(UploadTest, AnImageLargerThanTheStagingMemoryArrivesComplete) {
   const ImageDesc desc{VK_FORMAT_R8G8B8A8_UNORM, 2501, 2503, 1, 3, 1, kTexture, "large"};
   const Image image(device(), desc);
   const Image small(device(), {VK_FORMAT_R8_UNORM, 3, 3, 1, 1, 1, kTexture, "small"});

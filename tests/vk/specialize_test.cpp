@@ -1,3 +1,4 @@
+// The specialization of SPIR-V constants on the host, against the arithmetic of C++.
 #include "vk/specialize.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +16,7 @@ using namespace spirv;
 using Words = std::vector<uint32_t>;
 using Result = std::pair<uint32_t, Words>;
 
-// Types 1 (bool), 2 (uint), 3 (int) and 4 (64-bit uint), and whatever `instructions` are.
+// A module with types 1 (bool), 2 (uint), 3 (int) and 4 (64-bit uint), followed by `instructions`.
 Words moduleOf(std::initializer_list<Words> instructions) {
   Words code{spv::MagicNumber, 0x00010600, 0, 100, 0};
   const auto add = [&code](const Words& words) {
@@ -32,7 +33,7 @@ Words moduleOf(std::initializer_list<Words> instructions) {
   return code;
 }
 
-// The last instruction: its opcode, and its words behind type and id.
+// Returns the last instruction: its opcode, and its words after type and id.
 Result last(const Words& code) {
   Instruction found;
   forEachInstruction(code, [&found](const Instruction& instruction) {
@@ -42,7 +43,7 @@ Result last(const Words& code) {
   return {found.op, {found.operands.begin() + 2, found.operands.end()}};
 }
 
-TEST(Specialize, ConstantsTakeWhatIsGivenOrKeepTheirOwn) {
+TEST(Specialize, ConstantsTakeTheGivenValueOrKeepTheirDefault) {
   const Words word = moduleOf({{spv::OpSpecConstant, 2, 10, 5}}), yes = moduleOf({{spv::OpSpecConstantTrue, 1, 11}}),
               no = moduleOf({{spv::OpSpecConstantFalse, 1, 11}});
   constexpr Constant given[] = {{ConstantId{7}, 77}, {ConstantId{8}, 1}}, off[] = {{ConstantId{8}, 0}};
@@ -54,8 +55,8 @@ TEST(Specialize, ConstantsTakeWhatIsGivenOrKeepTheirOwn) {
   EXPECT_EQ(last(specialize(yes, {})), Result(spv::OpConstantTrue, {}));
 }
 
-// OpSpecConstantOp of two given words, by the arithmetic of C++.
-TEST(Specialize, OperationsAreDone) {
+// OpSpecConstantOp of two given words, against the arithmetic of C++.
+TEST(Specialize, OperationsAreEvaluated) {
   const std::pair<uint32_t, std::function<uint32_t(uint32_t, uint32_t)>> words[] = {
       {spv::OpIAdd, std::plus<uint32_t>()},
       {spv::OpISub, std::minus<uint32_t>()},
@@ -111,7 +112,7 @@ TEST(Specialize, OperationsOnBools) {
     }
 }
 
-TEST(Specialize, WhatCannotBeDoneStays) {
+TEST(Specialize, UnsupportedOperationsRemain) {
   constexpr Constant given[] = {{ConstantId{7}, 3}, {ConstantId{8}, 0}};
   const Words words{spv::OpSpecConstant, 2, 10, 1}, others{spv::OpSpecConstant, 2, 11, 1};
   EXPECT_EQ(last(specialize(moduleOf({words, {spv::OpSpecConstantOp, 4, 20, spv::OpUConvert, 10}}), given)),
@@ -127,24 +128,24 @@ TEST(Specialize, WhatCannotBeDoneStays) {
       << "of 64 bits";
 }
 
-TEST(Specialize, AModuleWithoutInstructionsStays) {
+TEST(Specialize, AModuleWithoutInstructionsIsUnchanged) {
   const Words code{spv::MagicNumber, 0x00010600, 0, 1, 0};
   EXPECT_EQ(specialize(code, {}), code);
 }
 
-TEST(Specialize, WordsThatAreNotSpirvAreRefused) {
+TEST(Specialize, InvalidSpirvIsRejected) {
   const Words code = moduleOf({{spv::OpSpecConstant, 2, 10, 5}});
   EXPECT_THROW(specialize({}, {}), Error);
   EXPECT_THROW(specialize(Words(code.begin() + 1, code.end()), {}), Error);
   EXPECT_THROW(specialize(Words(code.begin(), code.end() - 1), {}), Error) << "breaks off in an instruction";
   Words unbounded = code;
-  unbounded.push_back(spv::OpName);  // of no words
+  unbounded.push_back(spv::OpName);  // an instruction of zero words
   EXPECT_THROW(specialize(unbounded, {}), Error);
 }
 
-// Where a constant is left the validation layer specializes the module again, for each pipeline: two thirds of its
-// time.
-TEST(Specialize, NothingIsLeftInTheShaders) {
+// If a specialization constant remains, the validation layer specializes the module again for each pipeline, which
+// accounts for two thirds of its time.
+TEST(Specialize, NoSpecializationConstantRemainsInTheShaders) {
   for (const std::string_view name : shaderNames())
     forEachInstruction(specialize(shaderCodeOf(name), {}), [name](const Instruction& instruction) {
       EXPECT_FALSE(instruction.op >= spv::OpSpecConstantTrue && instruction.op <= spv::OpSpecConstantOp) << name;
