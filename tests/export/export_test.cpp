@@ -46,7 +46,7 @@ void expectSameMesh(const Mesh& a, const Mesh& b) {
   }
   EXPECT_LT(normal, 1e-6f) << a.name;
   EXPECT_EQ(uv, 0) << a.name;
-  // A mesh that uses no tangents may get other ones when it is loaded, or none.
+  // If a mesh does not use its tangents, loading may compute different ones or none.
   if (!a.attributes.empty() && a.attributes[0].tangent != vec4(0)) {
     EXPECT_LT(tangent, 1e-5f) << a.name;
   }
@@ -147,7 +147,7 @@ TEST(Export, BuiltInScenesAreTheSame) {
   }
 }
 
-TEST(Export, AnimationsGiveTheSamePoses) {
+TEST(Export, AnimationsHaveTheSamePoses) {
   for (const char* model : {"skinned.glb", "morphed.glb"}) {
     const Scene scene = load(models::modelPath(model).string()), again = exported(scene);
     ASSERT_EQ(again.rig.animations.size(), scene.rig.animations.size());

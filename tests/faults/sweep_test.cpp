@@ -1,6 +1,6 @@
-// One call after another fails: an allocation, a call on a file, or a Vulkan call. A command then ends with a promised
-// exit code and one sentence, or, if it needs no more than that call's absence, with its usual result. It leaves whole
-// files only, and the next run works.
+// One call after another fails: an allocation, a call on a file, or a Vulkan call. The command then ends with a
+// promised exit code and one sentence or, if the failure does not matter to it, with its usual result. It writes only
+// complete files, and the next run succeeds.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,8 +22,10 @@ using Environment = std::map<std::string, std::string>;
 struct Task {
   std::string name;
   Names arguments;
-  Names files;           // that the command may leave, each only as an undisturbed run does
-  bool resumes = false;  // a data set, of which whole frames may remain
+  // The files that the command may write. Each must equal that of an undisturbed run.
+  Names files;
+  // True for a data set, of which complete frames may remain.
+  bool resumes = false;
 };
 void PrintTo(const Task& task, std::ostream* out) {
   *out << task.name;
@@ -98,7 +100,7 @@ class FaultSweep : public testing::TestWithParam<Task> {
             {"LATELIGHT_FAULT_COUNT", folder.path().string() + ".count"}};
   }
 
-  // The number of calls of an undisturbed run.
+  // Returns the number of calls of an undisturbed run.
   uint64_t count(const std::string& kind) {
     const Folder folder;
     fillFolder(folder, *images);
@@ -110,7 +112,7 @@ class FaultSweep : public testing::TestWithParam<Task> {
     return calls;
   }
 
-  // Runs the command with a fault, and checks what it says and leaves.
+  // Runs the command with a fault, and checks its exit code, message and files.
   void expectPromises(const std::function<Environment(const Folder&)>& environment, const std::set<int>& codes) {
     const Folder folder;
     fillFolder(folder, *images);

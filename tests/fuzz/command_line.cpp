@@ -35,7 +35,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     arguments.emplace_back(rest.substr(0, end));
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
-  // Otherwise, an error of the table of options would be a proper answer to every command line.
+  // If this throws, the table of options itself is wrong, and errors of inputs would hide it.
   [[maybe_unused]] static const bool works = (readCommandLine({"builtin:boxes", "-o", "out.png"}), true);
   fuzz::expectErrors({ExitCode::Usage}, [&] { readCommandLine(std::move(arguments)); });
   return 0;

@@ -1,6 +1,6 @@
-// What the fuzz targets share. A target is one file of this folder with LLVMFuzzerTestOneInput(), which hands any bytes
-// to one parser (docs/quality.md, "Fuzzing"). The parser may return a result or throw the Error that its header
-// promises; everything else ends the process, and libFuzzer reports the input.
+// Functions that the fuzz targets share. A target is one file of this folder with LLVMFuzzerTestOneInput(), which
+// passes any bytes to one parser (docs/quality.md, "Fuzzing"). The parser may return a result or throw the Error that
+// its header promises; everything else ends the process, and libFuzzer reports the input.
 #pragma once
 
 #include <cstddef>

@@ -16,7 +16,7 @@ struct Glb {
   std::vector<uint8_t> binary;
 };
 
-// Returns nothing if the bytes are no .glb file with an object as its JSON.
+// Returns an empty value if the bytes are not a .glb file with an object as its JSON.
 std::optional<Glb> readGlb(std::span<const uint8_t> bytes);
 std::vector<uint8_t> writeGlb(const Glb& glb);
 
@@ -24,8 +24,8 @@ class GltfMutator {
  public:
   GltfMutator(nlohmann::json& root, std::minstd_rand& random) : root_(root), random_(random) {}
 
-  // Makes one change: replaces a value, adds or removes a member or an element, or copies a part to where another part
-  // of the same name is.
+  // Makes one change: replaces a value, adds or removes a member or an element, or replaces a part by another one with
+  // the same name.
   void mutate();
 
  private:

@@ -1,5 +1,5 @@
-// What the sources of targets refer to in modules that need Vulkan. The names of two lighting techniques are there; no
-// target calls the other functions.
+// Functions of modules that need Vulkan, to which the sources of targets refer. Targets use the names of two lighting
+// techniques and call none of the other functions.
 #include "app/render_pick.h"
 #include "fuzz/fuzz.h"
 #include "render/lighting/technique.h"

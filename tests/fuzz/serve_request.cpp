@@ -21,7 +21,7 @@ std::string_view view(boost::beast::string_view text) {
 
 void checkAccess(const http::request<http::empty_body>& request) {
   static const serve::AccessCheck check{std::string(kToken), {"render.example"}};
-  if (request.count(http::field::host) > 1 || request.count(http::field::origin) > 1) return;  // as connection.cpp
+  if (request.count(http::field::host) > 1 || request.count(http::field::origin) > 1) return;  // as in connection.cpp
   serve::RequestHeader header{view(request.target()), view(request[http::field::host]), {}};
   if (request.find(http::field::origin) != request.end()) header.origin = view(request[http::field::origin]);
   const serve::AccessCheck::Answer answer = check.open(header);

@@ -1,4 +1,4 @@
-// Decodes an encoded texture as materials do. Large sizes are left out: their memory is what tests of limits check.
+// Decodes an encoded texture as materials do. Large sizes are skipped, because tests of limits check their memory.
 #pragma once
 
 #include "fuzz/fuzz.h"

@@ -117,7 +117,7 @@ TEST(DamagedMeshFiles, LoadOrAreRejected) {
     }
   }
   setQuiet(false);
-  // Damage that every file survives, or none, would test nothing.
+  // The damage must be neither harmless nor fatal in all cases.
   EXPECT_GT(loaded, size_t(count) / 10);
   EXPECT_GT(rejected, size_t(count) / 10);
 }

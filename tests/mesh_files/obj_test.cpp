@@ -90,7 +90,7 @@ TEST(Obj, SmoothingGroupsAverageNormals) {
   expectNormal(normalAtRidge("s 1\nf 1 4 3 2\nf 1 2 5 6\n"), {0, 0, 1});
   expectNormal(normalAtRidge("s 1\nf 1 4 3 2\ns 2\nf 1 2 5 6\n"), {s, 0, s});
   expectNormal(normalAtRidge("s 1\nf 1 4 3 2\ns off\nf 1 2 5 6\n"), {s, 0, s});
-  // Smoothing does not end at a material.
+  // Smoothing continues across materials.
   expectNormal(normalAtRidge("s 3\nf 1 4 3 2\nusemtl b\nf 1 2 5 6\n"), {0, 0, 1});
 }
 
@@ -167,7 +167,7 @@ TEST(Mtl, MapsBecomeTextures) {
   EXPECT_EQ(m.data.roughness, 1);
   EXPECT_EQ(m.data.metallic, 1);
   EXPECT_EQ(m.slots[shared::kTextureBaseColor].sampler.wrapU, Wrap::Clamp);
-  // (u, v) = (0.25, 0.5), v up, is shown at (2 u + 0.5, 4 v + 0.25) = (1, 2.25), which is -1.25 with v down.
+  // (u, v) = (0.25, 0.5) with v up is mapped to (2 u + 0.5, 4 v + 0.25) = (1, 2.25), which is -1.25 with v down.
   const shared::TextureTransform& t = m.data.transforms[shared::kTextureBaseColor];
   EXPECT_NEAR(glm::dot(t.row0, vec3(0.25f, 0.5f, 1)), 1, 1e-6);
   EXPECT_NEAR(glm::dot(t.row1, vec3(0.25f, 0.5f, 1)), -1.25, 1e-6);

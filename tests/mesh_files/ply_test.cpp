@@ -29,7 +29,7 @@ INSTANTIATE_TEST_SUITE_P(Encodings, Ply,
 constexpr const char* kPosition = "property float x\nproperty float32 y\nproperty double z\n";
 
 TEST_P(Ply, PolygonsBecomeTriangles) {
-  // A square, and a chevron whose fan about its first corner would leave it.
+  // A square, and a chevron that a fan about its first corner would not stay within.
   std::string text = start() + "element vertex 8\n" + kPosition +
                      "element face 2\nproperty list uchar int vertex_indices\nend_header\n";
   const std::vector<vec3> positions = {{0, 0, 0}, {1, 0, 0},  {1, 1, 0}, {0, 1, 0},

@@ -1,4 +1,4 @@
-// STL files, binary and ASCII, with corners that are known.
+// STL files, binary and ASCII, with known corners.
 #include "mesh_files/support.h"
 
 namespace latelight::scene::test {
@@ -57,7 +57,7 @@ TEST(Stl, UnitsAndAxesAreThoseOfTheOptions) {
   const Scene scene = file.load({.unit = "mm", .upAxis = "y"});
   EXPECT_TRUE(scene.yUp);
   EXPECT_TRUE(near(cornersOf(scene)[2], {0, 0.002, 0}));
-  const dvec3 world = worldBounds(scene).max;  // the world has Z up, so the file's z points towards -y
+  const dvec3 world = worldBounds(scene).max;  // the world has Z up, so the file's z points toward -y
   EXPECT_TRUE(near(world, {0.001, 0, 0.002}));
   EXPECT_THAT(file.error(ExitCode::Usage, {.unit = "yd"}), HasSubstr("mm, cm, m, in or ft"));
   EXPECT_THAT(file.error(ExitCode::Usage, {.upAxis = "x"}), HasSubstr("y or z"));

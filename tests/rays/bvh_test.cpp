@@ -1,4 +1,4 @@
-// The host's BVH: every item is in one leaf, every box contains what is below it, and no path is too deep.
+// The host's BVH: every item is in one leaf, every box contains its subtree, and no path is too deep.
 #include "render/rays/bvh.h"
 
 #include <gtest/gtest.h>
@@ -71,7 +71,7 @@ std::vector<Box> randomBoxes(size_t count) {
   return boxes;
 }
 
-TEST(Bvh, OfNothingIsEmpty) {
+TEST(Bvh, IsEmptyWithoutItems) {
   EXPECT_TRUE(buildBvh({}, 4, 44).nodes.empty());
 }
 

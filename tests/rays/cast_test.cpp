@@ -104,7 +104,7 @@ class CastTest : public RenderTest {
       geonormal.add(glm::length(dvec3(hits.geonormal[i]) - hit->geonormal) / (2e-6 + 2e-6 / hit->flatness));
       uv.add(glm::length(dvec2(hits.uv[i]) - hit->uv) /
              (2e-4 * std::max({1.0, glm::length(hit->uv), hit->uvPerPixel})));
-      if (imageOf(frame, Aov::Part).ids[i] != hits.part[i]) continue;  // the raster's own tests find the reason
+      if (imageOf(frame, Aov::Part).ids[i] != hits.part[i]) continue;  // the raster's own tests check this
       EXPECT_EQ(imageOf(frame, Aov::Id).ids[i], hits.id[i]);
       EXPECT_EQ(imageOf(frame, Aov::Material).ids[i], hits.material[i]);
       raster.add(std::abs(hits.distance[i] - double{imageOf(frame, Aov::Distance).values[i]}) / hit->distance);
@@ -127,7 +127,7 @@ class CastTest : public RenderTest {
   }
 };
 
-TEST_F(CastTest, HitsWhatEmbreeHits) {
+TEST_F(CastTest, HitsTheSurfacesThatEmbreeHits) {
   for (const char* name : {"skinned.glb", "morphed.glb", "punctual.glb", "many_materials.glb"})
     compareFile(models::modelPath(name));
   for (const std::string& name : models::withReal({}, {"DamagedHelmet.glb", "Fox.glb", "CesiumMan.glb"}))
@@ -137,8 +137,8 @@ TEST_F(CastTest, HitsWhatEmbreeHits) {
   compare("hall", hall(), cameraOf(hall(), kWidth, kHeight));
 }
 
-// Squares that turn about the vertical: single- and double-sided, mirrored, alpha-masked with texels large enough for
-// the raster to sample level 0 of the texture.
+// Squares rotated about the vertical axis: single- and double-sided, mirrored, and alpha-masked with texels so large
+// that the raster samples mip level 0 of the texture.
 scene::Scene turnedSquares(double farAway = 0) {
   scene::SceneBuilder builder("squares");
   scene::Scene& scene = builder.scene;
@@ -195,7 +195,7 @@ TEST_F(CastTest, IsAsPreciseFarFromTheOrigin) {
   EXPECT_GT(hitCount, 1000u);
 }
 
-// From the center of a closed mesh, a ray to each vertex and to the middle of each edge hits the mesh: no ray passes
+// From the center of a closed mesh, a ray to each vertex and to the center of each edge hits the mesh: no ray passes
 // between two triangles.
 TEST_F(CastTest, NoRayPassesBetweenTriangles) {
   const scene::Mesh sphere = sphereMesh(2);
@@ -275,10 +275,10 @@ TEST_F(CastTest, OddRaysHitNothing) {
     EXPECT_EQ(hits.part[i], 0u);
     EXPECT_EQ(hits.normal[i], glm::vec3(0));
   }
-  EXPECT_NEAR(hits.distance.back(), 2, 0.05);  // any length of direction will do
+  EXPECT_NEAR(hits.distance.back(), 2, 0.05);  // directions may have any length
 }
 
-// Inside a sphere of single-sided faces, rays pass its back faces; the maximum distance ends rays.
+// Inside a sphere of single-sided faces, rays pass through the back faces; the maximum distance ends rays.
 TEST_F(CastTest, RespectsSidesAndMaximumDistance) {
   const std::vector<dvec3> origins{dvec3(0.01, 0.02, 0), dvec3(0.01, 0.02, 5)};
   const std::vector<dvec3> directions{dvec3(0, 0, -3), dvec3(0, 0, -3)};
@@ -298,7 +298,7 @@ TEST_F(CastTest, RespectsSidesAndMaximumDistance) {
   EXPECT_THROW(renderer.cast({origins, directions}, camera), Error);
 }
 
-// glTF's frame: the same rays, turned, hit at the same distances, and positions are in the frame of the rays.
+// Rays in glTF's frame hit at the same distances, and positions are in the frame of the rays.
 TEST_F(CastTest, FollowsAxesAndPositionOrigin) {
   const scene::Scene scene = scene::load(models::modelPath("punctual.glb"));
   ASSERT_TRUE(scene.yUp);
@@ -395,7 +395,7 @@ TEST_F(CastTest, FollowsEdits) {
             std::vector<uint32_t>(rays.origins.size(), 0));
 }
 
-// An instance that its transform flattens still is a surface.
+// An instance that its transform flattens is still a surface.
 TEST_F(CastTest, HitsFlattenedInstances) {
   scene::Scene scene = oneMesh(sphereMesh(2), true);
   scene.instances[0].toWorld[2] = glm::dvec4(0);

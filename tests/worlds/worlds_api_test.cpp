@@ -37,7 +37,7 @@ struct Squares {
   }
 };
 
-// Looks along -Z from z = 4.
+// A camera at z = 4 that looks along -Z.
 Camera front() {
   Camera camera;
   camera.cameraToWorld = {1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 4, 0, 0, 0, 1};
@@ -105,7 +105,7 @@ TEST(WorldsApi, CamerasHaveTheirOwnPosesAndIntrinsics) {
   }
 }
 
-// The pose is relative to the instance's frame, whose scale does not count.
+// The pose is relative to the instance's frame without its scale.
 TEST(WorldsApi, CamerasRideOnInstances) {
   Squares made;
   Renderer renderer(made.scene, testDevice());

@@ -1,5 +1,5 @@
 // Worlds: every image and all data of a world are, byte for byte, those of the scene edited to the world's state and
-// rendered alone by a renderer that knows no worlds.
+// rendered by a separate renderer without worlds.
 #include <fmt/core.h>
 
 #include <cstring>
@@ -162,7 +162,7 @@ class WorldsTest : public RenderTest {
       }
     Renderer renderer(device(), scene, environment ? &studio : nullptr);
     const std::vector<output::FrameOutput> together = renderer.submit(cameras, settings, state).take().frames;
-    EXPECT_FALSE(together[0].display == together[2].display);  // the worlds do differ
+    EXPECT_FALSE(together[0].display == together[2].display);  // the worlds must differ
     Renderer alone(device(), edited, environment ? &studio : nullptr);
     for (uint32_t world = 0; world < kWorlds; ++world) {
       become(edited, state.worlds, world);
@@ -179,7 +179,7 @@ class WorldsTest : public RenderTest {
         expectSame(together[2 * world + i], alone.submit({&camera, 1}, own, moment).take().frames.front());
       }
     }
-    // Afterward the renderer renders the scene as it is.
+    // Afterward, frames without worlds show the scene's own state.
     const scene::Scene untouched = scene::load(source);
     Renderer other(device(), untouched, environment ? &studio : nullptr);
     const std::span<const scene::Camera> camera(cameras.data(), 1);
@@ -219,14 +219,14 @@ TEST_P(WorldsWith, HaveTheirOwnLights) {
   compare(model("punctual.glb"), settingsWith(GetParam()), {}, true);
 }
 
-// The background is part of the environment, which the third world does not have.
+// The background is part of the environment, which is dark in the third world.
 TEST_P(WorldsWith, HaveTheirOwnEnvironment) {
   Settings settings = settingsWith(GetParam());
   settings.background.kind = Background::Environment;
   compare(model("blended.glb"), settings, {}, true);
 }
 
-// Opaque, masked and blended instances change places.
+// Opaque, masked and blended instances swap positions.
 TEST_P(WorldsWith, HaveTheirOwnMaterials) {
   compare(model("blended.glb"), settingsWith(GetParam()), {}, false, true);
   Settings settings = settingsWith(GetParam());
@@ -265,9 +265,9 @@ TEST_F(WorldsTest, TechniquesThatDrawAreThoseOfTheEditedScene) {
   }
 }
 
-// A ball moves between a lamp and a floor, which alone determines the bounds of the scene: the lamp's shadow maps have
-// the same place in all worlds and without any.
-TEST_P(WorldsWith, LeaveNoShadowBehind) {
+// A ball moves between a lamp and a floor, which determines the bounds of the scene, so the lamp's shadow maps are at
+// the same position in the atlas with and without worlds.
+TEST_P(WorldsWith, DoNotChangeShadowsOfLaterFrames) {
   scene::SceneBuilder builder("ball");
   builder.scene.meshes = {sphereMesh(0.5f), squareMesh()};
   builder.scene.materials = {scene::plainMaterial("m", glm::vec3(0.8f), 0, 1)};
@@ -300,8 +300,8 @@ TEST_P(WorldsWith, LeaveNoShadowBehind) {
 
 // --- motion ----------------------------------------------------------------------------------------------------------
 
-// A square that fills the picture and moved by a different distance in each world: an orthographic camera shows
-// kWidth / 2 pixels per meter, so the motion follows from the distance.
+// A square that fills the image and moved by a different distance in each world: an orthographic camera shows kWidth /
+// 2 pixels per meter, so the motion follows from the distance.
 TEST_P(WorldsWith, HaveTheirOwnMotion) {
   scene::SceneBuilder builder("square");
   builder.scene.meshes = {squareMesh()};
@@ -327,7 +327,7 @@ TEST_P(WorldsWith, HaveTheirOwnMotion) {
 
 // --- limits ----------------------------------------------------------------------------------------------------------
 
-// A world without instances shows nothing, and the others are as if it did not exist.
+// A world without instances is empty and does not affect the other worlds.
 TEST_P(WorldsWith, MayBeEmpty) {
   const scene::Scene scene = scene::load("builtin:boxes");
   SceneState state;
@@ -343,7 +343,7 @@ TEST_P(WorldsWith, MayBeEmpty) {
   for (const size_t world : {0, 2}) EXPECT_EQ(imageOf(frames[world], Aov::Id).ids, alone);
 }
 
-// More worlds than are rendered at once.
+// More worlds than are rendered at once, so they are rendered in groups.
 TEST_F(WorldsTest, AreRenderedInGroups) {
   constexpr uint32_t kMany = 300;
   scene::Scene scene = scene::load("builtin:boxes"), edited = scene::load("builtin:boxes");
