@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <exception>
 #include <filesystem>
 #include <memory>
@@ -51,19 +52,25 @@ Json describeShadings(const render::ShadingCounts& counts) {
           {"shadingsAPixel", share(counts.shadings, counts.drawn)}};
 }
 
-void printReport(const scene::Scene& scene, const vk::Device& device, const render::RenderStatistics& statistics,
-                 const std::vector<std::filesystem::path>& files, const std::vector<render::Picked>& picked,
-                 const RenderTimes& times) {
+Json describeExposures(const std::vector<float>& factors) {
+  Json all = Json::array();
+  for (const float factor : factors)
+    all.push_back({{"factor", factor}, {"ev", std::log2(factor)}, {"ev100", output::ev100Of(factor)}});
+  return all;
+}
+
+void printReport(const RenderRun& run) {
+  const RenderTimes& times = run.times;
   Json passes = Json::array();
-  for (const graph::PassTime& pass : statistics.passTimes)
+  for (const graph::PassTime& pass : run.statistics.passTimes)
     passes.push_back({{"pass", pass.name}, {"milliseconds", pass.milliseconds}});
   Json names = Json::array();
-  for (const auto& file : files) names.push_back(file.string());
+  for (const auto& file : run.files) names.push_back(file.string());
   Json report{{"files", names},
-              {"scene", scene.source},
-              {"triangles", scene.triangleCount()},
-              {"lights", scene.lights.size()},
-              {"device", device.info().name},
+              {"scene", run.scene.source},
+              {"triangles", run.scene.triangleCount()},
+              {"lights", run.scene.lights.size()},
+              {"device", run.device.info().name},
               {"seconds",
                {{"load", times.load},
                 {"upload", times.upload},
@@ -71,8 +78,9 @@ void printReport(const scene::Scene& scene, const vk::Device& device, const rend
                 {"write", times.write},
                 {"total", times.total}}},
               {"gpu", passes}};
-  if (!picked.empty()) report["picked"] = describePicked(picked);
-  if (const auto& counts = statistics.shadingCounts) report["shading"] = describeShadings(*counts);
+  if (!run.exposures.empty()) report["exposures"] = describeExposures(run.exposures);
+  if (!run.picked.empty()) report["picked"] = describePicked(run.picked);
+  if (const auto& counts = run.statistics.shadingCounts) report["shading"] = describeShadings(*counts);
   // Paths and names need not be UTF-8.
   fmt::print("{}\n", report.dump(2, ' ', false, Json::error_handler_t::replace));
 }
@@ -97,6 +105,7 @@ void checkStandardOutput(const RenderOptions& o) {
 output::OutputRequest planOutput(RenderOptions& o, const std::optional<output::DebugRequest>& debug) {
   output::OutputRequest request{.pattern = o.out};
   if (!o.aovs.empty()) request.aovs = output::parseAovs(o.aovs);
+  if (o.settings.exposure.automatic) request.sideFile = true;  // it states the exposure
   if (o.noSideFile) request.sideFile = false;
   request.inSequence = !o.frames.empty();
   if (debug && !o.aovs.empty()) badUsage("--debug and --aov each say what leaves; use one of them");
@@ -204,6 +213,8 @@ RenderedFrame finishFrame(RenderRun& run, PendingFrame&& pending) {
   if (pending.picture) {
     render::RenderResult result = pending.picture->take();
     rendered.picture = std::move(result.frames.front());
+    rendered.metadata.exposure = rendered.picture.exposure;
+    if (rendered.metadata.metered) run.exposures.push_back(rendered.picture.exposure);
     run.statistics = std::move(result.statistics);
   }
   run.times.render += seconds(mark);
@@ -288,7 +299,7 @@ void renderAll(RenderRun& run) {
   if (!o.graph.empty()) writeFile(o.graph, std::as_bytes(std::span(run.statistics.graphviz)));
   run.times.total += seconds(start);
 
-  if (o.json) printReport(run.scene, run.device, run.statistics, run.files, run.picked, run.times);
+  if (o.json) printReport(run);
   if (!o.json)
     printPicked(run.picked, run.scene.yUp && o.settings.axes == render::Axes::File ? "gltf" : "z-up",
                 render::nameOf(o.settings.normalFrame));

@@ -45,6 +45,7 @@ struct RenderRun {
   std::vector<std::filesystem::path> files{};
   std::vector<render::Picked> picked{};
   render::RenderStatistics statistics{};  // of the last frame
+  std::vector<float> exposures{};         // the metered factor of each frame; empty: none is metered
   bool hasIdManifest = false;             // the id manifest of a sequence has been written
 };
 

@@ -353,6 +353,21 @@ struct Sun {
   float illuminance = 3.14159265f;    // lux
 };
 
+// The exposure of a picture: a number of EV, as in `options.exposure = 1.5f`, or metered.
+struct LATELIGHT_API Exposure {
+  float ev = 0;            // radiance is multiplied by 2^ev
+  bool automatic = false;  // in addition, each view is metered (docs/post.md)
+  Exposure() = default;
+  Exposure(float ev) : ev(ev) {}  // NOLINT(google-explicit-constructor): a number is an exposure
+  static Exposure metered(float compensation = 0) {
+    Exposure exposure(compensation);
+    exposure.automatic = true;
+    return exposure;
+  }
+  // Reads the command line's form: "1.5", "auto", "auto+1". Throws Error(Usage).
+  static Exposure fromText(const std::string& text);
+};
+
 // The options of `latelight render`. options.def, in the same folder, lists them: every entry is a member here, and
 // states its default, accepted values and effect. Values are checked when a picture is rendered.
 struct Options {
@@ -368,6 +383,7 @@ struct Options {
 #pragma push_macro("OPTION_TEXT")
 #pragma push_macro("OPTION_SIZE")
 #pragma push_macro("OPTION_SUN")
+#pragma push_macro("OPTION_EXPOSURE")
 #undef OPTION_GROUP
 #undef OPTION_FLAG
 #undef OPTION_NUMBER
@@ -379,6 +395,7 @@ struct Options {
 #undef OPTION_TEXT
 #undef OPTION_SIZE
 #undef OPTION_SUN
+#undef OPTION_EXPOSURE
 #define OPTION_FLAG(member, ...) bool member = false;
 #define OPTION_NUMBER(type, member, name, defaultValue, ...) type member = defaultValue;
 #define OPTION_ANGLE(member, name, defaultValue, ...) double member = defaultValue;
@@ -389,6 +406,7 @@ struct Options {
 #define OPTION_SIZE(width, height, name, defaultWidth, defaultHeight, ...) \
   uint32_t width = defaultWidth, height = defaultHeight;
 #define OPTION_SUN(member, ...) std::optional<Sun> member;
+#define OPTION_EXPOSURE(member, ...) Exposure member;
 #include <latelight/options.def>
 #pragma pop_macro("OPTION_GROUP")
 #pragma pop_macro("OPTION_FLAG")
@@ -401,6 +419,7 @@ struct Options {
 #pragma pop_macro("OPTION_TEXT")
 #pragma pop_macro("OPTION_SIZE")
 #pragma pop_macro("OPTION_SUN")
+#pragma pop_macro("OPTION_EXPOSURE")
 
   // Members whose command-line form differs.
   bool picture = true;            // render the picture, Frame::rgba; if false, data outputs need no lighting
@@ -459,6 +478,7 @@ struct Frame {
   uint32_t width = 0, height = 0;
   std::vector<uint8_t> rgba;  // 8 bits, sRGB, straight alpha, rows from the top
   std::map<std::string, Aov> aovs;
+  float exposure = 1;  // the factor that the picture's radiance is multiplied by; metered with Exposure::automatic
 };
 
 // The visible surface at a pixel's center. Options::axes and normalFrame select the frames of positions and normals.
@@ -566,6 +586,8 @@ class LATELIGHT_API Ticket {
   // The worlds with values that are not finite. Their images show only the background; other worlds are unaffected.
   const std::vector<uint32_t>& invalidWorlds() const;
   // The counterpart of take() for Results::Arrays: waits and returns each output by its name; the picture is "rgba".
+  // The factors that the pictures' radiance is multiplied by, in their order.
+  std::vector<float> exposures() const;
   std::map<std::string, DeviceArray> takeArrays();
 
  private:

@@ -33,6 +33,12 @@ Sun sunOf(nb::handle value, std::string_view name) {
   return sun;
 }
 
+// Returns the exposure as the command line reads it.
+Exposure exposureOf(nb::handle value, std::string_view name) {
+  if (!PyUnicode_Check(value.ptr())) return static_cast<float>(floatOf(value, name));
+  return Exposure::fromText(textOf(value, name));
+}
+
 // --- the table ------------------------------------------------------------------------------------------------------
 
 struct Keyword {
@@ -84,6 +90,9 @@ std::vector<Keyword> makeKeywords() {
       #member, name, "collections.abc.Sequence[float] | None", SETTER { \
         if (!value.is_none()) o.member = sunOf(value, keyword);         \
       });
+#define OPTION_EXPOSURE(member, name, ...) \
+  add(                                     \
+      #member, name, "float | str", SETTER { o.member = exposureOf(value, keyword); });
 #include <latelight/options.def>
 #undef SETTER
   return all;

@@ -82,18 +82,22 @@ nb::object framesOf(std::vector<Frame>&& frames, const Views& views) {
   const nb::module_ module = nb::module_::import_("latelight.frames");
   const nb::object type = module.attr("Frame");
   nb::list all;
-  for (Frame& frame : frames) all.append(type(arraysOf(std::move(frame))));
+  for (Frame& frame : frames) {
+    const float exposure = frame.exposure;
+    all.append(type(arraysOf(std::move(frame)), exposure));
+  }
   if (views.shape.empty()) return nb::object(all[0]);
   if (views.worlds()) return module.attr("WorldFrames")(all, views.shape[1], nb::cast(views.invalid));
   return module.attr("Frames")(all);
 }
 
-nb::object deviceFramesOf(std::map<std::string, DeviceArray>&& arrays, const Views& views) {
+nb::object deviceFramesOf(std::map<std::string, DeviceArray>&& arrays, const Views& views,
+                          const std::vector<float>& exposures) {
   const RunningPython section;
   const nb::module_ module = nb::module_::import_("latelight.frames");
   const nb::dict placed = deviceArrays(std::move(arrays), views.shape);
-  if (views.worlds()) return module.attr("DeviceWorldFrames")(placed, nb::cast(views.invalid));
-  return module.attr("DeviceFrames")(placed);
+  if (views.worlds()) return module.attr("DeviceWorldFrames")(placed, nb::cast(views.invalid), nb::cast(exposures));
+  return module.attr("DeviceFrames")(placed, nb::cast(exposures));
 }
 
 class SharedTicket {
@@ -111,7 +115,14 @@ class SharedTicket {
     return renderer_->use([&](Renderer&) { return ticket_.done(); });
   }
   nb::object take() {
-    if (onDevice_) return deviceFramesOf(renderer_->use([&](Renderer&) { return ticket_.takeArrays(); }), views_);
+    if (onDevice_) {
+      std::vector<float> exposures;
+      std::map<std::string, DeviceArray> arrays = renderer_->use([&](Renderer&) {
+        exposures = ticket_.exposures();
+        return ticket_.takeArrays();
+      });
+      return deviceFramesOf(std::move(arrays), views_, exposures);
+    }
     return framesOf(renderer_->use([&](Renderer&) { return ticket_.take(); }), views_);
   }
 

@@ -41,8 +41,13 @@ class Frame(Outputs[np.ndarray]):
     """The outputs of one camera, by name: frame["depth"].
 
     Arrays are (H, W), or (H, W, C) with more than one channel; rows from the top. They are the renderer's own memory,
-    not a copy, and stay valid as long as they are used.
+    not a copy, and stay valid as long as they are used. `exposure` is the factor that the picture's radiance was
+    multiplied by, metered with exposure="auto".
     """
+
+    def __init__(self, arrays: dict[str, np.ndarray], exposure: float = 1.0) -> None:
+        super().__init__(arrays)
+        self.exposure = exposure
 
     def png(self) -> bytes:
         """The picture, the output rgba, as a PNG file."""
@@ -56,8 +61,13 @@ class DeviceFrames(Outputs[DeviceArray]):
     """The outputs of all cameras in the memory of the renderer's device, by name: frames["depth"].
 
     torch.from_dlpack(frames["depth"]) shares that memory without a copy and keeps it as long as the tensor lives. Arrays
-    are (V, H, W), or (V, H, W, C) with more than one channel; of a single camera without V.
+    are (V, H, W), or (V, H, W, C) with more than one channel; of a single camera without V. `exposures` are the factors
+    that the radiance of each picture was multiplied by, in the order of the pictures.
     """
+
+    def __init__(self, arrays: dict[str, DeviceArray], exposures: Sequence[float] = ()) -> None:
+        super().__init__(arrays)
+        self.exposures = tuple(exposures)
 
 
 class Frames(Sequence[Frame]):
@@ -130,6 +140,8 @@ class DeviceWorldFrames(DeviceFrames):
     `invalid_worlds` are the worlds with values that are not finite; their images show only the background.
     """
 
-    def __init__(self, arrays: dict[str, DeviceArray], invalid_worlds: Sequence[int]) -> None:
-        super().__init__(arrays)
+    def __init__(
+        self, arrays: dict[str, DeviceArray], invalid_worlds: Sequence[int], exposures: Sequence[float] = ()
+    ) -> None:
+        super().__init__(arrays, exposures)
         self.invalid_worlds = tuple(invalid_worlds)

@@ -61,6 +61,7 @@ render::Settings internalSettings(const Options& o) {
 #define OPTION_SIZE(width, height, ...) s.width = o.width, s.height = o.height;
 #define OPTION_SUN(member, ...) \
   if (o.member) s.member = internalSun(*o.member);
+#define OPTION_EXPOSURE(member, ...) s.member = {o.member.ev, o.member.automatic};
 #include <latelight/options.def>
   s.display = o.picture;
   std::string names;
@@ -115,6 +116,7 @@ Frame publicFrame(output::FrameOutput&& from) {
   frame.width = from.width;
   frame.height = from.height;
   frame.rgba = std::move(from.display);
+  frame.exposure = from.exposure;
   for (output::AovImage& image : from.aovs) {
     const output::AovInfo& info = output::info(image.aov);
     frame.aovs[std::string(info.name)] = {info.channels, std::move(image.values), std::move(image.ids)};
@@ -128,6 +130,13 @@ std::vector<std::byte> encodePng(uint32_t width, uint32_t height, const std::vec
   if (width == 0 || height == 0 || rgba.size() != size_t{4} * width * height)
     badUsage("an image of {}x{} pixels has 4 bytes per pixel, but {} bytes are given", width, height, rgba.size());
   return output::encodePng(output::Picture{width, height, rgba});
+}
+
+Exposure Exposure::fromText(const std::string& text) {
+  const auto read = render::readText<render::Exposure>("--exposure", text);
+  Exposure exposure(read.ev);
+  exposure.automatic = read.automatic;
+  return exposure;
 }
 
 Scene::Scene() : impl_(new Impl{scene::Scene{.name = "scene", .source = "scene"}}) {}
@@ -280,6 +289,12 @@ Ticket& Ticket::operator=(Ticket&&) noexcept = default;
 
 bool Ticket::done() const {
   return !impl_ || (usable(impl_->renderer), impl_->ticket.done());
+}
+
+std::vector<float> Ticket::exposures() const {
+  if (!impl_) badUsage("these pictures have been taken already");
+  usable(impl_->renderer);
+  return impl_->ticket.exposures();
 }
 
 std::vector<Frame> Ticket::take() {

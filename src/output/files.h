@@ -39,6 +39,7 @@ struct FrameOutput {
   // Color for PNG files: RGBA, 8 bits, sRGB, straight alpha, tone mapped. If empty, PNG files hold clamped color
   // instead.
   std::vector<uint8_t> display;
+  float exposure = 1;  // the factor that color was multiplied by
 
   // `display` as a PNG file, cached from the first call on, because several formats of a data set write it. Not
   // thread-safe.

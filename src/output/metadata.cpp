@@ -129,6 +129,10 @@ Json rowsOf(const glm::dmat4& m) {
   return rows;
 }
 
+double ev100Of(float exposure) {
+  return -std::log2(1.2 * double{exposure});
+}
+
 std::string sideFile(const Metadata& metadata, uint32_t width, uint32_t height, std::span<const Aov> aovs,
                      std::span<const std::string> files, ChannelNames names) {
   assert(files.empty() || files.size() == aovs.size());
@@ -140,6 +144,7 @@ std::string sideFile(const Metadata& metadata, uint32_t width, uint32_t height, 
             {"camera", cameraOf(metadata.camera)},
             {"exposure", metadata.exposure},
             {"conventions", conventions()}};
+  if (metadata.metered) json["metered"] = {{"ev", std::log2(metadata.exposure)}, {"ev100", ev100Of(metadata.exposure)}};
   Json& entries = json["aovs"] = Json::object();
   for (size_t i = 0; i < aovs.size(); ++i) {
     const AovInfo& aov = info(aovs[i]);

@@ -56,7 +56,8 @@ struct Metadata {
   std::string axes = "gltf";
   // The frame of `normal` and `geonormal`: "world" (that of `axes`), "opencv" or "opengl".
   std::string normalFrame = "world";
-  float exposure = 1;  // linear factor by which color was multiplied
+  float exposure = 1;    // linear factor by which color was multiplied
+  bool metered = false;  // the factor was metered: the file also states it in EV and as a camera's EV100
   // Not written if its name is empty.
   DeviceMetadata device;
   std::map<std::string, std::string> versions;  // program, API, ...
@@ -70,6 +71,10 @@ struct Metadata {
 nlohmann::ordered_json distortionOf(const scene::Lens& lens);
 // Returns the rows of a matrix in the form that JSON files use.
 nlohmann::ordered_json rowsOf(const glm::dmat4& m);
+
+// Returns the EV100 of the camera that has this exposure factor: its sensor saturates at a luminance of 1.2 * 2^EV100
+// (Lagarde and de Rousiers 2014, Moving Frostbite to Physically Based Rendering, section 5.1.2).
+double ev100Of(float exposure);
 
 // Returns the complete side file as JSON text. The same input produces the same bytes. `files` are the names of the
 // written files, one per AOV, relative to the side file.

@@ -59,7 +59,7 @@ options: {size: 64x48, exposure: -1.5, loop: true, shadow-lights: 4}
   EXPECT_EQ(job.repeat, 3u);
   EXPECT_EQ(job.seed, 18446744073709551615u);
   EXPECT_EQ(job.settings.width, 64u);
-  EXPECT_FLOAT_EQ(job.settings.exposure, -1.5f);
+  EXPECT_FLOAT_EQ(job.settings.exposure.ev, -1.5f);
   EXPECT_TRUE(job.settings.loop);
   EXPECT_EQ(job.settings.shadowLights.most, 4u);
 }
@@ -77,7 +77,7 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
   const std::pair<std::string, std::string> yaml[] = {
       {"sizes: 3\n", "job.yaml:3: sizes: unknown key"},
       {"options:\n  exposur: 1\n", "job.yaml:4: options.exposur: unknown key"},
-      {"options:\n  exposure: bright\n", "job.yaml:4: options.exposure takes a number"},
+      {"options:\n  exposure: bright\n", "job.yaml:4: options.exposure: --exposure takes a number"},
       {"options:\n  bloom: 7\n", "job.yaml:4: options.bloom takes a number from 0 to 1, not 7"},
       {"options:\n  tonemap: red\n",
        "job.yaml:4: options.tonemap takes khronos, aces, agx, reinhard or none, not \"red\""},

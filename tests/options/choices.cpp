@@ -149,6 +149,7 @@ void addSceneTexts(Table& t, const Values& models, const std::filesystem::path& 
 
 void addPictureTexts(Table& t, const std::string& panorama) {
   t["--shadow-lights"] = {
+  t["--exposure"] = {0.2, {"-1.5", "2", "60", "auto", "auto-1"}, {"bright", "61", "auto1", "nan"}};
       0.3, {"auto", "all", "none", "0", "2", "lamp", "spot,sun"}, {}};  // names must belong to lights that shine
   t["--sun"] = {0.25, {"30,40", "-60,-10,0", "0,90,1e6"}, {"1", "a,b", "0,0,-1"}};
   t["--aa"] = {0.7, antiAliasings(), {"ss0", "ss17", "msaa"}, Rate::Group};

@@ -31,6 +31,7 @@ void expectSame(const Settings& a, const Settings& b) {
 #define OPTION_TEXT(Type, member, name, ...) EXPECT_MEMBER(member, name)
 #define OPTION_SIZE(width, height, name, ...) EXPECT_MEMBER(width, name) EXPECT_MEMBER(height, name)
 #define OPTION_SUN(member, name, ...) EXPECT_MEMBER(member, name)
+#define OPTION_EXPOSURE(member, name, ...) EXPECT_MEMBER(member, name)
 #include <latelight/options.def>
 #undef EXPECT_MEMBER
 }
@@ -131,6 +132,7 @@ std::vector<std::pair<std::string, Change>> wrongMembers() {
 #define OPTION_ENTRY(Type, member, name, ...) WRONG(name, o.member = "nothing")
 #define OPTION_SIZE(width, height, name, defaultWidth, defaultHeight, most, ...) WRONG(name, o.height = most + 1)
 #define OPTION_SUN(member, name, ...) WRONG(name, (o.member = Sun{.illuminance = -1}))
+#define OPTION_EXPOSURE(member, name, ...) WRONG(name, o.member = latelight::Exposure::metered(61))
 #include <latelight/options.def>
 #undef WRONG
   wrong.emplace_back("--aa", [](latelight::Options& o) { o.aa = "ss17"; });

@@ -1,5 +1,6 @@
 #include "output/metadata.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "support.h"
@@ -48,6 +49,17 @@ TEST(SideFile, HoldsAllThatAReaderNeeds) {
   EXPECT_EQ(json["device"], Json({{"name", "llvmpipe"}, {"driver", "Mesa 22.3.6"}, {"uuid", "00ff"}}));
   EXPECT_EQ(json["versions"]["latelight"], "0.1.0");
   EXPECT_EQ(json["settings"]["tonemap"], "aces");
+}
+
+// A factor of 1/8, metered, is -3 EV; the camera's sensor saturates at luminance 8.
+TEST(SideFile, StatesAMeteredExposure) {
+  EXPECT_FALSE(parsed({Aov::Depth}, {"a"}).contains("metered"));
+  Metadata metered = full();
+  metered.exposure = 0.125f, metered.metered = true;
+  const Json json = Json::parse(sideFile(metered, 4, 4, std::vector{Aov::Depth}, {}));
+  EXPECT_EQ(json["exposure"], 0.125);
+  EXPECT_EQ(json["metered"]["ev"], -3);
+  EXPECT_NEAR(1.2 * std::exp2(json["metered"]["ev100"].get<double>()), 8, 1e-6);
 }
 
 TEST(SideFile, DescribesTheCamera) {

@@ -26,7 +26,7 @@ def methods(name, method):
 
 def members_of_options_def():
     text = (ROOT / "include/latelight/options.def").read_text().split("\nOPTION_GROUP(", 1)[1]
-    plain = r"OPTION_(?:FLAG|ANGLE|SUN)\((\w+),"
+    plain = r"OPTION_(?:FLAG|ANGLE|SUN|EXPOSURE)\((\w+),"
     typed = r"OPTION_(?:NUMBER|OPTIONAL|CHOICE|ENTRY|TEXT)\([\w:]+, (\w+),"
     return re.findall(plain, text) + re.findall(typed, text)
 
@@ -46,7 +46,8 @@ def test_the_stub_knows_the_names_that_options_take():
     (submit,) = methods("Renderer", "submit")
     types = {argument.arg: ast.unparse(argument.annotation) for argument in submit.args.kwonlyargs}
     assert types["tonemap"] == "Literal['khronos', 'aces', 'agx', 'reinhard', 'none']"
-    assert types["exposure"] == "float"
+    assert types["exposure"] == "float | str"
+    assert types["bloom"] == "float"
     assert types["anisotropy"] == "int | None"
     assert types["loop"] == "bool"
 

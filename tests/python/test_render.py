@@ -201,3 +201,22 @@ def test_rays_of_any_numbers(renderer):
         renderer.cast([[0, 0, 0]], up, max_distance=-1)
     with pytest.raises(latelight.UsageError, match="normal_frame"):
         renderer.cast([[0, 0, 0]], up, normal_frame="opencv")
+
+
+def test_metered_exposures(device):
+    scene = latelight.Scene()
+    points = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
+    mesh = scene.add_mesh(points, indices=[[0, 1, 2], [0, 2, 3]])
+    for x, radiance in ((0, 4000.0), (10, 0.02)):
+        material = scene.add_material(latelight.Material(base_color=(0, 0, 0, 1), emissive=(radiance,) * 3, specular=0))
+        scene.add_instance(mesh, material, np.array([[1, 0, 0, x], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]]))
+    cameras = [scene.look_at((x, 0, 3), (x, 0, 0)) for x in (0, 10)]
+    renderer = latelight.Renderer(scene, device)
+    frames = renderer.render(cameras, (16, 16), "color", exposure="auto")
+    for frame, radiance in zip(frames, (4000.0, 0.02)):
+        assert frame["color"][8, 8, :3] == pytest.approx([0.18] * 3, rel=2e-3)  # of a half float
+        assert frame.exposure == pytest.approx(0.18 / radiance, rel=1e-3)
+    darker = renderer.render(cameras, (16, 16), "color", exposure="auto-1", on_device=True)
+    assert darker.exposures == pytest.approx([frame.exposure / 2 for frame in frames])
+    assert renderer.render(cameras[0], (16, 16), "color", exposure=1).exposure == 2
+    assert renderer.validation_messages() == []

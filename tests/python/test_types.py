@@ -13,7 +13,7 @@ PACKAGE = Path(latelight.__file__).parent
 
 WRONG = """
 renderer.render(camera, exposre=1)
-renderer.submit(camera, exposure="bright")
+renderer.submit(camera, exposure=[1])
 renderer.submit(camera, tonemap="film")
 scene.set_texture(scene.materials()[0], "bump", None)
 latelight.Camera(fov=40)

@@ -170,6 +170,7 @@ render::SceneState Worker::momentOf(const Chunk& chunk) const {
 // Passes a completed frame to the writers. Motion to a frame that does not exist is NaN.
 void Worker::finish(RenderedFrame frame, output::FrameOutput picture) {
   frame.frame.picture = std::move(picture);
+  frame.frame.metadata.exposure = frame.frame.picture.exposure;
   if (const auto& neighbors = frame.frame.metadata.neighbors)
     output::forgetMotion(frame.frame.picture, !neighbors->previous, !neighbors->next);
   writers_.push(std::move(frame));

@@ -19,7 +19,7 @@ namespace latelight::render {
 struct Builder {
   vk::Device& device;
   graph::Graph& graph;
-  bool worlds = false;  // each view has its own shared::FrameConstants
+  bool worlds = false;  // each view has its own shared::FrameConstants: with worlds, or different exposures
 };
 
 // Descriptor set 0 of a shader, binding by binding.

@@ -108,6 +108,21 @@ void addSun(OptionTable<Settings>& table, Option option) {
       });
 }
 
+void addExposure(OptionTable<Settings>& table, Option option) {
+  option.defaultValue = "0";
+  table.add(
+      option,
+      [](Settings& s, const Option& o, std::string_view text) {
+        s.exposure = readText<Exposure>(o.name, text);
+        return s.exposure.automatic ? std::string(text) : fmt::format("{}", s.exposure.ev);
+      },
+      [](const Settings& s, const Option& o) {
+        if (!between(-kMaxExposure, kMaxExposure).holds(s.exposure.ev))
+          badUsage("{} takes a number from -{} to {} EV, not \"{}\"", o.name, kMaxExposure, kMaxExposure,
+                   s.exposure.ev);
+      });
+}
+
 const OptionTable<Settings>& table() {
   static const OptionTable<Settings> made = [] {
     using S = Settings;
@@ -133,6 +148,7 @@ const OptionTable<Settings>& table() {
 #define OPTION_SIZE(width, height, N, defaultWidth, defaultHeight, most, H) \
   addSize(t, Option{.name = N, .member = #width ", " #height, .help = H}, defaultWidth, defaultHeight, most);
 #define OPTION_SUN(member, name, help) addSun(t, ROW(member, name, Runtime, help));
+#define OPTION_EXPOSURE(member, name, help) addExposure(t, ROW(member, name, Runtime, help));
 #include <latelight/options.def>
 #undef ROW
     return t;

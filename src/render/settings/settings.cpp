@@ -169,6 +169,19 @@ SunLight readText<SunLight>(const char* option, std::string_view text) {
   return sun;
 }
 
+template <>
+Exposure readText<Exposure>(const char* option, std::string_view text) {
+  const bool automatic = text.starts_with("auto");
+  std::string_view number = automatic ? text.substr(4) : text;
+  if (automatic && number.empty()) return {0, true};
+  const bool isSigned = number.starts_with('+') || number.starts_with('-');
+  if (number.starts_with('+')) number.remove_prefix(1);
+  const std::optional<double> ev = parseNumber<double>(number);
+  if (ev && (isSigned || !automatic) && std::abs(*ev) <= kMaxExposure) return {static_cast<float>(*ev), automatic};
+  badUsage("{} takes a number from -{} to {} EV, auto, or auto with a compensation as in auto+1, not \"{}\"", option,
+           kMaxExposure, kMaxExposure, text);
+}
+
 std::pair<uint32_t, uint32_t> readSize(const char* option, std::string_view text) {
   if (const size_t x = text.find('x'); x != std::string_view::npos) {
     const auto width = parseNumber<uint32_t>(text.substr(0, x)), height = parseNumber<uint32_t>(text.substr(x + 1));
@@ -204,7 +217,7 @@ bool rastersInCompute(const Settings& settings) {
 }
 
 float exposureFactor(const Settings& settings) {
-  return std::exp2(settings.exposure);
+  return std::exp2(settings.exposure.ev);
 }
 
 }  // namespace latelight::render

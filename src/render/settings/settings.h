@@ -84,6 +84,16 @@ struct SunLight {
   bool operator==(const SunLight&) const = default;
 };
 
+// The exposure of a picture: radiance is multiplied by 2^ev and, if automatic, by the factor of submit/metering.h.
+inline constexpr int kMaxExposure = 60;  // EV, in both directions
+struct Exposure {
+  float ev = 0;
+  bool automatic = false;
+  Exposure() = default;
+  Exposure(float ev, bool automatic = false) : ev(ev), automatic(automatic) {}
+  bool operator==(const Exposure&) const = default;
+};
+
 inline constexpr uint32_t kMaxSuperSampling = 16;
 // How a pixel is sampled. At most one of the first three members differs from its default.
 struct AntiAliasing {
@@ -146,7 +156,9 @@ ShadowLights readText<ShadowLights>(const char* option, std::string_view text);
 template <>
 PositionOrigin readText<PositionOrigin>(const char* option, std::string_view text);  // "x,y,z"
 template <>
-SunLight readText<SunLight>(const char* option, std::string_view text);             // "az,el[,lux]", degrees
+SunLight readText<SunLight>(const char* option, std::string_view text);  // "az,el[,lux]", degrees
+template <>
+Exposure readText<Exposure>(const char* option, std::string_view text);  // "1.5", "auto", "auto+0.5" or "auto-1"
 std::pair<uint32_t, uint32_t> readSize(const char* option, std::string_view text);  // "1280x720"
 
 inline float radians(double degrees) {
@@ -165,6 +177,7 @@ struct Settings {
 #define OPTION_SIZE(width, height, name, defaultWidth, defaultHeight, ...) \
   uint32_t width = defaultWidth, height = defaultHeight;
 #define OPTION_SUN(member, ...) std::optional<SunLight> member;
+#define OPTION_EXPOSURE(member, ...) Exposure member;
 #include <latelight/options.def>
 
   // Settings without an option.
@@ -178,7 +191,7 @@ struct Settings {
   bool operator==(const Settings&) const = default;
 };
 
-// Returns the factor for radiance.
+// Returns the factor for radiance; with an automatic exposure, only that of the compensation.
 float exposureFactor(const Settings& settings);
 // Returns true if these settings use the graphics pipeline regardless of the raster: for techniques that draw the scene
 // and, with several samples per pixel, for those that draw lights.

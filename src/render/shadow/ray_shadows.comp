@@ -62,7 +62,7 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
 
 void main() {
   bindSurfaces(push.frame, push.shown);
-  FrameConstants frame = FrameRef(push.frame).v;
+  FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
   ivec3 place = ownPixel();
   View view = frameView(frame, place.z);
   bool inside = all(lessThan(vec2(place.xy), view.size));

@@ -8,6 +8,7 @@
 #include "render/frame/view.h"
 #include "render/gbuffer/layout.h"
 #include "render/options/options.h"
+#include "render/outputs/outputs.h"
 #include "render/submit/id_manifest.h"
 #include "render/submit/session.h"
 
@@ -66,7 +67,8 @@ output::Metadata describe(const scene::Scene& scene, const scene::Camera& camera
   m.camera = describeCamera(camera, scene, s);
   m.axes = scene.yUp && s.axes == Axes::File ? "gltf" : "z-up";
   m.normalFrame = nameOf(s.normalFrame);
-  m.exposure = exposureFactor(s);
+  m.exposure = exposureFactor(s);  // if metered, the frame's own factor replaces it
+  m.metered = s.exposure.automatic && showsPicture(s);
   m.settings = describeSettings(s, environment, given);
   if (std::ranges::any_of(s.aovs, output::holdsIds)) m.ids = std::make_shared<output::IdManifest>(idManifest(scene));
   return m;

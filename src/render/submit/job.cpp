@@ -27,8 +27,16 @@ ViewsInTime ViewBatch::views(const glm::dvec3& origin, glm::vec2 jitter) const {
   std::vector<shared::View> steady;
   if (still) steady = jitter == glm::vec2(0) ? views.now : viewsOf(job.now, glm::vec2(0));
   views.previous = job.previous.empty() ? steady : viewsOf(job.previous, glm::vec2(0));
+  if (!job.meteredExposures.empty()) {
+    const auto begin = job.meteredExposures.begin() + static_cast<ptrdiff_t>(first);
+    views.exposures.assign(begin, begin + static_cast<ptrdiff_t>(count));
+  }
   views.next = job.next.empty() ? steady : viewsOf(job.next, glm::vec2(0));
   return views;
+}
+
+std::vector<float> RenderJob::exposures() const {
+  return meteredExposures.empty() ? std::vector(viewCount(), exposureFactor(settings)) : meteredExposures;
 }
 
 // Strips arrive from top to bottom.

@@ -48,11 +48,13 @@ struct RenderJob {
   RenderJob(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment, uint32_t rows);
 
   size_t viewCount() const { return now.size(); }
+  std::vector<float> exposures() const;  // the factor of each view
   void keep(const ViewBatch& part, std::vector<output::FrameOutput>&& pictures);
 
   std::vector<scene::Camera> now, previous, next;  // previous and next may be empty: as now
   Settings settings;
-  uint32_t rows;  // of the pictures
+  std::vector<float> meteredExposures;  // the factor of each view; empty: that of the settings
+  uint32_t rows;                        // of the pictures
   bool continues;
   Results results = Results::ToHost;
   std::deque<ViewBatch> parts;       // parts that have not been read, in order; their addresses are stable

@@ -201,15 +201,21 @@ RenderResult Renderer::renderStrip(const scene::Camera& camera, const Settings& 
 }
 
 std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> cameras, const Settings& wanted,
-                                           const SceneState& moment, std::span<const Strip> strips, Results results) {
+                                           const SceneState& moment, std::span<const Strip> strips, Results results,
+                                           std::vector<float> exposures) {
   const Settings settings = settingsFor(cameras, wanted);
   begin(settings, moment);
   replays_.tick();
+  if (settings.exposure.automatic && showsPicture(settings)) {
+    checkSettings(settings);
+    exposures = meter(cameras, settings, moment);
+  }
   const uint32_t rows = strips.size() > 1 ? settings.height : strips.front().rows;
   const auto job = std::make_shared<RenderJob>(cameras, settings, moment, rows);
   job->results = results;
   uint64_t claimed = rows;
   if (strips.size() > 1) claimed += strips.front().rows;  // the strip in flight
+  if (!exposures.empty()) job->meteredExposures = std::move(exposures);
   if (results == Results::Exported)
     job->result.arrays = exportedArrays(device_, *exports_, settings, rows, cameras.size());
   else
@@ -505,6 +511,11 @@ bool Ticket::done() const {
 RenderResult Ticket::take() {
   const std::shared_ptr<RenderJob> job = std::exchange(job_, nullptr);
   renderer_->finish(*job);
+  for (size_t i = 0; i < job.result.frames.size(); ++i) job.result.frames[i].exposure = job.exposures()[i];
+}
+
+std::vector<float> Ticket::exposures() const {
+  return job_->exposures();
   return std::move(job->result);
 }
 
@@ -529,6 +540,11 @@ TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings&
   Settings atCentres = settings;
   atCentres.aa.samples = 1;
   RenderJob job({&camera, 1}, atCentres, moment, settings.height);
+  std::vector<float> exposures;
+  if (settings.exposure.automatic) {
+    checkSettings(settings);
+    exposures = meter({&camera, 1}, settings, moment);
+  }
   const Layout& layout = *settings.layout;
   std::shared_ptr<FrameShadows> shadows;
   if (layout.sunTarget >= 0)  // otherwise nothing in the targets is lit
@@ -538,6 +554,7 @@ TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings&
   std::optional<graph::Graph> graph;
   std::optional<RawReadback> readback;
   graph::Submission done;
+  job.meteredExposures = exposures;
   overflow_.checks.clear();  // left by an error
   do {
     const bool again = graph.has_value();

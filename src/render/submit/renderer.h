@@ -69,7 +69,9 @@ class Renderer {
   void begin(const Settings& settings, const SceneState& moment);
   std::shared_ptr<RenderJob> start(std::span<const scene::Camera> cameras, const Settings& settings,
                                    const SceneState& moment, std::span<const Strip> strips,
-                                   Results results = Results::ToHost);
+                                   Results results = Results::ToHost, std::vector<float> exposures = {});
+  // Returns the exposure factor of each view, for settings with an automatic exposure (metering.cpp).
+  std::vector<float> meter(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment);
   // Starts some views of a job, one strip after the other. Returns how many views fit into memory at once; if these are
   // fewer than `count`, none of them is in flight.
   size_t startViews(const std::shared_ptr<RenderJob>& job, size_t first, size_t count, std::span<const Strip> strips);

@@ -44,13 +44,13 @@ void ViewSet::update(const ViewsInTime& views) {
   std::ranges::copy(views.now, views_.now.begin());
   std::ranges::copy(views.previous, views_.previous.begin());
   std::ranges::copy(views.next, views_.next.begin());
+  views_.exposures = views.exposures;
   upload();
 }
 
-// Writes the views and the frame's constants to device memory, which keeps its addresses. With worlds, each view has
-// constants of its own.
+// Writes the views and the frame's constants to device memory, which keeps its addresses.
 void ViewSet::upload() {
-  const size_t count = views_.now.size(), frames = state_.scene.hasWorlds() ? count : 1;
+  const size_t count = views_.now.size(), frames = hasConstantsPerView() ? count : 1;
   if (!viewBuffer_) {
     viewBuffer_ = uploadBuffer(state_.device, "views", 3 * count * sizeof(shared::View), kViewUsage);
     constants_ = uploadBuffer(state_.device, "frame constants", frames * sizeof(shared::FrameConstants),
@@ -58,21 +58,23 @@ void ViewSet::upload() {
   }
   auto* views = viewBuffer_.as<shared::View>();
   for (const auto* some : {&views_.now, &views_.previous, &views_.next}) views = std::ranges::copy(*some, views).out;
-  for (size_t i = 0; i < frames; ++i)
-    constants_.as<shared::FrameConstants>()[i] = constantsOf(state_.scene.hasWorlds() ? views_.now[i].world : 0);
+  for (size_t i = 0; i < frames; ++i) constants_.as<shared::FrameConstants>()[i] = constantsOf(i);
   if (!shadows_ || !shadows_->tracesRays()) return;
-  shared::FrameConstants others = constantsOf(0);
-  others.lights = shadows_->otherLights();
-  otherConstants_ =
-      vk::uploadedBuffer(state_.device, "constants of other lights", std::as_bytes(std::span(&others, 1)));
+  std::vector<shared::FrameConstants> others;
+  for (size_t i = 0; i < frames; ++i) {
+    others.push_back(constantsOf(i));
+    others.back().lights = shadows_->otherLights();
+  }
+  otherConstants_ = vk::uploadedBuffer(state_.device, "constants of other lights", std::as_bytes(std::span(others)));
 }
 
-shared::FrameConstants ViewSet::constantsOf(uint32_t world) const {
+shared::FrameConstants ViewSet::constantsOf(size_t view) const {
   const Settings& s = settings_;
+  const uint32_t world = state_.scene.hasWorlds() ? views_.now[view].world : 0;
   const size_t count = views_.now.size();
   shared::FrameConstants frame{};
   state_.scene.describe(frame, world);
-  if (state_.scene.hasWorlds()) frame.rasterInstances = state_.rasterInstances.address(world);
+  if (hasConstantsPerView()) frame.rasterInstances = state_.rasterInstances.address(world);
   if (shadows_) shadows_->describe(frame);
   const glm::dvec3 point = s.positionOrigin.point;
   const bool file = state_.scene.isYUp() && s.axes == Axes::File;
@@ -85,7 +87,7 @@ shared::FrameConstants ViewSet::constantsOf(uint32_t world) const {
   frame.rays = views_.lens ? views_.lens->rays.address() : 0;
   frame.rayScene = state_.bvh ? state_.bvh->address() : 0;
   frame.viewCount = static_cast<uint32_t>(count);
-  frame.exposure = exposureFactor(s);
+  frame.exposure = views_.exposures.empty() ? exposureFactor(s) : views_.exposures[view];
   const float rotation = state_.scene.worlds().environmentRotation(world, s.environmentRotation);
   frame.environmentIntensity =
       state_.hasEnvironment ? state_.scene.worlds().environmentIntensity(world, s.environmentIntensity) : 0.0f;
@@ -111,7 +113,7 @@ FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {
   setup.fewLights = state_.device.hasCpuShaders() && state_.scene.lightCount() <= kFewLights;
   const shared::vec2 size = views_.now.front().size;
   FrameContext f{
-      {state_.device, graph, state_.scene.hasWorlds()},
+      {state_.device, graph, hasConstantsPerView()},
       state_.scene,
       state_.environment,
       visibility_,

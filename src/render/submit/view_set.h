@@ -35,6 +35,7 @@ struct ViewsInTime {
   std::vector<shared::View> now, previous, next;
   std::shared_ptr<const LensRays> lens;  // the rays of all these views; null: they are projections
 };
+  std::vector<float> exposures = {};     // factor of each view; empty: that of the settings for all
 
 class ViewSet {
  public:
@@ -54,7 +55,9 @@ class ViewSet {
 
  private:
   void upload();
-  shared::FrameConstants constantsOf(uint32_t world) const;
+  // With worlds, or if views have different exposures.
+  bool hasConstantsPerView() const { return state_.scene.hasWorlds() || views_.exposures.size() > 1; }
+  shared::FrameConstants constantsOf(size_t view) const;
 
   RenderState state_;
   ViewsInTime views_;

@@ -116,7 +116,8 @@ void HardwareVisibility::addShadowMaps(const FrameContext& f, const Gbuffer&, gr
       const uint32_t layer = maps[i].tile.layer;
       if (i == 0 || layer != maps[i - 1].tile.layer) beginLayer(context, targets, layer);
       setTile(context, maps[i].tile);
-      const VkDeviceAddress frame = f.shadows->mapConstants() + (f.worlds ? i * sizeof(shared::FrameConstants) : 0);
+      const VkDeviceAddress frame =
+          f.shadows->mapConstants() + (scene_.hasWorlds() ? i * sizeof(shared::FrameConstants) : 0);
       const VkDeviceAddress instances = scene_.instancesOf(maps[i].view->view.world).address;
       SceneBinder binder(context, scene_, *casters, {frame, f.shadows->mapViews(), i, instances}, pipelines);
       for (const Draw& draw : (*casters)[i]) {

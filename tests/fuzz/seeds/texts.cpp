@@ -88,6 +88,10 @@ void addCommandLines(Seeds& seeds) {
   seeds.add("command_line", name      \
             "\0"                      \
             "30,40,1000"s);
+#define OPTION_EXPOSURE(member, name, ...) \
+  seeds.add("command_line", name           \
+            "\0"                           \
+            "auto+0.5"s);
 #include <latelight/options.def>
   seeds.add("command_line",
             "builtin:boxes\0-o\0out.png\0--size\0"

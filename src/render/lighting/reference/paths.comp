@@ -214,7 +214,7 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) { return vec3(0.0); }
 
 void main() {
   bindSurfaces(push.frame, push.shown);
-  FrameConstants frame = FrameRef(push.frame).v;
+  FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
   bindRayTextures(frame);
   ivec3 place = ownPixel();
   View view = frameView(frame, place.z);
