@@ -501,6 +501,7 @@ struct CastHits {
   std::vector<std::array<float, 2>> uv;                           // first set of texture coordinates
   std::vector<uint32_t> id, part, material;                       // values of the outputs of these names
   std::vector<uint32_t> triangle;                                 // index in the mesh of the part
+  std::vector<float> intensity;  // from 0 to 1: reflectance at normal incidence times the cosine of incidence
 };
 
 // An entry of options.def, for programs that list the options.

@@ -272,6 +272,7 @@ nb::dict cast(const std::shared_ptr<SharedRenderer>& renderer, nb::handle origin
   arrays["part"] = owned(std::move(hits.part), shape);
   arrays["material"] = owned(std::move(hits.material), shape);
   arrays["triangle"] = owned(std::move(hits.triangle), shape);
+  arrays["intensity"] = owned(std::move(hits.intensity), shape);
   return arrays;
 }
 
@@ -431,8 +432,9 @@ void bindRenderer(nb::module_& module) {
       nb::sig(castSignature.c_str()),
       "Casts rays through the scene. origins and directions are arrays (N, 3) in the frame of axes; directions may "
       "have\nany length.\n\nReturns arrays of N values by name: distance (meters; infinite for a ray that hits "
-      "nothing), position, normal,\ngeonormal, uv, id, part and material as the outputs of these names, and "
-      "triangle, the index in the part's mesh.\nThe options time, animation, data_surfaces, axes and "
+      "nothing), position, normal,\ngeonormal, uv, id, part and material as the outputs of these names, "
+      "triangle, the index in the part's mesh, and\nintensity, from 0 to 1: the reflectance at normal incidence times "
+      "the cosine of the angle of incidence.\nThe options time, animation, data_surfaces, axes and "
       "position_origin apply.");
 }
 

@@ -448,7 +448,8 @@ CastHits Renderer::cast(std::span<const std::array<double, 3>> origins,
           .id = std::move(hits.id),
           .part = std::move(hits.part),
           .material = std::move(hits.material),
-          .triangle = std::move(hits.triangle)};
+          .triangle = std::move(hits.triangle),
+          .intensity = std::move(hits.intensity)};
 }
 
 }  // namespace latelight

@@ -177,6 +177,7 @@ def test_rays_hit_what_pixels_show(renderer, camera):
         "part": ((1536,), "uint32"),
         "material": ((1536,), "uint32"),
         "triangle": ((1536,), "uint32"),
+        "intensity": ((1536,), "float32"),
     }
     same = hits["part"] == frame["part"].ravel()
     assert np.mean(same) > 0.99

@@ -39,11 +39,20 @@ float exactDistance(FrameConstants frame, Ray ray, vec3 directionLow, RayHit hit
   return across != 0.0 ? clamp(distance, nearest, farthest) : hit.distance;
 }
 
+// Returns the power that a Lambertian surface of the same reflectance sends back along the ray, relative to a white one
+// that faces it: the cosine law. The reflectance is that of glTF's material at normal incidence, averaged over the
+// channels because materials have no infrared.
+float returnedIntensity(Surface s, vec3 direction) {
+  vec3 reflectance = mix(s.f0 + (1.0 - s.f0) * s.baseColor, s.baseColor, s.metallic);
+  float incidence = clamp(-dot(s.normal, direction), 0.0, 1.0);
+  return (reflectance.r + reflectance.g + reflectance.b) / 3.0 * incidence;
+}
+
 CastHit hitOf(FrameConstants frame, Ray ray, vec3 directionLow, RayHit hit) {
   SurfacePoint p = rayPoint(frame, ray, hit);
   Surface s = evaluateMaterial(frame, frameMaterial(frame, frameInstance(frame, hit.instance).material), p);
   return CastHit(max(exactDistance(frame, ray, directionLow, hit), 0.0), s.id, s.part, s.material, s.normal,
-                 hit.triangle, s.geonormal, hit.front ? 1u : 0u, s.uv, 0u, 0u);
+                 hit.triangle, s.geonormal, hit.front ? 1u : 0u, s.uv, returnedIntensity(s, ray.direction), 0u);
 }
 
 void main() {
@@ -55,7 +64,7 @@ void main() {
   vec4 origin = floatsAt(at, 0u), direction = floatsAt(at, 1u);
   Ray ray = Ray(origin.xyz, floatsAt(at, 2u).xyz, direction.xyz, origin.w, direction.w);
   RayHit hit = traceRay(frame, ray, push.what);
-  CastHit result = CastHit(kRayInfinity, 0u, 0u, 0u, vec3(0.0), 0u, vec3(0.0), 0u, vec2(0.0), 0u, 0u);
+  CastHit result = CastHit(kRayInfinity, 0u, 0u, 0u, vec3(0.0), 0u, vec3(0.0), 0u, vec2(0.0), 0.0, 0u);
   for (bool some = isHit(hit); some; some = false) result = hitOf(frame, ray, floatsAt(at, 3u).xyz, hit);
   CastHitsRef(push.hits).v[index] = result;
 }

@@ -26,7 +26,8 @@ struct CastHit {
   vec3 geonormal;
   uint front;  // 1: the ray hits the front face
   vec2 uv;
-  uint paddingA, paddingB;
+  float intensity;  // reflectance at normal incidence times the cosine of the angle of incidence
+  uint padding;
 };
 SH_CONST uint kCastHitBytes = 64u;
 

@@ -57,7 +57,7 @@ struct RayFrame {
 };
 
 void resize(CastHits& hits, size_t count) {
-  hits.distance.resize(count);
+  hits.distance.resize(count), hits.intensity.resize(count);
   for (std::vector<glm::vec3>* vectors : {&hits.position, &hits.normal, &hits.geonormal}) vectors->resize(count);
   hits.uv.resize(count);
   for (std::vector<uint32_t>* numbers : {&hits.id, &hits.part, &hits.material, &hits.triangle}) numbers->resize(count);
@@ -68,7 +68,7 @@ void store(const shared::CastHit& hit, const CastRays& rays, const RayFrame& fra
   hits.distance[ray] = hit.distance;
   hits.id[ray] = hit.id, hits.part[ray] = hit.part, hits.material[ray] = hit.material;
   hits.triangle[ray] = hit.triangle;
-  hits.uv[ray] = hit.uv;
+  hits.uv[ray] = hit.uv, hits.intensity[ray] = hit.intensity;
   if (std::isinf(hit.distance)) return;
   const glm::dvec3 along = unitOf(rays.directions[ray]) * double{hit.distance};
   hits.position[ray] = glm::vec3(rays.origins[ray] - frame.positionOrigin + along);

@@ -24,6 +24,7 @@ struct CastHits {
   std::vector<glm::vec2> uv;
   std::vector<uint32_t> id, part, material;
   std::vector<uint32_t> triangle;  // index in the mesh of the part
+  std::vector<float> intensity;    // reflectance at normal incidence times the cosine of the angle of incidence
 };
 
 struct CastResult {
