@@ -34,6 +34,7 @@ from ._core import (
     set_memory_limit,
     version,
 )
+from . import depth_sensor, lidar
 from ._from_mujoco import MujocoScene, from_mujoco
 from ._from_open3d import from_open3d
 from ._from_trimesh import from_trimesh, from_urdf, pose_urdf
@@ -87,11 +88,13 @@ __all__ = [
     "WorldFrames",
     "__version__",
     "add_pixels",
+    "depth_sensor",
     "from_mujoco",
     "from_open3d",
     "from_trimesh",
     "from_urdf",
     "from_usd",
+    "lidar",
     "pose_urdf",
     "set_memory_limit",
     "version",

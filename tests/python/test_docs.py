@@ -1,4 +1,4 @@
-"""The code of docs/python.md, docs/worlds.md, docs/embed.md, README.md and of the examples, run as it stands."""
+"""The code of README.md, of the examples and of docs/python.md, worlds.md, lidar.md and embed.md, run as it stands."""
 
 import json
 import re
@@ -27,6 +27,14 @@ def run_all(sources, name, **given):
     for number, source in enumerate(sources):
         exec(compile(source, f"{name}, block {number + 1}", "exec"), module.__dict__)
     return module.__dict__
+
+
+def test_the_page_of_sensors(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    names = run_all(blocks(ROOT / "docs" / "lidar.md"), "lidar")
+    assert len(names["scan"]) > 10_000 and (tmp_path / "scan.pcd").stat().st_size > 10_000
+    assert len(names["own"].rings) == 3 * 1000
+    assert (names["frame"].depth > 0).any()
 
 
 def test_the_tutorial(tmp_path, monkeypatch, capsys):

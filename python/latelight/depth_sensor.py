@@ -1,0 +1,166 @@
+"""Depth cameras with measured noise: structured light and active stereo.
+
+::
+
+    from latelight import depth_sensor
+
+    frame = depth_sensor.capture(renderer, camera, (640, 480), depth_sensor.kinect(), seed=7)
+    frame.depth  # (480, 640) float32, meters; 0 where the sensor has no value
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._core import Camera, Renderer
+from .errors import UsageError
+
+__all__ = ["DepthFrame", "DepthSensor", "capture", "kinect", "measure", "realsense_d435"]
+
+Array = npt.NDArray[Any]
+
+
+@dataclass(frozen=True)
+class DepthSensor:
+    """A sensor that triangulates. dataclasses.replace() changes single properties.
+
+    The standard deviation of a depth z on a surface at the angle of incidence a is, in meters,
+
+        axial[0] + axial[1] (z - axial[2])^2 + axial[3] / sqrt(z) a^2 / (pi/2 - a)^2 + disparity_noise z^2 / (f baseline)
+
+    and that of a pixel's position lateral[0] + lateral[1] a / (pi/2 - a), in pixels. f is the focal length in pixels.
+    """
+
+    name: str
+    baseline: float  # meters from the camera to the projector or second camera, along the camera's X axis (right)
+    min_range: float  # meters of depth
+    max_range: float
+    axial: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    lateral: tuple[float, float] = (0.0, 0.0)
+    disparity_noise: float = 0.0  # pixels
+    disparity_step: float = 0.0  # pixels: disparities are multiples of it
+    max_incidence: float = 90.0  # degrees; steeper surfaces have no value
+
+    def __post_init__(self) -> None:
+        values = (*self.axial, *self.lateral, self.disparity_noise, self.disparity_step)
+        if not all(math.isfinite(value) and value >= 0 for value in values):
+            raise UsageError("the noise and the disparity step of a depth sensor must be at least 0")
+        if not 0 <= self.min_range < self.max_range or self.baseline == 0 or not math.isfinite(self.baseline):
+            raise UsageError("a depth sensor needs a baseline other than 0 and a range from min_range to max_range")
+
+
+def kinect() -> DepthSensor:
+    """Microsoft Kinect, first generation: structured light, 640x480.
+
+    Noise: Nguyen, Izadi and Lovell 2012, Modeling Kinect Sensor Noise for Improved 3D Reconstruction and Tracking.
+    Baseline and disparities in eighths of a pixel: Khoshelham and Elberink 2012, Accuracy and Resolution of Kinect Depth
+    Data for Indoor Mapping Applications.
+    """
+    return DepthSensor("Kinect", 0.075, 0.5, 5.0, (0.0012, 0.0019, 0.4, 0.0001), (0.8, 0.035), 0.0, 1 / 8, 82.0)
+
+
+def realsense_d435() -> DepthSensor:
+    """Intel RealSense D435: active stereo with a baseline of 50 mm and an error of 0.08 pixels of disparity.
+
+    Grunnet-Jepsen, Sweetser and Woodfill, Best-Known-Methods for Tuning Intel RealSense D400 Depth Cameras. Disparities
+    are multiples of 1/32 of a pixel.
+    """
+    return DepthSensor("RealSense D435", 0.05, 0.2, 10.0, disparity_noise=0.08, disparity_step=1 / 32, max_incidence=85.0)
+
+
+@dataclass(frozen=True)
+class DepthFrame:
+    """What a depth sensor reports, and the truth."""
+
+    depth: Array  # (H, W) float32, meters along the optical axis; 0: no value
+    true_depth: Array  # (H, W) float32; infinite where there is no surface
+    incidence: Array  # (H, W) float32, radians between the viewing ray and the surface's normal
+    shadow: Array  # (H, W) bool: another surface hides the point from the projector or second camera
+
+
+def measure(sensor: DepthSensor, depth: npt.ArrayLike, incidence: npt.ArrayLike, focal: float, seed: int | None = 0,
+            shadow: npt.ArrayLike | None = None) -> Array:  # fmt: skip
+    """Returns what the sensor measures of exact depths (H, W), in meters: float32, 0 where it has no value.
+
+    incidence: (H, W) radians from 0 to pi/2; focal: focal length in pixels; seed: of the noise, or None for
+    quantization only; shadow: (H, W) True where the point is hidden from the projector
+    """
+    z, angle = np.asarray(depth, np.float64), np.asarray(incidence, np.float64)
+    if z.ndim != 2 or angle.shape != z.shape:
+        raise UsageError(f"depth and incidence must have the same shape (H, W), not {z.shape} and {angle.shape}")
+    if not focal > 0:
+        raise UsageError(f"focal must be above 0, not {focal}")
+    hidden = np.zeros(z.shape, bool) if shadow is None else np.asarray(shadow, bool)
+    steep = np.clip(angle, 0, np.pi / 2 - 1e-3)
+    if seed is not None:
+        random = np.random.Generator(np.random.Philox(seed))
+        moves, errors = random.standard_normal((2, *z.shape)), random.standard_normal(z.shape)
+        spread = sensor.lateral[0] + sensor.lateral[1] * steep / (np.pi / 2 - steep)
+        rows, columns = np.indices(z.shape)
+        row = np.clip(np.rint(rows + moves[0] * spread), 0, z.shape[0] - 1).astype(np.int64)
+        column = np.clip(np.rint(columns + moves[1] * spread), 0, z.shape[1] - 1).astype(np.int64)
+        z, steep, angle, hidden = (values[row, column] for values in (z, steep, angle, hidden))
+        valid = np.isfinite(z) & (z > 0)
+        near = np.where(valid, z, 1)
+        constant, square, center, grazing = sensor.axial
+        sigma = constant + square * (near - center) ** 2
+        sigma += grazing / np.sqrt(near) * steep**2 / (np.pi / 2 - steep) ** 2
+        sigma += sensor.disparity_noise * near**2 / (focal * abs(sensor.baseline))
+        z = np.where(valid, near + errors * sigma, z)
+    valid = np.isfinite(z) & (z > 0) & ~hidden & (angle <= math.radians(sensor.max_incidence))
+    near = np.where(valid, z, 1)
+    if sensor.disparity_step > 0:
+        scale = focal * abs(sensor.baseline) / sensor.disparity_step
+        steps = np.rint(scale / near)
+        valid &= steps > 0
+        near = scale / np.maximum(steps, 1)
+    valid &= (near >= sensor.min_range) & (near <= sensor.max_range)
+    return np.where(valid, near, 0).astype(np.float32)
+
+
+def _shadow(renderer: Renderer, camera: Camera, sensor: DepthSensor, points: Array, seen: Array,
+            options: dict[str, Any]) -> Array:  # fmt: skip
+    """Returns True for the points (H, W, 3) that are seen and that the projector does not reach."""
+    pose = np.asarray(camera.camera_to_world, np.float64)
+    projector = pose[:3, 3] + pose[:3, 0] * sensor.baseline
+    targets = points[seen].astype(np.float64)
+    directions = targets - projector
+    lengths = np.linalg.norm(directions, axis=1)
+    hits = renderer.cast(np.broadcast_to(projector, directions.shape), directions, **options)
+    hidden = np.zeros(seen.shape, bool)
+    hidden[seen] = hits["distance"] < lengths * (1 - 1e-3) - 1e-4
+    return hidden
+
+
+def capture(renderer: Renderer, camera: Camera, size: tuple[int, int], sensor: DepthSensor, *, seed: int | None = 0,
+            **options: Any) -> DepthFrame:  # fmt: skip
+    """Renders exact depth, and measures it as the sensor does.
+
+    camera: a perspective camera, without a lens model; size: width and height in pixels; seed: of the noise, or None for
+    quantization and shadows only; options: those of Renderer.render() and Renderer.cast(), such as time
+
+    The shadow of structured light is traced: pixels whose point the projector does not reach have no value.
+    """
+    if camera.orthographic or camera.lens is not None:
+        raise UsageError("a depth sensor needs a perspective camera without a lens model")
+    for name in ("axes", "position_origin", "normal_frame"):
+        if name in options:
+            raise UsageError(f"a depth sensor measures in its camera's frame, so it has no option {name}")
+    k = np.asarray(camera.k(size), np.float64)
+    frame = renderer.render(camera, size, ("depth", "geonormal", "position"), **{**options, "normal_frame": "opencv"})
+    depth = frame["depth"]
+    seen = np.isfinite(depth) & (depth > 0)
+    x = (np.arange(size[0]) + 0.5 - k[0, 2]) / k[0, 0]
+    y = (np.arange(size[1]) + 0.5 - k[1, 2]) / k[1, 1]
+    rays = np.stack([*np.meshgrid(x, y), np.ones((size[1], size[0]))], axis=2)
+    rays /= np.linalg.norm(rays, axis=2, keepdims=True)
+    cosine = np.clip(-np.einsum("ijk,ijk->ij", rays, frame["geonormal"].astype(np.float64)), 0, 1)
+    incidence = np.where(seen, np.arccos(cosine), 0)
+    shadow = _shadow(renderer, camera, sensor, frame["position"], seen, options)
+    measured = measure(sensor, np.where(seen, depth, np.inf), incidence, float(k[0, 0]), seed, shadow)
+    return DepthFrame(measured, np.where(seen, depth, np.inf).astype(np.float32), incidence.astype(np.float32), shadow)

@@ -1,0 +1,114 @@
+"""Depth sensors: the statistics of the noise models' formulas, disparities, and the shadow of structured light."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+import latelight
+from latelight import depth_sensor
+
+
+def plane(z, degrees, shape=(200, 300)):
+    return np.full(shape, z), np.full(shape, math.radians(degrees))
+
+
+@pytest.mark.parametrize("z, degrees", [(0.8, 0), (2.0, 30), (3.5, 50), (1.0, 75)])
+def test_the_kinect_has_the_axial_noise_of_its_paper(z, degrees):
+    continuous = dataclasses.replace(depth_sensor.kinect(), disparity_step=0.0, max_range=20.0)
+    measured = depth_sensor.measure(continuous, *plane(z, degrees), focal=585.0, seed=1).astype(np.float64)
+    angle = math.radians(degrees)
+    # Nguyen, Izadi and Lovell 2012, equations 2 and 4, in meters.
+    sigma = 0.0012 + 0.0019 * (z - 0.4) ** 2 + 0.0001 / math.sqrt(z) * angle**2 / (math.pi / 2 - angle) ** 2
+    assert abs(measured.std() / sigma - 1) < 4 / math.sqrt(2 * measured.size)
+    assert abs(measured.mean() - z) < 4 * sigma / math.sqrt(measured.size)
+
+
+def test_lateral_noise_moves_edges():
+    """A step between two depths: rows choose the side by a normal distribution of the columns."""
+    sensor = dataclasses.replace(depth_sensor.kinect(), axial=(0.0, 0.0, 0.0, 0.0), disparity_step=0.0)
+    depth = np.where(np.arange(40) < 20, 1.0, 2.0) * np.ones((20000, 1))
+    measured = depth_sensor.measure(sensor, depth, np.zeros(depth.shape), focal=585.0, seed=2)
+    far = (measured == 2).mean(axis=0)
+    for column in range(16, 24):
+        # The column whose center is at `column` is moved to one of at least 20 where it passes 19.5.
+        expected = 0.5 * math.erfc((19.5 - column) / 0.8 / math.sqrt(2))
+        assert abs(far[column] - expected) < 0.015, column
+
+
+def test_stereo_noise_grows_with_the_square_of_depth():
+    sensor = dataclasses.replace(depth_sensor.realsense_d435(), disparity_step=0.0, max_range=50.0)
+    for z in (0.5, 2.0, 6.0):
+        measured = depth_sensor.measure(sensor, *plane(z, 0), focal=640.0, seed=3)
+        assert abs(measured.std() / (0.08 * z * z / (640 * 0.05)) - 1) < 0.02
+
+
+def test_disparities_are_multiples_of_the_step():
+    depth = np.linspace(0.6, 4.9, 5000)[None]
+    measured = depth_sensor.measure(depth_sensor.kinect(), depth, np.zeros(depth.shape), focal=580.0, seed=None)
+    steps = 580 * 0.075 / measured.astype(np.float64) * 8
+    np.testing.assert_allclose(steps, np.round(steps), atol=1e-4)
+    # At most half a step: z^2 / (f b) / 16.
+    assert (np.abs(measured - depth) <= depth**2 / (580 * 0.075) / 16 * 1.02).all()
+
+
+def test_values_that_the_sensor_does_not_have():
+    depth = np.array([[0.2, 2.0, 9.0, np.inf, 2.0, 2.0]])
+    angles = np.radians([[0, 0, 0, 0, 85, 0]])
+    shadow = np.array([[False] * 5 + [True]])
+    measured = depth_sensor.measure(depth_sensor.kinect(), depth, angles, 580.0, None, shadow)
+    assert (measured > 0).tolist() == [[False, True, False, False, False, False]]
+
+
+def quad(scene, x, z, color=(1, 1, 1, 1)):
+    """A surface in the plane of this z, which faces +Z, from x[0] to x[1]."""
+    points = np.array([[x[0], -5, z], [x[1], -5, z], [x[1], 5, z], [x[0], 5, z]], np.float32)
+    scene.add_instance(scene.add_mesh(points, indices=[[0, 1, 2], [0, 2, 3]]), scene.add_material(latelight.Material()))
+
+
+def test_the_projector_casts_a_shadow(device):
+    """A plate at 1 m before a wall at 3 m, seen from the origin along -Z, with the projector 0.3 m to the right."""
+    scene = latelight.Scene()
+    quad(scene, (-10, 10), -3.0)
+    quad(scene, (-0.2, 0.2), -1.0)
+    renderer = latelight.Renderer(scene, device)
+    camera = latelight.Camera.from_k([[100, 0, 100], [0, 100, 20], [0, 0, 1]], np.diag([1.0, -1, -1, 1]), (200, 40))
+    sensor = dataclasses.replace(depth_sensor.kinect(), baseline=0.3)
+    frame = depth_sensor.capture(renderer, camera, (200, 40), sensor, seed=None)
+    x = np.arange(200) + 0.5 - 100
+    on_plate = np.abs(x) < 20
+    # The plate's edges at -0.2 and 0.2 m, seen from x = 0.3 m, lie at 0.3 + 3 (edge - 0.3) on the wall: -1.2 and 0 m.
+    wall_x = 3 * x / 100
+    expected = ~on_plate & (wall_x > -1.2) & (wall_x < 0)
+    clear = np.abs(wall_x + 1.2) > 0.05
+    assert np.array_equal(frame.shadow[20][clear], expected[clear])
+    assert frame.shadow[20].any() and (frame.depth[frame.shadow] == 0).all()
+    np.testing.assert_allclose(frame.true_depth[20], np.where(on_plate, 1, 3), rtol=1e-5)
+    np.testing.assert_allclose(frame.incidence[20], np.arctan(np.hypot(x, 0.5) / 100), atol=1e-4)
+    seen = frame.depth > 0
+    assert (np.abs(frame.depth - frame.true_depth)[seen] < 9 / (100 * 0.3) / 16 * 1.1).all()
+
+
+def test_captures_are_the_same_in_each_run(renderer, boxes):
+    camera = boxes.default_camera()
+    sensor = dataclasses.replace(depth_sensor.kinect(), max_range=50.0)
+    frames = [depth_sensor.capture(renderer, camera, (64, 48), sensor, seed=seed) for seed in (1, 1, 2)]
+    assert np.array_equal(frames[0].depth, frames[1].depth)
+    assert not np.array_equal(frames[0].depth, frames[2].depth)
+    assert (frames[0].depth > 0).any()
+
+
+def test_wrong_arguments(renderer):
+    def refused(text, call):
+        with pytest.raises(latelight.UsageError, match=text):
+            call()
+
+    kinect = depth_sensor.kinect()
+    refused("same shape", lambda: depth_sensor.measure(kinect, np.ones((4, 4)), np.ones((4, 5)), 500.0))
+    refused("focal", lambda: depth_sensor.measure(kinect, np.ones((4, 4)), np.ones((4, 4)), 0.0))
+    refused("baseline", lambda: dataclasses.replace(kinect, baseline=0.0))
+    refused("noise", lambda: dataclasses.replace(kinect, lateral=(-1.0, 0.0)))
+    lens = latelight.Camera(lens=latelight.Lens(model="fisheye"))
+    refused("perspective", lambda: depth_sensor.capture(renderer, lens, (8, 8), kinect))
+    refused("axes", lambda: depth_sensor.capture(renderer, latelight.Camera(), (8, 8), kinect, axes="z-up"))
