@@ -586,9 +586,9 @@ class LATELIGHT_API Ticket {
   std::vector<Frame> take();
   // The worlds with values that are not finite. Their images show only the background; other worlds are unaffected.
   const std::vector<uint32_t>& invalidWorlds() const;
-  // The counterpart of take() for Results::Arrays: waits and returns each output by its name; the picture is "rgba".
   // The factors that the pictures' radiance is multiplied by, in their order.
   std::vector<float> exposures() const;
+  // The counterpart of take() for Results::Arrays: waits and returns each output by its name; the picture is "rgba".
   std::map<std::string, DeviceArray> takeArrays();
 
  private:

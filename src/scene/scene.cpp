@@ -131,6 +131,17 @@ Bounds worldBounds(const Scene& scene) {
   return all;
 }
 
+double lowestPoint(const Scene& scene) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Instance& instance : scene.instances) {
+    if (!isShown(scene, {}, instance)) continue;
+    const dmat4 up = glm::transpose(instance.toWorld);  // its third column is the row of heights
+    for (const auto& position : scene.meshes[instance.mesh].positions)
+      lowest = std::min(lowest, glm::dot(up[2], glm::dvec4(dvec3(position), 1)));
+  }
+  return std::isfinite(lowest) ? lowest : 0;
+}
+
 dmat4 toWorldFromGltf() {
   // Columns: the world directions of glTF's X (right), Y (up) and Z (towards the viewer).
   using glm::dvec4;

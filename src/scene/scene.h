@@ -216,6 +216,8 @@ struct Bounds {
   double radius() const { return empty() ? 0.0 : glm::length(max - min) * 0.5; }
 };
 Bounds worldBounds(const Scene&);
+// Returns the lowest height of any vertex along Z of world space, at rest; 0 if nothing is shown.
+double lowestPoint(const Scene& scene);
 // Extends `bounds` by those of an instance with this transform.
 void addBounds(const Scene& scene, const Instance& instance, const dmat4& toWorld, Bounds& bounds);
 // Computes the mesh's bounds and its longest edge; they are zero if it has no positions.

@@ -72,9 +72,10 @@ Table tableOf() {
 // The shares of options that are given more or less often than others of their kind.
 void setShares(Table& t) {
   const std::pair<const char*, double> shares[] = {
-      {"--layout", 0.8},        {"--normals", 0.5}, {"--lighting", 0.9}, {"--transparency", 0.5},  {"--shadows", 0.6},
-      {"--shadow-filter", 0.5}, {"--time", 0.3},    {"--bloom", 0.3},    {"--data-surfaces", 0.6}, {"--validate", 0.05},
-      {"--fog", 0.3},           {"--json", 0.12},   {"--indirect", 0.15}};
+      {"--layout", 0.8},        {"--normals", 0.5},       {"--lighting", 0.9}, {"--transparency", 0.5},
+      {"--shadows", 0.6},       {"--shadow-filter", 0.5}, {"--time", 0.3},     {"--bloom", 0.3},
+      {"--data-surfaces", 0.6}, {"--validate", 0.05},     {"--fog", 0.3},      {"--json", 0.12},
+      {"--indirect", 0.15},     {"--ground", 0.15}};
   for (const auto& [name, share] : shares) t.at(name).share = share;
   t.at("--anisotropy").rate = Rate::Group;  // all samplers are recreated
   t.at("--samples").right = {"1"};          // paths take long, and a CPU device refuses many rays
@@ -148,8 +149,8 @@ void addSceneTexts(Table& t, const Values& models, const std::filesystem::path& 
 }
 
 void addPictureTexts(Table& t, const std::string& panorama) {
-  t["--shadow-lights"] = {
   t["--exposure"] = {0.2, {"-1.5", "2", "60", "auto", "auto-1"}, {"bright", "61", "auto1", "nan"}};
+  t["--shadow-lights"] = {
       0.3, {"auto", "all", "none", "0", "2", "lamp", "spot,sun"}, {}};  // names must belong to lights that shine
   t["--sun"] = {0.25, {"30,40", "-60,-10,0", "0,90,1e6"}, {"1", "a,b", "0,0,-1"}};
   t["--aa"] = {0.7, antiAliasings(), {"ss0", "ss17", "msaa"}, Rate::Group};

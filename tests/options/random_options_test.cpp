@@ -122,8 +122,9 @@ class Drawing {
     const bool rays = o.contains("--shadows") && o.at("--shadows") == "rays";
     drop("--shadows", rays && forward);
     drop("--indirect", forward);
-    drop("--aa",
-         o.contains("--aa") && o.at("--aa").starts_with("msaa") && (traces || rays || o.contains("--indirect")));
+    const bool ground = o.contains("--ground") && o.at("--ground") == "shadow";
+    drop("--aa", o.contains("--aa") && o.at("--aa").starts_with("msaa") &&
+                     (traces || rays || ground || o.contains("--indirect")));
     drop("--camera", o.contains("--eye") || o.contains("--orbit"));
     drop("--orbit", o.contains("--eye"));
     drop("--json", o["--out"] == "-");

@@ -65,6 +65,7 @@ struct FrameConfig {
   bool rayShadows = false;    // rays find the shadows of lights; shadowFormat is then 0
   uint32_t indirect = 0;      // kIndirect*: light between surfaces, by rays
   uint32_t paths = 16;        // number of them per surface of a pixel
+  bool ground = false;        // a plane receives shadows (FrameContext::groundHeight)
   bool everySample = false;   // reference: every sample is shaded, even if they are alike
 
   // Returns the specialization constants of every shader that includes render/glsl/setup.glsl.
@@ -98,6 +99,7 @@ struct FrameContext : Builder {
   // The constants without the lights whose shadows rays find, which a pass after the lighting technique adds; 0: the
   // lighting technique adds all lights.
   VkDeviceAddress otherConstants = 0;
+  float groundHeight = 0;          // along Z of the device's world space
   const LensRays* lens = nullptr;  // null: all views are projections
   Overflow* overflow = nullptr;    // buffers whose size passes have to estimate; null: there are none
 

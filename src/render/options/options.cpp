@@ -211,6 +211,8 @@ void checkPaths(const Settings& settings) {
   if ((indirect || settings.lighting->traces) && settings.aa.samples > 1)
     badUsage("--aa msaa{} does not sample the paths of {}: use --aa ss2 or more", settings.aa.samples,
              indirect ? "--indirect" : "--lighting reference");
+  if (settings.ground != Ground::None && settings.aa.samples > 1)
+    badUsage("--aa msaa{} does not sample --ground: use --aa ss2 or more", settings.aa.samples);
 }
 
 }  // namespace

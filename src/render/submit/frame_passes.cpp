@@ -1,5 +1,5 @@
 // Deferred shading: adds the passes of a frame to the graph, in this order: depth, G-buffer, shadow maps, ambient
-// occlusion, lighting, layered materials, background, fog and transparency.
+// occlusion, lighting, layered materials, ground, background, fog and transparency.
 #include "render/submit/frame_passes.h"
 
 #include "base/error.h"
@@ -9,6 +9,7 @@
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
 #include "render/post/background.h"
 #include "render/post/fog/fog.h"
+#include "render/post/ground/ground.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/shadow/pages.h"
 #include "render/shadow/ray_shadows.h"
@@ -81,6 +82,7 @@ LitFrame addLit(const FrameContext& f, const VisibilityBuffer& visible) {
   if (rayShadows) addRayShadows(f, g);
   if (f.setup.indirect) addIndirect(f, g);
   addLayered(f, g);
+  if (f.setup.ground) addGround(f, g);
   if (f.environmentBackground) addBackground(f, g);
   if (f.setup.fog) addFog(f, g);
   return {g.light, g.lightCounts, g, shadows.state};

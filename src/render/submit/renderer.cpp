@@ -78,7 +78,7 @@ bool leavesOutBlended(const Settings& settings) {
 }
 
 bool tracesPaths(const Settings& settings) {
-  return settings.indirect != Indirect::None || settings.lighting->traces;
+  return settings.indirect != Indirect::None || settings.lighting->traces || settings.ground != Ground::None;
 }
 
 bool tracesRays(const Settings& settings) {
@@ -112,8 +112,8 @@ Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::E
       hasEnvironment_(environment != nullptr),
       rasterInstances_(device),
       executor_(device),
-      state_{device_,    executor_,        gpuScene_,         environment_, hasEnvironment_,
-             drawOrder_, rasterInstances_, clusterOcclusion_, overflow_,    bvh_} {}
+      state_{device_,          executor_,         gpuScene_, environment_, hasEnvironment_, drawOrder_,
+             rasterInstances_, clusterOcclusion_, overflow_, bvh_,         lowestPoint_} {}
 
 Renderer::~Renderer() = default;
 
@@ -138,8 +138,10 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
   requireRaster(device_, settings);
   if (moment.worlds.count > 0 && tracesRays(settings))
     badUsage(
-        "rays trace the scene itself and not its worlds: render worlds with shadow maps, without indirect light and "
-        "without the technique reference");
+        "rays trace the scene itself and not its worlds: render worlds with shadow maps, and without indirect light, "
+        "the "
+        "technique reference and a ground");
+  if (settings.ground != Ground::None && !settings.groundHeight) findLowestPoint();
   if (tracesRays(settings) && isLit(settings)) followedBvh(tracesPaths(settings));
   if (needsComputeRaster(settings)) {
     gpuScene_.storeClusters();
@@ -204,18 +206,18 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
                                            const SceneState& moment, std::span<const Strip> strips, Results results,
                                            std::vector<float> exposures) {
   const Settings settings = settingsFor(cameras, wanted);
-  begin(settings, moment);
-  replays_.tick();
   if (settings.exposure.automatic && showsPicture(settings)) {
     checkSettings(settings);
     exposures = meter(cameras, settings, moment);
   }
+  begin(settings, moment);
+  replays_.tick();
   const uint32_t rows = strips.size() > 1 ? settings.height : strips.front().rows;
   const auto job = std::make_shared<RenderJob>(cameras, settings, moment, rows);
   job->results = results;
+  if (!exposures.empty()) job->meteredExposures = std::move(exposures);
   uint64_t claimed = rows;
   if (strips.size() > 1) claimed += strips.front().rows;  // the strip in flight
-  if (!exposures.empty()) job->meteredExposures = std::move(exposures);
   if (results == Results::Exported)
     job->result.arrays = exportedArrays(device_, *exports_, settings, rows, cameras.size());
   else
@@ -449,6 +451,13 @@ void Renderer::addSceneChanges(graph::Graph& graph) const {
   if (bvh_) bvh_->addChanges(graph);
 }
 
+void Renderer::findLowestPoint() {
+  const std::array edits{scene_.edits.meshes.revision(), scene_.edits.instances.revision()};
+  if (lowestPointEdits_ == edits) return;
+  lowestPoint_ = scene::lowestPoint(scene_);
+  lowestPointEdits_ = edits;
+}
+
 SceneBvh& Renderer::followedBvh(bool samplesEnvironment) {
   if (!bvh_) bvh_ = std::make_unique<SceneBvh>(device_, scene_, gpuScene_);
   if (samplesEnvironment && hasEnvironment_ && !environmentCells_) {
@@ -502,6 +511,11 @@ void Renderer::read(RenderJob& job) {
 void Renderer::finish(RenderJob& job) {
   while (!job.parts.empty()) read(job);
   job.progress.reset();
+  for (size_t i = 0; i < job.result.frames.size(); ++i) job.result.frames[i].exposure = job.exposures()[i];
+}
+
+std::vector<float> Ticket::exposures() const {
+  return job_->exposures();
 }
 
 bool Ticket::done() const {
@@ -511,11 +525,6 @@ bool Ticket::done() const {
 RenderResult Ticket::take() {
   const std::shared_ptr<RenderJob> job = std::exchange(job_, nullptr);
   renderer_->finish(*job);
-  for (size_t i = 0; i < job.result.frames.size(); ++i) job.result.frames[i].exposure = job.exposures()[i];
-}
-
-std::vector<float> Ticket::exposures() const {
-  return job_->exposures();
   return std::move(job->result);
 }
 
@@ -531,6 +540,11 @@ vk::Image Renderer::makeSum(const ViewBatch& part) {
 
 TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings& wanted, const SceneState& moment) {
   const Settings settings = settingsFor({&camera, 1}, wanted);
+  std::vector<float> exposures;
+  if (settings.exposure.automatic) {
+    checkSettings(settings);
+    exposures = meter({&camera, 1}, settings, moment);
+  }
   begin(settings, moment);
   if (settings.lighting->forward)
     badUsage("{} lighting has no G-buffer to show: choose a deferred technique", settings.lighting->name);
@@ -540,11 +554,7 @@ TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings&
   Settings atCentres = settings;
   atCentres.aa.samples = 1;
   RenderJob job({&camera, 1}, atCentres, moment, settings.height);
-  std::vector<float> exposures;
-  if (settings.exposure.automatic) {
-    checkSettings(settings);
-    exposures = meter({&camera, 1}, settings, moment);
-  }
+  job.meteredExposures = exposures;
   const Layout& layout = *settings.layout;
   std::shared_ptr<FrameShadows> shadows;
   if (layout.sunTarget >= 0)  // otherwise nothing in the targets is lit
@@ -554,7 +564,6 @@ TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings&
   std::optional<graph::Graph> graph;
   std::optional<RawReadback> readback;
   graph::Submission done;
-  job.meteredExposures = exposures;
   overflow_.checks.clear();  // left by an error
   do {
     const bool again = graph.has_value();

@@ -100,6 +100,7 @@ class Renderer {
   SceneInput inputOf(const Settings& settings, const SceneState& moment) const;
   graph::Submission submit(const graph::Graph& graph, const graph::Plan& plan);
   void addSceneChanges(graph::Graph& graph) const;
+  void findLowestPoint();
   SceneBvh& followedBvh(bool samplesEnvironment);         // after GpuScene::update(): the BVHs of the same state
   void resolveOverflow(const ViewBatch* last = nullptr);  // of the batches up to this one; null: of all
   void read(RenderJob& job);                              // the oldest part
@@ -124,6 +125,8 @@ class Renderer {
   Overflow overflow_;
   std::unique_ptr<SceneBvh> bvh_;  // null before the first request for rays
   vk::Buffer environmentCells_;    // null before paths sample the environment
+  double lowestPoint_ = 0;         // of the scene, as edited at `lowestPointEdits_`
+  std::optional<std::array<uint64_t, 2>> lowestPointEdits_;
   RenderState state_;
   TemporalHistory history_;
   LensRayCache lensRays_;

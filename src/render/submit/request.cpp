@@ -37,6 +37,7 @@ FrameConfig frameSetup(const Settings& s, bool shadows) {
                     .sampleLayers = s.aa.samples > 1 && rastersInCompute(s),
                     .indirect = indexOf(s.indirect),
                     .paths = s.samples,
+                    .ground = s.ground == Ground::Shadow,
                     .everySample = s.everySample && s.aa.samples > 1};
   setup.rayShadows = shadows && s.shadows == ShadowFormat::Rays;
   if (shadows && !setup.rayShadows) {
@@ -164,6 +165,7 @@ void FrameGraphBuilder::addLightCounts() {
     FrameConfig setup = frameSetup(settings_, shadows_ != nullptr);
     setup.countLights = true;
     setup.fog = false;
+    setup.ground = false;
     setup.samples = 1;
     setup.sampleLayers = false;
     setup.everySample = false;

@@ -28,14 +28,15 @@ struct RenderState {
   ClusterOcclusion& clusterOcclusion;
   Overflow& overflow;
   const std::unique_ptr<SceneBvh>& bvh;  // null without rays
+  const double& lowestPoint;             // of the scene, along Z of world space; set with --ground
 };
 
 // Equal numbers of views in the current, previous and next frame. The previous and next views have no jitter.
 struct ViewsInTime {
   std::vector<shared::View> now, previous, next;
   std::shared_ptr<const LensRays> lens;  // the rays of all these views; null: they are projections
-};
   std::vector<float> exposures = {};     // factor of each view; empty: that of the settings for all
+};
 
 class ViewSet {
  public:
