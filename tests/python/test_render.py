@@ -212,7 +212,7 @@ def test_metered_exposures(device):
         material = scene.add_material(latelight.Material(base_color=(0, 0, 0, 1), emissive=(radiance,) * 3, specular=0))
         scene.add_instance(mesh, material, np.array([[1, 0, 0, x], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]]))
     cameras = [scene.look_at((x, 0, 3), (x, 0, 0)) for x in (0, 10)]
-    renderer = latelight.Renderer(scene, device)
+    renderer = latelight.Renderer(scene, device, environment="none")
     frames = renderer.render(cameras, (16, 16), "color", exposure="auto")
     for frame, radiance in zip(frames, (4000.0, 0.02)):
         assert frame["color"][8, 8, :3] == pytest.approx([0.18] * 3, rel=2e-3)  # of a half float
