@@ -471,7 +471,7 @@ struct Worlds {
 struct Aov {
   uint32_t channels = 0;
   std::vector<float> values;  // channels interleaved, rows from the top
-  std::vector<uint32_t> ids;  // instead of values for "id", "part" and "material"
+  std::vector<uint32_t> ids;  // instead of values for "id", "part", "material" and "triangle"
 };
 
 struct Frame {

@@ -322,7 +322,7 @@ std::map<std::string, DeviceArray> Ticket::takeArrays() {
   for (render::ExportedArray& from : taken->ticket.take().arrays) {
     DeviceArray& array = arrays[from.aov ? std::string(output::info(*from.aov).name) : "rgba"];
     using enum DeviceArray::Element;
-    array.element = !from.aov ? Uint8 : output::holdsIds(*from.aov) ? Uint32 : Float32;
+    array.element = !from.aov ? Uint8 : output::holdsIntegers(*from.aov) ? Uint32 : Float32;
     array.shape = {from.views, from.rows, from.columns, from.channels};
     array.impl_ = ownedByProcess(
         new DeviceArray::Impl{.owner = {}, .device = taken->renderer->device, .memory = std::move(from.memory)});

@@ -28,7 +28,7 @@ std::vector<OutputInfo> outputInfos() {
   std::vector<OutputInfo> all;
   for (const output::AovInfo& aov : output::aovs())
     all.push_back({std::string(aov.name), std::string(aov.description), std::string(aov.unit), aov.channels,
-                   output::holdsIds(aov.aov)});
+                   output::holdsIntegers(aov.aov)});
   return all;
 }
 

@@ -57,8 +57,16 @@ bool contains(std::span<const Aov> aovs, Aov aov) {
   return std::find(aovs.begin(), aovs.end(), aov) != aovs.end();
 }
 
-bool holdsIds(Aov aov) {
+bool holdsIntegers(Aov aov) {
   return info(aov).exr == ExrType::Uint;
+}
+
+bool holdsIds(Aov aov) {
+  return aov == Aov::Id || aov == Aov::Part || aov == Aov::Material;
+}
+
+bool dependsOnNeighbors(Aov aov) {
+  return aov == Aov::Motion || aov == Aov::SceneFlow;
 }
 
 bool tellsOfRaster(Aov aov) {
@@ -80,7 +88,7 @@ AovImage makeAovImage(Aov aov, uint32_t width, uint32_t height) {
   AovImage image{aov, width, height, {}, {}};
   const size_t pixels = size_t{width} * height;
   const AovInfo& entry = info(aov);
-  if (holdsIds(aov)) {
+  if (holdsIntegers(aov)) {
     image.ids.assign(pixels, 0);
   } else {
     image.values.assign(pixels * entry.channels, entry.background);

@@ -58,8 +58,14 @@ std::string ownNames(const AovInfo& aov, uint32_t channel);  // exrChannels
 
 bool contains(std::span<const Aov> aovs, Aov aov);
 
+// Returns true if the values are integers: AovImage::ids.
+bool holdsIntegers(Aov aov);
+
 // Returns true for id, part and material, whose values the id manifest lists.
 bool holdsIds(Aov aov);
+
+// Returns true for motion and scene-flow, which depend on the neighboring frames.
+bool dependsOnNeighbors(Aov aov);
 
 // Returns true for raster-...: outputs that describe the work of the raster `compute`, not the scene.
 bool tellsOfRaster(Aov aov);
@@ -75,8 +81,8 @@ std::vector<Aov> parseAovs(std::string_view list);
 struct AovImage {
   Aov aov = Aov::Color;
   uint32_t width = 0, height = 0;
-  std::vector<float> values;  // width * height * channels; empty if holdsIds()
-  std::vector<uint32_t> ids;  // width * height if holdsIds(), else empty
+  std::vector<float> values;  // width * height * channels; empty if holdsIntegers()
+  std::vector<uint32_t> ids;  // width * height if holdsIntegers(), else empty
 };
 
 // Returns an image whose values are all background.

@@ -288,7 +288,7 @@ const AovInfo* outputNamed(const std::filesystem::path& path) {
 }  // namespace
 
 Measure measureOf(const AovInfo& aov) {
-  if (holdsIds(aov.aov)) return Measure::Identity;
+  if (holdsIntegers(aov.aov)) return Measure::Identity;
   if (aov.png == PngCoding::Signed) return Measure::Angle;
   if (aov.png == PngCoding::Display || aov.png == PngCoding::Srgb) return Measure::Color;
   if (aov.unit == "m") return Measure::Relative;

@@ -126,6 +126,14 @@ auto greys(const AovImage& image) {
   return [&image](size_t i) -> std::optional<Rgb> { return Rgb{image.values[i], image.values[i], image.values[i]}; };
 }
 
+auto unitColors(const AovImage& image) {
+  return [&image](size_t i) -> std::optional<Rgb> {
+    const float* c = &image.values[3 * i];
+    if (isZero(c)) return std::nullopt;
+    return Rgb{c[0], c[1], c[2]};
+  };
+}
+
 // One color step per doubling makes both one light and thousands of lights visible. The scale is the same in every
 // image.
 auto countColors(const AovImage& image) {
@@ -193,6 +201,23 @@ auto motionColors(const AovImage& image) {
     if (x == 0 && y == 0) return std::nullopt;
     const float turn = std::atan2(y, x) / (2 * std::numbers::pi_v<float>);
     return fromHsv(turn < 0 ? turn + 1 : turn, 0.85f, std::clamp(std::hypot(x, y) / longest, 0.0f, 1.0f));
+  };
+}
+
+// The direction as a color, as for normals, and the length as saturation.
+auto motionInSpaceColors(const AovImage& image) {
+  std::vector<float> lengths;
+  for (size_t i = 0; i < image.values.size(); i += 3) {
+    const float length = std::hypot(image.values[i], image.values[i + 1], image.values[i + 2]);
+    if (length > 0) lengths.push_back(length);
+  }
+  const float longest = std::max(rangeOf(std::move(lengths)).high, 1e-6f);
+  return [&image, longest](size_t i) -> std::optional<Rgb> {
+    const float* v = &image.values[3 * i];
+    if (isZero(v)) return std::nullopt;
+    Rgb color{};
+    for (size_t axis = 0; axis < 3; ++axis) color[axis] = std::clamp(0.5f + 0.5f * v[axis] / longest, 0.0f, 1.0f);
+    return color;
   };
 }
 

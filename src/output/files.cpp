@@ -127,9 +127,10 @@ std::span<const std::byte> FrameOutput::displayPng() const {
 
 void forgetMotion(FrameOutput& frame, bool previous, bool next) {
   for (AovImage& image : frame.aovs) {
-    if (image.aov != Aov::Motion) continue;
+    if (!dependsOnNeighbors(image.aov)) continue;
     for (size_t i = 0; i < image.values.size(); ++i)
-      if (i % 4 < 2 ? previous : next) image.values[i] = std::numeric_limits<float>::quiet_NaN();
+      if (image.aov == Aov::Motion && i % 4 < 2 ? previous : next)
+        image.values[i] = std::numeric_limits<float>::quiet_NaN();
   }
 }
 

@@ -86,10 +86,12 @@ Json aovOf(const AovInfo& aov, const Metadata& metadata, ChannelNames names) {
   for (uint32_t c = 0; c < aov.channels; ++c) channels.push_back(names(aov, c));
   json["channels"] = channels;
   json["background"] = number(aov.background);
-  if (aov.aov == Aov::Position) json["frame"] = "world";
-  if (aov.aov == Aov::Normal || aov.aov == Aov::GeoNormal) json["frame"] = metadata.normalFrame;
+  const auto is = [&](std::initializer_list<Aov> some) { return std::ranges::find(some, aov.aov) != some.end(); };
+  if (is({Aov::Position, Aov::SceneFlow})) json["frame"] = "world";
+  if (is({Aov::ObjectPosition, Aov::Nocs})) json["frame"] = "object";
+  if (is({Aov::Normal, Aov::GeoNormal, Aov::Tangent, Aov::Bitangent})) json["frame"] = metadata.normalFrame;
   json["png"] = pngText(aov.png);
-  if (aov.aov == Aov::Motion && metadata.neighbors) json["frames"] = describe(*metadata.neighbors);
+  if (dependsOnNeighbors(aov.aov) && metadata.neighbors) json["frames"] = describe(*metadata.neighbors);
   return json;
 }
 

@@ -126,7 +126,7 @@ const Type* findType(std::string_view descr) {
 }  // namespace
 
 std::vector<std::byte> encodeNpy(const AovImage& image) {
-  const bool ids = holdsIds(image.aov);
+  const bool ids = holdsIntegers(image.aov);
   const uint32_t channels = info(image.aov).channels;
   std::string shape = fmt::format("{}, {}", image.height, image.width);
   if (channels > 1) shape += fmt::format(", {}", channels);

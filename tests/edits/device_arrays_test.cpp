@@ -54,7 +54,7 @@ class DeviceArraysTest : public RenderTest {
     };
     if (!array.aov) return equals(picture.display);
     const output::AovImage& image = *std::ranges::find(picture.aovs, *array.aov, &output::AovImage::aov);
-    if (output::holdsIds(*array.aov))
+    if (output::holdsIntegers(*array.aov))
       equals(image.ids);
     else
       equals(image.values);

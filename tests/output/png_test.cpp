@@ -49,7 +49,7 @@ Expected expectedOf(Aov aov) {
       return {3, ChannelType::Unorm8,
               [](const AovImage& i, size_t p, size_t c) { return unorm(srgb(value(i, p, c)), 255); }};
     case PngCoding::Unit:
-      return {1, ChannelType::Unorm16,
+      return {info(aov).channels, ChannelType::Unorm16,
               [](const AovImage& i, size_t p, size_t c) { return unorm(value(i, p, c), 65535); }};
     case PngCoding::Signed:
       return {3, ChannelType::Unorm16, [](const AovImage& i, size_t p, size_t c) {

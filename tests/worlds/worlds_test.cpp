@@ -21,11 +21,13 @@ using output::Aov;
 
 constexpr uint32_t kWorlds = 3, kWidth = 40, kHeight = 30;
 
-// All outputs except those about rasterization, which count hidden copies that a world may move apart.
+// All outputs except those about rasterization, which count hidden copies that a world may move apart, and coordinates
+// of objects at rest, which worlds do not change and edits do.
 std::vector<Aov> allOutputs() {
   std::vector<Aov> all;
   for (const output::AovInfo& info : output::aovs())
-    if (!std::string_view(info.name).starts_with("raster")) all.push_back(info.aov);
+    if (!output::tellsOfRaster(info.aov) && info.aov != Aov::ObjectPosition && info.aov != Aov::Nocs)
+      all.push_back(info.aov);
   return all;
 }
 

@@ -129,7 +129,7 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   std::error_code ignored;
   if (std::filesystem::is_regular_file(job.hdri, ignored)) whole["hdri-hash"] = hashOfFiles({job.hdri});
   jobHash_ = hashOf(whole);
-  const bool moves = output::contains(job.settings.aovs, output::Aov::Motion);
+  const bool moves = std::ranges::any_of(job.settings.aovs, output::dependsOnNeighbors);
   std::vector<std::string> cameraFiles;
   addCameraFiles(job.cameras, cameraFiles);
   loadHash_ = hashOf({d.value("cameras", Json()), hashOfFiles(cameraFiles), d.value("variant", Json()),
@@ -171,7 +171,7 @@ void Plan::look(PlannedScene& scene) try {
   scene::LoadOptions load = job_.load;
   load.textures = job_.scenes.size() == 1 || !job_.variations.is_null();
   auto loaded = std::make_unique<LoadedScene>(job_, scene::load(scene.source, load));
-  const bool moves = output::contains(job_.settings.aovs, output::Aov::Motion);
+  const bool moves = std::ranges::any_of(job_.settings.aovs, output::dependsOnNeighbors);
   const CameraTimeline& cameras = loaded->cameras();
   for (size_t i = 0; i < cameras.size(); ++i) {
     const JobCamera& c = cameras.camera(i);

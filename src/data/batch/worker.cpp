@@ -108,7 +108,7 @@ RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::
                   .scene = planned.source,
                   .camera = camera.name,
                   .variation = place.variation};
-  if (!output::contains(job_.settings.aovs, output::Aov::Motion)) return frame;
+  if (std::ranges::none_of(job_.settings.aovs, output::dependsOnNeighbors)) return frame;
   const auto describe = [&](const std::optional<CameraTimeline::Neighbor>& neighbor) {
     if (!neighbor) return std::optional<output::NeighborFrame>();
     const std::string name = neighbor->place ? plan_.neighborName(index, *neighbor->place) : "";

@@ -34,6 +34,8 @@ class GpuGeometry {
   // Uploads the records: at rest if `deformer` is null, otherwise with the addresses of its deformed vertices.
   void pose(vk::Uploader& uploader, const Deformer* deformer);
 
+  // Returns shared::VertexPosition[] of the mesh at rest, also while a pose deforms it.
+  VkDeviceAddress restPositions(uint32_t mesh) const { return records_[mesh].positions; }
   const VertexStreams& streams(uint32_t mesh) const { return posed_[mesh]; }
   VkBuffer indexBuffer(uint32_t mesh) const { return buffers_[mesh].get(); }  // starts at offset 0
   uint32_t indexCount(uint32_t mesh) const { return 3 * records_[mesh].triangleCount; }

@@ -32,6 +32,7 @@ GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene, vk::Uploader&&
       worlds_(device),
       materials_(device, scene, uploader),
       lights_(device),
+      objectFrames_(device, scene),
       uploads_(device, vk::UploadMode::Deferred),
       seen_(revisionsOf(scene)) {
   lightsOrigin_ = origin();

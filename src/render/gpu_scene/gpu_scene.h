@@ -9,6 +9,7 @@
 #include "render/gpu_scene/instances.h"
 #include "render/gpu_scene/lights.h"
 #include "render/gpu_scene/materials.h"
+#include "render/gpu_scene/object_frames.h"
 #include "render/gpu_scene/worlds.h"
 #include "scene/scene.h"
 
@@ -22,7 +23,8 @@ class GpuScene {
   const GpuGeometry& geometry() const { return geometry_; }
   const GpuInstances& instances() const { return instances_; }
   const GpuMaterials& materials() const { return materials_; }
-  const GpuLights& lights() const { return lights_; }  // the scene's
+  VkDeviceAddress objectFrames() const { return objectFrames_.address(); }  // 0 before storeObjectFrames()
+  const GpuLights& lights() const { return lights_; }                       // the scene's
 
   // Follows the scene's edits since the last call, and moves instances, deformed meshes and the scene's lights to these
   // poses. `sun`: a light in addition to the scene's. The required device work, which is none for a static scene, is
@@ -37,6 +39,7 @@ class GpuScene {
   void changesSubmitted();
   vk::Uploader& uploads() { return uploads_; }  // the pending uploads
   void storeClusters() { geometry_.storeClusters(uploads_); }
+  void storeObjectFrames() { objectFrames_.update(uploads_, geometry_); }
   void storeTexels() { materials_.storeTexels(uploads_); }
   void setAnisotropy(uint32_t samples) { materials_.setAnisotropy(uploads_, samples); }
   // Overrides the scene's lights immediately, until the next edit or pose.
@@ -84,6 +87,7 @@ class GpuScene {
   GpuWorlds worlds_;
   GpuMaterials materials_;
   GpuLights lights_;
+  GpuObjectFrames objectFrames_;
   std::unique_ptr<Deformer> deformer_;  // created with the first pose, if a mesh needs it
   vk::Uploader uploads_;                // pending
   bool deformationWaits_ = false;

@@ -72,6 +72,11 @@ bool requestsOutput(const Settings& settings, Origin origin) {
   return std::ranges::any_of(settings.aovs, [&](Aov aov) { return originOf(aov) == origin; });
 }
 
+bool requestsSurfaces(const Settings& settings) {
+  return requestsOutput(settings, Origin::Surface) || requestsOutput(settings, Origin::Motion) ||
+         requestsOutput(settings, Origin::Coordinates);
+}
+
 bool showsPicture(const Settings& settings) {
   return settings.display || requestsOutput(settings, Origin::Picture);
 }
@@ -236,7 +241,7 @@ void PackedOutputs::unpack(const graph::Submission& done, std::span<const graph:
         continue;
       }
       output::AovImage& image = *std::ranges::find(picture.aovs, *aov, &output::AovImage::aov);
-      if (output::holdsIds(*aov))
+      if (output::holdsIntegers(*aov))
         assign(image.ids, output::info(*aov).channels);
       else
         assign(image.values, output::info(*aov).channels);

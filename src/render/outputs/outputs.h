@@ -25,11 +25,13 @@ enum class Origin {
   SampleCounts,  // the picture's own frame, lit or unlit
   Surface,       // a G-buffer in the layout `exact`, at pixel centers
   Motion,
-  Raster,  // statistics of the raster compute, whichever raster renders the rest
+  Coordinates,  // coordinates on the visible surface (surface_coordinates/surface_coordinates.h)
+  Raster,       // statistics of the raster compute, whichever raster renders the rest
 };
 Origin originOf(output::Aov aov);
 bool requestsOutput(const Settings& settings, Origin origin);
-bool showsPicture(const Settings& settings);  // for display or as an output
+bool requestsSurfaces(const Settings& settings);  // outputs of the visible surfaces: Surface, Motion or Coordinates
+bool showsPicture(const Settings& settings);      // for display or as an output
 // The texture slots of materials that the requested outputs depend on: scene::LoadOptions::textureSlots.
 uint32_t textureSlots(const Settings& settings);
 uint64_t bytesPerPixel(const Settings& settings);  // of all requested outputs

@@ -21,6 +21,7 @@ vec4 packed(vec4 texel, ivec3 pixel) {
       texel.rgb = packedPosition(push.frame, texel.rgb);
       return vec4(packedInAxes(push.frame, push.axes, texel.rgb, pixel), 0.0);
     case kPackNormal:
+    case kPackVector:
       return vec4(packedInAxes(push.frame, push.axes, texel.rgb, pixel), 0.0);
     case kPackCount:
       return vec4(floatBitsToUint(texel.r) == 0u ? 0.0 : 1.0);

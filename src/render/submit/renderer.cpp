@@ -73,8 +73,7 @@ std::optional<scene::Light> sunOf(const Settings& settings) {
 namespace {
 
 bool leavesOutBlended(const Settings& settings) {
-  return settings.dataSurfaces != DataSurfaces::Any &&
-         (requestsOutput(settings, Origin::Surface) || requestsOutput(settings, Origin::Motion));
+  return settings.dataSurfaces != DataSurfaces::Any && requestsSurfaces(settings);
 }
 
 bool tracesPaths(const Settings& settings) {
@@ -148,6 +147,7 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
     rasterInstances_.update(gpuScene_, drawOrder_, gpuScene_.uploads());
     if (device_.maxTextureArray() == 0) gpuScene_.storeTexels();
   }
+  if (input.objectFrames) gpuScene_.storeObjectFrames();
   sceneInput_ = input;
 }
 
@@ -159,6 +159,7 @@ Renderer::SceneInput Renderer::inputOf(const Settings& settings, const SceneStat
           settings.sun,
           settings.anisotropy,
           needsComputeRaster(settings),
+          requestsOutput(settings, Origin::Coordinates),
           moment.groups};
 }
 
@@ -334,6 +335,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       .anyVast = gpuScene_.anyVast(),
       .textures = device_.maxTextureArray() ? gpuScene_.materials().textureSet() : VK_NULL_HANDLE,
       .instances = rasterInstances_.address(),
+      .objectFrames = gpuScene_.objectFrames(),
       .solid = rasterInstances_.solid(),
       .all = rasterInstances_.all(),
       .materials = rasterInstances_.materials(),

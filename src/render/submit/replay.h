@@ -27,6 +27,7 @@ struct ReplayKey {
   bool anyVast;
   VkDescriptorSet textures;
   VkDeviceAddress instances;
+  VkDeviceAddress objectFrames;
   RasterInstances::Share solid, all;
   VisibleMaterials materials;
   double ambientOcclusionScale;        // the scene's radius; 0 without ambient occlusion

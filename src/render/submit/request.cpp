@@ -6,6 +6,7 @@
 #include "render/lighting/technique.h"
 #include "render/post/resolve.h"
 #include "render/submit/frame_passes.h"
+#include "render/surface_coordinates/surface_coordinates.h"
 #include "render/transparency/transparency.h"
 
 namespace latelight::render {
@@ -132,7 +133,7 @@ void FrameGraphBuilder::finish(const vk::Image* sum, uint32_t count, TemporalHis
   }
   if (requestsOutput(settings_, Origin::LightCounts)) addLightCounts();
   if (requestsOutput(settings_, Origin::SampleCounts)) addSampleCounts();
-  if (requestsOutput(settings_, Origin::Surface) || requestsOutput(settings_, Origin::Motion)) addData();
+  if (requestsSurfaces(settings_)) addData();
   if (requestsOutput(settings_, Origin::Raster)) addRasterData();
 }
 
@@ -215,6 +216,7 @@ void FrameGraphBuilder::addData() {
     visible = steadyVisible();
   }
   if (requestsOutput(settings_, Origin::Surface) && !surfaceOutputs_) addSurfaceData(*set, visible);
+  if (requestsOutput(settings_, Origin::Coordinates)) addCoordinates(*set, visible);
   if (!requestsOutput(settings_, Origin::Motion)) return;
   const FrameContext f = set->frame(graph_, FrameConfig{});
   const graph::ImageId motion = addMotion(f, visible, MotionUse::Data);
@@ -240,6 +242,14 @@ void FrameGraphBuilder::addSurfaceData(ViewSet& set, const VisibilityBuffer& vis
     return gbuffer.depth;
   };
   outputs_.add(f, Origin::Surface, target, f.constants);
+}
+
+void FrameGraphBuilder::addCoordinates(ViewSet& set, const VisibilityBuffer& visible) {
+  const FrameContext f = set.frame(graph_, FrameConfig{});
+  const graph::ImageId triangles = addTriangles(f, visible);
+  outputs_.add(
+      f, Origin::Coordinates, [&](std::string_view name) { return addSurfaceCoordinate(f, triangles, name); },
+      f.constants);
 }
 
 void FrameGraphBuilder::addRasterData() {

@@ -55,6 +55,7 @@ class FrameGraphBuilder {
   const SurfaceOutputs* packSurfaces();
   void addData();
   void addSurfaceData(ViewSet& set, const VisibilityBuffer& visible);
+  void addCoordinates(ViewSet& set, const VisibilityBuffer& visible);
   void addRasterData();
   const VisibilityBuffer& steadyVisible();
 

@@ -171,6 +171,16 @@ graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, const Visibi
   return motion;
 }
 
+graph::ImageId HardwareVisibility::addTriangles(const FrameContext& f, const VisibilityBuffer& visible) const {
+  vk::GraphicsDesc desc = depthTestedDesc(f.setup);
+  desc.fragment = "triangle.frag";
+  desc.name = "triangles";
+  desc.colorsWritten = 1;
+  const graph::ImageId triangles = createTarget(f, VK_FORMAT_R32G32_UINT, "triangles");
+  addSolid(f, graph::Stage::Geometry, desc, Bindings(f.device), visible.pixels, {triangles});
+  return triangles;
+}
+
 namespace {
 
 void requireStores(const vk::Device& device) {

@@ -19,6 +19,7 @@ class HardwareVisibility {
   VisibilityBuffer addVisibility(const FrameContext& f) const;
   Gbuffer addGbuffer(const FrameContext& f, Gbuffer gbuffer) const;
   graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use) const;
+  graph::ImageId addTriangles(const FrameContext& f, const VisibilityBuffer& visible) const;
   void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const;
   void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const;
   bool anyBlended() const;

@@ -18,6 +18,10 @@ graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible,
   return std::visit([&](const auto& technique) { return technique.addMotion(f, visible, use); }, f.visibility);
 }
 
+graph::ImageId addTriangles(const FrameContext& f, const VisibilityBuffer& visible) {
+  return std::visit([&](const auto& technique) { return technique.addTriangles(f, visible); }, f.visibility);
+}
+
 void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) {
   std::visit([&](const auto& technique) { technique.addShadowMaps(f, gbuffer, atlas); }, f.visibility);
 }

@@ -43,6 +43,9 @@ Gbuffer addGbuffer(const FrameContext& f, Gbuffer gbuffer);
 // Returns the motion vectors at the pixel centers as R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT: xy to the previous
 // frame, zw to the next frame. In pixels, y down, without jitter.
 graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use);
+// Returns the triangles that are visible at the pixel centers, as R32G32_UINT: the number of the instance, from 1, and
+// the index of the triangle in its mesh; 0: background. Requires one sample per pixel.
+graph::ImageId addTriangles(const FrameContext& f, const VisibilityBuffer& visible);
 // Renders the shadow maps of f.shadows into `atlas`. If the technique supports virtual shadow maps, only the pages that
 // the G-buffer's pixels look up are rendered.
 void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas);

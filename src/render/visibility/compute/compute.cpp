@@ -323,6 +323,16 @@ graph::ImageId ComputeVisibility::addMotion(const FrameContext& f, const Visibil
   return motion;
 }
 
+graph::ImageId ComputeVisibility::addTriangles(const FrameContext& f, const VisibilityBuffer& visible) const {
+  const graph::ImageId triangles = createTarget(f, VK_FORMAT_R32G32_UINT, "triangles");
+  addResolve(f, visible,
+             {.stage = graph::Stage::Geometry,
+              .name = "triangles",
+              .shader = "visible_triangles.comp",
+              .bindings = Bindings(f.device).storage(triangles, graph::Use::StorageWrite)});
+  return triangles;
+}
+
 // --- shadow maps -----------------------------------------------------------------------------------------------------
 
 namespace {

@@ -24,6 +24,7 @@ class ComputeVisibility {
   VisibilityBuffer addVisibility(const FrameContext& f) const;
   Gbuffer addGbuffer(const FrameContext& f, Gbuffer gbuffer) const;
   graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use) const;
+  graph::ImageId addTriangles(const FrameContext& f, const VisibilityBuffer& visible) const;
   void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const;
   void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const;
   void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const;

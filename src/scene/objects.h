@@ -1,0 +1,45 @@
+// The objects of a scene and their own frames. An object is everything with one id: the primitives of a node, or a
+// group of nodes (IdGrouping).
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace latelight::scene {
+
+// An axis-aligned box, empty at first.
+struct Extent {
+  dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
+  void add(dvec3 point) {
+    low = glm::min(low, point);
+    high = glm::max(high, point);
+  }
+  bool empty() const { return low.x > high.x; }
+};
+
+// Returns the rotation and translation of an affine transform. Scale, shear and mirroring are dropped: they are part of
+// the coordinates in an object's frame.
+dmat4 rigidOf(const dmat4& m);
+
+// Returns a node's transform in the world, in a pose. Edits move instances, not their nodes.
+dmat4 nodeToWorld(const Scene& scene, const Pose& pose, uint32_t node);
+
+// Returns the world transform of the node that an object's instances belong to: of their common node, or for a group of
+// its topmost node. `toWorld`: instanceTransforms(scene, pose). rigidOf() of it is the object's own frame.
+dmat4 objectToWorld(const Scene& scene, const Pose& pose, std::span<const dmat4> toWorld,
+                    std::span<const uint32_t> instances);
+
+// Extends the box by the vertices of a mesh at rest, transformed.
+void addMesh(Extent& extent, const Mesh& mesh, const dmat4& transform);
+
+// The place of an instance in its object, with the whole scene at rest.
+struct RestFrame {
+  dmat4 objectFromMesh{1};  // from the mesh's object space to the object's own frame
+  Extent box;               // of the whole object, in its own frame
+};
+// Returns one per instance. Removed instances have an empty box.
+std::vector<RestFrame> restFrames(const Scene& scene);
+
+}  // namespace latelight::scene
