@@ -504,6 +504,67 @@ struct CastHits {
   std::vector<float> intensity;  // from 0 to 1: reflectance at normal incidence times the cosine of incidence
 };
 
+// --- labels (docs/labels.md)
+// ------------------------------------------------------------------------------------------
+
+// A box in pixels, y down; `width` and `height` are 0 if it is empty.
+struct PixelBox {
+  int64_t x = 0, y = 0, width = 0, height = 0;
+  bool operator==(const PixelBox&) const = default;
+};
+
+// An object of a picture: everything with one value of the output "id".
+struct ObjectLabel {
+  uint32_t id = 0;
+  std::string node;  // path of its node
+  // Pixels that show it; that it would cover in the picture with nothing else in the scene (its amodal mask); and the
+  // same including up to one picture width and height beyond each edge.
+  uint64_t visiblePixels = 0, amodalPixels = 0, fullPixels = 0;
+  double visibleShare = 0;  // visiblePixels / fullPixels
+  PixelBox visibleBox, amodalBox, fullBox;
+  // The oriented box: the object's own frame, which is rigid, and the box along its axes, in meters. `objectToCamera`
+  // is to OpenCV's camera frame.
+  Transform objectToWorld{}, objectToCamera{};
+  std::array<double, 3> boxMin{}, boxMax{};
+  // Its corners in the picture: pixel coordinates and depth; x changes fastest, z slowest. NaN if not projected.
+  std::array<std::array<double, 3>, 8> corners{};
+  std::vector<uint8_t> visibleMask, amodalMask;  // one byte per pixel, 0 or 1, rows from the top
+};
+
+struct Labels {
+  uint32_t width = 0, height = 0;
+  std::vector<uint32_t> ids;         // the output "id"
+  std::vector<ObjectLabel> objects;  // those that would cover a pixel by themselves, sorted by id
+  // objects x objects: the number of pixels at which the object of the row is in front of that of the column, whether
+  // or not others are in front of both.
+  std::vector<uint64_t> occlusions;
+};
+
+// A named point that follows a node, which may be a joint of a skin.
+struct Keypoint {
+  std::string name;
+  std::string node;                  // the node's path
+  std::array<double, 3> position{};  // in the node's frame, before the node's scale
+  double thickness = 0;              // meters that its own object may be in front of it, as flesh is before a joint
+};
+
+struct KeypointLabel {
+  std::array<double, 3> position{};  // in the frame of Options::axes, meters
+  std::array<double, 2> pixel{};     // NaN if the camera does not project it; it may lie outside the picture
+  double depth = 0;                  // as the output "depth"; NaN likewise
+  uint32_t visibility = 0;           // COCO's: 0 outside the picture, 1 occluded, 2 visible
+};
+
+// Where the surfaces of one picture are in another: one value per pixel of the first, rows from the top.
+struct Correspondence {
+  uint32_t width = 0, height = 0;
+  std::vector<std::array<float, 2>> pixels;  // in the second picture, possibly outside of it; NaN for the background
+                                             // and for points that the second camera does not project
+  std::vector<float> depth;                  // as the output "depth" of the second picture; NaN likewise
+  std::vector<uint8_t> visible;              // 1 if the second picture shows the same point
+  std::vector<std::array<float, 3>> flow;    // scene flow: the point's displacement, meters; 0 for the background
+};
+
 // An entry of options.def, for programs that list the options.
 struct OptionInfo {
   std::string group, name, member;  // "Picture", "--exposure", "exposure"
@@ -633,7 +694,8 @@ class LATELIGHT_API Renderer {
   // it is taken or dropped.
   Ticket submit(const std::vector<Camera>& cameras, const Options& options = {}, Results results = Results::ToHost);
   // Renders the cameras of all worlds. Frames are in the order of the worlds, and of the cameras within each world.
-  // Each has the bytes that the scene, edited to that world's state, has in a render of its own.
+  // Each has the bytes that the scene, edited to that world's state, has in a render of its own, except the coordinates
+  // of objects at rest ("object-position", "nocs"), which worlds do not change.
   std::vector<Frame> render(const Worlds& worlds, const Options& options = {});
   Ticket submit(const Worlds& worlds, const Options& options = {}, Results results = Results::ToHost);
   // The visible surfaces at pixels (x, y from the upper left) of such a picture, in the order of `pixels`. No lighting
@@ -647,6 +709,17 @@ class LATELIGHT_API Renderer {
   // update.
   CastHits cast(std::span<const std::array<double, 3>> origins, std::span<const std::array<double, 3>> directions,
                 const Options& options = {}, double maxDistance = std::numeric_limits<double>::infinity());
+
+  // The objects of such a picture with their masks, boxes and occlusions. Each object is rendered once by itself.
+  Labels labels(const Camera& camera, const Options& options = {});
+  // Projects keypoints to such a picture, in their order. A ray from the camera decides about their visibility. Throws
+  // Error(Usage) if the scene has no such node.
+  std::vector<KeypointLabel> keypoints(const Camera& camera, const std::vector<Keypoint>& keypoints,
+                                       const Options& options = {});
+  // Finds the surfaces of the first camera's picture in the second camera's, which has the same size and shows the
+  // scene at `secondTime`, by default at Options::time as well.
+  Correspondence correspond(const Camera& first, const Camera& second, const Options& options = {},
+                            std::optional<double> secondTime = {});
 
  private:
   friend class Ticket;

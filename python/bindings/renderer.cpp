@@ -8,6 +8,7 @@
 #include "cameras.h"
 #include "device_array.h"
 #include "interpreter.h"
+#include "labels.h"
 #include "options.h"
 #include "scene.h"
 #include "values.h"
@@ -276,6 +277,43 @@ nb::dict cast(const std::shared_ptr<SharedRenderer>& renderer, nb::handle origin
   return arrays;
 }
 
+// Calls `work` with the renderer and the options of a picture without outputs.
+template <typename Work>
+auto label(const std::shared_ptr<SharedRenderer>& renderer, nb::handle size, const nb::kwargs& keywords, Work work) {
+  const Options options = optionsOf(size, nb::make_tuple("rgba"), keywords);
+  try {
+    return renderer->use([&](Renderer& renderer) { return work(renderer, options); });
+  } catch (const Error& error) {
+    throw inPython(error);
+  }
+}
+
+nb::object labels(const std::shared_ptr<SharedRenderer>& renderer, nb::handle camera, nb::handle size,
+                  const nb::kwargs& keywords) {
+  const Camera view = objectOf<Camera>(camera, "camera", "a Camera");
+  return labelsOf(label(renderer, size, keywords,
+                        [&](Renderer& renderer, const Options& options) { return renderer.labels(view, options); }));
+}
+
+nb::object keypoints(const std::shared_ptr<SharedRenderer>& renderer, nb::handle camera, nb::handle points,
+                     nb::handle size, const nb::kwargs& keywords) {
+  const Camera view = objectOf<Camera>(camera, "camera", "a Camera");
+  const std::vector<Keypoint> keypoints = keypointsOf(points, "keypoints");
+  return keypointLabelsOf(keypoints, label(renderer, size, keywords, [&](Renderer& renderer, const Options& options) {
+                            return renderer.keypoints(view, keypoints, options);
+                          }));
+}
+
+nb::object correspond(const std::shared_ptr<SharedRenderer>& renderer, nb::handle first, nb::handle second,
+                      nb::handle size, nb::handle secondTime, const nb::kwargs& keywords) {
+  const Camera from = objectOf<Camera>(first, "first", "a Camera"), to = objectOf<Camera>(second, "second", "a Camera");
+  std::optional<double> time;
+  if (!secondTime.is_none()) time = numberOf(secondTime, "second_time");
+  return correspondenceOf(label(renderer, size, keywords, [&](Renderer& renderer, const Options& options) {
+    return renderer.correspond(from, to, options, time);
+  }));
+}
+
 void bindPick(nb::module_& module) {
   nb::class_<Pick>(module, "Pick", "What a pixel shows, at its center.")
       .def_ro("id", &Pick::id, "as in the output \"id\"; 0: background, and nothing else is set")
@@ -364,6 +402,33 @@ void defineWorlds(nb::class_<SharedRenderer>& type) {
            argument("outputs") = outputs, nb::arg("options"), nb::sig(later.c_str()), submitted.c_str());
 }
 
+void defineLabels(nb::class_<SharedRenderer>& type) {
+  const auto size = nb::make_tuple(1280, 720);
+  const std::string picture = "size: tuple[int, int] = (1280, 720), *";
+  const std::string labelsSignature =
+      "def labels(self, camera: Camera, " + picture + optionParameters() + ") -> latelight.labels.Labels";
+  type.def("labels", &labels, argument("camera"), argument("size") = size, nb::arg("options"),
+           nb::sig(labelsSignature.c_str()),
+           "The objects of such a picture, with visible and amodal masks, boxes and occlusions, as arrays "
+           "(latelight.labels.Labels).\nEach object is rendered once by itself; nothing is lit.");
+  const std::string keypointsSignature =
+      "def keypoints(self, camera: Camera, keypoints: collections.abc.Sequence[latelight.labels.Keypoint | str], " +
+      picture + optionParameters() + ") -> latelight.labels.Keypoints";
+  type.def("keypoints", &keypoints, argument("camera"), argument("keypoints"), argument("size") = size,
+           nb::arg("options"), nb::sig(keypointsSignature.c_str()),
+           "Projects points that follow nodes to such a picture, with COCO's visibility. keypoints: Keypoint objects, "
+           "or paths\nof nodes. Raises UsageError if the scene has no such node.");
+  const std::string correspondSignature =
+      "def correspond(self, first: Camera, second: Camera, size: tuple[int, int] = (1280, 720), "
+      "second_time: float | None = None, *" +
+      optionParameters() + ") -> latelight.labels.Correspondence";
+  type.def("correspond", &correspond, argument("first"), argument("second"), argument("size") = size,
+           argument("second_time") = nb::none(), nb::arg("options"), nb::sig(correspondSignature.c_str()),
+           "Finds the surfaces of the first camera's picture in the second camera's: pixels, visibility and scene "
+           "flow.\nBoth pictures have this size. second_time: the time in the animation that the second shows, in "
+           "seconds; None: the\noption time, as the first.");
+}
+
 }  // namespace
 
 // Ignores errors: an error that a device reports only here would have been raised when its images are taken.
@@ -416,6 +481,7 @@ void bindRenderer(nb::module_& module) {
       "Waits until the device has finished everything that was submitted.");
   defineRender(type);
   defineWorlds(type);
+  defineLabels(type);
   const std::string signature =
       "def pick(self, camera: Camera, pixels: numpy.typing.ArrayLike, size: tuple[int, int] = (1280, 720), *" +
       optionParameters() + ") -> list[Pick]";

@@ -50,6 +50,7 @@ from .errors import (
     UsageError,
 )
 from .frames import DeviceFrames, DeviceWorldFrames, Frame, Frames, WorldFrames
+from .labels import Correspondence, Keypoint, Keypoints, Labels
 
 __version__ = version()
 
@@ -57,6 +58,7 @@ __all__ = [
     "Animation",
     "ArgumentTypeError",
     "Camera",
+    "Correspondence",
     "DeviceArray",
     "DeviceFrames",
     "DeviceLostError",
@@ -66,6 +68,9 @@ __all__ = [
     "InputError",
     "Instance",
     "InstanceHandle",
+    "Keypoint",
+    "Keypoints",
+    "Labels",
     "LatelightError",
     "Lens",
     "Light",

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "api/renderer.h"
 #include "api/scene.h"
 #include "base/error.h"
 #include "base/fork.h"
@@ -201,20 +202,6 @@ Camera Scene::lookAt(std::array<double, 3> eye, std::array<double, 3> target, fl
                                     verticalFov / kDegreesPerRadian),
                       impl_->scene);
 }
-
-struct Renderer::Impl {
-  OwnerProcess owner;
-  const Scene::Impl& source;
-  const scene::Scene& scene;
-  std::shared_ptr<vk::Device> device;  // arrays share it
-  render::Renderer renderer;
-
-  Impl(const Scene::Impl& source, const std::string& selector, const std::optional<scene::Environment>& environment)
-      : source(source),
-        scene(source.scene),
-        device(std::make_shared<vk::Device>(vk::DeviceOptions{.selector = selector})),
-        renderer(*device, scene, environment ? &*environment : nullptr) {}
-};
 
 namespace {
 
@@ -432,6 +419,14 @@ std::vector<std::array<float, N>> arraysOf(const std::vector<Vector>& from) {
 }
 
 }  // namespace
+
+Renderer::Impl::LabelInput Renderer::Impl::labelInput(const Camera& camera, const Options& options) const {
+  owner.require("the renderer");
+  const render::Settings settings = settingsFor(*device, options, scene);
+  return {.camera = render::fitted(internalCamera(camera, scene), settings.cameraFit),
+          .settings = settings,
+          .moment = internalState(options, settings, scene, 1)};
+}
 
 CastHits Renderer::cast(std::span<const std::array<double, 3>> origins,
                         std::span<const std::array<double, 3>> directions, const Options& options, double maxDistance) {

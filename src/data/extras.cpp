@@ -2,21 +2,33 @@
 
 #include <algorithm>
 
-#include "data/amodal.h"
+#include "base/error.h"
+#include "labels/amodal.h"
 
 namespace latelight::data {
 
 Extras both(const Extras& a, const Extras& b) {
-  return {a.boxes || b.boxes, a.alone || b.alone, a.shapes || b.shapes, std::max(a.samples, b.samples)};
+  if (!a.keypoints.empty() && !b.keypoints.empty() && a.keypoints != b.keypoints)
+    badUsage("two formats of a job must have the same keypoints");
+  return {.boxes = a.boxes || b.boxes,
+          .alone = a.alone || b.alone,
+          .order = a.order || b.order,
+          .shapes = a.shapes || b.shapes,
+          .keypoints = a.keypoints.empty() ? b.keypoints : a.keypoints,
+          .samples = std::max(a.samples, b.samples)};
 }
 
 void renderExtras(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
                   const render::Settings& settings, const render::SceneState& moment, const Extras& needed,
                   GeometryHashes& geometry, DataFrame& frame) {
-  if (needed.boxes || needed.alone || needed.shapes)
-    frame.objects =
-        objectsOf(scene, moment.poses.current, settings.axes == render::Axes::ZUp, needed.shapes ? &geometry : nullptr);
-  if (needed.alone) renderIsolated(renderer, scene, camera, settings, moment, frame.objects);
+  if (needed.boxes || needed.alone || needed.order || needed.shapes)
+    frame.objects = labels::objectsOf(scene, moment.poses.current, settings.axes == render::Axes::ZUp,
+                                      needed.shapes ? &geometry : nullptr);
+  if (needed.alone || needed.order)
+    labels::renderIsolated(renderer, scene, camera, settings, moment, frame.objects, needed.order);
+  if (!needed.keypoints.empty())
+    frame.keypoints =
+        keypointsOfObjects(renderer, scene, camera, settings, moment, *frame.metadata.ids, needed.keypoints);
   if (needed.samples == 0) return;
   render::Settings fine = settings;
   fine.width *= needed.samples;

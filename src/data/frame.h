@@ -5,18 +5,30 @@
 #include <string>
 #include <vector>
 
-#include "data/objects.h"
+#include "data/keypoints.h"
+#include "labels/objects.h"
 #include "output/files.h"
 #include "output/metadata.h"
 
 namespace latelight::data {
 
+using labels::GeometryHashes;
+using labels::Mask;
+using labels::masksOf;
+using labels::Object;
+using labels::PixelBox;
+using labels::Shape;
+
 // The data of a frame that formats may require in addition to its outputs (extras.h).
 struct Extras {
-  bool boxes = false;    // objects, with their boxes
-  bool alone = false;    // objects, also with their amodal masks
-  bool shapes = false;   // objects, also with their shapes
-  uint32_t samples = 0;  // N: ids and materials at N x N samples per pixel; 0: none
+  bool boxes = false;   // objects, with their boxes
+  bool alone = false;   // objects, also with their amodal masks
+  bool order = false;   // objects, also with their masks and the order in which they occlude each other
+  bool shapes = false;  // objects, also with their shapes
+  std::vector<ObjectKeypoint> keypoints;  // keypoints of objects; empty: none
+  uint32_t samples = 0;                   // N: ids and materials at N x N samples per pixel; 0: none
+
+  bool needsAny() const { return boxes || alone || order || shapes || !keypoints.empty() || samples > 0; }
 };
 
 struct DataFrame {
@@ -28,6 +40,7 @@ struct DataFrame {
   uint32_t scene = 0;  // the scene's index in the job
 
   std::vector<Object> objects;  // sorted by id
+  KeypointsOfObjects keypoints;
   // Id and material of a picture N times as wide and high, an ordered grid of N x N samples per pixel.
   output::FrameOutput samples;
 };

@@ -232,9 +232,11 @@ TEST(GeometryHash, FollowsVerticesAndTriangles) {
   const std::vector<glm::vec3> a{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
       b{{0, 0, 1}, {-0.0f, 1, 0}, {1, 0, 0}, {0, 0, 0}, {1, 0, 0}};
   const std::vector<uint32_t> of_a{0, 1, 2, 0, 2, 3}, of_b{1, 0, 3, 3, 4, 1};
-  EXPECT_EQ(geometryHash(a, of_a), geometryHash(b, of_b));
-  EXPECT_NE(geometryHash(a, of_a), geometryHash(a, std::vector<uint32_t>{0, 2, 1, 0, 2, 3})) << "turned inside out";
-  EXPECT_NE(geometryHash(a, of_a), geometryHash(a, std::vector<uint32_t>{0, 1, 2, 0, 1, 3})) << "joined otherwise";
+  EXPECT_EQ(labels::geometryHash(a, of_a), labels::geometryHash(b, of_b));
+  EXPECT_NE(labels::geometryHash(a, of_a), labels::geometryHash(a, std::vector<uint32_t>{0, 2, 1, 0, 2, 3}))
+      << "turned inside out";
+  EXPECT_NE(labels::geometryHash(a, of_a), labels::geometryHash(a, std::vector<uint32_t>{0, 1, 2, 0, 1, 3}))
+      << "joined otherwise";
 }
 
 }  // namespace

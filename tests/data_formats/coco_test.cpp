@@ -61,6 +61,66 @@ TEST_F(CocoTest, CategoriesOfAMapping) {
     EXPECT_EQ(annotation["category_id"], annotation["node"] == "/squares/front" ? 2 : 3);
 }
 
+std::string saidOfOptions(const Json& options) try {
+  make("coco", options);
+  return "";
+} catch (const Error& error) {
+  EXPECT_EQ(error.code(), ExitCode::Usage);
+  return error.what();
+}
+
+const Json& annotationOf(const Json& set, const char* node) {
+  for (const Json& annotation : set["annotations"])
+    if (annotation["node"] == node) return annotation;
+  throw std::logic_error("there is no annotation");
+}
+
+// The front square covers 16 x 32 of the back one's 64 x 64 pixels, and the cut one's left half is in the picture.
+TEST_F(CocoTest, AmodalMasks) {
+  const Json set = written({{"amodal", true}});
+  const Json& back = annotationOf(set, "/squares/back");
+  EXPECT_EQ(back["amodal_area"], 64 * 64);
+  EXPECT_EQ(back["amodal_bbox"], Json({32, 32, 64, 64}));
+  EXPECT_EQ(back["visibility"], 0.875);
+  EXPECT_EQ(back["amodal_segmentation"]["size"], Json({128, 128}));
+  EXPECT_NE(back["amodal_segmentation"]["counts"], back["segmentation"]["counts"]);
+  const Json& front = annotationOf(set, "/squares/front");
+  EXPECT_EQ(front["amodal_segmentation"], front["segmentation"]);
+  EXPECT_EQ(front["visibility"], 1);
+  EXPECT_EQ(annotationOf(set, "/squares/cut")["visibility"], 0.375);
+}
+
+// 32 pixels per meter; the front square has half the size.
+TEST_F(CocoTest, KeypointsOfObjects) {
+  const Json set = written({{"categories", "node"},
+                            {"keypoints",
+                             {{{"name", "upper"}, {"position", {0.5, 0.75, 0}}},
+                              {{"name", "side"}, {"position", {0.75, 0, 0}}},
+                              {{"name", "far"}, {"position", {3, 0, 0}}},
+                              {{"name", "none"}, {"node", "hand"}}}},
+                            {"skeleton", Json::array({Json::array({"side", "upper"})})}});
+  const auto expect = [&](const char* node, const std::vector<double>& values, int count) {
+    const Json& annotation = annotationOf(set, node);
+    ASSERT_EQ(annotation["keypoints"].size(), values.size());
+    for (size_t i = 0; i < values.size(); ++i) EXPECT_NEAR(annotation["keypoints"][i], values[i], 1e-4) << node << i;
+    EXPECT_EQ(annotation["num_keypoints"], count);
+  };
+  expect("/squares/back", {80, 40, 2, 88, 64, 1, 0, 0, 0, 0, 0, 0}, 2);
+  expect("/squares/front", {104, 52, 2, 108, 64, 2, 0, 0, 0, 0, 0, 0}, 2);
+  for (const Json& category : set["categories"]) {
+    EXPECT_EQ(category["keypoints"], Json({"upper", "side", "far", "none"}));
+    EXPECT_EQ(category["skeleton"], Json::array({Json::array({2, 1})}));
+  }
+  EXPECT_EQ(saidOfOptions({{"keypoints", Json::array()}}),
+            "keypoints of the format coco must be a list of at least one keypoint");
+  EXPECT_EQ(saidOfOptions({{"keypoints", {{{"name", "a"}}, {{"name", "a"}}}}}),
+            "keypoints of the format coco has two keypoints named \"a\"");
+  EXPECT_EQ(saidOfOptions({{"keypoints", {{{"name", "a"}}}}, {"skeleton", Json::array({Json::array({"a", "b"})})}}),
+            "skeleton of the format coco names \"b\", which is not among its keypoints");
+  EXPECT_EQ(saidOfOptions({{"skeleton", "a"}}),
+            "skeleton of the format coco takes a list of pairs of keypoints' names");
+}
+
 std::string saidOf(const Json& categories) try {
   make("coco", {{"categories", categories}});
   return "";

@@ -2,8 +2,8 @@
 // itself (amodal masks).
 #include <cmath>
 
-#include "data/amodal.h"
 #include "data_formats/support.h"
+#include "labels/amodal.h"
 #include "models/models.h"
 #include "scene/builtin/builtin.h"
 #include "scene/edit.h"
@@ -27,7 +27,7 @@ class Needs : public Format {
   Extras extras_;
   std::vector<Aov> aovs_;
 };
-const Needs kAlone({.alone = true}), kBoxes({.boxes = true}), kIds({});
+const Needs kAlone({.alone = true}), kOrder({.order = true}), kBoxes({.boxes = true}), kIds({});
 
 const Object& objectAt(const DataFrame& frame, const std::string& node) {
   for (const output::IdEntry& entry : frame.metadata.ids->ids)
@@ -109,11 +109,13 @@ TEST_P(AloneTest, CountsOfSquares) {
 TEST_P(AloneTest, ShareVisible) {
   const scene::Scene scene = squares();
   Studio studio(device(), scene, GetParam());
-  const DataFrame frame = studio.frame(squaresCamera(), 128, 128, {&kAlone});
+  const DataFrame frame = studio.frame(squaresCamera(), 128, 128, {&kOrder});
   const Object &back = objectAt(frame, "/squares/back"), &front = objectAt(frame, "/squares/front");
   std::map<uint32_t, Mask> visible = masksOf(frame.picture.aovs.front());
   EXPECT_EQ(8 * visible.at(back.id).area(), 7 * back.pixels);
   EXPECT_EQ(visible.at(front.id).area(), front.pixels);
+  EXPECT_EQ(front.occludes, (std::vector<labels::Occlusion>{{back.id, 16 * 32}}));
+  EXPECT_TRUE(back.occludes.empty());
 }
 
 // The visible pixels of an object are a subset of those that it covers by itself, in a scene with edges in all
@@ -147,7 +149,7 @@ TEST_F(ObjectsTest, AloneTogetherAsOneByOne) {
     one[0].alone = {};
     one[0].pixels = 0;
     one[0].full = {};
-    renderIsolated(renderer, scene, camera, render::test::settingsOf(96, 54), {}, one);
+    labels::renderIsolated(renderer, scene, camera, render::test::settingsOf(96, 54), {}, one);
     EXPECT_EQ(one[0].alone.runs, frame.objects[i].alone.runs);
     EXPECT_EQ(one[0].pixels, frame.objects[i].pixels);
     EXPECT_EQ(one[0].full, frame.objects[i].full);

@@ -40,6 +40,7 @@ DataFrame Studio::frame(const scene::Camera& camera, uint32_t width, uint32_t he
   DataFrame frame{.index = index, .name = fmt::format("{:06}", index)};
   if (settings.display || !settings.aovs.empty())
     frame.picture = std::move(renderer_.render({&camera, 1}, settings, moment).front());
+  frame.metadata.ids = std::make_shared<output::IdManifest>(render::idManifest(scene_));
   renderExtras(renderer_, scene_, camera, settings, moment, extras, geometry_, frame);
   frame.picture.width = width;
   frame.picture.height = height;
@@ -54,7 +55,6 @@ DataFrame Studio::frame(const scene::Camera& camera, uint32_t width, uint32_t he
     frame.metadata.camera.intrinsics = {lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1};
   }
   frame.metadata.axes = scene_.yUp ? "gltf" : "z-up";
-  frame.metadata.ids = std::make_shared<output::IdManifest>(render::idManifest(scene_));
   return frame;
 }
 

@@ -1,4 +1,4 @@
-"""The code of README.md, of the examples and of docs/python.md, worlds.md, lidar.md and embed.md, run as it stands."""
+"""The code of README.md, of the examples and of the pages below, run as it stands."""
 
 import json
 import re
@@ -61,6 +61,14 @@ def test_the_readme(tmp_path, monkeypatch):
     (source,) = blocks(ROOT / "README.md")
     frame = run_all([source], "README.md")["frame"]
     assert frame["depth"].shape == (480, 640)
+
+
+def test_labels():
+    names = run_all(blocks(ROOT / "docs" / "labels.md"), "labels.md")
+    labels, keypoints, match = names["labels"], names["keypoints"], names["match"]
+    assert len(labels.nodes) > 1 and labels.amodal_masks.shape == (len(labels.nodes), 240, 320)
+    assert keypoints.pixels.shape == (2, 2) and np.isfinite(keypoints.pixels).all()
+    assert match.pixels.shape == (240, 320, 2) and match.visible.any() and not match.visible.all()
 
 
 def test_embedding(tmp_path, monkeypatch, capsys):

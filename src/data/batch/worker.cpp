@@ -129,7 +129,7 @@ std::vector<RenderedFrame> Worker::framesOf(const Chunk& chunk) {
   shared.settings["raster"] = render::nameOf(job_.settings.raster);
   if (!job_.settings.time) shared.settings.erase("fps");
   if (const auto degrees = scene_->environmentRotation()) shared.settings["hdri-rotate"] = fmt::format("{}", *degrees);
-  const bool needsExtras = extras_.boxes || extras_.alone || extras_.samples > 0;
+  const bool needsExtras = extras_.needsAny();
   if (needsExtras && !shared.ids)
     shared.ids = std::make_shared<output::IdManifest>(render::idManifest(scene_->scene()));
   std::vector<RenderedFrame> frames;

@@ -13,6 +13,7 @@
 #include "data/formats/geometry.h"
 #include "data/formats/names.h"
 #include "data/formats/options.h"
+#include "data/formats/shape_json.h"
 #include "output/png.h"
 
 namespace latelight::data {

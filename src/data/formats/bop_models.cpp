@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "data/cameras/json_file.h"
+#include "data/formats/shape_json.h"
 
 namespace latelight::data {
 
@@ -67,7 +68,7 @@ size_t BopModels::find(const Shape& shape, uint32_t fixed) const {
   const auto [first, end] = byGeometry_.equal_range(keyOf(shape));
   for (auto at = first; at != end; ++at) {
     const BopNumbers::Model& model = models_[at->second];
-    if ((fixed == 0 || model.number == fixed) && isSameShape(model.shape, shape)) return at->second;
+    if ((fixed == 0 || model.number == fixed) && labels::isSameShape(model.shape, shape)) return at->second;
   }
   return models_.size();
 }

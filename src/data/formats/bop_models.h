@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "data/formats/path_rules.h"
-#include "data/shape.h"
+#include "data/frame.h"
 
 namespace latelight::data {
 

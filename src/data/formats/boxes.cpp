@@ -7,6 +7,7 @@
 #include "data/formats/geometry.h"
 #include "data/formats/names.h"
 #include "data/formats/options.h"
+#include "labels/projector.h"
 
 namespace latelight::data {
 
@@ -18,36 +19,18 @@ Json extentOf(uint64_t pixels, const PixelBox& box) {
   return {{"pixels", pixels}, {"box", {box.x, box.y, box.width, box.height}}};
 }
 
-// The projection of a frame's camera.
-struct Projector {
-  const output::CameraMetadata& camera;
-  std::optional<scene::LensProjection> lens;
-  explicit Projector(const output::CameraMetadata& metadata) : camera(metadata) {
-    if (metadata.lens) lens.emplace(*metadata.lens);
-  }
-};
-
-// Projects a point in the camera's frame to [x, y, depth]. Returns null for points behind a perspective camera and for
-// points that the lens does not project.
-Json projected(const Projector& projector, glm::dvec3 at) {
-  const output::CameraMetadata& camera = projector.camera;
-  if (projector.lens) {
-    const double distance = glm::length(at);
-    const std::optional<glm::dvec2> pixel = distance > 0 ? projector.lens->project(at) : std::nullopt;
-    if (!pixel) return nullptr;
-    return {pixel->x, pixel->y, distance * projector.lens->depthOf(at / distance)};
-  }
-  const auto& k = camera.intrinsics;
-  const double w = camera.orthographic ? 1 : at.z;
-  if (!(w > 0)) return nullptr;
-  return {(k[0] * at.x + k[1] * at.y) / w + k[2], (k[3] * at.x + k[4] * at.y) / w + k[5], at.z};
+// Projects a point in the camera's frame to [x, y, depth]. Returns null for points that the camera does not project.
+Json projected(const labels::Projector& projector, glm::dvec3 at) {
+  const std::optional<glm::dvec3> pixel = projector.project(at);
+  if (!pixel) return nullptr;
+  return {pixel->x, pixel->y, pixel->z};
 }
 
 // Describes the oriented 3D box. The origin of its own frame is its center.
-Json boxInSpace(const Object& object, const Projector& projector) {
+Json boxInSpace(const Object& object, const output::CameraMetadata& camera, const labels::Projector& projector) {
   glm::dmat4 toWorld = object.toWorld;
   toWorld[3] = object.toWorld * glm::dvec4((object.low + object.high) * 0.5, 1);
-  const glm::dmat4 fromWorld = openCvFromWorld(projector.camera);
+  const glm::dmat4 fromWorld = openCvFromWorld(camera);
   const glm::dvec3 size = object.high - object.low;
   Json corners = Json::array();
   for (const glm::dvec3 corner : cornersOf(object))
@@ -68,11 +51,11 @@ class Boxes : public Format {
   }
 
   std::vector<output::Aov> needs() const override { return {output::Aov::Id}; }
-  Extras needsExtras() const override { return {.boxes = true, .alone = whole_}; }
+  Extras needsExtras() const override { return {.boxes = true, .alone = whole_, .order = whole_}; }
 
   FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
     const std::map<uint32_t, Mask> visible = masksOf(imageOf(frame.picture, output::Aov::Id));
-    const Projector projector(frame.metadata.camera);
+    const labels::Projector projector(frame.metadata.camera);
     Json objects = Json::array();
     for (const Object& object : frame.objects) {
       const auto found = visible.find(object.id);
@@ -92,6 +75,13 @@ class Boxes : public Format {
   }
 
  private:
+  // The ids of the objects that this one is in front of, with the number of pixels.
+  static Json occlusionsOf(const Object& object) {
+    Json json = Json::object();
+    for (const labels::Occlusion& other : object.occludes) json[std::to_string(other.id)] = other.pixels;
+    return json;
+  }
+
   static Json cameraOf(const output::CameraMetadata& camera) {
     Json json{{"K", camera.intrinsics}, {"worldToCamera", output::rowsOf(openCvFromWorld(camera))}};
     if (!camera.lens) return json;
@@ -102,7 +92,8 @@ class Boxes : public Format {
     return json;
   }
 
-  Json describe(const DataFrame& frame, const Projector& projector, const Object& object, const Mask* visible) const {
+  Json describe(const DataFrame& frame, const labels::Projector& projector, const Object& object,
+                const Mask* visible) const {
     Json json{{"id", object.id}};
     if (const output::IdEntry* entry = entryOf(*frame.metadata.ids, object.id)) {
       json["node"] = nameOf(*entry);
@@ -115,8 +106,9 @@ class Boxes : public Format {
       json["whole"] = extentOf(object.pixels, object.full);
       json["whole"]["pixelsInPicture"] = object.alone.area();
       json["visibleShare"] = static_cast<double>(pixels) / static_cast<double>(object.pixels);
+      json["occludes"] = occlusionsOf(object);
     }
-    json["box"] = boxInSpace(object, projector);
+    json["box"] = boxInSpace(object, frame.metadata.camera, projector);
     return json;
   }
 

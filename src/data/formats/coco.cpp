@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "data/formats/categories.h"
 #include "data/formats/formats.h"
@@ -53,6 +54,7 @@ class Coco : public Format {
   explicit Coco(const Json& json) : Coco(json, FormatOptions("coco", json)) {}
 
   std::vector<output::Aov> needs() const override { return {output::Aov::Id}; }
+  Extras needsExtras() const override { return {.boxes = amodal_, .alone = amodal_, .keypoints = keypoints_}; }
   bool needsDisplay() const override { return picture_.isWritten(); }
 
   FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
@@ -69,6 +71,9 @@ class Coco : public Format {
                          {"segmentation", {{"size", {mask.height, mask.width}}, {"counts", mask.counts()}}},
                          {"object", id},
                          {"node", nameOf(*entryOf(*frame.metadata.ids, id))}});
+      if (amodal_) addAmodal(objects.back(), frame, id, mask);
+      if (const auto found = frame.keypoints.find(id); found != frame.keypoints.end())
+        addKeypoints(objects.back(), found->second);
     }
     record.entry = {{"id", frame.index},
                     {"file_name", picture},
@@ -104,7 +109,50 @@ class Coco : public Format {
   Coco(const Json& json, FormatOptions options) : categories_("coco", options.find("categories")) {
     file_ = options.setFile("file", "annotations/instances.json", ".json");
     picture_ = PictureFile(options);
+    amodal_ = options.flag("amodal", false);
+    if (const Json* list = options.find("keypoints")) keypoints_ = readKeypoints(*list, "keypoints of the format coco");
+    if (const Json* list = options.find("skeleton")) readSkeleton(*list);
     options.finish();
+  }
+
+  // Reads pairs of keypoints that are connected.
+  void readSkeleton(const Json& list) {
+    const auto number = [&](const Json& name) {
+      const auto isNamed = [&](const ObjectKeypoint& keypoint) { return name == keypoint.name; };
+      const auto found = std::ranges::find_if(keypoints_, isNamed);
+      if (found == keypoints_.end())
+        badUsage("skeleton of the format coco names {}, which is not among its keypoints", dumped(name));
+      return found - keypoints_.begin() + 1;
+    };
+    const bool pairs =
+        list.is_array() && std::ranges::all_of(list, [](const Json& p) { return p.is_array() && p.size() == 2; });
+    if (!pairs) badUsage("skeleton of the format coco takes a list of pairs of keypoints' names");
+    for (const Json& pair : list) skeleton_.push_back(Json::array({number(pair[0]), number(pair[1])}));
+  }
+
+  // The object's amodal mask, with the keys of its visible mask, and the share of it that is visible.
+  static void addAmodal(Json& annotation, const DataFrame& frame, uint32_t id, const Mask& visible) {
+    const auto object = std::ranges::find(frame.objects, id, &Object::id);
+    if (object == frame.objects.end()) return;
+    annotation["amodal_area"] = object->alone.area();
+    annotation["amodal_bbox"] = boxOf(object->alone.box());
+    annotation["amodal_segmentation"] = {{"size", {object->alone.height, object->alone.width}},
+                                         {"counts", object->alone.counts()}};
+    annotation["visibility"] = static_cast<double>(visible.area()) / static_cast<double>(object->pixels);
+  }
+
+  static void addKeypoints(Json& annotation, const std::vector<labels::ProjectedKeypoint>& keypoints) {
+    Json values = Json::array();
+    uint64_t count = 0;
+    for (const labels::ProjectedKeypoint& k : keypoints) {
+      const bool inside = k.visibility != labels::KeypointVisibility::Outside;
+      values.push_back(inside ? k.pixel.x : 0);
+      values.push_back(inside ? k.pixel.y : 0);
+      values.push_back(static_cast<uint32_t>(k.visibility));
+      count += inside;
+    }
+    annotation["keypoints"] = std::move(values);
+    annotation["num_keypoints"] = count;
   }
 
   // Numbers the categories from 1.
@@ -114,12 +162,30 @@ class Coco : public Format {
       numbers[name] = categories.size() + 1;
       categories.push_back({{"id", categories.size() + 1}, {"name", name}, {"supercategory", ""}});
     }
+    if (!keypoints_.empty()) addKeypointNames(entries, numbers, categories);
     return categories;
+  }
+
+  // Adds the names of keypoints to the categories of objects that have any.
+  void addKeypointNames(std::span<const Json> entries, const std::map<std::string, uint64_t>& numbers,
+                        Json& categories) const {
+    Json names = Json::array();
+    for (const ObjectKeypoint& keypoint : keypoints_) names.push_back(keypoint.name);
+    for (const Json& entry : entries)
+      for (const Json& object : entry["objects"]) {
+        if (!object.contains("keypoints")) continue;
+        Json& category = categories[numbers.at(object["category"].get<std::string>()) - 1];
+        category["keypoints"] = names;
+        category["skeleton"] = skeleton_;
+      }
   }
 
   Categories categories_;
   std::string file_;
   PictureFile picture_;
+  bool amodal_ = false;
+  std::vector<ObjectKeypoint> keypoints_;
+  Json skeleton_ = Json::array();  // pairs of numbers of keypoints, from 1
 };
 
 }  // namespace

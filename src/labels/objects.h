@@ -8,12 +8,19 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "data/mask.h"
-#include "data/shape.h"
+#include "labels/mask.h"
+#include "labels/shape.h"
 #include "render/submit/scene_state.h"
 #include "scene/scene.h"
 
-namespace latelight::data {
+namespace latelight::labels {
+
+// The number of pixels at which one object is in front of another, whether or not others are in front of both.
+struct Occlusion {
+  uint32_t id = 0;  // of the object behind
+  uint64_t pixels = 0;
+  bool operator==(const Occlusion&) const = default;
+};
 
 struct Object {
   uint32_t id = 0;
@@ -25,9 +32,10 @@ struct Object {
 
   // The amodal mask (amodal.h). `pixels` and `full` also include pixels beyond the picture, up to one picture width and
   // height away on each side.
-  Mask alone;           // pixels within the picture
-  uint64_t pixels = 0;  // number of pixels
-  PixelBox full;        // bounding box of the pixels
+  Mask alone;                       // pixels within the picture
+  uint64_t pixels = 0;              // number of pixels
+  PixelBox full;                    // bounding box of the pixels
+  std::vector<Occlusion> occludes;  // the objects that it is in front of within the picture, sorted by id
 };
 
 // Returns the box's corners in the object's own frame; x changes fastest, z slowest.
@@ -39,4 +47,4 @@ std::array<glm::dvec3, 8> cornersOf(const Object& object);
 std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose, bool zUp,
                               GeometryHashes* geometry = nullptr);
 
-}  // namespace latelight::data
+}  // namespace latelight::labels

@@ -1,15 +1,17 @@
-#include "data/amodal.h"
+#include "labels/amodal.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <optional>
+#include <tuple>
 #include <unordered_map>
 
 #include "render/frame/view.h"
 #include "scene/framing.h"
 
-namespace latelight::data {
+namespace latelight::labels {
 
 namespace {
 
@@ -73,7 +75,7 @@ std::vector<Group> apart(const std::vector<BoundedObject>& objects) {
 class IsolatedRenderer {
  public:
   IsolatedRenderer(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                   const render::Settings& settings, const render::SceneState& moment)
+                   const render::Settings& settings, const render::SceneState& moment, bool order)
       : renderer_(renderer),
         scene_(scene),
         camera_(camera),
@@ -81,6 +83,7 @@ class IsolatedRenderer {
         moment_{moment.poses, {}, {}, {}, false} {
     settings_.display = false;
     settings_.aovs = {output::Aov::Id};
+    if (order) settings_.aovs.push_back(output::Aov::Distance);
     const bool zUp = !scene.yUp || settings.axes == render::Axes::ZUp;
     view_ = render::makeView(camera, settings.width, settings.height);
     viewFromPositions_ = glm::inverse(render::rigidPose(camera)) * (zUp ? glm::dmat4(1) : scene::toWorldFromGltf());
@@ -92,7 +95,7 @@ class IsolatedRenderer {
   }
 
   // Calls taken() with each picture and the objects in it. The next pictures are rendered while taken() reads these.
-  using Taken = std::function<void(const Group&, const output::AovImage&)>;
+  using Taken = std::function<void(const Group&, const std::vector<output::AovImage>&)>;
   void render(const std::vector<BoundedObject>& objects, const Taken& taken) {
     const std::vector<Group> groups = apart(objects);
     const uint64_t pixels = uint64_t{settings_.width} * settings_.height;
@@ -104,7 +107,7 @@ class IsolatedRenderer {
       if (first < end) now.emplace(submit(std::span(groups).subspan(first, end - first)));
       if (before) {
         const std::vector<output::FrameOutput> pictures = before->take().frames;
-        for (size_t i = 0; i < pictures.size(); ++i) taken(groups[first - most + i], pictures[i].aovs.front());
+        for (size_t i = 0; i < pictures.size(); ++i) taken(groups[first - most + i], pictures[i].aovs);
       }
       before = std::move(now);
     }
@@ -144,6 +147,34 @@ void takeMasks(const Group& group, const output::AovImage& ids) {
   }
 }
 
+// Counts the pixels at which objects are in front of each other, from the distances of isolated objects.
+class DepthOrder {
+ public:
+  void add(const Group& group, const output::AovImage& ids, const output::AovImage& distances) {
+    std::unordered_map<uint32_t, Object*> objects;
+    for (const BoundedObject& each : group) objects[each.object->id] = each.object;
+    for (uint32_t i = 0; i < ids.ids.size(); ++i)
+      if (ids.ids[i] != 0) covered_.push_back({i, distances.values[i], objects.at(ids.ids[i])});
+  }
+
+  void finish() {
+    std::ranges::sort(covered_, {}, [](const Covered& c) { return std::tuple(c.pixel, c.distance, c.object->id); });
+    std::map<std::pair<Object*, uint32_t>, uint64_t> pixels;
+    for (size_t i = 0; i < covered_.size(); ++i)
+      for (size_t j = i + 1; j < covered_.size() && covered_[j].pixel == covered_[i].pixel; ++j)
+        if (covered_[i].distance < covered_[j].distance) ++pixels[{covered_[i].object, covered_[j].object->id}];
+    for (const auto& [pair, count] : pixels) pair.first->occludes.push_back({pair.second, count});
+  }
+
+ private:
+  struct Covered {
+    uint32_t pixel;
+    float distance;
+    Object* object;
+  };
+  std::vector<Covered> covered_;
+};
+
 // Returns the camera for a picture three times as wide and high around the camera's own picture. Empty for cameras with
 // a lens, and if the picture would be too large or the field of view too wide.
 std::optional<scene::Camera> widened(const scene::Camera& camera, const render::Settings& settings) {
@@ -163,7 +194,8 @@ PixelBox around(const PixelBox& a, const PixelBox& b) {
 }
 
 // Adds the pixels that objects cover in the enlarged picture outside its central third, which is the original picture.
-void addBeyond(const Group& group, const output::AovImage& wide) {
+void addBeyond(const Group& group, const std::vector<output::AovImage>& pictures) {
+  const output::AovImage& wide = pictures.front();
   std::unordered_map<uint32_t, Object*> objects;
   for (const BoundedObject& each : group) objects[each.object->id] = each.object;
   const uint32_t width = wide.width / 3, height = wide.height / 3;
@@ -181,8 +213,9 @@ void addBeyond(const Group& group, const output::AovImage& wide) {
 }  // namespace
 
 void renderIsolated(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                    const render::Settings& settings, const render::SceneState& moment, std::vector<Object>& objects) {
-  IsolatedRenderer alone(renderer, scene, camera, settings, moment);
+                    const render::Settings& settings, const render::SceneState& moment, std::vector<Object>& objects,
+                    bool order) {
+  IsolatedRenderer alone(renderer, scene, camera, settings, moment, order);
   std::vector<BoundedObject> seen;
   std::vector<Object*> across;
   for (Object& object : objects) {
@@ -191,16 +224,21 @@ void renderIsolated(render::Renderer& renderer, const scene::Scene& scene, const
     if (each.bounds.containment != ScreenBounds::Outside) seen.push_back(each);
     if (each.bounds.containment == ScreenBounds::Across) across.push_back(&object);
   }
-  alone.render(seen, takeMasks);
+  DepthOrder depths;
+  alone.render(seen, [&](const Group& group, const std::vector<output::AovImage>& pictures) {
+    takeMasks(group, pictures.front());
+    if (order) depths.add(group, pictures.front(), pictures.back());
+  });
+  depths.finish();
   const std::optional<scene::Camera> wide = widened(camera, settings);
   if (!wide) return;
   render::Settings large = settings;
   large.width *= 3;
   large.height *= 3;
-  IsolatedRenderer beyond(renderer, scene, *wide, large, moment);
+  IsolatedRenderer beyond(renderer, scene, *wide, large, moment, false);
   std::vector<BoundedObject> bounded;
   for (Object* object : across) bounded.push_back(beyond.bounded(*object));
   beyond.render(bounded, addBeyond);
 }
 
-}  // namespace latelight::data
+}  // namespace latelight::labels

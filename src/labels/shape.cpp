@@ -1,16 +1,12 @@
-#include "data/shape.h"
+#include "labels/shape.h"
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 
 #include "base/hash.h"
-#include "data/json_text.h"
 
-namespace latelight::data {
-
-using Json = nlohmann::ordered_json;
+namespace latelight::labels {
 
 namespace {
 
@@ -48,24 +44,6 @@ bool isSameShape(const Shape& a, const Shape& b) {
   });
 }
 
-Json describeShape(const Shape& shape) {
-  Json parts = Json::array();
-  for (const Shape::Part& part : shape.parts)
-    parts.push_back({{"geometry", hashText(part.geometry)}, {"place", part.place}});
-  return {{"extent", shape.extent}, {"parts", std::move(parts)}};
-}
-
-Shape shapeIn(const Json& json) {
-  Shape shape{.extent = json.at("extent").get<double>()};
-  for (const Json& part : json.at("parts")) {
-    const std::string& hash = part.at("geometry").get_ref<const std::string&>();
-    Shape::Part& added = shape.parts.emplace_back();
-    std::from_chars(hash.data(), hash.data() + hash.size(), added.geometry, 16);
-    added.place = part.at("place").get<std::array<double, 12>>();
-  }
-  return shape;
-}
-
 uint64_t geometryHash(std::span<const glm::vec3> positions, std::span<const uint32_t> indices) {
   std::vector<Bits> places;
   for (const uint32_t index : indices) places.push_back(bitsOf(positions[index]));
@@ -91,4 +69,4 @@ uint64_t GeometryHashes::of(const scene::Scene& scene, uint32_t mesh) {
   return *hash;
 }
 
-}  // namespace latelight::data
+}  // namespace latelight::labels

@@ -1,44 +1,17 @@
-#include "data/objects.h"
+#include "labels/objects.h"
 
 #include <algorithm>
 #include <map>
 
 #include "base/parallel.h"
 #include "scene/file_frame.h"
+#include "scene/objects.h"
 
-namespace latelight::data {
+namespace latelight::labels {
 
 namespace {
 
 using Instances = std::vector<uint32_t>;
-
-struct Extent {
-  glm::dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
-  void add(glm::dvec3 point) {
-    low = glm::min(low, point);
-    high = glm::max(high, point);
-  }
-};
-
-// Returns the rotation and translation of an affine transform; scale, shear and mirroring become part of the box.
-glm::dmat4 rigidOf(const glm::dmat4& m) {
-  glm::dvec3 x(m[0]), y(m[1]);
-  if (!(glm::length(x) > 0)) x = {1, 0, 0};
-  x = glm::normalize(x);
-  y -= glm::dot(x, y) * x;
-  if (!(glm::length(y) > 0)) y = glm::cross(std::abs(x.z) < 0.5 ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0), x);
-  y = glm::normalize(y);
-  return {glm::dvec4(x, 0), glm::dvec4(y, 0), glm::dvec4(glm::cross(x, y), 0), glm::dvec4(glm::dvec3(m[3]), 1)};
-}
-
-// Returns true if the transform maps axis-aligned boxes to axis-aligned boxes of the same axes, up to rounding.
-bool keepsAxes(const glm::dmat4& m) {
-  double across = 0, along = 0;
-  for (int column = 0; column < 3; ++column)
-    for (int row = 0; row < 3; ++row)
-      (column == row ? along : across) = std::max(column == row ? along : across, std::abs(m[column][row]));
-  return across <= 1e-6 * along;
-}
 
 std::array<double, 12> rowsOf(const glm::dmat4& m) {
   std::array<double, 12> rows;
@@ -57,8 +30,8 @@ class Boxes {
 
   Object around(uint32_t id, const Instances& instances) const {
     Object object{.id = id};
-    object.toWorld = rigidOf(fromWorld_ * frameOf(instances));
-    Extent extent;
+    object.toWorld = scene::rigidOf(fromWorld_ * scene::objectToWorld(scene_, pose_, toWorld_, instances));
+    scene::Extent extent;
     for (const uint32_t i : instances) {
       const glm::dmat4 place = glm::inverse(object.toWorld) * fromWorld_ * toWorld_[i];
       add(extent, object.shape, scene_.instances[i], place);
@@ -71,42 +44,17 @@ class Boxes {
   }
 
  private:
-  // Returns the object's frame in the world: that of its node, or for a group of nodes that of the topmost node.
-  glm::dmat4 frameOf(const Instances& instances) const {
-    const scene::Instance& first = scene_.instances[instances.front()];
-    const bool one = std::ranges::all_of(instances, [&](uint32_t i) {
-      return scene_.instances[i].node == first.node && scene_.instances[i].copy == first.copy;
-    });
-    return one ? toWorld_[instances.front()] : nodeToWorld(topmost(first.node));
-  }
-
-  uint32_t topmost(uint32_t node) const {
-    const std::vector<scene::Node>& nodes = scene_.nodes;
-    while (nodes[node].parent >= 0 && nodes[static_cast<size_t>(nodes[node].parent)].id == nodes[node].id)
-      node = static_cast<uint32_t>(nodes[node].parent);
-    return node;
-  }
-
-  glm::dmat4 nodeToWorld(uint32_t node) const {
-    if (pose_.empty() || node >= scene_.rig.sceneNodes.size()) return scene_.nodes[node].toWorld;
-    return scene::toWorldFromGltf() * pose_.world[scene_.rig.sceneNodes[node]];
-  }
-
   // Adds an instance to the object's box, and to its shape if shapes are requested.
-  void add(Extent& extent, Shape& shape, const scene::Instance& instance, const glm::dmat4& toFrame) const {
+  void add(scene::Extent& extent, Shape& shape, const scene::Instance& instance, const glm::dmat4& toFrame) const {
     const scene::Mesh& mesh = scene_.meshes[instance.mesh];
     if (mesh.positions.empty()) return;
-    const auto addPoint = [&](glm::vec3 point) { extent.add(glm::dvec3(toFrame * glm::dvec4(point, 1))); };
     if (geometry_) shape.parts.push_back({(*geometry_)[instance.mesh], rowsOf(toFrame)});
     if (mesh.deformation && !pose_.empty()) {
       const std::vector<glm::vec3> points = deformed(*mesh.deformation);
       if (geometry_) shape.parts.back().geometry = geometryHash(points, mesh.indices);
-      for (const glm::vec3 point : points) addPoint(point);
-    } else if (keepsAxes(toFrame)) {
-      addPoint(mesh.boundsMin);
-      addPoint(mesh.boundsMax);
+      for (const glm::vec3 point : points) extent.add(glm::dvec3(toFrame * glm::dvec4(point, 1)));
     } else {
-      for (const glm::vec3 point : mesh.positions) addPoint(point);
+      scene::addMesh(extent, mesh, toFrame);
     }
   }
 
@@ -156,4 +104,4 @@ std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose
   return objects;
 }
 
-}  // namespace latelight::data
+}  // namespace latelight::labels

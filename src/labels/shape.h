@@ -4,14 +4,13 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "scene/scene.h"
 
-namespace latelight::data {
+namespace latelight::labels {
 
 struct Shape {
   // One primitive of the object.
@@ -29,10 +28,6 @@ struct Shape {
 // within 1/10,000 of their size, and the same handedness.
 bool isSameShape(const Shape& a, const Shape& b);
 
-// Convert shapes to JSON and back, for files.
-nlohmann::ordered_json describeShape(const Shape& shape);
-Shape shapeIn(const nlohmann::ordered_json& json);  // throws nlohmann's exceptions
-
 // Hashes vertices and triangles, independent of the order in which they are listed.
 uint64_t geometryHash(std::span<const glm::vec3> positions, std::span<const uint32_t> indices);
 
@@ -46,4 +41,4 @@ class GeometryHashes {
   std::vector<std::optional<uint64_t>> hashes_;
 };
 
-}  // namespace latelight::data
+}  // namespace latelight::labels

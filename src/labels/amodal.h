@@ -4,10 +4,10 @@
 
 #include <vector>
 
-#include "data/objects.h"
+#include "labels/objects.h"
 #include "render/submit/renderer.h"
 
-namespace latelight::data {
+namespace latelight::labels {
 
 // Fills Object::alone, Object::pixels and Object::full. The masks come from the output `id`, rendered with the frame's
 // settings but without lighting. Objects whose screen bounds do not overlap share a view, and several views are
@@ -15,7 +15,11 @@ namespace latelight::data {
 // and high around it. Pixels beyond the border are not counted if there can be no such picture: for cameras with a lens
 // and for the largest sizes. An object at exactly the position of another object with the same mesh and material is
 // never drawn and has an empty mask.
+//
+// `order` also fills Object::occludes: the distances of the isolated objects tell which is in front of which at the
+// pixels that both cover.
 void renderIsolated(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                    const render::Settings& settings, const render::SceneState& moment, std::vector<Object>& objects);
+                    const render::Settings& settings, const render::SceneState& moment, std::vector<Object>& objects,
+                    bool order = false);
 
-}  // namespace latelight::data
+}  // namespace latelight::labels

@@ -9,7 +9,7 @@
 
 #include "output/aov.h"
 
-namespace latelight::data {
+namespace latelight::labels {
 
 // A box in pixels, which may extend beyond the picture.
 struct PixelBox {
@@ -34,4 +34,4 @@ struct Mask {
 // Returns the mask of each id in the picture except 0.
 std::map<uint32_t, Mask> masksOf(const output::AovImage& ids);
 
-}  // namespace latelight::data
+}  // namespace latelight::labels

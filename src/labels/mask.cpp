@@ -1,8 +1,8 @@
-#include "data/mask.h"
+#include "labels/mask.h"
 
 #include <algorithm>
 
-namespace latelight::data {
+namespace latelight::labels {
 
 namespace {
 
@@ -113,4 +113,4 @@ std::map<uint32_t, Mask> masksOf(const output::AovImage& ids) {
   return MaskBuilder(ids).build();
 }
 
-}  // namespace latelight::data
+}  // namespace latelight::labels

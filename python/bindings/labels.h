@@ -1,0 +1,17 @@
+// Converts labels to the classes of latelight.labels.
+#pragma once
+
+#include <latelight/latelight.h>
+#include <nanobind/nanobind.h>
+
+#include <vector>
+
+namespace latelight::python {
+
+nanobind::object labelsOf(Labels&& labels);
+// Accepts a list of latelight.labels.Keypoint, or of paths of nodes.
+std::vector<Keypoint> keypointsOf(nanobind::handle value, std::string_view name);
+nanobind::object keypointLabelsOf(const std::vector<Keypoint>& keypoints, const std::vector<KeypointLabel>& labels);
+nanobind::object correspondenceOf(Correspondence&& correspondence);
+
+}  // namespace latelight::python

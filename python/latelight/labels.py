@@ -1,0 +1,99 @@
+"""Labels of pictures as arrays: objects, keypoints and correspondence (docs/labels.md)."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import numpy.typing as npt
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Labels:
+    """The N objects of a picture (H, W), as Renderer.labels() returns them, sorted by id.
+
+    An object is everything with one value of the output ``id``. Objects that would cover no pixel of the picture, even
+    with nothing else in the scene, are left out. Boxes of pixels are x, y, width and height with y down, as in COCO,
+    and zeros if they are empty.
+    """
+
+    ids: npt.NDArray[np.uint32]
+    """(N,): values of the output ``id``."""
+    nodes: list[str]
+    """N paths of nodes."""
+    id_image: npt.NDArray[np.uint32]
+    """(H, W): the output ``id``."""
+    visible_masks: npt.NDArray[np.bool_]
+    """(N, H, W): the pixels that show the object."""
+    amodal_masks: npt.NDArray[np.bool_]
+    """(N, H, W): the pixels that the object would cover with nothing else in the scene."""
+    visible_pixels: npt.NDArray[np.int64]
+    """(N,): numbers of pixels of ``visible_masks``."""
+    amodal_pixels: npt.NDArray[np.int64]
+    """(N,): numbers of pixels of ``amodal_masks``."""
+    full_pixels: npt.NDArray[np.int64]
+    """(N,): the same including up to one picture width and height beyond each edge."""
+    visible_share: npt.NDArray[np.float64]
+    """(N,): ``visible_pixels / full_pixels``, from 0 to 1."""
+    visible_boxes: npt.NDArray[np.int64]
+    """(N, 4): bounding boxes of ``visible_masks``."""
+    amodal_boxes: npt.NDArray[np.int64]
+    """(N, 4): bounding boxes of ``amodal_masks``."""
+    full_boxes: npt.NDArray[np.int64]
+    """(N, 4): bounding boxes of ``full_pixels``; they may extend beyond the picture."""
+    object_to_world: npt.NDArray[np.float64]
+    """(N, 4, 4): from the object's own frame, which is rigid, to the frame of the option ``axes``."""
+    object_to_camera: npt.NDArray[np.float64]
+    """(N, 4, 4): from the object's own frame to OpenCV's camera frame."""
+    box_min: npt.NDArray[np.float64]
+    """(N, 3): the lower corner of the box in the object's own frame, meters."""
+    box_max: npt.NDArray[np.float64]
+    """(N, 3): the upper corner."""
+    box_corners: npt.NDArray[np.float64]
+    """(N, 8, 3): pixel coordinates and depth of the corners; x changes fastest, z slowest. NaN if not projected."""
+    occlusions: npt.NDArray[np.int64]
+    """(N, N): the number of pixels at which object i is in front of object j, even if others are in front of both."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Keypoint:
+    """A point that follows a node of the scene, which may be a joint of a skin."""
+
+    node: str
+    """Path of the node."""
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """In the node's frame, before the node's scale."""
+    name: str = ""
+    thickness: float = 0.0
+    """Meters that the point's own object may be in front of it, as flesh is in front of a joint."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Keypoints:
+    """K keypoints in a picture, as Renderer.keypoints() returns them."""
+
+    names: list[str]
+    positions: npt.NDArray[np.float64]
+    """(K, 3): in the frame of the option ``axes``, meters."""
+    pixels: npt.NDArray[np.float64]
+    """(K, 2): pixel coordinates, possibly outside the picture. NaN if the camera does not project the point."""
+    depth: npt.NDArray[np.float64]
+    """(K,): as the output ``depth``. NaN if the camera does not project the point."""
+    visibility: npt.NDArray[np.uint32]
+    """(K,): COCO's values: 0 outside the picture, 1 occluded, 2 visible."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Correspondence:
+    """Where the surfaces of one picture (H, W) are in another, as Renderer.correspond() returns it."""
+
+    pixels: npt.NDArray[np.float32]
+    """(H, W, 2): pixel coordinates in the second picture, possibly outside of it. NaN for the background and for
+    points that the second camera does not project."""
+    depth: npt.NDArray[np.float32]
+    """(H, W): as the output ``depth`` of the second picture. NaN where ``pixels`` is."""
+    visible: npt.NDArray[np.bool_]
+    """(H, W): the second picture shows the same point."""
+    flow: npt.NDArray[np.float32]
+    """(H, W, 3): scene flow, the displacement of the surface in the frame of the option ``axes``, meters. 0 for the
+    background."""

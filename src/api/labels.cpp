@@ -1,0 +1,129 @@
+// The labels of the public API: objects, keypoints and correspondence.
+#include "labels/labels.h"
+
+#include <latelight/latelight.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "api/renderer.h"
+#include "base/error.h"
+#include "labels/correspondence.h"
+#include "labels/keypoints.h"
+#include "labels/projector.h"
+#include "render/options/options.h"
+#include "render/submit/session.h"
+#include "scene/animation.h"
+
+namespace latelight {
+
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+Transform rowsOf(const glm::dmat4& m) {
+  Transform rows;
+  for (size_t i = 0; i < 16; ++i) rows[i] = m[static_cast<int>(i % 4)][static_cast<int>(i / 4)];
+  return rows;
+}
+
+std::array<double, 3> threeOf(glm::dvec3 v) {
+  return {v.x, v.y, v.z};
+}
+
+PixelBox boxOf(const labels::PixelBox& box) {
+  return {box.x, box.y, box.width, box.height};
+}
+
+std::vector<uint8_t> flagsOf(const labels::Mask& mask) {
+  std::vector<uint8_t> pixels = mask.pixels();
+  for (uint8_t& pixel : pixels) pixel = pixel != 0;
+  return pixels;
+}
+
+ObjectLabel publicLabel(const labels::LabeledObject& from, const output::CameraMetadata& camera) {
+  const labels::Object& object = from.object;
+  ObjectLabel label{.id = object.id, .node = from.node};
+  label.visiblePixels = from.visible.area();
+  label.amodalPixels = object.alone.area();
+  label.fullPixels = object.pixels;
+  label.visibleShare = static_cast<double>(label.visiblePixels) / static_cast<double>(label.fullPixels);
+  label.visibleBox = boxOf(from.visible.box());
+  label.amodalBox = boxOf(object.alone.box());
+  label.fullBox = boxOf(object.full);
+  const glm::dmat4 toCamera = glm::inverse(camera.cameraToWorld) * object.toWorld;
+  label.objectToWorld = rowsOf(object.toWorld);
+  label.objectToCamera = rowsOf(toCamera);
+  label.boxMin = threeOf(object.low);
+  label.boxMax = threeOf(object.high);
+  const labels::Projector projector(camera);
+  const std::array<glm::dvec3, 8> corners = cornersOf(object);
+  for (size_t i = 0; i < corners.size(); ++i)
+    label.corners[i] =
+        threeOf(projector.project(glm::dvec3(toCamera * glm::dvec4(corners[i], 1))).value_or(glm::dvec3(kNone)));
+  label.visibleMask = flagsOf(from.visible);
+  label.amodalMask = flagsOf(object.alone);
+  return label;
+}
+
+// Returns the scene's pose for the second image of a correspondence.
+scene::Pose poseAtTime(const scene::Scene& scene, render::Settings settings, std::optional<double> time) {
+  if (time) settings.time = *time;
+  return render::posesAt(scene, settings).current;
+}
+
+}  // namespace
+
+Labels Renderer::labels(const Camera& camera, const Options& options) {
+  const Impl::LabelInput input = impl_->labelInput(camera, options);
+  labels::PictureLabels from =
+      labels::labelObjects(impl_->renderer, impl_->scene, input.camera, input.settings, input.moment);
+  Labels result{.width = input.settings.width, .height = input.settings.height, .ids = std::move(from.ids.ids)};
+  const size_t count = from.objects.size();
+  result.occlusions.assign(count * count, 0);
+  for (size_t i = 0; i < count; ++i) {
+    result.objects.push_back(publicLabel(from.objects[i], from.camera));
+    for (const labels::Occlusion& other : from.objects[i].object.occludes) {
+      const auto behind = std::ranges::lower_bound(from.objects, other.id, {},
+                                                   [](const labels::LabeledObject& o) { return o.object.id; });
+      result.occlusions[i * count + static_cast<size_t>(behind - from.objects.begin())] = other.pixels;
+    }
+  }
+  return result;
+}
+
+std::vector<KeypointLabel> Renderer::keypoints(const Camera& camera, const std::vector<Keypoint>& keypoints,
+                                               const Options& options) {
+  const Impl::LabelInput input = impl_->labelInput(camera, options);
+  std::vector<labels::Keypoint> points;
+  for (const Keypoint& k : keypoints) {
+    if (!std::isfinite(k.position[0] + k.position[1] + k.position[2]) || !(k.thickness >= 0))
+      badUsage("the keypoint \"{}\" must have a finite position and a thickness of at least 0", k.name);
+    points.push_back({k.name, k.node, {k.position[0], k.position[1], k.position[2]}, k.thickness});
+  }
+  std::vector<KeypointLabel> result;
+  for (const labels::ProjectedKeypoint& p :
+       labels::projectKeypoints(impl_->renderer, impl_->scene, input.camera, input.settings, input.moment, points))
+    result.push_back({threeOf(p.position), {p.pixel.x, p.pixel.y}, p.depth, static_cast<uint32_t>(p.visibility)});
+  return result;
+}
+
+Correspondence Renderer::correspond(const Camera& first, const Camera& second, const Options& options,
+                                    std::optional<double> secondTime) {
+  const Impl::LabelInput input = impl_->labelInput(first, options);
+  if (secondTime && !input.settings.time)
+    badUsage("the second image has a time, so the first needs one as well: set Options::time");
+  if (secondTime && !std::isfinite(*secondTime)) badUsage("the time must be a number of seconds");
+  const scene::Camera other = impl_->labelInput(second, options).camera;
+  const scene::Pose then = poseAtTime(impl_->scene, input.settings, secondTime);
+  labels::Correspondence found = labels::correspond(
+      impl_->renderer, impl_->scene, {input.camera, input.moment.poses.current}, {other, then}, input.settings);
+  Correspondence result{.width = found.width, .height = found.height};
+  for (const glm::vec2 p : found.pixels) result.pixels.push_back({p.x, p.y});
+  for (const glm::vec3 f : found.flow) result.flow.push_back({f.x, f.y, f.z});
+  result.depth = std::move(found.depth);
+  result.visible = std::move(found.visible);
+  return result;
+}
+
+}  // namespace latelight

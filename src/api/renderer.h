@@ -1,0 +1,41 @@
+// The implementation of the API's Renderer, which several of its sources share.
+#pragma once
+
+#include <latelight/latelight.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "api/scene.h"
+#include "base/fork.h"
+#include "render/submit/renderer.h"
+#include "scene/environment/environment.h"
+#include "vk/device.h"
+
+namespace latelight {
+
+struct Renderer::Impl {
+  OwnerProcess owner;
+  const Scene::Impl& source;
+  const scene::Scene& scene;
+  std::shared_ptr<vk::Device> device;  // arrays share it
+  render::Renderer renderer;
+
+  Impl(const Scene::Impl& source, const std::string& selector, const std::optional<scene::Environment>& environment)
+      : source(source),
+        scene(source.scene),
+        device(std::make_shared<vk::Device>(vk::DeviceOptions{.selector = selector})),
+        renderer(*device, scene, environment ? &*environment : nullptr) {}
+
+  // One camera and the scene's state at the options' time, for labels.
+  struct LabelInput {
+    scene::Camera camera;
+    render::Settings settings;
+    render::SceneState moment;
+  };
+  // Fails in any process other than the one that created the renderer.
+  LabelInput labelInput(const Camera& camera, const Options& options) const;
+};
+
+}  // namespace latelight

@@ -1,0 +1,32 @@
+// Dense correspondence and scene flow between two images: for each pixel of the first, the position of its surface in
+// the second, at another time and through another camera (Vedula et al. 1999, "Three-Dimensional Scene Flow").
+#pragma once
+
+#include <vector>
+
+#include "render/submit/renderer.h"
+
+namespace latelight::labels {
+
+// One value per pixel of the first image, rows from the top.
+struct Correspondence {
+  uint32_t width = 0, height = 0;
+  std::vector<glm::vec2>
+      pixels;                    // in the second image, which they may lie outside of; NaN: background or not projected
+  std::vector<float> depth;      // in the second image, as the output `depth`; NaN likewise
+  std::vector<uint8_t> visible;  // 1: the second image shows the same point
+  std::vector<glm::vec3> flow;   // displacement of the point in the frame of the settings' axes, meters; 0: background
+};
+
+// An image of a sequence: its camera, and the scene at its time.
+struct Shot {
+  const scene::Camera& camera;
+  const scene::Pose& pose;  // empty: at rest
+};
+
+// Both images have the size of the settings, which select surfaces, axes and raster. A point is visible in the second
+// image if it lies within that image and no surface is before it.
+Correspondence correspond(render::Renderer& renderer, const scene::Scene& scene, const Shot& first, const Shot& second,
+                          const render::Settings& settings);
+
+}  // namespace latelight::labels

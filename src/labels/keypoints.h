@@ -1,0 +1,42 @@
+// Keypoints: named points that follow nodes of the scene, projected to a camera's image, with their visibility as COCO
+// defines it (Lin et al. 2014, "Microsoft COCO: Common Objects in Context").
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "render/submit/renderer.h"
+
+namespace latelight::labels {
+
+struct Keypoint {
+  std::string name;
+  std::string node;        // path of the node that it follows, which may be a joint of a skin
+  glm::dvec3 position{0};  // in the node's frame, before the node's scale
+  // Meters that the keypoint's own object may be in front of it, as flesh is in front of a joint.
+  double thickness = 0;
+};
+
+enum class KeypointVisibility : uint8_t {
+  Outside = 0,   // not in the image
+  Occluded = 1,  // in the image, behind a surface
+  Visible = 2,
+};
+
+struct ProjectedKeypoint {
+  glm::dvec3 position{0};  // in the frame of the settings' axes, meters
+  glm::dvec2 pixel{0};     // NaN if the camera does not project it; it may lie outside the image
+  double depth = 0;        // as the output `depth`; NaN if the camera does not project it
+  KeypointVisibility visibility = KeypointVisibility::Outside;
+};
+
+// Returns one per keypoint. Throws Error(Usage) if the scene has no such node.
+std::vector<ProjectedKeypoint> projectKeypoints(render::Renderer& renderer, const scene::Scene& scene,
+                                                const scene::Camera& camera, const render::Settings& settings,
+                                                const render::SceneState& moment, std::span<const Keypoint> keypoints);
+
+// Returns the index of the node with this path, or -1.
+int findNode(const scene::Scene& scene, const std::string& path);
+
+}  // namespace latelight::labels

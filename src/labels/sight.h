@@ -1,0 +1,24 @@
+// Lines of sight from a camera to points of the scene, by ray casting.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "render/submit/renderer.h"
+
+namespace latelight::labels {
+
+// The line of sight from a camera to a point.
+struct Sight {
+  double distance = 0;  // from the camera to the point; for an orthographic camera from its plane; meters
+  double hit = 0;       // to the first surface before the point; +inf if there is none
+  uint32_t id = 0;      // of that surface's object
+};
+
+// `points` are in the frame of settings.axes. `moment` poses the scene. A surface that the point itself lies on is not
+// before it, for which `slack` is the share of the distance that rounding may take.
+std::vector<Sight> sightsOf(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
+                            const render::Settings& settings, const render::SceneState& moment,
+                            std::span<const glm::dvec3> points, double slack);
+
+}  // namespace latelight::labels

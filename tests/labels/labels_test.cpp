@@ -1,0 +1,322 @@
+// Labels of objects, keypoints and correspondences by the public API, compared with closed forms.
+#include <latelight/latelight.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "models/models.h"
+#include "render/support.h"
+#include "test_device.h"
+
+namespace latelight::test {
+namespace {
+
+using glm::dmat4;
+using glm::dvec2;
+using glm::dvec3;
+
+Transform rowsOf(const dmat4& m) {
+  Transform rows;
+  for (size_t i = 0; i < 16; ++i) rows[i] = m[static_cast<int>(i % 4)][static_cast<int>(i / 4)];
+  return rows;
+}
+
+dmat4 matrixOf(const Transform& rows) {
+  dmat4 m;
+  for (size_t i = 0; i < 16; ++i) m[static_cast<int>(i % 4)][static_cast<int>(i / 4)] = rows[i];
+  return m;
+}
+
+// The square [-1, 1]^2, facing +Z.
+MeshData square() {
+  return {
+      .name = "square", .positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, .indices = {0, 1, 2, 0, 2, 3}};
+}
+
+struct SquareAt {
+  const char* name;
+  dvec3 center;
+  dvec2 half;
+};
+
+// Squares that face the camera, which looks along -Z, in the scene's own frame.
+Scene squares(std::initializer_list<SquareAt> places) {
+  Scene scene;
+  const Handle<Mesh> mesh = scene.addMesh(square());
+  const Handle<Material> material = scene.addMaterial(Material{.name = "plain"});
+  for (const SquareAt& place : places) {
+    const dmat4 at = glm::scale(glm::translate(dmat4(1), place.center), dvec3(place.half, 1));
+    scene.addInstance(mesh, material, rowsOf(at), place.name);
+  }
+  return scene;
+}
+
+// Orthographic: 64 x 64 pixels show [-4, 4]^2, 8 pixels per meter.
+Camera front() {
+  Camera camera;
+  camera.cameraToWorld = rowsOf(dmat4(1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 10, 1));
+  camera.orthographic = true;
+  camera.halfHeight = 4;
+  camera.farClip = 100;
+  return camera;
+}
+
+Options sized(uint32_t width, uint32_t height) {
+  Options options;
+  options.width = width;
+  options.height = height;
+  return options;
+}
+
+class LabelsTest : public testing::TestWithParam<const char*> {
+ protected:
+  Options small(uint32_t width = 64, uint32_t height = 64) const {
+    Options options = sized(width, height);
+    options.raster = GetParam();
+    return options;
+  }
+  static const ObjectLabel& labelOf(const Labels& labels, const std::string& node) {
+    for (const ObjectLabel& label : labels.objects)
+      if (label.node == node) return label;
+    throw std::logic_error("there is no object " + node);
+  }
+};
+
+TEST_P(LabelsTest, MasksBoxesAndOrderOfSquares) {
+  // From near to far: `left` and `right` overlap `middle`; `behind` is hidden by all of them; `edge` crosses the right
+  // edge of the picture.
+  const Scene scene = squares({{"left", {-1.5, 0, 3}, {1, 1}},
+                               {"right", {1.5, 0, 2}, {1, 1}},
+                               {"middle", {0, 0, 1}, {2, 0.5}},
+                               {"behind", {0, 0, 0}, {0.5, 0.25}},
+                               {"edge", {4, 3, 0}, {0.5, 0.5}},
+                               {"outside", {9, 0, 0}, {1, 1}}});
+  Renderer renderer(scene, testDevice());
+  const Labels labels = renderer.labels(front(), small());
+  ASSERT_EQ(labels.objects.size(), 5u);
+  const auto expect = [&](const char* node, uint64_t visible, uint64_t amodal, uint64_t full, PixelBox visibleBox,
+                          PixelBox amodalBox, PixelBox fullBox) {
+    const ObjectLabel& label = labelOf(labels, node);
+    EXPECT_EQ(label.visiblePixels, visible) << node;
+    EXPECT_EQ(label.amodalPixels, amodal) << node;
+    EXPECT_EQ(label.fullPixels, full) << node;
+    EXPECT_EQ(label.visibleShare, double(visible) / double(full)) << node;
+    EXPECT_TRUE(label.visibleBox == visibleBox) << node;
+    EXPECT_TRUE(label.amodalBox == amodalBox) << node;
+    EXPECT_TRUE(label.fullBox == fullBox) << node;
+    EXPECT_EQ(std::ranges::count(label.visibleMask, 1), int64_t(visible)) << node;
+    EXPECT_EQ(std::ranges::count(label.amodalMask, 1), int64_t(amodal)) << node;
+    for (size_t i = 0; i < labels.ids.size(); ++i)
+      ASSERT_EQ(labels.ids[i] == label.id, label.visibleMask[i] == 1) << node;
+  };
+  expect("/left", 256, 256, 256, {12, 24, 16, 16}, {12, 24, 16, 16}, {12, 24, 16, 16});
+  expect("/right", 256, 256, 256, {36, 24, 16, 16}, {36, 24, 16, 16}, {36, 24, 16, 16});
+  expect("/middle", 64, 256, 256, {28, 28, 8, 8}, {16, 28, 32, 8}, {16, 28, 32, 8});
+  expect("/behind", 0, 32, 32, {}, {28, 30, 8, 4}, {28, 30, 8, 4});
+  expect("/edge", 32, 32, 64, {60, 4, 4, 8}, {60, 4, 4, 8}, {60, 4, 8, 8});
+  const auto occlusion = [&](const char* front, const char* back) {
+    const auto index = [&](const char* node) { return size_t(&labelOf(labels, node) - labels.objects.data()); };
+    return labels.occlusions[index(front) * labels.objects.size() + index(back)];
+  };
+  EXPECT_EQ(occlusion("/left", "/middle"), 96u);  // 12 x 8
+  EXPECT_EQ(occlusion("/right", "/middle"), 96u);
+  EXPECT_EQ(occlusion("/middle", "/behind"), 32u);  // although others could be in front of both
+  EXPECT_EQ(occlusion("/middle", "/left"), 0u);
+  EXPECT_EQ(occlusion("/left", "/right"), 0u);
+  EXPECT_EQ(std::ranges::count(labels.occlusions, 0u), 25 - 3);
+}
+
+TEST_P(LabelsTest, OrientedBoxesAndTheirCorners) {
+  Scene scene;
+  const dmat4 rigid = glm::rotate(glm::translate(dmat4(1), dvec3(0.5, -0.3, 1)), 0.6, glm::normalize(dvec3(1, 2, 3)));
+  scene.addInstance(scene.addMesh(square()), scene.addMaterial({}), rowsOf(glm::scale(rigid, dvec3(2, 0.5, 1))),
+                    "card");
+  Renderer renderer(scene, testDevice());
+  const Camera camera = scene.lookAt({1, 2, 8}, {0, 0, 0}, 50);
+  const Labels labels = renderer.labels(camera, small(80, 60));
+  ASSERT_EQ(labels.objects.size(), 1u);
+  const ObjectLabel& card = labels.objects.front();
+  const dmat4 toCamera = glm::inverse(matrixOf(camera.cameraToWorld)) * rigid;
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_LE(glm::length(matrixOf(card.objectToWorld)[i] - rigid[i]), 1e-6);
+    EXPECT_LE(glm::length(matrixOf(card.objectToCamera)[i] - toCamera[i]), 1e-6);
+  }
+  const double focal = 30 / std::tan(25 * 3.14159265358979 / 180);
+  for (size_t i = 0; i < 8; ++i) {
+    const dvec3 corner(i & 1 ? 2 : -2, i & 2 ? 0.5 : -0.5, 0);
+    const dvec3 c(toCamera * glm::dvec4(corner, 1));
+    EXPECT_NEAR(card.corners[i][0], 40 + focal * c.x / c.z, 1e-4);
+    EXPECT_NEAR(card.corners[i][1], 30 + focal * c.y / c.z, 1e-4);
+    EXPECT_NEAR(card.corners[i][2], c.z, 1e-5);
+  }
+}
+
+// --- keypoints -------------------------------------------------------------------------------------------------------
+
+TEST_P(LabelsTest, KeypointsProjectWithTheirVisibility) {
+  const Scene scene = squares({{"wall", {0, 0, 0}, {3, 3}}, {"screen", {1.5, 0, 2}, {0.5, 1}}});
+  Renderer renderer(scene, testDevice());
+  const std::vector<Keypoint> keypoints{{"on the wall", "/wall", {0.2, 0.1, 0}},  // the node's scale is 3, 3, 1
+                                        {"behind the screen", "/wall", {0.5, 0, 0}},
+                                        {"inside the wall", "/wall", {-0.5, 0, -0.1}},
+                                        {"under the skin", "/wall", {-0.5, 0, -0.1}, 0.2},
+                                        {"behind the screen, too", "/wall", {0.5, 0, -0.1}, 5},
+                                        {"outside", "/wall", {2, 0, 0}},
+                                        {"in the air", "/screen", {0, 0, 1}}};
+  const std::vector<KeypointLabel> labels = renderer.keypoints(front(), keypoints, small());
+  const std::array<std::array<double, 2>, 7> pixels{
+      {{36.8, 29.6}, {44, 32}, {20, 32}, {20, 32}, {44, 32}, {80, 32}, {44, 32}}};
+  const uint32_t visibility[] = {2, 1, 1, 2, 1, 0, 2};
+  ASSERT_EQ(labels.size(), 7u);
+  for (size_t i = 0; i < 7; ++i) {
+    EXPECT_NEAR(labels[i].pixel[0], pixels[i][0], 1e-5) << keypoints[i].name;
+    EXPECT_NEAR(labels[i].pixel[1], pixels[i][1], 1e-5) << keypoints[i].name;
+    EXPECT_EQ(labels[i].visibility, visibility[i]) << keypoints[i].name;
+  }
+  EXPECT_NEAR(labels[6].depth, 7, 1e-6);
+  EXPECT_NEAR(labels[2].position[2], -0.1, 1e-6);
+}
+
+TEST_P(LabelsTest, KeypointsThroughALensAndBehindTheCamera) {
+  const Scene scene = squares({{"wall", {0, 0, 0}, {3, 3}}});
+  Renderer renderer(scene, testDevice());
+  Camera camera = scene.lookAt({0.3, -0.2, 2}, {0, 0, 0}, 60);
+  const std::vector<Keypoint> keypoints{{"corner", "/wall", {0.9, 0.8, 0}}, {"behind", "/wall", {0, 0, 4}}};
+  const dmat4 toCamera = glm::inverse(matrixOf(camera.cameraToWorld));
+  const dvec3 corner(toCamera * glm::dvec4(2.7, 2.4, 0, 1));
+  // Kannala and Brandt's equidistant model: the radius is the angle times the focal length.
+  camera.lens = Lens{.model = LensModel::Fisheye, .width = 64, .height = 64, .fx = 20, .fy = 22, .cx = 30, .cy = 33};
+  Options options = sized(64, 64);
+  const std::vector<KeypointLabel> labels = renderer.keypoints(camera, keypoints, options);
+  const double radius = std::hypot(corner.x, corner.y), angle = std::atan2(radius, corner.z);
+  EXPECT_NEAR(labels[0].pixel[0], 30 + 20 * angle * corner.x / radius, 1e-5);
+  EXPECT_NEAR(labels[0].pixel[1], 33 + 22 * angle * corner.y / radius, 1e-5);
+  EXPECT_EQ(labels[0].visibility, 2u);
+  camera.lens.reset();
+  const KeypointLabel behind = renderer.keypoints(camera, keypoints, small())[1];
+  EXPECT_TRUE(std::isnan(behind.pixel[0]) && std::isnan(behind.depth));
+  EXPECT_EQ(behind.visibility, 0u);
+}
+
+TEST_P(LabelsTest, AKeypointNeedsItsNode) {
+  const Scene scene = squares({{"wall", {0, 0, 0}, {1, 1}}});
+  Renderer renderer(scene, testDevice());
+  try {
+    renderer.keypoints(front(), {{"nose", "/face"}}, small());
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::Usage);
+    EXPECT_STREQ(error.what(),
+                 "the keypoint \"nose\" follows the node \"/face\", but the scene has no node with this path");
+  }
+}
+
+// A joint moves with the animation, and the flesh around it does not occlude it.
+TEST_P(LabelsTest, JointsAreKeypoints) {
+  const Scene scene(models::modelPath("skinned.glb").string());
+  Renderer renderer(scene, testDevice());
+  std::string joint;
+  for (const Node& node : scene.nodes()) joint = node.path.size() > joint.size() ? node.path : joint;  // the last one
+  Options options = small(96, 96);
+  options.animation = "bend";
+  const auto at = [&](double time, double thickness) {
+    options.time = time;
+    return renderer.keypoints(scene.defaultCamera(1), {{"joint", joint, {0, 0, 0}, thickness}}, options).front();
+  };
+  EXPECT_GT(std::hypot(at(0.25, 0).pixel[0] - at(0, 0).pixel[0], at(0.25, 0).pixel[1] - at(0, 0).pixel[1]), 2);
+  EXPECT_EQ(at(0.25, 0).visibility, 1u);
+  EXPECT_EQ(at(0.25, 1).visibility, 2u);
+}
+
+// --- correspondence --------------------------------------------------------------------------------------------------
+
+struct PixelRay {
+  dvec3 origin, direction;
+};
+
+PixelRay rayOf(const Camera& camera, dvec2 pixel, dvec2 size) {
+  const dmat4 pose = matrixOf(camera.cameraToWorld);
+  const double focal = size.y / 2 / std::tan(camera.verticalFov * 3.14159265358979 / 360);
+  return {dvec3(pose[3]), glm::dmat3(pose) * dvec3((pixel - size / 2.0) / focal, 1)};
+}
+
+// A floor and a square above it. Each pixel's point follows from the planes, and its visibility in the other picture
+// from whether the line of sight passes the square.
+TEST_P(LabelsTest, CorrespondenceOfTwoCameras) {
+  constexpr uint32_t kWidth = 64, kHeight = 48;
+  const dvec2 size(kWidth, kHeight);
+  const Scene scene = squares({{"floor", {0, 0, 0}, {30, 30}}, {"card", {0.2, 0.1, 1}, {0.7, 0.5}}});
+  Renderer renderer(scene, testDevice());
+  const Camera first = scene.lookAt({-1, 0.5, 6}, {0, 0, 0}, 40),
+               second = scene.lookAt({1.5, -0.7, 5}, {0.3, 0, 0}, 45);
+  const Correspondence match = renderer.correspond(first, second, small(kWidth, kHeight));
+  const dmat4 toSecond = glm::inverse(matrixOf(second.cameraToWorld));
+  const dvec3 eye(matrixOf(second.cameraToWorld)[3]);
+  const double focal = size.y / 2 / std::tan(second.verticalFov * 3.14159265358979 / 360);
+  const auto onCard = [](dvec3 p, double slack) {
+    return std::abs(p.x - 0.2) < 0.7 + slack && std::abs(p.y - 0.1) < 0.5 + slack;
+  };
+  size_t occluded = 0, visible = 0;
+  for (uint32_t i = 0; i < kWidth * kHeight; ++i) {
+    const PixelRay ray = rayOf(first, dvec2(i % kWidth, i / kWidth) + 0.5, size);
+    const auto meet = [](const PixelRay& r, double z) {
+      return r.origin + r.direction * ((z - r.origin.z) / r.direction.z);
+    };
+    const dvec3 above = meet(ray, 1);
+    if (onCard(above, 0.02) != onCard(above, -0.02)) continue;  // near the card's edge
+    const bool onFloor = !onCard(above, 0);
+    const dvec3 point = onFloor ? meet(ray, 0) : above;
+    const dvec3 c(toSecond * glm::dvec4(point, 1));
+    const dvec2 pixel = size / 2.0 + focal * dvec2(c) / c.z;
+    EXPECT_NEAR(match.pixels[i][0], pixel.x, 1e-3);
+    EXPECT_NEAR(match.pixels[i][1], pixel.y, 1e-3);
+    EXPECT_NEAR(match.depth[i], c.z, 1e-4);
+    EXPECT_EQ(match.flow[i], (std::array<float, 3>{0, 0, 0}));
+    const dvec3 between = meet({eye, point - eye}, 1);
+    if (onFloor && onCard(between, 0.02) != onCard(between, -0.02)) continue;
+    const bool inside = pixel.x >= 0 && pixel.y >= 0 && pixel.x < size.x && pixel.y < size.y;
+    const bool hidden = onFloor && onCard(between, 0);
+    EXPECT_EQ(match.visible[i], inside && !hidden);
+    occluded += inside && hidden;
+    visible += match.visible[i];
+  }
+  EXPECT_GT(occluded, 50u);
+  EXPECT_GT(visible, 1000u);
+}
+
+// Between two times of one camera, it is the output motion plus visibility.
+TEST_P(LabelsTest, CorrespondenceInTimeIsMotion) {
+  const Scene scene(models::modelPath("skinned.glb").string());
+  Renderer renderer(scene, testDevice());
+  Options options = small(64, 64);
+  options.animation = "bend";
+  options.time = 0.3;
+  options.framesPerSecond = 10;
+  const Camera camera = scene.defaultCamera(1);
+  const Correspondence match = renderer.correspond(camera, camera, options, 0.4);
+  options.aovs = {"motion", "id", "scene-flow"};
+  options.picture = false;
+  const Frame frame = renderer.render(camera, options);
+  double longest = 0;
+  for (size_t i = 0; i < 64 * 64; ++i) {
+    const bool drawn = frame.aovs.at("id").ids[i] != 0;
+    EXPECT_EQ(std::isnan(match.pixels[i][0]), !drawn);
+    if (!drawn) continue;
+    const float* motion = &frame.aovs.at("motion").values[4 * i];
+    const dvec2 moved = dvec2(match.pixels[i][0], match.pixels[i][1]) - (dvec2(i % 64, i / 64) + 0.5);
+    EXPECT_NEAR(moved.x, motion[2], 1e-3);
+    EXPECT_NEAR(moved.y, motion[3], 1e-3);
+    for (size_t k = 0; k < 3; ++k) EXPECT_EQ(match.flow[i][k], frame.aovs.at("scene-flow").values[3 * i + k]);
+    longest = std::max(longest, glm::length(moved));
+  }
+  EXPECT_GT(longest, 1);
+  EXPECT_GT(std::ranges::count(match.visible, 1), 100);
+  EXPECT_THROW(renderer.correspond(camera, camera, small(), 0.4), Error);
+}
+
+INSTANTIATE_TEST_SUITE_P(Rasters, LabelsTest, testing::Values("hardware", "compute"),
+                         [](const auto& info) { return std::string(info.param); });
+
+}  // namespace
+}  // namespace latelight::test

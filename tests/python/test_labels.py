@@ -1,0 +1,97 @@
+"""Labels from Python: arrays of objects, keypoints and correspondence, and coordinates of worlds."""
+
+import math
+import os
+
+import numpy as np
+import pytest
+
+import latelight
+
+
+@pytest.fixture(scope="module")
+def cards():
+    """A card of 4 x 4 m behind one of 2 x 1 m, which cover 32 x 32 and 16 x 8 pixels of 64 x 64."""
+    scene = latelight.Scene()
+    corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
+    mesh = scene.add_mesh(corners, indices=[[0, 1, 2], [0, 2, 3]])
+    plain = scene.add_material(latelight.Material())
+    for name, z, half in (("back", 0, (2, 2)), ("front", 1, (1, 0.5))):
+        transform = np.diag((*half, 1, 1)).astype(float)
+        transform[2, 3] = z
+        scene.add_instance(mesh, plain, transform, name=name)
+    return scene, latelight.Renderer(scene, os.environ.get("LATELIGHT_TEST_DEVICE", "cpu"))
+
+
+def front():
+    pose = np.diag((1.0, -1, -1, 1))
+    pose[2, 3] = 10
+    return latelight.Camera(camera_to_world=pose, orthographic=True, half_height=4, far_clip=100)
+
+
+def test_labels_are_arrays(cards):
+    _, renderer = cards
+    labels = renderer.labels(front(), (64, 64))
+    order = [labels.nodes.index("/back"), labels.nodes.index("/front")]
+    assert labels.ids.dtype == np.uint32 and labels.visible_masks.dtype == bool
+    assert labels.visible_masks.shape == labels.amodal_masks.shape == (2, 64, 64)
+    assert labels.amodal_masks.sum((1, 2))[order].tolist() == [1024, 128]
+    assert labels.visible_masks.sum((1, 2))[order].tolist() == [896, 128]
+    assert labels.visible_share[order].tolist() == [896 / 1024, 1]
+    assert labels.amodal_boxes[order].tolist() == [[16, 16, 32, 32], [24, 28, 16, 8]]
+    assert labels.occlusions[np.ix_(order, order)].tolist() == [[0, 0], [128, 0]]
+    assert (labels.id_image == (labels.visible_masks * labels.ids[:, None, None]).sum(0)).all()
+    assert labels.box_max[order[0]].tolist() == [2, 2, 0]
+    assert np.allclose(labels.box_corners[order[1], 0], (24, 36, 9))
+
+
+def test_keypoints(cards):
+    _, renderer = cards
+    points = [latelight.Keypoint("/back", (0, 0, 0), name="middle"), latelight.Keypoint("/back", (0.9, 0, 0)), "/front"]
+    found = renderer.keypoints(front(), points, (64, 64))
+    assert found.names == ["middle", "/back", "/front"]
+    assert found.visibility.tolist() == [1, 2, 2]
+    assert np.allclose(found.pixels, [(32, 32), (46.4, 32), (32, 32)])
+    assert np.allclose(found.depth, (10, 10, 9))
+    with pytest.raises(latelight.UsageError, match="no node with this path"):
+        renderer.keypoints(front(), ["/side"])
+    with pytest.raises(latelight.ArgumentTypeError, match="a list of Keypoint"):
+        renderer.keypoints(front(), [3])
+
+
+def test_correspondence(cards):
+    _, renderer = cards
+    beside = front()
+    pose = beside.camera_to_world.copy()
+    pose[0, 3] = 0.25  # two pixels
+    beside.camera_to_world = pose
+    match = renderer.correspond(front(), beside, (64, 64))
+    y, x = np.indices((64, 64)) + 0.5
+    drawn = ~np.isnan(match.depth)
+    assert drawn.sum() == 1024 and match.visible.dtype == bool
+    assert np.allclose(match.pixels[drawn], np.stack([x - 2, y], -1)[drawn], atol=1e-3)
+    assert (match.visible == drawn).all() and (match.flow == 0).all()
+
+
+def test_coordinates_stay_with_the_object_in_worlds(cards):
+    """A world moves, turns and scales both cards and the camera alike."""
+    scene, renderer = cards
+    angle = 0.4
+    cosine, sine = math.cos(angle), math.sin(angle)
+    move = np.array([[cosine, -sine, 0, 3], [sine, cosine, 0, -2], [0, 0, 1, 5], [0, 0, 0, 1]])
+    scale = np.diag((2.0, 2, 2, 1))
+    handles = scene.instances()
+    rest = np.stack([scene.instance(handle).transform for handle in handles])
+    camera = front()
+    outputs = ("nocs", "object-position", "triangle")
+    expected = renderer.render(camera, (64, 64), outputs)
+    pose = camera.camera_to_world.copy()
+    pose[:3, 3] *= 2
+    wide = latelight.Camera(camera_to_world=move @ pose, orthographic=True, half_height=8, far_clip=200)
+    world = {"instances": handles, "transforms": (move @ scale @ rest)[None]}
+    worlds = renderer.render_worlds(1, wide, (64, 64), outputs, **world)
+    arrays = renderer.render_worlds(1, wide, (64, 64), outputs, on_device=True, **world)
+    for name in outputs:
+        assert np.abs(worlds[name][0, 0].astype(float) - expected[name]).max() < 1e-5, name
+        assert (np.from_dlpack(arrays[name]) == worlds[name]).all(), name
+    assert worlds["triangle"].dtype == np.uint32
