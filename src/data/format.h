@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,6 +20,11 @@ namespace latelight::data {
 struct FrameRecord {
   std::vector<std::string> files;  // relative to the data set's folder
   nlohmann::ordered_json entry;    // the frame's data for writeSet(), in the format's own structure; null if none
+};
+
+// Names relative to the data set's folder.
+struct PackedFile {
+  std::string file, archive;
 };
 
 class Format {
@@ -41,6 +47,9 @@ class Format {
                                             const std::filesystem::path& folder) const {
     return {};
   }
+  // Returns the file of a frame with this entry that writeSet() copies into a file of the set, such as an archive, and
+  // that is removed after the set is complete. Later calls of writeSet() must then find it in the archive.
+  virtual std::optional<PackedFile> packed(const nlohmann::ordered_json& entry) const { return std::nullopt; }
 };
 
 // An entry of the table of formats. `make` accepts the format's options from the job, a JSON object. It throws

@@ -37,7 +37,9 @@ struct DataFrame {
   output::FrameOutput picture;
   // Camera, coordinate frames, settings, and the nodes and primitives that the ids identify.
   output::Metadata metadata;
-  uint32_t scene = 0;  // the scene's index in the job
+  uint32_t scene = 0;      // the scene's index in the job
+  uint32_t variation = 0;  // the variation's index
+  uint32_t camera = 0;     // the camera's index among those of the scene
 
   std::vector<Object> objects;  // sorted by id
   KeypointsOfObjects keypoints;

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "batch/sets.h"
 
 namespace latelight::data {
@@ -51,6 +53,54 @@ TEST(FormatsOfABatch, WhatHoldsCamerasIsReadAgainAsTheSameViews) {
     EXPECT_EQ(same.size(), 3u);
     expectPartOf(same, set);
   }
+}
+
+const std::vector<std::string> kArchives{"--scenes", "builtin:boxes", "--formats",
+                                         R"({"format": "webdataset", "frames": 3})"};
+
+Outcome archives(const Folder& folder, const std::string& set, std::vector<std::string> more) {
+  std::vector<std::string> all = kArchives;
+  all.insert(all.end(), {"-o", set});
+  all.insert(all.end(), more.begin(), more.end());
+  return latelight(batch(folder, all));
+}
+
+// Frames are in archives only: their own files are removed, and none is rendered again.
+TEST(FormatsOfABatch, ArchivesAreCompletedAndExtended) {
+  Folder folder;
+  ASSERT_EQ(archives(folder, "whole", {"--repeat", "7"}).code, 0);
+  const auto whole = filesOf(folder, "whole");
+  EXPECT_EQ(whole.size(), 3 + 1u);
+  EXPECT_EQ(std::filesystem::exists(folder.path() / "whole/shards/.frames"), false);
+  ASSERT_EQ(archives(folder, "set", {"--repeat", "4"}).code, 0);
+  ASSERT_EQ(archives(folder, "set", {"--repeat", "7", "--resume"}).code, 0);
+  EXPECT_THAT(folder.read("set/.latelight/log"), HasSubstr("begins: 3 of 7 frames"));
+  expectSame(filesOf(folder, "set"), whole);
+  ASSERT_EQ(archives(folder, "set", {"--repeat", "4", "--resume"}).code, 0);
+  ASSERT_EQ(archives(folder, "four", {"--repeat", "4"}).code, 0);
+  expectSame(filesOf(folder, "set"), filesOf(folder, "four"));
+}
+
+TEST(FormatsOfABatch, ArchivesAreThoseOfOneProcessForAnyShards) {
+  Folder folder;
+  ASSERT_EQ(archives(folder, "whole", {"--repeat", "5"}).code, 0);
+  ASSERT_EQ(archives(folder, "set", {"--repeat", "5", "--shard", "1/2"}).code, 0);
+  EXPECT_FALSE(filesOf(folder, "set").contains("shards/000000.tar"));
+  ASSERT_EQ(archives(folder, "set", {"--repeat", "5", "--shard", "0/2"}).code, 0);
+  expectSame(filesOf(folder, "set"), filesOf(folder, "whole"));
+}
+
+TEST(FormatsOfABatch, DamagedArchivesAreFoundAndWrittenAgain) {
+  Folder folder;
+  ASSERT_EQ(archives(folder, "set", {"--repeat", "5"}).code, 0);
+  const auto before = filesOf(folder, "set");
+  folder.write("set/shards/000000.tar", before.at("shards/000000.tar").substr(0, 3000));
+  const Outcome verified = latelight({.arguments = {"batch", "verify", "set"}, .folder = folder.path()});
+  EXPECT_EQ(verified.code, 3);
+  EXPECT_THAT(verified.out + verified.err, HasSubstr("'shards/000000.tar' is not as it was written"));
+  ASSERT_EQ(archives(folder, "set", {"--repeat", "5", "--resume"}).code, 0);
+  EXPECT_THAT(folder.read("set/.latelight/log"), HasSubstr("begins: 3 of 5 frames"));
+  expectSame(filesOf(folder, "set"), before);
 }
 
 }  // namespace

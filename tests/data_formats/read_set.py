@@ -1,15 +1,20 @@
 """Reads the data set that set_test.cpp wrote, by the readers that people use, and compares with what was rendered."""
 
+import functools
 import glob
 import json
 import os
 import sys
+import tarfile
 import unittest
 
 import cv2
+import h5py
 import mmh3
 import numpy as np
 import OpenEXR
+import pycolmap
+import webdataset
 from plyfile import PlyData
 from pycocotools import mask as coco_mask
 from pycocotools.coco import COCO
@@ -21,6 +26,7 @@ SNAP = 0.01
 FRAMES = ["000000", "000001", "000002"]
 
 
+@functools.lru_cache(maxsize=None)
 def raw(frame, name):
     return np.load(f"{SET}/raw/{frame}/{name}.npy")
 
@@ -30,8 +36,8 @@ def read_json(path):
         return json.load(file)
 
 
-def folder(number, name):
-    return f"{SET}/{number}-{name}"
+def folder(name):
+    return f"{SET}/{name}"
 
 
 def half(values):
@@ -45,7 +51,7 @@ class Pictures(unittest.TestCase):
 
     def test_exr(self):
         for frame in FRAMES:
-            file = self.exr(f"{folder(0, 'exr')}/{frame}.exr")
+            file = self.exr(f"{folder('exr')}/{frame}.exr")
             self.assertIn("idManifest", file.header())
             channels = file.channels()
             for i, name in enumerate("RGBA"):
@@ -58,7 +64,7 @@ class Pictures(unittest.TestCase):
 
     def test_exr_with_blenders_names(self):
         for frame in FRAMES:
-            file = self.exr(f"{folder(1, 'exr')}/{frame}.exr")
+            file = self.exr(f"{folder('exr-2')}/{frame}.exr")
             channels = {name.removeprefix("ViewLayer."): c.pixels for name, c in file.channels().items()}
             for i, name in enumerate("RGBA"):
                 np.testing.assert_array_equal(channels[f"Combined.{name}"], half(raw(frame, "color")[..., i]))
@@ -77,16 +83,16 @@ class Pictures(unittest.TestCase):
 
     def test_npz(self):
         for frame in FRAMES:
-            with np.load(f"{folder(2, 'npz')}/{frame}.npz") as arrays:
+            with np.load(f"{folder('npz')}/{frame}.npz") as arrays:
                 self.assertEqual(len(arrays.files), 10)
                 for name in arrays.files:
                     np.testing.assert_array_equal(arrays[name], raw(frame, name))
                     self.assertEqual(arrays[name].dtype, np.uint32 if name in ("id", "material") else np.float32)
 
     def test_depth_png(self):
-        for number, scale in [(3, 1000), (4, 256)]:
+        for name, scale in [("depth-png", 1000), ("depth-png-2", 256)]:
             for frame in FRAMES:
-                codes = cv2.imread(f"{folder(number, 'depth-png')}/depth/{frame}.png", cv2.IMREAD_UNCHANGED)
+                codes = cv2.imread(f"{folder(name)}/depth/{frame}.png", cv2.IMREAD_UNCHANGED)
                 self.assertEqual(codes.dtype, np.uint16)
                 depth = raw(frame, "depth").astype(np.float64)
                 held = np.isfinite(depth) & (depth * scale < 65535.5)
@@ -96,10 +102,10 @@ class Pictures(unittest.TestCase):
 
     def test_flow(self):
         for frame in FRAMES:
-            flow = cv2.readOpticalFlow(f"{folder(5, 'flow')}/flow/{frame}.flo")
+            flow = cv2.readOpticalFlow(f"{folder('flow')}/flow/{frame}.flo")
             np.testing.assert_array_equal(flow, raw(frame, "motion")[..., 2:])
             self.assertGreater(np.abs(flow).max(), 0.1)
-            bgr = cv2.imread(f"{folder(6, 'flow')}/flow/{frame}.png", cv2.IMREAD_UNCHANGED)  # as KITTI's development kit
+            bgr = cv2.imread(f"{folder('flow-2')}/flow/{frame}.png", cv2.IMREAD_UNCHANGED)  # as KITTI's development kit
             kitti = (bgr[..., ::-1][..., :2].astype(np.float64) - 2**15) / 64
             valid = bgr[..., 0] == 1
             np.testing.assert_array_equal(valid, (np.abs(flow) < 511).all(-1))
@@ -109,7 +115,7 @@ class Pictures(unittest.TestCase):
 class Coco(unittest.TestCase):
     def setUp(self):
         stdout, sys.stdout = sys.stdout, open(os.devnull, "w")
-        self.coco = COCO(f"{folder(7, 'coco')}/annotations/instances.json")
+        self.coco = COCO(f"{folder('coco')}/annotations/instances.json")
         sys.stdout.close()
         sys.stdout = stdout
 
@@ -129,7 +135,7 @@ class Coco(unittest.TestCase):
 
     def test_images(self):
         for image in self.coco.loadImgs(self.coco.getImgIds()):
-            picture = cv2.imread(f"{folder(7, 'coco')}/{image['file_name']}", cv2.IMREAD_UNCHANGED)
+            picture = cv2.imread(f"{folder('coco')}/{image['file_name']}", cv2.IMREAD_UNCHANGED)
             self.assertEqual(picture.shape, (image["height"], image["width"], 4))
 
     def test_categories(self):
@@ -153,7 +159,7 @@ def box_of(mask):
 
 class Boxes(unittest.TestCase):
     def setUp(self):
-        self.frames = {f: read_json(f"{folder(8, 'boxes')}/boxes/{f}.json") for f in FRAMES}
+        self.frames = {f: read_json(f"{folder('boxes')}/boxes/{f}.json") for f in FRAMES}
 
     def test_extents(self):
         hidden = 0
@@ -196,10 +202,10 @@ class Boxes(unittest.TestCase):
 
 class Bop(unittest.TestCase):
     def setUp(self):
-        self.scene = f"{folder(9, 'bop')}/train/000000"
+        self.scene = f"{folder('bop')}/train/000000"
         self.camera, self.gt, self.info = (
             read_json(f"{self.scene}/{name}.json") for name in ("scene_camera", "scene_gt", "scene_gt_info"))
-        self.models = read_json(f"{folder(9, 'bop')}/models/models_info.json")
+        self.models = read_json(f"{folder('bop')}/models/models_info.json")
 
     def mask(self, kind, image, number):
         mask = cv2.imread(f"{self.scene}/{kind}/{image:06}_{number:06}.png", cv2.IMREAD_UNCHANGED)
@@ -274,14 +280,14 @@ class Bop(unittest.TestCase):
 class Transforms(unittest.TestCase):
     def test_cameras(self):
         """Depth, through the camera as nerfstudio documents it, gives the positions that were rendered."""
-        data = read_json(f"{folder(10, 'transforms')}/transforms.json")
+        data = read_json(f"{folder('transforms')}/transforms.json")
         self.assertEqual((data["w"], data["h"], len(data["frames"])), (96, 64, 3))
         self.assertAlmostEqual(np.tan(data["camera_angle_x"] / 2) * data["fl_x"], data["w"] / 2)
         for name, frame in zip(FRAMES, data["frames"]):
-            picture = cv2.imread(f"{folder(10, 'transforms')}/{frame['file_path']}", cv2.IMREAD_UNCHANGED)
+            picture = cv2.imread(f"{folder('transforms')}/{frame['file_path']}", cv2.IMREAD_UNCHANGED)
             self.assertEqual(picture.shape, (64, 96, 4))
             x, y, positions, _ = surfaces(name)
-            codes = cv2.imread(f"{folder(10, 'transforms')}/{frame['depth_file_path']}", cv2.IMREAD_UNCHANGED)
+            codes = cv2.imread(f"{folder('transforms')}/{frame['depth_file_path']}", cv2.IMREAD_UNCHANGED)
             depth = raw(name, "depth")[y.astype(int), x.astype(int)].astype(np.float64)
             self.assertLessEqual(np.abs(codes[y.astype(int), x.astype(int)] / 1000 - depth).max(), 0.00051)
             rays = np.stack([(x - data["cx"]) / data["fl_x"], -(y - data["cy"]) / data["fl_y"], -np.ones_like(x)], -1)
@@ -298,7 +304,7 @@ class Cryptomatte(unittest.TestCase):
 
     def test_mattes(self):
         for frame in FRAMES:
-            file = OpenEXR.File(f"{folder(11, 'cryptomatte')}/cryptomatte/{frame}.exr", separate_channels=True)
+            file = OpenEXR.File(f"{folder('cryptomatte')}/cryptomatte/{frame}.exr", separate_channels=True)
             header, channels = file.header(), {name: c.pixels for name, c in file.channels().items()}
             np.testing.assert_array_equal(channels["R"], half(raw(frame, "color")[..., 0]))
             for layer, source in [("CryptoObject", "id"), ("CryptoMaterial", "material")]:
@@ -332,11 +338,11 @@ class Cryptomatte(unittest.TestCase):
 class Points(unittest.TestCase):
     def test_points(self):
         for frame in FRAMES:
-            points = PlyData.read(f"{folder(12, 'ply')}/points/{frame}.ply")["vertex"]
+            points = PlyData.read(f"{folder('ply')}/points/{frame}.ply")["vertex"]
             ids = raw(frame, "id")
             shown = ids != 0
             np.testing.assert_array_equal(points["id"], ids[shown])
-            picture = cv2.imread(f"{folder(7, 'coco')}/images/{frame}.png", cv2.IMREAD_UNCHANGED)
+            picture = cv2.imread(f"{folder('coco')}/images/{frame}.png", cv2.IMREAD_UNCHANGED)
             for i, names in enumerate([("x", "nx", "red"), ("y", "ny", "green"), ("z", "nz", "blue")]):
                 np.testing.assert_array_equal(points[names[0]], raw(frame, "position")[..., i][shown])
                 np.testing.assert_array_equal(points[names[1]], raw(frame, "normal")[..., i][shown])
@@ -345,7 +351,7 @@ class Points(unittest.TestCase):
 
 class Video(unittest.TestCase):
     def test_frames(self):
-        path = f"{folder(13, 'video')}/video.mp4"
+        path = f"{folder('video')}/video.mp4"
         if not os.path.exists(path):
             self.skipTest("ffmpeg is not installed")
         film = cv2.VideoCapture(path)
@@ -353,10 +359,224 @@ class Video(unittest.TestCase):
         for frame in FRAMES:
             read, picture = film.read()
             self.assertTrue(read)
-            wanted = cv2.imread(f"{folder(13, 'video')}/images/{frame}.png")
+            wanted = cv2.imread(f"{folder('video')}/images/{frame}.png")
             self.assertEqual(picture.shape, wanted.shape)
             self.assertGreater(cv2.PSNR(picture, wanted), 25)
         self.assertFalse(film.read()[0])
+
+
+def camera_of(data_name):
+    """K in pixels with centers at half-integers, and the poses of the frames in OpenCV's camera frame, by nerfstudio's file."""
+    data = read_json(f"{folder(data_name)}/transforms.json")
+    k = np.array([[data["fl_x"], 0, data["cx"]], [0, data["fl_y"], data["cy"]], [0, 0, 1]])
+    return k, [np.array(frame["transform_matrix"]) @ np.diag([1, -1, -1, 1]) for frame in data["frames"]]
+
+
+@unittest.skipUnless(os.path.exists(folder("hdf5")), "the HDF5 library is not installed")
+class Hdf5(unittest.TestCase):
+    """With h5py, by the conventions of BlenderProc's writer and of its script visHdf5Files.py."""
+
+    def setUp(self):
+        self.files = [h5py.File(f"{folder('hdf5')}/{i}.hdf5", "r") for i in range(3)]
+
+    def tearDown(self):
+        for file in self.files:
+            file.close()
+
+    def test_types(self):
+        for file in self.files:
+            for key, dtype, shape in [("colors", np.uint8, (64, 96, 3)), ("depth", np.float32, (64, 96)),
+                                      ("distance", np.float32, (64, 96)), ("normals", np.float32, (64, 96, 3)),
+                                      ("diffuse", np.float32, (64, 96, 3)), ("category_id_segmaps", np.uint8, (64, 96)),
+                                      ("forward_flow", np.float32, (64, 96, 2)), ("backward_flow", np.float32, (64, 96, 2))]:
+                self.assertEqual((file[key].dtype, file[key].shape, file[key].compression), (dtype, shape, "gzip"))
+            self.assertEqual(file["instance_segmaps"].shape, (64, 96))
+            self.assertEqual(file["instance_attribute_maps"].dtype.char, "S")
+
+    def test_values(self):
+        k, poses = camera_of("transforms")
+        for name, pose, file in zip(FRAMES, poses, self.files):
+            depth = raw(name, "depth")
+            np.testing.assert_array_equal(file["depth"][()], np.where(np.isinf(depth), np.float32(1e10), depth))
+            np.testing.assert_array_equal(file["diffuse"][()], raw(name, "albedo"))
+            np.testing.assert_array_equal(file["forward_flow"][()], raw(name, "motion")[..., 2:])
+            np.testing.assert_array_equal(file["backward_flow"][()], raw(name, "motion")[..., :2])
+            rgba = cv2.imread(f"{folder('coco')}/images/{name}.png", cv2.IMREAD_UNCHANGED).astype(np.int64)
+            np.testing.assert_array_equal(file["colors"][()], (rgba[..., 2::-1] * rgba[..., 3:] + 127) // 255)
+            # BlenderProc multiplies by the inverse of the pose of Blender's camera, which looks along -Z.
+            blender = pose[:3, :3] @ np.diag([1, -1, -1])
+            np.testing.assert_allclose(file["normals"][()], raw(name, "normal") @ blender * 0.5 + 0.5, atol=1e-6)
+            state, = json.loads(np.array(file["campose"]).tobytes())
+            np.testing.assert_allclose(np.array(state["cam_K"]) + [[0, 0, 0.5], [0, 0, 0.5], [0, 0, 0]], k)
+            np.testing.assert_allclose(state["cam2world_matrix"], pose @ np.diag([1, -1, -1, 1]), atol=1e-6)
+            self.assertAlmostEqual(np.tan(state["fov_x"] / 2) * k[0, 0], 48)
+
+    def test_maps(self):
+        paths = {}
+        for name, file in zip(FRAMES, self.files):
+            ids, instances, categories = raw(name, "id"), file["instance_segmaps"][()], file["category_id_segmaps"][()]
+            entries = json.loads(np.array(file["instance_attribute_maps"]).tobytes())
+            self.assertEqual([e["idx"] for e in entries], sorted(set(instances.flat)))
+            for entry in entries:
+                mask = instances == entry["idx"]
+                self.assertEqual(len(set(ids[mask])), 1)
+                self.assertEqual(set(categories[mask]), {entry["category_id"]})
+                self.assertEqual(paths.setdefault(entry["idx"], entry["name"]), entry["name"])
+            self.assertEqual(len(entries), len(set(ids.flat)))
+            self.assertGreater(len({e["category_id"] for e in entries}), 3)
+
+
+class Scannet(unittest.TestCase):
+    """As the community's loaders read the folders that SensReader unpacks."""
+
+    scan = f"{folder('scannet')}/scans/scene0000_00"
+
+    def setUp(self):
+        if not os.path.exists(self.scan):
+            self.fail("there is no scan")
+
+    def test_files(self):
+        self.assertEqual(sorted(os.listdir(self.scan)),
+                         ["color", "depth", "instance", "intrinsic", "label", "labels.tsv", "pose"])
+        numbers = sorted(int(name.split(".")[0]) for name in os.listdir(f"{self.scan}/color"))
+        self.assertEqual(numbers, [0, 1, 2])
+
+    def test_points(self):
+        """Depth, through the intrinsics and the pose, gives the positions that were rendered."""
+        k = np.loadtxt(f"{self.scan}/intrinsic/intrinsic_depth.txt")
+        np.testing.assert_array_equal(k, np.loadtxt(f"{self.scan}/intrinsic/intrinsic_color.txt"))
+        for number, name in enumerate(FRAMES):
+            x, y, positions, _ = surfaces(name)
+            at = (y.astype(int), x.astype(int))
+            depth = cv2.imread(f"{self.scan}/depth/{number}.png", cv2.IMREAD_UNCHANGED)[at] / 1000
+            pose = np.loadtxt(f"{self.scan}/pose/{number}.txt")
+            points = np.stack([(at[1] - k[0, 2]) / k[0, 0], (at[0] - k[1, 2]) / k[1, 1], np.ones_like(x)], -1) * depth[:, None]
+            np.testing.assert_allclose(points @ pose[:3, :3].T + pose[:3, 3], positions, atol=2e-3)
+
+    def test_images(self):
+        with open(f"{self.scan}/labels.tsv", encoding="utf-8") as file:
+            rows = [line.rstrip("\n").split("\t") for line in file]
+        self.assertEqual(rows[0], ["id", "raw_category", "category"])
+        self.assertEqual([int(row[0]) for row in rows[1:]], list(range(1, len(rows))))
+        for number, name in enumerate(FRAMES):
+            color = cv2.imread(f"{self.scan}/color/{number}.jpg")
+            picture = cv2.imread(f"{folder('coco')}/images/{name}.png")
+            self.assertGreater(cv2.PSNR(color, picture), 35)
+            ids = raw(name, "id")
+            for kind, source in [("instance", ids), ("label", raw(name, "material"))]:
+                image = cv2.imread(f"{self.scan}/{kind}/{number}.png", cv2.IMREAD_UNCHANGED)
+                self.assertIn(image.dtype, (np.uint8, np.uint16))
+                np.testing.assert_array_equal(image == 0, ids == 0)
+                pairs = {(int(a), int(b)) for a, b in zip(image.flat, source.flat)}
+                if kind == "instance":
+                    self.assertEqual(len(pairs), len(set(ids.flat)))
+                else:
+                    self.assertLess(int(image.max()), len(rows))
+
+
+class Colmap(unittest.TestCase):
+    """With COLMAP's own library."""
+
+    def models(self):
+        return {kind: pycolmap.Reconstruction(f"{folder(name)}/sparse/0")
+                for kind, name in [("binary", "colmap"), ("text", "colmap-2")]}
+
+    def test_cameras(self):
+        k, poses = camera_of("transforms")
+        for model in self.models().values():
+            self.assertEqual((model.num_cameras(), model.num_reg_images()), (1, 3))
+            np.testing.assert_allclose(model.cameras[1].calibration_matrix(), k, rtol=1e-9)
+            for number, pose in enumerate(poses):
+                image = model.images[number + 1]
+                self.assertEqual(image.name, f"{FRAMES[number]}.png")
+                self.assertTrue(os.path.exists(f"{folder('colmap')}/images/{image.name}"))
+                np.testing.assert_allclose(image.cam_from_world().matrix(), np.linalg.inv(pose)[:3], atol=1e-6)
+
+    def test_points(self):
+        """Points are surfaces, and lie at the pixels of their tracks in every image of these."""
+        for model in self.models().values():
+            self.assertGreater(model.num_points3D(), 200)
+            observations = 0
+            for point in list(model.points3D.values())[::5]:
+                self.assertGreaterEqual(point.track.length(), 2)
+                for element in point.track.elements:
+                    image = model.images[element.image_id]
+                    seen = image.points2D[element.point2D_idx].xy
+                    np.testing.assert_allclose(image.project_point(point.xyz), seen, atol=1e-6)
+                    position = raw(FRAMES[element.image_id - 1], "position")[int(seen[1]), int(seen[0])]
+                    depth = raw(FRAMES[element.image_id - 1], "depth")[int(seen[1]), int(seen[0])]
+                    # Within 1 % of the depth along the ray, and half a pixel beside it.
+                    self.assertLess(np.linalg.norm(position - point.xyz), 0.05 * depth)
+                    observations += 1
+            self.assertGreater(observations, 100)
+            self.assertGreater(model.compute_mean_track_length(), 2.3)
+            self.assertLess(model.compute_mean_reprojection_error(), 1e-6)
+        binary, text = self.models().values()
+        for number, point in binary.points3D.items():
+            np.testing.assert_allclose(text.points3D[number].xyz, point.xyz, rtol=1e-12)
+            np.testing.assert_array_equal(text.points3D[number].color, point.color)
+
+    def test_new_points_have_their_pixels_color(self):
+        model = self.models()["binary"]
+        picture = cv2.imread(f"{folder('colmap')}/images/{FRAMES[0]}.png")
+        centers = 0
+        for point in model.points3D.values():
+            first = point.track.elements[0]
+            x, y = model.images[first.image_id].points2D[first.point2D_idx].xy
+            if first.image_id == 1 and abs(x % 4 - 2.5) < 1e-6 and abs(y % 4 - 2.5) < 1e-6:
+                np.testing.assert_array_equal(point.color, picture[int(y), int(x), ::-1])
+                centers += 1
+        self.assertGreater(centers, 100)
+
+    def test_depth_maps(self):
+        """As read_write_dense.py of COLMAP reads them."""
+        for name in FRAMES:
+            with open(f"{folder('colmap')}/stereo/depth_maps/{name}.png.geometric.bin", "rb") as file:
+                width, height, channels = (int(number) for number in file.read(64).split(b"&")[:3])
+                file.seek(len(f"{width}&{height}&{channels}&"))
+                depth = np.fromfile(file, np.float32).reshape((width, height, channels), order="F").transpose(1, 0, 2)[..., 0]
+            wanted = raw(name, "depth")
+            np.testing.assert_array_equal(depth, np.where(np.isinf(wanted), 0, wanted))
+
+
+class SparsePoints(unittest.TestCase):
+    def test_nerfstudios_points(self):
+        """transforms.json names a PLY file, whose points are those of COLMAP's model and others that one image shows."""
+        data = read_json(f"{folder('transforms-2')}/transforms.json")
+        points = PlyData.read(f"{folder('transforms-2')}/{data['ply_file_path']}")["vertex"]
+        found = np.stack([points["x"], points["y"], points["z"]], -1)
+        self.assertEqual({points[name].dtype for name in ("red", "green", "blue")}, {np.dtype(np.uint8)})
+        for point in list(pycolmap.Reconstruction(f"{folder('colmap')}/sparse/0").points3D.values())[::10]:
+            self.assertLess(np.linalg.norm(found - point.xyz, axis=1).min(), 0.3)
+        surface = np.concatenate([surfaces(name)[2] for name in FRAMES])
+        for point in found[::20]:
+            self.assertLess(np.linalg.norm(surface - point, axis=1).min(), 2e-3)
+
+
+class WebDatasets(unittest.TestCase):
+    def read(self, name, shards):
+        path = f"{folder(name)}/shards/{{000000..{shards - 1:06}}}.tar"
+        return list(webdataset.WebDataset(path, shardshuffle=False).decode("rgb"))
+
+    def test_samples(self):
+        samples = self.read("webdataset", 2)
+        self.assertEqual([sample["__key__"] for sample in samples], FRAMES)
+        self.assertEqual(sorted(os.listdir(f"{folder('webdataset')}/shards")), [".frames", "000000.tar", "000001.tar"])
+        for name, sample in zip(FRAMES, samples):
+            self.assertEqual(set(sample) - {"__key__", "__url__", "__local_path__"}, {"rgb.png", "depth.npy", "id.npy", "json"})
+            np.testing.assert_array_equal(sample["depth.npy"], raw(name, "depth"))
+            np.testing.assert_array_equal(sample["id.npy"], raw(name, "id"))
+            self.assertEqual(sample["rgb.png"].shape, (64, 96, 3))
+            self.assertEqual(sample["json"]["aovs"]["depth"]["file"], f"{name}.depth.npy")
+
+    def test_files(self):
+        """Python's tarfile, which checks all sums, finds regular files without times and owners."""
+        with tarfile.open(f"{folder('webdataset-2')}/shards/000000.tar") as tar:
+            members = tar.getmembers()
+            self.assertEqual([m.name for m in members], [f"{n}.{e}" for n in FRAMES for e in ("depth.exr", "json")])
+            for member in members:
+                self.assertTrue(member.isfile())
+                self.assertEqual((member.mtime, member.uid, member.gid, member.mode), (0, 0, 0, 0o644))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,5 @@
 // Writes a data set in every format, and the rendered values next to it, as .npy. read_set.py reads it.
+#include <algorithm>
 #include <cstdlib>
 
 #include "data_formats/support.h"
@@ -12,10 +13,13 @@ using output::Aov;
 class SetTest : public FormatsTest {
  protected:
   void add(std::string_view name, const Json& options = Json::object()) {
-    formats_.push_back({make(name, options), fmt::format("{}-{}", formats_.size(), name), {}, 0});
+    const auto same = static_cast<size_t>(
+        std::ranges::count_if(formats_, [&](const Written& written) { return written.name == name; }));
+    const std::string folder = same == 0 ? std::string(name) : fmt::format("{}-{}", name, same + 1);
+    formats_.push_back({make(name, options), std::string(name), folder, {}, 0});
   }
 
-  // A frame in all formats, each in a folder of its own.
+  // A frame in all formats, each in a folder of its own: "exr", "exr-2", ...
   void write(DataFrame frame, const std::filesystem::path& set) {
     writeRaw(frame.picture, set / "raw" / frame.name);
     writeRaw(frame.samples, set / "raw" / frame.name / "samples");
@@ -51,7 +55,7 @@ class SetTest : public FormatsTest {
 
   struct Written {
     std::unique_ptr<Format> format;
-    std::string folder;
+    std::string name, folder;
     std::vector<Json> entries;
     size_t files = 0;  // of all frames
   };
@@ -80,6 +84,20 @@ TEST_F(SetTest, HasTheFilesThatItsRecordsName) {
   } catch (const Error& error) {
     fmt::print("no film is made: {}\n", error.what());
   }
+  try {
+    add("hdf5", {{"keys",
+                  {"colors", "depth", "distance", "normals", "diffuse", "instance_segmaps", "category_id_segmaps",
+                   "forward_flow", "backward_flow"}},
+                 {"categories", "material"}});
+  } catch (const Error& error) {
+    fmt::print("no HDF5 files are written: {}\n", error.what());
+  }
+  add("scannet", {{"categories", "material"}});
+  add("colmap", {{"points", 4}});
+  add("colmap", {{"points", 4}, {"as", "text"}});
+  add("transforms", {{"points", 4}});
+  add("webdataset", {{"outputs", {"color", "depth", "id"}}, {"frames", 2}});
+  add("webdataset", {{"outputs", {"depth"}}, {"arrays", "exr"}});
 
   const scene::Scene& scene = render::test::hall();
   Studio studio(device(), scene);

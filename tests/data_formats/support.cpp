@@ -38,6 +38,7 @@ DataFrame Studio::frame(const scene::Camera& camera, uint32_t width, uint32_t he
     extras = both(extras, format->needsExtras());
   }
   DataFrame frame{.index = index, .name = fmt::format("{:06}", index)};
+  frame.camera = static_cast<uint32_t>(index);
   if (settings.display || !settings.aovs.empty())
     frame.picture = std::move(renderer_.render({&camera, 1}, settings, moment).front());
   frame.metadata.ids = std::make_shared<output::IdManifest>(render::idManifest(scene_));

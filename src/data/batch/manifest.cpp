@@ -50,6 +50,7 @@ Json describe(const FinishedFrame& frame) {
   Json json{{"index", frame.index},     {"name", frame.name},           {"scene", frame.scene},
             {"camera", frame.camera},   {"variation", frame.variation}, {"settings", hashText(frame.settings)},
             {"files", std::move(files)}};
+  for (const FileRecord& archive : frame.archives) json["archives"].push_back(describe(archive));
   if (!frame.drawn.is_null()) json["drawn"] = frame.drawn;
   if (!frame.motion.is_null()) json["motion"] = frame.motion;
   json["entries"] = frame.entries;
@@ -65,6 +66,7 @@ FinishedFrame finishedFrame(Json&& json) {
   if (json.contains("drawn")) frame.drawn = std::move(json["drawn"]);
   if (json.contains("motion")) frame.motion = std::move(json["motion"]);
   for (const Json& file : json.at("files")) frame.files.push_back(fileRecord(file));
+  for (const Json& archive : json.value("archives", Json::array())) frame.archives.push_back(fileRecord(archive));
   frame.entries = std::move(json.at("entries").get_ref<Json::array_t&>());
   return frame;
 }

@@ -32,6 +32,7 @@ struct FinishedFrame {
   nlohmann::ordered_json drawn;   // the values that the variation drew; null: none
   nlohmann::ordered_json motion;  // neighbors that the output motion refers to; null if the job has no such output
   std::vector<FileRecord> files;
+  std::vector<FileRecord> archives;             // files of the whole set that hold files of this frame
   std::vector<nlohmann::ordered_json> entries;  // one per format, for its files of the whole set
 };
 

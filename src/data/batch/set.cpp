@@ -54,7 +54,8 @@ bool isRecorded(const SetFolder& set, const FileRecord& file) {
 
 bool isFinished(const SetFolder& set, const Plan& plan, const FinishedFrame& frame) {
   return frame.index < plan.frames() && plan.at(frame.index) && frame.settings == plan.settings(frame.index) &&
-         std::ranges::all_of(frame.files, [&](const FileRecord& file) { return isRecorded(set, file); });
+         std::ranges::all_of(frame.files, [&](const FileRecord& file) { return isRecorded(set, file); }) &&
+         std::ranges::all_of(frame.archives, [&](const FileRecord& file) { return isRecorded(set, file); });
 }
 
 // Creates the formats of a stored job document. They do not depend on the output folder, which it lacks.
@@ -64,8 +65,21 @@ std::vector<JobFormat> formatsOf(const Json& job) {
   return all;
 }
 
-void writeSetFiles(const SetFolder& set, Manifest& manifest) {
+// Moves the records of a frame's packed file to the archive that holds it. Returns the file's name.
+std::optional<std::string> moveToArchive(const Format& format, size_t formatIndex, const Manifest& manifest,
+                                         FinishedFrame& frame) {
+  const std::optional<PackedFile> packed = format.packed(frame.entries.at(formatIndex));
+  if (!packed) return std::nullopt;
+  std::erase_if(frame.files, [&](const FileRecord& file) { return file.name == packed->file; });
+  frame.archives.push_back(*std::ranges::find(manifest.setFiles, packed->archive, &FileRecord::name));
+  return packed->file;
+}
+
+// Returns the names of the frames' files that are now in archives and no longer required.
+std::vector<std::string> writeSetFiles(const SetFolder& set, Manifest& manifest) {
   manifest.setFiles.clear();
+  for (auto& [index, frame] : manifest.frames) frame.archives.clear();
+  std::vector<std::string> packedFiles;
   const std::vector<JobFormat> formats = formatsOf(readState(set.job()));
   for (size_t i = 0; i < formats.size(); ++i) {
     std::vector<Json> entries;  // moved from the frames and back, because they may be large
@@ -73,8 +87,24 @@ void writeSetFiles(const SetFolder& set, Manifest& manifest) {
     for (const std::string& name : formats[i].format->writeSet(entries, set.path()))
       manifest.setFiles.push_back(recordOf(set.path(), name));
     auto entry = entries.begin();
-    for (auto& [index, frame] : manifest.frames) frame.entries[i] = std::move(*entry++);
+    for (auto& [index, frame] : manifest.frames) {
+      frame.entries[i] = std::move(*entry++);
+      if (auto file = moveToArchive(*formats[i].format, i, manifest, frame)) packedFiles.push_back(*std::move(file));
+    }
   }
+  return packedFiles;
+}
+
+// Removes files and the folders that become empty.
+void removeFiles(const SetFolder& set, const std::vector<std::string>& names) {
+  std::set<fs::path> folders;
+  std::error_code ignored;
+  for (const std::string& name : names) {
+    fs::remove(set.path() / name, ignored);
+    folders.insert((set.path() / name).parent_path());
+  }
+  for (const fs::path& folder : folders)
+    if (fs::is_empty(folder, ignored)) fs::remove(folder, ignored);
 }
 
 void removeStale(const SetFolder& set, const SetStatus& status) {
@@ -88,10 +118,11 @@ void removeStale(const SetFolder& set, const SetStatus& status) {
 }
 
 void join(const SetFolder& set, SetStatus& status) {
-  writeSetFiles(set, status.manifest);
+  const std::vector<std::string> packedFiles = writeSetFiles(set, status.manifest);
   removeStale(set, status);
   status.manifest.stale.clear();
   writeManifest(set.manifest(), status.manifest);
+  removeFiles(set, packedFiles);
   std::error_code ignored;
   for (const fs::path& shard : set.shards()) fs::remove(shard, ignored);
 }

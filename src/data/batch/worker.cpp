@@ -95,7 +95,12 @@ RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::
   const CameraTimeline& cameras = scene_->cameras();
   const JobCamera& camera = cameras.camera(place.camera);
   const PlannedScene& planned = plan_.scenes()[place.scene];
-  RenderedFrame frame{.frame = {.index = index, .name = plan_.name(index), .metadata = shared, .scene = place.scene}};
+  RenderedFrame frame{.frame = {.index = index,
+                                .name = plan_.name(index),
+                                .metadata = shared,
+                                .scene = place.scene,
+                                .variation = place.variation,
+                                .camera = place.camera}};
   output::Metadata& m = frame.frame.metadata;
   m.camera = render::describeCamera(camera.camera, scene_->scene(), settingsOf(chunk));
   m.camera.name = camera.name;

@@ -1,5 +1,5 @@
 // Reads and writes COLMAP models: the cameras and images, as text or binary files in a folder. Poses are in the model's
-// world. The model's image features and points are skipped.
+// world. Readers skip the model's image features and points.
 #pragma once
 
 #include <array>
@@ -18,11 +18,23 @@ std::vector<CalibratedCamera> readColmap(const std::filesystem::path& folder);
 std::vector<CalibratedCamera> readColmapText(const std::filesystem::path& folder);
 std::vector<CalibratedCamera> readColmapBinary(const std::filesystem::path& folder);
 
-// Write the cameras and images files so that readers return the same cameras, and an empty points3D file, which readers
-// of COLMAP models require. The folder must exist. Throw Error(Usage) if a camera lacks a pinhole, OpenCV or fisheye
-// lens, and if a file cannot be written.
-void writeColmapText(const std::filesystem::path& folder, std::span<const CalibratedCamera> cameras);
-void writeColmapBinary(const std::filesystem::path& folder, std::span<const CalibratedCamera> cameras);
+// A point of a model and the images that show it.
+struct ColmapObservation {
+  uint32_t image = 0;   // index of the camera
+  glm::dvec2 pixel{0};  // pixel centers are at half-integers
+};
+struct ColmapPoint {
+  glm::dvec3 position{0};
+  std::array<uint8_t, 3> color{};  // sRGB
+  std::vector<ColmapObservation> track;
+};
+
+// Write the cameras, images and points3D files so that readers return the same cameras. The folder must exist. Throw
+// Error(Usage) if a camera lacks a pinhole, OpenCV or fisheye lens, and if a file cannot be written.
+void writeColmapText(const std::filesystem::path& folder, std::span<const CalibratedCamera> cameras,
+                     std::span<const ColmapPoint> points = {});
+void writeColmapBinary(const std::filesystem::path& folder, std::span<const CalibratedCamera> cameras,
+                       std::span<const ColmapPoint> points = {});
 
 // --- common to text and binary files (colmap_models.cpp) ------------------------------------------------------------
 
@@ -51,6 +63,17 @@ struct ColmapPose {
 };
 ColmapPose colmapPoseOf(const glm::dmat4& pose);
 glm::dmat4 poseOfColmap(const ColmapPose& pose, const std::string& where);
+
+// The observations of a model by image. An observation's index in its image is its number in tracks.
+struct ColmapFeature {
+  glm::dvec2 pixel{0};
+  uint64_t point = 0;  // index of the point
+};
+struct ColmapFeatures {
+  std::vector<std::vector<ColmapFeature>> ofImage;
+  std::vector<std::vector<uint32_t>> ofPoint;  // the number of each observation of a track in its image
+};
+ColmapFeatures featuresOf(size_t images, std::span<const ColmapPoint> points);
 
 // The distinct lenses of cameras, and the lens of each camera.
 struct ColmapLenses {

@@ -112,6 +112,60 @@ class BinaryText {
   std::vector<std::byte> bytes_;
 };
 
+void writeLenses(const std::filesystem::path& path, const ColmapLenses& lenses) {
+  BinaryText file;
+  file.put(uint64_t{lenses.cameras.size()});
+  for (uint32_t i = 0; i < lenses.cameras.size(); ++i) {
+    const ColmapCamera camera = colmapCameraOf(*lenses.cameras[i]);
+    file.put(i + 1);
+    file.put(int32_t{camera.model->id});
+    file.put(static_cast<uint64_t>(lenses.cameras[i]->lens->width));
+    file.put(static_cast<uint64_t>(lenses.cameras[i]->lens->height));
+    for (const double parameter : camera.parameters) file.put(parameter);
+  }
+  file.write(path);
+}
+
+void writeImages(const std::filesystem::path& path, std::span<const CalibratedCamera> cameras,
+                 const ColmapFeatures& features) {
+  const ColmapLenses lenses = differentLenses(cameras);
+  BinaryText file;
+  file.put(uint64_t{cameras.size()});
+  for (uint32_t i = 0; i < cameras.size(); ++i) {
+    const auto [q, t] = colmapPoseOf(cameras[i].pose);
+    file.put(i + 1);
+    for (int part = 0; part < 4; ++part) file.put(q[part]);
+    for (int part = 0; part < 3; ++part) file.put(t[part]);
+    file.put(lenses.lensOf[i] + 1);
+    file.put(cameras[i].name);
+    file.put(uint64_t{features.ofImage[i].size()});
+    for (const ColmapFeature& feature : features.ofImage[i]) {
+      file.put(feature.pixel.x);
+      file.put(feature.pixel.y);
+      file.put(feature.point + 1);
+    }
+  }
+  file.write(path);
+}
+
+void writePoints(const std::filesystem::path& path, std::span<const ColmapPoint> points,
+                 const ColmapFeatures& features) {
+  BinaryText file;
+  file.put(uint64_t{points.size()});
+  for (size_t i = 0; i < points.size(); ++i) {
+    file.put(uint64_t{i + 1});
+    for (int axis = 0; axis < 3; ++axis) file.put(points[i].position[axis]);
+    for (const uint8_t channel : points[i].color) file.put(channel);
+    file.put(0.0);  // reprojection error
+    file.put(uint64_t{points[i].track.size()});
+    for (size_t k = 0; k < points[i].track.size(); ++k) {
+      file.put(points[i].track[k].image + 1);
+      file.put(features.ofPoint[i][k]);
+    }
+  }
+  file.write(path);
+}
+
 }  // namespace
 
 std::vector<CalibratedCamera> readColmapBinary(const std::filesystem::path& folder) {
@@ -128,30 +182,12 @@ std::vector<CalibratedCamera> readColmapBinary(const std::filesystem::path& fold
   return cameras;
 }
 
-void writeColmapBinary(const std::filesystem::path& folder, std::span<const CalibratedCamera> cameras) {
-  const ColmapLenses lenses = differentLenses(cameras);
-  BinaryText lensFile, imageFile, points;
-  lensFile.put(uint64_t{lenses.cameras.size()});
-  for (uint32_t i = 0; i < lenses.cameras.size(); ++i) {
-    const ColmapCamera camera = colmapCameraOf(*lenses.cameras[i]);
-    lensFile.put(i + 1);
-    lensFile.put(int32_t{camera.model->id});
-    lensFile.put(static_cast<uint64_t>(lenses.cameras[i]->lens->width));
-    lensFile.put(static_cast<uint64_t>(lenses.cameras[i]->lens->height));
-    for (const double parameter : camera.parameters) lensFile.put(parameter);
-  }
-  imageFile.put(uint64_t{cameras.size()});
-  for (uint32_t i = 0; i < cameras.size(); ++i) {
-    const auto [q, t] = colmapPoseOf(cameras[i].pose);
-    imageFile.put(i + 1);
-    for (int part = 0; part < 4; ++part) imageFile.put(q[part]);
-    for (int part = 0; part < 3; ++part) imageFile.put(t[part]);
-    imageFile.put(lenses.lensOf[i] + 1);
-    imageFile.put(cameras[i].name);
-    imageFile.put(uint64_t{0});
-  }
-  points.put(uint64_t{0});
-  lensFile.write(folder / "cameras.bin"), imageFile.write(folder / "images.bin"), points.write(folder / "points3D.bin");
+void writeColmapBinary(const std::filesystem::path& folder, std::span<const CalibratedCamera> cameras,
+                       std::span<const ColmapPoint> points) {
+  const ColmapFeatures features = featuresOf(cameras.size(), points);
+  writeLenses(folder / "cameras.bin", differentLenses(cameras));
+  writeImages(folder / "images.bin", cameras, features);
+  writePoints(folder / "points3D.bin", points, features);
 }
 
 std::vector<CalibratedCamera> readColmap(const std::filesystem::path& folder) {

@@ -121,6 +121,19 @@ glm::dmat4 poseOfColmap(const ColmapPose& pose, const std::string& where) {
   return toWorld;
 }
 
+ColmapFeatures featuresOf(size_t images, std::span<const ColmapPoint> points) {
+  ColmapFeatures features{std::vector<std::vector<ColmapFeature>>(images), {}};
+  for (size_t point = 0; point < points.size(); ++point) {
+    std::vector<uint32_t>& numbers = features.ofPoint.emplace_back();
+    for (const ColmapObservation& seen : points[point].track) {
+      std::vector<ColmapFeature>& image = features.ofImage.at(seen.image);
+      numbers.push_back(static_cast<uint32_t>(image.size()));
+      image.push_back({seen.pixel, point});
+    }
+  }
+  return features;
+}
+
 ColmapLenses differentLenses(std::span<const CalibratedCamera> cameras) {
   ColmapLenses lenses;
   for (const CalibratedCamera& camera : cameras) {

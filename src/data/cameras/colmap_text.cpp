@@ -35,6 +35,18 @@ void writeText(const std::filesystem::path& file, const std::string& text) {
   writeFile(file, std::as_bytes(std::span(text)));
 }
 
+std::string pointsText(std::span<const ColmapPoint> points, const ColmapFeatures& features) {
+  std::string text = "# POINT3D_ID X Y Z R G B ERROR TRACK[]\n";
+  for (size_t i = 0; i < points.size(); ++i) {
+    const glm::dvec3& p = points[i].position;
+    text += fmt::format("{} {} {} {} {} 0", i + 1, p.x, p.y, p.z, fmt::join(points[i].color, " "));
+    for (size_t k = 0; k < points[i].track.size(); ++k)
+      text += fmt::format(" {} {}", points[i].track[k].image + 1, features.ofPoint[i][k]);
+    text += "\n";
+  }
+  return text;
+}
+
 }  // namespace
 
 // images.txt has two lines per image: IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, and the points, which may be an
@@ -62,8 +74,10 @@ std::vector<CalibratedCamera> readColmapText(const std::filesystem::path& folder
   return cameras;
 }
 
-void writeColmapText(const std::filesystem::path& folder, std::span<const CalibratedCamera> cameras) {
+void writeColmapText(const std::filesystem::path& folder, std::span<const CalibratedCamera> cameras,
+                     std::span<const ColmapPoint> points) {
   const ColmapLenses lenses = differentLenses(cameras);
+  const ColmapFeatures features = featuresOf(cameras.size(), points);
   std::string text = "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n";
   for (size_t i = 0; i < lenses.cameras.size(); ++i) {
     const ColmapCamera camera = colmapCameraOf(*lenses.cameras[i]);
@@ -74,11 +88,15 @@ void writeColmapText(const std::filesystem::path& folder, std::span<const Calibr
   text = "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME\n# POINTS2D[]\n";
   for (size_t i = 0; i < cameras.size(); ++i) {
     const auto [q, t] = colmapPoseOf(cameras[i].pose);
-    text += fmt::format("{} {} {} {} {} {} {} {} {} {}\n\n", i + 1, q[0], q[1], q[2], q[3], t.x, t.y, t.z,
+    text += fmt::format("{} {} {} {} {} {} {} {} {} {}\n", i + 1, q[0], q[1], q[2], q[3], t.x, t.y, t.z,
                         lenses.lensOf[i] + 1, cameras[i].name);
+    for (const ColmapFeature& feature : features.ofImage[i])
+      text += fmt::format("{} {} {} ", feature.pixel.x, feature.pixel.y, feature.point + 1);
+    if (text.back() == ' ') text.pop_back();
+    text += "\n";
   }
   writeText(folder / "images.txt", text);
-  writeText(folder / "points3D.txt", "# POINT3D_ID X Y Z R G B ERROR TRACK[]\n");
+  writeText(folder / "points3D.txt", pointsText(points, features));
 }
 
 }  // namespace latelight::data

@@ -40,13 +40,8 @@ Json bopBox(const PixelBox& box) {
   return {box.x, box.y, box.width, box.height};
 }
 
-// Encodes the picture composited over black, without alpha.
 std::vector<std::byte> opaquePng(const output::FrameOutput& picture) {
-  std::vector<uint8_t> rgb(picture.display.size() / 4 * 3);
-  for (size_t i = 0; i < rgb.size(); ++i) {
-    const uint8_t* pixel = &picture.display[i / 3 * 4];
-    rgb[i] = static_cast<uint8_t>((pixel[i % 3] * pixel[3] + 127) / 255);
-  }
+  const std::vector<uint8_t> rgb = rgbOverBlack(picture);
   return output::encodePng(picture.width, picture.height, 3, 8, reinterpret_cast<const std::byte*>(rgb.data()),
                            output::PngLight::Srgb);
 }

@@ -10,17 +10,21 @@ namespace latelight::data {
 std::unique_ptr<Format> makeBop(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeBoxes(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeCoco(const nlohmann::ordered_json& options);
+std::unique_ptr<Format> makeColmap(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeCryptomatte(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeDepthPng(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeExr(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeFiles(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeFlow(const nlohmann::ordered_json& options);
+std::unique_ptr<Format> makeHdf5(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeKitti(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeNpz(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makePly(const nlohmann::ordered_json& options);
+std::unique_ptr<Format> makeScannet(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeTransforms(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeVideo(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeVoc(const nlohmann::ordered_json& options);
+std::unique_ptr<Format> makeWebDataset(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeYolo(const nlohmann::ordered_json& options);
 
 }  // namespace latelight::data

@@ -22,6 +22,15 @@ output::Metadata metadataOf(const DataFrame& frame) {
   return metadata;
 }
 
+std::vector<uint8_t> rgbOverBlack(const output::FrameOutput& picture) {
+  std::vector<uint8_t> rgb(picture.display.size() / 4 * 3);
+  for (size_t i = 0; i < rgb.size(); ++i) {
+    const uint8_t* pixel = &picture.display[i / 3 * 4];
+    rgb[i] = static_cast<uint8_t>((pixel[i % 3] * pixel[3] + 127) / 255);
+  }
+  return rgb;
+}
+
 std::string frameFile(std::string_view pattern, const DataFrame& frame) {
   std::string file(pattern);
   replaceAll(file, "{name}", frame.name);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -18,6 +19,9 @@ const output::AovImage& imageOf(const output::FrameOutput& picture, output::Aov 
 
 // Returns the frame's metadata with only the ids that are visible in its images, because a scene may have far more.
 output::Metadata metadataOf(const DataFrame& frame);
+
+// Returns the picture composited over black, without alpha: RGB, 8 bits, sRGB.
+std::vector<uint8_t> rgbOverBlack(const output::FrameOutput& picture);
 
 // Returns a pattern with "{name}" replaced by the frame's name.
 std::string frameFile(std::string_view pattern, const DataFrame& frame);

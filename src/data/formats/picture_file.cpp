@@ -14,4 +14,8 @@ std::string PictureFile::write(FrameRecord& record, const DataFrame& frame, cons
   return file;
 }
 
+std::string PictureFile::folder() const {
+  return pattern_.substr(0, pattern_.rfind('/', pattern_.find("{name}")) + 1);
+}
+
 }  // namespace latelight::data

@@ -15,6 +15,8 @@ class PictureFile {
   bool isWritten() const { return isWritten_; }
   // Returns the name of the frame's file, and writes the file if isWritten().
   std::string write(FrameRecord& record, const DataFrame& frame, const std::filesystem::path& folder) const;
+  // The folder of all pictures: the part of the pattern up to the last slash before "{name}"; empty if there is none.
+  std::string folder() const;
 
  private:
   std::string pattern_;

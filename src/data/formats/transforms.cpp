@@ -1,6 +1,7 @@
 // The format "transforms": transforms.json of nerfstudio and instant-ngp, with pictures, depth and their cameras.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/error.h"
 #include "data/cameras/shot.h"
@@ -10,6 +11,7 @@
 #include "data/formats/frame_files.h"
 #include "data/formats/options.h"
 #include "data/formats/picture_file.h"
+#include "data/formats/sparse_points.h"
 
 namespace latelight::data {
 
@@ -72,7 +74,10 @@ class Transforms : public Format {
     picture_ = PictureFile(options);
     depth_ = options.flag("depth", true);
     depthFile_ = options.frameFile("depth-file", "depth/{name}.png", ".png");
+    spacing_ = static_cast<uint32_t>(options.number("points", 0, 0, 4096));
+    pointFile_ = options.setFile("point-file", "sparse_pc.ply", ".ply");
     options.finish();
+    if (spacing_ > 0 && !depth_) badUsage("points of the format transforms are found by depth: remove depth: false");
   }
 
   std::vector<output::Aov> needs() const override {
@@ -96,6 +101,12 @@ class Transforms : public Format {
       entry["depth_file_path"] = depthFile;
     }
     entry["transform_matrix"] = output::rowsOf(openGlPose(camera));
+    if (spacing_ > 0) {
+      if (camera.lens && camera.lens->model == scene::LensModel::Equirectangular)
+        badUsage("points of the format transforms require cameras with depth along an axis, not \"{}\"", camera.name);
+      record.entry["state"] = {frame.scene, frame.variation};
+      record.entry["view"] = describe(pointViewOf(frame));
+    }
     return record;
   }
 
@@ -105,6 +116,12 @@ class Transforms : public Format {
     Json set = common;
     if (common.contains("fl_x") && common.contains("w") && common.value("camera_model", "") == "OPENCV")
       set["camera_angle_x"] = 2 * std::atan(common["w"].get<double>() / (2 * common["fl_x"].get<double>()));
+    std::vector<std::string> written{file_};
+    if (spacing_ > 0) {
+      writeIn(folder, pointFile_, encodePly(pointsOf(entries, folder)));
+      written.push_back(pointFile_);
+      set["ply_file_path"] = pointFile_;
+    }
     Json& frames = set["frames"] = Json::array();
     for (const Json& entry : entries) {
       Json& frame = frames.emplace_back(entry["frame"]);
@@ -112,11 +129,37 @@ class Transforms : public Format {
         if (!common.contains(key)) frame[key] = value;
     }
     writeJsonIn(folder, file_, set);
-    return {file_};
+    return written;
   }
 
  private:
-  std::string file_, depthFile_;
+  // The points of each scene and variation, because others look different from the same cameras.
+  std::vector<ColmapPoint> pointsOf(std::span<const Json> entries, const std::filesystem::path& folder) const {
+    std::map<std::pair<uint32_t, uint32_t>, std::vector<const Json*>> states;
+    for (const Json& entry : entries) states[{entry["state"][0], entry["state"][1]}].push_back(&entry);
+    std::vector<ColmapPoint> all;
+    for (const auto& [state, frames] : states) {
+      std::vector<PointView> views;
+      for (const Json* entry : frames) views.push_back(pointView((*entry)["view"]));
+      const auto image = [&](size_t i, const char* key) {
+        return output::readImage(folder / (*frames[i])["frame"][key].get<std::string>());
+      };
+      const auto depth = [&](size_t i) {
+        const output::ReadImage steps = image(i, "depth_file_path");
+        std::vector<float> meters;
+        for (const double step : steps.channels.at(0).values)
+          meters.push_back(static_cast<float>(step * 65535 / kStepsPerMetre));
+        return meters;
+      };
+      std::vector<ColmapPoint> points =
+          findSparsePoints(views, spacing_, depth, [&](size_t i) { return image(i, "file_path"); });
+      all.insert(all.end(), std::make_move_iterator(points.begin()), std::make_move_iterator(points.end()));
+    }
+    return all;
+  }
+
+  std::string file_, depthFile_, pointFile_;
+  uint32_t spacing_ = 0;  // pixels between points; 0: no points
   PictureFile picture_;
   bool depth_;
 };

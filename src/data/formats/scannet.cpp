@@ -1,0 +1,165 @@
+// The format "scannet": the folders that ScanNet's SensReader and its archives of 2D annotations unpack (Dai et al.
+// 2017, "ScanNet: Richly-annotated 3D Reconstructions of Indoor Scenes"). Each variation of a scene is a scan.
+#include <fmt/format.h>
+#include <turbojpeg.h>
+
+#include <memory>
+
+#include "base/error.h"
+#include "data/formats/depth_png.h"
+#include "data/formats/formats.h"
+#include "data/formats/frame_files.h"
+#include "data/formats/geometry.h"
+#include "data/formats/object_numbers.h"
+#include "data/formats/options.h"
+#include "output/png.h"
+
+namespace latelight::data {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using output::Aov;
+
+constexpr double kStepsPerMeter = 1000;
+constexpr uint32_t kMaxNumber = 65535;  // of a 16-bit PNG
+
+// Chroma is not subsampled, so that edges stay sharp.
+std::vector<std::byte> encodeJpeg(const std::vector<uint8_t>& rgb, uint32_t width, uint32_t height, int quality) {
+  const std::unique_ptr<void, int (*)(void*)> encoder(tjInitCompress(), tjDestroy);
+  unsigned char* file = nullptr;
+  unsigned long bytes = 0;
+  const bool encoded =
+      encoder && tjCompress2(encoder.get(), rgb.data(), static_cast<int>(width), 0, static_cast<int>(height), TJPF_RGB,
+                             &file, &bytes, TJSAMP_444, quality, TJFLAG_ACCURATEDCT) == 0;
+  const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owner(file, tjFree);
+  if (!encoded) fail(ExitCode::Internal, "an image could not be encoded: {}", tjGetErrorStr2(encoder.get()));
+  const auto* begin = reinterpret_cast<const std::byte*>(file);
+  return {begin, begin + bytes};
+}
+
+std::string matrixText(const glm::dmat4& m) {
+  std::string text;
+  for (int row = 0; row < 4; ++row)
+    text += fmt::format("{:.9g} {:.9g} {:.9g} {:.9g}\n", m[0][row], m[1][row], m[2][row], m[3][row]);
+  return text;
+}
+
+// ScanNet's pixel centers are whole numbers, which moves the principal point by half a pixel.
+std::string intrinsicText(const std::array<double, 9>& k) {
+  glm::dmat4 m(1);
+  m[0][0] = k[0];
+  m[1][1] = k[4];
+  m[2][0] = k[2] - 0.5;
+  m[2][1] = k[5] - 0.5;
+  return matrixText(m);
+}
+
+std::vector<std::byte> numbersPng(const output::AovImage& image, const std::vector<uint32_t>& numbers, uint32_t bits) {
+  const std::vector<std::byte> pixels = packNumbers(numbers, bits / 8);
+  return output::encodePng(image.width, image.height, 1, bits, pixels.data(), output::PngLight::Data);
+}
+
+class Scannet : public Format {
+ public:
+  explicit Scannet(const Json& json) : categories_("scannet", nullptr) {
+    FormatOptions options("scannet", json);
+    folder_ = options.setFile("folder", "scans", "");
+    categories_ = Categories("scannet", options.find("categories"));
+    quality_ = static_cast<int>(options.number("quality", 95, 1, 100));
+    options.finish();
+  }
+
+  std::vector<Aov> needs() const override { return {Aov::Depth, Aov::Id}; }
+  bool needsDisplay() const override { return true; }
+
+  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
+    const output::CameraMetadata& camera = frame.metadata.camera;
+    if (camera.orthographic || camera.lens)
+      badUsage("the format scannet supports only perspective cameras without distortion, not \"{}\"", camera.name);
+    const output::FrameOutput& picture = frame.picture;
+    const std::string scan = fmt::format("{}/scene{:04}_{:02}", folder_, frame.scene, frame.variation);
+    FrameRecord record;
+    const auto write = [&](const char* kind, const char* ending, std::span<const std::byte> bytes) {
+      writeOf(record, folder, fmt::format("{}/{}/{}.{}", scan, kind, frame.camera, ending), bytes);
+    };
+    write("color", "jpg", encodeJpeg(rgbOverBlack(picture), picture.width, picture.height, quality_));
+    write("depth", "png", encodeDepthPng(imageOf(picture, Aov::Depth), kStepsPerMeter));
+    const std::string pose = matrixText(glm::inverse(openCvFromWorld(camera)));
+    write("pose", "txt", std::as_bytes(std::span(pose)));
+    const std::shared_ptr<const ObjectNumbers> numbers = scenes_.of(frame, categories_);
+    if (numbers->instances() > kMaxNumber)
+      badUsage("the format scannet numbers up to {} objects per scene, not {}: make groups with --id-depth", kMaxNumber,
+               numbers->instances());
+    const output::AovImage& ids = imageOf(picture, Aov::Id);
+    // ScanNet has 8 bits per pixel; scenes with more objects require 16.
+    write("instance", "png", numbersPng(ids, numbers->instancesOf(ids), numbers->instances() > 255 ? 16 : 8));
+    write("label", "png", numbersPng(ids, numbers->categoriesOf(ids), 16));
+    record.entry = {{"scan", scan},
+                    {"intrinsic", intrinsicText(camera.intrinsics)},
+                    {"camera", camera.name},
+                    {"width", picture.width},
+                    {"height", picture.height},
+                    {"labels", numbers->categories()}};
+    return record;
+  }
+
+  // The files of each scan, from its frames.
+  std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
+    std::map<std::string, std::vector<const Json*>> scans;
+    for (const Json& entry : entries) scans[entry["scan"].get<std::string>()].push_back(&entry);
+    std::vector<std::string> written;
+    for (const auto& [scan, frames] : scans) {
+      const auto write = [&](const std::string& name, const std::string& text) {
+        writeIn(folder, scan + "/" + name, std::as_bytes(std::span(text)));
+        written.push_back(scan + "/" + name);
+      };
+      const std::string intrinsic = intrinsicOf(scan, frames);
+      for (const char* kind : {"color", "depth"}) {
+        write(fmt::format("intrinsic/intrinsic_{}.txt", kind), intrinsic);
+        write(fmt::format("intrinsic/extrinsic_{}.txt", kind), matrixText(glm::dmat4(1)));
+      }
+      write("labels.tsv", labelText((*frames.front())["labels"]));
+    }
+    return written;
+  }
+
+ private:
+  // Throws if the frames' intrinsics differ, because a scan has one camera.
+  static std::string intrinsicOf(const std::string& scan, const std::vector<const Json*>& frames) {
+    const Json& first = *frames.front();
+    for (const Json* frame : frames)
+      for (const char* key : {"intrinsic", "width", "height"})
+        if ((*frame)[key] != first[key])
+          badUsage(
+              "the format scannet has one camera matrix and size per scan, but in '{}' those of the cameras \"{}\" "
+              "and \"{}\" differ",
+              scan, first["camera"].get<std::string>(), (*frame)["camera"].get<std::string>());
+    return first["intrinsic"];
+  }
+
+  // The first columns of scannetv2-labels.combined.tsv.
+  static std::string labelText(const Json& labels) {
+    std::string text = "id\traw_category\tcategory\n";
+    for (size_t i = 0; i < labels.size(); ++i) {
+      std::string name = labels[i];
+      std::ranges::replace_if(
+          name, [](char c) { return c == '\t' || c == '\n' || c == '\r'; }, ' ');
+      text += fmt::format("{}\t{}\t{}\n", i + 1, name, name);
+    }
+    return text;
+  }
+
+  std::string folder_;
+  Categories categories_;
+  int quality_ = 95;
+  mutable NumberedScenes scenes_;
+};
+
+}  // namespace
+
+std::unique_ptr<Format> makeScannet(const Json& options) {
+  return std::make_unique<Scannet>(options);
+}
+
+}  // namespace latelight::data
