@@ -1,0 +1,125 @@
+"""latelight.lerobot: its data sets by pyarrow and ffmpeg, and by LeRobot itself if that is installed."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+pq = pytest.importorskip("pyarrow.parquet", reason="the package pyarrow is not installed")
+if not shutil.which("ffmpeg"):
+    pytest.skip("ffmpeg is not installed", allow_module_level=True)
+
+JOB = {
+    "scenes": "builtin:boxes",
+    "output": "set",
+    "repeat": 2,
+    "formats": ["transforms"],
+    "options": {"size": "63x48", "axes": "z-up"},
+    "cameras": {"type": "stereo", "baseline": 0.5, "cameras": {"type": "orbit", "count": 4}},
+}
+
+
+def lerobot(folder, *arguments):
+    return subprocess.run(
+        [sys.executable, "-m", "latelight.lerobot", *arguments], cwd=folder, capture_output=True, text=True
+    )
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("lerobot")
+    (folder / "job.json").write_text(json.dumps(JOB))
+    subprocess.run(
+        [os.environ["LATELIGHT_PROGRAM"], "batch", "job.json", "--devices", "cpu"],
+        cwd=folder,
+        check=True,
+        capture_output=True,
+    )
+    done = lerobot(folder, "set", "-o", "out", "--fps", "10", "--task", "orbit")
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def poses(folder):
+    """By episode: of each frame the poses of both cameras, (4, 4), from OpenCV's camera frame."""
+    frames = json.loads((folder / "set" / "transforms.json").read_text())["frames"]
+    matrices = np.array([frame["transform_matrix"] for frame in frames]) @ np.diag([1, -1, -1, 1])
+    return matrices.reshape(2, 4, 2, 4, 4)
+
+
+def test_the_rows(folder):
+    table = pq.read_table(folder / "out/data/chunk-000/file-000.parquet")
+    rows = table.to_pydict()
+    assert rows["index"] == list(range(8)) and rows["frame_index"] == [0, 1, 2, 3] * 2
+    assert rows["episode_index"] == [0] * 4 + [1] * 4 and rows["task_index"] == [0] * 8
+    np.testing.assert_allclose(rows["timestamp"], np.tile(np.arange(4) / 10, 2), rtol=1e-6)
+    assert str(table.schema.field("observation.state").type) == "fixed_size_list<element: float>[14]"
+    states = np.array(rows["observation.state"]).reshape(2, 4, 2, 7)
+    for state, pose in zip(states.reshape(-1, 7), poses(folder).reshape(-1, 4, 4)):
+        np.testing.assert_allclose(state[:3], pose[:3, 3], atol=1e-5)
+        x, y, z, w = state[3:]
+        rotation = [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+        np.testing.assert_allclose(rotation, pose[:3, :3], atol=1e-5)
+    actions = np.array(rows["action"]).reshape(2, 4, 2, 7)
+    np.testing.assert_array_equal(actions[:, :-1], states[:, 1:])
+    np.testing.assert_array_equal(actions[:, -1], states[:, -1])
+
+
+def test_the_episodes(folder):
+    rows = pq.read_table(folder / "out/meta/episodes/chunk-000/file-000.parquet").to_pylist()
+    assert [row["length"] for row in rows] == [4, 4]
+    assert [(row["dataset_from_index"], row["dataset_to_index"]) for row in rows] == [(0, 4), (4, 8)]
+    for camera in ("left", "right"):
+        key = f"videos/observation.images.{camera}"
+        np.testing.assert_allclose([row[f"{key}/from_timestamp"] for row in rows], [0, 0.4])
+        np.testing.assert_allclose([row[f"{key}/to_timestamp"] for row in rows], [0.4, 0.8])
+    assert pq.read_table(folder / "out/meta/tasks.parquet").to_pydict() == {"task_index": [0], "task": ["orbit"]}
+    info = json.loads((folder / "out/meta/info.json").read_text())
+    assert (info["codebase_version"], info["total_episodes"], info["total_frames"], info["fps"]) == ("v3.0", 2, 8, 10)
+    assert info["features"]["observation.images.left"]["shape"] == [48, 64, 3]
+    stats = json.loads((folder / "out/meta/stats.json").read_text())
+    states = np.array(pq.read_table(folder / "out/data/chunk-000/file-000.parquet")["observation.state"].to_pylist())
+    np.testing.assert_allclose(stats["observation.state"]["mean"], states.mean(0), atol=1e-6)
+    np.testing.assert_allclose(stats["observation.state"]["std"], states.std(0), atol=1e-6)
+
+
+def test_the_videos(folder):
+    """Frames are the images over black, as ffmpeg decodes them, with a padded column."""
+    for camera in ("left", "right"):
+        video = folder / f"out/videos/observation.images.{camera}/chunk-000/file-000.mp4"
+        raw = subprocess.run(
+            ["ffmpeg", "-loglevel", "error", "-i", str(video), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"],
+            capture_output=True,
+            check=True,
+        ).stdout
+        frames = np.frombuffer(raw, np.uint8).reshape(8, 48, 64, 3)
+        assert (frames[:, :, 63] < 24).all()
+        assert len({frame.tobytes() for frame in frames}) >= 4
+
+
+def test_errors(folder):
+    again = lerobot(folder, "set", "-o", "out")
+    assert again.returncode == 3 and "'out' exists already" in again.stderr
+    missing = lerobot(folder, "nothing", "-o", "new")
+    assert missing.returncode == 3 and "is not a complete data set" in missing.stderr
+    pictures = lerobot(folder, "set", "-o", "new", "--picture", "rgb/{name}.png")
+    assert pictures.returncode == 3 and "has no image" in pictures.stderr
+    assert sorted(path.name for path in folder.iterdir()) == ["job.json", "out", "set"]
+
+
+def test_lerobot_itself(folder):
+    datasets = pytest.importorskip("lerobot.datasets.lerobot_dataset", reason="the package lerobot is not installed")
+    data = datasets.LeRobotDataset("latelight/set", root=folder / "out")
+    assert len(data) == 8 and data.num_episodes == 2
+    item = data[5]
+    assert item["task"] == "orbit" and int(item["episode_index"]) == 1
+    assert tuple(item["observation.images.left"].shape) == (3, 48, 64)
+    np.testing.assert_allclose(item["observation.state"][:3], poses(folder)[1, 1, 0][:3, 3], atol=1e-5)
