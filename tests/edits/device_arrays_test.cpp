@@ -44,7 +44,7 @@ class DeviceArraysTest : public RenderTest {
 
  private:
   static void expectSame(const ExportedArray& array, size_t view, const output::FrameOutput& picture) {
-    const size_t bytes = array.rowBytes * array.rows;
+    const size_t bytes = array.viewBytes();
     const auto equals = [&](const auto& values) {
       using Value = std::remove_cvref_t<decltype(values[0])>;
       EXPECT_EQ(array.columns, picture.width);

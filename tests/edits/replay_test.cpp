@@ -199,7 +199,7 @@ std::vector<std::vector<std::byte>> bytesOf(const RenderResult& result) {
   std::vector<std::vector<std::byte>> all;
   for (const ExportedArray& array : result.arrays) {
     const std::byte* data = array.memory->buffer.mapped();
-    all.emplace_back(data, data + array.rowBytes * array.rows * array.views);
+    all.emplace_back(data, data + array.viewBytes() * array.views);
   }
   return all;
 }

@@ -47,15 +47,30 @@ std::shared_ptr<ExportedMemory> ExportPool::take(vk::Device& device, uint64_t by
 }
 
 std::vector<ExportedArray> exportedArrays(vk::Device& device, ExportPool& pool, const Settings& settings, uint32_t rows,
-                                          size_t views) {
+                                          size_t views, const ExportTargets& targets) {
+  const ExportFormats& formats = settings.exports;
   std::vector<ExportedArray> arrays;
-  const auto add = [&](std::optional<output::Aov> aov, uint32_t channels, uint64_t texelBytes) {
-    const uint64_t rowBytes = texelBytes * settings.width;
-    arrays.push_back(
-        {aov, views, rows, settings.width, channels, rowBytes, pool.take(device, rowBytes * rows * views)});
+  const auto add = [&](std::optional<output::Aov> aov, uint32_t channels, uint32_t elementBytes, bool changed) {
+    ExportedArray array{.aov = aov,
+                        .views = views,
+                        .rows = rows,
+                        .columns = settings.width,
+                        .channels = channels,
+                        .elementBytes = elementBytes,
+                        .channelsFirst = formats.channelsFirst};
+    array.converted = changed || (formats.channelsFirst && channels > 1);
+    const uint64_t bytes = array.viewBytes() * views;
+    const auto target = targets.find(aov);
+    if (target != targets.end() && target->second->buffer.size() < bytes)
+      badUsage("an array to render into is smaller than the output: use one of a call with the same size and formats");
+    array.memory = target != targets.end() ? target->second : pool.take(device, bytes);
+    arrays.push_back(std::move(array));
   };
-  if (settings.display) add(std::nullopt, 4, 4);
-  for (const output::Aov aov : settings.aovs) add(aov, output::info(aov).channels, 4 * output::info(aov).channels);
+  if (settings.display) add(std::nullopt, formats.rgb ? 3 : 4, 1, formats.rgb);
+  for (const output::Aov aov : settings.aovs) {
+    const bool shorter = std::ranges::count(formats.shorter, aov) > 0;
+    add(aov, output::info(aov).channels, shorter ? 2 : 4, shorter);
+  }
   return arrays;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -36,17 +37,26 @@ class ExportPool : public std::enable_shared_from_this<ExportPool> {
   std::vector<std::unique_ptr<ExportedMemory>> free_;
 };
 
-// Views x rows x columns x channels, tightly packed.
+// Views x rows x columns x channels, tightly packed; with channels first, views x channels x rows x columns.
 struct ExportedArray {
   std::optional<output::Aov> aov;  // none: the display picture, 8 bits per channel
   size_t views = 0;
   uint32_t rows = 0, columns = 0, channels = 0;
-  uint64_t rowBytes = 0;
-  std::shared_ptr<ExportedMemory> memory;
+  uint32_t elementBytes = 4;
+  bool channelsFirst = false;
+  bool converted = false;  // its elements are not those that passes pack (format.comp converts them)
+  std::shared_ptr<ExportedMemory> memory{};
+
+  uint64_t rowBytes() const { return uint64_t{elementBytes} * columns * (channelsFirst ? 1 : channels); }
+  uint64_t viewBytes() const { return uint64_t{elementBytes} * columns * rows * channels; }
 };
 
-// Returns one array per output for `views` pictures with `rows` rows each.
+// The memory to use for outputs in place of the pool's; none: the display picture.
+using ExportTargets = std::map<std::optional<output::Aov>, std::shared_ptr<ExportedMemory>>;
+
+// Returns one array per output for `views` pictures with `rows` rows each. Throws Error(Usage) if a target is too
+// small.
 std::vector<ExportedArray> exportedArrays(vk::Device& device, ExportPool& pool, const Settings& settings, uint32_t rows,
-                                          size_t views);
+                                          size_t views, const ExportTargets& targets = {});
 
 }  // namespace latelight::render

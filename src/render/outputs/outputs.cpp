@@ -8,6 +8,7 @@
 #include "render/base/readback.h"
 #include "render/frame/frame.h"
 #include "render/gbuffer/layout.h"
+#include "render/outputs/format_push.h"
 #include "render/outputs/pack_push.h"
 #include "shared/samples.h"
 
@@ -114,15 +115,20 @@ uint32_t PackedOutputs::axesOf(uint32_t packing) const {
 // An exported array is imported as read and written, so that the results of its other views are preserved.
 ResultTarget PackedOutputs::place(const Builder& b, std::optional<Aov> aov, uint32_t texelBytes, glm::uvec3 size) {
   ResultTarget place;
-  if (arrays_.arrays.empty()) {
+  const auto array = std::ranges::find(arrays_.arrays, aov, &ExportedArray::aov);
+  const bool converted = array != arrays_.arrays.end() && array->converted;
+  if (arrays_.arrays.empty() || converted) {
     const std::string name = aov ? "output " + std::string(output::info(*aov).name) : "picture";
     place = createResult(b, name, uint64_t{texelBytes} * size.x * size.y, size.z);
+    if (converted) {
+      conversions_.push_back({&*array, place, size});
+      return place;
+    }
   } else {
-    const ExportedArray& array = *std::ranges::find(arrays_.arrays, aov, &ExportedArray::aov);
-    const uint64_t viewBytes = array.rowBytes * array.rows;
-    place = {.buffer = b.graph.import(array.memory->buffer, graph::Use::StorageReadWrite),
+    const uint64_t viewBytes = array->viewBytes();
+    place = {.buffer = b.graph.import(array->memory->buffer, graph::Use::StorageReadWrite),
              .use = graph::Use::StorageReadWrite,
-             .offset = arrays_.firstView * viewBytes + arrays_.firstRow * array.rowBytes,
+             .offset = arrays_.firstView * viewBytes + arrays_.firstRow * array->rowBytes(),
              .viewBytes = viewBytes};
   }
   results_.push_back({aov, place.buffer});
@@ -200,7 +206,48 @@ std::vector<graph::BufferId> PackedOutputs::buffers() const {
   return buffers;
 }
 
+// Adds the pass that converts a packed output to the format of its array.
+void PackedOutputs::addConversion(const Builder& b, const Conversion& conversion) {
+  const ExportedArray& array = *conversion.array;
+  const glm::uvec3 size = conversion.size;
+  const graph::BufferId target = b.graph.import(array.memory->buffer, graph::Use::StorageReadWrite);
+  const bool ids = array.aov && output::holdsIds(*array.aov), planar = array.channelsFirst && array.channels > 1;
+  const uint32_t pixels = size.x * size.y, elements = planar ? pixels : pixels * array.channels;
+  const uint32_t words = elements * array.elementBytes / 4 + 2, stride = std::min(words, 1u << 20);
+  const uint64_t offset = arrays_.firstView * array.viewBytes() + arrays_.firstRow * array.rowBytes();
+  const FormatPush push{.sourceViewBytes = conversion.packed.viewBytes,
+                        .targetViewBytes = array.viewBytes(),
+                        .planeBytes = uint64_t{array.elementBytes} * array.columns * array.rows,
+                        .format = !array.aov                ? kFormatByte
+                                  : array.elementBytes == 4 ? kFormatWord
+                                  : ids                     ? kFormatShort
+                                                            : kFormatHalf,
+                        .sourceChannels = array.aov ? array.channels : 1,
+                        .channels = array.channels,
+                        .planar = planar ? 1u : 0u,
+                        .elements = elements,
+                        .elementBytes = array.elementBytes,
+                        .stride = stride};
+  addCompute(b,
+             {.stage = graph::Stage::Output,
+              .name = "format",
+              .shader = "format.comp",
+              .bindings = Bindings(b.device),
+              .size = {stride, planar ? array.channels : 1, size.z},
+              .buffers = {{conversion.packed.buffer, graph::Use::StorageRead}, {target, graph::Use::StorageReadWrite}},
+              .groupX = kFormatGroup,
+              .groupY = 1},
+             [=, packed = conversion.packed](graph::Context& context) {
+               FormatPush filled = push;
+               filled.source = packed.address(context);
+               filled.target = context.buffer(target).address() + offset;
+               return filled;
+             });
+  results_.push_back({array.aov, target});
+}
+
 void PackedOutputs::exportResults(const Builder& b, Results results) {
+  for (const Conversion& conversion : conversions_) addConversion(b, conversion);
   if (results == Results::Exported) {
     for (const graph::BufferId buffer : buffers()) b.graph.exports(buffer, graph::Use::HostRead);
     return;

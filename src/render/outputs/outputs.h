@@ -92,6 +92,14 @@ class PackedOutputs {
   bool yUp_, lens_;
   ResultArrays arrays_;
   std::vector<Result> results_;
+  // Outputs that are packed to memory of their own, and then converted to the format of their arrays.
+  struct Conversion {
+    const ExportedArray* array;
+    ResultTarget packed;
+    glm::uvec3 size;
+  };
+  void addConversion(const Builder& b, const Conversion& conversion);
+  std::vector<Conversion> conversions_;
   bool onHost_ = true;
 };
 

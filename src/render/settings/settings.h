@@ -165,6 +165,14 @@ inline float radians(double degrees) {
   return static_cast<float>(degrees * 3.14159265358979323846 / 180.0);
 }
 
+// The form of outputs that stay on the device as arrays. Others have 32 bits per element, or 8 bits for the picture.
+struct ExportFormats {
+  bool rgb = false;                  // the picture has no alpha channel
+  std::vector<output::Aov> shorter;  // outputs with 16 bits per element: half floats, or 16-bit ids
+  bool channelsFirst = false;        // one plane per channel
+  bool operator==(const ExportFormats&) const = default;
+};
+
 // The members are those of latelight::Options, with angles in radians.
 struct Settings {
 #define OPTION_FLAG(member, ...) bool member = false;
@@ -188,6 +196,7 @@ struct Settings {
   bool wholeShadowMaps = false;     // reference: shadow maps are drawn in full, not only the pages that are looked up
   bool countSurfaces = false;       // fills RenderStatistics::shadingCounts
   bool describeGraph = false;       // fills RenderStatistics::graphviz
+  ExportFormats exports;            // for Results::Exported
   bool operator==(const Settings&) const = default;
 };
 

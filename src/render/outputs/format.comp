@@ -1,0 +1,64 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Converts a packed output to the format of an exported array: 8-bit RGB without alpha, half floats, 16-bit ids, or
+// channel planes. Each invocation writes 32-bit words. The segments of different views and planes may share a word at
+// their ends, of which each writes only its own bytes.
+#include "render/glsl/common.glsl"
+#include "render/outputs/format_push.h"
+
+layout(local_size_x = kFormatGroup) in;
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer WordsOut { uint v[]; };
+layout(push_constant, scalar) uniform Push { FormatPush push; };
+
+// IEEE 754 binary16, rounded to nearest even. packHalf2x16() may round in any direction.
+uint halfBits(float value) {
+  uint bits = floatBitsToUint(value), sign = bits >> 16u & 0x8000u, magnitude = bits & 0x7fffffffu;
+  if (magnitude > 0x7f800000u) return sign | 0x7e00u;   // NaN
+  if (magnitude >= 0x477ff000u) return sign | 0x7c00u;  // rounds to infinity
+  if (magnitude < 0x33000001u) return sign;             // rounds to zero
+  uint exponent = magnitude >> 23u, fraction = magnitude & 0x7fffffu, shift = 13u, result = 0u;
+  if (exponent < 113u) {  // a subnormal half
+    fraction |= 0x800000u;
+    shift = 126u - exponent;
+  } else {
+    result = exponent - 112u << 10u;
+  }
+  result += fraction >> shift;
+  uint rest = fraction & (1u << shift) - 1u, middle = 1u << shift - 1u;
+  if (rest > middle || (rest == middle && (result & 1u) != 0u)) ++result;
+  return sign | result;
+}
+
+// Returns the bits of an element of a segment: of all channels of a view, or of one plane.
+uint elementBits(UintRef from, uint element, uint plane) {
+  uint pixel = push.planar != 0u ? element : element / push.channels;
+  uint channel = push.planar != 0u ? plane : element % push.channels;
+  if (push.format == kFormatByte) return from.v[pixel] >> 8u * channel & 255u;
+  uint bits = from.v[pixel * push.sourceChannels + channel];
+  if (push.format == kFormatHalf) return halfBits(uintBitsToFloat(bits));
+  return push.format == kFormatShort ? min(bits, 65535u) : bits;
+}
+
+void main() {
+  uint plane = gl_GlobalInvocationID.y, view = gl_GlobalInvocationID.z;
+  UintRef from = UintRef(push.source + uint64_t(view) * push.sourceViewBytes);
+  uint64_t begin = push.target + uint64_t(view) * push.targetViewBytes + uint64_t(plane) * push.planeBytes;
+  uint skipped = uint(begin) & 3u, end = skipped + push.elements * push.elementBytes;  // bytes from the first word on
+  WordsOut words = WordsOut(begin - uint64_t(skipped));
+  uint lanes = 4u / push.elementBytes, bits = 8u * push.elementBytes;
+  for (uint word = gl_GlobalInvocationID.x; 4u * word < end; word += push.stride) {
+    uint value = 0u, mask = 0u;
+    for (uint lane = 0u; lane < lanes; ++lane) {
+      uint at = 4u * word + lane * push.elementBytes;
+      if (at < skipped || at >= end) continue;
+      value |= elementBits(from, (at - skipped) / push.elementBytes, plane) << bits * lane;
+      mask |= (bits == 32u ? ~0u : (1u << bits) - 1u) << bits * lane;
+    }
+    if (mask == ~0u) {
+      words.v[word] = value;
+    } else {
+      atomicAnd(words.v[word], ~mask);
+      atomicOr(words.v[word], value);
+    }
+  }
+}
