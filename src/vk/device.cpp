@@ -57,8 +57,9 @@ struct Device::Impl {
 
   std::mutex submitting;  // one submission at a time; guards the following
   std::deque<CommandBuffer> commandBuffers;
-  std::mutex deleting;     // guards the three below
-  uint64_t submitted = 0;  // the timeline's value after all submitted work
+  std::vector<VkSemaphoreSubmitInfo> waits;  // of the next submission
+  std::mutex deleting;                       // guards the three below
+  uint64_t submitted = 0;                    // the timeline's value after all submitted work
   bool recording = false;
   std::vector<Deletion> deletions;
 };
@@ -160,7 +161,10 @@ uint64_t Device::Impl::send(VkQueue queue, CommandBuffer& commands) {
   info.pCommandBufferInfos = &buffer;
   info.signalSemaphoreInfoCount = 1;
   info.pSignalSemaphoreInfos = &signal;
+  info.waitSemaphoreInfoCount = static_cast<uint32_t>(waits.size());
+  info.pWaitSemaphoreInfos = waits.data();
   VK_CHECK(vkQueueSubmit2(queue, 1, &info, VK_NULL_HANDLE));
+  waits.clear();
   commands.value = value;
   std::lock_guard lock(deleting);
   return submitted = value;
@@ -330,6 +334,15 @@ uint64_t Device::submit(const std::function<void(VkCommandBuffer)>& record) {
   record(commands.buffer);
   VK_CHECK(vkEndCommandBuffer(commands.buffer));
   return impl_->send(queue_, commands);
+}
+
+void Device::waitFirst(VkSemaphore timeline, uint64_t value) {
+  std::lock_guard submitting(impl_->submitting);
+  VkSemaphoreSubmitInfo wait{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
+  wait.semaphore = timeline;
+  wait.value = value;
+  wait.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  impl_->waits.push_back(wait);
 }
 
 uint64_t Device::submissions() const {

@@ -89,6 +89,8 @@ class Device {
   // values grow by one, and submissions finish in order. Exceptions from `record` are rethrown, and nothing is
   // submitted.
   uint64_t submit(const std::function<void(VkCommandBuffer)>& record);
+  // Makes the next submission, and all later ones, wait on the device until the timeline semaphore has this value.
+  void waitFirst(VkSemaphore timeline, uint64_t value);
   uint64_t submissions() const;  // timeline value of the last submission
   bool finished(uint64_t submission) const;
   void wait(uint64_t submission);  // until the submission has finished

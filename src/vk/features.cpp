@@ -49,6 +49,7 @@ constexpr Feature kOptional[] = {
     CORE(depthClamp, "depth clamped instead of clipped"),
     CORE(sampleRateShading, "shading for each sample"),
     CORE(shaderInt16, "16-bit integers in shaders"),
+    CORE(shaderFloat64, "64-bit floats in shaders"),
     LATER(v11, multiview, "several views in one draw"),
     LATER(v11, storageBuffer16BitAccess, "16-bit values in buffers"),
     LATER(v12, storageBuffer8BitAccess, "8-bit values in buffers"),

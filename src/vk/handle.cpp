@@ -62,6 +62,9 @@ void destroy(VkDevice device, VkShaderModule object) {
 void destroy(VkDevice device, VkImageView object) {
   vkDestroyImageView(device, object, nullptr);
 }
+void destroy(VkDevice device, VkSemaphore object) {
+  vkDestroySemaphore(device, object, nullptr);
+}
 
 }  // namespace
 
@@ -90,5 +93,6 @@ template class Handle<VkSampler>;
 template class Handle<VkQueryPool>;
 template class Handle<VkShaderModule>;
 template class Handle<VkImageView>;
+template class Handle<VkSemaphore>;
 
 }  // namespace latelight::vk

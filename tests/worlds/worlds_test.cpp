@@ -345,6 +345,30 @@ TEST_P(WorldsWith, MayBeEmpty) {
   for (const size_t world : {0, 2}) EXPECT_EQ(imageOf(frames[world], Aov::Id).ids, alone);
 }
 
+// Calls that differ only in values submit recorded commands again, and these are those of the call's values.
+TEST_F(WorldsTest, SteadyCallsAreReplayed) {
+  scene::Scene scene = scene::load("builtin:boxes"), edited = scene::load("builtin:boxes");
+  std::vector<scene::Camera> cameras(2, scene.cameras.front());
+  cameras[1].world = 1;
+  Settings settings = settingsWith(Raster::Compute);
+  settings.shadows = ShadowFormat::None;
+  Renderer renderer(device(), scene, nullptr), alone(device(), edited, nullptr);
+  uint32_t replays = 0;
+  for (uint32_t call = 0; call < 5; ++call) {
+    SceneState state;
+    state.worlds = {.count = 2, .instances = {0}};
+    for (uint32_t world = 0; world < 2; ++world)
+      state.worlds.transforms.push_back(glm::translate(scene.instances[0].toWorld, dvec3(0.05 * call, 0.1 * world, 0)));
+    RenderResult result = renderer.submit(cameras, settings, state).take();
+    replays += result.statistics.replays;
+    for (uint32_t world = 0; world < 2; ++world) {
+      become(edited, state.worlds, world);
+      expectSame(result.frames[world], alone.render({&scene.cameras.front(), 1}, settings).front());
+    }
+  }
+  EXPECT_EQ(replays, 3u) << "the first call renders, the second one is recorded";
+}
+
 // More worlds than are rendered at once, so they are rendered in groups.
 TEST_F(WorldsTest, AreRenderedInGroups) {
   constexpr uint32_t kMany = 300;

@@ -32,6 +32,13 @@ void setPinhole(shared::Projection& p, const scene::Lens& lens) {
 
 }  // namespace
 
+glm::dmat4 viewFromOpenCv() {
+  glm::dmat4 m(1.0);
+  m[1] = {0, 0, -1, 0};
+  m[2] = {0, 1, 0, 0};
+  return m;
+}
+
 glm::dmat4 rigidPose(const scene::Camera& camera) {
   glm::dmat4 pose = camera.toWorld;
   for (int i = 0; i < 3; ++i) pose[i] = glm::dvec4(glm::normalize(glm::dvec3(pose[i])), 0.0);

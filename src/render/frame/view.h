@@ -23,6 +23,9 @@ shared::View makeView(const scene::Camera& camera, uint32_t width, uint32_t heig
 // Returns the camera's rotation and position: its transform without scale.
 glm::dmat4 rigidPose(const scene::Camera& camera);
 
+// Returns the rotation from OpenCV's camera axes (X right, Y down, Z forward) to view space.
+glm::dmat4 viewFromOpenCv();
+
 // Sets the eye as a float and the remainder of the double.
 void placeEye(shared::View& view, const glm::dvec3& eye);
 

@@ -38,6 +38,8 @@ class GpuList {
       uploader.upload(buffer_, std::as_bytes(all.subspan(first, end - first)), first * sizeof(T));
     }
   }
+  // Makes space for a list that shaders write. Earlier contents may be lost.
+  void resize(size_t count) { reserve(count); }
   VkDeviceAddress address() const { return buffer_ ? buffer_.address() : 0; }
 
  private:

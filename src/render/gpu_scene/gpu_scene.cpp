@@ -96,6 +96,7 @@ void GpuScene::setWorlds(const WorldStates& worlds, const Poses& poses) {
 }
 
 InstancesOfWorld GpuScene::instancesOf(uint32_t world) const {
+  if (worlds_.onDevice()) return {instances_.records(), instances_.allSpheres(), worlds_.address(world)};
   if (hasWorlds()) return worlds_.of(world);
   return {instances_.records(), instances_.allSpheres(), instances_.address()};
 }
@@ -156,7 +157,7 @@ void GpuScene::setLights(std::vector<scene::Light> lights) {
 }
 
 scene::Bounds GpuScene::bounds(uint32_t world) const {
-  if (hasWorlds()) return worlds_.bounds(world);
+  if (hasWorlds() && !worlds_.onDevice()) return worlds_.bounds(world);
   if (!bounds_) bounds_ = posed_ ? instances_.allBounds() : scene::worldBounds(scene_);
   return *bounds_;
 }

@@ -45,10 +45,16 @@ class GpuScene {
   // Overrides the scene's lights immediately, until the next edit or pose.
   void setLights(std::vector<scene::Light> lights);
 
-  // The scene's instances as a world has them. Without worlds, those of world 0 are the scene's.
+  // The scene's instances as a world has them. Without worlds, those of world 0 are the scene's. If shaders place the
+  // instances of worlds, records and bounds are the scene's, and only the address is the world's.
   bool hasWorlds() const { return worlds_.count() > 0; }
   const GpuWorlds& worlds() const { return worlds_; }
+  void foundVastWorlds() { worlds_.foundVast(); }
   InstancesOfWorld instancesOf(uint32_t world) const;
+  // The bounds of an instance's mesh in a pose of the last update().
+  PosedBounds boundsIn(uint32_t instance, const scene::Pose& pose) const {
+    return instances_.boundsIn(instance, pose, posed_ ? deformer_.get() : nullptr);
+  }
   bool anyVast() const { return instances_.anyVast() || (hasWorlds() && worlds_.anyVast()); }
 
   // The lights of a world, or the scene's. The counts are the maximum over all worlds.
@@ -58,7 +64,8 @@ class GpuScene {
   uint32_t lightCount() const { return lightCount_; }
   uint32_t unboundedLights() const { return unboundedLights_; }
 
-  // Bounds of all of the world's instances in their current pose, in the scene's world space.
+  // Bounds of all of the world's instances in their current pose, in the scene's world space; the scene's if shaders
+  // place the instances of worlds.
   scene::Bounds bounds(uint32_t world = 0) const;
   // The origin of the device's world space in the scene's. It is near most visible instances, so that floats position
   // lights and shadow maps precisely, wherever the scene lies. It depends only on the scene's current state.

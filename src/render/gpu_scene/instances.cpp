@@ -98,15 +98,21 @@ glm::dmat4 GpuInstances::deviceTransform(uint32_t index, const glm::dmat4& toWor
 
 WorldSphere GpuInstances::sphereOf(uint32_t index, const glm::dmat4& toWorld, const scene::Pose& pose,
                                    const Deformer* deformer) const {
+  const PosedBounds bounds = boundsIn(index, pose, deformer);
+  WorldSphere sphere;
+  if (bounds.shown) sphere = boundsOf(bounds.box, toWorld);
+  sphere.turnedOver = bounds.turnedOver;
+  return sphere;
+}
+
+PosedBounds GpuInstances::boundsIn(uint32_t index, const scene::Pose& pose, const Deformer* deformer) const {
   const scene::Instance& instance = scene_.instances[index];
   const scene::Mesh& mesh = scene_.meshes[instance.mesh];
-  const bool deformed = deformer && mesh.deformation && !pose.empty();
-  WorldSphere sphere;
-  if (scene::isShown(scene_, pose, instance))
-    sphere = boundsOf(
-        deformed ? deformer->boundsOf(instance.mesh, pose) : scene::ReachBox{mesh.boundsMin, mesh.boundsMax}, toWorld);
-  sphere.turnedOver = deformed && deformer->turnsOver(instance.mesh, pose);
-  return sphere;
+  const bool deformed = deformer && mesh.deformation && !pose.empty(), shown = scene::isShown(scene_, pose, instance);
+  return {.box = deformed && shown ? deformer->boundsOf(instance.mesh, pose)
+                                   : scene::ReachBox{mesh.boundsMin, mesh.boundsMax},
+          .shown = shown,
+          .turnedOver = deformed && deformer->turnsOver(instance.mesh, pose)};
 }
 
 // Returns the weighted mean of the centers of all visible instances. Large instances have small weights, because the

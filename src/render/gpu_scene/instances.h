@@ -19,6 +19,12 @@ struct WorldSphere {  // in the scene's world space, meters
   bool turnedOver = false;  // its skin mirrors the mesh, which reverses the winding of its triangles
 };
 
+// The bounds of an instance's mesh in a pose.
+struct PosedBounds {
+  scene::ReachBox box;     // object space
+  bool shown, turnedOver;  // turnedOver: as in WorldSphere
+};
+
 class GpuInstances {
  public:
   GpuInstances(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
@@ -45,6 +51,7 @@ class GpuInstances {
 
   // The same instances with other transforms, for worlds: the bounding sphere of an instance, its record, and a record
   // with another transform.
+  PosedBounds boundsIn(uint32_t instance, const scene::Pose& pose, const Deformer* deformer) const;
   WorldSphere sphereOf(uint32_t instance, const glm::dmat4& toWorld, const scene::Pose& pose,
                        const Deformer* deformer) const;
   shared::Instance recordOf(uint32_t instance, const glm::dmat4& toWorld, bool turnedOver) const;

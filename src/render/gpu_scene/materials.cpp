@@ -57,12 +57,14 @@ void GpuMaterials::pose(vk::Uploader& uploader, const std::map<uint32_t, shared:
   for (const auto& [material, data] : posed) set(material, data);
   posed_ = posed;
   std::ranges::sort(changed);
-  if (!changed.empty()) uploadRecords(uploader, changed);
+  if (changed.empty()) return;
+  uploadRecords(uploader, changed);
+  variants_.clear();  // they may derive from these
 }
 
 void GpuMaterials::setVariants(vk::Uploader& uploader, std::vector<Variant> variants) {
   const size_t first = scene_.materials.size();
-  if (variants.empty() && variants_.empty()) return;
+  if (variants == variants_) return;
   variants_ = std::move(variants);
   records_.resize(first + variants_.size());
   std::vector<uint32_t> changed;
@@ -79,7 +81,9 @@ void GpuMaterials::setVariants(vk::Uploader& uploader, std::vector<Variant> vari
     setRecord(index, data);
     if (std::memcmp(&before, &records_[index], sizeof(before)) != 0) changed.push_back(index);
   }
+  const uint64_t revision = sceneRevision_;
   if (!changed.empty()) uploadRecords(uploader, changed);
+  sceneRevision_ = revision;
 }
 
 uint32_t GpuMaterials::baseOf(uint32_t material) const {
@@ -116,6 +120,7 @@ void GpuMaterials::uploadRecords(vk::Uploader& uploader, std::span<const uint32_
   list_.upload(uploader, records_, changed);
   uploadUniforms(uploader, changed);
   ++revision_;
+  ++sceneRevision_;
 }
 
 void GpuMaterials::uploadUniforms(vk::Uploader& uploader, std::span<const uint32_t> changed) {

@@ -27,6 +27,7 @@ struct MaterialFactors {
   glm::vec4 baseColor{1};
   glm::vec3 emissive{0};
   float metallic = 1, roughness = 1;
+  bool operator==(const MaterialFactors&) const = default;
 };
 
 class GpuMaterials {
@@ -43,6 +44,7 @@ class GpuMaterials {
   struct Variant {
     uint32_t base;  // material of the scene
     MaterialFactors factors;
+    bool operator==(const Variant&) const = default;
   };
   void setVariants(vk::Uploader& uploader, std::vector<Variant> variants);
   void setAnisotropy(vk::Uploader& uploader, uint32_t samples) { textures_.setAnisotropy(uploader, samples); }
@@ -60,6 +62,7 @@ class GpuMaterials {
   uint32_t layers() const { return layers_; }                  // kLayer* flags that a material has, or had
   VkDeviceAddress address() const { return list_.address(); }  // shared::Material[]
   uint64_t revision() const { return revision_; }              // increases whenever a material changes
+  uint64_t sceneRevision() const { return sceneRevision_; }    // the same without the variants
 
  private:
   void setRecord(uint32_t material, const shared::Material& data);
@@ -82,7 +85,7 @@ class GpuMaterials {
   VkDescriptorSet uniformSet_ = VK_NULL_HANDLE;
   uint32_t textureSlots_ = 0;
   uint32_t layers_ = 0;
-  uint64_t revision_ = 1;
+  uint64_t revision_ = 1, sceneRevision_ = 1;
 };
 
 }  // namespace latelight::render

@@ -3,6 +3,7 @@
 #include "render/gpu_scene/worlds.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "base/parallel.h"
 
@@ -47,6 +48,15 @@ WorldState stateOf(const WorldStates& worlds, uint32_t world, const scene::Scene
   return state;
 }
 
+// Returns the material of each listed instance in each world, or nothing if worlds have the scene's materials.
+std::vector<uint32_t> choicesOf(const WorldStates& worlds, const scene::Scene& scene) {
+  std::vector<uint32_t> choices = worlds.materials;
+  if (worlds.factors.empty()) return choices;
+  choices.resize(worlds.factors.size());
+  std::iota(choices.begin(), choices.end(), static_cast<uint32_t>(scene.materials.size()));
+  return choices;
+}
+
 }  // namespace
 
 std::vector<GpuMaterials::Variant> variantsOf(const WorldStates& worlds, const scene::Scene& scene) {
@@ -59,8 +69,37 @@ std::vector<GpuMaterials::Variant> variantsOf(const WorldStates& worlds, const s
   return variants;
 }
 
+// Shaders write the lists. The revision tells those who refer to them only what else has changed.
+void GpuWorlds::reserve(vk::Uploader& uploader, const scene::Scene& scene, const WorldStates& worlds,
+                        const Poses& poses) {
+  const WorldInputs& inputs = *worlds.inputs;
+  std::vector<uint32_t> choices = choicesOf(worlds, scene);
+  const auto instances = static_cast<uint32_t>(scene.instances.size());
+  if (!onDevice_ || count_ != worlds.count || instances_ != instances || choices_ != choices) {
+    ++revision_;
+    choices_ = std::move(choices);
+    if (!choices_.empty()) choiceList_.upload(uploader, choices_);
+  }
+  onDevice_ = true;
+  count_ = worlds.count;
+  instances_ = instances;
+  records_.clear();
+  bounds_.clear();
+  worldBounds_.clear();
+  vast_ = vastOnDevice_;
+  moves_ = !poses.current.empty() || inputs.previous.address != 0 || inputs.next.address != 0;
+  list_.resize(size_t{count_} * instances_);
+  if (moves_) previous_.resize(size_t{count_} * instances_);
+  if (moves_) next_.resize(size_t{count_} * instances_);
+}
+
 void GpuWorlds::update(vk::Uploader& uploader, const scene::Scene& scene, const GpuInstances& instances,
                        const WorldStates& worlds, const Poses& poses, const Deformer* deformer) {
+  hasMaterials_ = !worlds.materials.empty() || !worlds.factors.empty();
+  rotations_ = worlds.environmentRotation;
+  intensities_ = worlds.environmentIntensity;
+  if (worlds.inputs) return reserve(uploader, scene, worlds, poses);
+  onDevice_ = false;
   const std::vector<glm::dmat4> transforms = scene::instanceTransforms(scene, poses.current);
   count_ = worlds.count;
   instances_ = static_cast<uint32_t>(transforms.size());
@@ -99,9 +138,6 @@ void GpuWorlds::update(vk::Uploader& uploader, const scene::Scene& scene, const 
     uploadMoved(previous_, uploader, scene, instances, worlds, worlds.previous, poses.previous);
     uploadMoved(next_, uploader, scene, instances, worlds, worlds.next, poses.next);
   }
-  hasMaterials_ = !worlds.materials.empty() || !worlds.factors.empty();
-  rotations_ = worlds.environmentRotation;
-  intensities_ = worlds.environmentIntensity;
   ++revision_;
 }
 

@@ -2,6 +2,8 @@
 // its own choice of the instances that exist. Everything else is the scene's.
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,6 +17,25 @@
 #include "shared/types.h"
 
 namespace latelight::render {
+
+// Numbers of one call in memory that shaders read: [worlds][elements][rows][columns], row by row, without padding.
+struct WorldArray {
+  VkDeviceAddress address = 0;  // 0: not given
+  uint32_t rows = 4;            // of each matrix
+  bool doubles = false;         // otherwise floats
+};
+
+// Transforms and cameras of worlds as a caller gave them, which shaders convert (WorldPlacer). Transforms and poses are
+// in the file's frame, and poses in OpenCV's axes, with 3 or 4 rows of 4 columns.
+struct WorldInputs {
+  WorldArray transforms, previous, next;                               // [worlds][instances]
+  WorldArray cameraToWorld, previousCameraToWorld, nextCameraToWorld;  // [worlds][cameras]
+  WorldArray intrinsics;                                               // [worlds][cameras], 3x3, in pixels
+  VkDeviceAddress exists = 0;                       // [worlds][instances], one byte each; 0: every instance exists
+  std::vector<scene::Camera> cameras;               // of each world
+  std::vector<uint32_t> rides;                      // per camera: the instance that it rides on, or ~0u; empty: none
+  std::vector<std::shared_ptr<const void>> memory;  // what the arrays are in; the call holds it until it has finished
+};
 
 // The values of all worlds, world by world. An empty list leaves the scene's values.
 struct WorldStates {
@@ -30,6 +51,9 @@ struct WorldStates {
   std::vector<scene::Light> lightValues;   // [count][lights]; those with a node keep the scene's position and direction
   std::vector<float> environmentRotation;  // [count], radians
   std::vector<float> environmentIntensity;  // [count]
+  // In place of `transforms`, `previous`, `next` and `exists`, and of the cameras of the call: each of the C cameras is
+  // rendered in each world, world by world.
+  std::optional<WorldInputs> inputs;
 };
 
 // Returns the materials that the factors of worlds require, world by world.
@@ -49,10 +73,11 @@ class GpuWorlds {
         previous_(device, "previous instances of worlds"),
         next_(device, "next instances of worlds"),
         lightList_(device, "lights of worlds"),
-        lightTrees_(device, "light trees of worlds") {}
+        lightTrees_(device, "light trees of worlds"),
+        choiceList_(device, "materials of worlds") {}
 
-  // Uploads the instances of all worlds. `scene` has followed all edits and poses. The other arguments are those of
-  // GpuInstances::pose().
+  // Uploads the instances of all worlds, or makes space for those that shaders place. `scene` has followed all edits
+  // and poses. The other arguments are those of GpuInstances::pose().
   void update(vk::Uploader& uploader, const scene::Scene& scene, const GpuInstances& instances,
               const WorldStates& worlds, const Poses& poses, const Deformer* deformer);
   // Uploads the lights of all worlds, if `worlds` describes any. `lights`: those of the scene, by index, and those that
@@ -62,21 +87,36 @@ class GpuWorlds {
   void clear() { count_ = 0; }
 
   uint32_t count() const { return count_; }  // 0: there are no worlds
+  // True if shaders place the instances, so that the host has no records of them (WorldStates::inputs).
+  bool onDevice() const { return count_ > 0 && onDevice_; }
   InstancesOfWorld of(uint32_t world) const;
+  VkDeviceAddress address(uint32_t world) const {
+    return list_.address() + uint64_t{world} * instances_ * sizeof(shared::Instance);
+  }
+  uint32_t instanceTimes() const { return moves_ ? 3 : 1; }  // lists that shaders place
+  VkDeviceAddress listAt(uint32_t time) const {              // 0: current, 1: previous, 2: next frame
+    return time == 0 ? list_.address() : time == 1 ? previous_.address() : next_.address();
+  }
   const scene::Bounds& bounds(uint32_t world) const { return worldBounds_[world]; }  // in the scene's world space
   bool anyVast() const { return vast_; }
-  uint64_t revision() const { return count_ > 0 ? revision_ : 0; }   // 0 without worlds; increases with every update
-  bool hasMaterials() const { return count_ > 0 && hasMaterials_; }  // other than the scene's
-  std::span<const shared::Instance> records() const { return records_; }  // of all worlds
+  void foundVast() { vastOnDevice_ = vast_ = true; }  // by shaders that placed the instances
+  // 0 without worlds; increases with every update of the host's records and of the worlds' materials.
+  uint64_t revision() const { return count_ > 0 ? revision_ : 0; }
+  bool hasMaterials() const { return count_ > 0 && hasMaterials_; }       // other than the scene's
+  std::span<const shared::Instance> records() const { return records_; }  // of all worlds; none if onDevice()
+  std::span<const uint32_t> choices() const { return choices_; }  // if onDevice(): [worlds][listed] materials, or empty
+  VkDeviceAddress choicesAddress() const { return choices_.empty() ? 0 : choiceList_.address(); }
   bool hasLights() const { return count_ > 0 && !lights_.empty(); }
   std::span<const LightSet> lights() const { return lights_; }  // one per world
   // The rotation and the intensity of the environment in a world, in place of these.
   float environmentRotation(uint32_t world, float others) const;
+  bool turnsEnvironment() const { return count_ > 0 && !rotations_.empty(); }
   float environmentIntensity(uint32_t world, float others) const;
   void describe(shared::FrameConstants& frame, uint32_t world) const;
   void describeLights(shared::FrameConstants& frame, uint32_t world) const;
 
  private:
+  void reserve(vk::Uploader& uploader, const scene::Scene& scene, const WorldStates& worlds, const Poses& poses);
   void uploadMoved(GpuList<shared::Instance>& list, vk::Uploader& uploader, const scene::Scene& scene,
                    const GpuInstances& instances, const WorldStates& worlds, const std::vector<glm::dmat4>& transforms,
                    const scene::Pose& pose) const;
@@ -93,6 +133,9 @@ class GpuWorlds {
   std::vector<float> rotations_, intensities_;
   bool moves_ = false;  // previous_ and next_ have other transforms than list_
   bool vast_ = false, hasMaterials_ = false;
+  bool onDevice_ = false, vastOnDevice_ = false;
+  std::vector<uint32_t> choices_;
+  GpuList<uint32_t> choiceList_;
   uint64_t revision_ = 0;
 };
 

@@ -13,9 +13,25 @@ RenderJob::RenderJob(std::span<const scene::Camera> cameras, const Settings& set
       next(moment.nextCameras),
       settings(settings),
       rows(rows),
-      continues(moment.continues) {}
+      continues(moment.continues),
+      placedWorlds(moment.worlds.inputs ? moment.worlds.count : 0) {
+  if (moment.worlds.inputs) inputs = moment.worlds.inputs->memory;
+}
+
+std::vector<float> ViewBatch::exposures() const {
+  if (job.meteredExposures.empty()) return {};
+  const auto begin = job.meteredExposures.begin() + static_cast<ptrdiff_t>(first);
+  return {begin, begin + static_cast<ptrdiff_t>(count)};
+}
 
 ViewsInTime ViewBatch::views(const glm::dvec3& origin, glm::vec2 jitter) const {
+  if (job.placedWorlds > 0) {
+    shared::View view{};
+    view.size = {static_cast<float>(job.settings.width), static_cast<float>(job.settings.height)};
+    std::vector<shared::View> placed(count, view);
+    for (size_t i = 0; i < count; ++i) placed[i].world = static_cast<uint32_t>((first + i) / job.now.size());
+    return {.now = placed, .previous = placed, .next = placed, .lens = nullptr, .exposures = exposures()};
+  }
   const auto viewsOf = [&](const std::vector<scene::Camera>& cameras, glm::vec2 jitter) {
     std::vector<shared::View> views;
     for (size_t i = first; i < first + count; ++i)
@@ -27,11 +43,8 @@ ViewsInTime ViewBatch::views(const glm::dvec3& origin, glm::vec2 jitter) const {
   std::vector<shared::View> steady;
   if (still) steady = jitter == glm::vec2(0) ? views.now : viewsOf(job.now, glm::vec2(0));
   views.previous = job.previous.empty() ? steady : viewsOf(job.previous, glm::vec2(0));
-  if (!job.meteredExposures.empty()) {
-    const auto begin = job.meteredExposures.begin() + static_cast<ptrdiff_t>(first);
-    views.exposures.assign(begin, begin + static_cast<ptrdiff_t>(count));
-  }
   views.next = job.next.empty() ? steady : viewsOf(job.next, glm::vec2(0));
+  views.exposures = exposures();
   return views;
 }
 

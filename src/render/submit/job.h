@@ -14,6 +14,7 @@
 #include "render/submit/result.h"
 #include "render/submit/scene_state.h"
 #include "render/submit/strips.h"
+#include "render/visibility/compute/world_placer.h"
 
 namespace latelight::render {
 
@@ -28,6 +29,7 @@ struct ViewBatch {
 
   // `origin`: the origin of the device's world space in the scene's.
   ViewsInTime views(const glm::dvec3& origin, glm::vec2 jitter) const;
+  std::vector<float> exposures() const;  // the metered factor of each view; empty: that of the settings
 
   RenderJob& job;
   size_t first, count;  // views
@@ -35,6 +37,7 @@ struct ViewBatch {
   std::shared_ptr<FrameShadows> shadows;  // of all strips; null: no light casts shadows
   ShadowMapState shadowState;             // before the first graph; once started, after the last one
   bool replayed = false;                  // it submitted recorded commands again
+  bool vast = false;                      // its passes support instances with kInstanceVast
   bool started = false;                   // at least once: after an overflow it is started again
   bool continues = false;  // the history of temporal anti-aliasing holds the previous frame of these views
   std::vector<graph::Submission> earlier;      // of all samples except the last
@@ -47,7 +50,8 @@ struct RenderJob {
   // `rows`: the rows of the pictures, which may be those of a single strip.
   RenderJob(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment, uint32_t rows);
 
-  size_t viewCount() const { return now.size(); }
+  size_t viewCount() const { return now.size() * std::max(1u, placedWorlds); }
+  const scene::Camera& camera(size_t view) const { return now[view % now.size()]; }
   std::vector<float> exposures() const;  // the factor of each view
   void keep(const ViewBatch& part, std::vector<output::FrameOutput>&& pictures);
 
@@ -56,6 +60,10 @@ struct RenderJob {
   std::vector<float> meteredExposures;  // the factor of each view; empty: that of the settings
   uint32_t rows;                        // of the pictures
   bool continues;
+  // If shaders place the worlds, `now` holds the cameras of each world, and this is the number of worlds. Otherwise 0.
+  uint32_t placedWorlds;
+  std::vector<std::shared_ptr<const void>> inputs;  // memory that the placing shaders read
+  std::shared_ptr<const WorldStatus> worldStatus;   // null unless shaders place the worlds
   Results results = Results::ToHost;
   std::deque<ViewBatch> parts;       // parts that have not been read, in order; their addresses are stable
   RenderResult result;               // of the parts that have been read

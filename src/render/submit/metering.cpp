@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 
 #include "render/frame/view.h"
 #include "render/submit/job.h"
@@ -97,27 +98,33 @@ std::vector<float> Renderer::meter(std::span<const scene::Camera> cameras, const
   SceneState still = moment;
   still.previousCameras.clear(), still.nextCameras.clear();
   still.continues = false;
-  std::vector<double> ev(cameras.size(), 0);
-  std::vector<size_t> views(cameras.size());
-  for (size_t i = 0; i < views.size(); ++i) views[i] = i;
-  for (int round = 0; round < kMaxRounds && !views.empty(); ++round) {
-    std::vector<scene::Camera> some;
+  // Worlds that shaders place are rendered together in each round.
+  const bool placed = moment.worlds.inputs.has_value();
+  const size_t count = cameras.size() * (placed ? moment.worlds.count : 1);
+  std::vector<double> ev(count, 0);
+  std::vector<bool> settled(count, false);
+  for (int round = 0; round < kMaxRounds && !std::ranges::all_of(settled, std::identity{}); ++round) {
+    std::vector<scene::Camera> some(cameras.begin(), placed ? cameras.end() : cameras.begin());
+    std::vector<size_t> views;
     std::vector<float> factors;
-    for (const size_t view : views) some.push_back(cameras[view]), factors.push_back(factorOf(ev[view]));
-    const std::vector<Strip> strips = stripsOf(metering);
-    const std::shared_ptr<RenderJob> job = start(some, metering, still, strips, Results::ToHost, factors);
+    for (size_t view = 0; view < count; ++view) {
+      if (settled[view] && !placed) continue;
+      if (!placed) some.push_back(cameras[view]);
+      views.push_back(view), factors.push_back(factorOf(ev[view]));
+    }
+    const std::shared_ptr<RenderJob> job =
+        start(some, metering, still, stripsOf(metering), Results::ToHost, {}, std::move(factors));
     finish(*job);
-    std::vector<size_t> again;
     for (size_t i = 0; i < views.size(); ++i) {
+      if (settled[views[i]]) continue;
       const output::AovImage& color = job->result.frames[i].aovs.front();
       const std::optional<double> mean = meanLogLuminance(color);
       double& current = ev[views[i]];
       const double change = mean ? std::log2(kMeteredGray) - *mean : covers(color) ? kDarkStops : 0;
       current += change;
       if (!mean && round + 1 == kMaxRounds) current = 0;  // the surfaces are black
-      if (std::abs(change) > kPreciseStops) again.push_back(views[i]);
+      settled[views[i]] = std::abs(change) <= kPreciseStops;
     }
-    views = std::move(again);
   }
   std::vector<float> factors;
   for (const double each : ev) factors.push_back(factorOf(each) * exposureFactor(settings));

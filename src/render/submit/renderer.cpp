@@ -110,6 +110,7 @@ Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::E
       environment_(device, environment),
       hasEnvironment_(environment != nullptr),
       rasterInstances_(device),
+      worldPlacer_(device),
       executor_(device),
       state_{device_,          executor_,         gpuScene_, environment_, hasEnvironment_, drawOrder_,
              rasterInstances_, clusterOcclusion_, overflow_, bvh_,         lowestPoint_} {}
@@ -138,13 +139,15 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
   if (moment.worlds.count > 0 && tracesRays(settings))
     badUsage(
         "rays trace the scene itself and not its worlds: render worlds with shadow maps, and without indirect light, "
-        "the "
-        "technique reference and a ground");
+        "the technique reference and a ground");
   if (settings.ground != Ground::None && !settings.groundHeight) findLowestPoint();
   if (tracesRays(settings) && isLit(settings)) followedBvh(tracesPaths(settings));
   if (needsComputeRaster(settings)) {
     gpuScene_.storeClusters();
     rasterInstances_.update(gpuScene_, drawOrder_, gpuScene_.uploads());
+    if (moment.worlds.inputs)
+      worldPlacer_.update(scene_, gpuScene_, rasterInstances_, moment.worlds, moment.poses, gpuScene_.uploads(),
+                          settings.width, settings.height);
     if (device_.maxTextureArray() == 0) gpuScene_.storeTexels();
   }
   if (input.objectFrames) gpuScene_.storeObjectFrames();
@@ -161,6 +164,25 @@ Renderer::SceneInput Renderer::inputOf(const Settings& settings, const SceneStat
           needsComputeRaster(settings),
           requestsOutput(settings, Origin::Coordinates),
           moment.groups};
+}
+
+bool Renderer::placesWorlds(const Settings& s, std::span<const scene::Camera> cameras) const {
+  const auto lit = [](const scene::Light& light) { return !light.removed; };
+  const bool lights = s.sun || std::ranges::any_of(scene_.lights, lit);
+  return WorldPlacer::runsOn(device_) && rastersInCompute(s) && !s.lighting->draws && !tracesRays(s) &&
+         (s.shadows == ShadowFormat::None || !lights || !isLit(s)) &&
+         (s.ambientOcclusion == AmbientOcclusion::None || s.aoRadius) && s.aa.superSampling == 1 && !s.aa.temporal &&
+         stripsOf(s).size() == 1 && std::ranges::none_of(cameras, bendsRays);
+}
+
+std::shared_ptr<const vk::Buffer> Renderer::inputMemory(uint64_t bytes) {
+  std::erase_if(inputMemory_, [&](const auto& memory) {
+    return memory.use_count() == 1 && (memory->size() < bytes || memory->size() / 2 > bytes);
+  });
+  for (const auto& memory : inputMemory_)
+    if (memory.use_count() == 1) return memory;
+  return inputMemory_.emplace_back(std::make_shared<const vk::Buffer>(
+      device_, vk::BufferDesc{.size = bytes, .kind = vk::MemoryKind::Upload, .name = "arrays of worlds"}));
 }
 
 bool Renderer::castsShadows(const Settings& settings) const {
@@ -188,14 +210,14 @@ std::shared_ptr<FrameShadows> Renderer::placeShadows(ShadowPlan plan, const Sett
 }
 
 Ticket Renderer::submit(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment,
-                        Results results) {
+                        Results results, const ExportTargets& targets) {
   const auto transmits = [](const shared::Material& material) {
     return (scene::layerFlags(material) & shared::kMaterialTransmissive) != 0;
   };
   const auto posed = scene::posedMaterials(scene_, moment.poses.current);
   const bool transmissive = std::ranges::any_of(scene_.materials, transmits, &scene::Material::data) ||
                             std::ranges::any_of(posed | std::views::values, transmits);
-  return {*this, start(cameras, settings, moment, stripsOf(settings, transmissive), results)};
+  return {*this, start(cameras, settings, moment, stripsOf(settings, transmissive), results, targets)};
 }
 
 RenderResult Renderer::renderStrip(const scene::Camera& camera, const Settings& settings, Strip strip,
@@ -205,7 +227,7 @@ RenderResult Renderer::renderStrip(const scene::Camera& camera, const Settings& 
 
 std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> cameras, const Settings& wanted,
                                            const SceneState& moment, std::span<const Strip> strips, Results results,
-                                           std::vector<float> exposures) {
+                                           const ExportTargets& targets, std::vector<float> exposures) {
   const Settings settings = settingsFor(cameras, wanted);
   if (settings.exposure.automatic && showsPicture(settings)) {
     checkSettings(settings);
@@ -216,18 +238,21 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
   const uint32_t rows = strips.size() > 1 ? settings.height : strips.front().rows;
   const auto job = std::make_shared<RenderJob>(cameras, settings, moment, rows);
   job->results = results;
-  if (!exposures.empty()) job->meteredExposures = std::move(exposures);
+  job->meteredExposures = std::move(exposures);
+  if (job->placedWorlds > 0) job->worldStatus = worldPlacer_.status();
+  const size_t views = job->viewCount();
   uint64_t claimed = rows;
   if (strips.size() > 1) claimed += strips.front().rows;  // the strip in flight
   if (results == Results::Exported)
-    job->result.arrays = exportedArrays(device_, *exports_, settings, rows, cameras.size());
+    job->result.arrays = exportedArrays(device_, *exports_, settings, rows, views, targets);
   else
-    job->memory.grow(bytesPerPixel(settings) * settings.width * claimed * cameras.size(), "the pictures");
-  size_t atOnce = std::min(cameras.size(), mostViews(device_, settings));
+    job->memory.grow(bytesPerPixel(settings) * settings.width * claimed * views, "the pictures");
+  size_t atOnce = std::min(views, mostViews(device_, settings));
   if (castsShadows(settings) && shadowTexels(settings) > 0)
     atOnce = std::clamp<uint64_t>(memoryForViews(device_) / (4 * shadowTexels(settings)), 1, atOnce);
-  for (size_t first = 0; first < cameras.size();) {
-    const size_t count = std::min(atOnce, throughOneLens(cameras.subspan(first)));
+  for (size_t first = 0; first < views;) {
+    const size_t alike = job->placedWorlds > 0 ? views - first : throughOneLens(cameras.subspan(first));
+    const size_t count = std::min(atOnce, alike);
     const size_t fits = startViews(job, first, count, strips);
     if (fits < count)
       atOnce = fits;
@@ -240,7 +265,8 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
 size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first, size_t count,
                             std::span<const Strip> strips) {
   const Settings& s = job->settings;
-  ShadowPlan plan = planShadows(std::span(job->now).subspan(first, count), s);  // while previous views are rendered
+  ShadowPlan plan;
+  if (castsShadows(s)) plan = planShadows(std::span(job->now).subspan(first, count), s);  // while the device renders
   // Shadow maps and the history of temporal anti-aliasing change with each batch. Others do not depend on each other.
   const bool independent = !castsShadows(s) && !s.aa.temporal;
   if (!independent) resolveOverflow();
@@ -272,7 +298,13 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
 
 ViewsInTime Renderer::viewsOf(const ViewBatch& part, glm::vec2 jitter) {
   ViewsInTime views = part.views(gpuScene_.origin(), jitter);
-  const scene::Camera& camera = part.job.now[part.first];
+  if (part.job.placedWorlds > 0) {
+    const uint64_t offset = part.first * sizeof(shared::View);
+    views.onDevice = {.now = worldPlacer_.views(0, 0) + offset,
+                      .previous = worldPlacer_.views(0, 1) + offset,
+                      .next = worldPlacer_.views(0, 2) + offset};
+  }
+  const scene::Camera& camera = part.job.camera(part.first);
   const Settings& s = part.job.settings;
   if (bendsRays(camera))
     views.lens = lensRays_.of(device_, {*camera.lens, s.width, s.height, part.strip.first, part.strip.rows, jitter});
@@ -299,6 +331,7 @@ std::vector<glm::vec2> Renderer::jittersOf(const ViewBatch& part) const {
 
 Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> maxBytes) {
   part.replayed = false;
+  part.vast = gpuScene_.anyVast();
   const std::optional<ReplayKey> key = replayKey(part);
   if (!key) return build(part, maxBytes);
   const ViewsInTime views = viewsOf(part, glm::vec2(0));
@@ -319,8 +352,8 @@ Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> max
 
 std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
   const Settings& s = part.job.settings;
-  if (!sceneInput_ || gpuScene_.hasWorlds() || tracesRays(s) || !rastersInCompute(s) || s.lighting->draws ||
-      s.aa.superSampling > 1 || s.aa.temporal || s.describeGraph || part.shadows || bendsRays(part.job.now[part.first]))
+  if (!sceneInput_ || tracesRays(s) || !rastersInCompute(s) || s.lighting->draws || s.aa.superSampling > 1 ||
+      s.aa.temporal || s.describeGraph || part.shadows || bendsRays(part.job.camera(part.first)))
     return std::nullopt;
   ReplayKey key{
       .views = part.count,
@@ -329,7 +362,13 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       .strip = part.strip,
       .results = part.job.results,
       .revisions = {sceneInput_->edits[0], sceneInput_->edits[1], sceneInput_->edits[2],
-                    gpuScene_.materials().revision()},
+                    gpuScene_.materials().sceneRevision()},
+      .textureSlots = gpuScene_.materials().textureSlots(),
+      .layers = gpuScene_.materials().layers(),
+      .worlds = gpuScene_.hasWorlds() ? ReplayKey::Worlds::Some : ReplayKey::Worlds::None,
+      .metered = !part.job.meteredExposures.empty(),
+      .mixesBlended = rasterInstances_.mixesBlended(),
+      .anyBlended = rasterInstances_.anyBlended(),
       .lights = gpuScene_.lightCount(),
       .unboundedLights = gpuScene_.unboundedLights(),
       .anyVast = gpuScene_.anyVast(),
@@ -339,7 +378,8 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       .solid = rasterInstances_.solid(),
       .all = rasterInstances_.all(),
       .materials = rasterInstances_.materials(),
-      .ambientOcclusionScale = s.ambientOcclusion == AmbientOcclusion::None ? 0 : gpuScene_.bounds().radius(),
+      .ambientOcclusionScale =
+          s.ambientOcclusion == AmbientOcclusion::None || gpuScene_.hasWorlds() ? 0 : gpuScene_.bounds().radius(),
       .capacities = {overflow_.fragments, overflow_.longestList, overflow_.rasterWork, overflow_.clippedTriangles,
                      overflow_.mediumTriangles, overflow_.largeTriangles, overflow_.tileEntries},
       .settings = s,
@@ -444,12 +484,14 @@ graph::Submission Renderer::submit(const graph::Graph& graph, const graph::Plan&
     submission = executor_.submit(graph, plan);
   }
   gpuScene_.changesSubmitted();
+  worldPlacer_.changesSubmitted();
   if (bvh_) bvh_->changesSubmitted();
   return submission;
 }
 
 void Renderer::addSceneChanges(graph::Graph& graph) const {
   gpuScene_.addChanges(graph);
+  worldPlacer_.addChanges(graph);
   if (bvh_) bvh_->addChanges(graph);
 }
 
@@ -476,7 +518,7 @@ void Renderer::resolveOverflow(const ViewBatch* last) {
     const std::shared_ptr<ViewBatch> part = std::move(uncheckedBatches_.front());
     uncheckedBatches_.pop_front();
     try {
-      while (overflowed(std::exchange(part->checks, {}), part->submission)) {
+      while (overflowed(std::exchange(part->checks, {}), part->submission) || foundVastWorlds(*part)) {
         if (part->job.settings.aa.temporal) history_.undo();
         while (startPart(*part, std::nullopt).outcome == Start::Overflowed) {
         }
@@ -487,6 +529,16 @@ void Renderer::resolveOverflow(const ViewBatch* last) {
     }
     if (part.get() == last) return;
   }
+}
+
+// Returns true if shaders have placed instances with kInstanceVast, for which the batch's passes were not specialized.
+bool Renderer::foundVastWorlds(const ViewBatch& part) {
+  if (!part.job.worldStatus || part.vast) return false;
+  part.submission.wait();
+  const auto vast = [](uint32_t bits) { return (bits & shared::kWorldVast) != 0; };
+  if (std::ranges::none_of(part.job.worldStatus->bits(), vast)) return false;
+  gpuScene_.foundVastWorlds();
+  return true;
 }
 
 void Renderer::read(RenderJob& job) {
@@ -513,7 +565,13 @@ void Renderer::read(RenderJob& job) {
 void Renderer::finish(RenderJob& job) {
   while (!job.parts.empty()) read(job);
   job.progress.reset();
-  for (size_t i = 0; i < job.result.frames.size(); ++i) job.result.frames[i].exposure = job.exposures()[i];
+  const std::vector<float> exposures = job.exposures();
+  for (size_t i = 0; i < job.result.frames.size(); ++i) job.result.frames[i].exposure = exposures[i];
+  if (job.worldStatus) {
+    const std::span<const uint32_t> bits = job.worldStatus->bits();
+    job.result.worldStatus.assign(bits.begin(), bits.end());
+  }
+  job.inputs.clear();
 }
 
 std::vector<float> Ticket::exposures() const {
@@ -522,6 +580,13 @@ std::vector<float> Ticket::exposures() const {
 
 bool Ticket::done() const {
   return std::ranges::all_of(job_->parts, [](const ViewBatch& part) { return part.submission.done(); });
+}
+
+std::vector<uint32_t> Ticket::worldStatus() const {
+  if (!job_->worldStatus) return {};
+  if (!job_->parts.empty()) job_->parts.front().submission.wait();
+  const std::span<const uint32_t> bits = job_->worldStatus->bits();
+  return {bits.begin(), bits.end()};
 }
 
 RenderResult Ticket::take() {

@@ -22,6 +22,7 @@
 #include "render/submit/strips.h"
 #include "render/submit/ticket.h"
 #include "render/submit/view_set.h"
+#include "render/visibility/compute/world_placer.h"
 #include "scene/scene.h"
 #include "vk/device.h"
 
@@ -40,8 +41,9 @@ class Renderer {
 
   // Starts one picture per camera, several at once, and returns while the device renders them. Meanwhile the scene may
   // be edited, and more pictures may be submitted. Throws Error(Usage) for invalid settings.
+  // With Results::Exported, outputs are written to the memory of `targets`, if they have one there.
   Ticket submit(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment = {},
-                Results results = Results::ToHost);
+                Results results = Results::ToHost, const ExportTargets& targets = {});
 
   // Submits the pictures, waits for them, and returns only the frames.
   std::vector<output::FrameOutput> render(std::span<const scene::Camera> cameras, const Settings& settings,
@@ -61,15 +63,23 @@ class Renderer {
   // later calls update.
   CastResult cast(const CastRays& rays, const Settings& settings, const SceneState& moment = {});
 
+  // Returns true if shaders may place the worlds of a call with these settings and cameras (WorldStates::inputs). Other
+  // calls require the host's records: those that draw, cast shadows, or render a picture in several parts.
+  bool placesWorlds(const Settings& settings, std::span<const scene::Camera> cameras) const;
+  // Returns memory for WorldInputs that the host writes, at least `bytes`. It must be held until the call has finished.
+  std::shared_ptr<const vk::Buffer> inputMemory(uint64_t bytes);
+
   const ClusterOcclusion& clusterOcclusion() const { return clusterOcclusion_; }
   const ShadowMapCache& shadowMaps() const { return shadowMaps_[1]; }  // of the raster compute
 
  private:
   friend class Ticket;
+  bool foundVastWorlds(const ViewBatch& part);
   void begin(const Settings& settings, const SceneState& moment);
   std::shared_ptr<RenderJob> start(std::span<const scene::Camera> cameras, const Settings& settings,
                                    const SceneState& moment, std::span<const Strip> strips,
-                                   Results results = Results::ToHost, std::vector<float> exposures = {});
+                                   Results results = Results::ToHost, const ExportTargets& targets = {},
+                                   std::vector<float> exposures = {});
   // Returns the exposure factor of each view, for settings with an automatic exposure (metering.cpp).
   std::vector<float> meter(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment);
   // Starts some views of a job, one strip after the other. Returns how many views fit into memory at once; if these are
@@ -121,6 +131,8 @@ class Renderer {
   bool hasEnvironment_;
   DrawOrder drawOrder_;
   RasterInstances rasterInstances_;
+  WorldPlacer worldPlacer_;
+  std::vector<std::shared_ptr<const vk::Buffer>> inputMemory_;  // of calls in flight, and free ones
   ClusterOcclusion clusterOcclusion_;
   graph::Executor executor_;
   Overflow overflow_;

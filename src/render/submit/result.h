@@ -27,6 +27,7 @@ struct RenderStatistics {
 struct RenderResult {
   std::vector<output::FrameOutput> frames;  // in the order of their cameras; empty for Results::Exported
   std::vector<ExportedArray> arrays;        // Results::Exported only: arrays of all pictures
+  std::vector<uint32_t> worldStatus;        // kWorld* bits of each world that shaders placed
   RenderStatistics statistics;
 };
 

@@ -10,18 +10,6 @@
 
 namespace latelight::render {
 
-namespace {
-
-// Returns the transform from OpenCV's camera frame to the renderer's view space (X right, Y away, Z up).
-glm::dmat4 viewFromOpenCv() {
-  glm::dmat4 m(1.0);
-  m[1] = {0, 0, -1, 0};
-  m[2] = {0, 1, 0, 0};
-  return m;
-}
-
-}  // namespace
-
 std::string environmentName(const scene::Scene& scene, const std::string& asked, bool isSeen) {
   if (asked == "none") return "";
   if (!asked.empty()) return asked;

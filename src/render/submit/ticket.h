@@ -19,6 +19,8 @@ class Ticket {
   // Results::Exported stay where they are, and may outlive the renderer, but not its device. May be called once, while
   // the renderer lives. Throws errors that occurred after submit().
   RenderResult take();
+  // Waits until shaders have placed the worlds, and returns their kWorld* bits; none unless they did.
+  std::vector<uint32_t> worldStatus() const;
 
  private:
   Renderer* renderer_;

@@ -44,6 +44,7 @@ void ViewSet::update(const ViewsInTime& views) {
   std::ranges::copy(views.now, views_.now.begin());
   std::ranges::copy(views.previous, views_.previous.begin());
   std::ranges::copy(views.next, views_.next.begin());
+  views_.onDevice = views.onDevice;
   views_.exposures = views.exposures;
   upload();
 }
@@ -57,20 +58,25 @@ void ViewSet::upload() {
                               VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
   }
   auto* views = viewBuffer_.as<shared::View>();
-  for (const auto* some : {&views_.now, &views_.previous, &views_.next}) views = std::ranges::copy(*some, views).out;
-  for (size_t i = 0; i < frames; ++i) constants_.as<shared::FrameConstants>()[i] = constantsOf(i);
+  if (!views_.onDevice.now)
+    for (const auto* some : {&views_.now, &views_.previous, &views_.next}) views = std::ranges::copy(*some, views).out;
+  shared::FrameConstants frame = constantsOf(0);
+  for (size_t i = 0; i < frames; ++i) {
+    setView(frame, i);
+    constants_.as<shared::FrameConstants>()[i] = frame;
+  }
   if (!shadows_ || !shadows_->tracesRays()) return;
+  frame.lights = shadows_->otherLights();
   std::vector<shared::FrameConstants> others;
   for (size_t i = 0; i < frames; ++i) {
-    others.push_back(constantsOf(i));
-    others.back().lights = shadows_->otherLights();
+    setView(frame, i);
+    others.push_back(frame);
   }
   otherConstants_ = vk::uploadedBuffer(state_.device, "constants of other lights", std::as_bytes(std::span(others)));
 }
 
-shared::FrameConstants ViewSet::constantsOf(size_t view) const {
+shared::FrameConstants ViewSet::constantsOf(uint32_t world) const {
   const Settings& s = settings_;
-  const uint32_t world = state_.scene.hasWorlds() ? views_.now[view].world : 0;
   const size_t count = views_.now.size();
   shared::FrameConstants frame{};
   state_.scene.describe(frame, world);
@@ -84,15 +90,18 @@ shared::FrameConstants ViewSet::constantsOf(size_t view) const {
   frame.views = viewBuffer_.address();
   frame.previousViews = frame.views + count * sizeof(shared::View);
   frame.nextViews = frame.previousViews + count * sizeof(shared::View);
+  if (views_.onDevice.now) {
+    frame.views = views_.onDevice.now;
+    frame.previousViews = views_.onDevice.previous;
+    frame.nextViews = views_.onDevice.next;
+  }
   frame.rays = views_.lens ? views_.lens->rays.address() : 0;
   frame.rayScene = state_.bvh ? state_.bvh->address() : 0;
   frame.viewCount = static_cast<uint32_t>(count);
-  frame.exposure = views_.exposures.empty() ? exposureFactor(s) : views_.exposures[view];
-  const float rotation = state_.scene.worlds().environmentRotation(world, s.environmentRotation);
-  frame.environmentIntensity =
-      state_.hasEnvironment ? state_.scene.worlds().environmentIntensity(world, s.environmentIntensity) : 0.0f;
-  frame.environmentCos = std::cos(rotation);
-  frame.environmentSin = std::sin(rotation);
+  frame.exposure = exposureFactor(s);
+  frame.environmentIntensity = state_.hasEnvironment ? s.environmentIntensity : 0.0f;
+  frame.environmentCos = std::cos(s.environmentRotation);
+  frame.environmentSin = std::sin(s.environmentRotation);
   frame.environmentLevels = static_cast<float>(state_.environment.levels());
   frame.fog = {.color = s.fogColor,
                .density = s.fogDensity,
@@ -100,6 +109,28 @@ shared::FrameConstants ViewSet::constantsOf(size_t view) const {
                .base = static_cast<float>(s.fogBase - state_.scene.origin().z)};
   frame.aoRadius = s.aoRadius.value_or(static_cast<float>(kAoRadiusShare * state_.scene.bounds(world).radius()));
   return frame;
+}
+
+// Sets the values of the constants that differ between views.
+void ViewSet::setView(shared::FrameConstants& frame, size_t view) const {
+  if (!views_.exposures.empty()) frame.exposure = views_.exposures[view];
+  if (state_.scene.hasWorlds()) setWorld(frame, views_.now[view].world);
+}
+
+// Sets the values of the constants that differ between worlds.
+void ViewSet::setWorld(shared::FrameConstants& frame, uint32_t world) const {
+  const GpuWorlds& worlds = state_.scene.worlds();
+  state_.scene.describe(frame, world);
+  frame.rasterInstances = state_.rasterInstances.address(world);
+  if (state_.hasEnvironment)
+    frame.environmentIntensity = worlds.environmentIntensity(world, settings_.environmentIntensity);
+  if (worlds.turnsEnvironment()) {
+    const float rotation = worlds.environmentRotation(world, settings_.environmentRotation);
+    frame.environmentCos = std::cos(rotation);
+    frame.environmentSin = std::sin(rotation);
+  }
+  if (!settings_.aoRadius && !worlds.onDevice())
+    frame.aoRadius = static_cast<float>(kAoRadiusShare * state_.scene.bounds(world).radius());
 }
 
 FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {

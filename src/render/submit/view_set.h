@@ -35,7 +35,12 @@ struct RenderState {
 struct ViewsInTime {
   std::vector<shared::View> now, previous, next;
   std::shared_ptr<const LensRays> lens;  // the rays of all these views; null: they are projections
-  std::vector<float> exposures = {};     // factor of each view; empty: that of the settings for all
+  // View[] of each time if shaders have placed the views (WorldPlacer). The host then knows only their sizes and
+  // worlds.
+  struct OnDevice {
+    VkDeviceAddress now = 0, previous = 0, next = 0;
+  } onDevice{};
+  std::vector<float> exposures = {};  // factor of each view; empty: that of the settings for all
 };
 
 class ViewSet {
@@ -58,7 +63,9 @@ class ViewSet {
   void upload();
   // With worlds, or if views have different exposures.
   bool hasConstantsPerView() const { return state_.scene.hasWorlds() || views_.exposures.size() > 1; }
-  shared::FrameConstants constantsOf(size_t view) const;
+  shared::FrameConstants constantsOf(uint32_t world) const;
+  void setView(shared::FrameConstants& frame, size_t view) const;
+  void setWorld(shared::FrameConstants& frame, uint32_t world) const;
 
   RenderState state_;
   ViewsInTime views_;

@@ -67,7 +67,12 @@ void RasterInstances::update(const GpuScene& scene, const DrawOrder& order, vk::
   }
   if (records_.empty()) return;
   addWorlds(scene);
-  list_.upload(uploader, records_);
+  if (scene.worlds().onDevice()) {
+    templates_.upload(uploader, records_);
+    list_.resize(records_.size() * scene.worlds().count());
+  } else {
+    list_.upload(uploader, records_);
+  }
   drawIndexOfPart_.upload(uploader, partDrawIndices_);
   lists_.upload(uploader, std::vector{shared::InstanceList{list_.address(), drawIndexOfPart_.address()}});
 }
@@ -99,10 +104,13 @@ void RasterInstances::add(const GpuScene& scene, uint32_t instance) {
 // Adds the records of all worlds after the first.
 void RasterInstances::addWorlds(const GpuScene& scene) {
   const size_t count = records_.size();
-  if (mixed_)
+  if (mixed_) {
     for (const shared::Instance& record : scene.worlds().records())
       visibleMaterials_.add(scene.materials().record(record.material).flags);
-  if (scene.worlds().count() < 2) return;
+    for (const uint32_t material : scene.worlds().choices())
+      visibleMaterials_.add(scene.materials().record(material).flags);
+  }
+  if (scene.worlds().count() < 2 || scene.worlds().onDevice()) return;
   records_.resize(count * scene.worlds().count());
   parallelFor(scene.worlds().count() - 1, std::max<size_t>(1, 4096 / count), [&](size_t begin, size_t end) {
     for (size_t world = begin + 1; world < end + 1; ++world) {

@@ -16,7 +16,8 @@ class RasterInstances {
   explicit RasterInstances(vk::Device& device)
       : list_(device, "instances in order"),
         drawIndexOfPart_(device, "instances of parts"),
-        lists_(device, "instance list") {}
+        lists_(device, "instance list"),
+        templates_(device, "instances in order, of all worlds") {}
   // Follows the scene and uploads changes with `uploader`. Does nothing if no instance or material has changed.
   void update(const GpuScene& scene, const DrawOrder& order, vk::Uploader& uploader);
 
@@ -26,6 +27,9 @@ class RasterInstances {
   VkDeviceAddress address(uint32_t world) const {
     return list_.address() + uint64_t{world} * all_.count * sizeof(shared::RasterInstance);
   }
+  // If shaders place the instances of worlds: the scene's records, which they complete, shared::RasterInstance[].
+  VkDeviceAddress templates() const { return templates_.address(); }
+  std::span<const shared::RasterInstance> records() const { return records_; }  // of the scene, or of all worlds
   // A prefix of the instances: solid() are the opaque and masked ones, all() includes the blended ones. If worlds have
   // their own materials, both are all instances, and only the flags of RasterInstance tell which are blended.
   struct Share {
@@ -51,6 +55,7 @@ class RasterInstances {
   GpuList<shared::RasterInstance> list_;
   GpuList<uint32_t> drawIndexOfPart_;
   GpuList<shared::InstanceList> lists_;  // a single element
+  GpuList<shared::RasterInstance> templates_;
   Share solid_, all_;
   bool mixed_ = false, anyBlended_ = false;
   VisibleMaterials visibleMaterials_;

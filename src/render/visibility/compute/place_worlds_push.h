@@ -1,0 +1,82 @@
+// Structs that the shaders that place worlds on the device share with the host (world_placer.h).
+#ifndef LATELIGHT_PLACE_WORLDS_PUSH_H
+#define LATELIGHT_PLACE_WORLDS_PUSH_H
+
+#include "shared/types.h"
+
+SH_BEGIN
+
+SH_CONST uint kPlaceGroup = 64u;          // invocations per workgroup
+SH_CONST uint kPlaceColumns = 1u << 20u;  // invocations per z slice, because the workgroups per axis are limited
+SH_CONST uint kNowhere = 4294967295u;     // an index of nothing
+
+// An array of matrices or of single numbers that a caller gave: [worlds][elements][rows][columns], without padding.
+struct WorldNumbers {
+  uint64_t address;  // 0: not given
+  uint rows;         // of each matrix; with 3 rows of 4, the last one is 0 0 0 1
+  uint doubles;      // 1: double[]; 0: float[]
+};
+
+// An instance of the scene: its values that are the same in all worlds.
+struct WorldTemplate {
+  vec3 low, high;     // bounds of its mesh in object space, in its pose
+  vec3 vertexOrigin;  // of its mesh
+  float longestEdge;  // of its mesh, in object space
+  uint mesh, material, id, part;
+  uint flags;  // kInstanceExtras and the group
+  uint place;  // among the instances that the caller's arrays describe, or kNowhere
+  uint draw;   // draw index, or kNowhere
+  uint state;  // kTemplateHidden, kTemplateTurnedOver
+};
+SH_CONST uint kTemplateHidden = 1u;
+SH_CONST uint kTemplateTurnedOver = 2u;  // its skin mirrors the mesh
+
+// The matrices of WorldJob::matrices, 4x4 and column by column.
+SH_CONST uint kWorldFromFile = 0u;     // the renderer's world from the file's frame
+SH_CONST uint kFileFromWorld = 1u;     // its inverse
+SH_CONST uint kCameraFromOpenCv = 2u;  // right factor from a pose in OpenCV's axes to one in the renderer's
+SH_CONST uint kDeviceOrigin = 3u;      // x, y, z of the device's origin, then padding
+SH_CONST uint kWorldMatrices = 4u;
+
+// Everything about one call. Times: 0 the current frame, 1 the previous and 2 the next one.
+struct WorldJob {
+  uint64_t matrices;         // double[kWorldMatrices][16]
+  uint64_t templates;        // WorldTemplate[instances]
+  uint64_t transforms;       // double[times][instances][16]: the scene's, column by column
+  uint64_t rasterTemplates;  // RasterInstance[draws]
+  uint64_t cameras;          // View[views per world]: projections of the scene's cameras
+  uint64_t cameraPoses;      // double[views per world][16]: their poses in the renderer's world, column by column
+  uint64_t rides;            // uint[views per world]: the instance on which the camera rides, or kNowhere; 0: none
+  uint64_t materials;        // Material[]
+  uint64_t choices;          // uint[worlds][listed]: index of the material; 0: that of the template
+  uint64_t exists;           // one byte each: [worlds][listed]; 0: all exist
+  uint64_t emptyWorlds;      // uint[worlds], not 0: the host knows that the world is invalid; 0: no such worlds
+  uint64_t status;           // uint[worlds]: kWorld*, written by the shaders
+  uint64_t instances[3];     // results, by time: Instance[worlds][instances]
+  uint64_t raster;           // result: RasterInstance[worlds][draws]
+  uint64_t views[3];         // results, by time: View[worlds][views per world]
+  WorldNumbers givenTransforms[3];  // by time: 4x4 or 3x4 per listed instance
+  WorldNumbers givenPoses[3];       // by time: 4x4 or 3x4 per view
+  WorldNumbers intrinsics;          // 3x3 per view
+  uint worlds, instanceCount, listed, draws, viewsPerWorld;
+  uint instanceTimes, viewTimes;  // 1 or 3: number of results
+  uint width, height;             // of the images, pixels
+  uint padding;
+};
+
+struct PlacePush {
+  uint64_t job;  // WorldJob
+};
+
+// The state of a world after its values were read, as bits. The first four make it invalid: it has no instances.
+SH_CONST uint kWorldNotFinite = 1u;
+SH_CONST uint kWorldWrongTransform = 2u;   // its last row is not 0 0 0 1
+SH_CONST uint kWorldWrongPose = 4u;        // not a rotation and a translation
+SH_CONST uint kWorldWrongIntrinsics = 8u;  // of a camera matrix
+SH_CONST uint kWorldInvalid = 15u;
+SH_CONST uint kWorldWrongRide = 16u;  // a camera rides on an instance with an axis of length 0, or a mirrored one
+SH_CONST uint kWorldVast = 32u;       // has instances with kInstanceVast
+
+SH_END
+
+#endif

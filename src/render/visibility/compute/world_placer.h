@@ -1,0 +1,75 @@
+// Places worlds on the device: converts the arrays of a call (WorldInputs) to the records of instances and views that
+// the raster compute and the passes after it read. The host's work does not depend on the number of worlds.
+//
+//   WorldInputs   check_worlds.comp     status (kWorld* per world)
+//        |        place_instances.comp  Instance[worlds][instances] at each time, RasterInstance[worlds][draws]
+//        +------> place_views.comp      View[worlds][cameras] at each time
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "render/visibility/compute/place_worlds_push.h"
+#include "render/visibility/compute/raster_instances.h"
+
+namespace latelight::render {
+
+// The validity of each world of a call, as kWorld* bits. The device writes it before it renders the first view.
+class WorldStatus {
+ public:
+  WorldStatus(vk::Device& device, size_t worlds);
+  std::span<const uint32_t> bits() const { return {buffer_.as<uint32_t>(), worlds_}; }  // after the first views
+  const vk::Buffer& buffer() const { return buffer_; }
+
+ private:
+  size_t worlds_;
+  vk::Buffer buffer_;
+};
+
+class WorldPlacer {
+ public:
+  explicit WorldPlacer(vk::Device& device);
+  static bool runsOn(const vk::Device& device);  // it requires doubles in shaders
+
+  // Prepares the conversion. `scene`, `raster` and `worlds` belong to the same call: all of them are up to date. The
+  // conversion is pending until the next graph.
+  void update(const scene::Scene& source, const GpuScene& scene, const RasterInstances& raster,
+              const WorldStates& worlds, const Poses& poses, vk::Uploader& uploader, uint32_t width, uint32_t height);
+  // Adds the pending conversion to the prologue of a graph, after the scene's changes.
+  void addChanges(graph::Graph& graph) const;
+  void changesSubmitted() { pending_ = false; }
+
+  // The address of the first view of a world at a time (0 current, 1 previous, 2 next frame), View[].
+  VkDeviceAddress views(uint32_t world, uint32_t time) const;
+  std::shared_ptr<const WorldStatus> status() const { return status_; }  // of the last update()
+
+ private:
+  void describeInstances(const scene::Scene& source, const GpuScene& scene, const RasterInstances& raster,
+                         const WorldStates& worlds, const Poses& poses, vk::Uploader& uploader);
+  void describeCameras(const GpuScene& scene, const WorldStates& worlds, vk::Uploader& uploader);
+  void takeStatus(size_t worlds);
+  void dispatch(graph::Graph& graph, const vk::PipelineRef& pipeline, uint64_t elements, uint32_t times) const;
+
+  vk::Device& device_;
+  struct Pipelines {
+    vk::PipelineRef check, instances, views;
+  };
+  std::optional<Pipelines> pipelines_;  // none before the first call
+  shared::WorldJob job_{};
+  bool pending_ = false;
+  // The values that the last call uploaded; only those that differ are uploaded again.
+  std::vector<shared::WorldTemplate> templateValues_;
+  std::vector<double> numberValues_;  // matrices, transforms, poses of cameras
+  std::vector<shared::View> viewValues_;
+  std::vector<uint32_t> rideValues_, emptyValues_;
+  GpuList<shared::WorldTemplate> templates_;
+  GpuList<double> numbers_;
+  GpuList<shared::View> cameras_, views_[3];
+  GpuList<uint32_t> rides_, empty_;
+  vk::Buffer statusOnDevice_;
+  std::vector<std::shared_ptr<WorldStatus>> statuses_;  // of calls in flight, and free ones
+  std::shared_ptr<WorldStatus> status_;
+};
+
+}  // namespace latelight::render
