@@ -428,6 +428,12 @@ struct Options {
   std::vector<Camera> previousCameras, nextCameras;  // the cameras in the previous and the next frame: as many as are
                                                      // rendered, or none if the cameras are static
   bool continues = false;                            // true in a sequence: this frame follows the last rendered one
+
+  // The form of the arrays of Results::Arrays. `formats` maps outputs to their elements: "rgba" to "rgba8" (default) or
+  // "rgb8", outputs of floats to "float32" (default) or "float16", and outputs of integers to "uint32" (default) or
+  // "uint16", in which 65535 stands for itself and all larger values. Half floats are rounded to nearest even.
+  std::map<std::string, std::string> formats;
+  bool channelsFirst = false;  // arrays are views x channels x rows x columns
 };
 
 // Factors that multiply a material's textures, in place of those of Material.
@@ -435,6 +441,28 @@ struct MaterialFactors {
   std::array<float, 4> baseColor{1, 1, 1, 1};
   float metallic = 1, roughness = 1;
   std::array<float, 3> emissive{0, 0, 0};
+};
+
+class DeviceArray;
+
+// Numbers of all worlds in one array without padding, world by world, in place of a list of Worlds. Shaders convert
+// arrays, so that the host's work does not grow with the number of worlds.
+struct WorldArray {
+  enum class Element { Float32, Float64, Uint8 };
+  Element element = Element::Float32;
+  uint32_t rows = 4;                          // of each 4x4 or 3x4 matrix, row by row: 4 or 3
+  const void* host = nullptr;                 // in the host's memory, which submit() copies before it returns; or
+  std::shared_ptr<const DeviceArray> device;  // in memory of Renderer::inputArray(), at an offset
+  uint64_t offset = 0;                        // in bytes, a multiple of 16
+  explicit operator bool() const { return host || device; }
+};
+
+struct WorldArrays {
+  WorldArray transforms, previousTransforms, nextTransforms;           // count x instances matrices
+  WorldArray exists;                                                   // count x instances bytes (Uint8)
+  WorldArray cameraToWorld, previousCameraToWorld, nextCameraToWorld;  // count x cameras matrices
+  WorldArray intrinsics;                                               // count x cameras camera matrices K, 3x3
+  uint64_t ready = 0;  // value of Renderer::exportInputSemaphore() at which arrays of the device are complete
 };
 
 // The state of many worlds of one scene (docs/worlds.md), for Renderer::submit(). Lists hold the values world by world.
@@ -466,6 +494,8 @@ struct Worlds {
   // count x cameras: focal lengths and principal point (fx, fy, cx, cy) in pixels of the rendered images. They replace
   // the cameras' fields of view.
   std::vector<std::array<double, 4>> intrinsics;
+
+  WorldArrays arrays;  // those that are given replace the lists of the same names
 };
 
 struct Aov {
@@ -605,14 +635,16 @@ enum class Results {
   Arrays,    // in device memory, to be used there: Ticket::takeArrays()
 };
 
-// One output of all pictures of a ticket in device memory: views x rows x columns x channels, without padding, rows
-// from the top. It is complete when it is returned, and nothing writes to it while a copy of this object exists. After
-// that, the renderer may render to it again without waiting for reads by other libraries.
+// One output of all pictures of a ticket in device memory: views x rows x columns x channels, or views x channels x
+// rows x columns with Options::channelsFirst, without padding, rows from the top. It is complete when it is returned,
+// and nothing writes to it while a copy of this object exists, unless it is a target of a later call. After that, the
+// renderer may render to it again without waiting for reads by other libraries.
 class LATELIGHT_API DeviceArray {
  public:
-  enum class Element { Float32, Uint32, Uint8 };
+  enum class Element { Float32, Uint32, Uint8, Float16, Uint16 };
   Element element = Element::Float32;
   std::array<uint64_t, 4> shape{};
+  bool channelsFirst = false;  // the order of `shape`
 
   // The array's address in host memory, for CPU devices; otherwise null.
   const void* host() const;
@@ -625,11 +657,14 @@ class LATELIGHT_API DeviceArray {
   // The renderer reuses memory. An importer may attach an object, which is released together with the memory, and a
   // callback, which is called before the renderer renders to the memory again, for example to wait for readers.
   void attach(std::shared_ptr<void> object) const;
-  std::shared_ptr<void> attached() const;  // null if nothing is
+  std::shared_ptr<void> attached() const;          // null if nothing is
+  void copyToHost(std::span<std::byte> to) const;  // the array's bytes, shape and element give their number
   void beforeReuse(std::function<void()> call) const;
 
  private:
   friend class Ticket;
+  friend class Renderer;
+  friend struct DeviceArrayMemory;
   struct Impl;
   std::shared_ptr<Impl> impl_;
 };
@@ -645,7 +680,9 @@ class LATELIGHT_API Ticket {
   // Waits for the pictures and returns them in the order of their cameras. Rendering errors are thrown here. A second
   // call throws Error(Usage), and so does a ticket of Results::Arrays.
   std::vector<Frame> take();
-  // The worlds with values that are not finite. Their images show only the background; other worlds are unaffected.
+  // The worlds with values that are not finite. Their images show only the background; other worlds are unaffected. May
+  // wait until the device has read the values. Like take(), it throws Error(Usage) if a matrix is no transform, pose or
+  // camera matrix.
   const std::vector<uint32_t>& invalidWorlds() const;
   // The factors that the pictures' radiance is multiplied by, in their order.
   std::vector<float> exposures() const;
@@ -676,6 +713,7 @@ class LATELIGHT_API Renderer {
   Renderer& operator=(Renderer&&) noexcept;
 
   const std::string& deviceName() const;
+  const std::string& deviceUuid() const;  // 32 hex digits
   // Messages of Vulkan's validation layers since the last call. The environment variable LATELIGHT_VALIDATION=1 enables
   // the layers.
   std::vector<std::string> validationMessages();
@@ -692,12 +730,23 @@ class LATELIGHT_API Renderer {
   // Submits the cameras and returns while the device renders them. Meanwhile, the scene may be edited, taken pictures
   // written, and more pictures submitted. Up to three tickets keep a device busy; each holds its pictures' memory until
   // it is taken or dropped.
-  Ticket submit(const std::vector<Camera>& cameras, const Options& options = {}, Results results = Results::ToHost);
+  // `targets`: arrays of earlier calls with the same outputs, sizes and formats, by name. Results::Arrays are rendered
+  // into them again, and their earlier values are lost.
+  Ticket submit(const std::vector<Camera>& cameras, const Options& options = {}, Results results = Results::ToHost,
+                const std::map<std::string, DeviceArray>& targets = {});
   // Renders the cameras of all worlds. Frames are in the order of the worlds, and of the cameras within each world.
   // Each has the bytes that the scene, edited to that world's state, has in a render of its own, except the coordinates
   // of objects at rest ("object-position", "nocs"), which worlds do not change.
   std::vector<Frame> render(const Worlds& worlds, const Options& options = {});
-  Ticket submit(const Worlds& worlds, const Options& options = {}, Results results = Results::ToHost);
+  Ticket submit(const Worlds& worlds, const Options& options = {}, Results results = Results::ToHost,
+                const std::map<std::string, DeviceArray>& targets = {});
+  // Memory of at least `bytes` for arrays of worlds that other APIs write on the device: WorldArray::device. A call
+  // holds the memory that it reads until it has finished; once nothing holds it, a later inputArray() returns it again.
+  std::shared_ptr<const DeviceArray> inputArray(uint64_t bytes);
+  // A timeline semaphore as an opaque file descriptor, owned by the caller, for cuImportExternalSemaphore() and similar
+  // functions. Whoever writes arrays on the device signals it with increasing values; a call waits for
+  // WorldArrays::ready on the device. Throws Error(NoDevice) if the device cannot export semaphores.
+  int exportInputSemaphore();
   // The visible surfaces at pixels (x, y from the upper left) of such a picture, in the order of `pixels`. No lighting
   // is computed.
   std::vector<Pick> pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <cstring>
 
+#include "api/device_array.h"
 #include "api/renderer.h"
 #include "api/scene.h"
 #include "base/error.h"
 #include "base/fork.h"
+#include "base/log.h"
 #include "export/export.h"
 #include "output/png.h"
 #include "render/options/options.h"
@@ -18,6 +20,8 @@
 #include "render/submit/session.h"
 #include "scene/framing.h"
 #include "scene/load/load.h"
+#include "vk/commands.h"
+#include "vk/shared_timeline.h"
 
 namespace latelight {
 
@@ -50,6 +54,29 @@ render::SunLight internalSun(const Sun& sun) {
   return {sun.azimuth / kDegreesPerRadian, sun.elevation / kDegreesPerRadian, sun.illuminance};
 }
 
+// Returns true for the shorter of two formats.
+bool isShorter(const std::string& name, const std::string& format, const char* usual, const char* shorter) {
+  if (format != usual && format != shorter)
+    badUsage("the format of {} must be {} or {}, not \"{}\"", name, usual, shorter, printable(format));
+  return format == shorter;
+}
+
+render::ExportFormats internalFormats(const Options& o, const render::Settings& s) {
+  render::ExportFormats formats{.rgb = false, .shorter = {}, .channelsFirst = o.channelsFirst};
+  for (const auto& [name, format] : o.formats) {
+    if (name == "rgba" && s.display) {
+      formats.rgb = isShorter(name, format, "rgba8", "rgb8");
+      continue;
+    }
+    const auto aov = std::ranges::find(s.aovs, name, [](output::Aov aov) { return output::info(aov).name; });
+    if (aov == s.aovs.end()) badUsage("formats has \"{}\", which is not one of the requested outputs", printable(name));
+    const bool ids = output::holdsIntegers(*aov);
+    if (isShorter(name, format, ids ? "uint32" : "float32", ids ? "uint16" : "float16"))
+      formats.shorter.push_back(*aov);
+  }
+  return formats;
+}
+
 render::Settings internalSettings(const Options& o) {
   render::Settings s;
 #define OPTION_FLAG(member, ...) s.member = o.member;
@@ -68,6 +95,7 @@ render::Settings internalSettings(const Options& o) {
   std::string names;
   for (const std::string& name : o.aovs) names += (names.empty() ? "" : ",") + name;
   if (!names.empty()) s.aovs = output::parseAovs(names);
+  s.exports = internalFormats(o, s);
   render::checkSettings(s);
   return s;
 }
@@ -242,6 +270,10 @@ const std::string& Renderer::deviceName() const {
   return usable(impl_).device->info().name;
 }
 
+const std::string& Renderer::deviceUuid() const {
+  return usable(impl_).device->info().uuid;
+}
+
 std::vector<std::string> Renderer::validationMessages() {
   return usable(impl_).device->validationMessages();
 }
@@ -267,6 +299,16 @@ struct Ticket::Impl {
   render::Ticket ticket;
   Results results;
   std::vector<uint32_t> invalidWorlds{};
+  bool awaitsWorlds = false;  // the device reports invalid worlds
+
+  // Waits for the report.
+  void checkWorlds() {
+    if (!awaitsWorlds) return;
+    const std::vector<uint32_t> status = ticket.worldStatus();
+    invalidWorlds = worldsOfStatus(status);
+    awaitsWorlds = false;
+    warnOfInvalidWorlds(invalidWorlds, status.size());
+  }
 };
 
 Ticket::Ticket() = default;
@@ -289,6 +331,7 @@ std::vector<Frame> Ticket::take() {
   usable(impl_->renderer);
   if (impl_->results == Results::Arrays) badUsage("these pictures are arrays on the device: take those");
   const std::shared_ptr<Impl> taken = std::move(impl_);
+  taken->checkWorlds();
   std::vector<Frame> frames;
   for (output::FrameOutput& frame : taken->ticket.take().frames) frames.push_back(publicFrame(std::move(frame)));
   return frames;
@@ -305,16 +348,27 @@ std::map<std::string, DeviceArray> Ticket::takeArrays() {
   usable(impl_->renderer);
   if (impl_->results != Results::Arrays) badUsage("these pictures are no arrays: submit them with Results::Arrays");
   const std::shared_ptr<Impl> taken = std::move(impl_);
+  taken->checkWorlds();
   std::map<std::string, DeviceArray> arrays;
   for (render::ExportedArray& from : taken->ticket.take().arrays) {
     DeviceArray& array = arrays[from.aov ? std::string(output::info(*from.aov).name) : "rgba"];
     using enum DeviceArray::Element;
-    array.element = !from.aov ? Uint8 : output::holdsIntegers(*from.aov) ? Uint32 : Float32;
+    const bool integers = from.aov && output::holdsIntegers(*from.aov), shorter = from.elementBytes == 2;
+    array.element = !from.aov ? Uint8 : integers ? (shorter ? Uint16 : Uint32) : shorter ? Float16 : Float32;
     array.shape = {from.views, from.rows, from.columns, from.channels};
+    array.channelsFirst = from.channelsFirst;
+    if (from.channelsFirst) array.shape = {from.views, from.channels, from.rows, from.columns};
     array.impl_ = ownedByProcess(
         new DeviceArray::Impl{.owner = {}, .device = taken->renderer->device, .memory = std::move(from.memory)});
   }
   return arrays;
+}
+
+const vk::Buffer& DeviceArrayMemory::bufferOf(const DeviceArray& array) {
+  return array.impl_->memory->buffer;
+}
+std::shared_ptr<const void> DeviceArrayMemory::of(const DeviceArray& array) {
+  return array.impl_->memory;
 }
 
 const void* DeviceArray::host() const {
@@ -327,6 +381,24 @@ int DeviceArray::exportMemory() const {
 }
 uint64_t DeviceArray::memoryBytes() const {
   return impl_->memory->buffer.memorySize();
+}
+void DeviceArray::copyToHost(std::span<std::byte> to) const {
+  impl_->owner.require("the array's device");
+  const vk::Buffer& from = impl_->memory->buffer;
+  if (to.size() > from.size()) badUsage("the array has {} bytes, not {}", from.size(), to.size());
+  if (host()) {
+    std::memcpy(to.data(), host(), to.size());
+    return;
+  }
+  vk::Device& device = *impl_->device;
+  const vk::Buffer copied(device, {.size = to.size(), .kind = vk::MemoryKind::Readback, .name = "array, read"});
+  device.submitAndWait([&](VkCommandBuffer commands) {
+    const VkBufferCopy copy{0, 0, to.size()};
+    vkCmdCopyBuffer(commands, from.get(), copied.get(), 1, &copy);
+    vk::recordMemoryBarrier(commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                            VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
+  });
+  std::memcpy(to.data(), copied.mapped(), to.size());
 }
 std::string DeviceArray::deviceUuid() const {
   return impl_->device->info().uuid;
@@ -341,16 +413,49 @@ void DeviceArray::beforeReuse(std::function<void()> call) const {
   impl_->memory->beforeReuse = std::move(call);
 }
 
-Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& options, Results results) {
+render::ExportTargets DeviceArrayMemory::targets(const std::map<std::string, DeviceArray>& arrays) {
+  render::ExportTargets targets;
+  for (const auto& [name, array] : arrays) {
+    if (!array.impl_) badUsage("the array to render {} into is empty", name);
+    const output::AovInfo* info = output::findAov(name);
+    if (!info && name != "rgba") badUsage("there is no output \"{}\" to render into", printable(name));
+    targets[info ? std::optional(info->aov) : std::nullopt] = array.impl_->memory;
+  }
+  return targets;
+}
+
+namespace {
+
+// Whoever reads the arrays must have finished. `ordered`: the device waits for them.
+render::ExportTargets targetsOf(const std::map<std::string, DeviceArray>& arrays, Results results, bool ordered) {
+  if (!arrays.empty() && results != Results::Arrays) badUsage("only Results::Arrays are rendered into given arrays");
+  render::ExportTargets targets = DeviceArrayMemory::targets(arrays);
+  for (const auto& [aov, memory] : targets)
+    if (!ordered && memory->beforeReuse) memory->beforeReuse();
+  return targets;
+}
+
+void checkFormats(const Options& options, Results results) {
+  if ((!options.formats.empty() || options.channelsFirst) && results != Results::Arrays)
+    badUsage("formats and the order of channels apply to Results::Arrays only");
+}
+
+}  // namespace
+
+Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& options, Results results,
+                        const std::map<std::string, DeviceArray>& targets) {
   usable(impl_);
+  checkFormats(options, results);
   if (cameras.empty()) badUsage("nothing can be rendered without a camera");
   const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene);
   const std::vector<scene::Camera> internal =
       internalCameras(cameras, impl_->scene, cameras.size(), settings.cameraFit);
   const render::SceneState moment = internalState(options, settings, impl_->scene, cameras.size());
   Ticket ticket;
-  ticket.impl_ = ownedByProcess(
-      new Ticket::Impl{impl_, impl_->renderer.submit(internal, settings, moment, internalResults(results)), results});
+  ticket.impl_ = ownedByProcess(new Ticket::Impl{
+      impl_,
+      impl_->renderer.submit(internal, settings, moment, internalResults(results), targetsOf(targets, results, false)),
+      results});
   return ticket;
 }
 
@@ -358,22 +463,46 @@ std::vector<Frame> Renderer::render(const Worlds& worlds, const Options& options
   return submit(worlds, options).take();
 }
 
-Ticket Renderer::submit(const Worlds& worlds, const Options& options, Results results) {
+Ticket Renderer::submit(const Worlds& worlds, const Options& options, Results results,
+                        const std::map<std::string, DeviceArray>& targets) {
   usable(impl_);
+  checkFormats(options, results);
   if (!options.previousCameras.empty() || !options.nextCameras.empty())
     badUsage("worlds have previous and next cameras of their own: leave those of the options empty");
   const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene);
   render::SceneState moment = internalState(options, settings, impl_->scene, 0);
-  const WorldCameras internal = impl_->source.convert(worlds, settings, moment);
+  if (worlds.arrays.ready > 0 && impl_->inputTimeline)
+    impl_->device->waitFirst(impl_->inputTimeline->get(), worlds.arrays.ready);
+  const WorldCameras internal = impl_->source.convert(worlds, settings, moment, impl_->renderer, *impl_->device);
   Ticket ticket;
   ticket.impl_ = ownedByProcess(
-      new Ticket::Impl{impl_, impl_->renderer.submit(internal.cameras, settings, moment, internalResults(results)),
-                       results, internal.invalid});
+      new Ticket::Impl{impl_,
+                       impl_->renderer.submit(internal.cameras, settings, moment, internalResults(results),
+                                              targetsOf(targets, results, worlds.arrays.ready > 0)),
+                       results, internal.invalid, internal.onDevice});
   return ticket;
+}
+
+std::shared_ptr<const DeviceArray> Renderer::inputArray(uint64_t bytes) {
+  vk::Device& device = *usable(impl_).device;
+  auto array = std::make_shared<DeviceArray>();
+  array->element = DeviceArray::Element::Uint8;
+  array->shape = {1, 1, 1, bytes};
+  array->impl_ = ownedByProcess(new DeviceArray::Impl{
+      .owner = {}, .device = impl_->device, .memory = impl_->inputs->take(device, (bytes + 15) / 16 * 16)});
+  return array;
+}
+
+int Renderer::exportInputSemaphore() {
+  Impl& impl = usable(impl_);
+  if (!impl.inputTimeline) impl.inputTimeline.emplace(*impl.device);
+  return impl.inputTimeline->exportSemaphore();
 }
 
 const std::vector<uint32_t>& Ticket::invalidWorlds() const {
   if (!impl_) badUsage("these pictures have been taken already");
+  usable(impl_->renderer);
+  impl_->checkWorlds();
   return impl_->invalidWorlds;
 }
 

@@ -21,6 +21,8 @@ struct Renderer::Impl {
   const scene::Scene& scene;
   std::shared_ptr<vk::Device> device;  // arrays share it
   render::Renderer renderer;
+  std::shared_ptr<render::ExportPool> inputs = std::make_shared<render::ExportPool>();  // arrays that others write
+  std::optional<vk::SharedTimeline> inputTimeline{};
 
   Impl(const Scene::Impl& source, const std::string& selector, const std::optional<scene::Environment>& environment)
       : source(source),

@@ -8,19 +8,28 @@
 #include "scene/scene.h"
 
 namespace latelight::render {
+class Renderer;
 struct SceneState;
 struct Settings;
 }  // namespace latelight::render
+namespace latelight::vk {
+class Device;
+}
 
 namespace latelight {
 
 inline constexpr float kDegreesPerRadian = 180.0f / glm::pi<float>();
 
-// The cameras of all worlds, world by world.
+// The cameras of all worlds, world by world; if shaders place the worlds, those of each world.
 struct WorldCameras {
   std::vector<scene::Camera> cameras;
   std::vector<uint32_t> invalid;  // worlds with values that are not finite
+  bool onDevice = false;          // the device reports the other invalid worlds: worldsOfStatus()
 };
+
+// Returns the invalid worlds, from the status that the device reports. Throws Error(Usage) if values are wrong.
+std::vector<uint32_t> worldsOfStatus(std::span<const uint32_t> status);
+void warnOfInvalidWorlds(const std::vector<uint32_t>& invalid, size_t worlds);
 
 struct Scene::Impl {
   scene::Scene scene;
@@ -37,7 +46,8 @@ struct Scene::Impl {
 
   // Converts worlds for the renderer: returns the cameras, and writes the rest to `state`.
   struct WorldConverter;
-  WorldCameras convert(const Worlds& worlds, const render::Settings& settings, render::SceneState& state) const;
+  WorldCameras convert(const Worlds& worlds, const render::Settings& settings, render::SceneState& state,
+                       render::Renderer& renderer, vk::Device& device) const;
 
   // Handles of the elements that have not been removed, in the scene's order.
   template <typename Element, typename T>

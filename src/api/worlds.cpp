@@ -1,13 +1,17 @@
 // Worlds of the public API: checks the lists, and converts them to the renderer's instances and cameras of all worlds.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numeric>
 
+#include "api/device_array.h"
 #include "api/scene.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "base/parallel.h"
 #include "render/settings/settings.h"
+#include "render/submit/renderer.h"
 #include "render/submit/scene_state.h"
 #include "render/submit/session.h"
 #include "scene/edit_check.h"
@@ -40,6 +44,99 @@ void checkCount(size_t has, size_t worlds, size_t each, const char* list, std::s
            elements.empty() ? "" : " and ", elements, has);
 }
 
+// --- arrays ----------------------------------------------------------------------------------------------------------
+
+void checkArray(const WorldArray& array, bool hasList, bool isMask, const char* name) {
+  if (!array) return;
+  if (hasList) badUsage("Worlds::{} and Worlds::arrays.{} describe the same: omit one of them", name, name);
+  if ((array.element == WorldArray::Element::Uint8) != isMask)
+    badUsage("Worlds::arrays.{} must have elements of the type {}", name, isMask ? "Uint8" : "Float32 or Float64");
+  if (array.host && array.device) badUsage("Worlds::arrays.{} must be in one memory only", name);
+  if (array.offset % 16 != 0) badUsage("Worlds::arrays.{} must begin at a multiple of 16 bytes", name);
+}
+
+uint64_t elementBytes(const WorldArray& array) {
+  return array.element == WorldArray::Element::Float64 ? 8 : array.element == WorldArray::Element::Float32 ? 4 : 1;
+}
+
+void copyInParallel(std::byte* to, const std::byte* from, size_t bytes) {
+  constexpr size_t kGrain = size_t{1} << 20;  // so that waking a thread is worthwhile
+  parallelFor(bytes, kGrain, [&](size_t begin, size_t end) { std::memcpy(to + begin, from + begin, end - begin); });
+}
+
+// Copies an array of the device's memory to the host, after everything that was submitted.
+std::vector<std::byte> readBack(vk::Device& device, const WorldArray& array, uint64_t bytes) {
+  const vk::Buffer& from = DeviceArrayMemory::bufferOf(*array.device);
+  const vk::Buffer to(device, {.size = bytes, .kind = vk::MemoryKind::Readback, .name = "arrays of worlds, read"});
+  device.submitAndWait([&](VkCommandBuffer commands) {
+    const VkBufferCopy copy{array.offset, 0, bytes};
+    vkCmdCopyBuffer(commands, from.get(), to.get(), 1, &copy);
+    vk::recordMemoryBarrier(commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                            VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
+  });
+  return {to.mapped(), to.mapped() + bytes};
+}
+
+// Returns `count` elements of an array as doubles.
+std::vector<double> numbersOf(vk::Device& device, const WorldArray& array, size_t count) {
+  std::vector<std::byte> copied;
+  const void* numbers = array.host;
+  if (array.device) numbers = (copied = readBack(device, array, count * elementBytes(array))).data();
+  const auto all = [&]<typename T>(const T* from) { return std::vector<double>(from, from + count); };
+  if (array.element == WorldArray::Element::Float64) return all(static_cast<const double*>(numbers));
+  if (array.element == WorldArray::Element::Float32) return all(static_cast<const float*>(numbers));
+  return all(static_cast<const uint8_t*>(numbers));
+}
+
+std::vector<Transform> matricesOf(vk::Device& device, const WorldArray& array, size_t count) {
+  const size_t size = 4 * array.rows;
+  const std::vector<double> numbers = numbersOf(device, array, count * size);
+  std::vector<Transform> matrices(count, Transform{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1});
+  for (size_t i = 0; i < count; ++i)
+    std::copy_n(numbers.begin() + static_cast<std::ptrdiff_t>(i * size), size, matrices[i].begin());
+  return matrices;
+}
+
+std::vector<std::array<double, 4>> intrinsicsOf(vk::Device& device, const WorldArray& array, size_t count) {
+  std::vector<std::array<double, 4>> intrinsics;
+  const std::vector<double> all = numbersOf(device, array, count * 9);
+  for (size_t i = 0; i < count; ++i) {
+    const double* k = all.data() + 9 * i;
+    if (k[1] != 0 || k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1)
+      badUsage("a camera matrix must have no skew and the last row 0 0 1");
+    intrinsics.push_back({k[0], k[4], k[2], k[5]});
+  }
+  return intrinsics;
+}
+
+// The memory of a call's arrays. The host's arrays are copied to one buffer, in two steps: their sizes are added first.
+class InputWriter {
+ public:
+  // The memory must stay valid until write().
+  void add(const void* from, uint64_t bytes, VkDeviceAddress& address) {
+    parts_.push_back({from, bytes, total_, &address});
+    total_ += (bytes + 15) / 16 * 16;
+  }
+  void write(render::Renderer& renderer, render::WorldInputs& inputs) {
+    if (parts_.empty()) return;
+    const std::shared_ptr<const vk::Buffer> memory = renderer.inputMemory(total_);
+    for (const Part& part : parts_) {
+      copyInParallel(memory->mapped() + part.offset, static_cast<const std::byte*>(part.from), part.bytes);
+      *part.address = memory->address() + part.offset;
+    }
+    inputs.memory.push_back(memory);
+  }
+
+ private:
+  struct Part {
+    const void* from;
+    uint64_t bytes, offset;
+    VkDeviceAddress* address;
+  };
+  std::vector<Part> parts_;
+  uint64_t total_ = 0;
+};
+
 }  // namespace
 
 // Converts one call's worlds.
@@ -52,8 +149,13 @@ struct Scene::Impl::WorldConverter {
   std::vector<uint8_t> invalid{};   // per world
 
   void check() const;
+  void checkArrays() const;
+  bool hasIntrinsics() const { return from.arrays.intrinsics || !from.intrinsics.empty(); }
   void listInstances();
-  void findInvalid();
+  void findInvalid(bool onDevice);
+  // For shaders that place the worlds.
+  std::vector<scene::Camera> camerasOfWorld() const;
+  void give(render::Renderer& renderer, std::vector<scene::Camera> cameras) const;
   void convertMaterials() const;
   void convertLights() const;
   std::vector<glm::dmat4> transformsOf(const std::vector<Transform>& values) const;
@@ -80,11 +182,31 @@ void Scene::Impl::WorldConverter::check() const {
   checkCount(from.previousCameraToWorld.size(), from.count, cameras, "previousCameraToWorld", "camera");
   checkCount(from.nextCameraToWorld.size(), from.count, cameras, "nextCameraToWorld", "camera");
   checkCount(from.intrinsics.size(), from.count, cameras, "intrinsics", "camera");
-  if (from.transforms.empty() && !(from.previousTransforms.empty() && from.nextTransforms.empty()))
+  const WorldArrays& a = from.arrays;
+  const bool moved =
+      !from.previousTransforms.empty() || !from.nextTransforms.empty() || a.previousTransforms || a.nextTransforms;
+  if (moved && from.transforms.empty() && !a.transforms)
     badUsage("Worlds::previousTransforms and nextTransforms require transforms");
+  checkArrays();
   if (!from.cameraInstances.empty() && from.cameraInstances.size() != cameras)
     badUsage("Worlds::cameraInstances must have one value per camera, {}, and has {}", cameras,
              from.cameraInstances.size());
+}
+
+void Scene::Impl::WorldConverter::checkArrays() const {
+  const WorldArrays& a = from.arrays;
+  checkArray(a.transforms, !from.transforms.empty(), false, "transforms");
+  checkArray(a.previousTransforms, !from.previousTransforms.empty(), false, "previousTransforms");
+  checkArray(a.nextTransforms, !from.nextTransforms.empty(), false, "nextTransforms");
+  checkArray(a.exists, !from.exists.empty(), true, "exists");
+  checkArray(a.cameraToWorld, !from.cameraToWorld.empty(), false, "cameraToWorld");
+  checkArray(a.previousCameraToWorld, !from.previousCameraToWorld.empty(), false, "previousCameraToWorld");
+  checkArray(a.nextCameraToWorld, !from.nextCameraToWorld.empty(), false, "nextCameraToWorld");
+  checkArray(a.intrinsics, !from.intrinsics.empty(), false, "intrinsics");
+  for (const WorldArray* array : {&a.transforms, &a.previousTransforms, &a.nextTransforms, &a.cameraToWorld,
+                                  &a.previousCameraToWorld, &a.nextCameraToWorld})
+    if (*array && array->rows != 3 && array->rows != 4)
+      badUsage("matrices of Worlds::arrays must have 3 or 4 rows, not {}", array->rows);
 }
 
 void Scene::Impl::WorldConverter::listInstances() {
@@ -101,15 +223,16 @@ void Scene::Impl::WorldConverter::listInstances() {
 }
 
 // A world with a value that is not finite has no instances. Its cameras see only the background.
-void Scene::Impl::WorldConverter::findInvalid() {
+void Scene::Impl::WorldConverter::findInvalid(bool onDevice) {
   invalid.assign(from.count, 0);
   const auto mark = [&](const std::vector<Transform>& values) {
     for (size_t i = 0; i < values.size(); ++i)
       if (!isFinite(values[i])) invalid[i / (values.size() / from.count)] = 1;
   };
-  for (const auto* values : {&from.transforms, &from.previousTransforms, &from.nextTransforms, &from.cameraToWorld,
-                             &from.previousCameraToWorld, &from.nextCameraToWorld})
-    mark(*values);
+  if (!onDevice)
+    for (const auto* values : {&from.transforms, &from.previousTransforms, &from.nextTransforms, &from.cameraToWorld,
+                               &from.previousCameraToWorld, &from.nextCameraToWorld})
+      mark(*values);
   for (size_t i = 0; i < from.factors.size(); ++i)
     if (!isFinite(from.factors[i])) invalid[i / to.instances.size()] = 1;
   for (size_t i = 0; i < from.lightValues.size(); ++i)
@@ -118,7 +241,7 @@ void Scene::Impl::WorldConverter::findInvalid() {
     if (!std::isfinite(from.environmentRotation[world])) invalid[world] = 1;
   for (size_t world = 0; world < from.environmentIntensity.size(); ++world)
     if (!std::isfinite(from.environmentIntensity[world])) invalid[world] = 1;
-  for (size_t i = 0; i < from.intrinsics.size(); ++i)
+  for (size_t i = 0; !onDevice && i < from.intrinsics.size(); ++i)
     if (!std::ranges::all_of(from.intrinsics[i], [](double value) { return std::isfinite(value); }))
       invalid[i / from.cameras.size()] = 1;
 }
@@ -225,13 +348,139 @@ std::vector<scene::Camera> Scene::Impl::WorldConverter::camerasAt(const std::vec
   return cameras;
 }
 
-WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& settings,
-                                  render::SceneState& state) const {
+// The cameras of each world, with poses of their own.
+std::vector<scene::Camera> Scene::Impl::WorldConverter::camerasOfWorld() const {
+  std::vector<scene::Camera> cameras;
+  for (Camera camera : from.cameras) {
+    const double width = settings.width, height = settings.height;
+    if (hasIntrinsics()) camera.lens = Lens{.width = width, .height = height, .fx = width, .fy = width};
+    cameras.push_back(render::fitted(internalCamera(camera, scene.scene), settings.cameraFit));
+  }
+  return cameras;
+}
+
+// Gives the arrays, or the lists as arrays, to the shaders that place the worlds.
+void Scene::Impl::WorldConverter::give(render::Renderer& renderer, std::vector<scene::Camera> cameras) const {
+  const WorldArrays& arrays = from.arrays;
+  render::WorldInputs& inputs = to.inputs.emplace();
+  const size_t instances = from.count * to.instances.size(), views = from.count * cameras.size();
+  inputs.cameras = std::move(cameras);
+  InputWriter writer;
+  const auto giveArray = [&](const WorldArray& array, uint64_t bytes, VkDeviceAddress& address) {
+    if (array.host) writer.add(array.host, bytes, address);
+    if (!array.device) return;
+    const std::shared_ptr<const void> memory = DeviceArrayMemory::of(*array.device);
+    address = DeviceArrayMemory::bufferOf(*array.device).address() + array.offset;
+    inputs.memory.push_back(memory);
+  };
+  const auto matrices = [&](const WorldArray& array, const std::vector<Transform>& list, size_t count,
+                            render::WorldArray& given) {
+    given.rows = array ? array.rows : 4;
+    given.doubles = !array || array.element == WorldArray::Element::Float64;
+    if (!list.empty()) writer.add(list.data(), list.size() * sizeof(Transform), given.address);
+    giveArray(array, count * given.rows * 4 * elementBytes(array), given.address);
+  };
+  matrices(arrays.transforms, from.transforms, instances, inputs.transforms);
+  matrices(arrays.previousTransforms, from.previousTransforms, instances, inputs.previous);
+  matrices(arrays.nextTransforms, from.nextTransforms, instances, inputs.next);
+  matrices(arrays.cameraToWorld, from.cameraToWorld, views, inputs.cameraToWorld);
+  matrices(arrays.previousCameraToWorld, from.previousCameraToWorld, views, inputs.previousCameraToWorld);
+  matrices(arrays.nextCameraToWorld, from.nextCameraToWorld, views, inputs.nextCameraToWorld);
+  if (!from.exists.empty()) writer.add(from.exists.data(), from.exists.size(), inputs.exists);
+  giveArray(arrays.exists, instances, inputs.exists);
+  std::vector<double> k;
+  for (const auto& [fx, fy, cx, cy] : from.intrinsics) k.insert(k.end(), {fx, 0, cx, 0, fy, cy, 0, 0, 1});
+  inputs.intrinsics.doubles = !k.empty() || arrays.intrinsics.element == WorldArray::Element::Float64;
+  if (!k.empty()) writer.add(k.data(), k.size() * sizeof(double), inputs.intrinsics.address);
+  giveArray(arrays.intrinsics, views * 9 * elementBytes(arrays.intrinsics), inputs.intrinsics.address);
+  for (const std::optional<Handle<Instance>>& ride : from.cameraInstances)
+    inputs.rides.push_back(ride ? scene.index(*ride) : ~0u);
+  writer.write(renderer, inputs);
+}
+
+namespace {
+
+// Returns the same worlds with lists in place of arrays.
+Worlds withoutArrays(const Worlds& worlds, vk::Device& device, size_t instances) {
+  Worlds lists = worlds;
+  const WorldArrays& a = worlds.arrays;
+  const size_t moved = worlds.count * instances, views = worlds.count * worlds.cameras.size();
+  const auto expand = [&](const WorldArray& array, std::vector<Transform>& list, size_t count) {
+    if (array) list = matricesOf(device, array, count);
+  };
+  expand(a.transforms, lists.transforms, moved);
+  expand(a.previousTransforms, lists.previousTransforms, moved);
+  expand(a.nextTransforms, lists.nextTransforms, moved);
+  expand(a.cameraToWorld, lists.cameraToWorld, views);
+  expand(a.previousCameraToWorld, lists.previousCameraToWorld, views);
+  expand(a.nextCameraToWorld, lists.nextCameraToWorld, views);
+  if (a.intrinsics) lists.intrinsics = intrinsicsOf(device, a.intrinsics, views);
+  if (a.exists)
+    for (const double value : numbersOf(device, a.exists, moved)) lists.exists.push_back(value != 0);
+  lists.arrays = {};
+  return lists;
+}
+
+bool hasArrays(const WorldArrays& a) {
+  for (const WorldArray* array : {&a.transforms, &a.previousTransforms, &a.nextTransforms, &a.exists, &a.cameraToWorld,
+                                  &a.previousCameraToWorld, &a.nextCameraToWorld, &a.intrinsics})
+    if (*array) return true;
+  return false;
+}
+
+}  // namespace
+
+std::vector<uint32_t> worldsOfStatus(std::span<const uint32_t> status) {
+  std::vector<uint32_t> invalid;
+  for (uint32_t world = 0; world < status.size(); ++world) {
+    const uint32_t bits = status[world];
+    if (bits & shared::kWorldWrongTransform)
+      badUsage("the transform of an instance must have the last row 0 0 0 1, and one of world {} has another", world);
+    if (bits & shared::kWorldWrongPose)
+      badUsage(
+          "the camera's pose must be a rotation and a translation, without mirror, shear or scale, over 0 0 0 1, and "
+          "one "
+          "of world {} is not",
+          world);
+    if (bits & shared::kWorldWrongIntrinsics)
+      badUsage(
+          "a camera matrix must have focal lengths above 0, no skew and the last row 0 0 1, and one of world {} has "
+          "not",
+          world);
+    if (bits & shared::kWorldWrongRide)
+      badUsage("a camera of world {} rides on an instance whose transform mirrors or has an axis of length 0", world);
+    if (bits & shared::kWorldNotFinite) invalid.push_back(world);
+  }
+  return invalid;
+}
+
+void warnOfInvalidWorlds(const std::vector<uint32_t>& invalid, size_t worlds) {
+  if (!invalid.empty())
+    warn("{} of {} worlds have values that are not finite, and show only the background; the first is world {}",
+         invalid.size(), worlds, invalid.front());
+}
+
+WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& settings, render::SceneState& state,
+                                  render::Renderer& renderer, vk::Device& device) const {
   WorldConverter converter{worlds, *this, settings, state.worlds};
   converter.listInstances();
   converter.check();
-  converter.findInvalid();
   render::WorldStates& to = state.worlds;
+  std::vector<scene::Camera> each = converter.camerasOfWorld();
+  if (renderer.placesWorlds(settings, each)) {
+    converter.findInvalid(true);
+    converter.convertMaterials();
+    converter.convertLights();
+    to.empty = converter.invalid;
+    converter.give(renderer, std::move(each));
+    return {.cameras = to.inputs->cameras, .invalid = {}, .onDevice = true};
+  }
+  if (hasArrays(worlds.arrays)) {
+    const Worlds lists = withoutArrays(worlds, device, to.instances.size());
+    to = {};
+    return convert(lists, settings, state, renderer, device);
+  }
+  converter.findInvalid(false);
   to.transforms = converter.transformsOf(worlds.transforms);
   to.previous = converter.transformsOf(worlds.previousTransforms);
   to.next = converter.transformsOf(worlds.nextTransforms);
@@ -254,9 +503,7 @@ WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& 
                                             orNow(to.next, to.transforms), poses.next);
   for (uint32_t world = 0; world < worlds.count; ++world)
     if (converter.invalid[world]) result.invalid.push_back(world);
-  if (!result.invalid.empty())
-    warn("{} of {} worlds have values that are not finite, and show only the background; the first is world {}",
-         result.invalid.size(), worlds.count, result.invalid.front());
+  warnOfInvalidWorlds(result.invalid, worlds.count);
   return result;
 }
 

@@ -211,7 +211,7 @@ void PackedOutputs::addConversion(const Builder& b, const Conversion& conversion
   const ExportedArray& array = *conversion.array;
   const glm::uvec3 size = conversion.size;
   const graph::BufferId target = b.graph.import(array.memory->buffer, graph::Use::StorageReadWrite);
-  const bool ids = array.aov && output::holdsIds(*array.aov), planar = array.channelsFirst && array.channels > 1;
+  const bool ids = array.aov && output::holdsIntegers(*array.aov), planar = array.channelsFirst && array.channels > 1;
   const uint32_t pixels = size.x * size.y, elements = planar ? pixels : pixels * array.channels;
   const uint32_t words = elements * array.elementBytes / 4 + 2, stride = std::min(words, 1u << 20);
   const uint64_t offset = arrays_.firstView * array.viewBytes() + arrays_.firstRow * array.rowBytes();

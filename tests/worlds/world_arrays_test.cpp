@@ -1,0 +1,175 @@
+// Worlds whose arrays shaders convert: many random worlds have the bytes of the scene edited to their states, with
+// arrays of floats and doubles, of three and four rows, through the public API.
+#include <gmock/gmock.h>
+#include <latelight/latelight.h>
+
+#include <cstring>
+#include <random>
+
+#include "models/models.h"
+#include "test_device.h"
+
+namespace latelight {
+namespace {
+
+using test::testDevice;
+
+Transform product(const Transform& a, const Transform& b) {
+  Transform c{};
+  for (size_t i = 0; i < 16; ++i)
+    for (size_t k = 0; k < 4; ++k) c[i] += a[i / 4 * 4 + k] * b[k * 4 + i % 4];
+  return c;
+}
+
+// Moved, turned about an axis, and scaled, mirrored in one of four cases. All numbers are floats, so that arrays of
+// floats and of doubles describe the same worlds.
+Transform randomMotion(std::mt19937& random, bool rigid) {
+  std::uniform_real_distribution<double> offset(-0.4, 0.4), size(0.7, 1.3);
+  const double angle = offset(random), c = std::cos(angle), s = std::sin(angle);
+  Transform turn{c, -s, 0, offset(random), s, c, 0, offset(random), 0, 0, 1, offset(random), 0, 0, 0, 1};
+  if (random() % 2) turn = {c, 0, s, offset(random), 0, 1, 0, offset(random), -s, 0, c, offset(random), 0, 0, 0, 1};
+  const double x = random() % 4 ? size(random) : -size(random);
+  if (rigid) return turn;
+  return product(turn, {x, 0, 0, 0, 0, size(random), 0, 0, 0, 0, size(random), 0, 0, 0, 0, 1});
+}
+
+Transform asFloats(Transform transform) {
+  for (double& number : transform) number = static_cast<float>(number);
+  return transform;
+}
+
+// The numbers of matrices as an array with these elements and rows.
+struct Numbers {
+  std::vector<double> doubles;
+  std::vector<float> floats;
+  WorldArray array;
+
+  Numbers(const std::vector<Transform>& matrices, bool asDoubles, uint32_t rows) {
+    for (const Transform& m : matrices) doubles.insert(doubles.end(), m.begin(), m.begin() + 4 * rows);
+    floats.assign(doubles.begin(), doubles.end());
+    array.element = asDoubles ? WorldArray::Element::Float64 : WorldArray::Element::Float32;
+    array.rows = rows;
+    array.host = asDoubles ? static_cast<const void*>(doubles.data()) : floats.data();
+  }
+};
+
+void expectSameOutputs(const Frame& actual, const Frame& expected) {
+  EXPECT_EQ(actual.rgba, expected.rgba);
+  for (const auto& [name, aov] : expected.aovs) {
+    const Aov& other = actual.aovs.at(name);
+    EXPECT_EQ(other.ids, aov.ids) << name;
+    ASSERT_EQ(other.values.size(), aov.values.size()) << name;
+    EXPECT_TRUE(aov.values.empty() ||
+                std::memcmp(other.values.data(), aov.values.data(), aov.values.size() * sizeof(float)) == 0)
+        << name;
+  }
+}
+
+Options options(const char* raster) {
+  Options o;
+  o.width = 20;
+  o.height = 15;
+  o.raster = raster;
+  o.shadows = "none";
+  for (const OutputInfo& output : outputInfos())
+    if (!output.name.starts_with("raster")) o.aovs.push_back(output.name);
+  return o;
+}
+
+class ArraysOfWorlds : public testing::TestWithParam<const char*> {};
+
+INSTANTIATE_TEST_SUITE_P(Rasters, ArraysOfWorlds, testing::Values("compute", "hardware"),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST_P(ArraysOfWorlds, GiveTheImagesOfTheEditedScene) {
+  const bool compute = std::string(GetParam()) == "compute";
+  const uint32_t kWorlds = compute ? 200 : 12;
+  for (const char* name : {"blended.glb", "textured.glb"}) {
+    const std::string file = models::modelPath(name).string();
+    Scene scene(file), edited(file);
+    const std::vector<Handle<Instance>> all = scene.instances(), same = edited.instances();
+    Worlds worlds{.count = kWorlds, .instances = {all[0], all.back()}};
+    if (all.size() == 1) worlds.instances.pop_back();
+    const size_t listed = worlds.instances.size();
+    worlds.cameras = {scene.defaultCamera(4.0f / 3), scene.defaultCamera(4.0f / 3)};
+    std::mt19937 random(5);
+    std::vector<Transform> transforms, previous, poses;
+    for (size_t i = 0; i < kWorlds * listed; ++i) {
+      const Transform here = scene.instance(worlds.instances[i % listed]).transform;
+      transforms.push_back(asFloats(product(here, randomMotion(random, false))));
+      previous.push_back(asFloats(product(here, randomMotion(random, false))));
+    }
+    for (size_t i = 0; i < 2 * kWorlds; ++i)
+      poses.push_back(asFloats(product(worlds.cameras[i % 2].cameraToWorld, randomMotion(random, true))));
+    const bool doubles = std::string(name) == "textured.glb";
+    const Numbers moved(transforms, doubles, doubles ? 4 : 3), seen(poses, !doubles, 3), before(previous, doubles, 3);
+    worlds.arrays = {.transforms = moved.array, .previousTransforms = before.array, .cameraToWorld = seen.array};
+    Renderer renderer(scene, testDevice()), alone(edited, testDevice());
+    const Options o = options(GetParam());
+    Options withoutMotion = o;
+    std::erase(withoutMotion.aovs, "motion");
+    std::erase(withoutMotion.aovs, "flow");
+    Worlds still = worlds;
+    still.arrays.previousTransforms = {};
+    const std::vector<Frame> frames = renderer.render(still, withoutMotion);
+    ASSERT_EQ(frames.size(), 2 * kWorlds);
+    for (uint32_t world = 0; world < kWorlds && !HasFailure(); world += compute ? 1 : 3) {
+      for (size_t i = 0; i < listed; ++i)
+        edited.setTransform(i == 0 ? same[0] : same.back(), transforms[world * listed + i]);
+      for (size_t i = 0; i < 2; ++i) {
+        SCOPED_TRACE(testing::Message() << name << ", world " << world << ", camera " << i);
+        Camera camera = worlds.cameras[i];
+        camera.cameraToWorld = poses[2 * world + i];
+        expectSameOutputs(frames[2 * world + i], alone.render(camera, withoutMotion));
+      }
+    }
+    // The same values as lists, which have motion, too.
+    Worlds lists = worlds;
+    lists.arrays = {};
+    lists.transforms = transforms;
+    lists.previousTransforms = previous;
+    lists.cameraToWorld = poses;
+    const std::vector<Frame> given = renderer.render(worlds, o), listedFrames = renderer.render(lists, o);
+    for (size_t i = 0; i < given.size() && !HasFailure(); i += 7) expectSameOutputs(given[i], listedFrames[i]);
+  }
+}
+
+// Shaders find wrong values after submit() has returned.
+TEST(PlacedWorlds, ReportWrongValuesWhenTaken) {
+  Scene scene(models::modelPath("blended.glb").string());
+  Renderer renderer(scene, testDevice());
+  Worlds worlds{.count = 2, .instances = {scene.instances()[0]}, .cameras = {scene.defaultCamera(1.0f)}};
+  worlds.transforms.assign(2, scene.instance(worlds.instances[0]).transform);
+  worlds.transforms[1][12] = 1;
+  Ticket ticket = renderer.submit(worlds, options("compute"));
+  EXPECT_THROW(ticket.take(), Error);
+  worlds.transforms[1][12] = 0;
+  EXPECT_EQ(renderer.render(worlds, options("compute")).size(), 2u);
+}
+
+TEST(PlacedWorlds, AreChecked) {
+  Scene scene(models::modelPath("blended.glb").string());
+  Renderer renderer(scene, testDevice());
+  const float numbers[64] = {};
+  const auto refused = [&](const WorldArrays& arrays) {
+    Worlds worlds{.count = 2, .instances = {scene.instances()[0]}, .cameras = {scene.defaultCamera(1.0f)}};
+    worlds.arrays = arrays;
+    worlds.cameraToWorld.assign(2, worlds.cameras[0].cameraToWorld);
+    try {
+      renderer.render(worlds, options("compute"));
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing was refused");
+  };
+  using testing::HasSubstr;
+  EXPECT_THAT(refused({.transforms = {.rows = 2, .host = numbers}}), HasSubstr("must have 3 or 4 rows, not 2"));
+  EXPECT_THAT(refused({.exists = {.host = numbers}}), HasSubstr("exists must have elements of the type Uint8"));
+  EXPECT_THAT(refused({.transforms = {.element = WorldArray::Element::Uint8, .host = numbers}}),
+              HasSubstr("Float32 or Float64"));
+  EXPECT_THAT(refused({.cameraToWorld = {.host = numbers}}), HasSubstr("describe the same: omit one of them"));
+  EXPECT_THAT(refused({.previousTransforms = {.host = numbers}}), HasSubstr("require transforms"));
+}
+
+}  // namespace
+}  // namespace latelight
