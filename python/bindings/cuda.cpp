@@ -46,6 +46,38 @@ struct MemoryBufferDesc {
   unsigned int reserved[16];
 };
 
+using ExternalSemaphore = void*;
+using Stream = void*;
+using Event = void*;
+constexpr int kTimelineFd = 9;              // CU_EXTERNAL_SEMAPHORE_HANDLE_TYPE_TIMELINE_SEMAPHORE_FD
+constexpr unsigned int kNonBlocking = 1;    // CU_STREAM_NON_BLOCKING
+constexpr unsigned int kDisableTiming = 2;  // CU_EVENT_DISABLE_TIMING
+constexpr int kPointerDeviceOrdinal = 9;    // CU_POINTER_ATTRIBUTE_DEVICE_ORDINAL
+
+struct SemaphoreHandleDesc {
+  int type;
+  union {
+    int fd;
+    struct {
+      void* handle;
+      const void* name;
+    } win32;
+  } handle;
+  unsigned int flags;
+  unsigned int reserved[16];
+};
+
+struct SemaphoreSignalParams {
+  struct {
+    unsigned long long fence;
+    unsigned long long nvSciSync;
+    unsigned long long keyedMutex;
+    unsigned int reserved[12];
+  } params;
+  unsigned int flags;
+  unsigned int reserved[16];
+};
+
 struct Cuda {
   Result (*cuInit)(unsigned int) = nullptr;
   Result (*cuDeviceGetCount)(int*) = nullptr;
@@ -58,6 +90,18 @@ struct Cuda {
   Result (*cuExternalMemoryGetMappedBuffer)(DevicePointer*, ExternalMemory, const MemoryBufferDesc*) = nullptr;
   Result (*cuDestroyExternalMemory)(ExternalMemory) = nullptr;
   Result (*cuMemFree_v2)(DevicePointer) = nullptr;
+  Result (*cuImportExternalSemaphore)(ExternalSemaphore*, const SemaphoreHandleDesc*) = nullptr;
+  Result (*cuSignalExternalSemaphoresAsync)(const ExternalSemaphore*, const SemaphoreSignalParams*, unsigned int,
+                                            Stream) = nullptr;
+  Result (*cuDestroyExternalSemaphore)(ExternalSemaphore) = nullptr;
+  Result (*cuStreamCreate)(Stream*, unsigned int) = nullptr;
+  Result (*cuStreamDestroy_v2)(Stream) = nullptr;
+  Result (*cuStreamWaitEvent)(Stream, Event, unsigned int) = nullptr;
+  Result (*cuEventCreate)(Event*, unsigned int) = nullptr;
+  Result (*cuEventRecord)(Event, Stream) = nullptr;
+  Result (*cuEventDestroy_v2)(Event) = nullptr;
+  Result (*cuMemcpyDtoDAsync_v2)(DevicePointer, DevicePointer, size_t, Stream) = nullptr;
+  Result (*cuPointerGetAttribute)(void*, int, DevicePointer) = nullptr;
 };
 
 void check(Result result, const char* what) {
@@ -89,6 +133,17 @@ const Cuda& cuda() {
     LOAD(cuExternalMemoryGetMappedBuffer)
     LOAD(cuDestroyExternalMemory)
     LOAD(cuMemFree_v2)
+    LOAD(cuImportExternalSemaphore)
+    LOAD(cuSignalExternalSemaphoresAsync)
+    LOAD(cuDestroyExternalSemaphore)
+    LOAD(cuStreamCreate)
+    LOAD(cuStreamDestroy_v2)
+    LOAD(cuStreamWaitEvent)
+    LOAD(cuEventCreate)
+    LOAD(cuEventRecord)
+    LOAD(cuEventDestroy_v2)
+    LOAD(cuMemcpyDtoDAsync_v2)
+    LOAD(cuPointerGetAttribute)
 #undef LOAD
     check(c.cuInit(0), "start");
     return c;
@@ -170,6 +225,67 @@ class Imported {
 };
 
 }  // namespace
+
+CudaInputs::CudaInputs(const std::string& deviceUuid, const std::function<int()>& exportSemaphore)
+    : device_(deviceByUuid(deviceUuid)), context_(primaryContext(device_)) {
+  const InContext current(context_);
+  SemaphoreHandleDesc handle{};
+  handle.type = kTimelineFd;
+  handle.handle.fd = exportSemaphore();
+  const Result imported = cuda().cuImportExternalSemaphore(&semaphore_, &handle);
+  if (imported != kSuccess) close(handle.handle.fd);  // on success the driver owns it
+  check(imported, "import the renderer's semaphore");
+  check(cuda().cuStreamCreate(&stream_, kNonBlocking), "make a stream");
+  check(cuda().cuEventCreate(&event_, kDisableTiming), "make an event");
+}
+
+CudaInputs::~CudaInputs() {
+  cuda().cuCtxPushCurrent_v2(context_);
+  if (event_) cuda().cuEventDestroy_v2(event_);
+  if (stream_) cuda().cuStreamDestroy_v2(stream_);
+  if (semaphore_) cuda().cuDestroyExternalSemaphore(semaphore_);
+  Context popped = nullptr;
+  cuda().cuCtxPopCurrent_v2(&popped);
+}
+
+uintptr_t CudaInputs::stream() const {
+  return reinterpret_cast<uintptr_t>(stream_);
+}
+
+int CudaInputs::deviceOf(uintptr_t pointer) const {
+  const InContext current(context_);
+  int device = -1;
+  check(cuda().cuPointerGetAttribute(&device, kPointerDeviceOrdinal, pointer), "find the device of an array");
+  return device;
+}
+
+void CudaInputs::copy(const DeviceArray& to, uint64_t offset, uintptr_t from, uint64_t bytes, uintptr_t stream,
+                      uintptr_t writer) {
+  const CudaPointer target = cudaInputPointerOf(to);
+  const InContext current(context_);
+  const auto on = reinterpret_cast<Stream>(stream);
+  if (writer != 0 && writer != stream) {
+    check(cuda().cuEventRecord(event_, reinterpret_cast<Stream>(writer)), "record an event");
+    check(cuda().cuStreamWaitEvent(on, event_, 0), "wait for a stream");
+  }
+  check(cuda().cuMemcpyDtoDAsync_v2(reinterpret_cast<uintptr_t>(target.pointer) + offset, from, bytes, on),
+        "copy an array");
+  copied_ += bytes;
+}
+
+uint64_t CudaInputs::signal(uintptr_t stream) {
+  const InContext current(context_);
+  SemaphoreSignalParams params{};
+  params.params.fence = ++value_;
+  check(cuda().cuSignalExternalSemaphoresAsync(&semaphore_, &params, 1, reinterpret_cast<Stream>(stream)),
+        "signal the renderer");
+  return value_;
+}
+
+CudaPointer cudaInputPointerOf(const DeviceArray& array) {
+  if (!array.attached()) array.attach(std::make_shared<Imported>(array));
+  return static_cast<const Imported*>(array.attached().get())->place();
+}
 
 CudaPointer cudaPointerOf(const DeviceArray& array) {
   if (!array.attached()) {

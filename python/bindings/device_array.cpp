@@ -14,6 +14,8 @@ namespace {
 // DLPack's device types.
 constexpr int kOnHost = nb::device::cpu::value, kOnCuda = nb::device::cuda::value;
 
+constexpr nb::dlpack::dtype kHalf{static_cast<uint8_t>(nb::dlpack::dtype_code::Float), 16, 1};
+
 struct ElementInfo {
   nb::dlpack::dtype dtype;
   const char* name;
@@ -22,7 +24,9 @@ struct ElementInfo {
 const ElementInfo& infoOf(DeviceArray::Element element) {
   static const ElementInfo kInfos[] = {{nb::dtype<float>(), "float32", "<f4"},
                                        {nb::dtype<uint32_t>(), "uint32", "<u4"},
-                                       {nb::dtype<uint8_t>(), "uint8", "|u1"}};
+                                       {nb::dtype<uint8_t>(), "uint8", "|u1"},
+                                       {kHalf, "float16", "<f2"},
+                                       {nb::dtype<uint16_t>(), "uint16", "<u2"}};
   return kInfos[static_cast<size_t>(element)];  // in the order of the enumeration
 }
 
@@ -33,10 +37,17 @@ struct PlacedArray {
   int deviceType = kOnHost, device = 0;
 };
 
-PlacedArray placed(DeviceArray&& array, const std::vector<size_t>& views) {
-  PlacedArray placed{.array = std::move(array), .shape = views};
+// The shape in Python: an axis of a single channel is left out.
+std::vector<size_t> shapeOf(const DeviceArray& array, const std::vector<size_t>& views) {
+  std::vector<size_t> shape = views;
+  const size_t channels = array.channelsFirst ? 1 : 3;
   for (size_t axis = 1; axis < 4; ++axis)
-    if (axis < 3 || placed.array.shape[axis] > 1) placed.shape.push_back(placed.array.shape[axis]);
+    if (axis != channels || array.shape[axis] > 1) shape.push_back(array.shape[axis]);
+  return shape;
+}
+
+PlacedArray placed(const DeviceArray& array, const std::vector<size_t>& views) {
+  PlacedArray placed{.array = array, .shape = shapeOf(array, views)};
   if (const void* host = placed.array.host()) {
     placed.pointer = const_cast<void*>(host);
     return placed;
@@ -62,7 +73,7 @@ nb::object toNumPy(nb::handle self) {
   return viewOf<nb::numpy>(self);
 }
 
-nb::tuple shapeOf(const PlacedArray& a) {
+nb::tuple shapeTuple(const PlacedArray& a) {
   nb::list shape;
   for (const size_t length : a.shape) shape.append(length);
   return nb::tuple(shape);
@@ -71,7 +82,7 @@ nb::tuple shapeOf(const PlacedArray& a) {
 nb::dict cudaInterface(const PlacedArray& a) {
   if (a.deviceType != kOnCuda) throw nb::attribute_error("the array is not in CUDA's memory");
   nb::dict interface;
-  interface["shape"] = shapeOf(a);
+  interface["shape"] = shapeTuple(a);
   interface["typestr"] = infoOf(a.array.element).typeString;
   interface["data"] = nb::make_tuple(reinterpret_cast<uintptr_t>(a.pointer), false);
   interface["strides"] = nb::none();
@@ -83,8 +94,34 @@ nb::dict cudaInterface(const PlacedArray& a) {
 
 nb::dict deviceArrays(std::map<std::string, DeviceArray>&& arrays, const std::vector<size_t>& views) {
   nb::dict all;
-  for (auto& [name, array] : arrays) all[name.c_str()] = nb::cast(placed(std::move(array), views));
+  for (auto& [name, array] : arrays) all[name.c_str()] = nb::cast(placed(array, views));
   return all;
+}
+
+nb::dict hostArrays(const std::map<std::string, DeviceArray>& arrays, const std::vector<size_t>& views) {
+  const nb::object empty = nb::module_::import_("numpy").attr("empty");
+  nb::dict all;
+  for (const auto& [name, array] : arrays) {
+    nb::list shape;
+    for (const size_t length : shapeOf(array, views)) shape.append(length);
+    const nb::object copy = empty(nb::tuple(shape), infoOf(array.element).name);
+    const auto bytes = nb::cast<nb::ndarray<nb::c_contig, nb::device::cpu>>(copy);
+    array.copyToHost({static_cast<std::byte*>(bytes.data()), bytes.nbytes()});
+    all[name.c_str()] = copy;
+  }
+  return all;
+}
+
+std::map<std::string, DeviceArray> targetsOf(nb::handle value) {
+  std::map<std::string, DeviceArray> targets;
+  if (value.is_none()) return targets;
+  if (!nb::hasattr(value, "items")) badType("out must be what a call with on_device returned, not {}", typeName(value));
+  for (const nb::handle item : value.attr("items")()) {
+    const nb::tuple pair = nb::cast<nb::tuple>(item);
+    const auto& target = objectOf<PlacedArray>(pair[1], "each array of out", "a DeviceArray");
+    targets[textOf(pair[0], "the name of an array of out")] = target.array;
+  }
+  return targets;
 }
 
 void bindDeviceArray(nb::module_& module) {
@@ -99,10 +136,10 @@ void bindDeviceArray(nb::module_& module) {
                                "out, so that no stream has to wait. Once nobody has it the renderer uses its memory "
                                "again, after what CUDA does\n"
                                "on the device by then.");
-  type.def_prop_ro("shape", &shapeOf, nb::sig("def shape(self) -> tuple[int, ...]"))
+  type.def_prop_ro("shape", &shapeTuple, nb::sig("def shape(self) -> tuple[int, ...]"))
       .def_prop_ro(
           "dtype", [](const PlacedArray& a) { return infoOf(a.array.element).name; },
-          "\"float32\", \"uint32\" or \"uint8\".")
+          "\"float32\", \"float16\", \"uint32\", \"uint16\" or \"uint8\".")
       .def_prop_ro(
           "device",
           [](const PlacedArray& a) { return a.deviceType == kOnHost ? "cpu" : fmt::format("cuda:{}", a.device); },

@@ -13,5 +13,9 @@ namespace latelight::python {
 // Returns the arrays by name. `views` is the shape of their view axes: empty for a single camera, (V), or (N, C) for
 // worlds.
 nanobind::dict deviceArrays(std::map<std::string, DeviceArray>&& arrays, const std::vector<size_t>& views);
+// Returns copies of the arrays as NumPy's.
+nanobind::dict hostArrays(const std::map<std::string, DeviceArray>& arrays, const std::vector<size_t>& views);
+// The arrays of `out`: None, or what a call with on_device returned.
+std::map<std::string, DeviceArray> targetsOf(nanobind::handle value);
 
 }  // namespace latelight::python

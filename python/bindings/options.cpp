@@ -106,7 +106,20 @@ const std::vector<Keyword>& keywords() {
 // Keywords outside the table, for options that the command line has in another form.
 constexpr const char* kBesideTable =
     ", previous_cameras: collections.abc.Sequence[Camera] | None = None"
-    ", next_cameras: collections.abc.Sequence[Camera] | None = None, continues: bool = False";
+    ", next_cameras: collections.abc.Sequence[Camera] | None = None, continues: bool = False"
+    ", formats: collections.abc.Mapping[str, str] | None = None, channels_first: bool = False";
+
+std::map<std::string, std::string> formatsOf(nb::handle value) {
+  std::map<std::string, std::string> formats;
+  if (value.is_none()) return formats;
+  if (!nb::hasattr(value, "items")) badType("formats must map outputs to formats, not {}", typeName(value));
+  const RunningPython section;
+  for (const nb::handle item : value.attr("items")()) {
+    const nb::tuple pair = nb::cast<nb::tuple>(item);
+    formats[textOf(pair[0], "an output of formats")] = textOf(pair[1], "a format of formats");
+  }
+  return formats;
+}
 
 bool setBesideTable(Options& options, std::string_view name, nb::handle value) {
   if (name == "previous_cameras")
@@ -115,6 +128,10 @@ bool setBesideTable(Options& options, std::string_view name, nb::handle value) {
     options.nextCameras = value.is_none() ? std::vector<Camera>{} : camerasOf(value, name);
   else if (name == "continues")
     options.continues = boolOf(value, name);
+  else if (name == "formats")
+    options.formats = formatsOf(value);
+  else if (name == "channels_first")
+    options.channelsFirst = boolOf(value, name);
   else
     return false;
   return true;
@@ -124,7 +141,9 @@ bool setBesideTable(Options& options, std::string_view name, nb::handle value) {
   const RunningPython section;
   nb::list known;
   for (const Keyword& keyword : keywords()) known.append(keyword.name);
-  for (const char* other : {"size", "outputs", "previous_cameras", "next_cameras", "continues"}) known.append(other);
+  for (const char* other :
+       {"size", "outputs", "previous_cameras", "next_cameras", "continues", "formats", "channels_first"})
+    known.append(other);
   const nb::list close(nb::module_::import_("difflib").attr("get_close_matches")(name, known, 1));
   if (close.size() == 0) badType("there is no option \"{}\"", name);
   badType("there is no option \"{}\": do you mean \"{}\"?", name, shown(close[0]));
@@ -225,7 +244,10 @@ std::string optionParameters(const std::vector<std::string>& except) {
 std::string optionDocs() {
   std::string text =
       "previous_cameras, next_cameras: where the cameras were and will be, a frame before and after, for the output "
-      "motion\ncontinues: this frame follows the one rendered last, for temporal anti-aliasing";
+      "motion\ncontinues: this frame follows the one rendered last, for temporal anti-aliasing\nformats: element types "
+      "by "
+      "output: {\"rgba\": \"rgb8\"} leaves alpha out, \"float16\" and \"uint16\" halve other outputs (half floats "
+      "rounded to\nnearest even; ids above 65535 become 65535)\nchannels_first: arrays are (..., C, H, W)";
   for (const Keyword& keyword : keywords()) text += "\n" + lineOf(keyword);
   return text;
 }

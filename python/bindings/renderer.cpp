@@ -6,6 +6,7 @@
 
 #include "bindings.h"
 #include "cameras.h"
+#include "cuda.h"
 #include "device_array.h"
 #include "interpreter.h"
 #include "labels.h"
@@ -44,6 +45,15 @@ class SharedRenderer {
 
   const std::shared_ptr<SharedScene>& scene() const { return scene_; }
 
+  // Copies of arrays in CUDA's memory to the renderer's. The first call needs CUDA.
+  CudaInputs& cudaInputs() {
+    if (!cudaInputs_)
+      cudaInputs_ =
+          std::make_unique<CudaInputs>(renderer_->deviceUuid(), [&] { return renderer_->exportInputSemaphore(); });
+    return *cudaInputs_;
+  }
+  uint64_t copiedBytes() const { return cudaInputs_ ? cudaInputs_->copiedBytes() : 0; }
+
   // Returns all existing renderers. The GIL guards the set.
   static std::set<SharedRenderer*>& all() {
     static auto* const renderers = new std::set<SharedRenderer*>;
@@ -53,6 +63,7 @@ class SharedRenderer {
  private:
   std::shared_ptr<SharedScene> scene_;
   std::unique_ptr<Renderer> renderer_;
+  std::unique_ptr<CudaInputs> cudaInputs_;  // null before arrays in CUDA's memory were passed
   std::mutex busy_;
 };
 
@@ -101,10 +112,33 @@ nb::object deviceFramesOf(std::map<std::string, DeviceArray>&& arrays, const Vie
   return module.attr("DeviceFrames")(placed, nb::cast(exposures));
 }
 
+// Frames on the host with other formats than the usual ones.
+nb::object formattedFramesOf(const std::map<std::string, DeviceArray>& arrays, const Views& views,
+                             const std::vector<float>& exposures) {
+  const RunningPython section;
+  const nb::module_ module = nb::module_::import_("latelight.frames");
+  return module.attr("frames_of_arrays")(hostArrays(arrays, views.shape), views.shape.size(), nb::cast(exposures),
+                                         nb::cast(views.invalid));
+}
+
+// Where a call leaves its results, and in which form.
+struct Destination {
+  bool onDevice = false, formatted = false;
+  Results results = Results::ToHost;
+  std::map<std::string, DeviceArray> targets{};
+};
+
 class SharedTicket {
  public:
-  SharedTicket(std::shared_ptr<SharedRenderer> renderer, Ticket&& ticket, Views views, bool onDevice)
-      : renderer_(std::move(renderer)), ticket_(std::move(ticket)), views_(std::move(views)), onDevice_(onDevice) {}
+  // `kept`: what the call reads until it has finished.
+  SharedTicket(std::shared_ptr<SharedRenderer> renderer, Ticket&& ticket, Views views, const Destination& destination,
+               std::unique_ptr<GivenWorlds> kept = nullptr)
+      : renderer_(std::move(renderer)),
+        ticket_(std::move(ticket)),
+        views_(std::move(views)),
+        onDevice_(destination.onDevice),
+        formatted_(destination.formatted),
+        kept_(std::move(kept)) {}
   ~SharedTicket() {
     try {
       renderer_->use([&](Renderer&) { const Ticket dropped = std::move(ticket_); });
@@ -116,13 +150,16 @@ class SharedTicket {
     return renderer_->use([&](Renderer&) { return ticket_.done(); });
   }
   nb::object take() {
-    if (onDevice_) {
+    if (views_.worlds()) views_.invalid = renderer_->use([&](Renderer&) { return ticket_.invalidWorlds(); });
+    if (onDevice_ || formatted_) {
       std::vector<float> exposures;
       std::map<std::string, DeviceArray> arrays = renderer_->use([&](Renderer&) {
         exposures = ticket_.exposures();
         return ticket_.takeArrays();
       });
-      return deviceFramesOf(std::move(arrays), views_, exposures);
+      kept_.reset();
+      return onDevice_ ? deviceFramesOf(std::move(arrays), views_, exposures)
+                       : formattedFramesOf(arrays, views_, exposures);
     }
     return framesOf(renderer_->use([&](Renderer&) { return ticket_.take(); }), views_);
   }
@@ -131,7 +168,8 @@ class SharedTicket {
   std::shared_ptr<SharedRenderer> renderer_;
   Ticket ticket_;
   Views views_;
-  bool onDevice_;
+  bool onDevice_, formatted_;
+  std::unique_ptr<GivenWorlds> kept_;
 };
 
 // --- the class ------------------------------------------------------------------------------------------------------
@@ -164,21 +202,54 @@ void makeRenderer(SharedRenderer* self, nb::handle scene, nb::handle device, nb:
   new (self) SharedRenderer(shared, shared->read(make));
 }
 
+// Removes the arguments that state where results are left from `keywords`.
+Destination destinationOf(nb::dict& keywords) {
+  Destination to;
+  to.onDevice = boolOf(keywords.attr("pop")("on_device", false), "on_device");
+  const nb::object formats = keywords.attr("get")("formats"), order = keywords.attr("get")("channels_first");
+  to.formatted = !formats.is_none() || (!order.is_none() && boolOf(order, "channels_first"));
+  to.targets = targetsOf(keywords.attr("pop")("out", nb::none()));
+  if (!to.targets.empty() && !to.onDevice) badValue("out requires on_device=True");
+  to.results = to.onDevice || to.formatted ? Results::Arrays : Results::ToHost;
+  return to;
+}
+
+// Copies arrays in CUDA's memory to the renderer's, on the device.
+void copyTensors(SharedRenderer& shared, Renderer& renderer, GivenWorlds& given, uintptr_t stream) {
+  uint64_t bytes = 0;
+  const auto padded = [](uint64_t count) { return (count + 255) / 256 * 256; };
+  for (const GivenWorlds::Input& input : given.tensors) bytes += padded(input.tensor.bytes);
+  CudaInputs& cuda = shared.cudaInputs();
+  const std::shared_ptr<const DeviceArray> memory = renderer.inputArray(bytes);
+  uint64_t offset = 0;
+  for (GivenWorlds::Input& input : given.tensors) {
+    const Tensor& tensor = input.tensor;
+    const int device = tensor.device >= 0 ? tensor.device : cuda.deviceOf(tensor.pointer);
+    if (device != cuda.device())
+      badValue("{} is on cuda:{}, and the renderer's device is cuda:{}: pass arrays of the same device", input.name,
+               device, cuda.device());
+    cuda.copy(*memory, offset, tensor.pointer, tensor.bytes, stream, tensor.writer);
+    input.array->device = memory;
+    input.array->offset = offset;
+    offset += padded(tensor.bytes);
+  }
+}
+
 std::shared_ptr<SharedTicket> submit(const std::shared_ptr<SharedRenderer>& renderer, nb::handle cameras,
                                      nb::handle size, nb::handle outputs, const nb::kwargs& keywords) {
   nb::dict optional;
   optional.update(keywords);
-  const bool onDevice = boolOf(optional.attr("pop")("on_device", false), "on_device");
+  const Destination to = destinationOf(optional);
   const Camera* one = nullptr;
   const bool single = nb::try_cast<const Camera*>(cameras, one, false) && one;
   const std::vector<Camera> views = camerasOf(cameras, "cameras");
   if (views.empty()) badValue("cameras must have at least one");
   const Options options = optionsOf(size, outputs, optional);
-  const Results results = onDevice ? Results::Arrays : Results::ToHost;
   try {
-    Ticket ticket = renderer->use([&](Renderer& renderer) { return renderer.submit(views, options, results); });
+    Ticket ticket =
+        renderer->use([&](Renderer& renderer) { return renderer.submit(views, options, to.results, to.targets); });
     Views shape{single ? std::vector<size_t>{} : std::vector{views.size()}, {}};
-    return std::make_shared<SharedTicket>(renderer, std::move(ticket), std::move(shape), onDevice);
+    return std::make_shared<SharedTicket>(renderer, std::move(ticket), std::move(shape), to);
   } catch (const TypeMistake&) {
     throw;
   } catch (const Error& error) {
@@ -196,19 +267,29 @@ std::shared_ptr<SharedTicket> submitWorlds(const std::shared_ptr<SharedRenderer>
                                            const nb::kwargs& keywords) {
   nb::dict optional;
   optional.update(keywords);
-  const bool onDevice = boolOf(optional.attr("pop")("on_device", false), "on_device");
+  const Destination to = destinationOf(optional);
+  const nb::object callers = optional.attr("pop")("stream", nb::none());
+  uintptr_t stream = callers.is_none() ? 0 : streamOf(callers);
+  const auto reader = [&] {
+    if (stream == 0) stream = renderer->use([&](Renderer&) { return renderer->cudaInputs().stream(); });
+    return stream;
+  };
   SharedScene& scene = *renderer->scene();
   const SceneValues values{
       [&](Handle<Instance> handle) { return scene.read([&](const Scene& s) { return s.instance(handle); }); },
       [&](Handle<Material> handle) { return scene.read([&](const Scene& s) { return s.material(handle); }); },
       [&](Handle<Light> handle) { return scene.read([&](const Scene& s) { return s.light(handle); }); }};
-  const Worlds worlds = worldsOf(count, cameras, optional, values);
+  std::unique_ptr<GivenWorlds> given = worldsOf(count, cameras, optional, values, reader);
+  Worlds& worlds = given->worlds;
   const Options options = optionsOf(size, outputs, optional);
-  const Results results = onDevice ? Results::Arrays : Results::ToHost;
   try {
-    Ticket ticket = renderer->use([&](Renderer& renderer) { return renderer.submit(worlds, options, results); });
-    Views views{{worlds.count, worlds.cameras.size()}, ticket.invalidWorlds()};
-    return std::make_shared<SharedTicket>(renderer, std::move(ticket), std::move(views), onDevice);
+    Ticket ticket = renderer->use([&](Renderer& r) {
+      if (!given->tensors.empty()) copyTensors(*renderer, r, *given, stream);
+      if (stream != 0) worlds.arrays.ready = renderer->cudaInputs().signal(stream);
+      return r.submit(worlds, options, to.results, to.targets);
+    });
+    Views views{{worlds.count, worlds.cameras.size()}, {}};
+    return std::make_shared<SharedTicket>(renderer, std::move(ticket), std::move(views), to, std::move(given));
   } catch (const Error& error) {
     throw inPython(error);
   }
@@ -339,7 +420,7 @@ void bindPick(nb::module_& module) {
 std::string signatureOf(const char* name, const char* cameras, const char* onDevice, const char* result) {
   return fmt::format(
       "def {}(self, cameras: {}, size: tuple[int, int] = (1280, 720), outputs: str | collections.abc.Sequence[str] = "
-      "(\"rgba\",), *, on_device: {}{}) -> {}",
+      "(\"rgba\",), *, on_device: {}, out: latelight.frames.DeviceFrames | None = None{}) -> {}",
       name, cameras, onDevice, optionParameters(), result);
 }
 
@@ -349,7 +430,10 @@ void defineRender(nb::class_<SharedRenderer>& type) {
   const std::string docs =
       "\n\ncameras: one, or a list, which is rendered together where memory allows\n"
       "size: width and height in pixels\noutputs: what is wanted of:\n" +
-      outputDocs() + "\non_device: leave them in the device's memory, for torch, CuPy and JAX (DeviceFrames)" +
+      outputDocs() +
+      "\non_device: leave them in the device's memory, for torch, CuPy and JAX (DeviceFrames)\nout: what an earlier "
+      "call "
+      "with on_device returned, for the same outputs and sizes: render into its memory again" +
       "\n\nOptions:\n" + optionDocs();
   const std::string any = "Camera | " + std::string(kMany);
   const std::string one = signatureOf("render", "Camera", "typing.Literal[False] = False", "latelight.frames.Frame");
@@ -378,12 +462,17 @@ void defineWorlds(nb::class_<SharedRenderer>& type) {
   const auto signature = [](const char* name, const char* onDevice, const char* result) {
     return fmt::format(
         "def {}(self, count: int, cameras: Camera | {}, size: tuple[int, int] = (1280, 720), outputs: str | "
-        "collections.abc.Sequence[str] = (\"rgba\",), *{}, on_device: {}{}) -> {}",
+        "collections.abc.Sequence[str] = (\"rgba\",), *{}, on_device: {}, out: latelight.frames.DeviceWorldFrames | "
+        "None = None, "
+        "stream: typing.Any | None = None{}) -> {}",
         name, kMany, worldParameters(), onDevice, optionParameters({"environment_rotation", "environment_intensity"}),
         result);
   };
-  const std::string docs = "\n\ncount: the number N of worlds\ncameras: the C cameras of each world" + worldDocs() +
-                           "\nsize, outputs, on_device and options: as those of render()";
+  const std::string docs =
+      "\n\ncount: the number N of worlds\ncameras: the C cameras of each world" + worldDocs() +
+      "\nsize, outputs, on_device, out and options: as those of render()\nstream: the CUDA stream "
+      "whose work precedes the call (a number, or a stream of torch, CuPy or Warp); default: what\n"
+      "each array's library reports";
   const std::string rendered =
       "Images of N worlds: the scene in N states. What is not given is the scene's, in all worlds. Arrays have the "
       "shape\n(N, C, H, W) or (N, C, H, W, channels)." +
@@ -472,6 +561,8 @@ void bindRenderer(nb::module_& module) {
   type.def_prop_ro(
       "device", [](SharedRenderer& r) { return r.use([](Renderer& r) { return r.deviceName(); }); },
       "The device's name.");
+  type.def_prop_ro("copied_bytes", &SharedRenderer::copiedBytes,
+                   "Bytes of arrays in CUDA's memory that were copied on the device so far, without the host.");
   type.def(
       "validation_messages",
       [](SharedRenderer& r) { return r.use([](Renderer& r) { return r.validationMessages(); }); },

@@ -1,5 +1,9 @@
 #include "worlds.h"
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
 #include "cameras.h"
 #include "values.h"
 
@@ -7,43 +11,70 @@ namespace latelight::python {
 
 namespace {
 
-// An array with one 4x4 or 3x4 matrix per world and element.
-std::vector<Transform> transformsOf(nb::handle value, const char* name, int64_t worlds, int64_t each) {
-  std::vector<Transform> transforms;
-  if (value.is_none()) return transforms;
-  const nb::object array = arrayOf(value, name, Elements::Numbers, {worlds, each, -1, 4}, "float64");
-  const size_t rows = lengthOf(array, 2);
-  if (rows != 3 && rows != 4) badValue("{} must have matrices of 3 or 4 rows, not of {}", name, rows);
-  transforms.resize(static_cast<size_t>(worlds * each), Transform{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1});
-  const double* numbers = viewOf<double>(array).data();
-  for (size_t i = 0; i < transforms.size(); ++i) std::copy_n(numbers + i * 4 * rows, 4 * rows, transforms[i].begin());
-  return transforms;
-}
+// Reads arguments as arrays of worlds, without a copy where possible: arrays in CUDA's memory stay there.
+class ArrayReader {
+ public:
+  ArrayReader(GivenWorlds& to, uintptr_t stream) : to_(to), stream_(stream) {}
 
-std::vector<uint8_t> flagsOf(nb::handle value, const char* name, int64_t worlds, int64_t each) {
-  if (value.is_none()) return {};
-  const nb::object numpy = nb::module_::import_("numpy");
-  const nb::object array = numpy.attr("asarray")(value);
-  if (shown(array.attr("dtype")) != "bool")
-    badType("{} must be an array of bool, not of {}", name, shown(array.attr("dtype")));
-  const nb::object bytes = arrayOf(array.attr("astype")("uint8"), name, Elements::Uint8, {worlds, each}, "uint8");
-  const uint8_t* flags = viewOf<uint8_t>(bytes).data();
-  return {flags, flags + worlds * each};
-}
-
-// Camera matrices K, one per world and camera.
-std::vector<std::array<double, 4>> intrinsicsOf(nb::handle value, const char* name, int64_t worlds, int64_t each) {
-  std::vector<std::array<double, 4>> intrinsics;
-  if (value.is_none()) return intrinsics;
-  const nb::object array = arrayOf(value, name, Elements::Numbers, {worlds, each, 3, 3}, "float64");
-  const double* k = viewOf<double>(array).data();
-  for (int64_t i = 0; i < worlds * each; ++i, k += 9) {
-    if (k[1] != 0 || k[3] != 0) badValue("{} must have no skew, and has {} and {}", name, k[1], k[3]);
-    if (k[6] != 0 || k[7] != 0 || k[8] != 1) badValue("{} must have the last row 0 0 1", name);
-    intrinsics.push_back({k[0], k[4], k[2], k[5]});
+  // Matrices of 3 or 4 rows and 4 columns, one per world and element.
+  void transforms(nb::handle value, const char* name, int64_t each, WorldArray& array) {
+    if (value.is_none()) return;
+    const int64_t n = to_.worlds.count;
+    const std::vector<int64_t> shape = read(value, name, {n, each, -1, 4}, array);
+    if (shape[2] != 3 && shape[2] != 4) badValue("{} must have matrices of 3 or 4 rows, not of {}", name, shape[2]);
+    array.rows = static_cast<uint32_t>(shape[2]);
   }
-  return intrinsics;
-}
+  void intrinsics(nb::handle value, const char* name, int64_t each, WorldArray& array) {
+    if (value.is_none()) return;
+    read(value, name, {to_.worlds.count, each, 3, 3}, array);
+    array.rows = 3;
+  }
+  void flags(nb::handle value, const char* name, int64_t each, WorldArray& array) {
+    if (value.is_none()) return;
+    const std::vector<int64_t> shape{to_.worlds.count, each};
+    if (isTensor(value)) return tensor(value, name, shape, true, array), void();
+    const nb::object numpy = nb::module_::import_("numpy");
+    const nb::object given = numpy.attr("asarray")(value);
+    if (shown(given.attr("dtype")) != "bool")
+      badType("{} must be an array of bool, not of {}", name, shown(given.attr("dtype")));
+    array.element = WorldArray::Element::Uint8;
+    keep(arrayOf(given.attr("astype")("uint8"), name, Elements::Uint8, shape, "uint8"), array);
+  }
+
+ private:
+  // Returns the shape.
+  std::vector<int64_t> read(nb::handle value, const char* name, const std::vector<int64_t>& shape, WorldArray& array) {
+    if (isTensor(value)) return tensor(value, name, shape, false, array);
+    const nb::object given = arrayOf(value, name, Elements::Numbers, shape);
+    const bool floats = shown(given.attr("dtype")) == "float32";
+    array.element = floats ? WorldArray::Element::Float32 : WorldArray::Element::Float64;
+    keep(floats ? given : arrayOf(given, name, Elements::Numbers, shape, "float64"), array);
+    std::vector<int64_t> lengths;
+    for (size_t axis = 0; axis < shape.size(); ++axis) lengths.push_back(static_cast<int64_t>(lengthOf(given, axis)));
+    return lengths;
+  }
+  std::vector<int64_t> tensor(nb::handle value, const char* name, const std::vector<int64_t>& shape, bool mask,
+                              WorldArray& array) {
+    Tensor given = tensorOf(value, name, stream_);
+    const bool fits =
+        std::ranges::equal(given.shape, shape, [](int64_t has, int64_t wanted) { return wanted < 0 || has == wanted; });
+    if (!fits)
+      badValue("{} must be an array of shape ({}), not ({})", name, fmt::join(shape, ", "),
+               fmt::join(given.shape, ", "));
+    if (mask != (given.element == WorldArray::Element::Uint8))
+      badType("{} must be an array of {}", name, mask ? "bool" : "float32 or float64");
+    array.element = given.element;
+    to_.tensors.push_back({&array, name, std::move(given)});
+    return to_.tensors.back().tensor.shape;
+  }
+  void keep(const nb::object& numpy, WorldArray& array) {
+    array.host = nb::cast<nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>>(numpy).data();
+    to_.kept.push_back(numpy);
+  }
+
+  GivenWorlds& to_;
+  uintptr_t stream_;
+};
 
 template <typename Element>
 std::vector<Handle<Element>> handlesOf(nb::handle value, const char* name, const char* one) {
@@ -168,6 +199,7 @@ std::vector<std::optional<Handle<Instance>>> mountsOf(nb::handle value, const ch
 }
 
 constexpr const char* kArray = "numpy.typing.ArrayLike | None = None";
+constexpr const char* kTensor = "typing.Any | None = None";  // an array, or an array in CUDA's memory
 
 struct WorldArgument {
   const char* name;
@@ -177,10 +209,10 @@ struct WorldArgument {
 constexpr WorldArgument kArguments[] = {
     {"instances", "collections.abc.Sequence[InstanceHandle] | None = None",
      "the I instances that the arguments with (N, I) describe; required by them"},
-    {"transforms", kArray, "(N, I, 4, 4) or (N, I, 3, 4): as Scene.set_transform()"},
-    {"previous_transforms", kArray, "the same in the previous frame, for the output motion"},
-    {"next_transforms", kArray, "the same in the next frame"},
-    {"exists", kArray, "(N, I) bool: whether a world has an instance"},
+    {"transforms", kTensor, "(N, I, 4, 4) or (N, I, 3, 4): as Scene.set_transform()"},
+    {"previous_transforms", kTensor, "the same in the previous frame, for the output motion"},
+    {"next_transforms", kTensor, "the same in the next frame"},
+    {"exists", kTensor, "(N, I) bool: whether a world has an instance"},
     {"materials", "collections.abc.Sequence[MaterialHandle] | None = None", "those that material_choice refers to"},
     {"material_choice", kArray, "(N, I) integers: the material of each instance, as an index in `materials`"},
     {"base_color", kArray, "(N, I, 4): linear Rec.709 and alpha, in place of the material's factor"},
@@ -195,18 +227,20 @@ constexpr WorldArgument kArguments[] = {
     {"light_intensity", kArray, "(N, L): candela; lux for directional lights"},
     {"environment_rotation", kArray, "(N,) degrees, in place of the option"},
     {"environment_intensity", kArray, "(N,), in place of the option"},
-    {"camera_to_world", kArray, "(N, C, 4, 4) or (N, C, 3, 4): in place of the cameras' own poses"},
-    {"previous_camera_to_world", kArray, "the same in the previous frame"},
-    {"next_camera_to_world", kArray, "the same in the next frame"},
-    {"k", kArray, "(N, C, 3, 3): camera matrices for images of this size, in place of the fields of view"},
+    {"camera_to_world", kTensor, "(N, C, 4, 4) or (N, C, 3, 4): in place of the cameras' own poses"},
+    {"previous_camera_to_world", kTensor, "the same in the previous frame"},
+    {"next_camera_to_world", kTensor, "the same in the next frame"},
+    {"k", kTensor, "(N, C, 3, 3): camera matrices for images of this size, in place of the fields of view"},
     {"camera_instances", "collections.abc.Sequence[InstanceHandle | None] | None = None",
      "the instance that each camera rides on; its pose is relative to that instance"},
 };
 
 }  // namespace
 
-Worlds worldsOf(nb::handle count, nb::handle cameras, nb::dict& keywords, const SceneValues& scene) {
-  Worlds worlds;
+std::unique_ptr<GivenWorlds> worldsOf(nb::handle count, nb::handle cameras, nb::dict& keywords,
+                                      const SceneValues& scene, const std::function<uintptr_t()>& stream) {
+  auto given = std::make_unique<GivenWorlds>();
+  Worlds& worlds = given->worlds;
   const int64_t n = integerOf(count, "count", 1, INT32_MAX);
   worlds.count = static_cast<uint32_t>(n);
   worlds.cameras = camerasOf(cameras, "cameras");
@@ -215,26 +249,39 @@ Worlds worldsOf(nb::handle count, nb::handle cameras, nb::dict& keywords, const 
   worlds.instances = handlesOf<Instance>(take("instances"), "instances", "an InstanceHandle");
   worlds.cameraInstances = mountsOf(take("camera_instances"), "camera_instances");
   const auto i = static_cast<int64_t>(worlds.instances.size()), c = static_cast<int64_t>(worlds.cameras.size());
-  const auto ofInstances = [&](const char* name) {
-    const nb::object value = take(name);
+  const std::pair<const char*, WorldArray*> ofInstances[] = {{"transforms", &worlds.arrays.transforms},
+                                                             {"previous_transforms", &worlds.arrays.previousTransforms},
+                                                             {"next_transforms", &worlds.arrays.nextTransforms},
+                                                             {"exists", &worlds.arrays.exists}};
+  const std::pair<const char*, WorldArray*> ofCameras[] = {
+      {"camera_to_world", &worlds.arrays.cameraToWorld},
+      {"previous_camera_to_world", &worlds.arrays.previousCameraToWorld},
+      {"next_camera_to_world", &worlds.arrays.nextCameraToWorld},
+      {"k", &worlds.arrays.intrinsics}};
+  std::vector<nb::object> values;
+  for (const auto& [name, array] : ofInstances) values.push_back(take(name));
+  for (const auto& [name, array] : ofCameras) values.push_back(take(name));
+  const bool tensors = std::ranges::any_of(values, [](const nb::object& value) { return isTensor(value); });
+  ArrayReader reader(*given, tensors ? stream() : 0);
+  size_t next = 0;
+  for (const auto& [name, array] : ofInstances) {
+    const nb::object value = values[next++];
     if (!value.is_none() && i == 0) badValue("{} requires the list of instances that it describes: instances", name);
-    return transformsOf(value, name, n, i);
-  };
-  const auto ofCameras = [&](const char* name) { return transformsOf(take(name), name, n, c); };
-  worlds.transforms = ofInstances("transforms");
-  worlds.previousTransforms = ofInstances("previous_transforms");
-  worlds.nextTransforms = ofInstances("next_transforms");
-  const nb::object exists = take("exists");
-  if (!exists.is_none() && i == 0) badValue("exists requires the list of instances that it describes: instances");
-  worlds.exists = flagsOf(exists, "exists", n, i);
+    if (array == &worlds.arrays.exists)
+      reader.flags(value, name, i, *array);
+    else
+      reader.transforms(value, name, i, *array);
+  }
+  for (const auto& [name, array] : ofCameras) {
+    if (array == &worlds.arrays.intrinsics)
+      reader.intrinsics(values[next++], name, c, *array);
+    else
+      reader.transforms(values[next++], name, c, *array);
+  }
   setMaterials(worlds, keywords);
   setFactors(worlds, keywords, scene);
   setLights(worlds, keywords, scene);
-  worlds.cameraToWorld = ofCameras("camera_to_world");
-  worlds.previousCameraToWorld = ofCameras("previous_camera_to_world");
-  worlds.nextCameraToWorld = ofCameras("next_camera_to_world");
-  worlds.intrinsics = intrinsicsOf(take("k"), "k", n, c);
-  return worlds;
+  return given;
 }
 
 std::string worldParameters() {

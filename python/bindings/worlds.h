@@ -5,7 +5,11 @@
 #include <nanobind/nanobind.h>
 
 #include <functional>
+#include <memory>
 #include <string>
+#include <vector>
+
+#include "tensors.h"
 
 namespace latelight::python {
 
@@ -16,8 +20,22 @@ struct SceneValues {
   std::function<Light(Handle<Light>)> light;
 };
 
-// Removes the arguments that describe worlds from `keywords`.
-Worlds worldsOf(nanobind::handle count, nanobind::handle cameras, nanobind::dict& keywords, const SceneValues& scene);
+// The arguments of a call. Arrays refer to memory of `kept` and `tensors`.
+struct GivenWorlds {
+  struct Input {
+    WorldArray* array;  // of `worlds`
+    const char* name;
+    Tensor tensor;
+  };
+  Worlds worlds;
+  std::vector<nanobind::object> kept;
+  std::vector<Input> tensors;  // that have yet to be copied to the renderer's memory
+};
+
+// Removes the arguments that describe worlds from `keywords`. `stream`: returns the stream that will read arrays in
+// CUDA's memory; called only if there are such arrays.
+std::unique_ptr<GivenWorlds> worldsOf(nanobind::handle count, nanobind::handle cameras, nanobind::dict& keywords,
+                                      const SceneValues& scene, const std::function<uintptr_t()>& stream);
 std::string worldParameters();  // of a signature: ", instances: ... = None" and so on
 std::string worldDocs();
 

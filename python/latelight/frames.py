@@ -40,9 +40,9 @@ class Outputs(Mapping[str, Array]):
 class Frame(Outputs[np.ndarray]):
     """The outputs of one camera, by name: frame["depth"].
 
-    Arrays are (H, W), or (H, W, C) with more than one channel; rows from the top. They are the renderer's own memory,
-    not a copy, and stay valid as long as they are used. `exposure` is the factor that the picture's radiance was
-    multiplied by, metered with exposure="auto".
+    Arrays are (H, W), or (H, W, C) with more than one channel, (C, H, W) with channels_first; rows from the top. They
+    are the renderer's own memory, not a copy, and stay valid as long as they are used. `exposure` is the factor that
+    the picture's radiance was multiplied by, metered with exposure="auto".
     """
 
     def __init__(self, arrays: dict[str, np.ndarray], exposure: float = 1.0) -> None:
@@ -51,7 +51,12 @@ class Frame(Outputs[np.ndarray]):
 
     def png(self) -> bytes:
         """The picture, the output rgba, as a PNG file."""
-        return _core.encode_png(self["rgba"])
+        picture = self["rgba"]
+        if picture.shape[2] not in (3, 4):  # channels first
+            picture = np.moveaxis(picture, 0, 2)
+        if picture.shape[2] == 3:
+            picture = np.concatenate([picture, np.full_like(picture[..., :1], 255)], axis=2)
+        return _core.encode_png(np.ascontiguousarray(picture))
 
     def _repr_png_(self) -> bytes | None:
         return self.png() if "rgba" in self else None
@@ -132,6 +137,21 @@ class WorldFrames(Sequence[Frames]):
 
     def __repr__(self) -> str:
         return f"WorldFrames({len(self)} x {self._worlds[0]!r})"
+
+
+def frames_of_arrays(
+    arrays: dict[str, np.ndarray], axes: int, exposures: Sequence[float], invalid_worlds: Sequence[int]
+) -> Any:
+    """The frames of arrays of all views, without a copy. `axes`: the number of their view axes."""
+    if axes == 0:
+        return Frame(arrays, exposures[0])
+    first = next(iter(arrays.values())).shape
+    flat = {name: array.reshape((-1, *array.shape[axes:])) for name, array in arrays.items()}
+    count = int(np.prod(first[:axes]))
+    frames = [Frame({name: array[i] for name, array in flat.items()}, exposures[i]) for i in range(count)]
+    all_frames = Frames(frames) if axes == 1 else WorldFrames(frames, first[1], invalid_worlds)
+    all_frames._stacked = dict(arrays)
+    return all_frames
 
 
 class DeviceWorldFrames(DeviceFrames):

@@ -12,6 +12,7 @@
 #include "render/submit/renderer.h"
 #include "scene/environment/environment.h"
 #include "vk/device.h"
+#include "vk/shared_timeline.h"
 
 namespace latelight {
 

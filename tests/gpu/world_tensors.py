@@ -1,0 +1,163 @@
+"""Worlds from arrays in CUDA's memory: torch, CuPy, JAX and Warp, as far as they are installed.
+
+Checks that each library's arrays give the images of the same arrays on the host, that no byte passes through the host,
+that the caller's stream comes before the call, and that results are the renderer's memory. Then measures steady calls.
+Requires an NVIDIA GPU. Not part of the test suite, which has none.
+
+usage: world_tensors.py [SCENE]
+"""
+
+import ctypes
+import importlib
+import sys
+import time
+import traceback
+
+import numpy as np
+
+import latelight
+
+SIZE = (64, 64)
+FORMATS = {"rgba": "rgb8"}
+
+
+def library(name):
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        print(f"{name}: not installed")
+        return None
+
+
+def makers():
+    """Functions that copy a NumPy array to the GPU, and back, by the name of the library."""
+    if torch := library("torch"):
+        yield "torch", lambda a: torch.from_numpy(a).cuda(), lambda a: torch.from_dlpack(a).cpu().numpy()
+    if cupy := library("cupy"):
+        yield "cupy", cupy.asarray, lambda a: cupy.from_dlpack(a).get()
+
+        class Interface:
+            def __init__(self, array):
+                self.array = cupy.asarray(array)
+                self.__cuda_array_interface__ = self.array.__cuda_array_interface__
+
+        yield "__cuda_array_interface__", Interface, lambda a: cupy.asarray(a).get()
+    if jax := library("jax"):
+        yield "jax", lambda a: jax.device_put(a, jax.devices("gpu")[0]), lambda a: np.asarray(jax.numpy.from_dlpack(a))
+    if warp := library("warp"):
+        yield "warp", lambda a: warp.array(a, device="cuda"), lambda a: warp.from_dlpack(a).numpy()
+
+
+def states(scene, count, seed=0):
+    """Random poses of all instances, and of a camera that looks at the scene, as float32."""
+    rng = np.random.default_rng(seed)
+    instances = scene.instances()
+    transforms = np.stack([scene.instance(i).transform for i in instances])[None].repeat(count, 0)
+    angle = rng.uniform(-0.3, 0.3, (count, len(instances)))
+    turn = np.tile(np.eye(4), (count, len(instances), 1, 1))
+    turn[..., 0, 0] = turn[..., 2, 2] = np.cos(angle)
+    turn[..., 0, 2], turn[..., 2, 0] = np.sin(angle), -np.sin(angle)
+    camera = scene.default_camera()
+    poses = np.tile(camera.camera_to_world, (count, 1, 1, 1))
+    poses[:, 0, :3, 3] += rng.uniform(-0.05, 0.05, (count, 3))
+    exists = rng.uniform(size=(count, len(instances))) > 0.1
+    exists[:, 0] = True
+    return instances, (turn @ transforms).astype(np.float32), poses.astype(np.float32), exists, camera
+
+
+def check(scene, renderer):
+    instances, transforms, poses, exists, camera = states(scene, 300)
+    given = {"instances": instances, "formats": FORMATS, "on_device": True}
+    host = renderer.render_worlds(300, camera, SIZE, ("rgba", "depth", "id"), transforms=transforms, exists=exists,
+                                  camera_to_world=poses, **given)
+    copied = renderer.copied_bytes
+    expected = None
+    for name, to_gpu, to_host in makers():
+        if expected is None:
+            expected = {output: to_host(array) for output, array in host.items()}
+        arrays = {"transforms": to_gpu(transforms), "exists": to_gpu(exists), "camera_to_world": to_gpu(poses)}
+        frames = renderer.render_worlds(300, camera, SIZE, ("rgba", "depth", "id"), **arrays, **given)
+        for output, array in frames.items():
+            np.testing.assert_array_equal(to_host(array), expected[output], f"{name}: {output}")
+            assert array.__cuda_array_interface__["data"][0] != 0
+        bytes_given = transforms.nbytes + exists.nbytes + poses.nbytes
+        assert renderer.copied_bytes - copied == bytes_given, "every byte is copied on the device, once"
+        copied = renderer.copied_bytes
+        print(f"{name}: 300 worlds equal those of host arrays; {bytes_given} bytes copied on the device")
+    wrong = transforms.copy()
+    wrong[7, 0, 0, 0] = np.nan
+    name, to_gpu, to_host = next(makers())
+    frames = renderer.render_worlds(300, camera, SIZE, "id", transforms=to_gpu(wrong), **given | {"formats": None})
+    assert frames.invalid_worlds == (7,) and not to_host(frames["id"])[7].any()
+    print("a world with NaN is reported, and shows nothing")
+    check_order(scene, renderer)
+
+
+def check_order(scene, renderer):
+    """The call follows the work of the caller's stream, which is still running when the call begins."""
+    torch = library("torch")
+    if not torch:
+        return
+    instances, transforms, _, _, camera = states(scene, 64, seed=3)
+    expected = renderer.render_worlds(64, camera, SIZE, "id", instances=instances, transforms=transforms)["id"]
+    source, target = torch.from_numpy(transforms).cuda(), torch.full(transforms.shape, float("nan"), device="cuda")
+    busy = torch.randn(8192, 8192, device="cuda")
+    for stream in (None, torch.cuda.Stream()):
+        target.fill_(float("nan"))
+        torch.cuda.synchronize()
+        with torch.cuda.stream(stream or torch.cuda.current_stream()):
+            for _ in range(40):
+                busy = (busy @ busy).clamp(-1, 1)
+            target.copy_(source)
+            start = time.perf_counter()
+            ticket = renderer.submit_worlds(64, camera, SIZE, "id", instances=instances, transforms=target,
+                                            stream=stream)
+            submitted = time.perf_counter() - start
+            np.testing.assert_array_equal(ticket.take()["id"], expected)
+        print(f"a call that follows {time.perf_counter() - start:.3f} s of work was submitted in {submitted:.3f} s")
+
+
+def measure(scene, renderer, count, size, outputs, formats, runs=30, tensors=True):
+    torch = importlib.import_module("torch")
+    instances, transforms, poses, _, camera = states(scene, count)
+    moved, seen = transforms, poses
+    if tensors:
+        moved, seen = torch.from_numpy(transforms).cuda(), torch.from_numpy(poses).cuda()
+    out, host, total = None, [], []
+    for run in range(runs + 6):
+        moved[:, 0, 0, 3] += 1e-4
+        torch.cuda.synchronize()
+        start = time.perf_counter()
+        ticket = renderer.submit_worlds(count, camera, size, outputs, instances=instances, transforms=moved,
+                                        camera_to_world=seen, formats=formats, on_device=True, out=out)
+        host.append(time.perf_counter() - start)
+        out = ticket.take()
+        total.append(time.perf_counter() - start)
+    host, total = np.median(host[6:]), np.median(total[6:])
+    given = "CUDA" if tensors else "host"
+    print(f"{count:5} worlds of {size[0]}x{size[1]}, {' + '.join(outputs)}, {given}: {count / total:9.0f} views/s, "
+          f"{1e3 * total:.2f} ms, of which the host {1e3 * host:.2f} ms until submitted", flush=True)
+
+
+if __name__ == "__main__":
+    scene = latelight.Scene(sys.argv[1] if len(sys.argv) > 1 else "builtin:boxes")
+    renderer = latelight.Renderer(scene, device="cuda:0", environment="studio")
+    print(renderer.device, ctypes.sizeof(ctypes.c_void_p) * 8, "bits")
+    failed = False
+    try:
+        check(scene, renderer)
+    except Exception:  # measure nevertheless
+        failed = True
+        traceback.print_exc()
+    messages = renderer.validation_messages()
+    for message in messages:
+        print("validation:", message)
+    half = {"rgba": "rgb8", "depth": "float16", "id": "uint16", "normal": "float16"}
+    for count in (1024, 4096):
+        measure(scene, renderer, count, (64, 64), ("rgba",), FORMATS)
+        measure(scene, renderer, count, (64, 64), ("rgba",), FORMATS, tensors=False)
+    measure(scene, renderer, 4096, (64, 64), ("rgba", "depth", "id", "normal"), half)
+    for side in (128, 256):
+        measure(scene, renderer, 4096, (side, side), ("rgba",), FORMATS, 10)
+    measure(scene, renderer, 4096, (256, 256), ("rgba", "depth", "id", "normal"), half, 10)
+    sys.exit(failed or len(messages) > 0)
