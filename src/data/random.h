@@ -1,6 +1,5 @@
-// Counter-based random numbers that are the same on every machine: Philox4x32-10 (Salmon, Moraes, Dror and Shaw 2011,
-// "Parallel random numbers: as easy as 1, 2, 3"), computed with integers only. A stream depends on `seed`, `number` and
-// the name of the quantity that it is drawn for, so an addition to a job does not change its other random values.
+// Counter-based random numbers that are the same on every machine (base/philox.h). A stream depends on `seed`, `number`
+// and the name of the quantity that it is drawn for, so an addition to a job does not change its other random values.
 #pragma once
 
 #include <array>
@@ -10,20 +9,12 @@
 #include <vector>
 
 #include "base/hash.h"
+#include "base/philox.h"
 
 namespace latelight::data {
 
-using Block = std::array<uint32_t, 4>;
-
-constexpr Block philox(Block counter, std::array<uint32_t, 2> key) {
-  for (int round = 0; round < 10; ++round) {
-    const uint64_t a = uint64_t{0xd2511f53u} * counter[0], b = uint64_t{0xcd9e8d57u} * counter[2];
-    counter = {static_cast<uint32_t>(b >> 32) ^ counter[1] ^ key[0], static_cast<uint32_t>(b),
-               static_cast<uint32_t>(a >> 32) ^ counter[3] ^ key[1], static_cast<uint32_t>(a)};
-    key = {key[0] + 0x9e3779b9u, key[1] + 0xbb67ae85u};
-  }
-  return counter;
-}
+using Block = PhiloxBlock;
+using latelight::philox;
 
 // A stream of random numbers. `what` names the quantity.
 class Random {
