@@ -26,7 +26,7 @@ constexpr double kPi = glm::pi<double>();
 constexpr LensModelInfo kModels[] = {
     {LensModel::Pinhole, "pinhole", 0, true},  {LensModel::OpenCv, "opencv", 8, true},
     {LensModel::Fisheye, "fisheye", 4, true},  {LensModel::Equirectangular, "equirectangular", 0, false},
-    {LensModel::CubeMap, "cubemap", 0, false},
+    {LensModel::CubeMap, "cubemap", 0, false}, {LensModel::FTheta, "ftheta", 6, true},
 };
 
 // --- polynomials ----------------------------------------------------------------------------------------------------
@@ -129,6 +129,21 @@ double fisheyeTurn(const Lens& lens) {
   return std::min(kPi, std::sqrt(firstPositiveRoot(slope)));
 }
 
+// The f-theta polynomial as NVIDIA's DRIVE and Omniverse define it, from distance to angle: theta = k0 + k1 r + k2 r^2
+// +
+// ... + k5 r^5. Returns the distance up to which the angle increases, and is at most 180 degrees.
+double anglePolynomial(const Lens& lens, double r) {
+  return valueOf(std::span(lens.distortion).first(6), r);
+}
+
+double fthetaTurn(const Lens& lens) {
+  const std::vector<double> angle(lens.distortion.begin(), lens.distortion.begin() + 6);
+  std::vector<double> beyond = angle;
+  beyond[0] -= kPi;
+  const double turn = firstPositiveRoot(derivativeOf(angle)), end = firstPositiveRoot(beyond);
+  return angle[1] > 0 ? std::min(turn, end) : 0;
+}
+
 struct Distorted {
   dvec2 at;
   dvec2 byX, byY;  // partial derivatives with respect to x and y
@@ -208,6 +223,13 @@ std::optional<double> unbent(const Lens& lens, double most, double target) {
   return theta;
 }
 
+// The distance at which the f-theta polynomial reaches an angle.
+std::optional<double> distanceAt(const Lens& lens, double most, double theta) {
+  const double end = std::isfinite(most) ? most : 1e9;
+  if (theta < anglePolynomial(lens, 0) || theta > anglePolynomial(lens, end)) return std::nullopt;
+  return solveBetween([&](double r) { return anglePolynomial(lens, r) - theta; }, 0, end);
+}
+
 // --- cube maps ------------------------------------------------------------------------------------------------------
 
 // The right, down and forward axes of each face's image, relative to the camera. The side, top and bottom faces are a
@@ -238,7 +260,8 @@ Lens parseLens(std::string_view option, std::string_view text, uint32_t width, u
   const size_t colon = text.find(':');
   const std::string_view name = text.substr(0, colon);
   const LensModelInfo* info = findLensModel(name);
-  if (!info) badUsage("{} takes pinhole, opencv, fisheye, equirectangular or cubemap, not \"{}\"", option, name);
+  if (!info)
+    badUsage("{} takes pinhole, opencv, fisheye, ftheta, equirectangular or cubemap, not \"{}\"", option, name);
   Lens lens{.model = info->model, .width = double(width), .height = double(height)};
   std::vector<double> numbers;
   if (colon != std::string_view::npos) {
@@ -292,6 +315,7 @@ Lens scaledTo(const Lens& lens, uint32_t width, uint32_t height) {
 LensProjection::LensProjection(const Lens& lens) : lens_(lens) {
   if (lens.model == LensModel::OpenCv) most_ = Radial(lens).turn();
   if (lens.model == LensModel::Fisheye) most_ = fisheyeTurn(lens);
+  if (lens.model == LensModel::FTheta) most_ = fthetaTurn(lens);
 }
 
 std::optional<dvec2> LensProjection::project(dvec3 v) const {
@@ -312,6 +336,11 @@ std::optional<dvec2> LensProjection::project(dvec3 v) const {
       const double theta = std::atan2(across, v.z);
       if (!(theta <= most_)) return std::nullopt;
       return pixelAt(across > 0 ? dvec2(v) * (bent(lens_, theta) / across) : dvec2(0));
+    }
+    case LensModel::FTheta: {
+      const std::optional<double> r = distanceAt(lens_, most_, std::atan2(across, v.z));
+      if (!r) return std::nullopt;
+      return pixelAt(across > 0 ? dvec2(v) * (*r / across) : dvec2(0));
     }
     case LensModel::Equirectangular:
       return dvec2((0.5 + std::atan2(v.x, v.z) / (2 * kPi)) * lens_.width,
@@ -341,6 +370,11 @@ std::optional<dvec3> LensProjection::unproject(dvec2 pixel) const {
       const std::optional<double> theta = unbent(lens_, most_, r);
       if (!theta) return std::nullopt;
       return dvec3(r > 0 ? p * (std::sin(*theta) / r) : dvec2(0), std::cos(*theta));
+    }
+    case LensModel::FTheta: {
+      const double r = glm::length(p), theta = anglePolynomial(lens_, r);
+      if (!(r <= most_) || !(theta >= 0) || theta > kPi) return std::nullopt;
+      return dvec3(r > 0 ? p * (std::sin(theta) / r) : dvec2(0), std::cos(theta));
     }
     case LensModel::Equirectangular: {
       const double longitude = (pixel.x / lens_.width - 0.5) * 2 * kPi, down = (pixel.y / lens_.height - 0.5) * kPi;

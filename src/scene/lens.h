@@ -17,6 +17,7 @@ enum class LensModel : uint8_t {
   Fisheye,          // Kannala and Brandt's model as in OpenCV, of the angle to the axis: k1 k2 k3 k4
   Equirectangular,  // all directions: axis at the center, longitude to the right, latitude up
   CubeMap,          // six faces side by side: +X -X +Y -Y +Z -Z, of the camera's frame (X right, Y down, Z forward)
+  FTheta,           // the angle to the axis as a polynomial of the distance from the principal point: k0 to k5
 };
 
 // A lens calibrated for images of width x height pixels; an image of another size is the same image, scaled. Pixel
@@ -69,7 +70,9 @@ class LensProjection {
 
  private:
   Lens lens_;
-  double most_ = 0;  // first turning point: of the squared distance from the axis at 1 m, or of the angle
+  // First turning point: of the squared distance from the axis at 1 m, of the angle, or (f-theta) of the distance from
+  // the principal point.
+  double most_ = 0;
 };
 
 }  // namespace latelight::scene

@@ -42,6 +42,7 @@ const Picture kPictures[] = {
      160,
      120},
     {"fisheye", {LensModel::Fisheye, 151, 151, 40, 40, 75, 76, {-0.03, 0.012, -0.004, 0.0007}}, 151, 151},
+    {"ftheta", {LensModel::FTheta, 151, 151, 1, 1, 75, 76, {0, 0.025, 2e-5, -3e-7}}, 151, 151},
     {"equirectangular", {.model = LensModel::Equirectangular}, 201, 101},
     {"cubemap", {.model = LensModel::CubeMap}, 384, 64},
 };

@@ -163,6 +163,35 @@ TEST(LensTest, ClosedForms) {
   EXPECT_FALSE(fisheye.unproject({200 + 60 * 3.15, 200}));
 }
 
+// theta = 0.01 r + 1e-5 r^2 has no turn; theta = 0.01 r - 2.5e-5 r^2 turns at r = 200, where it is 1.
+TEST(LensTest, FThetaIsAPolynomialOfTheDistance) {
+  Lens lens{.model = LensModel::FTheta, .width = 640, .height = 480, .fx = 1, .fy = 1, .cx = 320, .cy = 240};
+  lens.distortion = {0, 0.01, 1e-5};
+  for (const double r : {0.0, 1.0, 50.0, 150.0, 230.0}) {
+    const double theta = 0.01 * r + 1e-5 * r * r;
+    for (double angle = 0; angle < 6.2; angle += 0.5) {
+      const dvec2 pixel = dvec2(320, 240) + r * dvec2(std::cos(angle), std::sin(angle));
+      const std::optional<dvec3> ray = LensProjection(lens).unproject(pixel);
+      const std::optional<dvec2> again = LensProjection(lens).project(direction(theta, angle));
+      ASSERT_TRUE(ray && again);
+      EXPECT_LT(glm::length(*ray - direction(theta, angle)), 1e-14);
+      EXPECT_LT(glm::length(*again - pixel), 1e-9);
+    }
+  }
+  EXPECT_FALSE(LensProjection(lens).unproject({320 + 255, 240}));  // beyond 180 degrees
+  expectRoundTrips(lens, 0.6);
+  // The same picture, four times as large in each direction.
+  const Lens large = scaledTo(lens, 2560, 1920);
+  EXPECT_LT(glm::length(*LensProjection(large).unproject({1600, 1200}) - *LensProjection(lens).unproject({400, 300})),
+            1e-14);
+  lens.distortion = {0, 0.01, -2.5e-5};
+  const LensProjection turning(lens);
+  EXPECT_TRUE(turning.unproject({320 + 199.9, 240}));
+  EXPECT_FALSE(turning.unproject({320 + 200.1, 240}));
+  EXPECT_TRUE(turning.project(direction(1 - 1e-6, 1)));
+  EXPECT_FALSE(turning.project(direction(1 + 1e-6, 1)));
+}
+
 TEST(LensTest, WhatAUserWrites) {
   const Lens lens = parseLens("--lens", "opencv:400,410,330,235,-0.28,0.07,1e-3,-8e-4,-0.005", 640, 480);
   EXPECT_EQ(lens, (Lens{LensModel::OpenCv, 640, 480, 400, 410, 330, 235, {-0.28, 0.07, 1e-3, -8e-4, -0.005}}));

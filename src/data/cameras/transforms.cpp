@@ -115,6 +115,7 @@ void checkWritable(const CalibratedCamera& camera, const std::filesystem::path& 
 
 std::string missingInTransforms(const Lens& lens) {
   if (lens.model == LensModel::CubeMap) return "the format knows no cube maps";
+  if (lens.model == LensModel::FTheta) return "the format knows no f-theta lenses";
   for (size_t term = 5; term < 8; ++term)
     if (lens.distortion[term] != 0) return "the format has no k4, k5 and k6 of OpenCV's distortion";
   return "";
