@@ -83,7 +83,9 @@ scene::Camera Timeline::cameraAt(double seconds) const {
 }
 
 scene::Camera Timeline::cameraAt(uint32_t frame) const {
-  return cameraAt(secondsAt(frame).value_or(0));
+  scene::Camera camera = cameraAt(secondsAt(frame).value_or(0));
+  camera.noiseSeed = frame;
+  return camera;
 }
 
 render::SceneState Timeline::momentAt(uint32_t frame) const {
@@ -92,6 +94,10 @@ render::SceneState Timeline::momentAt(uint32_t frame) const {
   moment.previousCameras = {cameraAt(seconds - step)};
   moment.nextCameras = {cameraAt(seconds + step)};
   moment.continues = frame > first_;
+  const bool isAnimated = !still_ && !scene_.rig.empty();
+  if (isAnimated) moment.motion.poseAt = [this, seconds](double offset) { return poseAt(seconds + offset); };
+  if (isAnimated || options_.turn != 0)
+    moment.motion.cameraAt = [this, seconds](size_t, double offset) { return cameraAt(seconds + offset); };
   return moment;
 }
 

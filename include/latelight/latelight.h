@@ -41,6 +41,7 @@ enum class LensModel {
   Fisheye,          // Kannala and Brandt's model, as in OpenCV: k1 k2 k3 k4, of the angle to the axis
   Equirectangular,  // all directions: the axis at the center, longitude to the right, latitude up
   CubeMap,          // six faces side by side: +X -X +Y -Y +Z -Z of the camera's frame
+  FTheta,  // NVIDIA's f-theta: the angle to the axis is k0 + k1 r + ... + k5 r^5, r in units of fx and fy pixels
 };
 
 // The rays of a camera (docs/lenses.md), calibrated for images of width x height pixels; an image of another size is
@@ -68,10 +69,13 @@ struct Camera {
   // near geometry.
   float nearClip = 9.09494702e-13f;
   float farClip = std::numeric_limits<float>::infinity();
-  float principalX = 0, principalY = 0;  // offset of the principal point from the center, in half widths and half
-                                         // heights, y up
-  std::optional<Lens> lens{};            // replaces the field of view, the principal point and, if it bends rays, the
-                                         // near and far planes
+  float principalX = 0, principalY = 0;   // offset of the principal point from the center, in half widths and half
+                                          // heights, y up
+  std::optional<Lens> lens{};             // replaces the field of view, the principal point and, if it bends rays, the
+                                          // near and far planes
+  std::string aperture{};                 // "pinhole", "f/2.8" or a radius in meters; empty: Options::aperture
+  std::optional<double> focusDistance{};  // meters, above 0; empty: Options::focusDistance
+  uint32_t noiseSeed = 0;                 // cameras of different seeds have different noise, besides Options::noiseSeed
 };
 
 struct Animation {

@@ -1,5 +1,6 @@
 // Binds the class Camera and its factory functions.
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "bindings.h"
@@ -92,11 +93,12 @@ nb::object kOf(const Camera& camera, nb::handle size) {
   return owned(std::move(k), {3, 3});
 }
 
-constexpr std::array<std::pair<const char*, LensModel>, 5> kLensModels{{{"pinhole", LensModel::Pinhole},
+constexpr std::array<std::pair<const char*, LensModel>, 6> kLensModels{{{"pinhole", LensModel::Pinhole},
                                                                         {"opencv", LensModel::OpenCv},
                                                                         {"fisheye", LensModel::Fisheye},
                                                                         {"equirectangular", LensModel::Equirectangular},
-                                                                        {"cubemap", LensModel::CubeMap}}};
+                                                                        {"cubemap", LensModel::CubeMap},
+                                                                        {"ftheta", LensModel::FTheta}}};
 
 void setModel(Lens& lens, nb::handle value, const char* name) {
   const std::string text = textOf(value, name);
@@ -123,7 +125,7 @@ void bindLens(nb::module_& module) {
                "How a camera maps directions to pixels, where a field of view and a principal point do not say it.\n\n"
                "Calibrated for pictures of width x height pixels; one of another size is the same picture, scaled.")
       .field(
-          "model", "str", "pinhole, opencv, fisheye, equirectangular or cubemap",
+          "model", "str", "pinhole, opencv, fisheye, ftheta, equirectangular or cubemap",
           [](const Lens& lens) { return nb::str(kLensModels[static_cast<size_t>(lens.model)].first); }, setModel)
       .number("width", &Lens::width, "pixels")
       .number("height", &Lens::height, "pixels")
@@ -132,7 +134,7 @@ void bindLens(nb::module_& module) {
       .number("cx", &Lens::cx, "principal point, pixels; centered: width / 2")
       .number("cy", &Lens::cy, "principal point, pixels; centered: height / 2")
       .field(
-          "distortion", "tuple[float, ...]", "opencv: k1 k2 p1 p2 k3 k4 k5 k6; fisheye: k1 k2 k3 k4",
+          "distortion", "tuple[float, ...]", "opencv: k1 k2 p1 p2 k3 k4 k5 k6; fisheye: k1 k2 k3 k4; ftheta: k0 to k5",
           [](const Lens& lens) { return tupleOf(lens.distortion); }, setDistortion)
       .done();
 }
@@ -185,6 +187,22 @@ void bindCamera(nb::module_& module) {
               camera.lens.reset();
             else
               camera.lens = objectOf<Lens>(value, name, "a Lens or None");
+          })
+      .text("aperture", &Camera::aperture,
+            "\"pinhole\", an f-number as in \"f/2.8\", or the radius in meters; empty: the option of this name")
+      .field(
+          "focus_distance", "float | None", "meters to the plane in focus; None: the option of this name",
+          [](const Camera& camera) -> nb::object {
+            return camera.focusDistance ? nb::cast(*camera.focusDistance) : nb::none();
+          },
+          [](Camera& camera, nb::handle value, const char* name) {
+            camera.focusDistance = value.is_none() ? std::nullopt : std::optional(numberOf(value, name));
+          })
+      .field(
+          "noise_seed", "int", "cameras with different seeds have different noise",
+          [](const Camera& camera) { return nb::int_(camera.noiseSeed); },
+          [](Camera& camera, nb::handle value, const char* name) {
+            camera.noiseSeed = static_cast<uint32_t>(integerOf(value, name, 0, std::numeric_limits<uint32_t>::max()));
           })
       .done()
       .def_static("look_at", &lookAt, argument("eye"), argument("target"), argument("up") = nb::make_tuple(0, 1, 0),

@@ -69,6 +69,11 @@ scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
   c.farClip = camera.farClip;
   c.principal = {camera.principalX, camera.principalY};
   if (camera.lens) c.lens = internalLens(*camera.lens);
+  if (!camera.aperture.empty()) c.aperture = scene::parseAperture("the camera's aperture", camera.aperture);
+  c.focusDistance = camera.focusDistance;
+  c.noiseSeed = camera.noiseSeed;
+  if (c.focusDistance && !(*c.focusDistance > 0 && std::isfinite(*c.focusDistance)))
+    badUsage("the camera's focus distance must be a number of meters above 0, not {}", *c.focusDistance);
   if (camera.lens && c.orthographic) badUsage("an orthographic camera has no lens");
   return c;
 }

@@ -47,6 +47,9 @@ Camera publicCamera(const scene::Camera& camera, const scene::Scene& scene) {
   c.principalX = camera.principal.x;
   c.principalY = camera.principal.y;
   if (camera.lens) c.lens = publicLens(*camera.lens);
+  if (camera.aperture) c.aperture = scene::apertureText(*camera.aperture);
+  c.focusDistance = camera.focusDistance;
+  c.noiseSeed = static_cast<uint32_t>(camera.noiseSeed);
   return c;
 }
 
@@ -126,6 +129,7 @@ render::SceneState internalState(const Options& o, const render::Settings& s, co
   moment.nextCameras = internalCameras(o.nextCameras, scene, cameras, s.cameraFit);
   moment.continues = o.continues;
   moment.poses = render::posesAt(scene, s);
+  moment.motion = render::motionNear(scene, s);
   return moment;
 }
 

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "labels/amodal.h"
+#include "render/submit/session.h"
 
 namespace latelight::data {
 
@@ -35,8 +36,7 @@ void renderExtras(render::Renderer& renderer, const scene::Scene& scene, const s
   fine.height *= needed.samples;
   fine.display = false;
   fine.aovs = {output::Aov::Id, output::Aov::Material};
-  render::SceneState poses{moment.poses, {}, {}, {}, false};
-  frame.samples = std::move(renderer.render({&camera, 1}, fine, poses).front());
+  frame.samples = std::move(renderer.render({&camera, 1}, fine, render::onlyReadout(moment, fine)).front());
 }
 
 }  // namespace latelight::data

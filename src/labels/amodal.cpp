@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "render/frame/view.h"
+#include "render/submit/session.h"
 #include "scene/framing.h"
 
 namespace latelight::labels {
@@ -80,7 +81,7 @@ class IsolatedRenderer {
         scene_(scene),
         camera_(camera),
         settings_(settings),
-        moment_{moment.poses, {}, {}, {}, false} {
+        moment_(render::onlyReadout(moment, settings)) {
     settings_.display = false;
     settings_.aovs = {output::Aov::Id};
     if (order) settings_.aovs.push_back(output::Aov::Distance);
@@ -90,7 +91,9 @@ class IsolatedRenderer {
   }
 
   BoundedObject bounded(Object& object) const {
-    if (camera_.lens) return {&object, {ScreenBounds::Inside, 0, view_.size.x, 0, view_.size.y}};
+    // Rows that are read out at different times show an object anywhere near its bounds.
+    if (camera_.lens || settings_.readout != 0)
+      return {&object, {ScreenBounds::Inside, 0, view_.size.x, 0, view_.size.y}};
     return {&object, screenBoundsOf(view_, viewFromPositions_ * object.toWorld, object)};
   }
 
@@ -124,7 +127,12 @@ class IsolatedRenderer {
         moment_.groups[i] = group->second;
     std::vector<scene::Camera> cameras(groups.size(), camera_);
     for (uint32_t i = 0; i < cameras.size(); ++i) cameras[i].group = i + 1;
-    return renderer_.submit(cameras, settings_, moment_);
+    render::SceneState state = moment_;
+    for (auto* neighbors : {&state.previousCameras, &state.nextCameras})
+      if (!neighbors->empty()) neighbors->assign(cameras.size(), neighbors->front());
+    for (auto* seconds : {&state.motion.sincePrevious, &state.motion.untilNext})
+      if (!seconds->empty()) seconds->assign(cameras.size(), seconds->front());
+    return renderer_.submit(cameras, settings_, state);
   }
 
   render::Renderer& renderer_;

@@ -142,6 +142,15 @@ auto countColors(const AovImage& image) {
   };
 }
 
+// One step of gray per doubling of the digital number, of up to 16 bits.
+auto rawColors(const AovImage& image) {
+  return [&image](size_t i) -> std::optional<Rgb> {
+    if (image.values[i] == 0) return std::nullopt;
+    const float gray = std::min(std::log2(1 + std::max(image.values[i], 0.0f)) / 16, 1.0f);
+    return Rgb{gray, gray, gray};
+  };
+}
+
 // One sample is dark; four and more are bright. The center of a shaded pixel, which determines its id, may be
 // background.
 auto sampleColors(const AovImage& image) {

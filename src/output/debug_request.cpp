@@ -10,6 +10,7 @@ std::vector<Aov> aovsOfSheet(bool moving) {
   std::vector<Aov> all;
   for (const AovInfo& aov : aovs()) {
     if (aov.aov == Aov::Samples) continue;  // constant without multisampling
+    if (aov.aov == Aov::Raw) continue;      // like the picture without a sensor
     if (tellsOfRaster(aov.aov)) continue;
     if (aov.aov != Aov::Motion || moving) all.push_back(aov.aov);
   }

@@ -53,6 +53,10 @@ Json cameraOf(const CameraMetadata& camera) {
             {"near", number(camera.nearClip)},
             {"far", number(camera.farClip)}};
   if (camera.lens) json["distortion"] = distortionOf(*camera.lens);
+  if (camera.apertureRadius > 0) {
+    json["apertureRadius"] = camera.apertureRadius;
+    json["focusDistance"] = camera.focusDistance;
+  }
   return json;
 }
 

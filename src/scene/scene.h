@@ -16,6 +16,7 @@
 
 #include "base/memory.h"
 #include "scene/animation.h"
+#include "scene/aperture.h"
 #include "scene/edit_log.h"
 #include "scene/ids.h"
 #include "scene/lens.h"
@@ -130,11 +131,14 @@ struct Camera {
   std::optional<float> aspect;
   float nearClip = kNearClip;
   float farClip = std::numeric_limits<float>::infinity();
-  vec2 principal{0};         // principal point offset in NDC; 0 is the image's center
-  std::optional<Lens> lens;  // replaces the field of view and the principal point
-  int node = -1;             // node that the camera follows, index into Scene::nodes; -1: none
-  uint32_t group = 0;        // renders only the instances of this group (render::SceneState::groups); 0: all
-  uint32_t world = 0;        // the world that it shows (render::SceneState::worlds); 0 without worlds
+  vec2 principal{0};                    // principal point offset in NDC; 0 is the image's center
+  std::optional<Lens> lens;             // replaces the field of view and the principal point
+  std::optional<Aperture> aperture;     // replaces the settings' aperture
+  std::optional<double> focusDistance;  // in meters; replaces the settings' distance
+  uint64_t noiseSeed = 0;               // the sensor's noise differs between seeds
+  int node = -1;                        // node that the camera follows, index into Scene::nodes; -1: none
+  uint32_t group = 0;                   // renders only the instances of this group (render::SceneState::groups); 0: all
+  uint32_t world = 0;                   // the world that it shows (render::SceneState::worlds); 0 without worlds
 };
 
 extern const uint32_t kPointLight;  // kLightPoint; external, so that this header need not change with added types

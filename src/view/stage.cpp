@@ -121,6 +121,7 @@ scene::Camera Stage::camera(const CameraChoice& choice, const render::Settings& 
 render::SceneState Stage::momentOf(const CameraChoice& camera, const render::Settings& s) const {
   const double step = 1 / s.framesPerSecond;
   render::SceneState moment{.poses = render::posesAt(*scene_, s)};
+  moment.motion = render::motionNear(*scene_, s);
   moment.previousCameras = {cameraOf(*scene_, camera, s, poseOf(*scene_, s, -step))};
   moment.nextCameras = {cameraOf(*scene_, camera, s, poseOf(*scene_, s, step))};
   return moment;

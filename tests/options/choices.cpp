@@ -79,6 +79,10 @@ void setShares(Table& t) {
   for (const auto& [name, share] : shares) t.at(name).share = share;
   t.at("--anisotropy").rate = Rate::Group;  // all samplers are recreated
   t.at("--samples").right = {"1"};          // paths take long, and a CPU device refuses many rays
+  t.at("--camera-samples").right = {"1", "3"};
+  t.at("--readout") = {0.1, {"0", "0.02", "-0.01"}, t.at("--readout").wrong};
+  t.at("--bit-depth").right = {"8", "12", "16"};  // of which each has room for these black levels
+  t.at("--black-level").right = {"0", "100"};
 }
 
 Values antiAliasings() {
@@ -141,7 +145,7 @@ void addSceneTexts(Table& t, const Values& models, const std::filesystem::path& 
   t["--fov"] = {0.2, {"40", "100", "1", "179"}, {"0", "-5", "180", "1e-308", "nan"}};
   t["--lens"] = {0.1,
                  {"pinhole:40,50,20,13", "opencv:40,40,24,13,-0.2,0.05,0.001,0.002", "fisheye:12,12,24,13,0.01",
-                  "equirectangular", "equirectangular"},
+                  "equirectangular", "ftheta:1,1,24,13,0,0.05,1e-4"},
                  {"fish", "opencv:1", "fisheye:0,1,2,3", "equirectangular:1", "cubemap:", "pinhole:1,1,nan,1"}};
   t["--frames"] = {0.12, {"0-2", "5", "47-48"}, {"3-1", "x"}};
   t["--frame"] = {0.1, {"0", "7"}, {"-1", "x"}};
@@ -159,6 +163,10 @@ void addPictureTexts(Table& t, const std::string& panorama) {
   t["--ao-radius"].right.push_back("1e30");
   t["--background"] = {0.3, {"transparent", "hdri", "#102030", "0.2,0.3,0.4", "#fff0e0"}, {"#12", "sky", "1,2"}};
   t["--position-origin"] = {0.2, {"0,0,0", "1,-2.5,3", "500000.25,0,-4600000"}, {"1,2", "a,b,c", "1,2,nan"}};
+  t["--aperture"] = {0.2, {"pinhole", "f/2", "0.05"}, {"f/0", "wide", "-1", "101"}};
+  t["--vignetting"] = {0.15, {"none", "cos4", "-0.3,-0.1", "0.2,-0.5,0.1"}, {"cos", "1,2,3,4", "nan"}};
+  t["--white-balance"] = {0.15, {"1,1,1", "2,1,1.5"}, {"1,1", "-1,1,1"}};
+  t["--response"] = {0.15, {"display", "gamma:2.2", "0,0.7,0.9,1"}, {"gamma:0", "0.5", "0,2"}};
   t["--fog-color"] = {0.2, {"#ffffff", "0,0,0"}, {"white"}};
 }
 

@@ -39,6 +39,7 @@ namespace {
 using Options = std::map<std::string, std::string>;  // the options of a draw with their values
 
 constexpr uint32_t kDraws = 8;  // per group
+constexpr const char* kSensor[] = {"--vignetting", "--bayer", "--full-well", "--white-balance", "--response"};
 
 uint64_t fromEnvironment(const char* name, uint64_t otherwise) {
   const char* value = std::getenv(name);
@@ -125,6 +126,13 @@ class Drawing {
     const bool ground = o.contains("--ground") && o.at("--ground") == "shadow";
     drop("--aa", o.contains("--aa") && o.at("--aa").starts_with("msaa") &&
                      (traces || rays || ground || o.contains("--indirect")));
+    const auto is = [&](const char* name, std::string_view value) { return o.contains(name) && o.at(name) == value; };
+    const bool senses = std::ranges::any_of(kSensor, [&](const char* name) { return o.contains(name); });
+    drop("--aperture", is("--lens", "equirectangular"));
+    drop("--aa", (is("--aa", "taa") && (o.contains("--shutter") || o.contains("--aperture"))) ||
+                     (is("--aa", "fxaa") && senses));
+    drop("--readout", is("--aa", "taa") || is("--aa", "fxaa") || o.contains("--bloom") || o.contains("--ao") ||
+                          o.contains("--aov") || o.contains("--debug"));
     drop("--camera", o.contains("--eye") || o.contains("--orbit"));
     drop("--orbit", o.contains("--eye"));
     drop("--json", o["--out"] == "-");

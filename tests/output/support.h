@@ -70,7 +70,7 @@ inline AovImage numbers(Aov aov, uint32_t width, uint32_t height, unsigned seed 
       if (aov == Aov::Depth || aov == Aov::Distance) value *= 80;
       if (aov == Aov::Position || aov == Aov::Uv) value = (value - 0.5f) * 12;
       if (aov == Aov::Samples) value = std::floor(value * 5);
-      if (aov == Aov::LightsTested || aov == Aov::LightsUsed) value = std::floor(value * 5000);
+      if (aov == Aov::LightsTested || aov == Aov::LightsUsed || aov == Aov::Raw) value = std::floor(value * 5000);
       if (aov == Aov::RasterClasses && c == 0) value = std::floor(value * 4) + 1;
       if (aov == Aov::RasterClusters || aov == Aov::RasterTriangles) value = std::floor(value * 5000);
       if (aov == Aov::RasterOverdraw) value = std::floor(value * 40);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "base/hash.h"
 #include "render/frame/view.h"
@@ -39,12 +40,14 @@ std::optional<double> CameraTimeline::time(size_t i) const {
   return advances ? *first + static_cast<double>(place->number) / job_.settings.framesPerSecond : *first;
 }
 
-// Returns no neighbor of another picture size, because motion vectors are in pixels of one size, and none with a lens
-// that bends rays, because the output `motion` does not support such lenses.
+// Returns no neighbor of another picture size, because motion vectors are in pixels of one size, and none of which only
+// one has a lens that bends rays.
 std::optional<CameraTimeline::Neighbor> CameraTimeline::inSequence(size_t i, std::optional<size_t> neighbor) const {
   if (!neighbor) return std::nullopt;
   const JobCamera &here = cameras_[i], &there = cameras_[*neighbor];
-  if (here.width != there.width || here.height != there.height || render::bendsRays(there.camera)) return std::nullopt;
+  if (here.width != there.width || here.height != there.height ||
+      render::bendsRays(here.camera) != render::bendsRays(there.camera))
+    return std::nullopt;
   return Neighbor{there.camera, time(*neighbor), neighbor};
 }
 
@@ -60,6 +63,21 @@ std::optional<CameraTimeline::Neighbor> CameraTimeline::next(size_t i) const {
   const std::optional<double> now = time(i);
   if (!now) return std::nullopt;
   return Neighbor{(later_.empty() ? cameras_ : later_)[i].camera, *now + 1 / job_.settings.framesPerSecond, {}};
+}
+
+std::optional<double> CameraTimeline::secondsTo(size_t i, const Neighbor& neighbor) const {
+  std::optional<double> here = time(i), there = neighbor.time;
+  if (neighbor.place && cameras_[i].sequence && cameras_[i].sequence->seconds) {
+    here = cameras_[i].sequence->seconds;
+    there = cameras_[*neighbor.place].sequence->seconds;
+  }
+  if (!here || !there || *here == *there) return std::nullopt;
+  return std::abs(*there - *here);
+}
+
+std::function<scene::Pose(double)> CameraTimeline::posesNear(size_t i) const {
+  if (scene_.rig.empty() || !time(i)) return nullptr;
+  return [this, now = *time(i)](double seconds) { return scene::poseAt(scene_, playback_, now + seconds); };
 }
 
 CameraTimeline::Times CameraTimeline::timesOf(size_t i) const {

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -37,6 +38,12 @@ class CameraTimeline {
   std::optional<Neighbor> previous(size_t i) const;
   std::optional<Neighbor> next(size_t i) const;
 
+  // Returns the seconds from a camera's frame to its neighbor's or back; empty if neither the job nor the source of the
+  // cameras has times.
+  std::optional<double> secondsTo(size_t i, const Neighbor& neighbor) const;
+
+  // Returns the poses at offsets in seconds from a frame's time; null if nothing moves.
+  std::function<scene::Pose(double)> posesNear(size_t i) const;
   // The poses of the scene's moving parts in the previous frame, in the frame itself, and in the next frame.
   render::Poses poses(size_t i) const;
   // Frames with the same number have the same poses and may be rendered together.

@@ -44,6 +44,8 @@ Json describe(const scene::Camera& camera) {
     all.insert(all.end(), {lens->model, lens->width, lens->height, lens->fx, lens->fy, lens->cx, lens->cy});
     for (const double k : lens->distortion) all.push_back(k);
   }
+  if (camera.aperture) all.push_back(scene::apertureText(*camera.aperture));
+  if (camera.focusDistance) all.push_back(*camera.focusDistance);
   return all;
 }
 
@@ -171,7 +173,9 @@ void Plan::look(PlannedScene& scene) try {
   scene::LoadOptions load = job_.load;
   load.textures = job_.scenes.size() == 1 || !job_.variations.is_null();
   auto loaded = std::make_unique<LoadedScene>(job_, scene::load(scene.source, load));
-  const bool moves = std::ranges::any_of(job_.settings.aovs, output::dependsOnNeighbors);
+  const render::Settings& settings = job_.settings;
+  const bool moves = std::ranges::any_of(settings.aovs, output::dependsOnNeighbors) || settings.shutter > 0 ||
+                     settings.readout != 0;
   const CameraTimeline& cameras = loaded->cameras();
   for (size_t i = 0; i < cameras.size(); ++i) {
     const JobCamera& c = cameras.camera(i);

@@ -3,6 +3,7 @@
 #include <latelight/latelight.h>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "base/parallel.h"
 #include "data/extras.h"
 #include "data/stop.h"
@@ -148,11 +149,13 @@ std::vector<RenderedFrame> Worker::framesOf(const Chunk& chunk) {
 
 // Must be called while the frames' variation is applied to the scene.
 void Worker::addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames) {
-  const render::SceneState moment = momentOf(chunk);
   const render::Settings settings = settingsOf(chunk);
-  for (RenderedFrame& rendered : frames)
-    renderExtras(*renderer_, scene_->scene(), cameraOf(rendered.frame.index), settings, moment, extras_, geometry_,
-                 rendered.frame);
+  Chunk one = chunk;
+  for (RenderedFrame& rendered : frames) {
+    one.frames = {rendered.frame.index};
+    renderExtras(*renderer_, scene_->scene(), cameraOf(rendered.frame.index), settings, momentOf(one), extras_,
+                 geometry_, rendered.frame);
+  }
 }
 
 const scene::Camera& Worker::cameraOf(uint64_t index) const {
@@ -168,7 +171,11 @@ render::SceneState Worker::momentOf(const Chunk& chunk) const {
     const auto before = cameras.previous(i), after = cameras.next(i);
     moment.previousCameras.push_back(before ? before->camera : cameraOf(index));
     moment.nextCameras.push_back(after ? after->camera : cameraOf(index));
+    const double step = 1 / job_.settings.framesPerSecond;
+    moment.motion.sincePrevious.push_back(before ? cameras.secondsTo(i, *before).value_or(step) : 0);
+    moment.motion.untilNext.push_back(after ? cameras.secondsTo(i, *after).value_or(step) : 0);
   }
+  moment.motion.poseAt = cameras.posesNear(plan_.at(chunk.frames.front())->camera);
   return moment;
 }
 
@@ -185,7 +192,11 @@ render::Ticket Worker::submit(const Chunk& chunk) {
   scene_->show(chunk.variation);
   useEnvironment();
   std::vector<scene::Camera> cameras;
-  for (const uint64_t index : chunk.frames) cameras.push_back(cameraOf(index));
+  for (const uint64_t index : chunk.frames) {
+    const uint64_t seeds[] = {job_.seed, index};
+    cameras.push_back(cameraOf(index));
+    cameras.back().noiseSeed = hash64(seeds, sizeof(seeds));
+  }
   return renderer_->submit(cameras, settingsOf(chunk), momentOf(chunk));
 }
 

@@ -36,6 +36,8 @@ std::vector<Shot> placeCameras(Spec& spec, const CameraContext& context, const s
   const bool lensless = std::ranges::all_of(cameras, [](const CalibratedCamera& camera) { return !camera.lens; });
   const Optics normal = lensless ? readOptics(spec, context.size) : Optics{};
   const PictureSize size = lensless ? PictureSize{normal.width, normal.height} : readSize(spec);
+  scene::Camera own;
+  if (!lensless) readAperture(spec, own);
   uint64_t names = 0;
   for (const CalibratedCamera& camera : cameras) names += camera.name.size();
   context.claim(spec, cameras.size(), names);
@@ -48,6 +50,7 @@ std::vector<Shot> placeCameras(Spec& spec, const CameraContext& context, const s
     if (camera.lens && !size.width)
       optics =
           opticsOf(*camera.lens, static_cast<uint32_t>(camera.lens->width), static_cast<uint32_t>(camera.lens->height));
+    if (camera.lens) optics.camera.aperture = own.aperture, optics.camera.focusDistance = own.focusDistance;
     shots.push_back({stemOf(camera.name), pose, optics.camera, optics.width, optics.height});
   }
   return shots;

@@ -23,6 +23,13 @@ double tangent(double angle) {
   return scene::builtin::sine(angle) / scene::builtin::cosine(angle);
 }
 
+// The angle at a distance from the principal point, below a right angle, as orbits require it.
+double fthetaAngle(const Lens& lens, double r) {
+  double angle = 0;
+  for (size_t i = 6; i-- > 0;) angle = angle * r + lens.distortion[i];
+  return std::clamp(angle, 0.0, 1.5);
+}
+
 Optics opticsOfFov(Spec& spec) {
   constexpr double kNormal = 40, kDegree = scene::builtin::kPi / 180;
   const double degrees = spec.number("fov", {1e-7, 179.999}, kNormal);
@@ -37,7 +44,7 @@ Optics opticsOfFov(Spec& spec) {
 
 LensModel readModel(Spec& spec) {
   return scene::findLensModel(
-             spec.choice("model", {"pinhole", "opencv", "fisheye", "equirectangular", "cubemap"}, "pinhole"))
+             spec.choice("model", {"pinhole", "opencv", "fisheye", "equirectangular", "cubemap", "ftheta"}, "pinhole"))
       ->model;
 }
 
@@ -54,7 +61,7 @@ void readMatrix(Spec& spec, Lens& lens) {
 void readDistortion(Spec& spec, Lens& lens) {
   if (!spec.has("distortion")) return;
   const uint32_t coefficients = scene::infoOf(lens.model).coefficients;
-  if (coefficients == 0) badUsage("{} needs the model opencv or fisheye", spec.pathOf("distortion"));
+  if (coefficients == 0) badUsage("{} needs the model opencv, fisheye or ftheta", spec.pathOf("distortion"));
   const std::vector<double> terms = spec.numbers("distortion", 1, coefficients);
   std::ranges::copy(terms, lens.distortion.begin());
 }
@@ -77,7 +84,8 @@ Optics opticsOf(const Lens& lens, uint32_t width, uint32_t height) {
   }
   const double edges[] = {lens.cx / lens.fx, (lens.width - lens.cx) / lens.fx, lens.cy / lens.fy,
                           (lens.height - lens.cy) / lens.fy};
-  optics.halfAngle = arcTangent(std::max(0.0, *std::ranges::min_element(edges)), 1);
+  const double edge = std::max(0.0, *std::ranges::min_element(edges));
+  optics.halfAngle = lens.model == LensModel::FTheta ? fthetaAngle(lens, edge) : arcTangent(edge, 1);
   const bool sameShape = double(width) * lens.height == double(height) * lens.width;
   const double angle = 2 * arcTangent(lens.height / 2, lens.fy);
   const bool seen = scene::isUsableFieldOfView(static_cast<float>(angle));
@@ -91,7 +99,9 @@ Optics opticsOf(const Lens& lens, uint32_t width, uint32_t height) {
   return optics;
 }
 
-Optics readOptics(Spec& spec, PictureSize job) {
+namespace {
+
+Optics readProjection(Spec& spec, PictureSize job) {
   const LensModel model = readModel(spec);
   if (!spec.has("K") && model == LensModel::Pinhole) return opticsOfFov(spec);
   Lens lens{.model = model};
@@ -112,8 +122,22 @@ Optics readOptics(Spec& spec, PictureSize job) {
   return opticsOf(lens, size.width, size.height);
 }
 
+}  // namespace
+
+void readAperture(Spec& spec, scene::Camera& camera) {
+  if (spec.has("aperture")) camera.aperture = scene::parseAperture(spec.pathOf("aperture"), spec.text("aperture"));
+  if (spec.has("focusDistance")) camera.focusDistance = spec.number("focusDistance", {1e-4, 1e9});
+}
+
+Optics readOptics(Spec& spec, PictureSize job) {
+  Optics optics = readProjection(spec, job);
+  readAperture(spec, optics.camera);
+  return optics;
+}
+
 bool hasOptics(Spec& spec) {
-  constexpr std::string_view kKeys[] = {"fov", "K", "model", "distortion", "size", "pixelCentre"};
+  constexpr std::string_view kKeys[] = {"fov",  "K",           "model",    "distortion",
+                                        "size", "pixelCentre", "aperture", "focusDistance"};
   return std::ranges::any_of(kKeys, [&](std::string_view key) { return spec.has(key); });
 }
 

@@ -14,10 +14,11 @@ struct Optics {
   double halfAngle = 0;
 };
 
-// Reads the keys "fov", "K", "model", "distortion", "size" and "pixelCentre". The default is a field of view of 40
-// degrees. K is in pixels of "size", or of `job` if there is no "size".
+// Reads the keys "fov", "K", "model", "distortion", "size", "pixelCentre", "aperture" and "focusDistance". The default
+// is a field of view of 40 degrees. K is in pixels of "size", or of `job` if there is no "size".
 Optics readOptics(Spec& spec, PictureSize job);
-bool hasOptics(Spec& spec);  // true if one of these keys is present
+void readAperture(Spec& spec, scene::Camera& camera);  // reads only "aperture" and "focusDistance"
+bool hasOptics(Spec& spec);                            // true if one of these keys is present
 
 // Converts a lens to a camera. A pinhole with square pixels becomes a field of view and a principal point; all other
 // lenses remain lenses.

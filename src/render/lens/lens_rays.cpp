@@ -30,6 +30,13 @@ bool sees(const shared::LensRay& ray) {
   return ray.direction != glm::vec3(0);
 }
 
+// Returns the direction from a point of the aperture to where the ray through the lens's center is in focus.
+glm::dvec3 focused(const LensPicture& p, glm::dvec3 ray) {
+  if (p.aperture == glm::dvec2(0)) return ray;
+  const double distance = p.lens.model == scene::LensModel::OpenCv ? p.focus / ray.z : p.focus;
+  return glm::normalize(ray * distance - glm::dvec3(p.aperture.x, -p.aperture.y, 0));
+}
+
 // Returns the rays of the rows, of the row above and of the row below.
 Rays raysOf(const LensPicture& p) {
   const scene::LensProjection projection(scene::scaledTo(p.lens, p.width, p.height));
@@ -40,10 +47,11 @@ Rays raysOf(const LensPicture& p) {
       if (row < 0 || row >= p.height) continue;
       for (size_t x = 0; x < p.width; ++x) {
         const glm::dvec2 pixel(double(x) + 0.5 + p.jitter.x, row + 0.5 + p.jitter.y);
-        const std::optional<glm::dvec3> ray = projection.unproject(pixel);
-        if (!ray) continue;
-        const glm::vec3 inView(glm::dvec3(ray->x, ray->z, -ray->y));
-        rays[y * p.width + x] = {inView, static_cast<float>(projection.depthOf(*ray))};
+        const std::optional<glm::dvec3> central = projection.unproject(pixel);
+        if (!central) continue;
+        const glm::dvec3 ray = focused(p, *central);
+        const glm::vec3 inView(glm::dvec3(ray.x, ray.z, -ray.y));
+        rays[y * p.width + x] = {inView, static_cast<float>(projection.depthOf(ray))};
       }
     }
   });

@@ -14,12 +14,16 @@
 
 namespace latelight::render {
 
-// Identifies the rays: those of some rows of a picture. `jitter` is defined as in makeView().
+// Identifies the rays: those of some rows of a picture. `jitter` is defined as in makeView(). `aperture`: the point of
+// the lens's aperture that they pass through, right and up in meters. All rays through a pixel meet at `focus` meters:
+// along the axis for `opencv`, along the ray for `fisheye` and `ftheta`.
 struct LensPicture {
   scene::Lens lens;
   uint32_t width, height;  // of the full picture
   uint32_t first, rows;
   glm::vec2 jitter;
+  glm::dvec2 aperture{0};
+  double focus = 1;
   bool operator==(const LensPicture&) const = default;
 };
 

@@ -220,6 +220,8 @@ void checkPaths(const Settings& settings) {
 void checkSettings(const Settings& settings) {
   table().check(settings);
   checkPaths(settings);
+  if (settings.apertureBlades == 1 || settings.apertureBlades == 2)
+    badUsage("--aperture-blades takes 0 for a circle, or at least 3 blades, not {}", settings.apertureBlades);
   if (!takesCompute(settings)) return;
   const bool triangles = lightsTriangles(settings);
   if (triangles && settings.lighting->draws)

@@ -79,7 +79,7 @@ bool requestsSurfaces(const Settings& settings) {
 }
 
 bool showsPicture(const Settings& settings) {
-  return settings.display || requestsOutput(settings, Origin::Picture);
+  return settings.display || requestsOutput(settings, Origin::Picture) || requestsOutput(settings, Origin::Sensor);
 }
 
 uint32_t textureSlots(const Settings& settings) {
@@ -125,7 +125,7 @@ ResultTarget PackedOutputs::place(const Builder& b, std::optional<Aov> aov, uint
       return place;
     }
   } else {
-    const uint64_t viewBytes = array->viewBytes();
+    const uint64_t viewBytes = arrays_.rowsAreViews ? array->rowBytes() : array->viewBytes();
     place = {.buffer = b.graph.import(array->memory->buffer, graph::Use::StorageReadWrite),
              .use = graph::Use::StorageReadWrite,
              .offset = arrays_.firstView * viewBytes + arrays_.firstRow * array->rowBytes(),

@@ -26,6 +26,7 @@ enum class Origin {
   Surface,       // a G-buffer in the layout `exact`, at pixel centers
   Motion,
   Coordinates,  // coordinates on the visible surface (surface_coordinates/surface_coordinates.h)
+  Sensor,       // the host computes it from the picture (render/sensor)
   Raster,       // statistics of the raster compute, whichever raster renders the rest
 };
 Origin originOf(output::Aov aov);
@@ -51,6 +52,7 @@ struct ResultArrays {
   std::span<const ExportedArray> arrays;
   size_t firstView = 0;
   uint32_t firstRow = 0;
+  bool rowsAreViews = false;  // each view is the next row of the arrays, from the row `firstView` of all pictures on
 };
 
 class PackedOutputs {

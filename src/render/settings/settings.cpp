@@ -136,6 +136,11 @@ AntiAliasing readText<AntiAliasing>(const char* option, std::string_view text) {
 }
 
 template <>
+Aperture readText<Aperture>(const char* option, std::string_view text) {
+  return scene::parseAperture(option, text);
+}
+
+template <>
 ShadowLights readText<ShadowLights>(const char* option, std::string_view text) {
   if (text == "auto") return {};
   ShadowLights lights{.automatic = false};

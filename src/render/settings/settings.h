@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "output/aov.h"
+#include "render/settings/sensor_options.h"
+#include "scene/aperture.h"
 
 namespace latelight::render {
 
@@ -68,6 +70,7 @@ constexpr std::optional<Enum> choiceNamed(std::string_view name) {
 }
 
 using Color = glm::vec3;  // linear, in the display's primaries
+using scene::Aperture;
 
 // The background of a picture.
 struct Background {
@@ -151,6 +154,14 @@ template <>
 Background readText<Background>(const char* option, std::string_view text);
 template <>
 AntiAliasing readText<AntiAliasing>(const char* option, std::string_view text);
+template <>
+Aperture readText<Aperture>(const char* option, std::string_view text);  // "pinhole", "f/2.8" or a radius in meters
+template <>
+Vignetting readText<Vignetting>(const char* option, std::string_view text);
+template <>
+WhiteBalance readText<WhiteBalance>(const char* option, std::string_view text);
+template <>
+Response readText<Response>(const char* option, std::string_view text);
 template <>
 ShadowLights readText<ShadowLights>(const char* option, std::string_view text);
 template <>

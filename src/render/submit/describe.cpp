@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "render/exposure/thin_lens.h"
 #include "render/frame/view.h"
 #include "render/gbuffer/layout.h"
 #include "render/options/options.h"
@@ -25,6 +26,10 @@ output::CameraMetadata describeCamera(const scene::Camera& camera, const scene::
   m.orthographic = camera.orthographic;
   m.nearClip = camera.nearClip;
   m.farClip = camera.farClip;
+  if (const ThinLens thin = thinLensOf(camera, s, scene); thin.radius > 0) {
+    m.apertureRadius = thin.radius;
+    m.focusDistance = thin.focus;
+  }
   if (!bendsRays(camera)) return m;
   const scene::Lens lens = scene::scaledTo(*camera.lens, s.width, s.height);
   m.intrinsics = {lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1};

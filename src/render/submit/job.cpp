@@ -6,65 +6,111 @@
 
 namespace latelight::render {
 
-RenderJob::RenderJob(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment,
-                     uint32_t rows)
-    : now(cameras.begin(), cameras.end()),
-      previous(moment.previousCameras),
-      next(moment.nextCameras),
+RenderJob::RenderJob(std::span<const scene::Camera> cameras, const scene::Scene& scene, const Settings& settings,
+                     const SceneState& moment, uint32_t rows)
+    : motion({cameras.begin(), cameras.end()}, moment.previousCameras, moment.nextCameras, moment.motion,
+             1 / settings.framesPerSecond),
       settings(settings),
-      rows(rows),
+      rowsAreViews(settings.readout != 0 && (motion.movesScene() || motion.movesCameras())),
+      rows(rowsAreViews ? settings.height : rows),
+      exposes(false),
+      exposesMotion(showsPicture(settings) && settings.shutter > 0 && (motion.movesScene() || motion.movesCameras())),
+      lenses(thinLensesOf(cameras, settings, scene)),
       continues(moment.continues),
       placedWorlds(moment.worlds.inputs ? moment.worlds.count : 0) {
+  const bool blurs = std::ranges::any_of(lenses, [](const ThinLens& lens) { return lens.radius > 0; });
+  exposes = exposesMotion || (showsPicture(settings) && blurs);
   if (moment.worlds.inputs) inputs = moment.worlds.inputs->memory;
+  if (posesScene()) poses = moment.poses;
+  if (!rowsAreViews) {
+    now.assign(cameras.begin(), cameras.end());
+    previous = moment.previousCameras;
+    next = moment.nextCameras;
+    return;
+  }
+  for (size_t view = 0; view < cameras.size() * rows; ++view)
+    now.push_back(motion.at(pictureOf(view), secondsOf(view)));
+}
+
+double RenderJob::secondsOf(size_t view) const {
+  if (!rowsAreViews) return 0;
+  return ((static_cast<double>(view % rows) + 0.5) / rows - 0.5) * settings.readout;
+}
+
+scene::Camera RenderJob::cameraAt(size_t view, double seconds) const {
+  return seconds == 0 ? now[view] : motion.at(pictureOf(view), secondsOf(view) + seconds);
+}
+
+shared::View RenderJob::viewOf(size_t view, const CameraSample& sample, const glm::dvec3& origin) const {
+  const scene::Camera camera = cameraAt(view, sample.seconds);
+  const ThinLens& lens = lensOf(view);
+  const glm::dvec2 offset = lens.radius * sample.lens;
+  if (offset == glm::dvec2(0)) return makeView(camera, settings.width, settings.height, sample.jitter, origin);
+  shared::View shown = makeView(atAperture(camera, offset), settings.width, settings.height, sample.jitter, origin);
+  if (!bendsRays(camera)) focusView(shown, offset, lens.focus);
+  return shown;
+}
+
+Strip ViewBatch::stripOf(size_t view) const {
+  return job.rowsAreViews ? Strip{static_cast<uint32_t>(view % job.rows), 1} : strip;
 }
 
 std::vector<float> ViewBatch::exposures() const {
-  if (job.meteredExposures.empty()) return {};
-  const auto begin = job.meteredExposures.begin() + static_cast<ptrdiff_t>(first);
-  return {begin, begin + static_cast<ptrdiff_t>(count)};
+  std::vector<float> some;
+  if (!job.meteredExposures.empty())
+    for (size_t view = first; view < first + count; ++view)
+      some.push_back(job.meteredExposures[job.pictureOf(view)]);
+  return some;
 }
 
-ViewsInTime ViewBatch::views(const glm::dvec3& origin, glm::vec2 jitter) const {
+ViewsInTime ViewBatch::views(const glm::dvec3& origin, const CameraSample& sample) const {
+  ViewsInTime views{.centered = sample == CameraSample{}, .exposures = exposures()};
   if (job.placedWorlds > 0) {
     shared::View view{};
     view.size = {static_cast<float>(job.settings.width), static_cast<float>(job.settings.height)};
-    std::vector<shared::View> placed(count, view);
-    for (size_t i = 0; i < count; ++i) placed[i].world = static_cast<uint32_t>((first + i) / job.now.size());
-    return {.now = placed, .previous = placed, .next = placed, .lens = nullptr, .exposures = exposures()};
-  }
-  const auto viewsOf = [&](const std::vector<scene::Camera>& cameras, glm::vec2 jitter) {
-    std::vector<shared::View> views;
-    for (size_t i = first; i < first + count; ++i)
-      views.push_back(viewOf(makeView(cameras[i], job.settings.width, job.settings.height, jitter, origin), strip));
+    for (size_t i = first; i < first + count; ++i) {
+      view.world = static_cast<uint32_t>(i / job.now.size());
+      views.now.push_back(view);
+    }
+    views.previous = views.next = views.now;
     return views;
+  }
+  for (size_t i = first; i < first + count; ++i)
+    views.now.push_back(render::viewOf(job.viewOf(i, sample, origin), stripOf(i)));
+  const auto viewsOf = [&](const std::vector<scene::Camera>& cameras) {
+    std::vector<shared::View> some;
+    for (size_t i = first; i < first + count; ++i)
+      some.push_back(render::viewOf(makeView(cameras[i], job.settings.width, job.settings.height, glm::vec2(0), origin),
+                                    stripOf(i)));
+    return some;
   };
-  ViewsInTime views{viewsOf(job.now, jitter), {}, {}};
   const bool still = job.previous.empty() || job.next.empty();
   std::vector<shared::View> steady;
-  if (still) steady = jitter == glm::vec2(0) ? views.now : viewsOf(job.now, glm::vec2(0));
-  views.previous = job.previous.empty() ? steady : viewsOf(job.previous, glm::vec2(0));
-  views.next = job.next.empty() ? steady : viewsOf(job.next, glm::vec2(0));
-  views.exposures = exposures();
+  if (still) steady = views.centered ? views.now : viewsOf(job.now);
+  views.previous = job.previous.empty() ? steady : viewsOf(job.previous);
+  views.next = job.next.empty() ? steady : viewsOf(job.next);
   return views;
 }
 
 std::vector<float> RenderJob::exposures() const {
-  return meteredExposures.empty() ? std::vector(viewCount(), exposureFactor(settings)) : meteredExposures;
+  const size_t pictures = rowsAreViews ? viewCount() / rows : viewCount();
+  return meteredExposures.empty() ? std::vector(pictures, exposureFactor(settings)) : meteredExposures;
 }
 
-// Strips arrive from top to bottom.
+// Strips and rows arrive from top to bottom.
 void RenderJob::keep(const ViewBatch& part, std::vector<output::FrameOutput>&& some) {
   std::vector<output::FrameOutput>& pictures = result.frames;
-  if (part.strip.rows == rows) {
+  if (!rowsAreViews && part.strip.rows == rows) {
     std::move(some.begin(), some.end(), std::back_inserter(pictures));
     return;
   }
-  if (pictures.size() < part.first + part.count) pictures.resize(part.first + part.count, emptyOutput(settings, rows));
-  for (size_t view = 0; view < part.count; ++view) append(pictures[part.first + view], some[view]);
+  const size_t count = pictureOf(part.first + part.count - 1) + 1;
+  if (pictures.size() < count) pictures.resize(count, emptyOutput(settings, rows));
+  for (size_t view = 0; view < part.count; ++view) append(pictures[pictureOf(part.first + view)], some[view]);
 }
 
-void addTimes(std::vector<graph::PassTime>& times, const graph::Submission& done) {
-  for (const graph::PassTime& time : done.times()) {
+void addTimes(std::vector<graph::PassTime>& times, std::span<const graph::PassTime> some) {
+  for (const graph::PassTime& time : some) {
     const auto known = std::ranges::find(times, time.name, &graph::PassTime::name);
     if (known == times.end()) {
       times.push_back(time);
@@ -73,6 +119,10 @@ void addTimes(std::vector<graph::PassTime>& times, const graph::Submission& done
     known->milliseconds += time.milliseconds;
     known->trafficBytes += time.trafficBytes;
   }
+}
+
+void addTimes(std::vector<graph::PassTime>& times, const graph::Submission& done) {
+  addTimes(times, done.times());
 }
 
 output::FrameOutput emptyOutput(const Settings& settings, uint32_t rows) {

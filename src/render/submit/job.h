@@ -10,6 +10,9 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "render/exposure/camera_motion.h"
+#include "render/exposure/camera_samples.h"
+#include "render/exposure/thin_lens.h"
 #include "render/submit/request.h"
 #include "render/submit/result.h"
 #include "render/submit/scene_state.h"
@@ -28,37 +31,57 @@ struct ViewBatch {
       : job(job), first(first), count(count), strip(strip), shadows(std::move(shadows)), shadowState(shadowState) {}
 
   // `origin`: the origin of the device's world space in the scene's.
-  ViewsInTime views(const glm::dvec3& origin, glm::vec2 jitter) const;
+  ViewsInTime views(const glm::dvec3& origin, const CameraSample& sample) const;
   std::vector<float> exposures() const;  // the metered factor of each view; empty: that of the settings
+  Strip stripOf(size_t view) const;      // the rows of its picture that a view of the job shows
 
   RenderJob& job;
   size_t first, count;  // views
   Strip strip;
-  std::shared_ptr<FrameShadows> shadows;  // of all strips; null: no light casts shadows
+  std::shared_ptr<FrameShadows> shadows;  // of all strips, or of the sample being rendered; null: there are none
   ShadowMapState shadowState;             // before the first graph; once started, after the last one
   bool replayed = false;                  // it submitted recorded commands again
   bool vast = false;                      // its passes support instances with kInstanceVast
   bool started = false;                   // at least once: after an overflow it is started again
   bool continues = false;  // the history of temporal anti-aliasing holds the previous frame of these views
   std::vector<graph::Submission> earlier;      // of all samples except the last
+  std::vector<graph::PassTime> earlierTimes;   // of exposureSamples()
   std::shared_ptr<FrameGraphBuilder> request;  // of the last sample, as is `submission`; may be that of a replay
   graph::Submission submission;
   std::vector<Overflow::Check> checks;  // of `submission`; empty once it is known that nothing overflowed
 };
 
+// A job renders one view per picture. With a rolling shutter, each row of a picture is a view of its own, from where
+// the camera is when the row is exposed: `rowsAreViews`.
 struct RenderJob {
   // `rows`: the rows of the pictures, which may be those of a single strip.
-  RenderJob(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment, uint32_t rows);
+  RenderJob(std::span<const scene::Camera> cameras, const scene::Scene& scene, const Settings& settings,
+            const SceneState& moment, uint32_t rows);
 
   size_t viewCount() const { return now.size() * std::max(1u, placedWorlds); }
   const scene::Camera& camera(size_t view) const { return now[view % now.size()]; }
-  std::vector<float> exposures() const;  // the factor of each view
+  size_t pictureOf(size_t view) const { return rowsAreViews ? view / rows : view; }
+  std::vector<float> exposures() const;  // the factor of each picture
+  // Returns when a view is exposed, in seconds from the picture's time.
+  double secondsOf(size_t view) const;
+  scene::Camera cameraAt(size_t view, double seconds) const;  // seconds from the view's own time
+  const ThinLens& lensOf(size_t view) const { return lenses[pictureOf(view)]; }
+  // Returns the full picture's view.
+  shared::View viewOf(size_t view, const CameraSample& sample, const glm::dvec3& origin) const;
+  bool posesScene() const { return motion.movesScene() && (exposesMotion || rowsAreViews); }
   void keep(const ViewBatch& part, std::vector<output::FrameOutput>&& pictures);
 
-  std::vector<scene::Camera> now, previous, next;  // previous and next may be empty: as now
+  CameraMotion motion;  // of the pictures' cameras
   Settings settings;
-  std::vector<float> meteredExposures;  // the factor of each view; empty: that of the settings
-  uint32_t rows;                        // of the pictures
+  std::optional<Settings> sensed;       // as requested, if applySensor() completes the pictures
+  std::vector<float> meteredExposures;  // the factor of each picture; empty: that of the settings
+  bool rowsAreViews;
+  uint32_t rows;                                   // of the pictures
+  bool exposes;                                    // the pictures are means of exposureSamples()
+  bool exposesMotion;                              // at different times, too
+  std::vector<ThinLens> lenses;                    // per picture
+  std::vector<scene::Camera> now, previous, next;  // of the views; previous and next may be empty: as now
+  Poses poses;                                     // at the pictures' time, if the job poses the scene
   bool continues;
   // If shaders place the worlds, `now` holds the cameras of each world, and this is the number of worlds. Otherwise 0.
   uint32_t placedWorlds;
@@ -73,6 +96,7 @@ struct RenderJob {
 };
 
 // Adds the times of a graph to those of the same passes in earlier graphs.
+void addTimes(std::vector<graph::PassTime>& times, std::span<const graph::PassTime> some);
 void addTimes(std::vector<graph::PassTime>& times, const graph::Submission& done);
 
 // Returns outputs that have no values yet, with `rows` rows.

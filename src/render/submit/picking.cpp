@@ -57,7 +57,8 @@ PickResult pick(Renderer& renderer, const scene::Scene& scene, const scene::Came
   data.positionOrigin = {};
   data.aovs = {Aov::Id, Aov::Part, Aov::Position, Aov::Normal, Aov::GeoNormal, Aov::Depth, Aov::Distance, Aov::Uv};
   PickResult result{.picked = std::vector<Picked>(pixels.size()), .statistics = {}};
-  for (const Strip strip : stripsOf(data)) {
+  const std::vector<Strip> strips = data.readout != 0 ? std::vector{Strip{0, data.height}} : stripsOf(data);
+  for (const Strip strip : strips) {
     const auto lies = [&](glm::uvec2 pixel) { return pixel.y >= strip.first && pixel.y - strip.first < strip.rows; };
     if (std::none_of(pixels.begin(), pixels.end(), lies)) continue;
     RenderResult rendered = renderer.renderStrip(camera, data, strip, moment);

@@ -9,11 +9,13 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "render/exposure/check.h"
 #include "render/frame/view.h"
 #include "render/lens/shadow_view.h"
 #include "render/lighting/technique.h"
 #include "render/options/options.h"
 #include "render/outputs/raw_read.h"
+#include "render/sensor/sensor.h"
 #include "render/submit/frame_passes.h"
 #include "render/submit/job.h"
 #include "render/submit/lens_settings.h"
@@ -49,11 +51,16 @@ Settings settingsFor(std::span<const scene::Camera> cameras, const Settings& set
   return lensSettings(settings);
 }
 
-// Returns how many of the first cameras share a lens. All views that are rendered at once share one.
-size_t throughOneLens(std::span<const scene::Camera> cameras) {
-  const auto other = std::ranges::find_if(
-      cameras, [&](const scene::Camera& camera) { return bendsRays(camera) && camera.lens != cameras.front().lens; });
-  return static_cast<size_t>(other - cameras.begin());
+// Returns how many of a job's views from `first` on share a lens. All views that are rendered at once share one.
+size_t throughOneLens(const RenderJob& job, size_t first) {
+  const scene::Camera& camera = job.now[first];
+  size_t end = first + 1;
+  const auto isSame = [&](size_t view) {
+    if (!bendsRays(job.now[view])) return true;
+    return job.now[view].lens == camera.lens && job.lensOf(view) == job.lensOf(first);
+  };
+  while (end < job.viewCount() && isSame(end)) ++end;
+  return end - first;
 }
 
 }  // namespace
@@ -141,17 +148,44 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
         "rays trace the scene itself and not its worlds: render worlds with shadow maps, and without indirect light, "
         "the technique reference and a ground");
   if (settings.ground != Ground::None && !settings.groundHeight) findLowestPoint();
-  if (tracesRays(settings) && isLit(settings)) followedBvh(tracesPaths(settings));
-  if (needsComputeRaster(settings)) {
-    gpuScene_.storeClusters();
-    rasterInstances_.update(gpuScene_, drawOrder_, gpuScene_.uploads());
-    if (moment.worlds.inputs)
-      worldPlacer_.update(scene_, gpuScene_, rasterInstances_, moment.worlds, moment.poses, gpuScene_.uploads(),
-                          settings.width, settings.height);
-    if (device_.maxTextureArray() == 0) gpuScene_.storeTexels();
-  }
+  prepareScene(settings);
+  if (moment.worlds.inputs)
+    worldPlacer_.update(scene_, gpuScene_, rasterInstances_, moment.worlds, moment.poses, gpuScene_.uploads(),
+                        settings.width, settings.height);
   if (input.objectFrames) gpuScene_.storeObjectFrames();
   sceneInput_ = input;
+}
+
+// Prepares what rays and the raster compute read, for the scene's current pose.
+void Renderer::prepareScene(const Settings& settings) {
+  if (tracesRays(settings) && isLit(settings)) followedBvh(tracesPaths(settings));
+  if (!needsComputeRaster(settings)) return;
+  gpuScene_.storeClusters();
+  rasterInstances_.update(gpuScene_, drawOrder_, gpuScene_.uploads());
+  if (device_.maxTextureArray() == 0) gpuScene_.storeTexels();
+}
+
+// Shows the scene at a time of a job, in seconds from that of the view.
+void Renderer::poseScene(const RenderJob& job, size_t view, double seconds) {
+  const double time = job.secondsOf(view) + seconds;
+  Poses poses = job.poses;
+  if (time != 0) poses.previous = poses.current = poses.next = job.motion.poseAt(time);
+  gpuScene_.update(poses, sunOf(job.settings));
+  drawOrder_.update(gpuScene_);
+  prepareScene(job.settings);
+}
+
+// Shows the scene at a time within the exposure of these views, and plans its shadows if the next graph is `lit`.
+// Nothing may be in flight that could overflow.
+void Renderer::moveTo(ViewBatch& part, double seconds, bool lit) {
+  const RenderJob& job = part.job;
+  if (job.posesScene()) poseScene(job, part.first, seconds);
+  part.shadows = nullptr;
+  part.shadowState = ShadowMapState::Cached;
+  if (!lit || !castsShadows(job.settings)) return;
+  std::vector<scene::Camera> cameras;
+  for (size_t view = part.first; view < part.first + part.count; ++view) cameras.push_back(job.cameraAt(view, seconds));
+  part.shadows = placeShadows(planShadows(cameras, job.settings), job.settings);
 }
 
 Renderer::SceneInput Renderer::inputOf(const Settings& settings, const SceneState& moment) const {
@@ -169,10 +203,12 @@ Renderer::SceneInput Renderer::inputOf(const Settings& settings, const SceneStat
 bool Renderer::placesWorlds(const Settings& s, std::span<const scene::Camera> cameras) const {
   const auto lit = [](const scene::Light& light) { return !light.removed; };
   const bool lights = s.sun || std::ranges::any_of(scene_.lights, lit);
+  const auto blurs = [&](const scene::Camera& camera) { return thinLensOf(camera, s, scene_).radius > 0; };
   return WorldPlacer::runsOn(device_) && rastersInCompute(s) && !s.lighting->draws && !tracesRays(s) &&
          (s.shadows == ShadowFormat::None || !lights || !isLit(s)) &&
          (s.ambientOcclusion == AmbientOcclusion::None || s.aoRadius) && s.aa.superSampling == 1 && !s.aa.temporal &&
-         stripsOf(s).size() == 1 && std::ranges::none_of(cameras, bendsRays);
+         s.shutter == 0 && s.readout == 0 && stripsOf(s).size() == 1 && std::ranges::none_of(cameras, bendsRays) &&
+         std::ranges::none_of(cameras, blurs);
 }
 
 std::shared_ptr<const vk::Buffer> Renderer::inputMemory(uint64_t bytes) {
@@ -209,15 +245,18 @@ std::shared_ptr<FrameShadows> Renderer::placeShadows(ShadowPlan plan, const Sett
   return shadows->empty() ? nullptr : shadows;
 }
 
-Ticket Renderer::submit(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment,
-                        Results results, const ExportTargets& targets) {
-  const auto transmits = [](const shared::Material& material) {
+bool Renderer::transmits(const SceneState& moment) const {
+  const auto isTransmissive = [](const shared::Material& material) {
     return (scene::layerFlags(material) & shared::kMaterialTransmissive) != 0;
   };
   const auto posed = scene::posedMaterials(scene_, moment.poses.current);
-  const bool transmissive = std::ranges::any_of(scene_.materials, transmits, &scene::Material::data) ||
-                            std::ranges::any_of(posed | std::views::values, transmits);
-  return {*this, start(cameras, settings, moment, stripsOf(settings, transmissive), results, targets)};
+  return std::ranges::any_of(scene_.materials, isTransmissive, &scene::Material::data) ||
+         std::ranges::any_of(posed | std::views::values, isTransmissive);
+}
+
+Ticket Renderer::submit(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment,
+                        Results results, const ExportTargets& targets) {
+  return {*this, start(cameras, settings, moment, stripsOf(settings, transmits(moment)), results, targets)};
 }
 
 RenderResult Renderer::renderStrip(const scene::Camera& camera, const Settings& settings, Strip strip,
@@ -228,31 +267,38 @@ RenderResult Renderer::renderStrip(const scene::Camera& camera, const Settings& 
 std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> cameras, const Settings& wanted,
                                            const SceneState& moment, std::span<const Strip> strips, Results results,
                                            const ExportTargets& targets, std::vector<float> exposures) {
-  const Settings settings = settingsFor(cameras, wanted);
+  const Settings requested = settingsFor(cameras, wanted);
+  const Settings settings = sensedSettings(requested);
   if (settings.exposure.automatic && showsPicture(settings)) {
     checkSettings(settings);
     exposures = meter(cameras, settings, moment);
   }
   begin(settings, moment);
+  if (usesSensor(requested) && results == Results::Exported)
+    badUsage("the sensor's options run on the host, so they do not support arrays on the device");
   replays_.tick();
   const uint32_t rows = strips.size() > 1 ? settings.height : strips.front().rows;
-  const auto job = std::make_shared<RenderJob>(cameras, settings, moment, rows);
+  const auto job = std::make_shared<RenderJob>(cameras, scene_, settings, moment, rows);
+  checkExposure(settings, {.worlds = moment.worlds.count > 0,
+                           .exposes = job->exposes,
+                           .byRows = job->rowsAreViews,
+                           .refracts = job->rowsAreViews && transmits(moment)});
+  if (usesSensor(requested)) job->sensed = requested;
   job->results = results;
   job->meteredExposures = std::move(exposures);
   if (job->placedWorlds > 0) job->worldStatus = worldPlacer_.status();
-  const size_t views = job->viewCount();
-  uint64_t claimed = rows;
+  const size_t views = job->viewCount(), pictures = job->rowsAreViews ? cameras.size() : views;
+  constexpr Strip kRow{0, 1};
+  if (job->rowsAreViews) strips = {&kRow, 1};
+  uint64_t claimed = job->rows;
   if (strips.size() > 1) claimed += strips.front().rows;  // the strip in flight
   if (results == Results::Exported)
-    job->result.arrays = exportedArrays(device_, *exports_, settings, rows, views, targets);
+    job->result.arrays = exportedArrays(device_, *exports_, settings, job->rows, pictures, targets);
   else
-    job->memory.grow(bytesPerPixel(settings) * settings.width * claimed * views, "the pictures");
-  size_t atOnce = std::min(views, mostViews(device_, settings));
-  if (castsShadows(settings) && shadowTexels(settings) > 0)
-    atOnce = std::clamp<uint64_t>(memoryForViews(device_) / (4 * shadowTexels(settings)), 1, atOnce);
+    job->memory.grow(bytesPerPixel(settings) * settings.width * claimed * pictures, "the pictures");
+  size_t atOnce = viewsAtOnce(*job);
   for (size_t first = 0; first < views;) {
-    const size_t alike = job->placedWorlds > 0 ? views - first : throughOneLens(cameras.subspan(first));
-    const size_t count = std::min(atOnce, alike);
+    const size_t count = std::min(atOnce, job->placedWorlds > 0 ? views - first : throughOneLens(*job, first));
     const size_t fits = startViews(job, first, count, strips);
     if (fits < count)
       atOnce = fits;
@@ -262,13 +308,26 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
   return job;
 }
 
+// Returns how many views may be rendered at once. Rows share neither the scene's pose nor the rays of a lens.
+size_t Renderer::viewsAtOnce(const RenderJob& job) const {
+  if (job.rowsAreViews && (job.posesScene() || bendsRays(job.now.front()))) return 1;
+  const size_t atOnce = std::min(job.viewCount(), mostViews(device_, job.settings));
+  if (!castsShadows(job.settings) || shadowTexels(job.settings) == 0) return atOnce;
+  return std::clamp<uint64_t>(memoryForViews(device_) / (4 * shadowTexels(job.settings)), 1, atOnce);
+}
+
 size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first, size_t count,
                             std::span<const Strip> strips) {
   const Settings& s = job->settings;
+  // Shadow maps, the history of temporal anti-aliasing and poses change with each batch. Others do not depend on each
+  // other.
+  const bool independent = !castsShadows(s) && !s.aa.temporal && !job->posesScene();
+  if (job->posesScene()) {
+    resolveOverflow();
+    poseScene(*job, first, 0);
+  }
   ShadowPlan plan;
   if (castsShadows(s)) plan = planShadows(std::span(job->now).subspan(first, count), s);  // while the device renders
-  // Shadow maps and the history of temporal anti-aliasing change with each batch. Others do not depend on each other.
-  const bool independent = !castsShadows(s) && !s.aa.temporal;
   if (!independent) resolveOverflow();
   const std::shared_ptr<FrameShadows> shadows = placeShadows(std::move(plan), s);
   ShadowMapState shadowState = ShadowMapState::Cached;
@@ -281,7 +340,8 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
     while (uncheckedBatches_.size() >= graph::Executor::kInFlight) resolveOverflow(uncheckedBatches_.front().get());
     ViewBatch& part = job->parts.emplace_back(*job, first, count, strip, shadows, shadowState);
     part.continues = job->continues && count == job->viewCount() && history_.fits(s.width, s.height, count);
-    if (!job->progress) job->progress.emplace("Rendering", jittersOf(part).size() * strips.size() * job->viewCount());
+    if (!job->progress)
+      job->progress.emplace("Rendering", (samplesOf(part).size() + job->exposes) * strips.size() * job->viewCount());
     std::optional<uint64_t> maxBytes;
     if (count > 1 && strip.first == strips.front().first) maxBytes = memoryForViews(device_);
     Start started = startPart(part, maxBytes);
@@ -296,8 +356,8 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
   return count;
 }
 
-ViewsInTime Renderer::viewsOf(const ViewBatch& part, glm::vec2 jitter) {
-  ViewsInTime views = part.views(gpuScene_.origin(), jitter);
+ViewsInTime Renderer::viewsOf(const ViewBatch& part, const CameraSample& sample) {
+  ViewsInTime views = part.views(gpuScene_.origin(), sample);
   if (part.job.placedWorlds > 0) {
     const uint64_t offset = part.first * sizeof(shared::View);
     views.onDevice = {.now = worldPlacer_.views(0, 0) + offset,
@@ -306,27 +366,30 @@ ViewsInTime Renderer::viewsOf(const ViewBatch& part, glm::vec2 jitter) {
   }
   const scene::Camera& camera = part.job.camera(part.first);
   const Settings& s = part.job.settings;
-  if (bendsRays(camera))
-    views.lens = lensRays_.of(device_, {*camera.lens, s.width, s.height, part.strip.first, part.strip.rows, jitter});
+  if (!bendsRays(camera)) return views;
+  const ThinLens& lens = part.job.lensOf(part.first);
+  const Strip strip = part.stripOf(part.first);
+  views.lens = lensRays_.of(device_, {.lens = *camera.lens,
+                                      .width = s.width,
+                                      .height = s.height,
+                                      .first = strip.first,
+                                      .rows = strip.rows,
+                                      .jitter = sample.jitter,
+                                      .aperture = lens.radius * sample.lens,
+                                      .focus = lens.focus});
   return views;
 }
 
-// Returns the samples of a picture, one frame each, as offsets from the pixel's center.
-std::vector<glm::vec2> Renderer::jittersOf(const ViewBatch& part) const {
+// Returns the samples of a picture, one frame each.
+std::vector<CameraSample> Renderer::samplesOf(const ViewBatch& part) const {
   const Settings& s = part.job.settings;
-  if (!showsPicture(s)) return {glm::vec2(0)};
-  if (s.aa.temporal) {
-    const std::vector<glm::vec2>& all = temporalJitters();
-    if (!part.continues) return all;
-    return {all[history_.frames() % all.size()]};
-  }
-  const uint32_t side = s.aa.superSampling;
-  std::vector<glm::vec2> jitters;
-  for (uint32_t i = 0; i < side * side; ++i) {
-    const glm::vec2 cell(static_cast<float>(i % side), static_cast<float>(i / side));
-    jitters.push_back((cell + 0.5f) / static_cast<float>(side) - 0.5f);
-  }
-  return jitters;
+  if (!showsPicture(s)) return {CameraSample{}};
+  if (part.job.exposes) return exposureSamples(s);
+  if (!s.aa.temporal) return pixelSamples(s);
+  std::vector<CameraSample> samples;
+  for (const glm::vec2& jitter : temporalJitters()) samples.push_back({.jitter = jitter});
+  if (part.continues) return {samples[history_.frames() % samples.size()]};
+  return samples;
 }
 
 Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> maxBytes) {
@@ -334,7 +397,7 @@ Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> max
   part.vast = gpuScene_.anyVast();
   const std::optional<ReplayKey> key = replayKey(part);
   if (!key) return build(part, maxBytes);
-  const ViewsInTime views = viewsOf(part, glm::vec2(0));
+  const ViewsInTime views = viewsOf(part, CameraSample{});
   const std::shared_ptr<Replay> replay = replayOf(part, *key, views);
   if (!replay) {
     const Start started = build(part, maxBytes);
@@ -353,7 +416,8 @@ Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> max
 std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
   const Settings& s = part.job.settings;
   if (!sceneInput_ || tracesRays(s) || !rastersInCompute(s) || s.lighting->draws || s.aa.superSampling > 1 ||
-      s.aa.temporal || s.describeGraph || part.shadows || bendsRays(part.job.camera(part.first)))
+      s.aa.temporal || s.describeGraph || part.shadows || part.job.exposes || part.job.rowsAreViews ||
+      bendsRays(part.job.camera(part.first)))
     return std::nullopt;
   ReplayKey key{
       .views = part.count,
@@ -413,7 +477,7 @@ std::shared_ptr<Replay> Renderer::recordReplay(const ViewBatch& part, const View
   overflow_.checks.clear();  // left by an error
   clusterOcclusion_.takeDecisions();
   const auto replay = std::make_shared<Replay>(s, state_, scene_.yUp && s.axes == Axes::File, views, arrays);
-  replay->request.finish(nullptr, 1, nullptr, false);
+  replay->request.finish({}, nullptr, false);
   replay->request.exportResults(part.job.results);
   replay->checks = std::exchange(overflow_.checks, {});
   replay->decisions = clusterOcclusion_.takeDecisions();
@@ -430,46 +494,72 @@ void Renderer::submitChanges(ViewBatch& part) {
 
 // On overflow, the caller starts again from the first sample, because the accumulated sum includes an incomplete one.
 Renderer::Start Renderer::build(ViewBatch& part, std::optional<uint64_t> maxBytes) {
-  const Settings& s = part.job.settings;
-  const std::vector<glm::vec2> jitters = jittersOf(part);
-  const ViewsInTime steady = viewsOf(part, glm::vec2(0));
-  const bool yUp = scene_.yUp && s.axes == Axes::File;
+  RenderJob& job = part.job;
+  const std::vector<CameraSample> samples = samplesOf(part);
   part.earlier.clear();
+  part.earlierTimes.clear();
   overflow_.checks.clear();  // left by an error
   clusterOcclusion_.takeDecisions();
   if (std::exchange(part.started, true)) part.shadowState = ShadowMapState::Discarded;
-  const ResultArrays arrays{part.job.result.arrays, part.first, part.strip.first};
-  vk::Image sum;
-  if (jitters.size() > 1) sum = makeSum(part);
-  for (size_t i = 0; i < jitters.size(); ++i) {
-    const ViewsInTime jittered = jitters[i] == glm::vec2(0) ? steady : viewsOf(part, jitters[i]);
-    part.request = std::make_shared<FrameGraphBuilder>(state_, s, yUp, steady, jittered, part.shadows.get(),
-                                                       part.shadowState, arrays);
-    FrameGraphBuilder& request = *part.request;
-    const bool last = i + 1 == jitters.size();
-    TemporalHistory* history = s.aa.temporal ? &history_ : nullptr;
-    if (last)
-      request.finish(i > 0 ? &sum : nullptr, static_cast<uint32_t>(jitters.size()), history, part.continues);
-    else
-      request.accumulate(sum, i == 0);
-    if (last) request.exportResults(part.job.results);
-    part.shadowState = request.shadowState();
-    part.checks = std::exchange(overflow_.checks, {});
-    addSceneChanges(request.graph());
-    const graph::Plan plan = request.graph().compile();
-    if (i == 0 && maxBytes) {
-      const uint64_t needed = transientBytes(device_, request.graph(), plan).peak;
-      if (needed > *maxBytes) {
-        if (last && history) history->undo();
-        return {Start::TooManyViews, needed};
-      }
-    }
-    part.submission = submit(request.graph(), plan);
-    if (last) break;
-    if (overflowed(std::exchange(part.checks, {}), part.submission)) return {Start::Overflowed};
-    part.earlier.push_back(std::move(part.submission));
-    part.job.progress->step(part.count);
+  // The data are those of the middle of the exposure, so a graph of their own follows the frames of an exposure.
+  PictureSum sum{.count = static_cast<uint32_t>(samples.size()), .complete = job.exposes};
+  const size_t separate = job.exposes ? samples.size() : samples.size() - 1;
+  if (separate > 0) sum.image = makeSum(part);
+  for (size_t i = 0; i < separate; ++i) {
+    const Start started = accumulate(part, samples[i], sum.image, i == 0 ? maxBytes : std::nullopt, i == 0);
+    if (started.outcome != Start::Done) return started;
+    job.progress->step(part.count);
   }
+  if (job.exposesMotion) moveTo(part, 0, requestsOutput(job.settings, Origin::LightCounts));
+  TemporalHistory* history = job.settings.aa.temporal ? &history_ : nullptr;
+  FrameGraphBuilder& request = addRequest(part, job.exposes ? CameraSample{} : samples.back());
+  request.finish(sum, history, part.continues);
+  request.exportResults(job.results);
+  const Start started = submitRequest(part, separate == 0 ? maxBytes : std::nullopt);
+  if (started.outcome == Start::TooManyViews && history) history->undo();
+  return started;
+}
+
+// Renders one of several samples and adds it to the sum.
+Renderer::Start Renderer::accumulate(ViewBatch& part, const CameraSample& sample, const vk::Image& sum,
+                                     std::optional<uint64_t> maxBytes, bool first) {
+  if (part.job.exposesMotion) moveTo(part, sample.seconds, true);
+  addRequest(part, sample).accumulate(sum, first);
+  const Start started = submitRequest(part, maxBytes);
+  if (started.outcome != Start::Done) return started;
+  if (overflowed(std::exchange(part.checks, {}), part.submission)) return {Start::Overflowed};
+  if (part.job.exposesMotion && part.shadows) part.shadows->commit(part.shadowState);
+  if (!part.job.exposes) {
+    part.earlier.push_back(std::move(part.submission));
+    return {Start::Done};
+  }
+  part.submission.wait();  // there may be thousands of samples
+  addTimes(part.earlierTimes, part.submission);
+  return {Start::Done};
+}
+
+FrameGraphBuilder& Renderer::addRequest(ViewBatch& part, const CameraSample& sample) {
+  const Settings& s = part.job.settings;
+  const ViewsInTime steady = viewsOf(part, CameraSample{});
+  const ViewsInTime views = sample == CameraSample{} ? steady : viewsOf(part, sample);
+  const ResultArrays arrays{part.job.result.arrays, part.first, part.strip.first, part.job.rowsAreViews};
+  part.request = std::make_shared<FrameGraphBuilder>(state_, s, scene_.yUp && s.axes == Axes::File, steady, views,
+                                                     part.shadows.get(), part.shadowState, arrays);
+  return *part.request;
+}
+
+// Submits the part's request.
+Renderer::Start Renderer::submitRequest(ViewBatch& part, std::optional<uint64_t> maxBytes) {
+  FrameGraphBuilder& request = *part.request;
+  part.shadowState = request.shadowState();
+  part.checks = std::exchange(overflow_.checks, {});
+  addSceneChanges(request.graph());
+  const graph::Plan plan = request.graph().compile();
+  if (maxBytes) {
+    const uint64_t needed = transientBytes(device_, request.graph(), plan).peak;
+    if (needed > *maxBytes) return {Start::TooManyViews, needed};
+  }
+  part.submission = submit(request.graph(), plan);
   return {Start::Done};
 }
 
@@ -554,6 +644,7 @@ void Renderer::read(RenderJob& job) {
   }
   RenderStatistics& statistics = job.result.statistics;
   part.request->countShadings(part.submission, statistics.shadingCounts);
+  addTimes(statistics.passTimes, part.earlierTimes);
   for (const graph::Submission& earlier : part.earlier) addTimes(statistics.passTimes, earlier);
   addTimes(statistics.passTimes, part.submission);
   if (job.settings.describeGraph) statistics.graphviz = part.request->graph().graphviz();
@@ -565,6 +656,9 @@ void Renderer::read(RenderJob& job) {
 void Renderer::finish(RenderJob& job) {
   while (!job.parts.empty()) read(job);
   job.progress.reset();
+  if (job.sensed)
+    for (size_t i = 0; i < job.result.frames.size(); ++i)
+      applySensor(job.result.frames[i], *job.sensed, job.motion.at(i % job.motion.count(), 0));
   const std::vector<float> exposures = job.exposures();
   for (size_t i = 0; i < job.result.frames.size(); ++i) job.result.frames[i].exposure = exposures[i];
   if (job.worldStatus) {
@@ -620,14 +714,16 @@ TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings&
   if (tracesRays(settings)) followedBvh(tracesPaths(settings));  // even if no picture is requested
   Settings atCentres = settings;
   atCentres.aa.samples = 1;
-  RenderJob job({&camera, 1}, atCentres, moment, settings.height);
+  atCentres.shutter = atCentres.readout = 0;
+  atCentres.aperture = {};
+  RenderJob job({&camera, 1}, scene_, atCentres, moment, settings.height);
   job.meteredExposures = exposures;
   const Layout& layout = *settings.layout;
   std::shared_ptr<FrameShadows> shadows;
   if (layout.sunTarget >= 0)  // otherwise nothing in the targets is lit
     shadows = placeShadows(planShadows(job.now, atCentres), atCentres);
   const ViewBatch part(job, 0, 1, {0, settings.height}, shadows, ShadowMapState::Cached);
-  ViewSet set(state_, viewsOf(part, glm::vec2(0)), atCentres, shadows.get(), VisibilityOptions{.atCentres = true});
+  ViewSet set(state_, viewsOf(part, CameraSample{}), atCentres, shadows.get(), VisibilityOptions{.atCentres = true});
   std::optional<graph::Graph> graph;
   std::optional<RawReadback> readback;
   graph::Submission done;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "graph/graph.h"
+#include "render/exposure/camera_samples.h"
 #include "render/gpu_scene/gpu_environment.h"
 #include "render/gpu_scene/gpu_scene.h"
 #include "render/lens/lens_rays.h"
@@ -82,6 +83,7 @@ class Renderer {
                                    std::vector<float> exposures = {});
   // Returns the exposure factor of each view, for settings with an automatic exposure (metering.cpp).
   std::vector<float> meter(std::span<const scene::Camera> cameras, const Settings& settings, const SceneState& moment);
+  bool transmits(const SceneState& moment) const;  // some surface refracts the picture around it
   // Starts some views of a job, one strip after the other. Returns how many views fit into memory at once; if these are
   // fewer than `count`, none of them is in flight.
   size_t startViews(const std::shared_ptr<RenderJob>& job, size_t first, size_t count, std::span<const Strip> strips);
@@ -117,8 +119,16 @@ class Renderer {
   void read(RenderJob& job);                              // the oldest part
   void finish(RenderJob& job);
 
-  ViewsInTime viewsOf(const ViewBatch& part, glm::vec2 jitter);
-  std::vector<glm::vec2> jittersOf(const ViewBatch& part) const;
+  ViewsInTime viewsOf(const ViewBatch& part, const CameraSample& sample);
+  std::vector<CameraSample> samplesOf(const ViewBatch& part) const;
+  size_t viewsAtOnce(const RenderJob& job) const;
+  void prepareScene(const Settings& settings);
+  void poseScene(const RenderJob& job, size_t view, double seconds);
+  void moveTo(ViewBatch& part, double seconds, bool lit);
+  FrameGraphBuilder& addRequest(ViewBatch& part, const CameraSample& sample);
+  Start submitRequest(ViewBatch& part, std::optional<uint64_t> maxBytes);
+  Start accumulate(ViewBatch& part, const CameraSample& sample, const vk::Image& sum, std::optional<uint64_t> maxBytes,
+                   bool first);
   bool castsShadows(const Settings& settings) const;
   ShadowPlan planShadows(std::span<const scene::Camera> cameras, const Settings& settings) const;
   std::shared_ptr<FrameShadows> placeShadows(ShadowPlan plan, const Settings& settings);

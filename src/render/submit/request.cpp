@@ -67,7 +67,7 @@ FrameGraphBuilder::FrameGraphBuilder(const RenderState& state, const Settings& s
       outputs_(settings, yUp, steady.lens != nullptr, arrays) {}
 
 bool FrameGraphBuilder::isSteady() const {
-  return settings_.aa.samples == 1 && jitteredViews_.now.front().jitter == shared::vec2(0);
+  return settings_.aa.samples == 1 && jitteredViews_.centered;
 }
 
 ViewSet& FrameGraphBuilder::steady() {
@@ -113,23 +113,27 @@ void FrameGraphBuilder::accumulate(const vk::Image& sum, bool first) {
   graph_.exports(total, graph::Use::StorageReadWrite);
 }
 
-void FrameGraphBuilder::finish(const vk::Image* sum, uint32_t count, TemporalHistory* history, bool continues) {
+// Adds the picture's last or only frame, and returns it with all frames before it.
+graph::ImageId FrameGraphBuilder::addLastFrame(const PictureSum& sum, TemporalHistory* history, bool continues) {
+  lit_ = addPicture(packsWithPicture() ? packSurfaces() : nullptr);
+  graph::ImageId picture = lit_->picture;
+  if (sum.image) {
+    const graph::ImageId total = graph_.import(sum.image, graph::Use::StorageReadWrite);
+    addAccumulate({state_.device, graph_}, picture, total, false);
+    picture = total;
+  }
+  if (!history) return picture;
+  const FrameContext f = jittered().frame(graph_, FrameConfig{});
+  const VisibilityBuffer& visible = lit_->gbuffer.visible;
+  const graph::ImageId motion = addMotion(f, visible, MotionUse::Reproject);
+  return addTemporal(f, {picture, visible.pixels, motion}, *history, !continues);
+}
+
+void FrameGraphBuilder::finish(const PictureSum& sum, TemporalHistory* history, bool continues) {
   if (showsPicture(settings_)) {
-    lit_ = addPicture(packsWithPicture() ? packSurfaces() : nullptr);
-    graph::ImageId picture = lit_->picture;
-    if (sum) {
-      const graph::ImageId total = graph_.import(*sum, graph::Use::StorageReadWrite);
-      addAccumulate({state_.device, graph_}, picture, total, false);
-      picture = total;
-    }
-    if (history) {
-      const FrameContext f = jittered().frame(graph_, FrameConfig{});
-      const VisibilityBuffer& visible = lit_->gbuffer.visible;
-      const graph::ImageId motion = addMotion(f, visible, MotionUse::Reproject);
-      picture = addTemporal(f, {picture, visible.pixels, motion}, *history, !continues);
-      count = 1;
-    }
-    addPost(*lit_, picture, count);
+    const graph::ImageId picture =
+        sum.complete ? graph_.import(sum.image, graph::Use::StorageReadWrite) : addLastFrame(sum, history, continues);
+    addPost(picture, history ? 1 : sum.count);
   }
   if (requestsOutput(settings_, Origin::LightCounts)) addLightCounts();
   if (requestsOutput(settings_, Origin::SampleCounts)) addSampleCounts();
@@ -146,14 +150,15 @@ void FrameGraphBuilder::update(const ViewsInTime& views) {
     if (*set) (*set)->update(views);
 }
 
-void FrameGraphBuilder::addPost(const LitFrame& lit, graph::ImageId picture, uint32_t count) {
+void FrameGraphBuilder::addPost(graph::ImageId picture, uint32_t count) {
   const Builder b{state_.device, graph_};
   std::optional<ResultTarget> display;
   if (settings_.display) display = outputs_.addDisplay(b, texels(graph_, picture));
   const FinishedPicture finished = finishPicture(b, picture, 1.0f / static_cast<float>(count), settings_, display);
   outputs_.add(
       b, Origin::Picture, [&](std::string_view) { return finished.linear; }, 0, finished.scale);
-  if (settings_.countSurfaces && lit.gbuffer.surfaces) surfaces_ = addReadback(graph_, lit.gbuffer.surfaces);
+  if (settings_.countSurfaces && lit_ && lit_->gbuffer.surfaces)
+    surfaces_ = addReadback(graph_, lit_->gbuffer.surfaces);
 }
 
 // Adds the number of lights evaluated at each pixel's center: from the picture's own frame, or from a similar frame

@@ -15,6 +15,13 @@ namespace latelight::render {
 FrameConfig frameSetup(const Settings& settings, bool shadows);
 bool isLit(const Settings& settings);  // data outputs require no lighting
 
+// The sum of several frames of a picture.
+struct PictureSum {
+  vk::Image image;        // null for a picture of one frame
+  uint32_t count = 1;     // frames of the finished sum
+  bool complete = false;  // the sum has all frames before finish(); otherwise that adds the last one
+};
+
 class FrameGraphBuilder {
  public:
   // `steady`: the views without jitter; `jittered`: the same with the jitter of the picture's current frame. `shadows`:
@@ -27,9 +34,9 @@ class FrameGraphBuilder {
 
   // Adds only the picture's frame, and adds its result to `sum`: one of several samples per pixel.
   void accumulate(const vk::Image& sum, bool first);
-  // Adds everything requested. For a picture of several frames, `sum` holds the earlier ones, and `count` includes this
-  // one. `history`: of temporal anti-aliasing, or null. `continues`: it holds the frame before this picture.
-  void finish(const vk::Image* sum, uint32_t count, TemporalHistory* history, bool continues);
+  // Adds everything requested. `history`: of temporal anti-aliasing, or null. `continues`: it holds the frame before
+  // this picture.
+  void finish(const PictureSum& sum, TemporalHistory* history, bool continues);
   void exportResults(Results results);  // exports the requested results, as the last step
   // Replaces all views by as many others without jitter, for a recorded graph that runs again.
   void update(const ViewsInTime& views);
@@ -47,7 +54,8 @@ class FrameGraphBuilder {
   bool isSteady() const;  // the picture's frame has one sample per pixel, at its center
   FrameContext litContext(const ViewSet& set, const FrameConfig& setup);
   LitFrame addPicture(const SurfaceOutputs* outputs = nullptr);
-  void addPost(const LitFrame& lit, graph::ImageId picture, uint32_t count);
+  graph::ImageId addLastFrame(const PictureSum& sum, TemporalHistory* history, bool continues);
+  void addPost(graph::ImageId picture, uint32_t count);
   void addLightCounts();
   void addSampleCounts();
   bool showsBlendedData();

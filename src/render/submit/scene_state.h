@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "render/deform/deformer.h"
+#include "render/exposure/camera_motion.h"
 #include "render/gpu_scene/worlds.h"
 #include "scene/scene.h"
 
@@ -21,6 +22,7 @@ struct SceneState {
   WorldStates worlds;
   // This frame follows the frame submitted last, so temporal anti-aliasing continues from it.
   bool continues = false;
+  SceneMotion motion{};  // for --shutter and --readout
 };
 
 }  // namespace latelight::render

@@ -45,6 +45,22 @@ Poses posesAt(const scene::Scene& scene, const Settings& settings) {
           scene::poseAt(scene, playback, *settings.time + step)};
 }
 
+SceneMotion motionNear(const scene::Scene& scene, const Settings& settings) {
+  if (!settings.time || scene.rig.empty()) return {};
+  const scene::Playback playback = scene::choosePlayback(scene, settings.animation, settings.loop);
+  return {.poseAt = [&scene, playback, time = *settings.time](double seconds) {
+    return scene::poseAt(scene, playback, time + seconds);
+  }};
+}
+
+SceneState onlyReadout(const SceneState& moment, const Settings& settings) {
+  if (settings.readout == 0) return {.poses = moment.poses};
+  return {.poses = moment.poses,
+          .previousCameras = moment.previousCameras,
+          .nextCameras = moment.nextCameras,
+          .motion = moment.motion};
+}
+
 glm::dmat4 openCvPose(const scene::Camera& camera, const scene::Scene& scene, bool zUp) {
   glm::dmat4 pose = rigidPose(camera);
   if (scene.yUp && !zUp) pose = scene::toGltfFromWorld() * pose;

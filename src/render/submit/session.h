@@ -26,6 +26,13 @@ void showDebug(Settings& settings, const output::DebugRequest& debug);
 // Returns the poses at the settings' time and one frame before and after; without a time, the scene is at rest.
 Poses posesAt(const scene::Scene& scene, const Settings& settings);
 
+// Returns how the scene moves near the settings' time. The result refers to the scene.
+SceneMotion motionNear(const scene::Scene& scene, const Settings& settings);
+
+// Returns the state in which data of the same picture are rendered again: its poses and, with a rolling shutter, its
+// motion.
+SceneState onlyReadout(const SceneState& moment, const Settings& settings);
+
 // Returns the camera as --camera-fit defines it: without an aspect of its own if pictures keep its vertical field of
 // view.
 inline scene::Camera fitted(scene::Camera camera, CameraFit fit) {

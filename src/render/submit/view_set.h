@@ -34,6 +34,7 @@ struct RenderState {
 // Equal numbers of views in the current, previous and next frame. The previous and next views have no jitter.
 struct ViewsInTime {
   std::vector<shared::View> now, previous, next;
+  bool centered = true;                  // at pixel centers, at the picture's own time, through the center of the lens
   std::shared_ptr<const LensRays> lens;  // the rays of all these views; null: they are projections
   // View[] of each time if shaders have placed the views (WorldPlacer). The host then knows only their sizes and
   // worlds.

@@ -1,0 +1,73 @@
+#include "render/exposure/thin_lens.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "base/error.h"
+#include "render/frame/view.h"
+
+namespace latelight::render {
+
+namespace {
+
+std::optional<double> focusOf(const scene::Camera& camera, const Settings& settings) {
+  return camera.focusDistance ? camera.focusDistance : settings.focusDistance;
+}
+
+bool focusesOnScene(const scene::Camera& camera, const Settings& settings) {
+  return !camera.aperture.value_or(settings.aperture).isPinhole() && !focusOf(camera, settings);
+}
+
+ThinLens makeLens(const scene::Camera& camera, const Settings& s, const glm::dvec3& sceneCenter) {
+  const scene::Aperture aperture = camera.aperture.value_or(s.aperture);
+  if (aperture.isPinhole()) return {};
+  if (camera.orthographic)
+    badUsage("--aperture requires a perspective camera, because an orthographic one has no lens");
+  if (camera.lens && !scene::infoOf(camera.lens->model).calibrated)
+    badUsage("--aperture requires a lens with an axis, unlike {}", scene::infoOf(camera.lens->model).name);
+  ThinLens lens{.radius = aperture.radius};
+  if (aperture.fNumber > 0) {
+    double halfHeights = makeView(camera, s.width, s.height).projection.V;  // focal length in half heights
+    if (bendsRays(camera)) halfHeights = 2 * scene::scaledTo(*camera.lens, s.width, s.height).fy / s.height;
+    const double focalLength = halfHeights * 0.5e-3 * s.sensorHeight;
+    lens.radius = focalLength / (2 * aperture.fNumber);
+  }
+  const double toCenter = std::max(glm::distance(glm::dvec3(camera.toWorld[3]), sceneCenter), 1e-4);
+  lens.focus = focusOf(camera, s).value_or(toCenter);
+  return lens;
+}
+
+}  // namespace
+
+std::vector<ThinLens> thinLensesOf(std::span<const scene::Camera> cameras, const Settings& settings,
+                                   const scene::Scene& scene) {
+  glm::dvec3 center(0);
+  const auto focuses = [&](const scene::Camera& camera) { return focusesOnScene(camera, settings); };
+  if (std::ranges::any_of(cameras, focuses)) {
+    const scene::Bounds bounds = scene::worldBounds(scene);
+    if (!bounds.empty()) center = bounds.centre();
+  }
+  std::vector<ThinLens> lenses;
+  for (const scene::Camera& camera : cameras) lenses.push_back(makeLens(camera, settings, center));
+  return lenses;
+}
+
+ThinLens thinLensOf(const scene::Camera& camera, const Settings& settings, const scene::Scene& scene) {
+  return thinLensesOf({&camera, 1}, settings, scene).front();
+}
+
+scene::Camera atAperture(const scene::Camera& camera, glm::dvec2 offset) {
+  scene::Camera moved = camera;
+  moved.toWorld = rigidPose(camera);
+  moved.toWorld[3] += moved.toWorld[0] * offset.x + moved.toWorld[2] * offset.y;
+  return moved;
+}
+
+void focusView(shared::View& view, glm::dvec2 offset, double focus) {
+  shared::Projection& p = view.projection;
+  p.X = static_cast<float>(p.X + p.H * offset.x / focus);
+  p.Z = static_cast<float>(p.Z + p.V * offset.y / focus);
+}
+
+}  // namespace latelight::render

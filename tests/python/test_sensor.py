@@ -1,0 +1,82 @@
+"""Exposure, aperture, readout and sensor, against closed forms computed here."""
+
+import latelight
+import numpy as np
+import pytest
+
+SIZE = (48, 32)
+
+
+@pytest.fixture
+def half_plane(square, device):
+    """A renderer of a white half plane, x <= 0 in the plane z = 0, and a camera that shows 2 m of it, high."""
+    scene = latelight.Scene()
+    white = scene.add_material(latelight.Material(base_color=(1, 1, 1, 1), unlit=True))
+    corners = square["positions"] * 50 - np.array([50, 0, 0], np.float32)
+    mesh = scene.add_mesh(corners, indices=square["indices"], normals=square["normals"])
+    scene.add_instance(mesh, white)
+    camera = latelight.Camera.look_at((0, 0, 4), (0, 0, 0))
+    camera.orthographic, camera.half_height = True, 1
+    return latelight.Renderer(scene, device, environment="none"), camera
+
+
+def moved(camera, x):
+    pose = camera.camera_to_world.copy()
+    pose[0, 3] += x
+    return latelight.Camera(
+        camera_to_world=pose, orthographic=camera.orthographic, half_height=camera.half_height
+    )
+
+
+def test_exposure_and_readout(half_plane):
+    renderer, camera = half_plane
+    step = 8 * 2 / SIZE[1]  # 8 pixels per frame, to the left; so the plane moves to the right
+    frames = {"previous_cameras": [moved(camera, step)], "next_cameras": [moved(camera, -step)], "fps": 10}
+    x = np.arange(SIZE[0]) + 0.5 - SIZE[0] / 2
+    blurred = renderer.render(camera, SIZE, "color", shutter=0.1, camera_samples=64, **frames)["color"]
+    np.testing.assert_allclose(blurred[:, :, 0], np.tile(np.clip(0.5 - x / 8, 0, 1), (SIZE[1], 1)), atol=1.01 / 64)
+    rows = ((np.arange(SIZE[1]) + 0.5) / SIZE[1] - 0.5)[:, None] * 8
+    rolling = renderer.render(camera, SIZE, ("color", "id"), readout=0.1, **frames)
+    away = np.abs(x - rows) > 0.01
+    np.testing.assert_array_equal((rolling["color"][:, :, 0] == 1)[away], (x < rows)[away])
+    np.testing.assert_array_equal((rolling["id"] != 0)[away], (x < rows)[away])
+    arrays = renderer.render(camera, SIZE, ("color", "id"), readout=0.1, on_device=True, **frames)
+    if arrays["id"].device == "cpu":
+        np.testing.assert_array_equal(arrays["id"].numpy(), rolling["id"])
+        np.testing.assert_array_equal(arrays["color"].numpy(), rolling["color"])
+
+
+def test_cameras_have_apertures_of_their_own(boxes, renderer):
+    camera = boxes.default_camera(SIZE[0] / SIZE[1])
+    sharp = renderer.render(camera, SIZE, "color")["color"]
+    camera.aperture, camera.focus_distance = "0.3", 2.5
+    assert (camera.aperture, camera.focus_distance) == ("0.3", 2.5)
+    blurred = renderer.render(camera, SIZE, "color", camera_samples=32)["color"]
+    camera.aperture, camera.focus_distance = "", None
+    by_options = renderer.render(camera, SIZE, "color", camera_samples=32, aperture="0.3", focus_distance=2.5)["color"]
+    np.testing.assert_array_equal(blurred, by_options)
+    gradients = [np.abs(np.diff(image[:, :, 1], axis=1)).max() for image in (sharp, blurred)]
+    assert gradients[1] < 0.7 * gradients[0]
+    camera.aperture = "wide"
+    with pytest.raises(latelight.UsageError, match="aperture"):
+        renderer.render(camera, SIZE, "color")
+
+
+def test_raw_and_its_noise(boxes, renderer):
+    cameras = [boxes.default_camera(SIZE[0] / SIZE[1]) for _ in range(3)]
+    cameras[1].noise_seed = 1
+    sensor = {"full_well": 1000, "read_noise": 4, "bit_depth": 10, "black_level": 60, "bayer": "grbg"}
+    frames = renderer.render(cameras, SIZE, ("rgba", "color", "raw"), **sensor)
+    raw = frames["raw"]
+    assert raw.shape == (3, SIZE[1], SIZE[0]) and raw.dtype == np.float32
+    np.testing.assert_array_equal(raw, np.round(raw))
+    assert raw.min() >= 0 and raw.max() <= 1023
+    np.testing.assert_array_equal(raw[0], raw[2])
+    assert (raw[0] != raw[1]).mean() > 0.5
+    clean = renderer.render(cameras[0], SIZE, ("color", "raw"), bit_depth=10, black_level=60)
+    rows, columns = np.mgrid[: SIZE[1], : SIZE[0]]
+    channel = np.array([[0, 1], [1, 2]])[rows % 2, columns % 2]  # without bayer: rggb
+    light = np.take_along_axis(clean["color"], channel[:, :, None], 2)[:, :, 0]
+    np.testing.assert_allclose(clean["raw"], np.clip(np.round(60 + 963 * light), 0, 1023), atol=1)
+    with pytest.raises(latelight.UsageError, match="arrays"):
+        renderer.render(cameras, SIZE, "raw", on_device=True)
