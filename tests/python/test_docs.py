@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples" / "python"
@@ -116,6 +117,74 @@ def test_dataset(tmp_path):
     run_example("dataset.py", "builtin:boxes", "out", 3, cwd=tmp_path)
     assert len(list((tmp_path / "out").glob("*.png"))) == 3
     assert len(json.loads((tmp_path / "out" / "cameras.json").read_text())) == 3
+
+
+@pytest.fixture
+def triangle(tmp_path):
+    """A right triangle in the plane z = 0 of glTF's frame, 1 m wide and high, white."""
+    (tmp_path / "triangle.obj").write_text("v -0.5 -0.5 0\nv 0.5 -0.5 0\nv -0.5 0.5 0\nf 1 2 3\n")
+    return "triangle.obj"
+
+
+def test_objaverse_views(tmp_path):
+    """The matrix of each view projects a tetrahedron's corners, in Blender's world, to where the image shows them."""
+    (tmp_path / "corner.obj").write_text(
+        "v -0.5 -0.5 -0.5\nv 0.5 -0.5 -0.5\nv -0.5 0.5 -0.5\nv -0.5 -0.5 0.5\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    run_example(
+        "objaverse_views.py", "--", "--object_path", "corner.obj", "--output_dir", "shell", "--num_renders", 3, cwd=tmp_path)
+    corners = np.array([[-0.5, 0.5, -0.5, 1], [0.5, 0.5, -0.5, 1], [-0.5, 0.5, 0.5, 1], [-0.5, -0.5, -0.5, 1]])
+    for number in range(3):
+        matrix = np.load(tmp_path / "shell" / f"{number:03}.npy")
+        points = corners @ matrix.T
+        x, y = (256 + sign * 512 * 35 / 32 * points[:, i] / -points[:, 2] for i, sign in [(0, 1), (1, -1)])
+        alpha = np.array(Image.open(tmp_path / "shell" / f"{number:03}.png"))[..., 3]
+        rows, columns = np.nonzero(alpha)
+        np.testing.assert_allclose([columns.min(), columns.max() + 1, rows.min(), rows.max() + 1],
+                                   [x.min(), x.max(), y.min(), y.max()], atol=3)
+    assert json.loads((tmp_path / "shell" / "metadata.json").read_text())["poly_count"] == 4
+    run_example("objaverse_views.py", "--object_path", "corner.obj", "--output_dir", "ring", "--num_images", 4, cwd=tmp_path)
+    assert sorted(path.name for path in (tmp_path / "ring" / "corner").iterdir()) == [f"{i:03}.png" for i in range(4)]
+
+
+BLENDERPROC = """
+modules:
+- module: main.Initializer
+  config: {global: {output_dir: "<args:1>"}}
+- module: loader.ObjectLoader
+  config: {path: "<args:0>"}
+- module: lighting.LightLoader
+  config: {lights: [{type: POINT, location: [0, -2, 0], energy: 100}]}
+- module: camera.CameraLoader
+  config:
+    cam_poses:
+    - {location: [0, -2, 0], rotation: {value: [1.5707963, 0, 0]}}
+    - {location: [0.5, -3, 0.25], rotation: {format: look_at, value: [0, 0, 0]}}
+    intrinsics: {cam_K: [64, 0, 31.5, 0, 64, 31.5, 0, 0, 1], resolution_x: 64, resolution_y: 64}
+- module: renderer.RgbRenderer
+  config: {render_depth: true, render_normals: true}
+- module: renderer.SegMapRenderer
+  config: {map_by: [instance, class]}
+- module: writer.Hdf5Writer
+"""
+
+
+def test_blenderproc_yaml(tmp_path, triangle):
+    pytest.importorskip("yaml", reason="the package pyyaml is not installed")
+    h5py = pytest.importorskip("h5py", reason="the package h5py is not installed")
+    (tmp_path / "config.yaml").write_text(BLENDERPROC)
+    run_example("blenderproc_yaml.py", "config.yaml", triangle, "out", cwd=tmp_path)
+    with h5py.File(tmp_path / "out" / "0.hdf5") as file:
+        assert set(file) == {"colors", "depth", "normals", "instance_segmaps", "category_id_segmaps",
+                             "instance_attribute_maps", "campose"}
+        inside = file["instance_segmaps"][()] == 1
+        # The legs of the triangle are 32 pixels long at a distance of 2 m.
+        assert abs(inside.sum() - 32 * 32 / 2) < 20 and inside[47, 16] and not inside[17, 40]
+        np.testing.assert_allclose(file["depth"][()][inside], 2, rtol=1e-6)
+        np.testing.assert_allclose(file["normals"][()][inside], np.tile([0.5, 0.5, 1], (inside.sum(), 1)), atol=1e-6)
+        # 100 W / (4 pi) per steradian at 2 m, on a white surface that faces the light: 0.63 before tone mapping.
+        assert file["colors"][()][31, 25].min() > 128
+        pose = np.array(json.loads(np.array(file["campose"]).tobytes())[0]["cam2world_matrix"])
+        np.testing.assert_allclose(pose, [[1, 0, 0, 0], [0, 0, -1, -2], [0, 1, 0, 0], [0, 0, 0, 1]], atol=1e-6)
 
 
 def test_reinforcement(tmp_path):

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+os.environ.setdefault("RAY_raylet_start_wait_time_s", "300")  # a busy machine starts nodes slowly
 ray = pytest.importorskip("ray", reason="the package ray is not installed")
 from ray.cluster_utils import Cluster  # noqa: E402
 
