@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/log.h"
 #include "base/parallel.h"
 #include "data/extras.h"
 #include "data/stop.h"
@@ -240,6 +241,7 @@ void Worker::replaceLostDevice() {
   if (!device().isLost()) return;
   if (devices_.size() == kMaxDevices)
     latelight::fail(ExitCode::DeviceLost, "The device was lost {} times; --resume renders missing frames", kMaxDevices);
+  warn("the device was lost; frames in flight are rendered again with a new one");
   std::vector<Chunk> again;
   for (InFlight& each : inFlight_) again.push_back(std::move(each.chunk));
   inFlight_.clear();
