@@ -58,15 +58,25 @@ struct RayScene {
   uint64_t nodes;        // RayNode[] over the instances
   uint64_t instances;    // RayInstance[]
   uint64_t environment;  // EnvironmentCell[kEnvironmentColumns * kEnvironmentRows]; 0: rays do not sample it
-  uint instanceCount;    // 0: there is nothing to hit, and no node
-  uint padding;
+  uint64_t emitters;     // RayEmitter[emitterCount]
+  // Per element of FrameConstants::instances, the index of its first emitter, or kRayNone. The emitters of an instance
+  // have the order of the mesh's triangles.
+  uint64_t emitterIndices;
+  uint instanceCount;  // 0: there is nothing to hit, and no node
+  uint emitterCount;
+};
+
+// A triangle that emits light, or may, where a texture decides.
+struct RayEmitter {
+  uint corners[3];  // vertices of the mesh
+  uint instance;    // index in FrameConstants::instances
 };
 
 // A grid over the directions of an environment in its own frame, by which rays choose bright directions. Columns have
 // equal ranges of longitude and rows equal ranges of latitude, as in the equirectangular image. The cells form an alias
 // table (Vose 1991, A Linear Algorithm for Generating Random Numbers with a Given Distribution).
-SH_CONST uint kEnvironmentColumns = 256u;
-SH_CONST uint kEnvironmentRows = 128u;
+SH_CONST uint kEnvironmentColumns = 1024u;
+SH_CONST uint kEnvironmentRows = 512u;
 struct EnvironmentCell {  // 16 bytes
   float threshold;        // fraction of choices of this cell that stay; the others move to the alias
   uint alias;

@@ -56,17 +56,18 @@ struct FrameConfig {
   bool vast = false;              // some triangles are vast (GpuInstances::anyVast)
   bool fog = false;               // the constants define fog
   TransparencySetup transparency;
-  uint32_t shadowFormat = 0;  // kShadow*
-  uint32_t shadowFilter = 0;  // kShadowFilter*
-  bool lens = false;          // pixels use the rays of FrameConstants::rays
-  bool sunInGbuffer = false;  // the layout's sunTarget holds the sun's shadow, which lighting reads there
-  uint32_t samples = 1;       // per pixel: a power of two up to shared::kMaxSamples
-  bool sampleLayers = false;  // several samples are array layers; false: images are multisampled
-  bool rayShadows = false;    // rays find the shadows of lights; shadowFormat is then 0
-  uint32_t indirect = 0;      // kIndirect*: light between surfaces, by rays
-  uint32_t paths = 16;        // number of them per surface of a pixel
-  bool ground = false;        // a plane receives shadows (FrameContext::groundHeight)
-  bool everySample = false;   // reference: every sample is shaded, even if they are alike
+  uint32_t shadowFormat = 0;     // kShadow*
+  uint32_t shadowFilter = 0;     // kShadowFilter*
+  bool lens = false;             // pixels use the rays of FrameConstants::rays
+  bool sunInGbuffer = false;     // the layout's sunTarget holds the sun's shadow, which lighting reads there
+  uint32_t samples = 1;          // per pixel: a power of two up to shared::kMaxSamples
+  bool sampleLayers = false;     // several samples are array layers; false: images are multisampled
+  bool rayShadows = false;       // rays find the shadows of lights; shadowFormat is then 0
+  uint32_t indirect = 0;         // kIndirect*: light between surfaces, by rays
+  uint32_t paths = 16;           // number of them per surface of a pixel
+  bool filtersIndirect = false;  // a spatial filter replaces noise by bias
+  bool ground = false;           // a plane receives shadows (FrameContext::groundHeight)
+  bool everySample = false;      // reference: every sample is shaded, even if they are alike
 
   // Returns the specialization constants of every shader that includes render/glsl/setup.glsl.
   std::vector<vk::Constant> constants() const;
@@ -99,6 +100,7 @@ struct FrameContext : Builder {
   // The constants without the lights whose shadows rays find, which a pass after the lighting technique adds; 0: the
   // lighting technique adds all lights.
   VkDeviceAddress otherConstants = 0;
+  uint32_t emitters = 0;           // RayScene::emitterCount: triangles that paths sample
   float groundHeight = 0;          // along Z of the device's world space
   const LensRays* lens = nullptr;  // null: all views are projections
   Overflow* overflow = nullptr;    // buffers whose size passes have to estimate; null: there are none

@@ -17,15 +17,14 @@ layout(push_constant, scalar) uniform Push { EnvironmentWeightsPush push; };
 void main() {
   uvec2 cell = gl_GlobalInvocationID.xy, cells = uvec2(kEnvironmentColumns, kEnvironmentRows);
   if (any(greaterThanEqual(cell, cells))) return;
-  uvec2 size = uvec2(textureSize(environmentPicture, 0));
-  // With a margin of one texel, because the image is filtered.
-  ivec2 first = ivec2(cell * size / cells) - 1, end = ivec2(((cell + 1u) * size + cells - 1u) / cells) + 1;
+  // The image is filtered, so its texels are sampled also between their centers.
+  uvec2 points = max((uvec2(textureSize(environmentPicture, 0)) + cells - 1u) / cells, uvec2(2u));
   float sum = 0.0;
-  for (int y = first.y; y < end.y; ++y)
-    for (int x = first.x; x < end.x; ++x) {
-      ivec2 texel = ivec2((x + int(size.x)) % int(size.x), clamp(y, 0, int(size.y) - 1));
-      sum += maxChannel(texelFetch(environmentPicture, texel, 0).rgb);
+  for (uint y = 0u; y < points.y; ++y)
+    for (uint x = 0u; x < points.x; ++x) {
+      vec2 uv = (vec2(cell) + (vec2(x, y) + 0.5) / vec2(points)) / vec2(cells);
+      sum += maxChannel(textureLod(environmentPicture, uv, 0.0).rgb);
     }
-  float texels = float((end.x - first.x) * (end.y - first.y));
-  WeightsRef(push.weights).v[cell.y * kEnvironmentColumns + cell.x] = sum / texels;
+  float mean = sum / float(points.x * points.y);
+  WeightsRef(push.weights).v[cell.y * kEnvironmentColumns + cell.x] = mean;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "render/rays/emitters.h"
 #include "render/rays/refit_push.h"
 
 namespace latelight::render {
@@ -74,6 +75,8 @@ SceneBvh::SceneBvh(vk::Device& device, const scene::Scene& scene, GpuScene& gpuS
       nodes_(device, "ray nodes of instances"),
       instances_(device, "ray instances"),
       record_(device, "ray scene"),
+      emitters_(device, "emitters"),
+      emitterIndices_(device, "emitters of instances"),
       refitPipeline_(device.cache().pipeline(
           vk::ComputeDesc{.shader = "ray_refit.comp", .pushBytes = sizeof(shared::RayRefitPush), .name = "refit"})),
       meshEdits_(scene.edits.meshes.revision()) {}
@@ -220,10 +223,19 @@ void SceneBvh::buildInstances() {
     nodes_.upload(uploads, bvh.nodes);
     instances_.upload(uploads, records);
   }
+  const Emitters emitters = emittersOf(scene_, gpuScene_);
+  emitterCount_ = static_cast<uint32_t>(emitters.triangles.size());
+  if (emitterCount_ > 0) {
+    emitters_.upload(uploads, emitters.triangles);
+    emitterIndices_.upload(uploads, emitters.indices);
+  }
   const shared::RayScene record{.nodes = nodes_.address(),
                                 .instances = instances_.address(),
                                 .environment = environment_,
-                                .instanceCount = static_cast<uint32_t>(shown.size())};
+                                .emitters = emitters_.address(),
+                                .emitterIndices = emitterIndices_.address(),
+                                .instanceCount = static_cast<uint32_t>(shown.size()),
+                                .emitterCount = emitterCount_};
   record_.upload(uploads, std::span(&record, 1));
   instanceNodes_ = bvh.nodes.size();
   instanceCount_ = shown.size();
@@ -260,7 +272,8 @@ void SceneBvh::recordRefits(graph::Context& context) const {
 }
 
 uint64_t SceneBvh::bytes() const {
-  uint64_t bytes = instanceNodes_ * sizeof(shared::RayNode) + instanceCount_ * sizeof(shared::RayInstance);
+  uint64_t bytes = instanceNodes_ * sizeof(shared::RayNode) + instanceCount_ * sizeof(shared::RayInstance) +
+                   emitterCount_ * sizeof(shared::RayEmitter);
   for (const MeshBvh& mesh : meshes_)
     if (mesh.buffer) bytes += mesh.buffer.size();
   return bytes;

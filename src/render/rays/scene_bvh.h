@@ -27,6 +27,7 @@ class SceneBvh {
   void changesSubmitted() { refits_.clear(); }
 
   VkDeviceAddress address() const { return record_.address(); }  // shared::RayScene
+  uint32_t emitterCount() const { return emitterCount_; }        // RayScene::emitterCount
   uint64_t bytes() const;                                        // device memory of all BVHs
 
  private:
@@ -56,6 +57,9 @@ class SceneBvh {
   GpuList<shared::RayNode> nodes_;
   GpuList<shared::RayInstance> instances_;
   GpuList<shared::RayScene> record_;
+  GpuList<shared::RayEmitter> emitters_;
+  GpuList<uint32_t> emitterIndices_;
+  uint32_t emitterCount_ = 0;
   vk::PipelineRef refitPipeline_;
   uint64_t meshEdits_ = 0;  // revisions that this follows so far
   uint64_t geometryRevision_ = 0, instanceRevision_ = 0, materialRevision_ = 0;

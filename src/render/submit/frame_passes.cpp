@@ -80,7 +80,7 @@ LitFrame addLit(const FrameContext& f, const VisibilityBuffer& visible) {
   if (rayShadows) others.constants = f.otherConstants, others.shadows = nullptr;
   g.lightLists = f.setup.lighting->add(others, g);
   if (rayShadows) addRayShadows(f, g);
-  if (f.setup.indirect) addIndirect(f, g);
+  if (f.setup.indirect && !f.setup.lighting->traces) addIndirect(f, g);
   addLayered(f, g);
   if (f.setup.ground) addGround(f, g);
   if (f.environmentBackground) addBackground(f, g);

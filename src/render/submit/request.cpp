@@ -38,6 +38,7 @@ FrameConfig frameSetup(const Settings& s, bool shadows) {
                     .sampleLayers = s.aa.samples > 1 && rastersInCompute(s),
                     .indirect = indexOf(s.indirect),
                     .paths = s.samples,
+                    .filtersIndirect = s.indirectFilter != IndirectFilter::None,
                     .ground = s.ground == Ground::Shadow,
                     .everySample = s.everySample && s.aa.samples > 1};
   setup.rayShadows = shadows && s.shadows == ShadowFormat::Rays;

@@ -13,7 +13,8 @@ constexpr uint32_t kBlock = 64;
 
 bool needsNeighbours(const Settings& s, bool transmissive) {
   return showsPicture(s) &&
-         (transmissive || s.aa.temporal || s.aa.fxaa || s.bloom > 0 || s.ambientOcclusion != AmbientOcclusion::None);
+         (transmissive || s.aa.temporal || s.aa.fxaa || s.bloom > 0 || s.ambientOcclusion != AmbientOcclusion::None ||
+          (s.indirect != Indirect::None && s.indirectFilter != IndirectFilter::None));
 }
 
 // With more than four samples per pixel, strips have a constant number of samples instead of pixels.

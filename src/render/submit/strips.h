@@ -18,9 +18,9 @@ struct Strip {
 };
 
 // Returns the strips from top to bottom. A picture is a single strip if it is small, or if its pixels depend on distant
-// pixels: with bloom, ambient occlusion, FXAA or temporal anti-aliasing, and with `transmissive` surfaces. The result
-// depends on nothing else, so that the same picture always has the same strips. Seams lie between blocks of pixels that
-// are shaded together, so that none is visible.
+// pixels: with bloom, ambient occlusion, filtered indirect light, FXAA or temporal anti-aliasing, and with
+// `transmissive` surfaces. The result depends on nothing else, so that the same picture always has the same strips.
+// Seams lie between blocks of pixels that are shaded together, so that none is visible.
 std::vector<Strip> stripsOf(const Settings& settings, bool transmissive = false);
 
 // Returns the strip's part of a view of the full picture. Each pixel has the same ray.

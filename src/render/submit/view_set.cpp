@@ -161,6 +161,7 @@ FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {
   if (setup.shadowFormat || setup.rayShadows) f.shadows = shadows_;
   if (setup.rayShadows && shadows_) f.otherConstants = otherConstants_.address();
   f.groundHeight = static_cast<float>(settings_.groundHeight.value_or(state_.lowestPoint) - state_.scene.origin().z);
+  if (state_.bvh) f.emitters = state_.bvh->emitterCount();
   f.lens = views_.lens.get();
   f.overflow = &state_.overflow;
   return f;

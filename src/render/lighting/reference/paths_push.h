@@ -10,9 +10,11 @@ SH_BEGIN
 struct PathsPush {
   uint64_t frame;  // FrameConstants
   VisibleSurfacePush shown;
-  uint first, end;  // samples of this pass
-  uint samples;     // of all passes
-  uint bounces;     // maximum number of surfaces after the visible one
+  uint64_t emitterSums;  // float[RayScene::emitterCount]: running sums of the emitters' powers
+  uint64_t lightSizes;   // float[lightCount], as RayShadow::lightSize
+  uint first, end;       // samples of this pass
+  uint samples;          // of all passes
+  uint bounces;          // maximum number of surfaces after the visible one
 };
 
 SH_END

@@ -2,10 +2,15 @@
 #include "render/lighting/reference/paths.h"
 
 #include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include "render/lighting/lighting_shader.h"
+#include "render/lighting/reference/emitter_sums.h"
+#include "render/lighting/reference/indirect_filter.h"
 #include "render/lighting/reference/paths_push.h"
 #include "render/lighting/technique.h"
+#include "shared/light.h"
 #include "shared/rays.h"
 
 namespace latelight::render {
@@ -20,28 +25,88 @@ uint32_t samplesAtOnce(const FrameContext& f) {
   return f.device.isCpu() ? 1 : 16;
 }
 
-void addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fromLights, uint32_t bounces) {
+// Creates an image of the frame's size, or of one texel if it is not used, because every binding requires an image.
+graph::ImageId createPathImage(const FrameContext& f, bool used, VkFormat format, const char* name) {
+  if (used) return createTarget(f, format, name);
+  return f.graph.create(vk::ImageDesc{.format = format, .width = 1, .height = 1, .layers = 1, .name = name});
+}
+
+IndirectSignals createSignals(const FrameContext& f, bool filters) {
+  return {.scattered = createTarget(f, VK_FORMAT_R32G32B32A32_SFLOAT, "sum of paths"),
+          .mirrored = createPathImage(f, filters, VK_FORMAT_R32G32B32A32_SFLOAT, "sum of mirrored paths"),
+          .guide = createPathImage(f, filters, VK_FORMAT_R32G32B32A32_UINT, "positions and normals"),
+          .scatteredAlbedo = createPathImage(f, filters, VK_FORMAT_R16G16B16A16_SFLOAT, "Lambertian albedo"),
+          .mirroredAlbedo = createPathImage(f, filters, VK_FORMAT_R16G16B16A16_SFLOAT, "specular albedo")};
+}
+
+void bindSignals(Bindings& bindings, const IndirectSignals& signals, bool first) {
+  const graph::Use sums = first ? graph::Use::StorageWrite : graph::Use::StorageReadWrite;
+  bindings.storage(signals.scattered, sums).storage(signals.mirrored, sums);
+  for (const graph::ImageId image : {signals.guide, signals.scatteredAlbedo, signals.mirroredAlbedo})
+    bindings.storage(image, graph::Use::StorageWrite);
+}
+
+// Returns the sizes of the lights, as RayShadow::lightSize, in the order of FrameConstants::lights.
+std::vector<float> lightSizes(const FrameContext& f) {
+  const LightSet& set = f.scene.lightsOf(0);
+  std::vector<float> sizes;
+  for (size_t i = 0; i < set.lights.size(); ++i) {
+    const float size = set.authored[set.sources[i]].size;
+    sizes.push_back(shared::lightIsDirectional(set.lights[i].type) ? std::tan(size / 2) : size);
+  }
+  return sizes;
+}
+
+graph::BufferId addLightSizes(const FrameContext& f) {
+  std::vector<float> sizes = lightSizes(f);
+  const graph::BufferId buffer =
+      f.graph.create(vk::BufferDesc{.size = sizes.size() * sizeof(float), .name = "sizes of lights"});
+  f.graph.pass(graph::Stage::Upload, "sizes of lights", {{buffer, graph::Use::CopyTarget}},
+               [buffer, sizes = std::move(sizes)](graph::Context& context) {
+                 constexpr size_t kMost = 65536 / sizeof(float);  // of vkCmdUpdateBuffer
+                 for (size_t first = 0; first < sizes.size(); first += kMost) {
+                   const size_t count = std::min(kMost, sizes.size() - first);
+                   vkCmdUpdateBuffer(context.get(), context.buffer(buffer).get(), first * sizeof(float),
+                                     count * sizeof(float), &sizes[first]);
+                 }
+               });
+  return buffer;
+}
+
+IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fromLights, uint32_t bounces) {
   const uint32_t all = f.setup.paths, atOnce = samplesAtOnce(f);
-  const graph::ImageId sum = createTarget(f, VK_FORMAT_R32G32B32A32_SFLOAT, "sum of paths");
+  const bool filters = f.setup.filtersIndirect && !fromLights;
+  const IndirectSignals signals = createSignals(f, filters);
+  const graph::BufferId emitters = f.emitters > 0 ? addEmitterSums(f) : graph::BufferId{};
+  const graph::BufferId sizes = f.scene.lightsOf(0).lights.empty() ? graph::BufferId{} : addLightSizes(f);
   for (uint32_t first = 0; first < all; first += atOnce) {
     const bool kept = first > 0 || !fromLights;
     ComputePass pass = lightingPass(f, gbuffer, "paths", "paths.comp", {.picture = kept, .counts = kept});
     pass.bindings.outside(f.environment.radiance());
-    pass.bindings.storage(sum, first > 0 ? graph::Use::StorageReadWrite : graph::Use::StorageWrite);
+    bindSignals(pass.bindings, signals, first == 0);
     pass.constants.push_back({kPathsFromLightsConstant, fromLights ? 1u : 0u});
+    pass.constants.push_back({kFilteredConstant, filters ? 1u : 0u});
+    pass.constants.push_back({kEmittersConstant, emitters ? 1u : 0u});
+    for (const graph::BufferId buffer : {emitters, sizes})
+      if (buffer) pass.buffers.emplace_back(buffer, graph::Use::StorageRead);
     pass.fullImage = false;
     const shared::PathsPush push{.frame = f.constants,
                                  .shown = {},
+                                 .emitterSums = 0,
+                                 .lightSizes = 0,
                                  .first = first,
                                  .end = std::min(first + atOnce, all),
                                  .samples = all,
                                  .bounces = bounces};
-    addCompute(f, std::move(pass), [push, visible = gbuffer.visible](graph::Context& context) {
+    addCompute(f, std::move(pass), [push, emitters, sizes, visible = gbuffer.visible](graph::Context& context) {
       shared::PathsPush filled = push;
       filled.shown = surfacePush(visible, context);
+      if (emitters) filled.emitterSums = context.buffer(emitters).address();
+      if (sizes) filled.lightSizes = context.buffer(sizes).address();
       return filled;
     });
   }
+  return signals;
 }
 
 LightLists add(const FrameContext& f, const Gbuffer& gbuffer) {
@@ -52,7 +117,9 @@ LightLists add(const FrameContext& f, const Gbuffer& gbuffer) {
 }  // namespace
 
 void addIndirect(const FrameContext& f, const Gbuffer& gbuffer) {
-  addPaths(f, gbuffer, false, f.setup.indirect == shared::kIndirectPath ? kBouncesOfPaths : 1);
+  const uint32_t bounces = f.setup.indirect == shared::kIndirectPath ? kBouncesOfPaths : 1;
+  const IndirectSignals signals = addPaths(f, gbuffer, false, bounces);
+  if (f.setup.filtersIndirect) addIndirectFilter(f, signals, gbuffer.light);
 }
 
 TechniqueInfo technique_reference() {

@@ -1,0 +1,18 @@
+// Push constants of emitter_powers.comp and emitter_sums.comp.
+#ifndef LATELIGHT_RENDER_LIGHTING_REFERENCE_EMITTERS_PUSH_H
+#define LATELIGHT_RENDER_LIGHTING_REFERENCE_EMITTERS_PUSH_H
+
+#include "shared/lang.h"
+
+SH_BEGIN
+
+struct EmittersPush {
+  uint64_t frame;  // FrameConstants
+  uint64_t sums;   // float[count]: powers, then their running sums
+  uint count;
+  uint padding;
+};
+
+SH_END
+
+#endif

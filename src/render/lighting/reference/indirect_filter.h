@@ -1,0 +1,20 @@
+// The spatial filter of indirect light (--indirect-filter spatial).
+#pragma once
+
+#include "render/frame/frame.h"
+
+namespace latelight::render {
+
+// The images that paths.comp writes for the filter, one layer per view.
+struct IndirectSignals {
+  // Radiance through the Lambertian and the specular lobe, divided by their albedos. w: variance of its luminance.
+  graph::ImageId scattered, mirrored;
+  graph::ImageId guide;  // position (bits of floats) and octahedral normal (2 x 16 bits, signed); 0: no surface
+  graph::ImageId scatteredAlbedo;  // w: perceptual roughness
+  graph::ImageId mirroredAlbedo;   // w: 1 where there is light to filter, else 0
+};
+
+// Filters the signals and adds them, times their albedos, to the lit picture.
+void addIndirectFilter(const FrameContext& f, const IndirectSignals& signals, graph::ImageId light);
+
+}  // namespace latelight::render

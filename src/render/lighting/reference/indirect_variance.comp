@@ -1,0 +1,53 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Prepares the filter of indirect light: replaces the variance that a pixel's few samples suggest by one to which its
+// neighbors on the same surface contribute, and limits values far above those of all neighbors (fireflies). Inputs and
+// outputs: indirect_filter.glsl.
+#include "render/lighting/reference/indirect_filter.glsl"
+
+const int kReach = 3;
+
+// The mean and the spread of a signal over neighbors.
+struct Neighborhood {
+  float weight;
+  float mean, square;  // of luminance
+  float variance;      // mean of the pixels' own
+  float highest;       // luminance of all others
+};
+
+void add(inout Neighborhood n, vec4 signal, float weight, bool own) {
+  float light = luminance(signal.rgb);
+  n.weight += weight;
+  n.mean += weight * light;
+  n.square += weight * light * light;
+  n.variance += weight * signal.a;
+  if (!own && weight > 0.05) n.highest = max(n.highest, light);
+}
+
+// Returns the signal with its estimated variance.
+vec4 estimated(Neighborhood n, vec4 signal) {
+  float mean = n.mean / n.weight;
+  float spread = max(n.square / n.weight - mean * mean, 0.0);
+  float light = luminance(signal.rgb);
+  float limited = n.highest > 0.0 ? min(light, n.highest) : light;
+  return vec4(signal.rgb * (limited / max(light, 1e-20)), max(n.variance / n.weight, 0.25 * spread));
+}
+
+void main() {
+  ivec3 place = ivec3(gl_GlobalInvocationID);
+  if (!inFrame(place.xy)) return;
+  FilterSurface own = filterSurface(place);
+  Neighborhood scattered = Neighborhood(1e-6, 0.0, 0.0, 0.0, 0.0), mirrored = scattered;
+  vec4 signal = texelFetch(scatteredLight, place, 0), mirror = texelFetch(mirroredLight, place, 0);
+  float sharpness = lobeSharpness(texelFetch(scatteredAlbedo, place, 0).a);
+  for (int y = -kReach; own.some && y <= kReach; ++y)
+    for (int x = -kReach; x <= kReach; ++x) {
+      ivec3 at = place + ivec3(x, y, 0) * ivec3(push.step, push.step, 1);
+      if (!inFrame(at.xy)) continue;
+      FilterSurface other = filterSurface(at);
+      add(scattered, texelFetch(scatteredLight, at, 0), surfaceWeight(own, other, kScatteredSharpness), at == place);
+      add(mirrored, texelFetch(mirroredLight, at, 0), surfaceWeight(own, other, sharpness), at == place);
+    }
+  imageStore(filteredScattered, place, own.some ? estimated(scattered, signal) : vec4(0.0));
+  imageStore(filteredMirrored, place, own.some ? estimated(mirrored, mirror) : vec4(0.0));
+}
