@@ -1,0 +1,144 @@
+"""Scenes that Latelight and Mitsuba 3 can both express exactly, in the axes of glTF: Y up, meters."""
+
+import dataclasses
+
+import numpy as np
+
+
+@dataclasses.dataclass(frozen=True)
+class Material:
+    """A material of glTF 2.0, appendix B, with KHR_materials_specular; colors are linear Rec.709."""
+
+    color: tuple
+    metallic: float = 0
+    roughness: float = 1
+    specular: float = 0  # 0: Lambertian, without a specular lobe
+    emission: tuple = (0, 0, 0)  # W/(sr m^2)
+    plugin: bool = False  # Mitsuba's own `roughconductor` instead of the model of gltf_bsdf.py
+
+
+@dataclasses.dataclass(frozen=True)
+class Mesh:
+    material: str
+    positions: np.ndarray  # (n, 3)
+    normals: np.ndarray  # (n, 3), unit
+    triangles: np.ndarray  # (m, 3)
+
+
+@dataclasses.dataclass
+class Scene:
+    materials: dict
+    meshes: list
+    eye: tuple
+    target: tuple
+    field_of_view: float  # vertical, degrees
+    environment: object = None  # function from unit directions (..., 3) to radiance (..., 3)
+
+
+def quad(material, corner, u, v):
+    """A parallelogram whose normal is u x v."""
+    corner, u, v = (np.asarray(a, float) for a in (corner, u, v))
+    normal = np.cross(u, v) / np.linalg.norm(np.cross(u, v))
+    positions = np.stack([corner, corner + u, corner + u + v, corner + v])
+    return Mesh(material, positions, np.tile(normal, (4, 1)), np.array([[0, 1, 2], [0, 2, 3]]))
+
+
+def sphere(material, center, radius, rows=48):
+    """A sphere of longitudes and latitudes with smooth normals."""
+    latitude, longitude = np.meshgrid(
+        np.linspace(0, np.pi, rows + 1), np.linspace(0, 2 * np.pi, 2 * rows + 1), indexing="ij")
+    normals = np.stack([np.sin(latitude) * np.cos(longitude), np.cos(latitude), np.sin(latitude) * np.sin(longitude)], -1)
+    index = np.arange(normals[..., 0].size).reshape(latitude.shape)
+    a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
+    upper, lower = np.stack([a, b, c], -1)[1:], np.stack([a, c, d], -1)[:-1]  # without those that poles flatten
+    normals = normals.reshape(-1, 3)
+    triangles = np.concatenate([upper.reshape(-1, 3), lower.reshape(-1, 3)])
+    return Mesh(material, np.asarray(center) + radius * normals, normals, triangles)
+
+
+def box(material, low, high):
+    low, high = np.asarray(low, float), np.asarray(high, float)
+    meshes = []
+    for axis in range(3):
+        for side in (0, 1):
+            u, v = np.zeros(3), np.zeros(3)
+            u[(axis + 1) % 3] = (high - low)[(axis + 1) % 3]
+            v[(axis + 2) % 3] = (high - low)[(axis + 2) % 3]
+            corner = low.copy()
+            corner[axis] = (low, high)[side][axis]
+            meshes.append(quad(material, corner, *((u, v) if side else (v, u))))
+    return meshes
+
+
+def room():
+    """A closed Cornell box: diffuse walls, a metal, a dielectric, and an emissive plate below the ceiling."""
+    materials = {
+        "white": Material((0.73, 0.71, 0.68)),
+        "red": Material((0.63, 0.06, 0.05)),
+        "green": Material((0.14, 0.45, 0.09)),
+        "lamp": Material((0, 0, 0), emission=(12, 10, 7)),
+        "box": Material((0.3, 0.4, 0.8)),
+        "metal": Material((0.95, 0.8, 0.5), metallic=1, roughness=0.4),
+        "plastic": Material((0.6, 0.3, 0.1), roughness=0.3, specular=1),
+    }
+    meshes = [
+        quad("white", (-1, 0, 3), (2, 0, 0), (0, 0, -4)),  # floor
+        quad("white", (-1, 2, -1), (2, 0, 0), (0, 0, 4)),  # ceiling
+        quad("white", (-1, 0, -1), (2, 0, 0), (0, 2, 0)),  # back
+        quad("white", (1, 0, 3), (-2, 0, 0), (0, 2, 0)),  # behind the camera
+        quad("red", (-1, 0, 3), (0, 0, -4), (0, 2, 0)),
+        quad("green", (1, 0, -1), (0, 0, 4), (0, 2, 0)),
+        *box("lamp", (-0.4, 1.95, -0.4), (0.4, 1.98, 0.4)),  # closed: Latelight emits from both sides of surfaces
+        *box("box", (-0.75, 0, -0.7), (-0.15, 1.1, -0.2)),
+        sphere("metal", (0.45, 0.4, -0.4), 0.4),
+        sphere("plastic", (0, 0.25, 0.4), 0.25),
+    ]
+    return Scene(materials, meshes, (0, 1, 2.9), (0, 0.9, 0), 45)
+
+
+def sky(direction):
+    """A smooth environment: a bright patch over a gradient."""
+    patch = np.exp(12 * (direction @ (np.array([0.5, 0.7, 0.5]) / np.sqrt(0.99)) - 1))
+    height = 0.5 + 0.5 * direction[..., 1]
+    return (np.stack([0.3 + 0.2 * height, 0.3 + 0.4 * height, 0.3 + 0.7 * height], -1)
+            + patch[..., None] * np.array([8, 7, 5]))
+
+
+def spheres(materials, environment):
+    """A row of spheres on a diffuse floor."""
+    meshes = [quad("floor", (-6, 0, 6), (12, 0, 0), (0, 0, -12))]
+    for i, name in enumerate(materials):
+        meshes.append(sphere(name, (1.1 * (i - (len(materials) - 1) / 2), 0.5, 0), 0.5))
+    return Scene({"floor": Material((0.5, 0.5, 0.5)), **materials}, meshes, (0, 1.6, 6), (0, 0.45, 0), 34, environment)
+
+
+def metals():
+    return spheres({
+        "mirror 0.1": Material((1, 1, 1), 1, 0.1, plugin=True),
+        "gold 0.2": Material((1, 0.77, 0.34), 1, 0.2),
+        "copper 0.4": Material((0.95, 0.64, 0.54), 1, 0.4),
+        "gold 0.7": Material((1, 0.77, 0.34), 1, 0.7),
+        "white 1": Material((1, 1, 1), 1, 1),
+    }, sky)
+
+
+def dielectrics():
+    return spheres({
+        "white 0.1": Material((0.8, 0.8, 0.8), 0, 0.1, 1),
+        "red 0.3": Material((0.7, 0.1, 0.1), 0, 0.3, 1),
+        "black 0.5": Material((0.02, 0.02, 0.02), 0, 0.5, 1),
+        "blue 1": Material((0.1, 0.2, 0.7), 0, 1, 1),
+        "half metal 0.5": Material((0.8, 0.6, 0.4), 0.5, 0.5, 1),
+    }, sky)
+
+
+def overcast():
+    """Diffuse spheres and boxes under a constant environment."""
+    scene = spheres({"white": Material((0.9, 0.9, 0.9)), "red": Material((0.8, 0.1, 0.1)),
+                     "dark": Material((0.05, 0.05, 0.05))}, lambda direction: np.ones_like(direction))
+    scene.materials["wall"] = Material((0.7, 0.8, 0.6))
+    scene.meshes += box("wall", (-2.2, 0, -1.5), (2.2, 1.6, -1))
+    return scene
+
+
+SCENES = {"room": room, "metals": metals, "dielectrics": dielectrics, "overcast": overcast}
