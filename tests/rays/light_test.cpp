@@ -192,6 +192,38 @@ TEST_F(RayLightTest, AStraightEdgeHasThePenumbraOfADisk) {
   EXPECT_LT(std::abs(mean) / static_cast<double>(lit.size()), 1e-3);
 }
 
+float meanColor(const output::FrameOutput& frame) {
+  const std::vector<float>& values = imageOf(frame, Aov::Color).values;
+  double sum = 0, pixels = 0;
+  for (size_t i = 0; i < values.size(); i += 4)
+    if (values[i + 3] == 1) sum += (values[i] + values[i + 1] + values[i + 2]) / 3, ++pixels;
+  return static_cast<float>(sum / pixels);
+}
+
+// A lamp encloses its light: a box within the light's radius is the light's own body, and a larger one is not.
+TEST_F(RayLightTest, TheBodyOfALightBlocksNoneOfIt) {
+  scene::Light light;
+  light.type = shared::kLightPoint;
+  light.intensity = 20;
+  light.position = dvec3(0, 0, 2);
+  light.size = 0.3f;
+  for (const char* technique : {"fullscreen", "reference"})
+    for (const double half : {0.15, 0.5}) {
+      glm::dmat4 placed(half);
+      placed[3] = glm::dvec4(0, 0, 2, 1);
+      FloorScene floor(boxMesh(), placed, light);
+      floor.camera.toWorld[3].z = 1.2;  // below the box
+      floor.camera.nearClip = 0.1f;
+      Settings settings = floor.settings();
+      settings.width = settings.height = floor.size = 16;
+      settings.samples = 64;
+      settings.lighting = &findTechnique(technique);
+      const float color = meanColor(renderOne(device(), floor.builder.scene, floor.camera, settings));
+      if (half < 0.2) EXPECT_GT(color, 0.2f) << technique;
+      if (half > 0.2) EXPECT_EQ(color, 0) << technique;
+    }
+}
+
 TEST_F(RayLightTest, RefusesMoreRaysThanACpuCanLoopOver) {
   if (!device().isCpu()) GTEST_SKIP() << "GPUs have no such limit";
   scene::Light sun = sunFrom({0, 0, 1});
@@ -203,14 +235,6 @@ TEST_F(RayLightTest, RefusesMoreRaysThanACpuCanLoopOver) {
 }
 
 // --- light between surfaces ------------------------------------------------------------------------------------------
-
-float meanColor(const output::FrameOutput& frame) {
-  const std::vector<float>& values = imageOf(frame, Aov::Color).values;
-  double sum = 0, pixels = 0;
-  for (size_t i = 0; i < values.size(); i += 4)
-    if (values[i + 3] == 1) sum += (values[i] + values[i + 1] + values[i + 2]) / 3, ++pixels;
-  return static_cast<float>(sum / pixels);
-}
 
 // Inside a closed box whose walls emit e and reflect a fraction r, the radiance after n surfaces is the geometric
 // series e (1 + r + ... + r^n) everywhere.
