@@ -12,17 +12,19 @@ struct LightChoice {
   vec3 light;  // what the surface reflects of all lights, estimated by the chosen one, if nothing blocks it; 0: none
   vec3 toLight;
   float far;  // meters to the light
+  uint index;
 };
 
 LightChoice chooseLight(FrameConstants frame, Surface s, SurfaceBrdf brdf, uint shading, vec2 u) {
   const uint kCandidates = 32u;
-  LightChoice choice = LightChoice(vec3(0.0), vec3(0.0), 0.0);
+  LightChoice choice = LightChoice(vec3(0.0), vec3(0.0), 0.0, 0u);
   uint count = frame.lightCount, candidates = min(count, kCandidates);
   if (kLights == 0u || count == 0u) return choice;
   uint start = min(uint(u.x * float(count)), count - 1u);
   float stride = float(count) / float(candidates), total = 0.0, pick = u.y, weight = 1.0;
   for (uint i = 0u; i < candidates; ++i) {
-    Light light = frameLight(frame, (start + uint(float(i) * stride)) % count);
+    uint candidate = (start + uint(float(i) * stride)) % count;
+    Light light = frameLight(frame, candidate);
     LightSample arriving = sampleLight(light, s.position);
     vec3 sent = dot(s.geonormal, arriving.toLight) > 0.0 ? shadeLight(brdf, arriving, shading) : vec3(0.0);
     float share = maxChannel(sent);
@@ -32,6 +34,7 @@ LightChoice chooseLight(FrameConstants frame, Surface s, SurfaceBrdf brdf, uint 
     pick = clamp(taken ? pick / kept : (pick - kept) / max(1.0 - kept, 1e-6), 0.0, 0.999999);
     if (!taken) continue;
     choice.light = sent;
+    choice.index = candidate;
     weight = share;
     choice.toLight = arriving.toLight;
     choice.far = lightIsDirectional(light.type) ? 3.0e38 : length(light.position - s.position);

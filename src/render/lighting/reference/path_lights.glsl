@@ -4,7 +4,10 @@
 // Sampling Techniques for Monte Carlo Rendering).
 #ifndef LATELIGHT_PATH_LIGHTS_GLSL
 #define LATELIGHT_PATH_LIGHTS_GLSL
+#define SKY_PICTURE environmentPicture
+#include "render/glsl/light_choice.glsl"
 #include "render/glsl/lights.glsl"
+#include "render/glsl/sky_samples.glsl"
 #include "render/lighting/reference/path_lobes.glsl"
 
 struct LightRay {
@@ -41,39 +44,10 @@ PathHit surfaceAt(FrameConstants frame, Ray ray, RayHit hit) {
 
 // --- environment -----------------------------------------------------------------------------------------------------
 
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CellsRef { EnvironmentCell v[]; };
-
-bool hasCells(RayScene scene, FrameConstants frame) { return hasEnvironment(frame) && scene.environment != 0ul; }
-
-vec3 skyRadiance(FrameConstants frame, vec3 direction) {
-  vec2 uv = equirectangular(rotateToEnvironment(direction, frame.environmentCos, frame.environmentSin));
-  return textureLod(environmentPicture, uv, 0.0).rgb * frame.environmentIntensity;
-}
-
-float skyDensity(FrameConstants frame, RayScene scene, vec3 direction) {
-  vec2 uv = equirectangular(rotateToEnvironment(direction, frame.environmentCos, frame.environmentSin));
-  uvec2 cells = uvec2(kEnvironmentColumns, kEnvironmentRows);
-  uvec2 cell = min(uvec2(vec2(fract(uv.x), uv.y) * vec2(cells)), cells - 1u);
-  return CellsRef(scene.environment).v[cell.y * kEnvironmentColumns + cell.x].density;
-}
-
-vec3 sampleSky(FrameConstants frame, RayScene scene) {
-  vec2 u = nextSample(), inside = nextSample();
-  uint count = kEnvironmentColumns * kEnvironmentRows;
-  uint index = min(uint(u.x * float(count)), count - 1u);
-  EnvironmentCell cell = CellsRef(scene.environment).v[index];
-  if (u.y >= cell.threshold) index = cell.alias;
-  float row = float(index / kEnvironmentColumns), rows = float(kEnvironmentRows);
-  float z = mix(cos(kPi * row / rows), cos(kPi * (row + 1.0) / rows), inside.y);
-  float across = (float(index % kEnvironmentColumns) + inside.x) / float(kEnvironmentColumns);
-  float turn = (across - 0.5) * 2.0 * kPi, radius = sqrt(max(1.0 - z * z, 0.0));
-  vec3 own = vec3(radius * cos(turn), -radius * sin(turn), z);
-  return rotateToEnvironment(own, frame.environmentCos, -frame.environmentSin);
-}
-
 LightRay rayToSky(FrameConstants frame, RayScene scene, PathVertex v) {
   if (!hasCells(scene, frame)) return noLightRay();
-  vec3 toLight = sampleSky(frame, scene);
+  vec2 u = nextSample(), inside = nextSample();
+  vec3 toLight = sampleSky(frame, scene, u, inside);
   float density = skyDensity(frame, scene, toLight) + pathDensity(v, toLight);
   return LightRay(pathReflectance(v, toLight) * skyRadiance(frame, toLight) / density, toLight, 3.0e38);
 }
@@ -82,46 +56,21 @@ LightRay rayToSky(FrameConstants frame, RayScene scene, PathVertex v) {
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightSizesRef { float v[]; };
 
-// Chooses one light by what it would add without shadows, from up to kCandidates lights (Talbot, Cline and Egbert 2005,
-// Importance Resampling for Global Illumination), and a point of its disk, as --shadows rays does.
+// Chooses one light, and a point of its disk, as --shadows rays does.
 LightRay rayToLight(FrameConstants frame, PathVertex v, SurfaceBrdf brdf, uint shading, vec3 origin) {
-  const uint kCandidates = 32u;
-  uint count = frame.lightCount, candidates = min(count, kCandidates);
-  if (kLights == 0u || count == 0u) return noLightRay();
-  vec2 u = nextSample();
-  uint start = min(uint(u.x * float(count)), count - 1u);
-  float stride = float(count) / float(candidates), total = 0.0, pick = u.y;
-  vec3 chosen = vec3(0.0), toLight = vec3(0.0);
-  float weight = 1.0;
-  uint index = 0u;
-  for (uint i = 0u; i < candidates; ++i) {
-    uint candidate = (start + uint(float(i) * stride)) % count;
-    Light light = frameLight(frame, candidate);
-    LightSample arriving = sampleLight(light, v.s.position);
-    vec3 sent = dot(v.s.geonormal, arriving.toLight) > 0.0 ? shadeLight(brdf, arriving, shading) : vec3(0.0);
-    float share = maxChannel(sent);
-    total += share;
-    bool taken = share > 0.0 && pick * total < share;
-    float kept = share / max(total, 1e-30);
-    pick = clamp(taken ? pick / kept : (pick - kept) / max(1.0 - kept, 1e-6), 0.0, 0.999999);
-    if (!taken) continue;
-    chosen = sent;
-    weight = share;
-    toLight = arriving.toLight;
-    index = candidate;
-  }
-  if (total == 0.0) return noLightRay();
-  Light light = frameLight(frame, index);
-  float size = LightSizesRef(push.lightSizes).v[index];
-  mat3 axes = rayAxes(toLight);
+  LightChoice choice = chooseLight(frame, v.s, brdf, shading, nextSample());
+  if (choice.light == vec3(0.0)) return noLightRay();
+  Light light = frameLight(frame, choice.index);
+  float size = LightSizesRef(push.lightSizes).v[choice.index];
+  mat3 axes = rayAxes(choice.toLight);
   vec2 disk = diskSample(nextSample()) * size;
   vec3 moved = axes[0] * disk.x + axes[1] * disk.y;
   bool directional = lightIsDirectional(light.type);
-  vec3 way = directional ? toLight + moved : light.position + moved - origin;
+  vec3 way = directional ? choice.toLight + moved : light.position + moved - origin;
   float away = length(way);
   // Geometry nearer to a light than its radius is the light's own body.
   float far = directional ? 3.0e38 : max(away - size - rayOffset(light.position, away), 0.0);
-  return LightRay(chosen * (total / weight * stride), way / away, far);
+  return LightRay(choice.light, way / away, far);
 }
 
 // --- emissive surfaces -----------------------------------------------------------------------------------------------
