@@ -17,6 +17,7 @@ def half_plane(square, device):
     scene.add_instance(mesh, white)
     camera = latelight.Camera.look_at((0, 0, 4), (0, 0, 0))
     camera.orthographic, camera.half_height = True, 1
+    camera.near_clip, camera.far_clip = 0.1, 10
     return latelight.Renderer(scene, device, environment="none"), camera
 
 
@@ -24,14 +25,15 @@ def moved(camera, x):
     pose = camera.camera_to_world.copy()
     pose[0, 3] += x
     return latelight.Camera(
-        camera_to_world=pose, orthographic=camera.orthographic, half_height=camera.half_height
+        camera_to_world=pose, orthographic=True, half_height=camera.half_height, near_clip=0.1, far_clip=10
     )
 
 
 def test_exposure_and_readout(half_plane):
     renderer, camera = half_plane
     step = 8 * 2 / SIZE[1]  # 8 pixels per frame, to the left; so the plane moves to the right
-    frames = {"previous_cameras": [moved(camera, step)], "next_cameras": [moved(camera, -step)], "fps": 10}
+    frames = {"previous_cameras": [moved(camera, step)], "next_cameras": [moved(camera, -step)]}
+    frames["frames_per_second"] = 10
     x = np.arange(SIZE[0]) + 0.5 - SIZE[0] / 2
     blurred = renderer.render(camera, SIZE, "color", shutter=0.1, camera_samples=64, **frames)["color"]
     np.testing.assert_allclose(blurred[:, :, 0], np.tile(np.clip(0.5 - x / 8, 0, 1), (SIZE[1], 1)), atol=1.01 / 64)
