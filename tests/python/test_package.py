@@ -31,7 +31,10 @@ def members_of_options_def():
     return re.findall(plain, text) + re.findall(typed, text)
 
 
-@pytest.mark.parametrize("method, count, own", [("render", 3, {"on_device"}), ("submit", 1, {"on_device"}), ("pick", 1, set())])
+@pytest.mark.parametrize(
+    "method, count, own",
+    [("render", 3, {"on_device", "out"}), ("submit", 1, {"on_device", "out"}), ("pick", 1, set())],
+)
 def test_the_stub_has_every_option(method, count, own):
     expected = {re.sub("([A-Z])", r"_\1", member).lower() for member in members_of_options_def()}
     assert len(expected) > 40
@@ -39,7 +42,8 @@ def test_the_stub_has_every_option(method, count, own):
     assert len(found) == count
     for function in found:
         keywords = {argument.arg for argument in function.args.kwonlyargs}
-        assert keywords == expected | {"previous_cameras", "next_cameras", "continues"} | own
+        beside = {"previous_cameras", "next_cameras", "continues", "formats", "channels_first"}
+        assert keywords == expected | beside | own
 
 
 def test_the_stub_knows_the_names_that_options_take():
