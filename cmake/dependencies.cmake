@@ -48,3 +48,6 @@ target_link_libraries(latelight_scene_dependencies INTERFACE
 add_library(latelight_output_dependencies INTERFACE)
 target_link_libraries(latelight_output_dependencies INTERFACE
   PkgConfig::spng PkgConfig::libdeflate OpenEXR::OpenEXR ZLIB::ZLIB nlohmann_json::nlohmann_json)
+add_library(latelight_data_dependencies INTERFACE)
+target_link_libraries(latelight_data_dependencies INTERFACE
+  PkgConfig::re2 PkgConfig::turbojpeg nlohmann_json::nlohmann_json yaml-cpp ${CMAKE_DL_LIBS})
