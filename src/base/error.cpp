@@ -5,7 +5,7 @@
 namespace latelight {
 
 std::string shortened(std::string_view text) {
-  constexpr size_t kMax = 300, kHead = 200, kTail = 60;  // bytes
+  constexpr size_t kMax = 400, kHead = 200, kTail = 60;  // bytes
   if (text.size() <= kMax) return std::string(text);
   // Does not split UTF-8 characters.
   const auto within = [&](size_t at) { return (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80; };

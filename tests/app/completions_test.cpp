@@ -38,7 +38,7 @@ TEST(Completions, OfCommandsOptionsAndNames) {
   EXPECT_THAT(completed({""}), IsSupersetOf({"render", "list", "man"}));
   EXPECT_THAT(completed({"render", "--lig"}), ElementsAre("--lighting", "--light-size"));
   EXPECT_THAT(completed({"render", "--lighting", "cl"}), ElementsAre("clustered"));
-  EXPECT_THAT(completed({"render", "--aov", "depth,no"}), ElementsAre("depth,normal"));
+  EXPECT_THAT(completed({"render", "--aov", "depth,norm"}), ElementsAre("depth,normal"));
   EXPECT_THAT(completed({"render", "--debug", "li"}), IsSupersetOf({"lights", "lights-tested"}));
   EXPECT_THAT(completed({"render", "builtin:h"}), ElementsAre("builtin:hall", ":files"));
   EXPECT_THAT(completed({"render", "builtin:hall", "-o", "a"}), ElementsAre(":files"));
@@ -75,7 +75,7 @@ TEST(Completions, InBash) {
   };
   EXPECT_EQ(completedTo("latelight render --lig"), "--lighting|--light-size|");
   EXPECT_EQ(completedTo("latelight render builtin:h"), "hall|") << "behind the colon is another word for readline";
-  EXPECT_EQ(completedTo("latelight render --aov depth,no"), "depth,normal|");
+  EXPECT_EQ(completedTo("latelight render --aov depth,norm"), "depth,normal|");
   EXPECT_EQ(completedTo("latelight render sce"), "scene file.glb|");
   EXPECT_THAT(completedTo("latelight list "), HasSubstr("aovs|"));
 }

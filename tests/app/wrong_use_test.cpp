@@ -288,7 +288,7 @@ WrongUse output(const char* name, std::string out, std::vector<std::string> more
 INSTANTIATE_TEST_SUITE_P(
     Outputs, WrongUseTest,
     testing::Values(output("Aov", "a.exr", {"--aov", "depth,smell"}, {"\"smell\"", "distance", "geonormal", "uv"}),
-                    output("NoAov", "a.exr", {"--aov", ","}, {"color, depth"}),
+                    output("NoAov", "a.exr", {"--aov", ","}, {"color, raw, depth"}),
                     output("Debug", "a.png", {"--debug", "smell"}, {"\"smell\"", "depth"}),
                     output("DebugAndAov", "a.png", {"--debug", "depth", "--aov", "depth"}, {"--debug", "--aov"}),
                     output("DebugExr", "a.exr", {"--debug", "depth"}, {".png"}),

@@ -44,7 +44,7 @@ TEST(Aovs, AreParsedInTheOrderGivenWithoutRepeats) {
 TEST(Aovs, ThatDoNotExistAreNamedWithThoseThatDo) {
   for (const char* list : {"depth,dept", "", "depth,", ",", "Depth"}) {
     EXPECT_THAT(sentence(ExitCode::Usage, [&] { parseAovs(list); }),
-                AllOf(HasSubstr("color, depth, distance"), HasSubstr("uv")))
+                AllOf(HasSubstr("color, raw, depth, distance"), HasSubstr("uv")))
         << list;
   }
   EXPECT_THAT(sentence(ExitCode::Usage, [&] { parseAovs("dept"); }), HasSubstr("\"dept\""));

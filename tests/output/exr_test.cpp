@@ -82,6 +82,7 @@ TEST_F(Exr, HasTheChannelsOfTheDesign) {
                                                        {"nocs.X", Imf::FLOAT},
                                                        {"nocs.Y", Imf::FLOAT},
                                                        {"nocs.Z", Imf::FLOAT},
+                                                       {"raw", Imf::FLOAT},
                                                        {"barycentric.A", Imf::FLOAT},
                                                        {"barycentric.B", Imf::FLOAT},
                                                        {"barycentric.C", Imf::FLOAT},
