@@ -362,7 +362,7 @@ struct LATELIGHT_API Exposure {
   float ev = 0;            // radiance is multiplied by 2^ev
   bool automatic = false;  // in addition, each view is metered (docs/post.md)
   Exposure() = default;
-  Exposure(float ev) : ev(ev) {}  // NOLINT(google-explicit-constructor): a number is an exposure
+  Exposure(float stops) : ev(stops) {}  // NOLINT(google-explicit-constructor): a number is an exposure
   static Exposure metered(float compensation = 0) {
     Exposure exposure(compensation);
     exposure.automatic = true;

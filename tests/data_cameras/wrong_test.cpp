@@ -62,7 +62,7 @@ constexpr Wrong kWrong[] = {
     {R"({"type": "list", "K": [[1, 3, 0], [0, 1, 0], [0, 0, 1]], "size": [4, 4], "cameras": [{"eye": [0, 0, 1]}]})",
      "cameras.K must be [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"},
     {R"({"type": "list", "distortion": [1], "K": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "size": [4, 4], "cameras": []})",
-     "cameras.distortion needs the model opencv or fisheye"},
+     "cameras.distortion needs the model opencv, fisheye or ftheta"},
     {R"({"type": "list", "model": "cubemap", "fov": 3, "cameras": []})", "cameras.fov can't stand beside K"},
     {R"({"type": "box", "count": 1, "min": [1, 0, 0], "max": [0, 0, 0]})", "cameras.min must be at most cameras.max"},
     {R"({"type": "box", "count": 1, "min": [1, 0, 0]})", "cameras needs \"max\""},

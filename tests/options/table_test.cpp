@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <set>
 
 #include "base/error.h"
@@ -117,6 +118,13 @@ TEST(OptionTable, ChoicesTakeTheirNamesAndNoOthers) {
 
 using Change = std::function<void(latelight::Options&)>;
 
+// Returns whether the type has values that are not in the range. A seed may have any.
+template <typename T>
+bool excludesAny(const Range& range) {
+  return std::is_floating_point_v<T> || range.least > static_cast<double>(std::numeric_limits<T>::lowest()) ||
+         range.most < static_cast<double>(std::numeric_limits<T>::max());
+}
+
 // For each member, a value that the API must reject.
 std::vector<std::pair<std::string, Change>> wrongMembers() {
   const auto beyond = [](const Range& range) {
@@ -125,7 +133,8 @@ std::vector<std::pair<std::string, Change>> wrongMembers() {
   };
   std::vector<std::pair<std::string, Change>> wrong;
 #define WRONG(name, statement) wrong.emplace_back(name, [=](latelight::Options& o) { statement; });
-#define OPTION_NUMBER(Type, member, name, normal, range, ...) WRONG(name, o.member = static_cast<Type>(beyond(range)))
+#define OPTION_NUMBER(Type, member, name, normal, range, ...) \
+  if (excludesAny<Type>(range)) WRONG(name, o.member = static_cast<Type>(beyond(range)))
 #define OPTION_ANGLE(member, name, normal, range, ...) WRONG(name, o.member = beyond(range))
 #define OPTION_OPTIONAL(Type, member, name, range, ...) WRONG(name, o.member = static_cast<Type>(beyond(range)))
 #define OPTION_CHOICE(Enum, member, name, ...) WRONG(name, o.member = "nothing")

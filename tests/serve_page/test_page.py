@@ -142,6 +142,11 @@ def test_controls_change_the_picture_as_their_options_do(view, tmp_path):
 
 
 TEXTS = {
+    "exposure": "auto",
+    "aperture": "f/2.8",
+    "vignetting": "cos4",
+    "white-balance": "2,1,1.5",
+    "response": "gamma:2.2",
     "background": "#336699",
     "aa": "fxaa",
     "shadow-lights": "all",

@@ -82,9 +82,11 @@ void expectAsRendered(Viewer& viewer, const std::string& what) {
 // A value other than the default. Values of texts are listed here, so a new one fails the test until it has a value.
 std::string valueOf(const render::Option& option) {
   static const std::map<std::string, std::string, std::less<>> kTexts{
-      {"background", "hdri"},   {"aa", "ss2"},       {"animation", "0"},          {"shadow-lights", "none"},
-      {"fog-color", "#ff8040"}, {"sun", "-30,40,2"}, {"position-origin", "1,2,3"}};
-  static const std::map<std::string, std::string, std::less<>> kNumbers{{"fog", "0.05"}, {"shadow-atlas", "1024"}};
+      {"background", "hdri"},   {"aa", "ss2"},          {"animation", "0"},           {"shadow-lights", "none"},
+      {"fog-color", "#ff8040"}, {"sun", "-30,40,2"},    {"position-origin", "1,2,3"}, {"exposure", "auto"},
+      {"aperture", "f/2.8"},    {"vignetting", "cos4"}, {"white-balance", "2,1,1.5"}, {"response", "gamma:2.2"}};
+  static const std::map<std::string, std::string, std::less<>> kNumbers{
+      {"fog", "0.05"}, {"shadow-atlas", "1024"}, {"aperture-blades", "6"}};
   const std::string key(render::keyOf(option));
   const auto names = [&](const std::string& name) { return name != option.defaultValue; };
   switch (option.kind) {

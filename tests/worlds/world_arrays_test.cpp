@@ -71,8 +71,10 @@ Options options(const char* raster) {
   o.height = 15;
   o.raster = raster;
   o.shadows = "none";
+  // Without coordinates of objects at rest, which worlds do not change and edits do.
   for (const OutputInfo& output : outputInfos())
-    if (!output.name.starts_with("raster")) o.aovs.push_back(output.name);
+    if (!output.name.starts_with("raster") && output.name != "object-position" && output.name != "nocs")
+      o.aovs.push_back(output.name);
   return o;
 }
 

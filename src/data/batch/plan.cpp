@@ -174,8 +174,8 @@ void Plan::look(PlannedScene& scene) try {
   load.textures = job_.scenes.size() == 1 || !job_.variations.is_null();
   auto loaded = std::make_unique<LoadedScene>(job_, scene::load(scene.source, load));
   const render::Settings& settings = job_.settings;
-  const bool moves = std::ranges::any_of(settings.aovs, output::dependsOnNeighbors) || settings.shutter > 0 ||
-                     settings.readout != 0;
+  const bool moves =
+      std::ranges::any_of(settings.aovs, output::dependsOnNeighbors) || settings.shutter > 0 || settings.readout != 0;
   const CameraTimeline& cameras = loaded->cameras();
   for (size_t i = 0; i < cameras.size(); ++i) {
     const JobCamera& c = cameras.camera(i);

@@ -58,8 +58,7 @@ Strip ViewBatch::stripOf(size_t view) const {
 std::vector<float> ViewBatch::exposures() const {
   std::vector<float> some;
   if (!job.meteredExposures.empty())
-    for (size_t view = first; view < first + count; ++view)
-      some.push_back(job.meteredExposures[job.pictureOf(view)]);
+    for (size_t view = first; view < first + count; ++view) some.push_back(job.meteredExposures[job.pictureOf(view)]);
   return some;
 }
 
