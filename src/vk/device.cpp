@@ -306,6 +306,7 @@ Device::Device(const DeviceOptions& options) : validation_(validationWanted(opti
 
 Device::~Device() {
   vkDeviceWaitIdle(device_);
+  cache_->finish();  // pipelines in creation call cache(), which is null once reset() begins
   cache_.reset();
   // Destroys everything that still waits, regardless of the timeline's state. Destruction may release more objects.
   while (!impl_->deletions.empty())

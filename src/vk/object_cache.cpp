@@ -69,14 +69,17 @@ ObjectCache::~ObjectCache() {
   finish();
 }
 
+// Pipelines in creation use the cache, so the lock is released while it waits. Nothing is allocated, because
+// destructors call this function after memory ran out. Elements of a map stay where they are.
 void ObjectCache::finish() {
-  std::vector<std::shared_future<Pipeline>> all;
-  {
-    const std::lock_guard lock(mutex_);
-    for (const auto& [key, made] : pipelines_) all.push_back(made);
+  std::unique_lock lock(mutex_);
+  for (const auto& each : pipelines_) {
+    const std::shared_future<Pipeline> made = each.second;
+    lock.unlock();
+    // It is not valid if its thread could not be started.
+    if (made.valid() && made.wait_for(std::chrono::seconds(0)) != std::future_status::deferred) made.wait();
+    lock.lock();
   }
-  for (const auto& made : all)
-    if (made.wait_for(std::chrono::seconds(0)) != std::future_status::deferred) made.wait();
 }
 
 template <typename Desc>

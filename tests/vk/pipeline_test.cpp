@@ -4,8 +4,10 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "test_device.h"
 #include "vk/commands.h"
 #include "vk/device_fixture.h"
+#include "vk/object_cache.h"
 #include "vk/tiny_shader.h"
 
 namespace latelight::vk {
@@ -135,6 +137,19 @@ TEST(Shaders, UnknownOnesAreNamed) {
     EXPECT_STREQ(error.what(),
                  "No shader called screen.vert+coated is embedded: check the first line of screen.vert, which declares "
                  "its variants.");
+  }
+}
+
+// An error may end a device's life at once, while threads still create its pipelines.
+TEST(DeviceLifeTest, EndsWhilePipelinesAreCreated) {
+  for (uint32_t round = 0; round < 10; ++round) {
+    Device device({.selector = test::testDevice()});
+    for (uint32_t i = 0; i < 8; ++i)
+      device.cache().pipeline(ComputeDesc{.bindings = {Binding::Sampled, Binding::Storage},
+                                          .constants = {{ConstantId{3}, i}},
+                                          .pushBytes = sizeof(Push),
+                                          .name = "tiny",
+                                          .code = {std::begin(kTinyShader), std::end(kTinyShader)}});
   }
 }
 
