@@ -189,8 +189,9 @@ TEST_F(CastTest, IsAsPreciseFarFromTheOrigin) {
   for (size_t i = 0; i < hits.distance.size(); ++i) {
     if (std::isinf(expected.distance[i]) || std::isinf(hits.distance[i])) continue;
     ++hitCount;
-    if (hits.triangle[i] == expected.triangle[i] && hits.normal[i] == expected.normal[i])
+    if (hits.triangle[i] == expected.triangle[i] && hits.normal[i] == expected.normal[i]) {
       EXPECT_NEAR(hits.distance[i], expected.distance[i], 2e-6 * expected.distance[i]);
+    }
   }
   EXPECT_GT(hitCount, 1000u);
 }
@@ -215,7 +216,9 @@ TEST_F(CastTest, NoRayPassesBetweenTriangles) {
   for (size_t i = 0; i < hits.distance.size(); ++i) {
     leaks += std::isinf(hits.distance[i]);
     const double length = glm::length(directions[i]);
-    if (!std::isinf(hits.distance[i])) EXPECT_NEAR(hits.distance[i], length, 1e-5 * length);
+    if (!std::isinf(hits.distance[i])) {
+      EXPECT_NEAR(hits.distance[i], length, 1e-5 * length);
+    }
   }
   EXPECT_GT(hits.distance.size(), 4000u);
   EXPECT_EQ(leaks, 0u);

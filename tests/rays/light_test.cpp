@@ -132,7 +132,9 @@ TEST_F(RayLightTest, ASphereCastsItsShadow) {
     const double distance = glm::length(to - toLight * glm::dot(to, toLight));
     dark += distance < inner;
     bright += distance > 1 + 1e-3;
-    if (distance < inner || distance > 1 + 1e-3) EXPECT_EQ(lit[i], distance < inner ? 0 : 1) << i;
+    if (distance < inner || distance > 1 + 1e-3) {
+      EXPECT_EQ(lit[i], distance < inner ? 0 : 1) << i;
+    }
   }
   EXPECT_GT(dark, 100u);
   EXPECT_GT(bright, 6000u);
@@ -160,7 +162,9 @@ TEST_F(RayLightTest, PointAndSpotLightsCastSharpShadows) {
       const dvec3 toLight = glm::normalize(position - from);
       const double distance = glm::length(to - toLight * glm::dot(to, toLight));
       dark += distance < inner;
-      if (distance < inner || distance > 0.6 + 1e-3) EXPECT_EQ(lit[i], distance < inner ? 0 : 1) << i;
+      if (distance < inner || distance > 0.6 + 1e-3) {
+        EXPECT_EQ(lit[i], distance < inner ? 0 : 1) << i;
+      }
     }
     EXPECT_GT(dark, 100u);
   }
@@ -219,8 +223,12 @@ TEST_F(RayLightTest, TheBodyOfALightBlocksNoneOfIt) {
       settings.samples = 64;
       settings.lighting = &findTechnique(technique);
       const float color = meanColor(renderOne(device(), floor.builder.scene, floor.camera, settings));
-      if (half < 0.2) EXPECT_GT(color, 0.2f) << technique;
-      if (half > 0.2) EXPECT_EQ(color, 0) << technique;
+      if (half < 0.2) {
+        EXPECT_GT(color, 0.2f) << technique;
+      }
+      if (half > 0.2) {
+        EXPECT_EQ(color, 0) << technique;
+      }
     }
 }
 
