@@ -46,6 +46,16 @@ def test_exposure_and_readout(half_plane):
     if arrays["id"].device == "cpu":
         np.testing.assert_array_equal(arrays["id"].numpy(), rolling["id"])
         np.testing.assert_array_equal(arrays["color"].numpy(), rolling["color"])
+    short = renderer.render(
+        [camera] * 2, SIZE, ("depth", "id"), readout=0.1, formats={"depth": "float16", "id": "uint16"},
+        **{name: value * 2 if isinstance(value, list) else value for name, value in frames.items()},
+    )  # fmt: skip
+    whole = renderer.render(camera, SIZE, "depth", readout=0.1, **frames)["depth"]
+    for each in short:
+        np.testing.assert_array_equal(each["id"], np.minimum(rolling["id"], 65535))
+        np.testing.assert_array_equal(each["depth"], whole.astype(np.float16))
+    with pytest.raises(latelight.UsageError, match="channels first"):
+        renderer.render(camera, SIZE, "color", readout=0.1, channels_first=True, **frames)
 
 
 def test_cameras_have_apertures_of_their_own(boxes, renderer):

@@ -12,6 +12,7 @@ void checkRows(const Settings& s, bool refracts) {
     badUsage("--readout renders each row by itself, so it does not support {}", what);
   };
   if (requestsOutput(s, Origin::Motion)) reject("the output motion");
+  if (s.exports.channelsFirst) reject("arrays with channels first");
   if (!showsPicture(s)) return;
   if (s.aa.temporal || s.aa.fxaa) reject("--aa taa and fxaa: use ss2 or more");
   if (s.bloom > 0) reject("--bloom");

@@ -125,7 +125,7 @@ ResultTarget PackedOutputs::place(const Builder& b, std::optional<Aov> aov, uint
       return place;
     }
   } else {
-    const uint64_t viewBytes = arrays_.rowsAreViews ? array->rowBytes() : array->viewBytes();
+    const uint64_t viewBytes = viewBytesOf(*array);
     place = {.buffer = b.graph.import(array->memory->buffer, graph::Use::StorageReadWrite),
              .use = graph::Use::StorageReadWrite,
              .offset = arrays_.firstView * viewBytes + arrays_.firstRow * array->rowBytes(),
@@ -214,9 +214,10 @@ void PackedOutputs::addConversion(const Builder& b, const Conversion& conversion
   const bool ids = array.aov && output::holdsIntegers(*array.aov), planar = array.channelsFirst && array.channels > 1;
   const uint32_t pixels = size.x * size.y, elements = planar ? pixels : pixels * array.channels;
   const uint32_t words = elements * array.elementBytes / 4 + 2, stride = std::min(words, 1u << 20);
-  const uint64_t offset = arrays_.firstView * array.viewBytes() + arrays_.firstRow * array.rowBytes();
+  const uint64_t viewBytes = viewBytesOf(array);
+  const uint64_t offset = arrays_.firstView * viewBytes + arrays_.firstRow * array.rowBytes();
   const FormatPush push{.sourceViewBytes = conversion.packed.viewBytes,
-                        .targetViewBytes = array.viewBytes(),
+                        .targetViewBytes = viewBytes,
                         .planeBytes = uint64_t{array.elementBytes} * array.columns * array.rows,
                         .format = !array.aov                ? kFormatByte
                                   : array.elementBytes == 4 ? kFormatWord

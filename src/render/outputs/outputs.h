@@ -101,6 +101,10 @@ class PackedOutputs {
     glm::uvec3 size;
   };
   void addConversion(const Builder& b, const Conversion& conversion);
+  // The bytes between two views in an array.
+  uint64_t viewBytesOf(const ExportedArray& array) const {
+    return arrays_.rowsAreViews ? array.rowBytes() : array.viewBytes();
+  }
   std::vector<Conversion> conversions_;
   bool onHost_ = true;
 };
