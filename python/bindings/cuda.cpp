@@ -26,15 +26,17 @@ struct Uuid {
   unsigned char bytes[16];
 };
 
+union OsHandle {
+  int fd;
+  struct {
+    void* handle;
+    const void* name;
+  } win32;
+};
+
 struct MemoryHandleDesc {
   int type;
-  union {
-    int fd;
-    struct {
-      void* handle;
-      const void* name;
-    } win32;
-  } handle;
+  OsHandle handle;
   unsigned long long size;
   unsigned int flags;
   unsigned int reserved[16];
@@ -56,13 +58,7 @@ constexpr int kPointerDeviceOrdinal = 9;    // CU_POINTER_ATTRIBUTE_DEVICE_ORDIN
 
 struct SemaphoreHandleDesc {
   int type;
-  union {
-    int fd;
-    struct {
-      void* handle;
-      const void* name;
-    } win32;
-  } handle;
+  OsHandle handle;
   unsigned int flags;
   unsigned int reserved[16];
 };
