@@ -30,7 +30,7 @@ struct CameraMetadata {
   // A lens with distortion, calibrated for the image's size. `intrinsics` apply to the distorted point, or not at all.
   std::optional<scene::Lens> lens;
   double nearClip = 0, farClip = 0;  // meters; farClip may be +inf
-  // Of a thin lens, meters; the radius is 0 for a pinhole.
+  // A thin lens, in meters. The radius is 0 for a pinhole.
   double apertureRadius = 0, focusDistance = 0;
 };
 

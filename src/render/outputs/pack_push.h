@@ -25,8 +25,8 @@ SH_CONST uint kPackDepth = 1u;     // meters along the view axis, from device de
 SH_CONST uint kPackDistance = 2u;  // meters along the pixel's ray, from device depth
 SH_CONST uint kPackNormal = 3u;    // a direction, in the axes requested for normals
 SH_CONST uint kPackPosition = 4u;  // a position, in the axes of the world
-SH_CONST uint kPackVector = 6u;    // a displacement, in the axes of the world
 SH_CONST uint kPackCount = 5u;     // surfaces per pixel (kSurfacesFormat); from depth, 1 if something is drawn
+SH_CONST uint kPackVector = 6u;    // a displacement, in the axes of the world
 
 SH_CONST uint kAxesWorld = 0u;
 SH_CONST uint kAxesGltf = 1u;    // the world's axes as in a glTF file
