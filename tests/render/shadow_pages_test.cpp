@@ -106,9 +106,9 @@ class ShadowPagesTest : public RenderTest {
     const std::vector<output::FrameOutput> whole = both.whole.render(cameras, settings);
     for (size_t i = 0; i < cameras.size(); ++i)
       EXPECT_TRUE(imageOf(paged[i], Aov::Color).values == imageOf(whole[i], Aov::Color).values) << "view " << i;
-    return std::move(result.statistics);
     const PageCount all = pagesOf(both.whole);
     EXPECT_EQ(all.drawn, all.all);
+    return std::move(result.statistics);
   }
 };
 
