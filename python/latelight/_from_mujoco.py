@@ -12,87 +12,10 @@ import numpy as np
 
 from ._core import Camera, InstanceHandle, Light, LightHandle, Material, MaterialHandle, MeshHandle, Scene
 from ._model_builder import Builder, linear, missing, node_name
+from ._shapes import box, capsule, cylinder, ellipsoid, height_field
 from .errors import UsageError
 
 INFINITE_PLANE = 100.0  # half the side of a plane that is infinite in MuJoCo, in extents of the model
-
-
-# --- shapes, in the frames of their geoms: positions and triangles ------------------------------------------------------
-
-
-def _grid(rows: int, columns: int) -> np.ndarray:
-    """Triangles between rows x columns points, counterclockwise where columns run right and rows up."""
-    first = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
-    right, up, across = first + 1, first + columns, first + columns + 1
-    return np.concatenate([np.stack([first, right, across], 1), np.stack([first, across, up], 1)])
-
-
-def _round(profile: np.ndarray, normals: np.ndarray, around: int = 32) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A profile of (radius, z) points from the bottom to the top, turned about Z."""
-    angle = np.linspace(0, 2 * np.pi, around + 1)
-    circle = np.stack([np.cos(angle), np.sin(angle)], 1)
-
-    def turned(points: np.ndarray) -> np.ndarray:
-        flat = points[:, None, :1] * circle[None]
-        return np.concatenate([flat, np.broadcast_to(points[:, None, 1:], (*flat.shape[:2], 1))], 2).reshape(-1, 3)
-
-    return turned(profile), turned(normals), _grid(len(profile), around + 1)
-
-
-def _half_circles(gap: float) -> tuple[np.ndarray, np.ndarray]:
-    """The profile of a sphere of radius 1 that is cut in half and moved apart by `gap` to each side."""
-    below, above = np.linspace(-np.pi / 2, 0, 9), np.linspace(0, np.pi / 2, 9)
-    angle = np.concatenate([below, above])
-    normals = np.stack([np.cos(angle), np.sin(angle)], 1)
-    offset = np.concatenate([np.full(9, -gap), np.full(9, gap)])
-    return normals + np.stack([np.zeros(18), offset], 1), normals
-
-
-def _sphere(radii: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    points, normals, triangles = _round(*_half_circles(0))
-    normals = normals / radii
-    return points * radii, normals / np.linalg.norm(normals, axis=1, keepdims=True), triangles
-
-
-def _capsule(radius: float, half: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    points, normals, triangles = _round(*_half_circles(half / radius))
-    return points * radius, normals, triangles
-
-
-def _cylinder(radius: float, half: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    profile = np.array([[0, -half], [radius, -half], [radius, -half], [radius, half], [radius, half], [0, half]])
-    normals = np.array([[0, -1], [0, -1], [1, 0], [1, 0], [0, 1], [0, 1]], float)
-    return _round(profile, normals)
-
-
-def _box(half: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    points, normals, triangles = [], [], []
-    for axis in range(3):
-        u, v = (axis + 1) % 3, (axis + 2) % 3
-        for sign in (-1, 1):
-            face = np.zeros((4, 3))
-            face[:, axis] = sign
-            face[:, u] = np.array([-1, 1, 1, -1]) * sign
-            face[:, v] = [-1, -1, 1, 1]
-            normal = np.zeros(3)
-            normal[axis] = sign
-            triangles += [np.array([[0, 1, 2], [0, 2, 3]]) + 4 * len(points)]
-            points.append(face * half)
-            normals.append(np.tile(normal, (4, 1)))
-    return np.concatenate(points), np.concatenate(normals), np.concatenate(triangles)
-
-
-def _height_field(data: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The surface and the four sides down to the base. `size`: half sizes in X and Y, elevation, and base."""
-    rows, columns = data.shape
-    x, y = np.meshgrid(np.linspace(-size[0], size[0], columns), np.linspace(-size[1], size[1], rows))
-    top = np.stack([x, y, data * size[2]], 2)
-    points, triangles = [top.reshape(-1, 3)], [_grid(rows, columns)]
-    for edge in (top[0], top[::-1, 0], top[-1, ::-1], top[:, -1]):  # in the order in which their sides face outward
-        below = edge * [1, 1, 0] - [0, 0, size[3]]
-        triangles.append(_grid(2, len(edge)) + sum(map(len, points)))
-        points.append(np.concatenate([below, edge]))
-    return np.concatenate(points), np.concatenate(triangles)
 
 
 class MujocoScene:
@@ -224,7 +147,7 @@ class _Mujoco(Builder):
             field = int(model.geom_dataid[geom])
             rows, columns, first = (int(getattr(model, f"hfield_{n}")[field]) for n in ("nrow", "ncol", "adr"))
             data = np.asarray(model.hfield_data[first : first + rows * columns]).reshape(rows, columns)
-            points, triangles = _height_field(data, np.asarray(model.hfield_size[field]))
+            points, triangles = height_field(data, np.asarray(model.hfield_size[field]))
             return {"positions": points.astype(np.float32), "indices": triangles,
                     "uv": self.flat_uv(geom, points, model.hfield_size[field][:2])}
         if shape == kind.mjGEOM_PLANE:
@@ -233,11 +156,11 @@ class _Mujoco(Builder):
             return {"positions": points.astype(np.float32), "indices": np.array([[0, 1, 2], [0, 2, 3]]),
                     "normals": np.tile(np.float32([0, 0, 1]), (4, 1)), "uv": self.flat_uv(geom, points, half)}
         round_shapes = {
-            kind.mjGEOM_SPHERE: lambda: _sphere(np.full(3, size[0])),
-            kind.mjGEOM_ELLIPSOID: lambda: _sphere(size),
-            kind.mjGEOM_CAPSULE: lambda: _capsule(size[0], size[1]),
-            kind.mjGEOM_CYLINDER: lambda: _cylinder(size[0], size[1]),
-            kind.mjGEOM_BOX: lambda: _box(size),
+            kind.mjGEOM_SPHERE: lambda: ellipsoid(np.full(3, size[0])),
+            kind.mjGEOM_ELLIPSOID: lambda: ellipsoid(size),
+            kind.mjGEOM_CAPSULE: lambda: capsule(size[0], size[1]),
+            kind.mjGEOM_CYLINDER: lambda: cylinder(size[0], size[1]),
+            kind.mjGEOM_BOX: lambda: box(size),
         }
         if shape not in round_shapes:
             return None
