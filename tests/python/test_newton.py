@@ -204,7 +204,8 @@ def test_wrong_arguments_are_sentences(rings):
 
     refused("transformf", state, np.zeros((3, 7)), bundle, color_image=color)
     refused("world_indices", state, around(4), bundle, color_image=sensor.allocate_image_color(4, WIDTH, HEIGHT))
-    refused("int32", state, cameras, bundle, color_image=color, world_indices=wp.array([0, 1], dtype=wp.int32, device="cpu"))
+    two = wp.array([0, 1], dtype=wp.int32, device="cpu")
+    refused("int32", state, cameras, bundle, color_image=color, world_indices=two)
     refused("shape", state, cameras, bundle, color_image=sensor.allocate_image_color(2, WIDTH, HEIGHT))
     refused("uint32", state, cameras, bundle, color_image=sensor.allocate_image_depth(3, WIDTH, HEIGHT))
     refused("samples", state, cameras, rays(WIDTH, HEIGHT, camera_fov=0.9, sample_count=4), color_image=color)
