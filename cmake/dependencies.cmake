@@ -20,7 +20,7 @@ find_package(draco CONFIG REQUIRED)
 pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)
 pkg_check_modules(turbojpeg REQUIRED IMPORTED_TARGET libturbojpeg)
 pkg_check_modules(spng REQUIRED IMPORTED_TARGET spng)
-pkg_check_modules(libdeflate REQUIRED IMPORTED_TARGET libdeflate)
+pkg_check_modules(isal REQUIRED IMPORTED_TARGET libisal)
 pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(re2 REQUIRED IMPORTED_TARGET re2)
 option(LATELIGHT_AVIF "Read pictures in AVIF, where libavif is installed" ON)
@@ -47,7 +47,7 @@ target_link_libraries(latelight_scene_dependencies INTERFACE
   PkgConfig::zstd OpenEXR::OpenEXR nlohmann_json::nlohmann_json)
 add_library(latelight_output_dependencies INTERFACE)
 target_link_libraries(latelight_output_dependencies INTERFACE
-  PkgConfig::spng PkgConfig::libdeflate OpenEXR::OpenEXR ZLIB::ZLIB nlohmann_json::nlohmann_json)
+  PkgConfig::spng PkgConfig::isal OpenEXR::OpenEXR ZLIB::ZLIB nlohmann_json::nlohmann_json)
 add_library(latelight_data_dependencies INTERFACE)
 target_link_libraries(latelight_data_dependencies INTERFACE
   PkgConfig::re2 PkgConfig::turbojpeg nlohmann_json::nlohmann_json yaml-cpp ${CMAKE_DL_LIBS})

@@ -2,7 +2,8 @@
 // one IDAT chunk per stripe.
 #include "output/png.h"
 
-#include <libdeflate.h>
+#include <isa-l/crc.h>
+#include <isa-l/igzip_lib.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -14,28 +15,23 @@
 #include <string_view>
 
 #include "base/parallel.h"
+#include "output/deflate.h"
 
 namespace latelight::output {
 namespace {
 
-// Images of at most this many raw bytes are compressed in one piece by libdeflate. For 640x480 images of builtin:hall
-// it required 45 % of zlib's time and produced files 4 % smaller. Larger images are worth several threads, and
-// libdeflate cannot end a part such that another may follow.
-constexpr size_t kWholeBytes = size_t{2} << 20;
 // Raw bytes that one thread filters and compresses. The number is fixed, so that the file does not depend on the number
 // of threads, and large enough that restarting compression costs less than 1 % of the size.
-constexpr size_t kStripeBytes = size_t{512} << 10;
-// The fastest level. For 1280x720 images full of texture, level 2 required 10 % more time for 1 % fewer bytes, and
-// level 6 five times the time for 4 % fewer. Filter Up produced the smallest files of the fixed filters and vectorizes.
-constexpr int kLevel = 1;
+constexpr size_t kStripeBytes = size_t{2} << 20;
+// It produced the smallest files of the fixed filters, and vectorizes.
 constexpr uint8_t kFilterUp = 2;
 
 void putBigEndian(std::vector<std::byte>& out, uint32_t value) {
   for (int shift = 24; shift >= 0; shift -= 8) out.push_back(static_cast<std::byte>(value >> shift));
 }
 
-const Bytef* zlibBytes(const std::byte* bytes) {
-  return reinterpret_cast<const Bytef*>(bytes);
+const uint8_t* bytesOf(const std::byte* bytes) {
+  return reinterpret_cast<const uint8_t*>(bytes);
 }
 
 constexpr size_t kChunkBytes = 12;  // overhead of a chunk
@@ -45,7 +41,7 @@ void putChunk(std::vector<std::byte>& out, const char (&type)[5], std::span<cons
   const size_t begin = out.size();
   for (int i = 0; i < 4; ++i) out.push_back(static_cast<std::byte>(type[i]));
   out.insert(out.end(), data.begin(), data.end());
-  putBigEndian(out, static_cast<uint32_t>(crc32_z(0, zlibBytes(out.data() + begin), out.size() - begin)));
+  putBigEndian(out, crc32_gzip_refl(0, bytesOf(out.data() + begin), out.size() - begin));
 }
 
 // A part of the image, and of the single zlib stream that all parts form.
@@ -72,48 +68,20 @@ std::vector<std::byte> filterRows(const std::byte* pixels, size_t rowBytes, size
   return raw;
 }
 
-std::vector<std::byte> deflateWhole(const std::vector<std::byte>& raw) {
-  const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
-      libdeflate_alloc_compressor(kLevel), libdeflate_free_compressor);
-  if (!compressor) throw std::bad_alloc();
-  std::vector<std::byte> deflated(libdeflate_deflate_compress_bound(compressor.get(), raw.size()));
-  deflated.resize(
-      libdeflate_deflate_compress(compressor.get(), raw.data(), raw.size(), deflated.data(), deflated.size()));
-  return deflated;
-}
-
-// Compresses to raw deflate that ends on a byte boundary, so that stripes can be concatenated (as in pigz).
-std::vector<std::byte> deflatePart(const std::vector<std::byte>& raw, bool last) {
-  std::vector<std::byte> deflated;
-  z_stream stream{};
-  if (deflateInit2(&stream, kLevel, Z_DEFLATED, -15, 9, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
-  deflated.resize(deflateBound(&stream, static_cast<uLong>(raw.size())) + 16);
-  stream.next_in = const_cast<Bytef*>(zlibBytes(raw.data()));
-  stream.avail_in = static_cast<uInt>(raw.size());
-  stream.next_out = reinterpret_cast<Bytef*>(deflated.data());
-  stream.avail_out = static_cast<uInt>(deflated.size());
-  [[maybe_unused]] const int result = deflate(&stream, last ? Z_FINISH : Z_SYNC_FLUSH);
-  assert(result == (last ? Z_STREAM_END : Z_OK) && stream.avail_in == 0);
-  deflated.resize(stream.total_out);
-  deflateEnd(&stream);
-  return deflated;
-}
-
-Stripe makeStripe(const std::vector<std::byte>& raw, bool first, bool last) {
+Stripe makeStripe(const std::vector<std::byte>& raw, bool last) {
   Stripe stripe{.rawBytes = raw.size()};
-  stripe.adler = adler32_z(adler32_z(0, nullptr, 0), zlibBytes(raw.data()), raw.size());
-  stripe.deflated = first && last ? deflateWhole(raw) : deflatePart(raw, last);
+  stripe.adler = isal_adler32(1, bytesOf(raw.data()), raw.size());
+  stripe.deflated = deflate(raw, last ? DeflateForm::LastPart : DeflateForm::Part);
   stripe.deflated.shrink_to_fit();  // many stripes are in memory at once
   return stripe;
 }
 
 std::vector<Stripe> deflatePicture(const std::byte* pixels, size_t rowBytes, size_t height) {
-  const bool whole = height * (rowBytes + 1) <= kWholeBytes;
-  const size_t rows = whole ? height : std::max<size_t>(1, kStripeBytes / (rowBytes + 1));
+  const size_t rows = std::max<size_t>(1, kStripeBytes / (rowBytes + 1));
   std::vector<Stripe> stripes((height + rows - 1) / rows);
   parallelFor(stripes.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
-      stripes[i] = makeStripe(filterRows(pixels, rowBytes, i * rows, std::min(height, (i + 1) * rows)), i == 0,
+      stripes[i] = makeStripe(filterRows(pixels, rowBytes, i * rows, std::min(height, (i + 1) * rows)),
                               i + 1 == stripes.size());
   });
   return stripes;
@@ -122,7 +90,7 @@ std::vector<Stripe> deflatePicture(const std::byte* pixels, size_t rowBytes, siz
 // Writes one IDAT chunk per stripe. The zlib header precedes the first stripe, and the checksum follows the last.
 void putPixels(std::vector<std::byte>& out, std::vector<Stripe> stripes) {
   constexpr std::byte kZlibHeader[] = {std::byte{0x78}, std::byte{0x01}};  // 32 KiB window, fastest level
-  uLong adler = adler32_z(0, nullptr, 0);
+  uLong adler = 1;  // of no bytes
   for (const Stripe& stripe : stripes) {
     adler = adler32_combine(adler, stripe.adler, static_cast<z_off_t>(stripe.rawBytes));
   }

@@ -3,13 +3,11 @@
 #include "data/formats/hdf5_file.h"
 
 #include <dlfcn.h>
-#include <libdeflate.h>
 
-#include <memory>
 #include <mutex>
-#include <new>
 
 #include "base/error.h"
+#include "output/deflate.h"
 
 namespace latelight::data {
 
@@ -22,7 +20,7 @@ using hsize_t = unsigned long long;
 constexpr hid_t kDefault = 0;
 constexpr unsigned kTruncate = 2;
 constexpr int kScalar = 0;
-constexpr int kLevel = 4;  // h5py's level of compression
+constexpr int kLevel = 1;  // what the file states; readers do not need it
 
 struct Library {
   int (*open)() = nullptr;
@@ -116,15 +114,6 @@ class Id {
   int (*close_)(hid_t);
 };
 
-std::vector<std::byte> deflated(const std::vector<std::byte>& bytes) {
-  const std::unique_ptr<libdeflate_compressor, void (*)(libdeflate_compressor*)> compressor(
-      libdeflate_alloc_compressor(kLevel), libdeflate_free_compressor);
-  if (!compressor) throw std::bad_alloc();
-  std::vector<std::byte> stream(libdeflate_zlib_compress_bound(compressor.get(), bytes.size()));
-  stream.resize(libdeflate_zlib_compress(compressor.get(), bytes.data(), bytes.size(), stream.data(), stream.size()));
-  return stream;
-}
-
 void addText(const Library& hdf5, hid_t file, const std::string& name, const std::vector<std::byte>& text) {
   const Id type(hdf5.copyType(*hdf5.text), hdf5.closeType, "create a type");
   check(hdf5.setSize(type, text.size()) >= 0, "create a type");
@@ -159,7 +148,7 @@ void requireHdf5(std::string_view format) {
 }
 
 void Hdf5File::add(const std::string& name, const Hdf5Array& array) {
-  sets_.push_back({name, array.type, array.shape, deflated(array.bytes)});
+  sets_.push_back({name, array.type, array.shape, output::deflate(array.bytes, output::DeflateForm::Zlib)});
 }
 
 void Hdf5File::add(const std::string& name, const std::string& text) {

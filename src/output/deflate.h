@@ -1,0 +1,22 @@
+// Compression to deflate (RFC 1951), by ISA-L's fastest dynamic level.
+//
+// Writing data sets is bound by compression. For 640x480 images of a model (1.2 MB raw), ISA-L requires a quarter of
+// the time of libdeflate's level 1 and a sixtieth for images of ids, and its files are 4 % larger. Its output is the same
+// on all x86 processors with SSE4.2, which the level 3 of ISA-L is not.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace latelight::output {
+
+enum class DeflateForm {
+  Zlib,      // a whole zlib stream (RFC 1950)
+  Part,      // raw deflate that ends on a byte boundary, after which another part follows, as in pigz
+  LastPart,  // raw deflate that ends the stream
+};
+
+std::vector<std::byte> deflate(std::span<const std::byte> bytes, DeflateForm form);
+
+}  // namespace latelight::output
