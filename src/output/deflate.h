@@ -1,8 +1,8 @@
 // Compression to deflate (RFC 1951), by ISA-L's fastest dynamic level.
 //
 // Writing data sets is bound by compression. For 640x480 images of a model (1.2 MB raw), ISA-L requires a quarter of
-// the time of libdeflate's level 1 and a sixtieth for images of ids, and its files are 4 % larger. Its output is the same
-// on all x86 processors with SSE4.2, which the level 3 of ISA-L is not.
+// the time of libdeflate's level 1 and a sixtieth for images of ids, and its files are 4 % larger. Its output is the
+// same on all x86 processors with SSE4.2, which the level 3 of ISA-L is not.
 #pragma once
 
 #include <cstddef>

@@ -81,8 +81,8 @@ std::vector<Stripe> deflatePicture(const std::byte* pixels, size_t rowBytes, siz
   std::vector<Stripe> stripes((height + rows - 1) / rows);
   parallelFor(stripes.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
-      stripes[i] = makeStripe(filterRows(pixels, rowBytes, i * rows, std::min(height, (i + 1) * rows)),
-                              i + 1 == stripes.size());
+      stripes[i] =
+          makeStripe(filterRows(pixels, rowBytes, i * rows, std::min(height, (i + 1) * rows)), i + 1 == stripes.size());
   });
   return stripes;
 }
@@ -90,7 +90,7 @@ std::vector<Stripe> deflatePicture(const std::byte* pixels, size_t rowBytes, siz
 // Writes one IDAT chunk per stripe. The zlib header precedes the first stripe, and the checksum follows the last.
 void putPixels(std::vector<std::byte>& out, std::vector<Stripe> stripes) {
   constexpr std::byte kZlibHeader[] = {std::byte{0x78}, std::byte{0x01}};  // 32 KiB window, fastest level
-  uLong adler = 1;  // of no bytes
+  uLong adler = 1;                                                         // of no bytes
   for (const Stripe& stripe : stripes) {
     adler = adler32_combine(adler, stripe.adler, static_cast<z_off_t>(stripe.rawBytes));
   }
