@@ -163,11 +163,21 @@ def main():
     for pipe, _ in workers.values():
         pipe.send(None)
 
-    print(f"| {args.size}, {args.views} views | elapsed ms a view | processor ms a view | start to first array, s | gives |")
-    print("|---|---|---|---|---|")
+    # Other load changes both times of a view alike, so ratios are those of views that follow each other.
+    print(
+        f"| {args.size}, {args.views} views | elapsed, ms per view | processor, ms per view "
+        "| elapsed, relative to the first | processor, relative to the first | start to first array, s | output |"
+    )
+    print("|---|---|---|---|---|---|---|")
+    first = next(iter(workers.values()))[1]
     for name, (_, taken) in workers.items():
         elapsed, processor = (1000 * statistics.median(column) for column in zip(*taken[2:]))
-        print(f"| {name} | {elapsed:.1f} | {processor:.1f} | {taken[0][0]:.2f} | {RENDERERS[name].gives} |")
+        ratios = [[own / base for own, base in zip(*pair)] for pair in zip(taken[2:], first[2:])]
+        longer, more = (statistics.median(column) for column in zip(*ratios))
+        print(
+            f"| {name} | {elapsed:.1f} | {processor:.1f} | {longer:.2f} | {more:.2f} | {taken[0][0]:.2f} "
+            f"| {RENDERERS[name].gives} |"
+        )
 
 
 def turn(pipe, taken, args, view):

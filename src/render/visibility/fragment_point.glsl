@@ -68,7 +68,11 @@ SurfacePoint fragmentPoint() {
   p.color = INSIDE(varyingColor);
   p.facing = gl_FrontFacing ? 1.0 : -1.0;
   p.instance = varyingInstance;
+#ifdef DRAW_NUMBERS
+  p.mesh = varyingNumbers.z;
+#else
   p.mesh = frameInstance(FrameRef(push.frame).v, varyingInstance).mesh;
+#endif
   p.triangle = uint(gl_PrimitiveID) / (kVastDraw != 0u ? kVastFan : 1u);
   return p;
 }
