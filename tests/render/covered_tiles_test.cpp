@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "render/support.h"
+#include "test_device.h"
 
 namespace latelight::render::test {
 namespace {
@@ -13,16 +14,17 @@ namespace {
 using output::Aov;
 
 // Outputs with constant and with view-dependent backgrounds, and more than one pass packs.
-const std::vector<Aov> kOutputs = {Aov::Color, Aov::Depth,    Aov::Distance, Aov::Normal, Aov::GeoNormal, Aov::Albedo,
-                                   Aov::Id,    Aov::Material, Aov::Uv,       Aov::Ao,     Aov::Roughness};
+const std::vector<Aov> kPackedOutputs = {Aov::Color,     Aov::Depth,  Aov::Distance, Aov::Normal,
+                                         Aov::GeoNormal, Aov::Albedo, Aov::Id,       Aov::Material,
+                                         Aov::Uv,        Aov::Ao,     Aov::Roughness};
 
-struct Size {
+struct PictureSize {
   uint32_t width, height;
 };
-constexpr Size kSizes[] = {{1, 1}, {7, 5}, {641, 479}};
+constexpr PictureSize kPictureSizes[] = {{1, 1}, {7, 5}, {641, 479}};
 
-// A square of half the given side around the origin, and two that cover a few pixels near the picture's corners.
-scene::Scene squares(float half, bool blended) {
+// Squares: one around the origin with half the given side, and two that cover few pixels near the picture's corners.
+scene::Scene threeSquares(float half, bool blended) {
   scene::SceneBuilder builder("squares");
   scene::Scene& scene = builder.scene;
   scene.meshes = {squareMesh()};
@@ -42,13 +44,13 @@ scene::Scene squares(float half, bool blended) {
   return std::move(scene);
 }
 
-scene::Camera towards(float x) {
+scene::Camera shifted(float x) {
   scene::Camera camera = frontCamera();
   camera.toWorld[3].x += x;
   return camera;
 }
 
-void expectSame(const output::FrameOutput& a, const output::FrameOutput& b) {
+void expectEqualBytes(const output::FrameOutput& a, const output::FrameOutput& b) {
   EXPECT_FALSE(a.display.empty());
   EXPECT_TRUE(a.display == b.display) << "display";
   ASSERT_EQ(a.aovs.size(), b.aovs.size());
@@ -71,43 +73,44 @@ class CoveredTiles : public RenderTest {
   void compare(const scene::Scene& scene, const Settings& settings) {
     const scene::Environment studio = scene::loadEnvironment("studio");
     const scene::Environment* environment = settings.background.kind == Background::Environment ? &studio : nullptr;
-    const std::vector<scene::Camera> cameras = {towards(0), towards(0.7f), towards(50)};  // the last one sees nothing
+    const std::vector<scene::Camera> cameras = {shifted(0), shifted(0.7f), shifted(50)};  // the last one sees nothing
     Renderer tiles(device(), scene, environment), all(other_, scene, environment);
     const std::vector<output::FrameOutput> some = tiles.render(cameras, settings);
     const std::vector<output::FrameOutput> every = all.render(cameras, settings);
     for (size_t i = 0; i < cameras.size(); ++i) {
       SCOPED_TRACE(fmt::format("view {}", i));
-      expectSame(some[i], every[i]);
+      expectEqualBytes(some[i], every[i]);
     }
   }
 
-  static Settings settingsFor(const Size& size, const char* lighting = "clustered") {
-    Settings settings = settingsOf(size.width, size.height, kOutputs);
+  static Settings settingsFor(const PictureSize& size, const char* lighting = "clustered") {
+    Settings settings = settingsOf(size.width, size.height, kPackedOutputs);
     settings.display = true;
     settings.lighting = &findTechnique(lighting);
     return settings;
   }
 
  private:
-  vk::Device other_{{.selector = latelight::test::testDevice(), .validation = true, .cpuShaders = false}};
+  vk::Device other_{
+      vk::DeviceOptions{.selector = latelight::test::testDevice(), .validation = true, .cpuShaders = false}};
 };
 
 TEST_F(CoveredTiles, PicturesOfAnySizeAreTheSame) {
-  for (const Size& size : kSizes) {
+  for (const PictureSize& size : kPictureSizes) {
     SCOPED_TRACE(fmt::format("{}x{}", size.width, size.height));
-    for (const float half : {0.4f, 5.0f}) compare(squares(half, false), settingsFor(size));  // in part, and filled
+    for (const float half : {0.4f, 5.0f}) compare(threeSquares(half, false), settingsFor(size));  // in part, and filled
   }
 }
 
 TEST_F(CoveredTiles, BlendedSurfacesAreVisibleOutsideOfThem) {
-  for (const Size& size : kSizes) compare(squares(0.4f, true), settingsFor(size));
+  for (const PictureSize& size : kPictureSizes) compare(threeSquares(0.4f, true), settingsFor(size));
 }
 
 TEST_F(CoveredTiles, BackgroundsAreDrawnOutsideOfThem) {
   Settings settings = settingsFor({97, 43});
   for (const Background::Kind kind : {Background::Color, Background::Environment}) {
     settings.background = {.kind = kind, .color = {0.2f, 0.4f, 0.6f}};
-    compare(squares(0.4f, false), settings);
+    compare(threeSquares(0.4f, false), settings);
   }
 }
 
@@ -118,27 +121,31 @@ TEST_F(CoveredTiles, SettingsThatChangeOtherPixelsAreTheSame) {
       {"fxaa", [](Settings& s) { s.aa.fxaa = true; }},
       {"ss2", [](Settings& s) { s.aa.superSampling = 2; }},
       {"msaa4", [](Settings& s) { s.aa.samples = 4; }},
-      {"world normals", [](Settings& s) { s.normalFrame = NormalFrame::World; }},
+      {"other axes", [](Settings& s) { s.axes = Axes::ZUp; }},
       {"camera normals", [](Settings& s) { s.normalFrame = NormalFrame::OpenCv; }},
       {"positions", [](Settings& s) { s.aovs = {Aov::Position}; }},
       {"depth", [](Settings& s) { s.aovs = {Aov::Depth}; }},
-      {"counts", [](Settings& s) { s.aovs = {Aov::LightsUsed, Aov::Samples, Aov::Depth}; }},
+      {"counts",
+       [](Settings& s) {
+         s.aovs = {Aov::LightsUsed, Aov::Samples, Aov::Depth};
+       }},
       {"a tone map", [](Settings& s) { s.tonemap = Tonemap::Aces; }}};
   for (const auto& [name, change] : changes) {
     SCOPED_TRACE(name);
     Settings settings = settingsFor({97, 43});
     change(settings);
-    compare(squares(0.4f, false), settings);
+    compare(threeSquares(0.4f, false), settings);
   }
 }
 
 TEST_F(CoveredTiles, TechniquesAndLayoutsAreTheSame) {
-  for (const char* lighting : {"fullscreen", "tiled"}) compare(squares(0.4f, false), settingsFor({97, 43}, lighting));
+  for (const char* lighting : {"fullscreen", "tiled"})
+    compare(threeSquares(0.4f, false), settingsFor({97, 43}, lighting));
   for (const Layout* layout : layoutsToMeet()) {
     SCOPED_TRACE(layout->name);
     Settings settings = settingsFor({97, 43});
     settings.layout = layout;
-    compare(squares(0.4f, false), settings);
+    compare(threeSquares(0.4f, false), settings);
   }
 }
 

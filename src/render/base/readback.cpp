@@ -36,16 +36,16 @@ void addFill(const Builder& b, const ResultTarget& result, uint64_t viewBytes, s
     for (size_t i = 0; i < kRepetitions; ++i) repeated.insert(repeated.end(), words.begin(), words.end());
     return repeated;
   });
-  b.graph.pass(graph::Stage::Output, "fill",
-               {{pattern, graph::Use::CopySource}, {result.buffer, graph::Use::CopyTarget}},
-               [=](graph::Context& context) {
-                 std::vector<VkBufferCopy> copies;
-                 for (size_t view = 0; view < views; ++view)
-                   for (uint64_t at = 0; at < viewBytes; at += bytes)
-                     copies.push_back({0, result.offset + view * result.viewBytes + at, std::min(bytes, viewBytes - at)});
-                 vkCmdCopyBuffer(context.get(), context.buffer(pattern).get(), context.buffer(result.buffer).get(),
-                                 static_cast<uint32_t>(copies.size()), copies.data());
-               });
+  b.graph.pass(
+      graph::Stage::Output, "fill", {{pattern, graph::Use::CopySource}, {result.buffer, graph::Use::CopyTarget}},
+      [=](graph::Context& context) {
+        std::vector<VkBufferCopy> copies;
+        for (size_t view = 0; view < views; ++view)
+          for (uint64_t at = 0; at < viewBytes; at += bytes)
+            copies.push_back({0, result.offset + view * result.viewBytes + at, std::min(bytes, viewBytes - at)});
+        vkCmdCopyBuffer(context.get(), context.buffer(pattern).get(), context.buffer(result.buffer).get(),
+                        static_cast<uint32_t>(copies.size()), copies.data());
+      });
 }
 
 void storeResults(const Builder& b, std::span<const graph::BufferId> results) {

@@ -25,8 +25,9 @@ graph::BufferId addCoveredTiles(const FrameContext& f, graph::ImageId depth) {
   if (!f.device.hasCpuShaders() || across > kTileMask || down > kTileMask || f.viewCount() > kMaxViews) return {};
   const uint64_t bytes = kCoveredTilesBytes + sizeof(uint32_t) * uint64_t{across} * down * f.viewCount();
   const graph::BufferId covered =
-      addSmallBuffer(f, graph::Stage::Visibility, "no covered tiles", bytes, {},
-                     [](graph::Context&) { return std::array{CoveredTiles{.groups = {0, 0, 1}, .count = 0}}; });
+      addSmallBuffer(f, graph::Stage::Visibility, "clear covered tiles", bytes, {}, [](graph::Context&) {
+        return std::array{CoveredTiles{.groups = {0, 0, 1}, .count = 0}};
+      });
   addCompute(f,
              {.stage = graph::Stage::Visibility,
               .name = "covered tiles",

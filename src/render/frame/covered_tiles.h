@@ -1,5 +1,5 @@
-// Tiles of pixels that surfaces cover. On a CPU device a pixel without a surface costs a compute pass as much as one with
-// a surface, because both sides of a branch run. Passes that have nothing to do there are therefore dispatched
+// Tiles of pixels that surfaces cover. On a CPU device a pixel without a surface costs a compute pass as much as one
+// with a surface, because both sides of a branch run. Passes that have nothing to do there are therefore dispatched
 // indirectly, with one workgroup per covered tile. On a GPU the list would cost more than it saves.
 #pragma once
 

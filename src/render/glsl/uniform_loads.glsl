@@ -55,7 +55,8 @@ View uniformView(FrameConstants frame, uint index) {
   uint64_t at = frame.views + uint64_t(index) * kViewBytes;
   uint lane = loadingLane();
   uvec2 first = longAt(at, lane), second = longAt(at, 6u + lane), third = longAt(at, 14u + lane);
-  vec2 scales = exchangedFloats(second, 6u), depth = exchangedFloats(second, 7u), principal = exchangedFloats(third, 0u);
+  vec2 scales = exchangedFloats(second, 6u), depth = exchangedFloats(second, 7u);
+  vec2 principal = exchangedFloats(third, 0u);
   uvec2 kind = exchanged(third, 1u), group = exchanged(third, 5u);
   View v;
   v.worldToView = exchangedMatrix(first);

@@ -72,14 +72,14 @@ LightLists addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const Li
   const std::vector<graph::Access> read = listAccesses(lists);
   lighting.buffers.insert(lighting.buffers.end(), read.begin(), read.end());
   restrictTo(gbuffer.covered, lighting);
-  addCompute(f, std::move(lighting),
-             [lists, frame = f.constants, covered = gbuffer.covered,
-              visible = gbuffer.visible](graph::Context& context) {
-               return shared::CellsPush{.frame = frame,
-                                        .covered = coveredAddress(covered, context),
-                                        .lists = pushedLists(lists, context),
-                                        .shown = surfacePush(visible, context)};
-             });
+  addCompute(
+      f, std::move(lighting),
+      [lists, frame = f.constants, covered = gbuffer.covered, visible = gbuffer.visible](graph::Context& context) {
+        return shared::CellsPush{.frame = frame,
+                                 .covered = coveredAddress(covered, context),
+                                 .lists = pushedLists(lists, context),
+                                 .shown = surfacePush(visible, context)};
+      });
   return lists;
 }
 

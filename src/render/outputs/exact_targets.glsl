@@ -1,5 +1,5 @@
-// The values that the layout `exact` would store for a surface, as the sources of data outputs. Include before the layout
-// that the shader is compiled for.
+// The values that the layout `exact` would store for a surface, as the sources of data outputs. Include before the
+// layout that the shader is compiled for.
 #ifndef LATELIGHT_EXACT_TARGETS_GLSL
 #define LATELIGHT_EXACT_TARGETS_GLSL
 

@@ -146,19 +146,20 @@ void PackedOutputs::add(const Builder& b, Origin origin, const std::function<gra
                         .second = from.isSplit() ? from.places[1].first : kPackOneImage,
                         .axes = axesOf(from.packing),
                         .scale = scale};
-    addCompute(b,
-               {.stage = graph::Stage::Output,
-                .name = "pack",
-                .shader = integers ? "pack_ids.comp" : "pack.comp",
-                .bindings = std::move(bindings),
-                .size = size,
-                .constants = {{kSamplesConstant, samples}, {kLensConstant, lens_ ? 1u : 0u}, {kPackingConstant, from.packing}},
-                .buffers = {{to.buffer, to.use}}},
-               [=](graph::Context& context) {
-                 PackPush filled = push;
-                 filled.values = to.address(context);
-                 return filled;
-               });
+    addCompute(
+        b,
+        {.stage = graph::Stage::Output,
+         .name = "pack",
+         .shader = integers ? "pack_ids.comp" : "pack.comp",
+         .bindings = std::move(bindings),
+         .size = size,
+         .constants = {{kSamplesConstant, samples}, {kLensConstant, lens_ ? 1u : 0u}, {kPackingConstant, from.packing}},
+         .buffers = {{to.buffer, to.use}}},
+        [=](graph::Context& context) {
+          PackPush filled = push;
+          filled.values = to.address(context);
+          return filled;
+        });
   }
 }
 

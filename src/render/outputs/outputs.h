@@ -60,7 +60,8 @@ class PackedOutputs {
       : settings_(settings), yUp_(yUp), lens_(lens), arrays_(arrays) {}
 
   // Adds the passes that pack the requested outputs of an origin other than Surface. `image` returns a target by its
-  // name in outputs.def. `frame`: FrameConstants of the same views, required for Coordinates. `scale`: factor for values.
+  // name in outputs.def. `frame`: FrameConstants of the same views, required for Coordinates. `scale`: factor for
+  // values.
   void add(const Builder& b, Origin origin, const std::function<graph::ImageId(std::string_view)>& image,
            VkDeviceAddress frame = 0, float scale = 1);
 

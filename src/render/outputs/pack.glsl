@@ -10,8 +10,8 @@ float packedLength(vec3 v) {
   return sqrt(squared);
 }
 
-// Returns meters, infinity for the background. `frame`: FrameConstants, of the pixel's view. `packing`: kPackDepth or kPackDistance.
-// `device`: device depth, which is measured along the ray for a lens.
+// Returns meters, infinity for the background. `frame`: FrameConstants. `view`: the pixel's. `packing`: kPackDepth or
+// kPackDistance. `device`: device depth, which is measured along the ray for a lens.
 float packedMetres(uint64_t frame, View view, uint packing, float device, ivec3 pixel) {
   if (device == 0.0) return uintBitsToFloat(0x7f800000u);
   precise float depth = viewDepth(view.projection, device);

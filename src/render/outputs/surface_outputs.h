@@ -1,5 +1,5 @@
-// Data outputs of surfaces, which visibility packs: where surfaces are resolved (surface_outputs.glsl), or from images of
-// the geometry pass (pack_surfaces.h).
+// Data outputs of surfaces, which visibility packs: where surfaces are resolved (surface_outputs.glsl), or from images
+// of the geometry pass (pack_surfaces.h).
 #pragma once
 
 #include <vector>

@@ -158,7 +158,8 @@ void FrameGraphBuilder::addPost(graph::ImageId picture, uint32_t count, graph::B
   const Builder b{state_.device, graph_};
   std::optional<ResultTarget> display;
   if (settings_.display) display = outputs_.addDisplay(b, texels(graph_, picture));
-  const FinishedPicture finished = finishPicture(b, picture, 1.0f / static_cast<float>(count), settings_, display, covered);
+  const FinishedPicture finished =
+      finishPicture(b, picture, 1.0f / static_cast<float>(count), settings_, display, covered);
   outputs_.add(
       b, Origin::Picture, [&](std::string_view) { return finished.linear; }, 0, finished.scale);
   if (settings_.countSurfaces && lit_ && lit_->gbuffer.surfaces)

@@ -172,8 +172,7 @@ HardwareVisibility::WrittenTargets HardwareVisibility::addTargets(const FrameCon
     colors.push_back(written.data.back());
   }
   // The shader declares the remaining attachments as well.
-  while (!words.empty() && colors.size() < kMaxColors)
-    colors.push_back(createTarget(f, VK_FORMAT_R8_UINT, "no data"));
+  while (!words.empty() && colors.size() < kMaxColors) colors.push_back(createTarget(f, VK_FORMAT_R8_UINT, "no data"));
   addSolid(f, graph::Stage::Geometry, desc, Bindings(f.device), gbuffer.sampleDepth, colors);
   if (f.setup.samples > 1) gbuffer.surfaces = addSampleSurfaces(f, gbuffer);
   written.gbuffer = std::move(gbuffer);
