@@ -8,6 +8,7 @@
 
 Each renderer has a process of its own, which renders while the others wait. A view is what the renderer can give of
 color, depth, ids and normals. Processor time, of all threads, says more than elapsed time where others use the machine.
+--baseline build/before/python adds the package of another build, to compare two versions in one run.
 """
 
 import argparse
@@ -15,6 +16,7 @@ import math
 import multiprocessing
 import os
 import statistics
+import sys
 import time
 
 FOV = 45.0  # degrees, vertical
@@ -119,10 +121,13 @@ class F3d:
 
 
 RENDERERS = {"latelight": Latelight, "pyrender": Pyrender, "open3d": Open3d, "f3d": F3d}
+BASELINE = "latelight, baseline"
 
 
-def work(pipe, name, path, size, pictures):
+def work(pipe, name, package, path, size, pictures):
     """The process of one renderer: answers each place of the eye with the seconds that a view took."""
+    if package:
+        sys.path.insert(0, package)
     begin = time.perf_counter()
     renderer = RENDERERS[name](path, size)
     first = True
@@ -133,7 +138,7 @@ def work(pipe, name, path, size, pictures):
         if first and pictures:
             from PIL import Image
 
-            Image.fromarray(color).save(os.path.join(pictures, f"{name}.png"))
+            Image.fromarray(color).save(os.path.join(pictures, f"{name}{'-baseline' if package else ''}.png"))
         first = False
 
 
@@ -144,6 +149,7 @@ def main():
     parser.add_argument("--views", type=int, default=20)
     parser.add_argument("--distance", type=float, default=3.2, help="of the eye from the origin, metres")
     parser.add_argument("--renderers", default=",".join(RENDERERS))
+    parser.add_argument("--baseline", metavar="FOLDER", help="the folder of the package latelight of another build")
     parser.add_argument("--pictures", help="folder for one picture by each, to look at")
     args = parser.parse_args()
     size = tuple(int(side) for side in args.size.split("x"))
@@ -152,22 +158,36 @@ def main():
 
     context = multiprocessing.get_context("spawn")
     workers = {}
-    for name in args.renderers.split(","):
+    names = [(name, name, None) for name in args.renderers.split(",")]
+    if args.baseline:
+        names.append((BASELINE, "latelight", args.baseline))
+    for label, name, package in names:
         pipe, theirs = context.Pipe()
-        context.Process(target=work, args=(theirs, name, args.scene, size, args.pictures), daemon=True).start()
-        workers[name] = (pipe, [])
-        turn(*workers[name], args, 0)  # loads, and warms up, before the next begins
+        started = (theirs, name, package, args.scene, size, args.pictures)
+        context.Process(target=work, args=started, daemon=True).start()
+        workers[label] = (pipe, [])
+        turn(*workers[label], args, 0)  # loads, and warms up, before the next begins
     for view in range(args.views + 1):
         for pipe, taken in workers.values():
             turn(pipe, taken, args, view)
     for pipe, _ in workers.values():
         pipe.send(None)
 
-    print(f"| {args.size}, {args.views} views | elapsed ms a view | processor ms a view | start to first array, s | gives |")
-    print("|---|---|---|---|---|")
+    # Other load changes both times of a view alike, so ratios are those of views that follow each other.
+    print(
+        f"| {args.size}, {args.views} views | elapsed, ms per view | processor, ms per view "
+        "| elapsed, relative to the first | processor, relative to the first | start to first array, s | output |"
+    )
+    print("|---|---|---|---|---|---|---|")
+    first = next(iter(workers.values()))[1]
     for name, (_, taken) in workers.items():
         elapsed, processor = (1000 * statistics.median(column) for column in zip(*taken[2:]))
-        print(f"| {name} | {elapsed:.1f} | {processor:.1f} | {taken[0][0]:.2f} | {RENDERERS[name].gives} |")
+        ratios = [[own / base for own, base in zip(*pair)] for pair in zip(taken[2:], first[2:])]
+        longer, more = (statistics.median(column) for column in zip(*ratios))
+        print(
+            f"| {name} | {elapsed:.1f} | {processor:.1f} | {longer:.2f} | {more:.2f} | {taken[0][0]:.2f} "
+            f"| {RENDERERS[name.split(',')[0]].gives} |"
+        )
 
 
 def turn(pipe, taken, args, view):

@@ -1,5 +1,7 @@
 #include "render/base/readback.h"
 
+#include <algorithm>
+
 namespace latelight::render {
 
 namespace {
@@ -14,6 +16,36 @@ ResultTarget createResult(const Builder& b, const std::string& name, uint64_t vi
   const uint64_t bytes = viewBytes * views;
   const vk::BufferDesc desc = b.device.isCpu() ? hostBuffer(name, bytes) : vk::BufferDesc{.size = bytes, .name = name};
   return {.buffer = b.graph.create(desc), .viewBytes = viewBytes};
+}
+
+void addFill(const Builder& b, const ResultTarget& result, uint64_t viewBytes, size_t views,
+             const std::vector<uint32_t>& words) {
+  if (std::ranges::all_of(words, [&](uint32_t word) { return word == words.front(); })) {
+    b.graph.pass(graph::Stage::Output, "fill", {{result.buffer, graph::Use::CopyTarget}}, [=](graph::Context& context) {
+      for (size_t view = 0; view < views; ++view)
+        vkCmdFillBuffer(context.get(), context.buffer(result.buffer).get(), result.offset + view * result.viewBytes,
+                        viewBytes, words.front());
+    });
+    return;
+  }
+  // vkCmdFillBuffer() repeats a single word, so other patterns are copied from a short buffer.
+  constexpr size_t kRepetitions = 1024;
+  const uint64_t bytes = kRepetitions * words.size() * sizeof(uint32_t);
+  const graph::BufferId pattern = addSmallBuffer(b, graph::Stage::Output, "fill pattern", bytes, {}, [=](auto&) {
+    std::vector<uint32_t> repeated;
+    for (size_t i = 0; i < kRepetitions; ++i) repeated.insert(repeated.end(), words.begin(), words.end());
+    return repeated;
+  });
+  b.graph.pass(
+      graph::Stage::Output, "fill", {{pattern, graph::Use::CopySource}, {result.buffer, graph::Use::CopyTarget}},
+      [=](graph::Context& context) {
+        std::vector<VkBufferCopy> copies;
+        for (size_t view = 0; view < views; ++view)
+          for (uint64_t at = 0; at < viewBytes; at += bytes)
+            copies.push_back({0, result.offset + view * result.viewBytes + at, std::min(bytes, viewBytes - at)});
+        vkCmdCopyBuffer(context.get(), context.buffer(pattern).get(), context.buffer(result.buffer).get(),
+                        static_cast<uint32_t>(copies.size()), copies.data());
+      });
 }
 
 void storeResults(const Builder& b, std::span<const graph::BufferId> results) {

@@ -21,6 +21,10 @@ struct ResultTarget {
 // Creates a new buffer in device memory, which the host can read on a CPU device.
 ResultTarget createResult(const Builder& b, const std::string& name, uint64_t viewBytes, size_t views);
 
+// Adds a pass that fills a result, `viewBytes` in each of `views` views, with repetitions of a few 32-bit words.
+void addFill(const Builder& b, const ResultTarget& result, uint64_t viewBytes, size_t views,
+             const std::vector<uint32_t>& words);
+
 // Keeps results of a graph on the device after it has run.
 void storeResults(const Builder& b, std::span<const graph::BufferId> results);
 // Copies the current contents of buffers to buffers that the host can read after the graph has run. Returns these in

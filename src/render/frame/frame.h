@@ -45,7 +45,7 @@ struct FrameConfig {
   uint32_t positionMethod = 0;              // kPosition*
   uint32_t volumesOrder = 0;                // kVolumes*, for the technique `volumes`
   uint32_t targets = ~0u;                   // bit i: the layout's target i is required
-  const SurfaceOutputs* outputs = nullptr;  // packed in addition to the targets, with visibility in compute
+  const SurfaceOutputs* outputs = nullptr;  // packed in addition to the targets
   bool countLights = false;
   uint32_t ambientOcclusion = 0;  // kAo*
   uint32_t textureSlots = ~0u;    // bit i: a material may have a texture in slot i (GpuScene::textureSlots)
@@ -127,6 +127,8 @@ struct VisibilityBuffer {
   graph::BufferId ids{};
   VkDeviceAddress instances = 0;
   graph::BufferId pyramid{};
+  // The tiles of `pixels` with surfaces (frame/covered_tiles.h); null with several samples per pixel, and on a GPU.
+  graph::BufferId covered{};
 };
 
 // The light lists of a lighting technique, per tile or per slice of a tile (clustered light culling).
@@ -152,7 +154,9 @@ struct Gbuffer {
   graph::ImageId behind;    // background of transmissive surfaces (layered/behind.h); none: there are no such surfaces
   graph::ImageId surfaces;  // samples of each surface in a pixel (kSurfacesFormat); none with one sample, or no targets
   bool forLighting = false;  // only lighting reads the targets, and it leaves surfaces with coats to render/layered
-  LightLists lightLists;     // of the pixels' surfaces, after the lighting technique has built them
+  // Tiles outside of which `light` is 0 and remains 0; null: unknown.
+  graph::BufferId covered{};
+  LightLists lightLists;  // of the pixels' surfaces, after the lighting technique has built them
 };
 // Returns a G-buffer that has nothing but its depth.
 Gbuffer gbufferOf(const VisibilityBuffer& visible);

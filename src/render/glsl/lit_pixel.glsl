@@ -5,6 +5,7 @@
 #include "render/glsl/gbuffer_write.glsl"
 #include "render/glsl/environment.glsl"
 #include "render/glsl/pixel_group.glsl"
+#include "render/glsl/uniform_loads.glsl"
 #ifdef MULTISAMPLED
 #include "render/glsl/redistribute.glsl"
 #endif
@@ -98,7 +99,7 @@ void writeCounts(ivec3 place, bool lit, vec4 counts) {
 #ifndef MULTISAMPLED
 // Returns true if the pixel has a surface.
 bool lightPixel(FrameConstants frame, ivec3 place) {
-  View view = frameView(frame, place.z);
+  View view = uniformView(frame, place.z);
   bool inside = all(lessThan(vec2(place.xy), view.size));
   LitPixel p = readPixel(frame, view, place, inside ? 1u : 0u);
   vec3 byLights = lightsOn(frame, view, p);
@@ -122,7 +123,7 @@ void addItemRadiance(inout vec3 radiance, uint round, uint items, vec3 lit) {
 }
 
 bool lightPixel(FrameConstants frame, ivec3 place) {
-  View view = frameView(frame, place.z);
+  View view = uniformView(frame, place.z);
   bool inside = all(lessThan(vec2(place.xy), view.size));
   uvec2 shown = inside ? countSurfaces(pixelSurfaces, place) : uvec2(0u);
   uint more = max(shown.x, 1u) - 1u;

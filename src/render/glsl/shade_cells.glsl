@@ -31,7 +31,7 @@ void shadeCell(inout Shading shading, FrameConstants frame, CellLights lights, u
 
 // The position of a pixel's surface when the lists were built.
 struct CellLookup {
-  uint view;
+  uvec3 block;  // of pixels, and the view: as gl_WorkGroupID
   Projection projection;
   float depth;  // device depth
 };
@@ -42,7 +42,7 @@ struct CellLookup {
 // the boxes that query the light tree should not span the depth of the scene. On lavapipe, the loops of a shader end
 // silently after 65535 iterations in total.)
 vec3 shadeFromCells(FrameConstants frame, LightCells cells, CellLookup place, Surface s, LIT_BRDF brdf, bool lit) {
-  uint64_t tile = tileOf(gl_WorkGroupID / uvec3(kTileSize / kPixelGroupX, kTileSize / kPixelGroupY, 1u), cells.tiles);
+  uint64_t tile = tileOf(place.block / uvec3(kTileSize / kPixelGroupX, kTileSize / kPixelGroupY, 1u), cells.tiles);
   CellLights lights = CellLights(CellsRef(cells.cells + tile * (8u * (kCellsPerTile + 1u))),
                                  cells.entries + tile * (4u * kEntriesPerTile));
   bool together = kCellsPerTile == 1u && lights.cells.v[1].y != kOverflow;
@@ -50,7 +50,7 @@ vec3 shadeFromCells(FrameConstants frame, LightCells cells, CellLookup place, Su
   bool waits = lit;
   if (!subgroupAny(waits)) return vec3(0.0);
   countLanes();
-  Shading shading = startShading(s, brdf, place.view, false);
+  Shading shading = startShading(s, brdf, place.block.z, false);
   while (true) {
     uint next = subgroupMin(waits ? slice : kSlices);
     shading.lit = waits && slice == next;

@@ -48,8 +48,17 @@ vec3 triangleNormal(FrameConstants frame, Instance instance, SurfacePoint p) {
   return squared > 0.0 ? n * inversesqrt(squared) : vec3(0.0, 0.0, 1.0);
 }
 
-Surface evaluateMaterial(FrameConstants frame, Material m, SurfacePoint p) {
+Instance surfaceInstance(FrameConstants frame, SurfacePoint p) {
   Instance instance = frameInstance(frame, p.instance);
+#ifdef DRAW_NUMBERS
+  instance.id = varyingNumbers.x;
+  instance.part = varyingNumbers.y;
+#endif
+  return instance;
+}
+
+Surface evaluateMaterial(FrameConstants frame, Material m, SurfacePoint p) {
+  Instance instance = surfaceInstance(frame, p);
   Surface s = emptySurface();
   s.position = p.position;
   s.geonormal = triangleNormal(frame, instance, p);

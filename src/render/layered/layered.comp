@@ -42,7 +42,7 @@ uint nextLayered(FrameConstants frame, uint first, inout uint left) {
 vec3 lightsOn(FrameConstants frame, View view, uint viewIndex, uint64_t visible, LayeredPoint point, LayeredBrdf brdf,
               bool shows) {
   if (kCellsPerTile == 0u) return lightsAtPoint(frame, viewIndex, point, brdf, shows, false);
-  CellLookup place = CellLookup(viewIndex, view.projection, visibleDepth(visible));
+  CellLookup place = CellLookup(gl_WorkGroupID, view.projection, visibleDepth(visible));
   return shadeFromCells(frame, push.lists, place, point.s, brdf, shows);
 }
 

@@ -1,6 +1,7 @@
 // The passes of tiled and clustered deferred shading: light culling, then lighting from the lists.
 #include "render/lighting/light_lists.h"
 
+#include "render/frame/covered_tiles.h"
 #include "render/lighting/lighting_shader.h"
 
 namespace latelight::render {
@@ -70,10 +71,15 @@ LightLists addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const Li
   lighting.constants.insert(lighting.constants.end(), constants.begin(), constants.end());
   const std::vector<graph::Access> read = listAccesses(lists);
   lighting.buffers.insert(lighting.buffers.end(), read.begin(), read.end());
-  addCompute(f, std::move(lighting), [lists, frame = f.constants, visible = gbuffer.visible](graph::Context& context) {
-    return shared::CellsPush{
-        .frame = frame, .lists = pushedLists(lists, context), .shown = surfacePush(visible, context)};
-  });
+  restrictTo(gbuffer.covered, lighting);
+  addCompute(
+      f, std::move(lighting),
+      [lists, frame = f.constants, covered = gbuffer.covered, visible = gbuffer.visible](graph::Context& context) {
+        return shared::CellsPush{.frame = frame,
+                                 .covered = coveredAddress(covered, context),
+                                 .lists = pushedLists(lists, context),
+                                 .shown = surfacePush(visible, context)};
+      });
   return lists;
 }
 

@@ -8,7 +8,8 @@
 SH_BEGIN
 
 struct LightingPush {
-  uint64_t frame;  // FrameConstants
+  uint64_t frame;    // FrameConstants
+  uint64_t covered;  // CoveredTiles, if only these tiles are lit
   VisibleSurfacePush shown;
 };
 
@@ -19,7 +20,8 @@ struct LightCells {  // the light lists of tiled and clustered
 };
 
 struct CellsPush {
-  uint64_t frame;  // FrameConstants
+  uint64_t frame;    // FrameConstants
+  uint64_t covered;  // CoveredTiles, if only these tiles are lit
   LightCells lists;
   VisibleSurfacePush shown;
 };

@@ -94,18 +94,6 @@ uint64_t bytesPerPixel(const Settings& settings) {
   return bytes;
 }
 
-uint32_t exactTargets(std::span<const Aov> aovs) {
-  const Layout& exact = findLayout("exact");
-  uint32_t wanted = 0;
-  for (const Aov aov : aovs) {
-    if (originOf(aov) != Origin::Surface) continue;
-    for (const Place& place : sourceOf(aov).places)
-      for (size_t i = 0; i < exact.targets.size(); ++i)
-        if (exact.targets[i].name == place.target) wanted |= 1u << i;
-  }
-  return wanted;
-}
-
 uint32_t PackedOutputs::axesOf(uint32_t packing) const {
   if (packing == kPackNormal && settings_.normalFrame == NormalFrame::OpenCv) return kAxesOpenCv;
   if (packing == kPackNormal && settings_.normalFrame == NormalFrame::OpenGl) return kAxesOpenGl;
@@ -153,25 +141,25 @@ void PackedOutputs::add(const Builder& b, Origin origin, const std::function<gra
     if (!integers) bindings.sampled(second);
     const PackPush push{.frame = frame,
                         .viewBytes = to.viewBytes,
-                        .packing = from.packing,
                         .channels = channels,
                         .first = from.places[0].first,
                         .second = from.isSplit() ? from.places[1].first : kPackOneImage,
                         .axes = axesOf(from.packing),
                         .scale = scale};
-    addCompute(b,
-               {.stage = graph::Stage::Output,
-                .name = "pack",
-                .shader = integers ? "pack_ids.comp" : "pack.comp",
-                .bindings = std::move(bindings),
-                .size = size,
-                .constants = {{kSamplesConstant, samples}, {kLensConstant, lens_ ? 1u : 0u}},
-                .buffers = {{to.buffer, to.use}}},
-               [=](graph::Context& context) {
-                 PackPush filled = push;
-                 filled.values = to.address(context);
-                 return filled;
-               });
+    addCompute(
+        b,
+        {.stage = graph::Stage::Output,
+         .name = "pack",
+         .shader = integers ? "pack_ids.comp" : "pack.comp",
+         .bindings = std::move(bindings),
+         .size = size,
+         .constants = {{kSamplesConstant, samples}, {kLensConstant, lens_ ? 1u : 0u}, {kPackingConstant, from.packing}},
+         .buffers = {{to.buffer, to.use}}},
+        [=](graph::Context& context) {
+          PackPush filled = push;
+          filled.values = to.address(context);
+          return filled;
+        });
   }
 }
 

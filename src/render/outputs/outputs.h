@@ -23,7 +23,7 @@ enum class Origin {
   Picture,       // the lit picture
   LightCounts,   // a frame that counts lights
   SampleCounts,  // the picture's own frame, lit or unlit
-  Surface,       // a G-buffer in the layout `exact`, at pixel centers
+  Surface,       // the values of the layout `exact`, at pixel centers
   Motion,
   Coordinates,  // coordinates on the visible surface (surface_coordinates/surface_coordinates.h)
   Sensor,       // the host computes it from the picture (render/sensor)
@@ -36,9 +36,6 @@ bool showsPicture(const Settings& settings);      // for display or as an output
 // The texture slots of materials that the requested outputs depend on: scene::LoadOptions::textureSlots.
 uint32_t textureSlots(const Settings& settings);
 uint64_t bytesPerPixel(const Settings& settings);  // of all requested outputs
-
-// Returns the targets of the layout `exact` that these outputs need, one bit each.
-uint32_t exactTargets(std::span<const output::Aov> aovs);
 
 // The location of a submission's results until they are read.
 enum class Results {
@@ -62,13 +59,13 @@ class PackedOutputs {
   PackedOutputs(const Settings& settings, bool yUp, bool lens, const ResultArrays& arrays)
       : settings_(settings), yUp_(yUp), lens_(lens), arrays_(arrays) {}
 
-  // Adds the passes that pack the requested outputs of an origin. `image` returns a target by its name in outputs.def.
-  // `frame`: FrameConstants of the same views, required for Surface. `scale`: factor for values.
+  // Adds the passes that pack the requested outputs of an origin other than Surface. `image` returns a target by its
+  // name in outputs.def. `frame`: FrameConstants of the same views, required for Coordinates. `scale`: factor for
+  // values.
   void add(const Builder& b, Origin origin, const std::function<graph::ImageId(std::string_view)>& image,
            VkDeviceAddress frame = 0, float scale = 1);
 
-  // Returns the requested outputs of Surface for a pass that resolves surfaces and packs them itself
-  // (addGbuffer() of visibility/visibility.h).
+  // Returns the requested outputs of Surface, which addGbuffer() of visibility/visibility.h packs.
   SurfaceOutputs addSurfaces(const Builder& b, glm::uvec3 size);
 
   // Returns where a pass writes the display picture, RGBA8, with `size` texels and views.

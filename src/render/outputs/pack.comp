@@ -10,19 +10,14 @@ layout(set = 0, binding = 1) uniform sampler2DArray secondImage;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer ValuesRef { float v[]; };
 layout(push_constant, scalar) uniform Push { PackPush push; };
+layout(constant_id = kPackingConstant) const uint kPacking = 0u;  // kPack*
 
 // Returns the packed values. `texel` starts with the first channel of the output.
 vec4 packed(vec4 texel, ivec3 pixel) {
-  switch (push.packing) {
-    case kPackDepth:
-    case kPackDistance:
-      return vec4(packedMetres(push.frame, push.packing, texel.r, pixel));
-    case kPackPosition:
-      texel.rgb = packedPosition(push.frame, texel.rgb);
-      return vec4(packedInAxes(push.frame, push.axes, texel.rgb, pixel), 0.0);
+  switch (kPacking) {
     case kPackNormal:
     case kPackVector:
-      return vec4(packedInAxes(push.frame, push.axes, texel.rgb, pixel), 0.0);
+      return vec4(packedInAxes(frameView(FrameRef(push.frame).v, uint(pixel.z)), push.axes, texel.rgb), 0.0);
     case kPackCount:
       return vec4(floatBitsToUint(texel.r) == 0u ? 0.0 : 1.0);
   }

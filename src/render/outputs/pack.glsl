@@ -10,11 +10,10 @@ float packedLength(vec3 v) {
   return sqrt(squared);
 }
 
-// Returns meters, infinity for the background. `frame`: FrameConstants. `packing`: kPackDepth or kPackDistance.
-// `device`: device depth, which is measured along the ray for a lens.
-float packedMetres(uint64_t frame, uint packing, float device, ivec3 pixel) {
+// Returns meters, infinity for the background. `frame`: FrameConstants. `view`: the pixel's. `packing`: kPackDepth or
+// kPackDistance. `device`: device depth, which is measured along the ray for a lens.
+float packedMetres(uint64_t frame, View view, uint packing, float device, ivec3 pixel) {
   if (device == 0.0) return uintBitsToFloat(0x7f800000u);
-  View view = frameView(FrameRef(frame).v, uint(pixel.z));
   precise float depth = viewDepth(view.projection, device);
   if (kLens != 0u) {
     if (packing == kPackDepth) depth *= lensRay(FrameRef(frame).v, view, pixel.xy).depth;
@@ -36,10 +35,10 @@ vec3 packedPosition(uint64_t frame, vec3 v) {
 }
 
 // Converts a vector from world axes to `axes` (kAxes*).
-vec3 packedInAxes(uint64_t frame, uint axes, vec3 v, ivec3 pixel) {
+vec3 packedInAxes(View view, uint axes, vec3 v) {
   if (axes == kAxesWorld) return v;
   if (axes == kAxesGltf) return vec3(v.x, v.z, -v.y);
-  mat4x3 m = frameView(FrameRef(frame).v, uint(pixel.z)).worldToView;
+  mat4x3 m = view.worldToView;
   precise vec3 seen = m[0] * v.x + m[1] * v.y + m[2] * v.z;
   return axes == kAxesOpenCv ? vec3(seen.x, -seen.z, seen.y) : vec3(seen.x, seen.z, -seen.y);
 }

@@ -13,11 +13,12 @@ layout(set = 0, binding = 0) uniform usampler2DArray image;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer IdsRef { uint v[]; };
 layout(push_constant, scalar) uniform Push { PackPush push; };
+layout(constant_id = kPackingConstant) const uint kPacking = 0u;  // kPack*
 
 void main() {
   ivec3 pixel = ivec3(gl_GlobalInvocationID), size = textureSize(image, 0);
   if (any(greaterThanEqual(pixel.xy, size.xy))) return;
-  uint id = push.packing == kPackCount ? floatBitsToUint(float(countSurfaces(image, pixel).x))
+  uint id = kPacking == kPackCount ? floatBitsToUint(float(countSurfaces(image, pixel).x))
                                        : texelFetch(image, pixel, 0)[push.first];
   IdsRef view = IdsRef(push.values + uint64_t(pixel.z) * push.viewBytes);
   view.v[pixel.y * size.x + pixel.x] = id;

@@ -7,10 +7,9 @@
 SH_BEGIN
 
 struct PackPush {
-  uint64_t frame;      // FrameConstants; for kPackDepth, kPackDistance, kPackPosition and the camera's axes
+  uint64_t frame;      // FrameConstants; for the camera's axes
   uint64_t values;     // float[height][width][channels] per view, or uint[height][width] for ids
   uint64_t viewBytes;  // stride between views
-  uint packing;        // kPack*
   uint channels;       // number of output channels
   uint first;          // first channel in the first image
   uint second;         // channel in the second image of the output's channel 1; kPackOneImage: the first image has all
@@ -37,6 +36,14 @@ SH_CONST uint kAxesOpenGl = 3u;  // the camera's: X right, Y up, Z back
 struct OutputSlot {
   uint64_t values;  // as in PackPush
   uint64_t viewBytes;
+};
+
+// Parameters of the shaders that pack the outputs of pack_surfaces.glsl.
+SH_CONST uint kPackedAtOnce = 6u;
+struct PackSurfacesPush {
+  uint64_t frame;    // FrameConstants
+  uint64_t covered;  // CoveredTiles, if only these tiles are packed
+  OutputSlot slots[kPackedAtOnce];
 };
 
 // The source of such an output, passed as a specialization constant (surfaceOutputBits()); 0: no output. Its channels
@@ -67,6 +74,7 @@ SH_END
 
 #if defined(__cplusplus)
 static_assert(sizeof(latelight::shared::PackPush) == 48);
+static_assert(sizeof(latelight::shared::PackSurfacesPush) <= 128);
 #endif
 
 #endif

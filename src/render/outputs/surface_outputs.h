@@ -1,4 +1,5 @@
-// Data outputs that are packed where surfaces are resolved (surface_outputs.glsl), without an intermediate G-buffer.
+// Data outputs of surfaces, which visibility packs: where surfaces are resolved (surface_outputs.glsl), or from images
+// of the geometry pass (pack_surfaces.h).
 #pragma once
 
 #include <vector>

@@ -4,13 +4,14 @@
 #include "shared/color.h"
 #include "shared/tonemap.h"
 
+layout(constant_id = kTonemapConstant) const uint kTonemap = 0u;  // kTonemap*
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer PixelsRef { uint v[]; };
 
 // Returns linear display color and straight alpha, as in PNG: the color is that of the covered part only. `c` is
 // premultiplied.
 vec4 displayColor(ComposePush push, vec4 c) {
   c *= push.scale;
-  vec3 display = c.a > 0.0 ? tonemap(push.tonemap, c.rgb / c.a) : vec3(0.0);
+  vec3 display = c.a > 0.0 ? tonemap(kTonemap, c.rgb / c.a) : vec3(0.0);
   float alpha = c.a + push.background.a * (1.0 - c.a);
   if (alpha > 0.0) display = mix(push.background.rgb, display, c.a / alpha);
   return vec4(display, alpha);

@@ -9,15 +9,15 @@ SH_BEGIN
 struct ComposePush {
   uint64_t pixels;     // uint[height][width] per view, R in the lowest byte
   uint64_t viewBytes;  // stride from one view to the next
+  uint64_t covered;    // CoveredTiles, if only these tiles are composed
   float scale;         // 1 / number of accumulated frames
-  uint tonemap;        // kTonemap*
   vec4 background;     // linear display color; alpha 0: transparent
 };
 
 SH_END
 
 #if defined(__cplusplus)
-static_assert(sizeof(latelight::shared::ComposePush) == 40);
+static_assert(sizeof(latelight::shared::ComposePush) == 48);
 #endif
 
 #endif

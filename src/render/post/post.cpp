@@ -25,14 +25,15 @@ ComposeSettings composeSettings(const Settings& s, float scale) {
 }  // namespace
 
 FinishedPicture finishPicture(const Builder& b, graph::ImageId picture, float scale, const Settings& settings,
-                              const std::optional<ResultTarget>& display) {
+                              const std::optional<ResultTarget>& display, graph::BufferId covered) {
   FinishedPicture result{.linear = picture, .scale = scale};
   if (settings.bloom > 0) {
     result.linear = addBloom(b, picture, bloomParameters(settings, scale));
     result.scale = 1;
   }
   if (!display) return result;
-  const ComposeSettings compose = composeSettings(settings, result.scale);
+  ComposeSettings compose = composeSettings(settings, result.scale);
+  if (result.linear == picture) compose.covered = covered;
   if (settings.aa.fxaa)
     addFxaa(b, result.linear, compose, *display);
   else

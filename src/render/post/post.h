@@ -16,8 +16,8 @@ struct FinishedPicture {
 };
 
 // `scale` is 1 / number of frames summed in `picture`. `display` is the destination of the finished picture, as written
-// by addCompose(); if none, only the linear picture is computed.
+// by addCompose(); if none, only the linear picture is computed. `covered`: as in ComposeSettings, of `picture`.
 FinishedPicture finishPicture(const Builder& b, graph::ImageId picture, float scale, const Settings& settings,
-                              const std::optional<ResultTarget>& display);
+                              const std::optional<ResultTarget>& display, graph::BufferId covered = {});
 
 }  // namespace latelight::render

@@ -1,5 +1,7 @@
 #include "render/post/resolve.h"
 
+#include "render/base/pixel_group.h"
+#include "render/frame/covered_tiles.h"
 #include "render/post/accumulate_push.h"
 
 namespace latelight::render {
@@ -17,11 +19,30 @@ void addAccumulate(const Builder& b, graph::ImageId frame, graph::ImageId sum, b
 }
 
 shared::ComposePush composePush(const ComposeSettings& settings, VkDeviceAddress pixels, uint64_t viewBytes) {
-  return {pixels, viewBytes, settings.scale, settings.tonemap, settings.background};
+  return {.pixels = pixels, .viewBytes = viewBytes, .scale = settings.scale, .background = settings.background};
 }
 
 void addCompose(const Builder& b, graph::ImageId picture, const ComposeSettings& settings, const ResultTarget& to) {
-  addFinalPass(b, "compose", picture, settings, to);
+  // Without a background color the picture's code is 0 where nothing is drawn.
+  const graph::BufferId covered = settings.background.a == 0 ? settings.covered : graph::BufferId{};
+  const glm::uvec3 size = texels(b.graph, picture);
+  if (covered) addFill(b, to, uint64_t{4} * size.x * size.y, size.z, {{0}});
+  const uint32_t rows = covered ? shared::kPixelGroupY : 16;
+  ComputePass pass{.stage = graph::Stage::Post,
+                   .name = "compose",
+                   .shader = "compose.comp",
+                   .bindings = Bindings(b.device).sampled(picture),
+                   .size = size,
+                   .constants = {tonemapConstant(settings), {kComposedRowsConstant, rows}},
+                   .buffers = {{to.buffer, covered ? graph::Use::StorageReadWrite : to.use}},
+                   .groupY = rows,
+                   .fullImage = true};
+  restrictTo(covered, pass);
+  addCompute(b, std::move(pass), [=](graph::Context& context) {
+    shared::ComposePush push = composePush(settings, to.address(context), to.viewBytes);
+    push.covered = coveredAddress(covered, context);
+    return push;
+  });
 }
 
 void addFinalPass(const Builder& b, const std::string& name, graph::ImageId picture, const ComposeSettings& settings,
@@ -32,6 +53,7 @@ void addFinalPass(const Builder& b, const std::string& name, graph::ImageId pict
               .shader = name + ".comp",
               .bindings = Bindings(b.device).sampled(picture),
               .size = texels(b.graph, picture),
+              .constants = {tonemapConstant(settings)},
               .buffers = {{to.buffer, to.use}},
               .fullImage = true},
              [=](graph::Context& context) { return composePush(settings, to.address(context), to.viewBytes); });

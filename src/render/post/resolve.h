@@ -16,6 +16,7 @@ void addAccumulate(const Builder& b, graph::ImageId frame, graph::ImageId sum, b
 struct ComposeSettings {
   float scale = 1;          // factor for the picture: 1 / number of accumulated frames
   uint32_t tonemap = 0;     // kTonemap*
+  graph::BufferId covered;  // tiles outside of which the picture is 0 (frame/covered_tiles.h); null: unknown
   glm::vec4 background{0};  // linear display color; alpha 0: transparent
 };
 // `pixels` is the address of the first view's pixels, and `viewBytes` the stride to those of the next view.
@@ -27,5 +28,9 @@ void addCompose(const Builder& b, graph::ImageId picture, const ComposeSettings&
 // compose.glsl.
 void addFinalPass(const Builder& b, const std::string& name, graph::ImageId picture, const ComposeSettings& settings,
                   const ResultTarget& to);
+// The constant of displayColor().
+inline vk::Constant tonemapConstant(const ComposeSettings& settings) {
+  return {kTonemapConstant, settings.tonemap};
+}
 
 }  // namespace latelight::render

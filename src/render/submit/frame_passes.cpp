@@ -56,6 +56,16 @@ Shadows addShadows(const FrameContext& f, const Gbuffer& g) {
   return {atlas, drawsPages(f) ? ShadowMapState::Paged : ShadowMapState::Complete};
 }
 
+// Returns the tiles outside of which the light target is 0 after the frame. The geometry pass clears it there if it
+// writes it and has one sample per pixel.
+graph::BufferId litTiles(const FrameContext& f, const Gbuffer& g) {
+  const FrameConfig& s = f.setup;
+  const bool cleared = !s.lighting->forward && s.samples == 1 && !g.targets.empty();
+  const bool everywhere = f.environmentBackground || s.fog || s.ground || s.countLights;
+  const bool traced = s.lighting->traces || s.indirect || s.rayShadows;
+  return cleared && !everywhere && !traced ? g.visible.covered : graph::BufferId{};
+}
+
 }  // namespace
 
 LitFrame addOpaque(const FrameContext& f) {
@@ -71,6 +81,7 @@ LitFrame addLit(const FrameContext& f, const VisibilityBuffer& visible) {
   g.lightCounts = createCounts(f);
   g.forLighting = !f.setup.countLights && !f.setup.ambientOcclusion && !f.setup.sunInGbuffer;
   if (!f.setup.lighting->forward) g = addGbuffer(f, std::move(g));
+  g.covered = litTiles(f, g);
   const Shadows shadows = addShadows(f, g);
   g.shadows = shadows.atlas;
   g.ambientOcclusion = addAmbientOcclusion(f, g);

@@ -102,9 +102,10 @@ LitFrame FrameGraphBuilder::addPicture(const SurfaceOutputs* outputs) {
   setup.outputs = outputs;
   setup.countLights = isSteady() && requestsOutput(settings_, Origin::LightCounts);
   const FrameContext f = litContext(jittered(), setup);
-  const LitFrame lit = isSteady() ? addLit(f, steadyVisible()) : addOpaque(f);
+  LitFrame lit = isSteady() ? addLit(f, steadyVisible()) : addOpaque(f);
   shadowState_ = lit.shadowState;
   addTransparency(f, lit.gbuffer);
+  if (anyBlended(f)) lit.gbuffer.covered = {};  // they are visible outside of these tiles, too
   return lit;
 }
 
@@ -134,7 +135,8 @@ void FrameGraphBuilder::finish(const PictureSum& sum, TemporalHistory* history, 
   if (showsPicture(settings_)) {
     const graph::ImageId picture =
         sum.complete ? graph_.import(sum.image, graph::Use::StorageReadWrite) : addLastFrame(sum, history, continues);
-    addPost(picture, history ? 1 : sum.count);
+    const bool ofLastFrame = lit_ && picture == lit_->picture;
+    addPost(picture, history ? 1 : sum.count, ofLastFrame ? lit_->gbuffer.covered : graph::BufferId{});
   }
   if (requestsOutput(settings_, Origin::LightCounts)) addLightCounts();
   if (requestsOutput(settings_, Origin::SampleCounts)) addSampleCounts();
@@ -151,11 +153,13 @@ void FrameGraphBuilder::update(const ViewsInTime& views) {
     if (*set) (*set)->update(views);
 }
 
-void FrameGraphBuilder::addPost(graph::ImageId picture, uint32_t count) {
+// `covered`: tiles outside of which the picture is 0.
+void FrameGraphBuilder::addPost(graph::ImageId picture, uint32_t count, graph::BufferId covered) {
   const Builder b{state_.device, graph_};
   std::optional<ResultTarget> display;
   if (settings_.display) display = outputs_.addDisplay(b, texels(graph_, picture));
-  const FinishedPicture finished = finishPicture(b, picture, 1.0f / static_cast<float>(count), settings_, display);
+  const FinishedPicture finished =
+      finishPicture(b, picture, 1.0f / static_cast<float>(count), settings_, display, covered);
   outputs_.add(
       b, Origin::Picture, [&](std::string_view) { return finished.linear; }, 0, finished.scale);
   if (settings_.countSurfaces && lit_ && lit_->gbuffer.surfaces)
@@ -201,8 +205,8 @@ bool FrameGraphBuilder::showsBlendedData() {
 
 // Returns true if the picture's own frame resolves exactly the surfaces that the data outputs describe.
 bool FrameGraphBuilder::packsWithPicture() {
-  return requestsOutput(settings_, Origin::Surface) && rastersInCompute(settings_) && !settings_.lighting->forward &&
-         settings_.layout->hasTargets() && isSteady() && !showsBlendedData();
+  return requestsOutput(settings_, Origin::Surface) && !settings_.lighting->forward && settings_.layout->hasTargets() &&
+         isSteady() && !showsBlendedData();
 }
 
 const SurfaceOutputs* FrameGraphBuilder::packSurfaces() {
@@ -229,25 +233,10 @@ void FrameGraphBuilder::addData() {
   outputs_.add(f, Origin::Motion, [&](std::string_view) { return motion; });
 }
 
-// Packs outputs where surfaces are resolved or, with hardware, from a separate G-buffer in the layout `exact`, which
-// has only the targets that the requested outputs need.
+// Packs outputs without a picture, where surfaces are resolved or evaluated.
 void FrameGraphBuilder::addSurfaceData(ViewSet& set, const VisibilityBuffer& visible) {
-  FrameConfig setup{.layout = &findLayout("exact"), .targets = 0};
-  Gbuffer gbuffer = gbufferOf(visible);
-  if (visible.ids) {
-    setup.outputs = packSurfaces();
-    addGbuffer(set.frame(graph_, setup), gbuffer);
-    return;
-  }
-  setup.targets = exactTargets(settings_.aovs);
-  const FrameContext f = set.frame(graph_, setup);
-  if (setup.targets) gbuffer = addGbuffer(f, std::move(gbuffer));
-  const auto target = [&](std::string_view name) {
-    for (size_t i = 0; i < gbuffer.targets.size(); ++i)
-      if (setup.layout->targets[i].name == name) return gbuffer.targets[i];
-    return gbuffer.depth;
-  };
-  outputs_.add(f, Origin::Surface, target, f.constants);
+  const FrameConfig setup{.layout = &findLayout("exact"), .targets = 0, .outputs = packSurfaces()};
+  addGbuffer(set.frame(graph_, setup), gbufferOf(visible));
 }
 
 void FrameGraphBuilder::addCoordinates(ViewSet& set, const VisibilityBuffer& visible) {

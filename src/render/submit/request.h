@@ -55,7 +55,7 @@ class FrameGraphBuilder {
   FrameContext litContext(const ViewSet& set, const FrameConfig& setup);
   LitFrame addPicture(const SurfaceOutputs* outputs = nullptr);
   graph::ImageId addLastFrame(const PictureSum& sum, TemporalHistory* history, bool continues);
-  void addPost(graph::ImageId picture, uint32_t count);
+  void addPost(graph::ImageId picture, uint32_t count, graph::BufferId covered);
   void addLightCounts();
   void addSampleCounts();
   bool showsBlendedData();

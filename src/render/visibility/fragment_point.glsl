@@ -28,8 +28,27 @@ SLOTS(DECLARE)
 // It is an array of one element, indexed by a 0 that no compiler can fold (no address has its highest bit set).
 // Otherwise lavapipe compiles a shader variant for the material's values at every draw and never frees it. Other
 // devices use a constant index, because the dynamic one slows down the geometry pass.
+//
+// On lavapipe the dynamic index makes each word a gather of all lanes. Members that decide no branch are therefore read
+// with a constant index there as well: a variant depends only on values in conditions.
 layout(set = 2, binding = 0, scalar) uniform MaterialUniform { Material materials[1]; };
-Material drawMaterial() { return materials[kCpuDevice != 0u ? uint(push.frame >> 63) : 0u]; }
+Material drawMaterial() {
+  if (kCpuDevice == 0u) return materials[0];
+  uint index = uint(push.frame >> 63);
+  Material m = materials[index];
+#ifndef COATED
+  m.baseColor = materials[0].baseColor;
+  m.emissive = materials[0].emissive;
+  m.normalScale = materials[0].normalScale;
+  m.occlusionStrength = materials[0].occlusionStrength;
+  m.id = materials[0].id;
+#define CONSTANT_TRANSFORM(n)                                \
+  m.transforms[n].row0 = materials[0].transforms[n].row0; \
+  m.transforms[n].row1 = materials[0].transforms[n].row1;
+  PLAIN_SLOTS(CONSTANT_TRANSFORM)
+#endif
+  return m;
+}
 
 #ifdef MULTISAMPLED
 // Attributes are evaluated at the center of the covered samples, as in the compute resolve. The pixel's center may lie
@@ -68,7 +87,11 @@ SurfacePoint fragmentPoint() {
   p.color = INSIDE(varyingColor);
   p.facing = gl_FrontFacing ? 1.0 : -1.0;
   p.instance = varyingInstance;
+#ifdef DRAW_NUMBERS
+  p.mesh = varyingNumbers.z;
+#else
   p.mesh = frameInstance(FrameRef(push.frame).v, varyingInstance).mesh;
+#endif
   p.triangle = uint(gl_PrimitiveID) / (kVastDraw != 0u ? kVastFan : 1u);
   return p;
 }

@@ -4,6 +4,7 @@
 #include "base/parallel.h"
 #include "render/frame/lit_maps.h"
 #include "render/gbuffer/layout.h"
+#include "render/outputs/pack_surfaces.h"
 #include "render/transparency/transparency.h"
 #include "render/visibility/sample_surfaces.h"
 #include "vk/features.h"
@@ -11,6 +12,8 @@
 namespace latelight::render {
 
 namespace {
+
+constexpr size_t kMaxColors = 8;  // color attachments, which vk/choose.cpp requires
 
 // The format of a target that the shader declares but no pass reads: small, and nothing is written to it.
 VkFormat unusedFormat(VkFormat wanted) {
@@ -117,11 +120,37 @@ VisibilityBuffer HardwareVisibility::addVisibility(const FrameContext& f) const 
   return {f.setup.samples > 1 ? addDepthResolve(f, depth) : depth, depth};
 }
 
+// Data outputs are packed from further color attachments of the same pass. If too few are left, a second pass writes
+// these, with a layout of one target that it does not write.
 Gbuffer HardwareVisibility::addGbuffer(const FrameContext& f, Gbuffer gbuffer) const {
+  const SurfaceOutputs* outputs = f.setup.outputs;
+  if (!outputs) return addTargets(f, std::move(gbuffer), {}).gbuffer;
+  const std::vector<uint32_t> words = dataWordsOf(*outputs);
+  const bool together = f.setup.samples == 1 && f.setup.layout->targets.size() + 1 + words.size() <= kMaxColors;
+  FrameContext separate = f;
+  separate.setup.outputs = nullptr;
+  std::vector<graph::ImageId> images;
+  if (together && writtenTargets(f.setup, gbuffer) != 0) {
+    WrittenTargets written = addTargets(f, std::move(gbuffer), words);
+    gbuffer = std::move(written.gbuffer);
+    images = std::move(written.data);
+  } else {
+    if (writtenTargets(f.setup, gbuffer) != 0) gbuffer = addTargets(separate, std::move(gbuffer), {}).gbuffer;
+    separate.setup.layout = &findLayout("compact");
+    separate.setup.targets = 0;
+    if (!words.empty()) images = addTargets(separate, gbufferOf(gbuffer.visible), words).data;
+  }
+  addPackedSurfaces(f, gbuffer.visible, *outputs, words, images);
+  return gbuffer;
+}
+
+HardwareVisibility::WrittenTargets HardwareVisibility::addTargets(const FrameContext& f, Gbuffer gbuffer,
+                                                                  std::span<const uint32_t> words) const {
   const Layout& layout = *f.setup.layout;
   vk::GraphicsDesc desc = depthTestedDesc(f.setup);
   if (layout.keepsMotion) desc.vertex = "scene_motion.vert";
-  desc.fragment = f.setup.variant({"geometry.frag", layout.file});
+  desc.fragment = words.empty() ? f.setup.variant({"geometry.frag", layout.file})
+                                : vk::ShaderKey("geometry_data.frag", layout.file);
   desc.name = "geometry " + layout.name;
   const auto lightTarget = static_cast<uint32_t>(layout.targets.size());
   desc.colorsWritten = writtenTargets(f.setup, gbuffer);
@@ -135,9 +164,19 @@ Gbuffer HardwareVisibility::addGbuffer(const FrameContext& f, Gbuffer gbuffer) c
   if (!gbuffer.sampleLight) gbuffer.sampleLight = createTarget(f, unusedFormat(kLightFormat), "no light");
   std::vector<graph::ImageId> colors = gbuffer.targets;
   colors.push_back(gbuffer.sampleLight);
+  WrittenTargets written;
+  addDataWords(words, desc.constants);
+  for (size_t i = 0; i < words.size(); ++i) {
+    written.data.push_back(createTarget(f, VK_FORMAT_R32G32B32A32_UINT, "data"));
+    desc.colorsWritten |= 1u << colors.size();
+    colors.push_back(written.data.back());
+  }
+  // The shader declares the remaining attachments as well.
+  while (!words.empty() && colors.size() < kMaxColors) colors.push_back(createTarget(f, VK_FORMAT_R8_UINT, "no data"));
   addSolid(f, graph::Stage::Geometry, desc, Bindings(f.device), gbuffer.sampleDepth, colors);
   if (f.setup.samples > 1) gbuffer.surfaces = addSampleSurfaces(f, gbuffer);
-  return gbuffer;
+  written.gbuffer = std::move(gbuffer);
+  return written;
 }
 
 graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, const VisibilityBuffer& visible,

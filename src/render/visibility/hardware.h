@@ -37,6 +37,12 @@ class HardwareVisibility {
                     std::span<const vk::BoundImage> images = {}) const;
 
  private:
+  struct WrittenTargets {
+    Gbuffer gbuffer;
+    std::vector<graph::ImageId> data;  // one per element of `words`
+  };
+  // Adds the geometry pass. `words`: dataWordsOf() the outputs that it also writes.
+  WrittenTargets addTargets(const FrameContext& f, Gbuffer gbuffer, std::span<const uint32_t> words) const;
   DeviceDraws select(DrawOrder::Kind kind, std::span<const shared::View> views) const;
 
   vk::Device& device_;

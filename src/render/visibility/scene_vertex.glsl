@@ -114,6 +114,10 @@ void setVastVaryings(Instance instance, Mesh mesh, VastVertex vertex) {
   varyingColor = weights.x * extras[0].color + weights.y * extras[1].color + weights.z * extras[2].color;
 }
 
+uvec4 drawNumbers(Instance instance) {
+  return uvec4(instance.id, instance.part, instance.mesh, floatBitsToUint(FrameRef(push.frame).v.exposure));
+}
+
 void vastMain(Instance instance) {
   FrameConstants frame = FrameRef(push.frame).v;
   Mesh mesh = frameMesh(frame, instance.mesh);
@@ -121,6 +125,7 @@ void vastMain(Instance instance) {
   setVastVaryings(instance, mesh, vertex);
   varyingPosition = vertex.relative + inEye;
   varyingInstance = inInstance;
+  varyingNumbers = drawNumbers(instance);
 #ifdef FRAGMENT_ORDER
   varyingDrawn = gl_InstanceIndex;
 #endif
@@ -150,6 +155,7 @@ void main() {
     varyingColor = extra.color;
   }
   varyingInstance = inInstance;
+  varyingNumbers = drawNumbers(instance);
 #ifdef FRAGMENT_ORDER
   varyingDrawn = gl_InstanceIndex;
 #endif

@@ -25,4 +25,9 @@ layout(location = 2) VARYING vec4 varyingTangent;   // world space, not unit; w:
 layout(location = 3) VARYING vec4 varyingUv;        // UV sets 0 and 1
 layout(location = 4) VARYING vec4 varyingColor;
 layout(location = 5) flat VARYING uint varyingInstance;
+#if defined(VERTEX_STAGE) || defined(DRAW_NUMBERS)
+// Values that every fragment of an instance would otherwise load by address: the ids of the instance and of its part,
+// its mesh, and the bits of the exposure. A fragment shader defines DRAW_NUMBERS before the include to read them.
+layout(location = 10) flat VARYING uvec4 varyingNumbers;
+#endif
 #endif

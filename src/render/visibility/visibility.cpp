@@ -1,13 +1,17 @@
 #include "render/visibility/visibility.h"
 
 #include "base/error.h"
+#include "render/frame/covered_tiles.h"
 #include "render/visibility/compute/compute.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
 
 VisibilityBuffer addVisibility(const FrameContext& f) {
-  return std::visit([&](const auto& technique) { return technique.addVisibility(f); }, f.visibility);
+  VisibilityBuffer visible =
+      std::visit([&](const auto& technique) { return technique.addVisibility(f); }, f.visibility);
+  if (f.setup.samples == 1) visible.covered = addCoveredTiles(f, visible.pixels);
+  return visible;
 }
 
 Gbuffer addGbuffer(const FrameContext& f, Gbuffer gbuffer) {

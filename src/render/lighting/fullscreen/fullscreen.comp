@@ -4,6 +4,7 @@
 // Deferred shading without light culling: reads the G-buffer and shades every pixel with every light. Output: the lit
 // picture in lightTarget, and the numbers of lights tested and used in lightCounts.
 #include "render/glsl/common.glsl"
+#include "render/glsl/covered_tiles.glsl"
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lights.glsl"
 #include "render/glsl/lit_pixel.glsl"
@@ -17,7 +18,8 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
 
 void main() {
   bindSurfaces(push.frame, push.shown);
-  ivec3 place = ownPixel();
-  bool lit = lightPixel(frameOf(push.frame, gl_WorkGroupID.z), place);
+  uvec3 block = ownBlock(push.covered);
+  ivec3 place = pixelOf(block);
+  bool lit = lightPixel(uniformFrame(push.frame, block.z), place);
   writeCounts(place, lit, lightCount());
 }

@@ -1,6 +1,7 @@
 // fullscreen: deferred shading in one compute pass, which evaluates every light at every pixel: O(pixels x lights). It
 // is the reference against which every other technique is compared.
 #include "base/error.h"
+#include "render/frame/covered_tiles.h"
 #include "render/lighting/lighting_push.h"
 #include "render/lighting/lighting_shader.h"
 #include "render/lighting/technique.h"
@@ -18,9 +19,11 @@ LightLists add(const FrameContext& f, const Gbuffer& gbuffer) {
   if (lights > most)
     badUsage("fullscreen supports at most {} lights on a CPU device, but there are {}: choose tiled or clustered", most,
              lights);
-  addCompute(f, lightingPass(f, gbuffer, "lighting fullscreen", "fullscreen.comp"),
-             [frame = f.constants, visible = gbuffer.visible](graph::Context& context) {
-               return shared::LightingPush{frame, surfacePush(visible, context)};
+  ComputePass lighting = lightingPass(f, gbuffer, "lighting fullscreen", "fullscreen.comp");
+  restrictTo(gbuffer.covered, lighting);
+  addCompute(f, std::move(lighting),
+             [frame = f.constants, covered = gbuffer.covered, visible = gbuffer.visible](graph::Context& context) {
+               return shared::LightingPush{frame, coveredAddress(covered, context), surfacePush(visible, context)};
              });
   return {};
 }

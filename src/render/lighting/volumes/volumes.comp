@@ -25,4 +25,4 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
 #endif
 }
 
-void main() { lightPixel(frameOf(push.frame, gl_WorkGroupID.z), ownPixel()); }
+void main() { lightPixel(uniformFrame(push.frame, gl_WorkGroupID.z), ownPixel()); }

@@ -15,7 +15,8 @@ void addFxaa(const Builder& b, graph::ImageId picture, const ComposeSettings& se
               .name = "compose",
               .shader = "fxaa_input.comp",
               .bindings = Bindings(b.device).sampled(picture).storage(display, graph::Use::StorageWrite),
-              .size = size},
+              .size = size,
+              .constants = {tonemapConstant(settings)}},
              composePush(settings, 0, 0));
   addFinalPass(b, "fxaa", display, settings, to);
 }

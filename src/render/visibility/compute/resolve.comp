@@ -64,7 +64,7 @@ void resolve(FrameConstants frame, View view, ivec3 pixel, uint samples) {
   ivec3 texel = sampleLayer(pixel, uint(findLSB(samples)));
   if (id == 0u) {
     store(texel, emptyTexel(), vec4(0.0));
-    if (kPacksOutputs) writeOutputs(push.frame, push.outputs, noTargets(), 0.0, pixel, int(view.size.x));
+    if (kPacksOutputs) writeOutputs(push.frame, view, push.outputs, noTargets(), 0.0, pixel, int(view.size.x));
     return;
   }
 #ifndef TEXTURES_BY_INDEX
@@ -79,7 +79,7 @@ void resolve(FrameConstants frame, View view, ivec3 pixel, uint samples) {
   SurfacePoint p = visiblePoint(frame, view, t, place);
   Surface s = evaluateMaterial(frame, frameMaterial(frame, frameInstance(frame, t.draw.instance).material), p);
   if (kPacksOutputs)
-    writeOutputs(push.frame, push.outputs, exactTargets(s), visibleDepth(visible), pixel, int(view.size.x));
+    writeOutputs(push.frame, view, push.outputs, exactTargets(s), visibleDepth(visible), pixel, int(view.size.x));
   vec4 light = emittedLight(frame, s);
   s = storedSurface(s);
 #ifdef GBUFFER_KEEPS_MOTION

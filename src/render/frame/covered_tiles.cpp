@@ -1,0 +1,55 @@
+#include "render/frame/covered_tiles.h"
+
+#include <algorithm>
+#include <array>
+
+#include "render/base/pixel_group.h"
+#include "render/frame/covered_tiles_push.h"
+
+namespace latelight::render {
+
+namespace {
+
+constexpr uint32_t kInvocations = 128;  // covered_tiles.comp, with a tile per subgroup
+
+uint32_t countAlong(uint32_t pixels, uint32_t tile) {
+  return (pixels + tile - 1) / tile;
+}
+
+}  // namespace
+
+graph::BufferId addCoveredTiles(const FrameContext& f, graph::ImageId depth) {
+  using namespace shared;  // CoveredTiles, kPixelGroup*
+  const uint32_t across = countAlong(f.width, kPixelGroupX), down = countAlong(f.height, kPixelGroupY);
+  constexpr uint32_t kMaxViews = 1u << (32 - 2 * kTileBits);
+  if (!f.device.hasCpuShaders() || across > kTileMask || down > kTileMask || f.viewCount() > kMaxViews) return {};
+  const uint64_t bytes = kCoveredTilesBytes + sizeof(uint32_t) * uint64_t{across} * down * f.viewCount();
+  const graph::BufferId covered =
+      addSmallBuffer(f, graph::Stage::Visibility, "clear covered tiles", bytes, {}, [](graph::Context&) {
+        return std::array{CoveredTiles{.groups = {0, 0, 1}, .count = 0}};
+      });
+  addCompute(f,
+             {.stage = graph::Stage::Visibility,
+              .name = "covered tiles",
+              .shader = "covered_tiles.comp",
+              .bindings = Bindings(f.device).sampled(depth),
+              .size = {across, down, f.viewCount()},
+              .buffers = {{covered, graph::Use::StorageReadWrite}},
+              .groupX = std::max(1u, kInvocations / f.device.subgroupSize()),
+              .groupY = 1},
+             [covered](graph::Context& context) { return CoveredTilesPush{context.buffer(covered).address()}; });
+  return covered;
+}
+
+void restrictTo(graph::BufferId covered, ComputePass& pass) {
+  if (!covered) return;
+  pass.groups = covered;
+  pass.buffers.emplace_back(covered, graph::Use::StorageRead);
+  pass.constants.push_back({kCoveredTilesConstant, 1});
+}
+
+VkDeviceAddress coveredAddress(graph::BufferId covered, graph::Context& context) {
+  return covered ? context.buffer(covered).address() : 0;
+}
+
+}  // namespace latelight::render
