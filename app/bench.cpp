@@ -160,9 +160,11 @@ void runViews(BenchArguments& a, bool inWorlds) {
   o.settings.display = o.aovs.empty();
   onDevice(o, [&](vk::Device& device) {
     inScene(device, o, o.scene, [&](auto& renderer, const auto& scene, const auto& camera, const auto& moment) {
-      const auto measure = inWorlds ? &study::benchWorlds : &study::benchViews;
-      const uint32_t count = inWorlds ? a.worlds : a.views;
-      print(device, measure(renderer, scene, camera, moment.poses, o.settings, count, a.options), o.json);
+      print(device,
+            inWorlds
+                ? study::benchWorlds(device, renderer, scene, camera, moment.poses, o.settings, a.worlds, a.options)
+                : study::benchViews(renderer, scene, camera, moment.poses, o.settings, a.views, a.options),
+            o.json);
     });
   });
 }

@@ -319,7 +319,7 @@ struct Executor::Impl {
   explicit Impl(vk::Device& device) : labels(device.instance()), pool(std::make_shared<SubmissionPool>(device)) {}
   void finishOldest();
   void finishDone();
-  void begin();
+  void begin(size_t most = kInFlight);
   std::shared_ptr<RecordedGraph> prepare(const Graph& graph, Plan& plan);
   void materialize(const Graph& graph, Plan& plan, RecordedGraph& recorded);
   void record(const Graph& graph, const Plan& plan, RecordedGraph& recorded, VkCommandBuffer buffer);
@@ -346,9 +346,9 @@ void Executor::Impl::finishDone() {
   while (!inFlight.empty() && pool->device.finished(inFlight.front()->value)) finishOldest();
 }
 
-// Prepares for another submission.
-void Executor::Impl::begin() {
-  while (inFlight.size() >= kInFlight) finishOldest();
+// Prepares for another submission, before which at most `most` - 1 may be in flight.
+void Executor::Impl::begin(size_t most) {
+  while (inFlight.size() >= most) finishOldest();
   finishDone();
   pool->transients.tick();
   pool->constants->tick();
@@ -461,7 +461,7 @@ std::shared_ptr<RecordedGraph> Executor::record(const Graph& graph, const Plan& 
 }
 
 Submission Executor::submit(const std::shared_ptr<RecordedGraph>& recorded) {
-  impl_->begin();
+  impl_->begin(kRecordedInFlight);
   impl_->pool->transients.use(*recorded->placement);
   return impl_->submit(recorded, [&](VkCommandBuffer buffer) { recorded->commands->execute(buffer); });
 }

@@ -265,7 +265,8 @@ TransientBytes transientBytes(vk::Device& device, const Graph& graph, const Plan
 // Runs graphs on a device. It keeps transient images and buffers from one submission to the next.
 class Executor {
  public:
-  static constexpr size_t kInFlight = 3;  // maximum submissions in flight; a further one waits for the oldest
+  static constexpr size_t kInFlight = 3;           // maximum submissions in flight; a further one waits for the oldest
+  static constexpr size_t kRecordedInFlight = 64;  // the same before a recorded graph, which needs no further memory
 
   explicit Executor(vk::Device& device);
   ~Executor();

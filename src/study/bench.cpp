@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
@@ -14,7 +15,9 @@
 
 #include "base/stopwatch.h"
 #include "render/submit/raster_choice.h"
+#include "render/submit/session.h"
 #include "scene/builtin/builtin.h"
+#include "scene/file_frame.h"
 #include "scene/load/load.h"
 #include "study/pass_samples.h"
 
@@ -112,9 +115,10 @@ TimedViews timeViews(render::Renderer& renderer, std::span<const scene::Camera> 
   return {std::move(ticket), host, 1000 * stopwatch.seconds()};
 }
 
-// Adds rows for one raster. momentOf(run) returns the scene's state in a run, which is not part of the time.
+// Adds rows for one raster, which renders `views` views. momentOf(run) returns the scene's state in a run, which is not
+// part of the time.
 template <typename MomentOf>
-void addViews(Table& table, render::Renderer& renderer, std::span<const scene::Camera> cameras,
+void addViews(Table& table, render::Renderer& renderer, std::span<const scene::Camera> cameras, size_t views,
               const render::Settings& settings, const BenchOptions& options, const MomentOf& momentOf) {
   constexpr uint32_t kWarm = 4;
   uint32_t number = 0;
@@ -135,7 +139,7 @@ void addViews(Table& table, render::Renderer& renderer, std::span<const scene::C
   for (const std::string& pass : passes.names) table.rows.push_back({name, pass, median(passes.of.at(pass)), "", ""});
   table.rows.push_back({name, std::string("host, until submitted"), median(host), spread(host), ""});
   table.rows.push_back({name, std::string("all, until done"), median(samples), spread(samples),
-                        1000 * static_cast<double>(cameras.size()) / median(samples)});
+                        1000 * static_cast<double>(views) / median(samples)});
 }
 
 // The states of worlds in one run: instances turn about their own vertical axes.
@@ -148,6 +152,38 @@ render::WorldStates turningWorlds(const scene::Scene& scene, uint32_t count, uin
       const double angle = 0.1 * std::sin(1.0 + world + 0.3 * run + instance);
       worlds.transforms.push_back(glm::rotate(scene.instances[instance].toWorld, angle, glm::dvec3(0, 1, 0)));
     }
+  return worlds;
+}
+
+// Appends a matrix row by row.
+void append(std::vector<double>& rows, const glm::dmat4& matrix) {
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) rows.push_back(matrix[column][row]);
+}
+
+// The same states, and a camera per world, as arrays on the device, which shaders convert.
+render::WorldStates turningWorldsOnDevice(vk::Device& device, const scene::Scene& scene,
+                                          std::span<const scene::Camera> cameras, uint32_t run) {
+  const auto count = static_cast<uint32_t>(cameras.size());
+  render::WorldStates worlds = turningWorlds(scene, count, run);
+  const glm::dmat4 fileFromWorld = glm::inverse(scene::worldFromFile(scene));
+  std::vector<double> transforms, poses;
+  for (const glm::dmat4& transform : worlds.transforms) append(transforms, fileFromWorld * transform);
+  for (const scene::Camera& camera : cameras) append(poses, render::openCvPose(camera, scene, false));
+  worlds.transforms.clear();
+  render::WorldInputs& inputs = worlds.inputs.emplace();
+  inputs.cameras = {cameras.front()};
+  vk::Uploader uploader(device);
+  const auto give = [&](const std::vector<double>& numbers, const char* name) {
+    const auto bytes = std::as_bytes(std::span(numbers));
+    const auto buffer = std::make_shared<const vk::Buffer>(device, vk::BufferDesc{.size = bytes.size(), .name = name});
+    uploader.upload(*buffer, bytes);
+    inputs.memory.push_back(buffer);
+    return render::WorldArray{.address = buffer->address(), .doubles = true};
+  };
+  inputs.transforms = give(transforms, "transforms");
+  inputs.cameraToWorld = give(poses, "poses");
+  uploader.flush();
   return worlds;
 }
 
@@ -165,21 +201,29 @@ Table benchViews(render::Renderer& renderer, const scene::Scene& scene, const sc
   for (const Raster raster : rastersOf(settings)) {
     render::Settings s = settings;
     s.raster = raster;
-    addViews(table, renderer, cameras, s, options, [&](uint32_t) { return render::SceneState{.poses = poses}; });
+    addViews(table, renderer, cameras, cameras.size(), s, options,
+             [&](uint32_t) { return render::SceneState{.poses = poses}; });
   }
   return table;
 }
 
-Table benchWorlds(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                  const render::Poses& poses, const render::Settings& settings, uint32_t count,
-                  const BenchOptions& options) {
+Table benchWorlds(vk::Device& device, render::Renderer& renderer, const scene::Scene& scene,
+                  const scene::Camera& camera, const render::Poses& poses, const render::Settings& settings,
+                  uint32_t count, const BenchOptions& options) {
   std::vector<scene::Camera> cameras = allAround(scene, camera, count);
   for (uint32_t world = 0; world < count; ++world) cameras[world].world = world;
   Table table = viewsTable("worlds");
   for (const Raster raster : rastersOf(settings)) {
     render::Settings s = settings;
     s.raster = raster;
-    addViews(table, renderer, cameras, s, options, [&](uint32_t run) {
+    if (renderer.placesWorlds(s, cameras)) {
+      const std::array states{turningWorldsOnDevice(device, scene, cameras, 0),
+                              turningWorldsOnDevice(device, scene, cameras, 1)};
+      addViews(table, renderer, std::span(cameras).first(1), count, s, options,
+               [&](uint32_t run) { return render::SceneState{.poses = poses, .worlds = states[run % states.size()]}; });
+      continue;
+    }
+    addViews(table, renderer, cameras, count, s, options, [&](uint32_t run) {
       return render::SceneState{.poses = poses, .worlds = turningWorlds(scene, count, run)};
     });
   }

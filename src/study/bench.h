@@ -31,11 +31,12 @@ Table benchViews(render::Renderer& renderer, const scene::Scene& scene, const sc
                  const render::Poses& poses, const render::Settings& settings, uint32_t count,
                  const BenchOptions& options);
 
-// As benchViews(), with a world per view, in which every instance is moved a little. Each call has new transforms from
-// host memory, whose conversion and upload are included.
-Table benchWorlds(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                  const render::Poses& poses, const render::Settings& settings, uint32_t count,
-                  const BenchOptions& options);
+// As benchViews(), with a world per view, in which every instance is moved a little. Each call has other transforms and
+// poses than the last one, as arrays on the device if shaders place the worlds (Renderer::placesWorlds()). Otherwise
+// they are in host memory, and their conversion and upload are included.
+Table benchWorlds(vk::Device& device, render::Renderer& renderer, const scene::Scene& scene,
+                  const scene::Camera& camera, const render::Poses& poses, const render::Settings& settings,
+                  uint32_t count, const BenchOptions& options);
 
 // Measures lighting by every technique in compute over numbers of lights. The caller adds one scene after another, with
 // increasing numbers of lights.

@@ -119,7 +119,7 @@ void Device::Impl::deleteFinished() {
 // Returns the first free command buffer. A caller that waits after each submission always gets the same one, which
 // stays in the CPU's caches.
 Device::Impl::CommandBuffer& Device::Impl::takeCommandBuffer(uint32_t queueFamily) {
-  constexpr size_t kMax = 8;  // maximum submissions in flight; a further one waits for the oldest
+  constexpr size_t kMax = 64;  // maximum submissions in flight; a further one waits for the oldest
   const uint64_t done = finishedValue();
   for (CommandBuffer& commands : commandBuffers)
     if (commands.value <= done) return commands;

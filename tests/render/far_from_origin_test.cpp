@@ -10,6 +10,7 @@
 
 #include "long_tests.h"
 #include "models/models.h"
+#include "render/frame/view.h"
 #include "render/support.h"
 #include "scene/animation.h"
 #include "scene/builtin/builtin.h"
@@ -310,6 +311,19 @@ TEST_F(FarFromOrigin, PositionsMayBeRelativeToAPointNearby) {
     fmt::print("{}: positions off by {:.2f} of their rounding\n", raster == Raster::Hardware ? "hardware" : "compute",
                worst);
     EXPECT_LE(worst, raster == Raster::Hardware ? 4 : 1);  // hardware interpolates over triangles 24 m wide
+  }
+}
+
+// An eye is a pair of floats. None of these numbers is a float, and a pair is within 2^-48 of a double.
+TEST_F(FarFromOrigin, EyesArePairsOfFloats) {
+  scene::Camera camera;
+  camera.toWorld[3] = glm::dvec4(0.1, -2000000.2, 3000.3, 1);
+  const shared::View view = makeView(camera, kWide, kHigh);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NE(view.eyeLow[i], 0) << i;
+    EXPECT_NEAR(double{view.eye[i]} + double{view.eyeLow[i]}, camera.toWorld[3][i],
+                std::abs(camera.toWorld[3][i]) * 0x1p-48)
+        << i;
   }
 }
 

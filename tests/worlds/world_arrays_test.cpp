@@ -4,6 +4,7 @@
 #include <latelight/latelight.h>
 
 #include <cstring>
+#include <map>
 #include <random>
 
 #include "models/models.h"
@@ -133,6 +134,38 @@ TEST_P(ArraysOfWorlds, GiveTheImagesOfTheEditedScene) {
     lists.cameraToWorld = poses;
     const std::vector<Frame> given = renderer.render(worlds, o), listedFrames = renderer.render(lists, o);
     for (size_t i = 0; i < given.size() && !HasFailure(); i += 7) expectSameOutputs(given[i], listedFrames[i]);
+  }
+}
+
+// Results on the device are rendered in larger groups than those that the host reads, and in the third call on, by
+// recorded commands. All of them have the same bytes.
+TEST(PlacedWorlds, AreTheSameInLargeGroups) {
+  constexpr uint32_t kMany = 700;
+  Scene scene(models::modelPath("textured.glb").string());
+  Renderer renderer(scene, testDevice());
+  Worlds worlds{.count = kMany, .instances = {scene.instances()[0]}, .cameras = {scene.defaultCamera(4.0f / 3)}};
+  std::mt19937 random(6);
+  for (uint32_t world = 0; world < kMany; ++world) {
+    worlds.transforms.push_back(product(scene.instance(worlds.instances[0]).transform, randomMotion(random, false)));
+    worlds.environmentRotation.push_back(360.0 * world / kMany);
+    worlds.environmentIntensity.push_back(0.5f + static_cast<float>(world) / kMany);
+  }
+  Options o = options("compute");
+  o.width = 12;
+  o.height = 9;
+  o.aovs = {"depth", "id"};
+  const std::vector<Frame> frames = renderer.render(worlds, o);
+  for (int call = 0; call < 4; ++call) {
+    std::map<std::string, DeviceArray> arrays = renderer.submit(worlds, o, Results::Arrays).takeArrays();
+    std::vector<std::byte> rgba(kMany * 4 * o.width * o.height), depth(rgba.size());
+    arrays.at("rgba").copyToHost(rgba);
+    arrays.at("depth").copyToHost(depth);
+    for (uint32_t world = 0; world < kMany && !HasFailure(); ++world) {
+      const size_t bytes = 4 * o.width * o.height;
+      EXPECT_EQ(std::memcmp(rgba.data() + world * bytes, frames[world].rgba.data(), bytes), 0) << world;
+      EXPECT_EQ(std::memcmp(depth.data() + world * bytes, frames[world].aovs.at("depth").values.data(), bytes), 0)
+          << world;
+    }
   }
 }
 

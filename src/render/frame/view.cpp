@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "render/base/remainder.h"
 #include "scene/framing.h"
 
 namespace latelight::render {
@@ -47,7 +48,7 @@ glm::dmat4 rigidPose(const scene::Camera& camera) {
 
 void placeEye(shared::View& view, const glm::dvec3& eye) {
   view.eye = glm::vec3(eye);
-  view.eyeLow = glm::vec3(eye - glm::dvec3(view.eye));
+  view.eyeLow = remainderOf(eye);
 }
 
 shared::View makeView(const scene::Camera& camera, uint32_t width, uint32_t height, glm::vec2 jitter,

@@ -91,6 +91,7 @@ void GpuScene::setWorlds(const WorldStates& worlds, const Poses& poses) {
     worlds_.update(uploads_, scene_, instances_, worlds, poses, posed_ ? deformer_.get() : nullptr);
     worlds_.updateLights(uploads_, worlds, worlds.lightValues.empty() ? std::vector<scene::Light>{} : lightsIn(poses),
                          origin());
+    worlds_.updateValues(uploads_);
   }
   countLights();
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "render/base/remainder.h"
 #include "scene/origin.h"
 
 namespace latelight::render {
@@ -41,7 +42,7 @@ void setTransform(shared::Instance& record, const glm::dmat4& toWorld, const glm
   const glm::dvec3 translation = glm::dvec3(toWorld[3]) - origin;
   record.objectToWorld = glm::mat4x3(glm::mat4(toWorld));
   record.objectToWorld[3] = glm::vec3(translation);
-  record.translationLow = glm::vec3(translation - glm::dvec3(record.objectToWorld[3]));
+  record.translationLow = remainderOf(translation);
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include "render/gpu_scene/worlds.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <numeric>
 
 #include "base/parallel.h"
@@ -205,6 +207,37 @@ void GpuWorlds::describeLights(shared::FrameConstants& frame, uint32_t world) co
   frame.lights = lightList_.address() + world * lightStride_ * sizeof(shared::Light);
   frame.lightTree = lightTrees_.address() + world * treeStride_ * sizeof(shared::LightBox);
   lights_[world].describe(frame);
+}
+
+void GpuWorlds::updateValues(vk::Uploader& uploader) {
+  if (!onDevice() || (lights_.empty() && rotations_.empty() && intensities_.empty())) return;
+  std::vector<shared::WorldValues> values(count_);
+  for (uint32_t world = 0; world < count_; ++world) {
+    shared::WorldValues& value = values[world];
+    if (!lights_.empty()) {
+      shared::FrameConstants frame{};
+      lights_[world].describe(frame);
+      value = {frame.lightCount, frame.directionalLights, frame.lightTreeLeaves, 0, 0, 0};
+    }
+    if (!intensities_.empty()) value.environmentIntensity = intensities_[world];
+    if (rotations_.empty()) continue;
+    value.environmentCos = std::cos(rotations_[world]);
+    value.environmentSin = std::sin(rotations_[world]);
+  }
+  const size_t bytes = values.size() * sizeof(shared::WorldValues);
+  if (values.size() == values_.size() && std::memcmp(values.data(), values_.data(), bytes) == 0) return;
+  values_ = std::move(values);
+  valueList_.upload(uploader, values_);
+}
+
+void GpuWorlds::describe(shared::ViewConstants& constants) const {
+  constants.values = valueList_.address();
+  constants.instanceStride = uint64_t{instances_} * sizeof(shared::Instance);
+  constants.lightStride = lightStride_ * sizeof(shared::Light);
+  constants.treeStride = treeStride_ * sizeof(shared::LightBox);
+  if (hasLights()) constants.has |= shared::kWorldHasLights;
+  if (!intensities_.empty()) constants.has |= shared::kWorldHasIntensity;
+  if (!rotations_.empty()) constants.has |= shared::kWorldHasRotation;
 }
 
 InstancesOfWorld GpuWorlds::of(uint32_t world) const {

@@ -13,6 +13,7 @@
 #include "render/gpu_scene/instances.h"
 #include "render/gpu_scene/lights.h"
 #include "render/gpu_scene/materials.h"
+#include "render/gpu_scene/view_constants_push.h"
 #include "scene/scene.h"
 #include "shared/types.h"
 
@@ -74,7 +75,8 @@ class GpuWorlds {
         next_(device, "next instances of worlds"),
         lightList_(device, "lights of worlds"),
         lightTrees_(device, "light trees of worlds"),
-        choiceList_(device, "materials of worlds") {}
+        choiceList_(device, "materials of worlds"),
+        valueList_(device, "values of worlds") {}
 
   // Uploads the instances of all worlds, or makes space for those that shaders place. `scene` has followed all edits
   // and poses. The other arguments are those of GpuInstances::pose().
@@ -84,6 +86,8 @@ class GpuWorlds {
   // follow them.
   void updateLights(vk::Uploader& uploader, const WorldStates& worlds, const std::vector<scene::Light>& lights,
                     const glm::dvec3& origin);
+  // Uploads the values of worlds that shaders copy to the constants of views. Call it last.
+  void updateValues(vk::Uploader& uploader);
   void clear() { count_ = 0; }
 
   uint32_t count() const { return count_; }  // 0: there are no worlds
@@ -114,6 +118,8 @@ class GpuWorlds {
   float environmentIntensity(uint32_t world, float others) const;
   void describe(shared::FrameConstants& frame, uint32_t world) const;
   void describeLights(shared::FrameConstants& frame, uint32_t world) const;
+  // Fills everything that views of other worlds than the first differ in.
+  void describe(shared::ViewConstants& constants) const;
 
  private:
   void reserve(vk::Uploader& uploader, const scene::Scene& scene, const WorldStates& worlds, const Poses& poses);
@@ -136,6 +142,8 @@ class GpuWorlds {
   bool onDevice_ = false, vastOnDevice_ = false;
   std::vector<uint32_t> choices_;
   GpuList<uint32_t> choiceList_;
+  std::vector<shared::WorldValues> values_;
+  GpuList<shared::WorldValues> valueList_;
   uint64_t revision_ = 0;
 };
 

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "render/base/readback.h"
+#include "render/base/remainder.h"
 #include "render/options/options.h"
 #include "render/rays/cast_push.h"
 #include "render/submit/job.h"
@@ -29,16 +30,6 @@ glm::dvec3 unitOf(const glm::dvec3& direction) {
   return scaled / glm::length(scaled);  // squares of the quotient neither overflow nor underflow
 }
 
-// Returns what floats round off. Volatile, because GCC 12 removes the rounding of components that it vectorizes.
-glm::vec3 lowPart(const glm::dvec3& v) {
-  glm::vec3 low;
-  for (int i = 0; i < 3; ++i) {
-    const volatile float high = static_cast<float>(v[i]);
-    low[i] = static_cast<float>(v[i] - double{high});
-  }
-  return low;
-}
-
 // A coordinate frame of rays, relative to the device's world space.
 struct RayFrame {
   glm::dmat3 worldFromFrame;
@@ -50,8 +41,8 @@ struct RayFrame {
     if (!isFinite(from) || !isFinite(unit)) return {.near = 1, .far = 0};  // hits nothing
     shared::CastRay ray{.origin = glm::vec3(from), .near = 0, .direction = glm::vec3(unit)};
     ray.far = static_cast<float>(std::min(maxDistance, double{std::numeric_limits<float>::max()}));
-    ray.originLow = lowPart(from);
-    ray.directionLow = lowPart(unit);
+    ray.originLow = remainderOf(from);
+    ray.directionLow = remainderOf(unit);
     return ray;
   }
 };

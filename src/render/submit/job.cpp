@@ -64,16 +64,6 @@ std::vector<float> ViewBatch::exposures() const {
 
 ViewsInTime ViewBatch::views(const glm::dvec3& origin, const CameraSample& sample) const {
   ViewsInTime views{.centered = sample == CameraSample{}, .exposures = exposures()};
-  if (job.placedWorlds > 0) {
-    shared::View view{};
-    view.size = {static_cast<float>(job.settings.width), static_cast<float>(job.settings.height)};
-    for (size_t i = first; i < first + count; ++i) {
-      view.world = static_cast<uint32_t>(i / job.now.size());
-      views.now.push_back(view);
-    }
-    views.previous = views.next = views.now;
-    return views;
-  }
   for (size_t i = first; i < first + count; ++i)
     views.now.push_back(render::viewOf(job.viewOf(i, sample, origin), stripOf(i)));
   const auto viewsOf = [&](const std::vector<scene::Camera>& cameras) {
@@ -88,6 +78,15 @@ ViewsInTime ViewBatch::views(const glm::dvec3& origin, const CameraSample& sampl
   if (still) steady = views.centered ? views.now : viewsOf(job.now);
   views.previous = job.previous.empty() ? steady : viewsOf(job.previous);
   views.next = job.next.empty() ? steady : viewsOf(job.next);
+  return views;
+}
+
+std::vector<shared::View> ViewBatch::placedViews() const {
+  std::vector<shared::View> views(count);
+  for (size_t i = 0; i < count; ++i) {
+    views[i].size = {static_cast<float>(job.settings.width), static_cast<float>(job.settings.height)};
+    views[i].world = static_cast<uint32_t>((first + i) / job.now.size());
+  }
   return views;
 }
 

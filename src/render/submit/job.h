@@ -32,6 +32,8 @@ struct ViewBatch {
 
   // `origin`: the origin of the device's world space in the scene's.
   ViewsInTime views(const glm::dvec3& origin, const CameraSample& sample) const;
+  // The views' sizes and worlds, if shaders place the views.
+  std::vector<shared::View> placedViews() const;
   std::vector<float> exposures() const;  // the metered factor of each view; empty: that of the settings
   Strip stripOf(size_t view) const;      // the rows of its picture that a view of the job shows
 

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <ranges>
 
@@ -27,12 +28,18 @@ namespace latelight::render {
 
 namespace {
 
-// Returns the maximum number of views at once: the array layers that every Vulkan device supports. With the raster
-// compute, a view may have one layer per sample.
-size_t mostViews(const vk::Device& device, const Settings& settings) {
-  constexpr size_t kMax = 256;
-  if (!rastersInCompute(settings)) return kMax;
-  return std::min<size_t>(kMax, device.properties().limits.maxImageArrayLayers / settings.aa.samples);
+// Returns the maximum number of views at once. With the raster compute, a view may have one layer per sample, and small
+// views are rendered together until they have enough pixels to keep a GPU busy. Results that the host reads come in
+// smaller groups, of which it reads one while the device renders the next.
+size_t mostViews(const vk::Device& device, const Settings& settings, Results results, uint64_t parts) {
+  constexpr size_t kLayers = 256;  // the array layers that every Vulkan device supports
+  constexpr uint64_t kPixelsAtOnce = uint64_t{1} << 24, kMaxWork = uint64_t{1} << 31;  // its counter has 32 bits
+  if (!rastersInCompute(settings)) return kLayers;
+  size_t most = kLayers;
+  if (results != Results::ToHost)
+    most = std::max<size_t>(most, std::min(kPixelsAtOnce / (uint64_t{settings.width} * settings.height),
+                                           kMaxWork / std::bit_ceil(std::max<uint64_t>(parts, 1))));
+  return std::min<size_t>(most, device.properties().limits.maxImageArrayLayers / settings.aa.samples);
 }
 
 // Returns the device memory that views rendered at once may use. A CPU's caches gain nothing from more.
@@ -311,8 +318,11 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
 // Returns how many views may be rendered at once. Rows share neither the scene's pose nor the rays of a lens.
 size_t Renderer::viewsAtOnce(const RenderJob& job) const {
   if (job.rowsAreViews && (job.posesScene() || bendsRays(job.now.front()))) return 1;
-  const size_t atOnce = std::min(job.viewCount(), mostViews(device_, job.settings));
-  if (!castsShadows(job.settings) || shadowTexels(job.settings) == 0) return atOnce;
+  const bool shadows = castsShadows(job.settings);
+  const size_t atOnce =
+      std::min(job.viewCount(),
+               mostViews(device_, job.settings, shadows ? Results::ToHost : job.results, rasterInstances_.all().parts));
+  if (!shadows || shadowTexels(job.settings) == 0) return atOnce;
   return std::clamp<uint64_t>(memoryForViews(device_) / (4 * shadowTexels(job.settings)), 1, atOnce);
 }
 
@@ -337,7 +347,10 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
     const size_t waiting = strips.size() > 1 ? 0 : 1;
     while (job->results == Results::ToHost && job->parts.size() > waiting) read(*job);
     if (!independent) resolveOverflow();
-    while (uncheckedBatches_.size() >= graph::Executor::kInFlight) resolveOverflow(uncheckedBatches_.front().get());
+    // Steady requests are replays, which the host submits without waiting for the device.
+    const bool steady = job->parts.size() > 0 && job->parts.back().replayed;
+    const size_t inFlight = steady ? graph::Executor::kRecordedInFlight : graph::Executor::kInFlight;
+    while (uncheckedBatches_.size() >= inFlight) resolveOverflow(uncheckedBatches_.front().get());
     ViewBatch& part = job->parts.emplace_back(*job, first, count, strip, shadows, shadowState);
     part.continues = job->continues && count == job->viewCount() && history_.fits(s.width, s.height, count);
     if (!job->progress)
@@ -356,14 +369,25 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
   return count;
 }
 
+// Returns the views of worlds that shaders place, without ViewsInTime::now.
+ViewsInTime Renderer::placedViewsOf(const ViewBatch& part) const {
+  const uint64_t offset = part.first * sizeof(shared::View);
+  ViewsInTime views{.exposures = part.exposures()};
+  views.onDevice = {.now = worldPlacer_.views(0, 0) + offset,
+                    .previous = worldPlacer_.views(0, 1) + offset,
+                    .next = worldPlacer_.views(0, 2) + offset,
+                    .first = static_cast<uint32_t>(part.first),
+                    .perWorld = static_cast<uint32_t>(part.job.now.size())};
+  return views;
+}
+
 ViewsInTime Renderer::viewsOf(const ViewBatch& part, const CameraSample& sample) {
-  ViewsInTime views = part.views(gpuScene_.origin(), sample);
   if (part.job.placedWorlds > 0) {
-    const uint64_t offset = part.first * sizeof(shared::View);
-    views.onDevice = {.now = worldPlacer_.views(0, 0) + offset,
-                      .previous = worldPlacer_.views(0, 1) + offset,
-                      .next = worldPlacer_.views(0, 2) + offset};
+    ViewsInTime views = placedViewsOf(part);
+    views.now = part.placedViews();
+    return views;
   }
+  ViewsInTime views = part.views(gpuScene_.origin(), sample);
   const scene::Camera& camera = part.job.camera(part.first);
   const Settings& s = part.job.settings;
   if (!bendsRays(camera)) return views;
@@ -397,8 +421,7 @@ Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> max
   part.vast = gpuScene_.anyVast();
   const std::optional<ReplayKey> key = replayKey(part);
   if (!key) return build(part, maxBytes);
-  const ViewsInTime views = viewsOf(part, CameraSample{});
-  const std::shared_ptr<Replay> replay = replayOf(part, *key, views);
+  const std::shared_ptr<Replay> replay = replayOf(part, *key);
   if (!replay) {
     const Start started = build(part, maxBytes);
     if (started.outcome == Start::TooManyViews) replays_.forget(*key);
@@ -452,16 +475,16 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
   return key;
 }
 
-std::shared_ptr<Replay> Renderer::replayOf(ViewBatch& part, const ReplayKey& key, const ViewsInTime& views) {
+std::shared_ptr<Replay> Renderer::replayOf(ViewBatch& part, const ReplayKey& key) {
   if (std::shared_ptr<Replay> replay = replays_.find(key, executor_, clusterOcclusion_, device_)) {
-    replay->request.update(views);
+    replay->request.update(part.job.placedWorlds > 0 ? placedViewsOf(part) : viewsOf(part, CameraSample{}));
     for (const ClusterOcclusion::Decision& decision : replay->decisions) clusterOcclusion_.noteRepeated(decision);
     part.replayed = true;
     return replay;
   }
   if (!replays_.shouldRecord(key)) return nullptr;
   try {
-    std::shared_ptr<Replay> replay = recordReplay(part, views);
+    std::shared_ptr<Replay> replay = recordReplay(part);
     replays_.add(key, replay);
     return replay;
   } catch (const Error& error) {
@@ -471,14 +494,16 @@ std::shared_ptr<Replay> Renderer::replayOf(ViewBatch& part, const ReplayKey& key
   return nullptr;
 }
 
-std::shared_ptr<Replay> Renderer::recordReplay(const ViewBatch& part, const ViewsInTime& views) {
+std::shared_ptr<Replay> Renderer::recordReplay(const ViewBatch& part) {
   const Settings& s = part.job.settings;
+  const ViewsInTime views = viewsOf(part, CameraSample{});
   const ResultArrays arrays{part.job.result.arrays, part.first, part.strip.first};
   overflow_.checks.clear();  // left by an error
   clusterOcclusion_.takeDecisions();
   const auto replay = std::make_shared<Replay>(s, state_, scene_.yUp && s.axes == Axes::File, views, arrays);
   replay->request.finish({}, nullptr, false);
   replay->request.exportResults(part.job.results);
+  replay->request.addConstants();
   replay->checks = std::exchange(overflow_.checks, {});
   replay->decisions = clusterOcclusion_.takeDecisions();
   replay->recorded = executor_.record(replay->request.graph(), replay->request.graph().compile());
@@ -554,6 +579,7 @@ Renderer::Start Renderer::submitRequest(ViewBatch& part, std::optional<uint64_t>
   part.shadowState = request.shadowState();
   part.checks = std::exchange(overflow_.checks, {});
   addSceneChanges(request.graph());
+  request.addConstants();
   const graph::Plan plan = request.graph().compile();
   if (maxBytes) {
     const uint64_t needed = transientBytes(device_, request.graph(), plan).peak;

@@ -96,8 +96,8 @@ class Renderer {
   Start build(ViewBatch& part, std::optional<uint64_t> maxBytes);
   // Return the replay of a batch, or nothing if its commands depend on more than their key, or if it was not recorded.
   std::optional<ReplayKey> replayKey(const ViewBatch& part) const;
-  std::shared_ptr<Replay> replayOf(ViewBatch& part, const ReplayKey& key, const ViewsInTime& views);
-  std::shared_ptr<Replay> recordReplay(const ViewBatch& part, const ViewsInTime& views);
+  std::shared_ptr<Replay> replayOf(ViewBatch& part, const ReplayKey& key);
+  std::shared_ptr<Replay> recordReplay(const ViewBatch& part);
   void submitChanges(ViewBatch& part);
   // The state of the scene and of the settings that begin() brings to the device.
   struct SceneInput {
@@ -120,6 +120,7 @@ class Renderer {
   void finish(RenderJob& job);
 
   ViewsInTime viewsOf(const ViewBatch& part, const CameraSample& sample);
+  ViewsInTime placedViewsOf(const ViewBatch& part) const;
   std::vector<CameraSample> samplesOf(const ViewBatch& part) const;
   size_t viewsAtOnce(const RenderJob& job) const;
   void prepareScene(const Settings& settings);

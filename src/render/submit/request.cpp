@@ -148,6 +148,11 @@ void FrameGraphBuilder::exportResults(Results results) {
   outputs_.exportResults({state_.device, graph_}, results);
 }
 
+void FrameGraphBuilder::addConstants() {
+  for (const std::optional<ViewSet>* set : {&steady_, &jittered_, &solid_, &rastered_})
+    if (*set) (*set)->addConstants(graph_);
+}
+
 void FrameGraphBuilder::update(const ViewsInTime& views) {
   for (std::optional<ViewSet>* set : {&steady_, &jittered_, &solid_, &rastered_})
     if (*set) (*set)->update(views);

@@ -38,6 +38,8 @@ class FrameGraphBuilder {
   // this picture.
   void finish(const PictureSum& sum, TemporalHistory* history, bool continues);
   void exportResults(Results results);  // exports the requested results, as the last step
+  // Adds the constants of views that shaders write to the prologue. Call it last, after the scene's changes.
+  void addConstants();
   // Replaces all views by as many others without jitter, for a recorded graph that runs again.
   void update(const ViewsInTime& views);
 

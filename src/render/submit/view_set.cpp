@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
+#include "render/base/remainder.h"
+#include "render/gpu_scene/view_constants.h"
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
 
 namespace latelight::render {
@@ -32,6 +35,11 @@ ViewSet::ViewSet(const RenderState& state, const ViewsInTime& views, const Setti
   upload();
 }
 
+void ViewSet::addConstants(graph::Graph& graph) const {
+  if (described_)
+    addViewConstants(state_.device, graph, described_.address(), static_cast<uint32_t>(views_.now.size()));
+}
+
 namespace {
 
 vk::Buffer uploadBuffer(vk::Device& device, const char* name, uint64_t bytes, VkBufferUsageFlags usage) {
@@ -41,9 +49,11 @@ vk::Buffer uploadBuffer(vk::Device& device, const char* name, uint64_t bytes, Vk
 }  // namespace
 
 void ViewSet::update(const ViewsInTime& views) {
-  std::ranges::copy(views.now, views_.now.begin());
-  std::ranges::copy(views.previous, views_.previous.begin());
-  std::ranges::copy(views.next, views_.next.begin());
+  if (!views.onDevice.now) {
+    std::ranges::copy(views.now, views_.now.begin());
+    std::ranges::copy(views.previous, views_.previous.begin());
+    std::ranges::copy(views.next, views_.next.begin());
+  }
   views_.onDevice = views.onDevice;
   views_.exposures = views.exposures;
   upload();
@@ -51,6 +61,7 @@ void ViewSet::update(const ViewsInTime& views) {
 
 // Writes the views and the frame's constants to device memory, which keeps its addresses.
 void ViewSet::upload() {
+  if (views_.onDevice.now) return describeOnDevice();
   const size_t count = views_.now.size(), frames = hasConstantsPerView() ? count : 1;
   if (!viewBuffer_) {
     viewBuffer_ = uploadBuffer(state_.device, "views", 3 * count * sizeof(shared::View), kViewUsage);
@@ -58,8 +69,7 @@ void ViewSet::upload() {
                               VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
   }
   auto* views = viewBuffer_.as<shared::View>();
-  if (!views_.onDevice.now)
-    for (const auto* some : {&views_.now, &views_.previous, &views_.next}) views = std::ranges::copy(*some, views).out;
+  for (const auto* some : {&views_.now, &views_.previous, &views_.next}) views = std::ranges::copy(*some, views).out;
   shared::FrameConstants frame = constantsOf(0);
   for (size_t i = 0; i < frames; ++i) {
     setView(frame, i);
@@ -75,6 +85,29 @@ void ViewSet::upload() {
   otherConstants_ = vk::uploadedBuffer(state_.device, "constants of other lights", std::as_bytes(std::span(others)));
 }
 
+// Describes the views' constants for the shader that writes them.
+void ViewSet::describeOnDevice() {
+  const size_t count = views_.now.size();
+  if (!described_) {
+    described_ =
+        uploadBuffer(state_.device, "constants of worlds, common values",
+                     sizeof(shared::ViewConstants) + count * sizeof(float), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    constants_ = vk::Buffer(state_.device, {.size = count * sizeof(shared::FrameConstants), .name = "frame constants"});
+  }
+  shared::ViewConstants c{.frame = constantsOf(0), .result = constants_.address()};
+  state_.scene.worlds().describe(c);
+  if (!state_.hasEnvironment) c.has &= ~shared::kWorldHasIntensity;
+  c.rasterStride = state_.rasterInstances.address(1) - state_.rasterInstances.address(0);
+  c.views = static_cast<uint32_t>(count);
+  c.firstView = views_.onDevice.first;
+  c.viewsPerWorld = views_.onDevice.perWorld;
+  if (!views_.exposures.empty()) {
+    c.exposures = described_.address() + sizeof(shared::ViewConstants);
+    std::memcpy(described_.mapped() + sizeof(shared::ViewConstants), views_.exposures.data(), count * sizeof(float));
+  }
+  *described_.as<shared::ViewConstants>() = c;
+}
+
 shared::FrameConstants ViewSet::constantsOf(uint32_t world) const {
   const Settings& s = settings_;
   const size_t count = views_.now.size();
@@ -86,11 +119,12 @@ shared::FrameConstants ViewSet::constantsOf(uint32_t world) const {
   const bool file = state_.scene.isYUp() && s.axes == Axes::File;
   const glm::dvec3 offset = state_.scene.origin() - (file ? glm::dvec3(point.x, -point.z, point.y) : point);
   frame.positionOffset = glm::vec3(offset);
-  frame.positionOffsetLow = glm::vec3(offset - glm::dvec3(frame.positionOffset));
-  frame.views = viewBuffer_.address();
-  frame.previousViews = frame.views + count * sizeof(shared::View);
-  frame.nextViews = frame.previousViews + count * sizeof(shared::View);
-  if (views_.onDevice.now) {
+  frame.positionOffsetLow = remainderOf(offset);
+  if (viewBuffer_) {
+    frame.views = viewBuffer_.address();
+    frame.previousViews = frame.views + count * sizeof(shared::View);
+    frame.nextViews = frame.previousViews + count * sizeof(shared::View);
+  } else {
     frame.views = views_.onDevice.now;
     frame.previousViews = views_.onDevice.previous;
     frame.nextViews = views_.onDevice.next;
@@ -129,8 +163,7 @@ void ViewSet::setWorld(shared::FrameConstants& frame, uint32_t world) const {
     frame.environmentCos = std::cos(rotation);
     frame.environmentSin = std::sin(rotation);
   }
-  if (!settings_.aoRadius && !worlds.onDevice())
-    frame.aoRadius = static_cast<float>(kAoRadiusShare * state_.scene.bounds(world).radius());
+  if (!settings_.aoRadius) frame.aoRadius = static_cast<float>(kAoRadiusShare * state_.scene.bounds(world).radius());
 }
 
 FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {

@@ -36,10 +36,11 @@ struct ViewsInTime {
   std::vector<shared::View> now, previous, next;
   bool centered = true;                  // at pixel centers, at the picture's own time, through the center of the lens
   std::shared_ptr<const LensRays> lens;  // the rays of all these views; null: they are projections
-  // View[] of each time if shaders have placed the views (WorldPlacer). The host then knows only their sizes and
-  // worlds.
+  // View[] of each time if shaders have placed the views (WorldPlacer). The host then knows only the size and the world
+  // of the views in `now`, and the other lists are empty. `now` may be empty for ViewSet::update().
   struct OnDevice {
     VkDeviceAddress now = 0, previous = 0, next = 0;
+    uint32_t first = 0, perWorld = 1;  // index of the first view in the call, and views per world
   } onDevice{};
   std::vector<float> exposures = {};  // factor of each view; empty: that of the settings for all
 };
@@ -51,6 +52,8 @@ class ViewSet {
           const VisibilityOptions& options);
   ViewSet(const ViewSet&) = delete;  // frames refer to the visibility
   ViewSet& operator=(const ViewSet&) = delete;
+  // Adds the pass that writes the views' constants, if the device writes them, to the prologue of the graph.
+  void addConstants(graph::Graph& graph) const;
   // Returns a frame of these views, to which passes can be added.
   FrameContext frame(graph::Graph& graph, FrameConfig setup) const;
 
@@ -62,6 +65,7 @@ class ViewSet {
 
  private:
   void upload();
+  void describeOnDevice();
   // With worlds, or if views have different exposures.
   bool hasConstantsPerView() const { return state_.scene.hasWorlds() || views_.exposures.size() > 1; }
   shared::FrameConstants constantsOf(uint32_t world) const;
@@ -74,6 +78,7 @@ class ViewSet {
   const FrameShadows* shadows_;
   Visibility visibility_;
   vk::Buffer viewBuffer_, constants_, otherConstants_;
+  vk::Buffer described_;  // shared::ViewConstants, then the views' exposures; null unless the views are on the device
 };
 
 }  // namespace latelight::render

@@ -1,0 +1,166 @@
+// A long run of an agent's loop: thousands of calls with random changes of worlds whose arrays shaders convert, for
+// results that stay on the device. After a few calls, nothing grows and nothing is created.
+#include <malloc.h>
+
+#include <cmath>
+#include <cstring>
+#include <glm/gtc/matrix_transform.hpp>
+#include <limits>
+#include <random>
+
+#include "long_tests.h"
+#include "render/submit/session.h"
+#include "render/support.h"
+#include "render/visibility/compute/place_worlds_push.h"
+#include "scene/file_frame.h"
+#include "scene/load/load.h"
+
+namespace latelight::render::test {
+namespace {
+
+using glm::dmat4;
+using glm::dvec3;
+
+constexpr uint32_t kSteadyWorlds = 6, kSteadyWidth = 16, kSteadyHeight = 12, kWarmUpCalls = 10;
+
+// Matrices of double[4][4], row by row.
+std::vector<double> rowsOf(std::span<const dmat4> matrices) {
+  std::vector<double> rows;
+  for (const dmat4& matrix : matrices)
+    for (int row = 0; row < 4; ++row)
+      for (int column = 0; column < 4; ++column) rows.push_back(matrix[column][row]);
+  return rows;
+}
+
+// The values of one step: the transforms of all instances, those that exist, and the camera's pose, per world.
+struct Step {
+  std::vector<dmat4> transforms;  // to the file's frame
+  std::vector<uint8_t> exists;
+  std::vector<dmat4> poses;         // in the file's frame
+  uint32_t broken = kSteadyWorlds;  // world with a NaN; kSteadyWorlds: none
+};
+
+Step randomStep(const scene::Scene& scene, const scene::Camera& camera, std::mt19937& random) {
+  std::uniform_real_distribution<double> offset(-0.4, 0.4);
+  const auto moved = [&](const dmat4& matrix) {
+    const dvec3 by(offset(random), offset(random), offset(random));
+    return glm::rotate(glm::translate(dmat4(1), by), offset(random), dvec3(0, 1, 0)) * matrix;
+  };
+  Step step;
+  const dmat4 pose = openCvPose(camera, scene, false);
+  for (uint32_t world = 0; world < kSteadyWorlds; ++world) {
+    for (const scene::Instance& instance : scene.instances) {
+      step.transforms.push_back(moved(glm::inverse(scene::worldFromFile(scene)) * instance.toWorld));
+      step.exists.push_back(random() % 8 != 0);
+    }
+    step.poses.push_back(moved(pose));
+  }
+  if (random() % 5 == 0) {
+    step.broken = static_cast<uint32_t>(random() % kSteadyWorlds);
+    const size_t instance = step.broken * scene.instances.size() + random() % scene.instances.size();
+    const double wrong = random() % 2 ? std::numeric_limits<double>::quiet_NaN() : INFINITY;
+    step.transforms[instance][static_cast<int>(random() % 4)][static_cast<int>(random() % 3)] = wrong;
+  }
+  return step;
+}
+
+// Gives the step's arrays to the renderer in its own memory, as the API does with arrays of the host.
+WorldStates statesOf(Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera, const Step& step) {
+  WorldStates worlds{.count = kSteadyWorlds};
+  for (uint32_t i = 0; i < scene.instances.size(); ++i) worlds.instances.push_back(i);
+  WorldInputs& inputs = worlds.inputs.emplace();
+  inputs.cameras = {camera};
+  const std::vector<double> transforms = rowsOf(step.transforms), poses = rowsOf(step.poses);
+  const uint64_t posesAt = transforms.size() * sizeof(double), existsAt = posesAt + poses.size() * sizeof(double);
+  const std::shared_ptr<const vk::Buffer> memory = renderer.inputMemory(existsAt + (step.exists.size() + 15) / 16 * 16);
+  std::memcpy(memory->mapped(), transforms.data(), posesAt);
+  std::memcpy(memory->mapped() + posesAt, poses.data(), existsAt - posesAt);
+  std::memcpy(memory->mapped() + existsAt, step.exists.data(), step.exists.size());
+  inputs.transforms = {.address = memory->address(), .doubles = true};
+  inputs.cameraToWorld = {.address = memory->address() + posesAt, .doubles = true};
+  inputs.exists = memory->address() + existsAt;
+  inputs.memory = {memory};
+  return worlds;
+}
+
+// The part of an array on a CPU device that is a world's.
+std::span<const std::byte> bytesOf(const ExportedArray& array, uint32_t world) {
+  return {array.memory->buffer.mapped() + world * array.viewBytes(), array.viewBytes()};
+}
+
+bool equal(std::span<const std::byte> a, std::span<const std::byte> b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size()) == 0;
+}
+
+class SteadyWorlds : public RenderTest {
+ protected:
+  // Compares a world with the same state as the only world of another renderer, whose records the host makes. (The
+  // scene edited to the state may have another origin, and then depths that are rounded otherwise.)
+  static void expectAlone(const RenderResult& result, const Step& step, uint32_t world, const scene::Scene& scene,
+                          Renderer& alone, const Settings& settings) {
+    const size_t count = scene.instances.size();
+    WorldStates state{.count = 1};
+    for (uint32_t i = 0; i < count; ++i) {
+      state.instances.push_back(i);
+      state.transforms.push_back(scene::worldFromFile(scene) * step.transforms[world * count + i]);
+      state.exists.push_back(step.exists[world * count + i]);
+    }
+    scene::Camera camera = cameraOf(scene, kSteadyWidth, kSteadyHeight);
+    camera.toWorld = toWorldFromOpenCv(step.poses[world], scene);
+    const RenderResult expected = alone.submit({&camera, 1}, settings, {.worlds = state}, Results::Exported).take();
+    for (size_t i = 0; i < expected.arrays.size(); ++i)
+      EXPECT_TRUE(equal(bytesOf(result.arrays[i], world), bytesOf(expected.arrays[i], 0))) << "array " << i;
+  }
+};
+
+TEST_F(SteadyWorlds, NeitherGrowNorCreateAnything) {
+  if (!device().isCpu()) GTEST_SKIP() << "the test reads arrays in the host's memory";
+  const uint32_t steps = latelight::test::rounds(10'000u, 150u);
+  const scene::Scene scene = scene::load("builtin:boxes");
+  const scene::Environment studio = scene::loadEnvironment("studio");
+  const scene::Camera camera = cameraOf(scene, kSteadyWidth, kSteadyHeight);
+  Settings settings = settingsOf(kSteadyWidth, kSteadyHeight, {output::Aov::Depth, output::Aov::Id});
+  settings.raster = Raster::Compute;
+  settings.lighting = &findTechnique("clustered");
+  settings.display = true;
+  Renderer renderer(device(), scene, &studio), alone(device(), scene, &studio);
+  ASSERT_TRUE(renderer.placesWorlds(settings, {&camera, 1}));
+  std::mt19937 random(11);
+  uint32_t replays = 0, invalid = 0;
+  size_t heap = 0;
+  RenderResult last;  // its arrays are released when the next ones are taken, as in an agent's loop
+  const auto heapBytes = [] {
+    const struct mallinfo2 info = mallinfo2();
+    return info.uordblks + info.hblkhd;
+  };
+  for (uint32_t i = 0; i < steps && !HasFailure(); ++i) {
+    SCOPED_TRACE(i);
+    const Step step = randomStep(scene, camera, random);
+    const uint64_t pipelines = device().pipelinesMade();
+    const vk::Allocator::Statistics before = device().memory().statistics();
+    last =
+        renderer.submit({&camera, 1}, settings, {.worlds = statesOf(renderer, scene, camera, step)}, Results::Exported)
+            .take();
+    const vk::Allocator::Statistics after = device().memory().statistics();
+    if (i >= kWarmUpCalls) {
+      EXPECT_EQ(device().pipelinesMade(), pipelines);
+      EXPECT_LE(after.allocations, before.allocations);
+      EXPECT_LE(after.usedBytes, before.usedBytes);
+      EXPECT_LE(after.reservedBytes, before.reservedBytes);
+      replays += last.statistics.replays;
+    }
+    for (uint32_t world = 0; world < kSteadyWorlds; ++world)
+      EXPECT_EQ((last.worldStatus[world] & shared::kWorldInvalid) != 0, world == step.broken) << world;
+    invalid += step.broken < kSteadyWorlds;
+    const auto compared = static_cast<uint32_t>(random() % kSteadyWorlds);
+    if (i % 40 < 2 && compared != step.broken) expectAlone(last, step, compared, scene, alone, settings);
+    if (i == 100) heap = heapBytes();
+  }
+  EXPECT_EQ(replays, steps - kWarmUpCalls) << "steady calls submit recorded commands again";
+  EXPECT_GT(invalid, 0u);
+  EXPECT_LT(heapBytes(), heap + (256u << 10)) << "of the host";
+  EXPECT_TRUE(device().validationMessages().empty());
+}
+
+}  // namespace
+}  // namespace latelight::render::test
