@@ -304,6 +304,10 @@ struct FrameConstants {
   vec3 positionOffsetLow;
 };
 SH_CONST uint kFrameBytes = 232u;
+// Indices of members in units of 8 bytes, for glsl/uniform_loads.glsl: `lights`, and `viewCount`, which begins the six
+// units up to environmentLevels.
+SH_CONST uint kFrameLightsAt = 5u;
+SH_CONST uint kFrameCountsAt = 17u;
 
 SH_END
 
@@ -316,6 +320,20 @@ static_assert(sizeof(latelight::shared::MaterialLayers) == 96);
 static_assert(sizeof(latelight::shared::Material) == 80 + 19 * 28 + 19 * 4 + 96);
 static_assert(sizeof(latelight::shared::Material) == latelight::shared::kMaterialBytes);
 static_assert(sizeof(latelight::shared::LightBox) == 24);
+// glsl/uniform_loads.glsl loads members at these offsets.
+static_assert(offsetof(latelight::shared::FrameConstants, views) == 0);
+static_assert(offsetof(latelight::shared::FrameConstants, lights) == 8 * latelight::shared::kFrameLightsAt);
+static_assert(offsetof(latelight::shared::FrameConstants, viewCount) == 8 * latelight::shared::kFrameCountsAt);
+static_assert(offsetof(latelight::shared::FrameConstants, directionalLights) ==
+              8 * (latelight::shared::kFrameCountsAt + 1));
+static_assert(offsetof(latelight::shared::FrameConstants, shadowColumns) ==
+              8 * (latelight::shared::kFrameCountsAt + 2));
+static_assert(offsetof(latelight::shared::FrameConstants, environmentIntensity) ==
+              8 * (latelight::shared::kFrameCountsAt + 3));
+static_assert(offsetof(latelight::shared::FrameConstants, environmentSin) ==
+              8 * (latelight::shared::kFrameCountsAt + 4));
+static_assert(offsetof(latelight::shared::FrameConstants, environmentLevels) ==
+              8 * (latelight::shared::kFrameCountsAt + 5));
 // glsl/common.glsl loads members at these offsets.
 static_assert(sizeof(latelight::shared::VertexAttributes) == latelight::shared::kAttributesBytes);
 static_assert(offsetof(latelight::shared::VertexAttributes, uv0) == 28);
@@ -325,6 +343,8 @@ static_assert(offsetof(latelight::shared::View, viewToWorld) == 48);
 static_assert(offsetof(latelight::shared::View, projection) == 96);
 static_assert(offsetof(latelight::shared::View, eye) == 124);
 static_assert(offsetof(latelight::shared::View, jitter) == 144);
+static_assert(offsetof(latelight::shared::View, size) == 136);
+static_assert(offsetof(latelight::shared::View, group) == 152);
 static_assert(offsetof(latelight::shared::View, eyeLow) == 156);
 static_assert(sizeof(latelight::shared::Instance) == latelight::shared::kInstanceBytes);
 static_assert(offsetof(latelight::shared::Instance, mesh) == 48);

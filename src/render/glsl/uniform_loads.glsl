@@ -23,7 +23,7 @@ FrameConstants uniformFrame(uint64_t frames, uint view) {
   if (!kSharesLoads) return frame;
   uint lane = loadingLane();
   // The members from viewCount on, then `views` and `lights`.
-  uint index = lane < 6u ? 17u + lane : lane == 6u ? 0u : 5u;
+  uint index = lane < 6u ? kFrameCountsAt + lane : lane == 6u ? 0u : kFrameLightsAt;
   uvec2 own = longAt(kWorlds != 0u ? frames + uint64_t(view) * kFrameBytes : frames, index);
   uvec2 counts = exchanged(own, 0u), tree = exchanged(own, 1u), columns = exchanged(own, 2u);
   vec2 environment = exchangedFloats(own, 3u), further = exchangedFloats(own, 4u);
