@@ -45,7 +45,14 @@ def makers():
     if jax := library("jax"):
         yield "jax", lambda a: jax.device_put(a, jax.devices("gpu")[0]), lambda a: np.asarray(jax.numpy.from_dlpack(a))
     if warp := library("warp"):
-        yield "warp", lambda a: warp.array(a, device="cuda"), lambda a: warp.from_dlpack(a).numpy()
+
+        def from_warp(array):  # arrays of Warp have at most four dimensions
+            interface = array.__cuda_array_interface__
+            dtype = warp.dtype_from_numpy(np.dtype(interface["typestr"]))
+            flat = warp.array(ptr=interface["data"][0], shape=int(np.prod(array.shape)), dtype=dtype, device="cuda")
+            return flat.numpy().reshape(array.shape)
+
+        yield "warp", lambda a: warp.array(a, device="cuda"), from_warp
 
 
 def states(scene, count, seed=0):
