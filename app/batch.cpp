@@ -94,7 +94,9 @@ void addJobOptions(CLI::App& command, BatchArguments& a) {
     addOption(command, option, [&a, &option](const std::string& text) {
       const std::string value = render::read(a.scratch, option, text);
       const bool isText = option.kind == render::OptionKind::Text || option.kind == render::OptionKind::Choice;
-      a.given["options"][std::string(render::keyOf(option))] = isText ? Json(value) : Json::parse(value);
+      Json& options = a.given["options"];
+      if (options.is_null()) options = Json::object();
+      options[std::string(render::keyOf(option))] = isText ? Json(value) : Json::parse(value);
     });
 }
 

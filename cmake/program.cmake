@@ -68,4 +68,5 @@ target_sources(latelight_library PUBLIC
   FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/include FILES ${public_headers})
 target_compile_features(latelight_library PUBLIC cxx_std_20)
 
+include(cmake/interface.cmake)
 include(cmake/install.cmake)

@@ -37,7 +37,7 @@ double shortest(float value) {
 }
 
 size_t Document::add(const char* key, Json element) {
-  Json& list = root[key];
+  Json& list = arrayIn(root, key);
   list.push_back(std::move(element));
   return list.size() - 1;
 }

@@ -15,18 +15,29 @@ namespace latelight::exports {
 
 using Json = nlohmann::ordered_json;
 
+// Return the array or the object under a key of an object, after adding it if there is none. Letting nlohmann::json
+// make an array or an object of a null value is no alternative: if memory runs out, the value's destructor crashes.
+inline Json& arrayIn(Json& object, const char* key) {
+  Json& value = object[key];
+  return value.is_null() ? value = Json::array() : value;
+}
+inline Json& objectIn(Json& object, const char* key) {
+  Json& value = object[key];
+  return value.is_null() ? value = Json::object() : value;
+}
+
 enum class Target { None = 0, Vertices = 34962, Indices = 34963 };  // of a bufferView, as OpenGL's numbers
 
 class Document {
  public:
-  Json root;
+  Json root = Json::object();
 
   // Appends to the array under `key`, and returns the element's index.
   size_t add(const char* key, Json element);
   void use(std::string_view extension) { extensions_.insert(std::string(extension)); }
   Json& extension(Json& object, const char* name) {
     use(name);
-    return object["extensions"][name];
+    return objectIn(objectIn(object, "extensions"), name);
   }
 
   size_t addView(std::span<const std::byte> bytes, Target target = Target::None);

@@ -37,7 +37,7 @@ std::vector<std::byte> encodeGlb(const scene::Scene& scene) {
   document.root["asset"] = {{"version", "2.0"}, {"generator", "Latelight"}};
   Exported exported{.materials = addMaterials(scene, document)};
   for (const std::string& variant : scene.variants)
-    document.extension(document.root, "KHR_materials_variants")["variants"].push_back({{"name", variant}});
+    arrayIn(document.extension(document.root, "KHR_materials_variants"), "variants").push_back({{"name", variant}});
   addNodes(scene, document, exported);
   addSkins(scene, document, exported);
   addAnimations(scene, document, exported);

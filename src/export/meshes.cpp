@@ -114,8 +114,8 @@ size_t MeshWriter::add(const std::string& name, const std::vector<Primitive>& pr
     Json out = geometryOf(primitive.mesh, targets);
     if (primitive.material >= 0) out["material"] = primitive.material;
     for (const auto& [variant, material] : primitive.variants)
-      document_.extension(out, "KHR_materials_variants")["mappings"].push_back(
-          {{"material", material}, {"variants", {variant}}});
+      arrayIn(document_.extension(out, "KHR_materials_variants"), "mappings")
+          .push_back({{"material", material}, {"variants", {variant}}});
     list.push_back(std::move(out));
   }
   Json mesh{{"primitives", std::move(list)}};

@@ -82,7 +82,7 @@ class NodeWriter {
   int addNode(Json node, int parent) {
     const auto index = static_cast<int>(document_.add("nodes", std::move(node)));
     parents_.push_back(parent);
-    if (parent >= 0) at(parent)["children"].push_back(index);
+    if (parent >= 0) arrayIn(at(parent), "children").push_back(index);
     return index;
   }
 
@@ -166,7 +166,7 @@ class NodeWriter {
       exported_.rigNodes.push_back(static_cast<int>(i));
     }
     for (size_t i = 0; i < rig.nodes.size(); ++i)
-      if (parents_[i] >= 0) at(parents_[i])["children"].push_back(i);
+      if (parents_[i] >= 0) arrayIn(at(parents_[i]), "children").push_back(i);
     nodes_.assign(rig.sceneNodes.begin(), rig.sceneNodes.end());
     for (size_t i = nodes_.size(); i < scene_.nodes.size(); ++i) {
       Json node{{"name", scene_.nodes[i].name}};
@@ -254,7 +254,7 @@ class NodeWriter {
     for (size_t i = 0; i < scene_.lights.size(); ++i) {
       const Light& light = scene_.lights[i];
       if (light.removed) continue;
-      Json& lights = document_.extension(document_.root, "KHR_lights_punctual")["lights"];
+      Json& lights = arrayIn(document_.extension(document_.root, "KHR_lights_punctual"), "lights");
       exported_.lights[i] = static_cast<int>(lights.size());
       lights.push_back(describe(light));
       Json& node = at(nodeOf(light));
@@ -271,9 +271,9 @@ class NodeWriter {
       out["spot"] = {{"innerConeAngle", shortest(light.innerCone)}, {"outerConeAngle", shortest(light.outerCone)}};
     const bool isDirectional = shared::lightIsDirectional(light.type);
     if (light.size > 0)
-      out["extras"][isDirectional ? "angle" : "radius"] =
+      objectIn(out, "extras")[isDirectional ? "angle" : "radius"] =
           isDirectional ? double{light.size} * 180 / M_PI : shortest(light.size);
-    if (light.castShadow) out["extras"]["castShadow"] = *light.castShadow;
+    if (light.castShadow) objectIn(out, "extras")["castShadow"] = *light.castShadow;
     return out;
   }
 

@@ -65,7 +65,7 @@ std::string toCsv(const Table& table) {
 nlohmann::ordered_json toJson(const Table& table) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const std::vector<Cell>& row : table.rows) {
-    nlohmann::ordered_json object;
+    nlohmann::ordered_json object = nlohmann::ordered_json::object();
     for (size_t i = 0; i < row.size(); ++i) {
       const auto* number = std::get_if<double>(&row[i]);
       if (!number)

@@ -1,12 +1,14 @@
 // One call after another fails: an allocation, a call on a file, or a Vulkan call. The command then ends with a
 // promised exit code and one sentence or, if the failure does not matter to it, with its usual result. It writes only
 // complete files, and the next run succeeds.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <sstream>
 
 #include "app/folder.h"
 #include "app/process.h"
@@ -189,6 +191,29 @@ TEST_P(FaultSweep, VulkanCalls) {
     SCOPED_TRACE(name);
     for (const int number : test::runsAll() ? std::vector{1, 2, 3, 5, 8, 13, 21, 34} : std::vector{2})
       expectPromises([&](const Folder&) { return failingCall(name, number); }, {6, 7});
+  }
+}
+
+// The commands without a device, whose only thread a child process can continue. JSON values are arrays and objects of
+// sizeof(std::vector<int>) bytes: without their memory, nlohmann::json would destroy a value without contents.
+TEST(FaultSweepTest, CommandsWithoutADeviceEndBySignalAtNoAllocation) {
+  const Folder folder;
+  const bool all = test::runsInFull();
+  for (const Names& words : {Names{"batch", "--schema"}, Names{"export", "builtin:boxes", "-o", "out.glb"}}) {
+    SCOPED_TRACE(words[0]);
+    const Outcome outcome = latelight(
+        {.arguments = words,
+         .environment = {{"LATELIGHT_THREADS", "1"},
+                         {"LD_PRELOAD", LATELIGHT_FAULTS},
+                         {"LATELIGHT_FAULT", all ? "every 1 0" : fmt::format("every 5 {}", sizeof(std::vector<int>))},
+                         {"LATELIGHT_FAULT_COUNT", folder.at("count")}},
+         .folder = folder.path()});
+    EXPECT_EQ(outcome.code, 0) << outcome.text();
+    std::istringstream counted(folder.read("count"));
+    uint64_t calls = 0;
+    counted >> calls;
+    EXPECT_GT(calls, 20u);
+    for (uint64_t number = 0; counted >> number;) ADD_FAILURE() << "a signal at allocation " << number;
   }
 }
 

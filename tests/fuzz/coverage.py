@@ -22,7 +22,7 @@ PARSERS = {
     "cache": r"src/scene/environment/environment_cache\.cpp",
     "job": r"src/data/(json_builder|batch/job_file|batch/schema)\.cpp",
     "camera_file": r"src/data/(json_builder|cameras/.*)\.cpp",
-    "command_line": r"(app/render_options|src/render/options/options|src/render/settings/settings)\.cpp",
+    "command_line": r"(app/render_options|src/render/options/options|src/render/settings/(settings|sensor_options))\.cpp",
     "shader": r"src/vk/.*\.cpp",
     "serve_request": r"src/serve/(access_check|page|token)\.cpp",
     "serve_message": r"src/serve/(read_order|upload)\.cpp",

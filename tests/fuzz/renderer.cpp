@@ -1,4 +1,4 @@
-// Functions of modules that need Vulkan, to which the sources of targets refer. Targets use the names of two lighting
+// Functions of modules that need Vulkan, to which the sources of targets refer. Targets use the names of three lighting
 // techniques and call none of the other functions.
 #include "app/render_pick.h"
 #include "fuzz/fuzz.h"
@@ -8,10 +8,14 @@
 
 namespace latelight {
 
-std::span<const render::TechniqueInfo> render::techniques() {
+std::span<const render::TechniqueInfo> render::allTechniques() {
   static const std::vector<TechniqueInfo> all = {{.name = "clustered", .description = "in clusters"},
-                                                 {.name = "forward", .description = "forward", .forward = true}};
+                                                 {.name = "forward", .description = "forward", .forward = true},
+                                                 {.name = "reference", .description = "paths", .traces = true}};
   return all;
+}
+std::span<const render::TechniqueInfo> render::techniques() {
+  return allTechniques().first(2);
 }
 std::string render::techniquesThatCompute() {
   return "clustered";

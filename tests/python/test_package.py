@@ -1,4 +1,4 @@
-"""The package itself: its type stub, and what is installed of it."""
+"""The package itself: its type stub, its public names, and what is installed of it."""
 
 import ast
 import os
@@ -13,6 +13,10 @@ import latelight
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = Path(latelight.__file__).parent
+
+
+def interface(*arguments):
+    return subprocess.run([sys.executable, ROOT / "scripts/interface", *arguments], capture_output=True, text=True)
 
 
 def stub_classes():
@@ -54,6 +58,38 @@ def test_the_stub_knows_the_names_that_options_take():
     assert types["bloom"] == "float"
     assert types["anisotropy"] == "int | None"
     assert types["loop"] == "bool"
+
+
+def test_nothing_public_was_removed_since_the_last_release(tmp_path):
+    """The record is one of this minor version; a minor version has none until its first release."""
+    minor = latelight.__version__.rsplit(".", 1)[0]
+    records = sorted((ROOT / "tests/interface").glob(f"python-{minor}.*.txt"), key=lambda path: int(path.stem.split(".")[-1]))
+    if not records:
+        pytest.skip(f"there is no release of {minor} yet")
+    now = tmp_path / "now.txt"
+    now.write_text(interface("--python", PACKAGE).stdout)
+    compared = interface("--compare", records[-1], now)
+    assert compared.returncode == 0, compared.stdout
+
+
+def test_removed_names_and_new_requirements_are_reported(tmp_path):
+    before = "__all__ = ['scan']\nfrom .lidar import scan\n"
+    folders = []
+    for signature in ("(scene, rays=1, *, noise=0)", "(scene, rays=1, *, beam)", "(scene, rays=1, *, noise=0, seed=0)"):
+        folder = tmp_path / str(len(folders))
+        folder.mkdir()
+        (folder / "__init__.py").write_text(before)
+        (folder / "lidar.py").write_text(f"def scan{signature}:\n    pass\n")
+        (folder / "text").write_text(interface("--python", folder).stdout)
+        folders.append(folder / "text")
+    whole, changed, extended = folders
+    compared = interface("--compare", whole, changed)
+    assert compared.returncode == 1
+    assert compared.stdout.splitlines() == [
+        "  missing: latelight.scan: keyword noise, optional",
+        "  newly required: latelight.scan: keyword beam, required",
+    ]
+    assert interface("--compare", whole, extended).returncode == 0
 
 
 def test_everything_public_is_documented():

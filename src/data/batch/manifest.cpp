@@ -50,6 +50,7 @@ Json describe(const FinishedFrame& frame) {
   Json json{{"index", frame.index},     {"name", frame.name},           {"scene", frame.scene},
             {"camera", frame.camera},   {"variation", frame.variation}, {"settings", hashText(frame.settings)},
             {"files", std::move(files)}};
+  if (!frame.archives.empty()) json["archives"] = Json::array();
   for (const FileRecord& archive : frame.archives) json["archives"].push_back(describe(archive));
   if (!frame.drawn.is_null()) json["drawn"] = frame.drawn;
   if (!frame.motion.is_null()) json["motion"] = frame.motion;

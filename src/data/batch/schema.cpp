@@ -24,6 +24,8 @@ constexpr std::string_view kVariationsText =
 #include "variations_schema.inc"
     ;
 
+// A null value never becomes an array or an object implicitly, by push_back() or operator[]: if memory runs out, that
+// leaves nlohmann::json a value without contents, and its destructor crashes.
 Json schemaOf(const render::Option& option) {
   using render::OptionKind;
   Json schema{{"description", option.help}};
@@ -39,6 +41,7 @@ Json schemaOf(const render::Option& option) {
       if (std::isfinite(option.range.most)) schema["maximum"] = option.range.most;
       break;
     case OptionKind::Choice:
+      schema["enum"] = Json::array();
       for (const render::NamedOption& name : option.names) schema["enum"].push_back(name.name);
       break;
     default:
@@ -148,6 +151,7 @@ const Json& jobSchema() {
     Json schema = Json::parse(kSchemaText);
     for (const render::Option& option : render::options())
       schema["properties"]["options"]["properties"][std::string(render::keyOf(option))] = schemaOf(option);
+    schema["$defs"] = Json::object();
     addSchemaOf(schema, "cameras", kCamerasText);
     addSchemaOf(schema, "variations", kVariationsText);
     return schema;

@@ -66,9 +66,11 @@ void writeBop(const std::filesystem::path& file, std::span<const CalibratedCamer
       badUsage("scene_camera.json cannot express the camera \"{}\": it requires a pinhole lens and a numeric name",
                camera.name);
     const glm::dmat4 toCamera = inverseOf(camera.pose);
-    Json& entry = json[camera.name];
+    Json& entry = json[camera.name] = Json::object();
     const scene::Lens& lens = *camera.lens;
     entry["cam_K"] = {lens.fx, 0.0, lens.cx - kFirstCentre, 0.0, lens.fy, lens.cy - kFirstCentre, 0.0, 0.0, 1.0};
+    entry["cam_R_w2c"] = Json::array();
+    entry["cam_t_w2c"] = Json::array();
     for (int i = 0; i < 9; ++i) entry["cam_R_w2c"].push_back(toCamera[i % 3][i / 3]);
     for (int i = 0; i < 3; ++i) entry["cam_t_w2c"].push_back(toCamera[3][i] / kMillimetre);
     entry["depth_scale"] = depthScale;

@@ -122,7 +122,7 @@ std::string missingInTransforms(const Lens& lens) {
 }
 
 Json transformsLens(const Lens& lens) {
-  Json json;
+  Json json = Json::object();
   for (const ModelName& known : kModelNames)
     if (known.model == lens.model && !json.contains("camera_model")) json["camera_model"] = known.name;
   const auto pixels = [](double n) { return n == std::floor(n) ? Json(static_cast<uint64_t>(n)) : Json(n); };

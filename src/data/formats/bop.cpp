@@ -101,12 +101,15 @@ class Bop : public Format {
       for (const Json& object : entry["objects"]) models.add(object);
     models.number();
     std::map<std::string, Json> files;
+    const auto fileOf = [&](const std::string& name) -> Json& {
+      return files.try_emplace(name, Json::object()).first->second;
+    };
     for (const Json& entry : entries) {
       const std::string scene = sceneFolder(entry["scene"].get<uint32_t>());
       const std::string image = std::to_string(entry["image"].get<uint64_t>());
-      files[scene + "/scene_camera.json"][image] = entry["camera"];
-      Json& poses = files[scene + "/scene_gt.json"][image] = Json::array();
-      Json& infos = files[scene + "/scene_gt_info.json"][image] = Json::array();
+      fileOf(scene + "/scene_camera.json")[image] = entry["camera"];
+      Json& poses = fileOf(scene + "/scene_gt.json")[image] = Json::array();
+      Json& infos = fileOf(scene + "/scene_gt_info.json")[image] = Json::array();
       for (const Json& object : entry["objects"]) {
         Json pose = object["pose"];
         pose["obj_id"] = models.numberOf(object);

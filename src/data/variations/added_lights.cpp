@@ -63,7 +63,7 @@ class AddedLights : public Variation {
     const auto random = [&](const char* what) { return draw.of(fmt::format("{}/{}/{}", path_, number, what)); };
     const glm::dmat4 toWorld = worldFromFile(draft.scene);
     scene::Light light = light_;
-    Json record;
+    Json record = Json::object();
     light.intensity = drawn(intensity_, random("intensity"));
     record["intensity"] = light.intensity;
     if (temperature_) {

@@ -35,7 +35,7 @@ class Lights : public Variation {
       for (const uint32_t lit : draw.of(path_ + "/on").choose(count, static_cast<uint32_t>(lights_.size())))
         on[lit] = true;
     }
-    Json record;
+    Json record{{"lights", Json::array()}};
     for (size_t i = 0; i < lights_.size(); ++i)
       record["lights"].push_back(change(draw, lights_[i], on[i], fileFromWorld(draft.scene), draft.light(lights_[i])));
     return record;

@@ -28,7 +28,7 @@ class Materials : public Variation {
   }
 
   Json draw(const Draw& draw, Draft& draft) const override {
-    Json record;
+    Json record{{"materials", Json::array()}};
     for (const uint32_t index : materials_) {
       shared::Material& data = draft.material(index).data;
       Json& own = record["materials"].emplace_back(Json{{"name", draft.scene.materials[index].name}});

@@ -58,7 +58,7 @@ class Textures : public Variation {
   }
 
   Json draw(const Draw& draw, Draft& draft) const override {
-    Json record;
+    Json record{{"materials", Json::array()}};
     for (const uint32_t index : materials_) {
       const auto random = [&](const char* what) { return draw.of(fmt::format("{}/{}/{}", path_, index, what)); };
       const uint32_t chosen = random("texture").below(static_cast<uint32_t>(files_.size()));

@@ -34,7 +34,7 @@ class Transforms : public Variation {
   }
 
   Json draw(const Draw& draw, Draft& draft) const override {
-    Json record;
+    Json record{{"nodes", Json::array()}};
     std::map<uint32_t, dmat4> changes;  // transforms in the world, by node
     for (const uint32_t node : nodes_) changes[node] = change(draw, node, draft.scene, record["nodes"].emplace_back());
     for (uint32_t i = 0; i < above_.size(); ++i) {

@@ -4,10 +4,15 @@
 //
 // Kinds: "new" is an allocation by the program's own code, not by a library that it loads, because drivers end the
 // process without memory. The others are system calls on files below the folder LATELIGHT_FAULT_FOLDER.
+//
+// "every N SIZE" sweeps the allocations of SIZE bytes, or all for 0, of a program that has one thread: at every Nth
+// one, a child process continues without the memory and without output while the program waits for it. The numbers of
+// the allocations whose child was ended by a signal follow the number of calls in the file LATELIGHT_FAULT_COUNT.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <link.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -23,22 +28,27 @@
 
 namespace {
 
-enum class Kind { None, New, Open, Read, Write, Close, Rename, Stat };
+enum class Kind { None, New, Open, Read, Write, Close, Rename, Stat, Every };
+
+constexpr size_t kMaxListed = 100;
 
 struct Fault {
   Kind kind = Kind::None;
   uint64_t number = 0;
+  uint64_t size = 0;  // of the allocations that "every" counts, in bytes; 0: any
   const char* folder = nullptr;
   uintptr_t begin = 0, end = 0;  // the program's code
   std::atomic<bool> isInMain = false;
   std::atomic<uint64_t> calls = 0;
   pid_t process = 0;
+  uint64_t signals[kMaxListed] = {};  // numbers of allocations after which a signal ended the child
+  size_t signalCount = 0;
 };
 Fault fault;
 
 Kind kindNamed(std::string_view name) {
-  constexpr std::string_view kNames[] = {"", "new", "open", "read", "write", "close", "rename", "stat"};
-  for (int i = 1; i < 8; ++i)
+  constexpr std::string_view kNames[] = {"", "new", "open", "read", "write", "close", "rename", "stat", "every"};
+  for (int i = 1; i < 9; ++i)
     if (name == kNames[i]) return Kind(i);
   return Kind::None;
 }
@@ -68,7 +78,9 @@ __attribute__((constructor)) void begin() {
   if (!space) return;
   dl_iterate_phdr(findProgram, nullptr);
   fault.folder = std::getenv("LATELIGHT_FAULT_FOLDER");
-  fault.number = std::strtoull(space, nullptr, 10);
+  char* end = nullptr;
+  fault.number = std::strtoull(space, &end, 10);
+  fault.size = std::strtoull(end, nullptr, 10);
   fault.process = getpid();
   fault.kind = kindNamed({text, size_t(space - text)});
 }
@@ -79,6 +91,8 @@ __attribute__((destructor)) void finish() {
   fault.kind = Kind::None;
   if (std::FILE* file = std::fopen(path, "w")) {
     std::fprintf(file, "%llu\n", static_cast<unsigned long long>(fault.calls.load()));
+    for (size_t i = 0; i < fault.signalCount; ++i)
+      std::fprintf(file, "%llu\n", static_cast<unsigned long long>(fault.signals[i]));
     std::fclose(file);
   }
 }
@@ -118,9 +132,30 @@ Function next(const char* name) {
   return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
 }
 
+// Starts a child for every Nth allocation. Returns true in the child, whose allocation fails.
+bool failsInChild() {
+  const uint64_t number = ++fault.calls;
+  if (number % fault.number != 0) return false;
+  const pid_t child = fork();
+  if (child == 0) {
+    fault.kind = Kind::None;
+    const int nowhere = next<int (*)(const char*, int, ...)>("open")("/dev/null", O_WRONLY);
+    dup2(nowhere, STDOUT_FILENO);
+    dup2(nowhere, STDERR_FILENO);
+    return true;
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (!WIFEXITED(status) && fault.signalCount < kMaxListed) fault.signals[fault.signalCount++] = number;
+  return false;
+}
+
 void* allocate(size_t size, size_t alignment, const void* caller) {
   const auto at = reinterpret_cast<uintptr_t>(caller);
-  if (fault.kind == Kind::New && at >= fault.begin && at < fault.end && fails(Kind::New)) return nullptr;
+  const bool isOwn = fault.isInMain && at >= fault.begin && at < fault.end;
+  if (isOwn && fault.kind == Kind::New && fails(Kind::New)) return nullptr;
+  const bool isSwept = fault.kind == Kind::Every && (fault.size == 0 || fault.size == size);
+  if (isOwn && isSwept && failsInChild()) return nullptr;
   if (size == 0) size = 1;
   return alignment ? aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment) : std::malloc(size);
 }
