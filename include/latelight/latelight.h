@@ -466,6 +466,10 @@ struct WorldArrays {
   WorldArray exists;                                                   // count x instances bytes (Uint8)
   WorldArray cameraToWorld, previousCameraToWorld, nextCameraToWorld;  // count x cameras matrices
   WorldArray intrinsics;                                               // count x cameras camera matrices K, 3x3
+  // In place of Worlds::factors: count x instances rows of 4, 1, 1 and 3 numbers. Those that are not given are the
+  // material's.
+  WorldArray baseColor, metallic, roughness, emissive;
+  WorldArray environmentRotation, environmentIntensity;  // count numbers
   uint64_t ready = 0;  // value of Renderer::exportInputSemaphore() at which arrays of the device are complete
 };
 

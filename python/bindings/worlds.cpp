@@ -29,6 +29,10 @@ class ArrayReader {
     read(value, name, {to_.worlds.count, each, 3, 3}, array);
     array.rows = 3;
   }
+  // One or several numbers per world, or per world and element.
+  void numbers(nb::handle value, const char* name, const std::vector<int64_t>& shape, WorldArray& array) {
+    if (!value.is_none()) read(value, name, shape, array);
+  }
   void flags(nb::handle value, const char* name, int64_t each, WorldArray& array) {
     if (value.is_none()) return;
     const std::vector<int64_t> shape{to_.worlds.count, each};
@@ -122,44 +126,7 @@ void setMaterials(Worlds& worlds, nb::dict& keywords) {
   }
 }
 
-// Sets one factor of the instances of all worlds.
-template <typename T>
-void setFactor(Worlds& worlds, nb::handle value, const char* name, T MaterialFactors::*member) {
-  if (value.is_none()) return;
-  std::vector<int64_t> shape{worlds.count, static_cast<int64_t>(worlds.instances.size())};
-  constexpr size_t kChannels = sizeof(T) / sizeof(float);
-  if (kChannels > 1) shape.push_back(kChannels);
-  const std::vector<double> numbers = numbersOf(value, name, shape);
-  for (size_t i = 0; i < worlds.factors.size(); ++i) {
-    std::array<float, kChannels> values;
-    for (size_t channel = 0; channel < kChannels; ++channel)
-      values[channel] = static_cast<float>(numbers[kChannels * i + channel]);
-    std::memcpy(&(worlds.factors[i].*member), values.data(), sizeof(values));
-  }
-}
-
-MaterialFactors factorsOf(const Material& material) {
-  return {material.baseColor, material.metallic, material.roughness, material.emissive};
-}
-
-// Sets the factors of all instances if any is given. Those that are not given are the material's.
-void setFactors(Worlds& worlds, nb::dict& keywords, const SceneValues& scene) {
-  const auto take = [&](const char* name) { return nb::object(keywords.attr("pop")(name, nb::none())); };
-  const nb::object color = take("base_color"), metallic = take("metallic"), roughness = take("roughness"),
-                   emissive = take("emissive");
-  if (color.is_none() && metallic.is_none() && roughness.is_none() && emissive.is_none()) return;
-  if (worlds.instances.empty()) badValue("factors of materials require the list of instances: instances");
-  for (size_t i = 0; i < worlds.count * worlds.instances.size(); ++i)
-    worlds.factors.push_back(factorsOf(
-        scene.material(worlds.materials.empty() ? scene.instance(worlds.instances[i % worlds.instances.size()]).material
-                                                : worlds.materials[i])));
-  setFactor(worlds, color, "base_color", &MaterialFactors::baseColor);
-  setFactor(worlds, metallic, "metallic", &MaterialFactors::metallic);
-  setFactor(worlds, roughness, "roughness", &MaterialFactors::roughness);
-  setFactor(worlds, emissive, "emissive", &MaterialFactors::emissive);
-}
-
-// Removes the arguments of lights and of the environment from `keywords`.
+// Removes the arguments of lights from `keywords`.
 void setLights(Worlds& worlds, nb::dict& keywords, const SceneValues& scene) {
   const auto take = [&](const char* name) { return nb::object(keywords.attr("pop")(name, nb::none())); };
   const int64_t n = worlds.count;
@@ -180,11 +147,6 @@ void setLights(Worlds& worlds, nb::dict& keywords, const SceneValues& scene) {
         numbersOf(intensity, "light_intensity", {n, static_cast<int64_t>(worlds.lights.size())});
     for (size_t i = 0; i < numbers.size(); ++i) worlds.lightValues[i].intensity = static_cast<float>(numbers[i]);
   }
-  if (const nb::object value = take("environment_rotation"); !value.is_none())
-    worlds.environmentRotation = numbersOf(value, "environment_rotation", {n});
-  if (const nb::object value = take("environment_intensity"); !value.is_none())
-    for (const double number : numbersOf(value, "environment_intensity", {n}))
-      worlds.environmentIntensity.push_back(static_cast<float>(number));
 }
 
 std::vector<std::optional<Handle<Instance>>> mountsOf(nb::handle value, const char* name) {
@@ -215,18 +177,18 @@ constexpr WorldArgument kArguments[] = {
     {"exists", kTensor, "(N, I) bool: whether a world has an instance"},
     {"materials", "collections.abc.Sequence[MaterialHandle] | None = None", "those that material_choice refers to"},
     {"material_choice", kArray, "(N, I) integers: the material of each instance, as an index in `materials`"},
-    {"base_color", kArray, "(N, I, 4): linear Rec.709 and alpha, in place of the material's factor"},
-    {"metallic", kArray, "(N, I), likewise"},
-    {"roughness", kArray, "(N, I), likewise"},
-    {"emissive", kArray, "(N, I, 3), likewise"},
+    {"base_color", kTensor, "(N, I, 4): linear Rec.709 and alpha, in place of the material's factor"},
+    {"metallic", kTensor, "(N, I), likewise"},
+    {"roughness", kTensor, "(N, I), likewise"},
+    {"emissive", kTensor, "(N, I, 3), likewise"},
     {"lights", "collections.abc.Sequence[LightHandle] | None = None",
      "the L lights that the next four describe; required by them"},
     {"light_position", kArray, "(N, L, 3), meters"},
     {"light_direction", kArray, "(N, L, 3): from the light, of any length above 0"},
     {"light_color", kArray, "(N, L, 3)"},
     {"light_intensity", kArray, "(N, L): candela; lux for directional lights"},
-    {"environment_rotation", kArray, "(N,) degrees, in place of the option"},
-    {"environment_intensity", kArray, "(N,), in place of the option"},
+    {"environment_rotation", kTensor, "(N,) degrees, in place of the option"},
+    {"environment_intensity", kTensor, "(N,), in place of the option"},
     {"camera_to_world", kTensor, "(N, C, 4, 4) or (N, C, 3, 4): in place of the cameras' own poses"},
     {"previous_camera_to_world", kTensor, "the same in the previous frame"},
     {"next_camera_to_world", kTensor, "the same in the next frame"},
@@ -258,9 +220,22 @@ std::unique_ptr<GivenWorlds> worldsOf(nb::handle count, nb::handle cameras, nb::
       {"previous_camera_to_world", &worlds.arrays.previousCameraToWorld},
       {"next_camera_to_world", &worlds.arrays.nextCameraToWorld},
       {"k", &worlds.arrays.intrinsics}};
+  struct Numbers {
+    const char* name;
+    WorldArray* array;
+    std::vector<int64_t> shape;
+  };
+  const Numbers ofMaterials[] = {{"base_color", &worlds.arrays.baseColor, {n, i, 4}},
+                                 {"metallic", &worlds.arrays.metallic, {n, i}},
+                                 {"roughness", &worlds.arrays.roughness, {n, i}},
+                                 {"emissive", &worlds.arrays.emissive, {n, i, 3}}};
+  const Numbers ofEnvironment[] = {{"environment_rotation", &worlds.arrays.environmentRotation, {n}},
+                                   {"environment_intensity", &worlds.arrays.environmentIntensity, {n}}};
   std::vector<nb::object> values;
   for (const auto& [name, array] : ofInstances) values.push_back(take(name));
   for (const auto& [name, array] : ofCameras) values.push_back(take(name));
+  for (const Numbers& numbers : ofMaterials) values.push_back(take(numbers.name));
+  for (const Numbers& numbers : ofEnvironment) values.push_back(take(numbers.name));
   const bool tensors = std::ranges::any_of(values, [](const nb::object& value) { return isTensor(value); });
   ArrayReader reader(*given, tensors ? stream() : 0);
   size_t next = 0;
@@ -278,8 +253,13 @@ std::unique_ptr<GivenWorlds> worldsOf(nb::handle count, nb::handle cameras, nb::
     else
       reader.transforms(values[next++], name, c, *array);
   }
+  for (const Numbers& numbers : ofMaterials) {
+    if (!values[next].is_none() && i == 0) badValue("factors of materials require the list of instances: instances");
+    reader.numbers(values[next++], numbers.name, numbers.shape, *numbers.array);
+  }
+  for (const Numbers& numbers : ofEnvironment)
+    reader.numbers(values[next++], numbers.name, numbers.shape, *numbers.array);
   setMaterials(worlds, keywords);
-  setFactors(worlds, keywords, scene);
   setLights(worlds, keywords, scene);
   return given;
 }

@@ -156,6 +156,7 @@ struct Scene::Impl::WorldConverter {
   // For shaders that place the worlds.
   std::vector<scene::Camera> camerasOfWorld() const;
   void give(render::Renderer& renderer, std::vector<scene::Camera> cameras) const;
+  std::vector<MaterialFactors> ownFactors() const;
   void convertMaterials() const;
   void convertLights() const;
   std::vector<glm::dmat4> transformsOf(const std::vector<Transform>& values) const;
@@ -203,6 +204,12 @@ void Scene::Impl::WorldConverter::checkArrays() const {
   checkArray(a.previousCameraToWorld, !from.previousCameraToWorld.empty(), false, "previousCameraToWorld");
   checkArray(a.nextCameraToWorld, !from.nextCameraToWorld.empty(), false, "nextCameraToWorld");
   checkArray(a.intrinsics, !from.intrinsics.empty(), false, "intrinsics");
+  checkArray(a.baseColor, !from.factors.empty(), false, "baseColor");
+  checkArray(a.metallic, !from.factors.empty(), false, "metallic");
+  checkArray(a.roughness, !from.factors.empty(), false, "roughness");
+  checkArray(a.emissive, !from.factors.empty(), false, "emissive");
+  checkArray(a.environmentRotation, !from.environmentRotation.empty(), false, "environmentRotation");
+  checkArray(a.environmentIntensity, !from.environmentIntensity.empty(), false, "environmentIntensity");
   for (const WorldArray* array : {&a.transforms, &a.previousTransforms, &a.nextTransforms, &a.cameraToWorld,
                                   &a.previousCameraToWorld, &a.nextCameraToWorld})
     if (*array && array->rows != 3 && array->rows != 4)
@@ -246,18 +253,33 @@ void Scene::Impl::WorldConverter::findInvalid(bool onDevice) {
       invalid[i / from.cameras.size()] = 1;
 }
 
+// Returns the factors of the materials of all instances.
+std::vector<MaterialFactors> Scene::Impl::WorldConverter::ownFactors() const {
+  std::vector<MaterialFactors> factors;
+  for (size_t i = 0; i < from.count * to.instances.size(); ++i) {
+    const uint32_t material = from.materials.empty()
+                                  ? scene.scene.instances[to.instances[i % to.instances.size()]].material
+                                  : scene.index(from.materials[i]);
+    const shared::Material& m = scene.scene.materials[material].data;
+    factors.push_back({{m.baseColor.r, m.baseColor.g, m.baseColor.b, m.baseColor.a},
+                       m.metallic,
+                       m.roughness,
+                       {m.emissive.r, m.emissive.g, m.emissive.b}});
+  }
+  return factors;
+}
+
 void Scene::Impl::WorldConverter::convertMaterials() const {
   for (const Handle<Material>& material : from.materials) to.materials.push_back(scene.index(material));
   for (size_t i = 0; i < from.factors.size(); ++i) {
     const MaterialFactors values = invalid[i / to.instances.size()] ? MaterialFactors{} : from.factors[i];
     const auto [r, g, b, alpha] = values.baseColor;
     const auto [x, y, z] = values.emissive;
-    scene::Material checked{.name = "Worlds::factors"};
-    checked.data =
+    scene::Material checked =
         scene.scene
             .materials[to.materials.empty() ? scene.scene.instances[to.instances[i % to.instances.size()]].material
-                                            : to.materials[i]]
-            .data;
+                                            : to.materials[i]];
+    checked.name = "Worlds::factors";
     checked.data.baseColor = {r, g, b, alpha};
     checked.data.emissive = {x, y, z};
     checked.data.metallic = values.metallic;
@@ -386,6 +408,16 @@ void Scene::Impl::WorldConverter::give(render::Renderer& renderer, std::vector<s
   matrices(arrays.cameraToWorld, from.cameraToWorld, views, inputs.cameraToWorld);
   matrices(arrays.previousCameraToWorld, from.previousCameraToWorld, views, inputs.previousCameraToWorld);
   matrices(arrays.nextCameraToWorld, from.nextCameraToWorld, views, inputs.nextCameraToWorld);
+  const auto numbers = [&](const WorldArray& array, size_t count, render::WorldArray& given) {
+    given.doubles = array.element == WorldArray::Element::Float64;
+    giveArray(array, count * elementBytes(array), given.address);
+  };
+  numbers(arrays.baseColor, 4 * instances, inputs.baseColor);
+  numbers(arrays.metallic, instances, inputs.metallic);
+  numbers(arrays.roughness, instances, inputs.roughness);
+  numbers(arrays.emissive, 3 * instances, inputs.emissive);
+  numbers(arrays.environmentRotation, from.count, inputs.environmentRotation);
+  numbers(arrays.environmentIntensity, from.count, inputs.environmentIntensity);
   if (!from.exists.empty()) writer.add(from.exists.data(), from.exists.size(), inputs.exists);
   giveArray(arrays.exists, instances, inputs.exists);
   std::vector<double> k;
@@ -400,8 +432,22 @@ void Scene::Impl::WorldConverter::give(render::Renderer& renderer, std::vector<s
 
 namespace {
 
-// Returns the same worlds with lists in place of arrays.
-Worlds withoutArrays(const Worlds& worlds, vk::Device& device, size_t instances) {
+// Replaces some of the factors of all instances by the numbers of arrays.
+void setFactors(std::vector<MaterialFactors>& factors, const WorldArrays& a, vk::Device& device) {
+  const auto set = [&](const WorldArray& array, size_t channels, const auto& member) {
+    if (!array) return;
+    const std::vector<double> numbers = numbersOf(device, array, channels * factors.size());
+    for (size_t i = 0; i < numbers.size(); ++i)
+      member(factors[i / channels], i % channels) = static_cast<float>(numbers[i]);
+  };
+  set(a.baseColor, 4, [](MaterialFactors& f, size_t channel) -> float& { return f.baseColor[channel]; });
+  set(a.metallic, 1, [](MaterialFactors& f, size_t) -> float& { return f.metallic; });
+  set(a.roughness, 1, [](MaterialFactors& f, size_t) -> float& { return f.roughness; });
+  set(a.emissive, 3, [](MaterialFactors& f, size_t channel) -> float& { return f.emissive[channel]; });
+}
+
+// Returns the same worlds with lists in place of arrays. `factors`: those of all instances without the arrays.
+Worlds withoutArrays(const Worlds& worlds, vk::Device& device, size_t instances, std::vector<MaterialFactors> factors) {
   Worlds lists = worlds;
   const WorldArrays& a = worlds.arrays;
   const size_t moved = worlds.count * instances, views = worlds.count * worlds.cameras.size();
@@ -417,11 +463,24 @@ Worlds withoutArrays(const Worlds& worlds, vk::Device& device, size_t instances)
   if (a.intrinsics) lists.intrinsics = intrinsicsOf(device, a.intrinsics, views);
   if (a.exists)
     for (const double value : numbersOf(device, a.exists, moved)) lists.exists.push_back(value != 0);
+  if (!factors.empty()) {
+    lists.factors = std::move(factors);
+    setFactors(lists.factors, a, device);
+  }
+  if (a.environmentRotation) lists.environmentRotation = numbersOf(device, a.environmentRotation, worlds.count);
+  if (a.environmentIntensity)
+    for (const double value : numbersOf(device, a.environmentIntensity, worlds.count))
+      lists.environmentIntensity.push_back(static_cast<float>(value));
   lists.arrays = {};
   return lists;
 }
 
+bool hasFactors(const WorldArrays& a) {
+  return a.baseColor || a.metallic || a.roughness || a.emissive;
+}
+
 bool hasArrays(const WorldArrays& a) {
+  if (hasFactors(a) || a.environmentRotation || a.environmentIntensity) return true;
   for (const WorldArray* array : {&a.transforms, &a.previousTransforms, &a.nextTransforms, &a.exists, &a.cameraToWorld,
                                   &a.previousCameraToWorld, &a.nextCameraToWorld, &a.intrinsics})
     if (*array) return true;
@@ -449,6 +508,12 @@ std::vector<uint32_t> worldsOfStatus(std::span<const uint32_t> status) {
           world);
     if (bits & shared::kWorldWrongRide)
       badUsage("a camera of world {} rides on an instance whose transform mirrors or has an axis of length 0", world);
+    if (bits & shared::kWorldWrongFactors)
+      badUsage(
+          "factors of materials must be at least 0, and metallic and roughness at most 1, and one of world {} is not",
+          world);
+    if (bits & shared::kWorldWrongEnvironment)
+      badUsage("the intensity of the environment must be at least 0, and that of world {} is not", world);
     if (bits & shared::kWorldNotFinite) invalid.push_back(world);
   }
   return invalid;
@@ -476,7 +541,9 @@ WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& 
     return {.cameras = to.inputs->cameras, .invalid = {}, .onDevice = true};
   }
   if (hasArrays(worlds.arrays)) {
-    const Worlds lists = withoutArrays(worlds, device, to.instances.size());
+    const Worlds lists =
+        withoutArrays(worlds, device, to.instances.size(),
+                      hasFactors(worlds.arrays) ? converter.ownFactors() : std::vector<MaterialFactors>{});
     to = {};
     return convert(lists, settings, state, renderer, device);
   }

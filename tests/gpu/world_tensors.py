@@ -75,19 +75,28 @@ def states(scene, count, seed=0):
 def check(scene, renderer):
     instances, transforms, poses, exists, camera = states(scene, 300)
     given = {"instances": instances, "formats": FORMATS, "on_device": True}
+    rng = np.random.default_rng(1)
+    values = {
+        "base_color": rng.uniform(0.2, 1, (300, len(instances), 4)),
+        "roughness": rng.uniform(0.1, 1, (300, len(instances))),
+        "environment_rotation": rng.uniform(0, 360, 300),
+        "environment_intensity": rng.uniform(0.2, 2, 300),
+    }
+    values = {key: value.astype(np.float32) for key, value in values.items()}
     host = renderer.render_worlds(300, camera, SIZE, ("rgba", "depth", "id"), transforms=transforms, exists=exists,
-                                  camera_to_world=poses, **given)
+                                  camera_to_world=poses, **values, **given)
     copied = renderer.copied_bytes
     expected = None
     for name, to_gpu, to_host in makers():
         if expected is None:
             expected = {output: to_host(array) for output, array in host.items()}
         arrays = {"transforms": to_gpu(transforms), "exists": to_gpu(exists), "camera_to_world": to_gpu(poses)}
+        arrays |= {key: to_gpu(value) for key, value in values.items()}
         frames = renderer.render_worlds(300, camera, SIZE, ("rgba", "depth", "id"), **arrays, **given)
         for output, array in frames.items():
             np.testing.assert_array_equal(to_host(array), expected[output], f"{name}: {output}")
             assert array.__cuda_array_interface__["data"][0] != 0
-        bytes_given = transforms.nbytes + exists.nbytes + poses.nbytes
+        bytes_given = sum(array.nbytes for array in (transforms, exists, poses, *values.values()))
         assert renderer.copied_bytes - copied == bytes_given, "every byte is copied on the device, once"
         copied = renderer.copied_bytes
         print(f"{name}: 300 worlds equal those of host arrays; {bytes_given} bytes copied on the device")

@@ -129,9 +129,11 @@ def test_lights_and_environment(camera):
         ({"instances": None, "exists": np.ones((2, 1), bool)}, latelight.UsageError, "requires the list of instances"),
         ({"material_choice": [[0], [0]]}, latelight.UsageError, "require each other"),
         ({"roughness": [[0.5], [2]]}, latelight.UsageError, "roughness"),
+        ({"metallic": np.zeros((2, 2))}, latelight.UsageError, "metallic must"),
+        ({"base_color": -np.ones((2, 1, 4))}, latelight.UsageError, "at least 0"),
         ({"light_color": np.zeros((2, 1, 3))}, latelight.UsageError, "requires the list of lights"),
         ({"environment_intensity": [1, 2, 3]}, latelight.UsageError, "environment_intensity must"),
-        ({"environment_intensity": [1, -2]}, latelight.UsageError, "at least 0, not -2"),
+        ({"environment_intensity": [1, -2]}, latelight.UsageError, "at least 0"),
         ({"transfroms": 1}, latelight.ArgumentTypeError, "transfroms"),
     ],
 )

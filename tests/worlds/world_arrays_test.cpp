@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <latelight/latelight.h>
 
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <random>
@@ -134,6 +135,82 @@ TEST_P(ArraysOfWorlds, GiveTheImagesOfTheEditedScene) {
     lists.cameraToWorld = poses;
     const std::vector<Frame> given = renderer.render(worlds, o), listedFrames = renderer.render(lists, o);
     for (size_t i = 0; i < given.size() && !HasFailure(); i += 7) expectSameOutputs(given[i], listedFrames[i]);
+  }
+}
+
+// Factors of materials and the environment of each world as arrays have the images of the same values as lists. Alpha
+// makes blended materials opaque in some worlds.
+TEST_P(ArraysOfWorlds, HaveMaterialsAndEnvironments) {
+  constexpr uint32_t kSome = 16;
+  for (const char* name : {"blended.glb", "textured.glb"}) {
+    SCOPED_TRACE(name);
+    Scene scene(models::modelPath(name).string());
+    Renderer renderer(scene, testDevice(), "studio");
+    Worlds lists{.count = kSome, .instances = scene.instances(), .cameras = {scene.defaultCamera(4.0f / 3)}};
+    std::mt19937 random(9);
+    std::uniform_real_distribution<float> share(0.1f, 1);
+    const size_t listed = lists.instances.size();
+    std::vector<float> color, emissive, metallic, intensity;
+    std::vector<double> roughness, rotation;
+    for (size_t i = 0; i < kSome * listed; ++i) {
+      MaterialFactors& f = lists.factors.emplace_back();
+      f = {.baseColor = {share(random), share(random), share(random), random() % 3 ? 1 : share(random)},
+           .metallic = share(random),
+           .roughness = share(random),
+           .emissive = {0, 0.2f * share(random), 0}};
+      color.insert(color.end(), f.baseColor.begin(), f.baseColor.end());
+      emissive.insert(emissive.end(), f.emissive.begin(), f.emissive.end());
+      metallic.push_back(f.metallic);
+      roughness.push_back(f.roughness);
+      if (random() % 2)
+        lists.materials.push_back(scene.materials()[random() % scene.materials().size()]);
+      else
+        lists.materials.push_back(scene.instance(lists.instances[i % listed]).material);
+    }
+    for (uint32_t world = 0; world < kSome; ++world) {
+      rotation.push_back(720.0 * share(random) - 300);
+      intensity.push_back(share(random));
+    }
+    Worlds arrays = lists;
+    arrays.factors.clear();
+    lists.environmentRotation = rotation;
+    lists.environmentIntensity = intensity;
+    using enum WorldArray::Element;
+    arrays.arrays = {.baseColor = {.element = Float32, .host = color.data()},
+                     .metallic = {.element = Float32, .host = metallic.data()},
+                     .roughness = {.element = Float64, .host = roughness.data()},
+                     .emissive = {.element = Float32, .host = emissive.data()},
+                     .environmentRotation = {.element = Float64, .host = rotation.data()},
+                     .environmentIntensity = {.element = Float32, .host = intensity.data()}};
+    Options o = options(GetParam());
+    o.background = "hdri";
+    const std::vector<Frame> expected = renderer.render(lists, o);
+    for (int call = 0; call < 2; ++call) {
+      const std::vector<Frame> frames = renderer.render(arrays, o);
+      ASSERT_EQ(frames.size(), kSome);
+      for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) {
+        SCOPED_TRACE(world);
+        expectSameOutputs(frames[world], expected[world]);
+      }
+    }
+    // The material's own factors replace those that are not given.
+    for (size_t i = 0; i < lists.factors.size(); ++i) {
+      const Material own = scene.material(lists.materials[i]);
+      lists.factors[i] = {own.baseColor, own.metallic, lists.factors[i].roughness, own.emissive};
+    }
+    arrays.arrays.baseColor = arrays.arrays.metallic = arrays.arrays.emissive = {};
+    const std::vector<Frame> frames = renderer.render(arrays, o), other = renderer.render(lists, o);
+    for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) expectSameOutputs(frames[world], other[world]);
+    // Wrong values.
+    roughness[3] = std::nan("");
+    Ticket ticket = renderer.submit(arrays, o);
+    EXPECT_EQ(ticket.invalidWorlds(), std::vector<uint32_t>{static_cast<uint32_t>(3 / listed)});
+    ticket.take();
+    roughness[3] = 1.5;
+    EXPECT_THROW(renderer.render(arrays, o), Error);
+    roughness[3] = 1;
+    intensity[1] = -1;
+    EXPECT_THROW(renderer.render(arrays, o), Error);
   }
 }
 

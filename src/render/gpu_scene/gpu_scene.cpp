@@ -88,6 +88,8 @@ void GpuScene::setWorlds(const WorldStates& worlds, const Poses& poses) {
     materials_.setVariants(uploads_, {});
   } else {
     materials_.setVariants(uploads_, variantsOf(worlds, scene_));
+    if (worlds.inputs && worlds.inputs->hasFactors())
+      materials_.reserveDerived(uploads_, size_t{worlds.count} * worlds.instances.size());
     worlds_.update(uploads_, scene_, instances_, worlds, poses, posed_ ? deformer_.get() : nullptr);
     worlds_.updateLights(uploads_, worlds, worlds.lightValues.empty() ? std::vector<scene::Light>{} : lightsIn(poses),
                          origin());

@@ -86,6 +86,20 @@ void GpuMaterials::setVariants(vk::Uploader& uploader, std::vector<Variant> vari
   sceneRevision_ = revision;
 }
 
+// A larger list is another buffer, so the records of the scene are uploaded again.
+void GpuMaterials::reserveDerived(vk::Uploader& uploader, size_t count) {
+  if (records_.size() + count <= list_.capacity()) return;
+  list_.resize(records_.size() + count);
+  if (!records_.empty()) uploadRecords(uploader, allOf(records_.size()));
+}
+
+GpuMaterials::Derivable GpuMaterials::derivable(uint32_t material) const {
+  shared::Material data = records_[material];
+  data.baseColor.a = 1;
+  return {.flags = data.flags | (scene_.materials[material].data.flags & shared::kMaterialBlended),
+          .opaqueTextures = opacity_.isOpaque(material, data)};
+}
+
 uint32_t GpuMaterials::baseOf(uint32_t material) const {
   const size_t count = scene_.materials.size();
   return material < count ? material : variants_[material - count].base;

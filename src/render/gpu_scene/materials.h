@@ -47,6 +47,14 @@ class GpuMaterials {
     bool operator==(const Variant&) const = default;
   };
   void setVariants(vk::Uploader& uploader, std::vector<Variant> variants);
+  // Makes space for `count` materials after those of the scene and of setVariants(), which shaders write.
+  void reserveDerived(vk::Uploader& uploader, size_t count);
+  // The properties of a scene's material that a shader needs to derive others from it.
+  struct Derivable {
+    uint32_t flags = 0;           // with kMaterialBlended as authored
+    bool opaqueTextures = false;  // with an alpha factor of 1, the material is opaque
+  };
+  Derivable derivable(uint32_t material) const;
   void setAnisotropy(vk::Uploader& uploader, uint32_t samples) { textures_.setAnisotropy(uploader, samples); }
 
   const shared::Material& record(uint32_t material) const { return records_[material]; }

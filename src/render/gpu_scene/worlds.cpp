@@ -77,8 +77,11 @@ void GpuWorlds::reserve(vk::Uploader& uploader, const scene::Scene& scene, const
   const WorldInputs& inputs = *worlds.inputs;
   std::vector<uint32_t> choices = choicesOf(worlds, scene);
   const auto instances = static_cast<uint32_t>(scene.instances.size());
-  if (!onDevice_ || count_ != worlds.count || instances_ != instances || choices_ != choices) {
+  const bool derives = inputs.hasFactors();
+  if (!onDevice_ || count_ != worlds.count || instances_ != instances || choices_ != choices ||
+      derivesMaterials_ != derives) {
     ++revision_;
+    derivesMaterials_ = derives;
     choices_ = std::move(choices);
     if (!choices_.empty()) choiceList_.upload(uploader, choices_);
   }
@@ -97,7 +100,11 @@ void GpuWorlds::reserve(vk::Uploader& uploader, const scene::Scene& scene, const
 
 void GpuWorlds::update(vk::Uploader& uploader, const scene::Scene& scene, const GpuInstances& instances,
                        const WorldStates& worlds, const Poses& poses, const Deformer* deformer) {
-  hasMaterials_ = !worlds.materials.empty() || !worlds.factors.empty();
+  hasMaterials_ =
+      !worlds.materials.empty() || !worlds.factors.empty() || (worlds.inputs && worlds.inputs->hasFactors());
+  hasOnDevice_ = 0;
+  if (worlds.inputs && worlds.inputs->environmentIntensity.address) hasOnDevice_ |= shared::kWorldHasIntensity;
+  if (worlds.inputs && worlds.inputs->environmentRotation.address) hasOnDevice_ |= shared::kWorldHasRotation;
   rotations_ = worlds.environmentRotation;
   intensities_ = worlds.environmentIntensity;
   if (worlds.inputs) return reserve(uploader, scene, worlds, poses);
@@ -210,7 +217,9 @@ void GpuWorlds::describeLights(shared::FrameConstants& frame, uint32_t world) co
 }
 
 void GpuWorlds::updateValues(vk::Uploader& uploader) {
-  if (!onDevice() || (lights_.empty() && rotations_.empty() && intensities_.empty())) return;
+  if (!onDevice()) return;
+  if (hasOnDevice_) valueList_.resize(count_);
+  if (lights_.empty() && rotations_.empty() && intensities_.empty()) return;
   std::vector<shared::WorldValues> values(count_);
   for (uint32_t world = 0; world < count_; ++world) {
     shared::WorldValues& value = values[world];
@@ -225,7 +234,10 @@ void GpuWorlds::updateValues(vk::Uploader& uploader) {
     value.environmentSin = std::sin(rotations_[world]);
   }
   const size_t bytes = values.size() * sizeof(shared::WorldValues);
-  if (values.size() == values_.size() && std::memcmp(values.data(), values_.data(), bytes) == 0) return;
+  // Shaders may have overwritten values that a later call gives as a list.
+  const bool same = valuesOnDevice_ == hasOnDevice_ && values.size() == values_.size();
+  valuesOnDevice_ = hasOnDevice_;
+  if (same && std::memcmp(values.data(), values_.data(), bytes) == 0) return;
   values_ = std::move(values);
   valueList_.upload(uploader, values_);
 }
@@ -238,6 +250,7 @@ void GpuWorlds::describe(shared::ViewConstants& constants) const {
   if (hasLights()) constants.has |= shared::kWorldHasLights;
   if (!intensities_.empty()) constants.has |= shared::kWorldHasIntensity;
   if (!rotations_.empty()) constants.has |= shared::kWorldHasRotation;
+  constants.has |= hasOnDevice_;
 }
 
 InstancesOfWorld GpuWorlds::of(uint32_t world) const {

@@ -32,10 +32,15 @@ struct WorldInputs {
   WorldArray transforms, previous, next;                               // [worlds][instances]
   WorldArray cameraToWorld, previousCameraToWorld, nextCameraToWorld;  // [worlds][cameras]
   WorldArray intrinsics;                                               // [worlds][cameras], 3x3, in pixels
-  VkDeviceAddress exists = 0;                       // [worlds][instances], one byte each; 0: every instance exists
-  std::vector<scene::Camera> cameras;               // of each world
+  // Factors of the instances' materials, [worlds][instances] rows of 4, 1, 1 and 3 numbers. If any is given, each
+  // instance has a material of its own in each world, and the others are those of its material.
+  WorldArray baseColor, metallic, roughness, emissive;
+  WorldArray environmentRotation, environmentIntensity;  // [worlds], degrees and a factor
+  VkDeviceAddress exists = 0;                            // [worlds][instances], one byte each; 0: every instance exists
+  std::vector<scene::Camera> cameras;                    // of each world
   std::vector<uint32_t> rides;                      // per camera: the instance that it rides on, or ~0u; empty: none
   std::vector<std::shared_ptr<const void>> memory;  // what the arrays are in; the call holds it until it has finished
+  bool hasFactors() const { return baseColor.address || metallic.address || roughness.address || emissive.address; }
 };
 
 // The values of all worlds, world by world. An empty list leaves the scene's values.
@@ -110,6 +115,10 @@ class GpuWorlds {
   std::span<const shared::Instance> records() const { return records_; }  // of all worlds; none if onDevice()
   std::span<const uint32_t> choices() const { return choices_; }  // if onDevice(): [worlds][listed] materials, or empty
   VkDeviceAddress choicesAddress() const { return choices_.empty() ? 0 : choiceList_.address(); }
+  // True if shaders write a material for each listed instance of each world, after those of the scene. The choices are
+  // then the materials that these derive from.
+  bool derivesMaterials() const { return onDevice() && derivesMaterials_; }
+  VkDeviceAddress valuesAddress() const { return valueList_.address(); }  // shared::WorldValues[]
   bool hasLights() const { return count_ > 0 && !lights_.empty(); }
   std::span<const LightSet> lights() const { return lights_; }  // one per world
   // The rotation and the intensity of the environment in a world, in place of these.
@@ -140,6 +149,9 @@ class GpuWorlds {
   bool moves_ = false;  // previous_ and next_ have other transforms than list_
   bool vast_ = false, hasMaterials_ = false;
   bool onDevice_ = false, vastOnDevice_ = false;
+  bool derivesMaterials_ = false;
+  uint32_t hasOnDevice_ = 0;     // kWorldHas*: values that shaders write
+  uint32_t valuesOnDevice_ = 0;  // hasOnDevice_ when values_ was uploaded
   std::vector<uint32_t> choices_;
   GpuList<uint32_t> choiceList_;
   std::vector<shared::WorldValues> values_;

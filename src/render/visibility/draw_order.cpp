@@ -55,6 +55,13 @@ void DrawOrder::update(const GpuScene& scene) {
   anyBlended_ = std::any_of(order_.begin(), order_.end(), [&](uint32_t i) { return isBlended(scene, all.record(i)); });
   for (const uint32_t material : scene.worlds().choices())
     anyBlended_ = anyBlended_ || shared::translucent(scene.materials().record(material).flags);
+  if (scene.worlds().derivesMaterials()) {
+    const auto mayBlend = [&](uint32_t material) {
+      return shared::translucent(scene.materials().derivable(material).flags);
+    };
+    anyBlended_ |= std::ranges::any_of(all.records(), mayBlend, &shared::Instance::material) ||
+                   std::ranges::any_of(scene.worlds().choices(), mayBlend);
+  }
   if (scene.worlds().hasMaterials())
     anyBlended_ |= std::ranges::any_of(scene.worlds().records(),
                                        [&](const shared::Instance& record) { return isBlended(scene, record); });

@@ -47,6 +47,32 @@ uint checkedIntrinsics(WorldNumbers n, uint index) {
   return right ? 0u : kWorldWrongIntrinsics;
 }
 
+// Numbers from 0 to `most`.
+uint checkedFactors(WorldNumbers n, uint index, uint count, float most) {
+  if (n.address == 0ul) return 0u;
+  if (!areFinite(n, index, count)) return kWorldNotFinite;
+  bool right = true;
+  for (uint i = 0u; i < count; ++i) {
+    float number = float(numberAt(n, index * count + i));
+    right = right && number >= 0.0 && number <= most;
+  }
+  return right ? 0u : kWorldWrongFactors;
+}
+
+uint checkedMaterial(WorldJob job, uint index) {
+  const float kUnbounded = 3.402823466e38;
+  return checkedFactors(job.baseColor, index, 4u, kUnbounded) | checkedFactors(job.emissive, index, 3u, kUnbounded) |
+         checkedFactors(job.metallic, index, 1u, 1.0) | checkedFactors(job.roughness, index, 1u, 1.0);
+}
+
+uint checkedEnvironment(WorldJob job, uint world) {
+  uint bits = 0u;
+  if (job.environmentRotation.address != 0ul && !areFinite(job.environmentRotation, world, 1u)) bits = kWorldNotFinite;
+  if (job.environmentIntensity.address == 0ul) return bits;
+  if (!areFinite(job.environmentIntensity, world, 1u)) return bits | kWorldNotFinite;
+  return numberAt(job.environmentIntensity, world) < 0.0lf ? bits | kWorldWrongEnvironment : bits;
+}
+
 void main() {
   WorldJob job = JobRef(push.job).v;
   uint each = max(max(job.listed, job.viewsPerWorld), 1u), world = elementIndex() / each, i = elementIndex() % each;
@@ -57,6 +83,8 @@ void main() {
     if (i < job.listed) bits |= checkedTransform(job.givenTransforms[time], world * job.listed + i);
     if (i < job.viewsPerWorld) bits |= checkedPose(job.givenPoses[time], world * job.viewsPerWorld + i);
   }
+  if (i < job.listed) bits |= checkedMaterial(job, world * job.listed + i);
+  if (i == 0u) bits |= checkedEnvironment(job, world);
   if (i < job.viewsPerWorld) bits |= checkedIntrinsics(job.intrinsics, world * job.viewsPerWorld + i);
   if (bits != 0u) report(job, world, bits);
 }

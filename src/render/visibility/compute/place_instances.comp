@@ -9,7 +9,11 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer In
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer RasterTemplates { RasterInstance v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) writeonly buffer RasterOut { RasterInstance v[]; };
 
-const uint kFlagsOffset = 68u;  // of Material::flags
+// Offsets in Material, in words.
+const uint kBaseColorWord = 0u, kEmissiveWord = 4u, kMetallicWord = 7u, kRoughnessWord = 8u, kFlagsWord = 17u;
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer WordsOut { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer BasesRef { DerivableMaterial v[]; };
 
 // Returns the record with the transform. The translation is a float and the remainder of the double.
 Instance placed(WorldJob job, Instance record, dmat4 toWorld, vec3 vertexOrigin) {
@@ -72,6 +76,32 @@ uint drawFlags(uint instanceFlags, uint materialFlags, bool similar) {
   return flags;
 }
 
+// Writes the factors of a row of `count` numbers, if the call gives them.
+void writeFactors(uint64_t to, uint word, WorldNumbers given, uint row, uint count) {
+  if (given.address == 0ul) return;
+  for (uint i = 0u; i < count; ++i) WordsOut(to).v[word + i] = floatBitsToUint(float(numberAt(given, row * count + i)));
+}
+
+// Writes the material of a listed instance: the scene's with the world's factors. Returns its flags.
+uint writeMaterial(WorldJob job, uint base, uint index, uint row, bool invalid) {
+  UintRef from = UintRef(job.materials + uint64_t(base) * kMaterialBytes);
+  uint64_t to = job.materials + uint64_t(index) * kMaterialBytes;
+  for (uint i = 0u; i < kMaterialBytes / 4u; ++i) WordsOut(to).v[i] = from.v[i];
+  uint flags = from.v[kFlagsWord];
+  if (invalid) return flags;
+  writeFactors(to, kBaseColorWord, job.baseColor, row, 4u);
+  writeFactors(to, kEmissiveWord, job.emissive, row, 3u);
+  writeFactors(to, kMetallicWord, job.metallic, row, 1u);
+  writeFactors(to, kRoughnessWord, job.roughness, row, 1u);
+  if (job.baseColor.address == 0ul) return flags;
+  // As GpuMaterials: a blended material that is opaque everywhere counts as opaque.
+  DerivableMaterial derivable = BasesRef(job.bases).v[base];
+  bool opaque = derivable.opaqueTextures != 0u && float(numberAt(job.baseColor, row * 4u + 3u)) >= 1.0;
+  flags = opaque ? derivable.flags & ~kMaterialBlended : derivable.flags;
+  WordsOut(to).v[kFlagsWord] = flags;
+  return flags;
+}
+
 bool exists(WorldJob job, uint world, uint place) {
   if (place == kNowhere || job.exists == 0ul) return true;
   uint at = world * job.listed + place;
@@ -90,6 +120,12 @@ void main() {
   record.mesh = t.mesh;
   record.material = t.material;
   if (t.place != kNowhere && job.choices != 0ul) record.material = UintRef(job.choices).v[world * job.listed + t.place];
+  uint materialFlags = UintRef(job.materials + uint64_t(record.material) * kMaterialBytes).v[kFlagsWord];
+  if (t.place != kNowhere && job.firstDerived != kNowhere) {
+    uint base = record.material, row = world * job.listed + t.place;
+    record.material = job.firstDerived + row;
+    materialFlags = writeMaterial(job, base, record.material, row, invalid);
+  }
   record.id = t.id;
   record.part = t.part;
   record.flags = t.flags | (mirrored ? kInstanceMirrored : 0u) | (mirrored != turnedOver ? kInstanceClockwise : 0u);
@@ -107,7 +143,6 @@ void main() {
   RasterInstance raster = RasterTemplates(job.rasterTemplates).v[t.draw];
   vec4 bounds = boundsOf(job, t, toWorld);
   vec2 stretch = stretchOf(record.objectToWorld);
-  uint materialFlags = UintRef(job.materials + uint64_t(record.material) * kMaterialBytes + kFlagsOffset).v[0];
   bool shown = !invalid && (t.state & kTemplateHidden) == 0u && exists(job, world, t.place);
   raster.centre = bounds.xyz;
   raster.radius = shown ? bounds.w : uintBitsToFloat(0xff800000u);  // minus infinity

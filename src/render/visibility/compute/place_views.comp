@@ -2,9 +2,11 @@
 #extension GL_GOOGLE_include_directive : require
 // Writes the View of one camera in one world, at one time (y): makeView() of the host, with the same operations.
 #include "render/visibility/compute/place_worlds.glsl"
+#include "render/gpu_scene/view_constants_push.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ViewsIn { View v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer ViewsOut { View v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer ValuesOut { WorldValues v[]; };
 
 // The minors of rows r and s of the last three columns, in the order in which inverseOf() needs them.
 dvec4 minors(dmat4 m, uint r, uint s) {
@@ -76,11 +78,45 @@ void setIntrinsics(WorldJob job, inout Projection p, uint index) {
   p.Z = float(z);
 }
 
+// x: cosine, y: sine. The result, rounded to floats, is that of the host's functions for floats: the argument is reduced
+// to an eighth of a turn (Cody and Waite 1980, Software Manual for the Elementary Functions), for which the Taylor
+// series is exact to the precision of doubles.
+dvec2 cosineAndSine(double x) {
+  const double kHalfPi = 1.57079632679489655800lf, kHalfPiLow = 6.12323399573676603587e-17lf;
+  double quarters = floor(x / kHalfPi + 0.5lf);
+  precise double y = (x - quarters * kHalfPi) - quarters * kHalfPiLow;
+  double square = y * y, cosine = 1.0lf, sine = y, even = 1.0lf, odd = y;
+  for (int i = 2; i < 20; i += 2) {
+    even *= -square / double(i * (i - 1));
+    odd *= -square / double(i * (i + 1));
+    cosine += even;
+    sine += odd;
+  }
+  int quadrant = int(quarters - 4.0lf * floor(quarters / 4.0lf));
+  if (quadrant == 1) return dvec2(-sine, cosine);
+  if (quadrant == 2) return dvec2(-cosine, -sine);
+  return quadrant == 3 ? dvec2(sine, -cosine) : dvec2(cosine, sine);
+}
+
+void setEnvironment(WorldJob job, uint world) {
+  bool invalid = isInvalid(job, world);
+  if (job.environmentIntensity.address != 0ul)
+    ValuesOut(job.values).v[world].environmentIntensity =
+        invalid ? 0.0 : float(numberAt(job.environmentIntensity, world));
+  if (job.environmentRotation.address == 0ul) return;
+  double degrees = invalid ? 0.0lf : numberAt(job.environmentRotation, world);
+  precise double radiansOf = degrees * 3.14159265358979323846lf / 180.0lf;
+  dvec2 direction = cosineAndSine(double(float(radiansOf)));
+  ValuesOut(job.values).v[world].environmentCos = float(direction.x);
+  ValuesOut(job.values).v[world].environmentSin = float(direction.y);
+}
+
 void main() {
   WorldJob job = JobRef(push.job).v;
   uint index = elementIndex(), world = index / job.viewsPerWorld, camera = index % job.viewsPerWorld;
   uint time = gl_GlobalInvocationID.y;
   if (world >= job.worlds) return;
+  if (camera == 0u && time == 0u) setEnvironment(job, world);
   View view = ViewsIn(job.cameras).v[camera];
   dmat4 pose = poseOf(job, world, camera, time);
   for (uint i = 0u; i < 3u; ++i) {

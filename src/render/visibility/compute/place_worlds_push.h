@@ -13,7 +13,7 @@ SH_CONST uint kNowhere = 4294967295u;     // an index of nothing
 // An array of matrices or of single numbers that a caller gave: [worlds][elements][rows][columns], without padding.
 struct WorldNumbers {
   uint64_t address;  // 0: not given
-  uint rows;         // of each matrix; with 3 rows of 4, the last one is 0 0 0 1
+  uint rows;         // of each matrix of 4 columns; with 3 rows, the last one is 0 0 0 1
   uint doubles;      // 1: double[]; 0: float[]
 };
 
@@ -47,7 +47,7 @@ struct WorldJob {
   uint64_t cameras;          // View[views per world]: projections of the scene's cameras
   uint64_t cameraPoses;      // double[views per world][16]: their poses in the renderer's world, column by column
   uint64_t rides;            // uint[views per world]: the instance on which the camera rides, or kNowhere; 0: none
-  uint64_t materials;        // Material[]
+  uint64_t materials;        // Material[]; from firstDerived on, results: [worlds][listed]
   uint64_t choices;          // uint[worlds][listed]: index of the material; 0: that of the template
   uint64_t exists;           // one byte each: [worlds][listed]; 0: all exist
   uint64_t emptyWorlds;      // uint[worlds], not 0: the host knows that the world is invalid; 0: no such worlds
@@ -55,13 +55,23 @@ struct WorldJob {
   uint64_t instances[3];     // results, by time: Instance[worlds][instances]
   uint64_t raster;           // result: RasterInstance[worlds][draws]
   uint64_t views[3];         // results, by time: View[worlds][views per world]
-  WorldNumbers givenTransforms[3];  // by time: 4x4 or 3x4 per listed instance
-  WorldNumbers givenPoses[3];       // by time: 4x4 or 3x4 per view
-  WorldNumbers intrinsics;          // 3x3 per view
+  WorldNumbers givenTransforms[3];                         // by time: 4x4 or 3x4 per listed instance
+  WorldNumbers givenPoses[3];                              // by time: 4x4 or 3x4 per view
+  WorldNumbers intrinsics;                                 // 3x3 per view
+  WorldNumbers baseColor, metallic, roughness, emissive;   // 4, 1, 1 and 3 numbers per listed instance
+  WorldNumbers environmentRotation, environmentIntensity;  // a number per world
+  uint64_t bases;                                          // DerivableMaterial[] of the scene's materials
+  uint64_t values;                                         // result: WorldValues[worlds]
   uint worlds, instanceCount, listed, draws, viewsPerWorld;
   uint instanceTimes, viewTimes;  // 1 or 3: number of results
   uint width, height;             // of the images, pixels
-  uint padding;
+  uint firstDerived;              // index of the first material that shaders derive, or kNowhere
+};
+
+// A material of the scene, from which others are derived.
+struct DerivableMaterial {
+  uint flags;           // with kMaterialBlended as authored
+  uint opaqueTextures;  // 1: with an alpha factor of 1, the material is opaque
 };
 
 struct PlacePush {
@@ -74,8 +84,10 @@ SH_CONST uint kWorldWrongTransform = 2u;   // its last row is not 0 0 0 1
 SH_CONST uint kWorldWrongPose = 4u;        // not a rotation and a translation
 SH_CONST uint kWorldWrongIntrinsics = 8u;  // of a camera matrix
 SH_CONST uint kWorldInvalid = 15u;
-SH_CONST uint kWorldWrongRide = 16u;  // a camera rides on an instance with an axis of length 0, or a mirrored one
-SH_CONST uint kWorldVast = 32u;       // has instances with kInstanceVast
+SH_CONST uint kWorldWrongRide = 16u;     // a camera rides on an instance with an axis of length 0, or a mirrored one
+SH_CONST uint kWorldVast = 32u;          // has instances with kInstanceVast
+SH_CONST uint kWorldWrongFactors = 64u;  // of a material: below 0, or above 1 for metallic and roughness
+SH_CONST uint kWorldWrongEnvironment = 128u;  // its intensity is below 0
 
 SH_END
 

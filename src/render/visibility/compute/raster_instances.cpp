@@ -101,6 +101,17 @@ void RasterInstances::add(const GpuScene& scene, uint32_t instance) {
   all_.anyOpaque |= !masked;
 }
 
+// Adds the kinds of materials that shaders derive: any alpha may make a blended material translucent or opaque.
+void RasterInstances::addDerived(const GpuScene& scene) {
+  const auto add = [&](uint32_t material) {
+    const uint32_t flags = scene.materials().derivable(material).flags;
+    visibleMaterials_.add(flags);
+    visibleMaterials_.add(flags & ~shared::kMaterialBlended);
+  };
+  for (const shared::Instance& record : scene.instances().records()) add(record.material);
+  for (const uint32_t material : scene.worlds().choices()) add(material);
+}
+
 // Adds the records of all worlds after the first.
 void RasterInstances::addWorlds(const GpuScene& scene) {
   const size_t count = records_.size();
@@ -109,6 +120,7 @@ void RasterInstances::addWorlds(const GpuScene& scene) {
       visibleMaterials_.add(scene.materials().record(record.material).flags);
     for (const uint32_t material : scene.worlds().choices())
       visibleMaterials_.add(scene.materials().record(material).flags);
+    if (scene.worlds().derivesMaterials()) addDerived(scene);
   }
   if (scene.worlds().count() < 2 || scene.worlds().onDevice()) return;
   records_.resize(count * scene.worlds().count());

@@ -48,6 +48,7 @@ class RasterInstances {
 
  private:
   void add(const GpuScene& scene, uint32_t instance);
+  void addDerived(const GpuScene& scene);
   void addWorlds(const GpuScene& scene);
 
   std::vector<shared::RasterInstance> records_;  // with worlds, those of each world

@@ -74,7 +74,8 @@ WorldPlacer::WorldPlacer(vk::Device& device)
       views_{GpuList<View>(device, "views of worlds"), GpuList<View>(device, "previous views of worlds"),
              GpuList<View>(device, "next views of worlds")},
       rides_(device, "rides of cameras"),
-      empty_(device, "invalid worlds") {}
+      empty_(device, "invalid worlds"),
+      bases_(device, "materials to derive from") {}
 
 void WorldPlacer::update(const scene::Scene& source, const GpuScene& scene, const RasterInstances& raster,
                          const WorldStates& worlds, const Poses& poses, vk::Uploader& uploader, uint32_t width,
@@ -98,6 +99,10 @@ void WorldPlacer::update(const scene::Scene& source, const GpuScene& scene, cons
     job_.givenPoses[time] = numbersOf(*given[time]);
   }
   job_.intrinsics = numbersOf(inputs.intrinsics);
+  describeMaterials(source, scene, inputs, uploader);
+  job_.environmentRotation = numbersOf(inputs.environmentRotation);
+  job_.environmentIntensity = numbersOf(inputs.environmentIntensity);
+  job_.values = scene.worlds().valuesAddress();
   job_.exists = inputs.exists;
   std::vector<uint32_t> empty(worlds.empty.begin(), worlds.empty.end());
   if (std::ranges::count(empty, 0u) == std::ssize(empty)) empty.clear();
@@ -144,6 +149,24 @@ void WorldPlacer::describeInstances(const scene::Scene& source, const GpuScene& 
   job_.draws = static_cast<uint32_t>(raster.records().size());
   job_.rasterTemplates = raster.templates();
   job_.raster = job_.draws > 0 ? raster.address(0) : 0;
+}
+
+void WorldPlacer::describeMaterials(const scene::Scene& source, const GpuScene& scene, const WorldInputs& inputs,
+                                    vk::Uploader& uploader) {
+  job_.firstDerived = kNowhere;
+  if (!inputs.hasFactors()) return;
+  job_.firstDerived = static_cast<uint32_t>(source.materials.size());
+  job_.baseColor = numbersOf(inputs.baseColor);
+  job_.metallic = numbersOf(inputs.metallic);
+  job_.roughness = numbersOf(inputs.roughness);
+  job_.emissive = numbersOf(inputs.emissive);
+  std::vector<DerivableMaterial> bases;
+  for (uint32_t i = 0; i < source.materials.size(); ++i) {
+    const GpuMaterials::Derivable base = scene.materials().derivable(i);
+    bases.push_back({base.flags, base.opaqueTextures ? 1u : 0u});
+  }
+  uploadChanged(bases_, baseValues_, std::move(bases), uploader);
+  job_.bases = bases_.address();
 }
 
 void WorldPlacer::describeCameras(const GpuScene& scene, const WorldStates& worlds, vk::Uploader& uploader) {

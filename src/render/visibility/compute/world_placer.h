@@ -2,8 +2,9 @@
 // the raster compute and the passes after it read. The host's work does not depend on the number of worlds.
 //
 //   WorldInputs   check_worlds.comp     status (kWorld* per world)
-//        |        place_instances.comp  Instance[worlds][instances] at each time, RasterInstance[worlds][draws]
-//        +------> place_views.comp      View[worlds][cameras] at each time
+//        |        place_instances.comp  Instance[worlds][instances] at each time, RasterInstance[worlds][draws],
+//        |                              Material[worlds][listed instances] with the factors of worlds
+//        +------> place_views.comp      View[worlds][cameras] at each time, WorldValues[worlds] of the environment
 #pragma once
 
 #include <memory>
@@ -47,6 +48,8 @@ class WorldPlacer {
  private:
   void describeInstances(const scene::Scene& source, const GpuScene& scene, const RasterInstances& raster,
                          const WorldStates& worlds, const Poses& poses, vk::Uploader& uploader);
+  void describeMaterials(const scene::Scene& source, const GpuScene& scene, const WorldInputs& inputs,
+                         vk::Uploader& uploader);
   void describeCameras(const GpuScene& scene, const WorldStates& worlds, vk::Uploader& uploader);
   void takeStatus(size_t worlds);
   void dispatch(graph::Graph& graph, const vk::PipelineRef& pipeline, uint64_t elements, uint32_t times) const;
@@ -67,6 +70,8 @@ class WorldPlacer {
   GpuList<double> numbers_;
   GpuList<shared::View> cameras_, views_[3];
   GpuList<uint32_t> rides_, empty_;
+  std::vector<shared::DerivableMaterial> baseValues_;
+  GpuList<shared::DerivableMaterial> bases_;
   vk::Buffer statusOnDevice_;
   std::vector<std::shared_ptr<WorldStatus>> statuses_;  // of calls in flight, and free ones
   std::shared_ptr<WorldStatus> status_;
