@@ -100,6 +100,7 @@ set(includes "")
 set(constants "")
 set(directional "")
 set(cone "")
+set(area "")
 set(distribution "")
 set(index 0)
 foreach(name IN LISTS LATELIGHT_LIGHTS)
@@ -110,6 +111,7 @@ foreach(name IN LISTS LATELIGHT_LIGHTS)
   string(APPEND constants "SH_CONST uint kLight${first}${rest} = ${index}u;\n")
   string(APPEND directional " ||\n         (type == ${index}u && kLightReach_${name} == kReachEverywhere)")
   string(APPEND cone " ||\n         (type == ${index}u && kLightReach_${name} == kReachCone)")
+  string(APPEND area " ||\n         (type == ${index}u && kLightReach_${name} == kReachArea)")
   set(source ${PROJECT_SOURCE_DIR}/src/shared/light/${name}.h)
   set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${source})
   file(STRINGS ${source} shape REGEX "lightDistribution_${name}")
@@ -132,6 +134,10 @@ SH_FUNC bool lightIsDirectional(uint type) {
 // Whether it reaches what is in its cone alone.
 SH_FUNC bool lightHasCone(uint type) {
   return false${cone};
+}
+// Whether it is a shape that emits light.
+SH_FUNC bool lightIsArea(uint type) {
+  return false${area};
 }
 // Its intensity in a direction, as a factor. `toLight`: unit, from where it shines on.
 SH_FUNC float lightDistribution(Light light, vec3 toLight) {

@@ -195,18 +195,25 @@ struct TextureUse {
   uint32_t uvSet = 0;  // 0 or 1
 };
 
-// A light of KHR_lights_punctual.
+// A light of KHR_lights_punctual, or an area light: a rectangle, a disk, a sphere or a closed tube that emits uniform
+// radiance. Rectangles and disks emit toward `direction`, and a tube extends perpendicularly to `direction` and `up`.
 struct Light {
   std::string name;
   std::string type = "point";                // a type that `latelight list lights` shows
   std::array<double, 3> position{0, 0, 0};   // unused by directional lights
   std::array<float, 3> direction{0, 0, -1};  // direction of emission, of any length above 0; unused by point lights
   std::array<float, 3> color{1, 1, 1};
-  float intensity = 1;                   // candela; lux for directional lights
+  float intensity = 1;                   // candela; lux for directional lights; nits (cd/m^2) for area lights
   std::optional<float> range;            // meters; empty: unbounded
   double innerCone = 0, outerCone = 45;  // half angles of spot lights, degrees
   double size = 0;                       // radius, meters; angular diameter in degrees for directional lights
   std::optional<bool> castShadow;        // true: has priority over lights without a value; false: never casts shadows
+  // Area lights only. Disks, spheres and tubes require a `size` above 0.
+  double width = 1, height = 1;         // of a rect, meters; the height is along `up`
+  double length = 1;                    // of a tube, meters
+  bool twoSided = false;                // rect, disk: both sides emit
+  std::array<float, 3> up{0, 1, 0};     // any length above 0; if it is parallel to `direction`, another is chosen
+  std::array<float, 3> scale{1, 1, 1};  // of the shape along its own axes: sideways, `up`, and against `direction`
 };
 
 // A triangle mesh in its rest pose.

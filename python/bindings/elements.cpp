@@ -90,13 +90,14 @@ nb::object orNone(const std::optional<T>& value) {
 }
 
 void bindLight(nb::module_& module) {
-  Fields<Light>(module, "Light", "As in KHR_lights_punctual.")
+  Fields<Light>(module, "Light", "A light of KHR_lights_punctual, or an area light (rect, disk, sphere, tube).")
       .text("name", &Light::name, "")
       .text("type", &Light::type, "point, spot, directional, or another of `latelight list lights`")
       .numbers("position", &Light::position, "meters; not of directional lights")
       .numbers("direction", &Light::direction, "from the light, of any length; not of point lights")
       .numbers("color", &Light::color, "linear Rec.709")
-      .number("intensity", &Light::intensity, "candela; of directional lights lux")
+      .number("intensity", &Light::intensity,
+              "candela; lux for directional lights, nits (candela per square meter) for area lights")
       .field(
           "range", "float | None", "meters; without one it reaches everything",
           [](const Light& light) { return orNone(light.range); },
@@ -112,6 +113,12 @@ void bindLight(nb::module_& module) {
           [](Light& light, nb::handle value, const char* name) {
             light.castShadow = value.is_none() ? std::nullopt : std::optional(boolOf(value, name));
           })
+      .number("width", &Light::width, "width of a rect, meters")
+      .number("height", &Light::height, "height of a rect, along up, meters")
+      .number("length", &Light::length, "length of a tube, which is perpendicular to direction and up, meters")
+      .flag("two_sided", &Light::twoSided, "True: both sides of a rect or disk emit")
+      .numbers("up", &Light::up, "orientation of an area light about its direction, of any length")
+      .numbers("scale", &Light::scale, "of an area light along its own axes: sideways, up, and against direction")
       .done();
 }
 

@@ -186,7 +186,7 @@ constexpr WorldArgument kArguments[] = {
     {"light_position", kArray, "(N, L, 3), meters"},
     {"light_direction", kArray, "(N, L, 3): from the light, of any length above 0"},
     {"light_color", kArray, "(N, L, 3)"},
-    {"light_intensity", kArray, "(N, L): candela; lux for directional lights"},
+    {"light_intensity", kArray, "(N, L): candela; lux for directional lights, nits for area lights"},
     {"environment_rotation", kTensor, "(N,) degrees, in place of the option"},
     {"environment_intensity", kTensor, "(N,), in place of the option"},
     {"camera_to_world", kTensor, "(N, C, 4, 4) or (N, C, 3, 4): in place of the cameras' own poses"},

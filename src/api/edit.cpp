@@ -156,6 +156,29 @@ scene::Material untextured() {
 
 // --- lights ---------------------------------------------------------------------------------------------------------
 
+// The orientation and scale of an area light's axes, as columns in the file's frame. Axes that are not perpendicular,
+// as those of nodes below scaled and rotated ones, are described by their directions.
+void describeAxes(const glm::dmat3& axes, Light& out) {
+  for (size_t i = 0; i < 3; ++i) out.scale[i] = static_cast<float>(glm::length(axes[static_cast<int>(i)]));
+  if (glm::determinant(axes) < 0) out.scale[0] = -out.scale[0];
+  if (out.scale[1] > 0) out.up = three(vec3(glm::normalize(axes[1])));
+}
+
+// Returns the inverse of describeAxes(). `direction` is of length 1.
+glm::dmat3 axesOf(const Light& light, const dvec3& direction) {
+  const dvec3 given(three(light.up));
+  if (!std::isfinite(glm::length(given)) || glm::length(given) == 0)
+    badUsage("the up vector of the light \"{}\" must be finite and not zero", printable(light.name));
+  for (const float scale : light.scale)
+    if (!std::isfinite(scale)) badUsage("the scale of the light \"{}\" must be finite", printable(light.name));
+  dvec3 side = glm::cross(direction, glm::normalize(given));
+  if (glm::length(side) < 1e-6) side = dvec3(1, 0, 0) - direction * direction.x;
+  if (glm::length(side) < 1e-6) side = dvec3(0, 0, 1);
+  side = glm::normalize(side);
+  return {side * double{light.scale[0]}, glm::cross(side, direction) * double{light.scale[1]},
+          -direction * double{light.scale[2]}};
+}
+
 Light publicLight(const scene::Light& from, const scene::Scene& scene) {
   const dmat4 toFile = fileFromWorld(scene);
   const bool directional = shared::lightIsDirectional(from.type);
@@ -171,6 +194,11 @@ Light publicLight(const scene::Light& from, const scene::Scene& scene) {
   out.outerCone = from.outerCone * kDegrees;
   out.size = directional ? from.size * kDegrees : from.size;
   out.castShadow = from.castShadow;
+  out.width = from.width;
+  out.height = from.height;
+  out.length = from.length;
+  out.twoSided = from.twoSided;
+  if (shared::lightIsArea(from.type)) describeAxes(glm::dmat3(toFile) * glm::dmat3(from.axes), out);
   return out;
 }
 
@@ -284,7 +312,10 @@ scene::Light internalLight(const Light& from, const scene::Scene& scene, const s
   out.type = *type;
   if (from.position != before.position) out.position = dvec3(toWorld * dvec4(three(from.position), 1));
   if (from.direction != before.direction) out.direction = vec3(toWorld * dvec4(unitDirection(from), 0));
-  if (out.position != like.position || out.direction != like.direction) out.node = -1;
+  const bool turned = from.direction != before.direction || from.up != before.up || from.scale != before.scale;
+  if (shared::lightIsArea(out.type) && (turned || !shared::lightIsArea(like.type)))
+    out.axes = glm::mat3(glm::dmat3(toWorld) * axesOf(from, unitDirection(from)));
+  if (out.position != like.position || out.direction != like.direction || out.axes != like.axes) out.node = -1;
   out.color = three(from.color);
   out.intensity = from.intensity;
   out.range = from.range;
@@ -292,6 +323,10 @@ scene::Light internalLight(const Light& from, const scene::Scene& scene, const s
   out.outerCone = static_cast<float>(from.outerCone / kDegrees);
   out.size = static_cast<float>(shared::lightIsDirectional(out.type) ? from.size / kDegrees : from.size);
   out.castShadow = from.castShadow;
+  out.width = static_cast<float>(from.width);
+  out.height = static_cast<float>(from.height);
+  out.length = static_cast<float>(from.length);
+  out.twoSided = from.twoSided;
   return out;
 }
 

@@ -254,6 +254,10 @@ class NodeWriter {
     for (size_t i = 0; i < scene_.lights.size(); ++i) {
       const Light& light = scene_.lights[i];
       if (light.removed) continue;
+      if (shared::lightIsArea(light.type)) {
+        at(nodeOf(light))["extras"]["areaLight"] = describeArea(light);
+        continue;
+      }
       Json& lights = arrayIn(document_.extension(document_.root, "KHR_lights_punctual"), "lights");
       exported_.lights[i] = static_cast<int>(lights.size());
       lights.push_back(describe(light));
@@ -277,15 +281,39 @@ class NodeWriter {
     return out;
   }
 
+  // The extras of scene/gltf/area_lights.h.
+  static Json describeArea(const Light& light) {
+    const bool isRect = light.type == shared::kLightRect;
+    const double size = isRect ? shortest(light.height) : 2 * shortest(light.size);
+    Json out{{"type", lightTypes()[light.type].name}, {"intensity", shortest(light.intensity)}, {"size", size}};
+    if (!light.name.empty()) out["name"] = light.name;
+    if (light.color != vec3(1)) out["color"] = arrayOf(light.color);
+    if (isRect && light.width != light.height) out["rect"]["aspect"] = light.width / size;
+    if (light.type == shared::kLightTube) out["tube"]["length"] = shortest(light.length);
+    if (light.twoSided) out["twoSided"] = true;
+    if (light.castShadow) out["castShadow"] = *light.castShadow;
+    return out;
+  }
+
   // Returns the light's node if that places it, and has no other light; otherwise a new node.
   int nodeOf(const Light& light) {
     const int own = light.node >= 0 ? nodes_[size_t(light.node)] : -1;
-    if (own >= 0 && !light.hidden && !at(own).contains("/extensions/KHR_lights_punctual"_json_pointer)) {
+    const bool isArea = shared::lightIsArea(light.type);
+    const auto kept = isArea ? "/extras/areaLight"_json_pointer : "/extensions/KHR_lights_punctual"_json_pointer;
+    if (own >= 0 && !light.hidden && !at(own).contains(kept)) {
       Light placed = light;
       placeLight(placed, placeOf(light.node));
       if (placed == light) return own;
     }
     const dvec3 position(toGltfFromWorld() * glm::dvec4(light.position, 1));
+    if (isArea) {
+      dmat4 place = toGltfFromWorld() * dmat4(glm::dmat3(light.axes));
+      place[3] = glm::dvec4(position, 1);
+      Json node{{"name", light.name.empty() ? "light" : light.name}};
+      setMatrix(node, place);
+      if (light.hidden) hide(node);
+      return addNode(std::move(node), -1);
+    }
     const dvec3 back = -glm::normalize(dvec3(toGltfFromWorld() * glm::dvec4(light.direction, 0)));
     const dvec3 side = glm::normalize(glm::cross(std::abs(back.y) < 0.9 ? dvec3(0, 1, 0) : dvec3(1, 0, 0), back));
     Json node{{"name", light.name.empty() ? "light" : light.name}};

@@ -135,6 +135,23 @@ void checkTexture(const Texture& texture) {
     badUsage("the texture \"{}\" must have all its mip levels", name);
 }
 
+void checkShape(const Light& light, const std::string& owner) {
+  const auto checkLength = [&](float value, const char* what) {
+    if (!(std::isfinite(value) && value > 0)) badUsage("the {} of {} must be above 0, not {}", what, owner, value);
+  };
+  if (light.type == shared::kLightRect) {
+    checkLength(light.width, "width");
+    checkLength(light.height, "height");
+  } else {
+    checkLength(light.size, "size");
+  }
+  if (light.type == shared::kLightTube) checkLength(light.length, "length");
+  if (light.twoSided && light.type != shared::kLightRect && light.type != shared::kLightDisk)
+    badUsage("{} can't be two-sided: only rect and disk lights have two sides", owner);
+  if (light.range) badUsage("{} can't have a range: area lights are unbounded", owner);
+  for (int i = 0; i < 3; ++i) checkFinite(numbers(light.axes[i]), "orientation", owner);
+}
+
 void checkLight(const Scene& scene, const Light& light) {
   const std::string owner = fmt::format("the light \"{}\"", printable(light.name));
   if (light.type >= shared::kLightTypes) badUsage("{} has the unknown type {}", owner, light.type);
@@ -144,6 +161,7 @@ void checkLight(const Scene& scene, const Light& light) {
   checkRange(numbers(light.color), 0, kInfinity, "color", owner);
   checkRange(light.intensity, 0, kInfinity, "intensity", owner);
   checkRange(light.size, 0, kInfinity, "size", owner);
+  if (shared::lightIsArea(light.type)) checkShape(light, owner);
   if (light.range && !(std::isfinite(*light.range) && *light.range > 0))
     badUsage("the range of {} must be above 0, not {}; omit it for an unbounded light", owner, *light.range);
   if (shared::lightHasCone(light.type) && !(light.innerCone >= 0 && light.innerCone <= light.outerCone &&

@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "base/parallel.h"
+#include "shared/light.h"
 
 namespace latelight::scene {
 namespace {
@@ -165,6 +166,7 @@ void placeLight(Light& light, const glm::dmat4& world) {
   const vec3 direction = -vec3(toWorld[2]);
   const float length = glm::length(direction);
   light.direction = length > 0 ? direction / length : vec3(toWorldFromGltf() * glm::dvec4(0, 0, -1, 0));
+  if (shared::lightIsArea(light.type)) light.axes = mat3(toWorld);
 }
 
 }  // namespace latelight::scene

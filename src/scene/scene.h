@@ -26,6 +26,7 @@ namespace latelight::scene {
 
 using glm::dmat4;
 using glm::dvec3;
+using glm::mat3;
 using glm::mat4;
 using glm::vec2;
 using glm::vec3;
@@ -147,7 +148,7 @@ struct Light {
   std::string name;
   uint32_t type = kPointLight;  // kLight* (shared/light.h)
   vec3 color{1};
-  float intensity = 1;  // candela; lux for directional lights
+  float intensity = 1;  // candela; lux for directional lights; nits (candela per square meter) for area lights
   std::optional<float> range;
   float innerCone = 0, outerCone = 0.785398163f;  // half angles
   dvec3 position{0};                              // in world space
@@ -156,6 +157,11 @@ struct Light {
   // Source radius in meters; for a directional light its angular diameter in radians. 0: unknown. Geometry closer to a
   // point or spot light than this radius is the light's own body and casts no shadow.
   float size = 0;
+  // Area lights (shared/area_light.h): `size` is the radius of a disk, sphere or tube, in meters.
+  float width = 1, height = 1;     // of a rectangle along X and Y, in meters
+  float length = 1;                // of a tube along X, in meters
+  bool twoSided = false;           // rectangles and disks: both sides emit
+  mat3 axes{1};                    // the linear part of the transform from the light's space to world space
   std::optional<bool> castShadow;  // true: has precedence over lights without this value; false: never
   bool removed = false;            // a free slot that the next added light reuses (edit.h)
   bool hidden = false;             // at rest; an animation may make it visible

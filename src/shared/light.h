@@ -1,6 +1,9 @@
 // Punctual lights: the attenuation of KHR_lights_punctual, with a window function that ends lights with a range at that
 // range.
 //
+// Area lights (shared/area_light.h) are types, too. Only types that are no area lights are sampled by the functions
+// below, as `Light`.
+//
 // A type of light is a file NAME.h in shared/light. NAME is also its name in files and on the command line. The file
 // defines
 //   LIGHT_DESCRIPTION_NAME               one line of description

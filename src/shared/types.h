@@ -180,6 +180,7 @@ SH_FUNC bool translucent(uint materialFlags) {
 SH_CONST uint kReachEverywhere = 0u;  // everywhere: the light has a direction and no position
 SH_CONST uint kReachSphere = 1u;      // the sphere of its radius
 SH_CONST uint kReachCone = 2u;        // the part of that sphere within its cone
+SH_CONST uint kReachArea = 3u;        // everywhere that its shape emits to: an AreaLight and no Light
 
 struct Light {  // KHR_lights_punctual
   vec3 position;
@@ -193,6 +194,31 @@ struct Light {  // KHR_lights_punctual
   float padding[2];
 };
 SH_CONST uint kLightBytes = 64u;
+
+// A shape that emits uniform radiance (shared/area_light.h). With points p of the space of the shape, its points in the
+// world are center + x p.x + y p.y + z p.z. A rectangle has |p.x| <= 1 and |p.y| <= 1, a disk |p| <= 1, both with p.z =
+// 0; a sphere |p| <= 1; a tube |p.x| <= 1 and |p.yz| <= 1.
+struct AreaLight {  // 80 bytes
+  vec3 center;
+  uint type;  // kLight*
+  vec3 x;
+  uint twoSided;  // rectangles and disks: 1 if both sides emit
+  vec3 y;
+  uint orthogonal;  // 1: x and y are perpendicular
+  vec3 z;           // rectangles and disks: unit, on the emitting side
+  uint padding0;
+  vec3 radiance;  // W/sr/m^2 or nits, per color channel
+  uint padding1;
+};
+SH_CONST uint kAreaLightBytes = 80u;
+
+// Area lights of a scene: each surface is shaded with all of them.
+SH_CONST uint kMaxAreaLights = 64u;
+
+// The area lights that a pass shades, as the specialization constant kAreaLights.
+SH_CONST uint kAreaLightsNone = 0u;
+SH_CONST uint kAreaLightsAll = 1u;
+SH_CONST uint kAreaLightsUnshadowed = 2u;  // those that FrameConstants::areaShadows leaves out
 
 // --- shadows --------------------------------------------------------------------------------------------------------
 
@@ -302,8 +328,13 @@ struct FrameConstants {
   Fog fog;                  // applied to all surfaces, including blended ones, and to the background
   vec3 positionOffset;      // from device world space to that of the output `position`, as a pair of floats: high part
   vec3 positionOffsetLow;
+  uint64_t areaLights;  // AreaLight[areaLightCount]
+  uint64_t ltcTable;    // LtcFit[kLtcSize][kLtcSize] (shared/area_light.h), if there are area lights
+  uint areaLightCount;
+  uvec2 areaShadows;  // bit i of both words: rays find the shadows of area light i
+  uint padding;
 };
-SH_CONST uint kFrameBytes = 232u;
+SH_CONST uint kFrameBytes = 264u;
 // Indices of members in units of 8 bytes, for glsl/uniform_loads.glsl: `lights`, and `viewCount`, which begins the six
 // units up to environmentLevels.
 SH_CONST uint kFrameLightsAt = 5u;
@@ -358,6 +389,7 @@ static_assert(sizeof(latelight::shared::Light) == latelight::shared::kLightBytes
 static_assert(offsetof(latelight::shared::Light, intensity) == 16);
 static_assert(offsetof(latelight::shared::Light, direction) == 32);
 static_assert(offsetof(latelight::shared::Light, spotScale) == 48);
+static_assert(sizeof(latelight::shared::AreaLight) == latelight::shared::kAreaLightBytes);
 static_assert(sizeof(latelight::shared::ShadowMap) == latelight::shared::kShadowMapBytes);
 static_assert(offsetof(latelight::shared::ShadowMap, depthScale) == 48);
 static_assert(offsetof(latelight::shared::ShadowMap, perspective) == 64);

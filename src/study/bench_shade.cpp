@@ -5,6 +5,7 @@
 
 #include "render/lighting/technique.h"
 #include "scene/light_types.h"
+#include "shared/light.h"
 #include "study/bench.h"
 #include "study/bench_lighting.h"
 #include "study/light_bound.h"
@@ -36,7 +37,12 @@ BoundCost costOf(std::span<const PassSamples> samples, std::span<const LightCoun
 void addRows(Table& table, render::Renderer& renderer, const scene::Camera& camera, const render::SceneState& moment,
              const render::Settings& settings, const Ceilings& ceilings, uint32_t frames) {
   std::vector<Bound> bounds;
-  for (uint32_t type = 0; type < scene::lightTypes().size(); ++type) bounds.emplace_back(type);
+  std::vector<std::string> names;
+  for (uint32_t type = 0; type < scene::lightTypes().size(); ++type) {
+    if (shared::lightIsArea(type)) continue;  // not shaded per light
+    bounds.emplace_back(type);
+    names.emplace_back(scene::lightTypes()[type].name);
+  }
   std::vector<render::Settings> all;
   for (const Bound& bound : bounds)
     for (const render::TechniqueInfo& technique : bound.techniques) {
@@ -51,9 +57,8 @@ void addRows(Table& table, render::Renderer& renderer, const scene::Camera& came
   for (size_t i = 0; i < bounds.size(); ++i) {
     const BoundCost cost = costOf(std::span(samples).subspan(3 * i, 3), std::span(counts).subspan(3 * i, 3), settings);
     const double used = picosecondsPerLight(technique - cost.floor.both(), counts.back().used, settings);
-    std::vector<Cell>& row = table.rows.emplace_back(std::vector<Cell>{std::string(scene::lightTypes()[i].name),
-                                                                       render::nameOf(settings.shading),
-                                                                       cost.floor.both(), cost.floor.spread});
+    std::vector<Cell>& row = table.rows.emplace_back(
+        std::vector<Cell>{names[i], render::nameOf(settings.shading), cost.floor.both(), cost.floor.spread});
     addCopyCells(row, ceilings, cost.floor.trafficBytes, cost.floor.both());
     row.insert(row.end(), {cost.picoseconds, 1e3 / cost.picoseconds, 1e-12 * cost.picoseconds * ceilings.multiplyAdds,
                            settings.lighting->name, cellOf(used), cellOf(used / cost.picoseconds)});

@@ -31,6 +31,19 @@ def _material(name, m):
                                      "roughnessFactor": m.roughness}}
 
 
+def _light_node(light):
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = np.array(light.axes).T, light.position
+    intensity = max(light.radiance)
+    area = {"type": light.type, "intensity": intensity, "color": [r / intensity for r in light.radiance],
+            "size": light.size if light.type == "rect" else 2 * light.size}
+    if light.type == "rect":
+        area["rect"] = {"aspect": light.length / light.size}
+    if light.type == "tube":
+        area["tube"] = {"length": light.length}
+    return {"matrix": matrix.T.reshape(-1).tolist(), "extras": {"areaLight": area}}
+
+
 def write_gltf(scene, path):
     """Writes the scene without its environment, with one material index per name in their order."""
     names, blob = list(scene.materials), bytearray()
@@ -45,6 +58,7 @@ def write_gltf(scene, path):
             "indices": _accessor(document, blob, mesh.triangles.reshape(-1), "SCALAR", 5125),
             "material": names.index(mesh.material)}]})
         document["nodes"].append({"mesh": len(document["meshes"]) - 1})
+    document["nodes"] += [_light_node(light) for light in scene.lights]
     axes = camera_axes(scene)
     matrix = np.eye(4)
     matrix[:3, 0], matrix[:3, 1], matrix[:3, 2], matrix[:3, 3] = axes[0], axes[1], -axes[2], scene.eye
@@ -154,12 +168,35 @@ def _mesh(mi, mesh, bsdf, emission):
     return result
 
 
+def _light_shapes(mi, light):
+    """Returns Mitsuba's shapes of a light. Its rectangle and disk face +Z, and its cylinder has no ends."""
+    frame = np.eye(4)
+    frame[:3, :3], frame[:3, 3] = np.array(light.axes).T, light.position
+    emitter = {"type": "area", "radiance": {"type": "rgb", "value": list(light.radiance)}}
+    dark = {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0}}
+    make = lambda kind, *local: {"type": kind, "emitter": emitter, "bsdf": dark,
+                                 "to_world": mi.ScalarTransform4f(frame @ np.array(local, float))}
+    size, half = light.size, light.length / 2
+    if light.type == "rect":
+        return [make("rectangle", (half, 0, 0, 0), (0, -size / 2, 0, 0), (0, 0, -1, 0), (0, 0, 0, 1))]
+    if light.type == "disk":
+        return [make("disk", (size, 0, 0, 0), (0, -size, 0, 0), (0, 0, -1, 0), (0, 0, 0, 1))]
+    if light.type == "sphere":
+        return [make("sphere", (size, 0, 0, 0), (0, size, 0, 0), (0, 0, size, 0), (0, 0, 0, 1))]
+    # The cylinder is along Z from 0 to 1.
+    return [make("cylinder", (0, 0, 2 * half, -half), (size, 0, 0, 0), (0, size, 0, 0), (0, 0, 0, 1)),
+            make("disk", (0, 0, 1, half), (size, 0, 0, 0), (0, size, 0, 0), (0, 0, 0, 1)),
+            make("disk", (0, 0, -1, -half), (-size, 0, 0, 0), (0, size, 0, 0), (0, 0, 0, 1))]
+
+
 def by_mitsuba(mi, scene, width, height, samples, at_once=64):
     """Returns the linear image and the standard error of each value, (height, width, 3), through the pixels' centers."""
     parts = {"type": "scene"}
     for i, mesh in enumerate(scene.meshes):
         material = scene.materials[mesh.material]
         parts[f"mesh{i}"] = _mesh(mi, mesh, _plugin(mi, mesh.material, material), material.emission)
+    for i, light in enumerate(scene.lights):
+        parts |= {f"light{i}_{k}": shape for k, shape in enumerate(_light_shapes(mi, light))}
     if scene.environment:
         bitmap = mi.Bitmap(_mitsuba_environment(scene.environment).astype(np.float32))
         parts["sky"] = {"type": "envmap", "bitmap": bitmap}

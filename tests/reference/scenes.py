@@ -25,6 +25,18 @@ class Mesh:
     triangles: np.ndarray  # (m, 3)
 
 
+@dataclasses.dataclass(frozen=True)
+class AreaLight:
+    """A shape that emits `radiance`. A rect and a disk face -Z of `axes`, and a tube extends along X."""
+
+    type: str  # rect, disk, sphere or tube
+    position: tuple
+    radiance: tuple  # W/(sr m^2)
+    size: float  # height of a rect, radius of the others, meters
+    length: float = 0  # width of a rect, length of a tube, meters
+    axes: tuple = ((1, 0, 0), (0, 1, 0), (0, 0, 1))  # X, Y and Z
+
+
 @dataclasses.dataclass
 class Scene:
     materials: dict
@@ -33,6 +45,7 @@ class Scene:
     target: tuple
     field_of_view: float  # vertical, degrees
     environment: object = None  # function from unit directions (..., 3) to radiance (..., 3)
+    lights: tuple = ()  # of AreaLight, outside of the picture: Latelight's cameras do not see them, but Mitsuba's do
 
 
 def quad(material, corner, u, v):
@@ -141,4 +154,22 @@ def overcast():
     return scene
 
 
-SCENES = {"room": room, "metals": metals, "dielectrics": dielectrics, "overcast": overcast}
+def panels():
+    """One area light of each shape above a row of spheres."""
+    scene = spheres({
+        "white": Material((0.9, 0.9, 0.9)),
+        "metal 0.2": Material((1, 0.77, 0.34), 1, 0.2),
+        "metal 0.5": Material((0.95, 0.64, 0.54), 1, 0.5),
+        "plastic 0.3": Material((0.7, 0.1, 0.1), 0, 0.3, 1),
+    }, None)
+    down = ((1, 0, 0), (0, 0, -1), (0, 1, 0))
+    tilted = ((0.8, 0.6, 0), (0, 0, -1), (-0.6, 0.8, 0))
+    scene.lights = (AreaLight("rect", (-1.6, 2.9, 0.3), (24, 18, 12), 0.5, 1.2, tilted),
+                    AreaLight("disk", (0.1, 3.2, 0.9), (18, 24, 30), 0.35, axes=down),
+                    AreaLight("sphere", (1.7, 2.9, -0.2), (30, 12, 12), 0.25),
+                    AreaLight("tube", (0.5, 2.8, -1), (12, 36, 18), 0.08, 1.4))
+    return scene
+
+
+SCENES = {"room": room, "metals": metals, "dielectrics": dielectrics, "overcast": overcast,
+          "panels": panels}

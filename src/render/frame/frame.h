@@ -52,6 +52,7 @@ struct FrameConfig {
   uint32_t layers = 0;            // kLayer*: coats that a material may have (GpuMaterials::layers)
   bool lights = true;             // lights may exist; false: shaders of the deferred techniques have no light loops
   bool fewLights = false;         // on a CPU device, a loop over all lights is faster than light culling
+  uint32_t areaLights = 0;        // kAreaLights*
   bool environment = true;        // the renderer has an environment
   bool vast = false;              // some triangles are vast (GpuInstances::anyVast)
   bool fog = false;               // the constants define fog
@@ -62,6 +63,7 @@ struct FrameConfig {
   bool sunInGbuffer = false;     // the layout's sunTarget holds the sun's shadow, which lighting reads there
   uint32_t samples = 1;          // per pixel: a power of two up to shared::kMaxSamples
   bool sampleLayers = false;     // several samples are array layers; false: images are multisampled
+  uint32_t areaShadowRays = 0;   // per surface and area light, for shadows; 0: area lights cast none
   bool rayShadows = false;       // rays find the shadows of lights; shadowFormat is then 0
   uint32_t indirect = 0;         // kIndirect*: light between surfaces, by rays
   uint32_t paths = 16;           // number of them per surface of a pixel

@@ -19,6 +19,7 @@ std::vector<vk::Constant> FrameConfig::constants() const {
           {kLensConstant, lens ? 1u : 0u},
           {kEnvironmentConstant, environment ? 1u : 0u},
           {kFewLightsConstant, fewLights ? 1u : 0u},
+          {kAreaLightsConstant, areaLights},
           {kVastConstant, vast ? 1u : 0u}};
 }
 

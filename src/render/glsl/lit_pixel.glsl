@@ -4,6 +4,7 @@
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/gbuffer_write.glsl"
 #include "render/glsl/environment.glsl"
+#include "render/glsl/area_lights.glsl"
 #include "render/glsl/pixel_group.glsl"
 #include "render/glsl/uniform_loads.glsl"
 #ifdef MULTISAMPLED
@@ -20,7 +21,7 @@ struct LitPixel {
   Surface s;
   vec3 toEye;
   vec3 emitted;   // including exposure
-  vec3 radiance;  // from the environment
+  vec3 radiance;  // from the environment and area lights
 };
 
 // Returns the radiance that lights send from the surface to the eye, before exposure. `p.lit` is false for invocations
@@ -75,6 +76,7 @@ LitPixel readPixel(FrameConstants frame, View view, ivec3 place, uint samples) {
     if (reflects(p.s)) {
       p.radiance = environmentLight(frame, p.s, p.toEye);
       prepareForLights(p.s, p.toEye);
+      p.radiance += areaLight(frame, p.s, p.toEye);
     }
   }
   return p;

@@ -71,10 +71,11 @@ std::vector<scene::Light> GpuScene::lightsIn(const Poses& poses) const {
 }
 
 void GpuScene::countLights() {
-  lightCount_ = unboundedLights_ = 0;
+  lightCount_ = unboundedLights_ = areaLights_ = 0;
   const auto count = [&](const LightSet& set) {
     lightCount_ = std::max(lightCount_, static_cast<uint32_t>(set.lights.size()));
     unboundedLights_ = std::max(unboundedLights_, set.unbounded);
+    areaLights_ = std::max(areaLights_, static_cast<uint32_t>(set.area.size()));
   };
   if (worlds_.hasLights())
     std::ranges::for_each(worlds_.lights(), count);
@@ -96,6 +97,7 @@ void GpuScene::setWorlds(const WorldStates& worlds, const Poses& poses) {
     worlds_.updateValues(uploads_);
   }
   countLights();
+  if (areaLights_ > 0) lights_.storeLtcTable(uploads_);
 }
 
 InstancesOfWorld GpuScene::instancesOf(uint32_t world) const {
@@ -177,10 +179,8 @@ void GpuScene::describe(shared::FrameConstants& frame, uint32_t world) const {
     worlds_.describe(frame, world);
   else
     instances_.describe(frame);
-  if (worlds_.hasLights())
-    worlds_.describeLights(frame, world);
-  else
-    lights_.describe(frame);
+  lights_.describe(frame);
+  if (worlds_.hasLights()) worlds_.describeLights(frame, world);
   frame.meshes = geometry_.address();
   frame.materials = materials_.address();
   frame.textures = materials_.textureRecords();

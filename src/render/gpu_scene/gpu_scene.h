@@ -63,6 +63,7 @@ class GpuScene {
   }
   uint32_t lightCount() const { return lightCount_; }
   uint32_t unboundedLights() const { return unboundedLights_; }
+  uint32_t areaLights() const { return areaLights_; }
 
   // Bounds of all of the world's instances in their current pose, in the scene's world space; the scene's if shaders
   // place the instances of worlds.
@@ -101,7 +102,7 @@ class GpuScene {
   Seen seen_;
   bool posed_ = false;  // false: the scene is at rest
   std::optional<scene::Light> sun_;
-  uint32_t lightCount_ = 0, unboundedLights_ = 0;
+  uint32_t lightCount_ = 0, unboundedLights_ = 0, areaLights_ = 0;
   glm::dvec3 lightsOrigin_{0};
   mutable std::optional<scene::Bounds> bounds_;  // cached until the next edit or pose
 };

@@ -7,6 +7,7 @@
 
 #include "base/log.h"
 #include "render/gpu_scene/light_tree.h"
+#include "render/gpu_scene/ltc_table.h"
 #include "shared/color.h"
 #include "shared/light.h"
 
@@ -27,6 +28,37 @@ shared::Light deviceLight(const scene::Light& light, const glm::dvec3& origin) {
   l.inverseRadius2 = shared::inverseRadius2(l.radius);
   if (shared::lightHasCone(light.type)) shared::spotCone(light.innerCone, light.outerCone, l.spotScale, l.spotOffset);
   return l;
+}
+
+// A shape without extent emits nothing. Its radiance is then 0.
+shared::AreaLight deviceAreaLight(const scene::Light& light, const glm::dvec3& origin) {
+  shared::AreaLight l{};
+  const bool flat = light.type == shared::kLightRect || light.type == shared::kLightDisk;
+  const glm::mat3& axes = light.axes;
+  glm::vec3 half(light.size);
+  if (light.type == shared::kLightRect) half = {light.width / 2, light.height / 2, 1};
+  if (light.type == shared::kLightTube) half.x = light.length / 2;
+  l.center = glm::vec3(light.position - origin);
+  l.type = light.type;
+  l.x = axes[0] * half.x;
+  l.y = axes[1] * half.y;
+  l.z = axes[2] * half.z;
+  l.twoSided = light.twoSided ? 1 : 0;
+  const glm::dvec3 normal = glm::cross(glm::dvec3(l.x), glm::dvec3(l.y));
+  const double area = glm::length(normal), volume = std::abs(glm::dot(normal, glm::dvec3(l.z)));
+  // Mirrored or not, -Z is on the emitting side.
+  if (flat && area > 0) l.z = glm::vec3(normal / area * (glm::dot(normal, glm::dvec3(axes[2])) < 0 ? 1.0 : -1.0));
+  const float lengths = glm::length(l.x) * glm::length(l.y);
+  l.orthogonal = std::abs(glm::dot(l.x, l.y)) < 1e-5f * lengths ? 1 : 0;
+  constexpr double kLeast = 1e-30;  // products of lengths stay within the range of floats
+  if ((flat ? area : volume) > kLeast) l.radiance = light.color * light.intensity;
+  return l;
+}
+
+bool isFinite(const shared::AreaLight& l) {
+  for (const glm::vec3& v : {l.center, l.x, l.y, l.z, l.radiance})
+    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) return false;
+  return true;
 }
 
 bool isFinite(const shared::Light& l) {
@@ -57,6 +89,14 @@ LightSet makeLightSet(std::vector<scene::Light> lights, const glm::dvec3& origin
   std::vector<uint32_t> sources;
   size_t broken = 0;
   for (uint32_t i = 0; i < set.authored.size(); ++i) {
+    if (shared::lightIsArea(set.authored[i].type)) {
+      const shared::AreaLight l = deviceAreaLight(set.authored[i], origin);
+      broken += !isFinite(l);
+      if (!isFinite(l) || !(shared::maxChannel(l.radiance) > 0)) continue;
+      set.area.push_back(l);
+      set.areaSources.push_back(i);
+      continue;
+    }
     const shared::Light l = deviceLight(set.authored[i], origin);
     broken += !isFinite(l);
     if (!isFinite(l) || !(l.radius > 0) || !(shared::maxChannel(l.intensity) > 0)) continue;
@@ -81,18 +121,29 @@ void LightSet::describe(shared::FrameConstants& frame) const {
   frame.lightCount = static_cast<uint32_t>(lights.size());
   frame.directionalLights = directional;
   frame.lightTreeLeaves = leaves;
+  frame.areaLightCount = static_cast<uint32_t>(area.size());
 }
 
 void GpuLights::set(vk::Uploader& uploader, std::vector<scene::Light> lights, const glm::dvec3& origin) {
   LightSet now = makeLightSet(std::move(lights), origin);
   uploadChanges(list_, uploader, set_.lights, now.lights);
   uploadChanges(tree_, uploader, set_.nodes, now.nodes);
+  if (!now.area.empty()) {
+    uploadChanges(area_, uploader, set_.area, now.area);
+    storeLtcTable(uploader);
+  }
   set_ = std::move(now);
+}
+
+void GpuLights::storeLtcTable(vk::Uploader& uploader) {
+  if (ltcTable_.address() == 0) ltcTable_.upload(uploader, ltcTable());
 }
 
 void GpuLights::describe(shared::FrameConstants& frame) const {
   frame.lights = list_.address();
   frame.lightTree = tree_.address();
+  frame.areaLights = area_.address();
+  frame.ltcTable = ltcTable_.address();
   set_.describe(frame);
 }
 

@@ -1,4 +1,5 @@
-// Punctual lights in device memory, in the order of the light tree, and the tree itself (light_tree.h).
+// Punctual lights in device memory, in the order of the light tree, and the tree itself (light_tree.h). Area lights are
+// in no tree or list, because each surface is shaded with all of them.
 #pragma once
 
 #include <span>
@@ -6,6 +7,7 @@
 
 #include "render/gpu_scene/buffer.h"
 #include "scene/scene.h"
+#include "shared/area_light.h"
 #include "shared/types.h"
 
 namespace latelight::render {
@@ -16,6 +18,8 @@ struct LightSet {
   std::vector<shared::Light> lights;    // in the order of the light tree
   std::vector<uint32_t> sources;        // index of each of `lights` in `authored`
   std::vector<shared::LightBox> nodes;  // of the light tree
+  std::vector<shared::AreaLight> area;
+  std::vector<uint32_t> areaSources;  // index of each of `area` in `authored`
   uint32_t directional = 0, leaves = 0;
   uint32_t unbounded = 0;  // number of point and spot lights without a range
 
@@ -27,7 +31,11 @@ LightSet makeLightSet(std::vector<scene::Light> lights, const glm::dvec3& origin
 
 class GpuLights {
  public:
-  explicit GpuLights(vk::Device& device) : list_(device, "lights"), tree_(device, "light tree") {}
+  explicit GpuLights(vk::Device& device)
+      : list_(device, "lights"),
+        tree_(device, "light tree"),
+        area_(device, "area lights"),
+        ltcTable_(device, "linearly transformed cosines") {}
   // Uploads the lights that emit light. `origin`: the origin of the device's world space in the scene's
   // (GpuScene::origin()).
   void set(vk::Uploader& uploader, std::vector<scene::Light> lights, const glm::dvec3& origin);
@@ -37,11 +45,15 @@ class GpuLights {
   std::span<const shared::Light> lights() const { return set_.lights; }
 
   void describe(shared::FrameConstants& frame) const;
+  // Uploads the table of shared/area_light.h unless it was before.
+  void storeLtcTable(vk::Uploader& uploader);
 
  private:
   LightSet set_;
   GpuList<shared::Light> list_;
   GpuList<shared::LightBox> tree_;
+  GpuList<shared::AreaLight> area_;
+  GpuList<shared::LtcFit> ltcTable_;  // empty if there were no area lights so far
 };
 
 }  // namespace latelight::render

@@ -44,6 +44,8 @@ void main() {
       frame.lightCount = values.lightCount;
       frame.directionalLights = values.directionalLights;
       frame.lightTreeLeaves = values.lightTreeLeaves;
+      frame.areaLights += uint64_t(world) * job.areaStride;
+      frame.areaLightCount = values.areaLightCount;
     }
     if ((job.has & kWorldHasIntensity) != 0u) frame.environmentIntensity = values.environmentIntensity;
     if ((job.has & kWorldHasRotation) != 0u) {

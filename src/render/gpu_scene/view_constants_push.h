@@ -10,7 +10,7 @@ SH_CONST uint kConstantsGroup = 64u;  // invocations per workgroup
 
 // The values of FrameConstants that a world may have instead of the scene or the settings.
 struct WorldValues {
-  uint lightCount, directionalLights, lightTreeLeaves;
+  uint lightCount, directionalLights, lightTreeLeaves, areaLightCount;
   float environmentIntensity, environmentCos, environmentSin;
 };
 SH_CONST uint kWorldHasLights = 1u;
@@ -24,7 +24,8 @@ struct ViewConstants {
   uint64_t values;       // WorldValues[worlds], of which `has` states which are valid
   uint64_t exposures;    // float[views], or 0: all views have that of `frame`
   uint64_t result;       // FrameConstants[views]
-  uint64_t instanceStride, rasterStride, lightStride, treeStride;  // bytes from one world's elements to the next one's
+  // Bytes from one world's elements to the next one's.
+  uint64_t instanceStride, rasterStride, lightStride, treeStride, areaStride;
   uint views, firstView, viewsPerWorld;
   uint has;  // kWorldHas*
 };

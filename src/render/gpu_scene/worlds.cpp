@@ -181,25 +181,30 @@ void GpuWorlds::updateLights(vk::Uploader& uploader, const WorldStates& worlds, 
         scene::Light& light = own[worlds.lights[i]];
         scene::Light value = worlds.lightValues[world * listed + i];
         value.removed = light.removed;
-        if (value.node >= 0) value.position = light.position, value.direction = light.direction;
+        if (value.node >= 0)
+          value.position = light.position, value.direction = light.direction, value.axes = light.axes;
         light = std::move(value);
       }
       lights_[world] = makeLightSet(std::move(own), origin);
     }
   });
-  lightStride_ = treeStride_ = 1;
+  lightStride_ = treeStride_ = areaStride_ = 1;
   for (const LightSet& set : lights_) {
+    areaStride_ = std::max(areaStride_, set.area.size());
     lightStride_ = std::max(lightStride_, set.lights.size());
     treeStride_ = std::max(treeStride_, set.nodes.size());
   }
   std::vector<shared::Light> all(count_ * lightStride_);
   std::vector<shared::LightBox> nodes(count_ * treeStride_);
+  std::vector<shared::AreaLight> area(count_ * areaStride_);
   for (size_t world = 0; world < count_; ++world) {
     std::ranges::copy(lights_[world].lights, all.begin() + static_cast<std::ptrdiff_t>(world * lightStride_));
     std::ranges::copy(lights_[world].nodes, nodes.begin() + static_cast<std::ptrdiff_t>(world * treeStride_));
+    std::ranges::copy(lights_[world].area, area.begin() + static_cast<std::ptrdiff_t>(world * areaStride_));
   }
   lightList_.upload(uploader, all);
   lightTrees_.upload(uploader, nodes);
+  areaLights_.upload(uploader, area);
 }
 
 float GpuWorlds::environmentRotation(uint32_t world, float others) const {
@@ -213,6 +218,7 @@ float GpuWorlds::environmentIntensity(uint32_t world, float others) const {
 void GpuWorlds::describeLights(shared::FrameConstants& frame, uint32_t world) const {
   frame.lights = lightList_.address() + world * lightStride_ * sizeof(shared::Light);
   frame.lightTree = lightTrees_.address() + world * treeStride_ * sizeof(shared::LightBox);
+  frame.areaLights = areaLights_.address() + world * areaStride_ * sizeof(shared::AreaLight);
   lights_[world].describe(frame);
 }
 
@@ -226,7 +232,7 @@ void GpuWorlds::updateValues(vk::Uploader& uploader) {
     if (!lights_.empty()) {
       shared::FrameConstants frame{};
       lights_[world].describe(frame);
-      value = {frame.lightCount, frame.directionalLights, frame.lightTreeLeaves, 0, 0, 0};
+      value = {frame.lightCount, frame.directionalLights, frame.lightTreeLeaves, frame.areaLightCount, 0, 0, 0};
     }
     if (!intensities_.empty()) value.environmentIntensity = intensities_[world];
     if (rotations_.empty()) continue;
@@ -247,6 +253,7 @@ void GpuWorlds::describe(shared::ViewConstants& constants) const {
   constants.instanceStride = uint64_t{instances_} * sizeof(shared::Instance);
   constants.lightStride = lightStride_ * sizeof(shared::Light);
   constants.treeStride = treeStride_ * sizeof(shared::LightBox);
+  constants.areaStride = areaStride_ * sizeof(shared::AreaLight);
   if (hasLights()) constants.has |= shared::kWorldHasLights;
   if (!intensities_.empty()) constants.has |= shared::kWorldHasIntensity;
   if (!rotations_.empty()) constants.has |= shared::kWorldHasRotation;

@@ -80,6 +80,7 @@ class GpuWorlds {
         next_(device, "next instances of worlds"),
         lightList_(device, "lights of worlds"),
         lightTrees_(device, "light trees of worlds"),
+        areaLights_(device, "area lights of worlds"),
         choiceList_(device, "materials of worlds"),
         valueList_(device, "values of worlds") {}
 
@@ -144,7 +145,8 @@ class GpuWorlds {
   std::vector<LightSet> lights_;  // empty: the scene's
   GpuList<shared::Light> lightList_;
   GpuList<shared::LightBox> lightTrees_;
-  size_t lightStride_ = 0, treeStride_ = 0;  // elements per world
+  GpuList<shared::AreaLight> areaLights_;
+  size_t lightStride_ = 0, treeStride_ = 0, areaStride_ = 0;  // elements per world
   std::vector<float> rotations_, intensities_;
   bool moves_ = false;  // previous_ and next_ have other transforms than list_
   bool vast_ = false, hasMaterials_ = false;

@@ -29,6 +29,7 @@ vec4 blendedColor(FrameConstants frame, uint viewIndex, Material m, SurfacePoint
   float alpha = coverage(m, p);
   LayeredBrdf b = layeredBrdfAt(point);
   vec3 radiance = layeredEnvironment(frame, b, point.toEye);
+  radiance += layeredAreaLight(frame, b);
   radiance += lightsAtPoint(frame, viewIndex, point, b, shows && alpha > 0.0, kEveryLight != 0u);
   vec4 color = vec4(exposedRadiance(frame, point, b, radiance), 1.0), fog = vec4(0.0);
   View view = frameView(frame, viewIndex);

@@ -58,6 +58,7 @@ vec3 radianceOf(FrameConstants frame, ivec3 pixel, uint first, uint samples) {
   point.s.ao *= visibleHemisphere(pixel);
   LayeredBrdf brdf = layeredBrdfAt(point);
   vec3 radiance = layeredEnvironment(frame, brdf, point.toEye);
+  radiance += layeredAreaLight(frame, brdf);
   radiance += lightsOn(frame, view, uint(pixel.z), visible, point, brdf, samples != 0u);
   return exposedRadiance(frame, point, brdf, radiance);
 }

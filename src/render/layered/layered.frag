@@ -28,6 +28,7 @@ void main() {
   point.s.ao *= visibleHemisphere(ivec3(ivec2(gl_FragCoord.xy), int(push.view)));
   LayeredBrdf brdf = layeredBrdfAt(point);
   vec3 radiance = layeredEnvironment(frame, brdf, point.toEye);
+  radiance += layeredAreaLight(frame, brdf);
   radiance += lightsAtPoint(frame, push.view, point, brdf, true, kPlainLoop != 0u);
   picture = vec4(exposedRadiance(frame, point, brdf, radiance), 1.0);
   counts = lightCount();

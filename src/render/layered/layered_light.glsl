@@ -4,6 +4,7 @@
 #include "render/glsl/surface.glsl"
 #include "shared/gbuffer.h"
 #include "render/glsl/environment.glsl"
+#include "render/glsl/area_lights.glsl"
 #include "render/glsl/lights.glsl"
 #include "render/glsl/tree_lights.glsl"
 #include "render/layered/surface_layers.glsl"

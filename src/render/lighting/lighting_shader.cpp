@@ -2,8 +2,21 @@
 
 #include "render/base/pixel_group.h"
 #include "render/frame/lit_maps.h"
+#include "render/lighting/technique.h"
 
 namespace latelight::render {
+
+namespace {
+
+// Returns the area lights that a pass shades without shadows, kAreaLights*. Paths find them on their own, and passes
+// after the technique's add other light to the picture.
+uint32_t areaLightsOf(const FrameConfig& setup, PreservedByLighting kept) {
+  if (kept.picture || setup.indirect || setup.lighting->traces) return shared::kAreaLightsNone;
+  if (setup.areaLights && setup.areaShadowRays) return shared::kAreaLightsUnshadowed;
+  return setup.areaLights;
+}
+
+}  // namespace
 
 std::vector<graph::ImageId> gbufferInputs(const Gbuffer& gbuffer) {
   std::vector<graph::ImageId> images = gbuffer.targets;
@@ -23,7 +36,9 @@ ComputePass lightingPass(const FrameContext& f, const Gbuffer& gbuffer, const st
   bindings.storage(gbuffer.light, reads ? graph::Use::StorageReadWrite : graph::Use::StorageWrite);
   bindings.storage(gbuffer.lightCounts, kept.counts ? graph::Use::StorageReadWrite : graph::Use::StorageWrite);
   appendLitMaps(bindings, f, gbuffer);
-  std::vector<vk::Constant> constants = f.setup.constants();
+  FrameConfig setup = f.setup;
+  setup.areaLights = areaLightsOf(f.setup, kept);
+  std::vector<vk::Constant> constants = setup.constants();
   constants.push_back({kSamplesConstant, f.setup.samples});
   const bool layered = (visibleMaterials(f).solid & shared::kMaterialLayered) != 0;
   constants.push_back({kSomeShadedSeparatelyConstant, layered ? 1u : 0u});

@@ -9,14 +9,6 @@
 
 namespace latelight::render {
 
-namespace {
-
-// lavapipe silently ends a shader's loops after 65535 iterations in total. A ray visits about a hundred nodes, and the
-// lanes of a subgroup visit different ones.
-constexpr uint32_t kMaxRaysOnCpu = 256;
-
-}  // namespace
-
 void addRayShadows(const FrameContext& f, const Gbuffer& gbuffer) {
   const bool cpu = f.device.isCpu();
   if (cpu && f.shadows->mostRays() > kMaxRaysOnCpu)

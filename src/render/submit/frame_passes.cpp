@@ -10,6 +10,7 @@
 #include "render/post/background.h"
 #include "render/post/fog/fog.h"
 #include "render/post/ground/ground.h"
+#include "render/shadow/area_shadows.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/shadow/pages.h"
 #include "render/shadow/ray_shadows.h"
@@ -36,6 +37,12 @@ void rejectTooManyUnbounded(const FrameContext& f) {
   const uint32_t most = kMax / f.setup.samples, unbounded = f.scene.unboundedLights();
   if (f.device.isCpu() && unbounded > most)
     badUsage("a CPU device supports at most {} lights without a range, but the scene has {}", most, unbounded);
+}
+
+void rejectTooManyAreaLights(const FrameContext& f) {
+  if (f.scene.areaLights() > shared::kMaxAreaLights)
+    badUsage("at most {} area lights are supported, but the scene has {}: remove some, or use emissive surfaces",
+             shared::kMaxAreaLights, f.scene.areaLights());
 }
 
 struct Shadows {
@@ -74,6 +81,7 @@ LitFrame addOpaque(const FrameContext& f) {
 
 LitFrame addLit(const FrameContext& f, const VisibilityBuffer& visible) {
   rejectTooManyUnbounded(f);
+  rejectTooManyAreaLights(f);
   const bool multisampled = f.setup.samples > 1;
   Gbuffer g = gbufferOf(visible);
   g.light = createTarget(f, kLightFormat, "light");
@@ -91,6 +99,7 @@ LitFrame addLit(const FrameContext& f, const VisibilityBuffer& visible) {
   if (rayShadows) others.constants = f.otherConstants, others.shadows = nullptr;
   g.lightLists = f.setup.lighting->add(others, g);
   if (rayShadows) addRayShadows(f, g);
+  if (f.setup.areaShadowRays && !f.setup.indirect && !f.setup.lighting->traces) addAreaShadows(f, g);
   if (f.setup.indirect && !f.setup.lighting->traces) addIndirect(f, g);
   addLayered(f, g);
   if (f.setup.ground) addGround(f, g);

@@ -458,6 +458,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       .anyBlended = rasterInstances_.anyBlended(),
       .lights = gpuScene_.lightCount(),
       .unboundedLights = gpuScene_.unboundedLights(),
+      .areaLights = gpuScene_.areaLights(),
       .anyVast = gpuScene_.anyVast(),
       .textures = device_.maxTextureArray() ? gpuScene_.materials().textureSet() : VK_NULL_HANDLE,
       .instances = rasterInstances_.address(),

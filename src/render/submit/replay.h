@@ -27,7 +27,7 @@ struct ReplayKey {
   enum class Worlds : uint8_t { None, Some } worlds;
   bool metered;  // views have exposures of their own
   bool mixesBlended, anyBlended;
-  uint32_t lights, unboundedLights;
+  uint32_t lights, unboundedLights, areaLights;
   bool anyVast;
   VkDescriptorSet textures;
   VkDeviceAddress instances;

@@ -42,6 +42,7 @@ FrameConfig frameSetup(const Settings& s, bool shadows) {
                     .ground = s.ground == Ground::Shadow,
                     .everySample = s.everySample && s.aa.samples > 1};
   setup.rayShadows = shadows && s.shadows == ShadowFormat::Rays;
+  if (s.shadows == ShadowFormat::Rays) setup.areaShadowRays = s.samples;
   if (shadows && !setup.rayShadows) {
     setup.shadowFormat = indexOf(s.shadows);
     setup.shadowFilter = indexOf(s.shadowFilter);

@@ -7,6 +7,7 @@
 #include "render/base/remainder.h"
 #include "render/gpu_scene/view_constants.h"
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
+#include "render/shadow/area_shadows.h"
 
 namespace latelight::render {
 
@@ -113,6 +114,7 @@ shared::FrameConstants ViewSet::constantsOf(uint32_t world) const {
   const size_t count = views_.now.size();
   shared::FrameConstants frame{};
   state_.scene.describe(frame, world);
+  frame.areaShadows = areaShadowsOf(state_.scene.lightsOf(world), s);
   if (hasConstantsPerView()) frame.rasterInstances = state_.rasterInstances.address(world);
   if (shadows_) shadows_->describe(frame);
   const glm::dvec3 point = s.positionOrigin.point;
@@ -174,6 +176,10 @@ FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {
   setup.environment = state_.hasEnvironment;
   // On GPUs, light loops stay enabled, so that the first light that an edit adds creates no pipelines.
   setup.lights = !state_.device.isCpu() || state_.scene.lightCount() > 0;
+  if (state_.scene.areaLights() > 0)
+    setup.areaLights = shared::kAreaLightsAll;
+  else
+    setup.areaShadowRays = 0;
   setup.fewLights = state_.device.hasCpuShaders() && state_.scene.lightCount() <= kFewLights;
   const shared::vec2 size = views_.now.front().size;
   FrameContext f{

@@ -5,6 +5,7 @@
 #include "render/glsl/surface.glsl"
 #include "shared/gbuffer.h"
 #include "render/glsl/environment.glsl"
+#include "render/glsl/area_lights.glsl"
 #include "render/glsl/fog.glsl"
 #include "render/glsl/lights.glsl"
 #include "render/glsl/tree_lights.glsl"
@@ -33,6 +34,7 @@ vec4 blendedColor(FrameConstants frame, uint view, Material m, SurfacePoint p, v
   vec3 toEye = directionToEye(frameView(frame, view), s.position);
   vec3 radiance = environmentLight(frame, s, toEye);
   prepareForLights(s, toEye);
+  radiance += areaLight(frame, s, toEye);
   SurfaceBrdf brdf = surfaceBrdf(s, toEye, kShading);
   bool lit = shows && alpha > 0.0;
   radiance += kEveryLight != 0u ? shadeAllLightsPlainly(frame, view, s, brdf) : shadeAllByTree(frame, view, s, brdf,

@@ -115,6 +115,8 @@ Node readNode(const json& source, size_t) {
     node.light = indexIn(*light, "light");
     node.extras = source.value("extras", json());
   }
+  if (const json* extras = findProperty(source, "extras"); extras && extras->is_object())
+    node.areaLight = extras->value("areaLight", json());
   if (const json* visibility = findExtension(source, "KHR_node_visibility"))
     node.visible = visibility->value("visible", true);
   if (const json* instancing = findExtension(source, "EXT_mesh_gpu_instancing"))

@@ -111,6 +111,7 @@ struct Node {
   std::vector<double> weights;           // empty: those of the mesh apply
   std::optional<Attributes> instancing;  // EXT_mesh_gpu_instancing
   nlohmann::json extras;                 // of nodes with a light; otherwise null
+  nlohmann::json areaLight;              // extras.areaLight (area_lights.h), or null
 };
 
 struct Scene {

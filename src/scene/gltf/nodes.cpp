@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "scene/framing.h"
+#include "scene/gltf/area_lights.h"
 #include "scene/gltf/json.h"
 #include "scene/light_types.h"
 #include "shared/light.h"
@@ -157,7 +158,7 @@ std::optional<Camera> readCamera(const file::Camera& source) {
 std::optional<Light> readLight(const file::Light& source) {
   Light light;
   const std::optional<uint32_t> type = findLightType(source.type);
-  if (!type) return std::nullopt;
+  if (!type || shared::lightIsArea(*type)) return std::nullopt;
   light.type = *type;
   light.color = source.color;
   light.intensity = float(source.intensity);
@@ -184,6 +185,17 @@ void readShadowExtras(const file::Node& node, const file::Light& source, Light& 
   const nlohmann::json* size = lightExtra(node, source, directional ? "angle" : "radius");
   const double value = size && size->is_number() ? size->get<double>() : 0;
   if (std::isfinite(value) && value > 0) light.size = float(directional ? std::min(value, 90.0) * M_PI / 180 : value);
+}
+
+std::optional<Light> readPunctualLight(const file::Node& node, const file::Light& source, const std::string& path) {
+  std::optional<Light> light = readLight(source);
+  if (!light) {
+    warn("the light at {} has the unknown type \"{}\", and is left out", path, source.type);
+    return std::nullopt;
+  }
+  light->name = source.name;
+  readShadowExtras(node, source, *light);
+  return light;
 }
 
 }  // namespace
@@ -243,19 +255,16 @@ void readLights(const Document& document, const Hierarchy& hierarchy, Scene& sce
   for (size_t i = 0; i < hierarchy.order.size(); ++i) {
     size_t index = size_t(hierarchy.order[i]);
     const file::Node& node = document.model.nodes[index];
-    if (node.light < 0) continue;
-    const file::Light& data = document.model.lights[size_t(node.light)];
-    std::optional<Light> light = readLight(data);
-    if (!light) {
-      warn("the light at {} has the unknown type \"{}\", and is left out", scene.nodes[i].path, data.type);
-      continue;
-    }
-    light->name = data.name.empty() ? scene.nodes[i].name : data.name;
-    readShadowExtras(node, data, *light);
-    light->node = int(i);
-    light->hidden = hierarchy.hidden[index];
-    placeLight(*light, hierarchy.world[index]);
-    scene.lights.push_back(*std::move(light));
+    const auto add = [&](std::optional<Light> light) {
+      if (!light) return;
+      if (light->name.empty()) light->name = scene.nodes[i].name;
+      light->node = int(i);
+      light->hidden = hierarchy.hidden[index];
+      placeLight(*light, hierarchy.world[index]);
+      scene.lights.push_back(*std::move(light));
+    };
+    if (node.light >= 0) add(readPunctualLight(node, document.model.lights[size_t(node.light)], scene.nodes[i].path));
+    if (!node.areaLight.is_null()) add(readAreaLight(node.areaLight, scene.nodes[i].path));
   }
 }
 

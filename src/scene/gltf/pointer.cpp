@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "base/text.h"
 #include "scene/gltf/mesh.h"
+#include "shared/light.h"
 
 namespace latelight::scene::gltf {
 namespace {
@@ -105,8 +106,9 @@ std::optional<PointedProperty> find(const Document& document, const Hierarchy& h
                          madeFrom(scene.cameras, document, hierarchy, parts.index, &file::Node::camera), parts.below);
   }
   checkIndex(parts, model.lights.size(), name);
-  return findInElement(AnimatedElements::Lights,
-                       madeFrom(scene.lights, document, hierarchy, parts.index, &file::Node::light), parts.below);
+  std::vector<uint32_t> lights = madeFrom(scene.lights, document, hierarchy, parts.index, &file::Node::light);
+  std::erase_if(lights, [&](uint32_t i) { return shared::lightIsArea(scene.lights[i].type); });
+  return findInElement(AnimatedElements::Lights, std::move(lights), parts.below);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "render/visibility/surface_fragment.glsl"
 #include "shared/gbuffer.h"
 #include "render/glsl/environment.glsl"
+#include "render/glsl/area_lights.glsl"
 #include "render/glsl/lights.glsl"
 
 layout(constant_id = kAlphaMaskedConstant) const uint kAlphaMasked = 0;
@@ -31,6 +32,7 @@ void main() {
   vec3 toEye = directionToEye(frameView(frame, push.view), s.position);
   vec3 radiance = environmentLight(frame, s, toEye);
   prepareForLights(s, toEye);
+  radiance += areaLight(frame, s, toEye);
   SurfaceBrdf brdf = surfaceBrdf(s, toEye, kShading);
   radiance += kPlainLoop != 0u ? shadeAllLightsPlainly(frame, push.view, s, brdf)
                                : shadeAllLights(frame, push.view, s, brdf, true);

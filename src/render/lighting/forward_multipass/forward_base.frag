@@ -1,14 +1,15 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: multisampled, textured
-// Multi-pass forward shading, first pass: outputs the surface's radiance without lights (emission and environment), and
-// the surface's identity, against which forward_light.frag compares its fragments.
+// Multi-pass forward shading, first pass: outputs emission, the light of the environment and of area lights, and the
+// surface's identity, against which forward_light.frag compares its fragments.
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"
 #include "render/visibility/varyings.glsl"
 #include "render/visibility/surface_fragment.glsl"
 #include "shared/gbuffer.h"
 #include "render/glsl/environment.glsl"
+#include "render/glsl/area_lights.glsl"
 
 layout(constant_id = kAlphaMaskedConstant) const uint kAlphaMasked = 0;
 
@@ -27,7 +28,12 @@ void main() {
   s.ao *= visibleHemisphere(ivec3(ivec2(gl_FragCoord.xy), int(push.view)));
   vec3 emitted = emittedRadiance(s);
   s = litSurface(s);
-  vec3 reflected = environmentLight(frame, s, directionToEye(frameView(frame, push.view), s.position));
+  vec3 toEye = directionToEye(frameView(frame, push.view), s.position);
+  vec3 reflected = environmentLight(frame, s, toEye);
+  if (kAreaLights != kAreaLightsNone) {
+    prepareForLights(s, toEye);
+    reflected += areaLight(frame, s, toEye);
+  }
   radiance = vec4(min(emitted * frame.exposure, vec3(65504.0)) + reflected * frame.exposure, 1.0);
   surface = uvec2(varyingInstance, gl_PrimitiveID);
   counts = vec4(0.0);

@@ -8,7 +8,9 @@
 #include "render/glsl/light_choice.glsl"
 #include "render/glsl/lights.glsl"
 #include "render/glsl/sky_samples.glsl"
+#include "render/glsl/area_lights.glsl"
 #include "render/lighting/reference/path_lobes.glsl"
+#include "shared/area_samples.h"
 
 struct LightRay {
   vec3 radiance;  // toward the eye, if nothing blocks the ray
@@ -71,6 +73,49 @@ LightRay rayToLight(FrameConstants frame, PathVertex v, SurfaceBrdf brdf, uint s
   // Geometry nearer to a light than its radius is the light's own body.
   float far = directional ? 3.0e38 : max(away - size - rayOffset(light.position, away), 0.0);
   return LightRay(choice.light, way / away, far);
+}
+
+// --- area lights -----------------------------------------------------------------------------------------------------
+
+// Area lights are no surfaces: rays pass through them, and cameras do not see them. They light surfaces as the lighting
+// techniques' lights do, so the first surface of a path reflects them by --shading.
+
+bool hasAreaLights(FrameConstants frame) { return kSampledAreaLights != 0u && frame.areaLightCount > 0u; }
+
+vec3 areaReflectance(PathVertex v, vec3 toLight, uint bounce) {
+  if (bounce > 0u || kShading == pathShading()) return pathReflectance(v, toLight);
+  if (dot(v.s.geonormal, toLight) <= 0.0) return vec3(0.0);
+  return shadeLight(surfaceBrdf(v.s, v.toEye, kShading), LightSample(toLight, vec3(1.0), 1.0), kShading);
+}
+
+// Meters to a point of an area light, less what a surface at the same place may be off.
+float areaDistance(AreaLight light, AreaSample point) {
+  return max(point.distance - rayOffset(light.center, point.distance), 0.0);
+}
+
+// Chooses one area light, and a point on it.
+LightRay rayToArea(FrameConstants frame, PathVertex v, SurfaceBrdf brdf, uint shading, vec3 origin) {
+  float choice = nextSample().x, count = float(frame.areaLightCount);
+  vec2 u = nextSample();
+  AreaLight light = frameAreaLight(frame, min(uint(choice * count), frame.areaLightCount - 1u));
+  AreaSample point = sampleArea(light, origin, u);
+  if (point.density <= 0.0 || dot(v.s.geonormal, point.toLight) <= 0.0) return noLightRay();
+  vec3 reflected = shadeLight(brdf, LightSample(point.toLight, vec3(1.0), 1.0), shading);
+  vec3 sent = reflected * light.radiance / (point.density / count + pathDensity(v, point.toLight));
+  return LightRay(sent, point.toLight, areaDistance(light, point));
+}
+
+// Returns the radiance of all area lights that a ray hits before `far`, weighted against rayToArea(). `density`: of the
+// ray's direction, 1/sr.
+vec3 areaRadiance(FrameConstants frame, Ray ray, float far, float density) {
+  vec3 radiance = vec3(0.0);
+  for (uint i = 0u; i < frame.areaLightCount; ++i) {
+    AreaLight light = frameAreaLight(frame, i);
+    AreaSample point = hitArea(light, ray.origin, ray.direction);
+    if (point.density <= 0.0 || areaDistance(light, point) >= far) continue;
+    radiance += light.radiance * (density / (density + point.density / float(frame.areaLightCount)));
+  }
+  return radiance;
 }
 
 // --- emissive surfaces -----------------------------------------------------------------------------------------------

@@ -2,14 +2,14 @@
 #extension GL_GOOGLE_include_directive : require
 // variants: layout, visible
 // Path tracing from the visible surface of each pixel (Kajiya 1986, The Rendering Equation). At each surface, one
-// light, one direction of the environment and one point of the emissive surfaces are sampled, and the path goes on in a
-// direction of the surface's lobes, which also finds the last two. From the fourth surface on, paths end at random in
-// proportion to what they still carry (Russian roulette).
+// light, one direction of the environment, one point of the emissive surfaces and one of the area lights are sampled,
+// and the path goes on in a direction of the surface's lobes, which also finds the last three. From the fourth surface
+// on, paths end at random in proportion to what they still carry (Russian roulette).
 //
 // Inputs: the G-buffer, the scene's BVHs and emitters (FrameConstants::rayScene), the environment's image and cells.
 // `pathSum` accumulates the radiance over several passes. The last pass writes the lit picture: with kPathsFromLights,
 // all light; otherwise it adds to the picture of another technique, and replaces that technique's light of the
-// environment, which nothing blocks.
+// environment, which nothing blocks. The technique adds no light of area lights then.
 //
 // With kFiltered, `pathSum` holds light through the Lambertian lobe and `mirroredSum` light through the specular lobe.
 // Both are divided by the albedos of these lobes, and w sums the squares of the samples' luminances. The last pass
@@ -28,6 +28,7 @@ layout(push_constant, scalar) uniform Push { PathsPush push; };
 layout(constant_id = kPathsFromLightsConstant) const uint kPathsFromLights = 0;
 layout(constant_id = kFilteredConstant) const uint kFiltered = 0;
 layout(constant_id = kEmittersConstant) const uint kEmitters = 0;  // 1: the scene has emissive surfaces
+layout(constant_id = kSampledAreaLightsConstant) const uint kSampledAreaLights = 0;  // 1: the scene has area lights
 
 layout(set = 0, binding = AFTER_LIT_MAPS) uniform sampler2D environmentPicture;
 layout(set = 0, binding = AFTER_LIT_MAPS + 1, rgba32f) uniform image2DArray pathSum;
@@ -69,11 +70,13 @@ void addDirectLight(inout PathLight sum, FrameConstants frame, RayScene scene, P
     brdf = surfaceBrdf(v.s, v.toEye, kShading);
     shading = kShading;
   }
-  LightRay sky = rayToSky(frame, scene, v), lit = noLightRay(), emitted = noLightRay();
+  LightRay sky = rayToSky(frame, scene, v), lit = noLightRay(), emitted = noLightRay(), area = noLightRay();
   if (bounce > 0u || kPathsFromLights != 0u) lit = rayToLight(frame, v, brdf, shading, origin);
   if (bounce < push.bounces) emitted = rayToEmitter(frame, scene, v, origin);
-  for (uint i = 0u; i < 3u; ++i) {  // one copy of the traversal
-    LightRay light = i == 0u ? sky : (i == 1u ? lit : emitted);
+  if (hasAreaLights(frame)) area = rayToArea(frame, v, brdf, shading, origin);
+  const uint kinds = kSampledAreaLights != 0u ? 4u : 3u;
+  for (uint i = 0u; i < kinds; ++i) {  // one copy of the traversal
+    LightRay light = i == 0u ? sky : (i == 1u ? lit : (i == 2u ? emitted : area));
     bool some = maxChannel(light.radiance) > 0.0;
     if (some) some = !isBlocked(frame, Ray(origin, vec3(0.0), light.toLight, 0.0, light.far));
     if (some) add(sum, carried * light.radiance, bounce == 0u ? lobeShare(v, light.toLight) : share);
@@ -91,13 +94,18 @@ PathLight pathLight(FrameConstants frame, PathVertex v, float fromEye) {
     vec3 toLight = sampleLobes(v);
     float density = pathDensity(v, toLight);
     if (bounce == 0u) share = lobeShare(v, toLight);
+    vec3 fromArea = vec3(0.0);  // as `carried`, for light of area lights
+    if (hasAreaLights(frame)) fromArea = carried * areaReflectance(v, toLight, bounce) / max(density, 1e-30);
     carried *= pathReflectance(v, toLight) / max(density, 1e-30);
     float left = maxChannel(carried), survives = bounce < 3u ? 1.0 : min(left, 0.95);
     goesOn = left > 0.0 && density > 0.0 && nextSample().x < survives;
     if (!goesOn) continue;
     carried /= survives;
+    fromArea /= survives;
     Ray ray = Ray(rayOrigin(v.s, distance), vec3(0.0), toLight, 0.0, 3.0e38);
     RayHit hit = traceRay(frame, ray, kRayTwoSided);
+    if (hasAreaLights(frame))
+      add(sum, fromArea * areaRadiance(frame, ray, isHit(hit) ? hit.distance : 3.0e38, density), share);
     goesOn = isHit(hit) && bounce < push.bounces;
     if (!isHit(hit) && hasCells(scene, frame))
       add(sum, carried * skyRadiance(frame, toLight) * (density / (density + skyDensity(frame, scene, toLight))), share);

@@ -87,6 +87,7 @@ IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fro
     pass.constants.push_back({kPathsFromLightsConstant, fromLights ? 1u : 0u});
     pass.constants.push_back({kFilteredConstant, filters ? 1u : 0u});
     pass.constants.push_back({kEmittersConstant, emitters ? 1u : 0u});
+    pass.constants.push_back({kSampledAreaLightsConstant, f.scene.areaLights() > 0 ? 1u : 0u});
     for (const graph::BufferId buffer : {emitters, sizes})
       if (buffer) pass.buffers.emplace_back(buffer, graph::Use::StorageRead);
     pass.fullImage = false;

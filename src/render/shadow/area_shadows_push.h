@@ -1,0 +1,20 @@
+// Push constants of area_shadows.comp.
+#ifndef LATELIGHT_RENDER_SHADOW_AREA_SHADOWS_PUSH_H
+#define LATELIGHT_RENDER_SHADOW_AREA_SHADOWS_PUSH_H
+
+#include "render/visibility/compute/shown_push.h"
+#include "shared/lang.h"
+
+SH_BEGIN
+
+struct AreaShadowsPush {
+  uint64_t frame;  // FrameConstants
+  VisibleSurfacePush shown;
+  uint first, end;  // the area lights of this pass
+  uint rays;        // per surface and light
+  uint padding;
+};
+
+SH_END
+
+#endif
