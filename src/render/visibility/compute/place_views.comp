@@ -78,9 +78,9 @@ void setIntrinsics(WorldJob job, inout Projection p, uint index) {
   p.Z = float(z);
 }
 
-// x: cosine, y: sine. The result, rounded to floats, is that of the host's functions for floats: the argument is reduced
+// x: cosine, y: sine. Rounded to floats, they are those of the host's functions for floats. The argument is reduced
 // to an eighth of a turn (Cody and Waite 1980, Software Manual for the Elementary Functions), for which the Taylor
-// series is exact to the precision of doubles.
+// series is as precise as doubles.
 dvec2 cosineAndSine(double x) {
   const double kHalfPi = 1.57079632679489655800lf, kHalfPiLow = 6.12323399573676603587e-17lf;
   double quarters = floor(x / kHalfPi + 0.5lf);
