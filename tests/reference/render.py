@@ -128,7 +128,7 @@ def by_latelight(program, scene, folder, width, height, samples, options=()):
     write_gltf(scene, folder / "scene.gltf")
     command = [program, "render", folder / "scene.gltf", "-o", folder / "{aov}.npy", "--aov", "color,material",
                "--size", f"{width}x{height}", "--lighting", "reference", "--samples", str(samples), "--layout", "exact",
-               *options]
+               *scene.options, *options]
     if scene.environment:
         write_exr(folder / "sky.exr", _latelight_environment(scene.environment))
         command += ["--hdri", folder / "sky.exr"]

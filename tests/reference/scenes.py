@@ -45,6 +45,7 @@ class Scene:
     target: tuple
     field_of_view: float  # vertical, degrees
     environment: object = None  # function from unit directions (..., 3) to radiance (..., 3)
+    options: tuple = ()  # of Latelight
     lights: tuple = ()  # of AreaLight, outside of the picture: Latelight's cameras do not see them, but Mitsuba's do
 
 
@@ -162,6 +163,7 @@ def panels():
         "metal 0.5": Material((0.95, 0.64, 0.54), 1, 0.5),
         "plastic 0.3": Material((0.7, 0.1, 0.1), 0, 0.3, 1),
     }, None)
+    scene.options = ("--shading", "ggx-compensated")  # lights follow --shading, and Mitsuba's lobes lose no light
     down = ((1, 0, 0), (0, 0, -1), (0, 1, 0))
     tilted = ((0.8, 0.6, 0), (0, 0, -1), (-0.6, 0.8, 0))
     scene.lights = (AreaLight("rect", (-1.6, 2.9, 0.3), (24, 18, 12), 0.5, 1.2, tilted),
