@@ -17,12 +17,10 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Bas
 
 // Returns the record with the transform. The translation is a float and the remainder of the double.
 Instance placed(WorldJob job, Instance record, dmat4 toWorld, vec3 vertexOrigin) {
-  dvec3 v = dvec3(vertexOrigin);
-  precise dvec4 moved = toWorld[0] * v.x + toWorld[1] * v.y + toWorld[2] * v.z + toWorld[3];
-  precise dvec3 translation = moved.xyz - columnsAt(job.matrices, kDeviceOrigin)[0].xyz;
+  dvec3 moved = transformed(toWorld, dvec3(vertexOrigin)).xyz;
+  dvec3 translation = difference(moved, columnsAt(job.matrices, kDeviceOrigin)[0].xyz);
   record.objectToWorld = mat4x3(vec3(toWorld[0].xyz), vec3(toWorld[1].xyz), vec3(toWorld[2].xyz), vec3(translation));
-  precise dvec3 low = translation - dvec3(record.objectToWorld[3]);
-  record.translationLow = vec3(low);
+  record.translationLow = vec3(difference(translation, dvec3(record.objectToWorld[3])));
   return record;
 }
 
@@ -46,11 +44,9 @@ vec4 boundsOf(WorldJob job, WorldTemplate t, dmat4 toWorld) {
 
 // Triangles of this size need more precision than floats have (GpuInstances::isVast()).
 bool isVast(float longestEdge, dmat4 toWorld) {
-  precise double squared = 0.0lf;
-  for (uint i = 0u; i < 3u; ++i) squared += dotOf(toWorld[i].xyz, toWorld[i].xyz);
-  precise double mean = squared / 3.0lf;
-  precise double edge = double(longestEdge) * sqrt(mean);
-  return edge >= 1024.0lf;
+  double squared = dotOf(toWorld[0].xyz, toWorld[0].xyz) + dotOf(toWorld[1].xyz, toWorld[1].xyz);
+  squared += dotOf(toWorld[2].xyz, toWorld[2].xyz);
+  return double(longestEdge) * sqrt(squared / 3.0lf) >= 1024.0lf;
 }
 
 // x: upper bound of the scale of lengths; y: 1 if angles are preserved.

@@ -36,6 +36,18 @@ dmat4 givenMatrix(WorldNumbers n, uint index) {
   return m;
 }
 
+// Operations without contraction are functions of their operands alone: glslang 12 may not end if `precise` numbers
+// depend on structs that are assigned from each other.
+dvec4 transformed(dmat4 m, dvec3 v) {
+  precise dvec4 sum = m[0] * v.x + m[1] * v.y + m[2] * v.z + m[3];
+  return sum;
+}
+
+dvec3 difference(dvec3 a, dvec3 b) {
+  precise dvec3 d = a - b;
+  return d;
+}
+
 dmat4 product(dmat4 a, dmat4 b) {
   precise dmat4 result;
   for (uint i = 0u; i < 4u; ++i) result[i] = a[0] * b[i].x + a[1] * b[i].y + a[2] * b[i].z + a[3] * b[i].w;
