@@ -278,7 +278,8 @@ TEST(SceneEdit, RefusesLights) {
   EXPECT_THAT(refused(&Light::innerCone, 1.0f), HasSubstr("cones"));
   EXPECT_THAT(refused(&Light::outerCone, 2.0f), HasSubstr("cones"));
   EXPECT_THAT(refused(&Light::size, -1.0f), HasSubstr("size"));
-  EXPECT_THAT(refused(&Light::type, 3u), HasSubstr("unknown type 3"));
+  EXPECT_THAT(refused(&Light::type, shared::kLightTypes), HasSubstr("unknown type"));
+  EXPECT_THAT(refused(&Light::type, shared::kLightTube), HasSubstr("size"));
   EXPECT_THAT(refused(&Light::node, 40), HasSubstr("follows node 40"));
 }
 

@@ -44,6 +44,7 @@ graph::BufferId addCoveredTiles(const FrameContext& f, graph::ImageId depth) {
 void restrictTo(graph::BufferId covered, ComputePass& pass) {
   if (!covered) return;
   pass.groups = covered;
+  pass.fullImage = false;
   pass.buffers.emplace_back(covered, graph::Use::StorageRead);
   pass.constants.push_back({kCoveredTilesConstant, 1});
 }
