@@ -12,7 +12,7 @@ import numpy as np
 
 from ._core import Camera, InstanceHandle, Light, LightHandle, Material, MaterialHandle, MeshHandle, Scene
 from ._model_builder import Builder, linear, missing, node_name
-from ._shapes import box, capsule, cylinder, ellipsoid, height_field
+from ._shapes import box, capsule, cylinder, ellipsoid, height_field, mesh_arrays, plane
 from .errors import UsageError
 
 INFINITE_PLANE = 100.0  # half the side of a plane that is infinite in MuJoCo, in extents of the model
@@ -152,9 +152,8 @@ class _Mujoco(Builder):
                     "uv": self.flat_uv(geom, points, model.hfield_size[field][:2])}
         if shape == kind.mjGEOM_PLANE:
             half = np.where(size[:2] > 0, size[:2], INFINITE_PLANE * max(float(model.stat.extent), 1.0))
-            points = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * [*half, 0]
-            return {"positions": points.astype(np.float32), "indices": np.array([[0, 1, 2], [0, 2, 3]]),
-                    "normals": np.tile(np.float32([0, 0, 1]), (4, 1)), "uv": self.flat_uv(geom, points, half)}
+            flat = plane(half)
+            return {**mesh_arrays(flat), "uv": self.flat_uv(geom, flat[0], half)}
         round_shapes = {
             kind.mjGEOM_SPHERE: lambda: ellipsoid(np.full(3, size[0])),
             kind.mjGEOM_ELLIPSOID: lambda: ellipsoid(size),
@@ -164,8 +163,7 @@ class _Mujoco(Builder):
         }
         if shape not in round_shapes:
             return None
-        points, normals, triangles = round_shapes[shape]()
-        return {"positions": points.astype(np.float32), "normals": normals.astype(np.float32), "indices": triangles}
+        return mesh_arrays(round_shapes[shape]())
 
     def mesh(self, mesh: int) -> dict[str, Any]:
         """Corners share no vertices, because positions, normals and texture coordinates have indices of their own."""

@@ -40,6 +40,18 @@ def _half_circles(gap: float) -> tuple[np.ndarray, np.ndarray]:
     return normals + np.stack([np.zeros(18), offset], 1), normals
 
 
+def mesh_arrays(shape: Shape) -> dict[str, Any]:
+    """The arrays of Scene.add_mesh()."""
+    points, normals, triangles = shape
+    return {"positions": points.astype(np.float32), "normals": normals.astype(np.float32), "indices": triangles}
+
+
+def plane(half: Any) -> Shape:
+    """A rectangle at z = 0 that faces +Z. `half`: half sizes in X and Y."""
+    points = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * [*half, 0]
+    return points, np.tile([0.0, 0.0, 1.0], (4, 1)), np.array([[0, 1, 2], [0, 2, 3]])
+
+
 def ellipsoid(radii: Any) -> Shape:
     points, normals, triangles = _round(*_half_circles(0))
     normals = normals / radii

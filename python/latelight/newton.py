@@ -23,8 +23,8 @@ import numpy as np
 import warp as wp
 
 from ._core import Camera, InstanceHandle, Light, Material, MaterialHandle, MeshHandle, Renderer, Scene
-from ._model_builder import FROM_Z_UP, linear
-from ._shapes import box, capsule, cone, cylinder, ellipsoid, height_field
+from ._model_builder import FROM_Z_UP, linear, v_down
+from ._shapes import box, capsule, cone, cylinder, ellipsoid, height_field, mesh_arrays, plane
 from .errors import UsageError
 
 __all__ = ["SensorCamera"]
@@ -113,9 +113,12 @@ def _place_cameras(
     _rows(camera_transforms[view], file_from_world, wp.vec3f(1.0, -1.0, -1.0), poses[view, 0])
 
 
+_PRESERVE = wp.constant(int(newton.sensors.SensorCamera.WorldRenderFlag.DISABLE_PRESERVE))
+
+
 @wp.func
 def _keeps(worlds: wp.array(dtype=wp.int32), view: int):
-    return _world_of(worlds, view) == -101  # WorldRenderFlag.DISABLE_PRESERVE
+    return _world_of(worlds, view) == _PRESERVE
 
 
 @wp.kernel
@@ -239,16 +242,8 @@ def _scaled(source: Any, scale: np.ndarray) -> dict[str, Any]:
         lengths = np.linalg.norm(normals, axis=1, keepdims=True)
         made["normals"] = (normals / np.maximum(lengths, 1e-30)).astype(np.float32)
     if source.uvs is not None:
-        uv = np.asarray(source.uvs, np.float32).reshape(-1, 2)
-        made["uv"] = np.stack([uv[:, 0], 1 - uv[:, 1]], 1)
+        made["uv"] = v_down(np.asarray(source.uvs).reshape(-1, 2))
     return made
-
-
-def _plane(scale: np.ndarray, infinite: float) -> dict[str, Any]:
-    half = np.where(scale[:2] > 0, scale[:2], infinite) / 2
-    points = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * [*half, 0]
-    normals = np.tile(np.float32([0, 0, 1]), (4, 1))
-    return {"positions": points.astype(np.float32), "indices": np.array([[0, 1, 2], [0, 2, 3]]), "normals": normals}
 
 
 def _height_field_mesh(source: Any, scale: np.ndarray) -> dict[str, Any]:
@@ -266,7 +261,7 @@ def _mesh_of(kind: Any, scale: np.ndarray, source: Any, plane_side: float) -> di
     if kind in (geo.MESH, geo.CONVEX_MESH):
         return _scaled(source, scale)
     if kind == geo.PLANE:
-        return _plane(scale, plane_side)
+        return mesh_arrays(plane(np.where(scale[:2] > 0, scale[:2], plane_side) / 2))
     if kind == geo.HFIELD:
         return _height_field_mesh(source, scale)
     shapes = {
@@ -279,8 +274,7 @@ def _mesh_of(kind: Any, scale: np.ndarray, source: Any, plane_side: float) -> di
     }
     if kind not in shapes:
         return None
-    points, normals, triangles = shapes[kind]()
-    return {"positions": points.astype(np.float32), "normals": normals.astype(np.float32), "indices": triangles}
+    return mesh_arrays(shapes[kind]())
 
 
 class _ModelScene:
