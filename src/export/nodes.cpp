@@ -255,7 +255,7 @@ class NodeWriter {
       const Light& light = scene_.lights[i];
       if (light.removed) continue;
       if (shared::lightIsArea(light.type)) {
-        at(nodeOf(light))["extras"]["areaLight"] = describeArea(light);
+        objectIn(at(nodeOf(light)), "extras")["areaLight"] = describeArea(light);
         continue;
       }
       Json& lights = arrayIn(document_.extension(document_.root, "KHR_lights_punctual"), "lights");
@@ -288,8 +288,8 @@ class NodeWriter {
     Json out{{"type", lightTypes()[light.type].name}, {"intensity", shortest(light.intensity)}, {"size", size}};
     if (!light.name.empty()) out["name"] = light.name;
     if (light.color != vec3(1)) out["color"] = arrayOf(light.color);
-    if (isRect && light.width != light.height) out["rect"]["aspect"] = light.width / size;
-    if (light.type == shared::kLightTube) out["tube"]["length"] = shortest(light.length);
+    if (isRect && light.width != light.height) objectIn(out, "rect")["aspect"] = light.width / size;
+    if (light.type == shared::kLightTube) objectIn(out, "tube")["length"] = shortest(light.length);
     if (light.twoSided) out["twoSided"] = true;
     if (light.castShadow) out["castShadow"] = *light.castShadow;
     return out;
