@@ -494,6 +494,8 @@ TEST_F(AreaLightTest, OnlyLightsThatCastShadowsDo) {
   settings.shadowLights = {};
   scene.lights[0].castShadow = false;
   EXPECT_EQ(image(), without);
+  settings.shadowLights = {.automatic = false, .most = 1, .names = {"no such light"}};
+  EXPECT_THROW(image(), Error);
 }
 
 // The reference samples the same light, and finds it with rays of the surface's lobe.

@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "render/lighting/lighting_shader.h"
 #include "render/shadow/area_shadows_push.h"
+#include "render/shadow/choose.h"
 #include "render/shadow/ray_shadows.h"
 
 namespace latelight::render {
@@ -14,6 +15,7 @@ glm::uvec2 areaShadowsOf(const LightSet& lights, const Settings& settings) {
   const ShadowLights& requested = settings.shadowLights;
   const bool none = !requested.automatic && requested.most == 0;
   if (settings.shadows != ShadowFormat::Rays || none) return mask;
+  checkShadowLights(requested, lights.authored);  // a scene with area lights alone has no other casters
   for (size_t i = 0; i < std::min<size_t>(lights.area.size(), shared::kMaxAreaLights); ++i) {
     const scene::Light& light = lights.authored[lights.areaSources[i]];
     const bool named = requested.names.empty() || std::ranges::count(requested.names, light.name) > 0;

@@ -24,12 +24,6 @@ static_assert(kMinShadowTile == shared::kShadowCell);
 
 // --- selection ------------------------------------------------------------------------------------------------------
 
-void checkNames(const ShadowLights& requested, std::span<const scene::Light> lights) {
-  for (const std::string& name : requested.names)
-    if (std::none_of(lights.begin(), lights.end(), [&](const scene::Light& light) { return light.name == name; }))
-      badUsage("no light is called \"{}\": --shadow-lights takes auto, all, none, a number, or names of lights", name);
-}
-
 // The distance to which the light reaches within the scene, in meters.
 float reachIn(const ShadowScene& scene, const shared::Light& light) {
   return std::min(light.radius, static_cast<float>(2 * scene.bounds.radius()));
@@ -144,10 +138,16 @@ std::optional<double> shadowCone(const shared::Light& light) {
   return std::max(half, kNarrowest);
 }
 
+void checkShadowLights(const ShadowLights& requested, std::span<const scene::Light> lights) {
+  for (const std::string& name : requested.names)
+    if (std::none_of(lights.begin(), lights.end(), [&](const scene::Light& light) { return light.name == name; }))
+      badUsage("no light is called \"{}\": --shadow-lights takes auto, all, none, a number, or names of lights", name);
+}
+
 std::vector<ShadowCaster> chooseShadowCasters(const ShadowScene& scene, const shared::View& view,
                                               const Settings& settings, uint32_t cascades) {
   const ShadowLights& requested = settings.shadowLights;
-  checkNames(requested, scene.authored);
+  checkShadowLights(requested, scene.authored);
   std::vector<ShadowCaster> casters;
   for (const Candidate& candidate : candidates(scene, view, requested, cascades > 0)) {
     const shared::Light& light = scene.lights[candidate.light];

@@ -13,6 +13,9 @@ struct ShadowCaster {
 
 inline constexpr uint32_t kAutomaticShadows = 8;  // number of lights that --shadow-lights auto selects
 
+// Throws an error of usage if a requested name is that of no light.
+void checkShadowLights(const ShadowLights& requested, std::span<const scene::Light> lights);
+
 // Returns the shadow casters in order of importance. `cascades` is the number of maps of each directional light. The
 // total area of all tiles is at most the square of settings.shadowAtlas: tiles of local lights are halved first, then
 // all tiles, and finally the least important lights are dropped. Without maps, no light is dropped.
