@@ -30,8 +30,11 @@ void complain(std::string_view sentence) {
   std::fputs(("latelight: " + printable(sentence) + "\n").c_str(), stderr);
 }
 
+// A whole line, which both functions below write without allocating.
+constexpr std::string_view kOutOfMemory = "latelight: out of memory; use a smaller scene or image\n";
+
 int outOfMemory() {
-  complain("out of memory; use a smaller scene or image");
+  std::fputs(kOutOfMemory.data(), stderr);
   return static_cast<int>(ExitCode::OutOfMemory);
 }
 
@@ -44,8 +47,7 @@ std::terminate_handler otherwise = nullptr;
     if (const std::exception_ptr exception = std::current_exception()) std::rethrow_exception(exception);
   } catch (const std::bad_alloc&) {
     removeTemporaryFiles();
-    constexpr std::string_view kSentence = "latelight: out of memory; use a smaller scene or image\n";
-    if (write(STDERR_FILENO, kSentence.data(), kSentence.size()) < 0) errno = 0;  // only the exit code remains
+    if (write(STDERR_FILENO, kOutOfMemory.data(), kOutOfMemory.size()) < 0) errno = 0;  // only the exit code remains
     _exit(static_cast<int>(ExitCode::OutOfMemory));
   } catch (...) {
   }
