@@ -549,8 +549,7 @@ struct CastHits {
   std::vector<float> intensity;  // from 0 to 1: reflectance at normal incidence times the cosine of incidence
 };
 
-// --- labels (docs/labels.md)
-// ------------------------------------------------------------------------------------------
+// --- labels (docs/labels.md) -----------------------------------------------------------------------------------------
 
 // A box in pixels, y down; `width` and `height` are 0 if it is empty.
 struct PixelBox {
