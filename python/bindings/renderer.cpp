@@ -274,12 +274,7 @@ std::shared_ptr<SharedTicket> submitWorlds(const std::shared_ptr<SharedRenderer>
     if (stream == 0) stream = renderer->use([&](Renderer&) { return renderer->cudaInputs().stream(); });
     return stream;
   };
-  SharedScene& scene = *renderer->scene();
-  const SceneValues values{
-      [&](Handle<Instance> handle) { return scene.read([&](const Scene& s) { return s.instance(handle); }); },
-      [&](Handle<Material> handle) { return scene.read([&](const Scene& s) { return s.material(handle); }); },
-      [&](Handle<Light> handle) { return scene.read([&](const Scene& s) { return s.light(handle); }); }};
-  std::unique_ptr<GivenWorlds> given = worldsOf(count, cameras, optional, values, reader);
+  std::unique_ptr<GivenWorlds> given = worldsOf(count, cameras, optional, reader);
   Worlds& worlds = given->worlds;
   const Options options = optionsOf(size, outputs, optional);
   try {

@@ -179,7 +179,7 @@ render::WorldStates turningWorldsOnDevice(vk::Device& device, const scene::Scene
     const auto buffer = std::make_shared<const vk::Buffer>(device, vk::BufferDesc{.size = bytes.size(), .name = name});
     uploader.upload(*buffer, bytes);
     inputs.memory.push_back(buffer);
-    return render::WorldArray{.address = buffer->address(), .doubles = true};
+    return render::WorldArray{.address = buffer->address(), .element = shared::kNumberDouble};
   };
   inputs.transforms = give(transforms, "transforms");
   inputs.cameraToWorld = give(poses, "poses");

@@ -76,8 +76,8 @@ WorldStates statesOf(Renderer& renderer, const scene::Scene& scene, const scene:
   std::memcpy(memory->mapped(), transforms.data(), posesAt);
   std::memcpy(memory->mapped() + posesAt, poses.data(), existsAt - posesAt);
   std::memcpy(memory->mapped() + existsAt, step.exists.data(), step.exists.size());
-  inputs.transforms = {.address = memory->address(), .doubles = true};
-  inputs.cameraToWorld = {.address = memory->address() + posesAt, .doubles = true};
+  inputs.transforms = {.address = memory->address(), .element = shared::kNumberDouble};
+  inputs.cameraToWorld = {.address = memory->address() + posesAt, .element = shared::kNumberDouble};
   inputs.exists = memory->address() + existsAt;
   inputs.memory = {memory};
   return worlds;

@@ -214,6 +214,130 @@ TEST_P(ArraysOfWorlds, HaveMaterialsAndEnvironments) {
   }
 }
 
+// Lights of each world as arrays, of all types and more than one box of the light tree holds. Some of them emit nothing
+// in some worlds. `turned`: area lights have directions of their own, too, which the host converts.
+void compareLights(const char* raster, bool turned) {
+  constexpr uint32_t kSome = 12;
+  const std::string file = models::modelPath("punctual.glb").string();
+  Scene scene(file), edited(file);
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> share(0.05f, 1), side(-3, 3);
+  for (const char* type : {"point", "spot", "rect", "directional", "sphere", "tube"})
+    for (int i = 0; i < (type[0] == 'p' ? 40 : 3); ++i) {
+      Light light{.type = type, .position = {side(random), 2, side(random)}, .intensity = 2, .size = 0.25};
+      if (i % 2 && type[0] == 'p') light.range = 1 + 3 * share(random);
+      for (Scene* each : {&scene, &edited}) each->addLight(light);
+    }
+  const auto isArea = [&](Handle<Light> light) {
+    const std::string type = scene.light(light).type;
+    return type == "rect" || type == "sphere" || type == "tube";
+  };
+  Worlds worlds{.count = kSome, .cameras = {scene.defaultCamera(4.0f / 3)}};
+  std::vector<size_t> listed;  // indices in the scene's lights
+  for (size_t i = 0; i < scene.lights().size(); ++i)
+    if (turned || i % 5 != 4) listed.push_back(i);
+  for (const size_t i : listed) worlds.lights.push_back(scene.lights()[i]);
+  std::vector<double> position;
+  std::vector<float> direction, color, intensity;
+  for (size_t i = 0; i < kSome * listed.size(); ++i) {
+    const Light own = scene.light(worlds.lights[i % listed.size()]);
+    const bool keeps = random() % 3 == 0;  // its node, if it has one
+    for (size_t axis = 0; axis < 3; ++axis) position.push_back(keeps ? own.position[axis] : double{side(random)});
+    for (size_t axis = 0; axis < 3; ++axis) direction.push_back(keeps ? own.direction[axis] : side(random));
+    for (size_t axis = 0; axis < 3; ++axis) color.push_back(share(random));
+    intensity.push_back(random() % 4 ? 3 * share(random) : 0);
+  }
+  using enum WorldArray::Element;
+  worlds.arrays = {.lightPosition = {.element = Float64, .host = position.data()},
+                   .lightColor = {.element = Float32, .host = color.data()},
+                   .lightIntensity = {.element = Float32, .host = intensity.data()}};
+  const bool givesDirections = turned || std::ranges::none_of(worlds.lights, isArea);
+  if (givesDirections) worlds.arrays.lightDirection = {.element = Float32, .host = direction.data()};
+  Renderer renderer(scene, testDevice(), "studio"), alone(edited, testDevice(), "studio");
+  Options o = options(raster);
+  o.aovs = {"color", "lights-used"};
+  for (int call = 0; call < 3; ++call) {
+    const std::vector<Frame> frames = renderer.render(worlds, o);
+    ASSERT_EQ(frames.size(), kSome);
+    for (uint32_t world = 0; world < kSome && !testing::Test::HasFailure(); world += 1 + 4 * call) {
+      SCOPED_TRACE(testing::Message() << "world " << world << ", call " << call);
+      for (size_t i = 0; i < listed.size(); ++i) {
+        const size_t row = world * listed.size() + i;
+        Light light = scene.light(worlds.lights[i]);
+        for (size_t axis = 0; axis < 3; ++axis) {
+          light.position[axis] = position[3 * row + axis];
+          if (givesDirections) light.direction[axis] = direction[3 * row + axis];
+          light.color[axis] = color[3 * row + axis];
+        }
+        light.intensity = intensity[row];
+        edited.setLight(edited.lights()[listed[i]], light);
+      }
+      expectSameOutputs(frames[world], alone.render(worlds.cameras[0], o));
+    }
+  }
+  if (turned) return;
+  position[4] = std::nan("");
+  EXPECT_EQ(renderer.submit(worlds, o).invalidWorlds(), std::vector<uint32_t>{0});
+  position[4] = 0;
+  intensity.back() = -1;
+  EXPECT_THROW(renderer.render(worlds, o), Error);
+}
+
+TEST_P(ArraysOfWorlds, HaveLights) {
+  compareLights(GetParam(), false);
+}
+
+TEST_P(ArraysOfWorlds, HaveTurnedAreaLights) {
+  compareLights(GetParam(), true);
+}
+
+// The materials of each world as indices, alone and with factors.
+TEST_P(ArraysOfWorlds, ChooseMaterials) {
+  constexpr uint32_t kSome = 20;
+  for (const char* name : {"blended.glb", "textured.glb"}) {
+    SCOPED_TRACE(name);
+    const std::string file = models::modelPath(name).string();
+    Scene scene(file), edited(file);
+    for (Scene* each : {&scene, &edited})
+      each->addMaterial({.baseColor = {0.2f, 0.7f, 0.4f, 0.5f}, .alphaMode = AlphaMode::Blend});
+    Worlds worlds{.count = kSome, .instances = scene.instances(), .palette = scene.materials()};
+    worlds.cameras = {scene.defaultCamera(4.0f / 3)};
+    std::mt19937 random(3);
+    const size_t listed = worlds.instances.size();
+    std::vector<int64_t> longs;
+    for (size_t i = 0; i < kSome * listed; ++i) longs.push_back(static_cast<int64_t>(random() % worlds.palette.size()));
+    const std::vector<int32_t> ints(longs.begin(), longs.end());
+    using enum WorldArray::Element;
+    Renderer renderer(scene, testDevice(), "studio"), alone(edited, testDevice(), "studio");
+    const Options o = options(GetParam());
+    for (int call = 0; call < 3; ++call) {
+      worlds.arrays.materialChoice = {.element = Int64, .host = longs.data()};
+      if (call == 1) worlds.arrays.materialChoice = {.element = Int32, .host = ints.data()};
+      const std::vector<Frame> frames = renderer.render(worlds, o);
+      for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) {
+        SCOPED_TRACE(world);
+        for (size_t i = 0; i < listed; ++i)
+          edited.assignMaterial(edited.instances()[i],
+                                edited.materials()[static_cast<size_t>(longs[world * listed + i])]);
+        expectSameOutputs(frames[world], alone.render(worlds.cameras[0], o));
+      }
+    }
+    const std::vector<float> roughness(kSome * listed, 0.75f);
+    worlds.arrays.roughness = {.element = Float32, .host = roughness.data()};
+    const std::vector<Frame> frames = renderer.render(worlds, o);
+    Worlds lists = worlds;
+    lists.arrays.materialChoice = {};
+    lists.palette.clear();
+    for (const int64_t choice : longs) lists.materials.push_back(worlds.palette[static_cast<size_t>(choice)]);
+    const std::vector<Frame> expected = renderer.render(lists, o);
+    for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) expectSameOutputs(frames[world], expected[world]);
+    longs[1] = static_cast<int64_t>(worlds.palette.size());
+    EXPECT_THROW(renderer.render(worlds, o), Error);
+    longs[1] = -1;
+    EXPECT_THROW(renderer.render(worlds, o), Error);
+  }
+}
+
 // Results on the device are rendered in larger groups than those that the host reads, and in the third call on, by
 // recorded commands. All of them have the same bytes.
 TEST(PlacedWorlds, AreTheSameInLargeGroups) {
@@ -281,6 +405,10 @@ TEST(PlacedWorlds, AreChecked) {
               HasSubstr("Float32 or Float64"));
   EXPECT_THAT(refused({.cameraToWorld = {.host = numbers}}), HasSubstr("describe the same: omit one of them"));
   EXPECT_THAT(refused({.previousTransforms = {.host = numbers}}), HasSubstr("require transforms"));
+  EXPECT_THAT(refused({.lightColor = {.host = numbers}}), HasSubstr("require Worlds::lights"));
+  EXPECT_THAT(refused({.materialChoice = {.host = numbers}}), HasSubstr("Int32 or Int64"));
+  EXPECT_THAT(refused({.materialChoice = {.element = WorldArray::Element::Int32, .host = numbers}}),
+              HasSubstr("require each other"));
 }
 
 }  // namespace

@@ -57,7 +57,8 @@ class GpuScene {
   }
   bool anyVast() const { return instances_.anyVast() || (hasWorlds() && worlds_.anyVast()); }
 
-  // The lights of a world, or the scene's. The counts are the maximum over all worlds.
+  // The lights of a world, or the scene's; the scene's if shaders write those of worlds. The counts are at least the
+  // maximum over all worlds.
   const LightSet& lightsOf(uint32_t world) const {
     return worlds_.hasLights() ? worlds_.lights()[world] : lights_.set();
   }

@@ -104,6 +104,13 @@ bool exists(WorldJob job, uint world, uint place) {
   return (UintRef(job.exists).v[at / 4u] >> (8u * (at % 4u)) & 255u) != 0u;
 }
 
+// A wrong choice, which check_worlds.comp reports, has no effect.
+uint chosenMaterial(WorldJob job, uint world, WorldTemplate t) {
+  double choice = numberAt(job.materialChoice, world * job.listed + t.place);
+  bool isIndex = choice >= 0.0lf && choice < double(job.paletteSize);
+  return isIndex ? UintRef(job.palette).v[uint(choice)] : t.material;
+}
+
 void main() {
   WorldJob job = JobRef(push.job).v;
   uint world = elementIndex() / job.instanceCount, i = elementIndex() % job.instanceCount;
@@ -116,6 +123,7 @@ void main() {
   record.mesh = t.mesh;
   record.material = t.material;
   if (t.place != kNowhere && job.choices != 0ul) record.material = UintRef(job.choices).v[world * job.listed + t.place];
+  if (t.place != kNowhere && job.palette != 0ul) record.material = chosenMaterial(job, world, t);
   uint materialFlags = UintRef(job.materials + uint64_t(record.material) * kMaterialBytes).v[kFlagsWord];
   if (t.place != kNowhere && job.firstDerived != kNowhere) {
     uint base = record.material, row = world * job.listed + t.place;

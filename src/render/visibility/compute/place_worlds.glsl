@@ -10,6 +10,7 @@ layout(local_size_x = kPlaceGroup) in;
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer JobRef { WorldJob v; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer DoublesRef { double v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer FloatsRef { float v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer LongRef { int64_t v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TemplateRef { WorldTemplate v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer StatusRef { uint v[]; };
 
@@ -19,7 +20,9 @@ layout(push_constant, scalar) uniform Push { PlacePush push; };
 uint elementIndex() { return gl_GlobalInvocationID.z * kPlaceColumns + gl_GlobalInvocationID.x; }
 
 double numberAt(WorldNumbers n, uint index) {
-  return n.doubles != 0u ? DoublesRef(n.address).v[index] : double(FloatsRef(n.address).v[index]);
+  if (n.element == kNumberFloat) return double(FloatsRef(n.address).v[index]);
+  if (n.element == kNumberDouble) return DoublesRef(n.address).v[index];
+  return n.element == kNumberInt ? double(int(UintRef(n.address).v[index])) : double(LongRef(n.address).v[index]);
 }
 
 dmat4 columnsAt(uint64_t matrices, uint index) {

@@ -4,6 +4,7 @@
 //   WorldInputs   check_worlds.comp     status (kWorld* per world)
 //        |        place_instances.comp  Instance[worlds][instances] at each time, RasterInstance[worlds][draws],
 //        |                              Material[worlds][listed instances] with the factors of worlds
+//        |        place_lights.comp     Light[worlds][lights] and their trees, AreaLight[worlds][lights], WorldValues
 //        +------> place_views.comp      View[worlds][cameras] at each time, WorldValues[worlds] of the environment
 #pragma once
 
@@ -50,13 +51,14 @@ class WorldPlacer {
                          const WorldStates& worlds, const Poses& poses, vk::Uploader& uploader);
   void describeMaterials(const scene::Scene& source, const GpuScene& scene, const WorldInputs& inputs,
                          vk::Uploader& uploader);
+  void describeLights(const GpuScene& scene, const WorldStates& worlds, vk::Uploader& uploader);
   void describeCameras(const GpuScene& scene, const WorldStates& worlds, vk::Uploader& uploader);
   void takeStatus(size_t worlds);
   void dispatch(graph::Graph& graph, const vk::PipelineRef& pipeline, uint64_t elements, uint32_t times) const;
 
   vk::Device& device_;
   struct Pipelines {
-    vk::PipelineRef check, instances, views;
+    vk::PipelineRef check, instances, lights, views;
   };
   std::optional<Pipelines> pipelines_;  // none before the first call
   shared::WorldJob job_{};
@@ -72,6 +74,10 @@ class WorldPlacer {
   GpuList<uint32_t> rides_, empty_;
   std::vector<shared::DerivableMaterial> baseValues_;
   GpuList<shared::DerivableMaterial> bases_;
+  std::vector<shared::LightTemplate> lightValues_;
+  GpuList<shared::LightTemplate> lights_;
+  std::vector<double> lightPositionValues_;
+  GpuList<double> lightPositions_;
   vk::Buffer statusOnDevice_;
   std::vector<std::shared_ptr<WorldStatus>> statuses_;  // of calls in flight, and free ones
   std::shared_ptr<WorldStatus> status_;
