@@ -481,6 +481,7 @@ struct WorldArrays {
   // light's.
   WorldArray lightPosition, lightDirection, lightColor, lightIntensity;
   WorldArray environmentRotation, environmentIntensity;  // count numbers
+  WorldArray environmentIndex;                           // count indices (Int32 or Int64) in Worlds::environments
   uint64_t ready = 0;  // value of Renderer::exportInputSemaphore() at which arrays of the device are complete
 };
 
@@ -504,6 +505,10 @@ struct Worlds {
 
   std::vector<double> environmentRotation;  // count, in place of the options of the same names
   std::vector<float> environmentIntensity;  // count
+  // In place of the renderer's environment: those that worlds choose from, .hdr or .exr files or "studio", and count
+  // indices in them. The renderer filters each once and keeps it.
+  std::vector<std::string> environments;
+  std::vector<uint32_t> environmentIndex;
 
   std::vector<Camera> cameras;  // the cameras of each world, at least one
   // The instance that each camera rides on, if any: its cameraToWorld is then relative to the instance's frame, whose

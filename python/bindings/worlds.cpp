@@ -140,6 +140,9 @@ constexpr WorldArgument kArguments[] = {
     {"light_intensity", kTensor, "(N, L): candela; lux for directional lights, nits for area lights"},
     {"environment_rotation", kTensor, "(N,) degrees, in place of the option"},
     {"environment_intensity", kTensor, "(N,), in place of the option"},
+    {"environments", "collections.abc.Sequence[str | os.PathLike[str]] | None = None",
+     "in place of the renderer's environment: .hdr or .exr files, or \"studio\". The renderer filters each once"},
+    {"environment_index", kTensor, "(N,) integers: the environment of each world, as an index in `environments`"},
     {"camera_to_world", kTensor, "(N, C, 4, 4) or (N, C, 3, 4): in place of the cameras' own poses"},
     {"previous_camera_to_world", kTensor, "the same in the previous frame"},
     {"next_camera_to_world", kTensor, "the same in the next frame"},
@@ -197,6 +200,11 @@ std::unique_ptr<GivenWorlds> worldsOf(nb::handle count, nb::handle cameras, nb::
   for (const Numbers& numbers : ofEnvironment) values.push_back(take(numbers.name));
   const nb::object choice = values.emplace_back(take("material_choice"));
   if (choice.is_none() != worlds.palette.empty()) badValue("materials and material_choice require each other");
+  if (const nb::object names = take("environments"); !names.is_none())
+    worlds.environments = pathsOf(names, "environments");
+  const nb::object environment = values.emplace_back(take("environment_index"));
+  if (environment.is_none() != worlds.environments.empty())
+    badValue("environments and environment_index require each other");
   const bool tensors = std::ranges::any_of(values, [](const nb::object& value) { return isTensor(value); });
   ArrayReader reader(*given, tensors ? stream() : 0);
   size_t next = 0;
@@ -225,6 +233,7 @@ std::unique_ptr<GivenWorlds> worldsOf(nb::handle count, nb::handle cameras, nb::
   }
   for (const Numbers& numbers : ofEnvironment)
     reader.numbers(values[next++], numbers.name, numbers.shape, *numbers.array);
+  reader.indices(environment, "environment_index", {n}, worlds.arrays.environmentIndex);
   reader.indices(choice, "material_choice", {n, i}, worlds.arrays.materialChoice);
   return given;
 }

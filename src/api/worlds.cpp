@@ -206,6 +206,13 @@ void Scene::Impl::WorldConverter::check() const {
   checkCount(from.lightValues.size(), from.count, from.lights.size(), "lightValues", "light");
   checkCount(from.environmentRotation.size(), from.count, 1, "environmentRotation", "");
   checkCount(from.environmentIntensity.size(), from.count, 1, "environmentIntensity", "");
+  checkCount(from.environmentIndex.size(), from.count, 1, "environmentIndex", "");
+  if ((from.environmentIndex.empty() && !from.arrays.environmentIndex) != from.environments.empty())
+    badUsage("Worlds::environments and Worlds::environmentIndex require each other");
+  for (const uint32_t index : from.environmentIndex)
+    if (index >= from.environments.size())
+      badUsage("the environments of worlds must be indices in the list of environments, from 0 to {}, and one is {}",
+               from.environments.size() - 1, index);
   checkCount(from.cameraToWorld.size(), from.count, cameras, "cameraToWorld", "camera");
   checkCount(from.previousCameraToWorld.size(), from.count, cameras, "previousCameraToWorld", "camera");
   checkCount(from.nextCameraToWorld.size(), from.count, cameras, "nextCameraToWorld", "camera");
@@ -236,6 +243,7 @@ void Scene::Impl::WorldConverter::checkArrays() const {
   checkArray(a.roughness, !from.factors.empty(), Kind::Numbers, "roughness");
   checkArray(a.emissive, !from.factors.empty(), Kind::Numbers, "emissive");
   checkArray(a.environmentRotation, !from.environmentRotation.empty(), Kind::Numbers, "environmentRotation");
+  checkArray(a.environmentIndex, !from.environmentIndex.empty(), Kind::Integers, "environmentIndex");
   checkArray(a.environmentIntensity, !from.environmentIntensity.empty(), Kind::Numbers, "environmentIntensity");
   checkArray(a.materialChoice, !from.materials.empty(), Kind::Integers, "materialChoice");
   checkArray(a.lightPosition, !from.lightValues.empty(), Kind::Numbers, "lightPosition");
@@ -384,6 +392,7 @@ void Scene::Impl::WorldConverter::convertLights() const {
     to.lightValues.push_back(internalLight(from.lightValues[i], scene.scene, like));
     scene::checkLight(scene.scene, to.lightValues.back());
   }
+  to.environmentIndex = from.environmentIndex;
   for (size_t world = 0; world < from.environmentRotation.size(); ++world)
     to.environmentRotation.push_back(render::radians(invalid[world] ? 0 : from.environmentRotation[world]));
   for (size_t world = 0; world < from.environmentIntensity.size(); ++world) {
@@ -510,6 +519,7 @@ void Scene::Impl::WorldConverter::give(render::Renderer& renderer, std::vector<s
   }
   numbers(arrays.environmentRotation, from.count, inputs.environmentRotation);
   numbers(arrays.environmentIntensity, from.count, inputs.environmentIntensity);
+  numbers(arrays.environmentIndex, from.count, inputs.environmentIndex);
   if (!from.exists.empty()) writer.add(from.exists.data(), from.exists.size(), inputs.exists);
   giveArray(arrays.exists, instances, inputs.exists);
   std::vector<double> k;
@@ -563,6 +573,13 @@ Worlds withoutArrays(const Worlds& worlds, vk::Device& device, size_t instances,
   if (a.environmentIntensity)
     for (const double value : numbersOf(device, a.environmentIntensity, worlds.count))
       lists.environmentIntensity.push_back(static_cast<float>(value));
+  if (a.environmentIndex)
+    for (const double index : numbersOf(device, a.environmentIndex, worlds.count)) {
+      if (!(index >= 0 && index < static_cast<double>(worlds.environments.size())))
+        badUsage("the environments of worlds must be indices in the list of environments, from 0 to {}, and one is {}",
+                 worlds.environments.size() - 1, index);
+      lists.environmentIndex.push_back(static_cast<uint32_t>(index));
+    }
   lists.arrays = {};
   return lists;
 }
@@ -572,7 +589,8 @@ bool hasFactors(const WorldArrays& a) {
 }
 
 bool hasArrays(const WorldArrays& a) {
-  if (hasFactors(a) || hasLights(a) || a.materialChoice || a.environmentRotation || a.environmentIntensity) return true;
+  if (hasFactors(a) || hasLights(a) || a.materialChoice) return true;
+  if (a.environmentRotation || a.environmentIntensity || a.environmentIndex) return true;
   for (const WorldArray* array : {&a.transforms, &a.previousTransforms, &a.nextTransforms, &a.exists, &a.cameraToWorld,
                                   &a.previousCameraToWorld, &a.nextCameraToWorld, &a.intrinsics})
     if (*array) return true;
@@ -604,6 +622,9 @@ std::vector<uint32_t> worldsOfStatus(std::span<const uint32_t> status) {
       badUsage(
           "factors of materials must be at least 0, and metallic and roughness at most 1, and one of world {} is not",
           world);
+    if (bits & shared::kWorldWrongEnvironmentIndex)
+      badUsage("the environments of worlds must be indices in the list of environments, and that of world {} is not",
+               world);
     if (bits & shared::kWorldWrongChoice)
       badUsage("material choices must be indices in the list of materials, and one of world {} is not", world);
     if (bits & shared::kWorldWrongLight)
@@ -632,7 +653,7 @@ WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& 
   std::vector<scene::Camera> each = converter.camerasOfWorld();
   const bool onDevice = renderer.placesWorlds(settings, each);
   const auto convertLists = [&](const Worlds& lists) {
-    to = {};
+    to = {.environments = std::move(to.environments)};
     return convert(lists, settings, state, renderer, device);
   };
   if (hasLights(worlds.arrays) && !(onDevice && converter.placesLights()))

@@ -153,6 +153,27 @@ def test_lights_without_shadows(camera):
         renderer.render_worlds(5, camera, SIZE, lights=lights, **given | {"light_direction": 0 * direction})
 
 
+def test_environments(scene, camera, tmp_path):
+    names = ["studio", str(tmp_path / "red.hdr")]
+    with open(names[1], "wb") as file:
+        file.write(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n" + bytes([200, 20, 20, 129]) * 128)
+    renderer = latelight.Renderer(scene, environment="none")
+    frames = renderer.render_worlds(
+        3, camera, SIZE, "color", environments=names, environment_index=np.int32([1, 0, 1]), background="hdri"
+    )
+    for world, index in enumerate((1, 0, 1)):
+        alone = latelight.Renderer(scene, environment=names[index])
+        expected = alone.render(camera, SIZE, "color", background="hdri")["color"]
+        np.testing.assert_array_equal(frames[world][0]["color"], expected)
+    for wrong in (2, -1):
+        with pytest.raises(latelight.UsageError, match="indices in the list of environments"):
+            renderer.render_worlds(1, camera, SIZE, environments=names, environment_index=[wrong])
+    with pytest.raises(latelight.UsageError, match="require each other"):
+        renderer.render_worlds(1, camera, SIZE, environments=names)
+    with pytest.raises(latelight.InputError, match="nowhere.hdr"):
+        renderer.render_worlds(1, camera, SIZE, environments="nowhere.hdr", environment_index=[0])
+
+
 @pytest.mark.parametrize(
     ("arguments", "error", "sentence"),
     [

@@ -5,7 +5,9 @@
 
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <map>
+#include <memory>
 #include <random>
 
 #include "models/models.h"
@@ -336,6 +338,73 @@ TEST_P(ArraysOfWorlds, ChooseMaterials) {
     longs[1] = -1;
     EXPECT_THROW(renderer.render(worlds, o), Error);
   }
+}
+
+// Writes an environment whose radiance changes with the direction, as a Radiance file of flat (not run-length coded)
+// pixels. `exponent`: 128 is a radiance of about 0.5; with 147, values exceed the largest half float.
+std::string writeEnvironment(const std::string& name, uint32_t height, uint8_t exponent) {
+  const std::string path = testing::TempDir() + "/" + name;
+  std::ofstream file(path, std::ios::binary);
+  file << "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y " << height << " +X " << 2 * height << "\n";
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < 2 * height; ++x) {
+      const bool sun = y == height / 4 && x == height / 3;
+      const auto red = static_cast<char>(130 + 60 * x / height), green = static_cast<char>(180 - 50 * y / height);
+      const char pixel[] = {red, green, static_cast<char>(140), static_cast<char>(sun ? exponent : 128)};
+      file.write(pixel, 4);
+    }
+  return path;
+}
+
+// Each world has the environment of its index. The maps differ in size and in the type of their texels.
+TEST_P(ArraysOfWorlds, ChooseEnvironments) {
+  constexpr uint32_t kSome = 12;
+  const std::vector<std::string> names{"studio", writeEnvironment("small.hdr", 16, 130),
+                                       writeEnvironment("large.hdr", 260, 131),
+                                       writeEnvironment("bright.hdr", 16, 147)};
+  Scene scene(models::modelPath("textured.glb").string());
+  Worlds worlds{.count = kSome, .environments = names, .cameras = {scene.defaultCamera(4.0f / 3)}};
+  std::mt19937 random(21);
+  std::vector<int64_t> index;
+  for (uint32_t world = 0; world < kSome; ++world) {
+    index.push_back(world < names.size() ? world : static_cast<int64_t>(random() % names.size()));
+    worlds.environmentRotation.push_back(30.0 * world);
+  }
+  worlds.arrays.environmentIndex = {.element = WorldArray::Element::Int64, .host = index.data()};
+  Options o = options(GetParam());
+  o.background = "hdri";
+  for (const char* own : {"none", "studio"}) {
+    Renderer renderer(scene, testDevice(), own);
+    std::vector<std::unique_ptr<Renderer>> alone;
+    for (const std::string& name : names) alone.push_back(std::make_unique<Renderer>(scene, testDevice(), name));
+    for (int call = 0; call < 3; ++call) {
+      const std::vector<Frame> frames = renderer.render(worlds, o);
+      for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) {
+        SCOPED_TRACE(testing::Message() << own << ", call " << call << ", world " << world);
+        Options turned = o;
+        turned.environmentRotation = worlds.environmentRotation[world];
+        expectSameOutputs(frames[world], alone[static_cast<size_t>(index[world])]->render(worlds.cameras[0], turned));
+      }
+    }
+    // Other calls have the renderer's own environment.
+    o.background = "transparent";
+    Renderer other(scene, testDevice(), own);
+    expectSameOutputs(renderer.render(worlds.cameras[0], o), other.render(worlds.cameras[0], o));
+    o.background = "hdri";
+    Worlds lists = worlds;
+    lists.arrays = {};
+    lists.environmentIndex.assign(index.begin(), index.end());
+    const std::vector<Frame> given = renderer.render(worlds, o), listed = renderer.render(lists, o);
+    for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) expectSameOutputs(given[world], listed[world]);
+  }
+  Renderer renderer(scene, testDevice());
+  index[1] = static_cast<int64_t>(names.size());
+  EXPECT_THROW(renderer.render(worlds, o), Error);
+  index[1] = 0;
+  worlds.environments.clear();
+  EXPECT_THROW(renderer.render(worlds, o), Error);
+  worlds.environments.assign(4, "none");
+  EXPECT_THROW(renderer.render(worlds, o), Error);
 }
 
 // Results on the device are rendered in larger groups than those that the host reads, and in the third call on, by

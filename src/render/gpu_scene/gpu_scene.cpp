@@ -89,7 +89,8 @@ void GpuScene::countLights() {
   }
 }
 
-void GpuScene::setWorlds(const WorldStates& worlds, const Poses& poses) {
+void GpuScene::setWorlds(const WorldStates& worlds, const Poses& poses, std::vector<uint32_t> environmentMaps) {
+  worlds_.setEnvironments(uploads_, std::move(environmentMaps));
   if (worlds.count == 0) {
     worlds_.clear();
     materials_.setVariants(uploads_, {});

@@ -114,6 +114,8 @@ void GpuWorlds::update(vk::Uploader& uploader, const scene::Scene& scene, const 
   if (worlds.inputs && worlds.inputs->hasLights()) hasOnDevice_ |= shared::kWorldHasLights;
   rotations_ = worlds.environmentRotation;
   intensities_ = worlds.environmentIntensity;
+  environmentIndex_ = worlds.environmentIndex;
+  if (worlds.inputs && worlds.inputs->environmentIndex.address) hasOnDevice_ |= shared::kWorldHasEnvironment;
   if (worlds.inputs) return reserve(uploader, scene, worlds, poses);
   onDevice_ = false;
   const std::vector<glm::dmat4> transforms = scene::instanceTransforms(scene, poses.current);
@@ -285,6 +287,17 @@ float GpuWorlds::environmentIntensity(uint32_t world, float others) const {
   return count_ > 0 && !intensities_.empty() ? intensities_[world] : others;
 }
 
+void GpuWorlds::setEnvironments(vk::Uploader& uploader, std::vector<uint32_t> maps) {
+  if (maps == environmentMaps_) return;
+  environmentMaps_ = std::move(maps);
+  if (!environmentMaps_.empty()) environmentList_.upload(uploader, environmentMaps_);
+}
+
+uint32_t GpuWorlds::environmentMap(uint32_t world) const {
+  if (!hasEnvironments()) return 0;
+  return environmentMaps_[environmentIndex_.empty() ? 0 : environmentIndex_[world]];
+}
+
 void GpuWorlds::describeLights(shared::FrameConstants& frame, uint32_t world) const {
   frame.lights = lightList_.address() + world * lightStride_ * sizeof(shared::Light);
   frame.lightTree = lightTrees_.address() + world * treeStride_ * sizeof(shared::LightBox);
@@ -295,16 +308,17 @@ void GpuWorlds::describeLights(shared::FrameConstants& frame, uint32_t world) co
 void GpuWorlds::updateValues(vk::Uploader& uploader) {
   if (!onDevice()) return;
   if (hasOnDevice_) valueList_.resize(count_);
-  if (lights_.empty() && rotations_.empty() && intensities_.empty()) return;
+  if (lights_.empty() && rotations_.empty() && intensities_.empty() && environmentIndex_.empty()) return;
   std::vector<shared::WorldValues> values(count_);
   for (uint32_t world = 0; world < count_; ++world) {
     shared::WorldValues& value = values[world];
     if (!lights_.empty()) {
       shared::FrameConstants frame{};
       lights_[world].describe(frame);
-      value = {frame.lightCount, frame.directionalLights, frame.lightTreeLeaves, frame.areaLightCount, 0, 0, 0};
+      value = {frame.lightCount, frame.directionalLights, frame.lightTreeLeaves, frame.areaLightCount, 0, 0, 0, 0};
     }
     if (!intensities_.empty()) value.environmentIntensity = intensities_[world];
+    value.environmentMap = environmentMap(world);
     if (rotations_.empty()) continue;
     value.environmentCos = std::cos(rotations_[world]);
     value.environmentSin = std::sin(rotations_[world]);
@@ -327,6 +341,7 @@ void GpuWorlds::describe(shared::ViewConstants& constants) const {
   if (hasLights()) constants.has |= shared::kWorldHasLights;
   if (!intensities_.empty()) constants.has |= shared::kWorldHasIntensity;
   if (!rotations_.empty()) constants.has |= shared::kWorldHasRotation;
+  if (!environmentIndex_.empty()) constants.has |= shared::kWorldHasEnvironment;
   constants.has |= hasOnDevice_;
 }
 

@@ -15,6 +15,7 @@
 #include "render/gpu_scene/lights.h"
 #include "render/gpu_scene/materials.h"
 #include "render/gpu_scene/view_constants_push.h"
+#include "scene/environment/environment.h"
 #include "scene/scene.h"
 #include "shared/types.h"
 
@@ -46,6 +47,7 @@ struct WorldInputs {
   WorldArray environmentRotation, environmentIntensity;  // [worlds], degrees and a factor
   VkDeviceAddress exists = 0;                            // [worlds][instances], one byte each; 0: every instance exists
   std::vector<scene::Camera> cameras;                    // of each world
+  WorldArray environmentIndex;                           // [worlds], in WorldStates::environments
   std::vector<uint32_t> rides;                      // per camera: the instance that it rides on, or ~0u; empty: none
   std::vector<std::shared_ptr<const void>> memory;  // what the arrays are in; the call holds it until it has finished
   bool hasFactors() const { return baseColor.address || metallic.address || roughness.address || emissive.address; }
@@ -68,6 +70,10 @@ struct WorldStates {
   std::vector<scene::Light> lightValues;   // [count][lights]; those with a node keep the scene's position and direction
   std::vector<float> environmentRotation;  // [count], radians
   std::vector<float> environmentIntensity;  // [count]
+  // In place of the renderer's environment: those that worlds choose from, which outlive the renderer, and [count]
+  // indices in them. No index: they are in `inputs`.
+  std::vector<const scene::Environment*> environments;
+  std::vector<uint32_t> environmentIndex;
   // In place of `transforms`, `previous`, `next` and `exists`, and of the cameras of the call: each of the C cameras is
   // rendered in each world, world by world.
   std::optional<WorldInputs> inputs;
@@ -94,8 +100,12 @@ class GpuWorlds {
         areaLights_(device, "area lights of worlds"),
         choiceList_(device, "materials of worlds"),
         paletteList_(device, "materials to choose from"),
+        environmentList_(device, "environments to choose from"),
         valueList_(device, "values of worlds") {}
 
+  // Uploads where the environments of WorldStates are: values of FrameConstants::environmentMap. Call it before
+  // update().
+  void setEnvironments(vk::Uploader& uploader, std::vector<uint32_t> maps);
   // Uploads the instances of all worlds, or makes space for those that shaders place. `scene` has followed all edits
   // and poses. The other arguments are those of GpuInstances::pose().
   void update(vk::Uploader& uploader, const scene::Scene& scene, const GpuInstances& instances,
@@ -150,6 +160,9 @@ class GpuWorlds {
   float environmentRotation(uint32_t world, float others) const;
   bool turnsEnvironment() const { return count_ > 0 && !rotations_.empty(); }
   float environmentIntensity(uint32_t world, float others) const;
+  bool hasEnvironments() const { return count_ > 0 && !environmentMaps_.empty(); }
+  uint32_t environmentMap(uint32_t world) const;  // FrameConstants::environmentMap
+  VkDeviceAddress environmentMapsAddress() const { return hasEnvironments() ? environmentList_.address() : 0; }
   void describe(shared::FrameConstants& frame, uint32_t world) const;
   void describeLights(shared::FrameConstants& frame, uint32_t world) const;
   // Fills everything that views of other worlds than the first differ in.
@@ -175,6 +188,7 @@ class GpuWorlds {
   PlacedLights placed_;
   size_t lightStride_ = 0, treeStride_ = 0, areaStride_ = 0;  // elements per world
   std::vector<float> rotations_, intensities_;
+  std::vector<uint32_t> environmentMaps_, environmentIndex_;
   bool moves_ = false;  // previous_ and next_ have other transforms than list_
   bool vast_ = false, hasMaterials_ = false;
   bool onDevice_ = false, vastOnDevice_ = false;
@@ -182,7 +196,7 @@ class GpuWorlds {
   uint32_t hasOnDevice_ = 0;                 // kWorldHas*: values that shaders write
   uint32_t valuesOnDevice_ = 0;              // hasOnDevice_ when values_ was uploaded
   std::vector<uint32_t> choices_, palette_;  // [worlds][listed] materials, or those that shaders choose from
-  GpuList<uint32_t> choiceList_, paletteList_;
+  GpuList<uint32_t> choiceList_, paletteList_, environmentList_;
   std::vector<shared::WorldValues> values_;
   GpuList<shared::WorldValues> valueList_;
   uint64_t revision_ = 0;

@@ -126,14 +126,15 @@ Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::E
       rasterInstances_(device),
       worldPlacer_(device),
       executor_(device),
-      state_{device_,          executor_,         gpuScene_, environment_, hasEnvironment_, drawOrder_,
-             rasterInstances_, clusterOcclusion_, overflow_, bvh_,         lowestPoint_} {}
+      state_{device_,          executor_,         gpuScene_, &environment_, hasEnvironment_, drawOrder_,
+             rasterInstances_, clusterOcclusion_, overflow_, bvh_,          lowestPoint_} {}
 
 Renderer::~Renderer() = default;
 
 void Renderer::begin(const Settings& settings, const SceneState& moment) {
   checkSettings(settings);
-  if (settings.background.kind == Background::Environment && !hasEnvironment_)
+  const bool anyEnvironment = hasEnvironment_ || !moment.worlds.environments.empty();
+  if (settings.background.kind == Background::Environment && !anyEnvironment)
     badUsage(
         "the environment can't be the background where there is none: choose one (a .hdr or .exr file, or studio)");
   // Batches in flight depend on the scene's state, so nothing may change before it is known that none overflowed.
@@ -141,7 +142,7 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
   if (input.posed || sceneInput_ != input) resolveOverflow();
   sceneInput_.reset();
   gpuScene_.update(moment.poses, sunOf(settings));
-  gpuScene_.setWorlds(moment.worlds, moment.poses);
+  gpuScene_.setWorlds(moment.worlds, moment.poses, selectEnvironments(moment.worlds));
   gpuScene_.setAnisotropy(settings.anisotropy.value_or(usualAnisotropy(device_)));
   gpuScene_.setGroups(moment.groups);
   drawOrder_.update(gpuScene_);
@@ -161,6 +162,28 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
                         settings.width, settings.height);
   if (input.objectFrames) gpuScene_.storeObjectFrames();
   sceneInput_ = input;
+}
+
+// Selects the environments of the next frames. Returns where those of the worlds are (FrameConstants::environmentMap).
+// Environments that are new to the renderer become further layers.
+std::vector<uint32_t> Renderer::selectEnvironments(const WorldStates& worlds) {
+  state_.environment = &environment_;
+  state_.hasEnvironment = hasEnvironment_ || !worlds.environments.empty();
+  if (worlds.environments.empty()) return {};
+  std::vector<const scene::Environment*>& known = worldEnvironmentSources_;
+  const size_t before = known.size();
+  for (const scene::Environment* environment : worlds.environments)
+    if (std::ranges::find(known, environment) == known.end()) known.push_back(environment);
+  if (known.size() > before) {
+    replays_.clear();
+    worldEnvironments_ = std::make_unique<GpuEnvironment>(device_, known);
+  }
+  state_.environment = worldEnvironments_.get();
+  std::vector<uint32_t> maps;
+  for (const scene::Environment* environment : worlds.environments)
+    maps.push_back(
+        worldEnvironments_->map(static_cast<uint32_t>(std::ranges::find(known, environment) - known.begin())));
+  return maps;
 }
 
 // Prepares what rays and the raster compute read, for the scene's current pose.
@@ -461,6 +484,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       .areaLights = gpuScene_.areaLights(),
       .anyVast = gpuScene_.anyVast(),
       .textures = device_.maxTextureArray() ? gpuScene_.materials().textureSet() : VK_NULL_HANDLE,
+      .environment = state_.environment,
       .instances = rasterInstances_.address(),
       .objectFrames = gpuScene_.objectFrames(),
       .solid = rasterInstances_.solid(),

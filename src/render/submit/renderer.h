@@ -110,6 +110,7 @@ class Renderer {
     std::vector<uint32_t> groups;
     bool operator==(const SceneInput&) const = default;
   };
+  std::vector<uint32_t> selectEnvironments(const WorldStates& worlds);
   SceneInput inputOf(const Settings& settings, const SceneState& moment) const;
   graph::Submission submit(const graph::Graph& graph, const graph::Plan& plan);
   void addSceneChanges(graph::Graph& graph) const;
@@ -140,6 +141,9 @@ class Renderer {
   GpuScene gpuScene_;
   GpuEnvironment environment_;
   bool hasEnvironment_;
+  // The environments that worlds of earlier calls chose from. Null before the first such call.
+  std::unique_ptr<GpuEnvironment> worldEnvironments_;
+  std::vector<const scene::Environment*> worldEnvironmentSources_;  // one per layer
   DrawOrder drawOrder_;
   RasterInstances rasterInstances_;
   WorldPlacer worldPlacer_;

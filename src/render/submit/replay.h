@@ -30,6 +30,7 @@ struct ReplayKey {
   uint32_t lights, unboundedLights, areaLights;
   bool anyVast;
   VkDescriptorSet textures;
+  const GpuEnvironment* environment;
   VkDeviceAddress instances;
   VkDeviceAddress objectFrames;
   RasterInstances::Share solid, all;

@@ -138,7 +138,7 @@ shared::FrameConstants ViewSet::constantsOf(uint32_t world) const {
   frame.environmentIntensity = state_.hasEnvironment ? s.environmentIntensity : 0.0f;
   frame.environmentCos = std::cos(s.environmentRotation);
   frame.environmentSin = std::sin(s.environmentRotation);
-  frame.environmentLevels = static_cast<float>(state_.environment.levels());
+  frame.environmentLevels = static_cast<float>(state_.environment->levels());
   frame.fog = {.color = s.fogColor,
                .density = s.fogDensity,
                .falloff = s.fogHeight > 0 ? 1 / s.fogHeight : 0.0f,
@@ -160,6 +160,7 @@ void ViewSet::setWorld(shared::FrameConstants& frame, uint32_t world) const {
   frame.rasterInstances = state_.rasterInstances.address(world);
   if (state_.hasEnvironment)
     frame.environmentIntensity = worlds.environmentIntensity(world, settings_.environmentIntensity);
+  frame.environmentMap = worlds.environmentMap(world);
   if (worlds.turnsEnvironment()) {
     const float rotation = worlds.environmentRotation(world, settings_.environmentRotation);
     frame.environmentCos = std::cos(rotation);
@@ -185,7 +186,7 @@ FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {
   FrameContext f{
       {state_.device, graph, hasConstantsPerView()},
       state_.scene,
-      state_.environment,
+      *state_.environment,
       visibility_,
       setup,
       views_.now,

@@ -21,7 +21,7 @@ struct RenderState {
   vk::Device& device;
   graph::Executor& executor;
   const GpuScene& scene;
-  const GpuEnvironment& environment;
+  const GpuEnvironment* environment;  // the renderer's, or those that worlds choose from; not null
   bool hasEnvironment;
   const DrawOrder& order;
   const RasterInstances& rasterInstances;

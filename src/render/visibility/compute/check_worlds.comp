@@ -87,7 +87,11 @@ uint checkedLight(WorldJob job, uint index) {
 
 uint checkedEnvironment(WorldJob job, uint world) {
   uint bits = 0u;
-  if (job.environmentRotation.address != 0ul && !areFinite(job.environmentRotation, world, 1u)) bits = kWorldNotFinite;
+  if (job.environmentIndex.address != 0ul) {
+    double index = numberAt(job.environmentIndex, world);
+    if (!(index >= 0.0lf && index < double(job.environments))) bits = kWorldWrongEnvironmentIndex;
+  }
+  if (job.environmentRotation.address != 0ul && !areFinite(job.environmentRotation, world, 1u)) bits |= kWorldNotFinite;
   if (job.environmentIntensity.address == 0ul) return bits;
   if (!areFinite(job.environmentIntensity, world, 1u)) return bits | kWorldNotFinite;
   return numberAt(job.environmentIntensity, world) < 0.0lf ? bits | kWorldWrongEnvironment : bits;

@@ -69,6 +69,8 @@ struct WorldJob {
   WorldNumbers baseColor, metallic, roughness, emissive;   // 4, 1, 1 and 3 numbers per listed instance
   WorldNumbers materialChoice;                             // an integer per listed instance, an index in `palette`
   WorldNumbers environmentRotation, environmentIntensity;  // a number per world
+  WorldNumbers environmentIndex;                           // an integer per world, an index in `environmentMaps`
+  uint64_t environmentMaps;                                // uint[environments]: FrameConstants::environmentMap
   WorldNumbers lightPosition, lightDirection;              // 3 numbers per listed light
   WorldNumbers lightColor, lightIntensity;                 // 3 numbers and 1 per listed light
   uint64_t lightTemplates;                                 // LightTemplate[lights]
@@ -82,7 +84,7 @@ struct WorldJob {
   uint instanceTimes, viewTimes;  // 1 or 3: number of results
   uint width, height;             // of the images, pixels
   uint firstDerived;              // index of the first material that shaders derive, or kNowhere
-  uint paletteSize;
+  uint paletteSize, environments;
   uint lights, listedLights;  // numbers of templates, and of those that the caller's arrays describe
 };
 
@@ -107,8 +109,9 @@ SH_CONST uint kWorldVast = 32u;          // has instances with kInstanceVast
 SH_CONST uint kWorldWrongFactors = 64u;  // of a material: below 0, or above 1 for metallic and roughness
 SH_CONST uint kWorldWrongEnvironment = 128u;  // its intensity is below 0
 SH_CONST uint kWorldWrongChoice = 256u;       // of a material: not an index in the palette
-SH_CONST uint kWorldWrongLight = 512u;        // a color or intensity below 0
-SH_CONST uint kWorldWrongDirection = 1024u;   // of a light: its length is 0
+SH_CONST uint kWorldWrongEnvironmentIndex = 2048u;
+SH_CONST uint kWorldWrongLight = 512u;       // a color or intensity below 0
+SH_CONST uint kWorldWrongDirection = 1024u;  // of a light: its length is 0
 
 SH_END
 

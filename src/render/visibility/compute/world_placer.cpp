@@ -106,6 +106,9 @@ void WorldPlacer::update(const scene::Scene& source, const GpuScene& scene, cons
   describeLights(scene, worlds, uploader);
   job_.environmentRotation = numbersOf(inputs.environmentRotation);
   job_.environmentIntensity = numbersOf(inputs.environmentIntensity);
+  job_.environmentIndex = numbersOf(inputs.environmentIndex);
+  job_.environmentMaps = scene.worlds().environmentMapsAddress();
+  job_.environments = static_cast<uint32_t>(worlds.environments.size());
   job_.values = scene.worlds().valuesAddress();
   job_.exists = inputs.exists;
   std::vector<uint32_t> empty(worlds.empty.begin(), worlds.empty.end());
