@@ -651,7 +651,8 @@ WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& 
   converter.check();
   render::WorldStates& to = state.worlds;
   std::vector<scene::Camera> each = converter.camerasOfWorld();
-  const bool onDevice = renderer.placesWorlds(settings, each);
+  const bool onDevice =
+      renderer.placesWorlds(settings, each, state.poses, !worlds.lightValues.empty() || hasLights(worlds.arrays));
   const auto convertLists = [&](const Worlds& lists) {
     to = {.environments = std::move(to.environments)};
     return convert(lists, settings, state, renderer, device);

@@ -135,6 +135,24 @@ def check_environments(renderer, camera, environments):
         assert different == 0
 
 
+def check_shadows(name):
+    """Shadow maps that the device fits have the bytes of those that the host fits, which it does for own lights."""
+    scene = latelight.Scene(name)
+    sun = scene.add_light(latelight.Light(type="directional", direction=(0.3, -1, -0.4), intensity=3))
+    renderer = latelight.Renderer(scene, device="cuda:0", environment="studio")
+    instances, transforms, poses, exists, camera = states(scene, 64, seed=5)
+    given = {"instances": instances, "transforms": transforms, "exists": exists, "camera_to_world": poses}
+    device = renderer.render_worlds(64, camera, SIZE, ("color", "depth"), **given)
+    host = renderer.render_worlds(64, camera, SIZE, ("color", "depth"), **given, lights=[sun],
+                                  light_intensity=np.full((64, 1), 3.0))
+    lit = renderer.render_worlds(64, camera, SIZE, ("color", "depth"), **given, shadows="none")
+    for output in ("color", "depth"):
+        different = np.mean(device[output] != host[output])
+        print(f"shadows, {output}: {100 * different:.4f} % of the values differ from the host's maps")
+        assert different == 0
+    assert (device["color"] != lit["color"]).any()
+
+
 def check_order(scene, renderer):
     """The call follows the work of the caller's stream, which is still running when the call begins."""
     torch = library("torch")
@@ -189,6 +207,7 @@ if __name__ == "__main__":
     failed = False
     try:
         check(name, ["studio", *sys.argv[2:]])
+        check_shadows(name)
     except Exception:  # measure nevertheless
         failed = True
         traceback.print_exc()

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <random>
+#include <tuple>
 
 #include "models/models.h"
 #include "test_device.h"
@@ -405,6 +406,74 @@ TEST_P(ArraysOfWorlds, ChooseEnvironments) {
   EXPECT_THROW(renderer.render(worlds, o), Error);
   worlds.environments.assign(4, "none");
   EXPECT_THROW(renderer.render(worlds, o), Error);
+}
+
+// The shadows of directional lights are those of the only world of another renderer whose maps the host fits, for all
+// formats and filters, one or several cameras, and maps of one or several cascades.
+void compareShadows(const Options& o, double distance) {
+  constexpr uint32_t kSome = 6, kCameras = 2;
+  Scene scene("builtin:boxes");
+  for (const Handle<Light>& light : scene.lights()) scene.removeLight(light);
+  scene.addLight({.type = "directional", .direction = {0.3f, -1, 0.2f}, .intensity = 2});
+  scene.addLight({.type = "point", .position = {0, 2, 0}, .intensity = 5, .castShadow = false});
+  scene.addLight({.type = "directional", .direction = {-0.6f, -1, 0.1f}, .intensity = 1});
+  Worlds worlds{.count = kSome, .instances = scene.instances()};
+  for (uint32_t i = 0; i < kCameras; ++i)
+    worlds.cameras.push_back(scene.lookAt({distance, 1.5 + i, distance}, {0, 0, 0}));
+  worlds.cameras[1].orthographic = distance > 20;
+  worlds.cameras[1].halfHeight = 3;
+  worlds.cameras[1].farClip = 100;
+  std::mt19937 random(13);
+  const size_t listed = worlds.instances.size();
+  std::vector<Transform> transforms;
+  for (size_t i = 0; i < kSome * listed; ++i) {
+    transforms.push_back(product(scene.instance(worlds.instances[i % listed]).transform, randomMotion(random, false)));
+    worlds.exists.push_back(random() % 6 != 0);
+  }
+  const Numbers moved(transforms, true, 4);
+  worlds.arrays.transforms = moved.array;
+  Renderer renderer(scene, testDevice(), "studio"), alone(scene, testDevice(), "studio");
+  Options unshadowed = o;
+  unshadowed.shadows = "none";
+  bool differs = false;
+  for (int call = 0; call < 3; ++call) {
+    const std::vector<Frame> frames = renderer.render(worlds, o);
+    ASSERT_EQ(frames.size(), kSome * kCameras);
+    const std::vector<Frame> lit = renderer.render(worlds, unshadowed);
+    for (uint32_t world = 0; world < kSome && !testing::Test::HasFailure(); ++world) {
+      Worlds one{.count = 1, .instances = worlds.instances, .cameras = worlds.cameras};
+      // Values of lights, which equal the scene's, have the host plan the maps.
+      one.lights = scene.lights();
+      for (const Handle<Light>& light : one.lights) one.lightValues.push_back(scene.light(light));
+      one.transforms.assign(transforms.begin() + static_cast<std::ptrdiff_t>(world * listed),
+                            transforms.begin() + static_cast<std::ptrdiff_t>((world + 1) * listed));
+      one.exists.assign(worlds.exists.begin() + static_cast<std::ptrdiff_t>(world * listed),
+                        worlds.exists.begin() + static_cast<std::ptrdiff_t>((world + 1) * listed));
+      const std::vector<Frame> expected = alone.render(one, o);
+      for (uint32_t i = 0; i < kCameras; ++i) {
+        SCOPED_TRACE(testing::Message() << "world " << world << ", camera " << i << ", call " << call);
+        const size_t at = kCameras * world + i;
+        expectSameOutputs(frames[at], expected[i]);
+        differs |= frames[at].rgba != lit[at].rgba;
+      }
+    }
+  }
+  EXPECT_TRUE(differs) << "something is in the shadow";
+}
+
+TEST(PlacedWorlds, CastShadows) {
+  const std::tuple<double, const char*, const char*> cases[] = {
+      {2.5, "d32", "pcf"}, {2.5, "rgba8-classic", "hard"}, {40.0, "d16", "pcss"}};
+  for (const auto& [distance, format, filter] : cases) {
+    SCOPED_TRACE(testing::Message() << format << ", " << distance);
+    Options o = options("compute");
+    o.width = 40;
+    o.height = 30;
+    o.shadows = format;
+    o.shadowFilter = filter;
+    o.aovs = {"color", "depth"};
+    compareShadows(o, distance);
+  }
 }
 
 // Results on the device are rendered in larger groups than those that the host reads, and in the third call on, by

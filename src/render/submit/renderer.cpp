@@ -17,6 +17,7 @@
 #include "render/options/options.h"
 #include "render/outputs/raw_read.h"
 #include "render/sensor/sensor.h"
+#include "render/shadow/choose.h"
 #include "render/submit/frame_passes.h"
 #include "render/submit/job.h"
 #include "render/submit/lens_settings.h"
@@ -157,9 +158,10 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
         "the technique reference and a ground");
   if (settings.ground != Ground::None && !settings.groundHeight) findLowestPoint();
   prepareScene(settings);
+  planPlacedShadows(settings, moment.worlds);
   if (moment.worlds.inputs)
     worldPlacer_.update(scene_, gpuScene_, rasterInstances_, moment.worlds, moment.poses, gpuScene_.uploads(),
-                        settings.width, settings.height);
+                        settings.width, settings.height, state_.placesShadows());
   if (input.objectFrames) gpuScene_.storeObjectFrames();
   sceneInput_ = input;
 }
@@ -230,15 +232,22 @@ Renderer::SceneInput Renderer::inputOf(const Settings& settings, const SceneStat
           moment.groups};
 }
 
-bool Renderer::placesWorlds(const Settings& s, std::span<const scene::Camera> cameras) const {
-  const auto lit = [](const scene::Light& light) { return !light.removed; };
-  const bool lights = s.sun || std::ranges::any_of(scene_.lights, lit);
+// Returns true if shaders may fit all shadow maps of worlds that they place, or if there are none.
+bool Renderer::placesShadows(const Settings& s, const Poses& poses, bool ownLights) const {
+  if (s.shadows == ShadowFormat::None || !isLit(s)) return true;
+  std::vector<scene::Light> lights = scene_.lights;
+  if (const std::optional<scene::Light> sun = sunOf(s)) lights.push_back(*sun);
+  if (std::ranges::all_of(lights, &scene::Light::removed)) return true;
+  return poses.current.empty() && !ownLights && castsOnlyDirectional(lights, s.width, s.height, s);
+}
+
+bool Renderer::placesWorlds(const Settings& s, std::span<const scene::Camera> cameras, const Poses& poses,
+                            bool ownLights) const {
   const auto blurs = [&](const scene::Camera& camera) { return thinLensOf(camera, s, scene_).radius > 0; };
   return WorldPlacer::runsOn(device_) && rastersInCompute(s) && !s.lighting->draws && !tracesRays(s) &&
-         (s.shadows == ShadowFormat::None || !lights || !isLit(s)) &&
-         (s.ambientOcclusion == AmbientOcclusion::None || s.aoRadius) && s.aa.superSampling == 1 && !s.aa.temporal &&
-         s.shutter == 0 && s.readout == 0 && stripsOf(s).size() == 1 && std::ranges::none_of(cameras, bendsRays) &&
-         std::ranges::none_of(cameras, blurs);
+         placesShadows(s, poses, ownLights) && (s.ambientOcclusion == AmbientOcclusion::None || s.aoRadius) &&
+         s.aa.superSampling == 1 && !s.aa.temporal && s.shutter == 0 && s.readout == 0 && stripsOf(s).size() == 1 &&
+         std::ranges::none_of(cameras, bendsRays) && std::ranges::none_of(cameras, blurs);
 }
 
 std::shared_ptr<const vk::Buffer> Renderer::inputMemory(uint64_t bytes) {
@@ -252,7 +261,18 @@ std::shared_ptr<const vk::Buffer> Renderer::inputMemory(uint64_t bytes) {
 }
 
 bool Renderer::castsShadows(const Settings& settings) const {
-  return settings.shadows != ShadowFormat::None && gpuScene_.lightCount() > 0 && isLit(settings);
+  return settings.shadows != ShadowFormat::None && gpuScene_.lightCount() > 0 && isLit(settings) && !state_.suns;
+}
+
+// Selects the lights whose shadow maps shaders fit to the views of worlds.
+void Renderer::planPlacedShadows(const Settings& s, const WorldStates& worlds) {
+  state_.suns = nullptr;
+  if (!worlds.inputs || !castsShadows(s)) return;
+  std::vector<shared::View> views;
+  for (const scene::Camera& camera : worlds.inputs->cameras)
+    views.push_back(shadowView(camera, s.width, s.height, gpuScene_));
+  suns_ = planSuns(shadowSceneOf(gpuScene_), views, s);
+  state_.suns = &suns_;
 }
 
 // Plans the maps for the full pictures without jitter, so that the samples and strips of a picture share the positions
@@ -400,7 +420,8 @@ ViewsInTime Renderer::placedViewsOf(const ViewBatch& part) const {
                     .previous = worldPlacer_.views(0, 1) + offset,
                     .next = worldPlacer_.views(0, 2) + offset,
                     .first = static_cast<uint32_t>(part.first),
-                    .perWorld = static_cast<uint32_t>(part.job.now.size())};
+                    .perWorld = static_cast<uint32_t>(part.job.now.size()),
+                    .bounds = worldPlacer_.bounds()};
   return views;
 }
 
@@ -485,6 +506,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       .anyVast = gpuScene_.anyVast(),
       .textures = device_.maxTextureArray() ? gpuScene_.materials().textureSet() : VK_NULL_HANDLE,
       .environment = state_.environment,
+      .placedShadows = {},
       .instances = rasterInstances_.address(),
       .objectFrames = gpuScene_.objectFrames(),
       .solid = rasterInstances_.solid(),
@@ -496,6 +518,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
                      overflow_.mediumTriangles, overflow_.largeTriangles, overflow_.tileEntries},
       .settings = s,
   };
+  if (state_.placesShadows()) key.placedShadows = {suns_.suns.size(), suns_.depths.size()};
   for (const ExportedArray& array : part.job.result.arrays) key.arrays.push_back(array.memory->serial);
   return key;
 }

@@ -98,12 +98,6 @@ uint writeMaterial(WorldJob job, uint base, uint index, uint row, bool invalid) 
   return flags;
 }
 
-bool exists(WorldJob job, uint world, uint place) {
-  if (place == kNowhere || job.exists == 0ul) return true;
-  uint at = world * job.listed + place;
-  return (UintRef(job.exists).v[at / 4u] >> (8u * (at % 4u)) & 255u) != 0u;
-}
-
 // A wrong choice, which check_worlds.comp reports, has no effect.
 uint chosenMaterial(WorldJob job, uint world, WorldTemplate t) {
   double choice = numberAt(job.materialChoice, world * job.listed + t.place);

@@ -78,6 +78,12 @@ dmat4 worldTransform(WorldJob job, uint world, uint instance, uint time) {
   return product(columnsAt(job.matrices, kWorldFromFile), givenMatrix(given, world * job.listed + place));
 }
 
+bool exists(WorldJob job, uint world, uint place) {
+  if (place == kNowhere || job.exists == 0ul) return true;
+  uint at = world * job.listed + place;
+  return (UintRef(job.exists).v[at / 4u] >> (8u * (at % 4u)) & 255u) != 0u;
+}
+
 bool isInvalid(WorldJob job, uint world) { return (StatusRef(job.status).v[world] & kWorldInvalid) != 0u; }
 
 void report(WorldJob job, uint world, uint bits) { atomicOr(StatusRef(job.status).v[world], bits); }

@@ -61,6 +61,7 @@ struct WorldJob {
   uint64_t emptyWorlds;      // uint[worlds], not 0: the host knows that the world is invalid; 0: no such worlds
   uint64_t status;           // uint[worlds]: kWorld*, written by the shaders
   uint64_t instances[3];     // results, by time: Instance[worlds][instances]
+  uint64_t bounds;           // result: double[worlds][6], low and high corner in the device's world space; 0: none
   uint64_t raster;           // result: RasterInstance[worlds][draws]
   uint64_t views[3];         // results, by time: View[worlds][views per world]
   WorldNumbers givenTransforms[3];                         // by time: 4x4 or 3x4 per listed instance

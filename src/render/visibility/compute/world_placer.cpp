@@ -70,6 +70,7 @@ WorldPlacer::WorldPlacer(vk::Device& device)
     : device_(device),
       templates_(device, "instances of worlds, common values"),
       numbers_(device, "matrices of worlds"),
+      bounds_(device, "bounds of worlds"),
       cameras_(device, "cameras of worlds"),
       views_{GpuList<View>(device, "views of worlds"), GpuList<View>(device, "previous views of worlds"),
              GpuList<View>(device, "next views of worlds")},
@@ -81,10 +82,11 @@ WorldPlacer::WorldPlacer(vk::Device& device)
 
 void WorldPlacer::update(const scene::Scene& source, const GpuScene& scene, const RasterInstances& raster,
                          const WorldStates& worlds, const Poses& poses, vk::Uploader& uploader, uint32_t width,
-                         uint32_t height) {
+                         uint32_t height, bool bounds) {
   if (!pipelines_)
     pipelines_ = {placerPipeline(device_, "check_worlds.comp", "check worlds"),
                   placerPipeline(device_, "place_instances.comp", "place instances"),
+                  placerPipeline(device_, "world_bounds.comp", "bounds of worlds"),
                   placerPipeline(device_, "place_lights.comp", "place lights"),
                   placerPipeline(device_, "place_views.comp", "place views")};
   const WorldInputs& inputs = *worlds.inputs;
@@ -115,6 +117,8 @@ void WorldPlacer::update(const scene::Scene& source, const GpuScene& scene, cons
   if (std::ranges::count(empty, 0u) == std::ssize(empty)) empty.clear();
   uploadChanged(empty_, emptyValues_, std::move(empty), uploader);
   job_.emptyWorlds = emptyValues_.empty() ? 0 : empty_.address();
+  if (bounds) bounds_.resize(size_t{6} * worlds.count);
+  job_.bounds = bounds ? bounds_.address() : 0;
   takeStatus(worlds.count);
   job_.status = statusOnDevice_.address();
   pending_ = true;
@@ -253,6 +257,7 @@ void WorldPlacer::addChanges(graph::Graph& graph) const {
   });
   dispatch(graph, pipelines_->check, worlds * std::max({job_.listed, job_.viewsPerWorld, job_.listedLights, 1u}), 1);
   if (job_.instanceCount > 0) dispatch(graph, pipelines_->instances, worlds * job_.instanceCount, 1);
+  if (job_.bounds) dispatch(graph, pipelines_->bounds, worlds * kPlaceGroup, 1);
   if (job_.lights > 0) dispatch(graph, pipelines_->lights, worlds * kPlaceGroup, 1);
   dispatch(graph, pipelines_->views, worlds * job_.viewsPerWorld, job_.viewTimes);
   graph.prologue(graph::Stage::Upload, "place worlds", [this, status = status_, worlds](graph::Context& context) {

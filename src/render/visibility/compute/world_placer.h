@@ -5,6 +5,7 @@
 //        |        place_instances.comp  Instance[worlds][instances] at each time, RasterInstance[worlds][draws],
 //        |                              Material[worlds][listed instances] with the factors of worlds
 //        |        place_lights.comp     Light[worlds][lights] and their trees, AreaLight[worlds][lights], WorldValues
+//        |        world_bounds.comp     bounds of worlds, if shadow maps are fitted to them
 //        +------> place_views.comp      View[worlds][cameras] at each time, WorldValues[worlds] of the environment
 #pragma once
 
@@ -35,13 +36,16 @@ class WorldPlacer {
   static bool runsOn(const vk::Device& device);  // it requires doubles in shaders
 
   // Prepares the conversion. `scene`, `raster` and `worlds` belong to the same call: all of them are up to date. The
-  // conversion is pending until the next graph.
+  // conversion is pending until the next graph. `bounds`: also computes the worlds' bounds, at rest.
   void update(const scene::Scene& source, const GpuScene& scene, const RasterInstances& raster,
-              const WorldStates& worlds, const Poses& poses, vk::Uploader& uploader, uint32_t width, uint32_t height);
+              const WorldStates& worlds, const Poses& poses, vk::Uploader& uploader, uint32_t width, uint32_t height,
+              bool bounds);
   // Adds the pending conversion to the prologue of a graph, after the scene's changes.
   void addChanges(graph::Graph& graph) const;
   void changesSubmitted() { pending_ = false; }
 
+  // The bounds of each world at rest, double[worlds][6], if update() was asked for them.
+  VkDeviceAddress bounds() const { return job_.bounds; }
   // The address of the first view of a world at a time (0 current, 1 previous, 2 next frame), View[].
   VkDeviceAddress views(uint32_t world, uint32_t time) const;
   std::shared_ptr<const WorldStatus> status() const { return status_; }  // of the last update()
@@ -58,7 +62,7 @@ class WorldPlacer {
 
   vk::Device& device_;
   struct Pipelines {
-    vk::PipelineRef check, instances, lights, views;
+    vk::PipelineRef check, instances, bounds, lights, views;
   };
   std::optional<Pipelines> pipelines_;  // none before the first call
   shared::WorldJob job_{};
@@ -69,7 +73,7 @@ class WorldPlacer {
   std::vector<shared::View> viewValues_;
   std::vector<uint32_t> rideValues_, emptyValues_;
   GpuList<shared::WorldTemplate> templates_;
-  GpuList<double> numbers_;
+  GpuList<double> numbers_, bounds_;
   GpuList<shared::View> cameras_, views_[3];
   GpuList<uint32_t> rides_, empty_;
   std::vector<shared::DerivableMaterial> baseValues_;
