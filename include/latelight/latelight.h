@@ -459,7 +459,7 @@ class DeviceArray;
 // Numbers of all worlds in one array without padding, world by world, in place of a list of Worlds. Shaders convert
 // arrays, so that the host's work does not grow with the number of worlds.
 struct WorldArray {
-  enum class Element { Float32, Float64, Uint8 };
+  enum class Element { Float32, Float64, Uint8, Int32, Int64 };
   Element element = Element::Float32;
   uint32_t rows = 4;                          // of each 4x4 or 3x4 matrix, row by row: 4 or 3
   const void* host = nullptr;                 // in the host's memory, which submit() copies before it returns; or
@@ -476,7 +476,12 @@ struct WorldArrays {
   // In place of Worlds::factors: count x instances rows of 4, 1, 1 and 3 numbers. Those that are not given are the
   // material's.
   WorldArray baseColor, metallic, roughness, emissive;
+  WorldArray materialChoice;  // count x instances indices (Int32 or Int64) in Worlds::palette, in place of materials
+  // In place of Worlds::lightValues: count x lights rows of 3, 3, 3 and 1 numbers. Those that are not given are the
+  // light's.
+  WorldArray lightPosition, lightDirection, lightColor, lightIntensity;
   WorldArray environmentRotation, environmentIntensity;  // count numbers
+  WorldArray environmentIndex;                           // count indices (Int32 or Int64) in Worlds::environments
   uint64_t ready = 0;  // value of Renderer::exportInputSemaphore() at which arrays of the device are complete
 };
 
@@ -492,13 +497,18 @@ struct Worlds {
   std::vector<uint8_t> exists;  // count x instances; 0: the world does not have the instance
 
   std::vector<Handle<Material>> materials;  // count x instances: the material of each instance
+  std::vector<Handle<Material>> palette;    // those that arrays.materialChoice refers to
   std::vector<MaterialFactors> factors;     // count x instances: in place of the factors of that material
 
-  std::vector<Handle<Light>> lights;  // those that `lightValues` describes
+  std::vector<Handle<Light>> lights;  // those that `lightValues`, or arrays of lights, describe
   std::vector<Light> lightValues;     // count x lights, as Scene::setLight() sets them
 
   std::vector<double> environmentRotation;  // count, in place of the options of the same names
   std::vector<float> environmentIntensity;  // count
+  // In place of the renderer's environment: those that worlds choose from, .hdr or .exr files or "studio", and count
+  // indices in them. The renderer filters each once and keeps it.
+  std::vector<std::string> environments;
+  std::vector<uint32_t> environmentIndex;
 
   std::vector<Camera> cameras;  // the cameras of each world, at least one
   // The instance that each camera rides on, if any: its cameraToWorld is then relative to the instance's frame, whose

@@ -2,6 +2,7 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <set>
 
 #include "bindings.h"
@@ -103,13 +104,21 @@ nb::object framesOf(std::vector<Frame>&& frames, const Views& views) {
   return module.attr("Frames")(all);
 }
 
+// The factors as a sequence. Thousands of views usually share one, for which a single object is enough.
+nb::object exposuresOf(const std::vector<float>& exposures) {
+  const auto isFirst = [&](float exposure) { return exposure == exposures.front(); };
+  if (!std::ranges::all_of(exposures, isFirst) || exposures.empty()) return nb::cast(exposures);
+  const nb::tuple one = nb::make_tuple(exposures.front());
+  return nb::steal(PySequence_Repeat(one.ptr(), static_cast<Py_ssize_t>(exposures.size())));
+}
+
 nb::object deviceFramesOf(std::map<std::string, DeviceArray>&& arrays, const Views& views,
                           const std::vector<float>& exposures) {
   const RunningPython section;
   const nb::module_ module = nb::module_::import_("latelight.frames");
   const nb::dict placed = deviceArrays(std::move(arrays), views.shape);
-  if (views.worlds()) return module.attr("DeviceWorldFrames")(placed, nb::cast(views.invalid), nb::cast(exposures));
-  return module.attr("DeviceFrames")(placed, nb::cast(exposures));
+  if (views.worlds()) return module.attr("DeviceWorldFrames")(placed, nb::cast(views.invalid), exposuresOf(exposures));
+  return module.attr("DeviceFrames")(placed, exposuresOf(exposures));
 }
 
 // Frames on the host with other formats than the usual ones.
@@ -274,12 +283,7 @@ std::shared_ptr<SharedTicket> submitWorlds(const std::shared_ptr<SharedRenderer>
     if (stream == 0) stream = renderer->use([&](Renderer&) { return renderer->cudaInputs().stream(); });
     return stream;
   };
-  SharedScene& scene = *renderer->scene();
-  const SceneValues values{
-      [&](Handle<Instance> handle) { return scene.read([&](const Scene& s) { return s.instance(handle); }); },
-      [&](Handle<Material> handle) { return scene.read([&](const Scene& s) { return s.material(handle); }); },
-      [&](Handle<Light> handle) { return scene.read([&](const Scene& s) { return s.light(handle); }); }};
-  std::unique_ptr<GivenWorlds> given = worldsOf(count, cameras, optional, values, reader);
+  std::unique_ptr<GivenWorlds> given = worldsOf(count, cameras, optional, reader);
   Worlds& worlds = given->worlds;
   const Options options = optionsOf(size, outputs, optional);
   try {

@@ -19,8 +19,10 @@ bool isContiguous(const std::vector<int64_t>& shape, const std::vector<int64_t>&
 }
 
 [[noreturn]] void rejectElements(const char* name, const std::string& elements) {
-  badType("{} must be an array of float32 or float64 in CUDA's memory, or of bool for exists, not of {}", name,
-          elements);
+  badType(
+      "{} must be an array of float32 or float64 in CUDA's memory, or of bool for exists, or of int32 or int64 for "
+      "indices, not of {}",
+      name, elements);
 }
 
 void requireContiguous(const char* name, const std::vector<int64_t>& shape, const std::vector<int64_t>& strides) {
@@ -28,8 +30,13 @@ void requireContiguous(const char* name, const std::vector<int64_t>& shape, cons
     badValue("{} must be contiguous in CUDA's memory, in C order: pass a copy, such as torch's contiguous()", name);
 }
 
+uint64_t bytesOf(Element element) {
+  if (element == Element::Uint8) return 1;
+  return element == Element::Float64 || element == Element::Int64 ? 8 : 4;
+}
+
 void setBytes(Tensor& tensor) {
-  tensor.bytes = tensor.element == Element::Float64 ? 8 : tensor.element == Element::Float32 ? 4 : 1;
+  tensor.bytes = bytesOf(tensor.element);
   for (const int64_t length : tensor.shape) tensor.bytes *= static_cast<uint64_t>(length);
 }
 
@@ -64,6 +71,10 @@ Tensor fromDlpack(nb::handle value, const char* name, uintptr_t reader) {
     tensor.element = Element::Float64;
   else if ((code == nb::dlpack::dtype_code::Bool || code == nb::dlpack::dtype_code::UInt) && type.bits == 8)
     tensor.element = Element::Uint8;
+  else if (code == nb::dlpack::dtype_code::Int && type.bits == 32)
+    tensor.element = Element::Int32;
+  else if (code == nb::dlpack::dtype_code::Int && type.bits == 64)
+    tensor.element = Element::Int64;
   else
     rejectElements(name, nb::hasattr(value, "dtype") ? shown(value.attr("dtype")) : "another type");
   requireContiguous(name, tensor.shape, strides);
@@ -87,12 +98,16 @@ Tensor fromInterface(nb::handle value, const char* name) {
     tensor.element = Element::Float64;
   else if (type == "|b1" || type == "|u1")
     tensor.element = Element::Uint8;
+  else if (type == "<i4")
+    tensor.element = Element::Int32;
+  else if (type == "<i8")
+    tensor.element = Element::Int64;
   else
     rejectElements(name, type);
   setBytes(tensor);
   const nb::object strides = interface.attr("get")("strides");
   if (!strides.is_none()) {
-    const int64_t size = tensor.element == Element::Float64 ? 8 : tensor.element == Element::Float32 ? 4 : 1;
+    const auto size = static_cast<int64_t>(bytesOf(tensor.element));
     std::vector<int64_t> elements;
     for (const nb::handle bytes : nb::cast<nb::tuple>(strides)) elements.push_back(nb::cast<int64_t>(bytes) / size);
     requireContiguous(name, tensor.shape, elements);

@@ -36,7 +36,7 @@ class ArrayReader {
   void flags(nb::handle value, const char* name, int64_t each, WorldArray& array) {
     if (value.is_none()) return;
     const std::vector<int64_t> shape{to_.worlds.count, each};
-    if (isTensor(value)) return tensor(value, name, shape, true, array), void();
+    if (isTensor(value)) return tensor(value, name, shape, Kind::Mask, array), void();
     const nb::object numpy = nb::module_::import_("numpy");
     const nb::object given = numpy.attr("asarray")(value);
     if (shown(given.attr("dtype")) != "bool")
@@ -45,10 +45,22 @@ class ArrayReader {
     keep(arrayOf(given.attr("astype")("uint8"), name, Elements::Uint8, shape, "uint8"), array);
   }
 
+  void indices(nb::handle value, const char* name, const std::vector<int64_t>& shape, WorldArray& array) {
+    if (value.is_none()) return;
+    if (isTensor(value)) return tensor(value, name, shape, Kind::Integers, array), void();
+    array.element = WorldArray::Element::Int64;
+    keep(arrayOf(value, name, Elements::Integers, shape, "int64"), array);
+  }
+
  private:
+  enum class Kind { Numbers, Mask, Integers };
+  static Kind kindOf(WorldArray::Element element) {
+    using enum WorldArray::Element;
+    return element == Uint8 ? Kind::Mask : element == Int32 || element == Int64 ? Kind::Integers : Kind::Numbers;
+  }
   // Returns the shape.
   std::vector<int64_t> read(nb::handle value, const char* name, const std::vector<int64_t>& shape, WorldArray& array) {
-    if (isTensor(value)) return tensor(value, name, shape, false, array);
+    if (isTensor(value)) return tensor(value, name, shape, Kind::Numbers, array);
     const nb::object given = arrayOf(value, name, Elements::Numbers, shape);
     const bool floats = shown(given.attr("dtype")) == "float32";
     array.element = floats ? WorldArray::Element::Float32 : WorldArray::Element::Float64;
@@ -57,7 +69,7 @@ class ArrayReader {
     for (size_t axis = 0; axis < shape.size(); ++axis) lengths.push_back(static_cast<int64_t>(lengthOf(given, axis)));
     return lengths;
   }
-  std::vector<int64_t> tensor(nb::handle value, const char* name, const std::vector<int64_t>& shape, bool mask,
+  std::vector<int64_t> tensor(nb::handle value, const char* name, const std::vector<int64_t>& shape, Kind kind,
                               WorldArray& array) {
     Tensor given = tensorOf(value, name, stream_);
     const bool fits =
@@ -65,8 +77,8 @@ class ArrayReader {
     if (!fits)
       badValue("{} must be an array of shape ({}), not ({})", name, fmt::join(shape, ", "),
                fmt::join(given.shape, ", "));
-    if (mask != (given.element == WorldArray::Element::Uint8))
-      badType("{} must be an array of {}", name, mask ? "bool" : "float32 or float64");
+    constexpr const char* kElements[] = {"float32 or float64", "bool", "int32 or int64"};
+    if (kindOf(given.element) != kind) badType("{} must be an array of {}", name, kElements[static_cast<size_t>(kind)]);
     array.element = given.element;
     to_.tensors.push_back({&array, name, std::move(given)});
     return to_.tensors.back().tensor.shape;
@@ -89,66 +101,6 @@ std::vector<Handle<Element>> handlesOf(nb::handle value, const char* name, const
   return handles;
 }
 
-// Numbers, one or `channels` of them per world and element. They may be infinite or NaN.
-std::vector<double> numbersOf(nb::handle value, const char* name, std::vector<int64_t> shape) {
-  const nb::object array = arrayOf(value, name, Elements::Numbers, shape, "float64");
-  const auto view = viewOf<double>(array);
-  return {view.data(), view.data() + view.size()};
-}
-
-// Sets one member of the lights of all worlds.
-template <typename T, size_t N>
-void setMember(std::vector<Light>& lights, nb::handle value, const char* name, int64_t worlds,
-               std::array<T, N> Light::*member) {
-  if (value.is_none()) return;
-  const int64_t each = static_cast<int64_t>(lights.size()) / worlds;
-  const std::vector<double> numbers = numbersOf(value, name, {worlds, each, static_cast<int64_t>(N)});
-  for (size_t i = 0; i < lights.size(); ++i)
-    for (size_t channel = 0; channel < N; ++channel)
-      (lights[i].*member)[channel] = static_cast<T>(numbers[N * i + channel]);
-}
-
-// Sets the material of each instance: an index into the list of materials.
-void setMaterials(Worlds& worlds, nb::dict& keywords) {
-  const std::vector<Handle<Material>> materials =
-      handlesOf<Material>(keywords.attr("pop")("materials", nb::none()), "materials", "a MaterialHandle");
-  const nb::object choice = keywords.attr("pop")("material_choice", nb::none());
-  if (choice.is_none() != materials.empty()) badValue("materials and material_choice require each other");
-  if (choice.is_none()) return;
-  const auto each = static_cast<int64_t>(worlds.instances.size());
-  const nb::object array = arrayOf(choice, "material_choice", Elements::Integers, {worlds.count, each}, "int64");
-  const auto view = viewOf<int64_t>(array);
-  for (size_t i = 0; i < view.size(); ++i) {
-    const int64_t index = view.data()[i];
-    if (index < 0 || index >= static_cast<int64_t>(materials.size()))
-      badValue("material_choice must be from 0 to {}, and one value is {}", materials.size() - 1, index);
-    worlds.materials.push_back(materials[static_cast<size_t>(index)]);
-  }
-}
-
-// Removes the arguments of lights from `keywords`.
-void setLights(Worlds& worlds, nb::dict& keywords, const SceneValues& scene) {
-  const auto take = [&](const char* name) { return nb::object(keywords.attr("pop")(name, nb::none())); };
-  const int64_t n = worlds.count;
-  worlds.lights = handlesOf<Light>(take("lights"), "lights", "a LightHandle");
-  const nb::object position = take("light_position"), direction = take("light_direction"), color = take("light_color"),
-                   intensity = take("light_intensity");
-  for (const auto& [value, name] : {std::pair(position, "light_position"), std::pair(direction, "light_direction"),
-                                    std::pair(color, "light_color"), std::pair(intensity, "light_intensity")})
-    if (!value.is_none() && worlds.lights.empty())
-      badValue("{} requires the list of lights that it describes: lights", name);
-  for (int64_t world = 0; world < n; ++world)
-    for (const Handle<Light>& light : worlds.lights) worlds.lightValues.push_back(scene.light(light));
-  setMember(worlds.lightValues, position, "light_position", n, &Light::position);
-  setMember(worlds.lightValues, direction, "light_direction", n, &Light::direction);
-  setMember(worlds.lightValues, color, "light_color", n, &Light::color);
-  if (!intensity.is_none()) {
-    const std::vector<double> numbers =
-        numbersOf(intensity, "light_intensity", {n, static_cast<int64_t>(worlds.lights.size())});
-    for (size_t i = 0; i < numbers.size(); ++i) worlds.lightValues[i].intensity = static_cast<float>(numbers[i]);
-  }
-}
-
 std::vector<std::optional<Handle<Instance>>> mountsOf(nb::handle value, const char* name) {
   std::vector<std::optional<Handle<Instance>>> mounts;
   if (value.is_none()) return mounts;
@@ -160,7 +112,6 @@ std::vector<std::optional<Handle<Instance>>> mountsOf(nb::handle value, const ch
   return mounts;
 }
 
-constexpr const char* kArray = "numpy.typing.ArrayLike | None = None";
 constexpr const char* kTensor = "typing.Any | None = None";  // an array, or an array in CUDA's memory
 
 struct WorldArgument {
@@ -176,19 +127,22 @@ constexpr WorldArgument kArguments[] = {
     {"next_transforms", kTensor, "the same in the next frame"},
     {"exists", kTensor, "(N, I) bool: whether a world has an instance"},
     {"materials", "collections.abc.Sequence[MaterialHandle] | None = None", "those that material_choice refers to"},
-    {"material_choice", kArray, "(N, I) integers: the material of each instance, as an index in `materials`"},
+    {"material_choice", kTensor, "(N, I) integers: the material of each instance, as an index in `materials`"},
     {"base_color", kTensor, "(N, I, 4): linear Rec.709 and alpha, in place of the material's factor"},
     {"metallic", kTensor, "(N, I), likewise"},
     {"roughness", kTensor, "(N, I), likewise"},
     {"emissive", kTensor, "(N, I, 3), likewise"},
     {"lights", "collections.abc.Sequence[LightHandle] | None = None",
      "the L lights that the next four describe; required by them"},
-    {"light_position", kArray, "(N, L, 3), meters"},
-    {"light_direction", kArray, "(N, L, 3): from the light, of any length above 0"},
-    {"light_color", kArray, "(N, L, 3)"},
-    {"light_intensity", kArray, "(N, L): candela; lux for directional lights, nits for area lights"},
+    {"light_position", kTensor, "(N, L, 3), meters"},
+    {"light_direction", kTensor, "(N, L, 3): from the light, of any length above 0"},
+    {"light_color", kTensor, "(N, L, 3)"},
+    {"light_intensity", kTensor, "(N, L): candela; lux for directional lights, nits for area lights"},
     {"environment_rotation", kTensor, "(N,) degrees, in place of the option"},
     {"environment_intensity", kTensor, "(N,), in place of the option"},
+    {"environments", "collections.abc.Sequence[str | os.PathLike[str]] | None = None",
+     "in place of the renderer's environment: .hdr or .exr files, or \"studio\". The renderer filters each once"},
+    {"environment_index", kTensor, "(N,) integers: the environment of each world, as an index in `environments`"},
     {"camera_to_world", kTensor, "(N, C, 4, 4) or (N, C, 3, 4): in place of the cameras' own poses"},
     {"previous_camera_to_world", kTensor, "the same in the previous frame"},
     {"next_camera_to_world", kTensor, "the same in the next frame"},
@@ -200,7 +154,7 @@ constexpr WorldArgument kArguments[] = {
 }  // namespace
 
 std::unique_ptr<GivenWorlds> worldsOf(nb::handle count, nb::handle cameras, nb::dict& keywords,
-                                      const SceneValues& scene, const std::function<uintptr_t()>& stream) {
+                                      const std::function<uintptr_t()>& stream) {
   auto given = std::make_unique<GivenWorlds>();
   Worlds& worlds = given->worlds;
   const int64_t n = integerOf(count, "count", 1, INT32_MAX);
@@ -229,13 +183,28 @@ std::unique_ptr<GivenWorlds> worldsOf(nb::handle count, nb::handle cameras, nb::
                                  {"metallic", &worlds.arrays.metallic, {n, i}},
                                  {"roughness", &worlds.arrays.roughness, {n, i}},
                                  {"emissive", &worlds.arrays.emissive, {n, i, 3}}};
+  worlds.palette = handlesOf<Material>(take("materials"), "materials", "a MaterialHandle");
+  worlds.lights = handlesOf<Light>(take("lights"), "lights", "a LightHandle");
+  const auto l = static_cast<int64_t>(worlds.lights.size());
+  const Numbers ofLights[] = {{"light_position", &worlds.arrays.lightPosition, {n, l, 3}},
+                              {"light_direction", &worlds.arrays.lightDirection, {n, l, 3}},
+                              {"light_color", &worlds.arrays.lightColor, {n, l, 3}},
+                              {"light_intensity", &worlds.arrays.lightIntensity, {n, l}}};
   const Numbers ofEnvironment[] = {{"environment_rotation", &worlds.arrays.environmentRotation, {n}},
                                    {"environment_intensity", &worlds.arrays.environmentIntensity, {n}}};
   std::vector<nb::object> values;
   for (const auto& [name, array] : ofInstances) values.push_back(take(name));
   for (const auto& [name, array] : ofCameras) values.push_back(take(name));
   for (const Numbers& numbers : ofMaterials) values.push_back(take(numbers.name));
+  for (const Numbers& numbers : ofLights) values.push_back(take(numbers.name));
   for (const Numbers& numbers : ofEnvironment) values.push_back(take(numbers.name));
+  const nb::object choice = values.emplace_back(take("material_choice"));
+  if (choice.is_none() != worlds.palette.empty()) badValue("materials and material_choice require each other");
+  if (const nb::object names = take("environments"); !names.is_none())
+    worlds.environments = pathsOf(names, "environments");
+  const nb::object environment = values.emplace_back(take("environment_index"));
+  if (environment.is_none() != worlds.environments.empty())
+    badValue("environments and environment_index require each other");
   const bool tensors = std::ranges::any_of(values, [](const nb::object& value) { return isTensor(value); });
   ArrayReader reader(*given, tensors ? stream() : 0);
   size_t next = 0;
@@ -257,10 +226,15 @@ std::unique_ptr<GivenWorlds> worldsOf(nb::handle count, nb::handle cameras, nb::
     if (!values[next].is_none() && i == 0) badValue("factors of materials require the list of instances: instances");
     reader.numbers(values[next++], numbers.name, numbers.shape, *numbers.array);
   }
+  for (const Numbers& numbers : ofLights) {
+    if (!values[next].is_none() && l == 0)
+      badValue("{} requires the list of lights that it describes: lights", numbers.name);
+    reader.numbers(values[next++], numbers.name, numbers.shape, *numbers.array);
+  }
   for (const Numbers& numbers : ofEnvironment)
     reader.numbers(values[next++], numbers.name, numbers.shape, *numbers.array);
-  setMaterials(worlds, keywords);
-  setLights(worlds, keywords, scene);
+  reader.indices(environment, "environment_index", {n}, worlds.arrays.environmentIndex);
+  reader.indices(choice, "material_choice", {n, i}, worlds.arrays.materialChoice);
   return given;
 }
 

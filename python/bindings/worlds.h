@@ -13,13 +13,6 @@
 
 namespace latelight::python {
 
-// Return the values of the scene's elements.
-struct SceneValues {
-  std::function<Instance(Handle<Instance>)> instance;
-  std::function<Material(Handle<Material>)> material;
-  std::function<Light(Handle<Light>)> light;
-};
-
 // The arguments of a call. Arrays refer to memory of `kept` and `tensors`.
 struct GivenWorlds {
   struct Input {
@@ -35,7 +28,7 @@ struct GivenWorlds {
 // Removes the arguments that describe worlds from `keywords`. `stream`: returns the stream that will read arrays in
 // CUDA's memory; called only if there are such arrays.
 std::unique_ptr<GivenWorlds> worldsOf(nanobind::handle count, nanobind::handle cameras, nanobind::dict& keywords,
-                                      const SceneValues& scene, const std::function<uintptr_t()>& stream);
+                                      const std::function<uintptr_t()>& stream);
 std::string worldParameters();  // of a signature: ", instances: ... = None" and so on
 std::string worldDocs();
 

@@ -179,6 +179,8 @@ glm::dmat3 axesOf(const Light& light, const dvec3& direction) {
           -direction * double{light.scale[2]}};
 }
 
+}  // namespace
+
 Light publicLight(const scene::Light& from, const scene::Scene& scene) {
   const dmat4 toFile = fileFromWorld(scene);
   const bool directional = shared::lightIsDirectional(from.type);
@@ -201,6 +203,8 @@ Light publicLight(const scene::Light& from, const scene::Scene& scene) {
   if (shared::lightIsArea(from.type)) describeAxes(glm::dmat3(toFile) * glm::dmat3(from.axes), out);
   return out;
 }
+
+namespace {
 
 vec3 unitDirection(const Light& light) {
   const glm::dvec3 direction(three(light.direction));

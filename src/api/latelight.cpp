@@ -467,6 +467,17 @@ std::vector<Frame> Renderer::render(const Worlds& worlds, const Options& options
   return submit(worlds, options).take();
 }
 
+std::vector<const scene::Environment*> Renderer::Impl::environmentsOf(const std::vector<std::string>& names) {
+  std::vector<const scene::Environment*> found;
+  for (const std::string& name : names) {
+    if (name.empty() || name == "none") badUsage("Worlds::environments must be .hdr or .exr files, or studio");
+    auto known = environments.find(name);
+    if (known == environments.end()) known = environments.emplace(name, *render::loadEnvironment(scene, name)).first;
+    found.push_back(&known->second);
+  }
+  return found;
+}
+
 Ticket Renderer::submit(const Worlds& worlds, const Options& options, Results results,
                         const std::map<std::string, DeviceArray>& targets) {
   usable(impl_);
@@ -477,6 +488,7 @@ Ticket Renderer::submit(const Worlds& worlds, const Options& options, Results re
   render::SceneState moment = internalState(options, settings, impl_->scene, 0);
   if (worlds.arrays.ready > 0 && impl_->inputTimeline)
     impl_->device->waitFirst(impl_->inputTimeline->get(), worlds.arrays.ready);
+  moment.worlds.environments = impl_->environmentsOf(worlds.environments);
   const WorldCameras internal = impl_->source.convert(worlds, settings, moment, impl_->renderer, *impl_->device);
   Ticket ticket;
   ticket.impl_ = ownedByProcess(

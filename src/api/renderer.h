@@ -3,6 +3,7 @@
 
 #include <latelight/latelight.h>
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,6 +25,7 @@ struct Renderer::Impl {
   render::Renderer renderer;
   std::shared_ptr<render::ExportPool> inputs = std::make_shared<render::ExportPool>();  // arrays that others write
   std::optional<vk::SharedTimeline> inputTimeline{};
+  std::map<std::string, scene::Environment> environments{};  // of worlds, by name; elements outlive `renderer`'s calls
 
   Impl(const Scene::Impl& source, const std::string& selector, const std::optional<scene::Environment>& environment)
       : source(source),
@@ -37,6 +39,8 @@ struct Renderer::Impl {
     render::Settings settings;
     render::SceneState moment;
   };
+  // Returns the environments of these names.
+  std::vector<const scene::Environment*> environmentsOf(const std::vector<std::string>& names);
   // Fails in any process other than the one that created the renderer.
   LabelInput labelInput(const Camera& camera, const Options& options) const;
 };

@@ -76,6 +76,7 @@ struct Scene::Impl {
 // Convert values of the public API to the renderer's. They throw Error(Usage) for invalid values.
 glm::dmat4 internalTransform(const Transform& rows, const scene::Scene& scene);
 scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene);
+Light publicLight(const scene::Light& from, const scene::Scene& scene);
 // `like`: the light before the edit. The light keeps its node if it is not moved. Position and direction are compared
 // in the file's frame, so that values that were read and set again do not change.
 scene::Light internalLight(const Light& from, const scene::Scene& scene, const scene::Light& like = {});

@@ -26,7 +26,7 @@ bool isFinite(const Transform& transform) {
 }
 
 bool isFinite(const Light& light) {
-  const auto finite = [](double value) { return std::isfinite(value); };
+  const auto finite = [](double value) { return std::isfinite(static_cast<float>(value)); };
   return std::ranges::all_of(light.position, finite) && std::ranges::all_of(light.direction, finite) &&
          std::ranges::all_of(light.color, finite) && finite(light.intensity);
 }
@@ -46,17 +46,27 @@ void checkCount(size_t has, size_t worlds, size_t each, const char* list, std::s
 
 // --- arrays ----------------------------------------------------------------------------------------------------------
 
-void checkArray(const WorldArray& array, bool hasList, bool isMask, const char* name) {
+enum class Kind { Numbers, Mask, Integers };
+
+Kind kindOf(WorldArray::Element element) {
+  using enum WorldArray::Element;
+  return element == Uint8 ? Kind::Mask : element == Int32 || element == Int64 ? Kind::Integers : Kind::Numbers;
+}
+
+void checkArray(const WorldArray& array, bool hasList, Kind kind, const char* name) {
   if (!array) return;
   if (hasList) badUsage("Worlds::{} and Worlds::arrays.{} describe the same: omit one of them", name, name);
-  if ((array.element == WorldArray::Element::Uint8) != isMask)
-    badUsage("Worlds::arrays.{} must have elements of the type {}", name, isMask ? "Uint8" : "Float32 or Float64");
+  constexpr const char* kElements[] = {"Float32 or Float64", "Uint8", "Int32 or Int64"};
+  if (kindOf(array.element) != kind)
+    badUsage("Worlds::arrays.{} must have elements of the type {}", name, kElements[static_cast<size_t>(kind)]);
   if (array.host && array.device) badUsage("Worlds::arrays.{} must be in one memory only", name);
   if (array.offset % 16 != 0) badUsage("Worlds::arrays.{} must begin at a multiple of 16 bytes", name);
 }
 
 uint64_t elementBytes(const WorldArray& array) {
-  return array.element == WorldArray::Element::Float64 ? 8 : array.element == WorldArray::Element::Float32 ? 4 : 1;
+  using enum WorldArray::Element;
+  if (array.element == Uint8) return 1;
+  return array.element == Float64 || array.element == Int64 ? 8 : 4;
 }
 
 void copyInParallel(std::byte* to, const std::byte* from, size_t bytes) {
@@ -83,9 +93,19 @@ std::vector<double> numbersOf(vk::Device& device, const WorldArray& array, size_
   const void* numbers = array.host;
   if (array.device) numbers = (copied = readBack(device, array, count * elementBytes(array))).data();
   const auto all = [&]<typename T>(const T* from) { return std::vector<double>(from, from + count); };
-  if (array.element == WorldArray::Element::Float64) return all(static_cast<const double*>(numbers));
-  if (array.element == WorldArray::Element::Float32) return all(static_cast<const float*>(numbers));
+  using enum WorldArray::Element;
+  if (array.element == Float64) return all(static_cast<const double*>(numbers));
+  if (array.element == Float32) return all(static_cast<const float*>(numbers));
+  if (array.element == Int32) return all(static_cast<const int32_t*>(numbers));
+  if (array.element == Int64) return all(static_cast<const int64_t*>(numbers));
   return all(static_cast<const uint8_t*>(numbers));
+}
+
+uint32_t elementOf(const WorldArray& array) {
+  using enum WorldArray::Element;
+  if (array.element == Int32) return shared::kNumberInt;
+  if (array.element == Int64) return shared::kNumberLong;
+  return array.element == Float64 ? shared::kNumberDouble : shared::kNumberFloat;
 }
 
 std::vector<Transform> matricesOf(vk::Device& device, const WorldArray& array, size_t count) {
@@ -107,6 +127,10 @@ std::vector<std::array<double, 4>> intrinsicsOf(vk::Device& device, const WorldA
     intrinsics.push_back({k[0], k[4], k[2], k[5]});
   }
   return intrinsics;
+}
+
+bool hasLights(const WorldArrays& a) {
+  return a.lightPosition || a.lightDirection || a.lightColor || a.lightIntensity;
 }
 
 // The memory of a call's arrays. The host's arrays are copied to one buffer, in two steps: their sizes are added first.
@@ -150,6 +174,9 @@ struct Scene::Impl::WorldConverter {
 
   void check() const;
   void checkArrays() const;
+  bool placesLights() const;
+  Worlds withLightValues(vk::Device& device) const;
+  Worlds withMaterials(vk::Device& device) const;
   bool hasIntrinsics() const { return from.arrays.intrinsics || !from.intrinsics.empty(); }
   void listInstances();
   void findInvalid(bool onDevice);
@@ -179,6 +206,13 @@ void Scene::Impl::WorldConverter::check() const {
   checkCount(from.lightValues.size(), from.count, from.lights.size(), "lightValues", "light");
   checkCount(from.environmentRotation.size(), from.count, 1, "environmentRotation", "");
   checkCount(from.environmentIntensity.size(), from.count, 1, "environmentIntensity", "");
+  checkCount(from.environmentIndex.size(), from.count, 1, "environmentIndex", "");
+  if ((from.environmentIndex.empty() && !from.arrays.environmentIndex) != from.environments.empty())
+    badUsage("Worlds::environments and Worlds::environmentIndex require each other");
+  for (const uint32_t index : from.environmentIndex)
+    if (index >= from.environments.size())
+      badUsage("the environments of worlds must be indices in the list of environments, from 0 to {}, and one is {}",
+               from.environments.size() - 1, index);
   checkCount(from.cameraToWorld.size(), from.count, cameras, "cameraToWorld", "camera");
   checkCount(from.previousCameraToWorld.size(), from.count, cameras, "previousCameraToWorld", "camera");
   checkCount(from.nextCameraToWorld.size(), from.count, cameras, "nextCameraToWorld", "camera");
@@ -196,24 +230,79 @@ void Scene::Impl::WorldConverter::check() const {
 
 void Scene::Impl::WorldConverter::checkArrays() const {
   const WorldArrays& a = from.arrays;
-  checkArray(a.transforms, !from.transforms.empty(), false, "transforms");
-  checkArray(a.previousTransforms, !from.previousTransforms.empty(), false, "previousTransforms");
-  checkArray(a.nextTransforms, !from.nextTransforms.empty(), false, "nextTransforms");
-  checkArray(a.exists, !from.exists.empty(), true, "exists");
-  checkArray(a.cameraToWorld, !from.cameraToWorld.empty(), false, "cameraToWorld");
-  checkArray(a.previousCameraToWorld, !from.previousCameraToWorld.empty(), false, "previousCameraToWorld");
-  checkArray(a.nextCameraToWorld, !from.nextCameraToWorld.empty(), false, "nextCameraToWorld");
-  checkArray(a.intrinsics, !from.intrinsics.empty(), false, "intrinsics");
-  checkArray(a.baseColor, !from.factors.empty(), false, "baseColor");
-  checkArray(a.metallic, !from.factors.empty(), false, "metallic");
-  checkArray(a.roughness, !from.factors.empty(), false, "roughness");
-  checkArray(a.emissive, !from.factors.empty(), false, "emissive");
-  checkArray(a.environmentRotation, !from.environmentRotation.empty(), false, "environmentRotation");
-  checkArray(a.environmentIntensity, !from.environmentIntensity.empty(), false, "environmentIntensity");
+  checkArray(a.transforms, !from.transforms.empty(), Kind::Numbers, "transforms");
+  checkArray(a.previousTransforms, !from.previousTransforms.empty(), Kind::Numbers, "previousTransforms");
+  checkArray(a.nextTransforms, !from.nextTransforms.empty(), Kind::Numbers, "nextTransforms");
+  checkArray(a.exists, !from.exists.empty(), Kind::Mask, "exists");
+  checkArray(a.cameraToWorld, !from.cameraToWorld.empty(), Kind::Numbers, "cameraToWorld");
+  checkArray(a.previousCameraToWorld, !from.previousCameraToWorld.empty(), Kind::Numbers, "previousCameraToWorld");
+  checkArray(a.nextCameraToWorld, !from.nextCameraToWorld.empty(), Kind::Numbers, "nextCameraToWorld");
+  checkArray(a.intrinsics, !from.intrinsics.empty(), Kind::Numbers, "intrinsics");
+  checkArray(a.baseColor, !from.factors.empty(), Kind::Numbers, "baseColor");
+  checkArray(a.metallic, !from.factors.empty(), Kind::Numbers, "metallic");
+  checkArray(a.roughness, !from.factors.empty(), Kind::Numbers, "roughness");
+  checkArray(a.emissive, !from.factors.empty(), Kind::Numbers, "emissive");
+  checkArray(a.environmentRotation, !from.environmentRotation.empty(), Kind::Numbers, "environmentRotation");
+  checkArray(a.environmentIndex, !from.environmentIndex.empty(), Kind::Integers, "environmentIndex");
+  checkArray(a.environmentIntensity, !from.environmentIntensity.empty(), Kind::Numbers, "environmentIntensity");
+  checkArray(a.materialChoice, !from.materials.empty(), Kind::Integers, "materialChoice");
+  checkArray(a.lightPosition, !from.lightValues.empty(), Kind::Numbers, "lightPosition");
+  checkArray(a.lightDirection, !from.lightValues.empty(), Kind::Numbers, "lightDirection");
+  checkArray(a.lightColor, !from.lightValues.empty(), Kind::Numbers, "lightColor");
+  checkArray(a.lightIntensity, !from.lightValues.empty(), Kind::Numbers, "lightIntensity");
+  if (hasLights(a) && from.lights.empty()) badUsage("arrays of lights require Worlds::lights, which they describe");
+  if (bool(a.materialChoice) == from.palette.empty())
+    badUsage("Worlds::palette and Worlds::arrays.materialChoice require each other");
   for (const WorldArray* array : {&a.transforms, &a.previousTransforms, &a.nextTransforms, &a.cameraToWorld,
                                   &a.previousCameraToWorld, &a.nextCameraToWorld})
     if (*array && array->rows != 3 && array->rows != 4)
       badUsage("matrices of Worlds::arrays must have 3 or 4 rows, not {}", array->rows);
+}
+
+// Returns true if shaders may convert the arrays of lights. The host turns the shapes of area lights.
+bool Scene::Impl::WorldConverter::placesLights() const {
+  const auto isArea = [&](const Handle<Light>& light) {
+    return shared::lightIsArea(scene.scene.lights[scene.index(light)].type);
+  };
+  if (from.arrays.lightDirection && std::ranges::any_of(from.lights, isArea)) return false;
+  return scene.scene.lights.size() + settings.sun.has_value() <= shared::kMaxPlacedLights;
+}
+
+// Returns the same worlds with a list in place of the arrays of lights.
+Worlds Scene::Impl::WorldConverter::withLightValues(vk::Device& device) const {
+  Worlds lists = from;
+  WorldArrays& a = lists.arrays;
+  std::vector<Light> each;
+  for (const Handle<Light>& light : from.lights)
+    each.push_back(publicLight(scene.scene.lights[scene.index(light)], scene.scene));
+  for (uint32_t world = 0; world < from.count; ++world)
+    lists.lightValues.insert(lists.lightValues.end(), each.begin(), each.end());
+  const auto set = [&](WorldArray& array, size_t channels, const auto& member) {
+    if (!array) return;
+    const std::vector<double> numbers = numbersOf(device, array, channels * lists.lightValues.size());
+    for (size_t i = 0; i < numbers.size(); ++i) member(lists.lightValues[i / channels], i % channels, numbers[i]);
+    array = {};
+  };
+  set(a.lightPosition, 3, [](Light& light, size_t axis, double value) { light.position[axis] = value; });
+  set(a.lightDirection, 3,
+      [](Light& light, size_t axis, double value) { light.direction[axis] = static_cast<float>(value); });
+  set(a.lightColor, 3, [](Light& light, size_t axis, double value) { light.color[axis] = static_cast<float>(value); });
+  set(a.lightIntensity, 1, [](Light& light, size_t, double value) { light.intensity = static_cast<float>(value); });
+  return lists;
+}
+
+// Returns the same worlds with a list in place of the array of material choices.
+Worlds Scene::Impl::WorldConverter::withMaterials(vk::Device& device) const {
+  Worlds lists = from;
+  for (const double index : numbersOf(device, from.arrays.materialChoice, from.count * to.instances.size())) {
+    if (!(index >= 0 && index < static_cast<double>(from.palette.size())))
+      badUsage("material choices must be indices in the list of materials, from 0 to {}, and one is {}",
+               from.palette.size() - 1, index);
+    lists.materials.push_back(from.palette[static_cast<size_t>(index)]);
+  }
+  lists.arrays.materialChoice = {};
+  lists.palette.clear();
+  return lists;
 }
 
 void Scene::Impl::WorldConverter::listInstances() {
@@ -303,6 +392,7 @@ void Scene::Impl::WorldConverter::convertLights() const {
     to.lightValues.push_back(internalLight(from.lightValues[i], scene.scene, like));
     scene::checkLight(scene.scene, to.lightValues.back());
   }
+  to.environmentIndex = from.environmentIndex;
   for (size_t world = 0; world < from.environmentRotation.size(); ++world)
     to.environmentRotation.push_back(render::radians(invalid[world] ? 0 : from.environmentRotation[world]));
   for (size_t world = 0; world < from.environmentIntensity.size(); ++world) {
@@ -398,7 +488,7 @@ void Scene::Impl::WorldConverter::give(render::Renderer& renderer, std::vector<s
   const auto matrices = [&](const WorldArray& array, const std::vector<Transform>& list, size_t count,
                             render::WorldArray& given) {
     given.rows = array ? array.rows : 4;
-    given.doubles = !array || array.element == WorldArray::Element::Float64;
+    given.element = array ? elementOf(array) : shared::kNumberDouble;
     if (!list.empty()) writer.add(list.data(), list.size() * sizeof(Transform), given.address);
     giveArray(array, count * given.rows * 4 * elementBytes(array), given.address);
   };
@@ -409,20 +499,32 @@ void Scene::Impl::WorldConverter::give(render::Renderer& renderer, std::vector<s
   matrices(arrays.previousCameraToWorld, from.previousCameraToWorld, views, inputs.previousCameraToWorld);
   matrices(arrays.nextCameraToWorld, from.nextCameraToWorld, views, inputs.nextCameraToWorld);
   const auto numbers = [&](const WorldArray& array, size_t count, render::WorldArray& given) {
-    given.doubles = array.element == WorldArray::Element::Float64;
+    given.element = elementOf(array);
     giveArray(array, count * elementBytes(array), given.address);
   };
   numbers(arrays.baseColor, 4 * instances, inputs.baseColor);
   numbers(arrays.metallic, instances, inputs.metallic);
   numbers(arrays.roughness, instances, inputs.roughness);
   numbers(arrays.emissive, 3 * instances, inputs.emissive);
+  numbers(arrays.materialChoice, instances, inputs.materialChoice);
+  for (const Handle<Material>& material : from.palette) inputs.palette.push_back(scene.index(material));
+  const size_t lights = from.count * from.lights.size();
+  numbers(arrays.lightPosition, 3 * lights, inputs.lightPosition);
+  numbers(arrays.lightDirection, 3 * lights, inputs.lightDirection);
+  numbers(arrays.lightColor, 3 * lights, inputs.lightColor);
+  numbers(arrays.lightIntensity, lights, inputs.lightIntensity);
+  for (const uint32_t light : to.lights) {
+    const scene::Light& like = scene.scene.lights[light];
+    inputs.lights.push_back(internalLight(publicLight(like, scene.scene), scene.scene, like));
+  }
   numbers(arrays.environmentRotation, from.count, inputs.environmentRotation);
   numbers(arrays.environmentIntensity, from.count, inputs.environmentIntensity);
+  numbers(arrays.environmentIndex, from.count, inputs.environmentIndex);
   if (!from.exists.empty()) writer.add(from.exists.data(), from.exists.size(), inputs.exists);
   giveArray(arrays.exists, instances, inputs.exists);
   std::vector<double> k;
   for (const auto& [fx, fy, cx, cy] : from.intrinsics) k.insert(k.end(), {fx, 0, cx, 0, fy, cy, 0, 0, 1});
-  inputs.intrinsics.doubles = !k.empty() || arrays.intrinsics.element == WorldArray::Element::Float64;
+  inputs.intrinsics.element = k.empty() ? elementOf(arrays.intrinsics) : shared::kNumberDouble;
   if (!k.empty()) writer.add(k.data(), k.size() * sizeof(double), inputs.intrinsics.address);
   giveArray(arrays.intrinsics, views * 9 * elementBytes(arrays.intrinsics), inputs.intrinsics.address);
   for (const std::optional<Handle<Instance>>& ride : from.cameraInstances)
@@ -471,6 +573,13 @@ Worlds withoutArrays(const Worlds& worlds, vk::Device& device, size_t instances,
   if (a.environmentIntensity)
     for (const double value : numbersOf(device, a.environmentIntensity, worlds.count))
       lists.environmentIntensity.push_back(static_cast<float>(value));
+  if (a.environmentIndex)
+    for (const double index : numbersOf(device, a.environmentIndex, worlds.count)) {
+      if (!(index >= 0 && index < static_cast<double>(worlds.environments.size())))
+        badUsage("the environments of worlds must be indices in the list of environments, from 0 to {}, and one is {}",
+                 worlds.environments.size() - 1, index);
+      lists.environmentIndex.push_back(static_cast<uint32_t>(index));
+    }
   lists.arrays = {};
   return lists;
 }
@@ -480,7 +589,8 @@ bool hasFactors(const WorldArrays& a) {
 }
 
 bool hasArrays(const WorldArrays& a) {
-  if (hasFactors(a) || a.environmentRotation || a.environmentIntensity) return true;
+  if (hasFactors(a) || hasLights(a) || a.materialChoice) return true;
+  if (a.environmentRotation || a.environmentIntensity || a.environmentIndex) return true;
   for (const WorldArray* array : {&a.transforms, &a.previousTransforms, &a.nextTransforms, &a.exists, &a.cameraToWorld,
                                   &a.previousCameraToWorld, &a.nextCameraToWorld, &a.intrinsics})
     if (*array) return true;
@@ -512,6 +622,15 @@ std::vector<uint32_t> worldsOfStatus(std::span<const uint32_t> status) {
       badUsage(
           "factors of materials must be at least 0, and metallic and roughness at most 1, and one of world {} is not",
           world);
+    if (bits & shared::kWorldWrongEnvironmentIndex)
+      badUsage("the environments of worlds must be indices in the list of environments, and that of world {} is not",
+               world);
+    if (bits & shared::kWorldWrongChoice)
+      badUsage("material choices must be indices in the list of materials, and one of world {} is not", world);
+    if (bits & shared::kWorldWrongLight)
+      badUsage("colors and intensities of lights must be at least 0, and one of world {} is not", world);
+    if (bits & shared::kWorldWrongDirection)
+      badUsage("the direction of a light must have a length above 0, and one of world {} has not", world);
     if (bits & shared::kWorldWrongEnvironment)
       badUsage("the intensity of the environment must be at least 0, and that of world {} is not", world);
     if (bits & shared::kWorldNotFinite) invalid.push_back(world);
@@ -532,7 +651,17 @@ WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& 
   converter.check();
   render::WorldStates& to = state.worlds;
   std::vector<scene::Camera> each = converter.camerasOfWorld();
-  if (renderer.placesWorlds(settings, each)) {
+  const bool onDevice =
+      renderer.placesWorlds(settings, each, state.poses, !worlds.lightValues.empty() || hasLights(worlds.arrays));
+  const auto convertLists = [&](const Worlds& lists) {
+    to = {.environments = std::move(to.environments)};
+    return convert(lists, settings, state, renderer, device);
+  };
+  if (hasLights(worlds.arrays) && !(onDevice && converter.placesLights()))
+    return convertLists(converter.withLightValues(device));
+  if (worlds.arrays.materialChoice && !(onDevice && worlds.factors.empty()))
+    return convertLists(converter.withMaterials(device));
+  if (onDevice) {
     converter.findInvalid(true);
     converter.convertMaterials();
     converter.convertLights();
@@ -540,13 +669,10 @@ WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& 
     converter.give(renderer, std::move(each));
     return {.cameras = to.inputs->cameras, .invalid = {}, .onDevice = true};
   }
-  if (hasArrays(worlds.arrays)) {
-    const Worlds lists =
+  if (hasArrays(worlds.arrays))
+    return convertLists(
         withoutArrays(worlds, device, to.instances.size(),
-                      hasFactors(worlds.arrays) ? converter.ownFactors() : std::vector<MaterialFactors>{});
-    to = {};
-    return convert(lists, settings, state, renderer, device);
-  }
+                      hasFactors(worlds.arrays) ? converter.ownFactors() : std::vector<MaterialFactors>{}));
   converter.findInvalid(false);
   to.transforms = converter.transformsOf(worlds.transforms);
   to.previous = converter.transformsOf(worlds.previousTransforms);

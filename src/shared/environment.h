@@ -7,6 +7,11 @@
 
 SH_BEGIN
 
+// FrameConstants::environmentMap: the layer of the environment's maps in the low bits, then the level of the specular
+// map that is the environment's level 0.
+SH_CONST uint kEnvironmentLayerMask = 65535u;
+SH_CONST uint kEnvironmentLevelShift = 16u;
+
 // Rotates a world direction to the environment's own frame, about Z. At 0 degrees the image's center column is at +X;
 // at 90 degrees it is at +Z of the glTF frame, which is -Y of the world.
 SH_FUNC vec3 rotateToEnvironment(vec3 d, float cosine, float sine) {

@@ -332,7 +332,8 @@ struct FrameConstants {
   uint64_t ltcTable;    // LtcFit[kLtcSize][kLtcSize] (shared/area_light.h), if there are area lights
   uint areaLightCount;
   uvec2 areaShadows;  // bit i of both words: rays find the shadows of area light i
-  uint padding;
+  // With worlds: the layer of the environment's maps, and the level of the specular map that is its level 0.
+  uint environmentMap;
 };
 SH_CONST uint kFrameBytes = 264u;
 // Indices of members in units of 8 bytes, for glsl/uniform_loads.glsl: `lights`, and `viewCount`, which begins the six

@@ -179,7 +179,7 @@ render::WorldStates turningWorldsOnDevice(vk::Device& device, const scene::Scene
     const auto buffer = std::make_shared<const vk::Buffer>(device, vk::BufferDesc{.size = bytes.size(), .name = name});
     uploader.upload(*buffer, bytes);
     inputs.memory.push_back(buffer);
-    return render::WorldArray{.address = buffer->address(), .doubles = true};
+    return render::WorldArray{.address = buffer->address(), .element = shared::kNumberDouble};
   };
   inputs.transforms = give(transforms, "transforms");
   inputs.cameraToWorld = give(poses, "poses");
@@ -216,7 +216,7 @@ Table benchWorlds(vk::Device& device, render::Renderer& renderer, const scene::S
   for (const Raster raster : rastersOf(settings)) {
     render::Settings s = settings;
     s.raster = raster;
-    if (renderer.placesWorlds(s, cameras)) {
+    if (renderer.placesWorlds(s, cameras, poses, false)) {
       const std::array states{turningWorldsOnDevice(device, scene, cameras, 0),
                               turningWorldsOnDevice(device, scene, cameras, 1)};
       addViews(table, renderer, std::span(cameras).first(1), count, s, options,

@@ -141,13 +141,14 @@ void Uploader::upload(const Buffer& to, std::span<const std::byte> data, VkDevic
 // Rows of a linear image are rowPitch apart.
 void Uploader::writeInPlace(const Image& to, std::span<const std::byte> data) {
   const ImageDesc& desc = to.desc();
-  for (uint32_t level = 0; level < desc.levels; ++level) {
+  for (uint32_t part = 0; part < desc.layers * desc.levels; ++part) {
+    const uint32_t layer = part / desc.levels, level = part % desc.levels;
     const size_t rowBytes = std::max(desc.width >> level, 1u) * texelBytes(desc.format);
     const size_t rows = std::max(desc.height >> level, 1u);
     assert(rows * rowBytes <= data.size());
-    const VkImageSubresource part{VK_IMAGE_ASPECT_COLOR_BIT, desc.firstLevel() + level, 0};
+    const VkImageSubresource subresource{VK_IMAGE_ASPECT_COLOR_BIT, desc.firstLevel() + level, layer};
     VkSubresourceLayout layout;
-    vkGetImageSubresourceLayout(device_.get(), to.get(), &part, &layout);
+    vkGetImageSubresourceLayout(device_.get(), to.get(), &subresource, &layout);
     std::byte* target = to.mapped() + layout.offset;
     const auto copyRows = [&](size_t begin, size_t end) {
       for (size_t row = begin; row < end; ++row)
@@ -167,7 +168,8 @@ void Uploader::upload(const Image& to, std::span<const std::byte> data) {
   const ImageDesc& desc = to.desc();
   const size_t texel = texelBytes(desc.format);
   bool first = true;
-  for (uint32_t level = 0; level < desc.levels; ++level) {
+  for (uint32_t part = 0; part < desc.layers * desc.levels; ++part) {
+    const uint32_t layer = part / desc.levels, level = part % desc.levels;
     const uint32_t width = std::max(desc.width >> level, 1u), height = std::max(desc.height >> level, 1u);
     const size_t rowBytes = width * texel;
     const uint32_t most = static_cast<uint32_t>(std::max<size_t>(kStagingBytes / rowBytes, 1));
@@ -180,12 +182,12 @@ void Uploader::upload(const Image& to, std::span<const std::byte> data) {
       copy.image = to.get();
       copy.region.bufferOffset = copy.from.offset;
       copy.region.imageSubresource = {isDepth(desc.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT,
-                                      desc.firstLevel() + level, 0, 1};
+                                      desc.firstLevel() + level, layer, 1};
       copy.region.imageOffset = {0, static_cast<int32_t>(row), 0};
       copy.region.imageExtent = {width, rows, 1};
       if (std::exchange(first, false))
         copy.before = {transition(to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL)};
-      if (level + 1 == desc.levels && row + rows == height)
+      if (part + 1 == desc.layers * desc.levels && row + rows == height)
         copy.after = {transition(to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL)};
       add(std::move(copy));
       data = data.subspan(rows * rowBytes);

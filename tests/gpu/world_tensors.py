@@ -4,7 +4,7 @@ Checks that each library's arrays give the images of the same arrays on the host
 that the caller's stream comes before the call, and that results are the renderer's memory. Then measures steady calls.
 Requires an NVIDIA GPU. Not part of the test suite, which has none.
 
-usage: world_tensors.py [SCENE]
+usage: world_tensors.py [SCENE [ENVIRONMENT ...]]
 """
 
 import ctypes
@@ -72,17 +72,28 @@ def states(scene, count, seed=0):
     return instances, (turn @ transforms).astype(np.float32), poses.astype(np.float32), exists, camera
 
 
-def check(scene, renderer):
+def check(name, environments):
+    scene = latelight.Scene(name)
     instances, transforms, poses, exists, camera = states(scene, 300)
-    given = {"instances": instances, "formats": FORMATS, "on_device": True}
+    scene.add_material(latelight.Material(base_color=(0.2, 0.6, 0.3, 1)))
+    lights = [scene.add_light(latelight.Light(type=kind, size=0.2)) for kind in ("point", "spot", "directional",
+                                                                                "sphere")]
+    renderer = latelight.Renderer(scene, device="cuda:0", environment="studio")
+    given = {"instances": instances, "materials": scene.materials(), "lights": lights, "environments": environments,
+             "formats": FORMATS, "on_device": True, "shadows": "none"}
     rng = np.random.default_rng(1)
     values = {
         "base_color": rng.uniform(0.2, 1, (300, len(instances), 4)),
         "roughness": rng.uniform(0.1, 1, (300, len(instances))),
+        "light_position": rng.uniform(-3, 3, (300, 4, 3)),
+        "light_color": rng.uniform(0, 1, (300, 4, 3)),
+        "light_intensity": rng.uniform(0, 5, (300, 4)),
         "environment_rotation": rng.uniform(0, 360, 300),
         "environment_intensity": rng.uniform(0.2, 2, 300),
     }
     values = {key: value.astype(np.float32) for key, value in values.items()}
+    values["material_choice"] = rng.integers(0, len(scene.materials()), (300, len(instances)), np.int32)
+    values["environment_index"] = rng.integers(0, len(environments), 300, np.int32)
     host = renderer.render_worlds(300, camera, SIZE, ("rgba", "depth", "id"), transforms=transforms, exists=exists,
                                   camera_to_world=poses, **values, **given)
     copied = renderer.copied_bytes
@@ -103,10 +114,43 @@ def check(scene, renderer):
     wrong = transforms.copy()
     wrong[7, 0, 0, 0] = np.nan
     name, to_gpu, to_host = next(makers())
-    frames = renderer.render_worlds(300, camera, SIZE, "id", transforms=to_gpu(wrong), **given | {"formats": None})
+    frames = renderer.render_worlds(300, camera, SIZE, "id", instances=instances, transforms=to_gpu(wrong),
+                                    on_device=True)
     assert frames.invalid_worlds == (7,) and not to_host(frames["id"])[7].any()
     print("a world with NaN is reported, and shows nothing")
     check_order(scene, renderer)
+    check_environments(renderer, camera, environments)
+
+
+def check_environments(renderer, camera, environments):
+    """Each world has the bytes of a renderer with its environment."""
+    index = np.arange(len(environments))
+    frames = renderer.render_worlds(len(index), camera, SIZE, "color", environments=environments,
+                                    environment_index=index, shadows="none", background="hdri")
+    for name, world in zip(environments, frames):
+        alone = latelight.Renderer(renderer.scene, device="cuda:0", environment=name)
+        expected = alone.render(camera, SIZE, "color", shadows="none", background="hdri")["color"]
+        different = np.mean(world[0]["color"] != expected)
+        print(f"environment {name}: {100 * different:.3f} % of the values differ")
+        assert different == 0
+
+
+def check_shadows(name):
+    """Shadow maps that the device fits have the bytes of those that the host fits, which it does for own lights."""
+    scene = latelight.Scene(name)
+    sun = scene.add_light(latelight.Light(type="directional", direction=(0.3, -1, -0.4), intensity=3))
+    renderer = latelight.Renderer(scene, device="cuda:0", environment="studio")
+    instances, transforms, poses, exists, camera = states(scene, 64, seed=5)
+    given = {"instances": instances, "transforms": transforms, "exists": exists, "camera_to_world": poses}
+    device = renderer.render_worlds(64, camera, SIZE, ("color", "depth"), **given)
+    host = renderer.render_worlds(64, camera, SIZE, ("color", "depth"), **given, lights=[sun],
+                                  light_intensity=np.full((64, 1), 3.0))
+    lit = renderer.render_worlds(64, camera, SIZE, ("color", "depth"), **given, shadows="none")
+    for output in ("color", "depth"):
+        different = np.mean(device[output] != host[output])
+        print(f"shadows, {output}: {100 * different:.4f} % of the values differ from the host's maps")
+        assert different == 0
+    assert (device["color"] != lit["color"]).any()
 
 
 def check_order(scene, renderer):
@@ -156,12 +200,14 @@ def measure(scene, renderer, count, size, outputs, formats, runs=30, tensors=Tru
 
 
 if __name__ == "__main__":
-    scene = latelight.Scene(sys.argv[1] if len(sys.argv) > 1 else "builtin:boxes")
+    name = sys.argv[1] if len(sys.argv) > 1 else "builtin:boxes"
+    scene = latelight.Scene(name)
     renderer = latelight.Renderer(scene, device="cuda:0", environment="studio")
     print(renderer.device, ctypes.sizeof(ctypes.c_void_p) * 8, "bits")
     failed = False
     try:
-        check(scene, renderer)
+        check(name, ["studio", *sys.argv[2:]])
+        check_shadows(name)
     except Exception:  # measure nevertheless
         failed = True
         traceback.print_exc()

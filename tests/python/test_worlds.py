@@ -86,6 +86,13 @@ def test_materials(scene, worlds_renderer, camera):
     expected = worlds_renderer.render(camera, SIZE, OUTPUTS)
     np.testing.assert_array_equal(swapped[0][0]["rgba"], expected["rgba"])
     np.testing.assert_array_equal(swapped[1][0]["rgba"], expected["rgba"][..., [1, 0, 2, 3]])
+    for wrong in (2, -1):
+        with pytest.raises(latelight.UsageError, match="indices in the list of materials"):
+            worlds_renderer.render_worlds(2, camera, SIZE, instances=[red], materials=paints,
+                                          material_choice=[[0], [wrong]])
+    with pytest.raises(latelight.ArgumentTypeError, match="material_choice must be an array of"):
+        worlds_renderer.render_worlds(2, camera, SIZE, instances=[red], materials=paints,
+                                      material_choice=[[0.5], [0]])
     colors = np.array([[[0, 0, 0.5, 1]], [[1, 1, 0, 1]]])
     colored = worlds_renderer.render_worlds(2, camera, SIZE, OUTPUTS, instances=[red], base_color=colors)
     for world in range(2):
@@ -116,6 +123,57 @@ def test_lights_and_environment(camera):
         np.testing.assert_array_equal(frames[world][0]["color"], expected)
 
 
+def test_lights_without_shadows(camera):
+    scene = latelight.Scene()
+    square = scene.add_mesh(CORNERS, TRIANGLES)
+    scene.add_instance(square, scene.add_material(latelight.Material(metallic=0)))
+    lights = [scene.add_light(latelight.Light(type=kind)) for kind in ("point", "spot", "directional")]
+    renderer = latelight.Renderer(scene, environment="none")
+    rng = np.random.default_rng(4)
+    position = rng.uniform(-1, 1, (5, 3, 3)) + (0, 0, 2)
+    direction = rng.uniform(-1, 1, (5, 3, 3)).astype(np.float32) - np.float32([0, 0, 1.5])
+    color = rng.uniform(0, 1, (5, 3, 3)).astype(np.float32)
+    intensity = rng.uniform(0, 4, (5, 3)).astype(np.float32)
+    intensity[2, 1] = 0
+    given = {"light_position": position, "light_direction": direction, "light_color": color,
+             "light_intensity": intensity, "shadows": "none", "raster": "compute"}
+    frames = renderer.render_worlds(5, camera, SIZE, "color", lights=lights, **given)
+    for world in range(5):
+        for i, light in enumerate(lights):
+            value = scene.light(light)
+            value.position, value.direction = tuple(position[world, i]), tuple(direction[world, i])
+            value.color, value.intensity = tuple(color[world, i]), intensity[world, i]
+            scene.set_light(light, value)
+        expected = renderer.render(camera, SIZE, "color", shadows="none", raster="compute")["color"]
+        assert expected[..., :3].max() > 0
+        np.testing.assert_array_equal(frames[world][0]["color"], expected)
+    with pytest.raises(latelight.UsageError, match="colors and intensities of lights must be at least 0"):
+        renderer.render_worlds(5, camera, SIZE, lights=lights, **given | {"light_intensity": -intensity})
+    with pytest.raises(latelight.UsageError, match="direction of a light"):
+        renderer.render_worlds(5, camera, SIZE, lights=lights, **given | {"light_direction": 0 * direction})
+
+
+def test_environments(scene, camera, tmp_path):
+    names = ["studio", str(tmp_path / "red.hdr")]
+    with open(names[1], "wb") as file:
+        file.write(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n" + bytes([200, 20, 20, 129]) * 128)
+    renderer = latelight.Renderer(scene, environment="none")
+    frames = renderer.render_worlds(
+        3, camera, SIZE, "color", environments=names, environment_index=np.int32([1, 0, 1]), background="hdri"
+    )
+    for world, index in enumerate((1, 0, 1)):
+        alone = latelight.Renderer(scene, environment=names[index])
+        expected = alone.render(camera, SIZE, "color", background="hdri")["color"]
+        np.testing.assert_array_equal(frames[world][0]["color"], expected)
+    for wrong in (2, -1):
+        with pytest.raises(latelight.UsageError, match="indices in the list of environments"):
+            renderer.render_worlds(1, camera, SIZE, environments=names, environment_index=[wrong])
+    with pytest.raises(latelight.UsageError, match="require each other"):
+        renderer.render_worlds(1, camera, SIZE, environments=names)
+    with pytest.raises(latelight.InputError, match="nowhere.hdr"):
+        renderer.render_worlds(1, camera, SIZE, environments="nowhere.hdr", environment_index=[0])
+
+
 @pytest.mark.parametrize(
     ("arguments", "error", "sentence"),
     [
@@ -129,6 +187,7 @@ def test_lights_and_environment(camera):
         ({"instances": None, "exists": np.ones((2, 1), bool)}, latelight.UsageError, "requires the list of instances"),
         ({"material_choice": [[0], [0]]}, latelight.UsageError, "require each other"),
         ({"roughness": [[0.5], [2]]}, latelight.UsageError, "roughness"),
+        ({"material_choice": [[0.5], [0]], "materials": []}, latelight.UsageError, "require each other"),
         ({"metallic": np.zeros((2, 2))}, latelight.UsageError, "metallic must"),
         ({"base_color": -np.ones((2, 1, 4))}, latelight.UsageError, "at least 0"),
         ({"light_color": np.zeros((2, 1, 3))}, latelight.UsageError, "requires the list of lights"),

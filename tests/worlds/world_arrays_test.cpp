@@ -5,8 +5,11 @@
 
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <map>
+#include <memory>
 #include <random>
+#include <tuple>
 
 #include "models/models.h"
 #include "test_device.h"
@@ -214,6 +217,265 @@ TEST_P(ArraysOfWorlds, HaveMaterialsAndEnvironments) {
   }
 }
 
+// Lights of each world as arrays, of all types and more than one box of the light tree holds. Some of them emit nothing
+// in some worlds. `turned`: area lights have directions of their own, too, which the host converts.
+void compareLights(const char* raster, bool turned) {
+  constexpr uint32_t kSome = 12;
+  const std::string file = models::modelPath("punctual.glb").string();
+  Scene scene(file), edited(file);
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> share(0.05f, 1), side(-3, 3);
+  for (const char* type : {"point", "spot", "rect", "directional", "sphere", "tube"})
+    for (int i = 0; i < (type[0] == 'p' ? 40 : 3); ++i) {
+      Light light{.type = type, .position = {side(random), 2, side(random)}, .intensity = 2, .size = 0.25};
+      if (i % 2 && type[0] == 'p') light.range = 1 + 3 * share(random);
+      for (Scene* each : {&scene, &edited}) each->addLight(light);
+    }
+  const auto isArea = [&](Handle<Light> light) {
+    const std::string type = scene.light(light).type;
+    return type == "rect" || type == "sphere" || type == "tube";
+  };
+  Worlds worlds{.count = kSome, .cameras = {scene.defaultCamera(4.0f / 3)}};
+  std::vector<size_t> listed;  // indices in the scene's lights
+  for (size_t i = 0; i < scene.lights().size(); ++i)
+    if (turned || i % 5 != 4) listed.push_back(i);
+  for (const size_t i : listed) worlds.lights.push_back(scene.lights()[i]);
+  std::vector<double> position;
+  std::vector<float> direction, color, intensity;
+  for (size_t i = 0; i < kSome * listed.size(); ++i) {
+    const Light own = scene.light(worlds.lights[i % listed.size()]);
+    const bool keeps = random() % 3 == 0;  // its node, if it has one
+    for (size_t axis = 0; axis < 3; ++axis) position.push_back(keeps ? own.position[axis] : double{side(random)});
+    for (size_t axis = 0; axis < 3; ++axis) direction.push_back(keeps ? own.direction[axis] : side(random));
+    for (size_t axis = 0; axis < 3; ++axis) color.push_back(share(random));
+    intensity.push_back(random() % 4 ? 3 * share(random) : 0);
+  }
+  using enum WorldArray::Element;
+  worlds.arrays = {.lightPosition = {.element = Float64, .host = position.data()},
+                   .lightColor = {.element = Float32, .host = color.data()},
+                   .lightIntensity = {.element = Float32, .host = intensity.data()}};
+  const bool givesDirections = turned || std::ranges::none_of(worlds.lights, isArea);
+  if (givesDirections) worlds.arrays.lightDirection = {.element = Float32, .host = direction.data()};
+  Renderer renderer(scene, testDevice(), "studio"), alone(edited, testDevice(), "studio");
+  Options o = options(raster);
+  o.aovs = {"color", "lights-used"};
+  for (int call = 0; call < 3; ++call) {
+    const std::vector<Frame> frames = renderer.render(worlds, o);
+    ASSERT_EQ(frames.size(), kSome);
+    for (uint32_t world = 0; world < kSome && !testing::Test::HasFailure(); world += 1 + 4 * call) {
+      SCOPED_TRACE(testing::Message() << "world " << world << ", call " << call);
+      for (size_t i = 0; i < listed.size(); ++i) {
+        const size_t row = world * listed.size() + i;
+        Light light = scene.light(worlds.lights[i]);
+        for (size_t axis = 0; axis < 3; ++axis) {
+          light.position[axis] = position[3 * row + axis];
+          if (givesDirections) light.direction[axis] = direction[3 * row + axis];
+          light.color[axis] = color[3 * row + axis];
+        }
+        light.intensity = intensity[row];
+        edited.setLight(edited.lights()[listed[i]], light);
+      }
+      expectSameOutputs(frames[world], alone.render(worlds.cameras[0], o));
+    }
+  }
+  if (turned) return;
+  position[4] = std::nan("");
+  EXPECT_EQ(renderer.submit(worlds, o).invalidWorlds(), std::vector<uint32_t>{0});
+  position[4] = 0;
+  intensity.back() = -1;
+  EXPECT_THROW(renderer.render(worlds, o), Error);
+}
+
+TEST_P(ArraysOfWorlds, HaveLights) {
+  compareLights(GetParam(), false);
+}
+
+TEST_P(ArraysOfWorlds, HaveTurnedAreaLights) {
+  compareLights(GetParam(), true);
+}
+
+// The materials of each world as indices, alone and with factors.
+TEST_P(ArraysOfWorlds, ChooseMaterials) {
+  constexpr uint32_t kSome = 20;
+  for (const char* name : {"blended.glb", "textured.glb"}) {
+    SCOPED_TRACE(name);
+    const std::string file = models::modelPath(name).string();
+    Scene scene(file), edited(file);
+    for (Scene* each : {&scene, &edited})
+      each->addMaterial({.baseColor = {0.2f, 0.7f, 0.4f, 0.5f}, .alphaMode = AlphaMode::Blend});
+    Worlds worlds{.count = kSome, .instances = scene.instances(), .palette = scene.materials()};
+    worlds.cameras = {scene.defaultCamera(4.0f / 3)};
+    std::mt19937 random(3);
+    const size_t listed = worlds.instances.size();
+    std::vector<int64_t> longs;
+    for (size_t i = 0; i < kSome * listed; ++i) longs.push_back(static_cast<int64_t>(random() % worlds.palette.size()));
+    const std::vector<int32_t> ints(longs.begin(), longs.end());
+    using enum WorldArray::Element;
+    Renderer renderer(scene, testDevice(), "studio"), alone(edited, testDevice(), "studio");
+    const Options o = options(GetParam());
+    for (int call = 0; call < 3; ++call) {
+      worlds.arrays.materialChoice = {.element = Int64, .host = longs.data()};
+      if (call == 1) worlds.arrays.materialChoice = {.element = Int32, .host = ints.data()};
+      const std::vector<Frame> frames = renderer.render(worlds, o);
+      for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) {
+        SCOPED_TRACE(world);
+        for (size_t i = 0; i < listed; ++i)
+          edited.assignMaterial(edited.instances()[i],
+                                edited.materials()[static_cast<size_t>(longs[world * listed + i])]);
+        expectSameOutputs(frames[world], alone.render(worlds.cameras[0], o));
+      }
+    }
+    const std::vector<float> roughness(kSome * listed, 0.75f);
+    worlds.arrays.roughness = {.element = Float32, .host = roughness.data()};
+    const std::vector<Frame> frames = renderer.render(worlds, o);
+    Worlds lists = worlds;
+    lists.arrays.materialChoice = {};
+    lists.palette.clear();
+    for (const int64_t choice : longs) lists.materials.push_back(worlds.palette[static_cast<size_t>(choice)]);
+    const std::vector<Frame> expected = renderer.render(lists, o);
+    for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) expectSameOutputs(frames[world], expected[world]);
+    longs[1] = static_cast<int64_t>(worlds.palette.size());
+    EXPECT_THROW(renderer.render(worlds, o), Error);
+    longs[1] = -1;
+    EXPECT_THROW(renderer.render(worlds, o), Error);
+  }
+}
+
+// Writes an environment whose radiance changes with the direction, as a Radiance file of flat (not run-length coded)
+// pixels. `exponent`: 128 is a radiance of about 0.5; with 147, values exceed the largest half float.
+std::string writeEnvironment(const std::string& name, uint32_t height, uint8_t exponent) {
+  const std::string path = testing::TempDir() + "/" + name;
+  std::ofstream file(path, std::ios::binary);
+  file << "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y " << height << " +X " << 2 * height << "\n";
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < 2 * height; ++x) {
+      const bool sun = y == height / 4 && x == height / 3;
+      const auto red = static_cast<char>(130 + 60 * x / height), green = static_cast<char>(180 - 50 * y / height);
+      const char pixel[] = {red, green, static_cast<char>(140), static_cast<char>(sun ? exponent : 128)};
+      file.write(pixel, 4);
+    }
+  return path;
+}
+
+// Each world has the environment of its index. The maps differ in size and in the type of their texels.
+TEST_P(ArraysOfWorlds, ChooseEnvironments) {
+  constexpr uint32_t kSome = 12;
+  const std::vector<std::string> names{"studio", writeEnvironment("small.hdr", 16, 130),
+                                       writeEnvironment("large.hdr", 260, 131),
+                                       writeEnvironment("bright.hdr", 16, 147)};
+  Scene scene(models::modelPath("textured.glb").string());
+  Worlds worlds{.count = kSome, .environments = names, .cameras = {scene.defaultCamera(4.0f / 3)}};
+  std::mt19937 random(21);
+  std::vector<int64_t> index;
+  for (uint32_t world = 0; world < kSome; ++world) {
+    index.push_back(world < names.size() ? world : static_cast<int64_t>(random() % names.size()));
+    worlds.environmentRotation.push_back(30.0 * world);
+  }
+  worlds.arrays.environmentIndex = {.element = WorldArray::Element::Int64, .host = index.data()};
+  Options o = options(GetParam());
+  o.background = "hdri";
+  for (const char* own : {"none", "studio"}) {
+    Renderer renderer(scene, testDevice(), own);
+    std::vector<std::unique_ptr<Renderer>> alone;
+    for (const std::string& name : names) alone.push_back(std::make_unique<Renderer>(scene, testDevice(), name));
+    for (int call = 0; call < 3; ++call) {
+      const std::vector<Frame> frames = renderer.render(worlds, o);
+      for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) {
+        SCOPED_TRACE(testing::Message() << own << ", call " << call << ", world " << world);
+        Options turned = o;
+        turned.environmentRotation = worlds.environmentRotation[world];
+        expectSameOutputs(frames[world], alone[static_cast<size_t>(index[world])]->render(worlds.cameras[0], turned));
+      }
+    }
+    // Other calls have the renderer's own environment.
+    o.background = "transparent";
+    Renderer other(scene, testDevice(), own);
+    expectSameOutputs(renderer.render(worlds.cameras[0], o), other.render(worlds.cameras[0], o));
+    o.background = "hdri";
+    Worlds lists = worlds;
+    lists.arrays = {};
+    lists.environmentIndex.assign(index.begin(), index.end());
+    const std::vector<Frame> given = renderer.render(worlds, o), listed = renderer.render(lists, o);
+    for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) expectSameOutputs(given[world], listed[world]);
+  }
+  Renderer renderer(scene, testDevice());
+  index[1] = static_cast<int64_t>(names.size());
+  EXPECT_THROW(renderer.render(worlds, o), Error);
+  index[1] = 0;
+  worlds.environments.clear();
+  EXPECT_THROW(renderer.render(worlds, o), Error);
+  worlds.environments.assign(4, "none");
+  EXPECT_THROW(renderer.render(worlds, o), Error);
+}
+
+// The shadows of directional lights are those of the only world of another renderer whose maps the host fits, for all
+// formats and filters, one or several cameras, and maps of one or several cascades.
+void compareShadows(const Options& o, double distance) {
+  constexpr uint32_t kSome = 6, kCameras = 2;
+  Scene scene("builtin:boxes");
+  for (const Handle<Light>& light : scene.lights()) scene.removeLight(light);
+  scene.addLight({.type = "directional", .direction = {0.3f, -1, 0.2f}, .intensity = 2});
+  scene.addLight({.type = "point", .position = {0, 2, 0}, .intensity = 5, .castShadow = false});
+  scene.addLight({.type = "directional", .direction = {-0.6f, -1, 0.1f}, .intensity = 1});
+  Worlds worlds{.count = kSome, .instances = scene.instances()};
+  for (uint32_t i = 0; i < kCameras; ++i)
+    worlds.cameras.push_back(scene.lookAt({distance, 1.5 + i, distance}, {0, 0, 0}));
+  worlds.cameras[1].orthographic = distance > 20;
+  worlds.cameras[1].halfHeight = 3;
+  worlds.cameras[1].farClip = 100;
+  std::mt19937 random(13);
+  const size_t listed = worlds.instances.size();
+  std::vector<Transform> transforms;
+  for (size_t i = 0; i < kSome * listed; ++i) {
+    transforms.push_back(product(scene.instance(worlds.instances[i % listed]).transform, randomMotion(random, false)));
+    worlds.exists.push_back(random() % 6 != 0);
+  }
+  const Numbers moved(transforms, true, 4);
+  worlds.arrays.transforms = moved.array;
+  Renderer renderer(scene, testDevice(), "studio"), alone(scene, testDevice(), "studio");
+  Options unshadowed = o;
+  unshadowed.shadows = "none";
+  bool differs = false;
+  for (int call = 0; call < 3; ++call) {
+    const std::vector<Frame> frames = renderer.render(worlds, o);
+    ASSERT_EQ(frames.size(), kSome * kCameras);
+    const std::vector<Frame> lit = renderer.render(worlds, unshadowed);
+    for (uint32_t world = 0; world < kSome && !testing::Test::HasFailure(); ++world) {
+      Worlds one{.count = 1, .instances = worlds.instances, .cameras = worlds.cameras};
+      // Values of lights, which equal the scene's, have the host plan the maps.
+      one.lights = scene.lights();
+      for (const Handle<Light>& light : one.lights) one.lightValues.push_back(scene.light(light));
+      one.transforms.assign(transforms.begin() + static_cast<std::ptrdiff_t>(world * listed),
+                            transforms.begin() + static_cast<std::ptrdiff_t>((world + 1) * listed));
+      one.exists.assign(worlds.exists.begin() + static_cast<std::ptrdiff_t>(world * listed),
+                        worlds.exists.begin() + static_cast<std::ptrdiff_t>((world + 1) * listed));
+      const std::vector<Frame> expected = alone.render(one, o);
+      for (uint32_t i = 0; i < kCameras; ++i) {
+        SCOPED_TRACE(testing::Message() << "world " << world << ", camera " << i << ", call " << call);
+        const size_t at = kCameras * world + i;
+        expectSameOutputs(frames[at], expected[i]);
+        differs |= frames[at].rgba != lit[at].rgba;
+      }
+    }
+  }
+  EXPECT_TRUE(differs) << "something is in the shadow";
+}
+
+TEST(PlacedWorlds, CastShadows) {
+  const std::tuple<double, const char*, const char*> cases[] = {
+      {2.5, "d32", "pcf"}, {2.5, "rgba8-classic", "hard"}, {40.0, "d16", "pcss"}};
+  for (const auto& [distance, format, filter] : cases) {
+    SCOPED_TRACE(testing::Message() << format << ", " << distance);
+    Options o = options("compute");
+    o.width = 40;
+    o.height = 30;
+    o.shadows = format;
+    o.shadowFilter = filter;
+    o.aovs = {"color", "depth"};
+    compareShadows(o, distance);
+  }
+}
+
 // Results on the device are rendered in larger groups than those that the host reads, and in the third call on, by
 // recorded commands. All of them have the same bytes.
 TEST(PlacedWorlds, AreTheSameInLargeGroups) {
@@ -281,6 +543,10 @@ TEST(PlacedWorlds, AreChecked) {
               HasSubstr("Float32 or Float64"));
   EXPECT_THAT(refused({.cameraToWorld = {.host = numbers}}), HasSubstr("describe the same: omit one of them"));
   EXPECT_THAT(refused({.previousTransforms = {.host = numbers}}), HasSubstr("require transforms"));
+  EXPECT_THAT(refused({.lightColor = {.host = numbers}}), HasSubstr("require Worlds::lights"));
+  EXPECT_THAT(refused({.materialChoice = {.host = numbers}}), HasSubstr("Int32 or Int64"));
+  EXPECT_THAT(refused({.materialChoice = {.element = WorldArray::Element::Int32, .host = numbers}}),
+              HasSubstr("require each other"));
 }
 
 }  // namespace

@@ -23,6 +23,7 @@ using Visibility = std::variant<HardwareVisibility, ComputeVisibility>;  // visi
 struct LensRays;
 struct TechniqueInfo;
 class FrameShadows;
+class PlacedShadows;
 enum class ShadowMapState : uint8_t;  // shadow/frame_shadows.h
 struct Overflow;
 struct SurfaceOutputs;
@@ -95,10 +96,11 @@ struct FrameContext : Builder {
   VkDeviceAddress constants;            // shared::FrameConstants; with worlds, one per view
   VkBuffer viewBuffer;                  // their View[], for draws
   uint32_t width, height;
-  bool environmentBackground = false;     // draw the environment behind all surfaces
-  float aoRadius = 0, aoStrength = 1;     // ambient occlusion: meters, exponent
-  const FrameShadows* shadows = nullptr;  // null: no light casts shadows
-  ShadowMapState shadowState{};           // of the maps before this frame
+  bool environmentBackground = false;            // draw the environment behind all surfaces
+  float aoRadius = 0, aoStrength = 1;            // ambient occlusion: meters, exponent
+  const FrameShadows* shadows = nullptr;         // null: no light casts shadows
+  ShadowMapState shadowState{};                  // of the maps before this frame
+  const PlacedShadows* placedShadows = nullptr;  // instead of `shadows`, if shaders fit the maps
   // The constants without the lights whose shadows rays find, which a pass after the lighting technique adds; 0: the
   // lighting technique adds all lights.
   VkDeviceAddress otherConstants = 0;

@@ -19,29 +19,45 @@ vec2 environmentOctahedral(FrameConstants frame, vec3 direction) {
   return octahedralFromDirection(rotateToEnvironment(direction, frame.environmentCos, frame.environmentSin));
 }
 
+// The environment's layer in the maps, and the level of the specular maps that is its level 0. Both are 0 except in
+// views of worlds that choose their environments.
+struct EnvironmentPlace {
+  float layer, level;
+};
+EnvironmentPlace environmentPlace(FrameConstants frame) {
+  return EnvironmentPlace(float(frame.environmentMap & kEnvironmentLayerMask),
+                          float(frame.environmentMap >> kEnvironmentLevelShift));
+}
+
+vec3 specularTexel(vec2 octahedral, EnvironmentPlace place, int size, float level) {
+  return textureLod(environmentSpecular, vec3(octahedralTexture(octahedral, float(size)), place.layer), level).rgb;
+}
+
 // Returns prefiltered radiance, interpolated between two levels.
 vec3 environmentRadiance(FrameConstants frame, vec3 direction, float level) {
   vec2 o = environmentOctahedral(frame, direction);
-  float lower = min(floor(level), frame.environmentLevels - 2.0);
+  EnvironmentPlace place = environmentPlace(frame);
+  float lower = min(floor(level), frame.environmentLevels - 2.0), stored = lower + place.level;
   // Each level has its own border, so trilinear filtering needs two bilinear fetches with different coordinates. Their
   // sizes follow from level 0, because lavapipe returns textureSize of the first lane's level for all lanes.
-  int size = textureSize(environmentSpecular, 0).x >> int(lower);
-  vec3 a = textureLod(environmentSpecular, octahedralTexture(o, float(size)), lower).rgb;
-  vec3 b = textureLod(environmentSpecular, octahedralTexture(o, float(size >> 1)), lower + 1.0).rgb;
+  int size = textureSize(environmentSpecular, 0).x >> int(stored);
+  vec3 a = specularTexel(o, place, size, stored), b = specularTexel(o, place, size >> 1, stored + 1.0);
   return mix(a, b, level - lower);
 }
 
 // Returns prefiltered radiance of one level.
 vec3 environmentLevel(FrameConstants frame, vec3 direction, float level) {
-  int size = textureSize(environmentSpecular, 0).x >> int(level);
-  vec2 o = environmentOctahedral(frame, direction);
-  return textureLod(environmentSpecular, octahedralTexture(o, float(size)), level).rgb;
+  EnvironmentPlace place = environmentPlace(frame);
+  float stored = level + place.level;
+  int size = textureSize(environmentSpecular, 0).x >> int(stored);
+  return specularTexel(environmentOctahedral(frame, direction), place, size, stored);
 }
 
 // Returns irradiance / pi around a normal.
 vec3 environmentDiffuseAt(FrameConstants frame, vec3 normal) {
   vec2 o = environmentOctahedral(frame, normal);
-  return textureLod(environmentDiffuse, octahedralTexture(o, float(textureSize(environmentDiffuse, 0).x)), 0.0).rgb;
+  vec2 texel = octahedralTexture(o, float(textureSize(environmentDiffuse, 0).x));
+  return textureLod(environmentDiffuse, vec3(texel, environmentPlace(frame).layer), 0.0).rgb;
 }
 
 // Returns the mean radiance over a reflected lobe. `diffuse` is environmentDiffuseAt() of the normal.

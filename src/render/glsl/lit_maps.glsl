@@ -1,6 +1,6 @@
 // The images that every lighting shader binds in set 0: after the G-buffer if the shader includes gbuffer_read.glsl
 // first, else from binding 0. render/frame/lit_maps.h binds them on the host. They are the prefiltered specular
-// environment (octahedral, one mip level per roughness, each with its own border), the diffuse environment, the
+// environments (octahedral, one mip level per roughness, each with its own border), the diffuse environments, the
 // split-sum table and the table of lobes, then the shadow atlas and ambient occlusion, which are read without
 // filtering.
 #ifndef LATELIGHT_LIT_MAPS_GLSL
@@ -14,8 +14,8 @@
 #endif
 #define AFTER_LIT_MAPS (LIT_MAPS_BINDING + 6)  // the first binding after the maps
 
-layout(set = 0, binding = LIT_MAPS_BINDING) uniform sampler2D environmentSpecular;
-layout(set = 0, binding = LIT_MAPS_BINDING + 1) uniform sampler2D environmentDiffuse;
+layout(set = 0, binding = LIT_MAPS_BINDING) uniform sampler2DArray environmentSpecular;
+layout(set = 0, binding = LIT_MAPS_BINDING + 1) uniform sampler2DArray environmentDiffuse;
 layout(set = 0, binding = LIT_MAPS_BINDING + 2) uniform sampler2D reflectanceTable;
 layout(set = 0, binding = LIT_MAPS_BINDING + 3) uniform sampler2D lobeTable;
 layout(set = 0, binding = LIT_MAPS_BINDING + 4) uniform sampler2DArray shadowAtlas;

@@ -1,5 +1,8 @@
-// An environment (image-based lighting) in device memory, as render/glsl/environment.glsl reads it.
+// Environments (image-based lighting) in device memory, as render/glsl/environment.glsl reads them.
 #pragma once
+
+#include <span>
+#include <vector>
 
 #include "scene/environment/environment.h"
 #include "vk/commands.h"
@@ -11,17 +14,26 @@ class GpuEnvironment {
  public:
   // If `environment` is null, there is no environment light: the maps are black.
   GpuEnvironment(vk::Device& device, const scene::Environment* environment);
+  // Each environment is a layer of the maps, in this order. There is at least one.
+  GpuEnvironment(vk::Device& device, std::span<const scene::Environment* const> environments);
 
-  uint32_t levels() const { return specular_.desc().levels; }
-  // Returns the prefiltered specular map, the diffuse map, the split-sum table and the table of lobes: the first
+  uint32_t count() const { return static_cast<uint32_t>(radiance_.size()); }
+  uint32_t levels() const { return levels_; }                              // of each environment's specular map
+  uint32_t map(uint32_t environment) const { return maps_[environment]; }  // FrameConstants::environmentMap
+  // Returns the prefiltered specular maps, the diffuse maps, the split-sum table and the table of lobes: the first
   // bindings of lit_maps.h.
   std::vector<vk::BoundImage> bindings() const;
   // Returns a placeholder for an array of maps that a shader does not read, because every binding requires an image.
   vk::BoundImage nothing() const { return {specular_.arrayView(), clampSampler_.get()}; }
-  vk::BoundImage radiance() const { return {radiance_.view(), equirectangularSampler_.get()}; }  // for backgrounds
+  vk::BoundImage radiance(uint32_t environment = 0) const {  // for backgrounds
+    return {radiance_[environment].view(), equirectangularSampler_.get()};
+  }
 
  private:
-  vk::Image specular_, diffuse_, table_, lobes_, radiance_;
+  vk::Image specular_, diffuse_, table_, lobes_;
+  std::vector<vk::Image> radiance_;
+  std::vector<uint32_t> maps_;
+  uint32_t levels_ = 0;
   vk::Handle<VkSampler> clampSampler_, equirectangularSampler_;
 };
 

@@ -77,13 +77,20 @@ void GpuScene::countLights() {
     unboundedLights_ = std::max(unboundedLights_, set.unbounded);
     areaLights_ = std::max(areaLights_, static_cast<uint32_t>(set.area.size()));
   };
-  if (worlds_.hasLights())
+  if (worlds_.placesLights()) {  // upper bounds
+    const GpuWorlds::PlacedLights& placed = worlds_.placedLights();
+    lightCount_ = placed.directional + placed.local;
+    unboundedLights_ = placed.unbounded;
+    areaLights_ = placed.area;
+  } else if (worlds_.hasLights()) {
     std::ranges::for_each(worlds_.lights(), count);
-  else
+  } else {
     count(lights_.set());
+  }
 }
 
-void GpuScene::setWorlds(const WorldStates& worlds, const Poses& poses) {
+void GpuScene::setWorlds(const WorldStates& worlds, const Poses& poses, std::vector<uint32_t> environmentMaps) {
+  worlds_.setEnvironments(uploads_, std::move(environmentMaps));
   if (worlds.count == 0) {
     worlds_.clear();
     materials_.setVariants(uploads_, {});
@@ -92,8 +99,8 @@ void GpuScene::setWorlds(const WorldStates& worlds, const Poses& poses) {
     if (worlds.inputs && worlds.inputs->hasFactors())
       materials_.reserveDerived(uploads_, size_t{worlds.count} * worlds.instances.size());
     worlds_.update(uploads_, scene_, instances_, worlds, poses, posed_ ? deformer_.get() : nullptr);
-    worlds_.updateLights(uploads_, worlds, worlds.lightValues.empty() ? std::vector<scene::Light>{} : lightsIn(poses),
-                         origin());
+    worlds_.updateLights(uploads_, worlds, worlds.lights.empty() ? std::vector<scene::Light>{} : lightsIn(poses),
+                         scene_, origin());
     worlds_.updateValues(uploads_);
   }
   countLights();
@@ -180,7 +187,7 @@ void GpuScene::describe(shared::FrameConstants& frame, uint32_t world) const {
   else
     instances_.describe(frame);
   lights_.describe(frame);
-  if (worlds_.hasLights()) worlds_.describeLights(frame, world);
+  if (worlds_.hasLights() || worlds_.placesLights()) worlds_.describeLights(frame, world);
   frame.meshes = geometry_.address();
   frame.materials = materials_.address();
   frame.textures = materials_.textureRecords();

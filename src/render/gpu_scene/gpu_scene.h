@@ -31,7 +31,8 @@ class GpuScene {
   // pending until the next graph.
   void update(const Poses& poses, const std::optional<scene::Light>& sun = {});
   // Sets the worlds to render until the next call; call it after update(), with the same poses.
-  void setWorlds(const WorldStates& worlds, const Poses& poses);
+  // `environmentMaps`: those of WorldStates::environments (FrameConstants::environmentMap).
+  void setWorlds(const WorldStates& worlds, const Poses& poses, std::vector<uint32_t> environmentMaps);
   void setGroups(const std::vector<uint32_t>& groups) { instances_.setGroups(uploads_, groups); }
   // Adds the pending work to the prologue of a graph: uploads, then deformation. It stays pending until
   // changesSubmitted().
@@ -57,7 +58,8 @@ class GpuScene {
   }
   bool anyVast() const { return instances_.anyVast() || (hasWorlds() && worlds_.anyVast()); }
 
-  // The lights of a world, or the scene's. The counts are the maximum over all worlds.
+  // The lights of a world, or the scene's; the scene's if shaders write those of worlds. The counts are at least the
+  // maximum over all worlds.
   const LightSet& lightsOf(uint32_t world) const {
     return worlds_.hasLights() ? worlds_.lights()[world] : lights_.set();
   }

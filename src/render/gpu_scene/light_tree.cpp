@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "render/gpu_scene/light_template.h"
 #include "shared/color.h"
 #include "shared/light.h"
 
@@ -31,7 +32,7 @@ LightBox join(const LightBox& a, const LightBox& b) {
 
 // --- order ----------------------------------------------------------------------------------------------------------
 
-constexpr uint32_t kAxisBits = 19;
+constexpr uint32_t kAxisBits = shared::kLightAxisBits;
 
 // Moves the lowest 21 bits of x to bits 0, 3, 6, ... (Morton code).
 uint64_t spread(uint64_t x) {
@@ -40,13 +41,6 @@ uint64_t spread(uint64_t x) {
   x = (x | x << 8) & 0x100f00f00f00f00fu;
   x = (x | x << 4) & 0x10c30c30c30c30c3u;
   return (x | x << 2) & 0x1249249249249249u;
-}
-
-// Returns the class of similar radii. Each class spans a factor of four, and the largest radii come first, because one
-// large light among small ones would enlarge every box above it. Classes are absolute, in meters, so that adding one
-// distant light does not reorder the others.
-uint64_t radiusClass(float radius) {
-  return static_cast<uint64_t>(15 - (std::clamp(std::ilogb(radius), -12, 19) + 12) / 2);
 }
 
 struct Key {
@@ -101,7 +95,7 @@ std::vector<Key> orderOf(const std::vector<Light>& lights) {
   parallelFor(keys.size(), kGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const Light& light = lights[keys[i].light];
-      keys[i].code = radiusClass(light.radius) << (3 * kAxisBits) | curve.at(light.position);
+      keys[i].code = uint64_t{radiusClass(light.radius)} << (3 * kAxisBits) | curve.at(light.position);
     }
   });
   sortOnAllCores(keys);
@@ -145,6 +139,12 @@ void buildNodes(LightTree& tree) {
 }
 
 }  // namespace
+
+// The largest radii come first, because one large light among small ones would enlarge every box above it. Classes are
+// absolute, in meters, so that adding one distant light does not reorder the others.
+uint32_t radiusClass(float radius) {
+  return static_cast<uint32_t>(15 - (std::clamp(std::ilogb(radius), -12, 19) + 12) / 2);
+}
 
 LightBox lightBox(const Light& light) {
   std::array<vec3, 2> extent{vec3(1), vec3(1)};  // toward + and -, in radii

@@ -15,6 +15,10 @@ namespace latelight::render {
 // Returns the bounds of a light's sphere, or of a spot's cone. They are never smaller than what sampleLight() lights.
 shared::LightBox lightBox(const shared::Light& light);
 
+// Returns the class of similar radii by which the tree orders lights first. Each class spans a factor of four, and the
+// largest radii come first.
+uint32_t radiusClass(float radius);
+
 struct LightTree {
   std::vector<shared::Light> lights;    // directional lights in input order, then local lights
   std::vector<uint32_t> sources;        // index of each light in the input

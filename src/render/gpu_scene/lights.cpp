@@ -15,6 +15,33 @@ namespace latelight::render {
 
 namespace {
 
+bool isFinite(const shared::AreaLight& l) {
+  for (const glm::vec3& v : {l.center, l.x, l.y, l.z, l.radiance})
+    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) return false;
+  return true;
+}
+
+bool isFinite(const shared::Light& l) {
+  for (const glm::vec3& v : {l.position, l.direction, l.intensity})
+    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) return false;
+  return !std::isnan(l.radius) && std::isfinite(l.spotScale) && std::isfinite(l.spotOffset);
+}
+
+// Uploads the elements that differ from `before`.
+template <typename T>
+void uploadChanges(GpuList<T>& list, vk::Uploader& uploader, const std::vector<T>& before, const std::vector<T>& now) {
+  std::vector<uint32_t> changed;
+  for (size_t i = 0; i < now.size(); ++i)
+    if (i >= before.size() || std::memcmp(&before[i], &now[i], sizeof(T)) != 0)
+      changed.push_back(static_cast<uint32_t>(i));
+  if (list.address() == 0)
+    list.upload(uploader, now);
+  else
+    list.upload(uploader, now, changed);
+}
+
+}  // namespace
+
 // A light without a range is unbounded: even far away it contributes to highlights on glossy surfaces and to the sum of
 // many lights. Any radius that bounds the error of these would be larger than the scene.
 shared::Light deviceLight(const scene::Light& light, const glm::dvec3& origin) {
@@ -54,33 +81,6 @@ shared::AreaLight deviceAreaLight(const scene::Light& light, const glm::dvec3& o
   if ((flat ? area : volume) > kLeast) l.radiance = light.color * light.intensity;
   return l;
 }
-
-bool isFinite(const shared::AreaLight& l) {
-  for (const glm::vec3& v : {l.center, l.x, l.y, l.z, l.radiance})
-    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) return false;
-  return true;
-}
-
-bool isFinite(const shared::Light& l) {
-  for (const glm::vec3& v : {l.position, l.direction, l.intensity})
-    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) return false;
-  return !std::isnan(l.radius) && std::isfinite(l.spotScale) && std::isfinite(l.spotOffset);
-}
-
-// Uploads the elements that differ from `before`.
-template <typename T>
-void uploadChanges(GpuList<T>& list, vk::Uploader& uploader, const std::vector<T>& before, const std::vector<T>& now) {
-  std::vector<uint32_t> changed;
-  for (size_t i = 0; i < now.size(); ++i)
-    if (i >= before.size() || std::memcmp(&before[i], &now[i], sizeof(T)) != 0)
-      changed.push_back(static_cast<uint32_t>(i));
-  if (list.address() == 0)
-    list.upload(uploader, now);
-  else
-    list.upload(uploader, now, changed);
-}
-
-}  // namespace
 
 LightSet makeLightSet(std::vector<scene::Light> lights, const glm::dvec3& origin) {
   LightSet set{.authored = std::move(lights)};

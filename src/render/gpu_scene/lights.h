@@ -28,6 +28,9 @@ struct LightSet {
 };
 // `origin`: the origin of the device's world space in the scene's (GpuScene::origin()).
 LightSet makeLightSet(std::vector<scene::Light> lights, const glm::dvec3& origin);
+// Return a light as on the device. The shape of an area light without extent has no radiance.
+shared::Light deviceLight(const scene::Light& light, const glm::dvec3& origin);
+shared::AreaLight deviceAreaLight(const scene::Light& light, const glm::dvec3& origin);
 
 class GpuLights {
  public:

@@ -48,6 +48,7 @@ void main() {
       frame.areaLightCount = values.areaLightCount;
     }
     if ((job.has & kWorldHasIntensity) != 0u) frame.environmentIntensity = values.environmentIntensity;
+    if ((job.has & kWorldHasEnvironment) != 0u) frame.environmentMap = values.environmentMap;
     if ((job.has & kWorldHasRotation) != 0u) {
       frame.environmentCos = values.environmentCos;
       frame.environmentSin = values.environmentSin;

@@ -12,10 +12,12 @@ SH_CONST uint kConstantsGroup = 64u;  // invocations per workgroup
 struct WorldValues {
   uint lightCount, directionalLights, lightTreeLeaves, areaLightCount;
   float environmentIntensity, environmentCos, environmentSin;
+  uint environmentMap;
 };
 SH_CONST uint kWorldHasLights = 1u;
 SH_CONST uint kWorldHasIntensity = 2u;  // of the environment
 SH_CONST uint kWorldHasRotation = 4u;   // of the environment
+SH_CONST uint kWorldHasEnvironment = 8u;
 
 // Everything about the views of one frame graph, which are consecutive views of a call: view v shows the world
 // (firstView + v) / viewsPerWorld.

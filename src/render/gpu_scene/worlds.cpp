@@ -8,6 +8,10 @@
 #include <numeric>
 
 #include "base/parallel.h"
+#include "render/gpu_scene/light_tree.h"
+#include "scene/file_frame.h"
+#include "shared/color.h"
+#include "shared/light.h"
 
 namespace latelight::render {
 
@@ -79,11 +83,13 @@ void GpuWorlds::reserve(vk::Uploader& uploader, const scene::Scene& scene, const
   const auto instances = static_cast<uint32_t>(scene.instances.size());
   const bool derives = inputs.hasFactors();
   if (!onDevice_ || count_ != worlds.count || instances_ != instances || choices_ != choices ||
-      derivesMaterials_ != derives) {
+      palette_ != inputs.palette || derivesMaterials_ != derives) {
     ++revision_;
     derivesMaterials_ = derives;
     choices_ = std::move(choices);
+    palette_ = inputs.palette;
     if (!choices_.empty()) choiceList_.upload(uploader, choices_);
+    if (!palette_.empty()) paletteList_.upload(uploader, palette_);
   }
   onDevice_ = true;
   count_ = worlds.count;
@@ -100,13 +106,16 @@ void GpuWorlds::reserve(vk::Uploader& uploader, const scene::Scene& scene, const
 
 void GpuWorlds::update(vk::Uploader& uploader, const scene::Scene& scene, const GpuInstances& instances,
                        const WorldStates& worlds, const Poses& poses, const Deformer* deformer) {
-  hasMaterials_ =
-      !worlds.materials.empty() || !worlds.factors.empty() || (worlds.inputs && worlds.inputs->hasFactors());
+  hasMaterials_ = !worlds.materials.empty() || !worlds.factors.empty() ||
+                  (worlds.inputs && (worlds.inputs->hasFactors() || !worlds.inputs->palette.empty()));
   hasOnDevice_ = 0;
   if (worlds.inputs && worlds.inputs->environmentIntensity.address) hasOnDevice_ |= shared::kWorldHasIntensity;
   if (worlds.inputs && worlds.inputs->environmentRotation.address) hasOnDevice_ |= shared::kWorldHasRotation;
+  if (worlds.inputs && worlds.inputs->hasLights()) hasOnDevice_ |= shared::kWorldHasLights;
   rotations_ = worlds.environmentRotation;
   intensities_ = worlds.environmentIntensity;
+  environmentIndex_ = worlds.environmentIndex;
+  if (worlds.inputs && worlds.inputs->environmentIndex.address) hasOnDevice_ |= shared::kWorldHasEnvironment;
   if (worlds.inputs) return reserve(uploader, scene, worlds, poses);
   onDevice_ = false;
   const std::vector<glm::dmat4> transforms = scene::instanceTransforms(scene, poses.current);
@@ -167,10 +176,73 @@ void GpuWorlds::uploadMoved(GpuList<shared::Instance>& list, vk::Uploader& uploa
   list.upload(uploader, moved);
 }
 
+namespace {
+
+shared::LightTemplate lightTemplateOf(const scene::Light& atRest, const scene::Light& posed, const glm::dvec3& origin) {
+  shared::LightTemplate t{.color = atRest.color, .intensity = atRest.intensity, .listed = ~0u};
+  if (atRest.node >= 0) t.state |= shared::kLightHasNode;
+  if (!shared::lightIsArea(atRest.type)) {
+    t.light[0] = deviceLight(atRest, origin);
+    t.light[1] = deviceLight(posed, origin);
+    t.radiusClass = shared::lightIsDirectional(atRest.type) ? 0 : radiusClass(t.light[0].radius);
+    return t;
+  }
+  scene::Light shape = atRest;
+  shape.color = glm::vec3(1);
+  shape.intensity = 1;
+  t.area[0] = deviceAreaLight(shape, origin);
+  shape.position = posed.position;
+  shape.axes = posed.axes;
+  t.area[1] = deviceAreaLight(shape, origin);
+  t.state |= shared::kLightIsArea;
+  if (shared::maxChannel(t.area[0].radiance) > 0) t.state |= shared::kLightHasExtent;
+  return t;
+}
+
+}  // namespace
+
+// Lists the lights from which shaders write those of each world. Lights that the worlds do not describe are the same
+// at rest and posed.
+void GpuWorlds::reserveLights(const WorldStates& worlds, const std::vector<scene::Light>& lights,
+                              const scene::Scene& scene, const glm::dvec3& origin) {
+  const glm::dmat4 fileFromWorld = scene::fileFromWorld(scene);
+  std::vector<uint32_t> listed(lights.size(), ~0u);
+  for (uint32_t i = 0; i < worlds.lights.size(); ++i) listed[worlds.lights[i]] = i;
+  for (size_t i = 0; i < lights.size(); ++i) {
+    if (lights[i].removed) continue;
+    const bool own = listed[i] != ~0u;
+    const scene::Light& atRest = own ? worlds.inputs->lights[listed[i]] : lights[i];
+    scene::Light posed = atRest;
+    if (posed.node >= 0)
+      posed.position = lights[i].position, posed.direction = lights[i].direction, posed.axes = lights[i].axes;
+    shared::LightTemplate& t = placed_.templates.emplace_back(lightTemplateOf(atRest, posed, origin));
+    t.listed = listed[i];
+    t.fileDirection = glm::vec3(fileFromWorld * glm::dvec4(atRest.direction, 0));
+    const glm::dvec3 inFile = fileFromWorld * glm::dvec4(atRest.position, 1);
+    for (const glm::dvec3& position : {atRest.position, posed.position, inFile})
+      for (int axis = 0; axis < 3; ++axis) placed_.positions.push_back(position[axis]);
+    const bool area = (t.state & shared::kLightIsArea) != 0, everywhere = shared::lightIsDirectional(atRest.type);
+    placed_.area += area;
+    placed_.directional += everywhere;
+    placed_.local += !area && !everywhere;
+    placed_.unbounded += !area && !everywhere && !atRest.range;
+  }
+  lightStride_ = areaStride_ = placed_.templates.size();
+  treeStride_ = shared::kPlacedLightBoxes;
+  lightList_.resize(count_ * lightStride_);
+  lightTrees_.resize(count_ * treeStride_);
+  areaLights_.resize(count_ * areaStride_);
+  placed_.lights = lightList_.address();
+  placed_.boxes = lightTrees_.address();
+  placed_.areaLights = areaLights_.address();
+}
+
 // Every world has the space of the largest one, so that shaders may load a light whose index is valid in another world.
 void GpuWorlds::updateLights(vk::Uploader& uploader, const WorldStates& worlds, const std::vector<scene::Light>& lights,
-                             const glm::dvec3& origin) {
+                             const scene::Scene& scene, const glm::dvec3& origin) {
   lights_.clear();
+  placed_ = {};
+  if (worlds.inputs && worlds.inputs->hasLights()) return reserveLights(worlds, lights, scene, origin);
   if (worlds.lightValues.empty()) return;
   lights_.resize(count_);
   const size_t listed = worlds.lights.size();
@@ -215,26 +287,38 @@ float GpuWorlds::environmentIntensity(uint32_t world, float others) const {
   return count_ > 0 && !intensities_.empty() ? intensities_[world] : others;
 }
 
+void GpuWorlds::setEnvironments(vk::Uploader& uploader, std::vector<uint32_t> maps) {
+  if (maps == environmentMaps_) return;
+  environmentMaps_ = std::move(maps);
+  if (!environmentMaps_.empty()) environmentList_.upload(uploader, environmentMaps_);
+}
+
+uint32_t GpuWorlds::environmentMap(uint32_t world) const {
+  if (!hasEnvironments()) return 0;
+  return environmentMaps_[environmentIndex_.empty() ? 0 : environmentIndex_[world]];
+}
+
 void GpuWorlds::describeLights(shared::FrameConstants& frame, uint32_t world) const {
   frame.lights = lightList_.address() + world * lightStride_ * sizeof(shared::Light);
   frame.lightTree = lightTrees_.address() + world * treeStride_ * sizeof(shared::LightBox);
   frame.areaLights = areaLights_.address() + world * areaStride_ * sizeof(shared::AreaLight);
-  lights_[world].describe(frame);
+  if (hasLights()) lights_[world].describe(frame);
 }
 
 void GpuWorlds::updateValues(vk::Uploader& uploader) {
   if (!onDevice()) return;
   if (hasOnDevice_) valueList_.resize(count_);
-  if (lights_.empty() && rotations_.empty() && intensities_.empty()) return;
+  if (lights_.empty() && rotations_.empty() && intensities_.empty() && environmentIndex_.empty()) return;
   std::vector<shared::WorldValues> values(count_);
   for (uint32_t world = 0; world < count_; ++world) {
     shared::WorldValues& value = values[world];
     if (!lights_.empty()) {
       shared::FrameConstants frame{};
       lights_[world].describe(frame);
-      value = {frame.lightCount, frame.directionalLights, frame.lightTreeLeaves, frame.areaLightCount, 0, 0, 0};
+      value = {frame.lightCount, frame.directionalLights, frame.lightTreeLeaves, frame.areaLightCount, 0, 0, 0, 0};
     }
     if (!intensities_.empty()) value.environmentIntensity = intensities_[world];
+    value.environmentMap = environmentMap(world);
     if (rotations_.empty()) continue;
     value.environmentCos = std::cos(rotations_[world]);
     value.environmentSin = std::sin(rotations_[world]);
@@ -257,6 +341,7 @@ void GpuWorlds::describe(shared::ViewConstants& constants) const {
   if (hasLights()) constants.has |= shared::kWorldHasLights;
   if (!intensities_.empty()) constants.has |= shared::kWorldHasIntensity;
   if (!rotations_.empty()) constants.has |= shared::kWorldHasRotation;
+  if (!environmentIndex_.empty()) constants.has |= shared::kWorldHasEnvironment;
   constants.has |= hasOnDevice_;
 }
 

@@ -11,9 +11,11 @@
 #include "render/deform/deformer.h"
 #include "render/gpu_scene/buffer.h"
 #include "render/gpu_scene/instances.h"
+#include "render/gpu_scene/light_template.h"
 #include "render/gpu_scene/lights.h"
 #include "render/gpu_scene/materials.h"
 #include "render/gpu_scene/view_constants_push.h"
+#include "scene/environment/environment.h"
 #include "scene/scene.h"
 #include "shared/types.h"
 
@@ -23,7 +25,7 @@ namespace latelight::render {
 struct WorldArray {
   VkDeviceAddress address = 0;  // 0: not given
   uint32_t rows = 4;            // of each matrix
-  bool doubles = false;         // otherwise floats
+  uint32_t element = 0;         // shared::kNumber*
 };
 
 // Transforms and cameras of worlds as a caller gave them, which shaders convert (WorldPlacer). Transforms and poses are
@@ -35,12 +37,23 @@ struct WorldInputs {
   // Factors of the instances' materials, [worlds][instances] rows of 4, 1, 1 and 3 numbers. If any is given, each
   // instance has a material of its own in each world, and the others are those of its material.
   WorldArray baseColor, metallic, roughness, emissive;
+  // Indices in `palette`, which are materials of the scene: [worlds][instances], in place of WorldStates::materials.
+  WorldArray materialChoice;
+  std::vector<uint32_t> palette;
+  // Values of WorldStates::lights, [worlds][lights] rows of 3, 3, 3 and 1 numbers, in the file's frame. `lights` are
+  // the lights without these arrays, one per listed light.
+  WorldArray lightPosition, lightDirection, lightColor, lightIntensity;
+  std::vector<scene::Light> lights;
   WorldArray environmentRotation, environmentIntensity;  // [worlds], degrees and a factor
   VkDeviceAddress exists = 0;                            // [worlds][instances], one byte each; 0: every instance exists
   std::vector<scene::Camera> cameras;                    // of each world
+  WorldArray environmentIndex;                           // [worlds], in WorldStates::environments
   std::vector<uint32_t> rides;                      // per camera: the instance that it rides on, or ~0u; empty: none
   std::vector<std::shared_ptr<const void>> memory;  // what the arrays are in; the call holds it until it has finished
   bool hasFactors() const { return baseColor.address || metallic.address || roughness.address || emissive.address; }
+  bool hasLights() const {
+    return lightPosition.address || lightDirection.address || lightColor.address || lightIntensity.address;
+  }
 };
 
 // The values of all worlds, world by world. An empty list leaves the scene's values.
@@ -57,6 +70,10 @@ struct WorldStates {
   std::vector<scene::Light> lightValues;   // [count][lights]; those with a node keep the scene's position and direction
   std::vector<float> environmentRotation;  // [count], radians
   std::vector<float> environmentIntensity;  // [count]
+  // In place of the renderer's environment: those that worlds choose from, which outlive the renderer, and [count]
+  // indices in them. No index: they are in `inputs`.
+  std::vector<const scene::Environment*> environments;
+  std::vector<uint32_t> environmentIndex;
   // In place of `transforms`, `previous`, `next` and `exists`, and of the cameras of the call: each of the C cameras is
   // rendered in each world, world by world.
   std::optional<WorldInputs> inputs;
@@ -82,16 +99,21 @@ class GpuWorlds {
         lightTrees_(device, "light trees of worlds"),
         areaLights_(device, "area lights of worlds"),
         choiceList_(device, "materials of worlds"),
+        paletteList_(device, "materials to choose from"),
+        environmentList_(device, "environments to choose from"),
         valueList_(device, "values of worlds") {}
 
+  // Uploads where the environments of WorldStates are: values of FrameConstants::environmentMap. Call it before
+  // update().
+  void setEnvironments(vk::Uploader& uploader, std::vector<uint32_t> maps);
   // Uploads the instances of all worlds, or makes space for those that shaders place. `scene` has followed all edits
   // and poses. The other arguments are those of GpuInstances::pose().
   void update(vk::Uploader& uploader, const scene::Scene& scene, const GpuInstances& instances,
               const WorldStates& worlds, const Poses& poses, const Deformer* deformer);
-  // Uploads the lights of all worlds, if `worlds` describes any. `lights`: those of the scene, by index, and those that
-  // follow them.
+  // Uploads the lights of all worlds, or makes space for those that shaders write, if `worlds` describes any. `lights`:
+  // those of the scene, by index, and those that follow them.
   void updateLights(vk::Uploader& uploader, const WorldStates& worlds, const std::vector<scene::Light>& lights,
-                    const glm::dvec3& origin);
+                    const scene::Scene& scene, const glm::dvec3& origin);
   // Uploads the values of worlds that shaders copy to the constants of views. Call it last.
   void updateValues(vk::Uploader& uploader);
   void clear() { count_ = 0; }
@@ -114,18 +136,33 @@ class GpuWorlds {
   uint64_t revision() const { return count_ > 0 ? revision_ : 0; }
   bool hasMaterials() const { return count_ > 0 && hasMaterials_; }       // other than the scene's
   std::span<const shared::Instance> records() const { return records_; }  // of all worlds; none if onDevice()
-  std::span<const uint32_t> choices() const { return choices_; }  // if onDevice(): [worlds][listed] materials, or empty
+  // If onDevice(): the materials that worlds choose, in place of the scene's: a list or the palette. Otherwise empty.
+  std::span<const uint32_t> chosenMaterials() const { return palette_.empty() ? choices_ : palette_; }
   VkDeviceAddress choicesAddress() const { return choices_.empty() ? 0 : choiceList_.address(); }
+  VkDeviceAddress paletteAddress() const { return palette_.empty() ? 0 : paletteList_.address(); }
   // True if shaders write a material for each listed instance of each world, after those of the scene. The choices are
   // then the materials that these derive from.
   bool derivesMaterials() const { return onDevice() && derivesMaterials_; }
   VkDeviceAddress valuesAddress() const { return valueList_.address(); }  // shared::WorldValues[]
   bool hasLights() const { return count_ > 0 && !lights_.empty(); }
   std::span<const LightSet> lights() const { return lights_; }  // one per world
+  // If shaders write the lights of worlds: the lights from which they derive them, otherwise empty.
+  struct PlacedLights {
+    std::vector<shared::LightTemplate> templates;
+    std::vector<double> positions;                          // shared::kLightPositions per template
+    uint32_t local = 0, directional = 0;                    // numbers of templates
+    uint32_t unbounded = 0, area = 0;                       // of the local ones, and of area lights
+    VkDeviceAddress lights = 0, boxes = 0, areaLights = 0;  // results: [worlds][templates or kPlacedLightBoxes]
+  };
+  const PlacedLights& placedLights() const { return placed_; }
+  bool placesLights() const { return onDevice() && !placed_.templates.empty(); }
   // The rotation and the intensity of the environment in a world, in place of these.
   float environmentRotation(uint32_t world, float others) const;
   bool turnsEnvironment() const { return count_ > 0 && !rotations_.empty(); }
   float environmentIntensity(uint32_t world, float others) const;
+  bool hasEnvironments() const { return count_ > 0 && !environmentMaps_.empty(); }
+  uint32_t environmentMap(uint32_t world) const;  // FrameConstants::environmentMap
+  VkDeviceAddress environmentMapsAddress() const { return hasEnvironments() ? environmentList_.address() : 0; }
   void describe(shared::FrameConstants& frame, uint32_t world) const;
   void describeLights(shared::FrameConstants& frame, uint32_t world) const;
   // Fills everything that views of other worlds than the first differ in.
@@ -133,6 +170,8 @@ class GpuWorlds {
 
  private:
   void reserve(vk::Uploader& uploader, const scene::Scene& scene, const WorldStates& worlds, const Poses& poses);
+  void reserveLights(const WorldStates& worlds, const std::vector<scene::Light>& lights, const scene::Scene& scene,
+                     const glm::dvec3& origin);
   void uploadMoved(GpuList<shared::Instance>& list, vk::Uploader& uploader, const scene::Scene& scene,
                    const GpuInstances& instances, const WorldStates& worlds, const std::vector<glm::dmat4>& transforms,
                    const scene::Pose& pose) const;
@@ -146,16 +185,18 @@ class GpuWorlds {
   GpuList<shared::Light> lightList_;
   GpuList<shared::LightBox> lightTrees_;
   GpuList<shared::AreaLight> areaLights_;
+  PlacedLights placed_;
   size_t lightStride_ = 0, treeStride_ = 0, areaStride_ = 0;  // elements per world
   std::vector<float> rotations_, intensities_;
+  std::vector<uint32_t> environmentMaps_, environmentIndex_;
   bool moves_ = false;  // previous_ and next_ have other transforms than list_
   bool vast_ = false, hasMaterials_ = false;
   bool onDevice_ = false, vastOnDevice_ = false;
   bool derivesMaterials_ = false;
-  uint32_t hasOnDevice_ = 0;     // kWorldHas*: values that shaders write
-  uint32_t valuesOnDevice_ = 0;  // hasOnDevice_ when values_ was uploaded
-  std::vector<uint32_t> choices_;
-  GpuList<uint32_t> choiceList_;
+  uint32_t hasOnDevice_ = 0;                 // kWorldHas*: values that shaders write
+  uint32_t valuesOnDevice_ = 0;              // hasOnDevice_ when values_ was uploaded
+  std::vector<uint32_t> choices_, palette_;  // [worlds][listed] materials, or those that shaders choose from
+  GpuList<uint32_t> choiceList_, paletteList_, environmentList_;
   std::vector<shared::WorldValues> values_;
   GpuList<shared::WorldValues> valueList_;
   uint64_t revision_ = 0;

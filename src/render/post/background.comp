@@ -16,6 +16,7 @@ layout(push_constant, scalar) uniform Push { BackgroundPush push; };
 void main() {
   ivec3 pixel = ivec3(gl_GlobalInvocationID);
   FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
+  if (kWorlds != 0u && (frame.environmentMap & kEnvironmentLayerMask) != push.environment) return;
   View view = frameView(frame, pixel.z);
   if (any(greaterThanEqual(vec2(pixel.xy), view.size))) return;
   vec4 drawn = imageLoad(lightTarget, pixel);

@@ -7,13 +7,15 @@
 SH_BEGIN
 
 struct BackgroundPush {
-  uint64_t frame;  // FrameConstants
+  uint64_t frame;    // FrameConstants
+  uint environment;  // with worlds: the layer of the environment; other views are skipped
+  uint padding;
 };
 
 SH_END
 
 #if defined(__cplusplus)
-static_assert(sizeof(latelight::shared::BackgroundPush) == 8);
+static_assert(sizeof(latelight::shared::BackgroundPush) == 16);
 #endif
 
 #endif

@@ -1,6 +1,7 @@
 #include "render/shadow/cascades.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -8,12 +9,19 @@ namespace latelight::render {
 
 namespace {
 
-// Rounds a distance down or up to a quarter of an octave.
+constexpr std::array kQuarterOctaves{1.0, 1.189207115002721066717, 1.414213562373095048802, 1.681792830507429086062,
+                                     2.0};
+
+// Rounds a distance down or up to a quarter of an octave. Comparisons are exact, so shaders find the same steps.
 double steppedDown(double distance) {
-  return std::exp2(std::floor(4 * std::log2(distance)) / 4);
+  int exponent = 0;
+  const double share = 2 * std::frexp(distance, &exponent);
+  return std::ldexp(*(std::ranges::upper_bound(kQuarterOctaves, share) - 1), exponent - 1);
 }
 double steppedUp(double distance) {
-  return std::exp2(std::ceil(4 * std::log2(distance)) / 4);
+  int exponent = 0;
+  const double share = 2 * std::frexp(distance, &exponent);
+  return std::ldexp(*std::ranges::lower_bound(kQuarterOctaves, share), exponent - 1);
 }
 
 // The sphere around the part of the view between two depths. Its center lies on the view's axis, so its radius depends
@@ -47,6 +55,10 @@ double nearestDepth(const scene::Bounds& bounds, const shared::View& view) {
 
 }  // namespace
 
+double cascadeShare(uint32_t cascade) {
+  return std::pow(kCascadeRatio, -double(kCascades - 1 - cascade));
+}
+
 std::vector<Sphere> fitCascades(const shared::View& view, const scene::Bounds& bounds) {
   if (bounds.empty()) return {};
   const Sphere scene{glm::vec3(bounds.centre()), std::max(static_cast<float>(bounds.radius()), 1e-6f)};
@@ -62,7 +74,7 @@ std::vector<Sphere> fitCascades(const shared::View& view, const scene::Bounds& b
   const double end = steppedUp(last), begin = first > 0 ? steppedDown(first) : 0;
   std::vector<Sphere> spheres;
   for (uint32_t i = 0; i < kCascades; ++i) {
-    const double to = end * std::pow(kCascadeRatio, -double(kCascades - 1 - i));
+    const double to = end * cascadeShare(i);
     if (to <= begin) continue;
     const double start = spheres.empty() ? begin : std::max(begin, to / kCascadeRatio);
     spheres.push_back(around(view, from + start, from + to));

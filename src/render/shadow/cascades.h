@@ -20,5 +20,6 @@ inline constexpr uint32_t kCascades = 4;
 // empty if no part of the scene can be in the view.
 inline constexpr double kCascadeRatio = 3;
 std::vector<Sphere> fitCascades(const shared::View& view, const scene::Bounds& bounds);
+double cascadeShare(uint32_t cascade);  // the distance to which a cascade reaches, as a share of the last one's
 
 }  // namespace latelight::render

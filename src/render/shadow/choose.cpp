@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "render/shadow/atlas.h"
+#include "render/shadow/cascades.h"
 #include "render/shadow/page_push.h"
 #include "shared/color.h"
 #include "shared/light.h"
@@ -38,6 +39,15 @@ float importance(const shared::Light& light, const ShadowScene& scene, const sha
   return candela / std::max(glm::dot(to, to), nearest * nearest);
 }
 
+bool mayCast(const scene::Light& light, const ShadowLights& requested) {
+  const bool named = requested.names.empty() || std::ranges::count(requested.names, light.name) > 0;
+  return light.castShadow.value_or(true) && named;
+}
+
+size_t mostCasters(const ShadowLights& requested) {
+  return requested.automatic ? kAutomaticShadows : requested.most;
+}
+
 struct Candidate {
   uint32_t light, source;
   bool directional, asked;  // asked: the scene itself requests shadows of this light
@@ -59,16 +69,12 @@ std::vector<Candidate> candidates(const ShadowScene& scene, const shared::View& 
     const shared::Light& light = scene.lights[i];
     const scene::Light& authored = scene.authored[scene.sources[i]];
     const bool directional = shared::lightIsDirectional(light.type);
-    const auto named = [&] {
-      return requested.names.empty() ||
-             std::find(requested.names.begin(), requested.names.end(), authored.name) != requested.names.end();
-    };
-    if (!authored.castShadow.value_or(true) || !named()) continue;
+    if (!mayCast(authored, requested)) continue;
     if (directional ? !anyCascade : !frustum.touches({light.position, light.radius})) continue;
     found.push_back(
         {i, scene.sources[i], directional, authored.castShadow.value_or(false), importance(light, scene, view)});
   }
-  const size_t count = std::min<size_t>(found.size(), requested.automatic ? kAutomaticShadows : requested.most);
+  const size_t count = std::min<size_t>(found.size(), mostCasters(requested));
   std::partial_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(count), found.end());
   found.resize(count);
   return found;
@@ -86,7 +92,7 @@ uint32_t tileSize(double texels, uint32_t least, uint32_t most) {
 // the light's sphere on screen, and a cube face half as wide.
 uint32_t sizeOf(const shared::Light& light, const ShadowScene& scene, const shared::View& view, uint32_t maps) {
   const double picture = std::max(view.size.x, view.size.y);
-  const uint32_t cascade = tileSize(picture, kMinCascade, kLargestTile);
+  const uint32_t cascade = cascadeSize(picture);
   if (shared::lightIsDirectional(light.type)) return cascade;
   const double reach = reachIn(scene, light);
   const double distance = std::max<double>(glm::length(light.position - view.eye), 0.5 * reach);
@@ -142,6 +148,31 @@ void checkShadowLights(const ShadowLights& requested, std::span<const scene::Lig
   for (const std::string& name : requested.names)
     if (std::none_of(lights.begin(), lights.end(), [&](const scene::Light& light) { return light.name == name; }))
       badUsage("no light is called \"{}\": --shadow-lights takes auto, all, none, a number, or names of lights", name);
+}
+
+uint32_t cascadeSize(double picture) {
+  return tileSize(picture, kMinCascade, kLargestTile);
+}
+
+bool castsOnlyDirectional(std::span<const scene::Light> lights, uint32_t width, uint32_t height,
+                          const Settings& settings) {
+  size_t count = 0;
+  for (const scene::Light& light : lights) {
+    if (light.removed || shared::lightIsArea(light.type) || !mayCast(light, settings.shadowLights)) continue;
+    if (!shared::lightIsDirectional(light.type)) return false;
+    ++count;
+  }
+  const uint64_t side = cascadeSize(std::max(width, height)),
+                 budget = uint64_t{settings.shadowAtlas} * settings.shadowAtlas;
+  return count <= mostCasters(settings.shadowLights) && side * side * kCascades * count <= budget;
+}
+
+std::vector<uint32_t> shadowCasters(const ShadowScene& scene, const Settings& settings) {
+  checkShadowLights(settings.shadowLights, scene.authored);
+  std::vector<uint32_t> casters;
+  for (uint32_t i = 0; i < scene.lights.size(); ++i)
+    if (mayCast(scene.authored[scene.sources[i]], settings.shadowLights)) casters.push_back(i);
+  return casters;
 }
 
 std::vector<ShadowCaster> chooseShadowCasters(const ShadowScene& scene, const shared::View& view,

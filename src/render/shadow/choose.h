@@ -22,6 +22,15 @@ void checkShadowLights(const ShadowLights& requested, std::span<const scene::Lig
 std::vector<ShadowCaster> chooseShadowCasters(const ShadowScene& scene, const shared::View& view,
                                               const Settings& settings, uint32_t cascades);
 
+// Returns true if no lights except directional ones cast shadows by maps, and if their tiles are the same in each view
+// of this size. `lights`: those of a scene.
+bool castsOnlyDirectional(std::span<const scene::Light> lights, uint32_t width, uint32_t height,
+                          const Settings& settings);
+// Returns the lights that may cast shadows, by index in ascending order. Throws Error(Usage) for names that no light
+// has.
+std::vector<uint32_t> shadowCasters(const ShadowScene& scene, const Settings& settings);
+uint32_t cascadeSize(double picture);  // texels per side of the map of a cascade, for a picture of this many pixels
+
 // The half angle of a spot light's map in radians; none if the light requires a cube.
 std::optional<double> shadowCone(const shared::Light& light);
 

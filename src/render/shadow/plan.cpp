@@ -274,6 +274,26 @@ ShadowPlan planRays(const ShadowScene& scene, std::span<const shared::View> view
 
 }  // namespace
 
+SunPlan planSuns(const ShadowScene& scene, std::span<const shared::View> views, const Settings& settings) {
+  SunPlan plan{.lights = std::vector<shared::ShadowBits>((scene.lights.size() + 31) / 32),
+               .size = cascadeSize(std::max(views[0].size.x, views[0].size.y))};
+  for (const shared::View& view : views)
+    plan.depths.emplace_back(shared::viewDepth(view.projection, 1.0f), shared::viewDepth(view.projection, 0.0f));
+  const Planner planner{scene, 0, settings, indexOf(settings.shadows)};
+  for (const uint32_t light : shadowCasters(scene, settings)) {
+    const Frame f{.axes = axesAlong(glm::normalize(dvec3(scene.lights[light].direction)))};
+    LightMaps maps;
+    planner.addMap(maps, f, plan.size, static_cast<float>(planner.lightRadius(scene.lights[light], light)), {});
+    plan.suns.push_back({maps.views[0].view, maps.maps[0]});
+    for (const dvec3& axis : {f.axes.right, f.axes.away, f.axes.up})
+      for (int i = 0; i < 3; ++i) plan.axes.push_back(axis[i]);
+    plan.lights[light / 32].lights |= 1u << (light % 32);
+  }
+  for (size_t i = 1; i < plan.lights.size(); ++i)
+    plan.lights[i].before = plan.lights[i - 1].before + static_cast<uint32_t>(std::popcount(plan.lights[i - 1].lights));
+  return plan;
+}
+
 uint64_t shadowTexels(const Settings& s) {
   if (s.shadows == ShadowFormat::Rays) return 0;
   const uint64_t side = std::max(s.width, s.height), most = uint64_t{s.shadowAtlas} * s.shadowAtlas;

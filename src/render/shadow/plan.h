@@ -11,6 +11,7 @@
 
 #include "render/base/frustum.h"
 #include "render/settings/settings.h"
+#include "render/shadow/place_shadows_push.h"
 #include "scene/scene.h"
 #include "shared/rays.h"
 #include "shared/types.h"
@@ -49,6 +50,18 @@ struct ShadowScene {
   std::span<const scene::Light> authored;
   scene::Bounds bounds;  // in the device's world space
 };
+
+// The directional lights that cast shadows, if these are the same in all views and worlds and no other light casts any:
+// shaders can then fit their maps (placed_shadows.h).
+struct SunPlan {
+  std::vector<shared::SunTemplate> suns;   // in the order of the frame's lights
+  std::vector<double> axes;                // of each: right, away and up
+  std::vector<shared::ShadowBits> lights;  // FrameConstants::shadowBits
+  uint32_t size = 0;                       // texels per side of each map
+  std::vector<glm::dvec2> depths;          // nearest and farthest depth of each of a world's views
+};
+// `views`: those of a world. Requires castsOnlyDirectional() (choose.h).
+SunPlan planSuns(const ShadowScene& scene, std::span<const shared::View> views, const Settings& settings);
 
 uint64_t shadowTexels(const Settings& settings);  // maximum number of texels of the maps of one view; 0: no maps
 

@@ -123,7 +123,7 @@ CastResult Renderer::cast(const CastRays& rays, const Settings& settings, const 
   resolveOverflow();
   sceneInput_.reset();
   gpuScene_.update(moment.poses, sunOf(settings));
-  gpuScene_.setWorlds({}, moment.poses);
+  gpuScene_.setWorlds({}, moment.poses, {});
   SceneBvh& bvh = followedBvh(false);
   const bool file = scene_.yUp && settings.axes == Axes::File;
   const RayFrame frame{.worldFromFrame = file ? glm::dmat3(scene::toWorldFromGltf()) : glm::dmat3(1),

@@ -52,6 +52,7 @@ struct Shadows {
 
 // Draws the shadow maps unless they are complete. Reads the G-buffer as it is at this point.
 Shadows addShadows(const FrameContext& f, const Gbuffer& g) {
+  if (f.placedShadows) return {addPlacedShadowMaps(f), f.shadowState};
   if (!f.shadows || f.shadows->tracesRays()) return {{}, f.shadowState};
   if (f.shadows->maps().empty() || f.shadowState == ShadowMapState::Complete)
     return {f.graph.import(f.shadows->atlas(), graph::Use::SampledCompute), f.shadowState};

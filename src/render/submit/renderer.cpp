@@ -17,6 +17,7 @@
 #include "render/options/options.h"
 #include "render/outputs/raw_read.h"
 #include "render/sensor/sensor.h"
+#include "render/shadow/choose.h"
 #include "render/submit/frame_passes.h"
 #include "render/submit/job.h"
 #include "render/submit/lens_settings.h"
@@ -126,14 +127,15 @@ Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::E
       rasterInstances_(device),
       worldPlacer_(device),
       executor_(device),
-      state_{device_,          executor_,         gpuScene_, environment_, hasEnvironment_, drawOrder_,
-             rasterInstances_, clusterOcclusion_, overflow_, bvh_,         lowestPoint_} {}
+      state_{device_,          executor_,         gpuScene_, &environment_, hasEnvironment_, drawOrder_,
+             rasterInstances_, clusterOcclusion_, overflow_, bvh_,          lowestPoint_} {}
 
 Renderer::~Renderer() = default;
 
 void Renderer::begin(const Settings& settings, const SceneState& moment) {
   checkSettings(settings);
-  if (settings.background.kind == Background::Environment && !hasEnvironment_)
+  const bool anyEnvironment = hasEnvironment_ || !moment.worlds.environments.empty();
+  if (settings.background.kind == Background::Environment && !anyEnvironment)
     badUsage(
         "the environment can't be the background where there is none: choose one (a .hdr or .exr file, or studio)");
   // Batches in flight depend on the scene's state, so nothing may change before it is known that none overflowed.
@@ -141,7 +143,7 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
   if (input.posed || sceneInput_ != input) resolveOverflow();
   sceneInput_.reset();
   gpuScene_.update(moment.poses, sunOf(settings));
-  gpuScene_.setWorlds(moment.worlds, moment.poses);
+  gpuScene_.setWorlds(moment.worlds, moment.poses, selectEnvironments(moment.worlds));
   gpuScene_.setAnisotropy(settings.anisotropy.value_or(usualAnisotropy(device_)));
   gpuScene_.setGroups(moment.groups);
   drawOrder_.update(gpuScene_);
@@ -156,11 +158,34 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
         "the technique reference and a ground");
   if (settings.ground != Ground::None && !settings.groundHeight) findLowestPoint();
   prepareScene(settings);
+  planPlacedShadows(settings, moment.worlds);
   if (moment.worlds.inputs)
     worldPlacer_.update(scene_, gpuScene_, rasterInstances_, moment.worlds, moment.poses, gpuScene_.uploads(),
-                        settings.width, settings.height);
+                        settings.width, settings.height, state_.placesShadows());
   if (input.objectFrames) gpuScene_.storeObjectFrames();
   sceneInput_ = input;
+}
+
+// Selects the environments of the next frames. Returns where those of the worlds are (FrameConstants::environmentMap).
+// Environments that are new to the renderer become further layers.
+std::vector<uint32_t> Renderer::selectEnvironments(const WorldStates& worlds) {
+  state_.environment = &environment_;
+  state_.hasEnvironment = hasEnvironment_ || !worlds.environments.empty();
+  if (worlds.environments.empty()) return {};
+  std::vector<const scene::Environment*>& known = worldEnvironmentSources_;
+  const size_t before = known.size();
+  for (const scene::Environment* environment : worlds.environments)
+    if (std::ranges::find(known, environment) == known.end()) known.push_back(environment);
+  if (known.size() > before) {
+    replays_.clear();
+    worldEnvironments_ = std::make_unique<GpuEnvironment>(device_, known);
+  }
+  state_.environment = worldEnvironments_.get();
+  std::vector<uint32_t> maps;
+  for (const scene::Environment* environment : worlds.environments)
+    maps.push_back(
+        worldEnvironments_->map(static_cast<uint32_t>(std::ranges::find(known, environment) - known.begin())));
+  return maps;
 }
 
 // Prepares what rays and the raster compute read, for the scene's current pose.
@@ -207,15 +232,22 @@ Renderer::SceneInput Renderer::inputOf(const Settings& settings, const SceneStat
           moment.groups};
 }
 
-bool Renderer::placesWorlds(const Settings& s, std::span<const scene::Camera> cameras) const {
-  const auto lit = [](const scene::Light& light) { return !light.removed; };
-  const bool lights = s.sun || std::ranges::any_of(scene_.lights, lit);
+// Returns true if shaders may fit all shadow maps of worlds that they place, or if there are none.
+bool Renderer::placesShadows(const Settings& s, const Poses& poses, bool ownLights) const {
+  if (s.shadows == ShadowFormat::None || !isLit(s)) return true;
+  std::vector<scene::Light> lights = scene_.lights;
+  if (const std::optional<scene::Light> sun = sunOf(s)) lights.push_back(*sun);
+  if (std::ranges::all_of(lights, &scene::Light::removed)) return true;
+  return poses.current.empty() && !ownLights && castsOnlyDirectional(lights, s.width, s.height, s);
+}
+
+bool Renderer::placesWorlds(const Settings& s, std::span<const scene::Camera> cameras, const Poses& poses,
+                            bool ownLights) const {
   const auto blurs = [&](const scene::Camera& camera) { return thinLensOf(camera, s, scene_).radius > 0; };
   return WorldPlacer::runsOn(device_) && rastersInCompute(s) && !s.lighting->draws && !tracesRays(s) &&
-         (s.shadows == ShadowFormat::None || !lights || !isLit(s)) &&
-         (s.ambientOcclusion == AmbientOcclusion::None || s.aoRadius) && s.aa.superSampling == 1 && !s.aa.temporal &&
-         s.shutter == 0 && s.readout == 0 && stripsOf(s).size() == 1 && std::ranges::none_of(cameras, bendsRays) &&
-         std::ranges::none_of(cameras, blurs);
+         placesShadows(s, poses, ownLights) && (s.ambientOcclusion == AmbientOcclusion::None || s.aoRadius) &&
+         s.aa.superSampling == 1 && !s.aa.temporal && s.shutter == 0 && s.readout == 0 && stripsOf(s).size() == 1 &&
+         std::ranges::none_of(cameras, bendsRays) && std::ranges::none_of(cameras, blurs);
 }
 
 std::shared_ptr<const vk::Buffer> Renderer::inputMemory(uint64_t bytes) {
@@ -229,7 +261,18 @@ std::shared_ptr<const vk::Buffer> Renderer::inputMemory(uint64_t bytes) {
 }
 
 bool Renderer::castsShadows(const Settings& settings) const {
-  return settings.shadows != ShadowFormat::None && gpuScene_.lightCount() > 0 && isLit(settings);
+  return settings.shadows != ShadowFormat::None && gpuScene_.lightCount() > 0 && isLit(settings) && !state_.suns;
+}
+
+// Selects the lights whose shadow maps shaders fit to the views of worlds.
+void Renderer::planPlacedShadows(const Settings& s, const WorldStates& worlds) {
+  state_.suns = nullptr;
+  if (!worlds.inputs || !castsShadows(s)) return;
+  std::vector<shared::View> views;
+  for (const scene::Camera& camera : worlds.inputs->cameras)
+    views.push_back(shadowView(camera, s.width, s.height, gpuScene_));
+  suns_ = planSuns(shadowSceneOf(gpuScene_), views, s);
+  state_.suns = &suns_;
 }
 
 // Plans the maps for the full pictures without jitter, so that the samples and strips of a picture share the positions
@@ -377,7 +420,8 @@ ViewsInTime Renderer::placedViewsOf(const ViewBatch& part) const {
                     .previous = worldPlacer_.views(0, 1) + offset,
                     .next = worldPlacer_.views(0, 2) + offset,
                     .first = static_cast<uint32_t>(part.first),
-                    .perWorld = static_cast<uint32_t>(part.job.now.size())};
+                    .perWorld = static_cast<uint32_t>(part.job.now.size()),
+                    .bounds = worldPlacer_.bounds()};
   return views;
 }
 
@@ -461,6 +505,8 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       .areaLights = gpuScene_.areaLights(),
       .anyVast = gpuScene_.anyVast(),
       .textures = device_.maxTextureArray() ? gpuScene_.materials().textureSet() : VK_NULL_HANDLE,
+      .environment = state_.environment,
+      .placedShadows = {},
       .instances = rasterInstances_.address(),
       .objectFrames = gpuScene_.objectFrames(),
       .solid = rasterInstances_.solid(),
@@ -472,6 +518,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
                      overflow_.mediumTriangles, overflow_.largeTriangles, overflow_.tileEntries},
       .settings = s,
   };
+  if (state_.placesShadows()) key.placedShadows = {suns_.suns.size(), suns_.depths.size()};
   for (const ExportedArray& array : part.job.result.arrays) key.arrays.push_back(array.memory->serial);
   return key;
 }

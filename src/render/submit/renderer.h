@@ -65,8 +65,11 @@ class Renderer {
   CastResult cast(const CastRays& rays, const Settings& settings, const SceneState& moment = {});
 
   // Returns true if shaders may place the worlds of a call with these settings and cameras (WorldStates::inputs). Other
-  // calls require the host's records: those that draw, cast shadows, or render a picture in several parts.
-  bool placesWorlds(const Settings& settings, std::span<const scene::Camera> cameras) const;
+  // calls require the host's records: those that draw, cast shadows of other lights than directional ones, or render a
+  // picture in several parts.
+  // `ownLights`: the worlds have lights of their own.
+  bool placesWorlds(const Settings& settings, std::span<const scene::Camera> cameras, const Poses& poses,
+                    bool ownLights) const;
   // Returns memory for WorldInputs that the host writes, at least `bytes`. It must be held until the call has finished.
   std::shared_ptr<const vk::Buffer> inputMemory(uint64_t bytes);
 
@@ -110,6 +113,7 @@ class Renderer {
     std::vector<uint32_t> groups;
     bool operator==(const SceneInput&) const = default;
   };
+  std::vector<uint32_t> selectEnvironments(const WorldStates& worlds);
   SceneInput inputOf(const Settings& settings, const SceneState& moment) const;
   graph::Submission submit(const graph::Graph& graph, const graph::Plan& plan);
   void addSceneChanges(graph::Graph& graph) const;
@@ -130,7 +134,9 @@ class Renderer {
   Start submitRequest(ViewBatch& part, std::optional<uint64_t> maxBytes);
   Start accumulate(ViewBatch& part, const CameraSample& sample, const vk::Image& sum, std::optional<uint64_t> maxBytes,
                    bool first);
-  bool castsShadows(const Settings& settings) const;
+  bool placesShadows(const Settings& settings, const Poses& poses, bool ownLights) const;
+  void planPlacedShadows(const Settings& settings, const WorldStates& worlds);
+  bool castsShadows(const Settings& settings) const;  // by maps that the host plans
   ShadowPlan planShadows(std::span<const scene::Camera> cameras, const Settings& settings) const;
   std::shared_ptr<FrameShadows> placeShadows(ShadowPlan plan, const Settings& settings);
   vk::Image makeSum(const ViewBatch& part);
@@ -140,6 +146,9 @@ class Renderer {
   GpuScene gpuScene_;
   GpuEnvironment environment_;
   bool hasEnvironment_;
+  // The environments that worlds of earlier calls chose from. Null before the first such call.
+  std::unique_ptr<GpuEnvironment> worldEnvironments_;
+  std::vector<const scene::Environment*> worldEnvironmentSources_;  // one per layer
   DrawOrder drawOrder_;
   RasterInstances rasterInstances_;
   WorldPlacer worldPlacer_;
@@ -151,6 +160,7 @@ class Renderer {
   vk::Buffer environmentCells_;    // null before paths sample the environment
   double lowestPoint_ = 0;         // of the scene, as edited at `lowestPointEdits_`
   std::optional<std::array<uint64_t, 2>> lowestPointEdits_;
+  SunPlan suns_;  // RenderState::suns
   RenderState state_;
   TemporalHistory history_;
   LensRayCache lensRays_;

@@ -30,6 +30,8 @@ struct ReplayKey {
   uint32_t lights, unboundedLights, areaLights;
   bool anyVast;
   VkDescriptorSet textures;
+  const GpuEnvironment* environment;
+  std::array<size_t, 2> placedShadows;  // numbers of lights and of views per world, if shaders fit shadow maps
   VkDeviceAddress instances;
   VkDeviceAddress objectFrames;
   RasterInstances::Share solid, all;

@@ -99,7 +99,7 @@ FrameContext FrameGraphBuilder::litContext(const ViewSet& set, const FrameConfig
 // Adds the lit frame of the picture. The frame also counts lights if it can, because lights are counted at pixel
 // centers.
 LitFrame FrameGraphBuilder::addPicture(const SurfaceOutputs* outputs) {
-  FrameConfig setup = frameSetup(settings_, shadows_ != nullptr);
+  FrameConfig setup = frameSetup(settings_, shadows_ || state_.placesShadows());
   setup.outputs = outputs;
   setup.countLights = isSteady() && requestsOutput(settings_, Origin::LightCounts);
   const FrameContext f = litContext(jittered(), setup);
@@ -179,7 +179,7 @@ void FrameGraphBuilder::addLightCounts() {
   if (lit_ && isSteady()) {
     counts = lit_->lightCounts;
   } else {
-    FrameConfig setup = frameSetup(settings_, shadows_ != nullptr);
+    FrameConfig setup = frameSetup(settings_, shadows_ || state_.placesShadows());
     setup.countLights = true;
     setup.fog = false;
     setup.ground = false;
@@ -197,7 +197,7 @@ void FrameGraphBuilder::addLightCounts() {
 void FrameGraphBuilder::addSampleCounts() {
   graph::ImageId counts;
   if (settings_.aa.samples > 1) {
-    if (!lit_) lit_ = addOpaque(litContext(jittered(), frameSetup(settings_, shadows_ != nullptr)));
+    if (!lit_) lit_ = addOpaque(litContext(jittered(), frameSetup(settings_, shadows_ || state_.placesShadows())));
     counts = lit_->gbuffer.surfaces ? lit_->gbuffer.surfaces : lit_->gbuffer.depth;
   } else {
     counts = steadyVisible().pixels;

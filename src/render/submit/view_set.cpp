@@ -1,6 +1,7 @@
 #include "render/submit/view_set.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -33,12 +34,17 @@ ViewSet::ViewSet(const RenderState& state, const ViewsInTime& views, const Setti
       settings_(settings),
       shadows_(shadows),
       visibility_(makeVisibility(state, views_.now, settings, options)) {
+  constexpr uint64_t kMaxWork = uint64_t{1} << 31;  // the raster's counter of parts has 32 bits
+  if (views_.onDevice.now && state.placesShadows())
+    placedShadows_.emplace(state.device, *state.suns, static_cast<uint32_t>(views_.now.size()),
+                           kMaxWork / std::bit_ceil(std::max<uint64_t>(state.rasterInstances.all().parts, 1)));
   upload();
 }
 
 void ViewSet::addConstants(graph::Graph& graph) const {
   if (described_)
     addViewConstants(state_.device, graph, described_.address(), static_cast<uint32_t>(views_.now.size()));
+  if (placedShadows_) placedShadows_->addTo(graph);
 }
 
 namespace {
@@ -95,6 +101,11 @@ void ViewSet::describeOnDevice() {
                      sizeof(shared::ViewConstants) + count * sizeof(float), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     constants_ = vk::Buffer(state_.device, {.size = count * sizeof(shared::FrameConstants), .name = "frame constants"});
   }
+  if (placedShadows_)
+    placedShadows_->update(*state_.suns, {.views = views_.onDevice.now,
+                                          .frames = constants_.address(),
+                                          .bounds = views_.onDevice.bounds,
+                                          .firstView = views_.onDevice.first});
   shared::ViewConstants c{.frame = constantsOf(0), .result = constants_.address()};
   state_.scene.worlds().describe(c);
   if (!state_.hasEnvironment) c.has &= ~shared::kWorldHasIntensity;
@@ -117,6 +128,7 @@ shared::FrameConstants ViewSet::constantsOf(uint32_t world) const {
   frame.areaShadows = areaShadowsOf(state_.scene.lightsOf(world), s);
   if (hasConstantsPerView()) frame.rasterInstances = state_.rasterInstances.address(world);
   if (shadows_) shadows_->describe(frame);
+  if (placedShadows_) placedShadows_->describe(frame);
   const glm::dvec3 point = s.positionOrigin.point;
   const bool file = state_.scene.isYUp() && s.axes == Axes::File;
   const glm::dvec3 offset = state_.scene.origin() - (file ? glm::dvec3(point.x, -point.z, point.y) : point);
@@ -138,7 +150,7 @@ shared::FrameConstants ViewSet::constantsOf(uint32_t world) const {
   frame.environmentIntensity = state_.hasEnvironment ? s.environmentIntensity : 0.0f;
   frame.environmentCos = std::cos(s.environmentRotation);
   frame.environmentSin = std::sin(s.environmentRotation);
-  frame.environmentLevels = static_cast<float>(state_.environment.levels());
+  frame.environmentLevels = static_cast<float>(state_.environment->levels());
   frame.fog = {.color = s.fogColor,
                .density = s.fogDensity,
                .falloff = s.fogHeight > 0 ? 1 / s.fogHeight : 0.0f,
@@ -160,6 +172,7 @@ void ViewSet::setWorld(shared::FrameConstants& frame, uint32_t world) const {
   frame.rasterInstances = state_.rasterInstances.address(world);
   if (state_.hasEnvironment)
     frame.environmentIntensity = worlds.environmentIntensity(world, settings_.environmentIntensity);
+  frame.environmentMap = worlds.environmentMap(world);
   if (worlds.turnsEnvironment()) {
     const float rotation = worlds.environmentRotation(world, settings_.environmentRotation);
     frame.environmentCos = std::cos(rotation);
@@ -185,7 +198,7 @@ FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {
   FrameContext f{
       {state_.device, graph, hasConstantsPerView()},
       state_.scene,
-      state_.environment,
+      *state_.environment,
       visibility_,
       setup,
       views_.now,
@@ -198,6 +211,7 @@ FrameContext ViewSet::frame(graph::Graph& graph, FrameConfig setup) const {
       settings_.aoStrength,
   };
   if (setup.shadowFormat || setup.rayShadows) f.shadows = shadows_;
+  if (setup.shadowFormat && placedShadows_) f.placedShadows = &*placedShadows_;
   if (setup.rayShadows && shadows_) f.otherConstants = otherConstants_.address();
   f.groundHeight = static_cast<float>(settings_.groundHeight.value_or(state_.lowestPoint) - state_.scene.origin().z);
   if (state_.bvh) f.emitters = state_.bvh->emitterCount();

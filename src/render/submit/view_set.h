@@ -11,6 +11,7 @@
 #include "render/rays/scene_bvh.h"
 #include "render/settings/settings.h"
 #include "render/shadow/frame_shadows.h"
+#include "render/shadow/placed_shadows.h"
 #include "render/visibility/compute/compute.h"
 #include "render/visibility/hardware.h"
 
@@ -21,7 +22,7 @@ struct RenderState {
   vk::Device& device;
   graph::Executor& executor;
   const GpuScene& scene;
-  const GpuEnvironment& environment;
+  const GpuEnvironment* environment;  // the renderer's, or those that worlds choose from; not null
   bool hasEnvironment;
   const DrawOrder& order;
   const RasterInstances& rasterInstances;
@@ -29,6 +30,9 @@ struct RenderState {
   Overflow& overflow;
   const std::unique_ptr<SceneBvh>& bvh;  // null without rays
   const double& lowestPoint;             // of the scene, along Z of world space; set with --ground
+  // The lights whose shadow maps shaders fit, in calls whose worlds they place; null if the host plans all maps.
+  const SunPlan* suns = nullptr;
+  bool placesShadows() const { return suns && !suns->suns.empty(); }
 };
 
 // Equal numbers of views in the current, previous and next frame. The previous and next views have no jitter.
@@ -41,6 +45,7 @@ struct ViewsInTime {
   struct OnDevice {
     VkDeviceAddress now = 0, previous = 0, next = 0;
     uint32_t first = 0, perWorld = 1;  // index of the first view in the call, and views per world
+    VkDeviceAddress bounds = 0;        // of the worlds (WorldPlacer::bounds())
   } onDevice{};
   std::vector<float> exposures = {};  // factor of each view; empty: that of the settings for all
 };
@@ -78,6 +83,7 @@ class ViewSet {
   const FrameShadows* shadows_;
   Visibility visibility_;
   vk::Buffer viewBuffer_, constants_, otherConstants_;
+  std::optional<PlacedShadows> placedShadows_;
   vk::Buffer described_;  // shared::ViewConstants, then the views' exposures; null unless the views are on the device
 };
 

@@ -53,14 +53,14 @@ void DrawOrder::update(const GpuScene& scene) {
   while (order_.size() < all.count()) order_.push_back(static_cast<uint32_t>(order_.size()));
   if (!std::is_sorted(order_.begin(), order_.end(), before)) std::sort(order_.begin(), order_.end(), before);
   anyBlended_ = std::any_of(order_.begin(), order_.end(), [&](uint32_t i) { return isBlended(scene, all.record(i)); });
-  for (const uint32_t material : scene.worlds().choices())
+  for (const uint32_t material : scene.worlds().chosenMaterials())
     anyBlended_ = anyBlended_ || shared::translucent(scene.materials().record(material).flags);
   if (scene.worlds().derivesMaterials()) {
     const auto mayBlend = [&](uint32_t material) {
       return shared::translucent(scene.materials().derivable(material).flags);
     };
     anyBlended_ |= std::ranges::any_of(all.records(), mayBlend, &shared::Instance::material) ||
-                   std::ranges::any_of(scene.worlds().choices(), mayBlend);
+                   std::ranges::any_of(scene.worlds().chosenMaterials(), mayBlend);
   }
   if (scene.worlds().hasMaterials())
     anyBlended_ |= std::ranges::any_of(scene.worlds().records(),

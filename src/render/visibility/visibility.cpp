@@ -30,6 +30,10 @@ void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId
   std::visit([&](const auto& technique) { technique.addShadowMaps(f, gbuffer, atlas); }, f.visibility);
 }
 
+graph::ImageId addPlacedShadowMaps(const FrameContext& f) {
+  return std::get<ComputeVisibility>(f.visibility).addPlacedShadowMaps(f);
+}
+
 void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) {
   std::visit([&](const auto& technique) { technique.addFragments(f, gbuffer, buffers); }, f.visibility);
 }

@@ -49,6 +49,8 @@ graph::ImageId addTriangles(const FrameContext& f, const VisibilityBuffer& visib
 // Renders the shadow maps of f.shadows into `atlas`. If the technique supports virtual shadow maps, only the pages that
 // the G-buffer's pixels look up are rendered.
 void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas);
+// Renders the maps of f.placedShadows and returns their atlas. Requires the raster compute.
+graph::ImageId addPlacedShadowMaps(const FrameContext& f);
 // addFragments() stores the fragments of blended surfaces that no opaque surface occludes, in any order. After they are
 // in lists (unsorted, as FragmentLists::lists), lightFragments() lights those that are not lit yet; with the method
 // `sorted` it also sets their sort keys.

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Checks the arrays that describe worlds: one invocation per world and per listed instance or camera, whichever are
-// more. It writes kWorld* bits to WorldJob::status.
+// Checks the arrays that describe worlds: one invocation per world and per listed instance, camera or light, whichever
+// are most. It writes kWorld* bits to WorldJob::status.
 #include "render/visibility/compute/place_worlds.glsl"
 
 bool isFiniteFloat(double number) {
@@ -65,9 +65,33 @@ uint checkedMaterial(WorldJob job, uint index) {
          checkedFactors(job.metallic, index, 1u, 1.0) | checkedFactors(job.roughness, index, 1u, 1.0);
 }
 
+uint checkedChoice(WorldJob job, uint index) {
+  if (job.materialChoice.address == 0ul) return 0u;
+  double choice = numberAt(job.materialChoice, index);
+  return choice >= 0.0lf && choice < double(job.paletteSize) ? 0u : kWorldWrongChoice;
+}
+
+uint checkedLight(WorldJob job, uint index) {
+  const float kUnbounded = 3.402823466e38;
+  uint factors = checkedFactors(job.lightColor, index, 3u, kUnbounded) |
+                 checkedFactors(job.lightIntensity, index, 1u, kUnbounded);
+  uint bits = (factors & kWorldWrongFactors) != 0u ? kWorldWrongLight : 0u;
+  bits |= factors & kWorldNotFinite;
+  if (job.lightPosition.address != 0ul && !areFinite(job.lightPosition, index, 3u)) bits |= kWorldNotFinite;
+  if (job.lightDirection.address == 0ul) return bits;
+  if (!areFinite(job.lightDirection, index, 3u)) return bits | kWorldNotFinite;
+  dvec3 direction;
+  for (uint i = 0u; i < 3u; ++i) direction[i] = double(float(numberAt(job.lightDirection, 3u * index + i)));
+  return dotOf(direction, direction) == 0.0lf ? bits | kWorldWrongDirection : bits;
+}
+
 uint checkedEnvironment(WorldJob job, uint world) {
   uint bits = 0u;
-  if (job.environmentRotation.address != 0ul && !areFinite(job.environmentRotation, world, 1u)) bits = kWorldNotFinite;
+  if (job.environmentIndex.address != 0ul) {
+    double index = numberAt(job.environmentIndex, world);
+    if (!(index >= 0.0lf && index < double(job.environments))) bits = kWorldWrongEnvironmentIndex;
+  }
+  if (job.environmentRotation.address != 0ul && !areFinite(job.environmentRotation, world, 1u)) bits |= kWorldNotFinite;
   if (job.environmentIntensity.address == 0ul) return bits;
   if (!areFinite(job.environmentIntensity, world, 1u)) return bits | kWorldNotFinite;
   return numberAt(job.environmentIntensity, world) < 0.0lf ? bits | kWorldWrongEnvironment : bits;
@@ -75,7 +99,7 @@ uint checkedEnvironment(WorldJob job, uint world) {
 
 void main() {
   WorldJob job = JobRef(push.job).v;
-  uint each = max(max(job.listed, job.viewsPerWorld), 1u), world = elementIndex() / each, i = elementIndex() % each;
+  uint each = max(max(job.listed, job.viewsPerWorld), max(job.listedLights, 1u)), world = elementIndex() / each, i = elementIndex() % each;
   if (world >= job.worlds) return;
   uint bits = 0u;
   if (i == 0u && job.emptyWorlds != 0ul && UintRef(job.emptyWorlds).v[world] != 0u) bits = kWorldNotFinite;
@@ -83,7 +107,8 @@ void main() {
     if (i < job.listed) bits |= checkedTransform(job.givenTransforms[time], world * job.listed + i);
     if (i < job.viewsPerWorld) bits |= checkedPose(job.givenPoses[time], world * job.viewsPerWorld + i);
   }
-  if (i < job.listed) bits |= checkedMaterial(job, world * job.listed + i);
+  if (i < job.listed) bits |= checkedMaterial(job, world * job.listed + i) | checkedChoice(job, world * job.listed + i);
+  if (i < job.listedLights) bits |= checkedLight(job, world * job.listedLights + i);
   if (i == 0u) bits |= checkedEnvironment(job, world);
   if (i < job.viewsPerWorld) bits |= checkedIntrinsics(job.intrinsics, world * job.viewsPerWorld + i);
   if (bits != 0u) report(job, world, bits);

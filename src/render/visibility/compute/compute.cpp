@@ -15,6 +15,7 @@
 #include "render/outputs/surface_outputs.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/shadow/pages.h"
+#include "render/shadow/placed_shadows.h"
 #include "render/transparency/transparency.h"
 #include "render/visibility/sample_surfaces.h"
 #include "vk/features.h"
@@ -395,8 +396,14 @@ void ComputeVisibility::addShadowMapsOf(const FrameContext& f, const ShadowMaps&
   RasterViews maps = viewsBeside(f, views);
   maps.within = f.graph.constants(std::as_bytes(std::span(within)));
   maps.pages = together.pages;
-  const VkDeviceAddress places = f.graph.constants(std::as_bytes(std::span(targets)));
+  storeShadowMaps(f, maps, f.graph.constants(std::as_bytes(std::span(targets))), atlas, use);
+}
+
+// Rasterizes the maps and overwrites their rendered pages in `atlas`. `targets`: ShadowTarget[].
+void ComputeVisibility::storeShadowMaps(const FrameContext& f, const RasterViews& maps, VkDeviceAddress targets,
+                                        graph::ImageId atlas, graph::Use use) const {
   const VisibilityBuffer visible = addVisible(f, maps);
+  const uint32_t size = maps.width;
   addCompute(f,
              {.stage = graph::Stage::Shadows,
               .name = "shadow maps",
@@ -404,12 +411,30 @@ void ComputeVisibility::addShadowMapsOf(const FrameContext& f, const ShadowMaps&
               .bindings = Bindings(f.device).storage(atlas, use),
               .size = {size, size, maps.count},
               .constants = f.setup.constants(),
-              .buffers = {{visible.ids, graph::Use::StorageRead}, {together.pages, graph::Use::StorageRead}}},
-             [=, constants = maps.constants, pages = together.pages](graph::Context& context) {
+              .buffers = {{visible.ids, graph::Use::StorageRead}, {maps.pages, graph::Use::StorageRead}}},
+             [=, constants = maps.constants, pages = maps.pages](graph::Context& context) {
                const auto address = [&](graph::BufferId buffer) { return context.buffer(buffer).address(); };
-               return ShadowStorePush{constants, visible.instances, address(visible.ids), places, address(pages), size,
+               return ShadowStorePush{constants, visible.instances, address(visible.ids), targets, address(pages), size,
                                       0};
              });
+}
+
+// Renders the maps that shaders have fitted, and returns their atlas.
+graph::ImageId ComputeVisibility::addPlacedShadowMaps(const FrameContext& f) const {
+  const PlacedShadows& shadows = *f.placedShadows;
+  const graph::ImageId atlas = f.graph.create(shadows.atlas(shadowImageFormat(f.setup.shadowFormat, true)));
+  const graph::BufferId pages = f.graph.import(shadows.pages(), graph::Use::StorageRead);
+  graph::Use use = graph::Use::StorageWrite;
+  for (uint32_t first = 0; first < shadows.count(); first += shadows.mapsAtOnce()) {
+    const RasterViews maps{.constants = shadows.frames(first),
+                           .width = shadows.size(),
+                           .height = shadows.size(),
+                           .count = std::min(shadows.mapsAtOnce(), shadows.count() - first),
+                           .within = shadows.within(first),
+                           .pages = pages};
+    storeShadowMaps(f, maps, shadows.targets(first), atlas, std::exchange(use, graph::Use::StorageReadWrite));
+  }
+  return atlas;
 }
 
 void ComputeVisibility::addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const {

@@ -26,6 +26,7 @@ class ComputeVisibility {
   graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use) const;
   graph::ImageId addTriangles(const FrameContext& f, const VisibilityBuffer& visible) const;
   void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const;
+  graph::ImageId addPlacedShadowMaps(const FrameContext& f) const;
   void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const;
   void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const;
   bool anyBlended() const { return rasterInstances_.anyBlended(); }
@@ -48,6 +49,8 @@ class ComputeVisibility {
   RasterViews viewsBeside(const FrameContext& f, const std::vector<shared::View>& views) const;
   struct ShadowMaps;
   void addShadowMapsOf(const FrameContext& f, const ShadowMaps& maps, graph::ImageId atlas, graph::Use use) const;
+  void storeShadowMaps(const FrameContext& f, const RasterViews& maps, VkDeviceAddress targets, graph::ImageId atlas,
+                       graph::Use use) const;
   void addResolve(const FrameContext& f, const VisibilityBuffer& visible, ComputePass pass,
                   graph::BufferId outputs = {}) const;
   Gbuffer addSurfaces(const FrameContext& f, Gbuffer gbuffer) const;

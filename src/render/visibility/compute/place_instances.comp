@@ -98,10 +98,11 @@ uint writeMaterial(WorldJob job, uint base, uint index, uint row, bool invalid) 
   return flags;
 }
 
-bool exists(WorldJob job, uint world, uint place) {
-  if (place == kNowhere || job.exists == 0ul) return true;
-  uint at = world * job.listed + place;
-  return (UintRef(job.exists).v[at / 4u] >> (8u * (at % 4u)) & 255u) != 0u;
+// A wrong choice, which check_worlds.comp reports, has no effect.
+uint chosenMaterial(WorldJob job, uint world, WorldTemplate t) {
+  double choice = numberAt(job.materialChoice, world * job.listed + t.place);
+  bool isIndex = choice >= 0.0lf && choice < double(job.paletteSize);
+  return isIndex ? UintRef(job.palette).v[uint(choice)] : t.material;
 }
 
 void main() {
@@ -116,6 +117,7 @@ void main() {
   record.mesh = t.mesh;
   record.material = t.material;
   if (t.place != kNowhere && job.choices != 0ul) record.material = UintRef(job.choices).v[world * job.listed + t.place];
+  if (t.place != kNowhere && job.palette != 0ul) record.material = chosenMaterial(job, world, t);
   uint materialFlags = UintRef(job.materials + uint64_t(record.material) * kMaterialBytes).v[kFlagsWord];
   if (t.place != kNowhere && job.firstDerived != kNowhere) {
     uint base = record.material, row = world * job.listed + t.place;

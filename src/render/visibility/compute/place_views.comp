@@ -100,6 +100,10 @@ dvec2 cosineAndSine(double x) {
 
 void setEnvironment(WorldJob job, uint world) {
   bool invalid = isInvalid(job, world);
+  if (job.environmentIndex.address != 0ul) {
+    double index = clamp(numberAt(job.environmentIndex, world), 0.0lf, double(job.environments - 1u));
+    ValuesOut(job.values).v[world].environmentMap = UintRef(job.environmentMaps).v[uint(index)];
+  }
   if (job.environmentIntensity.address != 0ul)
     ValuesOut(job.values).v[world].environmentIntensity =
         invalid ? 0.0 : float(numberAt(job.environmentIntensity, world));

@@ -10,6 +10,7 @@ layout(local_size_x = kPlaceGroup) in;
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer JobRef { WorldJob v; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer DoublesRef { double v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer FloatsRef { float v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer LongRef { int64_t v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TemplateRef { WorldTemplate v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer StatusRef { uint v[]; };
 
@@ -19,7 +20,9 @@ layout(push_constant, scalar) uniform Push { PlacePush push; };
 uint elementIndex() { return gl_GlobalInvocationID.z * kPlaceColumns + gl_GlobalInvocationID.x; }
 
 double numberAt(WorldNumbers n, uint index) {
-  return n.doubles != 0u ? DoublesRef(n.address).v[index] : double(FloatsRef(n.address).v[index]);
+  if (n.element == kNumberFloat) return double(FloatsRef(n.address).v[index]);
+  if (n.element == kNumberDouble) return DoublesRef(n.address).v[index];
+  return n.element == kNumberInt ? double(int(UintRef(n.address).v[index])) : double(LongRef(n.address).v[index]);
 }
 
 dmat4 columnsAt(uint64_t matrices, uint index) {
@@ -73,6 +76,12 @@ dmat4 worldTransform(WorldJob job, uint world, uint instance, uint time) {
   if (place == kNowhere || given.address == 0ul)
     return columnsAt(job.transforms, min(time, job.instanceTimes - 1u) * job.instanceCount + instance);
   return product(columnsAt(job.matrices, kWorldFromFile), givenMatrix(given, world * job.listed + place));
+}
+
+bool exists(WorldJob job, uint world, uint place) {
+  if (place == kNowhere || job.exists == 0ul) return true;
+  uint at = world * job.listed + place;
+  return (UintRef(job.exists).v[at / 4u] >> (8u * (at % 4u)) & 255u) != 0u;
 }
 
 bool isInvalid(WorldJob job, uint world) { return (StatusRef(job.status).v[world] & kWorldInvalid) != 0u; }

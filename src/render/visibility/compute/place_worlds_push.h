@@ -2,6 +2,7 @@
 #ifndef LATELIGHT_PLACE_WORLDS_PUSH_H
 #define LATELIGHT_PLACE_WORLDS_PUSH_H
 
+#include "render/gpu_scene/light_template.h"
 #include "shared/types.h"
 
 SH_BEGIN
@@ -10,11 +11,17 @@ SH_CONST uint kPlaceGroup = 64u;          // invocations per workgroup
 SH_CONST uint kPlaceColumns = 1u << 20u;  // invocations per z slice, because the workgroups per axis are limited
 SH_CONST uint kNowhere = 4294967295u;     // an index of nothing
 
+// The elements of an array that a caller gave.
+SH_CONST uint kNumberFloat = 0u;
+SH_CONST uint kNumberDouble = 1u;
+SH_CONST uint kNumberInt = 2u;   // 32 bits
+SH_CONST uint kNumberLong = 3u;  // 64 bits
+
 // An array of matrices or of single numbers that a caller gave: [worlds][elements][rows][columns], without padding.
 struct WorldNumbers {
   uint64_t address;  // 0: not given
   uint rows;         // of each matrix of 4 columns; with 3 rows, the last one is 0 0 0 1
-  uint doubles;      // 1: double[]; 0: float[]
+  uint element;      // kNumber*
 };
 
 // An instance of the scene: its values that are the same in all worlds.
@@ -49,23 +56,37 @@ struct WorldJob {
   uint64_t rides;            // uint[views per world]: the instance on which the camera rides, or kNowhere; 0: none
   uint64_t materials;        // Material[]; from firstDerived on, results: [worlds][listed]
   uint64_t choices;          // uint[worlds][listed]: index of the material; 0: that of the template
+  uint64_t palette;          // uint[paletteSize]: materials that `materialChoice` refers to
   uint64_t exists;           // one byte each: [worlds][listed]; 0: all exist
   uint64_t emptyWorlds;      // uint[worlds], not 0: the host knows that the world is invalid; 0: no such worlds
   uint64_t status;           // uint[worlds]: kWorld*, written by the shaders
   uint64_t instances[3];     // results, by time: Instance[worlds][instances]
+  uint64_t bounds;           // result: double[worlds][6], low and high corner in the device's world space; 0: none
   uint64_t raster;           // result: RasterInstance[worlds][draws]
   uint64_t views[3];         // results, by time: View[worlds][views per world]
   WorldNumbers givenTransforms[3];                         // by time: 4x4 or 3x4 per listed instance
   WorldNumbers givenPoses[3];                              // by time: 4x4 or 3x4 per view
   WorldNumbers intrinsics;                                 // 3x3 per view
   WorldNumbers baseColor, metallic, roughness, emissive;   // 4, 1, 1 and 3 numbers per listed instance
+  WorldNumbers materialChoice;                             // an integer per listed instance, an index in `palette`
   WorldNumbers environmentRotation, environmentIntensity;  // a number per world
-  uint64_t bases;                                          // DerivableMaterial[] of the scene's materials
-  uint64_t values;                                         // result: WorldValues[worlds]
+  WorldNumbers environmentIndex;                           // an integer per world, an index in `environmentMaps`
+  uint64_t environmentMaps;                                // uint[environments]: FrameConstants::environmentMap
+  WorldNumbers lightPosition, lightDirection;              // 3 numbers per listed light
+  WorldNumbers lightColor, lightIntensity;                 // 3 numbers and 1 per listed light
+  uint64_t lightTemplates;                                 // LightTemplate[lights]
+  uint64_t lightPositions;                                 // double[lights][kLightPositions]
+  // Results, per world: Light[lights] in the order of the light tree, its LightBox[kPlacedLightBoxes], and
+  // AreaLight[lights].
+  uint64_t lightList, lightBoxes, areaLights;
+  uint64_t bases;   // DerivableMaterial[] of the scene's materials
+  uint64_t values;  // result: WorldValues[worlds]
   uint worlds, instanceCount, listed, draws, viewsPerWorld;
   uint instanceTimes, viewTimes;  // 1 or 3: number of results
   uint width, height;             // of the images, pixels
   uint firstDerived;              // index of the first material that shaders derive, or kNowhere
+  uint paletteSize, environments;
+  uint lights, listedLights;  // numbers of templates, and of those that the caller's arrays describe
 };
 
 // A material of the scene, from which others are derived.
@@ -88,6 +109,10 @@ SH_CONST uint kWorldWrongRide = 16u;     // a camera rides on an instance with a
 SH_CONST uint kWorldVast = 32u;          // has instances with kInstanceVast
 SH_CONST uint kWorldWrongFactors = 64u;  // of a material: below 0, or above 1 for metallic and roughness
 SH_CONST uint kWorldWrongEnvironment = 128u;  // its intensity is below 0
+SH_CONST uint kWorldWrongChoice = 256u;       // of a material: not an index in the palette
+SH_CONST uint kWorldWrongEnvironmentIndex = 2048u;
+SH_CONST uint kWorldWrongLight = 512u;       // a color or intensity below 0
+SH_CONST uint kWorldWrongDirection = 1024u;  // of a light: its length is 0
 
 SH_END
 

@@ -109,7 +109,7 @@ void RasterInstances::addDerived(const GpuScene& scene) {
     visibleMaterials_.add(flags & ~shared::kMaterialBlended);
   };
   for (const shared::Instance& record : scene.instances().records()) add(record.material);
-  for (const uint32_t material : scene.worlds().choices()) add(material);
+  for (const uint32_t material : scene.worlds().chosenMaterials()) add(material);
 }
 
 // Adds the records of all worlds after the first.
@@ -118,7 +118,7 @@ void RasterInstances::addWorlds(const GpuScene& scene) {
   if (mixed_) {
     for (const shared::Instance& record : scene.worlds().records())
       visibleMaterials_.add(scene.materials().record(record.material).flags);
-    for (const uint32_t material : scene.worlds().choices())
+    for (const uint32_t material : scene.worlds().chosenMaterials())
       visibleMaterials_.add(scene.materials().record(material).flags);
     if (scene.worlds().derivesMaterials()) addDerived(scene);
   }

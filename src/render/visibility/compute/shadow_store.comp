@@ -42,9 +42,9 @@ bool isDrawn(ShadowTarget target, uvec2 texel) {
 void main() {
   uvec3 at = gl_GlobalInvocationID;
   if (at.x >= push.size || at.y >= push.size) return;
-  FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
   ShadowTarget target = TargetRef(push.targets).v[at.z];
   if (!isDrawn(target, at.xy)) return;
+  FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
   uint64_t visible = VisibleRef(push.visible).v[visibleIndex(at, uvec2(push.size))];
   bool shows = visible != uint64_t(0);
   float depth = 1.0;

@@ -51,7 +51,7 @@ WorldTemplate templateOf(const scene::Scene& source, const GpuScene& scene, uint
 }
 
 WorldNumbers numbersOf(const WorldArray& array) {
-  return {array.address, array.rows, array.doubles ? 1u : 0u};
+  return {array.address, array.rows, array.element};
 }
 
 }  // namespace
@@ -70,19 +70,24 @@ WorldPlacer::WorldPlacer(vk::Device& device)
     : device_(device),
       templates_(device, "instances of worlds, common values"),
       numbers_(device, "matrices of worlds"),
+      bounds_(device, "bounds of worlds"),
       cameras_(device, "cameras of worlds"),
       views_{GpuList<View>(device, "views of worlds"), GpuList<View>(device, "previous views of worlds"),
              GpuList<View>(device, "next views of worlds")},
       rides_(device, "rides of cameras"),
       empty_(device, "invalid worlds"),
-      bases_(device, "materials to derive from") {}
+      bases_(device, "materials to derive from"),
+      lights_(device, "lights of worlds, common values"),
+      lightPositions_(device, "positions of lights") {}
 
 void WorldPlacer::update(const scene::Scene& source, const GpuScene& scene, const RasterInstances& raster,
                          const WorldStates& worlds, const Poses& poses, vk::Uploader& uploader, uint32_t width,
-                         uint32_t height) {
+                         uint32_t height, bool bounds) {
   if (!pipelines_)
     pipelines_ = {placerPipeline(device_, "check_worlds.comp", "check worlds"),
                   placerPipeline(device_, "place_instances.comp", "place instances"),
+                  placerPipeline(device_, "world_bounds.comp", "bounds of worlds"),
+                  placerPipeline(device_, "place_lights.comp", "place lights"),
                   placerPipeline(device_, "place_views.comp", "place views")};
   const WorldInputs& inputs = *worlds.inputs;
   job_ = {};
@@ -100,14 +105,20 @@ void WorldPlacer::update(const scene::Scene& source, const GpuScene& scene, cons
   }
   job_.intrinsics = numbersOf(inputs.intrinsics);
   describeMaterials(source, scene, inputs, uploader);
+  describeLights(scene, worlds, uploader);
   job_.environmentRotation = numbersOf(inputs.environmentRotation);
   job_.environmentIntensity = numbersOf(inputs.environmentIntensity);
+  job_.environmentIndex = numbersOf(inputs.environmentIndex);
+  job_.environmentMaps = scene.worlds().environmentMapsAddress();
+  job_.environments = static_cast<uint32_t>(worlds.environments.size());
   job_.values = scene.worlds().valuesAddress();
   job_.exists = inputs.exists;
   std::vector<uint32_t> empty(worlds.empty.begin(), worlds.empty.end());
   if (std::ranges::count(empty, 0u) == std::ssize(empty)) empty.clear();
   uploadChanged(empty_, emptyValues_, std::move(empty), uploader);
   job_.emptyWorlds = emptyValues_.empty() ? 0 : empty_.address();
+  if (bounds) bounds_.resize(size_t{6} * worlds.count);
+  job_.bounds = bounds ? bounds_.address() : 0;
   takeStatus(worlds.count);
   job_.status = statusOnDevice_.address();
   pending_ = true;
@@ -145,6 +156,9 @@ void WorldPlacer::describeInstances(const scene::Scene& source, const GpuScene& 
   job_.instanceTimes = placed.instanceTimes();
   for (uint32_t time = 0; time < job_.instanceTimes; ++time) job_.instances[time] = placed.listAt(time);
   job_.choices = placed.choicesAddress();
+  job_.palette = placed.paletteAddress();
+  job_.paletteSize = static_cast<uint32_t>(worlds.inputs->palette.size());
+  job_.materialChoice = numbersOf(worlds.inputs->materialChoice);
   job_.materials = scene.materials().address();
   job_.draws = static_cast<uint32_t>(raster.records().size());
   job_.rasterTemplates = raster.templates();
@@ -167,6 +181,25 @@ void WorldPlacer::describeMaterials(const scene::Scene& source, const GpuScene& 
   }
   uploadChanged(bases_, baseValues_, std::move(bases), uploader);
   job_.bases = bases_.address();
+}
+
+void WorldPlacer::describeLights(const GpuScene& scene, const WorldStates& worlds, vk::Uploader& uploader) {
+  if (!scene.worlds().placesLights()) return;
+  const WorldInputs& inputs = *worlds.inputs;
+  const GpuWorlds::PlacedLights& placed = scene.worlds().placedLights();
+  uploadChanged(lights_, lightValues_, std::vector(placed.templates), uploader);
+  uploadChanged(lightPositions_, lightPositionValues_, std::vector(placed.positions), uploader);
+  job_.lights = static_cast<uint32_t>(placed.templates.size());
+  job_.listedLights = static_cast<uint32_t>(worlds.lights.size());
+  job_.lightTemplates = lights_.address();
+  job_.lightPositions = lightPositions_.address();
+  job_.lightPosition = numbersOf(inputs.lightPosition);
+  job_.lightDirection = numbersOf(inputs.lightDirection);
+  job_.lightColor = numbersOf(inputs.lightColor);
+  job_.lightIntensity = numbersOf(inputs.lightIntensity);
+  job_.lightList = placed.lights;
+  job_.lightBoxes = placed.boxes;
+  job_.areaLights = placed.areaLights;
 }
 
 void WorldPlacer::describeCameras(const GpuScene& scene, const WorldStates& worlds, vk::Uploader& uploader) {
@@ -222,8 +255,10 @@ void WorldPlacer::addChanges(graph::Graph& graph) const {
   graph.prologue(graph::Stage::Upload, "place worlds", [this, worlds](graph::Context& context) {
     vkCmdFillBuffer(context.get(), statusOnDevice_.get(), 0, worlds * sizeof(uint32_t), 0);
   });
-  dispatch(graph, pipelines_->check, worlds * std::max({job_.listed, job_.viewsPerWorld, 1u}), 1);
+  dispatch(graph, pipelines_->check, worlds * std::max({job_.listed, job_.viewsPerWorld, job_.listedLights, 1u}), 1);
   if (job_.instanceCount > 0) dispatch(graph, pipelines_->instances, worlds * job_.instanceCount, 1);
+  if (job_.bounds) dispatch(graph, pipelines_->bounds, worlds * kPlaceGroup, 1);
+  if (job_.lights > 0) dispatch(graph, pipelines_->lights, worlds * kPlaceGroup, 1);
   dispatch(graph, pipelines_->views, worlds * job_.viewsPerWorld, job_.viewTimes);
   graph.prologue(graph::Stage::Upload, "place worlds", [this, status = status_, worlds](graph::Context& context) {
     const VkBufferCopy copy{0, 0, worlds * sizeof(uint32_t)};

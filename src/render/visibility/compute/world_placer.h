@@ -4,6 +4,8 @@
 //   WorldInputs   check_worlds.comp     status (kWorld* per world)
 //        |        place_instances.comp  Instance[worlds][instances] at each time, RasterInstance[worlds][draws],
 //        |                              Material[worlds][listed instances] with the factors of worlds
+//        |        place_lights.comp     Light[worlds][lights] and their trees, AreaLight[worlds][lights], WorldValues
+//        |        world_bounds.comp     bounds of worlds, if shadow maps are fitted to them
 //        +------> place_views.comp      View[worlds][cameras] at each time, WorldValues[worlds] of the environment
 #pragma once
 
@@ -34,13 +36,16 @@ class WorldPlacer {
   static bool runsOn(const vk::Device& device);  // it requires doubles in shaders
 
   // Prepares the conversion. `scene`, `raster` and `worlds` belong to the same call: all of them are up to date. The
-  // conversion is pending until the next graph.
+  // conversion is pending until the next graph. `bounds`: also computes the worlds' bounds, at rest.
   void update(const scene::Scene& source, const GpuScene& scene, const RasterInstances& raster,
-              const WorldStates& worlds, const Poses& poses, vk::Uploader& uploader, uint32_t width, uint32_t height);
+              const WorldStates& worlds, const Poses& poses, vk::Uploader& uploader, uint32_t width, uint32_t height,
+              bool bounds);
   // Adds the pending conversion to the prologue of a graph, after the scene's changes.
   void addChanges(graph::Graph& graph) const;
   void changesSubmitted() { pending_ = false; }
 
+  // The bounds of each world at rest, double[worlds][6], if update() was asked for them.
+  VkDeviceAddress bounds() const { return job_.bounds; }
   // The address of the first view of a world at a time (0 current, 1 previous, 2 next frame), View[].
   VkDeviceAddress views(uint32_t world, uint32_t time) const;
   std::shared_ptr<const WorldStatus> status() const { return status_; }  // of the last update()
@@ -50,13 +55,14 @@ class WorldPlacer {
                          const WorldStates& worlds, const Poses& poses, vk::Uploader& uploader);
   void describeMaterials(const scene::Scene& source, const GpuScene& scene, const WorldInputs& inputs,
                          vk::Uploader& uploader);
+  void describeLights(const GpuScene& scene, const WorldStates& worlds, vk::Uploader& uploader);
   void describeCameras(const GpuScene& scene, const WorldStates& worlds, vk::Uploader& uploader);
   void takeStatus(size_t worlds);
   void dispatch(graph::Graph& graph, const vk::PipelineRef& pipeline, uint64_t elements, uint32_t times) const;
 
   vk::Device& device_;
   struct Pipelines {
-    vk::PipelineRef check, instances, views;
+    vk::PipelineRef check, instances, bounds, lights, views;
   };
   std::optional<Pipelines> pipelines_;  // none before the first call
   shared::WorldJob job_{};
@@ -67,11 +73,15 @@ class WorldPlacer {
   std::vector<shared::View> viewValues_;
   std::vector<uint32_t> rideValues_, emptyValues_;
   GpuList<shared::WorldTemplate> templates_;
-  GpuList<double> numbers_;
+  GpuList<double> numbers_, bounds_;
   GpuList<shared::View> cameras_, views_[3];
   GpuList<uint32_t> rides_, empty_;
   std::vector<shared::DerivableMaterial> baseValues_;
   GpuList<shared::DerivableMaterial> bases_;
+  std::vector<shared::LightTemplate> lightValues_;
+  GpuList<shared::LightTemplate> lights_;
+  std::vector<double> lightPositionValues_;
+  GpuList<double> lightPositions_;
   vk::Buffer statusOnDevice_;
   std::vector<std::shared_ptr<WorldStatus>> statuses_;  // of calls in flight, and free ones
   std::shared_ptr<WorldStatus> status_;

@@ -1,0 +1,156 @@
+#include "render/shadow/placed_shadows.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "render/shadow/cascades.h"
+#include "render/shadow/page_push.h"
+#include "render/visibility/compute/raster_push.h"
+
+namespace latelight::render {
+
+namespace {
+
+using namespace shared;
+
+static_assert(kMaxCascades == kCascades);
+
+// The size of the visibility buffer in which maps are rasterized. Each filling of it is a chain of dispatches.
+constexpr uint64_t kTexelsAtOnce = uint64_t{1} << 26;
+constexpr uint32_t kMaxLayerSide = 8192;  // texels of a layer of the atlas
+
+// Offsets of lists in a buffer, in the order in which they are added.
+class Offsets {
+ public:
+  uint64_t add(uint64_t bytes) {
+    const uint64_t offset = total_;
+    total_ += (bytes + 15) / 16 * 16;
+    return offset;
+  }
+  uint64_t total() const { return total_; }
+
+ private:
+  uint64_t total_ = 0;
+};
+
+// Copies lists to mapped memory, one after the other, and returns their addresses.
+class JobWriter {
+ public:
+  explicit JobWriter(const vk::Buffer& buffer) : buffer_(buffer) { offsets_.add(sizeof(PlacedShadowJob)); }
+  template <typename T>
+  VkDeviceAddress add(std::span<const T> values) {
+    const uint64_t offset = offsets_.add(values.size_bytes());
+    std::memcpy(buffer_.mapped() + offset, values.data(), values.size_bytes());
+    return buffer_.address() + offset;
+  }
+
+ private:
+  const vk::Buffer& buffer_;
+  Offsets offsets_;
+};
+
+uint64_t jobBytes(const SunPlan& plan) {
+  Offsets offsets;
+  offsets.add(sizeof(PlacedShadowJob));
+  offsets.add(plan.lights.size() * sizeof(ShadowBits));
+  offsets.add(plan.suns.size() * sizeof(SunTemplate));
+  offsets.add(plan.axes.size() * sizeof(double));
+  offsets.add((kMaxCascades + 2 * plan.depths.size()) * sizeof(double));
+  return offsets.total();
+}
+
+}  // namespace
+
+PlacedShadows::PlacedShadows(vk::Device& device, const SunPlan& plan, uint32_t views, uint64_t mostMaps)
+    : device_(device),
+      views_(views),
+      suns_(static_cast<uint32_t>(plan.suns.size())),
+      size_(plan.size),
+      maps_(views * suns_ * kMaxCascades),
+      mapsAtOnce_(static_cast<uint32_t>(
+          std::max<uint64_t>(std::min({kTexelsAtOnce / (uint64_t{size_} * size_), mostMaps, uint64_t{maps_}}), 1))) {
+  const uint64_t texels = uint64_t{maps_} * size_ * size_;
+  across_ = size_;
+  while (across_ < kMaxLayerSide && uint64_t{across_} * across_ < texels) across_ *= 2;
+  across_ /= size_;
+  Offsets offsets;
+  table_ = offsets.add(uint64_t{views} * suns_ * sizeof(LightShadow));
+  shadowMaps_ = offsets.add(maps_ * sizeof(ShadowMap));
+  mapViews_ = offsets.add(maps_ * sizeof(View));
+  mapFrames_ = offsets.add(maps_ * sizeof(shared::FrameConstants));
+  targets_ = offsets.add(maps_ * sizeof(ShadowTarget));
+  within_ = offsets.add(maps_ * sizeof(RasterMap));
+  results_ = vk::Buffer(device, {.size = offsets.total(), .name = "shadow maps of worlds"});
+  pages_ = vk::Buffer(device, {.size = maps_ * (size_ / kShadowPage) * sizeof(uint32_t),
+                               .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                               .name = "shadow pages of worlds"});
+}
+
+void PlacedShadows::update(const SunPlan& plan, const Inputs& inputs) {
+  if (!job_)
+    job_ = vk::Buffer(device_, {.size = jobBytes(plan),
+                                .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                .kind = vk::MemoryKind::Upload,
+                                .name = "shadow maps of worlds, common values"});
+  JobWriter writer(job_);
+  writer.add(std::span(plan.lights));
+  PlacedShadowJob job{.suns = writer.add(std::span(plan.suns)), .axes = writer.add(std::span(plan.axes))};
+  std::vector<double> numbers;
+  for (uint32_t i = 0; i < kCascades; ++i) numbers.push_back(cascadeShare(i));
+  for (const glm::dvec2& depth : plan.depths) numbers.insert(numbers.end(), {depth.x, depth.y});
+  job.numbers = writer.add(std::span<const double>(numbers));
+  job.bounds = inputs.bounds;
+  job.views = inputs.views;
+  job.frames = inputs.frames;
+  job.table = at(table_, 0);
+  job.maps = at(shadowMaps_, 0);
+  job.mapViews = at(mapViews_, 0);
+  job.mapFrames = at(mapFrames_, 0);
+  job.targets = at(targets_, 0);
+  job.within = at(within_, 0);
+  job.pages = pages_.address();
+  job.sunCount = suns_;
+  job.viewCount = views_;
+  job.firstView = inputs.firstView;
+  job.viewsPerWorld = static_cast<uint32_t>(plan.depths.size());
+  job.size = size_;
+  job.rows = size_ / kShadowPage;
+  job.mapsAtOnce = mapsAtOnce_;
+  job.across = across_;
+  *job_.as<PlacedShadowJob>() = job;
+}
+
+void PlacedShadows::addTo(graph::Graph& graph) const {
+  const vk::PipelineRef pipeline = device_.cache().pipeline(
+      vk::ComputeDesc{.shader = "place_shadows.comp", .pushBytes = sizeof(PlaceShadowsPush), .name = "place shadows"});
+  graph.prologue(graph::Stage::Upload, "place shadows", [=, job = job_.address(), views = views_](graph::Context& c) {
+    c.commands().bind(pipeline.get(), {}, PlaceShadowsPush{job});
+    vkCmdDispatch(c.get(), (views + kPlaceShadowsGroup - 1) / kPlaceShadowsGroup, 1, 1);
+  });
+}
+
+void PlacedShadows::describe(shared::FrameConstants& frame) const {
+  frame.shadowBits = job_.address() + (sizeof(PlacedShadowJob) + 15) / 16 * 16;
+  frame.lightShadows = at(table_, 0);
+  frame.shadowMaps = at(shadowMaps_, 0);
+  frame.shadowColumns = suns_;
+}
+
+vk::ImageDesc PlacedShadows::atlas(VkFormat format) const {
+  const uint32_t perLayer = across_ * across_;
+  return {.format = format,
+          .width = across_ * size_,
+          .height = across_ * size_,
+          .layers = (maps_ + perLayer - 1) / perLayer,
+          .name = "shadow atlas of worlds"};
+}
+
+VkDeviceAddress PlacedShadows::targets(uint32_t first) const {
+  return at(targets_, first * sizeof(ShadowTarget));
+}
+VkDeviceAddress PlacedShadows::within(uint32_t first) const {
+  return at(within_, first * sizeof(RasterMap));
+}
+
+}  // namespace latelight::render
