@@ -561,6 +561,19 @@ Renderer::Impl::LabelInput Renderer::Impl::labelInput(const Camera& camera, cons
           .moment = internalState(options, settings, scene, 1)};
 }
 
+Renderer::Impl::WorldLabelInput Renderer::Impl::worldLabelInput(const Worlds& worlds, const Options& options) {
+  owner.require("the renderer");
+  WorldLabelInput input{.cameras = {}, .settings = settingsFor(*device, options, scene), .moment = {}};
+  if (input.settings.shutter != 0 || input.settings.readout != 0)
+    badUsage("worlds do not support an exposure time and a rolling shutter: omit shutter and readout");
+  input.moment = internalState(options, input.settings, scene, 0);
+  if (worlds.arrays.ready > 0 && inputTimeline) device->waitFirst(inputTimeline->get(), worlds.arrays.ready);
+  input.cameras = source.convert(worlds, input.settings, input.moment, renderer, *device, true).cameras;
+  input.moment.previousCameras.clear();
+  input.moment.nextCameras.clear();
+  return input;
+}
+
 CastHits Renderer::cast(std::span<const std::array<double, 3>> origins,
                         std::span<const std::array<double, 3>> directions, const Options& options, double maxDistance) {
   usable(impl_);

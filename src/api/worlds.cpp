@@ -526,13 +526,13 @@ void warnOfInvalidWorlds(const std::vector<uint32_t>& invalid, size_t worlds) {
 }
 
 WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& settings, render::SceneState& state,
-                                  render::Renderer& renderer, vk::Device& device) const {
+                                  render::Renderer& renderer, vk::Device& device, bool onHost) const {
   WorldConverter converter{worlds, *this, settings, state.worlds};
   converter.listInstances();
   converter.check();
   render::WorldStates& to = state.worlds;
   std::vector<scene::Camera> each = converter.camerasOfWorld();
-  if (renderer.placesWorlds(settings, each)) {
+  if (!onHost && renderer.placesWorlds(settings, each)) {
     converter.findInvalid(true);
     converter.convertMaterials();
     converter.convertLights();
@@ -545,7 +545,7 @@ WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& 
         withoutArrays(worlds, device, to.instances.size(),
                       hasFactors(worlds.arrays) ? converter.ownFactors() : std::vector<MaterialFactors>{});
     to = {};
-    return convert(lists, settings, state, renderer, device);
+    return convert(lists, settings, state, renderer, device, onHost);
   }
   converter.findInvalid(false);
   to.transforms = converter.transformsOf(worlds.transforms);

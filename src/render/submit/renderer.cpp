@@ -141,9 +141,9 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
   if (input.posed || sceneInput_ != input) resolveOverflow();
   sceneInput_.reset();
   gpuScene_.update(moment.poses, sunOf(settings));
+  gpuScene_.setGroups(moment.groups);
   gpuScene_.setWorlds(moment.worlds, moment.poses);
   gpuScene_.setAnisotropy(settings.anisotropy.value_or(usualAnisotropy(device_)));
-  gpuScene_.setGroups(moment.groups);
   drawOrder_.update(gpuScene_);
   if (leavesOutBlended(settings) && drawOrder_.anyBlended())
     warn(
