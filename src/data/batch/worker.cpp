@@ -26,7 +26,6 @@ Worker::Worker(const Job& job, const Plan& plan, SceneLoader& loader, WorkList& 
                const vk::DeviceOptions& device)
     : job_(job), plan_(plan), loader_(loader), work_(work), writers_(writers), log_(log), deviceOptions_(device) {
   useDevice();
-  for (const JobFormat& use : job.formats) extras_ = both(extras_, use.format->needsExtras());
 }
 
 void Worker::run() {
@@ -136,7 +135,7 @@ std::vector<RenderedFrame> Worker::framesOf(const Chunk& chunk) {
   shared.settings["raster"] = render::nameOf(job_.settings.raster);
   if (!job_.settings.time) shared.settings.erase("fps");
   if (const auto degrees = scene_->environmentRotation()) shared.settings["hdri-rotate"] = fmt::format("{}", *degrees);
-  const bool needsExtras = extras_.needsAny();
+  const bool needsExtras = job_.extras.needsAny();
   if (needsExtras && !shared.ids)
     shared.ids = std::make_shared<output::IdManifest>(render::idManifest(scene_->scene()));
   std::vector<RenderedFrame> frames;
@@ -154,8 +153,26 @@ void Worker::addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames) {
   Chunk one = chunk;
   for (RenderedFrame& rendered : frames) {
     one.frames = {rendered.frame.index};
-    renderExtras(*renderer_, scene_->scene(), cameraOf(rendered.frame.index), settings, momentOf(one), extras_,
-                 geometry_, rendered.frame);
+    const render::SceneState moment = momentOf(one);
+    renderExtras(*renderer_, scene_->scene(), cameraOf(rendered.frame.index), settings, moment, job_.extras, geometry_,
+                 rendered.frame);
+    addPairs(settings, moment.poses.current, rendered.frame);
+  }
+}
+
+// Computes the frame's correspondence with other images of its scene and variation.
+void Worker::addPairs(const render::Settings& settings, const scene::Pose& pose, DataFrame& frame) {
+  const CameraTimeline& cameras = scene_->cameras();
+  for (const PairTarget& target : job_.extras.pairs) {
+    const auto second = cameras.target(frame.camera, target);
+    if (!second) continue;
+    const scene::Pose then = cameras.poseAt(second->time);
+    labels::Shot shot{second->camera, then};
+    if (second->place) shot.width = cameras.camera(*second->place).width;
+    if (second->place) shot.height = cameras.camera(*second->place).height;
+    frame.pairs.push_back(
+        {target, second->place ? plan_.neighborName(frame.index, *second->place) : "", second->time,
+         labels::correspond(*renderer_, scene_->scene(), {cameraOf(frame.index), pose}, shot, settings)});
   }
 }
 

@@ -45,6 +45,7 @@ class Worker {
   RenderedFrame frameOf(uint64_t index, const Chunk& chunk, const output::Metadata& shared);
   std::vector<RenderedFrame> framesOf(const Chunk& chunk);
   void addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames);
+  void addPairs(const render::Settings& settings, const scene::Pose& pose, DataFrame& frame);
   const scene::Camera& cameraOf(uint64_t index) const;
   render::SceneState momentOf(const Chunk& chunk) const;
   render::Settings settingsOf(const Chunk& chunk);
@@ -58,7 +59,6 @@ class Worker {
   ShardLog& log_;
   const vk::DeviceOptions deviceOptions_;
   std::deque<vk::Device> devices_;  // the last one is in use, the others were lost
-  Extras extras_;                   // the union of the formats' requirements
 
   std::optional<uint32_t> sceneIndex_, nextIndex_;
   std::future<std::unique_ptr<LoadedScene>> next_;
