@@ -75,6 +75,8 @@ struct Camera {
                                           // near and far planes
   std::string aperture{};                 // "pinhole", "f/2.8" or a radius in meters; empty: Options::aperture
   std::optional<double> focusDistance{};  // meters, above 0; empty: Options::focusDistance
+  std::optional<double> shutter{};        // exposure time in seconds, 0 to 10000; empty: Options::shutter
+  std::optional<double> readout{};        // of a rolling shutter, seconds, -10000 to 10000; empty: Options::readout
   uint32_t noiseSeed = 0;                 // cameras of different seeds have different noise, besides Options::noiseSeed
 };
 

@@ -125,12 +125,27 @@ render::Poses CameraTimeline::poses(size_t i) const {
   return {poseAt(times.previous), poseAt(times.now), poseAt(times.next)};
 }
 
+render::Settings CameraTimeline::settingsOf(size_t i) const {
+  const CameraExposure& exposure = cameras_[i].exposure;
+  render::Settings settings = job_.settings;
+  if (exposure.shutter) settings.shutter = *exposure.shutter;
+  if (exposure.readout) settings.readout = *exposure.readout;
+  return settings;
+}
+
 uint64_t CameraTimeline::momentOf(size_t i) const {
-  if (scene_.rig.empty() || !job_.settings.time) return 0;
-  const Times times = timesOf(i);
-  const uint64_t seconds[] = {std::bit_cast<uint64_t>(*times.previous), std::bit_cast<uint64_t>(*times.now),
-                              std::bit_cast<uint64_t>(*times.next)};
-  return hash64(seconds, sizeof(seconds));
+  const CameraExposure& exposure = cameras_[i].exposure;
+  std::vector<uint64_t> parts;
+  const auto add = [&](const std::optional<double>& seconds) { parts.push_back(std::bit_cast<uint64_t>(*seconds)); };
+  if (!scene_.rig.empty() && job_.settings.time) {
+    const Times times = timesOf(i);
+    for (const auto& time : {times.previous, times.now, times.next}) add(time);
+  }
+  if (exposure.shutter || exposure.readout) {
+    add(exposure.shutter.value_or(job_.settings.shutter));
+    add(exposure.readout.value_or(job_.settings.readout));
+  }
+  return parts.empty() ? 0 : hash64(parts.data(), parts.size() * sizeof(uint64_t));
 }
 
 }  // namespace latelight::data

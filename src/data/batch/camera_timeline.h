@@ -54,7 +54,9 @@ class CameraTimeline {
   std::function<scene::Pose(double)> posesNear(size_t i) const;
   // The poses of the scene's moving parts in the previous frame, in the frame itself, and in the next frame.
   render::Poses poses(size_t i) const;
-  // Frames with the same number have the same poses and may be rendered together.
+  // The job's settings with the exposure of a camera.
+  render::Settings settingsOf(size_t i) const;
+  // Frames with the same number have the same poses and exposure, and may be rendered together.
   uint64_t momentOf(size_t i) const;
 
  private:

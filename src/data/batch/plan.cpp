@@ -71,7 +71,12 @@ Json describe(const PairTarget& target) {
 uint64_t hashOf(const CameraTimeline& cameras, size_t i, bool moves, const std::vector<PairTarget>& pairs) {
   const JobCamera& c = cameras.camera(i);
   Json all{c.name, c.width, c.height, describe(c.camera), describe(cameras.time(i))};
-  if (moves)
+  const CameraExposure& exposure = c.exposure;
+  if (exposure != CameraExposure{})
+    all.push_back({describe(exposure.shutter), describe(exposure.readout),
+                   exposure.noiseSeed ? Json(*exposure.noiseSeed) : Json()});
+  const render::Settings settings = cameras.settingsOf(i);
+  if (moves || settings.shutter > 0 || settings.readout != 0)
     for (const auto& neighbor : {cameras.previous(i), cameras.next(i)}) all.push_back(describe(cameras, neighbor));
   for (const PairTarget& target : pairs) all.push_back(describe(cameras, cameras.target(i, target)));
   return hashOf(all);
@@ -187,9 +192,7 @@ void Plan::look(PlannedScene& scene) try {
   scene::LoadOptions load = job_.load;
   load.textures = job_.scenes.size() == 1 || !job_.variations.is_null();
   auto loaded = std::make_unique<LoadedScene>(job_, scene::load(scene.source, load));
-  const render::Settings& settings = job_.settings;
-  const bool moves =
-      std::ranges::any_of(settings.aovs, output::dependsOnNeighbors) || settings.shutter > 0 || settings.readout != 0;
+  const bool moves = std::ranges::any_of(job_.settings.aovs, output::dependsOnNeighbors);
   const CameraTimeline& cameras = loaded->cameras();
   for (size_t i = 0; i < cameras.size(); ++i) {
     const JobCamera& c = cameras.camera(i);

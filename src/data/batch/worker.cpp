@@ -72,7 +72,7 @@ bool Worker::loadNext() {
 }
 
 render::Settings Worker::settingsOf(const Chunk& chunk) {
-  render::Settings settings = job_.settings;
+  render::Settings settings = scene_->cameras().settingsOf(plan_.at(chunk.frames.front())->camera);
   settings.width = chunk.width;
   settings.height = chunk.height;
   if (const auto degrees = scene_->environmentRotation()) settings.environmentRotation = render::radians(*degrees);
@@ -108,6 +108,8 @@ RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::
   m.frame = static_cast<uint32_t>(index);
   m.frameDigits = 6;
   if (const std::optional<double> time = cameras.time(place.camera)) m.settings["time"] = fmt::format("{}", *time);
+  if (camera.exposure.shutter) m.settings["shutter"] = fmt::format("{}", *camera.exposure.shutter);
+  if (camera.exposure.readout) m.settings["readout"] = fmt::format("{}", *camera.exposure.readout);
   frame.record = {.index = index,
                   .settings = plan_.settings(index),
                   .name = frame.frame.name,
@@ -206,14 +208,21 @@ void Worker::finish(RenderedFrame frame, output::FrameOutput picture) {
   writers_.push(std::move(frame));
 }
 
+uint64_t Worker::noiseSeedOf(uint64_t index) const {
+  const std::optional<uint64_t>& own = scene_->cameras().camera(plan_.at(index)->camera).exposure.noiseSeed;
+  const uint64_t ofFrame[] = {job_.seed, index};
+  if (!own) return hash64(ofFrame, sizeof(ofFrame));
+  const uint64_t ofCamera[] = {job_.seed, *own, 1};  // its length keeps it apart from seeds of frames
+  return hash64(ofCamera, sizeof(ofCamera));
+}
+
 render::Ticket Worker::submit(const Chunk& chunk) {
   scene_->show(chunk.variation);
   useEnvironment();
   std::vector<scene::Camera> cameras;
   for (const uint64_t index : chunk.frames) {
-    const uint64_t seeds[] = {job_.seed, index};
     cameras.push_back(cameraOf(index));
-    cameras.back().noiseSeed = hash64(seeds, sizeof(seeds));
+    cameras.back().noiseSeed = noiseSeedOf(index);
   }
   return renderer_->submit(cameras, settingsOf(chunk), momentOf(chunk));
 }

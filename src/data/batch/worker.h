@@ -47,6 +47,7 @@ class Worker {
   void addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames);
   void addPairs(const render::Settings& settings, const scene::Pose& pose, DataFrame& frame);
   const scene::Camera& cameraOf(uint64_t index) const;
+  uint64_t noiseSeedOf(uint64_t index) const;
   render::SceneState momentOf(const Chunk& chunk) const;
   render::Settings settingsOf(const Chunk& chunk);
   void fail(const Chunk& chunk, const std::string& why);

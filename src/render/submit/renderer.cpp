@@ -58,11 +58,13 @@ Settings settingsFor(std::span<const scene::Camera> cameras, const Settings& set
   return lensSettings(settings);
 }
 
-// Returns how many of a job's views from `first` on share a lens. All views that are rendered at once share one.
+// Returns how many of a job's views from `first` on share a lens and, if the scene moves, an exposure time. All views
+// that are rendered at once share them.
 size_t throughOneLens(const RenderJob& job, size_t first) {
   const scene::Camera& camera = job.now[first];
   size_t end = first + 1;
   const auto isSame = [&](size_t view) {
+    if (job.posesScene() && job.shutterOf(view) != job.shutterOf(first)) return false;
     if (!bendsRays(job.now[view])) return true;
     return job.now[view].lens == camera.lens && job.lensOf(view) == job.lensOf(first);
   };
@@ -182,16 +184,17 @@ void Renderer::poseScene(const RenderJob& job, size_t view, double seconds) {
   prepareScene(job.settings);
 }
 
-// Shows the scene at a time within the exposure of these views, and plans its shadows if the next graph is `lit`.
+// Shows the scene at a sample of the exposure of these views, and plans its shadows if the next graph is `lit`.
 // Nothing may be in flight that could overflow.
-void Renderer::moveTo(ViewBatch& part, double seconds, bool lit) {
+void Renderer::moveTo(ViewBatch& part, const CameraSample& sample, bool lit) {
   const RenderJob& job = part.job;
-  if (job.posesScene()) poseScene(job, part.first, seconds);
+  if (job.posesScene()) poseScene(job, part.first, job.secondsOf(part.first, sample));
   part.shadows = nullptr;
   part.shadowState = ShadowMapState::Cached;
   if (!lit || !castsShadows(job.settings)) return;
   std::vector<scene::Camera> cameras;
-  for (size_t view = part.first; view < part.first + part.count; ++view) cameras.push_back(job.cameraAt(view, seconds));
+  for (size_t view = part.first; view < part.first + part.count; ++view)
+    cameras.push_back(job.cameraAt(view, job.secondsOf(view, sample)));
   part.shadows = placeShadows(planShadows(cameras, job.settings), job.settings);
 }
 
@@ -536,7 +539,7 @@ Renderer::Start Renderer::build(ViewBatch& part, std::optional<uint64_t> maxByte
     if (started.outcome != Start::Done) return started;
     job.progress->step(part.count);
   }
-  if (job.exposesMotion) moveTo(part, 0, requestsOutput(job.settings, Origin::LightCounts));
+  if (job.exposesMotion) moveTo(part, CameraSample{}, requestsOutput(job.settings, Origin::LightCounts));
   TemporalHistory* history = job.settings.aa.temporal ? &history_ : nullptr;
   FrameGraphBuilder& request = addRequest(part, job.exposes ? CameraSample{} : samples.back());
   request.finish(sum, history, part.continues);
@@ -549,7 +552,7 @@ Renderer::Start Renderer::build(ViewBatch& part, std::optional<uint64_t> maxByte
 // Renders one of several samples and adds it to the sum.
 Renderer::Start Renderer::accumulate(ViewBatch& part, const CameraSample& sample, const vk::Image& sum,
                                      std::optional<uint64_t> maxBytes, bool first) {
-  if (part.job.exposesMotion) moveTo(part, sample.seconds, true);
+  if (part.job.exposesMotion) moveTo(part, sample, true);
   addRequest(part, sample).accumulate(sum, first);
   const Start started = submitRequest(part, maxBytes);
   if (started.outcome != Start::Done) return started;

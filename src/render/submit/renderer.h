@@ -125,7 +125,7 @@ class Renderer {
   size_t viewsAtOnce(const RenderJob& job) const;
   void prepareScene(const Settings& settings);
   void poseScene(const RenderJob& job, size_t view, double seconds);
-  void moveTo(ViewBatch& part, double seconds, bool lit);
+  void moveTo(ViewBatch& part, const CameraSample& sample, bool lit);
   FrameGraphBuilder& addRequest(ViewBatch& part, const CameraSample& sample);
   Start submitRequest(ViewBatch& part, std::optional<uint64_t> maxBytes);
   Start accumulate(ViewBatch& part, const CameraSample& sample, const vk::Image& sum, std::optional<uint64_t> maxBytes,
