@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
 #include "render/frame/view.h"
 
 namespace latelight::render {
@@ -60,6 +61,17 @@ double RenderJob::secondsOf(size_t view, const CameraSample& sample) const {
 
 scene::Camera RenderJob::cameraAt(size_t view, double seconds) const {
   return seconds == 0 ? now[view] : motion.at(pictureOf(view), secondsOf(view) + seconds);
+}
+
+std::array<scene::Lens, 2> RenderJob::neighborLenses(size_t view) const {
+  const auto lensOf = [&](const std::vector<scene::Camera>& cameras) {
+    const bool moves = requestsOutput(settings, Origin::Motion) || settings.aa.temporal;
+    const scene::Camera& camera = cameras.empty() || !moves ? now[view] : cameras[view];
+    if (!bendsRays(camera))
+      badUsage("the previous and next cameras of a camera with a lens that bends rays need such a lens as well");
+    return *camera.lens;
+  };
+  return {lensOf(previous), lensOf(next)};
 }
 
 shared::View RenderJob::viewOf(size_t view, const CameraSample& sample, const glm::dvec3& origin) const {

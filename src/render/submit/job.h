@@ -1,6 +1,7 @@
 // A call of Renderer::submit() in flight: the request, its parts on the device, and the pictures so far.
 #pragma once
 
+#include <array>
 #include <deque>
 #include <exception>
 #include <memory>
@@ -71,6 +72,9 @@ struct RenderJob {
   double secondsOf(size_t view, const CameraSample& sample) const;
   scene::Camera cameraAt(size_t view, double seconds) const;  // seconds from the view's own time
   const ThinLens& lensOf(size_t view) const { return lenses[pictureOf(view)]; }
+  // Returns the lenses of a view's camera in the previous and the next frame. Throws Error(Usage) if only one of its
+  // cameras has a lens that bends rays.
+  std::array<scene::Lens, 2> neighborLenses(size_t view) const;
   // Returns the full picture's view.
   shared::View viewOf(size_t view, const CameraSample& sample, const glm::dvec3& origin) const;
   bool posesScene() const { return motion.movesScene() && (exposesMotion || rowsAreViews); }

@@ -66,7 +66,8 @@ size_t throughOneLens(const RenderJob& job, size_t first) {
   const auto isSame = [&](size_t view) {
     if (job.posesScene() && job.shutterOf(view) != job.shutterOf(first)) return false;
     if (!bendsRays(job.now[view])) return true;
-    return job.now[view].lens == camera.lens && job.lensOf(view) == job.lensOf(first);
+    return job.now[view].lens == camera.lens && job.lensOf(view) == job.lensOf(first) &&
+           job.neighborLenses(view) == job.neighborLenses(first);
   };
   while (end < job.viewCount() && isSame(end)) ++end;
   return end - first;
@@ -403,7 +404,8 @@ ViewsInTime Renderer::viewsOf(const ViewBatch& part, const CameraSample& sample)
                                       .rows = strip.rows,
                                       .jitter = sample.jitter,
                                       .aperture = lens.radius * sample.lens,
-                                      .focus = lens.focus});
+                                      .focus = lens.focus,
+                                      .neighbors = part.job.neighborLenses(part.first)});
   return views;
 }
 
