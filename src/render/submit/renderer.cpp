@@ -162,7 +162,7 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
   if (moment.worlds.inputs)
     worldPlacer_.update(scene_, gpuScene_, rasterInstances_, moment.worlds, moment.poses, gpuScene_.uploads(),
                         settings.width, settings.height);
-  if (input.objectFrames) gpuScene_.storeObjectFrames();
+  if (input.objectFrames) gpuScene_.storeObjectFrames(input.curvatures);
   sceneInput_ = input;
 }
 
@@ -208,6 +208,7 @@ Renderer::SceneInput Renderer::inputOf(const Settings& settings, const SceneStat
           settings.anisotropy,
           needsComputeRaster(settings),
           requestsOutput(settings, Origin::Coordinates),
+          output::contains(settings.aovs, output::Aov::Curvature),
           moment.groups};
 }
 

@@ -106,7 +106,7 @@ class Renderer {
     std::optional<SunLight> sun;
     std::optional<uint32_t> anisotropy;
     bool inCompute;
-    bool objectFrames;  // outputs require them
+    bool objectFrames, curvatures;  // outputs require them
     std::vector<uint32_t> groups;
     bool operator==(const SceneInput&) const = default;
   };
