@@ -75,6 +75,8 @@ struct Camera {
                                           // near and far planes
   std::string aperture{};                 // "pinhole", "f/2.8" or a radius in meters; empty: Options::aperture
   std::optional<double> focusDistance{};  // meters, above 0; empty: Options::focusDistance
+  std::optional<double> shutter{};        // exposure time in seconds, 0 to 10000; empty: Options::shutter
+  std::optional<double> readout{};        // of a rolling shutter, seconds, -10000 to 10000; empty: Options::readout
   uint32_t noiseSeed = 0;                 // cameras of different seeds have different noise, besides Options::noiseSeed
 };
 
@@ -789,6 +791,11 @@ class LATELIGHT_API Renderer {
   // Error(Usage) if the scene has no such node.
   std::vector<KeypointLabel> keypoints(const Camera& camera, const std::vector<Keypoint>& keypoints,
                                        const Options& options = {});
+  // The same for the cameras of all worlds, in the order of the worlds and of the cameras within each world. The labels
+  // of a view are those of the scene edited to its world's state.
+  std::vector<Labels> labels(const Worlds& worlds, const Options& options = {});
+  std::vector<std::vector<KeypointLabel>> keypoints(const Worlds& worlds, const std::vector<Keypoint>& keypoints,
+                                                    const Options& options = {});
   // Finds the surfaces of the first camera's picture in the second camera's, which has the same size and shows the
   // scene at `secondTime`, by default at Options::time as well.
   Correspondence correspond(const Camera& first, const Camera& second, const Options& options = {},

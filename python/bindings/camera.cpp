@@ -199,6 +199,18 @@ void bindCamera(nb::module_& module) {
             camera.focusDistance = value.is_none() ? std::nullopt : std::optional(numberOf(value, name));
           })
       .field(
+          "shutter", "float | None", "exposure time, seconds; None: the option of this name",
+          [](const Camera& camera) -> nb::object { return camera.shutter ? nb::cast(*camera.shutter) : nb::none(); },
+          [](Camera& camera, nb::handle value, const char* name) {
+            camera.shutter = value.is_none() ? std::nullopt : std::optional(numberOf(value, name));
+          })
+      .field(
+          "readout", "float | None", "seconds from the first row to the last; None: the option of this name",
+          [](const Camera& camera) -> nb::object { return camera.readout ? nb::cast(*camera.readout) : nb::none(); },
+          [](Camera& camera, nb::handle value, const char* name) {
+            camera.readout = value.is_none() ? std::nullopt : std::optional(numberOf(value, name));
+          })
+      .field(
           "noise_seed", "int", "cameras with different seeds have different noise",
           [](const Camera& camera) { return nb::int_(camera.noiseSeed); },
           [](Camera& camera, nb::handle value, const char* name) {

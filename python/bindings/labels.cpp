@@ -143,4 +143,19 @@ nb::object correspondenceOf(Correspondence&& c) {
   return made("Correspondence", fields);
 }
 
+nb::object worldLabelsOf(std::vector<Labels>&& labels, size_t cameras) {
+  const RunningPython section;
+  nb::list views;
+  for (Labels& each : labels) views.append(labelsOf(std::move(each)));
+  return nb::module_::import_("latelight.labels").attr("_world_labels")(views, cameras);
+}
+
+nb::object worldKeypointLabelsOf(const std::vector<Keypoint>& keypoints,
+                                 const std::vector<std::vector<KeypointLabel>>& labels, size_t cameras) {
+  const RunningPython section;
+  nb::list views;
+  for (const std::vector<KeypointLabel>& each : labels) views.append(keypointLabelsOf(keypoints, each));
+  return nb::module_::import_("latelight.labels").attr("_world_keypoints")(views, cameras);
+}
+
 }  // namespace latelight::python

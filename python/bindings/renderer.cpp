@@ -271,29 +271,48 @@ nb::object render(const std::shared_ptr<SharedRenderer>& renderer, nb::handle ca
   return submit(renderer, cameras, size, outputs, keywords)->take();
 }
 
+// The worlds of a call, before their tensors are copied.
+struct WorldCall {
+  std::unique_ptr<GivenWorlds> given;
+  uintptr_t stream = 0;
+};
+
+// Removes the arguments that describe worlds from `keywords`.
+WorldCall worldCall(const std::shared_ptr<SharedRenderer>& renderer, nb::handle count, nb::handle cameras,
+                    nb::dict& keywords) {
+  WorldCall call;
+  const nb::object callers = keywords.attr("pop")("stream", nb::none());
+  call.stream = callers.is_none() ? 0 : streamOf(callers);
+  const auto reader = [&] {
+    if (call.stream == 0) call.stream = renderer->use([&](Renderer&) { return renderer->cudaInputs().stream(); });
+    return call.stream;
+  };
+  call.given = worldsOf(count, cameras, keywords, reader);
+  return call;
+}
+
+// Returns the worlds with all arrays in the renderer's memory.
+Worlds& completed(WorldCall& call, SharedRenderer& shared, Renderer& renderer) {
+  Worlds& worlds = call.given->worlds;
+  if (!call.given->tensors.empty()) copyTensors(shared, renderer, *call.given, call.stream);
+  if (call.stream != 0) worlds.arrays.ready = shared.cudaInputs().signal(call.stream);
+  return worlds;
+}
+
 std::shared_ptr<SharedTicket> submitWorlds(const std::shared_ptr<SharedRenderer>& renderer, nb::handle count,
                                            nb::handle cameras, nb::handle size, nb::handle outputs,
                                            const nb::kwargs& keywords) {
   nb::dict optional;
   optional.update(keywords);
   const Destination to = destinationOf(optional);
-  const nb::object callers = optional.attr("pop")("stream", nb::none());
-  uintptr_t stream = callers.is_none() ? 0 : streamOf(callers);
-  const auto reader = [&] {
-    if (stream == 0) stream = renderer->use([&](Renderer&) { return renderer->cudaInputs().stream(); });
-    return stream;
-  };
-  std::unique_ptr<GivenWorlds> given = worldsOf(count, cameras, optional, reader);
-  Worlds& worlds = given->worlds;
+  WorldCall call = worldCall(renderer, count, cameras, optional);
   const Options options = optionsOf(size, outputs, optional);
   try {
-    Ticket ticket = renderer->use([&](Renderer& r) {
-      if (!given->tensors.empty()) copyTensors(*renderer, r, *given, stream);
-      if (stream != 0) worlds.arrays.ready = renderer->cudaInputs().signal(stream);
-      return r.submit(worlds, options, to.results, to.targets);
-    });
+    Ticket ticket = renderer->use(
+        [&](Renderer& r) { return r.submit(completed(call, *renderer, r), options, to.results, to.targets); });
+    const Worlds& worlds = call.given->worlds;
     Views views{{worlds.count, worlds.cameras.size()}, {}};
-    return std::make_shared<SharedTicket>(renderer, std::move(ticket), std::move(views), to, std::move(given));
+    return std::make_shared<SharedTicket>(renderer, std::move(ticket), std::move(views), to, std::move(call.given));
   } catch (const Error& error) {
     throw inPython(error);
   }
@@ -387,6 +406,44 @@ nb::object keypoints(const std::shared_ptr<SharedRenderer>& renderer, nb::handle
   return keypointLabelsOf(keypoints, label(renderer, size, keywords, [&](Renderer& renderer, const Options& options) {
                             return renderer.keypoints(view, keypoints, options);
                           }));
+}
+
+// Calls `work` with the renderer, the worlds and the options of images without outputs.
+template <typename Work>
+auto labelWorlds(const std::shared_ptr<SharedRenderer>& renderer, nb::handle count, nb::handle cameras, nb::handle size,
+                 const nb::kwargs& keywords, Work work) {
+  nb::dict optional;
+  optional.update(keywords);
+  WorldCall call = worldCall(renderer, count, cameras, optional);
+  const Options options = optionsOf(size, nb::make_tuple("rgba"), optional);
+  try {
+    return renderer->use([&](Renderer& r) { return work(r, completed(call, *renderer, r), options); });
+  } catch (const Error& error) {
+    throw inPython(error);
+  }
+}
+
+nb::object labelsOfWorlds(const std::shared_ptr<SharedRenderer>& renderer, nb::handle count, nb::handle cameras,
+                          nb::handle size, const nb::kwargs& keywords) {
+  size_t each = 0;
+  std::vector<Labels> labels = labelWorlds(renderer, count, cameras, size, keywords,
+                                           [&](Renderer& r, const Worlds& worlds, const Options& options) {
+                                             each = worlds.cameras.size();
+                                             return r.labels(worlds, options);
+                                           });
+  return worldLabelsOf(std::move(labels), each);
+}
+
+nb::object keypointsOfWorlds(const std::shared_ptr<SharedRenderer>& renderer, nb::handle count, nb::handle cameras,
+                             nb::handle points, nb::handle size, const nb::kwargs& keywords) {
+  const std::vector<Keypoint> keypoints = keypointsOf(points, "keypoints");
+  size_t each = 0;
+  const auto labels = labelWorlds(renderer, count, cameras, size, keywords,
+                                  [&](Renderer& r, const Worlds& worlds, const Options& options) {
+                                    each = worlds.cameras.size();
+                                    return r.keypoints(worlds, keypoints, options);
+                                  });
+  return worldKeypointLabelsOf(keypoints, labels, each);
 }
 
 nb::object correspond(const std::shared_ptr<SharedRenderer>& renderer, nb::handle first, nb::handle second,
@@ -511,6 +568,22 @@ void defineLabels(nb::class_<SharedRenderer>& type) {
            nb::arg("options"), nb::sig(keypointsSignature.c_str()),
            "Projects points that follow nodes to such a picture, with COCO's visibility. keypoints: Keypoint objects, "
            "or paths\nof nodes. Raises UsageError if the scene has no such node.");
+  const std::string views = "self, count: int, cameras: Camera | " + std::string(kMany) + ", ";
+  const std::string worlds = picture + worldParameters() + ", stream: typing.Any | None = None" +
+                             optionParameters({"environment_rotation", "environment_intensity"}) +
+                             ") -> latelight.labels.";
+  const std::string worldLabelsSignature = "def labels_of_worlds(" + views + worlds + "WorldLabels";
+  type.def("labels_of_worlds", &labelsOfWorlds, argument("count"), argument("cameras"), argument("size") = size,
+           nb::arg("options"), nb::sig(worldLabelsSignature.c_str()),
+           "The objects of the images of worlds, as labels() returns them for one, with arrays (N, C, ...). The "
+           "arguments are those\nof render_worlds().");
+  const std::string worldKeypointsSignature = "def keypoints_of_worlds(" + views +
+                                              "keypoints: collections.abc.Sequence[latelight.labels.Keypoint | str], " +
+                                              worlds + "WorldKeypoints";
+  type.def("keypoints_of_worlds", &keypointsOfWorlds, argument("count"), argument("cameras"), argument("keypoints"),
+           argument("size") = size, nb::arg("options"), nb::sig(worldKeypointsSignature.c_str()),
+           "Keypoints in the images of worlds, as keypoints() returns them for one, with arrays (N, C, K, ...). The "
+           "other arguments\nare those of render_worlds().");
   const std::string correspondSignature =
       "def correspond(self, first: Camera, second: Camera, size: tuple[int, int] = (1280, 720), "
       "second_time: float | None = None, *" +

@@ -50,7 +50,7 @@ from .errors import (
     UsageError,
 )
 from .frames import DeviceFrames, DeviceWorldFrames, Frame, Frames, WorldFrames
-from .labels import Correspondence, Keypoint, Keypoints, Labels
+from .labels import Correspondence, Keypoint, Keypoints, Labels, WorldKeypoints, WorldLabels
 
 __version__ = version()
 
@@ -91,6 +91,8 @@ __all__ = [
     "Ticket",
     "UsageError",
     "WorldFrames",
+    "WorldKeypoints",
+    "WorldLabels",
     "__version__",
     "add_pixels",
     "depth_sensor",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -97,3 +98,103 @@ class Correspondence:
     flow: npt.NDArray[np.float32]
     """(H, W, 3): scene flow, the displacement of the surface in the frame of the option ``axes``, meters. 0 for the
     background."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class WorldLabels:
+    """The O objects of N worlds with C cameras each, as Renderer.labels_of_worlds() returns them, sorted by id.
+
+    The O objects are those that cover a pixel of any image by themselves. ``present`` tells in which images they do. In
+    the other images their masks, pixels, boxes of pixels and shares are 0, and everything else about them is NaN.
+    Arrays are those of ``Labels`` with two axes before, worlds and cameras.
+    """
+
+    ids: npt.NDArray[np.uint32]
+    """(O,): values of the output ``id``."""
+    nodes: list[str]
+    """O paths of nodes."""
+    present: npt.NDArray[np.bool_]
+    """(N, C, O): the object would cover a pixel of the image with nothing else in the scene."""
+    id_image: npt.NDArray[np.uint32]
+    """(N, C, H, W): the output ``id``."""
+    visible_masks: npt.NDArray[np.bool_]
+    """(N, C, O, H, W)"""
+    amodal_masks: npt.NDArray[np.bool_]
+    """(N, C, O, H, W)"""
+    visible_pixels: npt.NDArray[np.int64]
+    """(N, C, O)"""
+    amodal_pixels: npt.NDArray[np.int64]
+    """(N, C, O)"""
+    full_pixels: npt.NDArray[np.int64]
+    """(N, C, O)"""
+    visible_share: npt.NDArray[np.float64]
+    """(N, C, O)"""
+    visible_boxes: npt.NDArray[np.int64]
+    """(N, C, O, 4)"""
+    amodal_boxes: npt.NDArray[np.int64]
+    """(N, C, O, 4)"""
+    full_boxes: npt.NDArray[np.int64]
+    """(N, C, O, 4)"""
+    object_to_world: npt.NDArray[np.float64]
+    """(N, C, O, 4, 4)"""
+    object_to_camera: npt.NDArray[np.float64]
+    """(N, C, O, 4, 4)"""
+    box_min: npt.NDArray[np.float64]
+    """(N, C, O, 3)"""
+    box_max: npt.NDArray[np.float64]
+    """(N, C, O, 3)"""
+    box_corners: npt.NDArray[np.float64]
+    """(N, C, O, 8, 3)"""
+    occlusions: npt.NDArray[np.int64]
+    """(N, C, O, O)"""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class WorldKeypoints:
+    """K keypoints in N worlds with C cameras each, as Renderer.keypoints_of_worlds() returns them."""
+
+    names: list[str]
+    positions: npt.NDArray[np.float64]
+    """(N, C, K, 3)"""
+    pixels: npt.NDArray[np.float64]
+    """(N, C, K, 2)"""
+    depth: npt.NDArray[np.float64]
+    """(N, C, K)"""
+    visibility: npt.NDArray[np.uint32]
+    """(N, C, K)"""
+
+
+def _world_labels(views: Sequence[Labels], cameras: int) -> WorldLabels:
+    """The labels of all views, world by world, as arrays with the same objects in every view."""
+    paths = {int(number): node for view in views for number, node in zip(view.ids, view.nodes, strict=True)}
+    ids = np.array(sorted(paths), np.uint32)
+    axes = (len(views) // cameras, cameras)
+    present = np.zeros((len(views), len(ids)), bool)
+    places = [np.searchsorted(ids, view.ids) for view in views]
+    for index, place in enumerate(places):
+        present[index, place] = True
+    arrays: dict[str, npt.NDArray[np.generic]] = {"id_image": np.stack([view.id_image for view in views])}
+    for field in dataclasses.fields(WorldLabels):
+        if field.name in ("ids", "nodes", "present", "id_image"):
+            continue
+        values = [getattr(view, field.name) for view in views]
+        dtype = values[0].dtype
+        pairs = field.name == "occlusions"
+        shape = (len(ids), len(ids)) if pairs else (len(ids), *values[0].shape[1:])
+        unknown = np.nan if dtype.kind == "f" and field.name != "visible_share" else 0
+        array = np.full((len(views), *shape), unknown, dtype)
+        for index, place in enumerate(places):
+            array[index][np.ix_(place, place) if pairs else place] = values[index]
+        arrays[field.name] = array
+    shaped = {name: array.reshape(axes + array.shape[1:]) for name, array in arrays.items()}
+    return WorldLabels(
+        ids=ids, nodes=[paths[int(number)] for number in ids], present=present.reshape(*axes, -1), **shaped
+    )  # type: ignore[arg-type]
+
+
+def _world_keypoints(views: Sequence[Keypoints], cameras: int) -> WorldKeypoints:
+    arrays = {}
+    for name in ("positions", "pixels", "depth", "visibility"):
+        stacked = np.stack([getattr(view, name) for view in views])
+        arrays[name] = stacked.reshape(len(views) // cameras, cameras, *stacked.shape[1:])
+    return WorldKeypoints(names=views[0].names, **arrays)

@@ -74,11 +74,10 @@ scene::Pose poseAtTime(const scene::Scene& scene, render::Settings settings, std
 
 }  // namespace
 
-Labels Renderer::labels(const Camera& camera, const Options& options) {
-  const Impl::LabelInput input = impl_->labelInput(camera, options);
-  labels::PictureLabels from =
-      labels::labelObjects(impl_->renderer, impl_->scene, input.camera, input.settings, input.moment);
-  Labels result{.width = input.settings.width, .height = input.settings.height, .ids = std::move(from.ids.ids)};
+namespace {
+
+Labels publicLabels(labels::PictureLabels&& from) {
+  Labels result{.width = from.ids.width, .height = from.ids.height, .ids = std::move(from.ids.ids)};
   const size_t count = from.objects.size();
   result.occlusions.assign(count * count, 0);
   for (size_t i = 0; i < count; ++i) {
@@ -92,20 +91,56 @@ Labels Renderer::labels(const Camera& camera, const Options& options) {
   return result;
 }
 
-std::vector<KeypointLabel> Renderer::keypoints(const Camera& camera, const std::vector<Keypoint>& keypoints,
-                                               const Options& options) {
-  const Impl::LabelInput input = impl_->labelInput(camera, options);
+std::vector<labels::Keypoint> internalKeypoints(const std::vector<Keypoint>& keypoints) {
   std::vector<labels::Keypoint> points;
   for (const Keypoint& k : keypoints) {
     if (!std::isfinite(k.position[0] + k.position[1] + k.position[2]) || !(k.thickness >= 0))
       badUsage("the keypoint \"{}\" must have a finite position and a thickness of at least 0", k.name);
     points.push_back({k.name, k.node, {k.position[0], k.position[1], k.position[2]}, k.thickness});
   }
+  return points;
+}
+
+std::vector<KeypointLabel> publicKeypoints(const std::vector<labels::ProjectedKeypoint>& projected) {
   std::vector<KeypointLabel> result;
-  for (const labels::ProjectedKeypoint& p :
-       labels::projectKeypoints(impl_->renderer, impl_->scene, input.camera, input.settings, input.moment, points))
+  for (const labels::ProjectedKeypoint& p : projected)
     result.push_back({threeOf(p.position), {p.pixel.x, p.pixel.y}, p.depth, static_cast<uint32_t>(p.visibility)});
   return result;
+}
+
+}  // namespace
+
+Labels Renderer::labels(const Camera& camera, const Options& options) {
+  const Impl::LabelInput input = impl_->labelInput(camera, options);
+  return publicLabels(std::move(
+      labels::labelObjects(impl_->renderer, impl_->scene, {&input.camera, 1}, input.settings, input.moment).front()));
+}
+
+std::vector<KeypointLabel> Renderer::keypoints(const Camera& camera, const std::vector<Keypoint>& keypoints,
+                                               const Options& options) {
+  const Impl::LabelInput input = impl_->labelInput(camera, options);
+  return publicKeypoints(labels::projectKeypoints(impl_->renderer, impl_->scene, input.camera, input.settings,
+                                                  input.moment, internalKeypoints(keypoints)));
+}
+
+std::vector<Labels> Renderer::labels(const Worlds& worlds, const Options& options) {
+  const Impl::WorldLabelInput input = impl_->worldLabelInput(worlds, options);
+  std::vector<Labels> all;
+  for (labels::PictureLabels& each :
+       labels::labelObjects(impl_->renderer, impl_->scene, input.cameras, input.settings, input.moment))
+    all.push_back(publicLabels(std::move(each)));
+  return all;
+}
+
+std::vector<std::vector<KeypointLabel>> Renderer::keypoints(const Worlds& worlds,
+                                                            const std::vector<Keypoint>& keypoints,
+                                                            const Options& options) {
+  const Impl::WorldLabelInput input = impl_->worldLabelInput(worlds, options);
+  std::vector<std::vector<KeypointLabel>> all;
+  for (const auto& each : labels::projectKeypointsOfWorlds(impl_->renderer, impl_->scene, input.cameras, input.settings,
+                                                           input.moment, internalKeypoints(keypoints)))
+    all.push_back(publicKeypoints(each));
+  return all;
 }
 
 Correspondence Renderer::correspond(const Camera& first, const Camera& second, const Options& options,

@@ -133,6 +133,43 @@ render::SceneState internalState(const Options& o, const render::Settings& s, co
   return moment;
 }
 
+constexpr double kLongestExposure = 1e4;  // seconds, as for the options
+
+double shutterOf(const Camera& camera, double usual) {
+  const double shutter = camera.shutter.value_or(usual);
+  if (!(shutter >= 0 && shutter <= kLongestExposure))
+    badUsage("a camera's shutter must be from 0 to {} seconds, not {}", kLongestExposure, shutter);
+  return shutter;
+}
+
+double readoutOf(const Camera& camera, double usual) {
+  const double readout = camera.readout.value_or(usual);
+  if (!(std::abs(readout) <= kLongestExposure))
+    badUsage("a camera's readout must be from {} to {} seconds, not {}", -kLongestExposure, kLongestExposure, readout);
+  return readout;
+}
+
+// Writes the cameras' own exposures.
+void setExposures(render::SceneState& moment, const std::vector<Camera>& cameras, const render::Settings& settings) {
+  if (std::ranges::any_of(cameras, [](const Camera& camera) { return camera.shutter.has_value(); }))
+    for (const Camera& camera : cameras) moment.shutters.push_back(shutterOf(camera, settings.shutter));
+  if (std::ranges::any_of(cameras, [](const Camera& camera) { return camera.readout.has_value(); }))
+    for (const Camera& camera : cameras) moment.readouts.push_back(readoutOf(camera, settings.readout));
+}
+
+// Returns the settings of a single camera's picture.
+render::Settings withExposure(render::Settings settings, const Camera& camera) {
+  settings.shutter = shutterOf(camera, settings.shutter);
+  settings.readout = readoutOf(camera, settings.readout);
+  return settings;
+}
+
+void rejectExposures(const std::vector<Camera>& cameras) {
+  for (const Camera& camera : cameras)
+    if (shutterOf(camera, 0) != 0 || readoutOf(camera, 0) != 0)
+      badUsage("worlds are rendered at an instant: leave out the shutter and readout of their cameras");
+}
+
 render::Results internalResults(Results results) {
   switch (results) {
     case Results::OnDevice:
@@ -454,7 +491,8 @@ Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& optio
   const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene);
   const std::vector<scene::Camera> internal =
       internalCameras(cameras, impl_->scene, cameras.size(), settings.cameraFit);
-  const render::SceneState moment = internalState(options, settings, impl_->scene, cameras.size());
+  render::SceneState moment = internalState(options, settings, impl_->scene, cameras.size());
+  setExposures(moment, cameras, settings);
   Ticket ticket;
   ticket.impl_ = ownedByProcess(new Ticket::Impl{
       impl_,
@@ -484,6 +522,7 @@ Ticket Renderer::submit(const Worlds& worlds, const Options& options, Results re
   checkFormats(options, results);
   if (!options.previousCameras.empty() || !options.nextCameras.empty())
     badUsage("worlds have previous and next cameras of their own: leave those of the options empty");
+  rejectExposures(worlds.cameras);
   const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene);
   render::SceneState moment = internalState(options, settings, impl_->scene, 0);
   if (worlds.arrays.ready > 0 && impl_->inputTimeline)
@@ -524,7 +563,7 @@ const std::vector<uint32_t>& Ticket::invalidWorlds() const {
 
 std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,
                                  const Options& options) {
-  const render::Settings settings = settingsFor(*usable(impl_).device, options, impl_->scene);
+  const render::Settings settings = withExposure(settingsFor(*usable(impl_).device, options, impl_->scene), camera);
   std::vector<glm::uvec2> places;
   for (const auto& [x, y] : pixels) places.push_back({x, y});
   const auto three = [](glm::vec3 v) { return std::array<float, 3>{v.x, v.y, v.z}; };
@@ -567,10 +606,24 @@ std::vector<std::array<float, N>> arraysOf(const std::vector<Vector>& from) {
 
 Renderer::Impl::LabelInput Renderer::Impl::labelInput(const Camera& camera, const Options& options) const {
   owner.require("the renderer");
-  const render::Settings settings = settingsFor(*device, options, scene);
+  const render::Settings settings = withExposure(settingsFor(*device, options, scene), camera);
   return {.camera = render::fitted(internalCamera(camera, scene), settings.cameraFit),
           .settings = settings,
           .moment = internalState(options, settings, scene, 1)};
+}
+
+Renderer::Impl::WorldLabelInput Renderer::Impl::worldLabelInput(const Worlds& worlds, const Options& options) {
+  owner.require("the renderer");
+  WorldLabelInput input{.cameras = {}, .settings = settingsFor(*device, options, scene), .moment = {}};
+  if (input.settings.shutter != 0 || input.settings.readout != 0)
+    badUsage("worlds do not support an exposure time and a rolling shutter: omit shutter and readout");
+  rejectExposures(worlds.cameras);
+  input.moment = internalState(options, input.settings, scene, 0);
+  if (worlds.arrays.ready > 0 && inputTimeline) device->waitFirst(inputTimeline->get(), worlds.arrays.ready);
+  input.cameras = source.convert(worlds, input.settings, input.moment, renderer, *device, true).cameras;
+  input.moment.previousCameras.clear();
+  input.moment.nextCameras.clear();
+  return input;
 }
 
 CastHits Renderer::cast(std::span<const std::array<double, 3>> origins,

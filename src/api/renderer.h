@@ -43,6 +43,14 @@ struct Renderer::Impl {
   std::vector<const scene::Environment*> environmentsOf(const std::vector<std::string>& names);
   // Fails in any process other than the one that created the renderer.
   LabelInput labelInput(const Camera& camera, const Options& options) const;
+
+  // The cameras of all worlds, world by world, and the scene's state in them.
+  struct WorldLabelInput {
+    std::vector<scene::Camera> cameras;
+    render::Settings settings;
+    render::SceneState moment;
+  };
+  WorldLabelInput worldLabelInput(const Worlds& worlds, const Options& options);
 };
 
 }  // namespace latelight

@@ -44,10 +44,11 @@ struct Scene::Impl {
   uint32_t index(Handle<Mesh> mesh) const;
   uint32_t index(Handle<Texture> texture) const;
 
-  // Converts worlds for the renderer: returns the cameras, and writes the rest to `state`.
+  // Converts worlds for the renderer: returns the cameras, and writes the rest to `state`. `onHost`: as lists, even if
+  // shaders can place the worlds.
   struct WorldConverter;
   WorldCameras convert(const Worlds& worlds, const render::Settings& settings, render::SceneState& state,
-                       render::Renderer& renderer, vk::Device& device) const;
+                       render::Renderer& renderer, vk::Device& device, bool onHost = false) const;
 
   // Handles of the elements that have not been removed, in the scene's order.
   template <typename Element, typename T>

@@ -645,17 +645,17 @@ void warnOfInvalidWorlds(const std::vector<uint32_t>& invalid, size_t worlds) {
 }
 
 WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& settings, render::SceneState& state,
-                                  render::Renderer& renderer, vk::Device& device) const {
+                                  render::Renderer& renderer, vk::Device& device, bool onHost) const {
   WorldConverter converter{worlds, *this, settings, state.worlds};
   converter.listInstances();
   converter.check();
   render::WorldStates& to = state.worlds;
   std::vector<scene::Camera> each = converter.camerasOfWorld();
-  const bool onDevice =
-      renderer.placesWorlds(settings, each, state.poses, !worlds.lightValues.empty() || hasLights(worlds.arrays));
+  const bool onDevice = !onHost && renderer.placesWorlds(settings, each, state.poses,
+                                                         !worlds.lightValues.empty() || hasLights(worlds.arrays));
   const auto convertLists = [&](const Worlds& lists) {
     to = {.environments = std::move(to.environments)};
-    return convert(lists, settings, state, renderer, device);
+    return convert(lists, settings, state, renderer, device, onHost);
   };
   if (hasLights(worlds.arrays) && !(onDevice && converter.placesLights()))
     return convertLists(converter.withLightValues(device));

@@ -11,11 +11,15 @@ namespace latelight::data {
 Extras both(const Extras& a, const Extras& b) {
   if (!a.keypoints.empty() && !b.keypoints.empty() && a.keypoints != b.keypoints)
     badUsage("two formats of a job must have the same keypoints");
+  std::vector<PairTarget> pairs = a.pairs;
+  for (const PairTarget& target : b.pairs)
+    if (std::ranges::find(pairs, target) == pairs.end()) pairs.push_back(target);
   return {.boxes = a.boxes || b.boxes,
           .alone = a.alone || b.alone,
           .order = a.order || b.order,
           .shapes = a.shapes || b.shapes,
           .keypoints = a.keypoints.empty() ? b.keypoints : a.keypoints,
+          .pairs = std::move(pairs),
           .samples = std::max(a.samples, b.samples)};
 }
 

@@ -13,6 +13,8 @@ std::span<const FormatInfo> formats() {
       {"webdataset", "tar archives of frames for the library WebDataset", makeWebDataset},
       {"depth-png", "16-bit PNG depth: millimeters, KITTI's 256 steps per meter, or any scale", makeDepthPng},
       {"flow", "optical flow to the next or previous frame: .flo or KITTI's PNG", makeFlow},
+      {"correspondence", "where the surfaces of a frame are in other frames, with scene flow and visibility",
+       makeCorrespondence},
       {"coco", "COCO instances: boxes, masks and categories of visible objects", makeCoco},
       {"yolo", "YOLO labels as Ultralytics reads them: boxes and classes of visible objects", makeYolo},
       {"voc", "Pascal VOC annotations: an XML file per image with boxes of visible objects", makeVoc},

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "data/keypoints.h"
+#include "data/pairs.h"
 #include "labels/objects.h"
 #include "output/files.h"
 #include "output/metadata.h"
@@ -26,9 +27,12 @@ struct Extras {
   bool order = false;   // objects, also with their masks and the order in which they occlude each other
   bool shapes = false;  // objects, also with their shapes
   std::vector<ObjectKeypoint> keypoints;  // keypoints of objects; empty: none
+  std::vector<PairTarget> pairs;          // correspondence with these images; empty: none
   uint32_t samples = 0;                   // N: ids and materials at N x N samples per pixel; 0: none
 
-  bool needsAny() const { return boxes || alone || order || shapes || !keypoints.empty() || samples > 0; }
+  bool needsAny() const {
+    return boxes || alone || order || shapes || !keypoints.empty() || !pairs.empty() || samples > 0;
+  }
 };
 
 struct DataFrame {
@@ -43,6 +47,7 @@ struct DataFrame {
 
   std::vector<Object> objects;  // sorted by id
   KeypointsOfObjects keypoints;
+  std::vector<FramePair> pairs;  // those that exist, in the order of Extras::pairs
   // Id and material of a picture N times as wide and high, an ordered grid of N x N samples per pixel.
   output::FrameOutput samples;
 };

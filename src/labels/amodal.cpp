@@ -54,79 +54,121 @@ bool overlap(const ScreenBounds& a, const ScreenBounds& b) {
   return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
 }
 
+// An object of a view.
 struct BoundedObject {
   Object* object;
   ScreenBounds bounds;
 };
-using Group = std::vector<BoundedObject>;
+// The objects with one id, in the views that have them, by index.
+using ObjectInViews = std::map<size_t, BoundedObject>;
+using Group = std::vector<const ObjectInViews*>;
 
-// Distributes objects to groups in which no screen bounds overlap (greedy, first fit).
-std::vector<Group> apart(const std::vector<BoundedObject>& objects) {
+bool overlap(const ObjectInViews& a, const ObjectInViews& b) {
+  return std::ranges::any_of(a, [&](const auto& each) {
+    const auto other = b.find(each.first);
+    return other != b.end() && overlap(each.second.bounds, other->second.bounds);
+  });
+}
+
+// Distributes objects to groups in which no screen bounds overlap in any view (greedy, first fit).
+std::vector<Group> apart(const std::map<uint32_t, ObjectInViews>& objects) {
   std::vector<Group> groups;
-  for (const BoundedObject& each : objects) {
-    const auto meets = [&](const BoundedObject& other) { return overlap(each.bounds, other.bounds); };
+  for (const auto& [id, each] : objects) {
+    const auto meets = [&](const ObjectInViews* other) { return overlap(each, *other); };
     const auto free =
         std::ranges::find_if(groups, [&](const Group& group) { return std::ranges::none_of(group, meets); });
-    (free == groups.end() ? groups.emplace_back() : *free).push_back(each);
+    (free == groups.end() ? groups.emplace_back() : *free).push_back(&each);
   }
   return groups;
 }
 
-// Renders objects in isolation with one camera: each group of objects has a view of its own.
+// A rendering of a group in a view.
+struct IsolatedImage {
+  uint32_t group, view;
+  std::vector<Object*> objects;  // of the group, in the view
+};
+
+// Renders objects in isolation: each group of objects has an image of its own in each view.
 class IsolatedRenderer {
  public:
-  IsolatedRenderer(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
+  IsolatedRenderer(render::Renderer& renderer, const scene::Scene& scene, const std::vector<scene::Camera>& cameras,
                    const render::Settings& settings, const render::SceneState& moment, bool order)
       : renderer_(renderer),
         scene_(scene),
-        camera_(camera),
+        cameras_(cameras),
         settings_(settings),
         moment_(render::onlyReadout(moment, settings)) {
     settings_.display = false;
     settings_.aovs = {output::Aov::Id};
     if (order) settings_.aovs.push_back(output::Aov::Distance);
     const bool zUp = !scene.yUp || settings.axes == render::Axes::ZUp;
-    view_ = render::makeView(camera, settings.width, settings.height);
-    viewFromPositions_ = glm::inverse(render::rigidPose(camera)) * (zUp ? glm::dmat4(1) : scene::toWorldFromGltf());
+    for (const scene::Camera& camera : cameras) {
+      views_.push_back(render::makeView(camera, settings.width, settings.height));
+      viewFromPositions_.push_back(glm::inverse(render::rigidPose(camera)) *
+                                   (zUp ? glm::dmat4(1) : scene::toWorldFromGltf()));
+    }
   }
 
-  BoundedObject bounded(Object& object) const {
-    // Rows that are read out at different times show an object anywhere near its bounds.
-    if (camera_.lens || settings_.readout != 0)
-      return {&object, {ScreenBounds::Inside, 0, view_.size.x, 0, view_.size.y}};
-    return {&object, screenBoundsOf(view_, viewFromPositions_ * object.toWorld, object)};
+  // Adds an object of a view unless the view does not show any of it. Returns the position of its bounds.
+  ScreenBounds::Containment add(size_t view, Object& object) {
+    const ScreenBounds bounds = boundsOf(view, object);
+    if (bounds.containment != ScreenBounds::Outside) objects_[object.id].emplace(view, BoundedObject{&object, bounds});
+    return bounds.containment;
   }
 
-  // Calls taken() with each picture and the objects in it. The next pictures are rendered while taken() reads these.
-  using Taken = std::function<void(const Group&, const std::vector<output::AovImage>&)>;
-  void render(const std::vector<BoundedObject>& objects, const Taken& taken) {
-    const std::vector<Group> groups = apart(objects);
+  // Calls taken() with each image. The next images are rendered while taken() reads these.
+  using Taken = std::function<void(const IsolatedImage&, const std::vector<output::AovImage>&)>;
+  void render(const Taken& taken) {
+    const std::vector<Group> groups = apart(objects_);
+    const std::vector<IsolatedImage> images = imagesOf(groups);
     const uint64_t pixels = uint64_t{settings_.width} * settings_.height;
     const size_t most = std::clamp<uint64_t>(kPixelsAtOnce / pixels, 1, kMaxViews);
     std::optional<render::Ticket> before;
-    for (size_t first = 0; first < groups.size() + most; first += most) {
-      const size_t end = std::min(first + most, groups.size());
+    for (size_t first = 0; first < images.size() + most; first += most) {
+      const size_t end = std::min(first + most, images.size());
       std::optional<render::Ticket> now;
-      if (first < end) now.emplace(submit(std::span(groups).subspan(first, end - first)));
+      if (first < end) now.emplace(submit(std::span(images).subspan(first, end - first)));
       if (before) {
         const std::vector<output::FrameOutput> pictures = before->take().frames;
-        for (size_t i = 0; i < pictures.size(); ++i) taken(groups[first - most + i], pictures[i].aovs);
+        for (size_t i = 0; i < pictures.size(); ++i) taken(images[first - most + i], pictures[i].aovs);
       }
       before = std::move(now);
     }
   }
 
  private:
-  render::Ticket submit(std::span<const Group> groups) {
+  ScreenBounds boundsOf(size_t view, const Object& object) const {
+    // Rows that are read out at different times show an object anywhere near its bounds.
+    if (cameras_[view].lens || settings_.readout != 0)
+      return {ScreenBounds::Inside, 0, views_[view].size.x, 0, views_[view].size.y};
+    return screenBoundsOf(views_[view], viewFromPositions_[view] * object.toWorld, object);
+  }
+
+  static std::vector<IsolatedImage> imagesOf(const std::vector<Group>& groups) {
+    std::vector<IsolatedImage> images;
+    for (uint32_t i = 0; i < groups.size(); ++i) {
+      std::map<size_t, std::vector<Object*>> byView;
+      for (const ObjectInViews* object : groups[i])
+        for (const auto& [view, each] : *object) byView[view].push_back(each.object);
+      for (auto& [view, objects] : byView) images.push_back({i, static_cast<uint32_t>(view), std::move(objects)});
+    }
+    return images;
+  }
+
+  render::Ticket submit(std::span<const IsolatedImage> images) {
+    const uint32_t first = images.front().group;
     std::unordered_map<uint32_t, uint32_t> groupOf;  // group number, from 1, by id
-    for (uint32_t i = 0; i < groups.size(); ++i)
-      for (const BoundedObject& each : groups[i]) groupOf[each.object->id] = i + 1;
+    for (const IsolatedImage& image : images)
+      for (const Object* object : image.objects) groupOf[object->id] = image.group - first + 1;
     moment_.groups.assign(scene_.instances.size(), 0);
     for (size_t i = 0; i < scene_.instances.size(); ++i)
       if (const auto group = groupOf.find(scene_.instances[i].id); group != groupOf.end())
         moment_.groups[i] = group->second;
-    std::vector<scene::Camera> cameras(groups.size(), camera_);
-    for (uint32_t i = 0; i < cameras.size(); ++i) cameras[i].group = i + 1;
+    std::vector<scene::Camera> cameras;
+    for (const IsolatedImage& image : images) {
+      cameras.push_back(cameras_[image.view]);
+      cameras.back().group = image.group - first + 1;
+    }
     render::SceneState state = moment_;
     for (auto* neighbors : {&state.previousCameras, &state.nextCameras})
       if (!neighbors->empty()) neighbors->assign(cameras.size(), neighbors->front());
@@ -137,30 +179,31 @@ class IsolatedRenderer {
 
   render::Renderer& renderer_;
   const scene::Scene& scene_;
-  scene::Camera camera_;
+  const std::vector<scene::Camera>& cameras_;
   render::Settings settings_;
   render::SceneState moment_;
-  shared::View view_;
-  glm::dmat4 viewFromPositions_;
+  std::vector<shared::View> views_;  // of the cameras
+  std::vector<glm::dmat4> viewFromPositions_;
+  std::map<uint32_t, ObjectInViews> objects_;  // by id
 };
 
-void takeMasks(const Group& group, const output::AovImage& ids) {
+void takeMasks(const IsolatedImage& image, const output::AovImage& ids) {
   std::map<uint32_t, Mask> masks = masksOf(ids);
-  for (const BoundedObject& each : group) {
-    const auto mask = masks.find(each.object->id);
+  for (Object* object : image.objects) {
+    const auto mask = masks.find(object->id);
     if (mask == masks.end()) continue;
-    each.object->pixels = mask->second.area();
-    each.object->full = mask->second.box();
-    each.object->alone = std::move(mask->second);
+    object->pixels = mask->second.area();
+    object->full = mask->second.box();
+    object->alone = std::move(mask->second);
   }
 }
 
 // Counts the pixels at which objects are in front of each other, from the distances of isolated objects.
 class DepthOrder {
  public:
-  void add(const Group& group, const output::AovImage& ids, const output::AovImage& distances) {
+  void add(const IsolatedImage& image, const output::AovImage& ids, const output::AovImage& distances) {
     std::unordered_map<uint32_t, Object*> objects;
-    for (const BoundedObject& each : group) objects[each.object->id] = each.object;
+    for (Object* object : image.objects) objects[object->id] = object;
     for (uint32_t i = 0; i < ids.ids.size(); ++i)
       if (ids.ids[i] != 0) covered_.push_back({i, distances.values[i], objects.at(ids.ids[i])});
   }
@@ -202,10 +245,10 @@ PixelBox around(const PixelBox& a, const PixelBox& b) {
 }
 
 // Adds the pixels that objects cover in the enlarged picture outside its central third, which is the original picture.
-void addBeyond(const Group& group, const std::vector<output::AovImage>& pictures) {
+void addBeyond(const IsolatedImage& image, const std::vector<output::AovImage>& pictures) {
   const output::AovImage& wide = pictures.front();
   std::unordered_map<uint32_t, Object*> objects;
-  for (const BoundedObject& each : group) objects[each.object->id] = each.object;
+  for (Object* object : image.objects) objects[object->id] = object;
   const uint32_t width = wide.width / 3, height = wide.height / 3;
   for (uint32_t y = 0; y < wide.height; ++y)
     for (uint32_t x = 0; x < wide.width; ++x) {
@@ -220,33 +263,42 @@ void addBeyond(const Group& group, const std::vector<output::AovImage>& pictures
 
 }  // namespace
 
-void renderIsolated(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                    const render::Settings& settings, const render::SceneState& moment, std::vector<Object>& objects,
-                    bool order) {
-  IsolatedRenderer alone(renderer, scene, camera, settings, moment, order);
-  std::vector<BoundedObject> seen;
-  std::vector<Object*> across;
-  for (Object& object : objects) {
-    object.alone = {settings.width, settings.height, {settings.width * settings.height}};
-    const BoundedObject each = alone.bounded(object);
-    if (each.bounds.containment != ScreenBounds::Outside) seen.push_back(each);
-    if (each.bounds.containment == ScreenBounds::Across) across.push_back(&object);
-  }
-  DepthOrder depths;
-  alone.render(seen, [&](const Group& group, const std::vector<output::AovImage>& pictures) {
-    takeMasks(group, pictures.front());
-    if (order) depths.add(group, pictures.front(), pictures.back());
+void renderIsolated(render::Renderer& renderer, const scene::Scene& scene, const std::vector<scene::Camera>& cameras,
+                    const render::Settings& settings, const render::SceneState& moment,
+                    std::span<std::vector<Object>> objects, bool order) {
+  IsolatedRenderer alone(renderer, scene, cameras, settings, moment, order);
+  std::vector<std::pair<size_t, Object*>> across;  // with their views
+  for (size_t view = 0; view < cameras.size(); ++view)
+    for (Object& object : objects[view]) {
+      object.alone = {settings.width, settings.height, {settings.width * settings.height}};
+      if (alone.add(view, object) == ScreenBounds::Across) across.emplace_back(view, &object);
+    }
+  std::vector<DepthOrder> depths(cameras.size());
+  alone.render([&](const IsolatedImage& image, const std::vector<output::AovImage>& pictures) {
+    takeMasks(image, pictures.front());
+    if (order) depths[image.view].add(image, pictures.front(), pictures.back());
   });
-  depths.finish();
-  const std::optional<scene::Camera> wide = widened(camera, settings);
-  if (!wide) return;
+  for (DepthOrder& each : depths) each.finish();
   render::Settings large = settings;
   large.width *= 3;
   large.height *= 3;
-  IsolatedRenderer beyond(renderer, scene, *wide, large, moment, false);
-  std::vector<BoundedObject> bounded;
-  for (Object* object : across) bounded.push_back(beyond.bounded(*object));
-  beyond.render(bounded, addBeyond);
+  std::vector<scene::Camera> wide = cameras;
+  std::vector<uint8_t> hasWide(cameras.size(), 0);
+  for (size_t view = 0; view < cameras.size(); ++view)
+    if (auto camera = widened(cameras[view], settings)) {
+      wide[view] = std::move(*camera);
+      hasWide[view] = 1;
+    }
+  IsolatedRenderer beyond(renderer, scene, wide, large, moment, false);
+  for (const auto& [view, object] : across)
+    if (hasWide[view]) beyond.add(view, *object);
+  beyond.render(addBeyond);
+}
+
+void renderIsolated(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
+                    const render::Settings& settings, const render::SceneState& moment, std::vector<Object>& objects,
+                    bool order) {
+  renderIsolated(renderer, scene, std::vector{camera}, settings, moment, std::span(&objects, 1), order);
 }
 
 }  // namespace latelight::labels

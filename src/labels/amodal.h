@@ -2,6 +2,7 @@
 // it (Zhu, Tian, Metaxas and Dollár 2017, "Semantic Amodal Segmentation").
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "labels/objects.h"
@@ -21,5 +22,11 @@ namespace latelight::labels {
 void renderIsolated(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
                     const render::Settings& settings, const render::SceneState& moment, std::vector<Object>& objects,
                     bool order = false);
+
+// The same for several cameras, which may show different worlds, with one list of objects each. Objects with the same
+// id share an image with other objects only if their bounds do not overlap in any view.
+void renderIsolated(render::Renderer& renderer, const scene::Scene& scene, const std::vector<scene::Camera>& cameras,
+                    const render::Settings& settings, const render::SceneState& moment,
+                    std::span<std::vector<Object>> objects, bool order = false);
 
 }  // namespace latelight::labels

@@ -27,11 +27,18 @@ glm::vec3 vectorAt(const output::AovImage& image, size_t pixel) {
   return {image.values[3 * pixel], image.values[3 * pixel + 1], image.values[3 * pixel + 2]};
 }
 
+render::Settings settingsOf(const Shot& shot, render::Settings settings) {
+  if (shot.width != 0) settings.width = shot.width;
+  if (shot.height != 0) settings.height = shot.height;
+  return settings;
+}
+
 // Renders the first image. Positions are relative to its eye, so that floats hold them precisely.
 output::FrameOutput renderFirst(render::Renderer& renderer, const Shot& first, const Shot& second,
                                 render::Settings settings, const glm::dvec3& eye) {
   settings.display = false;
   settings.aovs = {Aov::Id, Aov::Position, Aov::SceneFlow};
+  settings.shutter = settings.readout = 0;
   settings.positionOrigin = {eye};
   render::SceneState moment;
   moment.poses = {first.pose, first.pose, second.pose};
@@ -41,12 +48,13 @@ output::FrameOutput renderFirst(render::Renderer& renderer, const Shot& first, c
 }  // namespace
 
 Correspondence correspond(render::Renderer& renderer, const scene::Scene& scene, const Shot& first, const Shot& second,
-                          const render::Settings& settings) {
+                          const render::Settings& common) {
+  const render::Settings settings = settingsOf(first, common), others = settingsOf(second, common);
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   const glm::dvec3 eye(render::openCvPose(first.camera, scene, settings.axes == render::Axes::ZUp)[3]);
   const output::FrameOutput frame = renderFirst(renderer, first, second, settings, eye);
   const std::vector<uint32_t>& ids = imageOf(frame, Aov::Id).ids;
-  const output::CameraMetadata described = render::describeCamera(second.camera, scene, settings);
+  const output::CameraMetadata described = render::describeCamera(second.camera, scene, others);
   const Projector projector(described);
   const glm::dmat4 cameraFromFrame = glm::inverse(described.cameraToWorld);
   Correspondence result{settings.width,
@@ -71,7 +79,7 @@ Correspondence correspond(render::Renderer& renderer, const scene::Scene& scene,
   std::vector<glm::dvec3> points;
   for (size_t i = 0; i < ids.size(); ++i) {
     const glm::vec2 p = result.pixels[i];
-    if (!(p.x >= 0 && p.y >= 0 && p.x < float(settings.width) && p.y < float(settings.height))) continue;
+    if (!(p.x >= 0 && p.y >= 0 && p.x < float(others.width) && p.y < float(others.height))) continue;
     inside.push_back(i);
     points.push_back(moved[i]);
   }

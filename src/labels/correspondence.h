@@ -17,15 +17,17 @@ struct Correspondence {
   std::vector<uint8_t> visible;  // 1: the second image shows the same point
   std::vector<glm::vec3> flow;   // displacement of the point in the frame of the settings' axes, meters; 0: background
 };
+inline constexpr uint64_t kBytesPerPixel = 25;  // of a Correspondence
 
 // An image of a sequence: its camera, and the scene at its time.
 struct Shot {
   const scene::Camera& camera;
-  const scene::Pose& pose;  // empty: at rest
+  const scene::Pose& pose;         // empty: at rest
+  uint32_t width = 0, height = 0;  // of the image, in pixels; 0: as in the settings
 };
 
-// Both images have the size of the settings, which select surfaces, axes and raster. A point is visible in the second
-// image if it lies within that image and no surface is before it.
+// The settings select surfaces, axes and raster. Each image shows an instant, without an exposure time and a rolling
+// shutter. A point is visible in the second image if it lies within that image and no surface is before it.
 Correspondence correspond(render::Renderer& renderer, const scene::Scene& scene, const Shot& first, const Shot& second,
                           const render::Settings& settings);
 

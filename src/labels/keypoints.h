@@ -36,6 +36,12 @@ std::vector<ProjectedKeypoint> projectKeypoints(render::Renderer& renderer, cons
                                                 const scene::Camera& camera, const render::Settings& settings,
                                                 const render::SceneState& moment, std::span<const Keypoint> keypoints);
 
+// The same for cameras that show the worlds of `moment`, which has lists and not arrays for shaders. Returns one list
+// per camera.
+std::vector<std::vector<ProjectedKeypoint>> projectKeypointsOfWorlds(
+    render::Renderer& renderer, const scene::Scene& scene, std::span<const scene::Camera> cameras,
+    const render::Settings& settings, const render::SceneState& moment, std::span<const Keypoint> keypoints);
+
 // Returns the index of the node with this path, or -1.
 int findNode(const scene::Scene& scene, const std::string& path);
 

@@ -21,11 +21,12 @@ std::array<double, 12> rowsOf(const glm::dmat4& m) {
 
 class Boxes {
  public:
-  Boxes(const scene::Scene& scene, const scene::Pose& pose, bool zUp, const std::vector<uint64_t>* geometry)
+  Boxes(const scene::Scene& scene, const scene::Pose& pose, bool zUp, const PlacedInstances& placed,
+        const std::vector<uint64_t>* geometry)
       : scene_(scene),
         pose_(pose),
         geometry_(geometry),
-        toWorld_(scene::instanceTransforms(scene, pose)),
+        toWorld_(placed.toWorld),
         fromWorld_(zUp ? glm::dmat4(1) : scene::fileFromWorld(scene)) {}
 
   Object around(uint32_t id, const Instances& instances) const {
@@ -69,8 +70,8 @@ class Boxes {
 
   const scene::Scene& scene_;
   const scene::Pose& pose_;
-  const std::vector<uint64_t>* geometry_;  // hashes by mesh; null if shapes are not requested
-  std::vector<glm::dmat4> toWorld_;        // world transforms by instance
+  const std::vector<uint64_t>* geometry_;   // hashes by mesh; null if shapes are not requested
+  const std::vector<glm::dmat4>& toWorld_;  // world transforms by instance
   glm::dmat4 fromWorld_;
 };
 
@@ -84,24 +85,61 @@ std::array<glm::dvec3, 8> cornersOf(const Object& object) {
   return corners;
 }
 
-std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose, bool zUp, GeometryHashes* geometry) {
+PlacedInstances placedInstances(const scene::Scene& scene, const scene::Pose& pose) {
+  return {scene::instanceTransforms(scene, pose), {}};
+}
+
+PlacedInstances placedInstances(const scene::Scene& scene, const scene::Pose& pose, const render::WorldStates& worlds,
+                                uint32_t world) {
+  PlacedInstances placed = placedInstances(scene, pose);
+  const bool empty = !worlds.empty.empty() && worlds.empty[world] != 0;
+  placed.exists.assign(scene.instances.size(), empty ? 0 : 1);
+  const size_t first = world * worlds.instances.size();
+  for (size_t i = 0; i < worlds.instances.size(); ++i) {
+    const uint32_t instance = worlds.instances[i];
+    if (!worlds.transforms.empty()) placed.toWorld[instance] = worlds.transforms[first + i];
+    if (!worlds.exists.empty() && worlds.exists[first + i] == 0) placed.exists[instance] = 0;
+  }
+  return placed;
+}
+
+namespace {
+
+using Groups = std::vector<std::pair<uint32_t, Instances>>;  // instances by id
+
+Groups groupsOf(const scene::Scene& scene, const scene::Pose& pose, const PlacedInstances& placed) {
   std::map<uint32_t, Instances> byId;
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
     const scene::Instance& instance = scene.instances[i];
-    if (isShown(scene, pose, instance) && !scene.meshes[instance.mesh].positions.empty())
+    if (placed.has(i) && isShown(scene, pose, instance) && !scene.meshes[instance.mesh].positions.empty())
       byId[instance.id].push_back(i);
   }
-  const std::vector<std::pair<uint32_t, Instances>> groups(byId.begin(), byId.end());
-  std::vector<uint64_t> hashes(geometry ? scene.meshes.size() : 0);
-  if (geometry)
-    for (const auto& [id, instances] : groups)
-      for (const uint32_t i : instances) hashes[scene.instances[i].mesh] = geometry->of(scene, scene.instances[i].mesh);
-  const Boxes boxes(scene, pose, zUp, geometry ? &hashes : nullptr);
+  return {byId.begin(), byId.end()};
+}
+
+std::vector<Object> objectsAround(const Boxes& boxes, const Groups& groups) {
   std::vector<Object> objects(groups.size());
   parallelFor(groups.size(), 16, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) objects[i] = boxes.around(groups[i].first, groups[i].second);
   });
   return objects;
+}
+
+}  // namespace
+
+std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose, bool zUp,
+                              const PlacedInstances& placed) {
+  return objectsAround(Boxes(scene, pose, zUp, placed, nullptr), groupsOf(scene, pose, placed));
+}
+
+std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose, bool zUp, GeometryHashes* geometry) {
+  const PlacedInstances placed = placedInstances(scene, pose);
+  if (!geometry) return objectsOf(scene, pose, zUp, placed);
+  const Groups groups = groupsOf(scene, pose, placed);
+  std::vector<uint64_t> hashes(scene.meshes.size());
+  for (const auto& [id, instances] : groups)
+    for (const uint32_t i : instances) hashes[scene.instances[i].mesh] = geometry->of(scene, scene.instances[i].mesh);
+  return objectsAround(Boxes(scene, pose, zUp, placed, &hashes), groups);
 }
 
 }  // namespace latelight::labels

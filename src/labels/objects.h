@@ -41,10 +41,23 @@ struct Object {
 // Returns the box's corners in the object's own frame; x changes fastest, z slowest.
 std::array<glm::dvec3, 8> cornersOf(const Object& object);
 
+// The instances of a scene as one state of it has them: the scene itself in a pose, or one of its worlds.
+struct PlacedInstances {
+  std::vector<glm::dmat4> toWorld;  // by instance
+  std::vector<uint8_t> exists;      // by instance; empty: all exist
+  bool has(uint32_t instance) const { return exists.empty() || exists[instance] != 0; }
+};
+PlacedInstances placedInstances(const scene::Scene& scene, const scene::Pose& pose);
+PlacedInstances placedInstances(const scene::Scene& scene, const scene::Pose& pose, const render::WorldStates& worlds,
+                                uint32_t world);
+
 // Returns the objects of a scene in a pose, with their boxes, sorted by id. If `zUp` is true, positions are in the
 // renderer's world, otherwise in the scene file's own frame. Shapes are computed only if `geometry` is not null; it
 // caches the geometry hashes of `scene`.
 std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose, bool zUp,
                               GeometryHashes* geometry = nullptr);
+// The same with instances in other places than those of the pose. No shapes are computed.
+std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose, bool zUp,
+                              const PlacedInstances& placed);
 
 }  // namespace latelight::labels

@@ -1,25 +1,102 @@
 #include "labels/sight.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "render/submit/session.h"
+#include "scene/file_frame.h"
 
 namespace latelight::labels {
+
+namespace {
+
+// The width of the image of one pixel around a line, as an angle, or in meters for orthographic cameras. Rasterization
+// rounds vertices to 1/256 of it.
+constexpr float kPixelAngle = 1e-3f, kPixelMeters = 1e-3f;
+constexpr size_t kMaxLines = 4096;  // at once
+
+// The part of a line up to the point, in the frame of the settings' axes.
+struct Segment {
+  glm::dvec3 origin, direction;  // the point is at origin + direction
+};
+
+Segment segmentTo(const glm::dvec3& point, const glm::dmat4& pose, bool orthographic) {
+  const glm::dvec3 eye(pose[3]), axis(pose[2]);
+  const glm::dvec3 origin = orthographic ? point - glm::dot(point - eye, axis) * axis : eye;
+  return {origin, point - origin};
+}
+
+Sight sightAt(const Segment& segment, double hit, uint32_t id, double slack) {
+  const double distance = glm::length(segment.direction);
+  if (hit < distance * (1 - slack)) return {distance, hit, id};
+  return {distance, std::numeric_limits<double>::infinity(), 0};
+}
+
+// A camera at the segment's origin that looks along it.
+scene::Camera aimed(const scene::Camera& like, const Segment& segment, const scene::Scene& scene, bool zUp) {
+  const double length = glm::length(segment.direction);
+  const glm::dvec3 forward = length > 0 ? segment.direction / length : glm::dvec3(0, 0, 1);
+  const glm::dvec3 side = std::abs(forward.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 down = glm::normalize(glm::cross(forward, side));
+  const glm::dmat4 pose(glm::dvec4(glm::cross(down, forward), 0), glm::dvec4(down, 0), glm::dvec4(forward, 0),
+                        glm::dvec4(segment.origin, 1));
+  scene::Camera camera;
+  camera.toWorld = render::toWorldFromOpenCv(zUp ? scene::fileFromWorld(scene) * pose : pose, scene);
+  camera.orthographic = like.orthographic;
+  camera.verticalFov = kPixelAngle;
+  camera.yHalf = kPixelMeters / 2;
+  camera.world = like.world;
+  if (like.orthographic) {
+    camera.nearClip = 0;
+    camera.farClip = static_cast<float>(length > 0 ? 2 * length : 1);
+  }
+  return camera;
+}
+
+}  // namespace
 
 std::vector<Sight> sightsOf(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
                             const render::Settings& settings, const render::SceneState& moment,
                             std::span<const glm::dvec3> points, double slack) {
   const glm::dmat4 pose = render::openCvPose(camera, scene, settings.axes == render::Axes::ZUp);
-  const glm::dvec3 eye(pose[3]), axis(pose[2]);
-  std::vector<glm::dvec3> origins(points.size(), eye), directions(points.size());
-  for (size_t i = 0; i < points.size(); ++i) {
-    if (camera.orthographic) origins[i] = points[i] - glm::dot(points[i] - eye, axis) * axis;
-    directions[i] = points[i] - origins[i];
+  std::vector<Segment> segments;
+  std::vector<glm::dvec3> origins, directions;
+  for (const glm::dvec3& point : points) {
+    const Segment& segment = segments.emplace_back(segmentTo(point, pose, camera.orthographic));
+    origins.push_back(segment.origin);
+    directions.push_back(segment.direction);
   }
   const render::CastHits hits = renderer.cast({.origins = origins, .directions = directions}, settings, moment).hits;
-  std::vector<Sight> sights(points.size());
-  for (size_t i = 0; i < points.size(); ++i) {
-    Sight& sight = sights[i] = {glm::length(directions[i]), hits.distance[i], hits.id[i]};
-    if (!(sight.hit < sight.distance * (1 - slack)))
-      sight = {sight.distance, std::numeric_limits<double>::infinity(), 0};
+  std::vector<Sight> sights;
+  for (size_t i = 0; i < points.size(); ++i)
+    sights.push_back(sightAt(segments[i], hits.distance[i], hits.id[i], slack));
+  return sights;
+}
+
+std::vector<Sight> sightsOfWorlds(render::Renderer& renderer, const scene::Scene& scene,
+                                  std::span<const SightLine> lines, const render::Settings& settings,
+                                  const render::SceneState& moment, double slack) {
+  const bool zUp = settings.axes == render::Axes::ZUp;
+  render::Settings onePixel = settings;
+  onePixel.width = onePixel.height = 1;
+  onePixel.display = false;
+  onePixel.aovs = {output::Aov::Id, output::Aov::Distance};
+  std::vector<Sight> sights;
+  for (size_t first = 0; first < lines.size(); first += kMaxLines) {
+    const auto some = lines.subspan(first, std::min(kMaxLines, lines.size() - first));
+    std::vector<Segment> segments;
+    std::vector<scene::Camera> cameras;
+    for (const SightLine& line : some) {
+      const glm::dmat4 pose = render::openCvPose(*line.camera, scene, zUp);
+      segments.push_back(segmentTo(line.point, pose, line.camera->orthographic));
+      cameras.push_back(aimed(*line.camera, segments.back(), scene, zUp));
+    }
+    const std::vector<output::FrameOutput> frames = renderer.render(cameras, onePixel, moment);
+    for (size_t i = 0; i < some.size(); ++i) {
+      const uint32_t id = frames[i].aovs[0].ids[0];
+      const double hit = id != 0 ? frames[i].aovs[1].values[0] : std::numeric_limits<double>::infinity();
+      sights.push_back(sightAt(segments[i], hit, id, slack));
+    }
   }
   return sights;
 }

@@ -21,4 +21,15 @@ std::vector<Sight> sightsOf(render::Renderer& renderer, const scene::Scene& scen
                             const render::Settings& settings, const render::SceneState& moment,
                             std::span<const glm::dvec3> points, double slack);
 
+// A point and the camera that looks at it, which shows a world.
+struct SightLine {
+  const scene::Camera* camera;
+  glm::dvec3 point;  // as above
+};
+// The same in the worlds of `moment`, which have no bounding volume hierarchy. Each line is an image of one pixel, with
+// the line through its center.
+std::vector<Sight> sightsOfWorlds(render::Renderer& renderer, const scene::Scene& scene,
+                                  std::span<const SightLine> lines, const render::Settings& settings,
+                                  const render::SceneState& moment, double slack);
+
 }  // namespace latelight::labels

@@ -230,6 +230,18 @@ auto motionInSpaceColors(const AovImage& image) {
   };
 }
 
+// Mean curvature: warm where the surface bends away from its normal, cool where it bends toward it.
+auto curvatureColors(const AovImage& image) {
+  std::vector<float> magnitudes;
+  for (size_t i = 0; i < image.values.size(); i += 2)
+    if (image.values[i] != 0) magnitudes.push_back(std::abs(image.values[i]));
+  const float greatest = std::max(rangeOf(std::move(magnitudes)).high, 1e-6f);
+  return [&image, greatest](size_t i) -> std::optional<Rgb> {
+    const float share = std::clamp(image.values[2 * i] / greatest, -1.0f, 1.0f), other = 1 - std::abs(share);
+    return share < 0 ? Rgb{0.95f * other, 0.95f * other, 0.95f} : Rgb{0.95f, 0.95f * other, 0.95f * other};
+  };
+}
+
 template <typename ColorOf>
 Picture paint(const AovImage& image, const AovImage* ids, ColorOf&& colorOf) {
   Picture picture{image.width, image.height, std::vector<uint8_t>(size_t{image.width} * image.height * 4)};

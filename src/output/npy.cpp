@@ -1,6 +1,7 @@
 #include "output/npy.h"
 
 #include <Imath/half.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <bit>
@@ -125,13 +126,10 @@ const Type* findType(std::string_view descr) {
 
 }  // namespace
 
-std::vector<std::byte> encodeNpy(const AovImage& image) {
-  const bool ids = holdsIntegers(image.aov);
-  const uint32_t channels = info(image.aov).channels;
-  std::string shape = fmt::format("{}, {}", image.height, image.width);
-  if (channels > 1) shape += fmt::format(", {}", channels);
+std::vector<std::byte> encodeNpy(std::string_view type, std::span<const uint64_t> shape,
+                                 std::span<const std::byte> data) {
   std::string text =
-      fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", ids ? "<u4" : "<f4", shape);
+      fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", type, fmt::join(shape, ", "));
   constexpr size_t kBefore = 10;  // magic, version, length
   const size_t total = (kBefore + text.size() + 1 + kAlignment - 1) / kAlignment * kAlignment;
   text.append(total - kBefore - text.size() - 1, ' ');
@@ -141,12 +139,18 @@ std::vector<std::byte> encodeNpy(const AovImage& image) {
   const char version[] = {1, 0};
   const char length[] = {static_cast<char>(text.size() & 0xff), static_cast<char>(text.size() >> 8)};
   header.append(version, 2).append(length, 2).append(text);
-  const std::span<const std::byte> data =
-      ids ? std::as_bytes(std::span(image.ids)) : std::as_bytes(std::span(image.values));
   std::vector<std::byte> out(header.size() + data.size());
   std::memcpy(out.data(), header.data(), header.size());
   std::memcpy(out.data() + header.size(), data.data(), data.size());
   return out;
+}
+
+std::vector<std::byte> encodeNpy(const AovImage& image) {
+  const bool ids = holdsIntegers(image.aov);
+  std::vector<uint64_t> shape{image.height, image.width};
+  if (const uint32_t channels = info(image.aov).channels; channels > 1) shape.push_back(channels);
+  if (ids) return encodeNpy("<u4", shape, std::as_bytes(std::span(image.ids)));
+  return encodeNpy("<f4", shape, std::as_bytes(std::span(image.values)));
 }
 
 ReadImage decodeNpy(std::span<const std::byte> bytes, const std::filesystem::path& path) {

@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "scene/lens_range.h"
 
 namespace latelight::scene {
 
@@ -312,11 +313,14 @@ Lens scaledTo(const Lens& lens, uint32_t width, uint32_t height) {
 
 // --- projection between directions and pixels -----------------------------------------------------------------------
 
-LensProjection::LensProjection(const Lens& lens) : lens_(lens) {
-  if (lens.model == LensModel::OpenCv) most_ = Radial(lens).turn();
-  if (lens.model == LensModel::Fisheye) most_ = fisheyeTurn(lens);
-  if (lens.model == LensModel::FTheta) most_ = fthetaTurn(lens);
+double turningPoint(const Lens& lens) {
+  if (lens.model == LensModel::OpenCv) return Radial(lens).turn();
+  if (lens.model == LensModel::Fisheye) return fisheyeTurn(lens);
+  if (lens.model == LensModel::FTheta) return fthetaTurn(lens);
+  return 0;
 }
+
+LensProjection::LensProjection(const Lens& lens) : lens_(lens), most_(turningPoint(lens)) {}
 
 std::optional<dvec2> LensProjection::project(dvec3 v) const {
   const auto pixelAt = [&](dvec2 p) { return dvec2(lens_.fx * p.x + lens_.cx, lens_.fy * p.y + lens_.cy); };

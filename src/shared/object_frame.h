@@ -11,6 +11,7 @@ struct ObjectFrame {
   vec3 fromCenter;          // its translation, less the center of the object's box
   float inverseDiagonal;    // 1 / the length of the box's diagonal; 0 if the box has none
   uint64_t positions;       // VertexPosition[] of the mesh at rest
+  uint64_t curvatures;      // vec2[] of its vertices: mean and Gaussian curvature; 0: not computed
 };
 
 SH_END

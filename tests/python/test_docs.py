@@ -68,6 +68,7 @@ def test_labels():
     names = run_all(blocks(ROOT / "docs" / "labels.md"), "labels.md")
     labels, keypoints, match = names["labels"], names["keypoints"], names["match"]
     assert len(labels.nodes) > 1 and labels.amodal_masks.shape == (len(labels.nodes), 240, 320)
+    assert names["world_labels"].amodal_masks.shape[:2] == names["world_keypoints"].visibility.shape[:2] == (3, 1)
     assert keypoints.pixels.shape == (2, 2) and np.isfinite(keypoints.pixels).all()
     assert match.pixels.shape == (240, 320, 2) and match.visible.any() and not match.visible.all()
 

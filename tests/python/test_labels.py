@@ -95,3 +95,46 @@ def test_coordinates_stay_with_the_object_in_worlds(cards):
         assert np.abs(worlds[name][0, 0].astype(float) - expected[name]).max() < 1e-5, name
         assert (np.from_dlpack(arrays[name]) == worlds[name]).all(), name
     assert worlds["triangle"].dtype == np.uint32
+
+
+def test_labels_of_worlds(cards):
+    """Two worlds and two cameras: the labels of each view are those of the edited scene."""
+    scene, renderer = cards
+    handles = scene.instances()
+    rest = np.stack([scene.instance(handle).transform for handle in handles])
+    names = [scene.instance(handle).node for handle in handles]
+    moved = np.stack([rest, rest])
+    moved[1, names.index("/front"), 0, 3] = 1.5
+    beside = front()
+    pose = beside.camera_to_world.copy()
+    pose[0, 3] = 1
+    beside.camera_to_world = pose
+    world = {"instances": handles, "transforms": moved}
+    labels = renderer.labels_of_worlds(2, [front(), beside], (64, 64), **world)
+    assert isinstance(labels, latelight.WorldLabels) and sorted(labels.nodes) == ["/back", "/front"]
+    assert labels.amodal_masks.shape == (2, 2, 2, 64, 64) and labels.present.all()
+    assert labels.occlusions.shape == (2, 2, 2, 2) and labels.object_to_world.shape == (2, 2, 2, 4, 4)
+    points = [latelight.Keypoint("/back", (0, 0, 0)), "/front"]
+    keypoints = renderer.keypoints_of_worlds(2, [front(), beside], points, (64, 64), **world)
+    assert keypoints.pixels.shape == (2, 2, 2, 2) and keypoints.names == ["/back", "/front"]
+    assert keypoints.visibility.tolist() == [[[1, 2], [1, 2]], [[2, 2], [2, 2]]]
+    for n in range(2):
+        edited = latelight.Scene()
+        corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
+        mesh = edited.add_mesh(corners, indices=[[0, 1, 2], [0, 2, 3]])
+        plain = edited.add_material(latelight.Material())
+        for i, name in enumerate(names):
+            edited.add_instance(mesh, plain, moved[n, i], name=name[1:])
+        alone = latelight.Renderer(edited, os.environ.get("LATELIGHT_TEST_DEVICE", "cpu"))
+        for c, camera in enumerate((front(), beside)):
+            expected = alone.labels(camera, (64, 64))
+            order = [expected.nodes.index(node) for node in labels.nodes]
+            for name in ("visible_masks", "amodal_masks", "full_boxes", "visible_share", "box_max", "box_corners"):
+                assert np.allclose(getattr(labels, name)[n, c], getattr(expected, name)[order]), name
+            assert (labels.occlusions[n, c] == expected.occlusions[np.ix_(order, order)]).all()
+            one = alone.keypoints(camera, points, (64, 64))
+            assert np.allclose(keypoints.pixels[n, c], one.pixels)
+            assert (keypoints.visibility[n, c] == one.visibility).all()
+    exists = [[name == "/back" for name in names]]
+    gone = renderer.labels_of_worlds(1, front(), (64, 64), instances=handles, exists=exists)
+    assert gone.nodes == ["/back"] and gone.visible_share.tolist() == [[[1.0]]]

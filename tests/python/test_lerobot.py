@@ -123,3 +123,23 @@ def test_lerobot_itself(folder):
     assert item["task"] == "orbit" and int(item["episode_index"]) == 1
     assert tuple(item["observation.images.left"].shape) == (3, 48, 64)
     np.testing.assert_allclose(item["observation.state"][:3], poses(folder)[1, 1, 0][:3, 3], atol=1e-5)
+
+
+def test_a_full_disk_leaves_no_data_set(folder, tmp_path):
+    """A disk that is too small for the videos, or for everything but the last files."""
+    needed = sum(-(-path.stat().st_size // 4096) * 4096 for path in (folder / "out").rglob("*") if path.is_file())
+    for share in (0.3, 0.7, 0.95):
+        disk = tmp_path / f"disk{int(100 * share)}"
+        disk.mkdir()
+        mounted = subprocess.run(
+            ["mount", "-t", "tmpfs", "-o", f"size={int(share * needed)}", "tmpfs", disk], capture_output=True
+        )
+        if mounted.returncode != 0:
+            pytest.skip("no right to mount")
+        try:
+            failed = lerobot(folder, "set", "-o", str(disk / "out"), "--fps", "10")
+            assert failed.returncode == 3, failed.stderr
+            assert failed.stderr.startswith("latelight.lerobot: ") and failed.stderr.count("\n") == 1, failed.stderr
+            assert not list(disk.iterdir()), failed.stderr
+        finally:
+            subprocess.run(["umount", "-l", disk], check=True)

@@ -92,3 +92,45 @@ def test_raw_and_its_noise(boxes, renderer):
     np.testing.assert_allclose(clean["raw"], np.clip(np.round(60 + 963 * light), 0, 1023), atol=1)
     with pytest.raises(latelight.UsageError, match="arrays"):
         renderer.render(cameras, SIZE, "raw", on_device=True)
+
+
+def test_cameras_with_their_own_exposure(half_plane):
+    """Each picture of a call equals that of a call with the camera's exposure as options."""
+    renderer, camera = half_plane
+    step = 8 * 2 / SIZE[1]
+    options = {"camera_samples": 16, "frames_per_second": 10}
+    neighbors = {"previous_cameras": [moved(camera, step)], "next_cameras": [moved(camera, -step)]}
+    many = {name: cameras * 3 for name, cameras in neighbors.items()}
+    outputs = ("color", "id")
+
+    def exposed(**exposure):
+        own = moved(camera, 0)
+        for name, value in exposure.items():
+            setattr(own, name, value)
+        return own
+
+    def alone(**exposure):
+        return renderer.render(camera, SIZE, outputs, **options, **neighbors, **exposure)
+
+    cases = [{"shutter": 0.1}, {"shutter": 0.05}, {}]
+    for result in (
+        renderer.render([exposed(**case) for case in cases], SIZE, outputs, **options, **many),
+        renderer.render(
+            [exposed(**({"shutter": 0.0} | case)) for case in cases], SIZE, outputs, shutter=0.2, **options, **many
+        ),
+    ):
+        for case, frame in zip(cases, result, strict=True):
+            expected = alone(**case)
+            np.testing.assert_allclose(frame["color"], expected["color"], atol=1e-3)
+            np.testing.assert_array_equal(frame["id"], expected["id"])
+    rows = [{"readout": 0.1}, {"readout": -0.05}, {"readout": 0.0}]
+    result = renderer.render([exposed(**case) for case in rows], SIZE, outputs, **options, **many)
+    for case, frame in zip(rows, result, strict=True):
+        expected = alone(**case)
+        np.testing.assert_array_equal(frame["color"], expected["color"])
+        np.testing.assert_array_equal(frame["id"], expected["id"])
+    assert (result[0]["id"] != result[2]["id"]).any() and (result[1]["id"] != result[2]["id"]).any()
+    with pytest.raises(latelight.UsageError, match="a camera's shutter must be from 0"):
+        renderer.render(exposed(shutter=-1.0), SIZE)
+    with pytest.raises(latelight.UsageError, match="worlds are rendered at an instant"):
+        renderer.render_worlds(1, exposed(shutter=0.1), SIZE)

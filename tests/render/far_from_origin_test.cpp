@@ -122,7 +122,7 @@ class FarFromOrigin : public RenderTest {
 
   static void expectTheSame(const std::string& name, scene::Scene& scene, const scene::Camera& camera,
                             Settings settings, std::initializer_list<double> offsets, bool motion = true) {
-    if (!motion) std::erase(settings.aovs, Aov::Motion);  // not supported with lenses
+    if (!motion) std::erase(settings.aovs, Aov::Motion);  // the limit below is that of projections
     scene::Camera before = camera;
     before.toWorld[3] += glm::dvec4(0.03, -0.02, 0.01, 0);
     const output::FrameOutput reference = render(scene, camera, settings, before);

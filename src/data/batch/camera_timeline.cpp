@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "base/error.h"
 #include "base/hash.h"
 #include "render/frame/view.h"
 #include "render/submit/session.h"
@@ -26,6 +27,9 @@ CameraTimeline::CameraTimeline(const Job& job, const scene::Scene& scene) : job_
     return cameras;
   };
   cameras_ = camerasAt(s.time, memory_[0]);
+  const auto named = [](const PairTarget& target) { return target.kind != PairTarget::Kind::Step; };
+  if (std::ranges::any_of(job.extras.pairs, named))
+    for (size_t i = 0; i < cameras_.size(); ++i) byName_.emplace(cameras_[i].name, i);
   if (!s.time || scene.rig.empty() || std::ranges::none_of(cameras_, &JobCamera::followsScene)) return;
   earlier_ = camerasAt(*s.time - 1 / s.framesPerSecond, memory_[1]);
   later_ = camerasAt(*s.time + 1 / s.framesPerSecond, memory_[2]);
@@ -65,6 +69,36 @@ std::optional<CameraTimeline::Neighbor> CameraTimeline::next(size_t i) const {
   return Neighbor{(later_.empty() ? cameras_ : later_)[i].camera, *now + 1 / job_.settings.framesPerSecond, {}};
 }
 
+std::optional<size_t> CameraTimeline::indexOf(std::string_view camera) const {
+  const auto found = byName_.find(camera);
+  return found == byName_.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::optional<CameraTimeline::Neighbor> CameraTimeline::target(size_t i, const PairTarget& target) const {
+  const auto at = [&](std::optional<size_t> other) {
+    return other && *other != i ? std::optional(Neighbor{cameras_[*other].camera, time(*other), other}) : std::nullopt;
+  };
+  if (target.kind == PairTarget::Kind::Camera) {
+    const std::optional<size_t> other = indexOf(target.name);
+    if (!other) badUsage("correspondence leads to the camera \"{}\", but the scene has no such camera", target.name);
+    return at(other);
+  }
+  if (target.kind == PairTarget::Kind::Member) {  // members are named after the pose: path0-left
+    const std::string& name = cameras_[i].name;
+    const size_t dash = name.rfind('-');
+    return dash == std::string::npos ? std::nullopt : at(indexOf(name.substr(0, dash + 1) + target.name));
+  }
+  if (!cameras_[i].sequence) return target.step == 1 ? next(i) : target.step == -1 ? previous(i) : std::nullopt;
+  std::optional<size_t> place = i;
+  for (int64_t step = 0; place && step < std::abs(target.step); ++step)
+    place = target.step > 0 ? cameras_[*place].sequence->next : cameras_[*place].sequence->previous;
+  return at(place);
+}
+
+scene::Pose CameraTimeline::poseAt(const std::optional<double>& time) const {
+  return time ? scene::poseAt(scene_, playback_, *time) : scene::Pose{};
+}
+
 std::optional<double> CameraTimeline::secondsTo(size_t i, const Neighbor& neighbor) const {
   std::optional<double> here = time(i), there = neighbor.time;
   if (neighbor.place && cameras_[i].sequence && cameras_[i].sequence->seconds) {
@@ -87,19 +121,31 @@ CameraTimeline::Times CameraTimeline::timesOf(size_t i) const {
 }
 
 render::Poses CameraTimeline::poses(size_t i) const {
-  const auto poseAt = [&](std::optional<double> time) {
-    return time ? scene::poseAt(scene_, playback_, *time) : scene::Pose{};
-  };
   const Times times = timesOf(i);
   return {poseAt(times.previous), poseAt(times.now), poseAt(times.next)};
 }
 
+render::Settings CameraTimeline::settingsOf(size_t i) const {
+  const CameraExposure& exposure = cameras_[i].exposure;
+  render::Settings settings = job_.settings;
+  if (exposure.shutter) settings.shutter = *exposure.shutter;
+  if (exposure.readout) settings.readout = *exposure.readout;
+  return settings;
+}
+
 uint64_t CameraTimeline::momentOf(size_t i) const {
-  if (scene_.rig.empty() || !job_.settings.time) return 0;
-  const Times times = timesOf(i);
-  const uint64_t seconds[] = {std::bit_cast<uint64_t>(*times.previous), std::bit_cast<uint64_t>(*times.now),
-                              std::bit_cast<uint64_t>(*times.next)};
-  return hash64(seconds, sizeof(seconds));
+  const CameraExposure& exposure = cameras_[i].exposure;
+  std::vector<uint64_t> parts;
+  const auto add = [&](const std::optional<double>& seconds) { parts.push_back(std::bit_cast<uint64_t>(*seconds)); };
+  if (!scene_.rig.empty() && job_.settings.time) {
+    const Times times = timesOf(i);
+    for (const auto& time : {times.previous, times.now, times.next}) add(time);
+  }
+  if (exposure.shutter || exposure.readout) {
+    add(exposure.shutter.value_or(job_.settings.shutter));
+    add(exposure.readout.value_or(job_.settings.readout));
+  }
+  return parts.empty() ? 0 : hash64(parts.data(), parts.size() * sizeof(uint64_t));
 }
 
 }  // namespace latelight::data

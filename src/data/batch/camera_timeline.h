@@ -10,12 +10,15 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "base/memory.h"
 #include "data/batch/job.h"
 #include "data/cameras/cameras.h"
+#include "data/pairs.h"
 #include "render/deform/deformer.h"
 
 namespace latelight::data {
@@ -38,6 +41,11 @@ class CameraTimeline {
   std::optional<Neighbor> previous(size_t i) const;
   std::optional<Neighbor> next(size_t i) const;
 
+  // Returns the second image of a pair; empty if there is none, or if it is the frame itself. Throws Error(Usage) if
+  // the scene has no camera of the target's name.
+  std::optional<Neighbor> target(size_t i, const PairTarget& target) const;
+  scene::Pose poseAt(const std::optional<double>& time) const;  // of the scene's moving parts; empty: at rest
+
   // Returns the seconds from a camera's frame to its neighbor's or back; empty if neither the job nor the source of the
   // cameras has times.
   std::optional<double> secondsTo(size_t i, const Neighbor& neighbor) const;
@@ -46,7 +54,9 @@ class CameraTimeline {
   std::function<scene::Pose(double)> posesNear(size_t i) const;
   // The poses of the scene's moving parts in the previous frame, in the frame itself, and in the next frame.
   render::Poses poses(size_t i) const;
-  // Frames with the same number have the same poses and may be rendered together.
+  // The job's settings with the exposure of a camera.
+  render::Settings settingsOf(size_t i) const;
+  // Frames with the same number have the same poses and exposure, and may be rendered together.
   uint64_t momentOf(size_t i) const;
 
  private:
@@ -54,6 +64,7 @@ class CameraTimeline {
     std::optional<double> previous, now, next;
   };
   Times timesOf(size_t i) const;
+  std::optional<size_t> indexOf(std::string_view camera) const;
   std::optional<Neighbor> inSequence(size_t i, std::optional<size_t> neighbor) const;
 
   const Job& job_;
@@ -61,7 +72,8 @@ class CameraTimeline {
   scene::Playback playback_;
   std::array<MemoryClaim, 3> memory_;  // for cameras_, earlier_ and later_
   std::vector<JobCamera> cameras_;
-  std::vector<JobCamera> earlier_, later_;  // by 1 / fps seconds; empty if the scene moves no camera
+  std::map<std::string_view, size_t> byName_;  // indices of cameras_; empty unless the job pairs cameras by their names
+  std::vector<JobCamera> earlier_, later_;     // by 1 / fps seconds; empty if the scene moves no camera
 };
 
 }  // namespace latelight::data

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "data/batch/schema.h"
+#include "data/extras.h"
 #include "render/options/options.h"
 #include "render/outputs/outputs.h"
 #include "scene/ids.h"
@@ -140,6 +141,7 @@ Job makeJob(const JobDocument& document) {
     for (const auto& [place, spec] : each(document, "formats")) job.formats.push_back(makeFormat(spec, place));
   else
     job.formats.push_back(makeFormat("files", "formats"));
+  for (const JobFormat& use : job.formats) job.extras = both(job.extras, use.format->needsExtras());
   readOptions(job, document);
   askForOutputs(job);
   return job;

@@ -32,6 +32,7 @@ struct Job {
   uint64_t seed = 0;
   std::string name = "{index}";
   std::vector<JobFormat> formats;
+  Extras extras;  // the requirements of all formats
 
   render::Settings settings;
   std::map<std::string, std::string, std::less<>> given;  // values of the options that the job sets, by key

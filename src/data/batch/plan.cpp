@@ -53,15 +53,32 @@ Json describe(const std::optional<double>& seconds) {
   return seconds ? Json(std::bit_cast<uint64_t>(*seconds)) : Json();
 }
 
-uint64_t hashOf(const CameraTimeline& cameras, size_t i, bool moves) {
+// Describes another image that a frame refers to.
+Json describe(const CameraTimeline& cameras, const std::optional<CameraTimeline::Neighbor>& other) {
+  if (!other) return {};
+  Json all{describe(other->camera), describe(other->time), Json()};
+  if (!other->place) return all;
+  const JobCamera& c = cameras.camera(*other->place);
+  all[2] = {*other->place, c.name, c.width, c.height};
+  return all;
+}
+
+Json describe(const PairTarget& target) {
+  return {target.kind, target.step, target.name};
+}
+
+// `moves`: the frame depends on its neighbors, even if it is exposed for an instant.
+uint64_t hashOf(const CameraTimeline& cameras, size_t i, bool moves, const std::vector<PairTarget>& pairs) {
   const JobCamera& c = cameras.camera(i);
   Json all{c.name, c.width, c.height, describe(c.camera), describe(cameras.time(i))};
-  if (!moves) return hashOf(all);
-  for (const auto& neighbor : {cameras.previous(i), cameras.next(i)})
-    all.push_back(neighbor
-                      ? Json{describe(neighbor->camera), describe(neighbor->time),
-                             neighbor->place ? Json{*neighbor->place, cameras.camera(*neighbor->place).name} : Json()}
-                      : Json());
+  const CameraExposure& exposure = c.exposure;
+  if (exposure != CameraExposure{})
+    all.push_back({describe(exposure.shutter), describe(exposure.readout),
+                   exposure.noiseSeed ? Json(*exposure.noiseSeed) : Json()});
+  const render::Settings settings = cameras.settingsOf(i);
+  if (moves || settings.shutter > 0 || settings.readout != 0)
+    for (const auto& neighbor : {cameras.previous(i), cameras.next(i)}) all.push_back(describe(cameras, neighbor));
+  for (const PairTarget& target : pairs) all.push_back(describe(cameras, cameras.target(i, target)));
   return hashOf(all);
 }
 
@@ -134,10 +151,12 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   const bool moves = std::ranges::any_of(job.settings.aovs, output::dependsOnNeighbors);
   std::vector<std::string> cameraFiles;
   addCameraFiles(job.cameras, cameraFiles);
+  Json pairs = Json::array();
+  for (const PairTarget& target : job.extras.pairs) pairs.push_back(data::describe(target));
   loadHash_ = hashOf({d.value("cameras", Json()), hashOfFiles(cameraFiles), d.value("variant", Json()),
                       d.value("allow-outside", Json()), d.value("id-depth", Json()), d.value("id-nodes", Json()),
                       d.value("unit", Json()), d.value("up-axis", Json()), d.value("point-radius", Json()),
-                      d.value("options", Json()), moves, job.seed, version()});
+                      d.value("options", Json()), moves, pairs, job.seed, version()});
   const Json known = readSaved(saved);
   for (const std::string& source : job.scenes) {
     PlannedScene scene{.source = source};
@@ -173,13 +192,12 @@ void Plan::look(PlannedScene& scene) try {
   scene::LoadOptions load = job_.load;
   load.textures = job_.scenes.size() == 1 || !job_.variations.is_null();
   auto loaded = std::make_unique<LoadedScene>(job_, scene::load(scene.source, load));
-  const render::Settings& settings = job_.settings;
-  const bool moves =
-      std::ranges::any_of(settings.aovs, output::dependsOnNeighbors) || settings.shutter > 0 || settings.readout != 0;
+  const bool moves = std::ranges::any_of(job_.settings.aovs, output::dependsOnNeighbors);
   const CameraTimeline& cameras = loaded->cameras();
   for (size_t i = 0; i < cameras.size(); ++i) {
     const JobCamera& c = cameras.camera(i);
-    scene.cameras.push_back({c.name, hashOf(cameras, i, moves), c.width, c.height, cameras.momentOf(i)});
+    scene.cameras.push_back(
+        {c.name, hashOf(cameras, i, moves, job_.extras.pairs), c.width, c.height, cameras.momentOf(i)});
   }
   for (const std::filesystem::path& file : loaded->scene().files) scene.files.push_back(file.string());
   scene.hash = hashOfFiles(scene.files);

@@ -26,7 +26,6 @@ Worker::Worker(const Job& job, const Plan& plan, SceneLoader& loader, WorkList& 
                const vk::DeviceOptions& device)
     : job_(job), plan_(plan), loader_(loader), work_(work), writers_(writers), log_(log), deviceOptions_(device) {
   useDevice();
-  for (const JobFormat& use : job.formats) extras_ = both(extras_, use.format->needsExtras());
 }
 
 void Worker::run() {
@@ -73,7 +72,7 @@ bool Worker::loadNext() {
 }
 
 render::Settings Worker::settingsOf(const Chunk& chunk) {
-  render::Settings settings = job_.settings;
+  render::Settings settings = scene_->cameras().settingsOf(plan_.at(chunk.frames.front())->camera);
   settings.width = chunk.width;
   settings.height = chunk.height;
   if (const auto degrees = scene_->environmentRotation()) settings.environmentRotation = render::radians(*degrees);
@@ -109,6 +108,8 @@ RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::
   m.frame = static_cast<uint32_t>(index);
   m.frameDigits = 6;
   if (const std::optional<double> time = cameras.time(place.camera)) m.settings["time"] = fmt::format("{}", *time);
+  if (camera.exposure.shutter) m.settings["shutter"] = fmt::format("{}", *camera.exposure.shutter);
+  if (camera.exposure.readout) m.settings["readout"] = fmt::format("{}", *camera.exposure.readout);
   frame.record = {.index = index,
                   .settings = plan_.settings(index),
                   .name = frame.frame.name,
@@ -136,7 +137,7 @@ std::vector<RenderedFrame> Worker::framesOf(const Chunk& chunk) {
   shared.settings["raster"] = render::nameOf(job_.settings.raster);
   if (!job_.settings.time) shared.settings.erase("fps");
   if (const auto degrees = scene_->environmentRotation()) shared.settings["hdri-rotate"] = fmt::format("{}", *degrees);
-  const bool needsExtras = extras_.needsAny();
+  const bool needsExtras = job_.extras.needsAny();
   if (needsExtras && !shared.ids)
     shared.ids = std::make_shared<output::IdManifest>(render::idManifest(scene_->scene()));
   std::vector<RenderedFrame> frames;
@@ -154,8 +155,26 @@ void Worker::addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames) {
   Chunk one = chunk;
   for (RenderedFrame& rendered : frames) {
     one.frames = {rendered.frame.index};
-    renderExtras(*renderer_, scene_->scene(), cameraOf(rendered.frame.index), settings, momentOf(one), extras_,
-                 geometry_, rendered.frame);
+    const render::SceneState moment = momentOf(one);
+    renderExtras(*renderer_, scene_->scene(), cameraOf(rendered.frame.index), settings, moment, job_.extras, geometry_,
+                 rendered.frame);
+    addPairs(settings, moment.poses.current, rendered.frame);
+  }
+}
+
+// Computes the frame's correspondence with other images of its scene and variation.
+void Worker::addPairs(const render::Settings& settings, const scene::Pose& pose, DataFrame& frame) {
+  const CameraTimeline& cameras = scene_->cameras();
+  for (const PairTarget& target : job_.extras.pairs) {
+    const auto second = cameras.target(frame.camera, target);
+    if (!second) continue;
+    const scene::Pose then = cameras.poseAt(second->time);
+    labels::Shot shot{second->camera, then};
+    if (second->place) shot.width = cameras.camera(*second->place).width;
+    if (second->place) shot.height = cameras.camera(*second->place).height;
+    frame.pairs.push_back(
+        {target, second->place ? plan_.neighborName(frame.index, *second->place) : "", second->time,
+         labels::correspond(*renderer_, scene_->scene(), {cameraOf(frame.index), pose}, shot, settings)});
   }
 }
 
@@ -189,14 +208,21 @@ void Worker::finish(RenderedFrame frame, output::FrameOutput picture) {
   writers_.push(std::move(frame));
 }
 
+uint64_t Worker::noiseSeedOf(uint64_t index) const {
+  const std::optional<uint64_t>& own = scene_->cameras().camera(plan_.at(index)->camera).exposure.noiseSeed;
+  const uint64_t ofFrame[] = {job_.seed, index};
+  if (!own) return hash64(ofFrame, sizeof(ofFrame));
+  const uint64_t ofCamera[] = {job_.seed, *own, 1};  // its length keeps it apart from seeds of frames
+  return hash64(ofCamera, sizeof(ofCamera));
+}
+
 render::Ticket Worker::submit(const Chunk& chunk) {
   scene_->show(chunk.variation);
   useEnvironment();
   std::vector<scene::Camera> cameras;
   for (const uint64_t index : chunk.frames) {
-    const uint64_t seeds[] = {job_.seed, index};
     cameras.push_back(cameraOf(index));
-    cameras.back().noiseSeed = hash64(seeds, sizeof(seeds));
+    cameras.back().noiseSeed = noiseSeedOf(index);
   }
   return renderer_->submit(cameras, settingsOf(chunk), momentOf(chunk));
 }

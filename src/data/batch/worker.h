@@ -45,7 +45,9 @@ class Worker {
   RenderedFrame frameOf(uint64_t index, const Chunk& chunk, const output::Metadata& shared);
   std::vector<RenderedFrame> framesOf(const Chunk& chunk);
   void addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames);
+  void addPairs(const render::Settings& settings, const scene::Pose& pose, DataFrame& frame);
   const scene::Camera& cameraOf(uint64_t index) const;
+  uint64_t noiseSeedOf(uint64_t index) const;
   render::SceneState momentOf(const Chunk& chunk) const;
   render::Settings settingsOf(const Chunk& chunk);
   void fail(const Chunk& chunk, const std::string& why);
@@ -58,7 +60,6 @@ class Worker {
   ShardLog& log_;
   const vk::DeviceOptions deviceOptions_;
   std::deque<vk::Device> devices_;  // the last one is in use, the others were lost
-  Extras extras_;                   // the union of the formats' requirements
 
   std::optional<uint32_t> sceneIndex_, nextIndex_;
   std::future<std::unique_ptr<LoadedScene>> next_;

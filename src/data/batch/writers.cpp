@@ -14,6 +14,7 @@ constexpr size_t kWaitingFrames = 4;
 uint64_t bytesOf(const RenderedFrame& frame) {
   uint64_t bytes = frame.frame.picture.display.size();
   for (const output::AovImage& aov : frame.frame.picture.aovs) bytes += 4 * (aov.values.size() + aov.ids.size());
+  for (const FramePair& pair : frame.frame.pairs) bytes += labels::kBytesPerPixel * pair.match.visible.size();
   return bytes;
 }
 

@@ -44,6 +44,8 @@ std::vector<Shot> makeSource(const Json& value, const std::string& path, const C
   }
   throwIfStopped();
   std::vector<Shot> shots = source->make(spec, context);
+  const CameraExposure exposure = readExposure(spec);
+  for (Shot& shot : shots) shot.exposure = combined(shot.exposure, exposure);
   spec.finish();
   return shots;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/memory.h"
+#include "data/cameras/exposure.h"
 #include "scene/scene.h"
 
 namespace latelight::data {
@@ -29,6 +30,7 @@ struct JobCamera {
   std::string name;                // unique in the list; part of frame names that contain {camera}
   uint32_t width = 0, height = 0;  // in pixels; 0: the job's size
   std::optional<SequencePosition> sequence{};
+  CameraExposure exposure{};
   bool followsScene = false;  // the pose comes from a camera of the scene, which animations may move
 };
 

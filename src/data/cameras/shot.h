@@ -15,6 +15,7 @@ struct Shot {
   scene::Camera optics;            // everything except the pose
   uint32_t width = 0, height = 0;  // in pixels; 0: the job's size
   std::optional<SequencePosition> sequence{};
+  CameraExposure exposure{};
   bool followsScene = false;
 };
 

@@ -16,6 +16,7 @@ std::vector<Shot> shotsOfList(Spec& spec, const CameraContext& context) {
     const Optics optics = hasOptics(entry) ? readOptics(entry, context.size) : normal;
     const std::string name = entry.text("name", numberedName("camera", shots.size(), entries.size()));
     shots.push_back({name, readPose(entry, context), optics.camera, optics.width, optics.height});
+    shots.back().exposure = readExposure(entry);
     entry.finish();
   }
   return shots;

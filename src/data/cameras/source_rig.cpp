@@ -16,6 +16,7 @@ struct Member {
   std::string name;
   glm::dmat4 offset{1};            // member's to base camera's frame, both in OpenCV's convention
   std::optional<Optics> optics{};  // empty: the base camera's optics
+  CameraExposure exposure{};       // the values that are empty are those of the base camera
 };
 
 // Creates all members at each base camera. The neighbors of a member are the same member at the neighboring poses.
@@ -35,6 +36,7 @@ std::vector<Shot> shotsOfMembers(const std::vector<Shot>& bases, const std::vect
         shot.optics = member.optics->camera;
         shot.width = member.optics->width, shot.height = member.optics->height;
       }
+      shot.exposure = combined(member.exposure, base.exposure);
       shots.push_back(std::move(shot));
     }
   return shots;
@@ -56,6 +58,7 @@ Member readMember(Spec& spec, const CameraContext& context) {
   else
     member.offset[3] = glm::dvec4(spec.vector("translation"), 1);
   if (hasOptics(spec)) member.optics = readOptics(spec, context.size);
+  member.exposure = readExposure(spec);
   spec.finish();
   return member;
 }

@@ -11,6 +11,7 @@ std::unique_ptr<Format> makeBop(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeBoxes(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeCoco(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeColmap(const nlohmann::ordered_json& options);
+std::unique_ptr<Format> makeCorrespondence(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeCryptomatte(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeDepthPng(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeExr(const nlohmann::ordered_json& options);

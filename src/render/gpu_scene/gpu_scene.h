@@ -40,7 +40,7 @@ class GpuScene {
   void changesSubmitted();
   vk::Uploader& uploads() { return uploads_; }  // the pending uploads
   void storeClusters() { geometry_.storeClusters(uploads_); }
-  void storeObjectFrames() { objectFrames_.update(uploads_, geometry_); }
+  void storeObjectFrames(bool curvatures) { objectFrames_.update(uploads_, geometry_, curvatures); }
   void storeTexels() { materials_.storeTexels(uploads_); }
   void setAnisotropy(uint32_t samples) { materials_.setAnisotropy(uploads_, samples); }
   // Overrides the scene's lights immediately, until the next edit or pose.

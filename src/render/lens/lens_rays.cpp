@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "render/lens/lens_calibration.h"
 #include "scene/scene.h"
 #include "vk/device.h"
 
@@ -189,7 +190,10 @@ Bins binsOf(const RayGrid& grid, std::span<const shared::View> views, std::span<
 
 }  // namespace
 
-LensRays::LensRays(vk::Device& device, const LensPicture& picture) {
+LensRays::LensRays(vk::Device& device, const LensPicture& picture)
+    : lenses{calibrationOf(picture.lens, picture.width, picture.height),
+             calibrationOf(picture.neighbors[0], picture.width, picture.height),
+             calibrationOf(picture.neighbors[1], picture.width, picture.height)} {
   const Rays table = raysOf(picture);
   rays = vk::uploadedBuffer(device, "lens rays", std::as_bytes(std::span(table)));
   const bool oneView =

@@ -4,11 +4,13 @@
 // rays (visibility/compute/lens_rays.glsl).
 #pragma once
 
+#include <array>
 #include <list>
 #include <memory>
 #include <vector>
 
 #include "scene/lens.h"
+#include "shared/lens_projection.h"
 #include "shared/types.h"
 #include "vk/resources.h"
 
@@ -24,6 +26,7 @@ struct LensPicture {
   glm::vec2 jitter;
   glm::dvec2 aperture{0};
   double focus = 1;
+  std::array<scene::Lens, 2> neighbors{};  // the lenses of the previous and the next frame, for motion
   bool operator==(const LensPicture&) const = default;
 };
 
@@ -33,7 +36,8 @@ struct LensRays {
   vk::Buffer rays;
   // The pinhole views of a camera at the world's origin, aligned to the world's axes. All have the same size.
   std::vector<shared::View> views;
-  vk::Buffer starts, pixels;  // the rays in each pixel of the views, as in shared::LensTarget
+  std::array<shared::LensCalibration, 3> lenses;  // of the current, previous and next frame
+  vk::Buffer starts, pixels;                      // the rays in each pixel of the views, as in shared::LensTarget
 
   LensRays(vk::Device& device, const LensPicture& picture);
 };

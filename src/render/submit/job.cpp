@@ -1,16 +1,32 @@
 #include "render/submit/job.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "base/error.h"
 #include "render/frame/view.h"
 
 namespace latelight::render {
 
-RenderJob::RenderJob(std::span<const scene::Camera> cameras, const scene::Scene& scene, const Settings& settings,
+namespace {
+
+Settings withLongestExposure(const Settings& requested, const SceneState& moment) {
+  const auto magnitude = [](double seconds) { return std::abs(seconds); };
+  Settings settings = requested;
+  if (!moment.shutters.empty()) settings.shutter = std::ranges::max(moment.shutters);
+  if (!moment.readouts.empty()) settings.readout = *std::ranges::max_element(moment.readouts, {}, magnitude);
+  return settings;
+}
+
+}  // namespace
+
+RenderJob::RenderJob(std::span<const scene::Camera> cameras, const scene::Scene& scene, const Settings& requested,
                      const SceneState& moment, uint32_t rows)
     : motion({cameras.begin(), cameras.end()}, moment.previousCameras, moment.nextCameras, moment.motion,
-             1 / settings.framesPerSecond),
-      settings(settings),
+             1 / requested.framesPerSecond),
+      settings(withLongestExposure(requested, moment)),
+      shutters(moment.shutters),
+      readouts(moment.readouts),
       rowsAreViews(settings.readout != 0 && (motion.movesScene() || motion.movesCameras())),
       rows(rowsAreViews ? settings.height : rows),
       exposes(false),
@@ -34,15 +50,32 @@ RenderJob::RenderJob(std::span<const scene::Camera> cameras, const scene::Scene&
 
 double RenderJob::secondsOf(size_t view) const {
   if (!rowsAreViews) return 0;
-  return ((static_cast<double>(view % rows) + 0.5) / rows - 0.5) * settings.readout;
+  const double readout = readouts.empty() ? settings.readout : readouts[pictureOf(view)];
+  return ((static_cast<double>(view % rows) + 0.5) / rows - 0.5) * readout;
+}
+
+double RenderJob::secondsOf(size_t view, const CameraSample& sample) const {
+  const bool scales = !shutters.empty() && settings.shutter > 0;
+  return scales ? sample.seconds * (shutterOf(view) / settings.shutter) : sample.seconds;
 }
 
 scene::Camera RenderJob::cameraAt(size_t view, double seconds) const {
   return seconds == 0 ? now[view] : motion.at(pictureOf(view), secondsOf(view) + seconds);
 }
 
+std::array<scene::Lens, 2> RenderJob::neighborLenses(size_t view) const {
+  const auto lensOf = [&](const std::vector<scene::Camera>& cameras) {
+    const bool moves = requestsOutput(settings, Origin::Motion) || settings.aa.temporal;
+    const scene::Camera& camera = cameras.empty() || !moves ? now[view] : cameras[view];
+    if (!bendsRays(camera))
+      badUsage("the previous and next cameras of a camera with a lens that bends rays need such a lens as well");
+    return *camera.lens;
+  };
+  return {lensOf(previous), lensOf(next)};
+}
+
 shared::View RenderJob::viewOf(size_t view, const CameraSample& sample, const glm::dvec3& origin) const {
-  const scene::Camera camera = cameraAt(view, sample.seconds);
+  const scene::Camera camera = cameraAt(view, secondsOf(view, sample));
   const ThinLens& lens = lensOf(view);
   const glm::dvec2 offset = lens.radius * sample.lens;
   if (offset == glm::dvec2(0)) return makeView(camera, settings.width, settings.height, sample.jitter, origin);

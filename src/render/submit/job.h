@@ -1,6 +1,7 @@
 // A call of Renderer::submit() in flight: the request, its parts on the device, and the pictures so far.
 #pragma once
 
+#include <array>
 #include <deque>
 #include <exception>
 #include <memory>
@@ -57,7 +58,7 @@ struct ViewBatch {
 // the camera is when the row is exposed: `rowsAreViews`.
 struct RenderJob {
   // `rows`: the rows of the pictures, which may be those of a single strip.
-  RenderJob(std::span<const scene::Camera> cameras, const scene::Scene& scene, const Settings& settings,
+  RenderJob(std::span<const scene::Camera> cameras, const scene::Scene& scene, const Settings& requested,
             const SceneState& moment, uint32_t rows);
 
   size_t viewCount() const { return now.size() * std::max(1u, placedWorlds); }
@@ -66,17 +67,24 @@ struct RenderJob {
   std::vector<float> exposures() const;  // the factor of each picture
   // Returns when a view is exposed, in seconds from the picture's time.
   double secondsOf(size_t view) const;
+  double shutterOf(size_t view) const { return shutters.empty() ? settings.shutter : shutters[pictureOf(view)]; }
+  // Returns the time of a sample in a view's exposure, in seconds from the view's own time.
+  double secondsOf(size_t view, const CameraSample& sample) const;
   scene::Camera cameraAt(size_t view, double seconds) const;  // seconds from the view's own time
   const ThinLens& lensOf(size_t view) const { return lenses[pictureOf(view)]; }
+  // Returns the lenses of a view's camera in the previous and the next frame. Throws Error(Usage) if only one of its
+  // cameras has a lens that bends rays.
+  std::array<scene::Lens, 2> neighborLenses(size_t view) const;
   // Returns the full picture's view.
   shared::View viewOf(size_t view, const CameraSample& sample, const glm::dvec3& origin) const;
   bool posesScene() const { return motion.movesScene() && (exposesMotion || rowsAreViews); }
   void keep(const ViewBatch& part, std::vector<output::FrameOutput>&& pictures);
 
-  CameraMotion motion;  // of the pictures' cameras
-  Settings settings;
-  std::optional<Settings> sensed;       // as requested, if applySensor() completes the pictures
-  std::vector<float> meteredExposures;  // the factor of each picture; empty: that of the settings
+  CameraMotion motion;                     // of the pictures' cameras
+  Settings settings;                       // with the longest exposure time and readout of all pictures
+  std::vector<double> shutters, readouts;  // SceneState's
+  std::optional<Settings> sensed;          // as requested, if applySensor() completes the pictures
+  std::vector<float> meteredExposures;     // the factor of each picture; empty: that of the settings
   bool rowsAreViews;
   uint32_t rows;                                   // of the pictures
   bool exposes;                                    // the pictures are means of exposureSamples()

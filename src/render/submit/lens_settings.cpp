@@ -1,5 +1,7 @@
 #include "render/submit/lens_settings.h"
 
+#include <cmath>
+
 #include "base/error.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
@@ -11,17 +13,20 @@ Settings lensSettings(const Settings& settings) {
   const auto needsPinhole = [](const char* what) {
     badUsage("{} requires a pinhole or orthographic camera, but this camera has another lens", what);
   };
-  if (requestsOutput(settings, Origin::Motion)) needsPinhole("the output motion");
   if (requestsOutput(settings, Origin::Raster)) needsPinhole("an output named raster");
   if (showsPicture(settings) || requestsOutput(settings, Origin::LightCounts)) {
     if (settings.lighting->draws)
       badUsage("{} lighting takes a pinhole or orthographic camera: choose {}", settings.lighting->name,
                techniquesThatCompute());
-    if (settings.aa.samples > 1 || settings.aa.temporal) needsPinhole("--aa msaaN or taa");
     if (settings.ambientOcclusion != AmbientOcclusion::None) needsPinhole("--ao");
   }
   Settings changed = settings;
   changed.raster = Raster::Compute;
+  // Every sample needs a ray of its own, which only whole frames have: the smallest grid with as many samples.
+  if (settings.aa.samples > 1) {
+    changed.aa.superSampling = static_cast<uint32_t>(std::ceil(std::sqrt(settings.aa.samples)));
+    changed.aa.samples = 1;
+  }
   if (settings.layout->hasTargets()) changed.layout = &findLayout("exact");
   return changed;
 }

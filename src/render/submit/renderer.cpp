@@ -59,13 +59,16 @@ Settings settingsFor(std::span<const scene::Camera> cameras, const Settings& set
   return lensSettings(settings);
 }
 
-// Returns how many of a job's views from `first` on share a lens. All views that are rendered at once share one.
+// Returns how many of a job's views from `first` on share a lens and, if the scene moves, an exposure time. All views
+// that are rendered at once share them.
 size_t throughOneLens(const RenderJob& job, size_t first) {
   const scene::Camera& camera = job.now[first];
   size_t end = first + 1;
   const auto isSame = [&](size_t view) {
+    if (job.posesScene() && job.shutterOf(view) != job.shutterOf(first)) return false;
     if (!bendsRays(job.now[view])) return true;
-    return job.now[view].lens == camera.lens && job.lensOf(view) == job.lensOf(first);
+    return job.now[view].lens == camera.lens && job.lensOf(view) == job.lensOf(first) &&
+           job.neighborLenses(view) == job.neighborLenses(first);
   };
   while (end < job.viewCount() && isSame(end)) ++end;
   return end - first;
@@ -143,9 +146,9 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
   if (input.posed || sceneInput_ != input) resolveOverflow();
   sceneInput_.reset();
   gpuScene_.update(moment.poses, sunOf(settings));
+  gpuScene_.setGroups(moment.groups);
   gpuScene_.setWorlds(moment.worlds, moment.poses, selectEnvironments(moment.worlds));
   gpuScene_.setAnisotropy(settings.anisotropy.value_or(usualAnisotropy(device_)));
-  gpuScene_.setGroups(moment.groups);
   drawOrder_.update(gpuScene_);
   if (leavesOutBlended(settings) && drawOrder_.anyBlended())
     warn(
@@ -162,7 +165,7 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
   if (moment.worlds.inputs)
     worldPlacer_.update(scene_, gpuScene_, rasterInstances_, moment.worlds, moment.poses, gpuScene_.uploads(),
                         settings.width, settings.height, state_.placesShadows());
-  if (input.objectFrames) gpuScene_.storeObjectFrames();
+  if (input.objectFrames) gpuScene_.storeObjectFrames(input.curvatures);
   sceneInput_ = input;
 }
 
@@ -207,16 +210,17 @@ void Renderer::poseScene(const RenderJob& job, size_t view, double seconds) {
   prepareScene(job.settings);
 }
 
-// Shows the scene at a time within the exposure of these views, and plans its shadows if the next graph is `lit`.
+// Shows the scene at a sample of the exposure of these views, and plans its shadows if the next graph is `lit`.
 // Nothing may be in flight that could overflow.
-void Renderer::moveTo(ViewBatch& part, double seconds, bool lit) {
+void Renderer::moveTo(ViewBatch& part, const CameraSample& sample, bool lit) {
   const RenderJob& job = part.job;
-  if (job.posesScene()) poseScene(job, part.first, seconds);
+  if (job.posesScene()) poseScene(job, part.first, job.secondsOf(part.first, sample));
   part.shadows = nullptr;
   part.shadowState = ShadowMapState::Cached;
   if (!lit || !castsShadows(job.settings)) return;
   std::vector<scene::Camera> cameras;
-  for (size_t view = part.first; view < part.first + part.count; ++view) cameras.push_back(job.cameraAt(view, seconds));
+  for (size_t view = part.first; view < part.first + part.count; ++view)
+    cameras.push_back(job.cameraAt(view, job.secondsOf(view, sample)));
   part.shadows = placeShadows(planShadows(cameras, job.settings), job.settings);
 }
 
@@ -229,6 +233,7 @@ Renderer::SceneInput Renderer::inputOf(const Settings& settings, const SceneStat
           settings.anisotropy,
           needsComputeRaster(settings),
           requestsOutput(settings, Origin::Coordinates),
+          output::contains(settings.aovs, output::Aov::Curvature),
           moment.groups};
 }
 
@@ -444,7 +449,8 @@ ViewsInTime Renderer::viewsOf(const ViewBatch& part, const CameraSample& sample)
                                       .rows = strip.rows,
                                       .jitter = sample.jitter,
                                       .aperture = lens.radius * sample.lens,
-                                      .focus = lens.focus});
+                                      .focus = lens.focus,
+                                      .neighbors = part.job.neighborLenses(part.first)});
   return views;
 }
 
@@ -583,7 +589,7 @@ Renderer::Start Renderer::build(ViewBatch& part, std::optional<uint64_t> maxByte
     if (started.outcome != Start::Done) return started;
     job.progress->step(part.count);
   }
-  if (job.exposesMotion) moveTo(part, 0, requestsOutput(job.settings, Origin::LightCounts));
+  if (job.exposesMotion) moveTo(part, CameraSample{}, requestsOutput(job.settings, Origin::LightCounts));
   TemporalHistory* history = job.settings.aa.temporal ? &history_ : nullptr;
   FrameGraphBuilder& request = addRequest(part, job.exposes ? CameraSample{} : samples.back());
   request.finish(sum, history, part.continues);
@@ -596,7 +602,7 @@ Renderer::Start Renderer::build(ViewBatch& part, std::optional<uint64_t> maxByte
 // Renders one of several samples and adds it to the sum.
 Renderer::Start Renderer::accumulate(ViewBatch& part, const CameraSample& sample, const vk::Image& sum,
                                      std::optional<uint64_t> maxBytes, bool first) {
-  if (part.job.exposesMotion) moveTo(part, sample.seconds, true);
+  if (part.job.exposesMotion) moveTo(part, sample, true);
   addRequest(part, sample).accumulate(sum, first);
   const Start started = submitRequest(part, maxBytes);
   if (started.outcome != Start::Done) return started;

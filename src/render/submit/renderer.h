@@ -109,7 +109,7 @@ class Renderer {
     std::optional<SunLight> sun;
     std::optional<uint32_t> anisotropy;
     bool inCompute;
-    bool objectFrames;  // outputs require them
+    bool objectFrames, curvatures;  // outputs require them
     std::vector<uint32_t> groups;
     bool operator==(const SceneInput&) const = default;
   };
@@ -129,7 +129,7 @@ class Renderer {
   size_t viewsAtOnce(const RenderJob& job) const;
   void prepareScene(const Settings& settings);
   void poseScene(const RenderJob& job, size_t view, double seconds);
-  void moveTo(ViewBatch& part, double seconds, bool lit);
+  void moveTo(ViewBatch& part, const CameraSample& sample, bool lit);
   FrameGraphBuilder& addRequest(ViewBatch& part, const CameraSample& sample);
   Start submitRequest(ViewBatch& part, std::optional<uint64_t> maxBytes);
   Start accumulate(ViewBatch& part, const CameraSample& sample, const vk::Image& sum, std::optional<uint64_t> maxBytes,

@@ -23,6 +23,8 @@ struct SceneState {
   // This frame follows the frame submitted last, so temporal anti-aliasing continues from it.
   bool continues = false;
   SceneMotion motion{};  // for --shutter and --readout
+  // Exposure times and readouts in seconds, one per camera, in place of those of the settings. Empty: the settings'.
+  std::vector<double> shutters, readouts;
 };
 
 }  // namespace latelight::render

@@ -54,7 +54,7 @@ SceneMotion motionNear(const scene::Scene& scene, const Settings& settings) {
 }
 
 SceneState onlyReadout(const SceneState& moment, const Settings& settings) {
-  if (settings.readout == 0) return {.poses = moment.poses};
+  if (settings.readout == 0) return {.poses = moment.poses, .worlds = moment.worlds};
   return {.poses = moment.poses,
           .previousCameras = moment.previousCameras,
           .nextCameras = moment.nextCameras,

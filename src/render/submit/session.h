@@ -29,8 +29,8 @@ Poses posesAt(const scene::Scene& scene, const Settings& settings);
 // Returns how the scene moves near the settings' time. The result refers to the scene.
 SceneMotion motionNear(const scene::Scene& scene, const Settings& settings);
 
-// Returns the state in which data of the same picture are rendered again: its poses and, with a rolling shutter, its
-// motion.
+// Returns the state in which data of the same picture are rendered again: its poses and worlds and, with a rolling
+// shutter, its motion.
 SceneState onlyReadout(const SceneState& moment, const Settings& settings);
 
 // Returns the camera as --camera-fit defines it: without an aspect of its own if pictures keep its vertical field of

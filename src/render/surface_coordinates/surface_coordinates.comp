@@ -80,6 +80,18 @@ vec3 objectCoordinate(uint instance, uvec3 indices, VastWeights w) {
   return clamp(fromCenter * object.inverseDiagonal + 0.5, 0.0, 1.0);
 }
 
+// --- curvature -------------------------------------------------------------------------------------------------------
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer CurvatureRef { vec2 v[]; };
+
+// The curvatures of the vertices at rest, interpolated.
+vec3 curvatureCoordinate(uint instance, uvec3 indices, vec3 weights) {
+  CurvatureRef curvatures = CurvatureRef(ObjectFrameRef(push.objectFrames).v[instance].curvatures);
+  vec2 curvature = vec2(0.0);
+  for (int i = 0; i < 3; ++i) curvature += weights[i] * curvatures.v[indices[i]];
+  return vec3(curvature, 0.0);
+}
+
 // --- tangent frame ---------------------------------------------------------------------------------------------------
 
 vec3 unitOrZero(vec3 v) {
@@ -149,6 +161,8 @@ vec3 coordinateAt(ivec3 pixel, uint instanceIndex, uint triangle) {
   VastWeights weights = weightsOf(exactRay(frame, view, pixel.xy), corners[0], corners[1], corners[2]);
   if (push.coordinate == kCoordinateBarycentric) return barycentricOf(weights);
   if (push.coordinate <= kCoordinateNocs) return objectCoordinate(instanceIndex, indices, weights);
+  if (push.coordinate == kCoordinateCurvature)
+    return curvatureCoordinate(instanceIndex, indices, barycentricOf(weights));
   if (push.coordinate == kCoordinateFlow)
     return flowCoordinate(frame, view, instanceIndex, mesh, indices, barycentricOf(weights));
   return tangentCoordinate(instance, mesh, indices, barycentricOf(weights));

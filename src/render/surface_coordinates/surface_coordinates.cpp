@@ -10,8 +10,8 @@ namespace latelight::render {
 namespace {
 
 uint32_t coordinateNamed(std::string_view name) {
-  constexpr std::array<std::string_view, 6> kNames{"object-position", "nocs",      "barycentric",
-                                                   "tangent",         "bitangent", "scene-flow"};
+  constexpr std::array<std::string_view, 7> kNames{"object-position", "nocs",       "barycentric", "tangent",
+                                                   "bitangent",       "scene-flow", "curvature"};
   return static_cast<uint32_t>(std::ranges::find(kNames, name) - kNames.begin());  // kCoordinate*
 }
 

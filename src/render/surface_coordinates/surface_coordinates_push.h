@@ -17,7 +17,8 @@ SH_CONST uint kCoordinateNocs = 1u;
 SH_CONST uint kCoordinateBarycentric = 2u;
 SH_CONST uint kCoordinateTangent = 3u;  // world space
 SH_CONST uint kCoordinateBitangent = 4u;
-SH_CONST uint kCoordinateFlow = 5u;  // to the next frame; world space
+SH_CONST uint kCoordinateFlow = 5u;       // to the next frame; world space
+SH_CONST uint kCoordinateCurvature = 6u;  // mean and Gaussian
 
 SH_END
 

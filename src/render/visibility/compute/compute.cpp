@@ -17,6 +17,7 @@
 #include "render/shadow/pages.h"
 #include "render/shadow/placed_shadows.h"
 #include "render/transparency/transparency.h"
+#include "render/visibility/compute/visible_motion_push.h"
 #include "render/visibility/sample_surfaces.h"
 #include "vk/features.h"
 
@@ -316,11 +317,21 @@ graph::ImageId ComputeVisibility::addMotion(const FrameContext& f, const Visibil
                                             MotionUse use) const {
   const VkFormat format = use == MotionUse::Data ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
   const graph::ImageId motion = createTarget(f, format, "motion");
-  addResolve(f, visible,
-             {.stage = graph::Stage::Geometry,
-              .name = "motion",
-              .shader = "visible_motion.comp",
-              .bindings = Bindings(f.device).storage(motion, graph::Use::StorageWrite)});
+  ComputePass pass{.stage = graph::Stage::Geometry,
+                   .name = "motion",
+                   .shader = "visible_motion.comp",
+                   .bindings = Bindings(f.device).storage(motion, graph::Use::StorageWrite),
+                   .size = f.pixels(),
+                   .constants = {{kSamplesConstant, f.setup.samples}, {kLensConstant, f.lens ? 1u : 0u}}};
+  addVastConstant(f, pass);
+  pass.buffers.emplace_back(visible.ids, graph::Use::StorageRead);
+  const VkDeviceAddress lenses = f.lens ? f.graph.constants(std::as_bytes(std::span(f.lens->lenses))) : 0;
+  addCompute(f, std::move(pass), [=, frame = f.constants](graph::Context& context) {
+    return VisibleMotionPush{.frame = frame,
+                             .instances = visible.instances,
+                             .visible = context.buffer(visible.ids).address(),
+                             .lenses = lenses};
+  });
   return motion;
 }
 

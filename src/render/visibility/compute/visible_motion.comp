@@ -6,10 +6,13 @@
 #include "render/visibility/compute/visible_motion.glsl"
 #include "render/visibility/compute/visible.glsl"
 #include "render/visibility/background_motion.glsl"
+#include "render/visibility/compute/visible_motion_push.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(push_constant, scalar) uniform Push { ResolvePush push; };
+layout(push_constant, scalar) uniform Push { VisibleMotionPush push; };
 layout(set = 0, binding = 0) writeonly uniform image2DArray motion;
+
+#include "render/visibility/compute/lens_motion.glsl"
 
 void main() {
   FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
@@ -19,7 +22,13 @@ void main() {
   if (any(greaterThanEqual(pixel.xy, size))) return;
   uint id = visibleId(VisibleRef(push.visible).v[visibleIndex(uvec3(pixel), uvec2(size))]);
   vec2 centre = vec2(pixel.xy) + 0.5;
-  vec4 found = id == 0u ? backgroundMotion(frame, view, uint(pixel.z), centre)
-                        : seenMotion(frame, view, uint(pixel.z), visibleTriangle(frame, push.instances, id), centre);
+  uint index = uint(pixel.z);
+  vec4 found;
+  if (kLens != 0u)
+    found = id == 0u ? backgroundLensMotion(frame, view, index, pixel.xy)
+                     : seenLensMotion(frame, view, index, visibleTriangle(frame, push.instances, id), centre);
+  else
+    found = id == 0u ? backgroundMotion(frame, view, index, centre)
+                     : seenMotion(frame, view, index, visibleTriangle(frame, push.instances, id), centre);
   imageStore(motion, pixel, found);
 }

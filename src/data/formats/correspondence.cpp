@@ -1,0 +1,157 @@
+// The format "correspondence": where the surfaces of each frame are in other frames, one set of arrays per pair, and
+// the list of all pairs.
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "data/formats/formats.h"
+#include "data/formats/frame_files.h"
+#include "data/formats/options.h"
+#include "data/formats/zip_archive.h"
+#include "output/exr.h"
+#include "output/npy.h"
+
+namespace latelight::data {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using labels::Correspondence;
+
+// Returns the part of file names that identifies the target: "next", "previous", "+3", "-2", or a name.
+std::string labelOf(const PairTarget& target) {
+  if (target.kind == PairTarget::Kind::Step)
+    return target.step == 1 ? "next" : target.step == -1 ? "previous" : fmt::format("{:+}", target.step);
+  std::string label = target.name;
+  for (char& c : label)
+    if (c == '/' || c == '\\') c = '_';
+  return label;
+}
+
+std::vector<std::pair<std::string, std::vector<std::byte>>> arraysOf(const Correspondence& match) {
+  const uint64_t rows = match.height, columns = match.width;
+  const auto bytes = [](const auto& values) { return std::as_bytes(std::span(values)); };
+  const auto npy = [&](std::string_view type, std::vector<uint64_t> shape, std::span<const std::byte> data) {
+    return output::encodeNpy(type, shape, data);
+  };
+  return {{"pixels", npy("<f4", {rows, columns, 2}, bytes(match.pixels))},
+          {"depth", npy("<f4", {rows, columns}, bytes(match.depth))},
+          {"visible", npy("|b1", {rows, columns}, bytes(match.visible))},
+          {"flow", npy("<f4", {rows, columns, 3}, bytes(match.flow))}};
+}
+
+std::vector<std::byte> encodeNpz(const Correspondence& match) {
+  ZipArchive archive;
+  for (const auto& [name, bytes] : arraysOf(match)) archive.add(name + ".npy", bytes);
+  return archive.finish();
+}
+
+// The channels of scene flow are those of the output of that name.
+std::vector<std::byte> encodeExr(const Correspondence& match, const DataFrame& frame) {
+  output::AovImage flow{.aov = output::Aov::SceneFlow, .width = match.width, .height = match.height};
+  std::vector<float> x, y, visible;
+  for (size_t i = 0; i < match.depth.size(); ++i) {
+    for (const int c : {0, 1, 2}) flow.values.push_back(match.flow[i][c]);
+    x.push_back(match.pixels[i].x);
+    y.push_back(match.pixels[i].y);
+    visible.push_back(match.visible[i]);
+  }
+  output::ExrExtras extras;
+  extras.channels = {{"match.X", x}, {"match.Y", y}, {"match.depth", match.depth}, {"match.visible", visible}};
+  output::Metadata metadata = metadataOf(frame);
+  metadata.ids = {};
+  const output::AovImage* images[] = {&flow};
+  return output::encodeExr(images, metadata, extras);
+}
+
+class CorrespondenceFiles : public Format {
+ public:
+  explicit CorrespondenceFiles(const Json& json) {
+    FormatOptions options("correspondence", json);
+    as_ = options.choice("as", {"npz", "npy", "exr"});
+    file_ = options.frameFile("file", "correspondence/{name}.{to}." + as_, "." + as_);
+    list_ = options.setFile("pairs", "correspondence/pairs.json", ".json");
+    readTargets(options.find("to"));
+    options.finish();
+    if (targets_.size() > 1 && file_.find("{to}") == std::string::npos)
+      badUsage("file of the format correspondence needs {{to}} in it, or each pair would replace the one before");
+  }
+
+  std::vector<output::Aov> needs() const override { return {output::Aov::Id}; }
+  Extras needsExtras() const override { return {.pairs = targets_}; }
+
+  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
+    FrameRecord record;
+    record.entry = Json::array();
+    for (const FramePair& pair : frame.pairs) {
+      if (std::ranges::find(targets_, pair.target) == targets_.end()) continue;
+      std::string file = frameFile(file_, frame);
+      replaceAll(file, "{to}", labelOf(pair.target));
+      const Json time = pair.time ? Json(*pair.time) : Json(),
+                 second = pair.second.empty() ? Json() : Json(pair.second);
+      record.entry.push_back(
+          {{"first", frame.name}, {"to", labelOf(pair.target)}, {"second", second}, {"time", time}, {"file", file}});
+      if (as_ == "npz") writeOf(record, folder, file, encodeNpz(pair.match));
+      if (as_ == "exr") writeOf(record, folder, file, encodeExr(pair.match, frame));
+      if (as_ != "npy") continue;
+      file.resize(file.size() - as_.size());
+      for (const auto& [name, bytes] : arraysOf(pair.match)) writeOf(record, folder, file + name + ".npy", bytes);
+    }
+    return record;
+  }
+
+  std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
+    Json pairs = Json::array();
+    for (const Json& entry : entries)
+      for (const Json& pair : entry) pairs.push_back(pair);
+    writeJsonIn(folder, list_, {{"pairs", pairs}});
+    return {list_};
+  }
+
+ private:
+  void readTargets(const Json* to) {
+    if (!to) {
+      targets_ = {PairTarget{}};
+      return;
+    }
+    for (const Json& each : to->is_array() ? *to : Json::array({*to})) targets_.push_back(targetOf(each));
+    if (targets_.empty()) wrong();
+    for (size_t i = 0; i < targets_.size(); ++i)
+      for (size_t j = 0; j < i; ++j)
+        if (labelOf(targets_[i]) == labelOf(targets_[j]))
+          badUsage("to of the format correspondence has \"{}\" twice", labelOf(targets_[i]));
+  }
+
+  static PairTarget targetOf(const Json& json) {
+    if (json == "next") return {.step = 1};
+    if (json == "previous") return {.step = -1};
+    if (json.is_number_integer() && json != 0 && json >= -kMaxStep && json <= kMaxStep)
+      return {.step = json.get<int64_t>()};
+    if (!json.is_object() || json.size() != 1 || !json.front().is_string() || json.front().get<std::string>().empty())
+      wrong();
+    const std::string key = json.begin().key();
+    if (key != "camera" && key != "member") wrong();
+    return {.kind = key == "camera" ? PairTarget::Kind::Camera : PairTarget::Kind::Member,
+            .name = json.front().get<std::string>()};
+  }
+
+  [[noreturn]] static void wrong() {
+    badUsage(
+        "to of the format correspondence takes one or a list of next, previous, a number of frames other than 0, "
+        "{{\"camera\": NAME}} and {{\"member\": NAME}}");
+  }
+
+  static constexpr int64_t kMaxStep = 1'000'000;  // the maximum number of cameras of a source
+
+  std::string as_, file_, list_;
+  std::vector<PairTarget> targets_;
+};
+
+}  // namespace
+
+std::unique_ptr<Format> makeCorrespondence(const Json& options) {
+  return std::make_unique<CorrespondenceFiles>(options);
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,105 @@
+// Exposure time, readout and noise of single cameras of a job: their frames equal those of a set whose options have
+// these values.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "batch/sets.h"
+
+namespace latelight::data {
+namespace {
+
+using app::Folder;
+using app::latelight;
+using app::Outcome;
+using nlohmann::json;
+using testing::HasSubstr;
+
+json orbit(const json& more = json::object()) {
+  json camera{{"type", "orbit"}, {"count", 4}};
+  camera.update(more);
+  return camera;
+}
+
+Outcome makeExposed(const Folder& folder, const std::string& set, const json& cameras,
+                    const std::vector<std::string>& more = {}) {
+  json job{{"cameras", cameras}, {"options", {{"fps", 24}, {"camera-samples", 4}}}};
+  folder.write("job.json", std::string_view(job.dump()));
+  std::vector<std::string> all{"job.json", "--scenes", "builtin:boxes", "-o", set};
+  all.insert(all.end(), more.begin(), more.end());
+  return latelight(batch(folder, all));
+}
+
+TEST(CameraExposure, FramesEqualThoseOfASetWithTheOptions) {
+  Folder folder;
+  const json cameras = {orbit({{"shutter", 0.04}}), orbit({{"readout", 0.03}}), orbit(), orbit({{"shutter", 0.01}})};
+  const Outcome outcome = makeExposed(folder, "set", cameras);
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  const json plain = {orbit(), orbit(), orbit(), orbit()};
+  ASSERT_EQ(makeExposed(folder, "still", plain).code, 0);
+  ASSERT_EQ(makeExposed(folder, "long", plain, {"--shutter", "0.04"}).code, 0);
+  ASSERT_EQ(makeExposed(folder, "rows", plain, {"--readout", "0.03"}).code, 0);
+  ASSERT_EQ(makeExposed(folder, "short", plain, {"--shutter", "0.01"}).code, 0);
+  const std::map<std::string, std::string> set = filesOf(folder, "set"), still = filesOf(folder, "still");
+  const char* others[] = {"long", "rows", "still", "short"};
+  for (size_t i = 0; i < 16; ++i) {
+    const std::string name = fmt::format("{:06}.png", i);
+    EXPECT_TRUE(set.at(name) == filesOf(folder, others[i / 4]).at(name)) << name;
+    EXPECT_EQ(set.at(name) == still.at(name), i / 4 == 2) << name;
+  }
+}
+
+TEST(CameraExposure, MembersOfRigsDiffer) {
+  Folder folder;
+  const json rig{
+      {"type", "rig"},
+      {"readout", 0.03},
+      {"cameras", orbit()},
+      {"offsets",
+       {{{"name", "a"}, {"translation", {0, 0, 0}}, {"readout", 0}}, {{"name", "b"}, {"translation", {0.1, 0, 0}}}}}};
+  ASSERT_EQ(makeExposed(folder, "set", rig, {"--name", "{camera}"}).code, 0);
+  json plain = rig;
+  plain.erase("readout");
+  plain["offsets"][0].erase("readout");
+  ASSERT_EQ(makeExposed(folder, "still", plain, {"--name", "{camera}"}).code, 0);
+  ASSERT_EQ(makeExposed(folder, "rows", plain, {"--name", "{camera}", "--readout", "0.03"}).code, 0);
+  const auto set = filesOf(folder, "set"), still = filesOf(folder, "still"), rows = filesOf(folder, "rows");
+  EXPECT_TRUE(set.at("orbit1-a.png") == still.at("orbit1-a.png"));
+  EXPECT_TRUE(set.at("orbit1-b.png") == rows.at("orbit1-b.png"));
+  EXPECT_FALSE(set.at("orbit1-b.png") == still.at("orbit1-b.png"));
+}
+
+TEST(CameraExposure, NoiseSeeds) {
+  Folder folder;
+  const json list{{"type", "list"},
+                  {"cameras",
+                   {{{"name", "a"}, {"eye", {2, 2, 5}}, {"target", {0, 0, 0}}, {"noiseSeed", 7}},
+                    {{"name", "b"}, {"eye", {2, 2, 5}}, {"target", {0, 0, 0}}, {"noiseSeed", 7}},
+                    {{"name", "c"}, {"eye", {2, 2, 5}}, {"target", {0, 0, 0}}, {"noiseSeed", 8}},
+                    {{"name", "d"}, {"eye", {2, 2, 5}}, {"target", {0, 0, 0}}}}}};
+  const std::vector<std::string> noisy{"--name", "{camera}", "--full-well", "200"};
+  const Outcome outcome = makeExposed(folder, "set", list, noisy);
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  const auto set = filesOf(folder, "set");
+  EXPECT_TRUE(set.at("a.png") == set.at("b.png"));
+  EXPECT_FALSE(set.at("a.png") == set.at("c.png"));
+  EXPECT_FALSE(set.at("a.png") == set.at("d.png"));
+}
+
+TEST(CameraExposure, ResumedIfItChangesAndRejectedIfWrong) {
+  Folder folder;
+  ASSERT_EQ(makeExposed(folder, "set", orbit({{"shutter", 0.04}})).code, 0);
+  ASSERT_EQ(makeExposed(folder, "set", orbit({{"shutter", 0.02}}), {"--resume"}).code, 0);
+  const std::string log = folder.read("set/.latelight/log");
+  EXPECT_THAT(log.substr(log.rfind("begins: ")), HasSubstr("begins: 4 of 4 frames are to be rendered"));
+  ASSERT_EQ(makeExposed(folder, "fresh", orbit({{"shutter", 0.02}})).code, 0);
+  expectSame(filesOf(folder, "set"), filesOf(folder, "fresh"));
+  const Outcome wrong = makeExposed(folder, "wrong", orbit({{"shutter", -1}}));
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("cameras.shutter"));
+}
+
+}  // namespace
+}  // namespace latelight::data
