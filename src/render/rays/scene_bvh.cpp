@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/stopwatch.h"
 #include "render/rays/emitters.h"
 #include "render/rays/refit_push.h"
 
@@ -96,11 +97,13 @@ void SceneBvh::update() {
   if (geometryRevision_ == gpuScene_.geometry().revision() && instanceRevision_ == instances.revision() &&
       materialRevision_ == gpuScene_.materials().revision())
     return;
+  const Stopwatch stopwatch;
   followMeshes();
   geometryRevision_ = gpuScene_.geometry().revision();
   instanceRevision_ = instances.revision();
   materialRevision_ = gpuScene_.materials().revision();
   buildInstances();
+  buildSeconds_ += stopwatch.seconds();
 }
 
 void SceneBvh::followMeshes() {
@@ -277,6 +280,13 @@ uint64_t SceneBvh::bytes() const {
   for (const MeshBvh& mesh : meshes_)
     if (mesh.buffer) bytes += mesh.buffer.size();
   return bytes;
+}
+
+BvhStatistics SceneBvh::statistics() const {
+  BvhStatistics statistics{.bytes = bytes(), .buildSeconds = buildSeconds_};
+  for (size_t mesh = 0; mesh < meshes_.size(); ++mesh)
+    if (meshes_[mesh].buffer) statistics.triangles += scene_.meshes[mesh].indices.size() / 3;
+  return statistics;
 }
 
 }  // namespace latelight::render

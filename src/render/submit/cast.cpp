@@ -113,6 +113,38 @@ CastPass addCast(const Builder& b, const shared::FrameConstants& frame, std::spa
 
 }  // namespace
 
+shared::FrameConstants Renderer::prepareRays(const Settings& settings, const SceneState& moment) {
+  resolveOverflow();
+  sceneInput_.reset();
+  gpuScene_.update(moment.poses, sunOf(settings));
+  gpuScene_.setWorlds({}, moment.poses);
+  shared::FrameConstants constants{};
+  const SceneBvh& bvh = followedBvh(false);
+  gpuScene_.describe(constants);
+  constants.rayScene = bvh.address();
+  return constants;
+}
+
+std::vector<vk::Constant> Renderer::rayConstants() const {
+  return {{kTextureSlotsConstant, gpuScene_.materials().textureSlots()}};
+}
+
+graph::Submission Renderer::traceRays(const AddRayPasses& add, const Settings& settings, const SceneState& moment) {
+  const shared::FrameConstants constants = prepareRays(settings, moment);
+  graph::Graph graph(executor_);
+  add({device_, graph}, {.frame = graph.constants(std::as_bytes(std::span(&constants, 1))),
+                         .constants = rayConstants(),
+                         .origin = gpuScene_.origin()});
+  addSceneChanges(graph);
+  graph::Submission done = submit(graph, graph.compile());
+  done.wait();
+  return done;
+}
+
+BvhStatistics Renderer::bvhStatistics() const {
+  return bvh_ ? bvh_->statistics() : BvhStatistics{};
+}
+
 CastResult Renderer::cast(const CastRays& rays, const Settings& settings, const SceneState& moment) {
   checkSettings(settings);
   if (rays.origins.size() != rays.directions.size())
@@ -120,21 +152,14 @@ CastResult Renderer::cast(const CastRays& rays, const Settings& settings, const 
   if (!(rays.maxDistance >= 0)) badUsage("the maximum distance of rays must be at least 0, not {}", rays.maxDistance);
   if (settings.normalFrame != NormalFrame::World)
     badUsage("rays have no camera: their normals require --normal-frame world");
-  resolveOverflow();
-  sceneInput_.reset();
-  gpuScene_.update(moment.poses, sunOf(settings));
-  gpuScene_.setWorlds({}, moment.poses);
-  SceneBvh& bvh = followedBvh(false);
+  const shared::FrameConstants constants = prepareRays(settings, moment);
   const bool file = scene_.yUp && settings.axes == Axes::File;
   const RayFrame frame{.worldFromFrame = file ? glm::dmat3(scene::toWorldFromGltf()) : glm::dmat3(1),
                        .deviceOrigin = gpuScene_.origin(),
                        .positionOrigin = settings.positionOrigin.point};
-  shared::FrameConstants constants{};
-  gpuScene_.describe(constants);
-  constants.rayScene = bvh.address();
-  const std::vector<vk::Constant> specialized{{kTextureSlotsConstant, gpuScene_.materials().textureSlots()}};
+  const std::vector<vk::Constant> specialized = rayConstants();
   const uint32_t what = settings.dataSurfaces == DataSurfaces::Any ? shared::kCastAnySurface : 0u;
-  CastResult result{.hits = {}, .statistics = {}, .bvhBytes = bvh.bytes()};
+  CastResult result{.hits = {}, .statistics = {}, .bvhBytes = bvh_->bytes()};
   resize(result.hits, rays.origins.size());
   for (size_t first = 0; first < rays.origins.size(); first += kRaysAtOnce) {
     std::vector<shared::CastRay> chunk(std::min(kRaysAtOnce, rays.origins.size() - first));
