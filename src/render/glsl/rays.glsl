@@ -44,20 +44,24 @@ const uint kRayStackEnd = 0xfffffffeu;  // on the stack, below the nodes of a me
 
 // --- boxes -----------------------------------------------------------------------------------------------------------
 
-// A ray in the space of a BVH, as the slab test needs it.
+// A ray in the space of a BVH, as the slab test needs it. The distance to a plane is its coordinate times `inverse`,
+// plus `toLow` or `toHigh`.
 struct RaySlabs {
-  vec3 fromLow, fromHigh;  // the origin, moved by the slack of the boxes
-  vec3 inverse;            // 1 / direction, finite
+  vec3 toLow, toHigh;  // the negative origin, moved by the slack of the boxes, times `inverse`
+  vec3 inverse;        // 1 / direction, finite
 };
 
+// The slack exceeds 16 roundings of the origin, which covers those of the products. It also covers the replacement of
+// components that are small relative to the largest one.
 RaySlabs raySlabs(vec3 origin, vec3 direction, vec3 slack) {
-  vec3 safe = mix(direction, vec3(1e-30), lessThan(abs(direction), vec3(1e-30)));
-  return RaySlabs(origin + slack, origin - slack, 1.0 / safe);
+  vec3 size = abs(direction), least = vec3(max(1e-12 * max(size.x, max(size.y, size.z)), 1e-30));
+  vec3 inverse = 1.0 / mix(direction, least, lessThan(size, least));
+  return RaySlabs(-(origin + slack) * inverse, -(origin - slack) * inverse, inverse);
 }
 
 // Returns the distance at which the ray enters the box, or infinity if it misses the box.
 float enterBox(RaySlabs ray, vec3 low, vec3 high, float near, float far) {
-  vec3 a = (low - ray.fromLow) * ray.inverse, b = (high - ray.fromHigh) * ray.inverse;
+  vec3 a = low * ray.inverse + ray.toLow, b = high * ray.inverse + ray.toHigh;
   vec3 first = min(a, b), last = max(a, b);
   const float kGrow = 1.0 + 8.0 * 5.960464e-8;
   float enter = max(max(first.x, first.y), max(first.z, near));
