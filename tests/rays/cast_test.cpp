@@ -425,6 +425,17 @@ TEST_F(CastTest, HitsTheLastOfEqualSurfaces) {
   }
 }
 
+// More rays than the device casts at once; neighbors differ by 1.5e-5.
+TEST_F(CastTest, CastsManyRaysInOrder) {
+  constexpr size_t kCount = 600'000;
+  std::vector<dvec3> origins(kCount), directions(kCount, dvec3(0, 0, -1));
+  for (size_t i = 0; i < kCount; ++i) origins[i] = dvec3(0.3, -0.2, 1 + 0x1p-16 * static_cast<double>(i));
+  const CastHits hits = cast(oneMesh(squareMesh(), false), origins, directions);
+  Largest error;
+  for (size_t i = 0; i < kCount; ++i) error.add(std::abs(hits.distance[i] - origins[i].z));
+  EXPECT_LT(error.value, 4e-6);
+}
+
 // An instance that its transform flattens is still a surface.
 TEST_F(CastTest, HitsFlattenedInstances) {
   scene::Scene scene = oneMesh(sphereMesh(2), true);

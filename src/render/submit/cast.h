@@ -35,7 +35,7 @@ struct CastResult {
   uint64_t bvhBytes = 0;  // device memory of the scene's BVHs
 };
 
-// What passes need that trace rays through the scene.
+// The inputs of passes that trace rays through the scene.
 struct RayPassInputs {
   VkDeviceAddress frame = 0;            // shared::FrameConstants, without views
   std::vector<vk::Constant> constants;  // specialization constants of shaders that evaluate materials
