@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Writes the rays that `latelight bench rays` traces (push.rays): through the pixels of an image in blocks of 8 by 4, in
-// the order of a subgroup's lanes; or from the surfaces that those hit (push.hits), in a direction with the density of
-// the cosine law, or to a light of the scene at random.
+// Writes the rays that `latelight bench rays` traces (push.rays): through the pixels of an image in blocks of 8 by 4,
+// in the order of a subgroup's lanes; or from the surfaces that those hit (push.hits), in a direction with the density
+// of the cosine law, or to a light of the scene at random.
 #include "render/glsl/common.glsl"
 #include "render/glsl/rays.glsl"
 #include "render/glsl/sobol.glsl"
