@@ -25,7 +25,7 @@ namespace {
 
 struct BenchArguments {
   RenderOptions render;
-  std::string most = "10M", lights = "1,100,1k,10k,100k,1M";
+  std::string most = "10M", rays = "4M", lights = "1,100,1k,10k,100k,1M";
   uint32_t views = 1024, worlds = 1024;
   study::BenchOptions options;
   bool json = false;
@@ -90,6 +90,20 @@ void runFrame(BenchArguments& a) {
               print(device, study::benchFrame(renderer, camera, moment, a.render.settings, ceilings, a.options),
                     a.render.json, &ceilings);
             });
+  });
+}
+
+void runRays(BenchArguments& a) {
+  RenderOptions& o = a.render;
+  const std::optional<uint64_t> rays = scene::parseCount(a.rays);
+  constexpr uint32_t kMaxRays = 64'000'000;
+  if (!rays || *rays == 0 || *rays > kMaxRays)
+    badUsage("--rays requires a number of rays up to 64M, as in 500k or 4M, not \"{}\"", a.rays);
+  onDevice(o, [&](vk::Device& device) {
+    inScene(device, o, o.scene, [&](auto& renderer, const auto&, const auto& camera, const auto& moment) {
+      print(device, study::benchRays(renderer, camera, moment, o.settings, static_cast<uint32_t>(*rays), a.options),
+            o.json);
+    });
   });
 }
 
@@ -175,11 +189,11 @@ void addBenchCommand(CLI::App& app) {
   auto arguments = std::make_shared<BenchArguments>();
   BenchArguments& a = *arguments;
   CLI::App* bench = app.add_subcommand(
-      "bench", "Measure performance: rasterization, the passes of a frame, many views or worlds, or lighting");
+      "bench", "Measure performance: rasterization, the passes of a frame, many views or worlds, rays, or lighting");
   bench->require_subcommand(0, 1);  // the callback's message is better than "a subcommand is required"
   bench->callback([bench] {
     if (bench->get_subcommands().empty())
-      badUsage("bench requires a subject: raster, frame, views, worlds, lights or shade");
+      badUsage("bench requires a subject: raster, frame, views, worlds, rays, lights or shade");
   });
   CLI::App* raster = bench->add_subcommand("raster", "Random triangles by number and size, with both rasters");
   raster->add_option("--most", a.most, "Skip cases with more triangles")->capture_default_str();
@@ -201,6 +215,10 @@ void addBenchCommand(CLI::App& app) {
   addRenderOptions(*worlds, a.render);
   worlds->add_option("--worlds", a.worlds, "Number of worlds")->check(CLI::Range(1, 100'000))->capture_default_str();
   worlds->callback([arguments] { runViews(*arguments, true); });
+  CLI::App* rays = bench->add_subcommand("rays", "Rays through a scene, with the options of render");
+  addRenderOptions(*rays, a.render);
+  rays->add_option("--rays", a.rays, "Number of rays of each kind")->capture_default_str();
+  rays->callback([arguments] { runRays(*arguments); });
   CLI::App* lights = bench->add_subcommand(
       "lights", "Techniques that light in compute, by number of lights, with the options of render");
   addRenderOptions(*lights, a.render);
@@ -213,7 +231,7 @@ void addBenchCommand(CLI::App& app) {
       "shade", "Lower bound for the cost of a light, compared with --lighting, with the options of render");
   addRenderOptions(*shade, a.render);
   shade->callback([arguments] { runShade(*arguments); });
-  for (CLI::App* command : {raster, frame, views, worlds, lights, shade}) {
+  for (CLI::App* command : {raster, frame, views, worlds, rays, lights, shade}) {
     command->add_option("--runs", a.options.frames, "Number of measured frames")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();

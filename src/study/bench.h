@@ -38,6 +38,12 @@ Table benchWorlds(vk::Device& device, render::Renderer& renderer, const scene::S
                   const scene::Camera& camera, const render::Poses& poses, const render::Settings& settings,
                   uint32_t count, const BenchOptions& options);
 
+// Measures rays through the scene on the device: `count` rays through the pixels of the camera, from the surfaces that
+// these hit in random directions, and to lights; and the time on the host of Renderer::cast() for up to a million rays
+// in all directions. Also reports the size of the BVHs and the time to build them.
+Table benchRays(render::Renderer& renderer, const scene::Camera& camera, const render::SceneState& moment,
+                const render::Settings& settings, uint32_t count, const BenchOptions& options);
+
 // Measures lighting by every technique in compute over numbers of lights. The caller adds one scene after another, with
 // increasing numbers of lights.
 class LightsBench {

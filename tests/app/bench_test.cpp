@@ -42,6 +42,24 @@ TEST(Bench, MeasuresManyWorlds) {
   }
 }
 
+// All pixels of a camera inside the closed hall see a surface, from which a ray of each other kind starts.
+TEST(Bench, MeasuresRays) {
+  const Outcome outcome =
+      bench({"rays", "builtin:hall,triangles=50k", "--device", "cpu", "--rays", "2k", "--runs", "1", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  std::map<std::string, json> rows;
+  for (const json& row : json::parse(outcome.out)["rays"]) rows[row["measured"]] = row;
+  for (const char* name : {"primary rays", "diffuse rays", "shadow rays", "cast(), host to host"}) {
+    ASSERT_TRUE(rows.contains(name)) << name;
+    EXPECT_EQ(rows[name]["number"], 2000) << name;
+    EXPECT_GT(rows[name]["ms"], 0) << name;
+    EXPECT_NEAR(rows[name]["G a second"].get<double>() * rows[name]["ms"].get<double>(), 2e-3, 1e-9) << name;
+  }
+  EXPECT_GT(rows["triangles of BVHs"]["number"], 1000);
+  EXPECT_GT(rows["triangles of BVHs"]["MB"], 0);
+  EXPECT_GT(rows["triangles of BVHs"]["ms"], 0);
+}
+
 TEST(Bench, MeasuresRandomTrianglesWithBothRasters) {
   LATELIGHT_SKIP_UNLESS_ALL();
   const Outcome outcome = bench({"raster", "--device", "cpu", "--most", "10k", "--runs", "1", "--json"});
@@ -168,8 +186,10 @@ TEST(Bench, MeasuresTheBoundOfLighting) {
 
 TEST(Bench, SaysWhatItCannotDo) {
   const std::pair<std::vector<std::string>, const char*> wrong[] = {
-      {{}, "raster, frame, views, worlds, lights or shade"},
+      {{}, "raster, frame, views, worlds, rays, lights or shade"},
       {{"views", "--views", "0"}, "--views"},
+      {{"rays", "--rays", "none"}, "--rays requires a number of rays up to 64M"},
+      {{"rays", "--rays", "65M"}, "--rays requires a number of rays up to 64M"},
       {{"raster", "--most", "many"}, "--most takes a number"},
       {{"raster", "--runs", "0"}, "--runs"},
       {{"frame", "-o", "x.png"}, "omit -o"},

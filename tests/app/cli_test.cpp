@@ -36,7 +36,7 @@ TEST(CommandLine, HelpNamesEveryOption) {
       {"devices", {"--json"}},
       {"study", {"NAME", "--out", "--seed", "--bits", "--lights", "--triangles", "--sizes", "--budget"}},
       {"doctor", {"--json"}},
-      {"bench", {"raster", "frame", "views", "lights", "shade"}},
+      {"bench", {"raster", "frame", "views", "worlds", "rays", "lights", "shade"}},
       {"batch",
        {"JOB", "--scenes", "--output", "-o", "--exposure", "--resume", "--shard", "verify", "merge", "status"}},
       {"export", {"SCENE", "--out", "-o", "--unit", "--up-axis", "--point-radius", "--variant"}},

@@ -398,6 +398,44 @@ TEST_F(CastTest, FollowsEdits) {
             std::vector<uint32_t>(rays.origins.size(), 0));
 }
 
+// Of equal surfaces, a ray hits the last one by instance and then by triangle, wherever the hierarchy has them. The
+// mesh has a square of two triangles 20 times, and the scene has it three times at the same place.
+TEST_F(CastTest, HitsTheLastOfEqualSurfaces) {
+  scene::Mesh mesh = squareMesh();
+  const std::vector<uint32_t> square = mesh.indices;
+  for (int copy = 1; copy < 20; ++copy) mesh.indices.insert(mesh.indices.end(), square.begin(), square.end());
+  scene::Scene scene = oneMesh(mesh, true);
+  scene.materials.resize(3, scene.materials[0]);
+  scene.instances.resize(3, scene.instances[0]);
+  for (uint32_t i = 0; i < 3; ++i) {
+    scene.materials[i].data.id = 10 + i;
+    scene.instances[i].material = i;
+  }
+  std::vector<dvec3> origins, directions;
+  for (int i = 0; i < 100; ++i) {
+    const double angle = 0.37 * i, side = i % 2 ? 1 : -1;
+    origins.emplace_back(3 * std::cos(angle), 3 * std::sin(angle), side * (1 + 0.05 * i));
+    directions.push_back(dvec3(0.009 * i * std::sin(angle), 0.008 * i * std::cos(angle), 0) - origins.back());
+  }
+  const CastHits hits = cast(scene, origins, directions);
+  for (size_t i = 0; i < origins.size(); ++i) {
+    EXPECT_NEAR(hits.distance[i], glm::length(directions[i]), 1e-5) << i;
+    EXPECT_EQ(hits.material[i], 12u) << i;
+    EXPECT_GE(hits.triangle[i], 38u) << i;
+  }
+}
+
+// More rays than the device casts at once; neighbors differ by 1.5e-5.
+TEST_F(CastTest, CastsManyRaysInOrder) {
+  constexpr size_t kCount = 600'000;
+  std::vector<dvec3> origins(kCount), directions(kCount, dvec3(0, 0, -1));
+  for (size_t i = 0; i < kCount; ++i) origins[i] = dvec3(0.3, -0.2, 1 + 0x1p-16 * static_cast<double>(i));
+  const CastHits hits = cast(oneMesh(squareMesh(), false), origins, directions);
+  Largest error;
+  for (size_t i = 0; i < kCount; ++i) error.add(std::abs(hits.distance[i] - origins[i].z));
+  EXPECT_LT(error.value, 4e-6);
+}
+
 // An instance that its transform flattens is still a surface.
 TEST_F(CastTest, HitsFlattenedInstances) {
   scene::Scene scene = oneMesh(sphereMesh(2), true);

@@ -44,25 +44,29 @@ const uint kRayStackEnd = 0xfffffffeu;  // on the stack, below the nodes of a me
 
 // --- boxes -----------------------------------------------------------------------------------------------------------
 
-// A ray in the space of a BVH, as the slab test needs it.
+// A ray in the space of a BVH, as the slab test needs it. The distance to a plane is its coordinate times `inverse`,
+// plus `toLow` or `toHigh`.
 struct RaySlabs {
-  vec3 fromLow, fromHigh;  // the origin, moved by the slack of the boxes
-  vec3 inverse;            // 1 / direction, finite
+  vec3 toLow, toHigh;  // the negative origin, moved by the slack of the boxes, times `inverse`
+  vec3 inverse;        // 1 / direction, finite
 };
 
+// The slack exceeds 16 roundings of the origin, which covers those of the products. It also covers the replacement of
+// components that are small relative to the largest one.
 RaySlabs raySlabs(vec3 origin, vec3 direction, vec3 slack) {
-  vec3 safe = mix(direction, vec3(1e-30), lessThan(abs(direction), vec3(1e-30)));
-  return RaySlabs(origin + slack, origin - slack, 1.0 / safe);
+  vec3 size = abs(direction), least = vec3(max(1e-12 * max(size.x, max(size.y, size.z)), 1e-30));
+  vec3 inverse = 1.0 / mix(direction, least, lessThan(size, least));
+  return RaySlabs(-(origin + slack) * inverse, -(origin - slack) * inverse, inverse);
 }
 
 // Returns the distance at which the ray enters the box, or infinity if it misses the box.
 float enterBox(RaySlabs ray, vec3 low, vec3 high, float near, float far) {
-  vec3 a = (low - ray.fromLow) * ray.inverse, b = (high - ray.fromHigh) * ray.inverse;
+  vec3 a = low * ray.inverse + ray.toLow, b = high * ray.inverse + ray.toHigh;
   vec3 first = min(a, b), last = max(a, b);
   const float kGrow = 1.0 + 8.0 * 5.960464e-8;
   float enter = max(max(first.x, first.y), max(first.z, near));
-  float leave = min(min(last.x, last.y), last.z) * kGrow;
-  return enter <= min(leave, far) ? enter : kRayInfinity;
+  float leave = min(min(last.x, last.y), min(last.z, far)) * kGrow;
+  return enter <= leave ? enter : kRayInfinity;
 }
 
 // --- instances -------------------------------------------------------------------------------------------------------
@@ -170,6 +174,14 @@ bool rayPasses(FrameConstants frame, RayMesh mesh, uvec3 corners, vec3 weights) 
   return (flags & kMaterialMasked) != 0u ? alpha < cutoff : alpha <= 0.0;
 }
 
+// Returns true if a hit precedes another one: the nearer one, and at equal distances the last one by instance and then
+// by triangle.
+bool precedes(float distance, uint instance, uint triangle, RayHit other) {
+  bool last = instance > other.instance || (instance == other.instance && triangle > other.triangle);
+  return distance < other.distance || (distance == other.distance && last);
+}
+
+// It has loops instead of branches, because lavapipe executes a branch even if no lane takes it.
 void visitTriangle(FrameConstants frame, RayMesh mesh, uint index, Ray ray, uint what, inout RayHit hit) {
   uvec4 triangle = wordsAt(mesh.triangles, index);
   vec3 a = mesh.toRay * positionAt(mesh.positions, triangle.x) + mesh.offset;
@@ -178,23 +190,17 @@ void visitTriangle(FrameConstants frame, RayMesh mesh, uint index, Ray ray, uint
   vec3 areas = vec3(rayEdge(b.xy, c.xy), rayEdge(c.xy, a.xy), rayEdge(a.xy, b.xy));
   bool inside = all(greaterThanEqual(areas, vec3(0.0))) || all(lessThanEqual(areas, vec3(0.0)));
   float area = areas.x + areas.y + areas.z;
-  vec3 weights = rayWeights(areas, a.xy, b.xy, c.xy);
-  float distance = dot(weights, vec3(a.z, b.z, c.z));
   // Counter-clockwise triangles have a negative area, because the ray's third axis points away from its origin.
   bool front = (area < 0.0) != ((mesh.flags & kRayClockwise) != 0u);
   bool visible = front || (mesh.flags & kRayDoubleSided) != 0u || (what & kRayTwoSided) != 0u;
-  bool hits = inside && area != 0.0 && visible && distance >= ray.near && distance < hit.distance &&
-              distance <= ray.far;
-  // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
-  for (bool tested = hits && (mesh.flags & kRayAlphaTested) != 0u; tested; tested = false)
-    hits = !rayPasses(frame, mesh, triangle.xyz, weights);
-  if (!hits) return;
-  hit.distance = distance;
-  hit.instance = mesh.index;
-  hit.triangle = triangle.w;
-  hit.corners = triangle.xyz;
-  hit.weights = weights;
-  hit.front = front;
+  for (bool some = inside && area != 0.0 && visible; some; some = false) {
+    vec3 weights = rayWeights(areas, a.xy, b.xy, c.xy);
+    float distance = dot(weights, vec3(a.z, b.z, c.z));
+    bool hits = distance >= ray.near && distance <= ray.far && precedes(distance, mesh.index, triangle.w, hit);
+    for (bool tested = hits && (mesh.flags & kRayAlphaTested) != 0u; tested; tested = false)
+      hits = !rayPasses(frame, mesh, triangle.xyz, weights);
+    if (hits) hit = RayHit(distance, mesh.index, triangle.w, triangle.xyz, weights, front);
+  }
 }
 
 // --- traversal -------------------------------------------------------------------------------------------------------

@@ -1,14 +1,16 @@
 // Top-down construction with the surface area heuristic (SAH), evaluated at a few planes per axis (Wald 2007, On Fast
 // Construction of SAH-based Bounding Volume Hierarchies). A split that would lead to a tree deeper than allowed is
-// replaced by one at the median, which halves the number of items. The upper levels are built on one thread until the
-// ranges are small, and the subtrees of these ranges in parallel. At last, the nodes are brought into the order of
-// their levels, so that a refit can process one level after the other, from the last to the first.
+// replaced by one at the median, which halves the number of items. Large ranges are split on all threads, and the
+// subtrees of small ranges are built in parallel. At last, the nodes are brought into the order of their levels, so
+// that a refit can process one level after the other, from the last to the first.
 #include "render/rays/bvh.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <numeric>
+#include <cmath>
+#include <span>
+#include <utility>
 
 #include "base/parallel.h"
 
@@ -17,28 +19,50 @@ namespace latelight::render {
 namespace {
 
 constexpr uint32_t kBins = 16;
-constexpr uint32_t kRangeOfTask = 16384;  // items below which a subtree is built on one thread
+constexpr uint32_t kItemsOfTask = 16384;  // up to which a subtree is built on one thread
+constexpr uint32_t kItemsAtOnce = 32768;  // per call of a parallel loop over a large range
+constexpr uint32_t kNodesAtOnce = 8192;   // likewise, over the nodes of a level
 constexpr float kCostOfNode = 1.0f;       // relative to that of an item
+
+// References are as in RayNode.
+bool isInner(uint32_t reference) {
+  return (reference & shared::kRayLeaf) == 0;
+}
+uint32_t leafOf(uint32_t first, uint32_t count) {
+  return shared::kRayLeaf | (count - 1) << shared::kRayCountShift | first;
+}
 
 float halfArea(const Box& box) {
   const glm::vec3 e = box.high - box.low;
   return e.x < 0 ? 0.0f : e.x * e.y + e.y * e.z + e.z * e.x;
 }
 
+glm::vec3 centerOf(const Box& box) {
+  return 0.5f * box.low + 0.5f * box.high;
+}
+
+struct Item {
+  Box box;
+  uint32_t index;
+  uint32_t padding;
+};
+
 struct Range {
   uint32_t first = 0, count = 0;
+  Box box, centers;  // of the items, and of the centers of their boxes
 };
 
 struct Split {
-  int axis = -1;  // -1: none is better than a leaf
+  int axis = -1;  // -1: none
   uint32_t bin = 0;
   float cost = std::numeric_limits<float>::infinity();
 };
 
-struct TreeNode {  // an inner node: references are as in RayNode, to nodes of the same list
-  std::array<Box, 2> boxes;
-  std::array<uint32_t, 2> children{shared::kRayNone, shared::kRayNone};
+struct Child {
+  Box box;
+  uint32_t reference = shared::kRayNone;
 };
+using TreeNode = std::array<Child, 2>;  // an inner node; references are to nodes of the same list
 
 // A subtree that is built later: child `side` of node `node`.
 struct Task {
@@ -46,17 +70,73 @@ struct Task {
   Range range;
 };
 
+// Maps the centers of a range to bins along each axis.
+struct Binning {
+  glm::vec3 low, scale;
+  explicit Binning(const Box& centers) : low(centers.low) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const float extent = centers.high[axis] - centers.low[axis];
+      scale[axis] = extent > 0 ? static_cast<float>(kBins) / extent : 0.0f;
+      if (!std::isfinite(scale[axis])) scale[axis] = 0;
+    }
+  }
+  uint32_t binOf(glm::vec3 center, int axis) const {
+    const float bin = (center[axis] - low[axis]) * scale[axis];
+    return bin > 0 ? static_cast<uint32_t>(std::min(bin, static_cast<float>(kBins - 1))) : 0u;
+  }
+};
+
+struct Bins {
+  std::array<std::array<Box, kBins>, 3> boxes;
+  std::array<std::array<uint32_t, kBins>, 3> counts{};
+
+  void add(std::span<const Item> items, const Binning& binning) {
+    for (const Item& item : items)
+      for (int axis = 0; axis < 3; ++axis) {
+        const uint32_t bin = binning.binOf(centerOf(item.box), axis);
+        boxes[axis][bin].add(item.box);
+        ++counts[axis][bin];
+      }
+  }
+  void add(const Bins& other) {
+    for (int axis = 0; axis < 3; ++axis)
+      for (uint32_t i = 0; i < kBins; ++i) {
+        boxes[axis][i].add(other.boxes[axis][i]);
+        counts[axis][i] += other.counts[axis][i];
+      }
+  }
+
+  // Evaluates the planes between the bins of an axis: items of bins up to split.bin are on the first side.
+  void addSplits(int axis, Split& best) const {
+    std::array<float, kBins> above{};
+    Box box;
+    uint32_t count = 0;
+    for (uint32_t i = kBins - 1; i > 0; --i) {
+      box.add(boxes[axis][i]);
+      count += counts[axis][i];
+      above[i] = count ? halfArea(box) * static_cast<float>(count) : -1;
+    }
+    box = {};
+    count = 0;
+    for (uint32_t i = 0; i + 1 < kBins; ++i) {
+      box.add(boxes[axis][i]);
+      count += counts[axis][i];
+      if (count == 0 || above[i + 1] < 0) continue;
+      const float cost = halfArea(box) * static_cast<float>(count) + above[i + 1];
+      if (cost < best.cost) best = {axis, i, cost};
+    }
+  }
+};
+
 class BvhBuilder {
  public:
-  BvhBuilder(std::span<const Box> boxes, uint32_t maxLeaf, uint32_t maxDepth, std::vector<uint32_t>& items)
-      : boxes_(boxes), items_(items), maxLeaf_(maxLeaf), maxDepth_(maxDepth) {}
+  BvhBuilder(std::span<Item> items, std::span<Item> scratch, uint32_t maxLeaf, uint32_t maxDepth)
+      : items_(items), scratch_(scratch), maxLeaf_(maxLeaf), maxDepth_(maxDepth) {}
 
   // Builds the tree of a range below `depth` other nodes. Ranges of at most `taskItems` become tasks.
-  void build(Range range, uint32_t depth, uint32_t taskItems) {
-    nodes.emplace_back();
-    const std::array<Range, 2> halves = split(range, depth);
-    std::vector<Task> open{{0, 0, depth + 1, halves[0]}};
-    if (halves[1].count) open.push_back({0, 1, depth + 1, halves[1]});
+  void build(const Range& range, uint32_t depth, uint32_t taskItems) {
+    std::vector<Task> open;
+    addNode(range, bestSplit(range), depth, open);
     while (!open.empty()) {
       const Task task = open.back();
       open.pop_back();
@@ -64,176 +144,204 @@ class BvhBuilder {
     }
   }
 
+  Range wholeRange() const { return boundsOf(0, static_cast<uint32_t>(items_.size())); }
+
   std::vector<TreeNode> nodes;
   std::vector<Task> tasks;
 
  private:
-  Box boundsOf(Range range) const {
-    Box box;
-    for (uint32_t i = 0; i < range.count; ++i) box.add(boxes_[items_[range.first + i]]);
-    return box;
+  std::span<const Item> itemsOf(const Range& range) const { return items_.subspan(range.first, range.count); }
+
+  static void addTo(Range& range, std::span<const Item> items) {
+    for (const Item& item : items) {
+      range.box.add(item.box);
+      const glm::vec3 center = centerOf(item.box);
+      range.centers.add(center);
+    }
+  }
+  Range boundsOf(uint32_t first, uint32_t count) const {
+    Range range{.first = first, .count = count, .box = {}, .centers = {}};
+    if (count <= kItemsAtOnce) {
+      addTo(range, itemsOf(range));
+      return range;
+    }
+    std::vector<Range> parts((count + kItemsAtOnce - 1) / kItemsAtOnce);
+    parallelFor(count, kItemsAtOnce, [&](size_t begin, size_t end) {
+      addTo(parts[begin / kItemsAtOnce], items_.subspan(first + begin, end - begin));
+    });
+    for (const Range& part : parts) range.box.add(part.box), range.centers.add(part.centers);
+    return range;
   }
 
   void place(const Task& task, uint32_t taskItems, std::vector<Task>& open) {
-    nodes[task.node].boxes[task.side] = boundsOf(task.range);
-    if (task.range.count <= maxLeaf_ && isLeaf(task.range)) {
-      nodes[task.node].children[task.side] =
-          shared::kRayLeaf | (task.range.count - 1) << shared::kRayCountShift | task.range.first;
-    } else if (task.range.count <= taskItems) {
+    Child& child = nodes[task.node][task.side];
+    child.box = task.range.box;
+    const bool becomesTask = task.range.count <= taskItems;
+    if (task.range.count == 1) {
+      child.reference = leafOf(task.range.first, 1);
+      return;
+    }
+    if (becomesTask) {
       tasks.push_back(task);
+      return;
+    }
+    const Split split = bestSplit(task.range);
+    const float area = halfArea(task.range.box), leafCost = static_cast<float>(task.range.count) * area;
+    if (task.range.count <= maxLeaf_ && !(split.cost + kCostOfNode * area < leafCost)) {
+      child.reference = leafOf(task.range.first, task.range.count);
+      return;
+    }
+    child.reference = static_cast<uint32_t>(nodes.size());
+    addNode(task.range, split, task.depth, open);
+  }
+
+  void addNode(const Range& range, const Split& split, uint32_t depth, std::vector<Task>& open) {
+    const auto node = static_cast<uint32_t>(nodes.size());
+    nodes.emplace_back();
+    const std::array<Range, 2> halves = partition(range, split, depth);
+    for (uint32_t side = 0; side < 2; ++side)
+      if (halves[side].count) open.push_back({node, side, depth + 1, halves[side]});
+  }
+
+  Split bestSplit(const Range& range) const {
+    const Binning binning(range.centers);
+    Bins bins;
+    if (range.count <= kItemsAtOnce) {
+      bins.add(itemsOf(range), binning);
     } else {
-      const auto child = static_cast<uint32_t>(nodes.size());
-      nodes[task.node].children[task.side] = child;
-      nodes.emplace_back();
-      const std::array<Range, 2> halves = split(task.range, task.depth);
-      for (uint32_t side = 0; side < 2; ++side) open.push_back({child, side, task.depth + 1, halves[side]});
+      std::vector<Bins> parts((range.count + kItemsAtOnce - 1) / kItemsAtOnce);
+      parallelFor(range.count, kItemsAtOnce, [&](size_t begin, size_t end) {
+        parts[begin / kItemsAtOnce].add(items_.subspan(range.first + begin, end - begin), binning);
+      });
+      for (const Bins& part : parts) bins.add(part);
     }
-  }
-
-  // Returns true if no split of a small range reduces the expected time of a ray.
-  bool isLeaf(Range range) const {
-    if (range.count == 1) return true;
-    const Box box = boundsOf(range);
-    const float leafCost = static_cast<float>(range.count) * halfArea(box);
-    return !(bestSplit(range).cost + kCostOfNode * halfArea(box) < leafCost);
-  }
-
-  static constexpr float binScale(float low, float high) {
-    return high > low ? static_cast<float>(kBins) / (high - low) : 0.0f;
-  }
-  static uint32_t binOf(float center, float low, float scale) {
-    const float bin = (center - low) * scale;
-    return bin > 0 ? std::min(static_cast<uint32_t>(std::min(bin, 1e6f)), kBins - 1) : 0u;
-  }
-  static glm::vec3 centerOf(const Box& box) { return 0.5f * box.low + 0.5f * box.high; }
-
-  Box centersOf(Range range) const {
-    Box centers;
-    for (uint32_t i = 0; i < range.count; ++i) centers.add(centerOf(boxes_[items_[range.first + i]]));
-    return centers;
-  }
-
-  Split bestSplit(Range range) const {
-    const Box centers = centersOf(range);
     Split best;
-    for (int axis = 0; axis < 3; ++axis) {
-      const float scale = binScale(centers.low[axis], centers.high[axis]);
-      if (scale == 0 || !(scale < std::numeric_limits<float>::infinity())) continue;
-      std::array<Box, kBins> bins;
-      std::array<uint32_t, kBins> counts{};
-      for (uint32_t i = 0; i < range.count; ++i) {
-        const Box& box = boxes_[items_[range.first + i]];
-        const uint32_t bin = binOf(centerOf(box)[axis], centers.low[axis], scale);
-        bins[bin].add(box);
-        ++counts[bin];
-      }
-      addSplits(bins, counts, axis, best);
-    }
+    for (int axis = 0; axis < 3; ++axis)
+      if (binning.scale[axis] > 0) bins.addSplits(axis, best);
     return best;
-  }
-
-  // Evaluates the planes between the bins: items of bins up to split.bin are on the first side.
-  static void addSplits(const std::array<Box, kBins>& bins, const std::array<uint32_t, kBins>& counts, int axis,
-                        Split& best) {
-    std::array<float, kBins> above{};
-    Box box;
-    uint32_t count = 0;
-    for (uint32_t i = kBins - 1; i > 0; --i) {
-      box.add(bins[i]);
-      count += counts[i];
-      above[i] = count ? halfArea(box) * static_cast<float>(count) : -1;
-    }
-    box = {};
-    count = 0;
-    for (uint32_t i = 0; i + 1 < kBins; ++i) {
-      box.add(bins[i]);
-      count += counts[i];
-      if (count == 0 || above[i + 1] < 0) continue;
-      const float cost = halfArea(box) * static_cast<float>(count) + above[i + 1];
-      if (cost < best.cost) best = {axis, i, cost};
-    }
   }
 
   static uint32_t depthOf(uint32_t items) { return static_cast<uint32_t>(std::bit_width(items - 1)); }
 
   // Partitions the items of a range that become children of a node below `depth` others.
-  std::array<Range, 2> split(Range range, uint32_t depth) {
+  std::array<Range, 2> partition(const Range& range, const Split& split, uint32_t depth) {
     if (range.count == 1) return {range, {}};
-    const auto first = items_.begin() + range.first, end = first + range.count;
-    const Split best = bestSplit(range);
-    auto middle = first;
-    if (best.axis >= 0) {
-      const Box centers = centersOf(range);
-      const float low = centers.low[best.axis], scale = binScale(low, centers.high[best.axis]);
-      middle = std::stable_partition(
-          first, end, [&](uint32_t item) { return binOf(centerOf(boxes_[item])[best.axis], low, scale) <= best.bin; });
+    uint32_t count = 0;
+    if (split.axis >= 0) {
+      const Binning binning(range.centers);
+      count = partition(range,
+                        [&](const Item& item) { return binning.binOf(centerOf(item.box), split.axis) <= split.bin; });
     }
-    const auto larger = static_cast<uint32_t>(std::max(middle - first, end - middle));
-    if (middle == first || middle == end || depth + 1 + depthOf(larger) > maxDepth_) middle = splitAtMedian(first, end);
-    const auto count = static_cast<uint32_t>(middle - first);
-    return {Range{range.first, count}, Range{range.first + count, range.count - count}};
+    const uint32_t larger = std::max(count, range.count - count);
+    if (count == 0 || count == range.count || depth + 1 + depthOf(larger) > maxDepth_) count = splitAtMedian(range);
+    return {boundsOf(range.first, count), boundsOf(range.first + count, range.count - count)};
   }
 
-  using Iterator = std::vector<uint32_t>::iterator;
-  Iterator splitAtMedian(Iterator first, Iterator end) const {
-    Box centers;
-    for (auto i = first; i != end; ++i) centers.add(centerOf(boxes_[*i]));
-    const glm::vec3 extent = centers.high - centers.low;
-    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-    const auto middle = first + (end - first) / 2;
-    std::nth_element(first, middle, end, [&](uint32_t a, uint32_t b) {
-      const float x = centerOf(boxes_[a])[axis], y = centerOf(boxes_[b])[axis];
-      return x != y ? x < y : a < b;
+  // Moves the items for which `isFirst` is true to the front of the range. Returns their number.
+  template <typename IsFirst>
+  uint32_t partition(const Range& range, const IsFirst& isFirst) {
+    const std::span<Item> items = items_.subspan(range.first, range.count);
+    if (range.count <= kItemsAtOnce)
+      return static_cast<uint32_t>(std::partition(items.begin(), items.end(), isFirst) - items.begin());
+    std::vector<uint32_t> firsts((range.count + kItemsAtOnce - 1) / kItemsAtOnce);
+    parallelFor(range.count, kItemsAtOnce, [&](size_t begin, size_t end) {
+      firsts[begin / kItemsAtOnce] =
+          static_cast<uint32_t>(std::count_if(items.begin() + begin, items.begin() + end, isFirst));
     });
-    return middle;
+    uint32_t count = 0;
+    for (uint32_t& first : firsts) count += std::exchange(first, count);
+    const std::span<Item> moved = scratch_.subspan(range.first, range.count);
+    parallelFor(range.count, kItemsAtOnce, [&](size_t begin, size_t end) {
+      uint32_t first = firsts[begin / kItemsAtOnce], second = count + static_cast<uint32_t>(begin) - first;
+      for (size_t i = begin; i < end; ++i) moved[isFirst(items[i]) ? first++ : second++] = items[i];
+    });
+    parallelFor(range.count, kItemsAtOnce, [&](size_t begin, size_t end) {
+      std::copy(moved.begin() + begin, moved.begin() + end, items.begin() + begin);
+    });
+    return count;
   }
 
-  std::span<const Box> boxes_;
-  std::vector<uint32_t>& items_;
+  uint32_t splitAtMedian(const Range& range) {
+    const glm::vec3 extent = range.centers.high - range.centers.low;
+    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+    const std::span<Item> items = items_.subspan(range.first, range.count);
+    std::nth_element(items.begin(), items.begin() + range.count / 2, items.end(), [&](const Item& a, const Item& b) {
+      const float x = centerOf(a.box)[axis], y = centerOf(b.box)[axis];
+      return x != y ? x < y : a.index < b.index;
+    });
+    return range.count / 2;
+  }
+
+  std::span<Item> items_, scratch_;
   uint32_t maxLeaf_, maxDepth_;
 };
 
-bool isInner(uint32_t reference) {
-  return (reference & shared::kRayLeaf) == 0;
-}
-
-// Appends a subtree to the nodes. Its root becomes the child of the task.
-void append(std::vector<TreeNode>& nodes, const std::vector<TreeNode>& subtree, const Task& task) {
-  const auto base = static_cast<uint32_t>(nodes.size());
-  nodes[task.node].children[task.side] = base;
-  for (const TreeNode& node : subtree) {
-    TreeNode& moved = nodes.emplace_back(node);
-    for (uint32_t& child : moved.children)
-      if (isInner(child)) child += base;
+// Builds the subtrees of the tasks in parallel, and appends them to the nodes.
+void buildTasks(BvhBuilder& top, std::span<Item> items, uint32_t maxLeaf, uint32_t maxDepth) {
+  std::vector<std::vector<TreeNode>> subtrees(top.tasks.size());
+  parallelFor(subtrees.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      BvhBuilder builder(items, {}, maxLeaf, maxDepth);
+      builder.build(top.tasks[i].range, top.tasks[i].depth, 0);
+      subtrees[i] = std::move(builder.nodes);
+    }
+  });
+  std::vector<uint32_t> bases;
+  auto count = static_cast<uint32_t>(top.nodes.size());
+  for (size_t i = 0; i < subtrees.size(); ++i) {
+    top.nodes[top.tasks[i].node][top.tasks[i].side].reference = count;
+    bases.push_back(count);
+    count += static_cast<uint32_t>(subtrees[i].size());
   }
+  top.nodes.resize(count);
+  parallelFor(subtrees.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i)
+      for (size_t node = 0; node < subtrees[i].size(); ++node) {
+        TreeNode& moved = top.nodes[bases[i] + node] = subtrees[i][node];
+        for (Child& child : moved)
+          if (isInner(child.reference)) child.reference += bases[i];
+      }
+  });
 }
 
 // Writes the nodes level by level.
 void layOut(const std::vector<TreeNode>& nodes, Bvh& bvh) {
-  bvh.nodes.reserve(nodes.size());
-  std::vector<uint32_t> level{0}, next;
-  while (!level.empty()) {
-    bvh.levels.push_back(static_cast<uint32_t>(bvh.nodes.size()));
-    next.clear();
-    const auto below = static_cast<uint32_t>(bvh.nodes.size() + level.size());
-    const auto placed = [&](uint32_t child) {
-      if (!isInner(child)) return child;
-      next.push_back(child);
-      return below + static_cast<uint32_t>(next.size()) - 1;
+  bvh.nodes.resize(nodes.size());
+  uint32_t first = 0;
+  for (std::vector<uint32_t> level{0}; !level.empty();) {
+    bvh.levels.push_back(first);
+    const auto below = first + static_cast<uint32_t>(level.size());
+    const auto eachNode = [&](const auto& body) {
+      parallelFor(level.size(), kNodesAtOnce, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) body(i, nodes[level[i]], bvh.nodes[first + i]);
+      });
     };
-    for (const uint32_t index : level) {
-      const TreeNode& node = nodes[index];
-      const uint32_t a = placed(node.children[0]), b = placed(node.children[1]);
-      bvh.nodes.push_back({.lowA = node.boxes[0].low,
-                           .a = a,
-                           .highA = node.boxes[0].high,
-                           .b = b,
-                           .lowB = node.boxes[1].low,
-                           .highB = node.boxes[1].high});
-    }
-    std::swap(level, next);
+    std::vector<uint32_t> children(level.size());  // the number of inner children of earlier nodes of the level
+    eachNode([&](size_t i, const TreeNode& node, shared::RayNode&) {
+      children[i] = uint32_t{isInner(node[0].reference)} + uint32_t{isInner(node[1].reference)};
+    });
+    uint32_t count = 0;
+    for (uint32_t& child : children) count += std::exchange(child, count);
+    std::vector<uint32_t> next(count);
+    eachNode([&](size_t i, const TreeNode& node, shared::RayNode& target) {
+      uint32_t child = children[i];
+      const auto placed = [&](uint32_t reference) {
+        if (!isInner(reference)) return reference;
+        next[child] = reference;
+        return below + child++;
+      };
+      const uint32_t a = placed(node[0].reference), b = placed(node[1].reference);
+      target = {.lowA = node[0].box.low,
+                .a = a,
+                .highA = node[0].box.high,
+                .b = b,
+                .lowB = node[1].box.low,
+                .highB = node[1].box.high};
+    });
+    first = below;
+    level = std::move(next);
   }
-  bvh.levels.push_back(static_cast<uint32_t>(bvh.nodes.size()));
+  bvh.levels.push_back(first);
 }
 
 }  // namespace
@@ -241,19 +349,17 @@ void layOut(const std::vector<TreeNode>& nodes, Bvh& bvh) {
 Bvh buildBvh(std::span<const Box> boxes, uint32_t maxLeaf, uint32_t maxDepth) {
   Bvh bvh;
   if (boxes.empty()) return bvh;
-  bvh.items.resize(boxes.size());
-  std::iota(bvh.items.begin(), bvh.items.end(), 0u);
-  BvhBuilder top(boxes, maxLeaf, maxDepth, bvh.items);
-  top.build({0, static_cast<uint32_t>(boxes.size())}, 0, kRangeOfTask);
-  std::vector<std::vector<TreeNode>> subtrees(top.tasks.size());
-  parallelFor(subtrees.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      BvhBuilder builder(boxes, maxLeaf, maxDepth, bvh.items);
-      builder.build(top.tasks[i].range, top.tasks[i].depth, 0);
-      subtrees[i] = std::move(builder.nodes);
-    }
+  std::vector<Item> items(boxes.size()), scratch(boxes.size() > kItemsAtOnce ? boxes.size() : 0);
+  parallelFor(boxes.size(), kItemsAtOnce, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) items[i] = {boxes[i], static_cast<uint32_t>(i), 0};
   });
-  for (size_t i = 0; i < subtrees.size(); ++i) append(top.nodes, subtrees[i], top.tasks[i]);
+  BvhBuilder top(items, scratch, maxLeaf, maxDepth);
+  top.build(top.wholeRange(), 0, kItemsOfTask);
+  buildTasks(top, items, maxLeaf, maxDepth);
+  bvh.items.resize(items.size());
+  parallelFor(items.size(), kItemsAtOnce, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) bvh.items[i] = items[i].index;
+  });
   layOut(top.nodes, bvh);
   return bvh;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/stopwatch.h"
 #include "render/rays/emitters.h"
 #include "render/rays/refit_push.h"
 
@@ -20,10 +21,14 @@ Box trianglesBox(const scene::Mesh& mesh, glm::vec3 origin, size_t triangle) {
   return box;
 }
 
+constexpr size_t kTrianglesAtOnce = 65536;  // per call of a parallel loop
+
 Bvh bvhOf(const scene::Mesh& mesh) {
   const glm::vec3 origin = scene::vertexOrigin(mesh);
   std::vector<Box> boxes(mesh.indices.size() / 3);
-  for (size_t i = 0; i < boxes.size(); ++i) boxes[i] = trianglesBox(mesh, origin, i);
+  parallelFor(boxes.size(), kTrianglesAtOnce, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) boxes[i] = trianglesBox(mesh, origin, i);
+  });
   return buildBvh(boxes, shared::kMaxRayLeaf, shared::kMaxMeshDepth);
 }
 
@@ -96,11 +101,13 @@ void SceneBvh::update() {
   if (geometryRevision_ == gpuScene_.geometry().revision() && instanceRevision_ == instances.revision() &&
       materialRevision_ == gpuScene_.materials().revision())
     return;
+  const Stopwatch stopwatch;
   followMeshes();
   geometryRevision_ = gpuScene_.geometry().revision();
   instanceRevision_ = instances.revision();
   materialRevision_ = gpuScene_.materials().revision();
   buildInstances();
+  buildSeconds_ += stopwatch.seconds();
 }
 
 void SceneBvh::followMeshes() {
@@ -142,12 +149,13 @@ void SceneBvh::buildMeshes(std::span<const uint32_t> meshes) {
 
 void SceneBvh::upload(uint32_t index, const Bvh& bvh) {
   const scene::Mesh& mesh = scene_.meshes[index];
-  std::vector<shared::RayTriangle> triangles;
-  triangles.reserve(bvh.items.size());
-  for (const uint32_t item : bvh.items) {
-    const uint32_t* corners = &mesh.indices[3 * size_t{item}];
-    triangles.push_back({{corners[0], corners[1], corners[2]}, item});
-  }
+  std::vector<shared::RayTriangle> triangles(bvh.items.size());
+  parallelFor(triangles.size(), kTrianglesAtOnce, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const uint32_t* corners = &mesh.indices[3 * size_t{bvh.items[i]}];
+      triangles[i] = {{corners[0], corners[1], corners[2]}, bvh.items[i]};
+    }
+  });
   MeshBvh& target = meshes_[index] = {};
   target.triangles = bvh.nodes.size() * sizeof(shared::RayNode);
   target.buffer = vk::Buffer(device_, {.size = target.triangles + triangles.size() * sizeof(shared::RayTriangle),
@@ -277,6 +285,13 @@ uint64_t SceneBvh::bytes() const {
   for (const MeshBvh& mesh : meshes_)
     if (mesh.buffer) bytes += mesh.buffer.size();
   return bytes;
+}
+
+BvhStatistics SceneBvh::statistics() const {
+  BvhStatistics statistics{.bytes = bytes(), .buildSeconds = buildSeconds_};
+  for (size_t mesh = 0; mesh < meshes_.size(); ++mesh)
+    if (meshes_[mesh].buffer) statistics.triangles += scene_.meshes[mesh].indices.size() / 3;
+  return statistics;
 }
 
 }  // namespace latelight::render

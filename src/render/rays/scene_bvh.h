@@ -11,6 +11,12 @@
 
 namespace latelight::render {
 
+struct BvhStatistics {
+  uint64_t triangles = 0;   // of all meshes that are visible anywhere
+  uint64_t bytes = 0;       // device memory
+  double buildSeconds = 0;  // on the host, since the first request for rays
+};
+
 class SceneBvh {
  public:
   // Both must outlive this object.
@@ -29,6 +35,7 @@ class SceneBvh {
   VkDeviceAddress address() const { return record_.address(); }  // shared::RayScene
   uint32_t emitterCount() const { return emitterCount_; }        // RayScene::emitterCount
   uint64_t bytes() const;                                        // device memory of all BVHs
+  BvhStatistics statistics() const;
 
  private:
   struct MeshBvh {
@@ -65,6 +72,7 @@ class SceneBvh {
   uint64_t geometryRevision_ = 0, instanceRevision_ = 0, materialRevision_ = 0;
   VkDeviceAddress environment_ = 0;
   size_t instanceNodes_ = 0, instanceCount_ = 0;
+  double buildSeconds_ = 0;
 };
 
 }  // namespace latelight::render

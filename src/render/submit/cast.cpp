@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <functional>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -16,7 +18,8 @@ namespace latelight::render {
 
 namespace {
 
-constexpr size_t kRaysAtOnce = size_t{1} << 20;
+constexpr size_t kRaysAtOnce = size_t{1} << 18;
+constexpr size_t kChunksInFlight = 2;
 constexpr size_t kRaysOfTask = 8192;
 
 bool isFinite(const glm::dvec3& v) {
@@ -47,11 +50,17 @@ struct RayFrame {
   }
 };
 
+// Each array on its own thread, because the system clears the memory of large ones.
 void resize(CastHits& hits, size_t count) {
-  hits.distance.resize(count), hits.intensity.resize(count);
-  for (std::vector<glm::vec3>* vectors : {&hits.position, &hits.normal, &hits.geonormal}) vectors->resize(count);
-  hits.uv.resize(count);
-  for (std::vector<uint32_t>* numbers : {&hits.id, &hits.part, &hits.material, &hits.triangle}) numbers->resize(count);
+  const std::function<void()> arrays[] = {
+      [&] { hits.distance.resize(count); }, [&] { hits.intensity.resize(count); }, [&] { hits.position.resize(count); },
+      [&] { hits.normal.resize(count); },   [&] { hits.geonormal.resize(count); }, [&] { hits.uv.resize(count); },
+      [&] { hits.id.resize(count); },       [&] { hits.part.resize(count); },      [&] { hits.material.resize(count); },
+      [&] { hits.triangle.resize(count); },
+  };
+  parallelFor(std::size(arrays), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) arrays[i]();
+  });
 }
 
 // The position follows from the ray in double precision, so it is as precise as the distance.
@@ -68,18 +77,22 @@ void store(const shared::CastHit& hit, const CastRays& rays, const RayFrame& fra
   hits.geonormal[ray] = glm::vec3(frameFromWorld * glm::dvec3(hit.geonormal));
 }
 
-struct CastPass {
+// Rays in flight.
+struct CastChunk {
+  size_t first, count;
+  std::shared_ptr<const vk::Buffer> rays;
   graph::BufferId hits;  // readable by the host
-  vk::Buffer staging;    // of the rays
+  graph::Submission submission;
 };
 
-CastPass addCast(const Builder& b, const shared::FrameConstants& frame, std::span<const shared::CastRay> rays,
-                 uint32_t what, const std::vector<vk::Constant>& constants, graph::Graph& graph) {
-  CastPass pass{.hits = {}, .staging = vk::uploadedBuffer(b.device, "rays", std::as_bytes(rays))};
-  graph::BufferId source = graph.import(pass.staging, std::nullopt);
+// Adds the pass that casts the first `count` rays of a buffer that the host has written. Returns their hits.
+graph::BufferId addCast(const Builder& b, const shared::FrameConstants& frame, const vk::Buffer& rays, size_t rayCount,
+                        uint32_t what, const std::vector<vk::Constant>& constants, graph::Graph& graph) {
+  graph::BufferId source = graph.import(rays, std::nullopt);
   if (!b.device.isCpu()) {
     const graph::BufferId staged = source,
-                          local = graph.create(vk::BufferDesc{.size = rays.size_bytes(), .name = "rays"});
+                          local =
+                              graph.create(vk::BufferDesc{.size = rayCount * sizeof(shared::CastRay), .name = "rays"});
     graph.pass(graph::Stage::Upload, "upload rays", {{staged, graph::Use::CopySource}, {local, graph::Use::CopyTarget}},
                [=](graph::Context& context) {
                  const VkBufferCopy all{0, 0, context.buffer(local).size()};
@@ -87,9 +100,9 @@ CastPass addCast(const Builder& b, const shared::FrameConstants& frame, std::spa
                });
     source = local;
   }
-  const graph::BufferId hits = createResult(b, "hits", rays.size() * sizeof(shared::CastHit), 1).buffer;
+  const graph::BufferId hits = createResult(b, "hits", rayCount * sizeof(shared::CastHit), 1).buffer;
   const VkDeviceAddress address = graph.constants(std::as_bytes(std::span(&frame, 1)));
-  const auto count = static_cast<uint32_t>(rays.size());
+  const auto count = static_cast<uint32_t>(rayCount);
   addCompute(b,
              {.stage = graph::Stage::Visibility,
               .name = "cast rays",
@@ -107,11 +120,42 @@ CastPass addCast(const Builder& b, const shared::FrameConstants& frame, std::spa
                                        .count = count,
                                        .what = what};
              });
-  pass.hits = addReadback(b, hits);
-  return pass;
+  return addReadback(b, hits);
 }
 
 }  // namespace
+
+shared::FrameConstants Renderer::prepareRays(const Settings& settings, const SceneState& moment) {
+  resolveOverflow();
+  sceneInput_.reset();
+  gpuScene_.update(moment.poses, sunOf(settings));
+  gpuScene_.setWorlds({}, moment.poses, {});
+  shared::FrameConstants constants{};
+  const SceneBvh& bvh = followedBvh(false);
+  gpuScene_.describe(constants);
+  constants.rayScene = bvh.address();
+  return constants;
+}
+
+std::vector<vk::Constant> Renderer::rayConstants() const {
+  return {{kTextureSlotsConstant, gpuScene_.materials().textureSlots()}};
+}
+
+graph::Submission Renderer::traceRays(const AddRayPasses& add, const Settings& settings, const SceneState& moment) {
+  const shared::FrameConstants constants = prepareRays(settings, moment);
+  graph::Graph graph(executor_);
+  add({device_, graph}, {.frame = graph.constants(std::as_bytes(std::span(&constants, 1))),
+                         .constants = rayConstants(),
+                         .origin = gpuScene_.origin()});
+  addSceneChanges(graph);
+  graph::Submission done = submit(graph, graph.compile());
+  done.wait();
+  return done;
+}
+
+BvhStatistics Renderer::bvhStatistics() const {
+  return bvh_ ? bvh_->statistics() : BvhStatistics{};
+}
 
 CastResult Renderer::cast(const CastRays& rays, const Settings& settings, const SceneState& moment) {
   checkSettings(settings);
@@ -120,39 +164,42 @@ CastResult Renderer::cast(const CastRays& rays, const Settings& settings, const 
   if (!(rays.maxDistance >= 0)) badUsage("the maximum distance of rays must be at least 0, not {}", rays.maxDistance);
   if (settings.normalFrame != NormalFrame::World)
     badUsage("rays have no camera: their normals require --normal-frame world");
-  resolveOverflow();
-  sceneInput_.reset();
-  gpuScene_.update(moment.poses, sunOf(settings));
-  gpuScene_.setWorlds({}, moment.poses, {});
-  SceneBvh& bvh = followedBvh(false);
+  const shared::FrameConstants constants = prepareRays(settings, moment);
   const bool file = scene_.yUp && settings.axes == Axes::File;
   const RayFrame frame{.worldFromFrame = file ? glm::dmat3(scene::toWorldFromGltf()) : glm::dmat3(1),
                        .deviceOrigin = gpuScene_.origin(),
                        .positionOrigin = settings.positionOrigin.point};
-  shared::FrameConstants constants{};
-  gpuScene_.describe(constants);
-  constants.rayScene = bvh.address();
-  const std::vector<vk::Constant> specialized{{kTextureSlotsConstant, gpuScene_.materials().textureSlots()}};
+  const std::vector<vk::Constant> specialized = rayConstants();
   const uint32_t what = settings.dataSurfaces == DataSurfaces::Any ? shared::kCastAnySurface : 0u;
-  CastResult result{.hits = {}, .statistics = {}, .bvhBytes = bvh.bytes()};
+  CastResult result{.hits = {}, .statistics = {}, .bvhBytes = bvh_->bytes()};
   resize(result.hits, rays.origins.size());
+  std::deque<CastChunk> inFlight;
+  const auto finishFirst = [&] {
+    const CastChunk chunk = std::move(inFlight.front());
+    inFlight.pop_front();
+    chunk.submission.wait();
+    const auto* hits = chunk.submission.buffer(chunk.hits).as<shared::CastHit>();
+    parallelFor(chunk.count, kRaysOfTask, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) store(hits[i], rays, frame, chunk.first + i, result.hits);
+    });
+    addTimes(result.statistics.passTimes, chunk.submission);
+  };
+  // The host converts the rays of one chunk while the device casts those of the chunk before.
   for (size_t first = 0; first < rays.origins.size(); first += kRaysAtOnce) {
-    std::vector<shared::CastRay> chunk(std::min(kRaysAtOnce, rays.origins.size() - first));
-    parallelFor(chunk.size(), kRaysOfTask, [&](size_t begin, size_t end) {
+    if (inFlight.size() == kChunksInFlight) finishFirst();
+    const size_t count = std::min(kRaysAtOnce, rays.origins.size() - first);
+    const auto staging = inputMemory(std::min(kRaysAtOnce, rays.origins.size()) * sizeof(shared::CastRay));
+    parallelFor(count, kRaysOfTask, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i)
-        chunk[i] = frame.toDevice(rays.origins[first + i], rays.directions[first + i], rays.maxDistance);
+        staging->as<shared::CastRay>()[i] =
+            frame.toDevice(rays.origins[first + i], rays.directions[first + i], rays.maxDistance);
     });
     graph::Graph graph(executor_);
-    const CastPass pass = addCast({device_, graph}, constants, chunk, what, specialized, graph);
+    const graph::BufferId hits = addCast({device_, graph}, constants, *staging, count, what, specialized, graph);
     addSceneChanges(graph);
-    const graph::Submission done = submit(graph, graph.compile());
-    done.wait();
-    const auto* hits = done.buffer(pass.hits).as<shared::CastHit>();
-    parallelFor(chunk.size(), kRaysOfTask, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) store(hits[i], rays, frame, first + i, result.hits);
-    });
-    addTimes(result.statistics.passTimes, done);
+    inFlight.push_back({first, count, staging, hits, submit(graph, graph.compile())});
   }
+  while (!inFlight.empty()) finishFirst();
   return result;
 }
 

@@ -1,11 +1,13 @@
 // Rays from the host through a scene: the surface that each hits first.
 #pragma once
 
+#include <functional>
 #include <glm/glm.hpp>
 #include <limits>
 #include <span>
 #include <vector>
 
+#include "render/base/pass.h"
 #include "render/submit/result.h"
 
 namespace latelight::render {
@@ -32,5 +34,13 @@ struct CastResult {
   RenderStatistics statistics;
   uint64_t bvhBytes = 0;  // device memory of the scene's BVHs
 };
+
+// The inputs of passes that trace rays through the scene.
+struct RayPassInputs {
+  VkDeviceAddress frame = 0;            // shared::FrameConstants, without views
+  std::vector<vk::Constant> constants;  // specialization constants of shaders that evaluate materials
+  glm::dvec3 origin{0};                 // of the device's world space, in the scene's
+};
+using AddRayPasses = std::function<void(const Builder&, const RayPassInputs&)>;
 
 }  // namespace latelight::render

@@ -64,6 +64,10 @@ class Renderer {
   // later calls update.
   CastResult cast(const CastRays& rays, const Settings& settings, const SceneState& moment = {});
 
+  // Runs passes that trace rays through the scene (glsl/rays.glsl), and waits for them.
+  graph::Submission traceRays(const AddRayPasses& add, const Settings& settings, const SceneState& moment = {});
+  BvhStatistics bvhStatistics() const;
+
   // Returns true if shaders may place the worlds of a call with these settings and cameras (WorldStates::inputs). Other
   // calls require the host's records: those that draw, cast shadows of other lights than directional ones, or render a
   // picture in several parts.
@@ -118,6 +122,8 @@ class Renderer {
   graph::Submission submit(const graph::Graph& graph, const graph::Plan& plan);
   void addSceneChanges(graph::Graph& graph) const;
   void findLowestPoint();
+  shared::FrameConstants prepareRays(const Settings& settings, const SceneState& moment);  // for shaders without views
+  std::vector<vk::Constant> rayConstants() const;
   SceneBvh& followedBvh(bool samplesEnvironment);         // after GpuScene::update(): the BVHs of the same state
   void resolveOverflow(const ViewBatch* last = nullptr);  // of the batches up to this one; null: of all
   void read(RenderJob& job);                              // the oldest part
