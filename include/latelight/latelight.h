@@ -762,7 +762,7 @@ class LATELIGHT_API Renderer {
                 const std::map<std::string, DeviceArray>& targets = {});
   // Renders the cameras of all worlds. Frames are in the order of the worlds, and of the cameras within each world.
   // Each has the bytes that the scene, edited to that world's state, has in a render of its own, except the coordinates
-  // of objects at rest ("object-position", "nocs"), which worlds do not change.
+  // and curvature of objects at rest ("object-position", "nocs", "curvature"), which worlds do not change.
   std::vector<Frame> render(const Worlds& worlds, const Options& options = {});
   Ticket submit(const Worlds& worlds, const Options& options = {}, Results results = Results::ToHost,
                 const std::map<std::string, DeviceArray>& targets = {});
