@@ -1,5 +1,7 @@
 // Shadows by rays and light between surfaces, against closed forms.
 #include <cmath>
+#include <functional>
+#include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 
 #include "base/error.h"
@@ -356,6 +358,165 @@ TEST_F(RayLightTest, TheEnvironmentCastsShadows) {
   settings.indirect = Indirect::OneBounce;
   EXPECT_NEAR(meanColor(renderOne(device(), floor.builder.scene, floor.camera, settings, &environment)),
               1 - formFactor(1.5, 1), 0.003);
+}
+
+// --- coats and transmission ------------------------------------------------------------------------------------------
+
+// A white dielectric with coats or transmission.
+scene::Material coated(float roughness, const std::function<void(shared::MaterialLayers&)>& edit) {
+  scene::Scene scene;
+  addMaterial(scene, vec3(1));
+  scene::Material material = scene.materials[0];
+  material.data.roughness = roughness;
+  material.data.specular = 1;
+  material.data.f0 = 0.04f;
+  edit(material.data.layers);
+  return material;
+}
+scene::Material glass(float roughness, float thickness) {
+  return coated(roughness, [&](shared::MaterialLayers& l) { l.transmission = 1, l.thickness = thickness; });
+}
+
+// White furnace: boxes of all kinds side by side, tilted, in a uniform environment.
+TEST_F(RayLightTest, WhiteCoatsVanishInAFurnace) {
+  const std::vector<std::pair<std::string, scene::Material>> kinds = {
+      {"clearcoat", coated(0.5f, [](auto& l) { l.clearcoat = 1, l.clearcoatRoughness = 0.3f; })},
+      {"anisotropy", coated(0.3f, [](auto& l) { l.anisotropy = 0.8f; })},
+      {"diffuse transmission",
+       coated(0.6f, [](auto& l) { l.diffuseTransmission = 0.5f, l.diffuseTransmissionColor = vec3(1); })},
+      {"smooth thin glass", glass(0, 0)},
+      {"rough thin glass", glass(0.5f, 0)},
+      {"smooth volume", glass(0, 1)},
+      {"rough volume", glass(0.3f, 1)},
+      {"roughest volume", glass(1, 1)},
+      {"half transmissive", coated(0.3f, [](auto& l) { l.transmission = 0.5f, l.thickness = 1; })}};
+  scene::SceneBuilder builder("furnace");
+  scene::Scene& scene = builder.scene;
+  scene.meshes.push_back(boxMesh());
+  const auto count = static_cast<uint32_t>(kinds.size());
+  for (uint32_t i = 0; i < count; ++i) {
+    scene.materials.push_back(kinds[i].second);
+    scene.materials.back().data.id = i + 1;
+    builder.addInstance(kinds[i].first, builder.kRoot, 0, i, glm::mat4(1));
+    const glm::dmat4 turned = glm::rotate(glm::dmat4(1), 0.5, dvec3(1, 2, 0.5));
+    scene.instances[i].toWorld = glm::translate(glm::dmat4(1), dvec3(2.0 * i + 1 - count, 0, 0)) * turned *
+                                 glm::scale(glm::dmat4(1), dvec3(0.5));
+  }
+  FloorScene view(boxMesh(), glm::dmat4(1), sunFrom({0, 0, 1}));
+  view.camera.yHalf = 1;
+  Settings settings = settingsOf(16 * count, 16, {Aov::Color});
+  settings.lighting = &findTechnique("reference");
+  settings.samples = 256;
+  const scene::Environment environment = constantEnvironment();
+  const output::FrameOutput frame = renderOne(device(), scene, view.camera, settings, &environment);
+  const std::vector<float>& values = imageOf(frame, Aov::Color).values;
+  for (uint32_t i = 0; i < count; ++i) {
+    double sum = 0, pixels = 0;
+    for (uint32_t y = 5; y < 11; ++y)
+      for (uint32_t x = 16 * i + 5; x < 16 * i + 11; ++x) {
+        const float* pixel = &values[4 * (16 * count * y + x)];
+        sum += (pixel[0] + pixel[1] + pixel[2]) / 3, ++pixels;
+      }
+    // The albedos of stretched lobes and of the transmission lobe are approximations (docs/accuracy.md).
+    const bool approximate = kinds[i].first == "anisotropy" || kinds[i].first == "rough thin glass";
+    EXPECT_NEAR(sum / pixels, 1, approximate ? 0.015 : 0.005) << kinds[i].first;
+  }
+}
+
+// A glass plate of thickness 0.5 over a floor that emits 1, or below one, seen head-on from between both.
+float throughPlate(vk::Device& device, scene::Material material, double emitterHeight) {
+  glm::dmat4 placed(1);
+  placed[0].x = placed[1].y = 4;
+  placed[2].z = 0.25;
+  placed[3].z = 2;
+  FloorScene plate(boxMesh(), placed, sunFrom({0, 0, 1}));
+  scene::Scene& scene = plate.builder.scene;
+  scene.lights.clear();
+  scene.instances[0].material = addMaterial(scene, vec3(0), vec3(1));
+  scene.instances[0].toWorld[3].z = emitterHeight;
+  material.data.id = 3;
+  scene.materials.push_back(std::move(material));
+  scene.instances[1].material = 2;
+  plate.camera.toWorld[3].z = 6;
+  plate.camera.yHalf = 0.5;
+  Settings settings = plate.settings();
+  settings.width = settings.height = 16;
+  settings.samples = 256;
+  settings.lighting = &findTechnique("reference");
+  return meanColor(renderOne(device, scene, plate.camera, settings));
+}
+
+// All internal reflections of a plate add up to 2R / (1 + R), and the rest passes.
+TEST_F(RayLightTest, AGlassPlateReflectsTwiceTheFresnelTerm) {
+  const double r = 0.04;
+  EXPECT_NEAR(throughPlate(device(), glass(0, 1), 0), (1 - r) / (1 + r), 0.003);
+  EXPECT_NEAR(throughPlate(device(), glass(0, 1), 12), 2 * r / (1 + r), 0.003);
+}
+
+// Light that crosses the plate once keeps the fraction a: (1 - R)^2 a / (1 - R^2 a^2) of it passes.
+TEST_F(RayLightTest, AVolumeAbsorbsByItsDepth) {
+  scene::Material material = glass(0, 1);
+  material.data.layers.attenuationColor = vec3(0.25f);
+  material.data.layers.attenuationDistance = 1;
+  const double r = 0.04, a = std::pow(0.25, 0.5);
+  EXPECT_NEAR(throughPlate(device(), material, 0), (1 - r) * (1 - r) * a / (1 - r * r * a * a), 0.003);
+}
+
+// A black pane with an alpha of 0.25 replaces that fraction of the light below it.
+TEST_F(RayLightTest, BlendedSurfacesCoverByTheirAlpha) {
+  scene::Material material = coated(1, [](auto&) {});
+  material.data.baseColor = glm::vec4(0, 0, 0, 0.25f);
+  material.data.specular = 0;
+  material.data.flags |= shared::kMaterialBlended;
+  EXPECT_NEAR(throughPlate(device(), material, 0), 0.75 * 0.75, 0.005);  // two sides of the box
+}
+
+// Rays to lights pass smooth thin walls, by what these do not reflect: 1 - 0.04 for each of two, times their color. The
+// floor is dark, so that hardly any light returns from it.
+TEST_F(RayLightTest, LightPassesThinGlass) {
+  scene::Material material = glass(0, 0);
+  material.data.baseColor = glm::vec4(0.5f, 0.5f, 0.5f, 1);
+  material.data.id = 3;
+  glm::dmat4 placed(1);
+  placed[0].x = placed[1].y = 4;
+  placed[3].z = 2;
+  FloorScene plate(boxMesh(), placed, sunFrom({0, 0, 1}));
+  scene::Scene& scene = plate.builder.scene;
+  scene.instances[0].material = addMaterial(scene, vec3(0.02f));
+  scene.materials.push_back(std::move(material));
+  scene.instances[1].material = 2;
+  plate.camera.toWorld[3].z = 0.9;
+  plate.camera.nearClip = 0.1f;
+  plate.camera.yHalf = 0.5;
+  Settings settings = plate.settings();
+  settings.width = settings.height = 8;
+  settings.samples = 64;
+  settings.lighting = &findTechnique("reference");
+  const float color = meanColor(renderOne(device(), scene, plate.camera, settings));
+  EXPECT_NEAR(color / 0.02, 0.48 * 0.48, 0.01 * 0.48 * 0.48);
+}
+
+// The sun on a coated sphere, which does not light itself: paths shade it as the lighting techniques do.
+TEST_F(RayLightTest, LightsOnCoatsAreThoseOfTheTechniques) {
+  FloorScene floor(sphereMesh(1), glm::dmat4(1), sunFrom({0.3, 0.2, 1}));
+  scene::Scene& scene = floor.builder.scene;
+  scene.instances[0].toWorld[0].x = scene.instances[0].toWorld[1].y = 1e-3;
+  scene.materials.push_back(coated(0.5f, [](auto& l) {
+    l.clearcoat = 1, l.clearcoatRoughness = 0.2f;
+    l.sheenColor = vec3(0.5f, 0.2f, 0.1f), l.sheenRoughness = 0.6f;
+    l.anisotropy = 0.6f;
+  }));
+  scene.materials.back().data.id = 2;
+  scene.instances[1].material = 1;
+  floor.camera.yHalf = 0.9;
+  Settings settings = floor.settings();
+  settings.width = settings.height = 24;
+  settings.shading = Shading::GgxCompensated;
+  settings.shadows = ShadowFormat::None;
+  const float expected = meanColor(renderOne(device(), scene, floor.camera, settings));
+  settings.samples = 1;
+  settings.lighting = &findTechnique("reference");
+  EXPECT_NEAR(meanColor(renderOne(device(), scene, floor.camera, settings)) / expected, 1, 0.005);
 }
 
 // --- the filter ------------------------------------------------------------------------------------------------------

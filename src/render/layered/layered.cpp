@@ -7,6 +7,7 @@
 #include "render/layered/layered_push.h"
 #include "render/lighting/forward/forward.h"
 #include "render/lighting/light_lists.h"
+#include "render/lighting/reference/paths.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
@@ -109,7 +110,7 @@ void shadeLayered(const FrameContext& f, const Gbuffer& gbuffer) {
 }  // namespace
 
 void addLayered(const FrameContext& f, const Gbuffer& gbuffer) {
-  if (!(visibleMaterials(f).solid & shared::kMaterialLayered)) return;
+  if (!(visibleMaterials(f).solid & shared::kMaterialLayered) || tracesPaths(f.setup)) return;
   if (gbuffer.visible.ids) return shadeLayered(f, gbuffer);
   drawLayered(f, gbuffer, hardwareOf(f, "layered"));
 }

@@ -4,6 +4,7 @@
 #include "render/frame/lit_maps.h"
 #include "render/layered/behind.h"
 #include "render/lighting/forward/forward.h"
+#include "render/lighting/reference/paths.h"
 #include "render/settings/settings.h"
 #include "render/visibility/visibility.h"
 
@@ -56,7 +57,7 @@ ScenePipelines blendedPipelines(const FrameContext& f, const Bindings& maps, con
 
 void addTransparency(const FrameContext& f, Gbuffer gbuffer) {
   const uint32_t method = f.setup.transparency.method;
-  if (method == kTransparencyNone || !anyBlended(f)) return;
+  if (method == kTransparencyNone || !anyBlended(f) || tracesPaths(f.setup)) return;
   if (visibleMaterials(f).translucent & shared::kMaterialTransmissive)
     gbuffer.behind = addTransmissionBackground(f, gbuffer.light);
   if (gbuffer.visible.ids) return addFragmentLists(f, gbuffer);

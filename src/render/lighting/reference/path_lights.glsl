@@ -1,66 +1,45 @@
 // The light that a path's surface receives directly: one of the lights, one direction of the environment, and one point
-// of the emissive surfaces. Each function returns a ray, and the light that it brings if nothing blocks it. Light that
-// paths hit is weighted by the densities of the last two (balance heuristic, Veach and Guibas 1995, Optimally Combining
-// Sampling Techniques for Monte Carlo Rendering).
+// of the emissive surfaces and of the area lights. Each function returns a ray, and the light that it brings if nothing
+// blocks it. Light that paths hit is weighted by the densities of the last three (balance heuristic, Veach and Guibas
+// 1995, Optimally Combining Sampling Techniques for Monte Carlo Rendering).
 #ifndef LATELIGHT_PATH_LIGHTS_GLSL
 #define LATELIGHT_PATH_LIGHTS_GLSL
 #define SKY_PICTURE environmentPicture
-#include "render/glsl/light_choice.glsl"
 #include "render/glsl/lights.glsl"
 #include "render/glsl/sky_samples.glsl"
 #include "render/glsl/area_lights.glsl"
-#include "render/lighting/reference/path_lobes.glsl"
+#include "render/lighting/reference/path_hits.glsl"
+#include "render/lighting/reference/path_light_choice.glsl"
 #include "shared/area_samples.h"
 
 struct LightRay {
-  vec3 radiance;  // toward the eye, if nothing blocks the ray
+  vec3 radiance;  // that arrives if nothing blocks the ray; of lights, what is reflected of it
   vec3 toLight;
   float far;      // meters
+  float density;  // of the direction, 1/sr; not for lights
 };
-LightRay noLightRay() { return LightRay(vec3(0.0), vec3(0.0, 0.0, 1.0), 0.0); }
+LightRay noLightRay() { return LightRay(vec3(0.0), vec3(0.0, 0.0, 1.0), 0.0, 0.0); }
 
-vec3 rayOrigin(Surface s, float distance) { return s.position + s.geonormal * rayOffset(s.position, distance); }
-
-// The surface that a ray hits.
-struct PathHit {
-  Surface s;
-  vec3 plane;  // unit normal of the triangle
-  float area;  // of the triangle, m^2
-};
-
-PathHit surfaceAt(FrameConstants frame, Ray ray, RayHit hit) {
-  SurfacePoint p = rayPoint(frame, ray, hit);
-  Material m = frameMaterial(frame, frameInstance(frame, hit.instance).material);
-  PathHit at;
-  at.s = evaluateMaterial(frame, m, p);
-  // Both normals on the side that the ray comes from.
-  if (dot(at.s.normal, ray.direction) >= 0.0) at.s.normal = at.s.geonormal;
-  bool unlit = (at.s.flags & kSurfaceUnlit) != 0u;
-  if (unlit) at.s.emissive = at.s.baseColor;
-  if (unlit) at.s = withoutReflection(at.s);
-  if ((m.flags & kMaterialMasked) != 0u && masked(m, p)) at.s.emissive = vec3(0.0);
-  at.area = 0.5 * length(p.plane);
-  at.plane = p.plane / max(2.0 * at.area, 1e-30);
-  return at;
+// The origin of a ray from a surface, on the side of the direction.
+vec3 rayOrigin(Surface s, vec3 direction, float distance) {
+  float side = kLayers != 0u && dot(s.geonormal, direction) < 0.0 ? -1.0 : 1.0;
+  return s.position + s.geonormal * (side * rayOffset(s.position, distance));
 }
 
 // --- environment -----------------------------------------------------------------------------------------------------
 
-LightRay rayToSky(FrameConstants frame, RayScene scene, PathVertex v) {
+LightRay rayToSky(FrameConstants frame, RayScene scene) {
   if (!hasCells(scene, frame)) return noLightRay();
   vec2 u = nextSample(), inside = nextSample();
   vec3 toLight = sampleSky(frame, scene, u, inside);
-  float density = skyDensity(frame, scene, toLight) + pathDensity(v, toLight);
-  return LightRay(pathReflectance(v, toLight) * skyRadiance(frame, toLight) / density, toLight, 3.0e38);
+  return LightRay(skyRadiance(frame, toLight), toLight, 3.0e38, skyDensity(frame, scene, toLight));
 }
 
 // --- lights ----------------------------------------------------------------------------------------------------------
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightSizesRef { float v[]; };
-
 // Chooses one light, and a point of its disk, as --shadows rays does.
-LightRay rayToLight(FrameConstants frame, PathVertex v, SurfaceBrdf brdf, uint shading, vec3 origin) {
-  LightChoice choice = chooseLight(frame, v.s, brdf, shading, nextSample());
+LightRay rayToLight(FrameConstants frame, PathVertex v, float distance) {
+  LightChoice choice = chooseLight(frame, v, nextSample());
   if (choice.light == vec3(0.0)) return noLightRay();
   Light light = frameLight(frame, choice.index);
   float size = LightSizesRef(push.lightSizes).v[choice.index];
@@ -68,11 +47,12 @@ LightRay rayToLight(FrameConstants frame, PathVertex v, SurfaceBrdf brdf, uint s
   vec2 disk = diskSample(nextSample()) * size;
   vec3 moved = axes[0] * disk.x + axes[1] * disk.y;
   bool directional = lightIsDirectional(light.type);
+  vec3 origin = rayOrigin(v.s, choice.toLight, distance);
   vec3 way = directional ? choice.toLight + moved : light.position + moved - origin;
   float away = length(way);
   // Geometry nearer to a light than its radius is the light's own body.
   float far = directional ? 3.0e38 : max(away - size - rayOffset(light.position, away), 0.0);
-  return LightRay(choice.light, way / away, far);
+  return LightRay(choice.light, way / away, far, 0.0);
 }
 
 // --- area lights -----------------------------------------------------------------------------------------------------
@@ -82,37 +62,30 @@ LightRay rayToLight(FrameConstants frame, PathVertex v, SurfaceBrdf brdf, uint s
 
 bool hasAreaLights(FrameConstants frame) { return kSampledAreaLights != 0u && frame.areaLightCount > 0u; }
 
-vec3 areaReflectance(PathVertex v, vec3 toLight, uint bounce) {
-  if (bounce > 0u || kShading == pathShading()) return pathReflectance(v, toLight);
-  if (dot(v.s.geonormal, toLight) <= 0.0) return vec3(0.0);
-  return shadeLight(surfaceBrdf(v.s, v.toEye, kShading), LightSample(toLight, vec3(1.0), 1.0), kShading);
-}
-
 // Meters to a point of an area light, less what a surface at the same place may be off.
 float areaDistance(AreaLight light, AreaSample point) {
   return max(point.distance - rayOffset(light.center, point.distance), 0.0);
 }
 
 // Chooses one area light, and a point on it.
-LightRay rayToArea(FrameConstants frame, PathVertex v, SurfaceBrdf brdf, uint shading, vec3 origin) {
+LightRay rayToArea(FrameConstants frame, PathVertex v) {
   float choice = nextSample().x, count = float(frame.areaLightCount);
   vec2 u = nextSample();
   AreaLight light = frameAreaLight(frame, min(uint(choice * count), frame.areaLightCount - 1u));
-  AreaSample point = sampleArea(light, origin, u);
-  if (point.density <= 0.0 || dot(v.s.geonormal, point.toLight) <= 0.0) return noLightRay();
-  vec3 reflected = shadeLight(brdf, LightSample(point.toLight, vec3(1.0), 1.0), shading);
-  vec3 sent = reflected * light.radiance / (point.density / count + pathDensity(v, point.toLight));
-  return LightRay(sent, point.toLight, areaDistance(light, point));
+  AreaSample point = sampleArea(light, v.s.position, u);
+  if (point.density <= 0.0) return noLightRay();
+  return LightRay(light.radiance, point.toLight, areaDistance(light, point), point.density / count);
 }
 
-// Returns the radiance of all area lights that a ray hits before `far`, weighted against rayToArea(). `density`: of the
-// ray's direction, 1/sr.
+// Returns the radiance of all area lights that a ray hits between its `near` and `far`, weighted against rayToArea().
+// `density`: of the ray's direction, 1/sr.
 vec3 areaRadiance(FrameConstants frame, Ray ray, float far, float density) {
   vec3 radiance = vec3(0.0);
   for (uint i = 0u; i < frame.areaLightCount; ++i) {
     AreaLight light = frameAreaLight(frame, i);
     AreaSample point = hitArea(light, ray.origin, ray.direction);
-    if (point.density <= 0.0 || areaDistance(light, point) >= far) continue;
+    float away = areaDistance(light, point);
+    if (point.density <= 0.0 || away < ray.near || away >= far) continue;
     radiance += light.radiance * (density / (density + point.density / float(frame.areaLightCount)));
   }
   return radiance;
@@ -146,7 +119,7 @@ float emitterDensity(RayScene scene, RayHit hit, PathHit at, vec3 toLight) {
 }
 
 // Returns the first emitter whose running sum exceeds the fraction u of the total.
-uint chooseEmitter(RayScene scene, float u) {
+uint emitterByPower(RayScene scene, float u) {
   EmitterSumsRef sums = EmitterSumsRef(push.emitterSums);
   uint low = 0u, high = scene.emitterCount - 1u;
   float target = u * sums.v[high];
@@ -158,27 +131,92 @@ uint chooseEmitter(RayScene scene, float u) {
   return low;
 }
 
-// Chooses an emissive triangle by its power, and a point on it.
-LightRay rayToEmitter(FrameConstants frame, RayScene scene, PathVertex v, vec3 origin) {
-  if (kEmitters == 0u) return noLightRay();
-  float choice = nextSample().x;
-  vec2 u = nextSample();
-  uint index = chooseEmitter(scene, choice);
-  RayEmitter emitter = EmittersRef(scene.emitters).v[index];
+// The light that a surface receives of a triangle, relative to the triangle's power: from its center, and not less than
+// a twentieth of that at the best angles, because the center is not the whole triangle. The back sides of triangles
+// emit, too, but those of closed meshes emit inward.
+float emitterGeometry(FrameConstants frame, RayEmitter emitter, PathVertex v) {
+  Instance instance = frameInstance(frame, emitter.instance);
+  uint64_t positions = frameMesh(frame, instance.mesh).positions;
+  mat3 toWorld = mat3(instance.objectToWorld);
+  vec3 a = toWorld * positionAt(positions, emitter.corners[0]), b = toWorld * positionAt(positions, emitter.corners[1]);
+  vec3 c = toWorld * positionAt(positions, emitter.corners[2]), plane = cross(b - a, c - a);
+  vec3 to = (a + b + c) * (1.0 / 3.0) + ((instance.objectToWorld[3] - v.s.position) + instance.translationLow);
+  float area = 0.5 * length(plane), distance2 = dot(to, to) + area, inverse = inversesqrt(max(distance2, 1e-30));
+  float receives = dot(v.s.normal, to) * inverse, sends = -dot(plane, to) * inverse / max(2.0 * area, 1e-30);
+  if ((instance.flags & kInstanceClockwise) != 0u) sends = -sends;
+  if (v.coated) receives = abs(receives);
+  return max(receives, 0.05) * max(sends, 0.05) * inverse * inverse;
+}
+
+struct EmitterChoice {
+  uint index;
+  float weight;  // the chosen triangle's power stands for this multiple of it
+};
+
+// Chooses one of a few triangles, which are chosen by power, in proportion to emitterGeometry() (Talbot, Cline and
+// Egbert 2005). `u` is in [0, 1)^2.
+EmitterChoice chooseEmitter(FrameConstants frame, RayScene scene, PathVertex v, vec2 u) {
+  const uint kCandidates = 4u;
+  EmitterChoice choice = EmitterChoice(0u, 0.0);
+  uint count = min(kCandidates, scene.emitterCount);
+  float total = 0.0, chosen = 1.0, pick = u.y;
+  for (uint i = 0u; i < count; ++i) {
+    uint index = emitterByPower(scene, (float(i) + u.x) / float(count));
+    float share = emitterGeometry(frame, EmittersRef(scene.emitters).v[index], v);
+    total += share;
+    float kept = share / max(total, 1e-30);
+    bool taken = pick < kept;
+    pick = clamp(taken ? pick / kept : (pick - kept) / max(1.0 - kept, 1e-6), 0.0, 0.999999);
+    if (taken) choice.index = index, chosen = share;
+  }
+  choice.weight = total / (chosen * float(count));
+  return choice;
+}
+
+// A point of an emissive surface.
+struct EmitterPoint {
+  vec3 position;
+  vec3 plane;  // normal of the triangle; its length is twice the area
+  Material material;
+  SurfacePoint at;
+};
+
+EmitterPoint emitterPoint(FrameConstants frame, RayEmitter emitter, vec3 origin, vec2 u) {
   float side = sqrt(u.x);
   RayHit hit = noHit();
   hit.instance = emitter.instance;
   hit.corners = uvec3(emitter.corners[0], emitter.corners[1], emitter.corners[2]);
   hit.weights = vec3(1.0 - side, side * (1.0 - u.y), side * u.y);
   hit.front = true;
-  PathHit at = surfaceAt(frame, Ray(origin, vec3(0.0), vec3(0.0), 0.0, 0.0), hit);
-  vec3 way = at.s.position - origin;
-  float far = length(way);
+  SurfacePoint at = rayPoint(frame, Ray(origin, vec3(0.0), vec3(0.0), 0.0, 0.0), hit);
+  return EmitterPoint(at.position, at.plane, frameMaterial(frame, frameInstance(frame, emitter.instance).material), at);
+}
+
+// The radiance that it emits in a direction.
+vec3 emittedRadiance(EmitterPoint p, vec3 direction) {
+  Material m = p.material;
+  if ((m.flags & kMaterialMasked) != 0u && masked(m, p.at)) return vec3(0.0);
+  if ((m.flags & kMaterialUnlit) != 0u) return baseColor(m, p.at).rgb;
+  vec3 emitted = m.emissive;
+  if (hasTexture(m, kTextureEmissive)) emitted *= sampleTexture(m, kTextureEmissive, p.at).rgb;
+  SurfaceLayers l = emptyLayers();
+  if ((kLayers & kLayerClearcoat) != 0u && (m.flags & kMaterialLayered) != 0u) findClearcoat(l, m, p.at);
+  return emitted * belowClearcoat(l, direction);
+}
+
+// Chooses an emissive triangle, and a point on it. It is weighted as if it were chosen by power only, as
+// emitterDensity() states.
+LightRay rayToEmitter(FrameConstants frame, RayScene scene, PathVertex v, float distance) {
+  if (kEmitters == 0u) return noLightRay();
+  EmitterChoice choice = chooseEmitter(frame, scene, v, nextSample());
+  EmitterPoint p = emitterPoint(frame, EmittersRef(scene.emitters).v[choice.index], v.s.position, nextSample());
+  vec3 way = p.position - rayOrigin(v.s, p.position - v.s.position, distance);
+  float far = length(way), area2 = length(p.plane);
   vec3 toLight = way / max(far, 1e-30);
-  float density = emitterShare(scene, index) * solidAngleDensity(at.area, far, dot(at.plane, toLight));
+  float facing = dot(p.plane, toLight) / max(area2, 1e-30);
+  float density = emitterShare(scene, choice.index) * solidAngleDensity(0.5 * area2, far, facing);
   if (density <= 0.0 || far <= 0.0) return noLightRay();
-  vec3 sent = pathReflectance(v, toLight) * at.s.emissive / (density + pathDensity(v, toLight));
-  return LightRay(sent, toLight, far - rayOffset(at.s.position, far));
+  return LightRay(emittedRadiance(p, toLight) * choice.weight, toLight, far - rayOffset(p.position, far), density);
 }
 
 #endif

@@ -11,21 +11,27 @@
 // all light; otherwise it adds to the picture of another technique, and replaces that technique's light of the
 // environment, which nothing blocks. The technique adds no light of area lights then.
 //
+// The G-buffer has neither coats nor translucent surfaces. With kPathsFromEye, a ray from the eye finds them, and the
+// paths of such pixels start at the eye. They contain all light, also that of the lights. Their coverage, of which the
+// rest is background, is in pathSum.a.
+//
 // With kFiltered, `pathSum` holds light through the Lambertian lobe and `mirroredSum` light through the specular lobe.
 // Both are divided by the albedos of these lobes, and w sums the squares of the samples' luminances. The last pass
-// writes the inputs of indirect_filter.glsl.
+// writes the inputs of indirect_filter.glsl. Paths from the eye are entirely in `mirroredSum`, and their coverage is in
+// the lit picture.
 #define ONE_SAMPLE
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lights.glsl"
 #include "render/glsl/lit_pixel.glsl"
+#include "render/glsl/pixel_ray.glsl"
 #include "render/glsl/ray_point.glsl"  // after gbuffer_read.glsl, which may define sampleTexture()
 #include "render/glsl/sobol.glsl"
 #include "render/glsl/surface.glsl"
 #include "render/lighting/reference/paths_push.h"
 
 layout(push_constant, scalar) uniform Push { PathsPush push; };
-layout(constant_id = kPathsFromLightsConstant) const uint kPathsFromLights = 0;
+layout(constant_id = kPathsFromLightsConstant) const uint kPathFlags = 0;  // kPaths* of paths_push.h
 layout(constant_id = kFilteredConstant) const uint kFiltered = 0;
 layout(constant_id = kEmittersConstant) const uint kEmitters = 0;  // 1: the scene has emissive surfaces
 layout(constant_id = kSampledAreaLightsConstant) const uint kSampledAreaLights = 0;  // 1: the scene has area lights
@@ -36,10 +42,6 @@ layout(set = 0, binding = AFTER_LIT_MAPS + 2, rgba32f) uniform image2DArray mirr
 layout(set = 0, binding = AFTER_LIT_MAPS + 3, rgba32ui) uniform writeonly uimage2DArray filterGuide;
 layout(set = 0, binding = AFTER_LIT_MAPS + 4, rgba16f) uniform writeonly image2DArray scatteredAlbedo;
 layout(set = 0, binding = AFTER_LIT_MAPS + 5, rgba16f) uniform writeonly image2DArray mirroredAlbedo;
-
-// Environment light and light between surfaces include multiple reflections between facets, as prefiltered environments
-// do.
-uint pathShading() { return kShading == kShadingBlinnPhong ? kShadingBlinnPhong : kShadingGgxCompensated; }
 
 uint pathSeed;   // of the pixel
 uint pathIndex;  // number of the sample
@@ -60,62 +62,160 @@ void add(inout PathLight sum, vec3 radiance, vec3 share) {
 }
 vec3 lobeShare(PathVertex v, vec3 toLight) { return kFiltered != 0u ? mirroredShare(v, toLight) : vec3(0.0); }
 
-// Adds the light that the surface of a path receives directly. `share` is that of the visible surface for the path.
-void addDirectLight(inout PathLight sum, FrameConstants frame, RayScene scene, PathVertex v, uint bounce, vec3 carried,
-                    vec3 share, float distance) {
-  vec3 origin = rayOrigin(v.s, distance);
-  SurfaceBrdf brdf = v.brdf;
-  uint shading = pathShading();
-  if (bounce == 0u) {
-    brdf = surfaceBrdf(v.s, v.toEye, kShading);
-    shading = kShading;
-  }
-  LightRay sky = rayToSky(frame, scene, v), lit = noLightRay(), emitted = noLightRay(), area = noLightRay();
-  if (bounce > 0u || kPathsFromLights != 0u) lit = rayToLight(frame, v, brdf, shading, origin);
-  if (bounce < push.bounces) emitted = rayToEmitter(frame, scene, v, origin);
-  if (hasAreaLights(frame)) area = rayToArea(frame, v, brdf, shading, origin);
+// A path under construction.
+struct Path {
+  PathLight sum;
+  vec3 carried;     // fraction of the light at the ray's end that reaches the eye
+  vec3 fromArea;    // the same for light of area lights
+  vec3 share;       // of the specular lobe of the visible surface
+  vec3 absorption;  // of the volume that the ray is in, 1/m
+  Ray ray;
+  float density;    // of the ray's direction, 1/sr
+  float distance;   // meters that the ray traveled to the surface
+  uint channel;     // of color that the path follows after a dispersing surface; kAllChannels before
+  bool fromEye;     // the path started at the eye
+  bool covers;      // it does not only pass blended surfaces
+};
+const uint kAllChannels = 3u;
+
+// Adds the light that the surface of a path receives directly.
+void addDirectLight(inout Path path, FrameConstants frame, RayScene scene, PathVertex v, vec3 beyond, uint bounce) {
+  LightRay sky = rayToSky(frame, scene), lit = noLightRay(), emitted = noLightRay(), area = noLightRay();
+  if (bounce > 0u || path.fromEye || (kPathFlags & kPathsFromLights) != 0u) lit = rayToLight(frame, v, path.distance);
+  if (bounce < push.bounces) emitted = rayToEmitter(frame, scene, v, path.distance);
+  if (hasAreaLights(frame)) area = rayToArea(frame, v);
   const uint kinds = kSampledAreaLights != 0u ? 4u : 3u;
   for (uint i = 0u; i < kinds; ++i) {  // one copy of the traversal
     LightRay light = i == 0u ? sky : (i == 1u ? lit : (i == 2u ? emitted : area));
-    bool some = maxChannel(light.radiance) > 0.0;
-    if (some) some = !isBlocked(frame, Ray(origin, vec3(0.0), light.toLight, 0.0, light.far));
-    if (some) add(sum, carried * light.radiance, bounce == 0u ? lobeShare(v, light.toLight) : share);
+    if (!(maxChannel(light.radiance) > 0.0)) continue;
+    vec3 sent = light.radiance;
+    if (i != 1u)
+      sent *= pathReflectance(v, light.toLight, i == 3u) / (light.density + pathDensity(v, light.toLight));
+    if (!(maxChannel(sent) > 0.0)) continue;
+    Ray ray = Ray(rayOrigin(v.s, light.toLight, path.distance), vec3(0.0), light.toLight, 0.0, light.far);
+    vec3 absorption = dot(v.s.geonormal, light.toLight) < 0.0 ? beyond : path.absorption;
+    vec3 radiance = path.carried * sent * lightPassed(frame, ray, absorption);
+    add(path.sum, radiance, bounce == 0u && !path.fromEye ? lobeShare(v, light.toLight) : path.share);
   }
 }
 
-PathLight pathLight(FrameConstants frame, PathVertex v, float fromEye) {
-  RayScene scene = RaySceneRef(frame.rayScene).v;
-  PathLight sum = PathLight(vec3(0.0), vec3(0.0));
-  vec3 carried = vec3(1.0), share = vec3(0.0);
-  float distance = fromEye;
-  bool goesOn = true;
-  for (uint bounce = 0u; goesOn && bounce <= push.bounces; ++bounce) {
-    addDirectLight(sum, frame, scene, v, bounce, carried, share, distance);
-    vec3 toLight = sampleLobes(v);
-    float density = pathDensity(v, toLight);
-    if (bounce == 0u) share = lobeShare(v, toLight);
-    vec3 fromArea = vec3(0.0);  // as `carried`, for light of area lights
-    if (hasAreaLights(frame)) fromArea = carried * areaReflectance(v, toLight, bounce) / max(density, 1e-30);
-    carried *= pathReflectance(v, toLight) / max(density, 1e-30);
-    float left = maxChannel(carried), survives = bounce < 3u ? 1.0 : min(left, 0.95);
-    goesOn = left > 0.0 && density > 0.0 && nextSample().x < survives;
-    if (!goesOn) continue;
-    carried /= survives;
-    fromArea /= survives;
-    Ray ray = Ray(rayOrigin(v.s, distance), vec3(0.0), toLight, 0.0, 3.0e38);
-    RayHit hit = traceRay(frame, ray, kRayTwoSided);
-    if (hasAreaLights(frame))
-      add(sum, fromArea * areaRadiance(frame, ray, isHit(hit) ? hit.distance : 3.0e38, density), share);
-    goesOn = isHit(hit) && bounce < push.bounces;
-    if (!isHit(hit) && hasCells(scene, frame))
-      add(sum, carried * skyRadiance(frame, toLight) * (density / (density + skyDensity(frame, scene, toLight))), share);
-    if (!goesOn) continue;
-    PathHit at = surfaceAt(frame, ray, hit);
-    add(sum, carried * at.s.emissive * (density / (density + emitterDensity(scene, hit, at, toLight))), share);
-    distance = hit.distance;
-    v = pathVertex(at.s, -toLight);
+// With dispersion, a path follows one channel from the first surface on that refracts it.
+void disperse(inout Path path, inout PathHit at) {
+  SurfaceLayers l = at.layers;
+  if ((kLayers & kLayerDispersion) == 0u || l.dispersion <= 0.0 || l.thickness <= 0.0 || l.transmission <= 0.0) return;
+  if (path.channel == kAllChannels) {
+    path.channel = min(uint(nextSample().x * 3.0), 2u);
+    vec3 channel = 3.0 * vec3(equal(uvec3(0u, 1u, 2u), uvec3(path.channel)));
+    path.carried *= channel;
+    path.fromArea *= channel;
   }
-  return sum;
+  at.layers.ior = dispersedIor(l.ior, l.dispersion, path.channel);
+}
+
+// Returns true if the path passes the surface straight on, by the surface's transmittance.
+bool passes(inout Path path, PathHit at, PathVertex v) {
+  if (at.alpha < 1.0 && nextSample().x >= at.alpha) return true;
+  path.covers = true;
+  vec3 straight = kLayers != 0u && v.coated ? v.coats.straight : vec3(0.0);
+  if (maxChannel(straight) <= 0.0) return false;
+  float chance = min(0.75 * maxChannel(straight), 0.75);
+  bool passed = nextSample().x < chance;
+  vec3 kept = passed ? straight / chance : vec3(1.0 / (1.0 - chance));
+  path.carried *= kept;
+  path.fromArea *= kept;
+  return passed;
+}
+
+// Follows the ray of a path to the surface `v` that it hits, and adds what the ray sees. `beyond` is the absorption on
+// the surface's other side. Returns false if the path ends: `onlySky` ends it at any surface.
+bool follow(inout Path path, FrameConstants frame, RayScene scene, uint bounce, bool onlySky, out PathVertex v,
+            out vec3 beyond) {
+  uint what = translucentRays() | (path.fromEye && bounce == 0u ? 0u : kRayTwoSided);
+  bool arrives = false;
+  for (uint i = 0u; i <= kMaxCrossings; ++i) {
+    RayHit hit = traceRay(frame, path.ray, what);
+    float end = isHit(hit) ? hit.distance : 3.0e38;
+    if (hasAreaLights(frame) && (bounce > 0u || path.covers))
+      add(path.sum, path.fromArea * areaRadiance(frame, path.ray, end, path.density), path.share);
+    if (!isHit(hit)) {
+      if (hasCells(scene, frame) && (bounce > 0u || path.covers)) {
+        float weight = path.density / (path.density + skyDensity(frame, scene, path.ray.direction));
+        add(path.sum, path.carried * skyRadiance(frame, path.ray.direction) * weight, path.share);
+      }
+      break;
+    }
+    vec3 kept = absorbed(path.absorption, end - path.ray.near);
+    path.carried *= kept;
+    path.fromArea *= kept;
+    if (onlySky && (kPathFlags & kPathsFindTranslucent) == 0u) break;
+    PathHit at = surfaceAt(frame, path.ray, hit);
+    disperse(path, at);
+    v = vertexAt(at, -path.ray.direction, path.fromEye && bounce == 0u);
+    beyond = absorptionBeyond(at, path.absorption);
+    arrives = (kPathFlags & kPathsFindTranslucent) == 0u || i == kMaxCrossings || !passes(path, at, v);
+    if ((kPathFlags & kPathsFindTranslucent) == 0u) path.covers = true;
+    path.distance = hit.distance;
+    float weight = path.density / (path.density + emitterDensity(scene, hit, at, path.ray.direction));
+    vec3 emitted = at.s.emissive * (belowClearcoat(at.layers, path.ray.direction) * weight);
+    if (arrives && !onlySky) add(path.sum, path.carried * emitted, path.share);
+    if (arrives) break;
+    path.absorption = beyond;
+    path.ray.near = beyondHit(hit.distance);
+  }
+  return arrives && !onlySky;
+}
+
+// Chooses the direction in which a path leaves its surface, which is the `index`th one. Returns false if it ends there.
+bool scatter(inout Path path, FrameConstants frame, PathVertex v, vec3 beyond, uint bounce, uint index) {
+  vec3 toLight = sampleLobes(v);
+  float density = pathDensity(v, toLight);
+  if (bounce == 0u && !path.fromEye) path.share = lobeShare(v, toLight);
+  path.fromArea = vec3(0.0);
+  if (hasAreaLights(frame)) path.fromArea = path.carried * pathReflectance(v, toLight, true) / max(density, 1e-30);
+  path.carried *= pathReflectance(v, toLight, false) / max(density, 1e-30);
+  float left = maxChannel(path.carried), survives = index < 3u ? 1.0 : min(left, 0.95);
+  if (!(left > 0.0 && density > 0.0 && nextSample().x < survives)) return false;
+  path.carried /= survives;
+  path.fromArea /= survives;
+  path.density = density;
+  if (kLayers != 0u && dot(v.s.geonormal, toLight) < 0.0) path.absorption = beyond;
+  path.ray = Ray(rayOrigin(v.s, toLight, path.distance), vec3(0.0), toLight, 0.0, 3.0e38);
+  return true;
+}
+
+// Returns a path that starts at the eye, or at the visible surface, `fromEye` meters from it.
+Path startPath(bool atEye, Ray ray, float fromEye) {
+  Path path;
+  path.sum = PathLight(vec3(0.0), vec3(0.0));
+  path.carried = path.fromArea = vec3(1.0);
+  path.share = vec3(atEye && kFiltered != 0u ? 1.0 : 0.0);
+  path.absorption = vec3(0.0);
+  path.ray = ray;
+  path.density = 3.0e38;
+  path.distance = fromEye;
+  path.channel = kAllChannels;
+  path.fromEye = atEye;
+  path.covers = false;
+  return path;
+}
+
+// Returns the path with its light. It starts at `v` unless it starts at the eye. The surfaces that a path meets inside
+// a volume do not count as bounces, because all light that it follows has to leave the volume.
+Path tracedPath(FrameConstants frame, Path path, PathVertex v) {
+  const uint kMaxSurfaces = 128u;
+  RayScene scene = RaySceneRef(frame.rayScene).v;
+  vec3 beyond = vec3(0.0);
+  bool goesOn = true;
+  uint bounce = 0u;
+  for (uint i = 0u; goesOn && bounce <= push.bounces + 1u && i < kMaxSurfaces; ++i) {
+    if (i > 0u || ((kPathFlags & kPathsFromEye) != 0u && path.fromEye))
+      goesOn = follow(path, frame, scene, bounce, bounce > push.bounces, v, beyond);
+    if (!goesOn) continue;
+    addDirectLight(path, frame, scene, v, beyond, bounce);
+    goesOn = scatter(path, frame, v, beyond, bounce, i);
+    bounce += kLayers != 0u && v.coated && v.coats.inside ? 0u : 1u;
+  }
+  return path;
 }
 
 vec3 lightsAt(FrameConstants frame, View view, LitPixel p) { return vec3(0.0); }
@@ -131,16 +231,87 @@ vec4 meanOf(vec4 sum) {
   return vec4(mean, spread / max(count - 1.0, 1.0));
 }
 
-// Writes the inputs of the filter, and takes the light that it replaces out of the picture.
-void writeForFilter(FrameConstants frame, ivec3 place, LitPixel p, PathVertex v, vec4 scattered, vec4 mirrored, bool lit) {
-  PathLight albedos = albedosOf(v);
-  imageStore(pathSum, place, meanOf(scattered));
-  imageStore(mirroredSum, place, meanOf(mirrored));
-  uint normal = packSnorm2x16(octahedralFromDirection(p.s.normal));
-  imageStore(filterGuide, place, lit ? uvec4(floatBitsToUint(p.s.position), normal) : uvec4(0u));
-  imageStore(scatteredAlbedo, place, vec4(albedos.scattered, p.s.roughness));
-  imageStore(mirroredAlbedo, place, vec4(albedos.mirrored, lit ? 1.0 : 0.0));
-  if (lit) imageStore(lightTarget, place, imageLoad(lightTarget, place) - vec4(p.radiance * frame.exposure, 0.0));
+// The first surface on a ray from the eye.
+struct EyeRay {
+  Ray ray;
+  bool starts;  // coats or a translucent surface: paths start at the eye
+  vec3 position;
+};
+
+EyeRay noEyeRay() {
+  return EyeRay(Ray(vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0), false, vec3(0.0));
+}
+
+Ray rayOfPixel(FrameConstants frame, View view, ivec2 pixel) {
+  vec3 from = vec3(0.0), along = vec3(0.0);
+  if (kLens != 0u) {
+    along = pixelRay(frame, view, vec2(pixel) + 0.5);
+  } else {
+    vec2 ndc = pixelToNdc(vec2(pixel) + 0.5, view.size);
+    from = viewPositionAtDepth(view.projection, ndc, 0.0);
+    along = viewPositionAtDepth(view.projection, ndc, 1.0) - from;
+  }
+  vec3 direction = view.viewToWorld * vec4(along, 0.0);
+  return Ray(view.eye + mat3(view.viewToWorld) * from, view.eyeLow,
+             direction * inversesqrt(max(dot(direction, direction), 1e-30)), 0.0, 3.0e38);
+}
+
+EyeRay eyeRay(FrameConstants frame, View view, LitPixel p) {
+  Ray ray = rayOfPixel(frame, view, p.place.xy);
+  EyeRay eye = EyeRay(ray, p.shadedSeparately || (p.s.flags & kSurfaceLayered) != 0u, vec3(0.0));
+  RayHit hit = traceRay(frame, ray, translucentRays());
+  if (!isHit(hit)) return eye;
+  uint64_t material = frame.materials + uint64_t(frameInstance(frame, hit.instance).material) * kMaterialBytes;
+  uint flags = wordsAt(material, 4u).y;
+  eye.starts = eye.starts || (flags & (kMaterialLayered | kMaterialBlended | kMaterialTransmissive)) != 0u;
+  eye.position = ray.origin + ray.direction * hit.distance;
+  return eye;
+}
+
+// --- the picture -----------------------------------------------------------------------------------------------------
+
+// The sums of a pixel's samples.
+struct PathSums {
+  vec4 scattered, mirrored;
+};
+
+void addPath(inout PathSums sums, Path path, PathLight albedos) {
+  vec3 scattered = path.sum.scattered / albedos.scattered, mirrored = path.sum.mirrored / albedos.mirrored;
+  float square = luminance(scattered) * luminance(scattered);
+  sums.scattered += vec4(scattered, path.fromEye ? (path.covers ? 1.0 : 0.0) : square);
+  sums.mirrored += vec4(mirrored, luminance(mirrored) * luminance(mirrored));
+}
+
+// Writes the inputs of the filter, and takes the light that it replaces out of the picture. Light along paths from the
+// eye is filtered as the reflection of a smooth surface.
+void writeForFilter(FrameConstants frame, ivec3 place, LitPixel p, PathLight albedos, PathSums sums, EyeRay eye,
+                    bool lit) {
+  float covered = sums.scattered.a / float(push.samples);
+  if (eye.starts) sums.scattered = vec4(0.0);
+  imageStore(pathSum, place, meanOf(sums.scattered));
+  imageStore(mirroredSum, place, meanOf(sums.mirrored));
+  uint normal = packSnorm2x16(octahedralFromDirection(eye.starts ? -eye.ray.direction : p.s.normal));
+  vec3 position = eye.starts ? eye.position : p.s.position;
+  bool filtered = lit || eye.starts;
+  imageStore(filterGuide, place, filtered ? uvec4(floatBitsToUint(position), normal) : uvec4(0u));
+  imageStore(scatteredAlbedo, place, vec4(albedos.scattered, eye.starts ? 0.05 : p.s.roughness));
+  imageStore(mirroredAlbedo, place, vec4(albedos.mirrored, filtered ? 1.0 : 0.0));
+  if (eye.starts)
+    imageStore(lightTarget, place, vec4(vec3(0.0), covered));
+  else if (lit)
+    imageStore(lightTarget, place, imageLoad(lightTarget, place) - vec4(p.radiance * frame.exposure, 0.0));
+}
+
+void writeLight(FrameConstants frame, ivec3 place, LitPixel p, vec4 sum, EyeRay eye, bool lit) {
+  vec4 mean = sum / float(push.samples);
+  vec4 light = vec4(0.0);
+  if (eye.starts)
+    light = vec4(min(mean.rgb * frame.exposure, vec3(65504.0)), mean.a);
+  else if ((kPathFlags & kPathsFromLights) != 0u)
+    light = p.lit ? vec4(min(p.emitted + mean.rgb * frame.exposure, vec3(65504.0)), 1.0) : vec4(0.0);
+  else
+    light = imageLoad(lightTarget, place) + vec4(lit ? (mean.rgb - p.radiance) * frame.exposure : vec3(0.0), 0.0);
+  imageStore(lightTarget, place, max(light, vec4(0.0)));
 }
 
 void main() {
@@ -152,43 +323,34 @@ void main() {
   bool inside = all(lessThan(vec2(place.xy), view.size));
   LitPixel p = readPixel(frame, view, place, inside ? 1u : 0u);
   if (!inside) return;
-  if (kPathsFromLights != 0u) writeCounts(place, p.lit, vec4(0.0));
-  bool lit = p.lit && !p.shadedSeparately && reflects(p.s);
-  vec4 scattered = push.first > 0u ? imageLoad(pathSum, place) : vec4(0.0);
-  vec4 mirrored = push.first > 0u && kFiltered != 0u ? imageLoad(mirroredSum, place) : vec4(0.0);
+  if ((kPathFlags & kPathsFromLights) != 0u) writeCounts(place, p.lit, vec4(0.0));
+  EyeRay eye = noEyeRay();
+  if ((kPathFlags & kPathsFromEye) != 0u) eye = eyeRay(frame, view, p);
+  bool lit = p.lit && !eye.starts && reflects(p.s);
+  PathSums sums = PathSums(vec4(0.0), vec4(0.0));
+  if (push.first > 0u) sums.scattered = imageLoad(pathSum, place);
+  if (push.first > 0u && kFiltered != 0u) sums.mirrored = imageLoad(mirroredSum, place);
 #ifndef GBUFFER_NO_TARGETS
   p.s.geonormal = p.s.normal;  // most layouts do not store it
 #endif
-  PathVertex v = pathVertex(p.s, p.toEye);
-  PathLight albedos = albedosOf(v);
-  if (kFiltered == 0u) albedos.scattered = vec3(1.0);
-  if (lit) {
-    pathSeed = rayHash(floatBitsToUint(p.s.position)).x;
+  PathVertex v = pathVertex(p.s, p.toEye, true);
+  PathLight albedos = PathLight(vec3(1.0), vec3(1.0));
+  if (kFiltered != 0u && !eye.starts) albedos = albedosOf(v);
+  Path start = startPath(eye.starts, eye.ray, distance(p.s.position, view.eye));
+  if (lit || eye.starts) {
+    pathSeed = rayHash(floatBitsToUint(eye.starts ? eye.position : p.s.position)).x;
     for (uint i = push.first; i < push.end; ++i) {
       pathIndex = i;
       pathPair = 0u;
-      PathLight light = pathLight(frame, v, distance(p.s.position, view.eye));
-      light.scattered /= albedos.scattered;
-      light.mirrored /= albedos.mirrored;
-      scattered += vec4(light.scattered, luminance(light.scattered) * luminance(light.scattered));
-      mirrored += vec4(light.mirrored, luminance(light.mirrored) * luminance(light.mirrored));
+      addPath(sums, tracedPath(frame, start, v), albedos);
     }
   }
   if (push.end < push.samples) {
-    imageStore(pathSum, place, scattered);
-    if (kFiltered != 0u) imageStore(mirroredSum, place, mirrored);
-    return;
+    imageStore(pathSum, place, sums.scattered);
+    if (kFiltered != 0u) imageStore(mirroredSum, place, sums.mirrored);
+  } else if (kFiltered != 0u) {
+    writeForFilter(frame, place, p, albedos, sums, eye, lit);
+  } else {
+    writeLight(frame, place, p, sums.scattered, eye, lit);
   }
-  if (kFiltered != 0u) {
-    writeForFilter(frame, place, p, v, scattered, mirrored, lit);
-    return;
-  }
-  if (p.shadedSeparately) return;
-  vec3 mean = scattered.rgb / float(push.samples);
-  vec4 light = vec4(0.0);
-  if (kPathsFromLights != 0u)
-    light = p.lit ? vec4(min(p.emitted + mean * frame.exposure, vec3(65504.0)), 1.0) : vec4(0.0);
-  else
-    light = imageLoad(lightTarget, place) + vec4(lit ? (mean - p.radiance) * frame.exposure : vec3(0.0), 0.0);
-  imageStore(lightTarget, place, max(light, vec4(0.0)));
 }

@@ -7,6 +7,11 @@
 
 SH_BEGIN
 
+// The specialization constant kPathsFromLightsConstant.
+SH_CONST uint kPathsFromLights = 1u;       // paths find the lights' light on visible surfaces
+SH_CONST uint kPathsFromEye = 2u;          // where coats or translucent surfaces are visible, paths start at the eye
+SH_CONST uint kPathsFindTranslucent = 4u;  // rays find blended and transmissive surfaces
+
 struct PathsPush {
   uint64_t frame;  // FrameConstants
   VisibleSurfacePush shown;

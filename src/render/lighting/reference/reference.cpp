@@ -10,6 +10,8 @@
 #include "render/lighting/reference/indirect_filter.h"
 #include "render/lighting/reference/paths_push.h"
 #include "render/lighting/technique.h"
+#include "render/transparency/transparency.h"
+#include "render/visibility/visibility.h"
 #include "shared/light.h"
 #include "shared/rays.h"
 
@@ -73,9 +75,20 @@ graph::BufferId addLightSizes(const FrameContext& f) {
   return buffer;
 }
 
+// Returns kPaths*.
+uint32_t pathFlags(const FrameContext& f, bool fromLights) {
+  uint32_t flags = fromLights ? shared::kPathsFromLights : 0;
+  const VisibleMaterials materials = visibleMaterials(f);
+  if (materials.solid & shared::kMaterialLayered) flags |= shared::kPathsFromEye;
+  if (materials.translucent && f.setup.transparency.method != kTransparencyNone)
+    flags |= shared::kPathsFromEye | shared::kPathsFindTranslucent;
+  return flags;
+}
+
 IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fromLights, uint32_t bounces) {
   const uint32_t all = f.setup.paths, atOnce = samplesAtOnce(f);
   const bool filters = f.setup.filtersIndirect && !fromLights;
+  const uint32_t flags = pathFlags(f, fromLights);
   const IndirectSignals signals = createSignals(f, filters);
   const graph::BufferId emitters = f.emitters > 0 ? addEmitterSums(f) : graph::BufferId{};
   const graph::BufferId sizes = f.scene.lightsOf(0).lights.empty() ? graph::BufferId{} : addLightSizes(f);
@@ -84,10 +97,11 @@ IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fro
     ComputePass pass = lightingPass(f, gbuffer, "paths", "paths.comp", {.picture = kept, .counts = kept});
     pass.bindings.outside(f.environment.radiance());
     bindSignals(pass.bindings, signals, first == 0);
-    pass.constants.push_back({kPathsFromLightsConstant, fromLights ? 1u : 0u});
+    pass.constants.push_back({kPathsFromLightsConstant, flags});
     pass.constants.push_back({kFilteredConstant, filters ? 1u : 0u});
     pass.constants.push_back({kEmittersConstant, emitters ? 1u : 0u});
     pass.constants.push_back({kSampledAreaLightsConstant, f.scene.areaLights() > 0 ? 1u : 0u});
+    pass.constants.push_back({kLayersConstant, f.setup.layers});
     for (const graph::BufferId buffer : {emitters, sizes})
       if (buffer) pass.buffers.emplace_back(buffer, graph::Use::StorageRead);
     pass.fullImage = false;
@@ -116,6 +130,10 @@ LightLists add(const FrameContext& f, const Gbuffer& gbuffer) {
 }
 
 }  // namespace
+
+bool tracesPaths(const FrameConfig& setup) {
+  return setup.indirect || setup.lighting->traces;
+}
 
 void addIndirect(const FrameContext& f, const Gbuffer& gbuffer) {
   const uint32_t bounces = f.setup.indirect == shared::kIndirectPath ? kBouncesOfPaths : 1;
