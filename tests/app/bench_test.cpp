@@ -47,8 +47,9 @@ TEST(Bench, MeasuresRays) {
   const Outcome outcome =
       bench({"rays", "builtin:hall,triangles=50k", "--device", "cpu", "--rays", "2k", "--runs", "1", "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.text();
+  const json report = json::parse(outcome.out);
   std::map<std::string, json> rows;
-  for (const json& row : json::parse(outcome.out)["rays"]) rows[row["measured"]] = row;
+  for (const json& row : report["rays"]) rows[row["measured"]] = row;
   for (const char* name : {"primary rays", "diffuse rays", "shadow rays", "cast(), host to host"}) {
     ASSERT_TRUE(rows.contains(name)) << name;
     EXPECT_EQ(rows[name]["number"], 2000) << name;
