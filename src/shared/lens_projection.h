@@ -79,25 +79,25 @@ SH_FUNC vec3 cubeMapPlace(vec3 v) {
 }
 
 SH_FUNC LensPoint calibratedPoint(LensCalibration lens, vec2 p, bool known) {
-  LensPoint point;
-  point.pixel = vec2(lens.fx * p.x + lens.cx, lens.fy * p.y + lens.cy);
-  point.known = known ? 1u : 0u;
-  return point;
+  LensPoint projected;
+  projected.pixel = vec2(lens.fx * p.x + lens.cx, lens.fy * p.y + lens.cy);
+  projected.known = known ? 1u : 0u;
+  return projected;
 }
 
 // `v`: in the camera's frame (X right, Y down, Z forward), of any length.
 SH_FUNC LensPoint projectThroughLens(LensCalibration lens, vec3 v) {
-  LensPoint point;
-  point.known = 1u;
+  LensPoint projected;
+  projected.known = 1u;
   if (lens.model == kLensEquirectangular) {
-    point.pixel = vec2((0.5f + atan2(v.x, v.z) / (2.0f * kPi)) * lens.width,
+    projected.pixel = vec2((0.5f + atan2(v.x, v.z) / (2.0f * kPi)) * lens.width,
                        (0.5f + atan2(v.y, length(vec2(v.x, v.z))) * kInvPi) * lens.height);
-    return point;
+    return projected;
   }
   if (lens.model == kLensCubeMap) {
     vec3 place = cubeMapPlace(v);
-    point.pixel = vec2((place.x + 0.5f + 0.5f * place.y) * lens.width / 6.0f, (0.5f + 0.5f * place.z) * lens.height);
-    return point;
+    projected.pixel = vec2((place.x + 0.5f + 0.5f * place.y) * lens.width / 6.0f, (0.5f + 0.5f * place.z) * lens.height);
+    return projected;
   }
   if (lens.model == kLensPinhole || lens.model == kLensOpenCv) {
     vec2 p = vec2(v.x / v.z, v.y / v.z);
