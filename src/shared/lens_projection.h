@@ -91,12 +91,13 @@ SH_FUNC LensPoint projectThroughLens(LensCalibration lens, vec3 v) {
   projected.known = 1u;
   if (lens.model == kLensEquirectangular) {
     projected.pixel = vec2((0.5f + atan2(v.x, v.z) / (2.0f * kPi)) * lens.width,
-                       (0.5f + atan2(v.y, length(vec2(v.x, v.z))) * kInvPi) * lens.height);
+                           (0.5f + atan2(v.y, length(vec2(v.x, v.z))) * kInvPi) * lens.height);
     return projected;
   }
   if (lens.model == kLensCubeMap) {
     vec3 place = cubeMapPlace(v);
-    projected.pixel = vec2((place.x + 0.5f + 0.5f * place.y) * lens.width / 6.0f, (0.5f + 0.5f * place.z) * lens.height);
+    projected.pixel =
+        vec2((place.x + 0.5f + 0.5f * place.y) * lens.width / 6.0f, (0.5f + 0.5f * place.z) * lens.height);
     return projected;
   }
   if (lens.model == kLensPinhole || lens.model == kLensOpenCv) {
