@@ -1,0 +1,403 @@
+r"""Many worlds per call: latelight beside mujoco_warp_pbr (PyPI: mujoco-warp-pbr), a ray tracer in Warp for MuJoCo.
+
+    python3.12 -m venv /tmp/compare
+    /tmp/compare/bin/pip install mujoco-warp-pbr==0.2.0 pillow torch nanobind-backend
+    PYTHONPATH=build/release/python /tmp/compare/bin/python tests/compare/worlds.py \
+        DamagedHelmet.glb --environment spiaggia_1k.hdr
+
+Every world has its own pose of the object, and each call has new poses, which lie in the device's memory; so do the
+images. A time is that of a whole call, from poses to complete images, and rows alternate between the two renderers.
+mujoco_warp_pbr's times include `kinematics` and the refit of its BVH, which place the object ("update"), and are given
+without them, too. --robot FILE.xml adds a robot of MJCF with random joints, whose kinematics MuJoCo Warp computes for
+both. --device cpu compares on the processor: mujoco_warp_pbr uses one core per process, so it gets a process per core.
+--pictures FOLDER writes an image of each, to see that both render the same.
+"""
+
+import argparse
+import io
+import math
+import multiprocessing
+import os
+import statistics
+import time
+
+import numpy as np
+
+FOV = 40.0  # degrees, vertical
+DISTANCE = 3.2  # meters from the helmet, whose bounds have a radius of about 1.2
+
+
+def random_quaternions(count, seed):
+    q = np.random.default_rng(seed).normal(size=(count, 4))
+    return (q / np.linalg.norm(q, axis=1, keepdims=True)).astype(np.float32)
+
+
+def matrices(quaternions):
+    """Rotation matrices (N, 3, 3) of quaternions (w, x, y, z)."""
+    w, x, y, z = np.moveaxis(quaternions.astype(np.float64), -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), -1, 0)
+
+
+# --- the helmet as MJCF -----------------------------------------------------------------------------------------------
+
+
+def png(pixels):
+    from PIL import Image
+
+    to = io.BytesIO()
+    Image.fromarray(pixels[..., :3]).save(to, "png")
+    return to.getvalue()
+
+
+def mjcf_of(scene, sun):
+    """The scene's first instance as a free body: MJCF, and its assets by name."""
+    instance = scene.instance(scene.instances()[0])
+    mesh = scene.mesh_arrays(instance.mesh)
+    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in mesh["positions"]]
+    lines += [f"vt {u:.9g} {1 - v:.9g}" for u, v in mesh["uv"]]
+    lines += [f"vn {x:.9g} {y:.9g} {z:.9g}" for x, y, z in mesh["normals"]]
+    for a, b, c in mesh["indices"].reshape(-1, 3) + 1:
+        lines.append(f"f {a}/{a}/{a} {b}/{b}/{b} {c}/{c}/{c}")
+    assets = {"object.obj": "\n".join(lines).encode()}
+    textures, layers = "", ""
+    slots = {"base_color": "rgb", "metallic_roughness": "orm", "normal": "normal", "emissive": "emissive"}
+    for slot, role in slots.items():
+        if texture := scene.texture_of(instance.material, slot):
+            pixels = scene.texture_pixels(texture).copy()
+            if role == "orm":  # glTF may have occlusion in a texture of its own
+                occlusion = scene.texture_of(instance.material, "occlusion")
+                pixels[..., 0] = scene.texture_pixels(occlusion)[..., 0] if occlusion else 255
+            assets[f"{slot}.png"] = png(pixels)
+            space = "sRGB" if role in ("rgb", "emissive") else "linear"
+            textures += f'<texture name="{slot}" type="2d" file="{slot}.png" colorspace="{space}"/>'
+            layers += f'<layer role="{role}" texture="{slot}"/>'
+    light = '<light type="directional" dir="-0.5 -0.7 -0.5" castshadow="true" intensity="{:g}" diffuse="1 1 1"/>'
+    return f"""
+<mujoco>
+  <asset>
+    <mesh name="object" file="object.obj"/>{textures}
+    <material name="object" metallic="1" roughness="1" specular="0.5" emission="1">{layers}</material>
+  </asset>
+  <visual><headlight active="0"/><map znear="0.001"/></visual>
+  <worldbody>
+    {light.format(math.pi) if sun else ""}
+    <camera name="eye" pos="0 0 {DISTANCE}" fovy="{FOV}"/>
+    <body><freejoint/><geom type="mesh" mesh="object" material="object" mass="1" contype="0" conaffinity="0"/></body>
+  </worldbody>
+</mujoco>""", assets
+
+
+# --- the two renderers ------------------------------------------------------------------------------------------------
+
+
+class Rival:
+    """mujoco_warp_pbr, of a MuJoCo model."""
+
+    def __init__(self, model, worlds, side, environment, outputs, device):
+        import mujoco
+        import mujoco_warp as mjw
+        import mujoco_warp_pbr as pbr
+        import warp as wp
+
+        wp.config.quiet = True
+        self.wp, self.mjw, self.pbr, self.device = wp, mjw, pbr, device
+        with wp.ScopedDevice(device):
+            self.model = mjw.put_model(model)
+            data = mujoco.MjData(model)
+            mujoco.mj_forward(model, data)
+            self.data = mjw.put_data(model, data, nworld=worlds)
+            # It stores environments as half floats, which are smaller than the sun in most files.
+            radiance = np.minimum(pbr.load_hdr(environment), 65504.0)
+            self.context = pbr.create_render_context(
+                model, nworld=worlds, cam_active=["eye"], cam_res=(side, side), render_rgb=True,
+                render_depth="depth" in outputs, render_seg="id" in outputs, render_guides="normal" in outputs,
+                envmap=radiance, envmap_background=False, ev100=-math.log2(1.2))  # exposure 1
+
+    def pose(self, qpos):
+        """Sets new states (N, nq), in memory of the device."""
+        with self.wp.ScopedDevice(self.device):
+            self.qpos = self.wp.array(qpos, dtype=float)
+
+    def place(self):
+        """Computes where everything is."""
+        with self.wp.ScopedDevice(self.device):
+            self.wp.copy(self.data.qpos, self.qpos)
+            self.mjw.kinematics(self.model, self.data)
+            self.mjw.camlight(self.model, self.data)
+            self.wp.synchronize()
+
+    def update(self):
+        self.place()
+        with self.wp.ScopedDevice(self.device):
+            self.mjw.refit_bvh(self.model, self.data, self.context.base)
+            self.wp.synchronize()
+
+    def render(self):
+        with self.wp.ScopedDevice(self.device):
+            self.pbr.render(self.model, self.data, self.context)
+            self.wp.synchronize()
+
+    def image(self, world, side):
+        with self.wp.ScopedDevice(self.device):
+            rgb = self.wp.zeros((self.data.nworld, side, side), dtype=self.wp.vec3)
+            self.pbr.get_rgb(self.context, 0, rgb)
+            return (rgb.numpy()[world] * 255 + 0.5).astype(np.uint8)
+
+
+class Latelight:
+    half = {"rgba": "rgb8", "depth": "float16", "id": "uint16", "normal": "float16"}
+
+    def __init__(self, scene, camera, worlds, side, environment, outputs, device, sun):
+        import latelight
+
+        options = {"sun": (45, 45, math.pi)} if sun else {}
+        options["shadows"] = "d32" if sun else "none"
+        self.renderer = latelight.Renderer(scene, device=device, environment=environment)
+        formats = {key: self.half[key] for key in outputs}
+        self.call = lambda **arrays: self.renderer.render_worlds(
+            worlds, camera, (side, side), outputs, formats=formats, on_device=True, out=self.out, **options, **arrays)
+        self.device, self.out, self.arrays = device, None, {}
+
+    def on_device(self, array):
+        if self.device == "cpu":
+            return array
+        import torch
+
+        tensor = torch.from_numpy(np.ascontiguousarray(array)).cuda()
+        torch.cuda.synchronize()
+        return tensor
+
+    def render(self):
+        self.out = self.call(**self.arrays)
+
+    def image(self, world, side):
+        if self.device == "cpu":
+            array = np.from_dlpack(self.out["rgba"])
+        else:
+            import torch
+
+            array = torch.from_dlpack(self.out["rgba"]).cpu().numpy()
+        return array.reshape(-1, side, side, 3)[world]
+
+
+class Robot:
+    """An MJCF robot with random joint angles. MuJoCo Warp computes where its geoms are, for both renderers."""
+
+    outputs = ("rgba", "depth")
+
+    def __init__(self, path, environment):
+        import latelight
+        import mujoco
+
+        spec = mujoco.MjSpec.from_file(path)
+        spec.worldbody.add_camera(name="eye", pos=[2.2, 0, 1], xyaxes=[0, 1, 0, -0.1, 0, 1], fovy=FOV)
+        spec.worldbody.add_light(type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, dir=[-0.5, 0.3, -0.8], castshadow=False)
+        self.model = spec.compile()
+        self.converted = latelight.from_mujoco(self.model)
+        self.environment = environment
+
+    def rival(self, worlds, side):
+        return Rival(self.model, worlds, side, self.environment, self.outputs, "cuda:0")
+
+    def latelight(self, worlds, side):
+        cameras = [camera for camera in self.converted.cameras if camera.name == "eye"]
+        return Latelight(
+            self.converted.scene, cameras, worlds, side, self.environment, self.outputs, "cuda:0", False)
+
+    def states(self, worlds, seed):
+        rng = np.random.default_rng(seed)
+        qpos = np.tile(self.model.qpos0, (worlds, 1)).astype(np.float32)
+        for joint in range(self.model.njnt):
+            if self.model.jnt_limited[joint]:
+                low, high = self.model.jnt_range[joint]
+                qpos[:, self.model.jnt_qposadr[joint]] = rng.uniform(0.5 * low, 0.5 * high, worlds)
+        return qpos
+
+    def arrays(self, data):
+        """The arguments of render_worlds() of states in the device's memory, which stay there."""
+        import warp as wp
+
+        return self.converted.worlds(geom_xpos=wp.to_torch(data.geom_xpos), geom_xmat=wp.to_torch(data.geom_xmat))
+
+
+def measure_robot(robot, worlds, side, runs, pictures):
+    """Median seconds from joint angles to images."""
+    ours, rival = robot.latelight(worlds, side), robot.rival(worlds, side)
+    times = {"ours": [], "with update": [], "render alone": []}
+    for run in range(runs + 4):
+        rival.pose(robot.states(worlds, run))
+        update, render = seconds(rival.update), seconds(rival.render)
+        place = seconds(rival.place)
+
+        def call():
+            ours.arrays = robot.arrays(rival.data)
+            ours.render()
+
+        times["ours"].append(place + seconds(call))
+        times["with update"].append(update + render)
+        times["render alone"].append(render)
+    if pictures:
+        save(pictures, f"robot-{worlds}-{side}", ours, rival, side)
+    return {name: statistics.median(values[4:]) for name, values in times.items()}
+
+
+class Helmet:
+    """A scene of one object, whose pose in each world is random."""
+
+    def __init__(self, path, environment, device):
+        import latelight
+
+        self.scene = latelight.Scene(path)
+        self.environment, self.device = environment, device
+        self.camera = self.scene.look_at((0, 0, DISTANCE), (0, 0, 0), vertical_fov=FOV)
+        self.instance = self.scene.instances()[0]
+
+    def rival(self, worlds, side, outputs, sun):
+        model = mujoco_model(*mjcf_of(self.scene, sun))
+        return Rival(model, worlds, side, self.environment, outputs, rival_device(self.device))
+
+    def latelight(self, worlds, side, outputs, sun):
+        return Latelight(self.scene, self.camera, worlds, side, self.environment, outputs, self.device, sun)
+
+    def states(self, worlds, seed):
+        """Poses, as the two renderers accept them."""
+        q = random_quaternions(worlds, seed)
+        qpos = np.concatenate([np.zeros((worlds, 3), np.float32), q], axis=1)
+        transforms = np.zeros((worlds, 1, 3, 4), np.float32)
+        transforms[:, 0, :, :3] = matrices(q)
+        return qpos, {"instances": [self.instance], "transforms": transforms}
+
+
+def mujoco_model(xml, assets):
+    import mujoco
+
+    return mujoco.MjModel.from_xml_string(xml, assets)
+
+
+def rival_device(device):
+    return "cpu" if device == "cpu" else "cuda:0"
+
+
+# --- measuring --------------------------------------------------------------------------------------------------------
+
+
+def seconds(call):
+    start = time.perf_counter()
+    call()
+    return time.perf_counter() - start
+
+
+def measure(helmet, worlds, side, outputs, sun, runs, pictures):
+    """Median seconds of a call: latelight, mujoco_warp_pbr, and the latter without the update."""
+    ours, rival = helmet.latelight(worlds, side, outputs, sun), helmet.rival(worlds, side, outputs, sun)
+    times = {"ours": [], "with update": [], "render alone": []}
+    for run in range(runs + 4):
+        qpos, arrays = helmet.states(worlds, run)
+        ours.arrays = {key: ours.on_device(value) if key == "transforms" else value for key, value in arrays.items()}
+        times["ours"].append(seconds(ours.render))
+        rival.pose(qpos)
+        update, render = seconds(rival.update), seconds(rival.render)
+        times["with update"].append(update + render)
+        times["render alone"].append(render)
+    if pictures:
+        save(pictures, f"{worlds}-{side}-{len(outputs)}{'-sun' * sun}", ours, rival, side)
+    return {name: statistics.median(values[4:]) for name, values in times.items()}
+
+
+def save(folder, name, ours, rival, side):
+    from PIL import Image
+
+    os.makedirs(folder, exist_ok=True)
+    rows = [np.concatenate([renderer.image(world, side) for world in range(8)], axis=1) for renderer in (ours, rival)]
+    Image.fromarray(np.concatenate(rows)).save(os.path.join(folder, name + ".png"))
+
+
+COLOR, FOUR = ("rgba",), ("rgba", "depth", "id", "normal")
+ROWS = [  # worlds, side, outputs, sun
+    (1024, 64, COLOR, False), (4096, 64, COLOR, False), (4096, 64, FOUR, False), (4096, 64, COLOR, True),
+    (1024, 128, COLOR, False), (4096, 128, COLOR, False),
+    (1024, 256, COLOR, False), (4096, 256, COLOR, False), (4096, 256, FOUR, False),
+]
+
+
+def compare_on_gpu(options):
+    helmet = Helmet(options.scene, options.environment, "cuda:0")
+    for worlds, side, outputs, sun in ROWS:
+        what = f"{worlds:5} worlds of {side:3}x{side:<3} {' + '.join(outputs)}{', sun with shadows' * sun}"
+        try:
+            times = measure(helmet, worlds, side, outputs, sun, options.runs, options.pictures)
+        except Exception as error:  # the other rows may work
+            print(f"{what}: {type(error).__name__}: {error}", flush=True)
+            continue
+        report(what, worlds, times)
+    if options.robot:
+        robot = Robot(options.robot, options.environment)
+        times = measure_robot(robot, 4096, 64, options.runs, options.pictures)
+        report(" 4096 robots of  64x64  rgba + depth", 4096, times)
+
+
+def report(what, worlds, times):
+    rates = {name: worlds / value for name, value in times.items()}
+    print(f"{what}: latelight {rates['ours']:9.0f} views/s; mujoco_warp_pbr {rates['with update']:9.0f} with update, "
+          f"{rates['render alone']:9.0f} render alone; {rates['ours'] / rates['with update']:.2f}, "
+          f"{rates['ours'] / rates['render alone']:.2f} times", flush=True)
+
+
+def rival_on_a_core(options, worlds, side, runs, core, barrier, results):
+    os.sched_setaffinity(0, {core})
+    helmet = Helmet(options.scene, options.environment, "cpu")
+    rival = helmet.rival(worlds, side, COLOR, False)
+    times = []
+    for run in range(runs + 1):
+        rival.pose(helmet.states(worlds, run)[0])
+        barrier.wait()
+        times.append(seconds(rival.update) + seconds(rival.render))
+        barrier.wait()
+    results.put(times[1:])
+
+
+def compare_on_cpu(options):
+    """Both alternate: while one renders, the other waits at a barrier."""
+    side, cores = 64, sorted(os.sched_getaffinity(0))
+    each, count = 32, 32 * len(cores)
+    context = multiprocessing.get_context("spawn")
+    barrier, results = context.Barrier(len(cores) + 1), context.Queue()
+    workers = [context.Process(target=rival_on_a_core, args=(options, each, side, options.runs, core, barrier, results))
+               for core in cores]
+    for worker in workers:
+        worker.start()
+    helmet = Helmet(options.scene, options.environment, "cpu")
+    ours, rates, rivals = helmet.latelight(count, side, COLOR, False), [], []
+    for run in range(options.runs + 1):
+        ours.arrays = helmet.states(count, run)[1]
+        rates.append(count / seconds(ours.render))
+        barrier.wait()
+        start = time.perf_counter()
+        barrier.wait()
+        rivals.append(count / (time.perf_counter() - start))
+    for worker in workers:
+        worker.join()
+    ours, rival = statistics.median(rates[1:]), statistics.median(rivals[1:])
+    print(f"{len(cores)} cores, {side}x{side}: latelight {ours:.0f} views/s, mujoco_warp_pbr {rival:.0f}: "
+          f"{ours / rival:.2f} times")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scene")
+    parser.add_argument("--environment", required=True)
+    parser.add_argument("--device", choices=("gpu", "cpu"), default="gpu")
+    parser.add_argument("--robot", help="an MJCF file")
+    parser.add_argument("--runs", type=int, default=12)
+    parser.add_argument("--pictures")
+    options = parser.parse_args()
+    (compare_on_cpu if options.device == "cpu" else compare_on_gpu)(options)
+
+
+if __name__ == "__main__":
+    main()
