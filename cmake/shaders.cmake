@@ -35,7 +35,8 @@ set(LATELIGHT_SHADER_DEBUG $<$<NOT:$<CONFIG:Release>>:-g>)
 # -Os rearrange arithmetic. Then functions are inlined, because lavapipe compiles inlined code five times as fast, which
 # saves a third of the time of a small picture. Dead code is removed before the passes whose time grows with the square
 # of a function's length. Forms with descriptor indexing, which lavapipe does not support, keep their functions, because
-# the driver of an H200 compiles those faster.
+# the driver of an H200 compiles those faster. So do shaders with the line `// functions: kept`, whose functions have so
+# many calls that inlining multiplies the shader's size and lavapipe gains nothing.
 find_program(SPIRV_OPT spirv-opt REQUIRED)
 set(LATELIGHT_SPIRV_OPT ${SPIRV_OPT} --target-env=vulkan1.3 --scalar-block-layout
   --merge-return --scalar-replacement=0 --convert-local-access-chains --ssa-rewrite --eliminate-dead-branches
@@ -68,7 +69,8 @@ endfunction()
 function(latelight_compile_shader source name includes out)
   set(spirv ${LATELIGHT_SPIRV}/${name}.spv)
   set(simplify ${LATELIGHT_SPIRV_OPT})
-  if(NOT name MATCHES "\\+indexed")
+  file(STRINGS ${source} kept REGEX "^// functions: kept$")
+  if(NOT name MATCHES "\\+indexed" AND NOT kept)
     list(APPEND simplify ${LATELIGHT_SPIRV_INLINE})
   endif()
   add_custom_command(

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout, visible
+// functions: kept
 // Path tracing from the visible surface of each pixel (Kajiya 1986, The Rendering Equation). At each surface, one
 // light, one direction of the environment, one point of the emissive surfaces and one of the area lights are sampled,
 // and the path goes on in a direction of the surface's lobes, which also finds the last three. From the fourth surface
