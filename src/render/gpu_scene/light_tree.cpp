@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "render/gpu_scene/light_template.h"
+#include "render/gpu_scene/light_template_push.h"
 #include "shared/color.h"
 #include "shared/light.h"
 

@@ -11,7 +11,7 @@
 #include "render/deform/deformer.h"
 #include "render/gpu_scene/buffer.h"
 #include "render/gpu_scene/instances.h"
-#include "render/gpu_scene/light_template.h"
+#include "render/gpu_scene/light_template_push.h"
 #include "render/gpu_scene/lights.h"
 #include "render/gpu_scene/materials.h"
 #include "render/gpu_scene/view_constants_push.h"

@@ -2,7 +2,7 @@
 #ifndef LATELIGHT_PLACE_WORLDS_PUSH_H
 #define LATELIGHT_PLACE_WORLDS_PUSH_H
 
-#include "render/gpu_scene/light_template.h"
+#include "render/gpu_scene/light_template_push.h"
 #include "shared/types.h"
 
 SH_BEGIN

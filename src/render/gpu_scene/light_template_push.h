@@ -1,6 +1,6 @@
 // Structs by which a shader writes the lights of worlds (visibility/compute/place_lights.comp), shared with the host.
-#ifndef LATELIGHT_LIGHT_TEMPLATE_H
-#define LATELIGHT_LIGHT_TEMPLATE_H
+#ifndef LATELIGHT_LIGHT_TEMPLATE_PUSH_H
+#define LATELIGHT_LIGHT_TEMPLATE_PUSH_H
 
 #include "shared/types.h"
 
