@@ -96,6 +96,8 @@ TEST_F(Exr, HasTheChannelsOfTheDesign) {
                                                        {"flow.X", Imf::FLOAT},
                                                        {"flow.Y", Imf::FLOAT},
                                                        {"flow.Z", Imf::FLOAT},
+                                                       {"curvature.mean", Imf::FLOAT},
+                                                       {"curvature.gaussian", Imf::FLOAT},
                                                        {"lights.tested", Imf::FLOAT},
                                                        {"samples", Imf::FLOAT},
                                                        {"lights.used", Imf::FLOAT},
