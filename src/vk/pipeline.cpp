@@ -1,9 +1,9 @@
 #include "vk/pipeline.h"
 
-#include <cstddef>
 #include <optional>
 
 #include "base/error.h"
+#include "vk/dead_code.h"
 #include "vk/interface_check.h"
 #include "vk/object_cache.h"
 #include "vk/resources.h"
@@ -13,57 +13,32 @@ namespace latelight::vk {
 
 namespace {
 
-// Creates one shader stage, with the specialization constants written into its code. With VkSpecializationInfo, the
-// validation layer does not cache its result and would parse the module again for each pipeline.
+// Creates one shader stage. Its specialization constants are written into its code, and code that does not run with
+// these values is removed: drivers would compile all of it first. The validation layer remembers which modules are
+// valid, but would specialize and validate a module with constants again for each pipeline.
 class Stage {
  public:
   Stage(Device& device, VkShaderStageFlagBits stage, std::span<const uint32_t> code,
         std::span<const Constant> constants);
-  Stage(const Stage&) = delete;
-  Stage& operator=(const Stage&) = delete;
   const VkPipelineShaderStageCreateInfo& info() const { return info_; }
 
  private:
-  void setConstants(std::span<const Constant> constants);
-
   Handle<VkShaderModule> module_;
-  std::vector<Constant> constants_;
-  std::vector<VkSpecializationMapEntry> entries_;
-  VkSpecializationInfo specialization_{};
   VkPipelineShaderStageCreateInfo info_{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
 };
 
 Stage::Stage(Device& device, VkShaderStageFlagBits stage, std::span<const uint32_t> code,
              std::span<const Constant> constants) {
-  // The validation layer remembers which modules are valid, but specializes, folds and validates a module with
-  // constants again for each pipeline. It gets the constants in the code.
-  std::vector<uint32_t> words;
-  if (device.underValidation()) {
-    words = specialize(code, constants);
-    code = words;
-  } else {
-    setConstants(constants);
-  }
+  const std::vector<uint32_t> words = removeDeadCode(specialize(code, constants));
   VkShaderModuleCreateInfo create{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-  create.codeSize = code.size_bytes();
-  create.pCode = code.data();
+  create.codeSize = std::span(words).size_bytes();
+  create.pCode = words.data();
   VkShaderModule module = VK_NULL_HANDLE;
   VK_CHECK(vkCreateShaderModule(device.get(), &create, nullptr, &module));
   module_ = Handle<VkShaderModule>(device, module);
   info_.stage = stage;
   info_.module = module;
   info_.pName = "main";
-}
-
-void Stage::setConstants(std::span<const Constant> constants) {
-  constants_.assign(constants.begin(), constants.end());
-  for (uint32_t i = 0; i < constants_.size(); ++i)
-    entries_.push_back({static_cast<uint32_t>(constants_[i].id),
-                        static_cast<uint32_t>(i * sizeof(Constant) + offsetof(Constant, value)),
-                        sizeof(Constant::value)});
-  specialization_ = {static_cast<uint32_t>(entries_.size()), entries_.data(),
-                     std::span<const Constant>(constants_).size_bytes(), constants_.data()};
-  info_.pSpecializationInfo = &specialization_;
 }
 
 std::vector<Constant> withDeviceConstants(const Device& device, std::span<const Constant> constants) {

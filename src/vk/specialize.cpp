@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "vk/spirv.h"
+#include "vk/spirv_arithmetic.h"
 
 namespace latelight::vk {
 
@@ -16,51 +16,6 @@ namespace {
 
 using namespace spirv;
 using Words = std::vector<uint32_t>;
-
-// Evaluates OpSpecConstantOp for words, and for bools as 0 and 1. Returns nothing for operations that remain unchanged.
-std::optional<uint32_t> computed(uint32_t op, const Operands& x) {
-  switch (op) {
-    case spv::OpUConvert:
-      return x[0];
-    case spv::OpIAdd:
-      return x[0] + x[1];
-    case spv::OpISub:
-      return x[0] - x[1];
-    case spv::OpIMul:
-      return x[0] * x[1];
-    case spv::OpUDiv:
-      return x[1] ? std::optional(x[0] / x[1]) : std::nullopt;
-    case spv::OpSDiv:
-      return x[1] && ~x[1] ? std::optional<uint32_t>(static_cast<int32_t>(x[0]) / static_cast<int32_t>(x[1]))
-                           : std::nullopt;
-    case spv::OpLogicalOr:
-      return x[0] | x[1];
-    case spv::OpLogicalAnd:
-      return x[0] & x[1];
-    case spv::OpLogicalNot:
-      return 1 - x[0];
-    case spv::OpSelect:
-      return x[0] ? x[1] : x[2];
-    case spv::OpIEqual:
-      return x[0] == x[1];
-    case spv::OpINotEqual:
-      return x[0] != x[1];
-    case spv::OpUGreaterThan:
-      return x[0] > x[1];
-    case spv::OpUGreaterThanEqual:
-      return x[0] >= x[1];
-    case spv::OpULessThan:
-      return x[0] < x[1];
-    case spv::OpULessThanEqual:
-      return x[0] <= x[1];
-    case spv::OpShiftRightLogical:
-      return x[1] < 32 ? std::optional(x[0] >> x[1]) : std::nullopt;
-    case spv::OpBitwiseAnd:
-      return x[0] & x[1];
-    default:
-      return std::nullopt;
-  }
-}
 
 class Specializer {
  public:
@@ -102,6 +57,7 @@ void Specializer::put(uint32_t op, std::span<const uint32_t> operands) {
 
 void Specializer::define(uint32_t type, uint32_t id, uint32_t value) {
   const uint32_t bits = bits_.contains(type) ? bits_.at(type) : 32;
+  if (bits == 1) value = value != 0;
   if (bits <= 32) values_[id] = value;
   const uint32_t words[] = {type, id, value, 0};
   if (bits == 1)
@@ -118,7 +74,7 @@ std::optional<uint32_t> Specializer::resultOf(const Instruction& operation) cons
     if (value == values_.end()) return std::nullopt;
     operands.push_back(value->second);
   }
-  return computed(operation.operands[2], operands);
+  return evaluate(operation.operands[2], Operands(operands));
 }
 
 // Returns the default value of a constant.

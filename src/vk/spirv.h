@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+
+#define SPV_ENABLE_UTILITY_CODE  // HasResultAndType()
 #include <spirv/unified1/spirv.hpp>
 
 namespace latelight::vk::spirv {

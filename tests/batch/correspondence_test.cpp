@@ -92,9 +92,15 @@ TEST(Correspondence, LeadsToFramesOfTheSequence) {
     EXPECT_EQ(fs::exists(folder.at(name + ".next.pixels.npy")), i < 3);
     EXPECT_EQ(fs::exists(folder.at(name + ".previous.pixels.npy")), i > 0);
     EXPECT_EQ(fs::exists(folder.at(name + ".+2.pixels.npy")), i < 2);
-    if (i < 3) EXPECT_NEAR(shiftIn(folder, name + ".next.pixels.npy"), -10, 2e-3);
-    if (i > 0) EXPECT_NEAR(shiftIn(folder, name + ".previous.pixels.npy"), 10, 2e-3);
-    if (i < 2) EXPECT_NEAR(shiftIn(folder, name + ".+2.pixels.npy"), -20, 2e-3);
+    if (i < 3) {
+      EXPECT_NEAR(shiftIn(folder, name + ".next.pixels.npy"), -10, 2e-3);
+    }
+    if (i > 0) {
+      EXPECT_NEAR(shiftIn(folder, name + ".previous.pixels.npy"), 10, 2e-3);
+    }
+    if (i < 2) {
+      EXPECT_NEAR(shiftIn(folder, name + ".+2.pixels.npy"), -20, 2e-3);
+    }
   }
   for (const float depth : floatsIn(folder.read(first + "0.next.depth.npy"))) EXPECT_NEAR(depth, 4, 1e-5);
   for (const float flow : floatsIn(folder.read(first + "0.next.flow.npy"))) EXPECT_EQ(flow, 0);

@@ -70,7 +70,9 @@ TEST_P(FullDisk, LeavesOnlyWholeFiles) {
     there.erase("manifest.json");  // without the missing frames
     for (const auto& [name, bytes] : there) {
       const bool waits = name.find(".frames/") != std::string::npos;  // a frame that an archive will contain
-      if (!waits) EXPECT_TRUE(whole.contains(name) && whole.at(name) == bytes) << share << ": " << name << " is torn";
+      if (!waits) {
+        EXPECT_TRUE(whole.contains(name) && whole.at(name) == bytes) << share << ": " << name << " is torn";
+      }
     }
     for (const auto& entry : fs::recursive_directory_iterator(disk.path()))
       EXPECT_EQ(entry.path().filename().string().find("latelight-tmp"), std::string::npos) << entry.path();

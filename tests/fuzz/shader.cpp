@@ -1,8 +1,10 @@
-// SPIR-V of a folder of shaders: reflection, the check against a pipeline's declarations, and specialization.
+// SPIR-V of a folder of shaders: reflection, the check against a pipeline's declarations, specialization, and removal
+// of dead code.
 #include <cstring>
 #include <vector>
 
 #include "fuzz/fuzz.h"
+#include "vk/dead_code.h"
 #include "vk/interface_check.h"
 #include "vk/reflection.h"
 #include "vk/specialize.h"
@@ -20,6 +22,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   fuzz::expectErrors({ExitCode::Internal}, [&] {
     vk::checkInterface(stages, {.bindings = bindings, .constants = constants, .pushBytes = 16});
   });
-  fuzz::expectErrors({ExitCode::Internal}, [&] { vk::specialize(words, constants); });
+  fuzz::expectErrors({ExitCode::Internal}, [&] { vk::removeDeadCode(vk::specialize(words, constants)); });
   return 0;
 }

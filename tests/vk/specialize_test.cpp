@@ -64,12 +64,25 @@ TEST(Specialize, OperationsAreEvaluated) {
       {spv::OpUDiv, std::divides<uint32_t>()},
       {spv::OpSDiv,
        [](uint32_t a, uint32_t b) { return static_cast<uint32_t>(static_cast<int>(a) / static_cast<int>(b)); }},
+      {spv::OpUMod, std::modulus<uint32_t>()},
+      {spv::OpShiftLeftLogical, [](uint32_t a, uint32_t b) { return a << b; }},
       {spv::OpShiftRightLogical, [](uint32_t a, uint32_t b) { return a >> b; }},
-      {spv::OpBitwiseAnd, std::bit_and<uint32_t>()}};
+      {spv::OpShiftRightArithmetic,
+       [](uint32_t a, uint32_t b) { return static_cast<uint32_t>(static_cast<int>(a) >> b); }},
+      {spv::OpBitwiseAnd, std::bit_and<uint32_t>()},
+      {spv::OpBitwiseOr, std::bit_or<uint32_t>()},
+      {spv::OpBitwiseXor, std::bit_xor<uint32_t>()}};
   const std::pair<uint32_t, std::function<bool(uint32_t, uint32_t)>> bools[] = {
-      {spv::OpIEqual, std::equal_to<uint32_t>()},      {spv::OpINotEqual, std::not_equal_to<uint32_t>()},
-      {spv::OpUGreaterThan, std::greater<uint32_t>()}, {spv::OpUGreaterThanEqual, std::greater_equal<uint32_t>()},
-      {spv::OpULessThan, std::less<uint32_t>()},       {spv::OpULessThanEqual, std::less_equal<uint32_t>()}};
+      {spv::OpIEqual, std::equal_to<uint32_t>()},
+      {spv::OpINotEqual, std::not_equal_to<uint32_t>()},
+      {spv::OpUGreaterThan, std::greater<uint32_t>()},
+      {spv::OpUGreaterThanEqual, std::greater_equal<uint32_t>()},
+      {spv::OpULessThan, std::less<uint32_t>()},
+      {spv::OpULessThanEqual, std::less_equal<uint32_t>()},
+      {spv::OpSGreaterThan, std::greater<int>()},
+      {spv::OpSGreaterThanEqual, std::greater_equal<int>()},
+      {spv::OpSLessThan, std::less<int>()},
+      {spv::OpSLessThanEqual, std::less_equal<int>()}};
   for (const uint32_t a : {0u, 7u, 20u, 0xffffff00u})
     for (const uint32_t b : {1u, 7u, 20u}) {
       const Constant given[] = {{ConstantId{7}, a}, {ConstantId{8}, b}};
@@ -119,10 +132,11 @@ TEST(Specialize, UnsupportedOperationsRemain) {
             Result(spv::OpConstant, (Words{3, 0})))
       << "64 bits";
   const Words byZero{spv::OpSpecConstantOp, 2, 20, spv::OpUDiv, 10, 11},
-      other{spv::OpSpecConstantOp, 2, 20, spv::OpNot, 10};
+      other{spv::OpSpecConstantOp, 2, 20, spv::OpSNegate, 10};
   EXPECT_EQ(last(specialize(moduleOf({words, others, byZero}), given)),
             Result(spv::OpSpecConstantOp, (Words{spv::OpUDiv, 10, 11})));
-  EXPECT_EQ(last(specialize(moduleOf({words, other}), given)), Result(spv::OpSpecConstantOp, (Words{spv::OpNot, 10})));
+  EXPECT_EQ(last(specialize(moduleOf({words, other}), given)),
+            Result(spv::OpSpecConstantOp, (Words{spv::OpSNegate, 10})));
   const Words wide{spv::OpSpecConstant, 4, 12, 1, 1}, sum{spv::OpSpecConstantOp, 4, 20, spv::OpIAdd, 12, 12};
   EXPECT_EQ(last(specialize(moduleOf({wide, sum}), given)), Result(spv::OpSpecConstantOp, (Words{spv::OpIAdd, 12, 12})))
       << "of 64 bits";
