@@ -11,6 +11,7 @@
 #include "device_array.h"
 #include "interpreter.h"
 #include "labels.h"
+#include "lidar.h"
 #include "options.h"
 #include "scene.h"
 #include "values.h"
@@ -456,6 +457,27 @@ nb::object correspond(const std::shared_ptr<SharedRenderer>& renderer, nb::handl
   }));
 }
 
+nb::dict scanLidar(const std::shared_ptr<SharedRenderer>& renderer, nb::handle pattern, nb::handle poses,
+                   nb::handle samples, nb::handle returns, nb::handle seed, nb::handle slices,
+                   const nb::kwargs& keywords) {
+  const LidarPattern firings = patternOf(pattern);
+  const std::vector<double> values = doublesOf(poses, "poses", {-1, 4, 4});
+  std::vector<Transform> matrices(values.size() / 16);
+  if (!matrices.empty()) std::memcpy(matrices.data(), values.data(), sizeof(double) * values.size());
+  LidarOptions lidar{.samples = static_cast<uint32_t>(integerOf(samples, "samples", 0, INT32_MAX)),
+                     .returns = textOf(returns, "returns"),
+                     .seed = std::nullopt,
+                     .slices = static_cast<uint32_t>(integerOf(slices, "slices", 0, INT32_MAX))};
+  if (!seed.is_none()) lidar.seed = static_cast<uint64_t>(integerOf(seed, "seed", 0, INT64_MAX));
+  const Options options = optionsOf(nb::none(), nb::make_tuple("rgba"), keywords);
+  try {
+    return pointsOf(
+        renderer->use([&](Renderer& renderer) { return renderer.scan(firings, matrices, lidar, options); }));
+  } catch (const Error& error) {
+    throw inPython(error);
+  }
+}
+
 void bindPick(nb::module_& module) {
   nb::class_<Pick>(module, "Pick", "What a pixel shows, at its center.")
       .def_ro("id", &Pick::id, "as in the output \"id\"; 0: background, and nothing else is set")
@@ -670,6 +692,14 @@ void bindRenderer(nb::module_& module) {
       "triangle, the index in the part's mesh, and\nintensity, from 0 to 1: the reflectance at normal incidence times "
       "the cosine of the angle of incidence.\nThe options time, animation, data_surfaces, axes and "
       "position_origin apply.");
+  const std::string scanSignature =
+      "def scan_lidar(renderer: Renderer, pattern: latelight.lidar.Pattern, poses: numpy.typing.ArrayLike, samples: "
+      "int, "
+      "returns: str, seed: int | None, slices: int, *" +
+      optionParameters({"samples"}) + ") -> dict[str, numpy.typing.NDArray[typing.Any]]";
+  module.def("scan_lidar", &scanLidar, argument("renderer"), argument("pattern"), argument("poses"),
+             argument("samples"), argument("returns"), argument("seed"), argument("slices"), nb::arg("options"),
+             nb::sig(scanSignature.c_str()), "The fields of latelight.lidar.Scan.");
 }
 
 }  // namespace latelight::python

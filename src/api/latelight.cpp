@@ -626,13 +626,18 @@ Renderer::Impl::WorldLabelInput Renderer::Impl::worldLabelInput(const Worlds& wo
   return input;
 }
 
+Renderer::Impl::RayInput Renderer::Impl::rayInput(const Options& options) const {
+  owner.require("the renderer");
+  RayInput input{.settings = internalSettings(options), .moment = {}};
+  input.moment = internalState(options, input.settings, scene, 0);
+  return input;
+}
+
 CastHits Renderer::cast(std::span<const std::array<double, 3>> origins,
                         std::span<const std::array<double, 3>> directions, const Options& options, double maxDistance) {
-  usable(impl_);
-  const render::Settings settings = internalSettings(options);
-  const render::SceneState moment = internalState(options, settings, impl_->scene, 0);
+  const Impl::RayInput input = usable(impl_).rayInput(options);
   render::CastHits hits =
-      impl_->renderer.cast({vectors(origins), vectors(directions), maxDistance}, settings, moment).hits;
+      impl_->renderer.cast({vectors(origins), vectors(directions), maxDistance}, input.settings, input.moment).hits;
   return {.distance = std::move(hits.distance),
           .position = arraysOf<3>(hits.position),
           .normal = arraysOf<3>(hits.normal),

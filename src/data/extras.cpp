@@ -14,12 +14,15 @@ Extras both(const Extras& a, const Extras& b) {
   std::vector<PairTarget> pairs = a.pairs;
   for (const PairTarget& target : b.pairs)
     if (std::ranges::find(pairs, target) == pairs.end()) pairs.push_back(target);
+  ScanRequests scans = a.scans;
+  scans.insert(scans.end(), b.scans.begin(), b.scans.end());
   return {.boxes = a.boxes || b.boxes,
           .alone = a.alone || b.alone,
           .order = a.order || b.order,
           .shapes = a.shapes || b.shapes,
           .keypoints = a.keypoints.empty() ? b.keypoints : a.keypoints,
           .pairs = std::move(pairs),
+          .scans = std::move(scans),
           .samples = std::max(a.samples, b.samples)};
 }
 

@@ -220,10 +220,12 @@ def test_elevations_are_those_of_the_manuals():
     np.testing.assert_allclose(np.diff(s2[-32:]), 1 / 3, atol=1e-9)
     np.testing.assert_allclose(np.diff(s2[:32]), 0.5, atol=1e-9)
     np.testing.assert_allclose(elevations(lidar.os1_64(), 64)[[0, 63]], [16.6, -16.6], atol=1e-9)
+    np.testing.assert_allclose(elevations(lidar.os1_128(), 128)[[0, 127]], [22.5, -22.5], atol=1e-9)
 
 
 def test_rates_and_rings():
-    rates = {"VLP-16": 289_000, "HDL-32E": 694_000, "HDL-64E S2": 1_333_000, "OS1-64": 655_360, "Livox Mid-40": 100_000}
+    rates = {"VLP-16": 289_000, "HDL-32E": 694_000, "HDL-64E S2": 1_333_000, "OS1-64": 655_360,
+             "OS1-128": 1_310_720, "Livox Mid-40": 100_000}  # fmt: skip
     for name, pattern in lidar.patterns().items():
         assert abs(len(pattern) / pattern.period / rates[name] - 1) < 0.002, name
         assert np.allclose(np.linalg.norm(pattern.directions, axis=1), 1)

@@ -1,0 +1,26 @@
+// Lidar scans of the frames of a data set.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "lidar/scan.h"
+
+namespace latelight::data {
+
+// A scan that a format requires per frame. Requests are equal if they are the same object.
+struct ScanRequest {
+  lidar::Sensor sensor;
+  lidar::ScanOptions options{};    // without the seed, which each frame has of its own
+  glm::dmat4 cameraFromSensor{1};  // OpenCV's camera frame from the sensor's
+};
+using ScanRequests = std::vector<std::shared_ptr<const ScanRequest>>;
+
+struct FrameScan {
+  std::shared_ptr<const ScanRequest> request;
+  std::optional<double> start;    // scene time at which the scan begins; empty: the scene is at rest
+  glm::dmat4 worldFromSensor{1};  // at that time, in the frame of the option `axes`
+  lidar::Points points;
+};
+
+}  // namespace latelight::data
