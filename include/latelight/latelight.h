@@ -562,6 +562,16 @@ struct CastHits {
   std::vector<float> intensity;  // from 0 to 1: reflectance at normal incidence times the cosine of incidence
 };
 
+// Where Renderer::cast() stores hits, one value per ray, as in CastHits. Arrays that are null are not needed and cost
+// no time.
+struct CastTargets {
+  float* distance = nullptr;
+  std::array<float, 3>*position = nullptr, *normal = nullptr, *geonormal = nullptr;
+  std::array<float, 2>* uv = nullptr;
+  uint32_t *id = nullptr, *part = nullptr, *material = nullptr, *triangle = nullptr;
+  float* intensity = nullptr;
+};
+
 // --- labels (docs/labels.md) -----------------------------------------------------------------------------------------
 
 // A box in pixels, y down; `width` and `height` are 0 if it is empty.
@@ -850,6 +860,11 @@ class LATELIGHT_API Renderer {
   // update.
   CastHits cast(std::span<const std::array<double, 3>> origins, std::span<const std::array<double, 3>> directions,
                 const Options& options = {}, double maxDistance = std::numeric_limits<double>::infinity());
+
+  // The same with arrays of the caller, which may use them for several calls.
+  void cast(std::span<const std::array<double, 3>> origins, std::span<const std::array<double, 3>> directions,
+            const CastTargets& targets, const Options& options = {},
+            double maxDistance = std::numeric_limits<double>::infinity());
 
   // Scans the scene once. `poses` are worldFromSensor, rigid and in the frame of Options::axes: one, or one per firing.
   // Options::time and animation select the scene's pose when the scan begins.

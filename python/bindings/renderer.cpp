@@ -346,40 +346,113 @@ std::vector<Pick> pick(const std::shared_ptr<SharedRenderer>& renderer, nb::hand
   }
 }
 
-std::vector<std::array<double, 3>> vectorsOf(nb::handle value, std::string_view name) {
+// Vectors in memory of a NumPy array, which is the argument itself if it is contiguous and of the type float64.
+struct Vectors {
+  nb::object array;
+  std::span<const std::array<double, 3>> values;
+};
+Vectors vectorsOf(nb::handle value, std::string_view name) {
   const nb::object array = arrayOf(value, name, Elements::Numbers, {-1, 3}, "float64");
-  std::vector<std::array<double, 3>> vectors(lengthOf(array, 0));
-  if (!vectors.empty()) std::memcpy(vectors.data(), viewOf<double>(array).data(), sizeof(vectors[0]) * vectors.size());
-  return vectors;
+  return {array, {reinterpret_cast<const std::array<double, 3>*>(viewOf<double>(array).data()), lengthOf(array, 0)}};
 }
 
+// The arrays of hits that a call of cast() returns: new ones, or those of `out`.
+class HitArrays {
+ public:
+  HitArrays(size_t rays, nb::handle names, nb::handle out) : rays_(rays), out_(out) {
+    std::vector<std::string> all{"distance", "position", "normal",   "geonormal", "uv",
+                                 "id",       "part",     "material", "triangle",  "intensity"};
+    if (!out.is_none() && !PyDict_Check(out.ptr())) badType("out must be a dict of arrays, not {}", typeName(out));
+    if (!names.is_none() && !out.is_none()) badValue("outputs and out name the same arrays: omit one of them");
+    if (!names.is_none()) all = textsOf(names, "outputs");
+    if (!out.is_none()) all = textsOf(nb::list(out), "out");
+    for (const std::string& name : all) add(name);
+  }
+  const CastTargets& targets() const { return targets_; }
+  nb::dict take() { return std::move(arrays_); }
+
+ private:
+  void add(const std::string& name) {
+    constexpr const char* kNames =
+        "distance, position, normal, geonormal, uv, id, part, material, triangle and intensity";
+    if (name == "distance")
+      targets_.distance = memory<float>(name);
+    else if (name == "position")
+      targets_.position = memory<std::array<float, 3>>(name);
+    else if (name == "normal")
+      targets_.normal = memory<std::array<float, 3>>(name);
+    else if (name == "geonormal")
+      targets_.geonormal = memory<std::array<float, 3>>(name);
+    else if (name == "uv")
+      targets_.uv = memory<std::array<float, 2>>(name);
+    else if (name == "id")
+      targets_.id = memory<uint32_t>(name);
+    else if (name == "part")
+      targets_.part = memory<uint32_t>(name);
+    else if (name == "material")
+      targets_.material = memory<uint32_t>(name);
+    else if (name == "triangle")
+      targets_.triangle = memory<uint32_t>(name);
+    else if (name == "intensity")
+      targets_.intensity = memory<float>(name);
+    else
+      badValue("rays have no output \"{}\": they have {}", name, kNames);
+  }
+
+  // Returns the memory of an array (rays) or (rays, columns).
+  template <typename Value>
+  Value* memory(const std::string& name) {
+    using Element = std::conditional_t<std::is_same_v<Value, uint32_t>, uint32_t, float>;
+    std::vector<size_t> shape{rays_};
+    if (sizeof(Value) > sizeof(Element)) shape.push_back(sizeof(Value) / sizeof(Element));
+    const nb::object array = out_.is_none() ? made<Element>(shape) : given<Element>(name, shape);
+    arrays_[name.c_str()] = array;
+    return reinterpret_cast<Value*>(nb::cast<nb::ndarray<Element, nb::c_contig, nb::device::cpu>>(array).data());
+  }
+
+  // NumPy's own memory, which is not cleared and in huge pages.
+  template <typename Element>
+  static nb::object made(const std::vector<size_t>& shape) {
+    nb::list lengths;
+    for (const size_t length : shape) lengths.append(length);
+    return nb::module_::import_("numpy").attr("empty")(nb::tuple(lengths),
+                                                       std::is_same_v<Element, float> ? "float32" : "uint32");
+  }
+
+  template <typename Element>
+  nb::object given(const std::string& name, const std::vector<size_t>& shape) {
+    const nb::object array = nb::borrow<nb::object>(out_[name.c_str()]);
+    nb::ndarray<Element, nb::c_contig, nb::device::cpu> view;
+    bool fits = nb::try_cast(array, view, false) && view.ndim() == shape.size();
+    for (size_t i = 0; fits && i < shape.size(); ++i) fits = view.shape(i) == shape[i];
+    if (!fits)
+      badValue(
+          "out[\"{}\"] must be a contiguous array of {} with {} rows, as an earlier cast() of as many rays returned it",
+          name, std::is_same_v<Element, float> ? "float32" : "uint32", rays_);
+    return array;
+  }
+
+  size_t rays_;
+  nb::handle out_;
+  CastTargets targets_;
+  nb::dict arrays_;
+};
+
 nb::dict cast(const std::shared_ptr<SharedRenderer>& renderer, nb::handle origins, nb::handle directions,
-              nb::handle maxDistance, const nb::kwargs& keywords) {
-  const std::vector<std::array<double, 3>> from = vectorsOf(origins, "origins"),
-                                           along = vectorsOf(directions, "directions");
-  if (from.size() != along.size())
-    badValue("origins and directions must have equal lengths, not {} and {}", from.size(), along.size());
+              nb::handle maxDistance, nb::handle outputs, nb::handle out, const nb::kwargs& keywords) {
+  const Vectors from = vectorsOf(origins, "origins"), along = vectorsOf(directions, "directions");
+  if (from.values.size() != along.values.size())
+    badValue("origins and directions must have equal lengths, not {} and {}", from.values.size(), along.values.size());
   const double limit = numberOf(maxDistance, "max_distance");
   const Options options = optionsOf(nb::none(), nb::make_tuple("rgba"), keywords);
-  CastHits hits;
+  HitArrays hits(from.values.size(), outputs, out);
   try {
-    hits = renderer->use([&](Renderer& renderer) { return renderer.cast(from, along, options, limit); });
+    renderer->use(
+        [&](Renderer& renderer) { renderer.cast(from.values, along.values, hits.targets(), options, limit); });
   } catch (const Error& error) {
     throw inPython(error);
   }
-  const std::vector<size_t> shape{from.size()};
-  nb::dict arrays;
-  arrays["distance"] = owned(std::move(hits.distance), shape);
-  arrays["position"] = ownedRows(hits.position);
-  arrays["normal"] = ownedRows(hits.normal);
-  arrays["geonormal"] = ownedRows(hits.geonormal);
-  arrays["uv"] = ownedRows(hits.uv);
-  arrays["id"] = owned(std::move(hits.id), shape);
-  arrays["part"] = owned(std::move(hits.part), shape);
-  arrays["material"] = owned(std::move(hits.material), shape);
-  arrays["triangle"] = owned(std::move(hits.triangle), shape);
-  arrays["intensity"] = owned(std::move(hits.intensity), shape);
-  return arrays;
+  return hits.take();
 }
 
 // Calls `work` with the renderer and the options of a picture without outputs.
@@ -680,17 +753,21 @@ void bindRenderer(nb::module_& module) {
            "What pixels (N, 2), x and y from the upper left, of such a picture show, in their order. Lights nothing.");
   const std::string castSignature =
       "def cast(self, origins: numpy.typing.ArrayLike, directions: numpy.typing.ArrayLike, "
-      "max_distance: float = float(\"inf\"), *" +
+      "max_distance: float = float(\"inf\"), outputs: str | collections.abc.Sequence[str] | None = None, "
+      "out: dict[str, numpy.typing.NDArray[typing.Any]] | None = None, *" +
       optionParameters() + ") -> dict[str, numpy.typing.NDArray[typing.Any]]";
   type.def(
       "cast", &cast, argument("origins"), argument("directions"),
-      nb::arg("max_distance") = std::numeric_limits<double>::infinity(), nb::arg("options"),
-      nb::sig(castSignature.c_str()),
+      nb::arg("max_distance") = std::numeric_limits<double>::infinity(), argument("outputs") = nb::none(),
+      argument("out") = nb::none(), nb::arg("options"), nb::sig(castSignature.c_str()),
       "Casts rays through the scene. origins and directions are arrays (N, 3) in the frame of axes; directions may "
       "have\nany length.\n\nReturns arrays of N values by name: distance (meters; infinite for a ray that hits "
       "nothing), position, normal,\ngeonormal, uv, id, part and material as the outputs of these names, "
       "triangle, the index in the part's mesh, and\nintensity, from 0 to 1: the reflectance at normal incidence times "
-      "the cosine of the angle of incidence.\nThe options time, animation, data_surfaces, axes and "
+      "the cosine of the angle of incidence.\noutputs: the names of those to return; None: all. out: arrays that an "
+      "earlier "
+      "call for as many rays returned; they\nreceive the values and are returned.\nThe options time, animation, "
+      "data_surfaces, axes and "
       "position_origin apply.");
   const std::string scanSignature =
       "def scan_lidar(renderer: Renderer, pattern: latelight.lidar.Pattern, poses: numpy.typing.ArrayLike, samples: "

@@ -22,6 +22,17 @@ struct Return {
   Echo echo;
 };
 
+// The hits of the rays that are cast together.
+struct Hits {
+  std::vector<float> distance, intensity;
+  std::vector<uint32_t> id, part, material;
+
+  void resize(size_t count) {
+    distance.resize(count), intensity.resize(count);
+    id.resize(count), part.resize(count), material.resize(count);
+  }
+};
+
 class Scanner {
  public:
   Scanner(render::Renderer& renderer, const Pattern& pattern, std::span<const dmat4> poses,
@@ -49,17 +60,24 @@ class Scanner {
     aim(firings);
     // Noise may move a surface beyond the maximum range nearer.
     const double limit = pattern_.properties.maxRange + 10 * pattern_.properties.rangeNoise;
-    const render::CastHits hits = renderer_.cast({origins_, directions_, limit}, settings_, state).hits;
+    hits_.resize(origins_.size());
+    renderer_.cast({origins_, directions_, limit},
+                   render::CastTargets{.distance = hits_.distance.data(),
+                                       .id = hits_.id.data(),
+                                       .part = hits_.part.data(),
+                                       .material = hits_.material.data(),
+                                       .intensity = hits_.intensity.data()},
+                   settings_, state);
     std::vector<std::vector<Return>> found((firings.size() + kFiringsOfTask - 1) / kFiringsOfTask);
     parallelFor(found.size(), 1, [&](size_t begin, size_t end) {
       for (size_t task = begin; task < end; ++task) {
         const size_t first = task * kFiringsOfTask;
         for (size_t i = first; i < std::min(first + kFiringsOfTask, firings.size()); ++i)
-          measure(firings[i], i, hits, found[task]);
+          measure(firings[i], i, found[task]);
       }
     });
     for (const std::vector<Return>& some : found)
-      for (const Return& each : some) add(each, hits, points);
+      for (const Return& each : some) add(each, points);
   }
 
   void aim(std::span<const uint32_t> firings) {
@@ -77,16 +95,16 @@ class Scanner {
     });
   }
 
-  void measure(uint32_t firing, size_t beam, const render::CastHits& hits, std::vector<Return>& found) const {
+  void measure(uint32_t firing, size_t beam, std::vector<Return>& found) const {
     const size_t samples = options_.samples, first = beam * samples;
-    std::vector<Echo> echoes = echoesOf(pattern_.properties, std::span(hits.distance).subspan(first, samples),
-                                        std::span(hits.intensity).subspan(first, samples));
+    std::vector<Echo> echoes = echoesOf(pattern_.properties, std::span(hits_.distance).subspan(first, samples),
+                                        std::span(hits_.intensity).subspan(first, samples));
     detect(pattern_.properties, options_.seed, firing, echoes);
     select(options_.returns, echoes);
     for (const Echo& echo : echoes) found.push_back({firing, static_cast<uint32_t>(first + echo.ray), echo});
   }
 
-  void add(const Return& each, const render::CastHits& hits, Points& points) const {
+  void add(const Return& each, Points& points) const {
     const dvec3 position = pattern_.directions[each.firing] * each.echo.range;
     points.position.emplace_back(position);
     points.worldPosition.emplace_back(poseOf(each.firing) * glm::dvec4(position, 1));
@@ -96,9 +114,9 @@ class Scanner {
     points.ring.push_back(pattern_.rings[each.firing]);
     points.echo.push_back(each.echo.number);
     points.firing.push_back(each.firing);
-    points.id.push_back(hits.id[each.ray]);
-    points.part.push_back(hits.part[each.ray]);
-    points.material.push_back(hits.material[each.ray]);
+    points.id.push_back(hits_.id[each.ray]);
+    points.part.push_back(hits_.part[each.ray]);
+    points.material.push_back(hits_.material[each.ray]);
   }
 
   render::Renderer& renderer_;
@@ -108,6 +126,7 @@ class Scanner {
   const ScanOptions& options_;
   std::vector<glm::dvec2> offsets_;
   std::vector<dvec3> origins_, directions_;
+  Hits hits_;
 };
 
 // Returns the firings of each slice of the scan's time.
