@@ -15,7 +15,8 @@ Extras both(const Extras& a, const Extras& b) {
   for (const PairTarget& target : b.pairs)
     if (std::ranges::find(pairs, target) == pairs.end()) pairs.push_back(target);
   ScanRequests scans = a.scans;
-  scans.insert(scans.end(), b.scans.begin(), b.scans.end());
+  for (const auto& scan : b.scans)
+    if (std::ranges::none_of(scans, [&](const auto& other) { return other->key == scan->key; })) scans.push_back(scan);
   return {.boxes = a.boxes || b.boxes,
           .alone = a.alone || b.alone,
           .order = a.order || b.order,

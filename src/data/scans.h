@@ -3,13 +3,17 @@
 
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "lidar/scan.h"
 
 namespace latelight::data {
 
-// A scan that a format requires per frame. Requests are equal if they are the same object.
+// A scan that a format requires per frame. Formats with equal keys share it.
 struct ScanRequest {
+  std::string key;           // the options that it depends on
+  uint64_t noiseStream = 0;  // sensors with different streams have independent noise
   lidar::Sensor sensor;
   lidar::ScanOptions options{};    // without the seed, which each frame has of its own
   glm::dmat4 cameraFromSensor{1};  // OpenCV's camera frame from the sensor's

@@ -203,6 +203,39 @@ TEST(Lidar, ShardsAndResumedSetsAreTheSame) {
   expectSame(filesOf(folder, "parts"), filesOf(folder, "moved"));
 }
 
+// Formats of one sensor write the same points, and different sensors have independent noise.
+TEST(Lidar, NoiseBelongsToTheSensor) {
+  Folder folder;
+  writeWall(folder);
+  json sensor = kExact;
+  sensor["range-noise"] = 0.1;
+  const json moved{{"translation", {0, 0, 0.5}}};
+  const auto lidar = [&](const std::string& name, const json& mount) {
+    json format{
+        {"format", "lidar"}, {"sensor", sensor}, {"file", name + "/{name}.ply"}, {"scans", name + "/scans.json"}};
+    if (!mount.is_null()) format["mount"] = mount;
+    return format;
+  };
+  const json job{{"cameras", standing(12)}, {"formats", {lidar("a", {}), lidar("b", {}), lidar("c", moved)}}};
+  folder.write("job.json", std::string_view(job.dump()));
+  const Outcome outcome = latelight(batch(folder, {"job.json", "--scenes", "wall.gltf", "-o", "set"}));
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  EXPECT_EQ(folder.read("set/a/000000.ply"), folder.read("set/b/000000.ply"));
+  const std::vector<Point> first = pointsIn(folder.read("set/a/000000.ply")),
+                           other = pointsIn(folder.read("set/c/000000.ply"));
+  ASSERT_EQ(first.size(), other.size());
+  double squares = 0, product = 0;
+  for (size_t i = 0; i < first.size(); ++i) {
+    const double ahead = first[i].x / first[i].range;
+    const double a = first[i].range - 12 / ahead, b = other[i].range - 11.5 / ahead;
+    squares += a * a;
+    product += a * b;
+  }
+  const double count = double(first.size());
+  EXPECT_NEAR(std::sqrt(squares / count), 0.1, 4 * 0.1 / std::sqrt(2 * count));
+  EXPECT_NEAR(product / count, 0, 4 * 0.01 / std::sqrt(count));
+}
+
 TEST(Lidar, ARosetteDoesNotRepeat) {
   Folder folder;
   writeWall(folder);

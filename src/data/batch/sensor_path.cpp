@@ -1,5 +1,6 @@
 #include "data/batch/sensor_path.h"
 
+#include "base/hash.h"
 #include "render/exposure/camera_motion.h"
 #include "render/submit/session.h"
 
@@ -61,7 +62,8 @@ FrameScan scanFrom(render::Renderer& renderer, const scene::Scene& scene, const 
     return render::SceneState{.poses = {pose, pose, pose}};
   };
   lidar::ScanOptions options = request->options;
-  options.seed = seed;
+  const uint64_t ofSensor[] = {seed, request->noiseStream};
+  options.seed = hash64(ofSensor, sizeof(ofSensor));
   if (scene.rig.empty() || !scan.start) options.slices = 1;
   scan.points = lidar::scan(renderer, pattern, poses, stateAt, settings, options);
   return scan;

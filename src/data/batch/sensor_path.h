@@ -8,10 +8,9 @@
 
 namespace latelight::data {
 
-// The way of a camera from its frame through the following frames of its sequence. Between two frames, the position
-// changes linearly, and the camera rotates about a fixed axis at constant speed. After the last frame, and before the
-// second one of a sequence that ends with it, the motion continues. A camera whose frames have no
-// times does not move.
+// The path of a camera from its frame through the following frames of its sequence. Between two frames, the position
+// changes linearly, and the camera rotates about a fixed axis at constant speed. After the last frame the motion
+// continues. A camera whose frames have no times does not move.
 class CameraPath {
  public:
   struct Leg {

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "data/cameras/pose_spec.h"
 #include "data/formats/categories.h"
 #include "data/formats/formats.h"
@@ -10,6 +11,7 @@
 #include "data/formats/lidar_sensor.h"
 #include "data/formats/names.h"
 #include "data/formats/options.h"
+#include "data/json_text.h"
 #include "output/points.h"
 
 namespace latelight::data {
@@ -59,7 +61,7 @@ class Lidar : public Format {
   FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
     FrameRecord record;
     for (const FrameScan& scan : frame.scans) {
-      if (scan.request != request_) continue;
+      if (scan.request->key != request_->key) continue;
       const std::string file = frameFile(file_, frame);
       std::vector<float> buffer;
       writeOf(record, folder, file, output::encodePoints(as_, lidar::fieldsOf(scan.points, world_, buffer)));
@@ -95,6 +97,9 @@ class Lidar : public Format {
     request->options.returns = lidar::returnsNamed(options.text("returns", "strongest"));
     const Json* mount = options.find("mount");
     request->cameraFromSensor = mount ? readMount(*mount) : cameraFromSensorAxes();
+    const Json where = {*sensor, mount ? *mount : Json()};
+    request->noiseStream = hash64(dumped(where).data(), dumped(where).size());
+    request->key = dumped({where, request->options.samples, request->options.slices, request->options.returns});
     as_ = options.choice("as", {"ply", "pcd", "bin", "npz"});
     world_ = options.choice("frame", {"sensor", "world"}) == "world";
     file_ = options.frameFile("file", "lidar/{name}." + as_, "." + as_);
