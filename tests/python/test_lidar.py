@@ -81,6 +81,30 @@ def test_a_sphere_around_the_sensor(device):
         np.testing.assert_allclose(np.linalg.norm(scan.world_position, axis=1), 7, rtol=1e-4)
 
 
+def test_a_box_around_the_sensor(device):
+    """Ranges by the slabs of the box, from a place off its center and with a tilted sensor."""
+    half = np.array([6.0, 3.0, 9.0])
+
+    def room(scene):
+        corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
+        sides = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]]
+        triangles = [[s[0], s[i], s[i + 1]] for s in sides for i in (1, 2)]
+        mesh = scene.add_mesh(corners.astype(np.float32), indices=triangles)
+        scene.add_instance(mesh, scene.add_material(latelight.Material(metallic=1, double_sided=True)))
+
+    renderer = rendererOf(room, device)
+    place = np.array([1.5, -0.75, 4.0])
+    pose = lidar.sensor_pose(place, forward=(1, 0.3, -0.5), up=(0.2, 1, 0.1))
+    for pattern in (lidar.os1_128(columns=512), lidar.hdl64e(), lidar.livox_mid40()):
+        scan = lidar.scan(renderer, ideal(pattern), pose, seed=None)
+        assert len(scan) == len(pattern)
+        rays = pattern.directions @ pose[:3, :3].T
+        with np.errstate(divide="ignore"):
+            expected = ((np.sign(rays) * half - place) / rays).min(axis=1)
+        np.testing.assert_allclose(scan.range, expected, rtol=2e-6)
+        np.testing.assert_allclose(scan.world_position, place + rays * expected[:, None], atol=3e-5)
+
+
 def test_motion_distorts_as_the_sensor_moves(device):
     renderer = rendererOf(lambda scene: wall(scene, 40.0), device)
     pattern = ideal(lidar.vlp16())
