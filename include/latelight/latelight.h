@@ -865,6 +865,9 @@ class LATELIGHT_API Renderer {
   void cast(std::span<const std::array<double, 3>> origins, std::span<const std::array<double, 3>> directions,
             const CastTargets& targets, const Options& options = {},
             double maxDistance = std::numeric_limits<double>::infinity());
+  void cast(std::span<const std::array<float, 3>> origins, std::span<const std::array<float, 3>> directions,
+            const CastTargets& targets, const Options& options = {},
+            double maxDistance = std::numeric_limits<double>::infinity());
 
   // Scans the scene once. `poses` are worldFromSensor, rigid and in the frame of Options::axes: one, or one per firing.
   // Options::time and animation select the scene's pose when the scan begins.

@@ -346,14 +346,22 @@ std::vector<Pick> pick(const std::shared_ptr<SharedRenderer>& renderer, nb::hand
   }
 }
 
-// Vectors in memory of a NumPy array, which is the argument itself if it is contiguous and of the type float64.
-struct Vectors {
-  nb::object array;
-  std::span<const std::array<double, 3>> values;
+// Vectors in memory of a NumPy array of this type, which is the argument itself if it is contiguous and has the type.
+template <typename T>
+class Vectors {
+ public:
+  Vectors(nb::handle value, std::string_view name)
+      : array_(arrayOf(value, name, Elements::Numbers, {-1, 3}, std::is_same_v<T, float> ? "float32" : "float64")) {}
+  std::span<const std::array<T, 3>> values() const {
+    return {reinterpret_cast<const std::array<T, 3>*>(viewOf<T>(array_).data()), lengthOf(array_, 0)};
+  }
+
+ private:
+  nb::object array_;
 };
-Vectors vectorsOf(nb::handle value, std::string_view name) {
-  const nb::object array = arrayOf(value, name, Elements::Numbers, {-1, 3}, "float64");
-  return {array, {reinterpret_cast<const std::array<double, 3>*>(viewOf<double>(array).data()), lengthOf(array, 0)}};
+
+bool isFloat32(nb::handle value) {
+  return PyObject_HasAttrString(value.ptr(), "dtype") && shown(nb::object(value.attr("dtype"))) == "float32";
 }
 
 // The arrays of hits that a call of cast() returns: new ones, or those of `out`.
@@ -438,21 +446,29 @@ class HitArrays {
   nb::dict arrays_;
 };
 
-nb::dict cast(const std::shared_ptr<SharedRenderer>& renderer, nb::handle origins, nb::handle directions,
-              nb::handle maxDistance, nb::handle outputs, nb::handle out, const nb::kwargs& keywords) {
-  const Vectors from = vectorsOf(origins, "origins"), along = vectorsOf(directions, "directions");
-  if (from.values.size() != along.values.size())
-    badValue("origins and directions must have equal lengths, not {} and {}", from.values.size(), along.values.size());
-  const double limit = numberOf(maxDistance, "max_distance");
-  const Options options = optionsOf(nb::none(), nb::make_tuple("rgba"), keywords);
-  HitArrays hits(from.values.size(), outputs, out);
+template <typename T>
+nb::dict castVectors(const std::shared_ptr<SharedRenderer>& renderer, const Vectors<T>& origins,
+                     const Vectors<T>& directions, double limit, nb::handle outputs, nb::handle out,
+                     const Options& options) {
+  const auto from = origins.values(), along = directions.values();
+  if (from.size() != along.size())
+    badValue("origins and directions must have equal lengths, not {} and {}", from.size(), along.size());
+  HitArrays hits(from.size(), outputs, out);
   try {
-    renderer->use(
-        [&](Renderer& renderer) { renderer.cast(from.values, along.values, hits.targets(), options, limit); });
+    renderer->use([&](Renderer& renderer) { renderer.cast(from, along, hits.targets(), options, limit); });
   } catch (const Error& error) {
     throw inPython(error);
   }
   return hits.take();
+}
+
+nb::dict cast(const std::shared_ptr<SharedRenderer>& renderer, nb::handle origins, nb::handle directions,
+              nb::handle maxDistance, nb::handle outputs, nb::handle out, const nb::kwargs& keywords) {
+  const double limit = numberOf(maxDistance, "max_distance");
+  const Options options = optionsOf(nb::none(), nb::make_tuple("rgba"), keywords);
+  if (isFloat32(origins) && isFloat32(directions))
+    return castVectors<float>(renderer, {origins, "origins"}, {directions, "directions"}, limit, outputs, out, options);
+  return castVectors<double>(renderer, {origins, "origins"}, {directions, "directions"}, limit, outputs, out, options);
 }
 
 // Calls `work` with the renderer and the options of a picture without outputs.

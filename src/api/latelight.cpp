@@ -657,4 +657,14 @@ void Renderer::cast(std::span<const std::array<double, 3>> origins, std::span<co
   castTo(usable(impl_), {vectors(origins), vectors(directions), maxDistance}, targets, options, {});
 }
 
+void Renderer::cast(std::span<const std::array<float, 3>> origins, std::span<const std::array<float, 3>> directions,
+                    const CastTargets& targets, const Options& options, double maxDistance) {
+  const auto vectors = [](std::span<const std::array<float, 3>> arrays) {
+    return std::span(reinterpret_cast<const glm::vec3*>(arrays.data()), arrays.size());
+  };
+  castTo(usable(impl_),
+         {.maxDistance = maxDistance, .floatOrigins = vectors(origins), .floatDirections = vectors(directions)},
+         targets, options, {});
+}
+
 }  // namespace latelight

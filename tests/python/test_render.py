@@ -211,6 +211,9 @@ def test_cast_returns_the_arrays_that_are_needed(renderer):
     some = renderer.cast(origins.astype(np.float32), directions, outputs=("id", "position"))
     assert list(some) == ["id", "position"] and np.array_equal(some["id"], every["id"])
     assert list(renderer.cast(origins, directions, outputs="uv")) == ["uv"]
+    short = directions.astype(np.float32)
+    floats, doubles = (renderer.cast(origins.astype(t), short.astype(t)) for t in (np.float32, np.float64))
+    assert all(np.array_equal(floats[name], doubles[name]) for name in every)
     again = renderer.cast(origins + [0, 0.25, 0], directions, out=some)
     assert again["position"] is some["position"] and not np.array_equal(some["position"], every["position"])
     renderer.cast(origins, directions, out=some)

@@ -325,6 +325,16 @@ TEST_F(CastTest, FillsTheArraysThatAreNeeded) {
     differ += positions[i] != expected.position[i % each] || normals[i] != expected.normal[i % each] ||
               triangles[i] != expected.triangle[i % each];
   EXPECT_EQ(differ, 0u);
+  // Rays of floats are those of doubles with the same values.
+  std::vector<glm::vec3> origins(rays.origins.begin(), rays.origins.end()),
+      directions(rays.directions.begin(), rays.directions.end());
+  const std::vector<dvec3> sameOrigins(origins.begin(), origins.end()),
+      sameDirections(directions.begin(), directions.end());
+  const CastHits doubles = renderer.cast({sameOrigins, sameDirections}, castSettings()).hits;
+  const CastHits floats = renderer.cast({.floatOrigins = origins, .floatDirections = directions}, castSettings()).hits;
+  EXPECT_EQ(floats.distance, doubles.distance);
+  EXPECT_EQ(floats.position, doubles.position);
+  EXPECT_THROW(renderer.cast({.floatOrigins = origins, .floatDirections = {}}, castSettings()), Error);
   renderer.cast({rays.origins, rays.directions}, CastTargets{}, castSettings());
   EXPECT_TRUE(renderer.cast({{}, {}}, castSettings()).hits.distance.empty());
 }

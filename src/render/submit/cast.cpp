@@ -86,9 +86,28 @@ struct CastChunk {
   }
 };
 
+// The rays of the caller: arrays of doubles or floats, with as many origins as directions.
+struct RayArrays {
+  const std::byte *origins, *directions;
+  size_t count, bytes;  // bytes: of one origin or direction
+};
+
+// Throws Error(Usage) if the rays are not valid.
+RayArrays arraysOf(const CastRays& rays) {
+  const bool floats = !rays.floatOrigins.empty() || !rays.floatDirections.empty();
+  const size_t origins = floats ? rays.floatOrigins.size() : rays.origins.size(),
+               directions = floats ? rays.floatDirections.size() : rays.directions.size();
+  if (origins != directions) badUsage("{} rays have an origin, but {} have a direction", origins, directions);
+  if (!(rays.maxDistance >= 0)) badUsage("the maximum distance of rays must be at least 0, not {}", rays.maxDistance);
+  const auto bytes = [](const auto& vectors) { return std::as_bytes(vectors).data(); };
+  if (floats) return {bytes(rays.floatOrigins), bytes(rays.floatDirections), origins, sizeof(glm::vec3)};
+  return {bytes(rays.origins), bytes(rays.directions), origins, sizeof(glm::dvec3)};
+}
+
 // The values that all chunks of a call have in common.
 struct CastCall {
   const shared::FrameConstants& frame;
+  RayArrays rays;
   std::array<double, 7> numbers;  // CastPush::numbers
   uint32_t flags;
   std::vector<HitArray> arrays;
@@ -120,11 +139,11 @@ graph::BufferId addCast(const Builder& b, const CastCall& call, const vk::Buffer
               .buffers = {{source, graph::Use::StorageRead}, {hits, graph::Use::StorageWrite}},
               .groupX = 64,
               .groupY = 1},
-             [=, arrays = call.arrays, flags = call.flags](graph::Context& context) {
+             [=, arrays = call.arrays, flags = call.flags, rayBytes = call.rays.bytes](graph::Context& context) {
                const VkDeviceAddress origins = context.buffer(source).address();
                shared::CastPush push{.frame = frame,
                                      .origins = origins,
-                                     .directions = origins + rayCount * sizeof(glm::dvec3),
+                                     .directions = origins + rayCount * rayBytes,
                                      .numbers = numbers,
                                      .count = count,
                                      .flags = flags};
@@ -136,15 +155,6 @@ graph::BufferId addCast(const Builder& b, const CastCall& call, const vk::Buffer
                return push;
              });
   return addReadback(b, hits);
-}
-
-void checkCast(const CastRays& rays, const Settings& settings) {
-  checkSettings(settings);
-  if (rays.origins.size() != rays.directions.size())
-    badUsage("{} rays have an origin, but {} have a direction", rays.origins.size(), rays.directions.size());
-  if (!(rays.maxDistance >= 0)) badUsage("the maximum distance of rays must be at least 0, not {}", rays.maxDistance);
-  if (settings.normalFrame != NormalFrame::World)
-    badUsage("rays have no camera: their normals require --normal-frame world");
 }
 
 }  // namespace
@@ -183,7 +193,7 @@ BvhStatistics Renderer::bvhStatistics() const {
 
 CastResult Renderer::cast(const CastRays& rays, const Settings& settings, const SceneState& moment) {
   CastResult result;
-  HitMemory<CastTargets, CastHits> memory(result.hits, rays.origins.size());
+  HitMemory<CastTargets, CastHits> memory(result.hits, std::max(rays.origins.size(), rays.floatOrigins.size()));
   result.statistics = cast(rays, memory.targets(), settings, moment, [&] { memory.wait(); });
   result.bvhBytes = bvh_->bytes();
   return result;
@@ -191,14 +201,18 @@ CastResult Renderer::cast(const CastRays& rays, const Settings& settings, const 
 
 RenderStatistics Renderer::cast(const CastRays& rays, const CastTargets& targets, const Settings& settings,
                                 const SceneState& moment, const std::function<void()>& beforeStore) {
-  checkCast(rays, settings);
+  checkSettings(settings);
+  const RayArrays arrays = arraysOf(rays);
+  if (settings.normalFrame != NormalFrame::World)
+    badUsage("rays have no camera: their normals require --normal-frame world");
   const shared::FrameConstants constants = prepareRays(settings, moment);
   const glm::dvec3 origin = gpuScene_.origin(), positions = settings.positionOrigin.point;
   const bool file = scene_.yUp && settings.axes == Axes::File;
   const CastCall call{
       .frame = constants,
+      .rays = arrays,
       .numbers = {origin.x, origin.y, origin.z, positions.x, positions.y, positions.z, rays.maxDistance},
-      .flags = shared::kCastDoubles | (file ? shared::kCastFileAxes : 0u) |
+      .flags = (arrays.bytes == sizeof(glm::dvec3) ? shared::kCastDoubles : 0u) | (file ? shared::kCastFileAxes : 0u) |
                (settings.dataSurfaces == DataSurfaces::Any ? shared::kCastAnySurface : 0u),
       .arrays = arraysOf(targets),
       .constants = rayConstants()};
@@ -214,14 +228,14 @@ RenderStatistics Renderer::cast(const CastRays& rays, const CastTargets& targets
     addTimes(statistics.passTimes, chunk.submission);
   };
   // The host copies the rays and the hits of some chunks while the device casts those of others.
-  const size_t most = std::min(kRaysAtOnce, rays.origins.size());
-  for (size_t first = 0; first < rays.origins.size(); first += most) {
+  const size_t most = std::min(kRaysAtOnce, arrays.count);
+  for (size_t first = 0; first < arrays.count; first += most) {
     if (inFlight.size() == kChunksInFlight) finishFirst();
-    const size_t count = std::min(most, rays.origins.size() - first), bytes = count * sizeof(glm::dvec3);
-    const auto staging = inputMemory(2 * most * sizeof(glm::dvec3));
-    const auto bytesFrom = [](const glm::dvec3& vector) { return reinterpret_cast<const std::byte*>(&vector); };
-    copyInParallel({{staging->mapped(), bytesFrom(rays.origins[first]), bytes},
-                    {staging->mapped() + bytes, bytesFrom(rays.directions[first]), bytes}});
+    const size_t count = std::min(most, arrays.count - first), offset = first * arrays.bytes,
+                 bytes = count * arrays.bytes;
+    const auto staging = inputMemory(2 * most * arrays.bytes);
+    copyInParallel({{staging->mapped(), arrays.origins + offset, bytes},
+                    {staging->mapped() + bytes, arrays.directions + offset, bytes}});
     graph::Graph graph(executor_);
     const graph::BufferId hits = addCast({device_, graph}, call, *staging, count, graph);
     addSceneChanges(graph);

@@ -20,6 +20,7 @@ namespace latelight::render {
 struct CastRays {
   std::span<const glm::dvec3> origins, directions;               // as many of both
   double maxDistance = std::numeric_limits<double>::infinity();  // meters
+  std::span<const glm::vec3> floatOrigins{}, floatDirections{};  // in place of `origins` and `directions`
 };
 
 // Where hits are stored, one value per ray, as in CastHits. Null: not needed.
