@@ -16,6 +16,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <map>
@@ -561,6 +562,16 @@ struct CastHits {
   std::vector<float> intensity;  // from 0 to 1: reflectance at normal incidence times the cosine of incidence
 };
 
+// Where Renderer::cast() stores hits, one value per ray, as in CastHits. Arrays that are null are not needed and cost
+// no time.
+struct CastTargets {
+  float* distance = nullptr;
+  std::array<float, 3>*position = nullptr, *normal = nullptr, *geonormal = nullptr;
+  std::array<float, 2>* uv = nullptr;
+  uint32_t *id = nullptr, *part = nullptr, *material = nullptr, *triangle = nullptr;
+  float* intensity = nullptr;
+};
+
 // --- labels (docs/labels.md) -----------------------------------------------------------------------------------------
 
 // A box in pixels, y down; `width` and `height` are 0 if it is empty.
@@ -653,6 +664,71 @@ struct EnvironmentData {
 
 // Encodes an image as a PNG file in memory. `rgba` must have 4 bytes per pixel.
 LATELIGHT_API std::vector<std::byte> encodePng(uint32_t width, uint32_t height, const std::vector<uint8_t>& rgba);
+
+// --- lidar (docs/lidar.md) -------------------------------------------------------------------------------------------
+
+// The firings of one scan of a lidar sensor, and its properties. The sensor's frame has X forward, Y left and Z up.
+struct LidarPattern {
+  std::string name;
+  std::vector<std::array<double, 3>> directions;  // unit vectors in the sensor's frame
+  std::vector<double> times;                      // seconds since the scan began, one per direction
+  std::vector<uint16_t> rings;                    // index of the laser, from the lowest elevation up
+  double period = 0;                              // seconds from one scan to the next
+  double minRange = 0;                            // meters; nearer surfaces return nothing, and still block the beam
+  double maxRange = std::numeric_limits<double>::infinity();    // meters; farther returns are discarded
+  double ratedRange = std::numeric_limits<double>::infinity();  // meters, at 80 % reflectance and 90 % probability;
+                                                                // infinite: any signal is detected
+  double rangeNoise = 0, rangeResolution = 0;  // meters: the standard deviation; ranges are multiples of the resolution
+  std::array<double, 2> divergence{};          // horizontal, vertical: full angles in radians at 1/e^2 of the center
+  double echoSeparation = 1;                   // meters; nearer surfaces along a beam are one echo
+};
+
+struct LidarInfo {
+  std::string name, description;
+};
+LATELIGHT_API std::vector<LidarInfo> lidarInfos();  // the sensors that lidarPattern() knows
+
+// Returns a scan of a sensor by its name. `rate`: scans per second; `columns`: firings of each laser per scan, for
+// sensors with a fixed number; 0: the sensor's default. `start`: seconds since the sensor was switched on, for sensors
+// whose scans do not repeat. Throws Error(Usage) if there is no such sensor.
+LATELIGHT_API LidarPattern lidarPattern(const std::string& sensor, double rate = 0, uint32_t columns = 0,
+                                        double start = 0);
+
+// Lasers that turn clockwise, seen from above. A scan begins forward.
+struct SpinningLidar {
+  std::string name = "spinning";
+  std::vector<double> elevations;  // degrees, by laser
+  std::vector<double> azimuths;    // degrees that each laser points to the right of the rotor; empty: 0
+  std::vector<double> firing;      // seconds from the beginning of a cycle to each laser's firing; empty: all at once
+  double cycle = 0;                // seconds from one firing of a laser to its next; 0: the period divided by `columns`
+  uint32_t columns = 0;            // cycles per scan; 0: as many as fit
+  double rate = 10;                // scans per second
+};
+LATELIGHT_API LidarPattern lidarPattern(const SpinningLidar& sensor);
+
+struct LidarOptions {
+  uint32_t samples = 1;               // rays per beam, up to 1024; 1: beams have no width
+  std::string returns = "strongest";  // strongest, first, last, dual (the strongest and the last) or all
+  std::optional<uint64_t> seed = 0;   // of the noise of ranges and signals; null: no noise
+  uint32_t slices = 1;                // number of times at which an animated scene is posed during the scan
+};
+
+// One value per point, in the order of the firings, and from the nearest within a firing.
+struct LidarPoints {
+  std::vector<std::array<float, 3>> position;        // meters, in the sensor's frame at the time of the firing
+  std::vector<std::array<double, 3>> worldPosition;  // meters, in the frame of Options::axes
+  std::vector<double> time;                          // seconds since the scan began
+  std::vector<float> range;                          // meters
+  std::vector<float> intensity;  // from 0 to 1: the share of the beam that a surface returns, corrected for the range
+  std::vector<uint16_t> ring;    // index of the laser, from the lowest elevation up
+  std::vector<uint8_t> echo;     // 0: the nearest echo of the firing that was detected
+  std::vector<uint32_t> firing;  // index in the pattern
+  std::vector<uint32_t> id, part, material;  // values of the outputs of these names
+};
+
+// Writes a .ply or .pcd file (binary), a .bin file (KITTI: x, y, z, intensity) or an .npz file. `world`: positions in
+// the world and not in the sensor's frame.
+LATELIGHT_API void writePoints(const std::filesystem::path& path, const LidarPoints& points, bool world = false);
 
 // Where pictures are stored until their ticket is taken.
 enum class Results {
@@ -784,6 +860,19 @@ class LATELIGHT_API Renderer {
   // update.
   CastHits cast(std::span<const std::array<double, 3>> origins, std::span<const std::array<double, 3>> directions,
                 const Options& options = {}, double maxDistance = std::numeric_limits<double>::infinity());
+
+  // The same with arrays of the caller, which may use them for several calls.
+  void cast(std::span<const std::array<double, 3>> origins, std::span<const std::array<double, 3>> directions,
+            const CastTargets& targets, const Options& options = {},
+            double maxDistance = std::numeric_limits<double>::infinity());
+  void cast(std::span<const std::array<float, 3>> origins, std::span<const std::array<float, 3>> directions,
+            const CastTargets& targets, const Options& options = {},
+            double maxDistance = std::numeric_limits<double>::infinity());
+
+  // Scans the scene once. `poses` are worldFromSensor, rigid and in the frame of Options::axes: one, or one per firing.
+  // Options::time and animation select the scene's pose when the scan begins.
+  LidarPoints scan(const LidarPattern& pattern, std::span<const Transform> poses, const LidarOptions& lidar = {},
+                   const Options& options = {});
 
   // The objects of such a picture with their masks, boxes and occlusions. Each object is rendered once by itself.
   Labels labels(const Camera& camera, const Options& options = {});

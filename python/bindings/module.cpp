@@ -1,5 +1,6 @@
 // Defines the module latelight._core.
 #include "bindings.h"
+#include "lidar.h"
 
 #include <latelight/latelight.h>
 
@@ -16,6 +17,7 @@ NB_MODULE(_core, module) {
   bindScene(module);
   bindDeviceArray(module);
   bindRenderer(module);
+  bindLidar(module);
   bindInterpreter(module, &finishRenderers);
   module.def("version", &version, "The library's version, as in \"0.1.0\".");
   module.def(

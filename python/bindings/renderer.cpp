@@ -11,6 +11,7 @@
 #include "device_array.h"
 #include "interpreter.h"
 #include "labels.h"
+#include "lidar.h"
 #include "options.h"
 #include "scene.h"
 #include "values.h"
@@ -345,40 +346,129 @@ std::vector<Pick> pick(const std::shared_ptr<SharedRenderer>& renderer, nb::hand
   }
 }
 
-std::vector<std::array<double, 3>> vectorsOf(nb::handle value, std::string_view name) {
-  const nb::object array = arrayOf(value, name, Elements::Numbers, {-1, 3}, "float64");
-  std::vector<std::array<double, 3>> vectors(lengthOf(array, 0));
-  if (!vectors.empty()) std::memcpy(vectors.data(), viewOf<double>(array).data(), sizeof(vectors[0]) * vectors.size());
-  return vectors;
+// Vectors in memory of a NumPy array of this type, which is the argument itself if it is contiguous and has the type.
+template <typename T>
+class Vectors {
+ public:
+  Vectors(nb::handle value, std::string_view name)
+      : array_(arrayOf(value, name, Elements::Numbers, {-1, 3}, std::is_same_v<T, float> ? "float32" : "float64")) {}
+  std::span<const std::array<T, 3>> values() const {
+    return {reinterpret_cast<const std::array<T, 3>*>(viewOf<T>(array_).data()), lengthOf(array_, 0)};
+  }
+
+ private:
+  nb::object array_;
+};
+
+bool isFloat32(nb::handle value) {
+  return PyObject_HasAttrString(value.ptr(), "dtype") && shown(nb::object(value.attr("dtype"))) == "float32";
 }
 
-nb::dict cast(const std::shared_ptr<SharedRenderer>& renderer, nb::handle origins, nb::handle directions,
-              nb::handle maxDistance, const nb::kwargs& keywords) {
-  const std::vector<std::array<double, 3>> from = vectorsOf(origins, "origins"),
-                                           along = vectorsOf(directions, "directions");
+// The arrays of hits that a call of cast() returns: new ones, or those of `out`.
+class HitArrays {
+ public:
+  HitArrays(size_t rays, nb::handle names, nb::handle out) : rays_(rays), out_(out) {
+    std::vector<std::string> all{"distance", "position", "normal",   "geonormal", "uv",
+                                 "id",       "part",     "material", "triangle",  "intensity"};
+    if (!out.is_none() && !PyDict_Check(out.ptr())) badType("out must be a dict of arrays, not {}", typeName(out));
+    if (!names.is_none() && !out.is_none()) badValue("outputs and out name the same arrays: omit one of them");
+    if (!names.is_none()) all = textsOf(names, "outputs");
+    if (!out.is_none()) all = textsOf(nb::list(out), "out");
+    for (const std::string& name : all) add(name);
+  }
+  const CastTargets& targets() const { return targets_; }
+  nb::dict take() { return std::move(arrays_); }
+
+ private:
+  void add(const std::string& name) {
+    constexpr const char* kNames =
+        "distance, position, normal, geonormal, uv, id, part, material, triangle and intensity";
+    if (name == "distance")
+      targets_.distance = memory<float>(name);
+    else if (name == "position")
+      targets_.position = memory<std::array<float, 3>>(name);
+    else if (name == "normal")
+      targets_.normal = memory<std::array<float, 3>>(name);
+    else if (name == "geonormal")
+      targets_.geonormal = memory<std::array<float, 3>>(name);
+    else if (name == "uv")
+      targets_.uv = memory<std::array<float, 2>>(name);
+    else if (name == "id")
+      targets_.id = memory<uint32_t>(name);
+    else if (name == "part")
+      targets_.part = memory<uint32_t>(name);
+    else if (name == "material")
+      targets_.material = memory<uint32_t>(name);
+    else if (name == "triangle")
+      targets_.triangle = memory<uint32_t>(name);
+    else if (name == "intensity")
+      targets_.intensity = memory<float>(name);
+    else
+      badValue("rays have no output \"{}\": they have {}", name, kNames);
+  }
+
+  // Returns the memory of an array (rays) or (rays, columns).
+  template <typename Value>
+  Value* memory(const std::string& name) {
+    using Element = std::conditional_t<std::is_same_v<Value, uint32_t>, uint32_t, float>;
+    std::vector<size_t> shape{rays_};
+    if (sizeof(Value) > sizeof(Element)) shape.push_back(sizeof(Value) / sizeof(Element));
+    const nb::object array = out_.is_none() ? made<Element>(shape) : given<Element>(name, shape);
+    arrays_[name.c_str()] = array;
+    return reinterpret_cast<Value*>(nb::cast<nb::ndarray<Element, nb::c_contig, nb::device::cpu>>(array).data());
+  }
+
+  // NumPy's own memory, which is not cleared and in huge pages.
+  template <typename Element>
+  static nb::object made(const std::vector<size_t>& shape) {
+    nb::list lengths;
+    for (const size_t length : shape) lengths.append(length);
+    return nb::module_::import_("numpy").attr("empty")(nb::tuple(lengths),
+                                                       std::is_same_v<Element, float> ? "float32" : "uint32");
+  }
+
+  template <typename Element>
+  nb::object given(const std::string& name, const std::vector<size_t>& shape) {
+    const nb::object array = nb::borrow<nb::object>(out_[name.c_str()]);
+    nb::ndarray<Element, nb::c_contig, nb::device::cpu> view;
+    bool fits = nb::try_cast(array, view, false) && view.ndim() == shape.size();
+    for (size_t i = 0; fits && i < shape.size(); ++i) fits = view.shape(i) == shape[i];
+    if (!fits)
+      badValue(
+          "out[\"{}\"] must be a contiguous array of {} with {} rows, as an earlier cast() of as many rays returned it",
+          name, std::is_same_v<Element, float> ? "float32" : "uint32", rays_);
+    return array;
+  }
+
+  size_t rays_;
+  nb::handle out_;
+  CastTargets targets_;
+  nb::dict arrays_;
+};
+
+template <typename T>
+nb::dict castVectors(const std::shared_ptr<SharedRenderer>& renderer, const Vectors<T>& origins,
+                     const Vectors<T>& directions, double limit, nb::handle outputs, nb::handle out,
+                     const Options& options) {
+  const auto from = origins.values(), along = directions.values();
   if (from.size() != along.size())
     badValue("origins and directions must have equal lengths, not {} and {}", from.size(), along.size());
-  const double limit = numberOf(maxDistance, "max_distance");
-  const Options options = optionsOf(nb::none(), nb::make_tuple("rgba"), keywords);
-  CastHits hits;
+  HitArrays hits(from.size(), outputs, out);
   try {
-    hits = renderer->use([&](Renderer& renderer) { return renderer.cast(from, along, options, limit); });
+    renderer->use([&](Renderer& renderer) { renderer.cast(from, along, hits.targets(), options, limit); });
   } catch (const Error& error) {
     throw inPython(error);
   }
-  const std::vector<size_t> shape{from.size()};
-  nb::dict arrays;
-  arrays["distance"] = owned(std::move(hits.distance), shape);
-  arrays["position"] = ownedRows(hits.position);
-  arrays["normal"] = ownedRows(hits.normal);
-  arrays["geonormal"] = ownedRows(hits.geonormal);
-  arrays["uv"] = ownedRows(hits.uv);
-  arrays["id"] = owned(std::move(hits.id), shape);
-  arrays["part"] = owned(std::move(hits.part), shape);
-  arrays["material"] = owned(std::move(hits.material), shape);
-  arrays["triangle"] = owned(std::move(hits.triangle), shape);
-  arrays["intensity"] = owned(std::move(hits.intensity), shape);
-  return arrays;
+  return hits.take();
+}
+
+nb::dict cast(const std::shared_ptr<SharedRenderer>& renderer, nb::handle origins, nb::handle directions,
+              nb::handle maxDistance, nb::handle outputs, nb::handle out, const nb::kwargs& keywords) {
+  const double limit = numberOf(maxDistance, "max_distance");
+  const Options options = optionsOf(nb::none(), nb::make_tuple("rgba"), keywords);
+  if (isFloat32(origins) && isFloat32(directions))
+    return castVectors<float>(renderer, {origins, "origins"}, {directions, "directions"}, limit, outputs, out, options);
+  return castVectors<double>(renderer, {origins, "origins"}, {directions, "directions"}, limit, outputs, out, options);
 }
 
 // Calls `work` with the renderer and the options of a picture without outputs.
@@ -454,6 +544,27 @@ nb::object correspond(const std::shared_ptr<SharedRenderer>& renderer, nb::handl
   return correspondenceOf(label(renderer, size, keywords, [&](Renderer& renderer, const Options& options) {
     return renderer.correspond(from, to, options, time);
   }));
+}
+
+nb::dict scanLidar(const std::shared_ptr<SharedRenderer>& renderer, nb::handle pattern, nb::handle poses,
+                   nb::handle samples, nb::handle returns, nb::handle seed, nb::handle slices,
+                   const nb::kwargs& keywords) {
+  const LidarPattern firings = patternOf(pattern);
+  const std::vector<double> values = doublesOf(poses, "poses", {-1, 4, 4});
+  std::vector<Transform> matrices(values.size() / 16);
+  if (!matrices.empty()) std::memcpy(matrices.data(), values.data(), sizeof(double) * values.size());
+  LidarOptions lidar{.samples = static_cast<uint32_t>(integerOf(samples, "samples", 0, INT32_MAX)),
+                     .returns = textOf(returns, "returns"),
+                     .seed = std::nullopt,
+                     .slices = static_cast<uint32_t>(integerOf(slices, "slices", 0, INT32_MAX))};
+  if (!seed.is_none()) lidar.seed = static_cast<uint64_t>(integerOf(seed, "seed", 0, INT64_MAX));
+  const Options options = optionsOf(nb::none(), nb::make_tuple("rgba"), keywords);
+  try {
+    return pointsOf(
+        renderer->use([&](Renderer& renderer) { return renderer.scan(firings, matrices, lidar, options); }));
+  } catch (const Error& error) {
+    throw inPython(error);
+  }
 }
 
 void bindPick(nb::module_& module) {
@@ -658,18 +769,30 @@ void bindRenderer(nb::module_& module) {
            "What pixels (N, 2), x and y from the upper left, of such a picture show, in their order. Lights nothing.");
   const std::string castSignature =
       "def cast(self, origins: numpy.typing.ArrayLike, directions: numpy.typing.ArrayLike, "
-      "max_distance: float = float(\"inf\"), *" +
+      "max_distance: float = float(\"inf\"), outputs: str | collections.abc.Sequence[str] | None = None, "
+      "out: dict[str, numpy.typing.NDArray[typing.Any]] | None = None, *" +
       optionParameters() + ") -> dict[str, numpy.typing.NDArray[typing.Any]]";
   type.def(
       "cast", &cast, argument("origins"), argument("directions"),
-      nb::arg("max_distance") = std::numeric_limits<double>::infinity(), nb::arg("options"),
-      nb::sig(castSignature.c_str()),
+      nb::arg("max_distance") = std::numeric_limits<double>::infinity(), argument("outputs") = nb::none(),
+      argument("out") = nb::none(), nb::arg("options"), nb::sig(castSignature.c_str()),
       "Casts rays through the scene. origins and directions are arrays (N, 3) in the frame of axes; directions may "
       "have\nany length.\n\nReturns arrays of N values by name: distance (meters; infinite for a ray that hits "
       "nothing), position, normal,\ngeonormal, uv, id, part and material as the outputs of these names, "
       "triangle, the index in the part's mesh, and\nintensity, from 0 to 1: the reflectance at normal incidence times "
-      "the cosine of the angle of incidence.\nThe options time, animation, data_surfaces, axes and "
+      "the cosine of the angle of incidence.\noutputs: the names of those to return; None: all. out: arrays that an "
+      "earlier "
+      "call for as many rays returned; they\nreceive the values and are returned.\nThe options time, animation, "
+      "data_surfaces, axes and "
       "position_origin apply.");
+  const std::string scanSignature =
+      "def scan_lidar(renderer: Renderer, pattern: latelight.lidar.Pattern, poses: numpy.typing.ArrayLike, samples: "
+      "int, "
+      "returns: str, seed: int | None, slices: int, *" +
+      optionParameters({"samples"}) + ") -> dict[str, numpy.typing.NDArray[typing.Any]]";
+  module.def("scan_lidar", &scanLidar, argument("renderer"), argument("pattern"), argument("poses"),
+             argument("samples"), argument("returns"), argument("seed"), argument("slices"), nb::arg("options"),
+             nb::sig(scanSignature.c_str()), "The fields of latelight.lidar.Scan.");
 }
 
 }  // namespace latelight::python

@@ -16,14 +16,14 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
+from . import _core
 from ._core import Renderer
-from ._point_files import write_points
 from .errors import UsageError
 from .trajectory import Motion, Trajectory, checked_poses, sensor_pose
 
@@ -35,6 +35,7 @@ __all__ = [
     "hdl32e",
     "hdl64e",
     "livox_mid40",
+    "os1_128",
     "os1_64",
     "patterns",
     "scan",
@@ -46,16 +47,6 @@ __all__ = [
 Array = npt.NDArray[Any]
 
 RETURNS = ("strongest", "first", "last", "dual", "all")
-
-# Signals are relative to that of a surface of this reflectance that faces the sensor at the rated range, which the
-# receiver detects with this probability, as makers state ranges.
-RATED_REFLECTANCE = 0.8
-RATED_DETECTION = 0.9
-# The threshold of the receiver in standard deviations of its noise. A Gaussian exceeds 4.5 of them with 3.4e-6.
-THRESHOLD_TO_NOISE = 4.5
-_NORMAL_QUANTILE = 1.2815515655446004  # of RATED_DETECTION
-SIGNAL_NOISE = 1 / (THRESHOLD_TO_NOISE + _NORMAL_QUANTILE)
-SIGNAL_THRESHOLD = THRESHOLD_TO_NOISE * SIGNAL_NOISE
 
 
 @dataclass(frozen=True)
@@ -110,55 +101,34 @@ def spinning(
     azimuths: degrees that each laser looks to the right of the rotor; columns: cycles per scan (default: as many as
     fit); properties: those of Pattern.
     """
-    if not elevations or not cycle > 0 or not rate > 0:
-        raise UsageError("a spinning sensor needs lasers, and a cycle and a rate above 0")
-    lasers = np.asarray(elevations, np.float64)
-    offsets = np.arange(len(lasers)) * firing if isinstance(firing, (int, float)) else np.asarray(firing, np.float64)
-    period = 1 / rate
-    count = columns or int(period / cycle)
-    if count < 1 or offsets.shape != lasers.shape:
-        raise UsageError("a spinning sensor needs at least one cycle per scan, and one firing offset per laser")
-    times = (np.arange(count)[:, None] * cycle + offsets).ravel()
-    azimuth = 2 * np.pi * rate * times + np.radians(np.tile(np.broadcast_to(azimuths, lasers.shape), count))
-    elevation = np.radians(np.tile(lasers, count))
-    across = np.cos(elevation)
-    directions = np.stack([across * np.cos(azimuth), -across * np.sin(azimuth), np.sin(elevation)], axis=1)
-    rings = np.tile(np.argsort(np.argsort(lasers)).astype(np.uint16), count)
-    return Pattern(name, directions, times, rings, period, **properties)
+    if not cycle > 0 or not rate > 0:
+        raise UsageError("a spinning sensor needs a cycle and a rate above 0")
+    lasers = len(elevations)
+    offsets = np.arange(lasers) * firing if isinstance(firing, (int, float)) else np.asarray(firing, np.float64)
+    azimuth = np.broadcast_to(np.asarray(azimuths, np.float64), (lasers,))
+    fields = _core.spinning_pattern(name, elevations, azimuth, offsets, cycle, columns or 0, rate)
+    return Pattern(**{**fields, **properties})
+
+
+def _named(sensor: str, rate: float, columns: int = 0, start: float = 0.0) -> Pattern:
+    if not rate > 0:
+        raise UsageError("rate must be above 0")
+    return Pattern(**_core.lidar_pattern(sensor, rate, columns, start))
 
 
 def vlp16(rate: float = 10.0) -> Pattern:
     """Velodyne VLP-16 (VLP-16 User Manual, 63-9243 Rev. D: chapter 9 and appendix on timing); rate: 5 to 20 Hz."""
-    low = np.arange(-15, 0, 2)
-    elevations = np.stack([low, low + 16], axis=1).ravel().tolist()  # -15, 1, -13, 3, ...
-    return spinning(
-        "VLP-16", elevations, 55.296e-6, rate, 2.304e-6,
-        min_range=0.9, max_range=131.07, rated_range=100.0, range_noise=0.015, range_resolution=0.002,
-        divergence=(math.radians(0.18), math.radians(0.07)),
-    )  # fmt: skip
+    return _named("vlp-16", rate)
 
 
 def hdl32e(rate: float = 10.0) -> Pattern:
     """Velodyne HDL-32E (HDL-32E User Manual, 63-9113: appendix on the firing sequence); rate: 5 to 20 Hz."""
-    low = -92 / 3 + np.arange(16) * 4 / 3  # -30.67, -29.33, ...; the others follow 21.33 degrees above
-    elevations = np.stack([low, low + 64 / 3], axis=1).ravel().tolist()
-    return spinning(
-        "HDL-32E", elevations, 46.08e-6, rate, 1.152e-6,
-        min_range=0.9, max_range=131.07, rated_range=100.0, range_noise=0.02, range_resolution=0.002,
-        divergence=(math.radians(0.16), math.radians(0.08)),
-    )  # fmt: skip
+    return _named("hdl-32e", rate)
 
 
 def hdl64e(rate: float = 10.0) -> Pattern:
     """Velodyne HDL-64E S2, the sensor of KITTI, with its nominal elevations (HDL-64E S2 User Manual); 5 to 15 Hz."""
-    upper = 2 - np.arange(32) / 3  # 2 to -8.33 degrees
-    lower = -8.83 - np.arange(32) * 0.5  # -8.83 to -24.33 degrees
-    elevations = np.concatenate([upper, lower]).tolist()
-    return spinning(
-        "HDL-64E S2", elevations, 48e-6, rate, 0.75e-6,
-        min_range=0.9, max_range=131.07, rated_range=120.0, range_noise=0.02, range_resolution=0.002,
-        divergence=(2e-3, 2e-3),
-    )  # fmt: skip
+    return _named("hdl-64e", rate)
 
 
 def os1_64(rate: float = 10.0, columns: int = 1024) -> Pattern:
@@ -166,14 +136,15 @@ def os1_64(rate: float = 10.0, columns: int = 1024) -> Pattern:
 
     rate: 10 or 20 Hz; columns: 512, 1024 or 2048 per scan.
     """
-    elevations = np.linspace(16.6, -16.6, 64)
-    azimuths = np.tile([-3.164, -1.055, 1.055, 3.164], 16)
-    return spinning(
-        "OS1-64", elevations.tolist(), 1 / (rate * columns), rate, 0.0, azimuths.tolist(), columns,
-        min_range=0.8, rated_range=120.0, range_noise=0.015, range_resolution=0.003,
-        # The datasheet's 0.18 degrees are the full width at half maximum.
-        divergence=(math.radians(0.18) * math.sqrt(2 / math.log(2)),) * 2,
-    )  # fmt: skip
+    return _named("os1-64", rate, columns)
+
+
+def os1_128(rate: float = 10.0, columns: int = 1024) -> Pattern:
+    """Ouster OS1-128, first generation (OS1 datasheet): 128 lasers from -22.5 to 22.5 degrees that fire at once.
+
+    rate: 10 or 20 Hz; columns: 512, 1024 or 2048 per scan.
+    """
+    return _named("os1-128", rate, columns)
 
 
 def livox_mid40(period: float = 0.1, start: float = 0.0) -> Pattern:
@@ -185,24 +156,12 @@ def livox_mid40(period: float = 0.1, start: float = 0.0) -> Pattern:
     """
     if not period > 0:
         raise UsageError("period must be above 0")
-    times = np.arange(max(1, round(period * 1e5))) / 1e5
-    deflection = math.radians(38.4 / 4)
-    angles = [2 * np.pi * speed / 60 * (start + times) for speed in (7294.0, -4664.0)]
-    left = deflection * sum(np.cos(angle) for angle in angles)
-    up = deflection * sum(np.sin(angle) for angle in angles)
-    angle = np.hypot(left, up)
-    scale = np.sinc(angle / np.pi)  # sin(angle) / angle
-    directions = np.stack([np.cos(angle), left * scale, up * scale], axis=1)
-    return Pattern(
-        "Livox Mid-40", directions, times, np.zeros(len(times), np.uint16), period,
-        min_range=1.0, rated_range=260.0, range_noise=0.02, range_resolution=0.001,
-        divergence=(math.radians(0.03), math.radians(0.28)),
-    )  # fmt: skip
+    return _named("mid-40", 1 / period, 0, start)
 
 
 def patterns() -> dict[str, Pattern]:
     """All sensors of this module, by name."""
-    return {pattern.name: pattern for pattern in (vlp16(), hdl32e(), hdl64e(), os1_64(), livox_mid40())}
+    return {pattern.name: pattern for pattern in (vlp16(), hdl32e(), hdl64e(), os1_64(), os1_128(), livox_mid40())}
 
 
 @dataclass(frozen=True)
@@ -236,108 +195,11 @@ class Scan:
 
     def write(self, path: str | os.PathLike[str], frame: str = "sensor") -> None:
         """Writes a .ply, .pcd (binary), .bin (KITTI: x, y, z, intensity) or .npz file with the values of fields()."""
-        write_points(path, self.fields(frame))
+        _core.write_points(path, dict(self.fields(frame)))
 
 
 class _Poses(Protocol):
     def at(self, times: npt.ArrayLike) -> npt.NDArray[np.float64]: ...
-
-
-def _beam(pattern: Pattern, samples: int) -> Array:
-    """Offsets (samples, 2) of the rays of a beam, horizontal and vertical, in radians.
-
-    Each stands for an equal share of the energy of a Gaussian beam (Vogel's spiral over the quantiles of its radius).
-    """
-    if samples == 1:
-        return np.zeros((1, 2))
-    index = np.arange(samples)
-    radius = np.sqrt(-0.5 * np.log(1 - (index + 0.5) / samples))  # in radii at 1/e^2
-    angle = index * np.pi * (3 - math.sqrt(5))
-    return radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1) * (np.asarray(pattern.divergence) / 2)
-
-
-def _rays(directions: Array, offsets: Array) -> Array:
-    """Unit vectors (N, samples, 3) around the directions (N, 3)."""
-    right = np.stack([directions[:, 1], -directions[:, 0], np.zeros(len(directions))], axis=1)
-    lengths = np.linalg.norm(right, axis=1, keepdims=True)
-    right = np.where(lengths > 1e-9, right / np.maximum(lengths, 1e-9), [0.0, -1.0, 0.0])
-    up = np.cross(right, directions)
-    rays = directions[:, None] + offsets[:, :1] * right[:, None] + offsets[:, 1:] * up[:, None]
-    return rays / np.linalg.norm(rays, axis=2, keepdims=True)
-
-
-@dataclass
-class _Echoes:
-    """Of each firing (N) up to as many echoes (E) as rays, from the nearest on. Unused ones have a signal of 0."""
-
-    range: Array
-    intensity: Array
-    signal: Array  # relative to that of RATED_REFLECTANCE at the rated range
-    ray: Array  # index of the ray that returns most
-
-
-def _echoes(pattern: Pattern, distance: Array, intensity: Array) -> _Echoes:
-    """Merges what the rays of a beam hit (N, samples) into echoes."""
-    count, samples = distance.shape
-    order = np.argsort(distance, axis=1, kind="stable")
-    distance = np.take_along_axis(distance, order, axis=1)
-    share = np.take_along_axis(intensity, order, axis=1) / samples
-    hit = np.isfinite(distance)
-    near = np.where(hit, distance, 0)
-    # A Lambertian surface that fills the beam returns its intensity over the square of the distance.
-    power = np.where(hit, share / np.maximum(near, 1e-3) ** 2, 0)
-    with np.errstate(invalid="ignore"):
-        gaps = np.diff(distance, axis=1) > pattern.echo_separation
-    echo = np.concatenate([np.zeros((count, 1), np.int64), np.cumsum(gaps, axis=1)], axis=1)
-    flat = (np.arange(count)[:, None] * samples + echo).ravel()
-
-    def total(values: Array) -> Array:
-        return np.bincount(flat, values.ravel(), count * samples).reshape(count, samples)
-
-    signal = total(power)
-    mean = total(power * near) / np.where(signal > 0, signal, 1)
-    if math.isfinite(pattern.rated_range):
-        relative = signal * (pattern.rated_range**2 / RATED_REFLECTANCE)
-    else:
-        relative = np.where(signal > 0, np.inf, 0)
-    # The first of each echo in the order of falling power.
-    strongest = np.zeros(count * samples, np.int64)
-    by_power = np.lexsort((-power.ravel(), flat))
-    firsts = np.flatnonzero(np.diff(flat[by_power], prepend=-1))
-    strongest[flat[by_power[firsts]]] = order.ravel()[by_power[firsts]]
-    return _Echoes(mean, total(np.where(hit, share, 0)), relative, strongest.reshape(count, samples))
-
-
-def _chosen(detected: Array, signal: Array, returns: str) -> Array:
-    """Selects among detected echoes (N, E)."""
-    if returns == "all":
-        return detected
-    number = np.arange(detected.shape[1])
-    some = detected.any(axis=1, keepdims=True)
-    first = some & (number == np.argmax(detected, axis=1)[:, None])
-    last = some & (number == detected.shape[1] - 1 - np.argmax(detected[:, ::-1], axis=1)[:, None])
-    ranked = np.where(detected, signal, -1)
-    strongest = some & (number == np.argmax(ranked, axis=1)[:, None])
-    if returns != "dual":
-        return {"first": first, "last": last, "strongest": strongest}[returns]
-    # As Velodyne's sensors: the strongest and the last, or the two strongest if these are the same.
-    others = np.where(strongest, -1, ranked)
-    second = (others.max(axis=1, keepdims=True) >= 0) & (number == np.argmax(others, axis=1)[:, None])
-    same = (strongest & last).any(axis=1, keepdims=True)
-    return strongest | np.where(same, second, last)
-
-
-def _cast(renderer: Renderer, origins: Array, directions: Array, slices: Array, times: Sequence[float | None],
-          options: Mapping[str, Any]) -> dict[str, Array]:  # fmt: skip
-    """Casts the rays of all firings (N, samples, 3), slice by slice of the time."""
-    parts: list[dict[str, Array]] = []
-    for first, end, time in zip(slices[:-1], slices[1:], times):
-        some = directions[first:end]
-        starts = np.broadcast_to(origins[first:end, None], some.shape).reshape(-1, 3)
-        moment = options if time is None else {**options, "time": time}
-        hits = renderer.cast(starts, some.reshape(-1, 3), **moment)
-        parts.append({name: hits[name] for name in ("distance", "intensity", "id", "part", "material")})
-    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 def scan(
@@ -369,53 +231,9 @@ def scan(
     """
     if returns not in RETURNS:
         raise UsageError(f"returns must be one of {', '.join(RETURNS)}, not {returns!r}")
-    if not 1 <= samples <= 1024 or samples != int(samples):
-        raise UsageError(f"samples must be a whole number from 1 to 1024, not {samples}")
-    if slices < 1 or slices != int(slices):
-        raise UsageError(f"slices must be a whole number of at least 1, not {slices}")
+    limit = options.pop("max_distance", math.inf)
+    if limit < pattern.max_range:
+        pattern = replace(pattern, max_range=limit)
     poses = pose if hasattr(pose, "at") else Motion(checked_poses(pose))  # type: ignore[arg-type]
     frames = poses.at(start + pattern.times)  # type: ignore[union-attr]
-    turns, origins = frames[:, :3, :3], frames[:, :3, 3]
-    rays = _rays(pattern.directions, _beam(pattern, samples))
-    directions = np.einsum("nij,nsj->nsi", turns, rays)
-    edges = np.searchsorted(pattern.times, np.linspace(0, pattern.period, slices + 1)[1:-1])
-    bounds = np.concatenate([[0], edges, [len(pattern)]]).astype(np.int64)
-    if math.isfinite(pattern.max_range):
-        options.setdefault("max_distance", pattern.max_range + 10 * pattern.range_noise)
-    begin = options.get("time")
-    moments = [None] if slices == 1 else [(begin or 0.0) + (i + 0.5) * pattern.period / slices for i in range(slices)]
-    hits = _cast(renderer, origins, directions, bounds, moments, options)
-
-    count = len(pattern)
-    shape = (count, samples)
-    echoes = _echoes(pattern, hits["distance"].reshape(shape).astype(np.float64), hits["intensity"].reshape(shape))
-    range_noise = signal_noise = np.zeros(shape)
-    if seed is not None:
-        random = np.random.Generator(np.random.Philox(seed))
-        range_noise = random.standard_normal(shape) * pattern.range_noise
-        signal_noise = random.standard_normal(shape) * SIGNAL_NOISE
-    ranges = echoes.range + range_noise
-    if pattern.range_resolution > 0:
-        ranges = np.round(ranges / pattern.range_resolution) * pattern.range_resolution
-    detected = (echoes.signal > 0) & (echoes.signal + signal_noise >= SIGNAL_THRESHOLD)
-    detected &= (ranges >= pattern.min_range) & (ranges <= pattern.max_range) & (ranges > 0)
-    chosen = _chosen(detected, echoes.signal, returns)
-
-    firing, echo = np.nonzero(chosen)
-    at = ranges[firing, echo]
-    position = pattern.directions[firing] * at[:, None]
-    ray = firing * samples + echoes.ray[firing, echo]
-    number = np.cumsum(detected, axis=1)[firing, echo] - 1
-    return Scan(
-        position=position.astype(np.float32),
-        world_position=np.einsum("nij,nj->ni", turns[firing], position) + origins[firing],
-        time=pattern.times[firing],
-        range=at.astype(np.float32),
-        intensity=np.clip(echoes.intensity[firing, echo], 0, 1).astype(np.float32),
-        ring=np.asarray(pattern.rings, np.uint16)[firing],
-        echo=number.astype(np.uint8),
-        firing=firing.astype(np.uint32),
-        id=hits["id"][ray],
-        part=hits["part"][ray],
-        material=hits["material"][ray],
-    )
+    return Scan(**_core.scan_lidar(renderer, pattern, frames, samples, returns, seed, slices, **options))

@@ -594,14 +594,6 @@ std::span<const glm::dvec3> vectors(std::span<const std::array<double, 3>> array
   return {reinterpret_cast<const glm::dvec3*>(arrays.data()), arrays.size()};
 }
 
-template <size_t N, typename Vector>
-std::vector<std::array<float, N>> arraysOf(const std::vector<Vector>& from) {
-  static_assert(sizeof(Vector) == sizeof(std::array<float, N>));
-  std::vector<std::array<float, N>> arrays(from.size());
-  if (!from.empty()) std::memcpy(arrays.data(), from.data(), sizeof(Vector) * from.size());
-  return arrays;
-}
-
 }  // namespace
 
 Renderer::Impl::LabelInput Renderer::Impl::labelInput(const Camera& camera, const Options& options) const {
@@ -626,23 +618,53 @@ Renderer::Impl::WorldLabelInput Renderer::Impl::worldLabelInput(const Worlds& wo
   return input;
 }
 
+Renderer::Impl::RayInput Renderer::Impl::rayInput(const Options& options) const {
+  owner.require("the renderer");
+  RayInput input{.settings = internalSettings(options), .moment = {}};
+  input.moment = internalState(options, input.settings, scene, 0);
+  return input;
+}
+
+namespace {
+
+// Renderer::Impl is private, so its type is deduced.
+template <typename Impl>
+void castTo(Impl& impl, const render::CastRays& rays, const CastTargets& t, const Options& options,
+            const std::function<void()>& beforeStore) {
+  const auto input = impl.rayInput(options);
+  static_assert(sizeof(glm::vec3) == sizeof(*t.position) && sizeof(glm::vec2) == sizeof(*t.uv));
+  const auto vec3s = [](std::array<float, 3>* vectors) { return reinterpret_cast<glm::vec3*>(vectors); };
+  const render::CastTargets targets{
+      t.distance, vec3s(t.position), vec3s(t.normal), vec3s(t.geonormal), reinterpret_cast<glm::vec2*>(t.uv), t.id,
+      t.part,     t.material,        t.triangle,      t.intensity};
+  impl.renderer.cast(rays, targets, input.settings, input.moment, beforeStore);
+}
+
+}  // namespace
+
 CastHits Renderer::cast(std::span<const std::array<double, 3>> origins,
                         std::span<const std::array<double, 3>> directions, const Options& options, double maxDistance) {
   usable(impl_);
-  const render::Settings settings = internalSettings(options);
-  const render::SceneState moment = internalState(options, settings, impl_->scene, 0);
-  render::CastHits hits =
-      impl_->renderer.cast({vectors(origins), vectors(directions), maxDistance}, settings, moment).hits;
-  return {.distance = std::move(hits.distance),
-          .position = arraysOf<3>(hits.position),
-          .normal = arraysOf<3>(hits.normal),
-          .geonormal = arraysOf<3>(hits.geonormal),
-          .uv = arraysOf<2>(hits.uv),
-          .id = std::move(hits.id),
-          .part = std::move(hits.part),
-          .material = std::move(hits.material),
-          .triangle = std::move(hits.triangle),
-          .intensity = std::move(hits.intensity)};
+  CastHits hits;
+  render::HitMemory<CastTargets, CastHits> memory(hits, origins.size());
+  castTo(*impl_, {vectors(origins), vectors(directions), maxDistance}, memory.targets(), options,
+         [&] { memory.wait(); });
+  return hits;
+}
+
+void Renderer::cast(std::span<const std::array<double, 3>> origins, std::span<const std::array<double, 3>> directions,
+                    const CastTargets& targets, const Options& options, double maxDistance) {
+  castTo(usable(impl_), {vectors(origins), vectors(directions), maxDistance}, targets, options, {});
+}
+
+void Renderer::cast(std::span<const std::array<float, 3>> origins, std::span<const std::array<float, 3>> directions,
+                    const CastTargets& targets, const Options& options, double maxDistance) {
+  const auto vectors = [](std::span<const std::array<float, 3>> arrays) {
+    return std::span(reinterpret_cast<const glm::vec3*>(arrays.data()), arrays.size());
+  };
+  castTo(usable(impl_),
+         {.maxDistance = maxDistance, .floatOrigins = vectors(origins), .floatDirections = vectors(directions)},
+         targets, options, {});
 }
 
 }  // namespace latelight

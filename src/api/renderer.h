@@ -39,6 +39,13 @@ struct Renderer::Impl {
     render::Settings settings;
     render::SceneState moment;
   };
+  // The settings and the scene's state for rays.
+  struct RayInput {
+    render::Settings settings;
+    render::SceneState moment;
+  };
+  // Fails in any process other than the one that created the renderer.
+  RayInput rayInput(const Options& options) const;
   // Returns the environments of these names.
   std::vector<const scene::Environment*> environmentsOf(const std::vector<std::string>& names);
   // Fails in any process other than the one that created the renderer.

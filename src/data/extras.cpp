@@ -14,12 +14,16 @@ Extras both(const Extras& a, const Extras& b) {
   std::vector<PairTarget> pairs = a.pairs;
   for (const PairTarget& target : b.pairs)
     if (std::ranges::find(pairs, target) == pairs.end()) pairs.push_back(target);
+  ScanRequests scans = a.scans;
+  for (const auto& scan : b.scans)
+    if (std::ranges::none_of(scans, [&](const auto& other) { return other->key == scan->key; })) scans.push_back(scan);
   return {.boxes = a.boxes || b.boxes,
           .alone = a.alone || b.alone,
           .order = a.order || b.order,
           .shapes = a.shapes || b.shapes,
           .keypoints = a.keypoints.empty() ? b.keypoints : a.keypoints,
           .pairs = std::move(pairs),
+          .scans = std::move(scans),
           .samples = std::max(a.samples, b.samples)};
 }
 

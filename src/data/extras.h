@@ -9,9 +9,10 @@ namespace latelight::data {
 // Returns the union of two requirements.
 Extras both(const Extras& a, const Extras& b);
 
-// Fills everything except DataFrame::pairs, which relate frames: DataFrame::objects, DataFrame::keypoints and
-// DataFrame::samples. Called once per frame if any format requires them, with the arguments that the frame's picture
-// was rendered with. The frame's metadata must have its ids. `geometry` caches the geometry hashes of `scene`.
+// Fills everything except DataFrame::pairs and DataFrame::scans, which relate frames: DataFrame::objects,
+// DataFrame::keypoints and DataFrame::samples. Called once per frame if any format requires them, with the arguments
+// that the frame's picture was rendered with. The frame's metadata must have its ids. `geometry` caches the geometry
+// hashes of `scene`.
 void renderExtras(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
                   const render::Settings& settings, const render::SceneState& moment, const Extras& needed,
                   GeometryHashes& geometry, DataFrame& frame);

@@ -26,6 +26,7 @@ std::span<const FormatInfo> formats() {
       {"colmap", "COLMAP models with images, depth maps and points with tracks", makeColmap},
       {"cryptomatte", "Cryptomatte of objects and materials in OpenEXR", makeCryptomatte},
       {"ply", "point cloud as binary PLY: position, normal, color, id", makePly},
+      {"lidar", "point clouds of a lidar sensor on each camera: PLY, PCD, KITTI's .bin or NPZ", makeLidar},
       {"video", "the frames as an mp4 video (requires ffmpeg)", makeVideo},
   };
   return kFormats;

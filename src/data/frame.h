@@ -7,6 +7,7 @@
 
 #include "data/keypoints.h"
 #include "data/pairs.h"
+#include "data/scans.h"
 #include "labels/objects.h"
 #include "output/files.h"
 #include "output/metadata.h"
@@ -28,10 +29,11 @@ struct Extras {
   bool shapes = false;  // objects, also with their shapes
   std::vector<ObjectKeypoint> keypoints;  // keypoints of objects; empty: none
   std::vector<PairTarget> pairs;          // correspondence with these images; empty: none
+  ScanRequests scans;                     // lidar scans; empty: none
   uint32_t samples = 0;                   // N: ids and materials at N x N samples per pixel; 0: none
 
   bool needsAny() const {
-    return boxes || alone || order || shapes || !keypoints.empty() || !pairs.empty() || samples > 0;
+    return boxes || alone || order || shapes || !keypoints.empty() || !pairs.empty() || !scans.empty() || samples > 0;
   }
 };
 
@@ -48,6 +50,7 @@ struct DataFrame {
   std::vector<Object> objects;  // sorted by id
   KeypointsOfObjects keypoints;
   std::vector<FramePair> pairs;  // those that exist, in the order of Extras::pairs
+  std::vector<FrameScan> scans;  // in the order of Extras::scans
   // Id and material of a picture N times as wide and high, an ordered grid of N x N samples per pixel.
   output::FrameOutput samples;
 };

@@ -128,8 +128,8 @@ const Type* findType(std::string_view descr) {
 
 std::vector<std::byte> encodeNpy(std::string_view type, std::span<const uint64_t> shape,
                                  std::span<const std::byte> data) {
-  std::string text =
-      fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", type, fmt::join(shape, ", "));
+  std::string text = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}{}), }}", type,
+                                 fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
   constexpr size_t kBefore = 10;  // magic, version, length
   const size_t total = (kBefore + text.size() + 1 + kAlignment - 1) / kAlignment * kAlignment;
   text.append(total - kBefore - text.size() - 1, ' ');

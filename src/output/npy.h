@@ -14,7 +14,7 @@ namespace latelight::output {
 
 // Writes float32 of shape (H, W) or (H, W, channels), or uint32 of shape (H, W) for ids; little-endian, C order.
 std::vector<std::byte> encodeNpy(const AovImage& image);
-// Writes an array of at least two axes. `type` is NumPy's, such as "<f4" or "|b1".
+// Writes an array of at least one axis. `type` is NumPy's, such as "<f4" or "|b1".
 std::vector<std::byte> encodeNpy(std::string_view type, std::span<const uint64_t> shape,
                                  std::span<const std::byte> data);
 

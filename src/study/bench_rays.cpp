@@ -2,6 +2,7 @@
 // graph writes the rays of each kind and what those of the camera hit. The measured graphs only trace.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <glm/gtc/constants.hpp>
 
 #include "base/stopwatch.h"
@@ -152,16 +153,27 @@ std::vector<glm::dvec3> allDirections(uint32_t count) {
 void addCastTime(Table& table, render::Renderer& renderer, const scene::Camera& camera,
                  const render::SceneState& moment, const render::Settings& settings, uint32_t count, uint32_t runs) {
   const std::vector<glm::dvec3> directions = allDirections(count), origins(count, glm::dvec3(camera.toWorld[3]));
-  const auto milliseconds = [&] {
+  const render::CastRays rays{origins, directions};
+  const auto measure = [&](const char* name, const std::function<void()>& cast) {
+    const auto milliseconds = [&] {
+      const Stopwatch stopwatch;
+      cast();
+      return 1000 * stopwatch.seconds();
+    };
     const Stopwatch stopwatch;
-    renderer.cast({origins, directions}, settings, moment);
-    return 1000 * stopwatch.seconds();
+    while (stopwatch.seconds() < kWarmUp) milliseconds();
+    Milliseconds samples;
+    for (uint32_t run = 0; run < runs; ++run) samples.push_back(milliseconds());
+    addRow(table, name, count, samples);
   };
-  const Stopwatch stopwatch;
-  while (stopwatch.seconds() < kWarmUp) milliseconds();
-  Milliseconds samples;
-  for (uint32_t run = 0; run < runs; ++run) samples.push_back(milliseconds());
-  addRow(table, "cast(), host to host", count, samples);
+  measure("cast(), host to host", [&] { renderer.cast(rays, settings, moment); });
+  render::CastHits hits;
+  render::HitMemory<render::CastTargets, render::CastHits> memory(hits, count);
+  memory.wait();
+  const render::CastTargets& all = memory.targets();
+  measure("cast(), to arrays of the caller", [&] { renderer.cast(rays, all, settings, moment); });
+  const render::CastTargets lidar{.distance = all.distance, .id = all.id, .intensity = all.intensity};
+  measure("cast(), distance, id and intensity", [&] { renderer.cast(rays, lidar, settings, moment); });
 }
 
 }  // namespace

@@ -4,9 +4,12 @@ import functools
 import glob
 import json
 import os
+import subprocess
 import sys
 import tarfile
+import tempfile
 import unittest
+from pathlib import Path
 
 import cv2
 import h5py
@@ -18,6 +21,7 @@ import webdataset
 from plyfile import PlyData
 from pycocotools import mask as coco_mask
 from pycocotools.coco import COCO
+from pypcd4 import PointCloud
 
 SET = os.environ["LATELIGHT_TEST_SET"]
 # Metres that a pixel may show of a surface beyond its edge: corners are snapped to parts of a pixel, which on a floor seen
@@ -347,6 +351,58 @@ class Points(unittest.TestCase):
                 np.testing.assert_array_equal(points[names[0]], raw(frame, "position")[..., i][shown])
                 np.testing.assert_array_equal(points[names[1]], raw(frame, "normal")[..., i][shown])
                 np.testing.assert_array_equal(points[names[2]], picture[..., 2 - i][shown])
+
+class Lidar(unittest.TestCase):
+    """The same scans in each file format, by readers that others wrote."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        sensor = {"type": "vlp-16", "rate": 20}
+        formats = [{"format": "lidar", "sensor": sensor, "samples": 4, "returns": "all", "as": kind,
+                    "scans": f"lidar/{kind}.json"} for kind in ("ply", "pcd", "bin", "npz")]  # fmt: skip
+        job = {"scenes": "builtin:boxes", "output": f"{cls.folder.name}/set", "formats": formats,
+               "options": {"size": "64x48"}}  # fmt: skip
+        path = f"{cls.folder.name}/job.json"
+        Path(path).write_text(json.dumps(job))
+        subprocess.run([os.environ["LATELIGHT_PROGRAM"], "batch", path, "--devices", "cpu"], check=True)
+        cls.points = np.load(f"{cls.folder.name}/set/lidar/000000.npz")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def path(self, kind):
+        return f"{self.folder.name}/set/lidar/000000.{kind}"
+
+    def test_npz(self):
+        names = ["x", "y", "z", "intensity", "time", "ring", "range", "echo", "firing", "id", "part", "material"]
+        self.assertEqual(list(self.points), names)
+        count = json.loads(Path(f"{self.folder.name}/set/lidar/npz.json").read_text())["scans"][0]["points"]
+        self.assertGreater(count, 1000)
+        for name in names:
+            self.assertEqual(self.points[name].shape, (count,))
+        away = np.sqrt(sum(self.points[axis].astype(np.float64) ** 2 for axis in "xyz"))
+        np.testing.assert_allclose(away, self.points["range"], rtol=1e-6)
+        self.assertGreater(self.points["echo"].max(), 0)
+
+    def test_ply(self):
+        vertices = PlyData.read(self.path("ply"))["vertex"]
+        for name in self.points:
+            np.testing.assert_array_equal(vertices[name], self.points[name])
+            self.assertEqual(vertices[name].dtype, self.points[name].dtype)
+
+    def test_pcd(self):
+        cloud = PointCloud.from_path(self.path("pcd"))
+        self.assertEqual(list(cloud.fields), list(self.points))
+        for name in self.points:
+            np.testing.assert_array_equal(cloud.pc_data[name], self.points[name])
+            self.assertEqual(cloud.pc_data[name].dtype, self.points[name].dtype)
+
+    def test_kitti(self):
+        rows = np.fromfile(self.path("bin"), np.float32).reshape(-1, 4)
+        for i, name in enumerate(("x", "y", "z", "intensity")):
+            np.testing.assert_array_equal(rows[:, i], self.points[name])
 
 
 class Video(unittest.TestCase):

@@ -206,6 +206,12 @@ def test_ray_views(tmp_path):
     assert run_example("ray_views.py", "builtin:boxes", "out", 70, cwd=tmp_path) == "1 of 1 views\n"
 
 
+def test_lidar_example(tmp_path):
+    for sensor in ("vlp-16", "mid-40"):
+        run_example("lidar.py", sensor, "--sensor", sensor, "--scans", 2, "--device", "cpu", cwd=tmp_path)
+        assert sorted(path.name for path in (tmp_path / sensor).iterdir()) == ["0000.pcd", "0001.pcd", "range.png"]
+
+
 def test_turntable(tmp_path):
     if not shutil.which("ffmpeg"):
         pytest.skip("ffmpeg is not installed")

@@ -81,6 +81,30 @@ def test_a_sphere_around_the_sensor(device):
         np.testing.assert_allclose(np.linalg.norm(scan.world_position, axis=1), 7, rtol=1e-4)
 
 
+def test_a_box_around_the_sensor(device):
+    """Ranges by the slabs of the box, from a place off its center and with a tilted sensor."""
+    half = np.array([6.0, 3.0, 9.0])
+
+    def room(scene):
+        corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
+        sides = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]]
+        triangles = [[s[0], s[i], s[i + 1]] for s in sides for i in (1, 2)]
+        mesh = scene.add_mesh(corners.astype(np.float32), indices=triangles)
+        scene.add_instance(mesh, scene.add_material(latelight.Material(metallic=1, double_sided=True)))
+
+    renderer = rendererOf(room, device)
+    place = np.array([1.5, -0.75, 4.0])
+    pose = lidar.sensor_pose(place, forward=(1, 0.3, -0.5), up=(0.2, 1, 0.1))
+    for pattern in (lidar.os1_128(columns=512), lidar.hdl64e(), lidar.livox_mid40()):
+        scan = lidar.scan(renderer, ideal(pattern), pose, seed=None)
+        assert len(scan) == len(pattern)
+        rays = pattern.directions @ pose[:3, :3].T
+        with np.errstate(divide="ignore"):
+            expected = ((np.sign(rays) * half - place) / rays).min(axis=1)
+        np.testing.assert_allclose(scan.range, expected, rtol=2e-6)
+        np.testing.assert_allclose(scan.world_position, place + rays * expected[:, None], atol=3e-5)
+
+
 def test_motion_distorts_as_the_sensor_moves(device):
     renderer = rendererOf(lambda scene: wall(scene, 40.0), device)
     pattern = ideal(lidar.vlp16())
@@ -220,10 +244,12 @@ def test_elevations_are_those_of_the_manuals():
     np.testing.assert_allclose(np.diff(s2[-32:]), 1 / 3, atol=1e-9)
     np.testing.assert_allclose(np.diff(s2[:32]), 0.5, atol=1e-9)
     np.testing.assert_allclose(elevations(lidar.os1_64(), 64)[[0, 63]], [16.6, -16.6], atol=1e-9)
+    np.testing.assert_allclose(elevations(lidar.os1_128(), 128)[[0, 127]], [22.5, -22.5], atol=1e-9)
 
 
 def test_rates_and_rings():
-    rates = {"VLP-16": 289_000, "HDL-32E": 694_000, "HDL-64E S2": 1_333_000, "OS1-64": 655_360, "Livox Mid-40": 100_000}
+    rates = {"VLP-16": 289_000, "HDL-32E": 694_000, "HDL-64E S2": 1_333_000, "OS1-64": 655_360,
+             "OS1-128": 1_310_720, "Livox Mid-40": 100_000}  # fmt: skip
     for name, pattern in lidar.patterns().items():
         assert abs(len(pattern) / pattern.period / rates[name] - 1) < 0.002, name
         assert np.allclose(np.linalg.norm(pattern.directions, axis=1), 1)

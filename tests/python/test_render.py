@@ -204,6 +204,32 @@ def test_rays_of_any_numbers(renderer):
         renderer.cast([[0, 0, 0]], up, normal_frame="opencv")
 
 
+def test_cast_returns_the_arrays_that_are_needed(renderer):
+    origins, directions = np.tile([0.0, 1.0, 4.0], (500, 1)), np.random.default_rng(1).normal(size=(500, 3))
+    every = renderer.cast(origins, directions)
+    assert len(every) == 10 and np.isfinite(every["distance"]).any()
+    some = renderer.cast(origins.astype(np.float32), directions, outputs=("id", "position"))
+    assert list(some) == ["id", "position"] and np.array_equal(some["id"], every["id"])
+    assert list(renderer.cast(origins, directions, outputs="uv")) == ["uv"]
+    short = directions.astype(np.float32)
+    floats, doubles = (renderer.cast(origins.astype(t), short.astype(t)) for t in (np.float32, np.float64))
+    assert all(np.array_equal(floats[name], doubles[name]) for name in every)
+    again = renderer.cast(origins + [0, 0.25, 0], directions, out=some)
+    assert again["position"] is some["position"] and not np.array_equal(some["position"], every["position"])
+    renderer.cast(origins, directions, out=some)
+    assert np.array_equal(some["position"], every["position"]) and np.array_equal(some["id"], every["id"])
+    for wrong in (
+        dict(outputs="depth"),
+        dict(outputs=("id",), out=some),
+        dict(out={"id": some["id"][:3]}),
+        dict(out={"id": some["id"].astype(np.int64)}),
+        dict(out={"position": some["position"][:, :2]}),
+        dict(out=[]),
+    ):
+        with pytest.raises(latelight.UsageError):
+            renderer.cast(origins, directions, **wrong)
+
+
 def test_metered_exposures(device):
     scene = latelight.Scene()
     points = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)

@@ -301,6 +301,44 @@ TEST_F(CastTest, RespectsSidesAndMaximumDistance) {
   EXPECT_THROW(renderer.cast({origins, directions}, camera), Error);
 }
 
+// More rays than are in one submission, with some arrays only. Rays with the same origin and direction hit the same.
+TEST_F(CastTest, FillsTheArraysThatAreNeeded) {
+  const scene::Scene scene = scene::load("builtin:boxes");
+  const PixelRays few = pixelRays(cameraOf(scene, kWidth, kHeight));
+  PixelRays rays;
+  constexpr size_t kCopies = 20;
+  for (size_t copy = 0; copy < kCopies; ++copy) {
+    rays.origins.insert(rays.origins.end(), few.origins.begin(), few.origins.end());
+    rays.directions.insert(rays.directions.end(), few.directions.begin(), few.directions.end());
+  }
+  Renderer renderer(device(), scene, nullptr);
+  const CastHits expected = renderer.cast({few.origins, few.directions}, castSettings()).hits;
+  const size_t each = few.origins.size(), count = rays.origins.size();
+  ASSERT_GT(count, size_t{1} << 18);
+  std::vector<glm::vec3> positions(count), normals(count);
+  std::vector<uint32_t> triangles(count);
+  renderer.cast({rays.origins, rays.directions},
+                CastTargets{.position = positions.data(), .normal = normals.data(), .triangle = triangles.data()},
+                castSettings());
+  size_t differ = 0;
+  for (size_t i = 0; i < count; ++i)
+    differ += positions[i] != expected.position[i % each] || normals[i] != expected.normal[i % each] ||
+              triangles[i] != expected.triangle[i % each];
+  EXPECT_EQ(differ, 0u);
+  // Rays of floats are those of doubles with the same values.
+  std::vector<glm::vec3> origins(rays.origins.begin(), rays.origins.end()),
+      directions(rays.directions.begin(), rays.directions.end());
+  const std::vector<dvec3> sameOrigins(origins.begin(), origins.end()),
+      sameDirections(directions.begin(), directions.end());
+  const CastHits doubles = renderer.cast({sameOrigins, sameDirections}, castSettings()).hits;
+  const CastHits floats = renderer.cast({.floatOrigins = origins, .floatDirections = directions}, castSettings()).hits;
+  EXPECT_EQ(floats.distance, doubles.distance);
+  EXPECT_EQ(floats.position, doubles.position);
+  EXPECT_THROW(renderer.cast({.floatOrigins = origins, .floatDirections = {}}, castSettings()), Error);
+  renderer.cast({rays.origins, rays.directions}, CastTargets{}, castSettings());
+  EXPECT_TRUE(renderer.cast({{}, {}}, castSettings()).hits.distance.empty());
+}
+
 // Rays in glTF's frame hit at the same distances, and positions are in the frame of the rays.
 TEST_F(CastTest, FollowsAxesAndPositionOrigin) {
   const scene::Scene scene = scene::load(models::modelPath("punctual.glb"));

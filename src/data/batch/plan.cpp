@@ -10,6 +10,7 @@
 #include "base/files.h"
 #include "base/hash.h"
 #include "base/text.h"
+#include "data/batch/sensor_path.h"
 #include "data/json_text.h"
 #include "data/stop.h"
 #include "output/files.h"
@@ -68,7 +69,7 @@ Json describe(const PairTarget& target) {
 }
 
 // `moves`: the frame depends on its neighbors, even if it is exposed for an instant.
-uint64_t hashOf(const CameraTimeline& cameras, size_t i, bool moves, const std::vector<PairTarget>& pairs) {
+uint64_t hashOf(const CameraTimeline& cameras, size_t i, bool moves, const Extras& extras) {
   const JobCamera& c = cameras.camera(i);
   Json all{c.name, c.width, c.height, describe(c.camera), describe(cameras.time(i))};
   const CameraExposure& exposure = c.exposure;
@@ -78,7 +79,12 @@ uint64_t hashOf(const CameraTimeline& cameras, size_t i, bool moves, const std::
   const render::Settings settings = cameras.settingsOf(i);
   if (moves || settings.shutter > 0 || settings.readout != 0)
     for (const auto& neighbor : {cameras.previous(i), cameras.next(i)}) all.push_back(describe(cameras, neighbor));
-  for (const PairTarget& target : pairs) all.push_back(describe(cameras, cameras.target(i, target)));
+  for (const PairTarget& target : extras.pairs) all.push_back(describe(cameras, cameras.target(i, target)));
+  for (const auto& scan : extras.scans) {
+    const CameraPath path(cameras, i, 1 / scan->sensor.rate);
+    for (const CameraPath::Leg& leg : path.legs())
+      all.push_back({describe(leg.from), describe(leg.to), describe(leg.begin), describe(leg.seconds)});
+  }
   return hashOf(all);
 }
 
@@ -153,6 +159,7 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   addCameraFiles(job.cameras, cameraFiles);
   Json pairs = Json::array();
   for (const PairTarget& target : job.extras.pairs) pairs.push_back(data::describe(target));
+  for (const auto& scan : job.extras.scans) pairs.push_back(data::describe(1 / scan->sensor.rate));
   loadHash_ = hashOf({d.value("cameras", Json()), hashOfFiles(cameraFiles), d.value("variant", Json()),
                       d.value("allow-outside", Json()), d.value("id-depth", Json()), d.value("id-nodes", Json()),
                       d.value("unit", Json()), d.value("up-axis", Json()), d.value("point-radius", Json()),
@@ -196,8 +203,7 @@ void Plan::look(PlannedScene& scene) try {
   const CameraTimeline& cameras = loaded->cameras();
   for (size_t i = 0; i < cameras.size(); ++i) {
     const JobCamera& c = cameras.camera(i);
-    scene.cameras.push_back(
-        {c.name, hashOf(cameras, i, moves, job_.extras.pairs), c.width, c.height, cameras.momentOf(i)});
+    scene.cameras.push_back({c.name, hashOf(cameras, i, moves, job_.extras), c.width, c.height, cameras.momentOf(i)});
   }
   for (const std::filesystem::path& file : loaded->scene().files) scene.files.push_back(file.string());
   scene.hash = hashOfFiles(scene.files);

@@ -6,6 +6,7 @@
 #include "base/hash.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "data/batch/sensor_path.h"
 #include "data/extras.h"
 #include "data/stop.h"
 #include "render/submit/describe.h"
@@ -159,6 +160,7 @@ void Worker::addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames) {
     renderExtras(*renderer_, scene_->scene(), cameraOf(rendered.frame.index), settings, moment, job_.extras, geometry_,
                  rendered.frame);
     addPairs(settings, moment.poses.current, rendered.frame);
+    addScans(settings, rendered.frame);
   }
 }
 
@@ -176,6 +178,12 @@ void Worker::addPairs(const render::Settings& settings, const scene::Pose& pose,
         {target, second->place ? plan_.neighborName(frame.index, *second->place) : "", second->time,
          labels::correspond(*renderer_, scene_->scene(), {cameraOf(frame.index), pose}, shot, settings)});
   }
+}
+
+void Worker::addScans(const render::Settings& settings, DataFrame& frame) {
+  for (const std::shared_ptr<const ScanRequest>& request : job_.extras.scans)
+    frame.scans.push_back(scanFrom(*renderer_, scene_->scene(), scene_->cameras(), frame.camera, settings, request,
+                                   noiseSeedOf(frame.index)));
 }
 
 const scene::Camera& Worker::cameraOf(uint64_t index) const {

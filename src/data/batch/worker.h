@@ -45,6 +45,7 @@ class Worker {
   RenderedFrame frameOf(uint64_t index, const Chunk& chunk, const output::Metadata& shared);
   std::vector<RenderedFrame> framesOf(const Chunk& chunk);
   void addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames);
+  void addScans(const render::Settings& settings, DataFrame& frame);
   void addPairs(const render::Settings& settings, const scene::Pose& pose, DataFrame& frame);
   const scene::Camera& cameraOf(uint64_t index) const;
   uint64_t noiseSeedOf(uint64_t index) const;

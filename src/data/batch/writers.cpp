@@ -10,11 +10,13 @@ namespace {
 
 // Maximum number of queued frames per thread. A longer queue would only use more memory, whose allocation costs time.
 constexpr size_t kWaitingFrames = 4;
+constexpr uint64_t kBytesOfPoint = 71;  // of lidar::Points
 
 uint64_t bytesOf(const RenderedFrame& frame) {
   uint64_t bytes = frame.frame.picture.display.size();
   for (const output::AovImage& aov : frame.frame.picture.aovs) bytes += 4 * (aov.values.size() + aov.ids.size());
   for (const FramePair& pair : frame.frame.pairs) bytes += labels::kBytesPerPixel * pair.match.visible.size();
+  for (const FrameScan& scan : frame.frame.scans) bytes += kBytesOfPoint * scan.points.size();
   return bytes;
 }
 

@@ -8,9 +8,9 @@
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
 #include "data/formats/options.h"
-#include "data/formats/zip_archive.h"
 #include "output/exr.h"
 #include "output/npy.h"
+#include "output/zip_archive.h"
 
 namespace latelight::data {
 
@@ -42,7 +42,7 @@ std::vector<std::pair<std::string, std::vector<std::byte>>> arraysOf(const Corre
 }
 
 std::vector<std::byte> encodeNpz(const Correspondence& match) {
-  ZipArchive archive;
+  output::ZipArchive archive;
   for (const auto& [name, bytes] : arraysOf(match)) archive.add(name + ".npy", bytes);
   return archive.finish();
 }

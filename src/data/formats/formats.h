@@ -19,6 +19,7 @@ std::unique_ptr<Format> makeFiles(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeFlow(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeHdf5(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeKitti(const nlohmann::ordered_json& options);
+std::unique_ptr<Format> makeLidar(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeNpz(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makePly(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeScannet(const nlohmann::ordered_json& options);

@@ -4,8 +4,8 @@
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
 #include "data/formats/options.h"
-#include "data/formats/zip_archive.h"
 #include "output/npy.h"
+#include "output/zip_archive.h"
 
 namespace latelight::data {
 
@@ -24,7 +24,7 @@ class Npz : public Format {
   std::vector<output::Aov> needs() const override { return outputs_; }
 
   FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
-    ZipArchive archive;
+    output::ZipArchive archive;
     for (const output::Aov aov : outputs_)
       archive.add(std::string(output::info(aov).name) + ".npy", output::encodeNpy(imageOf(frame.picture, aov)));
     FrameRecord record;

@@ -1,8 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Casts rays from the host (push.rays) and writes the surface that each hits first (push.hits). The hit's distance is
-// computed again in double-float arithmetic, from the ray's exact direction and the triangle's exact plane, so that it
-// is precise on large triangles and at grazing angles.
+// Casts rays and writes the surface that each hits first. Rays are doubles, or floats, in the frame of the caller; they
+// are converted to pairs of floats in the device's world space here, so the host only copies them. The hit's distance
+// is computed again in double-float arithmetic, from the ray's exact direction and the triangle's exact plane, so that
+// it is precise on large triangles and at grazing angles.
 #include "render/glsl/common.glsl"
 #include "render/glsl/ray_point.glsl"
 #include "render/glsl/surface.glsl"
@@ -10,9 +11,17 @@
 
 layout(local_size_x = 64) in;
 
-layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer CastHitsRef { CastHit v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer DoublesRef { double v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer FloatsRef { float v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer FloatsOutRef { float v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer UintsOutRef { uint v[]; };
 
 layout(push_constant, scalar) uniform Push { CastPush push; };
+
+dvec3 doublesAt(uint64_t array, uint index) {
+  DoublesRef all = DoublesRef(array);
+  return dvec3(all.v[3u * index], all.v[3u * index + 1u], all.v[3u * index + 2u]);
+}
 
 Exact3 exactCorner(Instance instance, Exact3 offset, vec3 position) {
   return add(transformed(mat3(instance.objectToWorld), exact(position)), offset);
@@ -48,11 +57,75 @@ float returnedIntensity(Surface s, vec3 direction) {
   return (reflectance.r + reflectance.g + reflectance.b) / 3.0 * incidence;
 }
 
-CastHit hitOf(FrameConstants frame, Ray ray, vec3 directionLow, RayHit hit) {
+// A point or direction of the rays' frame in the renderer's world, and back.
+dvec3 toWorld(dvec3 v) { return (push.flags & kCastFileAxes) != 0u ? dvec3(v.x, -v.z, v.y) : v; }
+vec3 toFrame(vec3 v) { return (push.flags & kCastFileAxes) != 0u ? vec3(v.x, v.z, -v.y) : v; }
+
+dvec3 vectorAt(uint64_t array, uint index) {
+  if ((push.flags & kCastDoubles) != 0u) return doublesAt(array, index);
+  return dvec3(FloatsRef(array).v[3u * index], FloatsRef(array).v[3u * index + 1u], FloatsRef(array).v[3u * index + 2u]);
+}
+
+bool isFinite(dvec3 v) {
+  const double kLargest = 1.7976931348623157e308lf;
+  return abs(v.x) <= kLargest && abs(v.y) <= kLargest && abs(v.z) <= kLargest;
+}
+
+// Returns the unit vector of a direction of any length; not finite for directions without one. Squares of the quotient
+// neither overflow nor underflow.
+dvec3 unitOf(dvec3 direction) {
+  double largest = max(max(abs(direction.x), abs(direction.y)), abs(direction.z));
+  precise dvec3 scaled = direction / largest;
+  precise double squared = scaled.x * scaled.x + scaled.y * scaled.y + scaled.z * scaled.z;
+  precise dvec3 unit = scaled / sqrt(squared);
+  return unit;
+}
+
+vec3 remainderOf(dvec3 v) { return vec3(v - dvec3(vec3(v))); }
+
+void store(uint64_t array, uint index, float value) {
+  if (array != 0ul) FloatsOutRef(array).v[index] = value;
+}
+void store(uint64_t array, uint index, vec3 value) {
+  if (array == 0ul) return;
+  for (uint i = 0u; i < 3u; ++i) FloatsOutRef(array).v[3u * index + i] = value[i];
+}
+void store(uint64_t array, uint index, uint value) {
+  if (array != 0ul) UintsOutRef(array).v[index] = value;
+}
+
+// Stores what the ray hits, in the frame of the rays. The position follows from the ray in double precision, so it is
+// as precise as the distance.
+void storeHit(FrameConstants frame, uint index, Ray ray, vec3 directionLow, RayHit hit, dvec3 origin, dvec3 unit) {
   SurfacePoint p = rayPoint(frame, ray, hit);
   Surface s = evaluateMaterial(frame, frameMaterial(frame, frameInstance(frame, hit.instance).material), p);
-  return CastHit(max(exactDistance(frame, ray, directionLow, hit), 0.0), s.id, s.part, s.material, s.normal,
-                 hit.triangle, s.geonormal, hit.front ? 1u : 0u, s.uv, returnedIntensity(s, ray.direction), 0u);
+  float distance = max(exactDistance(frame, ray, directionLow, hit), 0.0);
+  precise dvec3 position = (origin - doublesAt(push.numbers, 1u)) + unit * double(distance);
+  store(push.distance, index, distance);
+  store(push.position, index, vec3(position));
+  store(push.normal, index, toFrame(s.normal));
+  store(push.geonormal, index, toFrame(s.geonormal));
+  store(push.uv, 2u * index, s.uv.x);
+  store(push.uv, 2u * index + 1u, s.uv.y);
+  store(push.id, index, s.id);
+  store(push.part, index, s.part);
+  store(push.material, index, s.material);
+  store(push.triangle, index, hit.triangle);
+  store(push.intensity, index, returnedIntensity(s, ray.direction));
+}
+
+void storeMiss(uint index) {
+  store(push.distance, index, kRayInfinity);
+  store(push.position, index, vec3(0.0));
+  store(push.normal, index, vec3(0.0));
+  store(push.geonormal, index, vec3(0.0));
+  store(push.uv, 2u * index, 0.0);
+  store(push.uv, 2u * index + 1u, 0.0);
+  store(push.id, index, 0u);
+  store(push.part, index, 0u);
+  store(push.material, index, 0u);
+  store(push.triangle, index, 0u);
+  store(push.intensity, index, 0.0);
 }
 
 void main() {
@@ -60,11 +133,15 @@ void main() {
   if (index >= push.count) return;
   FrameConstants frame = FrameRef(push.frame).v;
   bindRayTextures(frame);
-  uint64_t at = push.rays + uint64_t(index) * kCastRayBytes;
-  vec4 origin = floatsAt(at, 0u), direction = floatsAt(at, 1u);
-  Ray ray = Ray(origin.xyz, floatsAt(at, 2u).xyz, direction.xyz, origin.w, direction.w);
-  RayHit hit = traceRay(frame, ray, push.what);
-  CastHit result = CastHit(kRayInfinity, 0u, 0u, 0u, vec3(0.0), 0u, vec3(0.0), 0u, vec2(0.0), 0.0, 0u);
-  for (bool some = isHit(hit); some; some = false) result = hitOf(frame, ray, floatsAt(at, 3u).xyz, hit);
-  CastHitsRef(push.hits).v[index] = result;
+  dvec3 origin = vectorAt(push.origins, index), unit = unitOf(vectorAt(push.directions, index));
+  precise dvec3 from = toWorld(origin) - doublesAt(push.numbers, 0u);
+  dvec3 along = toWorld(unit);
+  bool valid = isFinite(from) && isFinite(along);
+  const double kLargest = 3.4028234663852886e38lf;
+  float far = float(min(DoublesRef(push.numbers).v[6], kLargest));
+  Ray ray = Ray(vec3(from), remainderOf(from), vec3(along), valid ? 0.0 : 1.0, valid ? far : 0.0);
+  RayHit hit = traceRay(frame, ray, push.flags & kCastAnySurface);
+  bool some = isHit(hit);
+  if (!some) storeMiss(index);
+  for (; some; some = false) storeHit(frame, index, ray, remainderOf(along), hit, origin, unit);
 }

@@ -1,14 +1,14 @@
 #include "render/submit/cast.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <cstring>
 #include <deque>
-#include <functional>
+#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "render/base/readback.h"
-#include "render/base/remainder.h"
 #include "render/options/options.h"
 #include "render/rays/cast_push.h"
 #include "render/submit/job.h"
@@ -19,89 +19,115 @@ namespace latelight::render {
 namespace {
 
 constexpr size_t kRaysAtOnce = size_t{1} << 18;
-constexpr size_t kChunksInFlight = 2;
-constexpr size_t kRaysOfTask = 8192;
+constexpr size_t kChunksInFlight = 4;
 
-bool isFinite(const glm::dvec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-// Returns the unit vector of a direction of any length; not finite for directions without one.
-glm::dvec3 unitOf(const glm::dvec3& direction) {
-  const double largest = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
-  const glm::dvec3 scaled = direction / largest;
-  return scaled / glm::length(scaled);  // squares of the quotient neither overflow nor underflow
-}
-
-// A coordinate frame of rays, relative to the device's world space.
-struct RayFrame {
-  glm::dmat3 worldFromFrame;
-  glm::dvec3 deviceOrigin;    // in world space
-  glm::dvec3 positionOrigin;  // in the frame
-
-  shared::CastRay toDevice(const glm::dvec3& origin, const glm::dvec3& direction, double maxDistance) const {
-    const glm::dvec3 from = worldFromFrame * origin - deviceOrigin, unit = worldFromFrame * unitOf(direction);
-    if (!isFinite(from) || !isFinite(unit)) return {.near = 1, .far = 0};  // hits nothing
-    shared::CastRay ray{.origin = glm::vec3(from), .near = 0, .direction = glm::vec3(unit)};
-    ray.far = static_cast<float>(std::min(maxDistance, double{std::numeric_limits<float>::max()}));
-    ray.originLow = remainderOf(from);
-    ray.directionLow = remainderOf(unit);
-    return ray;
-  }
+struct Copy {
+  std::byte* to;
+  const std::byte* from;
+  size_t bytes;
 };
 
-// Each array on its own thread, because the system clears the memory of large ones.
-void resize(CastHits& hits, size_t count) {
-  const std::function<void()> arrays[] = {
-      [&] { hits.distance.resize(count); }, [&] { hits.intensity.resize(count); }, [&] { hits.position.resize(count); },
-      [&] { hits.normal.resize(count); },   [&] { hits.geonormal.resize(count); }, [&] { hits.uv.resize(count); },
-      [&] { hits.id.resize(count); },       [&] { hits.part.resize(count); },      [&] { hits.material.resize(count); },
-      [&] { hits.triangle.resize(count); },
-  };
-  parallelFor(std::size(arrays), 1, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) arrays[i]();
+// Copies several arrays on all threads, in pieces that are small enough to keep all threads busy. Memory that is
+// written for the first time is then cleared by all threads, too.
+void copyInParallel(const std::vector<Copy>& arrays) {
+  constexpr size_t kPiece = size_t{1} << 16;
+  std::vector<Copy> pieces;
+  for (const Copy& array : arrays)
+    for (size_t at = 0; at < array.bytes; at += kPiece)
+      pieces.push_back({array.to + at, array.from + at, std::min(kPiece, array.bytes - at)});
+  parallelFor(pieces.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) std::memcpy(pieces[i].to, pieces[i].from, pieces[i].bytes);
   });
 }
 
-// The position follows from the ray in double precision, so it is as precise as the distance.
-void store(const shared::CastHit& hit, const CastRays& rays, const RayFrame& frame, size_t ray, CastHits& hits) {
-  hits.distance[ray] = hit.distance;
-  hits.id[ray] = hit.id, hits.part[ray] = hit.part, hits.material[ray] = hit.material;
-  hits.triangle[ray] = hit.triangle;
-  hits.uv[ray] = hit.uv, hits.intensity[ray] = hit.intensity;
-  if (std::isinf(hit.distance)) return;
-  const glm::dvec3 along = unitOf(rays.directions[ray]) * double{hit.distance};
-  hits.position[ray] = glm::vec3(rays.origins[ray] - frame.positionOrigin + along);
-  const glm::dmat3 frameFromWorld = glm::transpose(frame.worldFromFrame);
-  hits.normal[ray] = glm::vec3(frameFromWorld * glm::dvec3(hit.normal));
-  hits.geonormal[ray] = glm::vec3(frameFromWorld * glm::dvec3(hit.geonormal));
+// An array of hits: the member of CastPush that has its address, and its bytes per ray.
+struct HitArray {
+  uint64_t shared::CastPush::*address;
+  size_t bytes;
+  std::byte* target;
+};
+
+// Returns those that are needed.
+std::vector<HitArray> arraysOf(const CastTargets& t) {
+  using shared::CastPush;
+  std::vector<HitArray> arrays;
+  const auto add = [&](uint64_t CastPush::*address, auto* target) {
+    if (target) arrays.push_back({address, sizeof(*target), reinterpret_cast<std::byte*>(target)});
+  };
+  add(&CastPush::distance, t.distance);
+  add(&CastPush::position, t.position);
+  add(&CastPush::normal, t.normal);
+  add(&CastPush::geonormal, t.geonormal);
+  add(&CastPush::uv, t.uv);
+  add(&CastPush::id, t.id);
+  add(&CastPush::part, t.part);
+  add(&CastPush::material, t.material);
+  add(&CastPush::triangle, t.triangle);
+  add(&CastPush::intensity, t.intensity);
+  return arrays;
 }
 
-// Rays in flight.
+// Rays in flight. The arrays of their hits follow one another in `hits`.
 struct CastChunk {
   size_t first, count;
   std::shared_ptr<const vk::Buffer> rays;
   graph::BufferId hits;  // readable by the host
   graph::Submission submission;
+
+  // Copies the hits of the chunk to all arrays.
+  void store(const std::vector<HitArray>& arrays) const {
+    const std::byte* from = submission.buffer(hits).as<std::byte>();
+    std::vector<Copy> copies;
+    for (const HitArray& array : arrays) {
+      copies.push_back({array.target + first * array.bytes, from, count * array.bytes});
+      from += count * array.bytes;
+    }
+    copyInParallel(copies);
+  }
 };
 
-// Adds the pass that casts the first `count` rays of a buffer that the host has written. Returns their hits.
-graph::BufferId addCast(const Builder& b, const shared::FrameConstants& frame, const vk::Buffer& rays, size_t rayCount,
-                        uint32_t what, const std::vector<vk::Constant>& constants, graph::Graph& graph) {
-  graph::BufferId source = graph.import(rays, std::nullopt);
-  if (!b.device.isCpu()) {
-    const graph::BufferId staged = source,
-                          local =
-                              graph.create(vk::BufferDesc{.size = rayCount * sizeof(shared::CastRay), .name = "rays"});
-    graph.pass(graph::Stage::Upload, "upload rays", {{staged, graph::Use::CopySource}, {local, graph::Use::CopyTarget}},
-               [=](graph::Context& context) {
-                 const VkBufferCopy all{0, 0, context.buffer(local).size()};
-                 vkCmdCopyBuffer(context.get(), context.buffer(staged).get(), context.buffer(local).get(), 1, &all);
-               });
-    source = local;
+// The rays of the caller: arrays of doubles or floats, with as many origins as directions.
+struct RayArrays {
+  const std::byte *origins, *directions;
+  size_t count, bytes;  // bytes: of one origin or direction
+};
+
+// Throws Error(Usage) if the rays are not valid.
+RayArrays arraysOf(const CastRays& rays) {
+  const bool floats = !rays.floatOrigins.empty() || !rays.floatDirections.empty();
+  const size_t origins = floats ? rays.floatOrigins.size() : rays.origins.size(),
+               directions = floats ? rays.floatDirections.size() : rays.directions.size();
+  if (origins != directions) badUsage("{} rays have an origin, but {} have a direction", origins, directions);
+  if (!(rays.maxDistance >= 0)) badUsage("the maximum distance of rays must be at least 0, not {}", rays.maxDistance);
+  const auto bytes = [](const auto& vectors) { return std::as_bytes(vectors).data(); };
+  if (floats) return {bytes(rays.floatOrigins), bytes(rays.floatDirections), origins, sizeof(glm::vec3)};
+  return {bytes(rays.origins), bytes(rays.directions), origins, sizeof(glm::dvec3)};
+}
+
+// The values that all chunks of a call have in common.
+struct CastCall {
+  const shared::FrameConstants& frame;
+  RayArrays rays;
+  std::array<double, 7> numbers;  // CastPush::numbers
+  uint32_t flags;
+  std::vector<HitArray> arrays;
+  std::vector<vk::Constant> constants;
+
+  size_t bytesPerRay() const {
+    size_t bytes = 0;
+    for (const HitArray& array : arrays) bytes += array.bytes;
+    return bytes;
   }
-  const graph::BufferId hits = createResult(b, "hits", rayCount * sizeof(shared::CastHit), 1).buffer;
-  const VkDeviceAddress address = graph.constants(std::as_bytes(std::span(&frame, 1)));
+};
+
+// Adds the pass that casts the rays of a buffer that the host has written: all origins, then all directions. The device
+// reads them over the bus while it traces others. Returns their hits.
+graph::BufferId addCast(const Builder& b, const CastCall& call, const vk::Buffer& rays, size_t rayCount,
+                        graph::Graph& graph) {
+  const graph::BufferId source = graph.import(rays, std::nullopt);
+  const graph::BufferId hits = createResult(b, "hits", rayCount * call.bytesPerRay(), 1).buffer;
+  const VkDeviceAddress frame = graph.constants(std::as_bytes(std::span(&call.frame, 1)));
+  const VkDeviceAddress numbers = graph.constants(std::as_bytes(std::span(call.numbers)));
   const auto count = static_cast<uint32_t>(rayCount);
   addCompute(b,
              {.stage = graph::Stage::Visibility,
@@ -109,16 +135,24 @@ graph::BufferId addCast(const Builder& b, const shared::FrameConstants& frame, c
               .shader = "cast.comp",
               .bindings = Bindings(b.device),
               .size = {count, 1, 1},
-              .constants = constants,
+              .constants = call.constants,
               .buffers = {{source, graph::Use::StorageRead}, {hits, graph::Use::StorageWrite}},
               .groupX = 64,
               .groupY = 1},
-             [=](graph::Context& context) {
-               return shared::CastPush{.frame = address,
-                                       .rays = context.buffer(source).address(),
-                                       .hits = context.buffer(hits).address(),
-                                       .count = count,
-                                       .what = what};
+             [=, arrays = call.arrays, flags = call.flags, rayBytes = call.rays.bytes](graph::Context& context) {
+               const VkDeviceAddress origins = context.buffer(source).address();
+               shared::CastPush push{.frame = frame,
+                                     .origins = origins,
+                                     .directions = origins + rayCount * rayBytes,
+                                     .numbers = numbers,
+                                     .count = count,
+                                     .flags = flags};
+               VkDeviceAddress at = context.buffer(hits).address();
+               for (const HitArray& array : arrays) {
+                 push.*array.address = at;
+                 at += rayCount * array.bytes;
+               }
+               return push;
              });
   return addReadback(b, hits);
 }
@@ -158,49 +192,58 @@ BvhStatistics Renderer::bvhStatistics() const {
 }
 
 CastResult Renderer::cast(const CastRays& rays, const Settings& settings, const SceneState& moment) {
+  CastResult result;
+  HitMemory<CastTargets, CastHits> memory(result.hits, std::max(rays.origins.size(), rays.floatOrigins.size()));
+  result.statistics = cast(rays, memory.targets(), settings, moment, [&] { memory.wait(); });
+  result.bvhBytes = bvh_->bytes();
+  return result;
+}
+
+RenderStatistics Renderer::cast(const CastRays& rays, const CastTargets& targets, const Settings& settings,
+                                const SceneState& moment, const std::function<void()>& beforeStore) {
   checkSettings(settings);
-  if (rays.origins.size() != rays.directions.size())
-    badUsage("{} rays have an origin, but {} have a direction", rays.origins.size(), rays.directions.size());
-  if (!(rays.maxDistance >= 0)) badUsage("the maximum distance of rays must be at least 0, not {}", rays.maxDistance);
+  const RayArrays arrays = arraysOf(rays);
   if (settings.normalFrame != NormalFrame::World)
     badUsage("rays have no camera: their normals require --normal-frame world");
   const shared::FrameConstants constants = prepareRays(settings, moment);
+  const glm::dvec3 origin = gpuScene_.origin(), positions = settings.positionOrigin.point;
   const bool file = scene_.yUp && settings.axes == Axes::File;
-  const RayFrame frame{.worldFromFrame = file ? glm::dmat3(scene::toWorldFromGltf()) : glm::dmat3(1),
-                       .deviceOrigin = gpuScene_.origin(),
-                       .positionOrigin = settings.positionOrigin.point};
-  const std::vector<vk::Constant> specialized = rayConstants();
-  const uint32_t what = settings.dataSurfaces == DataSurfaces::Any ? shared::kCastAnySurface : 0u;
-  CastResult result{.hits = {}, .statistics = {}, .bvhBytes = bvh_->bytes()};
-  resize(result.hits, rays.origins.size());
+  const CastCall call{
+      .frame = constants,
+      .rays = arrays,
+      .numbers = {origin.x, origin.y, origin.z, positions.x, positions.y, positions.z, rays.maxDistance},
+      .flags = (arrays.bytes == sizeof(glm::dvec3) ? shared::kCastDoubles : 0u) | (file ? shared::kCastFileAxes : 0u) |
+               (settings.dataSurfaces == DataSurfaces::Any ? shared::kCastAnySurface : 0u),
+      .arrays = arraysOf(targets),
+      .constants = rayConstants()};
+  RenderStatistics statistics;
   std::deque<CastChunk> inFlight;
+  bool stores = false;
   const auto finishFirst = [&] {
     const CastChunk chunk = std::move(inFlight.front());
     inFlight.pop_front();
     chunk.submission.wait();
-    const auto* hits = chunk.submission.buffer(chunk.hits).as<shared::CastHit>();
-    parallelFor(chunk.count, kRaysOfTask, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) store(hits[i], rays, frame, chunk.first + i, result.hits);
-    });
-    addTimes(result.statistics.passTimes, chunk.submission);
+    if (!std::exchange(stores, true) && beforeStore) beforeStore();
+    chunk.store(call.arrays);
+    addTimes(statistics.passTimes, chunk.submission);
   };
-  // The host converts the rays of one chunk while the device casts those of the chunk before.
-  for (size_t first = 0; first < rays.origins.size(); first += kRaysAtOnce) {
+  // The host copies the rays and the hits of some chunks while the device casts those of others.
+  const size_t most = std::min(kRaysAtOnce, arrays.count);
+  for (size_t first = 0; first < arrays.count; first += most) {
     if (inFlight.size() == kChunksInFlight) finishFirst();
-    const size_t count = std::min(kRaysAtOnce, rays.origins.size() - first);
-    const auto staging = inputMemory(std::min(kRaysAtOnce, rays.origins.size()) * sizeof(shared::CastRay));
-    parallelFor(count, kRaysOfTask, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i)
-        staging->as<shared::CastRay>()[i] =
-            frame.toDevice(rays.origins[first + i], rays.directions[first + i], rays.maxDistance);
-    });
+    const size_t count = std::min(most, arrays.count - first), offset = first * arrays.bytes,
+                 bytes = count * arrays.bytes;
+    const auto staging = inputMemory(2 * most * arrays.bytes);
+    copyInParallel({{staging->mapped(), arrays.origins + offset, bytes},
+                    {staging->mapped() + bytes, arrays.directions + offset, bytes}});
     graph::Graph graph(executor_);
-    const graph::BufferId hits = addCast({device_, graph}, constants, *staging, count, what, specialized, graph);
+    const graph::BufferId hits = addCast({device_, graph}, call, *staging, count, graph);
     addSceneChanges(graph);
     inFlight.push_back({first, count, staging, hits, submit(graph, graph.compile())});
   }
   while (!inFlight.empty()) finishFirst();
-  return result;
+  if (!stores && beforeStore) beforeStore();
+  return statistics;
 }
 
 }  // namespace latelight::render

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <functional>
+#include <future>
 #include <glm/glm.hpp>
 #include <limits>
 #include <span>
 #include <vector>
 
+#include "base/huge_pages.h"
+#include "base/parallel.h"
 #include "render/base/pass.h"
 #include "render/submit/result.h"
 
@@ -17,6 +20,16 @@ namespace latelight::render {
 struct CastRays {
   std::span<const glm::dvec3> origins, directions;               // as many of both
   double maxDistance = std::numeric_limits<double>::infinity();  // meters
+  std::span<const glm::vec3> floatOrigins{}, floatDirections{};  // in place of `origins` and `directions`
+};
+
+// Where hits are stored, one value per ray, as in CastHits. Null: not needed.
+struct CastTargets {
+  float* distance = nullptr;
+  glm::vec3 *position = nullptr, *normal = nullptr, *geonormal = nullptr;
+  glm::vec2* uv = nullptr;
+  uint32_t *id = nullptr, *part = nullptr, *material = nullptr, *triangle = nullptr;
+  float* intensity = nullptr;
 };
 
 // One value per ray. Rays that hit nothing have an infinite distance and zeros, as the background in data outputs.
@@ -27,6 +40,37 @@ struct CastHits {
   std::vector<uint32_t> id, part, material;
   std::vector<uint32_t> triangle;  // index in the mesh of the part
   std::vector<float> intensity;    // reflectance at normal incidence times the cosine of the angle of incidence
+};
+
+// All arrays of a struct of hits, which are cleared in the background. Each array on its own thread, because the system
+// clears the memory of large ones page by page.
+template <typename Targets, typename Hits>
+class HitMemory {
+ public:
+  HitMemory(Hits& hits, size_t count) {
+    std::vector<std::function<void()>> clear;
+    const auto add = [&](auto& values) {
+      values.reserve(count);
+      adviseHugePages(values.data(), count * sizeof(values[0]));
+      clear.push_back([&values, count] { values.resize(count); });
+    };
+    add(hits.distance), add(hits.position), add(hits.normal), add(hits.geonormal), add(hits.uv);
+    add(hits.id), add(hits.part), add(hits.material), add(hits.triangle), add(hits.intensity);
+    targets_ = {hits.distance.data(), hits.position.data(), hits.normal.data(), hits.geonormal.data(),
+                hits.uv.data(),       hits.id.data(),       hits.part.data(),   hits.material.data(),
+                hits.triangle.data(), hits.intensity.data()};
+    cleared_ = inBackground([clear = std::move(clear)] {
+      parallelFor(clear.size(), 1, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) clear[i]();
+      });
+    });
+  }
+  const Targets& targets() const { return targets_; }
+  void wait() { cleared_.get(); }  // call it once, before anything is stored
+
+ private:
+  Targets targets_;
+  std::future<void> cleared_;
 };
 
 struct CastResult {

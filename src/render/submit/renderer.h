@@ -63,6 +63,10 @@ class Renderer {
   // positionOrigin select the coordinate frames of rays and results. The first call builds the scene's BVHs, which
   // later calls update.
   CastResult cast(const CastRays& rays, const Settings& settings, const SceneState& moment = {});
+  // The same with memory of the caller. `beforeStore` is called once, before the first hits are stored, if it is not
+  // null.
+  RenderStatistics cast(const CastRays& rays, const CastTargets& targets, const Settings& settings,
+                        const SceneState& moment = {}, const std::function<void()>& beforeStore = {});
 
   // Runs passes that trace rays through the scene (glsl/rays.glsl), and waits for them.
   graph::Submission traceRays(const AddRayPasses& add, const Settings& settings, const SceneState& moment = {});

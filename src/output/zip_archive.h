@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace latelight::data {
+namespace latelight::output {
 
 // Equal files produce equal bytes.
 class ZipArchive {
@@ -21,4 +21,4 @@ class ZipArchive {
   size_t files_ = 0;
 };
 
-}  // namespace latelight::data
+}  // namespace latelight::output

@@ -1,10 +1,10 @@
-#include "data/formats/zip_archive.h"
+#include "output/zip_archive.h"
 
 #include <zlib.h>
 
 #include "base/error.h"
 
-namespace latelight::data {
+namespace latelight::output {
 
 namespace {
 
@@ -65,4 +65,4 @@ std::vector<std::byte> ZipArchive::finish() {
   return std::move(bytes_);
 }
 
-}  // namespace latelight::data
+}  // namespace latelight::output

@@ -1,0 +1,144 @@
+// The lidar sensors of the public API.
+#include "lidar/scan.h"
+
+#include <latelight/latelight.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "api/renderer.h"
+#include "base/error.h"
+#include "base/files.h"
+#include "output/points.h"
+
+namespace latelight {
+
+namespace {
+
+lidar::Pattern internalPattern(const LidarPattern& from) {
+  lidar::Pattern pattern{.name = from.name,
+                         .times = from.times,
+                         .rings = from.rings,
+                         .period = from.period,
+                         .properties = {from.minRange, from.maxRange, from.ratedRange, from.rangeNoise,
+                                        from.rangeResolution, from.divergence, from.echoSeparation}};
+  for (const std::array<double, 3>& d : from.directions) pattern.directions.emplace_back(d[0], d[1], d[2]);
+  return pattern;
+}
+
+LidarPattern publicPattern(lidar::Pattern&& from) {
+  LidarPattern pattern{.name = std::move(from.name),
+                       .times = std::move(from.times),
+                       .rings = std::move(from.rings),
+                       .period = from.period,
+                       .minRange = from.properties.minRange,
+                       .maxRange = from.properties.maxRange,
+                       .ratedRange = from.properties.ratedRange,
+                       .rangeNoise = from.properties.rangeNoise,
+                       .rangeResolution = from.properties.rangeResolution,
+                       .divergence = from.properties.divergence,
+                       .echoSeparation = from.properties.echoSeparation};
+  for (const glm::dvec3& d : from.directions) pattern.directions.push_back({d.x, d.y, d.z});
+  return pattern;
+}
+
+// Vectors of the API have the layout of glm's.
+template <typename To, typename From>
+std::vector<To> vectorsOf(const std::vector<From>& from) {
+  static_assert(sizeof(To) == sizeof(From));
+  std::vector<To> to(from.size());
+  if (!from.empty()) std::memcpy(to.data(), from.data(), sizeof(To) * from.size());
+  return to;
+}
+
+// Throws Error(Usage) if a pose is not rigid.
+std::vector<glm::dmat4> internalPoses(std::span<const Transform> from) {
+  constexpr double kTolerance = 1e-4;
+  std::vector<glm::dmat4> poses;
+  for (const Transform& rows : from) {
+    glm::dmat4& pose = poses.emplace_back();
+    bool finite = true;
+    for (int i = 0; i < 16; ++i) {
+      pose[i % 4][i / 4] = rows[static_cast<size_t>(i)];
+      finite &= std::isfinite(rows[static_cast<size_t>(i)]);
+    }
+    const glm::dmat3 turn(pose), error = glm::transpose(turn) * turn - glm::dmat3(1);
+    double largest =
+        glm::determinant(turn) > 0 && rows[12] == 0 && rows[13] == 0 && rows[14] == 0 && rows[15] == 1 ? 0 : 1;
+    for (int i = 0; i < 9; ++i) largest = std::max(largest, std::abs(error[i / 3][i % 3]));
+    if (!finite || !(largest <= kTolerance))
+      badUsage("poses of a sensor must be rigid: a rotation and a translation, without scale or reflection");
+  }
+  return poses;
+}
+
+}  // namespace
+
+std::vector<LidarInfo> lidarInfos() {
+  std::vector<LidarInfo> infos;
+  for (const lidar::SensorInfo& info : lidar::sensors())
+    infos.push_back({std::string(info.name), std::string(info.description)});
+  return infos;
+}
+
+LidarPattern lidarPattern(const std::string& name, double rate, uint32_t columns, double start) {
+  lidar::Sensor sensor = lidar::sensorNamed(name);
+  if (rate != 0) sensor.rate = rate;
+  auto* const spinning = std::get_if<lidar::Spinning>(&sensor.scanner);
+  if (columns != 0 && (!spinning || spinning->cycle > 0))
+    badUsage("the sensor {} has no fixed number of columns: omit columns", name);
+  if (columns != 0) spinning->columns = columns;
+  return publicPattern(lidar::patternOf(sensor, start));
+}
+
+LidarPattern lidarPattern(const SpinningLidar& s) {
+  return publicPattern(
+      lidar::patternOf({s.name, s.rate, lidar::Spinning{s.elevations, s.azimuths, s.firing, s.cycle, s.columns}}));
+}
+
+LidarPoints Renderer::scan(const LidarPattern& pattern, std::span<const Transform> poses, const LidarOptions& lidar,
+                           const Options& options) {
+  const Impl::RayInput input = impl_->rayInput(options);
+  const auto stateAt = [&](double seconds) {
+    if (lidar.slices == 1) return input.moment;
+    Options later = options;
+    later.time = options.time.value_or(0) + seconds;
+    return impl_->rayInput(later).moment;
+  };
+  lidar::Points points =
+      lidar::scan(impl_->renderer, internalPattern(pattern), internalPoses(poses), stateAt, input.settings,
+                  {lidar.samples, lidar::returnsNamed(lidar.returns), lidar.seed, lidar.slices});
+  return {.position = vectorsOf<std::array<float, 3>>(points.position),
+          .worldPosition = vectorsOf<std::array<double, 3>>(points.worldPosition),
+          .time = std::move(points.time),
+          .range = std::move(points.range),
+          .intensity = std::move(points.intensity),
+          .ring = std::move(points.ring),
+          .echo = std::move(points.echo),
+          .firing = std::move(points.firing),
+          .id = std::move(points.id),
+          .part = std::move(points.part),
+          .material = std::move(points.material)};
+}
+
+void writePoints(const std::filesystem::path& path, const LidarPoints& from, bool world) {
+  const lidar::Points points{vectorsOf<glm::vec3>(from.position),
+                             vectorsOf<glm::dvec3>(from.worldPosition),
+                             from.time,
+                             from.range,
+                             from.intensity,
+                             from.ring,
+                             from.echo,
+                             from.firing,
+                             from.id,
+                             from.part,
+                             from.material};
+  std::string format = path.extension().string();
+  for (char& c : format)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  if (!format.empty()) format.erase(0, 1);
+  std::vector<float> buffer;
+  writeFile(path, output::encodePoints(format, lidar::fieldsOf(points, world, buffer)));
+}
+
+}  // namespace latelight
