@@ -14,16 +14,17 @@ struct RayNode {
   vec3 highA;
   uint b;  // likewise; kRayNone: there is no second child
   vec3 lowB;
-  uint paddingA;
+  uint parent;  // index of a node; kRayNone for the root
   vec3 highB;
-  uint paddingB;
+  uint refitted;  // number of children whose boxes are refitted, during a refit; otherwise 0
 };
 SH_CONST uint kRayNodeBytes = 64u;
 SH_CONST uint kRayLeaf = 0x80000000u;
 SH_CONST uint kRayCountShift = 28u;  // three bits: number of items - 1
 SH_CONST uint kRayFirstMask = 0x0fffffffu;
 SH_CONST uint kRayNone = 0xffffffffu;
-SH_CONST uint kMaxRayLeaf = 4u;  // items per leaf
+SH_CONST uint kMaxRayLeaf = 4u;      // items per leaf
+SH_CONST float kRayNodeCost = 1.0f;  // of visiting a node, relative to that of an item
 
 // Maximum number of inner nodes on a path from the root, in the BVH of the instances and in that of a mesh. Together
 // with a marker between them they bound the stack of a traversal.

@@ -189,6 +189,12 @@ Table benchRays(render::Renderer& renderer, const scene::Camera& camera, const r
   const auto triangles = static_cast<double>(bvhs.triangles);
   table.rows.push_back({"triangles of BVHs", triangles, 1000 * bvhs.buildSeconds, "",
                         1e-9 * triangles / bvhs.buildSeconds, 1e-6 * static_cast<double>(bvhs.bytes)});
+  if (bvhs.deviceSeconds > 0)
+    table.rows.push_back({"the same, on the device", triangles, 1000 * bvhs.deviceSeconds, "",
+                          1e-9 * triangles / bvhs.deviceSeconds, ""});
+  const render::BvhCosts costs = renderer.bvhCosts();
+  table.rows.push_back({"cost of BVHs", costs.inUse, "", "", "", ""});
+  table.rows.push_back({"cost, built on the host", costs.onHost, "", "", "", ""});
   return table;
 }
 

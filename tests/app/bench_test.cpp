@@ -60,6 +60,8 @@ TEST(Bench, MeasuresRays) {
   EXPECT_GT(rows["triangles of BVHs"]["number"], 1000);
   EXPECT_GT(rows["triangles of BVHs"]["MB"], 0);
   EXPECT_GT(rows["triangles of BVHs"]["ms"], 0);
+  EXPECT_GT(rows["cost of BVHs"]["number"], 1);
+  EXPECT_EQ(rows["cost of BVHs"]["number"], rows["cost, built on the host"]["number"]);  // a CPU device
 }
 
 TEST(Bench, MeasuresRandomTrianglesWithBothRasters) {

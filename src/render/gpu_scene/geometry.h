@@ -36,6 +36,7 @@ class GpuGeometry {
 
   // Returns shared::VertexPosition[] of the mesh at rest, also while a pose deforms it.
   VkDeviceAddress restPositions(uint32_t mesh) const { return records_[mesh].positions; }
+  VkDeviceAddress indices(uint32_t mesh) const { return records_[mesh].indices; }  // three per triangle
   const VertexStreams& streams(uint32_t mesh) const { return posed_[mesh]; }
   VkBuffer indexBuffer(uint32_t mesh) const { return buffers_[mesh].get(); }  // starts at offset 0
   uint32_t indexCount(uint32_t mesh) const { return 3 * records_[mesh].triangleCount; }

@@ -1,8 +1,7 @@
 // Top-down construction with the surface area heuristic (SAH), evaluated at a few planes per axis (Wald 2007, On Fast
 // Construction of SAH-based Bounding Volume Hierarchies). A split that would lead to a tree deeper than allowed is
 // replaced by one at the median, which halves the number of items. Large ranges are split on all threads, and the
-// subtrees of small ranges are built in parallel. At last, the nodes are brought into the order of their levels, so
-// that a refit can process one level after the other, from the last to the first.
+// subtrees of small ranges are built in parallel. At last, the nodes are brought into the order of their levels.
 #include "render/rays/bvh.h"
 
 #include <algorithm>
@@ -22,7 +21,6 @@ constexpr uint32_t kBins = 16;
 constexpr uint32_t kItemsOfTask = 16384;  // up to which a subtree is built on one thread
 constexpr uint32_t kItemsAtOnce = 32768;  // per call of a parallel loop over a large range
 constexpr uint32_t kNodesAtOnce = 8192;   // likewise, over the nodes of a level
-constexpr float kCostOfNode = 1.0f;       // relative to that of an item
 
 // References are as in RayNode.
 bool isInner(uint32_t reference) {
@@ -187,7 +185,7 @@ class BvhBuilder {
     }
     const Split split = bestSplit(task.range);
     const float area = halfArea(task.range.box), leafCost = static_cast<float>(task.range.count) * area;
-    if (task.range.count <= maxLeaf_ && !(split.cost + kCostOfNode * area < leafCost)) {
+    if (task.range.count <= maxLeaf_ && !(split.cost + shared::kRayNodeCost * area < leafCost)) {
       child.reference = leafOf(task.range.first, task.range.count);
       return;
     }
@@ -307,9 +305,9 @@ void buildTasks(BvhBuilder& top, std::span<Item> items, uint32_t maxLeaf, uint32
 // Writes the nodes level by level.
 void layOut(const std::vector<TreeNode>& nodes, Bvh& bvh) {
   bvh.nodes.resize(nodes.size());
+  bvh.nodes[0].parent = shared::kRayNone;
   uint32_t first = 0;
   for (std::vector<uint32_t> level{0}; !level.empty();) {
-    bvh.levels.push_back(first);
     const auto below = first + static_cast<uint32_t>(level.size());
     const auto eachNode = [&](const auto& body) {
       parallelFor(level.size(), kNodesAtOnce, [&](size_t begin, size_t end) {
@@ -328,6 +326,7 @@ void layOut(const std::vector<TreeNode>& nodes, Bvh& bvh) {
       const auto placed = [&](uint32_t reference) {
         if (!isInner(reference)) return reference;
         next[child] = reference;
+        bvh.nodes[below + child].parent = first + static_cast<uint32_t>(i);
         return below + child++;
       };
       const uint32_t a = placed(node[0].reference), b = placed(node[1].reference);
@@ -336,12 +335,12 @@ void layOut(const std::vector<TreeNode>& nodes, Bvh& bvh) {
                 .highA = node[0].box.high,
                 .b = b,
                 .lowB = node[1].box.low,
+                .parent = target.parent,
                 .highB = node[1].box.high};
     });
     first = below;
     level = std::move(next);
   }
-  bvh.levels.push_back(first);
 }
 
 }  // namespace
@@ -362,6 +361,24 @@ Bvh buildBvh(std::span<const Box> boxes, uint32_t maxLeaf, uint32_t maxDepth) {
   });
   layOut(top.nodes, bvh);
   return bvh;
+}
+
+double sahCost(const Bvh& bvh) {
+  double cost = 0, rootArea = 0;
+  for (const shared::RayNode& node : bvh.nodes) {
+    const bool hasB = node.b != shared::kRayNone;
+    Box both{node.lowA, node.highA};
+    if (hasB) both.add(Box{node.lowB, node.highB});
+    const double area = halfArea(both);
+    if (rootArea == 0) rootArea = area;
+    cost += double{shared::kRayNodeCost} * area;
+    const auto addLeaf = [&](uint32_t reference, const Box& box) {
+      if (!isInner(reference)) cost += ((reference >> shared::kRayCountShift & 7) + 1) * double{halfArea(box)};
+    };
+    addLeaf(node.a, {node.lowA, node.highA});
+    if (hasB) addLeaf(node.b, {node.lowB, node.highB});
+  }
+  return rootArea > 0 ? cost / rootArea : 0;
 }
 
 }  // namespace latelight::render

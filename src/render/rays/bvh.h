@@ -1,5 +1,5 @@
-// Builds bounding volume hierarchies on the host, for rays on the device. The result depends only on the boxes, not on
-// the number of threads.
+// Bounding volume hierarchies for rays on the device, and their construction on the host. The result depends only on
+// the boxes, not on the number of threads.
 #pragma once
 
 #include <limits>
@@ -17,13 +17,16 @@ struct Box {
 };
 
 struct Bvh {
-  std::vector<shared::RayNode> nodes;  // by level, the root first; empty if there are no boxes
-  std::vector<uint32_t> levels;        // index of the first node of each level, and the number of nodes
+  std::vector<shared::RayNode> nodes;  // the root first, parents before children; empty if there are no boxes
   std::vector<uint32_t> items;         // indices of the boxes, in the order of the leaves
 };
 
 // `maxLeaf`: items per leaf, at most kMaxRayLeaf. `maxDepth`: inner nodes on any path, at least the binary logarithm of
 // the number of boxes.
 Bvh buildBvh(std::span<const Box> boxes, uint32_t maxLeaf, uint32_t maxDepth);
+
+// Returns the cost by the surface area heuristic: the mean number of items that are tested, plus shared::kRayNodeCost
+// per visited node, for rays through the box of the root.
+double sahCost(const Bvh& bvh);
 
 }  // namespace latelight::render

@@ -1,15 +1,18 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Refits the boxes of a mesh's BVH to its deformed vertices, one level of nodes per dispatch, from the last level to
-// the first. The topology is that of the mesh at rest. Each invocation updates one node (push.nodes) from the boxes of
-// its children in the next level, or from the vertices of the triangles in its leaves.
+// Refits the boxes of a mesh's BVH to its deformed vertices, from the leaves to the root (Karras 2012, Maximizing
+// Parallelism in the Construction of BVHs, Octrees, and k-d Trees, section 4). The topology is that of the mesh at
+// rest. An invocation per node computes the boxes of the node's leaves. The invocation that completes the second box of
+// a node continues with the node's parent, so boxes do not depend on the order of invocations.
 #include "render/glsl/common.glsl"
 #include "render/rays/refit_push.h"
 #include "shared/rays.h"
 
+layout(constant_id = kFencedConstant) const uint kFenced = 1;  // 0 on CPU devices
+
 layout(local_size_x = 64) in;
 
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer RayNodesRef { RayNode v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer RayNodesRef { RayNode v[]; };
 
 layout(push_constant, scalar) uniform Push { RayRefitPush push; };
 
@@ -31,27 +34,54 @@ RefitBox leafBox(uint64_t positions, uint leaf) {
   return box;
 }
 
-RefitBox nodeBox(uint index) {
-  RayNode node = RayNodesRef(push.nodes).v[index];
-  if (node.b == kRayNone) return RefitBox(node.lowA, node.highA);
-  return RefitBox(min(node.lowA, node.lowB), max(node.highA, node.highB));
+void writeBox(uint index, bool second, RefitBox box) {
+  RayNodesRef nodes = RayNodesRef(push.nodes);
+  if (second) {
+    nodes.v[index].lowB = box.low;
+    nodes.v[index].highB = box.high;
+  } else {
+    nodes.v[index].lowA = box.low;
+    nodes.v[index].highA = box.high;
+  }
 }
 
-RefitBox childBox(uint64_t positions, uint child) {
-  if ((child & kRayLeaf) != 0u) return leafBox(positions, child);
-  return nodeBox(child);
+// Orders the boxes that this invocation has written before those that it reads. On a CPU device the atomic counter does
+// that, and lavapipe ends invocations at a barrier that not all of a workgroup execute.
+void orderBoxes() {
+  if (kFenced != 0u) memoryBarrierBuffer();
+}
+
+// Counts refitted children of a node. Returns true if both are.
+bool completes(uint index, uint children) {
+  RayNodesRef nodes = RayNodesRef(push.nodes);
+  orderBoxes();
+  bool complete = atomicAdd(nodes.v[index].refitted, children) + children == 2u;
+  if (complete) nodes.v[index].refitted = 0u;
+  orderBoxes();
+  return complete;
+}
+
+// Refits the parents of a complete node, until one has another child that is not refitted yet.
+void refitParents(uint index) {
+  RayNodesRef nodes = RayNodesRef(push.nodes);
+  uint parent = nodes.v[index].parent;
+  while (parent != kRayNone) {
+    RefitBox box = RefitBox(min(nodes.v[index].lowA, nodes.v[index].lowB),
+                            max(nodes.v[index].highA, nodes.v[index].highB));
+    writeBox(parent, nodes.v[parent].b == index, box);
+    index = parent;
+    parent = completes(index, 1u) ? nodes.v[index].parent : kRayNone;
+  }
 }
 
 void main() {
-  uint index = push.first + gl_GlobalInvocationID.x;
-  if (index >= push.end) return;
+  uint index = gl_GlobalInvocationID.x;
+  if (index >= push.nodeCount) return;
   uint64_t positions = MeshRef(push.meshes).v[push.mesh].positions;
-  RayNode node = RayNodesRef(push.nodes).v[index];
-  RefitBox a = childBox(positions, node.a);
-  RayNodesRef(push.nodes).v[index].lowA = a.low;
-  RayNodesRef(push.nodes).v[index].highA = a.high;
-  if (node.b == kRayNone) return;
-  RefitBox b = childBox(positions, node.b);
-  RayNodesRef(push.nodes).v[index].lowB = b.low;
-  RayNodesRef(push.nodes).v[index].highB = b.high;
+  uint a = RayNodesRef(push.nodes).v[index].a, b = RayNodesRef(push.nodes).v[index].b;
+  bool leafA = (a & kRayLeaf) != 0u, leafB = (b & kRayLeaf) != 0u;
+  if (leafA) writeBox(index, false, leafBox(positions, a));
+  if (leafB && b != kRayNone) writeBox(index, true, leafBox(positions, b));
+  if (!leafA && !leafB) return;
+  if (completes(index, uint(leafA) + uint(leafB))) refitParents(index);
 }

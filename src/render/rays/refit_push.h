@@ -11,7 +11,7 @@ struct RayRefitPush {
   uint64_t nodes;      // RayNode[] of one mesh
   uint64_t triangles;  // RayTriangle[]
   uint mesh;
-  uint first, end;  // nodes of one level
+  uint nodeCount;
 };
 
 SH_END

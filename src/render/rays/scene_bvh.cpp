@@ -23,6 +23,10 @@ Box trianglesBox(const scene::Mesh& mesh, glm::vec3 origin, size_t triangle) {
 
 constexpr size_t kTrianglesAtOnce = 65536;  // per call of a parallel loop
 
+// For fewer triangles at once, the host is faster than a GPU and need not wait for it. A CPU device uses the code paths
+// for GPUs only in tests, whose meshes are small.
+constexpr uint64_t kMinTrianglesOnDevice = 65536;
+
 Bvh bvhOf(const scene::Mesh& mesh) {
   const glm::vec3 origin = scene::vertexOrigin(mesh);
   std::vector<Box> boxes(mesh.indices.size() / 3);
@@ -73,8 +77,9 @@ uint32_t rayFlags(const shared::Instance& instance, const shared::Material& mate
 
 }  // namespace
 
-SceneBvh::SceneBvh(vk::Device& device, const scene::Scene& scene, GpuScene& gpuScene)
+SceneBvh::SceneBvh(vk::Device& device, graph::Executor& executor, const scene::Scene& scene, GpuScene& gpuScene)
     : device_(device),
+      executor_(executor),
       scene_(scene),
       gpuScene_(gpuScene),
       nodes_(device, "ray nodes of instances"),
@@ -82,9 +87,13 @@ SceneBvh::SceneBvh(vk::Device& device, const scene::Scene& scene, GpuScene& gpuS
       record_(device, "ray scene"),
       emitters_(device, "emitters"),
       emitterIndices_(device, "emitters of instances"),
-      refitPipeline_(device.cache().pipeline(
-          vk::ComputeDesc{.shader = "ray_refit.comp", .pushBytes = sizeof(shared::RayRefitPush), .name = "refit"})),
-      meshEdits_(scene.edits.meshes.revision()) {}
+      refitPipeline_(device.cache().pipeline(vk::ComputeDesc{.shader = "ray_refit.comp",
+                                                             .constants = {{kFencedConstant, device.isCpu() ? 0u : 1u}},
+                                                             .pushBytes = sizeof(shared::RayRefitPush),
+                                                             .name = "refit"})),
+      meshEdits_(scene.edits.meshes.revision()) {
+  if (!device.hasCpuShaders()) builder_ = std::make_unique<DeviceBvhBuilder>(device, executor, scene, gpuScene);
+}
 
 bool SceneBvh::isShown(uint32_t instance) const {
   return gpuScene_.instances().bounds(instance).radius >= 0 &&
@@ -134,8 +143,23 @@ void SceneBvh::followMeshes() {
   }
 }
 
-// Builds a limited number of meshes at once, so that few of them are in the host's memory.
 void SceneBvh::buildMeshes(std::span<const uint32_t> meshes) {
+  uint64_t triangles = 0;
+  for (const uint32_t mesh : meshes) triangles += scene_.meshes[mesh].indices.size() / 3;
+  const bool some = builder_ && (device_.isCpu() || triangles >= kMinTrianglesOnDevice);
+  std::vector<uint32_t> onHost, onDevice;
+  for (const uint32_t mesh : meshes) {
+    const bool device = some && DeviceBvhBuilder::supports(device_, scene_.meshes[mesh].indices.size() / 3);
+    (device ? onDevice : onHost).push_back(mesh);
+  }
+  buildOnHost(onHost);
+  if (onDevice.empty()) return;
+  std::vector<DeviceBvh> built = builder_->build(onDevice);
+  for (size_t i = 0; i < built.size(); ++i) meshes_[onDevice[i]] = {std::move(built[i])};
+}
+
+// Builds a limited number of meshes at once, so that few of them are in the host's memory.
+void SceneBvh::buildOnHost(std::span<const uint32_t> meshes) {
   constexpr size_t kAtOnce = 256;
   for (size_t first = 0; first < meshes.size(); first += kAtOnce) {
     const std::span<const uint32_t> some = meshes.subspan(first, std::min(kAtOnce, meshes.size() - first));
@@ -143,12 +167,11 @@ void SceneBvh::buildMeshes(std::span<const uint32_t> meshes) {
     parallelFor(some.size(), 1, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) built[i] = bvhOf(scene_.meshes[some[i]]);
     });
-    for (size_t i = 0; i < some.size(); ++i) upload(some[i], built[i]);
+    for (size_t i = 0; i < some.size(); ++i) meshes_[some[i]] = {uploaded(scene_.meshes[some[i]], built[i])};
   }
 }
 
-void SceneBvh::upload(uint32_t index, const Bvh& bvh) {
-  const scene::Mesh& mesh = scene_.meshes[index];
+DeviceBvh SceneBvh::uploaded(const scene::Mesh& mesh, const Bvh& bvh) {
   std::vector<shared::RayTriangle> triangles(bvh.items.size());
   parallelFor(triangles.size(), kTrianglesAtOnce, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
@@ -156,17 +179,16 @@ void SceneBvh::upload(uint32_t index, const Bvh& bvh) {
       triangles[i] = {{corners[0], corners[1], corners[2]}, bvh.items[i]};
     }
   });
-  MeshBvh& target = meshes_[index] = {};
-  target.triangles = bvh.nodes.size() * sizeof(shared::RayNode);
-  target.buffer = vk::Buffer(device_, {.size = target.triangles + triangles.size() * sizeof(shared::RayTriangle),
+  DeviceBvh target{.nodes = static_cast<uint32_t>(bvh.nodes.size())};
+  target.buffer = vk::Buffer(device_, {.size = target.nodeBytes() + triangles.size() * sizeof(shared::RayTriangle),
                                        .name = mesh.name + ", BVH"});
   gpuScene_.uploads().upload(target.buffer, std::as_bytes(std::span(bvh.nodes)));
-  gpuScene_.uploads().upload(target.buffer, std::as_bytes(std::span(triangles)), target.triangles);
-  target.levels = bvh.levels;
+  gpuScene_.uploads().upload(target.buffer, std::as_bytes(std::span(triangles)), target.nodeBytes());
   for (const shared::RayNode& root : std::span(bvh.nodes).first(1)) {
     target.bounds.add(Box{root.lowA, root.highA});
     if (root.b != shared::kRayNone) target.bounds.add(Box{root.lowB, root.highB});
   }
+  return target;
 }
 
 // Returns the bounds of an instance in the device's world space. They contain the vertices as shaders place them.
@@ -199,7 +221,7 @@ shared::RayInstance SceneBvh::recordOf(uint32_t index) const {
   const MeshBvh& bvh = meshes_[instance.mesh];
   const glm::dmat3 linear(glm::mat3(instance.objectToWorld));
   shared::RayInstance record{.nodes = bvh.buffer.address(),
-                             .triangles = bvh.buffer.address() + bvh.triangles,
+                             .triangles = bvh.triangles(),
                              .instance = index,
                              .flags = rayFlags(instance, gpuScene_.materials().record(instance.material))};
   setRows(record, linear);
@@ -254,28 +276,16 @@ void SceneBvh::addChanges(graph::Graph& graph) const {
   graph.prologue(graph::Stage::Deformation, "refit", [this](graph::Context& context) { recordRefits(context); });
 }
 
-// Refits the same level, counted from the leaves, of all meshes between two barriers.
 void SceneBvh::recordRefits(graph::Context& context) const {
-  size_t most = 0;
-  for (const uint32_t mesh : refits_) most = std::max(most, meshes_[mesh].levels.size() - 1);
-  for (size_t above = 0; above < most; ++above) {
-    if (above > 0)
-      vk::recordMemoryBarrier(context.get(), VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-                              VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-                              VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT);
-    for (const uint32_t mesh : refits_) {
-      const MeshBvh& bvh = meshes_[mesh];
-      if (above + 1 >= bvh.levels.size()) continue;
-      const size_t level = bvh.levels.size() - 2 - above;
-      const shared::RayRefitPush push{.meshes = gpuScene_.geometry().address(),
-                                      .nodes = bvh.buffer.address(),
-                                      .triangles = bvh.buffer.address() + bvh.triangles,
-                                      .mesh = mesh,
-                                      .first = bvh.levels[level],
-                                      .end = bvh.levels[level + 1]};
-      context.commands().bind(refitPipeline_.get(), {}, push);
-      context.commands().dispatch(push.end - push.first, 1, 1, 64, 1);
-    }
+  for (const uint32_t mesh : refits_) {
+    const MeshBvh& bvh = meshes_[mesh];
+    const shared::RayRefitPush push{.meshes = gpuScene_.geometry().address(),
+                                    .nodes = bvh.buffer.address(),
+                                    .triangles = bvh.triangles(),
+                                    .mesh = mesh,
+                                    .nodeCount = bvh.nodes};
+    context.commands().bind(refitPipeline_.get(), {}, push);
+    context.commands().dispatch(push.nodeCount, 1, 1, 64, 1);
   }
 }
 
@@ -289,9 +299,41 @@ uint64_t SceneBvh::bytes() const {
 
 BvhStatistics SceneBvh::statistics() const {
   BvhStatistics statistics{.bytes = bytes(), .buildSeconds = buildSeconds_};
-  for (size_t mesh = 0; mesh < meshes_.size(); ++mesh)
+  if (builder_) statistics.deviceSeconds = 1e-3 * builder_->milliseconds();
+  for (uint32_t mesh = 0; mesh < meshes_.size(); ++mesh)
     if (meshes_[mesh].buffer) statistics.triangles += scene_.meshes[mesh].indices.size() / 3;
   return statistics;
+}
+
+BvhCosts SceneBvh::costs() const {
+  BvhCosts costs;
+  double triangles = 0;
+  for (uint32_t mesh = 0; mesh < meshes_.size(); ++mesh) {
+    if (!meshes_[mesh].buffer) continue;
+    const auto weight = static_cast<double>(scene_.meshes[mesh].indices.size());
+    triangles += weight;
+    costs.inUse += weight * sahCost(readMesh(mesh));
+    costs.onHost += weight * sahCost(bvhOf(scene_.meshes[mesh]));
+  }
+  return {costs.inUse / triangles, costs.onHost / triangles};
+}
+
+Bvh SceneBvh::readMesh(uint32_t index) const {
+  Bvh bvh;
+  const MeshBvh& mesh = meshes_[index];
+  if (!mesh.buffer) return bvh;
+  const vk::Buffer host(device_,
+                        {.size = mesh.buffer.size(), .kind = vk::MemoryKind::Readback, .name = "BVH, read back"});
+  device_.submitAndWait([&](VkCommandBuffer commands) {
+    const VkBufferCopy all{0, 0, mesh.buffer.size()};
+    vkCmdCopyBuffer(commands, mesh.buffer.get(), host.get(), 1, &all);
+    vk::recordMemoryBarrier(commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                            VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
+  });
+  bvh.nodes.assign(host.as<shared::RayNode>(), host.as<shared::RayNode>() + mesh.nodes);
+  const auto* triangles = reinterpret_cast<const shared::RayTriangle*>(host.mapped() + mesh.nodeBytes());
+  for (size_t i = 0; i < scene_.meshes[index].indices.size() / 3; ++i) bvh.items.push_back(triangles[i].number);
+  return bvh;
 }
 
 }  // namespace latelight::render

@@ -2,25 +2,34 @@
 // after the first request for rays.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "render/gpu_scene/gpu_scene.h"
+#include "render/rays/build/device_bvh_builder.h"
 #include "render/rays/bvh.h"
 #include "vk/object_cache.h"
 
 namespace latelight::render {
 
 struct BvhStatistics {
-  uint64_t triangles = 0;   // of all meshes that are visible anywhere
-  uint64_t bytes = 0;       // device memory
-  double buildSeconds = 0;  // on the host, since the first request for rays
+  uint64_t triangles = 0;    // of all meshes that are visible anywhere
+  uint64_t bytes = 0;        // device memory
+  double buildSeconds = 0;   // until the BVHs were built, since the first request for rays
+  double deviceSeconds = 0;  // of these, the time in which the device built meshes; 0: the host built them
+};
+
+// sahCost() of the meshes' BVHs, averaged with the numbers of triangles as weights.
+struct BvhCosts {
+  double inUse = 0;
+  double onHost = 0;  // of those that the host builds
 };
 
 class SceneBvh {
  public:
-  // Both must outlive this object.
-  SceneBvh(vk::Device& device, const scene::Scene& scene, GpuScene& gpuScene);
+  // All must outlive this object. A GPU builds the BVHs of meshes itself; for a CPU device the host does so.
+  SceneBvh(vk::Device& device, graph::Executor& executor, const scene::Scene& scene, GpuScene& gpuScene);
 
   // Sets RayScene::environment, from the next update() on.
   void setEnvironment(VkDeviceAddress cells);
@@ -36,20 +45,21 @@ class SceneBvh {
   uint32_t emitterCount() const { return emitterCount_; }        // RayScene::emitterCount
   uint64_t bytes() const;                                        // device memory of all BVHs
   BvhStatistics statistics() const;
+  // Reads all BVHs back and builds them on the host, which may require seconds.
+  BvhCosts costs() const;
+  // Reads the BVH of a mesh back from the device. It is empty if the mesh has none.
+  Bvh readMesh(uint32_t mesh) const;
 
  private:
-  struct MeshBvh {
-    vk::Buffer buffer;  // shared::RayNode[], then shared::RayTriangle[]
-    VkDeviceSize triangles = 0;
-    std::vector<uint32_t> levels;  // as in Bvh
-    Box bounds;                    // at rest, in the mesh's space on the device
-    uint64_t revision = 0;         // of GpuGeometry, when it was built or refitted
-    bool refitted = false;         // its boxes are those of a pose
+  struct MeshBvh : DeviceBvh {  // bounds: at rest, in the mesh's space on the device
+    uint64_t revision = 0;      // of GpuGeometry, when it was built or refitted
+    bool refitted = false;      // its boxes are those of a pose
   };
 
   void followMeshes();
   void buildMeshes(std::span<const uint32_t> meshes);
-  void upload(uint32_t mesh, const Bvh& bvh);
+  void buildOnHost(std::span<const uint32_t> meshes);
+  DeviceBvh uploaded(const scene::Mesh& mesh, const Bvh& bvh);
   void buildInstances();
   bool isShown(uint32_t instance) const;
   Box boundsOf(uint32_t instance) const;
@@ -57,10 +67,12 @@ class SceneBvh {
   void recordRefits(graph::Context& context) const;
 
   vk::Device& device_;
+  graph::Executor& executor_;
   const scene::Scene& scene_;
   GpuScene& gpuScene_;
-  std::vector<MeshBvh> meshes_;   // by mesh; without a buffer before it is built
-  std::vector<uint32_t> refits_;  // meshes whose refit is pending
+  std::unique_ptr<DeviceBvhBuilder> builder_;  // null: the host builds all BVHs
+  std::vector<MeshBvh> meshes_;                // by mesh; without a buffer before it is built
+  std::vector<uint32_t> refits_;               // meshes whose refit is pending
   GpuList<shared::RayNode> nodes_;
   GpuList<shared::RayInstance> instances_;
   GpuList<shared::RayScene> record_;

@@ -673,7 +673,7 @@ void Renderer::findLowestPoint() {
 }
 
 SceneBvh& Renderer::followedBvh(bool samplesEnvironment) {
-  if (!bvh_) bvh_ = std::make_unique<SceneBvh>(device_, scene_, gpuScene_);
+  if (!bvh_) bvh_ = std::make_unique<SceneBvh>(device_, executor_, scene_, gpuScene_);
   if (samplesEnvironment && hasEnvironment_ && !environmentCells_) {
     environmentCells_ = makeEnvironmentCells(device_, executor_, environment_);
     bvh_->setEnvironment(environmentCells_.address());

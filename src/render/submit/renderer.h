@@ -71,6 +71,7 @@ class Renderer {
   // Runs passes that trace rays through the scene (glsl/rays.glsl), and waits for them.
   graph::Submission traceRays(const AddRayPasses& add, const Settings& settings, const SceneState& moment = {});
   BvhStatistics bvhStatistics() const;
+  BvhCosts bvhCosts() const { return bvh_ ? bvh_->costs() : BvhCosts{}; }
 
   // Returns true if shaders may place the worlds of a call with these settings and cameras (WorldStates::inputs). Other
   // calls require the host's records: those that draw, cast shadows of other lights than directional ones, or render a
