@@ -40,8 +40,8 @@ def figure_poses(scene, joints, count, seed=0):
         if path not in posed:
             parent = nodes[path].parent
             relative = np.linalg.inv(rest[parent]) @ rest[path] if parent else rest[path]
-            above = pose(parent) if parent else np.eye(4)
-            posed[path] = above @ relative @ turns() if path in joints else np.tile(above @ relative, (count, 1, 1))
+            above = pose(parent) if parent else np.tile(np.eye(4), (count, 1, 1))
+            posed[path] = above @ relative @ turns() if path in joints else above @ relative
         return posed[path]
 
     return np.stack([pose(path) for path in joints], 1).astype(np.float32)
