@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 #include <random>
@@ -147,9 +146,7 @@ TEST_P(DeformedWorlds, PosedByJointsAreTheAnimation) {
 // A file without animations keeps its skins, and worlds pose them. The joints are moved as one, so each vertex moves by
 // the same distance, also far beyond the bounds at rest.
 TEST_P(DeformedWorlds, PoseSkinsWithoutAnimations) {
-  const std::string file = testing::TempDir() + "static_skin.glb";
-  const models::Bytes bytes = models::skinnedModel(glm::dvec3(0), false);
-  std::ofstream(file, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), std::ssize(bytes));
+  const std::string file = models::modelPath("static_skin.glb").string();
   const scene::Scene internal = scene::load(file);
   Scene scene(file);
   const std::vector<std::string> joints = scene.joints(scene.instances()[0]);
