@@ -189,6 +189,35 @@ TEST_P(DeformedWorlds, PoseSkinsWithoutAnimations) {
   }
 }
 
+// Joints that mirror the figure, seen by the mirrored camera, give the mirrored image: front faces stay front faces.
+TEST_P(DeformedWorlds, TurnOverIfJointsMirror) {
+  const scene::Scene internal = scene::load(models::modelPath("static_skin.glb").string());
+  Scene scene(models::modelPath("static_skin.glb").string());
+  JointArrays mirrored;
+  const scene::Pose rest = scene::restPose(internal);
+  render::Poses poses{rest, rest, rest};
+  const dmat4 mirror = glm::scale(dmat4(1), glm::dvec3(-1, 1, 1));
+  for (dmat4& world : poses.current.world) world = mirror * world;
+  Worlds worlds{.count = 1, .joints = scene.joints(scene.instances()[0]), .cameras = {scene.defaultCamera(kAspect)}};
+  mirrored.add(internal, worlds.joints, poses);
+  worlds.arrays.jointTransforms = arrayOf(mirrored.numbers[0]);
+  Options o = optionsOf(GetParam().raster, GetParam().shadows);
+  o.aovs = {"depth"};
+  Renderer renderer(scene, testDevice(), "studio");
+  const std::vector<float> expected = renderer.render(worlds.cameras[0], o).aovs.at("depth").values;
+  Transform& pose = worlds.cameras[0].cameraToWorld;
+  for (const size_t i : {1, 2, 3, 4, 8}) pose[i] = -pose[i];  // mirrors the world, and the camera's X axis
+  const std::vector<float> depth = renderer.render(worlds, o)[0].aovs.at("depth").values;
+  size_t covered = 0, differ = 0;
+  for (size_t i = 0; i < depth.size(); ++i) {
+    const float a = depth[i], b = expected[i / o.width * o.width + o.width - 1 - i % o.width];
+    covered += std::isfinite(b);
+    differ += std::isfinite(a) != std::isfinite(b) || (std::isfinite(a) && std::abs(a - b) > 1e-4f);
+  }
+  EXPECT_GT(covered, 40u);
+  EXPECT_LE(differ, 2u);  // at the silhouette
+}
+
 // --- vertices --------------------------------------------------------------------------------------------------------
 
 // A random smooth motion of the vertices, in floats.
