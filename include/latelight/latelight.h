@@ -288,6 +288,9 @@ class LATELIGHT_API Scene {
   // file that docs/conventions.md describes.
   std::string idManifest() const;
   std::vector<Node> nodes() const;
+  // Paths of the nodes that are the joints of an instance's skin, in the skin's order; none if it has no skin. A joint
+  // that the file's scene does not contain has an empty path.
+  std::vector<std::string> joints(Handle<Instance> instance) const;
   std::optional<Bounds> bounds() const;        // of all instances in the rest pose, in the scene file's frame; empty if
                                                // the scene is
   const std::vector<Camera>& cameras() const;  // the scene's own, in the rest pose
@@ -485,6 +488,10 @@ struct WorldArrays {
   WorldArray lightPosition, lightDirection, lightColor, lightIntensity;
   WorldArray environmentRotation, environmentIntensity;  // count numbers
   WorldArray environmentIndex;                           // count indices (Int32 or Int64) in Worlds::environments
+  // Worlds::joints: count x joints matrices; Worlds::meshes: count x the vertices of all these meshes, mesh by mesh,
+  // rows of 3. Those of the previous and the next frame are for motion.
+  WorldArray jointTransforms, previousJointTransforms, nextJointTransforms;
+  WorldArray vertices, previousVertices, nextVertices;
   uint64_t ready = 0;  // value of Renderer::exportInputSemaphore() at which arrays of the device are complete
 };
 
@@ -512,6 +519,14 @@ struct Worlds {
   // indices in them. The renderer filters each once and keeps it.
   std::vector<std::string> environments;
   std::vector<uint32_t> environmentIndex;
+
+  // The nodes, by their paths, whose transforms arrays.jointTransforms gives: from the node's frame to the scene
+  // file's, as Node::transform. The meshes of all skins with these joints are deformed in each world; see
+  // Scene::joints(). Other joints, and the instances at and below these nodes, have the scene's transforms.
+  std::vector<std::string> joints;
+  // The meshes whose vertices arrays.vertices gives, in object space and in the order of Scene::meshData(). Normals and
+  // tangents follow the triangles (docs/worlds.md).
+  std::vector<Handle<Mesh>> meshes;
 
   std::vector<Camera> cameras;  // the cameras of each world, at least one
   // The instance that each camera rides on, if any: its cameraToWorld is then relative to the instance's frame, whose

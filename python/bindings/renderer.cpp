@@ -288,7 +288,10 @@ WorldCall worldCall(const std::shared_ptr<SharedRenderer>& renderer, nb::handle 
     if (call.stream == 0) call.stream = renderer->use([&](Renderer&) { return renderer->cudaInputs().stream(); });
     return call.stream;
   };
-  call.given = worldsOf(count, cameras, keywords, reader);
+  const auto vertices = [&](Handle<Mesh> mesh) {
+    return renderer->scene()->read([&](const Scene& s) { return s.mesh(mesh).vertices; });
+  };
+  call.given = worldsOf(count, cameras, keywords, reader, vertices);
   return call;
 }
 

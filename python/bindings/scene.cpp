@@ -184,6 +184,14 @@ void defineWhole(Class& type) {
       nb::sig("def id_manifest(self) -> dict[str, typing.Any]"),
       "What the numbers in the outputs id, part and material stand for (docs/conventions.md).");
   type.def_prop_ro("nodes", [](const SharedScene& s) { return s.read([](const Scene& s) { return s.nodes(); }); });
+  type.def(
+      "joints",
+      [](const SharedScene& s, nb::handle instance) {
+        const auto handle = objectOf<Handle<Instance>>(instance, "instance", "an InstanceHandle");
+        return s.read([&](const Scene& s) { return s.joints(handle); });
+      },
+      argument("instance"), nb::sig("def joints(self, instance: InstanceHandle) -> list[str]"),
+      "Paths of the nodes that are the joints of an instance's skin, in the skin's order; none if it has no skin.");
   type.def_prop_ro("animations",
                    [](const SharedScene& s) { return s.read([](const Scene& s) { return s.animations(); }); });
   type.def_prop_ro(

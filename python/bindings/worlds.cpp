@@ -138,6 +138,19 @@ constexpr WorldArgument kArguments[] = {
     {"light_direction", kTensor, "(N, L, 3): from the light, of any length above 0"},
     {"light_color", kTensor, "(N, L, 3)"},
     {"light_intensity", kTensor, "(N, L): candela; lux for directional lights, nits for area lights"},
+    {"joints", "collections.abc.Sequence[str] | None = None",
+     "paths of the J nodes, joints of skins, that joint_transforms describes: Scene.joints()"},
+    {"joint_transforms", kTensor,
+     "(N, J, 4, 4) or (N, J, 3, 4): from the frame of each joint to the scene file's. The skins' inverse bind matrices "
+     "are the scene's"},
+    {"previous_joint_transforms", kTensor, "the same in the previous frame"},
+    {"next_joint_transforms", kTensor, "the same in the next frame"},
+    {"meshes", "collections.abc.Sequence[MeshHandle] | None = None", "those that vertices describes"},
+    {"vertices", kTensor,
+     "(N, V, 3): positions of all vertices of these meshes, mesh by mesh, in object space and in the order of "
+     "Scene.mesh_arrays(). Normals follow the triangles"},
+    {"previous_vertices", kTensor, "the same in the previous frame"},
+    {"next_vertices", kTensor, "the same in the next frame"},
     {"environment_rotation", kTensor, "(N,) degrees, in place of the option"},
     {"environment_intensity", kTensor, "(N,), in place of the option"},
     {"environments", "collections.abc.Sequence[str | os.PathLike[str]] | None = None",
@@ -154,7 +167,8 @@ constexpr WorldArgument kArguments[] = {
 }  // namespace
 
 std::unique_ptr<GivenWorlds> worldsOf(nb::handle count, nb::handle cameras, nb::dict& keywords,
-                                      const std::function<uintptr_t()>& stream) {
+                                      const std::function<uintptr_t()>& stream,
+                                      const std::function<uint64_t(Handle<Mesh>)>& vertices) {
   auto given = std::make_unique<GivenWorlds>();
   Worlds& worlds = given->worlds;
   const int64_t n = integerOf(count, "count", 1, INT32_MAX);
@@ -192,12 +206,25 @@ std::unique_ptr<GivenWorlds> worldsOf(nb::handle count, nb::handle cameras, nb::
                               {"light_intensity", &worlds.arrays.lightIntensity, {n, l}}};
   const Numbers ofEnvironment[] = {{"environment_rotation", &worlds.arrays.environmentRotation, {n}},
                                    {"environment_intensity", &worlds.arrays.environmentIntensity, {n}}};
+  if (const nb::object joints = take("joints"); !joints.is_none()) worlds.joints = textsOf(joints, "joints");
+  const std::pair<const char*, WorldArray*> ofJoints[] = {
+      {"joint_transforms", &worlds.arrays.jointTransforms},
+      {"previous_joint_transforms", &worlds.arrays.previousJointTransforms},
+      {"next_joint_transforms", &worlds.arrays.nextJointTransforms}};
+  worlds.meshes = handlesOf<Mesh>(take("meshes"), "meshes", "a MeshHandle");
+  int64_t v = 0;
+  for (const Handle<Mesh> mesh : worlds.meshes) v += static_cast<int64_t>(vertices(mesh));
+  const Numbers ofVertices[] = {{"vertices", &worlds.arrays.vertices, {n, v, 3}},
+                                {"previous_vertices", &worlds.arrays.previousVertices, {n, v, 3}},
+                                {"next_vertices", &worlds.arrays.nextVertices, {n, v, 3}}};
   std::vector<nb::object> values;
   for (const auto& [name, array] : ofInstances) values.push_back(take(name));
   for (const auto& [name, array] : ofCameras) values.push_back(take(name));
   for (const Numbers& numbers : ofMaterials) values.push_back(take(numbers.name));
   for (const Numbers& numbers : ofLights) values.push_back(take(numbers.name));
   for (const Numbers& numbers : ofEnvironment) values.push_back(take(numbers.name));
+  for (const auto& [name, array] : ofJoints) values.push_back(take(name));
+  for (const Numbers& numbers : ofVertices) values.push_back(take(numbers.name));
   const nb::object choice = values.emplace_back(take("material_choice"));
   if (choice.is_none() != worlds.palette.empty()) badValue("materials and material_choice require each other");
   if (const nb::object names = take("environments"); !names.is_none())
@@ -233,6 +260,18 @@ std::unique_ptr<GivenWorlds> worldsOf(nb::handle count, nb::handle cameras, nb::
   }
   for (const Numbers& numbers : ofEnvironment)
     reader.numbers(values[next++], numbers.name, numbers.shape, *numbers.array);
+  if (values[next].is_none() != worlds.joints.empty()) badValue("joints and joint_transforms require each other");
+  for (const auto& [name, array] : ofJoints) {
+    if (!values[next].is_none() && worlds.joints.empty())
+      badValue("{} requires the list of joints that it describes: joints", name);
+    reader.transforms(values[next++], name, static_cast<int64_t>(worlds.joints.size()), *array);
+  }
+  if (values[next].is_none() != worlds.meshes.empty()) badValue("meshes and vertices require each other");
+  for (const Numbers& numbers : ofVertices) {
+    if (!values[next].is_none() && worlds.meshes.empty())
+      badValue("{} requires the list of meshes that it describes: meshes", numbers.name);
+    reader.numbers(values[next++], numbers.name, numbers.shape, *numbers.array);
+  }
   reader.indices(environment, "environment_index", {n}, worlds.arrays.environmentIndex);
   reader.indices(choice, "material_choice", {n, i}, worlds.arrays.materialChoice);
   return given;

@@ -27,8 +27,10 @@ struct GivenWorlds {
 
 // Removes the arguments that describe worlds from `keywords`. `stream`: returns the stream that will read arrays in
 // CUDA's memory; called only if there are such arrays.
+// `vertices`: returns the number of vertices of a mesh.
 std::unique_ptr<GivenWorlds> worldsOf(nanobind::handle count, nanobind::handle cameras, nanobind::dict& keywords,
-                                      const std::function<uintptr_t()>& stream);
+                                      const std::function<uintptr_t()>& stream,
+                                      const std::function<uint64_t(Handle<Mesh>)>& vertices);
 std::string worldParameters();  // of a signature: ", instances: ... = None" and so on
 std::string worldDocs();
 

@@ -383,6 +383,30 @@ std::vector<Node> Scene::nodes() const {
   return nodes;
 }
 
+std::vector<std::string> Scene::joints(Handle<Instance> instance) const {
+  const scene::Scene& scene = impl_->scene;
+  const auto& deformation = scene.meshes[scene.instances[impl_->index(instance)].mesh].deformation;
+  std::vector<std::string> paths;
+  if (!deformation || deformation->skin < 0) return paths;
+  for (const uint32_t joint : scene.rig.skins[static_cast<size_t>(deformation->skin)].joints) {
+    const auto node = std::ranges::find(scene.rig.sceneNodes, joint);
+    paths.push_back(node == scene.rig.sceneNodes.end()
+                        ? ""
+                        : scene.nodes[static_cast<size_t>(node - scene.rig.sceneNodes.begin())].path);
+  }
+  return paths;
+}
+
+uint32_t Scene::Impl::jointOf(const std::string& path) const {
+  for (size_t node = 0; node < scene.rig.sceneNodes.size(); ++node) {
+    if (path.empty() || scene.nodes[node].path != path) continue;
+    const uint32_t joint = scene.rig.sceneNodes[node];
+    const auto has = [&](const scene::Skin& skin) { return std::ranges::count(skin.joints, joint) > 0; };
+    if (std::ranges::any_of(scene.rig.skins, has)) return joint;
+  }
+  badUsage("the scene has no joint \"{}\": give the path of a node that is a joint of a skin", printable(path));
+}
+
 std::optional<Bounds> Scene::bounds() const {
   const scene::Bounds world = scene::worldBounds(impl_->scene);
   if (world.empty()) return std::nullopt;

@@ -44,6 +44,9 @@ struct Scene::Impl {
   uint32_t index(Handle<Mesh> mesh) const;
   uint32_t index(Handle<Texture> texture) const;
 
+  // The node of the rig with this path. Throws Error(Usage) unless it is a joint of a skin.
+  uint32_t jointOf(const std::string& path) const;
+
   // Converts worlds for the renderer: returns the cameras, and writes the rest to `state`. `onHost`: as lists, even if
   // shaders can place the worlds.
   struct WorldConverter;

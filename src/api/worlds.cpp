@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
+#include <limits>
 #include <numeric>
 
 #include "api/device_array.h"
@@ -20,6 +21,9 @@
 namespace latelight {
 
 namespace {
+
+constexpr char kWrongJoint[] =
+    "the transform of a joint must have the last row 0 0 0 1, and one of world {} has another";
 
 bool isFinite(const Transform& transform) {
   return std::ranges::all_of(transform, [](double value) { return std::isfinite(static_cast<float>(value)); });
@@ -136,19 +140,27 @@ bool hasLights(const WorldArrays& a) {
 // The memory of a call's arrays. The host's arrays are copied to one buffer, in two steps: their sizes are added first.
 class InputWriter {
  public:
+  // Gives the address of an array, which is the caller's own if it is in the device's memory.
+  void give(const WorldArray& array, uint64_t bytes, VkDeviceAddress& address,
+            std::vector<std::shared_ptr<const void>>& held) {
+    if (array.host) add(array.host, bytes, address);
+    if (!array.device) return;
+    held.push_back(DeviceArrayMemory::of(*array.device));
+    address = DeviceArrayMemory::bufferOf(*array.device).address() + array.offset;
+  }
   // The memory must stay valid until write().
   void add(const void* from, uint64_t bytes, VkDeviceAddress& address) {
     parts_.push_back({from, bytes, total_, &address});
     total_ += (bytes + 15) / 16 * 16;
   }
-  void write(render::Renderer& renderer, render::WorldInputs& inputs) {
+  void write(render::Renderer& renderer, std::vector<std::shared_ptr<const void>>& held) {
     if (parts_.empty()) return;
     const std::shared_ptr<const vk::Buffer> memory = renderer.inputMemory(total_);
     for (const Part& part : parts_) {
       copyInParallel(memory->mapped() + part.offset, static_cast<const std::byte*>(part.from), part.bytes);
       *part.address = memory->address() + part.offset;
     }
-    inputs.memory.push_back(memory);
+    held.push_back(memory);
   }
 
  private:
@@ -174,12 +186,16 @@ struct Scene::Impl::WorldConverter {
 
   void check() const;
   void checkArrays() const;
+  void checkNumbers(vk::Device& device, const WorldArray& joints, const WorldArray& vertices, bool keep);
   bool placesLights() const;
   Worlds withLightValues(vk::Device& device) const;
   Worlds withMaterials(vk::Device& device) const;
   bool hasIntrinsics() const { return from.arrays.intrinsics || !from.intrinsics.empty(); }
   void listInstances();
+  void checkDeformations(const vk::Device& device) const;
+  void listDeformations(render::Renderer& renderer, vk::Device& device, bool onDevice);
   void findInvalid(bool onDevice);
+  size_t vertexCount() const;
   // For shaders that place the worlds.
   std::vector<scene::Camera> camerasOfWorld() const;
   void give(render::Renderer& renderer, std::vector<scene::Camera> cameras) const;
@@ -257,6 +273,90 @@ void Scene::Impl::WorldConverter::checkArrays() const {
                                   &a.previousCameraToWorld, &a.nextCameraToWorld})
     if (*array && array->rows != 3 && array->rows != 4)
       badUsage("matrices of Worlds::arrays must have 3 or 4 rows, not {}", array->rows);
+}
+
+size_t Scene::Impl::WorldConverter::vertexCount() const {
+  size_t count = 0;
+  for (const Handle<Mesh>& mesh : from.meshes) count += scene.scene.meshes[scene.index(mesh)].positions.size();
+  return count;
+}
+
+void Scene::Impl::WorldConverter::checkDeformations(const vk::Device& device) const {
+  const WorldArrays& a = from.arrays;
+  checkArray(a.jointTransforms, false, Kind::Numbers, "jointTransforms");
+  checkArray(a.previousJointTransforms, false, Kind::Numbers, "previousJointTransforms");
+  checkArray(a.nextJointTransforms, false, Kind::Numbers, "nextJointTransforms");
+  checkArray(a.vertices, false, Kind::Numbers, "vertices");
+  checkArray(a.previousVertices, false, Kind::Numbers, "previousVertices");
+  checkArray(a.nextVertices, false, Kind::Numbers, "nextVertices");
+  for (const WorldArray* array : {&a.jointTransforms, &a.previousJointTransforms, &a.nextJointTransforms})
+    if (*array && array->rows != 3 && array->rows != 4)
+      badUsage("matrices of Worlds::arrays must have 3 or 4 rows, not {}", array->rows);
+  if (bool(a.jointTransforms) == from.joints.empty())
+    badUsage("Worlds::joints and Worlds::arrays.jointTransforms require each other");
+  if (bool(a.vertices) == from.meshes.empty())
+    badUsage("Worlds::meshes and Worlds::arrays.vertices require each other");
+  if ((a.previousJointTransforms || a.nextJointTransforms) && !a.jointTransforms)
+    badUsage("Worlds::arrays.previousJointTransforms and nextJointTransforms require jointTransforms");
+  if ((a.previousVertices || a.nextVertices) && !a.vertices)
+    badUsage("Worlds::arrays.previousVertices and nextVertices require vertices");
+  if ((a.jointTransforms || a.vertices) && !render::WorldDeformer::runsOn(device))
+    fail(ExitCode::NoDevice, "{} has no 64-bit floats in shaders, which joints and vertices of worlds require",
+         device.info().name);
+}
+
+// Gives the arrays of joints and vertices to the shaders that deform meshes. If the host places the worlds, it has
+// their numbers, too, for the bounds.
+void Scene::Impl::WorldConverter::listDeformations(render::Renderer& renderer, vk::Device& device, bool onDevice) {
+  const WorldArrays& a = from.arrays;
+  render::WorldDeformations& given = to.deformations;
+  for (const std::string& path : from.joints) {
+    given.joints.push_back(scene.jointOf(path));
+    if (std::ranges::count(given.joints, given.joints.back()) > 1)
+      badUsage("Worlds::joints lists the node {} twice", path);
+  }
+  for (const Handle<Mesh>& mesh : from.meshes) {
+    given.meshes.push_back(scene.index(mesh));
+    if (std::ranges::count(given.meshes, given.meshes.back()) > 1) badUsage("Worlds::meshes lists a mesh twice");
+  }
+  const size_t joints = from.count * from.joints.size(), vertices = from.count * vertexCount();
+  if (std::max(16 * joints, 3 * vertices) > std::numeric_limits<uint32_t>::max())
+    badUsage("arrays of joints and vertices must have less than 2^32 numbers each: render fewer worlds per call");
+  InputWriter writer;
+  const auto give = [&](const WorldArray& array, size_t count, uint32_t numbers, render::WorldArray& to) {
+    if (!array) return;
+    to = {.address = 0, .rows = array.rows, .element = elementOf(array)};
+    writer.give(array, count * numbers * elementBytes(array), to.address, given.memory);
+  };
+  const WorldArray* ofJoints[] = {&a.jointTransforms, &a.previousJointTransforms, &a.nextJointTransforms};
+  const WorldArray* ofVertices[] = {&a.vertices, &a.previousVertices, &a.nextVertices};
+  for (size_t time = 0; time < 3; ++time) {
+    give(*ofJoints[time], joints, 4 * ofJoints[time]->rows, given.jointTransforms[time]);
+    give(*ofVertices[time], vertices, 3, given.vertices[time]);
+    if (!onDevice) checkNumbers(device, *ofJoints[time], *ofVertices[time], time == 0);
+  }
+  writer.write(renderer, given.memory);
+}
+
+// Finds the worlds with joints or vertices that are not finite. `keep`: keeps the numbers.
+void Scene::Impl::WorldConverter::checkNumbers(vk::Device& device, const WorldArray& joints, const WorldArray& vertices,
+                                               bool keep) {
+  if (joints) {
+    const std::vector<Transform> matrices = matricesOf(device, joints, from.count * from.joints.size());
+    for (size_t i = 0; i < matrices.size(); ++i) {
+      if (!isFinite(matrices[i]))
+        invalid[i / from.joints.size()] = 1;
+      else if (!std::ranges::equal(std::span(matrices[i]).last<4>(), std::array{0.0, 0.0, 0.0, 1.0}))
+        badUsage(kWrongJoint, i / from.joints.size());
+      if (keep)
+        to.deformations.jointNumbers.insert(to.deformations.jointNumbers.end(), matrices[i].begin(), matrices[i].end());
+    }
+  }
+  if (!vertices) return;
+  std::vector<double> numbers = numbersOf(device, vertices, 3 * from.count * vertexCount());
+  for (size_t i = 0; i < numbers.size(); ++i)
+    if (!std::isfinite(static_cast<float>(numbers[i]))) invalid[i / (numbers.size() / from.count)] = 1;
+  if (keep) to.deformations.vertexNumbers = std::move(numbers);
 }
 
 // Returns true if shaders may convert the arrays of lights. The host turns the shapes of area lights.
@@ -479,11 +579,7 @@ void Scene::Impl::WorldConverter::give(render::Renderer& renderer, std::vector<s
   inputs.cameras = std::move(cameras);
   InputWriter writer;
   const auto giveArray = [&](const WorldArray& array, uint64_t bytes, VkDeviceAddress& address) {
-    if (array.host) writer.add(array.host, bytes, address);
-    if (!array.device) return;
-    const std::shared_ptr<const void> memory = DeviceArrayMemory::of(*array.device);
-    address = DeviceArrayMemory::bufferOf(*array.device).address() + array.offset;
-    inputs.memory.push_back(memory);
+    writer.give(array, bytes, address, inputs.memory);
   };
   const auto matrices = [&](const WorldArray& array, const std::vector<Transform>& list, size_t count,
                             render::WorldArray& given) {
@@ -529,7 +625,7 @@ void Scene::Impl::WorldConverter::give(render::Renderer& renderer, std::vector<s
   giveArray(arrays.intrinsics, views * 9 * elementBytes(arrays.intrinsics), inputs.intrinsics.address);
   for (const std::optional<Handle<Instance>>& ride : from.cameraInstances)
     inputs.rides.push_back(ride ? scene.index(*ride) : ~0u);
-  writer.write(renderer, inputs);
+  writer.write(renderer, inputs.memory);
 }
 
 namespace {
@@ -580,7 +676,12 @@ Worlds withoutArrays(const Worlds& worlds, vk::Device& device, size_t instances,
                  worlds.environments.size() - 1, index);
       lists.environmentIndex.push_back(static_cast<uint32_t>(index));
     }
-  lists.arrays = {};
+  lists.arrays = {.jointTransforms = a.jointTransforms,
+                  .previousJointTransforms = a.previousJointTransforms,
+                  .nextJointTransforms = a.nextJointTransforms,
+                  .vertices = a.vertices,
+                  .previousVertices = a.previousVertices,
+                  .nextVertices = a.nextVertices};
   return lists;
 }
 
@@ -605,6 +706,7 @@ std::vector<uint32_t> worldsOfStatus(std::span<const uint32_t> status) {
     const uint32_t bits = status[world];
     if (bits & shared::kWorldWrongTransform)
       badUsage("the transform of an instance must have the last row 0 0 0 1, and one of world {} has another", world);
+    if (bits & shared::kWorldWrongJoint) badUsage(kWrongJoint, world);
     if (bits & shared::kWorldWrongPose)
       badUsage(
           "the camera's pose must be a rotation and a translation, without mirror, shear or scale, over 0 0 0 1, and "
@@ -649,10 +751,12 @@ WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& 
   WorldConverter converter{worlds, *this, settings, state.worlds};
   converter.listInstances();
   converter.check();
+  converter.checkDeformations(device);
   render::WorldStates& to = state.worlds;
   std::vector<scene::Camera> each = converter.camerasOfWorld();
   const bool onDevice = !onHost && renderer.placesWorlds(settings, each, state.poses,
-                                                         !worlds.lightValues.empty() || hasLights(worlds.arrays));
+                                                         !worlds.lightValues.empty() || hasLights(worlds.arrays) ||
+                                                             !worlds.joints.empty());
   const auto convertLists = [&](const Worlds& lists) {
     to = {.environments = std::move(to.environments)};
     return convert(lists, settings, state, renderer, device, onHost);
@@ -663,6 +767,7 @@ WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& 
     return convertLists(converter.withMaterials(device));
   if (onDevice) {
     converter.findInvalid(true);
+    converter.listDeformations(renderer, device, true);
     converter.convertMaterials();
     converter.convertLights();
     to.empty = converter.invalid;
@@ -674,6 +779,7 @@ WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& 
         withoutArrays(worlds, device, to.instances.size(),
                       hasFactors(worlds.arrays) ? converter.ownFactors() : std::vector<MaterialFactors>{}));
   converter.findInvalid(false);
+  converter.listDeformations(renderer, device, false);
   to.transforms = converter.transformsOf(worlds.transforms);
   to.previous = converter.transformsOf(worlds.previousTransforms);
   to.next = converter.transformsOf(worlds.nextTransforms);

@@ -243,7 +243,7 @@ float duration(const Scene& scene, const Playback& playback) {
 }
 
 Pose poseAt(const Scene& scene, const Playback& playback, double seconds) {
-  if (scene.rig.empty()) return {};
+  if (!scene.rig.isAnimated()) return {};
   std::vector<RigNode> nodes = scene.rig.nodes;
   if (playback.loop) seconds = wrapped(seconds, duration(scene, playback));
   for (uint32_t index : playback.animations)
@@ -255,6 +255,10 @@ Pose poseAt(const Scene& scene, const Playback& playback, double seconds) {
       pose.values.push_back({index, track, valueAt(tracks[track], seconds)});
   }
   return pose;
+}
+
+Pose restPose(const Scene& scene) {
+  return poseOf(scene.rig, scene.rig.nodes);
 }
 
 namespace {

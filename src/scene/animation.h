@@ -71,7 +71,7 @@ struct Skin {
   glm::dvec3 origin{0};
 };
 
-// All data that poses require. It is empty if the file has no animations.
+// All data that poses require. It is empty if the file has neither animations nor skins.
 struct Rig {
   std::vector<RigNode> nodes;   // all nodes of the file, in file order: joints need not be in the rendered scene
   std::vector<uint32_t> order;  // node indices, parents first
@@ -83,6 +83,7 @@ struct Rig {
   std::map<uint32_t, MaterialParts> materials;  // source values of the materials that animations change, by index
 
   bool empty() const { return nodes.empty(); }
+  bool isAnimated() const { return !animations.empty(); }
 };
 
 struct MorphTarget {  // deltas; each array is empty or has one element per vertex
@@ -131,6 +132,8 @@ float duration(const Scene& scene, const Playback& playback);  // the duration o
 // Returns the pose at any finite time, or an empty pose if nothing in the scene is animated. Throws Error(BadInput) if
 // a transform overflows floats.
 Pose poseAt(const Scene& scene, const Playback& playback, double seconds);
+// Returns the rest pose of all nodes of the rig, which is not empty unless the rig is.
+Pose restPose(const Scene& scene);
 
 // --- posed scene data; for an empty pose, the values of the scene itself ---------------------------------------------
 

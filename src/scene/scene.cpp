@@ -107,10 +107,12 @@ vec3 vertexOrigin(const Mesh& mesh) {
 
 void addBounds(const Scene& scene, const Instance& instance, const dmat4& toWorld, Bounds& bounds) {
   const Mesh& mesh = scene.meshes[instance.mesh];
-  if (mesh.positions.empty()) return;
+  if (!mesh.positions.empty()) addBox(mesh.boundsMin, mesh.boundsMax, toWorld, bounds);
+}
+
+void addBox(vec3 low, vec3 high, const dmat4& toWorld, Bounds& bounds) {
   for (int corner = 0; corner < 8; ++corner) {
-    const vec3 p(corner & 1 ? mesh.boundsMax.x : mesh.boundsMin.x, corner & 2 ? mesh.boundsMax.y : mesh.boundsMin.y,
-                 corner & 4 ? mesh.boundsMax.z : mesh.boundsMin.z);
+    const vec3 p(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z);
     const dvec3 world = toWorld * glm::dvec4(p, 1.0);
     bounds.min = glm::min(bounds.min, world);
     bounds.max = glm::max(bounds.max, world);

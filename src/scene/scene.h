@@ -230,6 +230,8 @@ Bounds worldBounds(const Scene&);
 double lowestPoint(const Scene& scene);
 // Extends `bounds` by those of an instance with this transform.
 void addBounds(const Scene& scene, const Instance& instance, const dmat4& toWorld, Bounds& bounds);
+// Extends `bounds` by those of a box with this transform.
+void addBox(vec3 low, vec3 high, const dmat4& toWorld, Bounds& bounds);
 // Computes the mesh's bounds and its longest edge; they are zero if it has no positions.
 void findBounds(Mesh& mesh);
 // Returns the object-space point relative to which a device stores the vertices: 0, or a point near the vertices if

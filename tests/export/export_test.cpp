@@ -129,8 +129,8 @@ void expectSame(const Scene& a, const Scene& b) {
 
 class ExportedModel : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Models, ExportedModel,
-                         testing::Values("punctual.glb", "textured.glb", "intricate.glb", "skinned.glb", "morphed.glb",
-                                         "blended.glb", "many_materials.glb"),
+                         testing::Values("punctual.glb", "textured.glb", "intricate.glb", "skinned.glb",
+                                         "static_skin.glb", "morphed.glb", "blended.glb", "many_materials.glb"),
                          [](const auto& info) { return info.param.substr(0, info.param.find('.')); });
 
 TEST_P(ExportedModel, IsTheSameScene) {
@@ -148,7 +148,7 @@ TEST(Export, BuiltInScenesAreTheSame) {
 }
 
 TEST(Export, AnimationsHaveTheSamePoses) {
-  for (const char* model : {"skinned.glb", "morphed.glb"}) {
+  for (const char* model : {"skinned.glb", "static_skin.glb", "morphed.glb"}) {
     const Scene scene = load(models::modelPath(model).string()), again = exported(scene);
     ASSERT_EQ(again.rig.animations.size(), scene.rig.animations.size());
     for (uint32_t i = 0; i < scene.rig.animations.size(); ++i) {

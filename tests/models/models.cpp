@@ -335,6 +335,7 @@ std::map<std::string, Bytes> allModels() {
           {"textured.glb", texturedModel()},
           {"intricate.glb", intricateModel()},
           {"skinned.glb", skinnedModel()},
+          {"static_skin.glb", skinnedModel(glm::dvec3(0), false)},
           {"morphed.glb", morphedModel()},
           {"blended.glb", blendedModel()},
           {"many_materials.glb", manyMaterialsModel()},

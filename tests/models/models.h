@@ -36,7 +36,7 @@ std::string embeddedModel();
 
 // A worm of 2 m height that stands on the ground, with a chain of four joints. The animations "bend" and "twist" last
 // one second each and start and end at rest. The lowest joint is at `foot`, in the file's frame.
-Bytes skinnedModel(glm::dvec3 foot = glm::dvec3(0));
+Bytes skinnedModel(glm::dvec3 foot = glm::dvec3(0), bool animated = true);
 
 // A ball with two morph targets with normals, one flat and one long. The animation "breathe" lasts one second.
 Bytes morphedModel();

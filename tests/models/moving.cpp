@@ -92,7 +92,7 @@ int checkered(GltfBuilder& file, const char* name) {
 
 }  // namespace
 
-Bytes skinnedModel(glm::dvec3 foot) {
+Bytes skinnedModel(glm::dvec3 foot, bool animated) {
   GltfBuilder file;
   const Shape shape = worm();
   json skinned = primitive(file, shape, checkered(file, "scales"));
@@ -101,8 +101,8 @@ Bytes skinnedModel(glm::dvec3 foot) {
   const int first = addJoints(file);
   file.root["nodes"][first]["translation"] = {foot.x, foot.y, foot.z};
   place(file, "worm", shown, {0, 0, 0}, {{"skin", 0}});
-  addSway(file, "bend", first, {0, 0, 1}, 25);
-  addSway(file, "twist", first, {0, 1, 0}, 40);
+  if (animated) addSway(file, "bend", first, {0, 0, 1}, 25);
+  if (animated) addSway(file, "twist", first, {0, 1, 0}, 40);
   return file.glb();
 }
 

@@ -200,3 +200,121 @@ def test_wrong_arrays_are_refused(scene, worlds_renderer, camera, arguments, err
     arguments = {"instances": scene.instances()[:1], **arguments}
     with pytest.raises(error, match=sentence):
         worlds_renderer.render_worlds(2, camera, SIZE, **arguments)
+
+
+def cloth(size=9):
+    """A flat square of size x size vertices in the plane z = 0, 2 m wide, and its triangles."""
+    x, y = np.meshgrid(np.linspace(-1, 1, size), np.linspace(-1, 1, size))
+    positions = np.stack([x, y, 0 * x], -1).reshape(-1, 3).astype(np.float32)
+    at = np.arange(size * size).reshape(size, size)
+    a, b, c, d = at[:-1, :-1], at[:-1, 1:], at[1:, :-1], at[1:, 1:]
+    return positions, np.stack([np.stack([a, b, c], -1), np.stack([b, d, c], -1)]).reshape(-1, 3)
+
+
+@pytest.mark.parametrize("raster", ["compute", "hardware"])
+def test_vertices_are_those_of_an_edited_mesh(camera, raster):
+    rest, triangles = cloth()
+    made, edited = latelight.Scene(), latelight.Scene()
+    for each in (made, edited):
+        mesh = each.add_mesh(rest, triangles, normals=np.tile(np.float32([0, 0, 1]), (len(rest), 1)))
+        each.add_instance(mesh, each.add_material(latelight.Material(base_color=(0.2, 0.5, 0.8, 1), double_sided=True)))
+        each.add_light(latelight.Light(position=(1, 2, 3), intensity=40))
+    vertices = np.tile(rest, (4, 1, 1))
+    for world, height in enumerate((0.1, 0.3, 0.5, 0.7)):
+        vertices[world, :, 2] = height * np.sin(4 * rest[:, 0] + world) * rest[:, 1]
+    renderer = latelight.Renderer(made)
+    alone = latelight.Renderer(edited)
+    outputs = (*OUTPUTS, "normal")
+    options = {"raster": raster, "shadows": "none"}
+    for given in (vertices, vertices.astype(np.float64)):
+        frames = renderer.render_worlds(4, camera, SIZE, outputs, meshes=made.meshes(), vertices=given, **options)
+        for world in range(4):
+            # Zeros become the normals of the triangles around, weighted by their areas.
+            edited.set_mesh(edited.meshes()[0], vertices[world], triangles, normals=0 * vertices[world])
+            expected = alone.render(camera, SIZE, outputs, **options)
+            for name in outputs:
+                np.testing.assert_array_equal(frames[world][0][name], expected[name])
+    vertices[2, 5, 1] = np.nan
+    frames = renderer.render_worlds(4, camera, SIZE, "id", meshes=made.meshes(), vertices=vertices, **options)
+    assert frames.invalid_worlds == (2,) and not frames[2][0]["id"].any()
+
+
+def finger(path):
+    """Writes a glTF file of a strip along +Y from 0 to 2, whose upper half follows a joint at y = 1."""
+    import base64
+    import json
+
+    positions = np.float32([[x, y, 0] for y in (0, 1, 1, 2) for x in (-0.3, 0.3)])
+    joints = np.uint8([[joint, 0, 0, 0] for joint in (0, 0, 0, 0, 1, 1, 1, 1)])
+    weights = np.tile(np.float32([1, 0, 0, 0]), (8, 1))
+    indices = np.uint16([0, 1, 2, 1, 3, 2, 4, 5, 6, 5, 7, 6])
+    bind = np.tile(np.eye(4, dtype=np.float32), (2, 1, 1))
+    bind[1, 3, 1] = -1  # column by column
+    data, views = b"", []
+    for array in (positions, joints, weights, indices, bind):
+        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": array.nbytes})
+        data += array.tobytes()
+    accessors = [
+        {"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 8,
+         "min": positions.min(0).tolist(), "max": positions.max(0).tolist()},
+        {"bufferView": 1, "componentType": 5121, "type": "VEC4", "count": 8},
+        {"bufferView": 2, "componentType": 5126, "type": "VEC4", "count": 8},
+        {"bufferView": 3, "componentType": 5123, "type": "SCALAR", "count": 12},
+        {"bufferView": 4, "componentType": 5126, "type": "MAT4", "count": 2},
+    ]
+    root = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 2]}],
+        "nodes": [{"name": "root", "children": [1]}, {"name": "tip", "translation": [0, 1, 0]},
+                  {"name": "finger", "mesh": 0, "skin": 0}],
+        "skins": [{"joints": [0, 1], "inverseBindMatrices": 4}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "JOINTS_0": 1, "WEIGHTS_0": 2}, "indices": 3}]}],
+        "accessors": accessors, "bufferViews": views,
+        "buffers": [{"byteLength": len(data),
+                     "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}],
+    }
+    path.write_text(json.dumps(root))
+    return str(path)
+
+
+@pytest.mark.parametrize("raster", ["compute", "hardware"])
+def test_joints_pose_a_skin(tmp_path, raster):
+    """The tip is pulled away to the left, turned by 90 degrees, so its part of the strip lies along X."""
+    scene = latelight.Scene(finger(tmp_path / "finger.gltf"))
+    assert scene.joints(scene.instances()[0]) == ["/root", "/root/tip"]
+    renderer = latelight.Renderer(scene)
+    camera = latelight.Camera.look_at((0, 1, 6), (0, 1, 0))
+    poses = np.tile(np.eye(4), (3, 2, 1, 1))
+    poses[:, 1, 1, 3] = 1
+    poses[1, 1, :3, :3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    poses[2, 1, 0, 3] = np.nan
+    options = {"raster": raster, "shadows": "none"}
+    frames = renderer.render_worlds(3, camera, (64, 64), ("id", "position"), joints=["/root", "/root/tip"],
+                                    joint_transforms=poses, **options)
+    assert frames.invalid_worlds == (2,)
+    straight, bent, none = frames["id"][:, 0] != 0
+    np.testing.assert_array_equal(frames["id"][0, 0], renderer.render(camera, (64, 64), "id", **options)["id"])
+    assert not none.any()
+    position = frames["position"][1, 0]
+    left = bent & (position[..., 0] < -0.4)  # the strip at rest ends at x = -0.3
+    assert left.any() and not (straight & left).any()
+    assert abs(position[left][:, 0].min() + 1) < 0.1 and np.abs(position[left][:, 1] - 1).max() < 0.31
+    with pytest.raises(latelight.UsageError, match="the last row 0 0 0 1"):
+        poses[2, 1] = 1
+        renderer.render_worlds(3, camera, (64, 64), "id", joints=["/root", "/root/tip"], joint_transforms=poses,
+                               **options)
+
+
+@pytest.mark.parametrize(
+    "arguments, sentence",
+    [
+        ({"joints": ["/a"]}, "require each other"),
+        ({"joints": ["/a"], "joint_transforms": np.zeros((2, 1, 4, 4))}, "no joint"),
+        ({"vertices": np.zeros((2, 4, 3))}, "require each other"),
+        ({"previous_vertices": np.zeros((2, 4, 3))}, "list of meshes"),
+        ({"meshes": "all", "vertices": np.zeros((2, 5, 3))}, "vertices must be"),
+    ],
+)
+def test_wrong_deformations_are_refused(scene, worlds_renderer, camera, arguments, sentence):
+    arguments = {key: scene.meshes() if isinstance(value, str) else value for key, value in arguments.items()}
+    with pytest.raises(latelight.UsageError, match=sentence):
+        worlds_renderer.render_worlds(2, camera, SIZE, **arguments)

@@ -186,12 +186,19 @@ TEST(Skins, BothSetsOfInfluencesMoveVertices) {
   EXPECT_EQ(instanceTransforms(scene, pose)[0], toWorldFromGltf());
 }
 
-TEST(Skins, WithoutAnAnimationNothingIsKept) {
+// Worlds pose skins that the file does not animate. No time has a pose.
+TEST(Skins, WithoutAnAnimationTheyAreKept) {
   GltfBuilder b = skinned();
+  const Scene animated = b.load();
   b.root.erase("animations");
   const Scene scene = b.load();
-  EXPECT_FALSE(scene.meshes[0].deformation);
-  EXPECT_TRUE(scene.rig.empty());
+  ASSERT_TRUE(scene.meshes[0].deformation);
+  EXPECT_EQ(scene.meshes[0].deformation->joints, animated.meshes[0].deformation->joints);
+  EXPECT_EQ(scene.meshes[0].positions, animated.meshes[0].positions);
+  EXPECT_EQ(scene.rig.skins.at(0).joints, animated.rig.skins.at(0).joints);
+  EXPECT_TRUE(poseAt(scene, choosePlayback(scene, "", false), 0.5).empty());
+  EXPECT_EQ(jointMatrices(scene.rig.skins[0], restPose(scene)),
+            jointMatrices(animated.rig.skins[0], restPose(animated)));
 }
 
 // Joints as EXT_meshopt_compression stores them, with four bytes per vertex.

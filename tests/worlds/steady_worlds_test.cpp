@@ -9,6 +9,7 @@
 #include <random>
 
 #include "long_tests.h"
+#include "models/models.h"
 #include "render/submit/session.h"
 #include "render/support.h"
 #include "render/visibility/compute/place_worlds_push.h"
@@ -171,6 +172,60 @@ TEST_F(SteadyWorlds, NeitherGrowNorCreateAnything) {
 
 TEST_F(SteadyWorlds, NeitherGrowNorCreateAnythingWithShadows) {
   run(latelight::test::rounds(1'000u, 80u), true);
+}
+
+// The same for worlds that pose joints and move vertices: the arrays change in every call.
+TEST_F(SteadyWorlds, DeformMeshesWithoutGrowth) {
+  if (!device().isCpu()) GTEST_SKIP() << "the test reads arrays in the host's memory";
+  const scene::Scene scene = scene::load(models::modelPath("skinned.glb").string());
+  const scene::Camera camera = cameraOf(scene, kSteadyWidth, kSteadyHeight);
+  Settings settings = settingsOf(kSteadyWidth, kSteadyHeight, {output::Aov::Depth, output::Aov::Motion});
+  settings.raster = Raster::Compute;
+  settings.lighting = &findTechnique("clustered");
+  Renderer renderer(device(), scene, nullptr);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> offset(-0.2f, 0.2f);
+  const uint32_t steps = latelight::test::rounds(400u, 40u);
+  uint32_t replays = 0;
+  RenderResult last;
+  for (uint32_t i = 0; i < steps && !HasFailure(); ++i) {
+    SCOPED_TRACE(i);
+    WorldStates worlds{.count = kSteadyWorlds};
+    worlds.inputs.emplace().cameras = {camera};
+    WorldDeformations& given = worlds.deformations;
+    const bool joints = i % 40 < 20;  // then vertices
+    const scene::Mesh& mesh = scene.meshes[0];
+    std::vector<float> numbers;
+    if (joints) given.joints = scene.rig.skins[0].joints;
+    if (!joints) given.meshes = {0};
+    for (uint32_t world = 0; world < kSteadyWorlds; ++world) {
+      for (size_t joint = 0; joint < given.joints.size(); ++joint)
+        numbers.insert(numbers.end(), {1, 0, 0, offset(random), 0, 1, 0, offset(random), 0, 0, 1, offset(random)});
+      for (size_t vertex = 0; !joints && vertex < mesh.positions.size(); ++vertex)
+        for (int axis = 0; axis < 3; ++axis) numbers.push_back(mesh.positions[vertex][axis] + offset(random));
+    }
+    const uint32_t broken = static_cast<uint32_t>(random() % (2 * kSteadyWorlds));
+    if (broken < kSteadyWorlds) numbers[broken * numbers.size() / kSteadyWorlds + 3] = NAN;
+    const std::shared_ptr<const vk::Buffer> memory = renderer.inputMemory(numbers.size() * sizeof(float));
+    std::memcpy(memory->mapped(), numbers.data(), numbers.size() * sizeof(float));
+    given.memory = {memory};
+    (joints ? given.jointTransforms : given.vertices)[0] = {
+        .address = memory->address(), .rows = 3, .element = shared::kNumberFloat};
+    const uint64_t pipelines = device().pipelinesMade();
+    const vk::Allocator::Statistics before = device().memory().statistics();
+    last = renderer.submit({&camera, 1}, settings, {.worlds = worlds}, Results::Exported).take();
+    const vk::Allocator::Statistics after = device().memory().statistics();
+    for (uint32_t world = 0; world < kSteadyWorlds; ++world)
+      EXPECT_EQ((last.worldStatus[world] & shared::kWorldInvalid) != 0, world == broken) << world;
+    if (i % 20 < kWarmUpCalls) continue;
+    EXPECT_EQ(device().pipelinesMade(), pipelines);
+    EXPECT_LE(after.allocations, before.allocations);
+    EXPECT_LE(after.usedBytes, before.usedBytes);
+    EXPECT_EQ(last.statistics.replays, 1u) << "steady calls submit recorded commands again";
+    replays += last.statistics.replays;
+  }
+  EXPECT_EQ(replays, steps / 20 * (20 - kWarmUpCalls));
+  EXPECT_TRUE(device().validationMessages().empty());
 }
 
 }  // namespace

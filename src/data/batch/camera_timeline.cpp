@@ -30,7 +30,7 @@ CameraTimeline::CameraTimeline(const Job& job, const scene::Scene& scene) : job_
   const auto named = [](const PairTarget& target) { return target.kind != PairTarget::Kind::Step; };
   if (std::ranges::any_of(job.extras.pairs, named))
     for (size_t i = 0; i < cameras_.size(); ++i) byName_.emplace(cameras_[i].name, i);
-  if (!s.time || scene.rig.empty() || std::ranges::none_of(cameras_, &JobCamera::followsScene)) return;
+  if (!s.time || !scene.rig.isAnimated() || std::ranges::none_of(cameras_, &JobCamera::followsScene)) return;
   earlier_ = camerasAt(*s.time - 1 / s.framesPerSecond, memory_[1]);
   later_ = camerasAt(*s.time + 1 / s.framesPerSecond, memory_[2]);
 }
@@ -110,7 +110,7 @@ std::optional<double> CameraTimeline::secondsTo(size_t i, const Neighbor& neighb
 }
 
 std::function<scene::Pose(double)> CameraTimeline::posesNear(size_t i) const {
-  if (scene_.rig.empty() || !time(i)) return nullptr;
+  if (!scene_.rig.isAnimated() || !time(i)) return nullptr;
   return [this, now = *time(i)](double seconds) { return scene::poseAt(scene_, playback_, now + seconds); };
 }
 
@@ -137,7 +137,7 @@ uint64_t CameraTimeline::momentOf(size_t i) const {
   const CameraExposure& exposure = cameras_[i].exposure;
   std::vector<uint64_t> parts;
   const auto add = [&](const std::optional<double>& seconds) { parts.push_back(std::bit_cast<uint64_t>(*seconds)); };
-  if (!scene_.rig.empty() && job_.settings.time) {
+  if (scene_.rig.isAnimated() && job_.settings.time) {
     const Times times = timesOf(i);
     for (const auto& time : {times.previous, times.now, times.next}) add(time);
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "render/deform/deform_push.h"
 #include "shared/deform.h"
 
 namespace latelight::render {
@@ -131,29 +130,39 @@ void Deformer::addTo(graph::Graph& graph) const {
                  [this, matrices, weights](graph::Context& context) { record(context, matrices, weights); });
 }
 
+shared::DeformPush Deformer::pushOf(const Part& part) const {
+  const scene::Deformation& d = *part.deformation;
+  return {.positions = basePositions_.address() + part.firstVertex * sizeof(shared::VertexPosition),
+          .attributes = baseAttributes_.address() + part.firstVertex * sizeof(shared::VertexAttributes),
+          .joints = joints_.address() + part.joints,
+          .jointWeights = jointWeights_.address() + part.jointWeights,
+          .deltas = deltas_.address() + part.deltas,
+          .vertices = static_cast<uint32_t>(d.positions.size()),
+          .influences = d.influences,
+          .targets = static_cast<uint32_t>(d.targets.size()),
+          .flatNormals = d.flatNormals ? 1u : 0u,
+          .worlds = 1};
+}
+
+void Deformer::dispatch(graph::Context& context, const shared::DeformPush& push, uint32_t poses) const {
+  const uint64_t count = uint64_t{push.worlds} * push.vertices;
+  context.commands().bind(pipeline_.get(), {}, push);
+  vkCmdDispatch(context.get(), (static_cast<uint32_t>(std::min<uint64_t>(count, kColumns)) + 255) / 256, poses,
+                static_cast<uint32_t>((count + kColumns - 1) / kColumns));
+}
+
 void Deformer::record(graph::Context& context, VkDeviceAddress matrices, VkDeviceAddress weights) const {
   for (size_t i = 0; i < parts_.size(); ++i) {
     const Part& part = parts_[i];
-    const scene::Deformation& d = *part.deformation;
-    const uint32_t count = static_cast<uint32_t>(d.positions.size());
-    const shared::DeformPush push{
-        .positions = basePositions_.address() + part.firstVertex * sizeof(shared::VertexPosition),
-        .attributes = baseAttributes_.address() + part.firstVertex * sizeof(shared::VertexAttributes),
-        .joints = joints_.address() + part.joints,
-        .jointWeights = jointWeights_.address() + part.jointWeights,
-        .deltas = deltas_.address() + part.deltas,
-        .palette = matrices + palette_.places[i].matrices,
-        .weights = weights + palette_.places[i].weights,
-        .outPositions = positions_.address() + part.firstVertex * sizeof(shared::VertexPosition),
-        .outAttributes = attributes_.address() + part.firstVertex * sizeof(shared::VertexAttributes),
-        .vertices = count,
-        .stride = vertices_,
-        .influences = d.influences,
-        .jointCount = palette_.places[i].jointCount,
-        .targets = static_cast<uint32_t>(d.targets.size()),
-        .flatNormals = d.flatNormals ? 1u : 0u};
-    context.commands().bind(pipeline_.get(), {}, push);
-    vkCmdDispatch(context.get(), (std::min(count, kColumns) + 255) / 256, 3, (count + kColumns - 1) / kColumns);
+    shared::DeformPush push = pushOf(part);
+    push.palette = matrices + palette_.places[i].matrices;
+    push.weights = weights + palette_.places[i].weights;
+    push.outPositions = positions_.address() + part.firstVertex * sizeof(shared::VertexPosition);
+    push.outAttributes = attributes_.address() + part.firstVertex * sizeof(shared::VertexAttributes);
+    push.stride = vertices_;
+    push.jointCount = palette_.places[i].jointCount;
+    push.now = 1;
+    dispatch(context, push, 3);
   }
 }
 
@@ -176,6 +185,14 @@ void Deformer::describe(std::span<shared::Mesh> meshes, std::span<VertexStreams>
 scene::ReachBox Deformer::boundsOf(uint32_t mesh, const scene::Pose& pose) const {
   const Part& part = parts_[partOf_[mesh]];
   return scene::deformedBox(part.reach, jointsOf(scene_, *part.deformation, pose), weightsOf(*part.deformation, pose));
+}
+
+std::vector<glm::mat4> Deformer::joints(uint32_t mesh, const scene::Pose& pose) const {
+  return jointsOf(scene_, *parts_[partOf_[mesh]].deformation, pose);
+}
+
+std::vector<float> Deformer::weights(uint32_t mesh, const scene::Pose& pose) const {
+  return weightsOf(*parts_[partOf_[mesh]].deformation, pose);
 }
 
 bool Deformer::turnsOver(uint32_t mesh, const scene::Pose& pose) const {

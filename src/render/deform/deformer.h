@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "graph/graph.h"
+#include "render/deform/deform_push.h"
 #include "render/gpu_scene/geometry.h"
 #include "scene/animation.h"
 #include "scene/scene.h"
@@ -39,6 +40,15 @@ class Deformer {
   // Returns true if the pose reverses the winding of the mesh's triangles compared with the mesh at rest.
   bool turnsOver(uint32_t mesh, const scene::Pose& pose) const;
 
+  // For dispatches with other poses: the undeformed mesh, without poses and results, its joint matrices and weights in
+  // a pose, and its extent.
+  shared::DeformPush pushOf(uint32_t mesh) const { return pushOf(parts_[partOf_[mesh]]); }
+  std::vector<glm::mat4> joints(uint32_t mesh, const scene::Pose& pose) const;
+  std::vector<float> weights(uint32_t mesh, const scene::Pose& pose) const;
+  const scene::Reach& reach(uint32_t mesh) const { return parts_[partOf_[mesh]].reach; }
+  // Dispatches one shader over all vertices of all worlds, in `poses` poses.
+  void dispatch(graph::Context& context, const shared::DeformPush& push, uint32_t poses) const;
+
  private:
   struct Part {  // one mesh
     uint32_t mesh;
@@ -57,6 +67,7 @@ class Deformer {
     std::vector<Place> places;
   };
   void upload(vk::Uploader& uploader);
+  shared::DeformPush pushOf(const Part& part) const;
   void record(graph::Context& context, VkDeviceAddress matrices, VkDeviceAddress weights) const;
 
   vk::Device& device_;

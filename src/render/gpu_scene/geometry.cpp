@@ -121,21 +121,56 @@ void GpuGeometry::uploadClusters(vk::Uploader& uploader, uint32_t index) {
   const glm::vec3 origin = scene::vertexOrigin(mesh);
   const scene::Clusters all = clustersAround(origin, mesh);
   std::vector<shared::VertexPosition> positions;
-  if (!mesh.deformation)
+  const bool listed = listsVertices(index);
+  if (!listed)
     for (const uint32_t vertex : all.vertices) positions.push_back({mesh.positions[vertex] - origin, 0});
   Parts parts;
   const uint64_t atTriangles = parts.add(bytesOf(all.triangles)), atClusters = parts.add(bytesOf(all.clusters));
-  const uint64_t atVertices = parts.add(mesh.deformation ? bytesOf(all.vertices) : bytesOf(positions));
+  const uint64_t atVertices = parts.add(listed ? bytesOf(all.vertices) : bytesOf(positions));
   const uint64_t atClusterOfTriangle = parts.add(bytesOf(all.clusterOfTriangle));
   vk::Buffer& buffer = clusters_[index] = parts.upload(device_, uploader, mesh.name + ", clusters");
   records_[index].clusters = {.clusters = buffer.address() + atClusters,
                               .triangles = buffer.address() + atTriangles,
-                              .positions = mesh.deformation ? 0 : buffer.address() + atVertices,
-                              .vertices = mesh.deformation ? buffer.address() + atVertices : 0,
+                              .positions = listed ? 0 : buffer.address() + atVertices,
+                              .vertices = listed ? buffer.address() + atVertices : 0,
                               .clusterOfTriangle = buffer.address() + atClusterOfTriangle};
 }
 
+// The clusters of a mesh that may be deformed refer to its vertices; those of others have copies of their positions.
+bool GpuGeometry::listsVertices(uint32_t mesh) const {
+  return scene_.meshes[mesh].deformation || (mesh < everDerived_.size() && everDerived_[mesh] != 0);
+}
+
+uint32_t GpuGeometry::derive(vk::Uploader& uploader, std::vector<DerivedMesh> derived, uint32_t worlds) {
+  derived_ = std::move(derived);
+  everDerived_.resize(records_.size());
+  bool changed = false;
+  for (const DerivedMesh& mesh : derived_) {
+    const bool listed = listsVertices(mesh.mesh);
+    everDerived_[mesh.mesh] = 1;
+    if (listed || !hasClusters_) continue;
+    uploadClusters(uploader, mesh.mesh);
+    changed = true;
+  }
+  const size_t count = records_.size() + worlds * derived_.size();
+  const bool grows = list_.capacity() < count;
+  if (grows) list_.resize(count);
+  if (grows || changed) list_.upload(uploader, posedRecords(deformer_));
+  return static_cast<uint32_t>(records_.size());
+}
+
+VertexStreams GpuGeometry::streams(uint32_t mesh) const {
+  if (mesh < records_.size()) return posed_[mesh];
+  const size_t index = mesh - records_.size(), world = index / derived_.size();
+  const DerivedMesh& derived = derived_[index % derived_.size()];
+  VertexStreams streams = derived.streams;
+  streams.firstPosition += world * derived.positionStride;
+  streams.firstAttribute += world * derived.attributeStride;
+  return streams;
+}
+
 VkDeviceAddress GpuGeometry::clusters(uint32_t mesh) const {
+  if (mesh >= records_.size()) return 0;
   return deformer_ && scene_.meshes[mesh].deformation ? 0 : records_[mesh].clusters.clusters;
 }
 

@@ -24,6 +24,13 @@ struct VertexStreams {
   VkDeviceSize firstPosition = 0, firstAttribute = 0;  // byte offsets
 };
 
+// A mesh of which each world has vertices of its own, which shaders write.
+struct DerivedMesh {
+  uint32_t mesh;
+  VertexStreams streams;                         // of the first world
+  VkDeviceSize positionStride, attributeStride;  // bytes per world
+};
+
 class GpuGeometry {
  public:
   GpuGeometry(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
@@ -34,12 +41,18 @@ class GpuGeometry {
   // Uploads the records: at rest if `deformer` is null, otherwise with the addresses of its deformed vertices.
   void pose(vk::Uploader& uploader, const Deformer* deformer);
 
+  // Makes space for the records of derived meshes, [worlds][derived], after those of the scene's meshes, and returns
+  // the index of the first. Shaders copy them from those of the scene's meshes. The functions below accept their
+  // indices until the next call.
+  uint32_t derive(vk::Uploader& uploader, std::vector<DerivedMesh> derived, uint32_t worlds);
+
   // Returns shared::VertexPosition[] of the mesh at rest, also while a pose deforms it.
   VkDeviceAddress restPositions(uint32_t mesh) const { return records_[mesh].positions; }
+  VkDeviceAddress restAttributes(uint32_t mesh) const { return records_[mesh].attributes; }
   VkDeviceAddress indices(uint32_t mesh) const { return records_[mesh].indices; }  // three per triangle
-  const VertexStreams& streams(uint32_t mesh) const { return posed_[mesh]; }
-  VkBuffer indexBuffer(uint32_t mesh) const { return buffers_[mesh].get(); }  // starts at offset 0
-  uint32_t indexCount(uint32_t mesh) const { return 3 * records_[mesh].triangleCount; }
+  VertexStreams streams(uint32_t mesh) const;
+  VkBuffer indexBuffer(uint32_t mesh) const { return buffers_[sourceOf(mesh)].get(); }  // starts at offset 0
+  uint32_t indexCount(uint32_t mesh) const { return 3 * records_[sourceOf(mesh)].triangleCount; }
   VkDeviceAddress address() const { return list_.address(); }  // shared::Mesh[]
   // Returns shared::Cluster[] with valid bounds, or 0 if there are none. The bounds are not valid for a deformed mesh.
   VkDeviceAddress clusters(uint32_t mesh) const;
@@ -50,6 +63,11 @@ class GpuGeometry {
   uint64_t revision() const { return revision_; }
 
  private:
+  // The scene's mesh from which a derived mesh is derived; other meshes are their own.
+  uint32_t sourceOf(uint32_t mesh) const {
+    return mesh < records_.size() ? mesh : derived_[(mesh - records_.size()) % derived_.size()].mesh;
+  }
+  bool listsVertices(uint32_t mesh) const;
   void uploadMesh(vk::Uploader& uploader, uint32_t mesh);
   void uploadClusters(vk::Uploader& uploader, uint32_t mesh);
   std::vector<shared::Mesh> posedRecords(const Deformer* deformer);
@@ -61,7 +79,9 @@ class GpuGeometry {
   const Deformer* deformer_ = nullptr;  // holds the vertices of deformed meshes; null: they are at rest
   std::vector<shared::Mesh> records_;   // at rest
   std::vector<VertexStreams> rest_, posed_;
-  std::vector<uint64_t> revisions_;  // by mesh
+  std::vector<DerivedMesh> derived_;
+  std::vector<uint8_t> everDerived_;  // by mesh
+  std::vector<uint64_t> revisions_;   // by mesh
   uint64_t revision_ = 1;
   GpuList<shared::Mesh> list_;
 };

@@ -33,6 +33,7 @@ GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene, vk::Uploader&&
       materials_(device, scene, uploader),
       lights_(device),
       objectFrames_(device, scene),
+      worldDeformer_(device),
       uploads_(device, vk::UploadMode::Deferred),
       seen_(revisionsOf(scene)) {
   lightsOrigin_ = origin();
@@ -89,8 +90,16 @@ void GpuScene::countLights() {
   }
 }
 
+void GpuScene::deformWorlds(const WorldStates& worlds, const Poses& poses) {
+  if (worlds.deformations.empty()) return worldDeformer_.clear();
+  if (!worlds.deformations.joints.empty() && !deformer_)
+    deformer_ = std::make_unique<Deformer>(device_, scene_, uploads_);
+  worldDeformer_.update(scene_, worlds.deformations, worlds.count, poses, deformer_.get(), geometry_, uploads_);
+}
+
 void GpuScene::setWorlds(const WorldStates& worlds, const Poses& poses, std::vector<uint32_t> environmentMaps) {
   worlds_.setEnvironments(uploads_, std::move(environmentMaps));
+  deformWorlds(worlds, poses);
   if (worlds.count == 0) {
     worlds_.clear();
     materials_.setVariants(uploads_, {});
@@ -98,7 +107,7 @@ void GpuScene::setWorlds(const WorldStates& worlds, const Poses& poses, std::vec
     materials_.setVariants(uploads_, variantsOf(worlds, scene_));
     if (worlds.inputs && worlds.inputs->hasFactors())
       materials_.reserveDerived(uploads_, size_t{worlds.count} * worlds.instances.size());
-    worlds_.update(uploads_, scene_, instances_, worlds, poses, posed_ ? deformer_.get() : nullptr);
+    worlds_.update(uploads_, scene_, instances_, worlds, poses, posed_ ? deformer_.get() : nullptr, worldDeformer_);
     worlds_.updateLights(uploads_, worlds, worlds.lights.empty() ? std::vector<scene::Light>{} : lightsIn(poses),
                          scene_, origin());
     worlds_.updateValues(uploads_);
@@ -117,11 +126,13 @@ void GpuScene::addChanges(graph::Graph& graph) const {
   if (!uploads_.empty())
     graph.prologue(graph::Stage::Upload, "upload", [this](graph::Context& context) { uploads_.record(context.get()); });
   if (deformationWaits_) deformer_->addTo(graph);
+  if (worldDeformer_.isPending() && !worlds_.onDevice()) worldDeformer_.addTo(graph, 0);
 }
 
 void GpuScene::changesSubmitted() {
   uploads_.forget();
   deformationWaits_ = false;
+  worldDeformer_.submitted();
 }
 
 void GpuScene::follow() {
@@ -130,6 +141,7 @@ void GpuScene::follow() {
   if (!meshes.empty()) {
     geometry_.update(uploads_, meshes);
     deformer_.reset();
+    worldDeformer_.clear();
     deformationWaits_ = false;
     bounds_.reset();
     // The bounds of the instances of these meshes change, too.

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "render/deform/deformer.h"
+#include "render/deform/world_deformer.h"
 #include "render/gpu_scene/geometry.h"
 #include "render/gpu_scene/instances.h"
 #include "render/gpu_scene/lights.h"
@@ -35,7 +36,7 @@ class GpuScene {
   void setWorlds(const WorldStates& worlds, const Poses& poses, std::vector<uint32_t> environmentMaps);
   void setGroups(const std::vector<uint32_t>& groups) { instances_.setGroups(uploads_, groups); }
   // Adds the pending work to the prologue of a graph: uploads, then deformation. It stays pending until
-  // changesSubmitted().
+  // changesSubmitted(). If shaders place the worlds, WorldPlacer adds the deformation of these.
   void addChanges(graph::Graph& graph) const;
   void changesSubmitted();
   vk::Uploader& uploads() { return uploads_; }  // the pending uploads
@@ -50,6 +51,7 @@ class GpuScene {
   // instances of worlds, records and bounds are the scene's, and only the address is the world's.
   bool hasWorlds() const { return worlds_.count() > 0; }
   const GpuWorlds& worlds() const { return worlds_; }
+  const WorldDeformer& worldDeformer() const { return worldDeformer_; }
   void foundVastWorlds() { worlds_.foundVast(); }
   InstancesOfWorld instancesOf(uint32_t world) const;
   // The bounds of an instance's mesh in a pose of the last update().
@@ -87,6 +89,7 @@ class GpuScene {
   static Seen revisionsOf(const scene::Scene& scene);
   void follow();
   void pose(const Poses& poses);
+  void deformWorlds(const WorldStates& worlds, const Poses& poses);
   std::vector<scene::Light> lightsIn(const Poses& poses) const;
   void countLights();
 
@@ -99,7 +102,8 @@ class GpuScene {
   GpuLights lights_;
   GpuObjectFrames objectFrames_;
   std::unique_ptr<Deformer> deformer_;  // created with the first pose, if a mesh needs it
-  vk::Uploader uploads_;                // pending
+  WorldDeformer worldDeformer_;
+  vk::Uploader uploads_;  // pending
   bool deformationWaits_ = false;
   Seen seen_;
   bool posed_ = false;  // false: the scene is at rest

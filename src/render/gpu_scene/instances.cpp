@@ -45,6 +45,14 @@ void setTransform(shared::Instance& record, const glm::dmat4& toWorld, const glm
   record.translationLow = remainderOf(translation);
 }
 
+// Triangles of this size extend so far beyond most views that float precision is not sufficient for their vertices.
+bool isVast(float longestEdge, const glm::dmat4& toWorld) {
+  constexpr double kVast = 1024;  // meters
+  double squared = 0;
+  for (int i = 0; i < 3; ++i) squared += glm::dot(glm::dvec3(toWorld[i]), glm::dvec3(toWorld[i]));
+  return longestEdge * std::sqrt(squared / 3) >= kVast;
+}
+
 }  // namespace
 
 GpuInstances::GpuInstances(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader)
@@ -55,7 +63,8 @@ GpuInstances::GpuInstances(vk::Device& device, const scene::Scene& scene, vk::Up
   pose(uploader, {}, nullptr);
 }
 
-shared::Instance GpuInstances::recordOf(uint32_t index, const glm::dmat4& toWorld, bool turnedOver) const {
+shared::Instance GpuInstances::recordOf(uint32_t index, const glm::dmat4& toWorld, bool turnedOver,
+                                        std::optional<float> longestEdge) const {
   const scene::Instance& instance = scene_.instances[index];
   const bool mirrored = glm::determinant(glm::dmat3(toWorld)) < 0, clockwise = mirrored != turnedOver;
   shared::Instance record{
@@ -64,7 +73,8 @@ shared::Instance GpuInstances::recordOf(uint32_t index, const glm::dmat4& toWorl
       .id = instance.id,
       .part = instance.part,
       .flags = (mirrored ? shared::kInstanceMirrored : 0u) | (clockwise ? shared::kInstanceClockwise : 0u) |
-               (isVast(index, toWorld) ? shared::kInstanceVast : 0u) |
+               (isVast(longestEdge.value_or(scene_.meshes[instance.mesh].longestEdge), toWorld) ? shared::kInstanceVast
+                                                                                                : 0u) |
                (scene_.meshes[instance.mesh].extras.empty() ? 0u : shared::kInstanceExtras) | groupBits(index)};
   move(record, index, toWorld);
   return record;
@@ -83,14 +93,6 @@ void GpuInstances::place(uint32_t index, const glm::dmat4& toWorld) {
   bounds_[index] = onDevice(spheres_[index]);
 }
 
-// Triangles of this size extend so far beyond most views that float precision is not sufficient for their vertices.
-bool GpuInstances::isVast(uint32_t index, const glm::dmat4& toWorld) const {
-  constexpr double kVast = 1024;  // meters
-  double squared = 0;
-  for (int i = 0; i < 3; ++i) squared += glm::dot(glm::dvec3(toWorld[i]), glm::dvec3(toWorld[i]));
-  return scene_.meshes[scene_.instances[index].mesh].longestEdge * std::sqrt(squared / 3) >= kVast;
-}
-
 // A mesh whose vertices lie far from its own origin is uploaded relative to a nearby origin.
 glm::dmat4 GpuInstances::deviceTransform(uint32_t index, const glm::dmat4& toWorld) const {
   const scene::Mesh& mesh = scene_.meshes[scene_.instances[index].mesh];
@@ -99,7 +101,10 @@ glm::dmat4 GpuInstances::deviceTransform(uint32_t index, const glm::dmat4& toWor
 
 WorldSphere GpuInstances::sphereOf(uint32_t index, const glm::dmat4& toWorld, const scene::Pose& pose,
                                    const Deformer* deformer) const {
-  const PosedBounds bounds = boundsIn(index, pose, deformer);
+  return sphereOf(boundsIn(index, pose, deformer), toWorld);
+}
+
+WorldSphere GpuInstances::sphereOf(const PosedBounds& bounds, const glm::dmat4& toWorld) const {
   WorldSphere sphere;
   if (bounds.shown) sphere = boundsOf(bounds.box, toWorld);
   sphere.turnedOver = bounds.turnedOver;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "render/base/frustum.h"
@@ -54,14 +55,16 @@ class GpuInstances {
   PosedBounds boundsIn(uint32_t instance, const scene::Pose& pose, const Deformer* deformer) const;
   WorldSphere sphereOf(uint32_t instance, const glm::dmat4& toWorld, const scene::Pose& pose,
                        const Deformer* deformer) const;
-  shared::Instance recordOf(uint32_t instance, const glm::dmat4& toWorld, bool turnedOver) const;
+  WorldSphere sphereOf(const PosedBounds& bounds, const glm::dmat4& toWorld) const;
+  // `longestEdge`: that of the instance's mesh, if a world deforms it.
+  shared::Instance recordOf(uint32_t instance, const glm::dmat4& toWorld, bool turnedOver,
+                            std::optional<float> longestEdge = {}) const;
   void move(shared::Instance& record, uint32_t instance, const glm::dmat4& toWorld) const;
   Sphere onDevice(const WorldSphere& sphere) const;  // relative to the origin
 
  private:
   glm::dmat4 deviceTransform(uint32_t instance, const glm::dmat4& toWorld) const;
   glm::dvec3 meanCenter() const;
-  bool isVast(uint32_t instance, const glm::dmat4& toWorld) const;
   void countVast();
   bool moveOrigin();  // moves it to spheres_; returns true if it changed
   void updateAll(const std::vector<glm::dmat4>& transforms);

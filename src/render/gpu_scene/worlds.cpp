@@ -77,14 +77,15 @@ std::vector<GpuMaterials::Variant> variantsOf(const WorldStates& worlds, const s
 
 // Shaders write the lists. The revision tells those who refer to them only what else has changed.
 void GpuWorlds::reserve(vk::Uploader& uploader, const scene::Scene& scene, const WorldStates& worlds,
-                        const Poses& poses) {
+                        const Poses& poses, const WorldDeformer& deformed) {
   const WorldInputs& inputs = *worlds.inputs;
   std::vector<uint32_t> choices = choicesOf(worlds, scene);
   const auto instances = static_cast<uint32_t>(scene.instances.size());
   const bool derives = inputs.hasFactors();
   if (!onDevice_ || count_ != worlds.count || instances_ != instances || choices_ != choices ||
-      palette_ != inputs.palette || derivesMaterials_ != derives) {
+      palette_ != inputs.palette || derivesMaterials_ != derives || deformedMeshes_ != deformed.meshes()) {
     ++revision_;
+    deformedMeshes_ = deformed.meshes();
     derivesMaterials_ = derives;
     choices_ = std::move(choices);
     palette_ = inputs.palette;
@@ -105,7 +106,8 @@ void GpuWorlds::reserve(vk::Uploader& uploader, const scene::Scene& scene, const
 }
 
 void GpuWorlds::update(vk::Uploader& uploader, const scene::Scene& scene, const GpuInstances& instances,
-                       const WorldStates& worlds, const Poses& poses, const Deformer* deformer) {
+                       const WorldStates& worlds, const Poses& poses, const Deformer* deformer,
+                       const WorldDeformer& deformed) {
   hasMaterials_ = !worlds.materials.empty() || !worlds.factors.empty() ||
                   (worlds.inputs && (worlds.inputs->hasFactors() || !worlds.inputs->palette.empty()));
   hasOnDevice_ = 0;
@@ -116,7 +118,7 @@ void GpuWorlds::update(vk::Uploader& uploader, const scene::Scene& scene, const 
   intensities_ = worlds.environmentIntensity;
   environmentIndex_ = worlds.environmentIndex;
   if (worlds.inputs && worlds.inputs->environmentIndex.address) hasOnDevice_ |= shared::kWorldHasEnvironment;
-  if (worlds.inputs) return reserve(uploader, scene, worlds, poses);
+  if (worlds.inputs) return reserve(uploader, scene, worlds, poses, deformed);
   onDevice_ = false;
   const std::vector<glm::dmat4> transforms = scene::instanceTransforms(scene, poses.current);
   count_ = worlds.count;
@@ -125,24 +127,39 @@ void GpuWorlds::update(vk::Uploader& uploader, const scene::Scene& scene, const 
   bounds_.resize(records_.size());
   worldBounds_.assign(count_, {});
   // Bounds are those of GpuScene::bounds(), at rest or in a pose.
-  const auto extend = [&](scene::Bounds& all, uint32_t i, const glm::dmat4& toWorld, const WorldSphere& sphere) {
+  const bool atRest = poses.current.empty() && !deformed.posesJoints();
+  const auto extend = [&](scene::Bounds& all, uint32_t i, const scene::ReachBox& box, const glm::dmat4& toWorld,
+                          const WorldSphere& sphere) {
     if (sphere.radius < 0) return;
-    if (poses.current.empty())
-      scene::addBounds(scene, scene.instances[i], toWorld, all);
-    else
+    if (!atRest)
       include(all, sphere);
+    else if (!scene.meshes[scene.instances[i].mesh].positions.empty())
+      scene::addBox(box.low, box.high, toWorld, all);
   };
   const auto place = [&](uint32_t world) {
     const WorldState state = stateOf(worlds, world, scene, transforms);
+    const bool empty = !worlds.empty.empty() && worlds.empty[world];
+    std::vector<WorldDeformer::HostBounds> shapes;
+    if (!deformed.empty() && !empty) shapes = deformed.boundsIn(world, scene, worlds.deformations, poses);
     for (uint32_t i = 0; i < instances_; ++i) {
       const glm::dmat4& toWorld = state.transforms[i];
-      WorldSphere sphere = instances.sphereOf(i, toWorld, poses.current, deformer);
+      PosedBounds bounds = instances.boundsIn(i, poses.current, deformer);
+      std::optional<float> longestEdge;
+      const uint32_t place = deformed.placeOf(scene.instances[i].mesh);
+      const bool deforms = place != shared::kNowhere && !empty;
+      if (deforms) {
+        bounds.box = shapes[place].box;
+        bounds.turnedOver = shapes[place].turnedOver;
+        longestEdge = shapes[place].longestEdge;
+      }
+      WorldSphere sphere = instances.sphereOf(bounds, toWorld);
       if (!state.exists[i]) sphere.radius = WorldSphere{}.radius;
       shared::Instance& record = records_[size_t{world} * instances_ + i];
-      record = instances.recordOf(i, toWorld, sphere.turnedOver);
+      record = instances.recordOf(i, toWorld, sphere.turnedOver, longestEdge);
+      if (deforms) record.mesh = deformed.firstMesh() + world * deformed.meshCount() + place;
       record.material = state.materials[i];
       bounds_[size_t{world} * instances_ + i] = instances.onDevice(sphere);
-      extend(worldBounds_[world], i, toWorld, sphere);
+      extend(worldBounds_[world], i, bounds.box, toWorld, sphere);
     }
   };
   parallelFor(count_, worldsPerTask(instances_), [&](size_t begin, size_t end) {

@@ -9,24 +9,19 @@
 
 #include "render/base/frustum.h"
 #include "render/deform/deformer.h"
+#include "render/deform/world_deformer.h"
 #include "render/gpu_scene/buffer.h"
 #include "render/gpu_scene/instances.h"
 #include "render/gpu_scene/light_template_push.h"
 #include "render/gpu_scene/lights.h"
 #include "render/gpu_scene/materials.h"
 #include "render/gpu_scene/view_constants_push.h"
+#include "render/gpu_scene/world_array.h"
 #include "scene/environment/environment.h"
 #include "scene/scene.h"
 #include "shared/types.h"
 
 namespace latelight::render {
-
-// Numbers of one call in memory that shaders read: [worlds][elements][rows][columns], row by row, without padding.
-struct WorldArray {
-  VkDeviceAddress address = 0;  // 0: not given
-  uint32_t rows = 4;            // of each matrix
-  uint32_t element = 0;         // shared::kNumber*
-};
 
 // Transforms and cameras of worlds as a caller gave them, which shaders convert (WorldPlacer). Transforms and poses are
 // in the file's frame, and poses in OpenCV's axes, with 3 or 4 rows of 4 columns.
@@ -74,6 +69,7 @@ struct WorldStates {
   // indices in them. No index: they are in `inputs`.
   std::vector<const scene::Environment*> environments;
   std::vector<uint32_t> environmentIndex;
+  WorldDeformations deformations;  // joints and vertices
   // In place of `transforms`, `previous`, `next` and `exists`, and of the cameras of the call: each of the C cameras is
   // rendered in each world, world by world.
   std::optional<WorldInputs> inputs;
@@ -107,9 +103,9 @@ class GpuWorlds {
   // update().
   void setEnvironments(vk::Uploader& uploader, std::vector<uint32_t> maps);
   // Uploads the instances of all worlds, or makes space for those that shaders place. `scene` has followed all edits
-  // and poses. The other arguments are those of GpuInstances::pose().
+  // and poses. The other arguments are those of GpuInstances::pose(), and the meshes that worlds deform.
   void update(vk::Uploader& uploader, const scene::Scene& scene, const GpuInstances& instances,
-              const WorldStates& worlds, const Poses& poses, const Deformer* deformer);
+              const WorldStates& worlds, const Poses& poses, const Deformer* deformer, const WorldDeformer& deformed);
   // Uploads the lights of all worlds, or makes space for those that shaders write, if `worlds` describes any. `lights`:
   // those of the scene, by index, and those that follow them.
   void updateLights(vk::Uploader& uploader, const WorldStates& worlds, const std::vector<scene::Light>& lights,
@@ -169,7 +165,8 @@ class GpuWorlds {
   void describe(shared::ViewConstants& constants) const;
 
  private:
-  void reserve(vk::Uploader& uploader, const scene::Scene& scene, const WorldStates& worlds, const Poses& poses);
+  void reserve(vk::Uploader& uploader, const scene::Scene& scene, const WorldStates& worlds, const Poses& poses,
+               const WorldDeformer& deformed);
   void reserveLights(const WorldStates& worlds, const std::vector<scene::Light>& lights, const scene::Scene& scene,
                      const glm::dvec3& origin);
   void uploadMoved(GpuList<shared::Instance>& list, vk::Uploader& uploader, const scene::Scene& scene,
@@ -195,6 +192,7 @@ class GpuWorlds {
   bool derivesMaterials_ = false;
   uint32_t hasOnDevice_ = 0;                 // kWorldHas*: values that shaders write
   uint32_t valuesOnDevice_ = 0;              // hasOnDevice_ when values_ was uploaded
+  std::vector<uint32_t> deformedMeshes_;     // when revision_ last increased
   std::vector<uint32_t> choices_, palette_;  // [worlds][listed] materials, or those that shaders choose from
   GpuList<uint32_t> choiceList_, paletteList_, environmentList_;
   std::vector<shared::WorldValues> values_;

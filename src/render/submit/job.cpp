@@ -36,7 +36,9 @@ RenderJob::RenderJob(std::span<const scene::Camera> cameras, const scene::Scene&
       placedWorlds(moment.worlds.inputs ? moment.worlds.count : 0) {
   const bool blurs = std::ranges::any_of(lenses, [](const ThinLens& lens) { return lens.radius > 0; });
   exposes = exposesMotion || (showsPicture(settings) && blurs);
-  if (moment.worlds.inputs) inputs = moment.worlds.inputs->memory;
+  inputs = moment.worlds.deformations.memory;
+  if (moment.worlds.inputs)
+    inputs.insert(inputs.end(), moment.worlds.inputs->memory.begin(), moment.worlds.inputs->memory.end());
   if (posesScene()) poses = moment.poses;
   if (!rowsAreViews) {
     now.assign(cameras.begin(), cameras.end());

@@ -238,19 +238,19 @@ Renderer::SceneInput Renderer::inputOf(const Settings& settings, const SceneStat
 }
 
 // Returns true if shaders may fit all shadow maps of worlds that they place, or if there are none.
-bool Renderer::placesShadows(const Settings& s, const Poses& poses, bool ownLights) const {
+bool Renderer::placesShadows(const Settings& s, const Poses& poses, bool hostShadows) const {
   if (s.shadows == ShadowFormat::None || !isLit(s)) return true;
   std::vector<scene::Light> lights = scene_.lights;
   if (const std::optional<scene::Light> sun = sunOf(s)) lights.push_back(*sun);
   if (std::ranges::all_of(lights, &scene::Light::removed)) return true;
-  return poses.current.empty() && !ownLights && castsOnlyDirectional(lights, s.width, s.height, s);
+  return poses.current.empty() && !hostShadows && castsOnlyDirectional(lights, s.width, s.height, s);
 }
 
 bool Renderer::placesWorlds(const Settings& s, std::span<const scene::Camera> cameras, const Poses& poses,
-                            bool ownLights) const {
+                            bool hostShadows) const {
   const auto blurs = [&](const scene::Camera& camera) { return thinLensOf(camera, s, scene_).radius > 0; };
   return WorldPlacer::runsOn(device_) && rastersInCompute(s) && !s.lighting->draws && !tracesRays(s) &&
-         placesShadows(s, poses, ownLights) && (s.ambientOcclusion == AmbientOcclusion::None || s.aoRadius) &&
+         placesShadows(s, poses, hostShadows) && (s.ambientOcclusion == AmbientOcclusion::None || s.aoRadius) &&
          s.aa.superSampling == 1 && !s.aa.temporal && s.shutter == 0 && s.readout == 0 && stripsOf(s).size() == 1 &&
          std::ranges::none_of(cameras, bendsRays) && std::ranges::none_of(cameras, blurs);
 }

@@ -76,9 +76,9 @@ class Renderer {
   // Returns true if shaders may place the worlds of a call with these settings and cameras (WorldStates::inputs). Other
   // calls require the host's records: those that draw, cast shadows of other lights than directional ones, or render a
   // picture in several parts.
-  // `ownLights`: the worlds have lights of their own.
+  // `hostShadows`: the worlds have lights or joints of their own, to which only the host fits shadow maps.
   bool placesWorlds(const Settings& settings, std::span<const scene::Camera> cameras, const Poses& poses,
-                    bool ownLights) const;
+                    bool hostShadows) const;
   // Returns memory for WorldInputs that the host writes, at least `bytes`. It must be held until the call has finished.
   std::shared_ptr<const vk::Buffer> inputMemory(uint64_t bytes);
 
@@ -145,7 +145,7 @@ class Renderer {
   Start submitRequest(ViewBatch& part, std::optional<uint64_t> maxBytes);
   Start accumulate(ViewBatch& part, const CameraSample& sample, const vk::Image& sum, std::optional<uint64_t> maxBytes,
                    bool first);
-  bool placesShadows(const Settings& settings, const Poses& poses, bool ownLights) const;
+  bool placesShadows(const Settings& settings, const Poses& poses, bool hostShadows) const;
   void planPlacedShadows(const Settings& settings, const WorldStates& worlds);
   bool castsShadows(const Settings& settings) const;  // by maps that the host plans
   ShadowPlan planShadows(std::span<const scene::Camera> cameras, const Settings& settings) const;

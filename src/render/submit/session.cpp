@@ -46,7 +46,7 @@ Poses posesAt(const scene::Scene& scene, const Settings& settings) {
 }
 
 SceneMotion motionNear(const scene::Scene& scene, const Settings& settings) {
-  if (!settings.time || scene.rig.empty()) return {};
+  if (!settings.time || !scene.rig.isAnimated()) return {};
   const scene::Playback playback = scene::choosePlayback(scene, settings.animation, settings.loop);
   return {.poseAt = [&scene, playback, time = *settings.time](double seconds) {
     return scene::poseAt(scene, playback, time + seconds);

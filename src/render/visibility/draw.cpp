@@ -144,7 +144,7 @@ const vk::Pipeline& SceneBinder::bind(const Draw& draw) {
     material_ = draw.material;
   }
   if (mesh_ != draw.mesh) {
-    const VertexStreams& streams = scene_.geometry().streams(draw.mesh);
+    const VertexStreams streams = scene_.geometry().streams(draw.mesh);
     const VkBuffer buffers[] = {streams.positions, streams.attributes};
     const VkDeviceSize offsets[] = {streams.firstPosition, streams.firstAttribute};
     vkCmdBindVertexBuffers(commands, kPositions, 2, buffers, offsets);

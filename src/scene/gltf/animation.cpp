@@ -246,7 +246,7 @@ void readRig(const Document& document, const Hierarchy& hierarchy, Scene& scene)
   AnimationReader reader(document, hierarchy, scene);
   for (const file::Animation& source : document.model.animations)
     animations.push_back(reader.read(source, animations.size()));
-  if (animations.empty()) return;
+  if (animations.empty() && document.model.skins.empty()) return;
   Rig& rig = scene.rig;
   rig.animations = std::move(animations);
   document.budget.charge(document.model.nodes.size() * sizeof(RigNode), "the node tree");

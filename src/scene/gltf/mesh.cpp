@@ -157,7 +157,7 @@ Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshR
   if (auto deformation = readDeformation(document, request, source, origin, turned, mesh)) {
     deformation->flatNormals = flat && origin.size() == mesh.indices.size();  // false if tangents split vertices
     poseAtRest(document, hierarchy, request, *deformation, mesh);
-    if (!document.model.animations.empty()) mesh.deformation = std::move(deformation);
+    mesh.deformation = std::move(deformation);
   }
   requireFinite(mesh.positions, source.name);
   findBounds(mesh);

@@ -4,18 +4,11 @@
 // are most. It writes kWorld* bits to WorldJob::status.
 #include "render/visibility/compute/place_worlds.glsl"
 
-bool isFiniteFloat(double number) {
-  float rounded = float(number);
-  return !isnan(rounded) && !isinf(rounded);
-}
-
 bool areFinite(WorldNumbers n, uint index, uint count) {
   bool finite = true;
   for (uint i = 0u; i < count; ++i) finite = finite && isFiniteFloat(numberAt(n, index * count + i));
   return finite;
 }
-
-bool isAffine(dmat4 m) { return m[0].w == 0.0lf && m[1].w == 0.0lf && m[2].w == 0.0lf && m[3].w == 1.0lf; }
 
 // A rotation and a translation, with the tolerance of internalCamera().
 bool isRigid(dmat4 m) {

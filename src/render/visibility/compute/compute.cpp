@@ -392,7 +392,7 @@ struct ComputeVisibility::ShadowMaps {
 void ComputeVisibility::addShadowMapsOf(const FrameContext& f, const ShadowMaps& together, graph::ImageId atlas,
                                         graph::Use use) const {
   const vk::ImageDesc& atlasDesc = f.shadows->atlas().desc();
-  const uint32_t size = together.size, step = pageWordStep(atlasDesc);
+  const uint32_t step = pageWordStep(atlasDesc);
   std::vector<shared::View> views;
   std::vector<RasterMap> within;
   std::vector<ShadowTarget> targets;

@@ -109,7 +109,7 @@ void main() {
   WorldJob job = JobRef(push.job).v;
   uint world = elementIndex() / job.instanceCount, i = elementIndex() % job.instanceCount;
   if (world >= job.worlds) return;
-  WorldTemplate t = TemplateRef(job.templates).v[i];
+  WorldTemplate t = templateOf(job, world, i);
   bool invalid = isInvalid(job, world);
   dmat4 toWorld = invalid ? dmat4(1.0) : worldTransform(job, world, i, 0u);
   bool mirrored = determinantOf(toWorld) < 0.0lf, turnedOver = (t.state & kTemplateTurnedOver) != 0u;
@@ -127,7 +127,7 @@ void main() {
   record.id = t.id;
   record.part = t.part;
   record.flags = t.flags | (mirrored ? kInstanceMirrored : 0u) | (mirrored != turnedOver ? kInstanceClockwise : 0u);
-  if (isVast(t.longestEdge, toWorld)) {
+  if (!invalid && isVast(t.longestEdge, toWorld)) {
     record.flags |= kInstanceVast;
     report(job, world, kWorldVast);
   }
@@ -145,6 +145,10 @@ void main() {
   raster.centre = bounds.xyz;
   raster.radius = shown ? bounds.w : uintBitsToFloat(0xff800000u);  // minus infinity
   raster.stretch = stretch.x;
+  if (t.deformed != kNowhere) {
+    raster.mesh = t.mesh;
+    raster.clusters = 0ul;  // their bounds are those of the scene's mesh
+  }
   raster.flags = drawFlags(record.flags, materialFlags, stretch.y != 0.0);
   RasterOut(job.raster).v[world * job.draws + t.draw] = raster;
 }

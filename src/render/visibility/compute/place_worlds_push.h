@@ -2,27 +2,12 @@
 #ifndef LATELIGHT_PLACE_WORLDS_PUSH_H
 #define LATELIGHT_PLACE_WORLDS_PUSH_H
 
+#include "render/deform/world_deform_push.h"
 #include "render/gpu_scene/light_template_push.h"
+#include "render/gpu_scene/world_inputs.h"
 #include "shared/types.h"
 
 SH_BEGIN
-
-SH_CONST uint kPlaceGroup = 64u;          // invocations per workgroup
-SH_CONST uint kPlaceColumns = 1u << 20u;  // invocations per z slice, because the workgroups per axis are limited
-SH_CONST uint kNowhere = 4294967295u;     // an index of nothing
-
-// The elements of an array that a caller gave.
-SH_CONST uint kNumberFloat = 0u;
-SH_CONST uint kNumberDouble = 1u;
-SH_CONST uint kNumberInt = 2u;   // 32 bits
-SH_CONST uint kNumberLong = 3u;  // 64 bits
-
-// An array of matrices or of single numbers that a caller gave: [worlds][elements][rows][columns], without padding.
-struct WorldNumbers {
-  uint64_t address;  // 0: not given
-  uint rows;         // of each matrix of 4 columns; with 3 rows, the last one is 0 0 0 1
-  uint element;      // kNumber*
-};
 
 // An instance of the scene: its values that are the same in all worlds.
 struct WorldTemplate {
@@ -30,10 +15,11 @@ struct WorldTemplate {
   vec3 vertexOrigin;  // of its mesh
   float longestEdge;  // of its mesh, in object space
   uint mesh, material, id, part;
-  uint flags;  // kInstanceExtras and the group
-  uint place;  // among the instances that the caller's arrays describe, or kNowhere
-  uint draw;   // draw index, or kNowhere
-  uint state;  // kTemplateHidden, kTemplateTurnedOver
+  uint flags;     // kInstanceExtras and the group
+  uint place;     // among the instances that the caller's arrays describe, or kNowhere
+  uint draw;      // draw index, or kNowhere
+  uint state;     // kTemplateHidden, kTemplateTurnedOver
+  uint deformed;  // among the meshes that worlds deform, or kNowhere; these have bounds of their own in each world
 };
 SH_CONST uint kTemplateHidden = 1u;
 SH_CONST uint kTemplateTurnedOver = 2u;  // its skin mirrors the mesh
@@ -79,14 +65,16 @@ struct WorldJob {
   // Results, per world: Light[lights] in the order of the light tree, its LightBox[kPlacedLightBoxes], and
   // AreaLight[lights].
   uint64_t lightList, lightBoxes, areaLights;
-  uint64_t bases;   // DerivableMaterial[] of the scene's materials
-  uint64_t values;  // result: WorldValues[worlds]
+  uint64_t bases;     // DerivableMaterial[] of the scene's materials
+  uint64_t values;    // result: WorldValues[worlds]
+  uint64_t deformed;  // DeformedBounds[worlds][deformedMeshes]
   uint worlds, instanceCount, listed, draws, viewsPerWorld;
   uint instanceTimes, viewTimes;  // 1 or 3: number of results
   uint width, height;             // of the images, pixels
   uint firstDerived;              // index of the first material that shaders derive, or kNowhere
   uint paletteSize, environments;
-  uint lights, listedLights;  // numbers of templates, and of those that the caller's arrays describe
+  uint lights, listedLights;           // numbers of templates, and of those that the caller's arrays describe
+  uint deformedMeshes, firstDeformed;  // number per world, and index of the first world's first mesh record
 };
 
 // A material of the scene, from which others are derived.
@@ -98,21 +86,6 @@ struct DerivableMaterial {
 struct PlacePush {
   uint64_t job;  // WorldJob
 };
-
-// The state of a world after its values were read, as bits. The first four make it invalid: it has no instances.
-SH_CONST uint kWorldNotFinite = 1u;
-SH_CONST uint kWorldWrongTransform = 2u;   // its last row is not 0 0 0 1
-SH_CONST uint kWorldWrongPose = 4u;        // not a rotation and a translation
-SH_CONST uint kWorldWrongIntrinsics = 8u;  // of a camera matrix
-SH_CONST uint kWorldInvalid = 15u;
-SH_CONST uint kWorldWrongRide = 16u;     // a camera rides on an instance with an axis of length 0, or a mirrored one
-SH_CONST uint kWorldVast = 32u;          // has instances with kInstanceVast
-SH_CONST uint kWorldWrongFactors = 64u;  // of a material: below 0, or above 1 for metallic and roughness
-SH_CONST uint kWorldWrongEnvironment = 128u;  // its intensity is below 0
-SH_CONST uint kWorldWrongChoice = 256u;       // of a material: not an index in the palette
-SH_CONST uint kWorldWrongEnvironmentIndex = 2048u;
-SH_CONST uint kWorldWrongLight = 512u;       // a color or intensity below 0
-SH_CONST uint kWorldWrongDirection = 1024u;  // of a light: its length is 0
 
 SH_END
 

@@ -132,6 +132,8 @@ void RasterInstances::addWorlds(const GpuScene& scene) {
         const shared::Instance& record = there.records[raster.instance];
         raster.centre = there.bounds[raster.instance].centre;
         raster.radius = there.bounds[raster.instance].radius;
+        raster.mesh = record.mesh;
+        raster.clusters = scene.geometry().clusters(record.mesh);
         raster.stretch = stretchOf(record).most;
         raster.flags = flagsOf(record, scene.materials().record(record.material));
         records_[world * count + i] = raster;

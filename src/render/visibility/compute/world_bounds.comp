@@ -23,7 +23,7 @@ void main() {
   dvec3 low = dvec3(kInfinity), high = -low;
   bool invalid = isInvalid(job, world);
   for (uint i = gl_LocalInvocationIndex; i < job.instanceCount && !invalid; i += kPlaceGroup) {
-    WorldTemplate t = TemplateRef(job.templates).v[i];
+    WorldTemplate t = templateOf(job, world, i);
     bool shown = (t.state & kTemplateHidden) == 0u && all(lessThanEqual(t.low, t.high)) && exists(job, world, t.place);
     if (!shown) continue;
     dmat4 toWorld = worldTransform(job, world, i, 0u);

@@ -47,7 +47,8 @@ WorldTemplate templateOf(const scene::Scene& source, const GpuScene& scene, uint
           .flags = record.flags & (kInstanceExtras | kGroup),
           .place = kNowhere,
           .draw = kNowhere,
-          .state = (bounds.shown ? 0u : kTemplateHidden) | (bounds.turnedOver ? kTemplateTurnedOver : 0u)};
+          .state = (bounds.shown ? 0u : kTemplateHidden) | (bounds.turnedOver ? kTemplateTurnedOver : 0u),
+          .deformed = scene.worldDeformer().placeOf(record.mesh)};
 }
 
 WorldNumbers numbersOf(const WorldArray& array) {
@@ -112,6 +113,10 @@ void WorldPlacer::update(const scene::Scene& source, const GpuScene& scene, cons
   job_.environmentMaps = scene.worlds().environmentMapsAddress();
   job_.environments = static_cast<uint32_t>(worlds.environments.size());
   job_.values = scene.worlds().valuesAddress();
+  deformer_ = &scene.worldDeformer();
+  job_.deformed = deformer_->empty() ? 0 : deformer_->bounds();
+  job_.deformedMeshes = deformer_->meshCount();
+  job_.firstDeformed = deformer_->firstMesh();
   job_.exists = inputs.exists;
   std::vector<uint32_t> empty(worlds.empty.begin(), worlds.empty.end());
   if (std::ranges::count(empty, 0u) == std::ssize(empty)) empty.clear();
@@ -256,6 +261,7 @@ void WorldPlacer::addChanges(graph::Graph& graph) const {
     vkCmdFillBuffer(context.get(), statusOnDevice_.get(), 0, worlds * sizeof(uint32_t), 0);
   });
   dispatch(graph, pipelines_->check, worlds * std::max({job_.listed, job_.viewsPerWorld, job_.listedLights, 1u}), 1);
+  if (deformer_->isPending()) deformer_->addTo(graph, statusOnDevice_.address());
   if (job_.instanceCount > 0) dispatch(graph, pipelines_->instances, worlds * job_.instanceCount, 1);
   if (job_.bounds) dispatch(graph, pipelines_->bounds, worlds * kPlaceGroup, 1);
   if (job_.lights > 0) dispatch(graph, pipelines_->lights, worlds * kPlaceGroup, 1);

@@ -2,6 +2,7 @@
 // the raster compute and the passes after it read. The host's work does not depend on the number of worlds.
 //
 //   WorldInputs   check_worlds.comp     status (kWorld* per world)
+//        |        (WorldDeformer)       meshes that worlds deform, and their bounds
 //        |        place_instances.comp  Instance[worlds][instances] at each time, RasterInstance[worlds][draws],
 //        |                              Material[worlds][listed instances] with the factors of worlds
 //        |        place_lights.comp     Light[worlds][lights] and their trees, AreaLight[worlds][lights], WorldValues
@@ -66,6 +67,7 @@ class WorldPlacer {
   };
   std::optional<Pipelines> pipelines_;  // none before the first call
   shared::WorldJob job_{};
+  const WorldDeformer* deformer_ = nullptr;  // of the scene
   bool pending_ = false;
   // The values that the last call uploaded; only those that differ are uploaded again.
   std::vector<shared::WorldTemplate> templateValues_;
