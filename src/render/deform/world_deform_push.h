@@ -4,16 +4,16 @@
 #ifndef LATELIGHT_WORLD_DEFORM_PUSH_H
 #define LATELIGHT_WORLD_DEFORM_PUSH_H
 
-#include "render/gpu_scene/world_inputs.h"
+#include "render/gpu_scene/world_inputs_push.h"
 #include "shared/lang.h"
 
 SH_BEGIN
 
 // A joint of a skinned mesh that worlds deform.
 struct PosedJoint {
-  mat4 inverseBind;
-  uint listed;        // among the joints that the caller's arrays describe, or kNowhere
-  uint first, count;  // joints of its mesh
+  mat4x3 inverseBind;  // affine, as glTF requires
+  uint listed;         // among the joints that the caller's arrays describe, or kNowhere
+  uint first, count;   // joints of its mesh
 };
 
 struct JointJob {

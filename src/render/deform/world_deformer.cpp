@@ -233,7 +233,7 @@ void WorldDeformer::poseJoints(const scene::Scene& scene, const WorldDeformation
     for (size_t i = 0; i < skin.joints.size(); ++i) {
       const auto listed = std::ranges::find(given.joints, skin.joints[i]);
       const bool isListed = listed != given.joints.end();
-      joints.push_back({.inverseBind = skin.inverseBind[i],
+      joints.push_back({.inverseBind = glm::mat4x3(skin.inverseBind[i]),
                         .listed = isListed ? static_cast<uint32_t>(listed - given.joints.begin()) : kNowhere,
                         .first = part.firstJoint,
                         .count = part.jointCount});

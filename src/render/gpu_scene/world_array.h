@@ -1,7 +1,7 @@
 // An array of a call with worlds.
 #pragma once
 
-#include "render/gpu_scene/world_inputs.h"
+#include "render/gpu_scene/world_inputs_push.h"
 #include "vk/resources.h"
 
 namespace latelight::render {

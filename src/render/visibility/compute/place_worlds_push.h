@@ -4,7 +4,7 @@
 
 #include "render/deform/world_deform_push.h"
 #include "render/gpu_scene/light_template_push.h"
-#include "render/gpu_scene/world_inputs.h"
+#include "render/gpu_scene/world_inputs_push.h"
 #include "shared/types.h"
 
 SH_BEGIN

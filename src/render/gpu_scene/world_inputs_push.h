@@ -1,6 +1,6 @@
 // Structs that shaders which read the arrays of worlds (WorldArray in worlds.h) share with the host.
-#ifndef LATELIGHT_WORLD_INPUTS_H
-#define LATELIGHT_WORLD_INPUTS_H
+#ifndef LATELIGHT_WORLD_INPUTS_PUSH_H
+#define LATELIGHT_WORLD_INPUTS_PUSH_H
 
 #include "shared/lang.h"
 
