@@ -1,12 +1,13 @@
 #include "app/render_heap.h"
 
 #include <malloc.h>
-#include <sys/mman.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
 
+#include "base/huge_pages.h"
 #include "base/memory.h"
 
 namespace latelight::app {
@@ -16,7 +17,6 @@ namespace {
 constexpr size_t kHeap = size_t{512} << 20;  // a dozen textures of 2048 x 2048, decoded and in the driver's images
 // Larger blocks do not come from the heap: of shadow maps, only parts are written, and huge pages would clear the rest.
 constexpr int kLargestBlock = 33 << 20;
-constexpr uintptr_t kHugePage = uintptr_t{2} << 20;
 
 }  // namespace
 
@@ -28,9 +28,7 @@ void reuseFreedMemory() {
   mallopt(M_MMAP_THRESHOLD, 2 * kHeap);                        // the following block extends the heap
   void* heap = std::malloc(kHeap);
   if (!heap) return;
-  const uintptr_t begin = (reinterpret_cast<uintptr_t>(heap) + kHugePage - 1) / kHugePage * kHugePage;
-  const uintptr_t end = reinterpret_cast<uintptr_t>(heap) + kHeap;
-  madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);  // a hint: kernels without huge pages refuse it
+  adviseHugePages(heap, kHeap);
   std::free(heap);
   mallopt(M_MMAP_THRESHOLD, kLargestBlock);
 #endif

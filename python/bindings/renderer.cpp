@@ -3,7 +3,9 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
+#include <variant>
 
 #include "bindings.h"
 #include "cameras.h"
@@ -367,47 +369,50 @@ bool isFloat32(nb::handle value) {
   return PyObject_HasAttrString(value.ptr(), "dtype") && shown(nb::object(value.attr("dtype"))) == "float32";
 }
 
+// An array of hits by its name, and the member of CastTargets that has its memory.
+struct HitArray {
+  const char* name;
+  std::variant<float * CastTargets::*, std::array<float, 2> * CastTargets::*, std::array<float, 3> * CastTargets::*,
+               uint32_t * CastTargets::*>
+      target;
+};
+constexpr HitArray kHitArrays[] = {{"distance", &CastTargets::distance},
+                                   {"position", &CastTargets::position},
+                                   {"normal", &CastTargets::normal},
+                                   {"geonormal", &CastTargets::geonormal},
+                                   {"uv", &CastTargets::uv},
+                                   {"id", &CastTargets::id},
+                                   {"part", &CastTargets::part},
+                                   {"material", &CastTargets::material},
+                                   {"triangle", &CastTargets::triangle},
+                                   {"intensity", &CastTargets::intensity}};
+
 // The arrays of hits that a call of cast() returns: new ones, or those of `out`.
 class HitArrays {
  public:
   HitArrays(size_t rays, nb::handle names, nb::handle out) : rays_(rays), out_(out) {
-    std::vector<std::string> all{"distance", "position", "normal",   "geonormal", "uv",
-                                 "id",       "part",     "material", "triangle",  "intensity"};
     if (!out.is_none() && !PyDict_Check(out.ptr())) badType("out must be a dict of arrays, not {}", typeName(out));
     if (!names.is_none() && !out.is_none()) badValue("outputs and out name the same arrays: omit one of them");
-    if (!names.is_none()) all = textsOf(names, "outputs");
-    if (!out.is_none()) all = textsOf(nb::list(out), "out");
-    for (const std::string& name : all) add(name);
+    if (names.is_none() && out.is_none())
+      for (const HitArray& array : kHitArrays) add(array);
+    else
+      for (const std::string& name : names.is_none() ? textsOf(nb::list(out), "out") : textsOf(names, "outputs"))
+        add(named(name));
   }
   const CastTargets& targets() const { return targets_; }
   nb::dict take() { return std::move(arrays_); }
 
  private:
-  void add(const std::string& name) {
-    constexpr const char* kNames =
-        "distance, position, normal, geonormal, uv, id, part, material, triangle and intensity";
-    if (name == "distance")
-      targets_.distance = memory<float>(name);
-    else if (name == "position")
-      targets_.position = memory<std::array<float, 3>>(name);
-    else if (name == "normal")
-      targets_.normal = memory<std::array<float, 3>>(name);
-    else if (name == "geonormal")
-      targets_.geonormal = memory<std::array<float, 3>>(name);
-    else if (name == "uv")
-      targets_.uv = memory<std::array<float, 2>>(name);
-    else if (name == "id")
-      targets_.id = memory<uint32_t>(name);
-    else if (name == "part")
-      targets_.part = memory<uint32_t>(name);
-    else if (name == "material")
-      targets_.material = memory<uint32_t>(name);
-    else if (name == "triangle")
-      targets_.triangle = memory<uint32_t>(name);
-    else if (name == "intensity")
-      targets_.intensity = memory<float>(name);
-    else
-      badValue("rays have no output \"{}\": they have {}", name, kNames);
+  static const HitArray& named(const std::string& name) {
+    const auto* const found = std::ranges::find(kHitArrays, name, &HitArray::name);
+    if (found != std::end(kHitArrays)) return *found;
+    badValue("rays have no output \"{}\": they have {}", name,
+             "distance, position, normal, geonormal, uv, id, part, material, triangle and intensity");
+  }
+
+  void add(const HitArray& array) {
+    std::visit([&]<typename Value>(Value* CastTargets::*target) { targets_.*target = memory<Value>(array.name); },
+               array.target);
   }
 
   // Returns the memory of an array (rays) or (rays, columns).

@@ -23,18 +23,18 @@ scene::Lens internalLens(const Lens& from) {
           from.distortion};
 }
 
-bool isRigid(const glm::dmat4& pose) {
+}  // namespace
+
+bool isRigid(const glm::dmat4& pose, double tolerance) {
   for (int i = 0; i < 4; ++i)
     if (pose[i][3] != (i == 3 ? 1.0 : 0.0)) return false;
   const glm::dmat3 axes(pose);
   const glm::dmat3 products = glm::transpose(axes) * axes;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
-      if (std::abs(products[i][j] - (i == j ? 1.0 : 0.0)) > 1e-3) return false;
+      if (std::abs(products[i][j] - (i == j ? 1.0 : 0.0)) > tolerance) return false;
   return glm::determinant(axes) > 0;
 }
-
-}  // namespace
 
 scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
   glm::dmat4 pose;
@@ -43,7 +43,7 @@ scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
       pose[column][row] = camera.cameraToWorld[4 * row + column];
       if (!std::isfinite(pose[column][row])) badUsage("the camera's pose has a value that is not a number");
     }
-  if (!isRigid(pose))
+  if (!isRigid(pose, 1e-3))
     badUsage("the camera's pose must be a rotation and a translation, without mirror, shear or scale, over 0 0 0 1");
   if (!camera.orthographic && !scene::isUsableFieldOfView(camera.verticalFov / kDegreesPerRadian))
     badUsage("the vertical field of view must be between 0 and 180 degrees, from {:g} to {:.6g}, not {}",

@@ -62,11 +62,7 @@ std::vector<glm::dmat4> internalPoses(std::span<const Transform> from) {
       pose[i % 4][i / 4] = rows[static_cast<size_t>(i)];
       finite &= std::isfinite(rows[static_cast<size_t>(i)]);
     }
-    const glm::dmat3 turn(pose), error = glm::transpose(turn) * turn - glm::dmat3(1);
-    double largest =
-        glm::determinant(turn) > 0 && rows[12] == 0 && rows[13] == 0 && rows[14] == 0 && rows[15] == 1 ? 0 : 1;
-    for (int i = 0; i < 9; ++i) largest = std::max(largest, std::abs(error[i / 3][i % 3]));
-    if (!finite || !(largest <= kTolerance))
+    if (!finite || !isRigid(pose, kTolerance))
       badUsage("poses of a sensor must be rigid: a rotation and a translation, without scale or reflection");
   }
   return poses;

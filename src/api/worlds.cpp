@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
+#include <initializer_list>
 #include <limits>
 #include <numeric>
 
@@ -131,6 +132,12 @@ std::vector<std::array<double, 4>> intrinsicsOf(vk::Device& device, const WorldA
     intrinsics.push_back({k[0], k[4], k[2], k[5]});
   }
   return intrinsics;
+}
+
+void checkRows(std::initializer_list<const WorldArray*> matrices) {
+  for (const WorldArray* array : matrices)
+    if (*array && array->rows != 3 && array->rows != 4)
+      badUsage("matrices of Worlds::arrays must have 3 or 4 rows, not {}", array->rows);
 }
 
 bool hasLights(const WorldArrays& a) {
@@ -269,10 +276,8 @@ void Scene::Impl::WorldConverter::checkArrays() const {
   if (hasLights(a) && from.lights.empty()) badUsage("arrays of lights require Worlds::lights, which they describe");
   if (bool(a.materialChoice) == from.palette.empty())
     badUsage("Worlds::palette and Worlds::arrays.materialChoice require each other");
-  for (const WorldArray* array : {&a.transforms, &a.previousTransforms, &a.nextTransforms, &a.cameraToWorld,
-                                  &a.previousCameraToWorld, &a.nextCameraToWorld})
-    if (*array && array->rows != 3 && array->rows != 4)
-      badUsage("matrices of Worlds::arrays must have 3 or 4 rows, not {}", array->rows);
+  checkRows({&a.transforms, &a.previousTransforms, &a.nextTransforms, &a.cameraToWorld, &a.previousCameraToWorld,
+             &a.nextCameraToWorld});
 }
 
 size_t Scene::Impl::WorldConverter::vertexCount() const {
@@ -289,9 +294,7 @@ void Scene::Impl::WorldConverter::checkDeformations(const vk::Device& device) co
   checkArray(a.vertices, false, Kind::Numbers, "vertices");
   checkArray(a.previousVertices, false, Kind::Numbers, "previousVertices");
   checkArray(a.nextVertices, false, Kind::Numbers, "nextVertices");
-  for (const WorldArray* array : {&a.jointTransforms, &a.previousJointTransforms, &a.nextJointTransforms})
-    if (*array && array->rows != 3 && array->rows != 4)
-      badUsage("matrices of Worlds::arrays must have 3 or 4 rows, not {}", array->rows);
+  checkRows({&a.jointTransforms, &a.previousJointTransforms, &a.nextJointTransforms});
   if (bool(a.jointTransforms) == from.joints.empty())
     badUsage("Worlds::joints and Worlds::arrays.jointTransforms require each other");
   if (bool(a.vertices) == from.meshes.empty())

@@ -264,7 +264,7 @@ def finger(path):
     ]
     root = {
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 2]}],
-        "nodes": [{"name": "root", "children": [1]}, {"name": "tip", "translation": [0, 1, 0]},
+        "nodes": [{"name": "knuckle", "children": [1]}, {"name": "tip", "translation": [0, 1, 0]},
                   {"name": "finger", "mesh": 0, "skin": 0}],
         "skins": [{"joints": [0, 1], "inverseBindMatrices": 4}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "JOINTS_0": 1, "WEIGHTS_0": 2}, "indices": 3}]}],
@@ -280,7 +280,7 @@ def finger(path):
 def test_joints_pose_a_skin(tmp_path, raster):
     """The tip is pulled away to the left, turned by 90 degrees, so its part of the strip lies along X."""
     scene = latelight.Scene(finger(tmp_path / "finger.gltf"))
-    assert scene.joints(scene.instances()[0]) == ["/root", "/root/tip"]
+    assert scene.joints(scene.instances()[0]) == ["/knuckle", "/knuckle/tip"]
     renderer = latelight.Renderer(scene)
     camera = latelight.Camera.look_at((0, 1, 6), (0, 1, 0))
     poses = np.tile(np.eye(4), (3, 2, 1, 1))
@@ -288,7 +288,7 @@ def test_joints_pose_a_skin(tmp_path, raster):
     poses[1, 1, :3, :3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
     poses[2, 1, 0, 3] = np.nan
     options = {"raster": raster, "shadows": "none"}
-    frames = renderer.render_worlds(3, camera, (64, 64), ("id", "position"), joints=["/root", "/root/tip"],
+    frames = renderer.render_worlds(3, camera, (64, 64), ("id", "position"), joints=["/knuckle", "/knuckle/tip"],
                                     joint_transforms=poses, **options)
     assert frames.invalid_worlds == (2,)
     straight, bent, none = frames["id"][:, 0] != 0
@@ -300,7 +300,7 @@ def test_joints_pose_a_skin(tmp_path, raster):
     assert abs(position[left][:, 0].min() + 1) < 0.1 and np.abs(position[left][:, 1] - 1).max() < 0.31
     with pytest.raises(latelight.UsageError, match="the last row 0 0 0 1"):
         poses[2, 1] = 1
-        renderer.render_worlds(3, camera, (64, 64), "id", joints=["/root", "/root/tip"], joint_transforms=poses,
+        renderer.render_worlds(3, camera, (64, 64), "id", joints=["/knuckle", "/knuckle/tip"], joint_transforms=poses,
                                **options)
 
 

@@ -16,6 +16,7 @@
 #include "scene/vertex_fans.h"
 #include "scene/vertices.h"
 #include "test_device.h"
+#include "worlds/same_frames.h"
 
 namespace latelight {
 namespace {
@@ -39,18 +40,6 @@ Options optionsOf(const char* raster, const char* shadows) {
 
 void erase(Options& o, std::initializer_list<const char*> outputs) {
   for (const char* output : outputs) std::erase(o.aovs, output);
-}
-
-void expectSameFrames(const Frame& actual, const Frame& expected) {
-  EXPECT_EQ(actual.rgba, expected.rgba);
-  for (const auto& [name, aov] : expected.aovs) {
-    const Aov& other = actual.aovs.at(name);
-    EXPECT_EQ(other.ids, aov.ids) << name;
-    ASSERT_EQ(other.values.size(), aov.values.size()) << name;
-    EXPECT_TRUE(aov.values.empty() ||
-                std::memcmp(other.values.data(), aov.values.data(), aov.values.size() * sizeof(float)) == 0)
-        << name;
-  }
 }
 
 template <typename T>
@@ -120,7 +109,7 @@ TEST_P(DeformedWorlds, PosedByJointsAreTheAnimation) {
       SCOPED_TRACE(testing::Message() << "world " << world << ", call " << call);
       Options posed = o;
       posed.time = timeOf(world);
-      expectSameFrames(frames[world], alone.render(worlds.cameras[0], posed));
+      test::expectSameFrames(frames[world], alone.render(worlds.cameras[0], posed));
     }
     EXPECT_NE(frames[0].rgba, atRest[0].rgba);
   }
@@ -139,8 +128,8 @@ TEST_P(DeformedWorlds, PosedByJointsAreTheAnimation) {
   worlds.arrays.previousJointTransforms = arrayOf(first.numbers[1]);
   worlds.arrays.nextJointTransforms = arrayOf(first.numbers[2]);
   const std::vector<Frame> frames = renderer.render(worlds, posed);
-  expectSameFrames(frames[count - 1], alone.render(worlds.cameras[0], posed));
-  expectSameFrames(renderer.render(worlds.cameras, o)[0], atRest[0]);
+  test::expectSameFrames(frames[count - 1], alone.render(worlds.cameras[0], posed));
+  test::expectSameFrames(renderer.render(worlds.cameras, o)[0], atRest[0]);
 }
 
 // A file without animations keeps its skins, and worlds pose them. The joints are moved as one, so each vertex moves by
@@ -308,11 +297,11 @@ TEST_P(DeformedWorlds, WithMovedVerticesAreTheEditedScene) {
         SCOPED_TRACE(testing::Message() << "world " << world << ", call " << call);
         for (size_t i = 0; i < worlds.meshes.size(); ++i)
           edited.setMesh(edited.meshes()[i], movedData(scene, worlds.meshes[i], positions[world][i]));
-        expectSameFrames(frames[world], alone.render(worlds.cameras[0], o));
+        test::expectSameFrames(frames[world], alone.render(worlds.cameras[0], o));
         EXPECT_NE(frames[world].rgba, atRest[0].rgba);
       }
     }
-    expectSameFrames(renderer.render(worlds.cameras, o)[0], atRest[0]);
+    test::expectSameFrames(renderer.render(worlds.cameras, o)[0], atRest[0]);
   }
 }
 
@@ -352,7 +341,7 @@ TEST_P(DeformedWorlds, HaveTheNormalsOfTheEditedScene) {
     moved.positions = positions[world];
     moved.normals.assign(moved.positions.size(), {0, 0, 0});
     edited.setMesh(edited.meshes()[0], moved);
-    expectSameFrames(frames[world], alone.render(worlds.cameras[0], o));
+    test::expectSameFrames(frames[world], alone.render(worlds.cameras[0], o));
   }
 }
 
@@ -421,7 +410,7 @@ TEST_P(DeformedWorlds, AreEmptyIfAValueIsNotFinite) {
     EXPECT_EQ(ticket.invalidWorlds(), std::vector{empty});
     const std::vector<Frame> frames = ticket.take();
     for (uint32_t world = 0; world < 3; ++world)
-      if (world != empty) expectSameFrames(frames[world], without[world]);
+      if (world != empty) test::expectSameFrames(frames[world], without[world]);
     EXPECT_THAT(frames[empty].aovs.at("id").ids, testing::Each(0u));
   };
   now[12 + 5] = std::nanf("");

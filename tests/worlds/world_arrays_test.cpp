@@ -13,6 +13,7 @@
 
 #include "models/models.h"
 #include "test_device.h"
+#include "worlds/same_frames.h"
 
 namespace latelight {
 namespace {
@@ -57,18 +58,6 @@ struct Numbers {
     array.host = asDoubles ? static_cast<const void*>(doubles.data()) : floats.data();
   }
 };
-
-void expectSameOutputs(const Frame& actual, const Frame& expected) {
-  EXPECT_EQ(actual.rgba, expected.rgba);
-  for (const auto& [name, aov] : expected.aovs) {
-    const Aov& other = actual.aovs.at(name);
-    EXPECT_EQ(other.ids, aov.ids) << name;
-    ASSERT_EQ(other.values.size(), aov.values.size()) << name;
-    EXPECT_TRUE(aov.values.empty() ||
-                std::memcmp(other.values.data(), aov.values.data(), aov.values.size() * sizeof(float)) == 0)
-        << name;
-  }
-}
 
 Options options(const char* raster) {
   Options o;
@@ -127,7 +116,7 @@ TEST_P(ArraysOfWorlds, GiveTheImagesOfTheEditedScene) {
         SCOPED_TRACE(testing::Message() << name << ", world " << world << ", camera " << i);
         Camera camera = worlds.cameras[i];
         camera.cameraToWorld = poses[2 * world + i];
-        expectSameOutputs(frames[2 * world + i], alone.render(camera, withoutMotion));
+        test::expectSameFrames(frames[2 * world + i], alone.render(camera, withoutMotion));
       }
     }
     // The same values as lists, which have motion, too.
@@ -137,7 +126,7 @@ TEST_P(ArraysOfWorlds, GiveTheImagesOfTheEditedScene) {
     lists.previousTransforms = previous;
     lists.cameraToWorld = poses;
     const std::vector<Frame> given = renderer.render(worlds, o), listedFrames = renderer.render(lists, o);
-    for (size_t i = 0; i < given.size() && !HasFailure(); i += 7) expectSameOutputs(given[i], listedFrames[i]);
+    for (size_t i = 0; i < given.size() && !HasFailure(); i += 7) test::expectSameFrames(given[i], listedFrames[i]);
   }
 }
 
@@ -193,7 +182,7 @@ TEST_P(ArraysOfWorlds, HaveMaterialsAndEnvironments) {
       ASSERT_EQ(frames.size(), kSome);
       for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) {
         SCOPED_TRACE(world);
-        expectSameOutputs(frames[world], expected[world]);
+        test::expectSameFrames(frames[world], expected[world]);
       }
     }
     // The material's own factors replace those that are not given.
@@ -203,7 +192,8 @@ TEST_P(ArraysOfWorlds, HaveMaterialsAndEnvironments) {
     }
     arrays.arrays.baseColor = arrays.arrays.metallic = arrays.arrays.emissive = {};
     const std::vector<Frame> frames = renderer.render(arrays, o), other = renderer.render(lists, o);
-    for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) expectSameOutputs(frames[world], other[world]);
+    for (uint32_t world = 0; world < kSome && !HasFailure(); ++world)
+      test::expectSameFrames(frames[world], other[world]);
     // Wrong values.
     roughness[3] = std::nan("");
     Ticket ticket = renderer.submit(arrays, o);
@@ -275,7 +265,7 @@ void compareLights(const char* raster, bool turned) {
         light.intensity = intensity[row];
         edited.setLight(edited.lights()[listed[i]], light);
       }
-      expectSameOutputs(frames[world], alone.render(worlds.cameras[0], o));
+      test::expectSameFrames(frames[world], alone.render(worlds.cameras[0], o));
     }
   }
   if (turned) return;
@@ -322,7 +312,7 @@ TEST_P(ArraysOfWorlds, ChooseMaterials) {
         for (size_t i = 0; i < listed; ++i)
           edited.assignMaterial(edited.instances()[i],
                                 edited.materials()[static_cast<size_t>(longs[world * listed + i])]);
-        expectSameOutputs(frames[world], alone.render(worlds.cameras[0], o));
+        test::expectSameFrames(frames[world], alone.render(worlds.cameras[0], o));
       }
     }
     const std::vector<float> roughness(kSome * listed, 0.75f);
@@ -333,7 +323,8 @@ TEST_P(ArraysOfWorlds, ChooseMaterials) {
     lists.palette.clear();
     for (const int64_t choice : longs) lists.materials.push_back(worlds.palette[static_cast<size_t>(choice)]);
     const std::vector<Frame> expected = renderer.render(lists, o);
-    for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) expectSameOutputs(frames[world], expected[world]);
+    for (uint32_t world = 0; world < kSome && !HasFailure(); ++world)
+      test::expectSameFrames(frames[world], expected[world]);
     longs[1] = static_cast<int64_t>(worlds.palette.size());
     EXPECT_THROW(renderer.render(worlds, o), Error);
     longs[1] = -1;
@@ -384,19 +375,21 @@ TEST_P(ArraysOfWorlds, ChooseEnvironments) {
         SCOPED_TRACE(testing::Message() << own << ", call " << call << ", world " << world);
         Options turned = o;
         turned.environmentRotation = worlds.environmentRotation[world];
-        expectSameOutputs(frames[world], alone[static_cast<size_t>(index[world])]->render(worlds.cameras[0], turned));
+        test::expectSameFrames(frames[world],
+                               alone[static_cast<size_t>(index[world])]->render(worlds.cameras[0], turned));
       }
     }
     // Other calls have the renderer's own environment.
     o.background = "transparent";
     Renderer other(scene, testDevice(), own);
-    expectSameOutputs(renderer.render(worlds.cameras[0], o), other.render(worlds.cameras[0], o));
+    test::expectSameFrames(renderer.render(worlds.cameras[0], o), other.render(worlds.cameras[0], o));
     o.background = "hdri";
     Worlds lists = worlds;
     lists.arrays = {};
     lists.environmentIndex.assign(index.begin(), index.end());
     const std::vector<Frame> given = renderer.render(worlds, o), listed = renderer.render(lists, o);
-    for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) expectSameOutputs(given[world], listed[world]);
+    for (uint32_t world = 0; world < kSome && !HasFailure(); ++world)
+      test::expectSameFrames(given[world], listed[world]);
   }
   Renderer renderer(scene, testDevice());
   index[1] = static_cast<int64_t>(names.size());
@@ -453,7 +446,7 @@ void compareShadows(const Options& o, double distance) {
       for (uint32_t i = 0; i < kCameras; ++i) {
         SCOPED_TRACE(testing::Message() << "world " << world << ", camera " << i << ", call " << call);
         const size_t at = kCameras * world + i;
-        expectSameOutputs(frames[at], expected[i]);
+        test::expectSameFrames(frames[at], expected[i]);
         differs |= frames[at].rgba != lit[at].rgba;
       }
     }

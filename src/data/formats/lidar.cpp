@@ -12,6 +12,7 @@
 #include "data/formats/names.h"
 #include "data/formats/options.h"
 #include "data/json_text.h"
+#include "output/metadata.h"
 #include "output/points.h"
 
 namespace latelight::data {
@@ -45,12 +46,6 @@ uint32_t readCount(FormatOptions& options, std::string_view key, uint32_t preset
   return static_cast<uint32_t>(count);
 }
 
-Json rowsOf(const glm::dmat4& matrix) {
-  Json rows = Json::array();
-  for (int row = 0; row < 4; ++row) rows.push_back({matrix[0][row], matrix[1][row], matrix[2][row], matrix[3][row]});
-  return rows;
-}
-
 class Lidar : public Format {
  public:
   explicit Lidar(const Json& json) : Lidar(json, FormatOptions("lidar", json)) {}
@@ -69,7 +64,7 @@ class Lidar : public Format {
                       {"file", file},
                       {"points", scan.points.size()},
                       {"time", scan.start ? Json(*scan.start) : Json()},
-                      {"world_from_sensor", rowsOf(scan.worldFromSensor)},
+                      {"world_from_sensor", output::rowsOf(scan.worldFromSensor)},
                       {"objects", objectsOf(scan.points, *frame.metadata.ids)}};
     }
     return record;
@@ -81,7 +76,7 @@ class Lidar : public Format {
     writeJsonIn(folder, list_,
                 {{"sensor", request_->sensor.name},
                  {"period", 1 / request_->sensor.rate},
-                 {"camera_from_sensor", rowsOf(request_->cameraFromSensor)},
+                 {"camera_from_sensor", output::rowsOf(request_->cameraFromSensor)},
                  {"scans", scans}});
     return {list_};
   }

@@ -83,7 +83,7 @@ Mesh deformedRecord(DeformedMesh part, Mesh record, uint world) {
 
 void main() {
   BoundJob job = JobRef(push.job).v;
-  uint world = gl_WorkGroupID.z * (kPlaceColumns / kPlaceGroup) + gl_WorkGroupID.x, index = gl_WorkGroupID.y;
+  uint world = workgroupIndex(), index = gl_WorkGroupID.y;
   if (world >= job.worlds) return;
   DeformedMesh part = PartsRef(job.parts).v[index];
   const float kInfinity = uintBitsToFloat(0x7f800000u);

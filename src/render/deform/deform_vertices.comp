@@ -72,7 +72,7 @@ void main() {
   VertexJob job = JobRef(push.job).v;
   uint world = elementIndex() / job.vertices, vertex = elementIndex() % job.vertices, slot = gl_GlobalInvocationID.y;
   if (world >= job.worlds) return;
-  uint time = job.slots == 1u ? 0u : slot == 1u ? 0u : slot == 0u ? 1u : 2u;
+  uint time = timeOfSlot(slot, job.slots);
   if (job.given[time].address == 0ul) time = 0u;
   vec3 position = givenPosition(job, job.given[time], world, vertex) - job.origin;
   uint64_t at = (uint64_t(world) * job.slots + slot) * job.vertices + vertex;

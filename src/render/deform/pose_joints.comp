@@ -17,7 +17,7 @@ layout(push_constant, scalar) uniform Push { WorldDeformPush push; };
 
 // The array of a time that is not given is that of the current frame.
 WorldNumbers givenAt(JointJob job, uint slot) {
-  uint time = job.slots == 1u ? 0u : slot == 1u ? 0u : slot == 0u ? 1u : 2u;
+  uint time = timeOfSlot(slot, job.slots);
   if (job.given[time].address == 0ul) time = 0u;
   return job.given[time];
 }

@@ -9,6 +9,11 @@
 
 SH_BEGIN
 
+// Returns the time of a slot: 0, 1 or 2 is the current, previous or next frame, as in the arrays of a call.
+SH_FUNC uint timeOfSlot(uint slot, uint slots) {
+  return slots == 1u || slot == 1u ? 0u : slot == 0u ? 1u : 2u;
+}
+
 // A joint of a skinned mesh that worlds deform.
 struct PosedJoint {
   mat4x3 inverseBind;  // affine, as glTF requires

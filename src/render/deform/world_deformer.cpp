@@ -38,19 +38,11 @@ const scene::Pose& poseAt(const Poses& poses, uint32_t time) {
   return time == 0 ? poses.current : time == 1 ? poses.previous : poses.next;
 }
 
-// The time of a slot.
-uint32_t timeOf(uint32_t slot, uint32_t slots) {
-  constexpr uint32_t kTimes[] = {1, 0, 2};
-  return slots == 1 ? 0 : kTimes[slot];
-}
-
 // Dispatches a shader with one invocation per element, `times` times.
 void dispatch(graph::Context& context, const vk::PipelineRef& pipeline, VkDeviceAddress job, uint64_t elements,
               uint32_t times) {
   context.commands().bind(pipeline.get(), {}, WorldDeformPush{job});
-  const auto columns = static_cast<uint32_t>(std::min<uint64_t>(elements, kPlaceColumns));
-  vkCmdDispatch(context.get(), (columns + kPlaceGroup - 1) / kPlaceGroup, times,
-                static_cast<uint32_t>((elements + kPlaceColumns - 1) / kPlaceColumns));
+  dispatchElements(context.get(), elements, times);
 }
 
 }  // namespace
@@ -241,7 +233,7 @@ void WorldDeformer::poseJoints(const scene::Scene& scene, const WorldDeformation
     }
     part.weights = weights_.size();
     for (uint32_t slot = 0; slot < slots_; ++slot) {
-      const scene::Pose& pose = poses.current.empty() ? rest : poseAt(poses, timeOf(slot, slots_));
+      const scene::Pose& pose = poses.current.empty() ? rest : poseAt(poses, timeOfSlot(slot, slots_));
       for (const glm::mat4& joint : deformer.joints(part.mesh, pose)) matrices.emplace_back(joint);
       const std::vector<float> weights = deformer.weights(part.mesh, pose);
       weights_.insert(weights_.end(), weights.begin(), weights.end());
@@ -353,15 +345,9 @@ void WorldDeformer::addTo(graph::Graph& graph, VkDeviceAddress status) const {
       else
         dispatch(context, pipelines_->vertices, jobs[i], uint64_t{worlds_} * parts_[i].vertices, slots_);
     }
-    dispatchBounds(context, boundAddress);
+    // One workgroup per world and mesh.
+    dispatch(context, pipelines_->bounds, boundAddress, uint64_t{worlds_} * kPlaceGroup, meshCount());
   });
-}
-
-// One workgroup per world and mesh.
-void WorldDeformer::dispatchBounds(graph::Context& context, VkDeviceAddress job) const {
-  constexpr uint32_t kGroups = kPlaceColumns / kPlaceGroup;  // per z slice
-  context.commands().bind(pipelines_->bounds.get(), {}, WorldDeformPush{job});
-  vkCmdDispatch(context.get(), std::min(worlds_, kGroups), meshCount(), (worlds_ + kGroups - 1) / kGroups);
 }
 
 void WorldDeformer::recordSkinned(graph::Context& context, const Part& part, VkDeviceAddress weights) const {

@@ -88,7 +88,6 @@ class WorldDeformer {
   void poseJoints(const scene::Scene& scene, const WorldDeformations& given, const Poses& poses,
                   const Deformer& deformer, vk::Uploader& uploader);
   void recordSkinned(graph::Context& context, const Part& part, VkDeviceAddress weights) const;
-  void dispatchBounds(graph::Context& context, VkDeviceAddress job) const;
   shared::VertexJob vertexJob(const Part& part, const GpuGeometry& geometry, const scene::Scene& scene) const;
 
   vk::Device& device_;

@@ -13,6 +13,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer StatusRef { 
 // The index of the invocation's element.
 uint elementIndex() { return gl_GlobalInvocationID.z * kPlaceColumns + gl_GlobalInvocationID.x; }
 
+// The index of the workgroup's element, where each workgroup processes one.
+uint workgroupIndex() { return gl_WorkGroupID.z * (kPlaceColumns / kPlaceGroup) + gl_WorkGroupID.x; }
+
 double numberAt(WorldNumbers n, uint index) {
   if (n.element == kNumberFloat) return double(FloatsRef(n.address).v[index]);
   if (n.element == kNumberDouble) return DoublesRef(n.address).v[index];

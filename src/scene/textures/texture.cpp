@@ -1,8 +1,6 @@
 // Chooses the codec of an image by its first bytes, and shares the pixels of textures decoded from the same bytes.
 #include "scene/textures/texture.h"
 
-#include <sys/mman.h>
-
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -15,6 +13,7 @@
 #include "base/error.h"
 #include "base/fork.h"
 #include "base/hash.h"
+#include "base/huge_pages.h"
 #include "scene/textures/codecs.h"
 
 namespace latelight::scene {
@@ -62,15 +61,6 @@ ImageSize checkedSize(const Codec& codec, std::span<const std::byte> encoded, co
   return size;
 }
 
-// Textures are written once, sequentially. With 4 KiB pages, the page faults would cost more than generating the mip
-// levels.
-void preferHugePages(std::byte* begin, size_t bytes) {
-  constexpr uintptr_t kHugePage = 2u << 20;
-  uintptr_t first = (reinterpret_cast<uintptr_t>(begin) + kHugePage - 1) & ~(kHugePage - 1);
-  uintptr_t last = (reinterpret_cast<uintptr_t>(begin) + bytes) & ~(kHugePage - 1);
-  if (last > first) madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);  // a hint, which may fail
-}
-
 // The pixels of all live textures, indexed by their encoded source.
 class SharedPixels {
  public:
@@ -105,7 +95,9 @@ Texture makeTexture(ImageSize size, bool srgb, const std::string& name) {
                   .levels = mipLevelCount(size),
                   .srgb = srgb,
                   .pixels = std::make_shared_for_overwrite<std::byte[]>(mipChainBytes(size))};
-  preferHugePages(texture.pixels.get(), mipChainBytes(size));
+  // Textures are written once, sequentially. With pages of 4 KiB, the page faults would cost more than generating the
+  // mip levels.
+  adviseHugePages(texture.pixels.get(), mipChainBytes(size));
   return texture;
 }
 

@@ -210,7 +210,7 @@ void sortLights(WorldJob job, uint world) {
 
 void main() {
   WorldJob job = JobRef(push.job).v;
-  uint world = gl_WorkGroupID.z * (kPlaceColumns / kPlaceGroup) + gl_WorkGroupID.x;
+  uint world = workgroupIndex();
   if (world >= job.worlds) return;
   listLights(job, world);
   barrier();

@@ -17,7 +17,7 @@ dvec3 cornerInWorld(dmat4 m, dvec3 p) {
 
 void main() {
   WorldJob job = JobRef(push.job).v;
-  uint world = gl_WorkGroupID.z * (kPlaceColumns / kPlaceGroup) + gl_WorkGroupID.x;
+  uint world = workgroupIndex();
   if (world >= job.worlds) return;
   const double kInfinity = packDouble2x32(uvec2(0u, 0x7ff00000u));
   dvec3 low = dvec3(kInfinity), high = -low;

@@ -248,9 +248,7 @@ void WorldPlacer::dispatch(graph::Graph& graph, const vk::PipelineRef& pipeline,
   const VkDeviceAddress job = graph.constants(std::as_bytes(std::span(&job_, 1)));
   graph.prologue(graph::Stage::Upload, "place worlds", [=](graph::Context& context) {
     context.commands().bind(pipeline.get(), {}, PlacePush{job});
-    const auto columns = static_cast<uint32_t>(std::min<uint64_t>(elements, kPlaceColumns));
-    vkCmdDispatch(context.get(), (columns + kPlaceGroup - 1) / kPlaceGroup, times,
-                  static_cast<uint32_t>((elements + kPlaceColumns - 1) / kPlaceColumns));
+    dispatchElements(context.get(), elements, times);
   });
 }
 
