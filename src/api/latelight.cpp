@@ -20,7 +20,7 @@
 #include "render/submit/session.h"
 #include "scene/framing.h"
 #include "scene/load/load.h"
-#include "vk/commands.h"
+#include "vk/read_back.h"
 #include "vk/shared_timeline.h"
 
 namespace latelight {
@@ -431,15 +431,7 @@ void DeviceArray::copyToHost(std::span<std::byte> to) const {
     std::memcpy(to.data(), host(), to.size());
     return;
   }
-  vk::Device& device = *impl_->device;
-  const vk::Buffer copied(device, {.size = to.size(), .kind = vk::MemoryKind::Readback, .name = "array, read"});
-  device.submitAndWait([&](VkCommandBuffer commands) {
-    const VkBufferCopy copy{0, 0, to.size()};
-    vkCmdCopyBuffer(commands, from.get(), copied.get(), 1, &copy);
-    vk::recordMemoryBarrier(commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
-                            VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
-  });
-  std::memcpy(to.data(), copied.mapped(), to.size());
+  vk::readBack(*impl_->device, from, 0, to);
 }
 std::string DeviceArray::deviceUuid() const {
   return impl_->device->info().uuid;

@@ -18,6 +18,7 @@
 #include "render/submit/session.h"
 #include "scene/edit_check.h"
 #include "scene/file_frame.h"
+#include "vk/read_back.h"
 
 namespace latelight {
 
@@ -81,15 +82,9 @@ void copyInParallel(std::byte* to, const std::byte* from, size_t bytes) {
 
 // Copies an array of the device's memory to the host, after everything that was submitted.
 std::vector<std::byte> readBack(vk::Device& device, const WorldArray& array, uint64_t bytes) {
-  const vk::Buffer& from = DeviceArrayMemory::bufferOf(*array.device);
-  const vk::Buffer to(device, {.size = bytes, .kind = vk::MemoryKind::Readback, .name = "arrays of worlds, read"});
-  device.submitAndWait([&](VkCommandBuffer commands) {
-    const VkBufferCopy copy{array.offset, 0, bytes};
-    vkCmdCopyBuffer(commands, from.get(), to.get(), 1, &copy);
-    vk::recordMemoryBarrier(commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
-                            VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
-  });
-  return {to.mapped(), to.mapped() + bytes};
+  std::vector<std::byte> host(bytes);
+  vk::readBack(device, DeviceArrayMemory::bufferOf(*array.device), array.offset, host);
+  return host;
 }
 
 // Returns `count` elements of an array as doubles.

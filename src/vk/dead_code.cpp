@@ -2,10 +2,11 @@
 //
 // One shader of the renderer serves many settings, which are specialization constants; most of its code is for others
 // than those of a pipeline. Drivers translate all of it before they find that out, which takes a CPU device most of the
-// time until a pipeline is ready. Each function passes through two steps:
+// time until a pipeline is ready. Each function passes through these steps:
 //
-//   instructions --ReachedBlocks--> blocks that run --FunctionBody--> instructions that run --Sweep--> those with
-//   effect
+//   all instructions  --ReachedBlocks-->  blocks that run  --FunctionBody-->  instructions that run
+//
+// Sweep keeps those that have an effect, in the functions that are called.
 //
 // SPIR-V's control flow is structured (SPIR-V 1.6, section 2.11): a header names the block where its selection or loop
 // ends, and a loop's header the block from which it repeats. A selection whose branch leads one way becomes a plain

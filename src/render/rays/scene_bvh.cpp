@@ -7,6 +7,7 @@
 #include "base/stopwatch.h"
 #include "render/rays/emitters.h"
 #include "render/rays/refit_push.h"
+#include "vk/read_back.h"
 
 namespace latelight::render {
 
@@ -322,16 +323,11 @@ Bvh SceneBvh::readMesh(uint32_t index) const {
   Bvh bvh;
   const MeshBvh& mesh = meshes_[index];
   if (!mesh.buffer) return bvh;
-  const vk::Buffer host(device_,
-                        {.size = mesh.buffer.size(), .kind = vk::MemoryKind::Readback, .name = "BVH, read back"});
-  device_.submitAndWait([&](VkCommandBuffer commands) {
-    const VkBufferCopy all{0, 0, mesh.buffer.size()};
-    vkCmdCopyBuffer(commands, mesh.buffer.get(), host.get(), 1, &all);
-    vk::recordMemoryBarrier(commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
-                            VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
-  });
-  bvh.nodes.assign(host.as<shared::RayNode>(), host.as<shared::RayNode>() + mesh.nodes);
-  const auto* triangles = reinterpret_cast<const shared::RayTriangle*>(host.mapped() + mesh.nodeBytes());
+  std::vector<std::byte> host(mesh.buffer.size());
+  vk::readBack(device_, mesh.buffer, 0, host);
+  const auto* nodes = reinterpret_cast<const shared::RayNode*>(host.data());
+  bvh.nodes.assign(nodes, nodes + mesh.nodes);
+  const auto* triangles = reinterpret_cast<const shared::RayTriangle*>(host.data() + mesh.nodeBytes());
   for (size_t i = 0; i < scene_.meshes[index].indices.size() / 3; ++i) bvh.items.push_back(triangles[i].number);
   return bvh;
 }
