@@ -345,13 +345,21 @@ SH_END
 
 #if defined(__cplusplus)
 static_assert(sizeof(latelight::shared::VertexPosition) == latelight::shared::kPositionBytes);
+static_assert(sizeof(latelight::shared::VertexAttributes) == latelight::shared::kAttributesBytes);
 static_assert(sizeof(latelight::shared::VertexExtra) == 24);
 static_assert(sizeof(latelight::shared::Mesh) == 96);
+static_assert(sizeof(latelight::shared::Instance) == latelight::shared::kInstanceBytes);
 static_assert(sizeof(latelight::shared::TextureTransform) == 28);
 static_assert(sizeof(latelight::shared::MaterialLayers) == 96);
 static_assert(sizeof(latelight::shared::Material) == 80 + 19 * 28 + 19 * 4 + 96);
 static_assert(sizeof(latelight::shared::Material) == latelight::shared::kMaterialBytes);
+static_assert(sizeof(latelight::shared::Material) % 16 == 0);
+static_assert(sizeof(latelight::shared::Light) == latelight::shared::kLightBytes);
+static_assert(sizeof(latelight::shared::AreaLight) == latelight::shared::kAreaLightBytes);
+static_assert(sizeof(latelight::shared::ShadowMap) == latelight::shared::kShadowMapBytes);
 static_assert(sizeof(latelight::shared::LightBox) == 24);
+static_assert(sizeof(latelight::shared::View) == latelight::shared::kViewBytes);
+static_assert(sizeof(latelight::shared::FrameConstants) == latelight::shared::kFrameBytes);
 // glsl/uniform_loads.glsl loads members at these offsets.
 static_assert(offsetof(latelight::shared::FrameConstants, views) == 0);
 static_assert(offsetof(latelight::shared::FrameConstants, lights) == 8 * latelight::shared::kFrameLightsAt);
@@ -366,35 +374,13 @@ static_assert(offsetof(latelight::shared::FrameConstants, environmentSin) ==
               8 * (latelight::shared::kFrameCountsAt + 4));
 static_assert(offsetof(latelight::shared::FrameConstants, environmentLevels) ==
               8 * (latelight::shared::kFrameCountsAt + 5));
-// glsl/common.glsl loads members at these offsets.
-static_assert(sizeof(latelight::shared::VertexAttributes) == latelight::shared::kAttributesBytes);
-static_assert(offsetof(latelight::shared::VertexAttributes, uv0) == 28);
-static_assert(sizeof(latelight::shared::View) == latelight::shared::kViewBytes);
-static_assert(sizeof(latelight::shared::FrameConstants) == latelight::shared::kFrameBytes);
 static_assert(offsetof(latelight::shared::View, viewToWorld) == 48);
 static_assert(offsetof(latelight::shared::View, projection) == 96);
 static_assert(offsetof(latelight::shared::View, eye) == 124);
-static_assert(offsetof(latelight::shared::View, jitter) == 144);
 static_assert(offsetof(latelight::shared::View, size) == 136);
+static_assert(offsetof(latelight::shared::View, jitter) == 144);
 static_assert(offsetof(latelight::shared::View, group) == 152);
 static_assert(offsetof(latelight::shared::View, eyeLow) == 156);
-static_assert(sizeof(latelight::shared::Instance) == latelight::shared::kInstanceBytes);
-static_assert(offsetof(latelight::shared::Instance, mesh) == 48);
-static_assert(offsetof(latelight::shared::Instance, flags) == 64);
-static_assert(sizeof(latelight::shared::Material) % 16 == 0);
-static_assert(offsetof(latelight::shared::Material, emissive) == 16);
-static_assert(offsetof(latelight::shared::Material, roughness) == 32);
-static_assert(offsetof(latelight::shared::Material, specularColor) == 48);
-static_assert(offsetof(latelight::shared::Material, f0) == 64);
-static_assert(sizeof(latelight::shared::Light) == latelight::shared::kLightBytes);
-static_assert(offsetof(latelight::shared::Light, intensity) == 16);
-static_assert(offsetof(latelight::shared::Light, direction) == 32);
-static_assert(offsetof(latelight::shared::Light, spotScale) == 48);
-static_assert(sizeof(latelight::shared::AreaLight) == latelight::shared::kAreaLightBytes);
-static_assert(sizeof(latelight::shared::ShadowMap) == latelight::shared::kShadowMapBytes);
-static_assert(offsetof(latelight::shared::ShadowMap, depthScale) == 48);
-static_assert(offsetof(latelight::shared::ShadowMap, perspective) == 64);
-static_assert(offsetof(latelight::shared::ShadowMap, size) == 80);
 #endif
 
 #endif

@@ -2,14 +2,12 @@
 // (kMaxAreaLights). Include after environment.glsl.
 #ifndef LATELIGHT_AREA_LIGHTS_GLSL
 #define LATELIGHT_AREA_LIGHTS_GLSL
+#include "load/AreaLight.glsl"
 #include "render/glsl/setup.glsl"
 #include "shared/shade_area.h"
 
 AreaLight frameAreaLight(FrameConstants frame, uint index) {
-  uint64_t at = frame.areaLights + uint64_t(index) * kAreaLightBytes;
-  vec4 a = floatsAt(at, 0u), b = floatsAt(at, 1u), c = floatsAt(at, 2u), d = floatsAt(at, 3u), e = floatsAt(at, 4u);
-  return AreaLight(a.xyz, floatBitsToUint(a.w), b.xyz, floatBitsToUint(b.w), c.xyz, floatBitsToUint(c.w), d.xyz, 0u,
-                   e.xyz, 0u);
+  return loadAreaLight(frame.areaLights + uint64_t(index) * kAreaLightBytes);
 }
 
 // Returns true if rays find the light's shadows.

@@ -15,6 +15,8 @@
 #include "render/glsl/texels.glsl"
 #include "render/visibility/vast_triangle.glsl"
 #include "shared/rays.h"
+#include "load/RayInstance.glsl"
+#include "load/RayNode.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer RaySceneRef { RayScene v; };
 
@@ -90,24 +92,23 @@ mat3 rayAxes(vec3 direction) {
 }
 
 RayMesh enterInstance(FrameConstants frame, RayScene scene, uint index, Ray ray, mat3 axes) {
-  uint64_t at = scene.instances + uint64_t(index) * kRayInstanceBytes;
-  vec4 x = floatsAt(at, 0u), y = floatsAt(at, 1u), z = floatsAt(at, 2u);
-  uvec4 addresses = wordsAt(at, 3u), rest = wordsAt(at, 4u);
-  Instance instance = frameInstance(frame, rest.y);
+  RayInstance placed = loadRayInstance(scene.instances + uint64_t(index) * kRayInstanceBytes);
+  vec4 x = placed.rows[0], y = placed.rows[1], z = placed.rows[2];
+  Instance instance = frameInstance(frame, placed.instance);
   precise vec3 offset = (instance.objectToWorld[3] - ray.origin) + (instance.translationLow - ray.originLow);
   mat3 toAxes = transpose(axes);
   RayMesh mesh;
-  mesh.index = rest.y;
+  mesh.index = placed.instance;
   mesh.material = instance.material;
-  mesh.flags = rest.z;
-  mesh.nodes = packUint2x32(addresses.xy);
-  mesh.triangles = packUint2x32(addresses.zw);
+  mesh.flags = placed.flags;
+  mesh.nodes = placed.nodes;
+  mesh.triangles = placed.triangles;
   mesh.positions = MeshRef(frame.meshes).v[instance.mesh].positions;
   mesh.toRay = toAxes * mat3(instance.objectToWorld);
   mesh.offset = toAxes * offset;
   vec3 origin = -vec3(dot(x.xyz, offset), dot(y.xyz, offset), dot(z.xyz, offset));
   vec3 direction = vec3(dot(x.xyz, ray.direction), dot(y.xyz, ray.direction), dot(z.xyz, ray.direction));
-  mesh.slabs = raySlabs(origin, direction, vec3(x.w, y.w, z.w) * (length(offset) + uintBitsToFloat(rest.x)));
+  mesh.slabs = raySlabs(origin, direction, vec3(x.w, y.w, z.w) * (length(offset) + placed.reach));
   return mesh;
 }
 
@@ -230,16 +231,14 @@ RayHit traceRay(FrameConstants frame, Ray ray, uint what) {
   uint current = scene.instanceCount != 0u && isUsable(ray) ? 0u : kRayNone;
   while (current != kRayNone) {
     while ((current & kRayLeaf) == 0u) {
-      uint64_t at = nodes + uint64_t(current) * kRayNodeBytes;
-      vec4 lowA = floatsAt(at, 0u), highA = floatsAt(at, 1u), lowB = floatsAt(at, 2u), highB = floatsAt(at, 3u);
-      uint a = floatBitsToUint(lowA.w), b = floatBitsToUint(highA.w);
+      RayNode node = loadRayNode(nodes + uint64_t(current) * kRayNodeBytes);
       float far = min(hit.distance, ray.far);
-      float toA = enterBox(slabs, lowA.xyz, highA.xyz, ray.near, far);
-      float toB = b == kRayNone ? kRayInfinity : enterBox(slabs, lowB.xyz, highB.xyz, ray.near, far);
+      float toA = enterBox(slabs, node.lowA, node.highA, ray.near, far);
+      float toB = node.b == kRayNone ? kRayInfinity : enterBox(slabs, node.lowB, node.highB, ray.near, far);
       bool both = toA < kRayInfinity && toB < kRayInfinity;
-      if (both) stack[top] = toA <= toB ? b : a;
+      if (both) stack[top] = toA <= toB ? node.b : node.a;
       if (!both && toA == toB) current = stack[top - 1u];  // both are infinite
-      else current = toA <= toB ? a : b;
+      else current = toA <= toB ? node.a : node.b;
       top += both ? 1u : (toA == toB ? ~0u : 0u);
     }
     for (bool leaves = current == kRayStackEnd; leaves; leaves = false) {

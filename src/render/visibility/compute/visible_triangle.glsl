@@ -5,6 +5,7 @@
 #define LATELIGHT_SEEN_TRIANGLE_GLSL
 #include "render/glsl/pixel_ray.glsl"
 #include "render/visibility/compute/raster_push.h"
+#include "load/RasterInstance.glsl"
 #include "render/visibility/vast_triangle.glsl"
 
 layout(constant_id = kVastConstant) const uint kVast = 0u;  // FrameConfig::vast
@@ -15,11 +16,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Ins
 // `frame`: the constants of the view, whose world may have its own instances.
 RasterInstance rasterInstanceAt(InstanceList list, FrameConstants frame, uint drawIndex) {
   uint64_t records = kWorlds != 0u ? frame.rasterInstances : list.rasterInstances;
-  uint64_t at = records + uint64_t(drawIndex) * kRasterInstanceBytes;
-  vec4 sphere = floatsAt(at, 0u);
-  uvec4 first = wordsAt(at, 1u), second = wordsAt(at, 2u);
-  return RasterInstance(sphere.xyz, sphere.w, packUint2x32(first.xy), uintBitsToFloat(first.z), first.w, second.x,
-                        second.y, second.z, second.w);
+  return loadRasterInstance(records + uint64_t(drawIndex) * kRasterInstanceBytes);
 }
 
 // --- triangle --------------------------------------------------------------------------------------------------------

@@ -1,0 +1,67 @@
+// The functions that cmake/loads.cmake generates.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstring>
+#include <iterator>
+
+#include "gpu_math/spirv.h"
+#include "shared/random.h"
+#include "struct_headers.h"
+#include "test_device.h"
+#include "vk/commands.h"
+#include "vk/resources.h"
+
+namespace latelight::shared {
+namespace {
+
+struct Load {
+  const char* name;
+  size_t bytes;
+};
+constexpr Load kLoads[] = {
+#define LOAD(type) {#type, sizeof(type)},
+#include "loads.inc"
+#undef LOAD
+};
+
+TEST(Loads, LoadWhatTheCompilerLoads) {
+  constexpr uint kBytes = 4096;
+  vk::Device device({.selector = test::testDevice(), .validation = true});
+  vk::Buffer structs(device, {.size = kBytes, .kind = vk::MemoryKind::Upload, .name = "structs"});
+  vk::Buffer results(device,
+                     {.size = std::size(kLoads) * sizeof(uint), .kind = vk::MemoryKind::Readback, .name = "results"});
+  Random random(1);
+  for (uint i = 0; i < kBytes / sizeof(uint); ++i)  // no word is a NaN, which differs from itself
+    structs.as<uint>()[i] = std::bit_cast<uint>(random.logUniform(1e-3f, 1e3f));
+  const vk::Pipeline pipeline =
+      vk::makePipeline(device, vk::ComputeDesc{.name = "loads", .code = test::readSpirv("gpu_math_loads")});
+  struct {
+    VkDeviceAddress structs, results;
+  } const push{structs.address(), results.address()};
+  vk::DescriptorPool pool(device);
+  device.submitAndWait([&](VkCommandBuffer buffer) {
+    vk::Commands commands(device, buffer, pool);
+    commands.bind(pipeline, std::initializer_list<vk::BoundImage>{}, push);
+    commands.dispatch(1, 1, 1, 1, 1);
+    vk::recordMemoryBarrier(buffer, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+                            VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
+  });
+  for (size_t i = 0; i < std::size(kLoads); ++i) {
+    EXPECT_LE(kLoads[i].bytes, kBytes) << kLoads[i].name;
+    EXPECT_EQ(results.as<uint>()[i], 1u) << kLoads[i].name;
+  }
+  EXPECT_TRUE(device.validationMessages().empty());
+}
+
+// Arrays of these structs are loaded, and loads of 16 bytes have to be aligned.
+TEST(Loads, AreOfStructsWhoseArraysAreAligned) {
+  for (const char* name : {"Instance", "Light", "Material", "RayNode", "View"}) {
+    const auto load = std::ranges::find(kLoads, std::string(name), &Load::name);
+    ASSERT_NE(load, std::end(kLoads)) << name;
+    EXPECT_EQ(load->bytes % 16, 0u) << name;
+  }
+}
+
+}  // namespace
+}  // namespace latelight::shared
