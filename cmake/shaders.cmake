@@ -1,5 +1,5 @@
-# Compiles every shader under src/render and src/study to SPIR-V and embeds it by its file name. The first line after
-# #version and #extension declares a shader's variants:
+# Compiles every shader under src/render and src/study to SPIR-V and embeds it, compressed, by its file name. The first
+# line after #version and #extension declares a shader's variants:
 #   // variants: layout, multisampled
 #
 #   variant        compiled                                     macro                        suffix          include
@@ -38,6 +38,7 @@ set(LATELIGHT_SHADER_DEBUG $<$<NOT:$<CONFIG:Release>>:-g>)
 # the driver of an H200 compiles those faster. So do shaders with the line `// functions: kept`, whose functions have so
 # many calls that inlining multiplies the shader's size and lavapipe gains nothing.
 find_program(SPIRV_OPT spirv-opt REQUIRED)
+find_program(ZSTD zstd REQUIRED)
 set(LATELIGHT_SPIRV_OPT ${SPIRV_OPT} --target-env=vulkan1.3 --scalar-block-layout
   --merge-return --scalar-replacement=0 --convert-local-access-chains --ssa-rewrite --eliminate-dead-branches
   --cfg-cleanup --eliminate-dead-code-aggressive)
@@ -66,6 +67,7 @@ function(latelight_constant_ids)
   latelight_generate(constant_ids.glsl "${text}")
 endfunction()
 
+# latelight_compile_shader(source name includes out): returns the file of SPIR-V, in LATELIGHT_SPIRV.
 function(latelight_compile_shader source name includes out)
   set(spirv ${LATELIGHT_SPIRV}/${name}.spv)
   set(simplify ${LATELIGHT_SPIRV_OPT})
@@ -84,6 +86,23 @@ function(latelight_compile_shader source name includes out)
     VERBATIM
     COMMENT "Compiling shader ${name}")
   set(${out} ${spirv} PARENT_SCOPE)
+endfunction()
+
+# latelight_embed_shader(spirv symbol out): appends the compressed shader to an assembly file's text, from `symbol` to
+# `symbolEnd`. Compression divides the size of the program by three.
+function(latelight_embed_shader spirv symbol out)
+  add_custom_command(
+    OUTPUT ${spirv}.zst
+    COMMAND ${ZSTD} -19 --quiet --force ${spirv} -o ${spirv}.zst
+    DEPENDS ${spirv}
+    VERBATIM
+    COMMENT "")
+  set(${out} "${${out}}.global ${symbol}, ${symbol}End
+.hidden ${symbol}, ${symbol}End
+${symbol}:
+.incbin \"${spirv}.zst\"
+${symbol}End:
+" PARENT_SCOPE)
 endfunction()
 
 # latelight_declared_variants(source out): returns the variants that a shader declares, checked against its includes.
@@ -216,10 +235,9 @@ function(latelight_shaders module)
         list(APPEND includes -DTEXTURES_BY_INDEX)
       endif()
       latelight_compile_shader(${source} ${name} "${includes}" spirv)
-      list(APPEND compiled ${spirv})
+      list(APPEND compiled ${spirv}.zst)
       string(APPEND table "SHADER(latelightShader${index}, \"${name}\")\n")
-      string(APPEND assembly
-        ".balign 4\n.global latelightShader${index}\n.hidden latelightShader${index}\nlatelightShader${index}:\n.incbin \"${spirv}\"\n.global latelightShader${index}End\n.hidden latelightShader${index}End\nlatelightShader${index}End:\n")
+      latelight_embed_shader(${spirv} latelightShader${index} assembly)
       math(EXPR index "${index} + 1")
     endforeach()
   endforeach()

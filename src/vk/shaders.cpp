@@ -7,6 +7,8 @@
 #include <mutex>
 #include <unordered_map>
 
+#include <zstd.h>
+
 #include "base/error.h"
 #include "base/files.h"
 #include "base/fork.h"
@@ -14,19 +16,21 @@
 
 namespace latelight::vk {
 
-// The shaders, embedded by an assembly file as the words from `symbol` to `symbolEnd`.
-#define SHADER(symbol, name)          \
-  extern "C" const uint32_t symbol[]; \
-  extern "C" const uint32_t symbol##End[];
+// The shaders, embedded by an assembly file as Zstandard frames from `symbol` to `symbolEnd`.
+#define SHADER(symbol, name)           \
+  extern "C" const std::byte symbol[]; \
+  extern "C" const std::byte symbol##End[];
 #include "shaders.inc"
 #undef SHADER
 
 namespace {
 
+using Words = std::vector<uint32_t>;
+
 struct EmbeddedShader {
   const char* name;
-  const uint32_t* begin;
-  const uint32_t* end;
+  const std::byte* begin;
+  const std::byte* end;
 };
 
 constexpr EmbeddedShader kShaders[] = {
@@ -36,21 +40,48 @@ constexpr EmbeddedShader kShaders[] = {
     {nullptr, nullptr, nullptr},
 };
 
-// Passes look shaders up in every frame.
-std::span<const uint32_t> findShader(std::string_view name) {
-  static const auto shaders = [] {
-    std::unordered_map<std::string_view, std::span<const uint32_t>> all;
+Words decompress(const EmbeddedShader& shader) {
+  const size_t bytes = shader.end - shader.begin;
+  Words words(ZSTD_getFrameContentSize(shader.begin, bytes) / sizeof(uint32_t));
+  const size_t size = words.size() * sizeof(uint32_t);
+  if (ZSTD_decompress(words.data(), size, shader.begin, bytes) != size)
+    fail(ExitCode::Internal, "The embedded shader {} is damaged.", shader.name);
+  return words;
+}
+
+// The embedded shaders, each decompressed when it is first used. Passes look shaders up in every frame.
+class EmbeddedShaders {
+ public:
+  EmbeddedShaders() {
     for (const EmbeddedShader& shader : kShaders)
-      if (shader.name) all[shader.name] = {shader.begin, shader.end};
-    return all;
-  }();
-  const auto found = shaders.find(name);
-  return found == shaders.end() ? std::span<const uint32_t>() : found->second;
+      if (shader.name) shaders_.try_emplace(shader.name, Entry{shader, {}});
+  }
+  bool has(std::string_view name) const { return shaders_.contains(name); }
+  // Returns an empty span if there is no such shader.
+  std::span<const uint32_t> find(std::string_view name) {
+    const auto found = shaders_.find(name);
+    if (found == shaders_.end()) return {};
+    const std::scoped_lock lock(mutex_);
+    Entry& entry = found->second;
+    if (entry.words.empty()) entry.words = decompress(entry.compressed);
+    return entry.words;
+  }
+
+ private:
+  struct Entry {
+    EmbeddedShader compressed;
+    Words words;
+  };
+  std::unordered_map<std::string_view, Entry> shaders_;
+  ForkSafeMutex mutex_;  // for Entry::words
+};
+
+EmbeddedShaders& embeddedShaders() {
+  static EmbeddedShaders all;
+  return all;
 }
 
 // --- shaders of a folder --------------------------------------------------------------------------------------------
-
-using Words = std::vector<uint32_t>;
 
 // Earlier versions of a file are kept, because pipelines may still be created from them.
 struct FileVersions {
@@ -116,11 +147,11 @@ std::span<const uint32_t> shaderCode(const ShaderKey& shader) {
 }
 
 bool hasShader(const ShaderKey& shader) {
-  return !findShader(shader.name()).empty();
+  return embeddedShaders().has(shader.name());
 }
 
 std::span<const uint32_t> shaderCodeOf(std::string_view name) {
-  const std::span<const uint32_t> embedded = findShader(name);
+  const std::span<const uint32_t> embedded = embeddedShaders().find(name);
   if (embedded.empty())
     fail(ExitCode::Internal,
          "No shader called {} is embedded: check the first line of {}, which declares its variants.", name,
