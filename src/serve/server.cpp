@@ -50,6 +50,7 @@ tcp::acceptor listen(asio::io_context& io, const ServerOptions& options) {
 struct Server::Impl {
   Impl(const ServerOptions& options, const view::Start& start)
       : acceptor(listen(io, options)),
+        endpoint(acceptor.local_endpoint()),
         token(newToken()),
         hub(io, {token, options.names}, start, options.sessions,
             std::chrono::milliseconds(std::lround(1000 * options.requestTimeout))) {
@@ -69,6 +70,7 @@ struct Server::Impl {
 
   asio::io_context io{1};
   tcp::acceptor acceptor;
+  const tcp::endpoint endpoint;  // of the acceptor, which run() closes while other threads may ask for it
   asio::signal_set signals{io};
   asio::steady_timer pause{io};
   const std::string token;
@@ -119,7 +121,7 @@ Server::Server(const ServerOptions& options, const view::Start& start)
 Server::~Server() = default;
 
 uint16_t Server::port() const {
-  return impl_->acceptor.local_endpoint().port();
+  return impl_->endpoint.port();
 }
 
 const std::string& Server::token() const {
@@ -128,7 +130,7 @@ const std::string& Server::token() const {
 
 // A server that listens on all addresses is reached on this machine by the loopback address.
 std::string Server::url() const {
-  const asio::ip::address address = impl_->acceptor.local_endpoint().address();
+  const asio::ip::address address = impl_->endpoint.address();
   std::string host = address.to_string();
   if (address.is_unspecified()) host = address.is_v6() ? "::1" : "127.0.0.1";
   if (address.is_v6()) host = "[" + host + "]";

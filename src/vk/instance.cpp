@@ -44,8 +44,7 @@ Instance::Instance(bool validation) {
     result = create(validation, false);
   }
   if (result != VK_SUCCESS) failInstance(result);
-  // Global instance functions: several devices of different drivers may exist at once.
-  volkLoadInstance(instance_);
+  loadFunctions(instance_);
 }
 
 VkResult Instance::create(bool validation, bool debugUtils) {

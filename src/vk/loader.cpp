@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include "base/fork.h"
 #include "vk/added_drivers.h"
@@ -39,6 +40,13 @@ Loader loadVulkan() {
   addDrivers();
   loaded = loader;
   return loader;
+}
+
+void loadFunctions(VkInstance instance) {
+  static ForkSafeMutex mutex;
+  static bool loaded = false;
+  std::lock_guard lock(mutex);
+  if (!std::exchange(loaded, true)) volkLoadInstance(instance);
 }
 
 }  // namespace latelight::vk

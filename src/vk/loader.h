@@ -17,4 +17,8 @@ struct Loader {
 // stays open for the rest of the process. Never throws.
 Loader loadVulkan();
 
+// Loads the functions that take an instance or a device. The loader's are the same for all instances, and find the
+// driver by their first argument. Calls after the first do nothing, because other threads may be calling them.
+void loadFunctions(VkInstance instance);
+
 }  // namespace latelight::vk

@@ -1,111 +1,58 @@
-"""long_life.py OPERATIONS [DEVICE] [LOG]: a process that lives long. It edits scenes, renders pictures, worlds and rays,
-drops tickets, replaces renderers and makes mistakes, all at random, and must hold no more in the end than before.
+"""long_life.py OPERATIONS [--device D] [--seed S] [--epoch N] [--seconds T] [--log FILE]: a process that lives long.
 
-An epoch begins with a new scene and a new renderer, and ends without any. Its footprint is what the process then holds;
-the log has a line per epoch. check() compares the epochs."""
+It edits scenes, renders pictures, worlds and rays, drops tickets, replaces renderers and makes mistakes, all at random,
+and must hold no more in the end than before. An epoch begins with a new scene and a new renderer, and ends without any.
+Its footprint is what the process then holds; the log has a line per epoch."""
 
-import ctypes
-import gc
+import argparse
 import math
-import os
 import random
-import statistics
 import sys
+import time
 from collections import Counter
-from dataclasses import dataclass, fields
-from pathlib import Path
 
 import latelight
 import numpy as np
+
+from footprint import check, footprint, growth_per_epoch
 
 OPERATIONS = 250  # per epoch
 MAX_ADDED = 10  # elements of each kind
 OUTPUTS = ("depth", "normal", "id", "material", "motion", "position", "color")
 
 
-# --- footprint --------------------------------------------------------------------------------------------------------
-
-
-class Mallinfo2(ctypes.Structure):
-    names = "arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost"
-    _fields_ = [(name, ctypes.c_size_t) for name in names.split()]
-
-
-libc = ctypes.CDLL(None)
-libc.mallinfo2.restype = Mallinfo2
-
-
-@dataclass
-class Footprint:
-    heap: int  # bytes that are allocated and not freed; lavapipe's Vulkan objects are among them
-    resident: int  # bytes, after the heap's free memory was returned
-    threads: int
-    descriptors: int
-    mappings: int  # ranges of the address space
-    files: int  # in the cache folder
-
-    def __str__(self):
-        return ", ".join(f"{field.name} {getattr(self, field.name):,}" for field in fields(self))
-
-
-def footprint():
-    gc.collect()
-    info = libc.mallinfo2()
-    libc.malloc_trim(0)
-    caches = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "latelight"
-    return Footprint(
-        heap=info.uordblks + info.hblkhd,
-        resident=int(Path("/proc/self/statm").read_text().split()[1]) * 4096,
-        threads=len(os.listdir("/proc/self/task")),
-        descriptors=len(os.listdir("/proc/self/fd")),
-        mappings=Path("/proc/self/maps").read_text().count("\n"),
-        files=sum(1 for _ in caches.rglob("*")),
-    )
-
-
-def growth_per_epoch(footprints):
-    """Bytes of heap: the slope between the medians of the first and the last third, so that single peaks don't count."""
-    third = max(len(footprints) // 3, 1)
-    first, last = (statistics.median(f.heap for f in part) for part in (footprints[:third], footprints[-third:]))
-    return (last - first) / (len(footprints) - third)
-
-
-def check(footprints):
-    """Sentences about what grew. Early epochs, which fill caches, must have been left out."""
-    half = len(footprints) // 2
-    most = lambda part, name: max(getattr(f, name) for f in part)
-    for name, factor, more in (
-        ("threads", 1, 0),
-        ("descriptors", 1, 0),
-        ("files", 1, 0),
-        ("mappings", 1, 60),
-        ("resident", 1.15, 0),
-    ):
-        early, late = most(footprints[:half], name), most(footprints[half:], name)
-        if late > early * factor + more:
-            yield f"{name} grew from {early:,} to {late:,}"
-    growth = growth_per_epoch(footprints)
-    if growth > 16 * OPERATIONS:  # a leak of the heap's smallest block, 32 bytes, in every second operation
-        yield f"the heap grows by {growth:,.0f} bytes per {OPERATIONS} operations"
-
-
 # --- life -------------------------------------------------------------------------------------------------------------
+
+
+def draw_options(r):
+    """Options that compile other pipelines: an epoch uses few, so that it renders more than it compiles."""
+    return {
+        "raster": r.choice(("compute", "hardware")),
+        "layout": r.choice(("compact", "exact", "thin", "plain")),
+        "lighting": r.choice(("clustered", "tiled", "fullscreen")),
+        "shadows": r.choice(("none", "d32")),
+        "transparency": r.choice(("exact", "sorted", "weighted")),
+        "shadow_atlas": 512,
+        "outputs": ["rgba", *r.sample(OUTPUTS, r.randrange(4))],
+    }
 
 
 class Life:
     """One scene and its renderer, and random operations on both."""
 
-    def __init__(self, scene, device, seed, counts):
+    def __init__(self, scene, device, seed, counts, *, max_side=32, edits=700, choices=None):
+        """Pictures have sides up to `max_side`; there are `edits` edits for 300 other operations."""
         self.random = random.Random(seed)
         self.scene, self.device, self.counts = latelight.Scene(scene), device, counts
+        self.max_side, self.edits = max_side, edits
         self.renderer = latelight.Renderer(self.scene, device)
-        self.choices = [self.draw_options() for _ in range(2)]
+        self.choices = choices or [draw_options(self.random) for _ in range(2)]
         self.instances, self.materials, self.lights, self.meshes, self.textures = [], [], [], [], []
 
     def act(self):
         action = self.random.choices(
             (self.edit, self.render, self.worlds, self.cast, self.pick, self.drop_ticket, self.replace, self.mistake),
-            (700, 180, 40, 30, 15, 20, 2, 13),
+            (self.edits, 180, 40, 30, 15, 20, 2, 13),
         )[0]
         self.counts[action.__name__] += 1
         action()
@@ -210,22 +157,9 @@ class Life:
 
     # --- pictures
 
-    def draw_options(self):
-        """Options that compile other pipelines: an epoch uses few, so that it renders more than it compiles."""
-        r = self.random
-        return {
-            "raster": r.choice(("compute", "hardware")),
-            "layout": r.choice(("compact", "exact", "thin", "plain")),
-            "lighting": r.choice(("clustered", "tiled", "fullscreen")),
-            "shadows": r.choice(("none", "d32")),
-            "transparency": r.choice(("exact", "sorted", "weighted")),
-            "shadow_atlas": 512,
-            "outputs": ["rgba", *r.sample(OUTPUTS, r.randrange(4))],
-        }
-
     def options(self):
         r = self.random
-        size = (r.randint(4, 48), r.randint(4, 32))
+        size = (r.randint(4, self.max_side), r.randint(4, self.max_side))
         return {**r.choice(self.choices), "size": size, "exposure": r.uniform(-2, 2)}
 
     def camera(self):
@@ -284,31 +218,54 @@ class Life:
         raise AssertionError("a mistake was accepted")
 
 
-def live(epochs, device, log=None):
-    """Returns the footprints of the epochs and the counts of operations."""
+def live(epochs, device, *, first=0, operations=OPERATIONS, until=math.inf, log=None, **life_options):
+    """Returns the footprints of the epochs and the counts of operations. `first` is the seed of the first epoch."""
     footprints, counts = [], Counter()
-    for epoch in range(epochs):
-        life = Life(("builtin:boxes", "builtin:spheres")[epoch % 2], device, epoch, counts)
-        for _ in range(OPERATIONS):
+    for epoch in range(first, first + epochs):
+        if time.monotonic() > until:
+            break
+        life = Life(("builtin:boxes", "builtin:spheres")[epoch % 2], device, epoch, counts, **life_options)
+        for _ in range(operations):
             life.act()
         assert life.renderer.validation_messages() == []
         del life
         footprints.append(footprint())
         if log:
-            print(f"{(epoch + 1) * OPERATIONS:,} operations: {footprints[-1]}", file=log, flush=True)
+            print(f"{counts.total():,} operations: {footprints[-1]}", file=log, flush=True)
     return footprints, counts
 
 
-def main(operations, device="auto", log=None):
-    with open(log, "a") if log else sys.stdout as out:
-        footprints, counts = live(max(int(operations) // OPERATIONS, 8), device, out)
-        measured = footprints[max(len(footprints) // 5, 3) :]
-        print(", ".join(f"{name} {count:,}" for name, count in counts.most_common()), file=out)
-        print(f"the heap grows by {growth_per_epoch(measured):,.0f} bytes per epoch", file=out)
-        wrong = list(check(measured))
-        print("\n".join(wrong) or "nothing grew", file=out)
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("operations", type=int)
+    parser.add_argument("--device", default="auto")
+    parser.add_argument("--seed", type=int, default=0, help="of the first epoch; each further epoch has the next one")
+    parser.add_argument("--epoch", type=int, default=OPERATIONS, help="operations per epoch")
+    parser.add_argument("--edits", type=int, default=700, help="for 300 other operations")
+    parser.add_argument("--choices", type=int, help="sets of options for all epochs; default: two new ones per epoch")
+    parser.add_argument("--side", type=int, default=32, help="the largest side of a picture, in pixels")
+    parser.add_argument("--seconds", type=float, default=math.inf, help="no epoch begins later")
+    parser.add_argument("--log", type=argparse.FileType("a"), default=sys.stdout)
+    a = parser.parse_args()
+    r = random.Random(a.seed)
+    footprints, counts = live(
+        max(a.operations // a.epoch, 8),
+        a.device,
+        first=a.seed,
+        operations=a.epoch,
+        until=time.monotonic() + a.seconds,
+        log=a.log,
+        max_side=a.side,
+        edits=a.edits,
+        choices=[draw_options(r) for _ in range(a.choices)] if a.choices else None,
+    )
+    measured = footprints[max(len(footprints) // 5, 3) :]
+    print(", ".join(f"{name} {count:,}" for name, count in counts.most_common()), file=a.log)
+    print(f"the heap grows by {growth_per_epoch(measured):,.0f} bytes per epoch", file=a.log)
+    wrong = list(check(measured, a.epoch))
+    print("\n".join(wrong) or "nothing grew", file=a.log)
     return 1 if wrong else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:]))
+    sys.exit(main())

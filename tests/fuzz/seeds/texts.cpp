@@ -140,7 +140,8 @@ void addServe(Seeds& seeds) {
   seeds.add("serve_frames", "\x82\xff\0\0\0\0\0\1\0\0"s + mask + std::string(64, 'x'));
 }
 
-// A module with each kind of specialization constant, each operation on them that is folded, and a push constant block.
+// A module with each kind of specialization constant, each operation on them that is folded, a push constant block, and
+// a function whose branches, phis and switch depend on them.
 std::string specializedModule() {
   std::string words;
   const auto put = [&words](std::initializer_list<uint32_t> instruction) {
@@ -149,6 +150,7 @@ std::string specializedModule() {
     while (++operand != instruction.end()) words += word(*operand, 4);
   };
   for (const uint32_t header : {spv::MagicNumber, 0x10600u, 0u, 200u, 0u}) words += word(header, 4);
+  put({spv::OpEntryPoint, spv::ExecutionModelGLCompute, 100, 0});
   put({spv::OpDecorate, 10, spv::DecorationSpecId, 0});
   put({spv::OpDecorate, 11, spv::DecorationSpecId, 1});
   put({spv::OpDecorate, 13, spv::DecorationSpecId, 1});
@@ -162,11 +164,34 @@ std::string specializedModule() {
   put({spv::OpSpecConstantFalse, 1, 13});
   put({spv::OpSpecConstantComposite, 2, 14, 11, 12});
   uint32_t id = 30;
-  for (const uint32_t op :
-       {spv::OpIAdd, spv::OpISub, spv::OpIMul, spv::OpUDiv, spv::OpSDiv, spv::OpLogicalOr, spv::OpLogicalAnd,
-        spv::OpIEqual, spv::OpINotEqual, spv::OpUGreaterThan, spv::OpUGreaterThanEqual, spv::OpULessThan,
-        spv::OpULessThanEqual, spv::OpShiftRightLogical, spv::OpBitwiseAnd, spv::OpBitwiseXor})
+  for (const uint32_t op : {spv::OpIAdd,
+                            spv::OpISub,
+                            spv::OpIMul,
+                            spv::OpUDiv,
+                            spv::OpSDiv,
+                            spv::OpUMod,
+                            spv::OpLogicalOr,
+                            spv::OpLogicalAnd,
+                            spv::OpLogicalEqual,
+                            spv::OpLogicalNotEqual,
+                            spv::OpIEqual,
+                            spv::OpINotEqual,
+                            spv::OpUGreaterThan,
+                            spv::OpUGreaterThanEqual,
+                            spv::OpULessThan,
+                            spv::OpULessThanEqual,
+                            spv::OpSGreaterThan,
+                            spv::OpSGreaterThanEqual,
+                            spv::OpSLessThan,
+                            spv::OpSLessThanEqual,
+                            spv::OpShiftLeftLogical,
+                            spv::OpShiftRightLogical,
+                            spv::OpShiftRightArithmetic,
+                            spv::OpBitwiseAnd,
+                            spv::OpBitwiseOr,
+                            spv::OpBitwiseXor})
     put({spv::OpSpecConstantOp, 2, id++, op, 11, 12});
+  put({spv::OpSpecConstantOp, 2, id++, spv::OpNot, 11});
   put({spv::OpSpecConstantOp, 3, id++, spv::OpUConvert, 11});
   put({spv::OpSpecConstantOp, 1, id++, spv::OpLogicalNot, 10});
   put({spv::OpSpecConstantOp, 2, id++, spv::OpSelect, 10, 11, 12});
@@ -174,6 +199,28 @@ std::string specializedModule() {
   put({spv::OpTypePointer, 21, spv::StorageClassPushConstant, 20});
   put({spv::OpVariable, 21, 22, spv::StorageClassPushConstant});
   put({spv::OpFunction, 2, 100, 0, 101});
+  put({spv::OpLabel, 102});
+  put({spv::OpSelectionMerge, 104, 0});
+  put({spv::OpBranchConditional, 10, 103, 104});
+  put({spv::OpLabel, 103});
+  put({spv::OpBranch, 104});
+  put({spv::OpLabel, 104});
+  put({spv::OpPhi, 2, 110, 11, 103, 12, 102});
+  put({spv::OpIAdd, 2, 111, 110, 12});
+  put({spv::OpSelectionMerge, 106, 0});
+  put({spv::OpSwitch, 110, 106, 5, 105, 7, 105});
+  put({spv::OpLabel, 105});
+  put({spv::OpBranch, 106});
+  put({spv::OpLabel, 106});
+  put({spv::OpBranch, 107});
+  put({spv::OpLabel, 107});  // a loop that does not repeat
+  put({spv::OpPhi, 2, 112, 111, 106, 112, 108});
+  put({spv::OpLoopMerge, 109, 108, 0});
+  put({spv::OpBranchConditional, 13, 108, 109});
+  put({spv::OpLabel, 108});
+  put({spv::OpBranch, 107});
+  put({spv::OpLabel, 109});
+  put({spv::OpReturnValue, 112});
   put({spv::OpFunctionEnd});
   return words;
 }
