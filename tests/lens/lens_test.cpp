@@ -361,7 +361,6 @@ TEST_F(LensPictureTest, WhatThereIsNot) {
     change(settings);
     EXPECT_THROW(renderer.render({&camera, 1}, settings), Error);
   };
-  refuses([](Settings& s) { s.ambientOcclusion = AmbientOcclusion::Gtao; });
   refuses([](Settings& s) { s.aovs = {Aov::RasterClasses}; });
   refuses([](Settings& s) { s.lighting = &findTechnique("forward"); });
   camera.lens = scene::Lens{.model = LensModel::CubeMap};
