@@ -85,6 +85,11 @@ TEST(RoundTripTest, TransformsAllAround) {
       {"pano.png", scene::Lens{.model = Equirectangular, .width = 200, .height = 100}, dmat4(1)}};
   writeTransforms(folder.path() / "t.json", camera);
   expectSame(readTransforms(folder.at("t.json")), camera);
+  const Json json = Json::parse(folder.read("t.json"));  // as nerfstudio's rays need them
+  EXPECT_EQ(json["fl_x"], 100);
+  EXPECT_EQ(json["fl_y"], 100);
+  EXPECT_EQ(json["cx"], 100);
+  EXPECT_EQ(json["cy"], 50);
 }
 
 TEST(RoundTripTest, Colmap) {

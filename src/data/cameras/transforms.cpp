@@ -127,7 +127,12 @@ Json transformsLens(const Lens& lens) {
     if (known.model == lens.model && !json.contains("camera_model")) json["camera_model"] = known.name;
   const auto pixels = [](double n) { return n == std::floor(n) ? Json(static_cast<uint64_t>(n)) : Json(n); };
   json["w"] = pixels(lens.width), json["h"] = pixels(lens.height);
-  if (lens.model == LensModel::Equirectangular) return json;
+  if (lens.model == LensModel::Equirectangular) {
+    // nerfstudio requires these keys; its images go from -1 to 1 across and from -1/2 to 1/2 down.
+    json["fl_x"] = lens.width / 2, json["fl_y"] = lens.height, json["cx"] = lens.width / 2,
+    json["cy"] = lens.height / 2;
+    return json;
+  }
   json["fl_x"] = lens.fx, json["fl_y"] = lens.fy, json["cx"] = lens.cx, json["cy"] = lens.cy;
   for (const Term& term : termsOf(lens.model)) json[term.key] = lens.distortion[term.place];
   return json;
