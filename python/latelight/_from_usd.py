@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ._core import Light, Material, MaterialHandle, MeshHandle, Scene
-from ._model_builder import Builder, missing, v_down
+from ._model_builder import Builder, missing, reading, v_down
 from .errors import UsageError
 
 
@@ -492,5 +492,6 @@ def from_usd(stage: Any, *, time: float | None = None) -> Scene:
     if isinstance(stage, (str, os.PathLike)):
         if not os.path.isfile(stage):
             raise UsageError(f"{os.fspath(stage)} does not exist: give a .usd, .usda, .usdc or .usdz file")
-        stage = pxr.Usd.Stage.Open(os.fspath(stage))
-    return _Usd(stage, pxr, time).run()
+    with reading(stage, "usd-core"):
+        opened = pxr.Usd.Stage.Open(os.fspath(stage)) if isinstance(stage, (str, os.PathLike)) else stage
+        return _Usd(opened, pxr, time).run()
