@@ -1,6 +1,9 @@
 // Binds the class Scene.
 #include <fmt/ranges.h>
 
+#include <cctype>
+#include <filesystem>
+
 #include "scene.h"
 
 #include <nanobind/stl/optional.h>
@@ -134,6 +137,27 @@ Enum enumOf(nb::handle value, const char* name, const char* const (&names)[N]) {
 
 // --- the parts of the class -----------------------------------------------------------------------------------------
 
+// Returns the package's function that converts a file which C++ does not read, or null.
+const char* converterOf(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (extension == ".urdf") return "from_urdf";
+  for (const char* usd : {".usd", ".usda", ".usdc", ".usdz"})
+    if (extension == usd) return "from_usd";
+  return nullptr;
+}
+
+bool hasOptions(const SceneOptions& o) {
+  return !o.materialVariant.empty() || !o.allowOutside.empty() || o.idDepth || !o.idNodes.empty() || !o.unit.empty() ||
+         !o.upAxis.empty() || o.pointRadius;
+}
+
+void convert(SharedScene* self, const char* function, const std::string& path) {
+  const RunningPython section;
+  const nb::object made = nb::module_::import_("latelight").attr(function)(path);
+  new (self) SharedScene(nb::cast<SharedScene&>(made).edit([](Scene& scene) { return std::move(scene); }));
+}
+
 void load(SharedScene* self, nb::handle source, nb::handle variant, nb::handle allowOutside, nb::handle idDepth,
           nb::handle idNodes, nb::handle unit, nb::handle upAxis, nb::handle pointRadius) {
   SceneOptions options{.materialVariant = textOf(variant, "material_variant"),
@@ -144,6 +168,11 @@ void load(SharedScene* self, nb::handle source, nb::handle variant, nb::handle a
   options.upAxis = textOf(upAxis, "up_axis");
   if (!pointRadius.is_none()) options.pointRadius = static_cast<float>(numberOf(pointRadius, "point_radius"));
   const std::string path = source.is_none() ? "" : pathOf(source, "source");
+  if (const char* converter = converterOf(path)) {
+    if (hasOptions(options))
+      badValue("Scene() has no options for '{}': call latelight.{}() with those that it has", path, converter);
+    return convert(self, converter, path);
+  }
   const WithoutGil others;
   new (self) SharedScene(source.is_none() ? Scene() : Scene(path, options));
 }
@@ -158,7 +187,8 @@ void defineWhole(Class& type) {
                    "id_nodes: collections.abc.Sequence[str] = (), unit: str = \"\", up_axis: str = \"\", "
                    "point_radius: float | None = None) -> None"),
            "Loads a .gltf, .glb, .obj, .ply or .stl file, or \"builtin:hall\", \"builtin:spheres\", \"builtin:boxes\"; "
-           "without a source it is empty.\n\nmaterial_variant: of KHR_materials_variants, by name\nallow_outside: "
+           "converts a .usd, .usda, .usdc, .usdz or .urdf file by from_usd() or from_urdf(); without a source it is "
+           "empty.\n\nmaterial_variant: of KHR_materials_variants, by name\nallow_outside: "
            "folders that it may read "
            "files from, beside its own and what lies below that\nid_depth, id_nodes: whole subtrees of nodes under one "
            "id (docs/conventions.md)\nunit, up_axis: of OBJ, PLY and STL files: mm, cm, m, in or ft, and y or z\n"

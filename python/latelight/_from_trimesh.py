@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ._core import Material, MaterialHandle, MeshHandle, Scene
-from ._model_builder import FROM_Z_UP, Builder, linear, missing, node_name, v_down
+from ._model_builder import FROM_Z_UP, Builder, linear, missing, node_name, reading, v_down
 from .errors import UsageError
 
 
@@ -118,7 +118,8 @@ def _load_urdf(robot: Any, function: str) -> Any:
         raise missing("yourdfpy", function) from None
     if not os.path.isfile(robot):
         raise UsageError(f"{os.fspath(robot)} does not exist: give a .urdf file")
-    return yourdfpy.URDF.load(os.fspath(robot))
+    with reading(robot, "yourdfpy"):
+        return yourdfpy.URDF.load(os.fspath(robot))
 
 
 def _configure(urdf: Any, configuration: Mapping[str, float] | Sequence[float] | None) -> None:
@@ -158,7 +159,8 @@ def from_urdf(robot: Any, configuration: Mapping[str, float] | Sequence[float] |
     if getattr(urdf, "scene", None) is None:
         raise UsageError("from_urdf requires a URDF file, or a yourdfpy.URDF that has built its scene graph")
     _configure(urdf, configuration)
-    return _from_trimesh_scene(urdf.scene, _Trimesh("z", smooth=False), _link_names(urdf))
+    with reading(robot, "yourdfpy"):
+        return _from_trimesh_scene(urdf.scene, _Trimesh("z", smooth=False), _link_names(urdf))
 
 
 def pose_urdf(scene: Scene, robot: Any, configuration: Mapping[str, float] | Sequence[float]) -> None:

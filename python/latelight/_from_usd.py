@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from ._core import Light, Material, MaterialHandle, MeshHandle, Scene
-from ._model_builder import Builder, missing, v_down
+from ._model_builder import Builder, missing, reading, v_down
 from .errors import UsageError
 
 
 class _Usd(Builder):
-    """Walks a stage. `pxr` holds the modules UsdGeom, UsdShade, UsdLux and Gf."""
+    """Walks a stage. `pxr` holds its modules."""
 
     def __init__(self, stage: Any, pxr: Any, time: float | None) -> None:
         geom = pxr.UsdGeom
@@ -28,6 +28,8 @@ class _Usd(Builder):
         self.cache = geom.XformCache(self.time)
         self.made: dict[Any, list[tuple[MeshHandle, MaterialHandle]]] = {}
         self.images: dict[str, Any] = {}
+        self.skins = pxr.UsdSkel.Cache()
+        self.predicate = pxr.Usd.TraverseInstanceProxies(pxr.Usd.PrimDefaultPredicate)
 
     def transform(self, prim: Any) -> np.ndarray:
         return np.array(self.cache.GetLocalToWorldTransform(prim), np.float64).T  # USD's vectors are rows
@@ -35,11 +37,7 @@ class _Usd(Builder):
     def run(self) -> Scene:
         geom, lux = self.pxr.UsdGeom, self.pxr.UsdLux
         instancers: list[Any] = []
-        walk = iter(
-            self.pxr.Usd.PrimRange(
-                self.stage.GetPseudoRoot(), self.pxr.Usd.TraverseInstanceProxies(self.pxr.Usd.PrimDefaultPredicate)
-            )
-        )
+        walk = iter(self.pxr.Usd.PrimRange(self.stage.GetPseudoRoot(), self.predicate))
         for prim in walk:
             imageable = geom.Imageable(prim)
             if imageable and (
@@ -51,7 +49,9 @@ class _Usd(Builder):
                 instancers.append(geom.PointInstancer(prim))
                 walk.PruneChildren()
             elif prim.IsA(geom.Mesh):
-                self.show(prim, self.transform(prim), prim.GetPath())
+                self.add_mesh(prim)
+            elif prim.IsA(self.pxr.UsdSkel.Root):
+                self.skins.Populate(self.pxr.UsdSkel.Root(prim), self.predicate)
             elif prim.IsA(geom.Camera):
                 self.add_camera(geom.Camera(prim), prim)
             elif prim.HasAPI(lux.LightAPI):
@@ -59,6 +59,38 @@ class _Usd(Builder):
         for instancer in instancers:
             self.add_instancer(instancer)
         return self.scene
+
+    def add_mesh(self, prim: Any) -> None:
+        skin = self.skin_of(prim)
+        if skin is None:
+            self.show(prim, self.transform(prim), prim.GetPath())
+            return
+        pose, skeleton = skin
+        for mesh, material in self.meshes(self.pxr.UsdGeom.Mesh(prim), prim, pose):
+            self.add_instance(mesh, material, self.transform(skeleton), str(prim.GetPath())[1:].replace("/", "."))
+
+    def skin_of(self, prim: Any) -> tuple[np.ndarray, Any] | None:
+        """Of a mesh with a skeleton: (points or 1, 4, 4), which move its points to the space of the skeleton."""
+        skinning = self.skins.GetSkinningQuery(prim)
+        if not skinning or not skinning.HasJointInfluences():
+            return None
+        skeleton = self.pxr.UsdSkel.BindingAPI(prim).GetInheritedSkeleton()
+        query = self.skins.GetSkelQuery(skeleton) if skeleton else None
+        transforms = query.ComputeSkinningTransforms(self.time) if query else None
+        if not transforms:
+            return None
+        mapper = skinning.GetJointMapper()
+        joints = np.array(mapper.RemapTransforms(transforms) if mapper else transforms, np.float64).transpose(0, 2, 1)
+        indices = np.asarray(skinning.GetJointIndicesPrimvar().ComputeFlattened(self.time), np.int64)
+        weights = np.asarray(skinning.GetJointWeightsPrimvar().ComputeFlattened(self.time), np.float64)
+        per_point = max(skinning.GetNumInfluencesPerComponent(), 1)
+        if len(indices) != len(weights) or len(indices) % per_point or indices.min() < 0 or indices.max() >= len(joints):
+            raise UsageError(f"{prim.GetPath()} has joint influences that do not match its skeleton")
+        indices, weights = indices.reshape(-1, per_point), weights.reshape(-1, per_point)
+        weights = weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-30)
+        bind = np.array(skinning.GetGeomBindTransform(self.time), np.float64).T
+        blended: np.ndarray = np.einsum("pk,pkij->pij", weights, joints[indices]) @ bind
+        return blended, skeleton.GetPrim()
 
     # Names are paths with dots, because a path of the scene has slashes only between nodes.
     def show(self, prim: Any, transform: np.ndarray, path: Any) -> None:
@@ -92,8 +124,12 @@ class _Usd(Builder):
 
     # --- geometry ---
 
-    def meshes(self, mesh: Any, prim: Any) -> list[tuple[MeshHandle, MaterialHandle]]:
-        """One mesh per material. Corners share no vertices, because values may belong to faces and corners."""
+    def meshes(
+        self, mesh: Any, prim: Any, pose: np.ndarray | None = None
+    ) -> list[tuple[MeshHandle, MaterialHandle]]:
+        """One mesh per material. Corners share no vertices, because values may belong to faces and corners.
+
+        pose: transforms of all points, or one for all of them"""
         points = np.asarray(mesh.GetPointsAttr().Get(self.time), np.float32).reshape(-1, 3)
         counts = np.asarray(mesh.GetFaceVertexCountsAttr().Get(self.time) or [], np.int64)
         indices = np.asarray(mesh.GetFaceVertexIndicesAttr().Get(self.time) or [], np.int64)
@@ -109,6 +145,14 @@ class _Usd(Builder):
         normals = self.primvar(
             prim, "normals", mesh.GetNormalsAttr(), mesh.GetNormalsInterpolation(), flat, indices, faces, 3
         )
+        if pose is not None:
+            if len(pose) not in (1, len(points)):
+                raise UsageError(f"{prim.GetPath()} has joint influences that do not match its points")
+            pose = np.broadcast_to(pose, (len(points), 4, 4))
+            points = (np.einsum("pij,pj->pi", pose[:, :3, :3], points) + pose[:, :3, 3]).astype(np.float32)
+            if normals is not None:
+                turn = np.linalg.pinv(pose[:, :3, :3]).transpose(0, 2, 1)
+                normals = np.einsum("pij,pj->pi", turn[indices[flat]], normals).astype(np.float32)
         uv = next(
             (
                 v
@@ -182,53 +226,126 @@ class _Usd(Builder):
             return None
         key = str(material.GetPath())
         if key not in self.materials:
-            surface = material.ComputeSurfaceSource()[0]
-            known = surface and surface.GetShaderId() == "UsdPreviewSurface"
-            self.materials[key] = self.preview_surface(material, surface) if known else self.default_material()
+            self.materials[key] = self.convert(material)
         return self.materials[key]
 
-    def preview_surface(self, material: Any, surface: Any) -> MaterialHandle:
-        def value(name: str, otherwise: Any) -> Any:
-            given = surface.GetInput(name)
-            result = given.Get(self.time) if given and not given.HasConnectedSource() else None
-            return otherwise if result is None else result
+    def convert(self, material: Any) -> MaterialHandle:
+        for context in ("", "mtlx"):  # the universal one first
+            surface = material.ComputeSurfaceSource(context)[0]
+            name = surface.GetShaderId() if surface else ""
+            if name in ("UsdPreviewSurface", "ND_UsdPreviewSurface_surfaceshader"):
+                return self.preview_surface(material, surface)
+            if name == "ND_standard_surface_surfaceshader":
+                return self.standard_surface(material, surface)
+        return self.default_material()
 
-        images = {name: self.image(surface, name) for name in ("diffuseColor", "emissiveColor", "normal")}
-        diffuse = (1, 1, 1) if images["diffuseColor"] is not None else value("diffuseColor", (0.18, 0.18, 0.18))
-        emissive = (1, 1, 1) if images["emissiveColor"] is not None else value("emissiveColor", (0, 0, 0))
-        opacity, threshold, ior = (
-            float(value("opacity", 1)),
-            float(value("opacityThreshold", 0)),
-            float(value("ior", 1.5)),
-        )
+    def value(self, surface: Any, name: str, otherwise: Any) -> Any:
+        """A constant, also one that a node graph passes on; `otherwise` if it is missing or an image."""
+        given = surface.GetInput(name)
+        if not given:
+            return otherwise
+        if self.texture_of(surface, name)[0]:
+            return otherwise
+        sources = self.pxr.UsdShade.Utils.GetValueProducingAttributes(given)
+        result = sources[0].Get(self.time) if sources else None
+        return otherwise if result is None else result
+
+    def number(self, surface: Any, name: str, otherwise: float) -> float:
+        return min(max(float(self.value(surface, name, otherwise)), 0), 1)
+
+    def color(self, surface: Any, name: str, otherwise: tuple[float, float, float]) -> tuple[float, ...]:
+        return tuple(max(float(c), 0) for c in self.value(surface, name, otherwise))
+
+    def preview_surface(self, material: Any, surface: Any) -> MaterialHandle:
+        diffuse, emissive = self.image(surface, "diffuseColor"), self.image(surface, "emissiveColor")
+        normal, mask = self.image(surface, "normal"), self.channel(surface, "opacity")
+        rough, metal = self.channel(surface, "roughness"), self.channel(surface, "metallic")
+        opacity, threshold = self.number(surface, "opacity", 1), self.number(surface, "opacityThreshold", 0)
+        base = (1, 1, 1) if diffuse is not None else self.color(surface, "diffuseColor", (0.18, 0.18, 0.18))
         handle = self.scene.add_material(
             Material(
                 name=material.GetPrim().GetName(),
-                base_color=(*(min(max(float(c), 0), 1) for c in diffuse), min(max(opacity, 0), 1)),
-                metallic=min(max(float(value("metallic", 0)), 0), 1),
-                roughness=min(max(float(value("roughness", 0.5)), 0), 1),
-                emissive=tuple(max(float(c), 0) for c in emissive),
-                clearcoat=min(max(float(value("clearcoat", 0)), 0), 1),
-                clearcoat_roughness=min(max(float(value("clearcoatRoughness", 0.01)), 0), 1),
-                f0=((ior - 1) / (ior + 1)) ** 2,
-                alpha_mode="mask" if threshold > 0 else "blend" if opacity < 1 else "opaque",
+                base_color=(*(min(c, 1) for c in base), opacity),
+                metallic=self.number(surface, "metallic", 0 if metal is None else 1),
+                roughness=self.number(surface, "roughness", 0.5 if rough is None else 1),
+                emissive=(1, 1, 1) if emissive is not None else self.color(surface, "emissiveColor", (0, 0, 0)),
+                clearcoat=self.number(surface, "clearcoat", 0),
+                clearcoat_roughness=self.number(surface, "clearcoatRoughness", 0.01),
+                f0=_f0(float(self.value(surface, "ior", 1.5))),
+                alpha_mode="mask" if threshold > 0 else "blend" if opacity < 1 or mask is not None else "opaque",
                 alpha_cutoff=threshold if threshold > 0 else 0.5,
             )
         )
-        self.add_texture(handle, "base_color", images["diffuseColor"], True)
-        self.add_texture(handle, "emissive", images["emissiveColor"], True)
-        self.add_texture(handle, "normal", images["normal"], False)
+        self.add_texture(handle, "base_color", _with_alpha(diffuse, mask), True)
+        self.add_texture(handle, "emissive", emissive, True)
+        self.add_texture(handle, "normal", normal, False)
+        self.add_texture(handle, "metallic_roughness", _packed(rough, metal), False)
+        self.add_texture(handle, "occlusion", _packed_red(self.channel(surface, "occlusion")), False)
         return handle
 
-    def image(self, surface: Any, name: str) -> Any:
-        """The image file that an input is connected to, as pixels."""
+    def standard_surface(self, material: Any, surface: Any) -> MaterialHandle:
+        """Autodesk Standard Surface 1.0.1 (Georgiev et al. 2019) as far as glTF's model has its layers."""
+        image, emissive = self.image(surface, "base_color"), self.image(surface, "emission_color")
+        rough, metal = self.channel(surface, "specular_roughness"), self.channel(surface, "metalness")
+        base, emission = self.number(surface, "base", 1), float(self.value(surface, "emission", 0))
+        color = (1, 1, 1) if image is not None else self.color(surface, "base_color", (0.8, 0.8, 0.8))
+        glow = (1, 1, 1) if emissive is not None else self.color(surface, "emission_color", (1, 1, 1))
+        transmission, sheen = self.number(surface, "transmission", 0), self.number(surface, "sheen", 0)
+        if transmission > 0 and image is None:  # what passes is tinted by transmission_color in place of base_color
+            tint = self.color(surface, "transmission_color", (1, 1, 1))
+            color = tuple((1 - transmission) * c + transmission * t for c, t in zip(color, tint))
+        opacity = min(sum(self.color(surface, "opacity", (1, 1, 1))) / 3, 1)
+        handle = self.scene.add_material(
+            Material(
+                name=material.GetPrim().GetName(),
+                base_color=(*(min(base * c, 1) for c in color), opacity),
+                metallic=self.number(surface, "metalness", 0 if metal is None else 1),
+                roughness=self.number(surface, "specular_roughness", 0.2 if rough is None else 1),
+                specular=self.number(surface, "specular", 1),
+                specular_color=self.color(surface, "specular_color", (1, 1, 1)),
+                f0=_f0(float(self.value(surface, "specular_IOR", 1.5))),
+                anisotropy=self.number(surface, "specular_anisotropy", 0),
+                emissive=tuple(emission * c for c in glow),
+                clearcoat=self.number(surface, "coat", 0),
+                clearcoat_roughness=self.number(surface, "coat_roughness", 0.1),
+                sheen_color=tuple(sheen * min(c, 1) for c in self.color(surface, "sheen_color", (1, 1, 1))),
+                sheen_roughness=self.number(surface, "sheen_roughness", 0.3),
+                transmission=transmission,
+                alpha_mode="blend" if opacity < 1 else "opaque",
+            )
+        )
+        self.add_texture(handle, "base_color", image, True)
+        self.add_texture(handle, "emissive", emissive, True)
+        self.add_texture(handle, "normal", self.image(surface, "normal"), False)
+        self.add_texture(handle, "metallic_roughness", _packed(rough, metal), False)
+        return handle
+
+    def texture_of(self, surface: Any, name: str) -> tuple[str, str]:
+        """The path of the image file that an input is connected to, also through a node graph, and its output."""
         given = surface.GetInput(name)
-        if not given or not given.HasConnectedSource():
+        shade = self.pxr.UsdShade
+        for source in shade.Utils.GetValueProducingAttributes(given) if given else []:
+            texture = shade.Shader(source.GetPrim())
+            if texture and texture.GetShaderId() == "ND_normalmap" and texture.GetInput("in"):
+                return self.texture_of(texture, "in")
+            file = texture.GetInput("file").Get(self.time) if texture and texture.GetInput("file") else None
+            path = file.resolvedPath if file else ""
+            if path and os.path.isfile(path):
+                return path, source.GetName().removeprefix("outputs:")
+        return "", ""
+
+    def channel(self, surface: Any, name: str) -> np.ndarray | None:
+        """One channel of the image that a scalar input is connected to."""
+        image = self.image(surface, name)
+        if image is None:
             return None
-        texture = self.pxr.UsdShade.Shader(given.GetConnectedSource()[0].GetPrim())
-        file = texture.GetInput("file").Get(self.time) if texture and texture.GetInput("file") else None
-        path = file.resolvedPath if file else ""
-        if not path or not os.path.isfile(path):
+        pixels = np.asarray(image.convert("RGBA"))
+        return pixels[..., {"g": 1, "b": 2, "a": 3}.get(self.texture_of(surface, name)[1], 0)]
+
+    def image(self, surface: Any, name: str) -> Any:
+        """The image that an input is connected to, as pixels."""
+        path = self.texture_of(surface, name)[0]
+        if not path:
             return None
         if path not in self.images:
             try:
@@ -257,6 +374,46 @@ class _Usd(Builder):
             # Radiance times the projected area, as seen from afar.
             candela = power * (1 if api.GetNormalizeAttr().Get(self.time) else math.pi * radius**2)
             self.scene.add_light(Light(name=name, position=position, color=color, intensity=candela, size=radius))
+        else:
+            self.add_area_light(prim, transform, color, power)
+
+    def add_area_light(self, prim: Any, transform: np.ndarray, color: tuple[float, ...], power: float) -> None:
+        """Rectangles, disks and tubes. Their transforms are those of the stage, whose lengths are not meters."""
+        lux = self.pxr.UsdLux
+        sizes: dict[str, float] = {}
+
+        def size(attribute: Any) -> float:
+            return float(attribute.Get(self.time))
+
+        if prim.IsA(lux.RectLight):
+            rect = lux.RectLight(prim)
+            kind, sizes = "rect", {"width": size(rect.GetWidthAttr()), "height": size(rect.GetHeightAttr())}
+            area = sizes["width"] * sizes["height"]
+        elif prim.IsA(lux.DiskLight):
+            kind, sizes = "disk", {"size": size(lux.DiskLight(prim).GetRadiusAttr())}
+            area = math.pi * sizes["size"] ** 2
+        elif prim.IsA(lux.CylinderLight):
+            tube = lux.CylinderLight(prim)
+            kind, sizes = "tube", {"size": size(tube.GetRadiusAttr()), "length": size(tube.GetLengthAttr())}
+            area = 2 * math.pi * sizes["size"] * sizes["length"]
+        else:
+            return
+        lengths = np.linalg.norm(transform[:3, :3], axis=0)
+        if lux.LightAPI(prim).GetNormalizeAttr().Get(self.time) and area > 0:
+            power /= area
+        self.scene.add_light(
+            Light(
+                name=prim.GetName(),
+                type=kind,
+                position=tuple(transform[:3, 3].tolist()),
+                direction=tuple((-transform[:3, 2]).tolist()),
+                up=tuple(transform[:3, 1].tolist()),
+                scale=tuple(lengths.tolist()),
+                color=color,
+                intensity=power,
+                **sizes,
+            )
+        )
 
     def add_camera(self, camera: Any, prim: Any) -> None:
         gf = camera.GetCamera(self.time)
@@ -270,6 +427,41 @@ class _Usd(Builder):
         made.camera_to_world = pose
         made.name = prim.GetName()
         self.scene.add_camera(made)
+
+
+def _f0(ior: float) -> float:
+    return ((ior - 1) / (ior + 1)) ** 2
+
+
+def _sized(channel: np.ndarray, like: np.ndarray) -> np.ndarray:
+    """The nearest values at the size of another channel."""
+    rows = np.arange(like.shape[0]) * channel.shape[0] // like.shape[0]
+    columns = np.arange(like.shape[1]) * channel.shape[1] // like.shape[1]
+    return channel[rows[:, None], columns]
+
+
+def _packed(rough: np.ndarray | None, metal: np.ndarray | None) -> np.ndarray | None:
+    """glTF's texture: roughness is green, metalness blue; a channel without an image is left to its factor."""
+    if rough is None and metal is None:
+        return None
+    like = max((c for c in (rough, metal) if c is not None), key=lambda c: c.size)
+    white = np.full_like(like, 255)
+    sized = [white if c is None else _sized(c, like) for c in (rough, metal)]
+    return np.stack([white, *sized], axis=-1)
+
+
+def _packed_red(channel: np.ndarray | None) -> np.ndarray | None:
+    return None if channel is None else np.repeat(channel[..., None], 3, axis=-1)
+
+
+def _with_alpha(image: Any, mask: np.ndarray | None) -> Any:
+    """A color image with the opacity of another one; white if there is no color image."""
+    if mask is None:
+        return image
+    if image is None:
+        return np.concatenate([np.full((*mask.shape, 3), 255, np.uint8), mask[..., None]], axis=-1)
+    pixels = np.asarray(image.convert("RGB"))
+    return np.concatenate([pixels, _sized(mask, pixels)[..., None]], axis=-1)
 
 
 def _fans(first: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -286,18 +478,20 @@ def from_usd(stage: Any, *, time: float | None = None) -> Scene:
 
     time: the time code at which values are read; default: their default values
 
-    Converted are visible meshes with their subsets, normals, texture coordinates (st) and displayColor, instances and
-    point instancers, UsdPreviewSurface with the images of diffuseColor, emissiveColor and normal, distant and sphere
-    lights, cameras, and the stage's units, up axis and chosen variants. Subdivision surfaces are shown as their cages,
-    and polygons as fans. Skeletons, curves, points, volumes and other shaders are left out."""
+    Converted are visible meshes with their subsets, normals, texture coordinates (st) and displayColor, in the pose of
+    their skeletons at that time; instances and point instancers; UsdPreviewSurface and MaterialX's standard surface
+    with their images; distant, sphere, rect, disk and cylinder lights; cameras; and the stage's units, up axis and
+    chosen variants. Subdivision surfaces are shown as their cages, and polygons as fans. Blend shapes, curves, points,
+    volumes, dome lights, procedural textures and other shaders are left out."""
     try:
         pxr = importlib.import_module("pxr")
-        for name in ("Gf", "Usd", "UsdGeom", "UsdLux", "UsdShade"):
+        for name in ("Gf", "Usd", "UsdGeom", "UsdLux", "UsdShade", "UsdSkel"):
             importlib.import_module(f"pxr.{name}")
     except ImportError:
         raise missing("usd-core", "from_usd") from None
     if isinstance(stage, (str, os.PathLike)):
         if not os.path.isfile(stage):
             raise UsageError(f"{os.fspath(stage)} does not exist: give a .usd, .usda, .usdc or .usdz file")
-        stage = pxr.Usd.Stage.Open(os.fspath(stage))
-    return _Usd(stage, pxr, time).run()
+    with reading(stage, "usd-core"):
+        opened = pxr.Usd.Stage.Open(os.fspath(stage)) if isinstance(stage, (str, os.PathLike)) else stage
+        return _Usd(opened, pxr, time).run()

@@ -4,12 +4,16 @@ The scene is in glTF's frame (Y up, meters). Models with Z up are turned: (x, y,
 
 from __future__ import annotations
 
+import contextlib
+import os
+import re
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from ._core import Material, MaterialHandle, MeshHandle, Scene
-from .errors import UsageError
+from .errors import InputError, LatelightError, UsageError
 
 FROM_Z_UP = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], np.float64)
 
@@ -39,8 +43,32 @@ def node_name(name: Any) -> str:
     return str(name).replace("/", "_") or "node"
 
 
+class MissingPackageError(UsageError):
+    pass
+
+
+@contextlib.contextmanager
+def reading(source: Any, package: str) -> Iterator[None]:
+    """Reports what is wrong with a file, of which packages raise errors of all kinds, by an InputError of one sentence.
+    Errors of models in memory pass unchanged."""
+    try:
+        yield
+    except (MissingPackageError, MemoryError, InputError):
+        raise
+    except Exception as error:
+        if not isinstance(source, (str, os.PathLike)):
+            raise
+        if isinstance(error, LatelightError):
+            raise InputError(f"{os.fspath(source)}: {error}") from None
+        reason = re.sub(r"\s+", " ", str(error)).strip() or type(error).__name__
+        # USD lists errors with positions in its own sources and the grammar's rules: the first error's text is enough.
+        if first := re.search(r" : '(.*?)'( Error in |$)", reason):
+            reason = first[1].split(" matching ")[0]
+        raise InputError(f"{os.fspath(source)} cannot be read by {package}: {reason}") from None
+
+
 def missing(package: str, function: str) -> UsageError:
-    return UsageError(f"latelight.{function} requires the package {package}: install it, for example with pip")
+    return MissingPackageError(f"latelight.{function} requires the package {package}: install it, for example with pip")
 
 
 class Builder:

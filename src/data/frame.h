@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "data/cameras/exposure.h"
 #include "data/keypoints.h"
 #include "data/pairs.h"
 #include "data/scans.h"
@@ -43,9 +44,10 @@ struct DataFrame {
   output::FrameOutput picture;
   // Camera, coordinate frames, settings, and the nodes and primitives that the ids identify.
   output::Metadata metadata;
-  uint32_t scene = 0;      // the scene's index in the job
-  uint32_t variation = 0;  // the variation's index
-  uint32_t camera = 0;     // the camera's index among those of the scene
+  uint32_t scene = 0;       // the scene's index in the job
+  uint32_t variation = 0;   // the variation's index
+  uint32_t camera = 0;      // the camera's index among those of the scene
+  CameraExposure exposure;  // of the camera, where it differs from the job's options
 
   std::vector<Object> objects;  // sorted by id
   KeypointsOfObjects keypoints;

@@ -202,7 +202,6 @@ INSTANTIATE_TEST_SUITE_P(
                     option("LensOfNumbers", {"--lens", "equirectangular:1"}, {"--lens", "no numbers"}),
                     option("LensNotSixSquares", {"--lens", "cubemap", "--size", "64x64"}, {"six", "64x64"}),
                     option("LensAndFov", {"--lens", "equirectangular", "--fov", "40"}, {"--lens", "--fov"}),
-                    option("LensAndAo", {"--lens", "equirectangular", "--ao", "gtao"}, {"--ao"}),
                     option("LensAndRaster", {"--lens", "equirectangular", "--aov", "raster-classes"}, {"raster"}),
                     option("LensAndForward", {"--lens", "equirectangular", "--lighting", "forward"}, {"forward"}),
                     option("OrbitOne", {"--orbit", "30"}, {"--orbit", "30,20"}),

@@ -88,6 +88,23 @@ TEST(CameraExposure, NoiseSeeds) {
   EXPECT_FALSE(set.at("a.png") == set.at("d.png"));
 }
 
+// The keys that a set's camera files have are those that the camera sources "transforms" and "bop" read.
+TEST(CameraExposure, IsInTheCameraFilesOfASet) {
+  Folder folder;
+  const json cameras = orbit({{"shutter", 0.04}, {"noiseSeed", 5}});
+  ASSERT_EQ(makeExposed(folder, "set", cameras, {"--formats", "transforms", "--formats", "bop"}).code, 0);
+  const json transforms = json::parse(folder.read("set/transforms.json"))["frames"][3];
+  const json bop = json::parse(folder.read("set/train/000000/scene_camera.json"))["3"];
+  for (const json& entry : {transforms, bop}) {
+    EXPECT_EQ(entry.value("shutter", 0.0), 0.04);
+    EXPECT_EQ(entry.value("noiseSeed", 0), 5);
+    EXPECT_FALSE(entry.contains("readout"));
+  }
+  const json again = {{"type", "transforms"}, {"file", (folder.path() / "set/transforms.json").string()}};
+  ASSERT_EQ(makeExposed(folder, "again", again, {"--formats", "transforms"}).code, 0);
+  EXPECT_EQ(json::parse(folder.read("again/transforms.json"))["frames"][3].value("shutter", 0.0), 0.04);
+}
+
 TEST(CameraExposure, ResumedIfItChangesAndRejectedIfWrong) {
   Folder folder;
   ASSERT_EQ(makeExposed(folder, "set", orbit({{"shutter", 0.04}})).code, 0);

@@ -79,6 +79,36 @@ TEST(TransformsTest, RefusesWhatNoLensHolds) {
   EXPECT_THAT(reads(R"("cx": "middle")"), testing::HasSubstr("\"cx\" must be a finite number"));
 }
 
+TEST(TransformsTest, ReadsExposures) {
+  const Folder folder;
+  const auto write = [&](const std::string& all, const std::string& first) {
+    const std::string pose = R"("transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]])";
+    folder.write("t.json",
+                 R"({"w": 4, "h": 4, "fl_x": 4, )" + all + R"("frames": [{)" + first + pose + "}, {" + pose + "}]}");
+    return folder.at("t.json");
+  };
+  const auto cameras = readTransforms(
+      write(R"("shutter": 0.02, "readout": -0.01, )", R"("shutter": 0.5, "noiseSeed": 9007199254740992, )"));
+  EXPECT_EQ(cameras[0].exposure, (CameraExposure{.shutter = 0.5, .readout = -0.01, .noiseSeed = uint64_t{1} << 53}));
+  EXPECT_EQ(cameras[1].exposure, (CameraExposure{.shutter = 0.02, .readout = -0.01}));
+  // The file's values replace the source's, which replace the job's options.
+  const auto placed = made(R"({"type": "transforms", "shutter": 1, "noiseSeed": 7, "file": ")" +
+                           write("", R"("shutter": 0.5, )") + "\"}");
+  EXPECT_EQ(placed[0].exposure, (CameraExposure{.shutter = 0.5, .noiseSeed = 7}));
+  EXPECT_EQ(placed[1].exposure, (CameraExposure{.shutter = 1, .noiseSeed = 7}));
+  const auto sentence = [&](const std::string& all, const std::string& first) {
+    const std::string file = write(all, first);
+    return sentenceOf([&] { readTransforms(file); }, ExitCode::BadInput);
+  };
+  EXPECT_EQ(sentence("", R"("shutter": -1, )"),
+            "frame 0 of " + folder.at("t.json") + ": \"shutter\" must be a number from 0 to 10000, not -1");
+  EXPECT_EQ(sentence(R"("readout": 1e5, )", ""),
+            folder.at("t.json") + ": \"readout\" must be a number from -10000 to 10000, not 100000");
+  EXPECT_THAT(sentence("", R"("noiseSeed": 1.5, )"), testing::HasSubstr("must be a whole number, not 1.5"));
+  EXPECT_THAT(sentence("", R"("noiseSeed": -1, )"), testing::HasSubstr("\"noiseSeed\" must be a number from 0"));
+  EXPECT_THAT(sentence("", R"("shutter": "1/50", )"), testing::HasSubstr("\"shutter\" must be a finite number"));
+}
+
 // The example from COLMAP's page "Output Format".
 constexpr const char* kCamerasText = R"(# Camera list with one line of data per camera:
 #   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]
@@ -208,6 +238,25 @@ TEST(BopTest, ReadsSceneCameras) {
   EXPECT_EQ(cameras[1].lens->cy, 242.5);
   expectPose(cameras[1].pose, {1, 0, 0}, {0, -1, 0}, {0, 0, -1}, {-0.1, 0.2, 3});
   expectPose(cameras[0].pose, {0, 0, 1}, {0, 1, 0}, {-1, 0, 0}, {1, 0, 0});
+}
+
+TEST(BopTest, ReadsExposures) {
+  const Folder folder;
+  const auto write = [&](const std::string& keys) {
+    folder.write("c.json", R"({"3": {"cam_K": [500, 0, 320, 0, 500, 240, 0, 0, 1], "cam_R_w2c": [1,0,0,0,1,0,0,0,1],
+                               "cam_t_w2c": [0, 0, 0], )" +
+                               keys + "}}");
+    return folder.at("c.json");
+  };
+  const auto cameras = readBop(write(R"("shutter": 0.25, "readout": 0.5, "noiseSeed": 3)"), {640, 480});
+  EXPECT_EQ(cameras[0].exposure, (CameraExposure{.shutter = 0.25, .readout = 0.5, .noiseSeed = 3}));
+  const std::string file = write(R"("readout": null)");
+  EXPECT_EQ(sentenceOf(
+                [&] {
+                  readBop(file, {640, 480});
+                },
+                ExitCode::BadInput),
+            "picture 3 of " + file + ": \"readout\" must be a finite number");
 }
 
 }  // namespace

@@ -39,12 +39,14 @@ std::vector<CalibratedCamera> anyCameras(const std::vector<scene::LensModel>& mo
     Random random(5, i, "round trip");
     const scene::Lens lens = i % 5 == 4 ? *cameras.back().lens : anyLens(models[random.below(models.size())], random);
     cameras.push_back({fmt::format("{}", 1000 + i), lens, anyPose(i, random)});
+    if (i % 3 == 1) cameras.back().exposure = {.shutter = random.between(0, 1), .readout = random.between(-1, 1)};
+    if (i % 4 == 1) cameras.back().exposure.noiseSeed = random.below(1000);
   }
   return cameras;
 }
 
 void expectSame(const std::vector<CalibratedCamera>& actual, const std::vector<CalibratedCamera>& expected,
-                bool lenses = true) {
+                bool lenses = true, bool exposures = false) {
   ASSERT_EQ(actual.size(), expected.size());
   for (size_t i = 0; i < actual.size(); ++i) {
     EXPECT_EQ(actual[i].name, expected[i].name);
@@ -53,6 +55,7 @@ void expectSame(const std::vector<CalibratedCamera>& actual, const std::vector<C
         EXPECT_NEAR(actual[i].pose[column][row], expected[i].pose[column][row],
                     1e-9 * std::max(1.0, glm::length(dvec3(expected[i].pose[3]))))
             << i;
+    if (exposures) EXPECT_EQ(actual[i].exposure, expected[i].exposure) << i;
     if (!lenses) continue;
     const scene::Lens &a = *actual[i].lens, &b = *expected[i].lens;
     EXPECT_EQ(a.model, b.model);
@@ -68,7 +71,7 @@ TEST(RoundTripTest, Transforms) {
   const Folder folder;
   const auto cameras = anyCameras({Pinhole, OpenCv, Fisheye});
   writeTransforms(folder.path() / "transforms.json", cameras);
-  expectSame(readTransforms(folder.at("transforms.json")), cameras);
+  expectSame(readTransforms(folder.at("transforms.json")), cameras, true, true);
   auto alike = cameras;
   for (CalibratedCamera& camera : alike) camera.lens = cameras[1].lens;
   writeTransforms(folder.path() / "alike.json", alike);
@@ -82,6 +85,11 @@ TEST(RoundTripTest, TransformsAllAround) {
       {"pano.png", scene::Lens{.model = Equirectangular, .width = 200, .height = 100}, dmat4(1)}};
   writeTransforms(folder.path() / "t.json", camera);
   expectSame(readTransforms(folder.at("t.json")), camera);
+  const Json json = Json::parse(folder.read("t.json"));  // as nerfstudio's rays need them
+  EXPECT_EQ(json["fl_x"], 100);
+  EXPECT_EQ(json["fl_y"], 100);
+  EXPECT_EQ(json["cx"], 100);
+  EXPECT_EQ(json["cy"], 50);
 }
 
 TEST(RoundTripTest, Colmap) {
@@ -109,7 +117,7 @@ TEST(RoundTripTest, Bop) {
   auto cameras = anyCameras({Pinhole});
   for (CalibratedCamera& camera : cameras) camera.lens->width = 640, camera.lens->height = 480;
   writeBop(folder.path() / "scene_camera.json", cameras, 0.1);
-  expectSame(readBop(folder.at("scene_camera.json"), {640, 480}), cameras);
+  expectSame(readBop(folder.at("scene_camera.json"), {640, 480}), cameras, true, true);
   EXPECT_EQ(Json::parse(folder.read("scene_camera.json"))["1000"]["depth_scale"], 0.1);
 }
 

@@ -116,7 +116,8 @@ TEST_P(LensMotionTest, IsTheProjectionOfThePointThroughTheOtherCameras) {
         EXPECT_EQ(motion, dvec2(0));
         continue;
       }
-      EXPECT_LE(glm::length(motion - *expected), 2e-3) << i % width << ", " << i / width;
+      // Both interpolate the corners of triangles of tens of meters in floats.
+      EXPECT_LE(glm::length(motion - *expected), 4e-3) << i % width << ", " << i / width;
       moved += glm::length(motion) > 0.5;
     }
   }

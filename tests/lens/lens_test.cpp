@@ -16,6 +16,7 @@
 #include "render/support.h"
 #include "scene/framing.h"
 #include "scene/load/load.h"
+#include "test_device.h"
 
 namespace latelight::render::test {
 namespace {
@@ -161,7 +162,8 @@ void expectAsRaysSee(vk::Device& device, const std::string& name, const scene::S
     SCOPED_TRACE(name + " " + picture.name);
     const bool drawn = picture.lens.model == LensModel::Pinhole;
     EXPECT_EQ(s.steadyParts, 0u);
-    EXPECT_EQ(s.depths, 0u);
+    // GPUs interpolate from vertices on the grid, which shows on surfaces at grazing angles.
+    EXPECT_LE(double(s.depths), (drawn && !device.isCpu() ? 5e-3 : 0) * double(s.steady));
     EXPECT_LE(double(s.parts), (drawn ? 5e-3 : 1e-3) * double(s.covered));
     EXPECT_LE(double(s.normals), 2e-3 * double(s.steady));
     EXPECT_GT(s.steady, 0u);
@@ -328,7 +330,7 @@ TEST_F(LensPictureTest, ManyAtOnceAndInStripsAreTheSameBytes) {
 // The public API supports the same lenses.
 TEST_F(LensPictureTest, AsProgramsAskForThem) {
   const latelight::Scene boxes("builtin:boxes");
-  latelight::Renderer renderer(boxes, "cpu");
+  latelight::Renderer renderer(boxes, latelight::test::testDevice());
   latelight::Camera camera = boxes.cameras().front();
   camera.lens = latelight::Lens{latelight::LensModel::Fisheye, 96, 96, 20, 20, 48, 48, {-0.03, 0.012}};
   latelight::Options options;
@@ -361,7 +363,6 @@ TEST_F(LensPictureTest, WhatThereIsNot) {
     change(settings);
     EXPECT_THROW(renderer.render({&camera, 1}, settings), Error);
   };
-  refuses([](Settings& s) { s.ambientOcclusion = AmbientOcclusion::Gtao; });
   refuses([](Settings& s) { s.aovs = {Aov::RasterClasses}; });
   refuses([](Settings& s) { s.lighting = &findTechnique("forward"); });
   camera.lens = scene::Lens{.model = LensModel::CubeMap};

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
+#include <limits>
 
 #include "models/models.h"
 #include "motion/files.h"
@@ -172,7 +173,10 @@ TEST_F(MotionTest, NothingMovesAtRest) {
   const scene::Scene scene = movingBox().load();
   const scene::Camera camera = frontPerspective(0.9f, 5);
   const output::FrameOutput frame = renderOne(device(), scene, camera, settingsOf(kWidth, kHeight, {Aov::Motion}));
-  for (float value : imageOf(frame, Aov::Motion).values) ASSERT_EQ(value, 0);
+  // On GPUs, compilers may round only one of two equal positions, and subtract by a fused multiply-add: a unit in the
+  // last place of NDC, in pixels.
+  const float rounding = device().isCpu() ? 0 : 0.5f * kWidth * std::numeric_limits<float>::epsilon();
+  for (float value : imageOf(frame, Aov::Motion).values) ASSERT_LE(std::abs(value), rounding);
 }
 
 // The background is infinitely far away: it stays in place if the camera only moves, and rotates with it.

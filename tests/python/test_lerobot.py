@@ -123,6 +123,11 @@ def test_lerobot_itself(folder):
     assert item["task"] == "orbit" and int(item["episode_index"]) == 1
     assert tuple(item["observation.images.left"].shape) == (3, 48, 64)
     np.testing.assert_allclose(item["observation.state"][:3], poses(folder)[1, 1, 0][:3, 3], atol=1e-5)
+    image = pytest.importorskip("PIL.Image")
+    for i in range(8):  # each frame shows its own image, over black
+        rgba = np.asarray(image.open(folder / f"set/images/{2 * i:06}.png").convert("RGBA"), np.float64) / 255
+        shown = data[i]["observation.images.left"].numpy().transpose(1, 2, 0)[:, :63]
+        assert np.abs(shown - rgba[..., :3] * rgba[..., 3:]).mean() < 0.02
 
 
 def test_a_full_disk_leaves_no_data_set(folder, tmp_path):

@@ -1,5 +1,7 @@
 """Scenes from trimesh, yourdfpy, usd-core and Open3D. Open3D is too large to be installed for every test."""
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -77,6 +79,53 @@ def test_robots_move_their_joints(tmp_path):
         latelight.from_urdf(tmp_path / "missing.urdf")
 
 
+def assert_seen_as_exported(scene, device, tmp_path):
+    """Distances and ids of pixels are those of rays through the exported file."""
+    scene.export(tmp_path / "exported.glb")
+    exported = latelight.Scene(tmp_path / "exported.glb")
+    low, high = np.array(scene.bounds)
+    camera = scene.look_at(high + 0.7 * np.linalg.norm(high - low), (low + high) / 2)
+    width, height = 96, 64
+    frame = latelight.Renderer(scene, device).render(camera, (width, height), ("distance", "id"))
+    focal = height / 2 / np.tan(np.radians(camera.vertical_fov) / 2)
+    x, y = np.meshgrid(np.arange(width) + 0.5 - width / 2, np.arange(height) + 0.5 - height / 2)
+    pose = np.asarray(camera.camera_to_world)
+    rays = np.stack([x / focal, y / focal, np.ones_like(x)], axis=-1).reshape(-1, 3) @ pose[:3, :3].T
+    hits = latelight.Renderer(exported, device).cast(np.broadcast_to(pose[:3, 3], rays.shape), rays)
+    assert len(np.unique(hits["id"])) > 3
+    same = hits["id"] == frame["id"].ravel()
+    assert same.mean() > 0.995  # pixels of edges may show either side
+    np.testing.assert_allclose(hits["distance"][same], frame["distance"].ravel()[same], rtol=1e-5)
+    nodes = [node.path for node in scene.nodes]
+    assert [node.path for node in exported.nodes][: len(nodes)] == nodes  # nodes of lights follow
+
+
+def test_robots_are_seen_as_exported(tmp_path, device):
+    pytest.importorskip("yourdfpy")
+    (tmp_path / "crane.urdf").write_text(URDF)
+    assert_seen_as_exported(latelight.from_urdf(tmp_path / "crane.urdf", {"shoulder": 0.7}), device, tmp_path)
+
+
+def test_files_of_other_packages_are_scenes(tmp_path, monkeypatch):
+    pytest.importorskip("yourdfpy")
+    UsdGeom, Usd = pytest.importorskip("pxr.UsdGeom"), pytest.importorskip("pxr.Usd")
+    (tmp_path / "crane.urdf").write_text(URDF)
+    assert [node.path for node in latelight.Scene(tmp_path / "crane.urdf").nodes] == ["/base", "/arm 0", "/arm 1"]
+    stage = Usd.Stage.CreateNew(str(tmp_path / "cube.usda"))
+    mesh = UsdGeom.Mesh.Define(stage, "/square")
+    mesh.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (1, 1, 0)])
+    mesh.CreateFaceVertexCountsAttr([3])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
+    stage.Save()
+    scene = latelight.Scene(tmp_path / "cube.usda")
+    assert scene.triangle_count == 1 and latelight.Renderer(scene, "cpu").render(scene.default_camera(), (8, 8))
+    with pytest.raises(latelight.UsageError, match="Scene\\(\\) has no options for '.*cube.usda': call latelight.from_usd"):
+        latelight.Scene(tmp_path / "cube.usda", up_axis="z")
+    monkeypatch.setitem(sys.modules, "pxr", None)
+    with pytest.raises(latelight.UsageError, match="requires the package usd-core"):
+        latelight.Scene(tmp_path / "cube.usda")
+
+
 # --- USD ------------------------------------------------------------------------------------------------------------
 
 
@@ -144,6 +193,31 @@ def test_usd_instances_share_meshes(stage):
     assert_bounds(scene, (0, 0, -4), (4, 3, 0))
 
 
+def test_usd_stages_are_seen_as_exported(stage, tmp_path, device):
+    """Instances, a point instancer, a light, and the chosen one of two variants."""
+    from pxr import UsdGeom, UsdLux
+
+    stage.DefinePrim("/tree", "Xform")
+    choice = stage.GetPrimAtPath("/tree").GetVariantSets().AddVariantSet("size")
+    for size in ("small", "large"):
+        choice.AddVariant(size)
+        choice.SetVariantSelection(size)
+        with choice.GetVariantEditContext():
+            leaf = add_mesh(stage, "/tree/leaf")
+            leaf.CreateDoubleSidedAttr(True)
+            UsdGeom.XformCommonAPI(leaf).SetScale((1, 1, 1) if size == "small" else (2, 2, 2))
+    choice.SetVariantSelection("large")
+    grass = UsdGeom.PointInstancer.Define(stage, "/grass")
+    add_mesh(stage, "/grass/protos/blade")
+    grass.CreatePrototypesRel().SetTargets(["/grass/protos/blade"])
+    grass.CreateProtoIndicesAttr([0, 0])
+    grass.CreatePositionsAttr([(300, -300, 100), (300, 100, 200)])
+    UsdLux.SphereLight.Define(stage, "/bulb").CreateIntensityAttr(100)
+    scene = latelight.from_usd(stage)
+    assert scene.bounds[1][0] == pytest.approx(5)
+    assert_seen_as_exported(scene, device, tmp_path)
+
+
 def test_usd_lights_and_cameras(stage):
     from pxr import UsdGeom, UsdLux
 
@@ -165,6 +239,142 @@ def test_usd_lights_and_cameras(stage):
     np.testing.assert_allclose(
         scene.cameras[0].camera_to_world, [[1, 0, 0, 0], [0, 0, -1, 5], [0, 1, 0, 0], [0, 0, 0, 1]], atol=1e-12
     )
+
+
+def test_usd_area_lights_keep_their_shapes(stage):
+    from pxr import UsdGeom, UsdLux
+
+    panel = UsdLux.RectLight.Define(stage, "/panel")
+    panel.CreateWidthAttr(100)
+    panel.CreateHeightAttr(50)
+    panel.CreateIntensityAttr(3)
+    UsdGeom.XformCommonAPI(panel).SetTranslate((0, 0, 200))
+    disk = UsdLux.DiskLight.Define(stage, "/disk")
+    disk.CreateRadiusAttr(20)
+    disk.CreateIntensityAttr(5)
+    disk.CreateNormalizeAttr(True)
+    UsdLux.CylinderLight.Define(stage, "/tube").CreateLengthAttr(150)
+    scene = latelight.from_usd(stage)
+    lights = {light.name: light for light in map(scene.light, scene.lights())}
+    assert [lights[name].type for name in ("panel", "disk", "tube")] == ["rect", "disk", "tube"]
+    rect = lights["panel"]
+    np.testing.assert_allclose((rect.width * rect.scale[0], rect.height * rect.scale[1]), (1, 0.5), atol=1e-6)
+    np.testing.assert_allclose(rect.position, (0, 2, 0), atol=1e-6)
+    np.testing.assert_allclose(np.array(rect.direction) / np.linalg.norm(rect.direction), (0, -1, 0), atol=1e-6)
+    assert rect.intensity == 3 and lights["disk"].intensity == pytest.approx(5 / (np.pi * 20**2))
+
+
+def test_usd_skeletons_pose_their_meshes(stage):
+    """Two bones along Y: the upper one turns by 90 degrees about Z and carries the square at its end."""
+    from pxr import Gf, Sdf, UsdGeom, UsdSkel, Vt
+
+    root = UsdSkel.Root.Define(stage, "/figure")
+    skeleton = UsdSkel.Skeleton.Define(stage, "/figure/bones")
+    skeleton.CreateJointsAttr(["low", "low/high"])
+    rest = [Gf.Matrix4d(1), Gf.Matrix4d().SetTranslate((0, 100, 0))]
+    skeleton.CreateBindTransformsAttr(Vt.Matrix4dArray(rest))
+    skeleton.CreateRestTransformsAttr(Vt.Matrix4dArray(rest))
+    pose = UsdSkel.Animation.Define(stage, "/figure/pose")
+    pose.CreateJointsAttr(["low/high"])
+    pose.CreateTranslationsAttr([(0, 100, 0)])
+    pose.CreateScalesAttr([(1, 1, 1)])
+    turns = pose.CreateRotationsAttr()
+    turns.Set([Gf.Quatf(1, 0, 0, 0)], 0)
+    turns.Set([Gf.Quatf(0.5**0.5, 0, 0, 0.5**0.5)], 1)
+    UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets(["/figure/pose"])
+    mesh = UsdGeom.Mesh.Define(stage, "/figure/flag")
+    mesh.CreatePointsAttr([(0, 0, 0), (10, 0, 0), (10, 100, 0), (10, 200, 0), (0, 200, 0), (0, 100, 0)])
+    mesh.CreateFaceVertexCountsAttr([4, 4])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2, 5, 5, 2, 3, 4])
+    mesh.CreateNormalsAttr([(0, 0, 1)] * 3 + [(0, 1, 0)] * 2 + [(0, 0, 1)])
+    binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
+    binding.CreateSkeletonRel().SetTargets(["/figure/bones"])
+    binding.CreateJointIndicesPrimvar(False, 1).Set([0, 0, 0, 1, 1, 0])
+    binding.CreateJointWeightsPrimvar(False, 1).Set([1.0] * 6)
+    UsdGeom.XformCommonAPI(root).SetTranslate((0, 0, 300))
+    at_rest, posed = latelight.from_usd(stage, time=0), latelight.from_usd(stage, time=1)
+    assert_bounds(at_rest, (0, 3, -2), (0.1, 3, 0))
+    # The points at y = 200 turn about (0, 100): (0, 200) to (-100, 100) and (10, 200) to (-100, 110).
+    assert_bounds(posed, (-1, 3, -1.1), (0.1, 3, 0))
+    arrays = posed.mesh_arrays(posed.meshes()[0])
+    turned = arrays["normals"][np.abs(arrays["positions"][:, 0] + 100) < 1e-3]
+    assert len(turned) > 0
+    np.testing.assert_allclose(turned, np.tile((-1, 0, 0), (len(turned), 1)), atol=1e-6)
+    binding.GetJointIndicesPrimvar().Set([0, 0, 0, 2, 1, 0])
+    with pytest.raises(latelight.UsageError, match="/figure/flag has joint influences that do not match"):
+        latelight.from_usd(stage, time=0)
+
+
+def bind(stage, shader, context=None):
+    from pxr import UsdShade
+
+    material = UsdShade.Material.Define(stage, shader.GetPath().GetParentPath())
+    output = material.CreateSurfaceOutput(context) if context else material.CreateSurfaceOutput()
+    output.ConnectToSource(shader.ConnectableAPI(), "out")
+    mesh = add_mesh(stage, "/squares")
+    UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
+    return mesh
+
+
+def only_material(scene):
+    (handle,) = scene.materials()
+    return handle, scene.material(handle)
+
+
+def test_usd_standard_surfaces_of_materialx(stage):
+    from pxr import Sdf, UsdShade
+
+    types = Sdf.ValueTypeNames
+    shader = UsdShade.Shader.Define(stage, "/paint/surface")
+    shader.CreateIdAttr("ND_standard_surface_surfaceshader")
+    shader.CreateInput("base", types.Float).Set(0.5)
+    shader.CreateInput("metalness", types.Float).Set(0.25)
+    shader.CreateInput("specular_roughness", types.Float).Set(0.75)
+    shader.CreateInput("specular_IOR", types.Float).Set(2)
+    shader.CreateInput("coat", types.Float).Set(0.3)
+    shader.CreateInput("sheen", types.Float).Set(0.5)
+    shader.CreateInput("sheen_color", types.Color3f).Set((1, 0.5, 0))
+    shader.CreateInput("emission", types.Float).Set(4)
+    shader.CreateInput("emission_color", types.Color3f).Set((1, 0, 0))
+    shader.CreateInput("opacity", types.Color3f).Set((0.5, 0.5, 0.5))
+    graph = UsdShade.NodeGraph.Define(stage, "/paint/graph")  # a constant through a node graph
+    graph.CreateInput("tint", types.Color3f).Set((0.2, 0.4, 0.6))
+    graph.CreateOutput("out", types.Color3f).ConnectToSource(graph.GetInput("tint"))
+    shader.CreateInput("base_color", types.Color3f).ConnectToSource(graph.GetOutput("out"))
+    bind(stage, shader, "mtlx")
+    _, made = only_material(latelight.from_usd(stage))
+    np.testing.assert_allclose(made.base_color, (0.1, 0.2, 0.3, 0.5), atol=1e-6)
+    assert (made.metallic, made.roughness, made.alpha_mode) == (0.25, 0.75, "blend")
+    np.testing.assert_allclose((made.f0, made.clearcoat, made.clearcoat_roughness), (1 / 9, 0.3, 0.1), atol=1e-6)
+    np.testing.assert_allclose((*made.sheen_color, *made.emissive), (0.5, 0.25, 0, 4, 0, 0), atol=1e-6)
+
+
+def test_usd_images_of_scalars_are_packed(stage, tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf, UsdShade
+
+    types = Sdf.ValueTypeNames
+    image.fromarray(np.full((2, 2, 3), (10, 20, 30), np.uint8)).save(tmp_path / "orm.png")
+    image.fromarray(np.full((4, 4), 99, np.uint8)).save(tmp_path / "mask.png")
+    shader = UsdShade.Shader.Define(stage, "/paint/surface")
+    shader.CreateIdAttr("UsdPreviewSurface")
+    inputs = [("occlusion", "orm", "r"), ("roughness", "orm", "g"), ("metallic", "orm", "b"), ("opacity", "mask", "r")]
+    for name, file, channel in inputs:
+        texture = UsdShade.Shader.Define(stage, f"/paint/{name}")
+        texture.CreateIdAttr("UsdUVTexture")
+        texture.CreateInput("file", types.Asset).Set(str(tmp_path / f"{file}.png"))
+        output = texture.CreateOutput(channel, types.Float)
+        shader.CreateInput(name, types.Float).ConnectToSource(output)
+    bind(stage, shader)
+    scene = latelight.from_usd(stage)
+    _, made = only_material(scene)
+    assert (made.metallic, made.roughness, made.alpha_mode) == (1, 1, "blend")
+    scene.export(tmp_path / "paint.glb")
+    (mesh,) = trimesh.load(tmp_path / "paint.glb").geometry.values()
+    paint = mesh.visual.material
+    assert np.asarray(paint.metallicRoughnessTexture)[0, 0, 1:3].tolist() == [20, 30]
+    assert np.asarray(paint.occlusionTexture)[0, 0, 0] == 10
+    assert np.asarray(paint.baseColorTexture)[0, 0].tolist() == [255, 255, 255, 99]
 
 
 def test_models_of_other_types_are_refused():

@@ -5,67 +5,24 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <glm/gtc/matrix_transform.hpp>
 
 #include "render/base/registry.h"
 #include "render/lighting/technique.h"
-#include "render/reference_caster.h"
-#include "render/support.h"
+#include "render/sky_visibility.h"
 #include "scene/framing.h"
-#include "scene/load/load.h"
 #include "shared/ambient_occlusion.h"
 
 namespace latelight::render::test {
 namespace {
 
-using glm::dvec3;
 using glm::vec3;
 using output::Aov;
-
-scene::Material white() {
-  scene::Material material = scene::plainMaterial("white", vec3(1), 0, 1);
-  material.data.specular = 0;
-  material.data.flags |= shared::kMaterialDoubleSided;
-  return material;
-}
-
-// Squares in glTF's frame. Each matrix of `locals` places the square [-1, 1]^2 of the plane z = 0.
-scene::Scene squares(const std::vector<glm::mat4>& locals) {
-  scene::SceneBuilder builder("squares");
-  builder.scene.meshes.push_back(squareMesh());
-  builder.scene.materials.push_back(white());
-  for (const glm::mat4& local : locals) builder.addInstance("square", builder.kRoot, 0, 0, local);
-  return std::move(builder.scene);
-}
-
-glm::mat4 floorOf(float half) {
-  return glm::rotate(glm::mat4(1), -shared::kPi / 2, vec3(1, 0, 0)) * glm::scale(glm::mat4(1), vec3(half, half, 1));
-}
-
-glm::mat4 wallOf(float half) {
-  return glm::translate(glm::mat4(1), vec3(0, half, 0)) * glm::scale(glm::mat4(1), vec3(half, half, 1));
-}
-
-Settings aoSettings(uint32_t width, uint32_t height, float radius) {
-  Settings settings = settingsOf(width, height, {Aov::Color});
-  settings.ambientOcclusion = AmbientOcclusion::Gtao;
-  settings.aoRadius = radius;
-  return settings;
-}
-
-// Returns the visible fraction of the sky per pixel; negative where nothing is drawn.
-std::vector<float> visible(const output::FrameOutput& frame) {
-  const auto& color = imageOf(frame, Aov::Color).values;
-  std::vector<float> result;
-  for (size_t i = 0; i < color.size(); i += 4) result.push_back(color[i + 3] > 0 ? color[i] : -1.0f);
-  return result;
-}
 
 class AmbientOcclusionTest : public RenderTest {
  protected:
   static std::vector<float> render(const scene::Scene& scene, const scene::Camera& camera, const Settings& settings) {
     const scene::Environment environment = constantEnvironment();
-    return visible(renderOne(device(), scene, camera, settings, &environment));
+    return visibleSky(renderOne(device(), scene, camera, settings, &environment));
   }
 };
 
@@ -91,7 +48,7 @@ std::vector<scene::Camera> camerasOver(const scene::Scene& plane) {
 }
 
 TEST_F(AmbientOcclusionTest, AnOpenPlaneDoesNotOccludeItself) {
-  const scene::Scene plane = squares({floorOf(2000)});
+  const scene::Scene plane = whiteSquares({floorOf(2000)});
   const scene::Environment environment = constantEnvironment();
   for (const char* lighting : {"fullscreen", "forward"})
     for (const char* layout : {"thin", "exact", "killzone2", "engine"}) {
@@ -99,7 +56,7 @@ TEST_F(AmbientOcclusionTest, AnOpenPlaneDoesNotOccludeItself) {
       SCOPED_TRACE(std::string(lighting) + " " + layout);
       Renderer renderer(device(), plane, &environment);
       for (float radius : {0.5f, 20.0f}) {
-        Settings settings = aoSettings(160, 90, radius);
+        Settings settings = occlusionSettings(160, 90, radius);
         settings.layout = &findLayout(layout);
         settings.lighting = &findTechnique(lighting);
         const std::vector<scene::Camera> cameras = camerasOver(plane);
@@ -107,7 +64,7 @@ TEST_F(AmbientOcclusionTest, AnOpenPlaneDoesNotOccludeItself) {
         for (size_t i = 0; i < frames.size(); ++i) {
           double least = 1;
           size_t covered = 0;
-          for (float v : visible(frames[i]))
+          for (float v : visibleSky(frames[i]))
             if (v >= 0) ++covered, least = std::min(least, double{v});
           EXPECT_GT(covered, 2000u) << "camera " << i;
           EXPECT_GT(least, 1 - 2e-3) << "camera " << i << ", radius " << radius;
@@ -118,23 +75,8 @@ TEST_F(AmbientOcclusionTest, AnOpenPlaneDoesNotOccludeItself) {
 
 // --- a wall on a floor, in closed form ------------------------------------------------------------------------------
 
-// The visible fraction of the sky at `x` meters from an infinitely wide wall that is higher than the radius.
-// Cosine-weighted directions meet the wall at distance x / cos of their angle from the wall's normal.
-double visibilityNearWall(double x, double radius) {
-  constexpr int kSteps = 120;
-  double hidden = 0;
-  for (int i = 0; i < kSteps; ++i)
-    for (int j = 0; j < kSteps; ++j) {
-      const double sine = std::sqrt((i + 0.5) / kSteps);  // uniform in the squared sine, which is cosine-weighted
-      const double around = M_PI * ((j + 0.5) / kSteps - 0.5);
-      const double ratio = x / (sine * std::cos(around)) / radius;
-      if (ratio < 1) hidden += (1 - ratio * ratio) * (1 - ratio * ratio);
-    }
-  return 1 - 0.5 * hidden / (kSteps * kSteps);  // the other half of the circle faces away from the wall
-}
-
 TEST_F(AmbientOcclusionTest, AWallOccludesByItsClosedForm) {
-  const scene::Scene scene = squares({floorOf(8), wallOf(8)});
+  const scene::Scene scene = whiteSquares({floorOf(8), wallOf(8)});
   constexpr uint32_t kWidth = 240, kHeight = 160;
   for (bool orthographic : {false, true}) {
     scene::Camera camera = scene::lookAt(scene, {0.5f, 2.5f, 3}, {0, 0.2f, 0.3f});
@@ -146,7 +88,7 @@ TEST_F(AmbientOcclusionTest, AWallOccludesByItsClosedForm) {
     }
     const ReferenceCaster caster(scene, camera, kWidth, kHeight);
     for (float radius : {0.4f, 1.0f}) {
-      const std::vector<float> found = render(scene, camera, aoSettings(kWidth, kHeight, radius));
+      const std::vector<float> found = render(scene, camera, occlusionSettings(kWidth, kHeight, radius));
       double worst = 0, sum = 0;
       size_t count = 0;
       constexpr double kPixel = 0.02;  // meters, approximately
@@ -173,37 +115,12 @@ TEST_F(AmbientOcclusionTest, AWallOccludesByItsClosedForm) {
 
 // --- boxes against rays ---------------------------------------------------------------------------------------------
 
-// The visible fraction by cosine-weighted rays, with the same distance falloff as the renderer.
-double visibilityByRays(const ReferenceCaster& caster, const Hit& hit, double radius) {
-  constexpr int kSide = 16;
-  const dvec3 n = hit.geonormal;
-  const dvec3 t = glm::normalize(std::abs(n.z) < 0.9 ? glm::cross(n, dvec3(0, 0, 1)) : glm::cross(n, dvec3(1, 0, 0)));
-  const dvec3 b = glm::cross(n, t);
-  double hidden = 0;
-  for (int i = 0; i < kSide; ++i)
-    for (int j = 0; j < kSide; ++j) {
-      const double squared = (i + 0.5) / kSide, around = 2 * M_PI * (j + 0.5 * (i & 1) + 0.25) / kSide;
-      const dvec3 direction =
-          std::sqrt(squared) * (std::cos(around) * t + std::sin(around) * b) + std::sqrt(1 - squared) * n;
-      const double ratio = caster.freeDistance(hit.position, direction, radius) / radius;
-      if (ratio < 1) hidden += (1 - ratio * ratio) * (1 - ratio * ratio);
-    }
-  return 1 - hidden / (kSide * kSide);
-}
-
-scene::Scene whiteBoxes() {
-  scene::Scene scene = scene::load("builtin:boxes");
-  for (scene::Material& material : scene.materials) material = white();
-  scene.lights.clear();
-  return scene;
-}
-
 TEST_F(AmbientOcclusionTest, BoxesOccludeAsRaysDo) {
   const scene::Scene scene = whiteBoxes();
   constexpr uint32_t kWidth = 320, kHeight = 180;
   constexpr float kRadius = 3;
   const ReferenceCaster caster(scene, scene.cameras.front(), kWidth, kHeight);
-  const std::vector<float> found = render(scene, scene.cameras.front(), aoSettings(kWidth, kHeight, kRadius));
+  const std::vector<float> found = render(scene, scene.cameras.front(), occlusionSettings(kWidth, kHeight, kRadius));
   double sum = 0, squares = 0, without = 0;
   size_t count = 0;
   for (uint32_t y = 2; y < kHeight; y += 5)
@@ -228,11 +145,11 @@ TEST_F(AmbientOcclusionTest, BoxesOccludeAsRaysDo) {
 TEST_F(AmbientOcclusionTest, EveryLayoutAndTechniqueShowsTheSame) {
   const scene::Scene scene = whiteBoxes();
   const scene::Environment environment = constantEnvironment();
-  Settings settings = aoSettings(97, 55, 1);
+  Settings settings = occlusionSettings(97, 55, 1);
   settings.layout = &findLayout("exact");
   Renderer renderer(device(), scene, &environment);
   const auto shown = [&] {
-    return visible(renderer.render({&scene.cameras.front(), 1}, inTheirRaster(settings)).front());
+    return visibleSky(renderer.render({&scene.cameras.front(), 1}, inTheirRaster(settings)).front());
   };
   const std::vector<float> exact = shown();
   const auto meanFrom = [&](const std::vector<float>& other) {
@@ -260,7 +177,7 @@ TEST_F(AmbientOcclusionTest, ViewsOfABatchEqualSingleViews) {
   const scene::Environment environment = constantEnvironment();
   std::vector<scene::Camera> cameras(2, scene.cameras.front());
   cameras[1].toWorld[3].x += 0.7f;
-  const Settings settings = aoSettings(61, 33, 1);
+  const Settings settings = occlusionSettings(61, 33, 1);
   Renderer renderer(device(), scene, &environment);
   const auto together = renderer.render(cameras, settings);
   for (size_t i = 0; i < 2; ++i) {

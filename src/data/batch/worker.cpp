@@ -102,7 +102,8 @@ RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::
                                 .metadata = shared,
                                 .scene = place.scene,
                                 .variation = place.variation,
-                                .camera = place.camera}};
+                                .camera = place.camera,
+                                .exposure = camera.exposure}};
   output::Metadata& m = frame.frame.metadata;
   m.camera = render::describeCamera(camera.camera, scene_->scene(), settingsOf(chunk));
   m.camera.name = camera.name;

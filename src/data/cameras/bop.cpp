@@ -21,7 +21,7 @@ CalibratedCamera cameraIn(const Json& entry, const std::string& name, PictureSiz
   const std::vector<double> k = numbersIn(entry, "cam_K", 9, where), r = numbersIn(entry, "cam_R_w2c", 9, where),
                             t = numbersIn(entry, "cam_t_w2c", 3, where);
   if (k[1] != 0) badInput("{} has a cam_K with skew, which is not supported", where);
-  CalibratedCamera camera{.name = name};
+  CalibratedCamera camera{.name = name, .exposure = exposureIn(entry, where)};
   camera.lens = scene::Lens{.width = double(size.width),
                             .height = double(size.height),
                             .fx = k[0],
@@ -74,6 +74,7 @@ void writeBop(const std::filesystem::path& file, std::span<const CalibratedCamer
     for (int i = 0; i < 9; ++i) entry["cam_R_w2c"].push_back(toCamera[i % 3][i / 3]);
     for (int i = 0; i < 3; ++i) entry["cam_t_w2c"].push_back(toCamera[3][i] / kMillimetre);
     entry["depth_scale"] = depthScale;
+    writeExposure(entry, camera.exposure);
   }
   writeJson(file, json);
 }

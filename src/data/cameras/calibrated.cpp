@@ -52,6 +52,7 @@ std::vector<Shot> placeCameras(Spec& spec, const CameraContext& context, const s
           opticsOf(*camera.lens, static_cast<uint32_t>(camera.lens->width), static_cast<uint32_t>(camera.lens->height));
     if (camera.lens) optics.camera.aperture = own.aperture, optics.camera.focusDistance = own.focusDistance;
     shots.push_back({stemOf(camera.name), pose, optics.camera, optics.width, optics.height});
+    shots.back().exposure = camera.exposure;
   }
   return shots;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "data/cameras/exposure.h"
 #include "data/cameras/source.h"
 #include "scene/lens.h"
 
@@ -16,6 +17,7 @@ struct CalibratedCamera {
   std::string name;                 // the picture's name, or a number or time, as written in the file
   std::optional<scene::Lens> lens;  // empty if the file has no intrinsics
   glm::dmat4 pose{1};               // OpenCV's camera frame to the file's world, in meters
+  CameraExposure exposure{};        // empty values if the file states none
 };
 
 // Claims the memory of the cameras that a reader has read so far. A camera in memory may be larger than its text.

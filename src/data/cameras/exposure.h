@@ -4,6 +4,9 @@
 #include <cstdint>
 #include <optional>
 
+#include <nlohmann/json.hpp>
+#include <string>
+
 #include "data/spec.h"
 
 namespace latelight::data {
@@ -16,6 +19,11 @@ struct CameraExposure {
 
 // Reads the keys "shutter", "readout" and "noiseSeed".
 CameraExposure readExposure(Spec& spec);
+// The same from an object of a camera file, which may have any other keys. Throws Error(BadInput) whose message begins
+// with `where` if a value is invalid.
+CameraExposure exposureIn(const nlohmann::ordered_json& object, const std::string& where);
+// Writes the values that are not empty, under the same keys.
+void writeExposure(nlohmann::ordered_json& object, const CameraExposure& exposure);
 // Returns `first` with the values of `others` in place of its empty ones.
 CameraExposure combined(const CameraExposure& first, const CameraExposure& others);
 

@@ -127,7 +127,12 @@ Json transformsLens(const Lens& lens) {
     if (known.model == lens.model && !json.contains("camera_model")) json["camera_model"] = known.name;
   const auto pixels = [](double n) { return n == std::floor(n) ? Json(static_cast<uint64_t>(n)) : Json(n); };
   json["w"] = pixels(lens.width), json["h"] = pixels(lens.height);
-  if (lens.model == LensModel::Equirectangular) return json;
+  if (lens.model == LensModel::Equirectangular) {
+    // nerfstudio requires these keys; its images go from -1 to 1 across and from -1/2 to 1/2 down.
+    json["fl_x"] = lens.width / 2, json["fl_y"] = lens.height, json["cx"] = lens.width / 2,
+    json["cy"] = lens.height / 2;
+    return json;
+  }
   json["fl_x"] = lens.fx, json["fl_y"] = lens.fy, json["cx"] = lens.cx, json["cy"] = lens.cy;
   for (const Term& term : termsOf(lens.model)) json[term.key] = lens.distortion[term.place];
   return json;
@@ -140,6 +145,7 @@ std::vector<CalibratedCamera> readTransforms(const std::filesystem::path& file, 
   if (!json.is_object() || frames == json.end() || !frames->is_array() || frames->empty())
     badInput("{} has no frames", file.string());
   const Json shared = intrinsicsOf(json, Json::object());
+  const CameraExposure sharedExposure = exposureIn(json, file.string());
   std::vector<CalibratedCamera> cameras;
   CameraMemory memory;
   for (const Json& frame : *frames) {
@@ -150,6 +156,7 @@ std::vector<CalibratedCamera> readTransforms(const std::filesystem::path& file, 
     for (int i = 0; i < 16; ++i) camera.pose[i % 4][i / 4] = m[static_cast<size_t>(i)];
     if (!makeRigid(camera.pose)) badInput("{} has a transform_matrix that is no rotation and translation", where);
     camera.pose = turnedAxes(camera.pose);
+    camera.exposure = combined(exposureIn(frame, where), sharedExposure);
     const auto picture = frame.find("file_path");
     if (picture != frame.end() && picture->is_string()) camera.name = picture->get<std::string>();
     memory.add(camera);
@@ -169,6 +176,7 @@ void writeTransforms(const std::filesystem::path& file, std::span<const Calibrat
   for (const CalibratedCamera& camera : cameras) {
     Json frame = shared ? Json::object() : transformsLens(*camera.lens);
     frame["file_path"] = camera.name;
+    writeExposure(frame, camera.exposure);
     frame["transform_matrix"] = output::rowsOf(turnedAxes(camera.pose));
     frames.push_back(std::move(frame));
   }

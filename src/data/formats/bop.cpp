@@ -136,10 +136,12 @@ class Bop : public Format {
     k[2] -= 0.5;
     k[5] -= 0.5;
     const glm::dmat4 fromWorld = openCvFromWorld(frame.metadata.camera);
-    return {{"cam_K", k},
-            {"depth_scale", depthScale_},
-            {"cam_R_w2c", bopRotation(fromWorld)},
-            {"cam_t_w2c", bopTranslation(fromWorld)}};
+    Json entry = {{"cam_K", k},
+                  {"depth_scale", depthScale_},
+                  {"cam_R_w2c", bopRotation(fromWorld)},
+                  {"cam_t_w2c", bopTranslation(fromWorld)}};
+    writeExposure(entry, frame.exposure);
+    return entry;
   }
 
   static std::string nodeOf(const DataFrame& frame, const Object& object) {

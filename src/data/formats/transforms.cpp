@@ -101,6 +101,7 @@ class Transforms : public Format {
       entry["depth_file_path"] = depthFile;
     }
     entry["transform_matrix"] = output::rowsOf(openGlPose(camera));
+    writeExposure(entry, frame.exposure);
     if (spacing_ > 0) {
       if (camera.lens && camera.lens->model == scene::LensModel::Equirectangular)
         badUsage("points of the format transforms require cameras with depth along an axis, not \"{}\"", camera.name);

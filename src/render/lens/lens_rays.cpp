@@ -193,7 +193,9 @@ Bins binsOf(const RayGrid& grid, std::span<const shared::View> views, std::span<
 LensRays::LensRays(vk::Device& device, const LensPicture& picture)
     : lenses{calibrationOf(picture.lens, picture.width, picture.height),
              calibrationOf(picture.neighbors[0], picture.width, picture.height),
-             calibrationOf(picture.neighbors[1], picture.width, picture.height)} {
+             calibrationOf(picture.neighbors[1], picture.width, picture.height)},
+      aperture(picture.aperture),
+      focus(static_cast<float>(picture.focus)) {
   const Rays table = raysOf(picture);
   rays = vk::uploadedBuffer(device, "lens rays", std::as_bytes(std::span(table)));
   const bool oneView =

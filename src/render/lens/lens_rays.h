@@ -38,6 +38,8 @@ struct LensRays {
   std::vector<shared::View> views;
   std::array<shared::LensCalibration, 3> lenses;  // of the current, previous and next frame
   vk::Buffer starts, pixels;                      // the rays in each pixel of the views, as in shared::LensTarget
+  glm::vec2 aperture;                             // as in LensPicture
+  float focus;
 
   LensRays(vk::Device& device, const LensPicture& picture);
 };

@@ -10,16 +10,12 @@
 namespace latelight::render {
 
 Settings lensSettings(const Settings& settings) {
-  const auto needsPinhole = [](const char* what) {
-    badUsage("{} requires a pinhole or orthographic camera, but this camera has another lens", what);
-  };
-  if (requestsOutput(settings, Origin::Raster)) needsPinhole("an output named raster");
-  if (showsPicture(settings) || requestsOutput(settings, Origin::LightCounts)) {
-    if (settings.lighting->draws)
-      badUsage("{} lighting takes a pinhole or orthographic camera: choose {}", settings.lighting->name,
-               techniquesThatCompute());
-    if (settings.ambientOcclusion != AmbientOcclusion::None) needsPinhole("--ao");
-  }
+  if (requestsOutput(settings, Origin::Raster))
+    badUsage("an output named raster requires a pinhole or orthographic camera, but this camera has another lens");
+  const bool lights = showsPicture(settings) || requestsOutput(settings, Origin::LightCounts);
+  if (lights && settings.lighting->draws)
+    badUsage("{} lighting takes a pinhole or orthographic camera: choose {}", settings.lighting->name,
+             techniquesThatCompute());
   Settings changed = settings;
   changed.raster = Raster::Compute;
   // Every sample needs a ray of its own, which only whole frames have: the smallest grid with as many samples.

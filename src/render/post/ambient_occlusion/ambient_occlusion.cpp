@@ -2,6 +2,7 @@
 // averaged across"), then along y ("ambient occlusion").
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
 
+#include "render/lens/lens_rays.h"
 #include "render/lighting/lighting_shader.h"
 #include "render/lighting/technique.h"
 #include "render/post/ambient_occlusion/ambient_occlusion_push.h"
@@ -39,7 +40,12 @@ graph::ImageId addOcclusion(const FrameContext& f, const Gbuffer& gbuffer) {
                    .size = f.pixels(),
                    .constants = f.setup.constants()};
   if (surfaces) readSurfaces(f, gbuffer, pass);
-  const shared::OcclusionPush push{f.constants, f.aoRadius, kReachShare * static_cast<float>(f.height), {}};
+  shared::OcclusionPush push{
+      .frame = f.constants, .radius = f.aoRadius, .reach = kReachShare * static_cast<float>(f.height)};
+  if (f.lens) {
+    push.lens = f.graph.constants(std::as_bytes(std::span(f.lens->lenses)));
+    push.aperture = f.lens->aperture, push.focus = f.lens->focus;
+  }
   addCompute(f, std::move(pass), [push, visible = gbuffer.visible](graph::Context& context) {
     shared::OcclusionPush filled = push;
     filled.shown = surfacePush(visible, context);
@@ -57,7 +63,7 @@ graph::ImageId addDenoise(const FrameContext& f, graph::ImageId depth, graph::Im
               .shader = "ambient_occlusion_denoise.comp",
               .bindings = Bindings(f.device).sampled(depth).sampled(occluded).storage(result, graph::Use::StorageWrite),
               .size = f.pixels(),
-              .constants = {{kLastAxisConstant, axis}}},
+              .constants = {{kLastAxisConstant, axis}, {kLensConstant, f.lens ? 1u : 0u}}},
              shared::DenoisePush{f.constants, kToleranceShare * f.aoRadius, f.aoStrength, kToleranceShare, 0});
   return result;
 }

@@ -5,6 +5,7 @@
 // pixel decreases with its distance from the center pixel's plane or from its depth, whichever is smaller. Inputs:
 // gbufferDepth and hidden. Output: result.
 #include "render/glsl/common.glsl"
+#include "render/glsl/pixel_ray.glsl"
 #include "render/post/ambient_occlusion/ambient_occlusion_push.h"
 #include "shared/ambient_occlusion.h"
 
@@ -18,6 +19,18 @@ layout(push_constant, scalar) uniform Push { DenoisePush push; };
 
 const ivec3 kAxis = ivec3(kLast == 0u ? 1 : 0, kLast == 0u ? 0 : 1, 0);
 
+// Removes the neighbors whose rays are not next to the pixel's, such as those on another face of a cube map.
+void dropFarNeighbors(View view, ivec3 place, inout float depths[5]) {
+  FrameConstants frame = frameOf(push.frame, place.z);
+  vec3 here = lensRay(frame, view, place.xy).direction;
+  float shortest = length(lensStep(frame, view, place.xy, kAxis.xy));
+  for (int i = 0; i < 5; ++i) {
+    if (i == 2 || depths[i] == 0.0) continue;
+    vec3 there = lensRay(frame, view, place.xy + kAxis.xy * (i - 2)).direction;
+    if (length(there - here) > 2.0 * float(abs(i - 2)) * shortest) depths[i] = 0.0;
+  }
+}
+
 void main() {
   ivec3 place = ivec3(gl_GlobalInvocationID);
   View view = frameView(FrameRef(push.frame).v, gl_GlobalInvocationID.z);
@@ -30,6 +43,7 @@ void main() {
     depths[i] = inside ? texelFetch(gbufferDepth, at, 0).r : 0.0;
     values[i] = inside ? texelFetch(occluded, at, 0).r : 0.0;
   }
+  if (kLens != 0u) dropFarNeighbors(view, place, depths);
   float before = depths[2] - depths[1], after = depths[3] - depths[2];
   if (depths[1] == 0.0) before = 3.0e38;
   if (depths[3] == 0.0) after = 3.0e38;

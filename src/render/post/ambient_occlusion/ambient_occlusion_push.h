@@ -13,6 +13,12 @@ struct OcclusionPush {
   float radius;    // meters; with worlds, FrameConstants::aoRadius replaces it
   float reach;     // maximum radius in pixels, so that samples are not too far apart
   VisibleSurfacePush shown;
+  uint64_t lens;  // LensCalibration of a lens with curved rays; 0: views are projections
+  // The point of the lens's aperture from which the view's rays begin, right and up in meters, and the distance at
+  // which they meet those of its center.
+  vec2 aperture;
+  float focus;
+  uint padding;
 };
 
 // Push constants of ambient_occlusion_denoise.comp.
@@ -27,7 +33,7 @@ struct DenoisePush {
 SH_END
 
 #if defined(__cplusplus)
-static_assert(sizeof(latelight::shared::OcclusionPush) == 32);
+static_assert(sizeof(latelight::shared::OcclusionPush) == 56);
 static_assert(sizeof(latelight::shared::DenoisePush) == 24);
 #endif
 

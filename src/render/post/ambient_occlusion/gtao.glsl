@@ -6,6 +6,8 @@
 //
 // Nothing is random: the 16 pixels of a 4x4 block use different slice directions, spread evenly over the block, and
 // ambient_occlusion_denoise.comp averages blocks.
+#include "render/glsl/lens_calibration.glsl"
+#include "render/glsl/pixel_ray.glsl"
 #include "render/post/ambient_occlusion/ambient_occlusion_push.h"
 #include "shared/ambient_occlusion.h"
 
@@ -23,6 +25,10 @@ struct Center {
   vec2 slope;
   vec3 position;  // view space
   vec3 toEye;
+  // With a lens, `depth` and `slope` are not used. On the surface's plane, dot(plane, unit ray) is 1 / distance.
+  vec3 plane;
+  vec3 right, down;  // unit vectors across the ray
+  float pixelAngle;  // size of the pixel at 1 m from the eye
 };
 
 float depthAt(ivec3 place, ivec2 size) {
@@ -45,8 +51,11 @@ vec2 slopeAt(ivec3 place, ivec2 size, float depth) {
   return mix(slope, vec2(0.0), greaterThan(abs(slope), vec2(1.0e38)));
 }
 
+#include "render/post/ambient_occlusion/gtao_lens.glsl"
+
 Center centerAt(View view, ivec3 place, float depth) {
   Center c;
+  if (kLens != 0u) return lensCenterAt(view, place, depth);
   c.place = place;
   c.pixel = vec2(place.xy) + 0.5;
   c.depth = depth;
@@ -66,6 +75,7 @@ vec3 normalFromDepth(View view, Center c) {
 // Finds the view-space position of the surface `offset` pixels away. Returns false if there is none.
 bool sampleAt(View view, Center c, vec2 offset, out vec3 position) {
   position = vec3(0.0);
+  if (kLens != 0u) return lensSampleAt(view, c, offset, position);
   vec2 exact = c.pixel + offset;
   ivec2 texel = ivec2(floor(exact));
   bool inside = all(greaterThanEqual(exact, vec2(0.0))) && all(lessThan(exact, view.size));
@@ -119,6 +129,7 @@ float occludedSlice(View view, Center c, vec3 normal, float angle, vec2 steps) {
   // The view-space direction that projects to `direction`, then made perpendicular to V, the direction to the eye.
   vec3 across = vec3(direction.x / (view.projection.H * view.size.x), 0.0,
                      -direction.y / (view.projection.V * view.size.y));
+  if (kLens != 0u) across = direction.x * c.right + direction.y * c.down;
   vec3 tangent = normalize(across - c.toEye * dot(across, c.toEye));
   vec3 axis = cross(c.toEye, tangent);
   float length = length(normal - axis * dot(normal, axis));
@@ -130,6 +141,7 @@ float occludedSlice(View view, Center c, vec3 normal, float angle, vec2 steps) {
 // The occluded fraction of the cosine-weighted hemisphere. Its average over a block is in [0, 1].
 float occlusionAt(View view, Center c, vec3 normal) {
   float metre = view.projection.V * view.size.y * 0.5 / (view.projection.kind == kPerspective ? c.position.y : 1.0);
+  if (kLens != 0u) metre = 1.0 / (length(c.position) * c.pixelAngle);
   float pixels = min(occlusionRadius() * metre, push.reach);
   if (pixels <= 1.0) return 0.0;
   // Two permutations of the block's 16 pixels: one for directions, one for the offsets of the steps along them.

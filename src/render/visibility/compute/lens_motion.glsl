@@ -1,11 +1,9 @@
 // Motion vectors through a lens that bends rays: the positions of a point in the current, previous and next frame are
 // projected through the lenses of these frames. Include after visible_motion.glsl.
-#include "shared/lens_projection.h"
-
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LensCalibrationRef { LensCalibration v[]; };
+#include "render/glsl/lens_calibration.glsl"
 
 LensPoint lensPoint(uint time, vec3 inView) {
-  return projectThroughLens(LensCalibrationRef(push.lenses).v[time], vec3(inView.x, -inView.z, inView.y));
+  return projectFromView(LensCalibrationRef(push.lenses).v[time], inView);
 }
 
 vec4 lensMotionBetween(vec3 now, vec3 before, vec3 after) {
