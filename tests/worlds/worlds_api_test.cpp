@@ -168,6 +168,32 @@ TEST(WorldsApi, ValuesThatAreNotFiniteAffectOnlyTheirWorld) {
     EXPECT_THAT(frames[world].aovs.at("id").ids, testing::Each(0u)) << "world " << world;
 }
 
+TEST(WorldsApi, RejectRaysThatTheyDoNotSupport) {
+  Squares made;
+  Renderer renderer(made.scene, testDevice());
+  const auto refused = [&](const std::function<void(Worlds&, Options&)>& change) {
+    Worlds worlds{.count = 2, .instances = {made.red}};
+    worlds.cameras = {front()};
+    Options options = small();
+    change(worlds, options);
+    return refusal([&] { renderer.render(worlds, options); });
+  };
+  const std::vector<float> still(2 * 4 * 3);
+  EXPECT_THAT(refused([&](Worlds& w, Options& o) {
+                w.meshes = {made.scene.instance(made.red).mesh};
+                w.arrays.vertices = {.element = WorldArray::Element::Float32, .host = still.data()};
+                o.shadows = "rays";
+              }),
+              HasSubstr("rays do not support joints and vertices of worlds"));
+  EXPECT_THAT(refused([](Worlds& w, Options& o) {
+                w.environments = {"studio"};
+                w.environmentIndex = {0, 0};
+                o.indirect = "path";
+              }),
+              HasSubstr("paths sample one environment for all worlds"));
+  EXPECT_THAT(refused([](Worlds&, Options& o) { o.ground = "shadow"; }), HasSubstr("requires --ground-height"));
+}
+
 TEST(WorldsApi, RejectWrongLists) {
   Squares made;
   Renderer renderer(made.scene, testDevice());
