@@ -786,6 +786,14 @@ class LATELIGHT_API DeviceArray {
   std::shared_ptr<Impl> impl_;
 };
 
+// Rays through worlds, as many in each. Origins and directions are arrays of worlds x count x 3 numbers, both Float32
+// or both Float64, in the frame of Options::axes.
+struct WorldRays {
+  WorldArray origins, directions;
+  uint64_t count = 0;                                            // per world
+  double maxDistance = std::numeric_limits<double>::infinity();  // meters
+};
+
 // Pictures in flight, as returned by Renderer::submit().
 class LATELIGHT_API Ticket {
  public:
@@ -883,6 +891,16 @@ class LATELIGHT_API Renderer {
   void cast(std::span<const std::array<float, 3>> origins, std::span<const std::array<float, 3>> directions,
             const CastTargets& targets, const Options& options = {},
             double maxDistance = std::numeric_limits<double>::infinity());
+
+  // Casts rays through worlds, from arrays that may be in the device's memory, and leaves the hits there: the arrays
+  // `outputs` of CastHits by their names, with the shape 1 x worlds x rays x channels. Cameras and environments of the
+  // worlds are ignored. The call waits until the arrays are complete, and not for WorldArrays::ready before that.
+  // `targets`: arrays of earlier calls for as many rays, which receive the hits. A ray of a world with values that are
+  // not finite hits nothing. Rays through the scene itself are those of one world without instances.
+  std::map<std::string, DeviceArray> cast(const Worlds& worlds, const WorldRays& rays,
+                                          const std::vector<std::string>& outputs = {"distance"},
+                                          const Options& options = {},
+                                          const std::map<std::string, DeviceArray>& targets = {});
 
   // Scans the scene once. `poses` are worldFromSensor, rigid and in the frame of Options::axes: one, or one per firing.
   // Options::time and animation select the scene's pose when the scan begins.

@@ -38,16 +38,16 @@ struct PlacedArray {
 };
 
 // The shape in Python: an axis of a single channel is left out.
-std::vector<size_t> shapeOf(const DeviceArray& array, const std::vector<size_t>& views) {
+std::vector<size_t> shapeOf(const DeviceArray& array, const std::vector<size_t>& views, Axes axes) {
   std::vector<size_t> shape = views;
   const size_t channels = array.channelsFirst ? 1 : 3;
-  for (size_t axis = 1; axis < 4; ++axis)
+  for (size_t axis = axes == Axes::Images ? 1 : 3; axis < 4; ++axis)
     if (axis != channels || array.shape[axis] > 1) shape.push_back(array.shape[axis]);
   return shape;
 }
 
-PlacedArray placed(const DeviceArray& array, const std::vector<size_t>& views) {
-  PlacedArray placed{.array = array, .shape = shapeOf(array, views)};
+PlacedArray placed(const DeviceArray& array, const std::vector<size_t>& views, Axes axes) {
+  PlacedArray placed{.array = array, .shape = shapeOf(array, views, axes)};
   if (const void* host = placed.array.host()) {
     placed.pointer = const_cast<void*>(host);
     return placed;
@@ -92,18 +92,18 @@ nb::dict cudaInterface(const PlacedArray& a) {
 
 }  // namespace
 
-nb::dict deviceArrays(std::map<std::string, DeviceArray>&& arrays, const std::vector<size_t>& views) {
+nb::dict deviceArrays(std::map<std::string, DeviceArray>&& arrays, const std::vector<size_t>& views, Axes axes) {
   nb::dict all;
-  for (auto& [name, array] : arrays) all[name.c_str()] = nb::cast(placed(array, views));
+  for (auto& [name, array] : arrays) all[name.c_str()] = nb::cast(placed(array, views, axes));
   return all;
 }
 
-nb::dict hostArrays(const std::map<std::string, DeviceArray>& arrays, const std::vector<size_t>& views) {
+nb::dict hostArrays(const std::map<std::string, DeviceArray>& arrays, const std::vector<size_t>& views, Axes axes) {
   const nb::object empty = nb::module_::import_("numpy").attr("empty");
   nb::dict all;
   for (const auto& [name, array] : arrays) {
     nb::list shape;
-    for (const size_t length : shapeOf(array, views)) shape.append(length);
+    for (const size_t length : shapeOf(array, views, axes)) shape.append(length);
     const nb::object copy = empty(nb::tuple(shape), infoOf(array.element).name);
     const auto bytes = nb::cast<nb::ndarray<nb::c_contig, nb::device::cpu>>(copy);
     array.copyToHost({static_cast<std::byte*>(bytes.data()), bytes.nbytes()});

@@ -10,11 +10,15 @@
 
 namespace latelight::python {
 
+enum class Axes { Images, Rays };  // after those of the views: rows and columns, or none
+
 // Returns the arrays by name. `views` is the shape of their view axes: empty for a single camera, (V), or (N, C) for
 // worlds.
-nanobind::dict deviceArrays(std::map<std::string, DeviceArray>&& arrays, const std::vector<size_t>& views);
+nanobind::dict deviceArrays(std::map<std::string, DeviceArray>&& arrays, const std::vector<size_t>& views,
+                            Axes axes = Axes::Images);
 // Returns copies of the arrays as NumPy's.
-nanobind::dict hostArrays(const std::map<std::string, DeviceArray>& arrays, const std::vector<size_t>& views);
+nanobind::dict hostArrays(const std::map<std::string, DeviceArray>& arrays, const std::vector<size_t>& views,
+                          Axes axes = Axes::Images);
 // The arrays of `out`: None, or what a call with on_device returned.
 std::map<std::string, DeviceArray> targetsOf(nanobind::handle value);
 

@@ -280,16 +280,19 @@ struct WorldCall {
   uintptr_t stream = 0;
 };
 
+// Returns the stream that will read the call's arrays in CUDA's memory.
+uintptr_t readerOf(SharedRenderer& renderer, WorldCall& call) {
+  if (call.stream == 0) call.stream = renderer.use([&](Renderer&) { return renderer.cudaInputs().stream(); });
+  return call.stream;
+}
+
 // Removes the arguments that describe worlds from `keywords`.
 WorldCall worldCall(const std::shared_ptr<SharedRenderer>& renderer, nb::handle count, nb::handle cameras,
                     nb::dict& keywords) {
   WorldCall call;
   const nb::object callers = keywords.attr("pop")("stream", nb::none());
   call.stream = callers.is_none() ? 0 : streamOf(callers);
-  const auto reader = [&] {
-    if (call.stream == 0) call.stream = renderer->use([&](Renderer&) { return renderer->cudaInputs().stream(); });
-    return call.stream;
-  };
+  const auto reader = [&] { return readerOf(*renderer, call); };
   const auto vertices = [&](Handle<Mesh> mesh) {
     return renderer->scene()->read([&](const Scene& s) { return s.mesh(mesh).vertices; });
   };
@@ -470,9 +473,59 @@ nb::dict castVectors(const std::shared_ptr<SharedRenderer>& renderer, const Vect
   return hits.take();
 }
 
+// The names of the arrays of hits to return: `outputs`, those of `out`, or all.
+std::vector<std::string> hitNames(nb::handle outputs, const std::map<std::string, DeviceArray>& out) {
+  if (!outputs.is_none() && !out.empty()) badValue("outputs and out name the same arrays: omit one of them");
+  std::vector<std::string> names;
+  if (!outputs.is_none()) names = textsOf(outputs, "outputs");
+  for (const auto& [name, array] : out) names.push_back(name);
+  for (const HitArray& array : kHitArrays)
+    if (outputs.is_none() && out.empty()) names.push_back(array.name);
+  return names;
+}
+
+// Casts rays from arrays that may be in CUDA's memory, through worlds or, with one world, through the scene.
+nb::dict castArrays(const std::shared_ptr<SharedRenderer>& renderer, nb::handle count, nb::handle origins,
+                    nb::handle directions, double limit, nb::handle outputs, nb::handle out, bool perWorld,
+                    nb::dict& optional) {
+  const bool onDevice = boolOf(optional.attr("pop")("on_device", false), "on_device");
+  const std::map<std::string, DeviceArray> targets = targetsOf(out);
+  if (!targets.empty() && !onDevice) badValue("out requires on_device=True");
+  WorldCall call = worldCall(renderer, count, nb::cast(Camera{}), optional);
+  const bool tensors = isTensor(origins) || isTensor(directions);
+  readRays(*call.given, origins, directions, perWorld, tensors ? readerOf(*renderer, call) : 0);
+  WorldRays& rays = call.given->rays;
+  rays.maxDistance = limit;
+  const std::vector<std::string> names = hitNames(outputs, targets);
+  const Options options = optionsOf(nb::none(), nb::make_tuple("rgba"), optional);
+  std::vector<size_t> shape{rays.count};
+  if (perWorld) shape.insert(shape.begin(), call.given->worlds.count);
+  try {
+    std::map<std::string, DeviceArray> arrays = renderer->use(
+        [&](Renderer& r) { return r.cast(completed(call, *renderer, r), rays, names, options, targets); });
+    return onDevice ? deviceArrays(std::move(arrays), shape, Axes::Rays) : hostArrays(arrays, shape, Axes::Rays);
+  } catch (const Error& error) {
+    throw inPython(error);
+  }
+}
+
+nb::dict castWorlds(const std::shared_ptr<SharedRenderer>& renderer, nb::handle count, nb::handle origins,
+                    nb::handle directions, nb::handle maxDistance, nb::handle outputs, nb::handle out,
+                    const nb::kwargs& keywords) {
+  nb::dict optional;
+  optional.update(keywords);
+  return castArrays(renderer, count, origins, directions, numberOf(maxDistance, "max_distance"), outputs, out, true,
+                    optional);
+}
+
 nb::dict cast(const std::shared_ptr<SharedRenderer>& renderer, nb::handle origins, nb::handle directions,
               nb::handle maxDistance, nb::handle outputs, nb::handle out, const nb::kwargs& keywords) {
   const double limit = numberOf(maxDistance, "max_distance");
+  if (isTensor(origins) || isTensor(directions) || keywords.contains("on_device")) {
+    nb::dict optional;
+    optional.update(keywords);
+    return castArrays(renderer, nb::int_(1), origins, directions, limit, outputs, out, false, optional);
+  }
   const Options options = optionsOf(nb::none(), nb::make_tuple("rgba"), keywords);
   if (isFloat32(origins) && isFloat32(directions))
     return castVectors<float>(renderer, {origins, "origins"}, {directions, "directions"}, limit, outputs, out, options);
@@ -671,6 +724,25 @@ void defineWorlds(nb::class_<SharedRenderer>& type) {
            argument("outputs") = outputs, nb::arg("options"), nb::sig(later.c_str()), submitted.c_str());
 }
 
+void defineWorldRays(nb::class_<SharedRenderer>& type) {
+  const std::string signature =
+      "def cast_worlds(self, count: int, origins: typing.Any, directions: typing.Any, max_distance: float = "
+      "float(\"inf\"), outputs: str | collections.abc.Sequence[str] | None = None, out: dict[str, DeviceArray] | None "
+      "= None, *" +
+      worldParameters() + ", on_device: bool = False, stream: typing.Any | None = None" +
+      optionParameters({"environment_rotation", "environment_intensity"}) + ") -> dict[str, typing.Any]";
+  type.def(
+      "cast_worlds", &castWorlds, argument("count"), argument("origins"), argument("directions"),
+      nb::arg("max_distance") = std::numeric_limits<double>::infinity(), argument("outputs") = nb::none(),
+      argument("out") = nb::none(), nb::arg("options"), nb::sig(signature.c_str()),
+      "Casts rays through N worlds, as cast() does through the scene. origins and directions are arrays (N, R, 3), in "
+      "NumPy's\nor CUDA's memory, both of the same type; hits are arrays (N, R) or (N, R, 3), and (N, R, 2) for uv. "
+      "The "
+      "other arguments are\nthose of cast() and render_worlds(); cameras, lights and environments have no effect. A "
+      "ray "
+      "of a world with values that\nare not finite hits nothing.");
+}
+
 void defineLabels(nb::class_<SharedRenderer>& type) {
   const auto size = nb::make_tuple(1280, 720);
   const std::string picture = "size: tuple[int, int] = (1280, 720), *";
@@ -768,6 +840,7 @@ void bindRenderer(nb::module_& module) {
       "Waits until the device has finished everything that was submitted.");
   defineRender(type);
   defineWorlds(type);
+  defineWorldRays(type);
   defineLabels(type);
   const std::string signature =
       "def pick(self, camera: Camera, pixels: numpy.typing.ArrayLike, size: tuple[int, int] = (1280, 720), *" +
@@ -778,8 +851,9 @@ void bindRenderer(nb::module_& module) {
   const std::string castSignature =
       "def cast(self, origins: numpy.typing.ArrayLike, directions: numpy.typing.ArrayLike, "
       "max_distance: float = float(\"inf\"), outputs: str | collections.abc.Sequence[str] | None = None, "
-      "out: dict[str, numpy.typing.NDArray[typing.Any]] | None = None, *" +
-      optionParameters() + ") -> dict[str, numpy.typing.NDArray[typing.Any]]";
+      "out: dict[str, numpy.typing.NDArray[typing.Any]] | dict[str, DeviceArray] | None = None, *, on_device: bool = "
+      "False, stream: typing.Any | None = None" +
+      optionParameters() + ") -> dict[str, typing.Any]";
   type.def(
       "cast", &cast, argument("origins"), argument("directions"),
       nb::arg("max_distance") = std::numeric_limits<double>::infinity(), argument("outputs") = nb::none(),
@@ -790,7 +864,9 @@ void bindRenderer(nb::module_& module) {
       "triangle, the index in the part's mesh, and\nintensity, from 0 to 1: the reflectance at normal incidence times "
       "the cosine of the angle of incidence.\noutputs: the names of those to return; None: all. out: arrays that an "
       "earlier "
-      "call for as many rays returned; they\nreceive the values and are returned.\nThe options time, animation, "
+      "call for as many rays returned; they\nreceive the values and are returned. origins and directions may be in "
+      "CUDA's memory (torch, JAX, CuPy, Warp).\non_device: leave the hits in the device's memory, as DeviceArray; "
+      "stream: as for render_worlds().\nThe options time, animation, "
       "data_surfaces, axes and "
       "position_origin apply.");
   const std::string scanSignature =

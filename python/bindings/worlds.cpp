@@ -29,9 +29,10 @@ class ArrayReader {
     read(value, name, {to_.worlds.count, each, 3, 3}, array);
     array.rows = 3;
   }
-  // One or several numbers per world, or per world and element.
-  void numbers(nb::handle value, const char* name, const std::vector<int64_t>& shape, WorldArray& array) {
-    if (!value.is_none()) read(value, name, shape, array);
+  // One or several numbers per world, or per world and element. Returns the shape.
+  std::vector<int64_t> numbers(nb::handle value, const char* name, const std::vector<int64_t>& shape,
+                               WorldArray& array) {
+    return value.is_none() ? shape : read(value, name, shape, array);
   }
   void flags(nb::handle value, const char* name, int64_t each, WorldArray& array) {
     if (value.is_none()) return;
@@ -275,6 +276,19 @@ std::unique_ptr<GivenWorlds> worldsOf(nb::handle count, nb::handle cameras, nb::
   reader.indices(environment, "environment_index", {n}, worlds.arrays.environmentIndex);
   reader.indices(choice, "material_choice", {n, i}, worlds.arrays.materialChoice);
   return given;
+}
+
+void readRays(GivenWorlds& given, nb::handle origins, nb::handle directions, bool perWorld, uintptr_t stream) {
+  ArrayReader reader(given, stream);
+  const auto read = [&](nb::handle value, const char* name, int64_t rays, WorldArray& array) {
+    std::vector<int64_t> shape{rays, 3};
+    if (perWorld) shape.insert(shape.begin(), given.worlds.count);
+    return static_cast<uint64_t>(reader.numbers(value, name, shape, array)[perWorld ? 1 : 0]);
+  };
+  given.rays.count = read(origins, "origins", -1, given.rays.origins);
+  read(directions, "directions", static_cast<int64_t>(given.rays.count), given.rays.directions);
+  if (given.rays.origins.element != given.rays.directions.element)
+    badType("origins and directions must have the same type, float32 or float64");
 }
 
 std::string worldParameters() {

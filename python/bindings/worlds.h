@@ -16,11 +16,12 @@ namespace latelight::python {
 // The arguments of a call. Arrays refer to memory of `kept` and `tensors`.
 struct GivenWorlds {
   struct Input {
-    WorldArray* array;  // of `worlds`
+    WorldArray* array;  // of `worlds` or `rays`
     const char* name;
     Tensor tensor;
   };
   Worlds worlds;
+  WorldRays rays;  // of cast_worlds()
   std::vector<nanobind::object> kept;
   std::vector<Input> tensors;  // that have yet to be copied to the renderer's memory
 };
@@ -31,6 +32,9 @@ struct GivenWorlds {
 std::unique_ptr<GivenWorlds> worldsOf(nanobind::handle count, nanobind::handle cameras, nanobind::dict& keywords,
                                       const std::function<uintptr_t()>& stream,
                                       const std::function<uint64_t(Handle<Mesh>)>& vertices);
+// Reads the rays of worlds, (N, R, 3), or, with one world, (R, 3). `stream`: that which reads arrays in CUDA's memory.
+void readRays(GivenWorlds& given, nanobind::handle origins, nanobind::handle directions, bool perWorld,
+              uintptr_t stream);
 std::string worldParameters();  // of a signature: ", instances: ... = None" and so on
 std::string worldDocs();
 

@@ -661,4 +661,104 @@ void Renderer::cast(std::span<const std::array<float, 3>> origins, std::span<con
          targets, options, {});
 }
 
+namespace {
+
+void checkRays(const WorldRays& rays, uint32_t worlds) {
+  if (rays.count > render::kMaxWorldRays / std::max(worlds, 1u))
+    badUsage("{} rays in each of {} worlds are too many for one call: cast at most {} rays", rays.count, worlds,
+             render::kMaxWorldRays);
+  for (const auto& [array, name] : {std::pair(&rays.origins, "origins"), std::pair(&rays.directions, "directions")}) {
+    if (!*array && rays.count > 0) badUsage("WorldRays::{} must be given", name);
+    if (array->host && array->device) badUsage("WorldRays::{} must be in one memory only", name);
+    if (array->offset % 16 != 0) badUsage("WorldRays::{} must begin at a multiple of 16 bytes", name);
+    if (array->element != WorldArray::Element::Float32 && array->element != WorldArray::Element::Float64)
+      badUsage("WorldRays::{} must have elements of the type Float32 or Float64", name);
+  }
+  if (rays.origins.element != rays.directions.element)
+    badUsage("WorldRays::origins and directions must have elements of the same type");
+}
+
+// Returns the worlds with what rays read of them.
+Worlds worldsOfRays(const Worlds& worlds) {
+  Worlds seen = worlds;
+  seen.cameras = {Camera{}};
+  seen.cameraInstances.clear(), seen.cameraToWorld.clear(), seen.intrinsics.clear();
+  seen.previousCameraToWorld.clear(), seen.nextCameraToWorld.clear();
+  seen.environments.clear(), seen.environmentIndex.clear();
+  for (WorldArray* array : {&seen.arrays.cameraToWorld, &seen.arrays.previousCameraToWorld,
+                            &seen.arrays.nextCameraToWorld, &seen.arrays.intrinsics, &seen.arrays.environmentIndex})
+    *array = {};
+  return seen;
+}
+
+// Returns the options with which worlds are converted for rays: shaders place them, and there is no picture.
+Options optionsOfRays(Options options) {
+  options.raster = "compute";
+  options.lighting = "clustered";
+  options.shadows = options.indirect = options.ground = "none";
+  options.ambientOcclusion = "none";
+  options.aa = "none";
+  options.aovs.clear();
+  return options;
+}
+
+// The arrays of a call in memory that the device reads.
+VkDeviceAddress addressOf(render::Renderer& renderer, const WorldArray& array, uint64_t bytes,
+                          std::vector<std::shared_ptr<const void>>& held) {
+  if (array.device) {
+    const vk::Buffer& buffer = DeviceArrayMemory::bufferOf(*array.device);
+    if (array.offset + bytes > buffer.size()) badUsage("the rays of worlds extend beyond their memory");
+    held.push_back(DeviceArrayMemory::of(*array.device));
+    return buffer.address() + array.offset;
+  }
+  if (bytes == 0) return 0;
+  const std::shared_ptr<const vk::Buffer> memory = renderer.inputMemory(bytes);
+  std::memcpy(memory->mapped(), array.host, bytes);
+  held.push_back(memory);
+  return memory->address();
+}
+
+}  // namespace
+
+std::map<std::string, DeviceArray> Renderer::cast(const Worlds& worlds, const WorldRays& rays,
+                                                  const std::vector<std::string>& outputs, const Options& options,
+                                                  const std::map<std::string, DeviceArray>& targets) {
+  Impl& impl = usable(impl_);
+  checkRays(rays, worlds.count);
+  render::WorldCast call{.doubles = rays.origins.element == WorldArray::Element::Float64,
+                         .rays = rays.count,
+                         .maxDistance = rays.maxDistance};
+  for (const std::string& name : outputs) {
+    const auto found = std::ranges::find(render::hitInfos(), name, &render::HitInfo::name);
+    if (found == render::hitInfos().end()) badUsage("rays have no output \"{}\"", printable(name));
+    render::WorldCast::Target& hits = call.hits.emplace_back(&*found);
+    const auto target = targets.find(name);
+    if (target == targets.end()) continue;
+    if (!target->second.impl_) badUsage("the array to store {} in is empty", name);
+    hits.memory = target->second.impl_->memory;
+    if (worlds.arrays.ready == 0 && hits.memory->beforeReuse) hits.memory->beforeReuse();
+  }
+  const auto input = impl.rayInput(options);
+  const render::Settings placing = settingsFor(*impl.device, optionsOfRays(options), impl.scene);
+  render::SceneState moment = input.moment;
+  if (worlds.arrays.ready > 0 && impl.inputTimeline)
+    impl.device->waitFirst(impl.inputTimeline->get(), worlds.arrays.ready);
+  const WorldCameras internal = impl.source.convert(worldsOfRays(worlds), placing, moment, impl.renderer, *impl.device);
+  std::vector<std::shared_ptr<const void>> held;
+  const uint64_t bytes = uint64_t{worlds.count} * rays.count * 3 * (call.doubles ? sizeof(double) : sizeof(float));
+  call.origins = addressOf(impl.renderer, rays.origins, bytes, held);
+  call.directions = addressOf(impl.renderer, rays.directions, bytes, held);
+  const std::vector<uint32_t> status = impl.renderer.cast(call, input.settings, moment);
+  warnOfInvalidWorlds(worldsOfStatus(status), worlds.count);
+  std::map<std::string, DeviceArray> arrays;
+  for (render::WorldCast::Target& hits : call.hits) {
+    DeviceArray& array = arrays[std::string(hits.array->name)];
+    array.element = hits.array->integers ? DeviceArray::Element::Uint32 : DeviceArray::Element::Float32;
+    array.shape = {1, worlds.count, rays.count, hits.array->channels};
+    array.impl_ =
+        ownedByProcess(new DeviceArray::Impl{.owner = {}, .device = impl.device, .memory = std::move(hits.memory)});
+  }
+  return arrays;
+}
+
 }  // namespace latelight

@@ -55,6 +55,7 @@ SH_CONST uint kRayAlphaTested = 2u;  // masked or blended: the texture decides i
 SH_CONST uint kRayTranslucent = 4u;  // blended or transmissive
 SH_CONST uint kRayClockwise = 8u;    // front faces are clockwise
 
+SH_CONST uint kRaySceneBytes = 48u;
 struct RayScene {
   uint64_t nodes;        // RayNode[] over the instances
   uint64_t instances;    // RayInstance[]
@@ -105,6 +106,7 @@ SH_END
 static_assert(sizeof(latelight::shared::RayNode) == latelight::shared::kRayNodeBytes);
 static_assert(sizeof(latelight::shared::RayInstance) == latelight::shared::kRayInstanceBytes);
 static_assert(sizeof(latelight::shared::RayTriangle) == 16);
+static_assert(sizeof(latelight::shared::RayScene) == latelight::shared::kRaySceneBytes);
 #endif
 
 #endif

@@ -318,3 +318,46 @@ def test_wrong_deformations_are_refused(scene, worlds_renderer, camera, argument
     arguments = {key: scene.meshes() if isinstance(value, str) else value for key, value in arguments.items()}
     with pytest.raises(latelight.UsageError, match=sentence):
         worlds_renderer.render_worlds(2, camera, SIZE, **arguments)
+
+
+def test_cast_rays_through_worlds(scene, worlds_renderer):
+    """Rays along -Z at the red square, which worlds move and remove: distances in closed form."""
+    red = scene.instances()[0]
+    transforms = np.array([[at(-1)], [at(-1, 0, 1.5)], [at(-1)], [at(-1, np.nan)]])
+    exists = np.array([[True], [True], [False], [True]])
+    origins = np.tile([[-1.0, 0.25, 4], [-1, 5, 4]], (4, 1, 1))
+    directions = np.broadcast_to([0.0, 0, -3], origins.shape)
+    given = {"instances": [red], "transforms": transforms, "exists": exists}
+    for dtype in (np.float64, np.float32):
+        rays = origins.astype(dtype), directions.astype(dtype)
+        hits = worlds_renderer.cast_worlds(4, *rays, **given)
+        np.testing.assert_allclose(hits["distance"], [[4, np.inf], [2.5, np.inf], [np.inf] * 2, [np.inf] * 2], rtol=1e-6)
+        assert hits["distance"].shape == (4, 2) and hits["position"].shape == (4, 2, 3) and hits["uv"].shape == (4, 2, 2)
+        np.testing.assert_array_equal(hits["id"][:2, 0], scene.instance(red).id)
+        np.testing.assert_array_equal(hits["normal"][:2, 0], [[0, 0, 1]] * 2)
+    placed = worlds_renderer.cast_worlds(4, *rays, outputs="distance", on_device=True, **given)
+    assert list(placed) == ["distance"] and placed["distance"].shape == (4, 2)
+    given["transforms"] = transforms + np.array(at(0, 0, 0.5)) - np.eye(4)
+    again = worlds_renderer.cast_worlds(4, *rays, out=placed, on_device=True, **given)
+    if again["distance"].device == "cpu":
+        np.testing.assert_allclose(placed["distance"].numpy()[:2, 0], [3.5, 2], rtol=1e-6)
+    flat = worlds_renderer.cast(origins[0], directions[0], on_device=True, outputs=("distance", "id"))
+    assert flat["distance"].shape == (2,) and flat["id"].dtype == "uint32"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"origins": np.zeros((3, 1, 3))}, "origins"),
+        ({"directions": np.zeros((2, 2, 3))}, "directions"),
+        ({"directions": np.zeros((2, 1, 3), np.float32)}, "the same type, float32 or float64"),
+        ({"max_distance": -1}, "at least 0, not -1"),
+        ({"outputs": "color"}, "no output"),
+        ({"out": {}, "on_device": 1}, "on_device"),
+        ({"normal_frame": "opencv"}, "normal_frame world"),
+    ],
+)
+def test_cast_worlds_rejects_wrong_arguments(worlds_renderer, wrong, message):
+    rays = {"origins": np.zeros((2, 1, 3)), "directions": np.ones((2, 1, 3))}
+    with pytest.raises((latelight.UsageError, TypeError), match=message):
+        worlds_renderer.cast_worlds(2, **{**rays, **wrong})

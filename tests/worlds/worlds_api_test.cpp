@@ -168,6 +168,85 @@ TEST(WorldsApi, ValuesThatAreNotFiniteAffectOnlyTheirWorld) {
     EXPECT_THAT(frames[world].aovs.at("id").ids, testing::Each(0u)) << "world " << world;
 }
 
+// The squares in front of a wall, with an area light, a point light with a radius, and a square that emits light.
+struct LitSquares : Squares {
+  Handle<Instance> lamp;
+  std::vector<Handle<Light>> lights;
+
+  LitSquares() {
+    const Handle<Mesh> square = scene.instance(red).mesh;
+    const Handle<Material> white = scene.addMaterial({.name = "white"}),
+                           glow = scene.addMaterial({.name = "glow", .emissive = {3, 2, 1}});
+    scene.addInstance(square, white, placed(0, 0, -0.5, 3));
+    lamp = scene.addInstance(square, glow, placed(0, 1.2, 0.5, 0.2));
+    Light disk{.name = "disk", .type = "disk", .position = {0, 0, 2}, .intensity = 5, .size = 0.4};
+    Light bulb{.name = "bulb", .type = "point", .position = {1, 1, 1}, .intensity = 2, .size = 0.1};
+    lights = {scene.addLight(disk), scene.addLight(bulb)};
+  }
+};
+
+// Worlds move the lights and what blocks them, and one removes the emissive square.
+TEST(WorldsApi, AreLitByAreaLightsAndEmissiveSurfacesOfTheirOwn) {
+  const LitSquares made;
+  Worlds worlds{.count = 3, .instances = {made.green, made.lamp}};
+  worlds.cameras = {front()};
+  worlds.transforms = {placed(1, 0, 0),      placed(0, 1.2, 0.5, 0.2), placed(0, 0, 0.4, 0.5),
+                       placed(1, 1, 1, 0.1), placed(-1, 0.5, 0.2),     placed(0, -1, 0.5, 0.3)};
+  worlds.exists = {1, 1, 1, 1, 1, 0};
+  worlds.lights = made.lights;
+  for (uint32_t world = 0; world < 3; ++world)
+    for (const Handle<Light>& light : made.lights) {
+      worlds.lightValues.push_back(made.scene.light(light));
+      worlds.lightValues.back().position[0] += 0.3 * world;
+    }
+  Options options = small();
+  options.shadows = "rays";
+  options.samples = 2;
+  for (const char* indirect : {"none", "one-bounce"}) {
+    options.indirect = indirect;
+    Renderer renderer(made.scene, testDevice());
+    const std::vector<Frame> frames = renderer.render(worlds, options);
+    EXPECT_NE(frames[0].rgba, frames[1].rgba);
+    for (uint32_t world = 0; world < 3; ++world) {
+      SCOPED_TRACE(testing::Message() << indirect << ", world " << world);
+      LitSquares edited;
+      edited.scene.setTransform(edited.green, worlds.transforms[2 * world]);
+      edited.scene.setTransform(edited.lamp, worlds.transforms[2 * world + 1]);
+      for (size_t i = 0; i < 2; ++i) edited.scene.setLight(edited.lights[i], worlds.lightValues[2 * world + i]);
+      if (!worlds.exists[2 * world + 1]) edited.scene.removeInstance(edited.lamp);
+      Renderer alone(edited.scene, testDevice());
+      expectSame(frames[world], alone.render(front(), options));
+    }
+    EXPECT_THAT(renderer.validationMessages(), testing::IsEmpty());
+  }
+}
+
+TEST(WorldsApi, RejectRaysThatTheyDoNotSupport) {
+  Squares made;
+  Renderer renderer(made.scene, testDevice());
+  const auto refused = [&](const std::function<void(Worlds&, Options&)>& change) {
+    Worlds worlds{.count = 2, .instances = {made.red}};
+    worlds.cameras = {front()};
+    Options options = small();
+    change(worlds, options);
+    return refusal([&] { renderer.render(worlds, options); });
+  };
+  const std::vector<float> still(2 * 4 * 3);
+  EXPECT_THAT(refused([&](Worlds& w, Options& o) {
+                w.meshes = {made.scene.instance(made.red).mesh};
+                w.arrays.vertices = {.element = WorldArray::Element::Float32, .host = still.data()};
+                o.shadows = "rays";
+              }),
+              HasSubstr("rays do not support joints and vertices of worlds"));
+  EXPECT_THAT(refused([](Worlds& w, Options& o) {
+                w.environments = {"studio"};
+                w.environmentIndex = {0, 0};
+                o.indirect = "path";
+              }),
+              HasSubstr("paths sample one environment for all worlds"));
+  EXPECT_THAT(refused([](Worlds&, Options& o) { o.ground = "shadow"; }), HasSubstr("requires --ground-height"));
+}
+
 TEST(WorldsApi, RejectWrongLists) {
   Squares made;
   Renderer renderer(made.scene, testDevice());

@@ -301,6 +301,53 @@ TEST_P(WorldsWith, DoNotChangeShadowsOfLaterFrames) {
   expectSame(after, other.submit({&camera, 1}, settings).take().frames.front());
 }
 
+// --- rays ------------------------------------------------------------------------------------------------------------
+
+// Rays of a view hit the instances of its own world.
+TEST_P(WorldsWith, CastShadowsByRays) {
+  Settings settings = settingsWith(GetParam());
+  settings.shadows = ShadowFormat::Rays;
+  settings.shadowFilter = ShadowFilter::Pcss;
+  settings.samples = 3;
+  compare(model("punctual.glb"), settings);
+  compare(model("punctual.glb"), settings, {}, true);
+  settings.sun = SunLight{.azimuth = 0.5f, .elevation = 0.8f};
+  compare(model("blended.glb"), settings, {}, false, true);
+}
+
+// Materials differ, so masked, blended and emissive surfaces are others in each world, and some are absent.
+TEST_P(WorldsWith, ReceiveLightAlongPaths) {
+  Settings settings = settingsWith(GetParam());
+  settings.indirect = Indirect::Path;
+  settings.samples = 2;
+  compare(model("blended.glb"), settings);
+  settings.indirectFilter = IndirectFilter::Spatial;
+  compare(model("punctual.glb"), settings, {}, true, true);
+}
+
+TEST_P(WorldsWith, AreTracedByTheReference) {
+  Settings settings = settingsWith(GetParam());
+  settings.lighting = &findTechnique("reference");
+  settings.samples = 2;
+  settings.background.kind = Background::Environment;
+  compare(model("blended.glb"), settings, {}, true, true);
+}
+
+// The worm deforms in the scene's pose, and worlds move it.
+TEST_P(WorldsWith, CastShadowsByRaysInAPose) {
+  const scene::Scene scene = scene::load(model("skinned.glb"));
+  Settings settings = settingsWith(GetParam());
+  settings.time = 0.4;
+  settings.animation = "bend";
+  settings.shadows = ShadowFormat::Rays;
+  settings.sun = SunLight{.azimuth = 0.5f, .elevation = 0.8f};
+  settings.indirect = Indirect::OneBounce;
+  settings.samples = 2;
+  SceneState moment;
+  moment.poses = posesAt(scene, settings);
+  compare(model("skinned.glb"), settings, moment);
+}
+
 // --- motion ----------------------------------------------------------------------------------------------------------
 
 // A square that fills the image and moved by a different distance in each world: an orthographic camera shows kWidth /

@@ -41,6 +41,7 @@ class GpuList {
   // Makes space for a list that shaders write. Earlier contents may be lost.
   void resize(size_t count) { reserve(count); }
   VkDeviceAddress address() const { return buffer_ ? buffer_.address() : 0; }
+  const vk::Buffer& buffer() const { return buffer_; }
   size_t capacity() const { return buffer_ ? capacity_ : 0; }
 
  private:

@@ -35,6 +35,7 @@ void main() {
   frame.previousInstances += instances;
   frame.nextInstances += instances;
   frame.rasterInstances += uint64_t(world) * job.rasterStride;
+  frame.rayScene += uint64_t(world) * job.rayStride;
   if (job.exposures != 0ul) frame.exposure = ExposuresRef(job.exposures).v[view];
   if (job.has != 0u) {
     WorldValues values = ValuesRef(job.values).v[world];

@@ -10,6 +10,10 @@ SH_CONST uint kPlaceGroup = 64u;          // invocations per workgroup
 SH_CONST uint kPlaceColumns = 1u << 20u;  // invocations per z slice, because the workgroups per axis are limited
 SH_CONST uint kNowhere = 4294967295u;     // an index of nothing
 
+// A flag of Instance::flags, in addition to those of shared/types.h: the world does not have the instance, or it is
+// hidden.
+SH_CONST uint kInstanceAbsent = 16u;
+
 // The elements of an array that a caller gave.
 SH_CONST uint kNumberFloat = 0u;
 SH_CONST uint kNumberDouble = 1u;

@@ -9,11 +9,15 @@
 
 #include "base/parallel.h"
 #include "render/gpu_scene/light_tree.h"
+#include "render/gpu_scene/world_inputs_push.h"
 #include "scene/file_frame.h"
 #include "shared/color.h"
 #include "shared/light.h"
 
 namespace latelight::render {
+
+static_assert(shared::kInstanceAbsent > shared::kInstanceVast &&
+              shared::kInstanceAbsent < 1u << shared::kInstanceGroupShift);
 
 namespace {
 
@@ -110,6 +114,9 @@ void GpuWorlds::update(vk::Uploader& uploader, const scene::Scene& scene, const 
                        const WorldDeformer& deformed) {
   hasMaterials_ = !worlds.materials.empty() || !worlds.factors.empty() ||
                   (worlds.inputs && (worlds.inputs->hasFactors() || !worlds.inputs->palette.empty()));
+  variesExistence_ = !worlds.exists.empty() || (worlds.inputs && worlds.inputs->exists != 0);
+  listed_ = worlds.instances;
+  emissiveOnDevice_ = worlds.inputs && worlds.inputs->emissive.address != 0;
   hasOnDevice_ = 0;
   if (worlds.inputs && worlds.inputs->environmentIntensity.address) hasOnDevice_ |= shared::kWorldHasIntensity;
   if (worlds.inputs && worlds.inputs->environmentRotation.address) hasOnDevice_ |= shared::kWorldHasRotation;
@@ -158,6 +165,7 @@ void GpuWorlds::update(vk::Uploader& uploader, const scene::Scene& scene, const 
       record = instances.recordOf(i, toWorld, sphere.turnedOver, longestEdge);
       if (deforms) record.mesh = deformed.firstMesh() + world * deformed.meshCount() + place;
       record.material = state.materials[i];
+      if (sphere.radius < 0) record.flags |= shared::kInstanceAbsent;
       bounds_[size_t{world} * instances_ + i] = instances.onDevice(sphere);
       extend(worldBounds_[world], i, bounds.box, toWorld, sphere);
     }

@@ -130,7 +130,11 @@ class GpuWorlds {
   void foundVast() { vastOnDevice_ = vast_ = true; }  // by shaders that placed the instances
   // 0 without worlds; increases with every update of the host's records and of the worlds' materials.
   uint64_t revision() const { return count_ > 0 ? revision_ : 0; }
-  bool hasMaterials() const { return count_ > 0 && hasMaterials_; }       // other than the scene's
+  bool hasMaterials() const { return count_ > 0 && hasMaterials_; }  // other than the scene's
+  // True if worlds may differ in the instances that exist or in their materials, and so in their emissive surfaces.
+  bool variesEmitters() const { return hasMaterials() || (count_ > 0 && variesExistence_); }
+  std::span<const uint32_t> listed() const { return listed_; }  // WorldStates::instances
+  bool emissiveOnDevice() const { return emissiveOnDevice_; }   // shaders write the emission of the listed instances
   std::span<const shared::Instance> records() const { return records_; }  // of all worlds; none if onDevice()
   // If onDevice(): the materials that worlds choose, in place of the scene's: a list or the palette. Otherwise empty.
   std::span<const uint32_t> chosenMaterials() const { return palette_.empty() ? choices_ : palette_; }
@@ -187,7 +191,8 @@ class GpuWorlds {
   std::vector<float> rotations_, intensities_;
   std::vector<uint32_t> environmentMaps_, environmentIndex_;
   bool moves_ = false;  // previous_ and next_ have other transforms than list_
-  bool vast_ = false, hasMaterials_ = false;
+  bool vast_ = false, hasMaterials_ = false, variesExistence_ = false, emissiveOnDevice_ = false;
+  std::vector<uint32_t> listed_;
   bool onDevice_ = false, vastOnDevice_ = false;
   bool derivesMaterials_ = false;
   uint32_t hasOnDevice_ = 0;                 // kWorldHas*: values that shaders write

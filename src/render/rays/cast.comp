@@ -1,9 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Casts rays and writes the surface that each hits first. Rays are doubles, or floats, in the frame of the caller; they
-// are converted to pairs of floats in the device's world space here, so the host only copies them. The hit's distance
-// is computed again in double-float arithmetic, from the ray's exact direction and the triangle's exact plane, so that
-// it is precise on large triangles and at grazing angles.
+// Casts rays, through the scene or its worlds, and writes the surface that each hits first. Rays are doubles, or
+// floats, in the frame of the caller; they are converted to pairs of floats in the device's world space here, so the
+// host only copies them. The hit's distance is computed again in double-float arithmetic, from the ray's exact
+// direction and the triangle's exact plane, so that it is precise on large triangles and at grazing angles.
 #include "render/glsl/common.glsl"
 #include "render/glsl/ray_point.glsl"
 #include "render/glsl/surface.glsl"
@@ -132,6 +132,9 @@ void main() {
   uint index = gl_GlobalInvocationID.x + gl_GlobalInvocationID.y * (gl_NumWorkGroups.x * gl_WorkGroupSize.x);
   if (index >= push.count) return;
   FrameConstants frame = FrameRef(push.frame).v;
+  uint world = index / push.perWorld;
+  frame.instances += uint64_t(world) * push.instanceCount * kInstanceBytes;
+  frame.rayScene += uint64_t(world) * kRaySceneBytes;
   bindRayTextures(frame);
   dvec3 origin = vectorAt(push.origins, index), unit = unitOf(vectorAt(push.directions, index));
   precise dvec3 from = toWorld(origin) - doublesAt(push.numbers, 0u);

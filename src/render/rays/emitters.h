@@ -13,7 +13,11 @@ struct Emitters {
   std::vector<uint32_t> indices;  // RayScene::emitterIndices
 };
 
-// Returns the triangles of visible instances that rays hit and whose material may emit light.
-Emitters emittersOf(const scene::Scene& scene, const GpuScene& gpuScene);
+// Returns which instances may emit light that rays find: by their materials in the scene, or in any world.
+std::vector<bool> emittingInstances(const GpuScene& gpuScene);
+std::vector<bool> emittingInWorlds(const GpuScene& gpuScene);
+
+// Returns the triangles of the visible instances among these.
+Emitters emittersOf(const scene::Scene& scene, const GpuScene& gpuScene, const std::vector<bool>& emitting);
 
 }  // namespace latelight::render

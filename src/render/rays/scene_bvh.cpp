@@ -88,6 +88,9 @@ SceneBvh::SceneBvh(vk::Device& device, graph::Executor& executor, const scene::S
       record_(device, "ray scene"),
       emitters_(device, "emitters"),
       emitterIndices_(device, "emitters of instances"),
+      worlds_(device),
+      worldEmitters_(device, "emitters in any world"),
+      worldEmitterIndices_(device, "emitters of instances in any world"),
       refitPipeline_(device.cache().pipeline(vk::ComputeDesc{.shader = "ray_refit.comp",
                                                              .constants = {{kFencedConstant, device.isCpu() ? 0u : 1u}},
                                                              .pushBytes = sizeof(shared::RayRefitPush),
@@ -108,16 +111,55 @@ void SceneBvh::setEnvironment(VkDeviceAddress cells) {
 
 void SceneBvh::update() {
   const GpuInstances& instances = gpuScene_.instances();
-  if (geometryRevision_ == gpuScene_.geometry().revision() && instanceRevision_ == instances.revision() &&
-      materialRevision_ == gpuScene_.materials().revision())
-    return;
-  const Stopwatch stopwatch;
-  followMeshes();
-  geometryRevision_ = gpuScene_.geometry().revision();
-  instanceRevision_ = instances.revision();
-  materialRevision_ = gpuScene_.materials().revision();
-  buildInstances();
-  buildSeconds_ += stopwatch.seconds();
+  if (geometryRevision_ != gpuScene_.geometry().revision() || instanceRevision_ != instances.revision() ||
+      materialRevision_ != gpuScene_.materials().revision()) {
+    const Stopwatch stopwatch;
+    followMeshes();
+    geometryRevision_ = gpuScene_.geometry().revision();
+    instanceRevision_ = instances.revision();
+    materialRevision_ = gpuScene_.materials().revision();
+    buildInstances();
+    emittingInWorlds_.clear();
+    buildSeconds_ += stopwatch.seconds();
+  }
+  if (gpuScene_.hasWorlds()) followWorlds();
+}
+
+void SceneBvh::followWorlds() {
+  std::vector<shared::MeshHierarchy> meshes;
+  for (const MeshBvh& mesh : meshes_)
+    meshes.push_back(mesh.buffer ? shared::MeshHierarchy{mesh.buffer.address(), mesh.triangles()}
+                                 : shared::MeshHierarchy{});
+  shared::RayScene common{.environment = environment_,
+                          .emitters = emitters_.address(),
+                          .emitterIndices = emitterIndices_.address(),
+                          .emitterCount = emitterCount_};
+  if (gpuScene_.worlds().hasMaterials()) {
+    listWorldEmitters();
+    common.emitters = worldEmitters_.address();
+    common.emitterIndices = worldEmitterIndices_.address();
+    common.emitterCount = worldEmitterCount_;
+  }
+  worlds_.update(gpuScene_, std::move(meshes), common, gpuScene_.uploads());
+}
+
+void SceneBvh::listWorldEmitters() {
+  std::vector<bool> emitting = emittingInWorlds(gpuScene_);
+  if (emitting == emittingInWorlds_) return;
+  emittingInWorlds_ = std::move(emitting);
+  const Emitters emitters = emittersOf(scene_, gpuScene_, emittingInWorlds_);
+  worldEmitterCount_ = static_cast<uint32_t>(emitters.triangles.size());
+  if (worldEmitterCount_ == 0) return;
+  worldEmitters_.upload(gpuScene_.uploads(), emitters.triangles);
+  worldEmitterIndices_.upload(gpuScene_.uploads(), emitters.indices);
+}
+
+VkDeviceAddress SceneBvh::address(uint32_t world) const {
+  return gpuScene_.hasWorlds() ? worlds_.address() + world * sizeof(shared::RayScene) : record_.address();
+}
+
+uint32_t SceneBvh::emitterCount() const {
+  return gpuScene_.hasWorlds() && gpuScene_.worlds().hasMaterials() ? worldEmitterCount_ : emitterCount_;
 }
 
 void SceneBvh::followMeshes() {
@@ -254,7 +296,7 @@ void SceneBvh::buildInstances() {
     nodes_.upload(uploads, bvh.nodes);
     instances_.upload(uploads, records);
   }
-  const Emitters emitters = emittersOf(scene_, gpuScene_);
+  const Emitters emitters = emittersOf(scene_, gpuScene_, emittingInstances(gpuScene_));
   emitterCount_ = static_cast<uint32_t>(emitters.triangles.size());
   if (emitterCount_ > 0) {
     emitters_.upload(uploads, emitters.triangles);
@@ -273,8 +315,14 @@ void SceneBvh::buildInstances() {
 }
 
 void SceneBvh::addChanges(graph::Graph& graph) const {
-  if (refits_.empty()) return;
-  graph.prologue(graph::Stage::Deformation, "refit", [this](graph::Context& context) { recordRefits(context); });
+  if (!refits_.empty())
+    graph.prologue(graph::Stage::Deformation, "refit", [this](graph::Context& context) { recordRefits(context); });
+  worlds_.addTo(graph);
+}
+
+void SceneBvh::changesSubmitted() {
+  refits_.clear();
+  worlds_.submitted();
 }
 
 void SceneBvh::recordRefits(graph::Context& context) const {
@@ -292,7 +340,7 @@ void SceneBvh::recordRefits(graph::Context& context) const {
 
 uint64_t SceneBvh::bytes() const {
   uint64_t bytes = instanceNodes_ * sizeof(shared::RayNode) + instanceCount_ * sizeof(shared::RayInstance) +
-                   emitterCount_ * sizeof(shared::RayEmitter);
+                   emitterCount_ * sizeof(shared::RayEmitter) + worlds_.bytes();
   for (const MeshBvh& mesh : meshes_)
     if (mesh.buffer) bytes += mesh.buffer.size();
   return bytes;

@@ -1,5 +1,5 @@
-// The scene's BVHs in device memory: one per mesh that is visible anywhere, and one over the instances. They exist only
-// after the first request for rays.
+// The scene's BVHs in device memory: one per mesh that is visible anywhere, and one over the instances, or one over the
+// instances of each world (worlds/). They exist only after the first request for rays.
 #pragma once
 
 #include <memory>
@@ -9,6 +9,7 @@
 #include "render/gpu_scene/gpu_scene.h"
 #include "render/rays/build/device_bvh_builder.h"
 #include "render/rays/bvh.h"
+#include "render/rays/worlds/world_bvh.h"
 #include "vk/object_cache.h"
 
 namespace latelight::render {
@@ -33,22 +34,23 @@ class SceneBvh {
 
   // Sets RayScene::environment, from the next update() on.
   void setEnvironment(VkDeviceAddress cells);
-  // Follows the edits and poses that GpuScene::update() has followed. Meshes that changed are built again; deformed
-  // ones are refitted by the next graph. The uploads are part of GpuScene::uploads().
+  // Follows the edits, poses and worlds that GpuScene has followed. Meshes that changed are built again; the next graph
+  // refits deformed ones, and builds the instance level of worlds. The uploads are part of GpuScene::uploads().
   void update();
-  // Adds the pending refits to the prologue of a graph, after GpuScene::addChanges(). They stay pending until
-  // changesSubmitted().
+  // Adds the pending work to the prologue of a graph, after the changes of GpuScene and of WorldPlacer. It stays
+  // pending until changesSubmitted().
   void addChanges(graph::Graph& graph) const;
-  void changesSubmitted() { refits_.clear(); }
+  void changesSubmitted();
 
-  VkDeviceAddress address() const { return record_.address(); }  // shared::RayScene
-  uint32_t emitterCount() const { return emitterCount_; }        // RayScene::emitterCount
-  uint64_t bytes() const;                                        // device memory of all BVHs
+  VkDeviceAddress address(uint32_t world = 0) const;  // shared::RayScene of a world, or of the scene without worlds
+  uint32_t emitterCount() const;                      // RayScene::emitterCount; with worlds, the maximum of all
+  uint64_t bytes() const;                             // device memory of all BVHs
   BvhStatistics statistics() const;
   // Reads all BVHs back and builds them on the host, which may require seconds.
   BvhCosts costs() const;
   // Reads the BVH of a mesh back from the device. It is empty if the mesh has none.
   Bvh readMesh(uint32_t mesh) const;
+  Bvh readWorld(uint32_t world) const { return worlds_.read(world); }  // items are indices of instances
 
  private:
   struct MeshBvh : DeviceBvh {  // bounds: at rest, in the mesh's space on the device
@@ -61,6 +63,8 @@ class SceneBvh {
   void buildOnHost(std::span<const uint32_t> meshes);
   DeviceBvh uploaded(const scene::Mesh& mesh, const Bvh& bvh);
   void buildInstances();
+  void followWorlds();
+  void listWorldEmitters();
   bool isShown(uint32_t instance) const;
   Box boundsOf(uint32_t instance) const;
   shared::RayInstance recordOf(uint32_t instance) const;
@@ -79,6 +83,12 @@ class SceneBvh {
   GpuList<shared::RayEmitter> emitters_;
   GpuList<uint32_t> emitterIndices_;
   uint32_t emitterCount_ = 0;
+  WorldBvh worlds_;
+  // The instances and triangles that may emit light in any world, if worlds have materials of their own.
+  std::vector<bool> emittingInWorlds_;
+  GpuList<shared::RayEmitter> worldEmitters_;
+  GpuList<uint32_t> worldEmitterIndices_;
+  uint32_t worldEmitterCount_ = 0;
   vk::PipelineRef refitPipeline_;
   uint64_t meshEdits_ = 0;  // revisions that this follows so far
   uint64_t geometryRevision_ = 0, instanceRevision_ = 0, materialRevision_ = 0;

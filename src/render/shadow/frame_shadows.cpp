@@ -58,7 +58,7 @@ FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, ShadowPlan
   if (columns_.empty()) return;
   number(scene.lightCount());
   if (tracesRays()) {
-    uploadRays(device, scene.lights().lights());
+    uploadRays(device, scene);
     return;
   }
   enterMaps();
@@ -178,14 +178,20 @@ void FrameShadows::upload(vk::Device& device, const GpuScene& scene) {
   constantsBuffer_ = uploaded(device, "shadow constants", constants);
 }
 
-void FrameShadows::uploadRays(vk::Device& device, std::span<const shared::Light> lights) {
+void FrameShadows::uploadRays(vk::Device& device, const GpuScene& scene) {
   std::vector<shared::RayShadow> rays;
   for (size_t i = 0; i < table_.size(); ++i) {
     shared::RayShadow none{.light = columns_[i % columns_.size()]};
     rays.push_back(table_[i].maps ? plan_.rays[table_[i].first] : none);
   }
-  std::vector<shared::Light> others(lights.begin(), lights.end());
-  for (const uint32_t light : columns_) others[light].intensity = glm::vec3(0);
+  const uint32_t worlds = scene.worlds().hasLights() ? scene.worlds().count() : 1;
+  lightStride_ = worlds > 1 ? scene.lightCount() : 0;
+  std::vector<shared::Light> others(size_t{worlds} * scene.lightCount());
+  for (uint32_t world = 0; world < worlds; ++world) {
+    const std::span own = std::span(others).subspan(world * lightStride_, scene.lightCount());
+    std::ranges::copy(scene.lightsOf(world).lights, own.begin());
+    for (const uint32_t light : columns_) own[light].intensity = glm::vec3(0);
+  }
   mapsBuffer_ = uploaded(device, "shadow rays", rays);
   lightsBuffer_ = uploaded(device, "lights without shadows", others);
 }

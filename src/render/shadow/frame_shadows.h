@@ -39,7 +39,9 @@ class FrameShadows {
   uint32_t mostRays() const;                                          // maximum number of rays per surface
   uint32_t columns() const { return static_cast<uint32_t>(columns_.size()); }  // lights with shadows in any view
   // The frame's lights except those with shadows in any view, which emit nothing there. Only if tracesRays().
-  VkDeviceAddress otherLights() const { return lightsBuffer_.address(); }
+  VkDeviceAddress otherLights(uint32_t world = 0) const {
+    return lightsBuffer_.address() + world * lightStride_ * sizeof(shared::Light);
+  }
   const ShadowPlan& plan() const { return plan_; }
   shared::LightShadow of(uint32_t view, uint32_t light) const;
   std::optional<uint32_t> sun(uint32_t view) const;  // the view's first directional light that casts shadows
@@ -78,7 +80,7 @@ class FrameShadows {
   void list(const std::shared_ptr<CachedShadowMap>& map, const ShadowView& view);
   void listPagedLights();
   void upload(vk::Device& device, const GpuScene& scene);
-  void uploadRays(vk::Device& device, std::span<const shared::Light> lights);
+  void uploadRays(vk::Device& device, const GpuScene& scene);
 
   uint32_t format_, filter_;  // kShadow*, kShadowFilter*
   bool inCompute_;            // compute shaders draw the maps
@@ -95,6 +97,7 @@ class FrameShadows {
   std::vector<shared::PagedLight> pagedLights_;
   std::vector<uint32_t> columns_;  // lights that cast shadows in some view, ascending
   std::vector<shared::ShadowBits> bits_;
+  size_t lightStride_ = 0;                  // elements of otherLights() per world; 0: all worlds share them
   std::vector<shared::LightShadow> table_;  // one row per view
   std::shared_ptr<const vk::Image> atlas_;
   std::shared_ptr<const vk::Buffer> pages_;

@@ -254,21 +254,24 @@ Shared sharedOf(const ShadowScene& scene, uint32_t world, const ShadowCaster& ca
   return key;
 }
 
-// The lights whose shadows rays find. Penumbrae are those of lights with a radius; with PCSS all lights have one.
-ShadowPlan planRays(const ShadowScene& scene, std::span<const shared::View> views, const Settings& settings,
+// Adds a light whose shadows rays find in a view. Penumbrae are those of lights with a radius; with PCSS all lights
+// have one.
+void addRays(ShadowPlan& plan, size_t view, const ShadowScene& scene, uint32_t light, const Settings& settings) {
+  const bool soft = settings.shadowFilter == ShadowFilter::Pcss || scene.authored[scene.sources[light]].size > 0;
+  const Planner planner{scene, 0, settings, shared::kShadowRays};
+  const double size = soft ? planner.lightRadius(scene.lights[light], light) : 0;
+  const uint32_t rays = size > 0 ? settings.samples : 1;
+  plan.of[view].lights.push_back({light, static_cast<uint32_t>(plan.rays.size()), rays});
+  plan.rays.push_back({light, rays, static_cast<float>(size), 0});
+}
+
+ShadowPlan planRays(std::span<const ShadowScene> worlds, std::span<const shared::View> views, const Settings& settings,
                     const std::vector<Chosen>& chosen) {
   ShadowPlan plan;
   plan.of.resize(views.size());
-  const Planner planner{scene, 0, settings, shared::kShadowRays};
   for (size_t view = 0; view < views.size(); ++view)
-    for (const ShadowCaster& caster : chosen[view].casters) {
-      const bool soft =
-          settings.shadowFilter == ShadowFilter::Pcss || scene.authored[scene.sources[caster.light]].size > 0;
-      const double size = soft ? planner.lightRadius(scene.lights[caster.light], caster.light) : 0;
-      const uint32_t rays = size > 0 ? settings.samples : 1;
-      plan.of[view].lights.push_back({caster.light, static_cast<uint32_t>(plan.rays.size()), rays});
-      plan.rays.push_back({caster.light, rays, static_cast<float>(size), 0});
-    }
+    for (const ShadowCaster& caster : chosen[view].casters)
+      addRays(plan, view, worlds[views[view].world], caster.light, settings);
   return plan;
 }
 
@@ -294,6 +297,15 @@ SunPlan planSuns(const ShadowScene& scene, std::span<const shared::View> views, 
   return plan;
 }
 
+ShadowPlan planPlacedRays(const ShadowScene& scene, size_t views, const Settings& settings) {
+  ShadowPlan plan;
+  plan.of.resize(views);
+  const std::vector<uint32_t> casters = shadowCasters(scene, settings);
+  for (size_t view = 0; view < views; ++view)
+    for (const uint32_t light : casters) addRays(plan, view, scene, light, settings);
+  return plan;
+}
+
 uint64_t shadowTexels(const Settings& s) {
   if (s.shadows == ShadowFormat::Rays) return 0;
   const uint64_t side = std::max(s.width, s.height), most = uint64_t{s.shadowAtlas} * s.shadowAtlas;
@@ -310,7 +322,7 @@ ShadowPlan planShadows(std::span<const ShadowScene> worlds, std::span<const shar
   const uint32_t format = indexOf(settings.shadows);
   if (format == shared::kShadowNone) return plan;
   const std::vector<Chosen> chosen = choose(worlds, views, settings);
-  if (format == shared::kShadowRays) return planRays(worlds.front(), views, settings, chosen);
+  if (format == shared::kShadowRays) return planRays(worlds, views, settings, chosen);
 
   std::map<Shared, uint32_t> firsts;
   struct Distinct {

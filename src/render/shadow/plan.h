@@ -63,6 +63,9 @@ struct SunPlan {
 // `views`: those of a world. Requires castsOnlyDirectional() (choose.h).
 SunPlan planSuns(const ShadowScene& scene, std::span<const shared::View> views, const Settings& settings);
 
+// The plan of shadows by rays for views that the host does not know. Requires castsOnlyDirectional().
+ShadowPlan planPlacedRays(const ShadowScene& scene, size_t views, const Settings& settings);
+
 uint64_t shadowTexels(const Settings& settings);  // maximum number of texels of the maps of one view; 0: no maps
 
 // Selects the lights of each view: those that request shadows in the scene come first, then directional lights, then

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cstring>
 #include <deque>
 #include <utility>
@@ -40,7 +41,7 @@ void copyInParallel(const std::vector<Copy>& arrays) {
   });
 }
 
-// An array of hits: the member of CastPush that has its address, and its bytes per ray.
+// An array of hits in the host's memory: the member of CastPush that has its address, and its bytes per ray.
 struct HitArray {
   uint64_t shared::CastPush::*address;
   size_t bytes;
@@ -98,7 +99,6 @@ RayArrays arraysOf(const CastRays& rays) {
   const size_t origins = floats ? rays.floatOrigins.size() : rays.origins.size(),
                directions = floats ? rays.floatDirections.size() : rays.directions.size();
   if (origins != directions) badUsage("{} rays have an origin, but {} have a direction", origins, directions);
-  if (!(rays.maxDistance >= 0)) badUsage("the maximum distance of rays must be at least 0, not {}", rays.maxDistance);
   const auto bytes = [](const auto& vectors) { return std::as_bytes(vectors).data(); };
   if (floats) return {bytes(rays.floatOrigins), bytes(rays.floatDirections), origins, sizeof(glm::vec3)};
   return {bytes(rays.origins), bytes(rays.directions), origins, sizeof(glm::dvec3)};
@@ -146,7 +146,8 @@ graph::BufferId addCast(const Builder& b, const CastCall& call, const vk::Buffer
                                      .directions = origins + rayCount * rayBytes,
                                      .numbers = numbers,
                                      .count = count,
-                                     .flags = flags};
+                                     .flags = flags,
+                                     .perWorld = count};
                VkDeviceAddress at = context.buffer(hits).address();
                for (const HitArray& array : arrays) {
                  push.*array.address = at;
@@ -157,13 +158,58 @@ graph::BufferId addCast(const Builder& b, const CastCall& call, const vk::Buffer
   return addReadback(b, hits);
 }
 
+// Throws Error(Usage) if the settings request values that rays do not have.
+void checkRays(const Settings& settings, double maxDistance) {
+  checkSettings(settings);
+  if (settings.normalFrame != NormalFrame::World)
+    badUsage("rays have no camera: their normals require --normal-frame world");
+  if (!(maxDistance >= 0)) badUsage("the maximum distance of rays must be at least 0, not {}", maxDistance);
+}
+
+std::array<double, 7> numbersOf(const glm::dvec3& origin, const Settings& settings, double maxDistance) {
+  const glm::dvec3& positions = settings.positionOrigin.point;
+  return {origin.x, origin.y, origin.z, positions.x, positions.y, positions.z, maxDistance};
+}
+
+uint32_t flagsOf(const scene::Scene& scene, const Settings& settings, bool doubles) {
+  const bool file = scene.yUp && settings.axes == Axes::File;
+  return (doubles ? shared::kCastDoubles : 0u) | (file ? shared::kCastFileAxes : 0u) |
+         (settings.dataSurfaces == DataSurfaces::Any ? shared::kCastAnySurface : 0u);
+}
+
 }  // namespace
+
+std::span<const HitInfo> hitInfos() {
+  using shared::CastPush;
+  static constexpr HitInfo kInfos[] = {{"distance", &CastPush::distance, 1, false},
+                                       {"position", &CastPush::position, 3, false},
+                                       {"normal", &CastPush::normal, 3, false},
+                                       {"geonormal", &CastPush::geonormal, 3, false},
+                                       {"uv", &CastPush::uv, 2, false},
+                                       {"id", &CastPush::id, 1, true},
+                                       {"part", &CastPush::part, 1, true},
+                                       {"material", &CastPush::material, 1, true},
+                                       {"triangle", &CastPush::triangle, 1, true},
+                                       {"intensity", &CastPush::intensity, 1, false}};
+  return kInfos;
+}
+
+// Brings the worlds of a call to the device.
+void Renderer::followWorlds(const SceneState& moment) {
+  gpuScene_.setWorlds(moment.worlds, moment.poses, {});
+  if (!moment.worlds.inputs) return;
+  drawOrder_.update(gpuScene_);
+  gpuScene_.storeClusters();
+  rasterInstances_.update(gpuScene_, drawOrder_, gpuScene_.uploads());
+  worldPlacer_.update(scene_, gpuScene_, rasterInstances_, moment.worlds, moment.poses, gpuScene_.uploads(), 1, 1,
+                      false);
+}
 
 shared::FrameConstants Renderer::prepareRays(const Settings& settings, const SceneState& moment) {
   resolveOverflow();
   sceneInput_.reset();
   gpuScene_.update(moment.poses, sunOf(settings));
-  gpuScene_.setWorlds({}, moment.poses, {});
+  followWorlds(moment);
   shared::FrameConstants constants{};
   const SceneBvh& bvh = followedBvh(false);
   gpuScene_.describe(constants);
@@ -201,21 +247,15 @@ CastResult Renderer::cast(const CastRays& rays, const Settings& settings, const 
 
 RenderStatistics Renderer::cast(const CastRays& rays, const CastTargets& targets, const Settings& settings,
                                 const SceneState& moment, const std::function<void()>& beforeStore) {
-  checkSettings(settings);
+  checkRays(settings, rays.maxDistance);
   const RayArrays arrays = arraysOf(rays);
-  if (settings.normalFrame != NormalFrame::World)
-    badUsage("rays have no camera: their normals require --normal-frame world");
   const shared::FrameConstants constants = prepareRays(settings, moment);
-  const glm::dvec3 origin = gpuScene_.origin(), positions = settings.positionOrigin.point;
-  const bool file = scene_.yUp && settings.axes == Axes::File;
-  const CastCall call{
-      .frame = constants,
-      .rays = arrays,
-      .numbers = {origin.x, origin.y, origin.z, positions.x, positions.y, positions.z, rays.maxDistance},
-      .flags = (arrays.bytes == sizeof(glm::dvec3) ? shared::kCastDoubles : 0u) | (file ? shared::kCastFileAxes : 0u) |
-               (settings.dataSurfaces == DataSurfaces::Any ? shared::kCastAnySurface : 0u),
-      .arrays = arraysOf(targets),
-      .constants = rayConstants()};
+  const CastCall call{.frame = constants,
+                      .rays = arrays,
+                      .numbers = numbersOf(gpuScene_.origin(), settings, rays.maxDistance),
+                      .flags = flagsOf(scene_, settings, arrays.bytes == sizeof(glm::dvec3)),
+                      .arrays = arraysOf(targets),
+                      .constants = rayConstants()};
   RenderStatistics statistics;
   std::deque<CastChunk> inFlight;
   bool stores = false;
@@ -244,6 +284,52 @@ RenderStatistics Renderer::cast(const CastRays& rays, const CastTargets& targets
   while (!inFlight.empty()) finishFirst();
   if (!stores && beforeStore) beforeStore();
   return statistics;
+}
+
+std::vector<uint32_t> Renderer::cast(WorldCast& cast, const Settings& settings, const SceneState& moment) {
+  checkRays(settings, cast.maxDistance);
+  if (!moment.worlds.deformations.empty()) badUsage("rays do not support joints and vertices of worlds: omit these");
+  const uint64_t count = cast.rays * moment.worlds.count;
+  constexpr uint32_t kGroup = 64, kRow = 32768 * kGroup;  // invocations per row of a dispatch
+  assert(count <= kMaxWorldRays);
+  for (WorldCast::Target& hits : cast.hits) {
+    const uint64_t bytes = std::max<uint64_t>(count, 1) * hits.array->channels * sizeof(float);
+    if (!hits.memory) hits.memory = exports_->take(device_, bytes);
+    if (hits.memory->buffer.size() < bytes)
+      badUsage("the array of {} is too small for the hits of {} rays", hits.array->name, count);
+  }
+  const shared::FrameConstants constants = prepareRays(settings, moment);
+  if (count == 0) return {};
+  graph::Graph graph(executor_);
+  shared::CastPush push{.frame = graph.constants(std::as_bytes(std::span(&constants, 1))),
+                        .origins = cast.origins,
+                        .directions = cast.directions,
+                        .count = static_cast<uint32_t>(count),
+                        .flags = flagsOf(scene_, settings, cast.doubles),
+                        .perWorld = static_cast<uint32_t>(cast.rays),
+                        .instanceCount = gpuScene_.instances().count()};
+  const std::array<double, 7> numbers = numbersOf(gpuScene_.origin(), settings, cast.maxDistance);
+  push.numbers = graph.constants(std::as_bytes(std::span(numbers)));
+  ComputePass pass{.stage = graph::Stage::Visibility,
+                   .name = "cast rays",
+                   .shader = "cast.comp",
+                   .bindings = Bindings(device_),
+                   .size = {std::min(push.count, kRow), (push.count + kRow - 1) / kRow, 1},
+                   .constants = rayConstants(),
+                   .groupX = kGroup,
+                   .groupY = 1};
+  for (const WorldCast::Target& hits : cast.hits) {
+    const graph::BufferId buffer = graph.import(hits.memory->buffer, std::nullopt);
+    pass.buffers.emplace_back(buffer, graph::Use::StorageWrite);
+    graph.exports(buffer, graph::Use::HostRead);
+    push.*hits.array->address = hits.memory->buffer.address();
+  }
+  addCompute({device_, graph}, std::move(pass), push);
+  addSceneChanges(graph);
+  submit(graph, graph.compile()).wait();
+  if (!moment.worlds.inputs) return {};
+  const std::span<const uint32_t> status = worldPlacer_.status()->bits();
+  return {status.begin(), status.end()};
 }
 
 }  // namespace latelight::render

@@ -5,12 +5,16 @@
 #include <future>
 #include <glm/glm.hpp>
 #include <limits>
+#include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "base/huge_pages.h"
 #include "base/parallel.h"
 #include "render/base/pass.h"
+#include "render/outputs/exported.h"
+#include "render/rays/cast_push.h"
 #include "render/submit/result.h"
 
 namespace latelight::render {
@@ -77,6 +81,30 @@ struct CastResult {
   CastHits hits;
   RenderStatistics statistics;
   uint64_t bvhBytes = 0;  // device memory of the scene's BVHs
+};
+
+// An array of hits: its name, the member of CastPush that has its address, and its elements per ray.
+struct HitInfo {
+  std::string_view name;
+  uint64_t shared::CastPush::*address;
+  uint32_t channels;
+  bool integers;  // 32 bits, as floats have
+};
+std::span<const HitInfo> hitInfos();
+
+inline constexpr uint64_t kMaxWorldRays = uint64_t{1} << 31;  // of all worlds of a call, which a shader numbers
+
+// Rays through worlds, and their hits, in memory of the device.
+struct WorldCast {
+  VkDeviceAddress origins = 0, directions = 0;                   // [worlds][rays][3]
+  bool doubles = false;                                          // elements, otherwise floats
+  uint64_t rays = 0;                                             // per world
+  double maxDistance = std::numeric_limits<double>::infinity();  // meters
+  struct Target {
+    const HitInfo* array;
+    std::shared_ptr<ExportedMemory> memory{};  // of a caller; otherwise cast() takes memory
+  };
+  std::vector<Target> hits;
 };
 
 // The inputs of passes that trace rays through the scene.

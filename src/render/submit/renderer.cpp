@@ -102,6 +102,20 @@ bool tracesRays(const Settings& settings) {
   return settings.shadows == ShadowFormat::Rays || tracesPaths(settings);
 }
 
+// Throws Error(Usage) if rays do not support what worlds require.
+void checkRaysInWorlds(const Settings& settings, const WorldStates& worlds) {
+  if (worlds.count == 0 || !tracesRays(settings)) return;
+  if (!worlds.deformations.empty())
+    badUsage(
+        "rays do not support joints and vertices of worlds: render them with shadow maps and without indirect light");
+  if (tracesPaths(settings) && !worlds.environments.empty())
+    badUsage(
+        "paths sample one environment for all worlds: render worlds with environments of their own without indirect "
+        "light, the technique reference and a ground");
+  if (settings.ground != Ground::None && !settings.groundHeight)
+    badUsage("the lowest points of worlds are not known: --ground requires --ground-height");
+}
+
 bool needsComputeRaster(const Settings& settings) {
   return rastersInCompute(settings) || requestsOutput(settings, Origin::Raster);
 }
@@ -142,6 +156,7 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
     badUsage(
         "the environment can't be the background where there is none: choose one (a .hdr or .exr file, or studio)");
   // Batches in flight depend on the scene's state, so nothing may change before it is known that none overflowed.
+  checkRaysInWorlds(settings, moment.worlds);
   const SceneInput input = inputOf(settings, moment);
   if (input.posed || sceneInput_ != input) resolveOverflow();
   sceneInput_.reset();
@@ -155,10 +170,6 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
         "the data outputs show what lies behind blended and transmissive surfaces and not these themselves; "
         "--data-surfaces any includes them");
   requireRaster(device_, settings);
-  if (moment.worlds.count > 0 && tracesRays(settings))
-    badUsage(
-        "rays trace the scene itself and not its worlds: render worlds with shadow maps, and without indirect light, "
-        "the technique reference and a ground");
   if (settings.ground != Ground::None && !settings.groundHeight) findLowestPoint();
   prepareScene(settings);
   planPlacedShadows(settings, moment.worlds);
@@ -237,7 +248,8 @@ Renderer::SceneInput Renderer::inputOf(const Settings& settings, const SceneStat
           moment.groups};
 }
 
-// Returns true if shaders may fit all shadow maps of worlds that they place, or if there are none.
+// Returns true if shaders may fit all shadow maps of worlds that they place, or if there are none, or if rays find the
+// shadows of lights that are the same in all views.
 bool Renderer::placesShadows(const Settings& s, const Poses& poses, bool hostShadows) const {
   if (s.shadows == ShadowFormat::None || !isLit(s)) return true;
   std::vector<scene::Light> lights = scene_.lights;
@@ -249,7 +261,8 @@ bool Renderer::placesShadows(const Settings& s, const Poses& poses, bool hostSha
 bool Renderer::placesWorlds(const Settings& s, std::span<const scene::Camera> cameras, const Poses& poses,
                             bool hostShadows) const {
   const auto blurs = [&](const scene::Camera& camera) { return thinLensOf(camera, s, scene_).radius > 0; };
-  return WorldPlacer::runsOn(device_) && rastersInCompute(s) && !s.lighting->draws && !tracesRays(s) &&
+  const bool sizesOfLights = tracesPaths(s) && hostShadows;  // the host lists them in the order of each world's lights
+  return WorldPlacer::runsOn(device_) && rastersInCompute(s) && !s.lighting->draws && !sizesOfLights &&
          placesShadows(s, poses, hostShadows) && (s.ambientOcclusion == AmbientOcclusion::None || s.aoRadius) &&
          s.aa.superSampling == 1 && !s.aa.temporal && s.shutter == 0 && s.readout == 0 && stripsOf(s).size() == 1 &&
          std::ranges::none_of(cameras, bendsRays) && std::ranges::none_of(cameras, blurs);
@@ -272,7 +285,7 @@ bool Renderer::castsShadows(const Settings& settings) const {
 // Selects the lights whose shadow maps shaders fit to the views of worlds.
 void Renderer::planPlacedShadows(const Settings& s, const WorldStates& worlds) {
   state_.suns = nullptr;
-  if (!worlds.inputs || !castsShadows(s)) return;
+  if (!worlds.inputs || !castsShadows(s) || s.shadows == ShadowFormat::Rays) return;
   std::vector<shared::View> views;
   for (const scene::Camera& camera : worlds.inputs->cameras)
     views.push_back(shadowView(camera, s.width, s.height, gpuScene_));
@@ -366,11 +379,11 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
 // Returns how many views may be rendered at once. Rows share neither the scene's pose nor the rays of a lens.
 size_t Renderer::viewsAtOnce(const RenderJob& job) const {
   if (job.rowsAreViews && (job.posesScene() || bendsRays(job.now.front()))) return 1;
-  const bool shadows = castsShadows(job.settings);
+  const bool shadows = castsShadows(job.settings) && shadowTexels(job.settings) > 0;
   const size_t atOnce =
       std::min(job.viewCount(),
                mostViews(device_, job.settings, shadows ? Results::ToHost : job.results, rasterInstances_.all().parts));
-  if (!shadows || shadowTexels(job.settings) == 0) return atOnce;
+  if (!shadows) return atOnce;
   return std::clamp<uint64_t>(memoryForViews(device_) / (4 * shadowTexels(job.settings)), 1, atOnce);
 }
 
@@ -379,13 +392,16 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
   const Settings& s = job->settings;
   // Shadow maps, the history of temporal anti-aliasing and poses change with each batch. Others do not depend on each
   // other.
-  const bool independent = !castsShadows(s) && !s.aa.temporal && !job->posesScene();
+  const bool maps = castsShadows(s) && s.shadows != ShadowFormat::Rays;
+  const bool independent = !maps && !s.aa.temporal && !job->posesScene();
   if (job->posesScene()) {
     resolveOverflow();
     poseScene(*job, first, 0);
   }
   ShadowPlan plan;
-  if (castsShadows(s)) plan = planShadows(std::span(job->now).subspan(first, count), s);  // while the device renders
+  if (castsShadows(s))  // while the device renders
+    plan = job->placedWorlds > 0 ? planPlacedRays(shadowSceneOf(gpuScene_), count, s)
+                                 : planShadows(std::span(job->now).subspan(first, count), s);
   if (!independent) resolveOverflow();
   const std::shared_ptr<FrameShadows> shadows = placeShadows(std::move(plan), s);
   ShadowMapState shadowState = ShadowMapState::Cached;

@@ -68,6 +68,10 @@ class Renderer {
   RenderStatistics cast(const CastRays& rays, const CastTargets& targets, const Settings& settings,
                         const SceneState& moment = {}, const std::function<void()>& beforeStore = {});
 
+  // Casts the rays of all worlds of `moment`, of which there is at least one, and waits. The hits are in memory of the
+  // device. Returns WorldStatus::bits() if shaders have placed the worlds.
+  std::vector<uint32_t> cast(WorldCast& cast, const Settings& settings, const SceneState& moment);
+
   // Runs passes that trace rays through the scene (glsl/rays.glsl), and waits for them.
   graph::Submission traceRays(const AddRayPasses& add, const Settings& settings, const SceneState& moment = {});
   BvhStatistics bvhStatistics() const;
@@ -126,6 +130,7 @@ class Renderer {
   SceneInput inputOf(const Settings& settings, const SceneState& moment) const;
   graph::Submission submit(const graph::Graph& graph, const graph::Plan& plan);
   void addSceneChanges(graph::Graph& graph) const;
+  void followWorlds(const SceneState& moment);
   void findLowestPoint();
   shared::FrameConstants prepareRays(const Settings& settings, const SceneState& moment);  // for shaders without views
   std::vector<vk::Constant> rayConstants() const;

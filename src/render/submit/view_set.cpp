@@ -42,8 +42,9 @@ ViewSet::ViewSet(const RenderState& state, const ViewsInTime& views, const Setti
 }
 
 void ViewSet::addConstants(graph::Graph& graph) const {
-  if (described_)
-    addViewConstants(state_.device, graph, described_.address(), static_cast<uint32_t>(views_.now.size()));
+  for (const vk::Buffer* described : {&described_, &otherDescribed_})
+    if (*described)
+      addViewConstants(state_.device, graph, described->address(), static_cast<uint32_t>(views_.now.size()));
   if (placedShadows_) placedShadows_->addTo(graph);
 }
 
@@ -83,10 +84,10 @@ void ViewSet::upload() {
     constants_.as<shared::FrameConstants>()[i] = frame;
   }
   if (!shadows_ || !shadows_->tracesRays()) return;
-  frame.lights = shadows_->otherLights();
   std::vector<shared::FrameConstants> others;
   for (size_t i = 0; i < frames; ++i) {
     setView(frame, i);
+    frame.lights = shadows_->otherLights(views_.now[i].world);
     others.push_back(frame);
   }
   otherConstants_ = vk::uploadedBuffer(state_.device, "constants of other lights", std::as_bytes(std::span(others)));
@@ -110,6 +111,7 @@ void ViewSet::describeOnDevice() {
   state_.scene.worlds().describe(c);
   if (!state_.hasEnvironment) c.has &= ~shared::kWorldHasIntensity;
   c.rasterStride = state_.rasterInstances.address(1) - state_.rasterInstances.address(0);
+  c.rayStride = sizeof(shared::RayScene);
   c.views = static_cast<uint32_t>(count);
   c.firstView = views_.onDevice.first;
   c.viewsPerWorld = views_.onDevice.perWorld;
@@ -118,6 +120,20 @@ void ViewSet::describeOnDevice() {
     std::memcpy(described_.mapped() + sizeof(shared::ViewConstants), views_.exposures.data(), count * sizeof(float));
   }
   *described_.as<shared::ViewConstants>() = c;
+  if (shadows_ && shadows_->tracesRays()) describeOthersOnDevice(c);
+}
+
+// The same constants for the lighting technique, which omits the lights whose shadows rays find.
+void ViewSet::describeOthersOnDevice(shared::ViewConstants c) {
+  if (!otherDescribed_) {
+    otherDescribed_ = uploadBuffer(state_.device, "constants of other lights, common values", sizeof(c),
+                                   VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    otherConstants_ = vk::Buffer(state_.device, {.size = views_.now.size() * sizeof(shared::FrameConstants),
+                                                 .name = "constants of other lights"});
+  }
+  c.frame.lights = shadows_->otherLights();
+  c.result = otherConstants_.address();
+  *otherDescribed_.as<shared::ViewConstants>() = c;
 }
 
 shared::FrameConstants ViewSet::constantsOf(uint32_t world) const {
@@ -144,7 +160,7 @@ shared::FrameConstants ViewSet::constantsOf(uint32_t world) const {
     frame.nextViews = views_.onDevice.next;
   }
   frame.rays = views_.lens ? views_.lens->rays.address() : 0;
-  frame.rayScene = state_.bvh ? state_.bvh->address() : 0;
+  frame.rayScene = state_.bvh ? state_.bvh->address(world) : 0;
   frame.viewCount = static_cast<uint32_t>(count);
   frame.exposure = exposureFactor(s);
   frame.environmentIntensity = state_.hasEnvironment ? s.environmentIntensity : 0.0f;
@@ -173,6 +189,8 @@ void ViewSet::setWorld(shared::FrameConstants& frame, uint32_t world) const {
   if (state_.hasEnvironment)
     frame.environmentIntensity = worlds.environmentIntensity(world, settings_.environmentIntensity);
   frame.environmentMap = worlds.environmentMap(world);
+  if (state_.bvh) frame.rayScene = state_.bvh->address(world);
+  frame.areaShadows = areaShadowsOf(state_.scene.lightsOf(world), settings_);
   if (worlds.turnsEnvironment()) {
     const float rotation = worlds.environmentRotation(world, settings_.environmentRotation);
     frame.environmentCos = std::cos(rotation);

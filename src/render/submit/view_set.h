@@ -71,6 +71,7 @@ class ViewSet {
  private:
   void upload();
   void describeOnDevice();
+  void describeOthersOnDevice(shared::ViewConstants constants);
   // With worlds, or if views have different exposures.
   bool hasConstantsPerView() const { return state_.scene.hasWorlds() || views_.exposures.size() > 1; }
   shared::FrameConstants constantsOf(uint32_t world) const;
@@ -85,6 +86,7 @@ class ViewSet {
   vk::Buffer viewBuffer_, constants_, otherConstants_;
   std::optional<PlacedShadows> placedShadows_;
   vk::Buffer described_;  // shared::ViewConstants, then the views' exposures; null unless the views are on the device
+  vk::Buffer otherDescribed_;  // shared::ViewConstants of otherConstants_; null unless shaders write these
 };
 
 }  // namespace latelight::render

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // The power of each emissive triangle (RayScene::emitters), by which paths choose among them: the area times the mean
 // emission, in the largest channel, of kPoints points that are spread evenly over the triangle. One invocation per
-// triangle; output: push.sums.
+// triangle and, with worlds, view; output: push.sums.
 #include "render/glsl/common.glsl"
 #include "render/glsl/ray_point.glsl"
 #include "render/glsl/ray_samples.glsl"
@@ -26,10 +26,11 @@ vec3 emittedBy(Material m, SurfacePoint p) {
 
 void main() {
   uint index = gl_GlobalInvocationID.x + gl_GlobalInvocationID.y * (gl_NumWorkGroups.x * gl_WorkGroupSize.x);
-  if (index >= push.count) return;
-  FrameConstants frame = FrameRef(push.frame).v;
+  FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
+  RayScene scene = RaySceneRef(frame.rayScene).v;
+  if (index >= scene.emitterCount) return;
   bindRayTextures(frame);
-  RayEmitter emitter = EmittersRef(RaySceneRef(frame.rayScene).v.emitters).v[index];
+  RayEmitter emitter = EmittersRef(scene.emitters).v[index];
   Material m = frameMaterial(frame, frameInstance(frame, emitter.instance).material);
   Ray ray = Ray(frameInstance(frame, emitter.instance).objectToWorld[3], vec3(0.0), vec3(0.0), 0.0, 0.0);
   RayHit hit = noHit();
@@ -44,5 +45,5 @@ void main() {
     SurfacePoint p = rayPoint(frame, ray, hit);
     power += maxChannel(emittedBy(m, p)) * 0.5 * length(p.plane) / float(kPoints);
   }
-  PowersRef(push.sums).v[index] = power;
+  PowersRef(push.sums + uint64_t(gl_WorkGroupID.z) * push.stride * 4ul).v[index] = power;
 }

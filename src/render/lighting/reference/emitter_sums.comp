@@ -1,8 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Replaces the powers of emissive triangles (push.sums) by their running sums. One workgroup: each invocation sums a
-// contiguous part.
+// Replaces the powers of emissive triangles (push.sums) by their running sums. One workgroup per list: each invocation
+// sums a contiguous part.
 #include "render/glsl/common.glsl"
+#include "render/glsl/rays.glsl"
 #include "render/lighting/reference/emitters_push.h"
 
 layout(local_size_x = 256) in;
@@ -14,9 +15,10 @@ layout(push_constant, scalar) uniform Push { EmittersPush push; };
 shared float partSums[256];
 
 void main() {
-  uint part = (push.count + 255u) / 256u, own = gl_LocalInvocationID.x;
-  uint first = min(own * part, push.count), end = min(first + part, push.count);
-  PowersRef powers = PowersRef(push.sums);
+  uint count = RaySceneRef(frameOf(push.frame, gl_WorkGroupID.z).rayScene).v.emitterCount;
+  uint part = (count + 255u) / 256u, own = gl_LocalInvocationID.x;
+  uint first = min(own * part, count), end = min(first + part, count);
+  PowersRef powers = PowersRef(push.sums + uint64_t(gl_WorkGroupID.z) * push.stride * 4ul);
   float sum = 0.0;
   for (uint i = first; i < end; ++i) sum += powers.v[i];
   partSums[own] = sum;

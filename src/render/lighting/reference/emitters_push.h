@@ -8,8 +8,8 @@ SH_BEGIN
 
 struct EmittersPush {
   uint64_t frame;  // FrameConstants
-  uint64_t sums;   // float[count]: powers, then their running sums
-  uint count;
+  uint64_t sums;   // float[views][stride]: powers, then their running sums; with worlds, for each view
+  uint stride;     // maximum number of emitters
   uint padding;
 };
 

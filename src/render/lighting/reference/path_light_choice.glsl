@@ -30,7 +30,7 @@ struct LightChoice {
 bool lights(FrameConstants frame, PathVertex v, uint index) {
   if (index < frame.directionalLights) return true;
   vec4 sphere = floatsAt(frame.lights + uint64_t(index) * kLightBytes, 0u);  // position, 1 / radius^2
-  float size = v.visible ? 0.0 : LightSizesRef(push.lightSizes).v[index];
+  float size = v.visible ? 0.0 : LightSizesRef(lightSizes).v[index];
   vec3 offset = sphere.xyz - v.s.position;
   float distance2 = dot(offset, offset);
   return distance2 * sphere.w < 1.0 && distance2 >= size * size;

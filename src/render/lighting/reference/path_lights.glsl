@@ -42,7 +42,7 @@ LightRay rayToLight(FrameConstants frame, PathVertex v, float distance) {
   LightChoice choice = chooseLight(frame, v, nextSample());
   if (choice.light == vec3(0.0)) return noLightRay();
   Light light = frameLight(frame, choice.index);
-  float size = LightSizesRef(push.lightSizes).v[choice.index];
+  float size = LightSizesRef(lightSizes).v[choice.index];
   mat3 axes = rayAxes(choice.toLight);
   vec2 disk = diskSample(nextSample()) * size;
   vec3 moved = axes[0] * disk.x + axes[1] * disk.y;
@@ -99,7 +99,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Emi
 
 // Probability with which rayToEmitter() chooses an emissive triangle.
 float emitterShare(RayScene scene, uint index) {
-  EmitterSumsRef sums = EmitterSumsRef(push.emitterSums);
+  EmitterSumsRef sums = EmitterSumsRef(emitterSums);
   float before = index == 0u ? 0.0 : sums.v[index - 1u];
   return max(sums.v[index] - before, 0.0) / max(sums.v[scene.emitterCount - 1u], 1e-30);
 }
@@ -120,7 +120,7 @@ float emitterDensity(RayScene scene, RayHit hit, PathHit at, vec3 toLight) {
 
 // Returns the first emitter whose running sum exceeds the fraction u of the total.
 uint emitterByPower(RayScene scene, float u) {
-  EmitterSumsRef sums = EmitterSumsRef(push.emitterSums);
+  EmitterSumsRef sums = EmitterSumsRef(emitterSums);
   uint low = 0u, high = scene.emitterCount - 1u;
   float target = u * sums.v[high];
   while (low < high) {
@@ -207,7 +207,7 @@ vec3 emittedRadiance(EmitterPoint p, vec3 direction) {
 // Chooses an emissive triangle, and a point on it. It is weighted as if it were chosen by power only, as
 // emitterDensity() states.
 LightRay rayToEmitter(FrameConstants frame, RayScene scene, PathVertex v, float distance) {
-  if (kEmitters == 0u) return noLightRay();
+  if (kEmitters == 0u || scene.emitterCount == 0u) return noLightRay();
   EmitterChoice choice = chooseEmitter(frame, scene, v, nextSample());
   EmitterPoint p = emitterPoint(frame, EmittersRef(scene.emitters).v[choice.index], v.s.position, nextSample());
   vec3 way = p.position - rayOrigin(v.s, p.position - v.s.position, distance);

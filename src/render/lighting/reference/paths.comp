@@ -48,6 +48,7 @@ uint pathSeed;   // of the pixel
 uint pathIndex;  // number of the sample
 uint pathPair;   // the next pair of dimensions
 vec2 nextSample() { return sobolSample(pathIndex, pathPair++, pathSeed); }
+uint64_t emitterSums, lightSizes;  // PathsPush, those of the view
 
 #include "render/lighting/reference/path_lights.glsl"
 
@@ -320,6 +321,8 @@ void main() {
   FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
   bindRayTextures(frame);
   ivec3 place = ownPixel();
+  emitterSums = push.emitterSums + uint64_t(place.z) * push.emitterStride * 4ul;
+  lightSizes = push.lightSizes + uint64_t(place.z) * push.lightStride * 4ul;
   View view = frameView(frame, place.z);
   bool inside = all(lessThan(vec2(place.xy), view.size));
   LitPixel p = readPixel(frame, view, place, inside ? 1u : 0u);

@@ -15,11 +15,12 @@ SH_CONST uint kPathsFindTranslucent = 4u;  // rays find blended and transmissive
 struct PathsPush {
   uint64_t frame;  // FrameConstants
   VisibleSurfacePush shown;
-  uint64_t emitterSums;  // float[RayScene::emitterCount]: running sums of the emitters' powers
-  uint64_t lightSizes;   // float[lightCount], as RayShadow::lightSize
+  uint64_t emitterSums;  // float[emitterStride]: running sums of the emitters' powers; with worlds, for each view
+  uint64_t lightSizes;   // float[lightCount], as RayShadow::lightSize; with lights of worlds, for each view
   uint first, end;       // samples of this pass
   uint samples;          // of all passes
   uint bounces;          // maximum number of surfaces after the visible one
+  uint emitterStride, lightStride;  // elements from one view to the next
 };
 
 SH_END

@@ -48,13 +48,18 @@ void bindSignals(Bindings& bindings, const IndirectSignals& signals, bool first)
     bindings.storage(image, graph::Use::StorageWrite);
 }
 
-// Returns the sizes of the lights, as RayShadow::lightSize, in the order of FrameConstants::lights.
+// Returns the sizes of the lights, as RayShadow::lightSize, in the order of FrameConstants::lights. With lights of
+// worlds, they are those of each view, with the space of the largest world.
 std::vector<float> lightSizes(const FrameContext& f) {
-  const LightSet& set = f.scene.lightsOf(0);
-  std::vector<float> sizes;
-  for (size_t i = 0; i < set.lights.size(); ++i) {
-    const float size = set.authored[set.sources[i]].size;
-    sizes.push_back(shared::lightIsDirectional(set.lights[i].type) ? std::tan(size / 2) : size);
+  const size_t views = f.scene.worlds().hasLights() ? f.views.size() : 1, stride = f.scene.lightCount();
+  std::vector<float> sizes(views * stride);
+  for (size_t view = 0; view < views; ++view) {
+    const LightSet& set = f.scene.lightsOf(f.views[view].world);
+    for (size_t i = 0; i < set.lights.size(); ++i) {
+      const float size = set.authored[set.sources[i]].size;
+      const bool directional = shared::lightIsDirectional(set.lights[i].type);
+      sizes[view * stride + i] = directional ? std::tan(size / 2) : size;
+    }
   }
   return sizes;
 }
@@ -91,7 +96,7 @@ IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fro
   const uint32_t flags = pathFlags(f, fromLights);
   const IndirectSignals signals = createSignals(f, filters);
   const graph::BufferId emitters = f.emitters > 0 ? addEmitterSums(f) : graph::BufferId{};
-  const graph::BufferId sizes = f.scene.lightsOf(0).lights.empty() ? graph::BufferId{} : addLightSizes(f);
+  const graph::BufferId sizes = f.scene.lightCount() == 0 ? graph::BufferId{} : addLightSizes(f);
   for (uint32_t first = 0; first < all; first += atOnce) {
     const bool kept = first > 0 || !fromLights;
     ComputePass pass = lightingPass(f, gbuffer, "paths", "paths.comp", {.picture = kept, .counts = kept});
@@ -112,7 +117,9 @@ IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fro
                                  .first = first,
                                  .end = std::min(first + atOnce, all),
                                  .samples = all,
-                                 .bounces = bounces};
+                                 .bounces = bounces,
+                                 .emitterStride = f.scene.hasWorlds() ? f.emitters : 0,
+                                 .lightStride = f.scene.worlds().hasLights() ? f.scene.lightCount() : 0};
     addCompute(f, std::move(pass), [push, emitters, sizes, visible = gbuffer.visible](graph::Context& context) {
       shared::PathsPush filled = push;
       filled.shown = surfacePush(visible, context);

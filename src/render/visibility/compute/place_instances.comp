@@ -131,6 +131,8 @@ void main() {
     record.flags |= kInstanceVast;
     report(job, world, kWorldVast);
   }
+  bool shown = !invalid && (t.state & kTemplateHidden) == 0u && exists(job, world, t.place);
+  if (!shown) record.flags |= kInstanceAbsent;
   record = placed(job, record, toWorld, t.vertexOrigin);
   InstancesOut(job.instances[0]).v[elementIndex()] = record;
   for (uint time = 1u; time < job.instanceTimes; ++time) {
@@ -141,7 +143,6 @@ void main() {
   RasterInstance raster = RasterTemplates(job.rasterTemplates).v[t.draw];
   vec4 bounds = boundsOf(job, t, toWorld);
   vec2 stretch = stretchOf(record.objectToWorld);
-  bool shown = !invalid && (t.state & kTemplateHidden) == 0u && exists(job, world, t.place);
   raster.centre = bounds.xyz;
   raster.radius = shown ? bounds.w : uintBitsToFloat(0xff800000u);  // minus infinity
   raster.stretch = stretch.x;
