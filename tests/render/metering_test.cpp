@@ -159,6 +159,7 @@ TEST_F(MeteredPictures, AreThoseOfTheirExposures) {
   forward.lighting = &findTechnique("forward");
   Settings rays = plain;
   rays.shadows = ShadowFormat::Rays, rays.indirect = Indirect::OneBounce, rays.samples = 1;
+  rays.indirectFilter = IndirectFilter::Spatial;
   Settings multisampled = plain;
   multisampled.aa.samples = 4, multisampled.lighting = &findTechnique("clustered");
   plain.raster = forward.raster = Raster::Hardware;

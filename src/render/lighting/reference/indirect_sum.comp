@@ -21,6 +21,6 @@ void main() {
   vec3 light = texelFetch(scatteredLight, place, 0).rgb * texelFetch(scatteredAlbedo, place, 0).rgb +
                texelFetch(mirroredLight, place, 0).rgb * mirrored.rgb;
   vec4 before = imageLoad(litPicture, place);
-  vec3 after = clamp(before.rgb + light * FrameRef(push.frame).v.exposure, vec3(0.0), vec3(65504.0));
+  vec3 after = clamp(before.rgb + light * frameOf(push.frame, uint(place.z)).exposure, vec3(0.0), vec3(65504.0));
   imageStore(litPicture, place, vec4(after, before.a));
 }
