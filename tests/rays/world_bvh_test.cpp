@@ -116,8 +116,9 @@ TEST_F(WorldBvhTest, HoldsTheInstancesOfTheWorldInTheirBoxes) {
       const Bvh other = again.read(world);
       ASSERT_EQ(bvh.items, other.items);
       ASSERT_EQ(bvh.nodes.size(), other.nodes.size());
-      if (!bvh.nodes.empty())
+      if (!bvh.nodes.empty()) {
         EXPECT_EQ(std::memcmp(bvh.nodes.data(), other.nodes.data(), bvh.nodes.size() * sizeof(bvh.nodes[0])), 0);
+      }
       std::vector<uint32_t> present;
       std::vector<Box> boxes;
       for (uint32_t i = 0; i < instances; ++i)

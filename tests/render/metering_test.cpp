@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "long_tests.h"
 #include "output/metadata.h"
 #include "render/submit/metering.h"
 #include "render/support.h"
@@ -164,7 +165,9 @@ TEST_F(MeteredPictures, AreThoseOfTheirExposures) {
   multisampled.aa.samples = 4, multisampled.lighting = &findTechnique("clustered");
   plain.raster = forward.raster = Raster::Hardware;
   effects.raster = rays.raster = multisampled.raster = Raster::Compute;
-  for (const Settings& settings : {plain, effects, forward, rays, multisampled}) {
+  std::vector<Settings> all{effects, rays};
+  if (latelight::test::runsInFull()) all.insert(all.end(), {plain, forward, multisampled});
+  for (const Settings& settings : all) {
     SCOPED_TRACE(fmt::format("{} {} {}", settings.lighting->name, nameOf(settings.shadows), nameOf(settings.raster)));
     expectOwnExposures(device(), hall(), camerasOfHall(), settings);
   }

@@ -1,4 +1,4 @@
-// The server as seen by browsers and other clients. Everything runs under validation, and any message fails the test.
+// The server as seen by browsers and other clients. All but one runs under validation, and any message fails the test.
 #include "serve/server.h"
 
 #include <gmock/gmock.h>
@@ -65,8 +65,9 @@ size_t residentBytes() {
 // One server for all tests, in this process.
 class ServerTest : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    view::Start start{.scene = "builtin:boxes", .device = "cpu", .validate = true, .width = 64, .height = 48};
+  static void SetUpTestSuite() { run(true); }
+  static void run(bool validate) {
+    view::Start start{.scene = "builtin:boxes", .device = "cpu", .validate = validate, .width = 64, .height = 48};
     server = new Server({.sessions = kSessions, .requestTimeout = 0.5}, start);
     thread = new std::thread([] { EXPECT_NO_THROW(server->run()); });
     waitUntil([] { return get(server->port(), "/").starts_with("HTTP/1.1 403"); });
@@ -710,8 +711,15 @@ TEST_F(ServerTest, ASlowPageGetsCoarsePicturesAndHoldsUpNobody) {
   EXPECT_LT(residentBytes(), bytesBefore + (256 << 20)) << "what is rendered at that size, and two messages";
 }
 
+// Devices come and go on several threads at once, during which the validation layers of Debian 12 can crash
+// (docs/quality.md).
+class ReconnectsTest : public ServerTest {
+ protected:
+  static void SetUpTestSuite() { run(false); }
+};
+
 // Pages that open and close, most of them in the middle of a request, leak nothing.
-TEST_F(ServerTest, ReconnectsGiveBackWhatTheyTook) {
+TEST_F(ReconnectsTest, GiveBackWhatTheyTook) {
   const auto comeAndGo = [](int i) {
     Client page = resized();
     if (i % 5 == 0) page.show(page.hear());

@@ -175,11 +175,11 @@ TEST_F(SteadyWorlds, NeitherGrowNorCreateAnything) {
 }
 
 TEST_F(SteadyWorlds, NeitherGrowNorCreateAnythingWithShadows) {
-  run(latelight::test::rounds(1'000u, 80u), ShadowFormat::D32);
+  run(latelight::test::rounds(1'000u, 50u), ShadowFormat::D32);
 }
 
 TEST_F(SteadyWorlds, NeitherGrowNorCreateAnythingWithRays) {
-  run(latelight::test::rounds(1'000u, 80u), ShadowFormat::Rays);
+  run(latelight::test::rounds(1'000u, 50u), ShadowFormat::Rays);
 }
 
 // The same for worlds that pose joints and move vertices: the arrays change in every call.

@@ -11,6 +11,7 @@
 #include <random>
 #include <tuple>
 
+#include "long_tests.h"
 #include "models/models.h"
 #include "test_device.h"
 #include "worlds/same_frames.h"
@@ -79,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(Rasters, ArraysOfWorlds, testing::Values("compute", "ha
 
 TEST_P(ArraysOfWorlds, GiveTheImagesOfTheEditedScene) {
   const bool compute = std::string(GetParam()) == "compute";
-  const uint32_t kWorlds = compute ? 200 : 12;
+  const uint32_t kWorlds = compute ? latelight::test::rounds(200u, 60u) : 12;
   for (const char* name : {"blended.glb", "textured.glb"}) {
     const std::string file = models::modelPath(name).string();
     Scene scene(file), edited(file);

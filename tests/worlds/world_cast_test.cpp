@@ -101,7 +101,9 @@ void expectClosedForms() {
     EXPECT_FLOAT_EQ(distances[ray], distance);
     EXPECT_EQ(ids[ray] != 0, distance < kInfinity);
     EXPECT_EQ(normals[3 * ray + 2], distance < kInfinity ? 1 : 0);
-    if (distance < kInfinity) EXPECT_NEAR(positions[3 * ray + 2], 10 - distance, 2e-6);
+    if (distance < kInfinity) {
+      EXPECT_NEAR(positions[3 * ray + 2], 10 - distance, 2e-6);
+    }
   }
   EXPECT_THAT(renderer.validationMessages(), testing::IsEmpty());
 }

@@ -6,6 +6,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
+#include "long_tests.h"
 #include "models/models.h"
 #include "render/submit/session.h"
 #include "render/support.h"
@@ -317,6 +318,9 @@ TEST_P(WorldsWith, CastShadowsByRays) {
 
 // Materials differ, so masked, blended and emissive surfaces are others in each world, and some are absent.
 TEST_P(WorldsWith, ReceiveLightAlongPaths) {
+  if (GetParam() == Raster::Hardware) {  // the rays are the same
+    LATELIGHT_SKIP_UNLESS_ALL();
+  }
   Settings settings = settingsWith(GetParam());
   settings.indirect = Indirect::Path;
   settings.samples = 2;
@@ -326,6 +330,9 @@ TEST_P(WorldsWith, ReceiveLightAlongPaths) {
 }
 
 TEST_P(WorldsWith, AreTracedByTheReference) {
+  if (GetParam() == Raster::Hardware) {  // the rays are the same
+    LATELIGHT_SKIP_UNLESS_ALL();
+  }
   Settings settings = settingsWith(GetParam());
   settings.lighting = &findTechnique("reference");
   settings.samples = 2;
