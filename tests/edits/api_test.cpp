@@ -8,18 +8,16 @@
 #include <limits>
 
 #include "models/models.h"
+#include "placed.h"
 
 namespace latelight {
 namespace {
 
+using test::placed;
 using testing::HasSubstr;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr Transform kAsItIs{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-
-Transform placed(double x, double y, double z, double size = 1) {
-  return {size, 0, 0, x, 0, size, 0, y, 0, 0, size, z, 0, 0, 0, 1};
-}
 
 Scene punctual() {
   return Scene(models::modelPath("punctual.glb").string());

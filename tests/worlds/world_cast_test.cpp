@@ -7,19 +7,17 @@
 #include <limits>
 #include <random>
 
+#include "placed.h"
 #include "test_device.h"
 
 namespace latelight {
 namespace {
 
+using test::placed;
 using test::testDevice;
 using testing::HasSubstr;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-Transform boxAt(double x, double y, double z, double size = 1) {
-  return {size, 0, 0, x, 0, size, 0, y, 0, 0, size, z, 0, 0, 0, 1};
-}
 
 // The box [-1, 1]^3, in a scene with glTF's axes.
 struct BoxScene {
@@ -32,7 +30,7 @@ struct BoxScene {
       mesh.positions.push_back({corner & 1 ? 1.0f : -1.0f, corner & 2 ? 1.0f : -1.0f, corner & 4 ? 1.0f : -1.0f});
     mesh.indices = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
                     2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
-    box = scene.addInstance(scene.addMesh(mesh), scene.addMaterial({.name = "white"}), boxAt(0, 0, 0));
+    box = scene.addInstance(scene.addMesh(mesh), scene.addMaterial({.name = "white"}), placed(0, 0, 0));
   }
 };
 
@@ -70,8 +68,8 @@ struct ParallelRays {
 // Worlds: the box moved along Z, doubled, absent, and not finite.
 Worlds movedBoxes(const Handle<Instance>& box) {
   Worlds worlds{.count = 5, .instances = {box}};
-  worlds.transforms = {boxAt(0, 0, 0), boxAt(0, 0, 3.5), boxAt(0, 0, -2, 2), boxAt(0, 0, 0),
-                       boxAt(0, std::numeric_limits<double>::quiet_NaN(), 0)};
+  worlds.transforms = {placed(0, 0, 0), placed(0, 0, 3.5), placed(0, 0, -2, 2), placed(0, 0, 0),
+                       placed(0, std::numeric_limits<double>::quiet_NaN(), 0)};
   worlds.exists = {1, 1, 1, 0, 1};
   return worlds;
 }
@@ -178,7 +176,7 @@ TEST(WorldCast, StoresHitsInGivenArrays) {
   const ParallelRays<float> rays(5);
   Worlds worlds = movedBoxes(made.box);
   const auto first = renderer.cast(worlds, rays.get());
-  worlds.transforms[0] = boxAt(0, 0, 1);
+  worlds.transforms[0] = placed(0, 0, 1);
   const auto second = renderer.cast(worlds, rays.get(), {"distance"}, {}, first);
   EXPECT_FLOAT_EQ(valuesIn<float>(first.at("distance"))[0], 8);
   EXPECT_FLOAT_EQ(valuesIn<float>(second.at("distance"))[0], 8);

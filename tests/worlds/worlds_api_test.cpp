@@ -6,19 +6,17 @@
 #include <functional>
 #include <limits>
 
+#include "placed.h"
 #include "test_device.h"
 
 namespace latelight {
 namespace {
 
+using test::placed;
 using test::testDevice;
 using testing::HasSubstr;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-Transform placed(double x, double y, double z, double size = 1) {
-  return {size, 0, 0, x, 0, size, 0, y, 0, 0, size, z, 0, 0, 0, 1};
-}
 
 // A red and a green square that face +Z, in a scene with glTF's axes.
 struct Squares {
