@@ -7,6 +7,7 @@
 //
 // No result depends on the order in which invocations run. The host's counterpart for scenes without worlds is
 // SceneBvh::buildInstances().
+#include "render/glsl/ordered_bits.glsl"
 #include "render/rays/worlds/world_bvh.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer HierarchiesRef { MeshHierarchy v[]; };
@@ -29,15 +30,6 @@ void synchronize() {
   memoryBarrierBuffer();
   memoryBarrierShared();
   barrier();
-}
-
-// Returns bits whose order as integers is that of the floats, and back.
-uint orderedBits(float value) {
-  uint bits = floatBitsToUint(value);
-  return (bits & 0x80000000u) != 0u ? ~bits : bits | 0x80000000u;
-}
-float fromOrderedBits(uint bits) {
-  return uintBitsToFloat((bits & 0x80000000u) != 0u ? bits & 0x7fffffffu : ~bits);
 }
 
 dmat3 linearOf(Instance instance) {

@@ -7,6 +7,7 @@
 #include "render/visibility/compute/surface_point.glsl"
 #include "render/transparency/blended_light.glsl"
 #include "render/transparency/fragment_lists.glsl"
+#include "render/glsl/ordered_bits.glsl"
 #include "render/glsl/samples.glsl"
 
 layout(local_size_x = 256) in;
@@ -16,9 +17,7 @@ layout(constant_id = kSortedConstant) const uint kSorted = 0u;
 // Sets the key for sorting by instance: the view depth of the instance's center, farther ones first. An instance's back
 // faces come before its front faces, which is correct for convex meshes. The keys order up to 2^31 blended triangles.
 void setSortedKey(inout Fragment f, View view, VisibleTriangle t, SurfacePoint p) {
-  uint y = floatBitsToUint((view.worldToView * vec4(t.draw.centre, 1.0)).y);
-  uint ascending = (y & 0x80000000u) != 0u ? ~y : y | 0x80000000u;
-  f.depth = ~ascending;
+  f.depth = ~orderedBits((view.worldToView * vec4(t.draw.centre, 1.0)).y);
   f.order = 2u * (t.draw.firstTriangle - push.firstTriangle) + (p.facing > 0.0 ? t.draw.triangles : 0u) + t.number;
 }
 
