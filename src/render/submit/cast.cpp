@@ -120,6 +120,18 @@ struct CastCall {
   }
 };
 
+ComputePass castPass(const Builder& b, uint32_t rays, std::vector<vk::Constant> constants) {
+  constexpr uint32_t kGroup = 64, kRow = 32768 * kGroup;  // invocations per row of a dispatch
+  return {.stage = graph::Stage::Visibility,
+          .name = "cast rays",
+          .shader = "cast.comp",
+          .bindings = Bindings(b.device),
+          .size = {std::min(rays, kRow), (rays + kRow - 1) / kRow, 1},
+          .constants = std::move(constants),
+          .groupX = kGroup,
+          .groupY = 1};
+}
+
 // Adds the pass that casts the rays of a buffer that the host has written: all origins, then all directions. The device
 // reads them over the bus while it traces others. Returns their hits.
 graph::BufferId addCast(const Builder& b, const CastCall& call, const vk::Buffer& rays, size_t rayCount,
@@ -129,16 +141,9 @@ graph::BufferId addCast(const Builder& b, const CastCall& call, const vk::Buffer
   const VkDeviceAddress frame = graph.constants(std::as_bytes(std::span(&call.frame, 1)));
   const VkDeviceAddress numbers = graph.constants(std::as_bytes(std::span(call.numbers)));
   const auto count = static_cast<uint32_t>(rayCount);
-  addCompute(b,
-             {.stage = graph::Stage::Visibility,
-              .name = "cast rays",
-              .shader = "cast.comp",
-              .bindings = Bindings(b.device),
-              .size = {count, 1, 1},
-              .constants = call.constants,
-              .buffers = {{source, graph::Use::StorageRead}, {hits, graph::Use::StorageWrite}},
-              .groupX = 64,
-              .groupY = 1},
+  ComputePass pass = castPass(b, count, call.constants);
+  pass.buffers = {{source, graph::Use::StorageRead}, {hits, graph::Use::StorageWrite}};
+  addCompute(b, std::move(pass),
              [=, arrays = call.arrays, flags = call.flags, rayBytes = call.rays.bytes](graph::Context& context) {
                const VkDeviceAddress origins = context.buffer(source).address();
                shared::CastPush push{.frame = frame,
@@ -290,7 +295,6 @@ std::vector<uint32_t> Renderer::cast(WorldCast& cast, const Settings& settings, 
   checkRays(settings, cast.maxDistance);
   if (!moment.worlds.deformations.empty()) badUsage("rays do not support joints and vertices of worlds: omit these");
   const uint64_t count = cast.rays * moment.worlds.count;
-  constexpr uint32_t kGroup = 64, kRow = 32768 * kGroup;  // invocations per row of a dispatch
   assert(count <= kMaxWorldRays);
   for (WorldCast::Target& hits : cast.hits) {
     const uint64_t bytes = std::max<uint64_t>(count, 1) * hits.array->channels * sizeof(float);
@@ -310,21 +314,15 @@ std::vector<uint32_t> Renderer::cast(WorldCast& cast, const Settings& settings, 
                         .instanceCount = gpuScene_.instances().count()};
   const std::array<double, 7> numbers = numbersOf(gpuScene_.origin(), settings, cast.maxDistance);
   push.numbers = graph.constants(std::as_bytes(std::span(numbers)));
-  ComputePass pass{.stage = graph::Stage::Visibility,
-                   .name = "cast rays",
-                   .shader = "cast.comp",
-                   .bindings = Bindings(device_),
-                   .size = {std::min(push.count, kRow), (push.count + kRow - 1) / kRow, 1},
-                   .constants = rayConstants(),
-                   .groupX = kGroup,
-                   .groupY = 1};
+  const Builder builder{device_, graph};
+  ComputePass pass = castPass(builder, push.count, rayConstants());
   for (const WorldCast::Target& hits : cast.hits) {
     const graph::BufferId buffer = graph.import(hits.memory->buffer, std::nullopt);
     pass.buffers.emplace_back(buffer, graph::Use::StorageWrite);
     graph.exports(buffer, graph::Use::HostRead);
     push.*hits.array->address = hits.memory->buffer.address();
   }
-  addCompute({device_, graph}, std::move(pass), push);
+  addCompute(builder, std::move(pass), push);
   addSceneChanges(graph);
   submit(graph, graph.compile()).wait();
   if (!moment.worlds.inputs) return {};
