@@ -75,11 +75,6 @@ uint64_t elementBytes(const WorldArray& array) {
   return array.element == Float64 || array.element == Int64 ? 8 : 4;
 }
 
-void copyInParallel(std::byte* to, const std::byte* from, size_t bytes) {
-  constexpr size_t kGrain = size_t{1} << 20;  // so that waking a thread is worthwhile
-  parallelFor(bytes, kGrain, [&](size_t begin, size_t end) { std::memcpy(to + begin, from + begin, end - begin); });
-}
-
 // Copies an array of the device's memory to the host, after everything that was submitted.
 std::vector<std::byte> readBack(vk::Device& device, const WorldArray& array, uint64_t bytes) {
   std::vector<std::byte> host(bytes);
@@ -158,10 +153,12 @@ class InputWriter {
   void write(render::Renderer& renderer, std::vector<std::shared_ptr<const void>>& held) {
     if (parts_.empty()) return;
     const std::shared_ptr<const vk::Buffer> memory = renderer.inputMemory(total_);
+    std::vector<MemoryCopy> copies;
     for (const Part& part : parts_) {
-      copyInParallel(memory->mapped() + part.offset, static_cast<const std::byte*>(part.from), part.bytes);
+      copies.push_back({memory->mapped() + part.offset, static_cast<const std::byte*>(part.from), part.bytes});
       *part.address = memory->address() + part.offset;
     }
+    copyInParallel(copies);
     held.push_back(memory);
   }
 

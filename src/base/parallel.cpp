@@ -182,4 +182,15 @@ void parallelFor(size_t count, size_t grain, const std::function<void(size_t beg
   if (loop->failure) std::rethrow_exception(loop->failure);
 }
 
+void copyInParallel(std::span<const MemoryCopy> copies) {
+  constexpr size_t kPiece = size_t{256} << 10;  // small enough to occupy all threads, and worth waking one
+  std::vector<MemoryCopy> pieces;
+  for (const MemoryCopy& copy : copies)
+    for (size_t at = 0; at < copy.bytes; at += kPiece)
+      pieces.push_back({copy.to + at, copy.from + at, std::min(kPiece, copy.bytes - at)});
+  parallelFor(pieces.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) std::memcpy(pieces[i].to, pieces[i].from, pieces[i].bytes);
+  });
+}
+
 }  // namespace latelight

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <future>
+#include <span>
 
 #include "base/fatal_signals.h"
 
@@ -16,6 +17,15 @@ size_t threadCount();
 // Calls body(begin, end) over [0, count) in chunks of at most `grain`, on all threads, and returns after all calls have
 // finished. Rethrows the first exception that a body throws. May be nested and called from any thread.
 void parallelFor(size_t count, size_t grain, const std::function<void(size_t begin, size_t end)>& body);
+
+struct MemoryCopy {
+  std::byte* to;
+  const std::byte* from;
+  size_t bytes;
+};
+
+// Copies memory on all threads. Where it is written for the first time, all threads thus also clear its pages.
+void copyInParallel(std::span<const MemoryCopy> copies);
 
 // During its lifetime, parallelFor runs serially on the calling thread. Threads that already number as many as the
 // cores use it, because further threads would only compete with them.

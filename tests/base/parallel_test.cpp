@@ -132,5 +132,18 @@ TEST(Parallel, InBackgroundGivesTheResultAndTheException) {
   EXPECT_THROW(inBackground([] { throw std::runtime_error("no"); }).get(), std::runtime_error);
 }
 
+TEST(Parallel, CopiesAllBytesOfAllArrays) {
+  std::vector<std::vector<std::byte>> from, to;
+  std::vector<MemoryCopy> copies;
+  for (const size_t size : {0, 1, 262'143, 262'144, 262'145, 3'000'001}) {
+    std::vector<std::byte>& bytes = from.emplace_back(size);
+    for (size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::byte>(i * 2'654'435'761u >> 24);
+    to.emplace_back(size);
+    copies.push_back({to.back().data(), bytes.data(), size});
+  }
+  copyInParallel(copies);
+  EXPECT_TRUE(to == from);
+}
+
 }  // namespace
 }  // namespace latelight

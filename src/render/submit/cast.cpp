@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <cstring>
 #include <deque>
 #include <utility>
 
@@ -21,25 +20,6 @@ namespace {
 
 constexpr size_t kRaysAtOnce = size_t{1} << 18;
 constexpr size_t kChunksInFlight = 4;
-
-struct Copy {
-  std::byte* to;
-  const std::byte* from;
-  size_t bytes;
-};
-
-// Copies several arrays on all threads, in pieces that are small enough to keep all threads busy. Memory that is
-// written for the first time is then cleared by all threads, too.
-void copyInParallel(const std::vector<Copy>& arrays) {
-  constexpr size_t kPiece = size_t{1} << 16;
-  std::vector<Copy> pieces;
-  for (const Copy& array : arrays)
-    for (size_t at = 0; at < array.bytes; at += kPiece)
-      pieces.push_back({array.to + at, array.from + at, std::min(kPiece, array.bytes - at)});
-  parallelFor(pieces.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) std::memcpy(pieces[i].to, pieces[i].from, pieces[i].bytes);
-  });
-}
 
 // An array of hits in the host's memory: the member of CastPush that has its address, and its bytes per ray.
 struct HitArray {
@@ -78,7 +58,7 @@ struct CastChunk {
   // Copies the hits of the chunk to all arrays.
   void store(const std::vector<HitArray>& arrays) const {
     const std::byte* from = submission.buffer(hits).as<std::byte>();
-    std::vector<Copy> copies;
+    std::vector<MemoryCopy> copies;
     for (const HitArray& array : arrays) {
       copies.push_back({array.target + first * array.bytes, from, count * array.bytes});
       from += count * array.bytes;
@@ -279,8 +259,9 @@ RenderStatistics Renderer::cast(const CastRays& rays, const CastTargets& targets
     const size_t count = std::min(most, arrays.count - first), offset = first * arrays.bytes,
                  bytes = count * arrays.bytes;
     const auto staging = inputMemory(2 * most * arrays.bytes);
-    copyInParallel({{staging->mapped(), arrays.origins + offset, bytes},
-                    {staging->mapped() + bytes, arrays.directions + offset, bytes}});
+    const MemoryCopy rays[] = {{staging->mapped(), arrays.origins + offset, bytes},
+                               {staging->mapped() + bytes, arrays.directions + offset, bytes}};
+    copyInParallel(rays);
     graph::Graph graph(executor_);
     const graph::BufferId hits = addCast({device_, graph}, call, *staging, count, graph);
     addSceneChanges(graph);
