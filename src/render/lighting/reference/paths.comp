@@ -344,7 +344,7 @@ void main() {
   if (lit || eye.starts) {
     pathSeed = rayHash(floatBitsToUint(eye.starts ? eye.position : p.s.position)).x;
     for (uint i = push.first; i < push.end; ++i) {
-      pathIndex = i;
+      pathIndex = push.firstPoint + i;
       pathPair = 0u;
       addPath(sums, tracedPath(frame, start, v), albedos);
     }
