@@ -105,9 +105,6 @@ bool tracesRays(const Settings& settings) {
 // Throws Error(Usage) if rays do not support what worlds require.
 void checkRaysInWorlds(const Settings& settings, const WorldStates& worlds) {
   if (worlds.count == 0 || !tracesRays(settings)) return;
-  if (!worlds.deformations.empty())
-    badUsage(
-        "rays do not support joints and vertices of worlds: render them with shadow maps and without indirect light");
   if (tracesPaths(settings) && !worlds.environments.empty())
     badUsage(
         "paths sample one environment for all worlds: render worlds with environments of their own without indirect "
