@@ -17,6 +17,12 @@ enum class DeflateForm {
   LastPart,  // raw deflate that ends the stream
 };
 
+// Memory that the compressor uses, aligned as by malloc. It need not be initialized.
+constexpr size_t kDeflateWorkspace = size_t{1} << 20;
+
+// The result depends on `bytes` and `form` alone, not on the workspace or its address.
 std::vector<std::byte> deflate(std::span<const std::byte> bytes, DeflateForm form);
+std::vector<std::byte> deflate(std::span<const std::byte> bytes, DeflateForm form,
+                               std::span<std::byte, kDeflateWorkspace> workspace);
 
 }  // namespace latelight::output

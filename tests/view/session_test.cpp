@@ -133,9 +133,11 @@ TEST(ViewSessionTest, EachOptionSetLiveIsAsTheCommandLineHasIt) {
   viewer(SetOption{"time", "0.3"});
   const auto before = viewer.state().choices[0].options;
   expectAsRendered(viewer, "nothing else");
+  const size_t step = test::runsInFull() ? 1 : 3;
+  size_t number = 0;
   for (const render::Option& option : render::options()) {
     const std::string key(render::keyOf(option));
-    if (key == "size") continue;
+    if (key == "size" || number++ % step != 0) continue;
     ASSERT_FALSE(valueOf(option).empty()) << "a value for " << key;
     viewer(SetOption{option.name, valueOf(option)});
     EXPECT_NE(viewer.state().choices[0].options, before) << key;
