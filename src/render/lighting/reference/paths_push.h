@@ -22,6 +22,7 @@ struct PathsPush {
   uint firstPoint;       // index of the first sample's point in the pixels' sequences
   uint bounces;          // maximum number of surfaces after the visible one
   uint emitterStride, lightStride;  // elements from one view to the next
+  uint padding;
 };
 
 SH_END

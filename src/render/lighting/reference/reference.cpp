@@ -127,7 +127,8 @@ IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fro
                                  .firstPoint = fromLights ? 0 : firstPoint(f),
                                  .bounces = bounces,
                                  .emitterStride = f.scene.hasWorlds() ? f.emitters : 0,
-                                 .lightStride = f.scene.worlds().hasLights() ? f.scene.lightCount() : 0};
+                                 .lightStride = f.scene.worlds().hasLights() ? f.scene.lightCount() : 0,
+                                 .padding = 0};
     addCompute(f, std::move(pass), [push, emitters, sizes, visible = gbuffer.visible](graph::Context& context) {
       shared::PathsPush filled = push;
       filled.shown = surfacePush(visible, context);
