@@ -157,14 +157,14 @@ std::vector<std::string> ViewSession::Impl::commandLine(Side side) const {
 
 // --- pictures -------------------------------------------------------------------------------------------------------
 
-void ViewSession::Impl::render(bool asDraft) {
+void ViewSession::Impl::render(bool asDraft, bool follows) {
   stage.light(environmentWord());
   for (Stage::Result& side : sides) side = {};
   for (const Side side : {Side::Left, Side::Right}) {
     if (side == Side::Right && !hasSplit()) break;
     ChosenSettings chosen = settings(side);
     if (asDraft) chosen.settings = draft.of(chosen.settings);
-    sides[static_cast<int>(side)] = stage.render(chosen, cameraChoice(), state.selected.has_value());
+    sides[static_cast<int>(side)] = stage.render(chosen, cameraChoice(), state.selected.has_value(), follows);
     if (side == Side::Left) picture.passes = stage.passes();
   }
 }
@@ -180,19 +180,21 @@ void ViewSession::Impl::compose() {
   recompose = false;
 }
 
-// A picture for which pipelines were created does not count, because its time does not predict the next one.
+// A picture for which pipelines were created does not count, because its time does not predict the next one. Pictures
+// of something that moves continue the history of indirect light; the final picture is that of the command line.
 void ViewSession::Impl::makePicture() {
   const bool moving = isMoving(), asDraft = moving && !draft.isWhole();
+  const bool follows = moving && render::keepsIndirect(settings(Side::Left).settings);
   const uint64_t pipelines = stage.device().pipelinesMade();
   const auto begin = Clock::now();
   dirty = false;
   probed.reset();
   if (!steering.pixel()) state.probe.reset();
-  render(asDraft);
+  render(asDraft, follows);
   compose();
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   if (pictureFailed) forgetError();
-  picture.final = !asDraft;
+  picture.final = !asDraft && !follows;
   picture.milliseconds = 1000 * seconds;
   if (stage.device().pipelinesMade() != pipelines)
     rehearsals = kRehearsals;

@@ -67,7 +67,7 @@ struct ViewSession::Impl {
   std::string environmentWord() const;
   std::vector<std::string> commandLine(Side side) const;
   void makePicture();
-  void render(bool draft);
+  void render(bool asDraft, bool follows);
   void compose();
   bool rests() const { return !dirty && picture.final && !isMoving() && !steering.dragging(); }
   bool wantsRehearsal() const { return rests() && rehearsals > 0 && !draft.isWhole(); }

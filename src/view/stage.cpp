@@ -81,6 +81,7 @@ void Stage::dropDevice() {
 void Stage::open(const std::string& source, const scene::LoadOptions& load) {
   auto loaded = std::make_unique<scene::Scene>(scene::load(source, load));
   renderer_.reset();
+  shown_.reset();
   environmentName_.reset();  // the environment may belong to the earlier scene
   scene_ = std::move(loaded);
   watch_.watch(scene_->files);
@@ -127,16 +128,25 @@ render::SceneState Stage::momentOf(const CameraChoice& camera, const render::Set
   return moment;
 }
 
+// The last picture is the previous frame.
+void Stage::follow(render::SceneState& moment) const {
+  if (!shown_ || shown_->pose.empty() != moment.poses.current.empty()) return;
+  moment.continues = true;
+  moment.previousCameras = {shown_->camera};
+  moment.poses.previous = shown_->pose;
+}
+
 render::Settings Stage::prepared(const render::Settings& settings) {
   render::Settings s = settings;
   s.raster = render::chooseRaster(device(), s, *scene_).raster;
   return s;
 }
 
-Stage::Result Stage::render(const ChosenSettings& chosen, const CameraChoice& choice, bool ids) {
+Stage::Result Stage::render(const ChosenSettings& chosen, const CameraChoice& choice, bool ids, bool follows) {
   render::Settings s = prepared(chosen.settings);
   const scene::Camera camera = this->camera(choice, s);
-  const render::SceneState moment = momentOf(choice, s);
+  render::SceneState moment = momentOf(choice, s);
+  if (follows && render::keepsIndirect(s)) follow(moment);
   Result result;
   if (chosen.debug && chosen.debug->targets) {
     render::TargetsResult targets = renderer().readTargets(camera, s, moment);
@@ -153,6 +163,7 @@ Stage::Result Stage::render(const ChosenSettings& chosen, const CameraChoice& ch
     if (ids && !sheet && found != frame.aovs.end()) result.ids = std::move(*found);
     passes_ = std::move(rendered.statistics.passTimes);
   }
+  shown_ = {camera, moment.poses.current};
   return result;
 }
 

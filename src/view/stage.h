@@ -56,7 +56,8 @@ class Stage {
     output::Picture picture;
     std::optional<output::AovImage> ids;
   };
-  Result render(const ChosenSettings& chosen, const CameraChoice& camera, bool ids);
+  // `follows`: the picture follows the last one, so the temporal filter of indirect light continues from it.
+  Result render(const ChosenSettings& chosen, const CameraChoice& camera, bool ids, bool follows = false);
   render::Picked pick(const render::Settings& settings, const CameraChoice& camera, glm::uvec2 pixel);
   const std::vector<graph::PassTime>& passes() const { return passes_; }
 
@@ -68,6 +69,7 @@ class Stage {
   void loadEnvironment(const std::string& name);
   render::Renderer& renderer();
   render::SceneState momentOf(const CameraChoice& camera, const render::Settings& settings) const;
+  void follow(render::SceneState& moment) const;
   render::Settings prepared(const render::Settings& settings);  // with `auto` values resolved
 
   vk::DeviceOptions deviceOptions_;
@@ -78,6 +80,12 @@ class Stage {
   std::optional<scene::Environment> environment_, given_;
   std::unique_ptr<render::Renderer> renderer_;
   std::vector<graph::PassTime> passes_;
+  // The state that the last picture showed; none before the first.
+  struct Shown {
+    scene::Camera camera;
+    scene::Pose pose;
+  };
+  std::optional<Shown> shown_;
 };
 
 }  // namespace latelight::view

@@ -42,7 +42,7 @@ json grid(GltfBuilder& b, int cells, std::vector<vec3>& positions) {
 
 }  // namespace
 
-GltfBuilder movingBox() {
+GltfBuilder movingBox(float away, float half) {
   GltfBuilder b;
   std::vector<vec3> corners;
   for (int i = 0; i < 8; ++i) corners.emplace_back(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
@@ -52,7 +52,7 @@ GltfBuilder movingBox() {
           {"indices", b.accessor(b.view(faces), kUnsignedShort, "SCALAR", faces.size())}});
   std::vector<vec3> wall;
   const int square = b.add("meshes", {{"primitives", json::array({grid(b, 1, wall)})}});
-  b.node({{"mesh", square}, {"translation", {0, 0, -4}}, {"scale", {5, 5, 1}}});
+  b.node({{"mesh", square}, {"translation", {0, 0, -away}}, {"scale", {half, half, 1}}});
   json animation =
       animate(b, 0, "rotation", {0, 1},
               b.vectors(std::vector<vec4>{{0, 0, 0, 1}, {0, std::sqrt(0.5f), 0, std::sqrt(0.5f)}}), "LINEAR");

@@ -298,6 +298,20 @@ TEST(ViewSessionTest, ADraftComesFirstAndTheWholePictureFollows) {
   EXPECT_EQ(whole.height, 360u);
 }
 
+// While the camera moves, pictures continue the history of indirect light; the final one does not.
+TEST(ViewSessionTest, TheTemporalFilterLastsWhileSomethingMoves) {
+  Viewer viewer(small());
+  viewer(SetOption{"indirect", "one-bounce"});
+  viewer(SetOption{"indirect-filter", "temporal"});
+  viewer(SetOption{"samples", "1"});
+  viewer.settle();
+  viewer(SetNavigation{Navigation::Fly});
+  viewer(Key{"w", true});
+  for (int i = 0; i < 4; ++i) EXPECT_FALSE(viewer.session.next().final);
+  viewer(Blur{});
+  expectAsRendered(viewer, "after moving");
+}
+
 // The effects that drafts omit, and their pipelines, are determined before anything moves.
 TEST(ViewSessionTest, DraftsAreRehearsedUnseenWhileNothingMoves) {
   Viewer viewer(small());

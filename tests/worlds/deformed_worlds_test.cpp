@@ -33,6 +33,8 @@ Options optionsOf(const char* raster, const char* shadows) {
   o.height = 30;
   o.raster = raster;
   o.shadows = shadows;
+  if (o.shadows == "rays") o.indirect = "one-bounce";
+  o.samples = 1;
   for (const OutputInfo& output : outputInfos())
     if (!output.name.starts_with("raster")) o.aovs.push_back(output.name);
   return o;
@@ -51,13 +53,14 @@ WorldArray arrayOf(const std::vector<T>& numbers, uint32_t rows = 4) {
 
 struct Case {
   const char* raster;
-  const char* shadows;  // "none": shaders place the worlds with the raster compute
+  const char* shadows;  // "none" and "rays": shaders place the worlds with the raster compute
 };
 
 class DeformedWorlds : public testing::TestWithParam<Case> {};
 
 INSTANTIATE_TEST_SUITE_P(Rasters, DeformedWorlds,
-                         testing::Values(Case{"compute", "none"}, Case{"compute", "d32"}, Case{"hardware", "d32"}),
+                         testing::Values(Case{"compute", "none"}, Case{"compute", "d32"}, Case{"hardware", "d32"},
+                                         Case{"compute", "rays"}),
                          [](const auto& info) { return std::string(info.param.raster) + "_" + info.param.shadows; });
 
 // --- joints ----------------------------------------------------------------------------------------------------------

@@ -114,6 +114,31 @@ TEST(WorldCast, DistancesToMovedBoxesFromDoubles) {
   expectClosedForms<double>();
 }
 
+// Worlds move the vertices of the box: by 3 m along Z, and to twice its width. The second call swaps them.
+TEST(WorldCast, DistancesToMovedVertices) {
+  const BoxScene made;
+  Renderer renderer(made.scene, testDevice());
+  const Handle<Mesh> mesh = made.scene.instance(made.box).mesh;
+  const std::vector<std::array<float, 3>> rest = made.scene.meshData(mesh).positions;
+  const ParallelRays<float> rays(3);
+  const float width[3] = {1, 1, 2}, up[3] = {0, 3, 0};
+  const float none = kInfinity, expected[3][4] = {{9, 9, none, none}, {6, 6, none, none}, {9, 9, 9, none}};
+  for (uint32_t turn = 0; turn < 3; ++turn) {
+    std::vector<float> vertices;
+    for (uint32_t world = 0; world < 3; ++world)
+      for (const auto& [x, y, z] : rest) {
+        const uint32_t shape = (world + turn) % 3;
+        vertices.insert(vertices.end(), {width[shape] * x, width[shape] * y, z + up[shape]});
+      }
+    Worlds worlds{.count = 3, .meshes = {mesh}};
+    worlds.arrays.vertices = {.element = WorldArray::Element::Float32, .rows = 3, .host = vertices.data()};
+    auto arrays = renderer.cast(worlds, rays.get(), {"distance"});
+    const auto distances = valuesIn<float>(arrays["distance"]);
+    for (size_t ray = 0; ray < 12; ++ray) EXPECT_FLOAT_EQ(distances[ray], expected[(ray / 4 + turn) % 3][ray % 4]);
+  }
+  EXPECT_THAT(renderer.validationMessages(), testing::IsEmpty());
+}
+
 // Random rays in random worlds hit as those through the edited scene, to the byte; from lists and from arrays.
 TEST(WorldCast, HitsAreThoseOfTheEditedScene) {
   constexpr uint32_t kWorlds = 4, kRays = 500;

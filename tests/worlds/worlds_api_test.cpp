@@ -229,13 +229,6 @@ TEST(WorldsApi, RejectRaysThatTheyDoNotSupport) {
     change(worlds, options);
     return refusal([&] { renderer.render(worlds, options); });
   };
-  const std::vector<float> still(2 * 4 * 3);
-  EXPECT_THAT(refused([&](Worlds& w, Options& o) {
-                w.meshes = {made.scene.instance(made.red).mesh};
-                w.arrays.vertices = {.element = WorldArray::Element::Float32, .host = still.data()};
-                o.shadows = "rays";
-              }),
-              HasSubstr("rays do not support joints and vertices of worlds"));
   EXPECT_THAT(refused([](Worlds& w, Options& o) {
                 w.environments = {"studio"};
                 w.environmentIndex = {0, 0};

@@ -15,6 +15,7 @@ void checkRows(const Settings& s, bool refracts) {
   if (s.exports.channelsFirst) reject("arrays with channels first");
   if (!showsPicture(s)) return;
   if (s.aa.temporal || s.aa.fxaa) reject("--aa taa and fxaa: use ss2 or more");
+  if (keepsIndirect(s)) reject("--indirect-filter temporal: use none");
   if (s.bloom > 0) reject("--bloom");
   if (s.ambientOcclusion != AmbientOcclusion::None) reject("--ao");
   if (refracts) reject("transmissive materials, which refract the picture around them");
@@ -25,6 +26,10 @@ void checkRows(const Settings& s, bool refracts) {
 void checkExposure(const Settings& s, const ExposureUse& use) {
   if (use.exposes && s.aa.temporal)
     badUsage("--aa taa cannot be combined with --shutter or --aperture, which average frames of their own: use ss2");
+  if (use.exposes && keepsIndirect(s))
+    badUsage(
+        "--indirect-filter temporal cannot be combined with --shutter or --aperture, which average frames of their "
+        "own: use spatial");
   if (use.worlds && (s.shutter > 0 || s.readout != 0))
     badUsage("worlds are rendered at an instant: leave out --shutter and --readout");
   if (use.byRows) checkRows(s, use.refracts);

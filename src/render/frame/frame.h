@@ -22,6 +22,7 @@ class ComputeVisibility;
 using Visibility = std::variant<HardwareVisibility, ComputeVisibility>;  // visibility/visibility.h
 struct LensRays;
 struct TechniqueInfo;
+class FrameHistory;
 class FrameShadows;
 class PlacedShadows;
 enum class ShadowMapState : uint8_t;  // shadow/frame_shadows.h
@@ -104,10 +105,11 @@ struct FrameContext : Builder {
   // The constants without the lights whose shadows rays find, which a pass after the lighting technique adds; 0: the
   // lighting technique adds all lights.
   VkDeviceAddress otherConstants = 0;
-  uint32_t emitters = 0;           // RayScene::emitterCount: triangles that paths sample
-  float groundHeight = 0;          // along Z of the device's world space
-  const LensRays* lens = nullptr;  // null: all views are projections
-  Overflow* overflow = nullptr;    // buffers whose size passes have to estimate; null: there are none
+  uint32_t emitters = 0;                    // RayScene::emitterCount: triangles that paths sample
+  float groundHeight = 0;                   // along Z of the device's world space
+  const LensRays* lens = nullptr;           // null: all views are projections
+  FrameHistory* indirectHistory = nullptr;  // of filtered indirect light, which the frame advances; null: there is none
+  Overflow* overflow = nullptr;             // buffers whose size passes have to estimate; null: there are none
 
   VkDeviceAddress constantsOf(uint32_t view) const {
     return constants + (worlds ? view * sizeof(shared::FrameConstants) : 0);

@@ -203,6 +203,9 @@ void checkPaths(const Settings& settings) {
   const bool indirect = settings.indirect != Indirect::None;
   if (indirect && settings.lighting->forward)
     badUsage("--indirect requires a deferred technique, unlike {}", settings.lighting->name);
+  if (keepsIndirect(settings) && settings.aa.superSampling > 1)
+    badUsage("--indirect-filter temporal does not support --aa ss{}, whose samples are frames of their own: use taa",
+             settings.aa.superSampling);
   const bool rays = settings.shadows == ShadowFormat::Rays && !settings.lighting->traces;
   if (rays && settings.lighting->forward)
     badUsage("--shadows rays requires a deferred technique, unlike {}", settings.lighting->name);

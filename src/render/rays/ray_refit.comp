@@ -3,7 +3,8 @@
 // Refits the boxes of a mesh's BVH to its deformed vertices, from the leaves to the root (Karras 2012, Maximizing
 // Parallelism in the Construction of BVHs, Octrees, and k-d Trees, section 4). The topology is that of the mesh at
 // rest. An invocation per node computes the boxes of the node's leaves. The invocation that completes the second box of
-// a node continues with the node's parent, so boxes do not depend on the order of invocations.
+// a node continues with the node's parent, so boxes do not depend on the order of invocations. Y is the world, if each
+// has vertices and nodes of its own.
 #include "render/glsl/common.glsl"
 #include "render/rays/refit_push.h"
 #include "shared/rays.h"
@@ -15,6 +16,8 @@ layout(local_size_x = 64) in;
 layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer RayNodesRef { RayNode v[]; };
 
 layout(push_constant, scalar) uniform Push { RayRefitPush push; };
+
+uint64_t ownNodes;  // RayRefitPush::nodes of the invocation's world
 
 struct RefitBox {
   vec3 low, high;
@@ -35,7 +38,7 @@ RefitBox leafBox(uint64_t positions, uint leaf) {
 }
 
 void writeBox(uint index, bool second, RefitBox box) {
-  RayNodesRef nodes = RayNodesRef(push.nodes);
+  RayNodesRef nodes = RayNodesRef(ownNodes);
   if (second) {
     nodes.v[index].lowB = box.low;
     nodes.v[index].highB = box.high;
@@ -53,7 +56,7 @@ void orderBoxes() {
 
 // Counts refitted children of a node. Returns true if both are.
 bool completes(uint index, uint children) {
-  RayNodesRef nodes = RayNodesRef(push.nodes);
+  RayNodesRef nodes = RayNodesRef(ownNodes);
   orderBoxes();
   bool complete = atomicAdd(nodes.v[index].refitted, children) + children == 2u;
   if (complete) nodes.v[index].refitted = 0u;
@@ -63,7 +66,7 @@ bool completes(uint index, uint children) {
 
 // Refits the parents of a complete node, until one has another child that is not refitted yet.
 void refitParents(uint index) {
-  RayNodesRef nodes = RayNodesRef(push.nodes);
+  RayNodesRef nodes = RayNodesRef(ownNodes);
   uint parent = nodes.v[index].parent;
   while (parent != kRayNone) {
     RefitBox box = RefitBox(min(nodes.v[index].lowA, nodes.v[index].lowB),
@@ -75,10 +78,11 @@ void refitParents(uint index) {
 }
 
 void main() {
-  uint index = gl_GlobalInvocationID.x;
+  uint index = gl_GlobalInvocationID.x, world = gl_GlobalInvocationID.y;
   if (index >= push.nodeCount) return;
-  uint64_t positions = MeshRef(push.meshes).v[push.mesh].positions;
-  uint a = RayNodesRef(push.nodes).v[index].a, b = RayNodesRef(push.nodes).v[index].b;
+  ownNodes = push.nodes + uint64_t(world) * push.nodeCount * kRayNodeBytes;
+  uint64_t positions = MeshRef(push.meshes).v[push.mesh + world * push.meshStride].positions;
+  uint a = RayNodesRef(ownNodes).v[index].a, b = RayNodesRef(ownNodes).v[index].b;
   bool leafA = (a & kRayLeaf) != 0u, leafB = (b & kRayLeaf) != 0u;
   if (leafA) writeBox(index, false, leafBox(positions, a));
   if (leafB && b != kRayNone) writeBox(index, true, leafBox(positions, b));

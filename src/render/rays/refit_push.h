@@ -8,10 +8,12 @@ SH_BEGIN
 
 struct RayRefitPush {
   uint64_t meshes;     // Mesh[]
-  uint64_t nodes;      // RayNode[] of one mesh
+  uint64_t nodes;      // RayNode[nodeCount] of one mesh; with worlds, [worlds][nodeCount]
   uint64_t triangles;  // RayTriangle[]
   uint mesh;
   uint nodeCount;
+  uint meshStride;  // records from the mesh of a world to that of the next one
+  uint padding;
 };
 
 SH_END

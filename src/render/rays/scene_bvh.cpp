@@ -6,7 +6,7 @@
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "render/rays/emitters.h"
-#include "render/rays/refit_push.h"
+#include "render/rays/refit.h"
 #include "vk/read_back.h"
 
 namespace latelight::render {
@@ -88,13 +88,11 @@ SceneBvh::SceneBvh(vk::Device& device, graph::Executor& executor, const scene::S
       record_(device, "ray scene"),
       emitters_(device, "emitters"),
       emitterIndices_(device, "emitters of instances"),
+      worldMeshes_(device),
       worlds_(device),
       worldEmitters_(device, "emitters in any world"),
       worldEmitterIndices_(device, "emitters of instances in any world"),
-      refitPipeline_(device.cache().pipeline(vk::ComputeDesc{.shader = "ray_refit.comp",
-                                                             .constants = {{kFencedConstant, device.isCpu() ? 0u : 1u}},
-                                                             .pushBytes = sizeof(shared::RayRefitPush),
-                                                             .name = "refit"})),
+      refitPipeline_(refitPipeline(device)),
       meshEdits_(scene.edits.meshes.revision()) {
   if (!device.hasCpuShaders()) builder_ = std::make_unique<DeviceBvhBuilder>(device, executor, scene, gpuScene);
 }
@@ -127,9 +125,13 @@ void SceneBvh::update() {
 
 void SceneBvh::followWorlds() {
   std::vector<shared::MeshHierarchy> meshes;
-  for (const MeshBvh& mesh : meshes_)
+  std::vector<const DeviceBvh*> atRest;
+  for (const MeshBvh& mesh : meshes_) {
     meshes.push_back(mesh.buffer ? shared::MeshHierarchy{mesh.buffer.address(), mesh.triangles()}
                                  : shared::MeshHierarchy{});
+    atRest.push_back(&mesh);
+  }
+  worldMeshes_.update(gpuScene_, atRest, meshBuilds_, meshes);
   shared::RayScene common{.environment = environment_,
                           .emitters = emitters_.address(),
                           .emitterIndices = emitterIndices_.address(),
@@ -176,6 +178,7 @@ void SceneBvh::followMeshes() {
   for (uint32_t mesh = 0; mesh < meshes_.size(); ++mesh)
     if (shown[mesh] && !meshes_[mesh].buffer) absent.push_back(mesh);
   buildMeshes(absent);
+  if (!absent.empty()) ++meshBuilds_;
   for (uint32_t mesh = 0; mesh < meshes_.size(); ++mesh) {
     MeshBvh& bvh = meshes_[mesh];
     if (!bvh.buffer || !shown[mesh] || bvh.revision == gpuScene_.geometry().revision(mesh)) continue;
@@ -317,11 +320,13 @@ void SceneBvh::buildInstances() {
 void SceneBvh::addChanges(graph::Graph& graph) const {
   if (!refits_.empty())
     graph.prologue(graph::Stage::Deformation, "refit", [this](graph::Context& context) { recordRefits(context); });
+  worldMeshes_.addTo(graph);
   worlds_.addTo(graph);
 }
 
 void SceneBvh::changesSubmitted() {
   refits_.clear();
+  worldMeshes_.submitted();
   worlds_.submitted();
 }
 
@@ -332,15 +337,16 @@ void SceneBvh::recordRefits(graph::Context& context) const {
                                     .nodes = bvh.buffer.address(),
                                     .triangles = bvh.triangles(),
                                     .mesh = mesh,
-                                    .nodeCount = bvh.nodes};
-    context.commands().bind(refitPipeline_.get(), {}, push);
-    context.commands().dispatch(push.nodeCount, 1, 1, 64, 1);
+                                    .nodeCount = bvh.nodes,
+                                    .meshStride = 0,
+                                    .padding = 0};
+    recordRefit(context, refitPipeline_, push);
   }
 }
 
 uint64_t SceneBvh::bytes() const {
   uint64_t bytes = instanceNodes_ * sizeof(shared::RayNode) + instanceCount_ * sizeof(shared::RayInstance) +
-                   emitterCount_ * sizeof(shared::RayEmitter) + worlds_.bytes();
+                   emitterCount_ * sizeof(shared::RayEmitter) + worldMeshes_.bytes() + worlds_.bytes();
   for (const MeshBvh& mesh : meshes_)
     if (mesh.buffer) bytes += mesh.buffer.size();
   return bytes;

@@ -10,6 +10,7 @@
 #include "render/rays/build/device_bvh_builder.h"
 #include "render/rays/bvh.h"
 #include "render/rays/worlds/world_bvh.h"
+#include "render/rays/worlds/world_mesh_bvh.h"
 #include "vk/object_cache.h"
 
 namespace latelight::render {
@@ -83,6 +84,7 @@ class SceneBvh {
   GpuList<shared::RayEmitter> emitters_;
   GpuList<uint32_t> emitterIndices_;
   uint32_t emitterCount_ = 0;
+  WorldMeshBvh worldMeshes_;
   WorldBvh worlds_;
   // The instances and triangles that may emit light in any world, if worlds have materials of their own.
   std::vector<bool> emittingInWorlds_;
@@ -90,7 +92,8 @@ class SceneBvh {
   GpuList<uint32_t> worldEmitterIndices_;
   uint32_t worldEmitterCount_ = 0;
   vk::PipelineRef refitPipeline_;
-  uint64_t meshEdits_ = 0;  // revisions that this follows so far
+  uint64_t meshBuilds_ = 0;  // increases whenever any of meshes_ is built
+  uint64_t meshEdits_ = 0;   // revisions that this follows so far
   uint64_t geometryRevision_ = 0, instanceRevision_ = 0, materialRevision_ = 0;
   VkDeviceAddress environment_ = 0;
   size_t instanceNodes_ = 0, instanceCount_ = 0;

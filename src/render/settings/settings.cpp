@@ -221,6 +221,15 @@ bool rastersInCompute(const Settings& settings) {
   return (settings.raster == Raster::Compute || takesCompute(settings)) && !alwaysDraws(settings);
 }
 
+bool keepsIndirect(const Settings& settings) {
+  return settings.indirect != Indirect::None && settings.indirectFilter == IndirectFilter::Temporal &&
+         !settings.lighting->traces;
+}
+
+bool keepsHistory(const Settings& settings) {
+  return settings.aa.temporal || keepsIndirect(settings);
+}
+
 float exposureFactor(const Settings& settings) {
   return std::exp2(settings.exposure.ev);
 }

@@ -224,6 +224,11 @@ bool takesCompute(const Settings& settings);
 // Returns true if frames with these settings find the visible surfaces in compute shaders.
 bool rastersInCompute(const Settings& settings);
 
+// Returns true if the filter of indirect light averages over the frames of a sequence.
+bool keepsIndirect(const Settings& settings);
+// Returns true if a frame of a sequence depends on earlier ones.
+bool keepsHistory(const Settings& settings);
+
 // Returns every post-processing effect and the option that enables it.
 std::span<const NamedOption> postEffects();
 

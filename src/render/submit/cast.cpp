@@ -274,7 +274,6 @@ RenderStatistics Renderer::cast(const CastRays& rays, const CastTargets& targets
 
 std::vector<uint32_t> Renderer::cast(WorldCast& cast, const Settings& settings, const SceneState& moment) {
   checkRays(settings, cast.maxDistance);
-  if (!moment.worlds.deformations.empty()) badUsage("rays do not support joints and vertices of worlds: omit these");
   const uint64_t count = cast.rays * moment.worlds.count;
   assert(count <= kMaxWorldRays);
   for (WorldCast::Target& hits : cast.hits) {

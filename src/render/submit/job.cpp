@@ -67,7 +67,7 @@ scene::Camera RenderJob::cameraAt(size_t view, double seconds) const {
 
 std::array<scene::Lens, 2> RenderJob::neighborLenses(size_t view) const {
   const auto lensOf = [&](const std::vector<scene::Camera>& cameras) {
-    const bool moves = requestsOutput(settings, Origin::Motion) || settings.aa.temporal;
+    const bool moves = requestsOutput(settings, Origin::Motion) || settings.aa.temporal || keepsIndirect(settings);
     const scene::Camera& camera = cameras.empty() || !moves ? now[view] : cameras[view];
     if (!bendsRays(camera))
       badUsage("the previous and next cameras of a camera with a lens that bends rays need such a lens as well");

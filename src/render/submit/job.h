@@ -46,7 +46,8 @@ struct ViewBatch {
   bool replayed = false;                  // it submitted recorded commands again
   bool vast = false;                      // its passes support instances with kInstanceVast
   bool started = false;                   // at least once: after an overflow it is started again
-  bool continues = false;  // the history of temporal anti-aliasing holds the previous frame of these views
+  bool continues = false;          // the history of temporal anti-aliasing holds the previous frame of these views
+  bool continuesIndirect = false;  // that of filtered indirect light does
   std::vector<graph::Submission> earlier;      // of all samples except the last
   std::vector<graph::PassTime> earlierTimes;   // of exposureSamples()
   std::shared_ptr<FrameGraphBuilder> request;  // of the last sample, as is `submission`; may be that of a replay

@@ -105,9 +105,6 @@ bool tracesRays(const Settings& settings) {
 // Throws Error(Usage) if rays do not support what worlds require.
 void checkRaysInWorlds(const Settings& settings, const WorldStates& worlds) {
   if (worlds.count == 0 || !tracesRays(settings)) return;
-  if (!worlds.deformations.empty())
-    badUsage(
-        "rays do not support joints and vertices of worlds: render them with shadow maps and without indirect light");
   if (tracesPaths(settings) && !worlds.environments.empty())
     badUsage(
         "paths sample one environment for all worlds: render worlds with environments of their own without indirect "
@@ -264,7 +261,7 @@ bool Renderer::placesWorlds(const Settings& s, std::span<const scene::Camera> ca
   const bool sizesOfLights = tracesPaths(s) && hostShadows;  // the host lists them in the order of each world's lights
   return WorldPlacer::runsOn(device_) && rastersInCompute(s) && !s.lighting->draws && !sizesOfLights &&
          placesShadows(s, poses, hostShadows) && (s.ambientOcclusion == AmbientOcclusion::None || s.aoRadius) &&
-         s.aa.superSampling == 1 && !s.aa.temporal && s.shutter == 0 && s.readout == 0 && stripsOf(s).size() == 1 &&
+         s.aa.superSampling == 1 && !keepsHistory(s) && s.shutter == 0 && s.readout == 0 && stripsOf(s).size() == 1 &&
          std::ranges::none_of(cameras, bendsRays) && std::ranges::none_of(cameras, blurs);
 }
 
@@ -390,10 +387,9 @@ size_t Renderer::viewsAtOnce(const RenderJob& job) const {
 size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first, size_t count,
                             std::span<const Strip> strips) {
   const Settings& s = job->settings;
-  // Shadow maps, the history of temporal anti-aliasing and poses change with each batch. Others do not depend on each
-  // other.
+  // Shadow maps, histories and poses change with each batch. Others do not depend on each other.
   const bool maps = castsShadows(s) && s.shadows != ShadowFormat::Rays;
-  const bool independent = !maps && !s.aa.temporal && !job->posesScene();
+  const bool independent = !maps && !keepsHistory(s) && !job->posesScene();
   if (job->posesScene()) {
     resolveOverflow();
     poseScene(*job, first, 0);
@@ -405,6 +401,7 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
   if (!independent) resolveOverflow();
   const std::shared_ptr<FrameShadows> shadows = placeShadows(std::move(plan), s);
   ShadowMapState shadowState = ShadowMapState::Cached;
+  const IndirectInput input = indirectInputOf(s);
   for (const Strip strip : strips) {
     // With several strips, only one has memory at a time. Otherwise some views are read while the device renders the
     // next.
@@ -416,7 +413,9 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
     const size_t inFlight = steady ? graph::Executor::kRecordedInFlight : graph::Executor::kInFlight;
     while (uncheckedBatches_.size() >= inFlight) resolveOverflow(uncheckedBatches_.front().get());
     ViewBatch& part = job->parts.emplace_back(*job, first, count, strip, shadows, shadowState);
-    part.continues = job->continues && count == job->viewCount() && history_.fits(s.width, s.height, count);
+    const bool continues = job->continues && count == job->viewCount();
+    part.continues = continues && history_.fits(s.width, s.height, count);
+    part.continuesIndirect = continues && indirectHistory_.fits(s.width, s.height, count) && indirectInput_ == input;
     if (!job->progress)
       job->progress.emplace("Rendering", (samplesOf(part).size() + job->exposes) * strips.size() * job->viewCount());
     std::optional<uint64_t> maxBytes;
@@ -505,7 +504,7 @@ Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> max
 std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
   const Settings& s = part.job.settings;
   if (!sceneInput_ || tracesRays(s) || !rastersInCompute(s) || s.lighting->draws || s.aa.superSampling > 1 ||
-      s.aa.temporal || s.describeGraph || part.shadows || part.job.exposes || part.job.rowsAreViews ||
+      keepsHistory(s) || s.describeGraph || part.shadows || part.job.exposes || part.job.rowsAreViews ||
       bendsRays(part.job.camera(part.first)))
     return std::nullopt;
   ReplayKey key{
@@ -571,7 +570,7 @@ std::shared_ptr<Replay> Renderer::recordReplay(const ViewBatch& part) {
   overflow_.checks.clear();  // left by an error
   clusterOcclusion_.takeDecisions();
   const auto replay = std::make_shared<Replay>(s, state_, scene_.yUp && s.axes == Axes::File, views, arrays);
-  replay->request.finish({}, nullptr, false);
+  replay->request.finish({}, {});
   replay->request.exportResults(part.job.results);
   replay->request.addConstants();
   replay->checks = std::exchange(overflow_.checks, {});
@@ -585,6 +584,36 @@ void Renderer::submitChanges(ViewBatch& part) {
   graph::Graph graph(executor_);
   addSceneChanges(graph);
   if (graph.passCount() > 0) part.earlier.push_back(submit(graph, graph.compile()));
+}
+
+Renderer::IndirectInput Renderer::indirectInputOf(const Settings& settings) const {
+  const scene::SceneEdits& edits = scene_.edits;
+  IndirectInput input{{edits.meshes.revision(), edits.materials.revision(), edits.textures.revision(),
+                       edits.instances.revision(), edits.lights.revision()},
+                      state_.environment,
+                      settings};
+  // The time is that of an animation, which motion vectors follow. The others do not change the light before exposure.
+  input.settings.time.reset();
+  input.settings.exposure = {};
+  input.settings.aovs.clear();
+  input.settings.display = false;
+  return input;
+}
+
+Histories Renderer::historiesOf(const ViewBatch& part) {
+  const Settings& s = part.job.settings;
+  if (!showsPicture(s)) return {};
+  if (keepsIndirect(s)) indirectInput_ = indirectInputOf(s);
+  return {.temporal = s.aa.temporal ? &history_ : nullptr,
+          .indirect = keepsIndirect(s) ? &indirectHistory_ : nullptr,
+          .continues = part.continues,
+          .continuesIndirect = part.continuesIndirect};
+}
+
+void Renderer::undoHistories(const Settings& settings) {
+  if (!showsPicture(settings)) return;
+  if (settings.aa.temporal) history_.undo();
+  if (keepsIndirect(settings)) indirectHistory_.undo();
 }
 
 // On overflow, the caller starts again from the first sample, because the accumulated sum includes an incomplete one.
@@ -606,12 +635,11 @@ Renderer::Start Renderer::build(ViewBatch& part, std::optional<uint64_t> maxByte
     job.progress->step(part.count);
   }
   if (job.exposesMotion) moveTo(part, CameraSample{}, requestsOutput(job.settings, Origin::LightCounts));
-  TemporalHistory* history = job.settings.aa.temporal ? &history_ : nullptr;
   FrameGraphBuilder& request = addRequest(part, job.exposes ? CameraSample{} : samples.back());
-  request.finish(sum, history, part.continues);
+  request.finish(sum, historiesOf(part));
   request.exportResults(job.results);
   const Start started = submitRequest(part, separate == 0 ? maxBytes : std::nullopt);
-  if (started.outcome == Start::TooManyViews && history) history->undo();
+  if (started.outcome == Start::TooManyViews) undoHistories(job.settings);
   return started;
 }
 
@@ -705,7 +733,7 @@ void Renderer::resolveOverflow(const ViewBatch* last) {
     uncheckedBatches_.pop_front();
     try {
       while (overflowed(std::exchange(part->checks, {}), part->submission) || foundVastWorlds(*part)) {
-        if (part->job.settings.aa.temporal) history_.undo();
+        undoHistories(part->job.settings);
         while (startPart(*part, std::nullopt).outcome == Start::Overflowed) {
         }
       }

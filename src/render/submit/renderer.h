@@ -13,6 +13,7 @@
 #include "render/gpu_scene/gpu_environment.h"
 #include "render/gpu_scene/gpu_scene.h"
 #include "render/lens/lens_rays.h"
+#include "render/lighting/reference/indirect_filter.h"
 #include "render/post/taa/taa.h"
 #include "render/rays/environment_cells.h"
 #include "render/rays/scene_bvh.h"
@@ -126,6 +127,17 @@ class Renderer {
     std::vector<uint32_t> groups;
     bool operator==(const SceneInput&) const = default;
   };
+  // The state that the light of a scene at rest depends on. If it changes, the history of indirect light is no longer
+  // valid.
+  struct IndirectInput {
+    std::array<uint64_t, 5> edits;
+    const GpuEnvironment* environment;
+    Settings settings;
+    bool operator==(const IndirectInput&) const = default;
+  };
+  IndirectInput indirectInputOf(const Settings& settings) const;
+  Histories historiesOf(const ViewBatch& part);
+  void undoHistories(const Settings& settings);
   std::vector<uint32_t> selectEnvironments(const WorldStates& worlds);
   SceneInput inputOf(const Settings& settings, const SceneState& moment) const;
   graph::Submission submit(const graph::Graph& graph, const graph::Plan& plan);
@@ -178,7 +190,8 @@ class Renderer {
   std::optional<std::array<uint64_t, 2>> lowestPointEdits_;
   SunPlan suns_;  // RenderState::suns
   RenderState state_;
-  TemporalHistory history_;
+  FrameHistory history_ = temporalHistory(), indirectHistory_ = indirectHistory();
+  std::optional<IndirectInput> indirectInput_;  // of the last frame of indirectHistory_
   LensRayCache lensRays_;
   std::shared_ptr<ExportPool> exports_ = std::make_shared<ExportPool>();
   ShadowMapCache shadowMaps_[2];          // of hardware and compute

@@ -98,11 +98,15 @@ FrameContext FrameGraphBuilder::litContext(const ViewSet& set, const FrameConfig
 
 // Adds the lit frame of the picture. The frame also counts lights if it can, because lights are counted at pixel
 // centers.
-LitFrame FrameGraphBuilder::addPicture(const SurfaceOutputs* outputs) {
+LitFrame FrameGraphBuilder::addPicture(const SurfaceOutputs* outputs, const Histories& histories) {
   FrameConfig setup = frameSetup(settings_, shadows_ || state_.placesShadows());
   setup.outputs = outputs;
   setup.countLights = isSteady() && requestsOutput(settings_, Origin::LightCounts);
-  const FrameContext f = litContext(jittered(), setup);
+  FrameContext f = litContext(jittered(), setup);
+  if (histories.indirect) {
+    if (!histories.continuesIndirect) histories.indirect->begin(f);
+    f.indirectHistory = histories.indirect;
+  }
   LitFrame lit = isSteady() ? addLit(f, steadyVisible()) : addOpaque(f);
   shadowState_ = lit.shadowState;
   addTransparency(f, lit.gbuffer);
@@ -117,27 +121,27 @@ void FrameGraphBuilder::accumulate(const vk::Image& sum, bool first) {
 }
 
 // Adds the picture's last or only frame, and returns it with all frames before it.
-graph::ImageId FrameGraphBuilder::addLastFrame(const PictureSum& sum, TemporalHistory* history, bool continues) {
-  lit_ = addPicture(packsWithPicture() ? packSurfaces() : nullptr);
+graph::ImageId FrameGraphBuilder::addLastFrame(const PictureSum& sum, const Histories& histories) {
+  lit_ = addPicture(packsWithPicture() ? packSurfaces() : nullptr, histories);
   graph::ImageId picture = lit_->picture;
   if (sum.image) {
     const graph::ImageId total = graph_.import(sum.image, graph::Use::StorageReadWrite);
     addAccumulate({state_.device, graph_}, picture, total, false);
     picture = total;
   }
-  if (!history) return picture;
+  if (!histories.temporal) return picture;
   const FrameContext f = jittered().frame(graph_, FrameConfig{});
   const VisibilityBuffer& visible = lit_->gbuffer.visible;
   const graph::ImageId motion = addMotion(f, visible, MotionUse::Reproject);
-  return addTemporal(f, {picture, visible.pixels, motion}, *history, !continues);
+  return addTemporal(f, {picture, visible.pixels, motion}, *histories.temporal, !histories.continues);
 }
 
-void FrameGraphBuilder::finish(const PictureSum& sum, TemporalHistory* history, bool continues) {
+void FrameGraphBuilder::finish(const PictureSum& sum, const Histories& histories) {
   if (showsPicture(settings_)) {
     const graph::ImageId picture =
-        sum.complete ? graph_.import(sum.image, graph::Use::StorageReadWrite) : addLastFrame(sum, history, continues);
+        sum.complete ? graph_.import(sum.image, graph::Use::StorageReadWrite) : addLastFrame(sum, histories);
     const bool ofLastFrame = lit_ && picture == lit_->picture;
-    addPost(picture, history ? 1 : sum.count, ofLastFrame ? lit_->gbuffer.covered : graph::BufferId{});
+    addPost(picture, histories.temporal ? 1 : sum.count, ofLastFrame ? lit_->gbuffer.covered : graph::BufferId{});
   }
   if (requestsOutput(settings_, Origin::LightCounts)) addLightCounts();
   if (requestsOutput(settings_, Origin::SampleCounts)) addSampleCounts();

@@ -22,6 +22,14 @@ struct PictureSum {
   bool complete = false;  // the sum has all frames before finish(); otherwise that adds the last one
 };
 
+// The histories of a sequence that a picture continues or begins.
+struct Histories {
+  FrameHistory* temporal = nullptr;  // of temporal anti-aliasing; null: the picture has none
+  FrameHistory* indirect = nullptr;  // of filtered indirect light; null: the picture has none
+  bool continues = false;            // `temporal` holds the frame before this picture
+  bool continuesIndirect = false;    // `indirect` holds it
+};
+
 class FrameGraphBuilder {
  public:
   // `steady`: the views without jitter; `jittered`: the same with the jitter of the picture's current frame. `shadows`:
@@ -34,9 +42,8 @@ class FrameGraphBuilder {
 
   // Adds only the picture's frame, and adds its result to `sum`: one of several samples per pixel.
   void accumulate(const vk::Image& sum, bool first);
-  // Adds everything requested. `history`: of temporal anti-aliasing, or null. `continues`: it holds the frame before
-  // this picture.
-  void finish(const PictureSum& sum, TemporalHistory* history, bool continues);
+  // Adds everything requested. The histories advance.
+  void finish(const PictureSum& sum, const Histories& histories);
   void exportResults(Results results);  // exports the requested results, as the last step
   // Adds the constants of views that shaders write to the prologue. Call it last, after the scene's changes.
   void addConstants();
@@ -55,8 +62,8 @@ class FrameGraphBuilder {
   ViewSet& jittered();
   bool isSteady() const;  // the picture's frame has one sample per pixel, at its center
   FrameContext litContext(const ViewSet& set, const FrameConfig& setup);
-  LitFrame addPicture(const SurfaceOutputs* outputs = nullptr);
-  graph::ImageId addLastFrame(const PictureSum& sum, TemporalHistory* history, bool continues);
+  LitFrame addPicture(const SurfaceOutputs* outputs = nullptr, const Histories& histories = {});
+  graph::ImageId addLastFrame(const PictureSum& sum, const Histories& histories);
   void addPost(graph::ImageId picture, uint32_t count, graph::BufferId covered);
   void addLightCounts();
   void addSampleCounts();

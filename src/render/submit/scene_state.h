@@ -20,7 +20,8 @@ struct SceneState {
   std::vector<uint32_t> groups;
   // Worlds, of which each camera shows one (Camera::world).
   WorldStates worlds;
-  // This frame follows the frame submitted last, so temporal anti-aliasing continues from it.
+  // This frame follows the frame submitted last, so temporal anti-aliasing and the temporal filter of indirect light
+  // continue from it.
   bool continues = false;
   SceneMotion motion{};  // for --shutter and --readout
   // Exposure times and readouts in seconds, one per camera, in place of those of the settings. Empty: the settings'.

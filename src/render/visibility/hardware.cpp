@@ -181,7 +181,7 @@ HardwareVisibility::WrittenTargets HardwareVisibility::addTargets(const FrameCon
 
 graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, const VisibilityBuffer& visible,
                                              MotionUse use) const {
-  const VkFormat format = use == MotionUse::Data ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
+  const VkFormat format = motionFormat(use);
   vk::GraphicsDesc desc = depthTestedDesc(f.setup);
   desc.samples = 1;
   desc.colors = {format};
@@ -189,9 +189,11 @@ graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, const Visibi
   vk::GraphicsDesc nowhere = desc;
   nowhere.vertex = "screen.vert";
   nowhere.fragment = "motion_background.frag";
+  nowhere.constants.push_back({kDrawnMotionOfSurfacesConstant, use == MotionUse::Surfaces ? 1u : 0u});
   nowhere.pushBytes = sizeof(shared::DrawPush);
   desc.vertex = "scene_motion.vert";
   desc.fragment = "motion.frag";
+  desc.constants.push_back({kDrawnMotionOfSurfacesConstant, use == MotionUse::Surfaces ? 1u : 0u});
   const vk::PipelineRef background = f.device.cache().pipeline(nowhere);
   const ScenePipelines pipelines = scenePipelines(f, desc);
   const graph::ImageId motion = createTarget(f, format, "motion");

@@ -9,10 +9,16 @@
 
 layout(constant_id = kAlphaMaskedConstant) const uint kAlphaMasked = 0;
 
+layout(constant_id = kDrawnMotionOfSurfacesConstant) const uint kMotionOfSurfaces = 0;
+
 layout(location = 0) out vec4 motion;
 
 void main() {
-  motion = surfaceMotion(frameView(FrameRef(push.frame).v, push.view).size);
+  View view = frameView(FrameRef(push.frame).v, push.view);
+  motion = surfaceMotion(view.size);
+  if (kMotionOfSurfaces != 0u)
+    motion.zw = vec2(length(varyingSeenBefore) / max(distance(varyingPosition, view.eye), 1e-20),
+                     float(varyingInstance + 1u));
   // Last, as in geometry.frag, because textures need the whole quad.
   if (kAlphaMasked != 0u && masked(drawMaterial(), fragmentPoint())) discard;
 }

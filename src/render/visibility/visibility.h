@@ -10,8 +10,13 @@
 
 namespace latelight::render {
 
-// The purpose of motion vectors: reprojection into the previous frame (half floats), or data outputs (floats).
-enum class MotionUse { Reproject, Data };
+// The purpose of motion vectors: reprojection into the previous frame (half floats), data outputs (floats), or the
+// histories of surfaces (floats), which a history compares with those of the previous frame.
+enum class MotionUse { Reproject, Data, Surfaces };
+
+constexpr VkFormat motionFormat(MotionUse use) {
+  return use == MotionUse::Reproject ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R32G32B32A32_SFLOAT;
+}
 
 // The union of the material flags (kMaterial*) of all surfaces that may be visible.
 struct VisibleMaterials {
@@ -40,8 +45,9 @@ VisibilityBuffer addVisibility(const FrameContext& f);
 // Fills the layout's targets and the light target from gbuffer.visible. Returns the G-buffer with these targets and,
 // with several samples per pixel, the groups of samples that show one surface, and the depths at which they are lit.
 Gbuffer addGbuffer(const FrameContext& f, Gbuffer gbuffer);
-// Returns the motion vectors at the pixel centers as R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT: xy to the previous
-// frame, zw to the next frame. In pixels, y down, without jitter.
+// Returns the motion vectors at the pixel centers in motionFormat(): xy to the previous frame, zw to the next frame. In
+// pixels, y down, without jitter. For MotionUse::Surfaces, z is the surface's distance from the eye in the previous
+// frame divided by that in this frame, and w the number of its instance, from 1; both are 1 and 0 in the background.
 graph::ImageId addMotion(const FrameContext& f, const VisibilityBuffer& visible, MotionUse use);
 // Returns the triangles that are visible at the pixel centers, as R32G32_UINT: the number of the instance, from 1, and
 // the index of the triangle in its mesh; 0: background. Requires one sample per pixel.

@@ -1,7 +1,7 @@
-// The spatial filter of indirect light (--indirect-filter spatial).
+// The filters of indirect light (--indirect-filter).
 #pragma once
 
-#include "render/frame/frame.h"
+#include "render/frame/frame_history.h"
 
 namespace latelight::render {
 
@@ -14,7 +14,12 @@ struct IndirectSignals {
   graph::ImageId mirroredAlbedo;   // w: 1 where there is light to filter, else 0
 };
 
-// Filters the signals and adds them, times their albedos, to the lit picture.
-void addIndirectFilter(const FrameContext& f, const IndirectSignals& signals, graph::ImageId light);
+// Returns the history of filtered light (FrameContext::indirectHistory), without frames.
+FrameHistory indirectHistory();
+
+// Averages the signals with those of earlier frames if the frame has a history, which then advances; filters them, and
+// adds them, times their albedos, to the lit picture.
+void addIndirectFilter(const FrameContext& f, const IndirectSignals& signals, const VisibilityBuffer& visible,
+                       graph::ImageId light);
 
 }  // namespace latelight::render

@@ -9,6 +9,8 @@ SH_BEGIN
 struct IndirectFilterPush {
   uint64_t frame;  // FrameConstants
   int step;        // distance of the taps, pixels
+  uint samples;    // paths per pixel and frame
+  uint frames;     // in the history; 0: there is none
   uint padding;
 };
 

@@ -2,8 +2,12 @@
 #extension GL_GOOGLE_include_directive : require
 // Prepares the filter of indirect light: replaces the variance that a pixel's few samples suggest by one to which its
 // neighbors on the same surface contribute, and limits values far above those of all neighbors (fireflies). Inputs and
-// outputs: indirect_filter.glsl.
+// outputs: indirect_filter.glsl. With kHistory, the more frames a signal has, the less the spread of its neighbors
+// counts, because it then is that of the light itself.
 #include "render/lighting/reference/indirect_filter.glsl"
+
+layout(constant_id = kHistoryConstant) const uint kHistory = 0;
+layout(set = 0, binding = 6) uniform usampler2DArray historySurface;  // nextSurface of indirect_temporal.comp
 
 const int kReach = 3;
 
@@ -24,13 +28,14 @@ void add(inout Neighborhood n, vec4 signal, float weight, bool own) {
   if (!own && weight > 0.05) n.highest = max(n.highest, light);
 }
 
-// Returns the signal with its estimated variance.
-vec4 estimated(Neighborhood n, vec4 signal) {
+// Returns the signal of so many frames with its estimated variance.
+vec4 estimated(Neighborhood n, vec4 signal, float frames) {
   float mean = n.mean / n.weight;
   float spread = max(n.square / n.weight - mean * mean, 0.0);
   float light = luminance(signal.rgb);
   float limited = n.highest > 0.0 ? min(light, n.highest) : light;
-  return vec4(signal.rgb * (limited / max(light, 1e-20)), max(n.variance / n.weight, 0.25 * spread));
+  float variance = max(n.variance / n.weight, 0.25 * spread / frames);
+  return vec4(signal.rgb * (limited / max(light, 1e-20)), variance);
 }
 
 void main() {
@@ -48,6 +53,7 @@ void main() {
       add(scattered, texelFetch(scatteredLight, at, 0), surfaceWeight(own, other, kScatteredSharpness), at == place);
       add(mirrored, texelFetch(mirroredLight, at, 0), surfaceWeight(own, other, sharpness), at == place);
     }
-  imageStore(filteredScattered, place, own.some ? estimated(scattered, signal) : vec4(0.0));
-  imageStore(filteredMirrored, place, own.some ? estimated(mirrored, mirror) : vec4(0.0));
+  vec2 frames = kHistory != 0u ? unpackHalf2x16(texelFetch(historySurface, place, 0).w) : vec2(1.0);
+  imageStore(filteredScattered, place, own.some ? estimated(scattered, signal, frames.x) : vec4(0.0));
+  imageStore(filteredMirrored, place, own.some ? estimated(mirrored, mirror, frames.y) : vec4(0.0));
 }

@@ -128,11 +128,16 @@ bool passes(inout Path path, PathHit at, PathVertex v) {
   return passed;
 }
 
+// Returns true if light may come from beyond all surfaces, which the last ray of a path finds.
+bool anythingBeyond(FrameConstants frame, RayScene scene) { return hasCells(scene, frame) || hasAreaLights(frame); }
+
 // Follows the ray of a path to the surface `v` that it hits, and adds what the ray sees. `beyond` is the absorption on
 // the surface's other side. Returns false if the path ends: `onlySky` ends it at any surface.
 bool follow(inout Path path, FrameConstants frame, RayScene scene, uint bounce, bool onlySky, out PathVertex v,
             out vec3 beyond) {
   uint what = translucentRays() | (path.fromEye && bounce == 0u ? 0u : kRayTwoSided);
+  bool onlyBlocks = onlySky && !hasAreaLights(frame) && (kPathFlags & kPathsFindTranslucent) == 0u;
+  if (onlyBlocks) what |= kRayStopAtFirst;
   bool arrives = false;
   for (uint i = 0u; i <= kMaxCrossings; ++i) {
     RayHit hit = traceRay(frame, path.ray, what);
@@ -208,14 +213,15 @@ Path tracedPath(FrameConstants frame, Path path, PathVertex v) {
   RayScene scene = RaySceneRef(frame.rayScene).v;
   vec3 beyond = vec3(0.0);
   bool goesOn = true;
-  uint bounce = 0u;
-  for (uint i = 0u; goesOn && bounce <= push.bounces + 1u && i < kMaxSurfaces; ++i) {
+  uint bounce = 0u, rays = push.bounces + (anythingBeyond(frame, scene) ? 1u : 0u);
+  for (uint i = 0u; goesOn && i < kMaxSurfaces; ++i) {
     if (i > 0u || ((kPathFlags & kPathsFromEye) != 0u && path.fromEye))
       goesOn = follow(path, frame, scene, bounce, bounce > push.bounces, v, beyond);
     if (!goesOn) continue;
     addDirectLight(path, frame, scene, v, beyond, bounce);
-    goesOn = scatter(path, frame, v, beyond, bounce, i);
-    bounce += kLayers != 0u && v.coated && v.coats.inside ? 0u : 1u;
+    uint next = bounce + (kLayers != 0u && v.coated && v.coats.inside ? 0u : 1u);
+    goesOn = next <= rays && scatter(path, frame, v, beyond, bounce, i);
+    bounce = next;
   }
   return path;
 }
@@ -344,7 +350,7 @@ void main() {
   if (lit || eye.starts) {
     pathSeed = rayHash(floatBitsToUint(eye.starts ? eye.position : p.s.position)).x;
     for (uint i = push.first; i < push.end; ++i) {
-      pathIndex = i;
+      pathIndex = push.firstPoint + i;
       pathPair = 0u;
       addPath(sums, tracedPath(frame, start, v), albedos);
     }

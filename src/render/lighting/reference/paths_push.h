@@ -19,8 +19,10 @@ struct PathsPush {
   uint64_t lightSizes;   // float[lightCount], as RayShadow::lightSize; with lights of worlds, for each view
   uint first, end;       // samples of this pass
   uint samples;          // of all passes
+  uint firstPoint;       // index of the first sample's point in the pixels' sequences
   uint bounces;          // maximum number of surfaces after the visible one
   uint emitterStride, lightStride;  // elements from one view to the next
+  uint padding;
 };
 
 SH_END

@@ -80,6 +80,13 @@ graph::BufferId addLightSizes(const FrameContext& f) {
   return buffer;
 }
 
+// Returns the index of the frame's first point of the sample sequences, which the frames of a history continue.
+uint32_t firstPoint(const FrameContext& f) {
+  constexpr uint32_t kMaxPoints = 65536;
+  const uint32_t frames = f.indirectHistory ? f.indirectHistory->frames() : 0;
+  return frames % std::max(1u, kMaxPoints / f.setup.paths) * f.setup.paths;
+}
+
 // Returns kPaths*.
 uint32_t pathFlags(const FrameContext& f, bool fromLights) {
   uint32_t flags = fromLights ? shared::kPathsFromLights : 0;
@@ -117,9 +124,11 @@ IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fro
                                  .first = first,
                                  .end = std::min(first + atOnce, all),
                                  .samples = all,
+                                 .firstPoint = fromLights ? 0 : firstPoint(f),
                                  .bounces = bounces,
                                  .emitterStride = f.scene.hasWorlds() ? f.emitters : 0,
-                                 .lightStride = f.scene.worlds().hasLights() ? f.scene.lightCount() : 0};
+                                 .lightStride = f.scene.worlds().hasLights() ? f.scene.lightCount() : 0,
+                                 .padding = 0};
     addCompute(f, std::move(pass), [push, emitters, sizes, visible = gbuffer.visible](graph::Context& context) {
       shared::PathsPush filled = push;
       filled.shown = surfacePush(visible, context);
@@ -145,7 +154,7 @@ bool tracesPaths(const FrameConfig& setup) {
 void addIndirect(const FrameContext& f, const Gbuffer& gbuffer) {
   const uint32_t bounces = f.setup.indirect == shared::kIndirectPath ? kBouncesOfPaths : 1;
   const IndirectSignals signals = addPaths(f, gbuffer, false, bounces);
-  if (f.setup.filtersIndirect) addIndirectFilter(f, signals, gbuffer.light);
+  if (f.setup.filtersIndirect) addIndirectFilter(f, signals, gbuffer.visible, gbuffer.light);
 }
 
 TechniqueInfo technique_reference() {

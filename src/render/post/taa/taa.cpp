@@ -22,16 +22,6 @@ float radicalInverse(uint32_t index, uint32_t base) {
   return value;
 }
 
-vk::Image makeHistory(const FrameContext& f, const char* name) {
-  return vk::Image(f.device,
-                   {.format = kHistoryFormat,
-                    .width = f.width,
-                    .height = f.height,
-                    .layers = f.viewCount(),
-                    .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-                    .name = name});
-}
-
 }  // namespace
 
 const std::vector<glm::vec2>& temporalJitters() {
@@ -48,38 +38,17 @@ const std::vector<glm::vec2>& temporalJitters() {
   return jitters;
 }
 
-bool TemporalHistory::fits(uint32_t width, uint32_t height, size_t views) const {
-  if (!filled_) return false;
-  const vk::ImageDesc& desc = color_[0].desc();
-  return desc.width == width && desc.height == height && desc.layers == views;
+FrameHistory temporalHistory() {
+  return FrameHistory({{kHistoryFormat, "history"}, {kHistoryFormat, "history state"}});
 }
 
-void TemporalHistory::begin(const FrameContext& f) {
-  if (!fits(f.width, f.height, f.viewCount())) {
-    for (int i = 0; i < 2; ++i) {
-      color_[i] = makeHistory(f, "history");
-      state_[i] = makeHistory(f, "history state");
-    }
-  }
-  filled_ = true;
-  frames_ = 0;
-}
-
-graph::ImageId addTemporal(const FrameContext& f, const TemporalSources& sources, TemporalHistory& history,
-                           bool begins) {
+graph::ImageId addTemporal(const FrameContext& f, const TemporalSources& sources, FrameHistory& history, bool begins) {
   if (begins) history.begin(f);
+  const FrameHistory::Images images = history.advance(f);
   // The history bindings need an image even if a history begins; the shader does not read it then.
-  graph::ImageId oldColor = sources.picture, oldState = sources.picture;
-  if (!begins) {
-    oldColor = f.graph.import(history.color_[history.newest_], graph::Use::SampledCompute);
-    oldState = f.graph.import(history.state_[history.newest_], graph::Use::SampledCompute);
-  }
-  history.newest_ = 1 - history.newest_;
-  ++history.frames_;
-  const graph::ImageId color = f.graph.import(history.color_[history.newest_], std::nullopt);
-  const graph::ImageId state = f.graph.import(history.state_[history.newest_], std::nullopt);
-  f.graph.exports(color, graph::Use::SampledCompute);
-  f.graph.exports(state, graph::Use::SampledCompute);
+  const graph::ImageId oldColor = begins ? sources.picture : images.last[0];
+  const graph::ImageId oldState = begins ? sources.picture : images.last[1];
+  const graph::ImageId color = images.next[0], state = images.next[1];
 
   const float samples = begins ? static_cast<float>(kTemporalSamples) : 0.0f;
   addCompute(f,

@@ -5,8 +5,7 @@
 #include <glm/vec2.hpp>
 #include <vector>
 
-#include "render/frame/frame.h"
-#include "vk/resources.h"
+#include "render/frame/frame_history.h"
 
 namespace latelight::render {
 
@@ -22,28 +21,12 @@ struct TemporalSources {
   graph::ImageId picture, depth, motion;
 };
 
-// The history of a sequence, which persists from frame to frame.
-class TemporalHistory {
- public:
-  // Returns true if there is a history of this size.
-  bool fits(uint32_t width, uint32_t height, size_t views) const;
-  uint32_t frames() const { return frames_; }        // since the history began
-  void undo() { newest_ = 1 - newest_, --frames_; }  // reverts the last frame's update
-
- private:
-  friend graph::ImageId addTemporal(const FrameContext& f, const TemporalSources& sources, TemporalHistory& history,
-                                    bool begins);
-  void begin(const FrameContext& f);
-
-  vk::Image color_[2], state_[2];
-  uint32_t newest_ = 0, frames_ = 0;
-  bool filled_ = false;
-};
+// Returns a history without frames.
+FrameHistory temporalHistory();
 
 // Begins or continues a history, and returns the anti-aliased picture. To begin, `sources` has the sum of
 // kTemporalSamples frames, with depth and motion of the last one, and the result is their mean. To continue, `sources`
 // has a single frame.
-graph::ImageId addTemporal(const FrameContext& f, const TemporalSources& sources, TemporalHistory& history,
-                           bool begins);
+graph::ImageId addTemporal(const FrameContext& f, const TemporalSources& sources, FrameHistory& history, bool begins);
 
 }  // namespace latelight::render

@@ -315,14 +315,15 @@ Gbuffer ComputeVisibility::addSurfacesBy(const FrameContext& f, Gbuffer gbuffer,
 
 graph::ImageId ComputeVisibility::addMotion(const FrameContext& f, const VisibilityBuffer& visible,
                                             MotionUse use) const {
-  const VkFormat format = use == MotionUse::Data ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
-  const graph::ImageId motion = createTarget(f, format, "motion");
+  const graph::ImageId motion = createTarget(f, motionFormat(use), "motion");
   ComputePass pass{.stage = graph::Stage::Geometry,
                    .name = "motion",
                    .shader = "visible_motion.comp",
                    .bindings = Bindings(f.device).storage(motion, graph::Use::StorageWrite),
                    .size = f.pixels(),
-                   .constants = {{kSamplesConstant, f.setup.samples}, {kLensConstant, f.lens ? 1u : 0u}}};
+                   .constants = {{kSamplesConstant, f.setup.samples},
+                                 {kLensConstant, f.lens ? 1u : 0u},
+                                 {kMotionOfSurfacesConstant, use == MotionUse::Surfaces ? 1u : 0u}}};
   addVastConstant(f, pass);
   pass.buffers.emplace_back(visible.ids, graph::Use::StorageRead);
   const VkDeviceAddress lenses = f.lens ? f.graph.constants(std::as_bytes(std::span(f.lens->lenses))) : 0;

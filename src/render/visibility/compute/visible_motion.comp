@@ -1,12 +1,15 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Resolves motion vectors from the visibility buffer, including those of the background.
+// Resolves motion vectors from the visibility buffer, including those of the background. With kMotionOfSurfaces, zw are
+// those of MotionUse::Surfaces.
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/visible_triangle.glsl"
 #include "render/visibility/compute/visible_motion.glsl"
 #include "render/visibility/compute/visible.glsl"
 #include "render/visibility/background_motion.glsl"
 #include "render/visibility/compute/visible_motion_push.h"
+
+layout(constant_id = kMotionOfSurfacesConstant) const uint kMotionOfSurfaces = 0;
 
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(push_constant, scalar) uniform Push { VisibleMotionPush push; };
@@ -30,5 +33,12 @@ void main() {
   else
     found = id == 0u ? backgroundMotion(frame, view, index, centre)
                      : seenMotion(frame, view, index, visibleTriangle(frame, push.instances, id), centre);
+  if (kMotionOfSurfaces != 0u) {
+    found.zw = vec2(1.0, 0.0);
+    if (id != 0u) {
+      VisibleTriangle t = visibleTriangle(frame, push.instances, id);
+      found.zw = vec2(seenApproach(frame, view, index, t, centre), float(t.draw.instance + 1u));
+    }
+  }
   imageStore(motion, pixel, found);
 }

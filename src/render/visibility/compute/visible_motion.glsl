@@ -10,6 +10,24 @@ bool samePlace(Instance a, Instance b) {
   return a.objectToWorld == b.objectToWorld && a.translationLow == b.translationLow;
 }
 
+// Returns the point's distance from the eye in the previous frame, divided by that in this frame.
+float seenApproach(FrameConstants frame, View view, uint viewIndex, VisibleTriangle t, vec2 pixel) {
+  View viewBefore = viewAt(frame.previousViews, viewIndex);
+  mat4x3 before = relativeToEye(instanceAt(frame.previousInstances, t.draw.instance), viewBefore);
+  Mesh mesh = frameMesh(frame, t.draw.mesh);
+  vec3 corners[3] = cornersOf(frame, view, t), now = vec3(0.0), past = vec3(0.0);
+  Weights w = weightsAt(frame, view, corners[0], corners[1], corners[2], pixel);
+  for (int i = 0; i < 3; ++i) {
+    now += w.at[i] * corners[i];
+    past += w.at[i] * (before * vec4(positionAt(mesh.previousPositions, t.indices[i]), 1.0));
+  }
+  if (isVast(t)) {
+    now = vastPoint(frame, view, vastCornersOf(frame, view, t), pixel);
+    past = toWorldAxes(view, now) + eyeBetween(viewBefore, view);
+  }
+  return length(past) / max(length(now), 1e-20);
+}
+
 // Returns motion vectors, in pixels: xy to the previous frame, zw to the next frame.
 vec4 seenMotion(FrameConstants frame, View view, uint viewIndex, VisibleTriangle t, vec2 pixel) {
   View viewBefore = viewAt(frame.previousViews, viewIndex), viewAfter = viewAt(frame.nextViews, viewIndex);
