@@ -602,8 +602,6 @@ Renderer::Impl::WorldLabelInput Renderer::Impl::worldLabelInput(const Worlds& wo
   if (input.settings.shutter != 0 || input.settings.readout != 0)
     badUsage("worlds do not support an exposure time and a rolling shutter: omit shutter and readout");
   rejectExposures(worlds.cameras);
-  if (!worlds.joints.empty() || !worlds.meshes.empty())
-    badUsage("labels and keypoints do not support worlds with joints and vertices of their own: omit these");
   input.moment = internalState(options, input.settings, scene, 0);
   if (worlds.arrays.ready > 0 && inputTimeline) device->waitFirst(inputTimeline->get(), worlds.arrays.ready);
   input.cameras = source.convert(worlds, input.settings, input.moment, renderer, *device, true).cameras;
