@@ -31,6 +31,7 @@ from ._core import (
     Texture,
     TextureHandle,
     Ticket,
+    read_environment,
     set_memory_limit,
     version,
 )
@@ -103,6 +104,7 @@ __all__ = [
     "from_usd",
     "lidar",
     "pose_urdf",
+    "read_environment",
     "set_memory_limit",
     "version",
 ]
