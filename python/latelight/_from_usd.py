@@ -5,8 +5,8 @@ from __future__ import annotations
 import importlib
 import math
 import os
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from ._core import Light, Material, MaterialHandle, MeshHandle, Scene, read_envi
 from ._enclosure import Enclosure
 from ._model_builder import Builder, linear, missing, reading, v_down
 from .errors import UsageError
+
+
+Result = TypeVar("Result")
 
 
 class _Usd(Builder):
@@ -37,9 +40,9 @@ class _Usd(Builder):
     def transform(self, prim: Any) -> np.ndarray:
         return np.array(self.cache.GetLocalToWorldTransform(prim), np.float64).T  # USD's vectors are rows
 
-    def run(self) -> Scene:
-        geom, lux = self.pxr.UsdGeom, self.pxr.UsdLux
-        instancers: list[Any] = []
+    def visible(self) -> Iterator[Any]:
+        """The prims of the stage without those that are hidden or not for rendering, and without prototypes."""
+        geom = self.pxr.UsdGeom
         walk = iter(self.pxr.Usd.PrimRange(self.stage.GetPseudoRoot(), self.predicate))
         for prim in walk:
             imageable = geom.Imageable(prim)
@@ -48,9 +51,17 @@ class _Usd(Builder):
                 or imageable.ComputePurpose() in (geom.Tokens.guide, geom.Tokens.proxy)
             ):
                 walk.PruneChildren()
-            elif prim.IsA(geom.PointInstancer):
-                instancers.append(geom.PointInstancer(prim))
+                continue
+            if prim.IsA(geom.PointInstancer):
                 walk.PruneChildren()
+            yield prim
+
+    def run(self) -> Scene:
+        geom, lux = self.pxr.UsdGeom, self.pxr.UsdLux
+        instancers: list[Any] = []
+        for prim in self.visible():
+            if prim.IsA(geom.PointInstancer):
+                instancers.append(geom.PointInstancer(prim))
             elif prim.IsA(geom.Mesh):
                 self.add_mesh(prim)
             elif prim.IsA(self.pxr.UsdSkel.Root):
@@ -408,7 +419,7 @@ class _Usd(Builder):
             raise missing("pillow", "from_usd") from None
         return pil.open(path)
 
-    # --- lights and cameras ---
+    # --- lights ---
 
     def add_light(self, prim: Any) -> None:
         lux = self.pxr.UsdLux
@@ -507,6 +518,13 @@ class _Usd(Builder):
         if path.lower().endswith((".hdr", ".exr")):
             return read_environment(path)
         return linear(np.asarray(self.open_image(path).convert("RGB")) / 255)
+
+    # --- cameras ---
+
+    def exposures(self) -> list[float]:
+        cameras = [self.pxr.UsdGeom.Camera(prim) for prim in self.visible() if prim.IsA(self.pxr.UsdGeom.Camera)]
+        scales = [float(camera.ComputeLinearExposureScale(self.time)) for camera in cameras]
+        return [math.log2(scale) if scale > 0 else -math.inf for scale in scales]
 
     def add_camera(self, camera: Any, prim: Any) -> None:
         gf = camera.GetCamera(self.time)
@@ -620,6 +638,31 @@ def _fans(first: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return np.stack([begin, begin + step + 1, begin + step + 2], axis=1), faces
 
 
+def _converted(
+    stage: Any,
+    time: float | None,
+    allow_outside: Sequence[str | os.PathLike[str]],
+    function: str,
+    convert: Callable[[_Usd], Result],
+) -> Result:
+    """Opens a stage and calls `convert` with it. `function`: the name of the public function."""
+    try:
+        pxr = importlib.import_module("pxr")
+        for name in ("Ar", "Gf", "Sdf", "Usd", "UsdGeom", "UsdLux", "UsdShade", "UsdSkel"):
+            importlib.import_module(f"pxr.{name}")
+    except ImportError:
+        raise missing("usd-core", function) from None
+    if isinstance(stage, (str, os.PathLike)):
+        if not os.path.isfile(stage):
+            raise UsageError(f"{os.fspath(stage)} does not exist: give a .usd, .usda, .usdc or .usdz file")
+    with reading(stage, "usd-core"):
+        if not isinstance(stage, (str, os.PathLike)):
+            return convert(_Usd(stage, pxr, time, None))
+        enclosure = Enclosure(stage, allow_outside)
+        _check_layers(pxr, os.fspath(stage), enclosure)
+        return convert(_Usd(pxr.Usd.Stage.Open(os.fspath(stage)), pxr, time, enclosure))
+
+
 def from_usd(
     stage: Any, *, time: float | None = None, allow_outside: Sequence[str | os.PathLike[str]] = ()
 ) -> Scene:
@@ -633,18 +676,14 @@ def from_usd(
     standard surface with their images; distant, sphere, rect, disk and cylinder lights; dome lights, as the scene's
     environment; cameras; and the stage's units, up axis and chosen variants. Subdivision surfaces are shown as their
     cages, and polygons as fans. Curves, points, volumes, procedural textures and other shaders are left out."""
-    try:
-        pxr = importlib.import_module("pxr")
-        for name in ("Ar", "Gf", "Sdf", "Usd", "UsdGeom", "UsdLux", "UsdShade", "UsdSkel"):
-            importlib.import_module(f"pxr.{name}")
-    except ImportError:
-        raise missing("usd-core", "from_usd") from None
-    if isinstance(stage, (str, os.PathLike)):
-        if not os.path.isfile(stage):
-            raise UsageError(f"{os.fspath(stage)} does not exist: give a .usd, .usda, .usdc or .usdz file")
-    with reading(stage, "usd-core"):
-        if not isinstance(stage, (str, os.PathLike)):
-            return _Usd(stage, pxr, time, None).run()
-        enclosure = Enclosure(stage, allow_outside)
-        _check_layers(pxr, os.fspath(stage), enclosure)
-        return _Usd(pxr.Usd.Stage.Open(os.fspath(stage)), pxr, time, enclosure).run()
+    return _converted(stage, time, allow_outside, "from_usd", _Usd.run)
+
+
+def usd_exposures(
+    stage: Any, *, time: float | None = None, allow_outside: Sequence[str | os.PathLike[str]] = ()
+) -> list[float]:
+    """The exposures of the cameras of from_usd(stage), in their order, in stops for the option `exposure`.
+
+    They follow from the attribute `exposure` of a UsdGeomCamera and from its sensitivity, f-stop, exposure time and
+    responsivity: log2(time iso / (100 fStop^2) responsivity) + exposure. The arguments are those of from_usd."""
+    return _converted(stage, time, allow_outside, "usd_exposures", _Usd.exposures)

@@ -285,6 +285,24 @@ def test_usd_lights_and_cameras(stage):
     )
 
 
+def test_usd_cameras_have_exposures(stage):
+    from pxr import UsdGeom
+
+    UsdGeom.Camera.Define(stage, "/plain")
+    stops = UsdGeom.Camera.Define(stage, "/stops")
+    stops.CreateExposureAttr(-1.5)
+    real = UsdGeom.Camera.Define(stage, "/real")
+    real.CreateExposureAttr(2)
+    real.CreateExposureIsoAttr(400)
+    real.CreateExposureFStopAttr(8)
+    real.CreateExposureTimeAttr(1 / 50)
+    real.CreateExposureResponsivityAttr(0.5)
+    UsdGeom.Imageable(UsdGeom.Camera.Define(stage, "/hidden")).MakeInvisible()
+    expected = [0, -1.5, 2 + np.log2(400 / 50 / 100 / 64 * 0.5)]
+    np.testing.assert_allclose(latelight.usd_exposures(stage), expected, atol=1e-6)
+    assert [camera.name for camera in latelight.from_usd(stage).cameras] == ["plain", "stops", "real"]
+
+
 def test_usd_area_lights_keep_their_shapes(stage):
     from pxr import UsdGeom, UsdLux
 
