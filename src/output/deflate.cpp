@@ -23,7 +23,8 @@ size_t bound(size_t bytes) {
 }  // namespace
 
 std::vector<std::byte> deflate(std::span<const std::byte> bytes, DeflateForm form) {
-  const auto compressor = std::make_unique_for_overwrite<Compressor>();
+  // Cleared, because matches, and so the bytes, can depend on what the buffer held.
+  const auto compressor = std::make_unique<Compressor>();
   isal_zstream& stream = compressor->stream;
   isal_deflate_init(&stream);
   stream.level = 1;
