@@ -264,6 +264,15 @@ struct Instance {
   uint32_t id = 0, part = 0;                                            // values of the outputs of the same names
 };
 
+// An environment that a program creates: an equirectangular image of linear radiance, twice as wide as it is high. The
+// center column is at +X of the glTF frame, and the top row is the zenith.
+struct EnvironmentData {
+  uint32_t width = 0, height = 0;
+  std::vector<std::array<float, 3>> radiance;  // rows from the top
+};
+// Reads a .hdr or .exr file with its values unchanged. Throws Error(BadInput).
+LATELIGHT_API EnvironmentData readEnvironment(const std::string& file);
+
 // A scene from a .gltf, .glb, .obj, .ply or .stl file, or "builtin:hall", "builtin:spheres" or "builtin:boxes". It is
 // loaded once, rendered any number of times, and edited between frames. Renderers upload the changes before their next
 // frame. Their pictures equal those of a new renderer, except for the environment, which is chosen when a renderer is
@@ -284,6 +293,9 @@ class LATELIGHT_API Scene {
   // Writes the scene as it is, with its edits, to a .glb file, or its geometry at rest to an .obj or .ply file. Throws
   // Error(Usage) for other names and for files that cannot be written.
   void exportTo(const std::string& file) const;
+  // The environment of renderers that are created afterward without one of their own. It is not exported. Throws
+  // Error(Usage) unless it is twice as wide as it is high.
+  void setEnvironment(const EnvironmentData& environment);
   // The meaning of the ids in the outputs "id", "part" and "material", as JSON: the "ids" and "materials" of the side
   // file that docs/conventions.md describes.
   std::string idManifest() const;
@@ -669,13 +681,6 @@ struct OutputInfo {
   bool ids = false;  // integers, in Aov::ids
 };
 LATELIGHT_API std::vector<OutputInfo> outputInfos();
-
-// An environment that a program creates: an equirectangular image of linear radiance, twice as wide as it is high. The
-// center column is at +X of the glTF frame, and the top row is the zenith.
-struct EnvironmentData {
-  uint32_t width = 0, height = 0;
-  std::vector<std::array<float, 3>> radiance;  // rows from the top
-};
 
 // Encodes an image as a PNG file in memory. `rgba` must have 4 bytes per pixel.
 LATELIGHT_API std::vector<std::byte> encodePng(uint32_t width, uint32_t height, const std::vector<uint8_t>& rgba);

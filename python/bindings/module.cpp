@@ -1,4 +1,6 @@
 // Defines the module latelight._core.
+#include <cstring>
+
 #include "bindings.h"
 #include "lidar.h"
 
@@ -28,6 +30,17 @@ NB_MODULE(_core, module) {
         return nb::bytes(file.data(), file.size());
       },
       nb::arg("rgba"), "A picture (H, W, 4), sRGB, straight alpha, as a PNG file.");
+  module.def(
+      "read_environment",
+      [](nb::handle file) {
+        EnvironmentData data = readEnvironment(pathOf(file, "file"));
+        std::vector<float> values(3 * data.radiance.size());
+        std::memcpy(values.data(), data.radiance.data(), sizeof(float) * values.size());
+        return owned(std::move(values), {data.height, data.width, 3});
+      },
+      argument("file"),
+      nb::sig("def read_environment(file: str | os.PathLike[str]) -> numpy.typing.NDArray[typing.Any]"),
+      "The radiance (H, W, 3) of a .hdr or .exr file, as floats with the file's values.");
   module.def(
       "set_memory_limit",
       [](nb::handle bytes) { setMemoryLimit(static_cast<uint64_t>(integerOf(bytes, "bytes", 0, INT64_MAX))); },

@@ -186,15 +186,6 @@ class SharedTicket {
 
 // --- the class ------------------------------------------------------------------------------------------------------
 
-EnvironmentData environmentOf(nb::handle value) {
-  const FloatArray array = floatsOf(value, "environment", {-1, -1, 3}, Integers::Rejected);
-  EnvironmentData data{static_cast<uint32_t>(array.shape[1]), static_cast<uint32_t>(array.shape[0]), {}};
-  data.radiance.resize(size_t{data.width} * data.height);
-  if (data.radiance.empty()) badValue("environment must not be empty");
-  std::memcpy(data.radiance.data(), array.values.data(), sizeof(float) * array.values.size());
-  return data;
-}
-
 void makeRenderer(SharedRenderer* self, nb::handle scene, nb::handle device, nb::handle environment) {
   std::shared_ptr<SharedScene> shared;
   if (!nb::try_cast(scene, shared, false) || !shared) badType("scene must be a Scene, not {}", typeName(scene));

@@ -147,14 +147,19 @@ const char* converterOf(const std::string& path) {
   return nullptr;
 }
 
-bool hasOptions(const SceneOptions& o) {
-  return !o.materialVariant.empty() || !o.allowOutside.empty() || o.idDepth || !o.idNodes.empty() || !o.unit.empty() ||
-         !o.upAxis.empty() || o.pointRadius;
+// Returns true if options are given that converters do not have.
+bool hasOptionsOfFiles(const SceneOptions& o) {
+  return !o.materialVariant.empty() || o.idDepth || !o.idNodes.empty() || !o.unit.empty() || !o.upAxis.empty() ||
+         o.pointRadius;
 }
 
-void convert(SharedScene* self, const char* function, const std::string& path) {
+void convert(SharedScene* self, const char* function, const std::string& path,
+             const std::vector<std::string>& allowOutside) {
   const RunningPython section;
-  const nb::object made = nb::module_::import_("latelight").attr(function)(path);
+  nb::list folders;
+  for (const std::string& folder : allowOutside) folders.append(nb::str(folder.c_str()));
+  const nb::object made =
+      nb::module_::import_("latelight").attr(function)(path, nb::arg("allow_outside") = nb::tuple(folders));
   new (self) SharedScene(nb::cast<SharedScene&>(made).edit([](Scene& scene) { return std::move(scene); }));
 }
 
@@ -169,9 +174,9 @@ void load(SharedScene* self, nb::handle source, nb::handle variant, nb::handle a
   if (!pointRadius.is_none()) options.pointRadius = static_cast<float>(numberOf(pointRadius, "point_radius"));
   const std::string path = source.is_none() ? "" : pathOf(source, "source");
   if (const char* converter = converterOf(path)) {
-    if (hasOptions(options))
+    if (hasOptionsOfFiles(options))
       badValue("Scene() has no options for '{}': call latelight.{}() with those that it has", path, converter);
-    return convert(self, converter, path);
+    return convert(self, converter, path, options.allowOutside);
   }
   const WithoutGil others;
   new (self) SharedScene(source.is_none() ? Scene() : Scene(path, options));
@@ -202,6 +207,15 @@ void defineWhole(Class& type) {
       },
       argument("file"), nb::sig("def export(self, file: str | os.PathLike[str]) -> None"),
       "Writes the scene as it is, with its edits, to a .glb file, or its geometry to an .obj or .ply file.");
+  type.def(
+      "set_environment",
+      [](SharedScene& s, nb::handle environment) {
+        const EnvironmentData data = environmentOf(environment);
+        s.edit([&](Scene& s) { s.setEnvironment(data); });
+      },
+      argument("environment"), nb::sig("def set_environment(self, environment: numpy.typing.ArrayLike) -> None"),
+      "The environment of renderers that are made afterward without one of their own: linear radiance (H, W, 3), W = "
+      "2 H,\nwith the center column at +X of the glTF frame and the zenith in the top row. It is not exported.");
   type.def_prop_ro("triangle_count",
                    [](const SharedScene& s) { return s.read([](const Scene& s) { return s.triangleCount(); }); });
   type.def(
@@ -582,6 +596,15 @@ void defineMeshes(Class& type) {
 }
 
 }  // namespace
+
+EnvironmentData environmentOf(nb::handle value) {
+  const FloatArray array = floatsOf(value, "environment", {-1, -1, 3}, Integers::Rejected);
+  EnvironmentData data{static_cast<uint32_t>(array.shape[1]), static_cast<uint32_t>(array.shape[0]), {}};
+  data.radiance.resize(size_t{data.width} * data.height);
+  if (data.radiance.empty()) badValue("environment must not be empty");
+  std::memcpy(data.radiance.data(), array.values.data(), sizeof(float) * array.values.size());
+  return data;
+}
 
 void bindScene(nb::module_& module) {
   Class type(module, "Scene", nb::is_weak_referenceable(),

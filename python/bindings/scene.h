@@ -35,4 +35,7 @@ class SharedScene {
   mutable EditLock busy_;
 };
 
+// Returns the environment of an array (H, W, 3).
+EnvironmentData environmentOf(nanobind::handle value);
+
 }  // namespace latelight::python

@@ -31,6 +31,7 @@ from ._core import (
     Texture,
     TextureHandle,
     Ticket,
+    read_environment,
     set_memory_limit,
     version,
 )
@@ -38,7 +39,7 @@ from . import depth_sensor, lidar
 from ._from_mujoco import MujocoScene, from_mujoco
 from ._from_open3d import from_open3d
 from ._from_trimesh import from_trimesh, from_urdf, pose_urdf
-from ._from_usd import from_usd
+from ._from_usd import from_usd, usd_exposures
 from ._gymnasium import add_pixels
 from .errors import (
     ArgumentTypeError,
@@ -103,6 +104,8 @@ __all__ = [
     "from_usd",
     "lidar",
     "pose_urdf",
+    "read_environment",
     "set_memory_limit",
+    "usd_exposures",
     "version",
 ]

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import functools
 import importlib
 import os
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ._core import Material, MaterialHandle, MeshHandle, Scene
+from ._enclosure import Enclosure
 from ._model_builder import FROM_Z_UP, Builder, linear, missing, node_name, reading, v_down
 from .errors import UsageError
 
@@ -109,17 +112,25 @@ def from_trimesh(model: Any, *, up: str = "y", smooth: bool = False) -> Scene:
 # --- URDF -----------------------------------------------------------------------------------------------------------
 
 
-def _load_urdf(robot: Any, function: str) -> Any:
+def _root_of(urdf: str | os.PathLike[str]) -> Path | None:
+    """The folder of the ROS package that a URDF file is in, if it is in one."""
+    folders = Path(urdf).absolute().parents
+    return next((folder for folder in folders if (folder / "package.xml").is_file()), None)
+
+
+def _load_urdf(robot: Any, allow_outside: Sequence[str | os.PathLike[str]]) -> Any:
     if not isinstance(robot, (str, os.PathLike)):
         return robot
     try:
         yourdfpy = importlib.import_module("yourdfpy")
     except ImportError:
-        raise missing("yourdfpy", function) from None
+        raise missing("yourdfpy", "from_urdf") from None
     if not os.path.isfile(robot):
         raise UsageError(f"{os.fspath(robot)} does not exist: give a .urdf file")
+    enclosure = Enclosure(robot, allow_outside, _root_of(robot))
+    find = functools.partial(yourdfpy.urdf.filename_handler_magic, dir=os.path.dirname(os.path.abspath(robot)))
     with reading(robot, "yourdfpy"):
-        return yourdfpy.URDF.load(os.fspath(robot))
+        return yourdfpy.URDF.load(os.fspath(robot), filename_handler=lambda fname: enclosure.check(find(fname)))
 
 
 def _configure(urdf: Any, configuration: Mapping[str, float] | Sequence[float] | None) -> None:
@@ -148,14 +159,20 @@ def _link_names(urdf: Any) -> dict[Any, str]:
     return names
 
 
-def from_urdf(robot: Any, configuration: Mapping[str, float] | Sequence[float] | None = None) -> Scene:
+def from_urdf(
+    robot: Any,
+    configuration: Mapping[str, float] | Sequence[float] | None = None,
+    *,
+    allow_outside: Sequence[str | os.PathLike[str]] = (),
+) -> Scene:
     """Converts a robot: the path of a URDF file, which yourdfpy loads, or a yourdfpy.URDF.
 
     configuration: positions of its joints (radians, meters), by name or for all of them in order; default: as it is
+    allow_outside: folders that the file may refer to, besides its own folder or ROS package
 
     Instances are named after their links. URDF has Z up, and this scene Y. `pose_urdf` moves the joints of the scene
     afterward."""
-    urdf = _load_urdf(robot, "from_urdf")
+    urdf = _load_urdf(robot, allow_outside)
     if getattr(urdf, "scene", None) is None:
         raise UsageError("from_urdf requires a URDF file, or a yourdfpy.URDF that has built its scene graph")
     _configure(urdf, configuration)

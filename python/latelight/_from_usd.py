@@ -5,22 +5,28 @@ from __future__ import annotations
 import importlib
 import math
 import os
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 
-from ._core import Light, Material, MaterialHandle, MeshHandle, Scene
-from ._model_builder import Builder, missing, reading, v_down
+from ._core import Light, Material, MaterialHandle, MeshHandle, Scene, read_environment
+from ._enclosure import Enclosure
+from ._model_builder import Builder, linear, missing, reading, v_down
 from .errors import UsageError
+
+
+Result = TypeVar("Result")
 
 
 class _Usd(Builder):
     """Walks a stage. `pxr` holds its modules."""
 
-    def __init__(self, stage: Any, pxr: Any, time: float | None) -> None:
+    def __init__(self, stage: Any, pxr: Any, time: float | None, enclosure: Enclosure | None) -> None:
         geom = pxr.UsdGeom
         super().__init__("z" if geom.GetStageUpAxis(stage) == geom.Tokens.z else "y")
-        self.stage, self.pxr = stage, pxr
+        self.stage, self.pxr, self.enclosure = stage, pxr, enclosure
+        self.domes: list[Any] = []
         self.time = pxr.Usd.TimeCode.Default() if time is None else pxr.Usd.TimeCode(time)
         scale = float(geom.GetStageMetersPerUnit(stage))
         self.world = self.world @ np.diag([scale, scale, scale, 1])
@@ -34,9 +40,9 @@ class _Usd(Builder):
     def transform(self, prim: Any) -> np.ndarray:
         return np.array(self.cache.GetLocalToWorldTransform(prim), np.float64).T  # USD's vectors are rows
 
-    def run(self) -> Scene:
-        geom, lux = self.pxr.UsdGeom, self.pxr.UsdLux
-        instancers: list[Any] = []
+    def visible(self) -> Iterator[Any]:
+        """The prims of the stage without those that are hidden or not for rendering, and without prototypes."""
+        geom = self.pxr.UsdGeom
         walk = iter(self.pxr.Usd.PrimRange(self.stage.GetPseudoRoot(), self.predicate))
         for prim in walk:
             imageable = geom.Imageable(prim)
@@ -45,9 +51,17 @@ class _Usd(Builder):
                 or imageable.ComputePurpose() in (geom.Tokens.guide, geom.Tokens.proxy)
             ):
                 walk.PruneChildren()
-            elif prim.IsA(geom.PointInstancer):
-                instancers.append(geom.PointInstancer(prim))
+                continue
+            if prim.IsA(geom.PointInstancer):
                 walk.PruneChildren()
+            yield prim
+
+    def run(self) -> Scene:
+        geom, lux = self.pxr.UsdGeom, self.pxr.UsdLux
+        instancers: list[Any] = []
+        for prim in self.visible():
+            if prim.IsA(geom.PointInstancer):
+                instancers.append(geom.PointInstancer(prim))
             elif prim.IsA(geom.Mesh):
                 self.add_mesh(prim)
             elif prim.IsA(self.pxr.UsdSkel.Root):
@@ -58,16 +72,51 @@ class _Usd(Builder):
                 self.add_light(prim)
         for instancer in instancers:
             self.add_instancer(instancer)
+        if self.domes:
+            self.scene.set_environment(self.environment())
         return self.scene
 
     def add_mesh(self, prim: Any) -> None:
-        skin = self.skin_of(prim)
-        if skin is None:
+        mesh = self.pxr.UsdGeom.Mesh(prim)
+        skin, shapes = self.skin_of(prim), self.blended(mesh, prim)
+        if skin is None and shapes is None:
             self.show(prim, self.transform(prim), prim.GetPath())
             return
-        pose, skeleton = skin
-        for mesh, material in self.meshes(self.pxr.UsdGeom.Mesh(prim), prim, pose):
-            self.add_instance(mesh, material, self.transform(skeleton), str(prim.GetPath())[1:].replace("/", "."))
+        pose, frame = skin or (None, prim)
+        for made, material in self.meshes(mesh, prim, pose, shapes or (None, None)):
+            self.add_instance(made, material, self.transform(frame), str(prim.GetPath())[1:].replace("/", "."))
+
+    def blended(self, mesh: Any, prim: Any) -> tuple[Any, Any] | None:
+        """The points and the normals per point of a mesh with blend shapes, by the weights of its skeleton's animation.
+        In-between shapes are interpolated as UsdSkel defines it."""
+        skel = self.pxr.UsdSkel
+        skinning = self.skins.GetSkinningQuery(prim)
+        skeleton = skel.BindingAPI(prim).GetInheritedSkeleton()
+        query = self.skins.GetSkelQuery(skeleton) if skeleton else None
+        animation = query.GetAnimQuery() if query else None
+        weights = animation.ComputeBlendShapeWeights(self.time) if animation else None
+        if not skinning or not skinning.HasBlendShapes() or not weights:
+            return None
+        mapper = skinning.GetBlendShapeMapper()
+        shapes = skel.BlendShapeQuery(skel.BindingAPI(prim))
+        own = mapper.Remap(weights) if mapper else weights
+        parts = shapes.ComputeSubShapeWeights(own)
+        points = np.array(mesh.GetPointsAttr().Get(self.time), np.float32).reshape(-1, 3)
+        normals = None
+        if mesh.GetNormalsInterpolation() in ("vertex", "varying") and mesh.GetNormalsAttr().Get(self.time):
+            normals = np.array(mesh.GetNormalsAttr().Get(self.time), np.float32).reshape(-1, 3)
+        for weight, shape, part in zip(*parts):
+            blend, between = shapes.GetBlendShape(shape), shapes.GetInbetween(part)
+            moves = between.GetOffsets() if between else blend.GetOffsetsAttr().Get()
+            turns = between.GetNormalOffsets() if between else blend.GetNormalOffsetsAttr().Get()
+            at = blend.GetPointIndicesAttr().Get()
+            where = slice(None) if at is None or len(at) == 0 else np.asarray(at, np.int64)
+            for values, offsets in ((points, moves), (normals, turns)):
+                if values is not None and offsets is not None and len(offsets) > 0:
+                    _add_offsets(values, where, weight * np.asarray(offsets, np.float32), prim.GetPath())
+        if normals is not None:
+            normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+        return points, normals
 
     def skin_of(self, prim: Any) -> tuple[np.ndarray, Any] | None:
         """Of a mesh with a skeleton: (points or 1, 4, 4), which move its points to the space of the skeleton."""
@@ -125,12 +174,15 @@ class _Usd(Builder):
     # --- geometry ---
 
     def meshes(
-        self, mesh: Any, prim: Any, pose: np.ndarray | None = None
+        self, mesh: Any, prim: Any, pose: np.ndarray | None = None, shapes: tuple[Any, Any] = (None, None)
     ) -> list[tuple[MeshHandle, MaterialHandle]]:
         """One mesh per material. Corners share no vertices, because values may belong to faces and corners.
 
-        pose: transforms of all points, or one for all of them"""
-        points = np.asarray(mesh.GetPointsAttr().Get(self.time), np.float32).reshape(-1, 3)
+        pose: transforms of all points, or one for all of them
+        shapes: points and normals per point in place of those of the mesh"""
+        points, blended_normals = shapes
+        if points is None:
+            points = np.asarray(mesh.GetPointsAttr().Get(self.time), np.float32).reshape(-1, 3)
         counts = np.asarray(mesh.GetFaceVertexCountsAttr().Get(self.time) or [], np.int64)
         indices = np.asarray(mesh.GetFaceVertexIndicesAttr().Get(self.time) or [], np.int64)
         if len(points) == 0 or len(counts) == 0:
@@ -145,6 +197,8 @@ class _Usd(Builder):
         normals = self.primvar(
             prim, "normals", mesh.GetNormalsAttr(), mesh.GetNormalsInterpolation(), flat, indices, faces, 3
         )
+        if blended_normals is not None and len(blended_normals) == len(points):
+            normals = blended_normals[indices[flat]]
         if pose is not None:
             if len(pose) not in (1, len(points)):
                 raise UsageError(f"{prim.GetPath()} has joint influences that do not match its points")
@@ -330,6 +384,7 @@ class _Usd(Builder):
                 return self.texture_of(texture, "in")
             file = texture.GetInput("file").Get(self.time) if texture and texture.GetInput("file") else None
             path = file.resolvedPath if file else ""
+            path = self.allowed(path)
             if path and os.path.isfile(path):
                 return path, source.GetName().removeprefix("outputs:")
         return "", ""
@@ -348,18 +403,30 @@ class _Usd(Builder):
         if not path:
             return None
         if path not in self.images:
-            try:
-                pil = importlib.import_module("PIL.Image")
-            except ImportError:
-                raise missing("pillow", "from_usd") from None
-            self.images[path] = pil.open(path)
+            self.images[path] = self.open_image(path)
         return self.images[path]
 
-    # --- lights and cameras ---
+    def allowed(self, path: str) -> str:
+        """Checks a file that the stage refers to. Those in archives are as allowed as the archive."""
+        if path and self.enclosure and not self.pxr.Ar.IsPackageRelativePath(path):
+            return self.enclosure.check(path)
+        return path
+
+    def open_image(self, path: str) -> Any:
+        try:
+            pil = importlib.import_module("PIL.Image")
+        except ImportError:
+            raise missing("pillow", "from_usd") from None
+        return pil.open(path)
+
+    # --- lights ---
 
     def add_light(self, prim: Any) -> None:
         lux = self.pxr.UsdLux
         api, transform = lux.LightAPI(prim), self.world @ self.transform(prim)
+        if prim.IsA(lux.DomeLight) or prim.IsA(lux.DomeLight_1):
+            self.domes.append(prim)
+            return
         color = tuple(float(c) for c in api.GetColorAttr().Get(self.time))
         power = float(api.GetIntensityAttr().Get(self.time)) * 2 ** float(api.GetExposureAttr().Get(self.time))
         position = tuple(transform[:3, 3].tolist())
@@ -415,6 +482,50 @@ class _Usd(Builder):
             )
         )
 
+    # --- dome lights ---
+
+    def environment(self) -> np.ndarray:
+        """The radiance of all dome lights, in the frame of the scene's environments."""
+        images = [self.dome_image(dome) for dome in self.domes]
+        height = max(32, max(image.shape[0] for image in images))
+        directions = _directions(height)
+        total = np.zeros((height, 2 * height, 3), np.float32)
+        for dome, image in zip(self.domes, images):
+            api = self.pxr.UsdLux.LightAPI(dome)
+            power = float(api.GetIntensityAttr().Get(self.time)) * 2 ** float(api.GetExposureAttr().Get(self.time))
+            axes = (self.world @ self.transform(dome))[:3, :3]
+            axes = axes / np.linalg.norm(axes, axis=0)
+            pole = dome.GetAttribute("poleAxis").Get() if dome.IsA(self.pxr.UsdLux.DomeLight_1) else "Y"
+            up = self.pxr.UsdGeom.GetStageUpAxis(self.stage) if pole == "scene" else pole
+            if up == "Z":  # the texture's pole, which is +Y, is turned about X
+                axes = axes @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
+            total += power * np.asarray(api.GetColorAttr().Get(self.time)) * _sampled(image, directions @ axes)
+        return total
+
+    def dome_image(self, dome: Any) -> np.ndarray:
+        """The texture of a dome light as linear radiance; white without one."""
+        lux = self.pxr.UsdLux
+        light = lux.DomeLight_1(dome) if dome.IsA(lux.DomeLight_1) else lux.DomeLight(dome)
+        if light.GetTextureFormatAttr().Get(self.time) not in ("automatic", "latlong"):
+            raise UsageError(f"{dome.GetPath()} has a texture that is not latlong, the only format that is converted")
+        file = light.GetTextureFileAttr().Get(self.time)
+        path = file.resolvedPath if file else ""
+        if file and file.path and not path:
+            raise UsageError(f"{dome.GetPath()} has the texture {file.path}, which does not exist")
+        if not path:
+            return np.ones((1, 2, 3), np.float32)
+        path = self.allowed(path)
+        if path.lower().endswith((".hdr", ".exr")):
+            return read_environment(path)
+        return linear(np.asarray(self.open_image(path).convert("RGB")) / 255)
+
+    # --- cameras ---
+
+    def exposures(self) -> list[float]:
+        cameras = [self.pxr.UsdGeom.Camera(prim) for prim in self.visible() if prim.IsA(self.pxr.UsdGeom.Camera)]
+        scales = [float(camera.ComputeLinearExposureScale(self.time)) for camera in cameras]
+        return [math.log2(scale) if scale > 0 else -math.inf for scale in scales]
+
     def add_camera(self, camera: Any, prim: Any) -> None:
         gf = camera.GetCamera(self.time)
         fov = float(gf.GetFieldOfView(self.pxr.Gf.Camera.FOVVertical))
@@ -427,6 +538,60 @@ class _Usd(Builder):
         made.camera_to_world = pose
         made.name = prim.GetName()
         self.scene.add_camera(made)
+
+
+def _add_offsets(values: np.ndarray, where: Any, offsets: np.ndarray, path: Any) -> None:
+    """Adds the offsets of a blend shape to points or normals in place."""
+    count = len(values) if isinstance(where, slice) else len(where)
+    outside = not isinstance(where, slice) and (where.min() < 0 or where.max() >= len(values))
+    if len(offsets) != count or outside:
+        raise UsageError(f"{path} has a blend shape that does not match its points")
+    if isinstance(where, slice):
+        values += offsets
+    else:
+        np.add.at(values, where, offsets)
+
+
+def _directions(height: int) -> np.ndarray:
+    """The directions (H, 2 H, 3) of the pixels of an environment in the glTF frame: the center column is at +X, columns
+    grow toward +Z, and the top row is +Y."""
+    longitude = (np.arange(2 * height) + 0.5) / (2 * height) * 2 * np.pi - np.pi
+    latitude = np.pi / 2 - (np.arange(height) + 0.5) / height * np.pi
+    y, x = np.meshgrid(latitude, longitude, indexing="ij")
+    return np.stack([np.cos(y) * np.cos(x), np.sin(y), np.cos(y) * np.sin(x)], axis=-1)
+
+
+def _sampled(image: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """Bilinear samples of a latlong image as UsdLux defines it by OpenEXR's convention: the center is +Z, columns grow
+    toward -X, and the top row is +Y."""
+    height, width = image.shape[:2]
+    u = 0.5 - np.arctan2(directions[..., 0], directions[..., 2]) / (2 * np.pi)
+    v = np.arccos(np.clip(directions[..., 1], -1, 1)) / np.pi
+    x, y = u * width - 0.5, np.clip(v * height - 0.5, 0, height - 1)
+    column, row = np.floor(x).astype(int), np.floor(y).astype(int)
+    right, low = (x - column)[..., None], (y - row)[..., None]
+    below = np.minimum(row + 1, height - 1)
+
+    def between(row: np.ndarray) -> np.ndarray:
+        return image[row, column % width] * (1 - right) + image[row, (column + 1) % width] * right
+
+    return np.asarray(between(row) * (1 - low) + between(below) * low, np.float32)
+
+
+def _check_layers(pxr: Any, root: str, enclosure: Enclosure) -> None:
+    """Checks the layers that a stage would read, before any of them is composed."""
+    pending, known = [root], set()
+    while pending:
+        name = pending.pop()
+        layer = pxr.Sdf.Layer.FindOrOpen(name)
+        for asset in layer.GetCompositionAssetDependencies() if layer else ():
+            path = layer.ComputeAbsolutePath(asset) if asset else ""
+            if not path or path in known:
+                continue
+            known.add(path)
+            packaged = pxr.Ar.IsPackageRelativePath(path)
+            enclosure.check(pxr.Ar.SplitPackageRelativePathOuter(path)[0] if packaged else path)
+            pending.append(path)
 
 
 def _f0(ior: float) -> float:
@@ -473,25 +638,52 @@ def _fans(first: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return np.stack([begin, begin + step + 1, begin + step + 2], axis=1), faces
 
 
-def from_usd(stage: Any, *, time: float | None = None) -> Scene:
-    """Converts a Usd.Stage, or the path of a .usd, .usda, .usdc or .usdz file, with usd-core.
-
-    time: the time code at which values are read; default: their default values
-
-    Converted are visible meshes with their subsets, normals, texture coordinates (st) and displayColor, in the pose of
-    their skeletons at that time; instances and point instancers; UsdPreviewSurface and MaterialX's standard surface
-    with their images; distant, sphere, rect, disk and cylinder lights; cameras; and the stage's units, up axis and
-    chosen variants. Subdivision surfaces are shown as their cages, and polygons as fans. Blend shapes, curves, points,
-    volumes, dome lights, procedural textures and other shaders are left out."""
+def _converted(
+    stage: Any,
+    time: float | None,
+    allow_outside: Sequence[str | os.PathLike[str]],
+    function: str,
+    convert: Callable[[_Usd], Result],
+) -> Result:
+    """Opens a stage and calls `convert` with it. `function`: the name of the public function."""
     try:
         pxr = importlib.import_module("pxr")
-        for name in ("Gf", "Usd", "UsdGeom", "UsdLux", "UsdShade", "UsdSkel"):
+        for name in ("Ar", "Gf", "Sdf", "Usd", "UsdGeom", "UsdLux", "UsdShade", "UsdSkel"):
             importlib.import_module(f"pxr.{name}")
     except ImportError:
-        raise missing("usd-core", "from_usd") from None
+        raise missing("usd-core", function) from None
     if isinstance(stage, (str, os.PathLike)):
         if not os.path.isfile(stage):
             raise UsageError(f"{os.fspath(stage)} does not exist: give a .usd, .usda, .usdc or .usdz file")
     with reading(stage, "usd-core"):
-        opened = pxr.Usd.Stage.Open(os.fspath(stage)) if isinstance(stage, (str, os.PathLike)) else stage
-        return _Usd(opened, pxr, time).run()
+        if not isinstance(stage, (str, os.PathLike)):
+            return convert(_Usd(stage, pxr, time, None))
+        enclosure = Enclosure(stage, allow_outside)
+        _check_layers(pxr, os.fspath(stage), enclosure)
+        return convert(_Usd(pxr.Usd.Stage.Open(os.fspath(stage)), pxr, time, enclosure))
+
+
+def from_usd(
+    stage: Any, *, time: float | None = None, allow_outside: Sequence[str | os.PathLike[str]] = ()
+) -> Scene:
+    """Converts a Usd.Stage, or the path of a .usd, .usda, .usdc or .usdz file, with usd-core.
+
+    time: the time code at which values are read; default: their default values
+    allow_outside: folders that a file may refer to, besides its own
+
+    Converted are visible meshes with their subsets, normals, texture coordinates (st) and displayColor, in the pose of
+    their skeletons and blend shapes at that time; instances and point instancers; UsdPreviewSurface and MaterialX's
+    standard surface with their images; distant, sphere, rect, disk and cylinder lights; dome lights, as the scene's
+    environment; cameras; and the stage's units, up axis and chosen variants. Subdivision surfaces are shown as their
+    cages, and polygons as fans. Curves, points, volumes, procedural textures and other shaders are left out."""
+    return _converted(stage, time, allow_outside, "from_usd", _Usd.run)
+
+
+def usd_exposures(
+    stage: Any, *, time: float | None = None, allow_outside: Sequence[str | os.PathLike[str]] = ()
+) -> list[float]:
+    """The exposures of the cameras of from_usd(stage), in their order, in stops for the option `exposure`.
+
+    They follow from the attribute `exposure` of a UsdGeomCamera and from its sensitivity, f-stop, exposure time and
+    responsivity: log2(time iso / (100 fStop^2) responsivity) + exposure. The arguments are those of from_usd."""
+    return _converted(stage, time, allow_outside, "usd_exposures", _Usd.exposures)

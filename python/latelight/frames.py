@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, KeysView, Mapping, Sequence
 from typing import Any, TypeVar, overload
 
 import numpy as np
@@ -12,6 +12,7 @@ from ._core import DeviceArray
 
 
 Array = TypeVar("Array")
+Item = TypeVar("Item")
 
 
 class Outputs(Mapping[str, Array]):
@@ -75,9 +76,21 @@ class DeviceFrames(Outputs[DeviceArray]):
         self.exposures = tuple(exposures)
 
 
-class Frames(Sequence[Frame]):
+class _Stacked(Sequence[Item]):
+    """A sequence whose outputs are also found by their names, as those of a Frame are."""
+
+    def keys(self) -> KeysView[str]:
+        """The names of the outputs."""
+        return self[0].keys() if len(self) else {}.keys()
+
+    def __contains__(self, key: object) -> bool:
+        return key in self.keys() if isinstance(key, str) else super().__contains__(key)
+
+
+class Frames(_Stacked[Frame]):
     """The outputs of several cameras: frames[3] is a Frame, frames["depth"] all depths, (V, H, W) or (V, H, W, C).
 
+    `"depth" in frames` and `frames.keys()` are about the outputs, so dict(frames) has an array per output.
     An array of all views is put together when it is asked for the first time, which copies it.
     """
 
@@ -107,11 +120,11 @@ class Frames(Sequence[Frame]):
         return f"Frames({len(self)} x {self._frames[0]!r})" if self._frames else "Frames()"
 
 
-class WorldFrames(Sequence[Frames]):
+class WorldFrames(_Stacked[Frames]):
     """The outputs of worlds: frames[3] are the Frames of world 3, frames["depth"] all depths, (N, C, H, W).
 
-    Outputs with more than one channel are (N, C, H, W, channels). `invalid_worlds` are the worlds with values that are
-    not finite; their images show only the background.
+    Outputs with more than one channel are (N, C, H, W, channels), and found by name as those of Frames. `invalid_worlds`
+    are the worlds with values that are not finite; their images show only the background.
     """
 
     def __init__(self, frames: list[Frame], cameras: int, invalid_worlds: Sequence[int]) -> None:

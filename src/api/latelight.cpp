@@ -194,7 +194,29 @@ Frame publicFrame(output::FrameOutput&& from) {
   return frame;
 }
 
+scene::Environment makeEnvironment(const EnvironmentData& data) {
+  if (data.height == 0 || data.width != 2 * data.height)
+    badUsage("an environment is twice as wide as it is high, and not {}x{} pixels", data.width, data.height);
+  if (data.radiance.size() != size_t{data.width} * data.height)
+    badUsage("an environment of {}x{} pixels needs one radiance per pixel, but {} are given", data.width, data.height,
+             data.radiance.size());
+  scene::FloatImage picture(data.width, data.height);
+  for (size_t i = 0; i < data.radiance.size(); ++i)
+    for (size_t channel = 0; channel < 4; ++channel)
+      picture.pixels[4 * i + channel] = channel < 3 ? data.radiance[i][channel] : 1;
+  return scene::makeEnvironment(std::move(picture));
+}
+
 }  // namespace
+
+EnvironmentData readEnvironment(const std::string& file) {
+  const scene::FloatImage image = scene::readPicture(file);
+  EnvironmentData data{.width = image.width, .height = image.height, .radiance = {}};
+  data.radiance.resize(size_t{image.width} * image.height);
+  for (size_t i = 0; i < data.radiance.size(); ++i)
+    for (size_t channel = 0; channel < 3; ++channel) data.radiance[i][channel] = image.pixels[4 * i + channel];
+  return data;
+}
 
 std::vector<std::byte> encodePng(uint32_t width, uint32_t height, const std::vector<uint8_t>& rgba) {
   if (width == 0 || height == 0 || rgba.size() != size_t{4} * width * height)
@@ -234,6 +256,11 @@ uint64_t Scene::triangleCount() const {
 }
 void Scene::exportTo(const std::string& file) const {
   exports::exportScene(impl_->scene, file);
+}
+void Scene::setEnvironment(const EnvironmentData& environment) {
+  auto made = std::make_shared<scene::Environment>(makeEnvironment(environment));
+  made->name = "environment of the scene";
+  impl_->scene.environment = std::move(made);
 }
 std::string Scene::idManifest() const {
   return output::idManifestText(render::idManifest(impl_->scene));
@@ -279,19 +306,6 @@ template <typename Impl>
 Impl& usable(const std::shared_ptr<Impl>& renderer) {
   renderer->owner.require("the renderer");
   return *renderer;
-}
-
-scene::Environment makeEnvironment(const EnvironmentData& data) {
-  if (data.height == 0 || data.width != 2 * data.height)
-    badUsage("an environment is twice as wide as it is high, and not {}x{} pixels", data.width, data.height);
-  if (data.radiance.size() != size_t{data.width} * data.height)
-    badUsage("an environment of {}x{} pixels needs one radiance per pixel, but {} are given", data.width, data.height,
-             data.radiance.size());
-  scene::FloatImage picture(data.width, data.height);
-  for (size_t i = 0; i < data.radiance.size(); ++i)
-    for (size_t channel = 0; channel < 4; ++channel)
-      picture.pixels[4 * i + channel] = channel < 3 ? data.radiance[i][channel] : 1;
-  return scene::makeEnvironment(std::move(picture));
 }
 
 }  // namespace
@@ -602,8 +616,6 @@ Renderer::Impl::WorldLabelInput Renderer::Impl::worldLabelInput(const Worlds& wo
   if (input.settings.shutter != 0 || input.settings.readout != 0)
     badUsage("worlds do not support an exposure time and a rolling shutter: omit shutter and readout");
   rejectExposures(worlds.cameras);
-  if (!worlds.joints.empty() || !worlds.meshes.empty())
-    badUsage("labels and keypoints do not support worlds with joints and vertices of their own: omit these");
   input.moment = internalState(options, input.settings, scene, 0);
   if (worlds.arrays.ready > 0 && inputTimeline) device->waitFirst(inputTimeline->get(), worlds.arrays.ready);
   input.cameras = source.convert(worlds, input.settings, input.moment, renderer, *device, true).cameras;

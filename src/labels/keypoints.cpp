@@ -33,6 +33,8 @@ class NodeTransforms {
       toWorld_ = placedInstances(scene, pose_, worlds, world).toWorld;
       for (const uint32_t i : worlds.instances)
         if (!worlds.transforms.empty()) placed[i] = 1;
+      const bool isEmpty = !worlds.empty.empty() && worlds.empty[world] != 0;
+      if (!worlds.deformations.joints.empty() && !isEmpty) pose_ = worlds.deformations.poseIn(world, scene, pose_);
     }
     for (uint32_t i = 0; i < placed.size(); ++i)
       if (placed[i] && !scene.instances[i].removed) placed_.emplace(scene.instances[i].node, i);
@@ -45,7 +47,7 @@ class NodeTransforms {
 
  private:
   const scene::Scene& scene_;
-  const scene::Pose& pose_;
+  scene::Pose pose_;                               // with the joints of the world
   std::vector<glm::dmat4> toWorld_;                // in a world, by instance; empty: the scene's
   std::unordered_map<uint32_t, uint32_t> placed_;  // instances by node
 };

@@ -20,7 +20,8 @@ std::vector<Object> objectsIn(const scene::Camera& camera, const scene::Scene& s
   const bool zUp = settings.axes == render::Axes::ZUp;
   const scene::Pose& pose = moment.poses.current;
   if (moment.worlds.count == 0) return objectsOf(scene, pose, zUp);
-  return objectsOf(scene, pose, zUp, placedInstances(scene, pose, moment.worlds, camera.world));
+  return objectsOf(scene, pose, zUp, placedInstances(scene, pose, moment.worlds, camera.world),
+                   deformedVertices(scene, pose, moment.worlds, camera.world));
 }
 
 // Fills everything except the camera. `objects`: with their amodal masks.

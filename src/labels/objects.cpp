@@ -19,14 +19,25 @@ std::array<double, 12> rowsOf(const glm::dmat4& m) {
   return rows;
 }
 
+std::vector<glm::vec3> deformedVertices(const scene::Scene& scene, const scene::Deformation& deformation,
+                                        const scene::Pose& pose) {
+  std::vector<glm::mat4> joints;
+  if (deformation.skin >= 0)
+    joints = scene::jointMatrices(scene.rig.skins[static_cast<size_t>(deformation.skin)], pose);
+  std::vector<float> weights;
+  if (deformation.weightsNode >= 0) weights = pose.weights[static_cast<size_t>(deformation.weightsNode)];
+  return scene::deform(deformation, joints, weights).positions;
+}
+
 class Boxes {
  public:
   Boxes(const scene::Scene& scene, const scene::Pose& pose, bool zUp, const PlacedInstances& placed,
-        const std::vector<uint64_t>* geometry)
+        const MeshVertices& vertices, const std::vector<uint64_t>* geometry)
       : scene_(scene),
         pose_(pose),
         geometry_(geometry),
         toWorld_(placed.toWorld),
+        vertices_(vertices),
         fromWorld_(zUp ? glm::dmat4(1) : scene::fileFromWorld(scene)) {}
 
   Object around(uint32_t id, const Instances& instances) const {
@@ -50,28 +61,25 @@ class Boxes {
     const scene::Mesh& mesh = scene_.meshes[instance.mesh];
     if (mesh.positions.empty()) return;
     if (geometry_) shape.parts.push_back({(*geometry_)[instance.mesh], rowsOf(toFrame)});
-    if (mesh.deformation && !pose_.empty()) {
-      const std::vector<glm::vec3> points = deformed(*mesh.deformation);
-      if (geometry_) shape.parts.back().geometry = geometryHash(points, mesh.indices);
+    const auto addAll = [&](const std::vector<glm::vec3>& points) {
       for (const glm::vec3 point : points) extent.add(glm::dvec3(toFrame * glm::dvec4(point, 1)));
+    };
+    if (const auto own = vertices_.find(instance.mesh); own != vertices_.end()) {
+      addAll(own->second);
+    } else if (mesh.deformation && !pose_.empty()) {
+      const std::vector<glm::vec3> points = deformedVertices(scene_, *mesh.deformation, pose_);
+      if (geometry_) shape.parts.back().geometry = geometryHash(points, mesh.indices);
+      addAll(points);
     } else {
       scene::addMesh(extent, mesh, toFrame);
     }
-  }
-
-  std::vector<glm::vec3> deformed(const scene::Deformation& deformation) const {
-    std::vector<glm::mat4> joints;
-    if (deformation.skin >= 0)
-      joints = scene::jointMatrices(scene_.rig.skins[static_cast<size_t>(deformation.skin)], pose_);
-    std::vector<float> weights;
-    if (deformation.weightsNode >= 0) weights = pose_.weights[static_cast<size_t>(deformation.weightsNode)];
-    return scene::deform(deformation, joints, weights).positions;
   }
 
   const scene::Scene& scene_;
   const scene::Pose& pose_;
   const std::vector<uint64_t>* geometry_;   // hashes by mesh; null if shapes are not requested
   const std::vector<glm::dmat4>& toWorld_;  // world transforms by instance
+  const MeshVertices& vertices_;
   glm::dmat4 fromWorld_;
 };
 
@@ -103,6 +111,20 @@ PlacedInstances placedInstances(const scene::Scene& scene, const scene::Pose& po
   return placed;
 }
 
+MeshVertices deformedVertices(const scene::Scene& scene, const scene::Pose& pose, const render::WorldStates& worlds,
+                              uint32_t world) {
+  const render::WorldDeformations& given = worlds.deformations;
+  MeshVertices vertices;
+  if (!worlds.empty.empty() && worlds.empty[world] != 0) return vertices;
+  if (!given.joints.empty()) {
+    const scene::Pose posed = given.poseIn(world, scene, pose);
+    for (uint32_t mesh = 0; mesh < scene.meshes.size(); ++mesh)
+      if (given.poses(scene, mesh)) vertices[mesh] = deformedVertices(scene, *scene.meshes[mesh].deformation, posed);
+  }
+  for (size_t i = 0; i < given.meshes.size(); ++i) vertices[given.meshes[i]] = given.verticesIn(world, scene, i);
+  return vertices;
+}
+
 namespace {
 
 using Groups = std::vector<std::pair<uint32_t, Instances>>;  // instances by id
@@ -128,18 +150,19 @@ std::vector<Object> objectsAround(const Boxes& boxes, const Groups& groups) {
 }  // namespace
 
 std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose, bool zUp,
-                              const PlacedInstances& placed) {
-  return objectsAround(Boxes(scene, pose, zUp, placed, nullptr), groupsOf(scene, pose, placed));
+                              const PlacedInstances& placed, const MeshVertices& vertices) {
+  return objectsAround(Boxes(scene, pose, zUp, placed, vertices, nullptr), groupsOf(scene, pose, placed));
 }
 
 std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose, bool zUp, GeometryHashes* geometry) {
   const PlacedInstances placed = placedInstances(scene, pose);
-  if (!geometry) return objectsOf(scene, pose, zUp, placed);
+  if (!geometry) return objectsOf(scene, pose, zUp, placed, {});
   const Groups groups = groupsOf(scene, pose, placed);
   std::vector<uint64_t> hashes(scene.meshes.size());
   for (const auto& [id, instances] : groups)
     for (const uint32_t i : instances) hashes[scene.instances[i].mesh] = geometry->of(scene, scene.instances[i].mesh);
-  return objectsAround(Boxes(scene, pose, zUp, placed, &hashes), groups);
+  const MeshVertices none;
+  return objectsAround(Boxes(scene, pose, zUp, placed, none, &hashes), groups);
 }
 
 }  // namespace latelight::labels

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
+#include <map>
 #include <vector>
 
 #include "labels/mask.h"
@@ -51,13 +52,19 @@ PlacedInstances placedInstances(const scene::Scene& scene, const scene::Pose& po
 PlacedInstances placedInstances(const scene::Scene& scene, const scene::Pose& pose, const render::WorldStates& worlds,
                                 uint32_t world);
 
+// Returns the vertices of the meshes that a world deforms. `worlds` must have the numbers of its deformations.
+using MeshVertices = std::map<uint32_t, std::vector<glm::vec3>>;  // in object space, by mesh
+MeshVertices deformedVertices(const scene::Scene& scene, const scene::Pose& pose, const render::WorldStates& worlds,
+                              uint32_t world);
+
 // Returns the objects of a scene in a pose, with their boxes, sorted by id. If `zUp` is true, positions are in the
 // renderer's world, otherwise in the scene file's own frame. Shapes are computed only if `geometry` is not null; it
 // caches the geometry hashes of `scene`.
 std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose, bool zUp,
                               GeometryHashes* geometry = nullptr);
-// The same with instances in other places than those of the pose. No shapes are computed.
+// The same with instances in other places than those of the pose, and other vertices of some meshes. No shapes are
+// computed.
 std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose, bool zUp,
-                              const PlacedInstances& placed);
+                              const PlacedInstances& placed, const MeshVertices& vertices);
 
 }  // namespace latelight::labels

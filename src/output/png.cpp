@@ -51,9 +51,8 @@ struct Stripe {
   uLong adler = 0;
 };
 
-std::vector<std::byte> filterRows(const std::byte* pixels, size_t rowBytes, size_t begin, size_t end) {
-  std::vector<std::byte> raw((rowBytes + 1) * (end - begin));
-  std::byte* out = raw.data();
+// Writes the filtered rows, each after the number of its filter.
+void filterRows(const std::byte* pixels, size_t rowBytes, size_t begin, size_t end, std::byte* out) {
   for (size_t y = begin; y < end; ++y) {
     const auto* row = reinterpret_cast<const uint8_t*>(pixels + y * rowBytes);
     *out++ = static_cast<std::byte>(kFilterUp);
@@ -65,14 +64,15 @@ std::vector<std::byte> filterRows(const std::byte* pixels, size_t rowBytes, size
     }
     out += rowBytes;
   }
-  return raw;
 }
 
-Stripe makeStripe(const std::vector<std::byte>& raw, bool last) {
-  Stripe stripe{.rawBytes = raw.size()};
-  stripe.adler = isal_adler32(1, bytesOf(raw.data()), raw.size());
-  stripe.deflated = deflate(raw, last ? DeflateForm::LastPart : DeflateForm::Part);
-  stripe.deflated.shrink_to_fit();  // many stripes are in memory at once
+// Makes the stripe of the rows in [begin, end).
+Stripe makeStripe(const std::byte* pixels, size_t rowBytes, size_t begin, size_t end, bool last) {
+  Stripe stripe{.rawBytes = (rowBytes + 1) * (end - begin)};
+  const auto raw = std::make_unique_for_overwrite<std::byte[]>(stripe.rawBytes);
+  filterRows(pixels, rowBytes, begin, end, raw.get());
+  stripe.adler = isal_adler32(1, bytesOf(raw.get()), stripe.rawBytes);
+  stripe.deflated = deflate({raw.get(), stripe.rawBytes}, last ? DeflateForm::LastPart : DeflateForm::Part);
   return stripe;
 }
 
@@ -81,8 +81,7 @@ std::vector<Stripe> deflatePicture(const std::byte* pixels, size_t rowBytes, siz
   std::vector<Stripe> stripes((height + rows - 1) / rows);
   parallelFor(stripes.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
-      stripes[i] =
-          makeStripe(filterRows(pixels, rowBytes, i * rows, std::min(height, (i + 1) * rows)), i + 1 == stripes.size());
+      stripes[i] = makeStripe(pixels, rowBytes, i * rows, std::min(height, (i + 1) * rows), i + 1 == stripes.size());
   });
   return stripes;
 }

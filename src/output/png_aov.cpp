@@ -1,5 +1,6 @@
 // Converts the values of an AOV to those of a PNG file, with one function per PngCoding.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "base/error.h"
@@ -20,9 +21,11 @@ void forEach(size_t count, F&& each) {
   });
 }
 
+// Without branches, which normals make unpredictable. NaN becomes 0.
 uint16_t unorm16(float value) {
-  if (!(value > 0)) return 0;
-  return static_cast<uint16_t>(value >= 1 ? 65535.0f : value * 65535 + 0.5f);
+  const float positive = value > 0 ? value : 0.0f;
+  const float clamped = positive < 1 ? positive : 1.0f;
+  return static_cast<uint16_t>(static_cast<int32_t>(clamped * 65535 + 0.5f));
 }
 
 uint16_t millimetres(float metres) {
@@ -80,14 +83,6 @@ std::vector<uint16_t> fractionsOf(const AovImage& image) {
   return out;
 }
 
-std::vector<uint8_t> bytesOf(const AovImage& image) {
-  std::vector<uint8_t> out(image.ids.size() * 4);
-  forEach(image.ids.size(), [&](size_t i) {
-    for (size_t c = 0; c < 4; ++c) out[4 * i + c] = static_cast<uint8_t>(image.ids[i] >> (8 * c));
-  });
-  return out;
-}
-
 template <typename T>
 std::vector<std::byte> encode(const AovImage& image, const std::vector<T>& pixels, PngLight light) {
   const size_t count = size_t{image.width} * image.height;
@@ -116,7 +111,9 @@ std::vector<std::byte> encodePng(const AovImage& image) {
     case PngCoding::Count:
       return encode(image, codeEach(image, countOf), PngLight::Data);
     case PngCoding::IdBytes:
-      return encode(image, bytesOf(image), PngLight::Data);
+      static_assert(std::endian::native == std::endian::little);  // the lowest byte of an id is red
+      return encodePng(image.width, image.height, 4, 8, reinterpret_cast<const std::byte*>(image.ids.data()),
+                       PngLight::Data);
   }
   fail(ExitCode::Internal, "{} has no PNG coding", info(image.aov).name);
 }

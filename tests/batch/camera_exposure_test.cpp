@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "batch/sets.h"
@@ -103,6 +104,34 @@ TEST(CameraExposure, IsInTheCameraFilesOfASet) {
   const json again = {{"type", "transforms"}, {"file", (folder.path() / "set/transforms.json").string()}};
   ASSERT_EQ(makeExposed(folder, "again", again, {"--formats", "transforms"}).code, 0);
   EXPECT_EQ(json::parse(folder.read("again/transforms.json"))["frames"][3].value("shutter", 0.0), 0.04);
+}
+
+// A camera's stops are those of the option. f/4, 1/60 s and ISO 960 are log2(960 / 60 / 1600) stops, by USD's formula.
+TEST(CameraExposure, Stops) {
+  Folder folder;
+  const json settings{{"shutter", 1.0 / 60}, {"ISO", 960}, {"fNumber", 4}};
+  json brighter = settings;
+  brighter["EV"] = 6;
+  const json cameras = {orbit({{"EV", 1.5}}), orbit(), orbit(settings), orbit(brighter)};
+  const Outcome outcome = makeExposed(folder, "set", cameras, {"--formats", "transforms"});
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  const json plain = {orbit(), orbit()};
+  ASSERT_EQ(makeExposed(folder, "bright", plain, {"--exposure", "1.5", "--formats", "transforms"}).code, 0);
+  const auto set = filesOf(folder, "set"), bright = filesOf(folder, "bright");
+  for (int i = 0; i < 4; ++i)
+    EXPECT_TRUE(set.at(fmt::format("images/{:06}.png", i)) == bright.at(fmt::format("images/{:06}.png", i)))
+        << "frame " << i;
+  const json frames = json::parse(folder.read("set/transforms.json"))["frames"];
+  EXPECT_EQ(frames[0]["EV"], 1.5);
+  EXPECT_FALSE(frames[4].contains("EV"));
+  EXPECT_NEAR(frames[8]["EV"].get<double>(), std::log2(0.01), 1e-12);
+  EXPECT_NEAR(frames[12]["EV"].get<double>(), 6 + std::log2(0.01), 1e-12);
+  const json again = {{"type", "transforms"}, {"file", (folder.path() / "set/transforms.json").string()}};
+  ASSERT_EQ(makeExposed(folder, "again", again, {"--formats", "transforms"}).code, 0);
+  EXPECT_TRUE(filesOf(folder, "again").at("images/000013.png") == set.at("images/000013.png"));
+  const Outcome wrong = makeExposed(folder, "wrong", orbit({{"ISO", 100}, {"shutter", 0.01}}));
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("\"ISO\" and \"fNumber\" require each other and \"shutter\""));
 }
 
 TEST(CameraExposure, ResumedIfItChangesAndRejectedIfWrong) {

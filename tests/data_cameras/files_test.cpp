@@ -96,10 +96,18 @@ TEST(TransformsTest, ReadsExposures) {
                            write("", R"("shutter": 0.5, )") + "\"}");
   EXPECT_EQ(placed[0].exposure, (CameraExposure{.shutter = 0.5, .noiseSeed = 7}));
   EXPECT_EQ(placed[1].exposure, (CameraExposure{.shutter = 1, .noiseSeed = 7}));
+  const auto stops = readTransforms(write(R"("EV": -2, )", R"("shutter": 0.02, "ISO": 200, "fNumber": 2, "EV": 1, )"));
+  EXPECT_DOUBLE_EQ(stops[0].exposure.ev.value(), 1 + std::log2(0.02 * 200 / 400));
+  EXPECT_EQ(stops[1].exposure, (CameraExposure{.ev = -2}));
   const auto sentence = [&](const std::string& all, const std::string& first) {
     const std::string file = write(all, first);
     return sentenceOf([&] { readTransforms(file); }, ExitCode::BadInput);
   };
+  EXPECT_THAT(sentence("", R"("ISO": 200, )"),
+              testing::HasSubstr("\"ISO\" and \"fNumber\" require each other and \"shutter\""));
+  EXPECT_THAT(sentence("", R"("EV": 61, )"), testing::HasSubstr("\"EV\" must be a number from -60 to 60, not 61"));
+  EXPECT_THAT(sentence("", R"("EV": 60, "ISO": 1e7, "fNumber": 1, "shutter": 1, )"),
+              testing::HasSubstr("the exposure must be from -60 to 60 stops, not 76.6"));
   EXPECT_EQ(sentence("", R"("shutter": -1, )"),
             "frame 0 of " + folder.at("t.json") + ": \"shutter\" must be a number from 0 to 10000, not -1");
   EXPECT_EQ(sentence(R"("readout": 1e5, )", ""),

@@ -41,6 +41,7 @@ std::vector<CalibratedCamera> anyCameras(const std::vector<scene::LensModel>& mo
     cameras.push_back({fmt::format("{}", 1000 + i), lens, anyPose(i, random)});
     if (i % 3 == 1) cameras.back().exposure = {.shutter = random.between(0, 1), .readout = random.between(-1, 1)};
     if (i % 4 == 1) cameras.back().exposure.noiseSeed = random.below(1000);
+    if (i % 5 == 1) cameras.back().exposure.ev = random.between(-20, 20);
   }
   return cameras;
 }

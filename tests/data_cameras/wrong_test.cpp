@@ -31,7 +31,7 @@ constexpr Wrong kWrong[] = {
     {R"([{"type": "scene"}, {"type": "spiral"}])", "cameras[1].type must be one of scene, list, orbit"},
     {R"({"type": 7})", "cameras.type must be a string, not 7"},
     {R"({"type": "scene", "name": "x"})",
-     "cameras has the unknown key \"name\": the keys are names, noiseSeed, readout, shutter, type"},
+     "cameras has the unknown key \"name\": the keys are EV, ISO, fNumber, names, noiseSeed, readout, shutter, type"},
     {R"({"type": "scene", "names": ["x"]})", "has no camera \"x\""},
     {R"({"type": "orbit"})", "cameras needs \"count\""},
     {R"({"type": "orbit", "count": 0})", "cameras.count must be a whole number from 1 to 1000000, not 0"},

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "labels/same_labels.h"
 #include "models/models.h"
 #include "render/support.h"
 #include "test_device.h"
@@ -84,32 +85,6 @@ class WorldLabels : public testing::TestWithParam<const char*> {
     return options;
   }
 };
-
-void expectNear(const auto& actual, const auto& expected, const std::string& what) {
-  for (size_t i = 0; i < actual.size(); ++i) EXPECT_NEAR(actual[i], expected[i], 1e-9) << what;
-}
-
-void expectSame(const Labels& actual, const Labels& expected, size_t view) {
-  EXPECT_EQ(actual.ids, expected.ids) << view;
-  EXPECT_EQ(actual.occlusions, expected.occlusions) << view;
-  ASSERT_EQ(actual.objects.size(), expected.objects.size()) << view;
-  for (size_t i = 0; i < actual.objects.size(); ++i) {
-    const ObjectLabel &a = actual.objects[i], &e = expected.objects[i];
-    const std::string what = e.node + " in view " + std::to_string(view);
-    EXPECT_EQ(a.id, e.id) << what;
-    EXPECT_EQ(a.node, e.node) << what;
-    EXPECT_EQ(a.visibleMask, e.visibleMask) << what;
-    EXPECT_EQ(a.amodalMask, e.amodalMask) << what;
-    EXPECT_EQ(a.fullPixels, e.fullPixels) << what;
-    EXPECT_EQ(a.visibleShare, e.visibleShare) << what;
-    EXPECT_TRUE(a.visibleBox == e.visibleBox && a.amodalBox == e.amodalBox && a.fullBox == e.fullBox) << what;
-    expectNear(a.objectToWorld, e.objectToWorld, what);
-    expectNear(a.objectToCamera, e.objectToCamera, what);
-    expectNear(a.boxMin, e.boxMin, what);
-    expectNear(a.boxMax, e.boxMax, what);
-    for (size_t corner = 0; corner < 8; ++corner) expectNear(a.corners[corner], e.corners[corner], what);
-  }
-}
 
 TEST_P(WorldLabels, EqualThoseOfEditedScenes) {
   RandomWorlds random;

@@ -1,5 +1,6 @@
 """Scenes from trimesh, yourdfpy, usd-core and Open3D. Open3D is too large to be installed for every test."""
 
+import pathlib
 import sys
 
 import numpy as np
@@ -79,23 +80,54 @@ def test_robots_move_their_joints(tmp_path):
         latelight.from_urdf(tmp_path / "missing.urdf")
 
 
+SUBPIXEL = 1 / 256  # to which the raster rounds vertices; docs/compute.md states the same bound for edges
+
+
+def near_edges(scene, camera, size):
+    """Whether the center of each pixel is within one subpixel of a projected edge of any triangle."""
+    width, height = size
+    focal = height / 2 / np.tan(np.radians(camera.vertical_fov) / 2)
+    camera_from_world = np.linalg.inv(camera.camera_to_world)
+    near = np.zeros((height, width), bool)
+    for instance in map(scene.instance, scene.instances()):
+        arrays = scene.mesh_arrays(instance.mesh)
+        matrix = camera_from_world @ np.asarray(instance.transform)
+        points = arrays["positions"].astype(float) @ matrix[:3, :3].T + matrix[:3, 3]
+        assert points[:, 2].min() > 0
+        pixels = points[:, :2] / points[:, 2:] * focal + (width / 2, height / 2)
+        triangles = pixels[arrays["indices"].reshape(-1, 3)]
+        for begin, end in zip(triangles.reshape(-1, 2), np.roll(triangles, -1, axis=1).reshape(-1, 2)):
+            low = np.maximum(np.floor(np.minimum(begin, end)).astype(int) - 1, 0)
+            high = np.minimum(np.ceil(np.maximum(begin, end)).astype(int) + 1, size)
+            x, y = np.meshgrid(np.arange(low[0], high[0]) + 0.5, np.arange(low[1], high[1]) + 0.5)
+            along = end - begin
+            t = np.clip(((x - begin[0]) * along[0] + (y - begin[1]) * along[1]) / max(along @ along, 1e-30), 0, 1)
+            distance = np.hypot(begin[0] + t * along[0] - x, begin[1] + t * along[1] - y)
+            near[low[1] : high[1], low[0] : high[0]] |= distance <= SUBPIXEL
+    return near
+
+
 def assert_seen_as_exported(scene, device, tmp_path):
-    """Distances and ids of pixels are those of rays through the exported file."""
+    """Distances and ids of all pixels are those of rays through the exported file, except where the center of a pixel
+    is so close to an edge that rounding vertices to subpixels decides which side it shows."""
     scene.export(tmp_path / "exported.glb")
     exported = latelight.Scene(tmp_path / "exported.glb")
     low, high = np.array(scene.bounds)
     camera = scene.look_at(high + 0.7 * np.linalg.norm(high - low), (low + high) / 2)
-    width, height = 96, 64
+    width, height = 480, 320
     frame = latelight.Renderer(scene, device).render(camera, (width, height), ("distance", "id"))
     focal = height / 2 / np.tan(np.radians(camera.vertical_fov) / 2)
     x, y = np.meshgrid(np.arange(width) + 0.5 - width / 2, np.arange(height) + 0.5 - height / 2)
     pose = np.asarray(camera.camera_to_world)
     rays = np.stack([x / focal, y / focal, np.ones_like(x)], axis=-1).reshape(-1, 3) @ pose[:3, :3].T
     hits = latelight.Renderer(exported, device).cast(np.broadcast_to(pose[:3, 3], rays.shape), rays)
-    assert len(np.unique(hits["id"])) > 3
-    same = hits["id"] == frame["id"].ravel()
-    assert same.mean() > 0.995  # pixels of edges may show either side
-    np.testing.assert_allclose(hits["distance"][same], frame["distance"].ravel()[same], rtol=1e-5)
+    ids, distances = (hits[name].reshape(height, width) for name in ("id", "distance"))
+    assert len(np.unique(ids)) > 3
+    near = near_edges(scene, camera, (width, height))
+    assert near.mean() < 0.003
+    np.testing.assert_array_equal(frame["id"][~near], ids[~near])
+    np.testing.assert_allclose(frame["distance"][~near], distances[~near], rtol=1e-5)
+    assert (frame["id"] == ids).mean() > 0.9998
     nodes = [node.path for node in scene.nodes]
     assert [node.path for node in exported.nodes][: len(nodes)] == nodes  # nodes of lights follow
 
@@ -104,6 +136,18 @@ def test_robots_are_seen_as_exported(tmp_path, device):
     pytest.importorskip("yourdfpy")
     (tmp_path / "crane.urdf").write_text(URDF)
     assert_seen_as_exported(latelight.from_urdf(tmp_path / "crane.urdf", {"shoulder": 0.7}), device, tmp_path)
+
+
+@pytest.mark.parametrize("name", ["quadruped", "cartpole"])
+def test_robots_of_newton_are_seen_as_exported(name, tmp_path, device):
+    """Real robots, of boxes and cylinders. The geometry of the quadruped is that of its collisions."""
+    pytest.importorskip("yourdfpy")
+    newton = pytest.importorskip("newton")
+    text = (pathlib.Path(newton.__file__).parent / "examples" / "assets" / f"{name}.urdf").read_text()
+    if "<visual" not in text:
+        text = text.replace("collision", "visual")
+    (tmp_path / "robot.urdf").write_text(text)
+    assert_seen_as_exported(latelight.from_urdf(tmp_path / "robot.urdf"), device, tmp_path)
 
 
 def test_files_of_other_packages_are_scenes(tmp_path, monkeypatch):
@@ -241,6 +285,24 @@ def test_usd_lights_and_cameras(stage):
     )
 
 
+def test_usd_cameras_have_exposures(stage):
+    from pxr import UsdGeom
+
+    UsdGeom.Camera.Define(stage, "/plain")
+    stops = UsdGeom.Camera.Define(stage, "/stops")
+    stops.CreateExposureAttr(-1.5)
+    real = UsdGeom.Camera.Define(stage, "/real")
+    real.CreateExposureAttr(2)
+    real.CreateExposureIsoAttr(400)
+    real.CreateExposureFStopAttr(8)
+    real.CreateExposureTimeAttr(1 / 50)
+    real.CreateExposureResponsivityAttr(0.5)
+    UsdGeom.Imageable(UsdGeom.Camera.Define(stage, "/hidden")).MakeInvisible()
+    expected = [0, -1.5, 2 + np.log2(400 / 50 / 100 / 64 * 0.5)]
+    np.testing.assert_allclose(latelight.usd_exposures(stage), expected, atol=1e-6)
+    assert [camera.name for camera in latelight.from_usd(stage).cameras] == ["plain", "stops", "real"]
+
+
 def test_usd_area_lights_keep_their_shapes(stage):
     from pxr import UsdGeom, UsdLux
 
@@ -303,6 +365,205 @@ def test_usd_skeletons_pose_their_meshes(stage):
     binding.GetJointIndicesPrimvar().Set([0, 0, 0, 2, 1, 0])
     with pytest.raises(latelight.UsageError, match="/figure/flag has joint influences that do not match"):
         latelight.from_usd(stage, time=0)
+
+
+def blended_stage(stage):
+    """A square with two blend shapes: one with an in-between moves all points, the other moves one."""
+    from pxr import UsdGeom, UsdSkel, Vt
+
+    root = UsdSkel.Root.Define(stage, "/face")
+    skeleton = UsdSkel.Skeleton.Define(stage, "/face/bones")
+    skeleton.CreateJointsAttr([])
+    pose = UsdSkel.Animation.Define(stage, "/face/pose")
+    pose.CreateBlendShapesAttr(["smile", "wink"])
+    weights = pose.CreateBlendShapeWeightsAttr()
+    for time, values in ((0, [0, 0]), (1, [1, 0]), (2, [0.25, 1])):
+        weights.Set(Vt.FloatArray(values), time)
+    UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets(["/face/pose"])
+    mesh = UsdGeom.Mesh.Define(stage, "/face/square")
+    mesh.CreatePointsAttr([(0, 0, 0), (100, 0, 0), (100, 100, 0), (0, 100, 0)])
+    mesh.CreateFaceVertexCountsAttr([4])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
+    mesh.CreateNormalsAttr([(0, 0, 1)] * 4)
+    smile = UsdSkel.BlendShape.Define(stage, "/face/square/smile")
+    smile.CreateOffsetsAttr([(0, 0, 40)] * 4)
+    smile.CreateNormalOffsetsAttr([(1, 0, 0)] * 4)
+    between = smile.CreateInbetween("half")
+    between.SetWeight(0.5)
+    between.SetOffsets([(0, 0, 100)] * 4)
+    wink = UsdSkel.BlendShape.Define(stage, "/face/square/wink")
+    wink.CreateOffsetsAttr([(50, 0, 0)])
+    wink.CreatePointIndicesAttr([2])
+    binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
+    binding.CreateSkeletonRel().SetTargets(["/face/bones"])
+    binding.CreateBlendShapesAttr(["wink", "smile"])  # in another order than the animation's
+    binding.CreateBlendShapeTargetsRel().SetTargets(["/face/square/wink", "/face/square/smile"])
+    return root, wink
+
+
+def test_usd_blend_shapes_follow_their_weights(stage):
+    _, wink = blended_stage(stage)
+    assert_bounds(latelight.from_usd(stage, time=0), (0, 0, -1), (1, 0, 0))
+    smiling = latelight.from_usd(stage, time=1)
+    assert_bounds(smiling, (0, 0.4, -1), (1, 0.4, 0))
+    normals = smiling.mesh_arrays(smiling.meshes()[0])["normals"]
+    np.testing.assert_allclose(normals, np.tile((0.5**0.5, 0, 0.5**0.5), (len(normals), 1)), atol=1e-6)
+    # A weight of 0.25 is halfway to the in-between shape at 0.5: 50 units along Z.
+    assert_bounds(latelight.from_usd(stage, time=2), (0, 0.5, -1), (1.5, 0.5, 0))
+    wink.GetPointIndicesAttr().Set([4])
+    with pytest.raises(latelight.UsageError, match="/face/square has a blend shape that does not match its points"):
+        latelight.from_usd(stage, time=2)
+
+
+def test_usd_blend_shapes_come_before_the_skeleton(stage):
+    from pxr import Gf, UsdGeom, UsdSkel, Vt
+
+    root, _ = blended_stage(stage)
+    skeleton = UsdSkel.Skeleton.Get(stage, "/face/bones")
+    skeleton.GetJointsAttr().Set(["head"])
+    skeleton.CreateBindTransformsAttr(Vt.Matrix4dArray([Gf.Matrix4d(1)]))
+    turn = Gf.Matrix4d().SetRotate(Gf.Rotation((1, 0, 0), 90))
+    skeleton.CreateRestTransformsAttr(Vt.Matrix4dArray([turn]))
+    binding = UsdSkel.BindingAPI(stage.GetPrimAtPath("/face/square"))
+    binding.CreateJointIndicesPrimvar(False, 1).Set([0] * 4)
+    binding.CreateJointWeightsPrimvar(False, 1).Set([1.0] * 4)
+    UsdGeom.XformCommonAPI(root).SetTranslate((0, 0, 300))
+    # (x, y, 40) turns to (x, -40, y), which is (x, y, 40) with Y up, 3 m above the ground.
+    assert_bounds(latelight.from_usd(stage, time=1), (0, 3, 0.4), (1, 4, 0.4))
+
+
+def background(scene, device, direction):
+    """The radiance of the environment in a direction of the scene's frame."""
+    up = (1, 0, 0) if abs(direction[1]) > 0.9 else (0, 1, 0)
+    camera = latelight.Camera.look_at((0, 0, 0), direction, up, vertical_fov=1)
+    renderer = latelight.Renderer(scene, device)
+    return renderer.render(camera, (1, 1), ("color",), background="hdri")["color"][0, 0, :3]
+
+
+@pytest.mark.parametrize("up", ["Y", "Z"])
+def test_usd_dome_lights_are_environments(up, tmp_path, device):
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Usd, UsdGeom, UsdLux
+
+    # OpenEXR's convention: the center is +Z, a quarter of the width left of it is +X, and the top row is +Y.
+    colors = np.zeros((64, 128, 3), np.uint8)
+    colors[:, 48:80, 0] = 255  # +Z is red
+    colors[:, 16:48, 1] = 255  # +X is green
+    colors[:8] = (0, 0, 255)
+    image.fromarray(colors).save(tmp_path / "sky.png")
+    stage = Usd.Stage.CreateNew(str(tmp_path / "sky.usda"))
+    UsdGeom.SetStageUpAxis(stage, getattr(UsdGeom.Tokens, up.lower()))
+    dome = UsdLux.DomeLight_1.Define(stage, "/sky") if up == "Z" else UsdLux.DomeLight.Define(stage, "/sky")
+    dome.CreateTextureFileAttr("sky.png")
+    dome.CreateIntensityAttr(0.5)
+    dome.CreateExposureAttr(3)
+    dome.CreateColorAttr((0.5, 1, 1))
+    stage.Save()
+    # With Z up, the dome is turned about X and the stage back, so both stages have the same sky.
+    scene = latelight.from_usd(tmp_path / "sky.usda")
+    np.testing.assert_allclose(background(scene, device, (0, 0, 1)), (2, 0, 0), atol=1e-2)
+    np.testing.assert_allclose(background(scene, device, (1, 0, 0)), (0, 4, 0), atol=1e-2)
+    np.testing.assert_allclose(background(scene, device, (0, 1, 0)), (0, 0, 4), atol=1e-2)
+    np.testing.assert_allclose(background(scene, device, (-1, 0, 0)), 0, atol=1e-2)
+    turn = dome.AddRotateYOp() if up == "Y" else dome.AddRotateZOp()
+    turn.Set(90)  # counter-clockwise from above: +Z goes to +X
+    stage.Save()
+    np.testing.assert_allclose(background(latelight.Scene(tmp_path / "sky.usda"), device, (1, 0, 0)), (2, 0, 0), atol=1e-2)
+    dome.CreateTextureFormatAttr("angular")
+    with pytest.raises(latelight.UsageError, match="/sky has a texture that is not latlong"):
+        latelight.from_usd(stage)
+
+
+def test_usd_dome_lights_read_hdr_and_add_up(stage, tmp_path, device):
+    from pxr import UsdLux
+
+    UsdLux.DomeLight.Define(stage, "/gray").CreateIntensityAttr(2)
+    blue = UsdLux.DomeLight.Define(stage, "/blue")
+    blue.CreateColorAttr((0, 0, 1))
+    blue.CreateIntensityAttr(100)
+    scene = latelight.from_usd(stage)
+    np.testing.assert_allclose(background(scene, device, (0.3, 0.2, 1)), (2, 2, 102), rtol=1e-3)
+    # RGBE: a value is its byte times 2^(exponent - 136).
+    pixels = bytes((128, 64, 0, 129)) * 2
+    (tmp_path / "sky.hdr").write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n" + pixels)
+    np.testing.assert_array_equal(latelight.read_environment(tmp_path / "sky.hdr"), [[(1, 0.5, 0)] * 2])
+    blue.CreateTextureFileAttr(str(tmp_path / "sky.hdr"))
+    blue.GetColorAttr().Set((1, 1, 1))
+    scene = latelight.from_usd(stage)
+    np.testing.assert_allclose(background(scene, device, (0.3, 0.2, 1)), (102, 52, 2), rtol=1e-3)
+    with pytest.raises(latelight.UsageError, match="twice as wide as it is high, and not 3x2"):
+        scene.set_environment(np.ones((2, 3, 3), np.float32))
+
+
+# --- files outside ----------------------------------------------------------------------------------------------------
+
+
+def test_files_of_urdf_stay_in_its_folder(tmp_path):
+    pytest.importorskip("yourdfpy")
+    (tmp_path / "robot").mkdir()
+    mesh = trimesh.creation.box((1, 1, 1)).export(file_type="stl")
+    for folder in (tmp_path, tmp_path / "robot"):
+        (folder / "box.stl").write_bytes(mesh)
+    urdf = tmp_path / "robot" / "robot.urdf"
+
+    def refer(name):
+        urdf.write_text(
+            f'<robot name="r"><link name="l"><visual><geometry><mesh filename="{name}"/></geometry></visual></link></robot>'
+        )
+
+    refer("box.stl")
+    assert latelight.from_urdf(urdf).triangle_count == 12
+    for name in ("../box.stl", str(tmp_path / "box.stl"), "file://" + str(tmp_path / "box.stl")):
+        refer(name)
+        with pytest.raises(latelight.InputError, match="box.stl, which is outside the scene's folder, at .*allow_outside"):
+            latelight.from_urdf(urdf)
+        assert latelight.from_urdf(urdf, allow_outside=[tmp_path]).triangle_count == 12
+        assert latelight.Scene(urdf, allow_outside=[str(tmp_path)]).triangle_count == 12
+    (tmp_path / "robot" / "link.stl").symlink_to(tmp_path / "box.stl")
+    refer("link.stl")
+    with pytest.raises(latelight.InputError, match="outside the scene's folder"):
+        latelight.from_urdf(urdf)
+    (tmp_path / "package.xml").write_text("<package/>")  # a ROS package, whose files belong together
+    refer("package://robot/box.stl")
+    assert latelight.from_urdf(urdf).triangle_count == 12
+    refer("../box.stl")
+    assert latelight.from_urdf(urdf).triangle_count == 12
+    with pytest.raises(latelight.UsageError, match="is not a folder: allow_outside requires"):
+        latelight.from_urdf(urdf, allow_outside=[tmp_path / "none"])
+
+
+def test_files_of_usd_stay_in_its_folder(tmp_path):
+    from pxr import Sdf, Usd, UsdShade
+
+    image = pytest.importorskip("PIL.Image")
+    (tmp_path / "stage").mkdir()
+    other = Usd.Stage.CreateNew(str(tmp_path / "other.usda"))
+    add_mesh(other, "/mesh")
+    other.SetDefaultPrim(other.GetPrimAtPath("/mesh"))
+    other.Save()
+    path = str(tmp_path / "stage" / "stage.usda")
+    stage = Usd.Stage.CreateNew(path)
+    stage.DefinePrim("/mesh").GetReferences().AddReference("../other.usda")
+    stage.Save()
+    with pytest.raises(latelight.InputError, match="other.usda, which is outside the scene's folder"):
+        latelight.from_usd(path)
+    assert latelight.from_usd(path, allow_outside=[tmp_path]).triangle_count == 4
+    assert latelight.from_usd(stage).triangle_count == 4  # a stage that the caller composed
+    image.fromarray(np.full((2, 2, 3), 9, np.uint8)).save(tmp_path / "paint.png")
+    painted = Usd.Stage.CreateNew(str(tmp_path / "stage" / "painted.usda"))
+    shader = UsdShade.Shader.Define(painted, "/paint/surface")
+    shader.CreateIdAttr("UsdPreviewSurface")
+    texture = UsdShade.Shader.Define(painted, "/paint/image")
+    texture.CreateIdAttr("UsdUVTexture")
+    texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set("../paint.png")
+    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).ConnectToSource(
+        texture.CreateOutput("rgb", Sdf.ValueTypeNames.Float3)
+    )
+    bind(painted, shader)
+    painted.Save()
+    with pytest.raises(latelight.InputError, match="paint.png, which is outside the scene's folder"):
+        latelight.from_usd(tmp_path / "stage" / "painted.usda")
+    assert len(latelight.from_usd(tmp_path / "stage" / "painted.usda", allow_outside=[tmp_path]).textures()) == 1
 
 
 def bind(stage, shader, context=None):

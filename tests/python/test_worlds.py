@@ -56,6 +56,18 @@ def test_move_instances(scene, worlds_renderer, camera):
             np.testing.assert_array_equal(arrays[name].numpy(), frames[name])
 
 
+def test_outputs_are_found_by_name(scene, worlds_renderer, camera):
+    worlds = worlds_renderer.render_worlds(3, [camera, camera], SIZE, OUTPUTS)
+    for frames, shape in ((worlds, (3, 2)), (worlds[1], (2,)), (worlds[1][0], ())):
+        assert list(frames.keys()) == list(OUTPUTS)
+        assert all(name in frames for name in OUTPUTS)
+        assert "normal" not in frames and "" not in frames
+        assert {name: array.shape[: len(shape)] for name, array in dict(frames).items()} == dict.fromkeys(OUTPUTS, shape)
+        with pytest.raises(KeyError, match="there is no 'normal'"):
+            frames["normal"]
+    assert worlds[1] in worlds and worlds[1][0] in worlds[1] and worlds[1][0] not in worlds
+
+
 def test_cameras_have_poses_and_matrices(worlds_renderer, camera):
     poses = np.stack([[latelight.Camera.look_at((x, 1, 4), (0, 0, 0)).camera_to_world] for x in (-1.0, 0.5, 2.0)])
     k = np.tile([[20.0, 0, 11], [0, 20, 9], [0, 0, 1]], (3, 1, 1, 1))

@@ -130,6 +130,7 @@ render::Settings CameraTimeline::settingsOf(size_t i) const {
   render::Settings settings = job_.settings;
   if (exposure.shutter) settings.shutter = *exposure.shutter;
   if (exposure.readout) settings.readout = *exposure.readout;
+  if (exposure.ev) settings.exposure = static_cast<float>(*exposure.ev);
   return settings;
 }
 
@@ -145,6 +146,7 @@ uint64_t CameraTimeline::momentOf(size_t i) const {
     add(exposure.shutter.value_or(job_.settings.shutter));
     add(exposure.readout.value_or(job_.settings.readout));
   }
+  if (exposure.ev) add(exposure.ev);
   return parts.empty() ? 0 : hash64(parts.data(), parts.size() * sizeof(uint64_t));
 }
 

@@ -76,6 +76,7 @@ uint64_t hashOf(const CameraTimeline& cameras, size_t i, bool moves, const Extra
   if (exposure != CameraExposure{})
     all.push_back({describe(exposure.shutter), describe(exposure.readout),
                    exposure.noiseSeed ? Json(*exposure.noiseSeed) : Json()});
+  if (exposure.ev) all.push_back({"EV", *exposure.ev});
   const render::Settings settings = cameras.settingsOf(i);
   if (moves || settings.shutter > 0 || settings.readout != 0)
     for (const auto& neighbor : {cameras.previous(i), cameras.next(i)}) all.push_back(describe(cameras, neighbor));

@@ -111,6 +111,7 @@ RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::
   m.frameDigits = 6;
   if (const std::optional<double> time = cameras.time(place.camera)) m.settings["time"] = fmt::format("{}", *time);
   if (camera.exposure.shutter) m.settings["shutter"] = fmt::format("{}", *camera.exposure.shutter);
+  if (camera.exposure.ev) m.settings["exposure"] = fmt::format("{}", *camera.exposure.ev);
   if (camera.exposure.readout) m.settings["readout"] = fmt::format("{}", *camera.exposure.readout);
   frame.record = {.index = index,
                   .settings = plan_.settings(index),

@@ -1,9 +1,12 @@
 #include "data/cameras/exposure.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "base/error.h"
 #include "data/cameras/json_file.h"
+#include "render/settings/settings.h"
 
 namespace latelight::data {
 
@@ -23,6 +26,21 @@ std::optional<double> numberBetween(const Json& object, const char* key, double 
   return value;
 }
 
+constexpr double kMaxEv = render::kMaxExposure;
+constexpr double kLeastSetting = 1e-3, kMostSetting = 1e7;  // of ISO and f-numbers
+
+// Returns the stops of a camera's settings. `ev` is added to those of the others, of which all or none are given.
+template <typename Fail>
+std::optional<double> stopsOf(std::optional<double> ev, std::optional<double> iso, std::optional<double> fNumber,
+                              std::optional<double> shutter, const Fail& fail) {
+  if (!iso && !fNumber) return ev;
+  if (!iso || !fNumber || shutter.value_or(0) <= 0) fail("\"ISO\" and \"fNumber\" require each other and \"shutter\"");
+  const double stops = ev.value_or(0) + std::log2(*shutter * *iso / (100 * *fNumber * *fNumber));
+  if (std::abs(stops) > kMaxEv)
+    fail(fmt::format("the exposure must be from -{} to {} stops, not {}", kMaxEv, kMaxEv, stops));
+  return stops;
+}
+
 }  // namespace
 
 CameraExposure exposureIn(const Json& object, const std::string& where) {
@@ -33,6 +51,10 @@ CameraExposure exposureIn(const Json& object, const std::string& where) {
     if (*seed != std::floor(*seed)) badInput("{}: \"noiseSeed\" must be a whole number, not {}", where, *seed);
     exposure.noiseSeed = static_cast<uint64_t>(*seed);
   }
+  exposure.ev = stopsOf(numberBetween(object, "EV", -kMaxEv, kMaxEv, where),
+                        numberBetween(object, "ISO", kLeastSetting, kMostSetting, where),
+                        numberBetween(object, "fNumber", kLeastSetting, kMostSetting, where), exposure.shutter,
+                        [&](const std::string& problem) { badInput("{}: {}", where, problem); });
   return exposure;
 }
 
@@ -40,6 +62,7 @@ void writeExposure(Json& object, const CameraExposure& exposure) {
   if (exposure.shutter) object["shutter"] = *exposure.shutter;
   if (exposure.readout) object["readout"] = *exposure.readout;
   if (exposure.noiseSeed) object["noiseSeed"] = *exposure.noiseSeed;
+  if (exposure.ev) object["EV"] = *exposure.ev;
 }
 
 CameraExposure readExposure(Spec& spec) {
@@ -47,13 +70,20 @@ CameraExposure readExposure(Spec& spec) {
   if (spec.has("shutter")) exposure.shutter = spec.number("shutter", {0, kLongest});
   if (spec.has("readout")) exposure.readout = spec.number("readout", {-kLongest, kLongest});
   if (spec.has("noiseSeed")) exposure.noiseSeed = spec.count("noiseSeed", 0, kMaxSeed);
+  const auto number = [&](const char* key, double least, double most) {
+    return spec.has(key) ? std::optional(spec.number(key, {least, most})) : std::nullopt;
+  };
+  exposure.ev = stopsOf(number("EV", -kMaxEv, kMaxEv), number("ISO", kLeastSetting, kMostSetting),
+                        number("fNumber", kLeastSetting, kMostSetting), exposure.shutter,
+                        [&](const std::string& problem) { badUsage("{}: {}", spec.path(), problem); });
   return exposure;
 }
 
 CameraExposure combined(const CameraExposure& first, const CameraExposure& others) {
   return {.shutter = first.shutter ? first.shutter : others.shutter,
           .readout = first.readout ? first.readout : others.readout,
-          .noiseSeed = first.noiseSeed ? first.noiseSeed : others.noiseSeed};
+          .noiseSeed = first.noiseSeed ? first.noiseSeed : others.noiseSeed,
+          .ev = first.ev ? first.ev : others.ev};
 }
 
 }  // namespace latelight::data

@@ -47,6 +47,34 @@ void dispatch(graph::Context& context, const vk::PipelineRef& pipeline, VkDevice
 
 }  // namespace
 
+bool WorldDeformations::poses(const scene::Scene& scene, uint32_t mesh) const {
+  const auto& deformation = scene.meshes[mesh].deformation;
+  if (!deformation || deformation->skin < 0 || std::ranges::count(meshes, mesh) > 0) return false;
+  return std::ranges::any_of(scene.rig.skins[static_cast<size_t>(deformation->skin)].joints,
+                             [&](uint32_t joint) { return std::ranges::count(joints, joint) > 0; });
+}
+
+scene::Pose WorldDeformations::poseIn(uint32_t world, const scene::Scene& scene, const scene::Pose& scenePose) const {
+  scene::Pose pose = scenePose.empty() ? scene::restPose(scene) : scenePose;
+  for (size_t i = 0; i < joints.size(); ++i)
+    pose.world[joints[i]] = glm::transpose(glm::make_mat4(&jointNumbers[16 * (world * joints.size() + i)]));
+  return pose;
+}
+
+std::vector<glm::vec3> WorldDeformations::verticesIn(uint32_t world, const scene::Scene& scene, size_t listed) const {
+  const auto verticesOf = [&](size_t i) { return scene.meshes[meshes[i]].positions.size(); };
+  size_t first = 0, total = 0;
+  for (size_t i = 0; i < meshes.size(); ++i) {
+    if (i == listed) first = total;
+    total += verticesOf(i);
+  }
+  std::vector<glm::vec3> positions;
+  const double* numbers = &vertexNumbers[3 * (world * total + first)];
+  for (size_t i = 0; i < verticesOf(listed); ++i, numbers += 3)
+    positions.emplace_back(numbers[0], numbers[1], numbers[2]);
+  return positions;
+}
+
 WorldDeformer::WorldDeformer(vk::Device& device)
     : device_(device),
       joints_(device, "joints of worlds"),
@@ -78,11 +106,9 @@ std::vector<WorldDeformer::HostBounds> WorldDeformer::boundsIn(uint32_t world, c
                                                                const WorldDeformations& given,
                                                                const Poses& poses) const {
   scene::Pose pose;
-  if (jointCount_ > 0) pose = poses.current.empty() ? scene::restPose(scene) : poses.current;
-  for (size_t i = 0; i < given.joints.size() && jointCount_ > 0; ++i)
-    pose.world[given.joints[i]] =
-        glm::transpose(glm::make_mat4(&given.jointNumbers[16 * (world * given.joints.size() + i)]));
+  if (jointCount_ > 0) pose = given.poseIn(world, scene, poses.current);
   std::vector<HostBounds> bounds;
+  size_t listed = 0;
   for (const Part& part : parts_) {
     if (part.skinned) {
       bounds.push_back({.box = deformer_->boundsOf(part.mesh, pose),
@@ -92,9 +118,7 @@ std::vector<WorldDeformer::HostBounds> WorldDeformer::boundsIn(uint32_t world, c
     }
     scene::Mesh moved;
     moved.indices = scene.meshes[part.mesh].indices;
-    const double* numbers = &given.vertexNumbers[3 * (size_t{world} * boundJob_.total + part.firstVertex)];
-    for (uint32_t i = 0; i < part.vertices; ++i, numbers += 3)
-      moved.positions.emplace_back(numbers[0], numbers[1], numbers[2]);
+    moved.positions = given.verticesIn(world, scene, listed++);
     scene::findBounds(moved);
     bounds.push_back({{moved.boundsMin, moved.boundsMax}, moved.longestEdge, false});
   }
@@ -113,12 +137,9 @@ std::vector<WorldDeformer::Part> WorldDeformer::partsOf(const scene::Scene& scen
   std::vector<Part> parts;
   uint32_t joints = 0, firstVertex = 0;
   for (uint32_t mesh = 0; mesh < scene.meshes.size(); ++mesh) {
+    if (!given.poses(scene, mesh)) continue;
     const auto& deformation = scene.meshes[mesh].deformation;
-    if (!deformation || deformation->skin < 0 || std::ranges::count(given.meshes, mesh) > 0) continue;
-    const std::vector<uint32_t>& own = scene.rig.skins[static_cast<size_t>(deformation->skin)].joints;
-    const auto isGiven = [&](uint32_t joint) { return std::ranges::count(given.joints, joint) > 0; };
-    if (std::ranges::none_of(own, isGiven)) continue;
-    const auto count = static_cast<uint32_t>(own.size());
+    const auto count = static_cast<uint32_t>(scene.rig.skins[static_cast<size_t>(deformation->skin)].joints.size());
     parts.push_back({.mesh = mesh,
                      .skinned = true,
                      .vertices = static_cast<uint32_t>(deformation->positions.size()),

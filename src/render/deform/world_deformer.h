@@ -34,6 +34,12 @@ struct WorldDeformations {
   // The current frame's numbers if the host places the worlds; the same as in the arrays.
   std::vector<double> jointNumbers, vertexNumbers;
   bool empty() const { return joints.empty() && meshes.empty(); }
+  // Returns true if the joints of the mesh's skin include a listed one, and its vertices are not given.
+  bool poses(const scene::Scene& scene, uint32_t mesh) const;
+  // From the numbers above: the scene's pose with the listed joints as a world has them, and the vertices of one of
+  // `meshes`, by its position in that list.
+  scene::Pose poseIn(uint32_t world, const scene::Scene& scene, const scene::Pose& scenePose) const;
+  std::vector<glm::vec3> verticesIn(uint32_t world, const scene::Scene& scene, size_t listed) const;
 };
 
 class WorldDeformer {
