@@ -74,15 +74,15 @@ std::vector<std::byte> deflate(std::span<const std::byte> bytes, DeflateForm for
   stream.gzip_flag = form == DeflateForm::Zlib ? IGZIP_ZLIB : IGZIP_DEFLATE;
   stream.flush = form == DeflateForm::Part ? FULL_FLUSH : NO_FLUSH;
   stream.end_of_stream = form == DeflateForm::Part ? 0 : 1;
-  std::vector<std::byte> deflated(bound(bytes.size()));
+  const size_t capacity = bound(bytes.size());
+  const auto deflated = std::make_unique_for_overwrite<std::byte[]>(capacity);
   stream.next_in = reinterpret_cast<uint8_t*>(const_cast<std::byte*>(bytes.data()));
   stream.avail_in = static_cast<uint32_t>(bytes.size());
-  stream.next_out = reinterpret_cast<uint8_t*>(deflated.data());
-  stream.avail_out = static_cast<uint32_t>(deflated.size());
+  stream.next_out = reinterpret_cast<uint8_t*>(deflated.get());
+  stream.avail_out = static_cast<uint32_t>(capacity);
   [[maybe_unused]] const int result = isal_deflate_stateless(&stream);
   assert(result == COMP_OK && stream.avail_in == 0);
-  deflated.resize(stream.total_out);
-  return deflated;
+  return {deflated.get(), deflated.get() + stream.total_out};
 }
 
 }  // namespace latelight::output
