@@ -21,8 +21,8 @@ void setSortedKey(inout Fragment f, View view, VisibleTriangle t, SurfacePoint p
   f.order = 2u * (t.draw.firstTriangle - push.firstTriangle) + (p.facing > 0.0 ? t.draw.triangles : 0u) + t.number;
 }
 
-// Evaluates one view at a time, because the subgroup shares the shadow data of a view's lights. `last` is the last view,
-// which bounds the index after the loop's end, too, as in triangleOfTile().
+// Evaluates one view at a time, because the subgroup shares the shadow data of a view's lights. `last` is the last
+// view, which bounds the index after the loop's end, too, as in triangleOfTile().
 vec4 colorOf(uint view, uint last, Material m, SurfacePoint p, vec2 own, bool there) {
   vec4 color = vec4(0.0);
   bool waits = there;
