@@ -1,5 +1,7 @@
 #include "vk/instance.h"
 
+#include <string_view>
+
 #include "base/error.h"
 #include "base/memory.h"
 #include "vk/loader.h"
@@ -91,6 +93,9 @@ Instance::~Instance() {
 
 VkBool32 Instance::hear(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
                         const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+  // Shaders have optional outputs, such as counts of lights. Vulkan discards those without an attachment.
+  const std::string_view id = data->pMessageIdName ? data->pMessageIdName : "";
+  if (id.starts_with("Undefined-Value-ShaderOutputNotConsumed")) return VK_FALSE;
   auto* self = static_cast<Instance*>(user);
   std::lock_guard lock(self->mutex_);
   self->messages_.emplace_back(data->pMessage);

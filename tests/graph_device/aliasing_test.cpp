@@ -1,5 +1,8 @@
 // Memory aliasing of transients on the CPU device.
+#include <algorithm>
 #include <set>
+#include <string_view>
+#include <vector>
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -26,6 +29,18 @@ class SharedMemory : public Executors {
       life.lastStages = 0;
       life.lastWrites = 0;
     }
+  }
+  // The version of Vulkan that the validation layer knows; 0 if it is not installed.
+  static uint32_t layerVersion() {
+    uint32_t count = 0;
+    VK_CHECK(vkEnumerateInstanceLayerProperties(&count, nullptr));
+    std::vector<VkLayerProperties> layers(count);
+    VK_CHECK(vkEnumerateInstanceLayerProperties(&count, layers.data()));
+    const auto isValidation = [](const VkLayerProperties& layer) {
+      return std::string_view(layer.layerName) == "VK_LAYER_KHRONOS_validation";
+    };
+    const auto found = std::ranges::find_if(layers, isValidation);
+    return found == layers.end() ? 0 : found->specVersion;
   }
   uint64_t usedBytes() const { return device->memory().statistics().usedBytes; }
 
@@ -167,8 +182,9 @@ TEST_F(SharedMemory, MakesRoomForOthersWhereThereIsNoneLeft) {
   run(60);
 }
 
-// The second resource is written while the first is still read. The validation layers know that two buffers or two
-// images share memory. They do not for a buffer and an image; the tests of plans check those barriers.
+// The second resource is written while the first is still read. The validation layers know that two buffers share
+// memory, and those before 1.4 that two images do. They do not for a buffer and an image; the tests of plans check
+// those barriers.
 class MissingBarrier : public SharedMemory, public testing::WithParamInterface<bool> {};
 
 TEST_P(MissingBarrier, IsCaught) {
@@ -192,6 +208,8 @@ TEST_P(MissingBarrier, IsCaught) {
   Executor executor(*device);
   executor.run(graph, plan);
   ASSERT_THAT(device->validationMessages(), testing::IsEmpty());
+  if (GetParam() && layerVersion() >= VK_MAKE_API_VERSION(0, 1, 4, 0))
+    GTEST_SKIP() << "the layer does not know that images share memory";
   forgetWhatWasThere(plan);
   executor.run(graph, plan);
   EXPECT_THAT(device->validationMessages(), Contains(testing::ContainsRegex("WRITE.AFTER.READ")));

@@ -184,15 +184,13 @@ TEST_F(Executors, KeepTransientResourcesFromRunToRun) {
 TEST_F(Executors, HaveSeveralSubmissionsInFlight) {
   Executor executor(*device);
   vk::Gate gate(*device);
+  gate.close();
   std::vector<Submission> submissions;
   std::vector<BufferId> outs;
   for (uint32_t i = 0; i < Executor::kInFlight; ++i) {
     Graph graph;
     const BufferId a = graph.create(bufferDesc("a"));
     outs.push_back(graph.create(readbackDesc()));
-    graph.pass(Stage::Post, "gate", {{a, Use::CopyTarget}}, [&, i](Context& c) {
-      if (i == 0) gate.wait(c.get());
-    });
     fill(graph, "fill", a, 100 + i);
     copy(graph, "read back", a, outs.back());
     graph.exports(outs.back(), Use::HostRead);
@@ -204,7 +202,7 @@ TEST_F(Executors, HaveSeveralSubmissionsInFlight) {
   for (uint32_t i = 0; i < submissions.size(); ++i) {
     EXPECT_TRUE(submissions[i].done());
     EXPECT_THAT(contents(submissions[i].buffer(outs[i])), Each(100 + i));
-    EXPECT_EQ(submissions[i].times().size(), 3u);
+    EXPECT_EQ(submissions[i].times().size(), 2u);
   }
 }
 
@@ -266,10 +264,10 @@ TEST_F(Executors, WaitForTheOldestWhereTooManyAreInFlight) {
     return std::pair(executor.submit(graph, graph.compile()), out);
   };
   vk::Gate gate(*device);
+  gate.close();
   std::vector<std::pair<Submission, BufferId>> all;
   const auto oldestIsDone = [&] { EXPECT_TRUE(all[all.size() - Executor::kInFlight].first.done()); };
-  for (uint32_t i = 0; i < Executor::kInFlight; ++i)
-    all.push_back(submit(i, [&](VkCommandBuffer commands) { gate.wait(commands); }));
+  for (uint32_t i = 0; i < Executor::kInFlight; ++i) all.push_back(submit(i, [](VkCommandBuffer) {}));
   std::thread opener([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     gate.open();
@@ -301,9 +299,10 @@ TEST_F(Executors, GiveResultsToOthersOnceTheyAreDropped) {
   EXPECT_EQ(submit(a), first);
   // A submission that is destroyed in flight keeps its resources until it has finished.
   vk::Gate gate(*device);
+  gate.close();
   Graph held;
   const BufferId out = held.create(readbackDesc());
-  held.pass(Stage::Post, "gate", {{out, Use::CopyTarget}}, [&](Context& c) { gate.wait(c.get()); });
+  fill(held, "fill", out, 1);
   held.exports(out, Use::HostRead);
   const VkBuffer busy = executor.submit(held, held.compile()).buffer(out).get();
   Submission c;
@@ -318,12 +317,12 @@ TEST_F(Executors, LeaveResultsToSubmissionsThatOutliveThem) {
   Submission submission;
   BufferId out;
   vk::Gate gate(*device);
+  gate.close();
   {
     Executor executor(*device);
     Graph graph;
     const BufferId a = graph.create(bufferDesc("a"));
     out = graph.create(readbackDesc());
-    graph.pass(Stage::Post, "gate", {{a, Use::CopyTarget}}, [&](Context& c) { gate.wait(c.get()); });
     fill(graph, "fill", a, 12);
     copy(graph, "read back", a, out);
     graph.exports(out, Use::HostRead);
@@ -332,7 +331,7 @@ TEST_F(Executors, LeaveResultsToSubmissionsThatOutliveThem) {
   }
   EXPECT_FALSE(submission.done());
   gate.open();
-  EXPECT_EQ(submission.times().size(), 3u);
+  EXPECT_EQ(submission.times().size(), 2u);
   EXPECT_THAT(contents(submission.buffer(out)), Each(12u));
 }
 
@@ -344,9 +343,10 @@ TEST_F(Executors, GiveResultsWhileLaterSubmissionsRun) {
   const BufferId out = graph.create(readbackDesc()), a = later.create(bufferDesc("a"));
   fill(graph, "fill", out, 3);
   graph.exports(out, Use::HostRead);
-  later.pass(Stage::Post, "gate", {{a, Use::CopyTarget}}, [&](Context& c) { gate.wait(c.get()); });
+  fill(later, "fill", a, 4);
   later.exports(a, Use::CopySource);
   const Submission submission = executor.submit(graph, graph.compile());
+  gate.close();
   const Submission held = executor.submit(later, later.compile());
   EXPECT_EQ(submission.times().size(), 1u);
   EXPECT_THAT(contents(submission.buffer(out)), Each(3u));

@@ -115,8 +115,10 @@ class CastTest : public RenderTest {
         name, covered, edges, wrong, distance.value, position.value, raster.value, geonormal.value, uv.value);
     EXPECT_GT(covered - edges, 0.04 * kWidth * kHeight);
     EXPECT_EQ(wrong, 0u) << first;
-    EXPECT_LT(distance.value, 1e-6);
-    EXPECT_LT(position.value, 1e-6);
+    // The caster's vertices are morphed by the host; devices may fuse the products of weights into the sum.
+    const double tolerance = name == "morphed.glb" ? 2e-6 : 1e-6;
+    EXPECT_LT(distance.value, tolerance);
+    EXPECT_LT(position.value, tolerance);
     EXPECT_LT(geonormal.value, 1);
     EXPECT_LT(uv.value, 1);
   }

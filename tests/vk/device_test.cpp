@@ -79,7 +79,8 @@ TEST_F(DeviceTest, DeletesAtOnceIfIdleAndElseAfterTheSubmission) {
 TEST_F(DeviceTest, SubmitsWithoutWaitingAndFinishesInOrder) {
   const Buffer target(device(), {.size = 64, .kind = MemoryKind::Readback});
   Gate gate(device());
-  const uint64_t first = device().submit([&](VkCommandBuffer commands) { gate.wait(commands); });
+  gate.close();
+  const uint64_t first = device().submit([](VkCommandBuffer) {});
   const uint64_t second = device().submit([&](VkCommandBuffer commands) {
     vkCmdFillBuffer(commands, target.get(), 0, VK_WHOLE_SIZE, 7);
     recordHostBarrier(commands);
@@ -96,11 +97,9 @@ TEST_F(DeviceTest, SubmitsWithoutWaitingAndFinishesInOrder) {
 
 TEST_F(DeviceTest, DeletesWhenEarlierSubmissionsHaveFinished) {
   Gate gate(device());
+  gate.close();
   int dead = 0;
-  const uint64_t first = device().submit([&](VkCommandBuffer commands) {
-    device().deferDeletion([&] { ++dead; });
-    gate.wait(commands);
-  });
+  const uint64_t first = device().submit([&](VkCommandBuffer) { device().deferDeletion([&] { ++dead; }); });
   device().deferDeletion([&] { ++dead; });
   EXPECT_EQ(dead, 0);
   gate.open();
@@ -111,8 +110,9 @@ TEST_F(DeviceTest, DeletesWhenEarlierSubmissionsHaveFinished) {
 // Objects that are deleted in a submission that failed may still be used by earlier submissions.
 TEST_F(DeviceTest, ASubmissionThatThrowsDeletesAfterThoseBeforeIt) {
   Gate gate(device());
+  gate.close();
   int dead = 0;
-  const uint64_t before = device().submit([&](VkCommandBuffer commands) { gate.wait(commands); });
+  const uint64_t before = device().submit([](VkCommandBuffer) {});
   const auto record = [&](VkCommandBuffer) {
     device().deferDeletion([&] { ++dead; });
     throw std::runtime_error("no");

@@ -2,30 +2,40 @@
 #pragma once
 
 #include "vk/device.h"
+#include "vk/handle.h"
 
 namespace latelight::vk {
 
-// Blocks the queue from wait() until open(): the submission that waits, and all later ones, do not finish before.
+// From close() until open(), the next submission and all later ones do not begin. Its timeline semaphore is signaled by
+// the host, which Vulkan permits while submissions wait for it; an event may not be set in that state.
 class Gate {
  public:
   explicit Gate(Device& device) : device_(device) {
-    const VkEventCreateInfo info{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO};
-    VK_CHECK(vkCreateEvent(device.get(), &info, nullptr, &event_));
+    VkSemaphoreTypeCreateInfo type{VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO};
+    type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
+    const VkSemaphoreCreateInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, &type};
+    VkSemaphore semaphore = VK_NULL_HANDLE;
+    VK_CHECK(vkCreateSemaphore(device.get(), &info, nullptr, &semaphore));
+    semaphore_ = Handle<VkSemaphore>(device, semaphore);
   }
   ~Gate() {
     open();
     device_.submitAndWait([](VkCommandBuffer) {});
-    vkDestroyEvent(device_.get(), event_, nullptr);
   }
-  void wait(VkCommandBuffer commands) const {
-    vkCmdWaitEvents(commands, 1, &event_, VK_PIPELINE_STAGE_HOST_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, nullptr, 0,
-                    nullptr, 0, nullptr);
+  void close() { device_.waitFirst(semaphore_.get(), 1); }
+  void open() {
+    if (isOpen_) return;
+    VkSemaphoreSignalInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_SIGNAL_INFO};
+    info.semaphore = semaphore_.get();
+    info.value = 1;
+    VK_CHECK(vkSignalSemaphore(device_.get(), &info));
+    isOpen_ = true;
   }
-  void open() { VK_CHECK(vkSetEvent(device_.get(), event_)); }
 
  private:
   Device& device_;
-  VkEvent event_ = VK_NULL_HANDLE;
+  Handle<VkSemaphore> semaphore_;
+  bool isOpen_ = false;
 };
 
 }  // namespace latelight::vk

@@ -29,8 +29,9 @@ struct Tiny {
                                                   .code = {std::begin(kTinyShader), std::end(kTinyShader)}})),
         source(device, {VK_FORMAT_R8G8B8A8_UNORM, kWidth, kHeight, 1, 1, 1,
                         VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, "source"}),
-        target(device, {VK_FORMAT_R8G8B8A8_UNORM, kWidth, kHeight, 1, 1, 1,
-                        VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, "target"}),
+        target(device,
+               {VK_FORMAT_R8G8B8A8_UNORM, kWidth, kHeight, 1, 1, 1,
+                VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, "target"}),
         words(device, {.size = kWidth * kHeight * 4, .kind = MemoryKind::Readback, .name = "words"}),
         sampler(makeSampler(device, {})) {}
 

@@ -13,7 +13,7 @@ struct DeformPush {
   uint64_t jointWeights;   // float[]: `influences` per vertex
   uint64_t deltas;         // MorphDelta[targets][vertices]
   uint64_t palette;        // mat4x3[poses][jointCount] of the first world
-  uint64_t weights;        // float[poses][targets]
+  uint64_t weights;        // float[poses][targets]; never null: some drivers load from it even if there are no targets
   uint64_t outPositions;   // VertexPosition[worlds][poses][stride]; poses: previous, current, next, or only current
   uint64_t outAttributes;  // VertexAttributes[worlds][vertices], for the current pose only
   uint vertices;

@@ -356,7 +356,7 @@ void WorldDeformer::addTo(graph::Graph& graph, VkDeviceAddress status) const {
   BoundJob bound = boundJob_;
   bound.status = status;
   const VkDeviceAddress boundAddress = constants(bound);
-  const VkDeviceAddress weights = weights_.empty() ? 0 : graph.constants(std::as_bytes(std::span(weights_)));
+  const VkDeviceAddress weights = graph.constants(std::as_bytes(std::span(weights_)));  // not null, see DeformPush
   std::vector<VkDeviceAddress> jobs;
   for (const VertexJob& job : vertexJobs_) jobs.push_back(constants(job));
   graph.prologue(kStage, "deform worlds", [=, this](graph::Context& context) {

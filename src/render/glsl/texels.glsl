@@ -4,7 +4,7 @@
 #define LATELIGHT_TEXELS_GLSL
 #include "shared/color.h"
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TextureRef { TextureRecord v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer TextureRef { TextureRecord v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TexelRef { uint v[]; };
 
 int wrapped(int at, int size, uint mode) {

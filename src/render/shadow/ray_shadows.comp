@@ -51,7 +51,7 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
   SurfaceBrdf brdf = surfaceBrdf(p.s, p.toEye, kShading);
   for (uint i = push.first; i < push.end; ++i) {
     RayShadow shadow = RayShadowRef(frame.shadowMaps).v[uint(p.place.z) * frame.shadowColumns + i];
-    Light light = frameLight(frame, shadow.light);
+    Light light = frameLight(frame, min(shadow.light, frame.lightCount - 1u));  // as triangleOfTile()
     LightSample arriving = sampleLight(light, p.s.position);
     vec3 sent = shadeLight(brdf, arriving, kShading);
     for (bool some = any(greaterThan(sent, vec3(0.0))); some; some = false)

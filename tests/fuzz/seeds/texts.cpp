@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <bit>
 #include <initializer_list>
 #include <spirv/unified1/spirv.hpp>
@@ -97,6 +98,50 @@ void addCommandLines(Seeds& seeds) {
             "builtin:boxes\0-o\0out.png\0--size\0"
             "64x48\0--aa\0ssaa2\0--aov\0depth,normal"s);
   seeds.add("command_line", "a.glb\0--size=1920x1080\0--layout\0plain\0--technique=tiled\0--background\0#a0b0c0"s);
+  // Other forms of values, values out of range, and options that exclude each other.
+  for (const std::string options : {"--aa ss9",
+                                    "--aa ss0",
+                                    "--aa msaa3",
+                                    "--aa msaa4,ss2",
+                                    "--aa msaa4 --shadows rays",
+                                    "--aa msaa4 --indirect one-bounce",
+                                    "--aa msaa4 --lighting reference",
+                                    "--aa msaa4 --ground studio",
+                                    "--aa msaa8 --lighting forward",
+                                    "--aa msaa8 --raster hardware",
+                                    "--lighting forward --indirect one-bounce",
+                                    "--lighting forward --shadows rays",
+                                    "--layout visibility --lighting forward",
+                                    "--layout visibility --raster hardware",
+                                    "--aperture-blades 2",
+                                    "--background 2,0,0",
+                                    "--background #12",
+                                    "--size 0x0",
+                                    "--size 64",
+                                    "--sun 30",
+                                    "--sun 30,40,-1",
+                                    "--sun 30,40,x",
+                                    "--exposure 100",
+                                    "--exposure auto+100",
+                                    "--exposure bright",
+                                    "--vignetting cos4",
+                                    "--vignetting 20",
+                                    "--vignetting 0.1,0.2,0.3",
+                                    "--response gamma:2.2",
+                                    "--response gamma:0",
+                                    "--response 0,0.5,1",
+                                    "--response 0.5,x",
+                                    "--shadow-lights none",
+                                    "--shadow-lights 4",
+                                    "--shadow-lights sun,lamp",
+                                    "--position-origin 1,2",
+                                    "--position-origin 1,2,3",
+                                    "--pick 3,4",
+                                    "--light-position lamp=1,2,3"}) {
+    std::string line = "builtin:boxes -o out.png " + options;
+    std::ranges::replace(line, ' ', '\0');
+    seeds.add("command_line", line);
+  }
 }
 
 void addServe(Seeds& seeds) {

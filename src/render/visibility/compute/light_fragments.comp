@@ -21,12 +21,13 @@ void setSortedKey(inout Fragment f, View view, VisibleTriangle t, SurfacePoint p
   f.order = 2u * (t.draw.firstTriangle - push.firstTriangle) + (p.facing > 0.0 ? t.draw.triangles : 0u) + t.number;
 }
 
-// Evaluates one view at a time, because the subgroup shares the shadow data of a view's lights.
-vec4 colorOf(uint view, Material m, SurfacePoint p, vec2 own, bool there) {
+// Evaluates one view at a time, because the subgroup shares the shadow data of a view's lights. `last` is the last
+// view, which bounds the index after the loop's end, too, as in triangleOfTile().
+vec4 colorOf(uint view, uint last, Material m, SurfacePoint p, vec2 own, bool there) {
   vec4 color = vec4(0.0);
   bool waits = there;
   while (subgroupAny(waits)) {
-    uint next = subgroupMin(waits ? view : 0xffffffffu);
+    uint next = min(subgroupMin(waits ? view : last), last);
     bool now = waits && view == next;
     vec4 one = blendedColor(frameOf(push.frame, next), next, m, p, own, now);
     if (now) color = one;
@@ -52,7 +53,7 @@ void main() {
   VisibleTriangle t = visibleTriangle(frame, push.instances, f.order);
   SurfacePoint p = visiblePoint(frame, frameView(frame, view), t, place);
   Material m = frameMaterial(frame, frameInstance(frame, t.draw.instance).material);
-  vec4 color = colorOf(view, m, p, place, there);
+  vec4 color = colorOf(view, frame.viewCount - 1u, m, p, place, there);
   if (!there) return;
   f.color = uvec2(packHalf2x16(color.rg), packHalf2x16(color.ba));
   if (kSorted != 0u) setSortedKey(f, frameView(frame, view), t, p);

@@ -21,8 +21,7 @@ void main() {
   View seen = frameView(FrameRef(push.buffers.frame).v, place.view);
   const uint kBlocks = 16u / kSamples;
   for (uint i = 0u; i < job.count * kBlocks; ++i) {
-    Triangle t = triangleOf(LargeRef(push.buffers.large).v[EntriesRef(push.buffers.entries).v[job.first + i
-                                                                                              / kBlocks]]);
+    Triangle t = triangleOf(triangleOfTile(job.first + i / kBlocks));
     uint block = gl_WorkGroupID.z * kBlocks + i % kBlocks;
     ivec2 pixel = corner + ivec2(block % 4u, block / 4u) * 16;
     Edge a = edgeAt(t.b, t.c, pixel), b = edgeAt(t.c, t.a, pixel), c = edgeAt(t.a, t.b, pixel);

@@ -76,7 +76,7 @@ uint setUp(RasterJob job, ivec2 corner) {
     barrier();
   }
   for (uint i = gl_LocalInvocationIndex; i < job.count; i += 256u) {
-    Triangle t = triangleOf(LargeRef(push.buffers.large).v[EntriesRef(push.buffers.entries).v[job.first + i]]);
+    Triangle t = triangleOf(triangleOfTile(job.first + i));
     if (kSamples == 1u)
       triangles[i] = inTile(t, corner);
     else if (touches(t, corner + partOfTile(), 16 * kWide))

@@ -16,6 +16,13 @@ TileOrigin placeOf(uint tile) {
   return TileOrigin(tile / (tiles.x * tiles.y), ivec2(inView % tiles.x, inView / tiles.x) * int(kRasterTile));
 }
 
+// Returns a triangle of a tile. The indices are within range of their queues, but some versions of lavapipe execute the
+// body of a loop once after its end, and load with any index that is the same for all invocations.
+LargeTriangle triangleOfTile(uint entry) {
+  uint number = EntriesRef(push.buffers.entries).v[min(entry, push.entryCapacity - 1u)];
+  return LargeRef(push.buffers.large).v[min(number, push.largeCapacity - 1u)];
+}
+
 struct Edge {        // edge function
   int64_t at;        // at a pixel's first sample; less 1 if the triangle does not own the edge
   int right, down;  // steps per subpixel
