@@ -56,7 +56,9 @@ void expectSame(const std::vector<CalibratedCamera>& actual, const std::vector<C
         EXPECT_NEAR(actual[i].pose[column][row], expected[i].pose[column][row],
                     1e-9 * std::max(1.0, glm::length(dvec3(expected[i].pose[3]))))
             << i;
-    if (exposures) EXPECT_EQ(actual[i].exposure, expected[i].exposure) << i;
+    if (exposures) {
+      EXPECT_EQ(actual[i].exposure, expected[i].exposure) << i;
+    }
     if (!lenses) continue;
     const scene::Lens &a = *actual[i].lens, &b = *expected[i].lens;
     EXPECT_EQ(a.model, b.model);

@@ -116,6 +116,7 @@ def check_vertices():
         for output in outputs:
             np.testing.assert_array_equal(frames[world][0][output], expected[output], f"world {world}: {output}")
     print("vertices: worlds have the bytes of the edited mesh")
+    check_rays(renderer, alone, edited, camera, vertices, triangles)
     name, to_gpu, to_host = next(makers())
     vertices[7, 3, 1] = np.nan
     frames = renderer.render_worlds(count, camera, SIZE, "id", meshes=made.meshes(), vertices=to_gpu(vertices),
@@ -123,6 +124,23 @@ def check_vertices():
     assert frames.invalid_worlds == (7,) and not to_host(frames["id"])[7].any()
     print("a world with NaN is reported, and shows nothing")
     return renderer
+
+
+def check_rays(renderer, alone, edited, camera, vertices, triangles):
+    """Light that rays find among moved vertices is that of the edited mesh, apart from the rounding of two shaders."""
+    given = {"shadows": "rays", "indirect": "one-bounce", "samples": 4}
+    frames = renderer.render_worlds(len(vertices), camera, SIZE, ("color",), vertices=vertices,
+                                    meshes=renderer.scene.meshes(), **given)
+    worst, others, pixels = 0.0, 0, 0
+    for world in range(0, len(vertices), 20):
+        edited.set_mesh(edited.meshes()[0], vertices[world], triangles, normals=0 * vertices[world])
+        expected = alone.render(camera, SIZE, ("color",), **given)["color"]
+        difference = np.abs(frames[world][0]["color"] - expected)
+        worst = max(worst, difference.mean() / expected.mean())
+        others += np.count_nonzero(difference.any(-1))
+        pixels += difference[..., 0].size
+    assert worst < 1e-4, worst
+    print(f"rays: {others} of {pixels} pixels differ from the edited mesh, by at most {worst:.2g} of the mean of a world")
 
 
 def measure(renderer, camera, count, what, arguments, tensors=(), runs=30):
@@ -149,6 +167,9 @@ def measure_all(scene, renderer, joints, camera):
         measure(renderer, camera, count, "figure at rest", {})
         poses = [torch.from_numpy(figure_poses(scene, joints, count, seed)).cuda() for seed in range(3)]
         measure(renderer, camera, count, "figure posed by joints", {"joints": joints}, ("joint_transforms", poses))
+        for rays in ({"shadows": "rays"}, {"shadows": "rays", "indirect": "one-bounce", "samples": 1}):
+            what = ", ".join(f"{key} {value}" for key, value in rays.items())
+            measure(renderer, camera, count, f"the same, {what}", {"joints": joints, **rays}, ("joint_transforms", poses))
         mesh = scene.instance(scene.instances()[0]).mesh
         rest = torch.from_numpy(scene.mesh_arrays(mesh)["positions"]).cuda()
         moved = [(rest + 0.01 * torch.randn(count, 1, 3, device="cuda")).contiguous() for _ in range(3)]
