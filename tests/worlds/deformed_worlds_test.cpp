@@ -252,7 +252,7 @@ MeshData movedData(const Scene& scene, Handle<Mesh> mesh, const std::vector<std:
 
 // Moved vertices have the bytes of the scene whose meshes are replaced.
 TEST_P(DeformedWorlds, WithMovedVerticesAreTheEditedScene) {
-  const auto count = test::rounds(200u, 6u);
+  const auto count = test::rounds(200u, 3u);
   for (const char* name : {"textured.glb", "blended.glb"}) {
     SCOPED_TRACE(name);
     const std::string file = models::modelPath(name).string();

@@ -80,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(Rasters, ArraysOfWorlds, testing::Values("compute", "ha
 
 TEST_P(ArraysOfWorlds, GiveTheImagesOfTheEditedScene) {
   const bool compute = std::string(GetParam()) == "compute";
-  const uint32_t kWorlds = compute ? latelight::test::rounds(200u, 60u) : 12;
+  const uint32_t kWorlds = compute ? latelight::test::rounds(200u, 30u) : 12;
   for (const char* name : {"blended.glb", "textured.glb"}) {
     const std::string file = models::modelPath(name).string();
     Scene scene(file), edited(file);
