@@ -13,10 +13,25 @@ import numpy as np
 from ._core import Light, Material, MaterialHandle, MeshHandle, Scene, read_environment
 from ._enclosure import Enclosure
 from ._model_builder import Builder, linear, missing, reading, v_down
+from ._shapes import Shape, box, capsule, cone, cylinder, ellipsoid, mesh_arrays, plane
 from .errors import UsageError
 
 
 Result = TypeVar("Result")
+
+# The shapes of UsdGeom by type, from their attributes, around Z. A plane faces its axis: if that is X or Y, its length
+# comes before its width.
+_SHAPES: dict[str, Callable[[Callable[[str], float], str], Shape]] = {
+    "Sphere": lambda size, axis: ellipsoid([size("radius")] * 3),
+    "Cube": lambda size, axis: box(size("size") / 2),
+    "Cylinder": lambda size, axis: cylinder(size("radius"), size("height") / 2),
+    "Cone": lambda size, axis: cone(size("radius"), size("height") / 2),
+    "Capsule": lambda size, axis: capsule(size("radius"), size("height") / 2),
+    "Plane": lambda size, axis: plane(
+        np.array([size("width"), size("length")] if axis == "Z" else [size("length"), size("width")]) / 2
+    ),
+}
+_TURNED = {"X": [2, 0, 1], "Y": [1, 2, 0], "Z": [0, 1, 2]}  # the coordinates around Z that become x, y and z
 
 
 class _Usd(Builder):
@@ -64,6 +79,8 @@ class _Usd(Builder):
                 instancers.append(geom.PointInstancer(prim))
             elif prim.IsA(geom.Mesh):
                 self.add_mesh(prim)
+            elif prim.GetTypeName() in _SHAPES:
+                self.show(prim, self.transform(prim), prim.GetPath())
             elif prim.IsA(self.pxr.UsdSkel.Root):
                 self.skins.Populate(self.pxr.UsdSkel.Root(prim), self.predicate)
             elif prim.IsA(geom.Camera):
@@ -146,7 +163,10 @@ class _Usd(Builder):
         source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
         key = source.GetPath()
         if key not in self.made:
-            self.made[key] = self.meshes(self.pxr.UsdGeom.Mesh(prim), prim)
+            if prim.IsA(self.pxr.UsdGeom.Mesh):
+                self.made[key] = self.meshes(self.pxr.UsdGeom.Mesh(prim), prim)
+            else:
+                self.made[key] = [self.shape(prim)]
         for mesh, material in self.made[key]:
             self.add_instance(mesh, material, transform, str(path)[1:].replace("/", "."))
 
@@ -162,7 +182,7 @@ class _Usd(Builder):
             prototype = prototypes[indices[number]]
             root = np.linalg.inv(self.transform(prototype.GetParent()))
             for prim in self.pxr.Usd.PrimRange(prototype):
-                if prim.IsA(geom.Mesh):
+                if prim.IsA(geom.Mesh) or prim.GetTypeName() in _SHAPES:
                     local = root @ self.transform(prim)
                     # ComputeInstanceTransformsAtTime includes the prototype's own transform.
                     own = np.linalg.inv(
@@ -172,6 +192,30 @@ class _Usd(Builder):
                     self.show(prim, placed, f"{instancer.GetPath()}/{number}")
 
     # --- geometry ---
+
+    def shape(self, prim: Any) -> tuple[MeshHandle, MaterialHandle]:
+        def size(name: str) -> float:
+            value = float(prim.GetAttribute(name).Get(self.time))
+            if not 0 <= value < math.inf or (value == 0 and name != "height"):
+                raise UsageError(f"{prim.GetPath()} has the {name} {value:g}, but it must be positive")
+            return value
+
+        given = prim.GetAttribute("axis")
+        axis = str(given.Get(self.time)) if given else "Z"
+        points, normals, triangles = _SHAPES[prim.GetTypeName()](size, axis)
+        turned = _TURNED[axis]
+        arrays = mesh_arrays((points[:, turned], normals[:, turned], triangles))
+        material = self.material_of(self.pxr.UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0], prim)
+        color = self.pxr.UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
+        if material is None and color and color.HasValue() and color.GetInterpolation() == "constant":
+            rgb = np.clip(np.asarray(color.ComputeFlattened(self.time), np.float32)[:1], 0, 1)
+            arrays["colors"] = np.tile([*rgb[0], 1], (len(points), 1)).astype(np.float32)
+            material = self.white(False, self.is_double_sided(prim))
+        mesh = self.scene.add_mesh(**arrays, name=prim.GetName())
+        return mesh, material if material is not None else self.default_material(self.is_double_sided(prim))
+
+    def is_double_sided(self, prim: Any) -> bool:
+        return bool(self.pxr.UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(self.time))
 
     def meshes(
         self, mesh: Any, prim: Any, pose: np.ndarray | None = None, shapes: tuple[Any, Any] = (None, None)
@@ -219,11 +263,11 @@ class _Usd(Builder):
         made = []
         for material, triangles in self.subsets(prim, faces):
             chosen = np.repeat(triangles, 3)
-            handle = self.material_of(material)
+            handle = self.material_of(material, prim)
             rgba = None
             if handle is None and colors is not None:  # displayColor is linear, and the material of unbound meshes
                 rgba = np.concatenate([np.clip(colors[chosen], 0, 1), np.ones((chosen.sum(), 1), np.float32)], axis=1)
-                handle = self.white(False)
+                handle = self.white(False, self.is_double_sided(prim))
             made.append(
                 (
                     self.scene.add_mesh(
@@ -233,7 +277,7 @@ class _Usd(Builder):
                         colors=rgba,
                         name=prim.GetName(),
                     ),
-                    handle if handle is not None else self.default_material(),
+                    handle if handle is not None else self.default_material(self.is_double_sided(prim)),
                 )
             )
         return made
@@ -275,15 +319,24 @@ class _Usd(Builder):
 
     # --- materials ---
 
-    def material_of(self, material: Any) -> MaterialHandle | None:
+    def material_of(self, material: Any, prim: Any) -> MaterialHandle | None:
+        """The material of a mesh or shape, which says whether it has two sides."""
         if not material:
             return None
-        key = str(material.GetPath())
+        double_sided = self.is_double_sided(prim)
+        key = (str(material.GetPath()), double_sided)
         if key not in self.materials:
-            self.materials[key] = self.convert(material)
+            handle = self.convert(material)
+            if handle is None:
+                return self.default_material(double_sided)
+            if double_sided:
+                values = self.scene.material(handle)
+                values.double_sided = True
+                self.scene.set_material(handle, values)
+            self.materials[key] = handle
         return self.materials[key]
 
-    def convert(self, material: Any) -> MaterialHandle:
+    def convert(self, material: Any) -> MaterialHandle | None:
         for context in ("", "mtlx"):  # the universal one first
             surface = material.ComputeSurfaceSource(context)[0]
             name = surface.GetShaderId() if surface else ""
@@ -291,7 +344,7 @@ class _Usd(Builder):
                 return self.preview_surface(material, surface)
             if name == "ND_standard_surface_surfaceshader":
                 return self.standard_surface(material, surface)
-        return self.default_material()
+        return None
 
     def value(self, surface: Any, name: str, otherwise: Any) -> Any:
         """A constant, also one that a node graph passes on; `otherwise` if it is missing or an image."""
@@ -672,10 +725,10 @@ def from_usd(
     allow_outside: folders that a file may refer to, besides its own
 
     Converted are visible meshes with their subsets, normals, texture coordinates (st) and displayColor, in the pose of
-    their skeletons and blend shapes at that time; instances and point instancers; UsdPreviewSurface and MaterialX's
-    standard surface with their images; distant, sphere, rect, disk and cylinder lights; dome lights, as the scene's
-    environment; cameras; and the stage's units, up axis and chosen variants. Subdivision surfaces are shown as their
-    cages, and polygons as fans. Curves, points, volumes, procedural textures and other shaders are left out."""
+    their skeletons and blend shapes at that time; spheres, cubes, cylinders, cones, capsules and planes; instances and
+    point instancers; UsdPreviewSurface and MaterialX's standard surface with their images; distant, sphere, rect, disk
+    and cylinder lights; dome lights, as the scene's environment; cameras; and the stage's units, up axis and chosen
+    variants. Subdivision surfaces are shown as their cages, and polygons as fans. Curves, points, volumes, procedural textures and other shaders are left out."""
     return _converted(stage, time, allow_outside, "from_usd", _Usd.run)
 
 

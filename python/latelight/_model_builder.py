@@ -80,22 +80,27 @@ class Builder:
         self.materials: dict[Any, MaterialHandle] = {}
         self.textures: dict[Any, Any] = {}
         self.kept: list[Any] = []  # keeps the ids in the keys above unique
-        self.default: MaterialHandle | None = None
 
-    def default_material(self) -> MaterialHandle:
-        if self.default is None:
-            self.default = self.scene.add_material(
-                Material(name="default", base_color=(0.8, 0.8, 0.8, 1), metallic=0, roughness=0.5)
-            )
-        return self.default
+    def default_material(self, double_sided: bool = False) -> MaterialHandle:
+        return self.plain("default", (0.8, 0.8, 0.8, 1), False, double_sided)
 
-    def white(self, translucent: bool) -> MaterialHandle:
+    def white(self, translucent: bool, double_sided: bool = False) -> MaterialHandle:
         """For meshes whose vertices have colors."""
-        key = ("white", translucent)
+        return self.plain("vertex colors", (1, 1, 1, 1), translucent, double_sided)
+
+    def plain(self, name: str, color: Any, translucent: bool, double_sided: bool) -> MaterialHandle:
+        key = (name, translucent, double_sided)
         if key not in self.materials:
             mode = "blend" if translucent else "opaque"
             self.materials[key] = self.scene.add_material(
-                Material(name="vertex colors", metallic=0, roughness=0.5, alpha_mode=mode)
+                Material(
+                    name=name,
+                    base_color=color,
+                    metallic=0,
+                    roughness=0.5,
+                    alpha_mode=mode,
+                    double_sided=double_sided,
+                )
             )
         return self.materials[key]
 

@@ -214,6 +214,68 @@ def test_usd_meshes_have_materials_by_subset(stage):
     np.testing.assert_allclose(scene.mesh(scene.instance(red).mesh).bounds, ((100, 0, 0), (200, 100, 0)))
 
 
+def shape_radii(positions, axis):
+    """The distances from an axis, and the coordinates along it, in meters."""
+    other = [i for i in range(3) if i != axis]
+    return np.linalg.norm(positions[:, other], axis=1) / 100, positions[:, axis] / 100
+
+
+def test_usd_shapes_have_their_sizes(stage):
+    from pxr import UsdGeom
+
+    ball = UsdGeom.Sphere.Define(stage, "/ball")
+    ball.CreateRadiusAttr(50)
+    ball.CreateDisplayColorAttr([(1, 0, 0.5)])
+    UsdGeom.XformCommonAPI(ball).SetTranslate((300, 0, 0))
+    UsdGeom.Cube.Define(stage, "/cube").CreateSizeAttr(30)
+    for number, axis in enumerate("XYZ"):
+        for kind in (UsdGeom.Cylinder, UsdGeom.Cone, UsdGeom.Capsule):
+            shape = kind.Define(stage, f"/{kind.__name__}{axis}")
+            shape.CreateRadiusAttr(20)
+            shape.CreateHeightAttr(100)
+            shape.CreateAxisAttr(axis)
+        sheet = UsdGeom.Plane.Define(stage, f"/Plane{axis}")
+        sheet.CreateWidthAttr(40)
+        sheet.CreateLengthAttr(80)
+        sheet.CreateAxisAttr(axis)
+        sheet.CreateDoubleSidedAttr(True)
+    scene = latelight.from_usd(stage)
+    arrays = {n.path[1:]: scene.mesh_arrays(scene.instance(i).mesh) for n, i in zip(scene.nodes, scene.instances())}
+    materials = {n.path[1:]: scene.material(scene.instance(i).material) for n, i in zip(scene.nodes, scene.instances())}
+    assert len(arrays) == 14
+    np.testing.assert_allclose(np.linalg.norm(arrays["ball"]["positions"], axis=1), 50, rtol=1e-6)
+    np.testing.assert_allclose(arrays["ball"]["colors"], np.tile((1, 0, 0.5, 1), (len(arrays["ball"]["colors"]), 1)))
+    assert not materials["ball"].double_sided and materials["PlaneX"].double_sided
+    np.testing.assert_allclose(np.abs(arrays["cube"]["positions"]), 15)
+    sizes = {"X": (0, 80, 40), "Y": (40, 0, 80), "Z": (40, 80, 0)}  # a plane's width is along Z if it faces X
+    for number, axis in enumerate("XYZ"):
+        radii, along = shape_radii(arrays[f"Cylinder{axis}"]["positions"], number)
+        assert radii.max() == pytest.approx(0.2) and set(np.round(np.abs(along), 6)) == {0.5}
+        radii, along = shape_radii(arrays[f"Cone{axis}"]["positions"], number)
+        np.testing.assert_allclose(radii[along > 0], 0, atol=1e-9)
+        assert radii[along < 0].max() == pytest.approx(0.2) and along.max() == pytest.approx(0.5)
+        radii, along = shape_radii(arrays[f"Capsule{axis}"]["positions"], number)
+        np.testing.assert_allclose(np.hypot(radii, np.maximum(np.abs(along) - 0.5, 0)), 0.2, rtol=1e-6)
+        sheet = arrays[f"Plane{axis}"]
+        np.testing.assert_allclose(np.ptp(sheet["positions"], axis=0), sizes[axis])
+        np.testing.assert_allclose(sheet["normals"], np.tile(np.eye(3)[number], (4, 1)))
+    for name, mesh in arrays.items():  # triangles face outward, as their normals do
+        corners = mesh["positions"][mesh["indices"].reshape(-1, 3)]
+        facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        shaded = mesh["normals"][mesh["indices"].reshape(-1, 3)].sum(axis=1)
+        assert (np.einsum("ij,ij->i", facing, shaded) >= -1e-3).all(), name
+    ball.GetRadiusAttr().Set(-1)
+    with pytest.raises(latelight.UsageError, match="/ball has the radius -1, but it must be positive"):
+        latelight.from_usd(stage)
+
+
+def test_usd_meshes_may_be_double_sided(stage):
+    for name, sides in (("one", False), ("two", True)):
+        add_mesh(stage, f"/{name}").CreateDoubleSidedAttr(sides)
+    scene = latelight.from_usd(stage)
+    assert [scene.material(scene.instance(i).material).double_sided for i in scene.instances()] == [False, True]
+
+
 def test_usd_instances_share_meshes(stage):
     from pxr import Sdf, UsdGeom
 
