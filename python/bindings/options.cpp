@@ -244,11 +244,12 @@ std::string optionParameters(const std::vector<std::string>& except) {
 std::string optionDocs() {
   std::string text =
       "previous_cameras, next_cameras: where the cameras were and will be, a frame before and after, for the output "
-      "motion\ncontinues: this frame follows the one rendered last, for temporal anti-aliasing and the temporal filter "
-      "of "
-      "indirect light\nformats: element types by output: {\"rgba\": \"rgb8\"} leaves alpha out, \"float16\" and "
-      "\"uint16\" halve other outputs (half floats "
-      "rounded to\nnearest even; ids above 65535 become 65535)\nchannels_first: arrays are (..., C, H, W)";
+      "motion\n"
+      "continues: this frame follows the one rendered last, for temporal anti-aliasing and the temporal filter of "
+      "indirect light\n"
+      "formats: element types by output: {\"rgba\": \"rgb8\"} leaves alpha out, \"float16\" and \"uint16\" halve other "
+      "outputs (half floats rounded to\nnearest even; ids above 65535 become 65535)\n"
+      "channels_first: arrays are (..., C, H, W)";
   for (const Keyword& keyword : keywords()) text += "\n" + lineOf(keyword);
   return text;
 }
