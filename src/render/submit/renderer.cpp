@@ -401,7 +401,6 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
   if (!independent) resolveOverflow();
   const std::shared_ptr<FrameShadows> shadows = placeShadows(std::move(plan), s);
   ShadowMapState shadowState = ShadowMapState::Cached;
-  const IndirectInput input = indirectInputOf(s);
   for (const Strip strip : strips) {
     // With several strips, only one has memory at a time. Otherwise some views are read while the device renders the
     // next.
@@ -415,7 +414,8 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
     ViewBatch& part = job->parts.emplace_back(*job, first, count, strip, shadows, shadowState);
     const bool continues = job->continues && count == job->viewCount();
     part.continues = continues && history_.fits(s.width, s.height, count);
-    part.continuesIndirect = continues && indirectHistory_.fits(s.width, s.height, count) && indirectInput_ == input;
+    part.continuesIndirect = continues && keepsIndirect(s) && indirectHistory_.fits(s.width, s.height, count) &&
+                             indirectInput_ == indirectInputOf(s);
     if (!job->progress)
       job->progress.emplace("Rendering", (samplesOf(part).size() + job->exposes) * strips.size() * job->viewCount());
     std::optional<uint64_t> maxBytes;
