@@ -83,6 +83,15 @@ class IndirectHistoryTest : public RenderTest {
     }
     return std::sqrt(sum / count);
   }
+
+  // Compares the twelfth frame of a sequence with many samples, with its history and without.
+  static void expectLessErrorWithHistory(const Sequence& moves, const char* what) {
+    const output::FrameOutput truth = alone(moves, settings(IndirectFilter::None, 2048), 11);
+    const double spatial = difference(alone(moves, settings(IndirectFilter::Spatial), 11), truth);
+    const double temporal = difference(last(moves, settings(IndirectFilter::Temporal), 12), truth);
+    fmt::print("{}: error {:.5f}, {:.5f} with history\n", what, spatial, temporal);
+    EXPECT_LT(temporal, 0.75 * spatial);
+  }
 };
 
 // A box in front of a wall, white and Lambertian.
@@ -114,23 +123,13 @@ TEST_F(IndirectHistoryTest, TheErrorFallsWithFrames) {
 TEST_F(IndirectHistoryTest, AMovingCameraReducesTheError) {
   const scene::Scene scene = boxAndWall();
   const scene::Environment environment = constantEnvironment();
-  const Sequence moves{scene, environment, 0, 0, 0.05};
-  const output::FrameOutput truth = alone(moves, settings(IndirectFilter::None, 2048), 11);
-  const double spatial = difference(alone(moves, settings(IndirectFilter::Spatial), 11), truth);
-  const double temporal = difference(last(moves, settings(IndirectFilter::Temporal), 12), truth);
-  fmt::print("moving camera: error {:.5f}, {:.5f} with history\n", spatial, temporal);
-  EXPECT_LT(temporal, 0.75 * spatial);
+  expectLessErrorWithHistory({scene, environment, 0, 0, 0.05}, "moving camera");
 }
 
 TEST_F(IndirectHistoryTest, MovingObjectsDoNotSmear) {
   const scene::Scene scene = boxAndWall();
   const scene::Environment environment = constantEnvironment();
-  const Sequence moves{scene, environment, 0.2, 1 / 48.0};
-  const output::FrameOutput truth = alone(moves, settings(IndirectFilter::None, 2048), 11);
-  const double spatial = difference(alone(moves, settings(IndirectFilter::Spatial), 11), truth);
-  const double temporal = difference(last(moves, settings(IndirectFilter::Temporal), 12), truth);
-  fmt::print("moving box: error {:.5f}, {:.5f} with history\n", spatial, temporal);
-  EXPECT_LT(temporal, 0.75 * spatial);
+  expectLessErrorWithHistory({scene, environment, 0.2, 1 / 48.0}, "moving box");
 }
 
 // Radiance 1 + 0.9 cos of the angle to the viewer's direction: a white Lambertian surface, of which nothing is hidden,
