@@ -23,7 +23,9 @@ struct PathHit {
 
 PathHit surfaceAt(FrameConstants frame, Ray ray, RayHit hit) {
   SurfacePoint p = rayPoint(frame, ray, hit);
-  Material m = frameMaterial(frame, frameInstance(frame, hit.instance).material);
+  uint material = frameInstance(frame, hit.instance).material;
+  Material m = frameMaterial(frame, material);
+  fetchTexels(frame, material, p, ~0u);
   PathHit at;
   at.s = evaluateMaterial(frame, m, p);
   at.s.flags &= ~kSurfaceLayered;

@@ -177,7 +177,7 @@ EmitterChoice chooseEmitter(FrameConstants frame, RayScene scene, PathVertex v, 
 struct EmitterPoint {
   vec3 position;
   vec3 plane;  // normal of the triangle; its length is twice the area
-  Material material;
+  uint material;
   SurfacePoint at;
 };
 
@@ -189,12 +189,17 @@ EmitterPoint emitterPoint(FrameConstants frame, RayEmitter emitter, vec3 origin,
   hit.weights = vec3(1.0 - side, side * (1.0 - u.y), side * u.y);
   hit.front = true;
   SurfacePoint at = rayPoint(frame, Ray(origin, vec3(0.0), vec3(0.0), 0.0, 0.0), hit);
-  return EmitterPoint(at.position, at.plane, frameMaterial(frame, frameInstance(frame, emitter.instance).material), at);
+  return EmitterPoint(at.position, at.plane, frameInstance(frame, emitter.instance).material, at);
 }
 
+// The textures that emission depends on, by the coat above it, too.
+const uint kEmissionSlots = 1u << kTextureBaseColor | 1u << kTextureEmissive | 1u << kTextureClearcoat |
+                            1u << kTextureClearcoatRoughness | 1u << kTextureClearcoatNormal;
+
 // The radiance that it emits in a direction.
-vec3 emittedRadiance(EmitterPoint p, vec3 direction) {
-  Material m = p.material;
+vec3 emittedRadiance(FrameConstants frame, EmitterPoint p, vec3 direction) {
+  Material m = frameMaterial(frame, p.material);
+  fetchTexels(frame, p.material, p.at, kEmissionSlots);
   if ((m.flags & kMaterialMasked) != 0u && masked(m, p.at)) return vec3(0.0);
   if ((m.flags & kMaterialUnlit) != 0u) return baseColor(m, p.at).rgb;
   vec3 emitted = m.emissive;
@@ -216,7 +221,7 @@ LightRay rayToEmitter(FrameConstants frame, RayScene scene, PathVertex v, float 
   float facing = dot(p.plane, toLight) / max(area2, 1e-30);
   float density = emitterShare(scene, choice.index) * solidAngleDensity(0.5 * area2, far, facing);
   if (density <= 0.0 || far <= 0.0) return noLightRay();
-  return LightRay(emittedRadiance(p, toLight) * choice.weight, toLight, far - rayOffset(p.position, far), density);
+  return LightRay(emittedRadiance(frame, p, toLight) * choice.weight, toLight, far - rayOffset(p.position, far), density);
 }
 
 #endif

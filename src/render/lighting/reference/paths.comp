@@ -325,7 +325,6 @@ void writeLight(FrameConstants frame, ivec3 place, LitPixel p, vec4 sum, EyeRay 
 void main() {
   bindSurfaces(push.frame, push.shown);
   FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
-  bindRayTextures(frame);
   ivec3 place = ownPixel();
   emitterSums = push.emitterSums + uint64_t(place.z) * push.emitterStride * 4ul;
   lightSizes = push.lightSizes + uint64_t(place.z) * push.lightStride * 4ul;
