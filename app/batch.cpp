@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "app/commands.h"
+#include "app/render_heap.h"
 #include "app/render_options.h"
 #include "base/journal.h"
 #include "base/log.h"
@@ -171,6 +172,7 @@ void printSlurm(const BatchArguments& a) {
 }
 
 void runBatch(const BatchArguments& a) {
+  keepFreedMemory();
   if (a.schema) return fmt::print("{}\n", data::jobSchema().dump(2));
   if (a.slurm > 0) return printSlurm(a);
   limitMemory(a.memory);

@@ -1,4 +1,4 @@
-// The heap of a command that renders once and ends.
+// The heaps of commands that render and end.
 #pragma once
 
 namespace latelight::app {
@@ -9,5 +9,9 @@ namespace latelight::app {
 // before other threads start. Unused memory costs nothing. Does nothing if the process's address space is limited, or
 // with another C library than glibc.
 void reuseFreedMemory();
+
+// Lets the heaps of all threads keep freed memory, for a command whose threads free images of the same sizes again and
+// again. The same conditions apply.
+void keepFreedMemory();
 
 }  // namespace latelight::app

@@ -78,6 +78,8 @@ struct Camera {
   std::optional<double> focusDistance{};  // meters, above 0; empty: Options::focusDistance
   std::optional<double> shutter{};        // exposure time in seconds, 0 to 10000; empty: Options::shutter
   std::optional<double> readout{};        // of a rolling shutter, seconds, -10000 to 10000; empty: Options::readout
+  std::optional<double> exposure{};       // in EV, -60 to 60; empty: that of Options::exposure. If that is metered,
+                                          // this is its compensation
   uint32_t noiseSeed = 0;                 // cameras of different seeds have different noise, besides Options::noiseSeed
 };
 

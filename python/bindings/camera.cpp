@@ -211,6 +211,12 @@ void bindCamera(nb::module_& module) {
             camera.readout = value.is_none() ? std::nullopt : std::optional(numberOf(value, name));
           })
       .field(
+          "exposure", "float | None", "EV; None: the option of this name. If that is metered, its compensation",
+          [](const Camera& camera) -> nb::object { return camera.exposure ? nb::cast(*camera.exposure) : nb::none(); },
+          [](Camera& camera, nb::handle value, const char* name) {
+            camera.exposure = value.is_none() ? std::nullopt : std::optional(numberOf(value, name));
+          })
+      .field(
           "noise_seed", "int", "cameras with different seeds have different noise",
           [](const Camera& camera) { return nb::int_(camera.noiseSeed); },
           [](Camera& camera, nb::handle value, const char* name) {

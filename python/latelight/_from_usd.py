@@ -13,7 +13,7 @@ import numpy as np
 from ._core import Light, Material, MaterialHandle, MeshHandle, Scene, read_environment
 from ._enclosure import Enclosure
 from ._model_builder import Builder, linear, missing, reading, v_down
-from ._shapes import Shape, box, capsule, cone, cylinder, ellipsoid, mesh_arrays, plane
+from ._shapes import Shape, box, capsule, cone, cylinder, ellipsoid, mesh_arrays, plane, tapered_capsule
 from .errors import UsageError
 
 
@@ -27,6 +27,8 @@ _SHAPES: dict[str, Callable[[Callable[[str], float], str], Shape]] = {
     "Cylinder": lambda size, axis: cylinder(size("radius"), size("height") / 2),
     "Cone": lambda size, axis: cone(size("radius"), size("height") / 2),
     "Capsule": lambda size, axis: capsule(size("radius"), size("height") / 2),
+    "Cylinder_1": lambda size, axis: cylinder(size("radiusBottom"), size("height") / 2, size("radiusTop")),
+    "Capsule_1": lambda size, axis: tapered_capsule(size("radiusBottom"), size("radiusTop"), size("height") / 2),
     "Plane": lambda size, axis: plane(
         np.array([size("width"), size("length")] if axis == "Z" else [size("length"), size("width")]) / 2
     ),
@@ -196,7 +198,7 @@ class _Usd(Builder):
     def shape(self, prim: Any) -> tuple[MeshHandle, MaterialHandle]:
         def size(name: str) -> float:
             value = float(prim.GetAttribute(name).Get(self.time))
-            if not 0 <= value < math.inf or (value == 0 and name != "height"):
+            if not 0 <= value < math.inf or (value == 0 and name in ("radius", "size", "width", "length")):
                 raise UsageError(f"{prim.GetPath()} has the {name} {value:g}, but it must be positive")
             return value
 
@@ -725,10 +727,11 @@ def from_usd(
     allow_outside: folders that a file may refer to, besides its own
 
     Converted are visible meshes with their subsets, normals, texture coordinates (st) and displayColor, in the pose of
-    their skeletons and blend shapes at that time; spheres, cubes, cylinders, cones, capsules and planes; instances and
-    point instancers; UsdPreviewSurface and MaterialX's standard surface with their images; distant, sphere, rect, disk
-    and cylinder lights; dome lights, as the scene's environment; cameras; and the stage's units, up axis and chosen
-    variants. Subdivision surfaces are shown as their cages, and polygons as fans. Curves, points, volumes, procedural textures and other shaders are left out."""
+    their skeletons and blend shapes at that time; spheres, cubes, cones, planes, and cylinders and capsules with one or
+    two radii; instances and point instancers; UsdPreviewSurface and MaterialX's standard surface with their images;
+    distant, sphere, rect, disk and cylinder lights; dome lights, as the scene's environment; cameras; and the stage's
+    units, up axis and chosen variants. Subdivision surfaces are shown as their cages, and polygons as fans. Curves,
+    points, volumes, procedural textures and other shaders are left out."""
     return _converted(stage, time, allow_outside, "from_usd", _Usd.run)
 
 

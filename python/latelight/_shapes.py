@@ -63,10 +63,25 @@ def capsule(radius: float, half: float) -> Shape:
     return points * radius, normals, triangles
 
 
-def cylinder(radius: float, half: float) -> Shape:
-    profile = np.array([[0, -half], [radius, -half], [radius, -half], [radius, half], [radius, half], [0, half]])
-    normals = np.array([[0, -1], [0, -1], [1, 0], [1, 0], [0, 1], [0, 1]], float)
-    return _round(profile, normals)
+def _side(bottom: float, top: float, half: float) -> tuple[np.ndarray, np.ndarray]:
+    """The profile of the surface between circles at z = -half and half, of two radii."""
+    normal = np.array([2 * half, bottom - top])
+    return np.array([[bottom, -half], [top, half]]), np.tile(normal / max(np.linalg.norm(normal), 1e-30), (2, 1))
+
+
+def cylinder(radius: float, half: float, top: float | None = None) -> Shape:
+    """`top`: the radius of the upper end, if it differs from that of the lower one."""
+    side, normals = _side(radius, radius if top is None else top, half)
+    profile = np.array([[0, -half], side[0], side[0], side[1], side[1], [0, half]])
+    return _round(profile, np.array([[0, -1], [0, -1], *normals, [0, 1], [0, 1]], float))
+
+
+def tapered_capsule(bottom: float, top: float, half: float) -> Shape:
+    """Half spheres of two radii with centers at z = -half and half, and the surface between their equators."""
+    points, normals = _half_circles(0)
+    side, side_normals = _side(bottom, top, half)
+    profile = [points[:9] * bottom - [0, half], side, points[9:] * top + [0, half]]
+    return _round(np.concatenate(profile), np.concatenate([normals[:9], side_normals, normals[9:]]))
 
 
 def box(half: Any) -> Shape:

@@ -149,18 +149,29 @@ double readoutOf(const Camera& camera, double usual) {
   return readout;
 }
 
+double exposureOf(const Camera& camera, double usual) {
+  const double exposure = camera.exposure.value_or(usual);
+  if (!(std::abs(exposure) <= render::kMaxExposure))
+    badUsage("a camera's exposure must be from -{} to {} EV, not {}", render::kMaxExposure, render::kMaxExposure,
+             exposure);
+  return exposure;
+}
+
 // Writes the cameras' own exposures.
 void setExposures(render::SceneState& moment, const std::vector<Camera>& cameras, const render::Settings& settings) {
   if (std::ranges::any_of(cameras, [](const Camera& camera) { return camera.shutter.has_value(); }))
     for (const Camera& camera : cameras) moment.shutters.push_back(shutterOf(camera, settings.shutter));
   if (std::ranges::any_of(cameras, [](const Camera& camera) { return camera.readout.has_value(); }))
     for (const Camera& camera : cameras) moment.readouts.push_back(readoutOf(camera, settings.readout));
+  if (std::ranges::any_of(cameras, [](const Camera& camera) { return camera.exposure.has_value(); }))
+    for (const Camera& camera : cameras) moment.exposures.push_back(exposureOf(camera, settings.exposure.ev));
 }
 
 // Returns the settings of a single camera's picture.
 render::Settings withExposure(render::Settings settings, const Camera& camera) {
   settings.shutter = shutterOf(camera, settings.shutter);
   settings.readout = readoutOf(camera, settings.readout);
+  settings.exposure.ev = static_cast<float>(exposureOf(camera, settings.exposure.ev));
   return settings;
 }
 
@@ -168,6 +179,8 @@ void rejectExposures(const std::vector<Camera>& cameras) {
   for (const Camera& camera : cameras)
     if (shutterOf(camera, 0) != 0 || readoutOf(camera, 0) != 0)
       badUsage("worlds are rendered at an instant: leave out the shutter and readout of their cameras");
+  if (std::ranges::any_of(cameras, [](const Camera& camera) { return camera.exposure.has_value(); }))
+    badUsage("the cameras of worlds have the exposure of the options: leave out their own");
 }
 
 render::Results internalResults(Results results) {

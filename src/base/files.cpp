@@ -103,10 +103,13 @@ struct WriteTarget {
 WriteTarget findTarget(const fs::path& path) {
   if (path.empty()) badUsage("can't write to a file without a name; give a file name");
   struct stat status {};
-  if (stat(path.c_str(), &status) != 0) {
+  if (lstat(path.c_str(), &status) != 0) {
+    if (errno != ENOENT) failToWrite(path, errno);
+    return {.path = path};
+  }
+  if (S_ISLNK(status.st_mode) && stat(path.c_str(), &status) != 0) {
     if (errno != ENOENT) failToWrite(path, errno);
     std::error_code ignored;
-    if (!fs::is_symlink(path, ignored)) return {.path = path};
     badUsage("can't write '{}': it is a link to '{}', which does not exist; remove the link, or create that file first",
              path.string(), fs::read_symlink(path, ignored).string());
   }

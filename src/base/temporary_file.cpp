@@ -21,39 +21,52 @@
 
 namespace latelight {
 namespace fs = std::filesystem;
+
+struct TemporaryFileList {
+  TemporaryFile* first = nullptr;
+  std::atomic_flag taken;
+};
+
 namespace {
 
 constexpr std::string_view kEnding = ".latelight-tmp";
 constexpr size_t kMaxOfName = 200;  // bytes of the target's name; most file systems allow 255 in total
 
-// --- list of all temporary files, which signal handlers read --------------------------------------------------------
+// --- lists of all temporary files, which signal handlers read -------------------------------------------------------
 
-TemporaryFile* first = nullptr;
-std::atomic_flag listTaken;
+// A thread uses one of the lists, so that threads that write files rarely wait for each other.
+TemporaryFileList lists[64];
 
-// Waits by sleeping, because signal handlers may not use any better method.
-void takeList() {
-  constexpr timespec kMillisecond{0, 1'000'000};
-  while (listTaken.test_and_set(std::memory_order_acquire)) nanosleep(&kMillisecond, nullptr);
+TemporaryFileList& listOfThread() {
+  static std::atomic<size_t> threads = 0;
+  thread_local const size_t thread = threads++;
+  return lists[thread % std::size(lists)];
 }
 
-// Locks the list with signals blocked, so a handler that waits for the lock always waits for another thread.
-class List {
+// Waits by sleeping, because signal handlers may not use any better method.
+void take(TemporaryFileList& list) {
+  constexpr timespec kMillisecond{0, 1'000'000};
+  while (list.taken.test_and_set(std::memory_order_acquire)) nanosleep(&kMillisecond, nullptr);
+}
+
+// Locks a list with signals blocked, so a handler that waits for the lock always waits for another thread.
+class ListLock {
  public:
-  List() {
+  explicit ListLock(TemporaryFileList& list) : list_(list) {
     sigset_t all;
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before_);
-    takeList();
+    take(list_);
   }
-  ~List() {
-    listTaken.clear(std::memory_order_release);
+  ~ListLock() {
+    list_.taken.clear(std::memory_order_release);
     pthread_sigmask(SIG_SETMASK, &before_, nullptr);
   }
-  List(const List&) = delete;
-  List& operator=(const List&) = delete;
+  ListLock(const ListLock&) = delete;
+  ListLock& operator=(const ListLock&) = delete;
 
  private:
+  TemporaryFileList& list_;
   sigset_t before_;
 };
 
@@ -109,13 +122,14 @@ TemporaryFile::TemporaryFile(const fs::path& target, mode_t permissions) {
 // Returns EEXIST if the name is taken, or if a sweep of another process removed the file before it was locked.
 int TemporaryFile::makeOnce(mode_t permissions) {
   {
-    const List list;  // created and listed atomically: a signal handler sees it either listed or not existing
+    TemporaryFileList& list = listOfThread();
+    const ListLock lock(list);  // created and listed atomically: a handler sees it either listed or not existing
     fd_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, permissions);
     if (fd_ < 0) return errno;
-    next_ = first;
-    if (first) first->previous_ = this;
-    first = this;
-    listed_ = true;
+    next_ = list.first;
+    if (next_) next_->previous_ = this;
+    list.first = this;
+    list_ = &list;
   }
   // On file systems without locks, no file is swept either.
   const bool swept = flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
@@ -130,23 +144,23 @@ int TemporaryFile::become(const fs::path& target) {
   // lock must last until the file is renamed.
   const int copy = fcntl(fd_, F_DUPFD_CLOEXEC, 0);
   if (copy < 0 || close(copy) != 0) return errno;
-  const List list;
+  const ListLock lock(*list_);
   if (rename(path_.c_str(), target.c_str()) != 0) return errno;
   removeFromList();  // immediately, because its old name may soon be reused
   return 0;
 }
 
 void TemporaryFile::removeFromList() {
-  (previous_ ? previous_->next_ : first) = next_;
+  (previous_ ? previous_->next_ : list_->first) = next_;
   if (next_) next_->previous_ = previous_;
   previous_ = next_ = nullptr;
-  listed_ = false;
+  list_ = nullptr;
 }
 
 void TemporaryFile::discard() {
   if (fd_ < 0) return;
-  if (listed_) {
-    const List list;
+  if (list_) {
+    const ListLock lock(*list_);
     unlink(path_.c_str());
     removeFromList();
   }
@@ -159,8 +173,10 @@ TemporaryFile::~TemporaryFile() {
 }
 
 void removeTemporaryFiles() {
-  takeList();  // never released, so no thread creates another file or removes one from the list
-  for (TemporaryFile* file = first; file; file = file->next_) unlink(file->path_.c_str());
+  for (TemporaryFileList& list : lists) {
+    take(list);  // never released, so no thread creates another file or removes one from the list
+    for (TemporaryFile* file = list.first; file; file = file->next_) unlink(file->path_.c_str());
+  }
 }
 
 }  // namespace latelight

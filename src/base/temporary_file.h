@@ -7,6 +7,8 @@
 
 namespace latelight {
 
+struct TemporaryFileList;
+
 // A new file next to the one that it will replace, named ".NAME.PID-SERIAL.latelight-tmp" and locked (flock) for its
 // lifetime. The lock ends with the process: it distinguishes files of killed processes from those still being written,
 // also by other containers and machines. The first file in a folder removes the files of killed processes there.
@@ -30,8 +32,8 @@ class TemporaryFile {
 
   std::filesystem::path path_;
   int fd_ = -1, error_ = 0;
-  bool listed_ = false;
-  TemporaryFile *previous_ = nullptr, *next_ = nullptr;  // links of the list of all temporary files
+  TemporaryFileList* list_ = nullptr;                    // that contains this file; null if none
+  TemporaryFile *previous_ = nullptr, *next_ = nullptr;  // links of that list
 };
 
 // Removes all temporary files of the process, in a signal handler that ends it (fatal_signals.h). No file can be

@@ -148,6 +148,10 @@ bool usesDisplay(const OutputRequest& request) {
   return color && formatOf(request.pattern) == Format::Png;
 }
 
+bool writesMetadata(const OutputRequest& request) {
+  return wantsSideFile(request) || formatOf(request.pattern) == Format::Exr;
+}
+
 namespace {
 
 fs::path fill(std::string_view pattern, std::string_view aov, std::string_view frame, const Metadata& metadata) {

@@ -56,6 +56,9 @@ Format formatOf(std::string_view pattern);
 // Returns true if color is output as FrameOutput::display (PNG) instead of the Color AOV.
 bool usesDisplay(const OutputRequest& request);
 
+// Returns true if a file contains the metadata: the side file or EXR.
+bool writesMetadata(const OutputRequest& request);
+
 // Returns the path of one output: the pattern with its placeholders replaced.
 std::filesystem::path fillPattern(std::string_view pattern, std::string_view aov, const Metadata& metadata);
 

@@ -1,5 +1,5 @@
-// The PNG encoder. It filters and compresses stripes of rows in parallel and concatenates them to one zlib stream, with
-// one IDAT chunk per stripe.
+// The PNG encoder. It compresses stripes of rows in parallel and concatenates them to one zlib stream, with one IDAT
+// chunk per stripe. A stripe is produced, filtered and compressed in blocks of rows that stay in the processor's cache.
 #include "output/png.h"
 
 #include <isa-l/crc.h>
@@ -11,7 +11,6 @@
 #include <cassert>
 #include <cstring>
 #include <memory>
-#include <new>
 #include <string_view>
 
 #include "base/parallel.h"
@@ -20,8 +19,8 @@
 namespace latelight::output {
 namespace {
 
-// Raw bytes that one thread filters and compresses. The number is fixed, so that the file does not depend on the number
-// of threads, and large enough that restarting compression costs less than 1 % of the size.
+// Raw bytes that one thread compresses. The number is fixed, so that the file does not depend on the number of threads,
+// and large enough that restarting compression costs less than 1 % of the size.
 constexpr size_t kStripeBytes = size_t{2} << 20;
 // It produced the smallest files of the fixed filters, and vectorizes.
 constexpr uint8_t kFilterUp = 2;
@@ -48,40 +47,70 @@ void putChunk(std::vector<std::byte>& out, const char (&type)[5], std::span<cons
 struct Stripe {
   std::vector<std::byte> deflated;
   size_t rawBytes = 0;
-  uLong adler = 0;
+  uint32_t adler = 1;  // of no bytes
 };
 
-// Writes the filtered rows, each after the number of its filter.
-void filterRows(const std::byte* pixels, size_t rowBytes, size_t begin, size_t end, std::byte* out) {
-  for (size_t y = begin; y < end; ++y) {
-    const auto* row = reinterpret_cast<const uint8_t*>(pixels + y * rowBytes);
+size_t pixelBytesOf(const PngLayout& layout) {
+  return size_t{layout.channels} * layout.bits / 8;
+}
+
+void toBigEndian16(std::byte* values, size_t bytes) {
+  if constexpr (std::endian::native == std::endian::big) return;
+  for (size_t i = 0; i < bytes; i += 2) {
+    uint16_t value;
+    std::memcpy(&value, values + i, 2);
+    value = static_cast<uint16_t>(value << 8 | value >> 8);
+    std::memcpy(values + i, &value, 2);
+  }
+}
+
+// Writes filtered rows, each after the number of its filter. `rows` follow the row above the first of them.
+void filterRows(const std::byte* rows, size_t rowBytes, size_t count, std::byte* out) {
+  for (size_t y = 0; y < count; ++y, rows += rowBytes) {
+    const auto* row = reinterpret_cast<const uint8_t*>(rows);
+    const uint8_t* above = row - rowBytes;
     *out++ = static_cast<std::byte>(kFilterUp);
-    if (y == 0) {
-      std::memcpy(out, row, rowBytes);  // the row above the first one counts as zero
-    } else {
-      const uint8_t* above = row - rowBytes;
-      for (size_t i = 0; i < rowBytes; ++i) out[i] = static_cast<std::byte>(row[i] - above[i]);
-    }
+    for (size_t i = 0; i < rowBytes; ++i) out[i] = static_cast<std::byte>(row[i] - above[i]);
     out += rowBytes;
   }
 }
 
 // Makes the stripe of the rows in [begin, end).
-Stripe makeStripe(const std::byte* pixels, size_t rowBytes, size_t begin, size_t end, bool last) {
+Stripe makeStripe(const PngLayout& layout, const PngRows& rows, size_t begin, size_t end) {
+  const size_t rowBytes = layout.width * pixelBytesOf(layout);
+  const size_t blockRows = std::clamp<size_t>(Deflater::kBlockBytes / (rowBytes + 1), 1, end - begin);
+  const auto block = std::make_unique_for_overwrite<std::byte[]>((blockRows + 1) * rowBytes);  // after the row above
+  const auto filtered = std::make_unique_for_overwrite<std::byte[]>(blockRows * (rowBytes + 1));
+  const auto produce = [&](size_t first, size_t last, std::byte* out) {
+    rows(first, last, out);
+    if (layout.bits == 16) toBigEndian16(out, (last - first) * rowBytes);
+  };
+  if (begin == 0)
+    std::memset(block.get(), 0, rowBytes);  // the row above the first one counts as zero
+  else
+    produce(begin - 1, begin, block.get());
   Stripe stripe{.rawBytes = (rowBytes + 1) * (end - begin)};
-  const auto raw = std::make_unique_for_overwrite<std::byte[]>(stripe.rawBytes);
-  filterRows(pixels, rowBytes, begin, end, raw.get());
-  stripe.adler = isal_adler32(1, bytesOf(raw.get()), stripe.rawBytes);
-  stripe.deflated = deflate({raw.get(), stripe.rawBytes}, last ? DeflateForm::LastPart : DeflateForm::Part);
+  Deflater deflater(pixelBytesOf(layout));
+  for (size_t y = begin; y < end; y += blockRows) {
+    const size_t count = std::min(blockRows, end - y), bytes = count * (rowBytes + 1);
+    produce(y, y + count, block.get() + rowBytes);
+    filterRows(block.get() + rowBytes, rowBytes, count, filtered.get());
+    stripe.adler = isal_adler32(stripe.adler, bytesOf(filtered.get()), bytes);
+    deflater.add({filtered.get(), bytes}, y + count == layout.height);
+    std::memcpy(block.get(), block.get() + count * rowBytes, rowBytes);
+  }
+  if (end < layout.height) deflater.alignToByte();
+  stripe.deflated = std::move(deflater.output());
   return stripe;
 }
 
-std::vector<Stripe> deflatePicture(const std::byte* pixels, size_t rowBytes, size_t height) {
-  const size_t rows = std::max<size_t>(1, kStripeBytes / (rowBytes + 1));
-  std::vector<Stripe> stripes((height + rows - 1) / rows);
+std::vector<Stripe> deflatePicture(const PngLayout& layout, const PngRows& rows) {
+  const size_t height = layout.height, rowBytes = layout.width * pixelBytesOf(layout);
+  const size_t stripeRows = std::max<size_t>(1, kStripeBytes / (rowBytes + 1));
+  std::vector<Stripe> stripes((height + stripeRows - 1) / stripeRows);
   parallelFor(stripes.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
-      stripes[i] = makeStripe(pixels, rowBytes, i * rows, std::min(height, (i + 1) * rows), i + 1 == stripes.size());
+      stripes[i] = makeStripe(layout, rows, i * stripeRows, std::min(height, (i + 1) * stripeRows));
   });
   return stripes;
 }
@@ -105,48 +134,40 @@ void putPixels(std::vector<std::byte>& out, std::vector<Stripe> stripes) {
   }
 }
 
-std::vector<std::byte> imageHeader(uint32_t width, uint32_t height, uint32_t channels, uint32_t bits) {
+std::vector<std::byte> imageHeader(const PngLayout& layout) {
   constexpr uint8_t kColorTypes[] = {0, 4, 2, 6};
   std::vector<std::byte> header;
-  putBigEndian(header, width);
-  putBigEndian(header, height);
-  for (const uint32_t value : {bits, uint32_t{kColorTypes[channels - 1]}, 0u, 0u, 0u}) {
+  putBigEndian(header, layout.width);
+  putBigEndian(header, layout.height);
+  for (const uint32_t value : {layout.bits, uint32_t{kColorTypes[layout.channels - 1]}, 0u, 0u, 0u}) {
     header.push_back(static_cast<std::byte>(value));  // the zeros mean deflate, the five filters, not interlaced
   }
   return header;
 }
 
-std::vector<std::byte> bigEndian16(const std::byte* pixels, size_t count) {
-  std::vector<std::byte> swapped(count * 2);
-  for (size_t i = 0; i < count; ++i) {
-    uint16_t value;
-    std::memcpy(&value, pixels + 2 * i, 2);
-    swapped[2 * i] = static_cast<std::byte>(value >> 8);
-    swapped[2 * i + 1] = static_cast<std::byte>(value & 0xff);
-  }
-  return swapped;
-}
-
 }  // namespace
 
-std::vector<std::byte> encodePng(uint32_t width, uint32_t height, uint32_t channels, uint32_t bits,
-                                 const std::byte* pixels, PngLight light) {
-  assert(width > 0 && height > 0 && channels >= 1 && channels <= 4 && (bits == 8 || bits == 16));
-  const size_t rowBytes = size_t{width} * channels * (bits / 8);
-  std::vector<std::byte> swapped;
-  if (bits == 16 && std::endian::native == std::endian::little) {
-    swapped = bigEndian16(pixels, size_t{width} * height * channels);
-    pixels = swapped.data();
-  }
+std::vector<std::byte> encodePng(const PngLayout& layout, const PngRows& rows) {
+  assert(layout.width > 0 && layout.height > 0 && layout.channels >= 1 && layout.channels <= 4 &&
+         (layout.bits == 8 || layout.bits == 16));
   constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
   std::vector<std::byte> out;
   for (const char byte : kSignature) out.push_back(static_cast<std::byte>(byte));
-  putChunk(out, "IHDR", imageHeader(width, height, channels, bits));
+  putChunk(out, "IHDR", imageHeader(layout));
   constexpr std::byte kRelativeColorimetric[] = {std::byte{1}};
-  if (light == PngLight::Srgb) putChunk(out, "sRGB", kRelativeColorimetric);
-  putPixels(out, deflatePicture(pixels, rowBytes, height));
+  if (layout.light == PngLight::Srgb) putChunk(out, "sRGB", kRelativeColorimetric);
+  putPixels(out, deflatePicture(layout, rows));
   putChunk(out, "IEND", {});
   return out;
+}
+
+std::vector<std::byte> encodePng(uint32_t width, uint32_t height, uint32_t channels, uint32_t bits,
+                                 const std::byte* pixels, PngLight light) {
+  const PngLayout layout{width, height, channels, bits, light};
+  const size_t rowBytes = width * pixelBytesOf(layout);
+  return encodePng(layout, [&](size_t begin, size_t end, std::byte* out) {
+    std::memcpy(out, pixels + begin * rowBytes, (end - begin) * rowBytes);
+  });
 }
 
 std::vector<std::byte> encodePng(const Picture& picture) {

@@ -12,6 +12,7 @@ import unittest
 from pathlib import Path
 
 import cv2
+import globox
 import h5py
 import mmh3
 import numpy as np
@@ -159,6 +160,41 @@ def surfaces(frame):
 def box_of(mask):
     y, x = np.nonzero(mask)
     return [x.min(), y.min(), np.ptp(x) + 1, np.ptp(y) + 1]
+
+
+class Annotations(unittest.TestCase):
+    """YOLO and Pascal VOC by globox, whose boxes are the edges of pixels; in VOC it keeps numbers of pixels from 1."""
+
+    def setUp(self):
+        coco = read_json(f"{folder('coco')}/annotations/instances.json")
+        self.names = {a["object"]: a["node"] for a in coco["annotations"]}
+
+    def compare(self, annotations, first, name_of):
+        self.assertEqual(len(annotations), len(FRAMES))
+        for frame in FRAMES:
+            read = annotations[f"{frame}.png"]
+            self.assertEqual(tuple(read.image_size), (96, 64))
+            ids = raw(frame, "id")
+            expected = []
+            for value in set(ids.flat) - {0}:
+                x, y, width, height = box_of(ids == value)
+                expected.append((self.names[value], x + first, y + first, x + width, y + height))
+            boxes = [(name_of(b.label), b.xmin, b.ymin, b.xmax, b.ymax) for b in read.boxes]
+            self.assertGreater(len(boxes), 5)
+            for box, wanted in zip(sorted(boxes), sorted(expected), strict=True):
+                self.assertEqual(box[0], wanted[0])
+                np.testing.assert_allclose(box[1:], wanted[1:], atol=1e-4)
+
+    def test_yolo(self):
+        with open(f"{folder('yolo')}/data.yaml", encoding="utf-8") as file:
+            lines = file.read().split("names:\n")[1].splitlines()
+        names = {line.split(":")[0].strip(): json.loads(line.split(":", 1)[1]) for line in lines}
+        read = globox.AnnotationSet.from_yolo_v5(
+            f"{folder('yolo')}/labels", image_folder=f"{folder('yolo')}/images", image_extension=".png")
+        self.compare(read, 0, lambda label: names[label])
+
+    def test_voc(self):
+        self.compare(globox.AnnotationSet.from_pascal_voc(f"{folder('voc')}/Annotations"), 1, str)
 
 
 class Boxes(unittest.TestCase):

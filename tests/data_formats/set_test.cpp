@@ -74,6 +74,8 @@ TEST_F(SetTest, HasTheFilesThatItsRecordsName) {
   add("flow");
   add("flow", {{"as", "kitti"}});
   add("coco", {{"categories", "node"}});
+  add("yolo", {{"categories", "node"}});
+  add("voc", {{"categories", "node"}});
   add("boxes");
   add("bop", {{"depth-scale", 0.5}});
   add("transforms");

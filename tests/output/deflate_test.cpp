@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
-#include <memory>
 #include <random>
 #include <span>
 
@@ -36,16 +35,46 @@ Bytes bytesOf(size_t size, uint32_t different) {
   return bytes;
 }
 
-// Sizes around those of stored blocks, and of stripes of PNG files.
-constexpr size_t kSizes[] = {0, 1, 2, 100, 65'534, 65'535, 65'536, 131'071, 1'000'003, 2'097'152, 5'000'000};
+// Pixels that repeat up to `longest` times, with a few bytes between them that shift the following pixels.
+Bytes runsOf(size_t size, size_t pixelBytes, uint32_t longest) {
+  std::mt19937 random(static_cast<uint32_t>(size + pixelBytes) + longest);
+  Bytes bytes;
+  while (bytes.size() < size) {
+    const Bytes pixel = bytesOf(pixelBytes + random() % 2, 1 + random() % 256);
+    for (uint32_t i = random() % longest; i < longest; ++i) bytes.insert(bytes.end(), pixel.begin(), pixel.end());
+  }
+  bytes.resize(size);
+  return bytes;
+}
+
+// Sizes around those of words, matches and blocks.
+constexpr size_t kSizes[] = {0, 1, 2, 7, 8, 9, 100, 257, 258, 259, 262, 65'536, 262'143, 262'144, 1'000'003, 5'000'000};
+constexpr size_t kPixelBytes[] = {1, 2, 3, 4, 5, 6, 8, 12, 16, 255, 32'768};
 
 TEST(Deflate, StreamsAreThoseOfZlib) {
   for (const size_t size : kSizes)
     for (const uint32_t different : {1u, 3u, 256u}) {
       SCOPED_TRACE(testing::Message() << size << " bytes of " << different << " values");
       const Bytes bytes = bytesOf(size, different);
-      EXPECT_TRUE(inflated(deflate(bytes, DeflateForm::Zlib), size, 15) == bytes);
+      EXPECT_TRUE(inflated(deflateZlib(bytes, 4), size, 15) == bytes);
     }
+}
+
+TEST(Deflate, RunsOfPixelsComeBack) {
+  for (const size_t pixelBytes : kPixelBytes)
+    for (const uint32_t longest : {1u, 3u, 9u, 70u, 1000u})
+      for (const size_t size : {100, 5000, 300'000}) {
+        SCOPED_TRACE(testing::Message() << size << " bytes, pixels of " << pixelBytes << ", runs to " << longest);
+        const Bytes bytes = runsOf(size, pixelBytes, longest);
+        EXPECT_TRUE(inflated(deflateZlib(bytes, pixelBytes), size, 15) == bytes);
+      }
+}
+
+Bytes partOf(const Bytes& bytes, bool last) {
+  Deflater deflater(4);
+  deflater.add(bytes, last);
+  if (!last) deflater.alignToByte();
+  return deflater.output();
 }
 
 TEST(Deflate, PartsFormOneStream) {
@@ -53,36 +82,35 @@ TEST(Deflate, PartsFormOneStream) {
     for (const size_t second : {size_t{0}, size_t{70'000}})
       for (const uint32_t different : {1u, 3u, 256u}) {
         SCOPED_TRACE(testing::Message() << first << " and " << second << " bytes of " << different << " values");
-        Bytes bytes = bytesOf(first, different), deflated = deflate(bytes, DeflateForm::Part);
-        const Bytes more = bytesOf(second, different), rest = deflate(more, DeflateForm::LastPart);
+        Bytes bytes = bytesOf(first, different), deflated = partOf(bytes, false);
+        const Bytes more = bytesOf(second, different), rest = partOf(more, true);
         bytes.insert(bytes.end(), more.begin(), more.end());
         deflated.insert(deflated.end(), rest.begin(), rest.end());
         EXPECT_TRUE(inflated(deflated, bytes.size(), -15) == bytes);
       }
 }
 
-TEST(Deflate, Compresses) {
-  EXPECT_LT(deflate(bytesOf(1'000'000, 1), DeflateForm::Zlib).size(), 10'000u);
-  EXPECT_LT(deflate(bytesOf(1'000'000, 4), DeflateForm::Zlib).size(), 330'000u);
-  EXPECT_LT(deflate(bytesOf(1'000'000, 256), DeflateForm::Zlib).size(), 1'000'200u);
+// Blocks of every number of bits continue where the one before ends, within a byte.
+TEST(Deflate, BlocksFollowWithinAByte) {
+  Deflater deflater(1);
+  Bytes all;
+  for (size_t size = 0; size < 200; ++size) {
+    const Bytes bytes = bytesOf(size, 1 + static_cast<uint32_t>(size));
+    deflater.add(bytes, false);
+    all.insert(all.end(), bytes.begin(), bytes.end());
+  }
+  deflater.add({}, true);
+  EXPECT_TRUE(inflated(deflater.output(), all.size(), -15) == all);
 }
 
-// ISA-L hashes the address of its stream together with the data, and the smaller the data is, the more often that
-// changes the result: without the choice of an address, 3 % of those that hold these 20 bytes.
-TEST(Deflate, BytesDoNotDependOnTheAddress) {
-  constexpr size_t kRange = size_t{64} << 20, kStep = size_t{1} << 16;
-  const auto memory = std::make_unique_for_overwrite<std::byte[]>(kRange);
-  for (const size_t size : {20, 33, 50, 100, 200, 400}) {
-    Bytes rows(size);  // like filtered rows of a transparent image
-    for (size_t i = 0; i < size; i += 129) rows[i] = std::byte{2};
-    const Bytes expected = deflate(rows, DeflateForm::LastPart);
-    size_t others = 0;
-    for (size_t at = 0; at + kDeflateWorkspace <= kRange; at += kStep) {
-      const std::span<std::byte, kDeflateWorkspace> workspace(memory.get() + at, kDeflateWorkspace);
-      others += deflate(rows, DeflateForm::LastPart, workspace) != expected;
-    }
-    EXPECT_EQ(others, 0u) << size << " bytes";
-  }
+TEST(Deflate, Compresses) {
+  EXPECT_LT(deflateZlib(bytesOf(1'000'000, 1), 1).size(), 2'000u);        // 258 bytes in 2 bits
+  EXPECT_LT(deflateZlib(bytesOf(1'000'000, 4), 1).size(), 300'000u);      // with its end, 5 symbols: 2.25 bits per byte
+  EXPECT_LT(deflateZlib(bytesOf(1'000'000, 256), 1).size(), 1'001'500u);  // a code of 8 bits, and headers
+  Bytes pixels = bytesOf(600'000, 256);
+  for (size_t i = 6; i < pixels.size(); ++i)
+    if (i / 6 % 1000 != 0) pixels[i] = pixels[i - 6];  // 100 runs of 1000 pixels
+  EXPECT_LT(deflateZlib(pixels, 6).size(), 100u * (6 + 6000 / 258 + 3) + 1000);
 }
 
 }  // namespace

@@ -117,6 +117,16 @@ TEST(Png, SaturatesDepthAndKeepsItApartFromBackground) {
   for (size_t i = 0; i < 6; ++i) EXPECT_EQ(code(back, 0, i), expected[i]) << i;
 }
 
+TEST(Png, ClampsToTheUnitInterval) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  const float values[] = {std::nanf(""), -infinity, -0.5f, 0, 0.25f, 1, 1.5f, infinity};
+  const double expected[] = {0, 0, 0, 0, 16384, 65535, 65535, 65535};
+  AovImage ao = makeAovImage(Aov::Ao, 21, 1);  // not a multiple of the values that are converted at a time
+  for (size_t i = 0; i < 21; ++i) ao.values[i] = values[i % 8];
+  const ReadImage back = decodePng(encodePng(ao), "x.png");
+  for (size_t i = 0; i < 21; ++i) EXPECT_EQ(code(back, 0, i), expected[i % 8]) << i;
+}
+
 TEST(Png, SurvivesNumbersThatAreNone) {
   for (const Aov aov : aovsWithPng()) {
     AovImage image = makeAovImage(aov, 4, 4);

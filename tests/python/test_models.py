@@ -80,6 +80,25 @@ def test_robots_move_their_joints(tmp_path):
         latelight.from_urdf(tmp_path / "missing.urdf")
 
 
+def test_robots_show_collisions_if_required(tmp_path):
+    yourdfpy = pytest.importorskip("yourdfpy")
+    both, bare = tmp_path / "both.urdf", tmp_path / "bare.urdf"
+    shape = '<{kind}><geometry><box size="{size}"/></geometry></{kind}>'
+    links = [shape.format(kind="visual", size="1 2 3"), shape.format(kind="collision", size="4 4 4")]
+    both.write_text(f'<robot name="r"><link name="base">{links[0]}{links[1]}</link></robot>')
+    bare.write_text(f'<robot name="r"><link name="base">{links[1]}</link></robot>')
+    assert_bounds(latelight.from_urdf(both), (-0.5, -1.5, -1), (0.5, 1.5, 1))
+    assert_bounds(latelight.from_urdf(both, geometry="collision"), (-2, -2, -2), (2, 2, 2))
+    with pytest.warns(UserWarning, match="no visual geometry: its collision geometry is shown"):
+        scene = latelight.from_urdf(bare)
+    assert_bounds(scene, (-2, -2, -2), (2, 2, 2))
+    assert [node.path for node in scene.nodes] == ["/base"]
+    with pytest.raises(latelight.UsageError, match="load it with build_collision_scene_graph=True"):
+        latelight.from_urdf(yourdfpy.URDF.load(str(bare)))
+    with pytest.raises(latelight.UsageError, match='geometry must be "visual" or "collision", not "all"'):
+        latelight.from_urdf(both, geometry="all")
+
+
 SUBPIXEL = 1 / 256  # to which the raster rounds vertices; docs/compute.md states the same bound for edges
 
 
@@ -267,6 +286,32 @@ def test_usd_shapes_have_their_sizes(stage):
     ball.GetRadiusAttr().Set(-1)
     with pytest.raises(latelight.UsageError, match="/ball has the radius -1, but it must be positive"):
         latelight.from_usd(stage)
+
+
+def test_usd_shapes_may_taper(stage):
+    from pxr import UsdGeom
+
+    for kind in (UsdGeom.Cylinder_1, UsdGeom.Capsule_1):
+        shape = kind.Define(stage, f"/{kind.__name__}")
+        shape.CreateRadiusBottomAttr(30)
+        shape.CreateRadiusTopAttr(10)
+        shape.CreateHeightAttr(100)
+        shape.CreateAxisAttr("X")
+    scene = latelight.from_usd(stage)
+    arrays = {n.path[1:]: scene.mesh_arrays(scene.instance(i).mesh) for n, i in zip(scene.nodes, scene.instances())}
+    cylinder, capsule = arrays["Cylinder_1"], arrays["Capsule_1"]
+    for mesh in (cylinder, capsule):
+        radii, along = shape_radii(mesh["positions"], 0)
+        side = np.abs(mesh["normals"][:, 0] - 20 / np.hypot(100, 20)) < 1e-6  # of a cone that narrows by 20 over 100
+        assert side.sum() == 66
+        np.testing.assert_allclose(radii[side], np.where(along[side] < 0, 0.3, 0.1), rtol=1e-6)
+        np.testing.assert_allclose(np.abs(along[side]), 0.5, rtol=1e-6)
+        corners = mesh["positions"][mesh["indices"].reshape(-1, 3)]
+        facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        assert (np.einsum("ij,ij->i", facing, mesh["normals"][mesh["indices"].reshape(-1, 3)].sum(axis=1)) >= -1e-3).all()
+    radii, along = shape_radii(capsule["positions"], 0)
+    np.testing.assert_allclose(np.hypot(radii, np.abs(along) - 0.5), np.where(along < 0, 0.3, 0.1), rtol=1e-5)
+    assert along.min() == pytest.approx(-0.8) and along.max() == pytest.approx(0.6)
 
 
 def test_usd_meshes_may_be_double_sided(stage):

@@ -94,6 +94,28 @@ def test_raw_and_its_noise(boxes, renderer):
         renderer.render(cameras, SIZE, "raw", on_device=True)
 
 
+def test_cameras_have_stops_of_their_own(boxes, renderer):
+    """The factors of a call's pictures are 2^EV, or with metered exposure its factor times 2^EV."""
+    cameras = [boxes.default_camera(SIZE[0] / SIZE[1]) for _ in range(3)]
+    plain = renderer.render(cameras[0], SIZE, "color")
+    metered = renderer.render(cameras[0], SIZE, "color", exposure="auto")
+    cameras[0].exposure, cameras[2].exposure = 2.0, -1.5
+    assert (cameras[0].exposure, cameras[1].exposure) == (2.0, None)
+    frames = renderer.render(cameras, SIZE, "color", exposure=1)
+    for frame, stops in zip(frames, (2, 1, -1.5), strict=True):
+        assert frame.exposure == pytest.approx(2**stops)
+        np.testing.assert_allclose(frame["color"][..., :3], plain["color"][..., :3] * 2**stops, rtol=2e-3, atol=1e-6)
+    for frame, stops in zip(renderer.render(cameras, SIZE, "color", exposure="auto"), (2, 0, -1.5), strict=True):
+        assert frame.exposure == pytest.approx(metered.exposure * 2**stops, rel=1e-3)
+    one = renderer.render(cameras[2], SIZE, "color", exposure=1)
+    np.testing.assert_array_equal(one["color"], frames[2]["color"])
+    cameras[0].exposure = 61
+    with pytest.raises(latelight.UsageError, match="a camera's exposure must be from -60 to 60 EV, not 61"):
+        renderer.render(cameras[0], SIZE)
+    with pytest.raises(latelight.UsageError, match="the cameras of worlds have the exposure of the options"):
+        renderer.render_worlds(1, cameras[2], SIZE)
+
+
 def test_cameras_with_their_own_exposure(half_plane):
     """Each picture of a call equals that of a call with the camera's exposure as options."""
     renderer, camera = half_plane

@@ -1,5 +1,6 @@
 // The format "depth-png": depth or distance as a 16-bit PNG file.
 #include <cmath>
+#include <span>
 
 #include "data/formats/depth_png.h"
 #include "data/formats/formats.h"
@@ -36,23 +37,30 @@ class DepthPng : public Format {
   double stepsPerMetre_;
 };
 
+void quantize(std::span<const float> depth, double stepsPerMetre, uint16_t* out) {
+  for (size_t i = 0; i < depth.size(); ++i) {
+    // Without branches and calls, so that it vectorizes. Below 65536 truncation is floor().
+    const double step = depth[i] * stepsPerMetre + 0.5;
+    const bool fits = (step >= 1) & (step < 65536);
+    out[i] = static_cast<uint16_t>(static_cast<int32_t>(fits ? step : 0.0));
+  }
+}
+
 }  // namespace
 
 std::vector<uint16_t> depthSteps(const output::AovImage& depth, double stepsPerMetre) {
-  std::vector<uint16_t> steps(depth.values.size(), 0);
-  for (size_t i = 0; i < steps.size(); ++i) {
-    // Without branches and calls, so that it vectorizes. Below 65536 truncation is floor().
-    const double step = depth.values[i] * stepsPerMetre + 0.5;
-    const bool fits = (step >= 1) & (step < 65536);
-    steps[i] = static_cast<uint16_t>(static_cast<int32_t>(fits ? step : 0.0));
-  }
+  std::vector<uint16_t> steps(depth.values.size());
+  quantize(depth.values, stepsPerMetre, steps.data());
   return steps;
 }
 
 std::vector<std::byte> encodeDepthPng(const output::AovImage& depth, double stepsPerMetre) {
-  const std::vector<uint16_t> steps = depthSteps(depth, stepsPerMetre);
-  return output::encodePng(depth.width, depth.height, 1, 16, reinterpret_cast<const std::byte*>(steps.data()),
-                           output::PngLight::Data);
+  const output::PngLayout layout{depth.width, depth.height, 1, 16};
+  return output::encodePng(layout, [&](size_t begin, size_t end, std::byte* out) {
+    const std::span<const float> values(depth.values);
+    quantize(values.subspan(begin * depth.width, (end - begin) * depth.width), stepsPerMetre,
+             reinterpret_cast<uint16_t*>(out));
+  });
 }
 
 std::unique_ptr<Format> makeDepthPng(const nlohmann::ordered_json& options) {

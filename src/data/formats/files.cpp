@@ -41,7 +41,9 @@ class Files : public Format {
       fs::create_directories(path.parent_path(), ignored);
     }
     FrameRecord record;
-    for (const fs::path& path : output::writeOutput(request, frame.picture, metadataOf(frame)))
+    const bool listsIds = output::writesMetadata(request);
+    for (const fs::path& path :
+         output::writeOutput(request, frame.picture, listsIds ? metadataOf(frame) : frame.metadata))
       record.files.push_back(path.lexically_relative(folder).generic_string());
     return record;
   }

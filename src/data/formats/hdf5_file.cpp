@@ -148,7 +148,8 @@ void requireHdf5(std::string_view format) {
 }
 
 void Hdf5File::add(const std::string& name, const Hdf5Array& array) {
-  sets_.push_back({name, array.type, array.shape, output::deflate(array.bytes, output::DeflateForm::Zlib)});
+  const size_t pixelBytes = array.bytes.size() / (array.shape.at(0) * array.shape.at(1));
+  sets_.push_back({name, array.type, array.shape, output::deflateZlib(array.bytes, pixelBytes)});
 }
 
 void Hdf5File::add(const std::string& name, const std::string& text) {

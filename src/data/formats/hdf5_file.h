@@ -11,7 +11,7 @@ namespace latelight::data {
 
 enum class Hdf5Type : uint8_t { Uint8, Uint16, Uint32, Float32 };
 
-// An array in C order, little-endian.
+// An array in C order, little-endian. Its first two dimensions are rows and columns.
 struct Hdf5Array {
   Hdf5Type type;
   std::vector<uint64_t> shape;

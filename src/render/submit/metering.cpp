@@ -127,7 +127,11 @@ std::vector<float> Renderer::meter(std::span<const scene::Camera> cameras, const
     }
   }
   std::vector<float> factors;
-  for (const double each : ev) factors.push_back(factorOf(each) * exposureFactor(settings));
+  for (size_t view = 0; view < count; ++view) {
+    const bool own = !moment.exposures.empty();
+    const auto compensation = own ? static_cast<float>(std::exp2(moment.exposures[view])) : exposureFactor(settings);
+    factors.push_back(factorOf(ev[view]) * compensation);
+  }
   return factors;
 }
 

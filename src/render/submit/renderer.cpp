@@ -337,6 +337,8 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
   if (settings.exposure.automatic && showsPicture(settings)) {
     checkSettings(settings);
     exposures = meter(cameras, settings, moment);
+  } else if (exposures.empty()) {
+    for (const double ev : moment.exposures) exposures.push_back(static_cast<float>(std::exp2(ev)));
   }
   begin(settings, moment);
   if (usesSensor(requested) && results == Results::Exported)

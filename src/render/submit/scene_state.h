@@ -26,6 +26,8 @@ struct SceneState {
   SceneMotion motion{};  // for --shutter and --readout
   // Exposure times and readouts in seconds, one per camera, in place of those of the settings. Empty: the settings'.
   std::vector<double> shutters, readouts;
+  // EV, one per camera, in place of Settings::exposure.ev. Empty: the settings'.
+  std::vector<double> exposures;
 };
 
 }  // namespace latelight::render
