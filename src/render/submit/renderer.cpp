@@ -13,6 +13,7 @@
 #include "render/exposure/check.h"
 #include "render/frame/view.h"
 #include "render/lens/shadow_view.h"
+#include "render/lighting/reference/paths.h"
 #include "render/lighting/technique.h"
 #include "render/options/options.h"
 #include "render/outputs/raw_read.h"
@@ -503,10 +504,11 @@ Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> max
 
 std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
   const Settings& s = part.job.settings;
-  if (!sceneInput_ || tracesRays(s) || !rastersInCompute(s) || s.lighting->draws || s.aa.superSampling > 1 ||
-      keepsHistory(s) || s.describeGraph || part.shadows || part.job.exposes || part.job.rowsAreViews ||
+  if (!sceneInput_ || !rastersInCompute(s) || s.lighting->draws || s.aa.superSampling > 1 || keepsHistory(s) ||
+      s.describeGraph || (part.shadows && !part.shadows->tracesRays()) || part.job.exposes || part.job.rowsAreViews ||
       bendsRays(part.job.camera(part.first)))
     return std::nullopt;
+  if (tracesPaths(s) && gpuScene_.worlds().hasLights()) return std::nullopt;  // a pass copies their sizes per view
   ReplayKey key{
       .views = part.count,
       .firstView = part.job.result.arrays.empty() ? 0 : part.first,
@@ -528,6 +530,11 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       .textures = device_.maxTextureArray() ? gpuScene_.materials().textureSet() : VK_NULL_HANDLE,
       .environment = state_.environment,
       .placedShadows = {},
+      .shadowColumns = part.shadows ? part.shadows->columns() : 0,
+      .shadowRays = part.shadows && device_.isCpu() ? part.shadows->mostRays() : 0,
+      .emitters = bvh_ && tracesPaths(s) ? bvh_->emitterCount() : 0,
+      .lightSizes = tracesPaths(s) ? lightSizes(gpuScene_.lightsOf(0)) : std::vector<float>{},
+      .groundHeight = s.ground == Ground::None ? 0 : s.groundHeight.value_or(lowestPoint_) - gpuScene_.origin().z,
       .instances = rasterInstances_.address(),
       .objectFrames = gpuScene_.objectFrames(),
       .solid = rasterInstances_.solid(),
@@ -546,7 +553,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
 
 std::shared_ptr<Replay> Renderer::replayOf(ViewBatch& part, const ReplayKey& key) {
   if (std::shared_ptr<Replay> replay = replays_.find(key, executor_, clusterOcclusion_, device_)) {
-    replay->request.update(part.job.placedWorlds > 0 ? placedViewsOf(part) : viewsOf(part, CameraSample{}));
+    replay->update(part.job.placedWorlds > 0 ? placedViewsOf(part) : viewsOf(part, CameraSample{}), part.shadows);
     for (const ClusterOcclusion::Decision& decision : replay->decisions) clusterOcclusion_.noteRepeated(decision);
     part.replayed = true;
     return replay;
@@ -569,7 +576,8 @@ std::shared_ptr<Replay> Renderer::recordReplay(const ViewBatch& part) {
   const ResultArrays arrays{part.job.result.arrays, part.first, part.strip.first};
   overflow_.checks.clear();  // left by an error
   clusterOcclusion_.takeDecisions();
-  const auto replay = std::make_shared<Replay>(s, state_, scene_.yUp && s.axes == Axes::File, views, arrays);
+  const auto replay =
+      std::make_shared<Replay>(s, state_, scene_.yUp && s.axes == Axes::File, views, part.shadows, arrays);
   replay->request.finish({}, {});
   replay->request.exportResults(part.job.results);
   replay->request.addConstants();
