@@ -97,7 +97,7 @@ class SteadyWorlds : public RenderTest {
  protected:
   // `shadows`: of a sun, whose maps shaders fit, or whose rays go through the hierarchy of each world. With rays, one
   // surface also lights others, and commands are recorded in each call.
-  static void run(uint32_t steps, ShadowFormat shadows);
+  static void run(uint32_t steps, ShadowFormat shadows, Raster raster = Raster::Compute);
   // Compares a world with the same state as the only world of another renderer, whose records the host makes. (The
   // scene edited to the state may have another origin, and then depths that are rounded otherwise.)
   static void expectAlone(const RenderResult& result, const Step& step, uint32_t world, const scene::Scene& scene,
@@ -117,13 +117,13 @@ class SteadyWorlds : public RenderTest {
   }
 };
 
-void SteadyWorlds::run(uint32_t steps, ShadowFormat shadows) {
+void SteadyWorlds::run(uint32_t steps, ShadowFormat shadows, Raster raster) {
   if (!device().isCpu()) GTEST_SKIP() << "the test reads arrays in the host's memory";
   const scene::Scene scene = scene::load("builtin:boxes");
   const scene::Environment studio = scene::loadEnvironment("studio");
   const scene::Camera camera = cameraOf(scene, kSteadyWidth, kSteadyHeight);
   Settings settings = settingsOf(kSteadyWidth, kSteadyHeight, {output::Aov::Depth, output::Aov::Id});
-  settings.raster = Raster::Compute;
+  settings.raster = raster;
   settings.lighting = &findTechnique("clustered");
   settings.display = true;
   settings.shadows = shadows;
@@ -179,6 +179,10 @@ TEST_F(SteadyWorlds, NeitherGrowNorCreateAnythingWithShadows) {
 
 TEST_F(SteadyWorlds, NeitherGrowNorCreateAnythingWithRays) {
   run(latelight::test::rounds(10'000u, 50u), ShadowFormat::Rays);
+}
+
+TEST_F(SteadyWorlds, NeitherGrowNorCreateAnythingWithVisibilityByRays) {
+  run(latelight::test::rounds(1'000u, 50u), ShadowFormat::None, Raster::Rays);
 }
 
 // The same for worlds that pose joints and move vertices: the arrays change in every call.

@@ -99,13 +99,18 @@ bool tracesPaths(const Settings& settings) {
   return settings.indirect != Indirect::None || settings.lighting->traces || settings.ground != Ground::None;
 }
 
-bool tracesRays(const Settings& settings) {
+// Returns true if light is found by rays.
+bool tracesLight(const Settings& settings) {
   return settings.shadows == ShadowFormat::Rays || tracesPaths(settings);
+}
+
+bool tracesRays(const Settings& settings) {
+  return (tracesLight(settings) && isLit(settings)) || tracesVisibility(settings);
 }
 
 // Throws Error(Usage) if rays do not support what worlds require.
 void checkRaysInWorlds(const Settings& settings, const WorldStates& worlds) {
-  if (worlds.count == 0 || !tracesRays(settings)) return;
+  if (worlds.count == 0 || !tracesLight(settings)) return;
   if (tracesPaths(settings) && !worlds.environments.empty())
     badUsage(
         "paths sample one environment for all worlds: render worlds with environments of their own without indirect "
@@ -202,7 +207,7 @@ std::vector<uint32_t> Renderer::selectEnvironments(const WorldStates& worlds) {
 
 // Prepares what rays and the raster compute read, for the scene's current pose.
 void Renderer::prepareScene(const Settings& settings) {
-  if (tracesRays(settings) && isLit(settings)) followedBvh(tracesPaths(settings));
+  if (tracesRays(settings)) followedBvh(tracesPaths(settings));
   if (!needsComputeRaster(settings)) return;
   gpuScene_.storeClusters();
   rasterInstances_.update(gpuScene_, drawOrder_, gpuScene_.uploads());
@@ -536,6 +541,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       .lightSizes = tracesPaths(s) ? lightSizes(gpuScene_.lightsOf(0)) : std::vector<float>{},
       .groundHeight = s.ground == Ground::None ? 0 : s.groundHeight.value_or(lowestPoint_) - gpuScene_.origin().z,
       .instances = rasterInstances_.address(),
+      .firstTriangles = rasterInstances_.firstTriangles(),
       .objectFrames = gpuScene_.objectFrames(),
       .solid = rasterInstances_.solid(),
       .all = rasterInstances_.all(),
@@ -843,7 +849,7 @@ TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings&
     badUsage("{} lighting has no G-buffer to show: choose a deferred technique", settings.lighting->name);
   if (!settings.layout->hasTargets())
     badUsage("the layout {} has no targets to show: choose another", settings.layout->name);
-  if (tracesRays(settings)) followedBvh(tracesPaths(settings));  // even if no picture is requested
+  if (tracesLight(settings)) followedBvh(tracesPaths(settings));  // even if no picture is requested
   Settings atCentres = settings;
   atCentres.aa.samples = 1;
   atCentres.shutter = atCentres.readout = 0;

@@ -37,7 +37,7 @@ struct ReplayKey {
   uint32_t shadowColumns, shadowRays, emitters;
   std::vector<float> lightSizes;
   double groundHeight;
-  VkDeviceAddress instances;
+  VkDeviceAddress instances, firstTriangles;
   VkDeviceAddress objectFrames;
   RasterInstances::Share solid, all;
   VisibleMaterials materials;

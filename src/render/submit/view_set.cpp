@@ -15,7 +15,8 @@ namespace latelight::render {
 namespace {
 
 Visibility makeVisibility(const RenderState& state, std::span<const shared::View> views, const Settings& settings,
-                          const VisibilityOptions& options) {
+                          VisibilityOptions options) {
+  options.traced = tracesVisibility(settings);
   if (options.inCompute || rastersInCompute(settings))
     return ComputeVisibility(state.scene, state.rasterInstances, state.clusterOcclusion, options);
   return HardwareVisibility(state.device, state.scene, state.order, views, options);
