@@ -262,13 +262,14 @@ bool Renderer::placesShadows(const Settings& s, const Poses& poses, bool hostSha
 }
 
 bool Renderer::placesWorlds(const Settings& s, std::span<const scene::Camera> cameras, const Poses& poses,
-                            bool hostShadows) const {
+                            bool ownLights, bool ownJoints) const {
   const auto blurs = [&](const scene::Camera& camera) { return thinLensOf(camera, s, scene_).radius > 0; };
-  const bool sizesOfLights = tracesPaths(s) && hostShadows;  // the host lists them in the order of each world's lights
+  const bool sizesOfLights = tracesPaths(s) && ownLights;  // the host lists them in the order of each world's lights
   return WorldPlacer::runsOn(device_) && rastersInCompute(s) && !s.lighting->draws && !sizesOfLights &&
-         placesShadows(s, poses, hostShadows) && (s.ambientOcclusion == AmbientOcclusion::None || s.aoRadius) &&
-         s.aa.superSampling == 1 && !keepsHistory(s) && s.shutter == 0 && s.readout == 0 && stripsOf(s).size() == 1 &&
-         std::ranges::none_of(cameras, bendsRays) && std::ranges::none_of(cameras, blurs);
+         placesShadows(s, poses, ownLights || ownJoints) &&
+         (s.ambientOcclusion == AmbientOcclusion::None || s.aoRadius) && s.aa.superSampling == 1 && !keepsHistory(s) &&
+         s.shutter == 0 && s.readout == 0 && stripsOf(s).size() == 1 && std::ranges::none_of(cameras, bendsRays) &&
+         std::ranges::none_of(cameras, blurs);
 }
 
 std::shared_ptr<const vk::Buffer> Renderer::inputMemory(uint64_t bytes) {
