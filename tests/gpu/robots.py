@@ -79,7 +79,8 @@ def compare(images):
     """Prints how many pixels differ between two rasters, and by how much."""
     compute, rays = images
     color = np.abs(compute["rgba"].astype(int) - rays["rgba"].astype(int)).max(-1)
-    depth = np.abs(compute["depth"].astype(float) - rays["depth"].astype(float))
+    near, found = (np.nan_to_num(image["depth"].astype(float), posinf=0) for image in (compute, rays))
+    depth = np.abs(near - found)
     print(f"{(color > 2).mean():.3%} of the pixels differ by more than 2 of 255, "
           f"{(depth > 0.01).mean():.3%} by more than 1 cm", flush=True)
 
