@@ -29,9 +29,9 @@ namespace {
 // Resources above this size have dedicated allocations, because the rest of the block would be wasted.
 constexpr VkDeviceSize kLargestShared = Allocator::kBlockSize / 4;
 
-// A CPU device's first block. Newer lavapipe keeps memory in a shared file, whose pages of 4 KiB the kernel clears one
-// by one as they are touched.
-constexpr VkDeviceSize kFirstCpuBlock = VkDeviceSize{1} << 20;
+// The first block in the host's memory. GPUs pin its pages one by one when they allocate it, and newer lavapipe keeps
+// memory in a shared file, whose pages the kernel clears one by one as they are touched.
+constexpr VkDeviceSize kFirstHostBlock = VkDeviceSize{1} << 20;
 
 struct MemoryPreference {
   VkMemoryPropertyFlags needed, preferred;
@@ -99,14 +99,15 @@ Allocation Allocator::allocate(const VkMemoryRequirements& needs, MemoryKind kin
   return take(block, needs);
 }
 
-// Blocks of a CPU device double what there is of their kind, so that at most half of what is allocated is unused. GPUs
-// allocate whole blocks at no cost.
+// Blocks in the host's memory double what there is of their kind, so that at most half of what is allocated is unused.
+// GPUs allocate whole blocks of their own memory at no cost.
 VkDeviceSize Allocator::nextBlockSize(const VkMemoryRequirements& needs, uint32_t type, bool linear) const {
-  if (!device_.isCpu()) return kBlockSize;
+  const bool onGpu = (properties_.memoryTypes[type].propertyFlags & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) != 0;
+  if (onGpu && !device_.isCpu()) return kBlockSize;
   VkDeviceSize sum = 0;
   for (const auto& block : blocks_)
     if (block->isShared(type, linear)) sum += block->size;
-  return std::clamp(std::bit_ceil(std::max(sum, needs.size)), kFirstCpuBlock, kBlockSize);
+  return std::clamp(std::bit_ceil(std::max(sum, needs.size)), kFirstHostBlock, kBlockSize);
 }
 
 Allocation Allocator::take(Block& block, const VkMemoryRequirements& needs) {

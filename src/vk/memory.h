@@ -1,6 +1,6 @@
-// Device memory allocator. It suballocates from blocks per memory type, of 64 MiB on GPUs and of 1 to 64 MiB on CPU
-// devices, with linear and optimal resources in separate blocks. Render targets and large resources have dedicated
-// allocations. Host-visible blocks are persistently mapped.
+// Device memory allocator. It suballocates from blocks per memory type, of 64 MiB in the memory of GPUs and of 1 to 64
+// MiB in that of the host, with linear and optimal resources in separate blocks. Render targets and large resources
+// have dedicated allocations. Host-visible blocks are persistently mapped.
 #pragma once
 
 #include <volk.h>

@@ -522,8 +522,6 @@ TEST_F(RayLightTest, LightsOnCoatsAreThoseOfTheTechniques) {
   EXPECT_NEAR(meanColor(renderOne(device(), scene, floor.camera, settings)) / expected, 1, 0.005);
 }
 
-// --- the filter ------------------------------------------------------------------------------------------------------
-
 // Root mean square difference of the first channel.
 double differenceOf(const output::FrameOutput& a, const output::FrameOutput& b) {
   const std::vector<float>&x = imageOf(a, Aov::Color).values, &y = imageOf(b, Aov::Color).values;
@@ -531,6 +529,82 @@ double differenceOf(const output::FrameOutput& a, const output::FrameOutput& b) 
   for (size_t i = 0; i < x.size(); i += 4) sum += (x[i] - y[i]) * (x[i] - y[i]);
   return std::sqrt(4 * sum / static_cast<double>(x.size()));
 }
+
+// --- shared paths ----------------------------------------------------------------------------------------------------
+
+// A lamp in a half-open box beside a metal sphere: light arrives by glossy, Lambertian and blocked connections.
+struct LitCorner : FloorScene {
+  LitCorner() : FloorScene(sphereMesh(1), placedSphere(), lamp()) {
+    scene::Scene& scene = builder.scene;
+    material(0).data.baseColor = glm::vec4(0.8f, 0.6f, 0.4f, 1);
+    scene.instances[1].material = addMaterial(scene, vec3(0.9f, 0.7f, 0.5f));
+    material(1).data.metallic = 1;
+    material(1).data.roughness = 0.4f;
+    material(1).data.specular = 1;
+    scene.meshes.push_back(boxMesh());
+    builder.addInstance("wall", builder.kRoot, 2, addMaterial(scene, vec3(0.7f, 0.2f, 0.2f)), glm::mat4(1));
+    scene.instances[2].toWorld = glm::dmat4(1);
+    scene.instances[2].toWorld[0].x = 0.1;
+    scene.instances[2].toWorld[3] = glm::dvec4(-1.2, 0, 0.5, 1);
+    material(2).data.roughness = 0.5f;
+    material(2).data.specular = 1;
+    material(2).data.f0 = 0.04f;
+    camera.yHalf = 1.5;
+  }
+  scene::Material& material(size_t index) { return builder.scene.materials[index]; }
+  Settings settings(uint32_t width, uint32_t height, uint32_t samples) const {
+    Settings s = FloorScene::settings();
+    s.width = width, s.height = height;
+    s.samples = samples;
+    s.indirect = Indirect::Path;
+    return s;
+  }
+  static glm::dmat4 placedSphere() {
+    glm::dmat4 placed(0.4);
+    placed[3] = glm::dvec4(0.5, 0, 0.5, 1);
+    return placed;
+  }
+  static scene::Light lamp() {
+    scene::Light light;
+    light.type = shared::kLightPoint;
+    light.intensity = 3;
+    light.position = dvec3(-0.6, 0.2, 0.8);
+    return light;
+  }
+};
+
+// Pixels of --indirect path share their paths, and those of --lighting reference do not. Both have the same mean, and
+// shared paths have less noise.
+TEST_F(RayLightTest, SharedPathsHaveLessNoiseAndTheSameMean) {
+  const LitCorner corner;
+  const auto render = [&](uint32_t samples, bool reference) {
+    Settings settings = corner.settings(32, 32, samples);
+    if (reference) {
+      settings.indirect = Indirect::None;
+      settings.lighting = &findTechnique("reference");
+    }
+    return renderOne(device(), corner.builder.scene, corner.camera, settings);
+  };
+  const output::FrameOutput truth = render(1024, true), shared = render(32, false);
+  EXPECT_NEAR(meanColor(shared) / meanColor(truth), 1, 0.01);
+  EXPECT_LT(differenceOf(shared, truth), 0.7 * differenceOf(render(32, true), truth));
+}
+
+// Groups of pixels that share paths do not reach beyond views, also at borders that cut workgroups.
+TEST_F(RayLightTest, SharedPathsDoNotDependOnOtherViews) {
+  const LitCorner corner;
+  scene::Camera second = corner.camera;
+  second.toWorld[3].x = 0.3;
+  const Settings settings = corner.settings(37, 21, 2);
+  const std::vector<scene::Camera> cameras = {corner.camera, second};
+  Renderer renderer(device(), corner.builder.scene, nullptr);
+  const std::vector<output::FrameOutput> both = renderer.render(cameras, settings);
+  for (size_t i = 0; i < cameras.size(); ++i)
+    EXPECT_EQ(imageOf(both[i], Aov::Color).values,
+              imageOf(renderOne(device(), corner.builder.scene, cameras[i], settings), Aov::Color).values);
+}
+
+// --- the filter ------------------------------------------------------------------------------------------------------
 
 // Where all light is the same, the filter changes nothing.
 TEST_F(RayLightTest, TheFilterKeepsUniformLight) {

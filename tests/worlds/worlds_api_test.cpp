@@ -8,6 +8,7 @@
 
 #include "placed.h"
 #include "test_device.h"
+#include "worlds/same_frames.h"
 
 namespace latelight {
 namespace {
@@ -50,14 +51,6 @@ Options small() {
   return options;
 }
 
-void expectSame(const Frame& actual, const Frame& expected) {
-  EXPECT_EQ(actual.rgba, expected.rgba);
-  EXPECT_EQ(actual.aovs.at("id").ids, expected.aovs.at("id").ids);
-  const std::vector<float>&a = actual.aovs.at("depth").values, &b = expected.aovs.at("depth").values;
-  ASSERT_EQ(a.size(), b.size());
-  EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0);
-}
-
 std::string refusal(const std::function<void()>& call) {
   try {
     call();
@@ -78,10 +71,10 @@ TEST(WorldsApi, MoveAndRemoveInstances) {
   const std::vector<Frame> frames = renderer.render(worlds, small());
   ASSERT_EQ(frames.size(), 2u);
   edited.scene.setTransform(edited.red, placed(-2, 1, 0));
-  expectSame(frames[0], alone.render(front(), small()));
+  test::expectSameFrames(frames[0], alone.render(front(), small()));
   edited.scene.setTransform(edited.green, placed(0.5, -1, 1, 0.5));
   edited.scene.removeInstance(edited.red);
-  expectSame(frames[1], alone.render(front(), small()));
+  test::expectSameFrames(frames[1], alone.render(front(), small()));
 }
 
 TEST(WorldsApi, CamerasHaveTheirOwnPosesAndIntrinsics) {
@@ -99,7 +92,7 @@ TEST(WorldsApi, CamerasHaveTheirOwnPosesAndIntrinsics) {
     camera.cameraToWorld = worlds.cameraToWorld[i];
     const auto [fx, fy, cx, cy] = worlds.intrinsics[i];
     camera.lens = Lens{.width = 24, .height = 16, .fx = fx, .fy = fy, .cx = cx, .cy = cy};
-    expectSame(frames[i], renderer.render(camera, small()));
+    test::expectSameFrames(frames[i], renderer.render(camera, small()));
   }
 }
 
@@ -116,11 +109,11 @@ TEST(WorldsApi, CamerasRideOnInstances) {
   camera.cameraToWorld[3] = -1;
   camera.cameraToWorld[11] = 6;
   made.scene.setTransform(made.red, worlds.transforms[0]);
-  expectSame(frames[0], renderer.render(camera, small()));
+  test::expectSameFrames(frames[0], renderer.render(camera, small()));
   // A quarter turn about Y: the instance's Z is the world's X, and its X is the world's -Z.
   camera.cameraToWorld = {0, 0, -1, 7, 0, -1, 0, 0, -1, 0, 0, 0, 0, 0, 0, 1};
   made.scene.setTransform(made.red, worlds.transforms[1]);
-  expectSame(frames[1], renderer.render(camera, small()));
+  test::expectSameFrames(frames[1], renderer.render(camera, small()));
 }
 
 TEST(WorldsApi, ChooseMaterialsAndFactors) {
@@ -132,9 +125,9 @@ TEST(WorldsApi, ChooseMaterialsAndFactors) {
   worlds.cameras = {front()};
   worlds.materials = {blue, red};
   const std::vector<Frame> chosen = renderer.render(worlds, small());
-  expectSame(chosen[1], renderer.render(front(), small()));
+  test::expectSameFrames(chosen[1], renderer.render(front(), small()));
   made.scene.assignMaterial(made.red, blue);
-  expectSame(chosen[0], renderer.render(front(), small()));
+  test::expectSameFrames(chosen[0], renderer.render(front(), small()));
   // The base color is the color of an unlit material.
   worlds.materials.clear();
   worlds.factors = {{.baseColor = {1, 1, 0, 1}}, {.baseColor = {0, 1, 1, 1}}};
@@ -143,7 +136,7 @@ TEST(WorldsApi, ChooseMaterialsAndFactors) {
     Material material = made.scene.material(blue);
     material.baseColor = worlds.factors[world].baseColor;
     made.scene.setMaterial(blue, material);
-    expectSame(colored[world], renderer.render(front(), small()));
+    test::expectSameFrames(colored[world], renderer.render(front(), small()));
   }
   EXPECT_NE(colored[0].rgba, colored[1].rgba);
 }
@@ -161,7 +154,7 @@ TEST(WorldsApi, ValuesThatAreNotFiniteAffectOnlyTheirWorld) {
   EXPECT_EQ(ticket.invalidWorlds(), (std::vector<uint32_t>{1, 2}));
   const std::vector<Frame> frames = ticket.take();
   const Frame expected = renderer.render(front(), small());
-  for (const size_t world : {0, 3}) expectSame(frames[world], expected);
+  for (const size_t world : {0, 3}) test::expectSameFrames(frames[world], expected);
   for (const size_t world : {1, 2})
     EXPECT_THAT(frames[world].aovs.at("id").ids, testing::Each(0u)) << "world " << world;
 }
@@ -213,7 +206,7 @@ TEST(WorldsApi, AreLitByAreaLightsAndEmissiveSurfacesOfTheirOwn) {
       for (size_t i = 0; i < 2; ++i) edited.scene.setLight(edited.lights[i], worlds.lightValues[2 * world + i]);
       if (!worlds.exists[2 * world + 1]) edited.scene.removeInstance(edited.lamp);
       Renderer alone(edited.scene, testDevice());
-      expectSame(frames[world], alone.render(front(), options));
+      test::expectSameFrames(frames[world], alone.render(front(), options));
     }
     EXPECT_THAT(renderer.validationMessages(), testing::IsEmpty());
   }

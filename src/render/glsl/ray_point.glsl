@@ -50,16 +50,25 @@ SurfacePoint rayPoint(FrameConstants frame, Ray ray, RayHit hit) {
   return p;
 }
 
+// Call fetchTexels() before a material is evaluated at the point: it fetches the texels of these texture slots, which
+// sampleTexture() then returns.
 #ifdef LATELIGHT_SURFACE_POINT_GLSL  // which defines sampleTexture()
-void bindRayTextures(FrameConstants frame) {}
+void fetchTexels(FrameConstants frame, uint material, SurfacePoint p, uint slots) {}
 #else
-uint64_t rayTextures;  // FrameConstants::textures
-void bindRayTextures(FrameConstants frame) { rayTextures = frame.textures; }
-vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
-  vec2 uv = p.uv.xy;
-  for (bool moved = (m.flags & kMaterialPlainUv) == 0u; moved; moved = false) uv = transformedUv(m.transforms[slot], p.uv);
-  return filteredTexture(TextureRef(rayTextures).v[m.images[slot]], uv, vec2(0.0), vec2(0.0));
+// A loop with one call: drivers inline calls, and calls wherever a texture is used made up almost half of a path's
+// code.
+vec4 rayTexels[kTextureCount];
+void fetchTexels(FrameConstants frame, uint material, SurfacePoint p, uint slots) {
+  MaterialRef m = MaterialRef(frame.materials + uint64_t(material) * kMaterialBytes);
+  for (uint left = m.v.textures & kTextureSlots & slots; left != 0u; left &= left - 1u) {
+    uint slot = uint(findLSB(left));
+    vec2 uv = p.uv.xy;
+    for (bool moved = (m.v.flags & kMaterialPlainUv) == 0u; moved; moved = false)
+      uv = transformedUv(m.v.transforms[slot], p.uv);
+    rayTexels[slot] = magnifiedTexture(TextureRef(frame.textures).v[m.v.images[slot]], uv);
+  }
 }
+vec4 sampleTexture(Material m, uint slot, SurfacePoint p) { return rayTexels[slot]; }
 #endif
 
 #endif

@@ -15,10 +15,8 @@ int wrapped(int at, int size, uint mode) {
   return inside < size ? inside : 2 * size - 1 - inside;
 }
 
-vec4 texelAt(TextureRecord t, uint first, ivec2 size, ivec2 at) {
-  uint wrapU = t.flags >> kTextureWrapShift & 3u, wrapV = t.flags >> (kTextureWrapShift + 2u) & 3u;
-  vec4 c = unpackUnorm4x8(
-      TexelRef(t.texels).v[first + uint(wrapped(at.y, size.y, wrapV) * size.x + wrapped(at.x, size.x, wrapU))]);
+vec4 texelAt(TextureRecord t, uint index) {
+  vec4 c = unpackUnorm4x8(TexelRef(t.texels).v[index]);
   if ((t.flags & kTextureSrgb) != 0u) c.rgb = linearFromSrgb(c.rgb);
   return c;
 }
@@ -33,9 +31,17 @@ vec4 filteredLevel(TextureRecord t, uint level, vec2 uv, bool nearest) {
   vec2 at = uv * vec2(size) - (nearest ? 0.0 : 0.5);
   ivec2 low = ivec2(floor(at));
   vec2 share = nearest ? vec2(0.0) : at - floor(at);
-  vec4 upper = mix(texelAt(t, first, size, low), texelAt(t, first, size, low + ivec2(1, 0)), share.x);
-  vec4 lower = mix(texelAt(t, first, size, low + ivec2(0, 1)), texelAt(t, first, size, low + ivec2(1, 1)), share.x);
-  return mix(upper, lower, share.y);
+  uint wrapU = t.flags >> kTextureWrapShift & 3u, wrapV = t.flags >> (kTextureWrapShift + 2u) & 3u;
+  uint left = uint(wrapped(low.x, size.x, wrapU)), right = uint(wrapped(low.x + 1, size.x, wrapU));
+  uint upper = first + uint(wrapped(low.y, size.y, wrapV) * size.x);
+  uint lower = first + uint(wrapped(low.y + 1, size.y, wrapV) * size.x);
+  return mix(mix(texelAt(t, upper + left), texelAt(t, upper + right), share.x),
+             mix(texelAt(t, lower + left), texelAt(t, lower + right), share.x), share.y);
+}
+
+// Samples the finest level only.
+vec4 magnifiedTexture(TextureRecord t, vec2 uv) {
+  return filteredLevel(t, 0u, uv, (t.flags & kTextureMagnifyNearest) != 0u);
 }
 
 struct Levels {

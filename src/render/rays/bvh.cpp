@@ -18,7 +18,9 @@ namespace latelight::render {
 namespace {
 
 constexpr uint32_t kBins = 16;
-constexpr uint32_t kItemsOfTask = 16384;  // up to which a subtree is built on one thread
+// Subtrees of up to kMaxItemsOfTask items are built on one thread, and of fewer if there are few items, so that every
+// thread has some.
+constexpr uint32_t kMinItemsOfTask = 256, kMaxItemsOfTask = 16384, kMinTasks = 128;
 constexpr uint32_t kItemsAtOnce = 32768;  // per call of a parallel loop over a large range
 constexpr uint32_t kNodesAtOnce = 8192;   // likewise, over the nodes of a level
 
@@ -174,7 +176,7 @@ class BvhBuilder {
   void place(const Task& task, uint32_t taskItems, std::vector<Task>& open) {
     Child& child = nodes[task.node][task.side];
     child.box = task.range.box;
-    const bool becomesTask = task.range.count <= taskItems;
+    const bool becomesTask = task.range.count <= taskItems && task.range.count > maxLeaf_;
     if (task.range.count == 1) {
       child.reference = leafOf(task.range.first, 1);
       return;
@@ -353,7 +355,8 @@ Bvh buildBvh(std::span<const Box> boxes, uint32_t maxLeaf, uint32_t maxDepth) {
     for (size_t i = begin; i < end; ++i) items[i] = {boxes[i], static_cast<uint32_t>(i), 0};
   });
   BvhBuilder top(items, scratch, maxLeaf, maxDepth);
-  top.build(top.wholeRange(), 0, kItemsOfTask);
+  top.build(top.wholeRange(), 0,
+            std::clamp(static_cast<uint32_t>(boxes.size()) / kMinTasks, kMinItemsOfTask, kMaxItemsOfTask));
   buildTasks(top, items, maxLeaf, maxDepth);
   bvh.items.resize(items.size());
   parallelFor(items.size(), kItemsAtOnce, [&](size_t begin, size_t end) {

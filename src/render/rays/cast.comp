@@ -98,7 +98,9 @@ void store(uint64_t array, uint index, uint value) {
 // as precise as the distance.
 void storeHit(FrameConstants frame, uint index, Ray ray, vec3 directionLow, RayHit hit, dvec3 origin, dvec3 unit) {
   SurfacePoint p = rayPoint(frame, ray, hit);
-  Surface s = evaluateMaterial(frame, frameMaterial(frame, frameInstance(frame, hit.instance).material), p);
+  uint material = frameInstance(frame, hit.instance).material;
+  fetchTexels(frame, material, p, ~0u);
+  Surface s = evaluateMaterial(frame, frameMaterial(frame, material), p);
   float distance = max(exactDistance(frame, ray, directionLow, hit), 0.0);
   precise dvec3 position = (origin - doublesAt(push.numbers, 1u)) + unit * double(distance);
   store(push.distance, index, distance);
@@ -135,7 +137,6 @@ void main() {
   uint world = index / push.perWorld;
   frame.instances += uint64_t(world) * push.instanceCount * kInstanceBytes;
   frame.rayScene += uint64_t(world) * kRaySceneBytes;
-  bindRayTextures(frame);
   dvec3 origin = vectorAt(push.origins, index), unit = unitOf(vectorAt(push.directions, index));
   precise dvec3 from = toWorld(origin) - doublesAt(push.numbers, 0u);
   dvec3 along = toWorld(unit);

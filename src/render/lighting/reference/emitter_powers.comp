@@ -19,9 +19,13 @@ layout(push_constant, scalar) uniform Push { EmittersPush push; };
 
 const uint kPoints = 8u;
 
-vec3 emittedBy(Material m, SurfacePoint p) {
+vec3 emittedBy(FrameConstants frame, uint material, SurfacePoint p) {
+  Material m = frameMaterial(frame, material);
+  fetchTexels(frame, material, p, 1u << kTextureBaseColor | 1u << kTextureEmissive);
   if ((m.flags & kMaterialUnlit) != 0u) return baseColor(m, p).rgb;
-  return hasTexture(m, kTextureEmissive) ? m.emissive * sampleTexture(m, kTextureEmissive, p).rgb : m.emissive;
+  vec3 emitted = m.emissive;
+  if (hasTexture(m, kTextureEmissive)) emitted *= sampleTexture(m, kTextureEmissive, p).rgb;
+  return emitted;
 }
 
 void main() {
@@ -29,9 +33,8 @@ void main() {
   FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
   RayScene scene = RaySceneRef(frame.rayScene).v;
   if (index >= scene.emitterCount) return;
-  bindRayTextures(frame);
   RayEmitter emitter = EmittersRef(scene.emitters).v[index];
-  Material m = frameMaterial(frame, frameInstance(frame, emitter.instance).material);
+  uint material = frameInstance(frame, emitter.instance).material;
   Ray ray = Ray(frameInstance(frame, emitter.instance).objectToWorld[3], vec3(0.0), vec3(0.0), 0.0, 0.0);
   RayHit hit = noHit();
   hit.instance = emitter.instance;
@@ -43,7 +46,7 @@ void main() {
     float side = sqrt(u.x);
     hit.weights = vec3(1.0 - side, side * (1.0 - u.y), side * u.y);
     SurfacePoint p = rayPoint(frame, ray, hit);
-    power += maxChannel(emittedBy(m, p)) * 0.5 * length(p.plane) / float(kPoints);
+    power += maxChannel(emittedBy(frame, material, p)) * 0.5 * length(p.plane) / float(kPoints);
   }
   PowersRef(push.sums + uint64_t(gl_WorkGroupID.z) * push.stride * 4ul).v[index] = power;
 }

@@ -12,6 +12,7 @@
 #include "render/glsl/rays.glsl"
 #include "render/glsl/setup.glsl"
 #include "render/layered/surface_layers.glsl"
+#include "render/lighting/reference/path_samples.glsl"
 #include "shared/layers.h"
 
 // Environment light and light between surfaces include multiple reflections between facets, as prefiltered environments

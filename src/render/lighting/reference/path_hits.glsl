@@ -19,11 +19,14 @@ struct PathHit {
   uint flags;   // kMaterial*
   float alpha;  // fraction of the light behind it that a blended surface replaces
   bool front;   // the ray comes from the front side
+  bool flipped; // the shading normal was on the other side of the ray
 };
 
 PathHit surfaceAt(FrameConstants frame, Ray ray, RayHit hit) {
   SurfacePoint p = rayPoint(frame, ray, hit);
-  Material m = frameMaterial(frame, frameInstance(frame, hit.instance).material);
+  uint material = frameInstance(frame, hit.instance).material;
+  Material m = frameMaterial(frame, material);
+  fetchTexels(frame, material, p, ~0u);
   PathHit at;
   at.s = evaluateMaterial(frame, m, p);
   at.s.flags &= ~kSurfaceLayered;
@@ -33,7 +36,8 @@ PathHit surfaceAt(FrameConstants frame, Ray ray, RayHit hit) {
   at.alpha = (m.flags & kMaterialBlended) != 0u ? clamp(baseColor(m, p).a, 0.0, 1.0) : 1.0;
   at.front = hit.front;
   // Both normals on the side that the ray comes from.
-  if (dot(at.s.normal, ray.direction) >= 0.0) at.s.normal = at.s.geonormal;
+  at.flipped = dot(at.s.normal, ray.direction) >= 0.0;
+  if (at.flipped) at.s.normal = at.s.geonormal;
   bool unlit = (at.s.flags & kSurfaceUnlit) != 0u;
   if (unlit) at.s.emissive = at.s.baseColor;
   if (unlit) at.s = withoutReflection(at.s);

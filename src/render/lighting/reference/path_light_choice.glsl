@@ -17,6 +17,7 @@ const uint kLeavesPerChoice = 4u;
 
 struct LightChoice {
   vec3 light;  // what the surface reflects of all lights, estimated by the chosen one, if nothing blocks it; 0: none
+  vec3 arriving;  // intensity times attenuation at the surface, in the same estimate
   vec3 toLight;
   uint index;
   // While candidates are added:
@@ -55,6 +56,7 @@ void addCandidates(inout LightChoice c, FrameConstants frame, PathVertex v, Cand
       c.pick = clamp(taken ? c.pick / kept : (c.pick - kept) / max(1.0 - kept, 1e-6), 0.0, 0.999999);
       if (!taken) continue;
       c.light = sent;
+      c.arriving = arriving.intensity * arriving.attenuation;
       c.toLight = arriving.toLight;
       c.index = i;
       c.weight = share;
@@ -101,7 +103,7 @@ CandidateRange directionalRange(FrameConstants frame, uint index, uint candidate
 }
 
 LightChoice chooseLight(FrameConstants frame, PathVertex v, vec2 u) {
-  LightChoice c = LightChoice(vec3(0.0), vec3(0.0), 0u, u.y, 0.0, 1.0);
+  LightChoice c = LightChoice(vec3(0.0), vec3(0.0), vec3(0.0), 0u, u.y, 0.0, 1.0);
   if (kLights == 0u || frame.lightCount == 0u) return c;
   bool all = frame.lightCount <= kMaxCandidates;
   uint directional = min(frame.directionalLights, kMaxCandidates), ranges = all ? 1u : directional + kLeavesPerChoice;
@@ -114,6 +116,7 @@ LightChoice chooseLight(FrameConstants frame, PathVertex v, vec2 u) {
     addCandidates(c, frame, v, range);
   }
   c.light *= c.total / c.weight;
+  c.arriving *= c.total / c.weight;
   return c;
 }
 

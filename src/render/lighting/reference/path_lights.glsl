@@ -17,8 +17,13 @@ struct LightRay {
   vec3 toLight;
   float far;      // meters
   float density;  // of the direction, 1/sr; not for lights
+  // Of lights: the direction to the center, by which they are shaded, and intensity times attenuation.
+  vec3 centered, arriving;
 };
-LightRay noLightRay() { return LightRay(vec3(0.0), vec3(0.0, 0.0, 1.0), 0.0, 0.0); }
+LightRay lightRay(vec3 radiance, vec3 toLight, float far, float density) {
+  return LightRay(radiance, toLight, far, density, toLight, vec3(0.0));
+}
+LightRay noLightRay() { return lightRay(vec3(0.0), vec3(0.0, 0.0, 1.0), 0.0, 0.0); }
 
 // The origin of a ray from a surface, on the side of the direction.
 vec3 rayOrigin(Surface s, vec3 direction, float distance) {
@@ -32,7 +37,7 @@ LightRay rayToSky(FrameConstants frame, RayScene scene) {
   if (!hasCells(scene, frame)) return noLightRay();
   vec2 u = nextSample(), inside = nextSample();
   vec3 toLight = sampleSky(frame, scene, u, inside);
-  return LightRay(skyRadiance(frame, toLight), toLight, 3.0e38, skyDensity(frame, scene, toLight));
+  return lightRay(skyRadiance(frame, toLight), toLight, 3.0e38, skyDensity(frame, scene, toLight));
 }
 
 // --- lights ----------------------------------------------------------------------------------------------------------
@@ -52,7 +57,7 @@ LightRay rayToLight(FrameConstants frame, PathVertex v, float distance) {
   float away = length(way);
   // Geometry nearer to a light than its radius is the light's own body.
   float far = directional ? 3.0e38 : max(away - size - rayOffset(light.position, away), 0.0);
-  return LightRay(choice.light, way / away, far, 0.0);
+  return LightRay(choice.light, way / away, far, 0.0, choice.toLight, choice.arriving);
 }
 
 // --- area lights -----------------------------------------------------------------------------------------------------
@@ -74,7 +79,7 @@ LightRay rayToArea(FrameConstants frame, PathVertex v) {
   AreaLight light = frameAreaLight(frame, min(uint(choice * count), frame.areaLightCount - 1u));
   AreaSample point = sampleArea(light, v.s.position, u);
   if (point.density <= 0.0) return noLightRay();
-  return LightRay(light.radiance, point.toLight, areaDistance(light, point), point.density / count);
+  return lightRay(light.radiance, point.toLight, areaDistance(light, point), point.density / count);
 }
 
 // Returns the radiance of all area lights that a ray hits between its `near` and `far`, weighted against rayToArea().
@@ -177,7 +182,7 @@ EmitterChoice chooseEmitter(FrameConstants frame, RayScene scene, PathVertex v, 
 struct EmitterPoint {
   vec3 position;
   vec3 plane;  // normal of the triangle; its length is twice the area
-  Material material;
+  uint material;
   SurfacePoint at;
 };
 
@@ -189,12 +194,17 @@ EmitterPoint emitterPoint(FrameConstants frame, RayEmitter emitter, vec3 origin,
   hit.weights = vec3(1.0 - side, side * (1.0 - u.y), side * u.y);
   hit.front = true;
   SurfacePoint at = rayPoint(frame, Ray(origin, vec3(0.0), vec3(0.0), 0.0, 0.0), hit);
-  return EmitterPoint(at.position, at.plane, frameMaterial(frame, frameInstance(frame, emitter.instance).material), at);
+  return EmitterPoint(at.position, at.plane, frameInstance(frame, emitter.instance).material, at);
 }
 
+// The textures that emission depends on, by the coat above it, too.
+const uint kEmissionSlots = 1u << kTextureBaseColor | 1u << kTextureEmissive | 1u << kTextureClearcoat |
+                            1u << kTextureClearcoatRoughness | 1u << kTextureClearcoatNormal;
+
 // The radiance that it emits in a direction.
-vec3 emittedRadiance(EmitterPoint p, vec3 direction) {
-  Material m = p.material;
+vec3 emittedRadiance(FrameConstants frame, EmitterPoint p, vec3 direction) {
+  Material m = frameMaterial(frame, p.material);
+  fetchTexels(frame, p.material, p.at, kEmissionSlots);
   if ((m.flags & kMaterialMasked) != 0u && masked(m, p.at)) return vec3(0.0);
   if ((m.flags & kMaterialUnlit) != 0u) return baseColor(m, p.at).rgb;
   vec3 emitted = m.emissive;
@@ -216,7 +226,7 @@ LightRay rayToEmitter(FrameConstants frame, RayScene scene, PathVertex v, float 
   float facing = dot(p.plane, toLight) / max(area2, 1e-30);
   float density = emitterShare(scene, choice.index) * solidAngleDensity(0.5 * area2, far, facing);
   if (density <= 0.0 || far <= 0.0) return noLightRay();
-  return LightRay(emittedRadiance(p, toLight) * choice.weight, toLight, far - rayOffset(p.position, far), density);
+  return lightRay(emittedRadiance(frame, p, toLight) * choice.weight, toLight, far - rayOffset(p.position, far), density);
 }
 
 #endif

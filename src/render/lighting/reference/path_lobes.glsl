@@ -3,7 +3,6 @@
 #ifndef LATELIGHT_PATH_LOBES_GLSL
 #define LATELIGHT_PATH_LOBES_GLSL
 #include "render/glsl/rays.glsl"
-#include "render/glsl/sobol.glsl"
 #include "render/lighting/reference/path_coats.glsl"
 #include "shared/shade.h"
 
@@ -76,9 +75,8 @@ float pathDensity(PathVertex v, vec3 toLight) {
   return mix(scattered, mirrored, v.specular);
 }
 
-vec3 sampleLobes(PathVertex v) {
-  vec2 u = nextSample();
-  float choice = nextSample().x;
+// Samples a direction. `choice`, in [0, 1), selects the lobe.
+vec3 sampleLobes(PathVertex v, vec2 u, float choice) {
   if (kLayers != 0u && v.coated) return sampleCoats(v.coats, v.s, v.toEye, u, choice);
   StretchedFrame facets = roundFrame(v.s.normal, v.alpha);
   if (choice < v.specular) return mirroredBy(sampleFacet(facets, v.toEye, u), v.toEye);

@@ -20,6 +20,9 @@
 // Both are divided by the albedos of these lobes, and w sums the squares of the samples' luminances. The last pass
 // writes the inputs of indirect_filter.glsl. Paths from the eye are entirely in `mirroredSum`, and their coverage is in
 // the lit picture.
+//
+// With kSharedPaths, the shader only writes a record per path, and path_sharing.comp computes the sums from these. No
+// path starts at the eye then, and no surface has coats.
 #define ONE_SAMPLE
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
@@ -27,7 +30,6 @@
 #include "render/glsl/lit_pixel.glsl"
 #include "render/glsl/pixel_ray.glsl"
 #include "render/glsl/ray_point.glsl"  // after gbuffer_read.glsl, which may define sampleTexture()
-#include "render/glsl/sobol.glsl"
 #include "render/glsl/surface.glsl"
 #include "render/lighting/reference/paths_push.h"
 
@@ -36,33 +38,14 @@ layout(constant_id = kPathsFromLightsConstant) const uint kPathFlags = 0;  // kP
 layout(constant_id = kFilteredConstant) const uint kFiltered = 0;
 layout(constant_id = kEmittersConstant) const uint kEmitters = 0;  // 1: the scene has emissive surfaces
 layout(constant_id = kSampledAreaLightsConstant) const uint kSampledAreaLights = 0;  // 1: the scene has area lights
+layout(constant_id = kSharedPathsConstant) const uint kSharedPaths = 0;  // 1: writes records, which path_sharing.comp reads
 
 layout(set = 0, binding = AFTER_LIT_MAPS) uniform sampler2D environmentPicture;
-layout(set = 0, binding = AFTER_LIT_MAPS + 1, rgba32f) uniform image2DArray pathSum;
-layout(set = 0, binding = AFTER_LIT_MAPS + 2, rgba32f) uniform image2DArray mirroredSum;
-layout(set = 0, binding = AFTER_LIT_MAPS + 3, rgba32ui) uniform writeonly uimage2DArray filterGuide;
-layout(set = 0, binding = AFTER_LIT_MAPS + 4, rgba16f) uniform writeonly image2DArray scatteredAlbedo;
-layout(set = 0, binding = AFTER_LIT_MAPS + 5, rgba16f) uniform writeonly image2DArray mirroredAlbedo;
-
-uint pathSeed;   // of the pixel
-uint pathIndex;  // number of the sample
-uint pathPair;   // the next pair of dimensions
-vec2 nextSample() { return sobolSample(pathIndex, pathPair++, pathSeed); }
 uint64_t emitterSums, lightSizes;  // PathsPush, those of the view
 
 #include "render/lighting/reference/path_lights.glsl"
-
-// Radiance toward the eye through both lobes of the visible surface; without kFiltered, `scattered` holds all of it.
-struct PathLight {
-  vec3 scattered, mirrored;
-};
-
-// `share`: the fraction that the specular lobe reflects.
-void add(inout PathLight sum, vec3 radiance, vec3 share) {
-  sum.scattered += radiance * (1.0 - share);
-  sum.mirrored += radiance * share;
-}
-vec3 lobeShare(PathVertex v, vec3 toLight) { return kFiltered != 0u ? mirroredShare(v, toLight) : vec3(0.0); }
+#include "render/lighting/reference/path_record.glsl"
+#include "render/lighting/reference/path_sums.glsl"
 
 // A path under construction.
 struct Path {
@@ -77,8 +60,39 @@ struct Path {
   uint channel;     // of color that the path follows after a dispersing surface; kAllChannels before
   bool fromEye;     // the path started at the eye
   bool covers;      // it does not only pass blended surfaces
+  // With kSharedPaths: what the path's second surface reflects by its Lambertian lobe, `record.reflected`, is not in
+  // `sum`. From there on, `carried` is relative to that surface.
+  PathRecord record;
+  bool recorded;
+  vec3 recordAlbedo;
+  vec3 first;       // fraction of the light from the second surface that reaches the eye; 1 before
+  vec3 lambertian;  // fraction of the light at the ray's end that is part of record.reflected
 };
 const uint kAllChannels = 3u;
+
+// Adds light that the path carries. `mirrored`: the fraction that the visible surface's specular lobe reflects;
+// `lambertian`: the fraction that is part of the record.
+void add(inout Path path, vec3 radiance, vec3 mirrored, vec3 lambertian) {
+  if (kSharedPaths != 0u) {
+    path.record.reflected += radiance * lambertian;
+    radiance *= path.first * (1.0 - lambertian);
+  }
+  path.sum.scattered += radiance * (1.0 - mirrored);
+  path.sum.mirrored += radiance * mirrored;
+}
+
+// The fraction of light from a direction that the Lambertian lobe of the recorded surface reflects.
+vec3 recordedShare(Path path, PathVertex v, vec3 toLight, uint bounce) {
+  if (kSharedPaths == 0u || !path.recorded) return vec3(0.0);
+  return bounce == 1u ? 1.0 - mirroredShare(v, toLight) : path.lambertian;
+}
+
+// Adds the light of a light at the recorded surface, all of which is shared.
+void recordLight(inout Path path, PathVertex v, LightRay light, vec3 passed) {
+  path.record.reflected += light.radiance * passed * (1.0 - mirroredShare(v, light.centered));
+  path.record.lit = light.arriving * passed;
+  path.record.toLight = packSnorm2x16(octahedralFromDirection(light.centered));
+}
 
 // Adds the light that the surface of a path receives directly.
 void addDirectLight(inout Path path, FrameConstants frame, RayScene scene, PathVertex v, vec3 beyond, uint bounce) {
@@ -96,8 +110,14 @@ void addDirectLight(inout Path path, FrameConstants frame, RayScene scene, PathV
     if (!(maxChannel(sent) > 0.0)) continue;
     Ray ray = Ray(rayOrigin(v.s, light.toLight, path.distance), vec3(0.0), light.toLight, 0.0, light.far);
     vec3 absorption = dot(v.s.geonormal, light.toLight) < 0.0 ? beyond : path.absorption;
-    vec3 radiance = path.carried * sent * lightPassed(frame, ray, absorption);
-    add(path.sum, radiance, bounce == 0u && !path.fromEye ? lobeShare(v, light.toLight) : path.share);
+    vec3 passed = lightPassed(frame, ray, absorption);
+    vec3 radiance = path.carried * sent * passed;
+    if (kSharedPaths != 0u && i == 1u && path.recorded && bounce == 1u) {
+      recordLight(path, v, light, passed);
+      continue;
+    }
+    add(path, radiance, bounce == 0u && !path.fromEye ? lobeShare(v, light.toLight) : path.share,
+        recordedShare(path, v, light.toLight, bounce));
   }
 }
 
@@ -128,6 +148,15 @@ bool passes(inout Path path, PathHit at, PathVertex v) {
   return passed;
 }
 
+// Records the second surface of a path.
+void beginRecord(inout Path path, PathVertex v, vec3 plane) {
+  path.record = recordOf(v, plane);
+  path.recordAlbedo = recordAlbedo(recordSurface(path.record), v.toEye);
+  path.recorded = true;
+  path.first = path.carried;
+  path.carried = vec3(1.0);
+}
+
 // Returns true if light may come from beyond all surfaces, which the last ray of a path finds.
 bool anythingBeyond(FrameConstants frame, RayScene scene) { return hasCells(scene, frame) || hasAreaLights(frame); }
 
@@ -143,11 +172,11 @@ bool follow(inout Path path, FrameConstants frame, RayScene scene, uint bounce, 
     RayHit hit = traceRay(frame, path.ray, what);
     float end = isHit(hit) ? hit.distance : 3.0e38;
     if (hasAreaLights(frame) && (bounce > 0u || path.covers))
-      add(path.sum, path.fromArea * areaRadiance(frame, path.ray, end, path.density), path.share);
+      add(path, path.fromArea * areaRadiance(frame, path.ray, end, path.density), path.share, path.lambertian);
     if (!isHit(hit)) {
       if (hasCells(scene, frame) && (bounce > 0u || path.covers)) {
         float weight = path.density / (path.density + skyDensity(frame, scene, path.ray.direction));
-        add(path.sum, path.carried * skyRadiance(frame, path.ray.direction) * weight, path.share);
+        add(path, path.carried * skyRadiance(frame, path.ray.direction) * weight, path.share, path.lambertian);
       }
       break;
     }
@@ -164,7 +193,8 @@ bool follow(inout Path path, FrameConstants frame, RayScene scene, uint bounce, 
     path.distance = hit.distance;
     float weight = path.density / (path.density + emitterDensity(scene, hit, at, path.ray.direction));
     vec3 emitted = at.s.emissive * (belowClearcoat(at.layers, path.ray.direction) * weight);
-    if (arrives && !onlySky) add(path.sum, path.carried * emitted, path.share);
+    if (arrives && !onlySky) add(path, path.carried * emitted, path.share, path.lambertian);
+    if (kSharedPaths != 0u && bounce == 1u && arrives && !onlySky && !at.flipped) beginRecord(path, v, at.plane);
     if (arrives) break;
     path.absorption = beyond;
     path.ray.near = beyondHit(hit.distance);
@@ -174,13 +204,15 @@ bool follow(inout Path path, FrameConstants frame, RayScene scene, uint bounce, 
 
 // Chooses the direction in which a path leaves its surface, which is the `index`th one. Returns false if it ends there.
 bool scatter(inout Path path, FrameConstants frame, PathVertex v, vec3 beyond, uint bounce, uint index) {
-  vec3 toLight = sampleLobes(v);
+  vec2 u = nextSample();
+  vec3 toLight = sampleLobes(v, u, nextSample().x);
   float density = pathDensity(v, toLight);
   if (bounce == 0u && !path.fromEye) path.share = lobeShare(v, toLight);
+  path.lambertian = recordedShare(path, v, toLight, bounce);
   path.fromArea = vec3(0.0);
   if (hasAreaLights(frame)) path.fromArea = path.carried * pathReflectance(v, toLight, true) / max(density, 1e-30);
   path.carried *= pathReflectance(v, toLight, false) / max(density, 1e-30);
-  float left = maxChannel(path.carried), survives = index < 3u ? 1.0 : min(left, 0.95);
+  float left = maxChannel(path.carried * path.first), survives = index < 3u ? 1.0 : min(left, 0.95);
   if (!(left > 0.0 && density > 0.0 && nextSample().x < survives)) return false;
   path.carried /= survives;
   path.fromArea /= survives;
@@ -203,6 +235,11 @@ Path startPath(bool atEye, Ray ray, float fromEye) {
   path.channel = kAllChannels;
   path.fromEye = atEye;
   path.covers = false;
+  path.record = emptyRecord();
+  path.recorded = false;
+  path.recordAlbedo = vec3(1.0);
+  path.first = vec3(1.0);
+  path.lambertian = vec3(0.0);
   return path;
 }
 
@@ -224,30 +261,6 @@ Path tracedPath(FrameConstants frame, Path path, PathVertex v) {
     bounce = next;
   }
   return path;
-}
-
-vec3 lightsAt(FrameConstants frame, View view, LitPixel p) { return vec3(0.0); }
-
-// The albedos by which light through the lobes of a surface is divided.
-PathLight albedosOf(PathVertex v) { return PathLight(max(v.s.scattered, vec3(1e-3)), max(v.mirrored, vec3(1e-3))); }
-
-// Returns the mean of the samples, and the variance of its luminance.
-vec4 meanOf(vec4 sum) {
-  float count = float(push.samples);
-  vec3 mean = sum.rgb / count;
-  float spread = max(sum.w / count - luminance(mean) * luminance(mean), 0.0);
-  return vec4(mean, spread / max(count - 1.0, 1.0));
-}
-
-// The first surface on a ray from the eye.
-struct EyeRay {
-  Ray ray;
-  bool starts;  // coats or a translucent surface: paths start at the eye
-  vec3 position;
-};
-
-EyeRay noEyeRay() {
-  return EyeRay(Ray(vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0), false, vec3(0.0));
 }
 
 Ray rayOfPixel(FrameConstants frame, View view, ivec2 pixel) {
@@ -276,56 +289,9 @@ EyeRay eyeRay(FrameConstants frame, View view, LitPixel p) {
   return eye;
 }
 
-// --- the picture -----------------------------------------------------------------------------------------------------
-
-// The sums of a pixel's samples.
-struct PathSums {
-  vec4 scattered, mirrored;
-};
-
-void addPath(inout PathSums sums, Path path, PathLight albedos) {
-  vec3 scattered = path.sum.scattered / albedos.scattered, mirrored = path.sum.mirrored / albedos.mirrored;
-  float square = luminance(scattered) * luminance(scattered);
-  sums.scattered += vec4(scattered, path.fromEye ? (path.covers ? 1.0 : 0.0) : square);
-  sums.mirrored += vec4(mirrored, luminance(mirrored) * luminance(mirrored));
-}
-
-// Writes the inputs of the filter, and takes the light that it replaces out of the picture. Light along paths from the
-// eye is filtered as the reflection of a smooth surface.
-void writeForFilter(FrameConstants frame, ivec3 place, LitPixel p, PathLight albedos, PathSums sums, EyeRay eye,
-                    bool lit) {
-  float covered = sums.scattered.a / float(push.samples);
-  if (eye.starts) sums.scattered = vec4(0.0);
-  imageStore(pathSum, place, meanOf(sums.scattered));
-  imageStore(mirroredSum, place, meanOf(sums.mirrored));
-  uint normal = packSnorm2x16(octahedralFromDirection(eye.starts ? -eye.ray.direction : p.s.normal));
-  vec3 position = eye.starts ? eye.position : p.s.position;
-  bool filtered = lit || eye.starts;
-  imageStore(filterGuide, place, filtered ? uvec4(floatBitsToUint(position), normal) : uvec4(0u));
-  imageStore(scatteredAlbedo, place, vec4(albedos.scattered, eye.starts ? 0.05 : p.s.roughness));
-  imageStore(mirroredAlbedo, place, vec4(albedos.mirrored, filtered ? 1.0 : 0.0));
-  if (eye.starts)
-    imageStore(lightTarget, place, vec4(vec3(0.0), covered));
-  else if (lit)
-    imageStore(lightTarget, place, imageLoad(lightTarget, place) - vec4(p.radiance * frame.exposure, 0.0));
-}
-
-void writeLight(FrameConstants frame, ivec3 place, LitPixel p, vec4 sum, EyeRay eye, bool lit) {
-  vec4 mean = sum / float(push.samples);
-  vec4 light = vec4(0.0);
-  if (eye.starts)
-    light = vec4(min(mean.rgb * frame.exposure, vec3(65504.0)), mean.a);
-  else if ((kPathFlags & kPathsFromLights) != 0u)
-    light = p.lit ? vec4(min(p.emitted + mean.rgb * frame.exposure, vec3(65504.0)), 1.0) : vec4(0.0);
-  else
-    light = imageLoad(lightTarget, place) + vec4(lit ? (mean.rgb - p.radiance) * frame.exposure : vec3(0.0), 0.0);
-  imageStore(lightTarget, place, max(light, vec4(0.0)));
-}
-
 void main() {
   bindSurfaces(push.frame, push.shown);
   FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
-  bindRayTextures(frame);
   ivec3 place = ownPixel();
   emitterSums = push.emitterSums + uint64_t(place.z) * push.emitterStride * 4ul;
   lightSizes = push.lightSizes + uint64_t(place.z) * push.lightStride * 4ul;
@@ -338,8 +304,7 @@ void main() {
   if ((kPathFlags & kPathsFromEye) != 0u) eye = eyeRay(frame, view, p);
   bool lit = p.lit && !eye.starts && reflects(p.s);
   PathSums sums = PathSums(vec4(0.0), vec4(0.0));
-  if (push.first > 0u) sums.scattered = imageLoad(pathSum, place);
-  if (push.first > 0u && kFiltered != 0u) sums.mirrored = imageLoad(mirroredSum, place);
+  if (kSharedPaths == 0u) sums = earlierSums(place);
 #ifndef GBUFFER_NO_TARGETS
   p.s.geonormal = p.s.normal;  // most layouts do not store it
 #endif
@@ -347,20 +312,20 @@ void main() {
   PathLight albedos = PathLight(vec3(1.0), vec3(1.0));
   if (kFiltered != 0u && !eye.starts) albedos = albedosOf(v);
   Path start = startPath(eye.starts, eye.ray, distance(p.s.position, view.eye));
-  if (lit || eye.starts) {
-    pathSeed = rayHash(floatBitsToUint(eye.starts ? eye.position : p.s.position)).x;
-    for (uint i = push.first; i < push.end; ++i) {
-      pathIndex = push.firstPoint + i;
-      pathPair = 0u;
-      addPath(sums, tracedPath(frame, start, v), albedos);
+  pathSeed = rayHash(floatBitsToUint(eye.starts ? eye.position : p.s.position)).x;
+  for (uint i = push.first; i < push.end; ++i) {
+    pathIndex = push.firstPoint + i;
+    pathPair = 0u;
+    Path path = start;
+    if (lit || eye.starts) path = tracedPath(frame, start, v);
+    if (kSharedPaths == 0u) {
+      addSample(sums, path.sum, albedos, path.fromEye, path.covers);
+    } else {
+      path.record.reflected /= path.recordAlbedo;
+      path.record.scattered = path.sum.scattered;
+      path.record.mirrored = path.sum.mirrored;
+      PathRecordsRef(recordAddress(i, place, imageSize(lightTarget).xy)).v[0] = path.record;
     }
   }
-  if (push.end < push.samples) {
-    imageStore(pathSum, place, sums.scattered);
-    if (kFiltered != 0u) imageStore(mirroredSum, place, sums.mirrored);
-  } else if (kFiltered != 0u) {
-    writeForFilter(frame, place, p, albedos, sums, eye, lit);
-  } else {
-    writeLight(frame, place, p, sums.scattered, eye, lit);
-  }
+  if (kSharedPaths == 0u) writeSums(frame, place, p, albedos, sums, eye, lit);
 }

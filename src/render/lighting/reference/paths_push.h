@@ -12,17 +12,34 @@ SH_CONST uint kPathsFromLights = 1u;       // paths find the lights' light on vi
 SH_CONST uint kPathsFromEye = 2u;          // where coats or translucent surfaces are visible, paths start at the eye
 SH_CONST uint kPathsFindTranslucent = 4u;  // rays find blended and transmissive surfaces
 
+// The second surface of a path, and the light of one sample, for path_sharing.comp.
+struct PathRecord {
+  vec3 position;
+  uint normal;       // shading normal, octahedral
+  vec3 reflected;    // radiance by the Lambertian lobe, divided by its albedo
+  uint plane;        // normal of the triangle, octahedral
+  vec3 lit;          // light of a light: intensity times attenuation, which the specular lobe reflects
+  uint toLight;      // its direction, octahedral
+  vec3 scattered;    // the path's other light through the Lambertian lobe of the visible surface; without a filter, all
+  float f90;         // Surface::f90
+  vec3 mirrored;     // and through the specular lobe
+  uint color[2];     // base color and metallic, as halves
+  uint specular[2];  // reflectance of the dielectric at normal incidence and roughness, as halves
+};
+SH_CONST uint kPathRecordBytes = 92u;
+
 struct PathsPush {
   uint64_t frame;  // FrameConstants
   VisibleSurfacePush shown;
   uint64_t emitterSums;  // float[emitterStride]: running sums of the emitters' powers; with worlds, for each view
   uint64_t lightSizes;   // float[lightCount], as RayShadow::lightSize; with lights of worlds, for each view
+  uint64_t records;      // PathRecord[end - first][views][height][width]; 0: paths are not shared
   uint first, end;       // samples of this pass
   uint samples;          // of all passes
   uint firstPoint;       // index of the first sample's point in the pixels' sequences
   uint bounces;          // maximum number of surfaces after the visible one
   uint emitterStride, lightStride;  // elements from one view to the next
-  uint padding;
+  uint views;
 };
 
 SH_END

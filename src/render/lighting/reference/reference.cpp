@@ -21,10 +21,17 @@ namespace {
 
 constexpr uint32_t kBouncesOfPaths = 16;
 
+uint64_t pixelCount(const FrameContext& f) {
+  return uint64_t{f.width} * f.height * f.viewCount();
+}
+
 // Samples per pass. lavapipe silently ends a shader's loops after 65535 iterations in total, which a few paths may
 // reach; drivers of GPUs end passes that take seconds.
-uint32_t samplesAtOnce(const FrameContext& f) {
-  return f.device.isCpu() ? 1 : 16;
+uint32_t samplesAtOnce(const FrameContext& f, bool sharing) {
+  if (f.device.isCpu()) return 1;
+  constexpr uint64_t kMost = 16, kMostBytes = uint64_t{256} << 20;  // of records
+  if (!sharing) return kMost;
+  return static_cast<uint32_t>(std::clamp<uint64_t>(kMostBytes / (pixelCount(f) * shared::kPathRecordBytes), 1, kMost));
 }
 
 // Creates an image of the frame's size, or of one texel if it is not used, because every binding requires an image.
@@ -91,30 +98,67 @@ uint32_t pathFlags(const FrameContext& f, bool fromLights) {
   return flags;
 }
 
+// Returns true if pixels share paths (path_sharing.comp). Surfaces outside of a view count, too, so that the paths of a
+// view do not depend on the views that are rendered with it.
+bool sharesPaths(const FrameContext& f, uint32_t flags, bool fromLights) {
+  if (flags != 0 || fromLights || f.setup.indirect != shared::kIndirectPath) return false;
+  const auto isPlain = [&](const shared::Instance& instance) {
+    const uint32_t material = f.scene.materials().record(instance.material).flags;
+    return !(material & shared::kMaterialLayered) && !shared::translucent(material);
+  };
+  return std::ranges::all_of(f.scene.instances().records(), isPlain) &&
+         std::ranges::all_of(f.scene.worlds().records(), isPlain);
+}
+
+// The buffers of the passes of paths.
+struct PathBuffers {
+  graph::BufferId emitters, lightSizes, records;
+};
+
+ComputePass pathPass(const FrameContext& f, const Gbuffer& gbuffer, const IndirectSignals& signals, const char* name,
+                     const char* shader, bool fromLights, bool first) {
+  const bool kept = !first || !fromLights;
+  ComputePass pass = lightingPass(f, gbuffer, name, shader, {.picture = kept, .counts = kept});
+  pass.bindings.outside(f.environment.radiance());
+  bindSignals(pass.bindings, signals, first);
+  pass.constants.push_back({kFilteredConstant, f.setup.filtersIndirect && !fromLights ? 1u : 0u});
+  pass.constants.push_back({kLayersConstant, f.setup.layers});
+  pass.fullImage = false;
+  return pass;
+}
+
+void addPathPass(const FrameContext& f, const Gbuffer& gbuffer, ComputePass pass, const shared::PathsPush& push,
+                 const PathBuffers& buffers, graph::Use records) {
+  for (const graph::BufferId buffer : {buffers.emitters, buffers.lightSizes})
+    if (buffer) pass.buffers.emplace_back(buffer, graph::Use::StorageRead);
+  if (buffers.records) pass.buffers.emplace_back(buffers.records, records);
+  addCompute(f, std::move(pass), [push, buffers, visible = gbuffer.visible](graph::Context& context) {
+    shared::PathsPush filled = push;
+    filled.shown = surfacePush(visible, context);
+    if (buffers.emitters) filled.emitterSums = context.buffer(buffers.emitters).address();
+    if (buffers.lightSizes) filled.lightSizes = context.buffer(buffers.lightSizes).address();
+    if (buffers.records) filled.records = context.buffer(buffers.records).address();
+    return filled;
+  });
+}
+
 IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fromLights, uint32_t bounces) {
-  const uint32_t all = f.setup.paths, atOnce = samplesAtOnce(f);
-  const bool filters = f.setup.filtersIndirect && !fromLights;
-  const uint32_t flags = pathFlags(f, fromLights);
-  const IndirectSignals signals = createSignals(f, filters);
-  const graph::BufferId emitters = f.emitters > 0 ? addEmitterSums(f) : graph::BufferId{};
-  const graph::BufferId sizes = f.scene.lightCount() == 0 ? graph::BufferId{} : addLightSizes(f);
+  const uint32_t all = f.setup.paths, flags = pathFlags(f, fromLights);
+  const bool sharing = sharesPaths(f, flags, fromLights);
+  const uint32_t atOnce = samplesAtOnce(f, sharing);
+  const IndirectSignals signals = createSignals(f, f.setup.filtersIndirect && !fromLights);
+  PathBuffers buffers;
+  if (f.emitters > 0) buffers.emitters = addEmitterSums(f);
+  if (f.scene.lightCount() > 0) buffers.lightSizes = addLightSizes(f);
+  if (sharing)
+    buffers.records = f.graph.create(
+        vk::BufferDesc{.size = std::min(all, atOnce) * pixelCount(f) * shared::kPathRecordBytes, .name = "paths"});
   for (uint32_t first = 0; first < all; first += atOnce) {
-    const bool kept = first > 0 || !fromLights;
-    ComputePass pass = lightingPass(f, gbuffer, "paths", "paths.comp", {.picture = kept, .counts = kept});
-    pass.bindings.outside(f.environment.radiance());
-    bindSignals(pass.bindings, signals, first == 0);
-    pass.constants.push_back({kPathsFromLightsConstant, flags});
-    pass.constants.push_back({kFilteredConstant, filters ? 1u : 0u});
-    pass.constants.push_back({kEmittersConstant, emitters ? 1u : 0u});
-    pass.constants.push_back({kSampledAreaLightsConstant, f.scene.areaLights() > 0 ? 1u : 0u});
-    pass.constants.push_back({kLayersConstant, f.setup.layers});
-    for (const graph::BufferId buffer : {emitters, sizes})
-      if (buffer) pass.buffers.emplace_back(buffer, graph::Use::StorageRead);
-    pass.fullImage = false;
     const shared::PathsPush push{.frame = f.constants,
                                  .shown = {},
                                  .emitterSums = 0,
                                  .lightSizes = 0,
+                                 .records = 0,
                                  .first = first,
                                  .end = std::min(first + atOnce, all),
                                  .samples = all,
@@ -122,14 +166,16 @@ IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fro
                                  .bounces = bounces,
                                  .emitterStride = f.scene.hasWorlds() ? f.emitters : 0,
                                  .lightStride = f.scene.worlds().hasLights() ? f.scene.lightCount() : 0,
-                                 .padding = 0};
-    addCompute(f, std::move(pass), [push, emitters, sizes, visible = gbuffer.visible](graph::Context& context) {
-      shared::PathsPush filled = push;
-      filled.shown = surfacePush(visible, context);
-      if (emitters) filled.emitterSums = context.buffer(emitters).address();
-      if (sizes) filled.lightSizes = context.buffer(sizes).address();
-      return filled;
-    });
+                                 .views = f.viewCount()};
+    ComputePass pass = pathPass(f, gbuffer, signals, "paths", "paths.comp", fromLights, first == 0);
+    pass.constants.push_back({kPathsFromLightsConstant, flags});
+    pass.constants.push_back({kEmittersConstant, buffers.emitters ? 1u : 0u});
+    pass.constants.push_back({kSampledAreaLightsConstant, f.scene.areaLights() > 0 ? 1u : 0u});
+    pass.constants.push_back({kSharedPathsConstant, sharing ? 1u : 0u});
+    addPathPass(f, gbuffer, std::move(pass), push, buffers, graph::Use::StorageWrite);
+    if (!sharing) continue;
+    addPathPass(f, gbuffer, pathPass(f, gbuffer, signals, "shared paths", "path_sharing.comp", fromLights, false), push,
+                buffers, graph::Use::StorageRead);
   }
   return signals;
 }

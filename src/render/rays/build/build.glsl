@@ -36,6 +36,12 @@ BuildBox triangleBox(BuildMesh mesh, uint triangle) {
   return BuildBox(min(a, min(b, c)), max(a, max(b, c)));
 }
 
+// The address of the clusters before a round, of which there are `count`: BvhBuild::clusters.
+uint64_t clustersOf(BvhBuild build, uint round, uint count) {
+  uint64_t others = uint64_t(build.count - count);
+  return build.clusters[round & 1u] + ((round & 1u) == 0u ? others * kBuildClusterBytes : 0ul);
+}
+
 bool isItem(uint reference) { return (reference & kRayLeaf) != 0u; }
 
 // --- scans -----------------------------------------------------------------------------------------------------------

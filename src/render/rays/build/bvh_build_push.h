@@ -86,14 +86,16 @@ struct BvhBuild {
   uint64_t results;  // BuildResult[target], written
   uint64_t state;    // BuildState
   uint64_t keys[2];  // uint64_t[count]: passes of the sort read one and write the other; and so on for the arrays below
-  uint64_t items[2];     // uint[count]: triangles in the order of keys
-  uint64_t counters;     // uint[]: of the sort, by digit and workgroup; of a round, see bvh_neighbors.comp
-  uint64_t clusters[2];  // BuildCluster[count]
-  uint64_t partners;     // uint[count]
-  uint64_t nodes;        // BuildNode[count]
-  uint64_t places;       // BuildPlace[count]
-  uint64_t queues[2];    // uint[count]: indices of nodes of even and odd levels
-  uint count;            // triangles of all meshes
+  uint64_t items[2];  // uint[count]: triangles in the order of keys
+  uint64_t counters;  // uint[]: of the sort, by digit and workgroup; of a round, see bvh_neighbors.comp
+  // BuildCluster[]: before even and odd rounds. The first one ends where `nodes` end, so its clusters move toward the
+  // end as they become fewer. A round merges at most half of them, and has written a node for each missing cluster.
+  uint64_t clusters[2];
+  uint64_t partners;   // uint[count]
+  uint64_t nodes;      // BuildNode[count]
+  uint64_t places;     // BuildPlace[count]
+  uint64_t queues[2];  // uint[count]: indices of nodes of even and odd levels
+  uint count;          // triangles of all meshes
   uint meshCount;
   uint target;    // rounds end when at most so many clusters remain
   uint rounds;    // maximum number of rounds

@@ -33,7 +33,7 @@ void main() {
   uint count = BuildStateRef(build.state).v.clusters[push.step], groups = groupsFor(count, kMergedPerGroup);
   if (workgroup() >= groups) return;
   BuildWordsRef counters = BuildWordsRef(build.counters);
-  BuildClustersRef from = BuildClustersRef(build.clusters[push.step & 1u]);
+  BuildClustersRef from = BuildClustersRef(clustersOf(build, push.step, count));
   uint index = workgroup() * kMergedPerGroup + invocation();
   uint partner = index < count ? BuildWordsRef(build.partners).v[index] : 0u;
   bool stays = index < count && partner >= index, merges = index < count && partner > index;
@@ -47,5 +47,6 @@ void main() {
     BuildNodesRef(build.nodes).v[node] = nodeOf(build, cluster, other);
     cluster = merged(cluster, other, node);
   }
-  BuildClustersRef(build.clusters[~push.step & 1u]).v[counters.v[workgroup()] + (before & 0xffffu)] = cluster;
+  BuildClustersRef to = BuildClustersRef(clustersOf(build, push.step + 1u, remaining));
+  to.v[counters.v[workgroup()] + (before & 0xffffu)] = cluster;
 }

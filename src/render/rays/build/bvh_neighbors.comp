@@ -78,7 +78,7 @@ void main() {
   BvhBuild build = BvhBuildRef(push.build).v;
   uint count = BuildStateRef(build.state).v.clusters[push.step], groups = groupsFor(count, kMergedPerGroup);
   if (workgroup() >= groups) return;
-  BuildClustersRef clusters = BuildClustersRef(build.clusters[push.step & 1u]);
+  BuildClustersRef clusters = BuildClustersRef(clustersOf(build, push.step, count));
   int first = int(workgroup() * kMergedPerGroup) - 2 * int(kNeighbors);
   if (invocation() < 2u) groupCounts[invocation()] = 0u;
   loadClusters(clusters, first, count);

@@ -11,8 +11,9 @@ void main() {
   if (index >= build.target) return;
   BuildStateRef state = BuildStateRef(build.state);
   BuildResult result = BuildResult(BuildCluster(vec3(0.0), 0u, vec3(0.0), kRayNone), 1u, 0u);
-  if (index < state.v.clusters[state.v.finished]) {
-    result.cluster = BuildClustersRef(build.clusters[state.v.finished & 1u]).v[index];
+  uint round = state.v.finished, count = state.v.clusters[round];
+  if (index < count) {
+    result.cluster = BuildClustersRef(clustersOf(build, round, count)).v[index];
     if (!isItem(result.cluster.reference)) {
       result.items = BuildNodesRef(build.nodes).v[result.cluster.reference].items;
       result.nodes = BuildNodesRef(build.nodes).v[result.cluster.reference].nodes;

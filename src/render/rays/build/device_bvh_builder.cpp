@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <future>
+#include <memory>
 
 #include "base/parallel.h"
 #include "render/rays/build/bvh_build_push.h"
@@ -20,7 +22,7 @@ using shared::BvhBuildPush;
 constexpr uint64_t kTrianglesAtOnce = uint64_t{1} << 24;
 // The host builds the nodes above clusters of about so many triangles, up to a number of clusters.
 constexpr uint32_t kTrianglesPerCluster = 64, kMaxHostClusters = 32768;
-constexpr uint64_t kBytesPerTriangle = 136;  // of a build, in addition to the BVH
+constexpr uint64_t kBytesPerTriangle = 104;  // of a build, in addition to the BVH
 
 uint32_t trianglesOf(const scene::Mesh& mesh) {
   return static_cast<uint32_t>(mesh.indices.size() / 3);
@@ -137,22 +139,25 @@ std::vector<Top> topsOf(std::span<const BuildResult> results, uint32_t count, ui
 
 }  // namespace
 
-// The memory of a build. Arrays whose contents are not needed at the same time share it.
+// The memory of a build. Arrays whose contents are not needed at the same time share it. Drivers need milliseconds for
+// hundreds of megabytes, so the array that only merging needs is allocated by another thread during the sort.
 struct DeviceBvhBuilder::Batch {
   Batch(vk::Device& device, uint32_t count, uint32_t meshCount);
+  // Waits for `nodes`, and sets its addresses in `build`.
+  void awaitNodes();
 
   vk::Buffer head;     // BvhBuild, then BuildMesh[]
   vk::Buffer results;  // shared::BuildResult[], readable by the host
   vk::Buffer state;
-  vk::Buffer clusters;  // before the first round; at last, the places of nodes
-  vk::Buffer others;    // the clusters after a round; before, the arrays of the sort
-  vk::Buffer nodes;
+  vk::Buffer others;   // the arrays of the sort; later, the clusters after the first round; at last, places and queues
   vk::Buffer indices;  // items, partners, counters
+  vk::Buffer nodes;    // also the clusters before the first round
   BvhBuild build;
+  std::future<vk::Buffer> allocatedNodes;
 };
 
 DeviceBvhBuilder::Batch::Batch(vk::Device& device, uint32_t count, uint32_t meshCount) {
-  const auto make = [&](const char* name, VkDeviceSize bytes, VkBufferUsageFlags usage = 0) {
+  const auto make = [&device](const char* name, VkDeviceSize bytes, VkBufferUsageFlags usage = 0) {
     return vk::Buffer(device, {.size = bytes, .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | usage, .name = name});
   };
   const uint32_t counters = std::max(shared::kDigits * groupsFor(count, shared::kKeysPerGroup),
@@ -163,27 +168,50 @@ DeviceBvhBuilder::Batch::Batch(vk::Device& device, uint32_t count, uint32_t mesh
   results = vk::Buffer(device,
                        {.size = target * sizeof(BuildResult), .kind = vk::MemoryKind::Readback, .name = "BVH results"});
   state = make("BVH state", sizeof(shared::BuildState), VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT);
-  clusters = make("BVH clusters", n * shared::kBuildClusterBytes);
   others = make("BVH clusters", n * shared::kBuildClusterBytes);
-  nodes = make("BVH nodes", n * sizeof(shared::BuildNode));
   indices = make("BVH items", (2 * n + counters) * sizeof(uint32_t));
+  allocatedNodes = inBackground([make, n] { return make("BVH nodes", n * sizeof(shared::BuildNode)); });
   build = {.meshes = head.address() + sizeof(BvhBuild),
            .results = results.address(),
            .state = state.address(),
            .keys = {others.address(), others.address() + 8 * n},
            .items = {indices.address(), others.address() + 16 * n},
            .counters = indices.address() + 8 * n,
-           .clusters = {clusters.address(), others.address()},
+           .clusters = {0, others.address()},
            .partners = indices.address() + 4 * n,
-           .nodes = nodes.address(),
-           .places = clusters.address(),
-           .queues = {others.address(), others.address() + 4 * n},
+           .places = others.address(),
+           .queues = {others.address() + 16 * n, others.address() + 20 * n},
            .count = count,
            .meshCount = meshCount,
            .target = target,
            .rounds = maxRounds(count),
            .maxDepth = shared::kMaxMeshDepth};
 }
+
+void DeviceBvhBuilder::Batch::awaitNodes() {
+  nodes = allocatedNodes.get();
+  build.nodes = nodes.address();
+  build.clusters[0] = nodes.address() + build.count * (sizeof(BuildNode) - shared::kBuildClusterBytes);
+}
+
+namespace {
+
+// Returns the memory of the BVHs. Its size is exact, unless nodes above clusters become leaves.
+std::vector<DeviceBvh> allocateBvhs(vk::Device& device, std::span<const BuildResult> results,
+                                    const std::vector<const scene::Mesh*>& meshes) {
+  const std::vector<std::span<const BuildResult>> clusters = byMesh(results, meshes.size());
+  std::vector<DeviceBvh> bvhs(meshes.size());
+  for (size_t i = 0; i < meshes.size(); ++i) {
+    VkDeviceSize nodes = std::max<size_t>(clusters[i].size() - 1, 1);
+    for (const BuildResult& cluster : clusters[i]) nodes += cluster.nodes;
+    bvhs[i].buffer = vk::Buffer(
+        device, {.size = nodes * sizeof(shared::RayNode) + trianglesOf(*meshes[i]) * sizeof(shared::RayTriangle),
+                 .name = meshes[i]->name + ", BVH"});
+  }
+  return bvhs;
+}
+
+}  // namespace
 
 DeviceBvhBuilder::DeviceBvhBuilder(vk::Device& device, graph::Executor& executor, const scene::Scene& scene,
                                    GpuScene& gpuScene)
@@ -224,51 +252,55 @@ std::vector<DeviceBvh> DeviceBvhBuilder::build(std::span<const uint32_t> meshes)
 }
 
 // The host waits for the numbers of nodes before it allocates the memory of the BVHs, because they have about half as
-// many nodes as they could have.
+// many nodes as they could have. The memory of the build is freed by another thread.
 void DeviceBvhBuilder::buildBatch(std::span<const uint32_t> meshes, std::span<DeviceBvh> built) {
+  if (freeing_.valid()) freeing_.get();
   std::vector<BuildMesh> records;
+  std::vector<const scene::Mesh*> sources;
   uint32_t count = 0;
   for (const uint32_t mesh : meshes) {
-    records.push_back(recordOf(scene_.meshes[mesh], gpuScene_.geometry().restPositions(mesh),
-                               gpuScene_.geometry().indices(mesh), count));
-    count += trianglesOf(scene_.meshes[mesh]);
+    sources.push_back(&scene_.meshes[mesh]);
+    records.push_back(
+        recordOf(*sources.back(), gpuScene_.geometry().restPositions(mesh), gpuScene_.geometry().indices(mesh), count));
+    count += trianglesOf(*sources.back());
   }
-  const Batch batch(device_, count, static_cast<uint32_t>(meshes.size()));
-  gpuScene_.uploads().upload(batch.head, std::as_bytes(std::span(&batch.build, 1)));
-  gpuScene_.uploads().upload(batch.head, std::as_bytes(std::span(records)), sizeof(BvhBuild));
-  run({{"BVH keys", [&](graph::Context& context) { sort(context, batch); }},
-       {"BVH nodes", [&](graph::Context& context) { merge(context, batch); }}});
-  const std::vector<Top> tops = topsOf(std::span(batch.results.as<const BuildResult>(), batch.build.target),
-                                       batch.build.count, batch.build.meshCount);
+  auto batch = std::make_unique<Batch>(device_, count, static_cast<uint32_t>(meshes.size()));
+  vk::Uploader& uploads = gpuScene_.uploads();
+  uploads.upload(batch->head, std::as_bytes(std::span(&batch->build, 1)));
+  uploads.upload(batch->head, std::as_bytes(std::span(records)), sizeof(BvhBuild));
+  run("BVH keys", [&](graph::Context& context) { sort(context, *batch); });
+  batch->awaitNodes();
+  uploads.upload(batch->head, std::as_bytes(std::span(&batch->build, 1)));
+  run("BVH nodes", [&](graph::Context& context) { merge(context, *batch); });
+  const std::span<const BuildResult> results(batch->results.as<const BuildResult>(), batch->build.target);
+  std::future<std::vector<DeviceBvh>> allocated =
+      inBackground([this, results, &sources] { return allocateBvhs(device_, results, sources); });
+  const std::vector<Top> tops = topsOf(results, batch->build.count, batch->build.meshCount);
+  std::ranges::move(allocated.get(), built.begin());
   for (size_t i = 0; i < meshes.size(); ++i) {
-    const scene::Mesh& mesh = scene_.meshes[meshes[i]];
-    DeviceBvh& bvh = built[i];
-    bvh.nodes = tops[i].nodes;
-    bvh.bounds = tops[i].bounds;
-    bvh.buffer = vk::Buffer(device_, {.size = bvh.nodeBytes() + trianglesOf(mesh) * sizeof(shared::RayTriangle),
-                                      .name = mesh.name + ", BVH"});
-    records[i].nodes = bvh.buffer.address();
-    records[i].triangles = bvh.triangles();
+    built[i].nodes = tops[i].nodes;
+    built[i].bounds = tops[i].bounds;
+    records[i].nodes = built[i].buffer.address();
+    records[i].triangles = built[i].triangles();
     records[i].root = tops[i].root;
     if (!tops[i].added.empty())
-      gpuScene_.uploads().upload(batch.nodes, std::as_bytes(std::span(tops[i].added)),
-                                 tops[i].root * sizeof(BuildNode));
+      uploads.upload(batch->nodes, std::as_bytes(std::span(tops[i].added)), tops[i].root * sizeof(BuildNode));
   }
-  gpuScene_.uploads().upload(batch.head, std::as_bytes(std::span(records)), sizeof(BvhBuild));
-  run({{"BVH places", [&](graph::Context& context) { place(context, batch); }}});
+  uploads.upload(batch->head, std::as_bytes(std::span(records)), sizeof(BvhBuild));
+  run("BVH places", [&](graph::Context& context) { place(context, *batch); });
+  freeing_ = inBackground([batch = std::move(batch)]() mutable { batch.reset(); });
 }
 
-// Runs steps after the pending changes of the scene, and waits.
-void DeviceBvhBuilder::run(const std::vector<std::pair<const char*, graph::Record>>& steps) {
+// Runs a step after the pending changes of the scene, and waits.
+void DeviceBvhBuilder::run(const char* name, const graph::Record& record) {
   graph::Graph graph(executor_);
   gpuScene_.addChanges(graph);
-  for (const auto& [name, record] : steps) graph.prologue(graph::Stage::Upload, name, record);
+  graph.prologue(graph::Stage::Upload, name, record);
   const graph::Submission done = executor_.submit(graph, graph.compile());
   gpuScene_.changesSubmitted();
   done.wait();
-  const std::vector<graph::PassTime>& times = done.times();  // the last ones are those of the steps
-  for (size_t i = 1; i <= std::min(times.size(), steps.size()); ++i)
-    milliseconds_ += times[times.size() - i].milliseconds;
+  const std::vector<graph::PassTime>& times = done.times();  // the last one is that of the step
+  if (!times.empty()) milliseconds_ += times.back().milliseconds;
 }
 
 void DeviceBvhBuilder::dispatch(graph::Context& context, const vk::PipelineRef& pipeline, const Batch& batch,

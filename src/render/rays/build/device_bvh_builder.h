@@ -18,7 +18,7 @@
 //     | bvh_scan               |      positions of clusters and nodes after the round
 //     | bvh_merge -------------+-->   nodes
 //     | bvh_roots                     results: the remaining clusters, for the host
-//     | the host                      further nodes; it also allocates the memory of the BVHs
+//     | the host                      further nodes; meanwhile, another thread allocates the memory of the BVHs
 //   nodes
 //     | bvh_root_places, bvh_places   level by level: parents place their children
 //   RayNode[] and RayTriangle[] per mesh
@@ -27,8 +27,8 @@
 // the number of rounds are bounded for all boxes (bvh_neighbors.comp).
 #pragma once
 
+#include <future>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "render/gpu_scene/gpu_scene.h"
@@ -71,12 +71,13 @@ class DeviceBvhBuilder {
                 uint32_t perGroup, uint32_t step = 0, uint32_t values = 0) const;
   void dispatchIndirect(graph::Context& context, const vk::PipelineRef& pipeline, const Batch& batch, uint32_t step,
                         VkDeviceSize groups) const;
-  void run(const std::vector<std::pair<const char*, graph::Record>>& steps);
+  void run(const char* name, const graph::Record& record);
 
   vk::Device& device_;
   graph::Executor& executor_;
   const scene::Scene& scene_;
   GpuScene& gpuScene_;
+  std::future<void> freeing_;  // of the last build's memory
   vk::PipelineRef codes_, digits_, scan_, sort_, leaves_, neighbors_, merge_, roots_, rootPlaces_, places_;
   double milliseconds_ = 0;
 };
