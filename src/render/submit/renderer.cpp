@@ -514,6 +514,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       s.describeGraph || (part.shadows && !part.shadows->tracesRays()) || part.job.exposes || part.job.rowsAreViews ||
       bendsRays(part.job.camera(part.first)))
     return std::nullopt;
+  if (s.indirect == Indirect::Path) return std::nullopt;  // its passes depend on the materials of all instances
   if (tracesPaths(s) && gpuScene_.worlds().hasLights()) return std::nullopt;  // a pass copies their sizes per view
   ReplayKey key{
       .views = part.count,
