@@ -169,7 +169,6 @@ void runShade(BenchArguments& a) {
 // Measures many views, each with a world of its own if `inWorlds`.
 void runViews(BenchArguments& a, bool inWorlds) {
   RenderOptions& o = a.render;
-  refuseRaster(o);
   if (!o.aovs.empty()) o.settings.aovs = output::parseAovs(o.aovs);
   o.settings.display = o.aovs.empty();
   onDevice(o, [&](vk::Device& device) {

@@ -749,9 +749,9 @@ WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& 
   converter.checkDeformations(device);
   render::WorldStates& to = state.worlds;
   std::vector<scene::Camera> each = converter.camerasOfWorld();
-  const bool onDevice = !onHost && renderer.placesWorlds(settings, each, state.poses,
-                                                         !worlds.lightValues.empty() || hasLights(worlds.arrays) ||
-                                                             !worlds.joints.empty());
+  const bool ownLights = !worlds.lightValues.empty() || hasLights(worlds.arrays);
+  const bool onDevice =
+      !onHost && renderer.placesWorlds(settings, each, state.poses, ownLights, !worlds.joints.empty());
   const auto convertLists = [&](const Worlds& lists) {
     to = {.environments = std::move(to.environments)};
     return convert(lists, settings, state, renderer, device, onHost);

@@ -28,9 +28,11 @@ namespace {
 using render::Raster;
 constexpr Raster kRasters[] = {Raster::Hardware, Raster::Compute};
 
-// Returns the rasters that can render these settings.
-std::span<const Raster> rastersOf(const render::Settings& settings) {
-  return std::span(kRasters).subspan(render::takesCompute(settings) ? 1 : 0);
+// Returns the raster of the settings, or without a choice those that can render them.
+std::vector<Raster> rastersOf(const render::Settings& settings) {
+  if (settings.raster != Raster::Auto) return {settings.raster};
+  const auto some = std::span(kRasters).subspan(render::takesCompute(settings) ? 1 : 0);
+  return {some.begin(), some.end()};
 }
 
 // --- raster ---------------------------------------------------------------------------------------------------------
@@ -65,7 +67,7 @@ Table benchRaster(vk::Device& device, const BenchOptions& options) {
 
 Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const render::SceneState& moment,
                  const render::Settings& settings, const Ceilings& ceilings, const BenchOptions& options) {
-  const std::span<const Raster> rasters = rastersOf(settings);
+  const std::vector<Raster> rasters = rastersOf(settings);
   std::vector<render::Settings> each(rasters.size(), settings);
   for (size_t i = 0; i < each.size(); ++i) each[i].raster = rasters[i];
   const std::vector<PassSamples> samples = measureInterleaved(renderer, camera, moment, each, options.frames);
@@ -216,7 +218,7 @@ Table benchWorlds(vk::Device& device, render::Renderer& renderer, const scene::S
   for (const Raster raster : rastersOf(settings)) {
     render::Settings s = settings;
     s.raster = raster;
-    if (renderer.placesWorlds(s, cameras, poses, false)) {
+    if (renderer.placesWorlds(s, cameras, poses, false, false)) {
       const std::array states{turningWorldsOnDevice(device, scene, cameras, 0),
                               turningWorldsOnDevice(device, scene, cameras, 1)};
       addViews(table, renderer, std::span(cameras).first(1), count, s, options,

@@ -81,7 +81,7 @@ class Mirrored : public RenderTest {
 
   // Expects the cube's near face, 3.5 m away, around x = -kCubeCenter: 10 x 10 pixels.
   static void expectNearFace(const GltfBuilder& file, std::optional<double> seconds, float forward = 0) {
-    for (const Raster raster : {Raster::Hardware, Raster::Compute}) {
+    for (const Raster raster : {Raster::Hardware, Raster::Compute, Raster::Rays}) {
       SCOPED_TRACE(nameOf(raster));
       const output::FrameOutput frame = render(file, seconds, raster);
       for (uint32_t i = 0; i < kCubePixels * kCubePixels; ++i) {

@@ -191,7 +191,7 @@ class WorldsTest : public RenderTest {
   static Settings settingsWith(Raster raster) {
     Settings settings = settingsOf(kWidth, kHeight, allOutputs());
     settings.raster = raster;
-    settings.lighting = &findTechnique(raster == Raster::Compute ? "clustered" : "fullscreen");
+    settings.lighting = &findTechnique(raster == Raster::Hardware ? "fullscreen" : "clustered");
     settings.shadows = ShadowFormat::D32;
     return settings;
   }
@@ -199,8 +199,12 @@ class WorldsTest : public RenderTest {
 
 class WorldsWith : public WorldsTest, public testing::WithParamInterface<Raster> {};
 
-INSTANTIATE_TEST_SUITE_P(Rasters, WorldsWith, testing::Values(Raster::Compute, Raster::Hardware),
-                         [](const auto& info) { return info.param == Raster::Compute ? "Compute" : "Hardware"; });
+std::string caseName(Raster raster) {
+  return raster == Raster::Compute ? "Compute" : raster == Raster::Rays ? "Rays" : "Hardware";
+}
+
+INSTANTIATE_TEST_SUITE_P(Rasters, WorldsWith, testing::Values(Raster::Compute, Raster::Hardware, Raster::Rays),
+                         [](const auto& info) { return caseName(info.param); });
 
 std::string model(const char* name) {
   return models::modelPath(name).string();

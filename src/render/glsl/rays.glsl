@@ -38,10 +38,16 @@ struct RayHit {
 #define kRayInfinity uintBitsToFloat(0x7f800000u)
 bool isHit(RayHit hit) { return hit.distance < kRayInfinity; }
 
+// Shaders may define RAY_ALPHA_TESTS as false for scenes without masked and blended materials.
+#ifndef RAY_ALPHA_TESTS
+#define RAY_ALPHA_TESTS true
+#endif
+
 // The surfaces that a ray hits.
 const uint kRayTwoSided = 1u;          // back faces of single-sided materials, too
 const uint kRayAnySurface = 2u;        // blended and transmissive surfaces, too
 const uint kRayStopAtFirst = 4u;       // any hit: only isHit() is valid
+const uint kRayGroupShift = 8u;         // from this bit on: the group whose instances it hits; 0: all instances
 const uint kRayStackEnd = 0xfffffffeu;  // on the stack, below the nodes of a mesh: return to the instances
 
 // --- boxes -----------------------------------------------------------------------------------------------------------
@@ -78,6 +84,7 @@ struct RayMesh {
   uint index;       // in FrameConstants::instances
   uint material;
   uint flags;       // kRay*
+  uint group;
   uint64_t nodes, triangles, positions;
   mat3 toRay;       // from object space to the ray's axes
   vec3 offset;      // the origin of object space, in the ray's axes
@@ -101,6 +108,7 @@ RayMesh enterInstance(FrameConstants frame, RayScene scene, uint index, Ray ray,
   mesh.index = placed.instance;
   mesh.material = instance.material;
   mesh.flags = placed.flags;
+  mesh.group = instance.flags >> kInstanceGroupShift;
   mesh.nodes = placed.nodes;
   mesh.triangles = placed.triangles;
   mesh.positions = MeshRef(frame.meshes).v[instance.mesh].positions;
@@ -176,11 +184,20 @@ bool rayPasses(FrameConstants frame, RayMesh mesh, uvec3 corners, vec3 weights) 
 }
 
 // Returns true if a hit precedes another one: the nearer one, and at equal distances the last one by instance and then
-// by triangle.
+// by triangle. Shaders that define RAY_ORDER(instance) order the instances themselves.
+#ifdef RAY_ORDER
+bool precedes(float distance, uint instance, uint triangle, RayHit other) {
+  bool first = distance < other.distance;
+  for (bool tie = distance == other.distance; tie; tie = false)
+    first = instance == other.instance ? triangle > other.triangle : RAY_ORDER(instance) > RAY_ORDER(other.instance);
+  return first;
+}
+#else
 bool precedes(float distance, uint instance, uint triangle, RayHit other) {
   bool last = instance > other.instance || (instance == other.instance && triangle > other.triangle);
   return distance < other.distance || (distance == other.distance && last);
 }
+#endif
 
 // It has loops instead of branches, because lavapipe executes a branch even if no lane takes it.
 void visitTriangle(FrameConstants frame, RayMesh mesh, uint index, Ray ray, uint what, inout RayHit hit) {
@@ -198,7 +215,7 @@ void visitTriangle(FrameConstants frame, RayMesh mesh, uint index, Ray ray, uint
     vec3 weights = rayWeights(areas, a.xy, b.xy, c.xy);
     float distance = dot(weights, vec3(a.z, b.z, c.z));
     bool hits = distance >= ray.near && distance <= ray.far && precedes(distance, mesh.index, triangle.w, hit);
-    for (bool tested = hits && (mesh.flags & kRayAlphaTested) != 0u; tested; tested = false)
+    for (bool tested = hits && RAY_ALPHA_TESTS && (mesh.flags & kRayAlphaTested) != 0u; tested; tested = false)
       hits = !rayPasses(frame, mesh, triangle.xyz, weights);
     if (hits) hit = RayHit(distance, mesh.index, triangle.w, triangle.xyz, weights, front);
   }
@@ -211,6 +228,12 @@ RayHit noHit() { return RayHit(kRayInfinity, 0u, 0u, uvec3(0u), vec3(0.0), false
 bool isUsable(Ray ray) {
   return abs(dot(ray.direction, ray.direction) - 1.0) < 1e-3 && all(lessThan(abs(ray.origin), vec3(3.0e37))) &&
          ray.near <= ray.far;
+}
+
+// Returns true if the ray does not hit the instance. `what`: kRay* above.
+bool skips(RayMesh mesh, uint what) {
+  bool translucent = (mesh.flags & kRayTranslucent) != 0u && (what & kRayAnySurface) == 0u;
+  return translucent || (what >> kRayGroupShift != 0u && what >> kRayGroupShift != mesh.group);
 }
 
 // `what`: kRay* above.
@@ -251,8 +274,7 @@ RayHit traceRay(FrameConstants frame, Ray ray, uint what) {
     bool tests = inMesh && current < kRayStackEnd && (current & kRayLeaf) != 0u;
     for (bool some = enters; some; some = false) {
       mesh = enterInstance(frame, scene, current & kRayFirstMask, ray, axes);
-      bool skipped = (mesh.flags & kRayTranslucent) != 0u && (what & kRayAnySurface) == 0u;
-      inMesh = !skipped;
+      inMesh = !skips(mesh, what);
       if (inMesh) {
         stack[top++] = kRayStackEnd;
         nodes = mesh.nodes;

@@ -218,7 +218,12 @@ bool takesCompute(const Settings& settings) {
 }
 
 bool rastersInCompute(const Settings& settings) {
-  return (settings.raster == Raster::Compute || takesCompute(settings)) && !alwaysDraws(settings);
+  const bool compute = settings.raster == Raster::Compute || settings.raster == Raster::Rays;
+  return (compute || takesCompute(settings)) && !alwaysDraws(settings);
+}
+
+bool tracesVisibility(const Settings& settings) {
+  return settings.raster == Raster::Rays && rastersInCompute(settings);
 }
 
 bool keepsIndirect(const Settings& settings) {

@@ -223,6 +223,8 @@ bool lightsTriangles(const Settings& settings);
 bool takesCompute(const Settings& settings);
 // Returns true if frames with these settings find the visible surfaces in compute shaders.
 bool rastersInCompute(const Settings& settings);
+// Returns true if they find them by rays.
+bool tracesVisibility(const Settings& settings);
 
 // Returns true if the filter of indirect light averages over the frames of a sequence.
 bool keepsIndirect(const Settings& settings);

@@ -17,7 +17,7 @@ Settings lensSettings(const Settings& settings) {
     badUsage("{} lighting takes a pinhole or orthographic camera: choose {}", settings.lighting->name,
              techniquesThatCompute());
   Settings changed = settings;
-  changed.raster = Raster::Compute;
+  if (settings.raster != Raster::Rays) changed.raster = Raster::Compute;
   // Every sample needs a ray of its own, which only whole frames have: the smallest grid with as many samples.
   if (settings.aa.samples > 1) {
     changed.aa.superSampling = static_cast<uint32_t>(std::ceil(std::sqrt(settings.aa.samples)));

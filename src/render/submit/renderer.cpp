@@ -13,6 +13,7 @@
 #include "render/exposure/check.h"
 #include "render/frame/view.h"
 #include "render/lens/shadow_view.h"
+#include "render/lighting/reference/paths.h"
 #include "render/lighting/technique.h"
 #include "render/options/options.h"
 #include "render/outputs/raw_read.h"
@@ -98,13 +99,18 @@ bool tracesPaths(const Settings& settings) {
   return settings.indirect != Indirect::None || settings.lighting->traces || settings.ground != Ground::None;
 }
 
-bool tracesRays(const Settings& settings) {
+// Returns true if light is found by rays.
+bool tracesLight(const Settings& settings) {
   return settings.shadows == ShadowFormat::Rays || tracesPaths(settings);
+}
+
+bool tracesRays(const Settings& settings) {
+  return (tracesLight(settings) && isLit(settings)) || tracesVisibility(settings);
 }
 
 // Throws Error(Usage) if rays do not support what worlds require.
 void checkRaysInWorlds(const Settings& settings, const WorldStates& worlds) {
-  if (worlds.count == 0 || !tracesRays(settings)) return;
+  if (worlds.count == 0 || !tracesLight(settings)) return;
   if (tracesPaths(settings) && !worlds.environments.empty())
     badUsage(
         "paths sample one environment for all worlds: render worlds with environments of their own without indirect "
@@ -201,7 +207,7 @@ std::vector<uint32_t> Renderer::selectEnvironments(const WorldStates& worlds) {
 
 // Prepares what rays and the raster compute read, for the scene's current pose.
 void Renderer::prepareScene(const Settings& settings) {
-  if (tracesRays(settings) && isLit(settings)) followedBvh(tracesPaths(settings));
+  if (tracesRays(settings)) followedBvh(tracesPaths(settings));
   if (!needsComputeRaster(settings)) return;
   gpuScene_.storeClusters();
   rasterInstances_.update(gpuScene_, drawOrder_, gpuScene_.uploads());
@@ -256,13 +262,14 @@ bool Renderer::placesShadows(const Settings& s, const Poses& poses, bool hostSha
 }
 
 bool Renderer::placesWorlds(const Settings& s, std::span<const scene::Camera> cameras, const Poses& poses,
-                            bool hostShadows) const {
+                            bool ownLights, bool ownJoints) const {
   const auto blurs = [&](const scene::Camera& camera) { return thinLensOf(camera, s, scene_).radius > 0; };
-  const bool sizesOfLights = tracesPaths(s) && hostShadows;  // the host lists them in the order of each world's lights
+  const bool sizesOfLights = tracesPaths(s) && ownLights;  // the host lists them in the order of each world's lights
   return WorldPlacer::runsOn(device_) && rastersInCompute(s) && !s.lighting->draws && !sizesOfLights &&
-         placesShadows(s, poses, hostShadows) && (s.ambientOcclusion == AmbientOcclusion::None || s.aoRadius) &&
-         s.aa.superSampling == 1 && !keepsHistory(s) && s.shutter == 0 && s.readout == 0 && stripsOf(s).size() == 1 &&
-         std::ranges::none_of(cameras, bendsRays) && std::ranges::none_of(cameras, blurs);
+         placesShadows(s, poses, ownLights || ownJoints) &&
+         (s.ambientOcclusion == AmbientOcclusion::None || s.aoRadius) && s.aa.superSampling == 1 && !keepsHistory(s) &&
+         s.shutter == 0 && s.readout == 0 && stripsOf(s).size() == 1 && std::ranges::none_of(cameras, bendsRays) &&
+         std::ranges::none_of(cameras, blurs);
 }
 
 std::shared_ptr<const vk::Buffer> Renderer::inputMemory(uint64_t bytes) {
@@ -505,10 +512,12 @@ Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> max
 
 std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
   const Settings& s = part.job.settings;
-  if (!sceneInput_ || tracesRays(s) || !rastersInCompute(s) || s.lighting->draws || s.aa.superSampling > 1 ||
-      keepsHistory(s) || s.describeGraph || part.shadows || part.job.exposes || part.job.rowsAreViews ||
+  if (!sceneInput_ || !rastersInCompute(s) || s.lighting->draws || s.aa.superSampling > 1 || keepsHistory(s) ||
+      s.describeGraph || (part.shadows && !part.shadows->tracesRays()) || part.job.exposes || part.job.rowsAreViews ||
       bendsRays(part.job.camera(part.first)))
     return std::nullopt;
+  if (s.indirect == Indirect::Path) return std::nullopt;  // its passes depend on the materials of all instances
+  if (tracesPaths(s) && gpuScene_.worlds().hasLights()) return std::nullopt;  // a pass copies their sizes per view
   ReplayKey key{
       .views = part.count,
       .firstView = part.job.result.arrays.empty() ? 0 : part.first,
@@ -530,7 +539,13 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       .textures = device_.maxTextureArray() ? gpuScene_.materials().textureSet() : VK_NULL_HANDLE,
       .environment = state_.environment,
       .placedShadows = {},
+      .shadowColumns = part.shadows ? part.shadows->columns() : 0,
+      .shadowRays = part.shadows && device_.isCpu() ? part.shadows->mostRays() : 0,
+      .emitters = bvh_ && tracesPaths(s) ? bvh_->emitterCount() : 0,
+      .lightSizes = tracesPaths(s) ? lightSizes(gpuScene_.lightsOf(0)) : std::vector<float>{},
+      .groundHeight = s.ground == Ground::None ? 0 : s.groundHeight.value_or(lowestPoint_) - gpuScene_.origin().z,
       .instances = rasterInstances_.address(),
+      .firstTriangles = rasterInstances_.firstTriangles(),
       .objectFrames = gpuScene_.objectFrames(),
       .solid = rasterInstances_.solid(),
       .all = rasterInstances_.all(),
@@ -548,7 +563,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
 
 std::shared_ptr<Replay> Renderer::replayOf(ViewBatch& part, const ReplayKey& key) {
   if (std::shared_ptr<Replay> replay = replays_.find(key, executor_, clusterOcclusion_, device_)) {
-    replay->request.update(part.job.placedWorlds > 0 ? placedViewsOf(part) : viewsOf(part, CameraSample{}));
+    replay->update(part.job.placedWorlds > 0 ? placedViewsOf(part) : viewsOf(part, CameraSample{}), part.shadows);
     for (const ClusterOcclusion::Decision& decision : replay->decisions) clusterOcclusion_.noteRepeated(decision);
     part.replayed = true;
     return replay;
@@ -571,7 +586,8 @@ std::shared_ptr<Replay> Renderer::recordReplay(const ViewBatch& part) {
   const ResultArrays arrays{part.job.result.arrays, part.first, part.strip.first};
   overflow_.checks.clear();  // left by an error
   clusterOcclusion_.takeDecisions();
-  const auto replay = std::make_shared<Replay>(s, state_, scene_.yUp && s.axes == Axes::File, views, arrays);
+  const auto replay =
+      std::make_shared<Replay>(s, state_, scene_.yUp && s.axes == Axes::File, views, part.shadows, arrays);
   replay->request.finish({}, {});
   replay->request.exportResults(part.job.results);
   replay->request.addConstants();
@@ -837,7 +853,7 @@ TargetsResult Renderer::readTargets(const scene::Camera& camera, const Settings&
     badUsage("{} lighting has no G-buffer to show: choose a deferred technique", settings.lighting->name);
   if (!settings.layout->hasTargets())
     badUsage("the layout {} has no targets to show: choose another", settings.layout->name);
-  if (tracesRays(settings)) followedBvh(tracesPaths(settings));  // even if no picture is requested
+  if (tracesLight(settings)) followedBvh(tracesPaths(settings));  // even if no picture is requested
   Settings atCentres = settings;
   atCentres.aa.samples = 1;
   atCentres.shutter = atCentres.readout = 0;

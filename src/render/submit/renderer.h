@@ -81,9 +81,9 @@ class Renderer {
   // Returns true if shaders may place the worlds of a call with these settings and cameras (WorldStates::inputs). Other
   // calls require the host's records: those that draw, cast shadows of other lights than directional ones, or render a
   // picture in several parts.
-  // `hostShadows`: the worlds have lights or joints of their own, to which only the host fits shadow maps.
+  // `ownLights`, `ownJoints`: the worlds have lights or joints of their own, to which only the host fits shadow maps.
   bool placesWorlds(const Settings& settings, std::span<const scene::Camera> cameras, const Poses& poses,
-                    bool hostShadows) const;
+                    bool ownLights, bool ownJoints) const;
   // Returns memory for WorldInputs that the host writes, at least `bytes`. It must be held until the call has finished.
   std::shared_ptr<const vk::Buffer> inputMemory(uint64_t bytes);
 

@@ -32,7 +32,12 @@ struct ReplayKey {
   VkDescriptorSet textures;
   const GpuEnvironment* environment;
   std::array<size_t, 2> placedShadows;  // numbers of lights and of views per world, if shaders fit shadow maps
-  VkDeviceAddress instances;
+  // Of light by rays: lights with shadows, the maximum number of their rays per surface, RayScene::emitterCount, the
+  // sizes of lights for paths, and the height of the ground.
+  uint32_t shadowColumns, shadowRays, emitters;
+  std::vector<float> lightSizes;
+  double groundHeight;
+  VkDeviceAddress instances, firstTriangles;
   VkDeviceAddress objectFrames;
   RasterInstances::Share solid, all;
   VisibleMaterials materials;
@@ -44,11 +49,20 @@ struct ReplayKey {
 
 // A request, recorded. Whoever holds it may read the results of its last submission.
 struct Replay {
+  // `shadows`: those of rays, or null.
   Replay(const Settings& settings, const RenderState& state, bool yUp, const ViewsInTime& views,
-         const ResultArrays& arrays)
-      : settings(settings), request(state, this->settings, yUp, views, views, nullptr, {}, arrays) {}
+         std::shared_ptr<FrameShadows> shadows, const ResultArrays& arrays)
+      : settings(settings),
+        shadows(std::move(shadows)),
+        request(state, this->settings, yUp, views, views, this->shadows.get(), {}, arrays) {}
+  // Replaces the views and the shadows by those of another call with the same key. Nothing in flight may use them.
+  void update(const ViewsInTime& views, std::shared_ptr<FrameShadows> newShadows) {
+    request.update(views, newShadows.get());
+    shadows = std::move(newShadows);
+  }
 
   const Settings settings;
+  std::shared_ptr<FrameShadows> shadows;
   FrameGraphBuilder request;
   std::vector<Overflow::Check> checks;
   std::vector<ClusterOcclusion::Decision> decisions;

@@ -158,9 +158,12 @@ void FrameGraphBuilder::addConstants() {
     if (*set) (*set)->addConstants(graph_);
 }
 
-void FrameGraphBuilder::update(const ViewsInTime& views) {
-  for (std::optional<ViewSet>* set : {&steady_, &jittered_, &solid_, &rastered_})
-    if (*set) (*set)->update(views);
+void FrameGraphBuilder::update(const ViewsInTime& views, const FrameShadows* shadows) {
+  shadows_ = shadows;
+  for (std::optional<ViewSet>* set : {&steady_, &jittered_})
+    if (*set) (*set)->update(views, shadows);
+  for (std::optional<ViewSet>* set : {&solid_, &rastered_})
+    if (*set) (*set)->update(views, nullptr);
 }
 
 // `covered`: tiles outside of which the picture is 0.

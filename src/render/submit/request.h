@@ -48,7 +48,7 @@ class FrameGraphBuilder {
   // Adds the constants of views that shaders write to the prologue. Call it last, after the scene's changes.
   void addConstants();
   // Replaces all views by as many others without jitter, for a recorded graph that runs again.
-  void update(const ViewsInTime& views);
+  void update(const ViewsInTime& views, const FrameShadows* shadows);
 
   graph::Graph& graph() { return graph_; }
   ShadowMapState shadowState() const { return shadowState_; }  // after this graph

@@ -15,7 +15,8 @@ namespace latelight::render {
 namespace {
 
 Visibility makeVisibility(const RenderState& state, std::span<const shared::View> views, const Settings& settings,
-                          const VisibilityOptions& options) {
+                          VisibilityOptions options) {
+  options.traced = tracesVisibility(settings);
   if (options.inCompute || rastersInCompute(settings))
     return ComputeVisibility(state.scene, state.rasterInstances, state.clusterOcclusion, options);
   return HardwareVisibility(state.device, state.scene, state.order, views, options);
@@ -56,7 +57,8 @@ vk::Buffer uploadBuffer(vk::Device& device, const char* name, uint64_t bytes, Vk
 
 }  // namespace
 
-void ViewSet::update(const ViewsInTime& views) {
+void ViewSet::update(const ViewsInTime& views, const FrameShadows* shadows) {
+  shadows_ = shadows;
   if (!views.onDevice.now) {
     std::ranges::copy(views.now, views_.now.begin());
     std::ranges::copy(views.previous, views_.previous.begin());
@@ -84,13 +86,14 @@ void ViewSet::upload() {
     constants_.as<shared::FrameConstants>()[i] = frame;
   }
   if (!shadows_ || !shadows_->tracesRays()) return;
-  std::vector<shared::FrameConstants> others;
+  if (!otherConstants_)
+    otherConstants_ = uploadBuffer(state_.device, "constants of other lights", frames * sizeof(shared::FrameConstants),
+                                   VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
   for (size_t i = 0; i < frames; ++i) {
     setView(frame, i);
     frame.lights = shadows_->otherLights(views_.now[i].world);
-    others.push_back(frame);
+    otherConstants_.as<shared::FrameConstants>()[i] = frame;
   }
-  otherConstants_ = vk::uploadedBuffer(state_.device, "constants of other lights", std::as_bytes(std::span(others)));
 }
 
 // Describes the views' constants for the shader that writes them.

@@ -62,8 +62,9 @@ class ViewSet {
   // Returns a frame of these views, to which passes can be added.
   FrameContext frame(graph::Graph& graph, FrameConfig setup) const;
 
-  // Replaces the views by as many others, for a graph that runs again. Nothing in flight may use them.
-  void update(const ViewsInTime& views);
+  // Replaces the views by as many others, and their shadows, for a graph that runs again. Nothing in flight may use
+  // them.
+  void update(const ViewsInTime& views, const FrameShadows* shadows);
 
   std::span<const shared::View> views() const { return views_.now; }
   const Visibility& visibility() const { return visibility_; }

@@ -36,6 +36,7 @@ struct FragmentBuffers {
 struct VisibilityOptions {
   bool blendedToo = false;  // blended surfaces with alpha above 0 count as opaque: for data outputs
   bool inCompute = false;   // rasterizes in compute shaders regardless of the settings
+  bool traced = false;      // rays find the visible surfaces instead of rasterization; the rest is as in compute
   bool atCentres = false;   // one sample at the pixel's center; instances that cover no center are culled
 };
 

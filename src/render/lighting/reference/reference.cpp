@@ -55,24 +55,18 @@ void bindSignals(Bindings& bindings, const IndirectSignals& signals, bool first)
     bindings.storage(image, graph::Use::StorageWrite);
 }
 
-// Returns the sizes of the lights, as RayShadow::lightSize, in the order of FrameConstants::lights. With lights of
-// worlds, they are those of each view, with the space of the largest world.
-std::vector<float> lightSizes(const FrameContext& f) {
+// Returns the sizes of the lights. With lights of worlds, they are those of each view, with the space of the largest
+// world.
+std::vector<float> sizesInViews(const FrameContext& f) {
   const size_t views = f.scene.worlds().hasLights() ? f.views.size() : 1, stride = f.scene.lightCount();
   std::vector<float> sizes(views * stride);
-  for (size_t view = 0; view < views; ++view) {
-    const LightSet& set = f.scene.lightsOf(f.views[view].world);
-    for (size_t i = 0; i < set.lights.size(); ++i) {
-      const float size = set.authored[set.sources[i]].size;
-      const bool directional = shared::lightIsDirectional(set.lights[i].type);
-      sizes[view * stride + i] = directional ? std::tan(size / 2) : size;
-    }
-  }
+  for (size_t view = 0; view < views; ++view)
+    std::ranges::copy(lightSizes(f.scene.lightsOf(f.views[view].world)), sizes.begin() + view * stride);
   return sizes;
 }
 
 graph::BufferId addLightSizes(const FrameContext& f) {
-  std::vector<float> sizes = lightSizes(f);
+  std::vector<float> sizes = sizesInViews(f);
   const graph::BufferId buffer =
       f.graph.create(vk::BufferDesc{.size = sizes.size() * sizeof(float), .name = "sizes of lights"});
   f.graph.pass(graph::Stage::Upload, "sizes of lights", {{buffer, graph::Use::CopyTarget}},
@@ -192,6 +186,15 @@ LightLists add(const FrameContext& f, const Gbuffer& gbuffer) {
 }
 
 }  // namespace
+
+std::vector<float> lightSizes(const LightSet& set) {
+  std::vector<float> sizes(set.lights.size());
+  for (size_t i = 0; i < sizes.size(); ++i) {
+    const float size = set.authored[set.sources[i]].size;
+    sizes[i] = shared::lightIsDirectional(set.lights[i].type) ? std::tan(size / 2) : size;
+  }
+  return sizes;
+}
 
 bool tracesPaths(const FrameConfig& setup) {
   return setup.indirect || setup.lighting->traces;

@@ -1,9 +1,16 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Builds the BVH over the instances of each world, one workgroup per world. Instances are sorted by the Morton codes of
-// the centers of their boxes (Lauterbach et al. 2009, Fast BVH Construction on GPUs, section 4), and are the leaves of
-// a complete binary tree in this order. Its depth is the logarithm of their number, and positions of nodes follow from
-// the number only, so neither a search for splits nor a list of nodes is required.
+// the centers of their boxes (Lauterbach et al. 2009, Fast BVH Construction on GPUs, section 4).
+//
+// Up to kMaxClustered instances are merged from the leaves to the root: in each round, each cluster finds the one with
+// which its box has the smallest surface, and clusters that find each other become children of a node (Meister and
+// Bittner 2018, Parallel Locally-Ordered Clustering for Bounding Volume Hierarchy Construction, IEEE TVCG 24(3)). All
+// clusters are candidates, because there are few of them, in shared memory.
+//
+// More instances are the leaves of a complete binary tree in the order of the codes. Its depth is the logarithm of
+// their number, and positions of nodes follow from the number only, so neither a search for splits nor a list of nodes
+// is required.
 //
 // No result depends on the order in which invocations run. The host's counterpart for scenes without worlds is
 // SceneBvh::buildInstances().
@@ -177,7 +184,102 @@ void writeInstances(WorldBvhJob job, uint count) {
   }
 }
 
-// --- nodes -----------------------------------------------------------------------------------------------------------
+// --- nodes by clustering ---------------------------------------------------------------------------------------------
+
+const uint kMaxClustered = kWorldBvhGroup;  // one cluster per invocation
+// After these rounds, clusters are merged in order, so that the depth is at most 16 + 6, within kMaxInstanceDepth.
+const uint kNearestRounds = 16u;
+
+shared vec3 clusterLows[kMaxClustered], clusterHighs[kMaxClustered];
+shared uint clusterNodes[kMaxClustered];  // RayNode::a of the parent
+shared uint clusterNearest[kMaxClustered];
+shared uint mergingBits[2], absorbedBits[2];  // a bit per cluster that merges with a later one, or with an earlier one
+
+// Returns a number that increases with half the surface of the box of both clusters, up to a difference of 1/512. At
+// equal surfaces, such as those of a regular grid, it is lowest for an even cluster and the next one, so that all of
+// them merge in the same round. It is symmetric, and no cluster has it twice, so one pair always finds each other.
+uint mergeCost(uint a, uint b) {
+  const uint kSurface = ~0u << 14u;  // the bits that keep nine of the mantissa
+  vec3 extent = max(clusterHighs[a], clusterHighs[b]) - min(clusterLows[a], clusterLows[b]);
+  float area = extent.x * extent.y + extent.y * extent.z + extent.z * extent.x;
+  return (floatBitsToUint(area) & kSurface) | (a ^ b);
+}
+
+uint nearestCluster(uint cluster, uint count) {
+  uint nearest = cluster, lowest = ~0u;
+  for (uint i = 0u; i < count; ++i) {
+    uint cost = mergeCost(cluster, i);
+    if (i == cluster || cost >= lowest) continue;
+    lowest = cost;
+    nearest = i;
+  }
+  return nearest;
+}
+
+// Returns how many of the first `count` bits are set.
+uint bitsBefore(uint bits[2], uint count) {
+  uint low = count < 32u ? (1u << count) - 1u : ~0u, high = count > 32u ? (1u << (count - 32u)) - 1u : 0u;
+  return uint(bitCount(bits[0] & low) + bitCount(bits[1] & high));
+}
+
+void writeMerged(WorldBvhJob job, uint index, RayNode node) {
+  node.parent = kRayNone;
+  node.refitted = 0u;
+  NodesRef(job.nodes).v[index] = node;
+  if ((node.a & kRayLeaf) == 0u) NodesRef(job.nodes).v[node.a].parent = index;
+  if ((node.b & kRayLeaf) == 0u) NodesRef(job.nodes).v[node.b].parent = index;
+}
+
+// Merges the clusters that have found each other. The merged ones and the others keep their order. `end`: the number of
+// nodes that are not written yet; the last ones are written first, so that the root becomes node 0. Returns the number
+// of pairs.
+uint mergeClusters(WorldBvhJob job, uint count, uint end) {
+  uint i = lane(), other = i < count ? clusterNearest[i] : i;
+  bool pairs = other != i && other < count && clusterNearest[other] == i;
+  bool merges = pairs && i < other, absorbed = pairs && i > other;
+  if (merges) atomicOr(mergingBits[i / 32u], 1u << (i & 31u));
+  if (absorbed) atomicOr(absorbedBits[i / 32u], 1u << (i & 31u));
+  RayNode node;
+  node.lowA = clusterLows[i];
+  node.highA = clusterHighs[i];
+  node.a = clusterNodes[i];
+  node.lowB = clusterLows[merges ? other : i];
+  node.highB = clusterHighs[merges ? other : i];
+  node.b = clusterNodes[merges ? other : i];
+  synchronize();
+  uint reference = merges ? end - 1u - bitsBefore(mergingBits, i) : node.a;
+  if (merges) writeMerged(job, reference, node);
+  if (i < count && !absorbed) {
+    uint kept = i - bitsBefore(absorbedBits, i);
+    clusterLows[kept] = min(node.lowA, node.lowB);
+    clusterHighs[kept] = max(node.highA, node.highB);
+    clusterNodes[kept] = reference;
+  }
+  return uint(bitCount(mergingBits[0]) + bitCount(mergingBits[1]));
+}
+
+// Writes the nodes of at least two instances.
+void writeClusters(WorldBvhJob job, uint count) {
+  if (lane() < count) {
+    ItemBox box = BoxesRef(job.boxes).v[unpackUint2x32(KeysRef(job.keys).v[lane()]).x];
+    clusterLows[lane()] = box.low;
+    clusterHighs[lane()] = box.high;
+    clusterNodes[lane()] = kRayLeaf | lane();
+  }
+  synchronize();
+  uint end = count - 1u, left = count;
+  for (uint round = 0u; left > 1u; ++round) {
+    if (lane() < 2u) mergingBits[lane()] = absorbedBits[lane()] = 0u;
+    if (lane() < left) clusterNearest[lane()] = round < kNearestRounds ? nearestCluster(lane(), left) : lane() ^ 1u;
+    synchronize();
+    uint merged = mergeClusters(job, left, end);
+    end -= merged;
+    left -= merged;
+    synchronize();
+  }
+}
+
+// --- nodes of a complete tree ----------------------------------------------------------------------------------------
 
 // The tree in the order of a heap: `count` leaves follow count - 1 inner nodes, and the children of node i are 2i + 1
 // and 2i + 2. The leaves of the last level precede the others in Morton order.
@@ -256,7 +358,10 @@ void main() {
     sortKeys(job.keys, job.instanceCount);
     uint count = presentCount;
     writeInstances(job, count);
-    if (count > 0u) writeNodes(job, count);
+    if (count > 1u && count <= kMaxClustered)
+      writeClusters(job, count);
+    else if (count > 0u)
+      writeNodes(job, count);
     if (lane() == 0u) {
       RayScene scene = job.scene;
       scene.nodes = job.nodes;

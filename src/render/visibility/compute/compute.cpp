@@ -18,6 +18,7 @@
 #include "render/shadow/placed_shadows.h"
 #include "render/transparency/transparency.h"
 #include "render/visibility/compute/visible_motion_push.h"
+#include "render/visibility/rays/trace_visible.h"
 #include "render/visibility/sample_surfaces.h"
 #include "vk/features.h"
 
@@ -52,7 +53,9 @@ ComputeVisibility::ComputeVisibility(const GpuScene& scene, const RasterInstance
                         : options.atCentres ? OcclusionHistory::Steady
                                             : OcclusionHistory::Jittered),
       share_(options.blendedToo ? rasterInstances.all() : rasterInstances.solid()),
-      leavesOutBlended_(rasterInstances.mixesBlended() && !options.blendedToo) {}
+      leavesOutBlended_(rasterInstances.mixesBlended() && !options.blendedToo),
+      traced_(options.traced),
+      blendedToo_(options.blendedToo) {}
 
 // --- visible surfaces ------------------------------------------------------------------------------------------------
 
@@ -156,13 +159,19 @@ VisibilityBuffer ComputeVisibility::addVisible(const FrameContext& f, const Rast
   return visible;
 }
 
-VisibilityBuffer ComputeVisibility::addVisibility(const FrameContext& f) const {
+// Returns the visibility buffer of the frame's views.
+VisibilityBuffer ComputeVisibility::addFrameVisible(const FrameContext& f) const {
+  if (traced_) return addTracedSurfaces(f, rasterInstances_, share_, blendedToo_);
   RasterViews views = viewsOf(f);
   if (!views.lens) {
     views.cullsOccluded = clusterOcclusion_.shouldCull(f.device, occlusionHistory_, share_.parts * views.count);
     if (!f.device.isCpu()) prepareOcclusionCulling(f, views);
   }
-  VisibilityBuffer visible = addVisible(f, views);
+  return addVisible(f, views);
+}
+
+VisibilityBuffer ComputeVisibility::addVisibility(const FrameContext& f) const {
+  VisibilityBuffer visible = addFrameVisible(f);
   visible.pixels = createTarget(f, VK_FORMAT_R32_SFLOAT, "depth");
   addResolve(f, visible,
              {.stage = graph::Stage::Visibility,

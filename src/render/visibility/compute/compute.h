@@ -42,6 +42,7 @@ class ComputeVisibility {
   graph::ImageId addOverdraw(const FrameContext& f) const;
 
  private:
+  VisibilityBuffer addFrameVisible(const FrameContext& f) const;
   VisibilityBuffer addVisible(const FrameContext& f, const RasterViews& views) const;
   RasterViews viewsOf(const FrameContext& f) const;
   RasterViews pinholeViews(const FrameContext& f) const;
@@ -62,7 +63,8 @@ class ComputeVisibility {
   ClusterOcclusion& clusterOcclusion_;
   OcclusionHistory occlusionHistory_;
   RasterInstances::Share share_;
-  bool leavesOutBlended_;  // share_ includes blended instances that do not belong to it
+  bool leavesOutBlended_;     // share_ includes blended instances that do not belong to it
+  bool traced_, blendedToo_;  // as in VisibilityOptions
 };
 
 }  // namespace latelight::render

@@ -133,8 +133,8 @@ ScreenBox screenBox(View view, Bounds bounds) {
   vec3 reach = abs(bounds.sides[0]) + abs(bounds.sides[1]) + abs(bounds.sides[2]) + slack;
   float nearest = centre.y - reach.y;
   if (p.kind == kPerspective && nearest <= 0.0) return ScreenBox(true, 1.0, PixelBox(ivec2(0), ivec2(-1)));
-  // Snapping to subpixels may bring a triangle nearer, by at most the depth range of its corners (setRange() in
-  // raster.glsl).
+  // Snapping to subpixels may bring a triangle nearer, by at most the depth range of its corners (depthRange() in
+  // triangle_depth.glsl).
   float depth = deviceDepth(p, nearest), most = 2.0 * depth - deviceDepth(p, nearest + min(bounds.edge, 2.0 * reach.y));
   vec2 low = vec2(3.0e38), high = vec2(-3.0e38);
   for (uint i = 0u; i < 8u; ++i) {

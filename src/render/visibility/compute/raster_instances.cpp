@@ -75,6 +75,9 @@ void RasterInstances::update(const GpuScene& scene, const DrawOrder& order, vk::
   }
   drawIndexOfPart_.upload(uploader, partDrawIndices_);
   lists_.upload(uploader, std::vector{shared::InstanceList{list_.address(), drawIndexOfPart_.address()}});
+  std::vector<uint32_t> firstTriangles(scene.instances().count());
+  for (uint32_t i = 0; i < all_.count; ++i) firstTriangles[records_[i].instance] = records_[i].firstTriangle;
+  firstTriangles_.upload(uploader, firstTriangles);
 }
 
 // Adds the record of an instance in the first world, or in a scene without worlds.

@@ -17,6 +17,7 @@ class RasterInstances {
       : list_(device, "instances in order"),
         drawIndexOfPart_(device, "instances of parts"),
         lists_(device, "instance list"),
+        firstTriangles_(device, "first triangles of instances"),
         templates_(device, "instances in order, of all worlds") {}
   // Follows the scene and uploads changes with `uploader`. Does nothing if no instance or material has changed.
   void update(const GpuScene& scene, const DrawOrder& order, vk::Uploader& uploader);
@@ -27,6 +28,8 @@ class RasterInstances {
   VkDeviceAddress address(uint32_t world) const {
     return list_.address() + uint64_t{world} * all_.count * sizeof(shared::RasterInstance);
   }
+  // RasterInstance::firstTriangle by index in FrameConstants::instances, uint32_t[].
+  VkDeviceAddress firstTriangles() const { return firstTriangles_.address(); }
   // If shaders place the instances of worlds: the scene's records, which they complete, shared::RasterInstance[].
   VkDeviceAddress templates() const { return templates_.address(); }
   std::span<const shared::RasterInstance> records() const { return records_; }  // of the scene, or of all worlds
@@ -56,6 +59,7 @@ class RasterInstances {
   GpuList<shared::RasterInstance> list_;
   GpuList<uint32_t> drawIndexOfPart_;
   GpuList<shared::InstanceList> lists_;  // a single element
+  GpuList<uint32_t> firstTriangles_;
   GpuList<shared::RasterInstance> templates_;
   Share solid_, all_;
   bool mixed_ = false, anyBlended_ = false;

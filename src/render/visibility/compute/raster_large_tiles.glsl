@@ -94,7 +94,7 @@ void main() {
   uint count = setUp(job, place.corner);
   ivec2 block = partOfTile() + blockOf(gl_LocalInvocationIndex);
   View seen = frameView(FrameRef(push.buffers.frame).v, place.view);
-  vec2 ray = rayAt(seen, place.corner + block);
+  vec2 ray = rayAt(seen, vec2(place.corner + block) + 0.5);
   uint64_t shown[16];
   [[unroll]] for (int i = 0; i < 16; ++i) shown[i] = uint64_t(0);
   float farthest = 0.0;  // farthest depth in the block

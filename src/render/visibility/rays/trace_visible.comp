@@ -1,0 +1,105 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Fills the visibility buffer by rays: each sample's own ray finds the nearest opaque or masked triangle in the BVHs of
+// glsl/rays.glsl. The depth is that of the triangle's plane, as rasterization computes it.
+//
+//   FrameConstants::rayScene, views  ->  trace_visible  ->  visible (visible.glsl)
+#include "render/glsl/common.glsl"
+#include "render/glsl/pixel_group.glsl"
+#include "render/glsl/pixel_ray.glsl"
+#include "render/visibility/compute/visible.glsl"
+#include "render/visibility/rays/trace_push.h"
+#include "render/visibility/triangle_depth.glsl"
+
+layout(push_constant, scalar) uniform Push { TraceVisiblePush push; };
+layout(constant_id = kVastConstant) const uint kVast = 0u;            // FrameConfig::vast
+layout(constant_id = kAlphaTestConstant) const uint kAlphaTest = 0u;  // 0: no triangles are alpha tested
+
+#define RAY_ALPHA_TESTS (kAlphaTest != 0u)
+#define RAY_ORDER(instance) UintRef(push.firstTriangles).v[instance]
+#include "render/glsl/rays.glsl"
+
+// Returns the minimum and maximum depth in meters within the view volume.
+vec2 depthsOf(Projection p) {
+  if (p.kind == kPerspective) return vec2(p.B / (1.0 - p.A), p.A < 0.0 ? -p.B / p.A : 3.0e38);
+  return vec2((1.0 - p.B) / p.A, -p.B / p.A);
+}
+
+// Returns the ray through a position in the image, in pixels.
+Ray rayThrough(FrameConstants frame, View view, vec2 place) {
+  vec3 along = pixelRay(frame, view, place);
+  Ray ray = Ray(view.eye, view.eyeLow, normalize(toWorldAxes(view, along)), 0.0, 3.0e38);
+  if (along == vec3(0.0)) ray.near = 1.0, ray.far = 0.0;
+  if (kLens != 0u) return ray;
+  vec2 depths = depthsOf(view.projection);
+  if (view.projection.kind != kPerspective) {
+    vec3 from = viewPositionAtDepth(view.projection, pixelToNdc(place, view.size), depths.x);
+    Exact3 origin = exactSum(view.eye, toWorldAxes(view, from));
+    ray.origin = origin.hi;
+    ray.originLow += origin.lo;
+    depths = vec2(0.0, depths.y - depths.x);
+  }
+  ray.near = depths.x * length(along);
+  ray.far = min(depths.y * length(along), 3.0e38);
+  return ray;
+}
+
+float depthOfTriangle(View view, Instance instance, uint64_t positions, uvec3 corners, vec2 place) {
+  mat4x3 placed = relativeToEye(instance, view);
+  vec3 seen[3];
+  float least = 1.0, most = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    seen[i] = seenPosition(view, placed, positionAt(positions, corners[i]));
+    vec4 clip = clipPosition(view, seen[i]);
+    // A corner behind the eye has no depth. The plane's depth is then that of a visible point anyway.
+    float depth = clip.w > 0.0 ? deviceDepthOf(clip) : 1.0;
+    least = min(least, depth);
+    most = max(most, depth);
+  }
+  vec3 plane = depthPlane(view, seen[0], seen[1], seen[2]);
+  vec2 range = depthRange(view, plane, least, most);
+  return withinRange(range.x, range.y, depthOn(plane, rayAt(view, place)));
+}
+
+ViewPlane vastPlane(View view, Instance instance, uint64_t positions, uvec3 corners) {
+  Exact3 seen[3];
+  for (int i = 0; i < 3; ++i) seen[i] = seenExactly(view, instance, positionAt(positions, corners[i]));
+  return planeOf(seen[0], seen[1], seen[2]);
+}
+
+float depthOfVast(FrameConstants frame, View view, ViewPlane plane, vec2 place) {
+  if (kLens != 0u) {
+    float distance = plane.distance / dot(plane.normal, pixelRay(frame, view, place));
+    return deviceDepth(view.projection, distance);
+  }
+  return clamp(depthOn(depthPlane(view.projection, plane.normal, plane.distance), rayAt(view, place)), 0.0, 1.0);
+}
+
+// Returns the value of the visibility buffer for the surface that a ray hits.
+uint64_t visibleOf(FrameConstants frame, View view, RayHit hit, vec2 place) {
+  Instance instance = frameInstance(frame, hit.instance);
+  uint64_t positions = MeshRef(frame.meshes).v[instance.mesh].positions;
+  float depth;
+  if (kLens != 0u)
+    depth = deviceDepth(view.projection, hit.distance);
+  else
+    depth = depthOfTriangle(view, instance, positions, hit.corners, place);
+  for (bool vast = kVast != 0u && (instance.flags & kInstanceVast) != 0u; vast; vast = false)
+    depth = depthOfVast(frame, view, vastPlane(view, instance, positions, hit.corners), place);
+  return visibleValue(depth, UintRef(push.firstTriangles).v[hit.instance] + hit.triangle + 1u);
+}
+
+void main() {
+  ivec3 pixel = ownPixel();
+  FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
+  View view = frameView(frame, uint(pixel.z));
+  if (any(greaterThanEqual(vec2(pixel.xy), view.size))) return;
+  uint first = visibleIndex(uvec3(pixel), uvec2(view.size)), what = push.surfaces | view.group << kRayGroupShift;
+  for (uint i = 0u; i < kSamples; ++i) {
+    vec2 place = vec2(pixel.xy) + samplePlace(kSamples, i);
+    RayHit hit = traceRay(frame, rayThrough(frame, view, place), what);
+    uint64_t visible = uint64_t(0);
+    for (bool some = isHit(hit); some; some = false) visible = visibleOf(frame, view, hit, place);
+    VisibleRef(push.visible).v[first + i] = visible;
+  }
+}
