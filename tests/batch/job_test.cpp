@@ -216,7 +216,7 @@ TEST(Schema, HasEveryOptionOfAPicture) {
   EXPECT_EQ(options.size(), render::options().size());
   EXPECT_EQ(options["bloom"]["maximum"], 1);
   EXPECT_EQ(options["fps"]["minimum"], 1e-3);
-  EXPECT_THAT(options["raster"]["enum"], ElementsAre("auto", "hardware", "compute"));
+  EXPECT_THAT(options["raster"]["enum"], ElementsAre("auto", "hardware", "compute", "rays"));
   EXPECT_EQ(options["ao-radius"]["exclusiveMinimum"], 0);
 }
 
