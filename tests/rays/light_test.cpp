@@ -530,6 +530,16 @@ double differenceOf(const output::FrameOutput& a, const output::FrameOutput& b) 
   return std::sqrt(4 * sum / static_cast<double>(x.size()));
 }
 
+// Views of one call have the pixels of calls of their own.
+void expectSameAlone(vk::Device& device, const scene::Scene& scene, const std::vector<scene::Camera>& cameras,
+                     const Settings& settings) {
+  Renderer renderer(device, scene, nullptr);
+  const std::vector<output::FrameOutput> together = renderer.render(cameras, settings);
+  for (size_t i = 0; i < cameras.size(); ++i)
+    EXPECT_EQ(imageOf(together[i], Aov::Color).values,
+              imageOf(renderOne(device, scene, cameras[i], settings), Aov::Color).values);
+}
+
 // --- shared paths ----------------------------------------------------------------------------------------------------
 
 // A lamp in a half-open box beside a metal sphere: light arrives by glossy, Lambertian and blocked connections.
@@ -596,12 +606,7 @@ TEST_F(RayLightTest, SharedPathsDoNotDependOnOtherViews) {
   scene::Camera second = corner.camera;
   second.toWorld[3].x = 0.3;
   const Settings settings = corner.settings(37, 21, 2);
-  const std::vector<scene::Camera> cameras = {corner.camera, second};
-  Renderer renderer(device(), corner.builder.scene, nullptr);
-  const std::vector<output::FrameOutput> both = renderer.render(cameras, settings);
-  for (size_t i = 0; i < cameras.size(); ++i)
-    EXPECT_EQ(imageOf(both[i], Aov::Color).values,
-              imageOf(renderOne(device(), corner.builder.scene, cameras[i], settings), Aov::Color).values);
+  expectSameAlone(device(), corner.builder.scene, {corner.camera, second}, settings);
 }
 
 // --- the filter ------------------------------------------------------------------------------------------------------
@@ -676,12 +681,7 @@ TEST_F(RayLightTest, FilteredViewsDoNotDependOnOthers) {
   settings.indirect = Indirect::OneBounce;
   settings.indirectFilter = IndirectFilter::Spatial;
   settings.samples = 4;
-  const std::vector<scene::Camera> cameras = {floor.camera, second};
-  Renderer renderer(device(), floor.builder.scene, nullptr);
-  const std::vector<output::FrameOutput> both = renderer.render(cameras, settings);
-  for (size_t i = 0; i < cameras.size(); ++i)
-    EXPECT_EQ(imageOf(both[i], Aov::Color).values,
-              imageOf(renderOne(device(), floor.builder.scene, cameras[i], settings), Aov::Color).values);
+  expectSameAlone(device(), floor.builder.scene, {floor.camera, second}, settings);
 }
 
 TEST_F(RayLightTest, RefusesWhatPathsCannotStartFrom) {

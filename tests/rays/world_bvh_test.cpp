@@ -103,7 +103,22 @@ class BuiltWorlds {
   SceneBvh bvh_;
 };
 
-class WorldBvhTest : public RenderTest {};
+class WorldBvhTest : public RenderTest {
+ protected:
+  // The hierarchy of a world of unit boxes at places on the x axis.
+  static Bvh boxesAt(const std::vector<double>& places) {
+    scene::SceneBuilder builder("line");
+    builder.scene.meshes = {tetrahedron(1)};
+    builder.scene.materials = {scene::plainMaterial("m", glm::vec3(0.5f), 0, 1)};
+    WorldStates states{.count = 1, .exists = std::vector<uint8_t>(places.size(), 1), .empty = {0}};
+    for (const double x : places) {
+      builder.addInstance("box", builder.kRoot, 0, 0);
+      states.instances.push_back(static_cast<uint32_t>(states.instances.size()));
+      states.transforms.push_back(glm::translate(dmat4(1), dvec3(x, 0, 0)));
+    }
+    return BuiltWorlds(device(), builder.scene, states).read(0);
+  }
+};
 
 TEST_F(WorldBvhTest, HoldsTheInstancesOfTheWorldInTheirBoxes) {
   for (const uint32_t instances : {1u, 2u, 3u, 4u, 5u, 8u, 30u, 63u, 64u, 65u, 100u, 257u, 1000u}) {
@@ -143,17 +158,10 @@ TEST_F(WorldBvhTest, HoldsTheInstancesOfTheWorldInTheirBoxes) {
 
 // Two groups of boxes that Morton codes interleave have no common node except the root: their common box is large.
 TEST_F(WorldBvhTest, MergesNearBoxesFirst) {
-  scene::SceneBuilder builder("groups");
-  builder.scene.meshes = {tetrahedron(1)};
-  builder.scene.materials = {scene::plainMaterial("m", glm::vec3(0.5f), 0, 1)};
-  WorldStates states{.count = 1, .exists = std::vector<uint8_t>(14, 1), .empty = {0}};
-  for (uint32_t i = 0; i < 14; ++i) {
-    builder.addInstance("box", builder.kRoot, 0, 0);
-    states.instances.push_back(i);
-    const double x = i < 3 ? 1.5 * i : 100 + 1.5 * i;  // three boxes, and eleven far away
-    states.transforms.push_back(glm::translate(dmat4(1), dvec3(x, 0, 0)));
-  }
-  const Bvh bvh = BuiltWorlds(device(), builder.scene, states).read(0);
+  std::vector<double> places;
+  for (uint32_t i = 0; i < 14; ++i)
+    places.push_back(i < 3 ? 1.5 * i : 100 + 1.5 * i);  // three boxes, and eleven far away
+  const Bvh bvh = boxesAt(places);
   ASSERT_EQ(bvh.nodes.size(), 13u);
   const float a = bvh.nodes[0].highA.x - bvh.nodes[0].lowA.x, b = bvh.nodes[0].highB.x - bvh.nodes[0].lowB.x;
   EXPECT_NEAR(std::min(a, b), 4, 1e-2f);   // 0 to 3 + 1
@@ -163,16 +171,9 @@ TEST_F(WorldBvhTest, MergesNearBoxesFirst) {
 // Boxes at known places: 16 unit boxes on a line. In Morton order, neighbors share parents, so the areas of all boxes
 // are known: two boxes at a distance of 3 span 4 x 1 x 1, and so on.
 TEST_F(WorldBvhTest, BoxesAreTightAndNeighborsShareParents) {
-  scene::SceneBuilder builder("line");
-  builder.scene.meshes = {tetrahedron(1)};
-  builder.scene.materials = {scene::plainMaterial("m", glm::vec3(0.5f), 0, 1)};
-  WorldStates states{.count = 1, .exists = std::vector<uint8_t>(16, 1), .empty = {0}};
-  for (uint32_t i = 0; i < 16; ++i) {
-    builder.addInstance("box", builder.kRoot, 0, 0);
-    states.instances.push_back(i);
-    states.transforms.push_back(glm::translate(dmat4(1), dvec3(3.0 * ((5 * i) % 16), 0, 0)));  // in another order
-  }
-  const Bvh bvh = BuiltWorlds(device(), builder.scene, states).read(0);
+  std::vector<double> places;
+  for (uint32_t i = 0; i < 16; ++i) places.push_back(3.0 * ((5 * i) % 16));  // in another order
+  const Bvh bvh = boxesAt(places);
   ASSERT_EQ(bvh.nodes.size(), 15u);
   const float lengths[] = {22, 10, 4, 1};  // of the children of each level
   for (uint32_t i = 0; i < 15; ++i) {
