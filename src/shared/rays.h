@@ -55,6 +55,12 @@ SH_CONST uint kRayAlphaTested = 2u;  // masked or blended: the texture decides i
 SH_CONST uint kRayTranslucent = 4u;  // blended or transmissive
 SH_CONST uint kRayClockwise = 8u;    // front faces are clockwise
 
+// The surfaces that a ray hits.
+SH_CONST uint kRayTwoSided = 1u;     // back faces of single-sided materials, too
+SH_CONST uint kRayAnySurface = 2u;   // blended and transmissive surfaces, too
+SH_CONST uint kRayStopAtFirst = 4u;  // any hit: only isHit() is valid
+SH_CONST uint kRayGroupShift = 8u;   // from this bit on: the group whose instances it hits; 0: all instances
+
 SH_CONST uint kRaySceneBytes = 48u;
 struct RayScene {
   uint64_t nodes;        // RayNode[] over the instances

@@ -43,11 +43,6 @@ bool isHit(RayHit hit) { return hit.distance < kRayInfinity; }
 #define RAY_ALPHA_TESTS true
 #endif
 
-// The surfaces that a ray hits.
-const uint kRayTwoSided = 1u;          // back faces of single-sided materials, too
-const uint kRayAnySurface = 2u;        // blended and transmissive surfaces, too
-const uint kRayStopAtFirst = 4u;       // any hit: only isHit() is valid
-const uint kRayGroupShift = 8u;         // from this bit on: the group whose instances it hits; 0: all instances
 const uint kRayStackEnd = 0xfffffffeu;  // on the stack, below the nodes of a mesh: return to the instances
 
 // --- boxes -----------------------------------------------------------------------------------------------------------

@@ -17,11 +17,10 @@ struct CastPush {
   uint64_t id, part, material, triangle;  // uint
   uint64_t intensity;                     // float
   uint count;
-  uint flags;          // kCast...
+  uint flags;          // kRayAnySurface (shared/rays.h) and kCast...
   uint perWorld;       // rays per world; without worlds, at least `count`
   uint instanceCount;  // of a world
 };
-SH_CONST uint kCastAnySurface = 2u;    // blended and transmissive surfaces, too; a flag of glsl/rays.glsl
 SH_CONST uint kCastFileAxes = 0x100u;  // the frame of the rays is glTF's
 SH_CONST uint kCastDoubles = 0x200u;   // elements of origins and directions
 

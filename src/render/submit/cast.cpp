@@ -159,7 +159,7 @@ std::array<double, 7> numbersOf(const glm::dvec3& origin, const Settings& settin
 uint32_t flagsOf(const scene::Scene& scene, const Settings& settings, bool doubles) {
   const bool file = scene.yUp && settings.axes == Axes::File;
   return (doubles ? shared::kCastDoubles : 0u) | (file ? shared::kCastFileAxes : 0u) |
-         (settings.dataSurfaces == DataSurfaces::Any ? shared::kCastAnySurface : 0u);
+         (settings.dataSurfaces == DataSurfaces::Any ? shared::kRayAnySurface : 0u);
 }
 
 }  // namespace

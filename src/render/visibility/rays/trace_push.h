@@ -10,10 +10,9 @@ struct TraceVisiblePush {
   uint64_t frame;           // FrameConstants
   uint64_t firstTriangles;  // uint[]: RasterInstance::firstTriangle, by index in FrameConstants::instances
   uint64_t visible;         // as in RasterBuffers
-  uint surfaces;            // kTraceAnySurface, or 0: opaque and masked surfaces only
+  uint surfaces;            // kRayAnySurface, or 0: opaque and masked surfaces only
   uint padding;
 };
-SH_CONST uint kTraceAnySurface = 2u;  // a flag of glsl/rays.glsl
 
 SH_END
 

@@ -3,6 +3,7 @@
 #include "render/base/pixel_group.h"
 #include "render/visibility/compute/raster_chain.h"
 #include "render/visibility/rays/trace_push.h"
+#include "shared/rays.h"
 
 namespace latelight::render {
 
@@ -28,7 +29,7 @@ VisibilityBuffer addTracedSurfaces(const FrameContext& f, const RasterInstances&
   addVastConstant(f, pass);
   addCompute(f, std::move(pass),
              [ids = visible.ids, frame = f.constants, firstTriangles = rasterInstances.firstTriangles(),
-              surfaces = blendedToo ? shared::kTraceAnySurface : 0](graph::Context& context) {
+              surfaces = blendedToo ? shared::kRayAnySurface : 0](graph::Context& context) {
                return shared::TraceVisiblePush{.frame = frame,
                                                .firstTriangles = firstTriangles,
                                                .visible = context.buffer(ids).address(),
