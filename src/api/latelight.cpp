@@ -157,14 +157,20 @@ double exposureOf(const Camera& camera, double usual) {
   return exposure;
 }
 
+// Returns a value per camera, or none if no camera has one of its own.
+std::vector<double> ownValues(const std::vector<Camera>& cameras, std::optional<double> Camera::*own,
+                              double (*valueOf)(const Camera&, double), double usual) {
+  std::vector<double> values;
+  if (std::ranges::any_of(cameras, [own](const Camera& camera) { return (camera.*own).has_value(); }))
+    for (const Camera& camera : cameras) values.push_back(valueOf(camera, usual));
+  return values;
+}
+
 // Writes the cameras' own exposures.
 void setExposures(render::SceneState& moment, const std::vector<Camera>& cameras, const render::Settings& settings) {
-  if (std::ranges::any_of(cameras, [](const Camera& camera) { return camera.shutter.has_value(); }))
-    for (const Camera& camera : cameras) moment.shutters.push_back(shutterOf(camera, settings.shutter));
-  if (std::ranges::any_of(cameras, [](const Camera& camera) { return camera.readout.has_value(); }))
-    for (const Camera& camera : cameras) moment.readouts.push_back(readoutOf(camera, settings.readout));
-  if (std::ranges::any_of(cameras, [](const Camera& camera) { return camera.exposure.has_value(); }))
-    for (const Camera& camera : cameras) moment.exposures.push_back(exposureOf(camera, settings.exposure.ev));
+  moment.shutters = ownValues(cameras, &Camera::shutter, shutterOf, settings.shutter);
+  moment.readouts = ownValues(cameras, &Camera::readout, readoutOf, settings.readout);
+  moment.exposures = ownValues(cameras, &Camera::exposure, exposureOf, settings.exposure.ev);
 }
 
 // Returns the settings of a single camera's picture.
