@@ -172,9 +172,9 @@ void printSlurm(const BatchArguments& a) {
 }
 
 void runBatch(const BatchArguments& a) {
-  keepFreedMemory();
   if (a.schema) return fmt::print("{}\n", data::jobSchema().dump(2));
   if (a.slurm > 0) return printSlurm(a);
+  keepFreedMemory();
   limitMemory(a.memory);
   const data::Job job = readJob(a);
   const data::SelectedShard part = data::chooseShard(a.shard, environment);
