@@ -32,8 +32,8 @@ struct ReplayKey {
   VkDescriptorSet textures;
   const GpuEnvironment* environment;
   std::array<size_t, 2> placedShadows;  // numbers of lights and of views per world, if shaders fit shadow maps
-  // Of light by rays: lights with shadows, the maximum number of their rays per surface, RayScene::emitterCount, the
-  // sizes of lights for paths, and the height of the ground.
+  // For ray-traced light: the number of lights with shadows, the maximum number of shadow rays per surface,
+  // RayScene::emitterCount, the sizes of lights for paths, and the height of the ground.
   uint32_t shadowColumns, shadowRays, emitters;
   std::vector<float> lightSizes;
   double groundHeight;

@@ -17,7 +17,7 @@ struct LightRay {
   vec3 toLight;
   float far;      // meters
   float density;  // of the direction, 1/sr; not for lights
-  // Of lights: the direction to the center, by which they are shaded, and intensity times attenuation.
+  // For punctual lights: the direction to the center, which shading uses, and the intensity times attenuation.
   vec3 centered, arriving;
 };
 LightRay lightRay(vec3 radiance, vec3 toLight, float far, float density) {

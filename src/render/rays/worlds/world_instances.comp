@@ -197,7 +197,8 @@ shared uint mergingBits[2], absorbedBits[2];  // a bit per cluster that merges w
 
 // Returns a number that increases with half the surface of the box of both clusters, up to a difference of 1/512. At
 // equal surfaces, such as those of a regular grid, it is lowest for an even cluster and the next one, so that all of
-// them merge in the same round. It is symmetric, and no cluster has it twice, so one pair always finds each other.
+// them merge in the same round. It is symmetric, and differs between all partners of a cluster, so each round merges at
+// least one pair.
 uint mergeCost(uint a, uint b) {
   const uint kSurface = ~0u << 14u;  // the bits that keep nine of the mantissa
   vec3 extent = max(clusterHighs[a], clusterHighs[b]) - min(clusterLows[a], clusterLows[b]);
