@@ -149,6 +149,8 @@ enum class UploadMode : uint8_t {
 // Copies host data to the device. upload() copies the data before it returns, either in place or to staging memory of
 // 16 MiB (Deferred: 64 MiB), and calls flush() when that memory is full. flush() (or the destructor, which turns an
 // error into a warning) submits the staged copies and waits. Images end in VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL.
+// In Deferred mode, the destructor drops pending copies instead: those of a frame that failed may have destinations
+// that no longer exist.
 class Uploader {
  public:
   explicit Uploader(Device& device, UploadMode mode = UploadMode::Direct);

@@ -82,6 +82,7 @@ struct Uploader::Copy {
 Uploader::Uploader(Device& device, UploadMode mode) : device_(device), mode_(mode) {}
 
 Uploader::~Uploader() {
+  if (mode_ == UploadMode::Deferred) return;
   try {
     flush();
   } catch (const std::exception& error) {

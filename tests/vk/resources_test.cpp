@@ -122,6 +122,14 @@ TEST_F(DeviceTest, TheLaterOfTwoOverlappingUploadsWins) {
   EXPECT_EQ(bytes[59], std::byte{2});
 }
 
+TEST_F(DeviceTest, DeferredUploadsMayOutliveTheirDestinations) {
+  Uploader uploader(device(), UploadMode::Deferred);
+  const Buffer buffer(device(), {.size = 64});
+  EXPECT_EQ(readBack(device(), buffer).size(), 64u);  // a submission has used it, so it is no longer written in place
+  uploader.upload(buffer, pattern(64));
+  EXPECT_FALSE(uploader.empty());
+}
+
 TEST_F(DeviceTest, ResourcesMove) {
   Buffer first(device(), {.size = 64, .name = "first"}), second;
   const VkBuffer object = first.get();
