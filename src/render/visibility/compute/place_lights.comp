@@ -53,7 +53,8 @@ vec3 worldDirection(WorldJob job, vec3 given) {
 }
 
 // Lights with a node follow it unless the world moves them.
-PlacedLight placedLight(WorldJob job, uint world, uint index, LightTemplate t) {
+PlacedLight placedLight(WorldJob job, uint world, uint index) {
+  LightTemplate t = LightTemplates(job.lightTemplates).v[index];
   bool listed = t.listed != kNowhere && !isInvalid(job, world);
   uint row = listed ? world * job.listedLights + t.listed : 0u;
   dvec3 atRest = pointAt(job, index, 0u), position = atRest;
@@ -85,8 +86,8 @@ PlacedLight placedLight(WorldJob job, uint world, uint index, LightTemplate t) {
 
 bool isFinite(vec3 v) { return !any(isnan(v)) && !any(isinf(v)); }
 
-Light punctual(LightTemplate t, PlacedLight placed) {
-  Light light = t.light[placed.variant];
+Light punctual(WorldJob job, uint index, PlacedLight placed) {
+  Light light = LightTemplates(job.lightTemplates).v[index].light[placed.variant];
   light.position = placed.position;
   light.direction = placed.direction;
   light.intensity = placed.intensity;
@@ -156,9 +157,8 @@ LightBox boundsOfPositions(uint lights) {
 }
 
 void writeAreaLight(WorldJob job, uint world, uint index) {
-  LightTemplate t = LightTemplates(job.lightTemplates).v[index];
-  PlacedLight placed = placedLight(job, world, index, t);
-  AreaLight light = t.area[placed.variant];
+  PlacedLight placed = placedLight(job, world, index);
+  AreaLight light = LightTemplates(job.lightTemplates).v[index].area[placed.variant];
   light.center = placed.position;
   light.radiance = placed.intensity;
   uint rank = 0u;
@@ -172,14 +172,14 @@ void writeAreaLight(WorldJob job, uint world, uint index) {
 void listLights(WorldJob job, uint world) {
   for (uint i = gl_LocalInvocationIndex; i < job.lights; i += kPlaceGroup) {
     LightTemplate t = LightTemplates(job.lightTemplates).v[i];
-    PlacedLight placed = placedLight(job, world, i, t);
+    PlacedLight placed = placedLight(job, world, i);
     keys[i] = kDark;
     emitting[i] = 0u;
     positions[i] = placed.position;
     if ((t.state & kLightIsArea) != 0u) {
       bool shines = isFinite(placed.position) && isFinite(placed.intensity) && maxChannel(placed.intensity) > 0.0;
       emitting[i] = shines && (t.state & kLightHasExtent) != 0u ? 1u : 0u;
-    } else if (emits(punctual(t, placed))) {
+    } else if (emits(punctual(job, i, placed))) {
       keys[i] = lightIsDirectional(t.light[0].type) ? 0ul : kLocal;
     }
   }
@@ -201,8 +201,7 @@ void sortLights(WorldJob job, uint world) {
     uint rank = 0u;
     for (uint other = 0u; other < job.lights; ++other)
       rank += keys[other] < keys[i] || (keys[other] == keys[i] && other < i) ? 1u : 0u;
-    LightTemplate t = LightTemplates(job.lightTemplates).v[i];
-    Light light = punctual(t, placedLight(job, world, i, t));
+    Light light = punctual(job, i, placedLight(job, world, i));
     boxes[rank] = boxOf(light);
     LightsOut(job.lightList).v[world * job.lights + rank] = light;
   }
