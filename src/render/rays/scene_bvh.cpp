@@ -378,6 +378,7 @@ Bvh SceneBvh::readMesh(uint32_t index) const {
   const MeshBvh& mesh = meshes_[index];
   if (!mesh.buffer) return bvh;
   std::vector<std::byte> host(mesh.buffer.size());
+  gpuScene_.uploads().flush();
   vk::readBack(device_, mesh.buffer, 0, host);
   const auto* nodes = reinterpret_cast<const shared::RayNode*>(host.data());
   bvh.nodes.assign(nodes, nodes + mesh.nodes);
