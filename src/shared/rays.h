@@ -2,7 +2,7 @@
 // each mesh, in object space, and one over the instances of the scene, in world space.
 #ifndef LATELIGHT_SHARED_RAYS_H
 #define LATELIGHT_SHARED_RAYS_H
-#include "shared/lang.h"
+#include "shared/types.h"
 
 SH_BEGIN
 
@@ -51,9 +51,18 @@ struct RayInstance {  // 80 bytes
 };
 SH_CONST uint kRayInstanceBytes = 80u;
 SH_CONST uint kRayDoubleSided = 1u;
-SH_CONST uint kRayAlphaTested = 2u;  // masked or blended: the texture decides if a ray passes
-SH_CONST uint kRayTranslucent = 4u;  // blended or transmissive
-SH_CONST uint kRayClockwise = 8u;    // front faces are clockwise
+SH_CONST uint kRayAlphaTested = 2u;     // masked or blended: the texture or the vertex colors decide if a ray passes
+SH_CONST uint kRayTranslucent = 4u;     // blended or transmissive
+SH_CONST uint kRayClockwise = 8u;       // front faces are clockwise
+SH_CONST uint kRayAlphaConstant = 16u;  // masked or blended: the material's own alpha decides
+
+// kRayAlpha* of an instance. Surfaces with one alpha need no texture coordinates. Also, NVIDIA's driver 580.159 hung on
+// an H200 where the same code tested textured and untextured surfaces of a scene.
+SH_FUNC uint rayAlphaFlags(uint materialFlags, uint textures, uint instanceFlags) {
+  if ((materialFlags & (kMaterialMasked | kMaterialBlended)) == 0u) return 0u;
+  bool varies = (textures & (1u << kTextureBaseColor)) != 0u || (instanceFlags & kInstanceExtras) != 0u;
+  return varies ? kRayAlphaTested : kRayAlphaConstant;
+}
 
 // The surfaces that a ray hits.
 SH_CONST uint kRayTwoSided = 1u;     // back faces of single-sided materials, too

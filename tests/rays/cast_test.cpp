@@ -283,6 +283,30 @@ TEST_F(CastTest, OddRaysHitNothing) {
   EXPECT_NEAR(hits.distance.back(), 2, 0.05);  // directions may have any length
 }
 
+// Materials without a texture have one alpha: below the cutoff, or zero where they are blended, rays pass.
+TEST_F(CastTest, TestsTheAlphaOfMaterialsWithoutTextures) {
+  struct Case {
+    uint32_t flags;
+    float alpha;
+    bool hits;
+  };
+  for (const auto& [flags, alpha, expected] :
+       {Case{0, 0, true}, Case{shared::kMaterialMasked, 0.5f, true}, Case{shared::kMaterialMasked, 0.49f, false},
+        Case{shared::kMaterialBlended, 0, false}, Case{shared::kMaterialBlended, 0.01f, true}}) {
+    scene::Scene scene = oneMesh(cubeMesh(), true);
+    shared::Material& material = scene.materials[0].data;
+    material.flags |= flags;
+    material.alphaCutoff = 0.5f;
+    material.baseColor.a = alpha;
+    Settings settings = castSettings();
+    settings.dataSurfaces = DataSurfaces::Any;
+    Renderer renderer(device(), scene, nullptr);
+    const std::vector<dvec3> origins{dvec3(0.1, 0.2, 5)}, directions{dvec3(0, 0, -1)};
+    const CastHits hits = renderer.cast({origins, directions}, settings).hits;
+    EXPECT_EQ(hits.distance[0], expected ? 4 : kInfinity) << flags << " " << alpha;
+  }
+}
+
 // Inside a sphere of single-sided faces, rays pass through the back faces; the maximum distance ends rays.
 TEST_F(CastTest, RespectsSidesAndMaximumDistance) {
   const std::vector<dvec3> origins{dvec3(0.01, 0.02, 0), dvec3(0.01, 0.02, 5)};

@@ -170,11 +170,9 @@ float rayAlpha(FrameConstants frame, uint materialIndex, uint instanceIndex, uve
 }
 
 // As masked() of material.glsl.
-bool rayPasses(FrameConstants frame, RayMesh mesh, uvec3 corners, vec3 weights) {
-  uint64_t at = frame.materials + uint64_t(mesh.material) * kMaterialBytes;
-  float cutoff = floatsAt(at, 2u).w;
-  uint flags = wordsAt(at, 4u).y;
-  float alpha = rayAlpha(frame, mesh.material, mesh.index, corners, weights);
+bool rayPasses(uint64_t material, float alpha) {
+  float cutoff = floatsAt(material, 2u).w;
+  uint flags = wordsAt(material, 4u).y;
   return (flags & kMaterialMasked) != 0u ? alpha < cutoff : alpha <= 0.0;
 }
 
@@ -210,8 +208,11 @@ void visitTriangle(FrameConstants frame, RayMesh mesh, uint index, Ray ray, uint
     vec3 weights = rayWeights(areas, a.xy, b.xy, c.xy);
     float distance = dot(weights, vec3(a.z, b.z, c.z));
     bool hits = distance >= ray.near && distance <= ray.far && precedes(distance, mesh.index, triangle.w, hit);
+    uint64_t material = frame.materials + uint64_t(mesh.material) * kMaterialBytes;
+    for (bool tested = hits && RAY_ALPHA_TESTS && (mesh.flags & kRayAlphaConstant) != 0u; tested; tested = false)
+      hits = !rayPasses(material, floatsAt(material, 0u).w);
     for (bool tested = hits && RAY_ALPHA_TESTS && (mesh.flags & kRayAlphaTested) != 0u; tested; tested = false)
-      hits = !rayPasses(frame, mesh, triangle.xyz, weights);
+      hits = !rayPasses(material, rayAlpha(frame, mesh.material, mesh.index, triangle.xyz, weights));
     if (hits) hit = RayHit(distance, mesh.index, triangle.w, triangle.xyz, weights, front);
   }
 }

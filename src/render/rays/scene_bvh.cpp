@@ -70,7 +70,7 @@ void setRows(shared::RayInstance& record, glm::dmat3 worldFromObject) {
 uint32_t rayFlags(const shared::Instance& instance, const shared::Material& material) {
   uint32_t flags = 0;
   if (material.flags & shared::kMaterialDoubleSided) flags |= shared::kRayDoubleSided;
-  if (material.flags & (shared::kMaterialMasked | shared::kMaterialBlended)) flags |= shared::kRayAlphaTested;
+  flags |= shared::rayAlphaFlags(material.flags, material.textures, instance.flags);
   if (shared::translucent(material.flags)) flags |= shared::kRayTranslucent;
   if (instance.flags & shared::kInstanceClockwise) flags |= shared::kRayClockwise;
   return flags;

@@ -13,8 +13,4 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer ScenesRef { 
 
 layout(push_constant, scalar) uniform Push { WorldBvhPush push; };
 
-uint materialFlags(WorldBvhJob job, Instance instance) {
-  return MaterialRef(job.materials + uint64_t(instance.material) * kMaterialBytes).v.flags;
-}
-
 #endif

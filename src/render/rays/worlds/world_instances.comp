@@ -154,11 +154,11 @@ void setRows(inout RayInstance record, dmat3 linear) {
   }
 }
 
-uint rayFlags(Instance instance, uint material) {
-  uint flags = 0u;
-  if ((material & kMaterialDoubleSided) != 0u) flags |= kRayDoubleSided;
-  if ((material & (kMaterialMasked | kMaterialBlended)) != 0u) flags |= kRayAlphaTested;
-  if (translucent(material)) flags |= kRayTranslucent;
+uint rayFlags(WorldBvhJob job, Instance instance) {
+  MaterialRef material = MaterialRef(job.materials + uint64_t(instance.material) * kMaterialBytes);
+  uint flags = rayAlphaFlags(material.v.flags, material.v.textures, instance.flags);
+  if ((material.v.flags & kMaterialDoubleSided) != 0u) flags |= kRayDoubleSided;
+  if (translucent(material.v.flags)) flags |= kRayTranslucent;
   if ((instance.flags & kInstanceClockwise) != 0u) flags |= kRayClockwise;
   return flags;
 }
@@ -178,7 +178,7 @@ void writeInstances(WorldBvhJob job, uint count) {
     record.triangles = hierarchy.triangles;
     record.reach = float(reach * (1.0lf + kRounding));
     record.instance = item;
-    record.flags = rayFlags(instance, materialFlags(job, instance));
+    record.flags = rayFlags(job, instance);
     record.padding = 0u;
     RayInstancesRef(job.rayInstances).v[i] = record;
   }
