@@ -193,6 +193,7 @@ void Renderer::followWorlds(const SceneState& moment) {
 shared::FrameConstants Renderer::prepareRays(const Settings& settings, const SceneState& moment) {
   resolveOverflow();
   sceneInput_.reset();
+  createBvh();
   gpuScene_.update(moment.poses, sunOf(settings));
   followWorlds(moment);
   shared::FrameConstants constants{};

@@ -146,6 +146,7 @@ class Renderer {
   void findLowestPoint();
   shared::FrameConstants prepareRays(const Settings& settings, const SceneState& moment);  // for shaders without views
   std::vector<vk::Constant> rayConstants() const;
+  void createBvh();  // without BVHs; before GpuScene::update(), so that pipelines compile while the scene is uploaded
   SceneBvh& followedBvh(bool samplesEnvironment);         // after GpuScene::update(): the BVHs of the same state
   void resolveOverflow(const ViewBatch* last = nullptr);  // of the batches up to this one; null: of all
   void read(RenderJob& job);                              // the oldest part
