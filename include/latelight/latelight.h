@@ -828,6 +828,24 @@ class LATELIGHT_API Ticket {
   std::shared_ptr<Impl> impl_;
 };
 
+// Rays in flight, as returned by Renderer::submitCast().
+class LATELIGHT_API CastTicket {
+ public:
+  ~CastTicket();
+  CastTicket(CastTicket&&) noexcept;
+  CastTicket& operator=(CastTicket&&) noexcept;
+
+  bool done() const;  // true if take() would not wait for the device
+  // Waits until the targets of the call hold all hits. A second call throws Error(Usage).
+  void take();
+
+ private:
+  friend class Renderer;
+  CastTicket();
+  struct Impl;
+  std::shared_ptr<Impl> impl_;
+};
+
 // Renders one scene on one device. Not thread-safe: use one renderer per thread, and take its tickets on that thread.
 //
 // A renderer belongs to the process that created it. In a forked process, every function of the renderer and of its
@@ -899,6 +917,17 @@ class LATELIGHT_API Renderer {
             const CastTargets& targets, const Options& options = {},
             double maxDistance = std::numeric_limits<double>::infinity());
 
+  // Copies the rays, submits them, and returns while the device casts them. Meanwhile, the scene may be edited, and
+  // more rays and pictures submitted. The arrays of `targets` must exist until the ticket is taken or dropped, and hold
+  // the hits once it is taken. A limited number of rays is in flight, so a call with millions of them returns when the
+  // last ones are submitted.
+  CastTicket submitCast(std::span<const std::array<double, 3>> origins,
+                        std::span<const std::array<double, 3>> directions, const CastTargets& targets,
+                        const Options& options = {}, double maxDistance = std::numeric_limits<double>::infinity());
+  CastTicket submitCast(std::span<const std::array<float, 3>> origins, std::span<const std::array<float, 3>> directions,
+                        const CastTargets& targets, const Options& options = {},
+                        double maxDistance = std::numeric_limits<double>::infinity());
+
   // Casts rays through worlds, from arrays that may be in the device's memory, and leaves the hits there: the arrays
   // `outputs` of CastHits by their names, with the shape 1 x worlds x rays x channels. Cameras and environments of the
   // worlds are ignored. The call waits until the arrays are complete, and not for WorldArrays::ready before that.
@@ -931,6 +960,7 @@ class LATELIGHT_API Renderer {
                             std::optional<double> secondTime = {});
 
  private:
+  friend class CastTicket;
   friend class Ticket;
   struct Impl;
   std::shared_ptr<Impl> impl_;  // shared with its tickets

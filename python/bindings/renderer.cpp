@@ -448,20 +448,66 @@ class HitArrays {
   nb::dict arrays_;
 };
 
+// Rays in flight, with the arrays that receive their hits.
+class SharedCastTicket {
+ public:
+  SharedCastTicket(std::shared_ptr<SharedRenderer> renderer, CastTicket&& ticket, HitArrays&& hits)
+      : renderer_(std::move(renderer)), ticket_(std::move(ticket)), hits_(std::move(hits)) {}
+  ~SharedCastTicket() {
+    try {
+      renderer_->use([&](Renderer&) { const CastTicket dropped = std::move(ticket_); });
+    } catch (const Error&) {  // in a forked process, where nothing is dropped
+    }
+  }
+
+  bool done() {
+    return renderer_->use([&](Renderer&) { return ticket_.done(); });
+  }
+  nb::dict take() {
+    renderer_->use([&](Renderer&) { ticket_.take(); });
+    return hits_.take();
+  }
+
+ private:
+  std::shared_ptr<SharedRenderer> renderer_;
+  CastTicket ticket_;
+  HitArrays hits_;
+};
+
 template <typename T>
-nb::dict castVectors(const std::shared_ptr<SharedRenderer>& renderer, const Vectors<T>& origins,
-                     const Vectors<T>& directions, double limit, nb::handle outputs, nb::handle out,
-                     const Options& options) {
+std::shared_ptr<SharedCastTicket> submitVectors(const std::shared_ptr<SharedRenderer>& renderer,
+                                                const Vectors<T>& origins, const Vectors<T>& directions, double limit,
+                                                nb::handle outputs, nb::handle out, const Options& options) {
   const auto from = origins.values(), along = directions.values();
   if (from.size() != along.size())
     badValue("origins and directions must have equal lengths, not {} and {}", from.size(), along.size());
   HitArrays hits(from.size(), outputs, out);
   try {
-    renderer->use([&](Renderer& renderer) { renderer.cast(from, along, hits.targets(), options, limit); });
+    CastTicket ticket = renderer->use(
+        [&](Renderer& renderer) { return renderer.submitCast(from, along, hits.targets(), options, limit); });
+    return std::make_shared<SharedCastTicket>(renderer, std::move(ticket), std::move(hits));
   } catch (const Error& error) {
     throw inPython(error);
   }
-  return hits.take();
+}
+
+std::shared_ptr<SharedCastTicket> submitRays(const std::shared_ptr<SharedRenderer>& renderer, nb::handle origins,
+                                             nb::handle directions, double limit, nb::handle outputs, nb::handle out,
+                                             const nb::kwargs& keywords) {
+  const Options options = optionsOf(nb::none(), nb::make_tuple("rgba"), keywords);
+  if (isFloat32(origins) && isFloat32(directions))
+    return submitVectors<float>(renderer, {origins, "origins"}, {directions, "directions"}, limit, outputs, out,
+                                options);
+  return submitVectors<double>(renderer, {origins, "origins"}, {directions, "directions"}, limit, outputs, out,
+                               options);
+}
+
+std::shared_ptr<SharedCastTicket> submitCast(const std::shared_ptr<SharedRenderer>& renderer, nb::handle origins,
+                                             nb::handle directions, nb::handle maxDistance, nb::handle outputs,
+                                             nb::handle out, const nb::kwargs& keywords) {
+  if (isTensor(origins) || isTensor(directions))
+    badType("submit_cast() reads arrays in the host's memory: pass those in CUDA's memory to cast()");
+  return submitRays(renderer, origins, directions, numberOf(maxDistance, "max_distance"), outputs, out, keywords);
 }
 
 // The names of the arrays of hits to return: `outputs`, those of `out`, or all.
@@ -517,10 +563,7 @@ nb::dict cast(const std::shared_ptr<SharedRenderer>& renderer, nb::handle origin
     optional.update(keywords);
     return castArrays(renderer, nb::int_(1), origins, directions, limit, outputs, out, false, optional);
   }
-  const Options options = optionsOf(nb::none(), nb::make_tuple("rgba"), keywords);
-  if (isFloat32(origins) && isFloat32(directions))
-    return castVectors<float>(renderer, {origins, "origins"}, {directions, "directions"}, limit, outputs, out, options);
-  return castVectors<double>(renderer, {origins, "origins"}, {directions, "directions"}, limit, outputs, out, options);
+  return submitRays(renderer, origins, directions, limit, outputs, out, keywords)->take();
 }
 
 // Calls `work` with the renderer and the options of a picture without outputs.
@@ -803,6 +846,11 @@ void bindRenderer(nb::module_& module) {
            "worlds. What went wrong on "
            "the "
            "way\nis raised here.");
+  nb::class_<SharedCastTicket>(module, "CastTicket", nb::is_weak_referenceable(),
+                               "Rays in flight: what Renderer.submit_cast() returns.")
+      .def_prop_ro("done", &SharedCastTicket::done, "take() would not wait for the device")
+      .def("take", &SharedCastTicket::take, nb::sig("def take(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
+           "Waits for the hits and returns them, once, as cast() does.");
   nb::class_<SharedRenderer> type(
       module, "Renderer", nb::is_weak_referenceable(),
       "One scene on one device; keeps its pipelines and buffers from one call to the next.\n\n"
@@ -860,6 +908,19 @@ void bindRenderer(nb::module_& module) {
       "stream: as for render_worlds().\nThe options time, animation, "
       "data_surfaces, axes and "
       "position_origin apply.");
+  const std::string submitCastSignature =
+      "def submit_cast(self, origins: numpy.typing.ArrayLike, directions: numpy.typing.ArrayLike, "
+      "max_distance: float = float(\"inf\"), outputs: str | collections.abc.Sequence[str] | None = None, "
+      "out: dict[str, numpy.typing.NDArray[typing.Any]] | None = None, *" +
+      optionParameters() + ") -> CastTicket";
+  type.def(
+      "submit_cast", &submitCast, argument("origins"), argument("directions"),
+      nb::arg("max_distance") = std::numeric_limits<double>::infinity(), argument("outputs") = nb::none(),
+      argument("out") = nb::none(), nb::arg("options"), nb::sig(submitCastSignature.c_str()),
+      "Copies rays in the host's memory, submits them, and returns a CastTicket while the device casts them. "
+      "Meanwhile, "
+      "the\nscene may be edited, and more rays and frames submitted. The arguments are those of cast(). The arrays of "
+      "out may\nchange until the ticket is taken.");
   const std::string scanSignature =
       "def scan_lidar(renderer: Renderer, pattern: latelight.lidar.Pattern, poses: numpy.typing.ArrayLike, samples: "
       "int, "

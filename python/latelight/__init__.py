@@ -14,6 +14,7 @@ from . import _cpu_driver  # before the first device is opened
 from ._core import (
     Animation,
     Camera,
+    CastTicket,
     DeviceArray,
     Instance,
     InstanceHandle,
@@ -59,6 +60,7 @@ __all__ = [
     "Animation",
     "ArgumentTypeError",
     "Camera",
+    "CastTicket",
     "Correspondence",
     "DeviceArray",
     "DeviceFrames",

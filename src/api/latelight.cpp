@@ -652,17 +652,31 @@ Renderer::Impl::RayInput Renderer::Impl::rayInput(const Options& options) const 
 
 namespace {
 
+std::span<const glm::vec3> vectors(std::span<const std::array<float, 3>> arrays) {
+  static_assert(sizeof(glm::vec3) == sizeof(std::array<float, 3>));
+  return {reinterpret_cast<const glm::vec3*>(arrays.data()), arrays.size()};
+}
+
+render::CastRays raysOf(std::span<const std::array<double, 3>> origins,
+                        std::span<const std::array<double, 3>> directions, double maxDistance) {
+  return {vectors(origins), vectors(directions), maxDistance};
+}
+render::CastRays raysOf(std::span<const std::array<float, 3>> origins, std::span<const std::array<float, 3>> directions,
+                        double maxDistance) {
+  return {.maxDistance = maxDistance, .floatOrigins = vectors(origins), .floatDirections = vectors(directions)};
+}
+
 // Renderer::Impl is private, so its type is deduced.
 template <typename Impl>
-void castTo(Impl& impl, const render::CastRays& rays, const CastTargets& t, const Options& options,
-            const std::function<void()>& beforeStore) {
+render::CastTicket submitTo(Impl& impl, const render::CastRays& rays, const CastTargets& t, const Options& options,
+                            std::function<void()> beforeStore = {}) {
   const auto input = impl.rayInput(options);
   static_assert(sizeof(glm::vec3) == sizeof(*t.position) && sizeof(glm::vec2) == sizeof(*t.uv));
   const auto vec3s = [](std::array<float, 3>* vectors) { return reinterpret_cast<glm::vec3*>(vectors); };
   const render::CastTargets targets{
       t.distance, vec3s(t.position), vec3s(t.normal), vec3s(t.geonormal), reinterpret_cast<glm::vec2*>(t.uv), t.id,
       t.part,     t.material,        t.triangle,      t.intensity};
-  impl.renderer.cast(rays, targets, input.settings, input.moment, beforeStore);
+  return impl.renderer.submitCast(rays, targets, input.settings, input.moment, std::move(beforeStore));
 }
 
 }  // namespace
@@ -672,24 +686,57 @@ CastHits Renderer::cast(std::span<const std::array<double, 3>> origins,
   usable(impl_);
   CastHits hits;
   render::HitMemory<CastTargets, CastHits> memory(hits, origins.size());
-  castTo(*impl_, {vectors(origins), vectors(directions), maxDistance}, memory.targets(), options,
-         [&] { memory.wait(); });
+  submitTo(*impl_, raysOf(origins, directions, maxDistance), memory.targets(), options, [&] { memory.wait(); }).take();
   return hits;
 }
 
 void Renderer::cast(std::span<const std::array<double, 3>> origins, std::span<const std::array<double, 3>> directions,
                     const CastTargets& targets, const Options& options, double maxDistance) {
-  castTo(usable(impl_), {vectors(origins), vectors(directions), maxDistance}, targets, options, {});
+  submitTo(usable(impl_), raysOf(origins, directions, maxDistance), targets, options).take();
 }
 
 void Renderer::cast(std::span<const std::array<float, 3>> origins, std::span<const std::array<float, 3>> directions,
                     const CastTargets& targets, const Options& options, double maxDistance) {
-  const auto vectors = [](std::span<const std::array<float, 3>> arrays) {
-    return std::span(reinterpret_cast<const glm::vec3*>(arrays.data()), arrays.size());
-  };
-  castTo(usable(impl_),
-         {.maxDistance = maxDistance, .floatOrigins = vectors(origins), .floatDirections = vectors(directions)},
-         targets, options, {});
+  submitTo(usable(impl_), raysOf(origins, directions, maxDistance), targets, options).take();
+}
+
+struct CastTicket::Impl {
+  std::shared_ptr<Renderer::Impl> renderer;  // destroyed after the ticket
+  render::CastTicket ticket;
+};
+
+CastTicket::CastTicket() = default;
+CastTicket::~CastTicket() = default;
+CastTicket::CastTicket(CastTicket&&) noexcept = default;
+CastTicket& CastTicket::operator=(CastTicket&&) noexcept = default;
+
+bool CastTicket::done() const {
+  return !impl_ || (usable(impl_->renderer), impl_->ticket.done());
+}
+
+void CastTicket::take() {
+  if (!impl_) badUsage("these hits have been taken already");
+  usable(impl_->renderer);
+  const std::shared_ptr<Impl> taken = std::move(impl_);
+  taken->ticket.take();
+}
+
+CastTicket Renderer::submitCast(std::span<const std::array<double, 3>> origins,
+                                std::span<const std::array<double, 3>> directions, const CastTargets& targets,
+                                const Options& options, double maxDistance) {
+  CastTicket ticket;
+  render::CastTicket submitted = submitTo(usable(impl_), raysOf(origins, directions, maxDistance), targets, options);
+  ticket.impl_ = ownedByProcess(new CastTicket::Impl{impl_, std::move(submitted)});
+  return ticket;
+}
+
+CastTicket Renderer::submitCast(std::span<const std::array<float, 3>> origins,
+                                std::span<const std::array<float, 3>> directions, const CastTargets& targets,
+                                const Options& options, double maxDistance) {
+  CastTicket ticket;
+  render::CastTicket submitted = submitTo(usable(impl_), raysOf(origins, directions, maxDistance), targets, options);
+  ticket.impl_ = ownedByProcess(new CastTicket::Impl{impl_, std::move(submitted)});
+  return ticket;
 }
 
 namespace {

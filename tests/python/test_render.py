@@ -204,6 +204,29 @@ def test_rays_of_any_numbers(renderer):
         renderer.cast([[0, 0, 0]], up, normal_frame="opencv")
 
 
+def test_tickets_of_rays(renderer):
+    origins, directions = np.tile([0.0, 1.0, 4.0], (500, 1)), np.random.default_rng(2).normal(size=(500, 3))
+    expected = renderer.cast(origins, directions), renderer.cast(origins + [0, 0.25, 0], directions)
+    moving = origins.copy()
+    first = renderer.submit_cast(moving, directions)
+    moving += [0, 0.25, 0]  # the rays were copied
+    second = renderer.submit_cast(moving, directions, outputs=("id", "position"))
+    renderer.submit_cast(moving, directions)  # is dropped
+    hits = second.take()
+    assert second.done and list(hits) == ["id", "position"]
+    assert all(np.array_equal(hits[name], expected[1][name]) for name in hits)
+    every = first.take()
+    assert list(every) == list(expected[0])
+    assert all(np.array_equal(every[name], expected[0][name]) for name in every)
+    assert not np.array_equal(every["position"], hits["position"])
+    with pytest.raises(latelight.UsageError, match="taken already"):
+        first.take()
+    again = renderer.submit_cast(origins, directions, out=hits).take()
+    assert again["id"] is hits["id"] and np.array_equal(again["position"], every["position"])
+    with pytest.raises(latelight.UsageError):
+        renderer.submit_cast(origins, directions[:3])
+
+
 def test_cast_returns_the_arrays_that_are_needed(renderer):
     origins, directions = np.tile([0.0, 1.0, 4.0], (500, 1)), np.random.default_rng(1).normal(size=(500, 3))
     every = renderer.cast(origins, directions)

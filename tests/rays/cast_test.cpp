@@ -462,6 +462,33 @@ TEST_F(CastTest, FollowsEdits) {
             std::vector<uint32_t>(rays.origins.size(), 0));
 }
 
+// Each call sees the scene as it was when it was submitted, in whatever order tickets are taken, and also if one of
+// them is dropped. The rays are copied.
+TEST_F(CastTest, KeepsSeveralCallsInFlight) {
+  scene::Scene scene = oneMesh(squareMesh(), false);
+  Renderer renderer(device(), scene, nullptr);
+  constexpr size_t kCount = 1000;
+  std::array<std::vector<float>, 3> distances;
+  std::vector<CastTicket> tickets;
+  for (int call = 0; call < 3; ++call) {
+    glm::dmat4 placed(1);
+    placed[3].z = -call;
+    scene::setTransform(scene, 0, placed);
+    const std::vector<dvec3> origins(kCount, dvec3(0.3, -0.2, 5 + 10 * call)), directions(kCount, dvec3(0, 0, -1));
+    distances[call].resize(kCount);
+    const CastTargets targets{.distance = distances[call].data()};
+    tickets.push_back(renderer.submitCast({origins, directions}, targets, castSettings()));
+  }
+  tickets.erase(tickets.begin() + 1);
+  tickets[1].take();
+  EXPECT_TRUE(tickets[1].done());
+  tickets[0].take();
+  for (size_t i = 0; i < kCount; ++i) {
+    EXPECT_NEAR(distances[0][i], 5, 1e-6);
+    EXPECT_NEAR(distances[2][i], 27, 1e-5);
+  }
+}
+
 // Of equal surfaces, a ray hits the last one by instance and then by triangle, wherever the hierarchy has them. The
 // mesh has a square of two triangles 20 times, and the scene has it three times at the same place.
 TEST_F(CastTest, HitsTheLastOfEqualSurfaces) {

@@ -23,6 +23,14 @@ def _accessor(document, blob, values, kind, component):
 
 def _material(name, m):
     extensions = {"KHR_materials_specular": {"specularFactor": m.specular}}
+    if m.ior != 1.5:
+        extensions["KHR_materials_ior"] = {"ior": m.ior}
+    if m.coat:
+        extensions["KHR_materials_clearcoat"] = {"clearcoatFactor": m.coat, "clearcoatRoughnessFactor": m.coat_roughness}
+    if m.transmission:
+        extensions["KHR_materials_transmission"] = {"transmissionFactor": m.transmission}
+    if m.solid:
+        extensions["KHR_materials_volume"] = {"thicknessFactor": 1, "attenuationDistance": 1, "attenuationColor": m.passed}
     if any(m.emission):
         extensions["KHR_materials_emissive_strength"] = {"emissiveStrength": max(m.emission)}
     return {"name": name, "extensions": extensions,
@@ -47,10 +55,10 @@ def _light_node(light):
 def write_gltf(scene, path):
     """Writes the scene without its environment, with one material index per name in their order."""
     names, blob = list(scene.materials), bytearray()
+    materials = [_material(n, scene.materials[n]) for n in names]
     document = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": []}], "nodes": [], "meshes": [],
-                "bufferViews": [], "accessors": [], "extensionsUsed":
-                ["KHR_materials_specular", "KHR_materials_emissive_strength"],
-                "materials": [_material(n, scene.materials[n]) for n in names]}
+                "bufferViews": [], "accessors": [], "materials": materials,
+                "extensionsUsed": sorted({e for m in materials for e in m["extensions"]})}
     for mesh in scene.meshes:
         document["meshes"].append({"primitives": [{
             "attributes": {"POSITION": _accessor(document, blob, mesh.positions, "VEC3", 5126),
@@ -142,8 +150,11 @@ def by_latelight(program, scene, folder, width, height, samples, options=()):
 
 
 def _plugin(mi, name, material):
-    from gltf_bsdf import GltfBsdf
+    from gltf_bsdf import GlassBsdf, GltfBsdf
 
+    if material.transmission:
+        GlassBsdf.materials[name] = material
+        return {"type": "gltf_glass", "material": name}
     if material.plugin:
         return {"type": "roughconductor", "material": "none", "distribution": "ggx", "alpha": material.roughness ** 2,
                 "specular_reflectance": {"type": "rgb", "value": list(material.color)}}
@@ -201,8 +212,9 @@ def by_mitsuba(mi, scene, width, height, samples, at_once=64):
         bitmap = mi.Bitmap(_mitsuba_environment(scene.environment).astype(np.float32))
         parts["sky"] = {"type": "envmap", "bitmap": bitmap}
     loaded = mi.load_dict(parts)
-    # As Latelight: light over 16 surfaces after the visible one.
-    integrator = mi.load_dict({"type": "path", "max_depth": 18, "rr_depth": 99})
+    # As Latelight: light over 16 surfaces after the visible one. It does not count those inside of volumes.
+    depth = 64 if any(m.solid for m in scene.materials.values()) else 18
+    integrator = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": 99})
     directions = np.repeat(pixel_directions(scene, width, height).reshape(-1, 3), at_once, 0)
     origin = mi.Point3f(*[mi.Float(float(e)) for e in scene.eye])
     means = []

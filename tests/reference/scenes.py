@@ -7,12 +7,18 @@ import numpy as np
 
 @dataclasses.dataclass(frozen=True)
 class Material:
-    """A material of glTF 2.0, appendix B, with KHR_materials_specular; colors are linear Rec.709."""
+    """A material of glTF 2.0, appendix B, with extensions of KHR_materials; colors are linear Rec.709."""
 
     color: tuple
     metallic: float = 0
     roughness: float = 1
     specular: float = 0  # 0: Lambertian, without a specular lobe
+    ior: float = 1.5
+    coat: float = 0  # strength of the clearcoat
+    coat_roughness: float = 0
+    transmission: float = 0  # 0 or 1
+    solid: bool = False  # transmission: a volume that refracts, instead of a thin wall
+    passed: tuple = (1, 1, 1)  # fraction of light that a volume passes per meter
     emission: tuple = (0, 0, 0)  # W/(sr m^2)
     plugin: bool = False  # Mitsuba's own `roughconductor` instead of the model of gltf_bsdf.py
 
@@ -118,11 +124,11 @@ def sky(direction):
             + patch[..., None] * np.array([8, 7, 5]))
 
 
-def spheres(materials, environment):
+def spheres(materials, environment, rows=48):
     """A row of spheres on a diffuse floor."""
     meshes = [quad("floor", (-6, 0, 6), (12, 0, 0), (0, 0, -12))]
     for i, name in enumerate(materials):
-        meshes.append(sphere(name, (1.1 * (i - (len(materials) - 1) / 2), 0.5, 0), 0.5))
+        meshes.append(sphere(name, (1.1 * (i - (len(materials) - 1) / 2), 0.5, 0), 0.5, rows))
     return Scene({"floor": Material((0.5, 0.5, 0.5)), **materials}, meshes, (0, 1.6, 6), (0, 0.45, 0), 34, environment)
 
 
@@ -144,6 +150,28 @@ def dielectrics():
         "blue 1": Material((0.1, 0.2, 0.7), 0, 1, 1),
         "half metal 0.5": Material((0.8, 0.6, 0.4), 0.5, 0.5, 1),
     }, sky)
+
+
+def coats():
+    return spheres({
+        "red, coat 0.1": Material((0.7, 0.1, 0.1), 0, 0.6, 1, coat=1, coat_roughness=0.1),
+        "metal, coat 0.2": Material((1, 0.77, 0.34), 1, 0.4, coat=1, coat_roughness=0.2),
+        "blue, coat 0.5": Material((0.1, 0.2, 0.7), 0, 0.3, 1, coat=0.7, coat_roughness=0.5),
+        "white, coat 1": Material((0.9, 0.9, 0.9), 0, 1, 1, coat=1, coat_roughness=1),
+    }, sky)
+
+
+def glass():
+    """Volumes, whose curved surfaces need small triangles (docs/light.md), and thin walls."""
+    scene = spheres({
+        "solid 0.1": Material((1, 1, 1), 0, 0.1, 1, transmission=1, solid=True),
+        "solid 0.3": Material((0.9, 0.95, 1), 0, 0.3, 1, transmission=1, solid=True, passed=(0.9, 0.5, 0.3)),
+        "solid 0.6, ior 1.33": Material((1, 1, 1), 0, 0.6, 1, 1.33, transmission=1, solid=True),
+        "thin 0.3": Material((0.6, 0.9, 0.7), 0, 0.3, 1, transmission=1),
+        "thin 0.6": Material((1, 1, 1), 0, 0.6, 1, transmission=1),
+    }, sky, 192)
+    scene.options = ("--data-surfaces", "any")  # materials of transmissive surfaces, too
+    return scene
 
 
 def overcast():
@@ -174,4 +202,4 @@ def panels():
 
 
 SCENES = {"room": room, "metals": metals, "dielectrics": dielectrics, "overcast": overcast,
-          "panels": panels}
+          "panels": panels, "coats": coats, "glass": glass}

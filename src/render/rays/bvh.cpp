@@ -21,7 +21,7 @@ constexpr uint32_t kBins = 16;
 // Subtrees of up to kMaxItemsOfTask items are built on one thread, and of fewer if there are few items, so that every
 // thread has some.
 constexpr uint32_t kMinItemsOfTask = 256, kMaxItemsOfTask = 16384, kMinTasks = 128;
-constexpr uint32_t kItemsAtOnce = 32768;  // per call of a parallel loop over a large range
+constexpr uint32_t kItemsAtOnce = 16384;  // per call of a parallel loop over a large range
 constexpr uint32_t kNodesAtOnce = 8192;   // likewise, over the nodes of a level
 
 // References are as in RayNode.
@@ -69,6 +69,9 @@ struct Task {
   uint32_t node = 0, side = 0, depth = 0;
   Range range;
 };
+
+// The ranges of a node's children. Both are empty if the range becomes a leaf, and the second one if it has one item.
+using Division = std::array<Range, 2>;
 
 // Maps the centers of a range to bins along each axis.
 struct Binning {
@@ -133,18 +136,37 @@ class BvhBuilder {
   BvhBuilder(std::span<Item> items, std::span<Item> scratch, uint32_t maxLeaf, uint32_t maxDepth)
       : items_(items), scratch_(scratch), maxLeaf_(maxLeaf), maxDepth_(maxDepth) {}
 
-  // Builds the tree of a range below `depth` other nodes. Ranges of at most `taskItems` become tasks.
-  void build(const Range& range, uint32_t depth, uint32_t taskItems) {
+  // Builds the tree of a range below `depth` other nodes, depth first, so that its items stay in the cache.
+  void build(const Range& range, uint32_t depth) {
     std::vector<Task> open;
-    addNode(range, bestSplit(range), depth, open);
+    addNode(partition(range, bestSplit(range), depth), depth, open);
     while (!open.empty()) {
       const Task task = open.back();
       open.pop_back();
-      place(task, taskItems, open);
+      place(task, divide(task), open);
     }
   }
 
-  Range wholeRange() const { return boundsOf(0, static_cast<uint32_t>(items_.size())); }
+  // Builds the upper part of the tree of all items. Ranges of at most `taskItems` become tasks. The ranges of a level
+  // are divided in parallel.
+  void buildTop(uint32_t taskItems) {
+    const Range whole = boundsOf(0, static_cast<uint32_t>(items_.size()));
+    std::vector<Task> open;
+    addNode(partition(whole, bestSplit(whole), 0), 0, open);
+    while (!open.empty()) {
+      std::vector<Task> level;
+      for (const Task& task : open) {
+        nodes[task.node][task.side].box = task.range.box;
+        (isTask(task, taskItems) ? tasks : level).push_back(task);
+      }
+      std::vector<Division> divisions(level.size());
+      parallelFor(level.size(), 1, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) divisions[i] = divide(level[i]);
+      });
+      open.clear();
+      for (size_t i = 0; i < level.size(); ++i) place(level[i], divisions[i], open);
+    }
+  }
 
   std::vector<TreeNode> nodes;
   std::vector<Task> tasks;
@@ -173,34 +195,32 @@ class BvhBuilder {
     return range;
   }
 
-  void place(const Task& task, uint32_t taskItems, std::vector<Task>& open) {
-    Child& child = nodes[task.node][task.side];
-    child.box = task.range.box;
-    const bool becomesTask = task.range.count <= taskItems && task.range.count > maxLeaf_;
-    if (task.range.count == 1) {
-      child.reference = leafOf(task.range.first, 1);
-      return;
-    }
-    if (becomesTask) {
-      tasks.push_back(task);
-      return;
-    }
-    const Split split = bestSplit(task.range);
-    const float area = halfArea(task.range.box), leafCost = static_cast<float>(task.range.count) * area;
-    if (task.range.count <= maxLeaf_ && !(split.cost + shared::kRayNodeCost * area < leafCost)) {
-      child.reference = leafOf(task.range.first, task.range.count);
-      return;
-    }
-    child.reference = static_cast<uint32_t>(nodes.size());
-    addNode(task.range, split, task.depth, open);
+  bool isTask(const Task& task, uint32_t taskItems) const {
+    return task.range.count <= taskItems && task.range.count > std::max(maxLeaf_, 1u);
   }
 
-  void addNode(const Range& range, const Split& split, uint32_t depth, std::vector<Task>& open) {
+  Division divide(const Task& task) {
+    const Range& range = task.range;
+    if (range.count == 1) return {};
+    const Split split = bestSplit(range);
+    const float area = halfArea(range.box), leafCost = static_cast<float>(range.count) * area;
+    if (range.count <= maxLeaf_ && !(split.cost + shared::kRayNodeCost * area < leafCost)) return {};
+    return partition(range, split, task.depth);
+  }
+
+  void place(const Task& task, const Division& division, std::vector<Task>& open) {
+    Child& child = nodes[task.node][task.side];
+    child.box = task.range.box;
+    const bool leaf = division[0].count == 0;
+    child.reference = leaf ? leafOf(task.range.first, task.range.count) : static_cast<uint32_t>(nodes.size());
+    if (!leaf) addNode(division, task.depth, open);
+  }
+
+  void addNode(const Division& division, uint32_t depth, std::vector<Task>& open) {
     const auto node = static_cast<uint32_t>(nodes.size());
     nodes.emplace_back();
-    const std::array<Range, 2> halves = partition(range, split, depth);
     for (uint32_t side = 0; side < 2; ++side)
-      if (halves[side].count) open.push_back({node, side, depth + 1, halves[side]});
+      if (division[side].count) open.push_back({node, side, depth + 1, division[side]});
   }
 
   Split bestSplit(const Range& range) const {
@@ -224,7 +244,7 @@ class BvhBuilder {
   static uint32_t depthOf(uint32_t items) { return static_cast<uint32_t>(std::bit_width(items - 1)); }
 
   // Partitions the items of a range that become children of a node below `depth` others.
-  std::array<Range, 2> partition(const Range& range, const Split& split, uint32_t depth) {
+  Division partition(const Range& range, const Split& split, uint32_t depth) {
     if (range.count == 1) return {range, {}};
     uint32_t count = 0;
     if (split.axis >= 0) {
@@ -282,7 +302,7 @@ void buildTasks(BvhBuilder& top, std::span<Item> items, uint32_t maxLeaf, uint32
   parallelFor(subtrees.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       BvhBuilder builder(items, {}, maxLeaf, maxDepth);
-      builder.build(top.tasks[i].range, top.tasks[i].depth, 0);
+      builder.build(top.tasks[i].range, top.tasks[i].depth);
       subtrees[i] = std::move(builder.nodes);
     }
   });
@@ -355,8 +375,7 @@ Bvh buildBvh(std::span<const Box> boxes, uint32_t maxLeaf, uint32_t maxDepth) {
     for (size_t i = begin; i < end; ++i) items[i] = {boxes[i], static_cast<uint32_t>(i), 0};
   });
   BvhBuilder top(items, scratch, maxLeaf, maxDepth);
-  top.build(top.wholeRange(), 0,
-            std::clamp(static_cast<uint32_t>(boxes.size()) / kMinTasks, kMinItemsOfTask, kMaxItemsOfTask));
+  top.buildTop(std::clamp(static_cast<uint32_t>(boxes.size()) / kMinTasks, kMinItemsOfTask, kMaxItemsOfTask));
   buildTasks(top, items, maxLeaf, maxDepth);
   bvh.items.resize(items.size());
   parallelFor(items.size(), kItemsAtOnce, [&](size_t begin, size_t end) {

@@ -193,6 +193,7 @@ void Renderer::followWorlds(const SceneState& moment) {
 shared::FrameConstants Renderer::prepareRays(const Settings& settings, const SceneState& moment) {
   resolveOverflow();
   sceneInput_.reset();
+  createBvh();
   gpuScene_.update(moment.poses, sunOf(settings));
   followWorlds(moment);
   shared::FrameConstants constants{};
@@ -230,8 +231,44 @@ CastResult Renderer::cast(const CastRays& rays, const Settings& settings, const 
   return result;
 }
 
-RenderStatistics Renderer::cast(const CastRays& rays, const CastTargets& targets, const Settings& settings,
-                                const SceneState& moment, const std::function<void()>& beforeStore) {
+struct CastTicket::Call {
+  std::vector<HitArray> arrays;
+  std::function<void()> beforeStore;
+  std::deque<CastChunk> inFlight;
+  RenderStatistics statistics;
+
+  void prepareStore() {
+    if (const std::function<void()> prepare = std::exchange(beforeStore, {})) prepare();
+  }
+  void finishFirst() {
+    inFlight.front().submission.wait();
+    const CastChunk chunk = std::move(inFlight.front());
+    inFlight.pop_front();
+    prepareStore();
+    chunk.store(arrays);
+    addTimes(statistics.passTimes, chunk.submission);
+  }
+};
+
+CastTicket::CastTicket(std::unique_ptr<Call> call) : call_(std::move(call)) {}
+CastTicket::CastTicket(CastTicket&&) noexcept = default;
+CastTicket& CastTicket::operator=(CastTicket&&) noexcept = default;
+CastTicket::~CastTicket() = default;
+
+bool CastTicket::done() const {
+  return !call_ || std::ranges::all_of(call_->inFlight, [](const CastChunk& c) { return c.submission.done(); });
+}
+
+RenderStatistics CastTicket::take() {
+  const std::unique_ptr<Call> call = std::move(call_);
+  while (!call->inFlight.empty()) call->finishFirst();
+  call->prepareStore();  // even if there is nothing to store
+  return std::move(call->statistics);
+}
+
+// The host copies the rays and the hits of some chunks while the device casts those of others.
+CastTicket Renderer::submitCast(const CastRays& rays, const CastTargets& targets, const Settings& settings,
+                                const SceneState& moment, std::function<void()> beforeStore) {
   checkRays(settings, rays.maxDistance);
   const RayArrays arrays = arraysOf(rays);
   const shared::FrameConstants constants = prepareRays(settings, moment);
@@ -241,35 +278,24 @@ RenderStatistics Renderer::cast(const CastRays& rays, const CastTargets& targets
                       .flags = flagsOf(scene_, settings, arrays.bytes == sizeof(glm::dvec3)),
                       .arrays = arraysOf(targets),
                       .constants = rayConstants()};
-  RenderStatistics statistics;
-  std::deque<CastChunk> inFlight;
-  bool stores = false;
-  const auto finishFirst = [&] {
-    const CastChunk chunk = std::move(inFlight.front());
-    inFlight.pop_front();
-    chunk.submission.wait();
-    if (!std::exchange(stores, true) && beforeStore) beforeStore();
-    chunk.store(call.arrays);
-    addTimes(statistics.passTimes, chunk.submission);
-  };
-  // The host copies the rays and the hits of some chunks while the device casts those of others.
+  auto ticket = std::make_unique<CastTicket::Call>();
+  ticket->arrays = call.arrays;
+  ticket->beforeStore = std::move(beforeStore);
   const size_t most = std::min(kRaysAtOnce, arrays.count);
   for (size_t first = 0; first < arrays.count; first += most) {
-    if (inFlight.size() == kChunksInFlight) finishFirst();
+    if (ticket->inFlight.size() == kChunksInFlight) ticket->finishFirst();
     const size_t count = std::min(most, arrays.count - first), offset = first * arrays.bytes,
                  bytes = count * arrays.bytes;
     const auto staging = inputMemory(2 * most * arrays.bytes);
-    const MemoryCopy rays[] = {{staging->mapped(), arrays.origins + offset, bytes},
-                               {staging->mapped() + bytes, arrays.directions + offset, bytes}};
-    copyInParallel(rays);
+    const MemoryCopy copies[] = {{staging->mapped(), arrays.origins + offset, bytes},
+                                 {staging->mapped() + bytes, arrays.directions + offset, bytes}};
+    copyInParallel(copies);
     graph::Graph graph(executor_);
     const graph::BufferId hits = addCast({device_, graph}, call, *staging, count, graph);
     addSceneChanges(graph);
-    inFlight.push_back({first, count, staging, hits, submit(graph, graph.compile())});
+    ticket->inFlight.push_back({first, count, staging, hits, submit(graph, graph.compile())});
   }
-  while (!inFlight.empty()) finishFirst();
-  if (!stores && beforeStore) beforeStore();
-  return statistics;
+  return CastTicket(std::move(ticket));
 }
 
 std::vector<uint32_t> Renderer::cast(WorldCast& cast, const Settings& settings, const SceneState& moment) {

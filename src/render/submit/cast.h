@@ -77,6 +77,22 @@ class HitMemory {
   std::future<void> cleared_;
 };
 
+// Rays in flight, as returned by Renderer::submitCast().
+class CastTicket {
+ public:
+  struct Call;
+  explicit CastTicket(std::unique_ptr<Call> call);
+  CastTicket(CastTicket&&) noexcept;
+  CastTicket& operator=(CastTicket&&) noexcept;
+  ~CastTicket();
+  bool done() const;  // take() would not wait for the device
+  // Waits, and stores the hits that are not stored yet. May be called once, while the renderer lives.
+  RenderStatistics take();
+
+ private:
+  std::unique_ptr<Call> call_;
+};
+
 struct CastResult {
   CastHits hits;
   RenderStatistics statistics;

@@ -163,6 +163,7 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
   const SceneInput input = inputOf(settings, moment);
   if (input.posed || sceneInput_ != input) resolveOverflow();
   sceneInput_.reset();
+  if (tracesRays(settings)) createBvh();
   gpuScene_.update(moment.poses, sunOf(settings));
   gpuScene_.setGroups(moment.groups);
   gpuScene_.setWorlds(moment.worlds, moment.poses, selectEnvironments(moment.worlds));
@@ -734,8 +735,12 @@ void Renderer::findLowestPoint() {
   lowestPointEdits_ = edits;
 }
 
-SceneBvh& Renderer::followedBvh(bool samplesEnvironment) {
+void Renderer::createBvh() {
   if (!bvh_) bvh_ = std::make_unique<SceneBvh>(device_, executor_, scene_, gpuScene_);
+}
+
+SceneBvh& Renderer::followedBvh(bool samplesEnvironment) {
+  createBvh();
   if (samplesEnvironment && hasEnvironment_ && !environmentCells_) {
     environmentCells_ = makeEnvironmentCells(device_, executor_, environment_);
     bvh_->setEnvironment(environmentCells_.address());

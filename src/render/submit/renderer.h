@@ -67,7 +67,13 @@ class Renderer {
   // The same with memory of the caller. `beforeStore` is called once, before the first hits are stored, if it is not
   // null.
   RenderStatistics cast(const CastRays& rays, const CastTargets& targets, const Settings& settings,
-                        const SceneState& moment = {}, const std::function<void()>& beforeStore = {});
+                        const SceneState& moment = {}, const std::function<void()>& beforeStore = {}) {
+    return submitCast(rays, targets, settings, moment, beforeStore).take();
+  }
+  // Copies the rays and returns while the device casts them. The hits are stored in `targets` until the ticket is
+  // taken. A limited number of rays is in flight, and the hits of earlier ones are stored before the call returns.
+  CastTicket submitCast(const CastRays& rays, const CastTargets& targets, const Settings& settings,
+                        const SceneState& moment = {}, std::function<void()> beforeStore = {});
 
   // Casts the rays of all worlds of `moment`, of which there is at least one, and waits. The hits are in memory of the
   // device. Returns WorldStatus::bits() if shaders have placed the worlds.
@@ -146,6 +152,7 @@ class Renderer {
   void findLowestPoint();
   shared::FrameConstants prepareRays(const Settings& settings, const SceneState& moment);  // for shaders without views
   std::vector<vk::Constant> rayConstants() const;
+  void createBvh();  // without BVHs; before GpuScene::update(), so that pipelines compile while the scene is uploaded
   SceneBvh& followedBvh(bool samplesEnvironment);         // after GpuScene::update(): the BVHs of the same state
   void resolveOverflow(const ViewBatch* last = nullptr);  // of the batches up to this one; null: of all
   void read(RenderJob& job);                              // the oldest part

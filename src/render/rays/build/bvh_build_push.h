@@ -17,8 +17,8 @@ SH_CONST uint kKeysPerGroup = 2048u;    // kBuildGroup * kKeysPerInvocation
 
 // A cluster looks for its neighbor among kNeighbors clusters on either side. A workgroup finds those of kBuildGroup
 // clusters, and merges the kMergedPerGroup in their middle.
-SH_CONST uint kNeighbors = 16u;
-SH_CONST uint kMergedPerGroup = 224u;  // kBuildGroup - 2 * kNeighbors
+SH_CONST uint kNeighbors = 8u;
+SH_CONST uint kMergedPerGroup = 240u;  // kBuildGroup - 2 * kNeighbors
 
 SH_CONST uint kMaxMeshesPerBuild = 65536u;
 SH_CONST uint kMaxRounds = 80u;  // of merging
@@ -75,10 +75,11 @@ struct BuildResult {
 };
 
 struct BuildState {
-  uint clusters[kMaxRounds + 1u];      // before each round, and after the last one
-  uint finished;                       // number of rounds until BvhBuild::target is reached
-  uvec3 mergeGroups[kMaxRounds + 1u];  // workgroups that merge in each round
-  uint placed[kHeightMask + 1u];       // nodes of each level, which BvhBuild::queues lists
+  uint clusters[kMaxRounds + 1u];       // before each round, and after the last one
+  uint finished;                        // number of rounds until BvhBuild::target is reached
+  uvec3 mergeGroups[kMaxRounds + 1u];   // workgroups that merge in each round
+  uint placed[kHeightMask + 1u];        // nodes of each level, which BvhBuild::queues lists
+  uvec3 placeGroups[kHeightMask + 1u];  // workgroups that place the children of each level
 };
 
 struct BvhBuild {

@@ -19,5 +19,8 @@ void main() {
   state.v.clusters[0] = build.count;
   state.v.mergeGroups[0] = groupsOf(build.count <= build.target ? 0u : groupsFor(build.count, kMergedPerGroup));
   state.v.finished = 0u;
-  for (uint level = 0u; level <= kHeightMask; ++level) state.v.placed[level] = 0u;
+  for (uint level = 0u; level <= kHeightMask; ++level) {
+    state.v.placed[level] = 0u;
+    state.v.placeGroups[level] = uvec3(0u, 0u, 1u);
+  }
 }

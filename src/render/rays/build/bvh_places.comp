@@ -9,25 +9,36 @@ uint itemsOf(BvhBuild build, uint reference) {
   return isItem(reference) ? 1u : BuildNodesRef(build.nodes).v[reference].items & ~kBecomesLeaf;
 }
 
-// Places a child whose subtree starts at node `index` and at triangle `first`. Returns the reference to it.
-uint placeChild(BvhBuild build, BuildPlace parent, uint reference, uint index, uint first) {
-  BuildMesh mesh = BuildMeshesRef(build.meshes).v[parent.mesh];
-  if (isItem(reference) || (BuildNodesRef(build.nodes).v[reference].items & kBecomesLeaf) != 0u)
-    return placeLeaf(build, mesh, reference, first);
-  enqueue(build, push.step + 1u, reference, BuildPlace(index, first, parent.index, parent.mesh));
+// Places a child whose subtree starts at node `index` and at triangle `first`. An inner node gets the entry `slot` of
+// the next level's queue. Returns the reference to the child.
+uint placeChild(BvhBuild build, BuildPlace parent, uint reference, bool leaf, uint slot, uint index, uint first) {
+  if (leaf) return placeLeaf(build, BuildMeshesRef(build.meshes).v[parent.mesh], reference, first);
+  enqueue(build, push.step + 1u, slot, reference, BuildPlace(index, first, parent.index, parent.mesh));
   return index;
+}
+
+void placeChildren(BvhBuild build, BuildPlace place, BuildNode node, bvec2 leaves, uint slot) {
+  uint nodesOfA = isItem(node.a) ? 0u : BuildNodesRef(build.nodes).v[node.a].nodes;
+  uint indexB = place.index + 1u + nodesOfA, firstB = place.first + itemsOf(build, node.a);
+  uint a = placeChild(build, place, node.a, leaves.x, slot, place.index + 1u, place.first);
+  uint b = placeChild(build, place, node.b, leaves.y, slot + uint(!leaves.x), indexB, firstB);
+  RayNodesRef(BuildMeshesRef(build.meshes).v[place.mesh].nodes).v[place.index] =
+      RayNode(node.lowA, a, node.highA, b, node.lowB, place.parent, node.highB, 0u);
 }
 
 void main() {
   uint item = workgroup() * kBuildGroup + invocation();
   BvhBuild build = BvhBuildRef(push.build).v;
-  if (item >= BuildStateRef(build.state).v.placed[push.step]) return;
-  uint index = BuildWordsRef(build.queues[push.step & 1u]).v[item];
-  BuildPlace place = BuildPlacesRef(build.places).v[index];
-  BuildNode node = BuildNodesRef(build.nodes).v[index];
-  uint nodesOfA = isItem(node.a) ? 0u : BuildNodesRef(build.nodes).v[node.a].nodes;
-  uint a = placeChild(build, place, node.a, place.index + 1u, place.first);
-  uint b = placeChild(build, place, node.b, place.index + 1u + nodesOfA, place.first + itemsOf(build, node.a));
-  RayNodesRef(BuildMeshesRef(build.meshes).v[place.mesh].nodes).v[place.index] =
-      RayNode(node.lowA, a, node.highA, b, node.lowB, place.parent, node.highB, 0u);
+  bool isNode = item < BuildStateRef(build.state).v.placed[push.step];
+  BuildPlace place;
+  BuildNode node;
+  bvec2 leaves = bvec2(true);
+  if (isNode) {
+    uint index = BuildWordsRef(build.queues[push.step & 1u]).v[item];
+    place = BuildPlacesRef(build.places).v[index];
+    node = BuildNodesRef(build.nodes).v[index];
+    leaves = bvec2(isLeaf(build, node.a), isLeaf(build, node.b));
+  }
+  uint slot = reserve(build, push.step + 1u, uint(!leaves.x) + uint(!leaves.y));
+  if (isNode) placeChildren(build, place, node, leaves, slot);
 }

@@ -15,11 +15,12 @@ BuildBox boxOf(BvhBuild build, BuildMesh mesh) {
 void main() {
   uint index = workgroup() * kBuildGroup + invocation();
   BvhBuild build = BvhBuildRef(push.build).v;
-  if (index >= build.meshCount) return;
-  BuildMesh mesh = BuildMeshesRef(build.meshes).v[index];
-  bool leaf = isItem(mesh.root) || (BuildNodesRef(build.nodes).v[mesh.root].items & kBecomesLeaf) != 0u;
+  BuildMesh mesh = BuildMeshesRef(build.meshes).v[min(index, build.meshCount - 1u)];
+  bool leaf = isLeaf(build, mesh.root), isMesh = index < build.meshCount;
+  uint slot = reserve(build, 0u, uint(isMesh && !leaf));
+  if (!isMesh) return;
   if (!leaf) {
-    enqueue(build, 0u, mesh.root, BuildPlace(0u, 0u, kRayNone, index));
+    enqueue(build, 0u, slot, mesh.root, BuildPlace(0u, 0u, kRayNone, index));
     return;
   }
   BuildBox box = boxOf(build, mesh);

@@ -6,15 +6,23 @@
 
 layout(local_size_x = kBuildGroup) in;
 
+// Consecutive values of an invocation, so that few barriers are needed and many loads are in flight.
+const uint kValuesPerInvocation = 16u;
+
 void scan(BuildWordsRef values, uint count) {
-  uint share = groupsFor(count, kBuildGroup), first = min(invocation() * share, count), end = min(first + share, count);
-  uint sum = 0u, total;
-  for (uint i = first; i < end; ++i) sum += values.v[i];
-  uint before = exclusiveScan(sum, total);
-  for (uint i = first; i < end; ++i) {
-    uint value = values.v[i];
-    values.v[i] = before;
-    before += value;
+  uint carried = 0u, total;
+  for (uint start = 0u; start < count; start += kBuildGroup * kValuesPerInvocation) {
+    uint first = start + invocation() * kValuesPerInvocation, sum = 0u;
+    uint sums[kValuesPerInvocation];  // of the values before each one
+    for (uint i = 0u; i < kValuesPerInvocation; ++i) {
+      uint value = first + i < count ? values.v[first + i] : 0u;
+      sums[i] = sum;
+      sum += value;
+    }
+    uint before = carried + exclusiveScan(sum, total);
+    for (uint i = 0u; i < kValuesPerInvocation; ++i)
+      if (first + i < count) values.v[first + i] = before + sums[i];
+    carried += total;
   }
 }
 

@@ -139,12 +139,12 @@ std::vector<Top> topsOf(std::span<const BuildResult> results, uint32_t count, ui
 
 }  // namespace
 
-// The memory of a build. Arrays whose contents are not needed at the same time share it. Drivers need milliseconds for
-// hundreds of megabytes, so the array that only merging needs is allocated by another thread during the sort.
+// The memory of a build. Arrays whose contents are not needed at the same time share it.
 struct DeviceBvhBuilder::Batch {
   Batch(vk::Device& device, uint32_t count, uint32_t meshCount);
-  // Waits for `nodes`, and sets its addresses in `build`.
-  void awaitNodes();
+  // Allocates `nodes`, and sets its addresses in `build`. Drivers need milliseconds for hundreds of megabytes, during
+  // which they accept no submissions, so the device sorts meanwhile.
+  void allocateNodes(vk::Device& device);
 
   vk::Buffer head;     // BvhBuild, then BuildMesh[]
   vk::Buffer results;  // shared::BuildResult[], readable by the host
@@ -153,7 +153,6 @@ struct DeviceBvhBuilder::Batch {
   vk::Buffer indices;  // items, partners, counters
   vk::Buffer nodes;    // also the clusters before the first round
   BvhBuild build;
-  std::future<vk::Buffer> allocatedNodes;
 };
 
 DeviceBvhBuilder::Batch::Batch(vk::Device& device, uint32_t count, uint32_t meshCount) {
@@ -170,7 +169,6 @@ DeviceBvhBuilder::Batch::Batch(vk::Device& device, uint32_t count, uint32_t mesh
   state = make("BVH state", sizeof(shared::BuildState), VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT);
   others = make("BVH clusters", n * shared::kBuildClusterBytes);
   indices = make("BVH items", (2 * n + counters) * sizeof(uint32_t));
-  allocatedNodes = inBackground([make, n] { return make("BVH nodes", n * sizeof(shared::BuildNode)); });
   build = {.meshes = head.address() + sizeof(BvhBuild),
            .results = results.address(),
            .state = state.address(),
@@ -188,8 +186,8 @@ DeviceBvhBuilder::Batch::Batch(vk::Device& device, uint32_t count, uint32_t mesh
            .maxDepth = shared::kMaxMeshDepth};
 }
 
-void DeviceBvhBuilder::Batch::awaitNodes() {
-  nodes = allocatedNodes.get();
+void DeviceBvhBuilder::Batch::allocateNodes(vk::Device& device) {
+  nodes = vk::Buffer(device, {.size = build.count * sizeof(BuildNode), .name = "BVH nodes"});
   build.nodes = nodes.address();
   build.clusters[0] = nodes.address() + build.count * (sizeof(BuildNode) - shared::kBuildClusterBytes);
 }
@@ -268,10 +266,11 @@ void DeviceBvhBuilder::buildBatch(std::span<const uint32_t> meshes, std::span<De
   vk::Uploader& uploads = gpuScene_.uploads();
   uploads.upload(batch->head, std::as_bytes(std::span(&batch->build, 1)));
   uploads.upload(batch->head, std::as_bytes(std::span(records)), sizeof(BvhBuild));
-  run("BVH keys", [&](graph::Context& context) { sort(context, *batch); });
-  batch->awaitNodes();
+  const graph::Submission sorted = submit("BVH keys", [&](graph::Context& context) { sort(context, *batch); });
+  batch->allocateNodes(device_);
+  finish(sorted);
   uploads.upload(batch->head, std::as_bytes(std::span(&batch->build, 1)));
-  run("BVH nodes", [&](graph::Context& context) { merge(context, *batch); });
+  finish(submit("BVH nodes", [&](graph::Context& context) { merge(context, *batch); }));
   const std::span<const BuildResult> results(batch->results.as<const BuildResult>(), batch->build.target);
   std::future<std::vector<DeviceBvh>> allocated =
       inBackground([this, results, &sources] { return allocateBvhs(device_, results, sources); });
@@ -287,19 +286,23 @@ void DeviceBvhBuilder::buildBatch(std::span<const uint32_t> meshes, std::span<De
       uploads.upload(batch->nodes, std::as_bytes(std::span(tops[i].added)), tops[i].root * sizeof(BuildNode));
   }
   uploads.upload(batch->head, std::as_bytes(std::span(records)), sizeof(BvhBuild));
-  run("BVH places", [&](graph::Context& context) { place(context, *batch); });
+  finish(submit("BVH places", [&](graph::Context& context) { place(context, *batch); }));
   freeing_ = inBackground([batch = std::move(batch)]() mutable { batch.reset(); });
 }
 
-// Runs a step after the pending changes of the scene, and waits.
-void DeviceBvhBuilder::run(const char* name, const graph::Record& record) {
+// Submits a step after the pending changes of the scene.
+graph::Submission DeviceBvhBuilder::submit(const char* name, const graph::Record& record) {
   graph::Graph graph(executor_);
   gpuScene_.addChanges(graph);
   graph.prologue(graph::Stage::Upload, name, record);
-  const graph::Submission done = executor_.submit(graph, graph.compile());
+  graph::Submission submission = executor_.submit(graph, graph.compile());
   gpuScene_.changesSubmitted();
-  done.wait();
-  const std::vector<graph::PassTime>& times = done.times();  // the last one is that of the step
+  return submission;
+}
+
+void DeviceBvhBuilder::finish(const graph::Submission& step) {
+  step.wait();
+  const std::vector<graph::PassTime>& times = step.times();  // the last one is that of the step
   if (!times.empty()) milliseconds_ += times.back().milliseconds;
 }
 
@@ -342,14 +345,11 @@ void DeviceBvhBuilder::merge(graph::Context& context, const Batch& batch) const 
                           VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
 }
 
-// A level has at most twice as many nodes as the one above.
 void DeviceBvhBuilder::place(graph::Context& context, const Batch& batch) const {
-  uint64_t nodes = batch.build.meshCount;
   dispatch(context, rootPlaces_, batch, batch.build.meshCount, shared::kBuildGroup);
-  for (uint32_t level = 0; level < batch.build.maxDepth; ++level) {
-    dispatch(context, places_, batch, static_cast<uint32_t>(nodes), shared::kBuildGroup, level);
-    nodes = std::min<uint64_t>(2 * nodes, batch.build.count);
-  }
+  constexpr VkDeviceSize kGroups = offsetof(shared::BuildState, placeGroups);
+  for (uint32_t level = 0; level < batch.build.maxDepth; ++level)
+    dispatchIndirect(context, places_, batch, level, kGroups);
 }
 
 }  // namespace latelight::render

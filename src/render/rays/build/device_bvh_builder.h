@@ -71,7 +71,8 @@ class DeviceBvhBuilder {
                 uint32_t perGroup, uint32_t step = 0, uint32_t values = 0) const;
   void dispatchIndirect(graph::Context& context, const vk::PipelineRef& pipeline, const Batch& batch, uint32_t step,
                         VkDeviceSize groups) const;
-  void run(const char* name, const graph::Record& record);
+  graph::Submission submit(const char* name, const graph::Record& record);
+  void finish(const graph::Submission& step);  // waits, and adds its time on the device
 
   vk::Device& device_;
   graph::Executor& executor_;

@@ -33,10 +33,30 @@ uint placeLeaf(BvhBuild build, BuildMesh mesh, uint reference, uint first) {
   return kRayLeaf | count - 1u << kRayCountShift | first;
 }
 
-// Lists a node for the next level's dispatch. The order of nodes does not matter to the result.
-void enqueue(BvhBuild build, uint level, uint node, BuildPlace place) {
+// Reserves entries in the queue of a level, and the workgroups that process them. Returns the first one of this
+// invocation. All invocations must call it, because many atomic operations on one counter would take turns: a workgroup
+// needs one. The order of nodes in a queue does not matter to the result.
+shared uint firstOfGroup;
+uint reserve(BvhBuild build, uint level, uint count) {
+  BuildStateRef state = BuildStateRef(build.state);
+  uint total, before = exclusiveScan(count, total);
+  if (invocation() == 0u && total > 0u) {
+    firstOfGroup = atomicAdd(state.v.placed[level], total);
+    uvec3 groups = groupsOf(groupsFor(firstOfGroup + total, kBuildGroup));
+    atomicMax(state.v.placeGroups[level].x, groups.x);
+    atomicMax(state.v.placeGroups[level].y, groups.y);
+  }
+  barrier();
+  return firstOfGroup + before;
+}
+
+void enqueue(BvhBuild build, uint level, uint slot, uint node, BuildPlace place) {
   BuildPlacesRef(build.places).v[node] = place;
-  BuildWordsRef(build.queues[level & 1u]).v[atomicAdd(BuildStateRef(build.state).v.placed[level], 1u)] = node;
+  BuildWordsRef(build.queues[level & 1u]).v[slot] = node;
+}
+
+bool isLeaf(BvhBuild build, uint reference) {
+  return isItem(reference) || (BuildNodesRef(build.nodes).v[reference].items & kBecomesLeaf) != 0u;
 }
 
 #endif
