@@ -56,8 +56,8 @@ SH_CONST uint kRayTranslucent = 4u;     // blended or transmissive
 SH_CONST uint kRayClockwise = 8u;       // front faces are clockwise
 SH_CONST uint kRayAlphaConstant = 16u;  // masked or blended: the material's own alpha decides
 
-// kRayAlpha* of an instance. Surfaces with one alpha need no texture coordinates. Also, NVIDIA's driver 580.159 hung on
-// an H200 where the same code tested textured and untextured surfaces of a scene.
+// kRayAlpha* of an instance. Surfaces with one alpha need no texture coordinates. Also, an H200 hung where the same
+// code tested textured and untextured surfaces of a scene (docs/experiments.md).
 SH_FUNC uint rayAlphaFlags(uint materialFlags, uint textures, uint instanceFlags) {
   if ((materialFlags & (kMaterialMasked | kMaterialBlended)) == 0u) return 0u;
   bool varies = (textures & (1u << kTextureBaseColor)) != 0u || (instanceFlags & kInstanceExtras) != 0u;
