@@ -13,6 +13,7 @@ Units are meters and degrees; poses and positions are in the scene file's own fr
 from . import _cpu_driver  # before the first device is opened
 from ._core import (
     Animation,
+    AnimationChannel,
     Camera,
     DeviceArray,
     Instance,
@@ -28,6 +29,7 @@ from ._core import (
     Pick,
     Renderer,
     Scene,
+    SkinHandle,
     Texture,
     TextureHandle,
     Ticket,
@@ -57,6 +59,7 @@ __version__ = version()
 
 __all__ = [
     "Animation",
+    "AnimationChannel",
     "ArgumentTypeError",
     "Camera",
     "Correspondence",
@@ -87,6 +90,7 @@ __all__ = [
     "Pick",
     "Renderer",
     "Scene",
+    "SkinHandle",
     "Texture",
     "TextureHandle",
     "Ticket",
