@@ -230,7 +230,7 @@ struct Mesh {
 };
 
 // A morph target of a mesh: what it adds to the vertices, times a weight. Each array is empty or has one element per
-// position of the mesh.
+// position of the mesh; normals and tangents require those of the mesh.
 struct MorphTarget {
   std::vector<std::array<float, 3>> positions, normals, tangents;
 };

@@ -565,7 +565,8 @@ nb::object meshArrays(const SharedScene& s, nb::handle mesh) {
   "counter-clockwise; without them each three positions are a triangle\nnormals: (V, 3); without them flat\n"      \
   "tangents: (V, 4), and the bitangent's sign; without them made from uv\nuv, uv1: (V, 2), v down\n"               \
   "colors: (V, 4), linear, 0 to 1; multiply the base color\n"                                                      \
-  "targets: morph targets, dicts of positions, normals and tangents, each (V, 3): what they add times a weight\n"  \
+  "targets: morph targets, dicts of positions, normals and tangents, each (V, 3): what they add times a weight;\n" \
+  "normals and tangents require those of the mesh\n"                                                               \
   "skin, joints, joint_weights: (V, N) indices into the joints of the skin, and their weights\n\n"                 \
   "Integers are normalized as in glTF: uv and colors of uint8 / 255 and uint16 / 65535, normals and tangents of\n" \
   "int8 / 127 and int16 / 32767."

@@ -172,9 +172,9 @@ class _Usd(Builder):
         else:
             still = self.blended(mesh, prim)
 
-        def of_corners(points: np.ndarray) -> dict[str, Any]:
+        def of_corners(points: np.ndarray, kinds: Sequence[str]) -> dict[str, Any]:
             own = {name: values[points] for name, values in arrays.items()}
-            moved = [{name: values[points] for name, values in target.items()} for target in targets]
+            moved = [{kind: target[kind][points] for kind in kinds if kind in target} for target in targets]
             return {**own, "targets": moved, **({"skin": skin} if arrays else {})}
 
         parts = self.meshes(mesh, prim, None, still or (None, None), of_corners)
@@ -340,13 +340,14 @@ class _Usd(Builder):
         prim: Any,
         pose: np.ndarray | None = None,
         shapes: tuple[Any, Any] = (None, None),
-        deformation: Callable[[np.ndarray], dict[str, Any]] | None = None,
+        deformation: Callable[[np.ndarray, Sequence[str]], dict[str, Any]] | None = None,
     ) -> list[tuple[MeshHandle, MaterialHandle]]:
         """One mesh per material. Corners share no vertices, because values may belong to faces and corners.
 
         pose: transforms of all points, or one for all of them
         shapes: points and normals per point in place of those of the mesh
-        deformation: arguments of Scene.add_mesh() for vertices that are these points"""
+        deformation: arguments of Scene.add_mesh() for vertices that are these points, whose targets may have these
+            arrays"""
         points, blended_normals = shapes
         if points is None:
             points = np.asarray(mesh.GetPointsAttr().Get(self.time), np.float32).reshape(-1, 3)
@@ -383,6 +384,7 @@ class _Usd(Builder):
             None,
         )
         colors = self.primvar(prim, "displayColor", None, "", flat, indices, faces, 3)
+        kinds = ("positions",) if normals is None else ("positions", "normals")
         made = []
         for material, triangles in self.subsets(prim, faces):
             chosen = np.repeat(triangles, 3)
@@ -399,7 +401,7 @@ class _Usd(Builder):
                         uv=None if uv is None else v_down(uv[chosen]),
                         colors=rgba,
                         name=prim.GetName(),
-                        **(deformation(indices[flat][chosen]) if deformation else {}),
+                        **(deformation(indices[flat][chosen], kinds) if deformation else {}),
                     ),
                     handle if handle is not None else self.default_material(self.is_double_sided(prim)),
                 )

@@ -44,6 +44,9 @@ std::vector<vec3> deltasOf(const std::vector<std::array<float, 3>>& from, const 
 }
 
 scene::MorphTarget targetOf(const MorphTarget& from, const scene::VertexSources& sources, const MeshData& mesh) {
+  if ((mesh.normals.empty() && !from.normals.empty()) || (mesh.tangents.empty() && !from.tangents.empty()))
+    badUsage("a morph target of the mesh \"{}\" changes {}, which the mesh does not have", printable(mesh.name),
+             mesh.normals.empty() && !from.normals.empty() ? "normals" : "tangents");
   scene::MorphTarget target{deltasOf(from.positions, sources, mesh, "positions"),
                             deltasOf(from.normals, sources, mesh, "normals"),
                             deltasOf(from.tangents, sources, mesh, "tangents")};

@@ -179,7 +179,8 @@ def animated_scene():
         {"positions": np.float32([[0, 0, 0], [1, 0, 0], [0, 0, 0], [0, 0, -1]])},
     ]
     smooth = scene.add_mesh(SQUARE, FACES, normals=NORMALS, targets=targets, uv=SQUARE[:, :2], name="smooth")
-    flat = scene.add_mesh(SQUARE + [0, 2.5, 0], FACES, targets=targets, name="flat")  # normals follow its triangles
+    only = [{"positions": target["positions"]} for target in targets]
+    flat = scene.add_mesh(SQUARE + [0, 2.5, 0], FACES, targets=only, name="flat")  # normals follow its triangles
     face = scene.add_node("face", translation=(-2, 0, 0), parts=[(smooth, blue), (flat, red)], weights=[0.25, 0])
     still = scene.add_node("still", matrix=np.array([[0, 0, 1, 3], [0, 1, 0, -1], [-1, 0, 0, 0], [0, 0, 0, 1.0]]))
     plain = scene.add_mesh(SQUARE, FACES, normals=NORMALS, name="plain")
@@ -301,6 +302,7 @@ def test_invalid_animations_are_refused():
     refused("interpolation must be one of step", animate(interpolation="bezier"))
     refused("moves nothing", lambda: scene.add_animation("none", []))
     refused("row for each of the 4 positions", lambda: scene.add_mesh(SQUARE, targets=[{"positions": SQUARE[:3]}]))
+    refused("changes normals, which the mesh", lambda: scene.add_mesh(SQUARE, FACES, targets=[{"normals": SQUARE}]))
     refused('no "uv"', lambda: scene.add_mesh(SQUARE, targets=[{"uv": SQUARE}]))
 
     def skinned(joints, weights, **values):

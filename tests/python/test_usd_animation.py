@@ -90,6 +90,7 @@ def add_shapes(stage, mesh, binding, pose):
     wide = UsdSkel.BlendShape.Define(stage, f"{mesh.GetPath()}/wide")
     points = np.array(mesh.GetPointsAttr().Get())
     outward = points * [1, 1, 0]
+    wide.CreateNormalOffsetsAttr([(0, 0, 1)] * count)  # without effect, because the mesh has no normals
     wide.CreateOffsetsAttr(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(outward, np.float32)))
     for weight, scale in ((0.25, -0.5), (0.5, 2.0)):
         between = wide.CreateInbetween(f"at{int(100 * weight)}")
