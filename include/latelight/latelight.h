@@ -994,6 +994,9 @@ class LATELIGHT_API Renderer {
   // scene at `secondTime`, by default at Options::time as well.
   Correspondence correspond(const Camera& first, const Camera& second, const Options& options = {},
                             std::optional<double> secondTime = {});
+  // The same for the cameras of all worlds, in their order: the second picture of a view is that of the same camera in
+  // the next frame, which nextTransforms, nextCameraToWorld and the arrays of the next frame describe.
+  std::vector<Correspondence> correspond(const Worlds& worlds, const Options& options = {});
 
  private:
   friend class Ticket;

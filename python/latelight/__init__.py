@@ -53,7 +53,7 @@ from .errors import (
     UsageError,
 )
 from .frames import DeviceFrames, DeviceWorldFrames, Frame, Frames, WorldFrames
-from .labels import Correspondence, Keypoint, Keypoints, Labels, WorldKeypoints, WorldLabels
+from .labels import Correspondence, Keypoint, Keypoints, Labels, WorldCorrespondence, WorldKeypoints, WorldLabels
 
 __version__ = version()
 
@@ -95,6 +95,7 @@ __all__ = [
     "TextureHandle",
     "Ticket",
     "UsageError",
+    "WorldCorrespondence",
     "WorldFrames",
     "WorldKeypoints",
     "WorldLabels",
