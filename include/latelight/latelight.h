@@ -229,6 +229,19 @@ struct Mesh {
   bool deforms = false;                           // a skin or morph targets move its vertices
 };
 
+// A morph target of a mesh: what it adds to the vertices, times a weight. Each array is empty or has one element per
+// position of the mesh; normals and tangents require those of the mesh.
+struct MorphTarget {
+  std::vector<std::array<float, 3>> positions, normals, tangents;
+};
+
+// Nodes that deform meshes, by linear blend skinning as glTF defines it (3.7.3).
+struct Skin {
+  std::vector<std::string> joints;     // paths of nodes
+  std::vector<Transform> inverseBind;  // one per joint: from the object space of the meshes to the joint; empty:
+                                       // identities
+};
+
 // A mesh that a program creates, in object space. Positions are required. The other attributes are each empty or have
 // one value per position; all values must be finite.
 struct MeshData {
@@ -241,6 +254,12 @@ struct MeshData {
                                                // any
   std::vector<std::array<float, 2>> uv, uv1;   // first and second set, v down
   std::vector<std::array<float, 4>> colors;    // linear, 0 to 1; multiplies the base color
+  std::vector<MorphTarget> targets;            // the node that shows the mesh has their weights (NodeData)
+  // With a skin: indices into its joints, and their weights, which are scaled to a sum of 1 per vertex. Each vertex has
+  // the same number of them, consecutively. Joints move such a mesh, the nodes that show it do not.
+  std::optional<Handle<Skin>> skin{};
+  std::vector<uint32_t> joints;
+  std::vector<float> jointWeights;
 };
 
 // A node of the file, or of an added instance.
@@ -264,6 +283,36 @@ struct Instance {
   Handle<Material> material;
   Transform transform{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};  // in the rest pose
   uint32_t id = 0, part = 0;                                            // values of the outputs of the same names
+};
+
+// A node that a program creates. Its transform is relative to the parent's.
+struct NodePart {
+  Handle<Mesh> mesh;
+  Handle<Material> material;
+};
+struct NodeData {
+  std::string name;    // without slashes; empty: "node"
+  std::string parent;  // path of the parent; empty: the node is a root
+  std::array<double, 3> translation{0, 0, 0};
+  std::array<double, 4> rotation{0, 0, 0, 1};  // a quaternion x, y, z, w of any length above 0
+  std::array<double, 3> scale{1, 1, 1};
+  std::optional<Transform> matrix{};  // in place of the three above, which animations then cannot change
+  std::vector<NodePart> parts;        // what the node shows: an instance for each, which follows the node
+  std::vector<float> weights;         // of the morph targets of its meshes, at rest; empty: zeros
+};
+
+enum class Interpolation { Step, Linear, CubicSpline };
+enum class AnimatedProperty { Translation, Rotation, Scale, Weights, Visible };
+
+// Keyframes of one property of a node, as glTF defines them (3.11). A key has 3 values, 4 for a rotation (x, y, z, w),
+// one per morph target for weights, and one that is not 0 for visible. A key of CubicSpline has three times as many:
+// the in-tangent, the value and the out-tangent.
+struct AnimationChannel {
+  std::string node;  // its path
+  AnimatedProperty property = AnimatedProperty::Translation;
+  Interpolation interpolation = Interpolation::Linear;
+  std::vector<float> times;  // seconds, at least 0, ascending
+  std::vector<float> values;
 };
 
 // An environment that a program creates: an equirectangular image of linear radiance, twice as wide as it is high. The
@@ -365,11 +414,27 @@ class LATELIGHT_API Scene {
   // Several instances may use one mesh; changes affect all of them.
   std::vector<Handle<Mesh>> meshes() const;
   Mesh mesh(Handle<Mesh> mesh) const;
-  MeshData meshData(Handle<Mesh> mesh) const;             // in the rest pose
-  void setMesh(Handle<Mesh> mesh, const MeshData& data);  // skins no longer deform it; an empty name keeps its own
+  MeshData meshData(Handle<Mesh> mesh) const;  // in the rest pose, without its skin and morph targets
+  // Only the skin and the morph targets of `data` deform it afterward. An empty name keeps its own. Throws Error(Usage)
+  // if a node's weights require another number of morph targets.
+  void setMesh(Handle<Mesh> mesh, const MeshData& data);
   Handle<Mesh> addMesh(const MeshData& data);
   // Throws Error(Usage) with the name of an instance if one uses the mesh.
   void removeMesh(Handle<Mesh> mesh);
+
+  // Nodes, skins and animations that a program adds, as in a glTF file (docs/scene-files.md). They cannot be removed;
+  // instances of nodes can. Throws Error(Usage) for scenes with Z up, such as STL files.
+  //
+  // Returns the node's path: "/Parent/name", or "/Parent/name#2" and so on if that path exists. instancesOf() returns
+  // the instances of its parts. A mesh with morph targets can be part of one node only.
+  std::string addNode(const NodeData& node);
+  Handle<Skin> addSkin(const Skin& skin);
+  // Appends to animations(). Options::time, animation and loop play it.
+  void addAnimation(const std::string& name, const std::vector<AnimationChannel>& channels);
+  // A camera and a light that follow a node, by its path: at its origin, along its -Z axis. The camera's pose, and the
+  // light's position and direction, are not used.
+  void addCamera(const Camera& camera, const std::string& node);
+  Handle<Light> addLight(const Light& values, const std::string& node);
 
  private:
   friend class Renderer;
@@ -958,6 +1023,9 @@ class LATELIGHT_API Renderer {
   // scene at `secondTime`, by default at Options::time as well.
   Correspondence correspond(const Camera& first, const Camera& second, const Options& options = {},
                             std::optional<double> secondTime = {});
+  // The same for the cameras of all worlds, in their order: the second picture of a view is that of the same camera in
+  // the next frame, which nextTransforms, nextCameraToWorld and the arrays of the next frame describe.
+  std::vector<Correspondence> correspond(const Worlds& worlds, const Options& options = {});
 
  private:
   friend class CastTicket;

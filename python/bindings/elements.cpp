@@ -144,7 +144,7 @@ void bindInfos(nb::module_& module) {
           "(4, 4) float64: object space to the scene file's frame, at rest")
       .def_ro("id", &Instance::id, "as in the output \"id\"")
       .def_ro("part", &Instance::part, "as in the output \"part\"");
-  nb::class_<Node>(module, "Node", "A node of the file, or of an instance that was added.")
+  nb::class_<Node>(module, "Node", "A node of the file, or one that was added.")
       .def_ro("path", &Node::path)
       .def_ro("parent", &Node::parent, "its path; empty: a root")
       .def_ro("mesh", &Node::mesh, "its name; empty: it has none")
@@ -157,7 +157,7 @@ void bindInfos(nb::module_& module) {
       .def_ro("width", &Texture::width)
       .def_ro("height", &Texture::height)
       .def_ro("srgb", &Texture::srgb, "its colors are sRGB-encoded");
-  nb::class_<Animation>(module, "Animation", "An animation of the file.")
+  nb::class_<Animation>(module, "Animation", "An animation of the scene.")
       .def_ro("name", &Animation::name)
       .def_ro("duration", &Animation::duration, "seconds");
 }
@@ -169,6 +169,7 @@ void bindElements(nb::module_& module) {
   bindHandle<Material>(module, "MaterialHandle", "Names a material of a scene; refused once that is removed.");
   bindHandle<Mesh>(module, "MeshHandle", "Names a mesh of a scene; refused once that is removed.");
   bindHandle<Light>(module, "LightHandle", "Names a light of a scene; refused once that is removed.");
+  bindHandle<Skin>(module, "SkinHandle", "Names a skin that was added to a scene.");
   bindHandle<Texture>(module, "TextureHandle", "Names a texture of a scene; refused once that is removed.");
   bindMaterial(module);
   bindLight(module);

@@ -150,6 +150,13 @@ nb::object worldLabelsOf(std::vector<Labels>&& labels, size_t cameras) {
   return nb::module_::import_("latelight.labels").attr("_world_labels")(views, cameras);
 }
 
+nb::object worldCorrespondenceOf(std::vector<Correspondence>&& correspondences, size_t cameras) {
+  const RunningPython section;
+  nb::list views;
+  for (Correspondence& each : correspondences) views.append(correspondenceOf(std::move(each)));
+  return nb::module_::import_("latelight.labels").attr("_world_correspondence")(views, cameras);
+}
+
 nb::object worldKeypointLabelsOf(const std::vector<Keypoint>& keypoints,
                                  const std::vector<std::vector<KeypointLabel>>& labels, size_t cameras) {
   const RunningPython section;

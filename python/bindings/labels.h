@@ -17,5 +17,6 @@ nanobind::object worldLabelsOf(std::vector<Labels>&& labels, size_t cameras);
 nanobind::object worldKeypointLabelsOf(const std::vector<Keypoint>& keypoints,
                                        const std::vector<std::vector<KeypointLabel>>& labels, size_t cameras);
 nanobind::object correspondenceOf(Correspondence&& correspondence);
+nanobind::object worldCorrespondenceOf(std::vector<Correspondence>&& correspondences, size_t cameras);
 
 }  // namespace latelight::python

@@ -631,6 +631,17 @@ nb::object keypointsOfWorlds(const std::shared_ptr<SharedRenderer>& renderer, nb
   return worldKeypointLabelsOf(keypoints, labels, each);
 }
 
+nb::object correspondWorlds(const std::shared_ptr<SharedRenderer>& renderer, nb::handle count, nb::handle cameras,
+                            nb::handle size, const nb::kwargs& keywords) {
+  size_t each = 0;
+  std::vector<Correspondence> views = labelWorlds(renderer, count, cameras, size, keywords,
+                                                  [&](Renderer& r, const Worlds& worlds, const Options& options) {
+                                                    each = worlds.cameras.size();
+                                                    return r.correspond(worlds, options);
+                                                  });
+  return worldCorrespondenceOf(std::move(views), each);
+}
+
 nb::object correspond(const std::shared_ptr<SharedRenderer>& renderer, nb::handle first, nb::handle second,
                       nb::handle size, nb::handle secondTime, const nb::kwargs& keywords) {
   const Camera from = objectOf<Camera>(first, "first", "a Camera"), to = objectOf<Camera>(second, "second", "a Camera");
@@ -809,6 +820,12 @@ void defineLabels(nb::class_<SharedRenderer>& type) {
            argument("size") = size, nb::arg("options"), nb::sig(worldKeypointsSignature.c_str()),
            "Keypoints in the images of worlds, as keypoints() returns them for one, with arrays (N, C, K, ...). The "
            "other arguments\nare those of render_worlds().");
+  const std::string worldCorrespondSignature = "def correspond_worlds(" + views + worlds + "WorldCorrespondence";
+  type.def("correspond_worlds", &correspondWorlds, argument("count"), argument("cameras"), argument("size") = size,
+           nb::arg("options"), nb::sig(worldCorrespondSignature.c_str()),
+           "Finds the surfaces of the images of worlds in those of the next frame, as correspond() does for one, with "
+           "arrays\n(N, C, ...). The arguments are those of render_worlds(), of which next_transforms, "
+           "next_camera_to_world and so on\ndescribe the next frame.");
   const std::string correspondSignature =
       "def correspond(self, first: Camera, second: Camera, size: tuple[int, int] = (1280, 720), "
       "second_time: float | None = None, *" +

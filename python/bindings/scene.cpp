@@ -66,7 +66,8 @@ void requireFactors(const std::vector<std::array<float, 4>>& colors) {
 }
 
 MeshData meshDataOf(nb::handle positions, nb::handle indices, nb::handle normals, nb::handle tangents, nb::handle uv,
-                    nb::handle uv1, nb::handle colors, nb::handle name) {
+                    nb::handle uv1, nb::handle colors, nb::handle name, nb::handle targets, nb::handle skin,
+                    nb::handle joints, nb::handle jointWeights) {
   MeshData mesh;
   mesh.name = textOf(name, "name");
   mesh.positions = rowsOf<3>(positions, "positions");
@@ -78,6 +79,7 @@ MeshData meshDataOf(nb::handle positions, nb::handle indices, nb::handle normals
   mesh.uv1 = attributeOf<2>(uv1, "uv1", count, Integers::Normalized);
   mesh.colors = attributeOf<4>(colors, "colors", count, Integers::Normalized);
   requireFactors(mesh.colors);
+  deformationOf(targets, skin, joints, jointWeights, mesh);
   return mesh;
 }
 
@@ -254,11 +256,17 @@ void defineCameras(Class& type) {
       "The scene's own, at rest.");
   type.def(
       "add_camera",
-      [](SharedScene& s, nb::handle camera) {
+      [](SharedScene& s, nb::handle camera, nb::handle node) {
         const Camera added = objectOf<Camera>(camera, "camera", "a Camera");
-        s.edit([&](Scene& s) { s.addCamera(added); });
+        if (node.is_none()) return s.edit([&](Scene& s) { s.addCamera(added); });
+        const std::string path = textOf(node, "node");
+        s.edit([&](Scene& s) { s.addCamera(added, path); });
       },
-      argument("camera"), nb::sig("def add_camera(self, camera: Camera) -> None"), "Adds it behind the scene's own.");
+      argument("camera"), argument("node") = nb::none(),
+      nb::sig("def add_camera(self, camera: Camera, node: str | None = None) -> None"),
+      "Adds it behind the scene's own.\n\nnode: path of the node that it follows, at the node's origin and along its "
+      "-Z "
+      "axis, in place of its own pose");
   type.def(
       "cameras_at",
       [](const SharedScene& s, nb::handle time, nb::handle animation, nb::handle loop) {
@@ -510,11 +518,17 @@ void defineLights(Class& type) {
       "A light that is moved or turned follows its node no longer.");
   type.def(
       "add_light",
-      [](SharedScene& s, nb::handle values) {
+      [](SharedScene& s, nb::handle values, nb::handle node) {
         const Light added = objectOf<Light>(values, "values", "a Light");
-        return s.edit([&](Scene& s) { return s.addLight(added); });
+        if (node.is_none()) return s.edit([&](Scene& s) { return s.addLight(added); });
+        const std::string path = textOf(node, "node");
+        return s.edit([&](Scene& s) { return s.addLight(added, path); });
       },
-      argument("values"), nb::sig("def add_light(self, values: Light) -> LightHandle"));
+      argument("values"), argument("node") = nb::none(),
+      nb::sig("def add_light(self, values: Light, node: str | None = None) -> LightHandle"),
+      "node: path of the node that it follows, at the node's origin and along its -Z axis, in place of its own "
+      "position "
+      "and direction");
   type.def(
       "remove_light",
       [](SharedScene& s, nb::handle light) {
@@ -542,18 +556,26 @@ nb::object meshArrays(const SharedScene& s, nb::handle mesh) {
   "positions: numpy.typing.ArrayLike, indices: numpy.typing.ArrayLike | None = None, "              \
   "normals: numpy.typing.ArrayLike | None = None, tangents: numpy.typing.ArrayLike | None = None, " \
   "uv: numpy.typing.ArrayLike | None = None, uv1: numpy.typing.ArrayLike | None = None, "           \
-  "colors: numpy.typing.ArrayLike | None = None, name: str = \"\""
+  "colors: numpy.typing.ArrayLike | None = None, name: str = \"\", "                                \
+  "targets: collections.abc.Sequence[collections.abc.Mapping[str, numpy.typing.ArrayLike]] = (), "  \
+  "skin: SkinHandle | None = None, joints: numpy.typing.ArrayLike | None = None, "                  \
+  "joint_weights: numpy.typing.ArrayLike | None = None"
 #define MESH_DOC                                                                                                   \
   "Object space, meters; V vertices and T triangles.\n\npositions: (V, 3)\nindices: (T, 3) whole numbers, fronts " \
   "counter-clockwise; without them each three positions are a triangle\nnormals: (V, 3); without them flat\n"      \
   "tangents: (V, 4), and the bitangent's sign; without them made from uv\nuv, uv1: (V, 2), v down\n"               \
-  "colors: (V, 4), linear, 0 to 1; multiply the base color\n\n"                                                    \
+  "colors: (V, 4), linear, 0 to 1; multiply the base color\n"                                                      \
+  "targets: morph targets, dicts of positions, normals and tangents, each (V, 3): what they add times a weight;\n" \
+  "normals and tangents require those of the mesh\n"                                                               \
+  "skin, joints, joint_weights: (V, N) indices into the joints of the skin, and their weights\n\n"                 \
   "Integers are normalized as in glTF: uv and colors of uint8 / 255 and uint16 / 65535, normals and tangents of\n" \
   "int8 / 127 and int16 / 32767."
 #define MESH_ARGUMENTS                                                                                                 \
   argument("positions"), argument("indices") = nb::none(), argument("normals") = nb::none(),                           \
                          argument("tangents") = nb::none(), argument("uv") = nb::none(), argument("uv1") = nb::none(), \
-                         argument("colors") = nb::none(), argument("name") = ""
+                         argument("colors") = nb::none(), argument("name") = "",                                       \
+                         argument("targets") = nb::make_tuple(), argument("skin") = nb::none(),                        \
+                         argument("joints") = nb::none(), argument("joint_weights") = nb::none()
 
 void defineMeshes(Class& type) {
   type.def("meshes", [](const SharedScene& s) { return s.read([](const Scene& s) { return s.meshes(); }); });
@@ -566,25 +588,29 @@ void defineMeshes(Class& type) {
       argument("mesh"), nb::sig("def mesh(self, mesh: MeshHandle) -> Mesh"), "Its name, size and bounds.");
   type.def("mesh_arrays", &meshArrays, argument("mesh"),
            nb::sig("def mesh_arrays(self, mesh: MeshHandle) -> dict[str, numpy.ndarray]"),
-           "Its arrays at rest, by the names that add_mesh() takes; those that it has.");
+           "Its arrays at rest, by the names that add_mesh() takes; those that it has, without skin and targets.");
   type.def(
       "add_mesh",
       [](SharedScene& s, nb::handle positions, nb::handle indices, nb::handle normals, nb::handle tangents,
-         nb::handle uv, nb::handle uv1, nb::handle colors, nb::handle name) {
-        const MeshData data = meshDataOf(positions, indices, normals, tangents, uv, uv1, colors, name);
+         nb::handle uv, nb::handle uv1, nb::handle colors, nb::handle name, nb::handle targets, nb::handle skin,
+         nb::handle joints, nb::handle jointWeights) {
+        const MeshData data = meshDataOf(positions, indices, normals, tangents, uv, uv1, colors, name, targets, skin,
+                                         joints, jointWeights);
         return s.edit([&](Scene& s) { return s.addMesh(data); });
       },
       MESH_ARGUMENTS, nb::sig("def add_mesh(self, " MESH_PARAMETERS ") -> MeshHandle"), MESH_DOC);
   type.def(
       "set_mesh",
       [](SharedScene& s, nb::handle mesh, nb::handle positions, nb::handle indices, nb::handle normals,
-         nb::handle tangents, nb::handle uv, nb::handle uv1, nb::handle colors, nb::handle name) {
+         nb::handle tangents, nb::handle uv, nb::handle uv1, nb::handle colors, nb::handle name, nb::handle targets,
+         nb::handle skin, nb::handle joints, nb::handle jointWeights) {
         const auto handle = handleOf<Mesh>(mesh, "mesh");
-        const MeshData data = meshDataOf(positions, indices, normals, tangents, uv, uv1, colors, name);
+        const MeshData data = meshDataOf(positions, indices, normals, tangents, uv, uv1, colors, name, targets, skin,
+                                         joints, jointWeights);
         s.edit([&](Scene& s) { s.setMesh(handle, data); });
       },
       argument("mesh"), MESH_ARGUMENTS, nb::sig("def set_mesh(self, mesh: MeshHandle, " MESH_PARAMETERS ") -> None"),
-      "All instances of the mesh change with it, and no skin deforms it from then on. " MESH_DOC);
+      "All instances of the mesh change with it; only the given skin and targets deform it from then on. " MESH_DOC);
   type.def(
       "remove_mesh",
       [](SharedScene& s, nb::handle mesh) {
@@ -618,6 +644,7 @@ void bindScene(nb::module_& module) {
   defineMaterialTextures(type);
   defineLights(type);
   defineMeshes(type);
+  defineAnimation(module, type);
 }
 
 }  // namespace latelight::python

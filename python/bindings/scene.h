@@ -35,6 +35,12 @@ class SharedScene {
   mutable EditLock busy_;
 };
 
+// Adds the morph targets and the skin that the arguments of add_mesh() describe. (scene_animation.cpp)
+void deformationOf(nanobind::handle targets, nanobind::handle skin, nanobind::handle joints,
+                   nanobind::handle jointWeights, MeshData& mesh);
+// Defines the methods that add nodes, skins and animations. (scene_animation.cpp)
+void defineAnimation(nanobind::module_& module, nanobind::class_<SharedScene>& type);
+
 // Returns the environment of an array (H, W, 3).
 EnvironmentData environmentOf(nanobind::handle value);
 

@@ -13,6 +13,7 @@ Units are meters and degrees; poses and positions are in the scene file's own fr
 from . import _cpu_driver  # before the first device is opened
 from ._core import (
     Animation,
+    AnimationChannel,
     Camera,
     CastTicket,
     DeviceArray,
@@ -29,6 +30,7 @@ from ._core import (
     Pick,
     Renderer,
     Scene,
+    SkinHandle,
     Texture,
     TextureHandle,
     Ticket,
@@ -52,12 +54,13 @@ from .errors import (
     UsageError,
 )
 from .frames import DeviceFrames, DeviceWorldFrames, Frame, Frames, WorldFrames
-from .labels import Correspondence, Keypoint, Keypoints, Labels, WorldKeypoints, WorldLabels
+from .labels import Correspondence, Keypoint, Keypoints, Labels, WorldCorrespondence, WorldKeypoints, WorldLabels
 
 __version__ = version()
 
 __all__ = [
     "Animation",
+    "AnimationChannel",
     "ArgumentTypeError",
     "Camera",
     "CastTicket",
@@ -89,10 +92,12 @@ __all__ = [
     "Pick",
     "Renderer",
     "Scene",
+    "SkinHandle",
     "Texture",
     "TextureHandle",
     "Ticket",
     "UsageError",
+    "WorldCorrespondence",
     "WorldFrames",
     "WorldKeypoints",
     "WorldLabels",

@@ -12,8 +12,9 @@ import numpy as np
 
 from ._core import Light, Material, MaterialHandle, MeshHandle, Scene, read_environment
 from ._enclosure import Enclosure
-from ._model_builder import Builder, linear, missing, reading, v_down
+from ._model_builder import Builder, linear, missing, node_name, reading, v_down
 from ._shapes import Shape, box, capsule, cone, cylinder, ellipsoid, mesh_arrays, plane, tapered_capsule
+from ._usd_animation import Motion, Parts, joint_order
 from .errors import UsageError
 
 
@@ -44,6 +45,7 @@ class _Usd(Builder):
         super().__init__("z" if geom.GetStageUpAxis(stage) == geom.Tokens.z else "y")
         self.stage, self.pxr, self.enclosure = stage, pxr, enclosure
         self.domes: list[Any] = []
+        self.plays = time is None  # otherwise the stage is converted as it is at that time
         self.time = pxr.Usd.TimeCode.Default() if time is None else pxr.Usd.TimeCode(time)
         scale = float(geom.GetStageMetersPerUnit(stage))
         self.world = self.world @ np.diag([scale, scale, scale, 1])
@@ -53,6 +55,7 @@ class _Usd(Builder):
         self.images: dict[str, Any] = {}
         self.skins = pxr.UsdSkel.Cache()
         self.predicate = pxr.Usd.TraverseInstanceProxies(pxr.Usd.PrimDefaultPredicate)
+        self.motion = Motion(stage, pxr, self.scene, self.world, ())
 
     def transform(self, prim: Any) -> np.ndarray:
         return np.array(self.cache.GetLocalToWorldTransform(prim), np.float64).T  # USD's vectors are rows
@@ -63,8 +66,9 @@ class _Usd(Builder):
         walk = iter(self.pxr.Usd.PrimRange(self.stage.GetPseudoRoot(), self.predicate))
         for prim in walk:
             imageable = geom.Imageable(prim)
+            times = self.motion.visibility_times(prim) or [self.time]
             if imageable and (
-                imageable.ComputeVisibility(self.time) == geom.Tokens.invisible
+                not any(self.motion.is_visible(prim, time) for time in times)
                 or imageable.ComputePurpose() in (geom.Tokens.guide, geom.Tokens.proxy)
             ):
                 walk.PruneChildren()
@@ -73,8 +77,18 @@ class _Usd(Builder):
                 walk.PruneChildren()
             yield prim
 
+    def animate(self) -> None:
+        """Finds what changes over time. The stage at rest is then as at its first time."""
+        prims = list(self.pxr.Usd.PrimRange(self.stage.GetPseudoRoot(), self.predicate))
+        self.motion = Motion(self.stage, self.pxr, self.scene, self.world, prims)
+        if self.motion.exists:
+            self.time = self.pxr.Usd.TimeCode(self.motion.start)
+            self.cache = self.pxr.UsdGeom.XformCache(self.time)
+
     def run(self) -> Scene:
         geom, lux = self.pxr.UsdGeom, self.pxr.UsdLux
+        if self.plays:
+            self.animate()
         instancers: list[Any] = []
         for prim in self.visible():
             if prim.IsA(geom.PointInstancer):
@@ -93,26 +107,118 @@ class _Usd(Builder):
             self.add_instancer(instancer)
         if self.domes:
             self.scene.set_environment(self.environment())
+        self.motion.finish()
         return self.scene
 
     def add_mesh(self, prim: Any) -> None:
         mesh = self.pxr.UsdGeom.Mesh(prim)
+        if self.deforms(prim):
+            self.add_deforming(mesh, prim)
+            return
         skin, shapes = self.skin_of(prim), self.blended(mesh, prim)
         if skin is None and shapes is None:
             self.show(prim, self.transform(prim), prim.GetPath())
             return
         pose, frame = skin or (None, prim)
-        for made, material in self.meshes(mesh, prim, pose, shapes or (None, None)):
-            self.add_instance(made, material, self.transform(frame), str(prim.GetPath())[1:].replace("/", "."))
+        self.place(self.meshes(mesh, prim, pose, shapes or (None, None)), prim, frame)
+
+    def place(self, parts: Parts, prim: Any, frame: Any) -> None:
+        """Shows what a prim consists of, in the frame of that prim or of its skeleton."""
+        if self.motion.moves(frame):
+            if frame == prim:
+                self.motion.node_of(prim, parts)
+            else:
+                self.scene.add_node(node_name(prim.GetName()), self.motion.node_of(frame), parts=parts)
+            return
+        for mesh, material in parts:
+            self.add_instance(mesh, material, self.transform(frame), _dotted(prim.GetPath()))
+
+    # --- skeletons and blend shapes ---
+
+    def binding(self, prim: Any) -> tuple[Any, Any, Any]:
+        """The queries of a mesh's skinning, of its skeleton and of the skeleton's animation; None for each without."""
+        skinning = self.skins.GetSkinningQuery(prim)
+        skeleton = self.pxr.UsdSkel.BindingAPI(prim).GetInheritedSkeleton() if skinning else None
+        query = self.skins.GetSkelQuery(skeleton) if skeleton else None
+        animation = query.GetAnimQuery() if query else None
+        return skinning or None, query or None, animation or None
+
+    def deforms(self, prim: Any) -> bool:
+        """True if a mesh is animated by its skeleton or by blend shapes."""
+        skinning, _, animation = self.binding(prim)
+        return bool(
+            self.motion.exists
+            and animation
+            and (
+                (skinning.HasJointInfluences() and animation.JointTransformsMightBeTimeVarying())
+                or (skinning.HasBlendShapes() and animation.BlendShapeWeightsMightBeTimeVarying())
+            )
+        )
+
+    def add_deforming(self, mesh: Any, prim: Any) -> None:
+        skinning, query, animation = self.binding(prim)
+        count = len(mesh.GetPointsAttr().Get(self.time) or [])
+        arrays: dict[str, Any] = {}
+        if skinning.HasJointInfluences():
+            arrays["joints"], arrays["joint_weights"] = self.influences(skinning, prim, count)
+            skin = self.motion.add_skin(skinning, query, prim.GetPath())
+        still: tuple[Any, Any] | None = None
+        targets: list[dict[str, np.ndarray]] = []
+        times, weights = [0.0], np.zeros((1, 0), np.float32)
+        if skinning.HasBlendShapes() and animation.BlendShapeWeightsMightBeTimeVarying():
+            shapes = self.pxr.UsdSkel.BlendShapeQuery(self.pxr.UsdSkel.BindingAPI(prim))
+            targets = [self.target(shapes, part, count, mesh, prim) for part in range(shapes.GetNumSubShapes())]
+            times, weights = self.motion.weights_of(animation, skinning.GetBlendShapeMapper(), shapes)
+        else:
+            still = self.blended(mesh, prim)
+
+        def of_corners(points: np.ndarray, kinds: Sequence[str]) -> dict[str, Any]:
+            own = {name: values[points] for name, values in arrays.items()}
+            moved = [{kind: target[kind][points] for kind in kinds if kind in target} for target in targets]
+            return {**own, "targets": moved, **({"skin": skin} if arrays else {})}
+
+        parts = self.meshes(mesh, prim, None, still or (None, None), of_corners)
+        if not parts:
+            return
+        if self.motion.moves(prim) and not arrays:
+            node = self.motion.node_of(prim, parts, weights[0])
+        else:  # joints move a mesh with a skin, its node does not
+            frame = np.eye(4) if arrays else self.world @ self.transform(prim)
+            node = self.scene.add_node(_dotted(prim.GetPath()), matrix=frame, parts=parts, weights=weights[0])
+            self.motion.show(node, prim)
+        if targets:
+            self.motion.add_channel(node, "weights", times, weights)
+
+    def target(self, shapes: Any, part: int, count: int, mesh: Any, prim: Any) -> dict[str, np.ndarray]:
+        """The offsets of all points, and of normals per point, by a blend shape or one of its in-betweens."""
+        blend, between = shapes.GetBlendShape(shapes.GetBlendShapeIndex(part)), shapes.GetInbetween(part)
+        made = {}
+        for name, offsets in (("positions", _offsets(blend, between)), ("normals", _normal_offsets(blend, between))):
+            if name == "normals" and mesh.GetNormalsInterpolation() not in ("vertex", "varying"):
+                continue
+            if offsets is not None and len(offsets) > 0:
+                made[name] = np.zeros((count, 3), np.float32)
+                _add_offsets(made[name], _points_of(blend), np.asarray(offsets, np.float32), prim.GetPath())
+        return made
+
+    def influences(self, skinning: Any, prim: Any, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """The joints of all points and their weights, (count, n) each."""
+        indices = np.asarray(skinning.GetJointIndicesPrimvar().ComputeFlattened(self.time), np.int64)
+        weights = np.asarray(skinning.GetJointWeightsPrimvar().ComputeFlattened(self.time), np.float32)
+        per_point = max(skinning.GetNumInfluencesPerComponent(), 1)
+        if len(indices) != len(weights) or len(indices) not in (per_point, count * per_point) or (indices < 0).any():
+            raise UsageError(f"{prim.GetPath()} has joint influences that do not match its points")
+        shape = (count, per_point)
+        indices = np.broadcast_to(indices.reshape(-1, per_point), shape)
+        weights = np.array(np.broadcast_to(weights.reshape(-1, per_point), shape))
+        weights[weights.sum(axis=1) <= 0, 0] = 1
+        return indices, weights
 
     def blended(self, mesh: Any, prim: Any) -> tuple[Any, Any] | None:
         """The points and the normals per point of a mesh with blend shapes, by the weights of its skeleton's animation.
         In-between shapes are interpolated as UsdSkel defines it."""
         skel = self.pxr.UsdSkel
-        skinning = self.skins.GetSkinningQuery(prim)
-        skeleton = skel.BindingAPI(prim).GetInheritedSkeleton()
-        query = self.skins.GetSkelQuery(skeleton) if skeleton else None
-        animation = query.GetAnimQuery() if query else None
+        skinning, _, animation = self.binding(prim)
         weights = animation.ComputeBlendShapeWeights(self.time) if animation else None
         if not skinning or not skinning.HasBlendShapes() or not weights:
             return None
@@ -126,29 +232,22 @@ class _Usd(Builder):
             normals = np.array(mesh.GetNormalsAttr().Get(self.time), np.float32).reshape(-1, 3)
         for weight, shape, part in zip(*parts):
             blend, between = shapes.GetBlendShape(shape), shapes.GetInbetween(part)
-            moves = between.GetOffsets() if between else blend.GetOffsetsAttr().Get()
-            turns = between.GetNormalOffsets() if between else blend.GetNormalOffsetsAttr().Get()
-            at = blend.GetPointIndicesAttr().Get()
-            where = slice(None) if at is None or len(at) == 0 else np.asarray(at, np.int64)
-            for values, offsets in ((points, moves), (normals, turns)):
+            for values, offsets in ((points, _offsets(blend, between)), (normals, _normal_offsets(blend, between))):
                 if values is not None and offsets is not None and len(offsets) > 0:
-                    _add_offsets(values, where, weight * np.asarray(offsets, np.float32), prim.GetPath())
+                    _add_offsets(values, _points_of(blend), weight * np.asarray(offsets, np.float32), prim.GetPath())
         if normals is not None:
             normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
         return points, normals
 
     def skin_of(self, prim: Any) -> tuple[np.ndarray, Any] | None:
         """Of a mesh with a skeleton: (points or 1, 4, 4), which move its points to the space of the skeleton."""
-        skinning = self.skins.GetSkinningQuery(prim)
+        skinning, query, _ = self.binding(prim)
         if not skinning or not skinning.HasJointInfluences():
             return None
-        skeleton = self.pxr.UsdSkel.BindingAPI(prim).GetInheritedSkeleton()
-        query = self.skins.GetSkelQuery(skeleton) if skeleton else None
         transforms = query.ComputeSkinningTransforms(self.time) if query else None
         if not transforms:
             return None
-        mapper = skinning.GetJointMapper()
-        joints = np.array(mapper.RemapTransforms(transforms) if mapper else transforms, np.float64).transpose(0, 2, 1)
+        joints = np.array(transforms, np.float64).transpose(0, 2, 1)[joint_order(skinning, query, prim.GetPath())]
         indices = np.asarray(skinning.GetJointIndicesPrimvar().ComputeFlattened(self.time), np.int64)
         weights = np.asarray(skinning.GetJointWeightsPrimvar().ComputeFlattened(self.time), np.float64)
         per_point = max(skinning.GetNumInfluencesPerComponent(), 1)
@@ -158,10 +257,19 @@ class _Usd(Builder):
         weights = weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-30)
         bind = np.array(skinning.GetGeomBindTransform(self.time), np.float64).T
         blended: np.ndarray = np.einsum("pk,pkij->pij", weights, joints[indices]) @ bind
-        return blended, skeleton.GetPrim()
+        return blended, query.GetPrim()
 
     # Names are paths with dots, because a path of the scene has slashes only between nodes.
     def show(self, prim: Any, transform: np.ndarray, path: Any) -> None:
+        parts = self.parts_of(prim)
+        if path == prim.GetPath():
+            self.place(parts, prim, prim)
+            return
+        for mesh, material in parts:
+            self.add_instance(mesh, material, transform, _dotted(path))
+
+    def parts_of(self, prim: Any) -> list[tuple[MeshHandle, MaterialHandle]]:
+        """The meshes of a prim, which instances of it share."""
         source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
         key = source.GetPath()
         if key not in self.made:
@@ -169,8 +277,15 @@ class _Usd(Builder):
                 self.made[key] = self.meshes(self.pxr.UsdGeom.Mesh(prim), prim)
             else:
                 self.made[key] = [self.shape(prim)]
-        for mesh, material in self.made[key]:
-            self.add_instance(mesh, material, transform, str(path)[1:].replace("/", "."))
+        return self.made[key]
+
+    def show_copy(self, prim: Any, below: np.ndarray, base: np.ndarray, instancer: Any, number: int) -> None:
+        """Shows a copy of an instancer's prototype. `below`: relative to the instancer, which is at `base`."""
+        if self.motion.moves(instancer):
+            above = self.motion.node_of(instancer)
+            self.scene.add_node(str(number), above, matrix=below, parts=self.parts_of(prim))
+        else:
+            self.show(prim, base @ below, f"{instancer.GetPath()}/{number}")
 
     def add_instancer(self, instancer: Any) -> None:
         geom = self.pxr.UsdGeom
@@ -190,8 +305,8 @@ class _Usd(Builder):
                     own = np.linalg.inv(
                         np.array(self.pxr.Gf.Matrix4d(geom.Xformable(prototype).GetLocalTransformation(self.time))).T
                     )
-                    placed = base @ np.array(matrix, np.float64).T @ own @ local
-                    self.show(prim, placed, f"{instancer.GetPath()}/{number}")
+                    placed = np.array(matrix, np.float64).T @ own @ local
+                    self.show_copy(prim, placed, base, instancer.GetPrim(), number)
 
     # --- geometry ---
 
@@ -220,12 +335,19 @@ class _Usd(Builder):
         return bool(self.pxr.UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(self.time))
 
     def meshes(
-        self, mesh: Any, prim: Any, pose: np.ndarray | None = None, shapes: tuple[Any, Any] = (None, None)
+        self,
+        mesh: Any,
+        prim: Any,
+        pose: np.ndarray | None = None,
+        shapes: tuple[Any, Any] = (None, None),
+        deformation: Callable[[np.ndarray, Sequence[str]], dict[str, Any]] | None = None,
     ) -> list[tuple[MeshHandle, MaterialHandle]]:
         """One mesh per material. Corners share no vertices, because values may belong to faces and corners.
 
         pose: transforms of all points, or one for all of them
-        shapes: points and normals per point in place of those of the mesh"""
+        shapes: points and normals per point in place of those of the mesh
+        deformation: arguments of Scene.add_mesh() for vertices that are these points, whose targets may have these
+            arrays"""
         points, blended_normals = shapes
         if points is None:
             points = np.asarray(mesh.GetPointsAttr().Get(self.time), np.float32).reshape(-1, 3)
@@ -262,6 +384,7 @@ class _Usd(Builder):
             None,
         )
         colors = self.primvar(prim, "displayColor", None, "", flat, indices, faces, 3)
+        kinds = ("positions",) if normals is None else ("positions", "normals")
         made = []
         for material, triangles in self.subsets(prim, faces):
             chosen = np.repeat(triangles, 3)
@@ -278,6 +401,7 @@ class _Usd(Builder):
                         uv=None if uv is None else v_down(uv[chosen]),
                         colors=rgba,
                         name=prim.GetName(),
+                        **(deformation(indices[flat][chosen], kinds) if deformation else {}),
                     ),
                     handle if handle is not None else self.default_material(self.is_double_sided(prim)),
                 )
@@ -482,6 +606,7 @@ class _Usd(Builder):
         if prim.IsA(lux.DomeLight) or prim.IsA(lux.DomeLight_1):
             self.domes.append(prim)
             return
+        node = self.motion.node_of(prim) if self.motion.moves(prim) else None
         color = tuple(float(c) for c in api.GetColorAttr().Get(self.time))
         power = float(api.GetIntensityAttr().Get(self.time)) * 2 ** float(api.GetExposureAttr().Get(self.time))
         position = tuple(transform[:3, 3].tolist())
@@ -489,17 +614,20 @@ class _Usd(Builder):
         name = prim.GetName()
         if prim.IsA(lux.DistantLight):
             self.scene.add_light(
-                Light(name=name, type="directional", direction=direction, color=color, intensity=power)
+                Light(name=name, type="directional", direction=direction, color=color, intensity=power), node
             )
         elif prim.IsA(lux.SphereLight):
             radius = float(lux.SphereLight(prim).GetRadiusAttr().Get(self.time)) * self.scale
             # Radiance times the projected area, as seen from afar.
             candela = power * (1 if api.GetNormalizeAttr().Get(self.time) else math.pi * radius**2)
-            self.scene.add_light(Light(name=name, position=position, color=color, intensity=candela, size=radius))
+            light = Light(name=name, position=position, color=color, intensity=candela, size=radius)
+            self.scene.add_light(light, node)
         else:
-            self.add_area_light(prim, transform, color, power)
+            self.add_area_light(prim, transform, color, power, node)
 
-    def add_area_light(self, prim: Any, transform: np.ndarray, color: tuple[float, ...], power: float) -> None:
+    def add_area_light(
+        self, prim: Any, transform: np.ndarray, color: tuple[float, ...], power: float, node: str | None
+    ) -> None:
         """Rectangles, disks and tubes. Their transforms are those of the stage, whose lengths are not meters."""
         lux = self.pxr.UsdLux
         sizes: dict[str, float] = {}
@@ -534,7 +662,8 @@ class _Usd(Builder):
                 color=color,
                 intensity=power,
                 **sizes,
-            )
+            ),
+            node,
         )
 
     # --- dome lights ---
@@ -592,7 +721,26 @@ class _Usd(Builder):
         pose[:3, :3], pose[:3, 3] = axes @ np.diag([1, -1, -1]), eye  # OpenCV's camera: Y down, Z forward
         made.camera_to_world = pose
         made.name = prim.GetName()
-        self.scene.add_camera(made)
+        self.scene.add_camera(made, self.motion.node_of(prim) if self.motion.moves(prim) else None)
+
+
+def _dotted(path: Any) -> str:
+    """The name of a root node that stands for a prim."""
+    return str(path)[1:].replace("/", ".")
+
+
+def _offsets(blend: Any, between: Any) -> Any:
+    return between.GetOffsets() if between else blend.GetOffsetsAttr().Get()
+
+
+def _normal_offsets(blend: Any, between: Any) -> Any:
+    return between.GetNormalOffsets() if between else blend.GetNormalOffsetsAttr().Get()
+
+
+def _points_of(blend: Any) -> Any:
+    """The points that a blend shape moves, as an index of arrays."""
+    at = blend.GetPointIndicesAttr().Get()
+    return slice(None) if at is None or len(at) == 0 else np.asarray(at, np.int64)
 
 
 def _add_offsets(values: np.ndarray, where: Any, offsets: np.ndarray, path: Any) -> None:
@@ -723,14 +871,17 @@ def from_usd(
 ) -> Scene:
     """Converts a Usd.Stage, or the path of a .usd, .usda, .usdc or .usdz file, with usd-core.
 
-    time: the time code at which values are read; default: their default values
+    time: the time code at which values are read. Default: time samples become an animation, "stage", which the option
+        `time` plays in seconds from the stage's first time code; values are those of that time code, or the default
+        values of a stage without samples
     allow_outside: folders that a file may refer to, besides its own
 
-    Converted are visible meshes with their subsets, normals, texture coordinates (st) and displayColor, in the pose of
-    their skeletons and blend shapes at that time; spheres, cubes, cones, planes, and cylinders and capsules with one or
+    Converted are visible meshes with their subsets, normals, texture coordinates (st) and displayColor; skeletons and
+    blend shapes with in-betweens; spheres, cubes, cones, planes, and cylinders and capsules with one or
     two radii; instances and point instancers; UsdPreviewSurface and MaterialX's standard surface with their images;
     distant, sphere, rect, disk and cylinder lights; dome lights, as the scene's environment; cameras; and the stage's
-    units, up axis and chosen variants. Subdivision surfaces are shown as their cages, and polygons as fans. Curves,
+    units, up axis and chosen variants. Animated are transforms, skeletons, weights of blend shapes, and visibility.
+    Subdivision surfaces are shown as their cages, and polygons as fans. Curves,
     points, volumes, procedural textures and other shaders are left out."""
     return _converted(stage, time, allow_outside, "from_usd", _Usd.run)
 

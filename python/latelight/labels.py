@@ -164,6 +164,22 @@ class WorldKeypoints:
     """(N, C, K)"""
 
 
+@dataclasses.dataclass(frozen=True, eq=False)
+class WorldCorrespondence:
+    """Where the surfaces of the images of N worlds with C cameras each are in the next frame's images, as
+    Renderer.correspond_worlds() returns it. Arrays are those of ``Correspondence`` with two axes before, worlds and
+    cameras."""
+
+    pixels: npt.NDArray[np.float32]
+    """(N, C, H, W, 2)"""
+    depth: npt.NDArray[np.float32]
+    """(N, C, H, W)"""
+    visible: npt.NDArray[np.bool_]
+    """(N, C, H, W)"""
+    flow: npt.NDArray[np.float32]
+    """(N, C, H, W, 3)"""
+
+
 def _world_labels(views: Sequence[Labels], cameras: int) -> WorldLabels:
     """The labels of all views, world by world, as arrays with the same objects in every view."""
     paths = {int(number): node for view in views for number, node in zip(view.ids, view.nodes, strict=True)}
@@ -192,9 +208,16 @@ def _world_labels(views: Sequence[Labels], cameras: int) -> WorldLabels:
     )  # type: ignore[arg-type]
 
 
+def _stacked(views: Sequence[object], cameras: int, name: str) -> npt.NDArray[np.generic]:
+    array = np.stack([getattr(view, name) for view in views])
+    return array.reshape(len(views) // cameras, cameras, *array.shape[1:])
+
+
 def _world_keypoints(views: Sequence[Keypoints], cameras: int) -> WorldKeypoints:
-    arrays = {}
-    for name in ("positions", "pixels", "depth", "visibility"):
-        stacked = np.stack([getattr(view, name) for view in views])
-        arrays[name] = stacked.reshape(len(views) // cameras, cameras, *stacked.shape[1:])
-    return WorldKeypoints(names=views[0].names, **arrays)
+    arrays = {name: _stacked(views, cameras, name) for name in ("positions", "pixels", "depth", "visibility")}
+    return WorldKeypoints(names=views[0].names, **arrays)  # type: ignore[arg-type]
+
+
+def _world_correspondence(views: Sequence[Correspondence], cameras: int) -> WorldCorrespondence:
+    arrays = {name: _stacked(views, cameras, name) for name in ("pixels", "depth", "visible", "flow")}
+    return WorldCorrespondence(**arrays)  # type: ignore[arg-type]

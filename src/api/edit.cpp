@@ -279,7 +279,7 @@ void requireFactors(const MeshData& mesh) {
         badUsage("the colors of the mesh \"{}\" must lie from 0 to 1, and one is {}", printable(mesh.name), channel);
 }
 
-scene::Mesh internalMesh(const MeshData& from) {
+scene::Mesh internalMesh(const MeshData& from, scene::VertexSources& sources) {
   std::vector<uint32_t> indices = trianglesOf(from);
   scene::Vertices v;
   v.positions = stream<vec3>(from.positions, from, "positions");
@@ -289,7 +289,7 @@ scene::Mesh internalMesh(const MeshData& from) {
   v.uv[1] = stream<vec2>(from.uv1, from, "second texture coordinates");
   v.colors = stream<vec4>(from.colors, from, "colors");
   requireFactors(from);
-  scene::Mesh mesh = scene::makeMesh(std::move(v), std::move(indices));
+  scene::Mesh mesh = scene::makeMesh(std::move(v), std::move(indices), &sources);
   mesh.name = from.name;
   return mesh;
 }
@@ -366,6 +366,9 @@ uint32_t Scene::Impl::index(Handle<Light> h) const {
 uint32_t Scene::Impl::index(Handle<Mesh> h) const {
   return indexOf(h, number, scene.meshes.size(), scene.edits.meshGaps.generation(h.index), "a mesh");
 }
+uint32_t Scene::Impl::index(Handle<Skin> h) const {
+  return indexOf(h, number, scene.rig.skins.size(), 0, "a skin");
+}
 uint32_t Scene::Impl::index(Handle<Texture> h) const {
   return indexOf(h, number, scene.textures.size(), scene.edits.textureGaps.generation(h.index), "a texture");
 }
@@ -381,6 +384,12 @@ std::vector<Node> Scene::nodes() const {
     nodes.push_back({node.path, parent, node.mesh, publicTransform(node.toWorld, scene), node.id});
   }
   return nodes;
+}
+
+uint32_t Scene::Impl::nodeAt(const std::string& path) const {
+  for (uint32_t node = 0; node < scene.nodes.size(); ++node)
+    if (!path.empty() && scene.nodes[node].path == path) return node;
+  badUsage("the scene has no node \"{}\": give the path of one, as in /Root/Arm", printable(path));
 }
 
 std::vector<std::string> Scene::joints(Handle<Instance> instance) const {
@@ -423,14 +432,11 @@ std::vector<Handle<Instance>> Scene::instances() const {
 
 std::vector<Handle<Instance>> Scene::instancesOf(const std::string& node) const {
   const scene::Scene& scene = impl_->scene;
-  for (uint32_t found = 0; found < scene.nodes.size(); ++found) {
-    if (node.empty() || scene.nodes[found].path != node) continue;
-    std::vector<Handle<Instance>> all;
-    for (uint32_t i = 0; i < scene.instances.size(); ++i)
-      if (!scene.instances[i].removed && scene.instances[i].node == found) all.push_back(impl_->instance(i));
-    return all;
-  }
-  badUsage("the scene has no node \"{}\": give the path of one, as in /Root/Arm", printable(node));
+  const uint32_t found = impl_->nodeAt(node);
+  std::vector<Handle<Instance>> all;
+  for (uint32_t i = 0; i < scene.instances.size(); ++i)
+    if (!scene.instances[i].removed && scene.instances[i].node == found) all.push_back(impl_->instance(i));
+  return all;
 }
 
 Instance Scene::instance(Handle<Instance> instance) const {
@@ -531,13 +537,19 @@ MeshData Scene::meshData(Handle<Mesh> mesh) const {
 
 void Scene::setMesh(Handle<Mesh> mesh, const MeshData& data) {
   const uint32_t index = impl_->index(mesh);
-  scene::Mesh made = internalMesh(data);
-  if (made.name.empty()) made.name = impl_->scene.meshes[index].name;
+  const scene::Mesh& before = impl_->scene.meshes[index];
+  scene::VertexSources sources;
+  scene::Mesh made = internalMesh(data, sources);
+  if (made.name.empty()) made.name = before.name;
+  impl_->addDeformation(data, sources, before.deformation ? before.deformation->weightsNode : -1, made);
   scene::setMesh(impl_->scene, index, std::move(made));
 }
 
 Handle<Mesh> Scene::addMesh(const MeshData& data) {
-  return impl_->mesh(scene::addMesh(impl_->scene, internalMesh(data)));
+  scene::VertexSources sources;
+  scene::Mesh made = internalMesh(data, sources);
+  impl_->addDeformation(data, sources, -1, made);
+  return impl_->mesh(scene::addMesh(impl_->scene, std::move(made)));
 }
 
 void Scene::removeMesh(Handle<Mesh> mesh) {

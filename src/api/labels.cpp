@@ -11,6 +11,7 @@
 #include "labels/correspondence.h"
 #include "labels/keypoints.h"
 #include "labels/projector.h"
+#include "labels/sight.h"
 #include "render/options/options.h"
 #include "render/submit/session.h"
 #include "scene/animation.h"
@@ -64,6 +65,15 @@ ObjectLabel publicLabel(const labels::LabeledObject& from, const output::CameraM
   label.visibleMask = flagsOf(from.visible);
   label.amodalMask = flagsOf(object.alone);
   return label;
+}
+
+Correspondence publicCorrespondence(labels::Correspondence&& from) {
+  Correspondence result{.width = from.width, .height = from.height};
+  for (const glm::vec2 p : from.pixels) result.pixels.push_back({p.x, p.y});
+  for (const glm::vec3 f : from.flow) result.flow.push_back({f.x, f.y, f.z});
+  result.depth = std::move(from.depth);
+  result.visible = std::move(from.visible);
+  return result;
 }
 
 // Returns the scene's pose for the second image of a correspondence.
@@ -153,12 +163,93 @@ Correspondence Renderer::correspond(const Camera& first, const Camera& second, c
   const scene::Pose then = poseAtTime(impl_->scene, input.settings, secondTime);
   labels::Correspondence found = labels::correspond(
       impl_->renderer, impl_->scene, {input.camera, input.moment.poses.current}, {other, then}, input.settings);
-  Correspondence result{.width = found.width, .height = found.height};
-  for (const glm::vec2 p : found.pixels) result.pixels.push_back({p.x, p.y});
-  for (const glm::vec3 f : found.flow) result.flow.push_back({f.x, f.y, f.z});
-  result.depth = std::move(found.depth);
-  result.visible = std::move(found.visible);
-  return result;
+  return publicCorrespondence(std::move(found));
+}
+
+namespace {
+
+// The values of the next frame in place of the current ones.
+Worlds nextFrameOf(const Worlds& worlds) {
+  Worlds next = worlds;
+  WorldArrays& a = next.arrays;
+  if (!next.nextTransforms.empty()) next.transforms = next.nextTransforms;
+  if (!next.nextCameraToWorld.empty()) next.cameraToWorld = next.nextCameraToWorld;
+  for (auto* list :
+       {&next.previousTransforms, &next.nextTransforms, &next.previousCameraToWorld, &next.nextCameraToWorld})
+    list->clear();
+  using Times = std::array<WorldArray*, 3>;
+  for (const auto& [current, previous, then] :
+       {Times{&a.transforms, &a.previousTransforms, &a.nextTransforms},
+        {&a.cameraToWorld, &a.previousCameraToWorld, &a.nextCameraToWorld},
+        {&a.jointTransforms, &a.previousJointTransforms, &a.nextJointTransforms},
+        {&a.vertices, &a.previousVertices, &a.nextVertices}}) {
+    if (*then) *current = *then;
+    *previous = *then = {};
+  }
+  return next;
+}
+
+// The lines of sight to the located points of all views, as many per world: others are filled up.
+struct WorldSights {
+  uint64_t count = 0;  // per world
+  std::vector<double> origins, directions;
+};
+
+WorldSights sightsTo(std::span<const labels::LocatedPixels> views, std::span<const scene::Camera> cameras,
+                     const scene::Scene& scene, bool zUp, size_t worlds) {
+  const size_t each = views.size() / worlds;
+  WorldSights sights;
+  std::vector<uint64_t> counts(worlds);
+  for (size_t view = 0; view < views.size(); ++view) counts[view / each] += views[view].points.size();
+  sights.count = *std::ranges::max_element(counts);
+  for (size_t world = 0; world < worlds; ++world) {
+    for (size_t view = world * each; view < (world + 1) * each; ++view)
+      for (const glm::dvec3& point : views[view].points) {
+        const labels::SightSegment segment = labels::sightSegment(point, cameras[view], scene, zUp);
+        for (int i = 0; i < 3; ++i) sights.origins.push_back(segment.origin[i]);
+        for (int i = 0; i < 3; ++i) sights.directions.push_back(segment.direction[i]);
+      }
+    sights.origins.resize((world + 1) * sights.count * 3, 0);
+    sights.directions.resize((world + 1) * sights.count * 3, 1);
+  }
+  return sights;
+}
+
+}  // namespace
+
+std::vector<Correspondence> Renderer::correspond(const Worlds& worlds, const Options& options) {
+  Impl::WorldLabelInput input = impl_->worldLabelInput(worlds, options);
+  const Worlds next = nextFrameOf(worlds);
+  const std::vector<scene::Camera> seconds = impl_->worldLabelInput(next, options).cameras;
+  input.settings.display = false;
+  input.settings.aovs = {output::Aov::Id, output::Aov::Position, output::Aov::SceneFlow};
+  input.settings.positionOrigin = {};
+  std::vector<labels::LocatedPixels> views;
+  const std::vector<output::FrameOutput> frames = impl_->renderer.render(input.cameras, input.settings, input.moment);
+  for (size_t i = 0; i < frames.size(); ++i)
+    views.push_back(labels::locate(frames[i], glm::dvec3(0), seconds[i], impl_->scene, input.settings));
+  const bool zUp = input.settings.axes == render::Axes::ZUp;
+  const WorldSights sights = sightsTo(views, seconds, impl_->scene, zUp, worlds.count);
+  std::vector<float> distances(worlds.count * sights.count);
+  if (!distances.empty()) {
+    WorldRays rays{.origins = {.element = WorldArray::Element::Float64, .host = sights.origins.data()},
+                   .directions = {.element = WorldArray::Element::Float64, .host = sights.directions.data()},
+                   .count = sights.count};
+    cast(next, rays, {"distance"}, options).at("distance").copyToHost(std::as_writable_bytes(std::span(distances)));
+  }
+  std::vector<Correspondence> all;
+  const size_t each = views.size() / std::max(worlds.count, 1u);
+  for (size_t view = 0, ray = 0; view < views.size(); ++view) {
+    if (view % each == 0) ray = view / each * sights.count;
+    labels::LocatedPixels& located = views[view];
+    for (const size_t pixel : located.inside) {
+      const double* direction = &sights.directions[3 * ray];
+      const double length = glm::length(glm::dvec3(direction[0], direction[1], direction[2]));
+      located.result.visible[pixel] = distances[ray++] >= length * (1 - labels::kPixelSlack) ? 1 : 0;
+    }
+    all.push_back(publicCorrespondence(std::move(located.result)));
+  }
+  return all;
 }
 
 }  // namespace latelight

@@ -20,6 +20,7 @@
 #include "render/submit/session.h"
 #include "scene/framing.h"
 #include "scene/load/load.h"
+#include "scene/rig_edit.h"
 #include "vk/read_back.h"
 #include "vk/shared_timeline.h"
 
@@ -295,6 +296,16 @@ const std::vector<Animation>& Scene::animations() const {
 void Scene::addCamera(const Camera& camera) {
   impl_->scene.cameras.push_back(internalCamera(camera, impl_->scene));
   impl_->cameras.push_back(publicCamera(impl_->scene.cameras.back(), impl_->scene));
+}
+
+void Scene::addCamera(const Camera& camera, const std::string& node) {
+  const uint32_t index = impl_->nodeAt(node);
+  scene::rigNodeOf(impl_->scene, index);
+  addCamera(camera);
+  scene::Camera& added = impl_->scene.cameras.back();
+  added.node = static_cast<int>(index);
+  scene::placeCamera(added, scene::toGltfFromWorld() * impl_->scene.nodes[index].toWorld);
+  impl_->cameras.back() = publicCamera(added, impl_->scene);
 }
 
 std::vector<Camera> Scene::camerasAt(double time, const std::string& animation, bool loop) const {

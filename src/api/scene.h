@@ -6,6 +6,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "scene/scene.h"
+#include "scene/vertices.h"
 
 namespace latelight::render {
 class Renderer;
@@ -43,6 +44,15 @@ struct Scene::Impl {
   uint32_t index(Handle<Light> light) const;
   uint32_t index(Handle<Mesh> mesh) const;
   uint32_t index(Handle<Texture> texture) const;
+  uint32_t index(Handle<Skin> skin) const;
+
+  // The index of the node with this path; throws Error(Usage) if there is none.
+  uint32_t nodeAt(const std::string& path) const;
+
+  // Gives a mesh that was made from `from` its skin and morph targets, and poses it at rest. `weightsNode`: as in
+  // scene::Deformation. (animation.cpp)
+  void addDeformation(const MeshData& from, const scene::VertexSources& sources, int weightsNode,
+                      scene::Mesh& mesh) const;
 
   // The node of the rig with this path. Throws Error(Usage) unless it is a joint of a skin.
   uint32_t jointOf(const std::string& path) const;
@@ -72,6 +82,7 @@ struct Scene::Impl {
   Handle<Light> light(uint32_t index) const { return {number, index, scene.edits.lightGaps.generation(index)}; }
   Handle<Mesh> mesh(uint32_t index) const { return {number, index, scene.edits.meshGaps.generation(index)}; }
   Handle<Texture> texture(uint32_t index) const { return {number, index, scene.edits.textureGaps.generation(index)}; }
+  Handle<Skin> skin(uint32_t index) const { return {number, index, 0}; }
 
  private:
   static uint32_t nextNumber();

@@ -4,6 +4,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cassert>
 #include <cerrno>
 #include <cstdlib>
@@ -15,6 +17,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "base/temporary_file.h"
 
 namespace latelight {
@@ -193,6 +196,49 @@ std::vector<std::byte> readFile(int fd, const fs::path& path) {
   } catch (const std::bad_alloc&) {
     failWithoutMemory(what);
   }
+}
+
+namespace {
+
+// Reads the bytes [begin, end) of a file. Returns false for an error or if the file is shorter.
+bool readRange(int fd, size_t begin, size_t end, std::byte* to) {
+  while (begin < end) {
+    const ssize_t got = pread(fd, to, end - begin, static_cast<off_t>(begin));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    begin += static_cast<size_t>(got);
+    to += got;
+  }
+  return true;
+}
+
+}  // namespace
+
+FileBytes readLargeFile(const fs::path& path) {
+  constexpr size_t kPiece = size_t{4} << 20;
+  File file(path, O_RDONLY | O_NONBLOCK);
+  if (!file) failToRead(path, reason(errno));
+  struct stat status {};
+  if (fstat(file.get(), &status) != 0) failToRead(path, reason(errno));
+  if (S_ISREG(status.st_mode) && status.st_size > 0) {
+    const auto size = static_cast<size_t>(status.st_size);
+    const std::string what = fmt::format("the file '{}'", path.string());
+    const MemoryClaim claim(size, what);
+    std::unique_ptr<std::byte[]> bytes(new (std::nothrow) std::byte[size]);
+    if (!bytes) failWithoutMemory(what);
+    std::atomic<bool> complete = true;
+    parallelFor((size + kPiece - 1) / kPiece, 1, [&](size_t begin, size_t end) {
+      const size_t first = begin * kPiece;
+      if (!readRange(file.get(), first, std::min(end * kPiece, size), bytes.get() + first)) complete = false;
+    });
+    std::byte more;
+    if (complete && pread(file.get(), &more, 1, status.st_size) == 0) return {std::move(bytes), size};
+  }
+  // Pipes, files that change meanwhile, files in /proc, which report no size, and errors.
+  const std::vector<std::byte> all = readFile(file.get(), path);
+  std::unique_ptr<std::byte[]> bytes(new std::byte[all.size()]);
+  std::ranges::copy(all, bytes.get());
+  return {std::move(bytes), all.size()};
 }
 
 std::string shortFileName(std::string name) {

@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace latelight {
@@ -18,6 +20,21 @@ bool isThere(const std::filesystem::path& path);
 std::vector<std::byte> readFile(const std::filesystem::path& path);
 // Reads an open file; `path` is its name for the message.
 std::vector<std::byte> readFile(int fd, const std::filesystem::path& path);
+
+// The contents of a file, in memory that was not cleared before, so that all threads can be the first to write to it.
+class FileBytes {
+ public:
+  FileBytes(std::unique_ptr<std::byte[]> bytes, size_t size) : bytes_(std::move(bytes)), size_(size) {}
+  const std::byte* data() const { return bytes_.get(); }
+  size_t size() const { return size_; }
+  operator std::span<const std::byte>() const { return {data(), size_}; }  // NOLINT(google-explicit-constructor)
+
+ private:
+  std::unique_ptr<std::byte[]> bytes_;
+  size_t size_;
+};
+// Like readFile(), on all threads, for files of up to gigabytes.
+FileBytes readLargeFile(const std::filesystem::path& path);
 
 // Writes to a temporary file next to `path`, then renames it. A failure leaves no file behind and throws Error(Usage)
 // with advice. An existing file is replaced if its mode allows writing, and keeps its mode, group and owner. Links are

@@ -15,10 +15,6 @@ namespace {
 
 using output::Aov;
 
-// Share of the distance within which a surface counts as the point itself. A point is off its surface by rounding,
-// which a line of sight along the surface multiplies.
-constexpr double kPixelSlack = 1e-4;
-
 const output::AovImage& imageOf(const output::FrameOutput& frame, Aov aov) {
   return *std::ranges::find(frame.aovs, aov, &output::AovImage::aov);
 }
@@ -47,48 +43,55 @@ output::FrameOutput renderFirst(render::Renderer& renderer, const Shot& first, c
 
 }  // namespace
 
-Correspondence correspond(render::Renderer& renderer, const scene::Scene& scene, const Shot& first, const Shot& second,
-                          const render::Settings& common) {
-  const render::Settings settings = settingsOf(first, common), others = settingsOf(second, common);
+LocatedPixels locate(const output::FrameOutput& first, const glm::dvec3& origin, const scene::Camera& second,
+                     const scene::Scene& scene, const render::Settings& others) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-  const glm::dvec3 eye(render::openCvPose(first.camera, scene, settings.axes == render::Axes::ZUp)[3]);
-  const output::FrameOutput frame = renderFirst(renderer, first, second, settings, eye);
-  const std::vector<uint32_t>& ids = imageOf(frame, Aov::Id).ids;
-  const output::CameraMetadata described = render::describeCamera(second.camera, scene, others);
+  const output::AovImage& image = imageOf(first, Aov::Id);
+  const std::vector<uint32_t>& ids = image.ids;
+  const output::CameraMetadata described = render::describeCamera(second, scene, others);
   const Projector projector(described);
   const glm::dmat4 cameraFromFrame = glm::inverse(described.cameraToWorld);
-  Correspondence result{settings.width,
-                        settings.height,
-                        std::vector(ids.size(), glm::vec2(kNone)),
-                        std::vector(ids.size(), kNone),
-                        std::vector<uint8_t>(ids.size()),
-                        std::vector(ids.size(), glm::vec3(0))};
+  LocatedPixels located{
+      .result = {image.width, image.height, std::vector(ids.size(), glm::vec2(kNone)), std::vector(ids.size(), kNone),
+                 std::vector<uint8_t>(ids.size()), std::vector(ids.size(), glm::vec3(0))},
+      .inside = {},
+      .points = {}};
+  Correspondence& result = located.result;
   std::vector<glm::dvec3> moved(ids.size());
   parallelFor(ids.size(), size_t{1} << 14, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       if (ids[i] == 0) continue;
-      result.flow[i] = vectorAt(imageOf(frame, Aov::SceneFlow), i);
-      moved[i] = eye + glm::dvec3(vectorAt(imageOf(frame, Aov::Position), i)) + glm::dvec3(result.flow[i]);
+      result.flow[i] = vectorAt(imageOf(first, Aov::SceneFlow), i);
+      moved[i] = origin + glm::dvec3(vectorAt(imageOf(first, Aov::Position), i)) + glm::dvec3(result.flow[i]);
       const auto at = projector.project(glm::dvec3(cameraFromFrame * glm::dvec4(moved[i], 1)));
       if (!at) continue;
       result.pixels[i] = glm::vec2(*at);
       result.depth[i] = static_cast<float>(at->z);
     }
   });
-  std::vector<size_t> inside;  // pixels whose points lie within the second image
-  std::vector<glm::dvec3> points;
   for (size_t i = 0; i < ids.size(); ++i) {
     const glm::vec2 p = result.pixels[i];
     if (!(p.x >= 0 && p.y >= 0 && p.x < float(others.width) && p.y < float(others.height))) continue;
-    inside.push_back(i);
-    points.push_back(moved[i]);
+    located.inside.push_back(i);
+    located.points.push_back(moved[i]);
   }
-  if (inside.empty()) return result;
+  return located;
+}
+
+Correspondence correspond(render::Renderer& renderer, const scene::Scene& scene, const Shot& first, const Shot& second,
+                          const render::Settings& common) {
+  const render::Settings settings = settingsOf(first, common), others = settingsOf(second, common);
+  const glm::dvec3 eye(render::openCvPose(first.camera, scene, settings.axes == render::Axes::ZUp)[3]);
+  const output::FrameOutput frame = renderFirst(renderer, first, second, settings, eye);
+  LocatedPixels located = locate(frame, eye, second.camera, scene, others);
+  if (located.inside.empty()) return std::move(located.result);
   render::SceneState then;
   then.poses = {second.pose, second.pose, second.pose};
-  const std::vector<Sight> sights = sightsOf(renderer, scene, second.camera, settings, then, points, kPixelSlack);
-  for (size_t i = 0; i < inside.size(); ++i) result.visible[inside[i]] = std::isinf(sights[i].hit) ? 1 : 0;
-  return result;
+  const std::vector<Sight> sights =
+      sightsOf(renderer, scene, second.camera, settings, then, located.points, kPixelSlack);
+  for (size_t i = 0; i < located.inside.size(); ++i)
+    located.result.visible[located.inside[i]] = std::isinf(sights[i].hit) ? 1 : 0;
+  return std::move(located.result);
 }
 
 }  // namespace latelight::labels

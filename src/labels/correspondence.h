@@ -26,6 +26,20 @@ struct Shot {
   uint32_t width = 0, height = 0;  // of the image, in pixels; 0: as in the settings
 };
 
+// The parts of correspond() before and after the rays, for callers that cast them.
+//
+// The slack of lines of sight: the share of the distance within which a surface counts as the point itself.
+inline constexpr double kPixelSlack = 1e-4;
+struct LocatedPixels {
+  Correspondence result;           // nothing is visible yet
+  std::vector<size_t> inside;      // pixels whose points lie within the second image
+  std::vector<glm::dvec3> points;  // theirs, moved, in the frame of the settings' axes
+};
+// `first`: the outputs id, position, relative to `origin`, and scene flow to the second image. `second`: the camera of
+// the second image, for which `others` are the settings.
+LocatedPixels locate(const output::FrameOutput& first, const glm::dvec3& origin, const scene::Camera& second,
+                     const scene::Scene& scene, const render::Settings& others);
+
 // The settings select surfaces, axes and raster. Each image shows an instant, without an exposure time and a rolling
 // shutter. A point is visible in the second image if it lies within that image and no surface is before it.
 Correspondence correspond(render::Renderer& renderer, const scene::Scene& scene, const Shot& first, const Shot& second,

@@ -15,10 +15,7 @@ namespace {
 constexpr float kPixelAngle = 1e-3f, kPixelMeters = 1e-3f;
 constexpr size_t kMaxLines = 4096;  // at once
 
-// The part of a line up to the point, in the frame of the settings' axes.
-struct Segment {
-  glm::dvec3 origin, direction;  // the point is at origin + direction
-};
+using Segment = SightSegment;
 
 Segment segmentTo(const glm::dvec3& point, const glm::dmat4& pose, bool orthographic) {
   const glm::dvec3 eye(pose[3]), axis(pose[2]);
@@ -54,6 +51,10 @@ scene::Camera aimed(const scene::Camera& like, const Segment& segment, const sce
 }
 
 }  // namespace
+
+SightSegment sightSegment(const glm::dvec3& point, const scene::Camera& camera, const scene::Scene& scene, bool zUp) {
+  return segmentTo(point, render::openCvPose(camera, scene, zUp), camera.orthographic);
+}
 
 std::vector<Sight> sightsOf(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
                             const render::Settings& settings, const render::SceneState& moment,

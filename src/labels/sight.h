@@ -21,6 +21,12 @@ std::vector<Sight> sightsOf(render::Renderer& renderer, const scene::Scene& scen
                             const render::Settings& settings, const render::SceneState& moment,
                             std::span<const glm::dvec3> points, double slack);
 
+// The part of a line of sight up to a point, which is at origin + direction. In the frame of the settings' axes.
+struct SightSegment {
+  glm::dvec3 origin, direction;
+};
+SightSegment sightSegment(const glm::dvec3& point, const scene::Camera& camera, const scene::Scene& scene, bool zUp);
+
 // A point and the camera that looks at it, which shows a world.
 struct SightLine {
   const scene::Camera* camera;

@@ -10,42 +10,9 @@
 #include "base/hash.h"
 #include "base/log.h"
 #include "scene/edit_check.h"
+#include "scene/edit_slots.h"
 
 namespace latelight::scene {
-
-namespace {
-
-template <typename T>
-T& at(std::vector<T>& elements, uint32_t index, const char* what) {
-  if (index >= elements.size()) badUsage("there is no {} {}: the scene has {}", what, index, elements.size());
-  return elements[index];
-}
-
-template <typename T>
-T& present(std::vector<T>& elements, uint32_t index, const char* what) {
-  T& element = at(elements, index, what);
-  if (element.removed) badUsage("the {} {} has been removed", what, index);
-  return element;
-}
-
-// Stores an element in a free slot, or at the end if there is none, and returns its index.
-template <typename T>
-uint32_t place(std::vector<T>& elements, std::vector<uint32_t>& gaps, T element) {
-  if (gaps.empty()) {
-    elements.push_back(std::move(element));
-    return static_cast<uint32_t>(elements.size() - 1);
-  }
-  const uint32_t index = gaps.back();
-  gaps.pop_back();
-  elements[index] = std::move(element);
-  return index;
-}
-
-void empty(Gaps& gaps, uint32_t place) {
-  gaps.free.push_back(place);
-  if (gaps.emptied.size() <= place) gaps.emptied.resize(size_t{place} + 1);
-  ++gaps.emptied[place];
-}
 
 SceneEdits::KnownIds& idsOf(Scene& scene) {
   if (scene.edits.ids) return *scene.edits.ids;
@@ -68,12 +35,29 @@ std::pair<std::string, uint32_t> uniqueName(UniqueIds& ids, uint32_t& twins, con
   return {unique, id};
 }
 
+namespace {
+
+void empty(Gaps& gaps, uint32_t place) {
+  gaps.free.push_back(place);
+  if (gaps.emptied.size() <= place) gaps.emptied.resize(size_t{place} + 1);
+  ++gaps.emptied[place];
+}
+
+// If the rig covers the slot, its node moves there, too.
+void followSlot(Scene& scene, uint32_t node) {
+  if (node >= scene.rig.sceneNodes.size()) return;
+  RigNode& rigged = scene.rig.nodes[scene.rig.sceneNodes[node]];
+  rigged = {.hasMatrix = true, .matrix = scene.nodes[node].local};
+}
+
 uint32_t addNode(Scene& scene, const std::string& name, const std::string& mesh, const dmat4& toWorld) {
   auto [path, id] = uniqueName(idsOf(scene).nodes, scene.edits.twins, "/" + name);
   Node node{.name = name, .path = std::move(path), .mesh = mesh, .id = id};
   node.toWorld = toWorld;
   node.local = scene.yUp ? toGltfFromWorld() * toWorld : toWorld;
-  return place(scene.nodes, scene.edits.freeNodes, std::move(node));
+  const uint32_t index = place(scene.nodes, scene.edits.freeNodes, std::move(node));
+  followSlot(scene, index);
+  return index;
 }
 
 void removeNode(Scene& scene, uint32_t index) {

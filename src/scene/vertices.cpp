@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "scene/tangents.h"
 
@@ -157,14 +158,32 @@ Mesh pack(Vertices v, std::vector<uint32_t> indices) {
   return mesh;
 }
 
-Mesh makeMesh(Vertices v, std::vector<uint32_t> indices) {
-  if (v.normals.empty())
+Mesh makeMesh(Vertices v, std::vector<uint32_t> indices, VertexSources* sources) {
+  const bool flat = v.normals.empty();
+  if (sources) {
+    v.origin.resize(v.positions.size());
+    std::iota(v.origin.begin(), v.origin.end(), 0u);
+  }
+  std::vector<bool> turned;
+  if (flat)
     makeFlatNormals(v, indices);
   else
-    repairNormals(v, indices);
+    turned = repairNormals(v, indices);
   repairTangents(v.tangents);
   if (v.tangents.empty() && !v.uv[0].empty()) makeTangents(std::vector(v.uv[0]), v, indices);
+  if (sources) {
+    const bool isUnshared = v.origin.size() == indices.size();  // false if tangents split vertices
+    *sources = {std::move(v.origin), std::move(turned), flat && isUnshared};
+  }
   return pack(std::move(v), std::move(indices));
+}
+
+void normalizeWeights(std::span<float> weights) {
+  float total = 0;
+  for (float& weight : weights) total += weight = std::max(weight, 0.0f);
+  const bool usable = total > 0 && std::isfinite(total);
+  for (float& weight : weights) weight = usable ? weight / total : 0;
+  if (!usable) weights[0] = 1;
 }
 
 }  // namespace latelight::scene

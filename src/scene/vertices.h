@@ -29,8 +29,19 @@ void makeTangents(std::span<const vec2> uv, Vertices& vertices, std::vector<uint
 // Packs the streams into a mesh without bounds and name. Normals must exist.
 Mesh pack(Vertices vertices, std::vector<uint32_t> indices);
 
+// How the vertices of a mesh follow from the streams that it was created from.
+struct VertexSources {
+  std::vector<uint32_t> origin;  // per vertex, its index in the streams
+  std::vector<bool> turned;      // by index in the streams: the normal was inverted; empty if none was
+  bool flatNormals = false;      // normals are those of the triangles, which share no vertices
+};
+
 // Creates a mesh from streams, of which only positions are required. Missing normals are those of the triangles;
-// missing tangents follow the first texture coordinates, if there are any.
-Mesh makeMesh(Vertices vertices, std::vector<uint32_t> indices);
+// missing tangents follow the first texture coordinates, if there are any. Fills `sources` unless it is null.
+Mesh makeMesh(Vertices vertices, std::vector<uint32_t> indices, VertexSources* sources = nullptr);
+
+// Scales the weights of a vertex's joints to a sum of 1, which quantized weights only approximate. Negative weights
+// count as 0. If none is above 0, the first joint gets all.
+void normalizeWeights(std::span<float> weights);
 
 }  // namespace latelight::scene

@@ -80,7 +80,7 @@ TEST_F(AnnotationsTest, VocBoxesCountPixelsFromOne) {
 // The camera is 2 m in front of the back square and sees 90 degrees: 64 pixels are 2 m there.
 TEST_F(AnnotationsTest, KittiBoxesAreInTheCamerasFrame) {
   const FrameRecord record = write("kitti", {{"categories", {{"back", "back wall"}, {"front", "front"}}}}, true);
-  EXPECT_THAT(record.files, ElementsAre("images/000003.png", "label_2/000003.txt", "calib/000003.txt"));
+  EXPECT_THAT(record.files, ElementsAre("image_2/000003.png", "label_2/000003.txt", "calib/000003.txt"));
   const std::vector<std::string> all = lines("label_2/000003.txt");
   ASSERT_EQ(all.size(), 2u);
   const std::string& back = all[0].starts_with("back") ? all[0] : all[1];

@@ -12,6 +12,7 @@ import unittest
 from pathlib import Path
 
 import cv2
+import datumaro
 import globox
 import h5py
 import mmh3
@@ -53,6 +54,16 @@ def half(values):
 class Pictures(unittest.TestCase):
     def exr(self, path):
         return OpenEXR.File(path, separate_channels=True)
+
+    def test_files(self):
+        for frame in FRAMES:
+            channels = self.exr(f"{folder('files-2')}/{frame}.exr").channels()
+            for name, single in [("depth", "Z"), ("id", "id")]:
+                np.testing.assert_array_equal(np.load(f"{folder('files')}/{frame}.{name}.npy"), raw(frame, name))
+                np.testing.assert_array_equal(channels[single].pixels, raw(frame, name))
+            np.testing.assert_array_equal(np.load(f"{folder('files')}/{frame}.normal.npy"), raw(frame, "normal"))
+            for i, letter in enumerate("XYZ"):
+                np.testing.assert_array_equal(channels[f"N.{letter}"].pixels, raw(frame, "normal")[..., i])
 
     def test_exr(self):
         for frame in FRAMES:
@@ -195,6 +206,41 @@ class Annotations(unittest.TestCase):
 
     def test_voc(self):
         self.compare(globox.AnnotationSet.from_pascal_voc(f"{folder('voc')}/Annotations"), 1, str)
+
+
+class Kitti(unittest.TestCase):
+    """By Datumaro's importer of KITTI's object benchmark."""
+
+    def test_labels(self):
+        read = datumaro.Dataset.import_from(folder("kitti"), "kitti3d")
+        names = [label.name for label in read.categories()[datumaro.AnnotationType.label]]
+        items = {item.id: item for item in read}
+        self.assertEqual(sorted(items), FRAMES)
+        for frame, item in items.items():
+            picture = cv2.imread(f"{folder('coco')}/images/{frame}.png")
+            np.testing.assert_array_equal(item.media.data[..., :3], picture)
+            self.assertTrue(os.path.exists(item.attributes["calib_path"]))
+            boxes = read_json(f"{folder('boxes')}/boxes/{frame}.json")
+            ids = raw(frame, "id")
+            wanted = {}
+            for thing in boxes["objects"]:
+                if (ids == thing["id"]).any():
+                    wanted[thing["node"].replace(" ", "_")] = thing
+            self.assertEqual(sorted(names[box.label] for box in item.annotations), sorted(wanted))
+            self.assertGreater(len(wanted), 5)
+            for box in item.annotations:
+                thing = wanted[names[box.label]]
+                x, y, width, height = box_of(ids == thing["id"])
+                self.assertEqual(box.get_bbox(), [x, y, width - 1, height - 1])  # from the first pixel to the last one
+                space, said = thing["box"], box.attributes
+                np.testing.assert_allclose(sorted(said["dimensions"]), sorted(space["size"]), atol=1e-5)
+                center = np.array(space["toCamera"])[:3, 3]
+                np.testing.assert_allclose(said["location"], center + [0, said["dimensions"][0] / 2, 0], atol=1e-4)
+                x, _, z = said["location"]
+                turned = said["rotation_y"] - np.arctan2(x, z) - said["alpha"]
+                self.assertAlmostEqual(np.cos(turned), 1, places=6)
+                shown = thing["visible"]["pixels"] / thing["whole"]["pixelsInPicture"]
+                self.assertEqual(said["occluded"], 0 if shown >= 0.8 else 1 if shown >= 0.4 else 2)
 
 
 class Boxes(unittest.TestCase):

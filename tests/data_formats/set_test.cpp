@@ -66,6 +66,8 @@ TEST_F(SetTest, HasTheFilesThatItsRecordsName) {
   const char* kept = std::getenv("LATELIGHT_TEST_SET");  // set by read_set, which compares their contents
   const std::filesystem::path set = kept ? kept : folder;
   const Json all{"color", "depth", "distance", "normal", "position", "albedo", "id", "material", "uv", "motion"};
+  add("files", {{"outputs", {"depth", "id", "normal"}}, {"pattern", "{name}.npy"}, {"side-file", false}});
+  add("files", {{"outputs", {"depth", "id", "normal"}}, {"pattern", "{name}.exr"}, {"side-file", false}});
   add("exr", {{"outputs", all}});
   add("exr", {{"outputs", all}, {"names", "blender"}, {"id-manifest", false}});
   add("npz", {{"outputs", all}});
@@ -76,6 +78,7 @@ TEST_F(SetTest, HasTheFilesThatItsRecordsName) {
   add("coco", {{"categories", "node"}});
   add("yolo", {{"categories", "node"}});
   add("voc", {{"categories", "node"}});
+  add("kitti", {{"categories", "node"}});
   add("boxes");
   add("bop", {{"depth-scale", 0.5}});
   add("transforms");

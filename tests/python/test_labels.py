@@ -138,3 +138,57 @@ def test_labels_of_worlds(cards):
     exists = [[name == "/back" for name in names]]
     gone = renderer.labels_of_worlds(1, front(), (64, 64), instances=handles, exists=exists)
     assert gone.nodes == ["/back"] and gone.visible_share.tolist() == [[[1.0]]]
+
+
+def test_worlds_correspond_as_animations_do(device):
+    """Against correspond() of a scene whose animation moves in the same way."""
+    corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
+    scene = latelight.Scene()
+    mesh = scene.add_mesh(corners, indices=[[0, 1, 2], [0, 2, 3]])
+    plain = scene.add_material(latelight.Material(double_sided=True))
+    scene.add_instance(mesh, plain, np.diag((3.0, 2, 1, 1)), name="back")
+    node = scene.add_node("front", translation=(-1.5, 0, 1), scale=(0.5, 0.5, 1), parts=[(mesh, plain)])
+    move = latelight.AnimationChannel(node=node, property="translation", times=[0, 1], values=[[-1.5, 0, 1], [0.5, 0.25, 2]])
+    scene.add_animation("move", [move])
+    renderer = latelight.Renderer(scene, device)
+    camera = latelight.Camera.look_at((0.3, 0.2, 9), (0, 0, 0))
+    expected = renderer.correspond(camera, camera, (48, 48), time=0, second_time=1)
+
+    front = scene.instances(node)
+    now, later = np.eye(4), np.eye(4)
+    now[:3, 3], later[:3, 3] = (-1.5, 0, 1), (0.5, 0.25, 2)
+    now, later = ((m @ np.diag((0.5, 0.5, 1, 1)))[None, None] for m in (now, later))
+    match = renderer.correspond_worlds(1, camera, (48, 48), instances=front, transforms=now, next_transforms=later)
+    shown = ~np.isnan(expected.depth)
+    assert 0.02 < (shown & ~expected.visible).mean() < 0.3
+    np.testing.assert_array_equal(match.visible[0, 0], expected.visible)
+    np.testing.assert_allclose(match.pixels[0, 0], expected.pixels, atol=1e-3)
+    np.testing.assert_allclose(match.depth[0, 0], expected.depth, atol=1e-5)
+    np.testing.assert_allclose(match.flow[0, 0], expected.flow, atol=1e-5)
+
+    # Three worlds, in the second of which nothing moves, with two cameras, of which the second moves to the first.
+    aside = latelight.Camera.look_at((2, 0.2, 9), (0, 0, 0))
+    still = np.concatenate([now, now, now])
+    moved = np.concatenate([later, now, later])
+    poses = np.tile(np.stack([camera.camera_to_world, aside.camera_to_world]), (3, 1, 1, 1))
+    after = np.tile(camera.camera_to_world, (3, 2, 1, 1))
+    match = renderer.correspond_worlds(
+        3,
+        [camera, aside],
+        (48, 48),
+        instances=front,
+        transforms=still,
+        next_transforms=moved,
+        camera_to_world=poses,
+        next_camera_to_world=after,
+    )
+    assert match.pixels.shape == (3, 2, 48, 48, 2)
+    np.testing.assert_array_equal(match.visible[0], match.visible[2])
+    np.testing.assert_array_equal(match.visible[0, 0], expected.visible)
+    assert (match.visible[1, 0] == shown).all() and (match.flow[1] == 0).all()
+    still_scene = renderer.correspond(aside, camera, (48, 48))
+    np.testing.assert_array_equal(match.visible[1, 1], still_scene.visible)
+    np.testing.assert_allclose(match.pixels[1, 1], still_scene.pixels, atol=1e-3)
+    turning = renderer.correspond(aside, camera, (48, 48), time=0, second_time=1)
+    np.testing.assert_array_equal(match.visible[2, 1], turning.visible)
+    np.testing.assert_allclose(match.pixels[2, 1], turning.pixels, atol=1e-3)

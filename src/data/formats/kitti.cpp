@@ -82,7 +82,7 @@ class Kitti : public Format {
   Kitti(const Json& json, FormatOptions options) : categories_("kitti", options.find("categories")) {
     labels_ = options.frameFile("labels", "label_2/{name}.txt", ".txt");
     calibrations_ = options.frameFile("calibrations", "calib/{name}.txt", ".txt");
-    picture_ = PictureFile(options);
+    picture_ = PictureFile(options, "image_2/{name}.png");
     options.finish();
   }
 

@@ -4,9 +4,8 @@
 
 namespace latelight::data {
 
-PictureFile::PictureFile(FormatOptions& options)
-    : pattern_(options.frameFile("picture", "images/{name}.png", ".png")),
-      isWritten_(options.flag("write-pictures", true)) {}
+PictureFile::PictureFile(FormatOptions& options, const char* pattern)
+    : pattern_(options.frameFile("picture", pattern, ".png")), isWritten_(options.flag("write-pictures", true)) {}
 
 std::string PictureFile::write(FrameRecord& record, const DataFrame& frame, const std::filesystem::path& folder) const {
   const std::string file = frameFile(pattern_, frame);

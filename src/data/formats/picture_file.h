@@ -9,8 +9,8 @@ namespace latelight::data {
 class PictureFile {
  public:
   PictureFile() = default;
-  // Reads the options "picture" and "write-pictures".
-  explicit PictureFile(FormatOptions& options);
+  // Reads the options "picture", whose default is `pattern`, and "write-pictures".
+  explicit PictureFile(FormatOptions& options, const char* pattern = "images/{name}.png");
 
   bool isWritten() const { return isWritten_; }
   // Returns the name of the frame's file, and writes the file if isWritten().

@@ -84,15 +84,6 @@ std::vector<Influences> readInfluences(const Document& document, const Source& s
   }
 }
 
-// Weights should sum to 1, which quantized weights only approximate. Negative weights count as 0.
-void normalizeWeights(std::span<float> weights) {
-  float total = 0;
-  for (float& weight : weights) total += weight = std::max(weight, 0.0f);
-  const bool usable = total > 0 && std::isfinite(total);
-  for (float& weight : weights) weight = usable ? weight / total : 0;
-  if (!usable) weights[0] = 1;
-}
-
 template <typename T>
 std::vector<T> gather(const std::vector<T>& stream, const std::vector<uint32_t>& origin) {
   std::vector<T> out;

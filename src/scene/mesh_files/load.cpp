@@ -75,7 +75,7 @@ Source::Source(const std::filesystem::path& file, MeshFormat format, const LoadO
     : path(file),
       options(loadOptions),
       frame(frameOf(format, loadOptions)),
-      bytes(readFile(file)),
+      bytes(readLargeFile(file)),
       folders(file, loadOptions.allowOutside),
       builder(file.stem().string(), frame.yUp, dmat4(glm::dmat3(frame.metersPerUnit))) {}
 

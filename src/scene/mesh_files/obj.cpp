@@ -42,6 +42,9 @@ struct Part {
 // a file made for it causes, is given up for another vertex.
 class CornerTable {
  public:
+  explicit CornerTable(size_t expected) : slots_(std::bit_ceil(std::max<size_t>(1024, 2 * expected + 2)), kNone) {
+    corners_.reserve(expected);
+  }
   // Returns the index of the corner's vertex, which is that of `next` if it is new.
   uint32_t insert(const ObjCorner& corner) {
     if (2 * (corners_.size() + 1) > slots_.size()) grow();
@@ -73,7 +76,7 @@ class CornerTable {
            uint64_t{offset(c.normal)} * 0xC2B2AE3D27D4EB4Full / 8;
   }
   void grow() {
-    slots_.assign(std::max<size_t>(1024, slots_.size() * 2), kNone);
+    slots_.assign(slots_.size() * 2, kNone);
     for (uint32_t i = 0; i < corners_.size(); ++i) {
       size_t slot = hash(corners_[i]) & (slots_.size() - 1);
       for (size_t probe = 0; probe < kMaxProbes; ++probe, slot = (slot + 1) & (slots_.size() - 1))
@@ -326,9 +329,20 @@ class ObjReader {
     return mesh;
   }
 
+  size_t cornersOf(const Part& part) const {
+    size_t corners = 0;
+    for (const Run& run : part.runs) {
+      const std::span sizes(file_.blocks[run.block].faceSizes);
+      for (const uint32_t size : sizes.subspan(run.firstFace, run.lastFace - run.firstFace)) corners += size;
+    }
+    return corners;
+  }
+
   // Triangulates the part's faces, and numbers their vertices.
   CornerTable collect(const Part& part, std::vector<uint32_t>& indices) {
-    CornerTable table;
+    const size_t corners = cornersOf(part);
+    CornerTable table(std::min(corners, file_.positions.size()));
+    indices.reserve(corners);
     std::vector<vec3> polygon;
     std::vector<std::array<uint32_t, 3>> triangles;
     eachFace(part, [&](std::span<const ObjCorner> face, const Run&) {

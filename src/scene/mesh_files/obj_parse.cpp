@@ -64,6 +64,15 @@ class BlockParser {
     return text;
   }
 
+  // Reserves space for values of the current line and of the rest of the block, as if its lines were like this one, so
+  // that values are rarely moved.
+  template <typename T>
+  void reserve(std::vector<T>& values, size_t perLine) const {
+    if (values.size() + perLine <= values.capacity()) return;
+    const auto rest = static_cast<size_t>(block_.text.data() + block_.text.size() - line_.data());
+    values.reserve(values.size() + perLine * (rest / (line_.size() + 1) + 1));
+  }
+
   void parse(std::string_view line) {
     Words words(line);
     const std::string_view key = words.word();
@@ -71,9 +80,11 @@ class BlockParser {
     if (key == "v") return readPosition(words);
     if (key == "f" || key == "fo") return readFace(words);
     if (key == "vn") {
+      reserve(block_.normals, 1);
       block_.normals.push_back(numbers<3>(words, 3, "requires three numbers"));
     } else if (key == "vt") {
       const vec2 uv = numbers<2>(words, 1, "requires one or two numbers");
+      reserve(block_.uv, 1);
       block_.uv.push_back(std::isfinite(uv.x) && std::isfinite(uv.y) ? vec2(uv.x, 1 - uv.y) : vec2(0));
     } else {
       readState(key, words);
@@ -111,6 +122,7 @@ class BlockParser {
     size_t count = 0;
     while (count < values.size() && words.number(values[count])) ++count;
     if (count < 3 || (count < values.size() && !isEnd(words))) wrong("requires three numbers");
+    reserve(block_.positions, 1);
     block_.positions.emplace_back(values[0], values[1], values[2]);
     if (count < 6) return;
     vec3 color(values[3], values[4], values[5]);
@@ -121,6 +133,8 @@ class BlockParser {
 
   void readFace(Words& words) {
     const size_t first = block_.corners.size();
+    reserve(block_.corners, 3);
+    reserve(block_.faceSizes, 1);
     while (!isEnd(words)) block_.corners.push_back(readCorner(words.word()));
     const size_t count = block_.corners.size() - first;
     if (count < 3) wrong("is a face of fewer than three corners");

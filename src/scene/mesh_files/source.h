@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/allowed_folders.h"
+#include "base/files.h"
 #include "base/memory.h"
 #include "scene/mesh_files/load.h"
 #include "scene/scene_builder.h"
@@ -55,7 +56,7 @@ class Source {
   const std::filesystem::path path;
   const LoadOptions& options;
   const Frame frame;
-  const std::vector<std::byte> bytes;
+  const FileBytes bytes;
   const AllowedFolders folders;
   SceneBuilder builder;
   MemoryClaim working;

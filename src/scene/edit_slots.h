@@ -1,0 +1,44 @@
+// Slots of a scene's elements during edits (edit.h), and the ids and paths of added ones.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "scene/scene.h"
+
+namespace latelight::scene {
+
+template <typename T>
+T& at(std::vector<T>& elements, uint32_t index, const char* what) {
+  if (index >= elements.size()) badUsage("there is no {} {}: the scene has {}", what, index, elements.size());
+  return elements[index];
+}
+
+template <typename T>
+T& present(std::vector<T>& elements, uint32_t index, const char* what) {
+  T& element = at(elements, index, what);
+  if (element.removed) badUsage("the {} {} has been removed", what, index);
+  return element;
+}
+
+// Stores an element in a free slot, or at the end if there is none, and returns its index.
+template <typename T>
+uint32_t place(std::vector<T>& elements, std::vector<uint32_t>& gaps, T element) {
+  if (gaps.empty()) {
+    elements.push_back(std::move(element));
+    return static_cast<uint32_t>(elements.size() - 1);
+  }
+  const uint32_t index = gaps.back();
+  gaps.pop_back();
+  elements[index] = std::move(element);
+  return index;
+}
+
+// The ids in use, which the first call collects.
+SceneEdits::KnownIds& idsOf(Scene& scene);
+// Returns the name, or "<name>#<number>", whose id is unused, and that id.
+std::pair<std::string, uint32_t> uniqueName(UniqueIds& ids, uint32_t& twins, const std::string& name);
+
+}  // namespace latelight::scene

@@ -1,0 +1,261 @@
+// Adds nodes, skins and animations to a scene; see scene/rig_edit.h.
+#include "scene/rig_edit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_access.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <tuple>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "scene/edit_check.h"
+#include "scene/edit_slots.h"
+#include "scene/origin.h"
+
+namespace latelight::scene {
+
+namespace {
+
+// Extends the rig to all nodes of the scene. Those that it did not cover, and their instances, stay where they are.
+void coverNodes(Scene& scene) {
+  if (!scene.yUp)
+    badUsage("{} has Z up: only scenes in glTF's frame, with Y up, can have added nodes and animations", scene.source);
+  Rig& rig = scene.rig;
+  const size_t first = rig.sceneNodes.size();
+  if (first == scene.nodes.size()) return;
+  for (size_t i = first; i < scene.nodes.size(); ++i) {
+    const Node& node = scene.nodes[i];
+    RigNode rigged{.hasMatrix = true, .matrix = node.local};
+    if (node.parent >= 0) rigged.parent = static_cast<int>(rig.sceneNodes[static_cast<size_t>(node.parent)]);
+    rig.sceneNodes.push_back(static_cast<uint32_t>(rig.nodes.size()));
+    rig.order.push_back(rig.sceneNodes.back());
+    rig.nodes.push_back(std::move(rigged));
+  }
+  const auto hide = [&](size_t node) { rig.nodes[rig.sceneNodes[node]].visible = false; };
+  for (Instance& instance : scene.instances) {
+    if (instance.removed || instance.node < first) continue;
+    instance.placed = true;
+    if (instance.hidden) hide(instance.node);
+  }
+  for (const Light& light : scene.lights)
+    if (light.hidden && light.node >= static_cast<int>(first)) hide(static_cast<size_t>(light.node));
+}
+
+// --- nodes ----------------------------------------------------------------------------------------------------------
+
+size_t targetsOf(const Scene& scene, const NewNode& added) {
+  size_t count = 0;
+  for (const NodePart& part : added.parts)
+    if (const auto& deformation = scene.meshes[part.mesh].deformation)
+      count = std::max(count, deformation->targets.size());
+  return count;
+}
+
+void checkTransform(const RigNode& node, const dmat4& world, const std::string& owner) {
+  const mat4 rounded(world);
+  for (int i = 0; i < 16; ++i)
+    if (!std::isfinite(rounded[i / 4][i % 4])) badUsage("{} has a transform that is not finite", owner);
+  const double length = glm::length(node.rotation);
+  if (!(length > 0)) badUsage("the rotation of {} must be a quaternion of a length above 0", owner);
+  if (node.hasMatrix && glm::row(node.matrix, 3) != glm::dvec4(0, 0, 0, 1))
+    badUsage("the matrix of {} must have the last row 0 0 0 1", owner);
+}
+
+void checkParts(Scene& scene, const NewNode& added, const std::string& owner) {
+  for (const NodePart& part : added.parts) {
+    const Mesh& mesh = present(scene.meshes, part.mesh, "mesh");
+    present(scene.materials, part.material, "material");
+    if (mesh.deformation && mesh.deformation->weightsNode >= 0)
+      badUsage("the mesh \"{}\" already has the weights of another node: add it again for {}", printable(mesh.name),
+               owner);
+  }
+  const std::vector<float>& weights = added.transform.weights;
+  const size_t targets = targetsOf(scene, added);
+  if (!weights.empty() && weights.size() != targets)
+    badUsage("{} has {} weights, but its meshes have {} morph targets", owner, weights.size(), targets);
+  if (!std::ranges::all_of(weights, [](float w) { return std::isfinite(w); }))
+    badUsage("{} has a weight that is not finite", owner);
+}
+
+// Gives the meshes of the node's parts the node's weights.
+void assignWeights(Scene& scene, const NewNode& added, uint32_t rigNode) {
+  for (const NodePart& part : added.parts) {
+    Mesh& mesh = scene.meshes[part.mesh];
+    if (!mesh.deformation || mesh.deformation->targets.empty() || mesh.deformation->weightsNode >= 0) continue;
+    auto deformation = std::make_shared<Deformation>(*mesh.deformation);
+    deformation->weightsNode = static_cast<int>(rigNode);
+    mesh.deformation = std::move(deformation);
+    poseAtRest(scene, mesh);
+    findBounds(mesh);
+    scene.edits.meshes.note(part.mesh);
+  }
+}
+
+// Instances of skinned meshes are in the file's frame, because joints move them.
+dmat4 placeOf(const Scene& scene, uint32_t node, uint32_t mesh) {
+  const auto& deformation = scene.meshes[mesh].deformation;
+  if (!deformation || deformation->skin < 0) return scene.nodes[node].toWorld;
+  return toWorldFromGltf() * glm::translate(dmat4(1), scene.rig.skins[static_cast<size_t>(deformation->skin)].origin);
+}
+
+void addParts(Scene& scene, const NewNode& added, uint32_t node) {
+  const std::string path = scene.nodes[node].path;
+  for (uint32_t i = 0; i < added.parts.size(); ++i) {
+    const NodePart& part = added.parts[i];
+    const auto& deformation = scene.meshes[part.mesh].deformation;
+    Instance instance{.mesh = part.mesh, .material = part.material, .node = node, .primitive = i};
+    instance.id = scene.nodes[node].id;
+    instance.part = idsOf(scene).parts.make(added.parts.size() == 1 ? path : fmt::format("{}/primitive{}", path, i));
+    instance.posed = deformation && deformation->skin >= 0;
+    instance.toWorld = placeOf(scene, node, part.mesh);
+    const uint32_t index = place(scene.instances, scene.edits.instanceGaps.free, instance);
+    if (!scene.rig.offsets.empty()) scene.rig.offsets.resize(scene.instances.size(), dmat4(1));
+    if (!scene.rig.offsets.empty()) scene.rig.offsets[index] = dmat4(1);
+    scene.edits.instances.note(index);
+  }
+}
+
+}  // namespace
+
+uint32_t rigNodeOf(Scene& scene, uint32_t node) {
+  coverNodes(scene);
+  if (node >= scene.nodes.size()) badUsage("there is no node {}: the scene has {}", node, scene.nodes.size());
+  return scene.rig.sceneNodes[node];
+}
+
+uint32_t addNode(Scene& scene, const NewNode& added) {
+  const std::string name = added.name.empty() ? "node" : added.name;
+  checkName(name);
+  const std::string owner = fmt::format("the node \"{}\"", printable(name));
+  const RigNode& from = added.transform;
+  const bool isRoot = added.parent < 0;
+  if (!isRoot && static_cast<size_t>(added.parent) >= scene.nodes.size())
+    badUsage("there is no node {}: the scene has {}", added.parent, scene.nodes.size());
+  const dmat4 local = from.hasMatrix ? from.matrix : composeTransform(from.translation, from.rotation, from.scale);
+  const Node* parent = isRoot ? nullptr : &scene.nodes[static_cast<size_t>(added.parent)];
+  const dmat4 toWorld = (parent ? parent->toWorld : toWorldFromGltf()) * local;
+  checkTransform(from, toWorld, owner);
+  checkParts(scene, added, owner);
+  coverNodes(scene);
+
+  Node node{.name = name, .mesh = added.parts.empty() ? "" : scene.meshes[added.parts[0].mesh].name};
+  std::tie(node.path, node.id) =
+      uniqueName(idsOf(scene).nodes, scene.edits.twins, (parent ? parent->path : std::string()) + "/" + name);
+  node.parent = added.parent;
+  node.local = local;
+  node.toWorld = toWorld;
+  RigNode rigged = from;
+  rigged.parent = isRoot ? -1 : static_cast<int>(scene.rig.sceneNodes[static_cast<size_t>(added.parent)]);
+  rigged.rotation = glm::normalize(from.rotation);
+  rigged.weights.resize(targetsOf(scene, added));
+  const auto index = static_cast<uint32_t>(scene.nodes.size()), rigNode = static_cast<uint32_t>(scene.rig.nodes.size());
+  scene.nodes.push_back(std::move(node));
+  scene.rig.sceneNodes.push_back(rigNode);
+  scene.rig.order.push_back(rigNode);
+  scene.rig.nodes.push_back(std::move(rigged));
+  assignWeights(scene, added, rigNode);
+  addParts(scene, added, index);
+  return index;
+}
+
+// --- skins ----------------------------------------------------------------------------------------------------------
+
+uint32_t addSkin(Scene& scene, std::span<const uint32_t> joints, std::vector<mat4> inverseBind) {
+  if (joints.empty()) badUsage("a skin must have a joint");
+  if (inverseBind.size() != joints.size())
+    badUsage("a skin has {} joints but {} inverse bind matrices: the numbers must match", joints.size(),
+             inverseBind.size());
+  for (const mat4& m : inverseBind) {
+    for (int i = 0; i < 16; ++i)
+      if (!std::isfinite(m[i / 4][i % 4])) badUsage("an inverse bind matrix of a skin has a number that is not finite");
+    if (glm::row(m, 3) != vec4(0, 0, 0, 1)) badUsage("an inverse bind matrix must have the last row 0 0 0 1");
+  }
+  coverNodes(scene);
+  Skin skin{.inverseBind = std::move(inverseBind)};
+  dvec3 mean(0);
+  for (const uint32_t joint : joints) {
+    skin.joints.push_back(scene.rig.sceneNodes.at(joint));
+    mean += dvec3((toGltfFromWorld() * scene.nodes[joint].toWorld)[3]) / double(joints.size());
+  }
+  skin.origin = originNear(mean);
+  scene.rig.skins.push_back(std::move(skin));
+  return static_cast<uint32_t>(scene.rig.skins.size() - 1);
+}
+
+void poseAtRest(const Scene& scene, Mesh& mesh) {
+  const Deformation& d = *mesh.deformation;
+  const Pose rest = restPose(scene);
+  std::vector<mat4> joints;
+  if (d.skin >= 0) joints = jointMatrices(scene.rig.skins[static_cast<size_t>(d.skin)], rest);
+  std::vector<float> weights;
+  if (d.weightsNode >= 0) weights = rest.weights[static_cast<size_t>(d.weightsNode)];
+  DeformedVertices posed = deform(d, joints, weights);
+  mesh.positions = std::move(posed.positions);
+  mesh.attributes = std::move(posed.attributes);
+}
+
+// --- animations -----------------------------------------------------------------------------------------------------
+
+namespace {
+
+constexpr const char* kPropertyNames[] = {"translation", "rotation", "scale", "weights", "visibility"};
+
+void checkTimes(const Track& track, const std::string& owner) {
+  if (track.times.empty()) badUsage("{} has no times", owner);
+  for (const float time : track.times)
+    if (!(std::isfinite(time) && time >= 0))
+      badUsage("{} has the time {}: times must be finite and at least 0", owner, time);
+  if (!std::ranges::is_sorted(track.times)) badUsage("{} has times that fall: they must ascend", owner);
+}
+
+void checkValues(const Track& track, const std::string& owner) {
+  const size_t keys = track.interpolation == Interpolation::Cubic ? 3 : 1;
+  const size_t expected = track.times.size() * track.width * keys;
+  if (track.values.size() != expected)
+    badUsage("{} has {} values, but its {} times require {}", owner, track.values.size(), track.times.size(), expected);
+  for (const float value : track.values)
+    if (!std::isfinite(value)) badUsage("{} has a value that is not finite", owner);
+  if (track.property == AnimatedProperty::Visible && track.interpolation != Interpolation::Step)
+    badUsage("{} must have steps, because there is nothing between visible and hidden", owner);
+  if (track.property != AnimatedProperty::Rotation) return;
+  for (size_t key = 0; key < track.times.size(); ++key) {
+    const float* q = &track.values[(key * keys + (keys == 3 ? 1 : 0)) * 4];
+    if (q[0] == 0 && q[1] == 0 && q[2] == 0 && q[3] == 0)
+      badUsage("{} has the rotation 0 0 0 0: a quaternion must have a length above 0", owner);
+  }
+}
+
+// Completes a track's width, and checks it.
+void checkTrack(const Scene& scene, const std::string& animation, Track& track) {
+  const RigNode& node = scene.rig.nodes[track.node];
+  const bool moves = track.property != AnimatedProperty::Weights && track.property != AnimatedProperty::Visible;
+  const auto found = std::ranges::find(scene.rig.sceneNodes, track.node);
+  const std::string path = scene.nodes[static_cast<size_t>(found - scene.rig.sceneNodes.begin())].path;
+  const std::string owner =
+      fmt::format("the {} of the node {} in the animation \"{}\"", kPropertyNames[static_cast<size_t>(track.property)],
+                  printable(path), printable(animation));
+  track.width = track.property == AnimatedProperty::Rotation  ? 4
+                : track.property == AnimatedProperty::Weights ? static_cast<uint32_t>(node.weights.size())
+                : track.property == AnimatedProperty::Visible ? 1
+                                                              : 3;
+  if (moves && node.hasMatrix) badUsage("{} can't be animated, because its transform is a matrix", owner);
+  if (track.width == 0) badUsage("{} can't be animated, because its meshes have no morph targets", owner);
+  checkTimes(track, owner);
+  checkValues(track, owner);
+}
+
+}  // namespace
+
+void addAnimation(Scene& scene, Animation animation) {
+  if (animation.tracks.empty()) badUsage("the animation \"{}\" moves nothing", printable(animation.name));
+  animation.duration = 0;
+  for (Track& track : animation.tracks) {
+    checkTrack(scene, animation.name, track);
+    animation.duration = std::max(animation.duration, track.times.back());
+  }
+  if (animation.name.empty()) animation.name = fmt::format("animation{}", scene.rig.animations.size());
+  scene.rig.animations.push_back(std::move(animation));
+}
+
+}  // namespace latelight::scene

@@ -1,0 +1,321 @@
+"""Nodes, skins, morph targets and animations of scenes in memory: against closed forms, and against the same scene that
+is loaded from a glTF file."""
+
+import numpy as np
+import pytest
+
+import latelight
+from latelight import AnimationChannel, Camera, Light, Material, Scene
+
+SQUARE = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
+FACES = [[0, 1, 2], [0, 2, 3]]
+NORMALS = np.tile(np.float32([0, 0, 1]), (4, 1))
+HALF = 0.5**0.5
+OUTPUTS = ("rgba", "color", "depth", "normal", "id", "part", "motion")
+
+
+def paint(scene, name="paint", **values):
+    return scene.add_material(Material(name=name, metallic=0, roughness=0.5, double_sided=True, **values))
+
+
+def distance_at(scene, device, time, origin=(0, 0, 10), direction=(0, 0, -1)):
+    renderer = latelight.Renderer(scene, device)
+    return float(renderer.cast([origin], [direction], time=time)["distance"][0])
+
+
+def moving_square(scene, property, times, values, interpolation="linear", **mesh):
+    made = scene.add_mesh(SQUARE, FACES, normals=NORMALS, **mesh)
+    node = scene.add_node("square", parts=[(made, paint(scene))])
+    scene.add_animation(
+        "play", [AnimationChannel(node=node, property=property, interpolation=interpolation, times=times, values=values)]
+    )
+    return scene
+
+
+# --- closed forms -----------------------------------------------------------------------------------------------------
+
+
+def test_translations_are_interpolated(device):
+    keys = ([0, 2], [[0, 0, 0], [0, 0, 4]])
+    linear = moving_square(Scene(), "translation", *keys)
+    assert [(a.name, a.duration) for a in linear.animations] == [("play", 2)]
+    for time, z in ((0, 0), (0.5, 1), (1.75, 3.5), (2, 4), (9, 4)):
+        assert distance_at(linear, device, time) == pytest.approx(10 - z, abs=1e-5)
+    steps = moving_square(Scene(), "translation", *keys, "step")
+    assert [distance_at(steps, device, time) for time in (0, 1.99, 2)] == pytest.approx([10, 10, 6], abs=1e-5)
+
+
+def test_cubic_splines_are_hermite_curves(device):
+    """glTF 2.0, appendix C: p(u) = h00 p0 + h10 d m0 + h01 p1 + h11 d m1, with d the seconds between the keys."""
+    z0, out, into, z1, span = 0.5, 3.0, -2.0, 2.0, 2.0
+    rows = [[0, 0, 0], [0, 0, z0], [0, 0, out], [0, 0, into], [0, 0, z1], [0, 0, 0]]
+    scene = moving_square(Scene(), "translation", [1, 1 + span], rows, "cubicspline")
+    for u in (0, 0.25, 0.5, 0.9, 1):
+        h00, h10, h01, h11 = 2 * u**3 - 3 * u**2 + 1, u**3 - 2 * u**2 + u, -2 * u**3 + 3 * u**2, u**3 - u**2
+        z = h00 * z0 + h10 * span * out + h01 * z1 + h11 * span * into
+        assert distance_at(scene, device, 1 + u * span) == pytest.approx(10 - z, abs=1e-5)
+
+
+def test_rotations_turn_at_constant_speed(device):
+    scene = moving_square(Scene(), "rotation", [0, 1], [[0, 0, 0, 1], [0, HALF, 0, HALF]])  # 90 degrees about Y
+    for degrees in (0, 30, 45, 60):
+        angle = np.radians(degrees)  # at x = 0.5 the plane z cos a + x sin a = 0 has z = -x tan a
+        assert distance_at(scene, device, degrees / 90, (0.25, 0, 10)) == pytest.approx(
+            10 + 0.25 * np.tan(angle), abs=1e-5
+        )
+
+
+def test_nodes_move_their_children(device):
+    scene = Scene()
+    mesh, look = scene.add_mesh(SQUARE, FACES, normals=NORMALS), paint(scene)
+    base = scene.add_node("base", matrix=np.diag([2.0, 2, 2, 1]))
+    arm = scene.add_node("arm", base, translation=(0, 0, 1))
+    hand = scene.add_node("hand", arm, scale=(0.5, 0.5, 0.5), parts=[(mesh, look)])
+    assert (base, arm, hand) == ("/base", "/base/arm", "/base/arm/hand")
+    assert [scene.instance(i).node for i in scene.instances(hand)] == [hand]
+    scene.add_animation("lift", [AnimationChannel(node=arm, property="translation", times=[0, 1], values=[[0] * 3, [0, 0, 2]])])
+    assert distance_at(scene, device, None) == pytest.approx(8)  # at rest
+    assert distance_at(scene, device, 0.5) == pytest.approx(8)
+    assert distance_at(scene, device, 1) == pytest.approx(6)
+    with pytest.raises(latelight.UsageError, match="/base in the animation .* because its transform is a matrix"):
+        scene.add_animation("no", [AnimationChannel(node=base, property="scale", times=[0], values=[[1, 1, 1]])])
+
+
+def test_morph_targets_follow_weights(device):
+    near, far = np.tile(np.float32([0, 0, 1]), (4, 1)), np.tile(np.float32([0, 0, -3]), (4, 1))
+    targets = [{"positions": near}, {"positions": far}]
+    weights = [[0, 0], [1, 0.5]]
+    scene = moving_square(Scene(), "weights", [0, 1], weights, targets=targets)
+    for time in (0, 0.25, 1):
+        assert distance_at(scene, device, time) == pytest.approx(10 - time * 1 + time * 0.5 * 3, abs=1e-5)
+    posed = Scene()
+    mesh = posed.add_mesh(SQUARE, FACES, normals=NORMALS, targets=targets)
+    posed.add_node(parts=[(mesh, paint(posed))], weights=[1, 0])
+    assert distance_at(posed, device, None) == pytest.approx(9, abs=1e-5)
+    assert posed.bounds[1][2] == 1
+
+
+def bent_sheet(scene, look):
+    """A sheet along X whose right half follows the second of two joints."""
+    x = np.linspace(0, 2, 9)
+    points = np.array([[a, y, 0] for a in x for y in (0, 1)], np.float32)
+    faces = [[2 * i + a, 2 * i + b, 2 * i + c] for i in range(8) for a, b, c in ((0, 2, 3), (0, 3, 1))]
+    root = scene.add_node("root")
+    tip = scene.add_node("tip", root, translation=(1, 0, 0))
+    inverse = np.tile(np.eye(4), (2, 1, 1))
+    inverse[1, 0, 3] = -1
+    skin = scene.add_skin([root, tip], inverse)
+    share = np.clip(points[:, 0] - 0.5, 0, 1)  # in steps of 1/4, which floats add exactly
+    mesh = scene.add_mesh(
+        points,
+        faces,
+        normals=np.tile(np.float32([0, 0, 1]), (18, 1)),
+        skin=skin,
+        joints=np.tile([0, 1], (18, 1)),
+        joint_weights=np.stack([1 - share, share], axis=1),
+        name="sheet",
+    )
+    scene.add_node("sheet", parts=[(mesh, look)], translation=(50, 0, 0))  # joints move it, its node does not
+    return root, tip
+
+
+def test_joints_bend_meshes(device):
+    scene = Scene()
+    _, tip = bent_sheet(scene, paint(scene))
+    assert scene.joints(scene.instances("/sheet")[0]) == ["/root", "/root/tip"]
+    turn = AnimationChannel(node=tip, property="rotation", times=[0, 1], values=[[0, 0, 0, 1], [0, -HALF, 0, HALF]])
+    scene.add_animation("bend", [turn])
+    # Linear blend skinning of the point (x, y, 0): (1 - s)(x, y, 0) + s (1 + (x - 1) cos a, y, (x - 1) sin a).
+    for time in (0.25, 0.5):
+        angle = time * np.pi / 2
+        for x in (0.25, 1.25, 1.75):  # columns of vertices
+            s = np.clip(x - 0.5, 0, 1)
+            at = (1 - s) * x + s * (1 + (x - 1) * np.cos(angle)), s * (x - 1) * np.sin(angle)
+            assert distance_at(scene, device, time, (at[0], 0.5, 10)) == pytest.approx(10 - at[1], abs=1e-5)
+
+
+def test_nodes_are_shown_in_steps(device):
+    scene = moving_square(Scene(), "visible", [0, 1, 2], [[1], [0], [1]], "step")
+    assert np.isfinite(distance_at(scene, device, 0.5))
+    assert np.isinf(distance_at(scene, device, 1.5))
+    assert np.isfinite(distance_at(scene, device, 2.5))
+
+
+def test_cameras_and_lights_follow_nodes(device):
+    scene = Scene()
+    node = scene.add_node("rig", translation=(0, 0, 3))
+    scene.add_camera(Camera(name="eye", vertical_fov=50), node=node)
+    light = scene.add_light(Light(intensity=5), node=node)
+    scene.add_animation("fly", [AnimationChannel(node=node, property="translation", times=[0, 1], values=[[0, 0, 3], [1, 0, 5]])])
+    assert scene.cameras[0].name == "eye"
+    np.testing.assert_allclose(scene.cameras[0].camera_to_world[:3, 3], (0, 0, 3))
+    np.testing.assert_allclose(scene.cameras[0].camera_to_world[:3, 2], (0, 0, -1))
+    np.testing.assert_allclose(scene.cameras_at(0.5)[0].camera_to_world[:3, 3], (0.5, 0, 4))
+    np.testing.assert_allclose(scene.light(light).position, (0, 0, 3))
+    made = scene.add_mesh(SQUARE, FACES, normals=NORMALS)
+    scene.add_instance(made, paint(scene))
+    renderer = latelight.Renderer(scene, device)
+    lit = [
+        renderer.render(Camera.look_at((0, 0, 9), (0, 0, 0)), (1, 1), "color", time=t, shadows="none")["color"][0, 0, 0]
+        for t in (0, 1)
+    ]
+    # The diffuse part of the radiance under a point light goes with cos / r^2; the specular part is small here.
+    assert lit[1] / lit[0] == pytest.approx(5 / 26**1.5 * 9, rel=0.1)
+
+
+# --- the same scene from a file ---------------------------------------------------------------------------------------
+
+
+def animated_scene():
+    """All kinds of animation in one scene, with numbers that glTF keeps exactly."""
+    scene = Scene()
+    red, blue = (
+        paint(scene, name, base_color=color)
+        for name, color in (("red", (1, 0.25, 0.125, 1)), ("blue", (0.125, 0.25, 1, 1)))
+    )
+    root, tip = bent_sheet(scene, red)
+    targets = [
+        {"positions": np.float32([[0, 0, 1], [0, 0, 0], [0, 1, 0], [0, 0, 0]]), "normals": np.float32([[0, 1, 0]] * 4)},
+        {"positions": np.float32([[0, 0, 0], [1, 0, 0], [0, 0, 0], [0, 0, -1]])},
+    ]
+    smooth = scene.add_mesh(SQUARE, FACES, normals=NORMALS, targets=targets, uv=SQUARE[:, :2], name="smooth")
+    only = [{"positions": target["positions"]} for target in targets]
+    flat = scene.add_mesh(SQUARE + [0, 2.5, 0], FACES, targets=only, name="flat")  # normals follow its triangles
+    face = scene.add_node("face", translation=(-2, 0, 0), parts=[(smooth, blue), (flat, red)], weights=[0.25, 0])
+    still = scene.add_node("still", matrix=np.array([[0, 0, 1, 3], [0, 1, 0, -1], [-1, 0, 0, 0], [0, 0, 0, 1.0]]))
+    plain = scene.add_mesh(SQUARE, FACES, normals=NORMALS, name="plain")
+    wheel = scene.add_node("wheel", still, parts=[(plain, blue)])
+    eye = scene.add_node("eye", translation=(0, 1, 9))
+    scene.add_camera(Camera(name="eye", vertical_fov=50), node=eye)
+    scene.add_light(Light(type="directional", intensity=3), node=scene.add_node("sun", rotation=(-0.6, 0, 0, 0.8)))
+
+    def channel(node, property, times, values, interpolation="linear"):
+        return AnimationChannel(
+            node=node, property=property, times=times, values=values, interpolation=interpolation
+        )
+
+    scene.add_animation(
+        "all",
+        [
+            channel(tip, "rotation", [0, 0.5, 2], [[0, 0, 0, 1], [0, -HALF, 0, HALF], [0, 0, 0, 1]]),
+            channel(root, "translation", [0, 2], [[0, 0, 0], [0, -1, 0.5]]),
+            channel(face, "weights", [0, 1, 2], [[0, 0], [1, 0.5], [0.25, -1]]),
+            channel(wheel, "rotation", [0, 1], [[0] * 4, [0, 0, 0, 1], [0, 0, 1, 0], [0] * 4, [0, 0, HALF, HALF], [0] * 4], "cubicspline"),
+            channel(wheel, "scale", [0, 1], [[1, 1, 1], [1, 0.5, 2]], "step"),
+            channel(wheel, "visible", [0, 1.5], [[1], [0]], "step"),
+            channel(eye, "translation", [0, 2], [[0, 1, 9], [1, 2, 8]]),
+        ],
+    )
+    scene.add_animation("lift", [channel(face, "translation", [0, 1], [[-2, 0, 0], [-2, 1, 0]])])
+    return scene
+
+
+@pytest.mark.parametrize("raster", ["compute", "hardware"])
+def test_scenes_in_memory_equal_their_files(raster, tmp_path, device):
+    scene = animated_scene()
+    scene.export(tmp_path / "animated.glb")
+    loaded = Scene(tmp_path / "animated.glb")
+    assert [(a.name, a.duration) for a in loaded.animations] == [("all", 2), ("lift", 1)]
+    assert [node.path for node in loaded.nodes] == [node.path for node in scene.nodes]
+    assert scene.id_manifest() == loaded.id_manifest()
+    renderers = [latelight.Renderer(one, device) for one in (scene, loaded)]
+    shown = set()
+    for animation in ("all", "lift", ""):
+        for time in (None, 0, 0.3125, 1, 1.7, 3):
+            images = []
+            for one, renderer in zip((scene, loaded), renderers):
+                camera = one.default_camera(4 / 3, time, animation)
+                options = {"time": time, "animation": animation, "raster": raster}
+                images.append(renderer.render(camera, (64, 48), OUTPUTS, **options))
+            for name in OUTPUTS:
+                assert images[0][name].tobytes() == images[1][name].tobytes(), (animation, time, name)
+            assert np.isfinite(images[0]["depth"]).any()
+            shown.add(images[0]["rgba"].tobytes())
+    assert len(shown) >= 8  # the animations do play
+
+
+def test_renderers_follow_added_animations(device):
+    """What is added after a renderer was created is seen as by a new renderer."""
+    scene = Scene()
+    look = paint(scene)
+    scene.add_instance(scene.add_mesh(SQUARE, FACES, normals=NORMALS), look, np.diag([0.25, 0.25, 1, 1]), "still")
+    renderer = latelight.Renderer(scene, device)
+    camera = Camera.look_at((1, 0, 8), (1, 0, 0))
+    renderer.render(camera, (32, 32), "depth")
+    _, tip = bent_sheet(scene, look)
+    targets = [{"positions": np.float32([[0, 0, 2]] * 4)}]
+    mesh = scene.add_mesh(SQUARE * 0.5, FACES, normals=NORMALS, targets=targets)
+    scene.add_instance(mesh, look, np.eye(4), "before")  # shows the mesh too, and follows its weights
+    node = scene.add_node("face", translation=(0, -2, 0), parts=[(mesh, look)], weights=[0.5])
+    turn = AnimationChannel(node=tip, property="rotation", times=[0, 1], values=[[0, 0, 0, 1], [0, -HALF, 0, HALF]])
+    morph = AnimationChannel(node=node, property="weights", times=[0, 1], values=[[0], [1]])
+    for time in (None, 0.5):
+        if time is not None:
+            scene.add_animation("bend", [turn, morph])
+        options = {"time": time, "outputs": ("depth", "normal", "part")}
+        ours = renderer.render(camera, (32, 32), **options)
+        new = latelight.Renderer(scene, device).render(camera, (32, 32), **options)
+        for name in options["outputs"]:
+            assert ours[name].tobytes() == new[name].tobytes(), (time, name)
+    assert scene.instance(scene.instances("/still")[0]).transform[0, 0] == 0.25
+
+
+# --- refusals ---------------------------------------------------------------------------------------------------------
+
+
+def test_invalid_animations_are_refused():
+    scene = Scene()
+    look = paint(scene)
+    mesh = scene.add_mesh(SQUARE, FACES, targets=[{"positions": SQUARE}])
+    node = scene.add_node("a", parts=[(mesh, look)])
+    skin = scene.add_skin([node])
+    plain = scene.add_node("b")
+
+    def refused(words, call):
+        with pytest.raises(latelight.UsageError, match=words) as caught:
+            call()
+        assert "\n" not in str(caught.value)
+
+    def animate(**values):
+        channel = {"node": node, "property": "translation", "times": [0, 1], "values": [[0] * 3] * 2, **values}
+        return lambda: scene.add_animation("play", [AnimationChannel(**channel)])
+
+    refused('no node "/c": give the path', lambda: scene.add_node("x", "/c"))
+    refused("must not contain a slash", lambda: scene.add_node("x/y"))
+    refused("quaternion of a length above 0", lambda: scene.add_node("x", rotation=(0, 0, 0, 0)))
+    refused("last row 0 0 0 1", lambda: scene.add_node("x", matrix=np.ones((4, 4))))
+    refused("has 2 weights, but its meshes have 0", lambda: scene.add_node("x", weights=[1, 2]))
+    refused("already has the weights of another node", lambda: scene.add_node("x", parts=[(mesh, look)]))
+    refused("must be pairs", lambda: scene.add_node("x", parts=[(mesh,)]))
+    refused("a skin must have a joint", lambda: scene.add_skin([]))
+    refused("inverse_bind must be an array of shape", lambda: scene.add_skin([node], np.eye(4)))
+    refused("must have the last row 0 0 0 1", lambda: scene.add_skin([node], np.ones((1, 4, 4))))
+    refused("values, but its 2 times require 6", animate(values=[[0, 0]] * 2))
+    refused("values, but its 2 times require 18", animate(interpolation="cubicspline"))
+    refused("times must be finite and at least 0", animate(times=[-1, 0]))
+    refused("they must ascend", animate(times=[1, 0]))
+    refused("has no times", animate(times=[], values=np.zeros((0, 3))))
+    refused("rotation 0 0 0 0", animate(property="rotation", values=np.zeros((2, 4))))
+    refused("no morph targets", animate(node=plain, property="weights", values=[[0], [1]]))
+    refused("must have steps", animate(property="visible", values=[[0], [1]]))
+    refused("property must be one of translation", animate(property="color"))
+    refused("interpolation must be one of step", animate(interpolation="bezier"))
+    refused("moves nothing", lambda: scene.add_animation("none", []))
+    refused("row for each of the 4 positions", lambda: scene.add_mesh(SQUARE, targets=[{"positions": SQUARE[:3]}]))
+    refused("changes normals, which the mesh", lambda: scene.add_mesh(SQUARE, FACES, targets=[{"normals": SQUARE}]))
+    refused('no "uv"', lambda: scene.add_mesh(SQUARE, targets=[{"uv": SQUARE}]))
+
+    def skinned(joints, weights, **values):
+        return lambda: scene.add_mesh(SQUARE, FACES, joints=joints, joint_weights=weights, **{"skin": skin, **values})
+
+    refused("has the joint 1, but its skin has 1", skinned([[1]] * 4, [[1]] * 4))
+    refused("at least 0", skinned([[0]] * 4, [[-1]] * 4))
+    refused("weights of vertex 0 .* are 0", skinned([[0]] * 4, [[0]] * 4))
+    refused("must be given together", skinned([[0]] * 4, None))
+    refused("has joints but no skin", skinned([[0]] * 4, [[1]] * 4, skin=None))
+    refused("belongs to another scene", lambda: Scene().add_mesh(SQUARE, FACES, skin=skin, joints=[[0]] * 4, joint_weights=[[1]] * 4))
+    refused("has 0 joints for 4 positions", lambda: scene.add_mesh(SQUARE, FACES, skin=skin))
+    refused("has 2 morph targets, but the node that shows it has 1", lambda: scene.set_mesh(mesh, SQUARE, FACES, targets=[{}, {}]))
+    boxes = Scene("builtin:boxes")
+    assert boxes.add_node("x") == "/x"
+    assert scene.animations == [] and len(scene.nodes) == 2

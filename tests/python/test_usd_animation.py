@@ -1,0 +1,293 @@
+"""Animations of USD stages, against the points and transforms that usd-core computes for each time."""
+
+import numpy as np
+import pytest
+
+import latelight
+
+pytest.importorskip("pxr.Usd")
+from pxr import Gf, Usd, UsdGeom, UsdLux, UsdSkel, Vt  # noqa: E402
+
+RATE = 24.0
+UP = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]]) @ np.diag([0.01, 0.01, 0.01, 1])
+
+
+@pytest.fixture
+def stage():
+    made = Usd.Stage.CreateInMemory()
+    UsdGeom.SetStageUpAxis(made, UsdGeom.Tokens.z)
+    UsdGeom.SetStageMetersPerUnit(made, 0.01)
+    made.SetTimeCodesPerSecond(RATE)
+    return made
+
+
+def world_of(prim, code):
+    return UP @ np.array(UsdGeom.Imageable(prim).ComputeLocalToWorldTransform(code)).T
+
+
+def moved(matrix, points):
+    return points @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def add_tube(stage, path, rings=13, around=8):
+    """A tube of 120 units along Z of quads."""
+    angles = np.arange(around) / around * 2 * np.pi
+    points = [(20 * np.cos(a), 20 * np.sin(a), 10 * ring) for ring in range(rings) for a in angles]
+    faces = [
+        (ring * around + i, ring * around + (i + 1) % around, (ring + 1) * around + (i + 1) % around, (ring + 1) * around + i)
+        for ring in range(rings - 1)
+        for i in range(around)
+    ]
+    mesh = UsdGeom.Mesh.Define(stage, path)
+    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(np.array(points, np.float32)))
+    mesh.CreateFaceVertexCountsAttr([4] * len(faces))
+    mesh.CreateFaceVertexIndicesAttr(np.ravel(faces).tolist())
+    mesh.CreateDoubleSidedAttr(True)
+    return mesh
+
+
+def add_skeleton(stage, root):
+    """Three joints along Z, of which the upper two bend."""
+    skeleton = UsdSkel.Skeleton.Define(stage, f"{root}/bones")
+    skeleton.CreateJointsAttr(["low", "low/middle", "low/middle/high"])
+    local = [Gf.Matrix4d(1), Gf.Matrix4d().SetTranslate((0, 0, 40)), Gf.Matrix4d().SetTranslate((0, 0, 40))]
+    skeleton.CreateRestTransformsAttr(Vt.Matrix4dArray(local))
+    skeleton.CreateBindTransformsAttr(
+        Vt.Matrix4dArray([local[0], local[1], Gf.Matrix4d().SetTranslate((0, 0, 80))])
+    )
+    pose = UsdSkel.Animation.Define(stage, f"{root}/pose")
+    pose.CreateJointsAttr(["low/middle/high", "low/middle"])
+    turns, moves, scales = pose.CreateRotationsAttr(), pose.CreateTranslationsAttr(), pose.CreateScalesAttr()
+    scales.Set(Vt.Vec3hArray([Gf.Vec3h(1, 1, 1)] * 2))
+    for code, high, middle in ((0, 0, 0), (6, 70, -30), (18, -40, 50)):
+        turns.Set(Vt.QuatfArray([Gf.Quatf(Gf.Rotation(axis, angle).GetQuat()) for axis, angle in (((1, 0, 0), high), ((0, 1, 0.5), middle))]), code)
+    moves.Set(Vt.Vec3fArray([(0, 0, 40), (0, 0, 40)]), 0)
+    moves.Set(Vt.Vec3fArray([(0, 0, 60), (5, 0, 30)]), 12)
+    UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets([f"{root}/pose"])
+    return skeleton, pose
+
+
+def bind(mesh, skeleton, joints=None):
+    """Each point follows the two joints next to it."""
+    z = np.array(mesh.GetPointsAttr().Get())[:, 2] / 40
+    low = np.clip(np.floor(z).astype(int), 0, 1)
+    share = np.clip(z - low, 0, 1)
+    indices = np.stack([low, low + 1], axis=1)
+    binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
+    binding.CreateSkeletonRel().SetTargets([skeleton.GetPath()])
+    if joints:
+        names = list(skeleton.GetJointsAttr().Get())
+        binding.CreateJointsAttr(joints)
+        indices = np.array([joints.index(name) for name in names])[indices]
+    binding.CreateJointIndicesPrimvar(False, 2).Set(indices.ravel().tolist())
+    binding.CreateJointWeightsPrimvar(False, 2).Set(np.stack([1 - share, share], axis=1).ravel().tolist())
+    return binding
+
+
+def add_shapes(stage, mesh, binding, pose):
+    """Two blend shapes, one with two in-betweens; the other moves some points only."""
+    count = len(mesh.GetPointsAttr().Get())
+    wide = UsdSkel.BlendShape.Define(stage, f"{mesh.GetPath()}/wide")
+    points = np.array(mesh.GetPointsAttr().Get())
+    outward = points * [1, 1, 0]
+    wide.CreateNormalOffsetsAttr([(0, 0, 1)] * count)  # without effect, because the mesh has no normals
+    wide.CreateOffsetsAttr(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(outward, np.float32)))
+    for weight, scale in ((0.25, -0.5), (0.5, 2.0)):
+        between = wide.CreateInbetween(f"at{int(100 * weight)}")
+        between.SetWeight(weight)
+        between.SetOffsets(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(scale * outward, np.float32)))
+    dent = UsdSkel.BlendShape.Define(stage, f"{mesh.GetPath()}/dent")
+    dent.CreateOffsetsAttr([(0, -30, 0)] * 16)
+    dent.CreatePointIndicesAttr(list(range(count - 16, count)))
+    binding.CreateBlendShapesAttr(["dent", "wide"])
+    binding.CreateBlendShapeTargetsRel().SetTargets([dent.GetPath(), wide.GetPath()])
+    pose.CreateBlendShapesAttr(["wide", "dent"])
+    weights = pose.CreateBlendShapeWeightsAttr()
+    for code, values in ((0, [0, 0]), (12, [1, 0.5]), (18, [0.1, -0.5])):
+        weights.Set(Vt.FloatArray(values), code)
+
+
+def reference_points(mesh, code):
+    """World points of a mesh with a skeleton, by UsdSkel."""
+    prim, cache = mesh.GetPrim(), UsdSkel.Cache()
+    cache.Populate(UsdSkel.Root.Find(prim), Usd.PrimDefaultPredicate)
+    skinning = cache.GetSkinningQuery(prim)
+    query = cache.GetSkelQuery(UsdSkel.BindingAPI(prim).GetInheritedSkeleton())
+    points = Vt.Vec3fArray(mesh.GetPointsAttr().Get())
+    if skinning.HasBlendShapes():
+        shapes = UsdSkel.BlendShapeQuery(UsdSkel.BindingAPI(prim))
+        weights = skinning.GetBlendShapeMapper().Remap(query.GetAnimQuery().ComputeBlendShapeWeights(code))
+        values = np.array(points)
+        for weight, shape, part in zip(*shapes.ComputeSubShapeWeights(weights)):
+            offsets = np.array(shapes.ComputeSubShapePointOffsets()[part])
+            indices = shapes.ComputeBlendShapePointIndices()[shape]
+            np.add.at(values, np.arange(len(values)) if len(indices) == 0 else np.array(indices), weight * offsets)
+        points = Vt.Vec3fArray.FromNumpy(values.astype(np.float32))
+    frame = prim
+    if skinning.HasJointInfluences():
+        # The mapping of a mesh's own order of joints is part of ComputeSkinnedPoints().
+        assert skinning.ComputeSkinnedPoints(query.ComputeSkinningTransforms(code), points, code)
+        frame = query.GetPrim()
+    return moved(world_of(frame, code), np.array(points, np.float64))
+
+
+def assert_shows(scene, device, time, mesh, points, tolerance=2e-5):
+    """Rays to the centers of all triangles, from several sides, hit these triangles there."""
+    quads = np.array(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 4)
+    corners = quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
+    centers = points[corners].mean(axis=1)
+    renderer, seen = latelight.Renderer(scene, device), np.zeros(len(centers), bool)
+    for side in np.concatenate([np.eye(3), -np.eye(3)]) + [0.1, 0.07, 0.13]:
+        origins = centers + 0.02 * side  # close enough that most rays pass by all other triangles
+        hits = renderer.cast(origins, np.tile(-side / np.linalg.norm(side), (len(centers), 1)), time=time)
+        same = (hits["triangle"] == np.arange(len(centers))) & np.isfinite(hits["distance"])
+        found = origins - side / np.linalg.norm(side) * hits["distance"][:, None]
+        close = same & (np.linalg.norm(found - centers, axis=1) < tolerance)
+        seen |= close
+    assert seen.mean() > 0.97, seen.mean()
+
+
+@pytest.mark.parametrize("reordered", [False, True])
+def test_skeletons_play(stage, device, reordered):
+    root = UsdSkel.Root.Define(stage, "/figure")
+    skeleton, _ = add_skeleton(stage, "/figure")
+    mesh = add_tube(stage, "/figure/tube")
+    binding = bind(mesh, skeleton, ["low/middle/high", "low", "low/middle"] if reordered else None)
+    binding.CreateGeomBindTransformAttr(Gf.Matrix4d().SetScale(1.25))
+    UsdGeom.XformCommonAPI(root).SetTranslate((0, 0, 300))
+    scene = latelight.from_usd(stage)
+    assert [(a.name, a.duration) for a in scene.animations] == [("stage", 18 / RATE)]
+    assert scene.joints(scene.instances("/figure.tube")[0])[-1].endswith("middle" if reordered else "middle/high")
+    for code in (0, 3, 6, 9, 15, 18):
+        assert_shows(scene, device, code / RATE, mesh, reference_points(mesh, code))
+    still = latelight.from_usd(stage, time=9)
+    assert still.animations == []
+    assert_shows(still, device, None, mesh, reference_points(mesh, 9))
+
+
+def test_blend_shapes_play_with_in_betweens(stage, device):
+    UsdSkel.Root.Define(stage, "/figure")
+    skeleton, pose = add_skeleton(stage, "/figure")
+    mesh = add_tube(stage, "/figure/tube")
+    add_shapes(stage, mesh, bind(mesh, skeleton), pose)
+    scene = latelight.from_usd(stage)
+    # The weight of `wide` rises from 0 to 1 in 12 time codes, past its in-betweens at 3 and 6.
+    for code in (0, 1.5, 3, 4.5, 7, 12, 14, 17, 18):
+        assert_shows(scene, device, code / RATE, mesh, reference_points(mesh, code))
+
+
+def test_blend_shapes_play_without_joints(stage, device):
+    root = UsdSkel.Root.Define(stage, "/face")
+    skeleton = UsdSkel.Skeleton.Define(stage, "/face/bones")
+    skeleton.CreateJointsAttr([])
+    pose = UsdSkel.Animation.Define(stage, "/face/pose")
+    UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets(["/face/pose"])
+    mesh = add_tube(stage, "/face/tube")
+    binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
+    binding.CreateSkeletonRel().SetTargets([skeleton.GetPath()])
+    add_shapes(stage, mesh, binding, pose)
+    turn = UsdGeom.Xformable(root).AddRotateZOp()
+    turn.Set(0.0, 0)
+    turn.Set(180.0, 18)
+    scene = latelight.from_usd(stage)
+    assert "/stage/face/tube" in [node.path for node in scene.nodes]
+    for code in (0, 1.5, 4.5, 14, 18):
+        assert_shows(scene, device, code / RATE, mesh, reference_points(mesh, code))
+
+
+def test_transforms_play(stage, device):
+    """Nested Xforms with Euler angles, pivots, several turns and a scale, under static ones."""
+    lift = UsdGeom.Xform.Define(stage, "/world")
+    UsdGeom.XformCommonAPI(lift).SetTranslate((10, 20, 30))
+    arm = UsdGeom.Xform.Define(stage, "/world/arm")
+    angles = arm.AddRotateXYZOp()
+    for code, value in ((0, (0, 0, 0)), (10, (90, 40, -60)), (20, (720, 0, 180))):
+        angles.Set(Gf.Vec3f(*value), code)
+    hand = UsdGeom.Xform.Define(stage, "/world/arm/hand")
+    pivot = hand.AddTranslateOp(opSuffix="pivot")
+    pivot.Set((15, 0, 0))
+    spin = hand.AddRotateZOp()
+    spin.Set(0.0, 5)
+    spin.Set(1080.0, 20)
+    grow = hand.AddScaleOp()
+    grow.Set(Gf.Vec3f(1, 1, 1), 0)
+    grow.Set(Gf.Vec3f(2, 2, 2), 20)
+    hand.AddTranslateOp(opSuffix="pivot", isInverseOp=True)
+    mesh = add_tube(stage, "/world/arm/hand/tube", rings=3)
+    stage.SetStartTimeCode(2)  # samples before it are cut
+    stage.SetEndTimeCode(20)
+    scene = latelight.from_usd(stage)
+    assert scene.animations[0].duration == pytest.approx(18 / RATE)
+    assert "/stage/world/arm/hand/tube" in [node.path for node in scene.nodes]
+    for code in (2, 3.7, 5, 9, 12.3, 16.8, 20):
+        points = moved(world_of(mesh.GetPrim(), code), np.array(mesh.GetPointsAttr().Get(), np.float64))
+        assert_shows(scene, device, (code - 2) / RATE, mesh, points, 2e-4)  # keys follow a path of 1 m by 1e-4
+    arm.AddScaleOp().Set(Gf.Vec3f(1, 1, 3))  # the hand turns under a scale along Z, which shears nothing of its own
+    latelight.from_usd(stage)
+    shear = UsdGeom.Xform.Define(stage, "/sheared")
+    matrix = shear.AddTransformOp()
+    matrix.Set(Gf.Matrix4d(1), 0)
+    matrix.Set(Gf.Matrix4d(1, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1), 20)
+    UsdGeom.Cube.Define(stage, "/sheared/cube")
+    with pytest.raises(latelight.UsageError, match="/sheared is sheared at the time code 2, .*give a time"):
+        latelight.from_usd(stage)
+    assert len(latelight.from_usd(stage, time=20).instances()) == 2
+
+
+def test_what_rides_on_transforms_plays(stage, device):
+    """A camera, a light, an instancer and a mesh posed once, below a moving Xform; and visibility in steps."""
+    base = UsdGeom.Xform.Define(stage, "/base")
+    move = base.AddTranslateOp()
+    move.Set((0, 0, 0), 0)
+    move.Set((100, 0, 200), RATE)
+    camera = UsdGeom.Camera.Define(stage, "/base/eye")
+    UsdGeom.XformCommonAPI(camera).SetTranslate((0, -500, 0))
+    UsdGeom.XformCommonAPI(camera).SetRotate((90, 0, 0))  # looks along +Y of the stage
+    lamp = UsdLux.SphereLight.Define(stage, "/base/lamp")
+    lamp.CreateRadiusAttr(5)
+    UsdGeom.Cube.Define(stage, "/base/cube").CreateSizeAttr(100)
+    copies = UsdGeom.PointInstancer.Define(stage, "/base/copies")
+    UsdGeom.Cube.Define(stage, "/base/copies/small").CreateSizeAttr(10)
+    copies.CreatePrototypesRel().SetTargets(["/base/copies/small"])
+    copies.CreateProtoIndicesAttr([0, 0])
+    copies.CreatePositionsAttr([(200, 0, 0), (300, 0, 0)])
+    blink = UsdGeom.Cube.Define(stage, "/blink")
+    blink.CreateSizeAttr(50)
+    UsdGeom.XformCommonAPI(blink).SetTranslate((-1000, 0, 0))
+    seen = blink.CreateVisibilityAttr()
+    seen.Set("invisible", 0)
+    seen.Set("inherited", RATE / 2)
+    scene = latelight.from_usd(stage)
+    for time in (0, 0.5, 1):
+        ride = np.array([1, 2, 0]) * time  # (100, 0, 200) cm, with Y up
+        np.testing.assert_allclose(scene.cameras_at(time)[0].camera_to_world[:3, 3], ride + [0, 0, 5], atol=1e-6)
+        np.testing.assert_allclose(scene.cameras_at(time)[0].camera_to_world[:3, 2], (0, 0, -1), atol=1e-6)
+        renderer = latelight.Renderer(scene, device)
+        origins = np.array([[0, 0, 9], [2, 0, 9], [3, 0, 9]]) + ride
+        distance = renderer.cast(np.vstack([origins, [[-10, 0, 9]]]), np.tile((0, 0, -1), (4, 1)), time=time)["distance"]
+        np.testing.assert_allclose(distance[:3], (8.5, 8.95, 8.95), atol=1e-5)
+        assert np.isfinite(distance[3]) == (time >= 0.5)
+    np.testing.assert_allclose(scene.light(scene.lights()[0]).position, (0, 0, 0), atol=1e-9)
+
+
+def test_held_stages_play_in_steps(stage, device):
+    cube = UsdGeom.Cube.Define(stage, "/cube")
+    cube.CreateSizeAttr(200)
+    move = cube.AddTranslateOp()
+    move.Set((0, 0, 0), 0)
+    move.Set((0, -100, 0), RATE)
+    stage.SetInterpolationType(Usd.InterpolationTypeHeld)
+    renderer = latelight.Renderer(latelight.from_usd(stage), device)
+    distances = [renderer.cast([(0, 0, 9)], [(0, 0, -1)], time=time)["distance"][0] for time in (0, 0.9, 1)]
+    np.testing.assert_allclose(distances, (8, 8, 7), atol=1e-5)
+
+
+def test_animations_of_stages_are_exported(stage, tmp_path, device):
+    UsdSkel.Root.Define(stage, "/figure")
+    skeleton, pose = add_skeleton(stage, "/figure")
+    mesh = add_tube(stage, "/figure/tube")
+    add_shapes(stage, mesh, bind(mesh, skeleton), pose)
+    latelight.from_usd(stage).export(tmp_path / "figure.glb")
+    loaded = latelight.Scene(tmp_path / "figure.glb")
+    for code in (4.5, 14):
+        assert_shows(loaded, device, code / RATE, mesh, reference_points(mesh, code))
