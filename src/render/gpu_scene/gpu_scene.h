@@ -69,6 +69,8 @@ class GpuScene {
   uint32_t unboundedLights() const { return unboundedLights_; }
   uint32_t areaLights() const { return areaLights_; }
 
+  // Returns true if no material of the scene or of a world has coats or is translucent.
+  bool plainMaterials() const { return materials_.allPlain(worlds_.derivesMaterials()); }
   // Bounds of all of the world's instances in their current pose, in the scene's world space; the scene's if shaders
   // place the instances of worlds.
   scene::Bounds bounds(uint32_t world = 0) const;

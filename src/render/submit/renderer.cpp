@@ -264,8 +264,7 @@ bool Renderer::placesShadows(const Settings& s, const Poses& poses, bool hostSha
 bool Renderer::placesWorlds(const Settings& s, std::span<const scene::Camera> cameras, const Poses& poses,
                             bool ownLights, bool ownJoints) const {
   const auto blurs = [&](const scene::Camera& camera) { return thinLensOf(camera, s, scene_).radius > 0; };
-  const bool sizesOfLights = tracesPaths(s) && ownLights;  // the host lists them in the order of each world's lights
-  return WorldPlacer::runsOn(device_) && rastersInCompute(s) && !s.lighting->draws && !sizesOfLights &&
+  return WorldPlacer::runsOn(device_) && rastersInCompute(s) && !s.lighting->draws &&
          placesShadows(s, poses, ownLights || ownJoints) &&
          (s.ambientOcclusion == AmbientOcclusion::None || s.aoRadius) && s.aa.superSampling == 1 && !keepsHistory(s) &&
          s.shutter == 0 && s.readout == 0 && stripsOf(s).size() == 1 && std::ranges::none_of(cameras, bendsRays) &&
@@ -516,8 +515,6 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       s.describeGraph || (part.shadows && !part.shadows->tracesRays()) || part.job.exposes || part.job.rowsAreViews ||
       bendsRays(part.job.camera(part.first)))
     return std::nullopt;
-  if (s.indirect == Indirect::Path) return std::nullopt;  // its passes depend on the materials of all instances
-  if (tracesPaths(s) && gpuScene_.worlds().hasLights()) return std::nullopt;  // a pass copies their sizes per view
   ReplayKey key{
       .views = part.count,
       .firstView = part.job.result.arrays.empty() ? 0 : part.first,
@@ -542,7 +539,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       .shadowColumns = part.shadows ? part.shadows->columns() : 0,
       .shadowRays = part.shadows && device_.isCpu() ? part.shadows->mostRays() : 0,
       .emitters = bvh_ && tracesPaths(s) ? bvh_->emitterCount() : 0,
-      .lightSizes = tracesPaths(s) ? lightSizes(gpuScene_.lightsOf(0)) : std::vector<float>{},
+      .plainMaterials = s.indirect == Indirect::Path && gpuScene_.plainMaterials(),
       .groundHeight = s.ground == Ground::None ? 0 : s.groundHeight.value_or(lowestPoint_) - gpuScene_.origin().z,
       .instances = rasterInstances_.address(),
       .firstTriangles = rasterInstances_.firstTriangles(),

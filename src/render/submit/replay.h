@@ -33,9 +33,9 @@ struct ReplayKey {
   const GpuEnvironment* environment;
   std::array<size_t, 2> placedShadows;  // numbers of lights and of views per world, if shaders fit shadow maps
   // For ray-traced light: the number of lights with shadows, the maximum number of shadow rays per surface,
-  // RayScene::emitterCount, the sizes of lights for paths, and the height of the ground.
+  // RayScene::emitterCount, GpuScene::plainMaterials(), and the height of the ground.
   uint32_t shadowColumns, shadowRays, emitters;
-  std::vector<float> lightSizes;
+  bool plainMaterials;
   double groundHeight;
   VkDeviceAddress instances, firstTriangles;
   VkDeviceAddress objectFrames;

@@ -41,7 +41,7 @@ layout(constant_id = kSampledAreaLightsConstant) const uint kSampledAreaLights =
 layout(constant_id = kSharedPathsConstant) const uint kSharedPaths = 0;  // 1: writes records, which path_sharing.comp reads
 
 layout(set = 0, binding = AFTER_LIT_MAPS) uniform sampler2D environmentPicture;
-uint64_t emitterSums, lightSizes;  // PathsPush, those of the view
+uint64_t emitterSums;  // PathsPush, those of the view
 
 #include "render/lighting/reference/path_lights.glsl"
 #include "render/lighting/reference/path_record.glsl"
@@ -294,7 +294,6 @@ void main() {
   FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
   ivec3 place = ownPixel();
   emitterSums = push.emitterSums + uint64_t(place.z) * push.emitterStride * 4ul;
-  lightSizes = push.lightSizes + uint64_t(place.z) * push.lightStride * 4ul;
   View view = frameView(frame, place.z);
   bool inside = all(lessThan(vec2(place.xy), view.size));
   LitPixel p = readPixel(frame, view, place, inside ? 1u : 0u);
