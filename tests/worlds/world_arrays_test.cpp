@@ -402,6 +402,45 @@ TEST_P(ArraysOfWorlds, ChooseEnvironments) {
   EXPECT_THROW(renderer.render(worlds, o), Error);
 }
 
+// Rays that leave a world see its own environment, with its rotation and intensity, along paths and on the ground.
+TEST(PlacedWorlds, SeeTheirEnvironmentsAlongPaths) {
+  constexpr uint32_t kSome = 5;
+  const std::vector<std::string> names{"studio", writeEnvironment("paths.hdr", 16, 133),
+                                       writeEnvironment("wide.hdr", 130, 131)};
+  Scene scene("builtin:boxes");
+  for (const Handle<Light>& light : scene.lights()) scene.removeLight(light);
+  Worlds worlds{.count = kSome, .environments = names, .cameras = {scene.lookAt({3, 2, 4}, {0, 0, 0})}};
+  const std::vector<int64_t> index{0, 1, 2, 1, 0};
+  worlds.environmentRotation = {0, 50, -100, 200, 10};
+  worlds.environmentIntensity = {1, 0.5f, 2, 0.7f, 0};
+  worlds.arrays.environmentIndex = {.element = WorldArray::Element::Int64, .host = index.data()};
+  Options o = options("compute");
+  o.aovs = {"color"};
+  o.indirect = "one-bounce";
+  o.samples = 2;
+  o.ground = "shadow";
+  o.groundHeight = -0.5f;
+  Renderer renderer(scene, testDevice());
+  std::vector<std::unique_ptr<Renderer>> alone;
+  for (const std::string& name : names) alone.push_back(std::make_unique<Renderer>(scene, testDevice(), name));
+  std::vector<Frame> frames;
+  for (int call = 0; call < 3; ++call) {  // the third one is a replay
+    frames = renderer.render(worlds, o);
+    for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) {
+      SCOPED_TRACE(testing::Message() << "call " << call << ", world " << world);
+      Options own = o;
+      own.environmentRotation = worlds.environmentRotation[world];
+      own.environmentIntensity = worlds.environmentIntensity[world];
+      test::expectSameFrames(frames[world], alone[static_cast<size_t>(index[world])]->render(worlds.cameras[0], own));
+    }
+  }
+  EXPECT_NE(frames[0].rgba, frames[1].rgba);
+  EXPECT_NE(frames[1].rgba, frames[2].rgba);
+  // Calls with the renderer's own environment, which is none here, are not affected.
+  Renderer dark(scene, testDevice());
+  test::expectSameFrames(renderer.render(worlds.cameras[0], o), dark.render(worlds.cameras[0], o));
+}
+
 // The shadows of directional lights are those of the only world of another renderer whose maps the host fits, for all
 // formats and filters, one or several cameras, and maps of one or several cascades.
 void compareShadows(const Options& o, double distance) {

@@ -111,10 +111,6 @@ bool tracesRays(const Settings& settings) {
 // Throws Error(Usage) if rays do not support what worlds require.
 void checkRaysInWorlds(const Settings& settings, const WorldStates& worlds) {
   if (worlds.count == 0 || !tracesLight(settings)) return;
-  if (tracesPaths(settings) && !worlds.environments.empty())
-    badUsage(
-        "paths sample one environment for all worlds: render worlds with environments of their own without indirect "
-        "light, the technique reference and a ground");
   if (settings.ground != Ground::None && !settings.groundHeight)
     badUsage("the lowest points of worlds are not known: --ground requires --ground-height");
 }
@@ -196,6 +192,7 @@ std::vector<uint32_t> Renderer::selectEnvironments(const WorldStates& worlds) {
   if (known.size() > before) {
     replays_.clear();
     worldEnvironments_ = std::make_unique<GpuEnvironment>(device_, known);
+    worldCells_ = {};
   }
   state_.environment = worldEnvironments_.get();
   std::vector<uint32_t> maps;
@@ -733,10 +730,10 @@ void Renderer::findLowestPoint() {
 
 SceneBvh& Renderer::followedBvh(bool samplesEnvironment) {
   if (!bvh_) bvh_ = std::make_unique<SceneBvh>(device_, executor_, scene_, gpuScene_);
-  if (samplesEnvironment && hasEnvironment_ && !environmentCells_) {
-    environmentCells_ = makeEnvironmentCells(device_, executor_, environment_);
-    bvh_->setEnvironment(environmentCells_.address());
-  }
+  vk::Buffer& cells = state_.environment == &environment_ ? environmentCells_ : worldCells_;
+  if (samplesEnvironment && state_.hasEnvironment && !cells)
+    cells = makeEnvironmentCells(device_, executor_, *state_.environment);
+  bvh_->setEnvironment(cells ? cells.address() : 0);
   gpuScene_.storeTexels();
   bvh_->update();
   return *bvh_;

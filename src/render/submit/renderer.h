@@ -190,6 +190,7 @@ class Renderer {
   std::optional<std::array<uint64_t, 2>> lowestPointEdits_;
   SunPlan suns_;  // RenderState::suns
   RenderState state_;
+  vk::Buffer worldCells_;          // the same of worldEnvironments_
   FrameHistory history_ = temporalHistory(), indirectHistory_ = indirectHistory();
   std::optional<IndirectInput> indirectInput_;  // of the last frame of indirectHistory_
   LensRayCache lensRays_;

@@ -39,6 +39,7 @@ struct PathsPush {
   uint bounces;          // maximum number of surfaces after the visible one
   uint emitterStride;    // elements from one view to the next
   uint views;
+  uint environment;  // of the pass: its index among the environments of worlds
 };
 
 SH_END

@@ -86,10 +86,10 @@ struct PathBuffers {
 };
 
 ComputePass pathPass(const FrameContext& f, const Gbuffer& gbuffer, const IndirectSignals& signals, const char* name,
-                     const char* shader, bool fromLights, bool first) {
+                     const char* shader, bool fromLights, bool first, uint32_t environment) {
   const bool kept = !first || !fromLights;
   ComputePass pass = lightingPass(f, gbuffer, name, shader, {.picture = kept, .counts = kept});
-  pass.bindings.outside(f.environment.radiance());
+  pass.bindings.outside(f.environment.radiance(environment));
   bindSignals(pass.bindings, signals, first);
   pass.constants.push_back({kFilteredConstant, f.setup.filtersIndirect && !fromLights ? 1u : 0u});
   pass.constants.push_back({kLayersConstant, f.setup.layers});
@@ -121,26 +121,31 @@ IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fro
     buffers.records = f.graph.create(
         vk::BufferDesc{.size = std::min(all, atOnce) * pixelCount(f) * shared::kPathRecordBytes, .name = "paths"});
   for (uint32_t first = 0; first < all; first += atOnce) {
-    const shared::PathsPush push{.frame = f.constants,
-                                 .shown = {},
-                                 .emitterSums = 0,
-                                 .records = 0,
-                                 .first = first,
-                                 .end = std::min(first + atOnce, all),
-                                 .samples = all,
-                                 .firstPoint = fromLights ? 0 : firstPoint(f),
-                                 .bounces = bounces,
-                                 .emitterStride = f.scene.hasWorlds() ? f.emitters : 0,
-                                 .views = f.viewCount()};
-    ComputePass pass = pathPass(f, gbuffer, signals, "paths", "paths.comp", fromLights, first == 0);
-    pass.constants.push_back({kPathsFromLightsConstant, flags});
-    pass.constants.push_back({kEmittersConstant, buffers.emitters ? 1u : 0u});
-    pass.constants.push_back({kSampledAreaLightsConstant, f.scene.areaLights() > 0 ? 1u : 0u});
-    pass.constants.push_back({kSharedPathsConstant, sharing ? 1u : 0u});
-    addPathPass(f, gbuffer, std::move(pass), push, buffers, graph::Use::StorageWrite);
-    if (!sharing) continue;
-    addPathPass(f, gbuffer, pathPass(f, gbuffer, signals, "shared paths", "path_sharing.comp", fromLights, false), push,
-                buffers, graph::Use::StorageRead);
+    shared::PathsPush push{.frame = f.constants,
+                           .shown = {},
+                           .emitterSums = 0,
+                           .records = 0,
+                           .first = first,
+                           .end = std::min(first + atOnce, all),
+                           .samples = all,
+                           .firstPoint = fromLights ? 0 : firstPoint(f),
+                           .bounces = bounces,
+                           .emitterStride = f.scene.hasWorlds() ? f.emitters : 0,
+                           .views = f.viewCount(),
+                           .environment = 0};
+    for (; push.environment < f.environment.count(); ++push.environment) {
+      ComputePass pass = pathPass(f, gbuffer, signals, "paths", "paths.comp", fromLights,
+                                  first == 0 && push.environment == 0, push.environment);
+      pass.constants.push_back({kPathsFromLightsConstant, flags});
+      pass.constants.push_back({kEmittersConstant, buffers.emitters ? 1u : 0u});
+      pass.constants.push_back({kSampledAreaLightsConstant, f.scene.areaLights() > 0 ? 1u : 0u});
+      pass.constants.push_back({kSharedPathsConstant, sharing ? 1u : 0u});
+      addPathPass(f, gbuffer, std::move(pass), push, buffers,
+                  push.environment == 0 ? graph::Use::StorageWrite : graph::Use::StorageReadWrite);
+    }
+    if (sharing)
+      addPathPass(f, gbuffer, pathPass(f, gbuffer, signals, "shared paths", "path_sharing.comp", fromLights, false, 0),
+                  push, buffers, graph::Use::StorageRead);
   }
   return signals;
 }
