@@ -99,9 +99,10 @@ SH_CONST uint kIndirectNone = 0u;
 SH_CONST uint kIndirectOneBounce = 1u;
 SH_CONST uint kIndirectPath = 2u;
 
-// Shadows by rays instead of maps: one light in one view, in FrameConstants::shadowMaps[viewCount][shadowColumns].
+// Shadows by rays instead of maps: one light in one view, in FrameConstants::shadowMaps[viewCount][shadowColumns], or
+// in all views of a world or of a scene, in FrameConstants::shadowMaps[shadowColumns].
 struct RayShadow {  // 16 bytes
-  uint light;       // index in FrameConstants::lights
+  uint light;       // index in FrameConstants::lights; kRayNone: the world has fewer lights
   uint rays;        // per surface; 0: the light casts no shadows in this view
   float lightSize;  // radius of the light in meters; for a directional light, the tangent of its angular radius
   uint padding;
