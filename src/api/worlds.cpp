@@ -749,7 +749,8 @@ WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& 
   converter.checkDeformations(device);
   render::WorldStates& to = state.worlds;
   std::vector<scene::Camera> each = converter.camerasOfWorld();
-  const bool ownLights = !worlds.lightValues.empty() || hasLights(worlds.arrays);
+  using enum render::Renderer::WorldLights;
+  const auto ownLights = !worlds.lightValues.empty() ? InLists : hasLights(worlds.arrays) ? InArrays : OfScene;
   const bool onDevice =
       !onHost && renderer.placesWorlds(settings, each, state.poses, ownLights, !worlds.joints.empty());
   const auto convertLists = [&](const Worlds& lists) {

@@ -72,10 +72,11 @@ SH_CONST uint kRayGroupShift = 8u;   // from this bit on: the group whose instan
 
 SH_CONST uint kRaySceneBytes = 48u;
 struct RayScene {
-  uint64_t nodes;        // RayNode[] over the instances
-  uint64_t instances;    // RayInstance[]
-  uint64_t environment;  // EnvironmentCell[kEnvironmentColumns * kEnvironmentRows]; 0: rays do not sample it
-  uint64_t emitters;     // RayEmitter[emitterCount]
+  uint64_t nodes;      // RayNode[] over the instances
+  uint64_t instances;  // RayInstance[]
+  // EnvironmentCell[kEnvironmentColumns * kEnvironmentRows] per environment that views have; 0: rays do not sample them
+  uint64_t environment;
+  uint64_t emitters;  // RayEmitter[emitterCount]
   // Per element of FrameConstants::instances, the index of its first emitter, or kRayNone. The emitters of an instance
   // have the order of the mesh's triangles.
   uint64_t emitterIndices;
@@ -100,15 +101,17 @@ struct EnvironmentCell {  // 16 bytes
   float density;  // of the chosen directions in this cell, 1/sr
   float padding;
 };
+SH_CONST uint kEnvironmentTableBytes = 16u * kEnvironmentColumns * kEnvironmentRows;
 
 // The values match Indirect.
 SH_CONST uint kIndirectNone = 0u;
 SH_CONST uint kIndirectOneBounce = 1u;
 SH_CONST uint kIndirectPath = 2u;
 
-// Shadows by rays instead of maps: one light in one view, in FrameConstants::shadowMaps[viewCount][shadowColumns].
+// Shadows by rays instead of maps: one light in one view, in FrameConstants::shadowMaps[viewCount][shadowColumns], or
+// in all views of a world or of a scene, in FrameConstants::shadowMaps[shadowColumns].
 struct RayShadow {  // 16 bytes
-  uint light;       // index in FrameConstants::lights
+  uint light;       // index in FrameConstants::lights; kRayNone: the world has fewer lights
   uint rays;        // per surface; 0: the light casts no shadows in this view
   float lightSize;  // radius of the light in meters; for a directional light, the tangent of its angular radius
   uint padding;

@@ -191,7 +191,8 @@ struct Light {  // KHR_lights_punctual
   float radius;          // meters: glTF's range, where the window (shared/light.h) reaches 0; +inf if unbounded
   float spotScale;       // spot cone: clamp(cos * spotScale + spotOffset, 0, 1)^2
   float spotOffset;
-  float padding[2];
+  float size;  // of the penumbrae that rays find: a radius in meters, or the tangent of a directional light's radius
+  float padding;
 };
 SH_CONST uint kLightBytes = 64u;
 

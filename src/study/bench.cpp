@@ -218,7 +218,7 @@ Table benchWorlds(vk::Device& device, render::Renderer& renderer, const scene::S
   for (const Raster raster : rastersOf(settings)) {
     render::Settings s = settings;
     s.raster = raster;
-    if (renderer.placesWorlds(s, cameras, poses, false, false)) {
+    if (renderer.placesWorlds(s, cameras, poses, render::Renderer::WorldLights::OfScene, false)) {
       const std::array states{turningWorldsOnDevice(device, scene, cameras, 0),
                               turningWorldsOnDevice(device, scene, cameras, 1)};
       addViews(table, renderer, std::span(cameras).first(1), count, s, options,

@@ -131,7 +131,7 @@ void SteadyWorlds::run(uint32_t steps, ShadowFormat shadows, Raster raster) {
   settings.samples = 1;
   if (shadows != ShadowFormat::None) settings.sun = SunLight{.azimuth = 0.7f, .elevation = 0.9f, .illuminance = 4};
   Renderer renderer(device(), scene, &studio), alone(device(), scene, &studio);
-  ASSERT_TRUE(renderer.placesWorlds(settings, {&camera, 1}, {}, false, false));
+  ASSERT_TRUE(renderer.placesWorlds(settings, {&camera, 1}, {}, Renderer::WorldLights::OfScene, false));
   std::mt19937 random(11);
   uint32_t replays = 0, invalid = 0;
   size_t heap = 0;

@@ -402,6 +402,118 @@ TEST_P(ArraysOfWorlds, ChooseEnvironments) {
   EXPECT_THROW(renderer.render(worlds, o), Error);
 }
 
+// Rays that leave a world see its own environment, with its rotation and intensity, along paths and on the ground.
+TEST(PlacedWorlds, SeeTheirEnvironmentsAlongPaths) {
+  constexpr uint32_t kSome = 5;
+  const std::vector<std::string> names{"studio", writeEnvironment("paths.hdr", 16, 133),
+                                       writeEnvironment("wide.hdr", 130, 131)};
+  Scene scene("builtin:boxes");
+  for (const Handle<Light>& light : scene.lights()) scene.removeLight(light);
+  Worlds worlds{.count = kSome, .environments = names, .cameras = {scene.lookAt({3, 2, 4}, {0, 0, 0})}};
+  const std::vector<int64_t> index{0, 1, 2, 1, 0};
+  worlds.environmentRotation = {0, 50, -100, 200, 10};
+  worlds.environmentIntensity = {1, 0.5f, 2, 0.7f, 0};
+  worlds.arrays.environmentIndex = {.element = WorldArray::Element::Int64, .host = index.data()};
+  Options o = options("compute");
+  o.aovs = {"color"};
+  o.indirect = "one-bounce";
+  o.samples = 2;
+  o.ground = "shadow";
+  o.groundHeight = -0.5f;
+  Renderer renderer(scene, testDevice());
+  std::vector<std::unique_ptr<Renderer>> alone;
+  for (const std::string& name : names) alone.push_back(std::make_unique<Renderer>(scene, testDevice(), name));
+  std::vector<Frame> frames;
+  for (int call = 0; call < 3; ++call) {  // the third one is a replay
+    frames = renderer.render(worlds, o);
+    for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) {
+      SCOPED_TRACE(testing::Message() << "call " << call << ", world " << world);
+      Options own = o;
+      own.environmentRotation = worlds.environmentRotation[world];
+      own.environmentIntensity = worlds.environmentIntensity[world];
+      test::expectSameFrames(frames[world], alone[static_cast<size_t>(index[world])]->render(worlds.cameras[0], own));
+    }
+  }
+  EXPECT_NE(frames[0].rgba, frames[1].rgba);
+  EXPECT_NE(frames[1].rgba, frames[2].rgba);
+  // Calls with the renderer's own environment, which is none here, are not affected.
+  Renderer dark(scene, testDevice());
+  test::expectSameFrames(renderer.render(worlds.cameras[0], o), dark.render(worlds.cameras[0], o));
+}
+
+// Rays find the shadows of point, spot and directional lights of each world, some of which are dark, and of the scene.
+TEST(PlacedWorlds, CastShadowsByRaysOfTheirLights) {
+  constexpr uint32_t kSome = 6;
+  Scene scene("builtin:boxes"), edited("builtin:boxes");
+  for (Scene* each : {&scene, &edited}) {
+    for (const Handle<Light>& light : each->lights()) each->removeLight(light);
+    each->addLight({.type = "point", .position = {1, 2, 1}, .intensity = 8, .size = 0.2});
+    each->addLight({.type = "spot", .position = {-1, 3, 1}, .direction = {0.3f, -1, -0.3f}, .intensity = 20});
+    each->addLight({.type = "point", .position = {0, 2, 2}, .intensity = 4, .castShadow = false});
+    each->addLight({.type = "directional", .direction = {-0.6f, -1, 0.1f}, .intensity = 1});
+    each->addLight({.type = "point", .position = {2, 1, -1}, .intensity = 8, .range = 4});
+    each->addLight({.type = "directional", .direction = {0.4f, -1, 0.5f}, .intensity = 1, .size = 0.05});
+  }
+  Worlds worlds{.count = kSome, .cameras = {scene.lookAt({3, 2, 4}, {0, 0, 0}), scene.lookAt({-2, 3, 2}, {0, 0, 0})}};
+  worlds.lights = scene.lights();
+  worlds.lights.pop_back();
+  const size_t listed = worlds.lights.size();
+  std::mt19937 random(17);
+  std::uniform_real_distribution<float> share(0.2f, 1), side(-2, 2);
+  std::vector<float> position, intensity;
+  for (size_t i = 0; i < kSome * listed; ++i) {
+    for (const float value : {side(random), 1 + 2 * share(random), side(random)}) position.push_back(value);
+    intensity.push_back(random() % 4 ? 9 * share(random) : 0);
+  }
+  for (size_t i = 0; i < listed; ++i) intensity[i] = i == 2 ? 5 : 0;  // no light of the first world casts shadows
+  using enum WorldArray::Element;
+  worlds.arrays = {.lightPosition = {.element = Float32, .host = position.data()},
+                   .lightIntensity = {.element = Float32, .host = intensity.data()}};
+  Options o = options("compute"), unshadowed = o;
+  o.width = unshadowed.width = 40;
+  o.height = unshadowed.height = 30;
+  o.aovs = unshadowed.aovs = {"color"};
+  o.shadows = "rays";
+  o.samples = 2;
+  Renderer renderer(scene, testDevice(), "studio"), alone(edited, testDevice(), "studio");
+  for (int call = 0; call < 3; ++call) {
+    const std::vector<Frame> frames = renderer.render(worlds, o), lit = renderer.render(worlds, unshadowed);
+    bool differs = false;
+    for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) {
+      for (size_t i = 0; i < listed; ++i) {
+        Light light = scene.light(worlds.lights[i]);
+        for (size_t axis = 0; axis < 3; ++axis) light.position[axis] = position[3 * (world * listed + i) + axis];
+        light.intensity = intensity[world * listed + i];
+        edited.setLight(edited.lights()[i], light);
+      }
+      for (size_t i = 0; i < 2; ++i) {
+        SCOPED_TRACE(testing::Message() << "call " << call << ", world " << world << ", camera " << i);
+        test::expectSameFrames(frames[2 * world + i], alone.render(worlds.cameras[i], o));
+        differs |= frames[2 * world + i].rgba != lit[2 * world + i].rgba;
+      }
+    }
+    EXPECT_TRUE(differs) << "something is in the shadow";
+  }
+  // Lists, which the host converts, take turns with arrays. From the third call on, both are replays of their own.
+  Worlds lists = worlds;
+  lists.arrays = {};
+  for (size_t i = 0; i < kSome * listed; ++i) {
+    Light light = scene.light(worlds.lights[i % listed]);
+    for (size_t axis = 0; axis < 3; ++axis) light.position[axis] = position[3 * i + axis];
+    light.intensity = intensity[i];
+    lists.lightValues.push_back(light);
+  }
+  for (int call = 0; call < 3; ++call) {
+    const std::vector<Frame> given = renderer.render(worlds, o), listedFrames = renderer.render(lists, o);
+    for (size_t i = 0; i < given.size() && !HasFailure(); ++i) test::expectSameFrames(given[i], listedFrames[i]);
+  }
+  worlds.arrays = {};  // the scene's lights
+  worlds.lights.clear();
+  Renderer still(scene, testDevice(), "studio");
+  const std::vector<Frame> frames = renderer.render(worlds, o);
+  for (size_t i = 0; i < 2; ++i) test::expectSameFrames(frames[2 + i], still.render(worlds.cameras[i], o));
+}
+
 // The shadows of directional lights are those of the only world of another renderer whose maps the host fits, for all
 // formats and filters, one or several cameras, and maps of one or several cascades.
 void compareShadows(const Options& o, double distance) {

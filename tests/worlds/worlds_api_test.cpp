@@ -222,12 +222,6 @@ TEST(WorldsApi, RejectRaysThatTheyDoNotSupport) {
     change(worlds, options);
     return refusal([&] { renderer.render(worlds, options); });
   };
-  EXPECT_THAT(refused([](Worlds& w, Options& o) {
-                w.environments = {"studio"};
-                w.environmentIndex = {0, 0};
-                o.indirect = "path";
-              }),
-              HasSubstr("paths sample one environment for all worlds"));
   EXPECT_THAT(refused([](Worlds&, Options& o) { o.ground = "shadow"; }), HasSubstr("requires --ground-height"));
 }
 

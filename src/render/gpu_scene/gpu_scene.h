@@ -53,6 +53,7 @@ class GpuScene {
   const GpuWorlds& worlds() const { return worlds_; }
   const WorldDeformer& worldDeformer() const { return worldDeformer_; }
   void foundVastWorlds() { worlds_.foundVast(); }
+  void castRays(std::span<const shared::RayShadow> rays) { worlds_.castRays(rays); }  // of GpuWorlds
   InstancesOfWorld instancesOf(uint32_t world) const;
   // The bounds of an instance's mesh in a pose of the last update().
   PosedBounds boundsIn(uint32_t instance, const scene::Pose& pose) const {
@@ -68,6 +69,8 @@ class GpuScene {
   uint32_t lightCount() const { return lightCount_; }
   uint32_t unboundedLights() const { return unboundedLights_; }
   uint32_t areaLights() const { return areaLights_; }
+  // Returns true if no material of the scene or of a world has coats or is translucent.
+  bool plainMaterials() const { return materials_.allPlain(worlds_.derivesMaterials()); }
 
   // Bounds of all of the world's instances in their current pose, in the scene's world space; the scene's if shaders
   // place the instances of worlds.

@@ -21,11 +21,14 @@ struct LightTemplate {
   vec3 fileDirection;  // at rest, in the file's frame
   uint listed;         // among the lights that the caller's arrays describe, or ~0
   uint radiusClass;    // of the light tree
-  uint state;          // kLightIsArea, kLightHasNode, kLightHasExtent
+  uint state;          // kLightIsArea, kLightHasNode, kLightHasExtent, kLightCastsByRays
+  uint shadowRays;     // with kLightCastsByRays: values of RayShadow
+  float shadowSize;
 };
 SH_CONST uint kLightIsArea = 1u;
 SH_CONST uint kLightHasNode = 2u;
 SH_CONST uint kLightHasExtent = 4u;  // area lights: they emit light if their radiance is not 0
+SH_CONST uint kLightCastsByRays = 8u;
 // Doubles per light: its positions at rest and in the pose of the call, in the renderer's world, and at rest in the
 // file's frame.
 SH_CONST uint kLightPositions = 9u;

@@ -54,6 +54,7 @@ shared::Light deviceLight(const scene::Light& light, const glm::dvec3& origin) {
   if (!shared::lightIsDirectional(light.type)) l.radius = light.range.value_or(l.radius);
   l.inverseRadius2 = shared::inverseRadius2(l.radius);
   if (shared::lightHasCone(light.type)) shared::spotCone(light.innerCone, light.outerCone, l.spotScale, l.spotOffset);
+  l.size = shared::lightIsDirectional(light.type) ? std::tan(light.size / 2) : light.size;
   return l;
 }
 

@@ -100,6 +100,17 @@ GpuMaterials::Derivable GpuMaterials::derivable(uint32_t material) const {
           .opaqueTextures = opacity_.isOpaque(material, data)};
 }
 
+bool GpuMaterials::allPlain(bool derives) const {
+  for (uint32_t i = 0; i < records_.size(); ++i) {
+    const bool ofScene = i < scene_.materials.size();
+    if (ofScene && scene_.materials[i].removed) continue;
+    uint32_t flags = records_[i].flags;
+    if (derives && ofScene) flags |= scene_.materials[i].data.flags & shared::kMaterialBlended;
+    if ((flags & shared::kMaterialLayered) || shared::translucent(flags)) return false;
+  }
+  return true;
+}
+
 uint32_t GpuMaterials::baseOf(uint32_t material) const {
   const size_t count = scene_.materials.size();
   return material < count ? material : variants_[material - count].base;

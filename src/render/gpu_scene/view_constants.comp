@@ -36,6 +36,7 @@ void main() {
   frame.nextInstances += instances;
   frame.rasterInstances += uint64_t(world) * job.rasterStride;
   frame.rayScene += uint64_t(world) * job.rayStride;
+  frame.shadowMaps += uint64_t(world) * job.shadowStride;
   if (job.exposures != 0ul) frame.exposure = ExposuresRef(job.exposures).v[view];
   if (job.has != 0u) {
     WorldValues values = ValuesRef(job.values).v[world];

@@ -241,6 +241,7 @@ void GpuWorlds::reserveLights(const WorldStates& worlds, const std::vector<scene
     if (posed.node >= 0)
       posed.position = lights[i].position, posed.direction = lights[i].direction, posed.axes = lights[i].axes;
     shared::LightTemplate& t = placed_.templates.emplace_back(lightTemplateOf(atRest, posed, origin));
+    placed_.authored.push_back(atRest);
     t.listed = listed[i];
     t.fileDirection = glm::vec3(fileFromWorld * glm::dvec4(atRest.direction, 0));
     const glm::dvec3 inFile = fileFromWorld * glm::dvec4(atRest.position, 1);
@@ -260,6 +261,23 @@ void GpuWorlds::reserveLights(const WorldStates& worlds, const std::vector<scene
   placed_.lights = lightList_.address();
   placed_.boxes = lightTrees_.address();
   placed_.areaLights = areaLights_.address();
+}
+
+void GpuWorlds::castRays(std::span<const shared::RayShadow> rays) {
+  for (size_t i = 0; i < rays.size(); ++i) {
+    if (rays[i].light == shared::kRayNone) continue;
+    shared::LightTemplate& t = placed_.templates[i];
+    t.state |= shared::kLightCastsByRays;
+    t.shadowRays = rays[i].rays;
+    t.shadowSize = rays[i].lightSize;
+    placed_.mostRays += rays[i].rays;
+    ++placed_.casters;
+  }
+  if (placed_.casters == 0) return;
+  otherLights_.resize(count_ * lightStride_);
+  rayShadows_.resize(size_t{count_} * placed_.casters);
+  placed_.others = otherLights_.address();
+  placed_.rayShadows = rayShadows_.address();
 }
 
 // Every world has the space of the largest one, so that shaders may load a light whose index is valid in another world.

@@ -19,6 +19,7 @@
 #include "render/gpu_scene/world_array.h"
 #include "scene/environment/environment.h"
 #include "scene/scene.h"
+#include "shared/rays.h"
 #include "shared/types.h"
 
 namespace latelight::render {
@@ -94,6 +95,8 @@ class GpuWorlds {
         lightList_(device, "lights of worlds"),
         lightTrees_(device, "light trees of worlds"),
         areaLights_(device, "area lights of worlds"),
+        otherLights_(device, "lights of worlds without shadows"),
+        rayShadows_(device, "shadow rays of worlds"),
         choiceList_(device, "materials of worlds"),
         paletteList_(device, "materials to choose from"),
         environmentList_(device, "environments to choose from"),
@@ -110,6 +113,8 @@ class GpuWorlds {
   // those of the scene, by index, and those that follow them.
   void updateLights(vk::Uploader& uploader, const WorldStates& worlds, const std::vector<scene::Light>& lights,
                     const scene::Scene& scene, const glm::dvec3& origin);
+  // Sets the rays to each of PlacedLights::templates (raysOfLights()). Call it after updateLights().
+  void castRays(std::span<const shared::RayShadow> rays);
   // Uploads the values of worlds that shaders copy to the constants of views. Call it last.
   void updateValues(vk::Uploader& uploader);
   void clear() { count_ = 0; }
@@ -153,6 +158,11 @@ class GpuWorlds {
     uint32_t local = 0, directional = 0;                    // numbers of templates
     uint32_t unbounded = 0, area = 0;                       // of the local ones, and of area lights
     VkDeviceAddress lights = 0, boxes = 0, areaLights = 0;  // results: [worlds][templates or kPlacedLightBoxes]
+    std::vector<scene::Light> authored;                     // of each template, at rest
+    // If rays find the shadows of lights: the number of these lights, and the results RayShadow[worlds][casters] and
+    // Light[worlds][templates], in which they emit nothing.
+    uint32_t casters = 0, mostRays = 0;  // rays: per surface
+    VkDeviceAddress rayShadows = 0, others = 0;
   };
   const PlacedLights& placedLights() const { return placed_; }
   bool placesLights() const { return onDevice() && !placed_.templates.empty(); }
@@ -186,6 +196,8 @@ class GpuWorlds {
   GpuList<shared::Light> lightList_;
   GpuList<shared::LightBox> lightTrees_;
   GpuList<shared::AreaLight> areaLights_;
+  GpuList<shared::Light> otherLights_;
+  GpuList<shared::RayShadow> rayShadows_;
   PlacedLights placed_;
   size_t lightStride_ = 0, treeStride_ = 0, areaStride_ = 0;  // elements per world
   std::vector<float> rotations_, intensities_;

@@ -55,7 +55,11 @@ std::vector<shared::EnvironmentCell> aliasTable(std::span<const float> brightnes
   return cells;
 }
 
-vk::Buffer makeEnvironmentCells(vk::Device& device, graph::Executor& executor, const GpuEnvironment& environment) {
+namespace {
+
+// Returns the table of an environment.
+std::vector<shared::EnvironmentCell> measuredCells(vk::Device& device, graph::Executor& executor,
+                                                   const vk::BoundImage& radiance) {
   graph::Graph graph(executor);
   const Builder b{device, graph};
   const graph::BufferId weights = createResult(b, "environment weights", kCells * sizeof(float), 1).buffer;
@@ -64,19 +68,27 @@ vk::Buffer makeEnvironmentCells(vk::Device& device, graph::Executor& executor, c
       {.stage = graph::Stage::Upload,
        .name = "environment weights",
        .shader = "environment_weights.comp",
-       .bindings = Bindings(device).outside(environment.radiance()),
+       .bindings = Bindings(device).outside(radiance),
        .size = {shared::kEnvironmentColumns, shared::kEnvironmentRows, 1},
        .buffers = {{weights, graph::Use::StorageWrite}}},
       [=](graph::Context& context) { return shared::EnvironmentWeightsPush{context.buffer(weights).address()}; });
   const graph::BufferId result = addReadback(b, weights);
   const graph::Submission done = executor.submit(graph, graph.compile());
   done.wait();
-  const std::vector<shared::EnvironmentCell> cells =
-      aliasTable(std::span(done.buffer(result).as<const float>(), kCells));
-  vk::Buffer buffer(device, {.size = kCells * sizeof(shared::EnvironmentCell), .name = "environment cells"});
-  vk::Uploader uploader(device);
-  uploader.upload(buffer, std::as_bytes(std::span(cells)));
-  uploader.flush();
+  return aliasTable(std::span(done.buffer(result).as<const float>(), kCells));
+}
+
+}  // namespace
+
+vk::Buffer makeEnvironmentCells(vk::Device& device, graph::Executor& executor, const GpuEnvironment& environments) {
+  const uint64_t table = kCells * sizeof(shared::EnvironmentCell);
+  vk::Buffer buffer(device, {.size = environments.count() * table, .name = "environment cells"});
+  for (uint32_t i = 0; i < environments.count(); ++i) {
+    const std::vector<shared::EnvironmentCell> cells = measuredCells(device, executor, environments.radiance(i));
+    vk::Uploader uploader(device);
+    uploader.upload(buffer, std::as_bytes(std::span(cells)), i * table);
+    uploader.flush();
+  }
   return buffer;
 }
 

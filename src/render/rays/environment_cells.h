@@ -1,4 +1,4 @@
-// The table by which rays choose bright directions of an environment (shared/rays.h), in device memory.
+// The tables by which rays choose bright directions of environments (shared/rays.h), in device memory.
 #pragma once
 
 #include <span>
@@ -14,7 +14,8 @@ namespace latelight::render {
 // density, so that no direction is left out.
 std::vector<shared::EnvironmentCell> aliasTable(std::span<const float> brightness);
 
-// Runs a graph on the device that measures the cells, waits for it, and returns shared::EnvironmentCell[].
-vk::Buffer makeEnvironmentCells(vk::Device& device, graph::Executor& executor, const GpuEnvironment& environment);
+// Runs graphs on the device that measure the cells, waits for them, and returns the tables of all environments, one
+// after the other: shared::EnvironmentCell[environments][cells].
+vk::Buffer makeEnvironmentCells(vk::Device& device, graph::Executor& executor, const GpuEnvironment& environments);
 
 }  // namespace latelight::render

@@ -102,11 +102,6 @@ bool SceneBvh::isShown(uint32_t instance) const {
          !scene_.meshes[gpuScene_.instances().record(instance).mesh].indices.empty();
 }
 
-void SceneBvh::setEnvironment(VkDeviceAddress cells) {
-  environment_ = cells;
-  instanceRevision_ = 0;  // the record is uploaded with the instances
-}
-
 void SceneBvh::update() {
   const GpuInstances& instances = gpuScene_.instances();
   if (geometryRevision_ != gpuScene_.geometry().revision() || instanceRevision_ != instances.revision() ||
@@ -118,8 +113,10 @@ void SceneBvh::update() {
     materialRevision_ = gpuScene_.materials().revision();
     buildInstances();
     emittingInWorlds_.clear();
+    recordedEnvironment_.reset();
     buildSeconds_ += stopwatch.seconds();
   }
+  storeRecord();
   if (gpuScene_.hasWorlds()) followWorlds();
 }
 
@@ -305,16 +302,22 @@ void SceneBvh::buildInstances() {
     emitters_.upload(uploads, emitters.triangles);
     emitterIndices_.upload(uploads, emitters.indices);
   }
+  instanceNodes_ = bvh.nodes.size();
+  instanceCount_ = shown.size();
+}
+
+// Uploads the record of the scene without worlds, if it has changed.
+void SceneBvh::storeRecord() {
+  if (gpuScene_.hasWorlds() || recordedEnvironment_ == environment_) return;
+  recordedEnvironment_ = environment_;
   const shared::RayScene record{.nodes = nodes_.address(),
                                 .instances = instances_.address(),
                                 .environment = environment_,
                                 .emitters = emitters_.address(),
                                 .emitterIndices = emitterIndices_.address(),
-                                .instanceCount = static_cast<uint32_t>(shown.size()),
+                                .instanceCount = static_cast<uint32_t>(instanceCount_),
                                 .emitterCount = emitterCount_};
-  record_.upload(uploads, std::span(&record, 1));
-  instanceNodes_ = bvh.nodes.size();
-  instanceCount_ = shown.size();
+  record_.upload(gpuScene_.uploads(), std::span(&record, 1));
 }
 
 void SceneBvh::addChanges(graph::Graph& graph) const {

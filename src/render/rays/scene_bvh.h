@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,7 +35,7 @@ class SceneBvh {
   SceneBvh(vk::Device& device, graph::Executor& executor, const scene::Scene& scene, GpuScene& gpuScene);
 
   // Sets RayScene::environment, from the next update() on.
-  void setEnvironment(VkDeviceAddress cells);
+  void setEnvironment(VkDeviceAddress cells) { environment_ = cells; }
   // Follows the edits, poses and worlds that GpuScene has followed. Meshes that changed are built again; the next graph
   // refits deformed ones, and builds the instance level of worlds. The uploads are part of GpuScene::uploads().
   void update();
@@ -64,6 +65,7 @@ class SceneBvh {
   void buildOnHost(std::span<const uint32_t> meshes);
   DeviceBvh uploaded(const scene::Mesh& mesh, const Bvh& bvh);
   void buildInstances();
+  void storeRecord();
   void followWorlds();
   void listWorldEmitters();
   bool isShown(uint32_t instance) const;
@@ -81,6 +83,7 @@ class SceneBvh {
   GpuList<shared::RayNode> nodes_;
   GpuList<shared::RayInstance> instances_;
   GpuList<shared::RayScene> record_;
+  std::optional<VkDeviceAddress> recordedEnvironment_;  // in record_
   GpuList<shared::RayEmitter> emitters_;
   GpuList<uint32_t> emitterIndices_;
   uint32_t emitterCount_ = 0;

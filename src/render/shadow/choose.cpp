@@ -154,6 +154,13 @@ uint32_t cascadeSize(double picture) {
   return tileSize(picture, kMinCascade, kLargestTile);
 }
 
+bool castsInAllViews(std::span<const scene::Light> lights, const Settings& settings) {
+  const auto casts = [&](const scene::Light& light) {
+    return !light.removed && !shared::lightIsArea(light.type) && mayCast(light, settings.shadowLights);
+  };
+  return static_cast<size_t>(std::ranges::count_if(lights, casts)) <= mostCasters(settings.shadowLights);
+}
+
 bool castsOnlyDirectional(std::span<const scene::Light> lights, uint32_t width, uint32_t height,
                           const Settings& settings) {
   size_t count = 0;

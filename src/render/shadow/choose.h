@@ -26,6 +26,9 @@ std::vector<ShadowCaster> chooseShadowCasters(const ShadowScene& scene, const sh
 // of this size. `lights`: those of a scene.
 bool castsOnlyDirectional(std::span<const scene::Light> lights, uint32_t width, uint32_t height,
                           const Settings& settings);
+// Returns true if every view that a light reaches has its shadows, so that the lights with shadows by rays are the same
+// in all views.
+bool castsInAllViews(std::span<const scene::Light> lights, const Settings& settings);
 // Returns the lights that may cast shadows, by index in ascending order. Throws Error(Usage) for names that no light
 // has.
 std::vector<uint32_t> shadowCasters(const ShadowScene& scene, const Settings& settings);

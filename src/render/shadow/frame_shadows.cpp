@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <map>
 #include <set>
 
 #include "base/parallel.h"
@@ -55,6 +56,7 @@ FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, ShadowPlan
     for (const ShadowPlan::Entry& entry : view.lights) columns_.push_back(entry.light);
   std::sort(columns_.begin(), columns_.end());
   columns_.erase(std::unique(columns_.begin(), columns_.end()), columns_.end());
+  rayColumns_ = plan_.placed.columns;
   if (columns_.empty()) return;
   number(scene.lightCount());
   if (tracesRays()) {
@@ -178,26 +180,59 @@ void FrameShadows::upload(vk::Device& device, const GpuScene& scene) {
   constantsBuffer_ = uploaded(device, "shadow constants", constants);
 }
 
+bool FrameShadows::repeats(const ShadowPlan& plan, const GpuScene& scene) const {
+  const auto same = [](const auto& a, const auto& b) {
+    return std::ranges::equal(std::as_bytes(std::span(a)), std::as_bytes(std::span(b)));
+  };
+  return plan_.sameInAllViews && plan.sameInAllViews && same(plan_.rays, plan.rays) &&
+         same(rayLights_, scene.lightsOf(0).lights);
+}
+
+// Returns the lights with shadows in a view, in ascending order.
+std::vector<uint32_t> FrameShadows::castersOf(size_t view) const {
+  std::vector<uint32_t> casters;
+  for (const ShadowPlan::Entry& entry : plan_.of[view].lights) casters.push_back(entry.light);
+  std::ranges::sort(casters);
+  return casters;
+}
+
+// With worlds, each view has constants of its own. Its lists depend on no other view then, so its light is added in the
+// same order, and has the same bytes, as if it were rendered alone. Without worlds, the views share one list of other
+// lights, and rays find no shadows of lights that cast shadows only in other views.
 void FrameShadows::uploadRays(vk::Device& device, const GpuScene& scene) {
+  const bool ownLists = scene.hasWorlds() && !plan_.sameInAllViews;
+  std::map<std::pair<uint32_t, std::vector<uint32_t>>, uint64_t> lists;  // by world and casters
+  std::vector<shared::Light> others;
   std::vector<shared::RayShadow> rays;
-  for (size_t i = 0; i < table_.size(); ++i) {
-    shared::RayShadow none{.light = columns_[i % columns_.size()]};
-    rays.push_back(table_[i].maps ? plan_.rays[table_[i].first] : none);
+  for (size_t view = 0; view < plan_.of.size(); ++view)
+    rayColumns_ = std::max(rayColumns_, static_cast<uint32_t>(plan_.of[view].lights.size()));
+  if (!ownLists) rayColumns_ = static_cast<uint32_t>(columns_.size());
+  for (size_t view = 0; view < plan_.of.size(); ++view) {
+    const std::vector<uint32_t> casters = ownLists ? castersOf(view) : columns_;
+    for (uint32_t column = 0; column < rayColumns_; ++column) {
+      const uint32_t light = column < casters.size() ? casters[column] : shared::kRayNone;
+      const shared::LightShadow shadow =
+          column < casters.size() ? table_[view * columns_.size() + columnOf(light)] : shared::LightShadow{};
+      rays.push_back(shadow.maps ? plan_.rays[shadow.first] : shared::RayShadow{.light = light});
+    }
+    if (view > 0 && !ownLists) continue;
+    const uint32_t world = scene.worlds().hasLights() ? plan_.worlds[view] : 0;
+    const auto [list, isNew] = lists.try_emplace({world, casters}, others.size() * sizeof(shared::Light));
+    otherLights_.push_back(list->second);
+    if (!isNew) continue;
+    const std::span<const shared::Light> all = scene.lightsOf(world).lights;
+    others.resize(others.size() + scene.lightCount());  // the space of the largest world, as of all its lights
+    const std::span own = std::span(others).last(scene.lightCount());
+    std::ranges::copy(all, own.begin());
+    for (const uint32_t light : casters) own[light].intensity = glm::vec3(0);
   }
-  const uint32_t worlds = scene.worlds().hasLights() ? scene.worlds().count() : 1;
-  lightStride_ = worlds > 1 ? scene.lightCount() : 0;
-  std::vector<shared::Light> others(size_t{worlds} * scene.lightCount());
-  for (uint32_t world = 0; world < worlds; ++world) {
-    const std::span own = std::span(others).subspan(world * lightStride_, scene.lightCount());
-    std::ranges::copy(scene.lightsOf(world).lights, own.begin());
-    for (const uint32_t light : columns_) own[light].intensity = glm::vec3(0);
-  }
+  if (plan_.sameInAllViews) rayLights_ = scene.lightsOf(0).lights;
   mapsBuffer_ = uploaded(device, "shadow rays", rays);
   lightsBuffer_ = uploaded(device, "lights without shadows", others);
 }
 
 uint32_t FrameShadows::mostRays() const {
-  uint32_t most = 0;
+  uint32_t most = plan_.placed.mostRays;
   for (const ShadowPlan::OfView& view : plan_.of) {
     uint32_t rays = 0;
     for (const ShadowPlan::Entry& entry : view.lights) rays += entry.maps;
@@ -213,7 +248,7 @@ shared::LightShadow FrameShadows::of(uint32_t view, uint32_t light) const {
 }
 
 std::optional<uint32_t> FrameShadows::sun(uint32_t view) const {
-  return plan_.of[view].sun;
+  return tracesRays() ? std::nullopt : plan_.of[view].sun;
 }
 
 void FrameShadows::describe(shared::FrameConstants& frame) const {
@@ -222,8 +257,8 @@ void FrameShadows::describe(shared::FrameConstants& frame) const {
     frame.shadowBits = bitsBuffer_.address();
     frame.lightShadows = tableBuffer_.address();
   }
-  frame.shadowMaps = mapsBuffer_.address();
-  frame.shadowColumns = static_cast<uint32_t>(columns_.size());
+  frame.shadowMaps = plan_.placed.columns > 0 ? plan_.placed.rays : mapsBuffer_.address();
+  frame.shadowColumns = columns();
 }
 
 }  // namespace latelight::render

@@ -34,15 +34,24 @@ class FrameShadows {
   FrameShadows(vk::Device& device, const GpuScene& scene, ShadowPlan plan, const Settings& settings,
                ShadowMapCache& kept);
 
-  bool empty() const { return columns_.empty(); }                     // true if no light casts shadows in any view
+  bool empty() const { return columns() == 0; }                       // true if no light casts shadows in any view
   bool tracesRays() const { return format_ == shared::kShadowRays; }  // there are no maps and no atlas
   uint32_t mostRays() const;                                          // maximum number of rays per surface
-  uint32_t columns() const { return static_cast<uint32_t>(columns_.size()); }  // lights with shadows in any view
-  // The frame's lights except those with shadows in any view, which emit nothing there. Only if tracesRays().
-  VkDeviceAddress otherLights(uint32_t world = 0) const {
-    return lightsBuffer_.address() + world * lightStride_ * sizeof(shared::Light);
+  // FrameConstants::shadowColumns.
+  uint32_t columns() const { return tracesRays() ? rayColumns_ : static_cast<uint32_t>(columns_.size()); }
+  // The frame's lights except those whose shadows rays find, which emit nothing there. Only if tracesRays(). `view`: 0
+  // if all views have the same constants, or if shaders place the worlds.
+  VkDeviceAddress otherLights(uint32_t view = 0) const {
+    if (plan_.placed.columns > 0) return plan_.placed.others;
+    return lightsBuffer_.address() + otherLights_[otherLights_.size() > 1 ? view : 0];
   }
+  // Elements of FrameConstants::shadowMaps from one view to the next, and bytes from one world to the next. Only if
+  // tracesRays().
+  uint32_t viewStride() const { return plan_.sameInAllViews || plan_.placed.columns > 0 ? 0 : rayColumns_; }
+  uint64_t worldStride() const { return plan_.placed.columns * sizeof(shared::RayShadow); }
   const ShadowPlan& plan() const { return plan_; }
+  // Returns true if shadows of this plan by rays, which are the same in all views, would be equal to these.
+  bool repeats(const ShadowPlan& plan, const GpuScene& scene) const;
   shared::LightShadow of(uint32_t view, uint32_t light) const;
   std::optional<uint32_t> sun(uint32_t view) const;  // the view's first directional light that casts shadows
 
@@ -81,6 +90,7 @@ class FrameShadows {
   void listPagedLights();
   void upload(vk::Device& device, const GpuScene& scene);
   void uploadRays(vk::Device& device, const GpuScene& scene);
+  std::vector<uint32_t> castersOf(size_t view) const;
 
   uint32_t format_, filter_;  // kShadow*, kShadowFilter*
   bool inCompute_;            // compute shaders draw the maps
@@ -97,7 +107,9 @@ class FrameShadows {
   std::vector<shared::PagedLight> pagedLights_;
   std::vector<uint32_t> columns_;  // lights that cast shadows in some view, ascending
   std::vector<shared::ShadowBits> bits_;
-  size_t lightStride_ = 0;                  // elements of otherLights() per world; 0: all worlds share them
+  uint32_t rayColumns_ = 0;                 // with rays: maximum number of lights whose shadows rays find in a view
+  std::vector<uint64_t> otherLights_;       // with rays: offsets in lightsBuffer_, by view; one if they are the same
+  std::vector<shared::Light> rayLights_;    // with ShadowPlan::sameInAllViews: the frame's lights
   std::vector<shared::LightShadow> table_;  // one row per view
   std::shared_ptr<const vk::Image> atlas_;
   std::shared_ptr<const vk::Buffer> pages_;

@@ -254,21 +254,25 @@ Shared sharedOf(const ShadowScene& scene, uint32_t world, const ShadowCaster& ca
   return key;
 }
 
-// Adds a light whose shadows rays find in a view. Penumbrae are those of lights with a radius; with PCSS all lights
-// have one.
-void addRays(ShadowPlan& plan, size_t view, const ShadowScene& scene, uint32_t light, const Settings& settings) {
+// Returns the rays to a light. Penumbrae are those of lights with a radius; with PCSS all lights have one.
+shared::RayShadow raysOf(const ShadowScene& scene, uint32_t light, const Settings& settings) {
   const bool soft = settings.shadowFilter == ShadowFilter::Pcss || scene.authored[scene.sources[light]].size > 0;
   const Planner planner{scene, 0, settings, shared::kShadowRays};
   const double size = soft ? planner.lightRadius(scene.lights[light], light) : 0;
-  const uint32_t rays = size > 0 ? settings.samples : 1;
-  plan.of[view].lights.push_back({light, static_cast<uint32_t>(plan.rays.size()), rays});
-  plan.rays.push_back({light, rays, static_cast<float>(size), 0});
+  return {light, size > 0 ? settings.samples : 1, static_cast<float>(size), 0};
+}
+
+void addRays(ShadowPlan& plan, size_t view, const ShadowScene& scene, uint32_t light, const Settings& settings) {
+  const shared::RayShadow rays = raysOf(scene, light, settings);
+  plan.of[view].lights.push_back({light, static_cast<uint32_t>(plan.rays.size()), rays.rays});
+  plan.rays.push_back(rays);
 }
 
 ShadowPlan planRays(std::span<const ShadowScene> worlds, std::span<const shared::View> views, const Settings& settings,
                     const std::vector<Chosen>& chosen) {
   ShadowPlan plan;
   plan.of.resize(views.size());
+  for (const shared::View& view : views) plan.worlds.push_back(view.world);
   for (size_t view = 0; view < views.size(); ++view)
     for (const ShadowCaster& caster : chosen[view].casters)
       addRays(plan, view, worlds[views[view].world], caster.light, settings);
@@ -297,13 +301,17 @@ SunPlan planSuns(const ShadowScene& scene, std::span<const shared::View> views, 
   return plan;
 }
 
-ShadowPlan planPlacedRays(const ShadowScene& scene, size_t views, const Settings& settings) {
-  ShadowPlan plan;
-  plan.of.resize(views);
-  const std::vector<uint32_t> casters = shadowCasters(scene, settings);
-  for (size_t view = 0; view < views; ++view)
-    for (const uint32_t light : casters) addRays(plan, view, scene, light, settings);
+ShadowPlan planPlacedRays(const ShadowScene& scene, const Settings& settings) {
+  ShadowPlan plan{.worlds = {0}, .sameInAllViews = true};
+  plan.of.resize(1);
+  for (const uint32_t light : shadowCasters(scene, settings)) addRays(plan, 0, scene, light, settings);
   return plan;
+}
+
+std::vector<shared::RayShadow> raysOfLights(const ShadowScene& scene, const Settings& settings) {
+  std::vector<shared::RayShadow> rays(scene.lights.size(), {.light = shared::kRayNone});
+  for (const uint32_t light : shadowCasters(scene, settings)) rays[light] = raysOf(scene, light, settings);
+  return rays;
 }
 
 uint64_t shadowTexels(const Settings& s) {

@@ -39,9 +39,18 @@ struct ShadowPlan {
     std::optional<uint32_t> sun;  // the first directional light that casts shadows
   };
   std::vector<OfView> of;               // one per view
+  std::vector<uint32_t> worlds;         // with rays: the world of each view
   std::vector<ShadowView> views;        // one per map
   std::vector<shared::ShadowMap> maps;  // as lookups read them, without their position in the atlas
   std::vector<shared::RayShadow> rays;  // instead of views and maps, if rays decide; Entry::first is an index in it
+  bool sameInAllViews = false;          // with rays: the only element of `of` is that of each view
+  // With rays to lights that shaders write for each world: the lists that they fill (GpuWorlds::PlacedLights). The
+  // plan is empty otherwise.
+  struct PlacedRays {
+    uint32_t columns = 0, mostRays = 0;  // lists have so many elements; rays per surface
+    VkDeviceAddress rays = 0, others = 0;
+  };
+  PlacedRays placed;
 };
 
 struct ShadowScene {
@@ -63,8 +72,12 @@ struct SunPlan {
 // `views`: those of a world. Requires castsOnlyDirectional() (choose.h).
 SunPlan planSuns(const ShadowScene& scene, std::span<const shared::View> views, const Settings& settings);
 
-// The plan of shadows by rays for views that the host does not know. Requires castsOnlyDirectional().
-ShadowPlan planPlacedRays(const ShadowScene& scene, size_t views, const Settings& settings);
+// The plan of shadows by rays for views that the host does not know, with the lights of `scene`. Requires
+// castsInAllViews() (choose.h).
+ShadowPlan planPlacedRays(const ShadowScene& scene, const Settings& settings);
+// The rays to each light that emits light somewhere, in the order of `scene.lights`. Without shadows, its light is
+// kRayNone.
+std::vector<shared::RayShadow> raysOfLights(const ShadowScene& scene, const Settings& settings);
 
 uint64_t shadowTexels(const Settings& settings);  // maximum number of texels of the maps of one view; 0: no maps
 

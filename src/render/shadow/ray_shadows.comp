@@ -50,10 +50,10 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
   vec3 radiance = vec3(0.0);
   SurfaceBrdf brdf = surfaceBrdf(p.s, p.toEye, kShading);
   for (uint i = push.first; i < push.end; ++i) {
-    RayShadow shadow = RayShadowRef(frame.shadowMaps).v[uint(p.place.z) * frame.shadowColumns + i];
-    Light light = frameLight(frame, min(shadow.light, frame.lightCount - 1u));  // as triangleOfTile()
+    RayShadow shadow = RayShadowRef(frame.shadowMaps).v[uint(p.place.z) * push.viewStride + i];
+    Light light = frameLight(frame, min(shadow.light, max(frame.lightCount, 1u) - 1u));  // as triangleOfTile()
     LightSample arriving = sampleLight(light, p.s.position);
-    vec3 sent = shadeLight(brdf, arriving, kShading);
+    vec3 sent = shadow.light < frame.lightCount ? shadeLight(brdf, arriving, kShading) : vec3(0.0);
     for (bool some = any(greaterThan(sent, vec3(0.0))); some; some = false)
       radiance += sent * litByRays(frame, view, light, shadow, p.s, arriving.toLight);
   }

@@ -19,8 +19,12 @@ void addRayShadows(const FrameContext& f, const Gbuffer& gbuffer) {
   for (uint32_t first = 0; first < columns; first += atOnce) {
     ComputePass pass = lightingPass(f, gbuffer, "ray shadows", "ray_shadows.comp", {.picture = true, .counts = true});
     pass.fullImage = false;
-    const shared::RayShadowsPush push{
-        .frame = f.constants, .shown = {}, .first = first, .end = std::min(first + atOnce, columns)};
+    const shared::RayShadowsPush push{.frame = f.constants,
+                                      .shown = {},
+                                      .first = first,
+                                      .end = std::min(first + atOnce, columns),
+                                      .viewStride = f.shadows->viewStride(),
+                                      .padding = 0};
     addCompute(f, std::move(pass), [push, visible = gbuffer.visible](graph::Context& context) {
       shared::RayShadowsPush filled = push;
       filled.shown = surfacePush(visible, context);

@@ -11,6 +11,8 @@ struct RayShadowsPush {
   uint64_t frame;  // FrameConstants
   VisibleSurfacePush shown;
   uint first, end;  // columns of FrameConstants::shadowMaps: the lights of this pass
+  uint viewStride;  // elements of FrameConstants::shadowMaps from one view to the next; 0: all views have the same
+  uint padding;
 };
 
 SH_END

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <ranges>
 
 #include "base/error.h"
@@ -111,10 +112,6 @@ bool tracesRays(const Settings& settings) {
 // Throws Error(Usage) if rays do not support what worlds require.
 void checkRaysInWorlds(const Settings& settings, const WorldStates& worlds) {
   if (worlds.count == 0 || !tracesLight(settings)) return;
-  if (tracesPaths(settings) && !worlds.environments.empty())
-    badUsage(
-        "paths sample one environment for all worlds: render worlds with environments of their own without indirect "
-        "light, the technique reference and a ground");
   if (settings.ground != Ground::None && !settings.groundHeight)
     badUsage("the lowest points of worlds are not known: --ground requires --ground-height");
 }
@@ -197,6 +194,7 @@ std::vector<uint32_t> Renderer::selectEnvironments(const WorldStates& worlds) {
   if (known.size() > before) {
     replays_.clear();
     worldEnvironments_ = std::make_unique<GpuEnvironment>(device_, known);
+    worldCells_ = {};
   }
   state_.environment = worldEnvironments_.get();
   std::vector<uint32_t> maps;
@@ -253,21 +251,26 @@ Renderer::SceneInput Renderer::inputOf(const Settings& settings, const SceneStat
 }
 
 // Returns true if shaders may fit all shadow maps of worlds that they place, or if there are none, or if rays find the
-// shadows of lights that are the same in all views.
-bool Renderer::placesShadows(const Settings& s, const Poses& poses, bool hostShadows) const {
+// shadows of lights that are the same in all views of a world.
+bool Renderer::placesShadows(const Settings& s, const Poses& poses, WorldLights ownLights, bool ownJoints) const {
   if (s.shadows == ShadowFormat::None || !isLit(s)) return true;
   std::vector<scene::Light> lights = scene_.lights;
   if (const std::optional<scene::Light> sun = sunOf(s)) lights.push_back(*sun);
   if (std::ranges::all_of(lights, &scene::Light::removed)) return true;
-  return poses.current.empty() && !hostShadows && castsOnlyDirectional(lights, s.width, s.height, s);
+  if (s.shadows == ShadowFormat::Rays) {
+    const auto isArea = [](const scene::Light& light) { return !light.removed && shared::lightIsArea(light.type); };
+    const bool writesLights = ownLights == WorldLights::InArrays && std::ranges::none_of(lights, isArea);
+    return (ownLights == WorldLights::OfScene || writesLights) && castsInAllViews(lights, s);
+  }
+  return poses.current.empty() && ownLights == WorldLights::OfScene && !ownJoints &&
+         castsOnlyDirectional(lights, s.width, s.height, s);
 }
 
 bool Renderer::placesWorlds(const Settings& s, std::span<const scene::Camera> cameras, const Poses& poses,
-                            bool ownLights, bool ownJoints) const {
+                            WorldLights ownLights, bool ownJoints) const {
   const auto blurs = [&](const scene::Camera& camera) { return thinLensOf(camera, s, scene_).radius > 0; };
-  const bool sizesOfLights = tracesPaths(s) && ownLights;  // the host lists them in the order of each world's lights
-  return WorldPlacer::runsOn(device_) && rastersInCompute(s) && !s.lighting->draws && !sizesOfLights &&
-         placesShadows(s, poses, ownLights || ownJoints) &&
+  return WorldPlacer::runsOn(device_) && rastersInCompute(s) && !s.lighting->draws &&
+         placesShadows(s, poses, ownLights, ownJoints) &&
          (s.ambientOcclusion == AmbientOcclusion::None || s.aoRadius) && s.aa.superSampling == 1 && !keepsHistory(s) &&
          s.shutter == 0 && s.readout == 0 && stripsOf(s).size() == 1 && std::ranges::none_of(cameras, bendsRays) &&
          std::ranges::none_of(cameras, blurs);
@@ -287,15 +290,27 @@ bool Renderer::castsShadows(const Settings& settings) const {
   return settings.shadows != ShadowFormat::None && gpuScene_.lightCount() > 0 && isLit(settings) && !state_.suns;
 }
 
-// Selects the lights whose shadow maps shaders fit to the views of worlds.
+// Selects the lights whose shadow maps shaders fit to the views of worlds, or whose rays they list for each world.
 void Renderer::planPlacedShadows(const Settings& s, const WorldStates& worlds) {
   state_.suns = nullptr;
-  if (!worlds.inputs || !castsShadows(s) || s.shadows == ShadowFormat::Rays) return;
+  if (!worlds.inputs || !castsShadows(s)) return;
+  if (s.shadows == ShadowFormat::Rays) return listRays(s);
   std::vector<shared::View> views;
   for (const scene::Camera& camera : worlds.inputs->cameras)
     views.push_back(shadowView(camera, s.width, s.height, gpuScene_));
   suns_ = planSuns(shadowSceneOf(gpuScene_), views, s);
   state_.suns = &suns_;
+}
+
+// Selects the lights of worlds whose shadows rays find, if shaders write these lights.
+void Renderer::listRays(const Settings& settings) {
+  if (!gpuScene_.worlds().placesLights()) return;
+  const GpuWorlds::PlacedLights& placed = gpuScene_.worlds().placedLights();
+  std::vector<shared::Light> lights;
+  for (const shared::LightTemplate& light : placed.templates) lights.push_back(light.light[0]);
+  std::vector<uint32_t> sources(lights.size());
+  std::iota(sources.begin(), sources.end(), 0u);
+  gpuScene_.castRays(raysOfLights({lights, sources, placed.authored, {}}, settings));
 }
 
 // Plans the maps for the full pictures without jitter, so that the samples and strips of a picture share the positions
@@ -311,11 +326,21 @@ ShadowPlan Renderer::planShadows(std::span<const scene::Camera> cameras, const S
   return render::planShadows(worlds, views, settings);
 }
 
+// Returns the rays to the lights of worlds that shaders place.
+ShadowPlan Renderer::planPlacedRays(const Settings& settings) const {
+  if (!gpuScene_.worlds().placesLights()) return render::planPlacedRays(shadowSceneOf(gpuScene_), settings);
+  const GpuWorlds::PlacedLights& lights = gpuScene_.worlds().placedLights();
+  return {.placed = {lights.casters, lights.mostRays, lights.rayShadows, lights.others}};
+}
+
 // Returns null if no light casts shadows. From here on, newly planned maps may replace earlier ones in the atlas.
 std::shared_ptr<FrameShadows> Renderer::placeShadows(ShadowPlan plan, const Settings& settings) {
+  if (placedRays_ && placedRays_->repeats(plan, gpuScene_)) return placedRays_;
   ShadowMapCache& kept = shadowMaps_[rastersInCompute(settings)];
   auto shadows = std::make_shared<FrameShadows>(device_, gpuScene_, std::move(plan), settings, kept);
-  return shadows->empty() ? nullptr : shadows;
+  if (shadows->empty()) return nullptr;
+  if (shadows->plan().sameInAllViews) placedRays_ = shadows;
+  return shadows;
 }
 
 bool Renderer::transmits(const SceneState& moment) const {
@@ -406,8 +431,7 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
   }
   ShadowPlan plan;
   if (castsShadows(s))  // while the device renders
-    plan = job->placedWorlds > 0 ? planPlacedRays(shadowSceneOf(gpuScene_), count, s)
-                                 : planShadows(std::span(job->now).subspan(first, count), s);
+    plan = job->placedWorlds > 0 ? planPlacedRays(s) : planShadows(std::span(job->now).subspan(first, count), s);
   if (!independent) resolveOverflow();
   const std::shared_ptr<FrameShadows> shadows = placeShadows(std::move(plan), s);
   ShadowMapState shadowState = ShadowMapState::Cached;
@@ -517,8 +541,6 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       s.describeGraph || (part.shadows && !part.shadows->tracesRays()) || part.job.exposes || part.job.rowsAreViews ||
       bendsRays(part.job.camera(part.first)))
     return std::nullopt;
-  if (s.indirect == Indirect::Path) return std::nullopt;  // its passes depend on the materials of all instances
-  if (tracesPaths(s) && gpuScene_.worlds().hasLights()) return std::nullopt;  // a pass copies their sizes per view
   ReplayKey key{
       .views = part.count,
       .firstView = part.job.result.arrays.empty() ? 0 : part.first,
@@ -529,7 +551,9 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
                     gpuScene_.materials().sceneRevision()},
       .textureSlots = gpuScene_.materials().textureSlots(),
       .layers = gpuScene_.materials().layers(),
-      .worlds = gpuScene_.hasWorlds() ? ReplayKey::Worlds::Some : ReplayKey::Worlds::None,
+      .worlds = part.job.placedWorlds > 0 ? ReplayKey::Worlds::PlacedByShaders
+                : gpuScene_.hasWorlds()   ? ReplayKey::Worlds::ConvertedByHost
+                                          : ReplayKey::Worlds::None,
       .metered = !part.job.meteredExposures.empty(),
       .mixesBlended = rasterInstances_.mixesBlended(),
       .anyBlended = rasterInstances_.anyBlended(),
@@ -543,7 +567,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       .shadowColumns = part.shadows ? part.shadows->columns() : 0,
       .shadowRays = part.shadows && device_.isCpu() ? part.shadows->mostRays() : 0,
       .emitters = bvh_ && tracesPaths(s) ? bvh_->emitterCount() : 0,
-      .lightSizes = tracesPaths(s) ? lightSizes(gpuScene_.lightsOf(0)) : std::vector<float>{},
+      .plainMaterials = s.indirect == Indirect::Path && gpuScene_.plainMaterials(),
       .groundHeight = s.ground == Ground::None ? 0 : s.groundHeight.value_or(lowestPoint_) - gpuScene_.origin().z,
       .instances = rasterInstances_.address(),
       .firstTriangles = rasterInstances_.firstTriangles(),
@@ -741,10 +765,10 @@ void Renderer::createBvh() {
 
 SceneBvh& Renderer::followedBvh(bool samplesEnvironment) {
   createBvh();
-  if (samplesEnvironment && hasEnvironment_ && !environmentCells_) {
-    environmentCells_ = makeEnvironmentCells(device_, executor_, environment_);
-    bvh_->setEnvironment(environmentCells_.address());
-  }
+  vk::Buffer& cells = state_.environment == &environment_ ? environmentCells_ : worldCells_;
+  if (samplesEnvironment && state_.hasEnvironment && !cells)
+    cells = makeEnvironmentCells(device_, executor_, *state_.environment);
+  bvh_->setEnvironment(cells ? cells.address() : 0);
   gpuScene_.storeTexels();
   bvh_->update();
   return *bvh_;

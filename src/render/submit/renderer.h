@@ -87,9 +87,11 @@ class Renderer {
   // Returns true if shaders may place the worlds of a call with these settings and cameras (WorldStates::inputs). Other
   // calls require the host's records: those that draw, cast shadows of other lights than directional ones, or render a
   // picture in several parts.
-  // `ownLights`, `ownJoints`: the worlds have lights or joints of their own, to which only the host fits shadow maps.
+  // `ownLights`: where the values of the worlds' lights are. `ownJoints`: worlds have joints of their own, to which
+  // only the host fits shadow maps.
+  enum class WorldLights : uint8_t { OfScene, InArrays, InLists };
   bool placesWorlds(const Settings& settings, std::span<const scene::Camera> cameras, const Poses& poses,
-                    bool ownLights, bool ownJoints) const;
+                    WorldLights ownLights, bool ownJoints) const;
   // Returns memory for WorldInputs that the host writes, at least `bytes`. It must be held until the call has finished.
   std::shared_ptr<const vk::Buffer> inputMemory(uint64_t bytes);
 
@@ -169,9 +171,11 @@ class Renderer {
   Start submitRequest(ViewBatch& part, std::optional<uint64_t> maxBytes);
   Start accumulate(ViewBatch& part, const CameraSample& sample, const vk::Image& sum, std::optional<uint64_t> maxBytes,
                    bool first);
-  bool placesShadows(const Settings& settings, const Poses& poses, bool hostShadows) const;
+  bool placesShadows(const Settings& settings, const Poses& poses, WorldLights ownLights, bool ownJoints) const;
   void planPlacedShadows(const Settings& settings, const WorldStates& worlds);
   bool castsShadows(const Settings& settings) const;  // by maps that the host plans
+  void listRays(const Settings& settings);
+  ShadowPlan planPlacedRays(const Settings& settings) const;
   ShadowPlan planShadows(std::span<const scene::Camera> cameras, const Settings& settings) const;
   std::shared_ptr<FrameShadows> placeShadows(ShadowPlan plan, const Settings& settings);
   vk::Image makeSum(const ViewBatch& part);
@@ -193,6 +197,7 @@ class Renderer {
   Overflow overflow_;
   std::unique_ptr<SceneBvh> bvh_;  // null before the first request for rays
   vk::Buffer environmentCells_;    // null before paths sample the environment
+  vk::Buffer worldCells_;          // the same of worldEnvironments_
   double lowestPoint_ = 0;         // of the scene, as edited at `lowestPointEdits_`
   std::optional<std::array<uint64_t, 2>> lowestPointEdits_;
   SunPlan suns_;  // RenderState::suns
@@ -201,8 +206,9 @@ class Renderer {
   std::optional<IndirectInput> indirectInput_;  // of the last frame of indirectHistory_
   LensRayCache lensRays_;
   std::shared_ptr<ExportPool> exports_ = std::make_shared<ExportPool>();
-  ShadowMapCache shadowMaps_[2];          // of hardware and compute
-  std::optional<SceneInput> sceneInput_;  // of the last begin(), unless it failed
+  ShadowMapCache shadowMaps_[2];              // of hardware and compute
+  std::shared_ptr<FrameShadows> placedRays_;  // of the last worlds that shaders placed, or null
+  std::optional<SceneInput> sceneInput_;      // of the last begin(), unless it failed
   ReplayCache replays_;
   // Batches in flight, in order. resolveOverflow() detects whether they overflowed, and renders them again, before
   // anything changes that they depend on.

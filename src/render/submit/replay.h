@@ -24,7 +24,7 @@ struct ReplayKey {
   // The scene on the device.
   std::array<uint64_t, 4> revisions;  // of meshes, materials and textures as edited, and of materials as posed
   uint32_t textureSlots, layers;      // of materials, including those of worlds
-  enum class Worlds : uint8_t { None, Some } worlds;
+  enum class Worlds : uint8_t { None, ConvertedByHost, PlacedByShaders } worlds;
   bool metered;  // views have exposures of their own
   bool mixesBlended, anyBlended;
   uint32_t lights, unboundedLights, areaLights;
@@ -33,9 +33,9 @@ struct ReplayKey {
   const GpuEnvironment* environment;
   std::array<size_t, 2> placedShadows;  // numbers of lights and of views per world, if shaders fit shadow maps
   // For ray-traced light: the number of lights with shadows, the maximum number of shadow rays per surface,
-  // RayScene::emitterCount, the sizes of lights for paths, and the height of the ground.
+  // RayScene::emitterCount, GpuScene::plainMaterials(), and the height of the ground.
   uint32_t shadowColumns, shadowRays, emitters;
-  std::vector<float> lightSizes;
+  bool plainMaterials;
   double groundHeight;
   VkDeviceAddress instances, firstTriangles;
   VkDeviceAddress objectFrames;

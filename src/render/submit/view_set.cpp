@@ -91,7 +91,7 @@ void ViewSet::upload() {
                                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
   for (size_t i = 0; i < frames; ++i) {
     setView(frame, i);
-    frame.lights = shadows_->otherLights(views_.now[i].world);
+    frame.lights = shadows_->otherLights(static_cast<uint32_t>(i));
     otherConstants_.as<shared::FrameConstants>()[i] = frame;
   }
 }
@@ -115,6 +115,7 @@ void ViewSet::describeOnDevice() {
   if (!state_.hasEnvironment) c.has &= ~shared::kWorldHasIntensity;
   c.rasterStride = state_.rasterInstances.address(1) - state_.rasterInstances.address(0);
   c.rayStride = sizeof(shared::RayScene);
+  if (shadows_ && shadows_->tracesRays()) c.shadowStride = shadows_->worldStride();
   c.views = static_cast<uint32_t>(count);
   c.firstView = views_.onDevice.first;
   c.viewsPerWorld = views_.onDevice.perWorld;

@@ -10,8 +10,6 @@
 #include "render/glsl/setup.glsl"
 #include "shared/light.h"
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightSizesRef { float v[]; };
-
 const uint kMaxCandidates = 32u;  // without the tree, and of the directional lights
 const uint kLeavesPerChoice = 4u;
 
@@ -30,8 +28,9 @@ struct LightChoice {
 // The light that it reflects is part of the light's intensity, so other surfaces do not receive it again.
 bool lights(FrameConstants frame, PathVertex v, uint index) {
   if (index < frame.directionalLights) return true;
-  vec4 sphere = floatsAt(frame.lights + uint64_t(index) * kLightBytes, 0u);  // position, 1 / radius^2
-  float size = v.visible ? 0.0 : LightSizesRef(lightSizes).v[index];
+  uint64_t light = frame.lights + uint64_t(index) * kLightBytes;
+  vec4 sphere = floatsAt(light, 0u);  // position, 1 / radius^2
+  float size = v.visible ? 0.0 : floatsAt(light, 3u).z;
   vec3 offset = sphere.xyz - v.s.position;
   float distance2 = dot(offset, offset);
   return distance2 * sphere.w < 1.0 && distance2 >= size * size;

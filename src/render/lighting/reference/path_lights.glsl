@@ -47,16 +47,15 @@ LightRay rayToLight(FrameConstants frame, PathVertex v, float distance) {
   LightChoice choice = chooseLight(frame, v, nextSample());
   if (choice.light == vec3(0.0)) return noLightRay();
   Light light = frameLight(frame, choice.index);
-  float size = LightSizesRef(lightSizes).v[choice.index];
   mat3 axes = rayAxes(choice.toLight);
-  vec2 disk = diskSample(nextSample()) * size;
+  vec2 disk = diskSample(nextSample()) * light.size;
   vec3 moved = axes[0] * disk.x + axes[1] * disk.y;
   bool directional = lightIsDirectional(light.type);
   vec3 origin = rayOrigin(v.s, choice.toLight, distance);
   vec3 way = directional ? choice.toLight + moved : light.position + moved - origin;
   float away = length(way);
   // Geometry nearer to a light than its radius is the light's own body.
-  float far = directional ? 3.0e38 : max(away - size - rayOffset(light.position, away), 0.0);
+  float far = directional ? 3.0e38 : max(away - light.size - rayOffset(light.position, away), 0.0);
   return LightRay(choice.light, way / away, far, 0.0, choice.toLight, choice.arriving);
 }
 

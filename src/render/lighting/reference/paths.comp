@@ -7,7 +7,8 @@
 // and the path goes on in a direction of the surface's lobes, which also finds the last three. From the fourth surface
 // on, paths end at random in proportion to what they still carry (Russian roulette).
 //
-// Inputs: the G-buffer, the scene's BVHs and emitters (FrameConstants::rayScene), the environment's image and cells.
+// Inputs: the G-buffer, the scene's BVHs and emitters (FrameConstants::rayScene), an environment's image and its cells.
+// Worlds may have several environments, each of which has passes of its own, which skip the views of the others.
 // `pathSum` accumulates the radiance over several passes. The last pass writes the lit picture: with kPathsFromLights,
 // all light; otherwise it adds to the picture of another technique, and replaces that technique's light of the
 // environment, which nothing blocks. The technique adds no light of area lights then.
@@ -41,7 +42,7 @@ layout(constant_id = kSampledAreaLightsConstant) const uint kSampledAreaLights =
 layout(constant_id = kSharedPathsConstant) const uint kSharedPaths = 0;  // 1: writes records, which path_sharing.comp reads
 
 layout(set = 0, binding = AFTER_LIT_MAPS) uniform sampler2D environmentPicture;
-uint64_t emitterSums, lightSizes;  // PathsPush, those of the view
+uint64_t emitterSums;  // PathsPush, those of the view
 
 #include "render/lighting/reference/path_lights.glsl"
 #include "render/lighting/reference/path_record.glsl"
@@ -292,9 +293,9 @@ EyeRay eyeRay(FrameConstants frame, View view, LitPixel p) {
 void main() {
   bindSurfaces(push.frame, push.shown);
   FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
+  if (!isOwnSky(frame, push.environment)) return;
   ivec3 place = ownPixel();
   emitterSums = push.emitterSums + uint64_t(place.z) * push.emitterStride * 4ul;
-  lightSizes = push.lightSizes + uint64_t(place.z) * push.lightStride * 4ul;
   View view = frameView(frame, place.z);
   bool inside = all(lessThan(vec2(place.xy), view.size));
   LitPixel p = readPixel(frame, view, place, inside ? 1u : 0u);

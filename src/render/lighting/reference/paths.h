@@ -9,9 +9,6 @@ namespace latelight::render {
 // entirely.
 bool tracesPaths(const FrameConfig& setup);
 
-// Returns the sizes of lights for paths, as RayShadow::lightSize, in the order of FrameConstants::lights.
-std::vector<float> lightSizes(const LightSet& lights);
-
 // Replaces the environment's light in the lit picture, which nothing blocks, by light that other surfaces block,
 // reflect and emit.
 void addIndirect(const FrameContext& f, const Gbuffer& gbuffer);

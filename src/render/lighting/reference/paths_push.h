@@ -32,14 +32,14 @@ struct PathsPush {
   uint64_t frame;  // FrameConstants
   VisibleSurfacePush shown;
   uint64_t emitterSums;  // float[emitterStride]: running sums of the emitters' powers; with worlds, for each view
-  uint64_t lightSizes;   // float[lightCount], as RayShadow::lightSize; with lights of worlds, for each view
   uint64_t records;      // PathRecord[end - first][views][height][width]; 0: paths are not shared
   uint first, end;       // samples of this pass
   uint samples;          // of all passes
   uint firstPoint;       // index of the first sample's point in the pixels' sequences
   uint bounces;          // maximum number of surfaces after the visible one
-  uint emitterStride, lightStride;  // elements from one view to the next
+  uint emitterStride;    // elements from one view to the next
   uint views;
+  uint environment;  // of the pass: its index among the environments of worlds
 };
 
 SH_END

@@ -48,37 +48,12 @@ IndirectSignals createSignals(const FrameContext& f, bool filters) {
           .mirroredAlbedo = createPathImage(f, filters, VK_FORMAT_R16G16B16A16_SFLOAT, "specular albedo")};
 }
 
+// `first`: no earlier pass has written to the signals.
 void bindSignals(Bindings& bindings, const IndirectSignals& signals, bool first) {
-  const graph::Use sums = first ? graph::Use::StorageWrite : graph::Use::StorageReadWrite;
-  bindings.storage(signals.scattered, sums).storage(signals.mirrored, sums);
-  for (const graph::ImageId image : {signals.guide, signals.scatteredAlbedo, signals.mirroredAlbedo})
-    bindings.storage(image, graph::Use::StorageWrite);
-}
-
-// Returns the sizes of the lights. With lights of worlds, they are those of each view, with the space of the largest
-// world.
-std::vector<float> sizesInViews(const FrameContext& f) {
-  const size_t views = f.scene.worlds().hasLights() ? f.views.size() : 1, stride = f.scene.lightCount();
-  std::vector<float> sizes(views * stride);
-  for (size_t view = 0; view < views; ++view)
-    std::ranges::copy(lightSizes(f.scene.lightsOf(f.views[view].world)), sizes.begin() + view * stride);
-  return sizes;
-}
-
-graph::BufferId addLightSizes(const FrameContext& f) {
-  std::vector<float> sizes = sizesInViews(f);
-  const graph::BufferId buffer =
-      f.graph.create(vk::BufferDesc{.size = sizes.size() * sizeof(float), .name = "sizes of lights"});
-  f.graph.pass(graph::Stage::Upload, "sizes of lights", {{buffer, graph::Use::CopyTarget}},
-               [buffer, sizes = std::move(sizes)](graph::Context& context) {
-                 constexpr size_t kMost = 65536 / sizeof(float);  // of vkCmdUpdateBuffer
-                 for (size_t first = 0; first < sizes.size(); first += kMost) {
-                   const size_t count = std::min(kMost, sizes.size() - first);
-                   vkCmdUpdateBuffer(context.get(), context.buffer(buffer).get(), first * sizeof(float),
-                                     count * sizeof(float), &sizes[first]);
-                 }
-               });
-  return buffer;
+  const graph::Use use = first ? graph::Use::StorageWrite : graph::Use::StorageReadWrite;
+  for (const graph::ImageId image :
+       {signals.scattered, signals.mirrored, signals.guide, signals.scatteredAlbedo, signals.mirroredAlbedo})
+    bindings.storage(image, use);
 }
 
 // Returns the index of the frame's first point of the sample sequences, which the frames of a history continue.
@@ -98,28 +73,23 @@ uint32_t pathFlags(const FrameContext& f, bool fromLights) {
   return flags;
 }
 
-// Returns true if pixels share paths (path_sharing.comp). Surfaces outside of a view count, too, so that the paths of a
-// view do not depend on the views that are rendered with it.
+// Returns true if pixels share paths (path_sharing.comp), which requires that all surfaces are plain. The materials of
+// the scene count even if no surface has them, because worlds may choose them, and an image must depend neither on
+// other views nor on other worlds.
 bool sharesPaths(const FrameContext& f, uint32_t flags, bool fromLights) {
-  if (flags != 0 || fromLights || f.setup.indirect != shared::kIndirectPath) return false;
-  const auto isPlain = [&](const shared::Instance& instance) {
-    const uint32_t material = f.scene.materials().record(instance.material).flags;
-    return !(material & shared::kMaterialLayered) && !shared::translucent(material);
-  };
-  return std::ranges::all_of(f.scene.instances().records(), isPlain) &&
-         std::ranges::all_of(f.scene.worlds().records(), isPlain);
+  return flags == 0 && !fromLights && f.setup.indirect == shared::kIndirectPath && f.scene.plainMaterials();
 }
 
 // The buffers of the passes of paths.
 struct PathBuffers {
-  graph::BufferId emitters, lightSizes, records;
+  graph::BufferId emitters, records;
 };
 
 ComputePass pathPass(const FrameContext& f, const Gbuffer& gbuffer, const IndirectSignals& signals, const char* name,
-                     const char* shader, bool fromLights, bool first) {
+                     const char* shader, bool fromLights, bool first, uint32_t environment) {
   const bool kept = !first || !fromLights;
   ComputePass pass = lightingPass(f, gbuffer, name, shader, {.picture = kept, .counts = kept});
-  pass.bindings.outside(f.environment.radiance());
+  pass.bindings.outside(f.environment.radiance(environment));
   bindSignals(pass.bindings, signals, first);
   pass.constants.push_back({kFilteredConstant, f.setup.filtersIndirect && !fromLights ? 1u : 0u});
   pass.constants.push_back({kLayersConstant, f.setup.layers});
@@ -129,14 +99,12 @@ ComputePass pathPass(const FrameContext& f, const Gbuffer& gbuffer, const Indire
 
 void addPathPass(const FrameContext& f, const Gbuffer& gbuffer, ComputePass pass, const shared::PathsPush& push,
                  const PathBuffers& buffers, graph::Use records) {
-  for (const graph::BufferId buffer : {buffers.emitters, buffers.lightSizes})
-    if (buffer) pass.buffers.emplace_back(buffer, graph::Use::StorageRead);
+  if (buffers.emitters) pass.buffers.emplace_back(buffers.emitters, graph::Use::StorageRead);
   if (buffers.records) pass.buffers.emplace_back(buffers.records, records);
   addCompute(f, std::move(pass), [push, buffers, visible = gbuffer.visible](graph::Context& context) {
     shared::PathsPush filled = push;
     filled.shown = surfacePush(visible, context);
     if (buffers.emitters) filled.emitterSums = context.buffer(buffers.emitters).address();
-    if (buffers.lightSizes) filled.lightSizes = context.buffer(buffers.lightSizes).address();
     if (buffers.records) filled.records = context.buffer(buffers.records).address();
     return filled;
   });
@@ -149,33 +117,35 @@ IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fro
   const IndirectSignals signals = createSignals(f, f.setup.filtersIndirect && !fromLights);
   PathBuffers buffers;
   if (f.emitters > 0) buffers.emitters = addEmitterSums(f);
-  if (f.scene.lightCount() > 0) buffers.lightSizes = addLightSizes(f);
   if (sharing)
     buffers.records = f.graph.create(
         vk::BufferDesc{.size = std::min(all, atOnce) * pixelCount(f) * shared::kPathRecordBytes, .name = "paths"});
   for (uint32_t first = 0; first < all; first += atOnce) {
-    const shared::PathsPush push{.frame = f.constants,
-                                 .shown = {},
-                                 .emitterSums = 0,
-                                 .lightSizes = 0,
-                                 .records = 0,
-                                 .first = first,
-                                 .end = std::min(first + atOnce, all),
-                                 .samples = all,
-                                 .firstPoint = fromLights ? 0 : firstPoint(f),
-                                 .bounces = bounces,
-                                 .emitterStride = f.scene.hasWorlds() ? f.emitters : 0,
-                                 .lightStride = f.scene.worlds().hasLights() ? f.scene.lightCount() : 0,
-                                 .views = f.viewCount()};
-    ComputePass pass = pathPass(f, gbuffer, signals, "paths", "paths.comp", fromLights, first == 0);
-    pass.constants.push_back({kPathsFromLightsConstant, flags});
-    pass.constants.push_back({kEmittersConstant, buffers.emitters ? 1u : 0u});
-    pass.constants.push_back({kSampledAreaLightsConstant, f.scene.areaLights() > 0 ? 1u : 0u});
-    pass.constants.push_back({kSharedPathsConstant, sharing ? 1u : 0u});
-    addPathPass(f, gbuffer, std::move(pass), push, buffers, graph::Use::StorageWrite);
-    if (!sharing) continue;
-    addPathPass(f, gbuffer, pathPass(f, gbuffer, signals, "shared paths", "path_sharing.comp", fromLights, false), push,
-                buffers, graph::Use::StorageRead);
+    shared::PathsPush push{.frame = f.constants,
+                           .shown = {},
+                           .emitterSums = 0,
+                           .records = 0,
+                           .first = first,
+                           .end = std::min(first + atOnce, all),
+                           .samples = all,
+                           .firstPoint = fromLights ? 0 : firstPoint(f),
+                           .bounces = bounces,
+                           .emitterStride = f.scene.hasWorlds() ? f.emitters : 0,
+                           .views = f.viewCount(),
+                           .environment = 0};
+    for (; push.environment < f.environment.count(); ++push.environment) {
+      ComputePass pass = pathPass(f, gbuffer, signals, "paths", "paths.comp", fromLights,
+                                  first == 0 && push.environment == 0, push.environment);
+      pass.constants.push_back({kPathsFromLightsConstant, flags});
+      pass.constants.push_back({kEmittersConstant, buffers.emitters ? 1u : 0u});
+      pass.constants.push_back({kSampledAreaLightsConstant, f.scene.areaLights() > 0 ? 1u : 0u});
+      pass.constants.push_back({kSharedPathsConstant, sharing ? 1u : 0u});
+      addPathPass(f, gbuffer, std::move(pass), push, buffers,
+                  push.environment == 0 ? graph::Use::StorageWrite : graph::Use::StorageReadWrite);
+    }
+    if (sharing)
+      addPathPass(f, gbuffer, pathPass(f, gbuffer, signals, "shared paths", "path_sharing.comp", fromLights, false, 0),
+                  push, buffers, graph::Use::StorageRead);
   }
   return signals;
 }
@@ -186,15 +156,6 @@ LightLists add(const FrameContext& f, const Gbuffer& gbuffer) {
 }
 
 }  // namespace
-
-std::vector<float> lightSizes(const LightSet& set) {
-  std::vector<float> sizes(set.lights.size());
-  for (size_t i = 0; i < sizes.size(); ++i) {
-    const float size = set.authored[set.sources[i]].size;
-    sizes[i] = shared::lightIsDirectional(set.lights[i].type) ? std::tan(size / 2) : size;
-  }
-  return sizes;
-}
 
 bool tracesPaths(const FrameConfig& setup) {
   return setup.indirect || setup.lighting->traces;

@@ -84,6 +84,7 @@ vec2 sampleGround(FrameConstants frame, RayScene scene, Surface s, SurfaceBrdf b
 void main() {
   ivec3 pixel = ivec3(gl_GlobalInvocationID);
   FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
+  if (!isOwnSky(frame, push.environment)) return;
   View view = frameView(frame, pixel.z);
   if (any(greaterThanEqual(vec2(pixel.xy), view.size))) return;
   vec3 position;

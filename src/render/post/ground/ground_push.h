@@ -7,16 +7,18 @@
 SH_BEGIN
 
 struct GroundPush {
-  uint64_t frame;   // FrameConstants
-  float height;     // of the plane, along Z of the device's world space
-  uint first, end;  // samples of this pass
-  uint samples;     // of all passes
+  uint64_t frame;    // FrameConstants
+  float height;      // of the plane, along Z of the device's world space
+  uint first, end;   // samples of this pass
+  uint samples;      // of all passes
+  uint environment;  // of the pass: its index among the environments of worlds
+  uint padding;
 };
 
 SH_END
 
 #if defined(__cplusplus)
-static_assert(sizeof(latelight::shared::GroundPush) == 24);
+static_assert(sizeof(latelight::shared::GroundPush) == 32);
 #endif
 
 #endif

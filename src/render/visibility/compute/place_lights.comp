@@ -1,18 +1,21 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Writes the lights of a world, with one workgroup per world: those that emit light, in the order of the light tree,
-// the boxes of the tree, the area lights, and their numbers. The host's counterparts are makeLightSet() and
-// buildLightTree(). A world has at most kMaxPlacedLights lights, so all boxes of its tree are leaves.
+// the boxes of the tree, the area lights, their numbers, and the rays to lights with shadows by rays. The host's
+// counterparts are makeLightSet(), buildLightTree() and FrameShadows::uploadRays(). A world has at most
+// kMaxPlacedLights lights, so all boxes of its tree are leaves.
 #include "render/visibility/compute/place_worlds.glsl"
 #include "render/gpu_scene/view_constants_push.h"
 #include "shared/color.h"
 #include "shared/light.h"
+#include "shared/rays.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightTemplates { LightTemplate v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer LightsOut { Light v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer AreaLightsOut { AreaLight v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer BoxesOut { LightBox v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer ValuesOut { WorldValues v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer RayShadowsOut { RayShadow v[]; };
 
 // Keys by which lights are sorted: directional lights come first, and lights that emit nothing last.
 const uint64_t kLocal = 1ul << 62, kDark = 1ul << 63;
@@ -21,6 +24,7 @@ shared uint64_t keys[kMaxPlacedLights];
 shared vec3 positions[kMaxPlacedLights];
 shared LightBox boxes[kMaxPlacedLights];  // of the sorted lights
 shared uint emitting[kMaxPlacedLights];   // area lights
+shared uint casting[kMaxPlacedLights];    // lights that emit light and cast shadows by rays
 
 // The values of a template that a world may change.
 struct PlacedLight {
@@ -174,13 +178,14 @@ void listLights(WorldJob job, uint world) {
     LightTemplate t = LightTemplates(job.lightTemplates).v[i];
     PlacedLight placed = placedLight(job, world, i);
     keys[i] = kDark;
-    emitting[i] = 0u;
+    emitting[i] = casting[i] = 0u;
     positions[i] = placed.position;
     if ((t.state & kLightIsArea) != 0u) {
       bool shines = isFinite(placed.position) && isFinite(placed.intensity) && maxChannel(placed.intensity) > 0.0;
       emitting[i] = shines && (t.state & kLightHasExtent) != 0u ? 1u : 0u;
     } else if (emits(punctual(job, i, placed))) {
       keys[i] = lightIsDirectional(t.light[0].type) ? 0ul : kLocal;
+      casting[i] = (t.state & kLightCastsByRays) != 0u ? 1u : 0u;
     }
   }
 }
@@ -198,13 +203,31 @@ void sortLights(WorldJob job, uint world) {
   for (uint i = gl_LocalInvocationIndex; i < job.lights; i += kPlaceGroup) {
     if (emitting[i] != 0u) writeAreaLight(job, world, i);
     if (keys[i] == kDark) continue;
-    uint rank = 0u;
-    for (uint other = 0u; other < job.lights; ++other)
-      rank += keys[other] < keys[i] || (keys[other] == keys[i] && other < i) ? 1u : 0u;
+    uint rank = 0u, column = 0u;
+    for (uint other = 0u; other < job.lights; ++other) {
+      bool before = keys[other] < keys[i] || (keys[other] == keys[i] && other < i);
+      rank += before ? 1u : 0u;
+      column += before ? casting[other] : 0u;
+    }
+    LightTemplate t = LightTemplates(job.lightTemplates).v[i];
     Light light = punctual(job, i, placedLight(job, world, i));
     boxes[rank] = boxOf(light);
     LightsOut(job.lightList).v[world * job.lights + rank] = light;
+    if (job.casters == 0u) continue;
+    if (casting[i] != 0u) {
+      RayShadowsOut(job.rayShadows).v[world * job.casters + column] = RayShadow(rank, t.shadowRays, t.shadowSize, 0u);
+      light.intensity = vec3(0.0);
+    }
+    LightsOut(job.otherLights).v[world * job.lights + rank] = light;
   }
+}
+
+// Lights that emit nothing in this world leave elements at the end of its list.
+void endRayShadows(WorldJob job, uint world) {
+  uint count = 0u;
+  for (uint i = 0u; i < job.lights; ++i) count += casting[i];
+  for (uint i = count + gl_LocalInvocationIndex; i < job.casters; i += kPlaceGroup)
+    RayShadowsOut(job.rayShadows).v[world * job.casters + i] = RayShadow(kRayNone, 0u, 0.0, 0u);
 }
 
 void main() {
@@ -218,6 +241,7 @@ void main() {
   keyLights(job, around);
   barrier();
   sortLights(job, world);
+  endRayShadows(job, world);
   uint directional = 0u, local = 0u, area = 0u;
   for (uint i = 0u; i < job.lights; ++i) {
     directional += keys[i] < kLocal ? 1u : 0u;

@@ -65,6 +65,9 @@ struct WorldJob {
   // Results, per world: Light[lights] in the order of the light tree, its LightBox[kPlacedLightBoxes], and
   // AreaLight[lights].
   uint64_t lightList, lightBoxes, areaLights;
+  // If rays find the shadows of lights, results: Light[worlds][lights], in which these emit nothing, and
+  // RayShadow[worlds][casters].
+  uint64_t otherLights, rayShadows;
   uint64_t bases;     // DerivableMaterial[] of the scene's materials
   uint64_t values;    // result: WorldValues[worlds]
   uint64_t deformed;  // DeformedBounds[worlds][deformedMeshes]
@@ -74,6 +77,7 @@ struct WorldJob {
   uint firstDerived;              // index of the first material that shaders derive, or kNowhere
   uint paletteSize, environments;
   uint lights, listedLights;           // numbers of templates, and of those that the caller's arrays describe
+  uint casters;                        // number of templates with kLightCastsByRays
   uint deformedMeshes, firstDeformed;  // number per world, and index of the first world's first mesh record
 };
 

@@ -205,6 +205,9 @@ void WorldPlacer::describeLights(const GpuScene& scene, const WorldStates& world
   job_.lightList = placed.lights;
   job_.lightBoxes = placed.boxes;
   job_.areaLights = placed.areaLights;
+  job_.otherLights = placed.others;
+  job_.rayShadows = placed.rayShadows;
+  job_.casters = placed.casters;
 }
 
 void WorldPlacer::describeCameras(const GpuScene& scene, const WorldStates& worlds, vk::Uploader& uploader) {
