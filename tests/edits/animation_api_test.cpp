@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "test_device.h"
+
 namespace latelight {
 namespace {
 
@@ -19,7 +21,7 @@ MeshData facingSquare() {
 
 // The distance from (0.25, 0, 10) along -Z at a time.
 float distanceAt(Scene& scene, double time) {
-  Renderer renderer(scene, "cpu");
+  Renderer renderer(scene, latelight::test::testDevice());
   Options options;
   options.time = time;
   const std::array<double, 3> origin{0.25, 0, 10}, down{0, 0, -1};

@@ -9,6 +9,7 @@
 
 #include "models/models.h"
 #include "placed.h"
+#include "test_device.h"
 
 namespace latelight {
 namespace {
@@ -84,7 +85,7 @@ TEST(EditApi, ListsWhatTheSceneHas) {
 
 TEST(EditApi, WhatIsReadCanBeWrittenBack) {
   Scene scene = punctual();
-  Renderer renderer(scene, "cpu");
+  Renderer renderer(scene, latelight::test::testDevice());
   const Camera camera = scene.defaultCamera(1.5f);
   const Frame before = renderer.render(camera, small());
   for (const auto handle : scene.instances()) scene.setTransform(handle, scene.instance(handle).transform);
@@ -95,12 +96,12 @@ TEST(EditApi, WhatIsReadCanBeWrittenBack) {
 
 TEST(EditApi, EachFrameIsThatOfARendererMadeAfresh) {
   Scene scene = punctual();
-  Renderer renderer(scene, "cpu");
+  Renderer renderer(scene, latelight::test::testDevice());
   const Camera camera = scene.defaultCamera(1.5f);
   const Frame before = renderer.render(camera, small());
   const auto check = [&] {
     const Frame frame = renderer.render(camera, small());
-    expectSame(frame, Renderer(scene, "cpu").render(camera, small()));
+    expectSame(frame, Renderer(scene, latelight::test::testDevice()).render(camera, small()));
     return frame;
   };
   Material red = scene.material(scene.materials()[0]);
@@ -123,8 +124,8 @@ TEST(EditApi, EachFrameIsThatOfARendererMadeAfresh) {
 TEST(EditApi, TicketsGiveTheSceneAsItWasSubmitted) {
   Scene scene = punctual();
   const Camera camera = scene.defaultCamera(1.5f);
-  const Frame before = Renderer(scene, "cpu").render(camera, small());
-  auto renderer = std::make_unique<Renderer>(scene, "cpu");
+  const Frame before = Renderer(scene, latelight::test::testDevice()).render(camera, small());
+  auto renderer = std::make_unique<Renderer>(scene, latelight::test::testDevice());
   Ticket first = renderer->submit({camera}, small());
   Ticket dropped = renderer->submit({camera}, small());
   Material red = scene.material(scene.materials()[0]);
@@ -137,7 +138,7 @@ TEST(EditApi, TicketsGiveTheSceneAsItWasSubmitted) {
   const std::vector<Frame> after = second.take();
   ASSERT_EQ(after.size(), 2u);
   expectSame(after[0], after[1]);
-  expectSame(after[0], Renderer(scene, "cpu").render(camera, small()));
+  expectSame(after[0], Renderer(scene, latelight::test::testDevice()).render(camera, small()));
   expectSame(dropped.take().front(), before);
   EXPECT_NE(after[0].rgba, before.rgba);
   EXPECT_TRUE(dropped.done());
@@ -164,7 +165,7 @@ TEST(EditApi, TransformsAreInTheFilesFrame) {
 
 TEST(EditApi, WhatIsAddedIsSeenAndFoundByItsIds) {
   Scene scene("builtin:boxes");
-  Renderer renderer(scene, "cpu");
+  Renderer renderer(scene, latelight::test::testDevice());
   Camera camera = scene.lookAt({0, 50, 10}, {0, 50, 0});
   Material paint;
   paint.name = "paint";
@@ -191,7 +192,7 @@ TEST(EditApi, WhatIsAddedIsSeenAndFoundByItsIds) {
 // Like the output of an importer: normals of the triangles, and tangents along the texture coordinates.
 TEST(EditApi, NormalsAreMadeWhereThereAreNone) {
   Scene scene("builtin:boxes");
-  Renderer renderer(scene, "cpu");
+  Renderer renderer(scene, latelight::test::testDevice());
   const Camera camera = scene.lookAt({0, 50, 10}, {0, 50, 0});
   MeshData roof;  // two triangles that share an edge and are tilted apart
   roof.positions = {{-1, -1, -1}, {0, -1, 0}, {0, 1, 0}, {1, -1, -1}};

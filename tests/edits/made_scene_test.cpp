@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "output/png.h"
+#include "test_device.h"
 
 namespace latelight {
 namespace {
@@ -58,7 +59,8 @@ TEST(MadeScene, IsEmptyAtFirst) {
   EXPECT_TRUE(scene.instances().empty());
   EXPECT_TRUE(scene.nodes().empty());
   EXPECT_FALSE(scene.bounds().has_value());
-  const Frame frame = Renderer(scene, "cpu").render(scene.defaultCamera(1), square({"depth", "id"}));
+  const Frame frame =
+      Renderer(scene, latelight::test::testDevice()).render(scene.defaultCamera(1), square({"depth", "id"}));
   EXPECT_TRUE(frame.rgba.empty());
   EXPECT_THAT(frame.aovs.at("depth").values, testing::Each(std::numeric_limits<float>::infinity()));
   EXPECT_THAT(frame.aovs.at("id").ids, testing::Each(0u));
@@ -66,7 +68,7 @@ TEST(MadeScene, IsEmptyAtFirst) {
 
 TEST(MadeScene, ShowsItsTexturesTexels) {
   Scene scene;
-  Renderer renderer(scene, "cpu");  // elements that are added later are uploaded, too
+  Renderer renderer(scene, latelight::test::testDevice());  // elements that are added later are uploaded, too
   const Camera camera = scene.lookAt({0, 0, 2}, {0, 0, 0}, 53.13010235f);  // the square fills the picture
   renderer.render(camera, square({"albedo"}));
   const auto material = scene.addMaterial({.name = "paint", .roughness = 1});
@@ -169,9 +171,10 @@ TEST(MadeScene, IsLitByAnEnvironmentOfPixels) {
   Options options = square({"color"});
   options.background = "hdri";
   const EnvironmentData sky{64, 32, std::vector(64 * 32, std::array{0.25f, 0.5f, 2.0f})};
-  const Frame frame = Renderer(scene, "cpu", sky).render(scene.defaultCamera(1), options);
+  const Frame frame = Renderer(scene, latelight::test::testDevice(), sky).render(scene.defaultCamera(1), options);
   EXPECT_THAT(pixel(frame.aovs.at("color"), 8, 8), ElementsAre(0.25f, 0.5f, 2.0f, 1));
-  EXPECT_THAT(refused([&] { Renderer(scene, "cpu", EnvironmentData{32, 32, {}}); }), HasSubstr("twice as wide"));
+  const auto wrong = [&] { Renderer(scene, latelight::test::testDevice(), EnvironmentData{32, 32, {}}); };
+  EXPECT_THAT(refused(wrong), HasSubstr("twice as wide"));
 }
 
 TEST(MadeScene, RefusesWhatCannotBe) {
@@ -216,7 +219,7 @@ TEST(MadeScene, HasColorsThatAreFactors) {
 
 TEST(Waiting, FinishReturnsWhenAllIsDone) {
   const Scene scene("builtin:boxes");
-  Renderer renderer(scene, "cpu");
+  Renderer renderer(scene, latelight::test::testDevice());
   const Camera camera = scene.defaultCamera(1);
   std::vector<Ticket> tickets;
   for (int i = 0; i < 3; ++i) tickets.push_back(renderer.submit({camera, camera}, square({"depth"})));
@@ -227,7 +230,7 @@ TEST(Waiting, FinishReturnsWhenAllIsDone) {
 
 TEST(Waiting, EndsByWhatTheCheckThrows) {
   const Scene scene("builtin:hall,triangles=60k,lights=20");
-  Renderer renderer(scene, "cpu");
+  Renderer renderer(scene, latelight::test::testDevice());
   Options options = square({"depth"});
   options.width = options.height = 64;
   const Frame before = renderer.render(scene.defaultCamera(1), options);

@@ -6,6 +6,7 @@
 #include "edits/workshop.h"
 #include "long_tests.h"
 #include "scene/edit.h"
+#include "test_device.h"
 #include "vk/memory.h"
 
 namespace latelight::render::test {
@@ -264,7 +265,8 @@ class EditsTest : public RenderTest {
 };
 
 TEST_F(EditsTest, TenThousandEditsAsIfEachFrameWereTheFirst) {
-  vk::Device own({.selector = "cpu", .validation = true});  // objects created on it are created for edits
+  // Objects that are created on it are created for edits.
+  vk::Device own({.selector = latelight::test::testDevice(), .validation = true});
   Renderer renderer(own, scene_, &sky_);
   expectSame(render(renderer), fresh(scene_));
   const uint64_t pipelines = own.pipelinesMade();
@@ -287,7 +289,7 @@ TEST_F(EditsTest, TenThousandEditsAsIfEachFrameWereTheFirst) {
 // keeps everything that it has seen.
 TEST_F(EditsTest, TenThousandEditsTakeNoMemory) {
   constexpr uint32_t kRounds = 10, kEditsARound = kEdits / kRounds;
-  vk::Device own({.selector = "cpu"});
+  vk::Device own({.selector = latelight::test::testDevice()});
   Renderer renderer(own, scene_, &sky_);
   Editor editor(scene_, 5);
   std::vector<vk::Allocator::Statistics> onDevice;

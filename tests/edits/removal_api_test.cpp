@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "base/hash.h"
+#include "test_device.h"
 
 namespace latelight {
 namespace {
@@ -109,7 +110,7 @@ TEST(Removal, GivesAMaterialsIdToTheNextOfItsName) {
 
 TEST(Removal, ReplacedPixelsShowInAllMaterialsAndSizes) {
   Wall wall;
-  Renderer renderer(wall.scene, "cpu");
+  Renderer renderer(wall.scene, latelight::test::testDevice());
   EXPECT_EQ(wall.albedo(renderer), (std::array<float, 3>{1, 0, 0}));
   wall.scene.setTextureData(wall.texture, plain(16, 8, {0, 255, 0}));
   EXPECT_EQ(wall.albedo(renderer), (std::array<float, 3>{0, 1, 0}));
@@ -131,7 +132,7 @@ TEST(Removal, ReplacedPixelsShowInAllMaterialsAndSizes) {
 
 TEST(Removal, TicketsShowWhatWasThereWhenTheyWereSubmitted) {
   Wall wall;
-  Renderer renderer(wall.scene, "cpu");
+  Renderer renderer(wall.scene, latelight::test::testDevice());
   const auto before = wall.albedo(renderer);
   Options options;
   options.width = options.height = 8;

@@ -9,6 +9,7 @@
 #include "edits/workshop.h"
 #include "scene/animation.h"
 #include "scene/edit.h"
+#include "test_device.h"
 #include "vk/memory.h"
 
 namespace latelight::render::test {
@@ -82,7 +83,7 @@ TEST_F(RemovalTest, AnimationsLeaveWhatTakesThePlaceAlone) {
 // If a frame fails after it has accepted the scene's changes, the next frame applies them, even if the scene changes
 // again.
 TEST_F(RemovalTest, WhatAFailedFrameWasToUploadMayBeReplaced) {
-  vk::Device own({.selector = "cpu", .validation = true, .graphics = false});
+  vk::Device own({.selector = latelight::test::testDevice(), .validation = true, .graphics = false});
   Renderer renderer(own, scene_, nullptr);
   const scene::Camera camera = workshopCamera();
   Settings drawn = settings_, computed = settings_;
@@ -106,7 +107,7 @@ TEST_F(RemovalTest, WhatAFailedFrameWasToUploadMayBeReplaced) {
 TEST_F(RemovalTest, AThousandRoundsTakeNoMemory) {
   constexpr int kRounds = 1000;
   constexpr uint32_t kSide = 64;
-  vk::Device own({.selector = "cpu"});
+  vk::Device own({.selector = latelight::test::testDevice()});
   Renderer renderer(own, scene_, nullptr);
   const scene::Camera camera = workshopCamera();
   Settings settings = settings_;

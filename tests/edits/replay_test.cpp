@@ -9,6 +9,7 @@
 
 #include "edits/workshop.h"
 #include "scene/edit.h"
+#include "test_device.h"
 #include "vk/memory.h"
 
 namespace latelight::render::test {
@@ -232,7 +233,7 @@ TEST_F(ReplayTest, ArraysBelongToTheirOwners) {
 TEST_F(ReplayTest, SteadyCallsAllocateNothing) {
   scene::Scene scene = workshop();
   const Settings settings = replaySettings();
-  vk::Device own({.selector = "cpu"});
+  vk::Device own({.selector = latelight::test::testDevice()});
   Renderer renderer(own, scene, &sky());
   uint64_t pipelines = 0, used = 0;
   size_t allocations = 0;

@@ -10,6 +10,7 @@
 #include "scene/animation.h"
 #include "scene/edit.h"
 #include "scene/load/load.h"
+#include "test_device.h"
 
 namespace latelight::render::test {
 namespace {
@@ -166,7 +167,7 @@ TEST_F(TicketsTest, ManyViewsAtOnce) {
 TEST_F(TicketsTest, DroppedOnesLeaveNothing) {
   Story story;
   const output::FrameOutput expected = renderOne(device(), story.scene, story.camera, story.settings, &story.sky);
-  vk::Device own({.selector = "cpu"});
+  vk::Device own({.selector = latelight::test::testDevice()});
   Renderer renderer(own, story.scene, &story.sky);
   const auto bytes = [&] {
     for (int i = 0; i < 6; ++i) expectSame(renderer.render({&story.camera, 1}, story.settings).front(), expected);

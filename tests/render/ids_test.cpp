@@ -12,6 +12,7 @@
 #include "render/support.h"
 #include "scene/gltf_builder.h"
 #include "scene/load/load.h"
+#include "test_device.h"
 
 namespace latelight::render::test {
 namespace {
@@ -206,7 +207,7 @@ TEST_F(Ids, ThePublicApiListsIdsInItsManifest) {
   const ShelfFile file;
   const latelight::Scene scene(file.path(), latelight::SceneOptions{.idNodes = {"Shelf"}});
   const json manifest = json::parse(scene.idManifest());
-  latelight::Renderer renderer(scene, "cpu");
+  latelight::Renderer renderer(scene, latelight::test::testDevice());
   latelight::Options options;
   options.width = options.height = kSize;
   options.aovs = {"id", "part", "material"};

@@ -7,6 +7,7 @@
 #include "render/support.h"
 #include "scene/gltf_builder.h"
 #include "scene/load/load.h"
+#include "test_device.h"
 
 namespace latelight::render::test {
 namespace {
@@ -80,7 +81,7 @@ TEST_F(Picking, ShowsTheTimeThatIsAskedFor) {
   const std::string file = (folder.path() / "slide.glb").string();
   scene::test::writeBytes(file, b.glb());
   const latelight::Scene scene(file);
-  latelight::Renderer renderer(scene, "cpu");
+  latelight::Renderer renderer(scene, latelight::test::testDevice());
   latelight::Options options;
   options.width = options.height = 16;
   for (const double time : {0.0, 0.5, 1.0}) {
