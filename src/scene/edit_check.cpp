@@ -102,8 +102,7 @@ void checkTransform(const dmat4& toWorld) {
 
 void checkName(const std::string& name) {
   if (name.find('/') != std::string::npos)
-    badUsage("the name of an instance must not contain a slash, as \"{}\" does, because it is one component of a path",
-             printable(name));
+    badUsage("a name must not contain a slash, as \"{}\" does, because it is one component of a path", printable(name));
 }
 
 void checkMaterial(const Scene& scene, const Material& material) {

@@ -199,7 +199,7 @@ void poseAtRest(const Scene& scene, Mesh& mesh) {
 
 namespace {
 
-constexpr const char* kPropertyNames[] = {"translation", "rotation", "scale", "weights", "visibility"};
+constexpr const char* kPropertyNames[] = {"translation", "rotation", "scale", "weights", "visible"};
 
 void checkTimes(const Track& track, const std::string& owner) {
   if (track.times.empty()) badUsage("{} has no times", owner);
@@ -233,8 +233,8 @@ void checkTrack(const Scene& scene, const std::string& animation, Track& track) 
   const auto found = std::ranges::find(scene.rig.sceneNodes, track.node);
   const std::string path = scene.nodes[static_cast<size_t>(found - scene.rig.sceneNodes.begin())].path;
   const std::string owner =
-      fmt::format("the {} of the node {} in the animation \"{}\"", kPropertyNames[static_cast<size_t>(track.property)],
-                  printable(path), printable(animation));
+      fmt::format("the channel \"{}\" of the node {} in the animation \"{}\"",
+                  kPropertyNames[static_cast<size_t>(track.property)], printable(path), printable(animation));
   track.width = track.property == AnimatedProperty::Rotation  ? 4
                 : track.property == AnimatedProperty::Weights ? static_cast<uint32_t>(node.weights.size())
                 : track.property == AnimatedProperty::Visible ? 1
