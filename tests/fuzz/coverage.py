@@ -17,6 +17,7 @@ PARSERS = {
     "draco": r"src/scene/gltf/draco\.cpp",
     "ktx2": r"src/scene/textures/(ktx2|etc1s|uastc|huffman)\.",
     "image": r"src/scene/textures/(avif|jpeg|png|stb|webp|texture)\.cpp",
+    "mesh_file": r"src/scene/mesh_files/.*\.cpp",
     "environment": r"src/scene/environment/picture_(exr|io|radiance)\.cpp",
     "compared_image": r"src/output/(read|png_read|exr_read)\.cpp",
     "cache": r"src/scene/environment/environment_cache\.cpp",

@@ -29,6 +29,7 @@ int main(int count, char** arguments) try {
   latelight::fuzz::Seeds seeds(arguments[1]);
   latelight::fuzz::addScenes(seeds);
   latelight::fuzz::addImages(seeds);
+  latelight::fuzz::addMeshFiles(seeds);
   latelight::fuzz::addTexts(seeds);
   return 0;
 } catch (const std::exception& error) {

@@ -26,6 +26,7 @@ class Seeds {
 
 void addScenes(Seeds& seeds);
 void addImages(Seeds& seeds);
+void addMeshFiles(Seeds& seeds);
 void addTexts(Seeds& seeds);
 
 }  // namespace latelight::fuzz
