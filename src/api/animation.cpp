@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "api/scene.h"
+#include "api/transform.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "scene/edit.h"
@@ -13,16 +14,8 @@ namespace latelight {
 
 namespace {
 
-using glm::dmat4;
 using glm::mat4;
 using glm::vec3;
-
-dmat4 columnsOf(const Transform& rows) {
-  dmat4 matrix;
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column) matrix[column][row] = rows[4 * row + column];
-  return matrix;
-}
 
 // --- deformations ---------------------------------------------------------------------------------------------------
 
@@ -137,7 +130,7 @@ void Scene::Impl::addDeformation(const MeshData& from, const scene::VertexSource
 std::string Scene::addNode(const NodeData& node) {
   scene::NewNode added{.name = node.name, .parent = -1, .transform = {.hasMatrix = node.matrix.has_value()}};
   if (!node.parent.empty()) added.parent = static_cast<int>(impl_->nodeAt(node.parent));
-  if (node.matrix) added.transform.matrix = columnsOf(*node.matrix);
+  if (node.matrix) added.transform.matrix = matrixOf(*node.matrix);
   for (int i = 0; i < 3; ++i) {
     added.transform.translation[i] = node.translation[static_cast<size_t>(i)];
     added.transform.scale[i] = node.scale[static_cast<size_t>(i)];
@@ -152,7 +145,7 @@ Handle<Skin> Scene::addSkin(const Skin& skin) {
   std::vector<uint32_t> joints;
   for (const std::string& joint : skin.joints) joints.push_back(impl_->nodeAt(joint));
   std::vector<mat4> inverseBind;
-  for (const Transform& transform : skin.inverseBind) inverseBind.emplace_back(columnsOf(transform));
+  for (const Transform& transform : skin.inverseBind) inverseBind.emplace_back(matrixOf(transform));
   if (skin.inverseBind.empty()) inverseBind.assign(joints.size(), mat4(1));
   return impl_->skin(scene::addSkin(impl_->scene, joints, std::move(inverseBind)));
 }

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "api/scene.h"
+#include "api/transform.h"
 #include "base/error.h"
 #include "render/submit/session.h"
 #include "scene/framing.h"
@@ -37,12 +38,9 @@ bool isRigid(const glm::dmat4& pose, double tolerance) {
 }
 
 scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
-  glm::dmat4 pose;
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column) {
-      pose[column][row] = camera.cameraToWorld[4 * row + column];
-      if (!std::isfinite(pose[column][row])) badUsage("the camera's pose has a value that is not a number");
-    }
+  const glm::dmat4 pose = matrixOf(camera.cameraToWorld);
+  for (const double number : camera.cameraToWorld)
+    if (!std::isfinite(number)) badUsage("the camera's pose has a value that is not a number");
   if (!isRigid(pose, 1e-3))
     badUsage("the camera's pose must be a rotation and a translation, without mirror, shear or scale, over 0 0 0 1");
   if (!camera.orthographic && !scene::isUsableFieldOfView(camera.verticalFov / kDegreesPerRadian))

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "api/scene.h"
+#include "api/transform.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "scene/edit.h"
@@ -44,11 +45,7 @@ std::array<double, 3> three(const dvec3& v) {
 }
 
 Transform publicTransform(const dmat4& toWorld, const scene::Scene& scene) {
-  const dmat4 toFile = fileFromWorld(scene) * toWorld;
-  Transform rows;
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column) rows[4 * row + column] = toFile[column][row];
-  return rows;
+  return rowsOf(fileFromWorld(scene) * toWorld);
 }
 
 // --- materials ------------------------------------------------------------------------------------------------------
@@ -297,13 +294,10 @@ scene::Mesh internalMesh(const MeshData& from, scene::VertexSources& sources) {
 }  // namespace
 
 dmat4 internalTransform(const Transform& rows, const scene::Scene& scene) {
-  dmat4 toFile;
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column) toFile[column][row] = rows[4 * row + column];
   for (const double number : rows)
     if (!std::isfinite(static_cast<float>(number)))
       badUsage("the transform of an instance has a number that is not finite");
-  return worldFromFile(scene) * toFile;
+  return worldFromFile(scene) * matrixOf(rows);
 }
 
 scene::Light internalLight(const Light& from, const scene::Scene& scene, const scene::Light& like) {

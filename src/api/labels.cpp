@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "api/renderer.h"
+#include "api/transform.h"
 #include "base/error.h"
 #include "labels/correspondence.h"
 #include "labels/keypoints.h"
@@ -21,12 +22,6 @@ namespace latelight {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-Transform rowsOf(const glm::dmat4& m) {
-  Transform rows;
-  for (size_t i = 0; i < 16; ++i) rows[i] = m[static_cast<int>(i % 4)][static_cast<int>(i / 4)];
-  return rows;
-}
 
 std::array<double, 3> threeOf(glm::dvec3 v) {
   return {v.x, v.y, v.z};

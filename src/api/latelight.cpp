@@ -7,6 +7,7 @@
 #include "api/device_array.h"
 #include "api/renderer.h"
 #include "api/scene.h"
+#include "api/transform.h"
 #include "base/error.h"
 #include "base/fork.h"
 #include "base/log.h"
@@ -36,9 +37,7 @@ Lens publicLens(const scene::Lens& from) {
 Camera publicCamera(const scene::Camera& camera, const scene::Scene& scene) {
   Camera c;
   c.name = camera.name;
-  const glm::dmat4 pose = render::openCvPose(camera, scene, false);
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column) c.cameraToWorld[4 * row + column] = pose[column][row];
+  c.cameraToWorld = rowsOf(render::openCvPose(camera, scene, false));
   c.orthographic = camera.orthographic;
   c.verticalFov = camera.verticalFov * kDegreesPerRadian;
   c.halfHeight = camera.yHalf;

@@ -3,10 +3,12 @@
 
 #include <latelight/latelight.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
 #include "api/renderer.h"
+#include "api/transform.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "output/points.h"
@@ -56,13 +58,8 @@ std::vector<glm::dmat4> internalPoses(std::span<const Transform> from) {
   constexpr double kTolerance = 1e-4;
   std::vector<glm::dmat4> poses;
   for (const Transform& rows : from) {
-    glm::dmat4& pose = poses.emplace_back();
-    bool finite = true;
-    for (int i = 0; i < 16; ++i) {
-      pose[i % 4][i / 4] = rows[static_cast<size_t>(i)];
-      finite &= std::isfinite(rows[static_cast<size_t>(i)]);
-    }
-    if (!finite || !isRigid(pose, kTolerance))
+    const bool finite = std::ranges::all_of(rows, [](double number) { return std::isfinite(number); });
+    if (!finite || !isRigid(poses.emplace_back(matrixOf(rows)), kTolerance))
       badUsage("poses of a sensor must be rigid: a rotation and a translation, without scale or reflection");
   }
   return poses;
