@@ -713,6 +713,12 @@ void Renderer::cast(std::span<const std::array<float, 3>> origins, std::span<con
 struct CastTicket::Impl {
   std::shared_ptr<Renderer::Impl> renderer;  // destroyed after the ticket
   render::CastTicket ticket;
+
+  static CastTicket submitted(const std::shared_ptr<Renderer::Impl>& renderer, render::CastTicket&& cast) {
+    CastTicket ticket;
+    ticket.impl_ = ownedByProcess(new Impl{renderer, std::move(cast)});
+    return ticket;
+  }
 };
 
 CastTicket::CastTicket() = default;
@@ -734,19 +740,15 @@ void CastTicket::take() {
 CastTicket Renderer::submitCast(std::span<const std::array<double, 3>> origins,
                                 std::span<const std::array<double, 3>> directions, const CastTargets& targets,
                                 const Options& options, double maxDistance) {
-  CastTicket ticket;
-  render::CastTicket submitted = submitTo(usable(impl_), raysOf(origins, directions, maxDistance), targets, options);
-  ticket.impl_ = ownedByProcess(new CastTicket::Impl{impl_, std::move(submitted)});
-  return ticket;
+  return CastTicket::Impl::submitted(
+      impl_, submitTo(usable(impl_), raysOf(origins, directions, maxDistance), targets, options));
 }
 
 CastTicket Renderer::submitCast(std::span<const std::array<float, 3>> origins,
                                 std::span<const std::array<float, 3>> directions, const CastTargets& targets,
                                 const Options& options, double maxDistance) {
-  CastTicket ticket;
-  render::CastTicket submitted = submitTo(usable(impl_), raysOf(origins, directions, maxDistance), targets, options);
-  ticket.impl_ = ownedByProcess(new CastTicket::Impl{impl_, std::move(submitted)});
-  return ticket;
+  return CastTicket::Impl::submitted(
+      impl_, submitTo(usable(impl_), raysOf(origins, directions, maxDistance), targets, options));
 }
 
 namespace {
