@@ -233,7 +233,7 @@ std::vector<Correspondence> Renderer::correspond(const Worlds& worlds, const Opt
     cast(next, rays, {"distance"}, options).at("distance").copyToHost(std::as_writable_bytes(std::span(distances)));
   }
   std::vector<Correspondence> all;
-  const size_t each = views.size() / std::max(worlds.count, 1u);
+  const size_t each = views.size() / worlds.count;
   for (size_t view = 0, ray = 0; view < views.size(); ++view) {
     if (view % each == 0) ray = view / each * sights.count;
     labels::LocatedPixels& located = views[view];

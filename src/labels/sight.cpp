@@ -15,22 +15,20 @@ namespace {
 constexpr float kPixelAngle = 1e-3f, kPixelMeters = 1e-3f;
 constexpr size_t kMaxLines = 4096;  // at once
 
-using Segment = SightSegment;
-
-Segment segmentTo(const glm::dvec3& point, const glm::dmat4& pose, bool orthographic) {
+SightSegment segmentTo(const glm::dvec3& point, const glm::dmat4& pose, bool orthographic) {
   const glm::dvec3 eye(pose[3]), axis(pose[2]);
   const glm::dvec3 origin = orthographic ? point - glm::dot(point - eye, axis) * axis : eye;
   return {origin, point - origin};
 }
 
-Sight sightAt(const Segment& segment, double hit, uint32_t id, double slack) {
+Sight sightAt(const SightSegment& segment, double hit, uint32_t id, double slack) {
   const double distance = glm::length(segment.direction);
   if (hit < distance * (1 - slack)) return {distance, hit, id};
   return {distance, std::numeric_limits<double>::infinity(), 0};
 }
 
 // A camera at the segment's origin that looks along it.
-scene::Camera aimed(const scene::Camera& like, const Segment& segment, const scene::Scene& scene, bool zUp) {
+scene::Camera aimed(const scene::Camera& like, const SightSegment& segment, const scene::Scene& scene, bool zUp) {
   const double length = glm::length(segment.direction);
   const glm::dvec3 forward = length > 0 ? segment.direction / length : glm::dvec3(0, 0, 1);
   const glm::dvec3 side = std::abs(forward.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
@@ -60,10 +58,10 @@ std::vector<Sight> sightsOf(render::Renderer& renderer, const scene::Scene& scen
                             const render::Settings& settings, const render::SceneState& moment,
                             std::span<const glm::dvec3> points, double slack) {
   const glm::dmat4 pose = render::openCvPose(camera, scene, settings.axes == render::Axes::ZUp);
-  std::vector<Segment> segments;
+  std::vector<SightSegment> segments;
   std::vector<glm::dvec3> origins, directions;
   for (const glm::dvec3& point : points) {
-    const Segment& segment = segments.emplace_back(segmentTo(point, pose, camera.orthographic));
+    const SightSegment& segment = segments.emplace_back(segmentTo(point, pose, camera.orthographic));
     origins.push_back(segment.origin);
     directions.push_back(segment.direction);
   }
@@ -85,7 +83,7 @@ std::vector<Sight> sightsOfWorlds(render::Renderer& renderer, const scene::Scene
   std::vector<Sight> sights;
   for (size_t first = 0; first < lines.size(); first += kMaxLines) {
     const auto some = lines.subspan(first, std::min(kMaxLines, lines.size() - first));
-    std::vector<Segment> segments;
+    std::vector<SightSegment> segments;
     std::vector<scene::Camera> cameras;
     for (const SightLine& line : some) {
       const glm::dmat4 pose = render::openCvPose(*line.camera, scene, zUp);
