@@ -253,8 +253,11 @@ TEST_F(Executors, KeepResultsOfManySubmissions) {
   }
 }
 
+// Runs without validation: where a signal by the host lets another thread's wait return before the signaling call has,
+// layer 1.3.239 waits ten seconds for itself and then reports "most likely a validation bug".
 TEST_F(Executors, WaitForTheOldestWhereTooManyAreInFlight) {
-  Executor executor(*device);
+  vk::Device unchecked({.selector = test::testDevice()});
+  Executor executor(unchecked);
   const auto submit = [&](uint32_t value, const std::function<void(VkCommandBuffer)>& recorded) {
     Graph graph;
     const BufferId out = graph.create(readbackDesc());
@@ -263,7 +266,7 @@ TEST_F(Executors, WaitForTheOldestWhereTooManyAreInFlight) {
     graph.exports(out, Use::HostRead);
     return std::pair(executor.submit(graph, graph.compile()), out);
   };
-  vk::Gate gate(*device);
+  vk::Gate gate(unchecked);
   gate.close();
   std::vector<std::pair<Submission, BufferId>> all;
   const auto oldestIsDone = [&] { EXPECT_TRUE(all[all.size() - Executor::kInFlight].first.done()); };
