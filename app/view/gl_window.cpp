@@ -122,6 +122,7 @@ void GlWindow::followEvents() {
     self.events_.wheel(y);
   });
   glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int scancode, int action, int modifiers) {
+    if (action == GLFW_PRESS) current(w).events_.settle();
     GlWindow& self = of(w);
     if (action == GLFW_RELEASE)
       self.released_.push_back({key, scancode, modifiers});

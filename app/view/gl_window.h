@@ -23,6 +23,7 @@ class GlWindow {
   struct Events {
     std::function<bool(double x, double y)> pointer;  // returns true if the window must be redrawn
     std::function<void()> pointerLeft;
+    std::function<void()> settle;  // before a key is pressed: draws until ImGui has reacted to the inputs before it
     std::function<void(view::Button button, bool down, bool shift)> button;
     std::function<void(double steps)> wheel;
     std::function<void(const std::string& name, bool down, int modifiers)> key;

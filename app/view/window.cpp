@@ -45,6 +45,7 @@ struct Window::Impl {
   void takeNews();
   void drawPicture() const;
   void draw();
+  void settle();
   bool overPicture();
   bool movePointer(double x, double y);
   void press(view::Button button, bool down, bool shift);
@@ -83,6 +84,7 @@ Window::Impl::Impl(const view::Start& start)
 GlWindow::Events Window::Impl::events() {
   return {.pointer = [this](double x, double y) { return movePointer(x, y); },
           .pointerLeft = [this] { session.send(view::PointerLeave{}); },
+          .settle = [this] { settle(); },
           .button = [this](view::Button button, bool down, bool shift) { press(button, down, shift); },
           .wheel =
               [this](double steps) {
@@ -203,6 +205,12 @@ bool Window::Impl::windowKey(const std::string& name, bool shift) {
   if (name == "h") return memory.shown = !memory.shown, true;
   if (name == "l") return memory.handles = !memory.handles, true;
   return false;
+}
+
+// Where several keys arrive at once, because the machine is busy, each must find what the one before it did: ImGui
+// reads keys once per frame, and says only in the next frame that a text field takes them.
+void Window::Impl::settle() {
+  while (gl.redraws() > 0 && gl.size().x > 0) draw();
 }
 
 void Window::Impl::pressKey(const std::string& name, bool down, int modifiers) {
