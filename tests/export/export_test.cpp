@@ -294,6 +294,41 @@ TEST(Export, GeometryIsWrittenToObjAndPly) {
   }
 }
 
+// The materials of an OBJ file are those that it can have: of a tiled floor with a normal map, a sphere with roughness
+// and metalness, a masked card, and a card with an emissive image.
+TEST(Export, ObjFilesHaveTexturesNextToThem) {
+  const Scene scene = load(models::modelPath("textured.glb").string()), again = exported(scene, "out.obj");
+  size_t textures = 0;
+  for (const Material& material : scene.materials) {
+    const auto same = std::ranges::find(again.materials, material.name, &Material::name);
+    ASSERT_NE(same, again.materials.end()) << material.name;
+    const auto &x = same->data, &y = material.data;
+    EXPECT_EQ(vec3(x.baseColor), vec3(y.baseColor));
+    EXPECT_EQ(x.emissive, y.emissive);
+    for (const uint32_t slot : {shared::kTextureBaseColor, shared::kTextureMetallicRoughness, shared::kTextureNormal,
+                                shared::kTextureEmissive}) {
+      const bool isHeld = material.slots[slot].texture >= 0 && y.transforms[slot].row0.y == 0;  // MTL has no rotation
+      ASSERT_EQ(same->slots[slot].texture >= 0, isHeld) << material.name << " " << slot;
+      if (!isHeld) continue;
+      ++textures;
+      EXPECT_LT(glm::length(x.transforms[slot].row0 - y.transforms[slot].row0), 1e-6f);
+      EXPECT_LT(glm::length(x.transforms[slot].row1 - y.transforms[slot].row1), 1e-6f);
+      const Texture& a = again.textures[size_t(same->slots[slot].texture)];
+      const Texture& b = scene.textures[size_t(material.slots[slot].texture)];
+      ASSERT_EQ(a.width, b.width);
+      ASSERT_EQ(a.height, b.height);
+      EXPECT_EQ(a.srgb, b.srgb);
+      const bool isMetal = slot == shared::kTextureMetallicRoughness;  // whose red channel has no meaning
+      const bool hasAlpha = (y.flags & (shared::kMaterialBlended | shared::kMaterialMasked)) != 0;
+      for (size_t i = 0; i < size_t{4} * a.width * a.height; ++i)
+        if ((i % 4 < 3 || hasAlpha) && !(isMetal && i % 4 == 0)) {
+          ASSERT_EQ(a.pixels.get()[i], b.pixels.get()[i]) << material.name << " " << slot << " at " << i;
+        }
+    }
+  }
+  EXPECT_GE(textures, 4u);
+}
+
 TEST(Export, OtherNamesAreRejected) {
   const app::Folder folder;
   try {
