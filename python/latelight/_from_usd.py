@@ -709,7 +709,7 @@ class _Usd(Builder):
                 self.motion.unplayed.append(str(prim.GetPath()))
             return
         node = self.motion.node_of(prim) if self.motion.moves(prim) else None
-        color = tuple(float(c) for c in api.GetColorAttr().Get(self.time))
+        color = tuple(self.light_color(api).tolist())
         power = float(api.GetIntensityAttr().Get(self.time)) * 2 ** float(api.GetExposureAttr().Get(self.time))
         position = tuple(transform[:3, 3].tolist())
         direction = tuple((-transform[:3, 2]).tolist())
@@ -719,13 +719,29 @@ class _Usd(Builder):
                 Light(name=name, type="directional", direction=direction, color=color, intensity=power), node
             )
         elif prim.IsA(lux.SphereLight):
-            radius = float(lux.SphereLight(prim).GetRadiusAttr().Get(self.time)) * self.scale
-            # Radiance times the projected area, as seen from afar.
-            candela = power * (1 if api.GetNormalizeAttr().Get(self.time) else math.pi * radius**2)
+            radius = float(lux.SphereLight(prim).GetRadiusAttr().Get(self.time)) * np.cbrt(
+                abs(np.linalg.det(transform[:3, :3]))
+            )
+            # Radiance times the projected area, as seen from afar. `normalize` divides the radiance by the area of the
+            # sphere, in units of the stage.
+            is_normalized = api.GetNormalizeAttr().Get(self.time)
+            candela = power * (self.scale**2 / 4 if is_normalized else math.pi * radius**2)
             light = Light(name=name, position=position, color=color, intensity=candela, size=radius)
+            cone = lux.ShapingAPI(prim).GetShapingConeAngleAttr().Get(self.time) if prim.HasAPI(lux.ShapingAPI) else None
+            if cone is not None and cone < 90:
+                softness = float(lux.ShapingAPI(prim).GetShapingConeSoftnessAttr().Get(self.time))
+                light.type, light.direction, light.outer_cone = "spot", direction, max(float(cone), 0)
+                light.inner_cone = light.outer_cone * (1 - min(max(softness, 0), 1))
             self.scene.add_light(light, node)
         else:
             self.add_area_light(prim, transform, color, power, node)
+
+    def light_color(self, api: Any) -> np.ndarray:
+        color = np.array(api.GetColorAttr().Get(self.time), np.float64)
+        if api.GetEnableColorTemperatureAttr().Get(self.time):
+            kelvin = float(api.GetColorTemperatureAttr().Get(self.time))
+            color *= np.array(self.pxr.UsdLux.BlackbodyTemperatureAsRgb(kelvin))
+        return color
 
     def add_area_light(
         self, prim: Any, transform: np.ndarray, color: tuple[float, ...], power: float, node: str | None
@@ -785,7 +801,7 @@ class _Usd(Builder):
             up = self.pxr.UsdGeom.GetStageUpAxis(self.stage) if pole == "scene" else pole
             if up == "Z":  # the texture's pole, which is +Y, is turned about X
                 axes = axes @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
-            total += power * np.asarray(api.GetColorAttr().Get(self.time)) * _sampled(image, directions @ axes)
+            total += power * self.light_color(api).astype(np.float32) * _sampled(image, directions @ axes)
         return total
 
     def dome_image(self, dome: Any) -> np.ndarray:
@@ -823,6 +839,14 @@ class _Usd(Builder):
         pose[:3, :3], pose[:3, 3] = axes @ np.diag([1, -1, -1]), eye  # OpenCV's camera: Y down, Z forward
         made.camera_to_world = pose
         made.name = prim.GetName()
+        if gf.projection == self.pxr.Gf.Camera.Orthographic:
+            made.orthographic = True
+            made.half_height = gf.verticalAperture * self.pxr.Gf.Camera.APERTURE_UNIT / 2 * self.scale
+            made.near_clip, made.far_clip = gf.clippingRange.min * self.scale, gf.clippingRange.max * self.scale
+        # An offset moves what the camera sees, and the center of the projection moves the other way in the image.
+        if gf.horizontalAperture > 0 and gf.verticalAperture > 0:
+            made.principal_x = -2 * gf.horizontalApertureOffset / gf.horizontalAperture
+            made.principal_y = -2 * gf.verticalApertureOffset / gf.verticalAperture
         self.scene.add_camera(made, self.motion.node_of(prim) if self.motion.moves(prim) else None)
 
 
@@ -979,11 +1003,12 @@ def from_usd(
     allow_outside: folders that a file may refer to, besides its own
 
     Converted are visible meshes with their subsets, normals, texture coordinates (st) and displayColor; skeletons and
-    blend shapes with in-betweens; spheres, cubes, cones, planes, and cylinders and capsules with one or
-    two radii; instances and point instancers; UsdPreviewSurface and MaterialX's standard surface with their images;
-    distant, sphere, rect, disk and cylinder lights; dome lights, as the scene's environment; cameras; and the stage's
-    units, up axis and chosen variants. Animated are transforms, skeletons, weights of blend shapes, points and normals,
-    copies of instancers, and visibility. Subdivision surfaces are shown as their cages, and polygons as fans. Curves,
+    blend shapes with in-betweens; spheres, cubes, cones, planes, and cylinders and capsules with one or two radii;
+    instances and point instancers; UsdPreviewSurface and MaterialX's standard surface with their images; distant,
+    sphere, rect, disk and cylinder lights, with color temperatures, and spheres with a cone as spot lights; dome
+    lights, as the scene's environment; perspective, orthographic and shifted cameras; and the stage's units, up axis
+    and chosen variants. Animated are transforms, skeletons, weights of blend shapes, points and normals, copies of
+    instancers, and visibility. Subdivision surfaces are shown as their cages, and polygons as fans. Curves,
     points, volumes, procedural textures and other shaders are left out."""
     return _converted(stage, time, allow_outside, "from_usd", _Usd.run)
 

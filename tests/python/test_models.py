@@ -392,6 +392,81 @@ def test_usd_lights_and_cameras(stage):
     )
 
 
+def test_usd_spot_lights_have_cones(stage):
+    from pxr import UsdGeom, UsdLux
+
+    spot = UsdLux.SphereLight.Define(stage, "/spot")
+    spot.CreateIntensityAttr(100)
+    spot.CreateRadiusAttr(5)
+    UsdGeom.XformCommonAPI(spot).SetScale((2, 2, 2))  # the radius is 10 units, or 0.1 m
+    shaping = UsdLux.ShapingAPI.Apply(spot.GetPrim())
+    shaping.CreateShapingConeAngleAttr(40)
+    shaping.CreateShapingConeSoftnessAttr(0.25)
+    scene = latelight.from_usd(stage)
+    light = scene.light(scene.lights()[0])
+    assert light.type == "spot"
+    assert (light.outer_cone, light.inner_cone) == (pytest.approx(40, abs=1e-4), pytest.approx(30, abs=1e-4))
+    np.testing.assert_allclose(light.direction, (0, -1, 0), atol=1e-6)  # the stage's -Z
+    assert light.size == pytest.approx(0.1) and light.intensity == pytest.approx(100 * np.pi * 0.1**2)
+    shaping.CreateShapingConeAngleAttr(90)
+    everywhere = latelight.from_usd(stage)
+    assert everywhere.light(everywhere.lights()[0]).type == "point"
+
+
+def test_usd_lights_may_be_normalized(stage):
+    """The same light with a radiance of 3, directly and divided by the area of its sphere in the stage's units."""
+    from pxr import UsdLux
+
+    for name, intensity, normalize in (("plain", 3, False), ("divided", 3 * 4 * np.pi * 20**2, True)):
+        bulb = UsdLux.SphereLight.Define(stage, f"/{name}")
+        bulb.CreateIntensityAttr(intensity)
+        bulb.CreateRadiusAttr(20)
+        bulb.CreateNormalizeAttr(normalize)
+    scene = latelight.from_usd(stage)
+    for light in map(scene.light, scene.lights()):
+        assert light.intensity == pytest.approx(3 * np.pi * 0.2**2), light.name
+
+
+def test_usd_lights_have_color_temperatures(stage):
+    from pxr import UsdLux
+
+    for kind in (UsdLux.SphereLight, UsdLux.RectLight):
+        light = kind.Define(stage, f"/{kind.__name__}")
+        light.CreateColorAttr((1, 0.5, 1))
+        light.CreateEnableColorTemperatureAttr(True)
+        light.CreateColorTemperatureAttr(2700)
+    scene = latelight.from_usd(stage)
+    expected = np.array(UsdLux.BlackbodyTemperatureAsRgb(2700)) * (1, 0.5, 1)
+    for light in map(scene.light, scene.lights()):
+        np.testing.assert_allclose(light.color, expected, atol=1e-6)
+
+
+def test_usd_cameras_may_be_orthographic_or_shifted(stage, device):
+    """The corners of what GfCamera sees are at the corners of the image."""
+    from pxr import UsdGeom
+
+    for name, projection in (("flat", "orthographic"), ("deep", "perspective")):
+        camera = UsdGeom.Camera.Define(stage, f"/{name}")
+        camera.CreateProjectionAttr(projection)
+        camera.CreateHorizontalApertureAttr(60)
+        camera.CreateVerticalApertureAttr(40)
+        camera.CreateHorizontalApertureOffsetAttr(9)
+        camera.CreateVerticalApertureOffsetAttr(-4)
+        camera.CreateFocalLengthAttr(50)
+        UsdGeom.XformCommonAPI(camera).SetTranslate((0, 0, 300))
+    UsdGeom.Plane.Define(stage, "/floor").CreateWidthAttr(10000)
+    UsdGeom.Plane(stage.GetPrimAtPath("/floor")).CreateLengthAttr(10000)
+    scene = latelight.from_usd(stage)
+    for camera in scene.cameras:
+        position = latelight.Renderer(scene, device).render(camera, (60, 40), "position")["position"]
+        frustum = UsdGeom.Camera(stage.GetPrimAtPath(f"/{camera.name}")).GetCamera(0).frustum
+        for row, column in ((0, 0), (39, 59), (12, 7)):
+            ray = frustum.ComputePickRay(((column + 0.5) / 30 - 1, 1 - (row + 0.5) / 20))
+            start, direction = np.array(ray.startPoint), np.array(ray.direction)
+            x, y, _ = (start - direction * start[2] / direction[2]) / 100
+            np.testing.assert_allclose(position[row, column], (x, 0, -y), atol=2e-5)
+
+
 def test_usd_cameras_have_exposures(stage):
     from pxr import UsdGeom
 

@@ -355,7 +355,7 @@ def test_a_single_sample_is_the_value_at_all_times(stage, device):
     mesh = add_tube(stage, "/tube")
     set_waves(mesh, (7,))
     lamp = UsdLux.SphereLight.Define(stage, "/lamp")
-    lamp.CreateNormalizeAttr(True)
+    lamp.CreateRadiusAttr(100)
     lamp.CreateIntensityAttr().Set(25.0, 7)
     copies = UsdGeom.PointInstancer.Define(stage, "/copies")
     UsdGeom.Cube.Define(stage, "/copies/cube").CreateSizeAttr(10)
@@ -365,7 +365,7 @@ def test_a_single_sample_is_the_value_at_all_times(stage, device):
     copies.CreateVelocitiesAttr().Set([(1, 2, 3)], 7)
     scene = latelight.from_usd(stage)
     assert scene.animations == []
-    assert scene.light(scene.lights()[0]).intensity == 25
+    assert scene.light(scene.lights()[0]).intensity == pytest.approx(25 * np.pi)
     np.testing.assert_allclose(scene.instance(scene.instances()[-1]).transform[:3, 3], (5, 0, 0), atol=1e-6)
     assert_shows(scene, device, None, mesh, points_of(mesh, 7))
 
@@ -424,15 +424,15 @@ def test_values_that_are_read_once_are_named(stage):
     size = cube.CreateSizeAttr()
     lamp = UsdLux.SphereLight.Define(stage, "/lamp")
     power = lamp.CreateIntensityAttr()
-    lamp.CreateNormalizeAttr(True)
+    lamp.CreateRadiusAttr(100)
     for code, value in ((3, 10.0), (9, 20.0)):
         size.Set(value, code)
         power.Set(value, code)
     with pytest.warns(UserWarning, match="/cube.size, /lamp.inputs:intensity only at the time code 3: animations do not"):
         scene = latelight.from_usd(stage)
-    assert scene.light(scene.lights()[0]).intensity == 10 and scene.animations == []
+    assert scene.light(scene.lights()[0]).intensity == pytest.approx(10 * np.pi) and scene.animations == []
     later = latelight.from_usd(stage, time=6)
-    assert later.light(later.lights()[0]).intensity == 15
+    assert later.light(later.lights()[0]).intensity == pytest.approx(15 * np.pi)
 
 
 def test_changing_numbers_are_read_once(stage, device):
