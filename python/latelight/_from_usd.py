@@ -179,9 +179,8 @@ class _Usd(Builder):
                         target["normals"] = later - normals[0]
             return {"targets": targets}
 
-        self.place_deforming(
-            self.meshes(mesh, prim, None, (None, None), of_corners), prim, times, np.eye(len(times), dtype=np.float32)[:, 1:]
-        )
+        parts = self.meshes(mesh, prim, None, (None, None), of_corners)
+        self.place_deforming(parts, prim, times, np.eye(len(times), dtype=np.float32)[:, 1:])
 
     # --- skeletons and blend shapes ---
 
@@ -727,10 +726,11 @@ class _Usd(Builder):
             is_normalized = api.GetNormalizeAttr().Get(self.time)
             candela = power * (self.scale**2 / 4 if is_normalized else math.pi * radius**2)
             light = Light(name=name, position=position, color=color, intensity=candela, size=radius)
-            cone = lux.ShapingAPI(prim).GetShapingConeAngleAttr().Get(self.time) if prim.HasAPI(lux.ShapingAPI) else None
-            if cone is not None and cone < 90:
-                softness = float(lux.ShapingAPI(prim).GetShapingConeSoftnessAttr().Get(self.time))
-                light.type, light.direction, light.outer_cone = "spot", direction, max(float(cone), 0)
+            shaping = lux.ShapingAPI(prim)
+            cone = float(shaping.GetShapingConeAngleAttr().Get(self.time)) if prim.HasAPI(lux.ShapingAPI) else 90
+            if cone < 90:
+                softness = float(shaping.GetShapingConeSoftnessAttr().Get(self.time))
+                light.type, light.direction, light.outer_cone = "spot", direction, max(cone, 0)
                 light.inner_cone = light.outer_cone * (1 - min(max(softness, 0), 1))
             self.scene.add_light(light, node)
         else:

@@ -22,7 +22,8 @@ Parts = Sequence[tuple[MeshHandle, MaterialHandle]]
 # Attributes, by the type of their prim, that are read once, at the first time.
 _READ_ONCE = {
     "Gprim": ("radius", "height", "size", "axis", "width", "length", "radiusTop", "radiusBottom", "orientation")
-    + ("faceVertexCounts", "faceVertexIndices", "primvars:displayColor", "primvars:st", "primvars:UVMap", "primvars:st0"),
+    + ("faceVertexCounts", "faceVertexIndices", "primvars:displayColor")
+    + ("primvars:st", "primvars:UVMap", "primvars:st0"),
     "Camera": ("focalLength", "horizontalAperture", "verticalAperture", "horizontalApertureOffset", "projection")
     + ("verticalApertureOffset",),
     "Subset": ("indices",),
@@ -55,18 +56,20 @@ class Motion:
         if self.channels:
             self.scene.add_animation("stage", self.channels)
         if self.unplayed:
-            first, others = ", ".join(self.unplayed[:3]), len(self.unplayed) - 3
+            named, others = ", ".join(self.unplayed[:3]), len(self.unplayed) - 3
+            if others > 0:
+                named += f" and {others} others"
             warnings.warn(
-                f"from_usd reads the time samples of {first}{f' and {others} others' if others > 0 else ''} only at the "
-                f"time code {self.start:g}: animations do not include them",
+                f"from_usd reads the time samples of {named} only at the time code {self.start:g}: animations do not "
+                "include them",
                 stacklevel=2,
             )
 
     # --- time samples ---
 
     def samples_of(self, prim: Any) -> list[float]:
-        """The times at which the prim's own transform, its visibility, its points as a mesh, its copies as an instancer,
-        or its pose as an animation of a skeleton changes."""
+        """The times at which the prim's own transform, its visibility, its points as a mesh, its copies as an
+        instancer, or its pose as an animation of a skeleton changes."""
         geom, skel = self.pxr.UsdGeom, self.pxr.UsdSkel
         times: list[float] = []
         if (form := geom.Xformable(prim)) and form.TransformMightBeTimeVarying():
