@@ -37,6 +37,9 @@ _SHAPES: dict[str, Callable[[Callable[[str], float], str], Shape]] = {
 _TURNED = {"X": [2, 0, 1], "Y": [1, 2, 0], "Z": [0, 1, 2]}  # the coordinates around Z that become x, y and z
 
 
+_LARGEST_MORPH = 2**31  # bytes of the morph targets of a mesh, which small files can make large
+
+
 class Corners(NamedTuple):
     """Corners of triangles, as indices of values per corner, point and face of their mesh."""
 
@@ -154,13 +157,16 @@ class _Usd(Builder):
 
     def times_of_points(self, mesh: Any, prim: Any, is_plain: bool) -> list[float]:
         """The times of the samples of a mesh's points and normals, if morph targets can be these samples: there are as
-        many points at all times, no skeleton moves them, and the faces stay."""
+        many points at all times, no skeleton moves them, the faces stay, and the targets are not too large."""
         times = self.motion.clipped(self.motion.samples_of_points(prim) if self.motion.exists else [])
         if len(times) < 2:
             return []
         counts = {len(mesh.GetPointsAttr().Get(time) or []) for time in times}
         faces = (mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr())
-        if not is_plain or len(counts) > 1 or any(attribute.ValueMightBeTimeVarying() for attribute in faces):
+        triangles = np.maximum(np.asarray(faces[0].Get(self.time) or [], np.int64) - 2, 0).sum()
+        size = len(times) * (3 * 24 * triangles + 4 * len(times))  # targets with normals, and weights
+        changes = any(attribute.ValueMightBeTimeVarying() for attribute in faces)
+        if not is_plain or len(counts) > 1 or changes or size > _LARGEST_MORPH:
             self.motion.unplayed.append(str(mesh.GetPointsAttr().GetPath()))
             return []
         return times

@@ -453,6 +453,17 @@ def test_changing_numbers_are_read_once(stage, device):
     assert_shows(scene, device, None, fluid, points_of(fluid, 0))
 
 
+def test_small_files_do_not_take_much_memory(stage):
+    """A thousand samples of three points that 100,000 triangles share would take 7 GB."""
+    mesh = UsdGeom.Mesh.Define(stage, "/bomb")
+    mesh.CreateFaceVertexCountsAttr([3] * 100_000)
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2] * 100_000)
+    for code in range(1000):
+        mesh.CreatePointsAttr().Set([(0, 0, code), (1, 0, 0), (0, 1, 0)], code)
+    with pytest.warns(UserWarning, match="/bomb.points only at the time code 0"):
+        assert latelight.from_usd(stage).triangle_count == 100_000
+
+
 def test_held_stages_play_in_steps(stage, device):
     cube = UsdGeom.Cube.Define(stage, "/cube")
     cube.CreateSizeAttr(200)
