@@ -94,6 +94,8 @@ class _Usd(Builder):
 
     def animate(self) -> None:
         """Finds what changes over time. The stage at rest is then as at its first time."""
+        if not any(layer.ListAllTimeSamples() for layer in self.stage.GetUsedLayers()):
+            return
         prims = list(self.pxr.Usd.PrimRange(self.stage.GetPseudoRoot(), self.predicate))
         self.motion = Motion(self.stage, self.pxr, self.scene, self.world, prims)
         if self.motion.exists or self.motion.unplayed:
