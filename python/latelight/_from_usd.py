@@ -921,7 +921,7 @@ def _check_layers(pxr: Any, root: str, enclosure: Enclosure) -> None:
     while pending:
         name = pending.pop()
         layer = pxr.Sdf.Layer.FindOrOpen(name)
-        for asset in layer.GetCompositionAssetDependencies() if layer else ():
+        for asset in (*layer.GetCompositionAssetDependencies(), *_clip_files(layer)) if layer else ():
             path = layer.ComputeAbsolutePath(asset) if asset else ""
             if not path or path in known:
                 continue
@@ -929,6 +929,22 @@ def _check_layers(pxr: Any, root: str, enclosure: Enclosure) -> None:
             packaged = pxr.Ar.IsPackageRelativePath(path)
             enclosure.check(pxr.Ar.SplitPackageRelativePathOuter(path)[0] if packaged else path)
             pending.append(path)
+
+
+def _clip_files(layer: Any) -> list[str]:
+    """The files of the value clips that the prims of a layer name; patterns of numbered files have the sign #."""
+    files: list[str] = []
+
+    def visit(path: Any) -> None:
+        prim = layer.GetPrimAtPath(path) if path.IsPrimPath() or path.IsPrimVariantSelectionPath() else None
+        if not prim or not prim.HasInfo("clips"):
+            return
+        for clips in prim.GetInfo("clips").values():
+            assets = [*clips.get("assetPaths", ()), clips.get("manifestAssetPath"), clips.get("templateAssetPath")]
+            files.extend(str(getattr(asset, "path", asset)) for asset in assets if asset)
+
+    layer.Traverse("/", visit)
+    return files
 
 
 def _f0(ior: float) -> float:

@@ -748,6 +748,41 @@ def test_files_of_usd_stay_in_its_folder(tmp_path):
     assert len(latelight.from_usd(tmp_path / "stage" / "painted.usda", allow_outside=[tmp_path]).textures()) == 1
 
 
+@pytest.mark.parametrize("key", ["assetPaths", "manifestAssetPath", "templateAssetPath"])
+def test_clips_of_usd_stay_in_its_folder(tmp_path, key):
+    """Value clips, which no reference names: a mesh whose points are in another file."""
+    from pxr import Gf, Sdf, Usd, UsdGeom, Vt
+
+    (tmp_path / "stage").mkdir()
+    for folder, name in ((tmp_path, "clip.1.usda"), (tmp_path / "stage", "clip.1.usda")):
+        clip = Usd.Stage.CreateNew(str(folder / name))
+        points = UsdGeom.Mesh.Define(clip, "/mesh").CreatePointsAttr()
+        for code in (0, 10):
+            points.Set([(0, 0, code), (1, 0, code), (0, 1, code)], code)
+        clip.Save()
+    path = str(tmp_path / "stage" / "stage.usda")
+    stage = Usd.Stage.CreateNew(path)
+    mesh = UsdGeom.Mesh.Define(stage, "/mesh")
+    mesh.CreateFaceVertexCountsAttr([3])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
+    inside = Sdf.AssetPath("./clip.1.usda")
+    clips = {"primPath": "/mesh", "assetPaths": Sdf.AssetPathArray([inside]), "manifestAssetPath": inside}
+    clips |= {"active": Vt.Vec2dArray([Gf.Vec2d(0, 0)]), "times": Vt.Vec2dArray([Gf.Vec2d(0, 0), Gf.Vec2d(10, 10)])}
+    mesh.GetPrim().SetMetadata("clips", {"default": clips})
+    stage.Save()
+    scene = latelight.from_usd(path)
+    assert scene.triangle_count == 1 and len(scene.animations) == 1
+    outside = {
+        "assetPaths": Sdf.AssetPathArray([Sdf.AssetPath("../clip.1.usda")]),
+        "manifestAssetPath": Sdf.AssetPath("../clip.1.usda"),
+        "templateAssetPath": "../clip.#.usda",
+    }
+    mesh.GetPrim().SetMetadata("clips", {"default": {**clips, key: outside[key]}})
+    stage.Save()
+    with pytest.raises(latelight.InputError, match="clip.*usda, which is outside the scene's folder"):
+        latelight.from_usd(path)
+
+
 def bind(stage, shader, context=None):
     from pxr import UsdShade
 
