@@ -918,17 +918,38 @@ def _sampled(image: np.ndarray, directions: np.ndarray) -> np.ndarray:
 def _check_layers(pxr: Any, root: str, enclosure: Enclosure) -> None:
     """Checks the layers that a stage would read, before any of them is composed."""
     pending, known = [root], set()
+    stronger: dict[str, Any] = {}  # the root's variables, which those of other layers do not replace
     while pending:
-        name = pending.pop()
-        layer = pxr.Sdf.Layer.FindOrOpen(name)
-        for asset in (*layer.GetCompositionAssetDependencies(), *_clip_files(layer)) if layer else ():
+        layer = pxr.Sdf.Layer.FindOrOpen(pending.pop())
+        if not layer:
+            continue
+        stronger = stronger or dict(layer.expressionVariables)
+        variables = {**layer.expressionVariables, **stronger}
+        for asset in (*layer.GetCompositionAssetDependencies(), *_clip_files(layer)):
+            if pxr.Sdf.VariableExpression.IsExpression(asset):
+                asset = pxr.Sdf.VariableExpression(asset).Evaluate(variables).value
             path = layer.ComputeAbsolutePath(asset) if asset else ""
             if not path or path in known:
                 continue
             known.add(path)
-            packaged = pxr.Ar.IsPackageRelativePath(path)
-            enclosure.check(pxr.Ar.SplitPackageRelativePathOuter(path)[0] if packaged else path)
+            _check_file(pxr, path, enclosure)
             pending.append(path)
+
+
+def _check_file(pxr: Any, path: str, enclosure: Enclosure) -> None:
+    """Checks a file that a layer refers to; for one in an archive, the archive."""
+    packaged = pxr.Ar.IsPackageRelativePath(path)
+    enclosure.check(pxr.Ar.SplitPackageRelativePathOuter(path)[0] if packaged else path)
+
+
+def _opened(pxr: Any, path: str, enclosure: Enclosure) -> Any:
+    """A stage all of whose layers may be read. Those found only by composition are checked after it."""
+    _check_layers(pxr, path, enclosure)
+    stage = pxr.Usd.Stage.Open(path)
+    for layer in stage.GetUsedLayers():
+        if layer.realPath:
+            _check_file(pxr, layer.realPath, enclosure)
+    return stage
 
 
 def _clip_files(layer: Any) -> list[str]:
@@ -1012,8 +1033,7 @@ def _converted(
         if not isinstance(stage, (str, os.PathLike)):
             return convert(_Usd(stage, pxr, time, None))
         enclosure = Enclosure(stage, allow_outside)
-        _check_layers(pxr, os.fspath(stage), enclosure)
-        return convert(_Usd(pxr.Usd.Stage.Open(os.fspath(stage)), pxr, time, enclosure))
+        return convert(_Usd(_opened(pxr, os.fspath(stage), enclosure), pxr, time, enclosure))
 
 
 def from_usd(

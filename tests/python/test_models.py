@@ -783,6 +783,30 @@ def test_clips_of_usd_stay_in_its_folder(tmp_path, key):
         latelight.from_usd(path)
 
 
+def test_expressions_of_usd_stay_in_its_folder(tmp_path, monkeypatch):
+    """References whose names are computed from variables, also in the folder of the stage."""
+    from pxr import Usd
+
+    (tmp_path / "stage").mkdir()
+    for folder in (tmp_path, tmp_path / "stage"):
+        other = Usd.Stage.CreateNew(str(folder / "other.usda"))
+        add_mesh(other, "/mesh")
+        other.SetDefaultPrim(other.GetPrimAtPath("/mesh"))
+        other.Save()
+    path = str(tmp_path / "stage" / "stage.usda")
+    stage = Usd.Stage.CreateNew(path)
+    stage.DefinePrim("/mesh").GetReferences().AddReference('`"${FOLDER}/other.usda"`')
+    monkeypatch.chdir(tmp_path / "stage")
+    stage.GetRootLayer().expressionVariables = {"FOLDER": "."}
+    stage.Save()
+    assert latelight.from_usd(path).triangle_count == 4
+    stage.GetRootLayer().expressionVariables = {"FOLDER": ".."}
+    stage.Save()
+    with pytest.raises(latelight.InputError, match="other.usda, which is outside the scene's folder"):
+        latelight.from_usd(path)
+    assert latelight.from_usd(path, allow_outside=[tmp_path]).triangle_count == 4
+
+
 def bind(stage, shader, context=None):
     from pxr import UsdShade
 
