@@ -6,7 +6,7 @@ import importlib
 import math
 import os
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from ._core import Light, Material, MaterialHandle, MeshHandle, Scene, read_envi
 from ._enclosure import Enclosure
 from ._model_builder import Builder, linear, missing, node_name, reading, v_down
 from ._shapes import Shape, box, capsule, cone, cylinder, ellipsoid, mesh_arrays, plane, tapered_capsule
-from ._usd_animation import Motion, Parts, joint_order
+from ._usd_animation import Motion, Parts, joint_order, unsheared
 from .errors import UsageError
 
 
@@ -37,6 +37,20 @@ _SHAPES: dict[str, Callable[[Callable[[str], float], str], Shape]] = {
 _TURNED = {"X": [2, 0, 1], "Y": [1, 2, 0], "Z": [0, 1, 2]}  # the coordinates around Z that become x, y and z
 
 
+_LARGEST_MORPH = 2**31  # bytes of the morph targets of a mesh, which small files can make large
+
+
+class Corners(NamedTuple):
+    """Corners of triangles, as indices of values per corner, point and face of their mesh."""
+
+    flat: np.ndarray
+    points: np.ndarray
+    faces: np.ndarray
+
+    def some(self, chosen: np.ndarray) -> Corners:
+        return Corners(*(values[chosen] for values in self))
+
+
 class _Usd(Builder):
     """Walks a stage. `pxr` holds its modules."""
 
@@ -46,7 +60,8 @@ class _Usd(Builder):
         self.stage, self.pxr, self.enclosure = stage, pxr, enclosure
         self.domes: list[Any] = []
         self.plays = time is None  # otherwise the stage is converted as it is at that time
-        self.time = pxr.Usd.TimeCode.Default() if time is None else pxr.Usd.TimeCode(time)
+        # Attributes may have a single sample, which is their value at all times, and no default.
+        self.time = pxr.Usd.TimeCode.EarliestTime() if time is None else pxr.Usd.TimeCode(time)
         scale = float(geom.GetStageMetersPerUnit(stage))
         self.world = self.world @ np.diag([scale, scale, scale, 1])
         self.scale = scale
@@ -79,9 +94,11 @@ class _Usd(Builder):
 
     def animate(self) -> None:
         """Finds what changes over time. The stage at rest is then as at its first time."""
+        if not any(layer.ListAllTimeSamples() for layer in self.stage.GetUsedLayers()):
+            return
         prims = list(self.pxr.Usd.PrimRange(self.stage.GetPseudoRoot(), self.predicate))
         self.motion = Motion(self.stage, self.pxr, self.scene, self.world, prims)
-        if self.motion.exists:
+        if self.motion.exists or self.motion.unplayed:
             self.time = self.pxr.Usd.TimeCode(self.motion.start)
             self.cache = self.pxr.UsdGeom.XformCache(self.time)
 
@@ -112,10 +129,15 @@ class _Usd(Builder):
 
     def add_mesh(self, prim: Any) -> None:
         mesh = self.pxr.UsdGeom.Mesh(prim)
-        if self.deforms(prim):
+        deforms = self.deforms(prim)
+        skin, shapes = (None, None) if deforms else (self.skin_of(prim), self.blended(mesh, prim))
+        times = self.times_of_points(mesh, prim, not deforms and skin is None and shapes is None)
+        if deforms:
             self.add_deforming(mesh, prim)
             return
-        skin, shapes = self.skin_of(prim), self.blended(mesh, prim)
+        if times:
+            self.add_changing(mesh, prim, times)
+            return
         if skin is None and shapes is None:
             self.show(prim, self.transform(prim), prim.GetPath())
             return
@@ -132,6 +154,41 @@ class _Usd(Builder):
             return
         for mesh, material in parts:
             self.add_instance(mesh, material, self.transform(frame), _dotted(prim.GetPath()))
+
+    # --- points that change over time ---
+
+    def times_of_points(self, mesh: Any, prim: Any, is_plain: bool) -> list[float]:
+        """The times of the samples of a mesh's points and normals, if morph targets can be these samples: there are as
+        many points at all times, no skeleton moves them, the faces stay, and the targets are not too large."""
+        times = self.motion.clipped(self.motion.samples_of_points(prim) if self.motion.exists else [])
+        if len(times) < 2:
+            return []
+        counts = {len(mesh.GetPointsAttr().Get(time) or []) for time in times}
+        faces = (mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr())
+        triangles = np.maximum(np.asarray(faces[0].Get(self.time) or [], np.int64) - 2, 0).sum()
+        size = len(times) * (3 * 24 * triangles + 4 * len(times))  # targets with normals, and weights
+        changes = any(attribute.ValueMightBeTimeVarying() for attribute in faces)
+        if not is_plain or len(counts) > 1 or changes or size > _LARGEST_MORPH:
+            self.motion.unplayed.append(str(mesh.GetPointsAttr().GetPath()))
+            return []
+        return times
+
+    def add_changing(self, mesh: Any, prim: Any, times: Sequence[float]) -> None:
+        """Adds a mesh with a morph target per sample after the first. Two neighbors are blended at a time."""
+        points = [np.asarray(mesh.GetPointsAttr().Get(time), np.float32).reshape(-1, 3) for time in times]
+        moves = [later - points[0] for later in points[1:]]
+
+        def of_corners(corners: Corners, kinds: Sequence[str]) -> dict[str, Any]:
+            targets = [{"positions": move[corners.points]} for move in moves]
+            if "normals" in kinds:
+                normals = [self.normals_of_corners(mesh, prim, corners, time) for time in times]
+                for target, later in zip(targets, normals[1:]):
+                    if later is not None and normals[0] is not None:
+                        target["normals"] = later - normals[0]
+            return {"targets": targets}
+
+        parts = self.meshes(mesh, prim, None, (None, None), of_corners)
+        self.place_deforming(parts, prim, times, np.eye(len(times), dtype=np.float32)[:, 1:])
 
     # --- skeletons and blend shapes ---
 
@@ -172,21 +229,28 @@ class _Usd(Builder):
         else:
             still = self.blended(mesh, prim)
 
-        def of_corners(points: np.ndarray, kinds: Sequence[str]) -> dict[str, Any]:
-            own = {name: values[points] for name, values in arrays.items()}
-            moved = [{kind: target[kind][points] for kind in kinds if kind in target} for target in targets]
+        def of_corners(corners: Corners, kinds: Sequence[str]) -> dict[str, Any]:
+            own = {name: values[corners.points] for name, values in arrays.items()}
+            moved = [{kind: target[kind][corners.points] for kind in kinds if kind in target} for target in targets]
             return {**own, "targets": moved, **({"skin": skin} if arrays else {})}
 
         parts = self.meshes(mesh, prim, None, still or (None, None), of_corners)
+        self.place_deforming(parts, prim, times, weights, bool(arrays))
+
+    def place_deforming(
+        self, parts: Parts, prim: Any, times: Sequence[float], weights: np.ndarray, has_joints: bool = False
+    ) -> None:
+        """Shows a mesh, whose morph targets have these weights over time. Joints move a mesh with a skin, its node does
+        not."""
         if not parts:
             return
-        if self.motion.moves(prim) and not arrays:
+        if self.motion.moves(prim) and not has_joints:
             node = self.motion.node_of(prim, parts, weights[0])
-        else:  # joints move a mesh with a skin, its node does not
-            frame = np.eye(4) if arrays else self.world @ self.transform(prim)
+        else:
+            frame = np.eye(4) if has_joints else self.world @ self.transform(prim)
             node = self.scene.add_node(_dotted(prim.GetPath()), matrix=frame, parts=parts, weights=weights[0])
             self.motion.show(node, prim)
-        if targets:
+        if weights.shape[1] > 0:
             self.motion.add_channel(node, "weights", times, weights)
 
     def target(self, shapes: Any, part: int, count: int, mesh: Any, prim: Any) -> dict[str, np.ndarray]:
@@ -279,34 +343,73 @@ class _Usd(Builder):
                 self.made[key] = [self.shape(prim)]
         return self.made[key]
 
-    def show_copy(self, prim: Any, below: np.ndarray, base: np.ndarray, instancer: Any, number: int) -> None:
-        """Shows a copy of an instancer's prototype. `below`: relative to the instancer, which is at `base`."""
-        if self.motion.moves(instancer):
-            above = self.motion.node_of(instancer)
-            self.scene.add_node(str(number), above, matrix=below, parts=self.parts_of(prim))
-        else:
-            self.show(prim, base @ below, f"{instancer.GetPath()}/{number}")
-
     def add_instancer(self, instancer: Any) -> None:
-        geom = self.pxr.UsdGeom
-        base = self.transform(instancer.GetPrim())
+        """Shows the copies of an instancer, each of all prims of its prototype."""
+        prim = instancer.GetPrim()
         indices = instancer.GetProtoIndicesAttr().Get(self.time) or []
-        matrices = instancer.ComputeInstanceTransformsAtTime(self.time, self.time)
-        prototypes = [self.stage.GetPrimAtPath(path) for path in instancer.GetPrototypesRel().GetTargets()]
         mask = instancer.ComputeMaskAtTime(self.time)
-        kept = [i for i in range(len(indices)) if not mask or mask[i]]
-        for number, matrix in zip(kept, matrices):
-            prototype = prototypes[indices[number]]
-            root = np.linalg.inv(self.transform(prototype.GetParent()))
-            for prim in self.pxr.Usd.PrimRange(prototype):
-                if prim.IsA(geom.Mesh) or prim.GetTypeName() in _SHAPES:
-                    local = root @ self.transform(prim)
-                    # ComputeInstanceTransformsAtTime includes the prototype's own transform.
-                    own = np.linalg.inv(
-                        np.array(self.pxr.Gf.Matrix4d(geom.Xformable(prototype).GetLocalTransformation(self.time))).T
-                    )
-                    placed = np.array(matrix, np.float64).T @ own @ local
-                    self.show_copy(prim, placed, base, instancer.GetPrim(), number)
+        numbers = [i for i in range(len(indices)) if not mask or mask[i]]
+        prototypes = [self.stage.GetPrimAtPath(path) for path in instancer.GetPrototypesRel().GetTargets()]
+        shown = [self.parts_of_prototype(prototype) for prototype in prototypes]
+        placed = self.copies_at(instancer, self.time)
+        copies = [(n, matrix, *part) for n, matrix in zip(numbers, placed) for part in shown[indices[n]]]
+        if times := self.times_of_copies(instancer, len(numbers)):
+            above = self.motion.node_of(prim)
+            nodes = [{"name": str(n), "parent": above} for n in numbers]
+
+            def placed_at(time: float) -> np.ndarray:
+                return unsheared(self.copies_at(instancer, time))
+
+            made = self.motion.moving_nodes(nodes, times, placed_at, prim.GetPath())
+            node_of_copy = dict(zip(numbers, made))
+            for n, _, part, local in copies:
+                name = node_name(part.GetName())
+                self.scene.add_node(name, node_of_copy[n], matrix=local, parts=self.parts_of(part))
+        elif self.motion.moves(prim):
+            above = self.motion.node_of(prim)
+            for n, matrix, part, local in copies:
+                self.scene.add_node(str(n), above, matrix=matrix @ local, parts=self.parts_of(part))
+        else:
+            base = self.transform(prim)
+            for n, matrix, part, local in copies:
+                self.show(part, base @ matrix @ local, f"{prim.GetPath()}/{n}")
+
+    def copies_at(self, instancer: Any, time: Any) -> np.ndarray:
+        """The transforms of the visible copies, (n, 4, 4), relative to the instancer."""
+        code = self.pxr.Usd.TimeCode(time)
+        if code.IsEarliestTime():  # velocities lead from the sample to the time
+            samples = self.motion.samples_of_copies(instancer.GetPrim(), 1)
+            code = self.pxr.Usd.TimeCode(samples[0]) if samples else self.pxr.Usd.TimeCode.Default()
+        without = self.pxr.UsdGeom.PointInstancer.ExcludeProtoXform
+        matrices = instancer.ComputeInstanceTransformsAtTime(code, code, without)
+        return np.array(matrices, np.float64).reshape(-1, 4, 4).transpose(0, 2, 1)
+
+    def parts_of_prototype(self, prototype: Any) -> list[tuple[Any, np.ndarray]]:
+        """The prims that a prototype shows, with their transforms relative to its parent."""
+        root = np.linalg.inv(self.transform(prototype.GetParent()))
+        shown = [
+            prim
+            for prim in self.pxr.Usd.PrimRange(prototype)
+            if prim.IsA(self.pxr.UsdGeom.Mesh) or prim.GetTypeName() in _SHAPES
+        ]
+        for prim in shown if self.motion.exists else ():
+            if self.motion.samples_of_points(prim) or self.motion.moves_below(prim, prototype.GetParent()):
+                self.motion.unplayed.append(str(prim.GetPath()))
+        return [(prim, root @ self.transform(prim)) for prim in shown]
+
+    def times_of_copies(self, instancer: Any, count: int) -> list[float]:
+        """The times of the samples of an instancer's transforms, if nodes can be its copies: the same ones at all
+        times."""
+        prim = instancer.GetPrim()
+        times = self.motion.clipped(self.motion.samples_of_copies(prim) if self.motion.exists else [])
+        if len(times) < 2 or count == 0:
+            return []
+        which = (instancer.GetProtoIndicesAttr(), instancer.GetIdsAttr(), instancer.GetInvisibleIdsAttr())
+        fixed = not any(attribute.ValueMightBeTimeVarying() for attribute in which)
+        if not fixed or any(len(self.copies_at(instancer, time)) != count for time in times):
+            self.motion.unplayed.append(str(prim.GetPath()))
+            return []
+        return times
 
     # --- geometry ---
 
@@ -340,13 +443,13 @@ class _Usd(Builder):
         prim: Any,
         pose: np.ndarray | None = None,
         shapes: tuple[Any, Any] = (None, None),
-        deformation: Callable[[np.ndarray, Sequence[str]], dict[str, Any]] | None = None,
+        deformation: Callable[[Corners, Sequence[str]], dict[str, Any]] | None = None,
     ) -> list[tuple[MeshHandle, MaterialHandle]]:
         """One mesh per material. Corners share no vertices, because values may belong to faces and corners.
 
         pose: transforms of all points, or one for all of them
         shapes: points and normals per point in place of those of the mesh
-        deformation: arguments of Scene.add_mesh() for vertices that are these points, whose targets may have these
+        deformation: arguments of Scene.add_mesh() for vertices that are these corners, whose targets may have these
             arrays"""
         points, blended_normals = shapes
         if points is None:
@@ -362,9 +465,8 @@ class _Usd(Builder):
         if mesh.GetOrientationAttr().Get(self.time) == self.pxr.UsdGeom.Tokens.leftHanded:
             corners = corners[:, ::-1]
         flat = corners.ravel()
-        normals = self.primvar(
-            prim, "normals", mesh.GetNormalsAttr(), mesh.GetNormalsInterpolation(), flat, indices, faces, 3
-        )
+        every = Corners(flat, indices[flat], np.repeat(faces, 3))
+        normals = self.normals_of_corners(mesh, prim, every, self.time)
         if blended_normals is not None and len(blended_normals) == len(points):
             normals = blended_normals[indices[flat]]
         if pose is not None:
@@ -378,12 +480,12 @@ class _Usd(Builder):
         uv = next(
             (
                 v
-                for v in (self.primvar(prim, n, None, "", flat, indices, faces, 2) for n in ("st", "UVMap", "st0"))
+                for v in (self.primvar(prim, n, None, "", every, 2, self.time) for n in ("st", "UVMap", "st0"))
                 if v is not None
             ),
             None,
         )
-        colors = self.primvar(prim, "displayColor", None, "", flat, indices, faces, 3)
+        colors = self.primvar(prim, "displayColor", None, "", every, 3, self.time)
         kinds = ("positions",) if normals is None else ("positions", "normals")
         made = []
         for material, triangles in self.subsets(prim, faces):
@@ -401,30 +503,35 @@ class _Usd(Builder):
                         uv=None if uv is None else v_down(uv[chosen]),
                         colors=rgba,
                         name=prim.GetName(),
-                        **(deformation(indices[flat][chosen], kinds) if deformation else {}),
+                        **(deformation(every.some(chosen), kinds) if deformation else {}),
                     ),
                     handle if handle is not None else self.default_material(self.is_double_sided(prim)),
                 )
             )
         return made
 
+    def normals_of_corners(self, mesh: Any, prim: Any, corners: Corners, time: Any) -> np.ndarray | None:
+        attribute, interpolation = mesh.GetNormalsAttr(), mesh.GetNormalsInterpolation()
+        return self.primvar(prim, "normals", attribute, interpolation, corners, 3, time)
+
     def primvar(
-        self, prim: Any, name: str, attribute: Any, interpolation: str, flat: Any, indices: Any, faces: Any, width: int
+        self, prim: Any, name: str, attribute: Any, interpolation: str, corners: Corners, width: int, time: Any
     ) -> np.ndarray | None:
         """The values of a primvar, or of the attribute of the same meaning, per corner of the triangles."""
         source = self.pxr.UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
         if source and source.HasValue():
-            values, interpolation = source.ComputeFlattened(self.time), source.GetInterpolation()
+            values, interpolation = source.ComputeFlattened(time), source.GetInterpolation()
         else:
-            values = attribute.Get(self.time) if attribute else None
+            values = attribute.Get(time) if attribute else None
         if values is None or len(values) == 0:
             return None
         array = np.asarray(values, np.float32).reshape(len(values), -1)[:, :width]
         if interpolation == "constant":
-            return np.repeat(array[:1], len(flat), axis=0)
+            return np.repeat(array[:1], len(corners.flat), axis=0)
         if interpolation == "uniform":
-            return array[np.repeat(faces, 3)] if len(array) > faces.max() else None
-        at = flat if interpolation == "faceVarying" else indices[flat]
+            at = corners.faces
+        else:
+            at = corners.flat if interpolation == "faceVarying" else corners.points
         return array[at] if len(array) > at.max() else None
 
     def subsets(self, prim: Any, faces: np.ndarray) -> list[tuple[Any, np.ndarray]]:
@@ -605,9 +712,11 @@ class _Usd(Builder):
         api, transform = lux.LightAPI(prim), self.world @ self.transform(prim)
         if prim.IsA(lux.DomeLight) or prim.IsA(lux.DomeLight_1):
             self.domes.append(prim)
+            if self.motion.moves(prim):  # the scene's environment stays
+                self.motion.unplayed.append(str(prim.GetPath()))
             return
         node = self.motion.node_of(prim) if self.motion.moves(prim) else None
-        color = tuple(float(c) for c in api.GetColorAttr().Get(self.time))
+        color = tuple(self.light_color(api).tolist())
         power = float(api.GetIntensityAttr().Get(self.time)) * 2 ** float(api.GetExposureAttr().Get(self.time))
         position = tuple(transform[:3, 3].tolist())
         direction = tuple((-transform[:3, 2]).tolist())
@@ -617,13 +726,30 @@ class _Usd(Builder):
                 Light(name=name, type="directional", direction=direction, color=color, intensity=power), node
             )
         elif prim.IsA(lux.SphereLight):
-            radius = float(lux.SphereLight(prim).GetRadiusAttr().Get(self.time)) * self.scale
-            # Radiance times the projected area, as seen from afar.
-            candela = power * (1 if api.GetNormalizeAttr().Get(self.time) else math.pi * radius**2)
+            radius = float(lux.SphereLight(prim).GetRadiusAttr().Get(self.time)) * np.cbrt(
+                abs(np.linalg.det(transform[:3, :3]))
+            )
+            # Radiance times the projected area, as seen from afar. `normalize` divides the radiance by the area of the
+            # sphere, in units of the stage.
+            is_normalized = api.GetNormalizeAttr().Get(self.time)
+            candela = power * (self.scale**2 / 4 if is_normalized else math.pi * radius**2)
             light = Light(name=name, position=position, color=color, intensity=candela, size=radius)
+            shaping = lux.ShapingAPI(prim)
+            cone = float(shaping.GetShapingConeAngleAttr().Get(self.time)) if prim.HasAPI(lux.ShapingAPI) else 90
+            if cone < 90:
+                softness = float(shaping.GetShapingConeSoftnessAttr().Get(self.time))
+                light.type, light.direction, light.outer_cone = "spot", direction, max(cone, 0)
+                light.inner_cone = light.outer_cone * (1 - min(max(softness, 0), 1))
             self.scene.add_light(light, node)
         else:
             self.add_area_light(prim, transform, color, power, node)
+
+    def light_color(self, api: Any) -> np.ndarray:
+        color = np.array(api.GetColorAttr().Get(self.time), np.float64)
+        if api.GetEnableColorTemperatureAttr().Get(self.time):
+            kelvin = float(api.GetColorTemperatureAttr().Get(self.time))
+            color *= np.array(self.pxr.UsdLux.BlackbodyTemperatureAsRgb(kelvin))
+        return color
 
     def add_area_light(
         self, prim: Any, transform: np.ndarray, color: tuple[float, ...], power: float, node: str | None
@@ -683,7 +809,7 @@ class _Usd(Builder):
             up = self.pxr.UsdGeom.GetStageUpAxis(self.stage) if pole == "scene" else pole
             if up == "Z":  # the texture's pole, which is +Y, is turned about X
                 axes = axes @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
-            total += power * np.asarray(api.GetColorAttr().Get(self.time)) * _sampled(image, directions @ axes)
+            total += power * self.light_color(api).astype(np.float32) * _sampled(image, directions @ axes)
         return total
 
     def dome_image(self, dome: Any) -> np.ndarray:
@@ -721,6 +847,14 @@ class _Usd(Builder):
         pose[:3, :3], pose[:3, 3] = axes @ np.diag([1, -1, -1]), eye  # OpenCV's camera: Y down, Z forward
         made.camera_to_world = pose
         made.name = prim.GetName()
+        if gf.projection == self.pxr.Gf.Camera.Orthographic:
+            made.orthographic = True
+            made.half_height = gf.verticalAperture * self.pxr.Gf.Camera.APERTURE_UNIT / 2 * self.scale
+            made.near_clip, made.far_clip = gf.clippingRange.min * self.scale, gf.clippingRange.max * self.scale
+        # An offset moves what the camera sees, and the center of the projection moves the other way in the image.
+        if gf.horizontalAperture > 0 and gf.verticalAperture > 0:
+            made.principal_x = -2 * gf.horizontalApertureOffset / gf.horizontalAperture
+            made.principal_y = -2 * gf.verticalApertureOffset / gf.verticalAperture
         self.scene.add_camera(made, self.motion.node_of(prim) if self.motion.moves(prim) else None)
 
 
@@ -784,17 +918,54 @@ def _sampled(image: np.ndarray, directions: np.ndarray) -> np.ndarray:
 def _check_layers(pxr: Any, root: str, enclosure: Enclosure) -> None:
     """Checks the layers that a stage would read, before any of them is composed."""
     pending, known = [root], set()
+    stronger: dict[str, Any] = {}  # the root's variables, which those of other layers do not replace
     while pending:
-        name = pending.pop()
-        layer = pxr.Sdf.Layer.FindOrOpen(name)
-        for asset in layer.GetCompositionAssetDependencies() if layer else ():
+        layer = pxr.Sdf.Layer.FindOrOpen(pending.pop())
+        if not layer:
+            continue
+        stronger = stronger or dict(layer.expressionVariables)
+        variables = {**layer.expressionVariables, **stronger}
+        for asset in (*layer.GetCompositionAssetDependencies(), *_clip_files(layer)):
+            if pxr.Sdf.VariableExpression.IsExpression(asset):
+                asset = pxr.Sdf.VariableExpression(asset).Evaluate(variables).value
             path = layer.ComputeAbsolutePath(asset) if asset else ""
             if not path or path in known:
                 continue
             known.add(path)
-            packaged = pxr.Ar.IsPackageRelativePath(path)
-            enclosure.check(pxr.Ar.SplitPackageRelativePathOuter(path)[0] if packaged else path)
+            _check_file(pxr, path, enclosure)
             pending.append(path)
+
+
+def _check_file(pxr: Any, path: str, enclosure: Enclosure) -> None:
+    """Checks a file that a layer refers to; for one in an archive, the archive."""
+    packaged = pxr.Ar.IsPackageRelativePath(path)
+    enclosure.check(pxr.Ar.SplitPackageRelativePathOuter(path)[0] if packaged else path)
+
+
+def _opened(pxr: Any, path: str, enclosure: Enclosure) -> Any:
+    """A stage all of whose layers may be read. Those found only by composition are checked after it."""
+    _check_layers(pxr, path, enclosure)
+    stage = pxr.Usd.Stage.Open(path)
+    for layer in stage.GetUsedLayers():
+        if layer.realPath:
+            _check_file(pxr, layer.realPath, enclosure)
+    return stage
+
+
+def _clip_files(layer: Any) -> list[str]:
+    """The files of the value clips that the prims of a layer name; patterns of numbered files have the sign #."""
+    files: list[str] = []
+
+    def visit(path: Any) -> None:
+        prim = layer.GetPrimAtPath(path) if path.IsPrimPath() or path.IsPrimVariantSelectionPath() else None
+        if not prim or not prim.HasInfo("clips"):
+            return
+        for clips in prim.GetInfo("clips").values():
+            assets = [*clips.get("assetPaths", ()), clips.get("manifestAssetPath"), clips.get("templateAssetPath")]
+            files.extend(str(getattr(asset, "path", asset)) for asset in assets if asset)
+
+    layer.Traverse("/", visit)
+    return files
 
 
 def _f0(ior: float) -> float:
@@ -862,8 +1033,7 @@ def _converted(
         if not isinstance(stage, (str, os.PathLike)):
             return convert(_Usd(stage, pxr, time, None))
         enclosure = Enclosure(stage, allow_outside)
-        _check_layers(pxr, os.fspath(stage), enclosure)
-        return convert(_Usd(pxr.Usd.Stage.Open(os.fspath(stage)), pxr, time, enclosure))
+        return convert(_Usd(_opened(pxr, os.fspath(stage), enclosure), pxr, time, enclosure))
 
 
 def from_usd(
@@ -872,16 +1042,17 @@ def from_usd(
     """Converts a Usd.Stage, or the path of a .usd, .usda, .usdc or .usdz file, with usd-core.
 
     time: the time code at which values are read. Default: time samples become an animation, "stage", which the option
-        `time` plays in seconds from the stage's first time code; values are those of that time code, or the default
-        values of a stage without samples
+        `time` plays in seconds from the stage's first time code; values that it does not include are those of that time
+        code, and a warning names them
     allow_outside: folders that a file may refer to, besides its own
 
     Converted are visible meshes with their subsets, normals, texture coordinates (st) and displayColor; skeletons and
-    blend shapes with in-betweens; spheres, cubes, cones, planes, and cylinders and capsules with one or
-    two radii; instances and point instancers; UsdPreviewSurface and MaterialX's standard surface with their images;
-    distant, sphere, rect, disk and cylinder lights; dome lights, as the scene's environment; cameras; and the stage's
-    units, up axis and chosen variants. Animated are transforms, skeletons, weights of blend shapes, and visibility.
-    Subdivision surfaces are shown as their cages, and polygons as fans. Curves,
+    blend shapes with in-betweens; spheres, cubes, cones, planes, and cylinders and capsules with one or two radii;
+    instances and point instancers; UsdPreviewSurface and MaterialX's standard surface with their images; distant,
+    sphere, rect, disk and cylinder lights, with color temperatures, and spheres with a cone as spot lights; dome
+    lights, as the scene's environment; perspective, orthographic and shifted cameras; and the stage's units, up axis
+    and chosen variants. Animated are transforms, skeletons, weights of blend shapes, points and normals, copies of
+    instancers, and visibility. Subdivision surfaces are shown as their cages, and polygons as fans. Curves,
     points, volumes, procedural textures and other shaders are left out."""
     return _converted(stage, time, allow_outside, "from_usd", _Usd.run)
 

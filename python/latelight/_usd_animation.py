@@ -2,11 +2,13 @@
 
 Transforms are sampled where their attributes have samples, and keys are added between them until the interpolated
 transforms follow the stage's, since USD interpolates the operations of a transform, such as angles, and glTF its
-translation, rotation and scale. Joints and weights of blend shapes are interpolated in the same way by both."""
+translation, rotation and scale. Joints and weights of blend shapes are interpolated in the same way by both. Points
+are blended between a morph target per sample, and the copies of an instancer are nodes."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import warnings
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,6 +18,16 @@ from ._model_builder import node_name
 from .errors import UsageError
 
 Parts = Sequence[tuple[MeshHandle, MaterialHandle]]
+
+# Attributes, by the type of their prim, that are read once, at the first time.
+_READ_ONCE = {
+    "Gprim": ("radius", "height", "size", "axis", "width", "length", "radiusTop", "radiusBottom", "orientation")
+    + ("faceVertexCounts", "faceVertexIndices", "primvars:displayColor")
+    + ("primvars:st", "primvars:UVMap", "primvars:st0"),
+    "Camera": ("focalLength", "horizontalAperture", "verticalAperture", "horizontalApertureOffset", "projection")
+    + ("verticalApertureOffset",),
+    "Subset": ("indices",),
+}
 
 _TOLERANCE = 1e-4  # of interpolated transforms: radians and relative scale, and of the path that translations cover
 _FRACTIONS = (0.29, 0.5, 0.83)  # of intervals, where interpolated transforms are compared with the stage's
@@ -32,8 +44,10 @@ class Motion:
         self.joints: dict[Any, list[str]] = {}
         self.animated: dict[Any, bool] = {}
         self.held = stage.GetInterpolationType() == pxr.Usd.InterpolationTypeHeld
+        self.unplayed: list[str] = []  # paths of attributes with samples that are read once
         samples = sorted({time for prim in prims for time in self.samples_of(prim)})
         self.exists = len(samples) > 0
+        samples = sorted({*samples, *(time for prim in prims for time in self.samples_read_once(prim))})
         if stage.HasAuthoredTimeCodeRange():
             samples = [stage.GetStartTimeCode(), stage.GetEndTimeCode()]
         self.start, self.end = (samples[0], samples[-1]) if samples else (0.0, 0.0)
@@ -41,18 +55,28 @@ class Motion:
     def finish(self) -> None:
         if self.channels:
             self.scene.add_animation("stage", self.channels)
+        if self.unplayed:
+            named, others = ", ".join(self.unplayed[:3]), len(self.unplayed) - 3
+            if others > 0:
+                named += f" and {others} others"
+            warnings.warn(
+                f"from_usd reads the time samples of {named} only at the time code {self.start:g}: animations do not "
+                "include them",
+                stacklevel=2,
+            )
 
     # --- time samples ---
 
     def samples_of(self, prim: Any) -> list[float]:
-        """The times at which the prim's own transform, its visibility, or its pose as an animation of a skeleton
-        changes."""
+        """The times at which the prim's own transform, its visibility, its points as a mesh, its copies as an
+        instancer, or its pose as an animation of a skeleton changes."""
         geom, skel = self.pxr.UsdGeom, self.pxr.UsdSkel
         times: list[float] = []
         if (form := geom.Xformable(prim)) and form.TransformMightBeTimeVarying():
             times += form.GetTimeSamples()
         if (seen := geom.Imageable(prim)) and seen.GetVisibilityAttr().ValueMightBeTimeVarying():
             times += seen.GetVisibilityAttr().GetTimeSamples()
+        times += self.samples_of_points(prim) + self.samples_of_copies(prim)
         if pose := skel.Animation(prim):
             for attribute in (
                 pose.GetTranslationsAttr(),
@@ -63,6 +87,34 @@ class Motion:
                 if attribute.ValueMightBeTimeVarying():
                     times += attribute.GetTimeSamples()
         return times
+
+    def samples_of_points(self, prim: Any) -> list[float]:
+        """The times at which the points of a mesh change, or their normals."""
+        mesh = self.pxr.UsdGeom.Mesh(prim)
+        return _samples((mesh.GetPointsAttr(), *normals_of(mesh, self.pxr))) if mesh else []
+
+    def samples_of_copies(self, prim: Any, fewest: int = 2) -> list[float]:
+        """The times at which the transforms of the copies of an instancer change: those of attributes with that many
+        samples."""
+        copies = self.pxr.UsdGeom.PointInstancer(prim)
+        if not copies:
+            return []
+        names = ("positions", "orientations", "orientationsf", "scales", "velocities", "angularVelocities")
+        return sorted(_samples([prim.GetAttribute(name) for name in names], fewest))
+
+    def samples_read_once(self, prim: Any) -> list[float]:
+        """The times of all other values that change. Their attributes are noted."""
+        geom, shade = self.pxr.UsdGeom, self.pxr.UsdShade
+        is_shading = prim.IsA(shade.Shader) or prim.IsA(shade.NodeGraph) or prim.HasAPI(self.pxr.UsdLux.LightAPI)
+        names = [name for kind, read in _READ_ONCE.items() if prim.IsA(getattr(geom, kind)) for name in read]
+        attributes = [
+            attribute
+            for attribute in prim.GetAuthoredAttributes()
+            if (attribute.GetName() in names or (is_shading and attribute.GetName().startswith("inputs:")))
+            and attribute.ValueMightBeTimeVarying()
+        ]
+        self.unplayed += [str(attribute.GetPath()) for attribute in attributes]
+        return _samples(attributes)
 
     def clipped(self, times: Sequence[float]) -> list[float]:
         """The times within the stage's range, and its ends if there are any outside."""
@@ -85,6 +137,15 @@ class Motion:
                 or (not (form and form.GetResetXformStack()) and self.moves(prim.GetParent()))
             )
         return self.animated[path]
+
+    def moves_below(self, prim: Any, above: Any) -> bool:
+        """True if the transform of the prim changes over time relative to one of its parents."""
+        while prim != above:
+            form = self.pxr.UsdGeom.Xformable(prim)
+            if form and form.TransformMightBeTimeVarying():
+                return True
+            prim = prim.GetParent()
+        return False
 
     # --- nodes ---
 
@@ -247,6 +308,15 @@ class Motion:
         return times, table
 
 
+def normals_of(mesh: Any, pxr: Any) -> list[Any]:
+    """The attributes that may hold a mesh's normals; the primvar comes first."""
+    return [pxr.UsdGeom.PrimvarsAPI(mesh).GetPrimvar("normals").GetAttr(), mesh.GetNormalsAttr()]
+
+
+def _samples(attributes: Iterable[Any], fewest: int = 2) -> list[float]:
+    return [time for a in attributes if a and a.GetNumTimeSamples() >= fewest for time in a.GetTimeSamples()]
+
+
 def joint_order(skinning: Any, query: Any, path: Any) -> list[int]:
     """The joints of a mesh as indices into those of its skeleton."""
     names, order = [str(name) for name in query.GetJointOrder()], skinning.GetJointOrder()
@@ -277,13 +347,24 @@ def _quaternions(rotations: np.ndarray) -> np.ndarray:
     return chosen / np.linalg.norm(chosen, axis=1, keepdims=True)
 
 
-def _decomposed(matrices: np.ndarray, path: Any, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Translations, rotations and scales of transforms (n, 4, 4)."""
+def unsheared(matrices: np.ndarray) -> np.ndarray:
+    """Transforms (n, 4, 4) by a translation, a rotation and a scale that are close to the given ones. Those of
+    instancers are not exactly such, because their quaternions have half precision."""
+    return _composed(*_parts(matrices))
+
+
+def _parts(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The translations, rotations and scales of transforms (n, 4, 4) without shear."""
     axes = matrices[:, :3, :3]
     scales = np.linalg.norm(axes, axis=1)
     scales[:, 0] *= np.where(np.linalg.det(axes) < 0, -1, 1)
     rotations = axes / np.where(scales == 0, 1, scales)[:, None, :]
-    parts = matrices[:, :3, 3], _quaternions(rotations), scales
+    return matrices[:, :3, 3], _quaternions(rotations), scales
+
+
+def _decomposed(matrices: np.ndarray, path: Any, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Translations, rotations and scales of transforms (n, 4, 4). Shear is an error."""
+    axes, parts = matrices[:, :3, :3], _parts(matrices)
     error = np.abs(_composed(*parts) - matrices)[:, :3, :3].max(axis=(1, 2))
     if (error > 1e-5 * np.maximum(np.abs(axes).max(axis=(1, 2)), 1e-30)).any():
         raise UsageError(

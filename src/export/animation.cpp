@@ -27,10 +27,17 @@ class AnimationWriter {
  private:
   void addTrack(const Track& track) {
     const int node = exported_.rigNodes[track.node];
-    constexpr std::array kPaths = {"translation", "rotation", "scale", "weights"};
     if (track.property == AnimatedProperty::Visible)
       return addPointer(fmt::format("/nodes/{}/extensions/KHR_node_visibility/visible", node), addVisibility(track));
-    const size_t sampler = addSampler(track, track.property == AnimatedProperty::Weights);
+    const bool areWeights = track.property == AnimatedProperty::Weights;
+    const size_t sampler = addSampler(track, areWeights);
+    addChannel(track, node, sampler);
+    const auto [copy, end] = (areWeights ? exported_.morphedCopies : exported_.movedCopies).equal_range(track.node);
+    for (auto i = copy; i != end; ++i) addChannel(track, i->second, sampler);
+  }
+
+  void addChannel(const Track& track, int node, size_t sampler) {
+    constexpr std::array kPaths = {"translation", "rotation", "scale", "weights"};
     if (track.element >= 0) return addPointer(fmt::format("/nodes/{}/weights/{}", node, track.element), sampler);
     const char* path = kPaths[static_cast<size_t>(track.property)];
     out_["channels"].push_back({{"sampler", sampler}, {"target", {{"node", node}, {"path", path}}}});
@@ -93,12 +100,15 @@ class AnimationWriter {
 }  // namespace
 
 void addSkins(const Scene& scene, Document& document, const Exported& exported) {
+  std::vector<size_t> matrices;
   for (const Skin& skin : scene.rig.skins) {
     Json joints = Json::array();
     for (const uint32_t joint : skin.joints) joints.push_back(exported.rigNodes[joint]);
-    document.add("skins",
-                 {{"inverseBindMatrices", document.addMatrices(skin.inverseBind)}, {"joints", std::move(joints)}});
+    matrices.push_back(document.addMatrices(skin.inverseBind));
+    document.add("skins", {{"inverseBindMatrices", matrices.back()}, {"joints", std::move(joints)}});
   }
+  for (const SkinCopy& copy : exported.skinCopies)
+    document.add("skins", {{"inverseBindMatrices", matrices[copy.skin]}, {"joints", copy.joints}});
 }
 
 void addAnimations(const Scene& scene, Document& document, const Exported& exported) {

@@ -58,8 +58,11 @@ void exportScene(const scene::Scene& scene, const std::filesystem::path& file) {
     if (extension == ".ply") return writeFile(file, encodePly(scene));
     std::filesystem::path materials = file;
     materials.replace_extension(".mtl");
-    const std::string mtl = encodeMtl(scene), obj = encodeObj(scene, materials.filename().string());
-    writeFile(materials, std::as_bytes(std::span(mtl)));
+    const MaterialLibrary mtl = encodeMtl(scene, file.stem().string());
+    const std::string obj = encodeObj(scene, materials.filename().string());
+    for (const auto& [texture, name] : mtl.images)
+      writeFile(file.parent_path() / name, encodeTexture(scene.textures[texture]));
+    writeFile(materials, std::as_bytes(std::span(mtl.text)));
     writeFile(file, std::as_bytes(std::span(obj)));
   } catch (const std::bad_alloc&) {
     failWithoutMemory(fmt::format("the exported file {}", file.string()));

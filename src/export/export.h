@@ -8,8 +8,8 @@
 namespace latelight::exports {
 
 // Writes the scene as it is, including edits, in the format of the file's extension: .glb for everything that glTF
-// holds, .obj (with an .mtl file next to it) and .ply for the geometry at rest. Throws Error(Usage) for other names and
-// for files that cannot be written.
+// holds, .obj (with an .mtl file and images next to it) and .ply for the geometry at rest. Throws Error(Usage) for
+// other names and for files that cannot be written.
 void exportScene(const scene::Scene& scene, const std::filesystem::path& file);
 
 // Throws Error(Usage) if exportScene() does not support the extension.

@@ -1,4 +1,5 @@
 // Writes the geometry of a scene at rest to OBJ and PLY: all visible instances in the place where they are, in meters.
+// OBJ has materials in a library, whose textures are images next to it.
 // OBJ has glTF's axes, and PLY has Z up, which are the defaults when such files are loaded.
 #include <fmt/format.h>
 
@@ -7,7 +8,9 @@
 #include <iterator>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "export/formats.h"
+#include "export/materials.h"
 #include "shared/color.h"
 
 namespace latelight::exports {
@@ -49,20 +52,81 @@ std::string nameOf(const Scene& scene, uint32_t material) {
 
 }  // namespace
 
-std::string encodeMtl(const Scene& scene) {
-  std::string text;
-  const auto out = std::back_inserter(text);
-  for (uint32_t i = 0; i < scene.materials.size(); ++i) {
-    if (scene.materials[i].removed) continue;
-    const shared::Material& m = scene.materials[i].data;
-    fmt::format_to(out, "newmtl {}\nKd {} {} {}\nPr {}\nPm {}\n", nameOf(scene, i), m.baseColor.r, m.baseColor.g,
+// --- materials of OBJ -----------------------------------------------------------------------------------------------
+
+namespace {
+
+class MtlWriter {
+ public:
+  MtlWriter(const Scene& scene, const std::string& stem) : scene_(scene), stem_(stem) {}
+
+  void add(uint32_t index) {
+    material_ = &scene_.materials[index];
+    const shared::Material& m = material_->data;
+    const auto out = std::back_inserter(library_.text);
+    fmt::format_to(out, "newmtl {}\nKd {} {} {}\nPr {}\nPm {}\n", nameOf(scene_, index), m.baseColor.r, m.baseColor.g,
                    m.baseColor.b, m.roughness, m.metallic);
     if (m.emissive != vec3(0)) fmt::format_to(out, "Ke {} {} {}\n", m.emissive.r, m.emissive.g, m.emissive.b);
+    const bool isTranslucent = (m.flags & (shared::kMaterialBlended | shared::kMaterialMasked)) != 0;
     if ((m.flags & shared::kMaterialBlended) && m.baseColor.a < 1) fmt::format_to(out, "d {}\n", m.baseColor.a);
-    if (m.flags & shared::kMaterialUnlit) text += "illum 0\n";
+    if (m.flags & shared::kMaterialUnlit) library_.text += "illum 0\n";
+    addMap("map_Kd", shared::kTextureBaseColor);
+    if (isTranslucent && hasTransparency()) addMap("map_d -imfchan m", shared::kTextureBaseColor);
+    addMap("map_Pr -imfchan g", shared::kTextureMetallicRoughness);
+    addMap("map_Pm -imfchan b", shared::kTextureMetallicRoughness);
+    addMap(fmt::format("norm -bm {}", m.normalScale), shared::kTextureNormal);
+    addMap("map_Ke", shared::kTextureEmissive);
   }
-  return text;
+
+  MaterialLibrary take() { return std::move(library_); }
+
+ private:
+  bool isUsed(uint32_t slot) const {
+    return material_->slots[slot].texture >= 0 && (material_->data.textures & 1u << slot) != 0;
+  }
+  bool hasTransparency() const {
+    return isUsed(shared::kTextureBaseColor) &&
+           hasAlpha(scene_.textures[size_t(material_->slots[shared::kTextureBaseColor].texture)]);
+  }
+
+  // MTL's v points up: glTF's v s + t is 1 - ((1 - v) s + o) with o = 1 - s - t.
+  void addMap(const std::string& statement, uint32_t slot) {
+    if (!isUsed(slot)) return;
+    const shared::TextureTransform& t = material_->data.transforms[slot];
+    if (t.uvSet != 0 || t.row0.y != 0 || t.row1.x != 0) {
+      warn(
+          "the material {} has a texture that is rotated or has other coordinates than the first ones, which MTL does "
+          "not define: it is left out",
+          material_->name);
+      return;
+    }
+    const TextureSlot& source = material_->slots[slot];
+    const auto index = static_cast<uint32_t>(source.texture);
+    const auto& [texture, name] = *library_.images.try_emplace(index, fmt::format("{}_{}.png", stem_, index)).first;
+    std::string options;
+    if (t.row0.x != 1 || t.row1.y != 1) options += fmt::format(" -s {} {} 1", t.row0.x, t.row1.y);
+    const float down = 1 - t.row1.y - t.row1.z;
+    if (t.row0.z != 0 || down != 0) options += fmt::format(" -o {} {} 0", t.row0.z, down);
+    if (source.sampler.wrapU == Wrap::Clamp && source.sampler.wrapV == Wrap::Clamp) options += " -clamp on";
+    library_.text += fmt::format("{}{} {}\n", statement, options, name);
+  }
+
+  const Scene& scene_;
+  const std::string& stem_;
+  const Material* material_ = nullptr;
+  MaterialLibrary library_;
+};
+
+}  // namespace
+
+MaterialLibrary encodeMtl(const Scene& scene, const std::string& stem) {
+  MtlWriter writer(scene, stem);
+  for (uint32_t i = 0; i < scene.materials.size(); ++i)
+    if (!scene.materials[i].removed) writer.add(i);
+  return writer.take();
 }
+
+// --- geometry -------------------------------------------------------------------------------------------------------
 
 std::string encodeObj(const Scene& scene, const std::string& materials) {
   std::string text = fmt::format("mtllib {}\n", materials);

@@ -219,15 +219,7 @@ class MaterialWriter {
     const Texture& texture = scene_.textures[index];
     const auto [known, isNew] = images_.try_emplace(texture.pixels.get(), 0);
     if (!isNew) return known->second;
-    const size_t texels = size_t{texture.width} * texture.height;
-    const std::byte* rgba = texture.pixels.get();
-    bool isOpaque = true;
-    for (size_t i = 0; i < texels && isOpaque; ++i) isOpaque = rgba[4 * i + 3] == std::byte{255};
-    std::vector<std::byte> rgb(isOpaque ? 3 * texels : 0);
-    for (size_t i = 0; i < rgb.size(); ++i) rgb[i] = rgba[i / 3 * 4 + i % 3];
-    const std::vector<std::byte> png =
-        output::encodePng(texture.width, texture.height, isOpaque ? 3 : 4, 8, isOpaque ? rgb.data() : rgba,
-                          texture.srgb ? output::PngLight::Srgb : output::PngLight::Data);
+    const std::vector<std::byte> png = encodeTexture(texture);
     Json image{{"bufferView", document_.addView(png)}, {"mimeType", "image/png"}};
     if (!texture.name.empty()) image["name"] = texture.name;
     return known->second = document_.add("images", std::move(image));
@@ -244,6 +236,23 @@ class MaterialWriter {
 };
 
 }  // namespace
+
+bool hasAlpha(const Texture& texture) {
+  const size_t texels = size_t{texture.width} * texture.height;
+  const std::byte* rgba = texture.pixels.get();
+  for (size_t i = 0; i < texels; ++i)
+    if (rgba[4 * i + 3] != std::byte{255}) return true;
+  return false;
+}
+
+std::vector<std::byte> encodeTexture(const Texture& texture) {
+  const bool isOpaque = !hasAlpha(texture);
+  const std::byte* rgba = texture.pixels.get();
+  std::vector<std::byte> rgb(isOpaque ? size_t{3} * texture.width * texture.height : 0);
+  for (size_t i = 0; i < rgb.size(); ++i) rgb[i] = rgba[i / 3 * 4 + i % 3];
+  return output::encodePng(texture.width, texture.height, isOpaque ? 3 : 4, 8, isOpaque ? rgb.data() : rgba,
+                           texture.srgb ? output::PngLight::Srgb : output::PngLight::Data);
+}
 
 std::vector<int> addMaterials(const Scene& scene, Document& document) {
   MaterialWriter writer(scene, document);

@@ -3,10 +3,14 @@
 // as it is; one that an edit has moved gets the local transform that leads there.
 //
 // Copies by EXT_mesh_gpu_instancing become nodes below theirs, named as the ids of copies are made.
+//
+// glTF ignores the transform of a node with a skin (3.7.3.3). An instance of a skinned mesh that an edit has placed
+// therefore has joints of its own, below a node with its transform.
 #include "export/nodes.h"
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <map>
 #include <optional>
 #include <utility>
@@ -42,12 +46,13 @@ dmat4 inFile(const dmat4& toWorld) {
   return toGltfFromWorld() * toWorld;
 }
 
-// Instances of a node that are at the same place and visible alike.
+// Instances of a node that are at the same place and visible alike. Those that an edit has placed have the same skin.
 struct Group {
   dmat4 toWorld{1};
   bool hidden = false;
   bool follows = false;  // an animated node moves it
   int copy = -1;
+  int skin = -1;  // index into Rig::skins
   std::vector<uint32_t> instances;
 };
 
@@ -86,7 +91,7 @@ class NodeWriter {
     return index;
   }
 
-  // Instances that follow an animated node are at one place, whether or not a skin moves them.
+  // Instances that follow an animated node are at one place.
   void collectInstances() {
     groups_.resize(scene_.nodes.size());
     std::map<std::pair<uint32_t, int>, std::vector<size_t>> candidates;  // groups by node and copy
@@ -94,19 +99,22 @@ class NodeWriter {
       const Instance& instance = scene_.instances[i];
       if (instance.removed) continue;
       const bool follows = !scene_.rig.empty() && !instance.placed;
+      const auto& deformation = scene_.meshes[instance.mesh].deformation;
+      const int skin = deformation ? deformation->skin : -1;
       std::vector<Group>& groups = groups_[instance.node];
       std::vector<size_t>& similar = candidates[{instance.node, instance.copy}];
       const auto isSame = [&](size_t group) {
         return groups[group].hidden == instance.hidden && groups[group].follows == follows &&
-               (follows || groups[group].toWorld == instance.toWorld);
+               (follows || (groups[group].toWorld == instance.toWorld && groups[group].skin == skin));
       };
       const auto found = std::ranges::find_if(similar, isSame);
       const size_t group = found == similar.end() ? groups.size() : *found;
       if (found == similar.end()) {
-        groups.push_back({instance.toWorld, instance.hidden, follows, instance.copy, {}});
+        groups.push_back({instance.toWorld, instance.hidden, follows, instance.copy, skin, {}});
         similar.push_back(group);
       }
       groups[group].instances.push_back(i);
+      groups[group].skin = std::max(groups[group].skin, skin);
     }
   }
 
@@ -150,16 +158,57 @@ class NodeWriter {
     }
   }
 
+  // The nodes of the rig whose transforms, or those of their parents, animations change.
+  std::vector<bool> findMoving() const {
+    const Rig& rig = scene_.rig;
+    std::vector<bool> moving(rig.nodes.size());
+    for (const Animation& animation : rig.animations)
+      for (const Track& track : animation.tracks)
+        if (track.property <= AnimatedProperty::Scale) moving[track.node] = true;
+    for (const uint32_t node : rig.order)
+      if (rig.nodes[node].parent >= 0 && moving[size_t(rig.nodes[node].parent)]) moving[node] = true;
+    return moving;
+  }
+
+  // The nodes of the rig that other nodes, joints, lights or cameras follow.
+  std::vector<bool> findFollowed() const {
+    const Rig& rig = scene_.rig;
+    std::vector<bool> followed(rig.nodes.size());
+    for (const RigNode& node : rig.nodes)
+      if (node.parent >= 0) followed[size_t(node.parent)] = true;
+    for (const Skin& skin : rig.skins)
+      for (const uint32_t joint : skin.joints) followed[joint] = true;
+    const auto note = [&](int node) {
+      if (node >= 0 && size_t(node) < rig.sceneNodes.size()) followed[rig.sceneNodes[size_t(node)]] = true;
+    };
+    for (const Light& light : scene_.lights) note(light.node);
+    for (const Camera& camera : scene_.cameras) note(camera.node);
+    return followed;
+  }
+
   // Writes all nodes of the rig in its order, because joints need not be in the scene, and then added ones.
   void addRigNodes() {
     const Rig& rig = scene_.rig;
+    const std::vector<bool> isFollowed = findFollowed();
+    isMoving_ = findMoving();
     places_.resize(scene_.nodes.size());
     for (size_t i = 0; i < places_.size(); ++i) places_[i] = scene_.nodes[i].toWorld;
     std::vector<const Node*> source(rig.nodes.size());
-    for (size_t i = 0; i < rig.sceneNodes.size(); ++i) source[rig.sceneNodes[i]] = &scene_.nodes[i];
+    std::vector<std::optional<dmat4>> edited(rig.nodes.size());  // the local transforms of nodes that an edit has moved
+    for (size_t i = 0; i < rig.sceneNodes.size(); ++i) {
+      const uint32_t node = rig.sceneNodes[i];
+      source[node] = &scene_.nodes[i];
+      const bool isPlaced = groups_[i].size() == 1 && !groups_[i][0].follows && groups_[i][0].copy < 0;
+      if (!isPlaced || isFollowed[node] || isMoving_[node]) continue;
+      places_[i] = groups_[i][0].toWorld;
+      edited[node] = localOf(i);
+    }
     for (size_t i = 0; i < rig.nodes.size(); ++i) {
       Json node{{"name", source[i] ? source[i]->name : fmt::format("node{}", i)}};
-      setTransform(node, rig.nodes[i]);
+      if (edited[i])
+        setMatrix(node, *edited[i]);
+      else
+        setTransform(node, rig.nodes[i]);
       if (!rig.nodes[i].visible) hide(node);
       document_.add("nodes", std::move(node));
       parents_.push_back(rig.nodes[i].parent);
@@ -169,6 +218,10 @@ class NodeWriter {
       if (parents_[i] >= 0) arrayIn(at(parents_[i]), "children").push_back(i);
     nodes_.assign(rig.sceneNodes.begin(), rig.sceneNodes.end());
     for (size_t i = nodes_.size(); i < scene_.nodes.size(); ++i) {
+      if (scene_.nodes[i].path.empty()) {  // removed
+        nodes_.push_back(-1);
+        continue;
+      }
       Json node{{"name", scene_.nodes[i].name}};
       setMatrix(node, inFile(places_[i]));
       nodes_.push_back(addNode(std::move(node), -1));
@@ -189,20 +242,55 @@ class NodeWriter {
   void addMeshes(uint32_t node) {
     bool isUsed = false;  // a node has one mesh
     for (const Group& group : groups_[node]) {
-      const bool isAtNode = group.copy < 0 && (group.follows || group.toWorld == places_[node]);
+      const bool moves = node < scene_.rig.sceneNodes.size() && isMoving_[scene_.rig.sceneNodes[node]];
+      const bool isAtNode = group.copy < 0 && (group.follows || (group.toWorld == places_[node] && !moves));
       const bool wouldHide = group.hidden && !group.follows && groups_[node].size() > 1;
       if (isAtNode && !isUsed && !wouldHide) {
         isUsed = true;
         setMesh(node, nodes_[node], group);
+        if (!group.follows) placeSkin(group, nodes_[node]);
         if (group.hidden && !group.follows) hideLeaf(node);
       } else if (group.follows || scene_.rig.empty()) {
         addBelow(node, group);
-      } else {  // placed by an edit
-        Json placed{{"name", scene_.nodes[node].name}};
-        setMatrix(placed, inFile(group.toWorld));
-        setMesh(node, addNode(std::move(placed), -1), group);
+      } else {
+        addPlaced(node, group);
       }
     }
+  }
+
+  // Adds a root node with instances that an edit has placed.
+  void addPlaced(uint32_t node, const Group& group) {
+    Json placed{{"name", scene_.nodes[node].name}};
+    setMatrix(placed, inFile(group.toWorld));
+    const int index = addNode(std::move(placed), -1);
+    setMesh(node, index, group);
+    placeSkin(group, index);
+  }
+
+  // Adds the joints of a group's skin again, with the nodes above them, below the node that places the group.
+  void placeSkin(const Group& group, int place) {
+    if (group.skin < 0) return;
+    const Rig& rig = scene_.rig;
+    const Skin& skin = rig.skins[size_t(group.skin)];
+    Json origin{{"name", "skeleton"}};
+    setMatrix(origin, glm::translate(dmat4(1), -skin.origin));
+    std::vector<bool> isNeeded(rig.nodes.size());
+    for (const uint32_t joint : skin.joints)
+      for (int i = static_cast<int>(joint); i >= 0 && !isNeeded[size_t(i)]; i = rig.nodes[size_t(i)].parent)
+        isNeeded[size_t(i)] = true;
+    std::vector<int> copies(rig.nodes.size(), addNode(std::move(origin), place));
+    for (const uint32_t i : rig.order) {
+      if (!isNeeded[i]) continue;
+      Json copy{{"name", at(exported_.rigNodes[i])["name"]}};
+      setTransform(copy, rig.nodes[i]);
+      const size_t above = rig.nodes[i].parent < 0 ? i : size_t(rig.nodes[i].parent);
+      copies[i] = addNode(std::move(copy), copies[above]);
+      exported_.movedCopies.emplace(i, copies[i]);
+    }
+    SkinCopy copy{size_t(group.skin), {}};
+    for (const uint32_t joint : skin.joints) copy.joints.push_back(copies[joint]);
+    at(place)["skin"] = rig.skins.size() + exported_.skinCopies.size();
+    exported_.skinCopies.push_back(std::move(copy));
   }
 
   // Hides a node whose mesh is hidden, unless that would hide nodes below it.
@@ -223,25 +311,22 @@ class NodeWriter {
   void setMesh(uint32_t node, int index, const Group& group) {
     std::vector<Primitive> primitives;
     const Deformation* deformation = nullptr;
-    int skin = -1;
     for (const uint32_t i : group.instances) {
       const Instance& instance = scene_.instances[i];
       Primitive primitive{.mesh = instance.mesh, .material = exported_.materials[instance.material]};
       if (const auto variants = variants_.find(i); variants != variants_.end()) primitive.variants = variants->second;
       primitives.push_back(std::move(primitive));
-      if (const auto& own = scene_.meshes[instance.mesh].deformation) {
-        deformation = own.get();
-        skin = std::max(skin, own->skin);
-      }
+      if (const auto& own = scene_.meshes[instance.mesh].deformation) deformation = own.get();
     }
     // Meshes are named after the node's; a mesh of several primitives has the numbers of these in the scene's names.
     at(index)["mesh"] = meshes_.add(scene_.nodes[node].mesh, primitives);
-    if (skin >= 0) at(index)["skin"] = skin;
+    if (group.skin >= 0) at(index)["skin"] = group.skin;
     if (!deformation || deformation->weightsNode < 0) return;
+    const auto source = static_cast<uint32_t>(deformation->weightsNode);
     Json weights = Json::array();
-    for (const float weight : scene_.rig.nodes[size_t(deformation->weightsNode)].weights)
-      weights.push_back(shortest(weight));
+    for (const float weight : scene_.rig.nodes[source].weights) weights.push_back(shortest(weight));
     if (!weights.empty()) at(index)["weights"] = std::move(weights);
+    if (exported_.rigNodes[source] != index) exported_.morphedCopies.emplace(source, index);
   }
 
   // --- lights and cameras -------------------------------------------------------------------------------------------
@@ -373,6 +458,7 @@ class NodeWriter {
   std::map<uint32_t, std::vector<std::pair<uint32_t, int>>> variants_;  // by instance
   std::vector<std::vector<Group>> groups_;                              // per node of the scene
   std::vector<dmat4> places_;                                           // per node of the scene, to the world
+  std::vector<bool> isMoving_;                                          // per node of the rig
   std::vector<int> nodes_;                                              // per node of the scene, in the document
   std::vector<int> parents_;                                            // per node of the document
 };

@@ -59,6 +59,38 @@ TEST_F(AnnotationsTest, YoloClassesOfRulesAreInTheirOrder) {
   EXPECT_THAT(text("data.yaml"), HasSubstr("  0: \"ghost\"\n  1: \"sign\"\n"));
 }
 
+// The points are those of CocoTest.KeypointsOfObjects.
+TEST_F(AnnotationsTest, YoloKeypointsAreSharesOfThePicture) {
+  write("yolo", {{"categories", {{"front", "sign"}, {"back", "wall"}}},
+                 {"keypoints",
+                  {{{"name", "upper"}, {"position", {0.5, 0.75, 0}}},
+                   {{"name", "side"}, {"position", {0.75, 0, 0}}},
+                   {{"name", "far"}, {"position", {3, 0, 0}}}}}});
+  const auto expect = [&](const std::string& line, const std::vector<double>& values) {
+    std::istringstream in(line);
+    double found = 0;
+    for (int skipped = 0; skipped < 5; ++skipped) in >> found;  // class and box
+    for (const double value : values) {
+      ASSERT_TRUE(in >> found) << line;
+      EXPECT_NEAR(found, value, 1e-6) << line;
+    }
+    EXPECT_FALSE(in >> found) << line;
+  };
+  const std::vector<std::string> all = lines("labels/000003.txt");
+  ASSERT_EQ(all.size(), 2u);
+  const bool isFirst = all[0].starts_with("0 ");
+  expect(all[isFirst ? 0 : 1], {104 / 128.0, 52 / 128.0, 2, 108 / 128.0, 64 / 128.0, 2, 0, 0, 0});
+  expect(all[isFirst ? 1 : 0], {80 / 128.0, 40 / 128.0, 2, 88 / 128.0, 64 / 128.0, 1, 0, 0, 0});
+  EXPECT_THAT(text("data.yaml"), HasSubstr("val: images\nkpt_shape: [3, 3]\nnames:\n"));
+}
+
+// Ultralytics expects the same number of values in every line.
+TEST_F(AnnotationsTest, YoloObjectsWithoutKeypointsHaveZeros) {
+  write("yolo", {{"categories", "node"}, {"keypoints", {{{"name", "none"}, {"node", "hand"}}}}});
+  for (const std::string& line : lines("labels/000003.txt"))
+    EXPECT_THAT(line, testing::EndsWith(" 0.00000000 0.00000000 0"));
+}
+
 TEST_F(AnnotationsTest, VocBoxesCountPixelsFromOne) {
   const FrameRecord record = write("voc", {{"categories", {{"front", "a < b"}, {"back", "back"}, {"cut", "cut"}}}});
   EXPECT_THAT(record.files, ElementsAre("images/000003.png", "Annotations/000003.xml"));

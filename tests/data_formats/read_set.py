@@ -525,7 +525,8 @@ class Hdf5(unittest.TestCase):
         for file in self.files:
             for key, dtype, shape in [("colors", np.uint8, (64, 96, 3)), ("depth", np.float32, (64, 96)),
                                       ("distance", np.float32, (64, 96)), ("normals", np.float32, (64, 96, 3)),
-                                      ("diffuse", np.float32, (64, 96, 3)), ("category_id_segmaps", np.uint8, (64, 96)),
+                                      ("diffuse", np.float32, (64, 96, 3)), ("nocs", np.float32, (64, 96, 4)),
+                                      ("category_id_segmaps", np.uint8, (64, 96)),
                                       ("forward_flow", np.float32, (64, 96, 2)), ("backward_flow", np.float32, (64, 96, 2))]:
                 self.assertEqual((file[key].dtype, file[key].shape, file[key].compression), (dtype, shape, "gzip"))
             self.assertEqual(file["instance_segmaps"].shape, (64, 96))
@@ -537,6 +538,8 @@ class Hdf5(unittest.TestCase):
             depth = raw(name, "depth")
             np.testing.assert_array_equal(file["depth"][()], np.where(np.isinf(depth), np.float32(1e10), depth))
             np.testing.assert_array_equal(file["diffuse"][()], raw(name, "albedo"))
+            np.testing.assert_array_equal(file["nocs"][..., :3], raw(name, "nocs"))
+            np.testing.assert_array_equal(file["nocs"][..., 3], raw(name, "id") > 0)
             np.testing.assert_array_equal(file["forward_flow"][()], raw(name, "motion")[..., 2:])
             np.testing.assert_array_equal(file["backward_flow"][()], raw(name, "motion")[..., :2])
             rgba = cv2.imread(f"{folder('coco')}/images/{name}.png", cv2.IMREAD_UNCHANGED).astype(np.int64)

@@ -91,8 +91,8 @@ TEST_F(SetTest, HasTheFilesThatItsRecordsName) {
   }
   try {
     add("hdf5", {{"keys",
-                  {"colors", "depth", "distance", "normals", "diffuse", "instance_segmaps", "category_id_segmaps",
-                   "forward_flow", "backward_flow"}},
+                  {"colors", "depth", "distance", "normals", "diffuse", "nocs", "instance_segmaps",
+                   "category_id_segmaps", "forward_flow", "backward_flow"}},
                  {"categories", "material"}});
   } catch (const Error& error) {
     fmt::print("no HDF5 files are written: {}\n", error.what());

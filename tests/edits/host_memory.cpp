@@ -17,12 +17,13 @@ size_t leastHostBytes(const std::function<void()>& frame) {
   return least;
 }
 
-double medianGrowth(std::span<const size_t> bytes) {
+double steadyGrowth(std::span<const size_t> bytes) {
   std::vector<double> growth;
   for (size_t i = 1; i < bytes.size(); ++i)
     growth.push_back(static_cast<double>(bytes[i]) - static_cast<double>(bytes[i - 1]));
-  std::ranges::nth_element(growth, growth.begin() + growth.size() / 2);
-  return growth[growth.size() / 2];
+  const auto quartile = growth.begin() + growth.size() / 4;
+  std::ranges::nth_element(growth, quartile);
+  return *quartile;
 }
 
 }  // namespace latelight::render::test

@@ -2,10 +2,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "app/folder.h"
 #include "base/error.h"
+#include "base/files.h"
 #include "export/export.h"
 #include "models/models.h"
 #include "scene/edit.h"
@@ -195,6 +198,91 @@ TEST(Export, EditsAreIncluded) {
   expectNear(same->toWorld, moved);
 }
 
+// The vertices of an instance in the world, at a time of the first animation.
+std::vector<dvec3> verticesAt(const Scene& scene, const Instance& instance, double seconds) {
+  const Pose pose = scene.rig.isAnimated() ? poseAt(scene, {.animations = {0}}, seconds) : restPose(scene);
+  const dmat4 toWorld = instanceTransforms(scene, pose)[size_t(&instance - scene.instances.data())];
+  const Mesh& mesh = scene.meshes[instance.mesh];
+  std::vector<vec3> positions = mesh.positions;
+  if (const auto& d = mesh.deformation) {
+    std::vector<mat4> joints;
+    if (d->skin >= 0) joints = jointMatrices(scene.rig.skins[size_t(d->skin)], pose);
+    std::vector<float> weights;
+    if (d->weightsNode >= 0) weights = pose.weights[size_t(d->weightsNode)];
+    positions = deform(*d, joints, weights).positions;
+  }
+  std::vector<dvec3> vertices;
+  for (const vec3& p : positions) vertices.emplace_back(toWorld * glm::dvec4(p, 1));
+  return vertices;
+}
+
+void expectSameMotion(const Scene& again, const Scene& scene) {
+  size_t instances = 0;
+  for (const Instance& instance : scene.instances) {
+    const Instance* same = partOf(again, instance.part);
+    ASSERT_TRUE(same) << scene.nodes[instance.node].path;
+    for (const double seconds : {0.0, 0.3, 0.6}) {
+      const auto a = verticesAt(again, *same, seconds), b = verticesAt(scene, instance, seconds);
+      ASSERT_EQ(a.size(), b.size());
+      double off = 0;
+      for (size_t v = 0; v < a.size(); ++v) off = std::max(off, glm::length(a[v] - b[v]));
+      EXPECT_LT(off, 1e-5) << scene.nodes[instance.node].path << " at " << seconds;
+    }
+    ++instances;
+  }
+  EXPECT_EQ(again.instances.size(), instances);
+}
+
+dmat4 placement() {
+  return glm::rotate(glm::translate(dmat4(1), dvec3(3, -2, 1)), 0.7, dvec3(0, 0, 1)) *
+         glm::scale(dmat4(1), dvec3(1, 2, 0.5));
+}
+
+TEST(Export, PlacedCopiesOfDeformedMeshesMoveAsTheOriginals) {
+  for (const char* model : {"skinned.glb", "static_skin.glb", "morphed.glb"}) {
+    Scene scene = load(models::modelPath(model).string());
+    const auto deformed = std::ranges::find_if(
+        scene.instances, [&](const Instance& i) { return scene.meshes[i.mesh].deformation != nullptr; });
+    ASSERT_NE(deformed, scene.instances.end());
+    const uint32_t mesh = deformed->mesh, material = deformed->material;
+    addInstance(scene, mesh, material, placement(), "copy");
+    addInstance(scene, mesh, material, glm::translate(dmat4(1), dvec3(0, 5, 0)), "other");
+    EXPECT_GT(
+        glm::length(verticesAt(scene, scene.instances.back(), 0)[0] - verticesAt(scene, scene.instances[0], 0)[0]), 1);
+    const Scene again = exported(scene);
+    expectSameMotion(again, scene);
+    expectSameMotion(exported(again), scene);
+  }
+}
+
+TEST(Export, SkinsThatWereMovedStayThere) {
+  Scene scene = load(models::modelPath("skinned.glb").string());
+  for (uint32_t i = 0; i < scene.instances.size(); ++i) setTransform(scene, i, placement());
+  expectSameMotion(exported(scene), scene);
+}
+
+TEST(Export, MovedInstancesOfAnimatedScenesKeepTheirPaths) {
+  Scene scene = load(models::modelPath("morphed.glb").string());
+  ASSERT_TRUE(scene.rig.isAnimated());
+  for (uint32_t i = 0; i < scene.instances.size(); ++i) setTransform(scene, i, placement());
+  const Scene again = exported(scene);
+  EXPECT_EQ(again.nodes.size(), scene.nodes.size());
+  expectSameMotion(again, scene);
+}
+
+// A skin far from the origin has vertices relative to a point near it.
+TEST(Export, PlacedSkinsMayBeFarAway) {
+  const app::Folder folder;
+  const models::Bytes bytes = models::skinnedModel(dvec3(2e7, 0, 0));
+  writeFile(folder.at("far.glb"), bytes);
+  Scene scene = load(folder.at("far.glb"));
+  addInstance(scene, scene.instances[0].mesh, scene.instances[0].material, placement(), "copy");
+  const Scene again = exported(scene);
+  const auto a = verticesAt(again, *partOf(again, scene.instances.back().part), 0.3);
+  const auto b = verticesAt(scene, scene.instances.back(), 0.3);
+  for (size_t v = 0; v < a.size(); ++v) EXPECT_LT(glm::length(a[v] - b[v]), 1e-4);
+}
+
 TEST(Export, GeometryIsWrittenToObjAndPly) {
   const Scene scene = load(models::modelPath("textured.glb").string());
   const Bounds bounds = worldBounds(scene);
@@ -204,6 +292,41 @@ TEST(Export, GeometryIsWrittenToObjAndPly) {
     EXPECT_LT(glm::length(worldBounds(again).min - bounds.min), 1e-5) << name;
     EXPECT_LT(glm::length(worldBounds(again).max - bounds.max), 1e-5) << name;
   }
+}
+
+// The materials of an OBJ file are those that it can have: of a tiled floor with a normal map, a sphere with roughness
+// and metalness, a masked card, and a card with an emissive image.
+TEST(Export, ObjFilesHaveTexturesNextToThem) {
+  const Scene scene = load(models::modelPath("textured.glb").string()), again = exported(scene, "out.obj");
+  size_t textures = 0;
+  for (const Material& material : scene.materials) {
+    const auto same = std::ranges::find(again.materials, material.name, &Material::name);
+    ASSERT_NE(same, again.materials.end()) << material.name;
+    const auto &x = same->data, &y = material.data;
+    EXPECT_EQ(vec3(x.baseColor), vec3(y.baseColor));
+    EXPECT_EQ(x.emissive, y.emissive);
+    for (const uint32_t slot : {shared::kTextureBaseColor, shared::kTextureMetallicRoughness, shared::kTextureNormal,
+                                shared::kTextureEmissive}) {
+      const bool isHeld = material.slots[slot].texture >= 0 && y.transforms[slot].row0.y == 0;  // MTL has no rotation
+      ASSERT_EQ(same->slots[slot].texture >= 0, isHeld) << material.name << " " << slot;
+      if (!isHeld) continue;
+      ++textures;
+      EXPECT_LT(glm::length(x.transforms[slot].row0 - y.transforms[slot].row0), 1e-6f);
+      EXPECT_LT(glm::length(x.transforms[slot].row1 - y.transforms[slot].row1), 1e-6f);
+      const Texture& a = again.textures[size_t(same->slots[slot].texture)];
+      const Texture& b = scene.textures[size_t(material.slots[slot].texture)];
+      ASSERT_EQ(a.width, b.width);
+      ASSERT_EQ(a.height, b.height);
+      EXPECT_EQ(a.srgb, b.srgb);
+      const bool isMetal = slot == shared::kTextureMetallicRoughness;  // whose red channel has no meaning
+      const bool hasAlpha = (y.flags & (shared::kMaterialBlended | shared::kMaterialMasked)) != 0;
+      for (size_t i = 0; i < size_t{4} * a.width * a.height; ++i)
+        if ((i % 4 < 3 || hasAlpha) && !(isMetal && i % 4 == 0)) {
+          ASSERT_EQ(a.pixels.get()[i], b.pixels.get()[i]) << material.name << " " << slot << " at " << i;
+        }
+    }
+  }
+  EXPECT_GE(textures, 4u);
 }
 
 TEST(Export, OtherNamesAreRejected) {

@@ -34,6 +34,26 @@ def Xform "a" {
         float focalLength = 20
     }
 }
+def Mesh "w" {
+    point3f[] points.timeSamples = {
+        0: [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)],
+        4: [(0, 0, 1), (1, 0, 0), (1, 1, 2), (0, 1, 0)],
+    }
+    int[] faceVertexCounts = [3, 3]
+    int[] faceVertexIndices = [0, 1, 2, 0, 2, 3]
+}
+def PointInstancer "i" {
+    int[] protoIndices = [0, 1]
+    rel prototypes = [</i/k>, </i/s>]
+    point3f[] positions.timeSamples = { 0: [(0, 0, 0), (9, 0, 0)], 3: [(0, 5, 0), (9, 0, 5)] }
+    quath[] orientations = [(1, 0, 0, 0), (0, 1, 0, 0)]
+    def Cube "k" {
+        double size = 2
+    }
+    def Sphere "s" {
+        double radius.timeSamples = { 0: 1, 2: 2 }
+    }
+}
 def Material "p" {
     token outputs:surface.connect = </p/s.outputs:surface>
     def Shader "s" {
@@ -64,6 +84,7 @@ def damaged(text, choose):
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")  # numbers that overflow
+@pytest.mark.filterwarnings("ignore:from_usd reads the time samples")
 @pytest.mark.parametrize("ending, text, package", [("urdf", URDF, "yourdfpy"), ("usda", USD, "pxr.Usd")])
 def test_damaged_files_are_rejected(tmp_path, ending, text, package):
     pytest.importorskip(package)

@@ -392,6 +392,81 @@ def test_usd_lights_and_cameras(stage):
     )
 
 
+def test_usd_spot_lights_have_cones(stage):
+    from pxr import UsdGeom, UsdLux
+
+    spot = UsdLux.SphereLight.Define(stage, "/spot")
+    spot.CreateIntensityAttr(100)
+    spot.CreateRadiusAttr(5)
+    UsdGeom.XformCommonAPI(spot).SetScale((2, 2, 2))  # the radius is 10 units, or 0.1 m
+    shaping = UsdLux.ShapingAPI.Apply(spot.GetPrim())
+    shaping.CreateShapingConeAngleAttr(40)
+    shaping.CreateShapingConeSoftnessAttr(0.25)
+    scene = latelight.from_usd(stage)
+    light = scene.light(scene.lights()[0])
+    assert light.type == "spot"
+    assert (light.outer_cone, light.inner_cone) == (pytest.approx(40, abs=1e-4), pytest.approx(30, abs=1e-4))
+    np.testing.assert_allclose(light.direction, (0, -1, 0), atol=1e-6)  # the stage's -Z
+    assert light.size == pytest.approx(0.1) and light.intensity == pytest.approx(100 * np.pi * 0.1**2)
+    shaping.CreateShapingConeAngleAttr(90)
+    everywhere = latelight.from_usd(stage)
+    assert everywhere.light(everywhere.lights()[0]).type == "point"
+
+
+def test_usd_lights_may_be_normalized(stage):
+    """The same light with a radiance of 3, directly and divided by the area of its sphere in the stage's units."""
+    from pxr import UsdLux
+
+    for name, intensity, normalize in (("plain", 3, False), ("divided", 3 * 4 * np.pi * 20**2, True)):
+        bulb = UsdLux.SphereLight.Define(stage, f"/{name}")
+        bulb.CreateIntensityAttr(intensity)
+        bulb.CreateRadiusAttr(20)
+        bulb.CreateNormalizeAttr(normalize)
+    scene = latelight.from_usd(stage)
+    for light in map(scene.light, scene.lights()):
+        assert light.intensity == pytest.approx(3 * np.pi * 0.2**2), light.name
+
+
+def test_usd_lights_have_color_temperatures(stage):
+    from pxr import UsdLux
+
+    for kind in (UsdLux.SphereLight, UsdLux.RectLight):
+        light = kind.Define(stage, f"/{kind.__name__}")
+        light.CreateColorAttr((1, 0.5, 1))
+        light.CreateEnableColorTemperatureAttr(True)
+        light.CreateColorTemperatureAttr(2700)
+    scene = latelight.from_usd(stage)
+    expected = np.array(UsdLux.BlackbodyTemperatureAsRgb(2700)) * (1, 0.5, 1)
+    for light in map(scene.light, scene.lights()):
+        np.testing.assert_allclose(light.color, expected, atol=1e-6)
+
+
+def test_usd_cameras_may_be_orthographic_or_shifted(stage, device):
+    """The corners of what GfCamera sees are at the corners of the image."""
+    from pxr import UsdGeom
+
+    for name, projection in (("flat", "orthographic"), ("deep", "perspective")):
+        camera = UsdGeom.Camera.Define(stage, f"/{name}")
+        camera.CreateProjectionAttr(projection)
+        camera.CreateHorizontalApertureAttr(60)
+        camera.CreateVerticalApertureAttr(40)
+        camera.CreateHorizontalApertureOffsetAttr(9)
+        camera.CreateVerticalApertureOffsetAttr(-4)
+        camera.CreateFocalLengthAttr(50)
+        UsdGeom.XformCommonAPI(camera).SetTranslate((0, 0, 300))
+    UsdGeom.Plane.Define(stage, "/floor").CreateWidthAttr(10000)
+    UsdGeom.Plane(stage.GetPrimAtPath("/floor")).CreateLengthAttr(10000)
+    scene = latelight.from_usd(stage)
+    for camera in scene.cameras:
+        position = latelight.Renderer(scene, device).render(camera, (60, 40), "position")["position"]
+        frustum = UsdGeom.Camera(stage.GetPrimAtPath(f"/{camera.name}")).GetCamera(0).frustum
+        for row, column in ((0, 0), (39, 59), (12, 7)):
+            ray = frustum.ComputePickRay(((column + 0.5) / 30 - 1, 1 - (row + 0.5) / 20))
+            start, direction = np.array(ray.startPoint), np.array(ray.direction)
+            x, y, _ = (start - direction * start[2] / direction[2]) / 100
+            np.testing.assert_allclose(position[row, column], (x, 0, -y), atol=2e-5)
+
+
 def test_usd_cameras_have_exposures(stage):
     from pxr import UsdGeom
 
@@ -671,6 +746,65 @@ def test_files_of_usd_stay_in_its_folder(tmp_path):
     with pytest.raises(latelight.InputError, match="paint.png, which is outside the scene's folder"):
         latelight.from_usd(tmp_path / "stage" / "painted.usda")
     assert len(latelight.from_usd(tmp_path / "stage" / "painted.usda", allow_outside=[tmp_path]).textures()) == 1
+
+
+@pytest.mark.parametrize("key", ["assetPaths", "manifestAssetPath", "templateAssetPath"])
+def test_clips_of_usd_stay_in_its_folder(tmp_path, key):
+    """Value clips, which no reference names: a mesh whose points are in another file."""
+    from pxr import Gf, Sdf, Usd, UsdGeom, Vt
+
+    (tmp_path / "stage").mkdir()
+    for folder, name in ((tmp_path, "clip.1.usda"), (tmp_path / "stage", "clip.1.usda")):
+        clip = Usd.Stage.CreateNew(str(folder / name))
+        points = UsdGeom.Mesh.Define(clip, "/mesh").CreatePointsAttr()
+        for code in (0, 10):
+            points.Set([(0, 0, code), (1, 0, code), (0, 1, code)], code)
+        clip.Save()
+    path = str(tmp_path / "stage" / "stage.usda")
+    stage = Usd.Stage.CreateNew(path)
+    mesh = UsdGeom.Mesh.Define(stage, "/mesh")
+    mesh.CreateFaceVertexCountsAttr([3])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
+    inside = Sdf.AssetPath("./clip.1.usda")
+    clips = {"primPath": "/mesh", "assetPaths": Sdf.AssetPathArray([inside]), "manifestAssetPath": inside}
+    clips |= {"active": Vt.Vec2dArray([Gf.Vec2d(0, 0)]), "times": Vt.Vec2dArray([Gf.Vec2d(0, 0), Gf.Vec2d(10, 10)])}
+    mesh.GetPrim().SetMetadata("clips", {"default": clips})
+    stage.Save()
+    scene = latelight.from_usd(path)
+    assert scene.triangle_count == 1 and len(scene.animations) == 1
+    outside = {
+        "assetPaths": Sdf.AssetPathArray([Sdf.AssetPath("../clip.1.usda")]),
+        "manifestAssetPath": Sdf.AssetPath("../clip.1.usda"),
+        "templateAssetPath": "../clip.#.usda",
+    }
+    mesh.GetPrim().SetMetadata("clips", {"default": {**clips, key: outside[key]}})
+    stage.Save()
+    with pytest.raises(latelight.InputError, match="clip.*usda, which is outside the scene's folder"):
+        latelight.from_usd(path)
+
+
+def test_expressions_of_usd_stay_in_its_folder(tmp_path, monkeypatch):
+    """References whose names are computed from variables, also in the folder of the stage."""
+    from pxr import Usd
+
+    (tmp_path / "stage").mkdir()
+    for folder in (tmp_path, tmp_path / "stage"):
+        other = Usd.Stage.CreateNew(str(folder / "other.usda"))
+        add_mesh(other, "/mesh")
+        other.SetDefaultPrim(other.GetPrimAtPath("/mesh"))
+        other.Save()
+    path = str(tmp_path / "stage" / "stage.usda")
+    stage = Usd.Stage.CreateNew(path)
+    stage.DefinePrim("/mesh").GetReferences().AddReference('`"${FOLDER}/other.usda"`')
+    monkeypatch.chdir(tmp_path / "stage")
+    stage.GetRootLayer().expressionVariables = {"FOLDER": "."}
+    stage.Save()
+    assert latelight.from_usd(path).triangle_count == 4
+    stage.GetRootLayer().expressionVariables = {"FOLDER": ".."}
+    stage.Save()
+    with pytest.raises(latelight.InputError, match="other.usda, which is outside the scene's folder"):
+        latelight.from_usd(path)
+    assert latelight.from_usd(path, allow_outside=[tmp_path]).triangle_count == 4
 
 
 def bind(stage, shader, context=None):

@@ -6,7 +6,7 @@ import pytest
 import latelight
 
 pytest.importorskip("pxr.Usd")
-from pxr import Gf, Usd, UsdGeom, UsdLux, UsdSkel, Vt  # noqa: E402
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdSkel, Vt  # noqa: E402
 
 RATE = 24.0
 UP = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]]) @ np.diag([0.01, 0.01, 0.01, 1])
@@ -268,6 +268,200 @@ def test_what_rides_on_transforms_plays(stage, device):
         np.testing.assert_allclose(distance[:3], (8.5, 8.95, 8.95), atol=1e-5)
         assert np.isfinite(distance[3]) == (time >= 0.5)
     np.testing.assert_allclose(scene.light(scene.lights()[0]).position, (0, 0, 0), atol=1e-9)
+
+
+def points_of(mesh, code):
+    return moved(world_of(mesh.GetPrim(), code), np.array(mesh.GetPointsAttr().Get(code), np.float64))
+
+
+def set_waves(mesh, codes):
+    """Samples of points, each unlike the others."""
+    still = np.array(mesh.GetPointsAttr().Get())
+    mesh.GetPointsAttr().Clear()
+    for code in codes:
+        wave = still + 15 * np.sin(still[:, [2, 2, 0]] / 30 + np.array([0, 1, 2]) + code)
+        mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(wave.astype(np.float32)), code)
+
+
+def test_points_play(stage, device, tmp_path):
+    mesh = add_tube(stage, "/cloth")
+    set_waves(mesh, (4, 6, 13, 20))
+    scene = latelight.from_usd(stage)
+    assert scene.animations[0].duration == pytest.approx(16 / RATE)
+    scene.export(tmp_path / "cloth.glb")
+    for shown in (scene, latelight.Scene(tmp_path / "cloth.glb")):
+        for code in (4, 4.7, 6, 9, 13, 18.5, 20):
+            assert_shows(shown, device, (code - 4) / RATE, mesh, points_of(mesh, code))
+    assert_shows(latelight.from_usd(stage, time=9), device, None, mesh, points_of(mesh, 9))
+
+
+def test_points_play_within_the_range_of_the_stage(stage, device):
+    mesh = add_tube(stage, "/cloth")
+    set_waves(mesh, (0, 10, 20))
+    move = UsdGeom.Xformable(mesh).AddTranslateOp()
+    move.Set((0, 0, 0), 0)
+    move.Set((0, 0, 100), 20)
+    stage.SetStartTimeCode(5)
+    stage.SetEndTimeCode(17)
+    scene = latelight.from_usd(stage)
+    assert scene.animations[0].duration == pytest.approx(12 / RATE)
+    for code in (5, 9, 10, 14, 17):
+        assert_shows(scene, device, (code - 5) / RATE, mesh, points_of(mesh, code))
+
+
+@pytest.mark.parametrize("interpolation", ["vertex", "faceVarying", "uniform", None])
+def test_normals_play_with_their_points(stage, device, interpolation):
+    """A square that turns by 60 degrees about Y in two linear steps."""
+    mesh = UsdGeom.Mesh.Define(stage, "/square")
+    mesh.CreateFaceVertexCountsAttr([4])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
+    count = {"vertex": 4, "faceVarying": 4, "uniform": 1}.get(interpolation)
+    for code, angle in ((0, 0), (1, 30), (2, 60)):
+        c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        corners = [(x * c, y, -x * s) for x, y in ((-100, -100), (100, -100), (100, 100), (-100, 100))]
+        mesh.CreatePointsAttr().Set(corners, code)
+        if interpolation:
+            mesh.CreateNormalsAttr().Set([(s, 0, c)] * count, code)
+            mesh.SetNormalsInterpolation(interpolation)
+    scene = latelight.from_usd(stage)
+    renderer = latelight.Renderer(scene, device)
+    camera = scene.look_at((0, 9, 0.01), (0, 0, 0))  # down the Z axis of the stage
+    for code in (0, 0.5, 1, 2):
+        normal = renderer.render(camera, (9, 9), "normal", time=code / RATE)["normal"][4, 4]
+        angles = np.radians((0, 30, 60))
+        blended = [np.interp(code, (0, 1, 2), f(angles)) for f in (np.sin, np.cos)]
+        expected = np.array([blended[0], blended[1], 0]) / np.hypot(*blended)  # Z of the stage is Y
+        np.testing.assert_allclose(normal, expected, atol=2e-4)
+
+
+def test_instances_of_changing_meshes_play(stage, device):
+    prototype = UsdGeom.Xform.Define(stage, "/library/cloth")
+    set_waves(add_tube(stage, "/library/cloth/tube"), (0, 10))
+    stage.GetPrimAtPath("/library").SetSpecifier(Sdf.SpecifierClass)
+    for name, x in (("a", 0), ("b", 500)):
+        copy = UsdGeom.Xform.Define(stage, f"/{name}")
+        copy.GetPrim().GetReferences().AddInternalReference(prototype.GetPath())
+        copy.GetPrim().SetInstanceable(True)
+        UsdGeom.XformCommonAPI(copy).SetTranslate((x, 0, 0))
+    scene = latelight.from_usd(stage)
+    assert len(scene.instances()) == 2
+    for name in "ab":
+        mesh = UsdGeom.Mesh(stage.GetPrimAtPath(f"/{name}/tube"))
+        assert_shows(scene, device, 5 / RATE, mesh, points_of(mesh, 5))
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_single_sample_is_the_value_at_all_times(stage, device):
+    mesh = add_tube(stage, "/tube")
+    set_waves(mesh, (7,))
+    lamp = UsdLux.SphereLight.Define(stage, "/lamp")
+    lamp.CreateRadiusAttr(100)
+    lamp.CreateIntensityAttr().Set(25.0, 7)
+    copies = UsdGeom.PointInstancer.Define(stage, "/copies")
+    UsdGeom.Cube.Define(stage, "/copies/cube").CreateSizeAttr(10)
+    copies.CreatePrototypesRel().SetTargets(["/copies/cube"])
+    copies.CreateProtoIndicesAttr([0])
+    copies.CreatePositionsAttr().Set([(500, 0, 0)], 7)
+    copies.CreateVelocitiesAttr().Set([(1, 2, 3)], 7)
+    scene = latelight.from_usd(stage)
+    assert scene.animations == []
+    assert scene.light(scene.lights()[0]).intensity == pytest.approx(25 * np.pi)
+    np.testing.assert_allclose(scene.instance(scene.instances()[-1]).transform[:3, 3], (5, 0, 0), atol=1e-6)
+    assert_shows(scene, device, None, mesh, points_of(mesh, 7))
+
+
+def add_copies(stage, velocities=False):
+    """Two boxes with a transform of their own that fly, turn and grow, and a third one that is hidden."""
+    copies = UsdGeom.PointInstancer.Define(stage, "/swarm/copies")
+    boxes = UsdGeom.Xform.Define(stage, "/swarm/copies/kind")
+    UsdGeom.XformCommonAPI(boxes).SetScale((1, 2, 4))
+    for name, x in (("left", -20), ("right", 20)):
+        box = UsdGeom.Cube.Define(stage, f"/swarm/copies/kind/{name}")
+        box.CreateSizeAttr(10)
+        UsdGeom.XformCommonAPI(box).SetTranslate((x, 0, 0))
+        UsdGeom.XformCommonAPI(box).SetRotate((0, 0, 30))
+    copies.CreatePrototypesRel().SetTargets(["/swarm/copies/kind"])
+    copies.CreateProtoIndicesAttr([0, 0, 0])
+    copies.CreateInvisibleIdsAttr([1])
+    for code, y in ((0, 0), (8, 100), (24, -50)):
+        copies.CreatePositionsAttr().Set([(0, y, 0), (0, 0, 900), (300, 0, y)], code)
+        turns = [Gf.Quath(Gf.Rotation((1, 1, 0), a).GetQuat()) for a in (y, 0, 2 * y)]
+        copies.CreateOrientationsAttr().Set(Vt.QuathArray(turns), code)
+        copies.CreateScalesAttr().Set([(1, 1, 1), (1, 1, 1), (1 + code / 24, 1, 1)], code)
+        if velocities:
+            copies.CreateVelocitiesAttr().Set([(0, 240, 0), (0, 0, 0), (0, 0, -240)], code)
+    return copies
+
+
+@pytest.mark.parametrize("velocities", [False, True])
+def test_copies_of_instancers_play(stage, device, velocities):
+    copies = add_copies(stage, velocities)
+    turn = UsdGeom.Xformable(copies).AddRotateZOp()
+    turn.Set(0.0, 0)
+    turn.Set(90.0, 24)
+    scene = latelight.from_usd(stage)
+    paths = [node.path for node in scene.nodes]
+    assert "/stage/swarm/copies/2/right" in paths and "/stage/swarm/copies/1" not in paths
+    assert len(scene.instances()) == 4
+    kind = stage.GetPrimAtPath("/swarm/copies/kind")
+    relative = UsdGeom.XformCache(0).ComputeRelativeTransform
+    inner = [np.array(relative(prim, copies.GetPrim())[0]).T for prim in kind.GetChildren()]
+    renderer = latelight.Renderer(scene, device)
+    for code in (0, 3, 8, 15, 23.5):
+        outside = UsdGeom.PointInstancer.ExcludeProtoXform
+        matrices = np.array(copies.ComputeInstanceTransformsAtTime(code, code, outside))
+        assert len(matrices) == 2
+        for matrix in [world_of(copies.GetPrim(), code) @ m.T @ part for m in matrices for part in inner]:
+            # Rays along the axes of the box hit the centers of its faces.
+            starts = moved(matrix, 6 * np.concatenate([np.eye(3), -np.eye(3)]))
+            ends = moved(matrix, 5 * np.concatenate([np.eye(3), -np.eye(3)]))
+            hits = renderer.cast(starts, ends - starts, time=code / RATE)
+            np.testing.assert_allclose(hits["distance"], np.linalg.norm(ends - starts, axis=1), atol=2e-3)
+
+
+def test_values_that_are_read_once_are_named(stage):
+    cube = UsdGeom.Cube.Define(stage, "/cube")
+    size = cube.CreateSizeAttr()
+    lamp = UsdLux.SphereLight.Define(stage, "/lamp")
+    power = lamp.CreateIntensityAttr()
+    lamp.CreateRadiusAttr(100)
+    for code, value in ((3, 10.0), (9, 20.0)):
+        size.Set(value, code)
+        power.Set(value, code)
+    with pytest.warns(UserWarning, match="/cube.size, /lamp.inputs:intensity only at the time code 3: animations do not"):
+        scene = latelight.from_usd(stage)
+    assert scene.light(scene.lights()[0]).intensity == pytest.approx(10 * np.pi) and scene.animations == []
+    later = latelight.from_usd(stage, time=6)
+    assert later.light(later.lights()[0]).intensity == pytest.approx(15 * np.pi)
+
+
+def test_changing_numbers_are_read_once(stage, device):
+    """Meshes whose topology changes, and instancers whose copies come and go."""
+    fluid = add_tube(stage, "/fluid", rings=4)
+    few = np.array(fluid.GetPointsAttr().Get())
+    fluid.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(few), 0)
+    fluid.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(few[:24]), 1)
+    sparks = UsdGeom.PointInstancer.Define(stage, "/sparks")
+    UsdGeom.Cube.Define(stage, "/sparks/cube").CreateSizeAttr(10)
+    sparks.CreatePrototypesRel().SetTargets(["/sparks/cube"])
+    for code, count in ((0, 3), (1, 2)):
+        sparks.CreateProtoIndicesAttr().Set([0] * count, code)
+        sparks.CreatePositionsAttr().Set([(500, 0, 50 * i) for i in range(count)], code)
+    with pytest.warns(UserWarning, match="/fluid.points, /sparks only at the time code 0"):
+        scene = latelight.from_usd(stage)
+    assert len(scene.instances()) == 4
+    assert_shows(scene, device, None, fluid, points_of(fluid, 0))
+
+
+def test_small_files_do_not_take_much_memory(stage):
+    """A thousand samples of three points that 100,000 triangles share would take 7 GB."""
+    mesh = UsdGeom.Mesh.Define(stage, "/bomb")
+    mesh.CreateFaceVertexCountsAttr([3] * 100_000)
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2] * 100_000)
+    for code in range(1000):
+        mesh.CreatePointsAttr().Set([(0, 0, code), (1, 0, 0), (0, 1, 0)], code)
+    with pytest.warns(UserWarning, match="/bomb.points only at the time code 0"):
+        assert latelight.from_usd(stage).triangle_count == 100_000
 
 
 def test_held_stages_play_in_steps(stage, device):

@@ -96,6 +96,19 @@ Hdf5Array diffuseOf(const KeySource& source) {
   return source.floats(source.image(Aov::Albedo).values, 3);
 }
 
+// As by BlenderProc's render_nocs(): the fourth channel is 1 on surfaces and 0 elsewhere. The coordinates of a surface
+// are never all 0, because the center of an object's box is 0.5 and its diagonal 1.
+Hdf5Array nocsOf(const KeySource& source) {
+  const std::vector<float>& nocs = source.image(Aov::Nocs).values;
+  std::vector<float> values;
+  values.reserve(nocs.size() / 3 * 4);
+  for (size_t i = 0; i < nocs.size(); i += 3) {
+    const bool isSurface = nocs[i] != 0 || nocs[i + 1] != 0 || nocs[i + 2] != 0;
+    values.insert(values.end(), {nocs[i], nocs[i + 1], nocs[i + 2], isSurface ? 1.0f : 0.0f});
+  }
+  return source.floats(values, 4);
+}
+
 // Flow in pixels, y down, as by BlenderProc's render_optical_flow().
 Hdf5Array flowOf(const KeySource& source, size_t firstChannel) {
   const std::vector<float>& motion = source.image(Aov::Motion).values;
@@ -131,6 +144,7 @@ constexpr Key kKeys[] = {
     {"distance", Aov::Distance, distanceOf},
     {"normals", Aov::Normal, normalsOf},
     {"diffuse", Aov::Albedo, diffuseOf},
+    {"nocs", Aov::Nocs, nocsOf},
     {"instance_segmaps", Aov::Id, instancesOf},
     {"category_id_segmaps", Aov::Id, categoriesOf},
     {"forward_flow", Aov::Motion, forwardFlowOf},

@@ -1,6 +1,6 @@
-// The format "yolo": images, a text file per image with the class and box of each visible object, and data.yaml with
-// the names of the classes, as Ultralytics reads them. Classes are numbered over the whole set, so the text files are
-// written at its end.
+// The format "yolo": images, a text file per image with the class, box and keypoints of each visible object, and
+// data.yaml with the names of the classes, as Ultralytics reads them. Classes are numbered over the whole set, so the
+// text files are written at its end.
 #include <fmt/format.h>
 
 #include <map>
@@ -24,6 +24,7 @@ class Yolo : public Format {
   explicit Yolo(const Json& json) : Yolo(json, FormatOptions("yolo", json)) {}
 
   std::vector<output::Aov> needs() const override { return {output::Aov::Id}; }
+  Extras needsExtras() const override { return {.keypoints = keypoints_}; }
   bool needsDisplay() const override { return picture_.isWritten(); }
 
   FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
@@ -41,6 +42,7 @@ class Yolo : public Format {
            {"box",
             {(double(box.x) + double(box.width) / 2) / width, (double(box.y) + double(box.height) / 2) / height,
              double(box.width) / width, double(box.height) / height}}});
+      if (!keypoints_.empty()) objects.back()["keypoints"] = keypointsOf(frame, id, ids);
     }
     record.entry = {{"file", frameFile(labels_, frame)}, {"objects", std::move(objects)}};
     return record;
@@ -54,7 +56,9 @@ class Yolo : public Format {
     parallelFor(entries.size(), 16, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) files[i] = writeLabels(entries[i], numbers, folder);
     });
-    std::string text = "path: .\ntrain: images\nval: images\nnames:\n";
+    std::string text = "path: .\ntrain: images\nval: images\n";
+    if (!keypoints_.empty()) text += fmt::format("kpt_shape: [{}, 3]\n", keypoints_.size());
+    text += "names:\n";
     for (size_t i = 0; i < names.size(); ++i) text += fmt::format("  {}: {}\n", i, dumped(Json(names[i])));
     writeIn(folder, file_, std::as_bytes(std::span(text)));
     files.push_back(file_);
@@ -66,26 +70,55 @@ class Yolo : public Format {
     file_ = options.setFile("file", "data.yaml", ".yaml");
     labels_ = options.frameFile("labels", "labels/{name}.txt", ".txt");
     picture_ = PictureFile(options);
+    if (const Json* list = options.find("keypoints")) keypoints_ = readKeypoints(*list, "keypoints of the format yolo");
     options.finish();
   }
 
-  // One line per object: class, center and size, as shares of the image's width and height. No lines: no objects.
+  // Three values per keypoint: coordinates as shares of the image's width and height, and COCO's visibility. Readers
+  // expect as many for each object: a keypoint that is not there is 0 0 0.
+  Json keypointsOf(const DataFrame& frame, uint32_t id, const output::AovImage& ids) const {
+    Json values = Json::array();
+    const auto found = frame.keypoints.find(id);
+    for (size_t i = 0; i < keypoints_.size(); ++i) {
+      const bool has = found != frame.keypoints.end();
+      const labels::ProjectedKeypoint point = has ? found->second[i] : labels::ProjectedKeypoint{};
+      const bool isInside = has && point.visibility != labels::KeypointVisibility::Outside;
+      values.push_back(isInside ? point.pixel.x / ids.width : 0);
+      values.push_back(isInside ? point.pixel.y / ids.height : 0);
+      values.push_back(isInside ? static_cast<uint32_t>(point.visibility) : 0);
+    }
+    return values;
+  }
+
+  // One line per object: class, center and size, as shares of the image's width and height, and keypoints. No lines: no
+  // objects.
   static std::string writeLabels(const Json& entry, const std::map<std::string, size_t>& numbers,
                                  const std::filesystem::path& folder) {
     std::string text;
     for (const Json& object : entry["objects"]) {
       const Json& box = object["box"];
-      text += fmt::format("{} {:.8f} {:.8f} {:.8f} {:.8f}\n", numbers.at(object["category"].get<std::string>()),
+      text += fmt::format("{} {:.8f} {:.8f} {:.8f} {:.8f}", numbers.at(object["category"].get<std::string>()),
                           box[0].get<double>(), box[1].get<double>(), box[2].get<double>(), box[3].get<double>());
+      if (object.contains("keypoints")) text += keypointText(object["keypoints"]);
+      text += '\n';
     }
     std::string file = entry["file"].get<std::string>();
     writeIn(folder, file, std::as_bytes(std::span(text)));
     return file;
   }
 
+  static std::string keypointText(const Json& keypoints) {
+    std::string text;
+    for (size_t i = 0; i + 2 < keypoints.size(); i += 3)
+      text += fmt::format(" {:.8f} {:.8f} {}", keypoints[i].get<double>(), keypoints[i + 1].get<double>(),
+                          keypoints[i + 2].get<uint32_t>());
+    return text;
+  }
+
   Categories categories_;
   std::string file_, labels_;
   PictureFile picture_;
+  std::vector<ObjectKeypoint> keypoints_;
 };
 
 }  // namespace
