@@ -402,8 +402,8 @@ TEST_P(ArraysOfWorlds, ChooseEnvironments) {
   EXPECT_THROW(renderer.render(worlds, o), Error);
 }
 
-// Rays that leave a world see its own environment, with its rotation and intensity, along paths and on the ground.
-TEST(PlacedWorlds, SeeTheirEnvironmentsAlongPaths) {
+// Rays that leave a world see its own environment, with its rotation and intensity.
+void compareEnvironments(Options o) {
   constexpr uint32_t kSome = 5;
   const std::vector<std::string> names{"studio", writeEnvironment("paths.hdr", 16, 133),
                                        writeEnvironment("wide.hdr", 130, 131)};
@@ -414,19 +414,15 @@ TEST(PlacedWorlds, SeeTheirEnvironmentsAlongPaths) {
   worlds.environmentRotation = {0, 50, -100, 200, 10};
   worlds.environmentIntensity = {1, 0.5f, 2, 0.7f, 0};
   worlds.arrays.environmentIndex = {.element = WorldArray::Element::Int64, .host = index.data()};
-  Options o = options("compute");
   o.aovs = {"color"};
-  o.indirect = "one-bounce";
   o.samples = 2;
-  o.ground = "shadow";
-  o.groundHeight = -0.5f;
   Renderer renderer(scene, testDevice());
   std::vector<std::unique_ptr<Renderer>> alone;
   for (const std::string& name : names) alone.push_back(std::make_unique<Renderer>(scene, testDevice(), name));
   std::vector<Frame> frames;
   for (int call = 0; call < 3; ++call) {  // the third one is a replay
     frames = renderer.render(worlds, o);
-    for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) {
+    for (uint32_t world = 0; world < kSome && !testing::Test::HasFailure(); ++world) {
       SCOPED_TRACE(testing::Message() << "call " << call << ", world " << world);
       Options own = o;
       own.environmentRotation = worlds.environmentRotation[world];
@@ -439,6 +435,27 @@ TEST(PlacedWorlds, SeeTheirEnvironmentsAlongPaths) {
   // Calls with the renderer's own environment, which is none here, are not affected.
   Renderer dark(scene, testDevice());
   test::expectSameFrames(renderer.render(worlds.cameras[0], o), dark.render(worlds.cameras[0], o));
+}
+
+TEST(PlacedWorlds, SeeTheirEnvironmentsAlongPaths) {
+  Options o = options("compute");
+  o.indirect = "one-bounce";
+  o.ground = "shadow";
+  o.groundHeight = -0.5f;
+  compareEnvironments(o);
+}
+
+TEST(PlacedWorlds, SeeTheirEnvironmentsAlongSharedPaths) {
+  Options o = options("compute");
+  o.indirect = "path";
+  compareEnvironments(o);
+}
+
+TEST(PlacedWorlds, SeeTheirEnvironmentsInTheReference) {
+  Options o = options("compute");
+  o.lighting = "reference";
+  o.background = "hdri";
+  compareEnvironments(o);
 }
 
 // Rays find the shadows of point, spot and directional lights of each world, some of which are dark, and of the scene.
