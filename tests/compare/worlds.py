@@ -10,7 +10,8 @@ images. A time is that of a whole call, from poses to complete images, and rows 
 mujoco_warp_pbr's times include `kinematics` and the refit of its BVH, which place the object ("update"), and are given
 without them, too. --robot FILE.xml adds a robot of MJCF with random joints, whose kinematics MuJoCo Warp computes for
 both. --device cpu compares on the processor: mujoco_warp_pbr uses one core per process, so it gets a process per core.
---pictures FOLDER writes an image of each, to see that both render the same.
+There, Latelight renders with several rasters in turn, and processor times of both are printed, too, because they
+depend less on the other work of a machine. --pictures FOLDER writes an image of each, to see that both render the same.
 """
 
 import argparse
@@ -95,28 +96,21 @@ def mjcf_of(scene, sun):
 # --- the two renderers ------------------------------------------------------------------------------------------------
 
 
-class Rival:
-    """mujoco_warp_pbr, of a MuJoCo model."""
+class Kinematics:
+    """The worlds of a MuJoCo model, which MuJoCo Warp places."""
 
-    def __init__(self, model, worlds, side, environment, outputs, device):
+    def __init__(self, model, worlds, device):
         import mujoco
         import mujoco_warp as mjw
-        import mujoco_warp_pbr as pbr
         import warp as wp
 
         wp.config.quiet = True
-        self.wp, self.mjw, self.pbr, self.device = wp, mjw, pbr, device
+        self.wp, self.mjw, self.device = wp, mjw, device
         with wp.ScopedDevice(device):
             self.model = mjw.put_model(model)
             data = mujoco.MjData(model)
             mujoco.mj_forward(model, data)
             self.data = mjw.put_data(model, data, nworld=worlds)
-            # It stores environments as half floats, which are smaller than the sun in most files.
-            radiance = np.minimum(pbr.load_hdr(environment), 65504.0)
-            self.context = pbr.create_render_context(
-                model, nworld=worlds, cam_active=["eye"], cam_res=(side, side), render_rgb=True,
-                render_depth="depth" in outputs, render_seg="id" in outputs, render_guides="normal" in outputs,
-                envmap=radiance, envmap_background=False, ev100=-math.log2(1.2))  # exposure 1
 
     def pose(self, qpos):
         """Sets new states (N, nq), in memory of the device."""
@@ -130,6 +124,23 @@ class Rival:
             self.mjw.kinematics(self.model, self.data)
             self.mjw.camlight(self.model, self.data)
             self.wp.synchronize()
+
+
+class Rival(Kinematics):
+    """mujoco_warp_pbr, of a MuJoCo model."""
+
+    def __init__(self, model, worlds, side, environment, outputs, device):
+        import mujoco_warp_pbr as pbr
+
+        super().__init__(model, worlds, device)
+        self.pbr = pbr
+        with self.wp.ScopedDevice(device):
+            # It stores environments as half floats, which are smaller than the sun in most files.
+            radiance = np.minimum(pbr.load_hdr(environment), 65504.0)
+            self.context = pbr.create_render_context(
+                model, nworld=worlds, cam_active=["eye"], cam_res=(side, side), render_rgb=True,
+                render_depth="depth" in outputs, render_seg="id" in outputs, render_guides="normal" in outputs,
+                envmap=radiance, envmap_background=False, ev100=-math.log2(1.2))  # exposure 1
 
     def update(self):
         self.place()
@@ -191,7 +202,7 @@ class Robot:
 
     outputs = ("rgba", "depth")
 
-    def __init__(self, path, environment):
+    def __init__(self, path, environment, device):
         import latelight
         import mujoco
 
@@ -200,15 +211,15 @@ class Robot:
         spec.worldbody.add_light(type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, dir=[-0.5, 0.3, -0.8], castshadow=False)
         self.model = spec.compile()
         self.converted = latelight.from_mujoco(self.model)
-        self.environment = environment
+        self.environment, self.device = environment, device
 
     def rival(self, worlds, side):
-        return Rival(self.model, worlds, side, self.environment, self.outputs, "cuda:0")
+        return Rival(self.model, worlds, side, self.environment, self.outputs, rival_device(self.device))
 
-    def latelight(self, worlds, side):
+    def latelight(self, worlds, side, raster="rays"):
         cameras = [camera for camera in self.converted.cameras if camera.name == "eye"]
         return Latelight(
-            self.converted.scene, cameras, worlds, side, self.environment, self.outputs, "cuda:0", False, "rays")
+            self.converted.scene, cameras, worlds, side, self.environment, self.outputs, self.device, False, raster)
 
     def states(self, worlds, seed):
         rng = np.random.default_rng(seed)
@@ -223,7 +234,8 @@ class Robot:
         """The arguments of render_worlds() of states in the device's memory, which stay there."""
         import warp as wp
 
-        return self.converted.worlds(geom_xpos=wp.to_torch(data.geom_xpos), geom_xmat=wp.to_torch(data.geom_xmat))
+        read = wp.array.numpy if self.device == "cpu" else wp.to_torch
+        return self.converted.worlds(geom_xpos=read(data.geom_xpos), geom_xmat=read(data.geom_xmat))
 
 
 def measure_robot(robot, worlds, side, runs, pictures):
@@ -264,8 +276,8 @@ class Helmet:
         model = mujoco_model(*mjcf_of(self.scene, sun))
         return Rival(model, worlds, side, self.environment, outputs, rival_device(self.device))
 
-    def latelight(self, worlds, side, outputs, sun):
-        return Latelight(self.scene, self.camera, worlds, side, self.environment, outputs, self.device, sun)
+    def latelight(self, worlds, side, outputs, sun, raster="auto"):
+        return Latelight(self.scene, self.camera, worlds, side, self.environment, outputs, self.device, sun, raster)
 
     def states(self, worlds, seed):
         """Poses, as the two renderers accept them."""
@@ -339,7 +351,7 @@ def compare_on_gpu(options):
             continue
         report(what, worlds, times)
     if options.robot:
-        robot = Robot(options.robot, options.environment)
+        robot = Robot(options.robot, options.environment, "cuda:0")
         times = measure_robot(robot, 4096, 64, options.runs, options.pictures)
         report(" 4096 robots of  64x64  rgba + depth", 4096, times)
         print(f"  latelight from poses of geoms: {4096 / times['ours alone']:.0f} views/s")
@@ -352,43 +364,119 @@ def report(what, worlds, times):
           f"{rates['ours'] / rates['render alone']:.2f} times", flush=True)
 
 
-def rival_on_a_core(options, worlds, side, runs, core, barrier, results):
+# --- on the processor -------------------------------------------------------------------------------------------------
+
+EACH, SIDE = 32, 64  # worlds per core, pixels
+
+
+class HelmetOnCpu:
+    name, rasters = "helmets", ("hardware", "compute", "rays")
+
+    def __init__(self, options):
+        self.helmet = Helmet(options.scene, options.environment, "cpu")
+
+    def rival(self, worlds):
+        return self.helmet.rival(worlds, SIDE, COLOR, False)
+
+    def states(self, worlds, seed):
+        return self.helmet.states(worlds, seed)[0]
+
+    def latelight(self, worlds, raster):
+        return self.helmet.latelight(worlds, SIDE, COLOR, False, raster)
+
+    def prepare(self, worlds, seed):
+        """Returns a function of the arguments of render_worlds()."""
+        arrays = self.helmet.states(worlds, seed)[1]
+        return lambda: arrays
+
+
+class RobotOnCpu:
+    name, rasters = "robots", ("rays",)  # the others are slower by the ratio of triangles to pixels
+
+    def __init__(self, options):
+        self.robot, self.kinematics = Robot(options.robot, options.environment, "cpu"), None
+
+    def rival(self, worlds):
+        return self.robot.rival(worlds, SIDE)
+
+    def states(self, worlds, seed):
+        return self.robot.states(worlds, seed)
+
+    def latelight(self, worlds, raster):
+        return self.robot.latelight(worlds, SIDE, raster)
+
+    def prepare(self, worlds, seed):
+        if self.kinematics is None:
+            self.kinematics = Kinematics(self.robot.model, worlds, "cpu")
+        self.kinematics.pose(self.states(worlds, seed))
+
+        def arrays():
+            self.kinematics.place()
+            return self.robot.arrays(self.kinematics.data)
+
+        return arrays
+
+
+def rival_on_a_core(subject, options, core, barrier, results):
     os.sched_setaffinity(0, {core})
-    helmet = Helmet(options.scene, options.environment, "cpu")
-    rival = helmet.rival(worlds, side, COLOR, False)
-    times = []
-    for run in range(runs + 1):
-        rival.pose(helmet.states(worlds, run)[0])
+    subject = subject(options)
+    rival = subject.rival(EACH)
+    processor = []
+    for run in range(options.runs + 1):
+        rival.pose(subject.states(EACH, run))
         barrier.wait()
-        times.append(seconds(rival.update) + seconds(rival.render))
+        start = time.process_time()
+        rival.update()
+        rival.render()
+        processor.append(time.process_time() - start)
         barrier.wait()
-    results.put(times[1:])
+    if options.pictures:
+        np.save(os.path.join(options.pictures, f"{subject.name}-{core}.npy"),
+                np.stack([rival.image(world, SIDE) for world in range(8)]))
+    results.put(processor[1:])
 
 
-def compare_on_cpu(options):
-    """Both alternate: while one renders, the other waits at a barrier."""
-    side, cores = 64, sorted(os.sched_getaffinity(0))
-    each, count = 32, 32 * len(cores)
+def compare_on_cpu(subject, options):
+    """All alternate: while one renders, the others wait at a barrier."""
+    cores = sorted(os.sched_getaffinity(0))
+    count = EACH * len(cores)
     context = multiprocessing.get_context("spawn")
     barrier, results = context.Barrier(len(cores) + 1), context.Queue()
-    workers = [context.Process(target=rival_on_a_core, args=(options, each, side, options.runs, core, barrier, results))
+    workers = [context.Process(target=rival_on_a_core, args=(subject, options, core, barrier, results))
                for core in cores]
     for worker in workers:
         worker.start()
-    helmet = Helmet(options.scene, options.environment, "cpu")
-    ours, rates, rivals = helmet.latelight(count, side, COLOR, False), [], []
+    subject = subject(options)
+    ours = {raster: subject.latelight(count, raster) for raster in subject.rasters}
+    elapsed, processor = {name: [] for name in (*subject.rasters, "rival")}, {name: [] for name in subject.rasters}
     for run in range(options.runs + 1):
-        ours.arrays = helmet.states(count, run)[1]
-        rates.append(count / seconds(ours.render))
+        for raster in subject.rasters:
+            arrays, used, start = subject.prepare(count, run), time.process_time(), time.perf_counter()
+            ours[raster].arrays = arrays()
+            ours[raster].render()
+            elapsed[raster].append(time.perf_counter() - start)
+            processor[raster].append(time.process_time() - used)
         barrier.wait()
         start = time.perf_counter()
         barrier.wait()
-        rivals.append(count / (time.perf_counter() - start))
+        elapsed["rival"].append(time.perf_counter() - start)
+    processor["rival"] = [0.0] + [sum(times) for times in zip(*(results.get() for _ in workers))]
     for worker in workers:
         worker.join()
-    ours, rival = statistics.median(rates[1:]), statistics.median(rivals[1:])
-    print(f"{len(cores)} cores, {side}x{side}: latelight {ours:.0f} views/s, mujoco_warp_pbr {rival:.0f}: "
-          f"{ours / rival:.2f} times")
+    if options.pictures:
+        from PIL import Image
+
+        rows = [np.concatenate(np.load(os.path.join(options.pictures, f"{subject.name}-{cores[0]}.npy")), axis=1)]
+        subject.prepare(EACH, options.runs)
+        for raster in subject.rasters:
+            rows.append(np.concatenate([ours[raster].image(world, SIDE) for world in range(8)], axis=1))
+        Image.fromarray(np.concatenate(rows)).save(os.path.join(options.pictures, f"{subject.name}-cpu.png"))
+    print(f"{count} {subject.name} of {SIDE}x{SIDE} on {len(cores)} cores, load {os.getloadavg()[0]:.1f}")
+    for name in (*subject.rasters, "rival"):
+        whole, used = (statistics.median(times[name][1:]) for times in (elapsed, processor))
+        ratio = statistics.median(b / a for a, b in zip(elapsed[name][1:], elapsed["rival"][1:]))
+        print(f"  {name:8}: {count / whole:6.0f} views/s, {ratio:5.2f} times the rival's rate; "
+              f"{1e3 * used / count:6.2f} ms of processor time per view", flush=True)
 
 
 def main():
@@ -400,7 +488,11 @@ def main():
     parser.add_argument("--runs", type=int, default=12)
     parser.add_argument("--pictures")
     options = parser.parse_args()
-    (compare_on_cpu if options.device == "cpu" else compare_on_gpu)(options)
+    if options.device == "gpu":
+        return compare_on_gpu(options)
+    compare_on_cpu(HelmetOnCpu, options)
+    if options.robot:
+        compare_on_cpu(RobotOnCpu, options)
 
 
 if __name__ == "__main__":

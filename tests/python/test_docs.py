@@ -216,6 +216,15 @@ def test_cartpole(tmp_path):
     assert first.count("steps, images") == 2
 
 
+def test_walkers(tmp_path):
+    pytest.importorskip("mujoco")
+    first, second = (run_example("walkers.py", 20, 4, cwd=tmp_path) for _ in range(2))
+    assert first == second, "the same run twice gives the same images"
+    steps = [line.split() for line in first.splitlines()]
+    walked, images = [float(words[2]) for words in steps], [words[-1] for words in steps]
+    assert walked[-1] > 0.2 and len(set(images)) == 20
+
+
 def test_ray_views(tmp_path):
     pytest.importorskip("ray", reason="ray is not installed")
     assert run_example("ray_views.py", "builtin:boxes", "out", 70, cwd=tmp_path).splitlines()[-1] == "70 of 70 views"

@@ -402,8 +402,8 @@ TEST_P(ArraysOfWorlds, ChooseEnvironments) {
   EXPECT_THROW(renderer.render(worlds, o), Error);
 }
 
-// Rays that leave a world see its own environment, with its rotation and intensity, along paths and on the ground.
-TEST(PlacedWorlds, SeeTheirEnvironmentsAlongPaths) {
+// Rays that leave a world see its own environment, with its rotation and intensity.
+void compareEnvironments(Options o) {
   constexpr uint32_t kSome = 5;
   const std::vector<std::string> names{"studio", writeEnvironment("paths.hdr", 16, 133),
                                        writeEnvironment("wide.hdr", 130, 131)};
@@ -414,19 +414,15 @@ TEST(PlacedWorlds, SeeTheirEnvironmentsAlongPaths) {
   worlds.environmentRotation = {0, 50, -100, 200, 10};
   worlds.environmentIntensity = {1, 0.5f, 2, 0.7f, 0};
   worlds.arrays.environmentIndex = {.element = WorldArray::Element::Int64, .host = index.data()};
-  Options o = options("compute");
   o.aovs = {"color"};
-  o.indirect = "one-bounce";
   o.samples = 2;
-  o.ground = "shadow";
-  o.groundHeight = -0.5f;
   Renderer renderer(scene, testDevice());
   std::vector<std::unique_ptr<Renderer>> alone;
   for (const std::string& name : names) alone.push_back(std::make_unique<Renderer>(scene, testDevice(), name));
   std::vector<Frame> frames;
   for (int call = 0; call < 3; ++call) {  // the third one is a replay
     frames = renderer.render(worlds, o);
-    for (uint32_t world = 0; world < kSome && !HasFailure(); ++world) {
+    for (uint32_t world = 0; world < kSome && !testing::Test::HasFailure(); ++world) {
       SCOPED_TRACE(testing::Message() << "call " << call << ", world " << world);
       Options own = o;
       own.environmentRotation = worlds.environmentRotation[world];
@@ -439,6 +435,27 @@ TEST(PlacedWorlds, SeeTheirEnvironmentsAlongPaths) {
   // Calls with the renderer's own environment, which is none here, are not affected.
   Renderer dark(scene, testDevice());
   test::expectSameFrames(renderer.render(worlds.cameras[0], o), dark.render(worlds.cameras[0], o));
+}
+
+TEST(PlacedWorlds, SeeTheirEnvironmentsAlongPaths) {
+  Options o = options("compute");
+  o.indirect = "one-bounce";
+  o.ground = "shadow";
+  o.groundHeight = -0.5f;
+  compareEnvironments(o);
+}
+
+TEST(PlacedWorlds, SeeTheirEnvironmentsAlongSharedPaths) {
+  Options o = options("compute");
+  o.indirect = "path";
+  compareEnvironments(o);
+}
+
+TEST(PlacedWorlds, SeeTheirEnvironmentsInTheReference) {
+  Options o = options("compute");
+  o.lighting = "reference";
+  o.background = "hdri";
+  compareEnvironments(o);
 }
 
 // Rays find the shadows of point, spot and directional lights of each world, some of which are dark, and of the scene.
@@ -579,6 +596,79 @@ TEST(PlacedWorlds, CastShadows) {
     o.shadowFilter = filter;
     o.aovs = {"color", "depth"};
     compareShadows(o, distance);
+  }
+}
+
+// A point light, a spot light with one map and one that requires a cube, a sun, and lights without shadows or effect on
+// the view, some of which are lights of a fixture that surrounds them.
+void addLampsWithShadows(Scene& scene) {
+  for (const Handle<Light>& light : scene.lights()) scene.removeLight(light);
+  scene.addLight({.type = "point", .position = {1, 2, 1}, .intensity = 8});
+  scene.addLight({.type = "spot", .position = {-1, 3, 1}, .direction = {0.3f, -1, -0.3f}, .intensity = 40});
+  scene.addLight({.type = "point", .position = {0, 2, 2}, .intensity = 4, .castShadow = false});
+  scene.addLight({.type = "spot",
+                  .position = {1, 1.5, -1},
+                  .direction = {-1, -0.4f, 1},
+                  .intensity = 9,
+                  .outerCone = 80,
+                  .size = 0.1});
+  scene.addLight({.type = "directional", .direction = {-0.6f, -1, 0.1f}, .intensity = 1});
+  scene.addLight({.type = "point", .position = {-9, 1, -9}, .intensity = 8, .range = 0.5});
+  scene.addLight({.type = "point", .position = {2, 1, -1}, .intensity = 8, .range = 4});
+}
+
+// Worlds under lights with shadow maps, of which each view has its own sizes and cube faces, are the edited scene.
+TEST_P(ArraysOfWorlds, CastShadowsOfLocalLights) {
+  const bool compute = std::string(GetParam()) == "compute";
+  const uint32_t kSome = compute ? latelight::test::rounds(200u, 24u) : 6;
+  Scene scene("builtin:boxes"), edited("builtin:boxes");
+  addLampsWithShadows(scene);
+  addLampsWithShadows(edited);
+  Worlds worlds{.count = kSome, .instances = scene.instances()};
+  worlds.cameras = {scene.lookAt({3, 2, 4}, {0, 0, 0}), scene.lookAt({-2, 3, 2}, {0, 0, 0})};
+  worlds.cameras[1].orthographic = true;
+  worlds.cameras[1].halfHeight = 2;
+  worlds.cameras[1].farClip = 100;
+  const size_t listed = worlds.instances.size();
+  std::mt19937 random(23);
+  std::uniform_real_distribution<double> nearer(0.2, 3);
+  std::vector<Transform> transforms, poses;
+  for (size_t i = 0; i < kSome * listed; ++i)
+    transforms.push_back(
+        asFloats(product(scene.instance(worlds.instances[i % listed]).transform, randomMotion(random, false))));
+  for (size_t i = 0; i < 2 * kSome; ++i) {  // at different distances, for maps of all sizes
+    Transform pose = product(worlds.cameras[i % 2].cameraToWorld, randomMotion(random, true));
+    for (const size_t axis : {3, 7, 11}) pose[axis] *= nearer(random);
+    poses.push_back(asFloats(pose));
+  }
+  const Numbers moved(transforms, true, 4), seen(poses, false, 3);
+  worlds.arrays = {.transforms = moved.array, .cameraToWorld = seen.array};
+  Options o = options(GetParam());
+  o.width = 40;
+  o.height = 30;
+  o.aovs = {"color"};
+  Options unshadowed = o;
+  for (const char* format : {"d32", "d16"}) {
+    o.shadows = format;
+    o.shadowFilter = std::string(format) == "d16" ? "pcss" : "pcf";
+    Renderer renderer(scene, testDevice(), "studio"), alone(edited, testDevice(), "studio");
+    const std::vector<Frame> lit = renderer.render(worlds, unshadowed);
+    size_t shadowed = 0;
+    for (int call = 0; call < 3; ++call) {  // the third one is a replay, if shaders fit the maps
+      const std::vector<Frame> frames = renderer.render(worlds, o);
+      ASSERT_EQ(frames.size(), 2 * kSome);
+      for (uint32_t world = 0; world < kSome && !HasFailure(); world += call == 1 ? 1 : 7) {
+        for (size_t i = 0; i < listed; ++i) edited.setTransform(edited.instances()[i], transforms[world * listed + i]);
+        for (size_t i = 0; i < 2; ++i) {
+          SCOPED_TRACE(testing::Message() << format << ", world " << world << ", camera " << i << ", call " << call);
+          Camera camera = worlds.cameras[i];
+          camera.cameraToWorld = poses[2 * world + i];
+          test::expectSameFrames(frames[2 * world + i], alone.render(camera, o));
+          shadowed += frames[2 * world + i].rgba != lit[2 * world + i].rgba ? 1 : 0;
+        }
+      }
+    }
+    EXPECT_GT(shadowed, kSome / 2) << "something is in the shadow";
   }
 }
 

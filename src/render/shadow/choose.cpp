@@ -161,17 +161,15 @@ bool castsInAllViews(std::span<const scene::Light> lights, const Settings& setti
   return static_cast<size_t>(std::ranges::count_if(lights, casts)) <= mostCasters(settings.shadowLights);
 }
 
-bool castsOnlyDirectional(std::span<const scene::Light> lights, uint32_t width, uint32_t height,
-                          const Settings& settings) {
-  size_t count = 0;
-  for (const scene::Light& light : lights) {
-    if (light.removed || shared::lightIsArea(light.type) || !mayCast(light, settings.shadowLights)) continue;
-    if (!shared::lightIsDirectional(light.type)) return false;
-    ++count;
-  }
+bool mapsFitAtlas(std::span<const scene::Light> lights, uint32_t width, uint32_t height, const Settings& settings) {
+  constexpr uint64_t kCubeFaces = 6;  // which a spot light may have, too
+  uint64_t maps = 0;
+  for (const scene::Light& light : lights)
+    if (!light.removed && !shared::lightIsArea(light.type) && mayCast(light, settings.shadowLights))
+      maps += shared::lightIsDirectional(light.type) ? kCascades : kCubeFaces;
   const uint64_t side = cascadeSize(std::max(width, height)),
                  budget = uint64_t{settings.shadowAtlas} * settings.shadowAtlas;
-  return count <= mostCasters(settings.shadowLights) && side * side * kCascades * count <= budget;
+  return castsInAllViews(lights, settings) && side * side * maps <= budget;
 }
 
 std::vector<uint32_t> shadowCasters(const ShadowScene& scene, const Settings& settings) {

@@ -22,10 +22,9 @@ void checkShadowLights(const ShadowLights& requested, std::span<const scene::Lig
 std::vector<ShadowCaster> chooseShadowCasters(const ShadowScene& scene, const shared::View& view,
                                               const Settings& settings, uint32_t cascades);
 
-// Returns true if no lights except directional ones cast shadows by maps, and if their tiles are the same in each view
-// of this size. `lights`: those of a scene.
-bool castsOnlyDirectional(std::span<const scene::Light> lights, uint32_t width, uint32_t height,
-                          const Settings& settings);
+// Returns true if each view of this size has maps of all lights that cast shadows and that it can see, whose sizes do
+// not depend on other lights. `lights`: those of a scene.
+bool mapsFitAtlas(std::span<const scene::Light> lights, uint32_t width, uint32_t height, const Settings& settings);
 // Returns true if every view that a light reaches has its shadows, so that the lights with shadows by rays are the same
 // in all views.
 bool castsInAllViews(std::span<const scene::Light> lights, const Settings& settings);

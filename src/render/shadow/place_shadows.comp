@@ -1,10 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Fits the shadow maps of directional lights to a view, one invocation per view: the cascades, their projections and
-// everything that the raster and lookups read of them (place_shadows_push.h). It computes in doubles, with the
-// operations of the host in the same order, so that the maps have the same bytes as those of fitCascades() and
-// planShadows(), where the method is described. Floats are divided as doubles, because devices may round divisions of
-// floats otherwise.
+// Fits shadow maps to a view, one invocation per view: the cascades of directional lights, and the sizes and depths of
+// the maps of point and spot lights, with everything that the raster and lookups read of them
+// (place_shadows_push.h). It computes in doubles, with the operations of the host in the same order, so that the maps
+// have the same bytes as those of fitCascades(), chooseShadowCasters() and planShadows(), where the method is
+// described. Floats are divided as doubles, because devices may round divisions of floats otherwise.
 #include "render/glsl/common.glsl"
 #include "render/shadow/page_push.h"
 #include "render/shadow/place_shadows_push.h"
@@ -14,7 +14,9 @@ layout(local_size_x = kPlaceShadowsGroup) in;
 layout(push_constant, scalar) uniform Push { PlaceShadowsPush push; };
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer JobRef { PlacedShadowJob v; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SunsRef { SunTemplate v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TemplatesRef { MapTemplate v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LocalsRef { LocalCaster v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer GroupsRef { PlacedMaps v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer DoublesRef { double v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ViewsIn { View v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer FramesIn { FrameConstants v[]; };
@@ -194,10 +196,17 @@ Projection projectionOf(MapFrame f) {
                     float(-f.upward / f.halfWidth), kOrthographic);
 }
 
+// The depths of a map in meters, from its projection.
+vec2 depthsOf(Projection p) {
+  float range = quotient(0.5, p.A), near = times(-2.0 * p.B, range);
+  return vec2(near, near + range);
+}
+
 // With reversed depth, as the raster expects.
 Projection reversed(Projection p) {
-  float range = quotient(0.5, p.A), near = times(-2.0 * p.B, range), far = near + range;
-  return Projection(p.H, p.V, quotient(-1.0, far - near), quotient(far, far - near), p.X, p.Z, p.kind);
+  vec2 d = depthsOf(p);
+  if (p.kind == kPerspective) return Projection(p.H, p.V, 0.0, max(d.x, times(1e-6, d.y)), p.X, p.Z, p.kind);
+  return Projection(p.H, p.V, quotient(-1.0, d.y - d.x), quotient(d.y, d.y - d.x), p.X, p.Z, p.kind);
 }
 
 ShadowMap mapOf(ShadowMap same, Axes axes, MapFrame f, uint size) {
@@ -211,33 +220,135 @@ ShadowMap mapOf(ShadowMap same, Axes axes, MapFrame f, uint size) {
   return m;
 }
 
-void writeMap(PlacedShadowJob job, uint view, uint sun, uint map, Axes axes, MapFrame f) {
-  SunTemplate t = SunsRef(job.suns).v[sun];
-  uint tile = map % (job.across * job.across), batch = map - map % job.mapsAtOnce;
-  uvec2 corner = uvec2(tile % job.across, tile / job.across) * job.size;
-  uint layer = map / (job.across * job.across);
-  Projection p = projectionOf(f);
-  ShadowMap m = mapOf(t.map, axes, f, job.size);
-  float unit = times(m.texel, m.depthScale);
-  m.corner = corner;
-  m.layer = layer;
+// Writes a map of a group: `view` is the view that looks it up, `own` that of the map, without reversed depth, and
+// `far` its farthest depth in meters or 0 if it is orthographic.
+void writeMap(PlacedShadowJob job, PlacedMaps group, uint view, uint map, View own, ShadowMap m, float unit,
+              float far) {
+  uint place = map - group.first, inLayer = place % (group.across * group.across);
+  uint batch = map - place % group.mapsAtOnce, row = group.firstRow + place * group.rows;
+  m.corner = uvec2(inLayer % group.across, inLayer / group.across) * group.size;
+  m.layer = group.firstLayer + place / (group.across * group.across);
   MapsOut(job.maps).v[map] = m;
-  View own = t.view;
-  own.projection = reversed(p);
+  TargetsOut(job.targets).v[map] = ShadowTarget(m.corner.x, m.corner.y, m.layer, own.projection.A, own.projection.B,
+                                                unit, far, row, 1u);
+  own.projection = reversed(own.projection);
   ViewsOut(job.mapViews).v[map] = own;
   FrameConstants frame = FramesIn(job.frames).v[view];
   frame.views = job.mapViews + uint64_t(batch) * uint64_t(kViewBytes);
   frame.previousViews = frame.nextViews = frame.views;
-  frame.viewCount = job.mapsAtOnce;
+  frame.viewCount = group.mapsAtOnce;
   FramesOut(job.mapFrames).v[map] = frame;
-  TargetsOut(job.targets).v[map] =
-      ShadowTarget(corner.x, corner.y, layer, p.A, p.B, unit, 0.0, map * job.rows, 1u);
 }
 
-void writePages(PlacedShadowJob job, uint map, bool used) {
-  WithinOut(job.within).v[map] = RasterMap(vec4(vec3(0.0), 1e18), map * job.rows, 1u);
-  for (uint row = 0u; row < job.rows; ++row)
-    WordsOut(job.pages).v[map * job.rows + row] = used ? ~0u >> (32u - job.rows) : 0u;
+// `within`: the sphere of everything that matters to the map.
+void writePages(PlacedShadowJob job, PlacedMaps group, uint map, vec4 within, bool used) {
+  uint row = group.firstRow + (map - group.first) * group.rows;
+  WithinOut(job.within).v[map] = RasterMap(within, row, 1u);
+  for (uint i = 0u; i < group.rows; ++i)
+    WordsOut(job.pages).v[row + i] = used ? ~0u >> (32u - group.rows) : 0u;
+}
+
+const float kEverywhere = 1e18;  // its square is finite
+
+void placeSun(PlacedShadowJob job, uint index, uint sun, Bounds bounds, uint cascades, Sphere spheres[kMaxCascades]) {
+  PlacedMaps group = GroupsRef(job.groups).v[0];
+  MapTemplate t = TemplatesRef(job.suns).v[sun];
+  Axes axes = axesOf(job, sun);
+  uint first = (index * job.sunCount + sun) * kMaxCascades;
+  TableOut(job.table).v[index * (job.sunCount + job.localCount) + sun] = LightShadow(first, cascades, 0u);
+  for (uint i = 0u; i < kMaxCascades; ++i) {
+    // Nothing draws the map of an unused cascade or looks it up.
+    Sphere sphere = i < cascades ? spheres[i] : Sphere(vec3(0.0), 1.0);
+    MapFrame f = frameOfCascade(axes, sphere, bounds, group.size);
+    View own = t.view;
+    own.projection = projectionOf(f);
+    ShadowMap m = mapOf(t.map, axes, f, group.size);
+    writeMap(job, group, index, first + i, own, m, times(m.texel, m.depthScale), 0.0);
+    writePages(job, group, first + i, vec4(vec3(0.0), kEverywhere), i < cascades);
+  }
+}
+
+// --- maps of local lights --------------------------------------------------------------------------------------------
+
+float lengthOf(vec3 v) {
+  precise float squared = v.x * v.x + v.y * v.y + v.z * v.z;
+  return float(sqrt(double(squared)));  // correctly rounded
+}
+
+// As Frustum::touches().
+bool touches(View view, Sphere sphere) {
+  mat4x3 m = view.worldToView;
+  vec3 p = sphere.center;
+  precise vec3 c = m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3] * 1.0;
+  Projection projection = view.projection;
+  bool perspective = projection.kind == kPerspective, inside = !(perspective && c.y < -sphere.radius);
+  for (uint i = 0u; i < 4u; ++i) {
+    float side = (i & 1u) == 0u ? 1.0 : -1.0, offset = times(side, i < 2u ? projection.X : projection.Z);
+    float scale = times(side, i < 2u ? projection.H : projection.V);
+    vec3 normal = i < 2u ? vec3(scale, 0.0, 0.0) : vec3(0.0, 0.0, scale);
+    float constant = perspective ? 0.0 : 1.0 + offset;
+    if (perspective) normal.y = 1.0 + offset;
+    float size = lengthOf(normal);
+    normal = vec3(quotient(normal.x, size), quotient(normal.y, size), quotient(normal.z, size));
+    precise float distance = normal.x * c.x + normal.y * c.y + normal.z * c.z + quotient(constant, size);
+    inside = inside && distance >= -sphere.radius;
+  }
+  return inside;
+}
+
+// Returns the index of the size of a light's maps in a view, as sizeOf() of the host. Sizes are rounded by ratio.
+uint sizeOf(PlacedShadowJob job, LocalCaster light, View view, Bounds bounds) {
+  dvec3 extent = bounds.high - bounds.low;
+  double reach = double(min(light.radius, float(2.0lf * (sqrt(dotOf(extent, extent)) * 0.5lf))));
+  precise vec3 offset = light.position - view.eye;
+  double distance = max(double(lengthOf(offset)), 0.5lf * reach);
+  double pixels = times(times(reach, double(view.projection.V)), double(view.size.y));
+  if (view.projection.kind == kPerspective) pixels = pixels / distance;
+  if (light.maps == 6u) pixels = 0.5lf * pixels;
+  const double kRootOfTwo = 1.414213562373095048802lf;
+  uint size = 0u;
+  double least = double(kMinPlacedTile) * kRootOfTwo;
+  for (; size + 1u < job.sizes && pixels >= least; ++size) least = 2.0lf * least;
+  return size;
+}
+
+// Returns the nearest and the farthest depth of a light's maps, as localFrame() of the host.
+dvec2 depthsOf(LocalCaster light, Bounds bounds) {
+  dvec3 origin = dvec3(light.position);
+  double farthest = -1e300lf;
+  for (uint corner = 0u; corner < 8u; ++corner) {
+    dvec3 offset = cornerOf(bounds, corner) - origin;
+    farthest = max(farthest, sqrt(dotOf(offset, offset)));
+  }
+  double far = times(1.001lf, min(double(light.radius), farthest)) + 1e-6lf;
+  double rounding = times(1e-5lf, max(max(abs(origin.x), abs(origin.y)), abs(origin.z)));
+  return dvec2(min(max(double(light.size), min(rounding, times(1e-4lf, far))), 0.5lf * far), far);
+}
+
+void placeLocal(PlacedShadowJob job, uint index, uint number, View view, Bounds bounds, bool any) {
+  LocalCaster light = LocalsRef(job.locals).v[number];
+  bool used = any && touches(view, Sphere(light.position, light.radius));
+  uint chosen = sizeOf(job, light, view, bounds);
+  dvec2 depths = depthsOf(light, bounds);
+  double range = depths.y - depths.x;
+  vec4 within = vec4(light.position, min(light.radius, kEverywhere));
+  for (uint size = 0u; size < job.sizes; ++size) {
+    PlacedMaps group = GroupsRef(job.groups).v[1u + size];
+    uint first = group.first + index * job.localMaps + light.firstMap;
+    if (size == chosen)
+      TableOut(job.table).v[index * (job.sunCount + job.localCount) + job.sunCount + number] =
+          LightShadow(first, used ? light.maps : 0u, 0u);
+    for (uint face = 0u; face < light.maps; ++face) {
+      MapTemplate t = TemplatesRef(job.faces).v[size * job.localMaps + light.firstMap + face];
+      t.view.projection.A = float(0.5lf / range);
+      t.view.projection.B = float(-0.5lf * depths.x / range);
+      t.map.depthScale = float(1.0lf / range);
+      t.map.depthOffset = float(-depths.x / range);
+      float unit = float(times(double(times(t.map.texel, t.map.depthScale)), depths.y));
+      writeMap(job, group, index, first + face, t.view, t.map, unit, depthsOf(t.view.projection).y);
+      writePages(job, group, first + face, within, used && size == chosen);
+    }
+  }
 }
 
 void main() {
@@ -246,20 +357,13 @@ void main() {
   if (index >= job.viewCount) return;
   uint world = (job.firstView + index) / job.viewsPerWorld, camera = (job.firstView + index) % job.viewsPerWorld;
   DoublesRef corners = DoublesRef(job.bounds + uint64_t(world) * 48ul);
-  Bounds bounds = Bounds(dvec3(corners.v[0], corners.v[1], corners.v[2]), dvec3(corners.v[3], corners.v[4], corners.v[5]));
+  dvec3 low = dvec3(corners.v[0], corners.v[1], corners.v[2]), high = dvec3(corners.v[3], corners.v[4], corners.v[5]);
+  Bounds bounds = Bounds(low, high);
   View view = ViewsIn(job.views).v[index];
   Sphere spheres[kMaxCascades];
-  uint cascades = bounds.low.x > bounds.high.x ? 0u : fitCascades(job, view, camera, bounds, spheres);
-  for (uint sun = 0u; sun < job.sunCount; ++sun) {
-    Axes axes = axesOf(job, sun);
-    uint first = (index * job.sunCount + sun) * kMaxCascades;
-    TableOut(job.table).v[index * job.sunCount + sun] = LightShadow(first, cascades, 0u);
-    for (uint i = 0u; i < kMaxCascades; ++i) {
-      // Nothing draws the map of an unused cascade or looks it up.
-      Sphere sphere = i < cascades ? spheres[i] : Sphere(vec3(0.0), 1.0);
-      Bounds some = cascades > 0u ? bounds : Bounds(dvec3(-1.0lf), dvec3(1.0lf));
-      writeMap(job, index, sun, first + i, axes, frameOfCascade(axes, sphere, some, job.size));
-      writePages(job, first + i, i < cascades);
-    }
-  }
+  bool any = bounds.low.x <= bounds.high.x;
+  uint cascades = any ? fitCascades(job, view, camera, bounds, spheres) : 0u;
+  if (!any) bounds = Bounds(dvec3(-1.0lf), dvec3(1.0lf));  // no map is used
+  for (uint sun = 0u; sun < job.sunCount; ++sun) placeSun(job, index, sun, bounds, cascades, spheres);
+  for (uint local = 0u; local < job.localCount; ++local) placeLocal(job, index, local, view, bounds, any);
 }

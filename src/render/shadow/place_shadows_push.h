@@ -8,23 +8,49 @@ SH_BEGIN
 
 SH_CONST uint kPlaceShadowsGroup = 64u;  // invocations per workgroup
 SH_CONST uint kMaxCascades = 4u;         // of a directional light in a view
+SH_CONST uint kMinPlacedTile = 32u;      // texels per side of the smallest maps of local lights
 
-// A directional light that casts shadows: the values that are the same for all of its maps.
-struct SunTemplate {
-  View view;      // of a map
+// A shadow map: the values that are the same in all views.
+struct MapTemplate {
+  View view;      // of the map
   ShadowMap map;  // as lookups read it
 };
 
-// Everything about the shadow maps of one frame graph's views, which are consecutive views of a call. Each view has
-// kMaxCascades maps per light, of which it may use fewer: map (view * suns + sun) * kMaxCascades + cascade.
+// A point or spot light that casts shadows.
+struct LocalCaster {
+  vec3 position;
+  float radius;   // its reach, meters
+  float size;     // radius of the light itself, in which nothing casts shadows
+  uint maps;      // 1, or 6 for the faces of a cube
+  uint firstMap;  // among the maps of a view
+  uint padding;
+};
+
+// Maps of one size: consecutive ones, with layers of the atlas and pages of their own.
+struct PlacedMaps {
+  uint first, count;
+  uint size;        // texels per side
+  uint rows;        // of pages of a map
+  uint mapsAtOnce;  // maps that are rasterized together
+  uint across;      // maps per row of a layer of the atlas, which has as many rows
+  uint firstLayer, firstRow;
+};
+
+// Everything about the shadow maps of one frame graph's views, which are consecutive views of a call. The first group
+// has kMaxCascades maps per view and directional light, of which a view may use fewer: map (view * suns + sun) *
+// kMaxCascades + cascade. Group 1 + i has the maps of local lights of size kMinPlacedTile << i, localMaps per view. A
+// view uses those of one size per light.
 struct PlacedShadowJob {
-  uint64_t suns;     // SunTemplate[suns]
+  uint64_t suns;     // MapTemplate[suns]
   uint64_t axes;     // double[suns][9]: right, away and up
+  uint64_t locals;   // LocalCaster[locals]
+  uint64_t faces;    // MapTemplate[sizes][localMaps]
+  uint64_t groups;   // PlacedMaps[1 + sizes]
   uint64_t numbers;  // double[kMaxCascades]: shares of the farthest distance; double[viewsPerWorld][2]: near and far
   uint64_t bounds;   // double[worlds][6]: low and high corner of each world, in the device's world space
   uint64_t views;    // View[views]
   uint64_t frames;   // FrameConstants[views]
-  // Results: per view and light, and per map.
+  // Results: per view and light, directional lights first, and per map.
   uint64_t table;      // LightShadow[]
   uint64_t maps;       // ShadowMap[]
   uint64_t mapViews;   // View[], with reversed depth
@@ -32,11 +58,9 @@ struct PlacedShadowJob {
   uint64_t targets;    // ShadowTarget[]
   uint64_t within;     // RasterMap[]
   uint64_t pages;      // uint[maps][rows]: bits of the pages to draw; 0 for unused maps
-  uint sunCount, viewCount, firstView, viewsPerWorld;
-  uint size;        // texels per side of a map
-  uint rows;        // of pages of a map
-  uint mapsAtOnce;  // maps that are rasterized together
-  uint across;      // maps per row of a layer of the atlas, which has as many rows
+  uint sunCount, localCount, localMaps, sizes;
+  uint viewCount, firstView, viewsPerWorld;
+  uint padding;
 };
 
 struct PlaceShadowsPush {

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstring>
 
+#include "render/shadow/atlas.h"
 #include "render/shadow/cascades.h"
 #include "render/shadow/page_push.h"
 #include "render/visibility/compute/raster_push.h"
@@ -14,7 +15,7 @@ namespace {
 
 using namespace shared;
 
-static_assert(kMaxCascades == kCascades);
+static_assert(kMaxCascades == kCascades && kMinPlacedTile == kMinShadowTile);
 
 // The size of the visibility buffer in which maps are rasterized. Each filling of it is a chain of dispatches.
 constexpr uint64_t kTexelsAtOnce = uint64_t{1} << 26;
@@ -50,44 +51,66 @@ class JobWriter {
   Offsets offsets_;
 };
 
-uint64_t jobBytes(const SunPlan& plan) {
+uint64_t jobBytes(const PlacedShadowPlan& plan) {
   Offsets offsets;
   offsets.add(sizeof(PlacedShadowJob));
   offsets.add(plan.lights.size() * sizeof(ShadowBits));
-  offsets.add(plan.suns.size() * sizeof(SunTemplate));
+  offsets.add(plan.suns.size() * sizeof(MapTemplate));
   offsets.add(plan.axes.size() * sizeof(double));
+  offsets.add(plan.locals.size() * sizeof(LocalCaster));
+  offsets.add(plan.faces.size() * sizeof(MapTemplate));
+  offsets.add((1 + plan.sizes) * sizeof(PlacedMaps));
   offsets.add((kMaxCascades + 2 * plan.depths.size()) * sizeof(double));
   return offsets.total();
 }
 
+// The side of a layer of the atlas, in texels, for maps of at most this size.
+uint32_t sideOf(uint32_t size, uint64_t maps) {
+  const uint64_t texels = maps * size * size;
+  uint32_t side = size;
+  while (side < kMaxLayerSide && uint64_t{side} * side < texels) side *= 2;
+  return side;
+}
+
 }  // namespace
 
-PlacedShadows::PlacedShadows(vk::Device& device, const SunPlan& plan, uint32_t views, uint64_t mostMaps)
+PlacedShadows::PlacedShadows(vk::Device& device, const PlacedShadowPlan& plan, uint32_t views, uint64_t mostMaps)
     : device_(device),
       views_(views),
-      suns_(static_cast<uint32_t>(plan.suns.size())),
-      size_(plan.size),
-      maps_(views * suns_ * kMaxCascades),
-      mapsAtOnce_(static_cast<uint32_t>(
-          std::max<uint64_t>(std::min({kTexelsAtOnce / (uint64_t{size_} * size_), mostMaps, uint64_t{maps_}}), 1))) {
-  const uint64_t texels = uint64_t{maps_} * size_ * size_;
-  across_ = size_;
-  while (across_ < kMaxLayerSide && uint64_t{across_} * across_ < texels) across_ *= 2;
-  across_ /= size_;
+      lights_(static_cast<uint32_t>(plan.suns.size() + plan.locals.size())),
+      side_(sideOf(plan.size, views * (plan.suns.size() * kMaxCascades + plan.localMaps))) {
+  addGroup(views * static_cast<uint32_t>(plan.suns.size()) * kMaxCascades, plan.size, mostMaps);
+  for (uint32_t i = 0; i < plan.sizes; ++i) addGroup(views * plan.localMaps, kMinPlacedTile << i, mostMaps);
   Offsets offsets;
-  table_ = offsets.add(uint64_t{views} * suns_ * sizeof(LightShadow));
+  table_ = offsets.add(uint64_t{views} * lights_ * sizeof(LightShadow));
   shadowMaps_ = offsets.add(maps_ * sizeof(ShadowMap));
   mapViews_ = offsets.add(maps_ * sizeof(View));
   mapFrames_ = offsets.add(maps_ * sizeof(shared::FrameConstants));
   targets_ = offsets.add(maps_ * sizeof(ShadowTarget));
   within_ = offsets.add(maps_ * sizeof(RasterMap));
   results_ = vk::Buffer(device, {.size = offsets.total(), .name = "shadow maps of worlds"});
-  pages_ = vk::Buffer(device, {.size = maps_ * (size_ / kShadowPage) * sizeof(uint32_t),
+  pages_ = vk::Buffer(device, {.size = rows_ * sizeof(uint32_t),
                                .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                                .name = "shadow pages of worlds"});
 }
 
-void PlacedShadows::update(const SunPlan& plan, const Inputs& inputs) {
+void PlacedShadows::addGroup(uint32_t count, uint32_t size, uint64_t mostMaps) {
+  const uint64_t atOnce = std::min({kTexelsAtOnce / (uint64_t{size} * size), mostMaps, uint64_t{count}});
+  const PlacedMaps group{.first = maps_,
+                         .count = count,
+                         .size = size,
+                         .rows = (size + kShadowPage - 1) / kShadowPage,
+                         .mapsAtOnce = static_cast<uint32_t>(std::max<uint64_t>(atOnce, 1)),
+                         .across = side_ / size,
+                         .firstLayer = layers_,
+                         .firstRow = rows_};
+  groups_.push_back(group);
+  maps_ += count;
+  layers_ += (count + group.across * group.across - 1) / (group.across * group.across);
+  rows_ += count * group.rows;
+}
+
+void PlacedShadows::update(const PlacedShadowPlan& plan, const Inputs& inputs) {
   if (!job_)
     job_ = vk::Buffer(device_, {.size = jobBytes(plan),
                                 .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
@@ -95,7 +118,11 @@ void PlacedShadows::update(const SunPlan& plan, const Inputs& inputs) {
                                 .name = "shadow maps of worlds, common values"});
   JobWriter writer(job_);
   writer.add(std::span(plan.lights));
-  PlacedShadowJob job{.suns = writer.add(std::span(plan.suns)), .axes = writer.add(std::span(plan.axes))};
+  PlacedShadowJob job{.suns = writer.add(std::span(plan.suns)),
+                      .axes = writer.add(std::span(plan.axes)),
+                      .locals = writer.add(std::span(plan.locals)),
+                      .faces = writer.add(std::span(plan.faces)),
+                      .groups = writer.add(std::span<const PlacedMaps>(groups_))};
   std::vector<double> numbers;
   for (uint32_t i = 0; i < kCascades; ++i) numbers.push_back(cascadeShare(i));
   for (const glm::dvec2& depth : plan.depths) numbers.insert(numbers.end(), {depth.x, depth.y});
@@ -110,14 +137,13 @@ void PlacedShadows::update(const SunPlan& plan, const Inputs& inputs) {
   job.targets = at(targets_, 0);
   job.within = at(within_, 0);
   job.pages = pages_.address();
-  job.sunCount = suns_;
+  job.sunCount = static_cast<uint32_t>(plan.suns.size());
+  job.localCount = static_cast<uint32_t>(plan.locals.size());
+  job.localMaps = plan.localMaps;
+  job.sizes = plan.sizes;
   job.viewCount = views_;
   job.firstView = inputs.firstView;
   job.viewsPerWorld = static_cast<uint32_t>(plan.depths.size());
-  job.size = size_;
-  job.rows = size_ / kShadowPage;
-  job.mapsAtOnce = mapsAtOnce_;
-  job.across = across_;
   *job_.as<PlacedShadowJob>() = job;
 }
 
@@ -134,16 +160,11 @@ void PlacedShadows::describe(shared::FrameConstants& frame) const {
   frame.shadowBits = job_.address() + (sizeof(PlacedShadowJob) + 15) / 16 * 16;
   frame.lightShadows = at(table_, 0);
   frame.shadowMaps = at(shadowMaps_, 0);
-  frame.shadowColumns = suns_;
+  frame.shadowColumns = lights_;
 }
 
 vk::ImageDesc PlacedShadows::atlas(VkFormat format) const {
-  const uint32_t perLayer = across_ * across_;
-  return {.format = format,
-          .width = across_ * size_,
-          .height = across_ * size_,
-          .layers = (maps_ + perLayer - 1) / perLayer,
-          .name = "shadow atlas of worlds"};
+  return {.format = format, .width = side_, .height = side_, .layers = layers_, .name = "shadow atlas of worlds"};
 }
 
 VkDeviceAddress PlacedShadows::targets(uint32_t first) const {

@@ -281,21 +281,56 @@ ShadowPlan planRays(std::span<const ShadowScene> worlds, std::span<const shared:
 
 }  // namespace
 
-SunPlan planSuns(const ShadowScene& scene, std::span<const shared::View> views, const Settings& settings) {
-  SunPlan plan{.lights = std::vector<shared::ShadowBits>((scene.lights.size() + 31) / 32),
-               .size = cascadeSize(std::max(views[0].size.x, views[0].size.y))};
+namespace {
+
+void addSun(PlacedShadowPlan& plan, const Planner& planner, uint32_t light) {
+  const Frame f{.axes = axesAlong(glm::normalize(dvec3(planner.scene.lights[light].direction)))};
+  LightMaps maps;
+  planner.addMap(maps, f, plan.size, static_cast<float>(planner.lightRadius(planner.scene.lights[light], light)), {});
+  plan.suns.push_back({maps.views[0].view, maps.maps[0]});
+  for (const dvec3& axis : {f.axes.right, f.axes.away, f.axes.up})
+    for (int i = 0; i < 3; ++i) plan.axes.push_back(axis[i]);
+}
+
+// Adds a point or spot light. Its maps' depths follow from the bounds of a world, which the device knows.
+void addLocal(PlacedShadowPlan& plan, const ShadowScene& scene, uint32_t index) {
+  const shared::Light& light = scene.lights[index];
+  const uint32_t maps = shadowCone(light) ? 1 : 6;
+  plan.locals.push_back(
+      {light.position, light.radius, scene.authored[scene.sources[index]].size, maps, plan.localMaps, 0});
+  plan.localMaps += maps;
+}
+
+// Adds the maps of all local lights, size by size.
+void addFaces(PlacedShadowPlan& plan, const Planner& planner, std::span<const uint32_t> locals) {
+  for (uint32_t size = shared::kMinPlacedTile; !locals.empty() && size <= plan.size; size *= 2, ++plan.sizes)
+    for (size_t i = 0; i < locals.size(); ++i) {
+      const LightMaps maps = planner.mapsOf({locals[i], plan.locals[i].maps, size}, {});
+      for (size_t face = 0; face < maps.maps.size(); ++face)
+        plan.faces.push_back({maps.views[face].view, maps.maps[face]});
+    }
+}
+
+}  // namespace
+
+PlacedShadowPlan planPlacedShadows(const ShadowScene& scene, std::span<const shared::View> views,
+                                   const Settings& settings) {
+  PlacedShadowPlan plan{.lights = std::vector<shared::ShadowBits>((scene.lights.size() + 31) / 32),
+                        .size = cascadeSize(std::max(views[0].size.x, views[0].size.y))};
   for (const shared::View& view : views)
     plan.depths.emplace_back(shared::viewDepth(view.projection, 1.0f), shared::viewDepth(view.projection, 0.0f));
   const Planner planner{scene, 0, settings, indexOf(settings.shadows)};
+  std::vector<uint32_t> locals;
   for (const uint32_t light : shadowCasters(scene, settings)) {
-    const Frame f{.axes = axesAlong(glm::normalize(dvec3(scene.lights[light].direction)))};
-    LightMaps maps;
-    planner.addMap(maps, f, plan.size, static_cast<float>(planner.lightRadius(scene.lights[light], light)), {});
-    plan.suns.push_back({maps.views[0].view, maps.maps[0]});
-    for (const dvec3& axis : {f.axes.right, f.axes.away, f.axes.up})
-      for (int i = 0; i < 3; ++i) plan.axes.push_back(axis[i]);
     plan.lights[light / 32].lights |= 1u << (light % 32);
+    if (shared::lightIsDirectional(scene.lights[light].type)) {
+      addSun(plan, planner, light);
+    } else {
+      addLocal(plan, scene, light);
+      locals.push_back(light);
+    }
   }
+  addFaces(plan, planner, locals);
   for (size_t i = 1; i < plan.lights.size(); ++i)
     plan.lights[i].before = plan.lights[i - 1].before + static_cast<uint32_t>(std::popcount(plan.lights[i - 1].lights));
   return plan;

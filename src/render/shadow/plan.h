@@ -60,17 +60,23 @@ struct ShadowScene {
   scene::Bounds bounds;  // in the device's world space
 };
 
-// The directional lights that cast shadows, if these are the same in all views and worlds and no other light casts any:
+// The lights that cast shadows, if these are the same in all worlds and each view has maps of all that it can see:
 // shaders can then fit their maps (placed_shadows.h).
-struct SunPlan {
-  std::vector<shared::SunTemplate> suns;   // in the order of the frame's lights
-  std::vector<double> axes;                // of each: right, away and up
+struct PlacedShadowPlan {
+  std::vector<shared::MapTemplate> suns;    // directional lights, in the order of the frame's lights, which they begin
+  std::vector<double> axes;                 // of each: right, away and up
+  std::vector<shared::LocalCaster> locals;  // point and spot lights, in the order of the frame's lights
+  std::vector<shared::MapTemplate> faces;   // [sizes][localMaps]: their maps of each size
+  uint32_t localMaps = 0;                   // sum of LocalCaster::maps
+  uint32_t sizes = 0;                      // of maps of local lights: the powers of two up to `size`; 0: there are none
   std::vector<shared::ShadowBits> lights;  // FrameConstants::shadowBits
-  uint32_t size = 0;                       // texels per side of each map
+  uint32_t size = 0;                       // texels per side of the maps of directional lights
   std::vector<glm::dvec2> depths;          // nearest and farthest depth of each of a world's views
+  bool empty() const { return suns.empty() && locals.empty(); }
 };
-// `views`: those of a world. Requires castsOnlyDirectional() (choose.h).
-SunPlan planSuns(const ShadowScene& scene, std::span<const shared::View> views, const Settings& settings);
+// `views`: those of a world. Requires mapsFitAtlas() (choose.h).
+PlacedShadowPlan planPlacedShadows(const ShadowScene& scene, std::span<const shared::View> views,
+                                   const Settings& settings);
 
 // The plan of shadows by rays for views that the host does not know, with the lights of `scene`. Requires
 // castsInAllViews() (choose.h).

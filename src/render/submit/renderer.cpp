@@ -263,7 +263,7 @@ bool Renderer::placesShadows(const Settings& s, const Poses& poses, WorldLights 
     return (ownLights == WorldLights::OfScene || writesLights) && castsInAllViews(lights, s);
   }
   return poses.current.empty() && ownLights == WorldLights::OfScene && !ownJoints &&
-         castsOnlyDirectional(lights, s.width, s.height, s);
+         mapsFitAtlas(lights, s.width, s.height, s);
 }
 
 bool Renderer::placesWorlds(const Settings& s, std::span<const scene::Camera> cameras, const Poses& poses,
@@ -287,19 +287,20 @@ std::shared_ptr<const vk::Buffer> Renderer::inputMemory(uint64_t bytes) {
 }
 
 bool Renderer::castsShadows(const Settings& settings) const {
-  return settings.shadows != ShadowFormat::None && gpuScene_.lightCount() > 0 && isLit(settings) && !state_.suns;
+  return settings.shadows != ShadowFormat::None && gpuScene_.lightCount() > 0 && isLit(settings) &&
+         !state_.placedShadows;
 }
 
 // Selects the lights whose shadow maps shaders fit to the views of worlds, or whose rays they list for each world.
 void Renderer::planPlacedShadows(const Settings& s, const WorldStates& worlds) {
-  state_.suns = nullptr;
+  state_.placedShadows = nullptr;
   if (!worlds.inputs || !castsShadows(s)) return;
   if (s.shadows == ShadowFormat::Rays) return listRays(s);
   std::vector<shared::View> views;
   for (const scene::Camera& camera : worlds.inputs->cameras)
     views.push_back(shadowView(camera, s.width, s.height, gpuScene_));
-  suns_ = planSuns(shadowSceneOf(gpuScene_), views, s);
-  state_.suns = &suns_;
+  placedShadows_ = render::planPlacedShadows(shadowSceneOf(gpuScene_), views, s);
+  state_.placedShadows = &placedShadows_;
 }
 
 // Selects the lights of worlds whose shadows rays find, if shaders write these lights.
@@ -581,7 +582,9 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
                      overflow_.mediumTriangles, overflow_.largeTriangles, overflow_.tileEntries},
       .settings = s,
   };
-  if (state_.placesShadows()) key.placedShadows = {suns_.suns.size(), suns_.depths.size()};
+  if (state_.placesShadows())
+    key.placedShadows = {placedShadows_.suns.size(), placedShadows_.locals.size(), placedShadows_.localMaps,
+                         placedShadows_.depths.size()};
   for (const ExportedArray& array : part.job.result.arrays) key.arrays.push_back(array.memory->serial);
   return key;
 }

@@ -200,7 +200,7 @@ class Renderer {
   vk::Buffer worldCells_;          // the same of worldEnvironments_
   double lowestPoint_ = 0;         // of the scene, as edited at `lowestPointEdits_`
   std::optional<std::array<uint64_t, 2>> lowestPointEdits_;
-  SunPlan suns_;  // RenderState::suns
+  PlacedShadowPlan placedShadows_;  // RenderState::placedShadows
   RenderState state_;
   FrameHistory history_ = temporalHistory(), indirectHistory_ = indirectHistory();
   std::optional<IndirectInput> indirectInput_;  // of the last frame of indirectHistory_

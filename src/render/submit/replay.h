@@ -31,7 +31,9 @@ struct ReplayKey {
   bool anyVast;
   VkDescriptorSet textures;
   const GpuEnvironment* environment;
-  std::array<size_t, 2> placedShadows;  // numbers of lights and of views per world, if shaders fit shadow maps
+  // If shaders fit shadow maps: numbers of directional and local lights, of the maps of the latter, and of views per
+  // world.
+  std::array<size_t, 4> placedShadows;
   // For ray-traced light: the number of lights with shadows, the maximum number of shadow rays per surface,
   // RayScene::emitterCount, GpuScene::plainMaterials(), and the height of the ground.
   uint32_t shadowColumns, shadowRays, emitters;

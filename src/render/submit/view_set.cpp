@@ -37,7 +37,7 @@ ViewSet::ViewSet(const RenderState& state, const ViewsInTime& views, const Setti
       visibility_(makeVisibility(state, views_.now, settings, options)) {
   constexpr uint64_t kMaxWork = uint64_t{1} << 31;  // the raster's counter of parts has 32 bits
   if (views_.onDevice.now && state.placesShadows())
-    placedShadows_.emplace(state.device, *state.suns, static_cast<uint32_t>(views_.now.size()),
+    placedShadows_.emplace(state.device, *state.placedShadows, static_cast<uint32_t>(views_.now.size()),
                            kMaxWork / std::bit_ceil(std::max<uint64_t>(state.rasterInstances.all().parts, 1)));
   upload();
 }
@@ -106,10 +106,10 @@ void ViewSet::describeOnDevice() {
     constants_ = vk::Buffer(state_.device, {.size = count * sizeof(shared::FrameConstants), .name = "frame constants"});
   }
   if (placedShadows_)
-    placedShadows_->update(*state_.suns, {.views = views_.onDevice.now,
-                                          .frames = constants_.address(),
-                                          .bounds = views_.onDevice.bounds,
-                                          .firstView = views_.onDevice.first});
+    placedShadows_->update(*state_.placedShadows, {.views = views_.onDevice.now,
+                                                   .frames = constants_.address(),
+                                                   .bounds = views_.onDevice.bounds,
+                                                   .firstView = views_.onDevice.first});
   shared::ViewConstants c{.frame = constantsOf(0), .result = constants_.address()};
   state_.scene.worlds().describe(c);
   if (!state_.hasEnvironment) c.has &= ~shared::kWorldHasIntensity;

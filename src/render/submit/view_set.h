@@ -31,8 +31,8 @@ struct RenderState {
   const std::unique_ptr<SceneBvh>& bvh;  // null without rays
   const double& lowestPoint;             // of the scene, along Z of world space; set with --ground
   // The lights whose shadow maps shaders fit, in calls whose worlds they place; null if the host plans all maps.
-  const SunPlan* suns = nullptr;
-  bool placesShadows() const { return suns && !suns->suns.empty(); }
+  const PlacedShadowPlan* placedShadows = nullptr;
+  bool placesShadows() const { return placedShadows && !placedShadows->empty(); }
 };
 
 // Equal numbers of views in the current, previous and next frame. The previous and next views have no jitter.

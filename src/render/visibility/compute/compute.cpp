@@ -446,15 +446,17 @@ graph::ImageId ComputeVisibility::addPlacedShadowMaps(const FrameContext& f) con
   const graph::ImageId atlas = f.graph.create(shadows.atlas(shadowImageFormat(f.setup.shadowFormat, true)));
   const graph::BufferId pages = f.graph.import(shadows.pages(), graph::Use::StorageRead);
   graph::Use use = graph::Use::StorageWrite;
-  for (uint32_t first = 0; first < shadows.count(); first += shadows.mapsAtOnce()) {
-    const RasterViews maps{.constants = shadows.frames(first),
-                           .width = shadows.size(),
-                           .height = shadows.size(),
-                           .count = std::min(shadows.mapsAtOnce(), shadows.count() - first),
-                           .within = shadows.within(first),
-                           .pages = pages};
-    storeShadowMaps(f, maps, shadows.targets(first), atlas, std::exchange(use, graph::Use::StorageReadWrite));
-  }
+  for (const shared::PlacedMaps& group : shadows.groups())
+    for (uint32_t i = 0; i < group.count; i += group.mapsAtOnce) {
+      const RasterViews maps{.constants = shadows.frames(group.first + i),
+                             .width = group.size,
+                             .height = group.size,
+                             .count = std::min(group.mapsAtOnce, group.count - i),
+                             .within = shadows.within(group.first + i),
+                             .pages = pages};
+      storeShadowMaps(f, maps, shadows.targets(group.first + i), atlas,
+                      std::exchange(use, graph::Use::StorageReadWrite));
+    }
   return atlas;
 }
 
