@@ -1,4 +1,6 @@
 // Translates Latelight's errors to the Python classes of latelight/errors.py, by exit code.
+#include <new>
+
 #include "bindings.h"
 #include "interpreter.h"
 #include "values.h"
@@ -25,13 +27,19 @@ const char* className(const Error& error) {
   }
 }
 
+void raise(const char* className, const char* sentence) {
+  const RunningPython section;
+  const nb::object type = nb::module_::import_("latelight.errors").attr(className);
+  PyErr_SetString(type.ptr(), sentence);
+}
+
 void translate(const std::exception_ptr& thrown, void*) {
   try {
     std::rethrow_exception(thrown);
   } catch (const Error& error) {
-    const RunningPython section;
-    const nb::object type = nb::module_::import_("latelight.errors").attr(className(error));
-    PyErr_SetString(type.ptr(), error.what());
+    raise(className(error), error.what());
+  } catch (const std::bad_alloc&) {
+    raise("OutOfMemoryError", "The machine has no memory left; use a smaller image or scene.");
   }
 }
 

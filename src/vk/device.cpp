@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <deque>
-#include <iterator>
+#include <new>
 #include <optional>
 #include <utility>
 
@@ -25,7 +25,8 @@ struct Device::Impl {
   void openTimeline();
   uint64_t finishedValue() const;
   void waitFor(uint64_t value) const;
-  void deleteFinished();
+  void deleteUntil(uint64_t value);
+  void deleteFinished() { deleteUntil(finishedValue()); }
 
   // Each command buffer has its own pool, so that one can be reset while others are still running.
   struct CommandBuffer {
@@ -39,7 +40,7 @@ struct Device::Impl {
 
   // Released objects, each with the timeline value that must be reached first; sorted by value.
   struct Deletion {
-    uint64_t value;
+    uint64_t value = 0;
     std::function<void()> destroy;
   };
   class Recording;
@@ -61,7 +62,7 @@ struct Device::Impl {
   std::mutex deleting;                       // guards the three below
   uint64_t submitted = 0;                    // the timeline's value after all submitted work
   bool recording = false;
-  std::vector<Deletion> deletions;
+  std::deque<Deletion> deletions;
 };
 
 Device::Impl::~Impl() {
@@ -102,18 +103,19 @@ void Device::Impl::waitFor(uint64_t value) const {
   check(result, "vkWaitSemaphores", __FILE__, __LINE__);
 }
 
-void Device::Impl::deleteFinished() {
-  std::vector<Deletion> dead;
-  {
-    std::lock_guard lock(deleting);
-    if (deletions.empty()) return;
-    const uint64_t done = finishedValue();
-    const auto end =
-        std::find_if(deletions.begin(), deletions.end(), [&](const Deletion& d) { return d.value > done; });
-    dead.assign(std::make_move_iterator(deletions.begin()), std::make_move_iterator(end));
-    deletions.erase(deletions.begin(), end);
+// Destroys what was released up to a timeline value. Nothing is allocated, because destructors call this function after
+// memory ran out.
+void Device::Impl::deleteUntil(uint64_t value) {
+  for (;;) {
+    Deletion deletion;
+    {
+      std::lock_guard lock(deleting);
+      if (deletions.empty() || deletions.front().value > value) return;
+      deletion = std::move(deletions.front());
+      deletions.pop_front();
+    }
+    deletion.destroy();
   }
-  for (const Deletion& deletion : dead) deletion.destroy();
 }
 
 // Returns the first free command buffer. A caller that waits after each submission always gets the same one, which
@@ -309,9 +311,11 @@ Device::~Device() {
   cache_->finish();  // pipelines in creation call cache(), which is null once reset() begins
   cache_.reset();
   // Destroys everything that still waits, regardless of the timeline's state. Destruction may release more objects.
-  while (!impl_->deletions.empty())
-    for (const Impl::Deletion& deletion : std::exchange(impl_->deletions, {})) deletion.destroy();
-  savePipelineCache();
+  impl_->deleteUntil(UINT64_MAX);
+  try {
+    savePipelineCache();
+  } catch (const std::bad_alloc&) {  // pipelines will be compiled again
+  }
 }
 
 const Features& Device::features() const {

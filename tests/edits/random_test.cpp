@@ -8,6 +8,7 @@
 #include "scene/edit.h"
 #include "test_device.h"
 #include "vk/memory.h"
+#include "without_validation.h"
 
 namespace latelight::render::test {
 namespace {
@@ -285,10 +286,10 @@ TEST_F(EditsTest, TenThousandEditsAsIfEachFrameWereTheFirst) {
   for (const std::string& message : own.validationMessages()) ADD_FAILURE() << message;
 }
 
-// Returns the memory of the renderer and its device after the same frame, repeatedly. Validation is off, because it
-// keeps everything that it has seen.
+// Returns the memory of the renderer and its device after the same frame, repeatedly.
 TEST_F(EditsTest, TenThousandEditsTakeNoMemory) {
   constexpr uint32_t kRounds = 10, kEditsARound = kEdits / kRounds;
+  const latelight::test::WithoutValidation withoutValidation;
   vk::Device own({.selector = latelight::test::testDevice()});
   Renderer renderer(own, scene_, &sky_);
   Editor editor(scene_, 5);

@@ -11,6 +11,7 @@
 #include "scene/edit.h"
 #include "test_device.h"
 #include "vk/memory.h"
+#include "without_validation.h"
 
 namespace latelight::render::test {
 namespace {
@@ -107,6 +108,7 @@ TEST_F(RemovalTest, WhatAFailedFrameWasToUploadMayBeReplaced) {
 TEST_F(RemovalTest, AThousandRoundsTakeNoMemory) {
   constexpr int kRounds = 1000;
   constexpr uint32_t kSide = 64;
+  const latelight::test::WithoutValidation withoutValidation;
   vk::Device own({.selector = latelight::test::testDevice()});
   Renderer renderer(own, scene_, nullptr);
   const scene::Camera camera = workshopCamera();

@@ -16,7 +16,7 @@ DEVICE = os.environ.get("LATELIGHT_TEST_DEVICE", "cpu")
 SIZE = (24, 16)
 
 
-def in_fork(body, seconds=60):
+def in_fork(body, seconds=600):
     """The value that `body` returns in a forked process, or the exception that it raises as a text."""
     fork = multiprocessing.get_context("fork")
     receiver, sender = fork.Pipe(duplex=False)
@@ -33,7 +33,7 @@ def in_fork(body, seconds=60):
         assert receiver.poll(seconds), "the forked process hangs"
         return receiver.recv()
     finally:
-        child.join(30)
+        child.join(seconds)
         alive = child.is_alive()
         child.kill()
         assert not alive, "the forked process does not end"
@@ -63,7 +63,7 @@ def own():
 )
 def test_what_the_parent_created_is_refused(own, call):
     _, renderer, camera, ticket = own
-    said = in_fork(lambda: call(renderer, camera, ticket), seconds=20)
+    said = in_fork(lambda: call(renderer, camera, ticket))
     assert said.startswith("UsageError: the renderer belongs to process"), said
     assert str(os.getpid()) in said and "\n" not in said
 
@@ -124,7 +124,7 @@ def test_while_other_threads_render_and_edit(device, square):
         thread.start()
     try:
         for _ in range(10):
-            assert in_fork(lambda: scene.add_texture(np.zeros((2, 2, 3), np.uint8)) is not None, seconds=20) is True
+            assert in_fork(lambda: scene.add_texture(np.zeros((2, 2, 3), np.uint8)) is not None) is True
     finally:
         stop.set()
         for thread in threads:

@@ -89,6 +89,55 @@ def test_edits_while_others_render(device, square):
         thread.join()
 
 
+def test_every_call_while_others_edit(device, square):
+    """Pictures, worlds, rays and tickets of one renderer, and new renderers, while the scene gains and loses what none of
+    them sees: each result is that of one thread."""
+    scene = latelight.Scene("builtin:boxes")
+    renderer = latelight.Renderer(scene, device)
+    camera, size = scene.look_at((3, -4, 2), (0, 0, 0.5)), (24, 16)
+    rays = np.full((8, 3), (3.0, -4.0, 2.0)), np.linspace((-0.7, 0.9, -0.4), (-0.5, 1, -0.2), 8)
+    behind = np.eye(4)
+    behind[:3, 3] = 9, -12, 5  # no ray and no camera looks there
+    moved = np.tile(np.eye(4), (2, 1, 1, 1))
+    moved[1, 0, 2, 3] = 0.25
+    first = scene.instances()[0]
+
+    def edit():
+        added = scene.add_instance(scene.add_mesh(**square), scene.materials()[0], behind)
+        scene.set_transform(added, behind @ behind)
+        scene.remove_instance(added)
+        return np.zeros(0)
+
+    calls = (
+        lambda: renderer.render(camera, size, "depth")["depth"],
+        lambda: renderer.submit(camera, size, "depth").take()["depth"],
+        lambda: renderer.render_worlds(2, camera, size, "depth", instances=[first], transforms=moved)["depth"],
+        lambda: renderer.cast(*rays)["distance"],
+        lambda: renderer.submit_cast(*rays).take()["distance"],
+        lambda: latelight.Renderer(scene, device).render(camera, size, "depth")["depth"],
+        edit,
+    )
+    expected = [call() for call in calls]
+    assert np.isfinite(expected[3]).any()
+    wrong = []
+
+    def work(number):
+        try:
+            for _ in range(5):
+                if not np.array_equal(calls[number](), expected[number]):
+                    wrong.append(number)
+        except Exception as error:
+            wrong.append((number, error))
+
+    threads = [threading.Thread(target=work, args=(number,)) for number in range(len(calls))]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert wrong == []
+    assert renderer.validation_messages() == []
+
+
 def test_ctrl_c(device):
     environment = {**os.environ, "LATELIGHT_VALIDATION": "0"}
     child = subprocess.Popen([sys.executable, "-c", LONG, device], stdout=subprocess.PIPE, text=True, env=environment)

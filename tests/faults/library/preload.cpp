@@ -5,6 +5,8 @@
 // Kinds: "new" is an allocation by the program's own code, not by a library that it loads, because drivers end the
 // process without memory. The others are system calls on files below the folder LATELIGHT_FAULT_FOLDER.
 //
+// A program that loads Latelight as a library, such as Python, calls latelight_fault() instead, as often as it likes.
+//
 // "every N SIZE" sweeps the allocations of SIZE bytes, or all for 0, of a program that has one thread: at every Nth
 // one, a child process continues without the memory and without output while the program waits for it. The numbers of
 // the allocations whose child was ended by a signal follow the number of calls in the file LATELIGHT_FAULT_COUNT.
@@ -37,7 +39,8 @@ struct Fault {
   uint64_t number = 0;
   uint64_t size = 0;  // of the allocations that "every" counts, in bytes; 0: any
   const char* folder = nullptr;
-  uintptr_t begin = 0, end = 0;  // the program's code
+  const char* object = nullptr;  // of the library whose allocations count, the end of its path; null: the program
+  uintptr_t begin = 0, end = 0;  // its code
   std::atomic<bool> isInMain = false;
   std::atomic<uint64_t> calls = 0;
   pid_t process = 0;
@@ -53,13 +56,26 @@ Kind kindNamed(std::string_view name) {
   return Kind::None;
 }
 
-int findProgram(dl_phdr_info* info, size_t, void*) {
+int findCode(dl_phdr_info* info, size_t, void*) {
+  if (fault.object && !std::string_view(info->dlpi_name).ends_with(fault.object)) return 0;
   for (int i = 0; i < info->dlpi_phnum; ++i)
     if (info->dlpi_phdr[i].p_type == PT_LOAD && (info->dlpi_phdr[i].p_flags & PF_X)) {
       fault.begin = info->dlpi_addr + info->dlpi_phdr[i].p_vaddr;
       fault.end = fault.begin + info->dlpi_phdr[i].p_memsz;
     }
   return 1;  // the first object is the program
+}
+
+void startFault(const char* text) {
+  const char* space = std::strchr(text, ' ');
+  if (!space) return;
+  fault.begin = fault.end = 0;
+  dl_iterate_phdr(findCode, nullptr);
+  char* end = nullptr;
+  fault.number = std::strtoull(space, &end, 10);
+  fault.size = std::strtoull(end, nullptr, 10);
+  fault.calls = 0;
+  fault.kind = kindNamed({text, size_t(space - text)});
 }
 
 using Main = int(int, char**, char**);
@@ -73,16 +89,9 @@ int runMain(int count, char** arguments, char** environment) {
 }
 
 __attribute__((constructor)) void begin() {
-  const char* text = std::getenv("LATELIGHT_FAULT");
-  const char* space = text ? std::strchr(text, ' ') : nullptr;
-  if (!space) return;
-  dl_iterate_phdr(findProgram, nullptr);
   fault.folder = std::getenv("LATELIGHT_FAULT_FOLDER");
-  char* end = nullptr;
-  fault.number = std::strtoull(space, &end, 10);
-  fault.size = std::strtoull(end, nullptr, 10);
   fault.process = getpid();
-  fault.kind = kindNamed({text, size_t(space - text)});
+  if (const char* text = std::getenv("LATELIGHT_FAULT")) startFault(text);
 }
 
 __attribute__((destructor)) void finish() {
@@ -214,6 +223,16 @@ void operator delete[](void* memory, size_t, std::align_val_t) noexcept {
 }
 
 extern "C" {
+
+// Lets a call fail as LATELIGHT_FAULT does. The calls are counted from 1 on, and allocations are those by the library
+// whose path ends in `object`, which remains in memory. Returns how many calls of the fault before there were.
+__attribute__((visibility("default"))) uint64_t latelight_fault(const char* text, const char* object) {
+  fault.kind = Kind::None;
+  const uint64_t calls = fault.calls;
+  fault.object = object;
+  startFault(text);
+  return calls;
+}
 
 int __libc_start_main(Main* program, int count, char** arguments, void (*init)(), void (*fini)(), void (*rtld)(),
                       void* stack) {

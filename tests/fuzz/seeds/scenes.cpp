@@ -87,13 +87,54 @@ GltfBuilder pointersFile() {
   return b;
 }
 
+// Lights that are areas or an environment, light through thin surfaces, and other kinds of nodes, cameras and pointers.
+GltfBuilder lightsFile() {
+  GltfBuilder b = materialsFile();
+  const json map = {{"index", 0}, {"extensions", {{"KHR_texture_transform", {{"scale", {2, 2}}}}}}};
+  b.root["materials"][0]["occlusionTexture"] = map;
+  b.add("materials", {{"extensions",
+                       {{"KHR_materials_diffuse_transmission",
+                         {{"diffuseTransmissionFactor", 0.5},
+                          {"diffuseTransmissionTexture", map},
+                          {"diffuseTransmissionColorFactor", {1, 0, 0}},
+                          {"diffuseTransmissionColorTexture", map}}}}}});
+  const json panel = {
+      {"type", "rect"}, {"intensity", 9}, {"color", {1, 0.5, 0}}, {"size", 2}, {"rect", {{"aspect", 2}}}};
+  b.node({{"extras", {{"areaLight", panel}}}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 2, 1}}});
+  const json tube = {{"type", "tube"}, {"name", "lamp"}, {"tube", {{"length", 3}}}, {"castShadow", true}};
+  b.node({{"extras", {{"areaLight", tube}}}});
+  b.node({{"extras", {{"areaLight", {{"type", "disk"}, {"twoSided", true}}}}}});
+  b.add("cameras", {{"type", "orthographic"}, {"orthographic", {{"xmag", 1}, {"ymag", 1}, {"znear", 0}, {"zfar", 9}}}});
+  b.node({{"camera", 0}});
+  const json light = {{"intensity", 2},
+                      {"rotation", {0, 0, 0, 1}},
+                      {"irradianceCoefficients", json(size_t{9}, json::array({1, 0, 0.5}))},
+                      {"specularImageSize", 1},
+                      {"specularImages", json::array({json(size_t{6}, json(0))})}};
+  b.root["extensions"]["EXT_lights_image_based"]["lights"] = json::array({light});
+  b.root["scenes"][0]["extensions"]["EXT_lights_image_based"]["light"] = 0;
+
+  b.primitive()["targets"] = json::array({{{"POSITION", b.primitive()["attributes"]["POSITION"]}}});
+  const int times = b.accessor(b.view(std::vector<float>{0, 1}), kFloat, "SCALAR", 2);
+  json channels = json::array();
+  for (const char* pointer :
+       {"/nodes/0/weights/0", "/meshes/0/weights", "/nodes/0/extensions/KHR_node_visibility/visible"})
+    channels.push_back(
+        {{"sampler", 0},
+         {"target", {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", pointer}}}}}}}});
+  b.add("animations", {{"channels", channels}, {"samplers", json::array({{{"input", times}, {"output", times}}})}});
+  b.root["extensionsUsed"] = {"EXT_lights_image_based", "KHR_animation_pointer"};
+  return b;
+}
+
 }  // namespace
 
 void addScenes(Seeds& seeds) {
-  const GltfBuilder busy = busyFile(), meshopt = meshoptFile(), materials = materialsFile(), pointers = pointersFile();
+  const GltfBuilder busy = busyFile(), meshopt = meshoptFile(), materials = materialsFile(), pointers = pointersFile(),
+                    lights = lightsFile();
   const GltfBuilder sequential = dracoFile(draco::MESH_SEQUENTIAL_ENCODING),
                     edgebreaker = dracoFile(draco::MESH_EDGEBREAKER_ENCODING);
-  for (const GltfBuilder* b : {&busy, &meshopt, &materials, &pointers, &sequential, &edgebreaker}) {
+  for (const GltfBuilder* b : {&busy, &meshopt, &materials, &pointers, &lights, &sequential, &edgebreaker}) {
     seeds.add("gltf", b->glb());
     seeds.add("glb", b->glb());
   }
