@@ -1,4 +1,5 @@
-// The server as seen by browsers and other clients. All but one runs under validation, and any message fails the test.
+// The server as seen by browsers and other clients. All but those of ReconnectsTest run under validation,
+// and any message fails the test.
 #include "serve/server.h"
 
 #include <gmock/gmock.h>
@@ -467,19 +468,6 @@ TEST_F(ServerTest, UnshownPicturesAreNotFollowedByMore) {
 
 // --- many pages -----------------------------------------------------------------------------------------------------
 
-TEST_F(ServerTest, EightLookAtOnceAndTheNinthWaits) {
-  {
-    std::vector<Client> pages;
-    for (uint32_t i = 0; i < kSessions; ++i) pages.push_back(resized(64 + i, 48));
-    for (uint32_t i = 0; i < kSessions; ++i) EXPECT_EQ(pages[i].hearFinal().header["picture"]["width"], 64 + i);
-    Client ninth = connected();
-    EXPECT_ANY_THROW(ninth.hear());
-    EXPECT_EQ(ninth.closeCode(), 1013);
-    EXPECT_THAT(ninth.closeReason(), HasSubstr("8 sessions"));
-  }
-  client();
-}
-
 // A session that still renders after its page was closed does not delay a reload.
 TEST(ServerOfOneSessionTest, AReloadedPageGetsInAtOnce) {
   Running running("builtin:boxes", false, {.sessions = 1});
@@ -717,6 +705,19 @@ class ReconnectsTest : public ServerTest {
  protected:
   static void SetUpTestSuite() { run(false); }
 };
+
+TEST_F(ReconnectsTest, EightLookAtOnceAndTheNinthWaits) {
+  {
+    std::vector<Client> pages;
+    for (uint32_t i = 0; i < kSessions; ++i) pages.push_back(resized(64 + i, 48));
+    for (uint32_t i = 0; i < kSessions; ++i) EXPECT_EQ(pages[i].hearFinal().header["picture"]["width"], 64 + i);
+    Client ninth = connected();
+    EXPECT_ANY_THROW(ninth.hear());
+    EXPECT_EQ(ninth.closeCode(), 1013);
+    EXPECT_THAT(ninth.closeReason(), HasSubstr("8 sessions"));
+  }
+  client();
+}
 
 // Pages that open and close, most of them in the middle of a request, leak nothing.
 TEST_F(ReconnectsTest, GiveBackWhatTheyTook) {
