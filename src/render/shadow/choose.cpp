@@ -98,7 +98,7 @@ uint32_t sizeOf(const shared::Light& light, const ShadowScene& scene, const shar
   const double distance = std::max<double>(glm::length(light.position - view.eye), 0.5 * reach);
   const bool perspective = view.projection.kind == shared::kPerspective;
   const double pixels = reach * view.projection.V * view.size.y / (perspective ? distance : 1);
-  return tileSize(maps == 6 ? 0.5 * pixels : pixels, kMinShadowTile, cascade);
+  return tileSize(maps == kCubeFaces ? 0.5 * pixels : pixels, kMinShadowTile, cascade);
 }
 
 uint64_t areaOf(const std::vector<ShadowCaster>& casters) {
@@ -133,7 +133,16 @@ size_t fit(std::vector<ShadowCaster>& casters, const ShadowScene& scene, uint64_
   return before - casters.size();
 }
 
+// Returns true if a light of a scene casts shadows in the views that select it.
+bool castsIn(const Settings& settings, const scene::Light& light) {
+  return !light.removed && !shared::lightIsArea(light.type) && mayCast(light, settings.shadowLights);
+}
+
 }  // namespace
+
+uint32_t mapCount(const shared::Light& light) {
+  return shadowCone(light) ? 1 : kCubeFaces;
+}
 
 std::optional<double> shadowCone(const shared::Light& light) {
   constexpr double kWidest = 1.05, kNarrowest = 2e-3;  // radians; beyond 60 degrees a map consists mostly of rim
@@ -155,18 +164,14 @@ uint32_t cascadeSize(double picture) {
 }
 
 bool castsInAllViews(std::span<const scene::Light> lights, const Settings& settings) {
-  const auto casts = [&](const scene::Light& light) {
-    return !light.removed && !shared::lightIsArea(light.type) && mayCast(light, settings.shadowLights);
-  };
+  const auto casts = [&](const scene::Light& light) { return castsIn(settings, light); };
   return static_cast<size_t>(std::ranges::count_if(lights, casts)) <= mostCasters(settings.shadowLights);
 }
 
 bool mapsFitAtlas(std::span<const scene::Light> lights, uint32_t width, uint32_t height, const Settings& settings) {
-  constexpr uint64_t kCubeFaces = 6;  // which a spot light may have, too
   uint64_t maps = 0;
-  for (const scene::Light& light : lights)
-    if (!light.removed && !shared::lightIsArea(light.type) && mayCast(light, settings.shadowLights))
-      maps += shared::lightIsDirectional(light.type) ? kCascades : kCubeFaces;
+  for (const scene::Light& light : lights)  // a spot light may have a cube, too
+    if (castsIn(settings, light)) maps += shared::lightIsDirectional(light.type) ? kCascades : kCubeFaces;
   const uint64_t side = cascadeSize(std::max(width, height)),
                  budget = uint64_t{settings.shadowAtlas} * settings.shadowAtlas;
   return castsInAllViews(lights, settings) && side * side * maps <= budget;
@@ -187,7 +192,7 @@ std::vector<ShadowCaster> chooseShadowCasters(const ShadowScene& scene, const sh
   std::vector<ShadowCaster> casters;
   for (const Candidate& candidate : candidates(scene, view, requested, cascades > 0)) {
     const shared::Light& light = scene.lights[candidate.light];
-    const uint32_t maps = candidate.directional ? cascades : shadowCone(light) ? 1 : 6;
+    const uint32_t maps = candidate.directional ? cascades : mapCount(light);
     casters.push_back({candidate.light, maps, sizeOf(light, scene, view, maps)});
   }
   if (settings.shadows == ShadowFormat::Rays) return casters;

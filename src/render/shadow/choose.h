@@ -36,4 +36,7 @@ uint32_t cascadeSize(double picture);  // texels per side of the map of a cascad
 // The half angle of a spot light's map in radians; none if the light requires a cube.
 std::optional<double> shadowCone(const shared::Light& light);
 
+constexpr uint32_t kCubeFaces = 6;
+uint32_t mapCount(const shared::Light& light);  // of a point or spot light: 1 for a cone, or kCubeFaces
+
 }  // namespace latelight::render

@@ -38,7 +38,7 @@ Axes axesAlong(dvec3 away) {
   return {right, away, glm::cross(right, away)};
 }
 
-std::array<Axes, 6> cubeAxes() {  // numbered as in shadowFace()
+std::array<Axes, kCubeFaces> cubeAxes() {  // numbered as in shadowFace()
   return {axesAlong({1, 0, 0}),  axesAlong({-1, 0, 0}), axesAlong({0, 1, 0}),
           axesAlong({0, -1, 0}), axesAlong({0, 0, 1}),  axesAlong({0, 0, -1})};
 }
@@ -207,7 +207,7 @@ struct Planner {
       addMap(maps, localFrame(light, axesAlong(direction), std::tan(*cone), own, scene.bounds, caster.size),
              caster.size, lightSize, within);
     else
-      for (uint32_t i = 0; i < 6; ++i)
+      for (uint32_t i = 0; i < kCubeFaces; ++i)
         addMap(maps, localFrame(light, cubeAxes()[i], 1, own, scene.bounds, caster.size), caster.size, lightSize,
                within);
     return maps;
@@ -279,10 +279,6 @@ ShadowPlan planRays(std::span<const ShadowScene> worlds, std::span<const shared:
   return plan;
 }
 
-}  // namespace
-
-namespace {
-
 void addSun(PlacedShadowPlan& plan, const Planner& planner, uint32_t light) {
   const Frame f{.axes = axesAlong(glm::normalize(dvec3(planner.scene.lights[light].direction)))};
   LightMaps maps;
@@ -295,7 +291,7 @@ void addSun(PlacedShadowPlan& plan, const Planner& planner, uint32_t light) {
 // Adds a point or spot light. Its maps' depths follow from the bounds of a world, which the device knows.
 void addLocal(PlacedShadowPlan& plan, const ShadowScene& scene, uint32_t index) {
   const shared::Light& light = scene.lights[index];
-  const uint32_t maps = shadowCone(light) ? 1 : 6;
+  const uint32_t maps = mapCount(light);
   plan.locals.push_back(
       {light.position, light.radius, scene.authored[scene.sources[index]].size, maps, plan.localMaps, 0});
   plan.localMaps += maps;
