@@ -202,6 +202,14 @@ def add_mesh(stage, path):
     return mesh
 
 
+def save_mesh_stage(path):
+    """Writes a stage that others can refer to: its default prim is a mesh."""
+    Usd = pytest.importorskip("pxr.Usd")
+    stage = Usd.Stage.CreateNew(str(path))
+    stage.SetDefaultPrim(add_mesh(stage, "/mesh").GetPrim())
+    stage.Save()
+
+
 @pytest.fixture
 def stage():
     Usd, UsdGeom = pytest.importorskip("pxr.Usd"), pytest.importorskip("pxr.UsdGeom")
@@ -719,10 +727,7 @@ def test_files_of_usd_stay_in_its_folder(tmp_path):
 
     image = pytest.importorskip("PIL.Image")
     (tmp_path / "stage").mkdir()
-    other = Usd.Stage.CreateNew(str(tmp_path / "other.usda"))
-    add_mesh(other, "/mesh")
-    other.SetDefaultPrim(other.GetPrimAtPath("/mesh"))
-    other.Save()
+    save_mesh_stage(tmp_path / "other.usda")
     path = str(tmp_path / "stage" / "stage.usda")
     stage = Usd.Stage.CreateNew(path)
     stage.DefinePrim("/mesh").GetReferences().AddReference("../other.usda")
@@ -789,10 +794,7 @@ def test_expressions_of_usd_stay_in_its_folder(tmp_path, monkeypatch):
 
     (tmp_path / "stage").mkdir()
     for folder in (tmp_path, tmp_path / "stage"):
-        other = Usd.Stage.CreateNew(str(folder / "other.usda"))
-        add_mesh(other, "/mesh")
-        other.SetDefaultPrim(other.GetPrimAtPath("/mesh"))
-        other.Save()
+        save_mesh_stage(folder / "other.usda")
     path = str(tmp_path / "stage" / "stage.usda")
     stage = Usd.Stage.CreateNew(path)
     stage.DefinePrim("/mesh").GetReferences().AddReference('`"${FOLDER}/other.usda"`')
