@@ -71,6 +71,10 @@ struct Path {
 };
 const uint kAllChannels = 3u;
 
+// Path::density of the eye's ray, 1/sr: nothing else samples its direction. A GPU may return 0 for a quotient whose
+// divisor exceeds 2^126 (Vulkan specification, "Precision of Individual Operations"), so it is far below that.
+const float kOnlyDirection = 1e30;
+
 // Adds light that the path carries. `mirrored`: the fraction that the visible surface's specular lobe reflects;
 // `lambertian`: the fraction that is part of the record.
 void add(inout Path path, vec3 radiance, vec3 mirrored, vec3 lambertian) {
@@ -231,7 +235,7 @@ Path startPath(bool atEye, Ray ray, float fromEye) {
   path.share = vec3(atEye && kFiltered != 0u ? 1.0 : 0.0);
   path.absorption = vec3(0.0);
   path.ray = ray;
-  path.density = 3.0e38;
+  path.density = kOnlyDirection;
   path.distance = fromEye;
   path.channel = kAllChannels;
   path.fromEye = atEye;
