@@ -140,6 +140,7 @@ struct Camera {
   int node = -1;                        // node that the camera follows, index into Scene::nodes; -1: none
   uint32_t group = 0;                   // renders only the instances of this group (render::SceneState::groups); 0: all
   uint32_t world = 0;                   // the world that it shows (render::SceneState::worlds); 0 without worlds
+  bool operator==(const Camera&) const = default;
 };
 
 extern const uint32_t kPointLight;  // kLightPoint; external, so that this header need not change with added types

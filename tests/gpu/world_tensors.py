@@ -119,6 +119,7 @@ def check(name, environments):
     assert frames.invalid_worlds == (7,) and not to_host(frames["id"])[7].any()
     print("a world with NaN is reported, and shows nothing")
     check_order(scene, renderer)
+    check_overlap(scene, renderer)
     check_environments(renderer, camera, environments)
 
 
@@ -151,6 +152,23 @@ def check_shadows(name):
         print(f"shadows, {output}: {100 * different:.4f} % of the values differ from the host's maps")
         assert different == 0
     assert (device["color"] != lit["color"]).any()
+
+
+def check_overlap(scene, renderer):
+    """Calls in flight have the images of the same calls one after the other."""
+    instances, _, _, _, camera = states(scene, 64)
+    name, to_gpu, to_host = next(makers())
+    given = [states(scene, 64, seed)[1:4] for seed in range(8)]
+    arrays = [{"transforms": to_gpu(t), "camera_to_world": to_gpu(p), "exists": to_gpu(e)} for t, p, e in given]
+    options = {"instances": instances, "formats": FORMATS, "on_device": True, "shadows": "none"}
+    expected = [to_host(renderer.render_worlds(64, camera, SIZE, "rgba", **call, **options)["rgba"]) for call in arrays]
+    tickets = []
+    for index, call in enumerate([*arrays, None, None]):
+        if call:
+            tickets.append(renderer.submit_worlds(64, camera, SIZE, "rgba", **call, **options))
+        if index >= 2:
+            np.testing.assert_array_equal(to_host(tickets[index - 2].take()["rgba"]), expected[index - 2])
+    print(f"{len(arrays)} calls with other arrays, three in flight, equal those one after the other")
 
 
 def check_order(scene, renderer):
@@ -199,6 +217,26 @@ def measure(scene, renderer, count, size, outputs, formats, runs=30, tensors=Tru
           f"{1e3 * total:.2f} ms, of which the host {1e3 * host:.2f} ms until submitted", flush=True)
 
 
+def measure_overlap(scene, renderer, count, runs=60):
+    """The next call is submitted before the one before is taken, with other memory for its images."""
+    torch = importlib.import_module("torch")
+    instances, transforms, poses, _, camera = states(scene, count)
+    moved, seen, outs, tickets = torch.from_numpy(transforms).cuda(), torch.from_numpy(poses).cuda(), [None, None], []
+    for run in range(runs + 6):
+        if run == 6:
+            start = time.perf_counter()
+        moved[:, 0, 0, 3] += 1e-4
+        tickets.append(renderer.submit_worlds(count, camera, SIZE, "rgba", instances=instances, transforms=moved,
+                                              camera_to_world=seen, formats=FORMATS, on_device=True,
+                                              out=outs[run % 2]))
+        if len(tickets) == 2:
+            outs[(run - 1) % 2] = tickets.pop(0).take()
+    tickets.pop().take()
+    each = (time.perf_counter() - start) / runs
+    print(f"{count:5} worlds of {SIZE[0]}x{SIZE[1]}, rgba, CUDA, two calls in flight: {count / each:9.0f} views/s, "
+          f"{1e3 * each:.2f} ms", flush=True)
+
+
 if __name__ == "__main__":
     name = sys.argv[1] if len(sys.argv) > 1 else "builtin:boxes"
     scene = latelight.Scene(name)
@@ -218,6 +256,7 @@ if __name__ == "__main__":
     for count in (1024, 4096):
         measure(scene, renderer, count, (64, 64), ("rgba",), FORMATS)
         measure(scene, renderer, count, (64, 64), ("rgba",), FORMATS, tensors=False)
+        measure_overlap(scene, renderer, count)
     measure(scene, renderer, 4096, (64, 64), ("rgba", "depth", "id", "normal"), half)
     for side in (128, 256):
         measure(scene, renderer, 4096, (side, side), ("rgba",), FORMATS, 10)

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <deque>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 #include <random>
@@ -13,6 +14,7 @@
 #include "render/submit/session.h"
 #include "render/support.h"
 #include "render/visibility/compute/place_worlds_push.h"
+#include "scene/edit.h"
 #include "scene/file_frame.h"
 #include "scene/load/load.h"
 #include "vk/read_back.h"
@@ -98,6 +100,7 @@ class SteadyWorlds : public RenderTest {
   // surfaces also light each other.
   static void run(uint32_t steps, ShadowFormat shadows, Raster raster = Raster::Compute,
                   Indirect indirect = Indirect::OneBounce);
+  static void overlap(Raster raster);
   // Compares a world with the same state as the only world of another renderer, whose records the host makes. (The
   // scene edited to the state may have another origin, and then depths that are rounded otherwise.)
   static void expectAlone(const RenderResult& result, const Step& step, uint32_t world, const scene::Scene& scene,
@@ -193,6 +196,69 @@ TEST_F(SteadyWorlds, NeitherGrowNorCreateAnythingWithVisibilityByRays) {
 TEST_F(SteadyWorlds, NeitherGrowNorCreateAnythingAlongPaths) {
   LATELIGHT_SKIP_UNLESS_ALL();
   run(1'000, ShadowFormat::Rays, Raster::Rays, Indirect::Path);
+}
+
+// Calls that differ in their arrays only are in flight together. Those that overflow are rendered again with their own
+// arrays, after the calls that follow them.
+void SteadyWorlds::overlap(Raster raster) {
+  scene::Scene scene = scene::load("builtin:boxes");
+  const uint32_t opaque = static_cast<uint32_t>(scene.instances.size()), copied = opaque - 1;
+  scene::Material glass = scene.materials[scene.instances[copied].material];
+  glass.data.flags |= shared::kMaterialBlended;
+  glass.data.baseColor.a = 0.1f;
+  const uint32_t material = scene::addMaterial(scene, glass);
+  for (int i = 0; i < 60; ++i)
+    scene::addInstance(scene, scene.instances[copied].mesh, material, scene.instances[copied].toWorld);
+  const scene::Environment studio = scene::loadEnvironment("studio");
+  const scene::Camera camera = cameraOf(scene, kSteadyWidth, kSteadyHeight);
+  Settings settings = settingsOf(kSteadyWidth, kSteadyHeight, {output::Aov::Depth, output::Aov::Id});
+  settings.raster = raster;
+  settings.lighting = &findTechnique("clustered");
+  settings.display = true;
+  settings.shadows = ShadowFormat::Rays;
+  settings.samples = 1;
+  settings.sun = SunLight{.azimuth = 0.7f, .elevation = 0.9f, .illuminance = 4};
+  Renderer renderer(device(), scene, &studio), alone(device(), scene, &studio);
+  std::mt19937 random(5);
+  struct Call {
+    Step step;
+    Ticket ticket;
+  };
+  std::deque<Call> inFlight;
+  uint32_t overlaps = 0;
+  const auto take = [&] {
+    const RenderResult result = inFlight.front().ticket.take();
+    const Step& step = inFlight.front().step;
+    for (uint32_t world = 0; world < kSteadyWorlds; ++world) {
+      EXPECT_EQ((result.worldStatus[world] & shared::kWorldInvalid) != 0, world == step.broken) << world;
+      if (world != step.broken) expectAlone(result, step, world, scene, alone, settings);
+    }
+    inFlight.pop_front();
+  };
+  for (uint32_t call = 0; call < 12; ++call) {
+    SCOPED_TRACE(call);
+    Step step = randomStep(scene, camera, random);
+    for (size_t i = 0; call < 6 && i < step.exists.size(); ++i)
+      if (i % scene.instances.size() >= opaque) step.exists[i] = 0;
+    Ticket ticket =
+        renderer.submit({&camera, 1}, settings, {.worlds = statesOf(renderer, scene, camera, step)}, Results::Exported);
+    overlaps += !inFlight.empty() && !inFlight.back().ticket.done();
+    inFlight.push_back({std::move(step), std::move(ticket)});
+    if (inFlight.size() == 3) take();
+  }
+  while (!inFlight.empty()) take();
+  if (device().isCpu()) {  // a GPU may have finished meanwhile
+    EXPECT_GT(overlaps, 0u) << "no call was submitted before the one before it had finished";
+  }
+  EXPECT_TRUE(device().validationMessages().empty());
+}
+
+TEST_F(SteadyWorlds, OverlapAndOverflow) {
+  overlap(Raster::Compute);
+}
+
+TEST_F(SteadyWorlds, OverlapAndOverflowWithVisibilityByRays) {
+  overlap(Raster::Rays);
 }
 
 // The same for worlds that pose joints and move vertices: the arrays change in every call.

@@ -3,9 +3,11 @@
 #include "render/gpu_scene/worlds.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <numeric>
+#include <tuple>
 
 #include "base/parallel.h"
 #include "render/gpu_scene/light_tree.h"
@@ -67,7 +69,49 @@ std::vector<uint32_t> choicesOf(const WorldStates& worlds, const scene::Scene& s
   return choices;
 }
 
+std::array<const WorldArray*, 19> arraysOf(const WorldInputs& inputs) {
+  return {&inputs.transforms,
+          &inputs.previous,
+          &inputs.next,
+          &inputs.cameraToWorld,
+          &inputs.previousCameraToWorld,
+          &inputs.nextCameraToWorld,
+          &inputs.intrinsics,
+          &inputs.baseColor,
+          &inputs.metallic,
+          &inputs.roughness,
+          &inputs.emissive,
+          &inputs.materialChoice,
+          &inputs.lightPosition,
+          &inputs.lightDirection,
+          &inputs.lightColor,
+          &inputs.lightIntensity,
+          &inputs.environmentRotation,
+          &inputs.environmentIntensity,
+          &inputs.environmentIndex};
+}
+
+bool haveSameType(const WorldArray* a, const WorldArray* b) {
+  return (a->address == 0) == (b->address == 0) && a->rows == b->rows && a->element == b->element;
+}
+
+bool differInArraysOnly(const WorldInputs& a, const WorldInputs& b) {
+  return std::ranges::equal(arraysOf(a), arraysOf(b), haveSameType) && (a.exists == 0) == (b.exists == 0) &&
+         a.palette == b.palette && a.lights == b.lights && a.cameras == b.cameras && a.rides == b.rides;
+}
+
 }  // namespace
+
+bool differInArraysOnly(const WorldStates& a, const WorldStates& b) {
+  // Lists of values are empty if there are inputs, or describe what inputs do not.
+  const auto lists = [](const WorldStates& w) {
+    return std::tie(w.count, w.instances, w.transforms, w.previous, w.next, w.exists, w.materials, w.factors, w.empty,
+                    w.lights, w.lightValues, w.environmentRotation, w.environmentIntensity, w.environments,
+                    w.environmentIndex);
+  };
+  return a.inputs && b.inputs && a.deformations.empty() && b.deformations.empty() && lists(a) == lists(b) &&
+         differInArraysOnly(*a.inputs, *b.inputs);
+}
 
 std::vector<GpuMaterials::Variant> variantsOf(const WorldStates& worlds, const scene::Scene& scene) {
   std::vector<GpuMaterials::Variant> variants;

@@ -76,6 +76,10 @@ struct WorldStates {
   std::optional<WorldInputs> inputs;
 };
 
+// Returns true if shaders place the worlds of both calls, which differ only in the numbers in the arrays of WorldInputs
+// and deform no meshes.
+bool differInArraysOnly(const WorldStates& a, const WorldStates& b);
+
 // Returns the materials that the factors of worlds require, world by world.
 std::vector<GpuMaterials::Variant> variantsOf(const WorldStates& worlds, const scene::Scene& scene);
 

@@ -332,8 +332,8 @@ std::vector<uint32_t> Renderer::cast(WorldCast& cast, const Settings& settings, 
   addSceneChanges(graph);
   submit(graph, graph.compile()).wait();
   if (!moment.worlds.inputs) return {};
-  const std::span<const uint32_t> status = worldPlacer_.status()->bits();
-  return {status.begin(), status.end()};
+  const std::shared_ptr<const WorldStatus> status = worldPlacer_.conversion().status;
+  return {status->bits().begin(), status->bits().end()};
 }
 
 }  // namespace latelight::render

@@ -96,8 +96,8 @@ struct RenderJob {
   bool continues;
   // If shaders place the worlds, `now` holds the cameras of each world, and this is the number of worlds. Otherwise 0.
   uint32_t placedWorlds;
-  std::vector<std::shared_ptr<const void>> inputs;  // memory that the placing shaders read
-  std::shared_ptr<const WorldStatus> worldStatus;   // null unless shaders place the worlds
+  std::vector<std::shared_ptr<const void>> inputs;    // memory that the placing shaders read
+  std::optional<WorldPlacer::Conversion> conversion;  // only if shaders place the worlds
   Results results = Results::ToHost;
   std::deque<ViewBatch> parts;       // parts that have not been read, in order; their addresses are stable
   RenderResult result;               // of the parts that have been read

@@ -133,6 +133,10 @@ void requireRaster(const vk::Device& device, const Settings& settings) {
          compute ? "choose hardware" : "leave the outputs named raster out");
 }
 
+bool isAtRest(const SceneState& moment) {
+  return moment.poses.current.empty() && !moment.motion.poseAt;
+}
+
 }  // namespace
 
 Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment)
@@ -158,6 +162,12 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
   // Batches in flight depend on the scene's state, so nothing may change before it is known that none overflowed.
   checkRaysInWorlds(settings, moment.worlds);
   const SceneInput input = inputOf(settings, moment);
+  if (sceneInput_ == input && differsInArraysOnly(settings, moment)) {
+    worldPlacer_.updateArrays(moment.worlds);
+    if (tracesRays(settings)) bvh_->repeatWorlds();
+    return;
+  }
+  placedInput_.reset();
   if (input.posed || sceneInput_ != input) resolveOverflow();
   sceneInput_.reset();
   if (tracesRays(settings)) createBvh();
@@ -179,6 +189,17 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
                         settings.width, settings.height, state_.placesShadows());
   if (input.objectFrames) gpuScene_.storeObjectFrames(input.curvatures);
   sceneInput_ = input;
+  if (moment.worlds.inputs && isAtRest(moment)) {
+    placedInput_ = {settings, moment.worlds};
+    placedInput_->worlds.inputs->memory.clear();
+  }
+}
+
+// Returns true if all that a call brings to the device are arrays of worlds. Earlier calls may then be in flight: it
+// writes nothing that they read before they have finished, and placeAgain() restores what they render.
+bool Renderer::differsInArraysOnly(const Settings& settings, const SceneState& moment) const {
+  return placedInput_ && isAtRest(moment) && placedInput_->settings == settings &&
+         render::differInArraysOnly(placedInput_->worlds, moment.worlds);
 }
 
 // Selects the environments of the next frames. Returns where those of the worlds are (FrameConstants::environmentMap).
@@ -387,7 +408,7 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
   if (usesSensor(requested)) job->sensed = requested;
   job->results = results;
   job->meteredExposures = std::move(exposures);
-  if (job->placedWorlds > 0) job->worldStatus = worldPlacer_.status();
+  if (job->placedWorlds > 0) job->conversion = worldPlacer_.conversion();
   const size_t views = job->viewCount(), pictures = job->rowsAreViews ? cameras.size() : views;
   constexpr Strip kRow{0, 1};
   if (job->rowsAreViews) strips = {&kRow, 1};
@@ -784,6 +805,7 @@ void Renderer::resolveOverflow(const ViewBatch* last) {
     try {
       while (overflowed(std::exchange(part->checks, {}), part->submission) || foundVastWorlds(*part)) {
         undoHistories(part->job.settings);
+        placeAgain(part->job);
         while (startPart(*part, std::nullopt).outcome == Start::Overflowed) {
         }
       }
@@ -795,12 +817,19 @@ void Renderer::resolveOverflow(const ViewBatch* last) {
   }
 }
 
+// Places the worlds of a job on the device again, if later calls have placed theirs since.
+void Renderer::placeAgain(const RenderJob& job) {
+  if (!job.conversion || worldPlacer_.isLatest(*job.conversion)) return;
+  worldPlacer_.repeat(*job.conversion);
+  if (tracesRays(job.settings)) bvh_->repeatWorlds();
+}
+
 // Returns true if shaders have placed instances with kInstanceVast, for which the batch's passes were not specialized.
 bool Renderer::foundVastWorlds(const ViewBatch& part) {
-  if (!part.job.worldStatus || part.vast) return false;
+  if (!part.job.conversion || part.vast) return false;
   part.submission.wait();
   const auto vast = [](uint32_t bits) { return (bits & shared::kWorldVast) != 0; };
-  if (std::ranges::none_of(part.job.worldStatus->bits(), vast)) return false;
+  if (std::ranges::none_of(part.job.conversion->status->bits(), vast)) return false;
   gpuScene_.foundVastWorlds();
   return true;
 }
@@ -835,8 +864,8 @@ void Renderer::finish(RenderJob& job) {
       applySensor(job.result.frames[i], *job.sensed, job.motion.at(i % job.motion.count(), 0));
   const std::vector<float> exposures = job.exposures();
   for (size_t i = 0; i < job.result.frames.size(); ++i) job.result.frames[i].exposure = exposures[i];
-  if (job.worldStatus) {
-    const std::span<const uint32_t> bits = job.worldStatus->bits();
+  if (job.conversion) {
+    const std::span<const uint32_t> bits = job.conversion->status->bits();
     job.result.worldStatus.assign(bits.begin(), bits.end());
   }
   job.inputs.clear();
@@ -851,9 +880,9 @@ bool Ticket::done() const {
 }
 
 std::vector<uint32_t> Ticket::worldStatus() const {
-  if (!job_->worldStatus) return {};
+  if (!job_->conversion) return {};
   if (!job_->parts.empty()) job_->parts.front().submission.wait();
-  const std::span<const uint32_t> bits = job_->worldStatus->bits();
+  const std::span<const uint32_t> bits = job_->conversion->status->bits();
   return {bits.begin(), bits.end()};
 }
 

@@ -148,6 +148,8 @@ class Renderer {
   void undoHistories(const Settings& settings);
   std::vector<uint32_t> selectEnvironments(const WorldStates& worlds);
   SceneInput inputOf(const Settings& settings, const SceneState& moment) const;
+  bool differsInArraysOnly(const Settings& settings, const SceneState& moment) const;
+  void placeAgain(const RenderJob& job);
   graph::Submission submit(const graph::Graph& graph, const graph::Plan& plan);
   void addSceneChanges(graph::Graph& graph) const;
   void followWorlds(const SceneState& moment);
@@ -209,6 +211,12 @@ class Renderer {
   ShadowMapCache shadowMaps_[2];              // of hardware and compute
   std::shared_ptr<FrameShadows> placedRays_;  // of the last worlds that shaders placed, or null
   std::optional<SceneInput> sceneInput_;      // of the last begin(), unless it failed
+  // The rest of what the last begin() brought to the device, if shaders place worlds of a scene at rest.
+  struct PlacedInput {
+    Settings settings;
+    WorldStates worlds;  // without memory: the addresses of its arrays may be invalid
+  };
+  std::optional<PlacedInput> placedInput_;
   ReplayCache replays_;
   // Batches in flight, in order. resolveOverflow() detects whether they overflowed, and renders them again, before
   // anything changes that they depend on.

@@ -28,6 +28,8 @@ class WorldBvh {
   // not support it.
   void update(const GpuScene& scene, std::vector<shared::MeshHierarchy> meshes, const shared::RayScene& common,
               vk::Uploader& uploader);
+  // The same for worlds that the last update() prepared for, with other instances in the same memory.
+  void repeat() { pending_ = true; }
   // Adds the pending build to the prologue of a graph, after what writes instances and the BVHs of meshes.
   void addTo(graph::Graph& graph) const;
   void submitted() { pending_ = false; }

@@ -98,18 +98,8 @@ void WorldPlacer::update(const scene::Scene& source, const GpuScene& scene, cons
   job_.height = height;
   describeInstances(source, scene, raster, worlds, poses, uploader);
   describeCameras(scene, worlds, uploader);
-  const WorldArray* transforms[] = {&inputs.transforms, &inputs.previous, &inputs.next};
-  const WorldArray* given[] = {&inputs.cameraToWorld, &inputs.previousCameraToWorld, &inputs.nextCameraToWorld};
-  for (size_t time = 0; time < 3; ++time) {
-    job_.givenTransforms[time] = numbersOf(*transforms[time]);
-    job_.givenPoses[time] = numbersOf(*given[time]);
-  }
-  job_.intrinsics = numbersOf(inputs.intrinsics);
   describeMaterials(source, scene, inputs, uploader);
   describeLights(scene, worlds, uploader);
-  job_.environmentRotation = numbersOf(inputs.environmentRotation);
-  job_.environmentIntensity = numbersOf(inputs.environmentIntensity);
-  job_.environmentIndex = numbersOf(inputs.environmentIndex);
   job_.environmentMaps = scene.worlds().environmentMapsAddress();
   job_.environments = static_cast<uint32_t>(worlds.environments.size());
   job_.values = scene.worlds().valuesAddress();
@@ -117,16 +107,48 @@ void WorldPlacer::update(const scene::Scene& source, const GpuScene& scene, cons
   job_.deformed = deformer_->empty() ? 0 : deformer_->bounds();
   job_.deformedMeshes = deformer_->meshCount();
   job_.firstDeformed = deformer_->firstMesh();
-  job_.exists = inputs.exists;
   std::vector<uint32_t> empty(worlds.empty.begin(), worlds.empty.end());
   if (std::ranges::count(empty, 0u) == std::ssize(empty)) empty.clear();
   uploadChanged(empty_, emptyValues_, std::move(empty), uploader);
   job_.emptyWorlds = emptyValues_.empty() ? 0 : empty_.address();
   if (bounds) bounds_.resize(size_t{6} * worlds.count);
   job_.bounds = bounds ? bounds_.address() : 0;
+  updateArrays(worlds);
+}
+
+void WorldPlacer::updateArrays(const WorldStates& worlds) {
+  takeArrays(*worlds.inputs);
   takeStatus(worlds.count);
-  job_.status = statusOnDevice_.address();
   pending_ = true;
+}
+
+void WorldPlacer::repeat(const Conversion& conversion) {
+  job_ = conversion.job;
+  status_ = conversion.status;
+  pending_ = true;
+}
+
+void WorldPlacer::takeArrays(const WorldInputs& inputs) {
+  const WorldArray* transforms[] = {&inputs.transforms, &inputs.previous, &inputs.next};
+  const WorldArray* given[] = {&inputs.cameraToWorld, &inputs.previousCameraToWorld, &inputs.nextCameraToWorld};
+  for (size_t time = 0; time < 3; ++time) {
+    job_.givenTransforms[time] = numbersOf(*transforms[time]);
+    job_.givenPoses[time] = numbersOf(*given[time]);
+  }
+  job_.intrinsics = numbersOf(inputs.intrinsics);
+  job_.exists = inputs.exists;
+  job_.materialChoice = numbersOf(inputs.materialChoice);
+  job_.baseColor = numbersOf(inputs.baseColor);
+  job_.metallic = numbersOf(inputs.metallic);
+  job_.roughness = numbersOf(inputs.roughness);
+  job_.emissive = numbersOf(inputs.emissive);
+  job_.lightPosition = numbersOf(inputs.lightPosition);
+  job_.lightDirection = numbersOf(inputs.lightDirection);
+  job_.lightColor = numbersOf(inputs.lightColor);
+  job_.lightIntensity = numbersOf(inputs.lightIntensity);
+  job_.environmentRotation = numbersOf(inputs.environmentRotation);
+  job_.environmentIntensity = numbersOf(inputs.environmentIntensity);
+  job_.environmentIndex = numbersOf(inputs.environmentIndex);
 }
 
 void WorldPlacer::describeInstances(const scene::Scene& source, const GpuScene& scene, const RasterInstances& raster,
@@ -163,7 +185,6 @@ void WorldPlacer::describeInstances(const scene::Scene& source, const GpuScene& 
   job_.choices = placed.choicesAddress();
   job_.palette = placed.paletteAddress();
   job_.paletteSize = static_cast<uint32_t>(worlds.inputs->palette.size());
-  job_.materialChoice = numbersOf(worlds.inputs->materialChoice);
   job_.materials = scene.materials().address();
   job_.draws = static_cast<uint32_t>(raster.records().size());
   job_.rasterTemplates = raster.templates();
@@ -175,10 +196,6 @@ void WorldPlacer::describeMaterials(const scene::Scene& source, const GpuScene& 
   job_.firstDerived = kNowhere;
   if (!inputs.hasFactors()) return;
   job_.firstDerived = static_cast<uint32_t>(source.materials.size());
-  job_.baseColor = numbersOf(inputs.baseColor);
-  job_.metallic = numbersOf(inputs.metallic);
-  job_.roughness = numbersOf(inputs.roughness);
-  job_.emissive = numbersOf(inputs.emissive);
   std::vector<DerivableMaterial> bases;
   for (uint32_t i = 0; i < source.materials.size(); ++i) {
     const GpuMaterials::Derivable base = scene.materials().derivable(i);
@@ -190,7 +207,6 @@ void WorldPlacer::describeMaterials(const scene::Scene& source, const GpuScene& 
 
 void WorldPlacer::describeLights(const GpuScene& scene, const WorldStates& worlds, vk::Uploader& uploader) {
   if (!scene.worlds().placesLights()) return;
-  const WorldInputs& inputs = *worlds.inputs;
   const GpuWorlds::PlacedLights& placed = scene.worlds().placedLights();
   uploadChanged(lights_, lightValues_, std::vector(placed.templates), uploader);
   uploadChanged(lightPositions_, lightPositionValues_, std::vector(placed.positions), uploader);
@@ -198,10 +214,6 @@ void WorldPlacer::describeLights(const GpuScene& scene, const WorldStates& world
   job_.listedLights = static_cast<uint32_t>(worlds.lights.size());
   job_.lightTemplates = lights_.address();
   job_.lightPositions = lightPositions_.address();
-  job_.lightPosition = numbersOf(inputs.lightPosition);
-  job_.lightDirection = numbersOf(inputs.lightDirection);
-  job_.lightColor = numbersOf(inputs.lightColor);
-  job_.lightIntensity = numbersOf(inputs.lightIntensity);
   job_.lightList = placed.lights;
   job_.lightBoxes = placed.boxes;
   job_.areaLights = placed.areaLights;
@@ -240,6 +252,7 @@ void WorldPlacer::takeStatus(size_t worlds) {
   for (const auto& status : statuses_)
     if (status.use_count() == 1) status_ = status;
   if (!status_) status_ = statuses_.emplace_back(std::make_shared<WorldStatus>(device_, worlds));
+  job_.status = statusOnDevice_.address();
 }
 
 VkDeviceAddress WorldPlacer::views(uint32_t world, uint32_t time) const {

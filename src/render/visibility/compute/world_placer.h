@@ -41,6 +41,18 @@ class WorldPlacer {
   void update(const scene::Scene& source, const GpuScene& scene, const RasterInstances& raster,
               const WorldStates& worlds, const Poses& poses, vk::Uploader& uploader, uint32_t width, uint32_t height,
               bool bounds);
+  // The same for worlds that differ in arrays only (differInArraysOnly()) from those of the last update(), which may be
+  // in flight.
+  void updateArrays(const WorldStates& worlds);
+  // A conversion, to repeat after others that only updateArrays() has prepared since.
+  struct Conversion {
+    shared::WorldJob job;
+    std::shared_ptr<WorldStatus> status;
+  };
+  Conversion conversion() const { return {job_, status_}; }  // of the last update or updateArrays()
+  // Returns true if it was the last one.
+  bool isLatest(const Conversion& conversion) const { return conversion.status == status_; }
+  void repeat(const Conversion& conversion);
   // Adds the pending conversion to the prologue of a graph, after the scene's changes.
   void addChanges(graph::Graph& graph) const;
   void changesSubmitted() { pending_ = false; }
@@ -49,7 +61,6 @@ class WorldPlacer {
   VkDeviceAddress bounds() const { return job_.bounds; }
   // The address of the first view of a world at a time (0 current, 1 previous, 2 next frame), View[].
   VkDeviceAddress views(uint32_t world, uint32_t time) const;
-  std::shared_ptr<const WorldStatus> status() const { return status_; }  // of the last update()
 
  private:
   void describeInstances(const scene::Scene& source, const GpuScene& scene, const RasterInstances& raster,
@@ -58,6 +69,7 @@ class WorldPlacer {
                          vk::Uploader& uploader);
   void describeLights(const GpuScene& scene, const WorldStates& worlds, vk::Uploader& uploader);
   void describeCameras(const GpuScene& scene, const WorldStates& worlds, vk::Uploader& uploader);
+  void takeArrays(const WorldInputs& inputs);
   void takeStatus(size_t worlds);
   void dispatch(graph::Graph& graph, const vk::PipelineRef& pipeline, uint64_t elements, uint32_t times) const;
 
