@@ -12,6 +12,7 @@
 #include "export/export.h"
 #include "models/models.h"
 #include "scene/edit.h"
+#include "scene/gltf_builder.h"
 #include "scene/load/load.h"
 
 namespace latelight::scene::test {
@@ -268,6 +269,52 @@ TEST(Export, MovedInstancesOfAnimatedScenesKeepTheirPaths) {
   const Scene again = exported(scene);
   EXPECT_EQ(again.nodes.size(), scene.nodes.size());
   expectSameMotion(again, scene);
+}
+
+// glTF's colors of lights are at most 1; brighter ones have the same product with the intensity.
+TEST(Export, ColorsOfLightsAreInRange) {
+  Scene scene = load("builtin:boxes");
+  addLight(scene, {.color = {1.5f, 0.25f, 3}, .intensity = 7});
+  const Light light = exported(scene).lights.back();
+  EXPECT_LE(light.color.z, 1);
+  EXPECT_EQ(light.color * light.intensity, vec3(10.5f, 1.75f, 21));
+}
+
+// A triangle that moves has a child with the same mesh, which stays where it is.
+TEST(Export, MovedNodesWithChildrenKeepTheirPaths) {
+  const app::Folder folder;
+  test::GltfBuilder file = test::triangleFile();
+  const int mesh = file.root["nodes"][0]["mesh"];
+  file.root["nodes"][0]["name"] = "parent";
+  file.root["nodes"][0]["children"] = {
+      file.add("nodes", {{"name", "child"}, {"mesh", mesh}, {"translation", {0, 2, 0}}})};
+  writeFile(folder.at("family.glb"), file.glb());
+  Scene scene = load(folder.at("family.glb"));
+  ASSERT_EQ(scene.instances.size(), 2u);
+  setTransform(scene, 0, placement());
+  expectSame(exported(scene), scene);
+}
+
+// Parts of an object in several places are nodes below the object's, also in a scene with skins, so that they are one
+// group of ids.
+TEST(Export, ScatteredPartsAreBelowTheirObject) {
+  const Mesh plain = load("builtin:boxes").meshes[0];
+  for (const char* model : {"textured.glb", "skinned.glb"}) {
+    Scene scene = load(models::modelPath(model).string());
+    const uint32_t mesh = addMesh(scene, plain);
+    const std::vector<ObjectPart> parts{{mesh, 0, placement()}, {mesh, 0, glm::translate(dmat4(1), dvec3(0, 5, 0))}};
+    const uint32_t added = addObject(scene, parts, "toy").front();
+    const Scene again = exported(scene, "out.glb", {.ids = {.nodes = {"/toy"}}});
+    std::vector<std::string> paths;
+    for (const Instance& instance : again.instances) {
+      if (instance.id != scene.instances[added].id) continue;
+      paths.push_back(again.nodes[instance.node].path);
+      expectNear(instance.toWorld, parts[paths.size() - 1].toWorld);
+    }
+    ASSERT_EQ(paths.size(), 2u) << model;
+    EXPECT_EQ(paths[0], "/toy");
+    EXPECT_THAT(paths[1], testing::StartsWith("/toy/"));
+  }
 }
 
 // A skin far from the origin has vertices relative to a point near it.
