@@ -53,6 +53,10 @@ void fill(const Folder& folder) {
   folder.write("needs.gltf", R"({"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_materials_subsurface"],
                                  "extensionsRequired": ["KHR_materials_subsurface"]})");
   folder.write("lost.gltf", R"({"asset": {"version": "2.0"}, "buffers": [{"uri": "lost.bin", "byteLength": 12}]})");
+  folder.write("job.json", R"({"scenes": "builtin:boxes", "repeat": 2})");
+  folder.write("job.glb", R"({"scenes": "builtin:boxes"})");
+  folder.write("lost.json", R"({"scenes": "lost.gltf", "output": "set"})");
+  folder.write("second.json", R"({"scenes": ["builtin:boxes", "lost.gltf"], "repeat": 2})");
   folder.write("broken.hdr", "#?RADIANCE\n");
   folder.write("two.png", "not a picture");
   const Bytes good = texturedModel();
@@ -86,6 +90,33 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUse{"UnknownOption", {"render", "-o", "a.png", "--colour", "red"}, kUsage, {"--colour"}},
         WrongUse{"UnknownOptionBeforeTheCommand", {"--colour", "render", "-o", "a.png"}, kUsage, {"--colour"}},
         WrongUse{"NoOutput", {"render", "builtin:boxes"}, kUsage, {"--out"}},
+        WrongUse{"ExportJobWithoutFrame", {"export", "--job", "job.json", "-o", "a.glb"}, kUsage, {"--job", "--frame"}},
+        WrongUse{"ExportFrameWithoutJob", {"export", "--frame", "0", "-o", "a.glb"}, kUsage, {"--job", "--frame"}},
+        WrongUse{"ExportJobAndScene",
+                 {"export", "builtin:boxes", "--job", "job.json", "--frame", "0", "-o", "a.glb"},
+                 kUsage,
+                 {"--job", "omit builtin:boxes"}},
+        WrongUse{"ExportJobAndLoadOption",
+                 {"export", "--job", "job.json", "--frame", "0", "--variant", "red", "-o", "a.glb"},
+                 kUsage,
+                 {"omit --variant"}},
+        WrongUse{"ExportNoSuchFrame",
+                 {"export", "--job", "job.json", "--frame", "2", "-o", "a.glb"},
+                 kUsage,
+                 {"the job has 2 frames", "no frame 2"}},
+        WrongUse{
+            "ExportNegativeFrame", {"export", "--job", "job.json", "--frame=-1", "-o", "a.glb"}, kUsage, {"--frame"}},
+        WrongUse{"ExportNoJob", {"export", "--job", "no.json", "--frame", "0", "-o", "a.glb"}, kBadInput, {"no.json"}},
+        WrongUse{
+            "ExportOverTheJob", {"export", "--job", "job.glb", "--frame", "0", "-o", "job.glb"}, kUsage, {"job.glb"}},
+        WrongUse{"ExportBrokenSecondScene",
+                 {"export", "--job", "second.json", "--frame", "3", "-o", "a.glb"},
+                 kBadInput,
+                 {"lost.gltf", "lost.bin"}},
+        WrongUse{"ExportBrokenScene",
+                 {"export", "--job", "lost.json", "--frame", "0", "-o", "a.glb"},
+                 kBadInput,
+                 {"lost.gltf", "lost.bin"}},
         WrongUse{"PickOutside",
                  {"render", "builtin:boxes", "--size", "64x36", "--pick", "3,4", "--pick", "64,0"},
                  kUsage,

@@ -11,6 +11,7 @@
 #include "base/files.h"
 #include "export/export.h"
 #include "models/models.h"
+#include "scene/bake.h"
 #include "scene/edit.h"
 #include "scene/gltf_builder.h"
 #include "scene/load/load.h"
@@ -314,6 +315,45 @@ TEST(Export, ScatteredPartsAreBelowTheirObject) {
     ASSERT_EQ(paths.size(), 2u) << model;
     EXPECT_EQ(paths[0], "/toy");
     EXPECT_THAT(paths[1], testing::StartsWith("/toy/"));
+  }
+}
+
+// A baked pose is the rest pose, without animations.
+TEST(Export, PosesAreBaked) {
+  for (const char* model : {"skinned.glb", "morphed.glb"}) {
+    Scene scene = load(models::modelPath(model).string());
+    const Pose pose = poseAt(scene, {.animations = {0}}, 0.3);
+    std::map<uint32_t, std::vector<dvec3>> expected;  // by part
+    double moved = 0;
+    for (const Instance& instance : scene.instances) {
+      expected[instance.part] = verticesAt(scene, instance, 0.3);
+      const std::vector<dvec3> atRest = verticesAt(scene, instance, 0);
+      for (size_t v = 0; v < atRest.size(); ++v)
+        moved = std::max(moved, glm::length(atRest[v] - expected[instance.part][v]));
+    }
+    EXPECT_GT(moved, 0.05) << model;
+    bakePose(scene, pose);
+    for (const char* name : {"out.glb", "out.ply"}) {
+      const Scene again = exported(scene, name);
+      EXPECT_FALSE(again.rig.isAnimated());
+      if (name == std::string("out.ply")) {
+        Bounds bounds, wanted = worldBounds(again);
+        for (const auto& [part, vertices] : expected)
+          for (const dvec3& v : vertices) bounds.min = glm::min(bounds.min, v), bounds.max = glm::max(bounds.max, v);
+        EXPECT_LT(glm::length(bounds.min - wanted.min) + glm::length(bounds.max - wanted.max), 1e-5) << model;
+        continue;
+      }
+      for (const auto& [part, vertices] : expected) {
+        const Instance* same = partOf(again, part);
+        ASSERT_TRUE(same);
+        const Mesh& mesh = again.meshes[same->mesh];
+        ASSERT_EQ(mesh.positions.size(), vertices.size());
+        double off = 0;  // of the vertices at rest
+        for (size_t v = 0; v < vertices.size(); ++v)
+          off = std::max(off, glm::length(dvec3(same->toWorld * glm::dvec4(mesh.positions[v], 1)) - vertices[v]));
+        EXPECT_LT(off, 1e-5) << model;
+      }
+    }
   }
 }
 
