@@ -89,7 +89,7 @@ def test_labels_of_the_command(tmp_path):
     objects = json.loads((tmp_path / "labels.json").read_text())["objects"]
     scene = latelight.Scene("builtin:boxes")
     renderer = latelight.Renderer(scene, "cpu")
-    camera = scene.look_at(eye=(4, 2.5, 8), target=(0, 1, 0), fov=45)
+    camera = scene.look_at(eye=(4, 2.5, 8), target=(0, 1, 0), vertical_fov=45)
     labels = renderer.labels(camera, (96, 54))
     keypoints = renderer.keypoints(camera, labels.nodes, (96, 54))
     by_node = {each["node"]: each for each in objects}
