@@ -15,6 +15,7 @@
 #include "render/options/options.h"
 #include "scene/aperture.h"
 #include "scene/bake.h"
+#include "scene/environment/environment.h"
 #include "scene/framing.h"
 #include "scene/lens.h"
 
@@ -142,6 +143,14 @@ void dropTime(const render::Settings& settings, const std::string& name, OptionW
     warn("the frame {} is exposed while the camera or the scene may move: the file holds its middle only", name);
 }
 
+// An environment of the scene file has no name of its own, under which another file could refer to it.
+void setEnvironment(const LoadedScene& loaded, OptionWords& options) {
+  if (const auto degrees = loaded.environmentRotation()) options.set("--hdri-rotate", fmt::format("{}", *degrees));
+  const std::string name = loaded.environment();
+  const auto& own = loaded.scene().environment;
+  if (!own || own->name != name) options.set("--hdri", name.empty() ? "none" : name);
+}
+
 // The reason that the scene of a frame cannot be loaded.
 const std::string& errorOf(const Plan& plan, uint64_t index) {
   auto scene = plan.scenes().begin();
@@ -163,9 +172,7 @@ FrameScene sceneOfFrame(const Job& job, uint64_t index) {
   FrameScene frame{.name = plan.name(index)};
   OptionWords options(job);
   dropTime(cameras.settingsOf(place->camera), frame.name, options);
-  if (const auto degrees = loaded->environmentRotation()) options.set("--hdri-rotate", fmt::format("{}", *degrees));
-  const std::string environment = loaded->environment();
-  options.set("--hdri", environment.empty() ? "none" : environment);
+  setEnvironment(*loaded, options);
   const scene::Pose pose = cameras.poses(place->camera).current;
   const scene::Camera camera = cameraOf(cameras.camera(place->camera), options);
   frame.scene = std::move(*loaded).release();
