@@ -357,6 +357,62 @@ TEST(Export, PosesAreBaked) {
   }
 }
 
+// A channel of an animation of one second, linear from one value to the other.
+void animate(test::GltfBuilder& file, const test::json& target, std::vector<float> from, const std::vector<float>& to) {
+  const char* type = from.size() == 1 ? "SCALAR" : "VEC3";
+  from.insert(from.end(), to.begin(), to.end());
+  const int input = file.accessor(file.view(std::vector<float>{0, 1}), test::kFloat, "SCALAR", 2);
+  const int output = file.accessor(file.view(from), test::kFloat, type, 2);
+  if (!file.root.contains("animations"))
+    file.add("animations", {{"channels", test::json::array()}, {"samplers", test::json::array()}});
+  test::json& animation = file.root["animations"][0];
+  animation["channels"].push_back({{"sampler", animation["samplers"].size()}, {"target", target}});
+  animation["samplers"].push_back({{"input", input}, {"output", output}});
+}
+
+test::json pointer(const std::string& path) {
+  return {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", path}}}}}};
+}
+
+// At a quarter of a second: nodes, a material, a light, and a node that is not visible.
+TEST(Export, BakedValuesAreThoseOfTheTime) {
+  const app::Folder folder;
+  test::GltfBuilder file = test::triangleFile();
+  const int mesh = file.root["nodes"][0]["mesh"];
+  file.root["nodes"][0]["name"] = "parent";
+  file.primitive()["material"] = file.add("materials", {{"name", "paint"}});
+  const int child = file.add("nodes", {{"name", "child"}, {"mesh", mesh}, {"translation", {0, 2, 0}}});
+  file.root["nodes"][0]["children"] = {child};
+  file.use("KHR_node_visibility");
+  const int hidden =
+      file.node({{"name", "hidden"}, {"mesh", mesh}, {"extensions", {{"KHR_node_visibility", {{"visible", false}}}}}});
+  file.use("KHR_lights_punctual");
+  file.use("KHR_animation_pointer");
+  file.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"intensity", 1}}};
+  file.node({{"name", "lamp"}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+  animate(file, {{"node", 0}, {"path", "translation"}}, {0, 0, 0}, {4, 0, 0});
+  animate(file, {{"node", child}, {"path", "translation"}}, {0, 2, 0}, {0, 2, 8});
+  animate(file, pointer("/materials/0/pbrMetallicRoughness/roughnessFactor"), {0.2f}, {0.6f});
+  animate(file, pointer("/extensions/KHR_lights_punctual/lights/0/intensity"), {1}, {5});
+  writeFile(folder.at("moving.glb"), file.glb());
+  Scene scene = load(folder.at("moving.glb"));
+  const uint32_t hiddenId = scene.nodes[size_t(hidden)].id;
+  bakePose(scene, poseAt(scene, {.animations = {0}}, 0.25));
+  const Scene again = exported(scene);
+  EXPECT_TRUE(again.rig.empty());
+  ASSERT_EQ(again.instances.size(), 2u);
+  for (const Instance& instance : again.instances) {
+    EXPECT_NE(instance.id, hiddenId);
+    const bool isChild = again.nodes[instance.node].path == "/parent/child";
+    EXPECT_EQ(again.nodes[instance.node].path, isChild ? "/parent/child" : "/parent");
+    const dvec3 place(toGltfFromWorld() * instance.toWorld[3]);
+    EXPECT_LT(glm::length(place - (isChild ? dvec3(1, 2, 2) : dvec3(1, 0, 0))), 1e-6);
+  }
+  EXPECT_FLOAT_EQ(again.materials[again.instances[0].material].data.roughness, 0.3f);
+  ASSERT_EQ(again.lights.size(), 1u);
+  EXPECT_FLOAT_EQ(again.lights[0].intensity, 2);
+}
+
 // A skin far from the origin has vertices relative to a point near it.
 TEST(Export, PlacedSkinsMayBeFarAway) {
   const app::Folder folder;
