@@ -1,14 +1,20 @@
-// `latelight export`: writes a scene to a file that other programs read.
+// `latelight export`: writes a scene, or the scene of a frame of a job, to a file that other programs read.
+#include <fmt/core.h>
+
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include "app/commands.h"
 #include "app/render_options.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "data/batch/frame_scene.h"
 #include "export/export.h"
 #include "output/used_files.h"
 #include "scene/load/load.h"
+#include "view/shell_words.h"
 
 namespace latelight::app {
 
@@ -17,31 +23,83 @@ namespace {
 // The options of render that affect how a scene is loaded.
 constexpr std::string_view kLoadOptions[] = {"variant", "allow-outside", "unit", "up-axis", "point-radius", "memory"};
 
-void runExport(RenderOptions& o) {
+struct ExportArguments {
+  RenderOptions options;
+  std::string job;
+  std::optional<uint64_t> frame;
+};
+
+void checkUnused(const std::vector<std::filesystem::path>& inputs, const std::string& out) {
+  output::UsedFiles(inputs).checkOutputs(std::vector<std::filesystem::path>{out});
+}
+
+void exportScene(const RenderOptions& o) {
+  const scene::Scene scene = scene::load(o.scene, loadOptions(o));
+  checkUnused(scene.files, o.out);
+  exports::exportScene(scene, o.out);
+}
+
+// Prints the command that renders the frame's picture from the file.
+void exportFrame(const ExportArguments& a) {
+  const std::string& out = a.options.out;
+  for (const auto& [key, value] : a.options.given)
+    if (key != "memory")
+      badUsage("--job defines the scene and how it is loaded: omit {}", key == "SCENE" ? value : "--" + key);
+  checkUnused({a.job}, out);
+  data::JobDocument document = data::readJobFile(a.job);
+  if (document.json.is_object()) document.json.emplace("output", ".");  // frames do not depend on the set's folder
+  const data::Job job = data::makeJob(document);
+  data::FrameScene frame = data::sceneOfFrame(job, *a.frame);
+  std::vector<std::filesystem::path> inputs = frame.scene.files;
+  if (!job.hdri.empty()) inputs.emplace_back(job.hdri);
+  checkUnused(inputs, out);
+  exports::exportScene(frame.scene, out);
+  if (std::filesystem::path(out).extension() != ".glb") return;
+  std::vector<std::string> words{"latelight", "render", out, "-o",
+                                 std::filesystem::path(frame.name).filename().string() + ".png"};
+  words.insert(words.end(), frame.options.begin(), frame.options.end());
+  fmt::print("{}\n", view::shellWords(words));
+}
+
+void runExport(ExportArguments& a) {
+  RenderOptions& o = a.options;
   if (o.out.empty()) badUsage("--out is required: give the output file, for example -o scene.glb");
+  if (a.job.empty() != !a.frame) badUsage("--job and --frame require each other: they name a frame of a data set");
   exports::checkExportName(o.out);
   checkOptions(o);
   checkWritable(o.out);
-  const scene::Scene scene = scene::load(o.scene, loadOptions(o));
-  output::UsedFiles(scene.files).checkOutputs(std::vector<std::filesystem::path>{o.out});
-  exports::exportScene(scene, o.out);
+  if (a.frame)
+    exportFrame(a);
+  else
+    exportScene(o);
 }
 
 }  // namespace
 
 void addExportCommand(CLI::App& app) {
-  auto options = std::make_shared<RenderOptions>();
+  auto arguments = std::make_shared<ExportArguments>();
   CLI::App* command = app.add_subcommand("export", "Write a scene to a .glb, .obj or .ply file");
   for (const render::Option& option : commandOptions()) {
     const std::string_view key = render::keyOf(option);
     const bool isPositional = option.name[0] != '-';
     if (isPositional || std::ranges::find(kLoadOptions, key) != std::end(kLoadOptions))
-      addCommandOption(*command, *options, option);
+      addCommandOption(*command, arguments->options, option);
   }
-  command->add_option("-o,--out", options->out, "Output file: .glb, or .obj or .ply for the geometry only")
+  const char* group = "Frame of a data set";
+  command->add_option("--job", arguments->job, "Job of latelight batch, .json or .yaml, in place of a scene")
+      ->type_name("TEXT")
+      ->group(group);
+  command
+      ->add_option("--frame", arguments->frame,
+                   "Index of the frame: its scene, with the frame's variation, time and camera, is written, and the "
+                   "command is printed that renders the file as the frame")
+      ->type_name("INTEGER")
+      ->check(CLI::NonNegativeNumber)
+      ->group(group);
+  command->add_option("-o,--out", arguments->options.out, "Output file: .glb, or .obj or .ply for the geometry only")
       ->type_name("TEXT")
       ->group("Output");
-  command->callback([options] { runExport(*options); });
+  command->callback([arguments] { runExport(*arguments); });
 }
 
 }  // namespace latelight::app

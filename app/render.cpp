@@ -13,6 +13,7 @@
 
 #include "app/commands.h"
 #include "app/render_heap.h"
+#include "app/render_labels.h"
 #include "app/render_metadata.h"
 #include "app/render_pick.h"
 #include "app/render_run.h"
@@ -23,6 +24,7 @@
 #include "output/used_files.h"
 #include "render/frame/view.h"
 #include "render/outputs/outputs.h"
+#include "render/submit/id_manifest.h"
 #include "render/submit/lens_settings.h"
 #include "render/submit/raster_choice.h"
 #include "render/submit/renderer.h"
@@ -97,8 +99,10 @@ std::vector<std::filesystem::path> writeDebugPicture(const output::DebugRequest&
 // Only one of these options may write to standard output.
 void checkStandardOutput(const RenderOptions& o) {
   const bool picksAsText = !o.picks.empty() && !o.json;
-  if ((o.out == "-") + (o.graph == "-") + o.json + picksAsText > 1)
-    badUsage("-o -, --dump-graph -, --json and --pick without --json all write to standard output; use one of them");
+  if ((o.out == "-") + (o.labels == "-") + (o.graph == "-") + o.json + picksAsText > 1)
+    badUsage(
+        "-o -, --labels -, --dump-graph -, --json and --pick without --json all write to standard output; use one of "
+        "them");
 }
 
 // Plans the outputs and the settings that they require. All checks precede any expensive work.
@@ -111,8 +115,8 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<output::D
   if (debug && !o.aovs.empty()) badUsage("--debug and --aov each say what leaves; use one of them");
   if (debug && o.out != "-" && output::formatOf(o.out) != output::Format::Png)
     badUsage("--debug writes PNG; give -o a name that ends in .png");
-  if (o.out.empty() && (o.picks.empty() || debug || !o.aovs.empty()))
-    badUsage("--out is required: give the output file with -o, unless only --pick is used");
+  if (o.out.empty() && ((o.picks.empty() && o.labels.empty()) || debug || !o.aovs.empty()))
+    badUsage("--out is required: give the output file with -o, unless only --pick or --labels is used");
   checkStandardOutput(o);
   if (!o.graph.empty()) checkWritable(o.graph);
   if (o.out.empty()) return request;
@@ -141,6 +145,7 @@ std::vector<std::filesystem::path> outputsOf(const RenderOptions& o, const Rende
     paths = output::outputPaths(plan.request, metadata);
   if (const auto ids = plan.debug ? std::nullopt : output::idManifestPath(plan.request, metadata))
     paths.push_back(*ids);
+  if (plan.labels) paths.push_back(output::fillPattern(o.labels, "", metadata));
   paths.emplace_back(o.graph);
   return paths;
 }
@@ -150,6 +155,7 @@ void checkFiles(const RenderOptions& o, const RenderPlan& plan, const scene::Sce
                 const std::string& environment) {
   std::vector<std::filesystem::path> inputs = scene.files;
   if (!environment.empty()) inputs.emplace_back(environment);
+  if (const std::filesystem::path file = keypointsFile(o); !file.empty()) inputs.push_back(file);
   output::UsedFiles used(inputs);
   output::Metadata named;
   named.scene = scene.name;
@@ -171,13 +177,24 @@ struct PendingFrame {
   output::Metadata metadata;
   std::optional<render::Ticket> picture;
   output::RawGbuffer targets;
+  Json labels;
 };
 
 struct RenderedFrame {
   output::FrameOutput picture;
   output::RawGbuffer targets;  // used instead for --debug targets
   output::Metadata metadata;
+  Json labels;
 };
+
+// The frame's labels. The metadata of images need not have ids.
+Json labelsOf(RenderRun& run, const scene::Camera& camera, const render::SceneState& moment,
+              const output::Metadata& metadata) {
+  if (!run.ids) run.ids = std::make_shared<output::IdManifest>(render::idManifest(run.scene));
+  output::Metadata described = metadata;
+  described.ids = run.ids;
+  return labelFrame(run.renderer, run.scene, camera, run.options.settings, moment, *run.plan.labels, described);
+}
 
 PendingFrame startFrame(RenderRun& run, uint32_t frame) {
   const auto mark = Clock::now();
@@ -203,13 +220,16 @@ PendingFrame startFrame(RenderRun& run, uint32_t frame) {
   if (render::bendsRays(camera)) shown.settings = render::lensSettings(shown.settings);
   pending.metadata = describeRender(run.scene, camera, run.device, run.environment, shown);
   pending.metadata.frameDigits = run.timeline.frameDigits();
+  if (run.plan.labels) pending.labels = labelsOf(run, camera, moment, pending.metadata);
   run.times.render += seconds(mark);
   return pending;
 }
 
 RenderedFrame finishFrame(RenderRun& run, PendingFrame&& pending) {
   const auto mark = Clock::now();
-  RenderedFrame rendered{.targets = std::move(pending.targets), .metadata = std::move(pending.metadata)};
+  RenderedFrame rendered{.targets = std::move(pending.targets),
+                         .metadata = std::move(pending.metadata),
+                         .labels = std::move(pending.labels)};
   if (pending.picture) {
     render::RenderResult result = pending.picture->take();
     rendered.picture = std::move(result.frames.front());
@@ -242,6 +262,9 @@ void writeFrame(RenderRun& run, const RenderedFrame& frame) {
                               run.options.out);
   else if (!run.options.out.empty())
     files = writeFiles(run, frame);
+  if (run.plan.labels)
+    for (const std::filesystem::path& file : writeLabels(run.options.labels, frame.labels, frame.metadata))
+      files.push_back(file);
   run.files.insert(run.files.end(), files.begin(), files.end());
   run.times.write += seconds(mark);
 }
@@ -281,6 +304,7 @@ RenderPlan planRender(RenderOptions& o) {
   RenderPlan plan;
   if (!o.debug.empty()) plan.debug = output::parseDebug(o.debug, o.settings.time || !o.frames.empty() || o.turn != 0);
   plan.request = planOutput(o, plan.debug);
+  plan.labels = planLabels(o);
   return plan;
 }
 

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "app/render_options.h"
 #include "app/render_time.h"
+#include "data/formats/object_labels.h"
 #include "output/debug_request.h"
 #include "output/files.h"
 #include "render/submit/picking.h"
@@ -21,6 +23,7 @@ namespace latelight::app {
 struct RenderPlan {
   std::optional<output::DebugRequest> debug;
   output::OutputRequest request;
+  std::optional<data::ObjectLabels> labels;
 };
 // Checks the options before any expensive work, and fills in options.settings. Throws Error(Usage).
 RenderPlan planRender(RenderOptions& options);
@@ -44,9 +47,10 @@ struct RenderRun {
   RenderTimes times{};  // accumulated so far
   std::vector<std::filesystem::path> files{};
   std::vector<render::Picked> picked{};
-  render::RenderStatistics statistics{};  // of the last frame
-  std::vector<float> exposures{};         // the metered factor of each frame; empty: none is metered
-  bool hasIdManifest = false;             // the id manifest of a sequence has been written
+  render::RenderStatistics statistics{};            // of the last frame
+  std::vector<float> exposures{};                   // the metered factor of each frame; empty: none is metered
+  bool hasIdManifest = false;                       // the id manifest of a sequence has been written
+  std::shared_ptr<const output::IdManifest> ids{};  // of the scene, for labels
 };
 
 // Renders, writes and reports everything. Throws Error: SomeFramesFailed, Internal for validation messages, and errors

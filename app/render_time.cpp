@@ -40,10 +40,13 @@ void checkTime(const RenderOptions& o) {
   const auto [first, last] = parseFrames(o.frames);
   if (last - first >= kMaxFrames) badUsage("--frames takes at most {} frames, not \"{}\"", kMaxFrames, o.frames);
   if (o.isExplicit("frame")) badUsage("--frame and --frames both set {{frame}}; use one of them");
-  if (o.out.find("{frame}") == std::string::npos && first != last)
-    badUsage(
-        "--frames requires {{frame}} in -o, such as out/{{frame}}.png; otherwise each frame would replace the "
-        "previous one");
+  const std::pair<const char*, const std::string&> patterns[] = {{"-o", o.out}, {"--labels", o.labels}};
+  for (const auto& [option, pattern] : patterns)
+    if (!pattern.empty() && pattern.find("{frame}") == std::string::npos && first != last)
+      badUsage(
+          "--frames requires {{frame}} in {0}, such as {0} out/{{frame}}{1}; otherwise each frame would replace the "
+          "previous one",
+          option, std::filesystem::path(pattern).extension().string());
 }
 
 Timeline::Timeline(const scene::Scene& scene, const RenderOptions& o)

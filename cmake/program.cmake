@@ -12,7 +12,7 @@ list(APPEND render_sources ${PROJECT_SOURCE_DIR}/app/parse.cpp)
 add_library(latelight_render_command OBJECT ${render_sources})
 latelight_unity(latelight_render_command ${render_sources})
 target_precompile_headers(latelight_render_command REUSE_FROM latelight_base)
-latelight_uses(latelight_render_command app_render PATHS app USES render/submit)
+latelight_uses(latelight_render_command app_render PATHS app USES data)
 target_link_libraries(latelight_render_command PUBLIC CLI11::CLI11)
 target_compile_definitions(latelight_render_command PUBLIC LATELIGHT_VERSION="${PROJECT_VERSION}")
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <set>
 #include <unordered_set>
 
@@ -44,13 +45,15 @@ KeypointsOfObjects keypointsOfObjects(render::Renderer& renderer, const scene::S
       owners.emplace_back(entry.id, i);
     }
   }
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const labels::ProjectedKeypoint missing{.position = glm::dvec3(kNone), .pixel = glm::dvec2(kNone), .depth = kNone};
   KeypointsOfObjects result;
   if (points.empty()) return result;
   const std::vector<labels::ProjectedKeypoint> projected =
       labels::projectKeypoints(renderer, scene, camera, settings, moment, points);
   for (size_t i = 0; i < owners.size(); ++i) {
     std::vector<labels::ProjectedKeypoint>& own = result[owners[i].first];
-    own.resize(keypoints.size());
+    own.resize(keypoints.size(), missing);
     own[owners[i].second] = projected[i];
   }
   return result;

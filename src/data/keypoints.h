@@ -23,7 +23,7 @@ struct ObjectKeypoint {
 std::vector<ObjectKeypoint> readKeypoints(const nlohmann::ordered_json& list, const std::string& path);
 
 // The keypoints of objects by id, in the order of the list. Objects that have none of the nodes are absent; a keypoint
-// whose node an object lacks is outside of the image.
+// whose node an object lacks is outside of the image, and its coordinates are NaN.
 using KeypointsOfObjects = std::map<uint32_t, std::vector<labels::ProjectedKeypoint>>;
 KeypointsOfObjects keypointsOfObjects(render::Renderer& renderer, const scene::Scene& scene,
                                       const scene::Camera& camera, const render::Settings& settings,

@@ -120,18 +120,13 @@ class NodeWriter {
 
   // --- nodes --------------------------------------------------------------------------------------------------------
 
-  // The place of a node, or that of its instances if an edit or a skin has moved all of them and nothing else is there.
+  // The place of a node, or that of its instances if an edit or a skin has moved all of them. Its path is that of its
+  // mesh, so the mesh stays at the node; nodes below get local transforms that keep them where they are.
   void findPlaces() {
     places_.resize(scene_.nodes.size());
-    std::vector<bool> isShared(scene_.nodes.size());  // has children, lights or cameras
-    for (const Node& node : scene_.nodes)
-      if (node.parent >= 0) isShared[size_t(node.parent)] = true;
-    for (const Light& light : scene_.lights)
-      if (light.node >= 0) isShared[size_t(light.node)] = true;
-    for (const Camera& camera : scene_.cameras)
-      if (camera.node >= 0) isShared[size_t(camera.node)] = true;
     for (size_t i = 0; i < places_.size(); ++i) {
-      const bool movesAlone = !isShared[i] && groups_[i].size() == 1 && groups_[i][0].copy < 0;
+      const bool movesAlone =
+          groups_[i].size() == 1 && groups_[i][0].copy < 0 && glm::determinant(groups_[i][0].toWorld) != 0;
       places_[i] = movesAlone ? groups_[i][0].toWorld : scene_.nodes[i].toWorld;
     }
   }
@@ -250,7 +245,7 @@ class NodeWriter {
         setMesh(node, nodes_[node], group);
         if (!group.follows) placeSkin(group, nodes_[node]);
         if (group.hidden && !group.follows) hideLeaf(node);
-      } else if (group.follows || scene_.rig.empty()) {
+      } else if (group.follows || scene_.rig.empty() || node >= scene_.rig.sceneNodes.size()) {
         addBelow(node, group);
       } else {
         addPlaced(node, group);
@@ -351,10 +346,14 @@ class NodeWriter {
     }
   }
 
+  // glTF's colors are at most 1. The divisor of others is a power of two, so that the product with the intensity is
+  // exact.
   static Json describe(const Light& light) {
-    Json out{{"type", lightTypes()[light.type].name}, {"intensity", shortest(light.intensity)}};
+    const float largest = std::max({light.color.x, light.color.y, light.color.z});
+    const float divisor = largest > 1 ? std::exp2(std::ceil(std::log2(largest))) : 1;
+    Json out{{"type", lightTypes()[light.type].name}, {"intensity", shortest(light.intensity * divisor)}};
     if (!light.name.empty()) out["name"] = light.name;
-    if (light.color != vec3(1)) out["color"] = arrayOf(light.color);
+    if (light.color != vec3(1)) out["color"] = arrayOf(light.color / divisor);
     if (light.range) out["range"] = shortest(*light.range);
     if (shared::lightHasCone(light.type))
       out["spot"] = {{"innerConeAngle", shortest(light.innerCone)}, {"outerConeAngle", shortest(light.outerCone)}};

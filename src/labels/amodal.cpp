@@ -174,6 +174,12 @@ class IsolatedRenderer {
       if (!neighbors->empty()) neighbors->assign(cameras.size(), neighbors->front());
     for (auto* seconds : {&state.motion.sincePrevious, &state.motion.untilNext})
       if (!seconds->empty()) seconds->assign(cameras.size(), seconds->front());
+    if (const auto& cameraAt = moment_.motion.cameraAt)
+      state.motion.cameraAt = [&cameraAt, cameras](size_t i, double seconds) {
+        scene::Camera camera = cameraAt(0, seconds);  // a moment with such a function has one camera
+        camera.group = cameras[i].group;
+        return camera;
+      };
     return renderer_.submit(cameras, settings_, state);
   }
 

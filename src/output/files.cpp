@@ -188,18 +188,22 @@ void makeFilledFolders(const fs::path& pattern, const fs::path& path) {
     fs::create_directories(path.parent_path(), ignored);
 }
 
+void checkPattern(std::string_view pattern) {
+  fillPattern(pattern, "", {});
+  const fs::path path(pattern), folder = standingFolder(path);
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored))
+    badUsage("can't write '{}': the folder '{}' does not exist; create it first, or choose another", pattern,
+             folder.string());
+  checkWritable(path.has_parent_path() ? folder / path.filename() : path);
+}
+
 void checkOutput(const OutputRequest& request) {
   const Format format = formatOf(request.pattern);
   if (request.aovs.empty()) badUsage("no AOV is requested; name at least one");
   if (request.pattern == kStandardOutput) return checkPng(std::span(request.aovs).first(1));
-  fillPattern(request.pattern, "", {});
   if (format == Format::Png) checkPng(request.aovs);
-  const fs::path path(request.pattern), folder = standingFolder(path);
-  std::error_code ignored;
-  if (!fs::is_directory(folder, ignored))
-    badUsage("can't write '{}': the folder '{}' does not exist; create it first, or choose another", request.pattern,
-             folder.string());
-  checkWritable(path.has_parent_path() ? folder / path.filename() : path);
+  checkPattern(request.pattern);
 }
 
 std::vector<fs::path> outputPaths(const OutputRequest& request, const Metadata& metadata) {

@@ -65,6 +65,10 @@ std::filesystem::path fillPattern(std::string_view pattern, std::string_view aov
 // Creates those folders of a filled pattern that need not exist beforehand.
 void makeFilledFolders(const std::filesystem::path& pattern, const std::filesystem::path& path);
 
+// Throws Error(Usage) for a pattern with other placeholders, or whose folder is missing or not writable. For files of
+// frames that have other contents than images, too.
+void checkPattern(std::string_view pattern);
+
 // Throws Error(Usage) for errors that can be detected before rendering: the extension, placeholders, an AOV that the
 // format does not support, a folder that is missing or not writable.
 void checkOutput(const OutputRequest& request);

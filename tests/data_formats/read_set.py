@@ -254,6 +254,10 @@ class Boxes(unittest.TestCase):
             for thing in boxes["objects"]:
                 visible = ids == thing["id"]
                 self.assertEqual(thing["visible"]["pixels"], visible.sum())
+                self.assertTrue((coco_mask.decode(thing["visible"]["segmentation"]) == visible).all())
+                whole = coco_mask.decode(thing["whole"]["segmentation"])
+                self.assertEqual(whole.sum(), thing["whole"]["pixelsInPicture"])
+                self.assertTrue((whole[visible] == 1).all())
                 self.assertGreaterEqual(thing["whole"]["pixels"], thing["whole"]["pixelsInPicture"])
                 self.assertAlmostEqual(thing["visibleShare"], visible.sum() / thing["whole"]["pixels"])
                 hidden += thing["visibleShare"] < 1

@@ -79,7 +79,7 @@ TEST_F(SetTest, HasTheFilesThatItsRecordsName) {
   add("yolo", {{"categories", "node"}});
   add("voc", {{"categories", "node"}});
   add("kitti", {{"categories", "node"}});
-  add("boxes");
+  add("boxes", {{"masks", true}});
   add("bop", {{"depth-scale", 0.5}});
   add("transforms");
   add("cryptomatte", {{"samples", 3}});

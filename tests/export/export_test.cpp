@@ -11,7 +11,9 @@
 #include "base/files.h"
 #include "export/export.h"
 #include "models/models.h"
+#include "scene/bake.h"
 #include "scene/edit.h"
+#include "scene/gltf_builder.h"
 #include "scene/load/load.h"
 
 namespace latelight::scene::test {
@@ -268,6 +270,147 @@ TEST(Export, MovedInstancesOfAnimatedScenesKeepTheirPaths) {
   const Scene again = exported(scene);
   EXPECT_EQ(again.nodes.size(), scene.nodes.size());
   expectSameMotion(again, scene);
+}
+
+// glTF's colors of lights are at most 1; brighter ones have the same product with the intensity.
+TEST(Export, ColorsOfLightsAreInRange) {
+  Scene scene = load("builtin:boxes");
+  addLight(scene, {.color = {1.5f, 0.25f, 3}, .intensity = 7});
+  const Light light = exported(scene).lights.back();
+  EXPECT_LE(light.color.z, 1);
+  EXPECT_EQ(light.color * light.intensity, vec3(10.5f, 1.75f, 21));
+}
+
+// A triangle that moves has a child with the same mesh, which stays where it is.
+TEST(Export, MovedNodesWithChildrenKeepTheirPaths) {
+  const app::Folder folder;
+  test::GltfBuilder file = test::triangleFile();
+  const int mesh = file.root["nodes"][0]["mesh"];
+  file.root["nodes"][0]["name"] = "parent";
+  file.root["nodes"][0]["children"] = {
+      file.add("nodes", {{"name", "child"}, {"mesh", mesh}, {"translation", {0, 2, 0}}})};
+  writeFile(folder.at("family.glb"), file.glb());
+  Scene scene = load(folder.at("family.glb"));
+  ASSERT_EQ(scene.instances.size(), 2u);
+  setTransform(scene, 0, placement());
+  expectSame(exported(scene), scene);
+}
+
+// Parts of an object in several places are nodes below the object's, also in a scene with skins, so that they are one
+// group of ids.
+TEST(Export, ScatteredPartsAreBelowTheirObject) {
+  const Mesh plain = load("builtin:boxes").meshes[0];
+  for (const char* model : {"textured.glb", "skinned.glb"}) {
+    Scene scene = load(models::modelPath(model).string());
+    const uint32_t mesh = addMesh(scene, plain);
+    const std::vector<ObjectPart> parts{{mesh, 0, placement()}, {mesh, 0, glm::translate(dmat4(1), dvec3(0, 5, 0))}};
+    const uint32_t added = addObject(scene, parts, "toy").front();
+    const Scene again = exported(scene, "out.glb", {.ids = {.nodes = {"/toy"}}});
+    std::vector<std::string> paths;
+    for (const Instance& instance : again.instances) {
+      if (instance.id != scene.instances[added].id) continue;
+      paths.push_back(again.nodes[instance.node].path);
+      expectNear(instance.toWorld, parts[paths.size() - 1].toWorld);
+    }
+    ASSERT_EQ(paths.size(), 2u) << model;
+    EXPECT_EQ(paths[0], "/toy");
+    EXPECT_THAT(paths[1], testing::StartsWith("/toy/"));
+  }
+}
+
+// A baked pose is the rest pose, without animations.
+TEST(Export, PosesAreBaked) {
+  for (const char* model : {"skinned.glb", "morphed.glb"}) {
+    Scene scene = load(models::modelPath(model).string());
+    const Pose pose = poseAt(scene, {.animations = {0}}, 0.3);
+    std::map<uint32_t, std::vector<dvec3>> expected;  // by part
+    double moved = 0;
+    for (const Instance& instance : scene.instances) {
+      expected[instance.part] = verticesAt(scene, instance, 0.3);
+      const std::vector<dvec3> atRest = verticesAt(scene, instance, 0);
+      for (size_t v = 0; v < atRest.size(); ++v)
+        moved = std::max(moved, glm::length(atRest[v] - expected[instance.part][v]));
+    }
+    EXPECT_GT(moved, 0.05) << model;
+    bakePose(scene, pose);
+    for (const char* name : {"out.glb", "out.ply"}) {
+      const Scene again = exported(scene, name);
+      EXPECT_FALSE(again.rig.isAnimated());
+      if (name == std::string("out.ply")) {
+        Bounds bounds, wanted = worldBounds(again);
+        for (const auto& [part, vertices] : expected)
+          for (const dvec3& v : vertices) bounds.min = glm::min(bounds.min, v), bounds.max = glm::max(bounds.max, v);
+        EXPECT_LT(glm::length(bounds.min - wanted.min) + glm::length(bounds.max - wanted.max), 1e-5) << model;
+        continue;
+      }
+      for (const auto& [part, vertices] : expected) {
+        const Instance* same = partOf(again, part);
+        ASSERT_TRUE(same);
+        const Mesh& mesh = again.meshes[same->mesh];
+        ASSERT_EQ(mesh.positions.size(), vertices.size());
+        double off = 0;  // of the vertices at rest
+        for (size_t v = 0; v < vertices.size(); ++v)
+          off = std::max(off, glm::length(dvec3(same->toWorld * glm::dvec4(mesh.positions[v], 1)) - vertices[v]));
+        EXPECT_LT(off, 1e-5) << model;
+      }
+    }
+  }
+}
+
+// A channel of an animation of one second, linear from one value to the other.
+void animate(test::GltfBuilder& file, const test::json& target, std::vector<float> from, const std::vector<float>& to) {
+  const char* type = from.size() == 1 ? "SCALAR" : "VEC3";
+  from.insert(from.end(), to.begin(), to.end());
+  const int input = file.accessor(file.view(std::vector<float>{0, 1}), test::kFloat, "SCALAR", 2);
+  const int output = file.accessor(file.view(from), test::kFloat, type, 2);
+  if (!file.root.contains("animations"))
+    file.add("animations", {{"channels", test::json::array()}, {"samplers", test::json::array()}});
+  test::json& animation = file.root["animations"][0];
+  animation["channels"].push_back({{"sampler", animation["samplers"].size()}, {"target", target}});
+  animation["samplers"].push_back({{"input", input}, {"output", output}});
+}
+
+test::json pointer(const std::string& path) {
+  return {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", path}}}}}};
+}
+
+// At a quarter of a second: nodes, a material, a light, and a node that is not visible.
+TEST(Export, BakedValuesAreThoseOfTheTime) {
+  const app::Folder folder;
+  test::GltfBuilder file = test::triangleFile();
+  const int mesh = file.root["nodes"][0]["mesh"];
+  file.root["nodes"][0]["name"] = "parent";
+  file.primitive()["material"] = file.add("materials", {{"name", "paint"}});
+  const int child = file.add("nodes", {{"name", "child"}, {"mesh", mesh}, {"translation", {0, 2, 0}}});
+  file.root["nodes"][0]["children"] = {child};
+  file.use("KHR_node_visibility");
+  const int hidden =
+      file.node({{"name", "hidden"}, {"mesh", mesh}, {"extensions", {{"KHR_node_visibility", {{"visible", false}}}}}});
+  file.use("KHR_lights_punctual");
+  file.use("KHR_animation_pointer");
+  file.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"intensity", 1}}};
+  file.node({{"name", "lamp"}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+  animate(file, {{"node", 0}, {"path", "translation"}}, {0, 0, 0}, {4, 0, 0});
+  animate(file, {{"node", child}, {"path", "translation"}}, {0, 2, 0}, {0, 2, 8});
+  animate(file, pointer("/materials/0/pbrMetallicRoughness/roughnessFactor"), {0.2f}, {0.6f});
+  animate(file, pointer("/extensions/KHR_lights_punctual/lights/0/intensity"), {1}, {5});
+  writeFile(folder.at("moving.glb"), file.glb());
+  Scene scene = load(folder.at("moving.glb"));
+  const uint32_t hiddenId = scene.nodes[size_t(hidden)].id;
+  bakePose(scene, poseAt(scene, {.animations = {0}}, 0.25));
+  const Scene again = exported(scene);
+  EXPECT_TRUE(again.rig.empty());
+  ASSERT_EQ(again.instances.size(), 2u);
+  for (const Instance& instance : again.instances) {
+    EXPECT_NE(instance.id, hiddenId);
+    const bool isChild = again.nodes[instance.node].path == "/parent/child";
+    EXPECT_EQ(again.nodes[instance.node].path, isChild ? "/parent/child" : "/parent");
+    const dvec3 place(toGltfFromWorld() * instance.toWorld[3]);
+    EXPECT_LT(glm::length(place - (isChild ? dvec3(1, 2, 2) : dvec3(1, 0, 0))), 1e-6);
+  }
+  EXPECT_FLOAT_EQ(again.materials[again.instances[0].material].data.roughness, 0.3f);
+  ASSERT_EQ(again.lights.size(), 1u);
+  EXPECT_FLOAT_EQ(again.lights[0].intensity, 2);
 }
 
 // A skin far from the origin has vertices relative to a point near it.

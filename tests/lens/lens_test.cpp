@@ -247,6 +247,8 @@ TEST_F(LensPictureTest, WithoutDistortionItIsAPinhole) {
     settings.raster = Raster::Compute;
     settings.layout = &findLayout("exact");
     settings.shadows = ShadowFormat::D16;
+    // Masked surfaces cast shadows, too.
+    if (scene.lights.empty()) settings.sun = SunLight{.azimuth = 0.5f, .elevation = 0.8f};
     settings.fogDensity = 0.05f;
     settings.background.kind = Background::Environment;
     scene::Lens lens{LensModel::Pinhole, 160, 120, 170, 160, 75, 63};

@@ -177,6 +177,9 @@ void addOutputTexts(Table& t, const std::filesystem::path& folder) {
                  at("{scene}/o.{aov}.{camera}.png"), "-"},
                 {at("o.gif"), at("{x}.png"), at("none/o.png"), folder.string() + "/"}};
   t["--aov"] = {0.7, aovLists(), {"nothing", "color,,depth"}};
+  t["--labels"] = {
+      0.12, {at("l.json"), at("{scene}/l.{camera}.json")}, {at("l.txt"), at("l.{aov}.json"), at("none/l.json")}};
+  t["--keypoints"] = {0.08, {R"([{"name": "center"}])"}, {"[]", "[1", at("none.json")}};
   t["--pick"] = {0.12, {"0,0"}, {"99,0", "1", "-1,0"}};
   t["--debug"] = {0.2, debugPictures(), {"nothing"}};
   t["--device"] = {0.1, {"auto", "cpu", "0"}, {}};  // one exists already, so the name is not searched for

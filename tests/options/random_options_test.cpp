@@ -96,11 +96,13 @@ class Drawing {
     if (o.contains("--frames")) {
       for (const char* name : {"--time", "--pick", "--frame"}) o.erase(name);
       if (std::string& out = o["--out"]; out != "-" && !out.empty()) out.insert(out.rfind('.'), "{frame}");
+      if (o.contains("--labels")) o["--labels"].insert(o["--labels"].rfind('.'), "{frame}");
     }
     const auto drop = [&](const char* name, bool useless) {
       if (useless) o.erase(name);
     };
     if (o.contains("--eye")) o.try_emplace("--target", "0,0.5,0");
+    drop("--keypoints", !o.contains("--labels"));
     drop("--target", !o.contains("--eye"));
     drop("--up", !o.contains("--eye"));
     const bool builtin = o.at("SCENE").starts_with("builtin:");

@@ -1,7 +1,9 @@
 """Labels from Python: arrays of objects, keypoints and correspondence, and coordinates of worlds."""
 
+import json
 import math
 import os
+import subprocess
 
 import numpy as np
 import pytest
@@ -57,6 +59,58 @@ def test_keypoints(cards):
         renderer.keypoints(front(), ["/side"])
     with pytest.raises(latelight.ArgumentTypeError, match="a list of Keypoint"):
         renderer.keypoints(front(), [3])
+
+
+def decoded(segmentation):
+    """A mask from COCO's compressed run lengths."""
+    runs, value, shift = [], 0, 0
+    for character in segmentation["counts"]:
+        group = ord(character) - 48
+        value |= (group & 31) << shift
+        shift += 5
+        if group & 32:
+            continue
+        if group & 16:
+            value -= 1 << shift
+        runs.append(value + (runs[-2] if len(runs) > 2 else 0))
+        value = shift = 0
+    flags = np.repeat(np.arange(len(runs)) % 2 == 1, runs)
+    return flags.reshape(segmentation["size"][::-1]).T
+
+
+def test_labels_of_the_command(tmp_path):
+    """`latelight render --labels` writes the labels of Python for the same camera."""
+    program = os.environ.get("LATELIGHT_PROGRAM")
+    if not program:
+        pytest.skip("LATELIGHT_PROGRAM names no program to compare with")
+    options = ["--labels", tmp_path / "labels.json", "--keypoints", '[{"name": "origin"}]', "--size=96x54"]
+    camera = ["--eye=4,2.5,8", "--target=0,1,0", "--fov=45"]
+    subprocess.run([program, "render", "builtin:boxes", *options, *camera, "--device=cpu"], check=True)
+    objects = json.loads((tmp_path / "labels.json").read_text())["objects"]
+    scene = latelight.Scene("builtin:boxes")
+    renderer = latelight.Renderer(scene, "cpu")
+    camera = scene.look_at(eye=(4, 2.5, 8), target=(0, 1, 0), vertical_fov=45)
+    labels = renderer.labels(camera, (96, 54))
+    keypoints = renderer.keypoints(camera, labels.nodes, (96, 54))
+    by_node = {each["node"]: each for each in objects}
+    assert len(labels.nodes) > 5
+    assert sorted(labels.nodes) == sorted(node for node, each in by_node.items() if each["whole"]["pixelsInPicture"])
+    for i, node in enumerate(labels.nodes):
+        each = by_node[node]
+        assert each["id"] == labels.ids[i]
+        assert (decoded(each["visible"]["segmentation"]) == labels.visible_masks[i]).all()
+        assert (decoded(each["whole"]["segmentation"]) == labels.amodal_masks[i]).all()
+        assert each["visible"]["box"] == labels.visible_boxes[i].tolist()
+        assert each["whole"]["box"] == labels.full_boxes[i].tolist()
+        assert each["visibleShare"] == labels.visible_share[i]
+        assert np.allclose(each["box"]["size"], labels.box_max[i] - labels.box_min[i])
+        others = {labels.ids[j]: labels.occlusions[i, j] for j in range(len(labels.ids)) if labels.occlusions[i, j]}
+        assert {int(key): value for key, value in each["occludes"].items()} == others
+        for corner, expected in zip(each["box"]["corners"], labels.box_corners[i], strict=True):
+            assert np.isnan(expected).all() if corner is None else np.allclose(corner, expected)
+        (origin,) = each["keypoints"]
+        assert origin["visibility"] == keypoints.visibility[i]
+        assert np.allclose(origin["pixel"], keypoints.pixels[i]) and np.allclose(origin["depth"], keypoints.depth[i])
 
 
 def test_correspondence(cards):

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "data/batch/camera_timeline.h"
@@ -19,6 +20,8 @@ class LoadedScene {
 
   const scene::Scene& scene() const { return scene_; }
   const CameraTimeline& cameras() const { return cameras_; }
+  // Returns the scene as it was shown last. This object must not be used afterwards.
+  scene::Scene release() && { return std::move(scene_); }
   // Applies a variation to the scene and returns the values drawn for it, or null if the job has no variations.
   const nlohmann::ordered_json& show(uint32_t variation);
   std::string environment() const;                    // the current environment; empty: none

@@ -11,6 +11,7 @@
 #include "data/formats/categories.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
+#include "data/formats/mask_json.h"
 #include "data/formats/names.h"
 #include "data/formats/options.h"
 #include "data/formats/picture_file.h"
@@ -68,7 +69,7 @@ class Coco : public Format {
       objects.push_back({{"category", category},
                          {"area", mask.area()},
                          {"bbox", boxOf(mask.box())},
-                         {"segmentation", {{"size", {mask.height, mask.width}}, {"counts", mask.counts()}}},
+                         {"segmentation", segmentationOf(mask)},
                          {"object", id},
                          {"node", nameOf(*entryOf(*frame.metadata.ids, id))}});
       if (amodal_) addAmodal(objects.back(), frame, id, mask);
@@ -136,8 +137,7 @@ class Coco : public Format {
     if (object == frame.objects.end()) return;
     annotation["amodal_area"] = object->alone.area();
     annotation["amodal_bbox"] = boxOf(object->alone.box());
-    annotation["amodal_segmentation"] = {{"size", {object->alone.height, object->alone.width}},
-                                         {"counts", object->alone.counts()}};
+    annotation["amodal_segmentation"] = segmentationOf(object->alone);
     annotation["visibility"] = static_cast<double>(visible.area()) / static_cast<double>(object->pixels);
   }
 

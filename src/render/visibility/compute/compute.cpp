@@ -69,6 +69,7 @@ View posed(const View& pinhole, const View& camera) {
   view.viewToWorld[3] = view.eye = camera.eye;
   view.eyeLow = camera.eyeLow;
   view.world = camera.world;
+  view.group = camera.group;
   return view;
 }
 

@@ -188,6 +188,8 @@ void RasterChainBuilder::overQueue(const vk::ShaderKey& shader, Queue queue,
              });
   ComputePass pass = step(shader);
   if (samplesTextures(shader)) readsTextures(f, pass);
+  // The frame's lens does not apply to shadow maps, whose constants have no rays.
+  if (!views.lens) std::erase_if(pass.constants, [](const vk::Constant& c) { return c.id == kLensConstant; });
   // Tiles treat triangles of shadow maps and of other views alike.
   pass.constants.insert(pass.constants.end(), {{kSamplesConstant, views.samples},
                                                jobs ? vk::Constant{kShadowMapsConstant, 0} : mapsConstant(),

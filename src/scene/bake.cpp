@@ -1,0 +1,105 @@
+#include "scene/bake.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace latelight::scene {
+
+namespace {
+
+void bakeInstances(Scene& scene, const Pose& pose) {
+  const std::vector<dmat4> transforms = instanceTransforms(scene, pose);
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    Instance& instance = scene.instances[i];
+    instance.removed = !isShown(scene, pose, instance);
+    instance.hidden = false;
+    instance.toWorld = transforms[i];
+  }
+}
+
+void bakeValues(Scene& scene, const Pose& pose) {
+  scene.lights = posedLights(scene, pose);
+  for (Light& light : scene.lights) light.hidden = false;
+  for (const auto& [index, material] : posedMaterials(scene, pose)) scene.materials[index].data = material;
+}
+
+// The vertices at rest, which formats without skins hold.
+void bakeVertices(Scene& scene, const Pose& pose) {
+  if (pose.empty()) return;
+  for (Mesh& mesh : scene.meshes) {
+    if (mesh.removed || !mesh.deformation) continue;
+    const Deformation& d = *mesh.deformation;
+    std::vector<glm::mat4> joints;
+    std::vector<float> weights;
+    if (d.skin >= 0) joints = jointMatrices(scene.rig.skins[static_cast<size_t>(d.skin)], pose);
+    if (d.weightsNode >= 0) weights = pose.weights[static_cast<size_t>(d.weightsNode)];
+    DeformedVertices vertices = deform(d, joints, weights);
+    mesh.positions = std::move(vertices.positions);
+    mesh.attributes = std::move(vertices.attributes);
+    findBounds(mesh);
+  }
+}
+
+// The common transform of a node's instances if edits have placed all of them, by node.
+std::vector<std::optional<dmat4>> placedNodes(const Scene& scene) {
+  std::vector<std::optional<dmat4>> placed(scene.nodes.size());
+  std::vector<uint8_t> mixed(scene.nodes.size());
+  for (const Instance& instance : scene.instances) {
+    if (instance.removed) continue;
+    std::optional<dmat4>& place = placed[instance.node];
+    const bool isAlone = !instance.placed || instance.posed || instance.copy >= 0;
+    mixed[instance.node] |= isAlone || (place && *place != instance.toWorld);
+    place = instance.toWorld;
+  }
+  for (size_t i = 0; i < placed.size(); ++i)
+    if (mixed[i]) placed[i].reset();
+  return placed;
+}
+
+// Gives each node of the rig the local transform that leads to its transform in the world, unless it has that.
+void setLocals(Rig& rig, const std::vector<dmat4>& world) {
+  for (const uint32_t i : rig.order) {
+    RigNode& node = rig.nodes[i];
+    const dmat4 parent = node.parent < 0 ? dmat4(1) : world[static_cast<size_t>(node.parent)];
+    const dmat4 local = node.hasMatrix ? node.matrix : composeTransform(node.translation, node.rotation, node.scale);
+    if (parent * local == world[i] || glm::determinant(parent) == 0) continue;
+    node.hasMatrix = true;
+    node.matrix = glm::inverse(parent) * world[i];
+  }
+}
+
+void bakeRig(Scene& scene, const Pose& pose) {
+  Rig& rig = scene.rig;
+  Pose at = pose.empty() ? restPose(scene) : pose;
+  const std::vector<std::optional<dmat4>> placed = placedNodes(scene);
+  for (size_t i = 0; i < rig.sceneNodes.size(); ++i) {
+    dmat4& world = at.world[rig.sceneNodes[i]];
+    if (placed[i]) world = toGltfFromWorld() * *placed[i];
+    scene.nodes[i].toWorld = toWorldFromGltf() * world;
+  }
+  for (Instance& instance : scene.instances)
+    if (instance.node < rig.sceneNodes.size() && placed[instance.node]) instance.placed = false;
+  setLocals(rig, at.world);
+  for (size_t i = 0; i < rig.nodes.size(); ++i) {
+    rig.nodes[i].weights = at.weights[i];
+    rig.nodes[i].visible = true;
+  }
+  rig.animations.clear();
+  rig.materials.clear();
+  const auto deforms = [](const Mesh& mesh) { return !mesh.removed && mesh.deformation; };
+  if (rig.skins.empty() && std::ranges::none_of(scene.meshes, deforms)) rig = {};
+}
+
+}  // namespace
+
+void bakePose(Scene& scene, const Pose& pose) {
+  bakeInstances(scene, pose);
+  bakeValues(scene, pose);
+  bakeVertices(scene, pose);
+  if (!scene.rig.empty()) bakeRig(scene, pose);
+}
+
+}  // namespace latelight::scene

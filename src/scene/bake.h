@@ -1,0 +1,13 @@
+// Makes one state of a scene its only one, for files that hold a single frame.
+#pragma once
+
+#include "scene/scene.h"
+
+namespace latelight::scene {
+
+// Makes the pose the scene's rest pose, and removes its animations, and its hidden instances and lights. Instances that
+// edits have placed move with their nodes again. Skins and morph targets stay as they are, in the pose. An empty pose
+// is the scene at rest.
+void bakePose(Scene& scene, const Pose& pose);
+
+}  // namespace latelight::scene
