@@ -1,5 +1,7 @@
 #include "scene/mesh_files/ply_rows.h"
 
+#include <algorithm>
+#include <atomic>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -7,17 +9,20 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/parallel.h"
 #include "scene/mesh_files/text.h"
 
 namespace latelight::scene::mesh_files {
 namespace {
 
+constexpr size_t kRowsPerTask = 16384;
+
 template <typename T>
-double fromBytes(const char* at, bool bigEndian) {
+T fromBytes(const char* at, bool bigEndian) {
   std::array<char, sizeof(T)> bytes;
   std::memcpy(bytes.data(), at, sizeof(T));
   if (bigEndian != (std::endian::native == std::endian::big)) std::ranges::reverse(bytes);
-  return static_cast<double>(std::bit_cast<T>(bytes));
+  return std::bit_cast<T>(bytes);
 }
 
 double fromBytes(PlyType type, const char* at, bool bigEndian) {
@@ -113,6 +118,77 @@ void PlyRows::next() {
     else
       values_[i] = read(property.type);
   }
+}
+
+size_t PlyRows::rowBytes(uint32_t entries) const {
+  if (encoding_ == PlyEncoding::Ascii) return 0;
+  size_t bytes = 0;
+  for (const PlyProperty& p : element_->properties)
+    bytes += p.isList() ? sizeOf(p.countType) + entries * sizeOf(p.type) : sizeOf(p.type);
+  return bytes;
+}
+
+void PlyRows::forEach(const std::function<void(const PlyRows& rows, uint64_t i)>& body) {
+  const bool hasLists = std::ranges::any_of(element_->properties, &PlyProperty::isList);
+  const size_t stride = hasLists ? 0 : rowBytes(0);
+  if (stride == 0 || (file_.size() - at_) / stride < element_->count) {
+    for (uint64_t i = 0; i < element_->count; ++i) next(), body(*this, i);
+    return;
+  }
+  parallelFor(element_->count, kRowsPerTask, [&](size_t begin, size_t end) {
+    PlyRows rows = *this;
+    rows.at_ += begin * stride;
+    for (uint64_t i = begin; i < end; ++i) rows.next(), body(rows, i);
+  });
+  at_ += element_->count * stride;
+  row_ = element_->count;
+}
+
+// Reads `corners`, three per row. `offset`: from a row's first byte to the first entry of its list.
+template <typename T>
+bool PlyRows::readCorners(size_t offset, size_t stride, uint64_t limit, std::vector<uint32_t>& corners) const {
+  const bool bigEndian = encoding_ == PlyEncoding::BigEndian;
+  std::atomic<bool> areValid = true;
+  parallelFor(element_->count, kRowsPerTask, [&](size_t begin, size_t end) {
+    bool valid = true;
+    for (size_t row = begin; row < end; ++row) {
+      const char* entries = file_.data() + at_ + row * stride + offset;
+      for (size_t i = 0; i < 3; ++i) {
+        const T entry = fromBytes<T>(entries + i * sizeof(T), bigEndian);
+        valid = valid && entry >= 0 && static_cast<uint64_t>(entry) < limit;
+        corners[3 * row + i] = static_cast<uint32_t>(entry);
+      }
+    }
+    if (!valid) areValid = false;
+  });
+  return areValid;
+}
+
+std::optional<std::vector<uint32_t>> PlyRows::readTriangles(int list, uint64_t limit) {
+  const std::vector<PlyProperty>& properties = element_->properties;
+  const PlyProperty& property = properties[static_cast<size_t>(list)];
+  const size_t stride = rowBytes(3);
+  if (stride == 0 || std::ranges::count_if(properties, &PlyProperty::isList) != 1) return std::nullopt;
+  if (property.type != PlyType::Int32 && property.type != PlyType::Uint32) return std::nullopt;
+  if ((file_.size() - at_) / stride < element_->count) return std::nullopt;
+  size_t offset = 0;
+  for (int i = 0; i < list; ++i) offset += sizeOf(properties[static_cast<size_t>(i)].type);
+  const bool bigEndian = encoding_ == PlyEncoding::BigEndian;
+  std::atomic<bool> areTriangles = true;  // if each row begins where it would after triangles, and has three entries
+  parallelFor(element_->count, kRowsPerTask, [&](size_t begin, size_t end) {
+    for (size_t row = begin; row < end && areTriangles; ++row)
+      if (fromBytes(property.countType, file_.data() + at_ + row * stride + offset, bigEndian) != 3)
+        areTriangles = false;
+  });
+  if (!areTriangles) return std::nullopt;
+  std::vector<uint32_t> corners(3 * element_->count);
+  offset += sizeOf(property.countType);
+  const bool areValid = property.type == PlyType::Int32 ? readCorners<int32_t>(offset, stride, limit, corners)
+                                                        : readCorners<uint32_t>(offset, stride, limit, corners);
+  if (!areValid) return std::nullopt;
+  at_ += element_->count * stride;
+  row_ = element_->count;
+  return corners;
 }
 
 }  // namespace latelight::scene::mesh_files
