@@ -166,6 +166,27 @@ TEST_P(PlyGrid, TrianglesAreReadOnAllThreads) {
   EXPECT_FLOAT_EQ(mesh.longestEdge, std::sqrt(2.0f));
 }
 
+// Rows of text need not be lines: they may be split, share a line, and be separated by blank lines.
+TEST(PlyLines, AreNotRows) {
+  constexpr uint32_t kColumns = 20001;
+  const auto file = [](bool isIrregular) {
+    std::string text = "ply\nformat ascii 1.0\n" + fmt::format("element vertex {}\n", 2 * kColumns) + kPosition +
+                       fmt::format("element face {}\n", 2 * (kColumns - 1)) +
+                       "property list uchar int vertex_indices\nend_header\n";
+    for (uint32_t i = 0; i < 2 * kColumns; ++i)
+      text += fmt::format("{} {}{}0.5{}\n", i / 2, i % 2, isIrregular && i == 30000 ? "\n" : " ", i == 7 ? " " : "");
+    for (uint32_t i = 0; i + 1 < kColumns; ++i)
+      text += fmt::format("3 {} {} {}{}3 {} {} {}{}\n", 2 * i, 2 * i + 2, 2 * i + 3, isIrregular && i == 9 ? " " : "\n",
+                          2 * i, 2 * i + 3, 2 * i + 1, isIrregular && i == 20 ? "\n\n" : "");
+    return text.substr(0, text.size() - 1);  // the last line has no end
+  };
+  const Scene lines = MeshFile("a.ply", file(false)).load(), other = MeshFile("a.ply", file(true)).load();
+  ASSERT_EQ(lines.meshes[0].indices.size(), size_t{6} * (kColumns - 1));
+  EXPECT_EQ(lines.meshes[0].positions, other.meshes[0].positions);
+  EXPECT_EQ(lines.meshes[0].indices, other.meshes[0].indices);
+  EXPECT_EQ(cornersOf(lines)[6 * 12345 + 2], dvec3(12346, 1, 0.5));
+}
+
 TEST_P(PlyGrid, InvalidCornersAreReportedByFace) {
   for (const uint32_t wrong : {2 * Grid::kColumns, ~0u}) {
     Grid grid;
