@@ -1,6 +1,7 @@
 """Scenes from trimesh, yourdfpy, usd-core and Open3D. Open3D is too large to be installed for every test."""
 
 import pathlib
+import re
 import sys
 
 import numpy as np
@@ -205,6 +206,19 @@ def test_exported_robots_keep_their_joints(tmp_path):
     assert {node.path: node.id for node in exported.nodes} == ids
     latelight.pose_urdf(exported, robot, {"yaw": 0.3, "grip/left": 0.1, "spin": -1})
     assert_links_are_where_yourdfpy_has_them(exported, robot)
+
+
+def test_the_page_of_robots(tmp_path, monkeypatch):
+    yourdfpy = pytest.importorskip("yourdfpy")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "robot.urdf").write_text(URDF)
+    page = (pathlib.Path(__file__).parents[2] / "docs" / "scene-files.md").read_text()
+    (block,) = [text for text in re.findall(r"^```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE) if '"nod"' in text]
+    names = {"latelight": latelight, "np": np, "yourdfpy": yourdfpy}
+    exec(compile(block, "scene-files.md", "exec"), names)
+    exported = latelight.Scene("robot.glb", id_nodes=["base", "arm"])
+    assert [animation.name for animation in exported.animations] == ["nod"]
+    assert len({node.id for node in exported.nodes}) == 2
 
 
 def test_robots_show_collisions_if_required(tmp_path):
