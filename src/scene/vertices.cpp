@@ -18,7 +18,9 @@ template <typename T>
 void unshare(std::vector<T>& stream, const std::vector<uint32_t>& indices) {
   if (stream.empty()) return;
   std::vector<T> out(indices.size());
-  for (size_t i = 0; i < indices.size(); ++i) out[i] = stream[indices[i]];
+  parallelFor(indices.size(), kVerticesPerTask, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) out[i] = stream[indices[i]];
+  });
   stream = std::move(out);
 }
 
@@ -105,12 +107,14 @@ void makeFlatNormals(Vertices& v, std::vector<uint32_t>& indices) {
   unshare(v.uv[1], indices);
   unshare(v.origin, indices);
   v.tangents.clear();  // tangents are meaningless without normals
-  for (size_t i = 0; i < indices.size(); ++i) indices[i] = uint32_t(i);
+  std::iota(indices.begin(), indices.end(), 0u);
   v.normals.resize(indices.size());
-  for (size_t i = 0; i + 2 < indices.size(); i += 3) {
-    vec3 normal = unitOrUp(areaNormal(v, &indices[i]));
-    for (size_t corner = i; corner < i + 3; ++corner) v.normals[corner] = normal;
-  }
+  parallelFor(indices.size() / 3, kTrianglesPerTask, [&](size_t begin, size_t end) {
+    for (size_t i = 3 * begin; i < 3 * end; i += 3) {
+      vec3 normal = unitOrUp(areaNormal(v, &indices[i]));
+      for (size_t corner = i; corner < i + 3; ++corner) v.normals[corner] = normal;
+    }
+  });
 }
 
 std::vector<bool> repairNormals(Vertices& v, const std::vector<uint32_t>& indices) {
