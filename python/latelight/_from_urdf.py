@@ -88,6 +88,10 @@ def _configure(urdf: Any, configuration: Mapping[str, float] | Sequence[float] |
     urdf.update_cfg(positions)
 
 
+# The path of each node begins with those of all nodes above it, so paths may take far more memory than the file.
+MAX_PATH_BYTES = 1 << 28
+
+
 class _Link(NamedTuple):
     """A link of a robot, with the joint that moves it: none for the base and for links that no joint connects."""
 
@@ -153,12 +157,16 @@ def _geometry_by_link(builder: TrimeshBuilder, shown: Any) -> dict[Any, list[tup
 def _add_nodes(builder: TrimeshBuilder, urdf: Any, shown: Any, kind: str) -> Scene:
     """Adds the nodes of joints and links, and their geometry: "visual", or "visual 0", "visual 1" and so on."""
     scene, by_link = builder.scene, _geometry_by_link(builder, shown)
+    path_bytes = 0
     for link in _links(urdf, shown):
         parent, own = link.parent, _rigid(link.transform)
         if link.joint:
             parent, own = scene.add_node(link.joint_path.rpartition("/")[2], parent, **own), {}
         path = scene.add_node(link.path.rpartition("/")[2], parent, **own)
         parts = by_link.get(link.link, [])
+        path_bytes += len(path) * (2 + len(parts))
+        if path_bytes > MAX_PATH_BYTES:
+            raise UsageError("its links are nested too deeply: join those that fixed joints connect")
         for number, (transform, made) in enumerate(parts):
             scene.add_node(f"{kind} {number}" if len(parts) > 1 else kind, path, matrix=transform, parts=[made])
     return scene

@@ -208,6 +208,20 @@ def test_exported_robots_keep_their_joints(tmp_path):
     assert_links_are_where_yourdfpy_has_them(exported, robot)
 
 
+def test_robots_of_too_many_nested_links_are_refused(tmp_path, monkeypatch):
+    pytest.importorskip("yourdfpy")
+    monkeypatch.setattr("latelight._from_urdf.MAX_PATH_BYTES", 5000)
+    links = [f'<link name="l{i}"/>' for i in range(40)]
+    joints = [
+        f'<joint name="j{i}" type="fixed"><parent link="l{i}"/><child link="l{i + 1}"/></joint>' for i in range(39)
+    ]
+    (tmp_path / "chain.urdf").write_text(f'<robot name="r">{"".join(links[:20] + joints[:19])}</robot>')
+    assert len(latelight.from_urdf(tmp_path / "chain.urdf").nodes) == 39
+    (tmp_path / "chain.urdf").write_text(f'<robot name="r">{"".join(links + joints)}</robot>')
+    with pytest.raises(latelight.InputError, match="chain.urdf: its links are nested too deeply"):
+        latelight.from_urdf(tmp_path / "chain.urdf")
+
+
 def test_the_page_of_robots(tmp_path, monkeypatch):
     yourdfpy = pytest.importorskip("yourdfpy")
     monkeypatch.chdir(tmp_path)
