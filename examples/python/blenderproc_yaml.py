@@ -28,7 +28,6 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 import latelight
 
@@ -41,8 +40,9 @@ SEGMENTS = {
 }
 
 
-def fail(message):
-    sys.exit(f"blenderproc_yaml: {message}")
+def fail(message, exit_code=2):
+    print(f"blenderproc_yaml: {message}", file=sys.stderr)
+    sys.exit(exit_code)
 
 
 def rotation_of(spec):
@@ -126,7 +126,10 @@ def export_scene(source, lights, file):
 
 
 def job_of(config):
-    modules = [(module["module"].removesuffix("Module"), module.get("config", {})) for module in config["modules"]]
+    listed = config.get("modules") if isinstance(config, dict) else None
+    if not isinstance(listed, list) or not all(isinstance(module, dict) and "module" in module for module in listed):
+        fail("the file must have a list of modules, each with the key module")
+    modules = [(module["module"].removesuffix("Module"), module.get("config", {})) for module in listed]
     common = next((settings.get("global", {}) for name, settings in modules if name == "main.Initializer"), {})
     paths = [settings["path"] for name, settings in modules if name == "loader.ObjectLoader"]
     if len(paths) != 1:
@@ -160,13 +163,25 @@ def job_of(config):
 def main():
     if len(sys.argv) < 2:
         fail("usage: blenderproc_yaml.py CONFIG.yaml [ARGUMENT...]")
-    text = Path(sys.argv[1]).read_text(encoding="utf-8")
+    try:
+        import yaml
+    except ImportError:
+        fail("this script requires the package PyYAML: install it, for example with pip")
+    try:
+        text = Path(sys.argv[1]).read_text(encoding="utf-8")
+    except OSError as error:
+        fail(f"{sys.argv[1]} cannot be read: {error.strerror}")
     arguments = sys.argv[2:]
     for number in {int(index) for index in re.findall(r"<args:(\d+)>", text)}:
         if number >= len(arguments):
             fail(f"{sys.argv[1]} requires the argument {number}")
         text = text.replace(f"<args:{number}>", arguments[number])
-    job = job_of(yaml.safe_load(text))
+    try:
+        job = job_of(yaml.safe_load(text))
+    except yaml.YAMLError as error:
+        fail(f"{sys.argv[1]} is not valid YAML: {' '.join(str(error).split())}")
+    except latelight.LatelightError as error:
+        fail(error, error.exit_code)
     program = os.environ.get("LATELIGHT_PROGRAM") or shutil.which("latelight") or fail("latelight is not on the PATH")
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "job.json"

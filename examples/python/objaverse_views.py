@@ -46,6 +46,8 @@ parser.add_argument("--scale", type=float, default=0.8, help="accepted and not u
 parser.add_argument("--seed", type=int, default=0)
 parser.add_argument("--samples", type=int, default=128)
 args = parser.parse_args([argument for argument in sys.argv[1:] if argument != "--"])
+if min(args.num_renders, 12 if args.num_images is None else args.num_images) < 1:
+    parser.error("--num_renders and --num_images must be at least 1")
 is_ring = args.num_images is not None or args.camera_dist is not None
 random = np.random.default_rng(args.seed)
 
@@ -72,23 +74,11 @@ def world_to_camera(eye):
     return np.concatenate([rotation, (-rotation @ eye)[:, None]], axis=1)
 
 
-# An equirectangular environment: the world, and in the upper half the light from above.
-environment = np.full((64, 128, 3), WORLD, np.float32)
-environment[:32] += SKY if is_ring else 0
-scene = latelight.Scene(args.object_path)
-# From Blender's axes to the file's: glTF and OBJ have Y up, PLY and STL have Z up.
-turn = (
-    np.eye(3)
-    if Path(args.object_path).suffix.lower() in (".ply", ".stl")
-    else np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])
-)
-out = Path(args.output_dir) / (Path(args.object_path).name.split(".")[0] if is_ring else "")
-out.mkdir(parents=True, exist_ok=True)
-low, high = np.array(scene.bounds)
-for light in scene.lights():
-    scene.remove_light(light)
-if not is_ring:
-    for name, energies, x, z in SUNS:
+def replace_lights(scene, turn):
+    """Removes the object's lights, and adds the suns of the random views. `turn`: from Blender's axes to the scene's."""
+    for light in scene.lights():
+        scene.remove_light(light)
+    for name, energies, x, z in [] if is_ring else SUNS:
         direction = [-math.sin(x) * math.sin(z), math.sin(x) * math.cos(z), -math.cos(x)]
         scene.add_light(
             latelight.Light(
@@ -99,22 +89,11 @@ if not is_ring:
                 cast_shadow=False,
             )
         )
-# The object is not scaled to the unit cube; the cameras are scaled to the object.
-positions = list(eyes())
-cameras = [
-    latelight.Camera.look_at(
-        (low + high) / 2 + turn @ eye * (high - low).max(), (low + high) / 2, tuple(turn @ [0, 0, 1]), FIELD_OF_VIEW
-    )
-    for eye in positions
-]
-options = {"lighting": "reference", "samples": args.samples} if args.engine == "CYCLES" else {"aa": "ss2"}
-renderer = latelight.Renderer(scene, environment=environment)
-for number, frame in enumerate(renderer.render(cameras, SIZE, ("rgba",), **options)):
-    (out / f"{number:03}.png").write_bytes(frame.png())
-    if not is_ring:
-        np.save(out / f"{number:03}.npy", world_to_camera(positions[number]))
-if not is_ring:
-    metadata = {
+
+
+def metadata_of(scene, turn):
+    low, high = np.array(scene.bounds)
+    return {
         "file_size": Path(args.object_path).stat().st_size,
         "poly_count": scene.triangle_count,
         "material_count": len(scene.materials()),
@@ -122,4 +101,41 @@ if not is_ring:
         "animation_count": len(scene.animations),
         "scene_size": {"bbox_min": (turn.T @ low).tolist(), "bbox_max": (turn.T @ high).tolist()},
     }
-    (out / "metadata.json").write_text(json.dumps(metadata, sort_keys=True, indent=2))
+
+
+def main():
+    # An equirectangular environment: the world, and in the upper half the light from above.
+    environment = np.full((64, 128, 3), WORLD, np.float32)
+    environment[:32] += SKY if is_ring else 0
+    scene = latelight.Scene(args.object_path)
+    # From Blender's axes to the file's: glTF and OBJ have Y up, PLY and STL have Z up.
+    has_z_up = Path(args.object_path).suffix.lower() in (".ply", ".stl")
+    turn = np.eye(3) if has_z_up else np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])
+    out = Path(args.output_dir) / (Path(args.object_path).name.split(".")[0] if is_ring else "")
+    out.mkdir(parents=True, exist_ok=True)
+    low, high = np.array(scene.bounds)
+    replace_lights(scene, turn)
+    # The object is not scaled to the unit cube; the cameras are scaled to the object.
+    positions = list(eyes())
+    cameras = [
+        latelight.Camera.look_at(
+            (low + high) / 2 + turn @ eye * (high - low).max(), (low + high) / 2, tuple(turn @ [0, 0, 1]), FIELD_OF_VIEW
+        )
+        for eye in positions
+    ]
+    options = {"lighting": "reference", "samples": args.samples} if args.engine == "CYCLES" else {"aa": "ss2"}
+    renderer = latelight.Renderer(scene, environment=environment)
+    for number, frame in enumerate(renderer.render(cameras, SIZE, ("rgba",), **options)):
+        (out / f"{number:03}.png").write_bytes(frame.png())
+        if not is_ring:
+            np.save(out / f"{number:03}.npy", world_to_camera(positions[number]))
+    if not is_ring:
+        (out / "metadata.json").write_text(json.dumps(metadata_of(scene, turn), sort_keys=True, indent=2))
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except latelight.LatelightError as error:
+        print(f"objaverse_views: {error}", file=sys.stderr)
+        sys.exit(error.exit_code)

@@ -428,6 +428,11 @@ class LATELIGHT_API Scene {
   // Returns the node's path: "/Parent/name", or "/Parent/name#2" and so on if that path exists. instancesOf() returns
   // the instances of its parts. A mesh with morph targets can be part of one node only.
   std::string addNode(const NodeData& node);
+  // Moves a node, also one of the file, to a place relative to its parent in the rest pose. All that is below it
+  // follows: nodes, instances, lights, cameras and skins. Instances that setTransform() has placed, and lights that
+  // setLight() has moved, stay. Animations of the node override it. Throws Error(Usage) for nodes of addInstance(),
+  // which setTransform() moves, and for a matrix that shears if animations move the node.
+  void setNodeTransform(const std::string& node, const Transform& parentFromNode);
   Handle<Skin> addSkin(const Skin& skin);
   // Appends to animations(). Options::time, animation and loop play it.
   void addAnimation(const std::string& name, const std::vector<AnimationChannel>& channels);

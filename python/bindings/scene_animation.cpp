@@ -160,6 +160,17 @@ void defineAnimation(nb::module_& module, nb::class_<SharedScene>& type) {
       "these three, which animations then cannot change\nparts: the meshes that the node shows, with their materials; "
       "a mesh with targets can be part of one node only\nweights: of the meshes' targets, at rest; empty: zeros");
   type.def(
+      "set_node_transform",
+      [](SharedScene& s, nb::handle node, nb::handle transform) {
+        const std::string path = textOf(node, "node");
+        const Transform matrix = matrixOf<4, 4>(transform, "transform");
+        s.edit([&](Scene& s) { s.setNodeTransform(path, matrix); });
+      },
+      argument("node"), argument("transform"),
+      nb::sig("def set_node_transform(self, node: str, transform: numpy.typing.ArrayLike) -> None"),
+      "Moves a node, by its path, and all that follows it.\n\ntransform: (4, 4), relative to the parent, in the rest "
+      "pose; animations of the node override it");
+  type.def(
       "add_skin",
       [](SharedScene& s, nb::handle joints, nb::handle inverseBind) {
         const Skin skin = skinOf(joints, inverseBind);

@@ -141,6 +141,13 @@ std::string Scene::addNode(const NodeData& node) {
   return impl_->scene.nodes[scene::addNode(impl_->scene, added)].path;
 }
 
+void Scene::setNodeTransform(const std::string& node, const Transform& parentFromNode) {
+  scene::setNodeTransform(impl_->scene, impl_->nodeAt(node), matrixOf(parentFromNode));
+  for (size_t i = 0; i < impl_->cameras.size(); ++i)
+    if (const scene::Camera& camera = impl_->scene.cameras[i]; camera.node >= 0)
+      impl_->cameras[i] = publicCamera(camera, impl_->scene);
+}
+
 Handle<Skin> Scene::addSkin(const Skin& skin) {
   std::vector<uint32_t> joints;
   for (const std::string& joint : skin.joints) joints.push_back(impl_->nodeAt(joint));

@@ -34,6 +34,8 @@ Lens publicLens(const scene::Lens& from) {
       static_cast<LensModel>(from.model), from.width, from.height, from.fx, from.fy, from.cx, from.cy, from.distortion};
 }
 
+}  // namespace
+
 Camera publicCamera(const scene::Camera& camera, const scene::Scene& scene) {
   Camera c;
   c.name = camera.name;
@@ -52,6 +54,8 @@ Camera publicCamera(const scene::Camera& camera, const scene::Scene& scene) {
   c.noiseSeed = static_cast<uint32_t>(camera.noiseSeed);
   return c;
 }
+
+namespace {
 
 render::SunLight internalSun(const Sun& sun) {
   return {sun.azimuth / kDegreesPerRadian, sun.elevation / kDegreesPerRadian, sun.illuminance};

@@ -1,11 +1,13 @@
-// Adds nodes, skins and animations to a scene; see scene/rig_edit.h.
+// Adds nodes, skins and animations to a scene, and moves nodes; see scene/rig_edit.h.
 #include "scene/rig_edit.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_access.hpp>
 #include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <tuple>
+#include <utility>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -17,10 +19,22 @@ namespace latelight::scene {
 
 namespace {
 
+// Gives a copy by EXT_mesh_gpu_instancing its transform relative to its node. Returns false if the node's transform has
+// no inverse.
+bool addOffset(Scene& scene, size_t instance) {
+  const Instance& copy = scene.instances[instance];
+  const dmat4& node = scene.nodes[copy.node].toWorld;
+  if (glm::determinant(node) == 0) return false;
+  scene.rig.offsets.resize(scene.instances.size(), dmat4(1));
+  scene.rig.offsets[instance] = glm::inverse(node) * copy.toWorld;
+  return true;
+}
+
 // Extends the rig to all nodes of the scene. Those that it did not cover, and their instances, stay where they are.
 void coverNodes(Scene& scene) {
   if (!scene.yUp)
-    badUsage("{} has Z up: only scenes in glTF's frame, with Y up, can have added nodes and animations", scene.source);
+    badUsage("{} has Z up: only scenes in glTF's frame, with Y up, can have added or moved nodes and animations",
+             scene.source);
   Rig& rig = scene.rig;
   const size_t first = rig.sceneNodes.size();
   if (first == scene.nodes.size()) return;
@@ -33,9 +47,10 @@ void coverNodes(Scene& scene) {
     rig.nodes.push_back(std::move(rigged));
   }
   const auto hide = [&](size_t node) { rig.nodes[rig.sceneNodes[node]].visible = false; };
-  for (Instance& instance : scene.instances) {
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    Instance& instance = scene.instances[i];
     if (instance.removed || instance.node < first) continue;
-    instance.placed = true;
+    if (instance.copy >= 0 && !instance.placed) instance.placed = !addOffset(scene, i);
     if (instance.hidden) hide(instance.node);
   }
   for (const Light& light : scene.lights)
@@ -157,6 +172,129 @@ uint32_t addNode(Scene& scene, const NewNode& added) {
   assignWeights(scene, added, rigNode);
   addParts(scene, added, index);
   return index;
+}
+
+// --- moved nodes ----------------------------------------------------------------------------------------------------
+
+namespace {
+
+// The part of a matrix that a translation, a rotation and a scale represent.
+RigNode decomposed(const dmat4& matrix) {
+  dvec3 scale;
+  dmat4 rotation(1);
+  for (int i = 0; i < 3; ++i) scale[i] = glm::length(dvec3(matrix[i]));
+  if (glm::determinant(glm::dmat3(matrix)) < 0) scale.x = -scale.x;
+  for (int i = 0; i < 3; ++i)
+    if (scale[i] != 0) rotation[i] = matrix[i] / scale[i];
+  const glm::dquat q = glm::normalize(glm::quat_cast(glm::dmat3(rotation)));
+  return {.matrix = matrix, .translation = dvec3(matrix[3]), .scale = scale, .rotation = {q.x, q.y, q.z, q.w}};
+}
+
+// The largest error of a decomposition, relative to the matrix's largest number.
+double errorOf(const RigNode& node) {
+  const dmat4 composed = composeTransform(node.translation, node.rotation, node.scale);
+  double error = 0, largest = 0;
+  for (int i = 0; i < 12; ++i) {
+    error = std::max(error, std::abs(composed[i / 4][i % 4] - node.matrix[i / 4][i % 4]));
+    largest = std::max(largest, std::abs(node.matrix[i / 4][i % 4]));
+  }
+  return largest > 0 ? error / largest : 0;
+}
+
+bool isAnimated(const Rig& rig, uint32_t node) {
+  const auto moves = [node](const Track& track) {
+    return track.node == node && track.property <= AnimatedProperty::Scale;
+  };
+  return std::ranges::any_of(rig.animations, [&](const Animation& a) { return std::ranges::any_of(a.tracks, moves); });
+}
+
+// `from` with another transform.
+RigNode withTransform(const Rig& rig, uint32_t node, const dmat4& parentFromNode, const std::string& owner) {
+  constexpr double kRoundingOfDoubles = 1e-12, kRoundingOfFloats = 1e-6;
+  RigNode to = rig.nodes[node];
+  const bool animated = isAnimated(rig, node);
+  const RigNode parts = decomposed(parentFromNode);
+  to.hasMatrix = !(errorOf(parts) <= (animated ? kRoundingOfFloats : kRoundingOfDoubles));
+  if (animated && to.hasMatrix)
+    badUsage("the matrix of {} shears, but animations move the node: give a rotation, a scale and a translation",
+             owner);
+  to.matrix = parentFromNode;
+  to.translation = parts.translation;
+  to.rotation = parts.rotation;
+  to.scale = parts.scale;
+  return to;
+}
+
+// Poses a skinned mesh by joints that were moved.
+void poseByJoints(const Scene& scene, const Pose& rest, Mesh& mesh) {
+  const auto joints = jointMatrices(scene.rig.skins[static_cast<size_t>(mesh.deformation->skin)], rest);
+  if (isMirrored(reachOf(*mesh.deformation), joints) != mesh.deformation->mirroredAtRest) {
+    auto turned = std::make_shared<Deformation>(*mesh.deformation);
+    turned->mirroredAtRest = !turned->mirroredAtRest;
+    mesh.deformation = std::move(turned);
+    for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);
+  }
+  poseAtRest(scene, mesh);
+  findBounds(mesh);
+}
+
+// Moves everything that follows the nodes of the rig that `isMoved` marks to the rest pose.
+void moveFollowers(Scene& scene, const Pose& rest, const std::vector<bool>& isMoved) {
+  const Rig& rig = scene.rig;
+  const auto follows = [&](int node) { return node >= 0 && isMoved[rig.sceneNodes[static_cast<size_t>(node)]]; };
+  const auto worldOf = [&](int node) { return rest.world[rig.sceneNodes[static_cast<size_t>(node)]]; };
+  for (size_t i = 0; i < scene.nodes.size(); ++i)
+    if (follows(static_cast<int>(i))) scene.nodes[i].toWorld = toWorldFromGltf() * worldOf(static_cast<int>(i));
+  const std::vector<dmat4> transforms = instanceTransforms(scene, rest);
+  for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+    Instance& instance = scene.instances[i];
+    if (instance.removed || instance.placed || !follows(static_cast<int>(instance.node))) continue;
+    instance.toWorld = transforms[i];
+    scene.edits.instances.note(i);
+  }
+  for (uint32_t i = 0; i < scene.lights.size(); ++i) {
+    if (scene.lights[i].removed || !follows(scene.lights[i].node)) continue;
+    placeLight(scene.lights[i], worldOf(scene.lights[i].node));
+    scene.edits.lights.note(i);
+  }
+  for (Camera& camera : scene.cameras)
+    if (follows(camera.node)) placeCamera(camera, worldOf(camera.node));
+  for (uint32_t i = 0; i < scene.meshes.size(); ++i) {
+    const auto& deformation = scene.meshes[i].deformation;
+    if (scene.meshes[i].removed || !deformation || deformation->skin < 0) continue;
+    const Skin& skin = rig.skins[static_cast<size_t>(deformation->skin)];
+    if (std::ranges::none_of(skin.joints, [&](uint32_t joint) { return isMoved[joint]; })) continue;
+    poseByJoints(scene, rest, scene.meshes[i]);
+    scene.edits.meshes.note(i);
+  }
+}
+
+// The rest pose with another transform of a node. Throws Error(Usage), with the rig unchanged, if it is not finite.
+Pose restWith(Scene& scene, uint32_t rigNode, const RigNode& to, const std::string& owner) {
+  const RigNode before = std::exchange(scene.rig.nodes[rigNode], to);
+  try {
+    return restPose(scene);
+  } catch (const Error&) {
+    scene.rig.nodes[rigNode] = before;
+    badUsage("{} would get a transform that is not finite, or a node below it would", owner);
+  }
+}
+
+}  // namespace
+
+void setNodeTransform(Scene& scene, uint32_t node, const dmat4& parentFromNode) {
+  const uint32_t rigNode = rigNodeOf(scene, node);
+  const std::string owner = fmt::format("the node {}", printable(scene.nodes[node].path));
+  if (scene.nodes[node].added > 0) badUsage("{} is that of an added instance: move the instance", owner);
+  checkTransform({.hasMatrix = true, .matrix = parentFromNode}, parentFromNode, owner);
+  const Pose rest = restWith(scene, rigNode, withTransform(scene.rig, rigNode, parentFromNode, owner), owner);
+  scene.nodes[node].local = parentFromNode;
+  std::vector<bool> isMoved(scene.rig.nodes.size());
+  isMoved[rigNode] = true;
+  for (const uint32_t index : scene.rig.order)
+    if (const int parent = scene.rig.nodes[index].parent; parent >= 0 && isMoved[static_cast<size_t>(parent)])
+      isMoved[index] = true;
+  moveFollowers(scene, rest, isMoved);
 }
 
 // --- skins ----------------------------------------------------------------------------------------------------------

@@ -1,6 +1,6 @@
-// Adds nodes, skins and animations to a scene, so that a scene in memory moves as one from a glTF file does. The
-// functions extend Scene::rig, which then covers all nodes of the scene; elements that were there before stay where
-// they are. Nothing that they add can be removed, except for instances.
+// Adds nodes, skins and animations to a scene, so that a scene in memory moves as one from a glTF file does, and moves
+// nodes. The functions extend Scene::rig, which then covers all nodes of the scene; elements that were there before
+// stay where they are. Nothing that they add can be removed, except for instances.
 //
 // Every function throws Error(Usage) for invalid values, and for a scene that is not in glTF's frame. The scene is then
 // unchanged.
@@ -28,6 +28,10 @@ struct NewNode {
 // Adds a node with an instance per part, which follows the node, or the joints if the part's mesh has a skin. Returns
 // the node's index. Parts with morph targets get the node's weights; a mesh can have those of one node only.
 uint32_t addNode(Scene& scene, const NewNode& added);
+
+// Moves a node at rest, and with it all that follows the nodes below it. `parentFromNode` is stored as a translation, a
+// rotation and a scale, which animations can change, unless only a matrix can represent it.
+void setNodeTransform(Scene& scene, uint32_t node, const dmat4& parentFromNode);
 
 // Adds a skin and returns its index. `joints`: indices into Scene::nodes. `inverseBind`: one per joint.
 uint32_t addSkin(Scene& scene, std::span<const uint32_t> joints, std::vector<mat4> inverseBind);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <mutex>
+#include <utility>
+#include <vector>
 
 #include "base/parallel.h"
 #include "shared/light.h"
@@ -77,19 +79,44 @@ uint64_t Mesh::bytes() const {
          indices.size() * sizeof(uint32_t);
 }
 
+namespace {
+
+// Runs body(block, begin, end) on all threads for blocks of [0, count) that do not depend on the number of threads, so
+// that results combined in the order of the blocks do not either.
+constexpr size_t kBlock = size_t{1} << 16;
+template <typename Body>
+void forEachBlock(size_t count, Body body) {
+  parallelFor((count + kBlock - 1) / kBlock, 1, [&](size_t first, size_t last) {
+    for (size_t block = first; block < last; ++block)
+      body(block, block * kBlock, std::min((block + 1) * kBlock, count));
+  });
+}
+
+}  // namespace
+
 void findBounds(Mesh& mesh) {
-  mesh.boundsMin = mesh.boundsMax = mesh.positions.empty() ? vec3(0) : mesh.positions.front();
-  for (const vec3& p : mesh.positions) {
-    mesh.boundsMin = glm::min(mesh.boundsMin, p);
-    mesh.boundsMax = glm::max(mesh.boundsMax, p);
-  }
-  float squared = 0;
-  for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-    const vec3 &a = mesh.positions[mesh.indices[i]], &b = mesh.positions[mesh.indices[i + 1]],
-               &c = mesh.positions[mesh.indices[i + 2]];
-    for (const vec3& edge : {b - a, c - b, a - c}) squared = std::max(squared, glm::dot(edge, edge));
-  }
-  mesh.longestEdge = std::sqrt(squared);
+  const size_t vertices = mesh.positions.size(), triangles = mesh.indices.size() / 3;
+  mesh.boundsMin = mesh.boundsMax = vertices == 0 ? vec3(0) : mesh.positions.front();
+  std::vector<std::pair<vec3, vec3>> boxes((vertices + kBlock - 1) / kBlock, {mesh.boundsMin, mesh.boundsMax});
+  forEachBlock(vertices, [&](size_t block, size_t begin, size_t end) {
+    auto [low, high] = boxes[block];
+    for (size_t i = begin; i < end; ++i)
+      low = glm::min(low, mesh.positions[i]), high = glm::max(high, mesh.positions[i]);
+    boxes[block] = {low, high};
+  });
+  for (const auto& [low, high] : boxes)
+    mesh.boundsMin = glm::min(mesh.boundsMin, low), mesh.boundsMax = glm::max(mesh.boundsMax, high);
+  std::vector<float> squares((triangles + kBlock - 1) / kBlock);
+  forEachBlock(triangles, [&](size_t block, size_t begin, size_t end) {
+    float squared = 0;
+    for (size_t i = 3 * begin; i < 3 * end; i += 3) {
+      const vec3 &a = mesh.positions[mesh.indices[i]], &b = mesh.positions[mesh.indices[i + 1]],
+                 &c = mesh.positions[mesh.indices[i + 2]];
+      for (const vec3& edge : {b - a, c - b, a - c}) squared = std::max(squared, glm::dot(edge, edge));
+    }
+    squares[block] = squared;
+  });
+  mesh.longestEdge = std::sqrt(squares.empty() ? 0 : std::ranges::max(squares));
 }
 
 // The origin lies within a factor of two of every vertex, so that the differences are exact (Sterbenz 1974,

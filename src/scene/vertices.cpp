@@ -2,19 +2,25 @@
 #include "scene/vertices.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 
+#include "base/parallel.h"
 #include "scene/tangents.h"
 
 namespace latelight::scene {
 namespace {
 
+constexpr size_t kVerticesPerTask = 16384, kTrianglesPerTask = 16384;
+
 template <typename T>
 void unshare(std::vector<T>& stream, const std::vector<uint32_t>& indices) {
   if (stream.empty()) return;
   std::vector<T> out(indices.size());
-  for (size_t i = 0; i < indices.size(); ++i) out[i] = stream[indices[i]];
+  parallelFor(indices.size(), kVerticesPerTask, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) out[i] = stream[indices[i]];
+  });
   stream = std::move(out);
 }
 
@@ -52,32 +58,39 @@ bool hasMeaningfulNormal(const Vertices& v, const uint32_t* corner, double doubl
   return doubleArea > 16 * rounding * longest;
 }
 
-// Returns the maximum cosine between each vertex's normal and the triangles around it; below -1 if there are none.
-std::vector<float> cosinesToTriangles(const Vertices& v, const std::vector<uint32_t>& indices) {
-  std::vector<float> cosines(v.normals.size(), -2.0f);
-  for (size_t i = 0; i + 2 < indices.size(); i += 3) {
-    const glm::dvec3 area = areaNormal(v, &indices[i]);
-    const double length = glm::length(area);
-    if (!std::isfinite(length) || !hasMeaningfulNormal(v, &indices[i], length)) continue;
-    const vec3 normal(area / length);
-    for (size_t corner = i; corner < i + 3; ++corner) {
-      float& cosine = cosines[indices[corner]];
-      cosine = std::max(cosine, glm::dot(v.normals[indices[corner]], normal));
+// Flags of a vertex: there are triangles around it, and its normal agrees with one of them.
+enum : uint8_t { kHasTriangle = 1, kAgrees = 2 };
+
+// Returns for each vertex whether there are triangles around it, and whether its normal is within `cosine` of one.
+std::vector<uint8_t> compareWithTriangles(const Vertices& v, const std::vector<uint32_t>& indices, float cosine) {
+  std::vector<uint8_t> found(v.normals.size());
+  parallelFor(indices.size() / 3, kTrianglesPerTask, [&](size_t begin, size_t end) {
+    for (size_t i = 3 * begin; i < 3 * end; i += 3) {
+      const glm::dvec3 area = areaNormal(v, &indices[i]);
+      const double length = glm::length(area);
+      if (!std::isfinite(length) || !hasMeaningfulNormal(v, &indices[i], length)) continue;
+      const vec3 normal(area / length);
+      for (size_t corner = i; corner < i + 3; ++corner) {
+        const bool agrees = glm::dot(v.normals[indices[corner]], normal) >= cosine;
+        const std::atomic_ref<uint8_t> vertex(found[indices[corner]]);
+        const uint8_t before = vertex.load(std::memory_order_relaxed);
+        const uint8_t now = before | kHasTriangle | (agrees ? kAgrees : 0);
+        if (now != before) vertex.fetch_or(now, std::memory_order_relaxed);
+      }
     }
-  }
-  return cosines;
+  });
+  return found;
 }
 
 // The threshold is 120 degrees, 30 degrees past perpendicular, so that intentionally bent normals, such as those of
 // leaves, stay unchanged.
 std::vector<bool> turnOver(Vertices& v, const std::vector<uint32_t>& indices) {
-  constexpr float kInverted = -0.5f, kNoTriangle = -1.5f;
-  const std::vector<float> cosines = cosinesToTriangles(v, indices);
-  const auto isInverted = [](float cosine) { return cosine < kInverted && cosine > kNoTriangle; };
-  if (!std::ranges::any_of(cosines, isInverted)) return {};
-  std::vector<bool> turned(cosines.size());
-  for (size_t i = 0; i < cosines.size(); ++i) {
-    if (!isInverted(cosines[i])) continue;
+  constexpr float kInverted = -0.5f;
+  const std::vector<uint8_t> found = compareWithTriangles(v, indices, kInverted);
+  if (!std::ranges::any_of(found, [](uint8_t vertex) { return vertex == kHasTriangle; })) return {};
+  std::vector<bool> turned(found.size());
+  for (size_t i = 0; i < found.size(); ++i) {
+    if (found[i] != kHasTriangle) continue;
     turned[i] = true;
     v.normals[i] = -v.normals[i];
     if (!v.tangents.empty()) v.tangents[i].w = -v.tangents[i].w;
@@ -94,12 +107,14 @@ void makeFlatNormals(Vertices& v, std::vector<uint32_t>& indices) {
   unshare(v.uv[1], indices);
   unshare(v.origin, indices);
   v.tangents.clear();  // tangents are meaningless without normals
-  for (size_t i = 0; i < indices.size(); ++i) indices[i] = uint32_t(i);
+  std::iota(indices.begin(), indices.end(), 0u);
   v.normals.resize(indices.size());
-  for (size_t i = 0; i + 2 < indices.size(); i += 3) {
-    vec3 normal = unitOrUp(areaNormal(v, &indices[i]));
-    for (size_t corner = i; corner < i + 3; ++corner) v.normals[corner] = normal;
-  }
+  parallelFor(indices.size() / 3, kTrianglesPerTask, [&](size_t begin, size_t end) {
+    for (size_t i = 3 * begin; i < 3 * end; i += 3) {
+      vec3 normal = unitOrUp(areaNormal(v, &indices[i]));
+      for (size_t corner = i; corner < i + 3; ++corner) v.normals[corner] = normal;
+    }
+  });
 }
 
 std::vector<bool> repairNormals(Vertices& v, const std::vector<uint32_t>& indices) {
@@ -145,9 +160,11 @@ Mesh pack(Vertices v, std::vector<uint32_t> indices) {
   Mesh mesh;
   size_t count = v.positions.size();
   mesh.attributes.resize(count);
-  for (size_t i = 0; i < count; ++i)
-    mesh.attributes[i] = {v.normals[i], v.tangents.empty() ? vec4(0) : v.tangents[i],
-                          v.uv[0].empty() ? vec2(0) : v.uv[0][i]};
+  parallelFor(count, kVerticesPerTask, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i)
+      mesh.attributes[i] = {v.normals[i], v.tangents.empty() ? vec4(0) : v.tangents[i],
+                            v.uv[0].empty() ? vec2(0) : v.uv[0][i]};
+  });
   if (!v.uv[1].empty() || !v.colors.empty()) {
     mesh.extras.resize(count);
     for (size_t i = 0; i < count; ++i)

@@ -91,6 +91,16 @@ TEST_F(CocoTest, AmodalMasks) {
 }
 
 // 32 pixels per meter; the front square has half the size.
+TEST_F(CocoTest, KeypointsThatNoObjectHasAreWarnedOf) {
+  const auto warnings = [&](const std::string& node) {
+    testing::internal::CaptureStderr();
+    written({{"categories", "node"}, {"keypoints", {{{"name", "tip"}, {"node", node}}}}});
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_THAT(warnings("hand"), testing::HasSubstr("no visible object has a node of the keypoints"));
+  EXPECT_EQ(warnings(""), "");
+}
+
 TEST_F(CocoTest, KeypointsOfObjects) {
   const Json set = written({{"categories", "node"},
                             {"keypoints",

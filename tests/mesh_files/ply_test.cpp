@@ -1,4 +1,6 @@
 // PLY files in the three encodings, with the names that programs give to their properties.
+#include <cmath>
+
 #include "mesh_files/support.h"
 
 namespace latelight::scene::test {
@@ -110,6 +112,88 @@ TEST_P(Ply, ShortFilesAreReported) {
                            values<float>({1, 2}) + values<double>({3}) + values<int32_t>({2'000'000'000}) +
                            values<int32_t>({0, 0, 0});
   EXPECT_THAT(MeshFile("a.ply", list).error(), HasSubstr("ends in row 1"));
+}
+
+// A strip of squares along X, of which each is two triangles with a byte before and a float after its corners; more
+// rows than one thread reads.
+struct Grid {
+  static constexpr uint32_t kColumns = 20001, kFaces = 2 * (kColumns - 1);
+  std::vector<std::array<uint32_t, 3>> faces;
+  Grid() {
+    for (uint32_t i = 0; i + 1 < kColumns; ++i) {
+      faces.push_back({2 * i, 2 * i + 2, 2 * i + 3});
+      faces.push_back({2 * i, 2 * i + 3, 2 * i + 1});
+    }
+  }
+};
+
+class PlyGrid : public Ply {
+ protected:
+  std::string file(const Grid& grid) const {
+    std::string text = start() + fmt::format("element vertex {}\n", 2 * Grid::kColumns) + kPosition +
+                       "property float nx\nproperty float ny\nproperty float nz\n" +
+                       fmt::format("element face {}\n", grid.faces.size()) +
+                       "property uchar flag\nproperty list uchar int vertex_indices\nproperty float quality\n"
+                       "element extra 1\nproperty int number\nend_header\n";
+    for (uint32_t i = 0; i < 2 * Grid::kColumns; ++i) {
+      text += values<float>({float(i / 2), float(i % 2)}) + values<double>({0.5}) + values<float>({0, 0, 2});
+    }
+    for (const auto& face : grid.faces)
+      text +=
+          values<uint8_t>({7, 3}) + values<int32_t>({int(face[0]), int(face[1]), int(face[2])}) + values<float>({9});
+    return text + values<int32_t>({5});
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Encodings, PlyGrid,
+                         testing::Values(Encoding{"ascii", true, false}, Encoding{"binary_little_endian", false, false},
+                                         Encoding{"binary_big_endian", false, true}),
+                         [](const auto& info) { return std::string(info.param.format); });
+
+TEST_P(PlyGrid, TrianglesAreReadOnAllThreads) {
+  const Grid grid;
+  const Scene scene = MeshFile("a.ply", file(grid)).load();
+  ASSERT_EQ(scene.meshes.size(), 1u);
+  const Mesh& mesh = scene.meshes[0];
+  ASSERT_EQ(mesh.indices.size(), size_t{3} * Grid::kFaces);
+  for (size_t i = 0; i < mesh.indices.size(); ++i) ASSERT_EQ(mesh.indices[i], grid.faces[i / 3][i % 3]) << i;
+  ASSERT_EQ(mesh.positions.size(), size_t{2} * Grid::kColumns);
+  for (size_t i = 0; i < mesh.positions.size(); ++i) {
+    ASSERT_EQ(mesh.positions[i], vec3(float(i / 2), float(i % 2), 0.5f)) << i;
+    ASSERT_EQ(mesh.attributes[i].normal, vec3(0, 0, 1)) << i;
+  }
+  EXPECT_EQ(mesh.boundsMin, vec3(0, 0, 0.5f));
+  EXPECT_EQ(mesh.boundsMax, vec3(float(Grid::kColumns - 1), 1, 0.5f));
+  EXPECT_FLOAT_EQ(mesh.longestEdge, std::sqrt(2.0f));
+}
+
+// Rows of text need not be lines: they may be split, share a line, and be separated by blank lines.
+TEST(PlyLines, AreNotRows) {
+  constexpr uint32_t kColumns = 20001;
+  const auto file = [](bool isIrregular) {
+    std::string text = "ply\nformat ascii 1.0\n" + fmt::format("element vertex {}\n", 2 * kColumns) + kPosition +
+                       fmt::format("element face {}\n", 2 * (kColumns - 1)) +
+                       "property list uchar int vertex_indices\nend_header\n";
+    for (uint32_t i = 0; i < 2 * kColumns; ++i)
+      text += fmt::format("{} {}{}0.5{}\n", i / 2, i % 2, isIrregular && i == 30000 ? "\n" : " ", i == 7 ? " " : "");
+    for (uint32_t i = 0; i + 1 < kColumns; ++i)
+      text += fmt::format("3 {} {} {}{}3 {} {} {}{}\n", 2 * i, 2 * i + 2, 2 * i + 3, isIrregular && i == 9 ? " " : "\n",
+                          2 * i, 2 * i + 3, 2 * i + 1, isIrregular && i == 20 ? "\n\n" : "");
+    return text.substr(0, text.size() - 1);  // the last line has no end
+  };
+  const Scene lines = MeshFile("a.ply", file(false)).load(), other = MeshFile("a.ply", file(true)).load();
+  ASSERT_EQ(lines.meshes[0].indices.size(), size_t{6} * (kColumns - 1));
+  EXPECT_EQ(lines.meshes[0].positions, other.meshes[0].positions);
+  EXPECT_EQ(lines.meshes[0].indices, other.meshes[0].indices);
+  EXPECT_EQ(cornersOf(lines)[6 * 12345 + 2], dvec3(12346, 1, 0.5));
+}
+
+TEST_P(PlyGrid, InvalidCornersAreReportedByFace) {
+  for (const uint32_t wrong : {2 * Grid::kColumns, ~0u}) {
+    Grid grid;
+    grid.faces[30000][1] = wrong;
+    EXPECT_THAT(MeshFile("a.ply", file(grid)).error(),
+                HasSubstr(fmt::format("face 30001 refers to vertex {}, but", int(wrong))));
+  }
 }
 
 std::string textured(const std::string& names) {

@@ -1,6 +1,9 @@
 """Nodes, skins, morph targets and animations of scenes in memory: against closed forms, and against the same scene that
 is loaded from a glTF file."""
 
+import base64
+import json
+
 import numpy as np
 import pytest
 
@@ -163,6 +166,139 @@ def test_cameras_and_lights_follow_nodes(device):
     assert lit[1] / lit[0] == pytest.approx(5 / 26**1.5 * 9, rel=0.1)
 
 
+# --- moved nodes ------------------------------------------------------------------------------------------------------
+
+
+def at(x, y, z):
+    transform = np.eye(4)
+    transform[:3, 3] = (x, y, z)
+    return transform
+
+
+def turned(axis, angle):
+    """About X, Y or Z."""
+    transform = np.eye(4)
+    a, b = (axis + 1) % 3, (axis + 2) % 3
+    transform[a, a] = transform[b, b] = np.cos(angle)
+    transform[a, b], transform[b, a] = -np.sin(angle), np.sin(angle)
+    return transform
+
+
+def test_moved_nodes_carry_what_is_below_them(device):
+    scene = Scene()
+    mesh, look = scene.add_mesh(SQUARE, FACES, normals=NORMALS), paint(scene)
+    base = scene.add_node("base", matrix=np.diag([2.0, 2, 2, 1]))
+    arm = scene.add_node("arm", base, translation=(0, 0, 1))
+    hand = scene.add_node("hand", arm, scale=(0.5, 0.5, 0.5), parts=[(mesh, look)])
+    beside = scene.add_node("beside", base, translation=(5, 0, 0), parts=[(mesh, look)])
+    scene.add_camera(Camera(name="eye"), node=hand)
+    light = scene.add_light(Light(intensity=5), node=arm)
+    renderer = latelight.Renderer(scene, device)
+    distance = lambda x: pytest.approx(float(renderer.cast([(x, 0, 10)], [(0, 0, -1)])["distance"][0]), abs=1e-5)
+    assert (distance(0), distance(10)) == (8, 10)
+    scene.set_node_transform(arm, at(0, 0, 3))
+    assert (distance(0), distance(10)) == (4, 10)  # twice 3 of 10
+    assert {node.path: node.transform[2, 3] for node in scene.nodes} == {base: 0, arm: 6, hand: 6, beside: 0}
+    np.testing.assert_allclose(scene.light(light).position, (0, 0, 6))
+    np.testing.assert_allclose(scene.cameras[0].camera_to_world[:3, 3], (0, 0, 6))
+    np.testing.assert_allclose(scene.bounds, ((-1, -2, 0), (12, 2, 6)))
+    scene.set_transform(scene.instances(hand)[0], at(0, 0, 1))  # is placed, and follows its node no longer
+    scene.set_node_transform(arm, at(0, 0, 4))
+    assert distance(0) == 9
+    scene.add_animation("lift", [AnimationChannel(node=arm, property="translation", times=[0], values=[[0, 0, 2]])])
+    np.testing.assert_allclose(scene.cameras_at(0)[0].camera_to_world[:3, 3], (0, 0, 4))
+    np.testing.assert_allclose(scene.cameras[0].camera_to_world[:3, 3], (0, 0, 8))
+
+
+def test_moved_joints_bend_meshes(device):
+    scene = Scene()
+    _, tip = bent_sheet(scene, paint(scene))
+    renderer = latelight.Renderer(scene, device)
+    for angle in (0.3, 0.9):
+        scene.set_node_transform(tip, at(1, 0, 0) @ turned(1, -angle))
+        for x in (0.25, 1.25, 1.75):  # linear blend skinning, as in test_joints_bend_meshes
+            s = np.clip(x - 0.5, 0, 1)
+            point = (1 - s) * x + s * (1 + (x - 1) * np.cos(angle)), s * (x - 1) * np.sin(angle)
+            distance = float(renderer.cast([(point[0], 0.5, 10)], [(0, 0, -1)])["distance"][0])
+            assert distance == pytest.approx(10 - point[1], abs=1e-5)
+
+
+def test_moved_nodes_are_shown_as_in_their_file(tmp_path, device):
+    """A renderer that was created before the nodes moved, a new one, and one of the exported file."""
+    scene = animated_scene()
+    renderer = latelight.Renderer(scene, device)
+    renderer.render(scene.default_camera(4 / 3), (64, 48), OUTPUTS)
+    mirrored = at(1, 0, 0) @ np.diag([1.0, -1, 1, 1])
+    moves = {"/root/tip": mirrored, "/face": at(-2, 1, 0) @ turned(0, 0.5), "/still": np.diag([1, 0.5, 1, 1]) @ turned(2, 1)}
+    moves |= {"/sun": turned(0, -0.5), "/eye": at(0.5, 1, 8)}
+    for node, transform in moves.items():
+        scene.set_node_transform(node, transform)
+    scene.export(tmp_path / "moved.glb")
+    loaded = Scene(tmp_path / "moved.glb")
+    for time in (None, 0.3125, 1.7):
+        images = [
+            shown.render(one.default_camera(4 / 3, time), (64, 48), OUTPUTS, time=time)
+            for one, shown in ((scene, renderer), (scene, latelight.Renderer(scene, device)), (loaded, latelight.Renderer(loaded, device)))
+        ]
+        assert np.isfinite(images[0]["depth"]).sum() > 100
+        for name in OUTPUTS:
+            assert images[0][name].tobytes() == images[1][name].tobytes(), (time, name)
+            if name in ("id", "part"):
+                assert images[0][name].tobytes() == images[2][name].tobytes(), (time, name)
+            else:
+                np.testing.assert_allclose(images[0][name], images[2][name], rtol=1e-4, atol=1e-5, err_msg=f"{time} {name}")
+
+
+def copies_file(path):
+    """A file without animations: a square below two nodes, twice by EXT_mesh_gpu_instancing."""
+    moves = np.float32([[0, 0, 0], [3, 0, 0]])
+    data = SQUARE.tobytes() + np.uint32(FACES).tobytes() + moves.tobytes()
+    views = [(0, 48), (48, 24), (72, 24)]
+    accessors = [("VEC3", 5126, 4), ("SCALAR", 5125, 6), ("VEC3", 5126, 2)]
+    document = {
+        "asset": {"version": "2.0"},
+        "extensionsUsed": ["EXT_mesh_gpu_instancing"],
+        "buffers": [{"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}],
+        "bufferViews": [{"buffer": 0, "byteOffset": begin, "byteLength": size} for begin, size in views],
+        "accessors": [
+            {"bufferView": i, "type": kind, "componentType": of, "count": count} for i, (kind, of, count) in enumerate(accessors)
+        ],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "nodes": [
+            {"name": "base", "children": [1], "translation": [0, 0, 1]},
+            {"name": "arm", "children": [2, 3], "translation": [0, 0, 1]},
+            {"name": "hand", "mesh": 0},
+            {"name": "copies", "mesh": 0, "translation": [5, 0, 0],
+             "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 2}}}},
+        ],
+        "scenes": [{"nodes": [0]}],
+        "scene": 0,
+    }
+    document["accessors"][0] |= {"min": [-1, -1, 0], "max": [1, 1, 0]}
+    path.write_text(json.dumps(document))
+    return Scene(path)
+
+
+def test_nodes_of_files_move(tmp_path, device):
+    scene = copies_file(tmp_path / "copies.gltf")
+    renderer = latelight.Renderer(scene, device)
+
+    def distances(*x):
+        hits = renderer.cast([(a, 0, 10) for a in x], [(0, 0, -1)] * len(x))
+        return pytest.approx(hits["distance"].tolist(), abs=1e-5)
+
+    assert distances(0, 5, 8) == [8, 8, 8]
+    scene.set_node_transform("/base/arm", at(0, 0, 4))
+    assert distances(0, 5, 8) == [5, 5, 5]
+    scene.set_node_transform("/base", at(0, 0, 0))
+    assert distances(0, 5, 8) == [6, 6, 6]
+    scene.set_node_transform("/base/arm/copies", at(4, 0, 1))
+    assert distances(0, 4, 7) == [6, 5, 5]
+    scene.export(tmp_path / "moved.glb")
+    renderer = latelight.Renderer(Scene(tmp_path / "moved.glb"), device)
+    assert distances(0, 4, 7) == [6, 5, 5]
+
+
 # --- the same scene from a file ---------------------------------------------------------------------------------------
 
 
@@ -319,3 +455,36 @@ def test_invalid_animations_are_refused():
     boxes = Scene("builtin:boxes")
     assert boxes.add_node("x") == "/x"
     assert scene.animations == [] and len(scene.nodes) == 2
+
+
+def test_invalid_moves_are_refused(tmp_path):
+    scene = Scene()
+    mesh, look = scene.add_mesh(SQUARE, FACES), paint(scene)
+    parent = scene.add_node("parent", matrix=np.diag([1e30, 1, 1, 1]))
+    node = scene.add_node("node", parent, translation=(1, 0, 0), parts=[(mesh, look)])
+    scene.add_instance(mesh, look, name="added")
+    sheared = np.eye(4)
+    sheared[0, 1] = 0.5
+
+    def refused(words, path, transform):
+        before = {node.path: node.transform.tolist() for node in scene.nodes}
+        with pytest.raises(latelight.UsageError, match=words) as caught:
+            scene.set_node_transform(path, transform)
+        assert "\n" not in str(caught.value)
+        assert {node.path: node.transform.tolist() for node in scene.nodes} == before
+
+    refused('no node "/nothing": give the path', "/nothing", np.eye(4))
+    refused("last row 0 0 0 1", node, np.ones((4, 4)))
+    refused("transform must hold finite numbers", node, np.diag([np.inf, 1, 1, 1]))
+    refused("/parent/node has a transform that is not finite", node, np.diag([1e300, 1, 1, 1]))
+    refused("/parent/node would get a transform that is not finite, or a node below", node, np.diag([1e30, 1, 1, 1]))
+    refused("/added is that of an added instance: move the instance", "/added", np.eye(4))
+    refused("transform must be an array of shape", node, np.eye(3))
+    scene.set_node_transform(node, sheared)
+    np.testing.assert_array_equal(scene.nodes[1].transform[:3, 1], (0.5e30, 1, 0))
+    scene.set_node_transform(node, np.eye(4))
+    scene.add_animation("turn", [AnimationChannel(node=node, property="rotation", times=[0], values=[[0, 0, 0, 1]])])
+    refused("the matrix of the node /parent/node shears, but animations move the node", node, sheared)
+    (tmp_path / "flat.stl").write_text("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n")
+    with pytest.raises(latelight.UsageError, match="has Z up: only scenes in glTF's frame"):
+        Scene(tmp_path / "flat.stl").set_node_transform("/flat", np.eye(4))

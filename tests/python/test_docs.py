@@ -1,5 +1,6 @@
 """The code of README.md, of the examples and of the pages below, run as it stands."""
 
+import importlib.util
 import json
 import re
 import shutil
@@ -163,6 +164,25 @@ def test_objaverse_views(tmp_path):
     assert json.loads((tmp_path / "shell" / "metadata.json").read_text())["poly_count"] == 4
     run_example("objaverse_views.py", "--object_path", "corner.obj", "--output_dir", "ring", "--num_images", 4, cwd=tmp_path)
     assert sorted(path.name for path in (tmp_path / "ring" / "corner").iterdir()) == [f"{i:03}.png" for i in range(4)]
+
+
+def test_examples_name_what_is_wrong(tmp_path):
+    (tmp_path / "bad.yaml").write_text("a: 1")
+    cases = [
+        (3, "The scene file none.glb does not exist", "objaverse_views.py", "--object_path", "none.glb"),
+        (2, "must be at least 1", "objaverse_views.py", "--object_path", "none.glb", "--num_renders", "0"),
+    ]
+    if importlib.util.find_spec("yaml"):
+        cases += [
+            (2, "cannot be read: No such file", "blenderproc_yaml.py", "none.yaml"),
+            (2, "must have a list of modules", "blenderproc_yaml.py", "bad.yaml"),
+        ]
+    else:
+        cases.append((2, "requires the package PyYAML", "blenderproc_yaml.py", "bad.yaml"))
+    for exit_code, words, name, *arguments in cases:
+        program = [sys.executable, str(EXAMPLES / name), *arguments]
+        done = subprocess.run(program, cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == exit_code and words in done.stderr and "Traceback" not in done.stderr, done.stderr
 
 
 BLENDERPROC = """

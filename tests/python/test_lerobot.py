@@ -116,18 +116,46 @@ def test_errors(folder):
 
 
 def test_lerobot_itself(folder):
+    """All columns of all items, the videos, and items with frames of other times, in batches."""
     datasets = pytest.importorskip("lerobot.datasets.lerobot_dataset", reason="the package lerobot is not installed")
+    torch, image = pytest.importorskip("torch"), pytest.importorskip("PIL.Image")
     data = datasets.LeRobotDataset("latelight/set", root=folder / "out")
-    assert len(data) == 8 and data.num_episodes == 2
-    item = data[5]
-    assert item["task"] == "orbit" and int(item["episode_index"]) == 1
-    assert tuple(item["observation.images.left"].shape) == (3, 48, 64)
-    np.testing.assert_allclose(item["observation.state"][:3], poses(folder)[1, 1, 0][:3, 3], atol=1e-5)
-    image = pytest.importorskip("PIL.Image")
-    for i in range(8):  # each frame shows its own image, over black
-        rgba = np.asarray(image.open(folder / f"set/images/{2 * i:06}.png").convert("RGBA"), np.float64) / 255
-        shown = data[i]["observation.images.left"].numpy().transpose(1, 2, 0)[:, :63]
-        assert np.abs(shown - rgba[..., :3] * rgba[..., 3:]).mean() < 0.02
+    assert len(data) == 8 and data.num_episodes == 2 and data.fps == 10
+    states = np.array(pq.read_table(folder / "out/data/chunk-000/file-000.parquet")["observation.state"].to_pylist())
+    assert set(data.features) == {
+        *(f"observation.images.{camera}" for camera in ("left", "right")),
+        *("observation.state", "action", "timestamp", "frame_index", "episode_index", "index", "task_index"),
+    }
+
+    def shown(frame, camera):  # over black
+        number = 2 * frame + (camera == "right")
+        rgba = np.asarray(image.open(folder / f"set/images/{number:06}.png").convert("RGBA"), np.float64) / 255
+        return rgba[..., :3] * rgba[..., 3:]
+
+    for i in range(8):
+        item, episode, frame = data[i], i // 4, i % 4
+        numbers = {name: int(item[name]) for name in ("index", "episode_index", "frame_index", "task_index")}
+        assert numbers == {"index": i, "episode_index": episode, "frame_index": frame, "task_index": 0}
+        assert item["task"] == "orbit" and float(item["timestamp"]) == pytest.approx(frame / 10)
+        for camera, pose in zip((0, 1), poses(folder)[episode, frame]):
+            np.testing.assert_allclose(item["observation.state"][7 * camera :][:3], pose[:3, 3], atol=1e-5)
+        np.testing.assert_allclose(item["action"], states[min(i + 1, 4 * episode + 3)], atol=1e-6)
+        for camera in ("left", "right"):
+            picture = item[f"observation.images.{camera}"]
+            assert tuple(picture.shape) == (3, 48, 64)
+            assert np.abs(picture.numpy().transpose(1, 2, 0)[:, :63] - shown(i, camera)).mean() < 0.02, (i, camera)
+    stats = data.meta.stats["observation.state"]
+    np.testing.assert_allclose(stats["min"], states.min(0), atol=1e-6)
+    np.testing.assert_allclose(stats["max"], states.max(0), atol=1e-6)
+
+    deltas = {"observation.images.left": [-0.1, 0], "action": [0, 0.1, 0.2]}
+    windows = datasets.LeRobotDataset("latelight/set", root=folder / "out", delta_timestamps=deltas)
+    batch = next(iter(torch.utils.data.DataLoader(windows, batch_size=8)))
+    assert tuple(batch["observation.images.left"].shape) == (8, 2, 3, 48, 64)
+    assert tuple(batch["action"].shape) == (8, 3, 14)
+    assert batch["action_is_pad"].tolist() == [[False, i > 2, i > 1] for i in (0, 1, 2, 3)] * 2
+    before = batch["observation.images.left"][6, 0].numpy().transpose(1, 2, 0)[:, :63]
+    assert np.abs(before - shown(5, "left")).mean() < 0.02
 
 
 def test_a_full_disk_leaves_no_data_set(folder, tmp_path):

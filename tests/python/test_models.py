@@ -1,6 +1,7 @@
 """Scenes from trimesh, yourdfpy, usd-core and Open3D. Open3D is too large to be installed for every test."""
 
 import pathlib
+import re
 import sys
 
 import numpy as np
@@ -67,7 +68,9 @@ def test_robots_move_their_joints(tmp_path):
     path = tmp_path / "crane.urdf"
     path.write_text(URDF)
     scene = latelight.from_urdf(path)
-    assert [node.path for node in scene.nodes] == ["/base", "/arm 0", "/arm 1"]
+    arm = "/base/shoulder/arm"
+    nodes = ["/base", "/base/visual", "/base/shoulder", arm, f"{arm}/visual 0", f"{arm}/visual 1"]
+    assert [node.path for node in scene.nodes] == nodes
     assert_bounds(scene, (-0.5, -0.25, -1), (0.5, 2.75, 1))  # 2.5 m above the shoulder, which is at 0.25 m
     robot = yourdfpy.URDF.load(str(path))
     posed = latelight.from_urdf(robot, {"shoulder": np.pi / 2})
@@ -76,8 +79,160 @@ def test_robots_move_their_joints(tmp_path):
     assert_bounds(posed, (-0.5, -0.25, -1), (0.5, 2.75, 1))
     with pytest.raises(latelight.UsageError, match='no joint "elbow": its joints are shoulder'):
         latelight.pose_urdf(posed, robot, {"elbow": 1})
+    with pytest.raises(latelight.UsageError, match='has no node "/base/shoulder"'):
+        latelight.pose_urdf(latelight.Scene("builtin:boxes"), robot, [0])
+    with pytest.raises(latelight.UsageError, match="give a position for each of the 1 joints: shoulder"):
+        latelight.pose_urdf(posed, robot, [0, 1])
+    with pytest.raises(latelight.UsageError, match="positions of joints must be numbers, not 'up'"):
+        latelight.pose_urdf(posed, robot, {"shoulder": "up"})
+    with pytest.raises(latelight.UsageError, match="requires the yourdfpy.URDF that the scene was made from, not "):
+        latelight.pose_urdf(posed, str(path), [0])
     with pytest.raises(latelight.UsageError, match="does not exist"):
         latelight.from_urdf(tmp_path / "missing.urdf")
+
+
+# A tree of joints of each type: a mimicking joint, a turned axis, a link without geometry, and names with slashes.
+TREE = """<robot name="tree">
+<link name="base"><visual><origin xyz="0.1 0 0.2" rpy="0.3 0 0"/><geometry><box size="1 0.5 0.25"/></geometry></visual></link>
+<link name="turret"/><link name="left/finger"><visual><geometry><sphere radius="0.2"/></geometry></visual></link>
+<link name="right/finger"><visual><geometry><cylinder radius="0.1" length="0.4"/></geometry></visual></link>
+<link name="slider"><visual><origin rpy="0 0.5 0.1"/><geometry><box size="0.1 0.2 0.3"/></geometry></visual>
+<visual><origin xyz="0 0.4 0"/><geometry><box size="0.3 0.2 0.1"/></geometry></visual></link>
+<link name="wheel"><visual><geometry><cylinder radius="0.3" length="0.1"/></geometry></visual></link>
+<link name="drone"><visual><geometry><box size="0.2 0.2 0.1"/></geometry></visual></link>
+<link name="puck"><visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual></link>
+<joint name="yaw" type="revolute"><parent link="base"/><child link="turret"/><origin xyz="0 0.2 0.5" rpy="0.1 0.2 0.3"/>
+<axis xyz="0 0.6 0.8"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+<joint name="grip/left" type="prismatic"><parent link="turret"/><child link="left/finger"/><origin xyz="0.5 0 0"/>
+<axis xyz="0 1 0"/><limit lower="0" upper="0.3" effort="1" velocity="1"/></joint>
+<joint name="grip/right" type="prismatic"><parent link="turret"/><child link="right/finger"/><origin xyz="0.5 0 0"/>
+<axis xyz="0 -1 0"/><limit lower="0" upper="0.3" effort="1" velocity="1"/><mimic joint="grip/left" multiplier="0.5" offset="0.1"/></joint>
+<joint name="mount" type="fixed"><parent link="turret"/><child link="slider"/><origin xyz="0 0 0.7" rpy="0 0 1"/></joint>
+<joint name="spin" type="continuous"><parent link="slider"/><child link="wheel"/><origin xyz="0.2 0 0" rpy="1.5 0 0"/>
+<axis xyz="0 0 1"/></joint>
+<joint name="fly" type="floating"><parent link="base"/><child link="drone"/><origin xyz="-1 0 1" rpy="0 0 0.4"/></joint>
+<joint name="glide" type="planar"><parent link="base"/><child link="puck"/><origin xyz="0 -1 0"/><axis xyz="0 0 1"/></joint>
+</robot>"""
+Z_UP = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]])  # from URDF's frame to glTF's
+
+
+def assert_links_are_where_yourdfpy_has_them(scene, robot):
+    by_path = {node.path: np.asarray(node.transform) for node in scene.nodes}
+    by_name = {path.rpartition("/")[2]: transform for path, transform in by_path.items()}
+    for link in robot.link_map:
+        expected = Z_UP @ robot.get_transform(link)
+        np.testing.assert_allclose(by_name[link.replace("/", "_")], expected, atol=1e-6, err_msg=link)
+    for joint in robot.joint_map.values():  # a joint's node is where its child link is
+        expected = Z_UP @ robot.get_transform(joint.child)
+        np.testing.assert_allclose(by_name[joint.name.replace("/", "_")], expected, atol=1e-6, err_msg=joint.name)
+    shown = sum(len(scene.instances(path)) for path in by_path)
+    assert shown == len(robot.scene.graph.nodes_geometry)
+    boxes = []
+    for name in robot.scene.graph.nodes_geometry:
+        transform, geometry = robot.scene.graph[name]
+        points = robot.scene.geometry[geometry].vertices @ transform[:3, :3].T + transform[:3, 3]
+        boxes.append((points @ Z_UP[:3, :3].T).min(0).tolist() + (points @ Z_UP[:3, :3].T).max(0).tolist())
+    found = []
+    for instance in map(scene.instance, scene.instances()):
+        transform = np.asarray(instance.transform)
+        points = scene.mesh_arrays(instance.mesh)["positions"] @ transform[:3, :3].T + transform[:3, 3]
+        found.append(points.min(0).tolist() + points.max(0).tolist())
+    np.testing.assert_allclose(sorted(found), sorted(boxes), atol=1e-6)
+
+
+def random_configuration(robot, random):
+    joints = [robot.joint_map[name] for name in robot.actuated_joint_names]
+    bounded = [joint for joint in joints if joint.type in ("revolute", "prismatic")]
+    values = {joint.name: random.uniform(joint.limit.lower, joint.limit.upper) for joint in bounded}
+    return values | {joint.name: random.uniform(-9, 9) for joint in joints if joint.type == "continuous"}
+
+
+def test_joints_move_all_links_below_them(tmp_path):
+    """The forward kinematics of yourdfpy, in random configurations."""
+    yourdfpy = pytest.importorskip("yourdfpy")
+    (tmp_path / "tree.urdf").write_text(TREE)
+    robot = yourdfpy.URDF.load(str(tmp_path / "tree.urdf"))
+    scene = latelight.from_urdf(robot)
+    assert_links_are_where_yourdfpy_has_them(scene, robot)
+    random = np.random.default_rng(5)
+    for _ in range(8):
+        configuration = random_configuration(robot, random)
+        latelight.pose_urdf(scene, robot, configuration)
+        assert_links_are_where_yourdfpy_has_them(scene, robot)
+        assert_links_are_where_yourdfpy_has_them(latelight.from_urdf(robot), robot)
+    parents = {node.path: node.parent for node in scene.nodes}
+    wheel = "/base/yaw/turret/mount/slider/spin/wheel"
+    assert parents[wheel] == wheel[: -len("/wheel")] and parents["/base"] == ""
+
+
+def test_one_joint_is_moved_by_its_node(tmp_path):
+    """As robots' forward kinematics: a joint's node moves the links below it, and no others."""
+    yourdfpy = pytest.importorskip("yourdfpy")
+    (tmp_path / "tree.urdf").write_text(TREE)
+    robot = yourdfpy.URDF.load(str(tmp_path / "tree.urdf"))
+    scene = latelight.from_urdf(robot)
+    robot.update_cfg({"yaw": 0.8})
+    scene.set_node_transform("/base/yaw", robot.get_transform("turret", "base"))
+    assert_links_are_where_yourdfpy_has_them(scene, robot)
+    scene.add_camera(latelight.Camera(), node="/base/fly/drone")
+    half = np.array([0, 0, np.sin(0.35), np.cos(0.35)])  # 0.7 rad about Z, at the origin of the joint "fly"
+    turn = latelight.AnimationChannel(node="/base/fly", property="rotation", times=[0, 1], values=[[0, 0, 0, 1], half])
+    scene.add_animation("fly", [turn])
+    drone = np.array([[np.cos(0.7), -np.sin(0.7), 0, -1], [np.sin(0.7), np.cos(0.7), 0, 0], [0, 0, 1, 1], [0, 0, 0, 1]])
+    expected = Z_UP @ drone @ np.diag([1, -1, -1, 1])  # from OpenCV's camera frame
+    np.testing.assert_allclose(scene.cameras_at(1)[-1].camera_to_world, expected, atol=1e-6)
+
+
+def test_exported_robots_keep_their_joints(tmp_path):
+    """trimesh reads the nodes of the exported file, and moves the wheel by the node of a joint above it."""
+    yourdfpy = pytest.importorskip("yourdfpy")
+    (tmp_path / "tree.urdf").write_text(TREE)
+    robot = yourdfpy.URDF.load(str(tmp_path / "tree.urdf"))
+    scene = latelight.from_urdf(robot, {"yaw": -0.9, "grip/left": 0.2, "spin": 2})
+    scene.export(tmp_path / "tree.glb")
+    graph = trimesh.load(tmp_path / "tree.glb").graph
+    for link in robot.link_map:
+        expected = Z_UP @ robot.get_transform(link)
+        np.testing.assert_allclose(graph.get(link.replace("/", "_"))[0], expected, atol=1e-6, err_msg=link)
+    for node in scene.nodes:
+        if node.parent:
+            name, parent = (path.rpartition("/")[2] for path in (node.path, node.parent))
+            assert graph.transforms.parents[name] == parent or name.startswith("visual")
+    robot.update_cfg({"yaw": 1.1})
+    graph.update("yaw", frame_from="base", matrix=robot.get_transform("turret", "base"))
+    np.testing.assert_allclose(graph.get("wheel")[0], Z_UP @ robot.get_transform("wheel"), atol=1e-6)
+    exported = latelight.Scene(tmp_path / "tree.glb")  # has the same paths and ids
+    ids = {node.path: node.id for node in scene.nodes}
+    assert {node.path: node.id for node in exported.nodes} == ids
+    latelight.pose_urdf(exported, robot, {"yaw": 0.3, "grip/left": 0.1, "spin": -1})
+    assert_links_are_where_yourdfpy_has_them(exported, robot)
+
+
+def test_robots_of_too_many_nested_links_are_refused(tmp_path, monkeypatch):
+    pytest.importorskip("yourdfpy")
+    monkeypatch.setattr("latelight._from_urdf.MAX_PATH_BYTES", 5000)
+    links = [f'<link name="l{i}"/>' for i in range(40)]
+    joints = [
+        f'<joint name="j{i}" type="fixed"><parent link="l{i}"/><child link="l{i + 1}"/></joint>' for i in range(39)
+    ]
+    (tmp_path / "chain.urdf").write_text(f'<robot name="r">{"".join(links[:20] + joints[:19])}</robot>')
+    assert len(latelight.from_urdf(tmp_path / "chain.urdf").nodes) == 39
+    (tmp_path / "chain.urdf").write_text(f'<robot name="r">{"".join(links + joints)}</robot>')
+    with pytest.raises(latelight.InputError, match="chain.urdf: its links are nested too deeply"):
+        latelight.from_urdf(tmp_path / "chain.urdf")
+
+
+def test_the_page_of_robots(tmp_path, monkeypatch):
+    yourdfpy = pytest.importorskip("yourdfpy")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "robot.urdf").write_text(URDF)
+    page = (pathlib.Path(__file__).parents[2] / "docs" / "scene-files.md").read_text()
+    (block,) = [text for text in re.findall(r"^```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE) if '"nod"' in text]
+    names = {"latelight": latelight, "np": np, "yourdfpy": yourdfpy}
+    exec(compile(block, "scene-files.md", "exec"), names)
+    exported = latelight.Scene("robot.glb", id_nodes=["base", "arm"])
+    assert [animation.name for animation in exported.animations] == ["nod"]
+    assert len({node.id for node in exported.nodes}) == 2
 
 
 def test_robots_show_collisions_if_required(tmp_path):
@@ -92,7 +247,7 @@ def test_robots_show_collisions_if_required(tmp_path):
     with pytest.warns(UserWarning, match="no visual geometry: its collision geometry is shown"):
         scene = latelight.from_urdf(bare)
     assert_bounds(scene, (-2, -2, -2), (2, 2, 2))
-    assert [node.path for node in scene.nodes] == ["/base"]
+    assert [node.path for node in scene.nodes] == ["/base", "/base/collision"]
     with pytest.raises(latelight.UsageError, match="load it with build_collision_scene_graph=True"):
         latelight.from_urdf(yourdfpy.URDF.load(str(bare)))
     with pytest.raises(latelight.UsageError, match='geometry must be "visual" or "collision", not "all"'):
@@ -173,7 +328,7 @@ def test_files_of_other_packages_are_scenes(tmp_path, monkeypatch):
     pytest.importorskip("yourdfpy")
     UsdGeom, Usd = pytest.importorskip("pxr.UsdGeom"), pytest.importorskip("pxr.Usd")
     (tmp_path / "crane.urdf").write_text(URDF)
-    assert [node.path for node in latelight.Scene(tmp_path / "crane.urdf").nodes] == ["/base", "/arm 0", "/arm 1"]
+    assert "/base/shoulder/arm/visual 1" in [node.path for node in latelight.Scene(tmp_path / "crane.urdf").nodes]
     stage = Usd.Stage.CreateNew(str(tmp_path / "cube.usda"))
     mesh = UsdGeom.Mesh.Define(stage, "/square")
     mesh.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (1, 1, 0)])

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "base/parallel.h"
 #include "data/formats/categories.h"
 #include "data/formats/formats.h"
@@ -171,13 +172,19 @@ class Coco : public Format {
                         Json& categories) const {
     Json names = Json::array();
     for (const ObjectKeypoint& keypoint : keypoints_) names.push_back(keypoint.name);
+    bool isAny = false;
     for (const Json& entry : entries)
       for (const Json& object : entry["objects"]) {
         if (!object.contains("keypoints")) continue;
+        isAny = true;
         Json& category = categories[numbers.at(object["category"].get<std::string>()) - 1];
         category["keypoints"] = names;
         category["skeleton"] = skeleton_;
       }
+    if (!isAny)
+      warn(
+          "no visible object has a node of the keypoints: \"node\" is a path below the object's own, as in "
+          "\"Hips/Head\"");
   }
 
   Categories categories_;

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <new>
+#include <span>
 #include <utility>
 
 #include "base/error.h"
 #include "base/files.h"
 #include "base/log.h"
+#include "base/parallel.h"
 #include "scene/ids.h"
 #include "scene/mesh_files/source.h"
 
@@ -98,7 +101,11 @@ uint32_t Source::addNode(const std::string& name, uint32_t parent, std::vector<P
 }
 
 void dropBrokenTriangles(Mesh& mesh, const std::string& name) {
-  if (std::ranges::all_of(mesh.positions, isFinite)) return;
+  std::atomic<bool> areFinite = true;
+  parallelFor(mesh.positions.size(), size_t{1} << 16, [&](size_t begin, size_t end) {
+    if (!std::ranges::all_of(std::span(mesh.positions).subspan(begin, end - begin), isFinite)) areFinite = false;
+  });
+  if (areFinite) return;
   warn("{} has positions that are not finite numbers: triangles with such corners are left out", name);
   size_t kept = 0;
   for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {

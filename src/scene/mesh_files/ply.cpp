@@ -116,14 +116,13 @@ class PlyReader {
     reserve(vertices_.normals, n[0] >= 0 && n[1] >= 0 && n[2] >= 0);
     reserve(vertices_.uv[0], uv[0] >= 0 && uv[1] >= 0);
     reserve(vertices_.colors, color.isPresent());
-    const auto value = [&](int column) { return float(rows_.value(column)); };
-    for (size_t i = 0; i < element.count; ++i) {
-      rows_.next();
+    rows_.forEach([&](const PlyRows& rows, uint64_t i) {
+      const auto value = [&](int column) { return float(rows.value(column)); };
       vertices_.positions[i] = {value(x[0]), value(x[1]), value(x[2])};
       if (!vertices_.normals.empty()) vertices_.normals[i] = {value(n[0]), value(n[1]), value(n[2])};
       if (!vertices_.uv[0].empty()) vertices_.uv[0][i] = usable({value(uv[0]), 1 - value(uv[1])});
-      if (color.isPresent()) vertices_.colors[i] = color.read(rows_);
-    }
+      if (color.isPresent()) vertices_.colors[i] = color.read(rows);
+    });
   }
 
   static vec2 usable(vec2 uv) { return std::isfinite(uv.x) && std::isfinite(uv.y) ? uv : vec2(0); }
@@ -134,6 +133,12 @@ class PlyReader {
     const int uv = element.find({"texcoord"}), texture = scalar(element, {"texnumber"});
     const bool hasUv = uv >= 0 && element.properties[size_t(uv)].isList();
     const ColorReader color(element);
+    if (!hasUv && !color.isPresent() && texture < 0 && faces_.indices.empty() && element.count <= kMaxVertices / 3) {
+      if (auto triangles = rows_.readTriangles(list, vertices_.positions.size())) {
+        faces_.indices = std::move(*triangles);
+        return claimFaces();
+      }
+    }
     std::vector<vec3> corners;
     std::vector<std::array<uint32_t, 3>> triangles;
     for (uint64_t row = 0; row < element.count; ++row) {

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -19,6 +21,12 @@ class PlyRows {
   void begin(const PlyElement& element);
   // Reads the next row: value() and list() then return its properties.
   void next();
+  // Reads all rows of the element, on all threads if they have the same number of bytes or are lines of text: calls
+  // body(rows, i) for each row i, with the rows positioned at it, in any order. It may call it twice for a row.
+  void forEach(const std::function<void(const PlyRows& rows, uint64_t i)>& body);
+  // Reads all rows of an element, if each has three entries in the list and no other list, and all entries are below
+  // `limit`. Otherwise it returns nothing and reads nothing.
+  std::optional<std::vector<uint32_t>> readTriangles(int list, uint64_t limit);
   double value(int property) const { return values_[static_cast<size_t>(property)]; }
   const std::vector<double>& list(int property) const { return lists_[static_cast<size_t>(property)]; }
   uint64_t row() const { return row_; }  // of the element, from 1 on
@@ -28,6 +36,14 @@ class PlyRows {
   double readText(PlyType type);
   [[noreturn]] void endsEarly() const;
   void readList(const PlyProperty& property, std::vector<double>& list);
+  // Calls body(rows, i) for each row i of the element on all threads, if the rows are lines of text, and then returns
+  // true. Returns false, and reads nothing, if they are not, if a row is invalid, or if `body` returns false.
+  bool forEachLine(const std::function<bool(const PlyRows& rows, uint64_t i)>& body);
+  std::vector<size_t> taskStarts() const;
+  // The bytes of a row whose lists have `entries` entries; 0 if they are unknown.
+  size_t rowBytes(uint32_t entries) const;
+  template <typename T>
+  bool readCorners(size_t offset, size_t stride, uint64_t limit, std::vector<uint32_t>& corners) const;
 
   const std::string_view file_;
   size_t at_;
