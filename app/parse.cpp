@@ -1,6 +1,7 @@
 #include "app/parse.h"
 
 #include <cmath>
+#include <cstdlib>
 
 #include "base/text.h"
 #include "scene/builtin/builtin.h"
@@ -35,6 +36,16 @@ std::vector<uint64_t> parseCounts(const std::string& option, const std::string& 
     counts.push_back(*count);
   }
   return counts;
+}
+
+int64_t parseStep(const std::string& text) {
+  constexpr int64_t kMaxStep = 1'000'000;
+  if (text == "next") return 1;
+  if (text == "previous") return -1;
+  const auto step = parseNumber<int64_t>(std::string_view(text).substr(text.starts_with('+') ? 1 : 0));
+  if (!step || *step == 0 || std::abs(*step) > kMaxStep)
+    badUsage("--to takes next, previous or a number of frames other than 0, up to {}, not \"{}\"", kMaxStep, text);
+  return *step;
 }
 
 std::optional<size_t> parseIndex(std::string_view text) {

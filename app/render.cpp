@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "app/commands.h"
+#include "app/render_correspond.h"
 #include "app/render_heap.h"
 #include "app/render_labels.h"
 #include "app/render_metadata.h"
@@ -115,8 +116,9 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<output::D
   if (debug && !o.aovs.empty()) badUsage("--debug and --aov each say what leaves; use one of them");
   if (debug && o.out != "-" && output::formatOf(o.out) != output::Format::Png)
     badUsage("--debug writes PNG; give -o a name that ends in .png");
-  if (o.out.empty() && ((o.picks.empty() && o.labels.empty()) || debug || !o.aovs.empty()))
-    badUsage("--out is required: give the output file with -o, unless only --pick or --labels is used");
+  const bool isPictureOptional = !o.picks.empty() || !o.labels.empty() || !o.correspond.empty();
+  if (o.out.empty() && (!isPictureOptional || debug || !o.aovs.empty()))
+    badUsage("--out is required: give the output file with -o, unless only --pick, --labels or --correspond is used");
   checkStandardOutput(o);
   if (!o.graph.empty()) checkWritable(o.graph);
   if (o.out.empty()) return request;
@@ -146,6 +148,7 @@ std::vector<std::filesystem::path> outputsOf(const RenderOptions& o, const Rende
   if (const auto ids = plan.debug ? std::nullopt : output::idManifestPath(plan.request, metadata))
     paths.push_back(*ids);
   if (plan.labels) paths.push_back(output::fillPattern(o.labels, "", metadata));
+  if (!o.correspond.empty()) paths.push_back(output::fillPattern(o.correspond, "", metadata));
   paths.emplace_back(o.graph);
   return paths;
 }
@@ -178,6 +181,7 @@ struct PendingFrame {
   std::optional<render::Ticket> picture;
   output::RawGbuffer targets;
   Json labels;
+  std::optional<labels::Correspondence> match;
 };
 
 struct RenderedFrame {
@@ -185,6 +189,7 @@ struct RenderedFrame {
   output::RawGbuffer targets;  // used instead for --debug targets
   output::Metadata metadata;
   Json labels;
+  std::optional<labels::Correspondence> match;
 };
 
 // The frame's labels. The metadata of images need not have ids.
@@ -194,6 +199,13 @@ Json labelsOf(RenderRun& run, const scene::Camera& camera, const render::SceneSt
   output::Metadata described = metadata;
   described.ids = run.ids;
   return labelFrame(run.renderer, run.scene, camera, run.options.settings, moment, *run.plan.labels, described);
+}
+
+labels::Correspondence correspondenceOf(RenderRun& run, uint32_t frame, const scene::Camera& camera,
+                                        const scene::Pose& pose) {
+  const Timeline::SecondPicture second = run.timeline.secondPicture(frame);
+  return labels::correspond(run.renderer, run.scene, {camera, pose}, {second.camera, second.pose},
+                            run.options.settings);
 }
 
 PendingFrame startFrame(RenderRun& run, uint32_t frame) {
@@ -221,6 +233,7 @@ PendingFrame startFrame(RenderRun& run, uint32_t frame) {
   pending.metadata = describeRender(run.scene, camera, run.device, run.environment, shown);
   pending.metadata.frameDigits = run.timeline.frameDigits();
   if (run.plan.labels) pending.labels = labelsOf(run, camera, moment, pending.metadata);
+  if (!run.options.correspond.empty()) pending.match = correspondenceOf(run, frame, camera, moment.poses.current);
   run.times.render += seconds(mark);
   return pending;
 }
@@ -229,7 +242,8 @@ RenderedFrame finishFrame(RenderRun& run, PendingFrame&& pending) {
   const auto mark = Clock::now();
   RenderedFrame rendered{.targets = std::move(pending.targets),
                          .metadata = std::move(pending.metadata),
-                         .labels = std::move(pending.labels)};
+                         .labels = std::move(pending.labels),
+                         .match = std::move(pending.match)};
   if (pending.picture) {
     render::RenderResult result = pending.picture->take();
     rendered.picture = std::move(result.frames.front());
@@ -265,6 +279,7 @@ void writeFrame(RenderRun& run, const RenderedFrame& frame) {
   if (run.plan.labels)
     for (const std::filesystem::path& file : writeLabels(run.options.labels, frame.labels, frame.metadata))
       files.push_back(file);
+  if (frame.match) files.push_back(writeCorrespondence(run.options.correspond, *frame.match, frame.metadata));
   run.files.insert(run.files.end(), files.begin(), files.end());
   run.times.write += seconds(mark);
 }
@@ -305,6 +320,7 @@ RenderPlan planRender(RenderOptions& o) {
   if (!o.debug.empty()) plan.debug = output::parseDebug(o.debug, o.settings.time || !o.frames.empty() || o.turn != 0);
   plan.request = planOutput(o, plan.debug);
   plan.labels = planLabels(o);
+  checkCorrespond(o);
   return plan;
 }
 
@@ -355,6 +371,7 @@ void render(RenderOptions& o) {
   const scene::Scene scene = scene::load(o.scene, load);
   const Timeline timeline(scene, o);
   timeline.cameraAt(timeline.first());  // reports errors early
+  if (!o.correspond.empty()) timeline.secondPicture(timeline.first());
   const std::string environmentName = environmentOf(o, scene);
   checkFiles(o, plan, scene, timeline, environmentName);
   // Data outputs do not depend on the environment. One that the user names is loaded all the same, to report errors.

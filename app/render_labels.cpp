@@ -39,12 +39,16 @@ void checkName(const std::string& pattern) {
   if (pattern == "-") return;
   if (std::filesystem::path(pattern).extension() != ".json")
     badUsage("--labels writes JSON; give it a name that ends in .json, not \"{}\"", pattern);
-  if (pattern.find("{aov}") != std::string::npos)
-    badUsage("--labels writes one file per frame: \"{}\" may contain {{frame}}, {{camera}} and {{scene}}", pattern);
-  output::checkPattern(pattern);
+  checkFrameFile("--labels", pattern);
 }
 
 }  // namespace
+
+void checkFrameFile(std::string_view option, const std::string& pattern) {
+  if (pattern.find("{aov}") != std::string::npos)
+    badUsage("{} writes one file per frame: \"{}\" may contain {{frame}}, {{camera}} and {{scene}}", option, pattern);
+  output::checkPattern(pattern);
+}
 
 std::optional<data::ObjectLabels> planLabels(const RenderOptions& o) {
   if (o.labels.empty()) {
@@ -74,14 +78,19 @@ Json labelFrame(render::Renderer& renderer, const scene::Scene& scene, const sce
   return labels.describe(frame);
 }
 
-std::vector<std::filesystem::path> writeLabels(const std::string& pattern, const Json& labels,
-                                               const output::Metadata& metadata) {
+std::vector<std::filesystem::path> writeFrameFile(const std::string& pattern, std::span<const std::byte> bytes,
+                                                  const output::Metadata& metadata) {
   const std::filesystem::path path = output::fillPattern(pattern, "", metadata);
   output::makeFilledFolders(pattern, path);
-  const std::string text = data::dumped(labels) + "\n";
-  writeFile(path, std::as_bytes(std::span(text)));
+  writeFile(path, bytes);
   if (pattern == "-") return {};
   return {path};
+}
+
+std::vector<std::filesystem::path> writeLabels(const std::string& pattern, const Json& labels,
+                                               const output::Metadata& metadata) {
+  const std::string text = data::dumped(labels) + "\n";
+  return writeFrameFile(pattern, std::as_bytes(std::span(text)), metadata);
 }
 
 }  // namespace latelight::app

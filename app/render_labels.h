@@ -1,9 +1,13 @@
 // --labels: the objects of a frame in a JSON file, as the data set format "boxes" describes them.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/render_options.h"
@@ -26,7 +30,12 @@ nlohmann::ordered_json labelFrame(render::Renderer& renderer, const scene::Scene
                                   const render::Settings& settings, const render::SceneState& moment,
                                   const data::ObjectLabels& labels, const output::Metadata& metadata);
 
+// Throws Error(Usage) if the name of a file per frame, which `option` sets, has {aov} or cannot be written.
+void checkFrameFile(std::string_view option, const std::string& pattern);
+
 // Writes the file of a frame, whole or not at all. Returns its path, or nothing for standard output.
+std::vector<std::filesystem::path> writeFrameFile(const std::string& pattern, std::span<const std::byte> bytes,
+                                                  const output::Metadata& metadata);
 std::vector<std::filesystem::path> writeLabels(const std::string& pattern, const nlohmann::ordered_json& labels,
                                                const output::Metadata& metadata);
 

@@ -8,6 +8,7 @@
 
 #include "app/parse.h"
 #include "app/render_camera.h"
+#include "app/render_correspond.h"
 #include "base/error.h"
 
 namespace latelight::app {
@@ -40,7 +41,8 @@ void checkTime(const RenderOptions& o) {
   const auto [first, last] = parseFrames(o.frames);
   if (last - first >= kMaxFrames) badUsage("--frames takes at most {} frames, not \"{}\"", kMaxFrames, o.frames);
   if (o.isExplicit("frame")) badUsage("--frame and --frames both set {{frame}}; use one of them");
-  const std::pair<const char*, const std::string&> patterns[] = {{"-o", o.out}, {"--labels", o.labels}};
+  const std::pair<const char*, const std::string&> patterns[] = {
+      {"-o", o.out}, {"--labels", o.labels}, {"--correspond", o.correspond}};
   for (const auto& [option, pattern] : patterns)
     if (!pattern.empty() && pattern.find("{frame}") == std::string::npos && first != last)
       badUsage(
@@ -75,10 +77,10 @@ scene::Pose Timeline::poseAt(double seconds) const {
   return still_ ? scene::Pose{} : scene::poseAt(scene_, playback_, seconds);
 }
 
-scene::Camera Timeline::cameraAt(double seconds) const {
-  scene::Camera camera = chooseCamera(scene_, scene::posedCameras(scene_, poseAt(seconds)), options_);
-  if (options_.turn == 0) return camera;
-  const double angle = std::fmod(options_.turn * seconds, 360.0) * M_PI / 180.0;
+scene::Camera Timeline::cameraAt(double seconds, const RenderOptions& o) const {
+  scene::Camera camera = chooseCamera(scene_, scene::posedCameras(scene_, poseAt(seconds)), o);
+  if (o.turn == 0) return camera;
+  const double angle = std::fmod(o.turn * seconds, 360.0) * M_PI / 180.0;
   glm::dmat4 about = glm::translate(glm::dmat4(1), pivot_);
   about = glm::rotate(about, angle, glm::dvec3(0, 0, 1));
   camera.toWorld = glm::translate(about, -pivot_) * camera.toWorld;
@@ -89,6 +91,13 @@ scene::Camera Timeline::cameraAt(uint32_t frame) const {
   scene::Camera camera = cameraAt(secondsAt(frame).value_or(0));
   camera.noiseSeed = frame;
   return camera;
+}
+
+Timeline::SecondPicture Timeline::secondPicture(uint32_t frame) const {
+  const double here = secondsAt(frame).value_or(0);
+  const double then =
+      options_.toTime.value_or(here + static_cast<double>(stepToSecond(options_)) / options_.settings.framesPerSecond);
+  return {cameraAt(then, optionsOfSecond(options_)), poseAt(then)};
 }
 
 render::SceneState Timeline::momentAt(uint32_t frame) const {

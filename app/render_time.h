@@ -29,9 +29,17 @@ class Timeline {
   scene::Camera cameraAt(uint32_t frame) const;
   render::SceneState momentAt(uint32_t frame) const;
 
+  // The second picture of --correspond: its camera, and the scene's pose at its time.
+  struct SecondPicture {
+    scene::Camera camera;
+    scene::Pose pose;
+  };
+  SecondPicture secondPicture(uint32_t frame) const;
+
  private:
   scene::Pose poseAt(double seconds) const;
-  scene::Camera cameraAt(double seconds) const;
+  scene::Camera cameraAt(double seconds, const RenderOptions& options) const;
+  scene::Camera cameraAt(double seconds) const { return cameraAt(seconds, options_); }
 
   const scene::Scene& scene_;
   const RenderOptions& options_;

@@ -180,6 +180,13 @@ void addOutputTexts(Table& t, const std::filesystem::path& folder) {
   t["--labels"] = {
       0.12, {at("l.json"), at("{scene}/l.{camera}.json")}, {at("l.txt"), at("l.{aov}.json"), at("none/l.json")}};
   t["--keypoints"] = {0.08, {R"([{"name": "center"}])"}, {"[]", "[1", at("none.json")}};
+  t["--correspond"] = {
+      0.12, {at("c.npz"), at("{scene}/c.{camera}.exr")}, {at("c.npy"), at("c.{aov}.npz"), at("none/c.npz"), "-"}};
+  t["--to"] = {0.06, {"next", "previous", "+3", "-2"}, {"0", "nearest", "1.5"}};
+  t["--to-time"] = {0.06, {"0", "0.7", "-3"}, {"nan", "soon", "1e7"}};
+  t["--to-camera"] = {0.06, {"0"}, {"99", "nobody"}};
+  t["--to-eye"] = {0.08, {"0.4,1.2,6", "-3,2,3"}, {"1,2", "a,b,c", "nan,0,0"}};
+  t["--to-target"] = {0.06, {"0,0.5,0", "1,1,-1"}, {"1,2"}};
   t["--pick"] = {0.12, {"0,0"}, {"99,0", "1", "-1,0"}};
   t["--debug"] = {0.2, debugPictures(), {"nothing"}};
   t["--device"] = {0.1, {"auto", "cpu", "0"}, {}};  // one exists already, so the name is not searched for

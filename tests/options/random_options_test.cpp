@@ -9,6 +9,7 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <array>
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
@@ -96,7 +97,8 @@ class Drawing {
     if (o.contains("--frames")) {
       for (const char* name : {"--time", "--pick", "--frame"}) o.erase(name);
       if (std::string& out = o["--out"]; out != "-" && !out.empty()) out.insert(out.rfind('.'), "{frame}");
-      if (o.contains("--labels")) o["--labels"].insert(o["--labels"].rfind('.'), "{frame}");
+      for (const char* name : {"--labels", "--correspond"})
+        if (o.contains(name)) o[name].insert(o[name].rfind('.'), "{frame}");
     }
     const auto drop = [&](const char* name, bool useless) {
       if (useless) o.erase(name);
@@ -138,6 +140,25 @@ class Drawing {
     drop("--camera", o.contains("--eye") || o.contains("--orbit"));
     drop("--orbit", o.contains("--eye"));
     drop("--json", o["--out"] == "-");
+    reconcileSecondPicture(o);
+  }
+
+  // Gives pictures at rest a second camera, and at most one second camera and time.
+  static void reconcileSecondPicture(Options& o) {
+    constexpr std::array kSecond = {"--to", "--to-time", "--to-camera", "--to-eye", "--to-target"};
+    if (!o.contains("--correspond"))
+      for (const char* name : kSecond) o.erase(name);
+    if (!o.contains("--correspond")) return;
+    const bool isTimed = o.contains("--time") || o.contains("--frames");
+    if (!isTimed || o.contains("--to-eye")) {
+      o.try_emplace("--to-eye", "0.4,1.2,6");
+      o.try_emplace("--to-target", "0,0.5,0");
+      o.erase("--to-camera");
+    } else {
+      o.erase("--to-target");
+    }
+    if (!isTimed || o.contains("--to-time")) o.erase("--to");
+    if (!isTimed) o.erase("--to-time");
   }
 
   // Sets one option to a value that must be rejected.
@@ -236,14 +257,15 @@ void expectSentence(const std::string& sentence) {
   EXPECT_EQ(sentence.find('\n'), std::string::npos) << sentence;
 }
 
-// In the background, depth and distance are infinite. No other value ever is.
+// In the background, depth and distance are infinite, and pixels that correspond are NaN. No other value ever is.
 void expectFinite(const std::filesystem::path& file) {
   const std::string name = file.filename().string();
   for (const output::Channel& channel : output::readImage(file).channels) {
     const bool far = channel.name == "Z" || channel.name == "distance" || name.starts_with("o.depth") ||
                      name.starts_with("o.distance");
+    const bool matched = channel.name.starts_with("match.");
     const auto broken = std::count_if(channel.values.begin(), channel.values.end(), [&](double value) {
-      return !std::isfinite(value) && !(far && value == INFINITY);
+      return !std::isfinite(value) && !(far && value == INFINITY) && !(matched && std::isnan(value));
     });
     EXPECT_EQ(broken, 0) << "values of " << name << ", channel " << channel.name << ", are not finite";
   }

@@ -127,6 +127,31 @@ def test_correspondence(cards):
     assert (match.visible == drawn).all() and (match.flow == 0).all()
 
 
+def test_correspondence_of_the_command(tmp_path):
+    """`latelight render --correspond` writes the arrays of Python for the same two pictures."""
+    program = os.environ.get("LATELIGHT_PROGRAM")
+    if not program:
+        pytest.skip("LATELIGHT_PROGRAM names no program to compare with")
+    scene = latelight.Scene("builtin:boxes")
+    renderer = latelight.Renderer(scene, "cpu")
+    eyes = ["--eye=4,2.5,8", "--target=0,1,0", "--to-eye=-1,3,7", "--to-target=0.5,1,0"]
+    places = [{"eye": (4, 2.5, 8), "target": (0, 1, 0)}, {"eye": (-1, 3, 7), "target": (0.5, 1, 0)}]
+    fisheye = latelight.Lens(model="fisheye", fx=40, fy=40, cx=48, cy=27, distortion=[0.01], width=96, height=54)
+    for lens, options in ((None, ["--fov=45"]), (fisheye, ["--lens=fisheye:40,40,48,27,0.01"])):
+        command = [program, "render", "builtin:boxes", *eyes, *options, "--size=96x54", "--device=cpu"]
+        subprocess.run([*command, "--correspond", tmp_path / "match.npz"], check=True)
+        cameras = [scene.look_at(**place, **({} if lens else {"vertical_fov": 45})) for place in places]
+        for camera in cameras:
+            camera.lens = lens
+        expected = renderer.correspond(*cameras, (96, 54))
+        assert 500 < expected.visible.sum() < 96 * 54
+        with np.load(tmp_path / "match.npz") as match:
+            assert sorted(match) == ["depth", "flow", "pixels", "visible"]
+            for name, array in match.items():
+                assert array.dtype == getattr(expected, name).dtype
+                np.testing.assert_array_equal(array, getattr(expected, name))
+
+
 def test_coordinates_stay_with_the_object_in_worlds(cards):
     """A world moves, turns and scales both cards and the camera alike."""
     scene, renderer = cards

@@ -5,19 +5,16 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "data/formats/correspondence_arrays.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
 #include "data/formats/options.h"
-#include "output/exr.h"
-#include "output/npy.h"
-#include "output/zip_archive.h"
 
 namespace latelight::data {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-using labels::Correspondence;
 
 // Returns the part of file names that identifies the target: "next", "previous", "+3", "-2", or a name.
 std::string labelOf(const PairTarget& target) {
@@ -27,42 +24,6 @@ std::string labelOf(const PairTarget& target) {
   for (char& c : label)
     if (c == '/' || c == '\\') c = '_';
   return label;
-}
-
-std::vector<std::pair<std::string, std::vector<std::byte>>> arraysOf(const Correspondence& match) {
-  const uint64_t rows = match.height, columns = match.width;
-  const auto bytes = [](const auto& values) { return std::as_bytes(std::span(values)); };
-  const auto npy = [&](std::string_view type, std::vector<uint64_t> shape, std::span<const std::byte> data) {
-    return output::encodeNpy(type, shape, data);
-  };
-  return {{"pixels", npy("<f4", {rows, columns, 2}, bytes(match.pixels))},
-          {"depth", npy("<f4", {rows, columns}, bytes(match.depth))},
-          {"visible", npy("|b1", {rows, columns}, bytes(match.visible))},
-          {"flow", npy("<f4", {rows, columns, 3}, bytes(match.flow))}};
-}
-
-std::vector<std::byte> encodeNpz(const Correspondence& match) {
-  output::ZipArchive archive;
-  for (const auto& [name, bytes] : arraysOf(match)) archive.add(name + ".npy", bytes);
-  return archive.finish();
-}
-
-// The channels of scene flow are those of the output of that name.
-std::vector<std::byte> encodeExr(const Correspondence& match, const DataFrame& frame) {
-  output::AovImage flow{.aov = output::Aov::SceneFlow, .width = match.width, .height = match.height};
-  std::vector<float> x, y, visible;
-  for (size_t i = 0; i < match.depth.size(); ++i) {
-    for (const int c : {0, 1, 2}) flow.values.push_back(match.flow[i][c]);
-    x.push_back(match.pixels[i].x);
-    y.push_back(match.pixels[i].y);
-    visible.push_back(match.visible[i]);
-  }
-  output::ExrExtras extras;
-  extras.channels = {{"match.X", x}, {"match.Y", y}, {"match.depth", match.depth}, {"match.visible", visible}};
-  output::Metadata metadata = metadataOf(frame);
-  metadata.ids = {};
-  const output::AovImage* images[] = {&flow};
-  return output::encodeExr(images, metadata, extras);
 }
 
 class CorrespondenceFiles : public Format {
@@ -92,11 +53,12 @@ class CorrespondenceFiles : public Format {
                  second = pair.second.empty() ? Json() : Json(pair.second);
       record.entry.push_back(
           {{"first", frame.name}, {"to", labelOf(pair.target)}, {"second", second}, {"time", time}, {"file", file}});
-      if (as_ == "npz") writeOf(record, folder, file, encodeNpz(pair.match));
-      if (as_ == "exr") writeOf(record, folder, file, encodeExr(pair.match, frame));
+      if (as_ == "npz") writeOf(record, folder, file, encodeCorrespondenceNpz(pair.match));
+      if (as_ == "exr") writeOf(record, folder, file, encodeCorrespondenceExr(pair.match, frame.metadata));
       if (as_ != "npy") continue;
       file.resize(file.size() - as_.size());
-      for (const auto& [name, bytes] : arraysOf(pair.match)) writeOf(record, folder, file + name + ".npy", bytes);
+      for (const auto& [name, bytes] : correspondenceArrays(pair.match))
+        writeOf(record, folder, file + name + ".npy", bytes);
     }
     return record;
   }
