@@ -369,6 +369,7 @@ void render(RenderOptions& o) {
   scene::LoadOptions load = loadOptions(o);
   load.textureSlots = texturesFor(o, plan);
   const scene::Scene scene = scene::load(o.scene, load);
+  if (plan.labels) warnOfMissingNodes(*plan.labels, scene);
   const Timeline timeline(scene, o);
   timeline.cameraAt(timeline.first());  // reports errors early
   if (!o.correspond.empty()) timeline.secondPicture(timeline.first());

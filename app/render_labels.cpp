@@ -2,8 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "base/files.h"
+#include "base/log.h"
 #include "data/extras.h"
 #include "data/json_builder.h"
 #include "data/json_text.h"
@@ -57,6 +60,18 @@ std::optional<data::ObjectLabels> planLabels(const RenderOptions& o) {
   }
   checkName(o.labels);
   return data::ObjectLabels{.masks = true, .keypoints = readKeypoints(o)};
+}
+
+void warnOfMissingNodes(const data::ObjectLabels& labels, const scene::Scene& scene) {
+  for (const data::ObjectKeypoint& keypoint : labels.keypoints) {
+    const std::string end = "/" + keypoint.node;
+    const auto isBelow = [&](const scene::Node& node) { return node.path.ends_with(end); };
+    if (!keypoint.node.empty() && std::ranges::none_of(scene.nodes, isBelow))
+      warn(
+          "no object has the node \"{}\" of the keypoint {}: \"node\" is a path below the object's own, as in "
+          "\"Hips/Head\"",
+          keypoint.node, keypoint.name);
+  }
 }
 
 std::filesystem::path keypointsFile(const RenderOptions& o) {

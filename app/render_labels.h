@@ -22,6 +22,9 @@ namespace latelight::app {
 // Error(BadInput) if the file of the keypoints cannot be read.
 std::optional<data::ObjectLabels> planLabels(const RenderOptions& options);
 
+// Warns of keypoints whose node is below no node of the scene.
+void warnOfMissingNodes(const data::ObjectLabels& labels, const scene::Scene& scene);
+
 // The file that --keypoints names; empty if there is none.
 std::filesystem::path keypointsFile(const RenderOptions& options);
 

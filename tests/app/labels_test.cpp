@@ -140,6 +140,20 @@ TEST_P(LabelsOfCards, AreExact) {
 }
 
 // A sphere of radius r at the distance d is a disk of the radius f r / sqrt(d^2 - r^2).
+TEST_F(LabelsOfRender, WarnOfNodesThatNoObjectHas) {
+  folder.write("cards.obj", kCards);
+  const auto warned = [&](const std::string& node) {
+    const std::string points = R"([{"name": "point", "node": ")" + node + R"("}])";
+    const Outcome outcome = latelight({.arguments = {"render", "--device", "cpu", "cards.obj", "--size=16x16",
+                                                     "--labels", "labels.json", "--keypoints", points, "--id-depth=0"},
+                                       .folder = folder.path()});
+    EXPECT_EQ(outcome.code, 0) << outcome.text();
+    return outcome.text().find("no object has the node \"" + node + "\" of the keypoint point") != std::string::npos;
+  };
+  EXPECT_TRUE(warned("bakc"));
+  EXPECT_FALSE(warned("back"));
+}
+
 TEST_F(LabelsOfRender, OfASphere) {
   folder.write("ball.obj", sphere());
   const json all =
