@@ -90,8 +90,16 @@ def test_worlds():
     assert len(np.setdiff1d(frames[1][0]["id"], frames[2][0]["id"])) == 1  # the second box is not in the last world
 
 
+def test_worlds_in_flight():
+    names = run_all(blocks(ROOT / "docs" / "worlds.md")[:2], "worlds.md")
+    last = np.from_dlpack(names["waiting"].take()["rgba"])
+    expected = names["renderer"].render_worlds(
+        3, names["scene"].default_camera(), (64, 64), "rgba", instances=names["moved"], transforms=names["transforms"])
+    np.testing.assert_array_equal(last, expected["rgba"])
+
+
 def test_rays_in_worlds():
-    names = run_all(blocks(ROOT / "docs" / "worlds.md")[:3], "worlds.md")
+    names = run_all(blocks(ROOT / "docs" / "worlds.md")[:4], "worlds.md")
     assert names["frames"]["rgba"].shape == (3, 1, 64, 64, 4)
     assert names["hits"]["distance"].shape == (3, 64) and np.isfinite(names["hits"]["distance"]).any()
 
@@ -101,7 +109,7 @@ def test_joints_of_worlds(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     poses = np.tile(np.eye(4), (2, 2, 1, 1))
     poses[:, 1, :2, 3] = ((0, 1), (0.3, 1))
-    source = blocks(ROOT / "docs" / "worlds.md")[3]
+    source = blocks(ROOT / "docs" / "worlds.md")[4]
     frames = run_all([f"import latelight\n{source}"], "worlds.md", poses=poses)["frames"]
     assert (frames[0][0]["rgba"] != frames[1][0]["rgba"]).any()
 
@@ -116,7 +124,7 @@ def test_worlds_of_mujoco():
     states[1].qpos[0] = 0.5
     for state in states:
         mujoco.mj_forward(model, state)
-    of_mujoco = blocks(ROOT / "docs" / "worlds.md")[4]
+    of_mujoco = blocks(ROOT / "docs" / "worlds.md")[5]
     frames = run_all([f"import latelight\n{of_mujoco}"], "worlds.md", states=states, model=model)
     assert (frames["frames"][0][0]["rgba"] != frames["frames"][1][0]["rgba"]).any()
 
