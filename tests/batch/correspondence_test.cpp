@@ -134,6 +134,10 @@ TEST(Correspondence, LeadsToCamerasAndMembersOfRigs) {
       makePairs(folder, stereo, {{{"format", "correspondence"}, {"to", {{"camera", "middle"}}}}}, {"-o", "other"});
   EXPECT_EQ(wrong.code, 2);
   EXPECT_THAT(wrong.err, HasSubstr("leads to the camera \"middle\", but the scene has no such camera"));
+  const Outcome misspelled =
+      makePairs(folder, stereo, {{{"format", "correspondence"}, {"to", {{"member", "rigth"}}}}}, {"-o", "other"});
+  EXPECT_EQ(misspelled.code, 2);
+  EXPECT_THAT(misspelled.err, HasSubstr("leads to the member \"rigth\", but no rig of the cameras has such a member"));
 }
 
 TEST(Correspondence, ShardsAndResumedSetsAreTheSame) {

@@ -1,5 +1,7 @@
 #include "data/batch/camera_timeline.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -10,6 +12,24 @@
 #include "render/submit/session.h"
 
 namespace latelight::data {
+
+namespace {
+
+// Members of pairs and rigs are named after their pose: path0-left.
+std::string memberName(std::string_view pose, std::string_view member) {
+  return fmt::format("{}-{}", pose, member);
+}
+
+void checkMembers(const std::vector<JobCamera>& cameras, const std::vector<PairTarget>& targets) {
+  for (const PairTarget& target : targets) {
+    if (target.kind != PairTarget::Kind::Member) continue;
+    const std::string end = memberName("", target.name);
+    if (std::ranges::none_of(cameras, [&](const JobCamera& camera) { return camera.name.ends_with(end); }))
+      badUsage("correspondence leads to the member \"{}\", but no rig of the cameras has such a member", target.name);
+  }
+}
+
+}  // namespace
 
 CameraTimeline::CameraTimeline(const Job& job, const scene::Scene& scene) : job_(job), scene_(scene) {
   const render::Settings& s = job.settings;
@@ -30,6 +50,7 @@ CameraTimeline::CameraTimeline(const Job& job, const scene::Scene& scene) : job_
   const auto named = [](const PairTarget& target) { return target.kind != PairTarget::Kind::Step; };
   if (std::ranges::any_of(job.extras.pairs, named))
     for (size_t i = 0; i < cameras_.size(); ++i) byName_.emplace(cameras_[i].name, i);
+  checkMembers(cameras_, job.extras.pairs);
   if (!s.time || !scene.rig.isAnimated() || std::ranges::none_of(cameras_, &JobCamera::followsScene)) return;
   earlier_ = camerasAt(*s.time - 1 / s.framesPerSecond, memory_[1]);
   later_ = camerasAt(*s.time + 1 / s.framesPerSecond, memory_[2]);
@@ -83,10 +104,10 @@ std::optional<CameraTimeline::Neighbor> CameraTimeline::target(size_t i, const P
     if (!other) badUsage("correspondence leads to the camera \"{}\", but the scene has no such camera", target.name);
     return at(other);
   }
-  if (target.kind == PairTarget::Kind::Member) {  // members are named after the pose: path0-left
+  if (target.kind == PairTarget::Kind::Member) {
     const std::string& name = cameras_[i].name;
     const size_t dash = name.rfind('-');
-    return dash == std::string::npos ? std::nullopt : at(indexOf(name.substr(0, dash + 1) + target.name));
+    return dash == std::string::npos ? std::nullopt : at(indexOf(memberName(name.substr(0, dash), target.name)));
   }
   if (!cameras_[i].sequence) return target.step == 1 ? next(i) : target.step == -1 ? previous(i) : std::nullopt;
   std::optional<size_t> place = i;
