@@ -1,4 +1,5 @@
-// Devices without the validation layer, for tests that measure memory: the layer keeps everything that it has seen.
+// Devices without the validation layer, for tests that measure memory, because the layer keeps everything that it has
+// seen, and for tests that lose devices.
 #pragma once
 
 #include <cstdlib>

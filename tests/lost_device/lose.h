@@ -5,6 +5,8 @@
 #include <map>
 #include <string>
 
+#include "without_validation.h"
+
 namespace latelight {
 
 inline std::map<std::string, std::string> losingDevice(int submission) {
@@ -20,7 +22,8 @@ inline std::map<std::string, std::string> failingCall(const std::string& name, i
           {"LATELIGHT_FAIL_CALL", name + " " + std::to_string(number)}};
 }
 
-// While this object exists, devices that this process creates can lose themselves, one at a time.
+// While this object exists, devices that this process creates can lose themselves, one at a time. They have no
+// validation layer, because the path of the layer that loses them replaces its path.
 class DevicesToLose {
  public:
   DevicesToLose() {
@@ -40,6 +43,7 @@ class DevicesToLose {
  private:
   static constexpr const char* kSubmission = "LATELIGHT_LOSE_SUBMISSION";
   const std::map<std::string, std::string> variables_ = losingDevice(1);
+  const test::WithoutValidation withoutValidation_;
 };
 
 }  // namespace latelight
