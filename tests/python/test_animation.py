@@ -68,12 +68,17 @@ def test_rotations_turn_at_constant_speed(device):
         )
 
 
-def test_nodes_move_their_children(device):
-    scene = Scene()
-    mesh, look = scene.add_mesh(SQUARE, FACES, normals=NORMALS), paint(scene)
+def limb(scene):
+    """A hand below an arm below a base that doubles sizes, and the hand's part."""
+    square = scene.add_mesh(SQUARE, FACES, normals=NORMALS), paint(scene)
     base = scene.add_node("base", matrix=np.diag([2.0, 2, 2, 1]))
     arm = scene.add_node("arm", base, translation=(0, 0, 1))
-    hand = scene.add_node("hand", arm, scale=(0.5, 0.5, 0.5), parts=[(mesh, look)])
+    return base, arm, scene.add_node("hand", arm, scale=(0.5, 0.5, 0.5), parts=[square]), square
+
+
+def test_nodes_move_their_children(device):
+    scene = Scene()
+    base, arm, hand, _ = limb(scene)
     assert (base, arm, hand) == ("/base", "/base/arm", "/base/arm/hand")
     assert [scene.instance(i).node for i in scene.instances(hand)] == [hand]
     scene.add_animation("lift", [AnimationChannel(node=arm, property="translation", times=[0, 1], values=[[0] * 3, [0, 0, 2]])])
@@ -186,11 +191,8 @@ def turned(axis, angle):
 
 def test_moved_nodes_carry_what_is_below_them(device):
     scene = Scene()
-    mesh, look = scene.add_mesh(SQUARE, FACES, normals=NORMALS), paint(scene)
-    base = scene.add_node("base", matrix=np.diag([2.0, 2, 2, 1]))
-    arm = scene.add_node("arm", base, translation=(0, 0, 1))
-    hand = scene.add_node("hand", arm, scale=(0.5, 0.5, 0.5), parts=[(mesh, look)])
-    beside = scene.add_node("beside", base, translation=(5, 0, 0), parts=[(mesh, look)])
+    base, arm, hand, square = limb(scene)
+    beside = scene.add_node("beside", base, translation=(5, 0, 0), parts=[square])
     scene.add_camera(Camera(name="eye"), node=hand)
     light = scene.add_light(Light(intensity=5), node=arm)
     renderer = latelight.Renderer(scene, device)

@@ -94,6 +94,18 @@ std::vector<std::byte> bytesOf(vk::Device& device, const ExportedArray& array, u
   return bytes;
 }
 
+// A picture with depth and ids, under a sun if there are shadows.
+Settings steadySettings(Raster raster, ShadowFormat shadows) {
+  Settings settings = settingsOf(kSteadyWidth, kSteadyHeight, {output::Aov::Depth, output::Aov::Id});
+  settings.raster = raster;
+  settings.lighting = &findTechnique("clustered");
+  settings.display = true;
+  settings.shadows = shadows;
+  settings.samples = 1;
+  if (shadows != ShadowFormat::None) settings.sun = SunLight{.azimuth = 0.7f, .elevation = 0.9f, .illuminance = 4};
+  return settings;
+}
+
 class SteadyWorlds : public RenderTest {
  protected:
   // `shadows`: of a sun, whose maps shaders fit, or whose rays go through the hierarchy of each world. With rays,
@@ -125,14 +137,8 @@ void SteadyWorlds::run(uint32_t steps, ShadowFormat shadows, Raster raster, Indi
   const scene::Scene scene = scene::load("builtin:boxes");
   const scene::Environment studio = scene::loadEnvironment("studio");
   const scene::Camera camera = cameraOf(scene, kSteadyWidth, kSteadyHeight);
-  Settings settings = settingsOf(kSteadyWidth, kSteadyHeight, {output::Aov::Depth, output::Aov::Id});
-  settings.raster = raster;
-  settings.lighting = &findTechnique("clustered");
-  settings.display = true;
-  settings.shadows = shadows;
+  Settings settings = steadySettings(raster, shadows);
   if (shadows == ShadowFormat::Rays) settings.indirect = indirect;
-  settings.samples = 1;
-  if (shadows != ShadowFormat::None) settings.sun = SunLight{.azimuth = 0.7f, .elevation = 0.9f, .illuminance = 4};
   Renderer renderer(device(), scene, &studio), alone(device(), scene, &studio);
   ASSERT_TRUE(renderer.placesWorlds(settings, {&camera, 1}, {}, Renderer::WorldLights::OfScene, false));
   std::mt19937 random(11);
@@ -211,13 +217,7 @@ void SteadyWorlds::overlap(Raster raster) {
     scene::addInstance(scene, scene.instances[copied].mesh, material, scene.instances[copied].toWorld);
   const scene::Environment studio = scene::loadEnvironment("studio");
   const scene::Camera camera = cameraOf(scene, kSteadyWidth, kSteadyHeight);
-  Settings settings = settingsOf(kSteadyWidth, kSteadyHeight, {output::Aov::Depth, output::Aov::Id});
-  settings.raster = raster;
-  settings.lighting = &findTechnique("clustered");
-  settings.display = true;
-  settings.shadows = ShadowFormat::Rays;
-  settings.samples = 1;
-  settings.sun = SunLight{.azimuth = 0.7f, .elevation = 0.9f, .illuminance = 4};
+  const Settings settings = steadySettings(raster, ShadowFormat::Rays);
   Renderer renderer(device(), scene, &studio), alone(device(), scene, &studio);
   std::mt19937 random(5);
   struct Call {
