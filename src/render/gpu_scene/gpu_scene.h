@@ -54,6 +54,7 @@ class GpuScene {
   const WorldDeformer& worldDeformer() const { return worldDeformer_; }
   void foundVastWorlds() { worlds_.foundVast(); }
   void castRays(std::span<const shared::RayShadow> rays) { worlds_.castRays(rays); }  // of GpuWorlds
+  void castMaps(std::span<const uint32_t> templates) { worlds_.castMaps(templates); }
   InstancesOfWorld instancesOf(uint32_t world) const;
   // The bounds of an instance's mesh in a pose of the last update().
   PosedBounds boundsIn(uint32_t instance, const scene::Pose& pose) const {

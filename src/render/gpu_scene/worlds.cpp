@@ -248,7 +248,7 @@ void GpuWorlds::uploadMoved(GpuList<shared::Instance>& list, vk::Uploader& uploa
 namespace {
 
 shared::LightTemplate lightTemplateOf(const scene::Light& atRest, const scene::Light& posed, const glm::dvec3& origin) {
-  shared::LightTemplate t{.color = atRest.color, .intensity = atRest.intensity, .listed = ~0u};
+  shared::LightTemplate t{.color = atRest.color, .intensity = atRest.intensity, .listed = ~0u, .mapCaster = ~0u};
   if (atRest.node >= 0) t.state |= shared::kLightHasNode;
   if (!shared::lightIsArea(atRest.type)) {
     t.light[0] = deviceLight(atRest, origin);
@@ -322,6 +322,16 @@ void GpuWorlds::castRays(std::span<const shared::RayShadow> rays) {
   rayShadows_.resize(size_t{count_} * placed_.casters);
   placed_.others = otherLights_.address();
   placed_.rayShadows = rayShadows_.address();
+}
+
+void GpuWorlds::castMaps(std::span<const uint32_t> templates) {
+  for (uint32_t i = 0; i < templates.size(); ++i) placed_.templates[templates[i]].mapCaster = i;
+  placed_.mapCasters = static_cast<uint32_t>(templates.size());
+  if (templates.empty()) return;
+  placedCasters_.resize(size_t{count_} * placed_.mapCasters);
+  shadowBits_.resize(count_ * placed_.shadowBitsBytes() / sizeof(shared::ShadowBits));
+  placed_.placedCasters = placedCasters_.address();
+  placed_.shadowBits = shadowBits_.address();
 }
 
 // Every world has the space of the largest one, so that shaders may load a light whose index is valid in another world.

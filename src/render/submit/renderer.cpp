@@ -133,6 +133,20 @@ void requireRaster(const vk::Device& device, const Settings& settings) {
          compute ? "choose hardware" : "leave the outputs named raster out");
 }
 
+// The lights from which shaders derive those of worlds, whatever these emit.
+struct LightsToPlace {
+  std::vector<shared::Light> lights;
+  std::vector<uint32_t> sources;
+  std::span<const scene::Light> authored;
+
+  explicit LightsToPlace(const GpuWorlds::PlacedLights& placed)
+      : sources(placed.templates.size()), authored(placed.authored) {
+    for (const shared::LightTemplate& light : placed.templates) lights.push_back(light.light[0]);
+    std::iota(sources.begin(), sources.end(), 0u);
+  }
+  ShadowScene scene(const scene::Bounds& bounds) const { return {lights, sources, authored, bounds}; }
+};
+
 bool isAtRest(const SceneState& moment) {
   return moment.poses.current.empty() && !moment.motion.poseAt;
 }
@@ -283,7 +297,7 @@ bool Renderer::placesShadows(const Settings& s, const Poses& poses, WorldLights 
     const bool writesLights = ownLights == WorldLights::InArrays && std::ranges::none_of(lights, isArea);
     return (ownLights == WorldLights::OfScene || writesLights) && castsInAllViews(lights, s);
   }
-  return poses.current.empty() && ownLights == WorldLights::OfScene && !ownJoints &&
+  return poses.current.empty() && ownLights != WorldLights::InLists && !ownJoints &&
          mapsFitAtlas(lights, s.width, s.height, s);
 }
 
@@ -320,19 +334,21 @@ void Renderer::planPlacedShadows(const Settings& s, const WorldStates& worlds) {
   std::vector<shared::View> views;
   for (const scene::Camera& camera : worlds.inputs->cameras)
     views.push_back(shadowView(camera, s.width, s.height, gpuScene_));
-  placedShadows_ = render::planPlacedShadows(shadowSceneOf(gpuScene_), views, s);
+  if (gpuScene_.worlds().placesLights()) {
+    const LightsToPlace lights(gpuScene_.worlds().placedLights());
+    placedShadows_ = render::planPlacedShadows(lights.scene(gpuScene_.deviceBounds()), views, s);
+    gpuScene_.castMaps(placedShadows_.casters);
+  } else {
+    placedShadows_ = render::planPlacedShadows(shadowSceneOf(gpuScene_), views, s);
+  }
   state_.placedShadows = &placedShadows_;
 }
 
 // Selects the lights of worlds whose shadows rays find, if shaders write these lights.
 void Renderer::listRays(const Settings& settings) {
   if (!gpuScene_.worlds().placesLights()) return;
-  const GpuWorlds::PlacedLights& placed = gpuScene_.worlds().placedLights();
-  std::vector<shared::Light> lights;
-  for (const shared::LightTemplate& light : placed.templates) lights.push_back(light.light[0]);
-  std::vector<uint32_t> sources(lights.size());
-  std::iota(sources.begin(), sources.end(), 0u);
-  gpuScene_.castRays(raysOfLights({lights, sources, placed.authored, {}}, settings));
+  const LightsToPlace lights(gpuScene_.worlds().placedLights());
+  gpuScene_.castRays(raysOfLights(lights.scene({}), settings));
 }
 
 // Plans the maps for the full pictures without jitter, so that the samples and strips of a picture share the positions
