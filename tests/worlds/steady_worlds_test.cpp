@@ -8,6 +8,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <limits>
+#include <optional>
 #include <random>
 
 #include "long_tests.h"
@@ -109,6 +110,19 @@ WorldStates statesOf(Renderer& renderer, const scene::Scene& scene, const scene:
   inputs.lightPosition = arrayAt(positionsAt);
   inputs.lightIntensity = arrayAt(intensitiesAt);
   return worlds;
+}
+
+constexpr uint32_t kGlassCopies = 60;  // more than fragment lists of the first calls have space for
+
+// Adds blended copies of the last instance.
+void addGlass(scene::Scene& scene) {
+  const auto copied = static_cast<uint32_t>(scene.instances.size()) - 1;
+  scene::Material glass = scene.materials[scene.instances[copied].material];
+  glass.data.flags |= shared::kMaterialBlended;
+  glass.data.baseColor.a = 0.1f;
+  const uint32_t material = scene::addMaterial(scene, glass);
+  for (uint32_t i = 0; i < kGlassCopies; ++i)
+    scene::addInstance(scene, scene.instances[copied].mesh, material, scene.instances[copied].toWorld);
 }
 
 // Lights with shadow maps of all kinds.
@@ -254,13 +268,8 @@ TEST_F(SteadyWorlds, NeitherGrowNorCreateAnythingAlongPaths) {
 void SteadyWorlds::overlap(Raster raster, ShadowFormat shadows, bool ownLights) {
   scene::Scene scene = scene::load("builtin:boxes");
   if (ownLights) addLamps(scene);
-  const uint32_t opaque = static_cast<uint32_t>(scene.instances.size()), copied = opaque - 1;
-  scene::Material glass = scene.materials[scene.instances[copied].material];
-  glass.data.flags |= shared::kMaterialBlended;
-  glass.data.baseColor.a = 0.1f;
-  const uint32_t material = scene::addMaterial(scene, glass);
-  for (int i = 0; i < 60; ++i)
-    scene::addInstance(scene, scene.instances[copied].mesh, material, scene.instances[copied].toWorld);
+  const size_t opaque = scene.instances.size();
+  addGlass(scene);
   const scene::Environment studio = scene::loadEnvironment("studio");
   const scene::Camera camera = cameraOf(scene, kSteadyWidth, kSteadyHeight);
   const Settings settings = steadySettings(raster, shadows);
@@ -315,6 +324,45 @@ TEST_F(SteadyWorlds, OverlapAndOverflowWithVisibilityByRays) {
   overlap(Raster::Rays, ShadowFormat::Rays, false);
 }
 
+// Random transforms of the joints of the first skin in all worlds, or random vertices of the first mesh.
+std::vector<float> randomDeformation(const scene::Scene& scene, bool joints, std::mt19937& random) {
+  std::uniform_real_distribution<float> offset(-0.2f, 0.2f);
+  std::vector<float> numbers;
+  for (uint32_t world = 0; world < kSteadyWorlds; ++world) {
+    for (size_t joint = 0; joints && joint < scene.rig.skins[0].joints.size(); ++joint)
+      numbers.insert(numbers.end(), {1, 0, 0, offset(random), 0, 1, 0, offset(random), 0, 0, 1, offset(random)});
+    for (size_t vertex = 0; !joints && vertex < scene.meshes[0].positions.size(); ++vertex)
+      for (int axis = 0; axis < 3; ++axis) numbers.push_back(scene.meshes[0].positions[vertex][axis] + offset(random));
+  }
+  return numbers;
+}
+
+// Gives such numbers to the renderer in its own memory. `glass`: the copies that addGlass() added exist in all worlds
+// or in none; otherwise the worlds list no instances.
+WorldStates deformedWorlds(Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera, bool joints,
+                           const std::vector<float>& numbers, std::optional<bool> glass = {}) {
+  WorldStates worlds{.count = kSteadyWorlds};
+  worlds.inputs.emplace().cameras = {camera};
+  WorldDeformations& given = worlds.deformations;
+  if (joints)
+    given.joints = scene.rig.skins[0].joints;
+  else
+    given.meshes = {0};
+  const uint64_t existsAt = numbers.size() * sizeof(float);
+  const std::shared_ptr<const vk::Buffer> memory = renderer.inputMemory(existsAt + kSteadyWorlds * kGlassCopies);
+  std::memcpy(memory->mapped(), numbers.data(), existsAt);
+  if (glass) {
+    for (uint32_t i = 0; i < kGlassCopies; ++i)
+      worlds.instances.push_back(static_cast<uint32_t>(scene.instances.size()) - kGlassCopies + i);
+    std::memset(memory->mapped() + existsAt, *glass ? 1 : 0, kSteadyWorlds * kGlassCopies);
+    worlds.inputs->exists = memory->address() + existsAt;
+  }
+  given.memory = {memory};
+  (joints ? given.jointTransforms : given.vertices)[0] = {
+      .address = memory->address(), .rows = 3, .element = shared::kNumberFloat};
+  return worlds;
+}
+
 // The same for worlds that pose joints and move vertices: the arrays change in every call.
 TEST_F(SteadyWorlds, DeformMeshesWithoutGrowth) {
   if (!device().isCpu()) GTEST_SKIP() << "the test reads arrays in the host's memory";
@@ -325,33 +373,16 @@ TEST_F(SteadyWorlds, DeformMeshesWithoutGrowth) {
   settings.lighting = &findTechnique("clustered");
   Renderer renderer(device(), scene, nullptr);
   std::mt19937 random(3);
-  std::uniform_real_distribution<float> offset(-0.2f, 0.2f);
   const uint32_t steps = latelight::test::rounds(400u, 40u);
   uint32_t replays = 0;
   RenderResult last;
   for (uint32_t i = 0; i < steps && !HasFailure(); ++i) {
     SCOPED_TRACE(i);
-    WorldStates worlds{.count = kSteadyWorlds};
-    worlds.inputs.emplace().cameras = {camera};
-    WorldDeformations& given = worlds.deformations;
     const bool joints = i % 40 < 20;  // then vertices
-    const scene::Mesh& mesh = scene.meshes[0];
-    std::vector<float> numbers;
-    if (joints) given.joints = scene.rig.skins[0].joints;
-    if (!joints) given.meshes = {0};
-    for (uint32_t world = 0; world < kSteadyWorlds; ++world) {
-      for (size_t joint = 0; joint < given.joints.size(); ++joint)
-        numbers.insert(numbers.end(), {1, 0, 0, offset(random), 0, 1, 0, offset(random), 0, 0, 1, offset(random)});
-      for (size_t vertex = 0; !joints && vertex < mesh.positions.size(); ++vertex)
-        for (int axis = 0; axis < 3; ++axis) numbers.push_back(mesh.positions[vertex][axis] + offset(random));
-    }
+    std::vector<float> numbers = randomDeformation(scene, joints, random);
     const uint32_t broken = static_cast<uint32_t>(random() % (2 * kSteadyWorlds));
     if (broken < kSteadyWorlds) numbers[broken * numbers.size() / kSteadyWorlds + 3] = NAN;
-    const std::shared_ptr<const vk::Buffer> memory = renderer.inputMemory(numbers.size() * sizeof(float));
-    std::memcpy(memory->mapped(), numbers.data(), numbers.size() * sizeof(float));
-    given.memory = {memory};
-    (joints ? given.jointTransforms : given.vertices)[0] = {
-        .address = memory->address(), .rows = 3, .element = shared::kNumberFloat};
+    const WorldStates worlds = deformedWorlds(renderer, scene, camera, joints, numbers);
     const uint64_t pipelines = device().pipelinesMade();
     const vk::Allocator::Statistics before = device().memory().statistics();
     last = renderer.submit({&camera, 1}, settings, {.worlds = worlds}, Results::Exported).take();
@@ -367,6 +398,71 @@ TEST_F(SteadyWorlds, DeformMeshesWithoutGrowth) {
   }
   EXPECT_EQ(replays, steps / 20 * (20 - kWarmUpCalls));
   EXPECT_TRUE(device().validationMessages().empty());
+}
+
+// Calls with other joints or vertices are in flight together, and have the bytes of calls one after the other. Those
+// that overflow are rendered again with their own arrays.
+void overlapDeformed(vk::Device& device, bool joints, ShadowFormat shadows) {
+  if (!device.isCpu()) GTEST_SKIP() << "the test reads arrays in the host's memory";
+  scene::Scene scene = scene::load(models::modelPath("skinned.glb").string());
+  addGlass(scene);
+  const scene::Camera camera = cameraOf(scene, kSteadyWidth, kSteadyHeight);
+  Settings settings = steadySettings(Raster::Compute, shadows);
+  settings.aovs.push_back(output::Aov::Normal);
+  const scene::Environment studio = scene::loadEnvironment("studio");
+  Renderer renderer(device, scene, &studio), alone(device, scene, &studio);
+  ASSERT_TRUE(renderer.placesWorlds(settings, {&camera, 1}, {}, Renderer::WorldLights::OfScene, joints));
+  std::mt19937 random(7);
+  struct Call {
+    std::vector<float> numbers;
+    bool glass;
+    Ticket ticket;
+  };
+  std::deque<Call> inFlight;
+  uint32_t overlaps = 0;
+  const auto submit = [&](Renderer& to, const std::vector<float>& numbers, bool glass) {
+    const WorldStates worlds = deformedWorlds(to, scene, camera, joints, numbers, glass);
+    return to.submit({&camera, 1}, settings, {.worlds = worlds}, Results::Exported);
+  };
+  RenderResult before;
+  const auto take = [&] {
+    Call call = std::move(inFlight.front());
+    inFlight.pop_front();
+    RenderResult result = call.ticket.take();
+    const RenderResult expected = submit(alone, call.numbers, call.glass).take();
+    for (size_t i = 0; i < expected.arrays.size(); ++i)
+      for (uint32_t world = 0; world < kSteadyWorlds; ++world)
+        EXPECT_TRUE(bytesOf(device, result.arrays[i], world) == bytesOf(device, expected.arrays[i], world))
+            << "array " << i << ", world " << world;
+    if (!before.arrays.empty()) {
+      EXPECT_FALSE(bytesOf(device, result.arrays[1], 0) == bytesOf(device, before.arrays[1], 0));
+    }
+    before = std::move(result);
+  };
+  for (uint32_t call = 0; call < 10; ++call) {
+    SCOPED_TRACE(call);
+    const bool glass = call >= 5;
+    std::vector<float> numbers = randomDeformation(scene, joints, random);
+    Ticket ticket = submit(renderer, numbers, glass);
+    overlaps += !inFlight.empty() && !inFlight.back().ticket.done();
+    inFlight.push_back({std::move(numbers), glass, std::move(ticket)});
+    if (inFlight.size() == 3) take();
+  }
+  while (!inFlight.empty()) take();
+  EXPECT_GT(overlaps, 0u) << "no call was submitted before the one before it had finished";
+  EXPECT_TRUE(device.validationMessages().empty());
+}
+
+TEST_F(SteadyWorlds, OverlapWithOtherJoints) {
+  overlapDeformed(device(), true, ShadowFormat::None);
+}
+
+TEST_F(SteadyWorlds, OverlapWithOtherJointsAndRays) {
+  overlapDeformed(device(), true, ShadowFormat::Rays);
+}
+
+TEST_F(SteadyWorlds, OverlapWithOtherVerticesAndShadowMaps) {
+  overlapDeformed(device(), false, ShadowFormat::D32);
 }
 
 }  // namespace

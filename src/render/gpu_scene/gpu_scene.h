@@ -52,6 +52,7 @@ class GpuScene {
   bool hasWorlds() const { return worlds_.count() > 0; }
   const GpuWorlds& worlds() const { return worlds_; }
   const WorldDeformer& worldDeformer() const { return worldDeformer_; }
+  void repeatDeformation(const WorldDeformer::Arrays& arrays) { worldDeformer_.repeat(arrays); }
   void foundVastWorlds() { worlds_.foundVast(); }
   void castRays(std::span<const shared::RayShadow> rays) { worlds_.castRays(rays); }  // of GpuWorlds
   void castMaps(std::span<const uint32_t> templates) { worlds_.castMaps(templates); }

@@ -95,6 +95,16 @@ bool haveSameType(const WorldArray* a, const WorldArray* b) {
   return (a->address == 0) == (b->address == 0) && a->rows == b->rows && a->element == b->element;
 }
 
+bool differInArraysOnly(const WorldDeformations& a, const WorldDeformations& b) {
+  const auto haveSameTypes = [](const WorldArray(&these)[3], const WorldArray(&those)[3]) {
+    return std::ranges::equal(these, those,
+                              [](const WorldArray& x, const WorldArray& y) { return haveSameType(&x, &y); });
+  };
+  return a.joints == b.joints && a.meshes == b.meshes && a.jointNumbers == b.jointNumbers &&
+         a.vertexNumbers == b.vertexNumbers && haveSameTypes(a.jointTransforms, b.jointTransforms) &&
+         haveSameTypes(a.vertices, b.vertices);
+}
+
 bool differInArraysOnly(const WorldInputs& a, const WorldInputs& b) {
   return std::ranges::equal(arraysOf(a), arraysOf(b), haveSameType) && (a.exists == 0) == (b.exists == 0) &&
          a.palette == b.palette && a.lights == b.lights && a.cameras == b.cameras && a.rides == b.rides;
@@ -109,7 +119,7 @@ bool differInArraysOnly(const WorldStates& a, const WorldStates& b) {
                     w.lights, w.lightValues, w.environmentRotation, w.environmentIntensity, w.environments,
                     w.environmentIndex);
   };
-  return a.inputs && b.inputs && a.deformations.empty() && b.deformations.empty() && lists(a) == lists(b) &&
+  return a.inputs && b.inputs && lists(a) == lists(b) && differInArraysOnly(a.deformations, b.deformations) &&
          differInArraysOnly(*a.inputs, *b.inputs);
 }
 

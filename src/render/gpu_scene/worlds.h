@@ -77,7 +77,7 @@ struct WorldStates {
 };
 
 // Returns true if shaders place the worlds of both calls, which differ only in the numbers in the arrays of WorldInputs
-// and deform no meshes.
+// and of WorldDeformations.
 bool differInArraysOnly(const WorldStates& a, const WorldStates& b);
 
 // Returns the materials that the factors of worlds require, world by world.

@@ -177,6 +177,7 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
   checkRaysInWorlds(settings, moment.worlds);
   const SceneInput input = inputOf(settings, moment);
   if (sceneInput_ == input && differsInArraysOnly(settings, moment)) {
+    gpuScene_.repeatDeformation(WorldDeformer::arraysOf(moment.worlds.deformations));
     worldPlacer_.updateArrays(moment.worlds);
     if (tracesRays(settings)) bvh_->repeatWorlds();
     return;
@@ -206,6 +207,7 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
   if (moment.worlds.inputs && isAtRest(moment)) {
     placedInput_ = {settings, moment.worlds};
     placedInput_->worlds.inputs->memory.clear();
+    placedInput_->worlds.deformations.memory.clear();
   }
 }
 
@@ -424,7 +426,10 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
   if (usesSensor(requested)) job->sensed = requested;
   job->results = results;
   job->meteredExposures = std::move(exposures);
-  if (job->placedWorlds > 0) job->conversion = worldPlacer_.conversion();
+  if (job->placedWorlds > 0) {
+    job->conversion = worldPlacer_.conversion();
+    job->deformation = gpuScene_.worldDeformer().arrays();
+  }
   const size_t views = job->viewCount(), pictures = job->rowsAreViews ? cameras.size() : views;
   constexpr Strip kRow{0, 1};
   if (job->rowsAreViews) strips = {&kRow, 1};
@@ -836,6 +841,7 @@ void Renderer::resolveOverflow(const ViewBatch* last) {
 // Places the worlds of a job on the device again, if later calls have placed theirs since.
 void Renderer::placeAgain(const RenderJob& job) {
   if (!job.conversion || worldPlacer_.isLatest(*job.conversion)) return;
+  gpuScene_.repeatDeformation(job.deformation);
   worldPlacer_.repeat(*job.conversion);
   if (tracesRays(job.settings)) bvh_->repeatWorlds();
 }
