@@ -95,6 +95,51 @@ def test_worlds_show_what_rays_of_mujoco_find(model, robot, robot_renderer):
             )
 
 
+def test_worlds_are_batches_of_mjx():
+    """Arrays of JAX on the CPU, which MJX has stepped: the bytes of MjData with the same values, and the images of
+    MuJoCo's own kinematics."""
+    jax = pytest.importorskip("jax", reason="jax is not installed (pip install jax mujoco-mjx)")
+    mjx = pytest.importorskip("mujoco.mjx", reason="mujoco-mjx is not installed")
+    # MJX lacks contacts between some of these shapes.
+    model = mujoco.MjModel.from_xml_string(
+        MODEL.replace("<mujoco>", '<mujoco><default><geom contype="0" conaffinity="0"/></default>'))
+    robot = latelight.from_mujoco(model)
+    device_model, at_rest = mjx.put_model(model), mjx.make_data(model)
+    start = np.tile(np.asarray(at_rest.qpos), (4, 1))
+    start[:, 2] = (0.5, 1.1, 0.3, 2)
+    start[:, model.joint("hinge").qposadr[0]] = (0, 0.6, -0.8, 1.5)
+    batch = jax.vmap(lambda qpos: at_rest.replace(qpos=qpos))(jax.numpy.asarray(start))
+    step = jax.jit(jax.vmap(mjx.step, in_axes=(None, 0)))
+    renderer = latelight.Renderer(robot.scene, device="cpu")
+
+    def frames_of(**worlds):
+        return renderer.render_worlds(4, robot.cameras, SIZE, ("rgba", "depth", "id"), data_surfaces="any", **worlds)
+
+    earlier = None
+    for _ in range(3):
+        for _ in range(20):
+            before, batch = np.asarray(batch.qpos), step(device_model, batch)
+        names = ("geom_xpos", "geom_xmat", "cam_xpos", "cam_xmat")
+        arrays = {name: getattr(batch, name) for name in names}
+        assert all(isinstance(array, jax.Array) for array in arrays.values())
+        frames = frames_of(**robot.worlds(**arrays))
+        same = frames_of(**robot.worlds(mjx.get_data(model, batch)))
+        for name in ("rgba", "depth", "id"):
+            assert frames[name].tobytes() == same[name].tobytes(), name
+        # A step ends with the poses of its beginning, of which MJX has floats and MuJoCo doubles.
+        states = []
+        for qpos in before:
+            states.append(mujoco.MjData(model))
+            states[-1].qpos[:] = qpos
+            mujoco.mj_forward(model, states[-1])
+        expected = frames_of(**robot.worlds(states))
+        equal = frames["id"] == expected["id"]
+        assert equal.mean() > 0.999, "only pixels on outlines differ"
+        assert np.mean(np.isclose(frames["depth"][equal], expected["depth"][equal], rtol=1e-3)) > 0.999
+        assert earlier is None or not np.array_equal(frames["depth"], earlier), "the batch moves"
+        earlier = frames["depth"]
+
+
 def test_materials_lights_and_textures(robot):
     scene = robot.scene
 

@@ -176,10 +176,27 @@ void WorldDeformer::update(const scene::Scene& scene, const WorldDeformations& g
   for (const Part& part : parts_)
     if (!part.skinned) total += part.vertices;
   boundJob_.total = total;
-  for (uint32_t time = 0; time < 3; ++time) boundJob_.vertices[time] = given.vertices[time].numbers();
   describeMeshes(scene, deformer, geometry, uploader);
   vertexJobs_.clear();
   for (const Part& part : parts_) vertexJobs_.push_back(part.skinned ? VertexJob{} : vertexJob(part, geometry, scene));
+  repeat(arraysOf(given));
+}
+
+WorldDeformer::Arrays WorldDeformer::arraysOf(const WorldDeformations& given) {
+  Arrays arrays;
+  for (size_t time = 0; time < 3; ++time) {
+    arrays.joints[time] = given.jointTransforms[time].numbers();
+    arrays.vertices[time] = given.vertices[time].numbers();
+  }
+  return arrays;
+}
+
+void WorldDeformer::repeat(const Arrays& arrays) {
+  if (parts_.empty()) return;
+  arrays_ = arrays;
+  std::ranges::copy(arrays.joints, jointJob_.given);
+  std::ranges::copy(arrays.vertices, boundJob_.vertices);
+  for (VertexJob& job : vertexJobs_) std::ranges::copy(arrays.vertices, job.given);
   pending_ = true;
 }
 
@@ -272,7 +289,6 @@ void WorldDeformer::poseJoints(const scene::Scene& scene, const WorldDeformation
                .jointCount = jointCount_,
                .listed = static_cast<uint32_t>(given.joints.size()),
                .slots = slots_};
-  for (uint32_t time = 0; time < 3; ++time) jointJob_.given[time] = given.jointTransforms[time].numbers();
 }
 
 void WorldDeformer::describeMeshes(const scene::Scene& scene, const Deformer* deformer, const GpuGeometry& geometry,
@@ -324,20 +340,18 @@ void WorldDeformer::describeMeshes(const scene::Scene& scene, const Deformer* de
 }
 
 VertexJob WorldDeformer::vertexJob(const Part& part, const GpuGeometry& geometry, const scene::Scene& scene) const {
-  VertexJob job{.fans = fans_.address() + part.fans * sizeof(uint32_t),
-                .fanTriangles = fanTriangles_.address() + part.fanTriangles * sizeof(DeviceFanTriangle),
-                .indices = geometry.indices(part.mesh),
-                .attributes = geometry.restAttributes(part.mesh),
-                .outPositions = positions_.address() + part.positions,
-                .outAttributes = attributes_.address() + part.attributes,
-                .origin = scene::vertexOrigin(scene.meshes[part.mesh]),
-                .worlds = worlds_,
-                .vertices = part.vertices,
-                .slots = slots_,
-                .first = part.firstVertex,
-                .total = boundJob_.total};
-  std::ranges::copy(boundJob_.vertices, job.given);
-  return job;
+  return {.fans = fans_.address() + part.fans * sizeof(uint32_t),
+          .fanTriangles = fanTriangles_.address() + part.fanTriangles * sizeof(DeviceFanTriangle),
+          .indices = geometry.indices(part.mesh),
+          .attributes = geometry.restAttributes(part.mesh),
+          .outPositions = positions_.address() + part.positions,
+          .outAttributes = attributes_.address() + part.attributes,
+          .origin = scene::vertexOrigin(scene.meshes[part.mesh]),
+          .worlds = worlds_,
+          .vertices = part.vertices,
+          .slots = slots_,
+          .first = part.firstVertex,
+          .total = boundJob_.total};
 }
 
 void WorldDeformer::addTo(graph::Graph& graph, VkDeviceAddress status) const {

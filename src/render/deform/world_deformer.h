@@ -10,6 +10,7 @@
 //                         bound_deformed.comp ---> DeformedBounds[worlds][meshes], Mesh[worlds][meshes]
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -44,6 +45,12 @@ struct WorldDeformations {
 
 class WorldDeformer {
  public:
+  // The arrays of WorldDeformations, by time.
+  struct Arrays {
+    std::array<shared::WorldNumbers, 3> joints{}, vertices{};
+  };
+  static Arrays arraysOf(const WorldDeformations& given);
+
   explicit WorldDeformer(vk::Device& device);
   static bool runsOn(const vk::Device& device);  // it requires doubles in shaders
 
@@ -51,6 +58,10 @@ class WorldDeformer {
   // other poses are those of joints that are not given. The deformation is pending until the next graph.
   void update(const scene::Scene& scene, const WorldDeformations& given, uint32_t worlds, const Poses& poses,
               const Deformer* deformer, GpuGeometry& geometry, vk::Uploader& uploader);
+  // The same for the last update()'s joints and meshes with the arrays of another call, which have the same types.
+  // Calls in flight may read the earlier ones. Does nothing if there is no deformation.
+  void repeat(const Arrays& arrays);
+  Arrays arrays() const { return arrays_; }  // of the last update() or repeat()
   void clear();
   // Adds the pending deformation to the prologue of a graph. `status`: uint[worlds], to which the shaders add kWorld*
   // bits; 0: the host has checked the arrays.
@@ -108,6 +119,7 @@ class WorldDeformer {
   std::vector<uint32_t> fanMeshes_;                       // meshes whose fans were uploaded
   std::vector<std::pair<uint64_t, uint64_t>> firstFans_;  // by these: elements before its own in both lists
   bool pending_ = false;
+  Arrays arrays_;
   std::vector<float> weights_;  // of morph targets: [parts][slots][targets]
   shared::JointJob jointJob_{};
   std::vector<shared::VertexJob> vertexJobs_;  // by part

@@ -52,8 +52,10 @@ class GpuScene {
   bool hasWorlds() const { return worlds_.count() > 0; }
   const GpuWorlds& worlds() const { return worlds_; }
   const WorldDeformer& worldDeformer() const { return worldDeformer_; }
+  void repeatDeformation(const WorldDeformer::Arrays& arrays) { worldDeformer_.repeat(arrays); }
   void foundVastWorlds() { worlds_.foundVast(); }
   void castRays(std::span<const shared::RayShadow> rays) { worlds_.castRays(rays); }  // of GpuWorlds
+  void castMaps(std::span<const uint32_t> templates) { worlds_.castMaps(templates); }
   InstancesOfWorld instancesOf(uint32_t world) const;
   // The bounds of an instance's mesh in a pose of the last update().
   PosedBounds boundsIn(uint32_t instance, const scene::Pose& pose) const {

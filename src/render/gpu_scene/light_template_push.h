@@ -24,6 +24,7 @@ struct LightTemplate {
   uint state;          // kLightIsArea, kLightHasNode, kLightHasExtent, kLightCastsByRays
   uint shadowRays;     // with kLightCastsByRays: values of RayShadow
   float shadowSize;
+  uint mapCaster;  // index among the lights with shadow maps that shaders fit, or ~0
 };
 SH_CONST uint kLightIsArea = 1u;
 SH_CONST uint kLightHasNode = 2u;
@@ -32,6 +33,15 @@ SH_CONST uint kLightCastsByRays = 8u;
 // Doubles per light: its positions at rest and in the pose of the call, in the renderer's world, and at rest in the
 // file's frame.
 SH_CONST uint kLightPositions = 9u;
+
+// A light with shadow maps in a world. If it emits nothing there, only `column` is valid, and the others are harmless.
+struct PlacedCaster {
+  vec3 position;
+  uint column;  // of FrameConstants::lightShadows, or kEmitsNothing
+  vec3 direction;
+  uint padding;
+};
+SH_CONST uint kEmitsNothing = 4294967295u;
 
 SH_END
 

@@ -37,6 +37,7 @@ void main() {
   frame.rasterInstances += uint64_t(world) * job.rasterStride;
   frame.rayScene += uint64_t(world) * job.rayStride;
   frame.shadowMaps += uint64_t(world) * job.shadowStride;
+  frame.shadowBits += uint64_t(world) * job.shadowBitsStride;
   if (job.exposures != 0ul) frame.exposure = ExposuresRef(job.exposures).v[view];
   if (job.has != 0u) {
     WorldValues values = ValuesRef(job.values).v[world];

@@ -27,7 +27,7 @@ struct ViewConstants {
   uint64_t exposures;    // float[views], or 0: all views have that of `frame`
   uint64_t result;       // FrameConstants[views]
   // Bytes from one world's elements to the next one's.
-  uint64_t instanceStride, rasterStride, rayStride, lightStride, treeStride, areaStride, shadowStride;
+  uint64_t instanceStride, rasterStride, rayStride, lightStride, treeStride, areaStride, shadowStride, shadowBitsStride;
   uint views, firstView, viewsPerWorld;
   uint has;  // kWorldHas*
 };

@@ -95,6 +95,16 @@ bool haveSameType(const WorldArray* a, const WorldArray* b) {
   return (a->address == 0) == (b->address == 0) && a->rows == b->rows && a->element == b->element;
 }
 
+bool differInArraysOnly(const WorldDeformations& a, const WorldDeformations& b) {
+  const auto haveSameTypes = [](const WorldArray(&these)[3], const WorldArray(&those)[3]) {
+    return std::ranges::equal(these, those,
+                              [](const WorldArray& x, const WorldArray& y) { return haveSameType(&x, &y); });
+  };
+  return a.joints == b.joints && a.meshes == b.meshes && a.jointNumbers == b.jointNumbers &&
+         a.vertexNumbers == b.vertexNumbers && haveSameTypes(a.jointTransforms, b.jointTransforms) &&
+         haveSameTypes(a.vertices, b.vertices);
+}
+
 bool differInArraysOnly(const WorldInputs& a, const WorldInputs& b) {
   return std::ranges::equal(arraysOf(a), arraysOf(b), haveSameType) && (a.exists == 0) == (b.exists == 0) &&
          a.palette == b.palette && a.lights == b.lights && a.cameras == b.cameras && a.rides == b.rides;
@@ -109,7 +119,7 @@ bool differInArraysOnly(const WorldStates& a, const WorldStates& b) {
                     w.lights, w.lightValues, w.environmentRotation, w.environmentIntensity, w.environments,
                     w.environmentIndex);
   };
-  return a.inputs && b.inputs && a.deformations.empty() && b.deformations.empty() && lists(a) == lists(b) &&
+  return a.inputs && b.inputs && lists(a) == lists(b) && differInArraysOnly(a.deformations, b.deformations) &&
          differInArraysOnly(*a.inputs, *b.inputs);
 }
 
@@ -248,7 +258,7 @@ void GpuWorlds::uploadMoved(GpuList<shared::Instance>& list, vk::Uploader& uploa
 namespace {
 
 shared::LightTemplate lightTemplateOf(const scene::Light& atRest, const scene::Light& posed, const glm::dvec3& origin) {
-  shared::LightTemplate t{.color = atRest.color, .intensity = atRest.intensity, .listed = ~0u};
+  shared::LightTemplate t{.color = atRest.color, .intensity = atRest.intensity, .listed = ~0u, .mapCaster = ~0u};
   if (atRest.node >= 0) t.state |= shared::kLightHasNode;
   if (!shared::lightIsArea(atRest.type)) {
     t.light[0] = deviceLight(atRest, origin);
@@ -322,6 +332,16 @@ void GpuWorlds::castRays(std::span<const shared::RayShadow> rays) {
   rayShadows_.resize(size_t{count_} * placed_.casters);
   placed_.others = otherLights_.address();
   placed_.rayShadows = rayShadows_.address();
+}
+
+void GpuWorlds::castMaps(std::span<const uint32_t> templates) {
+  for (uint32_t i = 0; i < templates.size(); ++i) placed_.templates[templates[i]].mapCaster = i;
+  placed_.mapCasters = static_cast<uint32_t>(templates.size());
+  if (templates.empty()) return;
+  placedCasters_.resize(size_t{count_} * placed_.mapCasters);
+  shadowBits_.resize(count_ * placed_.shadowBitsBytes() / sizeof(shared::ShadowBits));
+  placed_.placedCasters = placedCasters_.address();
+  placed_.shadowBits = shadowBits_.address();
 }
 
 // Every world has the space of the largest one, so that shaders may load a light whose index is valid in another world.

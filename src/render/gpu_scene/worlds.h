@@ -77,7 +77,7 @@ struct WorldStates {
 };
 
 // Returns true if shaders place the worlds of both calls, which differ only in the numbers in the arrays of WorldInputs
-// and deform no meshes.
+// and of WorldDeformations.
 bool differInArraysOnly(const WorldStates& a, const WorldStates& b);
 
 // Returns the materials that the factors of worlds require, world by world.
@@ -101,6 +101,8 @@ class GpuWorlds {
         areaLights_(device, "area lights of worlds"),
         otherLights_(device, "lights of worlds without shadows"),
         rayShadows_(device, "shadow rays of worlds"),
+        placedCasters_(device, "lights of worlds with shadow maps"),
+        shadowBits_(device, "shadow bits of worlds"),
         choiceList_(device, "materials of worlds"),
         paletteList_(device, "materials to choose from"),
         environmentList_(device, "environments to choose from"),
@@ -119,6 +121,9 @@ class GpuWorlds {
                     const scene::Scene& scene, const glm::dvec3& origin);
   // Sets the rays to each of PlacedLights::templates (raysOfLights()). Call it after updateLights().
   void castRays(std::span<const shared::RayShadow> rays);
+  // Lists lights with shadow maps that shaders fit, in the order of their maps: indices in PlacedLights::templates.
+  // Call it after updateLights().
+  void castMaps(std::span<const uint32_t> templates);
   // Uploads the values of worlds that shaders copy to the constants of views. Call it last.
   void updateValues(vk::Uploader& uploader);
   void clear() { count_ = 0; }
@@ -167,6 +172,11 @@ class GpuWorlds {
     // Light[worlds][templates], in which they emit nothing.
     uint32_t casters = 0, mostRays = 0;  // rays: per surface
     VkDeviceAddress rayShadows = 0, others = 0;
+    // If shaders fit the shadow maps of lights: the number of these lights, and the results
+    // PlacedCaster[worlds][mapCasters] and ShadowBits[worlds][(templates + 31) / 32].
+    uint32_t mapCasters = 0;
+    VkDeviceAddress placedCasters = 0, shadowBits = 0;
+    uint64_t shadowBitsBytes() const { return (templates.size() + 31) / 32 * sizeof(shared::ShadowBits); }  // per world
   };
   const PlacedLights& placedLights() const { return placed_; }
   bool placesLights() const { return onDevice() && !placed_.templates.empty(); }
@@ -202,6 +212,8 @@ class GpuWorlds {
   GpuList<shared::AreaLight> areaLights_;
   GpuList<shared::Light> otherLights_;
   GpuList<shared::RayShadow> rayShadows_;
+  GpuList<shared::PlacedCaster> placedCasters_;
+  GpuList<shared::ShadowBits> shadowBits_;
   PlacedLights placed_;
   size_t lightStride_ = 0, treeStride_ = 0, areaStride_ = 0;  // elements per world
   std::vector<float> rotations_, intensities_;

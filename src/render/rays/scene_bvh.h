@@ -40,7 +40,10 @@ class SceneBvh {
   // refits deformed ones, and builds the instance level of worlds. The uploads are part of GpuScene::uploads().
   void update();
   // The same for worlds that shaders place, and that differ from those of the last update() in arrays only.
-  void repeatWorlds() { worlds_.repeat(); }
+  void repeatWorlds() {
+    worldMeshes_.repeat();
+    worlds_.repeat();
+  }
   // Adds the pending work to the prologue of a graph, after the changes of GpuScene and of WorldPlacer. It stays
   // pending until changesSubmitted().
   void addChanges(graph::Graph& graph) const;

@@ -181,7 +181,7 @@ std::vector<uint32_t> shadowCasters(const ShadowScene& scene, const Settings& se
   checkShadowLights(settings.shadowLights, scene.authored);
   std::vector<uint32_t> casters;
   for (uint32_t i = 0; i < scene.lights.size(); ++i)
-    if (mayCast(scene.authored[scene.sources[i]], settings.shadowLights)) casters.push_back(i);
+    if (castsIn(settings, scene.authored[scene.sources[i]])) casters.push_back(i);
   return casters;
 }
 

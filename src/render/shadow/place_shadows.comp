@@ -1,11 +1,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Fits shadow maps to a view, one invocation per view: the cascades of directional lights, and the sizes and depths of
-// the maps of point and spot lights, with everything that the raster and lookups read of them
-// (place_shadows_push.h). It computes in doubles, with the operations of the host in the same order, so that the maps
-// have the same bytes as those of fitCascades(), chooseShadowCasters() and planShadows(), where the method is
-// described. Floats are divided as doubles, because devices may round divisions of floats otherwise.
+// Fits shadow maps to a view and its world, one invocation per view: the cascades of directional lights, and the sizes
+// and depths of the maps of point and spot lights, with everything that the raster and lookups read of them
+// (place_shadows_push.h). Lights may have other positions and directions in each world (place_lights.comp). It computes
+// in doubles, with the operations of the host in the same order, so that the maps have the same bytes as those of
+// fitCascades(), chooseShadowCasters() and planShadows(), where the method is described. Floats are divided as doubles,
+// because devices may round divisions of floats otherwise.
 #include "render/glsl/common.glsl"
+#include "render/gpu_scene/light_template_push.h"
 #include "render/shadow/page_push.h"
 #include "render/shadow/place_shadows_push.h"
 #include "render/visibility/compute/raster_push.h"
@@ -17,6 +19,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Job
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TemplatesRef { MapTemplate v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LocalsRef { LocalCaster v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer GroupsRef { PlacedMaps v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer CastersRef { PlacedCaster v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer DoublesRef { double v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ViewsIn { View v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer FramesIn { FrameConstants v[]; };
@@ -48,6 +51,15 @@ float times(float a, float b) {
 double times(double a, double b) {
   precise double product = a * b;
   return product;
+}
+
+double sumOf(double a, double b) {
+  precise double sum = a + b;
+  return sum;
+}
+dvec3 sumOf(dvec3 a, dvec3 b) {
+  precise dvec3 sum = a + b;
+  return sum;
 }
 
 float quotient(float a, float b) { return float(double(a) / double(b)); }
@@ -165,6 +177,54 @@ Axes axesOf(PlacedShadowJob job, uint sun) {
   return Axes(dvec3(v.v[0], v.v[1], v.v[2]), dvec3(v.v[3], v.v[4], v.v[5]), dvec3(v.v[6], v.v[7], v.v[8]));
 }
 
+dvec3 unit(dvec3 v) {
+  double reciprocal = 1.0lf / sqrt(dotOf(v, v));
+  precise dvec3 scaled = v * reciprocal;
+  return scaled;
+}
+
+dvec3 crossOf(dvec3 a, dvec3 b) {
+  precise double x = a.y * b.z - b.y * a.z;
+  precise double y = a.z * b.x - b.z * a.x;
+  precise double z = a.x * b.y - b.x * a.y;
+  return dvec3(x, y, z);
+}
+
+// As axesAlong() of the host.
+Axes axesAlong(dvec3 away) {
+  dvec3 other = abs(away.z) < 0.9lf ? dvec3(0.0lf, 0.0lf, 1.0lf) : dvec3(0.0lf, 1.0lf, 0.0lf);
+  dvec3 right = unit(crossOf(away, other));
+  return Axes(right, away, crossOf(right, away));
+}
+
+// The view of a map of a light that is at `origin`, as viewOf() of the host.
+View placedView(View view, Axes axes, dvec3 origin) {
+  dvec3 rows[3] = dvec3[3](axes.right, axes.away, axes.up);
+  view.eye = vec3(origin);
+  for (uint row = 0u; row < 3u; ++row) {
+    for (uint column = 0u; column < 3u; ++column) {
+      view.worldToView[column][row] = float(rows[row][column]);
+      view.viewToWorld[row][column] = float(rows[row][column]);
+    }
+    view.worldToView[3][row] = float(-dotOf(rows[row], origin));
+  }
+  view.viewToWorld[3] = view.eye;
+  return view;
+}
+
+// A light in a world.
+struct Caster {
+  vec3 position, direction;  // only if job.casters is not 0
+  uint column;               // of job.table, or kEmitsNothing
+};
+
+// `caster`: among the directional lights and then the local ones.
+Caster casterOf(PlacedShadowJob job, uint world, uint caster) {
+  if (job.casters == 0ul) return Caster(vec3(0.0), vec3(0.0), caster);
+  PlacedCaster placed = CastersRef(job.casters).v[world * (job.sunCount + job.localCount) + caster];
+  return Caster(placed.position, placed.direction, placed.column);
+}
+
 // The projection of an orthographic map: half of its width, its center across and upward, and its depths, in meters.
 struct MapFrame {
   double halfWidth, across, upward, near, far;
@@ -250,12 +310,21 @@ void writePages(PlacedShadowJob job, PlacedMaps group, uint map, vec4 within, bo
 
 const float kEverywhere = 1e18;  // its square is finite
 
-void placeSun(PlacedShadowJob job, uint index, uint sun, Bounds bounds, uint cascades, Sphere spheres[kMaxCascades]) {
+void placeSun(PlacedShadowJob job, uint index, uint sun, Caster caster, Bounds bounds, uint cascades,
+              Sphere spheres[kMaxCascades]) {
   PlacedMaps group = GroupsRef(job.groups).v[0];
   MapTemplate t = TemplatesRef(job.suns).v[sun];
   Axes axes = axesOf(job, sun);
+  if (job.casters != 0ul) {
+    axes = axesAlong(unit(dvec3(caster.direction)));
+    t.view = placedView(t.view, axes, dvec3(0.0lf));
+    t.map.away = vec4(vec3(axes.away), float(-dotOf(axes.away, dvec3(0.0lf))));
+  }
   uint first = (index * job.sunCount + sun) * kMaxCascades;
-  TableOut(job.table).v[index * (job.sunCount + job.localCount) + sun] = LightShadow(first, cascades, 0u);
+  if (caster.column == kEmitsNothing)
+    cascades = 0u;
+  else
+    TableOut(job.table).v[index * (job.sunCount + job.localCount) + caster.column] = LightShadow(first, cascades, 0u);
   for (uint i = 0u; i < kMaxCascades; ++i) {
     // Nothing draws the map of an unused cascade or looks it up.
     Sphere sphere = i < cascades ? spheres[i] : Sphere(vec3(0.0), 1.0);
@@ -325,9 +394,30 @@ dvec2 depthsOf(LocalCaster light, Bounds bounds) {
   return dvec2(min(max(double(light.size), min(rounding, times(1e-4lf, far))), 0.5lf * far), far);
 }
 
-void placeLocal(PlacedShadowJob job, uint index, uint number, View view, Bounds bounds, bool any) {
+dvec3 cubeAxis(uint face) {
+  dvec3 axis = dvec3(0.0lf);
+  axis[face / 2u] = (face & 1u) == 0u ? 1.0lf : -1.0lf;
+  return axis;
+}
+
+// Moves a map to where the light is in a world, as viewOf() and mapOf() of the host. `tangent`: of half its angle.
+MapTemplate placedMap(MapTemplate t, Axes axes, dvec3 origin, double tangent, uint size) {
+  const double kMarginTexels = 8.0lf;  // on both sides
+  double halfWidth = times(tangent, double(size)) / (double(size) - kMarginTexels);
+  double middle = 0.5lf * double(size), h = middle / halfWidth;
+  double right = dotOf(axes.right, origin), away = dotOf(axes.away, origin), up = dotOf(axes.up, origin);
+  t.view = placedView(t.view, axes, origin);
+  t.map.across = vec4(vec3(sumOf(axes.right * h, axes.away * middle)), float(-sumOf(right * h, away * middle)));
+  t.map.down = vec4(vec3(sumOf(axes.away * middle, axes.up * -h)), float(-sumOf(away * middle, up * -h)));
+  t.map.away = vec4(vec3(axes.away), float(-away));
+  return t;
+}
+
+void placeLocal(PlacedShadowJob job, uint index, uint number, Caster caster, View view, Bounds bounds, bool any) {
   LocalCaster light = LocalsRef(job.locals).v[number];
-  bool used = any && touches(view, Sphere(light.position, light.radius));
+  if (job.casters != 0ul) light.position = caster.position;
+  bool emits = caster.column != kEmitsNothing;
+  bool used = any && emits && touches(view, Sphere(light.position, light.radius));
   uint chosen = sizeOf(job, light, view, bounds);
   dvec2 depths = depthsOf(light, bounds);
   double range = depths.y - depths.x;
@@ -335,11 +425,15 @@ void placeLocal(PlacedShadowJob job, uint index, uint number, View view, Bounds 
   for (uint size = 0u; size < job.sizes; ++size) {
     PlacedMaps group = GroupsRef(job.groups).v[1u + size];
     uint first = group.first + index * job.localMaps + light.firstMap;
-    if (size == chosen)
-      TableOut(job.table).v[index * (job.sunCount + job.localCount) + job.sunCount + number] =
+    if (emits && size == chosen)
+      TableOut(job.table).v[index * (job.sunCount + job.localCount) + caster.column] =
           LightShadow(first, used ? light.maps : 0u, 0u);
     for (uint face = 0u; face < light.maps; ++face) {
       MapTemplate t = TemplatesRef(job.faces).v[size * job.localMaps + light.firstMap + face];
+      if (job.casters != 0ul) {
+        Axes axes = axesAlong(light.maps == 1u ? unit(dvec3(caster.direction)) : cubeAxis(face));
+        t = placedMap(t, axes, dvec3(light.position), DoublesRef(job.tangents).v[number], group.size);
+      }
       t.view.projection.A = float(0.5lf / range);
       t.view.projection.B = float(-0.5lf * depths.x / range);
       t.map.depthScale = float(1.0lf / range);
@@ -364,6 +458,8 @@ void main() {
   bool any = bounds.low.x <= bounds.high.x;
   uint cascades = any ? fitCascades(job, view, camera, bounds, spheres) : 0u;
   if (!any) bounds = Bounds(dvec3(-1.0lf), dvec3(1.0lf));  // no map is used
-  for (uint sun = 0u; sun < job.sunCount; ++sun) placeSun(job, index, sun, bounds, cascades, spheres);
-  for (uint local = 0u; local < job.localCount; ++local) placeLocal(job, index, local, view, bounds, any);
+  for (uint sun = 0u; sun < job.sunCount; ++sun)
+    placeSun(job, index, sun, casterOf(job, world, sun), bounds, cascades, spheres);
+  for (uint local = 0u; local < job.localCount; ++local)
+    placeLocal(job, index, local, casterOf(job, world, job.sunCount + local), view, bounds, any);
 }

@@ -41,17 +41,22 @@ struct PlacedMaps {
 // kMaxCascades + cascade. Group 1 + i has the maps of local lights of size kMinPlacedTile << i, localMaps per view. A
 // view uses those of one size per light.
 struct PlacedShadowJob {
-  uint64_t suns;     // MapTemplate[suns]
-  uint64_t axes;     // double[suns][9]: right, away and up
-  uint64_t locals;   // LocalCaster[locals]
-  uint64_t faces;    // MapTemplate[sizes][localMaps]
+  uint64_t suns;      // MapTemplate[suns]
+  uint64_t axes;      // double[suns][9]: right, away and up
+  uint64_t locals;    // LocalCaster[locals]
+  uint64_t faces;     // MapTemplate[sizes][localMaps]
+  uint64_t tangents;  // double[locals]: of half the angle of their maps
+  // PlacedCaster[worlds][suns + locals], which shaders have written: the lights' positions and directions in each
+  // world, in place of those above. 0: the lights are the same in all worlds, and the columns of `table` are in their
+  // order.
+  uint64_t casters;
   uint64_t groups;   // PlacedMaps[1 + sizes]
   uint64_t numbers;  // double[kMaxCascades]: shares of the farthest distance; double[viewsPerWorld][2]: near and far
   uint64_t bounds;   // double[worlds][6]: low and high corner of each world, in the device's world space
   uint64_t views;    // View[views]
   uint64_t frames;   // FrameConstants[views]
-  // Results: per view and light, directional lights first, and per map.
-  uint64_t table;      // LightShadow[]
+  // Results: per view and light, and per map.
+  uint64_t table;      // LightShadow[views][suns + locals]
   uint64_t maps;       // ShadowMap[]
   uint64_t mapViews;   // View[], with reversed depth
   uint64_t mapFrames;  // FrameConstants[]

@@ -59,6 +59,7 @@ uint64_t jobBytes(const PlacedShadowPlan& plan) {
   offsets.add(plan.axes.size() * sizeof(double));
   offsets.add(plan.locals.size() * sizeof(LocalCaster));
   offsets.add(plan.faces.size() * sizeof(MapTemplate));
+  offsets.add(plan.tangents.size() * sizeof(double));
   offsets.add((1 + plan.sizes) * sizeof(PlacedMaps));
   offsets.add((kMaxCascades + 2 * plan.depths.size()) * sizeof(double));
   return offsets.total();
@@ -117,16 +118,19 @@ void PlacedShadows::update(const PlacedShadowPlan& plan, const Inputs& inputs) {
                                 .kind = vk::MemoryKind::Upload,
                                 .name = "shadow maps of worlds, common values"});
   JobWriter writer(job_);
-  writer.add(std::span(plan.lights));
+  const VkDeviceAddress bits = writer.add(std::span(plan.lights));
+  shadowBits_ = inputs.casters ? inputs.shadowBits : bits;
   PlacedShadowJob job{.suns = writer.add(std::span(plan.suns)),
                       .axes = writer.add(std::span(plan.axes)),
                       .locals = writer.add(std::span(plan.locals)),
                       .faces = writer.add(std::span(plan.faces)),
+                      .tangents = writer.add(std::span(plan.tangents)),
                       .groups = writer.add(std::span<const PlacedMaps>(groups_))};
   std::vector<double> numbers;
   for (uint32_t i = 0; i < kCascades; ++i) numbers.push_back(cascadeShare(i));
   for (const glm::dvec2& depth : plan.depths) numbers.insert(numbers.end(), {depth.x, depth.y});
   job.numbers = writer.add(std::span<const double>(numbers));
+  job.casters = inputs.casters;
   job.bounds = inputs.bounds;
   job.views = inputs.views;
   job.frames = inputs.frames;
@@ -157,7 +161,7 @@ void PlacedShadows::addTo(graph::Graph& graph) const {
 }
 
 void PlacedShadows::describe(shared::FrameConstants& frame) const {
-  frame.shadowBits = job_.address() + (sizeof(PlacedShadowJob) + 15) / 16 * 16;
+  frame.shadowBits = shadowBits_;
   frame.lightShadows = at(table_, 0);
   frame.shadowMaps = at(shadowMaps_, 0);
   frame.shadowColumns = lights_;

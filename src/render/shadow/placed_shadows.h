@@ -25,6 +25,8 @@ class PlacedShadows {
   struct Inputs {
     VkDeviceAddress views, frames;  // View[], FrameConstants[]
     VkDeviceAddress bounds;         // double[worlds][6] (WorldPlacer::bounds())
+    // Lights that shaders have written for each world (GpuWorlds::PlacedLights), or 0: those of the plan.
+    VkDeviceAddress casters, shadowBits;
     uint32_t firstView;
   };
   // Replaces the lights and the cameras of a world by as many others, and the views. Nothing in flight may use them.
@@ -51,6 +53,7 @@ class PlacedShadows {
   std::vector<shared::PlacedMaps> groups_;
   uint32_t maps_ = 0, layers_ = 0, rows_ = 0;  // of all groups; rows of pages
   vk::Buffer job_;                             // PlacedShadowJob and the lists that it refers to
+  VkDeviceAddress shadowBits_ = 0;             // FrameConstants::shadowBits, of the first world
   uint64_t table_, shadowMaps_, mapViews_, mapFrames_, targets_, within_;  // offsets in `results_`
   vk::Buffer results_, pages_;
 };

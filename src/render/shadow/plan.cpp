@@ -137,6 +137,12 @@ Frame cascadeFrame(const Axes& axes, const Sphere& sphere, const Interval& depth
   return f;
 }
 
+// The tangent of half the angle of a point or spot light's maps.
+double tangentOf(const shared::Light& light) {
+  const std::optional<double> cone = shadowCone(light);
+  return cone ? std::tan(*cone) : 1;
+}
+
 // Geometry nearer than `radius`, the light's own size, is part of the fixture, such as its glass, and casts no shadow.
 Frame localFrame(const shared::Light& light, const Axes& axes, double tangent, double radius,
                  const scene::Bounds& bounds, uint32_t size) {
@@ -203,13 +209,11 @@ struct Planner {
     }
     const Sphere within{light.position, light.radius};
     const double own = scene.authored[scene.sources[caster.light]].size;
-    if (const std::optional<double> cone = shadowCone(light))
-      addMap(maps, localFrame(light, axesAlong(direction), std::tan(*cone), own, scene.bounds, caster.size),
-             caster.size, lightSize, within);
-    else
-      for (uint32_t i = 0; i < kCubeFaces; ++i)
-        addMap(maps, localFrame(light, cubeAxes()[i], 1, own, scene.bounds, caster.size), caster.size, lightSize,
-               within);
+    for (uint32_t i = 0; i < mapCount(light); ++i) {
+      const Axes axes = shadowCone(light) ? axesAlong(direction) : cubeAxes()[i];
+      addMap(maps, localFrame(light, axes, tangentOf(light), own, scene.bounds, caster.size), caster.size, lightSize,
+             within);
+    }
     return maps;
   }
 };
@@ -294,6 +298,7 @@ void addLocal(PlacedShadowPlan& plan, const ShadowScene& scene, uint32_t index) 
   const uint32_t maps = mapCount(light);
   plan.locals.push_back(
       {light.position, light.radius, scene.authored[scene.sources[index]].size, maps, plan.localMaps, 0});
+  plan.tangents.push_back(tangentOf(light));
   plan.localMaps += maps;
 }
 
@@ -321,11 +326,13 @@ PlacedShadowPlan planPlacedShadows(const ShadowScene& scene, std::span<const sha
     plan.lights[light / 32].lights |= 1u << (light % 32);
     if (shared::lightIsDirectional(scene.lights[light].type)) {
       addSun(plan, planner, light);
+      plan.casters.push_back(scene.sources[light]);
     } else {
       addLocal(plan, scene, light);
       locals.push_back(light);
     }
   }
+  for (const uint32_t light : locals) plan.casters.push_back(scene.sources[light]);
   addFaces(plan, planner, locals);
   for (size_t i = 1; i < plan.lights.size(); ++i)
     plan.lights[i].before = plan.lights[i - 1].before + static_cast<uint32_t>(std::popcount(plan.lights[i - 1].lights));

@@ -60,13 +60,15 @@ struct ShadowScene {
   scene::Bounds bounds;  // in the device's world space
 };
 
-// The lights that cast shadows, if these are the same in all worlds and each view has maps of all that it can see:
-// shaders can then fit their maps (placed_shadows.h).
+// The lights that may cast shadows, if each view has maps of all that it can see: shaders can then fit their maps
+// (placed_shadows.h). Positions, directions and intensities may differ between worlds.
 struct PlacedShadowPlan {
   std::vector<shared::MapTemplate> suns;    // directional lights, in the order of the frame's lights, which they begin
   std::vector<double> axes;                 // of each: right, away and up
   std::vector<shared::LocalCaster> locals;  // point and spot lights, in the order of the frame's lights
   std::vector<shared::MapTemplate> faces;   // [sizes][localMaps]: their maps of each size
+  std::vector<double> tangents;             // of each local light: of half the angle of its maps
+  std::vector<uint32_t> casters;            // of each directional light, then of each local one: ShadowScene::sources
   uint32_t localMaps = 0;                   // sum of LocalCaster::maps
   uint32_t sizes = 0;                      // of maps of local lights: the powers of two up to `size`; 0: there are none
   std::vector<shared::ShadowBits> lights;  // FrameConstants::shadowBits

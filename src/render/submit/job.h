@@ -11,6 +11,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "render/deform/world_deformer.h"
 #include "render/exposure/camera_motion.h"
 #include "render/exposure/camera_samples.h"
 #include "render/exposure/thin_lens.h"
@@ -98,6 +99,7 @@ struct RenderJob {
   uint32_t placedWorlds;
   std::vector<std::shared_ptr<const void>> inputs;    // memory that the placing shaders read
   std::optional<WorldPlacer::Conversion> conversion;  // only if shaders place the worlds
+  WorldDeformer::Arrays deformation;                  // belongs to the conversion
   Results results = Results::ToHost;
   std::deque<ViewBatch> parts;       // parts that have not been read, in order; their addresses are stable
   RenderResult result;               // of the parts that have been read

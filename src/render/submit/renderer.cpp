@@ -133,6 +133,20 @@ void requireRaster(const vk::Device& device, const Settings& settings) {
          compute ? "choose hardware" : "leave the outputs named raster out");
 }
 
+// The lights from which shaders derive those of worlds, whatever these emit.
+struct LightsToPlace {
+  std::vector<shared::Light> lights;
+  std::vector<uint32_t> sources;
+  std::span<const scene::Light> authored;
+
+  explicit LightsToPlace(const GpuWorlds::PlacedLights& placed)
+      : sources(placed.templates.size()), authored(placed.authored) {
+    for (const shared::LightTemplate& light : placed.templates) lights.push_back(light.light[0]);
+    std::iota(sources.begin(), sources.end(), 0u);
+  }
+  ShadowScene scene(const scene::Bounds& bounds) const { return {lights, sources, authored, bounds}; }
+};
+
 bool isAtRest(const SceneState& moment) {
   return moment.poses.current.empty() && !moment.motion.poseAt;
 }
@@ -163,6 +177,7 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
   checkRaysInWorlds(settings, moment.worlds);
   const SceneInput input = inputOf(settings, moment);
   if (sceneInput_ == input && differsInArraysOnly(settings, moment)) {
+    gpuScene_.repeatDeformation(WorldDeformer::arraysOf(moment.worlds.deformations));
     worldPlacer_.updateArrays(moment.worlds);
     if (tracesRays(settings)) bvh_->repeatWorlds();
     return;
@@ -192,6 +207,7 @@ void Renderer::begin(const Settings& settings, const SceneState& moment) {
   if (moment.worlds.inputs && isAtRest(moment)) {
     placedInput_ = {settings, moment.worlds};
     placedInput_->worlds.inputs->memory.clear();
+    placedInput_->worlds.deformations.memory.clear();
   }
 }
 
@@ -283,7 +299,7 @@ bool Renderer::placesShadows(const Settings& s, const Poses& poses, WorldLights 
     const bool writesLights = ownLights == WorldLights::InArrays && std::ranges::none_of(lights, isArea);
     return (ownLights == WorldLights::OfScene || writesLights) && castsInAllViews(lights, s);
   }
-  return poses.current.empty() && ownLights == WorldLights::OfScene && !ownJoints &&
+  return poses.current.empty() && ownLights != WorldLights::InLists && !ownJoints &&
          mapsFitAtlas(lights, s.width, s.height, s);
 }
 
@@ -320,19 +336,21 @@ void Renderer::planPlacedShadows(const Settings& s, const WorldStates& worlds) {
   std::vector<shared::View> views;
   for (const scene::Camera& camera : worlds.inputs->cameras)
     views.push_back(shadowView(camera, s.width, s.height, gpuScene_));
-  placedShadows_ = render::planPlacedShadows(shadowSceneOf(gpuScene_), views, s);
+  if (gpuScene_.worlds().placesLights()) {
+    const LightsToPlace lights(gpuScene_.worlds().placedLights());
+    placedShadows_ = render::planPlacedShadows(lights.scene(gpuScene_.deviceBounds()), views, s);
+    gpuScene_.castMaps(placedShadows_.casters);
+  } else {
+    placedShadows_ = render::planPlacedShadows(shadowSceneOf(gpuScene_), views, s);
+  }
   state_.placedShadows = &placedShadows_;
 }
 
 // Selects the lights of worlds whose shadows rays find, if shaders write these lights.
 void Renderer::listRays(const Settings& settings) {
   if (!gpuScene_.worlds().placesLights()) return;
-  const GpuWorlds::PlacedLights& placed = gpuScene_.worlds().placedLights();
-  std::vector<shared::Light> lights;
-  for (const shared::LightTemplate& light : placed.templates) lights.push_back(light.light[0]);
-  std::vector<uint32_t> sources(lights.size());
-  std::iota(sources.begin(), sources.end(), 0u);
-  gpuScene_.castRays(raysOfLights({lights, sources, placed.authored, {}}, settings));
+  const LightsToPlace lights(gpuScene_.worlds().placedLights());
+  gpuScene_.castRays(raysOfLights(lights.scene({}), settings));
 }
 
 // Plans the maps for the full pictures without jitter, so that the samples and strips of a picture share the positions
@@ -408,7 +426,10 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
   if (usesSensor(requested)) job->sensed = requested;
   job->results = results;
   job->meteredExposures = std::move(exposures);
-  if (job->placedWorlds > 0) job->conversion = worldPlacer_.conversion();
+  if (job->placedWorlds > 0) {
+    job->conversion = worldPlacer_.conversion();
+    job->deformation = gpuScene_.worldDeformer().arrays();
+  }
   const size_t views = job->viewCount(), pictures = job->rowsAreViews ? cameras.size() : views;
   constexpr Strip kRow{0, 1};
   if (job->rowsAreViews) strips = {&kRow, 1};
@@ -820,6 +841,7 @@ void Renderer::resolveOverflow(const ViewBatch* last) {
 // Places the worlds of a job on the device again, if later calls have placed theirs since.
 void Renderer::placeAgain(const RenderJob& job) {
   if (!job.conversion || worldPlacer_.isLatest(*job.conversion)) return;
+  gpuScene_.repeatDeformation(job.deformation);
   worldPlacer_.repeat(*job.conversion);
   if (tracesRays(job.settings)) bvh_->repeatWorlds();
 }

@@ -105,10 +105,13 @@ void ViewSet::describeOnDevice() {
                      sizeof(shared::ViewConstants) + count * sizeof(float), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     constants_ = vk::Buffer(state_.device, {.size = count * sizeof(shared::FrameConstants), .name = "frame constants"});
   }
+  const GpuWorlds::PlacedLights& lights = state_.scene.worlds().placedLights();
   if (placedShadows_)
     placedShadows_->update(*state_.placedShadows, {.views = views_.onDevice.now,
                                                    .frames = constants_.address(),
                                                    .bounds = views_.onDevice.bounds,
+                                                   .casters = lights.placedCasters,
+                                                   .shadowBits = lights.shadowBits,
                                                    .firstView = views_.onDevice.first});
   shared::ViewConstants c{.frame = constantsOf(0), .result = constants_.address()};
   state_.scene.worlds().describe(c);
@@ -116,6 +119,7 @@ void ViewSet::describeOnDevice() {
   c.rasterStride = state_.rasterInstances.address(1) - state_.rasterInstances.address(0);
   c.rayStride = sizeof(shared::RayScene);
   if (shadows_ && shadows_->tracesRays()) c.shadowStride = shadows_->worldStride();
+  if (placedShadows_ && lights.mapCasters > 0) c.shadowBitsStride = lights.shadowBitsBytes();
   c.views = static_cast<uint32_t>(count);
   c.firstView = views_.onDevice.first;
   c.viewsPerWorld = views_.onDevice.perWorld;

@@ -10,12 +10,12 @@ WorldMeshBvh::WorldMeshBvh(vk::Device& device) : device_(device), pipeline_(refi
 void WorldMeshBvh::update(const GpuScene& scene, std::span<const DeviceBvh* const> meshes, uint64_t builds,
                           std::vector<shared::MeshHierarchy>& hierarchies) {
   const WorldDeformer& deformer = scene.worldDeformer();
+  parts_.clear();
   pending_ = !deformer.empty();
   if (!pending_) return;
   worlds_ = scene.worlds().count();
   firstMesh_ = deformer.firstMesh();
   records_ = scene.geometry().address();
-  parts_.clear();
   uint64_t bytes = 0;
   for (const uint32_t mesh : deformer.meshes()) {
     const DeviceBvh& bvh = *meshes[mesh];

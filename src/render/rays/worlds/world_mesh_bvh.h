@@ -24,6 +24,8 @@ class WorldMeshBvh {
   // `builds` differs from earlier calls if any of these was built since.
   void update(const GpuScene& scene, std::span<const DeviceBvh* const> meshes, uint64_t builds,
               std::vector<shared::MeshHierarchy>& hierarchies);
+  // The same for worlds that the last update() prepared for, with other vertices in the same memory.
+  void repeat() { pending_ = !parts_.empty(); }
   // Adds the pending refit to the prologue of a graph, after what writes the vertices of worlds.
   void addTo(graph::Graph& graph) const;
   void submitted();

@@ -1,9 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Writes the lights of a world, with one workgroup per world: those that emit light, in the order of the light tree,
-// the boxes of the tree, the area lights, their numbers, and the rays to lights with shadows by rays. The host's
-// counterparts are makeLightSet(), buildLightTree() and FrameShadows::uploadRays(). A world has at most
-// kMaxPlacedLights lights, so all boxes of its tree are leaves.
+// the boxes of the tree, the area lights, their numbers, the rays to lights with shadows by rays, and which of the
+// lights have shadow maps. The host's counterparts are makeLightSet(), buildLightTree(), FrameShadows::uploadRays() and
+// FrameShadows::number(). A world has at most kMaxPlacedLights lights, so all boxes of its tree are leaves.
 #include "render/visibility/compute/place_worlds.glsl"
 #include "render/gpu_scene/view_constants_push.h"
 #include "shared/color.h"
@@ -16,6 +16,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Ar
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer BoxesOut { LightBox v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer ValuesOut { WorldValues v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer RayShadowsOut { RayShadow v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer CastersOut { PlacedCaster v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer BitsOut { ShadowBits v[]; };
 
 // Keys by which lights are sorted: directional lights come first, and lights that emit nothing last.
 const uint64_t kLocal = 1ul << 62, kDark = 1ul << 63;
@@ -24,7 +26,8 @@ shared uint64_t keys[kMaxPlacedLights];
 shared vec3 positions[kMaxPlacedLights];
 shared LightBox boxes[kMaxPlacedLights];  // of the sorted lights
 shared uint emitting[kMaxPlacedLights];   // area lights
-shared uint casting[kMaxPlacedLights];    // lights that emit light and cast shadows by rays
+shared uint casting[kMaxPlacedLights];    // lights that emit light and cast shadows, by rays or maps
+shared uint castingBits[kMaxPlacedLights / 32u];  // the same of the sorted lights, as bits
 
 // The values of a template that a world may change.
 struct PlacedLight {
@@ -185,9 +188,10 @@ void listLights(WorldJob job, uint world) {
       emitting[i] = shines && (t.state & kLightHasExtent) != 0u ? 1u : 0u;
     } else if (emits(punctual(job, i, placed))) {
       keys[i] = lightIsDirectional(t.light[0].type) ? 0ul : kLocal;
-      casting[i] = (t.state & kLightCastsByRays) != 0u ? 1u : 0u;
+      casting[i] = (t.state & kLightCastsByRays) != 0u || t.mapCaster != kNowhere ? 1u : 0u;
     }
   }
+  for (uint i = gl_LocalInvocationIndex; i < kMaxPlacedLights / 32u; i += kPlaceGroup) castingBits[i] = 0u;
 }
 
 void keyLights(WorldJob job, LightBox around) {
@@ -198,10 +202,17 @@ void keyLights(WorldJob job, LightBox around) {
   }
 }
 
+void writeCaster(WorldJob job, uint world, uint caster, PlacedCaster placed) {
+  CastersOut(job.placedCasters).v[world * job.mapCasters + caster] = placed;
+}
+
 // Writes each light to its place among the sorted ones.
 void sortLights(WorldJob job, uint world) {
   for (uint i = gl_LocalInvocationIndex; i < job.lights; i += kPlaceGroup) {
+    LightTemplate t = LightTemplates(job.lightTemplates).v[i];
     if (emitting[i] != 0u) writeAreaLight(job, world, i);
+    if (keys[i] == kDark && t.mapCaster != kNowhere)
+      writeCaster(job, world, t.mapCaster, PlacedCaster(vec3(0.0), kEmitsNothing, vec3(0.0, 0.0, -1.0), 0u));
     if (keys[i] == kDark) continue;
     uint rank = 0u, column = 0u;
     for (uint other = 0u; other < job.lights; ++other) {
@@ -209,10 +220,13 @@ void sortLights(WorldJob job, uint world) {
       rank += before ? 1u : 0u;
       column += before ? casting[other] : 0u;
     }
-    LightTemplate t = LightTemplates(job.lightTemplates).v[i];
     Light light = punctual(job, i, placedLight(job, world, i));
     boxes[rank] = boxOf(light);
     LightsOut(job.lightList).v[world * job.lights + rank] = light;
+    if (t.mapCaster != kNowhere) {
+      writeCaster(job, world, t.mapCaster, PlacedCaster(light.position, column, light.direction, 0u));
+      atomicOr(castingBits[rank / 32u], 1u << (rank % 32u));
+    }
     if (job.casters == 0u) continue;
     if (casting[i] != 0u) {
       RayShadowsOut(job.rayShadows).v[world * job.casters + column] = RayShadow(rank, t.shadowRays, t.shadowSize, 0u);
@@ -228,6 +242,15 @@ void endRayShadows(WorldJob job, uint world) {
   for (uint i = 0u; i < job.lights; ++i) count += casting[i];
   for (uint i = count + gl_LocalInvocationIndex; i < job.casters; i += kPlaceGroup)
     RayShadowsOut(job.rayShadows).v[world * job.casters + i] = RayShadow(kRayNone, 0u, 0.0, 0u);
+}
+
+void writeShadowBits(WorldJob job, uint world) {
+  uint words = (job.lights + 31u) / 32u;
+  for (uint word = gl_LocalInvocationIndex; word < words; word += kPlaceGroup) {
+    uint before = 0u;
+    for (uint i = 0u; i < word; ++i) before += bitCount(castingBits[i]);
+    BitsOut(job.shadowBits).v[world * words + word] = ShadowBits(castingBits[word], before);
+  }
 }
 
 void main() {
@@ -249,6 +272,7 @@ void main() {
     area += emitting[i];
   }
   barrier();
+  if (job.mapCasters > 0u) writeShadowBits(job, world);
   for (uint leaf = gl_LocalInvocationIndex; leaf < kPlacedLightBoxes; leaf += kPlaceGroup) {
     LightBox box = emptyBox();
     for (uint i = leaf * kLightTreeWidth; i < min(local, (leaf + 1u) * kLightTreeWidth); ++i)

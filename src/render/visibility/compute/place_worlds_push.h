@@ -68,6 +68,9 @@ struct WorldJob {
   // If rays find the shadows of lights, results: Light[worlds][lights], in which these emit nothing, and
   // RayShadow[worlds][casters].
   uint64_t otherLights, rayShadows;
+  // If shaders fit the shadow maps of these lights, results: PlacedCaster[worlds][mapCasters], and
+  // ShadowBits[worlds][(lights + 31) / 32].
+  uint64_t placedCasters, shadowBits;
   uint64_t bases;     // DerivableMaterial[] of the scene's materials
   uint64_t values;    // result: WorldValues[worlds]
   uint64_t deformed;  // DeformedBounds[worlds][deformedMeshes]
@@ -77,7 +80,7 @@ struct WorldJob {
   uint firstDerived;              // index of the first material that shaders derive, or kNowhere
   uint paletteSize, environments;
   uint lights, listedLights;           // numbers of templates, and of those that the caller's arrays describe
-  uint casters;                        // number of templates with kLightCastsByRays
+  uint casters, mapCasters;            // numbers of templates with kLightCastsByRays, and with shadow maps
   uint deformedMeshes, firstDeformed;  // number per world, and index of the first world's first mesh record
 };
 

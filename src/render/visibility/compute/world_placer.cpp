@@ -220,6 +220,9 @@ void WorldPlacer::describeLights(const GpuScene& scene, const WorldStates& world
   job_.otherLights = placed.others;
   job_.rayShadows = placed.rayShadows;
   job_.casters = placed.casters;
+  job_.placedCasters = placed.placedCasters;
+  job_.shadowBits = placed.shadowBits;
+  job_.mapCasters = placed.mapCasters;
 }
 
 void WorldPlacer::describeCameras(const GpuScene& scene, const WorldStates& worlds, vk::Uploader& uploader) {
