@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/keep.h"
 #include "graph/graph.h"
 
 namespace latelight::graph {
@@ -53,7 +54,7 @@ void ConstantPool::recycle(std::unique_ptr<ConstantChunk> chunk) {
   std::lock_guard lock(mutex_);
   chunk->used_ = 0;
   chunk->lastUse_ = now_;
-  free_.push_back(std::move(chunk));
+  keepForReuse(free_, std::move(chunk));
 }
 
 VkDeviceAddress Graph::constants(std::span<const std::byte> bytes) {

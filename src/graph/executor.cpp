@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/keep.h"
 #include "graph/constants.h"
 #include "graph/graph.h"
 #include "graph/timers.h"
@@ -179,7 +180,7 @@ std::unique_ptr<CommandRecorder> SubmissionPool::takeRecorder() {
 
 void SubmissionPool::recycle(std::unique_ptr<CommandRecorder> recorder) {
   std::lock_guard lock(mutex);
-  recorders.push_back(std::move(recorder));
+  keepForReuse(recorders, std::move(recorder));
 }
 
 }  // namespace
@@ -189,21 +190,14 @@ namespace {
 // A secondary command buffer, which a primary one may execute in many submissions.
 class SecondaryCommands {
  public:
-  explicit SecondaryCommands(vk::Device& device) : device_(device) {
-    VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-    pool.queueFamilyIndex = device.queueFamily();
-    VK_CHECK(vkCreateCommandPool(device.get(), &pool, nullptr, &pool_));
-  }
-  ~SecondaryCommands() {
-    device_.deferDeletion([device = device_.get(), pool = pool_] { vkDestroyCommandPool(device, pool, nullptr); });
-  }
+  explicit SecondaryCommands(vk::Device& device) : device_(device), pool_(makePool(device)) {}
   SecondaryCommands(const SecondaryCommands&) = delete;
   SecondaryCommands& operator=(const SecondaryCommands&) = delete;
 
   template <typename Record>
   void record(Record&& record) {
     VkCommandBufferAllocateInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-    info.commandPool = pool_;
+    info.commandPool = pool_.get();
     info.level = VK_COMMAND_BUFFER_LEVEL_SECONDARY;
     info.commandBufferCount = 1;
     VK_CHECK(vkAllocateCommandBuffers(device_.get(), &info, &commands_));
@@ -217,12 +211,24 @@ class SecondaryCommands {
   void execute(VkCommandBuffer primary) const { vkCmdExecuteCommands(primary, 1, &commands_); }
 
  private:
+  static vk::Handle<VkCommandPool> makePool(vk::Device& device) {
+    VkCommandPoolCreateInfo info{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+    info.queueFamilyIndex = device.queueFamily();
+    VkCommandPool pool = VK_NULL_HANDLE;
+    VK_CHECK(vkCreateCommandPool(device.get(), &info, nullptr, &pool));
+    return {device, pool};
+  }
   vk::Device& device_;
-  VkCommandPool pool_ = VK_NULL_HANDLE;
+  vk::Handle<VkCommandPool> pool_;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
 };
 
 }  // namespace
+
+// Constants that return to their pool once no submission reads them.
+struct ConstantsInUse final : vk::Deletion {
+  std::vector<std::shared_ptr<ConstantChunk>> chunks;
+};
 
 class RecordedGraph {
  public:
@@ -239,7 +245,7 @@ class RecordedGraph {
   std::vector<const vk::Buffer*> buffers;
   std::vector<std::unique_ptr<PooledImage>> pooledImages;
   std::vector<std::unique_ptr<PooledBuffer>> pooledBuffers;
-  std::vector<std::shared_ptr<ConstantChunk>> constants;
+  std::unique_ptr<ConstantsInUse> constants = std::make_unique<ConstantsInUse>();
   std::vector<PassTime> passes;  // without times
   // Only for repeated submission: the commands, and the transients that they use.
   std::unique_ptr<SecondaryCommands> commands;
@@ -252,7 +258,7 @@ RecordedGraph::~RecordedGraph() {
   if (recorder) pool->recycle(std::move(recorder));
   for (auto& image : pooledImages) pool->transients.recycle(std::move(image));
   for (auto& buffer : pooledBuffers) pool->transients.recycle(std::move(buffer));
-  if (!constants.empty()) pool->device.deferDeletion([constants = std::move(constants)] {});
+  if (!constants->chunks.empty()) pool->device.deferDeletion(std::move(constants));
 }
 
 struct Submission::State {
@@ -279,7 +285,7 @@ void Submission::State::finish() {
   for (size_t i = 0; i < milliseconds.size(); ++i) times[i].milliseconds = milliseconds[i];
   if (recorded->commands) return;
   recorded->pool->recycle(std::move(recorded->recorder));
-  recorded->constants.clear();
+  recorded->constants->chunks.clear();
 }
 
 Submission::Submission() = default;
@@ -359,7 +365,7 @@ void Executor::Impl::begin(size_t most) {
 std::shared_ptr<RecordedGraph> Executor::Impl::prepare(const Graph& graph, Plan& plan) {
   const auto tryTo = [&] {
     auto recorded = std::make_shared<RecordedGraph>(pool);
-    recorded->constants = graph.constants_;
+    recorded->constants->chunks = graph.constants_;
     materialize(graph, plan, *recorded);
     return recorded;
   };

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/keep.h"
+
 namespace latelight::graph {
 namespace {
 
@@ -31,7 +33,7 @@ void tidy(std::vector<std::unique_ptr<Entry>>& free, uint64_t now) {
 template <typename Entry>
 void keep(std::vector<std::unique_ptr<Entry>>& free, std::unique_ptr<Entry> entry, uint64_t now) {
   entry->keptUntil = now + std::clamp(2 * (now - entry->takenAt), kTransientLifetime, kMaxResultLifetime);
-  free.push_back(std::move(entry));
+  keepForReuse(free, std::move(entry));
 }
 
 using Desc = TransientPlacement::Desc;

@@ -21,24 +21,37 @@ uint64_t BlockRanges::allocate(uint64_t size, uint64_t alignment) {
     const uint64_t padding = offset - begin;
     // This form of the comparison avoids overflow of the sum.
     if (padding > bytes || size > bytes - padding) continue;
-    const uint64_t rest = bytes - padding - size;
-    if (padding > 0)
-      range->second = padding;
-    else
-      free_.erase(range);
-    if (rest > 0) free_.emplace(offset + size, rest);
-    used_.emplace(offset, size);
+    use(range, offset, size);
     return offset;
   }
   return kNone;
 }
 
-void BlockRanges::release(uint64_t offset) {
-  const auto used = used_.find(offset);
-  assert(used != used_.end());
-  if (used == used_.end()) return;
-  auto range = free_.emplace(offset, used->second).first;
-  used_.erase(used);
+// Removes the bytes at `offset` from a free range, which contains them. If memory runs out, nothing changes.
+void BlockRanges::use(Ranges::iterator range, uint64_t offset, uint64_t size) {
+  const auto [begin, bytes] = *range;
+  const uint64_t padding = offset - begin, rest = bytes - padding - size;
+  Ranges made{{offset, size}};
+  if (padding > 0 && rest > 0) {
+    free_.emplace(offset + size, rest);
+  } else if (rest > 0) {
+    Ranges::node_type node = free_.extract(range);
+    node.key() = offset + size;
+    node.mapped() = rest;
+    free_.insert(std::move(node));
+  } else if (padding == 0) {
+    free_.erase(range);
+  }
+  if (padding > 0) range->second = padding;
+  used_.merge(made);
+}
+
+// Allocates nothing: the range moves from one map to the other.
+void BlockRanges::release(uint64_t offset) noexcept {
+  Ranges::node_type used = used_.extract(offset);
+  assert(!used.empty());
+  if (used.empty()) return;
+  auto range = free_.insert(std::move(used)).position;
   const auto next = std::next(range);
   if (next != free_.end() && range->first + range->second == next->first) {
     range->second += next->second;

@@ -11,7 +11,7 @@ constexpr uint32_t kSetsInPool = 256;
 // Descriptors of each type per pool; a pass binds about eight at most.
 constexpr uint32_t kImagesInPool = 1024;
 
-VkDescriptorPool makePool(Device& device, uint32_t images) {
+Handle<VkDescriptorPool> makePool(Device& device, uint32_t images) {
   const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, images},
                                         {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, images},
                                         {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, kSetsInPool}};
@@ -21,7 +21,7 @@ VkDescriptorPool makePool(Device& device, uint32_t images) {
   info.pPoolSizes = sizes;
   VkDescriptorPool pool = VK_NULL_HANDLE;
   VK_CHECK(vkCreateDescriptorPool(device.get(), &info, nullptr, &pool));
-  return pool;
+  return {device, pool};
 }
 
 void write(Device& device, VkDescriptorSet set, std::span<const Binding> bindings, std::span<const BoundImage> images) {
@@ -47,10 +47,6 @@ void write(Device& device, VkDescriptorSet set, std::span<const Binding> binding
 
 DescriptorPool::DescriptorPool(Device& device) : device_(device) {}
 
-DescriptorPool::~DescriptorPool() {
-  for (VkDescriptorPool pool : pools_) Handle<VkDescriptorPool>(device_, pool);
-}
-
 VkDescriptorSet DescriptorPool::make(VkDescriptorSetLayout layout, std::span<const Binding> bindings,
                                      std::span<const BoundImage> images) {
   assert(bindings.size() == images.size());
@@ -60,7 +56,7 @@ VkDescriptorSet DescriptorPool::make(VkDescriptorSetLayout layout, std::span<con
   for (VkDescriptorSet set = VK_NULL_HANDLE;;) {
     const bool fresh = current_ == pools_.size();
     if (fresh) pools_.push_back(makePool(device_, std::max(kImagesInPool, static_cast<uint32_t>(images.size()))));
-    info.descriptorPool = pools_[current_];
+    info.descriptorPool = pools_[current_].get();
     const VkResult result = vkAllocateDescriptorSets(device_.get(), &info, &set);
     const bool full = result == VK_ERROR_OUT_OF_POOL_MEMORY || result == VK_ERROR_FRAGMENTED_POOL;
     if (full && !fresh) {
@@ -74,7 +70,7 @@ VkDescriptorSet DescriptorPool::make(VkDescriptorSetLayout layout, std::span<con
 }
 
 void DescriptorPool::reset() {
-  for (VkDescriptorPool pool : pools_) VK_CHECK(vkResetDescriptorPool(device_.get(), pool, 0));
+  for (const Handle<VkDescriptorPool>& pool : pools_) VK_CHECK(vkResetDescriptorPool(device_.get(), pool.get(), 0));
   current_ = 0;
 }
 

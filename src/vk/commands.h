@@ -24,14 +24,13 @@ struct BoundImage {
 class DescriptorPool {
  public:
   explicit DescriptorPool(Device& device);
-  ~DescriptorPool();
   VkDescriptorSet make(VkDescriptorSetLayout layout, std::span<const Binding> bindings,
                        std::span<const BoundImage> images);
   void reset();
 
  private:
   Device& device_;
-  std::vector<VkDescriptorPool> pools_;
+  std::vector<Handle<VkDescriptorPool>> pools_;
   size_t current_ = 0;
 };
 

@@ -38,11 +38,6 @@ struct Device::Impl {
   CommandBuffer makeCommandBuffer(uint32_t queueFamily) const;
   uint64_t send(VkQueue queue, CommandBuffer& commands);
 
-  // Released objects, each with the timeline value that must be reached first; sorted by value.
-  struct Deletion {
-    uint64_t value = 0;
-    std::function<void()> destroy;
-  };
   class Recording;
 
   Instance instance;
@@ -62,7 +57,7 @@ struct Device::Impl {
   std::mutex deleting;                       // guards the three below
   uint64_t submitted = 0;                    // the timeline's value after all submitted work
   bool recording = false;
-  std::deque<Deletion> deletions;
+  DeletionQueue deletions;
 };
 
 Device::Impl::~Impl() {
@@ -106,15 +101,11 @@ void Device::Impl::waitFor(uint64_t value) const {
 // Destroys what was released up to a timeline value. Nothing is allocated, because destructors call this function after
 // memory ran out.
 void Device::Impl::deleteUntil(uint64_t value) {
-  for (;;) {
-    Deletion deletion;
-    {
-      std::lock_guard lock(deleting);
-      if (deletions.empty() || deletions.front().value > value) return;
-      deletion = std::move(deletions.front());
-      deletions.pop_front();
-    }
-    deletion.destroy();
+  const auto next = [&] {
+    std::lock_guard lock(deleting);
+    return deletions.popUntil(value);
+  };
+  while (next()) {  // it destroys its objects at the end of the condition, without the lock
   }
 }
 
@@ -184,7 +175,7 @@ class Device::Impl::Recording {
     {
       std::lock_guard lock(impl_.deleting);
       impl_.recording = false;
-      for (Deletion& deletion : impl_.deletions) deletion.value = std::min(deletion.value, impl_.submitted);
+      impl_.deletions.limit(impl_.submitted);
     }
     impl_.deleteFinished();
   }
@@ -374,10 +365,10 @@ void Device::finish() {
 }
 
 // Objects are always destroyed in the order of their release, even if one could be destroyed at once.
-void Device::deferDeletion(std::function<void()> destroy) {
+void Device::deferDeletion(std::unique_ptr<Deletion> deletion) noexcept {
   {
     std::lock_guard lock(impl_->deleting);
-    impl_->deletions.push_back({impl_->submitted + (impl_->recording ? 1 : 0), std::move(destroy)});
+    impl_->deletions.push(std::move(deletion), impl_->submitted + (impl_->recording ? 1 : 0));
   }
   impl_->deleteFinished();
 }

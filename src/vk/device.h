@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "vk/deletion.h"
 #include "vk/handle.h"
 
 namespace latelight::vk {
@@ -101,9 +102,9 @@ class Device {
   void finish();
   void submitAndWait(const std::function<void(VkCommandBuffer)>& record) { wait(submit(record)); }
 
-  // Deferred deletion: runs `destroy` once every submission so far, and the one being recorded, has finished. It runs
-  // in submit(), wait() or the destructor, or immediately if they have finished already.
-  void deferDeletion(std::function<void()> destroy);
+  // Deferred deletion: destroys the entry once every submission so far, and the one being recorded, has finished. This
+  // happens in submit(), wait() or the destructor, or immediately if they have finished already. Allocates nothing.
+  void deferDeletion(std::unique_ptr<Deletion> deletion) noexcept;
 
   // Sets the name of an object that debuggers and validation messages show. Does nothing without VK_EXT_debug_utils.
   void setName(VkObjectType type, uint64_t object, const char* name);

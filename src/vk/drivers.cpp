@@ -7,9 +7,10 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string_view>
 #include <system_error>
+
+#include "base/json_tree.h"
 
 namespace latelight::vk {
 
@@ -98,7 +99,8 @@ DriverProbe readDriverFile(const fs::path& file) {
   if (!fs::is_regular_file(file, error)) return {"", "is not there"};
   std::ifstream stream(file);
   if (!stream) return {"", "can't be read"};
-  const nlohmann::json json = nlohmann::json::parse(stream, nullptr, false);
+  const JsonTree tree = nlohmann::json::parse(stream, nullptr, false);
+  const nlohmann::json& json = *tree;
   if (json.is_discarded()) return {"", "is not JSON"};
   const auto icd = json.is_object() ? json.find("ICD") : json.end();
   if (!json.is_object() || icd == json.end() || !icd->is_object() || !icd->contains("library_path") ||

@@ -1,6 +1,7 @@
 #include "vk/handle.h"
 
 #include <cstring>
+#include <new>
 
 #include "base/error.h"
 #include "vk/device.h"
@@ -65,6 +66,9 @@ void destroy(VkDevice device, VkImageView object) {
 void destroy(VkDevice device, VkSemaphore object) {
   vkDestroySemaphore(device, object, nullptr);
 }
+void destroy(VkDevice device, VkCommandPool object) {
+  vkDestroyCommandPool(device, object, nullptr);
+}
 
 }  // namespace
 
@@ -81,8 +85,19 @@ void check(VkResult result, const char* call, const char* file, int line) {
 }
 
 template <typename T>
+Handle<T>::Handle(Device& device, T object) : device_(&device), object_(object) {
+  if (!object) return;
+  try {
+    deletion_ = makeDeletion([device = device.get(), object] { destroy(device, object); });
+  } catch (const std::bad_alloc&) {
+    destroy(device.get(), object);
+    throw;
+  }
+}
+
+template <typename T>
 Handle<T>::~Handle() {
-  if (object_) device_->deferDeletion([device = device_->get(), object = object_] { destroy(device, object); });
+  if (object_) device_->deferDeletion(std::move(deletion_));
 }
 
 template class Handle<VkPipeline>;
@@ -94,5 +109,6 @@ template class Handle<VkQueryPool>;
 template class Handle<VkShaderModule>;
 template class Handle<VkImageView>;
 template class Handle<VkSemaphore>;
+template class Handle<VkCommandPool>;
 
 }  // namespace latelight::vk

@@ -4,7 +4,10 @@
 
 #include <volk.h>
 
+#include <memory>
 #include <utility>
+
+#include "vk/deletion.h"
 
 namespace latelight::vk {
 
@@ -19,11 +22,12 @@ template <typename T>
 class Handle {
  public:
   Handle() = default;
-  Handle(Device& device, T object) : device_(&device), object_(object) {}
+  Handle(Device& device, T object);  // destroys the object if it throws
   Handle(Handle&& other) noexcept { *this = std::move(other); }
   Handle& operator=(Handle&& other) noexcept {
     std::swap(device_, other.device_);
     std::swap(object_, other.object_);
+    std::swap(deletion_, other.deletion_);
     return *this;
   }
   ~Handle();  // defers the object's deletion (vk/handle.cpp lists the types)
@@ -34,6 +38,7 @@ class Handle {
  private:
   Device* device_ = nullptr;
   T object_ = VK_NULL_HANDLE;
+  std::unique_ptr<Deletion> deletion_;
 };
 
 }  // namespace latelight::vk

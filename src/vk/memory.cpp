@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <new>
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -200,10 +201,17 @@ Heap::Heap(Device& device, uint32_t type, VkDeviceSize size, VkDeviceSize alignm
       type_(type),
       alignment_(alignment),
       allocation_(device.memory().allocate({size, alignment, 1u << type}, MemoryKind::Device, true,
-                                           Allocator::Sharing::Blocks)) {}
+                                           Allocator::Sharing::Blocks)) {
+  try {
+    deletion_ = makeDeletion([&memory = device.memory(), allocation = allocation_] { memory.release(allocation); });
+  } catch (const std::bad_alloc&) {
+    device.memory().release(allocation_);
+    throw;
+  }
+}
 
 Heap::~Heap() {
-  device_.deferDeletion([&memory = device_.memory(), allocation = allocation_] { memory.release(allocation); });
+  device_.deferDeletion(std::move(deletion_));
 }
 
 }  // namespace latelight::vk

@@ -12,6 +12,8 @@
 #include <mutex>
 #include <vector>
 
+#include "vk/deletion.h"
+
 namespace latelight::vk {
 
 class Device;
@@ -24,14 +26,15 @@ class BlockRanges {
   // Returns an offset that is a multiple of `alignment` (a power of two), or kNone if no free range is large enough.
   static constexpr uint64_t kNone = ~uint64_t{0};
   uint64_t allocate(uint64_t size, uint64_t alignment);
-  void release(uint64_t offset);
+  void release(uint64_t offset) noexcept;
   bool empty() const;
   uint64_t freeBytes() const;
   uint64_t largestFree() const;
 
  private:
-  std::map<uint64_t, uint64_t> free_;  // offset -> size
-  std::map<uint64_t, uint64_t> used_;  // offset -> size
+  using Ranges = std::map<uint64_t, uint64_t>;  // offset -> size
+  void use(Ranges::iterator range, uint64_t offset, uint64_t size);
+  Ranges free_, used_;
 };
 
 enum class MemoryKind {
@@ -103,6 +106,7 @@ class Heap {
   uint32_t type_;
   VkDeviceSize alignment_;
   Allocation allocation_;
+  std::unique_ptr<Deletion> deletion_;
 };
 
 }  // namespace latelight::vk

@@ -153,10 +153,24 @@ VkBuffer createBuffer(Device& device, const BufferDesc& desc) {
 
 }  // namespace
 
+struct BufferDeletion final : Deletion {
+  explicit BufferDeletion(Device& of) : device(of) {}
+  ~BufferDeletion() override {
+    vkDestroyBuffer(device.get(), buffer, nullptr);
+    if (allocation.memory) device.memory().release(allocation);
+  }
+  Device& device;
+  VkBuffer buffer = VK_NULL_HANDLE;
+  Allocation allocation;
+};
+
+Buffer::Buffer() = default;
+
 // After the delegated constructor, the destructor cleans up if an exception is thrown.
 Buffer::Buffer(Device& device, const BufferDesc& desc) : Buffer() {
   device_ = &device;
   desc_ = completed(desc);
+  deletion_ = std::make_unique<BufferDeletion>(device);
   buffer_ = createBuffer(device, desc_);
   VkMemoryRequirements needs;
   vkGetBufferMemoryRequirements(device.get(), buffer_, &needs);
@@ -168,6 +182,7 @@ Buffer::Buffer(Device& device, const BufferDesc& desc) : Buffer() {
 Buffer::Buffer(Device& device, const BufferDesc& desc, const Heap& heap, VkDeviceSize offset) : Buffer() {
   device_ = &device;
   desc_ = completed(desc);
+  deletion_ = std::make_unique<BufferDeletion>(device);
   buffer_ = createBuffer(device, desc_);
   bind(heap.memory(), heap.offset() + offset);
 }
@@ -188,6 +203,7 @@ Buffer::Buffer(Buffer&& other) noexcept {
 Buffer& Buffer::operator=(Buffer&& other) noexcept {
   std::swap(device_, other.device_);
   std::swap(desc_, other.desc_);
+  std::swap(deletion_, other.deletion_);
   std::swap(buffer_, other.buffer_);
   std::swap(address_, other.address_);
   std::swap(createdAt_, other.createdAt_);
@@ -197,10 +213,9 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
 
 Buffer::~Buffer() {
   if (!buffer_) return;
-  device_->deferDeletion([device = device_, buffer = buffer_, allocation = allocation_] {
-    vkDestroyBuffer(device->get(), buffer, nullptr);
-    if (allocation.memory) device->memory().release(allocation);
-  });
+  deletion_->buffer = buffer_;
+  deletion_->allocation = allocation_;
+  device_->deferDeletion(std::move(deletion_));
 }
 
 int Buffer::exportMemory() const {
@@ -232,10 +247,28 @@ Buffer uploadedBuffer(Device& device, const std::string& name, std::span<const s
   return buffer;
 }
 
+struct ImageDeletion final : Deletion {
+  explicit ImageDeletion(Device& of) : device(of) {}
+  ~ImageDeletion() override {
+    for (VkImageView view : layerViews) vkDestroyImageView(device.get(), view, nullptr);
+    for (VkImageView view : {arrayView, storageView}) vkDestroyImageView(device.get(), view, nullptr);
+    vkDestroyImage(device.get(), image, nullptr);
+    if (allocation.memory) device.memory().release(allocation);
+  }
+  Device& device;
+  VkImage image = VK_NULL_HANDLE;
+  VkImageView arrayView = VK_NULL_HANDLE, storageView = VK_NULL_HANDLE;
+  std::vector<VkImageView> layerViews;
+  Allocation allocation;
+};
+
+Image::Image() = default;
+
 Image::Image(Device& device, const ImageDesc& desc) : Image() {
   const bool hostTexture = isHostTexture(device, desc);
   device_ = &device;
   desc_ = desc;
+  deletion_ = std::make_unique<ImageDeletion>(device);
   image_ = createImage(device, desc, hostTexture);
   VkMemoryRequirements needs;
   vkGetImageMemoryRequirements(device.get(), image_, &needs);
@@ -249,6 +282,7 @@ Image::Image(Device& device, const ImageDesc& desc) : Image() {
 Image::Image(Device& device, const ImageDesc& desc, const Heap& heap, VkDeviceSize offset) : Image() {
   device_ = &device;
   desc_ = desc;
+  deletion_ = std::make_unique<ImageDeletion>(device);
   image_ = createImage(device, desc, false);
   bind(heap.memory(), heap.offset() + offset);
 }
@@ -265,6 +299,7 @@ void Image::bind(VkDeviceMemory memory, VkDeviceSize offset) {
     storageView_ = makeView(device, image_, desc_, VK_IMAGE_VIEW_TYPE_2D_ARRAY, 0, desc_.layers, 1, true);
   // The view of an attachment has one level, that of a texture has all.
   const uint32_t levels = desc_.layers == 1 && !(desc_.usage & kAttachment) ? desc_.levels : 1;
+  layerViews_.reserve(desc_.layers);  // otherwise, a failed push_back() would leave a view to nobody
   for (uint32_t layer = 0; layer < desc_.layers; ++layer)
     layerViews_.push_back(makeView(device, image_, desc_, VK_IMAGE_VIEW_TYPE_2D, layer, 1, levels));
 }
@@ -276,6 +311,7 @@ Image::Image(Image&& other) noexcept {
 Image& Image::operator=(Image&& other) noexcept {
   std::swap(device_, other.device_);
   std::swap(desc_, other.desc_);
+  std::swap(deletion_, other.deletion_);
   std::swap(image_, other.image_);
   std::swap(arrayView_, other.arrayView_);
   std::swap(storageView_, other.storageView_);
@@ -287,12 +323,12 @@ Image& Image::operator=(Image&& other) noexcept {
 
 Image::~Image() {
   if (!image_) return;
-  layerViews_.insert(layerViews_.end(), {arrayView_, storageView_});
-  device_->deferDeletion([device = device_, image = image_, views = std::move(layerViews_), allocation = allocation_] {
-    for (VkImageView view : views) vkDestroyImageView(device->get(), view, nullptr);
-    vkDestroyImage(device->get(), image, nullptr);
-    if (allocation.memory) device->memory().release(allocation);
-  });
+  deletion_->image = image_;
+  deletion_->arrayView = arrayView_;
+  deletion_->storageView = storageView_;
+  deletion_->layerViews = std::move(layerViews_);
+  deletion_->allocation = allocation_;
+  device_->deferDeletion(std::move(deletion_));
 }
 
 VkImageAspectFlags Image::aspect() const {

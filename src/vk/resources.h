@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -15,6 +16,9 @@
 #include "vk/memory.h"
 
 namespace latelight::vk {
+
+struct BufferDeletion;
+struct ImageDeletion;
 
 struct BufferDesc {
   VkDeviceSize size = 0;                                          // in bytes; 0 is treated as 16
@@ -30,7 +34,7 @@ bool exportsBuffers(const Device& device);
 
 class Buffer {
  public:
-  Buffer() = default;
+  Buffer();
   Buffer(Device& device, const BufferDesc& desc);
   // Places the buffer in a heap, at an offset; it is never mapped. memoryRequirements() returns its size.
   Buffer(Device& device, const BufferDesc& desc, const Heap& heap, VkDeviceSize offset);
@@ -59,6 +63,7 @@ class Buffer {
   void bind(VkDeviceMemory memory, VkDeviceSize offset);
   Device* device_ = nullptr;
   BufferDesc desc_;
+  std::unique_ptr<BufferDeletion> deletion_;
   uint64_t createdAt_ = 0;
   VkBuffer buffer_ = VK_NULL_HANDLE;
   VkDeviceAddress address_ = 0;
@@ -86,7 +91,7 @@ struct ImageDesc {
 
 class Image {
  public:
-  Image() = default;
+  Image();
   Image(Device& device, const ImageDesc& desc);
   // Places the image in a heap, at an offset; the host never writes it. memoryRequirements() returns its size.
   Image(Device& device, const ImageDesc& desc, const Heap& heap, VkDeviceSize offset);
@@ -114,6 +119,7 @@ class Image {
   void bind(VkDeviceMemory memory, VkDeviceSize offset);
   Device* device_ = nullptr;
   ImageDesc desc_;
+  std::unique_ptr<ImageDeletion> deletion_;
   VkImage image_ = VK_NULL_HANDLE;
   VkImageView arrayView_ = VK_NULL_HANDLE, storageView_ = VK_NULL_HANDLE;
   std::vector<VkImageView> layerViews_;

@@ -86,7 +86,11 @@ Uploader::~Uploader() {
   try {
     flush();
   } catch (const std::exception& error) {
-    if (!device_.isLost()) warn("An upload failed: {}", error.what());  // otherwise the next call reports the loss
+    if (device_.isLost()) return;  // the next call reports the loss
+    try {
+      warn("An upload failed: {}", error.what());
+    } catch (const std::bad_alloc&) {  // the next call reports that memory ran out
+    }
   }
 }
 

@@ -9,9 +9,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   fuzz::expectErrors({ExitCode::BadInput}, [&] {
     const scene::gltf::Container container = scene::gltf::readContainer(fuzz::bytesOf(data, size));
     scene::gltf::treeBytes(container.json);
-    const nlohmann::json root = scene::gltf::readJson(container.json);
-    scene::gltf::externalFiles(root);
-    scene::gltf::file::readModel(root);
+    const JsonTree root = scene::gltf::readJson(container.json);
+    scene::gltf::externalFiles(*root);
+    scene::gltf::file::readModel(*root);
   });
   return 0;
 }

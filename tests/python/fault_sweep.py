@@ -4,8 +4,8 @@ WORK is a name of WORKS. KIND is a kind of tests/faults/library ("new", "open", 
 "lose", which loses the device at a submission. Each fault must raise an error of the package, with one sentence, or have
 no effect on the result. Then the same work succeeds with its usual bytes, nothing is left in the folder, and the process
 holds no more than before. STEPS faults are spread over all calls of a kind, or are the first ones of a Vulkan call; for
-0, each call fails. Each allocation fails in a child process, because destructors that allocate end the process
-(docs/quality.md). The environment is that of test_faults.py."""
+0, each call fails. Each allocation fails in a child process, because destructors that allocate would end the process,
+as those of JSON values do (docs/quality.md). The environment is that of test_faults.py."""
 
 import ctypes
 import os

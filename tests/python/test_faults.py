@@ -57,8 +57,10 @@ def sweep(tmp_path):
         found = re.findall(r"(\w+): (\d+) faults, (\d+) errors, (\d+) ended\n", outcome.stdout)
         assert len(found) == len(outcome.stdout.splitlines()) == len(kinds), outcome.stdout
         assert all(int(faults) > 0 for _, faults, _, _ in found), outcome.stdout
-        # Destructors of JSON values and of resources allocate; the last allocation that a sweep tries is such a one.
-        assert all(int(ended) <= 1 + int(faults) // 6 for _, faults, _, ended in found), outcome.stdout
+        # The JSON of an exported scene is destroyed by nlohmann::json, which allocates; the last allocation that a sweep
+        # tries is such a one.
+        allowed = lambda faults: 1 + int(faults) // 6 if work == "export" else 0
+        assert all(int(ended) <= allowed(faults) for _, faults, _, ended in found), outcome.stdout
         return {kind: int(errors) for kind, _, errors, _ in found}
 
     return run

@@ -67,10 +67,10 @@ TEST_F(DeviceTest, APlantedHazardIsReported) {
 
 TEST_F(DeviceTest, DeletesAtOnceIfIdleAndElseAfterTheSubmission) {
   int dead = 0;
-  device().deferDeletion([&] { ++dead; });
+  device().deferDeletion(makeDeletion([&] { ++dead; }));
   EXPECT_EQ(dead, 1);
   device().submitAndWait([&](VkCommandBuffer) {
-    device().deferDeletion([&] { ++dead; });
+    device().deferDeletion(makeDeletion([&] { ++dead; }));
     EXPECT_EQ(dead, 1);
   });
   EXPECT_EQ(dead, 2);
@@ -99,8 +99,9 @@ TEST_F(DeviceTest, DeletesWhenEarlierSubmissionsHaveFinished) {
   Gate gate(device());
   gate.close();
   int dead = 0;
-  const uint64_t first = device().submit([&](VkCommandBuffer) { device().deferDeletion([&] { ++dead; }); });
-  device().deferDeletion([&] { ++dead; });
+  const uint64_t first =
+      device().submit([&](VkCommandBuffer) { device().deferDeletion(makeDeletion([&] { ++dead; })); });
+  device().deferDeletion(makeDeletion([&] { ++dead; }));
   EXPECT_EQ(dead, 0);
   gate.open();
   device().wait(first);
@@ -114,7 +115,7 @@ TEST_F(DeviceTest, ASubmissionThatThrowsDeletesAfterThoseBeforeIt) {
   int dead = 0;
   const uint64_t before = device().submit([](VkCommandBuffer) {});
   const auto record = [&](VkCommandBuffer) {
-    device().deferDeletion([&] { ++dead; });
+    device().deferDeletion(makeDeletion([&] { ++dead; }));
     throw std::runtime_error("no");
   };
   EXPECT_THROW(device().submit(record), std::runtime_error);
@@ -145,7 +146,7 @@ TEST(DeviceEnd, RunsPendingDeletions) {
   {
     Device device({.selector = test::testDevice(), .validation = true});
     device.submit([&](VkCommandBuffer) {
-      device.deferDeletion([&] { device.deferDeletion([&] { ++dead; }); });
+      device.deferDeletion(makeDeletion([&] { device.deferDeletion(makeDeletion([&] { ++dead; })); }));
       const Buffer brief(device, {.size = 64});
     });
   }
@@ -167,7 +168,7 @@ TEST_F(DeviceTest, AResourceDroppedWhileRecordingLivesUntilTheWorkIsDone) {
 TEST_F(DeviceTest, AnExceptionWhileRecordingLeavesTheDeviceUsable) {
   int dead = 0;
   const auto record = [&](VkCommandBuffer) {
-    device().deferDeletion([&] { ++dead; });
+    device().deferDeletion(makeDeletion([&] { ++dead; }));
     throw std::runtime_error("no");
   };
   EXPECT_THROW(device().submitAndWait(record), std::runtime_error);

@@ -37,8 +37,10 @@ void BoundTextures::update(std::span<const uint32_t> materials) {
   sets_.resize(scene_.materials.size());
   const std::vector<SlotSamplers> samplers = slotSamplers(scene_.materials);
   for (const uint32_t material : materials) {
-    if (const Set old = sets_[material]; old.set)
-      device_.deferDeletion([device = device_.get(), old] { vkFreeDescriptorSets(device, old.pool, 1, &old.set); });
+    const Set old = std::exchange(sets_[material], {});
+    if (old.set)
+      device_.deferDeletion(
+          vk::makeDeletion([device = device_.get(), old] { vkFreeDescriptorSets(device, old.pool, 1, &old.set); }));
     sets_[material] = allocate();
     std::array<VkDescriptorImageInfo, shared::kTextureCount> images;
     for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot)

@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "base/error.h"
+#include "base/keep.h"
 
 namespace latelight::render {
 
@@ -42,7 +43,7 @@ std::shared_ptr<ExportedMemory> ExportPool::take(vk::Device& device, uint64_t by
   }
   return {memory.release(), [pool = shared_from_this()](ExportedMemory* back) {
             std::lock_guard lock(pool->mutex_);
-            pool->free_.emplace_back(back);
+            keepForReuse(pool->free_, std::unique_ptr<ExportedMemory>(back));
           }};
 }
 

@@ -123,26 +123,27 @@ uint64_t treeBytes(Bytes json) {
   return bytes;
 }
 
-nlohmann::json readJson(Bytes bytes) {
+JsonTree readJson(Bytes bytes) {
   std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (text.empty()) badInput("the file is empty");
   if (text.size() > kMaxJsonBytes) badInput("its JSON is larger than 1 GiB");
   checkDepth(text);
-  nlohmann::json root;
+  JsonTree tree;
   try {
-    root = nlohmann::json::parse(text);
+    tree = nlohmann::json::parse(text);
   } catch (const nlohmann::json::exception& error) {
     std::string_view reason = error.what();  // "[json.exception.parse_error.101] parse error at line 1, ..."
     reason.remove_prefix(std::min(reason.size(), reason.find("] ") + 2));
     badInput("it is not glTF: {}", reason);
   }
+  nlohmann::json& root = *tree;
   if (!root.is_object() || !root.contains("asset")) badInput("it is not glTF: its JSON has no \"asset\"");
   // Report an unsupported version or extension before detailed errors.
   if (root["asset"].is_object() && root["asset"].contains("version") && root["asset"]["version"].is_string())
     checkVersion(root);
   checkExtensions(root);
   validate(root);
-  return root;
+  return tree;
 }
 
 }  // namespace latelight::scene::gltf

@@ -46,7 +46,8 @@ void openDocument(Document& document, const std::filesystem::path& path, const A
   document.inputBytes = document.files.back().size();
   Container container = readContainer(document.files.back());
   const MemoryClaim tree(treeBytes(container.json), "its JSON");
-  const json root = readJson(container.json);
+  const JsonTree read = readJson(container.json);
+  const json& root = *read;
   readBuffers(document, root, enclosure, container.binary);
   document.beside = externalFiles(root);
   document.budget.charge(modelBytes(root), "its nodes and primitives");

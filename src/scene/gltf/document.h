@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/allowed_folders.h"
+#include "base/json_tree.h"
 #include "base/memory.h"
 #include "scene/gltf/model.h"
 
@@ -82,7 +83,7 @@ struct Container {
 Container readContainer(Bytes file);
 
 // Returns parsed, validated JSON. Throws Error(BadInput) if it is malformed or requires an unsupported extension.
-nlohmann::json readJson(Bytes text);
+JsonTree readJson(Bytes text);
 // Returns the approximate memory of the JSON's tree in bytes; the result for text that is not JSON is arbitrary.
 uint64_t treeBytes(Bytes json);
 

@@ -7,13 +7,14 @@
 #include <cstddef>
 #include <glm/glm.hpp>
 #include <map>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <numbers>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "base/json_tree.h"
 #include "scene/animated_values.h"
 
 namespace latelight::scene::gltf::file {
@@ -110,8 +111,8 @@ struct Node {
   glm::dvec3 scale{1};
   std::vector<double> weights;           // empty: those of the mesh apply
   std::optional<Attributes> instancing;  // EXT_mesh_gpu_instancing
-  nlohmann::json extras;                 // of nodes with a light; otherwise null
-  nlohmann::json areaLight;              // extras.areaLight (area_lights.h), or null
+  JsonTree extras;                       // of nodes with a light; otherwise null
+  JsonTree areaLight;                    // extras.areaLight (area_lights.h), or null
 };
 
 struct Scene {
@@ -145,7 +146,7 @@ struct Light {  // KHR_lights_punctual
   double intensity = 1;
   double range = 0;  // 0: infinite
   double innerConeAngle = 0, outerConeAngle = std::numbers::pi / 4;
-  nlohmann::json extras;
+  JsonTree extras;
 };
 
 struct ImageBasedLight {  // EXT_lights_image_based

@@ -173,7 +173,7 @@ std::optional<Light> readLight(const file::Light& source) {
 // Returns a property that KHR_lights_punctual does not define, from the extras of the node or, if these do not contain
 // it, from those of the light. Returns null if there is none.
 const nlohmann::json* lightExtra(const file::Node& node, const file::Light& light, const char* key) {
-  for (const nlohmann::json* extras : {&node.extras, &light.extras})
+  for (const nlohmann::json* extras : {&*node.extras, &*light.extras})
     if (const nlohmann::json* value = findProperty(*extras, key); value && !value->empty()) return value;
   return nullptr;
 }
@@ -264,7 +264,7 @@ void readLights(const Document& document, const Hierarchy& hierarchy, Scene& sce
       scene.lights.push_back(*std::move(light));
     };
     if (node.light >= 0) add(readPunctualLight(node, document.model.lights[size_t(node.light)], scene.nodes[i].path));
-    if (!node.areaLight.is_null()) add(readAreaLight(node.areaLight, scene.nodes[i].path));
+    if (!node.areaLight->is_null()) add(readAreaLight(*node.areaLight, scene.nodes[i].path));
   }
 }
 
