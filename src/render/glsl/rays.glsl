@@ -234,6 +234,8 @@ bool skips(RayMesh mesh, uint what) {
 
 // `what`: kRay* above.
 RayHit traceRay(FrameConstants frame, Ray ray, uint what) {
+  // If any hit ends the ray, none is kept from leaf to leaf, so that its registers are free.
+  bool any = (what & kRayStopAtFirst) != 0u, stops = false;
   RayHit hit = noHit();
   RayScene scene = RaySceneRef(frame.rayScene).v;
   mat3 axes = rayAxes(ray.direction);
@@ -280,11 +282,16 @@ RayHit traceRay(FrameConstants frame, Ray ray, uint what) {
     }
     for (bool some = tests; some; some = false) {
       uint first = current & kRayFirstMask, count = (current >> kRayCountShift & 7u) + 1u;
-      for (uint i = first; i < first + count; ++i) visitTriangle(frame, mesh, i, ray, what, hit);
-      bool stops = isHit(hit) && (what & kRayStopAtFirst) != 0u;
+      for (uint i = first; i < first + count; ++i) {
+        RayHit found = hit;
+        visitTriangle(frame, mesh, i, ray, what, found);
+        if (any) stops = stops || isHit(found);
+        else hit = found;
+      }
       current = stops ? kRayNone : stack[--top];
     }
   }
+  if (stops) hit.distance = 0.0;
   return hit;
 }
 
