@@ -137,21 +137,26 @@ def check_environments(renderer, camera, environments):
 
 
 def check_shadows(name):
-    """Shadow maps that the device fits have the bytes of those that the host fits, which it does for own lights."""
+    """Shadow maps that the device fits, to lights of the scene and of arrays, have the bytes of those of the host."""
     scene = latelight.Scene(name)
     sun = scene.add_light(latelight.Light(type="directional", direction=(0.3, -1, -0.4), intensity=3))
+    dark = scene.add_light(latelight.Light(intensity=0))
     renderer = latelight.Renderer(scene, device="cuda:0", environment="studio")
     instances, transforms, poses, exists, camera = states(scene, 64, seed=5)
     given = {"instances": instances, "transforms": transforms, "exists": exists, "camera_to_world": poses}
-    device = renderer.render_worlds(64, camera, SIZE, ("color", "depth"), **given)
-    host = renderer.render_worlds(64, camera, SIZE, ("color", "depth"), **given, lights=[sun],
-                                  light_intensity=np.full((64, 1), 3.0))
+    lights = {"lights": [sun, dark], "light_intensity": np.tile(np.float32([3, 0]), (64, 1))}
+    calls = {"scene": given, "arrays": {**given, **lights}}
+    # The host fits the maps where it has to select the lights.
+    host = renderer.render_worlds(64, camera, SIZE, ("color", "depth"), **calls["arrays"], shadow_lights="1")
     lit = renderer.render_worlds(64, camera, SIZE, ("color", "depth"), **given, shadows="none")
-    for output in ("color", "depth"):
-        different = np.mean(device[output] != host[output])
-        print(f"shadows, {output}: {100 * different:.4f} % of the values differ from the host's maps")
-        assert different == 0
-    assert (device["color"] != lit["color"]).any()
+    for lights_of, call in calls.items():
+        device = renderer.render_worlds(64, camera, SIZE, ("color", "depth"), **call)
+        for output in ("color", "depth"):
+            different = np.mean(device[output] != host[output])
+            print(f"shadows, lights of {lights_of}, {output}: {100 * different:.4f} % of the values differ from the "
+                  "host's maps")
+            assert different == 0
+        assert (device["color"] != lit["color"]).any()
 
 
 def check_overlap(scene, renderer):
