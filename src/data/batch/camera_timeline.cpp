@@ -1,7 +1,5 @@
 #include "data/batch/camera_timeline.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -14,11 +12,6 @@
 namespace latelight::data {
 
 namespace {
-
-// Members of pairs and rigs are named after their pose: path0-left.
-std::string memberName(std::string_view pose, std::string_view member) {
-  return fmt::format("{}-{}", pose, member);
-}
 
 void checkMembers(const std::vector<JobCamera>& cameras, const std::vector<PairTarget>& targets) {
   for (const PairTarget& target : targets) {

@@ -20,7 +20,7 @@ class LoadedScene {
 
   const scene::Scene& scene() const { return scene_; }
   const CameraTimeline& cameras() const { return cameras_; }
-  // Moves the scene, as it was shown last, out of this object.
+  // Moves the scene out of this object, with the last variation that it applied.
   scene::Scene release() && { return std::move(scene_); }
   // Applies a variation to the scene and returns the values drawn for it, or null if the job has no variations.
   const nlohmann::ordered_json& show(uint32_t variation);

@@ -89,6 +89,10 @@ void makeNamesUnique(std::vector<JobCamera>& cameras) {
 
 }  // namespace
 
+std::string memberName(std::string_view pose, std::string_view member) {
+  return fmt::format("{}-{}", pose, member);
+}
+
 std::span<const CameraSource> cameraSources() {
   return kSources;
 }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/memory.h"
@@ -33,6 +34,9 @@ struct JobCamera {
   CameraExposure exposure{};
   bool followsScene = false;  // the pose comes from a camera of the scene, which animations may move
 };
+
+// Returns the name of a member of a pair or a rig at a pose, such as path0-left.
+std::string memberName(std::string_view pose, std::string_view member);
 
 struct CameraInputs {
   PictureSize size;  // picture size from the job; 0 x 0 if the job does not specify it

@@ -1,9 +1,8 @@
 // The camera sources "stereo" and "rig": several cameras at fixed offsets from each camera of another source.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <optional>
 
+#include "data/cameras/cameras.h"
 #include "data/cameras/optics.h"
 #include "data/cameras/pose_spec.h"
 #include "data/cameras/source.h"
@@ -27,7 +26,7 @@ std::vector<Shot> shotsOfMembers(const std::vector<Shot>& bases, const std::vect
     for (size_t number = 0; number < members.size(); ++number) {
       const Member& member = members[number];
       Shot shot = base;
-      shot.name = fmt::format("{}-{}", base.name, member.name);
+      shot.name = memberName(base.name, member.name);
       shot.pose = base.pose * member.offset;
       if (shot.sequence)
         for (std::optional<size_t>* neighbor : {&shot.sequence->previous, &shot.sequence->next})
