@@ -200,23 +200,30 @@ def check_order(scene, renderer):
         print(f"a call that follows {time.perf_counter() - start:.3f} s of work was submitted in {submitted:.3f} s")
 
 
+def steady(submit, moved, runs):
+    """Median seconds of calls, the host's and all, of which each has other transforms. submit(out) returns a ticket."""
+    torch = importlib.import_module("torch")
+    out, host, total = None, [], []
+    for run in range(runs + 6):
+        moved[:, 0, 0, 3] += 1e-4
+        torch.cuda.synchronize()
+        start = time.perf_counter()
+        ticket = submit(out)
+        host.append(time.perf_counter() - start)
+        out = ticket.take()
+        total.append(time.perf_counter() - start)
+    return np.median(host[6:]), np.median(total[6:])
+
+
 def measure(scene, renderer, count, size, outputs, formats, runs=30, tensors=True):
     torch = importlib.import_module("torch")
     instances, transforms, poses, _, camera = states(scene, count)
     moved, seen = transforms, poses
     if tensors:
         moved, seen = torch.from_numpy(transforms).cuda(), torch.from_numpy(poses).cuda()
-    out, host, total = None, [], []
-    for run in range(runs + 6):
-        moved[:, 0, 0, 3] += 1e-4
-        torch.cuda.synchronize()
-        start = time.perf_counter()
-        ticket = renderer.submit_worlds(count, camera, size, outputs, instances=instances, transforms=moved,
-                                        camera_to_world=seen, formats=formats, on_device=True, out=out)
-        host.append(time.perf_counter() - start)
-        out = ticket.take()
-        total.append(time.perf_counter() - start)
-    host, total = np.median(host[6:]), np.median(total[6:])
+    host, total = steady(lambda out: renderer.submit_worlds(count, camera, size, outputs, instances=instances,
+                                                            transforms=moved, camera_to_world=seen, formats=formats,
+                                                            on_device=True, out=out), moved, runs)
     given = "CUDA" if tensors else "host"
     print(f"{count:5} worlds of {size[0]}x{size[1]}, {' + '.join(outputs)}, {given}: {count / total:9.0f} views/s, "
           f"{1e3 * total:.2f} ms, of which the host {1e3 * host:.2f} ms until submitted", flush=True)
@@ -242,6 +249,27 @@ def measure_overlap(scene, renderer, count, runs=60):
           f"{1e3 * each:.2f} ms", flush=True)
 
 
+def measure_lights(name, runs=20):
+    """Calls with shadow maps of a light of the scene, and of one whose direction or position tensors describe."""
+    torch = importlib.import_module("torch")
+    for kind, key, place in (("directional", "light_direction", (0.3, -1, -0.4)),
+                             ("point", "light_position", (2, 3, 2))):
+        scene = latelight.Scene(name)
+        light = scene.add_light(latelight.Light(type=kind, direction=(0.3, -1, -0.4), position=(2, 3, 2),
+                                                intensity=3 if kind == "directional" else 60))
+        renderer = latelight.Renderer(scene, device="cuda:0", environment="studio")
+        for count in (1024, 4096):
+            instances, transforms, poses, _, camera = states(scene, count)
+            values = np.float32(np.random.default_rng(1).uniform(-0.3, 0.3, (count, 1, 3)) + place)
+            moved, seen, own = (torch.from_numpy(array).cuda() for array in (transforms, poses, values))
+            for lights_of, lights in (("scene", {}), ("arrays", {"lights": [light], key: own})):
+                host, total = steady(lambda out: renderer.submit_worlds(
+                    count, camera, SIZE, "rgba", instances=instances, transforms=moved, camera_to_world=seen,
+                    formats=FORMATS, on_device=True, out=out, **lights), moved, runs)
+                print(f"{count:5} worlds, shadow maps of a {kind} light of {lights_of}: {count / total:9.0f} views/s, "
+                      f"{1e3 * total:.2f} ms, of which the host {1e3 * host:.2f} ms until submitted", flush=True)
+
+
 if __name__ == "__main__":
     name = sys.argv[1] if len(sys.argv) > 1 else "builtin:boxes"
     scene = latelight.Scene(name)
@@ -263,6 +291,7 @@ if __name__ == "__main__":
         measure(scene, renderer, count, (64, 64), ("rgba",), FORMATS, tensors=False)
         measure_overlap(scene, renderer, count)
     measure(scene, renderer, 4096, (64, 64), ("rgba", "depth", "id", "normal"), half)
+    measure_lights(name)
     for side in (128, 256):
         measure(scene, renderer, 4096, (side, side), ("rgba",), FORMATS, 10)
     measure(scene, renderer, 4096, (256, 256), ("rgba", "depth", "id", "normal"), half, 10)
