@@ -17,6 +17,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "long_tests.h"
+#include "own_process.h"
 #include "scene/environment/environment.h"
 #include "scene/environment/picture_io.h"
 #include "scene/load/load.h"
@@ -122,6 +123,7 @@ unsigned lastCase(const std::string& out) {
 
 void expectNoHarm(const std::string& kind, const std::vector<GoodScene>& good, unsigned count) {
   Folder scratch;  // for the files that a killed batch does not remove
+  test::runAllShardsInChildren();
   for (unsigned first = 0; first < count;) {
     const Outcome batch = runProcess(
         "/proc/self/exe", {.arguments = {"--gtest_filter=BadInputInAProcess.*", "--gtest_also_run_disabled_tests"},

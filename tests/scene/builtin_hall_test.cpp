@@ -13,6 +13,7 @@
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "builtin_checks.h"
+#include "own_process.h"
 #include "scene/builtin/builtin.h"
 #include "scene/builtin/exact_math.h"
 #include "scene/builtin/hall/hall.h"
@@ -259,6 +260,7 @@ Probe probe(const std::string& name, const char* threads) {
   self[std::max<ssize_t>(0, length)] = 0;
   const std::string command = std::string("LATELIGHT_THREADS=") + threads + " LATELIGHT_PROBE='" + name + "' '" + self +
                               "' --gtest_filter=HallInAProcess.DISABLED_Run --gtest_also_run_disabled_tests";
+  test::runAllShardsInChildren();
   Probe result;
   FILE* pipe = popen(command.c_str(), "r");
   char line[512];

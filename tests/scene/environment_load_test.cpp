@@ -11,6 +11,7 @@
 #include "base/files.h"
 #include "base/hash.h"
 #include "models/models.h"
+#include "own_process.h"
 #include "scene/environment/filter.h"
 #include "scene/environment_support.h"
 
@@ -177,6 +178,7 @@ TEST_F(EnvironmentLoad, IsTheSameForAnyNumberOfThreads) {
     const ScopedVariable count("LATELIGHT_THREADS", threads), output("LATELIGHT_TEST_DIGEST", file.string());
     const pid_t child = fork();
     if (child == 0) {
+      test::runAllShardsInChildren();
       execl("/proc/self/exe", "test", "--gtest_filter=EnvironmentDigestInAProcess.*", "--gtest_also_run_disabled_tests",
             "--gtest_brief=1", nullptr);
       _exit(127);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "own_process.h"
 #include "vk/features.h"
 #include "vk/loader.h"
 
@@ -109,6 +110,7 @@ class Doctor : public testing::Test {
       for (const char* of : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES", "VK_ADD_DRIVER_FILES"}) unsetenv(of);
       for (const auto& [name, value] : variables) setenv(name.c_str(), value.c_str(), 1);
       setenv(kReport, report.c_str(), 1);
+      test::runAllShardsInChildren();
       if (!std::freopen("/dev/null", "w", stdout)) _exit(99);
       execl(self.c_str(), self.c_str(), "--gtest_filter=DoctorInAProcess.*", "--gtest_also_run_disabled_tests",
             nullptr);
