@@ -112,6 +112,8 @@ WorldStates statesOf(Renderer& renderer, const scene::Scene& scene, const scene:
   return worlds;
 }
 
+// More calls in flight than the renderer leaves unchecked: those that begin may have to repeat earlier ones first.
+constexpr size_t kMostInFlight = 6;
 constexpr uint32_t kGlassCopies = 60;  // more than fragment lists of the first calls have space for
 
 // Adds blended copies of the last instance.
@@ -299,7 +301,7 @@ void SteadyWorlds::overlap(Raster raster, ShadowFormat shadows, bool ownLights) 
     Ticket ticket = renderer.submit({&camera, 1}, settings, {.worlds = worlds}, Results::Exported);
     overlaps += !inFlight.empty() && !inFlight.back().ticket.done();
     inFlight.push_back({std::move(step), std::move(ticket)});
-    if (inFlight.size() == 3) take();
+    if (inFlight.size() == kMostInFlight) take();
   }
   while (!inFlight.empty()) take();
   if (device().isCpu()) {  // a GPU may have finished meanwhile
@@ -446,7 +448,7 @@ void overlapDeformed(vk::Device& device, bool joints, ShadowFormat shadows) {
     Ticket ticket = submit(renderer, numbers, glass);
     overlaps += !inFlight.empty() && !inFlight.back().ticket.done();
     inFlight.push_back({std::move(numbers), glass, std::move(ticket)});
-    if (inFlight.size() == 3) take();
+    if (inFlight.size() == kMostInFlight) take();
   }
   while (!inFlight.empty()) take();
   EXPECT_GT(overlaps, 0u) << "no call was submitted before the one before it had finished";

@@ -559,6 +559,7 @@ std::vector<CameraSample> Renderer::samplesOf(const ViewBatch& part) const {
 }
 
 Renderer::Start Renderer::startPart(ViewBatch& part, std::optional<uint64_t> maxBytes) {
+  placeAgain(part.job);  // a batch of an earlier call may have been repeated since begin()
   part.replayed = false;
   part.vast = gpuScene_.anyVast();
   const std::optional<ReplayKey> key = replayKey(part);
