@@ -1,6 +1,7 @@
 // Writes nodes. Names and parents are those of the scene, so that paths, and with them ids, stay the same when the file
 // is loaded. Transforms are in glTF's frame: a node whose parent and local transform multiply to its place is written
-// as it is; one that an edit has moved gets the local transform that leads there.
+// as it is; one that an edit has moved gets the local transform that leads there. No local transform does if the scale
+// of the parent is 0 along an axis: such a node becomes a root.
 //
 // Copies by EXT_mesh_gpu_instancing become nodes below theirs, named as the ids of copies are made.
 //
@@ -44,6 +45,10 @@ Json numbersOf(const glm::vec<N, double>& v) {
 
 dmat4 inFile(const dmat4& toWorld) {
   return toGltfFromWorld() * toWorld;
+}
+
+bool flattens(const dmat4& toWorld) {
+  return glm::determinant(toWorld) == 0;
 }
 
 // Instances of a node that are at the same place and visible alike. Those that an edit has placed have the same skin.
@@ -125,16 +130,25 @@ class NodeWriter {
   void findPlaces() {
     places_.resize(scene_.nodes.size());
     for (size_t i = 0; i < places_.size(); ++i) {
-      const bool movesAlone =
-          groups_[i].size() == 1 && groups_[i][0].copy < 0 && glm::determinant(groups_[i][0].toWorld) != 0;
+      const bool movesAlone = groups_[i].size() == 1 && groups_[i][0].copy < 0 && !flattens(groups_[i][0].toWorld);
       places_[i] = movesAlone ? groups_[i][0].toWorld : scene_.nodes[i].toWorld;
     }
   }
 
+  bool isRoot(size_t i) const {
+    const Node& node = scene_.nodes[i];
+    if (node.parent < 0) return true;
+    const dmat4& parent = places_[size_t(node.parent)];
+    return flattens(parent) && parent * node.local != places_[i];
+  }
+
+  void warnOfRoot(const std::string& name) const {
+    warn("{} was moved below a node whose scale is 0 along an axis: it is exported as a root", name);
+  }
+
   dmat4 localOf(size_t i) const {
     const Node& node = scene_.nodes[i];
-    if (node.parent < 0)
-      return scene_.yUp && toWorldFromGltf() * node.local == places_[i] ? node.local : inFile(places_[i]);
+    if (isRoot(i)) return scene_.yUp && toWorldFromGltf() * node.local == places_[i] ? node.local : inFile(places_[i]);
     const dmat4& parent = places_[size_t(node.parent)];
     return parent * node.local == places_[i] ? node.local : glm::inverse(parent) * places_[i];
   }
@@ -149,7 +163,9 @@ class NodeWriter {
       Json node{{"name", scene_.nodes[i].name}};
       setMatrix(node, localOf(i));
       const int parent = scene_.nodes[i].parent;
-      nodes_[i] = addNode(std::move(node), parent < 0 ? -1 : nodes_[size_t(parent)]);
+      const bool leavesParent = parent >= 0 && isRoot(i);
+      if (leavesParent) warnOfRoot(scene_.nodes[i].name);
+      nodes_[i] = addNode(std::move(node), parent < 0 || leavesParent ? -1 : nodes_[size_t(parent)]);
     }
   }
 
@@ -296,9 +312,17 @@ class NodeWriter {
   void addBelow(uint32_t node, const Group& group) {
     const dmat4& parent = places_[node];
     const bool hasOffset = group.follows && group.copy >= 0 && !scene_.rig.offsets.empty();
-    Json below{{"name", group.copy >= 0 ? fmt::format("instance{}", group.copy) : scene_.nodes[node].mesh}};
-    setMatrix(below, hasOffset ? scene_.rig.offsets[group.instances[0]] : glm::inverse(parent) * group.toWorld);
-    const int index = addNode(std::move(below), nodes_[node]);
+    const bool leavesParent = !hasOffset && group.toWorld != parent && flattens(parent);
+    const std::string name = group.copy >= 0 ? fmt::format("instance{}", group.copy) : scene_.nodes[node].mesh;
+    Json below{{"name", name}};
+    if (hasOffset)
+      setMatrix(below, scene_.rig.offsets[group.instances[0]]);
+    else if (leavesParent)
+      setMatrix(below, inFile(group.toWorld));
+    else if (group.toWorld != parent)
+      setMatrix(below, glm::inverse(parent) * group.toWorld);
+    if (leavesParent) warnOfRoot(name);
+    const int index = addNode(std::move(below), leavesParent ? -1 : nodes_[node]);
     if (group.hidden && !group.follows) hide(at(index));
     setMesh(node, index, group);
   }

@@ -296,6 +296,36 @@ TEST(Export, MovedNodesWithChildrenKeepTheirPaths) {
   expectSame(exported(scene), scene);
 }
 
+// A node without an inverse can have no child elsewhere, so what an edit has moved out of it becomes a root: a child,
+// or a primitive of the node's own mesh.
+TEST(Export, WhatLeavesFlatNodesStaysInItsPlace) {
+  const app::Folder folder;
+  for (const bool child : {true, false}) {
+    test::GltfBuilder file = test::triangleFile();
+    json& node = file.root["nodes"][0];
+    const int mesh = node["mesh"];
+    node["scale"] = {1, 0, 1};
+    if (child) {
+      node.erase("mesh");
+      node["children"] = {1};
+      file.add("nodes", {{"name", "child"}, {"mesh", mesh}});
+    } else {
+      json& primitives = file.root["meshes"][mesh]["primitives"];
+      primitives.push_back(json(primitives[0]));
+    }
+    writeFile(folder.at("flat.glb"), file.glb());
+    Scene scene = load(folder.at("flat.glb"));
+    setTransform(scene, static_cast<uint32_t>(scene.instances.size() - 1), placement());
+    const Scene again = exported(scene);
+    ASSERT_EQ(again.instances.size(), scene.instances.size());
+    const auto isMoved = [&](const Instance& i) { return glm::determinant(i.toWorld) != 0; };
+    const auto moved = std::ranges::find_if(again.instances, isMoved);
+    ASSERT_NE(moved, again.instances.end());
+    expectNear(moved->toWorld, placement());
+    EXPECT_EQ(std::ranges::count_if(again.instances, isMoved), 1);
+  }
+}
+
 // Parts of an object in several places are nodes below the object's, also in a scene with skins, so that they are one
 // group of ids.
 TEST(Export, ScatteredPartsAreBelowTheirObject) {
