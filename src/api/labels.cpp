@@ -184,6 +184,15 @@ Worlds nextFrameOf(const Worlds& worlds) {
   return next;
 }
 
+// The first eye that is somewhere: floats hold positions near it precisely, however far from the origin worlds are.
+glm::dvec3 firstEye(std::span<const scene::Camera> cameras, const scene::Scene& scene, bool zUp) {
+  for (const scene::Camera& camera : cameras) {
+    const glm::dvec3 eye(render::openCvPose(camera, scene, zUp)[3]);
+    if (std::isfinite(eye.x + eye.y + eye.z)) return eye;
+  }
+  return glm::dvec3(0);
+}
+
 // The lines of sight to the located points of all views, as many per world: others are filled up.
 struct WorldSights {
   uint64_t count = 0;  // per world
@@ -218,12 +227,13 @@ std::vector<Correspondence> Renderer::correspond(const Worlds& worlds, const Opt
   const std::vector<scene::Camera> seconds = impl_->worldLabelInput(next, options).cameras;
   input.settings.display = false;
   input.settings.aovs = {output::Aov::Id, output::Aov::Position, output::Aov::SceneFlow};
-  input.settings.positionOrigin = {};
+  const bool zUp = input.settings.axes == render::Axes::ZUp;
+  const glm::dvec3 origin = firstEye(input.cameras, impl_->scene, zUp);
+  input.settings.positionOrigin = {origin};
   std::vector<labels::LocatedPixels> views;
   const std::vector<output::FrameOutput> frames = impl_->renderer.render(input.cameras, input.settings, input.moment);
   for (size_t i = 0; i < frames.size(); ++i)
-    views.push_back(labels::locate(frames[i], glm::dvec3(0), seconds[i], impl_->scene, input.settings));
-  const bool zUp = input.settings.axes == render::Axes::ZUp;
+    views.push_back(labels::locate(frames[i], origin, seconds[i], impl_->scene, input.settings));
   const WorldSights sights = sightsTo(views, seconds, impl_->scene, zUp, worlds.count);
   std::vector<float> distances(worlds.count * sights.count);
   if (!distances.empty()) {

@@ -271,3 +271,23 @@ def test_worlds_correspond_as_animations_do(device):
     turning = renderer.correspond(aside, camera, (48, 48), time=0, second_time=1)
     np.testing.assert_array_equal(match.visible[2, 1], turning.visible)
     np.testing.assert_allclose(match.pixels[2, 1], turning.pixels, atol=1e-3)
+
+
+def test_correspondences_in_worlds_are_exact_far_from_the_origin(device):
+    """The plane's points project to the same pixels as at the origin; floats there are half a meter apart."""
+    plane, far = np.float32([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]), np.array((5e5, 0, 4e6))
+    matches = []
+    for at in (np.zeros(3), far):
+        scene = latelight.Scene()
+        material = scene.add_material(latelight.Material(double_sided=True))
+        place = np.eye(4)
+        place[:3, 3] = at
+        scene.add_instance(scene.add_mesh(plane, [[0, 1, 2], [0, 2, 3]]), material, place)
+        first, second = (latelight.Camera.look_at(at + (x, 0, 2), at) for x in (0, 0.3))
+        after = second.camera_to_world[None, None]
+        renderer = latelight.Renderer(scene, device)
+        matches.append(renderer.correspond_worlds(1, first, (64, 48), next_camera_to_world=after))
+    near, distant = matches
+    assert near.visible.mean() > 0.9
+    np.testing.assert_array_equal(distant.visible, near.visible)
+    np.testing.assert_allclose(distant.pixels, near.pixels, atol=1e-3)
