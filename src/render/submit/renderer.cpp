@@ -627,7 +627,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
   };
   if (state_.placesShadows())
     key.placedShadows = {placedShadows_.suns.size(), placedShadows_.locals.size(), placedShadows_.localMaps,
-                         placedShadows_.depths.size()};
+                         placedShadows_.depths.size(), placedShadows_.lights.size()};
   for (const ExportedArray& array : part.job.result.arrays) key.arrays.push_back(array.memory->serial);
   return key;
 }

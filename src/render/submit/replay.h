@@ -31,9 +31,9 @@ struct ReplayKey {
   bool anyVast;
   VkDescriptorSet textures;
   const GpuEnvironment* environment;
-  // If shaders fit shadow maps: numbers of directional and local lights, of the maps of the latter, and of views per
-  // world.
-  std::array<size_t, 4> placedShadows;
+  // If shaders fit shadow maps: numbers of directional and local lights, of the maps of the latter, of views per world,
+  // and of words with a bit per light.
+  std::array<size_t, 5> placedShadows;
   // For ray-traced light: the number of lights with shadows, the maximum number of shadow rays per surface,
   // RayScene::emitterCount, GpuScene::plainMaterials(), and the height of the ground.
   uint32_t shadowColumns, shadowRays, emitters;
