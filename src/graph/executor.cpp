@@ -439,8 +439,13 @@ void Executor::Impl::storeResults(const Graph& graph, RecordedGraph& recorded) {
 Submission Executor::Impl::submit(std::shared_ptr<RecordedGraph> recorded,
                                   const std::function<void(VkCommandBuffer)>& commands) {
   const auto state = std::make_shared<Submission::State>(std::move(recorded));
-  state->value = pool->device.submit(commands);
-  inFlight.push_back(state);
+  inFlight.push_back(state);  // first: if it fails, the device must not run commands that nothing refers to
+  try {
+    state->value = pool->device.submit(commands);
+  } catch (...) {
+    inFlight.pop_back();
+    throw;
+  }
   return Submission(state);
 }
 
