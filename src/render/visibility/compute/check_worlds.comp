@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Checks the arrays that describe worlds: one invocation per world and per listed instance, camera or light, whichever
-// are most. It writes kWorld* bits to WorldJob::status.
+// Checks the arrays that describe worlds: as many invocations per world as it has listed instances, cameras or
+// lights, the maximum of these numbers. It writes kWorld* bits to WorldJob::status.
 #include "render/visibility/compute/place_worlds.glsl"
 
 bool areFinite(WorldNumbers n, uint index, uint count) {
@@ -92,7 +92,8 @@ uint checkedEnvironment(WorldJob job, uint world) {
 
 void main() {
   WorldJob job = JobRef(push.job).v;
-  uint each = max(max(job.listed, job.viewsPerWorld), max(job.listedLights, 1u)), world = elementIndex() / each, i = elementIndex() % each;
+  uint each = max(max(job.listed, job.viewsPerWorld), max(job.listedLights, 1u));
+  uint world = elementIndex() / each, i = elementIndex() % each;
   if (world >= job.worlds) return;
   uint bits = 0u;
   if (i == 0u && job.emptyWorlds != 0ul && UintRef(job.emptyWorlds).v[world] != 0u) bits = kWorldNotFinite;

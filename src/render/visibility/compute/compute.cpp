@@ -141,7 +141,7 @@ VisibilityBuffer ComputeVisibility::addVisible(const FrameContext& f, const Rast
   addClear(f, graph::Stage::Visibility, "raster clear", {queues.visible});
   RasterChain whole{graph::Stage::Visibility, Hit::Opaque, 0, kDrawMasked};
   RasterChain cut{graph::Stage::Visibility, Hit::Masked, kDrawMasked, kDrawMasked};
-  if (leavesOutBlended_) cut.asked |= kDrawBlended;
+  if (leavesOutBlended_) cut.flagMask |= kDrawBlended;
   if (views.lens) whole.hit = cut.hit = Hit::Lens;  // one shader for opaque and masked
   const bool some = share_.anyOpaque;
   if (some && views.cullsOccluded) {

@@ -73,8 +73,8 @@ ComputePass rasterStep(const FrameContext& f, graph::Stage stage, const vk::Shad
 
 ComputePass cullPass(const FrameContext& f, graph::Stage stage, const RasterChain& chain, bool maps) {
   ComputePass pass = rasterStep(f, stage, "raster_cull.comp", {});
-  pass.constants = {{kRequiredFlagsConstant, chain.wanted},
-                    {kFlagMaskConstant, chain.asked},
+  pass.constants = {{kRequiredFlagsConstant, chain.requiredFlags},
+                    {kFlagMaskConstant, chain.flagMask},
                     {kCullPassConstant, chain.culls},
                     {kShadowMapsConstant, maps ? 1u : 0u}};
   return pass;
@@ -193,7 +193,7 @@ void RasterChainBuilder::overQueue(const vk::ShaderKey& shader, Queue queue,
   // Tiles treat triangles of shadow maps and of other views alike.
   pass.constants.insert(pass.constants.end(), {{kSamplesConstant, views.samples},
                                                jobs ? vk::Constant{kShadowMapsConstant, 0} : mapsConstant(),
-                                               {kAlphaTestConstant, chain.wanted & kDrawMasked}});
+                                               {kAlphaTestConstant, chain.requiredFlags & kDrawMasked}});
   pass.constants.insert(pass.constants.end(), constants.begin(), constants.end());
   addVastConstant(f, pass);
   pass.groups = queues.counters;
@@ -276,10 +276,10 @@ void prepareOcclusionCulling(const FrameContext& f, const RasterViews& views) {
   pipelineOf<PyramidPush>(f, pyramidPass(f, views));
   for (const uint32_t culls : {kCullEarly, kCullLate})
     pipelineOf<CullPush>(
-        f, cullPass(f, graph::Stage::Visibility, {.wanted = 0, .asked = kDrawMasked, .culls = culls}, false));
+        f, cullPass(f, graph::Stage::Visibility, {.requiredFlags = 0, .flagMask = kDrawMasked, .culls = culls}, false));
   for (const uint32_t flag : {kDrawMasked, kDrawBlended})
-    pipelineOf<CullPush>(
-        f, cullPass(f, graph::Stage::Visibility, {.wanted = flag, .asked = flag, .culls = kCullByPyramid}, false));
+    pipelineOf<CullPush>(f, cullPass(f, graph::Stage::Visibility,
+                                     {.requiredFlags = flag, .flagMask = flag, .culls = kCullByPyramid}, false));
 }
 
 void bindTextures(const FrameContext& f, ComputePass& pass) {

@@ -49,15 +49,15 @@ struct RasterQueues {
 struct RasterChain {
   graph::Stage stage{};
   vk::ShaderKey::Hit hit = vk::ShaderKey::Hit::Opaque;
-  uint32_t wanted = 0, asked = 0;         // required flags, and the mask of tested flags (kRank*)
-  graph::BufferId lists{};                // of blended surfaces: shared::FragmentLists
-  std::vector<graph::BufferId> filled{};  // the buffers of these lists
-  uint32_t culls = shared::kCullAll;      // culling mode, shared::kCull*
-  graph::BufferId occluded{}, pyramid{};  // inputs of occlusion culling, if `culls` uses it
+  uint32_t requiredFlags = 0, flagMask = 0;  // kDraw*: of the bits in the mask, instances have the required ones only
+  graph::BufferId lists{};                   // of blended surfaces: shared::FragmentLists
+  std::vector<graph::BufferId> filled{};     // the buffers of these lists
+  uint32_t culls = shared::kCullAll;         // culling mode, shared::kCull*
+  graph::BufferId occluded{}, pyramid{};     // inputs of occlusion culling, if `culls` uses it
   std::function<void(const shared::RasterCounters&)> counted{};  // called with the counters after the graph has run
 };
 
-// Renders the instances in `share`. `share` and `ranks` must live until the graph has run.
+// Renders the instances in `share`. `share` must live until the graph has run.
 void addRasterChain(const FrameContext& f, const RasterInstances& rasterInstances, const RasterInstances::Share& share,
                     const RasterViews& views, const RasterQueues& queues, const RasterChain& chain);
 

@@ -40,7 +40,7 @@ struct RasterInstance {
   uint mesh;
   uint firstTriangle;
   uint triangles;
-  uint flags;  // kRank*
+  uint flags;  // kDraw*
 };
 SH_CONST uint kDrawDoubleSided = 1u;
 SH_CONST uint kDrawClockwise = 2u;
