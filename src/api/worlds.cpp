@@ -172,6 +172,13 @@ class InputWriter {
   uint64_t total_ = 0;
 };
 
+// Shaders index arrays with 32 bits.
+void checkIndexable(const char* things, uint64_t numbers) {
+  if (numbers > std::numeric_limits<uint32_t>::max())
+    badUsage("an array that describes {} of worlds must have fewer than 2^32 numbers: render fewer worlds per call",
+             things);
+}
+
 }  // namespace
 
 // Converts one call's worlds.
@@ -315,8 +322,8 @@ void Scene::Impl::WorldConverter::listDeformations(render::Renderer& renderer, v
     if (std::ranges::count(given.meshes, given.meshes.back()) > 1) badUsage("Worlds::meshes lists a mesh twice");
   }
   const size_t joints = from.count * from.joints.size(), vertices = from.count * vertexCount();
-  if (std::max(16 * joints, 3 * vertices) > std::numeric_limits<uint32_t>::max())
-    badUsage("arrays of joints and vertices must have less than 2^32 numbers each: render fewer worlds per call");
+  checkIndexable("joints", 16 * joints);
+  checkIndexable("vertices", 3 * vertices);
   InputWriter writer;
   const auto give = [&](const WorldArray& array, size_t count, uint32_t numbers, render::WorldArray& to) {
     if (!array) return;
@@ -571,6 +578,9 @@ void Scene::Impl::WorldConverter::give(render::Renderer& renderer, std::vector<s
   const WorldArrays& arrays = from.arrays;
   render::WorldInputs& inputs = to.inputs.emplace();
   const size_t instances = from.count * to.instances.size(), views = from.count * cameras.size();
+  checkIndexable("instances", 16 * instances);
+  checkIndexable("cameras", 16 * views);
+  checkIndexable("lights", 3 * from.count * from.lights.size());
   inputs.cameras = std::move(cameras);
   InputWriter writer;
   const auto giveArray = [&](const WorldArray& array, uint64_t bytes, VkDeviceAddress& address) {
@@ -705,13 +715,12 @@ std::vector<uint32_t> worldsOfStatus(std::span<const uint32_t> status) {
     if (bits & shared::kWorldWrongPose)
       badUsage(
           "the camera's pose must be a rotation and a translation, without mirror, shear or scale, over 0 0 0 1, and "
-          "one "
-          "of world {} is not",
+          "one in world {} is not",
           world);
     if (bits & shared::kWorldWrongIntrinsics)
       badUsage(
-          "a camera matrix must have focal lengths above 0, no skew and the last row 0 0 1, and one of world {} has "
-          "not",
+          "a camera matrix must have focal lengths above 0, no skew and the last row 0 0 1, and one in world {} "
+          "does not",
           world);
     if (bits & shared::kWorldWrongRide)
       badUsage("a camera of world {} rides on an instance whose transform mirrors or has an axis of length 0", world);
@@ -727,7 +736,7 @@ std::vector<uint32_t> worldsOfStatus(std::span<const uint32_t> status) {
     if (bits & shared::kWorldWrongLight)
       badUsage("colors and intensities of lights must be at least 0, and one of world {} is not", world);
     if (bits & shared::kWorldWrongDirection)
-      badUsage("the direction of a light must have a length above 0, and one of world {} has not", world);
+      badUsage("the direction of a light must have a length above 0, and one in world {} does not", world);
     if (bits & shared::kWorldWrongEnvironment)
       badUsage("the intensity of the environment must be at least 0, and that of world {} is not", world);
     if (bits & shared::kWorldNotFinite) invalid.push_back(world);
