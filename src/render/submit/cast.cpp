@@ -13,6 +13,7 @@
 #include "render/rays/cast_push.h"
 #include "render/submit/job.h"
 #include "render/submit/renderer.h"
+#include "vk/deletion.h"
 
 namespace latelight::render {
 
@@ -48,10 +49,16 @@ std::vector<HitArray> arraysOf(const CastTargets& t) {
   return arrays;
 }
 
+// Memory that the device reads. Calls that are dropped before they have finished defer its release.
+struct MemoryInUse final : vk::Deletion {
+  explicit MemoryInUse(std::vector<std::shared_ptr<const void>> memory) : memory(std::move(memory)) {}
+  std::vector<std::shared_ptr<const void>> memory;
+};
+
 // Rays in flight. The arrays of their hits follow one another in `hits`.
 struct CastChunk {
   size_t first, count;
-  std::shared_ptr<const vk::Buffer> rays;
+  std::unique_ptr<MemoryInUse> rays;
   graph::BufferId hits;  // readable by the host
   graph::Submission submission;
 
@@ -232,6 +239,14 @@ CastResult Renderer::cast(const CastRays& rays, const Settings& settings, const 
 }
 
 struct CastTicket::Call {
+  explicit Call(vk::Device& device) : device(device) {}
+  ~Call() {
+    for (CastChunk& chunk : inFlight) device.deferDeletion(std::move(chunk.rays));
+  }
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+  vk::Device& device;
   std::vector<HitArray> arrays;
   std::function<void()> beforeStore;
   std::deque<CastChunk> inFlight;
@@ -278,7 +293,7 @@ CastTicket Renderer::submitCast(const CastRays& rays, const CastTargets& targets
                       .flags = flagsOf(scene_, settings, arrays.bytes == sizeof(glm::dvec3)),
                       .arrays = arraysOf(targets),
                       .constants = rayConstants()};
-  auto ticket = std::make_unique<CastTicket::Call>();
+  auto ticket = std::make_unique<CastTicket::Call>(device_);
   ticket->arrays = call.arrays;
   ticket->beforeStore = std::move(beforeStore);
   const size_t most = std::min(kRaysAtOnce, arrays.count);
@@ -293,7 +308,8 @@ CastTicket Renderer::submitCast(const CastRays& rays, const CastTargets& targets
     graph::Graph graph(executor_);
     const graph::BufferId hits = addCast({device_, graph}, call, *staging, count, graph);
     addSceneChanges(graph);
-    ticket->inFlight.push_back({first, count, staging, hits, submit(graph, graph.compile())});
+    auto memory = std::make_unique<MemoryInUse>(std::vector<std::shared_ptr<const void>>{staging});
+    ticket->inFlight.push_back({first, count, std::move(memory), hits, submit(graph, graph.compile())});
   }
   return CastTicket(std::move(ticket));
 }
