@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <cstring>
+#include <utility>
+#include <variant>
 
 #include "api/device_array.h"
 #include "api/renderer.h"
@@ -716,11 +718,12 @@ void Renderer::cast(std::span<const std::array<float, 3>> origins, std::span<con
 
 struct CastTicket::Impl {
   std::shared_ptr<Renderer::Impl> renderer;  // destroyed after the ticket
-  render::CastTicket ticket;
+  std::variant<render::CastTicket, render::WorldCastTicket> ticket;
 
-  static CastTicket submitted(const std::shared_ptr<Renderer::Impl>& renderer, render::CastTicket&& cast) {
+  template <typename Cast>
+  static CastTicket submitted(const std::shared_ptr<Renderer::Impl>& renderer, Cast&& cast) {
     CastTicket ticket;
-    ticket.impl_ = ownedByProcess(new Impl{renderer, std::move(cast)});
+    ticket.impl_ = ownedByProcess(new Impl{renderer, std::forward<Cast>(cast)});
     return ticket;
   }
 };
@@ -731,14 +734,37 @@ CastTicket::CastTicket(CastTicket&&) noexcept = default;
 CastTicket& CastTicket::operator=(CastTicket&&) noexcept = default;
 
 bool CastTicket::done() const {
-  return !impl_ || (usable(impl_->renderer), impl_->ticket.done());
+  if (!impl_) return true;
+  usable(impl_->renderer);
+  return std::visit([](const auto& cast) { return cast.done(); }, impl_->ticket);
 }
 
 void CastTicket::take() {
   if (!impl_) badUsage("these hits have been taken already");
   usable(impl_->renderer);
+  auto* const cast = std::get_if<render::CastTicket>(&impl_->ticket);
+  if (!cast) badUsage("these hits are arrays on the device: take those");
   const std::shared_ptr<Impl> taken = std::move(impl_);
-  taken->ticket.take();
+  cast->take();
+}
+
+std::map<std::string, DeviceArray> CastTicket::takeArrays() {
+  if (!impl_) badUsage("these hits have been taken already");
+  usable(impl_->renderer);
+  auto* const cast = std::get_if<render::WorldCastTicket>(&impl_->ticket);
+  if (!cast) badUsage("these hits are in the arrays of the caller: only rays through worlds have arrays on the device");
+  const std::shared_ptr<Impl> taken = std::move(impl_);
+  render::WorldHits hits = cast->take();
+  warnOfInvalidWorlds(worldsOfStatus(hits.worldStatus), hits.worlds);
+  std::map<std::string, DeviceArray> arrays;
+  for (render::WorldCast::Target& from : hits.arrays) {
+    DeviceArray& array = arrays[std::string(from.array->name)];
+    array.element = from.array->integers ? DeviceArray::Element::Uint32 : DeviceArray::Element::Float32;
+    array.shape = {1, hits.worlds, hits.rays, from.array->channels};
+    array.impl_ = ownedByProcess(
+        new DeviceArray::Impl{.owner = {}, .device = taken->renderer->device, .memory = std::move(from.memory)});
+  }
+  return arrays;
 }
 
 CastTicket Renderer::submitCast(std::span<const std::array<double, 3>> origins,
@@ -817,6 +843,11 @@ VkDeviceAddress addressOf(render::Renderer& renderer, const WorldArray& array, u
 std::map<std::string, DeviceArray> Renderer::cast(const Worlds& worlds, const WorldRays& rays,
                                                   const std::vector<std::string>& outputs, const Options& options,
                                                   const std::map<std::string, DeviceArray>& targets) {
+  return submitCast(worlds, rays, outputs, options, targets).takeArrays();
+}
+
+CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, const std::vector<std::string>& outputs,
+                                const Options& options, const std::map<std::string, DeviceArray>& targets) {
   Impl& impl = usable(impl_);
   checkRays(rays, worlds.count);
   render::WorldCast call{.doubles = rays.origins.element == WorldArray::Element::Float64,
@@ -837,22 +868,11 @@ std::map<std::string, DeviceArray> Renderer::cast(const Worlds& worlds, const Wo
   render::SceneState moment = input.moment;
   if (worlds.arrays.ready > 0 && impl.inputTimeline)
     impl.device->waitFirst(impl.inputTimeline->get(), worlds.arrays.ready);
-  const WorldCameras internal = impl.source.convert(worldsOfRays(worlds), placing, moment, impl.renderer, *impl.device);
-  std::vector<std::shared_ptr<const void>> held;
+  impl.source.convert(worldsOfRays(worlds), placing, moment, impl.renderer, *impl.device);
   const uint64_t bytes = uint64_t{worlds.count} * rays.count * 3 * (call.doubles ? sizeof(double) : sizeof(float));
-  call.origins = addressOf(impl.renderer, rays.origins, bytes, held);
-  call.directions = addressOf(impl.renderer, rays.directions, bytes, held);
-  const std::vector<uint32_t> status = impl.renderer.cast(call, input.settings, moment);
-  warnOfInvalidWorlds(worldsOfStatus(status), worlds.count);
-  std::map<std::string, DeviceArray> arrays;
-  for (render::WorldCast::Target& hits : call.hits) {
-    DeviceArray& array = arrays[std::string(hits.array->name)];
-    array.element = hits.array->integers ? DeviceArray::Element::Uint32 : DeviceArray::Element::Float32;
-    array.shape = {1, worlds.count, rays.count, hits.array->channels};
-    array.impl_ =
-        ownedByProcess(new DeviceArray::Impl{.owner = {}, .device = impl.device, .memory = std::move(hits.memory)});
-  }
-  return arrays;
+  call.origins = addressOf(impl.renderer, rays.origins, bytes, call.memory);
+  call.directions = addressOf(impl.renderer, rays.directions, bytes, call.memory);
+  return CastTicket::Impl::submitted(impl_, impl.renderer.submitCast(std::move(call), input.settings, moment));
 }
 
 }  // namespace latelight

@@ -314,7 +314,46 @@ CastTicket Renderer::submitCast(const CastRays& rays, const CastTargets& targets
   return CastTicket(std::move(ticket));
 }
 
-std::vector<uint32_t> Renderer::cast(WorldCast& cast, const Settings& settings, const SceneState& moment) {
+struct WorldCastTicket::Call {
+  Call(vk::Device& device, WorldCast&& cast, const WorldStates& worlds)
+      : device(device),
+        memory(std::make_unique<MemoryInUse>(std::move(cast.memory))),
+        hits{.worlds = worlds.count, .rays = cast.rays, .arrays = std::move(cast.hits)} {
+    const auto hold = [&](const auto& more) { memory->memory.insert(memory->memory.end(), more.begin(), more.end()); };
+    hold(worlds.deformations.memory);
+    if (worlds.inputs) hold(worlds.inputs->memory);
+  }
+  ~Call() {
+    if (memory) device.deferDeletion(std::move(memory));
+  }
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+  vk::Device& device;
+  std::unique_ptr<MemoryInUse> memory;
+  WorldHits hits;
+  std::shared_ptr<const WorldStatus> status;  // null if the host placed the worlds
+  graph::Submission submission;
+};
+
+WorldCastTicket::WorldCastTicket(std::unique_ptr<Call> call) : call_(std::move(call)) {}
+WorldCastTicket::WorldCastTicket(WorldCastTicket&&) noexcept = default;
+WorldCastTicket& WorldCastTicket::operator=(WorldCastTicket&&) noexcept = default;
+WorldCastTicket::~WorldCastTicket() = default;
+
+bool WorldCastTicket::done() const {
+  return !call_ || call_->submission.done();
+}
+
+WorldHits WorldCastTicket::take() {
+  const std::unique_ptr<Call> call = std::move(call_);
+  call->submission.wait();
+  call->memory.reset();
+  if (call->status) call->hits.worldStatus.assign(call->status->bits().begin(), call->status->bits().end());
+  return std::move(call->hits);
+}
+
+WorldCastTicket Renderer::submitCast(WorldCast cast, const Settings& settings, const SceneState& moment) {
   checkRays(settings, cast.maxDistance);
   const uint64_t count = cast.rays * moment.worlds.count;
   assert(count <= kMaxWorldRays);
@@ -325,7 +364,6 @@ std::vector<uint32_t> Renderer::cast(WorldCast& cast, const Settings& settings, 
       badUsage("the array of {} is too small for the hits of {} rays", hits.array->name, count);
   }
   const shared::FrameConstants constants = prepareRays(settings, moment);
-  if (count == 0) return {};
   graph::Graph graph(executor_);
   shared::CastPush push{.frame = graph.constants(std::as_bytes(std::span(&constants, 1))),
                         .origins = cast.origins,
@@ -336,9 +374,11 @@ std::vector<uint32_t> Renderer::cast(WorldCast& cast, const Settings& settings, 
                         .instanceCount = gpuScene_.instances().count()};
   const std::array<double, 7> numbers = numbersOf(gpuScene_.origin(), settings, cast.maxDistance);
   push.numbers = graph.constants(std::as_bytes(std::span(numbers)));
+  auto call = std::make_unique<WorldCastTicket::Call>(device_, std::move(cast), moment.worlds);
+  if (count == 0) return WorldCastTicket(std::move(call));
   const Builder builder{device_, graph};
   ComputePass pass = castPass(builder, push.count, rayConstants());
-  for (const WorldCast::Target& hits : cast.hits) {
+  for (const WorldCast::Target& hits : call->hits.arrays) {
     const graph::BufferId buffer = graph.import(hits.memory->buffer, std::nullopt);
     pass.buffers.emplace_back(buffer, graph::Use::StorageWrite);
     graph.exports(buffer, graph::Use::HostRead);
@@ -346,10 +386,9 @@ std::vector<uint32_t> Renderer::cast(WorldCast& cast, const Settings& settings, 
   }
   addCompute(builder, std::move(pass), push);
   addSceneChanges(graph);
-  submit(graph, graph.compile()).wait();
-  if (!moment.worlds.inputs) return {};
-  const std::shared_ptr<const WorldStatus> status = worldPlacer_.conversion().status;
-  return {status->bits().begin(), status->bits().end()};
+  if (moment.worlds.inputs) call->status = worldPlacer_.conversion().status;
+  call->submission = submit(graph, graph.compile());
+  return WorldCastTicket(std::move(call));
 }
 
 }  // namespace latelight::render

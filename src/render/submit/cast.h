@@ -118,9 +118,34 @@ struct WorldCast {
   double maxDistance = std::numeric_limits<double>::infinity();  // meters
   struct Target {
     const HitInfo* array;
-    std::shared_ptr<ExportedMemory> memory{};  // of a caller; otherwise cast() takes memory
+    std::shared_ptr<ExportedMemory> memory{};  // of a caller; otherwise submitCast() takes memory
   };
-  std::vector<Target> hits;
+  std::vector<Target> hits{};
+  std::vector<std::shared_ptr<const void>> memory{};  // that holds the origins and the directions
+};
+
+// The hits of rays through worlds.
+struct WorldHits {
+  uint32_t worlds = 0;
+  uint64_t rays = 0;  // per world
+  std::vector<WorldCast::Target> arrays;
+  std::vector<uint32_t> worldStatus;  // kWorld* bits of each world that shaders placed
+};
+
+// Rays through worlds in flight, as returned by Renderer::submitCast().
+class WorldCastTicket {
+ public:
+  struct Call;
+  explicit WorldCastTicket(std::unique_ptr<Call> call);
+  WorldCastTicket(WorldCastTicket&&) noexcept;
+  WorldCastTicket& operator=(WorldCastTicket&&) noexcept;
+  ~WorldCastTicket();
+  bool done() const;  // take() would not wait for the device
+  // Waits for the hits. May be called once, while the device exists.
+  WorldHits take();
+
+ private:
+  std::unique_ptr<Call> call_;
 };
 
 // The inputs of passes that trace rays through the scene.
