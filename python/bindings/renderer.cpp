@@ -384,7 +384,8 @@ constexpr HitArray kHitArrays[] = {{"distance", &CastTargets::distance},
 // The arrays of hits that a call of cast() returns: new ones, or those of `out`.
 class HitArrays {
  public:
-  HitArrays(size_t rays, nb::handle names, nb::handle out) : rays_(rays), out_(out) {
+  // `shape`: of the rays, (R), or (N, R) for worlds.
+  HitArrays(std::vector<size_t> shape, nb::handle names, nb::handle out) : shape_(std::move(shape)), out_(out) {
     if (!out.is_none() && !PyDict_Check(out.ptr())) badType("out must be a dict of arrays, not {}", typeName(out));
     if (!names.is_none() && !out.is_none()) badValue("outputs and out name the same arrays: omit one of them");
     if (names.is_none() && out.is_none())
@@ -409,11 +410,11 @@ class HitArrays {
                array.target);
   }
 
-  // Returns the memory of an array (rays) or (rays, columns).
+  // Returns the memory of an array with a value, or columns, per ray.
   template <typename Value>
   Value* memory(const std::string& name) {
     using Element = std::conditional_t<std::is_same_v<Value, uint32_t>, uint32_t, float>;
-    std::vector<size_t> shape{rays_};
+    std::vector<size_t> shape = shape_;
     if (sizeof(Value) > sizeof(Element)) shape.push_back(sizeof(Value) / sizeof(Element));
     const nb::object array = out_.is_none() ? made<Element>(shape) : given<Element>(name, shape);
     arrays_[name.c_str()] = array;
@@ -432,35 +433,31 @@ class HitArrays {
   template <typename Element>
   nb::object given(const std::string& name, const std::vector<size_t>& shape) {
     const nb::object array = nb::borrow<nb::object>(out_[name.c_str()]);
+    if (isDeviceArray(array)) badValue("out requires on_device=True: its arrays are on the device");
     nb::ndarray<Element, nb::c_contig, nb::device::cpu> view;
     bool fits = nb::try_cast(array, view, false) && view.ndim() == shape.size();
     for (size_t i = 0; fits && i < shape.size(); ++i) fits = view.shape(i) == shape[i];
     if (!fits)
       badValue(
-          "out[\"{}\"] must be a contiguous array of {} with {} rows, as an earlier cast() of as many rays returned it",
-          name, std::is_same_v<Element, float> ? "float32" : "uint32", rays_);
+          "out[\"{}\"] must be a contiguous array of {} of shape ({}), as an earlier call for as many rays returned it",
+          name, std::is_same_v<Element, float> ? "float32" : "uint32", fmt::join(shape, ", "));
     return array;
   }
 
-  size_t rays_;
+  std::vector<size_t> shape_;
   nb::handle out_;
   CastTargets targets_;
   nb::dict arrays_;
 };
 
-// Hits in the device's memory.
-struct PlacedHits {
-  std::vector<size_t> shape;          // (R), or (N, R) for worlds
-  bool onDevice;                      // they stay there
-  std::unique_ptr<GivenWorlds> kept;  // what the call reads until it has finished
-};
-
-// Rays in flight, with what becomes of their hits.
+// Rays in flight, with the arrays that receive their hits, or, if these stay on the device, with their shape.
 class SharedCastTicket {
  public:
-  SharedCastTicket(std::shared_ptr<SharedRenderer> renderer, CastTicket&& ticket,
-                   std::variant<HitArrays, PlacedHits>&& hits)
-      : renderer_(std::move(renderer)), ticket_(std::move(ticket)), hits_(std::move(hits)) {}
+  using Hits = std::variant<HitArrays, std::vector<size_t>>;
+  // `kept`: what the call reads until it has finished.
+  SharedCastTicket(std::shared_ptr<SharedRenderer> renderer, CastTicket&& ticket, Hits&& hits,
+                   std::unique_ptr<GivenWorlds> kept = nullptr)
+      : renderer_(std::move(renderer)), ticket_(std::move(ticket)), hits_(std::move(hits)), kept_(std::move(kept)) {}
   ~SharedCastTicket() {
     try {
       renderer_->use([&](Renderer&) { const CastTicket dropped = std::move(ticket_); });
@@ -472,21 +469,23 @@ class SharedCastTicket {
     return renderer_->use([&](Renderer&) { return ticket_.done(); });
   }
   nb::dict take() {
-    if (HitArrays* const onHost = std::get_if<HitArrays>(&hits_)) {
-      renderer_->use([&](Renderer&) { ticket_.take(); });
-      return onHost->take();
-    }
-    PlacedHits& placed = std::get<PlacedHits>(hits_);
-    std::map<std::string, DeviceArray> arrays = renderer_->use([&](Renderer&) { return ticket_.takeArrays(); });
-    placed.kept.reset();
-    return placed.onDevice ? deviceArrays(std::move(arrays), placed.shape, Axes::Rays)
-                           : hostArrays(arrays, placed.shape, Axes::Rays);
+    std::map<std::string, DeviceArray> arrays;
+    HitArrays* const onHost = std::get_if<HitArrays>(&hits_);
+    renderer_->use([&](Renderer&) {
+      if (onHost)
+        ticket_.take();
+      else
+        arrays = ticket_.takeArrays();
+    });
+    kept_.reset();
+    return onHost ? onHost->take() : deviceArrays(std::move(arrays), std::get<1>(hits_), Axes::Rays);
   }
 
  private:
   std::shared_ptr<SharedRenderer> renderer_;
   CastTicket ticket_;
-  std::variant<HitArrays, PlacedHits> hits_;
+  Hits hits_;
+  std::unique_ptr<GivenWorlds> kept_;
 };
 
 template <typename T>
@@ -496,7 +495,7 @@ std::shared_ptr<SharedCastTicket> submitVectors(const std::shared_ptr<SharedRend
   const auto from = origins.values(), along = directions.values();
   if (from.size() != along.size())
     badValue("origins and directions must have equal lengths, not {} and {}", from.size(), along.size());
-  HitArrays hits(from.size(), outputs, out);
+  HitArrays hits({from.size()}, outputs, out);
   try {
     CastTicket ticket = renderer->use(
         [&](Renderer& renderer) { return renderer.submitCast(from, along, hits.targets(), options, limit); });
@@ -533,25 +532,33 @@ std::shared_ptr<SharedCastTicket> submitArrays(const std::shared_ptr<SharedRende
                                                nb::handle origins, nb::handle directions, double limit,
                                                nb::handle outputs, nb::handle out, bool perWorld, nb::dict& optional) {
   const bool onDevice = boolOf(optional.attr("pop")("on_device", false), "on_device");
-  const std::map<std::string, DeviceArray> targets = targetsOf(out);
-  if (!targets.empty() && !onDevice) badValue("out requires on_device=True");
   WorldCall call = worldCall(renderer, count, nb::cast(Camera{}), optional);
   const bool tensors = isTensor(origins) || isTensor(directions);
   readRays(*call.given, origins, directions, perWorld, tensors ? readerOf(*renderer, call) : 0);
   WorldRays& rays = call.given->rays;
   rays.maxDistance = limit;
-  const std::vector<std::string> names = hitNames(outputs, targets);
   const Options options = optionsOf(nb::none(), nb::make_tuple("rgba"), optional);
   std::vector<size_t> shape{rays.count};
   if (perWorld) shape.insert(shape.begin(), call.given->worlds.count);
-  try {
-    CastTicket ticket = renderer->use(
-        [&](Renderer& r) { return r.submitCast(completed(call, *renderer, r), rays, names, options, targets); });
-    return std::make_shared<SharedCastTicket>(renderer, std::move(ticket),
-                                              PlacedHits{std::move(shape), onDevice, std::move(call.given)});
-  } catch (const Error& error) {
-    throw inPython(error);
+  const auto submit = [&](SharedCastTicket::Hits&& hits, const auto& work) {
+    try {
+      CastTicket ticket = renderer->use([&](Renderer& r) { return work(r, completed(call, *renderer, r)); });
+      return std::make_shared<SharedCastTicket>(renderer, std::move(ticket), std::move(hits), std::move(call.given));
+    } catch (const Error& error) {
+      throw inPython(error);
+    }
+  };
+  if (onDevice) {
+    const std::map<std::string, DeviceArray> targets = targetsOf(out);
+    const std::vector<std::string> names = hitNames(outputs, targets);
+    return submit(std::move(shape), [&](Renderer& r, const Worlds& worlds) {
+      return r.submitCast(worlds, rays, names, options, targets);
+    });
   }
+  HitArrays hits(std::move(shape), outputs, out);
+  const CastTargets targets = hits.targets();
+  return submit(std::move(hits),
+                [&](Renderer& r, const Worlds& worlds) { return r.submitCast(worlds, rays, targets, options); });
 }
 
 std::shared_ptr<SharedCastTicket> submitCastWorlds(const std::shared_ptr<SharedRenderer>& renderer, nb::handle count,
@@ -726,6 +733,7 @@ std::string signatureOf(const char* name, const char* cameras, const char* onDev
 }
 
 constexpr const char* kMany = "collections.abc.Sequence[Camera]";
+constexpr const char* kHitsOut = "dict[str, numpy.typing.NDArray[typing.Any]] | dict[str, DeviceArray] | None";
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 void defineRender(nb::class_<SharedRenderer>& type) {
@@ -797,10 +805,9 @@ void defineRays(nb::class_<SharedRenderer>& type) {
   const auto signature = [](const char* name, const char* result) {
     return fmt::format(
         "def {}(self, origins: numpy.typing.ArrayLike, directions: numpy.typing.ArrayLike, max_distance: float = "
-        "float(\"inf\"), outputs: str | collections.abc.Sequence[str] | None = None, out: dict[str, "
-        "numpy.typing.NDArray[typing.Any]] | dict[str, DeviceArray] | None = None, *, on_device: bool = False, stream: "
-        "typing.Any | None = None{}) -> {}",
-        name, optionParameters(), result);
+        "float(\"inf\"), outputs: str | collections.abc.Sequence[str] | None = None, out: {} = None, *, on_device: "
+        "bool = False, stream: typing.Any | None = None{}) -> {}",
+        name, kHitsOut, optionParameters(), result);
   };
   const std::string now = signature("cast", "dict[str, typing.Any]"), later = signature("submit_cast", "CastTicket");
   type.def("cast", &cast, argument("origins"), argument("directions"), nb::arg("max_distance") = kUnlimited,
@@ -826,9 +833,9 @@ void defineWorldRays(nb::class_<SharedRenderer>& type) {
   const auto signature = [](const char* name, const char* result) {
     return fmt::format(
         "def {}(self, count: int, origins: typing.Any, directions: typing.Any, max_distance: float = float(\"inf\"), "
-        "outputs: str | collections.abc.Sequence[str] | None = None, out: dict[str, DeviceArray] | None = None, *{}, "
-        "on_device: bool = False, stream: typing.Any | None = None{}) -> {}",
-        name, worldParameters(), optionParameters({"environment_rotation", "environment_intensity"}), result);
+        "outputs: str | collections.abc.Sequence[str] | None = None, out: {} = None, *{}, on_device: bool = False, "
+        "stream: typing.Any | None = None{}) -> {}",
+        name, kHitsOut, worldParameters(), optionParameters({"environment_rotation", "environment_intensity"}), result);
   };
   const std::string now = signature("cast_worlds", "dict[str, typing.Any]");
   const std::string later = signature("submit_cast_worlds", "CastTicket");

@@ -719,12 +719,19 @@ void Renderer::cast(std::span<const std::array<float, 3>> origins, std::span<con
 struct CastTicket::Impl {
   std::shared_ptr<Renderer::Impl> renderer;  // destroyed after the ticket
   std::variant<render::CastTicket, render::WorldCastTicket> ticket;
+  bool onDevice;  // the hits are arrays
 
   template <typename Cast>
-  static CastTicket submitted(const std::shared_ptr<Renderer::Impl>& renderer, Cast&& cast) {
+  static CastTicket submitted(const std::shared_ptr<Renderer::Impl>& renderer, Cast&& cast, bool onDevice = false) {
     CastTicket ticket;
-    ticket.impl_ = ownedByProcess(new Impl{renderer, std::forward<Cast>(cast)});
+    ticket.impl_ = ownedByProcess(new Impl{renderer, std::forward<Cast>(cast), onDevice});
     return ticket;
+  }
+  // Waits for rays through worlds.
+  render::WorldHits worldHits() {
+    render::WorldHits hits = std::get<render::WorldCastTicket>(ticket).take();
+    warnOfInvalidWorlds(worldsOfStatus(hits.worldStatus), hits.worlds);
+    return hits;
   }
 };
 
@@ -742,20 +749,20 @@ bool CastTicket::done() const {
 void CastTicket::take() {
   if (!impl_) badUsage("these hits have been taken already");
   usable(impl_->renderer);
-  auto* const cast = std::get_if<render::CastTicket>(&impl_->ticket);
-  if (!cast) badUsage("these hits are arrays on the device: take those");
+  if (impl_->onDevice) badUsage("these hits are arrays on the device: take those");
   const std::shared_ptr<Impl> taken = std::move(impl_);
-  cast->take();
+  if (auto* const cast = std::get_if<render::CastTicket>(&taken->ticket))
+    cast->take();
+  else
+    taken->worldHits();
 }
 
 std::map<std::string, DeviceArray> CastTicket::takeArrays() {
   if (!impl_) badUsage("these hits have been taken already");
   usable(impl_->renderer);
-  auto* const cast = std::get_if<render::WorldCastTicket>(&impl_->ticket);
-  if (!cast) badUsage("these hits are in the arrays of the caller: only rays through worlds have arrays on the device");
+  if (!impl_->onDevice) badUsage("these hits are no arrays on the device: take() stores them in those of the call");
   const std::shared_ptr<Impl> taken = std::move(impl_);
-  render::WorldHits hits = cast->take();
-  warnOfInvalidWorlds(worldsOfStatus(hits.worldStatus), hits.worlds);
+  render::WorldHits hits = taken->worldHits();
   std::map<std::string, DeviceArray> arrays;
   for (render::WorldCast::Target& from : hits.arrays) {
     DeviceArray& array = arrays[std::string(from.array->name)];
@@ -846,33 +853,66 @@ std::map<std::string, DeviceArray> Renderer::cast(const Worlds& worlds, const Wo
   return submitCast(worlds, rays, outputs, options, targets).takeArrays();
 }
 
+render::WorldCastTicket Renderer::Impl::submitCast(const Worlds& worlds, const WorldRays& rays,
+                                                   std::vector<render::WorldCast::Target>&& hits,
+                                                   const Options& options) {
+  render::WorldCast call{.doubles = rays.origins.element == WorldArray::Element::Float64,
+                         .rays = rays.count,
+                         .maxDistance = rays.maxDistance,
+                         .hits = std::move(hits)};
+  const RayInput input = rayInput(options);
+  const render::Settings placing = settingsFor(*device, optionsOfRays(options), scene);
+  render::SceneState moment = input.moment;
+  if (worlds.arrays.ready > 0 && inputTimeline) device->waitFirst(inputTimeline->get(), worlds.arrays.ready);
+  source.convert(worldsOfRays(worlds), placing, moment, renderer, *device);
+  const uint64_t bytes = uint64_t{worlds.count} * rays.count * 3 * (call.doubles ? sizeof(double) : sizeof(float));
+  call.origins = addressOf(renderer, rays.origins, bytes, call.memory);
+  call.directions = addressOf(renderer, rays.directions, bytes, call.memory);
+  return renderer.submitCast(std::move(call), input.settings, moment);
+}
+
 CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, const std::vector<std::string>& outputs,
                                 const Options& options, const std::map<std::string, DeviceArray>& targets) {
   Impl& impl = usable(impl_);
   checkRays(rays, worlds.count);
-  render::WorldCast call{.doubles = rays.origins.element == WorldArray::Element::Float64,
-                         .rays = rays.count,
-                         .maxDistance = rays.maxDistance};
+  std::vector<render::WorldCast::Target> hits;
   for (const std::string& name : outputs) {
     const auto found = std::ranges::find(render::hitInfos(), name, &render::HitInfo::name);
     if (found == render::hitInfos().end()) badUsage("rays have no output \"{}\"", printable(name));
-    render::WorldCast::Target& hits = call.hits.emplace_back(&*found);
+    std::shared_ptr<render::ExportedMemory>& memory = hits.emplace_back(&*found).memory;
     const auto target = targets.find(name);
     if (target == targets.end()) continue;
     if (!target->second.impl_) badUsage("the array to store {} in is empty", name);
-    hits.memory = target->second.impl_->memory;
-    if (worlds.arrays.ready == 0 && hits.memory->beforeReuse) hits.memory->beforeReuse();
+    memory = target->second.impl_->memory;
+    if (worlds.arrays.ready == 0 && memory->beforeReuse) memory->beforeReuse();
   }
-  const auto input = impl.rayInput(options);
-  const render::Settings placing = settingsFor(*impl.device, optionsOfRays(options), impl.scene);
-  render::SceneState moment = input.moment;
-  if (worlds.arrays.ready > 0 && impl.inputTimeline)
-    impl.device->waitFirst(impl.inputTimeline->get(), worlds.arrays.ready);
-  impl.source.convert(worldsOfRays(worlds), placing, moment, impl.renderer, *impl.device);
-  const uint64_t bytes = uint64_t{worlds.count} * rays.count * 3 * (call.doubles ? sizeof(double) : sizeof(float));
-  call.origins = addressOf(impl.renderer, rays.origins, bytes, call.memory);
-  call.directions = addressOf(impl.renderer, rays.directions, bytes, call.memory);
-  return CastTicket::Impl::submitted(impl_, impl.renderer.submitCast(std::move(call), input.settings, moment));
+  return CastTicket::Impl::submitted(impl_, impl.submitCast(worlds, rays, std::move(hits), options), true);
+}
+
+void Renderer::cast(const Worlds& worlds, const WorldRays& rays, const CastTargets& targets, const Options& options) {
+  submitCast(worlds, rays, targets, options).take();
+}
+
+CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, const CastTargets& t,
+                                const Options& options) {
+  Impl& impl = usable(impl_);
+  checkRays(rays, worlds.count);
+  const std::pair<std::string_view, void*> arrays[] = {{"distance", t.distance},
+                                                       {"position", t.position},
+                                                       {"normal", t.normal},
+                                                       {"geonormal", t.geonormal},
+                                                       {"uv", t.uv},
+                                                       {"id", t.id},
+                                                       {"part", t.part},
+                                                       {"material", t.material},
+                                                       {"triangle", t.triangle},
+                                                       {"intensity", t.intensity}};
+  std::vector<render::WorldCast::Target> hits;
+  for (const auto& [name, array] : arrays)
+    if (array)
+      hits.push_back(
+          {&*std::ranges::find(render::hitInfos(), name, &render::HitInfo::name), static_cast<std::byte*>(array)});
+  return CastTicket::Impl::submitted(impl_, impl.submitCast(worlds, rays, std::move(hits), options));
 }
 
 }  // namespace latelight

@@ -8,6 +8,7 @@ none.
 usage: world_rays.py SCENE
 """
 
+import itertools
 import sys
 import time
 
@@ -183,14 +184,15 @@ def check_order(name):
 
 
 def measure_overlap(name, runs=60):
-    """The next call is submitted before the one before is taken, with other memory for its hits."""
+    """Calls one by one, and calls of which the next is submitted before the one before is taken."""
     scene = latelight.Scene(name)
     renderer = latelight.Renderer(scene, device="cuda:0")
     calls = []
     for seed in range(2):
         arrays, origins, directions, instances = given(scene, seed)
         calls.append(({key: on_gpu(value) for key, value in arrays.items()}, on_gpu(origins), on_gpu(directions)))
-    for outputs in ("distance", ("distance", "position", "normal", "id")):
+    every = ("distance", "position", "normal", "id")
+    for outputs, on_device, at_once in itertools.product(("distance", every), (True, False), (1, 2)):
         outs, tickets = [None, None], []
         for run in range(runs + 10):
             if run == 10:
@@ -198,14 +200,18 @@ def measure_overlap(name, runs=60):
                 start = time.perf_counter()
             arrays, origins, directions = calls[run % 2]
             out = outs[run % 2]
-            tickets.append(renderer.submit_cast_worlds(WORLDS, origins, directions, instances=instances, on_device=True,
-                                                       stream=torch.cuda.current_stream(), **arrays,
-                                                       **({"out": out} if out else {"outputs": outputs})))
-            if len(tickets) == 2:
-                outs[(run - 1) % 2] = tickets.pop(0).take()
-        tickets.pop().take()
-        print(f"submit_cast_worlds, {WORLDS} x {RAYS} rays, {len(instances)} instances, {outputs}, two in flight: "
-              f"{1000 * (time.perf_counter() - start) / runs:.2f} ms a call, updates included")
+            ticket = renderer.submit_cast_worlds(
+                WORLDS, origins, directions, instances=instances, on_device=on_device,
+                stream=torch.cuda.current_stream(), **arrays, **({"out": out} if out else {"outputs": outputs}))
+            tickets.append((run, ticket))
+            if len(tickets) == at_once:
+                first, ticket = tickets.pop(0)
+                outs[first % 2] = ticket.take()
+        for _, ticket in tickets:
+            ticket.take()
+        print(f"submit_cast_worlds, {WORLDS} x {RAYS} rays, {len(instances)} instances, {outputs}, hits on the "
+              f"{'device' if on_device else 'host'}, {at_once} in flight: "
+              f"{1000 * (time.perf_counter() - start) / runs:.2f} ms a call, updates included", flush=True)
 
 
 def measure(name):

@@ -442,6 +442,25 @@ def test_calls_in_flight_may_differ_in_everything(scene, device):
     assert renderer.validation_messages() == []
 
 
+def test_tickets_of_rays_store_hits_in_arrays_of_the_caller(scene, worlds_renderer):
+    origins, directions, arrays = moved_rays(scene, 5)
+    outs = [worlds_renderer.cast_worlds(3, origins, directions, outputs=("id", "position"), **arrays) for _ in range(2)]
+    calls = [moved_rays(scene, seed) for seed in (6, 7)]
+    expected = [worlds_renderer.cast_worlds(3, *rays, outputs=("id", "position"), **given) for *rays, given in calls]
+    tickets = [worlds_renderer.submit_cast_worlds(3, *rays, out=out, **given)
+               for out, (*rays, given) in zip(outs, calls)]
+    for out, ticket, hits in reversed([*zip(outs, tickets, expected)]):
+        taken = ticket.take()
+        for name, array in hits.items():
+            assert taken[name] is out[name] and array.tobytes() == out[name].tobytes()
+    for wrong in (np.zeros((3, 399), np.uint32), np.zeros((400, 3), np.uint32), np.zeros((3, 400), np.int64)):
+        with pytest.raises(latelight.UsageError, match=r"contiguous array of uint32 of shape \(3, 400\)"):
+            worlds_renderer.submit_cast_worlds(3, origins, directions, out={"id": wrong}, **arrays)
+    placed = worlds_renderer.cast_worlds(3, origins, directions, outputs="id", on_device=True, **arrays)
+    with pytest.raises(latelight.UsageError, match="out requires on_device=True"):
+        worlds_renderer.cast_worlds(3, origins, directions, out=placed, **arrays)
+
+
 def test_tickets_of_rays_store_hits_in_out(scene, worlds_renderer):
     origins, directions, arrays = moved_rays(scene, 5)
     outs = [worlds_renderer.cast_worlds(3, origins, directions, outputs=("id", "distance"), on_device=True, **arrays)

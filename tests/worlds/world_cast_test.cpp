@@ -279,6 +279,36 @@ TEST(WorldCast, TicketsStoreHitsInGivenArrays) {
   expectHeight(other, 1);
 }
 
+// Arrays of the caller have the bytes of those on the device, and nothing is stored before the ticket is taken.
+TEST(WorldCast, StoresHitsInArraysOfTheCaller) {
+  const BoxScene made;
+  Renderer renderer(made.scene, testDevice());
+  RaysAtHeights rays(made.box);
+  constexpr size_t kCount = 2 * RaysAtHeights::kRays;
+  const auto placedHits = renderer.cast(rays.at(1), rays.get(), {"distance", "uv", "id", "normal"});
+  std::vector<float> distance(kCount, -1), again(kCount, -1);
+  std::vector<std::array<float, 2>> uv(kCount);
+  std::vector<std::array<float, 3>> normal(kCount);
+  std::vector<uint32_t> id(kCount);
+  const CastTargets targets{.distance = distance.data(), .normal = normal.data(), .uv = uv.data(), .id = id.data()};
+  CastTicket ticket = renderer.submitCast(rays.at(1), rays.get(), targets);
+  renderer.cast(rays.at(2), rays.get(), CastTargets{.distance = again.data()});
+  for (size_t i = 0; i < kCount; ++i) {
+    ASSERT_EQ(distance[i], -1);
+    ASSERT_FLOAT_EQ(again[i], 7 - static_cast<float>(i / RaysAtHeights::kRays));
+  }
+  ticket.take();
+  EXPECT_EQ(distance, valuesIn<float>(placedHits.at("distance")));
+  EXPECT_EQ(id, valuesIn<uint32_t>(placedHits.at("id")));
+  const auto uvs = valuesIn<float>(placedHits.at("uv")), normals = valuesIn<float>(placedHits.at("normal"));
+  EXPECT_EQ(std::memcmp(uv.data(), uvs.data(), uvs.size() * sizeof(float)), 0);
+  EXPECT_EQ(std::memcmp(normal.data(), normals.data(), normals.size() * sizeof(float)), 0);
+  EXPECT_EQ(normal.front(), (std::array<float, 3>{0, 0, 1}));
+  renderer.cast(rays.at(0), WorldRays{numbersIn(rays.origins), numbersIn(rays.directions), 0}, targets);
+  renderer.cast(rays.at(0), rays.get(), CastTargets{});
+  EXPECT_THAT(renderer.validationMessages(), testing::IsEmpty());
+}
+
 TEST(WorldCast, TicketsOutliveTheirRenderer) {
   const BoxScene made;
   std::optional<Renderer> renderer(std::in_place, made.scene, testDevice());
@@ -356,13 +386,17 @@ TEST(WorldCast, TicketsReportErrorsInOneSentence) {
   const std::vector<std::array<double, 3>> origin{{0, 0, 10}}, direction{{0, 0, -1}};
   float distance = 0;
   CastTicket own = renderer.submitCast(origin, direction, CastTargets{.distance = &distance});
-  EXPECT_THAT(sentenceOf([&] { own.takeArrays(); }), HasSubstr("these hits are in the arrays of the caller"));
+  EXPECT_THAT(sentenceOf([&] { own.takeArrays(); }), HasSubstr("these hits are no arrays on the device"));
   own.take();
   EXPECT_FLOAT_EQ(distance, 9);
   Worlds wrong = rays.at(0);
   rays.transforms[15 + 16] = 2;
   CastTicket invalid = renderer.submitCast(wrong, rays.get());
   EXPECT_THAT(sentenceOf([&] { invalid.takeArrays(); }), HasSubstr("the last row 0 0 0 1, and one of world 1"));
+  std::vector<float> distances(2 * RaysAtHeights::kRays);
+  CastTicket stored = renderer.submitCast(wrong, rays.get(), CastTargets{.distance = distances.data()});
+  EXPECT_THAT(sentenceOf([&] { stored.takeArrays(); }), HasSubstr("these hits are no arrays on the device"));
+  EXPECT_THAT(sentenceOf([&] { stored.take(); }), HasSubstr("the last row 0 0 0 1, and one of world 1"));
   const auto few = renderer.cast(rays.at(0), WorldRays{numbersIn(rays.origins), numbersIn(rays.directions), 5});
   EXPECT_THAT(sentenceOf([&] { renderer.submitCast(rays.at(0), rays.get(), {"distance"}, {}, few); }),
               HasSubstr("the array of distance is too small for the hits of 2000 rays"));

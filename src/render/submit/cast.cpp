@@ -314,6 +314,39 @@ CastTicket Renderer::submitCast(const CastRays& rays, const CastTargets& targets
   return CastTicket(std::move(ticket));
 }
 
+namespace {
+
+uint64_t bytesOf(const WorldCast::Target& hits, uint64_t count) {
+  return count * hits.array->channels * sizeof(float);
+}
+
+// Adds the pass that casts the rays of all worlds, with its constants except the addresses of hits. Returns the buffers
+// that the host reads, in the order of their targets.
+std::vector<graph::BufferId> addWorldCast(const Builder& b, ComputePass pass, const shared::CastPush& push,
+                                          std::span<const WorldCast::Target> targets) {
+  std::vector<std::pair<uint64_t shared::CastPush::*, graph::BufferId>> arrays;
+  std::vector<graph::BufferId> needed;
+  for (const WorldCast::Target& hits : targets) {
+    const graph::BufferId buffer =
+        hits.host ? createResult(b, std::string(hits.array->name), bytesOf(hits, push.count), 1).buffer
+                  : b.graph.import(hits.memory->buffer, std::nullopt);
+    if (hits.host)
+      needed.push_back(buffer);
+    else
+      b.graph.exports(buffer, graph::Use::HostRead);
+    pass.buffers.emplace_back(buffer, graph::Use::StorageWrite);
+    arrays.emplace_back(hits.array->address, buffer);
+  }
+  addCompute(b, std::move(pass), [push, arrays = std::move(arrays)](graph::Context& context) {
+    shared::CastPush complete = push;
+    for (const auto& [address, buffer] : arrays) complete.*address = context.buffer(buffer).address();
+    return complete;
+  });
+  return addReadback(b, needed);
+}
+
+}  // namespace
+
 struct WorldCastTicket::Call {
   Call(vk::Device& device, WorldCast&& cast, const WorldStates& worlds)
       : device(device),
@@ -333,7 +366,19 @@ struct WorldCastTicket::Call {
   std::unique_ptr<MemoryInUse> memory;
   WorldHits hits;
   std::shared_ptr<const WorldStatus> status;  // null if the host placed the worlds
+  std::vector<graph::BufferId> onHost;        // hits for the host, in the order of their targets
   graph::Submission submission;
+
+  void store() const {
+    std::vector<MemoryCopy> copies;
+    auto from = onHost.begin();
+    for (const WorldCast::Target& target : hits.arrays) {
+      if (!target.host || onHost.empty()) continue;
+      copies.push_back(
+          {target.host, submission.buffer(*from++).as<std::byte>(), bytesOf(target, hits.rays * hits.worlds)});
+    }
+    copyInParallel(copies);
+  }
 };
 
 WorldCastTicket::WorldCastTicket(std::unique_ptr<Call> call) : call_(std::move(call)) {}
@@ -349,6 +394,7 @@ WorldHits WorldCastTicket::take() {
   const std::unique_ptr<Call> call = std::move(call_);
   call->submission.wait();
   call->memory.reset();
+  call->store();
   if (call->status) call->hits.worldStatus.assign(call->status->bits().begin(), call->status->bits().end());
   return std::move(call->hits);
 }
@@ -358,7 +404,8 @@ WorldCastTicket Renderer::submitCast(WorldCast cast, const Settings& settings, c
   const uint64_t count = cast.rays * moment.worlds.count;
   assert(count <= kMaxWorldRays);
   for (WorldCast::Target& hits : cast.hits) {
-    const uint64_t bytes = std::max<uint64_t>(count, 1) * hits.array->channels * sizeof(float);
+    if (hits.host) continue;
+    const uint64_t bytes = bytesOf(hits, std::max<uint64_t>(count, 1));
     if (!hits.memory) hits.memory = exports_->take(device_, bytes);
     if (hits.memory->buffer.size() < bytes)
       badUsage("the array of {} is too small for the hits of {} rays", hits.array->name, count);
@@ -377,14 +424,7 @@ WorldCastTicket Renderer::submitCast(WorldCast cast, const Settings& settings, c
   auto call = std::make_unique<WorldCastTicket::Call>(device_, std::move(cast), moment.worlds);
   if (count == 0) return WorldCastTicket(std::move(call));
   const Builder builder{device_, graph};
-  ComputePass pass = castPass(builder, push.count, rayConstants());
-  for (const WorldCast::Target& hits : call->hits.arrays) {
-    const graph::BufferId buffer = graph.import(hits.memory->buffer, std::nullopt);
-    pass.buffers.emplace_back(buffer, graph::Use::StorageWrite);
-    graph.exports(buffer, graph::Use::HostRead);
-    push.*hits.array->address = hits.memory->buffer.address();
-  }
-  addCompute(builder, std::move(pass), push);
+  call->onHost = addWorldCast(builder, castPass(builder, push.count, rayConstants()), push, call->hits.arrays);
   addSceneChanges(graph);
   if (moment.worlds.inputs) call->status = worldPlacer_.conversion().status;
   call->submission = submit(graph, graph.compile());

@@ -76,7 +76,7 @@ class Renderer {
                         const SceneState& moment = {}, std::function<void()> beforeStore = {});
 
   // Casts the rays of all worlds of `moment`, of which there is at least one, and returns while the device casts them.
-  // The hits stay in memory of the device. The ticket holds all memory that the device reads, until it has finished.
+  // The ticket holds all memory that the device reads, until it has finished.
   WorldCastTicket submitCast(WorldCast cast, const Settings& settings, const SceneState& moment);
 
   // Runs passes that trace rays through the scene (glsl/rays.glsl), and waits for them.
