@@ -857,6 +857,7 @@ class LATELIGHT_API DeviceArray {
 
  private:
   friend class Ticket;
+  friend class CastTicket;
   friend class Renderer;
   friend struct DeviceArrayMemory;
   struct Impl;
@@ -906,8 +907,11 @@ class LATELIGHT_API CastTicket {
   CastTicket& operator=(CastTicket&&) noexcept;
 
   bool done() const;  // true if take() would not wait for the device
-  // Waits until the targets of the call hold all hits. A second call throws Error(Usage).
+  // Waits until the targets of the call hold all hits. A second call throws Error(Usage), and so does a ticket of hits
+  // that stay on the device. Error(Usage) is also thrown if a matrix of worlds is no transform.
   void take();
+  // The counterpart of take() for hits that stay on the device: waits and returns each array of hits by its name.
+  std::map<std::string, DeviceArray> takeArrays();
 
  private:
   friend class Renderer;
@@ -1007,6 +1011,20 @@ class LATELIGHT_API Renderer {
                                           const std::vector<std::string>& outputs = {"distance"},
                                           const Options& options = {},
                                           const std::map<std::string, DeviceArray>& targets = {});
+  // The same with arrays of the caller, one value per ray, world by world.
+  void cast(const Worlds& worlds, const WorldRays& rays, const CastTargets& targets, const Options& options = {});
+  // Submits the rays and returns while the device casts them: CastTicket::takeArrays() returns the arrays of cast().
+  // Arrays in the host's memory are copied. The call holds the device's memory that it reads until it has finished.
+  // Hits are those of the scene at submission. The arrays of `targets` may change until the ticket is taken. Up to
+  // three calls are in flight; a further one waits for the first. Calls for rays also wait for pictures of the raster
+  // compute in flight.
+  CastTicket submitCast(const Worlds& worlds, const WorldRays& rays,
+                        const std::vector<std::string>& outputs = {"distance"}, const Options& options = {},
+                        const std::map<std::string, DeviceArray>& targets = {});
+  // The same with arrays of the caller, which must exist until the ticket is taken or dropped, and hold the hits after
+  // CastTicket::take().
+  CastTicket submitCast(const Worlds& worlds, const WorldRays& rays, const CastTargets& targets,
+                        const Options& options = {});
 
   // Scans the scene once. `poses` are worldFromSensor, rigid and in the frame of Options::axes: one, or one per firing.
   // Options::time and animation select the scene's pose when the scan begins.

@@ -98,18 +98,22 @@ nb::dict deviceArrays(std::map<std::string, DeviceArray>&& arrays, const std::ve
   return all;
 }
 
-nb::dict hostArrays(const std::map<std::string, DeviceArray>& arrays, const std::vector<size_t>& views, Axes axes) {
+nb::dict hostArrays(const std::map<std::string, DeviceArray>& arrays, const std::vector<size_t>& views) {
   const nb::object empty = nb::module_::import_("numpy").attr("empty");
   nb::dict all;
   for (const auto& [name, array] : arrays) {
     nb::list shape;
-    for (const size_t length : shapeOf(array, views, axes)) shape.append(length);
+    for (const size_t length : shapeOf(array, views, Axes::Images)) shape.append(length);
     const nb::object copy = empty(nb::tuple(shape), infoOf(array.element).name);
     const auto bytes = nb::cast<nb::ndarray<nb::c_contig, nb::device::cpu>>(copy);
     array.copyToHost({static_cast<std::byte*>(bytes.data()), bytes.nbytes()});
     all[name.c_str()] = copy;
   }
   return all;
+}
+
+bool isDeviceArray(nb::handle value) {
+  return nb::isinstance<PlacedArray>(value);
 }
 
 std::map<std::string, DeviceArray> targetsOf(nb::handle value) {

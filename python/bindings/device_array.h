@@ -16,9 +16,9 @@ enum class Axes { Images, Rays };  // after those of the views: rows and columns
 // worlds.
 nanobind::dict deviceArrays(std::map<std::string, DeviceArray>&& arrays, const std::vector<size_t>& views,
                             Axes axes = Axes::Images);
-// Returns copies of the arrays as NumPy's.
-nanobind::dict hostArrays(const std::map<std::string, DeviceArray>& arrays, const std::vector<size_t>& views,
-                          Axes axes = Axes::Images);
+// Returns copies of images as NumPy's arrays.
+nanobind::dict hostArrays(const std::map<std::string, DeviceArray>& arrays, const std::vector<size_t>& views);
+bool isDeviceArray(nanobind::handle value);
 // The arrays of `out`: None, or what a call with on_device returned.
 std::map<std::string, DeviceArray> targetsOf(nanobind::handle value);
 

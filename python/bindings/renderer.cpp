@@ -384,7 +384,8 @@ constexpr HitArray kHitArrays[] = {{"distance", &CastTargets::distance},
 // The arrays of hits that a call of cast() returns: new ones, or those of `out`.
 class HitArrays {
  public:
-  HitArrays(size_t rays, nb::handle names, nb::handle out) : rays_(rays), out_(out) {
+  // `shape`: of the rays, (R), or (N, R) for worlds.
+  HitArrays(std::vector<size_t> shape, nb::handle names, nb::handle out) : shape_(std::move(shape)), out_(out) {
     if (!out.is_none() && !PyDict_Check(out.ptr())) badType("out must be a dict of arrays, not {}", typeName(out));
     if (!names.is_none() && !out.is_none()) badValue("outputs and out name the same arrays: omit one of them");
     if (names.is_none() && out.is_none())
@@ -409,11 +410,11 @@ class HitArrays {
                array.target);
   }
 
-  // Returns the memory of an array (rays) or (rays, columns).
+  // Returns the memory of an array with a value, or columns, per ray.
   template <typename Value>
   Value* memory(const std::string& name) {
     using Element = std::conditional_t<std::is_same_v<Value, uint32_t>, uint32_t, float>;
-    std::vector<size_t> shape{rays_};
+    std::vector<size_t> shape = shape_;
     if (sizeof(Value) > sizeof(Element)) shape.push_back(sizeof(Value) / sizeof(Element));
     const nb::object array = out_.is_none() ? made<Element>(shape) : given<Element>(name, shape);
     arrays_[name.c_str()] = array;
@@ -432,27 +433,31 @@ class HitArrays {
   template <typename Element>
   nb::object given(const std::string& name, const std::vector<size_t>& shape) {
     const nb::object array = nb::borrow<nb::object>(out_[name.c_str()]);
+    if (isDeviceArray(array)) badValue("out requires on_device=True: its arrays are on the device");
     nb::ndarray<Element, nb::c_contig, nb::device::cpu> view;
     bool fits = nb::try_cast(array, view, false) && view.ndim() == shape.size();
     for (size_t i = 0; fits && i < shape.size(); ++i) fits = view.shape(i) == shape[i];
     if (!fits)
       badValue(
-          "out[\"{}\"] must be a contiguous array of {} with {} rows, as an earlier cast() of as many rays returned it",
-          name, std::is_same_v<Element, float> ? "float32" : "uint32", rays_);
+          "out[\"{}\"] must be a contiguous array of {} of shape ({}), as an earlier call for as many rays returned it",
+          name, std::is_same_v<Element, float> ? "float32" : "uint32", fmt::join(shape, ", "));
     return array;
   }
 
-  size_t rays_;
+  std::vector<size_t> shape_;
   nb::handle out_;
   CastTargets targets_;
   nb::dict arrays_;
 };
 
-// Rays in flight, with the arrays that receive their hits.
+// Rays in flight, with the arrays that receive their hits, or, if these stay on the device, with their shape.
 class SharedCastTicket {
  public:
-  SharedCastTicket(std::shared_ptr<SharedRenderer> renderer, CastTicket&& ticket, HitArrays&& hits)
-      : renderer_(std::move(renderer)), ticket_(std::move(ticket)), hits_(std::move(hits)) {}
+  using Hits = std::variant<HitArrays, std::vector<size_t>>;
+  // `kept`: what the call reads until it has finished.
+  SharedCastTicket(std::shared_ptr<SharedRenderer> renderer, CastTicket&& ticket, Hits&& hits,
+                   std::unique_ptr<GivenWorlds> kept = nullptr)
+      : renderer_(std::move(renderer)), ticket_(std::move(ticket)), hits_(std::move(hits)), kept_(std::move(kept)) {}
   ~SharedCastTicket() {
     try {
       renderer_->use([&](Renderer&) { const CastTicket dropped = std::move(ticket_); });
@@ -464,14 +469,23 @@ class SharedCastTicket {
     return renderer_->use([&](Renderer&) { return ticket_.done(); });
   }
   nb::dict take() {
-    renderer_->use([&](Renderer&) { ticket_.take(); });
-    return hits_.take();
+    std::map<std::string, DeviceArray> arrays;
+    HitArrays* const onHost = std::get_if<HitArrays>(&hits_);
+    renderer_->use([&](Renderer&) {
+      if (onHost)
+        ticket_.take();
+      else
+        arrays = ticket_.takeArrays();
+    });
+    kept_.reset();
+    return onHost ? onHost->take() : deviceArrays(std::move(arrays), std::get<1>(hits_), Axes::Rays);
   }
 
  private:
   std::shared_ptr<SharedRenderer> renderer_;
   CastTicket ticket_;
-  HitArrays hits_;
+  Hits hits_;
+  std::unique_ptr<GivenWorlds> kept_;
 };
 
 template <typename T>
@@ -481,7 +495,7 @@ std::shared_ptr<SharedCastTicket> submitVectors(const std::shared_ptr<SharedRend
   const auto from = origins.values(), along = directions.values();
   if (from.size() != along.size())
     badValue("origins and directions must have equal lengths, not {} and {}", from.size(), along.size());
-  HitArrays hits(from.size(), outputs, out);
+  HitArrays hits({from.size()}, outputs, out);
   try {
     CastTicket ticket = renderer->use(
         [&](Renderer& renderer) { return renderer.submitCast(from, along, hits.targets(), options, limit); });
@@ -493,21 +507,13 @@ std::shared_ptr<SharedCastTicket> submitVectors(const std::shared_ptr<SharedRend
 
 std::shared_ptr<SharedCastTicket> submitRays(const std::shared_ptr<SharedRenderer>& renderer, nb::handle origins,
                                              nb::handle directions, double limit, nb::handle outputs, nb::handle out,
-                                             const nb::kwargs& keywords) {
+                                             const nb::dict& keywords) {
   const Options options = optionsOf(nb::none(), nb::make_tuple("rgba"), keywords);
   if (isFloat32(origins) && isFloat32(directions))
     return submitVectors<float>(renderer, {origins, "origins"}, {directions, "directions"}, limit, outputs, out,
                                 options);
   return submitVectors<double>(renderer, {origins, "origins"}, {directions, "directions"}, limit, outputs, out,
                                options);
-}
-
-std::shared_ptr<SharedCastTicket> submitCast(const std::shared_ptr<SharedRenderer>& renderer, nb::handle origins,
-                                             nb::handle directions, nb::handle maxDistance, nb::handle outputs,
-                                             nb::handle out, const nb::kwargs& keywords) {
-  if (isTensor(origins) || isTensor(directions))
-    badType("submit_cast() reads arrays in the host's memory: pass those in CUDA's memory to cast()");
-  return submitRays(renderer, origins, directions, numberOf(maxDistance, "max_distance"), outputs, out, keywords);
 }
 
 // The names of the arrays of hits to return: `outputs`, those of `out`, or all.
@@ -521,49 +527,73 @@ std::vector<std::string> hitNames(nb::handle outputs, const std::map<std::string
   return names;
 }
 
-// Casts rays from arrays that may be in CUDA's memory, through worlds or, with one world, through the scene.
-nb::dict castArrays(const std::shared_ptr<SharedRenderer>& renderer, nb::handle count, nb::handle origins,
-                    nb::handle directions, double limit, nb::handle outputs, nb::handle out, bool perWorld,
-                    nb::dict& optional) {
+// Submits rays from arrays that may be in CUDA's memory, through worlds or, with one world, through the scene.
+std::shared_ptr<SharedCastTicket> submitArrays(const std::shared_ptr<SharedRenderer>& renderer, nb::handle count,
+                                               nb::handle origins, nb::handle directions, double limit,
+                                               nb::handle outputs, nb::handle out, bool perWorld, nb::dict& optional) {
   const bool onDevice = boolOf(optional.attr("pop")("on_device", false), "on_device");
-  const std::map<std::string, DeviceArray> targets = targetsOf(out);
-  if (!targets.empty() && !onDevice) badValue("out requires on_device=True");
   WorldCall call = worldCall(renderer, count, nb::cast(Camera{}), optional);
   const bool tensors = isTensor(origins) || isTensor(directions);
   readRays(*call.given, origins, directions, perWorld, tensors ? readerOf(*renderer, call) : 0);
   WorldRays& rays = call.given->rays;
   rays.maxDistance = limit;
-  const std::vector<std::string> names = hitNames(outputs, targets);
   const Options options = optionsOf(nb::none(), nb::make_tuple("rgba"), optional);
   std::vector<size_t> shape{rays.count};
   if (perWorld) shape.insert(shape.begin(), call.given->worlds.count);
-  try {
-    std::map<std::string, DeviceArray> arrays = renderer->use(
-        [&](Renderer& r) { return r.cast(completed(call, *renderer, r), rays, names, options, targets); });
-    return onDevice ? deviceArrays(std::move(arrays), shape, Axes::Rays) : hostArrays(arrays, shape, Axes::Rays);
-  } catch (const Error& error) {
-    throw inPython(error);
+  const auto submit = [&](SharedCastTicket::Hits&& hits, const auto& work) {
+    try {
+      CastTicket ticket = renderer->use([&](Renderer& r) { return work(r, completed(call, *renderer, r)); });
+      return std::make_shared<SharedCastTicket>(renderer, std::move(ticket), std::move(hits), std::move(call.given));
+    } catch (const Error& error) {
+      throw inPython(error);
+    }
+  };
+  if (onDevice) {
+    const std::map<std::string, DeviceArray> targets = targetsOf(out);
+    const std::vector<std::string> names = hitNames(outputs, targets);
+    return submit(std::move(shape), [&](Renderer& r, const Worlds& worlds) {
+      return r.submitCast(worlds, rays, names, options, targets);
+    });
   }
+  HitArrays hits(std::move(shape), outputs, out);
+  const CastTargets targets = hits.targets();
+  return submit(std::move(hits),
+                [&](Renderer& r, const Worlds& worlds) { return r.submitCast(worlds, rays, targets, options); });
+}
+
+std::shared_ptr<SharedCastTicket> submitCastWorlds(const std::shared_ptr<SharedRenderer>& renderer, nb::handle count,
+                                                   nb::handle origins, nb::handle directions, nb::handle maxDistance,
+                                                   nb::handle outputs, nb::handle out, const nb::kwargs& keywords) {
+  nb::dict optional;
+  optional.update(keywords);
+  return submitArrays(renderer, count, origins, directions, numberOf(maxDistance, "max_distance"), outputs, out, true,
+                      optional);
 }
 
 nb::dict castWorlds(const std::shared_ptr<SharedRenderer>& renderer, nb::handle count, nb::handle origins,
                     nb::handle directions, nb::handle maxDistance, nb::handle outputs, nb::handle out,
                     const nb::kwargs& keywords) {
+  return submitCastWorlds(renderer, count, origins, directions, maxDistance, outputs, out, keywords)->take();
+}
+
+// Rays and hits that are both in the host's memory require no worlds.
+std::shared_ptr<SharedCastTicket> submitCast(const std::shared_ptr<SharedRenderer>& renderer, nb::handle origins,
+                                             nb::handle directions, nb::handle maxDistance, nb::handle outputs,
+                                             nb::handle out, const nb::kwargs& keywords) {
+  const double limit = numberOf(maxDistance, "max_distance");
   nb::dict optional;
   optional.update(keywords);
-  return castArrays(renderer, count, origins, directions, numberOf(maxDistance, "max_distance"), outputs, out, true,
-                    optional);
+  const bool onDevice = boolOf(optional.attr("get")("on_device", false), "on_device");
+  const bool ordered = !nb::object(optional.attr("get")("stream")).is_none();
+  if (isTensor(origins) || isTensor(directions) || onDevice || ordered)
+    return submitArrays(renderer, nb::int_(1), origins, directions, limit, outputs, out, false, optional);
+  for (const char* name : {"on_device", "stream"}) optional.attr("pop")(name, nb::none());
+  return submitRays(renderer, origins, directions, limit, outputs, out, optional);
 }
 
 nb::dict cast(const std::shared_ptr<SharedRenderer>& renderer, nb::handle origins, nb::handle directions,
               nb::handle maxDistance, nb::handle outputs, nb::handle out, const nb::kwargs& keywords) {
-  const double limit = numberOf(maxDistance, "max_distance");
-  if (isTensor(origins) || isTensor(directions) || keywords.contains("on_device")) {
-    nb::dict optional;
-    optional.update(keywords);
-    return castArrays(renderer, nb::int_(1), origins, directions, limit, outputs, out, false, optional);
-  }
-  return submitRays(renderer, origins, directions, limit, outputs, out, keywords)->take();
+  return submitCast(renderer, origins, directions, maxDistance, outputs, out, keywords)->take();
 }
 
 // Calls `work` with the renderer and the options of a picture without outputs.
@@ -703,6 +733,8 @@ std::string signatureOf(const char* name, const char* cameras, const char* onDev
 }
 
 constexpr const char* kMany = "collections.abc.Sequence[Camera]";
+constexpr const char* kHitsOut = "dict[str, numpy.typing.NDArray[typing.Any]] | dict[str, DeviceArray] | None";
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 void defineRender(nb::class_<SharedRenderer>& type) {
   const std::string docs =
@@ -769,23 +801,60 @@ void defineWorlds(nb::class_<SharedRenderer>& type) {
            argument("outputs") = outputs, nb::arg("options"), nb::sig(later.c_str()), submitted.c_str());
 }
 
+void defineRays(nb::class_<SharedRenderer>& type) {
+  const auto signature = [](const char* name, const char* result) {
+    return fmt::format(
+        "def {}(self, origins: numpy.typing.ArrayLike, directions: numpy.typing.ArrayLike, max_distance: float = "
+        "float(\"inf\"), outputs: str | collections.abc.Sequence[str] | None = None, out: {} = None, *, on_device: "
+        "bool = False, stream: typing.Any | None = None{}) -> {}",
+        name, kHitsOut, optionParameters(), result);
+  };
+  const std::string now = signature("cast", "dict[str, typing.Any]"), later = signature("submit_cast", "CastTicket");
+  type.def("cast", &cast, argument("origins"), argument("directions"), nb::arg("max_distance") = kUnlimited,
+           argument("outputs") = nb::none(), argument("out") = nb::none(), nb::arg("options"), nb::sig(now.c_str()),
+           "Casts rays through the scene. origins and directions are arrays (N, 3) in the frame of axes; directions "
+           "may have\nany length.\n\nReturns arrays of N values by name: distance (meters; infinite for a ray that "
+           "hits nothing), position, normal,\ngeonormal, uv, id, part and material as the outputs of these names, "
+           "triangle, the index in the part's mesh, and\nintensity, from 0 to 1: the reflectance at normal incidence "
+           "times the cosine of the angle of incidence.\noutputs: the names of those to return; None: all. out: "
+           "arrays that an earlier call for as many rays returned; they\nreceive the values and are returned. origins "
+           "and directions may be in CUDA's memory (torch, JAX, CuPy, Warp).\non_device: leave the hits in the "
+           "device's memory, as DeviceArray; stream: as for render_worlds().\nThe options time, animation, "
+           "data_surfaces, axes and position_origin apply.");
+  type.def("submit_cast", &submitCast, argument("origins"), argument("directions"),
+           nb::arg("max_distance") = kUnlimited, argument("outputs") = nb::none(), argument("out") = nb::none(),
+           nb::arg("options"), nb::sig(later.c_str()),
+           "The same as cast(), and returns a CastTicket while the device casts the rays, which are copied. Meanwhile, "
+           "the scene may\nbe edited, and more rays and frames submitted. The arrays of out may change until the "
+           "ticket is taken.");
+}
+
 void defineWorldRays(nb::class_<SharedRenderer>& type) {
-  const std::string signature =
-      "def cast_worlds(self, count: int, origins: typing.Any, directions: typing.Any, max_distance: float = "
-      "float(\"inf\"), outputs: str | collections.abc.Sequence[str] | None = None, out: dict[str, DeviceArray] | None "
-      "= None, *" +
-      worldParameters() + ", on_device: bool = False, stream: typing.Any | None = None" +
-      optionParameters({"environment_rotation", "environment_intensity"}) + ") -> dict[str, typing.Any]";
+  const auto signature = [](const char* name, const char* result) {
+    return fmt::format(
+        "def {}(self, count: int, origins: typing.Any, directions: typing.Any, max_distance: float = float(\"inf\"), "
+        "outputs: str | collections.abc.Sequence[str] | None = None, out: {} = None, *{}, on_device: bool = False, "
+        "stream: typing.Any | None = None{}) -> {}",
+        name, kHitsOut, worldParameters(), optionParameters({"environment_rotation", "environment_intensity"}), result);
+  };
+  const std::string now = signature("cast_worlds", "dict[str, typing.Any]");
+  const std::string later = signature("submit_cast_worlds", "CastTicket");
   type.def(
       "cast_worlds", &castWorlds, argument("count"), argument("origins"), argument("directions"),
-      nb::arg("max_distance") = std::numeric_limits<double>::infinity(), argument("outputs") = nb::none(),
-      argument("out") = nb::none(), nb::arg("options"), nb::sig(signature.c_str()),
+      nb::arg("max_distance") = kUnlimited, argument("outputs") = nb::none(), argument("out") = nb::none(),
+      nb::arg("options"), nb::sig(now.c_str()),
       "Casts rays through N worlds, as cast() does through the scene. origins and directions are arrays (N, R, 3), in "
       "NumPy's\nor CUDA's memory, both of the same type; hits are arrays (N, R) or (N, R, 3), and (N, R, 2) for uv. "
       "The "
       "other arguments are\nthose of cast() and render_worlds(); cameras, lights and environments have no effect. A "
       "ray "
       "of a world with values that\nare not finite hits nothing.");
+  type.def("submit_cast_worlds", &submitCastWorlds, argument("count"), argument("origins"), argument("directions"),
+           nb::arg("max_distance") = kUnlimited, argument("outputs") = nb::none(), argument("out") = nb::none(),
+           nb::arg("options"), nb::sig(later.c_str()),
+           "The same as cast_worlds(), and returns a CastTicket while the device casts the rays. Meanwhile, the scene "
+           "may be edited,\nand more rays and frames submitted. The arrays of out may change until the ticket is "
+           "taken.");
 }
 
 void defineLabels(nb::class_<SharedRenderer>& type) {
@@ -864,10 +933,10 @@ void bindRenderer(nb::module_& module) {
            "the "
            "way\nis raised here.");
   nb::class_<SharedCastTicket>(module, "CastTicket", nb::is_weak_referenceable(),
-                               "Rays in flight: what Renderer.submit_cast() returns.")
+                               "Rays in flight, as returned by Renderer.submit_cast() and submit_cast_worlds().")
       .def_prop_ro("done", &SharedCastTicket::done, "take() would not wait for the device")
-      .def("take", &SharedCastTicket::take, nb::sig("def take(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
-           "Waits for the hits and returns them, once, as cast() does.");
+      .def("take", &SharedCastTicket::take, nb::sig("def take(self) -> dict[str, typing.Any]"),
+           "Waits for the hits and returns them, once, as cast() and cast_worlds() do.");
   nb::class_<SharedRenderer> type(
       module, "Renderer", nb::is_weak_referenceable(),
       "One scene on one device; keeps its pipelines and buffers from one call to the next.\n\n"
@@ -904,40 +973,7 @@ void bindRenderer(nb::module_& module) {
   type.def("pick", &pick, argument("camera"), argument("pixels"), argument("size") = nb::make_tuple(1280, 720),
            nb::arg("options"), nb::sig(signature.c_str()),
            "What pixels (N, 2), x and y from the upper left, of such a picture show, in their order. Lights nothing.");
-  const std::string castSignature =
-      "def cast(self, origins: numpy.typing.ArrayLike, directions: numpy.typing.ArrayLike, "
-      "max_distance: float = float(\"inf\"), outputs: str | collections.abc.Sequence[str] | None = None, "
-      "out: dict[str, numpy.typing.NDArray[typing.Any]] | dict[str, DeviceArray] | None = None, *, on_device: bool = "
-      "False, stream: typing.Any | None = None" +
-      optionParameters() + ") -> dict[str, typing.Any]";
-  type.def(
-      "cast", &cast, argument("origins"), argument("directions"),
-      nb::arg("max_distance") = std::numeric_limits<double>::infinity(), argument("outputs") = nb::none(),
-      argument("out") = nb::none(), nb::arg("options"), nb::sig(castSignature.c_str()),
-      "Casts rays through the scene. origins and directions are arrays (N, 3) in the frame of axes; directions may "
-      "have\nany length.\n\nReturns arrays of N values by name: distance (meters; infinite for a ray that hits "
-      "nothing), position, normal,\ngeonormal, uv, id, part and material as the outputs of these names, "
-      "triangle, the index in the part's mesh, and\nintensity, from 0 to 1: the reflectance at normal incidence times "
-      "the cosine of the angle of incidence.\noutputs: the names of those to return; None: all. out: arrays that an "
-      "earlier "
-      "call for as many rays returned; they\nreceive the values and are returned. origins and directions may be in "
-      "CUDA's memory (torch, JAX, CuPy, Warp).\non_device: leave the hits in the device's memory, as DeviceArray; "
-      "stream: as for render_worlds().\nThe options time, animation, "
-      "data_surfaces, axes and "
-      "position_origin apply.");
-  const std::string submitCastSignature =
-      "def submit_cast(self, origins: numpy.typing.ArrayLike, directions: numpy.typing.ArrayLike, "
-      "max_distance: float = float(\"inf\"), outputs: str | collections.abc.Sequence[str] | None = None, "
-      "out: dict[str, numpy.typing.NDArray[typing.Any]] | None = None, *" +
-      optionParameters() + ") -> CastTicket";
-  type.def(
-      "submit_cast", &submitCast, argument("origins"), argument("directions"),
-      nb::arg("max_distance") = std::numeric_limits<double>::infinity(), argument("outputs") = nb::none(),
-      argument("out") = nb::none(), nb::arg("options"), nb::sig(submitCastSignature.c_str()),
-      "Copies rays in the host's memory, submits them, and returns a CastTicket while the device casts them. "
-      "Meanwhile, "
-      "the\nscene may be edited, and more rays and frames submitted. The arguments are those of cast(). The arrays of "
-      "out may\nchange until the ticket is taken.");
+  defineRays(type);
   const std::string scanSignature =
       "def scan_lidar(renderer: Renderer, pattern: latelight.lidar.Pattern, poses: numpy.typing.ArrayLike, samples: "
       "int, "

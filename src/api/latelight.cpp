@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <cstring>
+#include <utility>
+#include <variant>
 
 #include "api/device_array.h"
 #include "api/renderer.h"
@@ -716,12 +718,20 @@ void Renderer::cast(std::span<const std::array<float, 3>> origins, std::span<con
 
 struct CastTicket::Impl {
   std::shared_ptr<Renderer::Impl> renderer;  // destroyed after the ticket
-  render::CastTicket ticket;
+  std::variant<render::CastTicket, render::WorldCastTicket> ticket;
+  bool onDevice;  // the hits are arrays
 
-  static CastTicket submitted(const std::shared_ptr<Renderer::Impl>& renderer, render::CastTicket&& cast) {
+  template <typename Cast>
+  static CastTicket submitted(const std::shared_ptr<Renderer::Impl>& renderer, Cast&& cast, bool onDevice = false) {
     CastTicket ticket;
-    ticket.impl_ = ownedByProcess(new Impl{renderer, std::move(cast)});
+    ticket.impl_ = ownedByProcess(new Impl{renderer, std::forward<Cast>(cast), onDevice});
     return ticket;
+  }
+  // Waits for rays through worlds.
+  render::WorldHits worldHits() {
+    render::WorldHits hits = std::get<render::WorldCastTicket>(ticket).take();
+    warnOfInvalidWorlds(worldsOfStatus(hits.worldStatus), hits.worlds);
+    return hits;
   }
 };
 
@@ -731,14 +741,37 @@ CastTicket::CastTicket(CastTicket&&) noexcept = default;
 CastTicket& CastTicket::operator=(CastTicket&&) noexcept = default;
 
 bool CastTicket::done() const {
-  return !impl_ || (usable(impl_->renderer), impl_->ticket.done());
+  if (!impl_) return true;
+  usable(impl_->renderer);
+  return std::visit([](const auto& cast) { return cast.done(); }, impl_->ticket);
 }
 
 void CastTicket::take() {
   if (!impl_) badUsage("these hits have been taken already");
   usable(impl_->renderer);
+  if (impl_->onDevice) badUsage("these hits are arrays on the device: take those");
   const std::shared_ptr<Impl> taken = std::move(impl_);
-  taken->ticket.take();
+  if (auto* const cast = std::get_if<render::CastTicket>(&taken->ticket))
+    cast->take();
+  else
+    taken->worldHits();
+}
+
+std::map<std::string, DeviceArray> CastTicket::takeArrays() {
+  if (!impl_) badUsage("these hits have been taken already");
+  usable(impl_->renderer);
+  if (!impl_->onDevice) badUsage("these hits are no arrays on the device: take() stores them in those of the call");
+  const std::shared_ptr<Impl> taken = std::move(impl_);
+  render::WorldHits hits = taken->worldHits();
+  std::map<std::string, DeviceArray> arrays;
+  for (render::WorldCast::Target& from : hits.arrays) {
+    DeviceArray& array = arrays[std::string(from.array->name)];
+    array.element = from.array->integers ? DeviceArray::Element::Uint32 : DeviceArray::Element::Float32;
+    array.shape = {1, hits.worlds, hits.rays, from.array->channels};
+    array.impl_ = ownedByProcess(
+        new DeviceArray::Impl{.owner = {}, .device = taken->renderer->device, .memory = std::move(from.memory)});
+  }
+  return arrays;
 }
 
 CastTicket Renderer::submitCast(std::span<const std::array<double, 3>> origins,
@@ -817,42 +850,69 @@ VkDeviceAddress addressOf(render::Renderer& renderer, const WorldArray& array, u
 std::map<std::string, DeviceArray> Renderer::cast(const Worlds& worlds, const WorldRays& rays,
                                                   const std::vector<std::string>& outputs, const Options& options,
                                                   const std::map<std::string, DeviceArray>& targets) {
-  Impl& impl = usable(impl_);
-  checkRays(rays, worlds.count);
+  return submitCast(worlds, rays, outputs, options, targets).takeArrays();
+}
+
+render::WorldCastTicket Renderer::Impl::submitCast(const Worlds& worlds, const WorldRays& rays,
+                                                   std::vector<render::WorldCast::Target>&& hits,
+                                                   const Options& options) {
   render::WorldCast call{.doubles = rays.origins.element == WorldArray::Element::Float64,
                          .rays = rays.count,
-                         .maxDistance = rays.maxDistance};
+                         .maxDistance = rays.maxDistance,
+                         .hits = std::move(hits)};
+  const RayInput input = rayInput(options);
+  const render::Settings placing = settingsFor(*device, optionsOfRays(options), scene);
+  render::SceneState moment = input.moment;
+  if (worlds.arrays.ready > 0 && inputTimeline) device->waitFirst(inputTimeline->get(), worlds.arrays.ready);
+  source.convert(worldsOfRays(worlds), placing, moment, renderer, *device);
+  const uint64_t bytes = uint64_t{worlds.count} * rays.count * 3 * (call.doubles ? sizeof(double) : sizeof(float));
+  call.origins = addressOf(renderer, rays.origins, bytes, call.memory);
+  call.directions = addressOf(renderer, rays.directions, bytes, call.memory);
+  return renderer.submitCast(std::move(call), input.settings, moment);
+}
+
+CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, const std::vector<std::string>& outputs,
+                                const Options& options, const std::map<std::string, DeviceArray>& targets) {
+  Impl& impl = usable(impl_);
+  checkRays(rays, worlds.count);
+  std::vector<render::WorldCast::Target> hits;
   for (const std::string& name : outputs) {
     const auto found = std::ranges::find(render::hitInfos(), name, &render::HitInfo::name);
     if (found == render::hitInfos().end()) badUsage("rays have no output \"{}\"", printable(name));
-    render::WorldCast::Target& hits = call.hits.emplace_back(&*found);
+    std::shared_ptr<render::ExportedMemory>& memory = hits.emplace_back(&*found).memory;
     const auto target = targets.find(name);
     if (target == targets.end()) continue;
     if (!target->second.impl_) badUsage("the array to store {} in is empty", name);
-    hits.memory = target->second.impl_->memory;
-    if (worlds.arrays.ready == 0 && hits.memory->beforeReuse) hits.memory->beforeReuse();
+    memory = target->second.impl_->memory;
+    if (worlds.arrays.ready == 0 && memory->beforeReuse) memory->beforeReuse();
   }
-  const auto input = impl.rayInput(options);
-  const render::Settings placing = settingsFor(*impl.device, optionsOfRays(options), impl.scene);
-  render::SceneState moment = input.moment;
-  if (worlds.arrays.ready > 0 && impl.inputTimeline)
-    impl.device->waitFirst(impl.inputTimeline->get(), worlds.arrays.ready);
-  const WorldCameras internal = impl.source.convert(worldsOfRays(worlds), placing, moment, impl.renderer, *impl.device);
-  std::vector<std::shared_ptr<const void>> held;
-  const uint64_t bytes = uint64_t{worlds.count} * rays.count * 3 * (call.doubles ? sizeof(double) : sizeof(float));
-  call.origins = addressOf(impl.renderer, rays.origins, bytes, held);
-  call.directions = addressOf(impl.renderer, rays.directions, bytes, held);
-  const std::vector<uint32_t> status = impl.renderer.cast(call, input.settings, moment);
-  warnOfInvalidWorlds(worldsOfStatus(status), worlds.count);
-  std::map<std::string, DeviceArray> arrays;
-  for (render::WorldCast::Target& hits : call.hits) {
-    DeviceArray& array = arrays[std::string(hits.array->name)];
-    array.element = hits.array->integers ? DeviceArray::Element::Uint32 : DeviceArray::Element::Float32;
-    array.shape = {1, worlds.count, rays.count, hits.array->channels};
-    array.impl_ =
-        ownedByProcess(new DeviceArray::Impl{.owner = {}, .device = impl.device, .memory = std::move(hits.memory)});
-  }
-  return arrays;
+  return CastTicket::Impl::submitted(impl_, impl.submitCast(worlds, rays, std::move(hits), options), true);
+}
+
+void Renderer::cast(const Worlds& worlds, const WorldRays& rays, const CastTargets& targets, const Options& options) {
+  submitCast(worlds, rays, targets, options).take();
+}
+
+CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, const CastTargets& t,
+                                const Options& options) {
+  Impl& impl = usable(impl_);
+  checkRays(rays, worlds.count);
+  const std::pair<std::string_view, void*> arrays[] = {{"distance", t.distance},
+                                                       {"position", t.position},
+                                                       {"normal", t.normal},
+                                                       {"geonormal", t.geonormal},
+                                                       {"uv", t.uv},
+                                                       {"id", t.id},
+                                                       {"part", t.part},
+                                                       {"material", t.material},
+                                                       {"triangle", t.triangle},
+                                                       {"intensity", t.intensity}};
+  std::vector<render::WorldCast::Target> hits;
+  for (const auto& [name, array] : arrays)
+    if (array)
+      hits.push_back(
+          {&*std::ranges::find(render::hitInfos(), name, &render::HitInfo::name), static_cast<std::byte*>(array)});
+  return CastTicket::Impl::submitted(impl_, impl.submitCast(worlds, rays, std::move(hits), options));
 }
 
 }  // namespace latelight

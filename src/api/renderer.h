@@ -46,6 +46,8 @@ struct Renderer::Impl {
   };
   // Fails in any process other than the one that created the renderer.
   RayInput rayInput(const Options& options) const;
+  render::WorldCastTicket submitCast(const Worlds& worlds, const WorldRays& rays,
+                                     std::vector<render::WorldCast::Target>&& hits, const Options& options);
   // Returns the environments of these names.
   std::vector<const scene::Environment*> environmentsOf(const std::vector<std::string>& names);
   // Fails in any process other than the one that created the renderer.

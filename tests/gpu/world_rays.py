@@ -1,12 +1,14 @@
 """Rays through worlds from arrays of torch in CUDA's memory.
 
-Checks that hits are those of the same rays from the host, that distances to a moved box have their closed form, and
-that images with rays from tensors are those from arrays of the host. Then measures steady calls. Requires an NVIDIA
-GPU. Not part of the test suite, which has none.
+Checks that hits are those of the same rays from the host, that distances to a moved box have their closed form, that
+images with rays from tensors are those from arrays of the host, and that calls in flight have the hits of the same
+calls one after the other. Then measures steady calls. Requires an NVIDIA GPU. Not part of the test suite, which has
+none.
 
 usage: world_rays.py SCENE
 """
 
+import itertools
 import sys
 import time
 
@@ -80,6 +82,138 @@ def compare(name):
     print(f"images with rays: {count} worlds, the same bytes from tensors and from the host")
 
 
+def bytes_of(hits):
+    """The arrays of NumPy, or of the device, as NumPy's integers."""
+    host = {key: value if isinstance(value, np.ndarray) else torch.from_dlpack(value).cpu().numpy()
+            for key, value in hits.items()}
+    return {key: np.ascontiguousarray(value).view(np.uint32) for key, value in host.items()}
+
+
+def assert_same(hits, expected):
+    hits = bytes_of(hits)
+    assert hits.keys() == expected.keys()
+    for key, value in expected.items():
+        assert np.array_equal(hits[key], value), key
+
+
+def check_tickets(name, count=5):
+    """Calls in flight, with hits on the device and on the host, taken in another order; one more is dropped.
+
+    Tensors are overwritten as soon as a call returns: its copies precede that on the caller's stream. Images are in
+    flight between the calls of the second turn.
+    """
+    scene = latelight.Scene(name)
+    renderer = latelight.Renderer(scene, device="cuda:0")
+    stream, camera = torch.cuda.current_stream(), scene.default_camera()
+    calls = [given(scene, seed) for seed in range(10, 10 + count)]
+    expected, flat, images = [], [], []
+    for arrays, origins, directions, instances in calls:
+        expected.append(bytes_of(renderer.cast_worlds(WORLDS, origins, directions, instances=instances, **arrays)))
+        flat.append(bytes_of(renderer.cast(on_gpu(origins[0]), on_gpu(directions[0]))))
+        images.append(renderer.render_worlds(64, camera, (64, 64), "id", instances=instances, shadows="none",
+                                             **{key: value[:64] for key, value in arrays.items()})["id"])
+    order = [*range(1, count, 2), *range(0, count, 2)]
+    for on_device in (True, False):
+        options = {"on_device": on_device, "stream": stream}
+        worlds, scenes, frames, before = [], [], [], renderer.copied_bytes
+        for arrays, origins, directions, instances in [*calls, calls[0]]:
+            tensors = {key: on_gpu(value) for key, value in arrays.items()}
+            rays = on_gpu(origins), on_gpu(directions)
+            own = rays[0][0].clone(), rays[1][0].clone()
+            worlds.append(renderer.submit_cast_worlds(WORLDS, *rays, instances=instances, **tensors, **options))
+            scenes.append(renderer.submit_cast(*own, **options))
+            some = {key: value[:64].clone() for key, value in tensors.items()}
+            if not on_device:
+                frames.append(renderer.submit_worlds(64, camera, (64, 64), "id", instances=instances, shadows="none",
+                                                     stream=stream, **some))
+            for tensor in (*rays, *own, *tensors.values(), *some.values()):
+                tensor.fill_(float("nan") if tensor.is_floating_point() else 0)
+            del tensors, rays, own, some, tensor
+        copied = renderer.copied_bytes - before
+        for tickets in (worlds, scenes, *([] if on_device else [frames])):
+            tickets.pop()
+        for index in order:
+            assert_same(worlds[index].take(), expected[index])
+            assert_same(scenes[index].take(), flat[index])
+            if not on_device:
+                assert np.array_equal(frames[index].take()["id"], images[index]), index
+        print(f"tickets, hits on the {'device' if on_device else 'host'}: {count} calls through worlds and {count} "
+              f"through the scene equal those one after the other; {copied} bytes were copied on the device")
+    outs = [renderer.cast_worlds(WORLDS, calls[0][1], calls[0][2], outputs=("distance", "id"), on_device=True)
+            for _ in range(2)]
+    for first in range(count - 1):
+        tickets = []
+        for out, (arrays, origins, directions, instances) in zip(outs, calls[first:first + 2]):
+            tensors = {key: on_gpu(value) for key, value in arrays.items()}
+            tickets.append(renderer.submit_cast_worlds(WORLDS, on_gpu(origins), on_gpu(directions), instances=instances,
+                                                       out=out, on_device=True, **tensors))
+        for index in (1, 0):
+            tickets[index].take()
+            assert_same(outs[index], {key: expected[first + index][key] for key in ("distance", "id")})
+    print("tickets, out: two calls in flight store their hits in the arrays of earlier calls")
+
+
+def check_order(name):
+    """A call follows the work of the caller's stream, which is still running when the call returns."""
+    scene = latelight.Scene(name)
+    renderer = latelight.Renderer(scene, device="cuda:0")
+    arrays, origins, directions, instances = given(scene, 3)
+    expected = bytes_of(renderer.cast_worlds(WORLDS, origins, directions, instances=instances, **arrays))
+    flat = bytes_of(renderer.cast(on_gpu(origins[0]), on_gpu(directions[0])))
+    source, target = on_gpu(origins), torch.empty(origins.shape, device="cuda")
+    tensors, along = {key: on_gpu(value) for key, value in arrays.items()}, on_gpu(directions)
+    busy = torch.randn(8192, 8192, device="cuda")
+    for stream in (None, torch.cuda.Stream()):
+        for through_worlds in (True, False):
+            target.fill_(float("nan"))
+            torch.cuda.synchronize()
+            with torch.cuda.stream(stream or torch.cuda.current_stream()):
+                for _ in range(40):
+                    busy = (busy @ busy).clamp(-1, 1)
+                target.copy_(source)
+                start = time.perf_counter()
+                if through_worlds:
+                    ticket = renderer.submit_cast_worlds(WORLDS, target, along, instances=instances, stream=stream,
+                                                         **tensors)
+                else:
+                    ticket = renderer.submit_cast(target[0], along[0], stream=stream)
+                submitted = time.perf_counter() - start
+                assert_same(ticket.take(), expected if through_worlds else flat)
+            kind = "submit_cast_worlds" if through_worlds else "submit_cast"
+            print(f"{kind} that follows {time.perf_counter() - start:.3f} s of work returned in {submitted:.4f} s")
+
+
+def measure_overlap(name, runs=60):
+    """Calls one by one, and calls of which the next is submitted before the one before is taken."""
+    scene = latelight.Scene(name)
+    renderer = latelight.Renderer(scene, device="cuda:0")
+    calls = []
+    for seed in range(2):
+        arrays, origins, directions, instances = given(scene, seed)
+        calls.append(({key: on_gpu(value) for key, value in arrays.items()}, on_gpu(origins), on_gpu(directions)))
+    every = ("distance", "position", "normal", "id")
+    for outputs, on_device, at_once in itertools.product(("distance", every), (True, False), (1, 2)):
+        outs, tickets = [None, None], []
+        for run in range(runs + 10):
+            if run == 10:
+                torch.cuda.synchronize()
+                start = time.perf_counter()
+            arrays, origins, directions = calls[run % 2]
+            out = outs[run % 2]
+            ticket = renderer.submit_cast_worlds(
+                WORLDS, origins, directions, instances=instances, on_device=on_device,
+                stream=torch.cuda.current_stream(), **arrays, **({"out": out} if out else {"outputs": outputs}))
+            tickets.append((run, ticket))
+            if len(tickets) == at_once:
+                first, ticket = tickets.pop(0)
+                outs[first % 2] = ticket.take()
+        for _, ticket in tickets:
+            ticket.take()
+        print(f"submit_cast_worlds, {WORLDS} x {RAYS} rays, {len(instances)} instances, {outputs}, hits on the "
+              f"{'device' if on_device else 'host'}, {at_once} in flight: "
+              f"{1000 * (time.perf_counter() - start) / runs:.2f} ms a call, updates included", flush=True)
+
+
 def measure(name):
     scene = latelight.Scene(name)
     renderer = latelight.Renderer(scene, device="cuda:0")
@@ -103,4 +237,7 @@ def measure(name):
 if __name__ == "__main__":
     closed_form()
     compare(sys.argv[1])
+    check_tickets(sys.argv[1])
+    check_order(sys.argv[1])
     measure(sys.argv[1])
+    measure_overlap(sys.argv[1])

@@ -74,8 +74,13 @@ def tickets(folder, device):
     scene = latelight.Scene("builtin:boxes")
     renderer = latelight.Renderer(scene, device)
     frame = renderer.submit(camera(scene), (24, 16), "depth")
-    hits = renderer.submit_cast(np.full((8, 3), (3, -4, 2)), np.linspace((-1, 1, -0.5), (-0.5, 1, -0.4), 8))
-    return [hits.take()["distance"], frame.take()["depth"]]
+    rays = np.full((8, 3), (3, -4, 2)), np.linspace((-1, 1, -0.5), (-0.5, 1, -0.4), 8)
+    hits = renderer.submit_cast(*rays)
+    moved = np.tile(np.eye(4), (2, 1, 1, 1))
+    moved[:, 0, 0, 3] = (0, 0.5)
+    in_worlds = renderer.submit_cast_worlds(2, *np.stack([rays, rays], 1), instances=scene.instances()[:1],
+                                            transforms=moved)
+    return [hits.take()["distance"], frame.take()["depth"], in_worlds.take()["distance"]]
 
 
 WORKS = {work.__name__: work for work in (build, load, export, render, worlds, tickets)}

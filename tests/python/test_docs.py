@@ -102,6 +102,12 @@ def test_rays_in_worlds():
     names = run_all(blocks(ROOT / "docs" / "worlds.md")[:4], "worlds.md")
     assert names["frames"]["rgba"].shape == (3, 1, 64, 64, 4)
     assert names["hits"]["distance"].shape == (3, 64) and np.isfinite(names["hits"]["distance"]).any()
+    in_flight = blocks(ROOT / "docs" / "worlds.md")[4]
+    run_all([in_flight], "worlds.md", **names)
+    last = run_all([in_flight], "worlds.md", **names)["waiting"].take()["distance"]
+    arrays = {"instances": names["moved"], "transforms": names["transforms"], "exists": names["exists"]}
+    expected = names["renderer"].cast_worlds(3, names["origins"], names["directions"], outputs="distance", **arrays)
+    np.testing.assert_array_equal(last, expected["distance"])
 
 
 def test_joints_of_worlds(tmp_path, monkeypatch):
@@ -109,7 +115,7 @@ def test_joints_of_worlds(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     poses = np.tile(np.eye(4), (2, 2, 1, 1))
     poses[:, 1, :2, 3] = ((0, 1), (0.3, 1))
-    source = blocks(ROOT / "docs" / "worlds.md")[4]
+    source = blocks(ROOT / "docs" / "worlds.md")[5]
     frames = run_all([f"import latelight\n{source}"], "worlds.md", poses=poses)["frames"]
     assert (frames[0][0]["rgba"] != frames[1][0]["rgba"]).any()
 
@@ -124,7 +130,7 @@ def test_worlds_of_mujoco():
     states[1].qpos[0] = 0.5
     for state in states:
         mujoco.mj_forward(model, state)
-    of_mujoco = blocks(ROOT / "docs" / "worlds.md")[5]
+    of_mujoco = blocks(ROOT / "docs" / "worlds.md")[6]
     frames = run_all([f"import latelight\n{of_mujoco}"], "worlds.md", states=states, model=model)
     assert (frames["frames"][0][0]["rgba"] != frames["frames"][1][0]["rgba"]).any()
 

@@ -57,6 +57,7 @@ def own():
         lambda renderer, camera, ticket: renderer.device,
         lambda renderer, camera, ticket: renderer.validation_messages(),
         lambda renderer, camera, ticket: renderer.finish(),
+        lambda renderer, camera, ticket: renderer.submit_cast_worlds(1, *np.ones((2, 1, 1, 3))),
         lambda renderer, camera, ticket: ticket.take(),
         lambda renderer, camera, ticket: ticket.done,
     ],
@@ -66,6 +67,17 @@ def test_what_the_parent_created_is_refused(own, call):
     said = in_fork(lambda: call(renderer, camera, ticket))
     assert said.startswith("UsageError: the renderer belongs to process"), said
     assert str(os.getpid()) in said and "\n" not in said
+
+
+@pytest.mark.parametrize("on_device", [False, True])
+def test_rays_in_flight_belong_to_the_parent(own, on_device):
+    _, renderer, _, _ = own
+    rays = np.full((2, 8, 3), (3, 4, 2.0)), np.full((2, 8, 3), (-3, -4, -1.5))
+    ticket = renderer.submit_cast_worlds(2, *rays, on_device=on_device)
+    for call in (lambda: ticket.take(), lambda: ticket.done):
+        said = in_fork(call)
+        assert said.startswith("UsageError: the renderer belongs to process"), said
+    assert ticket.take()["distance"].shape == (2, 8)
 
 
 def test_a_new_renderer_of_an_inherited_scene_works(own, device):

@@ -227,6 +227,46 @@ def test_tickets_of_rays(renderer):
         renderer.submit_cast(origins, directions[:3])
 
 
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_tickets_of_rays_on_the_device(renderer, dtype):
+    origins = np.tile(np.array([0, 1, 4], dtype), (500, 1))
+    directions = np.random.default_rng(3).normal(size=(500, 3)).astype(dtype)
+    upper = origins + np.array([0, 0.25, 0], dtype)
+    expected = renderer.cast(origins, directions), renderer.cast(upper, directions)
+    moving = origins.copy()
+    first = renderer.submit_cast(moving, directions, on_device=True)
+    moving[:] = upper  # the rays were copied
+    second = renderer.submit_cast(moving, directions, outputs=("id", "position"), on_device=True)
+    renderer.submit_cast(moving, directions, on_device=True)  # is dropped
+    for ticket, rays in ((second, expected[1]), (first, expected[0])):
+        hits = ticket.take()
+        assert ticket.done
+        for name, array in hits.items():
+            assert array.shape == rays[name].shape and array.dtype == rays[name].dtype
+            if array.device == "cpu":
+                np.testing.assert_array_equal(array.numpy(), rays[name])
+    assert len(hits) == 10
+    with pytest.raises(latelight.UsageError, match="taken already"):
+        first.take()
+    again = renderer.submit_cast(upper, directions, out=hits, on_device=True)
+    other = renderer.submit_cast(origins, directions, outputs="distance", on_device=True)
+    for ticket, distance in ((again, expected[1]["distance"]), (other, expected[0]["distance"])):
+        array = ticket.take()["distance"]
+        if array.device == "cpu":
+            np.testing.assert_array_equal(array.numpy(), distance)
+    with pytest.raises(latelight.UsageError, match="out requires on_device=True"):
+        renderer.submit_cast(origins, directions, out=hits, stream=1)
+    with pytest.raises(latelight.UsageError, match=r"directions must be an array of shape \(500, 3\)"):
+        renderer.submit_cast(origins, directions[:3], on_device=True)
+
+
+def test_rays_and_hits_on_the_host_need_no_device_arrays(renderer):
+    origins, directions = np.tile([0.0, 1.0, 4.0], (20, 1)), np.random.default_rng(4).normal(size=(20, 3))
+    hits = renderer.cast(origins, directions, outputs="distance")
+    again = renderer.submit_cast(origins, -directions, out=hits, on_device=False, stream=None).take()
+    assert again["distance"] is hits["distance"]
+
+
 def test_cast_returns_the_arrays_that_are_needed(renderer):
     origins, directions = np.tile([0.0, 1.0, 4.0], (500, 1)), np.random.default_rng(1).normal(size=(500, 3))
     every = renderer.cast(origins, directions)

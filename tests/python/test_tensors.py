@@ -93,8 +93,14 @@ def test_cuda_arrays_require_cuda(scene, square_renderer):
     for given in (OnCuda(), OnCuda(interface)):
         with pytest.raises(latelight.NoDeviceError, match="CUDA"):
             square_renderer.render_worlds(3, camera, SIZE, instances=scene.instances(), transforms=given)
+        with pytest.raises(latelight.NoDeviceError, match="CUDA"):
+            square_renderer.submit_cast(given, np.zeros((1, 3), np.float32))
+        with pytest.raises(latelight.NoDeviceError, match="CUDA"):
+            square_renderer.submit_cast_worlds(1, np.zeros((1, 1, 3), np.float32), given)
     with pytest.raises(latelight.ArgumentTypeError, match="stream must be a whole number"):
         square_renderer.render_worlds(3, camera, SIZE, stream="mine")
+    with pytest.raises(latelight.ArgumentTypeError, match="stream must be a whole number"):
+        square_renderer.submit_cast(*np.ones((2, 1, 3)), stream="mine")
 
 
 @pytest.mark.parametrize("raster", ["compute", "hardware"])

@@ -114,6 +114,8 @@ def test_every_call_while_others_edit(device, square):
         lambda: renderer.render_worlds(2, camera, size, "depth", instances=[first], transforms=moved)["depth"],
         lambda: renderer.cast(*rays)["distance"],
         lambda: renderer.submit_cast(*rays).take()["distance"],
+        lambda: renderer.submit_cast_worlds(2, *np.stack([rays, rays], 1), instances=[first],
+                                            transforms=moved).take()["distance"],
         lambda: latelight.Renderer(scene, device).render(camera, size, "depth")["depth"],
         edit,
     )

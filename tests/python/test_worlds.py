@@ -357,6 +357,149 @@ def test_cast_rays_through_worlds(scene, worlds_renderer):
     assert flat["distance"].shape == (2,) and flat["id"].dtype == "uint32"
 
 
+def moved_rays(scene, seed):
+    """Random rays through three worlds, in which both squares are elsewhere or absent."""
+    random = np.random.default_rng(seed)
+    transforms = np.tile(np.eye(4), (3, 2, 1, 1))
+    transforms[:, :, :3, 3] = random.uniform(-1, 1, (3, 2, 3))
+    arrays = {"instances": scene.instances(), "transforms": transforms, "exists": random.uniform(size=(3, 2)) > 0.2}
+    origins, directions = random.uniform(-0.5, 0.5, (3, 400, 3)) + [0, 0, 4], random.normal(size=(3, 400, 3))
+    return origins, directions - [0, 0, 3], arrays
+
+
+@pytest.mark.parametrize("on_device", [False, True])
+def test_tickets_of_rays_through_worlds(scene, worlds_renderer, camera, on_device):
+    """Three calls in flight have the hits of the same calls one after the other, in whatever order they are taken."""
+
+    def read(hits):
+        return {name: np.array(array.numpy() if on_device else array) for name, array in hits.items()}
+
+    if on_device and worlds_renderer.cast_worlds(1, *np.ones((2, 1, 1, 3)), on_device=True)["id"].device != "cpu":
+        pytest.skip("NumPy reads the arrays of CPU devices; tests/gpu/world_rays.py reads others")
+    calls = [moved_rays(scene, seed) for seed in range(4)]
+    expected = [read(worlds_renderer.cast_worlds(3, *rays, on_device=on_device, **arrays))
+                for *rays, arrays in calls]
+    tickets = []
+    for origins, directions, arrays in calls:
+        tickets.append(worlds_renderer.submit_cast_worlds(3, origins, directions, on_device=on_device, **arrays))
+        for array in (origins, directions, arrays["transforms"]):
+            array[:] = np.nan  # they were copied
+        arrays["exists"][:] = False
+    picture = worlds_renderer.submit(camera, SIZE, "id")
+    del tickets[1]
+    for index in (2, 0, 1):
+        hits, call = read(tickets[index].take()), (0, 2, 3)[index]
+        assert tickets[index].done and len(hits) == 10
+        for name, array in hits.items():
+            assert array.tobytes() == expected[call][name].tobytes(), name
+        hit = np.isfinite(hits["distance"])
+        assert 0 < hit.mean() < 1
+    assert len({array["distance"].tobytes() for array in expected}) == 4
+    np.testing.assert_array_equal(picture.take()["id"], worlds_renderer.render(camera, SIZE, "id")["id"])
+    with pytest.raises(latelight.UsageError, match="taken already"):
+        tickets[0].take()
+
+
+def test_calls_in_flight_may_differ_in_everything(scene, device):
+    """Other numbers of worlds and rays, other arrays, edits in between, types and places of the hits."""
+    renderer, alone = (latelight.Renderer(scene, device, environment="none") for _ in range(2))
+    red, green = scene.instances()
+    square, before, calls = scene.instance(red).mesh, scene.instance(red).transform, []
+    rest = scene.mesh_arrays(square)["positions"]
+    for turn, seed in enumerate(range(20, 32)):
+        random = np.random.default_rng(seed)
+        count, rays, dtype = 1 + turn % 4, 50 * (1 + turn % 3), (np.float64, np.float32)[turn % 2]
+        origins = (random.uniform(-1, 1, (count, rays, 3)) + [0, 0, 4]).astype(dtype)
+        directions = (random.normal(size=origins.shape) - [0, 0, 3]).astype(dtype)
+        moved = np.tile(np.eye(4), (count, 1, 1, 1))
+        moved[:, 0, :3, 3] = random.uniform(-1, 1, (count, 3))
+        vertices = rest + random.uniform(-0.5, 0.5, (count, *rest.shape)).astype(np.float32)
+        arrays = (
+            {"instances": [green], "transforms": moved},
+            {"meshes": [square], "vertices": vertices},
+            {"instances": [red], "exists": random.uniform(size=(count, 1)) > 0.5},
+            {},
+            {"instances": [red], "materials": scene.materials(), "material_choice": random.integers(0, 2, (count, 1))},
+        )[turn % 5]
+        calls.append((count, origins, directions, arrays, ("distance", ("distance", "id", "material"))[turn % 2]))
+    tickets, expected = [], []
+    for turn, (count, *rays, arrays, outputs) in enumerate(calls):
+        scene.set_transform(red, at(-1 + 0.05 * turn))
+        expected.append(alone.cast_worlds(count, *rays, outputs=outputs, **arrays))
+        tickets.append(renderer.submit_cast_worlds(count, *rays, outputs=outputs, on_device=turn % 3 == 0, **arrays))
+        if turn % 4 == 3:
+            tickets.append(renderer.submit_cast(rays[0][0], rays[1][0], outputs=outputs))
+            expected.append(alone.cast(rays[0][0], rays[1][0], outputs=outputs))
+    scene.set_transform(red, before)
+    for index in np.random.default_rng(1).permutation(len(tickets)):
+        hits = tickets[index].take()
+        assert hits.keys() == expected[index].keys()
+        for name, array in hits.items():
+            if isinstance(array, latelight.DeviceArray):
+                array = array.numpy() if array.device == "cpu" else expected[index][name]
+            assert array.tobytes() == expected[index][name].tobytes(), (index, name)
+    assert sum(np.isfinite(hits["distance"]).sum() for hits in expected) > 500
+    assert renderer.validation_messages() == []
+
+
+def test_tickets_of_rays_store_hits_in_arrays_of_the_caller(scene, worlds_renderer):
+    origins, directions, arrays = moved_rays(scene, 5)
+    outs = [worlds_renderer.cast_worlds(3, origins, directions, outputs=("id", "position"), **arrays) for _ in range(2)]
+    calls = [moved_rays(scene, seed) for seed in (6, 7)]
+    expected = [worlds_renderer.cast_worlds(3, *rays, outputs=("id", "position"), **given) for *rays, given in calls]
+    tickets = [worlds_renderer.submit_cast_worlds(3, *rays, out=out, **given)
+               for out, (*rays, given) in zip(outs, calls)]
+    for out, ticket, hits in reversed([*zip(outs, tickets, expected)]):
+        taken = ticket.take()
+        for name, array in hits.items():
+            assert taken[name] is out[name] and array.tobytes() == out[name].tobytes()
+    for wrong in (np.zeros((3, 399), np.uint32), np.zeros((400, 3), np.uint32), np.zeros((3, 400), np.int64)):
+        with pytest.raises(latelight.UsageError, match=r"contiguous array of uint32 of shape \(3, 400\)"):
+            worlds_renderer.submit_cast_worlds(3, origins, directions, out={"id": wrong}, **arrays)
+    placed = worlds_renderer.cast_worlds(3, origins, directions, outputs="id", on_device=True, **arrays)
+    with pytest.raises(latelight.UsageError, match="out requires on_device=True"):
+        worlds_renderer.cast_worlds(3, origins, directions, out=placed, **arrays)
+
+
+def test_tickets_of_rays_store_hits_in_out(scene, worlds_renderer):
+    origins, directions, arrays = moved_rays(scene, 5)
+    outs = [worlds_renderer.cast_worlds(3, origins, directions, outputs=("id", "distance"), on_device=True, **arrays)
+            for _ in range(2)]
+    if outs[0]["id"].device != "cpu":
+        pytest.skip("NumPy reads the arrays of CPU devices")
+    calls, tickets = [moved_rays(scene, seed) for seed in (6, 7)], []
+    for out, (*rays, given) in zip(outs, calls):
+        tickets.append(worlds_renderer.submit_cast_worlds(3, *rays, out=out, on_device=True, **given))
+    for out, ticket in zip(outs, tickets):
+        for name, array in ticket.take().items():
+            assert array.numpy().ctypes.data == out[name].numpy().ctypes.data
+    for out, (*rays, given) in zip(outs, calls):
+        expected = worlds_renderer.cast_worlds(3, *rays, outputs=("id", "distance"), **given)
+        for name, array in expected.items():
+            np.testing.assert_array_equal(out[name].numpy(), array)
+
+
+def test_tickets_of_rays_outlive_their_renderer(scene, device):
+    renderer = latelight.Renderer(scene, device, environment="none")
+    origins, directions, arrays = moved_rays(scene, 8)
+    expected = renderer.cast_worlds(3, origins, directions, outputs="distance", **arrays)["distance"]
+    tickets = [renderer.submit_cast_worlds(3, origins, directions, outputs="distance", **arrays),
+               renderer.submit_cast(origins[0], directions[0], outputs="distance")]
+    flat = renderer.cast(origins[0], directions[0], outputs="distance")["distance"]
+    del renderer
+    np.testing.assert_array_equal(tickets[0].take()["distance"], expected)
+    np.testing.assert_array_equal(tickets[1].take()["distance"], flat)
+
+
+def test_wrong_transforms_are_reported_when_hits_are_taken(scene, worlds_renderer):
+    origins, directions, arrays = moved_rays(scene, 9)
+    arrays["transforms"][1, 0, 3] = 0, 0, 0, 2
+    ticket = worlds_renderer.submit_cast_worlds(3, origins, directions, **arrays)
+    with pytest.raises(latelight.UsageError, match="last row 0 0 0 1, and one of world 1 has another") as raised:
+        ticket.take()
+    assert "\n" not in str(raised.value)
+
+
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
@@ -371,5 +514,7 @@ def test_cast_rays_through_worlds(scene, worlds_renderer):
 )
 def test_cast_worlds_rejects_wrong_arguments(worlds_renderer, wrong, message):
     rays = {"origins": np.zeros((2, 1, 3)), "directions": np.ones((2, 1, 3))}
-    with pytest.raises((latelight.UsageError, TypeError), match=message):
-        worlds_renderer.cast_worlds(2, **{**rays, **wrong})
+    for cast in (worlds_renderer.cast_worlds, worlds_renderer.submit_cast_worlds):
+        with pytest.raises((latelight.UsageError, TypeError), match=message) as raised:
+            cast(2, **{**rays, **wrong})
+        assert "\n" not in str(raised.value)

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <random>
 
 #include "placed.h"
@@ -206,6 +207,202 @@ TEST(WorldCast, StoresHitsInGivenArrays) {
   EXPECT_FLOAT_EQ(valuesIn<float>(first.at("distance"))[0], 8);
   EXPECT_FLOAT_EQ(valuesIn<float>(second.at("distance"))[0], 8);
   EXPECT_FLOAT_EQ(valuesIn<float>(second.at("distance"))[4], 5.5f);
+}
+
+// Rays in one world along -Z at the box, which each call moves to another height: closed forms whatever the order.
+struct RaysAtHeights {
+  static constexpr uint32_t kRays = 1000;
+  std::vector<float> origins, directions;
+  std::vector<double> transforms;
+  Handle<Instance> box;
+
+  explicit RaysAtHeights(const Handle<Instance>& box) : box(box) {
+    for (uint32_t i = 0; i < 2 * kRays; ++i)
+      origins.insert(origins.end(), {0.5f, 0.25f, 10}), directions.insert(directions.end(), {0, 0, -1});
+  }
+  // Two worlds, of which the second is 1 m higher. Earlier arrays are overwritten.
+  Worlds at(double height) {
+    transforms.clear();
+    for (const Transform& transform : {placed(0, 0, height), placed(0, 0, height + 1)})
+      transforms.insert(transforms.end(), transform.begin(), transform.end());
+    Worlds worlds{.count = 2, .instances = {box}};
+    worlds.arrays.transforms = numbersIn(transforms);
+    return worlds;
+  }
+  WorldRays get() const { return {numbersIn(origins), numbersIn(directions), kRays}; }
+};
+
+void expectHeight(CastTicket& ticket, float height) {
+  const auto distances = valuesIn<float>(ticket.takeArrays().at("distance"));
+  ASSERT_EQ(distances.size(), 2 * RaysAtHeights::kRays);
+  for (size_t i = 0; i < distances.size(); ++i)
+    ASSERT_FLOAT_EQ(distances[i], 9 - height - static_cast<float>(i / RaysAtHeights::kRays)) << i;
+}
+
+// The arrays of a call are copied. Tickets are taken in any order, one is dropped, and an edit of the scene and
+// pictures come in between.
+TEST(WorldCast, KeepsSeveralCallsInFlight) {
+  BoxScene made;
+  Renderer renderer(made.scene, testDevice());
+  RaysAtHeights rays(made.box);
+  std::vector<CastTicket> tickets;
+  for (const double height : {0.0, 2.0, -3.0, 1.5}) tickets.push_back(renderer.submitCast(rays.at(height), rays.get()));
+  tickets.erase(tickets.begin() + 1);
+  Options options;
+  options.width = options.height = 16;
+  Ticket picture = renderer.submit({made.scene.lookAt({0, 0, 10}, {0, 0, 0})}, options);
+  const Handle<Instance> above = made.scene.addInstance(made.scene.instance(made.box).mesh,
+                                                        made.scene.instance(made.box).material, placed(0, 0, 5));
+  tickets.push_back(renderer.submitCast(rays.at(0.25), rays.get()));
+  made.scene.removeInstance(above);
+  expectHeight(tickets[2], 1.5f);
+  EXPECT_TRUE(tickets[2].done());
+  expectHeight(tickets[0], 0);
+  EXPECT_EQ(picture.take().size(), 1u);
+  // The box above, whose top is at z = 6, was in the scene of this call, and not in those of the others.
+  for (const float distance : valuesIn<float>(tickets[3].takeArrays().at("distance"))) ASSERT_FLOAT_EQ(distance, 4);
+  expectHeight(tickets[1], -3);
+  EXPECT_THAT(renderer.validationMessages(), testing::IsEmpty());
+}
+
+// Two calls in flight of which one receives the arrays of the call before.
+TEST(WorldCast, TicketsStoreHitsInGivenArrays) {
+  const BoxScene made;
+  Renderer renderer(made.scene, testDevice());
+  RaysAtHeights rays(made.box);
+  const auto first = renderer.cast(rays.at(0), rays.get());
+  CastTicket other = renderer.submitCast(rays.at(1), rays.get());
+  CastTicket again = renderer.submitCast(rays.at(2), rays.get(), {"distance"}, {}, first);
+  const auto stored = again.takeArrays();
+  EXPECT_FLOAT_EQ(valuesIn<float>(first.at("distance"))[0], 7);
+  EXPECT_EQ(valuesIn<float>(stored.at("distance")), valuesIn<float>(first.at("distance")));
+  expectHeight(other, 1);
+}
+
+// Arrays of the caller have the bytes of those on the device, and nothing is stored before the ticket is taken.
+TEST(WorldCast, StoresHitsInArraysOfTheCaller) {
+  const BoxScene made;
+  Renderer renderer(made.scene, testDevice());
+  RaysAtHeights rays(made.box);
+  constexpr size_t kCount = 2 * RaysAtHeights::kRays;
+  const auto placedHits = renderer.cast(rays.at(1), rays.get(), {"distance", "uv", "id", "normal"});
+  std::vector<float> distance(kCount, -1), again(kCount, -1);
+  std::vector<std::array<float, 2>> uv(kCount);
+  std::vector<std::array<float, 3>> normal(kCount);
+  std::vector<uint32_t> id(kCount);
+  const CastTargets targets{.distance = distance.data(), .normal = normal.data(), .uv = uv.data(), .id = id.data()};
+  CastTicket ticket = renderer.submitCast(rays.at(1), rays.get(), targets);
+  renderer.cast(rays.at(2), rays.get(), CastTargets{.distance = again.data()});
+  for (size_t i = 0; i < kCount; ++i) {
+    ASSERT_EQ(distance[i], -1);
+    ASSERT_FLOAT_EQ(again[i], 7 - static_cast<float>(i / RaysAtHeights::kRays));
+  }
+  ticket.take();
+  EXPECT_EQ(distance, valuesIn<float>(placedHits.at("distance")));
+  EXPECT_EQ(id, valuesIn<uint32_t>(placedHits.at("id")));
+  const auto uvs = valuesIn<float>(placedHits.at("uv")), normals = valuesIn<float>(placedHits.at("normal"));
+  EXPECT_EQ(std::memcmp(uv.data(), uvs.data(), uvs.size() * sizeof(float)), 0);
+  EXPECT_EQ(std::memcmp(normal.data(), normals.data(), normals.size() * sizeof(float)), 0);
+  EXPECT_EQ(normal.front(), (std::array<float, 3>{0, 0, 1}));
+  renderer.cast(rays.at(0), WorldRays{numbersIn(rays.origins), numbersIn(rays.directions), 0}, targets);
+  renderer.cast(rays.at(0), rays.get(), CastTargets{});
+  EXPECT_THAT(renderer.validationMessages(), testing::IsEmpty());
+}
+
+TEST(WorldCast, TicketsOutliveTheirRenderer) {
+  const BoxScene made;
+  std::optional<Renderer> renderer(std::in_place, made.scene, testDevice());
+  RaysAtHeights rays(made.box);
+  CastTicket ticket = renderer->submitCast(rays.at(-1), rays.get());
+  renderer.reset();
+  expectHeight(ticket, -1);
+}
+
+// The device ends while it casts rays that nobody needs.
+TEST(WorldCast, TicketsMayBeDroppedWithTheirRenderer) {
+  const BoxScene made;
+  RaysAtHeights rays(made.box);
+  Renderer renderer(made.scene, testDevice());
+  const std::vector<std::array<double, 3>> origins(200'000, {0, 0, 10}), directions(200'000, {0, 0, -1});
+  std::vector<float> distances(origins.size());
+  const CastTicket hosts = renderer.submitCast(origins, directions, CastTargets{.distance = distances.data()});
+  const CastTicket ticket = renderer.submitCast(rays.at(0), rays.get());
+  EXPECT_FALSE(ticket.done() && !hosts.done()) << "calls finish in order";
+}
+
+// A call in flight holds the device's memory that it reads, also if its ticket is dropped, and releases it then.
+TEST(WorldCast, HoldsTheMemoryOfItsRays) {
+  const BoxScene made;
+  Renderer renderer(made.scene, testDevice());
+  if (!renderer.inputArray(16)->host()) GTEST_SKIP() << "the host writes no memory of this device";
+  constexpr uint64_t kRays = 400'000, kBytes = kRays * 3 * sizeof(float);
+  const auto filled = [&](float x, float y, float z) {
+    std::shared_ptr<const DeviceArray> array = renderer.inputArray(kBytes);
+    auto* numbers = static_cast<float*>(const_cast<void*>(array->host()));
+    for (uint64_t i = 0; i < kRays; ++i) numbers[3 * i] = x, numbers[3 * i + 1] = y, numbers[3 * i + 2] = z;
+    return array;
+  };
+  const std::shared_ptr<const DeviceArray> down = filled(0, 0, -1);
+  const auto submit = [&](const std::shared_ptr<const DeviceArray>& origins) {
+    const WorldRays rays{{.device = origins}, {.device = down}, kRays};
+    return renderer.submitCast(Worlds{.count = 1}, rays);
+  };
+  std::shared_ptr<const DeviceArray> origins = filled(0.5f, 0.25f, 10);
+  const void* const memory = origins->host();
+  CastTicket first = submit(std::exchange(origins, nullptr)), second = submit(filled(0.5f, 0.25f, 7));
+  const std::shared_ptr<const DeviceArray> other = filled(9, 9, 9);
+  EXPECT_NE(other->host(), memory);
+  { const CastTicket dropped = std::move(first); }
+  const std::shared_ptr<const DeviceArray> next = renderer.inputArray(kBytes);
+  if (!second.done()) {
+    EXPECT_NE(next->host(), memory);
+  }
+  for (const float distance : valuesIn<float>(second.takeArrays().at("distance"))) ASSERT_FLOAT_EQ(distance, 6);
+  renderer.finish();
+  const std::shared_ptr<const DeviceArray> later[] = {renderer.inputArray(kBytes), renderer.inputArray(kBytes),
+                                                      renderer.inputArray(kBytes)};
+  const auto isMemory = [&](const auto& array) { return array->host() == memory; };
+  EXPECT_TRUE(isMemory(next) || std::ranges::any_of(later, isMemory)) << "it was not released";
+  EXPECT_THAT(renderer.validationMessages(), testing::IsEmpty());
+}
+
+TEST(WorldCast, TicketsReportErrorsInOneSentence) {
+  const BoxScene made;
+  Renderer renderer(made.scene, testDevice());
+  const auto sentenceOf = [](const std::function<void()>& call) {
+    try {
+      call();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::Usage);
+      return std::string(error.what());
+    }
+    return std::string("nothing was refused");
+  };
+  RaysAtHeights rays(made.box);
+  CastTicket ticket = renderer.submitCast(rays.at(0), rays.get());
+  EXPECT_THAT(sentenceOf([&] { ticket.take(); }), HasSubstr("these hits are arrays on the device"));
+  expectHeight(ticket, 0);
+  EXPECT_THAT(sentenceOf([&] { ticket.takeArrays(); }), HasSubstr("taken already"));
+  const std::vector<std::array<double, 3>> origin{{0, 0, 10}}, direction{{0, 0, -1}};
+  float distance = 0;
+  CastTicket own = renderer.submitCast(origin, direction, CastTargets{.distance = &distance});
+  EXPECT_THAT(sentenceOf([&] { own.takeArrays(); }), HasSubstr("these hits are no arrays on the device"));
+  own.take();
+  EXPECT_FLOAT_EQ(distance, 9);
+  Worlds wrong = rays.at(0);
+  rays.transforms[15 + 16] = 2;
+  CastTicket invalid = renderer.submitCast(wrong, rays.get());
+  EXPECT_THAT(sentenceOf([&] { invalid.takeArrays(); }), HasSubstr("the last row 0 0 0 1, and one of world 1"));
+  std::vector<float> distances(2 * RaysAtHeights::kRays);
+  CastTicket stored = renderer.submitCast(wrong, rays.get(), CastTargets{.distance = distances.data()});
+  EXPECT_THAT(sentenceOf([&] { stored.takeArrays(); }), HasSubstr("these hits are no arrays on the device"));
+  EXPECT_THAT(sentenceOf([&] { stored.take(); }), HasSubstr("the last row 0 0 0 1, and one of world 1"));
+  const auto few = renderer.cast(rays.at(0), WorldRays{numbersIn(rays.origins), numbersIn(rays.directions), 5});
+  EXPECT_THAT(sentenceOf([&] { renderer.submitCast(rays.at(0), rays.get(), {"distance"}, {}, few); }),
+              HasSubstr("the array of distance is too small for the hits of 2000 rays"));
+  CastTicket none = renderer.submitCast(rays.at(0), WorldRays{numbersIn(rays.origins), numbersIn(rays.directions), 0});
+  EXPECT_TRUE(none.done());
+  EXPECT_EQ(none.takeArrays().at("distance").shape, (std::array<uint64_t, 4>{1, 2, 0, 1}));
 }
 
 TEST(WorldCast, RejectsWrongArrays) {

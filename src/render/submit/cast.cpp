@@ -13,6 +13,7 @@
 #include "render/rays/cast_push.h"
 #include "render/submit/job.h"
 #include "render/submit/renderer.h"
+#include "vk/deletion.h"
 
 namespace latelight::render {
 
@@ -48,10 +49,16 @@ std::vector<HitArray> arraysOf(const CastTargets& t) {
   return arrays;
 }
 
+// Memory that the device reads. Calls that are dropped before they have finished defer its release.
+struct MemoryInUse final : vk::Deletion {
+  explicit MemoryInUse(std::vector<std::shared_ptr<const void>> memory) : memory(std::move(memory)) {}
+  std::vector<std::shared_ptr<const void>> memory;
+};
+
 // Rays in flight. The arrays of their hits follow one another in `hits`.
 struct CastChunk {
   size_t first, count;
-  std::shared_ptr<const vk::Buffer> rays;
+  std::unique_ptr<MemoryInUse> rays;
   graph::BufferId hits;  // readable by the host
   graph::Submission submission;
 
@@ -232,6 +239,14 @@ CastResult Renderer::cast(const CastRays& rays, const Settings& settings, const 
 }
 
 struct CastTicket::Call {
+  explicit Call(vk::Device& device) : device(device) {}
+  ~Call() {
+    for (CastChunk& chunk : inFlight) device.deferDeletion(std::move(chunk.rays));
+  }
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+  vk::Device& device;
   std::vector<HitArray> arrays;
   std::function<void()> beforeStore;
   std::deque<CastChunk> inFlight;
@@ -278,7 +293,7 @@ CastTicket Renderer::submitCast(const CastRays& rays, const CastTargets& targets
                       .flags = flagsOf(scene_, settings, arrays.bytes == sizeof(glm::dvec3)),
                       .arrays = arraysOf(targets),
                       .constants = rayConstants()};
-  auto ticket = std::make_unique<CastTicket::Call>();
+  auto ticket = std::make_unique<CastTicket::Call>(device_);
   ticket->arrays = call.arrays;
   ticket->beforeStore = std::move(beforeStore);
   const size_t most = std::min(kRaysAtOnce, arrays.count);
@@ -293,23 +308,109 @@ CastTicket Renderer::submitCast(const CastRays& rays, const CastTargets& targets
     graph::Graph graph(executor_);
     const graph::BufferId hits = addCast({device_, graph}, call, *staging, count, graph);
     addSceneChanges(graph);
-    ticket->inFlight.push_back({first, count, staging, hits, submit(graph, graph.compile())});
+    auto memory = std::make_unique<MemoryInUse>(std::vector<std::shared_ptr<const void>>{staging});
+    ticket->inFlight.push_back({first, count, std::move(memory), hits, submit(graph, graph.compile())});
   }
   return CastTicket(std::move(ticket));
 }
 
-std::vector<uint32_t> Renderer::cast(WorldCast& cast, const Settings& settings, const SceneState& moment) {
+namespace {
+
+uint64_t bytesOf(const WorldCast::Target& hits, uint64_t count) {
+  return count * hits.array->channels * sizeof(float);
+}
+
+// Adds the pass that casts the rays of all worlds, with its constants except the addresses of hits. Returns the buffers
+// that the host reads, in the order of their targets.
+std::vector<graph::BufferId> addWorldCast(const Builder& b, ComputePass pass, const shared::CastPush& push,
+                                          std::span<const WorldCast::Target> targets) {
+  std::vector<std::pair<uint64_t shared::CastPush::*, graph::BufferId>> arrays;
+  std::vector<graph::BufferId> needed;
+  for (const WorldCast::Target& hits : targets) {
+    const graph::BufferId buffer =
+        hits.host ? createResult(b, std::string(hits.array->name), bytesOf(hits, push.count), 1).buffer
+                  : b.graph.import(hits.memory->buffer, std::nullopt);
+    if (hits.host)
+      needed.push_back(buffer);
+    else
+      b.graph.exports(buffer, graph::Use::HostRead);
+    pass.buffers.emplace_back(buffer, graph::Use::StorageWrite);
+    arrays.emplace_back(hits.array->address, buffer);
+  }
+  addCompute(b, std::move(pass), [push, arrays = std::move(arrays)](graph::Context& context) {
+    shared::CastPush complete = push;
+    for (const auto& [address, buffer] : arrays) complete.*address = context.buffer(buffer).address();
+    return complete;
+  });
+  return addReadback(b, needed);
+}
+
+}  // namespace
+
+struct WorldCastTicket::Call {
+  Call(vk::Device& device, WorldCast&& cast, const WorldStates& worlds)
+      : device(device),
+        memory(std::make_unique<MemoryInUse>(std::move(cast.memory))),
+        hits{.worlds = worlds.count, .rays = cast.rays, .arrays = std::move(cast.hits)} {
+    const auto hold = [&](const auto& more) { memory->memory.insert(memory->memory.end(), more.begin(), more.end()); };
+    hold(worlds.deformations.memory);
+    if (worlds.inputs) hold(worlds.inputs->memory);
+  }
+  ~Call() {
+    if (memory) device.deferDeletion(std::move(memory));
+  }
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+  vk::Device& device;
+  std::unique_ptr<MemoryInUse> memory;
+  WorldHits hits;
+  std::shared_ptr<const WorldStatus> status;  // null if the host placed the worlds
+  std::vector<graph::BufferId> onHost;        // hits for the host, in the order of their targets
+  graph::Submission submission;
+
+  void store() const {
+    std::vector<MemoryCopy> copies;
+    auto from = onHost.begin();
+    for (const WorldCast::Target& target : hits.arrays) {
+      if (!target.host || onHost.empty()) continue;
+      copies.push_back(
+          {target.host, submission.buffer(*from++).as<std::byte>(), bytesOf(target, hits.rays * hits.worlds)});
+    }
+    copyInParallel(copies);
+  }
+};
+
+WorldCastTicket::WorldCastTicket(std::unique_ptr<Call> call) : call_(std::move(call)) {}
+WorldCastTicket::WorldCastTicket(WorldCastTicket&&) noexcept = default;
+WorldCastTicket& WorldCastTicket::operator=(WorldCastTicket&&) noexcept = default;
+WorldCastTicket::~WorldCastTicket() = default;
+
+bool WorldCastTicket::done() const {
+  return !call_ || call_->submission.done();
+}
+
+WorldHits WorldCastTicket::take() {
+  const std::unique_ptr<Call> call = std::move(call_);
+  call->submission.wait();
+  call->memory.reset();
+  call->store();
+  if (call->status) call->hits.worldStatus.assign(call->status->bits().begin(), call->status->bits().end());
+  return std::move(call->hits);
+}
+
+WorldCastTicket Renderer::submitCast(WorldCast cast, const Settings& settings, const SceneState& moment) {
   checkRays(settings, cast.maxDistance);
   const uint64_t count = cast.rays * moment.worlds.count;
   assert(count <= kMaxWorldRays);
   for (WorldCast::Target& hits : cast.hits) {
-    const uint64_t bytes = std::max<uint64_t>(count, 1) * hits.array->channels * sizeof(float);
+    if (hits.host) continue;
+    const uint64_t bytes = bytesOf(hits, std::max<uint64_t>(count, 1));
     if (!hits.memory) hits.memory = exports_->take(device_, bytes);
     if (hits.memory->buffer.size() < bytes)
       badUsage("the array of {} is too small for the hits of {} rays", hits.array->name, count);
   }
   const shared::FrameConstants constants = prepareRays(settings, moment);
-  if (count == 0) return {};
   graph::Graph graph(executor_);
   shared::CastPush push{.frame = graph.constants(std::as_bytes(std::span(&constants, 1))),
                         .origins = cast.origins,
@@ -320,20 +421,14 @@ std::vector<uint32_t> Renderer::cast(WorldCast& cast, const Settings& settings, 
                         .instanceCount = gpuScene_.instances().count()};
   const std::array<double, 7> numbers = numbersOf(gpuScene_.origin(), settings, cast.maxDistance);
   push.numbers = graph.constants(std::as_bytes(std::span(numbers)));
+  auto call = std::make_unique<WorldCastTicket::Call>(device_, std::move(cast), moment.worlds);
+  if (count == 0) return WorldCastTicket(std::move(call));
   const Builder builder{device_, graph};
-  ComputePass pass = castPass(builder, push.count, rayConstants());
-  for (const WorldCast::Target& hits : cast.hits) {
-    const graph::BufferId buffer = graph.import(hits.memory->buffer, std::nullopt);
-    pass.buffers.emplace_back(buffer, graph::Use::StorageWrite);
-    graph.exports(buffer, graph::Use::HostRead);
-    push.*hits.array->address = hits.memory->buffer.address();
-  }
-  addCompute(builder, std::move(pass), push);
+  call->onHost = addWorldCast(builder, castPass(builder, push.count, rayConstants()), push, call->hits.arrays);
   addSceneChanges(graph);
-  submit(graph, graph.compile()).wait();
-  if (!moment.worlds.inputs) return {};
-  const std::shared_ptr<const WorldStatus> status = worldPlacer_.conversion().status;
-  return {status->bits().begin(), status->bits().end()};
+  if (moment.worlds.inputs) call->status = worldPlacer_.conversion().status;
+  call->submission = submit(graph, graph.compile());
+  return WorldCastTicket(std::move(call));
 }
 
 }  // namespace latelight::render

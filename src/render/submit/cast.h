@@ -110,7 +110,7 @@ std::span<const HitInfo> hitInfos();
 
 inline constexpr uint64_t kMaxWorldRays = uint64_t{1} << 31;  // of all worlds of a call, which a shader numbers
 
-// Rays through worlds, and their hits, in memory of the device.
+// Rays through worlds in memory of the device, and where their hits are needed.
 struct WorldCast {
   VkDeviceAddress origins = 0, directions = 0;                   // [worlds][rays][3]
   bool doubles = false;                                          // elements, otherwise floats
@@ -118,9 +118,35 @@ struct WorldCast {
   double maxDistance = std::numeric_limits<double>::infinity();  // meters
   struct Target {
     const HitInfo* array;
-    std::shared_ptr<ExportedMemory> memory{};  // of a caller; otherwise cast() takes memory
+    std::byte* host = nullptr;                 // of a caller, who has the hits here once the ticket is taken; or
+    std::shared_ptr<ExportedMemory> memory{};  // of the device; if a caller gives none, submitCast() takes memory
   };
-  std::vector<Target> hits;
+  std::vector<Target> hits{};
+  std::vector<std::shared_ptr<const void>> memory{};  // that holds the origins and the directions
+};
+
+// The hits of rays through worlds.
+struct WorldHits {
+  uint32_t worlds = 0;
+  uint64_t rays = 0;                      // per world
+  std::vector<WorldCast::Target> arrays;  // each with `host` or `memory`
+  std::vector<uint32_t> worldStatus;      // kWorld* bits of each world that shaders placed
+};
+
+// Rays through worlds in flight, as returned by Renderer::submitCast().
+class WorldCastTicket {
+ public:
+  struct Call;
+  explicit WorldCastTicket(std::unique_ptr<Call> call);
+  WorldCastTicket(WorldCastTicket&&) noexcept;
+  WorldCastTicket& operator=(WorldCastTicket&&) noexcept;
+  ~WorldCastTicket();
+  bool done() const;  // take() would not wait for the device
+  // Waits for the hits, and stores those that the host needs. May be called once, while the device exists.
+  WorldHits take();
+
+ private:
+  std::unique_ptr<Call> call_;
 };
 
 // The inputs of passes that trace rays through the scene.

@@ -75,9 +75,9 @@ class Renderer {
   CastTicket submitCast(const CastRays& rays, const CastTargets& targets, const Settings& settings,
                         const SceneState& moment = {}, std::function<void()> beforeStore = {});
 
-  // Casts the rays of all worlds of `moment`, of which there is at least one, and waits. The hits are in memory of the
-  // device. Returns WorldStatus::bits() if shaders have placed the worlds.
-  std::vector<uint32_t> cast(WorldCast& cast, const Settings& settings, const SceneState& moment);
+  // Casts the rays of all worlds of `moment`, of which there is at least one, and returns while the device casts them.
+  // The ticket holds all memory that the device reads, until it has finished.
+  WorldCastTicket submitCast(WorldCast cast, const Settings& settings, const SceneState& moment);
 
   // Runs passes that trace rays through the scene (glsl/rays.glsl), and waits for them.
   graph::Submission traceRays(const AddRayPasses& add, const Settings& settings, const SceneState& moment = {});
