@@ -15,6 +15,9 @@
 
 layout(push_constant, scalar) uniform Push { RayShadowsPush push; };
 
+// 1: the surface is read again after the rays of a light, so that its material takes no registers during traversal.
+layout(constant_id = kReadsSurfaceAgainConstant) const uint kReadsSurfaceAgain = 0u;
+
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RayShadowRef { RayShadow v[]; };
 
 // Returns the ray from a surface to a point of a light: the center, moved by `offset` in units of the light's size.
@@ -48,14 +51,20 @@ float litByRays(FrameConstants frame, View view, Light light, RayShadow shadow, 
 
 vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
   vec3 radiance = vec3(0.0);
-  SurfaceBrdf brdf = surfaceBrdf(p.s, p.toEye, kShading);
   for (uint i = push.first; i < push.end; ++i) {
     RayShadow shadow = RayShadowRef(frame.shadowMaps).v[uint(p.place.z) * push.viewStride + i];
-    Light light = frameLight(frame, min(shadow.light, max(frame.lightCount, 1u) - 1u));  // as triangleOfTile()
+    uint index = min(shadow.light, max(frame.lightCount, 1u) - 1u);  // as triangleOfTile()
+    Light light = frameLight(frame, index);
     LightSample arriving = sampleLight(light, p.s.position);
-    vec3 sent = shadow.light < frame.lightCount ? shadeLight(brdf, arriving, kShading) : vec3(0.0);
-    for (bool some = any(greaterThan(sent, vec3(0.0))); some; some = false)
-      radiance += sent * litByRays(frame, view, light, shadow, p.s, arriving.toLight);
+    bool reached = arriving.attenuation * dot(p.s.normal, arriving.toLight) > 0.0;  // the factor of shadeLight()
+    float lit = 0.0;
+    for (bool some = shadow.light < frame.lightCount && reached; some; some = false)
+      lit = litByRays(frame, view, light, shadow, p.s, arriving.toLight);
+    for (bool some = lit > 0.0; some; some = false) {
+      if (kReadsSurfaceAgain != 0u) p = readPixel(frame, frameView(frame, p.place.z), p.place, 1u);
+      LightSample sent = sampleLight(frameLight(frame, index), p.s.position);
+      radiance += shadeLight(surfaceBrdf(p.s, p.toEye, kShading), sent, kShading) * lit;
+    }
   }
   return radiance;
 }

@@ -19,6 +19,8 @@ void addRayShadows(const FrameContext& f, const Gbuffer& gbuffer) {
   for (uint32_t first = 0; first < columns; first += atOnce) {
     ComputePass pass = lightingPass(f, gbuffer, "ray shadows", "ray_shadows.comp", {.picture = true, .counts = true});
     pass.fullImage = false;
+    // A GPU hides the loads behind other rays, a CPU does not.
+    pass.constants.push_back({kReadsSurfaceAgainConstant, cpu ? 0u : 1u});
     const shared::RayShadowsPush push{.frame = f.constants,
                                       .shown = {},
                                       .first = first,
