@@ -103,12 +103,13 @@ class _Link(NamedTuple):
     transform: np.ndarray  # from the link to the parent link
 
 
-def _unused(name: Any, taken: set[str]) -> str:
-    """The name of a node that no other node below the same parent has."""
-    unnumbered = unused = node_name(name)
-    while unused in taken:
-        unused = f"{unnumbered} {len(taken)}"
-    taken.add(unused)
+def _unused(name: str, uses: dict[str, int]) -> str:
+    """The name of a node that no other node below the same parent has. `uses`: how often each name was given out"""
+    unused = name
+    while unused in uses:
+        uses[name] += 1
+        unused = f"{name} {uses[name]}"
+    uses[unused] = 1
     return unused
 
 
@@ -124,12 +125,12 @@ def _links(urdf: Any, shown: Any) -> Iterator[_Link]:
     while stack:
         above = stack.pop()
         yield above
-        taken: set[str] = set()
+        uses: dict[str, int] = {}
         below = []
         for child in children.get(above.link, []):
             joint = joints.get((above.link, child))
-            joint_path = f"{above.path}/{_unused(joint.name, taken)}" if joint else ""
-            path = f"{joint_path}/{node_name(child)}" if joint else f"{above.path}/{_unused(child, taken)}"
+            top = f"{above.path}/{_unused(node_name(joint.name if joint else child), uses)}"
+            path, joint_path = (f"{top}/{node_name(child)}", top) if joint else (top, "")
             transform, _ = shown.graph.get(child, above.link)
             below.append(_Link(child, path, joint, joint_path, above.path, transform))
         stack.extend(reversed(below))

@@ -165,6 +165,19 @@ def test_joints_move_all_links_below_them(tmp_path):
     assert parents[wheel] == wheel[: -len("/wheel")] and parents["/base"] == ""
 
 
+def test_names_of_joints_that_become_equal_are_numbered(tmp_path):
+    pytest.importorskip("yourdfpy")
+    names = ["a_b", "a_b 2", "a/b", "a/b 2"]
+    links = [f'<link name="l{i}"/>' for i in range(len(names))]
+    joints = [
+        f'<joint name="{name}" type="fixed"><parent link="base"/><child link="l{i}"/></joint>'
+        for i, name in enumerate(names)
+    ]
+    (tmp_path / "r.urdf").write_text(f'<robot name="r"><link name="base"/>{"".join(links + joints)}</robot>')
+    paths = [node.path for node in latelight.from_urdf(tmp_path / "r.urdf").nodes if node.path.count("/") == 2]
+    assert paths == ["/base/a_b", "/base/a_b 2", "/base/a_b 3", "/base/a_b 2 2"]
+
+
 def test_one_joint_is_moved_by_its_node(tmp_path):
     """As robots' forward kinematics: a joint's node moves the links below it, and no others."""
     yourdfpy = pytest.importorskip("yourdfpy")
