@@ -125,12 +125,16 @@ def assert_links_are_where_yourdfpy_has_them(scene, robot):
     for joint in robot.joint_map.values():  # a joint's node is where its child link is
         expected = Z_UP @ robot.get_transform(joint.child)
         np.testing.assert_allclose(by_name[joint.name.replace("/", "_")], expected, atol=1e-6, err_msg=joint.name)
-    shown = sum(len(scene.instances(path)) for path in by_path)
-    assert shown == len(robot.scene.graph.nodes_geometry)
+    assert_geometry_is_where_yourdfpy_has_it(scene, robot.scene)
+
+
+def assert_geometry_is_where_yourdfpy_has_it(scene, shown):
+    instances = sum(len(scene.instances(node.path)) for node in scene.nodes)
+    assert instances == len(shown.graph.nodes_geometry)
     boxes = []
-    for name in robot.scene.graph.nodes_geometry:
-        transform, geometry = robot.scene.graph[name]
-        points = robot.scene.geometry[geometry].vertices @ transform[:3, :3].T + transform[:3, 3]
+    for name in shown.graph.nodes_geometry:
+        transform, geometry = shown.graph[name]
+        points = shown.geometry[geometry].vertices @ transform[:3, :3].T + transform[:3, 3]
         boxes.append((points @ Z_UP[:3, :3].T).min(0).tolist() + (points @ Z_UP[:3, :3].T).max(0).tolist())
     found = []
     for instance in map(scene.instance, scene.instances()):
@@ -176,6 +180,36 @@ def test_names_of_joints_that_become_equal_are_numbered(tmp_path):
     (tmp_path / "r.urdf").write_text(f'<robot name="r"><link name="base"/>{"".join(links + joints)}</robot>')
     paths = [node.path for node in latelight.from_urdf(tmp_path / "r.urdf").nodes if node.path.count("/") == 2]
     assert paths == ["/base/a_b", "/base/a_b 2", "/base/a_b 3", "/base/a_b 2 2"]
+
+
+@pytest.mark.parametrize("kind", ["visual", "collision"])
+@pytest.mark.parametrize("shapes", [1, 2])
+def test_joints_named_as_geometry_are_posed(tmp_path, kind, shapes):
+    """Joints that are called as the nodes of geometry keep their names, and move what is below them."""
+    yourdfpy = pytest.importorskip("yourdfpy")
+    shape = '<{0}><origin xyz="0 {1} 0"/><geometry><box size="1 0.5 0.25"/></geometry></{0}>'
+    geometry = "".join(shape.format(name, i) for name in ("visual", "collision") for i in range(shapes))
+    joint = (
+        '<joint name="{}" type="revolute"><parent link="{}"/><child link="{}"/><origin xyz="0 0 2"/><axis xyz="0 1 0"/>'
+        '<limit lower="-3" upper="3" effort="1" velocity="1"/></joint>'
+    )
+    names = [kind, f"{kind} 0", f"{kind} 1", f"{kind} 2"]
+    links = [f'<link name="{name}">{geometry}</link>' for name in ("base", *"abcd", "hand", "thumb")]
+    joints = [joint.format(name, "base", link) for name, link in zip(names, "abcd")]
+    joints += [joint.format("wrist", "a", "hand"), joint.format("knuckle", "hand", "thumb")]
+    (tmp_path / "r.urdf").write_text(f'<robot name="r">{"".join(links + joints)}</robot>')
+    robot = yourdfpy.URDF.load(
+        str(tmp_path / "r.urdf"), build_collision_scene_graph=True, load_collision_meshes=True
+    )
+    scene = latelight.from_urdf(robot, geometry=kind)
+    random = np.random.default_rng(9)
+    for _ in range(3):
+        configuration = {name: random.uniform(-3, 3) for name in robot.actuated_joint_names}
+        latelight.pose_urdf(scene, robot, configuration, geometry=kind)
+        assert_geometry_is_where_yourdfpy_has_it(scene, robot.scene if kind == "visual" else robot.collision_scene)
+    paths = [node.path for node in scene.nodes]
+    assert {f"/base/{name}/{link}" for name, link in zip(names, "abcd")} <= set(paths)
+    assert f"/base/{kind}/a/wrist/hand/knuckle/thumb" in paths and not any("#" in path for path in paths)
 
 
 def test_one_joint_is_moved_by_its_node(tmp_path):
