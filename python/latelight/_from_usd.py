@@ -37,6 +37,7 @@ _SHAPES: dict[str, Callable[[Callable[[str], float], str], Shape]] = {
 _TURNED = {"X": [2, 0, 1], "Y": [1, 2, 0], "Z": [0, 1, 2]}  # the coordinates around Z that become x, y and z
 
 
+_MAX_PARTS = 2**20  # prims of a prototype, whose number is multiplied by each instancer below it
 _LARGEST_MORPH = 2**31  # bytes of the morph targets of a mesh, which small files can make large
 
 
@@ -68,6 +69,8 @@ class _Usd(Builder):
         self.cache = geom.XformCache(self.time)
         self.made: dict[Any, list[tuple[MeshHandle, MaterialHandle]]] = {}
         self.images: dict[str, Any] = {}
+        self.prototypes: dict[Any, list[tuple[Any, np.ndarray]]] = {}  # what they show, by their paths
+        self.unfolded: list[Any] = []  # paths of the instancers whose prototypes are being collected
         self.skins = pxr.UsdSkel.Cache()
         self.predicate = pxr.Usd.TraverseInstanceProxies(pxr.Usd.PrimDefaultPredicate)
         self.motion = Motion(stage, pxr, self.scene, self.world, ())
@@ -75,22 +78,40 @@ class _Usd(Builder):
     def transform(self, prim: Any) -> np.ndarray:
         return np.array(self.cache.GetLocalToWorldTransform(prim), np.float64).T  # USD's vectors are rows
 
-    def visible(self) -> Iterator[Any]:
-        """The prims of the stage without those that are hidden or not for rendering, and without prototypes."""
-        geom = self.pxr.UsdGeom
-        walk = iter(self.pxr.Usd.PrimRange(self.stage.GetPseudoRoot(), self.predicate))
+    def visible(self, prototype: Any = None) -> Iterator[Any]:
+        """The prims of the stage, or of a prototype of an instancer, that are shown at some time and meant for
+        rendering. Prims below an instancer are left out.
+
+        A prototype may be undefined or abstract, and inherits no visibility and no purpose from the prims that contain
+        it, as in UsdImaging, since these often hide it outside of instancers."""
+        geom, usd = self.pxr.UsdGeom, self.pxr.Usd
+        loaded = usd.TraverseInstanceProxies(usd.PrimIsActive & usd.PrimIsLoaded)
+        top, predicate = (prototype, loaded) if prototype else (self.stage.GetPseudoRoot(), self.predicate)
+        walk = iter(usd.PrimRange(top, predicate))
+        purposes: dict[Any, Any] = {}
         for prim in walk:
             imageable = geom.Imageable(prim)
-            times = self.motion.visibility_times(prim) or [self.time]
-            if imageable and (
-                not any(self.motion.is_visible(prim, time) for time in times)
-                or imageable.ComputePurpose() in (geom.Tokens.guide, geom.Tokens.proxy)
-            ):
+            if imageable and not (self.is_visible_itself(imageable) if prototype else self.is_visible_at_all(prim)):
                 walk.PruneChildren()
                 continue
             if prim.IsA(geom.PointInstancer):
                 walk.PruneChildren()
-            yield prim
+            above = purposes.get(prim.GetPath().GetParentPath(), geom.Imageable.PurposeInfo())
+            purposes[prim.GetPath()] = imageable.ComputePurposeInfo(above) if imageable else above
+            # Prims below may have a purpose of their own, and the skeletons of a root move them.
+            for_rendering = purposes[prim.GetPath()].purpose not in (geom.Tokens.guide, geom.Tokens.proxy)
+            if for_rendering or prim.IsA(self.pxr.UsdSkel.Root):
+                yield prim
+
+    def is_visible_at_all(self, prim: Any) -> bool:
+        return any(self.motion.is_visible(prim, time) for time in self.motion.visibility_times(prim) or [self.time])
+
+    def is_visible_itself(self, imageable: Any) -> bool:
+        """True if an imageable prim does not hide itself and what is below it."""
+        attribute = imageable.GetVisibilityAttr()
+        if self.motion.exists and attribute.ValueMightBeTimeVarying():
+            self.motion.unplayed.append(str(attribute.GetPath()))
+        return bool(attribute.Get(self.time) != self.pxr.UsdGeom.Tokens.invisible)
 
     def animate(self) -> None:
         """Finds what changes over time. The stage at rest is then as at its first time."""
@@ -113,7 +134,7 @@ class _Usd(Builder):
             elif prim.IsA(geom.Mesh):
                 self.add_mesh(prim)
             elif prim.GetTypeName() in _SHAPES:
-                self.show(prim, self.transform(prim), prim.GetPath())
+                self.show(prim)
             elif prim.IsA(self.pxr.UsdSkel.Root):
                 self.skins.Populate(self.pxr.UsdSkel.Root(prim), self.predicate)
             elif prim.IsA(geom.Camera):
@@ -139,7 +160,7 @@ class _Usd(Builder):
             self.add_changing(mesh, prim, times)
             return
         if skin is None and shapes is None:
-            self.show(prim, self.transform(prim), prim.GetPath())
+            self.show(prim)
             return
         pose, frame = skin or (None, prim)
         self.place(self.meshes(mesh, prim, pose, shapes or (None, None)), prim, frame)
@@ -304,7 +325,8 @@ class _Usd(Builder):
         return points, normals
 
     def skin_of(self, prim: Any) -> tuple[np.ndarray, Any] | None:
-        """Of a mesh with a skeleton: (points or 1, 4, 4), which move its points to the space of the skeleton."""
+        """For a mesh with a skeleton: transforms (points or 1, 4, 4), which move its points to the space of the skeleton,
+        and the skeleton."""
         skinning, query, _ = self.binding(prim)
         if not skinning or not skinning.HasJointInfluences():
             return None
@@ -323,14 +345,8 @@ class _Usd(Builder):
         blended: np.ndarray = np.einsum("pk,pkij->pij", weights, joints[indices]) @ bind
         return blended, query.GetPrim()
 
-    # Names are paths with dots, because a path of the scene has slashes only between nodes.
-    def show(self, prim: Any, transform: np.ndarray, path: Any) -> None:
-        parts = self.parts_of(prim)
-        if path == prim.GetPath():
-            self.place(parts, prim, prim)
-            return
-        for mesh, material in parts:
-            self.add_instance(mesh, material, transform, _dotted(path))
+    def show(self, prim: Any) -> None:
+        self.place(self.parts_of(prim), prim, prim)
 
     def parts_of(self, prim: Any) -> list[tuple[MeshHandle, MaterialHandle]]:
         """The meshes of a prim, which instances of it share."""
@@ -346,13 +362,8 @@ class _Usd(Builder):
     def add_instancer(self, instancer: Any) -> None:
         """Shows the copies of an instancer, each of all prims of its prototype."""
         prim = instancer.GetPrim()
-        indices = instancer.GetProtoIndicesAttr().Get(self.time) or []
-        mask = instancer.ComputeMaskAtTime(self.time)
-        numbers = [i for i in range(len(indices)) if not mask or mask[i]]
-        prototypes = [self.stage.GetPrimAtPath(path) for path in instancer.GetPrototypesRel().GetTargets()]
-        shown = [self.parts_of_prototype(prototype) for prototype in prototypes]
-        placed = self.copies_at(instancer, self.time)
-        copies = [(n, matrix, *part) for n, matrix in zip(numbers, placed) for part in shown[indices[n]]]
+        numbers = self.numbers_of_copies(instancer)
+        copies = self.copies_of(instancer, numbers)
         if times := self.times_of_copies(instancer, len(numbers)):
             above = self.motion.node_of(prim)
             nodes = [{"name": str(n), "parent": above} for n in numbers]
@@ -372,7 +383,31 @@ class _Usd(Builder):
         else:
             base = self.transform(prim)
             for n, matrix, part, local in copies:
-                self.show(part, base @ matrix @ local, f"{prim.GetPath()}/{n}")
+                for mesh, material in self.parts_of(part):
+                    self.add_instance(mesh, material, base @ matrix @ local, _dotted(f"{prim.GetPath()}/{n}"))
+
+    def numbers_of_copies(self, instancer: Any) -> list[int]:
+        """Those of the copies that are not masked."""
+        count = len(instancer.GetProtoIndicesAttr().Get(self.time) or [])
+        mask = instancer.ComputeMaskAtTime(self.time)
+        return [i for i in range(count) if not mask or mask[i]]
+
+    def copies_of(self, instancer: Any, numbers: Sequence[int]) -> Iterator[tuple[int, np.ndarray, Any, np.ndarray]]:
+        """The number and transform of each copy, relative to the instancer, with each prim that it shows and its
+        transform relative to the copy."""
+        path = instancer.GetPath()
+        indices = np.asarray(instancer.GetProtoIndicesAttr().Get(self.time) or [], np.int64)
+        targets = instancer.GetPrototypesRel().GetTargets()
+        if len(indices) and not 0 <= indices.min() <= indices.max() < len(targets):
+            raise UsageError(f"{path} has copies of prototypes that it does not have: it has {len(targets)}")
+        if path in self.unfolded:
+            raise UsageError(f"{path} is an instancer within its own prototypes")
+        self.unfolded.append(path)
+        shown = [self.parts_of_prototype(self.stage.GetPrimAtPath(target)) for target in targets]
+        self.unfolded.pop()
+        for n, matrix in zip(numbers, self.copies_at(instancer, self.time)):
+            for prim, local in shown[indices[n]]:
+                yield n, matrix, prim, local
 
     def copies_at(self, instancer: Any, time: Any) -> np.ndarray:
         """The transforms of the visible copies, (n, 4, 4), relative to the instancer."""
@@ -386,16 +421,37 @@ class _Usd(Builder):
 
     def parts_of_prototype(self, prototype: Any) -> list[tuple[Any, np.ndarray]]:
         """The prims that a prototype shows, with their transforms relative to its parent."""
-        root = np.linalg.inv(self.transform(prototype.GetParent()))
-        shown = [
-            prim
-            for prim in self.pxr.Usd.PrimRange(prototype)
-            if prim.IsA(self.pxr.UsdGeom.Mesh) or prim.GetTypeName() in _SHAPES
-        ]
-        for prim in shown if self.motion.exists else ():
-            if self.motion.samples_of_points(prim) or self.motion.moves_below(prim, prototype.GetParent()):
+        if not prototype:  # a target that does not exist
+            return []
+        if prototype.GetPath() not in self.prototypes:
+            parts: list[tuple[Any, np.ndarray]] = []
+            for part in self.unfolded_parts(prototype):
+                parts.append(part)
+                if len(parts) > _MAX_PARTS:
+                    raise UsageError(f"the instancers in {prototype.GetPath()} show more than {_MAX_PARTS} prims")
+            self.prototypes[prototype.GetPath()] = parts
+        return self.prototypes[prototype.GetPath()]
+
+    def unfolded_parts(self, prototype: Any) -> Iterator[tuple[Any, np.ndarray]]:
+        geom = self.pxr.UsdGeom
+        for prim in self.visible(prototype):
+            is_nested = prim.IsA(geom.PointInstancer)
+            if not is_nested and not prim.IsA(geom.Mesh) and prim.GetTypeName() not in _SHAPES:
+                continue
+            if self.motion.exists and (
+                self.motion.samples_of_points(prim)
+                or self.motion.samples_of_copies(prim)
+                or self.motion.moves_below(prim, prototype.GetParent())
+            ):
                 self.motion.unplayed.append(str(prim.GetPath()))
-        return [(prim, root @ self.transform(prim)) for prim in shown]
+            relative, _ = self.cache.ComputeRelativeTransform(prim, prototype.GetParent())
+            local = np.array(relative, np.float64).T
+            if not is_nested:
+                yield prim, local
+                continue
+            nested = geom.PointInstancer(prim)
+            for _, matrix, part, own in self.copies_of(nested, self.numbers_of_copies(nested)):
+                yield part, local @ matrix @ own
 
     def times_of_copies(self, instancer: Any, count: int) -> list[float]:
         """The times of the samples of an instancer's transforms, if nodes can be its copies: the same ones at all
@@ -859,7 +915,8 @@ class _Usd(Builder):
 
 
 def _dotted(path: Any) -> str:
-    """The name of a root node that stands for a prim."""
+    """The name of a root node that stands for a prim: with dots, because a path of the scene has slashes only between
+    nodes."""
     return str(path)[1:].replace("/", ".")
 
 

@@ -55,8 +55,8 @@ class Motion:
     def finish(self) -> None:
         if self.channels:
             self.scene.add_animation("stage", self.channels)
-        if self.unplayed:
-            named, others = ", ".join(self.unplayed[:3]), len(self.unplayed) - 3
+        if unplayed := list(dict.fromkeys(self.unplayed)):
+            named, others = ", ".join(unplayed[:3]), len(unplayed) - 3
             if others > 0:
                 named += f" and {others} others"
             warnings.warn(

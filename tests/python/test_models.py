@@ -554,6 +554,121 @@ def test_usd_instances_share_meshes(stage):
     assert_bounds(scene, (0, 0, -4), (4, 3, 0))
 
 
+def add_instancer(stage, path, prototypes, positions=((0, 0, 0), (30, 0, 0)), indices=None):
+    from pxr import UsdGeom
+
+    copies = UsdGeom.PointInstancer.Define(stage, path)
+    copies.CreatePrototypesRel().SetTargets(prototypes)
+    copies.CreateProtoIndicesAttr([0] * len(positions) if indices is None else indices)
+    copies.CreatePositionsAttr(list(positions))
+    return copies
+
+
+def add_kind(stage, path):
+    """A shown cube, a hidden one, a guide with a cube that is meant for rendering, a proxy, and an instance."""
+    from pxr import Sdf, UsdGeom
+
+    for name in ("shown", "hidden", "guide/guide", "guide/rendered", "proxy/coarse"):
+        UsdGeom.Cube.Define(stage, f"{path}/{name}")
+    UsdGeom.Imageable(stage.GetPrimAtPath(f"{path}/hidden")).MakeInvisible()
+    for name, purpose in (("guide", "guide"), ("guide/rendered", "render"), ("proxy", "proxy")):
+        prim = stage.GetPrimAtPath(f"{path}/{name}")
+        prim.SetTypeName("Cube" if "/" in name else "Xform")
+        UsdGeom.Imageable(prim).CreatePurposeAttr(purpose)
+    UsdGeom.Sphere.Define(stage, "/library/ball").CreateRadiusAttr(3)
+    stage.GetPrimAtPath("/library").SetSpecifier(Sdf.SpecifierOver)
+    instance = stage.DefinePrim(f"{path}/instance", "Xform")
+    instance.GetReferences().AddInternalReference("/library")
+    instance.SetInstanceable(True)
+
+
+def shown_by(stage):
+    """The sizes of the instances of a stage, and where they are, in units of the stage."""
+    scene = latelight.from_usd(stage)
+    found = []
+    for instance in map(scene.instance, scene.instances()):
+        matrix = 100 * np.linalg.inv(Z_UP) @ np.asarray(instance.transform)  # from meters and Y up
+        size = np.ptp(scene.mesh_arrays(instance.mesh)["positions"] @ matrix[:3, :3].T, axis=0).max()
+        found.append((round(float(size), 3), tuple((np.round(matrix[:3, 3], 3) + 0.0).tolist())))
+    return sorted(found)
+
+
+def test_usd_instancers_show_what_is_visible_in_their_prototypes(stage, capfd):
+    add_kind(stage, "/kind")
+    direct = [(2, (0, 0, 0)), (2, (0, 0, 0)), (6, (0, 0, 0))]  # the shown cube, the rendered one and the instance
+    assert shown_by(stage) == direct
+    stage.RemovePrim("/kind")
+    add_instancer(stage, "/copies", ["/copies/kind"])
+    add_kind(stage, "/copies/kind")
+    assert shown_by(stage) == sorted(direct + [(size, (30, 0, 0)) for size, _ in direct])
+    output = capfd.readouterr()
+    assert (output.out, output.err) == ("", "")
+
+
+@pytest.mark.parametrize("hidden_by", ["over", "class", "visibility", "purpose"])
+@pytest.mark.parametrize("folder", ["/copies/kinds", "/kinds"])
+def test_usd_prototypes_may_be_hidden_outside_of_instancers(stage, hidden_by, folder):
+    """As in UsdImaging: neither the visibility nor the purpose above a prototype counts, and it may be undefined."""
+    from pxr import Sdf, UsdGeom
+
+    kinds = UsdGeom.Scope.Define(stage, folder)
+    add_instancer(stage, "/copies", [f"{folder}/kind"])
+    cube = UsdGeom.Cube.Define(stage, f"{folder}/kind")
+    if hidden_by in ("over", "class"):
+        kinds.GetPrim().SetSpecifier(Sdf.SpecifierOver if hidden_by == "over" else Sdf.SpecifierClass)
+    elif hidden_by == "visibility":
+        kinds.MakeInvisible()
+    else:
+        kinds.CreatePurposeAttr("guide")
+    assert shown_by(stage) == [(2, (0, 0, 0)), (2, (30, 0, 0))]
+    cube.CreateVisibilityAttr("invisible")  # that of the prototype itself counts
+    assert shown_by(stage) == []
+
+
+def test_usd_instancers_may_be_nested(stage):
+    from pxr import UsdGeom
+
+    add_instancer(stage, "/forest", ["/forest/tree"])
+    tree = add_instancer(stage, "/forest/tree", ["/forest/tree/leaf"], [(1, 0, 0), (2, 0, 0)])
+    UsdGeom.XformCommonAPI(tree).SetTranslate((0, 10, 0))
+    UsdGeom.XformCommonAPI(UsdGeom.Cube.Define(stage, "/forest/tree/leaf")).SetTranslate((0, 0, 5))
+    expected = [(2, (x, 10, 5)) for x in (1, 2, 31, 32)]
+    assert shown_by(stage) == expected
+    positions = [(0, 0, 0), (9, 9, 9), (30, 0, 0)]
+    add_instancer(stage, "/forest", ["/forest/tree", "/missing"], positions, [0, 1, 0])
+    assert shown_by(stage) == expected
+
+
+def test_usd_instancers_that_cannot_be_shown_are_refused(stage):
+    from pxr import UsdGeom
+
+    UsdGeom.Cube.Define(stage, "/copies/kind")
+    for indices in ([0, 1], [-1, 0]):
+        add_instancer(stage, "/copies", ["/copies/kind"], indices=indices)
+        with pytest.raises(latelight.UsageError, match="/copies has copies of prototypes that it does not have: it has 1"):
+            latelight.from_usd(stage)
+    add_instancer(stage, "/copies", ["/copies"])
+    with pytest.raises(latelight.UsageError, match="/copies is an instancer within its own prototypes"):
+        latelight.from_usd(stage)
+
+
+def test_small_usd_files_of_nested_instancers_end(stage, monkeypatch):
+    """Each of 40 instancers shows a copy of each of the next two: 2.7e8 paths lead from the first to the last one."""
+    from pxr import Sdf, UsdGeom
+
+    monkeypatch.setattr("latelight._from_usd._MAX_PARTS", 1000)
+    for level in range(40):
+        below = [f"/levels/n{level + 1}", f"/levels/n{level + 2}"]
+        add_instancer(stage, f"/levels/n{level}", below, indices=[0, 1])
+    stage.GetPrimAtPath("/levels").SetSpecifier(Sdf.SpecifierClass)
+    add_instancer(stage, "/copies", ["/levels/n0"])
+    assert shown_by(stage) == []
+    UsdGeom.Cube.Define(stage, "/levels/n40")
+    stage.GetPrimAtPath("/levels").SetSpecifier(Sdf.SpecifierClass)
+    with pytest.raises(latelight.UsageError, match="the instancers in /levels/n.* show more than 1000 prims"):
+        latelight.from_usd(stage)
+
+
 def test_usd_stages_are_seen_as_exported(stage, tmp_path, device):
     """Instances, a point instancer, a light, and the chosen one of two variants."""
     from pxr import UsdGeom, UsdLux
@@ -750,6 +865,9 @@ def test_usd_skeletons_pose_their_meshes(stage):
     assert_bounds(at_rest, (0, 3, -2), (0.1, 3, 0))
     # The points at y = 200 turn about (0, 100): (0, 200) to (-100, 100) and (10, 200) to (-100, 110).
     assert_bounds(posed, (-1, 3, -1.1), (0.1, 3, 0))
+    root.CreatePurposeAttr("guide")  # the mesh has a purpose of its own
+    mesh.CreatePurposeAttr("render")
+    assert_bounds(latelight.from_usd(stage, time=1), (-1, 3, -1.1), (0.1, 3, 0))
     arrays = posed.mesh_arrays(posed.meshes()[0])
     turned = arrays["normals"][np.abs(arrays["positions"][:, 0] + 100) < 1e-3]
     assert len(turned) > 0
