@@ -325,7 +325,7 @@ class _Usd(Builder):
         return points, normals
 
     def skin_of(self, prim: Any) -> tuple[np.ndarray, Any] | None:
-        """For a mesh with a skeleton: transforms (points or 1, 4, 4), which move its points to the space of the skeleton,
+        """For a mesh with a skeleton: transforms (points or 1, 4, 4), which move its points to the skeleton's space,
         and the skeleton."""
         skinning, query, _ = self.binding(prim)
         if not skinning or not skinning.HasJointInfluences():

@@ -234,6 +234,21 @@ def test_transforms_play(stage, device):
     assert len(latelight.from_usd(stage, time=20).instances()) == 2
 
 
+@pytest.mark.parametrize("flat", [(1, 0, 1), (0, 1, 1), (2, 0, 0), (0, 0, 0)])
+def test_transforms_that_begin_flat_play(stage, device, flat):
+    """A scale of zero is not a shear."""
+    form = UsdGeom.Xform.Define(stage, "/form")
+    form.AddRotateXYZOp().Set(Gf.Vec3f(20, 30, -50))
+    grow = form.AddScaleOp()
+    grow.Set(Gf.Vec3f(flat), 0)
+    grow.Set(Gf.Vec3f(2, 1, 1), 24)
+    mesh = add_tube(stage, "/form/tube", rings=3)
+    scene = latelight.from_usd(stage)
+    for code in (3, 7.7, 24):
+        points = moved(world_of(mesh.GetPrim(), code), np.array(mesh.GetPointsAttr().Get(), np.float64))
+        assert_shows(scene, device, code / RATE, mesh, points, 2e-4)
+
+
 def test_what_rides_on_transforms_plays(stage, device):
     """A camera, a light, an instancer and a mesh posed once, below a moving Xform; and visibility in steps."""
     base = UsdGeom.Xform.Define(stage, "/base")
