@@ -283,9 +283,9 @@ class Motion:
     # --- blend shapes ---
 
     def weights_of(self, animation: Any, mapper: Any, shapes: Any) -> tuple[list[float], np.ndarray]:
-        """Times, and the weights of all shapes and in-betweens at them. Between two samples a weight is linear, and that
-        of an in-between is linear between the weights of its neighbors, so that keys are added where a weight passes
-        one."""
+        """Times, and the weights of all shapes and in-betweens at them. Between two samples a weight is linear, and
+        that of an in-between is linear between the weights of its neighbors, so that keys are added where a weight
+        passes one."""
 
         def own(time: float) -> Any:
             weights = animation.ComputeBlendShapeWeights(time)
