@@ -10,11 +10,12 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from ._core import Light, Material, MaterialHandle, MeshHandle, Scene, read_environment
+from ._core import Material, MaterialHandle, MeshHandle, Scene, read_environment
 from ._enclosure import Enclosure
 from ._model_builder import Builder, linear, missing, node_name, reading, v_down
 from ._shapes import Shape, box, capsule, cone, cylinder, ellipsoid, mesh_arrays, plane, tapered_capsule
-from ._usd_animation import Motion, Parts, joint_order, unsheared
+from ._usd_animation import Motion, Parts, axes_of, joint_order, unsheared
+from ._usd_lights import color_of, light_of, radiance_of
 from .errors import UsageError
 
 
@@ -765,88 +766,14 @@ class _Usd(Builder):
 
     def add_light(self, prim: Any) -> None:
         lux = self.pxr.UsdLux
-        api, transform = lux.LightAPI(prim), self.world @ self.transform(prim)
         if prim.IsA(lux.DomeLight) or prim.IsA(lux.DomeLight_1):
             self.domes.append(prim)
             if self.motion.moves(prim):  # the scene's environment stays
                 self.motion.unplayed.append(str(prim.GetPath()))
             return
-        node = self.motion.node_of(prim) if self.motion.moves(prim) else None
-        color = tuple(self.light_color(api).tolist())
-        power = float(api.GetIntensityAttr().Get(self.time)) * 2 ** float(api.GetExposureAttr().Get(self.time))
-        position = tuple(transform[:3, 3].tolist())
-        direction = tuple((-transform[:3, 2]).tolist())
-        name = prim.GetName()
-        if prim.IsA(lux.DistantLight):
-            self.scene.add_light(
-                Light(name=name, type="directional", direction=direction, color=color, intensity=power), node
-            )
-        elif prim.IsA(lux.SphereLight):
-            radius = float(lux.SphereLight(prim).GetRadiusAttr().Get(self.time)) * np.cbrt(
-                abs(np.linalg.det(transform[:3, :3]))
-            )
-            # Radiance times the projected area, as seen from afar. `normalize` divides the radiance by the area of the
-            # sphere, in units of the stage.
-            is_normalized = api.GetNormalizeAttr().Get(self.time)
-            candela = power * (self.scale**2 / 4 if is_normalized else math.pi * radius**2)
-            light = Light(name=name, position=position, color=color, intensity=candela, size=radius)
-            shaping = lux.ShapingAPI(prim)
-            cone = float(shaping.GetShapingConeAngleAttr().Get(self.time)) if prim.HasAPI(lux.ShapingAPI) else 90
-            if cone < 90:
-                softness = float(shaping.GetShapingConeSoftnessAttr().Get(self.time))
-                light.type, light.direction, light.outer_cone = "spot", direction, max(cone, 0)
-                light.inner_cone = light.outer_cone * (1 - min(max(softness, 0), 1))
-            self.scene.add_light(light, node)
-        else:
-            self.add_area_light(prim, transform, color, power, node)
-
-    def light_color(self, api: Any) -> np.ndarray:
-        color = np.array(api.GetColorAttr().Get(self.time), np.float64)
-        if api.GetEnableColorTemperatureAttr().Get(self.time):
-            kelvin = float(api.GetColorTemperatureAttr().Get(self.time))
-            color *= np.array(self.pxr.UsdLux.BlackbodyTemperatureAsRgb(kelvin))
-        return color
-
-    def add_area_light(
-        self, prim: Any, transform: np.ndarray, color: tuple[float, ...], power: float, node: str | None
-    ) -> None:
-        """Rectangles, disks and tubes. Their transforms are those of the stage, whose lengths are not meters."""
-        lux = self.pxr.UsdLux
-        sizes: dict[str, float] = {}
-
-        def size(attribute: Any) -> float:
-            return float(attribute.Get(self.time))
-
-        if prim.IsA(lux.RectLight):
-            rect = lux.RectLight(prim)
-            kind, sizes = "rect", {"width": size(rect.GetWidthAttr()), "height": size(rect.GetHeightAttr())}
-            area = sizes["width"] * sizes["height"]
-        elif prim.IsA(lux.DiskLight):
-            kind, sizes = "disk", {"size": size(lux.DiskLight(prim).GetRadiusAttr())}
-            area = math.pi * sizes["size"] ** 2
-        elif prim.IsA(lux.CylinderLight):
-            tube = lux.CylinderLight(prim)
-            kind, sizes = "tube", {"size": size(tube.GetRadiusAttr()), "length": size(tube.GetLengthAttr())}
-            area = 2 * math.pi * sizes["size"] * sizes["length"]
-        else:
-            return
-        lengths = np.linalg.norm(transform[:3, :3], axis=0)
-        if lux.LightAPI(prim).GetNormalizeAttr().Get(self.time) and area > 0:
-            power /= area
-        self.scene.add_light(
-            Light(
-                name=prim.GetName(),
-                type=kind,
-                position=tuple(transform[:3, 3].tolist()),
-                direction=tuple((-transform[:3, 2]).tolist()),
-                up=tuple(transform[:3, 1].tolist()),
-                scale=tuple(lengths.tolist()),
-                color=color,
-                intensity=power,
-                **sizes,
-            ),
-            node,
-        )
+        light = light_of(prim, self.pxr, self.time, self.world @ self.transform(prim), self.scale)
+        if light is not None:
+            self.scene.add_light(light, self.motion.node_of(prim) if self.motion.moves(prim) else None)
 
     # --- dome lights ---
 
@@ -858,14 +785,14 @@ class _Usd(Builder):
         total = np.zeros((height, 2 * height, 3), np.float32)
         for dome, image in zip(self.domes, images):
             api = self.pxr.UsdLux.LightAPI(dome)
-            power = float(api.GetIntensityAttr().Get(self.time)) * 2 ** float(api.GetExposureAttr().Get(self.time))
-            axes = (self.world @ self.transform(dome))[:3, :3]
-            axes = axes / np.linalg.norm(axes, axis=0)
+            rotations, scales = axes_of((self.world @ self.transform(dome))[None])
+            axes = rotations[0] * np.where(scales[0] < 0, -1, 1)
             pole = dome.GetAttribute("poleAxis").Get() if dome.IsA(self.pxr.UsdLux.DomeLight_1) else "Y"
             up = self.pxr.UsdGeom.GetStageUpAxis(self.stage) if pole == "scene" else pole
             if up == "Z":  # the texture's pole, which is +Y, is turned about X
                 axes = axes @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
-            total += power * self.light_color(api).astype(np.float32) * _sampled(image, directions @ axes)
+            color = radiance_of(api, self.time) * color_of(api, self.pxr, self.time)
+            total += color.astype(np.float32) * _sampled(image, directions @ axes)
         return total
 
     def dome_image(self, dome: Any) -> np.ndarray:

@@ -355,14 +355,20 @@ def unsheared(matrices: np.ndarray) -> np.ndarray:
     return _composed(*_parts(matrices))
 
 
-def _parts(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The translations, rotations and scales of transforms (n, 4, 4) without shear."""
+def axes_of(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The rotations (n, 3, 3) and scales (n, 3) whose product are the axes of transforms (n, 4, 4). The first scale is
+    negative if a transform mirrors. The axes of a rotation are not perpendicular if a transform shears."""
     axes = matrices[:, :3, :3]
     scales = np.linalg.norm(axes, axis=1)
     flat = scales <= _FLAT * scales.max(axis=1, keepdims=True)
     scales[:, 0] *= np.where((np.linalg.det(axes) < 0) & ~flat.any(axis=1), -1, 1)
-    rotations = axes / np.where(flat, 1, scales)[:, None, :]
-    return matrices[:, :3, 3], _quaternions(_completed(rotations, flat)), scales
+    return _completed(axes / np.where(flat, 1, scales)[:, None, :], flat), scales
+
+
+def _parts(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The translations, rotations and scales of transforms (n, 4, 4) without shear."""
+    rotations, scales = axes_of(matrices)
+    return matrices[:, :3, 3], _quaternions(rotations), scales
 
 
 def _completed(rotations: np.ndarray, flat: np.ndarray) -> np.ndarray:

@@ -733,9 +733,10 @@ def test_usd_spot_lights_have_cones(stage):
     assert (light.outer_cone, light.inner_cone) == (pytest.approx(40, abs=1e-4), pytest.approx(30, abs=1e-4))
     np.testing.assert_allclose(light.direction, (0, -1, 0), atol=1e-6)  # the stage's -Z
     assert light.size == pytest.approx(0.1) and light.intensity == pytest.approx(100 * np.pi * 0.1**2)
-    shaping.CreateShapingConeAngleAttr(90)
-    everywhere = latelight.from_usd(stage)
-    assert everywhere.light(everywhere.lights()[0]).type == "point"
+    for angle, types in ((90, ["spot"]), (180, ["point"]), (0, []), (-1, [])):  # none emits beyond its cone
+        shaping.CreateShapingConeAngleAttr(angle)
+        scene = latelight.from_usd(stage)
+        assert [scene.light(light).type for light in scene.lights()] == types
 
 
 def test_usd_lights_may_be_normalized(stage):
@@ -750,6 +751,87 @@ def test_usd_lights_may_be_normalized(stage):
     scene = latelight.from_usd(stage)
     for light in map(scene.light, scene.lights()):
         assert light.intensity == pytest.approx(3 * np.pi * 0.2**2), light.name
+
+
+@pytest.mark.parametrize("angle", [0.53, 20, 180, 270])
+@pytest.mark.parametrize("normalize", [False, True])
+def test_usd_distant_lights_are_as_bright_as_their_cap(stage, angle, normalize):
+    """UsdLux: a cap of directions of that angle has the given radiance, which `normalize` divides by the cap's size: by
+    what a surface that faces it receives, or by 2 pi minus that of the rest if it is more than a hemisphere."""
+    from pxr import UsdLux
+
+    sun = UsdLux.DistantLight.Define(stage, "/sun")
+    sun.CreateIntensityAttr(1000)
+    sun.CreateExposureAttr(-1)
+    sun.CreateAngleAttr(angle)
+    sun.CreateNormalizeAttr(normalize)
+    edges = np.radians(np.linspace(0, angle / 2, 100001))
+    middle = (edges[1:] + edges[:-1]) / 2
+    parts = 2 * np.pi * np.sin(middle) * np.cos(middle) * np.diff(edges)
+    received = parts[parts > 0].sum()
+    scene = latelight.from_usd(stage)
+    light = scene.light(scene.lights()[0])
+    assert light.type == "directional" and light.size == pytest.approx(min(angle, 179))
+    assert light.intensity == pytest.approx(500 * received / (np.abs(parts).sum() if normalize else 1), rel=1e-5)
+
+
+def test_usd_distant_lights_have_the_defaults_of_the_schema(stage):
+    from pxr import UsdLux
+
+    sun = UsdLux.DistantLight.Define(stage, "/sun")
+    scene = latelight.from_usd(stage)
+    # A radiance of 50,000 in a cap of 0.53 degrees, which makes white about 1.
+    assert scene.light(scene.lights()[0]).intensity == pytest.approx(50000 * np.pi * np.sin(np.radians(0.265)) ** 2)
+    np.testing.assert_allclose(scene.light(scene.lights()[0]).direction, (0, -1, 0), atol=1e-6)
+    sun.CreateAngleAttr(0)
+    scene = latelight.from_usd(stage)
+    assert (scene.light(scene.lights()[0]).intensity, scene.light(scene.lights()[0]).size) == (50000, 0)
+
+
+def test_usd_normalized_area_lights_keep_their_power_when_scaled(stage):
+    from pxr import UsdGeom, UsdLux
+
+    power, scale = 600, np.array((2, 3, 5))
+    turn = np.linspace(0, 2 * np.pi, 100001)
+    around = np.hypot(*np.diff([3 * np.cos(turn), 5 * np.sin(turn)], axis=1)).sum()  # of the tube's end, for radius 1
+    areas = {"panel": 10 * 2 * 20 * 3, "disk": np.pi * 4**2 * 2 * 3, "tube": 4 * around * 10 * 2}
+    panel, tube = UsdLux.RectLight.Define(stage, "/panel"), UsdLux.CylinderLight.Define(stage, "/tube")
+    panel.CreateWidthAttr(10)
+    panel.CreateHeightAttr(20)
+    tube.CreateLengthAttr(10)
+    tube.CreateRadiusAttr(4)
+    disk = UsdLux.DiskLight.Define(stage, "/disk")
+    disk.CreateRadiusAttr(4)
+    for light in (panel, tube, disk):
+        light.CreateIntensityAttr(power)
+        light.CreateNormalizeAttr(True)
+        UsdGeom.XformCommonAPI(light).SetScale(tuple(scale.tolist()))
+    scene = latelight.from_usd(stage)
+    assert {light.name for light in map(scene.light, scene.lights())} == set(areas)
+    for light in map(scene.light, scene.lights()):
+        assert light.intensity == pytest.approx(power / areas[light.name], rel=1e-4), light.name
+        np.testing.assert_allclose(light.scale, scale / 100)
+
+
+def test_usd_lights_without_extent_emit_nothing(stage):
+    from pxr import UsdGeom, UsdLux
+
+    for kind, names in ((UsdLux.RectLight, ("width", "height")), (UsdLux.DiskLight, ("radius",)),
+                        (UsdLux.CylinderLight, ("radius", "length"))):  # fmt: skip
+        for name in names:
+            light = kind.Define(stage, f"/{kind.__name__}_{name}")
+            light.GetPrim().GetAttribute(f"inputs:{name}").Set(0)
+        UsdGeom.XformCommonAPI(kind.Define(stage, f"/{kind.__name__}_scaled")).SetScale((1, 0, 1))
+    flat = UsdLux.RectLight.Define(stage, "/flat")  # as a plane, which is all that it is
+    UsdGeom.XformCommonAPI(flat).SetScale((1, 1, 0))
+    UsdLux.ShadowAPI.Apply(flat.GetPrim()).CreateShadowEnableAttr(False)
+    scene = latelight.from_usd(stage)
+    (light,) = map(scene.light, scene.lights())
+    assert light.name == "flat" and light.cast_shadow is False
+    np.testing.assert_allclose(light.direction, (0, -1, 0), atol=1e-6)
+    flat.CreateWidthAttr(-2)
+    with pytest.raises(latelight.UsageError, match="/flat has the width -2, but it must not be negative"):
+        latelight.from_usd(stage)
 
 
 def test_usd_lights_have_color_temperatures(stage):
@@ -979,6 +1061,10 @@ def test_usd_dome_lights_are_environments(up, tmp_path, device):
     turn.Set(90)  # counter-clockwise from above: +Z goes to +X
     stage.Save()
     np.testing.assert_allclose(background(latelight.Scene(tmp_path / "sky.usda"), device, (1, 0, 0)), (2, 0, 0), atol=1e-2)
+    for scale, green in (((-1, 1, 1), -1), ((0, 0, 0), 1)):  # a mirrored sky, and no size that a sky could have
+        dome.ClearXformOpOrder()
+        dome.AddScaleOp().Set(scale)
+        np.testing.assert_allclose(background(latelight.from_usd(stage), device, (green, 0, 0)), (0, 4, 0), atol=1e-2)
     dome.CreateTextureFormatAttr("angular")
     with pytest.raises(latelight.UsageError, match="/sky has a texture that is not latlong"):
         latelight.from_usd(stage)
