@@ -815,30 +815,44 @@ class _Usd(Builder):
     # --- cameras ---
 
     def exposures(self) -> list[float]:
+        if self.plays:
+            self.animate()  # cameras that appear later belong to the scene, too
         cameras = [self.pxr.UsdGeom.Camera(prim) for prim in self.visible() if prim.IsA(self.pxr.UsdGeom.Camera)]
         scales = [float(camera.ComputeLinearExposureScale(self.time)) for camera in cameras]
         return [math.log2(scale) if scale > 0 else -math.inf for scale in scales]
 
     def add_camera(self, camera: Any, prim: Any) -> None:
         gf = camera.GetCamera(self.time)
-        fov = float(gf.GetFieldOfView(self.pxr.Gf.Camera.FOVVertical))
-        transform = self.world @ self.transform(prim)
-        eye = transform[:3, 3]
-        made = self.scene.look_at(eye, eye - transform[:3, 2] / np.linalg.norm(transform[:3, 2]), vertical_fov=fov)
-        pose = np.eye(4)
-        axes = transform[:3, :3] / np.linalg.norm(transform[:3, :3], axis=0)
-        pose[:3, :3], pose[:3, 3] = axes @ np.diag([1, -1, -1]), eye  # OpenCV's camera: Y down, Z forward
-        made.camera_to_world = pose
-        made.name = prim.GetName()
-        if gf.projection == self.pxr.Gf.Camera.Orthographic:
+        is_orthographic = gf.projection == self.pxr.Gf.Camera.Orthographic
+        if gf.verticalAperture <= 0 or (gf.focalLength <= 0 and not is_orthographic):
+            name = "verticalAperture" if gf.verticalAperture <= 0 else "focalLength"
+            raise UsageError(f"{prim.GetPath()} has the {name} {getattr(gf, name):g}, but it must be positive")
+        pose = _camera_pose(self.world @ self.transform(prim))
+        made = self.scene.look_at(pose[:3, 3], pose[:3, 3] + pose[:3, 2])
+        made.camera_to_world, made.name = pose, prim.GetName()
+        if is_orthographic:
             made.orthographic = True
             made.half_height = gf.verticalAperture * self.pxr.Gf.Camera.APERTURE_UNIT / 2 * self.scale
             made.near_clip, made.far_clip = gf.clippingRange.min * self.scale, gf.clippingRange.max * self.scale
+        else:
+            made.vertical_fov = float(gf.GetFieldOfView(self.pxr.Gf.Camera.FOVVertical))
         # An offset moves what the camera sees, and the center of the projection moves the other way in the image.
-        if gf.horizontalAperture > 0 and gf.verticalAperture > 0:
+        if gf.horizontalAperture > 0:
             made.principal_x = -2 * gf.horizontalApertureOffset / gf.horizontalAperture
-            made.principal_y = -2 * gf.verticalApertureOffset / gf.verticalAperture
+        made.principal_y = -2 * gf.verticalApertureOffset / gf.verticalAperture
         self.scene.add_camera(made, self.motion.node_of(prim) if self.motion.moves(prim) else None)
+
+
+def _camera_pose(transform: np.ndarray) -> np.ndarray:
+    """The pose of OpenCV's camera, which has Y down and Z forward, by USD's, which has Y up and -Z forward. Scale,
+    mirroring and shear do not change the image, as in GfFrustum; a sheared camera keeps its direction."""
+    rotation = axes_of(transform[None])[0][0]
+    back = rotation[:, 2]
+    right = np.cross(rotation[:, 1], back)
+    right /= np.linalg.norm(right)
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = np.stack([right, -np.cross(back, right), -back], axis=1), transform[:3, 3]
+    return pose
 
 
 def _dotted(path: Any) -> str:

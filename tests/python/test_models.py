@@ -874,6 +874,64 @@ def test_usd_cameras_may_be_orthographic_or_shifted(stage, device):
             np.testing.assert_allclose(position[row, column], (x, 0, -y), atol=2e-5)
 
 
+@pytest.mark.parametrize("scale", [(-1, 1, 1), (2, -3, 4), (-1, -1, -1), (0.5, 2, 3)])
+def test_usd_cameras_may_be_mirrored_and_scaled(stage, scale):
+    """The camera is where GfFrustum has it, which has no mirrors and no scale."""
+    from pxr import UsdGeom
+
+    camera = UsdGeom.Camera.Define(stage, "/camera")
+    UsdGeom.XformCommonAPI(camera).SetTranslate((10, 20, 30))
+    UsdGeom.XformCommonAPI(camera).SetRotate((25, -40, 70))
+    UsdGeom.XformCommonAPI(camera).SetScale(scale)
+    expected = np.array(camera.GetCamera(0).frustum.ComputeViewInverse()).T @ np.diag([1, -1, -1, 1])
+    expected[:3, 3] /= 100
+    (found,) = latelight.from_usd(stage).cameras
+    np.testing.assert_allclose(found.camera_to_world, Z_UP @ expected, atol=1e-6)
+
+
+def test_usd_cameras_may_be_sheared_or_flat(stage):
+    """They keep their direction, and a camera without a depth of its own faces as its plane does."""
+    from pxr import UsdGeom
+
+    UsdGeom.XformCommonAPI(UsdGeom.Xform.Define(stage, "/wide")).SetScale((1, 3, 1))
+    sheared = UsdGeom.Camera.Define(stage, "/wide/camera")
+    UsdGeom.XformCommonAPI(sheared).SetRotate((30, 20, 10))
+    flat = UsdGeom.Camera.Define(stage, "/flat")
+    UsdGeom.XformCommonAPI(flat).SetScale((1, 1, 0))
+    directions = [np.asarray(camera.camera_to_world)[:3, 2] for camera in latelight.from_usd(stage).cameras]
+    back = np.array(UsdGeom.Imageable(sheared).ComputeLocalToWorldTransform(0))[2, :3]
+    np.testing.assert_allclose(directions[0], -Z_UP[:3, :3] @ back / np.linalg.norm(back), atol=1e-6)
+    np.testing.assert_allclose(directions[1], (0, -1, 0), atol=1e-6)
+
+
+def test_usd_cameras_without_a_view_are_refused(stage):
+    from pxr import UsdGeom
+
+    camera = UsdGeom.Camera.Define(stage, "/camera")
+    camera.CreateFocalLengthAttr(0)
+    with pytest.raises(latelight.UsageError, match="/camera has the focalLength 0, but it must be positive"):
+        latelight.from_usd(stage)
+    camera.CreateProjectionAttr("orthographic")  # which has no use for a focal length
+    assert latelight.from_usd(stage).cameras[0].orthographic
+    camera.CreateVerticalApertureAttr(-1)
+    with pytest.raises(latelight.UsageError, match="/camera has the verticalAperture -1, but it must be positive"):
+        latelight.from_usd(stage)
+
+
+def test_usd_exposures_are_those_of_all_cameras(stage):
+    """Also of a camera that appears after the first time code, which is one of the scene's."""
+    from pxr import UsdGeom
+
+    for stops, name in enumerate(("first", "second"), 1):
+        UsdGeom.Camera.Define(stage, f"/{name}").CreateExposureAttr(stops)
+    seen = UsdGeom.Imageable(stage.GetPrimAtPath("/first")).CreateVisibilityAttr()
+    seen.Set("invisible", 0)
+    seen.Set("inherited", 5)
+    assert [camera.name for camera in latelight.from_usd(stage).cameras] == ["first", "second"]
+    assert latelight.usd_exposures(stage) == [1, 2]
+    assert latelight.usd_exposures(stage, time=0) == [2]
+
+
 def test_usd_cameras_have_exposures(stage):
     from pxr import UsdGeom
 
