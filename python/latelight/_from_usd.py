@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import importlib
+import io
 import math
 import os
+import tempfile
+import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple, TypeVar
 
@@ -728,7 +731,7 @@ class _Usd(Builder):
             file = texture.GetInput("file").Get(self.time) if texture and texture.GetInput("file") else None
             path = file.resolvedPath if file else ""
             path = self.allowed(path)
-            if path and os.path.isfile(path):
+            if path and (self.pxr.Ar.IsPackageRelativePath(path) or os.path.isfile(path)):
                 return path, source.GetName().removeprefix("outputs:")
         return "", ""
 
@@ -750,17 +753,34 @@ class _Usd(Builder):
         return self.images[path]
 
     def allowed(self, path: str) -> str:
-        """Checks a file that the stage refers to. Those in archives are as allowed as the archive."""
-        if path and self.enclosure and not self.pxr.Ar.IsPackageRelativePath(path):
-            return self.enclosure.check(path)
-        return path
+        """Checks a file that the stage refers to, or the archive that it is in. Returns its path."""
+        if not path or not self.enclosure:
+            return path
+        if self.pxr.Ar.IsPackageRelativePath(path):
+            _check_file(self.pxr, path, self.enclosure)
+            return path
+        return self.enclosure.check(path)
 
     def open_image(self, path: str) -> Any:
         try:
             pil = importlib.import_module("PIL.Image")
         except ImportError:
             raise missing("pillow", "from_usd") from None
-        return pil.open(path)
+        packaged = self.pxr.Ar.IsPackageRelativePath(path)
+        image = pil.open(io.BytesIO(_packaged(self.pxr, path)) if packaged else path)
+        if image.mode.startswith("I"):  # 16 bits, which Pillow would clip to 8 bits
+            image = pil.fromarray((np.clip(np.asarray(image), 0, 65535) // 257).astype(np.uint8))
+        return image
+
+    def read_radiance(self, path: str) -> np.ndarray:
+        """The pixels of a .hdr or .exr file."""
+        if not self.pxr.Ar.IsPackageRelativePath(path):
+            return read_environment(path)
+        with tempfile.TemporaryDirectory() as folder:
+            copy = os.path.join(folder, f"environment{_extension(path)}")
+            with open(copy, "wb") as file:
+                file.write(_packaged(self.pxr, path))
+            return read_environment(copy)
 
     # --- lights ---
 
@@ -808,8 +828,8 @@ class _Usd(Builder):
         if not path:
             return np.ones((1, 2, 3), np.float32)
         path = self.allowed(path)
-        if path.lower().endswith((".hdr", ".exr")):
-            return read_environment(path)
+        if _extension(path) in (".hdr", ".exr"):
+            return self.read_radiance(path)
         return linear(np.asarray(self.open_image(path).convert("RGB")) / 255)
 
     # --- cameras ---
@@ -938,6 +958,25 @@ def _check_file(pxr: Any, path: str, enclosure: Enclosure) -> None:
     """Checks a file that a layer refers to; for one in an archive, the archive."""
     packaged = pxr.Ar.IsPackageRelativePath(path)
     enclosure.check(pxr.Ar.SplitPackageRelativePathOuter(path)[0] if packaged else path)
+
+
+def _packaged(pxr: Any, path: str) -> bytes:
+    """The contents of a file in a .usdz archive, or in one within it. Their files are not compressed."""
+    source: Any
+    source, rest = pxr.Ar.SplitPackageRelativePathOuter(path)
+    while rest:
+        name, rest = pxr.Ar.SplitPackageRelativePathOuter(rest)
+        with zipfile.ZipFile(source) as archive:
+            if archive.getinfo(name).compress_type != zipfile.ZIP_STORED:
+                raise UsageError(f"{path} is compressed, which USD's archives do not support")
+            contents = archive.read(name)
+        source = io.BytesIO(contents)
+    return contents
+
+
+def _extension(path: str) -> str:
+    """Also of a file in an archive, as in model.usdz[textures/sky.hdr]."""
+    return os.path.splitext(path.rstrip("]"))[1].lower()
 
 
 def _opened(pxr: Any, path: str, enclosure: Enclosure) -> Any:

@@ -1345,6 +1345,105 @@ def test_usd_images_of_scalars_are_packed(stage, tmp_path):
     assert np.asarray(paint.baseColorTexture)[0, 0].tolist() == [255, 255, 255, 99]
 
 
+def painted(stage, file):
+    """A mesh whose color and roughness are images."""
+    from pxr import Sdf, UsdShade
+
+    shader = UsdShade.Shader.Define(stage, "/paint/surface")
+    shader.CreateIdAttr("UsdPreviewSurface")
+    texture = UsdShade.Shader.Define(stage, "/paint/image")
+    texture.CreateIdAttr("UsdUVTexture")
+    texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(str(file))
+    for name, channel, kind in (("diffuseColor", "rgb", "Color3f"), ("roughness", "r", "Float")):
+        output = texture.CreateOutput(channel, getattr(Sdf.ValueTypeNames, kind))
+        shader.CreateInput(name, getattr(Sdf.ValueTypeNames, kind)).ConnectToSource(output)
+    bind(stage, shader)
+
+
+def painted_with(scene, folder):
+    """A pixel of the color, and the roughness there."""
+    scene.export(folder / "painted.glb")
+    (mesh,) = trimesh.load(folder / "painted.glb").geometry.values()
+    paint = mesh.visual.material
+    color, packed = np.asarray(paint.baseColorTexture), np.asarray(paint.metallicRoughnessTexture)
+    return color[0, 0, :3].tolist(), int(packed[0, 0, 1])
+
+
+def test_usd_images_may_have_16_bits(stage, tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    image.fromarray(np.full((2, 2), 120 * 257, np.uint16)).save(tmp_path / "deep.png")
+    painted(stage, tmp_path / "deep.png")
+    assert painted_with(latelight.from_usd(stage), tmp_path) == ([120, 120, 120], 120)
+
+
+def test_usd_archives_hold_their_images(tmp_path, device):
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf, Usd, UsdLux
+
+    (tmp_path / "textures").mkdir()
+    image.fromarray(np.full((2, 2, 3), (10, 20, 30), np.uint8)).save(tmp_path / "textures" / "paint.png")
+    pixels = bytes((128, 64, 0, 129)) * 2  # RGBE: a value is its byte times 2^(exponent - 136)
+    (tmp_path / "sky.hdr").write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n" + pixels)
+    stage = Usd.Stage.CreateNew(str(tmp_path / "stage.usda"))
+    painted(stage, "textures/paint.png")
+    UsdLux.DomeLight.Define(stage, "/sky").CreateTextureFileAttr("sky.hdr")
+    stage.Save()
+
+    def pack(name, *files):
+        archive = Sdf.ZipFileWriter.CreateNew(str(tmp_path / name))
+        for file in files:
+            archive.AddFile(str(tmp_path / file), file)
+        assert archive.Save()
+
+    pack("inner.usdz", "stage.usda", "textures/paint.png", "sky.hdr")
+    outer = Usd.Stage.CreateNew(str(tmp_path / "outer.usda"))
+    outer.GetRootLayer().subLayerPaths.append("inner.usdz")
+    outer.Save()
+    pack("outer.usdz", "outer.usda", "inner.usdz")
+    for file in ("textures/paint.png", "sky.hdr", "stage.usda"):
+        (tmp_path / file).unlink()
+    for name in ("inner.usdz", "outer.usdz", "outer.usda"):
+        scene = latelight.from_usd(tmp_path / name)
+        assert painted_with(scene, tmp_path) == ([10, 20, 30], 10), name
+        np.testing.assert_allclose(background(scene, device, (0.3, 0.2, 1)), (1, 0.5, 0), rtol=1e-3)
+
+
+def test_compressed_images_in_usd_archives_are_refused(tmp_path):
+    """USD's archives are not compressed, so that their size bounds what is read from them."""
+    import zipfile
+
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Usd
+
+    image.fromarray(np.full((99, 99, 3), 9, np.uint8)).save(tmp_path / "paint.bmp")
+    stage = Usd.Stage.CreateNew(str(tmp_path / "stage.usda"))
+    painted(stage, "paint.bmp")
+    stage.Save()
+    with zipfile.ZipFile(tmp_path / "stage.usdz", "w") as archive:
+        archive.write(tmp_path / "stage.usda", "stage.usda")
+        archive.write(tmp_path / "paint.bmp", "paint.bmp", zipfile.ZIP_DEFLATED)
+    with pytest.raises(latelight.InputError, match="stage.usdz.paint.bmp. is compressed, which USD's archives do not"):
+        latelight.from_usd(tmp_path / "stage.usdz")
+
+
+def test_images_in_archives_outside_are_refused(tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf, Usd
+
+    (tmp_path / "inside").mkdir()
+    image.fromarray(np.full((2, 2, 3), 9, np.uint8)).save(tmp_path / "paint.png")
+    archive = Sdf.ZipFileWriter.CreateNew(str(tmp_path / "images.usdz"))
+    archive.AddFile(str(tmp_path / "paint.png"), "paint.png")
+    assert archive.Save()
+    stage = Usd.Stage.CreateNew(str(tmp_path / "inside" / "stage.usda"))
+    painted(stage, "../images.usdz[paint.png]")
+    stage.Save()
+    with pytest.raises(latelight.InputError, match="images.usdz, which is outside the scene's folder"):
+        latelight.from_usd(tmp_path / "inside" / "stage.usda")
+    scene = latelight.from_usd(tmp_path / "inside" / "stage.usda", allow_outside=[tmp_path])
+    assert painted_with(scene, tmp_path) == ([9, 9, 9], 9)
+
+
 def test_models_of_other_types_are_refused():
     with pytest.raises(latelight.UsageError, match="from_trimesh requires"):
         latelight.from_trimesh(3)
