@@ -514,21 +514,12 @@ class _Usd(Builder):
         points, blended_normals = shapes
         if points is None:
             points = np.asarray(mesh.GetPointsAttr().Get(self.time), np.float32).reshape(-1, 3)
-        counts = np.asarray(mesh.GetFaceVertexCountsAttr().Get(self.time) or [], np.int64)
-        indices = np.asarray(mesh.GetFaceVertexIndicesAttr().Get(self.time) or [], np.int64)
-        if len(points) == 0 or len(counts) == 0:
+        every = self.corners_of(mesh, prim, len(points))
+        if len(every.flat) == 0:
             return []
-        if counts.sum() != len(indices) or (len(indices) and (indices.min() < 0 or indices.max() >= len(points))):
-            raise UsageError(f"{prim.GetPath()} has faces that refer to points it does not have")
-        first = np.concatenate([[0], np.cumsum(counts)[:-1]])
-        corners, faces = _fans(first, counts)  # corners of triangles, and the face of each triangle
-        if mesh.GetOrientationAttr().Get(self.time) == self.pxr.UsdGeom.Tokens.leftHanded:
-            corners = corners[:, ::-1]
-        flat = corners.ravel()
-        every = Corners(flat, indices[flat], np.repeat(faces, 3))
         normals = self.normals_of_corners(mesh, prim, every, self.time)
         if blended_normals is not None and len(blended_normals) == len(points):
-            normals = blended_normals[indices[flat]]
+            normals = blended_normals[every.points]
         if pose is not None:
             if len(pose) not in (1, len(points)):
                 raise UsageError(f"{prim.GetPath()} has joint influences that do not match its points")
@@ -536,7 +527,7 @@ class _Usd(Builder):
             points = (np.einsum("pij,pj->pi", pose[:, :3, :3], points) + pose[:, :3, 3]).astype(np.float32)
             if normals is not None:
                 turn = np.linalg.pinv(pose[:, :3, :3]).transpose(0, 2, 1)
-                normals = np.einsum("pij,pj->pi", turn[indices[flat]], normals).astype(np.float32)
+                normals = np.einsum("pij,pj->pi", turn[every.points], normals).astype(np.float32)
         uv = next(
             (
                 v
@@ -548,7 +539,7 @@ class _Usd(Builder):
         colors = self.primvar(prim, "displayColor", None, "", every, 3, self.time)
         kinds = ("positions",) if normals is None else ("positions", "normals")
         made = []
-        for material, triangles in self.subsets(prim, faces):
+        for material, triangles in self.subsets(prim, every.faces[::3]):
             chosen = np.repeat(triangles, 3)
             handle = self.material_of(material, prim)
             rgba = None
@@ -558,7 +549,7 @@ class _Usd(Builder):
             made.append(
                 (
                     self.scene.add_mesh(
-                        points[indices[flat]][chosen],
+                        points[every.points][chosen],
                         normals=None if normals is None else normals[chosen],
                         uv=None if uv is None else v_down(uv[chosen]),
                         colors=rgba,
@@ -569,6 +560,26 @@ class _Usd(Builder):
                 )
             )
         return made
+
+    def corners_of(self, mesh: Any, prim: Any, count: int) -> Corners:
+        """The corners of all triangles of a mesh with that many points, without those of its holes."""
+        counts = np.asarray(mesh.GetFaceVertexCountsAttr().Get(self.time) or [], np.int64)
+        indices = np.asarray(mesh.GetFaceVertexIndicesAttr().Get(self.time) or [], np.int64)
+        holes = np.asarray(mesh.GetHoleIndicesAttr().Get(self.time) or [], np.int64)
+        if count == 0 or len(counts) == 0:
+            return Corners(*np.zeros((3, 0), np.int64))
+        if (counts < 0).any():
+            raise UsageError(f"{prim.GetPath()} has a face with {counts.min()} corners")
+        if counts.sum() != len(indices) or (indices < 0).any() or (indices >= count).any():
+            raise UsageError(f"{prim.GetPath()} has faces that refer to points it does not have")
+        first = np.concatenate([[0], np.cumsum(counts)[:-1]])
+        corners, faces = _fans(first, counts)  # corners of triangles, and the face of each triangle
+        shown = ~np.isin(faces, holes)
+        corners, faces = corners[shown], faces[shown]
+        if mesh.GetOrientationAttr().Get(self.time) == self.pxr.UsdGeom.Tokens.leftHanded:
+            corners = corners[:, ::-1]
+        flat = corners.ravel()
+        return Corners(flat, indices[flat], np.repeat(faces, 3))
 
     def normals_of_corners(self, mesh: Any, prim: Any, corners: Corners, time: Any) -> np.ndarray | None:
         attribute, interpolation = mesh.GetNormalsAttr(), mesh.GetNormalsInterpolation()
@@ -1083,14 +1094,14 @@ def from_usd(
         code, and a warning names them
     allow_outside: folders that a file may refer to, besides its own
 
-    Converted are visible meshes with their subsets, normals, texture coordinates (st) and displayColor; skeletons and
-    blend shapes with in-betweens; spheres, cubes, cones, planes, and cylinders and capsules with one or two radii;
-    instances and point instancers; UsdPreviewSurface and MaterialX's standard surface with their images; distant,
-    sphere, rect, disk and cylinder lights, with color temperatures, and spheres with a cone as spot lights; dome
-    lights, as the scene's environment; perspective, orthographic and shifted cameras; and the stage's units, up axis
-    and chosen variants. Animated are transforms, skeletons, weights of blend shapes, points and normals, copies of
-    instancers, and visibility. Subdivision surfaces are shown as their cages, and polygons as fans. Curves,
-    points, volumes, procedural textures and other shaders are left out."""
+    Converted are visible meshes with their subsets, holes, normals, texture coordinates (st) and displayColor;
+    skeletons and blend shapes with in-betweens; spheres, cubes, cones, planes, and cylinders and capsules with one or
+    two radii; instances and point instancers; UsdPreviewSurface and MaterialX's standard surface with their images;
+    distant, sphere, rect, disk and cylinder lights, with color temperatures, and spheres with a cone as spot lights;
+    dome lights, as the scene's environment; perspective, orthographic and shifted cameras; and the stage's units, up
+    axis and chosen variants. Animated are transforms, skeletons, weights of blend shapes, points and normals, copies of
+    instancers, and visibility. Subdivision surfaces are shown as their cages, and polygons as fans. Curves, points,
+    volumes, procedural textures and other shaders are left out."""
     return _converted(stage, time, allow_outside, "from_usd", _Usd.run)
 
 

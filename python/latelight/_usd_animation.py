@@ -22,7 +22,7 @@ Parts = Sequence[tuple[MeshHandle, MaterialHandle]]
 # Attributes, by the type of their prim, that are read once, at the first time.
 _READ_ONCE = {
     "Gprim": ("radius", "height", "size", "axis", "width", "length", "radiusTop", "radiusBottom", "orientation")
-    + ("faceVertexCounts", "faceVertexIndices", "primvars:displayColor")
+    + ("faceVertexCounts", "faceVertexIndices", "holeIndices", "primvars:displayColor")
     + ("primvars:st", "primvars:UVMap", "primvars:st0"),
     "Camera": ("focalLength", "horizontalAperture", "verticalAperture", "horizontalApertureOffset", "projection")
     + ("verticalApertureOffset",),

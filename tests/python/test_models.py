@@ -524,6 +524,27 @@ def test_usd_shapes_may_taper(stage):
     assert along.min() == pytest.approx(-0.8) and along.max() == pytest.approx(0.6)
 
 
+def test_usd_meshes_have_holes(stage):
+    mesh = add_mesh(stage, "/squares")  # of two faces
+    mesh.CreateHoleIndicesAttr([1])
+    scene = latelight.from_usd(stage)
+    assert scene.triangle_count == 2
+    assert_bounds(scene, (0, 0, -1), (1, 0, 0))
+    mesh.GetHoleIndicesAttr().Set([0, 1])
+    assert latelight.from_usd(stage).triangle_count == 0
+
+
+def test_usd_meshes_without_triangles_are_left_out(stage):
+    mesh = add_mesh(stage, "/squares")
+    mesh.CreateFaceVertexCountsAttr([2, 2])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 1, 2])
+    mesh.CreateNormalsAttr([(0, 0, 1)] * len(mesh.GetPointsAttr().Get()))
+    assert latelight.from_usd(stage).triangle_count == 0
+    mesh.CreateFaceVertexCountsAttr([5, -1])
+    with pytest.raises(latelight.UsageError, match="/squares has a face with -1 corners"):
+        latelight.from_usd(stage)
+
+
 def test_usd_meshes_may_be_double_sided(stage):
     for name, sides in (("one", False), ("two", True)):
         add_mesh(stage, f"/{name}").CreateDoubleSidedAttr(sides)
