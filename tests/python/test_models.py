@@ -198,9 +198,8 @@ def test_joints_named_as_geometry_are_posed(tmp_path, kind, shapes):
     joints = [joint.format(name, "base", link) for name, link in zip(names, "abcd")]
     joints += [joint.format("wrist", "a", "hand"), joint.format("knuckle", "hand", "thumb")]
     (tmp_path / "r.urdf").write_text(f'<robot name="r">{"".join(links + joints)}</robot>')
-    robot = yourdfpy.URDF.load(
-        str(tmp_path / "r.urdf"), build_collision_scene_graph=True, load_collision_meshes=True
-    )
+    collisions = dict(build_collision_scene_graph=True, load_collision_meshes=True, force_collision_mesh=False)
+    robot = yourdfpy.URDF.load(str(tmp_path / "r.urdf"), **collisions)
     scene = latelight.from_urdf(robot, geometry=kind)
     random = np.random.default_rng(9)
     for _ in range(3):

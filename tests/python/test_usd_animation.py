@@ -434,6 +434,29 @@ def test_copies_of_instancers_play(stage, device, velocities):
             np.testing.assert_allclose(hits["distance"], np.linalg.norm(ends - starts, axis=1), atol=2e-3)
 
 
+def test_changes_within_prototypes_are_named(stage):
+    """A part that appears, a part that moves, and a nested instancer; the instancer itself plays."""
+    copies = add_copies(stage)
+    seen = UsdGeom.Imageable(stage.GetPrimAtPath("/swarm/copies/kind/left")).CreateVisibilityAttr()
+    seen.Set("invisible", 0)
+    seen.Set("inherited", 8)
+    shift = UsdGeom.Xformable(stage.GetPrimAtPath("/swarm/copies/kind/right")).AddTranslateOp(opSuffix="late")
+    shift.Set((0, 0, 0), 0)
+    shift.Set((0, 0, 5), 24)
+    inner = UsdGeom.PointInstancer.Define(stage, "/swarm/copies/kind/inner")
+    UsdGeom.Cube.Define(stage, "/swarm/copies/kind/inner/cube")
+    inner.CreatePrototypesRel().SetTargets(["/swarm/copies/kind/inner/cube"])
+    inner.CreateProtoIndicesAttr([0])
+    inner.CreatePositionsAttr().Set([(0, 0, 0)], 0)
+    inner.CreatePositionsAttr().Set([(0, 0, 9)], 24)
+    with pytest.warns(UserWarning) as warned:
+        scene = latelight.from_usd(stage)
+    kind = copies.GetPath().AppendChild("kind")
+    names = f"{kind}/left.visibility, {kind}/right, {kind}/inner"
+    assert [str(warning.message).count(names) for warning in warned] == [1]
+    assert len(scene.instances()) == 4  # of two copies, the part that is seen at first and the nested cube
+
+
 def test_values_that_are_read_once_are_named(stage):
     cube = UsdGeom.Cube.Define(stage, "/cube")
     size = cube.CreateSizeAttr()
