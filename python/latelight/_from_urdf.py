@@ -161,7 +161,7 @@ def _rigid(transform: np.ndarray) -> dict[str, Any]:
 def _add_nodes(builder: TrimeshBuilder, urdf: Any, shown: Any) -> Scene:
     """Adds the nodes of joints and links, and their geometry."""
     scene = builder.scene
-    made_by_name = {name: builder.geometry(mesh, name) for name, mesh in shown.geometry.items()}
+    made_by_name = {name: made for name, mesh in shown.geometry.items() if (made := builder.geometry(mesh, name))}
     path_bytes = 0
     for link in _links(urdf, shown):
         parent, own = link.parent, _rigid(link.transform)

@@ -26,7 +26,7 @@ def color_of(api: Any, pxr: Any, time: Any) -> np.ndarray:
 
 def radiance_of(api: Any, time: Any) -> float:
     """Without color and `normalize`."""
-    return float(api.GetIntensityAttr().Get(time)) * 2.0 ** float(api.GetExposureAttr().Get(time))
+    return float(api.GetIntensityAttr().Get(time) * 2.0 ** api.GetExposureAttr().Get(time))
 
 
 def light_of(prim: Any, pxr: Any, time: Any, transform: np.ndarray, meters: float) -> Light | None:
