@@ -802,9 +802,13 @@ class _Usd(Builder):
             if self.motion.moves(prim):  # the scene's environment stays
                 self.motion.unplayed.append(str(prim.GetPath()))
             return
-        light = light_of(prim, self.pxr, self.time, self.world @ self.transform(prim), self.scale)
+        transform, moves = self.world @ self.transform(prim), self.motion.moves(prim)
+        if moves:  # a light that is flat at first may grow, and then emits as one that is not scaled
+            (axes,), (scales,) = axes_of(transform[None])
+            transform[:3, :3] = axes * np.where(scales == 0, self.scale, scales)
+        light = light_of(prim, self.pxr, self.time, transform, self.scale)
         if light is not None:
-            self.scene.add_light(light, self.motion.node_of(prim) if self.motion.moves(prim) else None)
+            self.scene.add_light(light, self.motion.node_of(prim) if moves else None)
 
     # --- dome lights ---
 

@@ -249,6 +249,30 @@ def test_transforms_that_begin_flat_play(stage, device, flat):
         assert_shows(scene, device, code / RATE, mesh, points, 2e-4)
 
 
+def test_lights_that_begin_flat_shine_later(stage, device):
+    """A panel and a bulb that grow from nothing light a floor as those that have always had their size."""
+    floor = UsdGeom.Plane.Define(stage, "/floor")
+    floor.CreateWidthAttr(400)
+    floor.CreateLengthAttr(400)
+    grow = UsdGeom.Xform.Define(stage, "/grow").AddScaleOp()
+    for light in (UsdLux.RectLight.Define(stage, "/grow/panel"), UsdLux.SphereLight.Define(stage, "/grow/bulb")):
+        light.CreateIntensityAttr(1000)
+        UsdGeom.XformCommonAPI(light).SetTranslate((30, 0, 100))
+
+    def picture(time):
+        scene = latelight.from_usd(stage)
+        camera = latelight.Camera.look_at((0, 5, 0), (0, 0, 0), (0, 0, -1))
+        return latelight.Renderer(scene, device).render(camera, (16, 16), ("color",), shadows="none", time=time)["color"]
+
+    grow.Set(Gf.Vec3f(1, 1, 1))
+    expected = picture(0)
+    assert expected[..., :3].max() > 0.01
+    grow.GetAttr().Clear()
+    grow.Set(Gf.Vec3f(0, 0, 0), 0)
+    grow.Set(Gf.Vec3f(1, 1, 1), 24)
+    np.testing.assert_allclose(picture(24 / RATE), expected, rtol=1e-3, atol=1e-5)
+
+
 def test_what_rides_on_transforms_plays(stage, device):
     """A camera, a light, an instancer and a mesh posed once, below a moving Xform; and visibility in steps."""
     base = UsdGeom.Xform.Define(stage, "/base")
