@@ -49,6 +49,8 @@ def light_of(prim: Any, pxr: Any, time: Any, transform: np.ndarray, meters: floa
         return _distant(light, float(prim.GetAttribute("inputs:angle").Get(time)), radiance, is_normalized)
     if prim.IsA(lux.SphereLight):
         radius = _size(prim, "radius", time) * float(np.cbrt(abs(np.linalg.det(transform[:3, :3]))))
+        # A point without a radius is the limit of small normalized spheres, as there is no radiance that it could have.
+        is_normalized |= radius == 0 and bool(lux.SphereLight(prim).GetTreatAsPointAttr().Get(time))
         # Radiance times the projected area, as seen from afar.
         light.intensity = radiance * (meters**2 / 4 if is_normalized else math.pi * radius**2)
         light.size = radius

@@ -773,6 +773,21 @@ def test_usd_lights_may_be_normalized(stage):
         assert light.intensity == pytest.approx(3 * np.pi * 0.2**2), light.name
 
 
+def test_usd_points_are_as_bright_as_small_normalized_spheres(stage):
+    from pxr import UsdLux
+
+    for name, radius, normalize in (("point", 0, False), ("sphere", 1e-3, True), ("nothing", 0, False)):
+        bulb = UsdLux.SphereLight.Define(stage, f"/{name}")
+        bulb.CreateIntensityAttr(3)
+        bulb.CreateRadiusAttr(radius)
+        bulb.CreateNormalizeAttr(normalize)
+        bulb.CreateTreatAsPointAttr(name == "point")
+    scene = latelight.from_usd(stage)
+    candela = {light.name: light.intensity for light in map(scene.light, scene.lights())}
+    # A normalized sphere has the radiance 3 / (4 pi r^2), and from afar the area of a disk, pi r^2, in units of 1 cm.
+    assert candela == {"point": pytest.approx(0.75e-4), "sphere": pytest.approx(0.75e-4), "nothing": 0}
+
+
 @pytest.mark.parametrize("angle", [0.53, 20, 180, 270])
 @pytest.mark.parametrize("normalize", [False, True])
 def test_usd_distant_lights_are_as_bright_as_their_cap(stage, angle, normalize):
