@@ -56,6 +56,17 @@ class Corners(NamedTuple):
         return Corners(*(values[chosen] for values in self))
 
 
+class ImageUse(NamedTuple):
+    """The image that an input is connected to: no path if there is none."""
+
+    path: str = ""
+    output: str = ""  # the channel, or "rgb"
+    scale: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0)  # of red, green, blue and alpha
+
+    def channel(self) -> int:
+        return {"g": 1, "b": 2, "a": 3}.get(self.output, 0)
+
+
 class _Usd(Builder):
     """Walks a stage. `pxr` holds its modules."""
 
@@ -655,7 +666,7 @@ class _Usd(Builder):
         given = surface.GetInput(name)
         if not given:
             return otherwise
-        if self.texture_of(surface, name)[0]:
+        if self.image_of(surface, name).path:
             return otherwise
         sources = self.pxr.UsdShade.Utils.GetValueProducingAttributes(given)
         result = sources[0].Get(self.time) if sources else None
@@ -667,19 +678,29 @@ class _Usd(Builder):
     def color(self, surface: Any, name: str, otherwise: tuple[float, float, float]) -> tuple[float, ...]:
         return tuple(max(float(c), 0) for c in self.value(surface, name, otherwise))
 
+    def factor(self, surface: Any, name: str, otherwise: float) -> float:
+        """A number in [0, 1], or the scale of the image that is connected in its place."""
+        use = self.image_of(surface, name)
+        return min(max(use.scale[use.channel()], 0), 1) if use.path else self.number(surface, name, otherwise)
+
+    def tint(self, surface: Any, name: str, otherwise: tuple[float, float, float]) -> tuple[float, ...]:
+        """A color, or the scale of the image that is connected in its place."""
+        use = self.image_of(surface, name)
+        return tuple(max(c, 0) for c in use.scale[:3]) if use.path else self.color(surface, name, otherwise)
+
     def preview_surface(self, material: Any, surface: Any) -> MaterialHandle:
         diffuse, emissive = self.image(surface, "diffuseColor"), self.image(surface, "emissiveColor")
         normal, mask = self.image(surface, "normal"), self.channel(surface, "opacity")
         rough, metal = self.channel(surface, "roughness"), self.channel(surface, "metallic")
-        opacity, threshold = self.number(surface, "opacity", 1), self.number(surface, "opacityThreshold", 0)
-        base = (1, 1, 1) if diffuse is not None else self.color(surface, "diffuseColor", (0.18, 0.18, 0.18))
+        opacity, threshold = self.factor(surface, "opacity", 1), self.number(surface, "opacityThreshold", 0)
+        base = self.tint(surface, "diffuseColor", (0.18, 0.18, 0.18))
         handle = self.scene.add_material(
             Material(
                 name=material.GetPrim().GetName(),
                 base_color=(*(min(c, 1) for c in base), opacity),
-                metallic=self.number(surface, "metallic", 0 if metal is None else 1),
-                roughness=self.number(surface, "roughness", 0.5 if rough is None else 1),
-                emissive=(1, 1, 1) if emissive is not None else self.color(surface, "emissiveColor", (0, 0, 0)),
+                metallic=self.factor(surface, "metallic", 0),
+                roughness=self.factor(surface, "roughness", 0.5),
+                emissive=self.tint(surface, "emissiveColor", (0, 0, 0)),
                 clearcoat=self.number(surface, "clearcoat", 0),
                 clearcoat_roughness=self.number(surface, "clearcoatRoughness", 0.01),
                 f0=_f0(float(self.value(surface, "ior", 1.5))),
@@ -699,8 +720,8 @@ class _Usd(Builder):
         image, emissive = self.image(surface, "base_color"), self.image(surface, "emission_color")
         rough, metal = self.channel(surface, "specular_roughness"), self.channel(surface, "metalness")
         base, emission = self.number(surface, "base", 1), float(self.value(surface, "emission", 0))
-        color = (1, 1, 1) if image is not None else self.color(surface, "base_color", (0.8, 0.8, 0.8))
-        glow = (1, 1, 1) if emissive is not None else self.color(surface, "emission_color", (1, 1, 1))
+        color = self.tint(surface, "base_color", (0.8, 0.8, 0.8))
+        glow = self.tint(surface, "emission_color", (1, 1, 1))
         transmission, sheen = self.number(surface, "transmission", 0), self.number(surface, "sheen", 0)
         if transmission > 0 and image is None:  # what passes is tinted by transmission_color in place of base_color
             tint = self.color(surface, "transmission_color", (1, 1, 1))
@@ -710,8 +731,8 @@ class _Usd(Builder):
             Material(
                 name=material.GetPrim().GetName(),
                 base_color=(*(min(base * c, 1) for c in color), opacity),
-                metallic=self.number(surface, "metalness", 0 if metal is None else 1),
-                roughness=self.number(surface, "specular_roughness", 0.2 if rough is None else 1),
+                metallic=self.factor(surface, "metalness", 0),
+                roughness=self.factor(surface, "specular_roughness", 0.2),
                 specular=self.number(surface, "specular", 1),
                 specular_color=self.color(surface, "specular_color", (1, 1, 1)),
                 f0=_f0(float(self.value(surface, "specular_IOR", 1.5))),
@@ -731,32 +752,38 @@ class _Usd(Builder):
         self.add_texture(handle, "metallic_roughness", _packed(rough, metal), False)
         return handle
 
-    def texture_of(self, surface: Any, name: str) -> tuple[str, str]:
-        """The path of the image file that an input is connected to, also through a node graph, and its output."""
+    def image_of(self, surface: Any, name: str) -> ImageUse:
+        """The image file that an input is connected to, also through a node graph."""
         given = surface.GetInput(name)
         shade = self.pxr.UsdShade
         for source in shade.Utils.GetValueProducingAttributes(given) if given else []:
             texture = shade.Shader(source.GetPrim())
             if texture and texture.GetShaderId() == "ND_normalmap" and texture.GetInput("in"):
-                return self.texture_of(texture, "in")
+                return self.image_of(texture, "in")
             file = texture.GetInput("file").Get(self.time) if texture and texture.GetInput("file") else None
             path = file.resolvedPath if file else ""
             path = self.allowed(path)
             if path and (self.pxr.Ar.IsPackageRelativePath(path) or os.path.isfile(path)):
-                return path, source.GetName().removeprefix("outputs:")
-        return "", ""
+                return ImageUse(path, source.GetName().removeprefix("outputs:"), self.scale_of(texture))
+        return ImageUse()
+
+    def scale_of(self, texture: Any) -> tuple[float, ...]:
+        """The scale of an image. With a bias, as normal maps have one, glTF's factors cannot express it."""
+        scale, bias = texture.GetInput("scale"), texture.GetInput("bias")
+        if "UsdUVTexture" not in (texture.GetShaderId() or "") or not scale or (bias and any(bias.Get(self.time) or ())):
+            return ImageUse().scale
+        return tuple(float(c) for c in scale.Get(self.time) or ImageUse().scale)
 
     def channel(self, surface: Any, name: str) -> np.ndarray | None:
         """One channel of the image that a scalar input is connected to."""
         image = self.image(surface, name)
         if image is None:
             return None
-        pixels = np.asarray(image.convert("RGBA"))
-        return pixels[..., {"g": 1, "b": 2, "a": 3}.get(self.texture_of(surface, name)[1], 0)]
+        return np.asarray(image.convert("RGBA"))[..., self.image_of(surface, name).channel()]
 
     def image(self, surface: Any, name: str) -> Any:
         """The image that an input is connected to, as pixels."""
-        path = self.texture_of(surface, name)[0]
+        path = self.image_of(surface, name).path
         if not path:
             return None
         if path not in self.images:

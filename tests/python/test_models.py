@@ -1411,6 +1411,28 @@ def test_usd_images_may_have_16_bits(stage, tmp_path):
     assert painted_with(latelight.from_usd(stage), tmp_path) == ([120, 120, 120], 120)
 
 
+def test_usd_images_are_scaled(stage, tmp_path):
+    """UsdUVTexture: values of an image are multiplied by a scale before they are used."""
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf, UsdShade
+
+    image.fromarray(np.full((2, 2, 3), 255, np.uint8)).save(tmp_path / "white.png")
+    painted(stage, tmp_path / "white.png")
+    texture = UsdShade.Shader(stage.GetPrimAtPath("/paint/image"))
+    texture.CreateInput("scale", Sdf.ValueTypeNames.Float4).Set((0.25, 0.5, 2, 1))
+    surface = UsdShade.Shader(stage.GetPrimAtPath("/paint/surface"))
+    emissive = surface.CreateInput("emissiveColor", Sdf.ValueTypeNames.Color3f)
+    emissive.ConnectToSource(texture.GetOutput("rgb"))
+    opacity = surface.CreateInput("opacity", Sdf.ValueTypeNames.Float)
+    opacity.ConnectToSource(texture.CreateOutput("g", Sdf.ValueTypeNames.Float))
+    _, made = only_material(latelight.from_usd(stage))
+    np.testing.assert_allclose(made.base_color, (0.25, 0.5, 1, 0.5))  # glTF's colors are at most 1
+    assert (made.roughness, tuple(made.emissive)) == (0.25, (0.25, 0.5, 2))
+    texture.CreateInput("bias", Sdf.ValueTypeNames.Float4).Set((0.1, 0, 0, 0))
+    _, made = only_material(latelight.from_usd(stage))
+    np.testing.assert_allclose((*made.base_color, made.roughness), 1)
+
+
 def test_usd_archives_hold_their_images(tmp_path, device):
     image = pytest.importorskip("PIL.Image")
     from pxr import Sdf, Usd, UsdLux
