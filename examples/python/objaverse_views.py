@@ -75,7 +75,7 @@ def world_to_camera(eye):
 
 
 def replace_lights(scene, turn):
-    """Removes the object's lights, and adds the suns of the random views. `turn`: from Blender's axes to the scene's."""
+    """Removes the object's lights and adds the suns of the random views. `turn`: from Blender's axes to the scene's."""
     for light in scene.lights():
         scene.remove_light(light)
     for name, energies, x, z in [] if is_ring else SUNS:

@@ -1,4 +1,5 @@
-"""Views of a scene by all GPUs of a Ray cluster: an actor for each, with a renderer of its own. Without GPUs, one on the CPU.
+"""Views of a scene by all GPUs of a Ray cluster: an actor for each, with a renderer of its own. Without GPUs, one on
+the CPU.
 
 usage: ray_views.py [SCENE] [FOLDER] [COUNT]      (pip install ray; the folder is one that all machines see)
 """

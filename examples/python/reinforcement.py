@@ -32,7 +32,7 @@ def cameras():
 for step in range(STEPS):
     start = time.perf_counter()
     seen = np.nan_to_num(renderer.render(cameras(), SIZE, "depth")["depth"], posinf=100)  # (AGENTS, 64, 64)
-    free = seen[:, 24:40].min(axis=1)  # metres before something is hit, a column
+    free = seen[:, 24:40].min(axis=1)  # meters to the nearest surface, per column
     column = free.argmax(axis=1)
     headings -= np.arctan((column + 0.5) / 32 - 1)
     walk = np.minimum(0.25, free[np.arange(AGENTS), column] / 2)

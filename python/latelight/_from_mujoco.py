@@ -21,9 +21,9 @@ INFINITE_PLANE = 100.0  # half the side of a plane that is infinite in MuJoCo, i
 class MujocoScene:
     """A scene made of a MuJoCo model.
 
-    `scene` is the Scene, `geoms` the ids of the geoms that it shows, and `instances` their instances, in the same order.
-    `cameras` are the model's cameras and `lights` its lights, at the positions of `qpos0`. The scene has Y up, and
-    MuJoCo Z: `worlds()` converts.
+    `scene` is the Scene, `geoms` the ids of the geoms that it shows, and `instances` their instances, in the same
+    order. `cameras` are the model's cameras and `lights` its lights, at the positions of `qpos0`. The scene has Y up,
+    and MuJoCo Z: `worlds()` converts.
     """
 
     def __init__(self, scene: Scene, geoms: Sequence[int], instances: Sequence[InstanceHandle],
@@ -72,7 +72,7 @@ def _namespace(array: Any) -> Any:
 
 
 def _transforms(positions: Any, matrices: Any, ids: np.ndarray, what: str, flip: tuple[int, ...] = (1, 1, 1)) -> Any:
-    """3x4 matrices (N, I, 3, 4) in the scene's frame, of the chosen elements. `flip`: signs of the matrices' columns."""
+    """3x4 matrices (N, I, 3, 4) in the scene's frame, of the chosen elements. `flip`: signs of columns."""
     xp = _namespace(positions)
     if len(positions.shape) != 3 or positions.shape[2] != 3:
         raise UsageError(f"{what}_xpos must have the shape (N, n{what}, 3), not {tuple(positions.shape)}")

@@ -21,6 +21,11 @@ def _factor(value: Any, size: int, otherwise: float = 1) -> tuple[float, ...]:
     return tuple(np.concatenate([array, np.ones(size)])[:size].tolist())
 
 
+def has_triangles(geometry: Any) -> bool:
+    """Paths and point clouds have none."""
+    return hasattr(geometry, "faces") and len(geometry.faces) > 0
+
+
 class TrimeshBuilder(Builder):
     def __init__(self, up: str, smooth: bool) -> None:
         super().__init__(up)
@@ -53,8 +58,8 @@ class TrimeshBuilder(Builder):
         return handle
 
     def geometry(self, mesh: Any, name: Any) -> tuple[MeshHandle, MaterialHandle] | None:
-        """Returns nothing for geometry without triangles, such as paths and point clouds."""
-        if not hasattr(mesh, "faces") or len(mesh.faces) == 0:
+        """Returns nothing for geometry without triangles."""
+        if not has_triangles(mesh):
             return None
         positions, indices = np.asarray(mesh.vertices, np.float32), np.asarray(mesh.faces, np.int64)
         visual, colors, uv = mesh.visual, None, None

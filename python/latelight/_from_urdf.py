@@ -14,7 +14,7 @@ import numpy as np
 
 from ._core import Scene
 from ._enclosure import Enclosure
-from ._from_trimesh import TrimeshBuilder
+from ._from_trimesh import TrimeshBuilder, has_triangles
 from ._model_builder import FROM_Z_UP, missing, node_name, reading
 from .errors import UsageError
 
@@ -101,38 +101,55 @@ class _Link(NamedTuple):
     joint_path: str
     parent: str  # path of the parent link's node; empty for the base
     transform: np.ndarray  # from the link to the parent link
+    shapes: list[tuple[str, Any]]  # names of the nodes of its geometry, and the nodes in the trimesh.Scene
 
 
-def _unused(name: Any, taken: set[str]) -> str:
-    """The name of a node that no other node below the same parent has."""
-    unnumbered = unused = node_name(name)
-    while unused in taken:
-        unused = f"{unnumbered} {len(taken)}"
-    taken.add(unused)
+def _unused(name: str, uses: dict[str, int]) -> str:
+    """The name of a node that no other node below the same parent has. `uses`: how often each name was given out"""
+    unused = name
+    while unused in uses:
+        uses[name] += 1
+        unused = f"{name} {uses[name]}"
+    uses[unused] = 1
     return unused
 
 
+def _shapes_by_link(shown: Any) -> dict[Any, list[Any]]:
+    """The nodes of geometry with triangles."""
+    parents = shown.graph.transforms.parents
+    by_link: dict[Any, list[Any]] = {}
+    for node in shown.graph.nodes_geometry:
+        if has_triangles(shown.geometry.get(shown.graph.transforms.node_data[node]["geometry"])):
+            by_link.setdefault(parents.get(node, node), []).append(node)
+    return by_link
+
+
 def _links(urdf: Any, shown: Any) -> Iterator[_Link]:
-    """All links, in the order of the tree."""
+    """All links, in the order of the tree. This decides the path of each node: a robot is posed by the paths that its
+    conversion added. Joints come before geometry in the choice of names, because users move joints by their names."""
+    kind = "visual" if shown is urdf.scene else "collision"
     joints = {(joint.parent, joint.child): joint for joint in urdf.joint_map.values()}
     children: dict[Any, list[Any]] = {}
     for child, parent in shown.graph.transforms.parents.items():
         if child in urdf.link_map:
             children.setdefault(parent, []).append(child)
+    shapes_by_link = _shapes_by_link(shown)
     base = shown.graph.base_frame
-    stack = [_Link(base, f"/{node_name(base)}", None, "", "", FROM_Z_UP)]
+    stack = [_Link(base, f"/{node_name(base)}", None, "", "", FROM_Z_UP, [])]
     while stack:
         above = stack.pop()
-        yield above
-        taken: set[str] = set()
+        uses: dict[str, int] = {}
         below = []
         for child in children.get(above.link, []):
             joint = joints.get((above.link, child))
-            joint_path = f"{above.path}/{_unused(joint.name, taken)}" if joint else ""
-            path = f"{joint_path}/{node_name(child)}" if joint else f"{above.path}/{_unused(child, taken)}"
+            top = f"{above.path}/{_unused(node_name(joint.name if joint else child), uses)}"
+            path, joint_path = (f"{top}/{node_name(child)}", top) if joint else (top, "")
             transform, _ = shown.graph.get(child, above.link)
-            below.append(_Link(child, path, joint, joint_path, above.path, transform))
+            below.append(_Link(child, path, joint, joint_path, above.path, transform, []))
         stack.extend(reversed(below))
+        shapes = shapes_by_link.get(above.link, [])
+        names = [f"{kind} {number}" for number in range(len(shapes))] if len(shapes) > 1 else [kind] * len(shapes)
+        yield above._replace(shapes=[(_unused(name, uses), shape) for name, shape in zip(names, shapes)])
 
 
 def _rigid(transform: np.ndarray) -> dict[str, Any]:
@@ -141,34 +158,22 @@ def _rigid(transform: np.ndarray) -> dict[str, Any]:
     return {"translation": transform[:3, 3], "rotation": (x, y, z, w)}
 
 
-def _geometry_by_link(builder: TrimeshBuilder, shown: Any) -> dict[Any, list[tuple[np.ndarray, Any]]]:
-    """The meshes with their materials, and their transforms to the link."""
-    made_by_name = {name: builder.geometry(mesh, name) for name, mesh in shown.geometry.items()}
-    parents = shown.graph.transforms.parents
-    by_link: dict[Any, list[tuple[np.ndarray, Any]]] = {}
-    for node in shown.graph.nodes_geometry:
-        link = parents.get(node, node)
-        transform, geometry = shown.graph.get(node, link)
-        if made := made_by_name.get(geometry):
-            by_link.setdefault(link, []).append((transform, made))
-    return by_link
-
-
-def _add_nodes(builder: TrimeshBuilder, urdf: Any, shown: Any, kind: str) -> Scene:
-    """Adds the nodes of joints and links, and their geometry: "visual", or "visual 0", "visual 1" and so on."""
-    scene, by_link = builder.scene, _geometry_by_link(builder, shown)
+def _add_nodes(builder: TrimeshBuilder, urdf: Any, shown: Any) -> Scene:
+    """Adds the nodes of joints and links, and their geometry."""
+    scene = builder.scene
+    made_by_name = {name: made for name, mesh in shown.geometry.items() if (made := builder.geometry(mesh, name))}
     path_bytes = 0
     for link in _links(urdf, shown):
         parent, own = link.parent, _rigid(link.transform)
         if link.joint:
             parent, own = scene.add_node(link.joint_path.rpartition("/")[2], parent, **own), {}
         path = scene.add_node(link.path.rpartition("/")[2], parent, **own)
-        parts = by_link.get(link.link, [])
-        path_bytes += len(path) * (2 + len(parts))
+        path_bytes += len(path) * (2 + len(link.shapes))
         if path_bytes > MAX_PATH_BYTES:
             raise UsageError("its links are nested too deeply: join those that fixed joints connect")
-        for number, (transform, made) in enumerate(parts):
-            scene.add_node(f"{kind} {number}" if len(parts) > 1 else kind, path, matrix=transform, parts=[made])
+        for name, shape in link.shapes:
+            transform, geometry = shown.graph.get(shape, link.link)
+            scene.add_node(name, path, matrix=transform, parts=[made_by_name[geometry]])
     return scene
 
 
@@ -185,9 +190,10 @@ def from_urdf(
     geometry: "visual" or "collision"; a robot without any visual geometry shows that of collisions, with a warning
     allow_outside: folders that the file may refer to, besides its own folder or ROS package
 
-    The base link is a root node. Each joint is a node below its parent link, with its origin and motion, each other link
-    a node below its joint, and the geometry nodes "visual" or "collision" below its link, as in "/base/shoulder/arm/visual".
-    URDF has Z up, and this scene Y. `pose_urdf` and `Scene.set_node_transform` move the joints of the scene afterward."""
+    The base link is a root node. Each joint is a node below its parent link, with its origin and motion, each other
+    link a node below its joint, and the geometry nodes "visual" or "collision" below its link, as in
+    "/base/shoulder/arm/visual". URDF has Z up, and this scene Y. `pose_urdf` and `Scene.set_node_transform` move the
+    joints of the scene afterward."""
     urdf = _load_urdf(robot, allow_outside, geometry)
     if getattr(urdf, "scene", None) is None:
         raise UsageError("from_urdf requires a URDF file, or a yourdfpy.URDF that has built its scene graph")
@@ -196,8 +202,7 @@ def from_urdf(
     if geometry == "visual" and shown is not urdf.scene:
         warnings.warn("the robot has no visual geometry: its collision geometry is shown", stacklevel=2)
     with reading(robot, "yourdfpy"):
-        kind = "visual" if shown is urdf.scene else "collision"
-        return _add_nodes(TrimeshBuilder("z", smooth=False), urdf, shown, kind)
+        return _add_nodes(TrimeshBuilder("z", smooth=False), urdf, shown)
 
 
 def pose_urdf(

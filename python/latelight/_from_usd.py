@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import importlib
+import io
 import math
 import os
+import tempfile
+import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from ._core import Light, Material, MaterialHandle, MeshHandle, Scene, read_environment
+from ._core import Material, MaterialHandle, MeshHandle, Scene, read_environment
 from ._enclosure import Enclosure
 from ._model_builder import Builder, linear, missing, node_name, reading, v_down
 from ._shapes import Shape, box, capsule, cone, cylinder, ellipsoid, mesh_arrays, plane, tapered_capsule
-from ._usd_animation import Motion, Parts, joint_order, unsheared
+from ._usd_animation import Motion, Parts, axes_of, joint_order, unsheared
+from ._usd_lights import color_of, light_of, radiance_of
 from .errors import UsageError
 
 
@@ -37,6 +41,7 @@ _SHAPES: dict[str, Callable[[Callable[[str], float], str], Shape]] = {
 _TURNED = {"X": [2, 0, 1], "Y": [1, 2, 0], "Z": [0, 1, 2]}  # the coordinates around Z that become x, y and z
 
 
+_MAX_PARTS = 2**20  # prims of a prototype, whose number is multiplied by each instancer below it
 _LARGEST_MORPH = 2**31  # bytes of the morph targets of a mesh, which small files can make large
 
 
@@ -49,6 +54,17 @@ class Corners(NamedTuple):
 
     def some(self, chosen: np.ndarray) -> Corners:
         return Corners(*(values[chosen] for values in self))
+
+
+class ImageUse(NamedTuple):
+    """The image that an input is connected to: no path if there is none."""
+
+    path: str = ""
+    output: str = ""  # the channel, or "rgb"
+    scale: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0)  # of red, green, blue and alpha
+
+    def channel(self) -> int:
+        return {"g": 1, "b": 2, "a": 3}.get(self.output, 0)
 
 
 class _Usd(Builder):
@@ -68,6 +84,8 @@ class _Usd(Builder):
         self.cache = geom.XformCache(self.time)
         self.made: dict[Any, list[tuple[MeshHandle, MaterialHandle]]] = {}
         self.images: dict[str, Any] = {}
+        self.prototypes: dict[Any, list[tuple[Any, np.ndarray]]] = {}  # what they show, by their paths
+        self.unfolded: list[Any] = []  # paths of the instancers whose prototypes are being collected
         self.skins = pxr.UsdSkel.Cache()
         self.predicate = pxr.Usd.TraverseInstanceProxies(pxr.Usd.PrimDefaultPredicate)
         self.motion = Motion(stage, pxr, self.scene, self.world, ())
@@ -75,22 +93,40 @@ class _Usd(Builder):
     def transform(self, prim: Any) -> np.ndarray:
         return np.array(self.cache.GetLocalToWorldTransform(prim), np.float64).T  # USD's vectors are rows
 
-    def visible(self) -> Iterator[Any]:
-        """The prims of the stage without those that are hidden or not for rendering, and without prototypes."""
-        geom = self.pxr.UsdGeom
-        walk = iter(self.pxr.Usd.PrimRange(self.stage.GetPseudoRoot(), self.predicate))
+    def visible(self, prototype: Any = None) -> Iterator[Any]:
+        """The prims of the stage, or of a prototype of an instancer, that are shown at some time and meant for
+        rendering. Prims below an instancer are left out.
+
+        A prototype may be undefined or abstract, and inherits no visibility and no purpose from the prims that contain
+        it, as in UsdImaging, since these often hide it outside of instancers."""
+        geom, usd = self.pxr.UsdGeom, self.pxr.Usd
+        loaded = usd.TraverseInstanceProxies(usd.PrimIsActive & usd.PrimIsLoaded)
+        top, predicate = (prototype, loaded) if prototype else (self.stage.GetPseudoRoot(), self.predicate)
+        walk = iter(usd.PrimRange(top, predicate))
+        purposes: dict[Any, Any] = {}
         for prim in walk:
             imageable = geom.Imageable(prim)
-            times = self.motion.visibility_times(prim) or [self.time]
-            if imageable and (
-                not any(self.motion.is_visible(prim, time) for time in times)
-                or imageable.ComputePurpose() in (geom.Tokens.guide, geom.Tokens.proxy)
-            ):
+            if imageable and not (self.is_visible_itself(imageable) if prototype else self.is_visible_at_all(prim)):
                 walk.PruneChildren()
                 continue
             if prim.IsA(geom.PointInstancer):
                 walk.PruneChildren()
-            yield prim
+            above = purposes.get(prim.GetPath().GetParentPath(), geom.Imageable.PurposeInfo())
+            purposes[prim.GetPath()] = imageable.ComputePurposeInfo(above) if imageable else above
+            # Prims below may have a purpose of their own, and the skeletons of a root move them.
+            for_rendering = purposes[prim.GetPath()].purpose not in (geom.Tokens.guide, geom.Tokens.proxy)
+            if for_rendering or prim.IsA(self.pxr.UsdSkel.Root):
+                yield prim
+
+    def is_visible_at_all(self, prim: Any) -> bool:
+        return any(self.motion.is_visible(prim, time) for time in self.motion.visibility_times(prim) or [self.time])
+
+    def is_visible_itself(self, imageable: Any) -> bool:
+        """True if an imageable prim does not hide itself and what is below it."""
+        attribute = imageable.GetVisibilityAttr()
+        if self.motion.exists and attribute.ValueMightBeTimeVarying():
+            self.motion.unplayed.append(str(attribute.GetPath()))
+        return bool(attribute.Get(self.time) != self.pxr.UsdGeom.Tokens.invisible)
 
     def animate(self) -> None:
         """Finds what changes over time. The stage at rest is then as at its first time."""
@@ -113,7 +149,7 @@ class _Usd(Builder):
             elif prim.IsA(geom.Mesh):
                 self.add_mesh(prim)
             elif prim.GetTypeName() in _SHAPES:
-                self.show(prim, self.transform(prim), prim.GetPath())
+                self.show(prim)
             elif prim.IsA(self.pxr.UsdSkel.Root):
                 self.skins.Populate(self.pxr.UsdSkel.Root(prim), self.predicate)
             elif prim.IsA(geom.Camera):
@@ -139,7 +175,7 @@ class _Usd(Builder):
             self.add_changing(mesh, prim, times)
             return
         if skin is None and shapes is None:
-            self.show(prim, self.transform(prim), prim.GetPath())
+            self.show(prim)
             return
         pose, frame = skin or (None, prim)
         self.place(self.meshes(mesh, prim, pose, shapes or (None, None)), prim, frame)
@@ -304,7 +340,8 @@ class _Usd(Builder):
         return points, normals
 
     def skin_of(self, prim: Any) -> tuple[np.ndarray, Any] | None:
-        """Of a mesh with a skeleton: (points or 1, 4, 4), which move its points to the space of the skeleton."""
+        """For a mesh with a skeleton: transforms (points or 1, 4, 4), which move its points to the skeleton's space,
+        and the skeleton."""
         skinning, query, _ = self.binding(prim)
         if not skinning or not skinning.HasJointInfluences():
             return None
@@ -323,14 +360,8 @@ class _Usd(Builder):
         blended: np.ndarray = np.einsum("pk,pkij->pij", weights, joints[indices]) @ bind
         return blended, query.GetPrim()
 
-    # Names are paths with dots, because a path of the scene has slashes only between nodes.
-    def show(self, prim: Any, transform: np.ndarray, path: Any) -> None:
-        parts = self.parts_of(prim)
-        if path == prim.GetPath():
-            self.place(parts, prim, prim)
-            return
-        for mesh, material in parts:
-            self.add_instance(mesh, material, transform, _dotted(path))
+    def show(self, prim: Any) -> None:
+        self.place(self.parts_of(prim), prim, prim)
 
     def parts_of(self, prim: Any) -> list[tuple[MeshHandle, MaterialHandle]]:
         """The meshes of a prim, which instances of it share."""
@@ -346,13 +377,8 @@ class _Usd(Builder):
     def add_instancer(self, instancer: Any) -> None:
         """Shows the copies of an instancer, each of all prims of its prototype."""
         prim = instancer.GetPrim()
-        indices = instancer.GetProtoIndicesAttr().Get(self.time) or []
-        mask = instancer.ComputeMaskAtTime(self.time)
-        numbers = [i for i in range(len(indices)) if not mask or mask[i]]
-        prototypes = [self.stage.GetPrimAtPath(path) for path in instancer.GetPrototypesRel().GetTargets()]
-        shown = [self.parts_of_prototype(prototype) for prototype in prototypes]
-        placed = self.copies_at(instancer, self.time)
-        copies = [(n, matrix, *part) for n, matrix in zip(numbers, placed) for part in shown[indices[n]]]
+        numbers = self.numbers_of_copies(instancer)
+        copies = self.copies_of(instancer, numbers)
         if times := self.times_of_copies(instancer, len(numbers)):
             above = self.motion.node_of(prim)
             nodes = [{"name": str(n), "parent": above} for n in numbers]
@@ -372,7 +398,31 @@ class _Usd(Builder):
         else:
             base = self.transform(prim)
             for n, matrix, part, local in copies:
-                self.show(part, base @ matrix @ local, f"{prim.GetPath()}/{n}")
+                for mesh, material in self.parts_of(part):
+                    self.add_instance(mesh, material, base @ matrix @ local, _dotted(f"{prim.GetPath()}/{n}"))
+
+    def numbers_of_copies(self, instancer: Any) -> list[int]:
+        """Those of the copies that are not masked."""
+        count = len(instancer.GetProtoIndicesAttr().Get(self.time) or [])
+        mask = instancer.ComputeMaskAtTime(self.time)
+        return [i for i in range(count) if not mask or mask[i]]
+
+    def copies_of(self, instancer: Any, numbers: Sequence[int]) -> Iterator[tuple[int, np.ndarray, Any, np.ndarray]]:
+        """The number and transform of each copy, relative to the instancer, with each prim that it shows and its
+        transform relative to the copy."""
+        path = instancer.GetPath()
+        indices = np.asarray(instancer.GetProtoIndicesAttr().Get(self.time) or [], np.int64)
+        targets = instancer.GetPrototypesRel().GetTargets()
+        if len(indices) and not 0 <= indices.min() <= indices.max() < len(targets):
+            raise UsageError(f"{path} has copies of prototypes that it does not have: it has {len(targets)}")
+        if path in self.unfolded:
+            raise UsageError(f"{path} is an instancer within its own prototypes")
+        self.unfolded.append(path)
+        shown = [self.parts_of_prototype(self.stage.GetPrimAtPath(target)) for target in targets]
+        self.unfolded.pop()
+        for n, matrix in zip(numbers, self.copies_at(instancer, self.time)):
+            for prim, local in shown[indices[n]]:
+                yield n, matrix, prim, local
 
     def copies_at(self, instancer: Any, time: Any) -> np.ndarray:
         """The transforms of the visible copies, (n, 4, 4), relative to the instancer."""
@@ -386,16 +436,37 @@ class _Usd(Builder):
 
     def parts_of_prototype(self, prototype: Any) -> list[tuple[Any, np.ndarray]]:
         """The prims that a prototype shows, with their transforms relative to its parent."""
-        root = np.linalg.inv(self.transform(prototype.GetParent()))
-        shown = [
-            prim
-            for prim in self.pxr.Usd.PrimRange(prototype)
-            if prim.IsA(self.pxr.UsdGeom.Mesh) or prim.GetTypeName() in _SHAPES
-        ]
-        for prim in shown if self.motion.exists else ():
-            if self.motion.samples_of_points(prim) or self.motion.moves_below(prim, prototype.GetParent()):
+        if not prototype:  # a target that does not exist
+            return []
+        if prototype.GetPath() not in self.prototypes:
+            parts: list[tuple[Any, np.ndarray]] = []
+            for part in self.unfolded_parts(prototype):
+                parts.append(part)
+                if len(parts) > _MAX_PARTS:
+                    raise UsageError(f"the instancers in {prototype.GetPath()} show more than {_MAX_PARTS} prims")
+            self.prototypes[prototype.GetPath()] = parts
+        return self.prototypes[prototype.GetPath()]
+
+    def unfolded_parts(self, prototype: Any) -> Iterator[tuple[Any, np.ndarray]]:
+        geom = self.pxr.UsdGeom
+        for prim in self.visible(prototype):
+            is_nested = prim.IsA(geom.PointInstancer)
+            if not is_nested and not prim.IsA(geom.Mesh) and prim.GetTypeName() not in _SHAPES:
+                continue
+            if self.motion.exists and (
+                self.motion.samples_of_points(prim)
+                or self.motion.samples_of_copies(prim)
+                or self.motion.moves_below(prim, prototype.GetParent())
+            ):
                 self.motion.unplayed.append(str(prim.GetPath()))
-        return [(prim, root @ self.transform(prim)) for prim in shown]
+            relative, _ = self.cache.ComputeRelativeTransform(prim, prototype.GetParent())
+            local = np.array(relative, np.float64).T
+            if not is_nested:
+                yield prim, local
+                continue
+            nested = geom.PointInstancer(prim)
+            for _, matrix, part, own in self.copies_of(nested, self.numbers_of_copies(nested)):
+                yield part, local @ matrix @ own
 
     def times_of_copies(self, instancer: Any, count: int) -> list[float]:
         """The times of the samples of an instancer's transforms, if nodes can be its copies: the same ones at all
@@ -454,21 +525,12 @@ class _Usd(Builder):
         points, blended_normals = shapes
         if points is None:
             points = np.asarray(mesh.GetPointsAttr().Get(self.time), np.float32).reshape(-1, 3)
-        counts = np.asarray(mesh.GetFaceVertexCountsAttr().Get(self.time) or [], np.int64)
-        indices = np.asarray(mesh.GetFaceVertexIndicesAttr().Get(self.time) or [], np.int64)
-        if len(points) == 0 or len(counts) == 0:
+        every = self.corners_of(mesh, prim, len(points))
+        if len(every.flat) == 0:
             return []
-        if counts.sum() != len(indices) or (len(indices) and (indices.min() < 0 or indices.max() >= len(points))):
-            raise UsageError(f"{prim.GetPath()} has faces that refer to points it does not have")
-        first = np.concatenate([[0], np.cumsum(counts)[:-1]])
-        corners, faces = _fans(first, counts)  # corners of triangles, and the face of each triangle
-        if mesh.GetOrientationAttr().Get(self.time) == self.pxr.UsdGeom.Tokens.leftHanded:
-            corners = corners[:, ::-1]
-        flat = corners.ravel()
-        every = Corners(flat, indices[flat], np.repeat(faces, 3))
         normals = self.normals_of_corners(mesh, prim, every, self.time)
         if blended_normals is not None and len(blended_normals) == len(points):
-            normals = blended_normals[indices[flat]]
+            normals = blended_normals[every.points]
         if pose is not None:
             if len(pose) not in (1, len(points)):
                 raise UsageError(f"{prim.GetPath()} has joint influences that do not match its points")
@@ -476,7 +538,7 @@ class _Usd(Builder):
             points = (np.einsum("pij,pj->pi", pose[:, :3, :3], points) + pose[:, :3, 3]).astype(np.float32)
             if normals is not None:
                 turn = np.linalg.pinv(pose[:, :3, :3]).transpose(0, 2, 1)
-                normals = np.einsum("pij,pj->pi", turn[indices[flat]], normals).astype(np.float32)
+                normals = np.einsum("pij,pj->pi", turn[every.points], normals).astype(np.float32)
         uv = next(
             (
                 v
@@ -488,7 +550,7 @@ class _Usd(Builder):
         colors = self.primvar(prim, "displayColor", None, "", every, 3, self.time)
         kinds = ("positions",) if normals is None else ("positions", "normals")
         made = []
-        for material, triangles in self.subsets(prim, faces):
+        for material, triangles in self.subsets(prim, every.faces[::3]):
             chosen = np.repeat(triangles, 3)
             handle = self.material_of(material, prim)
             rgba = None
@@ -498,7 +560,7 @@ class _Usd(Builder):
             made.append(
                 (
                     self.scene.add_mesh(
-                        points[indices[flat]][chosen],
+                        points[every.points][chosen],
                         normals=None if normals is None else normals[chosen],
                         uv=None if uv is None else v_down(uv[chosen]),
                         colors=rgba,
@@ -509,6 +571,26 @@ class _Usd(Builder):
                 )
             )
         return made
+
+    def corners_of(self, mesh: Any, prim: Any, count: int) -> Corners:
+        """The corners of all triangles of a mesh with that many points, without those of its holes."""
+        counts = np.asarray(mesh.GetFaceVertexCountsAttr().Get(self.time) or [], np.int64)
+        indices = np.asarray(mesh.GetFaceVertexIndicesAttr().Get(self.time) or [], np.int64)
+        holes = np.asarray(mesh.GetHoleIndicesAttr().Get(self.time) or [], np.int64)
+        if count == 0 or len(counts) == 0:
+            return Corners(*np.zeros((3, 0), np.int64))
+        if (counts < 0).any():
+            raise UsageError(f"{prim.GetPath()} has a face with {counts.min()} corners")
+        if counts.sum() != len(indices) or (indices < 0).any() or (indices >= count).any():
+            raise UsageError(f"{prim.GetPath()} has faces that refer to points it does not have")
+        first = np.concatenate([[0], np.cumsum(counts)[:-1]])
+        corners, faces = _fans(first, counts)  # corners of triangles, and the face of each triangle
+        shown = ~np.isin(faces, holes)
+        corners, faces = corners[shown], faces[shown]
+        if mesh.GetOrientationAttr().Get(self.time) == self.pxr.UsdGeom.Tokens.leftHanded:
+            corners = corners[:, ::-1]
+        flat = corners.ravel()
+        return Corners(flat, indices[flat], np.repeat(faces, 3))
 
     def normals_of_corners(self, mesh: Any, prim: Any, corners: Corners, time: Any) -> np.ndarray | None:
         attribute, interpolation = mesh.GetNormalsAttr(), mesh.GetNormalsInterpolation()
@@ -584,7 +666,7 @@ class _Usd(Builder):
         given = surface.GetInput(name)
         if not given:
             return otherwise
-        if self.texture_of(surface, name)[0]:
+        if self.image_of(surface, name).path:
             return otherwise
         sources = self.pxr.UsdShade.Utils.GetValueProducingAttributes(given)
         result = sources[0].Get(self.time) if sources else None
@@ -596,19 +678,29 @@ class _Usd(Builder):
     def color(self, surface: Any, name: str, otherwise: tuple[float, float, float]) -> tuple[float, ...]:
         return tuple(max(float(c), 0) for c in self.value(surface, name, otherwise))
 
+    def factor(self, surface: Any, name: str, otherwise: float) -> float:
+        """A number in [0, 1], or the scale of the image that is connected in its place."""
+        use = self.image_of(surface, name)
+        return min(max(use.scale[use.channel()], 0), 1) if use.path else self.number(surface, name, otherwise)
+
+    def tint(self, surface: Any, name: str, otherwise: tuple[float, float, float]) -> tuple[float, ...]:
+        """A color, or the scale of the image that is connected in its place."""
+        use = self.image_of(surface, name)
+        return tuple(max(c, 0) for c in use.scale[:3]) if use.path else self.color(surface, name, otherwise)
+
     def preview_surface(self, material: Any, surface: Any) -> MaterialHandle:
         diffuse, emissive = self.image(surface, "diffuseColor"), self.image(surface, "emissiveColor")
         normal, mask = self.image(surface, "normal"), self.channel(surface, "opacity")
         rough, metal = self.channel(surface, "roughness"), self.channel(surface, "metallic")
-        opacity, threshold = self.number(surface, "opacity", 1), self.number(surface, "opacityThreshold", 0)
-        base = (1, 1, 1) if diffuse is not None else self.color(surface, "diffuseColor", (0.18, 0.18, 0.18))
+        opacity, threshold = self.factor(surface, "opacity", 1), self.number(surface, "opacityThreshold", 0)
+        base = self.tint(surface, "diffuseColor", (0.18, 0.18, 0.18))
         handle = self.scene.add_material(
             Material(
                 name=material.GetPrim().GetName(),
                 base_color=(*(min(c, 1) for c in base), opacity),
-                metallic=self.number(surface, "metallic", 0 if metal is None else 1),
-                roughness=self.number(surface, "roughness", 0.5 if rough is None else 1),
-                emissive=(1, 1, 1) if emissive is not None else self.color(surface, "emissiveColor", (0, 0, 0)),
+                metallic=self.factor(surface, "metallic", 0),
+                roughness=self.factor(surface, "roughness", 0.5),
+                emissive=self.tint(surface, "emissiveColor", (0, 0, 0)),
                 clearcoat=self.number(surface, "clearcoat", 0),
                 clearcoat_roughness=self.number(surface, "clearcoatRoughness", 0.01),
                 f0=_f0(float(self.value(surface, "ior", 1.5))),
@@ -628,8 +720,8 @@ class _Usd(Builder):
         image, emissive = self.image(surface, "base_color"), self.image(surface, "emission_color")
         rough, metal = self.channel(surface, "specular_roughness"), self.channel(surface, "metalness")
         base, emission = self.number(surface, "base", 1), float(self.value(surface, "emission", 0))
-        color = (1, 1, 1) if image is not None else self.color(surface, "base_color", (0.8, 0.8, 0.8))
-        glow = (1, 1, 1) if emissive is not None else self.color(surface, "emission_color", (1, 1, 1))
+        color = self.tint(surface, "base_color", (0.8, 0.8, 0.8))
+        glow = self.tint(surface, "emission_color", (1, 1, 1))
         transmission, sheen = self.number(surface, "transmission", 0), self.number(surface, "sheen", 0)
         if transmission > 0 and image is None:  # what passes is tinted by transmission_color in place of base_color
             tint = self.color(surface, "transmission_color", (1, 1, 1))
@@ -639,8 +731,8 @@ class _Usd(Builder):
             Material(
                 name=material.GetPrim().GetName(),
                 base_color=(*(min(base * c, 1) for c in color), opacity),
-                metallic=self.number(surface, "metalness", 0 if metal is None else 1),
-                roughness=self.number(surface, "specular_roughness", 0.2 if rough is None else 1),
+                metallic=self.factor(surface, "metalness", 0),
+                roughness=self.factor(surface, "specular_roughness", 0.2),
                 specular=self.number(surface, "specular", 1),
                 specular_color=self.color(surface, "specular_color", (1, 1, 1)),
                 f0=_f0(float(self.value(surface, "specular_IOR", 1.5))),
@@ -660,32 +752,38 @@ class _Usd(Builder):
         self.add_texture(handle, "metallic_roughness", _packed(rough, metal), False)
         return handle
 
-    def texture_of(self, surface: Any, name: str) -> tuple[str, str]:
-        """The path of the image file that an input is connected to, also through a node graph, and its output."""
+    def image_of(self, surface: Any, name: str) -> ImageUse:
+        """The image file that an input is connected to, also through a node graph."""
         given = surface.GetInput(name)
         shade = self.pxr.UsdShade
         for source in shade.Utils.GetValueProducingAttributes(given) if given else []:
             texture = shade.Shader(source.GetPrim())
             if texture and texture.GetShaderId() == "ND_normalmap" and texture.GetInput("in"):
-                return self.texture_of(texture, "in")
+                return self.image_of(texture, "in")
             file = texture.GetInput("file").Get(self.time) if texture and texture.GetInput("file") else None
             path = file.resolvedPath if file else ""
             path = self.allowed(path)
-            if path and os.path.isfile(path):
-                return path, source.GetName().removeprefix("outputs:")
-        return "", ""
+            if path and (self.pxr.Ar.IsPackageRelativePath(path) or os.path.isfile(path)):
+                return ImageUse(path, source.GetName().removeprefix("outputs:"), self.scale_of(texture))
+        return ImageUse()
+
+    def scale_of(self, texture: Any) -> tuple[float, ...]:
+        """The scale of an image. With a bias, as normal maps have one, glTF's factors cannot express it."""
+        scale, bias = texture.GetInput("scale"), texture.GetInput("bias")
+        if "UsdUVTexture" not in (texture.GetShaderId() or "") or not scale or (bias and any(bias.Get(self.time) or ())):
+            return ImageUse().scale
+        return tuple(float(c) for c in scale.Get(self.time) or ImageUse().scale)
 
     def channel(self, surface: Any, name: str) -> np.ndarray | None:
         """One channel of the image that a scalar input is connected to."""
         image = self.image(surface, name)
         if image is None:
             return None
-        pixels = np.asarray(image.convert("RGBA"))
-        return pixels[..., {"g": 1, "b": 2, "a": 3}.get(self.texture_of(surface, name)[1], 0)]
+        return np.asarray(image.convert("RGBA"))[..., self.image_of(surface, name).channel()]
 
     def image(self, surface: Any, name: str) -> Any:
         """The image that an input is connected to, as pixels."""
-        path = self.texture_of(surface, name)[0]
+        path = self.image_of(surface, name).path
         if not path:
             return None
         if path not in self.images:
@@ -693,104 +791,51 @@ class _Usd(Builder):
         return self.images[path]
 
     def allowed(self, path: str) -> str:
-        """Checks a file that the stage refers to. Those in archives are as allowed as the archive."""
-        if path and self.enclosure and not self.pxr.Ar.IsPackageRelativePath(path):
-            return self.enclosure.check(path)
-        return path
+        """Checks a file that the stage refers to, or the archive that it is in. Returns its path."""
+        if not path or not self.enclosure:
+            return path
+        if self.pxr.Ar.IsPackageRelativePath(path):
+            _check_file(self.pxr, path, self.enclosure)
+            return path
+        return self.enclosure.check(path)
 
     def open_image(self, path: str) -> Any:
         try:
             pil = importlib.import_module("PIL.Image")
         except ImportError:
             raise missing("pillow", "from_usd") from None
-        return pil.open(path)
+        packaged = self.pxr.Ar.IsPackageRelativePath(path)
+        image = pil.open(io.BytesIO(_packaged(self.pxr, path)) if packaged else path)
+        if image.mode.startswith("I"):  # 16 bits, which Pillow would clip to 8 bits
+            image = pil.fromarray((np.clip(np.asarray(image), 0, 65535) // 257).astype(np.uint8))
+        return image
+
+    def read_radiance(self, path: str) -> np.ndarray:
+        """The pixels of a .hdr or .exr file."""
+        if not self.pxr.Ar.IsPackageRelativePath(path):
+            return read_environment(path)
+        with tempfile.TemporaryDirectory() as folder:
+            copy = os.path.join(folder, f"environment{_extension(path)}")
+            with open(copy, "wb") as file:
+                file.write(_packaged(self.pxr, path))
+            return read_environment(copy)
 
     # --- lights ---
 
     def add_light(self, prim: Any) -> None:
         lux = self.pxr.UsdLux
-        api, transform = lux.LightAPI(prim), self.world @ self.transform(prim)
         if prim.IsA(lux.DomeLight) or prim.IsA(lux.DomeLight_1):
             self.domes.append(prim)
             if self.motion.moves(prim):  # the scene's environment stays
                 self.motion.unplayed.append(str(prim.GetPath()))
             return
-        node = self.motion.node_of(prim) if self.motion.moves(prim) else None
-        color = tuple(self.light_color(api).tolist())
-        power = float(api.GetIntensityAttr().Get(self.time)) * 2 ** float(api.GetExposureAttr().Get(self.time))
-        position = tuple(transform[:3, 3].tolist())
-        direction = tuple((-transform[:3, 2]).tolist())
-        name = prim.GetName()
-        if prim.IsA(lux.DistantLight):
-            self.scene.add_light(
-                Light(name=name, type="directional", direction=direction, color=color, intensity=power), node
-            )
-        elif prim.IsA(lux.SphereLight):
-            radius = float(lux.SphereLight(prim).GetRadiusAttr().Get(self.time)) * np.cbrt(
-                abs(np.linalg.det(transform[:3, :3]))
-            )
-            # Radiance times the projected area, as seen from afar. `normalize` divides the radiance by the area of the
-            # sphere, in units of the stage.
-            is_normalized = api.GetNormalizeAttr().Get(self.time)
-            candela = power * (self.scale**2 / 4 if is_normalized else math.pi * radius**2)
-            light = Light(name=name, position=position, color=color, intensity=candela, size=radius)
-            shaping = lux.ShapingAPI(prim)
-            cone = float(shaping.GetShapingConeAngleAttr().Get(self.time)) if prim.HasAPI(lux.ShapingAPI) else 90
-            if cone < 90:
-                softness = float(shaping.GetShapingConeSoftnessAttr().Get(self.time))
-                light.type, light.direction, light.outer_cone = "spot", direction, max(cone, 0)
-                light.inner_cone = light.outer_cone * (1 - min(max(softness, 0), 1))
-            self.scene.add_light(light, node)
-        else:
-            self.add_area_light(prim, transform, color, power, node)
-
-    def light_color(self, api: Any) -> np.ndarray:
-        color = np.array(api.GetColorAttr().Get(self.time), np.float64)
-        if api.GetEnableColorTemperatureAttr().Get(self.time):
-            kelvin = float(api.GetColorTemperatureAttr().Get(self.time))
-            color *= np.array(self.pxr.UsdLux.BlackbodyTemperatureAsRgb(kelvin))
-        return color
-
-    def add_area_light(
-        self, prim: Any, transform: np.ndarray, color: tuple[float, ...], power: float, node: str | None
-    ) -> None:
-        """Rectangles, disks and tubes. Their transforms are those of the stage, whose lengths are not meters."""
-        lux = self.pxr.UsdLux
-        sizes: dict[str, float] = {}
-
-        def size(attribute: Any) -> float:
-            return float(attribute.Get(self.time))
-
-        if prim.IsA(lux.RectLight):
-            rect = lux.RectLight(prim)
-            kind, sizes = "rect", {"width": size(rect.GetWidthAttr()), "height": size(rect.GetHeightAttr())}
-            area = sizes["width"] * sizes["height"]
-        elif prim.IsA(lux.DiskLight):
-            kind, sizes = "disk", {"size": size(lux.DiskLight(prim).GetRadiusAttr())}
-            area = math.pi * sizes["size"] ** 2
-        elif prim.IsA(lux.CylinderLight):
-            tube = lux.CylinderLight(prim)
-            kind, sizes = "tube", {"size": size(tube.GetRadiusAttr()), "length": size(tube.GetLengthAttr())}
-            area = 2 * math.pi * sizes["size"] * sizes["length"]
-        else:
-            return
-        lengths = np.linalg.norm(transform[:3, :3], axis=0)
-        if lux.LightAPI(prim).GetNormalizeAttr().Get(self.time) and area > 0:
-            power /= area
-        self.scene.add_light(
-            Light(
-                name=prim.GetName(),
-                type=kind,
-                position=tuple(transform[:3, 3].tolist()),
-                direction=tuple((-transform[:3, 2]).tolist()),
-                up=tuple(transform[:3, 1].tolist()),
-                scale=tuple(lengths.tolist()),
-                color=color,
-                intensity=power,
-                **sizes,
-            ),
-            node,
-        )
+        transform, moves = self.world @ self.transform(prim), self.motion.moves(prim)
+        if moves:  # a light that is flat at first may grow, and then emits as one that is not scaled
+            (axes,), (scales,) = axes_of(transform[None])
+            transform[:3, :3] = axes * np.where(scales == 0, self.scale, scales)
+        light = light_of(prim, self.pxr, self.time, transform, self.scale)
+        if light is not None:
+            self.scene.add_light(light, self.motion.node_of(prim) if moves else None)
 
     # --- dome lights ---
 
@@ -802,14 +847,14 @@ class _Usd(Builder):
         total = np.zeros((height, 2 * height, 3), np.float32)
         for dome, image in zip(self.domes, images):
             api = self.pxr.UsdLux.LightAPI(dome)
-            power = float(api.GetIntensityAttr().Get(self.time)) * 2 ** float(api.GetExposureAttr().Get(self.time))
-            axes = (self.world @ self.transform(dome))[:3, :3]
-            axes = axes / np.linalg.norm(axes, axis=0)
+            rotations, scales = axes_of((self.world @ self.transform(dome))[None])
+            axes = rotations[0] * np.where(scales[0] < 0, -1, 1)
             pole = dome.GetAttribute("poleAxis").Get() if dome.IsA(self.pxr.UsdLux.DomeLight_1) else "Y"
             up = self.pxr.UsdGeom.GetStageUpAxis(self.stage) if pole == "scene" else pole
             if up == "Z":  # the texture's pole, which is +Y, is turned about X
                 axes = axes @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
-            total += power * self.light_color(api).astype(np.float32) * _sampled(image, directions @ axes)
+            color = radiance_of(api, self.time) * color_of(api, self.pxr, self.time)
+            total += color.astype(np.float32) * _sampled(image, directions @ axes)
         return total
 
     def dome_image(self, dome: Any) -> np.ndarray:
@@ -825,41 +870,56 @@ class _Usd(Builder):
         if not path:
             return np.ones((1, 2, 3), np.float32)
         path = self.allowed(path)
-        if path.lower().endswith((".hdr", ".exr")):
-            return read_environment(path)
+        if _extension(path) in (".hdr", ".exr"):
+            return self.read_radiance(path)
         return linear(np.asarray(self.open_image(path).convert("RGB")) / 255)
 
     # --- cameras ---
 
     def exposures(self) -> list[float]:
+        if self.plays:
+            self.animate()  # cameras that appear later belong to the scene, too
         cameras = [self.pxr.UsdGeom.Camera(prim) for prim in self.visible() if prim.IsA(self.pxr.UsdGeom.Camera)]
         scales = [float(camera.ComputeLinearExposureScale(self.time)) for camera in cameras]
         return [math.log2(scale) if scale > 0 else -math.inf for scale in scales]
 
     def add_camera(self, camera: Any, prim: Any) -> None:
         gf = camera.GetCamera(self.time)
-        fov = float(gf.GetFieldOfView(self.pxr.Gf.Camera.FOVVertical))
-        transform = self.world @ self.transform(prim)
-        eye = transform[:3, 3]
-        made = self.scene.look_at(eye, eye - transform[:3, 2] / np.linalg.norm(transform[:3, 2]), vertical_fov=fov)
-        pose = np.eye(4)
-        axes = transform[:3, :3] / np.linalg.norm(transform[:3, :3], axis=0)
-        pose[:3, :3], pose[:3, 3] = axes @ np.diag([1, -1, -1]), eye  # OpenCV's camera: Y down, Z forward
-        made.camera_to_world = pose
-        made.name = prim.GetName()
-        if gf.projection == self.pxr.Gf.Camera.Orthographic:
+        is_orthographic = gf.projection == self.pxr.Gf.Camera.Orthographic
+        if gf.verticalAperture <= 0 or (gf.focalLength <= 0 and not is_orthographic):
+            name = "verticalAperture" if gf.verticalAperture <= 0 else "focalLength"
+            raise UsageError(f"{prim.GetPath()} has the {name} {getattr(gf, name):g}, but it must be positive")
+        pose = _camera_pose(self.world @ self.transform(prim))
+        made = self.scene.look_at(pose[:3, 3], pose[:3, 3] + pose[:3, 2])
+        made.camera_to_world, made.name = pose, prim.GetName()
+        if is_orthographic:
             made.orthographic = True
             made.half_height = gf.verticalAperture * self.pxr.Gf.Camera.APERTURE_UNIT / 2 * self.scale
             made.near_clip, made.far_clip = gf.clippingRange.min * self.scale, gf.clippingRange.max * self.scale
+        else:
+            made.vertical_fov = float(gf.GetFieldOfView(self.pxr.Gf.Camera.FOVVertical))
         # An offset moves what the camera sees, and the center of the projection moves the other way in the image.
-        if gf.horizontalAperture > 0 and gf.verticalAperture > 0:
+        if gf.horizontalAperture > 0:
             made.principal_x = -2 * gf.horizontalApertureOffset / gf.horizontalAperture
-            made.principal_y = -2 * gf.verticalApertureOffset / gf.verticalAperture
+        made.principal_y = -2 * gf.verticalApertureOffset / gf.verticalAperture
         self.scene.add_camera(made, self.motion.node_of(prim) if self.motion.moves(prim) else None)
 
 
+def _camera_pose(transform: np.ndarray) -> np.ndarray:
+    """The pose of OpenCV's camera, which has Y down and Z forward, by USD's, which has Y up and -Z forward. Scale,
+    mirroring and shear do not change the image, as in GfFrustum; a sheared camera keeps its direction."""
+    rotation = axes_of(transform[None])[0][0]
+    back = rotation[:, 2]
+    right = np.cross(rotation[:, 1], back)
+    right /= np.linalg.norm(right)
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = np.stack([right, -np.cross(back, right), -back], axis=1), transform[:3, 3]
+    return pose
+
+
 def _dotted(path: Any) -> str:
-    """The name of a root node that stands for a prim."""
+    """The name of a root node that stands for a prim: with dots, because a path of the scene has slashes only between
+    nodes."""
     return str(path)[1:].replace("/", ".")
 
 
@@ -940,6 +1000,25 @@ def _check_file(pxr: Any, path: str, enclosure: Enclosure) -> None:
     """Checks a file that a layer refers to; for one in an archive, the archive."""
     packaged = pxr.Ar.IsPackageRelativePath(path)
     enclosure.check(pxr.Ar.SplitPackageRelativePathOuter(path)[0] if packaged else path)
+
+
+def _packaged(pxr: Any, path: str) -> bytes:
+    """The contents of a file in a .usdz archive, or in one within it. Their files are not compressed."""
+    source: Any
+    source, rest = pxr.Ar.SplitPackageRelativePathOuter(path)
+    while rest:
+        name, rest = pxr.Ar.SplitPackageRelativePathOuter(rest)
+        with zipfile.ZipFile(source) as archive:
+            if archive.getinfo(name).compress_type != zipfile.ZIP_STORED:
+                raise UsageError(f"{path} is compressed, which USD's archives do not support")
+            contents = archive.read(name)
+        source = io.BytesIO(contents)
+    return contents
+
+
+def _extension(path: str) -> str:
+    """Also of a file in an archive, as in model.usdz[textures/sky.hdr]."""
+    return os.path.splitext(path.rstrip("]"))[1].lower()
 
 
 def _opened(pxr: Any, path: str, enclosure: Enclosure) -> Any:
@@ -1046,14 +1125,14 @@ def from_usd(
         code, and a warning names them
     allow_outside: folders that a file may refer to, besides its own
 
-    Converted are visible meshes with their subsets, normals, texture coordinates (st) and displayColor; skeletons and
-    blend shapes with in-betweens; spheres, cubes, cones, planes, and cylinders and capsules with one or two radii;
-    instances and point instancers; UsdPreviewSurface and MaterialX's standard surface with their images; distant,
-    sphere, rect, disk and cylinder lights, with color temperatures, and spheres with a cone as spot lights; dome
-    lights, as the scene's environment; perspective, orthographic and shifted cameras; and the stage's units, up axis
-    and chosen variants. Animated are transforms, skeletons, weights of blend shapes, points and normals, copies of
-    instancers, and visibility. Subdivision surfaces are shown as their cages, and polygons as fans. Curves,
-    points, volumes, procedural textures and other shaders are left out."""
+    Converted are visible meshes with their subsets, holes, normals, texture coordinates (st) and displayColor;
+    skeletons and blend shapes with in-betweens; spheres, cubes, cones, planes, and cylinders and capsules with one or
+    two radii; instances and point instancers; UsdPreviewSurface and MaterialX's standard surface with their images;
+    distant, sphere, rect, disk and cylinder lights, with color temperatures, and spheres with a cone as spot lights;
+    dome lights, as the scene's environment; perspective, orthographic and shifted cameras; and the stage's units, up
+    axis and chosen variants. Animated are transforms, skeletons, weights of blend shapes, points and normals, copies of
+    instancers, and visibility. Subdivision surfaces are shown as their cages, and polygons as fans. Curves, points,
+    volumes, procedural textures and other shaders are left out."""
     return _converted(stage, time, allow_outside, "from_usd", _Usd.run)
 
 

@@ -41,8 +41,8 @@ def add_pixels(
     scene: the model's scene; default: from_mujoco() of the first environment's model
     cameras: default: the first of the model's cameras
     size: width and height in pixels
-    worlds: returns the arguments of render_worlds() that describe the worlds of the vector environment, for environments
-    that are no SyncVectorEnv of MuJoCo environments; requires `renderer` and `cameras`
+    worlds: returns the arguments of render_worlds() that describe the worlds of the vector environment, for
+    environments that are no SyncVectorEnv of MuJoCo environments; requires `renderer` and `cameras`
     renderer: default: one of the scene, on `device`
     options: of render_worlds(), such as shadows="none"
 

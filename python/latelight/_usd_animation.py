@@ -22,7 +22,7 @@ Parts = Sequence[tuple[MeshHandle, MaterialHandle]]
 # Attributes, by the type of their prim, that are read once, at the first time.
 _READ_ONCE = {
     "Gprim": ("radius", "height", "size", "axis", "width", "length", "radiusTop", "radiusBottom", "orientation")
-    + ("faceVertexCounts", "faceVertexIndices", "primvars:displayColor")
+    + ("faceVertexCounts", "faceVertexIndices", "holeIndices", "primvars:displayColor")
     + ("primvars:st", "primvars:UVMap", "primvars:st0"),
     "Camera": ("focalLength", "horizontalAperture", "verticalAperture", "horizontalApertureOffset", "projection")
     + ("verticalApertureOffset",),
@@ -31,6 +31,7 @@ _READ_ONCE = {
 
 _TOLERANCE = 1e-4  # of interpolated transforms: radians and relative scale, and of the path that translations cover
 _FRACTIONS = (0.29, 0.5, 0.83)  # of intervals, where interpolated transforms are compared with the stage's
+_FLAT = 1e-13  # relative length of an axis of a transform whose direction is rounding
 _DEEPEST = 10  # halvings of an interval between samples
 
 
@@ -55,8 +56,8 @@ class Motion:
     def finish(self) -> None:
         if self.channels:
             self.scene.add_animation("stage", self.channels)
-        if self.unplayed:
-            named, others = ", ".join(self.unplayed[:3]), len(self.unplayed) - 3
+        if unplayed := list(dict.fromkeys(self.unplayed)):
+            named, others = ", ".join(unplayed[:3]), len(unplayed) - 3
             if others > 0:
                 named += f" and {others} others"
             warnings.warn(
@@ -241,7 +242,8 @@ class Motion:
             exact = matrices(begin + fraction * (end - begin))
             error = np.abs(_composed(*_between(known[begin], known[end], fraction)) - exact)
             size = np.maximum(np.abs(exact[:, :3, :3]).max(axis=(1, 2)), 1e-30)
-            if (error[:, :3, :3].max(axis=(1, 2)) > _TOLERANCE * size).any() or error[:, :3, 3].max() > _TOLERANCE * reach:
+            turned = (error[:, :3, :3].max(axis=(1, 2)) > _TOLERANCE * size).any()
+            if turned or error[:, :3, 3].max() > _TOLERANCE * reach:
                 return False
         return True
 
@@ -281,9 +283,9 @@ class Motion:
     # --- blend shapes ---
 
     def weights_of(self, animation: Any, mapper: Any, shapes: Any) -> tuple[list[float], np.ndarray]:
-        """Times, and the weights of all shapes and in-betweens at them. Between two samples a weight is linear, and that
-        of an in-between is linear between the weights of its neighbors, so that keys are added where a weight passes
-        one."""
+        """Times, and the weights of all shapes and in-betweens at them. Between two samples a weight is linear, and
+        that of an in-between is linear between the weights of its neighbors, so that keys are added where a weight
+        passes one."""
 
         def own(time: float) -> Any:
             weights = animation.ComputeBlendShapeWeights(time)
@@ -353,13 +355,41 @@ def unsheared(matrices: np.ndarray) -> np.ndarray:
     return _composed(*_parts(matrices))
 
 
-def _parts(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The translations, rotations and scales of transforms (n, 4, 4) without shear."""
+def axes_of(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The rotations (n, 3, 3) and scales (n, 3) whose product are the axes of transforms (n, 4, 4). The first scale is
+    negative if a transform mirrors. The axes of a rotation are not perpendicular if a transform shears."""
     axes = matrices[:, :3, :3]
     scales = np.linalg.norm(axes, axis=1)
-    scales[:, 0] *= np.where(np.linalg.det(axes) < 0, -1, 1)
-    rotations = axes / np.where(scales == 0, 1, scales)[:, None, :]
+    flat = scales <= _FLAT * scales.max(axis=1, keepdims=True)
+    scales[:, 0] *= np.where((np.linalg.det(axes) < 0) & ~flat.any(axis=1), -1, 1)
+    return _completed(axes / np.where(flat, 1, scales)[:, None, :], flat), scales
+
+
+def _parts(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The translations, rotations and scales of transforms (n, 4, 4) without shear."""
+    rotations, scales = axes_of(matrices)
     return matrices[:, :3, 3], _quaternions(rotations), scales
+
+
+def _completed(rotations: np.ndarray, flat: np.ndarray) -> np.ndarray:
+    """Rotations (n, 3, 3), of which a scale of zero left the axes that are flat (n, 3) without a direction. One follows
+    from the other two, two are any that are perpendicular to the third, and three are those of the identity."""
+    rotations, flat = rotations.copy(), flat.copy()
+    rotations[flat.all(axis=1)] = np.eye(3)
+    flat[flat.all(axis=1)] = False
+    (line,) = np.nonzero(flat.sum(axis=1) == 2)
+    known = np.argmin(flat[line], axis=1)
+    axis, following = rotations[line, :, known], (known + 1) % 3
+    steep = np.abs(axis[np.arange(len(line)), following]) < 0.9
+    other = np.eye(3)[np.where(steep, following, (known + 2) % 3)]
+    other -= np.sum(other * axis, axis=1, keepdims=True) * axis
+    rotations[line, :, following] = other / np.linalg.norm(other, axis=1, keepdims=True)
+    flat[line, following] = False
+    (plane,) = np.nonzero(flat.any(axis=1))
+    last = np.argmax(flat[plane], axis=1)
+    first, second = (rotations[plane, :, (last + step) % 3] for step in (1, 2))
+    rotations[plane, :, last] = np.cross(first, second)
+    return rotations
 
 
 def _decomposed(matrices: np.ndarray, path: Any, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

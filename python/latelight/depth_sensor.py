@@ -31,7 +31,8 @@ class DepthSensor:
 
     The standard deviation of a depth z on a surface at the angle of incidence a is, in meters,
 
-        axial[0] + axial[1] (z - axial[2])^2 + axial[3] / sqrt(z) a^2 / (pi/2 - a)^2 + disparity_noise z^2 / (f baseline)
+        axial[0] + axial[1] (z - axial[2])^2 + axial[3] / sqrt(z) a^2 / (pi/2 - a)^2
+        + disparity_noise z^2 / (f baseline)
 
     and that of a pixel's position lateral[0] + lateral[1] a / (pi/2 - a), in pixels. f is the focal length in pixels.
     """
@@ -58,8 +59,8 @@ def kinect() -> DepthSensor:
     """Microsoft Kinect, first generation: structured light, 640x480.
 
     Noise: Nguyen, Izadi and Lovell 2012, Modeling Kinect Sensor Noise for Improved 3D Reconstruction and Tracking.
-    Baseline and disparities in eighths of a pixel: Khoshelham and Elberink 2012, Accuracy and Resolution of Kinect Depth
-    Data for Indoor Mapping Applications.
+    Baseline and disparities in eighths of a pixel: Khoshelham and Elberink 2012, Accuracy and Resolution of Kinect
+    Depth Data for Indoor Mapping Applications.
     """
     return DepthSensor("Kinect", 0.075, 0.5, 5.0, (0.0012, 0.0019, 0.4, 0.0001), (0.8, 0.035), 0.0, 1 / 8, 82.0)
 
@@ -75,7 +76,7 @@ def realsense_d435() -> DepthSensor:
 
 @dataclass(frozen=True)
 class DepthFrame:
-    """What a depth sensor reports, and the truth."""
+    """The measurements of a depth sensor, and the truth."""
 
     depth: Array  # (H, W) float32, meters along the optical axis; 0: no value
     true_depth: Array  # (H, W) float32; infinite where there is no surface
@@ -141,8 +142,8 @@ def capture(renderer: Renderer, camera: Camera, size: tuple[int, int], sensor: D
             **options: Any) -> DepthFrame:  # fmt: skip
     """Renders exact depth, and measures it as the sensor does.
 
-    camera: a perspective camera, without a lens model; size: width and height in pixels; seed: of the noise, or None for
-    quantization and shadows only; options: those of Renderer.render() and Renderer.cast(), such as time
+    camera: a perspective camera, without a lens model; size: width and height in pixels; seed: of the noise, or None
+    for quantization and shadows only; options: those of Renderer.render() and Renderer.cast(), such as time
 
     The shadow of structured light is traced: pixels whose point the projector does not reach have no value.
     """

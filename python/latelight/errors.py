@@ -1,4 +1,4 @@
-"""What goes wrong, by kind. Each message is one sentence."""
+"""The kinds of errors. Each message is one sentence."""
 
 
 class LatelightError(Exception):

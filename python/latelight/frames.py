@@ -1,4 +1,4 @@
-"""What render() gives: arrays by the names of outputs."""
+"""The results of render(): arrays by the names of outputs."""
 
 from __future__ import annotations
 
@@ -66,9 +66,9 @@ class Frame(Outputs[np.ndarray]):
 class DeviceFrames(Outputs[DeviceArray]):
     """The outputs of all cameras in the memory of the renderer's device, by name: frames["depth"].
 
-    torch.from_dlpack(frames["depth"]) shares that memory without a copy and keeps it as long as the tensor lives. Arrays
-    are (V, H, W), or (V, H, W, C) with more than one channel; of a single camera without V. `exposures` are the factors
-    that the radiance of each picture was multiplied by, in the order of the pictures.
+    torch.from_dlpack(frames["depth"]) shares that memory without a copy and keeps it as long as the tensor lives.
+    Arrays are (V, H, W), or (V, H, W, C) with more than one channel; of a single camera without V. `exposures` are the
+    factors that the radiance of each picture was multiplied by, in the order of the pictures.
     """
 
     def __init__(self, arrays: dict[str, DeviceArray], exposures: Sequence[float] = ()) -> None:
@@ -123,8 +123,8 @@ class Frames(_Stacked[Frame]):
 class WorldFrames(_Stacked[Frames]):
     """The outputs of worlds: frames[3] are the Frames of world 3, frames["depth"] all depths, (N, C, H, W).
 
-    Outputs with more than one channel are (N, C, H, W, channels), and found by name as those of Frames. `invalid_worlds`
-    are the worlds with values that are not finite; their images show only the background.
+    Outputs with more than one channel are (N, C, H, W, channels), and found by name as those of Frames.
+    `invalid_worlds` are the worlds with values that are not finite; their images show only the background.
     """
 
     def __init__(self, frames: list[Frame], cameras: int, invalid_worlds: Sequence[int]) -> None:

@@ -256,7 +256,7 @@ def _encode(path: Path, pictures: Sequence[Path], fps: float) -> None:
 
 
 def _statistics(values: np.ndarray, count: int) -> dict[str, list[float]]:
-    """Of (samples, values), per value, as LeRobot's compute_stats.py defines them."""
+    """Statistics of (samples, values), per value, as LeRobot's compute_stats.py defines them."""
     values = values.astype(np.float64)
     stats = {"min": values.min(0), "max": values.max(0), "mean": values.mean(0), "std": values.std(0)}
     for share in _QUANTILES:
@@ -275,7 +275,7 @@ def _sampled_colors(pictures: Sequence[Path]) -> np.ndarray:
 
 
 def _image_statistics(colors: np.ndarray, count: int) -> dict[str, Any]:
-    """Of shape (3, 1, 1) each, except the count."""
+    """Statistics per channel, of shape (3, 1, 1) each, except the count."""
     return {
         name: values if name == "count" else [[[value]] for value in values]
         for name, values in _statistics(colors, count).items()

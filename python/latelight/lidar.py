@@ -150,9 +150,10 @@ def os1_128(rate: float = 10.0, columns: int = 1024) -> Pattern:
 def livox_mid40(period: float = 0.1, start: float = 0.0) -> Pattern:
     """Livox Mid-40: a rosette that never repeats, within a cone of 38.4 degrees, at 100,000 points per second.
 
-    Two equal prisms that turn against each other deflect the beam, each by a quarter of the cone (Brazeal, Wilkinson and
-    Hochmair 2021, A Rigorous Observation Model for the Risley Prism-Based Livox Mid-40 Lidar Sensor, Sensors 21: 7294 and
-    -4664 revolutions per minute; here with thin prisms). start: seconds; successive scans begin where the last one ended.
+    Two equal prisms that turn against each other deflect the beam, each by a quarter of the cone (Brazeal, Wilkinson
+    and Hochmair 2021, A Rigorous Observation Model for the Risley Prism-Based Livox Mid-40 Lidar Sensor, Sensors 21:
+    7294 and -4664 revolutions per minute; here with thin prisms). start: seconds; successive scans begin where the last
+    one ended.
     """
     if not period > 0:
         raise UsageError("period must be above 0")

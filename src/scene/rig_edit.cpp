@@ -2,6 +2,7 @@
 #include "scene/rig_edit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/gtc/matrix_access.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -178,15 +179,37 @@ uint32_t addNode(Scene& scene, const NewNode& added) {
 
 namespace {
 
+// The axes of a rotation, of which a scale of zero left those that are flat without a direction. One follows from the
+// other two, two are any that are perpendicular to the third, and three are those of the identity.
+glm::dmat3 completed(glm::dmat3 axes, std::array<bool, 3> isFlat) {
+  const auto count = std::ranges::count(isFlat, true);
+  if (count == 3) return glm::dmat3(1);
+  if (count == 2) {
+    const auto known = static_cast<int>(std::ranges::find(isFlat, false) - isFlat.begin());
+    const int next = (known + 1) % 3;
+    dvec3 other(0);
+    other[std::abs(axes[known][next]) < 0.9 ? next : (known + 2) % 3] = 1;
+    axes[next] = glm::normalize(other - glm::dot(other, axes[known]) * axes[known]);
+    isFlat[static_cast<size_t>(next)] = false;
+  }
+  for (int i = 0; i < 3; ++i)
+    if (isFlat[static_cast<size_t>(i)]) axes[i] = glm::cross(axes[(i + 1) % 3], axes[(i + 2) % 3]);
+  return axes;
+}
+
 // The part of a matrix that a translation, a rotation and a scale represent.
 RigNode decomposed(const dmat4& matrix) {
-  dvec3 scale;
-  dmat4 rotation(1);
-  for (int i = 0; i < 3; ++i) scale[i] = glm::length(dvec3(matrix[i]));
-  if (glm::determinant(glm::dmat3(matrix)) < 0) scale.x = -scale.x;
+  constexpr double kFlat = 1e-13;  // relative length of an axis whose direction is rounding
+  const glm::dmat3 axes(matrix);
+  dvec3 scale(glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2]));
+  const double largest = std::max({scale.x, scale.y, scale.z});
+  std::array<bool, 3> isFlat;
+  for (int i = 0; i < 3; ++i) isFlat[static_cast<size_t>(i)] = scale[i] <= kFlat * largest;
+  if (std::ranges::count(isFlat, true) == 0 && glm::determinant(axes) < 0) scale.x = -scale.x;
+  glm::dmat3 rotation(1);
   for (int i = 0; i < 3; ++i)
-    if (scale[i] != 0) rotation[i] = matrix[i] / scale[i];
-  const glm::dquat q = glm::normalize(glm::quat_cast(glm::dmat3(rotation)));
+    if (!isFlat[static_cast<size_t>(i)]) rotation[i] = axes[i] / scale[i];
+  const glm::dquat q = glm::normalize(glm::quat_cast(completed(rotation, isFlat)));
   return {.matrix = matrix, .translation = dvec3(matrix[3]), .scale = scale, .rotation = {q.x, q.y, q.z, q.w}};
 }
 
@@ -216,7 +239,7 @@ RigNode withTransform(const Rig& rig, uint32_t node, const dmat4& parentFromNode
   const RigNode parts = decomposed(parentFromNode);
   to.hasMatrix = !(errorOf(parts) <= (animated ? kRoundingOfFloats : kRoundingOfDoubles));
   if (animated && to.hasMatrix)
-    badUsage("the matrix of {} shears, but animations move the node: give a rotation, a scale and a translation",
+    badUsage("the matrix of {} shears, but animations move the node: give one of a translation, a rotation and a scale",
              owner);
   to.matrix = parentFromNode;
   to.translation = parts.translation;

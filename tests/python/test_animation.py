@@ -459,6 +459,26 @@ def test_invalid_animations_are_refused():
     assert scene.animations == [] and len(scene.nodes) == 2
 
 
+@pytest.mark.parametrize(
+    "scale",
+    [(1, 0, 2), (0, 1, -2), (2, 3, 0), (-1, 0, 1), (2, 0, 0), (0, -3, 0), (0, 0, 2), (0, 0, 0), (1, 1e-20, 2)],
+)
+@pytest.mark.parametrize("degrees", [0, 30, 90, 180])
+@pytest.mark.parametrize("axis", [(0, 0, 1), (1, 1, 1), (3, -2, 1)])
+def test_flat_matrices_move_animated_nodes(scale, degrees, axis):
+    """A scale of zero leaves axes without a direction, but shears nothing."""
+    cross = np.cross(np.eye(3), np.array(axis) / np.linalg.norm(axis))  # Rodrigues' formula
+    sine, cosine = np.sin(np.radians(degrees)), np.cos(np.radians(degrees))
+    moved = np.eye(4)
+    moved[:3, :3] = (np.eye(3) - sine * cross + (1 - cosine) * cross @ cross) * scale
+    moved[:3, 3] = (1, 2, 3)
+    scene = Scene()
+    node = scene.add_node("node")
+    scene.add_animation("move", [AnimationChannel(node=node, property="translation", times=[0], values=[[4, 5, 6]])])
+    scene.set_node_transform(node, moved)
+    np.testing.assert_allclose(scene.nodes[0].transform, moved, atol=1e-12)
+
+
 def test_invalid_moves_are_refused(tmp_path):
     scene = Scene()
     mesh, look = scene.add_mesh(SQUARE, FACES), paint(scene)

@@ -30,8 +30,27 @@ def Xform "a" {
         float inputs:radius = 2
         float inputs:intensity = 100
     }
+    def DistantLight "d" {
+        float inputs:angle = 2
+    }
+    def RectLight "r" (prepend apiSchemas = ["ShadowAPI"]) {
+        float inputs:width = 3
+        bool inputs:normalize = 1
+        bool inputs:shadow:enable = 0
+    }
+    def SphereLight "spot" (prepend apiSchemas = ["ShapingAPI"]) {
+        float inputs:exposure = 2
+        float inputs:shaping:cone:angle = 30
+    }
+    def DomeLight "sky" {
+        float3 xformOp:scale = (1, -1, 2)
+        uniform token[] xformOpOrder = ["xformOp:scale"]
+    }
     def Camera "c" {
         float focalLength = 20
+        token projection = "perspective"
+        float3 xformOp:scale.timeSamples = { 0: (1, 1, 0), 2: (1, -1, 1) }
+        uniform token[] xformOpOrder = ["xformOp:scale"]
     }
 }
 def Mesh "w" {
@@ -53,6 +72,18 @@ def PointInstancer "i" {
     def Sphere "s" {
         double radius.timeSamples = { 0: 1, 2: 2 }
     }
+}
+class "far" {
+    def PointInstancer "n" {
+        int[] protoIndices = [0, 0]
+        rel prototypes = [</i/k>]
+        point3f[] positions = [(0, 0, 0), (9, 0, 0)]
+    }
+}
+def PointInstancer "o" {
+    int[] protoIndices = [0, 0]
+    rel prototypes = [</far/n>]
+    point3f[] positions = [(0, 9, 0), (0, 0, 9)]
 }
 def Material "p" {
     token outputs:surface.connect = </p/s.outputs:surface>

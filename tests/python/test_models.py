@@ -125,12 +125,16 @@ def assert_links_are_where_yourdfpy_has_them(scene, robot):
     for joint in robot.joint_map.values():  # a joint's node is where its child link is
         expected = Z_UP @ robot.get_transform(joint.child)
         np.testing.assert_allclose(by_name[joint.name.replace("/", "_")], expected, atol=1e-6, err_msg=joint.name)
-    shown = sum(len(scene.instances(path)) for path in by_path)
-    assert shown == len(robot.scene.graph.nodes_geometry)
+    assert_geometry_is_where_yourdfpy_has_it(scene, robot.scene)
+
+
+def assert_geometry_is_where_yourdfpy_has_it(scene, shown):
+    instances = sum(len(scene.instances(node.path)) for node in scene.nodes)
+    assert instances == len(shown.graph.nodes_geometry)
     boxes = []
-    for name in robot.scene.graph.nodes_geometry:
-        transform, geometry = robot.scene.graph[name]
-        points = robot.scene.geometry[geometry].vertices @ transform[:3, :3].T + transform[:3, 3]
+    for name in shown.graph.nodes_geometry:
+        transform, geometry = shown.graph[name]
+        points = shown.geometry[geometry].vertices @ transform[:3, :3].T + transform[:3, 3]
         boxes.append((points @ Z_UP[:3, :3].T).min(0).tolist() + (points @ Z_UP[:3, :3].T).max(0).tolist())
     found = []
     for instance in map(scene.instance, scene.instances()):
@@ -163,6 +167,48 @@ def test_joints_move_all_links_below_them(tmp_path):
     parents = {node.path: node.parent for node in scene.nodes}
     wheel = "/base/yaw/turret/mount/slider/spin/wheel"
     assert parents[wheel] == wheel[: -len("/wheel")] and parents["/base"] == ""
+
+
+def test_names_of_joints_that_become_equal_are_numbered(tmp_path):
+    pytest.importorskip("yourdfpy")
+    names = ["a_b", "a_b 2", "a/b", "a/b 2"]
+    links = [f'<link name="l{i}"/>' for i in range(len(names))]
+    joints = [
+        f'<joint name="{name}" type="fixed"><parent link="base"/><child link="l{i}"/></joint>'
+        for i, name in enumerate(names)
+    ]
+    (tmp_path / "r.urdf").write_text(f'<robot name="r"><link name="base"/>{"".join(links + joints)}</robot>')
+    paths = [node.path for node in latelight.from_urdf(tmp_path / "r.urdf").nodes if node.path.count("/") == 2]
+    assert paths == ["/base/a_b", "/base/a_b 2", "/base/a_b 3", "/base/a_b 2 2"]
+
+
+@pytest.mark.parametrize("kind", ["visual", "collision"])
+@pytest.mark.parametrize("shapes", [1, 2])
+def test_joints_named_as_geometry_are_posed(tmp_path, kind, shapes):
+    """Joints that are called as the nodes of geometry keep their names, and move what is below them."""
+    yourdfpy = pytest.importorskip("yourdfpy")
+    shape = '<{0}><origin xyz="0 {1} 0"/><geometry><box size="1 0.5 0.25"/></geometry></{0}>'
+    geometry = "".join(shape.format(name, i) for name in ("visual", "collision") for i in range(shapes))
+    joint = (
+        '<joint name="{}" type="revolute"><parent link="{}"/><child link="{}"/><origin xyz="0 0 2"/><axis xyz="0 1 0"/>'
+        '<limit lower="-3" upper="3" effort="1" velocity="1"/></joint>'
+    )
+    names = [kind, f"{kind} 0", f"{kind} 1", f"{kind} 2"]
+    links = [f'<link name="{name}">{geometry}</link>' for name in ("base", *"abcd", "hand", "thumb")]
+    joints = [joint.format(name, "base", link) for name, link in zip(names, "abcd")]
+    joints += [joint.format("wrist", "a", "hand"), joint.format("knuckle", "hand", "thumb")]
+    (tmp_path / "r.urdf").write_text(f'<robot name="r">{"".join(links + joints)}</robot>')
+    collisions = dict(build_collision_scene_graph=True, load_collision_meshes=True, force_collision_mesh=False)
+    robot = yourdfpy.URDF.load(str(tmp_path / "r.urdf"), **collisions)
+    scene = latelight.from_urdf(robot, geometry=kind)
+    random = np.random.default_rng(9)
+    for _ in range(3):
+        configuration = {name: random.uniform(-3, 3) for name in robot.actuated_joint_names}
+        latelight.pose_urdf(scene, robot, configuration, geometry=kind)
+        assert_geometry_is_where_yourdfpy_has_it(scene, robot.scene if kind == "visual" else robot.collision_scene)
+    paths = [node.path for node in scene.nodes]
+    assert {f"/base/{name}/{link}" for name, link in zip(names, "abcd")} <= set(paths)
+    assert f"/base/{kind}/a/wrist/hand/knuckle/thumb" in paths and not any("#" in path for path in paths)
 
 
 def test_one_joint_is_moved_by_its_node(tmp_path):
@@ -477,6 +523,27 @@ def test_usd_shapes_may_taper(stage):
     assert along.min() == pytest.approx(-0.8) and along.max() == pytest.approx(0.6)
 
 
+def test_usd_meshes_have_holes(stage):
+    mesh = add_mesh(stage, "/squares")  # of two faces
+    mesh.CreateHoleIndicesAttr([1])
+    scene = latelight.from_usd(stage)
+    assert scene.triangle_count == 2
+    assert_bounds(scene, (0, 0, -1), (1, 0, 0))
+    mesh.GetHoleIndicesAttr().Set([0, 1])
+    assert latelight.from_usd(stage).triangle_count == 0
+
+
+def test_usd_meshes_without_triangles_are_left_out(stage):
+    mesh = add_mesh(stage, "/squares")
+    mesh.CreateFaceVertexCountsAttr([2, 2])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 1, 2])
+    mesh.CreateNormalsAttr([(0, 0, 1)] * len(mesh.GetPointsAttr().Get()))
+    assert latelight.from_usd(stage).triangle_count == 0
+    mesh.CreateFaceVertexCountsAttr([5, -1])
+    with pytest.raises(latelight.UsageError, match="/squares has a face with -1 corners"):
+        latelight.from_usd(stage)
+
+
 def test_usd_meshes_may_be_double_sided(stage):
     for name, sides in (("one", False), ("two", True)):
         add_mesh(stage, f"/{name}").CreateDoubleSidedAttr(sides)
@@ -505,6 +572,121 @@ def test_usd_instances_share_meshes(stage):
     assert [node.path for node in scene.nodes] == ["/tree0.leaf", "/tree1.leaf", "/grass.0", "/grass.1", "/grass.2"]
     assert len(scene.meshes()) == 2
     assert_bounds(scene, (0, 0, -4), (4, 3, 0))
+
+
+def add_instancer(stage, path, prototypes, positions=((0, 0, 0), (30, 0, 0)), indices=None):
+    from pxr import UsdGeom
+
+    copies = UsdGeom.PointInstancer.Define(stage, path)
+    copies.CreatePrototypesRel().SetTargets(prototypes)
+    copies.CreateProtoIndicesAttr([0] * len(positions) if indices is None else indices)
+    copies.CreatePositionsAttr(list(positions))
+    return copies
+
+
+def add_kind(stage, path):
+    """A shown cube, a hidden one, a guide with a cube that is meant for rendering, a proxy, and an instance."""
+    from pxr import Sdf, UsdGeom
+
+    for name in ("shown", "hidden", "guide/guide", "guide/rendered", "proxy/coarse"):
+        UsdGeom.Cube.Define(stage, f"{path}/{name}")
+    UsdGeom.Imageable(stage.GetPrimAtPath(f"{path}/hidden")).MakeInvisible()
+    for name, purpose in (("guide", "guide"), ("guide/rendered", "render"), ("proxy", "proxy")):
+        prim = stage.GetPrimAtPath(f"{path}/{name}")
+        prim.SetTypeName("Cube" if "/" in name else "Xform")
+        UsdGeom.Imageable(prim).CreatePurposeAttr(purpose)
+    UsdGeom.Sphere.Define(stage, "/library/ball").CreateRadiusAttr(3)
+    stage.GetPrimAtPath("/library").SetSpecifier(Sdf.SpecifierOver)
+    instance = stage.DefinePrim(f"{path}/instance", "Xform")
+    instance.GetReferences().AddInternalReference("/library")
+    instance.SetInstanceable(True)
+
+
+def shown_by(stage):
+    """The sizes of the instances of a stage, and where they are, in units of the stage."""
+    scene = latelight.from_usd(stage)
+    found = []
+    for instance in map(scene.instance, scene.instances()):
+        matrix = 100 * np.linalg.inv(Z_UP) @ np.asarray(instance.transform)  # from meters and Y up
+        size = np.ptp(scene.mesh_arrays(instance.mesh)["positions"] @ matrix[:3, :3].T, axis=0).max()
+        found.append((round(float(size), 3), tuple((np.round(matrix[:3, 3], 3) + 0.0).tolist())))
+    return sorted(found)
+
+
+def test_usd_instancers_show_what_is_visible_in_their_prototypes(stage, capfd):
+    add_kind(stage, "/kind")
+    direct = [(2, (0, 0, 0)), (2, (0, 0, 0)), (6, (0, 0, 0))]  # the shown cube, the rendered one and the instance
+    assert shown_by(stage) == direct
+    stage.RemovePrim("/kind")
+    add_instancer(stage, "/copies", ["/copies/kind"])
+    add_kind(stage, "/copies/kind")
+    assert shown_by(stage) == sorted(direct + [(size, (30, 0, 0)) for size, _ in direct])
+    output = capfd.readouterr()
+    assert (output.out, output.err) == ("", "")
+
+
+@pytest.mark.parametrize("hidden_by", ["over", "class", "visibility", "purpose"])
+@pytest.mark.parametrize("folder", ["/copies/kinds", "/kinds"])
+def test_usd_prototypes_may_be_hidden_outside_of_instancers(stage, hidden_by, folder):
+    """As in UsdImaging: neither the visibility nor the purpose above a prototype counts, and it may be undefined."""
+    from pxr import Sdf, UsdGeom
+
+    kinds = UsdGeom.Scope.Define(stage, folder)
+    add_instancer(stage, "/copies", [f"{folder}/kind"])
+    cube = UsdGeom.Cube.Define(stage, f"{folder}/kind")
+    if hidden_by in ("over", "class"):
+        kinds.GetPrim().SetSpecifier(Sdf.SpecifierOver if hidden_by == "over" else Sdf.SpecifierClass)
+    elif hidden_by == "visibility":
+        kinds.MakeInvisible()
+    else:
+        kinds.CreatePurposeAttr("guide")
+    assert shown_by(stage) == [(2, (0, 0, 0)), (2, (30, 0, 0))]
+    cube.CreateVisibilityAttr("invisible")  # that of the prototype itself counts
+    assert shown_by(stage) == []
+
+
+def test_usd_instancers_may_be_nested(stage):
+    from pxr import UsdGeom
+
+    add_instancer(stage, "/forest", ["/forest/tree"])
+    tree = add_instancer(stage, "/forest/tree", ["/forest/tree/leaf"], [(1, 0, 0), (2, 0, 0)])
+    UsdGeom.XformCommonAPI(tree).SetTranslate((0, 10, 0))
+    UsdGeom.XformCommonAPI(UsdGeom.Cube.Define(stage, "/forest/tree/leaf")).SetTranslate((0, 0, 5))
+    expected = [(2, (x, 10, 5)) for x in (1, 2, 31, 32)]
+    assert shown_by(stage) == expected
+    positions = [(0, 0, 0), (9, 9, 9), (30, 0, 0)]
+    add_instancer(stage, "/forest", ["/forest/tree", "/missing"], positions, [0, 1, 0])
+    assert shown_by(stage) == expected
+
+
+def test_usd_instancers_that_cannot_be_shown_are_refused(stage):
+    from pxr import UsdGeom
+
+    UsdGeom.Cube.Define(stage, "/copies/kind")
+    for indices in ([0, 1], [-1, 0]):
+        add_instancer(stage, "/copies", ["/copies/kind"], indices=indices)
+        with pytest.raises(latelight.UsageError, match="/copies has copies of prototypes that it does not have: it has 1"):
+            latelight.from_usd(stage)
+    add_instancer(stage, "/copies", ["/copies"])
+    with pytest.raises(latelight.UsageError, match="/copies is an instancer within its own prototypes"):
+        latelight.from_usd(stage)
+
+
+def test_small_usd_files_of_nested_instancers_end(stage, monkeypatch):
+    """Each of 40 instancers shows a copy of each of the next two: 2.7e8 paths lead from the first to the last one."""
+    from pxr import Sdf, UsdGeom
+
+    monkeypatch.setattr("latelight._from_usd._MAX_PARTS", 1000)
+    for level in range(40):
+        below = [f"/levels/n{level + 1}", f"/levels/n{level + 2}"]
+        add_instancer(stage, f"/levels/n{level}", below, indices=[0, 1])
+    stage.GetPrimAtPath("/levels").SetSpecifier(Sdf.SpecifierClass)
+    add_instancer(stage, "/copies", ["/levels/n0"])
+    assert shown_by(stage) == []
+    UsdGeom.Cube.Define(stage, "/levels/n40")
+    stage.GetPrimAtPath("/levels").SetSpecifier(Sdf.SpecifierClass)
+    with pytest.raises(latelight.UsageError, match="the instancers in /levels/n.* show more than 1000 prims"):
+        latelight.from_usd(stage)
 
 
 def test_usd_stages_are_seen_as_exported(stage, tmp_path, device):
@@ -571,9 +753,10 @@ def test_usd_spot_lights_have_cones(stage):
     assert (light.outer_cone, light.inner_cone) == (pytest.approx(40, abs=1e-4), pytest.approx(30, abs=1e-4))
     np.testing.assert_allclose(light.direction, (0, -1, 0), atol=1e-6)  # the stage's -Z
     assert light.size == pytest.approx(0.1) and light.intensity == pytest.approx(100 * np.pi * 0.1**2)
-    shaping.CreateShapingConeAngleAttr(90)
-    everywhere = latelight.from_usd(stage)
-    assert everywhere.light(everywhere.lights()[0]).type == "point"
+    for angle, types in ((90, ["spot"]), (180, ["point"]), (0, []), (-1, [])):  # none emits beyond its cone
+        shaping.CreateShapingConeAngleAttr(angle)
+        scene = latelight.from_usd(stage)
+        assert [scene.light(light).type for light in scene.lights()] == types
 
 
 def test_usd_lights_may_be_normalized(stage):
@@ -588,6 +771,102 @@ def test_usd_lights_may_be_normalized(stage):
     scene = latelight.from_usd(stage)
     for light in map(scene.light, scene.lights()):
         assert light.intensity == pytest.approx(3 * np.pi * 0.2**2), light.name
+
+
+def test_usd_points_are_as_bright_as_small_normalized_spheres(stage):
+    from pxr import UsdLux
+
+    for name, radius, normalize in (("point", 0, False), ("sphere", 1e-3, True), ("nothing", 0, False)):
+        bulb = UsdLux.SphereLight.Define(stage, f"/{name}")
+        bulb.CreateIntensityAttr(3)
+        bulb.CreateRadiusAttr(radius)
+        bulb.CreateNormalizeAttr(normalize)
+        bulb.CreateTreatAsPointAttr(name == "point")
+    scene = latelight.from_usd(stage)
+    candela = {light.name: light.intensity for light in map(scene.light, scene.lights())}
+    # A normalized sphere has the radiance 3 / (4 pi r^2), and from afar the area of a disk, pi r^2, in units of 1 cm.
+    assert candela == {"point": pytest.approx(0.75e-4), "sphere": pytest.approx(0.75e-4), "nothing": 0}
+
+
+@pytest.mark.parametrize("angle", [0.53, 20, 180, 270])
+@pytest.mark.parametrize("normalize", [False, True])
+def test_usd_distant_lights_are_as_bright_as_their_cap(stage, angle, normalize):
+    """UsdLux: a cap of directions of that angle has the given radiance, which `normalize` divides by the cap's size: by
+    what a surface that faces it receives, or by 2 pi minus that of the rest if it is more than a hemisphere."""
+    from pxr import UsdLux
+
+    sun = UsdLux.DistantLight.Define(stage, "/sun")
+    sun.CreateIntensityAttr(1000)
+    sun.CreateExposureAttr(-1)
+    sun.CreateAngleAttr(angle)
+    sun.CreateNormalizeAttr(normalize)
+    edges = np.radians(np.linspace(0, angle / 2, 100001))
+    middle = (edges[1:] + edges[:-1]) / 2
+    parts = 2 * np.pi * np.sin(middle) * np.cos(middle) * np.diff(edges)
+    received = parts[parts > 0].sum()
+    scene = latelight.from_usd(stage)
+    light = scene.light(scene.lights()[0])
+    assert light.type == "directional" and light.size == pytest.approx(min(angle, 179))
+    assert light.intensity == pytest.approx(500 * received / (np.abs(parts).sum() if normalize else 1), rel=1e-5)
+
+
+def test_usd_distant_lights_have_the_defaults_of_the_schema(stage):
+    from pxr import UsdLux
+
+    sun = UsdLux.DistantLight.Define(stage, "/sun")
+    scene = latelight.from_usd(stage)
+    # A radiance of 50,000 in a cap of 0.53 degrees, which makes white about 1.
+    assert scene.light(scene.lights()[0]).intensity == pytest.approx(50000 * np.pi * np.sin(np.radians(0.265)) ** 2)
+    np.testing.assert_allclose(scene.light(scene.lights()[0]).direction, (0, -1, 0), atol=1e-6)
+    sun.CreateAngleAttr(0)
+    scene = latelight.from_usd(stage)
+    assert (scene.light(scene.lights()[0]).intensity, scene.light(scene.lights()[0]).size) == (50000, 0)
+
+
+def test_usd_normalized_area_lights_keep_their_power_when_scaled(stage):
+    from pxr import UsdGeom, UsdLux
+
+    power, scale = 600, np.array((2, 3, 5))
+    turn = np.linspace(0, 2 * np.pi, 100001)
+    around = np.hypot(*np.diff([3 * np.cos(turn), 5 * np.sin(turn)], axis=1)).sum()  # of the tube's end, for radius 1
+    areas = {"panel": 10 * 2 * 20 * 3, "disk": np.pi * 4**2 * 2 * 3, "tube": 4 * around * 10 * 2}
+    panel, tube = UsdLux.RectLight.Define(stage, "/panel"), UsdLux.CylinderLight.Define(stage, "/tube")
+    panel.CreateWidthAttr(10)
+    panel.CreateHeightAttr(20)
+    tube.CreateLengthAttr(10)
+    tube.CreateRadiusAttr(4)
+    disk = UsdLux.DiskLight.Define(stage, "/disk")
+    disk.CreateRadiusAttr(4)
+    for light in (panel, tube, disk):
+        light.CreateIntensityAttr(power)
+        light.CreateNormalizeAttr(True)
+        UsdGeom.XformCommonAPI(light).SetScale(tuple(scale.tolist()))
+    scene = latelight.from_usd(stage)
+    assert {light.name for light in map(scene.light, scene.lights())} == set(areas)
+    for light in map(scene.light, scene.lights()):
+        assert light.intensity == pytest.approx(power / areas[light.name], rel=1e-4), light.name
+        np.testing.assert_allclose(light.scale, scale / 100)
+
+
+def test_usd_lights_without_extent_emit_nothing(stage):
+    from pxr import UsdGeom, UsdLux
+
+    for kind, names in ((UsdLux.RectLight, ("width", "height")), (UsdLux.DiskLight, ("radius",)),
+                        (UsdLux.CylinderLight, ("radius", "length"))):  # fmt: skip
+        for name in names:
+            light = kind.Define(stage, f"/{kind.__name__}_{name}")
+            light.GetPrim().GetAttribute(f"inputs:{name}").Set(0)
+        UsdGeom.XformCommonAPI(kind.Define(stage, f"/{kind.__name__}_scaled")).SetScale((1, 0, 1))
+    flat = UsdLux.RectLight.Define(stage, "/flat")  # as a plane, which is all that it is
+    UsdGeom.XformCommonAPI(flat).SetScale((1, 1, 0))
+    UsdLux.ShadowAPI.Apply(flat.GetPrim()).CreateShadowEnableAttr(False)
+    scene = latelight.from_usd(stage)
+    (light,) = map(scene.light, scene.lights())
+    assert light.name == "flat" and light.cast_shadow is False
+    np.testing.assert_allclose(light.direction, (0, -1, 0), atol=1e-6)
+    flat.CreateWidthAttr(-2)
+    with pytest.raises(latelight.UsageError, match="/flat has the width -2, but it must not be negative"):
+        latelight.from_usd(stage)
 
 
 def test_usd_lights_have_color_temperatures(stage):
@@ -628,6 +907,64 @@ def test_usd_cameras_may_be_orthographic_or_shifted(stage, device):
             start, direction = np.array(ray.startPoint), np.array(ray.direction)
             x, y, _ = (start - direction * start[2] / direction[2]) / 100
             np.testing.assert_allclose(position[row, column], (x, 0, -y), atol=2e-5)
+
+
+@pytest.mark.parametrize("scale", [(-1, 1, 1), (2, -3, 4), (-1, -1, -1), (0.5, 2, 3)])
+def test_usd_cameras_may_be_mirrored_and_scaled(stage, scale):
+    """The camera is where GfFrustum has it, which has no mirrors and no scale."""
+    from pxr import UsdGeom
+
+    camera = UsdGeom.Camera.Define(stage, "/camera")
+    UsdGeom.XformCommonAPI(camera).SetTranslate((10, 20, 30))
+    UsdGeom.XformCommonAPI(camera).SetRotate((25, -40, 70))
+    UsdGeom.XformCommonAPI(camera).SetScale(scale)
+    expected = np.array(camera.GetCamera(0).frustum.ComputeViewInverse()).T @ np.diag([1, -1, -1, 1])
+    expected[:3, 3] /= 100
+    (found,) = latelight.from_usd(stage).cameras
+    np.testing.assert_allclose(found.camera_to_world, Z_UP @ expected, atol=1e-6)
+
+
+def test_usd_cameras_may_be_sheared_or_flat(stage):
+    """They keep their direction, and a camera without a depth of its own faces as its plane does."""
+    from pxr import UsdGeom
+
+    UsdGeom.XformCommonAPI(UsdGeom.Xform.Define(stage, "/wide")).SetScale((1, 3, 1))
+    sheared = UsdGeom.Camera.Define(stage, "/wide/camera")
+    UsdGeom.XformCommonAPI(sheared).SetRotate((30, 20, 10))
+    flat = UsdGeom.Camera.Define(stage, "/flat")
+    UsdGeom.XformCommonAPI(flat).SetScale((1, 1, 0))
+    directions = [np.asarray(camera.camera_to_world)[:3, 2] for camera in latelight.from_usd(stage).cameras]
+    back = np.array(UsdGeom.Imageable(sheared).ComputeLocalToWorldTransform(0))[2, :3]
+    np.testing.assert_allclose(directions[0], -Z_UP[:3, :3] @ back / np.linalg.norm(back), atol=1e-6)
+    np.testing.assert_allclose(directions[1], (0, -1, 0), atol=1e-6)
+
+
+def test_usd_cameras_without_a_view_are_refused(stage):
+    from pxr import UsdGeom
+
+    camera = UsdGeom.Camera.Define(stage, "/camera")
+    camera.CreateFocalLengthAttr(0)
+    with pytest.raises(latelight.UsageError, match="/camera has the focalLength 0, but it must be positive"):
+        latelight.from_usd(stage)
+    camera.CreateProjectionAttr("orthographic")  # which has no use for a focal length
+    assert latelight.from_usd(stage).cameras[0].orthographic
+    camera.CreateVerticalApertureAttr(-1)
+    with pytest.raises(latelight.UsageError, match="/camera has the verticalAperture -1, but it must be positive"):
+        latelight.from_usd(stage)
+
+
+def test_usd_exposures_are_those_of_all_cameras(stage):
+    """Also of a camera that appears after the first time code, which is one of the scene's."""
+    from pxr import UsdGeom
+
+    for stops, name in enumerate(("first", "second"), 1):
+        UsdGeom.Camera.Define(stage, f"/{name}").CreateExposureAttr(stops)
+    seen = UsdGeom.Imageable(stage.GetPrimAtPath("/first")).CreateVisibilityAttr()
+    seen.Set("invisible", 0)
+    seen.Set("inherited", 5)
+    assert [camera.name for camera in latelight.from_usd(stage).cameras] == ["first", "second"]
+    assert latelight.usd_exposures(stage) == [1, 2]
+    assert latelight.usd_exposures(stage, time=0) == [2]
 
 
 def test_usd_cameras_have_exposures(stage):
@@ -703,6 +1040,9 @@ def test_usd_skeletons_pose_their_meshes(stage):
     assert_bounds(at_rest, (0, 3, -2), (0.1, 3, 0))
     # The points at y = 200 turn about (0, 100): (0, 200) to (-100, 100) and (10, 200) to (-100, 110).
     assert_bounds(posed, (-1, 3, -1.1), (0.1, 3, 0))
+    root.CreatePurposeAttr("guide")  # the mesh has a purpose of its own
+    mesh.CreatePurposeAttr("render")
+    assert_bounds(latelight.from_usd(stage, time=1), (-1, 3, -1.1), (0.1, 3, 0))
     arrays = posed.mesh_arrays(posed.meshes()[0])
     turned = arrays["normals"][np.abs(arrays["positions"][:, 0] + 100) < 1e-3]
     assert len(turned) > 0
@@ -814,6 +1154,10 @@ def test_usd_dome_lights_are_environments(up, tmp_path, device):
     turn.Set(90)  # counter-clockwise from above: +Z goes to +X
     stage.Save()
     np.testing.assert_allclose(background(latelight.Scene(tmp_path / "sky.usda"), device, (1, 0, 0)), (2, 0, 0), atol=1e-2)
+    for scale, green in (((-1, 1, 1), -1), ((0, 0, 0), 1)):  # a mirrored sky, and no size that a sky could have
+        dome.ClearXformOpOrder()
+        dome.AddScaleOp().Set(scale)
+        np.testing.assert_allclose(background(latelight.from_usd(stage), device, (green, 0, 0)), (0, 4, 0), atol=1e-2)
     dome.CreateTextureFormatAttr("angular")
     with pytest.raises(latelight.UsageError, match="/sky has a texture that is not latlong"):
         latelight.from_usd(stage)
@@ -1034,6 +1378,127 @@ def test_usd_images_of_scalars_are_packed(stage, tmp_path):
     assert np.asarray(paint.metallicRoughnessTexture)[0, 0, 1:3].tolist() == [20, 30]
     assert np.asarray(paint.occlusionTexture)[0, 0, 0] == 10
     assert np.asarray(paint.baseColorTexture)[0, 0].tolist() == [255, 255, 255, 99]
+
+
+def painted(stage, file):
+    """A mesh whose color and roughness are images."""
+    from pxr import Sdf, UsdShade
+
+    shader = UsdShade.Shader.Define(stage, "/paint/surface")
+    shader.CreateIdAttr("UsdPreviewSurface")
+    texture = UsdShade.Shader.Define(stage, "/paint/image")
+    texture.CreateIdAttr("UsdUVTexture")
+    texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(str(file))
+    for name, channel, kind in (("diffuseColor", "rgb", "Color3f"), ("roughness", "r", "Float")):
+        output = texture.CreateOutput(channel, getattr(Sdf.ValueTypeNames, kind))
+        shader.CreateInput(name, getattr(Sdf.ValueTypeNames, kind)).ConnectToSource(output)
+    bind(stage, shader)
+
+
+def painted_with(scene, folder):
+    """A pixel of the color, and the roughness there."""
+    scene.export(folder / "painted.glb")
+    (mesh,) = trimesh.load(folder / "painted.glb").geometry.values()
+    paint = mesh.visual.material
+    color, packed = np.asarray(paint.baseColorTexture), np.asarray(paint.metallicRoughnessTexture)
+    return color[0, 0, :3].tolist(), int(packed[0, 0, 1])
+
+
+def test_usd_images_may_have_16_bits(stage, tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    image.fromarray(np.full((2, 2), 120 * 257, np.uint16)).save(tmp_path / "deep.png")
+    painted(stage, tmp_path / "deep.png")
+    assert painted_with(latelight.from_usd(stage), tmp_path) == ([120, 120, 120], 120)
+
+
+def test_usd_images_are_scaled(stage, tmp_path):
+    """UsdUVTexture: values of an image are multiplied by a scale before they are used."""
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf, UsdShade
+
+    image.fromarray(np.full((2, 2, 3), 255, np.uint8)).save(tmp_path / "white.png")
+    painted(stage, tmp_path / "white.png")
+    texture = UsdShade.Shader(stage.GetPrimAtPath("/paint/image"))
+    texture.CreateInput("scale", Sdf.ValueTypeNames.Float4).Set((0.25, 0.5, 2, 1))
+    surface = UsdShade.Shader(stage.GetPrimAtPath("/paint/surface"))
+    emissive = surface.CreateInput("emissiveColor", Sdf.ValueTypeNames.Color3f)
+    emissive.ConnectToSource(texture.GetOutput("rgb"))
+    opacity = surface.CreateInput("opacity", Sdf.ValueTypeNames.Float)
+    opacity.ConnectToSource(texture.CreateOutput("g", Sdf.ValueTypeNames.Float))
+    _, made = only_material(latelight.from_usd(stage))
+    np.testing.assert_allclose(made.base_color, (0.25, 0.5, 1, 0.5))  # glTF's colors are at most 1
+    assert (made.roughness, tuple(made.emissive)) == (0.25, (0.25, 0.5, 2))
+    texture.CreateInput("bias", Sdf.ValueTypeNames.Float4).Set((0.1, 0, 0, 0))
+    _, made = only_material(latelight.from_usd(stage))
+    np.testing.assert_allclose((*made.base_color, made.roughness), 1)
+
+
+def test_usd_archives_hold_their_images(tmp_path, device):
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf, Usd, UsdLux
+
+    (tmp_path / "textures").mkdir()
+    image.fromarray(np.full((2, 2, 3), (10, 20, 30), np.uint8)).save(tmp_path / "textures" / "paint.png")
+    pixels = bytes((128, 64, 0, 129)) * 2  # RGBE: a value is its byte times 2^(exponent - 136)
+    (tmp_path / "sky.hdr").write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n" + pixels)
+    stage = Usd.Stage.CreateNew(str(tmp_path / "stage.usda"))
+    painted(stage, "textures/paint.png")
+    UsdLux.DomeLight.Define(stage, "/sky").CreateTextureFileAttr("sky.hdr")
+    stage.Save()
+
+    def pack(name, *files):
+        archive = Sdf.ZipFileWriter.CreateNew(str(tmp_path / name))
+        for file in files:
+            archive.AddFile(str(tmp_path / file), file)
+        assert archive.Save()
+
+    pack("inner.usdz", "stage.usda", "textures/paint.png", "sky.hdr")
+    outer = Usd.Stage.CreateNew(str(tmp_path / "outer.usda"))
+    outer.GetRootLayer().subLayerPaths.append("inner.usdz")
+    outer.Save()
+    pack("outer.usdz", "outer.usda", "inner.usdz")
+    for file in ("textures/paint.png", "sky.hdr", "stage.usda"):
+        (tmp_path / file).unlink()
+    for name in ("inner.usdz", "outer.usdz", "outer.usda"):
+        scene = latelight.from_usd(tmp_path / name)
+        assert painted_with(scene, tmp_path) == ([10, 20, 30], 10), name
+        np.testing.assert_allclose(background(scene, device, (0.3, 0.2, 1)), (1, 0.5, 0), rtol=1e-3)
+
+
+def test_compressed_images_in_usd_archives_are_refused(tmp_path):
+    """USD's archives are not compressed, so that their size bounds what is read from them."""
+    import zipfile
+
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Usd
+
+    image.fromarray(np.full((99, 99, 3), 9, np.uint8)).save(tmp_path / "paint.bmp")
+    stage = Usd.Stage.CreateNew(str(tmp_path / "stage.usda"))
+    painted(stage, "paint.bmp")
+    stage.Save()
+    with zipfile.ZipFile(tmp_path / "stage.usdz", "w") as archive:
+        archive.write(tmp_path / "stage.usda", "stage.usda")
+        archive.write(tmp_path / "paint.bmp", "paint.bmp", zipfile.ZIP_DEFLATED)
+    with pytest.raises(latelight.InputError, match="stage.usdz.paint.bmp. is compressed, which USD's archives do not"):
+        latelight.from_usd(tmp_path / "stage.usdz")
+
+
+def test_images_in_archives_outside_are_refused(tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf, Usd
+
+    (tmp_path / "inside").mkdir()
+    image.fromarray(np.full((2, 2, 3), 9, np.uint8)).save(tmp_path / "paint.png")
+    archive = Sdf.ZipFileWriter.CreateNew(str(tmp_path / "images.usdz"))
+    archive.AddFile(str(tmp_path / "paint.png"), "paint.png")
+    assert archive.Save()
+    stage = Usd.Stage.CreateNew(str(tmp_path / "inside" / "stage.usda"))
+    painted(stage, "../images.usdz[paint.png]")
+    stage.Save()
+    with pytest.raises(latelight.InputError, match="images.usdz, which is outside the scene's folder"):
+        latelight.from_usd(tmp_path / "inside" / "stage.usda")
+    scene = latelight.from_usd(tmp_path / "inside" / "stage.usda", allow_outside=[tmp_path])
+    assert painted_with(scene, tmp_path) == ([9, 9, 9], 9)
 
 
 def test_models_of_other_types_are_refused():

@@ -234,6 +234,45 @@ def test_transforms_play(stage, device):
     assert len(latelight.from_usd(stage, time=20).instances()) == 2
 
 
+@pytest.mark.parametrize("flat", [(1, 0, 1), (0, 1, 1), (2, 0, 0), (0, 0, 0)])
+def test_transforms_that_begin_flat_play(stage, device, flat):
+    """A scale of zero is not a shear."""
+    form = UsdGeom.Xform.Define(stage, "/form")
+    form.AddRotateXYZOp().Set(Gf.Vec3f(20, 30, -50))
+    grow = form.AddScaleOp()
+    grow.Set(Gf.Vec3f(flat), 0)
+    grow.Set(Gf.Vec3f(2, 1, 1), 24)
+    mesh = add_tube(stage, "/form/tube", rings=3)
+    scene = latelight.from_usd(stage)
+    for code in (3, 7.7, 24):
+        points = moved(world_of(mesh.GetPrim(), code), np.array(mesh.GetPointsAttr().Get(), np.float64))
+        assert_shows(scene, device, code / RATE, mesh, points, 2e-4)
+
+
+def test_lights_that_begin_flat_shine_later(stage, device):
+    """A panel and a bulb that grow from nothing light a floor as those that have always had their size."""
+    floor = UsdGeom.Plane.Define(stage, "/floor")
+    floor.CreateWidthAttr(400)
+    floor.CreateLengthAttr(400)
+    grow = UsdGeom.Xform.Define(stage, "/grow").AddScaleOp()
+    for light in (UsdLux.RectLight.Define(stage, "/grow/panel"), UsdLux.SphereLight.Define(stage, "/grow/bulb")):
+        light.CreateIntensityAttr(1000)
+        UsdGeom.XformCommonAPI(light).SetTranslate((30, 0, 100))
+
+    def picture(time):
+        scene = latelight.from_usd(stage)
+        camera = latelight.Camera.look_at((0, 5, 0), (0, 0, 0), (0, 0, -1))
+        return latelight.Renderer(scene, device).render(camera, (16, 16), ("color",), shadows="none", time=time)["color"]
+
+    grow.Set(Gf.Vec3f(1, 1, 1))
+    expected = picture(0)
+    assert expected[..., :3].max() > 0.01
+    grow.GetAttr().Clear()
+    grow.Set(Gf.Vec3f(0, 0, 0), 0)
+    grow.Set(Gf.Vec3f(1, 1, 1), 24)
+    np.testing.assert_allclose(picture(24 / RATE), expected, rtol=1e-3, atol=1e-5)
+
+
 def test_what_rides_on_transforms_plays(stage, device):
     """A camera, a light, an instancer and a mesh posed once, below a moving Xform; and visibility in steps."""
     base = UsdGeom.Xform.Define(stage, "/base")
@@ -417,6 +456,29 @@ def test_copies_of_instancers_play(stage, device, velocities):
             ends = moved(matrix, 5 * np.concatenate([np.eye(3), -np.eye(3)]))
             hits = renderer.cast(starts, ends - starts, time=code / RATE)
             np.testing.assert_allclose(hits["distance"], np.linalg.norm(ends - starts, axis=1), atol=2e-3)
+
+
+def test_changes_within_prototypes_are_named(stage):
+    """A part that appears, a part that moves, and a nested instancer; the instancer itself plays."""
+    copies = add_copies(stage)
+    seen = UsdGeom.Imageable(stage.GetPrimAtPath("/swarm/copies/kind/left")).CreateVisibilityAttr()
+    seen.Set("invisible", 0)
+    seen.Set("inherited", 8)
+    shift = UsdGeom.Xformable(stage.GetPrimAtPath("/swarm/copies/kind/right")).AddTranslateOp(opSuffix="late")
+    shift.Set((0, 0, 0), 0)
+    shift.Set((0, 0, 5), 24)
+    inner = UsdGeom.PointInstancer.Define(stage, "/swarm/copies/kind/inner")
+    UsdGeom.Cube.Define(stage, "/swarm/copies/kind/inner/cube")
+    inner.CreatePrototypesRel().SetTargets(["/swarm/copies/kind/inner/cube"])
+    inner.CreateProtoIndicesAttr([0])
+    inner.CreatePositionsAttr().Set([(0, 0, 0)], 0)
+    inner.CreatePositionsAttr().Set([(0, 0, 9)], 24)
+    with pytest.warns(UserWarning) as warned:
+        scene = latelight.from_usd(stage)
+    kind = copies.GetPath().AppendChild("kind")
+    names = f"{kind}/left.visibility, {kind}/right, {kind}/inner"
+    assert [str(warning.message).count(names) for warning in warned] == [1]
+    assert len(scene.instances()) == 4  # of two copies, the part that is seen at first and the nested cube
 
 
 def test_values_that_are_read_once_are_named(stage):
