@@ -162,12 +162,13 @@ class Rival(Kinematics):
 
 class Latelight:
     half = {"rgba": "rgb8", "depth": "float16", "id": "uint16", "normal": "float16"}
+    sun_shadows = {"shadows": "d32"}
 
     def __init__(self, scene, camera, worlds, side, environment, outputs, device, sun, raster="auto"):
         import latelight
 
         options = {"sun": (45, 45, math.pi)} if sun else {}
-        options["shadows"] = "d32" if sun else "none"
+        options |= self.sun_shadows if sun else {"shadows": "none"}
         options["raster"] = raster
         self.renderer = latelight.Renderer(scene, device=device, environment=environment)
         formats = {key: self.half[key] for key in outputs}
@@ -487,7 +488,10 @@ def main():
     parser.add_argument("--robot", help="an MJCF file")
     parser.add_argument("--runs", type=int, default=12)
     parser.add_argument("--pictures")
+    parser.add_argument("--sun-rays", action="store_true", help="shadows of latelight's sun by one ray, not by maps")
     options = parser.parse_args()
+    if options.sun_rays:
+        Latelight.sun_shadows = {"shadows": "rays", "samples": 1}
     if options.device == "gpu":
         return compare_on_gpu(options)
     compare_on_cpu(HelmetOnCpu, options)
