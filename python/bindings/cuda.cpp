@@ -233,11 +233,13 @@ CudaInputs::CudaInputs(const std::string& deviceUuid, const std::function<int()>
   check(imported, "import the renderer's semaphore");
   check(cuda().cuStreamCreate(&stream_, kNonBlocking), "make a stream");
   check(cuda().cuEventCreate(&event_, kDisableTiming), "make an event");
+  check(cuda().cuEventCreate(&signaled_, kDisableTiming), "make an event");
 }
 
 CudaInputs::~CudaInputs() {
   cuda().cuCtxPushCurrent_v2(context_);
-  if (event_) cuda().cuEventDestroy_v2(event_);
+  for (Event event : {event_, signaled_})
+    if (event) cuda().cuEventDestroy_v2(event);
   if (stream_) cuda().cuStreamDestroy_v2(stream_);
   if (semaphore_) cuda().cuDestroyExternalSemaphore(semaphore_);
   Context popped = nullptr;
@@ -269,12 +271,17 @@ void CudaInputs::copy(const DeviceArray& to, uint64_t offset, uintptr_t from, ui
   copied_ += bytes;
 }
 
+// Signals follow one another, also those of different streams: a timeline never goes back, and a later value would
+// tell the renderer that the copies of an earlier call are done.
 uint64_t CudaInputs::signal(uintptr_t stream) {
   const InContext current(context_);
+  const auto on = reinterpret_cast<Stream>(stream);
+  if (value_ > 0) check(cuda().cuStreamWaitEvent(on, signaled_, 0), "wait for a stream");
   SemaphoreSignalParams params{};
-  params.params.fence = ++value_;
-  check(cuda().cuSignalExternalSemaphoresAsync(&semaphore_, &params, 1, reinterpret_cast<Stream>(stream)),
-        "signal the renderer");
+  params.params.fence = value_ + 1;
+  check(cuda().cuSignalExternalSemaphoresAsync(&semaphore_, &params, 1, on), "signal the renderer");
+  ++value_;
+  check(cuda().cuEventRecord(signaled_, on), "record an event");
   return value_;
 }
 

@@ -38,6 +38,7 @@ class CudaInputs {
   int device_;
   void* context_;
   void *stream_ = nullptr, *semaphore_ = nullptr, *event_ = nullptr;
+  void* signaled_ = nullptr;  // event after the last signal
   uint64_t value_ = 0, copied_ = 0;
 };
 

@@ -189,6 +189,30 @@ def check_order(name, through_worlds):
         assert submitted < total / 2
 
 
+def check_streams(name):
+    """Calls of several streams, of which the first is busy for longer than the others."""
+    scene = latelight.Scene(name)
+    renderer = latelight.Renderer(scene, device="cuda:0")
+    rays = [given(scene, seed)[1:3] for seed in range(3)]
+    expected = [bytes_of(renderer.cast(*(on_gpu(array[0]) for array in pair))) for pair in rays]
+    sources = [[on_gpu(array[0]) for array in pair] for pair in rays]
+    targets = [[torch.full_like(array, float("nan")) for array in pair] for pair in sources]
+    streams = [torch.cuda.Stream(), torch.cuda.Stream(), None]
+    busy = torch.randn(8192, 8192, device="cuda")
+    torch.cuda.synchronize()
+    tickets = []
+    for turn, stream in enumerate(streams):
+        with torch.cuda.stream(stream or torch.cuda.current_stream()):
+            for _ in range(20 if turn == 0 else 0):
+                busy = (busy @ busy).clamp(-1, 1)
+            for target, source in zip(targets[turn], sources[turn]):
+                target.copy_(source)
+            tickets.append(renderer.submit_cast(*targets[turn], stream=stream))
+    for ticket, hits in zip(tickets, expected):
+        assert_same(ticket.take(), hits)
+    print(f"streams: calls of {len(streams)} streams in flight have the hits of their own rays")
+
+
 def measure_overlap(name, runs=60):
     """Calls one by one, and calls of which the next is submitted before the one before is taken."""
     scene = latelight.Scene(name)
@@ -246,5 +270,6 @@ if __name__ == "__main__":
     check_tickets(sys.argv[1])
     check_order(sys.argv[1], through_worlds=True)
     check_order(sys.argv[1], through_worlds=False)
+    check_streams(sys.argv[1])
     measure(sys.argv[1])
     measure_overlap(sys.argv[1])
