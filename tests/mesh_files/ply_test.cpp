@@ -219,6 +219,34 @@ TEST(PlyTextures, BelongToFaces) {
   EXPECT_EQ(scene.files.size(), 3u);
 }
 
+// Triangles of an element without colors, coordinates or numbers of textures are white and have coordinates of 0.
+TEST(PlyFaces, OfSeveralElementsMayHaveOtherProperties) {
+  const std::string start = std::string("ply\nformat ascii 1.0\nelement vertex 4\n") + kPosition;
+  const std::string plain = "element face 1\nproperty list uchar int vertex_indices\n",
+                    strips = "element tristrips 1\nproperty list int int vertex_indices\n";
+  const std::string full = plain +
+                           "property list uchar float texcoord\nproperty float red\nproperty float green\n"
+                           "property float blue\n";
+  const std::string vertices = "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n", triangle = "3 0 1 2\n",
+                    strip = "4 1 2 0 3\n", rich = "3 0 2 3 6 0.5 0.5 1 1 0 1 0 1 0\n";
+  for (const std::string& text : {plain + full + vertices + triangle + rich, full + plain + vertices + rich + triangle,
+                                  full + strips + vertices + rich + strip}) {
+    const Scene scene = MeshFile("a.ply", start + text).load();
+    const Mesh& mesh = scene.meshes[scene.instances[0].mesh];
+    int green = 0;
+    for (const uint32_t vertex : mesh.indices) {
+      const bool isGreen = mesh.extras[vertex].color == vec4(0, 1, 0, 1);
+      green += isGreen;
+      EXPECT_EQ(mesh.extras[vertex].color.r, isGreen ? 0 : 1);
+      if (!isGreen) {
+        EXPECT_EQ(mesh.attributes[vertex].uv0, vec2(0, 0));
+      }
+    }
+    EXPECT_EQ(green, 3);
+    EXPECT_EQ(mesh.indices.size(), text.find("tristrips") == text.npos ? 6u : 9u);
+  }
+}
+
 TEST(PlyTextures, StayInTheirFolder) {
   MeshFile file("in/a.ply", textured("comment TextureFile ../secret.png\n"));
   file.add("secret.png", png(1, 1, {{0, 0, 0, 255}}));
@@ -242,6 +270,10 @@ TEST(PlyErrors, NameTheLine) {
   EXPECT_THAT(error(start + "0 0 0\n3 0 0 1\n"), HasSubstr("face 1 refers to vertex 1"));
   EXPECT_THAT(error(start + "0 0 0\n3 0 0 -1\n"), HasSubstr("face 1 refers to vertex -1"));
   EXPECT_THAT(error(start + "0 0 0\n-3 0 0 0\n"), HasSubstr("list of -3"));
+  EXPECT_THAT(error(std::string("ply\nformat ascii 1.0\nelement vertex 3\n") + kPosition +
+                    "element face 1\nproperty list uchar int vertex_indices\nelement vertex 1\n" + kPosition +
+                    "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n0 0 0\n"),
+              HasSubstr("more than one element \"vertex\""));
 }
 
 }  // namespace

@@ -104,6 +104,7 @@ class PlyReader {
     const std::array uv{scalar(element, {"u", "s", "texture_u", "texture_s", "tu"}),
                         scalar(element, {"v", "t", "texture_v", "texture_t", "tv"})};
     const ColorReader color(element);
+    if (!vertices_.positions.empty()) badInput("it has more than one element \"vertex\"");
     if (x[0] < 0 || x[1] < 0 || x[2] < 0) badInput("its element \"vertex\" has no properties x, y and z");
     if (element.count > kMaxVertices)
       badInput("it has {} vertices, more than the limit of {}", element.count, kMaxVertices);
@@ -139,6 +140,7 @@ class PlyReader {
         return claimFaces();
       }
     }
+    completeFaces(hasUv, color.isPresent(), texture >= 0);
     std::vector<vec3> corners;
     std::vector<std::array<uint32_t, 3>> triangles;
     for (uint64_t row = 0; row < element.count; ++row) {
@@ -206,7 +208,16 @@ class PlyReader {
     claimFaces();
   }
 
+  // Gives the triangles so far values of each stream that is requested or that some of them have.
+  void completeFaces(bool uv, bool colors, bool textures) {
+    const size_t corners = faces_.indices.size();
+    if (uv || !faces_.uv.empty()) faces_.uv.resize(corners, vec2(0));
+    if (colors || !faces_.colors.empty()) faces_.colors.resize(corners / 3, vec4(1));
+    if (textures || !faces_.textures.empty()) faces_.textures.resize(corners / 3, 0);
+  }
+
   void claimFaces() {
+    completeFaces(false, false, false);
     const bool isFlat = vertices_.normals.empty() || !faces_.uv.empty() || !faces_.colors.empty();
     source_.claim(faces_.indices.size() * (sizeof(uint32_t) + (isFlat ? kVertexBytes : 0)));
     if (faces_.indices.size() > kMaxVertices) badInput("it has more than {} triangles: split it", kMaxVertices / 3);
