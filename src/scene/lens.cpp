@@ -132,7 +132,7 @@ double fisheyeTurn(const Lens& lens) {
 
 // The f-theta polynomial as NVIDIA's DRIVE and Omniverse define it, from distance to angle: theta = k0 + k1 r + k2 r^2
 // +
-// ... + k5 r^5. Returns the distance up to which the angle increases, and is at most 180 degrees.
+// ... + k5 r^5. fthetaTurn() returns the distance up to which the angle increases, and is at most 180 degrees.
 double anglePolynomial(const Lens& lens, double r) {
   return valueOf(std::span(lens.distortion).first(6), r);
 }
@@ -299,6 +299,8 @@ void checkLens(const Lens& lens, uint32_t width, uint32_t height) {
   if (!std::isfinite(lens.cx) || !std::isfinite(lens.cy)) badUsage("a lens's principal point must be two numbers");
   for (const double k : lens.distortion)
     if (!std::isfinite(k)) badUsage("a lens's coefficients must be numbers");
+  if (lens.model == LensModel::FTheta && !(lens.distortion[1] > 0))
+    badUsage("an ftheta lens needs a coefficient k1 above 0, the angle per pixel at its center");
 }
 
 Lens scaledTo(const Lens& lens, uint32_t width, uint32_t height) {
