@@ -426,8 +426,10 @@ TEST_F(RayLightTest, WhiteCoatsVanishInAFurnace) {
   }
 }
 
-// A glass plate of thickness 0.5 over a floor that emits 1, or below one, seen head-on from between both.
-float throughPlate(vk::Device& device, scene::Material material, double emitterHeight) {
+// A glass plate of thickness 0.5 over a floor that emits 1, or below one, seen head-on from between both. `edit` may
+// change the scene and the settings.
+float throughPlate(vk::Device& device, scene::Material material, double emitterHeight,
+                   const std::function<void(FloorScene&, Settings&)>& edit = {}) {
   glm::dmat4 placed(1);
   placed[0].x = placed[1].y = 4;
   placed[2].z = 0.25;
@@ -446,6 +448,7 @@ float throughPlate(vk::Device& device, scene::Material material, double emitterH
   settings.width = settings.height = 16;
   settings.samples = 256;
   settings.lighting = &findTechnique("reference");
+  if (edit) edit(plate, settings);
   return meanColor(renderOne(device, scene, plate.camera, settings));
 }
 
@@ -472,6 +475,77 @@ TEST_F(RayLightTest, BlendedSurfacesCoverByTheirAlpha) {
   material.data.specular = 0;
   material.data.flags |= shared::kMaterialBlended;
   EXPECT_NEAR(throughPlate(device(), material, 0), 0.75 * 0.75, 0.005);  // two sides of the box
+}
+
+// The camera, 6 m above the floor, sees no pane before its near plane, and no floor behind its far plane.
+TEST_F(RayLightTest, PathsStartWithinTheViewVolume) {
+  scene::Material pane = coated(1, [](auto&) {});
+  pane.data.baseColor = glm::vec4(0, 0, 0, 0.25f);
+  pane.data.specular = 0;
+  pane.data.flags |= shared::kMaterialBlended;
+  for (const bool orthographic : {true, false}) {
+    SCOPED_TRACE(orthographic);
+    const auto seen = [&](float near, float far) {
+      return throughPlate(device(), pane, 0, [&](FloorScene& plate, Settings&) {
+        plate.camera.orthographic = orthographic;
+        plate.camera.verticalFov = 0.1f;
+        plate.camera.nearClip = near;
+        plate.camera.farClip = far;
+      });
+    };
+    EXPECT_NEAR(seen(0.5f, 100), 0.75 * 0.75, 0.005);
+    EXPECT_NEAR(seen(4, 100), 0.75, 0.005);  // between the sides of the pane, which are at depths of 3.5 and 4 m
+    EXPECT_NEAR(seen(5, 100), 1, 1e-3);
+    EXPECT_TRUE(std::isnan(seen(0.5f, 5.5f)));  // no pixel is opaque
+  }
+}
+
+// Surfaces inside a volume do not count as bounces, so one bounce finds all light of a small emitter behind rough
+// glass.
+TEST_F(RayLightTest, OneBounceFindsEmittersBehindRoughGlass) {
+  for (const float roughness : {0.1f, 0.5f}) {
+    const auto seen = [&](Indirect indirect) {
+      return throughPlate(device(), glass(roughness, 1), 0, [&](FloorScene& plate, Settings& settings) {
+        plate.builder.scene.instances[0].toWorld[0].x = plate.builder.scene.instances[0].toWorld[1].y = 0.25;
+        settings.lighting = &findTechnique("clustered");
+        settings.indirect = indirect;
+      });
+    };
+    const float path = seen(Indirect::Path);
+    EXPECT_GT(path, 0.01f);
+    EXPECT_NEAR(seen(Indirect::OneBounce), path, 0.01 * path) << roughness;
+  }
+}
+
+// A metal in an absorbing volume reflects an area light: light travels 2 m to the metal and 3 m to the eye's side.
+TEST_F(RayLightTest, VolumesAbsorbTheLightOfAreaLights) {
+  for (const float roughness : {0.05f, 0.6f}) {
+    const auto seen = [&](float distance) {
+      scene::Material material = glass(0, 1);
+      material.data.f0 = 0;
+      material.data.specular = 0;
+      material.data.layers.attenuationColor = vec3(0.5f);
+      material.data.layers.attenuationDistance = distance;
+      return throughPlate(device(), material, 0, [&](FloorScene& plate, Settings&) {
+        scene::Scene& scene = plate.builder.scene;
+        scene.instances[1].toWorld[2].z = 2;  // from 1 m below the floor to 3 m above it
+        scene.instances[1].toWorld[3].z = 1;
+        scene.materials[1].data.emissive = vec3(0);
+        scene.materials[1].data.baseColor = glm::vec4(1);
+        scene.materials[1].data.metallic = 1;
+        scene.materials[1].data.roughness = roughness;
+        scene::Light light;
+        light.type = shared::kLightDisk;
+        light.position = {0, 0, 2};
+        light.size = 0.4f;
+        light.intensity = 10;
+        scene.lights = {light};
+      });
+    };
+    const float clear = seen(std::numeric_limits<float>::infinity());
+    EXPECT_GT(clear, 0.01f);
+    EXPECT_NEAR(seen(4) / clear, std::pow(0.5, 5.0 / 4), 0.01) << roughness;
+  }
 }
 
 // Rays to lights pass smooth thin walls, by what these do not reflect: 1 - 0.04 for each of two, times their color. The

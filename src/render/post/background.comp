@@ -27,5 +27,5 @@ void main() {
   vec2 uv = equirectangular(rotateToEnvironment(direction, frame.environmentCos, frame.environmentSin));
   vec3 radiance = textureLod(environmentPicture, uv, 0.0).rgb * frame.environmentIntensity;
   vec3 behind = min(radiance * frame.exposure, vec3(65504.0)) * (1.0 - drawn.a);
-  imageStore(lightTarget, pixel, vec4(drawn.rgb + behind, 1.0));
+  imageStore(lightTarget, pixel, vec4(min(drawn.rgb + behind, vec3(65504.0)), 1.0));
 }

@@ -82,15 +82,16 @@ LightRay rayToArea(FrameConstants frame, PathVertex v) {
 }
 
 // Returns the radiance of all area lights that a ray hits between its `near` and `far`, weighted against rayToArea().
-// `density`: of the ray's direction, 1/sr.
-vec3 areaRadiance(FrameConstants frame, Ray ray, float far, float density) {
+// `density`: of the ray's direction, 1/sr; `absorption`: of the volume that the ray is in, 1/m.
+vec3 areaRadiance(FrameConstants frame, Ray ray, float far, float density, vec3 absorption) {
   vec3 radiance = vec3(0.0);
   for (uint i = 0u; i < frame.areaLightCount; ++i) {
     AreaLight light = frameAreaLight(frame, i);
     AreaSample point = hitArea(light, ray.origin, ray.direction);
     float away = areaDistance(light, point);
     if (point.density <= 0.0 || away < ray.near || away >= far) continue;
-    radiance += light.radiance * (density / (density + point.density / float(frame.areaLightCount)));
+    radiance += light.radiance * absorbed(absorption, away - ray.near) *
+                (density / (density + point.density / float(frame.areaLightCount)));
   }
   return radiance;
 }

@@ -90,7 +90,7 @@ void writeLight(FrameConstants frame, ivec3 place, LitPixel p, vec4 sum, EyeRay 
     light = p.lit ? vec4(min(p.emitted + mean.rgb * frame.exposure, vec3(65504.0)), 1.0) : vec4(0.0);
   else
     light = imageLoad(lightTarget, place) + vec4(lit ? (mean.rgb - p.radiance) * frame.exposure : vec3(0.0), 0.0);
-  imageStore(lightTarget, place, max(light, vec4(0.0)));
+  imageStore(lightTarget, place, clamp(light, vec4(0.0), vec4(vec3(65504.0), 1.0)));
 }
 
 // Stores the sums for the next pass, or, after the last sample, writes the picture or the inputs of the filter.

@@ -29,8 +29,8 @@
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lights.glsl"
 #include "render/glsl/lit_pixel.glsl"
-#include "render/glsl/pixel_ray.glsl"
-#include "render/glsl/ray_point.glsl"  // after gbuffer_read.glsl, which may define sampleTexture()
+#include "render/glsl/eye_ray.glsl"    // after gbuffer_read.glsl, which may define sampleTexture()
+#include "render/glsl/ray_point.glsl"  // likewise
 #include "render/glsl/surface.glsl"
 #include "render/lighting/reference/paths_push.h"
 
@@ -99,11 +99,13 @@ void recordLight(inout Path path, PathVertex v, LightRay light, vec3 passed) {
   path.record.toLight = packSnorm2x16(octahedralFromDirection(light.centered));
 }
 
-// Adds the light that the surface of a path receives directly.
-void addDirectLight(inout Path path, FrameConstants frame, RayScene scene, PathVertex v, vec3 beyond, uint bounce) {
+// Adds the light that the surface of a path receives directly. `next`: the bounce of the path's next surface. Emissive
+// surfaces are sampled if follow() adds their emission there.
+void addDirectLight(inout Path path, FrameConstants frame, RayScene scene, PathVertex v, vec3 beyond, uint bounce,
+                    uint next) {
   LightRay sky = rayToSky(frame, scene), lit = noLightRay(), emitted = noLightRay(), area = noLightRay();
   if (bounce > 0u || path.fromEye || (kPathFlags & kPathsFromLights) != 0u) lit = rayToLight(frame, v, path.distance);
-  if (bounce < push.bounces) emitted = rayToEmitter(frame, scene, v, path.distance);
+  if (next <= push.bounces) emitted = rayToEmitter(frame, scene, v, path.distance);
   if (hasAreaLights(frame)) area = rayToArea(frame, v);
   const uint kinds = kSampledAreaLights != 0u ? 4u : 3u;
   for (uint i = 0u; i < kinds; ++i) {  // one copy of the traversal
@@ -177,7 +179,8 @@ bool follow(inout Path path, FrameConstants frame, RayScene scene, uint bounce, 
     RayHit hit = traceRay(frame, path.ray, what);
     float end = isHit(hit) ? hit.distance : 3.0e38;
     if (hasAreaLights(frame) && (bounce > 0u || path.covers))
-      add(path, path.fromArea * areaRadiance(frame, path.ray, end, path.density), path.share, path.lambertian);
+      add(path, path.fromArea * areaRadiance(frame, path.ray, end, path.density, path.absorption), path.share,
+          path.lambertian);
     if (!isHit(hit)) {
       if (hasCells(scene, frame) && (bounce > 0u || path.covers)) {
         float weight = path.density / (path.density + skyDensity(frame, scene, path.ray.direction));
@@ -260,30 +263,16 @@ Path tracedPath(FrameConstants frame, Path path, PathVertex v) {
     if (i > 0u || ((kPathFlags & kPathsFromEye) != 0u && path.fromEye))
       goesOn = follow(path, frame, scene, bounce, bounce > push.bounces, v, beyond);
     if (!goesOn) continue;
-    addDirectLight(path, frame, scene, v, beyond, bounce);
     uint next = bounce + (kLayers != 0u && v.coated && v.coats.inside ? 0u : 1u);
+    addDirectLight(path, frame, scene, v, beyond, bounce, next);
     goesOn = next <= rays && scatter(path, frame, v, beyond, bounce, i);
     bounce = next;
   }
   return path;
 }
 
-Ray rayOfPixel(FrameConstants frame, View view, ivec2 pixel) {
-  vec3 from = vec3(0.0), along = vec3(0.0);
-  if (kLens != 0u) {
-    along = pixelRay(frame, view, vec2(pixel) + 0.5);
-  } else {
-    vec2 ndc = pixelToNdc(vec2(pixel) + 0.5, view.size);
-    from = viewPositionAtDepth(view.projection, ndc, 0.0);
-    along = viewPositionAtDepth(view.projection, ndc, 1.0) - from;
-  }
-  vec3 direction = view.viewToWorld * vec4(along, 0.0);
-  return Ray(view.eye + mat3(view.viewToWorld) * from, view.eyeLow,
-             direction * inversesqrt(max(dot(direction, direction), 1e-30)), 0.0, 3.0e38);
-}
-
 EyeRay eyeRay(FrameConstants frame, View view, LitPixel p) {
-  Ray ray = rayOfPixel(frame, view, p.place.xy);
+  Ray ray = rayThrough(frame, view, vec2(p.place.xy) + 0.5);
   EyeRay eye = EyeRay(ray, p.shadedSeparately || (p.s.flags & kSurfaceLayered) != 0u, vec3(0.0));
   RayHit hit = traceRay(frame, ray, translucentRays());
   if (!isHit(hit)) return eye;

@@ -6,7 +6,6 @@
 //   FrameConstants::rayScene, views  ->  trace_visible  ->  visible (visible.glsl)
 #include "render/glsl/common.glsl"
 #include "render/glsl/pixel_group.glsl"
-#include "render/glsl/pixel_ray.glsl"
 #include "render/visibility/compute/visible.glsl"
 #include "render/visibility/rays/trace_push.h"
 #include "render/visibility/triangle_depth.glsl"
@@ -17,32 +16,7 @@ layout(constant_id = kAlphaTestConstant) const uint kAlphaTest = 0u;  // 0: no t
 
 #define RAY_ALPHA_TESTS (kAlphaTest != 0u)
 #define RAY_ORDER(instance) UintRef(push.firstTriangles).v[instance]
-#include "render/glsl/rays.glsl"
-
-// Returns the minimum and maximum depth in meters within the view volume.
-vec2 depthsOf(Projection p) {
-  if (p.kind == kPerspective) return vec2(p.B / (1.0 - p.A), p.A < 0.0 ? -p.B / p.A : 3.0e38);
-  return vec2((1.0 - p.B) / p.A, -p.B / p.A);
-}
-
-// Returns the ray through a position in the image, in pixels.
-Ray rayThrough(FrameConstants frame, View view, vec2 place) {
-  vec3 along = pixelRay(frame, view, place);
-  Ray ray = Ray(view.eye, view.eyeLow, normalize(toWorldAxes(view, along)), 0.0, 3.0e38);
-  if (along == vec3(0.0)) ray.near = 1.0, ray.far = 0.0;
-  if (kLens != 0u) return ray;
-  vec2 depths = depthsOf(view.projection);
-  if (view.projection.kind != kPerspective) {
-    vec3 from = viewPositionAtDepth(view.projection, pixelToNdc(place, view.size), depths.x);
-    Exact3 origin = exactSum(view.eye, toWorldAxes(view, from));
-    ray.origin = origin.hi;
-    ray.originLow += origin.lo;
-    depths = vec2(0.0, depths.y - depths.x);
-  }
-  ray.near = depths.x * length(along);
-  ray.far = min(depths.y * length(along), 3.0e38);
-  return ray;
-}
+#include "render/glsl/eye_ray.glsl"
 
 float depthOfTriangle(View view, Instance instance, uint64_t positions, uvec3 corners, vec2 place) {
   mat4x3 placed = relativeToEye(instance, view);
