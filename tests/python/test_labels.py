@@ -148,6 +148,33 @@ def test_a_group_is_one_model_in_all_variations(pair, tmp_path):
         assert np.allclose(np.reshape(each["cam_R_m2c"], (3, 3)), expected, atol=1e-5)
 
 
+def test_keypoints_follow_what_their_nodes_move_with(pair):
+    """Nodes without a mesh follow their parent's, and a group follows its parts once all of them have moved alike."""
+    scene = latelight.Scene(pair)
+    renderer = latelight.Renderer(scene, "cpu")
+    nodes = ["/R", "/R/Mark", "/R/Front", "/R/Front/Tip", "/R/Back"]
+    local = [[0, 0, 0, 1], [0, 1, 0, 1], [0, 0, 1, 1], [0, 0.5, 1.5, 1], [0.25, 0, -2, 1]]
+    rest = REST @ np.array(local, np.float64).T
+    turned = (TURN @ rest).T[:, :3]
+    rest = rest.T[:, :3]
+    both = [placed(scene, "/R/Front", TURN), placed(scene, "/R/Back", TURN)]
+    transforms = np.array([[both[0][1], placed(scene, "/R/Back", np.eye(4))[1]], [both[0][1], both[1][1]]])
+
+    def expect(positions, moved):
+        expected = np.where(np.array(moved, bool)[:, None], turned, rest)
+        np.testing.assert_allclose(positions, expected, atol=1e-5)
+
+    expect(renderer.keypoints(front(), nodes, (64, 64)).positions, [0, 0, 0, 0, 0])
+    worlds = renderer.keypoints_of_worlds(
+        2, [front()], nodes, (64, 64), instances=[instance for instance, _ in both], transforms=transforms)
+    expect(worlds.positions[0, 0], [0, 0, 1, 1, 0])
+    expect(worlds.positions[1, 0], [1, 1, 1, 1, 1])
+    scene.set_transform(*both[0])
+    expect(renderer.keypoints(front(), nodes, (64, 64)).positions, [0, 0, 1, 1, 0])
+    scene.set_transform(*both[1])
+    expect(renderer.keypoints(front(), nodes, (64, 64)).positions, [1, 1, 1, 1, 1])
+
+
 def decoded(segmentation):
     """A mask from COCO's compressed run lengths."""
     runs, value, shift = [], 0, 0
