@@ -269,14 +269,39 @@ class _Mujoco(Builder):
         return self.world @ pose
 
     def camera(self, camera: int) -> Camera:
-        model = self.model
-        fov, sensor = float(model.cam_fovy[camera]), np.asarray(model.cam_sensorsize[camera])
-        if sensor[1] > 0:  # intrinsics: focal lengths in the units of the sensor
-            fov = math.degrees(2 * math.atan(sensor[1] / 2 / float(model.cam_intrinsic[camera][1])))
-        made = self.scene.look_at((0, 0, 1), (0, 0, 0), vertical_fov=fov if fov > 0 else 45)
-        made.camera_to_world = self.pose(self.data.cam_xpos[camera], self.data.cam_xmat[camera])
+        model, seen = self.model, self.frustum(camera)
+        pose = self.pose(self.data.cam_xpos[camera], self.data.cam_xmat[camera])
+        if seen.frustum_width > 0 and not seen.orthographic:  # intrinsics
+            width, height = (max(int(pixels), 1) for pixels in model.cam_resolution[camera])
+            made = Camera.from_k(self.intrinsics(seen, width, height), pose, (width, height))
+        else:
+            fov = float(model.cam_fovy[camera])
+            made = self.scene.look_at((0, 0, 1), (0, 0, 0), vertical_fov=45 if seen.orthographic or fov <= 0 else fov)
+            made.camera_to_world = pose
+        if seen.orthographic:
+            made.orthographic, made.half_height = True, (seen.frustum_top - seen.frustum_bottom) / 2
+            made.near_clip, made.far_clip = seen.frustum_near, seen.frustum_far
         made.name = model.cam(camera).name or f"camera {camera}"
         return made
+
+    def frustum(self, camera: int) -> Any:
+        """The frustum of MuJoCo's renderer, as an MjvGLCamera. Versions of MuJoCo differ in the name of the projection
+        and in the sign of vertical offsets, and this follows the one that is installed."""
+        fixed, scene = self.mujoco.MjvCamera(), self.mujoco.MjvScene(self.model, maxgeom=1)
+        fixed.type, fixed.fixedcamid = self.mujoco.mjtCamera.mjCAMERA_FIXED, camera
+        self.mujoco.mjv_updateCamera(self.model, self.data, fixed, scene)
+        return scene.camera[0]
+
+    @staticmethod
+    def intrinsics(seen: Any, width: int, height: int) -> np.ndarray:
+        """The matrix K of images that show a frustum, whose bounds lie in the near plane, with y up."""
+        wide, high = 2 * seen.frustum_width, seen.frustum_top - seen.frustum_bottom
+        focal_x, focal_y = seen.frustum_near * width / wide, seen.frustum_near * height / high
+        if math.isclose(focal_x, focal_y, rel_tol=1e-6):  # The bounds are rounded to floats.
+            focal_x = focal_y
+        center_x = width / 2 - seen.frustum_center / wide * width
+        center_y = seen.frustum_top / high * height
+        return np.array([[focal_x, 0, center_x], [0, focal_y, center_y], [0, 0, 1]])
 
     def add_lights(self) -> list[LightHandle]:
         """Active lights. Lights of MuJoCo do not fade with distance and are no physical quantities: each of these is as
@@ -311,9 +336,9 @@ def from_mujoco(model: Any, *, groups: Sequence[int] = (0, 1, 2)) -> MujocoScene
     groups: the groups of geoms to show; default: those that MuJoCo's viewer shows
 
     Converted are meshes with texture coordinates, planes, height fields, spheres, capsules, ellipsoids, cylinders,
-    boxes, colors, materials, 2D textures of meshes, planes and height fields, lights, and cameras. Planes that are
-    infinite get a side of 200 times the model's extent. Cube maps, the headlight, sites, tendons, skins, and flexible
-    bodies are left out. `MujocoScene.worlds()` converts the states of worlds."""
+    boxes, colors, materials, 2D textures of meshes, planes and height fields, lights, and cameras with their projection
+    and intrinsics. Planes that are infinite get a side of 200 times the model's extent. Cube maps, the headlight,
+    sites, tendons, skins, and flexible bodies are left out. `MujocoScene.worlds()` converts the states of worlds."""
     try:
         mujoco = importlib.import_module("mujoco")
     except ImportError:

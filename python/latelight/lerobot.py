@@ -123,16 +123,28 @@ def _state_of(pose: np.ndarray) -> list[float]:
     return [*pose[:3, 3], *(quaternion if quaternion[3] >= 0 else -quaternion)]
 
 
-def _videos_of(cameras: Sequence[str]) -> list[str]:
-    """The video of each camera of an episode: the folder of its name, or the member of a pair or rig, or "camera"."""
-    if any("/" in camera for camera in cameras):
-        return [camera.rpartition("/")[0].replace("/", ".") or "camera" for camera in cameras]
+def _members_by_name(cameras: Sequence[str]) -> list[str]:
+    """The member of a pair or rig that each camera is, by names such as path0-left and path0-right; "" for none. At
+    least two poses must have the same members, and numbers are those of poses, as in frame-000000."""
     bases: dict[str, list[str]] = {}
     for camera in cameras:
         base, _, member = camera.rpartition("-")
         bases.setdefault(member, []).append(base)
-    alike = len(bases) > 1 and all(each == next(iter(bases.values())) and "" not in each for each in bases.values())
-    return [camera.rpartition("-")[2] if alike else "camera" for camera in cameras]
+    poses = next(iter(bases.values()))
+    is_rig = len(bases) > 1 and len(poses) > 1 and "" not in poses and all(each == poses for each in bases.values())
+    if not is_rig or any(member.isdigit() for member in bases):
+        return [""] * len(cameras)
+    return [camera.rpartition("-")[2] for camera in cameras]
+
+
+def _videos_of(frames: Sequence[dict[str, Any]]) -> list[str]:
+    """The video of each frame of an episode: the folder of its camera's name and the camera's member of a pair or rig,
+    or "camera". Manifests record members, except those of 0.2.0, whose members are found by name."""
+    folders = [frame["camera"].rpartition("/")[0].replace("/", ".") for frame in frames]
+    members = [frame.get("member", "") for frame in frames]
+    if not any(folders) and not any(members):
+        members = _members_by_name([frame["camera"] for frame in frames])
+    return [".".join(filter(None, parts)) or "camera" for parts in zip(folders, members)]
 
 
 def read_set(folder: Path, pattern: str | None = None) -> list[Episode]:
@@ -146,7 +158,7 @@ def read_set(folder: Path, pattern: str | None = None) -> list[Episode]:
         frames = list(group)
         pictures: dict[str, list[Path]] = {}
         poses: dict[str, list[list[float]]] = {}
-        for frame, camera in zip(frames, _videos_of([frame["camera"] for frame in frames])):
+        for frame, camera in zip(frames, _videos_of(frames)):
             pictures.setdefault(camera, []).append(_picture_of(folder, frame, pattern))
             poses.setdefault(camera, []).append(_state_of(_pose_of(folder, frame)))
         if len({len(images) for images in pictures.values()}) != 1:

@@ -1,9 +1,10 @@
 #include "labels/keypoints.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <set>
-#include <unordered_map>
 
 #include "base/error.h"
 #include "labels/objects.h"
@@ -19,51 +20,102 @@ namespace {
 
 constexpr double kPointSlack = 1e-5;  // of the distance: vertices and rays are rounded to floats
 
-// A node's transform in the world. Edits and worlds place instances, not their nodes, so the node follows its instance
-// then.
+using Instances = std::vector<uint32_t>;
+
+// Returns the instances whose joints include the node.
+Instances instancesOfJoint(const scene::Scene& scene, uint32_t node) {
+  Instances instances;
+  if (node >= scene.rig.sceneNodes.size()) return instances;
+  const uint32_t joint = scene.rig.sceneNodes[node];
+  for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+    if (scene.instances[i].removed) continue;
+    const scene::Deformation* deformation = scene.meshes[scene.instances[i].mesh].deformation.get();
+    if (!deformation || deformation->skin < 0) continue;
+    const auto& joints = scene.rig.skins[static_cast<size_t>(deformation->skin)].joints;
+    if (std::ranges::find(joints, joint) != joints.end()) instances.push_back(i);
+  }
+  return instances;
+}
+
+// The transforms of nodes in the world. Edits and worlds place instances, not their nodes, so a node follows the
+// instances that it moves with.
 class NodeTransforms {
  public:
   // `world`: of `moment`; ignored if it has none.
   NodeTransforms(const scene::Scene& scene, const render::SceneState& moment, uint32_t world)
-      : scene_(scene), pose_(moment.poses.current) {
-    std::vector<uint8_t> placed(scene.instances.size(), 0);
-    for (size_t i = 0; i < placed.size(); ++i) placed[i] = scene.instances[i].placed;
+      : scene_(scene), instancePose_(moment.poses.current), pose_(instancePose_) {
     const render::WorldStates& worlds = moment.worlds;
-    if (worlds.count > 0) {
-      toWorld_ = placedInstances(scene, pose_, worlds, world).toWorld;
-      for (const uint32_t i : worlds.instances)
-        if (!worlds.transforms.empty()) placed[i] = 1;
-      const bool isEmpty = !worlds.empty.empty() && worlds.empty[world] != 0;
-      if (!worlds.deformations.joints.empty() && !isEmpty) pose_ = worlds.deformations.poseIn(world, scene, pose_);
-    }
-    for (uint32_t i = 0; i < placed.size(); ++i)
-      if (placed[i] && !scene.instances[i].removed) placed_.emplace(scene.instances[i].node, i);
+    const auto isPlaced = [](const scene::Instance& instance) { return instance.placed && !instance.removed; };
+    if (worlds.count > 0 && !worlds.transforms.empty())
+      toWorld_ = placedInstances(scene, instancePose_, worlds, world).toWorld;
+    else if (std::ranges::any_of(scene.instances, isPlaced))
+      toWorld_ = scene::instanceTransforms(scene, instancePose_);
+    if (!toWorld_.empty()) findCompanions();
+    const bool isEmpty = !worlds.empty.empty() && worlds.empty[world] != 0;
+    if (worlds.count > 0 && !worlds.deformations.joints.empty() && !isEmpty)
+      pose_ = worlds.deformations.poseIn(world, scene, pose_);
   }
-  glm::dmat4 of(uint32_t node) const {
-    const auto instance = placed_.find(node);
-    if (instance == placed_.end()) return scene::nodeToWorld(scene_, pose_, node);
-    return toWorld_.empty() ? scene_.instances[instance->second].toWorld : toWorld_[instance->second];
+  // `skinned`: instancesOfJoint() of the node. The node follows its own instances, or those that it is a joint of, or
+  // those of the nearest ancestor: the ancestor's own, or all below it.
+  glm::dmat4 of(uint32_t node, std::span<const uint32_t> skinned) const {
+    const glm::dmat4 unplaced = scene::nodeToWorld(scene_, pose_, node);
+    if (toWorld_.empty()) return unplaced;
+    if (const Companion& own = own_[node]; own.instance) {
+      const auto displacement = displacementOf(own);
+      return displacement ? *displacement * unplaced : toWorld_[*own.instance];
+    }
+    if (const auto displacement = scene::commonDisplacement(scene_, instancePose_, toWorld_, skinned))
+      return *displacement * unplaced;
+    for (int i = static_cast<int>(node); i >= 0; i = scene_.nodes[static_cast<size_t>(i)].parent) {
+      const auto at = static_cast<size_t>(i);
+      if (const auto displacement = displacementOf(own_[at].instance ? own_[at] : below_[at]))
+        return *displacement * unplaced;
+    }
+    return unplaced;
   }
 
  private:
+  // Stands for several instances, by one of them.
+  struct Companion {
+    std::optional<uint32_t> instance{};  // empty: there are no instances
+    bool movedAlike = true;
+  };
+
+  void findCompanions() {
+    own_.resize(scene_.nodes.size());
+    for (uint32_t i = 0; i < scene_.instances.size(); ++i)
+      if (!scene_.instances[i].removed) add(own_[scene_.instances[i].node], {i});
+    below_ = own_;
+    for (size_t node = below_.size(); node-- > 0;)  // children come after their parents
+      if (scene_.nodes[node].parent >= 0) add(below_[static_cast<size_t>(scene_.nodes[node].parent)], below_[node]);
+  }
+  void add(Companion& all, const Companion& added) const {
+    if (!added.instance) return;
+    if (!all.instance) {
+      all = added;
+      return;
+    }
+    const std::array<uint32_t, 2> both{*all.instance, *added.instance};
+    all.movedAlike = all.movedAlike && added.movedAlike &&
+                     scene::commonDisplacement(scene_, instancePose_, toWorld_, both).has_value();
+  }
+  std::optional<glm::dmat4> displacementOf(const Companion& companion) const {
+    if (!companion.instance || !companion.movedAlike) return std::nullopt;
+    return scene::commonDisplacement(scene_, instancePose_, toWorld_, {&*companion.instance, 1});
+  }
+
   const scene::Scene& scene_;
-  scene::Pose pose_;                               // with the joints of the world
-  std::vector<glm::dmat4> toWorld_;                // in a world, by instance; empty: the scene's
-  std::unordered_map<uint32_t, uint32_t> placed_;  // instances by node
+  scene::Pose instancePose_;         // of the instances
+  scene::Pose pose_;                 // with the joints of the world
+  std::vector<glm::dmat4> toWorld_;  // by instance; empty: neither an edit nor the world has moved any
+  std::vector<Companion> own_;       // the instances of each node; empty as toWorld_
+  std::vector<Companion> below_;     // those of the node and all nodes below it
 };
 
 // Returns the ids of the objects that a node belongs to: its own, and those of the skins that it is a joint of.
-std::set<uint32_t> objectsOfNode(const scene::Scene& scene, uint32_t node) {
+std::set<uint32_t> objectsOfNode(const scene::Scene& scene, uint32_t node, const Instances& skinned) {
   std::set<uint32_t> ids{scene.nodes[node].id};
-  if (node >= scene.rig.sceneNodes.size()) return ids;
-  const uint32_t joint = scene.rig.sceneNodes[node];
-  for (const scene::Instance& instance : scene.instances) {
-    if (instance.removed) continue;
-    const scene::Deformation* deformation = scene.meshes[instance.mesh].deformation.get();
-    if (!deformation || deformation->skin < 0) continue;
-    const auto& joints = scene.rig.skins[static_cast<size_t>(deformation->skin)].joints;
-    if (std::ranges::find(joints, joint) != joints.end()) ids.insert(instance.id);
-  }
+  for (const uint32_t i : skinned) ids.insert(scene.instances[i].id);
   return ids;
 }
 
@@ -96,7 +148,8 @@ class KeypointProjector {
         badUsage("the keypoint \"{}\" follows the node \"{}\", but the scene has no node with this path", keypoint.name,
                  keypoint.node);
       nodes_.push_back(static_cast<uint32_t>(node));
-      ids_.push_back(objectsOfNode(scene, nodes_.back()));
+      skinned_.push_back(instancesOfJoint(scene, nodes_.back()));
+      ids_.push_back(objectsOfNode(scene, nodes_.back(), skinned_.back()));
     }
   }
 
@@ -111,7 +164,8 @@ class KeypointProjector {
     Projections projected;
     for (size_t i = 0; i < keypoints_.size(); ++i) {
       ProjectedKeypoint& p = projected.all.emplace_back();
-      p.position = glm::dvec3(frameFromWorld * nodes.of(nodes_[i]) * glm::dvec4(keypoints_[i].position, 1));
+      p.position =
+          glm::dvec3(frameFromWorld * nodes.of(nodes_[i], skinned_[i]) * glm::dvec4(keypoints_[i].position, 1));
       const auto at = projector.project(glm::dvec3(cameraFromFrame * glm::dvec4(p.position, 1)));
       p.pixel = at ? glm::dvec2(*at) : glm::dvec2(kNone);
       p.depth = at ? at->z : kNone;
@@ -131,6 +185,7 @@ class KeypointProjector {
   const render::Settings& settings_;
   std::span<const Keypoint> keypoints_;
   std::vector<uint32_t> nodes_;
+  std::vector<Instances> skinned_;       // instances that each keypoint's node is a joint of
   std::vector<std::set<uint32_t>> ids_;  // objects of each keypoint's node
 };
 

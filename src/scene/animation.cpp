@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/text.h"
+#include "scene/objects.h"
 #include "scene/scene.h"
 #include "shared/deform.h"
 
@@ -261,30 +262,13 @@ Pose restPose(const Scene& scene) {
   return poseOf(scene.rig, scene.rig.nodes);
 }
 
-namespace {
-
-// The mesh of a posed instance may have been replaced by one without joints.
-glm::dvec3 skinOrigin(const Scene& scene, const Instance& instance) {
-  const auto& deformation = scene.meshes[instance.mesh].deformation;
-  if (!deformation || deformation->skin < 0) return glm::dvec3(0);
-  return scene.rig.skins[static_cast<size_t>(deformation->skin)].origin;
-}
-
-}  // namespace
-
 std::vector<dmat4> instanceTransforms(const Scene& scene, const Pose& pose) {
   std::vector<dmat4> transforms(scene.instances.size());
   parallelFor(transforms.size(), 16384, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const Instance& instance = scene.instances[i];
-      if (pose.empty() || instance.placed) {
-        transforms[i] = instance.toWorld;
-        continue;
-      }
-      dmat4 world = instance.posed ? dmat4(1) : worldOf(scene, pose, instance.node);
-      if (!scene.rig.offsets.empty()) world = world * scene.rig.offsets[i];
-      if (instance.posed) world = glm::translate(world, skinOrigin(scene, instance));
-      transforms[i] = toWorldFromGltf() * world;
+      const bool isPlaced = pose.empty() || instance.placed;
+      transforms[i] = isPlaced ? instance.toWorld : followedToWorld(scene, pose, static_cast<uint32_t>(i));
     }
   });
   return transforms;

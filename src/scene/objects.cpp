@@ -1,6 +1,7 @@
 #include "scene/objects.h"
 
 #include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
 #include <map>
 
 namespace latelight::scene {
@@ -23,6 +24,41 @@ uint32_t topmost(const Scene& scene, uint32_t node) {
   return node;
 }
 
+// The mesh of a posed instance may have been replaced by one without joints.
+dvec3 skinOrigin(const Scene& scene, const Instance& instance) {
+  const auto& deformation = scene.meshes[instance.mesh].deformation;
+  if (!deformation || deformation->skin < 0) return dvec3(0);
+  return scene.rig.skins[static_cast<size_t>(deformation->skin)].origin;
+}
+
+// Returns the world transform that an instance has before edits and worlds move it. It is not known for copies that
+// edits have moved in scenes without animations, which store only the copies' present transforms.
+std::optional<dmat4> unplacedToWorld(const Scene& scene, const Pose& pose, uint32_t instance) {
+  const Instance& i = scene.instances[instance];
+  if (!i.placed && pose.empty()) return i.toWorld;
+  if (i.copy >= 0 && scene.rig.offsets.empty()) return std::nullopt;
+  return followedToWorld(scene, pose, instance);
+}
+
+// Returns true if two affine transforms are equal up to the rounding of floats. `reach`: the largest coordinates, whose
+// rounding the translations contain.
+bool isNear(const dmat4& a, const dmat4& b, double reach) {
+  constexpr double kRounding = 1e-5;
+  double largest = 0, linear = 0, translation = 0;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      largest = std::max(largest, std::abs(b[column][row]));
+      linear = std::max(linear, std::abs(a[column][row] - b[column][row]));
+    }
+    translation = std::max(translation, std::abs(a[3][row] - b[3][row]));
+  }
+  return linear <= kRounding * largest && translation <= kRounding * reach;
+}
+
+double reachOf(const dmat4& m) {
+  return glm::length(dvec3(m[3]));
+}
+
 }  // namespace
 
 dmat4 rigidOf(const dmat4& m) {
@@ -40,13 +76,39 @@ dmat4 nodeToWorld(const Scene& scene, const Pose& pose, uint32_t node) {
   return toWorldFromGltf() * pose.world[scene.rig.sceneNodes[node]];
 }
 
+dmat4 followedToWorld(const Scene& scene, const Pose& pose, uint32_t instance) {
+  const Instance& followed = scene.instances[instance];
+  dmat4 toWorld = followed.posed ? toWorldFromGltf() : nodeToWorld(scene, pose, followed.node);
+  if (instance < scene.rig.offsets.size()) toWorld = toWorld * scene.rig.offsets[instance];
+  return followed.posed ? glm::translate(toWorld, skinOrigin(scene, followed)) : toWorld;
+}
+
+std::optional<dmat4> commonDisplacement(const Scene& scene, const Pose& pose, std::span<const dmat4> toWorld,
+                                        std::span<const uint32_t> instances) {
+  std::optional<dmat4> displacement;
+  double firstReach = 0;
+  for (const uint32_t i : instances) {
+    const std::optional<dmat4> unplaced = unplacedToWorld(scene, pose, i);
+    if (!unplaced) return std::nullopt;
+    if (!displacement) {
+      displacement = toWorld[i] == *unplaced ? dmat4(1) : toWorld[i] * glm::inverse(*unplaced);
+      firstReach = reachOf(toWorld[i]) + reachOf(*unplaced);
+    }
+    const double reach = firstReach + reachOf(toWorld[i]) + reachOf(*unplaced);
+    if (!isNear(*displacement * *unplaced, toWorld[i], reach)) return std::nullopt;
+  }
+  return displacement;
+}
+
 dmat4 objectToWorld(const Scene& scene, const Pose& pose, std::span<const dmat4> toWorld,
                     std::span<const uint32_t> instances) {
   const Instance& first = scene.instances[instances.front()];
   const bool one = std::ranges::all_of(instances, [&](uint32_t i) {
     return scene.instances[i].node == first.node && scene.instances[i].copy == first.copy;
   });
-  return one ? toWorld[instances.front()] : nodeToWorld(scene, pose, topmost(scene, first.node));
+  if (one) return toWorld[instances.front()];
+  const dmat4 displacement = commonDisplacement(scene, pose, toWorld, instances).value_or(dmat4(1));
+  return displacement * nodeToWorld(scene, pose, topmost(scene, first.node));
 }
 
 void addMesh(Extent& extent, const Mesh& mesh, const dmat4& transform) {

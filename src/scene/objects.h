@@ -2,6 +2,7 @@
 // group of nodes (IdGrouping).
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -26,8 +27,18 @@ dmat4 rigidOf(const dmat4& m);
 // Returns a node's transform in the world, in a pose. Edits move instances, not their nodes.
 dmat4 nodeToWorld(const Scene& scene, const Pose& pose, uint32_t node);
 
+// Returns the world transform that an instance has by its node in a pose, unless an edit has placed it. A skinned
+// instance follows its joints only.
+dmat4 followedToWorld(const Scene& scene, const Pose& pose, uint32_t instance);
+
+// Returns the transform in the world by which edits or worlds have moved all these instances from their nodes' places.
+// Empty if they moved differently, beyond rounding, or if the place of one is not known. `toWorld`: of all instances.
+std::optional<dmat4> commonDisplacement(const Scene& scene, const Pose& pose, std::span<const dmat4> toWorld,
+                                        std::span<const uint32_t> instances);
+
 // Returns the world transform of the node that an object's instances belong to: of their common node, or for a group of
-// its topmost node. `toWorld`: instanceTransforms(scene, pose). rigidOf() of it is the object's own frame.
+// its topmost node, which edits and worlds move if they move all these instances alike. `toWorld`: of all instances.
+// rigidOf() of the result is the object's own frame.
 dmat4 objectToWorld(const Scene& scene, const Pose& pose, std::span<const dmat4> toWorld,
                     std::span<const uint32_t> instances);
 

@@ -233,6 +233,27 @@ TEST_P(LabelsTest, JointsAreKeypoints) {
   EXPECT_EQ(at(0.25, 1).visibility, 2u);
 }
 
+// Edits move instances, and joints move with the instances that they deform.
+TEST_P(LabelsTest, JointsFollowEditsOfTheirInstances) {
+  Scene scene(models::modelPath("skinned.glb").string());
+  std::string joint;
+  for (const Node& node : scene.nodes()) joint = node.path.size() > joint.size() ? node.path : joint;  // the last one
+  const dmat4 turn = glm::rotate(glm::translate(dmat4(1), dvec3(0.5, -0.25, 2)), 0.7, glm::normalize(dvec3(1, 2, 3)));
+  Options options = small(96, 96);
+  options.animation = "bend";
+  options.time = 0.25;
+  const Camera camera = scene.defaultCamera(1);
+  const auto position = [&] {
+    Renderer renderer(scene, testDevice());
+    const auto p = renderer.keypoints(camera, {{"joint", joint, {0.1, 0.2, 0.3}}}, options).front().position;
+    return dvec3(p[0], p[1], p[2]);
+  };
+  const dvec3 expected(turn * glm::dvec4(position(), 1));
+  for (const Handle<Instance> instance : scene.instances())
+    scene.setTransform(instance, rowsOf(turn * matrixOf(scene.instance(instance).transform)));
+  EXPECT_LE(glm::length(position() - expected), 1e-6);
+}
+
 // --- correspondence --------------------------------------------------------------------------------------------------
 
 struct PixelRay {

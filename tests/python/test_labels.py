@@ -1,5 +1,6 @@
 """Labels from Python: arrays of objects, keypoints and correspondence, and coordinates of worlds."""
 
+import base64
 import json
 import math
 import os
@@ -59,6 +60,119 @@ def test_keypoints(cards):
         renderer.keypoints(front(), ["/side"])
     with pytest.raises(latelight.ArgumentTypeError, match="a list of Keypoint"):
         renderer.keypoints(front(), [3])
+
+
+@pytest.fixture(scope="module")
+def pair(tmp_path_factory):
+    """The path of a scene: the node R, without a mesh, with two cards of 2 x 2 m below it and two empty nodes."""
+    corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
+    triangles = np.array([0, 1, 2, 0, 2, 3], np.uint16)
+    data = base64.b64encode(corners.tobytes() + triangles.tobytes()).decode()
+    document = {
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0]}],
+        "nodes": [
+            {"name": "R", "translation": [0.5, 0, 0], "rotation": [0, 0.6, 0, 0.8], "children": [1, 2, 3]},
+            {"name": "Front", "mesh": 0, "translation": [0, 0, 1], "scale": [2, 0.5, 1], "children": [4]},
+            {"name": "Back", "mesh": 0, "translation": [0.25, 0, -2]},
+            {"name": "Mark", "translation": [0, 1, 0]},
+            {"name": "Tip", "translation": [0, 1, 0.5]},
+        ],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+        "materials": [{"doubleSided": True}],
+        "buffers": [{"byteLength": 60, "uri": f"data:application/octet-stream;base64,{data}"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]},
+            {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"},
+        ],
+    }
+    path = tmp_path_factory.mktemp("pair") / "pair.gltf"
+    path.write_text(json.dumps(document))
+    return path
+
+
+# A turn of 90 degrees about the z axis, and a translation.
+TURN = np.array([[0, -1, 0, 0.5], [1, 0, 0, -0.25], [0, 0, 1, 0.125], [0, 0, 0, 1]], np.float64)
+REST = np.array([[0.28, 0, 0.96, 0.5], [0, 1, 0, 0], [-0.96, 0, 0.28, 0], [0, 0, 0, 1]])  # of R
+
+
+def placed(scene, node, displacement):
+    """A node's instance, and its transform displaced in the world."""
+    (instance,) = scene.instances(node)
+    return instance, displacement @ scene.instance(instance).transform
+
+
+def test_a_group_has_the_pose_by_which_edits_and_worlds_move_it(pair):
+    scene = latelight.Scene(pair, id_nodes=["/R"])
+    renderer = latelight.Renderer(scene, "cpu")
+    front_moved, back_moved = placed(scene, "/R/Front", TURN), placed(scene, "/R/Back", TURN)
+    rest = renderer.labels(front(), (64, 64))
+    assert rest.nodes == ["/R"] and np.allclose(rest.object_to_world[0][:3], REST[:3], atol=1e-6)
+    expected = TURN @ REST
+    transforms = np.array([[front_moved[1], back_moved[1]], [front_moved[1], placed(scene, "/R/Back", np.eye(4))[1]]])
+    worlds = renderer.labels_of_worlds(
+        2, [front()], (64, 64), instances=[front_moved[0], back_moved[0]], transforms=transforms)
+    assert np.allclose(worlds.object_to_world[0, 0, 0][:3], expected[:3], atol=1e-5)
+    assert np.allclose(worlds.box_min[0, 0], rest.box_min, atol=1e-5)
+    assert np.allclose(worlds.box_max[0, 0], rest.box_max, atol=1e-5)
+    assert np.allclose(worlds.object_to_world[1, 0, 0][:3], REST[:3], atol=1e-6), "one part moves, but not the group"
+    for instance, transform in (front_moved, back_moved):
+        scene.set_transform(instance, transform)
+    moved = renderer.labels(front(), (64, 64))
+    assert np.allclose(moved.object_to_world[0][:3], expected[:3], atol=1e-6)
+    assert np.allclose([moved.box_min, moved.box_max], [rest.box_min, rest.box_max], atol=1e-6)
+
+
+def test_a_group_is_one_model_in_all_variations(pair, tmp_path):
+    """BOP's object keeps its number, and its rotations are those that the manifest records."""
+    program = os.environ.get("LATELIGHT_PROGRAM")
+    if not program:
+        pytest.skip("LATELIGHT_PROGRAM names no program")
+    job = {
+        "scenes": str(pair), "output": "set", "id-nodes": ["/R"], "repeat": 3, "formats": ["bop"],
+        "options": {"size": "64x64"},
+        "cameras": {"type": "list", "cameras": [{"eye": [0, 0, 9], "target": [0, 0, 0]}]},
+        "variations": [{"type": "transforms", "nodes": ["R"], "rotation": [0, 360], "axis": [0, 0, 1]}],
+    }
+    (tmp_path / "job.json").write_text(json.dumps(job))
+    subprocess.run([program, "batch", "job.json", "--devices=cpu"], cwd=tmp_path, check=True, capture_output=True)
+    truth = json.loads((tmp_path / "set/train/000000/scene_gt.json").read_text())
+    frames = json.loads((tmp_path / "set/manifest.json").read_text())["frames"]
+    assert len(truth) == 3 and {each["obj_id"] for (each,) in truth.values()} == {1}
+    for frame, (each,) in zip(frames, truth.values()):
+        (values,) = frame["drawn"]
+        angle = math.radians(values["nodes"][0]["rotation"])
+        turn = np.array([[math.cos(angle), -math.sin(angle), 0], [math.sin(angle), math.cos(angle), 0], [0, 0, 1]])
+        expected = np.diag([1, -1, -1]) @ turn @ REST[:3, :3]
+        assert np.allclose(np.reshape(each["cam_R_m2c"], (3, 3)), expected, atol=1e-5)
+
+
+def test_keypoints_follow_what_their_nodes_move_with(pair):
+    """Nodes without a mesh follow their parent's, and a group follows its parts once all of them have moved alike."""
+    scene = latelight.Scene(pair)
+    renderer = latelight.Renderer(scene, "cpu")
+    nodes = ["/R", "/R/Mark", "/R/Front", "/R/Front/Tip", "/R/Back"]
+    local = [[0, 0, 0, 1], [0, 1, 0, 1], [0, 0, 1, 1], [0, 0.5, 1.5, 1], [0.25, 0, -2, 1]]
+    rest = REST @ np.array(local, np.float64).T
+    turned = (TURN @ rest).T[:, :3]
+    rest = rest.T[:, :3]
+    both = [placed(scene, "/R/Front", TURN), placed(scene, "/R/Back", TURN)]
+    transforms = np.array([[both[0][1], placed(scene, "/R/Back", np.eye(4))[1]], [both[0][1], both[1][1]]])
+
+    def expect(positions, moved):
+        expected = np.where(np.array(moved, bool)[:, None], turned, rest)
+        np.testing.assert_allclose(positions, expected, atol=1e-5)
+
+    expect(renderer.keypoints(front(), nodes, (64, 64)).positions, [0, 0, 0, 0, 0])
+    worlds = renderer.keypoints_of_worlds(
+        2, [front()], nodes, (64, 64), instances=[instance for instance, _ in both], transforms=transforms)
+    expect(worlds.positions[0, 0], [0, 0, 1, 1, 0])
+    expect(worlds.positions[1, 0], [1, 1, 1, 1, 1])
+    scene.set_transform(*both[0])
+    expect(renderer.keypoints(front(), nodes, (64, 64)).positions, [0, 0, 1, 1, 0])
+    scene.set_transform(*both[1])
+    expect(renderer.keypoints(front(), nodes, (64, 64)).positions, [1, 1, 1, 1, 1])
 
 
 def decoded(segmentation):

@@ -115,6 +115,52 @@ def test_errors(folder):
     assert sorted(path.name for path in folder.iterdir()) == ["job.json", "out", "set"]
 
 
+def cameras_of(folder, name, cameras):
+    """The cameras of the videos that are made of the job's set, and the frames of each episode."""
+    job = JOB | {"output": name, "repeat": 1, "cameras": cameras, "options": {"size": "16x16"}}
+    (folder / "other").mkdir(exist_ok=True)
+    (folder / "other/job.json").write_text(json.dumps(job))
+    program = [os.environ["LATELIGHT_PROGRAM"], "batch", "job.json", "--devices", "cpu"]
+    subprocess.run(program, cwd=folder / "other", check=True, capture_output=True)
+    done = lerobot(folder / "other", name, "-o", f"{name}-out")
+    assert done.returncode == 0, done.stderr
+    info = json.loads((folder / f"other/{name}-out/meta/info.json").read_text())
+    keys = [key.removeprefix("observation.images.") for key in info["features"] if "images" in key]
+    return sorted(keys), info["total_frames"]
+
+
+def poses_at(*names):
+    return {"type": "list", "cameras": [{"name": name, "eye": [0, i, 9]} for i, name in enumerate(names)]}
+
+
+def test_only_members_of_pairs_and_rigs_have_their_own_videos(tmp_path):
+    frames = [f"frame-{i:06}" for i in range(3)]
+    assert cameras_of(tmp_path, "frames", poses_at(*frames)) == (["camera"], 3)
+    assert cameras_of(tmp_path, "passes", poses_at("a-1", "a-2", "b-1", "b-2")) == (["camera"], 4)
+    assert cameras_of(tmp_path, "views", poses_at("hall-front", "hall-back")) == (["camera"], 2)
+    pair = {"type": "stereo", "baseline": 0.1}
+    assert cameras_of(tmp_path, "one", pair | {"cameras": poses_at("hall")}) == (["left", "right"], 1)
+    offsets = [{"name": str(i), "translation": [i, 0, 0]} for i in range(2)]
+    numbers = {"type": "rig", "offsets": offsets, "cameras": pair | {"cameras": poses_at("a", "b")}}
+    expected = ["left-0", "left-1", "right-0", "right-1"]
+    assert cameras_of(tmp_path, "numbers", numbers) == (expected, 2)
+
+
+def test_members_of_older_manifests(folder):
+    """Version 0.2.0 recorded no members, and names tell them."""
+    shutil.copytree(folder / "set", folder / "older")
+    manifest = json.loads((folder / "older/manifest.json").read_text())
+    assert [frame.pop("member") for frame in manifest["frames"]] == ["left", "right"] * 8
+    (folder / "older/manifest.json").write_text(json.dumps(manifest))
+    done = lerobot(folder, "older", "-o", "older-out", "--fps", "10", "--task", "orbit")
+    assert done.returncode == 0, done.stderr
+    files = [path.relative_to(folder / "out") for path in (folder / "out").rglob("*.*") if path.is_file()]
+    for file in files:
+        assert (folder / "older-out" / file).read_bytes() == (folder / "out" / file).read_bytes(), file
+    shutil.rmtree(folder / "older")
+    shutil.rmtree(folder / "older-out")
+
+
 def test_lerobot_itself(folder):
     """All columns of all items, the videos, and items with frames of other times, in batches."""
     datasets = pytest.importorskip("lerobot.datasets.lerobot_dataset", reason="the package lerobot is not installed")

@@ -175,6 +175,47 @@ def test_a_white_plane_has_the_diffuse_color_of_a_light_above(tmp_path):
     np.testing.assert_allclose(frame["color"][4, 4, :3], 0.2140411, rtol=0.06)  # 0.5 in sRGB
 
 
+ORTHOGRAPHIC = 'projection="orthographic"' if hasattr(mujoco, "mjtProjection") else 'orthographic="true"'
+
+
+@pytest.mark.parametrize(
+    "attributes, scale, offset",  # pixels per meter at the box; offset of the optical axis in pixels, x right and y up
+    [
+        (f'{ORTHOGRAPHIC} fovy="3"', (100 / 3, 100 / 3), (0, 0)),
+        (f'{ORTHOGRAPHIC} focal="2 2" sensorsize="2 1"', (100 / 28.0724869, 100 / 28.0724869), (0, 0)),
+        ('fovy="40"', (27.4747742, 27.4747742), (0, 0)),
+        ('focal="2 2" sensorsize="2 1"', (40, 40), (0, 0)),
+        ('focal="2 2" sensorsize="2 1" principal=".2 .1"', (40, 40), (-20, 10)),
+        ('focal="2 4" sensorsize="2 1"', (40, 80), (0, 0)),
+        ('focal="2 2" sensorsize="1 1" principal="-.1 0"', (80, 40), (20, 0)),
+    ],
+)
+def test_cameras_have_the_projection_of_mujoco(attributes, scale, offset):
+    """A box of 1.02 m by 0.52 m, whose upper face is 5 m below the camera. An orthographic camera's `fovy` is a length,
+    and intrinsics set one, too. Frusta come from MuJoCo, whose versions place vertical offsets differently."""
+    size, half = (200, 100), (0.51, 0.26)
+    model = mujoco.MjModel.from_xml_string(
+        f"""<mujoco><worldbody><geom type="box" size="{half[0]} {half[1]} .05"/>
+        <camera pos="0 0 5.05" {attributes} resolution="{size[0]} {size[1]}"/></worldbody></mujoco>""")
+    seen, fixed = mujoco.MjvScene(model, 10), mujoco.MjvCamera()
+    fixed.type, fixed.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, 0
+    everything = mujoco.mjtCatBit.mjCAT_ALL
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    mujoco.mjv_updateScene(model, data, mujoco.MjvOption(), None, fixed, everything, seen)
+    frustum = seen.camera[0]
+    if frustum.frustum_top > -frustum.frustum_bottom:
+        offset = (offset[0], -offset[1])
+
+    robot = latelight.from_mujoco(model)
+    frame = latelight.Renderer(robot.scene, device="cpu").render(robot.cameras[0], size, "id", shadows="none")
+    rows, columns = np.nonzero(frame["id"])
+    center = (size[0] / 2 + offset[0], size[1] / 2 - offset[1])
+    for found, middle, extent, factor in zip((columns, rows), center, half, scale):
+        low, high = middle - extent * factor, middle + extent * factor
+        assert (found.min(), found.max() + 1) == (round(low), round(high)), attributes
+
+
 def test_wrong_arguments_are_refused(model, robot, tmp_path):
     with pytest.raises(latelight.UsageError, match="requires a mujoco.MjModel or a file, not int"):
         latelight.from_mujoco(3)

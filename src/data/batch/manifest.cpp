@@ -50,6 +50,7 @@ Json describe(const FinishedFrame& frame) {
   Json json{{"index", frame.index},     {"name", frame.name},           {"scene", frame.scene},
             {"camera", frame.camera},   {"variation", frame.variation}, {"settings", hashText(frame.settings)},
             {"files", std::move(files)}};
+  if (!frame.member.empty()) json["member"] = frame.member;
   if (!frame.archives.empty()) json["archives"] = Json::array();
   for (const FileRecord& archive : frame.archives) json["archives"].push_back(describe(archive));
   if (!frame.drawn.is_null()) json["drawn"] = frame.drawn;
@@ -64,6 +65,7 @@ FinishedFrame finishedFrame(Json&& json) {
   frame.scene = json.at("scene").get<std::string>();
   frame.camera = json.at("camera").get<std::string>();
   frame.variation = json.at("variation").get<uint32_t>();
+  frame.member = json.value("member", "");
   if (json.contains("drawn")) frame.drawn = std::move(json["drawn"]);
   if (json.contains("motion")) frame.motion = std::move(json["motion"]);
   for (const Json& file : json.at("files")) frame.files.push_back(fileRecord(file));

@@ -28,6 +28,7 @@ FileRecord recordOf(const std::filesystem::path& folder, const std::string& name
 struct FinishedFrame {
   uint64_t index = 0, settings = 0;  // Plan::settings()
   std::string name, scene, camera;
+  std::string member;  // of a pair or rig, as in JobCamera; empty: the camera belongs to none
   uint32_t variation = 0;
   nlohmann::ordered_json drawn;   // the values that the variation drew; null: none
   nlohmann::ordered_json motion;  // neighbors that the output motion refers to; null if the job has no such output

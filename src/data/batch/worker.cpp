@@ -118,6 +118,7 @@ RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::
                   .name = frame.frame.name,
                   .scene = planned.source,
                   .camera = camera.name,
+                  .member = camera.member,
                   .variation = place.variation};
   if (std::ranges::none_of(job_.settings.aovs, output::dependsOnNeighbors)) return frame;
   const auto describe = [&](const std::optional<CameraTimeline::Neighbor>& neighbor) {

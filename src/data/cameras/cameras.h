@@ -33,6 +33,7 @@ struct JobCamera {
   std::optional<SequencePosition> sequence{};
   CameraExposure exposure{};
   bool followsScene = false;  // the pose comes from a camera of the scene, which animations may move
+  std::string member{};  // its name in its pair or rig, such as left; of nested rigs from the inside to the outside
 };
 
 // Returns the name of a member of a pair or a rig at a pose, such as path0-left.

@@ -17,6 +17,7 @@ struct Shot {
   std::optional<SequencePosition> sequence{};
   CameraExposure exposure{};
   bool followsScene = false;
+  std::string member{};  // as in JobCamera
 };
 
 // Makes the shots of one source a sequence, in their order. Shots whose names are in different folders form different

@@ -27,6 +27,7 @@ std::vector<Shot> shotsOfMembers(const std::vector<Shot>& bases, const std::vect
       const Member& member = members[number];
       Shot shot = base;
       shot.name = memberName(base.name, member.name);
+      shot.member = base.member.empty() ? member.name : memberName(base.member, member.name);
       shot.pose = base.pose * member.offset;
       if (shot.sequence)
         for (std::optional<size_t>* neighbor : {&shot.sequence->previous, &shot.sequence->next})
