@@ -74,8 +74,9 @@ class Coco : public Format {
                          {"object", id},
                          {"node", nameOf(*entryOf(*frame.metadata.ids, id))}});
       if (amodal_) addAmodal(objects.back(), frame, id, mask);
-      if (const auto found = frame.keypoints.find(id); found != frame.keypoints.end())
-        addKeypoints(objects.back(), found->second);
+      // The frame also has keypoints if only another format of the job requires them.
+      const auto keypoints = frame.keypoints.find(id);
+      if (!keypoints_.empty() && keypoints != frame.keypoints.end()) addKeypoints(objects.back(), keypoints->second);
     }
     record.entry = {{"id", frame.index},
                     {"file_name", picture},
