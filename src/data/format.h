@@ -57,6 +57,8 @@ class Format {
 struct FormatInfo {
   std::string_view name, description;
   std::unique_ptr<Format> (*make)(const nlohmann::ordered_json& options);
+  // The option that accepts a value or the name of a .json file with that value; empty: none.
+  std::string_view valueOrFile = {};
 };
 std::span<const FormatInfo> formats();
 

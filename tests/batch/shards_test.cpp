@@ -176,5 +176,23 @@ TEST(Shards, AShardIsMadeByOneProcess) {
   EXPECT_THAT(refused.err, HasSubstr("another process is working on 'set/.latelight/shard-0-of-1.jsonl'"));
 }
 
+// The files that formats name are relative to the working directory of the job, and merging does not read them.
+TEST(Shards, AreMergedFromAnyWorkingDirectory) {
+  Folder folder, elsewhere;
+  folder.write("rules.json", std::string_view(R"({"plastic": "cup", "": "thing"})"));
+  const auto run = [&](const std::string& shard) {
+    return latelight(batch(folder, {"--scenes", "builtin:boxes", "--repeat", "2", "-o", "set", "--shard", shard,
+                                    "--formats", R"({"format": "coco", "categories": "rules.json"})"}));
+  };
+  ASSERT_EQ(run("0/2").code, 0);
+  ASSERT_EQ(run("1/2").code, 0);
+  const auto before = filesOf(folder, "set");
+  std::filesystem::remove(folder.path() / "rules.json");
+  const Outcome merged = latelight({.arguments = {"batch", "merge", folder.at("set")}, .folder = elsewhere.path()});
+  EXPECT_EQ(merged.code, 0) << merged.text();
+  expectSame(filesOf(folder, "set"), before);
+  EXPECT_THAT(before.at("annotations/instances.json"), HasSubstr("cup"));
+}
+
 }  // namespace
 }  // namespace latelight::data

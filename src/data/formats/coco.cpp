@@ -41,7 +41,7 @@ std::string annotationsOf(const Json& entry, uint64_t number, const std::map<std
   for (const Json& object : entry["objects"]) {
     Json annotation{{"id", number++},
                     {"image_id", entry["id"]},
-                    {"category_id", categories.at(object["category"].get<std::string>())},
+                    {"category_id", Categories::numberOf(object, categories)},
                     {"iscrowd", 0}};
     annotation.update(object);
     annotation.erase("category");
@@ -178,7 +178,7 @@ class Coco : public Format {
       for (const Json& object : entry["objects"]) {
         if (!object.contains("keypoints")) continue;
         isAny = true;
-        Json& category = categories[numbers.at(object["category"].get<std::string>()) - 1];
+        Json& category = categories[Categories::numberOf(object, numbers) - 1];
         category["keypoints"] = names;
         category["skeleton"] = skeleton_;
       }
