@@ -55,6 +55,23 @@ TEST(FormatsOfABatch, WhatHoldsCamerasIsReadAgainAsTheSameViews) {
   }
 }
 
+// "none" is the absence of an environment, as for --hdri.
+TEST(VariationsOfABatch, MayDrawNoEnvironment) {
+  Folder folder;
+  const auto run = [&](const std::string& set, const std::vector<std::string>& environment) {
+    std::vector<std::string> all{"--scenes", "builtin:boxes", "-o", set};
+    all.insert(all.end(), environment.begin(), environment.end());
+    const Outcome outcome = latelight(batch(folder, all));
+    EXPECT_EQ(outcome.code, 0) << outcome.text();
+    return folder.read(set + "/000000.png");
+  };
+  const std::string drawn = run("drawn", {"--variations", R"([{"type": "environments", "environments": "none"}])"});
+  const std::string none = run("none", {"--hdri", "none"}), studio = run("studio", {"--hdri", "studio"});
+  EXPECT_FALSE(drawn.empty());
+  EXPECT_TRUE(drawn == none);
+  EXPECT_FALSE(none == studio);
+}
+
 const std::vector<std::string> kArchives{"--scenes", "builtin:boxes", "--formats",
                                          R"({"format": "webdataset", "frames": 3})"};
 
