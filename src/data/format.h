@@ -47,6 +47,9 @@ class Format {
                                             const std::filesystem::path& folder) const {
     return {};
   }
+  // Returns the name under which the format stores a frame, if it cannot store all names as they are. Names of
+  // different frames must stay different.
+  virtual std::string storedName(const std::string& frame) const { return frame; }
   // Returns the file of a frame with this entry that writeSet() copies into a file of the set, such as an archive, and
   // that is removed after the set is complete. Later calls of writeSet() must then find it in the archive.
   virtual std::optional<PackedFile> packed(const nlohmann::ordered_json& entry) const { return std::nullopt; }

@@ -82,6 +82,20 @@ Outcome archives(const Folder& folder, const std::string& set, std::vector<std::
   return latelight(batch(folder, all));
 }
 
+// Keys end at the first period, which the format replaces: two names may then be equal.
+TEST(FormatsOfABatch, ArchivesHaveOneKeyPerFrame) {
+  Folder folder;
+  for (const char* name : {"a.b.gltf", "a_b.gltf"}) folder.write(name, std::string_view(kCameraAlone));
+  const auto run = [&](const char* name) {
+    return latelight(
+        batch(folder, {"--scenes", "a?b.gltf", "--formats", "webdataset", "-o", "set", "--resume", "--name", name}));
+  };
+  const Outcome equal = run("{scene}");
+  EXPECT_EQ(equal.code, 2) << equal.text();
+  EXPECT_THAT(equal.err, HasSubstr(R"(the format webdataset stores the frames "a.b" and "a_b" as "a_b"; add {index})"));
+  EXPECT_EQ(run("{scene}-{index}").code, 0);
+}
+
 // Frames are in archives only: their own files are removed, and none is rendered again.
 TEST(FormatsOfABatch, ArchivesAreCompletedAndExtended) {
   Folder folder;

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <unordered_set>
+#include <unordered_map>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -288,6 +288,28 @@ void Plan::checkNames() const {
     for (uint64_t i = 0; i < frames; ++i) {
       std::string name = this->name(starts_[scene] + i);
       if (!indexed && !names.insert(name).second) badUsage("name: two frames are called \"{}\"; add {{index}}", name);
+    }
+  }
+  checkStoredNames(names);
+}
+
+// Formats that change names, such as webdataset, may make equal ones of different ones.
+void Plan::checkStoredNames(const std::unordered_set<std::string>& names) const {
+  constexpr uint64_t kNameBytes = 192;  // for two names and the overhead of a map's element
+  for (const JobFormat& use : job_.formats) {
+    MemoryClaim memory;
+    std::unordered_map<std::string, const std::string*> frames;  // by stored name, if it differs from the frame's
+    const auto reject = [&](const std::string& stored, const std::string& a, const std::string& b) {
+      badUsage("name: the format {} stores the frames \"{}\" and \"{}\" as \"{}\"; add {{index}}", use.name,
+               std::min(a, b), std::max(a, b), stored);
+    };
+    for (const std::string& name : names) {
+      std::string stored = use.format->storedName(name);
+      if (stored == name) continue;
+      memory.grow(kNameBytes + stored.size(), "the names of the job's frames");
+      if (names.contains(stored)) reject(stored, name, stored);
+      const auto [known, isNew] = frames.try_emplace(std::move(stored), &name);
+      if (!isNew) reject(known->first, name, *known->second);
     }
   }
 }

@@ -99,7 +99,7 @@ class WebDataset : public Format {
 
   FrameRecord writeFrame(const DataFrame& frame, const fs::path& folder) const override {
     const output::Metadata metadata = metadataOf(frame);
-    const std::string key = keyOf(frame.name);
+    const std::string key = storedName(frame.name);
     std::vector<std::byte> piece;
     std::vector<std::string> files;
     const auto add = [&](const std::string& ending, std::span<const std::byte> contents) {
@@ -141,13 +141,14 @@ class WebDataset : public Format {
     return PackedFile{entry["file"], entry["archive"]};
   }
 
- private:
   // Readers cut a sample's key at the first period of a name.
-  static std::string keyOf(std::string name) {
-    std::ranges::replace(name, '.', '_');
-    return name;
+  std::string storedName(const std::string& frame) const override {
+    std::string key = frame;
+    std::ranges::replace(key, '.', '_');
+    return key;
   }
 
+ private:
   std::string archiveOf(uint64_t index) const { return fmt::format("{}/{:06}.tar", folder_, index / frames_); }
 
   // Frames that an earlier run has packed come from the archive of that run.
