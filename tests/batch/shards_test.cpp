@@ -194,5 +194,22 @@ TEST(Shards, AreMergedFromAnyWorkingDirectory) {
   EXPECT_THAT(before.at("annotations/instances.json"), HasSubstr("cup"));
 }
 
+// A job is stored before its plan, so a process that is killed in between leaves frames of the previous job.
+TEST(Shards, AreNotMergedByAnotherJob) {
+  Folder folder;
+  const Outcome outcome = latelight(batch(folder, {"--scenes", "builtin:boxes", "-o", "set", "--formats", "coco"}));
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  const auto mergedBy = [&](std::string_view job) {
+    folder.write("set/.latelight/job.json", job);
+    return latelight({.arguments = {"batch", "merge", "set"}, .folder = folder.path()});
+  };
+  const Outcome formats = mergedBy(R"({"formats": ["coco", "yolo"]})");
+  EXPECT_EQ(formats.code, 3) << formats.text();
+  EXPECT_THAT(formats.err, HasSubstr("'set' has frames of another job"));
+  const Outcome categories = mergedBy(R"({"formats": [{"format": "coco", "categories": {"plastic": "unheard of"}}]})");
+  EXPECT_EQ(categories.code, 3) << categories.text();
+  EXPECT_THAT(categories.err, HasSubstr("which the job does not define: run the job with --resume"));
+}
+
 }  // namespace
 }  // namespace latelight::data

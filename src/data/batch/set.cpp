@@ -78,12 +78,22 @@ std::optional<std::string> moveToArchive(const Format& format, const Json& entry
   return packed->file;
 }
 
+// Throws if the frames were written in other formats: the job is stored before its plan, and a process may be killed in
+// between.
+void checkEntries(const SetFolder& set, const Manifest& manifest, size_t formats) {
+  for (const auto& [index, frame] : manifest.frames)
+    if (frame.entries.size() != formats)
+      badInput("'{}' has frames of another job than '{}': run the job again with --resume", set.path().string(),
+               set.job().string());
+}
+
 // Returns the names of the frames' files that are now in archives and no longer required.
 std::vector<std::string> writeSetFiles(const SetFolder& set, Manifest& manifest) {
   manifest.setFiles.clear();
   for (auto& [index, frame] : manifest.frames) frame.archives.clear();
   std::vector<std::string> packedFiles;
   const std::vector<JobFormat> formats = formatsOf(readState(set.job()));
+  checkEntries(set, manifest, formats.size());
   for (size_t i = 0; i < formats.size(); ++i) {
     std::vector<Json> entries;  // moved from the frames and back, because they may be large
     for (auto& [index, frame] : manifest.frames) entries.push_back(std::move(frame.entries.at(i)));
