@@ -4,6 +4,24 @@
 
 namespace latelight::data {
 
+FrameRecord Format::writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const {
+  FrameRecord record;
+  try {
+    writeFiles(frame, folder, record);
+  } catch (...) {
+    removeFiles(folder, record.files);
+    throw;
+  }
+  return record;
+}
+
+void removeFiles(const std::filesystem::path& folder, const std::vector<std::string>& files) {
+  for (const std::string& file : files) {
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(folder / file, ignored)) std::filesystem::remove(folder / file, ignored);
+  }
+}
+
 std::span<const FormatInfo> formats() {
   static constexpr FormatInfo kFormats[] = {
       {"files", "outputs as PNG, EXR or NPY files, named by one pattern", makeFiles},

@@ -59,8 +59,7 @@ class Coco : public Format {
   Extras needsExtras() const override { return {.boxes = amodal_, .alone = amodal_, .keypoints = keypoints_}; }
   bool needsDisplay() const override { return picture_.isWritten(); }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
-    FrameRecord record;
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const std::string picture = picture_.write(record, frame, folder);
     const output::AovImage& ids = imageOf(frame.picture, output::Aov::Id);
     Json objects = Json::array();
@@ -83,7 +82,6 @@ class Coco : public Format {
                     {"width", ids.width},
                     {"height", ids.height},
                     {"objects", objects}};
-    return record;
   }
 
   std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {

@@ -97,7 +97,7 @@ class WebDataset : public Format {
   }
   bool needsDisplay() const override { return output::contains(outputs_, Aov::Color); }
 
-  FrameRecord writeFrame(const DataFrame& frame, const fs::path& folder) const override {
+  void writeFiles(const DataFrame& frame, const fs::path& folder, FrameRecord& record) const override {
     const output::Metadata metadata = metadataOf(frame);
     const std::string key = storedName(frame.name);
     std::vector<std::byte> piece;
@@ -119,11 +119,9 @@ class WebDataset : public Format {
     }
     const std::string side = output::sideFile(metadata, frame.picture.width, frame.picture.height, outputs_, files);
     add("json", std::as_bytes(std::span(side)));
-    FrameRecord record;
     const std::string file = fmt::format("{}/.frames/{:09}.tar", folder_, frame.index);
     writeOf(record, folder, file, piece);
     record.entry = {{"key", key}, {"file", file}, {"archive", archiveOf(frame.index)}};
-    return record;
   }
 
   std::vector<std::string> writeSet(std::span<const Json> entries, const fs::path& folder) const override {

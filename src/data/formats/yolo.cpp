@@ -27,8 +27,7 @@ class Yolo : public Format {
   Extras needsExtras() const override { return {.keypoints = keypoints_}; }
   bool needsDisplay() const override { return picture_.isWritten(); }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
-    FrameRecord record;
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     picture_.write(record, frame, folder);
     const output::AovImage& ids = imageOf(frame.picture, output::Aov::Id);
     Json objects = Json::array();
@@ -45,7 +44,6 @@ class Yolo : public Format {
       if (!keypoints_.empty()) objects.back()["keypoints"] = keypointsOf(frame, id, ids);
     }
     record.entry = {{"file", frameFile(labels_, frame)}, {"objects", std::move(objects)}};
-    return record;
   }
 
   std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
