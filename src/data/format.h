@@ -37,9 +37,9 @@ class Format {
   virtual bool needsDisplay() const { return false; }
   virtual Extras needsExtras() const { return {}; }
 
-  // Writes the frame's own files below `folder`, each whole or not at all. Called concurrently for several frames, so
-  // it must depend only on the frame. Throws Error(Usage) if a file cannot be written.
-  virtual FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const = 0;
+  // Writes the frame's own files below `folder`, all or none of them. Called concurrently for several frames. Throws
+  // Error(Usage) if a file cannot be written.
+  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const;
 
   // Writes the files of the whole set from the entries of all frames, in the order of the frames' indices. Returns the
   // files' names relative to `folder`.
@@ -47,16 +47,30 @@ class Format {
                                             const std::filesystem::path& folder) const {
     return {};
   }
+  // Returns the name under which the format stores a frame, if it cannot store all names as they are. Names of
+  // different frames must stay different.
+  virtual std::string storedName(const std::string& frame) const { return frame; }
   // Returns the file of a frame with this entry that writeSet() copies into a file of the set, such as an archive, and
   // that is removed after the set is complete. Later calls of writeSet() must then find it in the archive.
   virtual std::optional<PackedFile> packed(const nlohmann::ordered_json& entry) const { return std::nullopt; }
+
+ private:
+  // Writes the frame's files, each whole or not at all, and completes the record, which is empty. It must depend only
+  // on the frame. If it throws, the files that the record has so far are removed, so it must list a file once it may
+  // exist.
+  virtual void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const = 0;
 };
+
+// Removes files below a folder. Ignores missing files, and keeps everything that is not a regular file.
+void removeFiles(const std::filesystem::path& folder, const std::vector<std::string>& files);
 
 // An entry of the table of formats. `make` accepts the format's options from the job, a JSON object. It throws
 // Error(Usage) that names the invalid key.
 struct FormatInfo {
   std::string_view name, description;
   std::unique_ptr<Format> (*make)(const nlohmann::ordered_json& options);
+  // The option that accepts a value or the name of a .json file with that value; empty: none.
+  std::string_view valueOrFile = {};
 };
 std::span<const FormatInfo> formats();
 

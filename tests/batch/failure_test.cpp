@@ -73,6 +73,29 @@ TEST(Failures, AFrameThatCantBeWrittenTakesNoOtherWithIt) {
   EXPECT_EQ(filesOf(folder, "set").size(), 5u);
 }
 
+// Files that a format has written before it fails are removed, as are those of the formats before it.
+TEST(Failures, AFrameThatCantBeWrittenLeavesNoFiles) {
+  Folder folder;
+  const auto filesWithout = [&](const char* blocked, const char* format) {
+    const std::string set = "set-" + std::string(blocked);
+    fs::create_directories(folder.path() / set / ".latelight");
+    fs::create_directories((folder.path() / set / blocked).parent_path());
+    folder.write(set + "/" + blocked, std::string_view("a file in place of a folder"));
+    const Outcome outcome = latelight(
+        batch(folder, {"--scenes", "builtin:boxes", "--formats", "exr", "--formats", format, "-o", set, "--resume"}));
+    EXPECT_EQ(outcome.code, 6) << outcome.text();
+    std::vector<std::string> names;
+    for (const auto& [name, contents] : filesOf(folder, set)) names.push_back(name);
+    return names;
+  };
+  using testing::ElementsAre;
+  EXPECT_THAT(filesWithout("label_2", "kitti"), ElementsAre("label_2"));
+  EXPECT_THAT(filesWithout("calib", "kitti"), ElementsAre("calib"));
+  EXPECT_THAT(
+      filesWithout("depth", R"({"format": "files", "outputs": ["color", "depth"], "pattern": "{aov}/{name}.exr"})"),
+      ElementsAre("depth"));
+}
+
 TEST(Failures, AFullDiskLeavesOnlyWholeFrames) {
   test::SmallDisk disk(96 << 10);
   if (!disk) GTEST_SKIP() << "no right to mount";

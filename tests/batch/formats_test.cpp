@@ -55,6 +55,23 @@ TEST(FormatsOfABatch, WhatHoldsCamerasIsReadAgainAsTheSameViews) {
   }
 }
 
+// "none" is the absence of an environment, as for --hdri.
+TEST(VariationsOfABatch, MayDrawNoEnvironment) {
+  Folder folder;
+  const auto run = [&](const std::string& set, const std::vector<std::string>& environment) {
+    std::vector<std::string> all{"--scenes", "builtin:boxes", "-o", set};
+    all.insert(all.end(), environment.begin(), environment.end());
+    const Outcome outcome = latelight(batch(folder, all));
+    EXPECT_EQ(outcome.code, 0) << outcome.text();
+    return folder.read(set + "/000000.png");
+  };
+  const std::string drawn = run("drawn", {"--variations", R"([{"type": "environments", "environments": "none"}])"});
+  const std::string none = run("none", {"--hdri", "none"}), studio = run("studio", {"--hdri", "studio"});
+  EXPECT_FALSE(drawn.empty());
+  EXPECT_TRUE(drawn == none);
+  EXPECT_FALSE(none == studio);
+}
+
 const std::vector<std::string> kArchives{"--scenes", "builtin:boxes", "--formats",
                                          R"({"format": "webdataset", "frames": 3})"};
 
@@ -63,6 +80,20 @@ Outcome archives(const Folder& folder, const std::string& set, std::vector<std::
   all.insert(all.end(), {"-o", set});
   all.insert(all.end(), more.begin(), more.end());
   return latelight(batch(folder, all));
+}
+
+// Keys end at the first period, which the format replaces: two names may then be equal.
+TEST(FormatsOfABatch, ArchivesHaveOneKeyPerFrame) {
+  Folder folder;
+  for (const char* name : {"a.b.gltf", "a_b.gltf"}) folder.write(name, std::string_view(kCameraAlone));
+  const auto run = [&](const char* name) {
+    return latelight(
+        batch(folder, {"--scenes", "a?b.gltf", "--formats", "webdataset", "-o", "set", "--resume", "--name", name}));
+  };
+  const Outcome equal = run("{scene}");
+  EXPECT_EQ(equal.code, 2) << equal.text();
+  EXPECT_THAT(equal.err, HasSubstr(R"(the format webdataset stores the frames "a.b" and "a_b" as "a_b"; add {index})"));
+  EXPECT_EQ(run("{scene}-{index}").code, 0);
 }
 
 // Frames are in archives only: their own files are removed, and none is rendered again.

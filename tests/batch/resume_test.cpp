@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <random>
+#include <sstream>
 
 #include "batch/sets.h"
 #include "long_tests.h"
@@ -159,6 +161,112 @@ TEST(Resume, AChangedSceneIsRenderedAgain) {
   EXPECT_THAT(logOf(folder), HasSubstr("begins: 3 of 3 frames are to be rendered\n"));
   ASSERT_EQ(latelight(small(folder, {"--resume"}, "3", "scene.gltf")).code, 0);
   EXPECT_THAT(logOf(folder), HasSubstr("begins: 0 of 3 frames"));
+}
+
+// Renders a set with these options, changes a file, and expects that --resume renders all frames again, once, and that
+// the set then equals that of an undisturbed run.
+void expectRenderedAgain(const Folder& folder, const std::vector<std::string>& options,
+                         const std::function<void()>& change) {
+  const auto run = [&](const std::string& set, std::vector<std::string> more = {}) {
+    more.insert(more.end(), options.begin(), options.end());
+    more.insert(more.end(), {"--repeat", "2", "-o", set});
+    return latelight(batch(folder, more));
+  };
+  const Outcome first = run("set");
+  ASSERT_EQ(first.code, 0) << first.text();
+  change();
+  const Outcome again = run("set", {"--resume"});
+  ASSERT_EQ(again.code, 0) << again.text();
+  const auto lines = [&] {
+    std::vector<std::string> lines;
+    std::istringstream log(logOf(folder));
+    for (std::string line; std::getline(log, line);)
+      if (line.find(" begins: ") != std::string::npos) lines.push_back(line.substr(line.find("begins: ") + 8));
+    return lines;
+  };
+  EXPECT_EQ(lines().back(), "2 of 2 frames are to be rendered");
+  ASSERT_EQ(run("undisturbed").code, 0);
+  expectSame(filesOf(folder, "set"), filesOf(folder, "undisturbed"));
+  ASSERT_EQ(run("set", {"--resume"}).code, 0);
+  EXPECT_EQ(lines().back(), "0 of 2 frames are to be rendered");
+  fs::remove_all(folder.path() / "set");
+  fs::remove_all(folder.path() / "undisturbed");
+}
+
+// A Radiance picture of two pixels with this exponent, and red, green and blue of 128.
+std::string radiance(char exponent) {
+  const std::string pixel{'\x80', '\x80', '\x80', exponent};
+  return "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n" + pixel + pixel;
+}
+
+TEST(Resume, ChangedEnvironmentsOfVariationsAreRenderedAgain) {
+  Folder folder;
+  folder.write("sky.hdr", radiance('\x81'));
+  expectRenderedAgain(folder,
+                      {"--scenes", "builtin:boxes", "--variations",
+                       R"([{"type": "environments", "environments": ["studio", "sky.hdr"]}])"},
+                      [&] { folder.write("sky.hdr", radiance('\x82')); });
+}
+
+TEST(Resume, ChangedTexturesOfVariationsAreRenderedAgain) {
+  Folder folder;
+  for (const char* exposure : {"0", "3"})
+    ASSERT_EQ(latelight(batch(folder, {"--scenes", "builtin:boxes", "--exposure", exposure, "-o", exposure})).code, 0);
+  fs::create_directory(folder.path() / "textures");
+  folder.write("textures/a.png", folder.read("0/000000.png"));
+  const auto options = [](const std::string& files) {
+    return std::vector<std::string>{"--scenes", "builtin:boxes", "--variations",
+                                    R"([{"type": "textures", "materials": "*", )" + files + "}]"};
+  };
+  expectRenderedAgain(folder, options(R"("files": "textures/a.png")"),
+                      [&] { folder.write("textures/a.png", folder.read("3/000000.png")); });
+  expectRenderedAgain(folder, options(R"("folder": "textures")"),
+                      [&] { folder.write("textures/b.png", folder.read("0/000000.png")); });
+  expectRenderedAgain(folder, options(R"("folder": "textures")"),
+                      [&] { fs::rename(folder.path() / "textures/b.png", folder.path() / "textures/c.png"); });
+}
+
+const char* const kTriangle = "mtllib o.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 0 1\nvt 0 0\nf 1/1 2/1 3/1\n";
+
+TEST(Resume, ChangedFilesOfScatteredObjectsAreRenderedAgain) {
+  Folder folder;
+  folder.write("o.obj", std::string_view(kTriangle));
+  folder.write("o.mtl", std::string_view("newmtl m\nKd 1 0 0\n"));
+  expectRenderedAgain(folder,
+                      {"--scenes", "builtin:boxes", "--variations",
+                       R"([{"type": "scatter", "objects": [{"file": "o.obj"}], "count": 3,
+                            "min": [-1, -1, 0], "max": [1, 1, 2]}])"},
+                      [&] { folder.write("o.mtl", std::string_view("newmtl m\nKd 0 1 0\n")); });
+}
+
+// Scenes of a job with several are planned without their textures.
+TEST(Resume, ChangedTexturesOfSeveralScenesAreRenderedAgain) {
+  Folder folder;
+  for (const char* exposure : {"0", "3"})
+    ASSERT_EQ(latelight(batch(folder, {"--scenes", "builtin:boxes", "--exposure", exposure, "-o", exposure})).code, 0);
+  folder.write("o.mtl", std::string_view("newmtl m\nmap_Kd t.png\n"));
+  folder.write("t.png", folder.read("0/000000.png"));
+  for (const char* name : {"a.obj", "b.obj"}) folder.write(name, std::string_view(kTriangle));
+  const auto run = [&](std::vector<std::string> more) {
+    more.insert(more.end(),
+                {"--scenes", "?.obj", "--cameras", R"({"type": "orbit", "count": 1, "distance": 4})", "-o", "set"});
+    return latelight(batch(folder, more));
+  };
+  ASSERT_EQ(run({}).code, 0);
+  folder.write("t.png", folder.read("3/000000.png"));
+  ASSERT_EQ(run({"--resume"}).code, 0);
+  const std::string log = logOf(folder), begins = "begins: 2 of 2 frames";
+  EXPECT_NE(log.find(begins), log.rfind(begins)) << log;
+}
+
+TEST(Resume, ChangedCategoriesAreRenderedAgain) {
+  Folder folder;
+  folder.write("rules.json", std::string_view(R"({"plastic": "cup"})"));
+  const std::vector<std::string> options{"--scenes",  "builtin:boxes",
+                                         "--formats", R"({"format": "coco", "categories": "rules.json"})",
+                                         "--formats", R"({"format": "yolo", "categories": "rules.json"})"};
+  expectRenderedAgain(folder, options,
+                      [&] { folder.write("rules.json", std::string_view(R"({"plastic": "mug", "metal": "pot"})")); });
 }
 
 // Returns the picture that the command render writes for the frame.

@@ -176,5 +176,40 @@ TEST(Shards, AShardIsMadeByOneProcess) {
   EXPECT_THAT(refused.err, HasSubstr("another process is working on 'set/.latelight/shard-0-of-1.jsonl'"));
 }
 
+// The files that formats name are relative to the working directory of the job, and merging does not read them.
+TEST(Shards, AreMergedFromAnyWorkingDirectory) {
+  Folder folder, elsewhere;
+  folder.write("rules.json", std::string_view(R"({"plastic": "cup", "": "thing"})"));
+  const auto run = [&](const std::string& shard) {
+    return latelight(batch(folder, {"--scenes", "builtin:boxes", "--repeat", "2", "-o", "set", "--shard", shard,
+                                    "--formats", R"({"format": "coco", "categories": "rules.json"})"}));
+  };
+  ASSERT_EQ(run("0/2").code, 0);
+  ASSERT_EQ(run("1/2").code, 0);
+  const auto before = filesOf(folder, "set");
+  std::filesystem::remove(folder.path() / "rules.json");
+  const Outcome merged = latelight({.arguments = {"batch", "merge", folder.at("set")}, .folder = elsewhere.path()});
+  EXPECT_EQ(merged.code, 0) << merged.text();
+  expectSame(filesOf(folder, "set"), before);
+  EXPECT_THAT(before.at("annotations/instances.json"), HasSubstr("cup"));
+}
+
+// A job is stored before its plan, so a process that is killed in between leaves frames of the previous job.
+TEST(Shards, AreNotMergedByAnotherJob) {
+  Folder folder;
+  const Outcome outcome = latelight(batch(folder, {"--scenes", "builtin:boxes", "-o", "set", "--formats", "coco"}));
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  const auto mergedBy = [&](std::string_view job) {
+    folder.write("set/.latelight/job.json", job);
+    return latelight({.arguments = {"batch", "merge", "set"}, .folder = folder.path()});
+  };
+  const Outcome formats = mergedBy(R"({"formats": ["coco", "yolo"]})");
+  EXPECT_EQ(formats.code, 3) << formats.text();
+  EXPECT_THAT(formats.err, HasSubstr("'set' has frames of another job"));
+  const Outcome categories = mergedBy(R"({"formats": [{"format": "coco", "categories": {"plastic": "unheard of"}}]})");
+  EXPECT_EQ(categories.code, 3) << categories.text();
+  EXPECT_THAT(categories.err, HasSubstr("which the job does not define: run the job with --resume"));
+}
+
 }  // namespace
 }  // namespace latelight::data

@@ -33,6 +33,20 @@ TEST(PathTest, TakesFramesASecond) {
   expectNear(eyeOf(cameras[6]), {0, 0, 1 + 8 * 1.5 / 1.6}, 1e-5);
 }
 
+// The last key frame is a frame if it is a multiple of 1 / fps after the first, up to the rounding of its time.
+TEST(PathTest, HasAFrameAtTheLastKey) {
+  for (const double start : {0.0, 0.1, 12.7, 1305031102.1})
+    for (const double fps : {10.0, 24.0, 29.97, 30.0, 60.0, 100.0})
+      for (const int frames : {1, 2, 3, 7, 29, 30}) {
+        const auto cameras = made(fmt::format(R"({{"type": "path", "fps": {}, "keys": [
+            {{"time": {}, "eye": [0, 0, 1], "target": [0, 0, 0]}},
+            {{"time": {}, "eye": [0, 0, 9], "target": [0, 0, 0]}}]}})",
+                                              fps, start, start + frames / fps));
+        ASSERT_EQ(cameras.size(), static_cast<size_t>(frames) + 1) << start << " " << fps;
+        expectNear(eyeOf(cameras.back()), {0, 0, 9}, 1e-4);
+      }
+}
+
 // Points on a line at distances 1, 4 and 9, so the knot intervals are 1, 2 and 3, and Neville's scheme yields this
 // polynomial.
 TEST(CatmullRomTest, HasCentripetalKnots) {

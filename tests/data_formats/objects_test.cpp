@@ -21,9 +21,10 @@ class Needs : public Format {
   explicit Needs(Extras extras, std::vector<Aov> aovs = {Aov::Id}) : extras_(extras), aovs_(std::move(aovs)) {}
   std::vector<Aov> needs() const override { return aovs_; }
   Extras needsExtras() const override { return extras_; }
-  FrameRecord writeFrame(const DataFrame&, const std::filesystem::path&) const override { return {}; }
 
  private:
+  void writeFiles(const DataFrame&, const std::filesystem::path&, FrameRecord&) const override {}
+
   Extras extras_;
   std::vector<Aov> aovs_;
 };

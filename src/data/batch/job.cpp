@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "data/batch/schema.h"
+#include "data/cameras/json_file.h"
 #include "data/extras.h"
 #include "render/options/options.h"
 #include "render/outputs/outputs.h"
@@ -84,6 +85,30 @@ void readScenes(Job& job, const JobDocument& document) {
   if (!job.hdri.empty() && job.hdri != "studio" && job.hdri != "none") checkThere(job.hdri, document.place("hdri"));
 }
 
+// Replaces the name of a .json file by its contents.
+void readFileOf(JobFormat& use, const std::string& option) {
+  const auto value = use.options.find(option);
+  if (value == use.options.end() || !value->is_string()) return;
+  const auto file = value->get<std::string>();
+  if (!file.ends_with(".json")) return;
+  JsonDocument contents = readJson(file);
+  *value = std::move(contents.json);
+  use.memory = std::move(contents.memory);
+}
+
+void readFormats(Job& job, const JobDocument& document) {
+  if (!document.json.contains("formats")) {
+    job.formats.push_back(makeFormat("files", "formats"));
+    return;
+  }
+  Json& stored = job.document["formats"] = Json::array();
+  for (const auto& [place, spec] : each(document, "formats")) {
+    const JobFormat& use = job.formats.emplace_back(makeFormat(spec, place));
+    stored.push_back(spec);
+    if (spec.is_object()) stored.back().update(use.options);
+  }
+}
+
 // Requests the outputs that the formats require.
 void askForOutputs(Job& job) {
   job.settings.display = false;
@@ -115,6 +140,7 @@ JobFormat makeFormat(const Json& spec, const std::string& place) {
     } catch (const Error& error) {
       badUsage("{}: {}", place, error.what());
     }
+    readFileOf(use, std::string(info.valueOrFile));
     return use;
   }
   badUsage("{}: there is no format \"{}\"; there are: {}", place, use.name, names);
@@ -137,10 +163,7 @@ Job makeJob(const JobDocument& document) {
   job.repeat = document.json.value("repeat", 1u);
   job.seed = document.json.value("seed", uint64_t{0});
   job.name = document.json.value("name", job.name);
-  if (document.json.contains("formats"))
-    for (const auto& [place, spec] : each(document, "formats")) job.formats.push_back(makeFormat(spec, place));
-  else
-    job.formats.push_back(makeFormat("files", "formats"));
+  readFormats(job, document);
   for (const JobFormat& use : job.formats) job.extras = both(job.extras, use.format->needsExtras());
   readOptions(job, document);
   askForOutputs(job);

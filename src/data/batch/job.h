@@ -18,12 +18,16 @@ namespace latelight::data {
 // One of the job's formats, with the options from the job.
 struct JobFormat {
   std::string name;
+  // Without files: the contents of a .json file replace its name, so that the format can be created again, in any
+  // working directory, and is the same after the file has changed.
   nlohmann::ordered_json options = nlohmann::ordered_json::object();
   std::unique_ptr<Format> format;
+  std::shared_ptr<MemoryClaim> memory;  // for the contents of a file
 };
 
 struct Job {
-  // The job's document without its output folder, which is not part of a data set's identity.
+  // The job's document without its output folder, which is not part of a data set's identity, and with the contents of
+  // the files that its formats name.
   nlohmann::ordered_json document;
   std::filesystem::path folder;
   std::vector<std::string> scenes;  // files and built-in scenes, with patterns expanded

@@ -20,9 +20,9 @@ std::optional<double> LoadedScene::environmentRotation() const {
 }
 
 std::string LoadedScene::environment() const {
-  if (variations_ && !variations_->environment().empty()) return variations_->environment();
+  const bool isDrawn = variations_ && !variations_->environment().empty();
   const bool isSeen = job_.settings.background.kind == render::Background::Environment;
-  return render::environmentName(scene_, job_.hdri, isSeen);
+  return render::environmentName(scene_, isDrawn ? variations_->environment() : job_.hdri, isSeen);
 }
 
 }  // namespace latelight::data

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <unordered_set>
+#include <unordered_map>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -12,6 +12,7 @@
 #include "base/text.h"
 #include "data/batch/sensor_path.h"
 #include "data/json_text.h"
+#include "data/scene_files.h"
 #include "data/stop.h"
 #include "output/files.h"
 #include "scene/load/load.h"
@@ -106,6 +107,18 @@ void addCameraFiles(const Json& spec, std::vector<std::string>& files) {
   }
 }
 
+// Describes the files that the variations read by their names and contents. Names have no folders, because shards of
+// one set may see the files in different folders.
+Json describeVariationFiles(const Json& variations) {
+  Json all = Json::array();
+  for (const std::filesystem::path& file : variationFiles(variations)) {
+    std::error_code ignored;  // missing files are reported when the variations are made
+    if (!std::filesystem::is_regular_file(file, ignored)) continue;
+    all.push_back({file.filename().string(), hashOfFiles({file.string()})});
+  }
+  return all;
+}
+
 // Returns a scene's or camera's name as one part of a path: characters with a special meaning are replaced.
 std::string asPart(std::string name) {
   for (char& c : name)
@@ -154,6 +167,7 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   whole["version"] = version();
   std::error_code ignored;
   if (std::filesystem::is_regular_file(job.hdri, ignored)) whole["hdri-hash"] = hashOfFiles({job.hdri});
+  if (Json files = describeVariationFiles(job.variations); !files.empty()) whole["variation-files"] = std::move(files);
   jobHash_ = hashOf(whole);
   const bool moves = std::ranges::any_of(job.settings.aovs, output::dependsOnNeighbors);
   std::vector<std::string> cameraFiles;
@@ -198,7 +212,7 @@ void Plan::look(PlannedScene& scene) try {
   scene.files.clear();
   scene.cameras.clear();
   scene::LoadOptions load = job_.load;
-  load.textures = job_.scenes.size() == 1 || !job_.variations.is_null();
+  load.textures = job_.scenes.size() == 1 || !job_.variations.is_null() || listsFilesOnlyWithTextures(scene.source);
   auto loaded = std::make_unique<LoadedScene>(job_, scene::load(scene.source, load));
   const bool moves = std::ranges::any_of(job_.settings.aovs, output::dependsOnNeighbors);
   const CameraTimeline& cameras = loaded->cameras();
@@ -274,6 +288,28 @@ void Plan::checkNames() const {
     for (uint64_t i = 0; i < frames; ++i) {
       std::string name = this->name(starts_[scene] + i);
       if (!indexed && !names.insert(name).second) badUsage("name: two frames are called \"{}\"; add {{index}}", name);
+    }
+  }
+  checkStoredNames(names);
+}
+
+// Formats that change names, such as webdataset, may make equal ones of different ones.
+void Plan::checkStoredNames(const std::unordered_set<std::string>& names) const {
+  constexpr uint64_t kNameBytes = 192;  // for two names and the overhead of a map's element
+  for (const JobFormat& use : job_.formats) {
+    MemoryClaim memory;
+    std::unordered_map<std::string, const std::string*> frames;  // by stored name, if it differs from the frame's
+    const auto reject = [&](const std::string& stored, const std::string& a, const std::string& b) {
+      badUsage("name: the format {} stores the frames \"{}\" and \"{}\" as \"{}\"; add {{index}}", use.name,
+               std::min(a, b), std::max(a, b), stored);
+    };
+    for (const std::string& name : names) {
+      std::string stored = use.format->storedName(name);
+      if (stored == name) continue;
+      memory.grow(kNameBytes + stored.size(), "the names of the job's frames");
+      if (names.contains(stored)) reject(stored, name, stored);
+      const auto [known, isNew] = frames.try_emplace(std::move(stored), &name);
+      if (!isNew) reject(known->first, name, *known->second);
     }
   }
 }

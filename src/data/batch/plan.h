@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "base/memory.h"
@@ -39,7 +40,7 @@ class Plan {
  public:
   // Loads scenes to determine their cameras, except scenes in the plan that an earlier run wrote to `saved`. A broken
   // scene has an error and as many frame indices as the first good scene. Throws Error(Usage) if two frames have the
-  // same name.
+  // same name, or if a format stores them under the same name.
   Plan(const Job& job, const std::filesystem::path& saved);
   void save(const std::filesystem::path& path) const;
 
@@ -67,6 +68,7 @@ class Plan {
   void order();
   nlohmann::ordered_json describe() const;
   void checkNames() const;
+  void checkStoredNames(const std::unordered_set<std::string>& names) const;
 
   const Job& job_;
   uint64_t jobHash_ = 0;   // hash of the inputs of all frames

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <unordered_map>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -65,14 +66,25 @@ std::vector<JobFormat> formatsOf(const Json& job) {
   return all;
 }
 
-// Moves the records of a frame's packed file to the archive that holds it. Returns the file's name.
-std::optional<std::string> moveToArchive(const Format& format, size_t formatIndex, const Manifest& manifest,
+// Moves the records of a frame's packed file to the archive that holds it. Returns the file's name. `setFiles`: the
+// files that the format has written for the set, by name.
+std::optional<std::string> moveToArchive(const Format& format, const Json& entry,
+                                         const std::unordered_map<std::string, FileRecord>& setFiles,
                                          FinishedFrame& frame) {
-  const std::optional<PackedFile> packed = format.packed(frame.entries.at(formatIndex));
+  const std::optional<PackedFile> packed = format.packed(entry);
   if (!packed) return std::nullopt;
   std::erase_if(frame.files, [&](const FileRecord& file) { return file.name == packed->file; });
-  frame.archives.push_back(*std::ranges::find(manifest.setFiles, packed->archive, &FileRecord::name));
+  frame.archives.push_back(setFiles.at(packed->archive));
   return packed->file;
+}
+
+// Throws if the frames were written in other formats: the job is stored before its plan, and a process may be killed in
+// between.
+void checkEntries(const SetFolder& set, const Manifest& manifest, size_t formats) {
+  for (const auto& [index, frame] : manifest.frames)
+    if (frame.entries.size() != formats)
+      badInput("'{}' has frames of another job than '{}': run the job again with --resume", set.path().string(),
+               set.job().string());
 }
 
 // Returns the names of the frames' files that are now in archives and no longer required.
@@ -81,15 +93,18 @@ std::vector<std::string> writeSetFiles(const SetFolder& set, Manifest& manifest)
   for (auto& [index, frame] : manifest.frames) frame.archives.clear();
   std::vector<std::string> packedFiles;
   const std::vector<JobFormat> formats = formatsOf(readState(set.job()));
+  checkEntries(set, manifest, formats.size());
   for (size_t i = 0; i < formats.size(); ++i) {
     std::vector<Json> entries;  // moved from the frames and back, because they may be large
     for (auto& [index, frame] : manifest.frames) entries.push_back(std::move(frame.entries.at(i)));
+    std::unordered_map<std::string, FileRecord> setFiles;
     for (const std::string& name : formats[i].format->writeSet(entries, set.path()))
-      manifest.setFiles.push_back(recordOf(set.path(), name));
+      setFiles[name] = manifest.setFiles.emplace_back(recordOf(set.path(), name));
     auto entry = entries.begin();
     for (auto& [index, frame] : manifest.frames) {
       frame.entries[i] = std::move(*entry++);
-      if (auto file = moveToArchive(*formats[i].format, i, manifest, frame)) packedFiles.push_back(*std::move(file));
+      if (auto file = moveToArchive(*formats[i].format, frame.entries[i], setFiles, frame))
+        packedFiles.push_back(*std::move(file));
     }
   }
   return packedFiles;

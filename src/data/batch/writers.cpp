@@ -72,16 +72,17 @@ void Writers::work() {
 
 void Writers::write(RenderedFrame rendered) {
   FinishedFrame& record = rendered.record;
+  std::vector<std::string> files;
   try {
     for (const JobFormat& use : job_.formats) {
       FrameRecord written = use.format->writeFrame(rendered.frame, job_.folder);
+      files.insert(files.end(), written.files.begin(), written.files.end());
       for (const std::string& file : written.files) record.files.push_back(recordOf(job_.folder, file));
       record.entries.push_back(std::move(written.entry));
     }
     log_.finished(record);
   } catch (const std::exception& error) {
-    std::error_code ignored;  // a frame is either finished or absent
-    for (const FileRecord& file : record.files) std::filesystem::remove(job_.folder / file.name, ignored);
+    removeFiles(job_.folder, files);  // a frame is either finished or absent
     log_.failed(record.name, error.what());
   }
   progress_.step();

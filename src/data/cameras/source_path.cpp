@@ -2,6 +2,7 @@
 // rotations squad or slerp (path.h), and the field of view is interpolated linearly.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 #include "data/cameras/calibrated.h"
@@ -73,9 +74,12 @@ std::vector<double> readTimes(Spec& spec, double first, double last, const Camer
   const double fps = spec.number("fps", kPositive);
   if ((last - first) * fps > double(kMaxCameras))
     badUsage("{} gives more than {} cameras", spec.pathOf("fps"), kMaxCameras);
-  const auto count = static_cast<uint64_t>((last - first) * fps) + 1;
+  // Rounding must not drop a frame at the last key frame: times that are not binary fractions, such as 0.3, are off by
+  // up to half a unit in the last place.
+  const double rounding = std::numeric_limits<double>::epsilon() * std::max(std::abs(first), std::abs(last)) * fps;
+  const auto count = static_cast<uint64_t>(std::floor((last - first) * fps + 1e-9 + rounding)) + 1;
   context.claim(spec, count, count * kNumberedNameBytes);
-  for (uint64_t i = 0; double(i) / fps <= last - first; ++i) times.push_back(first + double(i) / fps);
+  for (uint64_t i = 0; i < count; ++i) times.push_back(std::min(first + double(i) / fps, last));
   return times;
 }
 

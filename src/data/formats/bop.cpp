@@ -66,14 +66,13 @@ class Bop : public Format {
   bool needsDisplay() const override { return true; }
   Extras needsExtras() const override { return {.boxes = true, .alone = true, .shapes = true}; }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     if (frame.metadata.camera.orthographic)
       badUsage("the format bop cannot express orthographic cameras such as \"{}\"", frame.metadata.camera.name);
     if (frame.metadata.camera.lens)
       badUsage("the format bop cannot express cameras with a lens such as that of \"{}\"", frame.metadata.camera.name);
     const output::AovImage& depth = imageOf(frame.picture, output::Aov::Depth);
     const double stepsPerMetre = kMillimetres / depthScale_;
-    FrameRecord record;
     const std::string scene = sceneFolder(frame.scene);
     writeOf(record, folder, fmt::format("{}/rgb/{:06}.png", scene, frame.index), opaquePng(frame.picture));
     writeOf(record, folder, fmt::format("{}/depth/{:06}.png", scene, frame.index),
@@ -92,7 +91,6 @@ class Bop : public Format {
     }
     record.entry = {
         {"scene", frame.scene}, {"image", frame.index}, {"camera", cameraOf(frame)}, {"objects", std::move(objects)}};
-    return record;
   }
 
   std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {

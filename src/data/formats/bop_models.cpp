@@ -33,14 +33,12 @@ uint64_t keyOf(const Shape& shape) {
 
 BopNumbers::BopNumbers(const Json* spec) {
   if (!spec) return;
-  if (spec->is_object()) {
-    readRules(*spec);
-    return;
-  }
   const std::string file = spec->is_string() ? spec->get<std::string>() : "";
-  if (!file.ends_with(".json")) badUsage("{}", kTakes);
-  const Json json = readJson(file).json;
-  json.is_object() ? readRules(json) : readModels(json, file);
+  const bool isFile = file.ends_with(".json");
+  if (!isFile && !spec->is_structured()) badUsage("{}", kTakes);
+  const Json contents = isFile ? readJson(file).json : *spec;
+  contents.is_object() ? readRules(contents)
+                       : readModels(contents, isFile ? fmt::format("'{}'", file) : "models of the format bop");
 }
 
 void BopNumbers::readRules(const Json& rules) {
@@ -51,13 +49,13 @@ void BopNumbers::readRules(const Json& rules) {
   if (rules_.empty()) badUsage("{}", kTakes);
 }
 
-void BopNumbers::readModels(const Json& models, const std::string& file) try {
+void BopNumbers::readModels(const Json& models, const std::string& place) try {
   for (const Json& model : models)
     known_.push_back({numberIn(model.at("obj_id")), model.at("name").get<std::string>(),
                       model.at("node").get<std::string>(), shapeIn(model.at("shape")), model.at("info")});
 } catch (const Json::exception&) {
-  badInput("'{}' is no list of models: give models/models.json of another set, or an object of regular expressions",
-           file);
+  badInput("{} is no list of models: give models/models.json of another set, or an object of regular expressions",
+           place);
 }
 
 BopModels::BopModels(const BopNumbers& numbers) : numbers_(numbers), models_(numbers.known_) {

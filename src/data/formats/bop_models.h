@@ -23,8 +23,8 @@ class BopNumbers {
     nlohmann::ordered_json info;  // its entry in models_info.json
   };
 
-  // `spec` is null, an object that maps regular expressions of node paths to numbers, or the name of a .json file that
-  // contains such an object or the list of models that an earlier set has written. Throws Error(Usage), and
+  // `spec` is null, an object that maps regular expressions of node paths to numbers, the list of models that an
+  // earlier set has written, or the name of a .json file that contains such an object or list. Throws Error(Usage), and
   // Error(BadInput) for invalid files.
   explicit BopNumbers(const nlohmann::ordered_json* spec);
 
@@ -34,7 +34,7 @@ class BopNumbers {
  private:
   friend class BopModels;
   void readRules(const nlohmann::ordered_json& rules);
-  void readModels(const nlohmann::ordered_json& models, const std::string& file);
+  void readModels(const nlohmann::ordered_json& models, const std::string& place);
 
   PathRules rules_;
   std::vector<uint32_t> numbers_;  // by rule

@@ -4,6 +4,7 @@
 #include "data/formats/frame_files.h"
 #include "data/formats/object_labels.h"
 #include "data/formats/options.h"
+#include "data/json_text.h"
 
 namespace latelight::data {
 
@@ -26,10 +27,9 @@ class Boxes : public Format {
   std::vector<output::Aov> needs() const override { return labels_.needs(); }
   Extras needsExtras() const override { return labels_.needsExtras(); }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
-    const std::string file = frameFile(file_, frame);
-    writeJsonIn(folder, file, labels_.describe(frame));
-    return {{file}, nullptr};
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
+    const std::string text = dumped(labels_.describe(frame)) + "\n";
+    writeOf(record, folder, frameFile(file_, frame), std::as_bytes(std::span(text)));
   }
 
  private:

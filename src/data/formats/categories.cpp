@@ -64,6 +64,15 @@ std::string Categories::named(const output::IdEntry& entry, const output::IdMani
   return name.empty() ? entry.node : name;
 }
 
+uint64_t Categories::numberOf(const Json& object, const std::map<std::string, uint64_t>& numbers) {
+  const std::string& category = object["category"].get_ref<const std::string&>();
+  const auto found = numbers.find(category);
+  if (found == numbers.end())
+    badInput("a frame has an object of the category \"{}\", which the job does not define: run the job with --resume",
+             category);
+  return found->second;
+}
+
 std::vector<std::string> Categories::all(std::span<const Json> entries) const {
   std::vector<std::string> names;
   for (const std::string& category : names_)

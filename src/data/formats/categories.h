@@ -1,6 +1,8 @@
 // The categories of objects, for formats that name or number them.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -20,6 +22,10 @@ class Categories {
   // Returns the category of the object with an id. It is empty if the object has none, or no object has the id; the
   // object is then excluded.
   std::string of(uint32_t id, const output::IdManifest& ids) const;
+
+  // Returns the number of the category of an object of an entry. Throws Error(BadInput) if the entry is of a job whose
+  // categories differ.
+  static uint64_t numberOf(const nlohmann::ordered_json& object, const std::map<std::string, uint64_t>& numbers);
 
   // Returns the names of all categories of a set, whose entries have "objects" with a "category": in the order of the
   // rules, or sorted by name if there are no rules. Those of rules are listed even if no object has them.

@@ -41,7 +41,7 @@ std::string annotationsOf(const Json& entry, uint64_t number, const std::map<std
   for (const Json& object : entry["objects"]) {
     Json annotation{{"id", number++},
                     {"image_id", entry["id"]},
-                    {"category_id", categories.at(object["category"].get<std::string>())},
+                    {"category_id", Categories::numberOf(object, categories)},
                     {"iscrowd", 0}};
     annotation.update(object);
     annotation.erase("category");
@@ -59,8 +59,7 @@ class Coco : public Format {
   Extras needsExtras() const override { return {.boxes = amodal_, .alone = amodal_, .keypoints = keypoints_}; }
   bool needsDisplay() const override { return picture_.isWritten(); }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
-    FrameRecord record;
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const std::string picture = picture_.write(record, frame, folder);
     const output::AovImage& ids = imageOf(frame.picture, output::Aov::Id);
     Json objects = Json::array();
@@ -74,15 +73,15 @@ class Coco : public Format {
                          {"object", id},
                          {"node", nameOf(*entryOf(*frame.metadata.ids, id))}});
       if (amodal_) addAmodal(objects.back(), frame, id, mask);
-      if (const auto found = frame.keypoints.find(id); found != frame.keypoints.end())
-        addKeypoints(objects.back(), found->second);
+      // The frame also has keypoints if only another format of the job requires them.
+      const auto keypoints = frame.keypoints.find(id);
+      if (!keypoints_.empty() && keypoints != frame.keypoints.end()) addKeypoints(objects.back(), keypoints->second);
     }
     record.entry = {{"id", frame.index},
                     {"file_name", picture},
                     {"width", ids.width},
                     {"height", ids.height},
                     {"objects", objects}};
-    return record;
   }
 
   std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
@@ -177,7 +176,7 @@ class Coco : public Format {
       for (const Json& object : entry["objects"]) {
         if (!object.contains("keypoints")) continue;
         isAny = true;
-        Json& category = categories[numbers.at(object["category"].get<std::string>()) - 1];
+        Json& category = categories[Categories::numberOf(object, numbers) - 1];
         category["keypoints"] = names;
         category["skeleton"] = skeleton_;
       }

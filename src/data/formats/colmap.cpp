@@ -68,13 +68,12 @@ class Colmap : public Format {
   }
   bool needsDisplay() const override { return picture_.isWritten(); }
 
-  FrameRecord writeFrame(const DataFrame& frame, const fs::path& folder) const override {
+  void writeFiles(const DataFrame& frame, const fs::path& folder, FrameRecord& record) const override {
     const output::CameraMetadata& camera = frame.metadata.camera;
     if (camera.orthographic)
       badUsage("the format colmap cannot express orthographic cameras such as \"{}\"", camera.name);
     const PointView view = pointViewOf(frame);
     colmapCameraOf({camera.name, view.lens});  // throws if COLMAP has no such model
-    FrameRecord record;
     const std::string picture = picture_.write(record, frame, folder);
     const std::string image = picture.substr(picture_.folder().size());
     record.entry = {
@@ -84,7 +83,6 @@ class Colmap : public Format {
       writeOf(record, folder, depth, encodeDepthMap(imageOf(frame.picture, output::Aov::Depth)));
       record.entry["depth"] = depth;
     }
-    return record;
   }
 
   // Writes a model per scene and variation, numbered from 0.

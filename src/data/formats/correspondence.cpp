@@ -42,8 +42,7 @@ class CorrespondenceFiles : public Format {
   std::vector<output::Aov> needs() const override { return {output::Aov::Id}; }
   Extras needsExtras() const override { return {.pairs = targets_}; }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
-    FrameRecord record;
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     record.entry = Json::array();
     for (const FramePair& pair : frame.pairs) {
       if (std::ranges::find(targets_, pair.target) == targets_.end()) continue;
@@ -60,7 +59,6 @@ class CorrespondenceFiles : public Format {
       for (const auto& [name, bytes] : correspondenceArrays(pair.match))
         writeOf(record, folder, file + name + ".npy", bytes);
     }
-    return record;
   }
 
   std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {

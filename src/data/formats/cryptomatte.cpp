@@ -154,7 +154,7 @@ class Cryptomatte : public Format {
   std::vector<output::Aov> needs() const override { return {output::Aov::Color}; }
   Extras needsExtras() const override { return {.samples = samples_}; }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const output::AovImage* color = &imageOf(frame.picture, output::Aov::Color);
     output::ExrExtras extras;
     std::vector<std::vector<Plane>> planes;  // must live until the file is encoded
@@ -166,9 +166,7 @@ class Cryptomatte : public Format {
         extras.channels.push_back({fmt::format("{}{:02}.{}", names.layer, i / 4, "RGBA"[i % 4]), planes.back()[i]});
       describe(names, extras);
     }
-    FrameRecord record;
     writeOf(record, folder, frameFile(file_, frame), output::encodeExr({&color, 1}, frame.metadata, extras));
-    return record;
   }
 
  private:

@@ -25,10 +25,8 @@ class DepthPng : public Format {
 
   std::vector<output::Aov> needs() const override { return {aov_}; }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
-    FrameRecord record;
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     writeOf(record, folder, frameFile(file_, frame), encodeDepthPng(imageOf(frame.picture, aov_), stepsPerMetre_));
-    return record;
   }
 
  private:

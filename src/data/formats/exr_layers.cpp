@@ -66,7 +66,7 @@ class Exr : public Format {
 
   std::vector<Aov> needs() const override { return outputs_; }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     AovImage vector;
     std::vector<const AovImage*> images;
     for (const Aov aov : outputs_) {
@@ -77,9 +77,7 @@ class Exr : public Format {
     }
     output::ExrExtras extras{.idManifest = idManifest_};
     if (blender_) extras.names = blenderNames;
-    FrameRecord record;
     writeOf(record, folder, frameFile(file_, frame), output::encodeExr(images, metadataOf(frame), extras));
-    return record;
   }
 
  private:

@@ -32,20 +32,17 @@ class Files : public Format {
   }
   bool needsDisplay() const override { return output::usesDisplay(request_); }
 
-  FrameRecord writeFrame(const DataFrame& frame, const fs::path& folder) const override {
+  void writeFiles(const DataFrame& frame, const fs::path& folder, FrameRecord& record) const override {
     output::OutputRequest request = request_;
     request.pattern.replace(request.pattern.find(kName), kName.size(), frame.name);
     request.pattern = (folder / request.pattern).string();
     for (const fs::path& path : output::outputPaths(request, frame.metadata)) {
       std::error_code ignored;  // errors are reported when the file is written
       fs::create_directories(path.parent_path(), ignored);
-    }
-    FrameRecord record;
-    const bool listsIds = output::writesMetadata(request);
-    for (const fs::path& path :
-         output::writeOutput(request, frame.picture, listsIds ? metadataOf(frame) : frame.metadata))
       record.files.push_back(path.lexically_relative(folder).generic_string());
-    return record;
+    }
+    const bool listsIds = output::writesMetadata(request);
+    output::writeOutput(request, frame.picture, listsIds ? metadataOf(frame) : frame.metadata);
   }
 
  private:

@@ -63,13 +63,11 @@ class Flow : public Format {
 
   std::vector<output::Aov> needs() const override { return {output::Aov::Motion}; }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const output::AovImage& motion = imageOf(frame.picture, output::Aov::Motion);
     const std::vector<float> flow = flowOf(motion, first_);
-    FrameRecord record;
     writeOf(record, folder, frameFile(file_, frame),
             (kitti_ ? encodeKittiFlow : encodeFlo)(motion.width, motion.height, flow));
-    return record;
   }
 
  private:

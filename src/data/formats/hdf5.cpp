@@ -209,7 +209,7 @@ class Hdf5 : public Format {
   }
   bool needsDisplay() const override { return has("colors"); }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const output::CameraMetadata& camera = frame.metadata.camera;
     if (camera.orthographic || camera.lens)
       badUsage("the format hdf5 supports only perspective cameras without distortion, not \"{}\"", camera.name);
@@ -220,9 +220,7 @@ class Hdf5 : public Format {
       file.add(std::string(key->name), alpha_ && key->aov == Aov::Color ? rgbaOf(source) : key->array(source));
     if (has("instance_segmaps")) file.add("instance_attribute_maps", dumped(attributesOf(source)));
     file.add("campose", dumped(cameraStateOf(frame)));
-    FrameRecord record;
     writeOf(record, folder, fmt::format("{}{}.hdf5", folder_, frame.index), file.finish());
-    return record;
   }
 
  private:

@@ -57,11 +57,10 @@ class Kitti : public Format {
   bool needsDisplay() const override { return picture_.isWritten(); }
   Extras needsExtras() const override { return {.boxes = true, .alone = true}; }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     if (frame.metadata.camera.lens || frame.metadata.camera.orthographic)
       badUsage(
           "the format kitti supports perspective cameras without distortion only: choose another camera or format");
-    FrameRecord record;
     picture_.write(record, frame, folder);
     const std::map<uint32_t, Mask> masks = masksOf(imageOf(frame.picture, output::Aov::Id));
     const glm::dmat4 cameraFromWorld = openCvFromWorld(frame.metadata.camera);
@@ -75,7 +74,6 @@ class Kitti : public Format {
     writeOf(record, folder, frameFile(labels_, frame), std::as_bytes(std::span(text)));
     const std::string calibration = calibrationOf(frame.metadata.camera.intrinsics);
     writeOf(record, folder, frameFile(calibrations_, frame), std::as_bytes(std::span(calibration)));
-    return record;
   }
 
  private:

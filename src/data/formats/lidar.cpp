@@ -53,8 +53,7 @@ class Lidar : public Format {
   std::vector<output::Aov> needs() const override { return {}; }
   Extras needsExtras() const override { return {.scans = {request_}}; }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
-    FrameRecord record;
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     for (const FrameScan& scan : frame.scans) {
       if (scan.request->key != request_->key) continue;
       const std::string file = frameFile(file_, frame);
@@ -67,7 +66,6 @@ class Lidar : public Format {
                       {"world_from_sensor", output::rowsOf(scan.worldFromSensor)},
                       {"objects", objectsOf(scan.points, *frame.metadata.ids)}};
     }
-    return record;
   }
 
   std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {

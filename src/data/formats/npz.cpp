@@ -23,13 +23,11 @@ class Npz : public Format {
 
   std::vector<output::Aov> needs() const override { return outputs_; }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     output::ZipArchive archive;
     for (const output::Aov aov : outputs_)
       archive.add(std::string(output::info(aov).name) + ".npy", output::encodeNpy(imageOf(frame.picture, aov)));
-    FrameRecord record;
     writeOf(record, folder, frameFile(file_, frame), archive.finish());
-    return record;
   }
 
  private:

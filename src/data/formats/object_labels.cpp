@@ -97,17 +97,18 @@ class ObjectWriter {
       json["occludes"] = occlusionsOf(object);
     }
     json["box"] = boxInSpace(object, frame_.metadata.camera, projector_);
-    if (const auto own = frame_.keypoints.find(object.id); own != frame_.keypoints.end())
-      json["keypoints"] = keypointsOf(own->second);
+    addKeypoints(json, object.id);
     return json;
   }
 
  private:
-  Json keypointsOf(const std::vector<labels::ProjectedKeypoint>& projected) const {
-    Json list = Json::array();
-    for (size_t i = 0; i < projected.size(); ++i)
-      list.push_back(data::describe(options_.keypoints[i].name, projected[i]));
-    return list;
+  // The frame also has keypoints if only another format of the job requires them.
+  void addKeypoints(Json& json, uint32_t id) const {
+    const auto projected = frame_.keypoints.find(id);
+    if (options_.keypoints.empty() || projected == frame_.keypoints.end()) return;
+    Json& list = json["keypoints"] = Json::array();
+    for (size_t i = 0; i < options_.keypoints.size(); ++i)
+      list.push_back(data::describe(options_.keypoints[i].name, projected->second.at(i)));
   }
 
   const ObjectLabels& options_;
@@ -125,7 +126,9 @@ Json ObjectLabels::describe(const DataFrame& frame) const {
   Json objects = Json::array();
   for (const Object& object : frame.objects) {
     const auto found = visible.find(object.id);
-    if (found != visible.end() || object.pixels > 0)
+    // The frame also has amodal masks if only another format of the job requires them.
+    const bool isOccluded = whole && object.pixels > 0;
+    if (found != visible.end() || isOccluded)
       objects.push_back(writer.describe(object, found == visible.end() ? none : found->second));
   }
   return {{"frame", frame.index},         {"name", frame.name},

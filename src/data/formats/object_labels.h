@@ -17,7 +17,7 @@ struct ObjectLabels {
   std::vector<output::Aov> needs() const { return {output::Aov::Id}; }
   Extras needsExtras() const { return {.boxes = true, .alone = whole, .order = whole, .keypoints = keypoints}; }
 
-  // `frame` has what needs() and needsExtras() require.
+  // `frame` has what needs() and needsExtras() require, and may have what other formats of a job require.
   nlohmann::ordered_json describe(const DataFrame& frame) const;
 };
 

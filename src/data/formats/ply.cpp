@@ -60,10 +60,8 @@ class Ply : public Format {
   }
   bool needsDisplay() const override { return true; }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
-    FrameRecord record;
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     writeOf(record, folder, frameFile(file_, frame), encodePly(frame.picture));
-    return record;
   }
 
  private:

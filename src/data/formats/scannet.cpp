@@ -73,13 +73,12 @@ class Scannet : public Format {
   std::vector<Aov> needs() const override { return {Aov::Depth, Aov::Id}; }
   bool needsDisplay() const override { return true; }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const output::CameraMetadata& camera = frame.metadata.camera;
     if (camera.orthographic || camera.lens)
       badUsage("the format scannet supports only perspective cameras without distortion, not \"{}\"", camera.name);
     const output::FrameOutput& picture = frame.picture;
     const std::string scan = fmt::format("{}/scene{:04}_{:02}", folder_, frame.scene, frame.variation);
-    FrameRecord record;
     const auto write = [&](const char* kind, const char* ending, std::span<const std::byte> bytes) {
       writeOf(record, folder, fmt::format("{}/{}/{}.{}", scan, kind, frame.camera, ending), bytes);
     };
@@ -101,7 +100,6 @@ class Scannet : public Format {
                     {"width", picture.width},
                     {"height", picture.height},
                     {"labels", numbers->categories()}};
-    return record;
   }
 
   // The files of each scan, from its frames.

@@ -85,13 +85,12 @@ class Transforms : public Format {
   }
   bool needsDisplay() const override { return picture_.isWritten(); }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const output::CameraMetadata& camera = frame.metadata.camera;
     if (camera.orthographic)
       badUsage("the format transforms cannot express orthographic cameras such as \"{}\"", camera.name);
     if (const std::string lack = camera.lens ? missingInTransforms(*camera.lens) : ""; !lack.empty())
       badUsage("the format transforms cannot express the camera \"{}\": {}", camera.name, lack);
-    FrameRecord record;
     const std::string depthFile = frameFile(depthFile_, frame);
     const std::string picture = picture_.write(record, frame, folder);
     record.entry["optics"] = opticsOf(frame);
@@ -108,7 +107,6 @@ class Transforms : public Format {
       record.entry["state"] = {frame.scene, frame.variation};
       record.entry["view"] = describe(pointViewOf(frame));
     }
-    return record;
   }
 
   // Intrinsics that all cameras share are written once.

@@ -114,10 +114,8 @@ class Video : public Format {
   std::vector<output::Aov> needs() const override { return {}; }
   bool needsDisplay() const override { return picture_.isWritten(); }
 
-  FrameRecord writeFrame(const DataFrame& frame, const fs::path& folder) const override {
-    FrameRecord record;
+  void writeFiles(const DataFrame& frame, const fs::path& folder, FrameRecord& record) const override {
     record.entry = picture_.write(record, frame, folder);
-    return record;
   }
 
   std::vector<std::string> writeSet(std::span<const Json> entries, const fs::path& folder) const override {

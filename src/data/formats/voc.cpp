@@ -37,8 +37,7 @@ class Voc : public Format {
   bool needsDisplay() const override { return picture_.isWritten(); }
   Extras needsExtras() const override { return {.boxes = true, .alone = true}; }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
-    FrameRecord record;
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const std::filesystem::path picture = picture_.write(record, frame, folder);
     const output::AovImage& ids = imageOf(frame.picture, output::Aov::Id);
     const std::map<uint32_t, Mask> masks = masksOf(ids);
@@ -54,7 +53,6 @@ class Voc : public Format {
     }
     text += "</annotation>\n";
     writeOf(record, folder, frameFile(annotations_, frame), std::as_bytes(std::span(text)));
-    return record;
   }
 
  private:

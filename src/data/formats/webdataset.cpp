@@ -97,9 +97,9 @@ class WebDataset : public Format {
   }
   bool needsDisplay() const override { return output::contains(outputs_, Aov::Color); }
 
-  FrameRecord writeFrame(const DataFrame& frame, const fs::path& folder) const override {
+  void writeFiles(const DataFrame& frame, const fs::path& folder, FrameRecord& record) const override {
     const output::Metadata metadata = metadataOf(frame);
-    const std::string key = keyOf(frame.name);
+    const std::string key = storedName(frame.name);
     std::vector<std::byte> piece;
     std::vector<std::string> files;
     const auto add = [&](const std::string& ending, std::span<const std::byte> contents) {
@@ -119,11 +119,9 @@ class WebDataset : public Format {
     }
     const std::string side = output::sideFile(metadata, frame.picture.width, frame.picture.height, outputs_, files);
     add("json", std::as_bytes(std::span(side)));
-    FrameRecord record;
     const std::string file = fmt::format("{}/.frames/{:09}.tar", folder_, frame.index);
     writeOf(record, folder, file, piece);
     record.entry = {{"key", key}, {"file", file}, {"archive", archiveOf(frame.index)}};
-    return record;
   }
 
   std::vector<std::string> writeSet(std::span<const Json> entries, const fs::path& folder) const override {
@@ -141,13 +139,14 @@ class WebDataset : public Format {
     return PackedFile{entry["file"], entry["archive"]};
   }
 
- private:
   // Readers cut a sample's key at the first period of a name.
-  static std::string keyOf(std::string name) {
-    std::ranges::replace(name, '.', '_');
-    return name;
+  std::string storedName(const std::string& frame) const override {
+    std::string key = frame;
+    std::ranges::replace(key, '.', '_');
+    return key;
   }
 
+ private:
   std::string archiveOf(uint64_t index) const { return fmt::format("{}/{:06}.tar", folder_, index / frames_); }
 
   // Frames that an earlier run has packed come from the archive of that run.

@@ -27,8 +27,7 @@ class Yolo : public Format {
   Extras needsExtras() const override { return {.keypoints = keypoints_}; }
   bool needsDisplay() const override { return picture_.isWritten(); }
 
-  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
-    FrameRecord record;
+  void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     picture_.write(record, frame, folder);
     const output::AovImage& ids = imageOf(frame.picture, output::Aov::Id);
     Json objects = Json::array();
@@ -45,12 +44,11 @@ class Yolo : public Format {
       if (!keypoints_.empty()) objects.back()["keypoints"] = keypointsOf(frame, id, ids);
     }
     record.entry = {{"file", frameFile(labels_, frame)}, {"objects", std::move(objects)}};
-    return record;
   }
 
   std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
     const std::vector<std::string> names = categories_.all(entries);
-    std::map<std::string, size_t> numbers;
+    std::map<std::string, uint64_t> numbers;
     for (size_t i = 0; i < names.size(); ++i) numbers[names[i]] = i;
     std::vector<std::string> files(entries.size());
     parallelFor(entries.size(), 16, [&](size_t begin, size_t end) {
@@ -92,13 +90,13 @@ class Yolo : public Format {
 
   // One line per object: class, center and size, as shares of the image's width and height, and keypoints. No lines: no
   // objects.
-  static std::string writeLabels(const Json& entry, const std::map<std::string, size_t>& numbers,
+  static std::string writeLabels(const Json& entry, const std::map<std::string, uint64_t>& numbers,
                                  const std::filesystem::path& folder) {
     std::string text;
     for (const Json& object : entry["objects"]) {
       const Json& box = object["box"];
-      text += fmt::format("{} {:.8f} {:.8f} {:.8f} {:.8f}", numbers.at(object["category"].get<std::string>()),
-                          box[0].get<double>(), box[1].get<double>(), box[2].get<double>(), box[3].get<double>());
+      text += fmt::format("{} {:.8f} {:.8f} {:.8f} {:.8f}", Categories::numberOf(object, numbers), box[0].get<double>(),
+                          box[1].get<double>(), box[2].get<double>(), box[3].get<double>());
       if (object.contains("keypoints")) text += keypointText(object["keypoints"]);
       text += '\n';
     }

@@ -10,6 +10,11 @@ namespace latelight::data {
 
 namespace {
 
+// Names of environments that are not files.
+bool isBuiltIn(const std::string& name) {
+  return name == "studio" || name == "none";
+}
+
 class Environments : public Variation {
  public:
   explicit Environments(Spec& spec) : path_(spec.path()) {
@@ -19,7 +24,7 @@ class Environments : public Variation {
     if (spec.has("rotation")) rotation_ = spec.interval("rotation");
     std::error_code ignored;
     for (const std::string& name : environments_)
-      if (name != "studio" && name != "none" && !std::filesystem::exists(name, ignored))
+      if (!isBuiltIn(name) && !std::filesystem::exists(name, ignored))
         badInput("{}: there is no environment {}", spec.pathOf("environments"), name);
   }
 
@@ -43,6 +48,13 @@ class Environments : public Variation {
 };
 
 }  // namespace
+
+std::vector<std::filesystem::path> environmentsFiles(const nlohmann::ordered_json& value) {
+  std::vector<std::filesystem::path> files;
+  for (const nlohmann::ordered_json& name : value.value("environments", nlohmann::ordered_json()))
+    if (name.is_string() && !isBuiltIn(name.get<std::string>())) files.emplace_back(name.get<std::string>());
+  return files;
+}
 
 std::unique_ptr<Variation> varyEnvironments(Spec& spec, scene::Scene&) {
   return std::make_unique<Environments>(spec);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "data/scene_files.h"
 #include "data/stop.h"
 #include "data/variations/draws.h"
 #include "data/variations/frames.h"
@@ -14,6 +15,7 @@
 #include "data/variations/surface.h"
 #include "data/variations/variation.h"
 #include "scene/file_frame.h"
+#include "scene/load/load.h"
 
 namespace latelight::data {
 
@@ -137,6 +139,18 @@ class Scatter : public Variation {
 };
 
 }  // namespace
+
+std::vector<std::filesystem::path> scatterFiles(const Json& value) {
+  std::vector<std::filesystem::path> files;
+  for (const Json& object : value.value("objects", Json())) {
+    const Json file = object.is_object() ? object.value("file", Json()) : Json();
+    if (!file.is_string()) continue;
+    const auto source = file.get<std::string>();
+    const scene::Scene scene = scene::load(source, {.textures = listsFilesOnlyWithTextures(source)});
+    files.insert(files.end(), scene.files.begin(), scene.files.end());
+  }
+  return files;
+}
 
 std::unique_ptr<Variation> scatterObjects(Spec& spec, scene::Scene& scene) {
   return std::make_unique<Scatter>(spec, scene);

@@ -93,6 +93,16 @@ class Textures : public Variation {
 
 }  // namespace
 
+std::vector<fs::path> texturesFiles(const Json& value) {
+  const Json folder = value.value("folder", Json()), files = value.value("files", Json());
+  std::vector<fs::path> all;
+  if (folder.is_string())
+    for (const std::string& file : picturesIn(folder.get<std::string>())) all.emplace_back(file);
+  for (const Json& file : files)
+    if (file.is_string()) all.emplace_back(file.get<std::string>());
+  return all;
+}
+
 std::unique_ptr<Variation> varyTextures(Spec& spec, scene::Scene& scene) {
   return std::make_unique<Textures>(spec, scene);
 }

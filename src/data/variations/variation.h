@@ -2,6 +2,7 @@
 // random values for each variation number. Each kind is one file; variationKinds() lists them.
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -65,6 +66,9 @@ struct VariationKind {
   // Creates a variation. It reads every key that the kind accepts, so that all other keys can be rejected, and may add
   // meshes, materials and textures to the scene.
   std::unique_ptr<Variation> (*make)(Spec& spec, scene::Scene& scene);
+  // Returns the files that a variation of this value of the job reads, in an order that depends only on the value and
+  // the files' names. Values that `make` would reject have no files. Null: the kind reads none.
+  std::vector<std::filesystem::path> (*files)(const nlohmann::ordered_json& value) = nullptr;
 };
 std::span<const VariationKind> variationKinds();
 
@@ -76,5 +80,9 @@ std::unique_ptr<Variation> varyEnvironments(Spec& spec, scene::Scene& scene);
 std::unique_ptr<Variation> varyTransforms(Spec& spec, scene::Scene& scene);
 std::unique_ptr<Variation> varyVisibility(Spec& spec, scene::Scene& scene);
 std::unique_ptr<Variation> scatterObjects(Spec& spec, scene::Scene& scene);
+
+std::vector<std::filesystem::path> texturesFiles(const nlohmann::ordered_json& value);
+std::vector<std::filesystem::path> environmentsFiles(const nlohmann::ordered_json& value);
+std::vector<std::filesystem::path> scatterFiles(const nlohmann::ordered_json& value);
 
 }  // namespace latelight::data

@@ -17,13 +17,13 @@ namespace {
 
 constexpr VariationKind kKinds[] = {
     {"materials", "color, roughness, metalness and emission of materials", varyMaterials},
-    {"textures", "replacement textures for material slots", varyTextures},
+    {"textures", "replacement textures for material slots", varyTextures, texturesFiles},
     {"lights", "intensity, color, position and number of the scene's lights", varyLights},
     {"addedLights", "additional lights", addLights},
-    {"environments", "a choice of environments and their rotation", varyEnvironments},
+    {"environments", "a choice of environments and their rotation", varyEnvironments, environmentsFiles},
     {"transforms", "translation, rotation and scale of nodes", varyTransforms},
     {"visibility", "visibility of nodes", varyVisibility},
-    {"scatter", "objects on a surface or in a volume, without overlap", scatterObjects},
+    {"scatter", "objects on a surface or in a volume, without overlap", scatterObjects, scatterFiles},
 };
 
 std::unique_ptr<Variation> makeVariation(const Json& value, const std::string& path, scene::Scene& scene) {
@@ -44,6 +44,20 @@ std::unique_ptr<Variation> makeVariation(const Json& value, const std::string& p
 
 std::span<const VariationKind> variationKinds() {
   return kKinds;
+}
+
+std::vector<std::filesystem::path> variationFiles(const Json& spec) {
+  std::vector<std::filesystem::path> files;
+  if (!spec.is_array()) return files;
+  for (const Json& value : spec) {
+    const auto kind = std::ranges::find_if(kKinds, [&](const VariationKind& known) {
+      return value.is_object() && value.value("type", Json()) == known.name;
+    });
+    if (kind == std::end(kKinds) || !kind->files) continue;
+    const std::vector<std::filesystem::path> own = kind->files(value);
+    files.insert(files.end(), own.begin(), own.end());
+  }
+  return files;
 }
 
 struct Variations::Impl {

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "scene/scene.h"
 
@@ -31,5 +33,11 @@ class Variations {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// Returns all files that the variations of a job read, without a scene: environments, images, and scattered scenes with
+// the files to which they refer. The order depends only on the job and the files' names. Missing files are included,
+// because the constructor of Variations reports them. Throws Error(BadInput) for folders and scenes that cannot be
+// read.
+std::vector<std::filesystem::path> variationFiles(const nlohmann::ordered_json& spec);
 
 }  // namespace latelight::data
