@@ -490,6 +490,12 @@ TEST(ViewSessionTest, AnAnimationEndsByItself) {
   EXPECT_NEAR(viewer.state().time.value(), viewer.state().duration, 1e-3);
 }
 
+// Replaces a file at once: a session that follows it could otherwise read it half written.
+void replace(const Folder& folder, const std::string& name, std::string_view bytes) {
+  folder.write("new", bytes);
+  std::filesystem::rename(folder.at("new"), folder.at(name));
+}
+
 TEST(ViewSessionTest, FollowsItsFile) {
   const Folder folder;
   const std::string file = folder.at("scene.glb");
@@ -497,7 +503,8 @@ TEST(ViewSessionTest, FollowsItsFile) {
   Viewer viewer(small(file));
   viewer(Key{"ArrowLeft", true});
   const SessionFrame before = viewer.settle();
-  std::filesystem::copy_file(modelPath("textured.glb"), file, std::filesystem::copy_options::overwrite_existing);
+  std::filesystem::copy_file(modelPath("textured.glb"), folder.at("new.glb"));
+  std::filesystem::rename(folder.at("new.glb"), file);
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(30);
   while (viewer.session.wantsFrame() == false && std::chrono::steady_clock::now() < end)
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -540,7 +547,7 @@ TEST(ViewSessionTest, FollowsEachFileOfItsScene) {
   Viewer viewer(small(folder.at("scene.gltf")));
   const SessionFrame before = viewer.settle();
   const auto changesBy = [&](const std::string& file, const std::string& bytes) {
-    folder.write(file, bytes);
+    replace(folder, file, bytes);
     const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(30);
     while (!viewer.session.wantsFrame() && std::chrono::steady_clock::now() < end)
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -573,7 +580,7 @@ struct UsedShaders {
 TEST(ViewSessionTest, FollowsShadersOfAFolder) {
   const Folder folder;
   const auto write = [&folder](std::span<const uint32_t> words) {
-    folder.write("compose.comp.spv", std::string_view(reinterpret_cast<const char*>(words.data()), words.size_bytes()));
+    replace(folder, "compose.comp.spv", {reinterpret_cast<const char*>(words.data()), words.size_bytes()});
   };
   const std::vector<uint32_t> own(vk::shaderCode("compose.comp").begin(), vk::shaderCode("compose.comp").end());
   write(own);
@@ -592,7 +599,7 @@ TEST(ViewSessionTest, FollowsShadersOfAFolder) {
   ASSERT_EQ(black.rgba.size(), before.rgba.size());
   for (size_t i = 0; i < black.rgba.size(); i += 4)
     for (size_t c = 0; c < 3; ++c) ASSERT_LE(black.rgba[i + c], 11);
-  folder.write("compose.comp.spv", std::string_view("no shader"));
+  replace(folder, "compose.comp.spv", "no shader");
   follows();
   EXPECT_THAT(viewer.state().error, HasSubstr("compose.comp.spv is not SPIR-V"));
   write(own);
@@ -685,7 +692,7 @@ TEST(ViewSessionTest, FollowsTheFileOfItsEnvironment) {
   viewer(DragLight{0, 20, 10});
   const SessionFrame before = viewer.settle();
   const auto changes = [&](const std::string& bytes) {
-    folder.write("sky.hdr", bytes);
+    replace(folder, "sky.hdr", bytes);
     const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(30);
     while (!viewer.session.wantsFrame() && std::chrono::steady_clock::now() < end)
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
