@@ -682,17 +682,19 @@ render::CastRays raysOf(std::span<const std::array<float, 3>> origins, std::span
   return {.maxDistance = maxDistance, .floatOrigins = vectors(origins), .floatDirections = vectors(directions)};
 }
 
+render::CastTargets internalTargets(const CastTargets& t) {
+  static_assert(sizeof(glm::vec3) == sizeof(*t.position) && sizeof(glm::vec2) == sizeof(*t.uv));
+  const auto vec3s = [](std::array<float, 3>* vectors) { return reinterpret_cast<glm::vec3*>(vectors); };
+  return {t.distance, vec3s(t.position), vec3s(t.normal), vec3s(t.geonormal), reinterpret_cast<glm::vec2*>(t.uv), t.id,
+          t.part,     t.material,        t.triangle,      t.intensity};
+}
+
 // Renderer::Impl is private, so its type is deduced.
 template <typename Impl>
 render::CastTicket submitTo(Impl& impl, const render::CastRays& rays, const CastTargets& t, const Options& options,
                             std::function<void()> beforeStore = {}) {
   const auto input = impl.rayInput(options);
-  static_assert(sizeof(glm::vec3) == sizeof(*t.position) && sizeof(glm::vec2) == sizeof(*t.uv));
-  const auto vec3s = [](std::array<float, 3>* vectors) { return reinterpret_cast<glm::vec3*>(vectors); };
-  const render::CastTargets targets{
-      t.distance, vec3s(t.position), vec3s(t.normal), vec3s(t.geonormal), reinterpret_cast<glm::vec2*>(t.uv), t.id,
-      t.part,     t.material,        t.triangle,      t.intensity};
-  return impl.renderer.submitCast(rays, targets, input.settings, input.moment, std::move(beforeStore));
+  return impl.renderer.submitCast(rays, internalTargets(t), input.settings, input.moment, std::move(beforeStore));
 }
 
 }  // namespace
@@ -893,26 +895,12 @@ void Renderer::cast(const Worlds& worlds, const WorldRays& rays, const CastTarge
   submitCast(worlds, rays, targets, options).take();
 }
 
-CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, const CastTargets& t,
+CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, const CastTargets& targets,
                                 const Options& options) {
   Impl& impl = usable(impl_);
   checkRays(rays, worlds.count);
-  const std::pair<std::string_view, void*> arrays[] = {{"distance", t.distance},
-                                                       {"position", t.position},
-                                                       {"normal", t.normal},
-                                                       {"geonormal", t.geonormal},
-                                                       {"uv", t.uv},
-                                                       {"id", t.id},
-                                                       {"part", t.part},
-                                                       {"material", t.material},
-                                                       {"triangle", t.triangle},
-                                                       {"intensity", t.intensity}};
-  std::vector<render::WorldCast::Target> hits;
-  for (const auto& [name, array] : arrays)
-    if (array)
-      hits.push_back(
-          {&*std::ranges::find(render::hitInfos(), name, &render::HitInfo::name), static_cast<std::byte*>(array)});
-  return CastTicket::Impl::submitted(impl_, impl.submitCast(worlds, rays, std::move(hits), options));
+  return CastTicket::Impl::submitted(
+      impl_, impl.submitCast(worlds, rays, render::worldTargets(internalTargets(targets)), options));
 }
 
 }  // namespace latelight

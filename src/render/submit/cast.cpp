@@ -186,6 +186,13 @@ std::span<const HitInfo> hitInfos() {
   return kInfos;
 }
 
+std::vector<WorldCast::Target> worldTargets(const CastTargets& targets) {
+  std::vector<WorldCast::Target> all;
+  for (const HitArray& array : arraysOf(targets))
+    all.push_back({&*std::ranges::find(hitInfos(), array.address, &HitInfo::address), array.target});
+  return all;
+}
+
 // Brings the worlds of a call to the device.
 void Renderer::followWorlds(const SceneState& moment) {
   gpuScene_.setWorlds(moment.worlds, moment.poses, {});

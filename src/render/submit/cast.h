@@ -125,6 +125,9 @@ struct WorldCast {
   std::vector<std::shared_ptr<const void>> memory{};  // that holds the origins and the directions
 };
 
+// The arrays of the caller that are to be filled.
+std::vector<WorldCast::Target> worldTargets(const CastTargets& targets);
+
 // The hits of rays through worlds.
 struct WorldHits {
   uint32_t worlds = 0;
