@@ -163,9 +163,9 @@ class NodeWriter {
       Json node{{"name", scene_.nodes[i].name}};
       setMatrix(node, localOf(i));
       const int parent = scene_.nodes[i].parent;
-      const bool leavesParent = parent >= 0 && isRoot(i);
-      if (leavesParent) warnOfRoot(scene_.nodes[i].name);
-      nodes_[i] = addNode(std::move(node), parent < 0 || leavesParent ? -1 : nodes_[size_t(parent)]);
+      const bool root = isRoot(i);
+      if (root && parent >= 0) warnOfRoot(scene_.nodes[i].name);
+      nodes_[i] = addNode(std::move(node), root ? -1 : nodes_[size_t(parent)]);
     }
   }
 
