@@ -15,6 +15,7 @@ import time
 import latelight
 import numpy as np
 import torch
+from behind_work import submit_behind_work
 
 WORLDS, RAYS = 4096, 256
 FACES = [[0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4], [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2],
@@ -80,6 +81,15 @@ def compare(name):
     different = (torch.from_dlpack(placed).cpu().numpy() != images).mean()
     assert different == 0, different
     print(f"images with rays: {count} worlds, the same bytes from tensors and from the host")
+
+
+def calls_on_gpu(scene):
+    """The arrays of two calls, and their rays."""
+    calls = []
+    for seed in range(2):
+        arrays, origins, directions, _ = given(scene, seed)
+        calls.append(({key: on_gpu(value) for key, value in arrays.items()}, on_gpu(origins), on_gpu(directions)))
+    return calls
 
 
 def bytes_of(hits):
@@ -167,24 +177,18 @@ def check_order(name, through_worlds):
         expected = bytes_of(renderer.cast_worlds(WORLDS, on_gpu(origins), along, **arguments))
     else:
         expected = bytes_of(renderer.cast(on_gpu(origins[0]), along[0]))
-    source, target = on_gpu(origins), torch.empty(origins.shape, device="cuda")
-    busy = torch.randn(8192, 8192, device="cuda")
-    for stream in (None, torch.cuda.Stream()):
-        target.fill_(float("nan"))
-        torch.cuda.synchronize()
-        with torch.cuda.stream(stream or torch.cuda.current_stream()):
-            for _ in range(40):
-                busy = (busy @ busy).clamp(-1, 1)
-            target.copy_(source)
-            start = time.perf_counter()
-            if through_worlds:
-                ticket = renderer.submit_cast_worlds(WORLDS, target, along, stream=stream, **arguments)
-            else:
-                ticket = renderer.submit_cast(target[0], along[0], stream=stream)
-            submitted = time.perf_counter() - start
-            assert_same(ticket.take(), expected)
-        total = time.perf_counter() - start
-        kind = "submit_cast_worlds" if through_worlds else "submit_cast"
+    target = torch.empty(origins.shape, device="cuda")
+
+    def submit(stream):
+        if through_worlds:
+            return renderer.submit_cast_worlds(WORLDS, target, along, stream=stream, **arguments)
+        return renderer.submit_cast(target[0], along[0], stream=stream)
+
+    def check(ticket):
+        assert_same(ticket.take(), expected)
+
+    kind = "submit_cast_worlds" if through_worlds else "submit_cast"
+    for submitted, total in submit_behind_work(on_gpu(origins), target, submit, check):
         print(f"{kind} that follows {total:.3f} s of work returned in {submitted:.4f} s")
         assert submitted < total / 2
 
@@ -217,10 +221,7 @@ def measure_overlap(name, runs=60):
     """Calls one by one, and calls of which the next is submitted before the one before is taken."""
     scene = latelight.Scene(name)
     renderer = latelight.Renderer(scene, device="cuda:0")
-    calls = []
-    for seed in range(2):
-        arrays, origins, directions, instances = given(scene, seed)
-        calls.append(({key: on_gpu(value) for key, value in arrays.items()}, on_gpu(origins), on_gpu(directions)))
+    instances, calls = scene.instances(), calls_on_gpu(scene)
     every = ("distance", "position", "normal", "id")
     for outputs, on_device, at_once in itertools.product(("distance", every), (True, False), (1, 2)):
         outs, tickets = [None, None], []
@@ -247,10 +248,7 @@ def measure_overlap(name, runs=60):
 def measure(name):
     scene = latelight.Scene(name)
     renderer = latelight.Renderer(scene, device="cuda:0")
-    calls = []
-    for seed in range(2):
-        arrays, origins, directions, instances = given(scene, seed)
-        calls.append(({key: on_gpu(value) for key, value in arrays.items()}, on_gpu(origins), on_gpu(directions)))
+    instances, calls = scene.instances(), calls_on_gpu(scene)
     for outputs in ("distance", ("distance", "position", "normal", "id")):
         out, times = None, []
         for run in range(40):
