@@ -74,7 +74,7 @@ SH_CONST uint kRaySceneBytes = 48u;
 struct RayScene {
   uint64_t nodes;      // RayNode[] over the instances
   uint64_t instances;  // RayInstance[]
-  // EnvironmentCell[kEnvironmentColumns * kEnvironmentRows] per environment that views have; 0: rays do not sample them
+  // A table of kEnvironmentTableBytes per environment that views have; 0: rays do not sample them
   uint64_t environment;
   uint64_t emitters;  // RayEmitter[emitterCount]
   // Per element of FrameConstants::instances, the index of its first emitter, or kRayNone. The emitters of an instance
@@ -91,17 +91,13 @@ struct RayEmitter {
 };
 
 // A grid over the directions of an environment in its own frame, by which rays choose bright directions. Columns have
-// equal ranges of longitude and rows equal ranges of latitude, as in the equirectangular image. The cells form an alias
-// table (Vose 1991, A Linear Algorithm for Generating Random Numbers with a Given Distribution).
-SH_CONST uint kEnvironmentColumns = 1024u;
+// equal ranges of longitude and rows equal ranges of latitude, as in the equirectangular image. Its table has the
+// cumulative distribution of the rows, uint[kEnvironmentRows], and of the cells in each row,
+// uint[kEnvironmentRows][kEnvironmentColumns]: the fraction of choices that come before an element, times 2^32. Unlike
+// an alias table, its inverse is monotonic, so points that are well distributed in the square remain so among the cells.
+SH_CONST uint kEnvironmentColumns = 1024u;  // powers of two
 SH_CONST uint kEnvironmentRows = 512u;
-struct EnvironmentCell {  // 16 bytes
-  float threshold;        // fraction of choices of this cell that stay; the others move to the alias
-  uint alias;
-  float density;  // of the chosen directions in this cell, 1/sr
-  float padding;
-};
-SH_CONST uint kEnvironmentTableBytes = 16u * kEnvironmentColumns * kEnvironmentRows;
+SH_CONST uint kEnvironmentTableBytes = 4u * kEnvironmentRows * (kEnvironmentColumns + 1u);
 
 // The values match Indirect.
 SH_CONST uint kIndirectNone = 0u;

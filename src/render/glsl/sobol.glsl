@@ -25,11 +25,14 @@ uint sobolSecond(uint index) {
   return result;
 }
 
-// Returns point `index` in [0, 1)^2 of a pair of dimensions.
-vec2 sobolSample(uint index, uint pair, uint seed) {
+// Returns point `index` of a pair of dimensions, times 2^32.
+uvec2 sobolBits(uint index, uint pair, uint seed) {
   uvec3 seeds = rayHash(uvec3(seed, pair, 0x9e3779b9u));
   uint shuffled = owenScrambled(index, seeds.x);
-  return rayUnit(uvec2(owenScrambled(bitfieldReverse(shuffled), seeds.y), owenScrambled(sobolSecond(shuffled), seeds.z)));
+  return uvec2(owenScrambled(bitfieldReverse(shuffled), seeds.y), owenScrambled(sobolSecond(shuffled), seeds.z));
 }
+
+// The same in [0, 1)^2.
+vec2 sobolSample(uint index, uint pair, uint seed) { return rayUnit(sobolBits(index, pair, seed)); }
 
 #endif

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "render/base/readback.h"
 #include "render/rays/environment_push.h"
@@ -20,46 +21,42 @@ double solidAngle(size_t row) {
          (std::cos(static_cast<double>(row) * kStep) - std::cos(static_cast<double>(row + 1) * kStep));
 }
 
+// Writes the fraction of `shares` that comes before each of them, times 2^32. Each of them has a part of that range.
+void writeCumulative(std::span<const double> shares, std::span<uint32_t> starts) {
+  const double total = std::accumulate(shares.begin(), shares.end(), 0.0);
+  const double units = 0x1p32 - static_cast<double>(shares.size());  // one of the others goes to each element
+  double before = 0;
+  for (size_t i = 0; i < shares.size(); ++i) {
+    starts[i] = static_cast<uint32_t>(i + static_cast<uint64_t>(std::min(before / total, 1.0) * units));
+    before += shares[i];
+  }
+}
+
 }  // namespace
 
-std::vector<shared::EnvironmentCell> aliasTable(std::span<const float> brightness) {
+std::vector<uint32_t> environmentTable(std::span<const float> brightness) {
+  using shared::kEnvironmentColumns, shared::kEnvironmentRows;
   double total = 0;
   for (size_t i = 0; i < kCells; ++i)
-    total += std::max(0.0, double{brightness[i]}) * solidAngle(i / shared::kEnvironmentColumns);
-  const double mean = total > 0 ? total / (4 * std::numbers::pi) : 1, least = 1e-3 * mean;
-  std::vector<double> shares(kCells);
-  double sum = 0;
-  for (size_t i = 0; i < kCells; ++i) {
-    shares[i] = (std::max(0.0, double{brightness[i]}) + least) * solidAngle(i / shared::kEnvironmentColumns);
-    sum += shares[i];
+    total += std::max(0.0, double{brightness[i]}) * solidAngle(i / kEnvironmentColumns);
+  const double least = 1e-3 * (total > 0 ? total / (4 * std::numbers::pi) : 1);
+  std::vector<uint32_t> table(shared::kEnvironmentTableBytes / sizeof(uint32_t));
+  std::vector<double> rows(kEnvironmentRows), columns(kEnvironmentColumns);
+  for (size_t row = 0; row < kEnvironmentRows; ++row) {
+    const std::span<const float> cells = brightness.subspan(row * kEnvironmentColumns, kEnvironmentColumns);
+    for (size_t i = 0; i < cells.size(); ++i) columns[i] = std::max(0.0, double{cells[i]}) + least;
+    rows[row] = std::accumulate(columns.begin(), columns.end(), 0.0) * solidAngle(row);
+    writeCumulative(columns,
+                    std::span(table).subspan(kEnvironmentRows + row * kEnvironmentColumns, kEnvironmentColumns));
   }
-  std::vector<shared::EnvironmentCell> cells(kCells);
-  std::vector<uint32_t> small, large;
-  for (uint32_t i = 0; i < kCells; ++i) {
-    cells[i].density = static_cast<float>(shares[i] / sum / solidAngle(i / shared::kEnvironmentColumns));
-    shares[i] *= kCells / sum;
-    (shares[i] < 1 ? small : large).push_back(i);
-  }
-  while (!small.empty() && !large.empty()) {
-    const uint32_t low = small.back(), high = large.back();
-    small.pop_back();
-    cells[low].threshold = static_cast<float>(shares[low]);
-    cells[low].alias = high;
-    shares[high] -= 1 - shares[low];
-    if (shares[high] >= 1) continue;
-    large.pop_back();
-    small.push_back(high);
-  }
-  for (const std::vector<uint32_t>* rest : {&small, &large})
-    for (const uint32_t i : *rest) cells[i].threshold = 1, cells[i].alias = i;
-  return cells;
+  writeCumulative(rows, std::span(table).first(kEnvironmentRows));
+  return table;
 }
 
 namespace {
 
 // Returns the table of an environment.
-std::vector<shared::EnvironmentCell> measuredCells(vk::Device& device, graph::Executor& executor,
-                                                   const vk::BoundImage& radiance) {
+std::vector<uint32_t> measuredTable(vk::Device& device, graph::Executor& executor, const vk::BoundImage& radiance) {
   graph::Graph graph(executor);
   const Builder b{device, graph};
   const graph::BufferId weights = createResult(b, "environment weights", kCells * sizeof(float), 1).buffer;
@@ -75,18 +72,18 @@ std::vector<shared::EnvironmentCell> measuredCells(vk::Device& device, graph::Ex
   const graph::BufferId result = addReadback(b, weights);
   const graph::Submission done = executor.submit(graph, graph.compile());
   done.wait();
-  return aliasTable(std::span(done.buffer(result).as<const float>(), kCells));
+  return environmentTable(std::span(done.buffer(result).as<const float>(), kCells));
 }
 
 }  // namespace
 
 vk::Buffer makeEnvironmentCells(vk::Device& device, graph::Executor& executor, const GpuEnvironment& environments) {
-  const uint64_t table = kCells * sizeof(shared::EnvironmentCell);
-  vk::Buffer buffer(device, {.size = environments.count() * table, .name = "environment cells"});
+  constexpr uint64_t kTable = shared::kEnvironmentTableBytes;
+  vk::Buffer buffer(device, {.size = environments.count() * kTable, .name = "environment cells"});
   for (uint32_t i = 0; i < environments.count(); ++i) {
-    const std::vector<shared::EnvironmentCell> cells = measuredCells(device, executor, environments.radiance(i));
+    const std::vector<uint32_t> table = measuredTable(device, executor, environments.radiance(i));
     vk::Uploader uploader(device);
-    uploader.upload(buffer, std::as_bytes(std::span(cells)), i * table);
+    uploader.upload(buffer, std::as_bytes(std::span(table)), i * kTable);
     uploader.flush();
   }
   return buffer;

@@ -10,12 +10,12 @@
 
 namespace latelight::render {
 
-// Returns the alias table of cells of these mean brightnesses, row by row. Cells get at least a thousandth of the mean
-// density, so that no direction is left out.
-std::vector<shared::EnvironmentCell> aliasTable(std::span<const float> brightness);
+// Returns the cumulative distributions (shared/rays.h) of cells of these mean brightnesses, row by row. Cells get at
+// least a thousandth of the mean density, so that no direction is left out.
+std::vector<uint32_t> environmentTable(std::span<const float> brightness);
 
 // Runs graphs on the device that measure the cells, waits for them, and returns the tables of all environments, one
-// after the other: shared::EnvironmentCell[environments][cells].
+// after the other.
 vk::Buffer makeEnvironmentCells(vk::Device& device, graph::Executor& executor, const GpuEnvironment& environments);
 
 }  // namespace latelight::render

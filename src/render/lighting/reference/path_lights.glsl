@@ -35,9 +35,8 @@ vec3 rayOrigin(Surface s, vec3 direction, float distance) {
 
 LightRay rayToSky(FrameConstants frame, RayScene scene) {
   if (!hasCells(scene, frame)) return noLightRay();
-  vec2 u = nextSample(), inside = nextSample();
-  vec3 toLight = sampleSky(frame, scene, u, inside);
-  return lightRay(skyRadiance(frame, toLight), toLight, 3.0e38, skyDensity(frame, scene, toLight));
+  SkySample sky = sampleSky(frame, scene, nextBits());
+  return lightRay(skyRadiance(frame, sky.direction), sky.direction, 3.0e38, sky.density);
 }
 
 // --- lights ----------------------------------------------------------------------------------------------------------

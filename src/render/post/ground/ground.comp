@@ -59,9 +59,10 @@ Surface whitePlane(vec3 position) {
 // their mean density (Veach and Guibas 1995, Optimally Combining Sampling Techniques for Monte Carlo Rendering).
 vec3 directionToSky(FrameConstants frame, RayScene scene, uint index, uint seed) {
   bool byCosine = (index & 1u) != 0u;
-  vec2 u = sobolSample(index >> 1u, byCosine ? 1u : 2u, seed), disk = diskSample(u);
-  if (byCosine) return vec3(disk, sqrt(max(1.0 - dot(disk, disk), 0.0)));
-  return sampleSky(frame, scene, u, sobolSample(index >> 1u, 3u, seed));
+  uvec2 bits = sobolBits(index >> 1u, byCosine ? 1u : 2u, seed);
+  if (!byCosine) return sampleSky(frame, scene, bits).direction;
+  vec2 disk = diskSample(rayUnit(bits));
+  return vec3(disk, sqrt(max(1.0 - dot(disk, disk), 0.0)));
 }
 
 // Returns (E, E0) / pi of one sample, as luminance.
