@@ -33,9 +33,9 @@ vec4 estimated(Neighborhood n, vec4 signal, float frames) {
   float mean = n.mean / n.weight;
   float spread = max(n.square / n.weight - mean * mean, 0.0);
   float light = luminance(signal.rgb);
-  float limited = n.highest > 0.0 ? min(light, n.highest) : light;
+  float limit = n.highest > 0.0 && light > n.highest ? n.highest / light : 1.0;
   float variance = max(n.variance / n.weight, 0.25 * spread / frames);
-  return vec4(signal.rgb * (limited / max(light, 1e-20)), variance);
+  return vec4(signal.rgb * limit, variance);
 }
 
 void main() {

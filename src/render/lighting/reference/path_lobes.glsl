@@ -61,7 +61,8 @@ vec3 mirroredShare(PathVertex v, vec3 toLight) {
   SurfaceBrdf lobe = v.brdf;
   lobe.diffuse = vec3(0.0);
   LightSample light = LightSample(toLight, vec3(1.0), 1.0);
-  return shadeLight(lobe, light, pathShading()) / max(shadeLight(v.brdf, light, pathShading()), vec3(1e-20));
+  vec3 all = shadeLight(v.brdf, light, pathShading());
+  return min(shadeLight(lobe, light, pathShading()) / max(all, vec3(1e-20)), vec3(1.0));  // the rest is not negative
 }
 
 // 1/sr: half of the microfacets' visible area is toward the eye (Heitz 2018, Sampling the GGX Distribution of Visible
