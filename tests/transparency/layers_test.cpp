@@ -223,6 +223,31 @@ TEST_F(Layers, TiesAreSettledByTheOrderOfDraws) {
   EXPECT_EQ(linear(stack.scene, 16, "exact"), picture);
 }
 
+// Squares of 2.4 km, which `hardware` draws as fans of triangles (kVastFan), among small ones: by depth and, at equal
+// depth, in the order of draws.
+TEST_F(Layers, VastSurfacesBlendLikeSmallOnes) {
+  Stack stack;
+  std::vector<Layer> layers;
+  shared::Random random(10);
+  for (int i = 0; i < 12; ++i) {
+    layers.push_back({0.5 * (i / 4), randomColor(random)});
+    const float half = i % 2 == 0 ? 1200 : 1.1f;
+    stack.square(stack.glass(layers.back().color), {0, 0, layers.back().z}, {half, half});
+  }
+  const vec3 ground(0.3f, 0.2f, 0.1f);
+  stack.square(stack.solid(ground), {0, 0, -1}, {1200, 1200});
+  const dvec4 expected = blendInOrder(layers, dvec4(ground, 1));
+  for (const vec4& pixel : linear(stack.scene, 16, "exact")) ASSERT_LE(apart(pixel, expected), kStep);
+  const std::vector<vec4> weighted = linear(stack.scene, 16, "weighted");
+  for (const vec4& pixel : weighted) ASSERT_EQ(pixel, weighted.front());
+  const Layer near{1, {1, 0, 0, 0.5f}}, far{-1, {0, 1, 0, 0.75f}};
+  Stack apartStack;
+  for (const Layer& layer : {near, far})
+    apartStack.square(apartStack.glass(layer.color), {0, 0, layer.z}, {1200, 1200});
+  for (const vec4& pixel : linear(apartStack.scene, 16, "sorted"))
+    ASSERT_LE(apart(pixel, blendInOrder({near, far}, dvec4(0))), kStep);
+}
+
 // On an opaque surface of equal depth it is visible: a decal.
 TEST_F(Layers, DecalsShow) {
   Stack stack;

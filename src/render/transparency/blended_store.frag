@@ -29,7 +29,8 @@ void main() {
   Fragment f;
   f.color = uvec2(packHalf2x16(color.rg), packHalf2x16(color.ba));
   f.depth = floatBitsToUint(gl_FragCoord.z);
-  f.order = more.order.first + (varyingDrawn - more.order.firstInstance) * more.order.triangles + uint(gl_PrimitiveID);
+  uint triangle = uint(gl_PrimitiveID) / (kVastDraw != 0u ? kVastFan : 1u);
+  f.order = more.order.first + (varyingDrawn - more.order.firstInstance) * more.order.triangles + triangle;
   f.pixel = (push.view * uint(size.y) + place.y) * uint(size.x) + place.x;
   f.rank = atomicAdd(ListWordsRef(lists.counts).v[f.pixel], 1u);
   f.coverage = uint(gl_SampleMaskIn[0]);

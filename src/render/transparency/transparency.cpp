@@ -48,11 +48,14 @@ ScenePipelines blendedPipelines(const FrameContext& f, const Bindings& maps, con
   desc.blend = target.blend;
   desc.name = target.fragment.name();
   const vk::PipelineRef plain = f.device.cache().pipeline(desc);
-  if (!blendedHaveLayers(f)) return {plain, plain};
+  ScenePipelines pipelines{plain, plain};
+  if (f.scene.anyVast()) pipelines.vastOpaque = pipelines.vastMasked = f.device.cache().pipeline(forVast(desc));
+  if (!blendedHaveLayers(f)) return pipelines;
   desc.fragment.coated = true;
   desc.constants.push_back({kLayersConstant, f.setup.layers});
   desc.name += " coated";
-  return {plain, plain, f.device.cache().pipeline(desc)};
+  pipelines.layered = f.device.cache().pipeline(desc);
+  return pipelines;
 }
 
 void addTransparency(const FrameContext& f, Gbuffer gbuffer) {

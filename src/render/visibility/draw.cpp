@@ -78,6 +78,17 @@ std::vector<vk::VertexBuffer> sceneVertexBuffers(const std::string& vertexShader
   return buffers;
 }
 
+vk::GraphicsDesc forVast(vk::GraphicsDesc desc) {
+  // A vertex of a vast triangle loads its whole triangle by address, so the vertex streams stay at their first element.
+  for (const uint32_t stream : {kPositions, kAttributes}) {
+    desc.vertexBuffers[stream].stride = 0;
+    desc.vertexBuffers[stream].perInstance = true;
+  }
+  desc.constants.push_back({kVastDrawConstant, 1});
+  desc.name += " vast";
+  return desc;
+}
+
 ScenePipelines scenePipelines(const FrameContext& f, const vk::GraphicsDesc& opaque, const vk::GraphicsDesc& masked) {
   vk::Device& device = f.device;
   const auto completed = [&](vk::GraphicsDesc desc, uint32_t isMasked) {
@@ -88,16 +99,6 @@ ScenePipelines scenePipelines(const FrameContext& f, const vk::GraphicsDesc& opa
     desc.sceneSets = GpuMaterials::setBindings(device);
     desc.constants.push_back({kAlphaMaskedConstant, isMasked});
     if (isMasked) desc.name += " masked";
-    return desc;
-  };
-  // A vertex of a vast triangle loads its whole triangle by address, so the vertex streams stay at their first element.
-  const auto forVast = [](vk::GraphicsDesc desc) {
-    for (const uint32_t stream : {kPositions, kAttributes}) {
-      desc.vertexBuffers[stream].stride = 0;
-      desc.vertexBuffers[stream].perInstance = true;
-    }
-    desc.constants.push_back({kVastDrawConstant, 1});
-    desc.name += " vast";
     return desc;
   };
   ScenePipelines pipelines{device.cache().pipeline(completed(opaque, 0)), device.cache().perhaps(completed(masked, 1))};

@@ -38,6 +38,8 @@ struct ScenePipelines {
 // Returns the vertex buffers of a scene vertex shader. scene_depth.vert reads only positions; the others also read
 // attributes.
 std::vector<vk::VertexBuffer> sceneVertexBuffers(const std::string& vertexShader);
+// Returns a description, with its vertex buffers, of a pipeline that draws the same for vast triangles (kVastFan).
+vk::GraphicsDesc forVast(vk::GraphicsDesc desc);
 // Completes `desc` with its vertex shader (default scene.vert) and buffers, the material sets and
 // kAlphaMaskedConstant, which fragment shaders declare. The push constants are DrawPush unless desc.pushBytes is set.
 ScenePipelines scenePipelines(const FrameContext& f, const vk::GraphicsDesc& desc);
