@@ -29,14 +29,9 @@ struct ExportArguments {
   std::optional<uint64_t> frame;
 };
 
-void checkUnused(const std::vector<std::filesystem::path>& inputs, const std::string& out) {
-  output::UsedFiles(inputs).checkOutputs(std::vector<std::filesystem::path>{out});
-}
-
 void exportScene(const RenderOptions& o) {
   const scene::Scene scene = scene::load(o.scene, loadOptions(o));
-  checkUnused(scene.files, o.out);
-  exports::exportScene(scene, o.out);
+  exports::exportScene(scene, o.out, scene.files);
 }
 
 // Prints the command that renders the frame's picture from the file.
@@ -45,15 +40,14 @@ void exportFrame(const ExportArguments& a) {
   for (const auto& [key, value] : a.options.given)
     if (key != "memory")
       badUsage("--job defines the scene and how it is loaded: omit {}", key == "SCENE" ? value : "--" + key);
-  checkUnused({a.job}, out);
+  const std::vector<std::filesystem::path> own{a.job};
+  output::UsedFiles(own).checkOutputs(std::vector<std::filesystem::path>{out});
   data::JobDocument document = data::readJobFile(a.job);
   if (document.json.is_object()) document.json.emplace("output", ".");  // frames do not depend on the set's folder
   const data::Job job = data::makeJob(document);
   data::FrameScene frame = data::sceneOfFrame(job, *a.frame);
-  std::vector<std::filesystem::path> inputs = frame.scene.files;
-  if (!job.hdri.empty()) inputs.emplace_back(job.hdri);
-  checkUnused(inputs, out);
-  exports::exportScene(frame.scene, out);
+  frame.files.emplace_back(a.job);
+  exports::exportScene(frame.scene, out, frame.files);
   if (std::filesystem::path(out).extension() != ".glb") return;
   std::vector<std::string> words{"latelight", "render", out, "-o",
                                  std::filesystem::path(frame.name).filename().string() + ".png"};
