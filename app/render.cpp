@@ -164,7 +164,8 @@ void checkFiles(const RenderOptions& o, const RenderPlan& plan, const scene::Sce
   named.scene = scene.name;
   named.camera.name = timeline.cameraAt(timeline.first()).name;
   named.frameDigits = timeline.frameDigits();
-  for (named.frame = timeline.first(); named.frame <= timeline.last(); ++named.frame) {
+  for (uint64_t frame = timeline.first(); frame <= timeline.last(); ++frame) {
+    named.frame = static_cast<uint32_t>(frame);  // the counter has 64 bits, because --frame may be the largest uint32_t
     const std::vector<std::filesystem::path> outputs = outputsOf(o, plan, named);
     used.checkOutputs(outputs);
     // In a sequence, a frame that cannot be written does not stop the others.
