@@ -136,6 +136,7 @@ void runLights(BenchArguments& a) {
   RenderOptions& o = a.render;
   refuseSamples(o);
   if (o.isExplicit("lighting")) badUsage("bench lights measures every technique that runs in compute: omit --lighting");
+  checkBudget(a.options.budget);
   std::vector<uint64_t> counts = parseCounts("--lights", a.lights);
   checkLights(o.scene, counts);
   std::ranges::sort(counts);
@@ -223,7 +224,6 @@ void addBenchCommand(CLI::App& app) {
   addRenderOptions(*lights, a.render);
   lights->add_option("--lights", a.lights, "Comma-separated numbers of lights")->capture_default_str();
   lights->add_option("--budget", a.options.budget, "Skip cases that would take longer than this many seconds")
-      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   lights->callback([arguments] { runLights(*arguments); });
   CLI::App* shade = bench->add_subcommand(

@@ -32,7 +32,7 @@ struct Arguments {
 };
 
 void parseSweep(const Arguments& a, study::SweepOptions& sweep) {
-  if (!(sweep.budget > 0)) badUsage("--budget must be above 0 seconds, not {}", sweep.budget);
+  checkBudget(sweep.budget);
   if (!a.lights.empty()) sweep.lights = parseCounts("--lights", a.lights);
   if (!a.triangles.empty()) sweep.triangles = parseCounts("--triangles", a.triangles);
   if (a.sizes.empty()) return;

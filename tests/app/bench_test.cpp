@@ -204,7 +204,7 @@ TEST(Bench, SaysWhatItCannotDo) {
       {{"lights", "model.glb"}, "built-in scene"},
       {{"lights", "builtin:hall,lights=3"}, "omit lights="},
       {{"lights", "--lights", "1,some"}, "--lights requires comma-separated whole numbers"},
-      {{"lights", "--budget", "0"}, "--budget"},
+      {{"lights", "--budget", "0"}, "--budget must be above 0 seconds, not 0"},
       {{"lights", "builtin:nothing"}, "no built-in scene"},
       {{"lights", "--lights", "2M"}, "1 to 1000000 lights, not 2000000"},
       {{"lights", "--lighting", "tiled"}, "omit --lighting"},

@@ -104,8 +104,14 @@ INSTANTIATE_TEST_SUITE_P(
                  {"export", "--job", "job.json", "--frame", "2", "-o", "a.glb"},
                  kUsage,
                  {"the job has 2 frames", "no frame 2"}},
-        WrongUse{
-            "ExportNegativeFrame", {"export", "--job", "job.json", "--frame=-1", "-o", "a.glb"}, kUsage, {"--frame"}},
+        WrongUse{"ExportNegativeFrame",
+                 {"export", "--job", "job.json", "--frame=-1", "-o", "a.glb"},
+                 kUsage,
+                 {"--frame", "not \"-1\""}},
+        WrongUse{"ExportFrameBeyondIntegers",
+                 {"export", "--job", "job.json", "--frame", "99999999999999999999", "-o", "a.glb"},
+                 kUsage,
+                 {"--frame", "not \"99999999999999999999\""}},
         WrongUse{"ExportNoJob", {"export", "--job", "no.json", "--frame", "0", "-o", "a.glb"}, kBadInput, {"no.json"}},
         WrongUse{
             "ExportOverTheJob", {"export", "--job", "job.glb", "--frame", "0", "-o", "job.glb"}, kUsage, {"job.glb"}},
