@@ -387,6 +387,7 @@ INSTANTIATE_TEST_SUITE_P(
         output("ToTimeAlone", "a.png", {"--to-time", "1"}, {"--correspond"}),
         output("ToCameraAlone", "a.png", {"--to-camera", "main"}, {"--correspond"}),
         output("ToTargetAlone", "a.png", {"--to-target", "0,0,0"}, {"--correspond"}),
+        output("SeveralToStandardOutput", "-", {"--aov", "depth,id"}, {"-o -", "one PNG file", "2 outputs"}),
         output("ReportIntoThePicture", "-", {"--json"}, {"--json", "-o"})),
     wrongUseName);
 
