@@ -197,7 +197,14 @@ TEST(Bench, SaysWhatItCannotDo) {
       {{"rays", "--rays", "65M"}, "--rays requires a number of rays up to 64M"},
       {{"raster", "--most", "many"}, "--most takes a number"},
       {{"raster", "--runs", "0"}, "--runs"},
-      {{"frame", "-o", "x.png"}, "omit -o"},
+      {{"frame", "-o", "x.png"}, "omit --out"},
+      {{"frame", "--aov", "depth"}, "omit --aov"},
+      {{"frame", "--debug", "sheet"}, "omit --debug"},
+      {{"frame", "--dump-graph", "x.dot"}, "omit --dump-graph"},
+      {{"views", "--labels", "x.json"}, "omit --labels"},
+      {{"worlds", "--no-side-file"}, "omit --no-side-file"},
+      {{"rays", "--correspond", "x.npz"}, "omit --correspond"},
+      {{"lights", "--pick", "1,1"}, "omit --pick"},
       {{"frame", "--raster", "compute"}, "omit --raster"},
       {{"frame", "builtin:nothing"}, "no built-in scene"},
       {{"lights", "builtin:boxes"}, "a fixed number of lights"},
@@ -212,7 +219,8 @@ TEST(Bench, SaysWhatItCannotDo) {
       {{"shade", "--aa", "msaa4"}, "omit --aa"},
       {{"shade", "--shading", "ggx"}, "omit --shading"},
       {{"shade", "--lighting", "forward"}, "choose another --lighting"},
-      {{"shade", "-o", "x.png"}, "omit -o"},
+      {{"shade", "-o", "x.png"}, "omit --out"},
+      {{"shade", "--to-eye", "0,0,0"}, "omit --to-eye"},
   };
   for (const auto& [arguments, words] : wrong) {
     const Outcome outcome = bench(arguments);

@@ -123,6 +123,15 @@ INSTANTIATE_TEST_SUITE_P(
                  {"export", "--job", "lost.json", "--frame", "0", "-o", "a.glb"},
                  kBadInput,
                  {"lost.gltf", "lost.bin"}},
+        WrongUse{
+            "ViewWithLabels", {"view", "--labels", "l.json"}, kUsage, {"view is interactive", "omit it", "--labels"}},
+        WrongUse{"ServeWithLabels", {"serve", "--labels", "l.json"}, kUsage, {"serve is interactive", "--labels"}},
+        WrongUse{"ServeWithKeypoints", {"serve", "--keypoints", "[]"}, kUsage, {"does not support --keypoints"}},
+        WrongUse{"ServeWithCorrespondence", {"serve", "--correspond", "c.npz"}, kUsage, {"--correspond"}},
+        WrongUse{"ServeWithASecondTime", {"serve", "--to-time", "1"}, kUsage, {"does not support --to-time"}},
+        WrongUse{"ReportWithLabels", {"report", "-o", "a.html", "--labels", "l.json"}, kUsage, {"omit --labels"}},
+        WrongUse{
+            "ReportWithASecondCamera", {"report", "-o", "a.html", "--to-camera", "1"}, kUsage, {"omit --to-camera"}},
         WrongUse{"PickOutside",
                  {"render", "builtin:boxes", "--size", "64x36", "--pick", "3,4", "--pick", "64,0"},
                  kUsage,
