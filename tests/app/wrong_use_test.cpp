@@ -126,6 +126,10 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUse{
             "ViewWithLabels", {"view", "--labels", "l.json"}, kUsage, {"view is interactive", "omit it", "--labels"}},
         WrongUse{"ServeWithLabels", {"serve", "--labels", "l.json"}, kUsage, {"serve is interactive", "--labels"}},
+        WrongUse{"ServeEyeInTarget",
+                 {"serve", "builtin:boxes", "--device", "cpu", "--port", "0", "--eye", "1,2,3", "--target", "1,2,3"},
+                 kUsage,
+                 {"eye and target are both (1, 2, 3)"}},
         WrongUse{"ServeWithKeypoints", {"serve", "--keypoints", "[]"}, kUsage, {"does not support --keypoints"}},
         WrongUse{"ServeWithCorrespondence", {"serve", "--correspond", "c.npz"}, kUsage, {"--correspond"}},
         WrongUse{"ServeWithASecondTime", {"serve", "--to-time", "1"}, kUsage, {"does not support --to-time"}},
