@@ -52,10 +52,19 @@ void runRaster(BenchArguments& a) {
   print(device, study::benchRaster(device, a.options), a.json);
 }
 
+UnsupportedOptions unsupportedByBench(bool supportsAovs) {
+  return supportsAovs ? UnsupportedOptions({"json", "aov"}, {}) : UnsupportedOptions({"json"}, {});
+}
+
+// Rejects options of outputs, except --aov for benchmarks that render what it names.
+void refuseOutputs(const RenderOptions& o, bool supportsAovs = false) {
+  if (const auto name = unsupportedByBench(supportsAovs).findIn(o))
+    badUsage("bench measures times and writes no outputs: omit {}", *name);
+}
+
 // Checks the options of a benchmark with a scene, and opens its device.
 template <typename Measure>
 void onDevice(RenderOptions& o, const Measure& measure) {
-  if (o.isExplicit("out")) badUsage("bench writes no image: omit -o");
   checkOptions(o);
   checkTime(o);
   vk::avoidFullDriverCache();
@@ -81,6 +90,7 @@ void refuseRaster(const RenderOptions& o) {
 }
 
 void runFrame(BenchArguments& a) {
+  refuseOutputs(a.render);
   refuseRaster(a.render);
   a.render.settings.display = true;
   onDevice(a.render, [&](vk::Device& device) {
@@ -95,6 +105,7 @@ void runFrame(BenchArguments& a) {
 
 void runRays(BenchArguments& a) {
   RenderOptions& o = a.render;
+  refuseOutputs(o);
   const std::optional<uint64_t> rays = scene::parseCount(a.rays);
   constexpr uint32_t kMaxRays = 64'000'000;
   if (!rays || *rays == 0 || *rays > kMaxRays)
@@ -134,8 +145,10 @@ void checkLights(const std::string& scene, const std::vector<uint64_t>& counts) 
 
 void runLights(BenchArguments& a) {
   RenderOptions& o = a.render;
+  refuseOutputs(o);
   refuseSamples(o);
   if (o.isExplicit("lighting")) badUsage("bench lights measures every technique that runs in compute: omit --lighting");
+  checkBudget(a.options.budget);
   std::vector<uint64_t> counts = parseCounts("--lights", a.lights);
   checkLights(o.scene, counts);
   std::ranges::sort(counts);
@@ -153,6 +166,7 @@ void runLights(BenchArguments& a) {
 
 void runShade(BenchArguments& a) {
   RenderOptions& o = a.render;
+  refuseOutputs(o);
   refuseSamples(o);
   if (o.isExplicit("shading")) badUsage("bench shade measures every reflection model: omit --shading");
   if (o.settings.lighting->draws)
@@ -169,6 +183,7 @@ void runShade(BenchArguments& a) {
 // Measures many views, each with a world of its own if `inWorlds`.
 void runViews(BenchArguments& a, bool inWorlds) {
   RenderOptions& o = a.render;
+  refuseOutputs(o, true);
   if (!o.aovs.empty()) o.settings.aovs = output::parseAovs(o.aovs);
   o.settings.display = o.aovs.empty();
   onDevice(o, [&](vk::Device& device) {
@@ -180,6 +195,11 @@ void runViews(BenchArguments& a, bool inWorlds) {
             o.json);
     });
   });
+}
+
+void addMeasuredOptions(CLI::App& command, RenderOptions& o, bool supportsAovs = false) {
+  addRenderOptions(command, o);
+  unsupportedByBench(supportsAovs).hide(command);
 }
 
 }  // namespace
@@ -202,33 +222,32 @@ void addBenchCommand(CLI::App& app) {
       ->capture_default_str();
   raster->callback([arguments] { runRaster(*arguments); });
   CLI::App* frame = bench->add_subcommand("frame", "The passes of a frame, with the options of render");
-  addRenderOptions(*frame, a.render);
+  addMeasuredOptions(*frame, a.render);
   frame->callback([arguments] { runFrame(*arguments); });
   CLI::App* views =
       bench->add_subcommand("views", "Many views per call, left on the device, with the options of render");
-  addRenderOptions(*views, a.render);
+  addMeasuredOptions(*views, a.render, true);
   views->add_option("--views", a.views, "Number of views")->check(CLI::Range(1, 100'000))->capture_default_str();
   views->callback([arguments] { runViews(*arguments, false); });
   CLI::App* worlds =
       bench->add_subcommand("worlds", "Many worlds per call with new transforms each, with the options of render");
-  addRenderOptions(*worlds, a.render);
+  addMeasuredOptions(*worlds, a.render, true);
   worlds->add_option("--worlds", a.worlds, "Number of worlds")->check(CLI::Range(1, 100'000))->capture_default_str();
   worlds->callback([arguments] { runViews(*arguments, true); });
   CLI::App* rays = bench->add_subcommand("rays", "Rays through a scene, with the options of render");
-  addRenderOptions(*rays, a.render);
+  addMeasuredOptions(*rays, a.render);
   rays->add_option("--rays", a.rays, "Number of rays of each kind")->capture_default_str();
   rays->callback([arguments] { runRays(*arguments); });
   CLI::App* lights = bench->add_subcommand(
       "lights", "Techniques that light in compute, by number of lights, with the options of render");
-  addRenderOptions(*lights, a.render);
+  addMeasuredOptions(*lights, a.render);
   lights->add_option("--lights", a.lights, "Comma-separated numbers of lights")->capture_default_str();
   lights->add_option("--budget", a.options.budget, "Skip cases that would take longer than this many seconds")
-      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   lights->callback([arguments] { runLights(*arguments); });
   CLI::App* shade = bench->add_subcommand(
       "shade", "Lower bound for the cost of a light, compared with --lighting, with the options of render");
-  addRenderOptions(*shade, a.render);
+  addMeasuredOptions(*shade, a.render);
   shade->callback([arguments] { runShade(*arguments); });
   for (CLI::App* command : {raster, frame, views, worlds, rays, lights, shade}) {
     command->add_option("--runs", a.options.frames, "Number of measured frames")

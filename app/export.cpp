@@ -10,6 +10,7 @@
 #include "app/render_options.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "base/text.h"
 #include "data/batch/frame_scene.h"
 #include "export/export.h"
 #include "output/used_files.h"
@@ -25,18 +26,18 @@ constexpr std::string_view kLoadOptions[] = {"variant", "allow-outside", "unit",
 
 struct ExportArguments {
   RenderOptions options;
-  std::string job;
-  std::optional<uint64_t> frame;
+  std::string job, frame;
 };
-
-void checkUnused(const std::vector<std::filesystem::path>& inputs, const std::string& out) {
-  output::UsedFiles(inputs).checkOutputs(std::vector<std::filesystem::path>{out});
-}
 
 void exportScene(const RenderOptions& o) {
   const scene::Scene scene = scene::load(o.scene, loadOptions(o));
-  checkUnused(scene.files, o.out);
-  exports::exportScene(scene, o.out);
+  exports::exportScene(scene, o.out, scene.files);
+}
+
+uint64_t parseFrame(const std::string& text) {
+  const std::optional<uint64_t> frame = parseNumber<uint64_t>(text);
+  if (!frame) badUsage("--frame requires the index of a frame of --job, such as 0, not \"{}\"", text);
+  return *frame;
 }
 
 // Prints the command that renders the frame's picture from the file.
@@ -45,15 +46,15 @@ void exportFrame(const ExportArguments& a) {
   for (const auto& [key, value] : a.options.given)
     if (key != "memory")
       badUsage("--job defines the scene and how it is loaded: omit {}", key == "SCENE" ? value : "--" + key);
-  checkUnused({a.job}, out);
+  const uint64_t index = parseFrame(a.frame);
+  const std::vector<std::filesystem::path> own{a.job};
+  output::UsedFiles(own).checkOutputs(std::vector<std::filesystem::path>{out});
   data::JobDocument document = data::readJobFile(a.job);
   if (document.json.is_object()) document.json.emplace("output", ".");  // frames do not depend on the set's folder
   const data::Job job = data::makeJob(document);
-  data::FrameScene frame = data::sceneOfFrame(job, *a.frame);
-  std::vector<std::filesystem::path> inputs = frame.scene.files;
-  if (!job.hdri.empty()) inputs.emplace_back(job.hdri);
-  checkUnused(inputs, out);
-  exports::exportScene(frame.scene, out);
+  data::FrameScene frame = data::sceneOfFrame(job, index);
+  frame.files.emplace_back(a.job);
+  exports::exportScene(frame.scene, out, frame.files);
   if (std::filesystem::path(out).extension() != ".glb") return;
   std::vector<std::string> words{"latelight", "render", out, "-o",
                                  std::filesystem::path(frame.name).filename().string() + ".png"};
@@ -64,11 +65,12 @@ void exportFrame(const ExportArguments& a) {
 void runExport(ExportArguments& a) {
   RenderOptions& o = a.options;
   if (o.out.empty()) badUsage("--out is required: give the output file, for example -o scene.glb");
-  if (a.job.empty() != !a.frame) badUsage("--job and --frame require each other: they name a frame of a data set");
+  if (a.job.empty() != a.frame.empty())
+    badUsage("--job and --frame require each other: they name a frame of a data set");
   exports::checkExportName(o.out);
   checkOptions(o);
   checkWritable(o.out);
-  if (a.frame)
+  if (!a.frame.empty())
     exportFrame(a);
   else
     exportScene(o);
@@ -94,7 +96,6 @@ void addExportCommand(CLI::App& app) {
                    "Index of the frame: its scene, with the frame's variation, time and camera, is written, and the "
                    "command is printed that renders the file as the frame")
       ->type_name("INTEGER")
-      ->check(CLI::NonNegativeNumber)
       ->group(group);
   command->add_option("-o,--out", arguments->options.out, "Output file: .glb, or .obj or .ply for the geometry only")
       ->type_name("TEXT")

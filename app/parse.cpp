@@ -38,6 +38,10 @@ std::vector<uint64_t> parseCounts(const std::string& option, const std::string& 
   return counts;
 }
 
+void checkBudget(double seconds) {
+  if (!(seconds > 0)) badUsage("--budget must be above 0 seconds, not {}", seconds);
+}
+
 int64_t parseStep(const std::string& text) {
   constexpr int64_t kMaxStep = 1'000'000;
   if (text == "next") return 1;

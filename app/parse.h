@@ -16,6 +16,8 @@ glm::dvec3 parseVector(const std::string& option, const std::string& text);  // 
 std::pair<uint32_t, uint32_t> parseFrames(const std::string& text);          // "0-47", or "5"
 // Parses "1,100,10k,1M". Rejects 0.
 std::vector<uint64_t> parseCounts(const std::string& option, const std::string& text);
+// Throws unless --budget is a number of seconds above 0.
+void checkBudget(double seconds);
 int64_t parseStep(const std::string& text);               // "next", "previous", or frames other than 0
 std::optional<size_t> parseIndex(std::string_view text);  // an integer, or nothing
 

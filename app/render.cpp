@@ -106,6 +106,15 @@ void checkStandardOutput(const RenderOptions& o) {
         "them");
 }
 
+// Requests the frame graph for --dump-graph. Labels and correspondences are of several graphs, of which none is kept.
+void planGraph(RenderOptions& o) {
+  if (o.graph.empty()) return;
+  if (o.out.empty() && o.picks.empty())
+    badUsage("--dump-graph writes the graph of a picture or of --pick: give -o or --pick, or omit --dump-graph");
+  checkWritable(o.graph);
+  o.settings.describeGraph = true;
+}
+
 // Plans the outputs and the settings that they require. All checks precede any expensive work.
 output::OutputRequest planOutput(RenderOptions& o, const std::optional<output::DebugRequest>& debug) {
   output::OutputRequest request{.pattern = o.out};
@@ -120,13 +129,12 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<output::D
   if (o.out.empty() && (!isPictureOptional || debug || !o.aovs.empty()))
     badUsage("--out is required: give the output file with -o, unless only --pick, --labels or --correspond is used");
   checkStandardOutput(o);
-  if (!o.graph.empty()) checkWritable(o.graph);
+  planGraph(o);
   if (o.out.empty()) return request;
   output::checkOutput(request);
 
   render::Settings& s = o.settings;
   s.countSurfaces = o.json;
-  s.describeGraph = !o.graph.empty();
   if (debug) {
     render::showDebug(s, *debug);
     return request;
@@ -164,7 +172,8 @@ void checkFiles(const RenderOptions& o, const RenderPlan& plan, const scene::Sce
   named.scene = scene.name;
   named.camera.name = timeline.cameraAt(timeline.first()).name;
   named.frameDigits = timeline.frameDigits();
-  for (named.frame = timeline.first(); named.frame <= timeline.last(); ++named.frame) {
+  for (uint64_t frame = timeline.first(); frame <= timeline.last(); ++frame) {
+    named.frame = static_cast<uint32_t>(frame);  // the counter has 64 bits, because --frame may be the largest uint32_t
     const std::vector<std::filesystem::path> outputs = outputsOf(o, plan, named);
     used.checkOutputs(outputs);
     // In a sequence, a frame that cannot be written does not stop the others.

@@ -2,6 +2,8 @@
 
 #include <latelight/latelight.h>
 
+#include <algorithm>
+
 #include "app/render_pick.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -114,6 +116,25 @@ void addOption(CLI::App& command, const Option& option, const std::function<void
 
 std::span<const Option> commandOptions() {
   return commandTable().options();
+}
+
+UnsupportedOptions::UnsupportedOptions(std::initializer_list<std::string_view> supported,
+                                       std::initializer_list<std::string_view> others)
+    : keys_(others.begin(), others.end()) {
+  for (const Option& option : commandOptions()) {
+    const std::string_view key = render::keyOf(option);
+    if (option.group == "Output" && std::ranges::find(supported, key) == supported.end()) keys_.emplace_back(key);
+  }
+}
+
+void UnsupportedOptions::hide(CLI::App& command) const {
+  for (const std::string& key : keys_) command.get_option("--" + key)->group("");
+}
+
+std::optional<std::string> UnsupportedOptions::findIn(const RenderOptions& options) const {
+  for (const std::string& key : keys_)
+    if (options.isExplicit(key)) return "--" + key;
+  return std::nullopt;
 }
 
 namespace {

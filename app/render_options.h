@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec2.hpp>
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <string>
@@ -38,6 +39,21 @@ struct RenderOptions {
 
 // Returns the options that only the command line has; render::options() returns the others.
 std::span<const render::Option> commandOptions();
+
+// Options of `latelight render` that a command does not support, by key: those of the group "Output", which define the
+// files and texts that `render` writes, except `supported`, and `others`.
+class UnsupportedOptions {
+ public:
+  UnsupportedOptions(std::initializer_list<std::string_view> supported, std::initializer_list<std::string_view> others);
+
+  // Omits them from the help of a command with the options of `render`.
+  void hide(CLI::App& command) const;
+  // Returns the name of one that was passed, such as "--aov"; nothing if there is none.
+  std::optional<std::string> findIn(const RenderOptions& options) const;
+
+ private:
+  std::vector<std::string> keys_;
+};
 
 // Adds one option to a command. `take` is called with the text of each value, or "" for a flag.
 void addOption(CLI::App& command, const render::Option& option, const std::function<void(const std::string&)>& take);

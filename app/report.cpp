@@ -30,10 +30,14 @@ struct ReportArguments {
   const CLI::App* command = nullptr;
 };
 
+UnsupportedOptions unsupportedByReport() {
+  return {{"out"}, {"frames", "lens"}};
+}
+
 // Rejects options that a page does not support or varies itself.
 void checkGiven(const RenderOptions& o) {
-  for (const char* key : {"aov", "pick", "debug", "no-side-file", "json", "dump-graph", "frames", "frame", "lens"})
-    if (o.isExplicit(key)) badUsage("report selects its own images and values: omit --{}", key);
+  if (const auto name = unsupportedByReport().findIn(o))
+    badUsage("report selects its own images and values: omit {}", *name);
   if (o.out.empty()) badUsage("--out is required: give the output file, for example -o report.html");
   checkWritable(o.out);
 }
@@ -96,6 +100,7 @@ void addReportCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "report", "Write a page with a scene in every layout and with every technique, with the options of render");
   addRenderOptions(*command, a.render);
+  unsupportedByReport().hide(*command);
   command->get_option("--size")->default_str(fmt::format("{}x{}", kWidth, kHeight));
   command->get_option("--out")->description("Self-contained HTML page; - is standard output");
   command->add_option("--runs", a.runs, "Number of frames for the median times")

@@ -10,7 +10,8 @@
 #include "app/parse.h"
 #include "base/files.h"
 #include "base/text.h"
-#include "output/files.h"
+#include "output/png.h"
+#include "output/used_files.h"
 #include "render/settings/settings.h"
 #include "report/command.h"
 #include "report/study_page.h"
@@ -32,7 +33,7 @@ struct Arguments {
 };
 
 void parseSweep(const Arguments& a, study::SweepOptions& sweep) {
-  if (!(sweep.budget > 0)) badUsage("--budget must be above 0 seconds, not {}", sweep.budget);
+  checkBudget(sweep.budget);
   if (!a.lights.empty()) sweep.lights = parseCounts("--lights", a.lights);
   if (!a.triangles.empty()) sweep.triangles = parseCounts("--triangles", a.triangles);
   if (a.sizes.empty()) return;
@@ -70,6 +71,13 @@ nlohmann::ordered_json toJson(const Arguments& a, const study::Result& result) {
   return json;
 }
 
+// True for names that a file with a result of the study may have.
+bool isResultName(const std::filesystem::path& name, const std::string& study) {
+  const std::string ending = name.extension().string();
+  const bool isResult = ending == ".csv" || ending == ".json" || ending == ".png" || ending == ".svg";
+  return isResult && name.string().starts_with(study);
+}
+
 // The folder for results. It is created if missing, and removed again if there are no results.
 class ResultFolder {
  public:
@@ -95,30 +103,56 @@ ResultFolder::ResultFolder(const std::filesystem::path& path, const std::string&
     badUsage("the folder {} can't be made: {}; give -o another", path.string(), error.message());
   }
   checkWritable(path / (study + ".json"));
-  for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error)) {
-    const std::string ending = entry->path().extension().string();
-    const bool isResult = ending == ".csv" || ending == ".json" || ending == ".png" || ending == ".svg";
-    if (isResult && entry->path().filename().string().starts_with(study)) checkWritable(entry->path());
+  for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error))
+    if (isResultName(entry->path().filename(), study)) checkWritable(entry->path());
+}
+
+// The files that the command writes, with their contents.
+class Files {
+ public:
+  void add(const std::filesystem::path& path, std::vector<std::byte> bytes) {
+    paths_.push_back(path);
+    contents_.push_back(std::move(bytes));
   }
-}
+  void add(const std::filesystem::path& path, const std::string& text) {
+    const auto bytes = std::as_bytes(std::span(text));
+    add(path, std::vector<std::byte>(bytes.begin(), bytes.end()));
+  }
+  // Throws before it writes the first file if one would replace another one, or one that `used` has.
+  void write(output::UsedFiles& used) const {
+    used.checkOutputs(paths_);
+    for (size_t i = 0; i < paths_.size(); ++i) writeFile(paths_[i], contents_[i]);
+  }
 
-void writeText(const std::filesystem::path& path, const std::string& text) {
-  writeFile(path, std::as_bytes(std::span(text)));
-}
+ private:
+  std::vector<std::filesystem::path> paths_;
+  std::vector<std::vector<std::byte>> contents_;
+};
 
-void writeAll(const std::filesystem::path& folder, const Arguments& a, const study::Result& result) {
-  for (const study::Table& table : result.tables) writeText(folder / (table.name + ".csv"), study::toCsv(table));
+void addResults(Files& files, const Arguments& a, const study::Result& result) {
+  const std::filesystem::path folder = a.folder;
+  for (const study::Table& table : result.tables) files.add(folder / (table.name + ".csv"), study::toCsv(table));
   for (const study::NamedPicture& picture : result.pictures)
-    output::writePicture(folder / (picture.name + ".png"), picture.picture);
+    files.add(folder / (picture.name + ".png"), output::encodePng(picture.picture));
   for (const study::Plot& plot : result.plots)
-    if (const std::string svg = study::svgOf(plot); !svg.empty()) writeText(folder / (plot.name + ".svg"), svg);
-  writeText(folder / (a.name + ".json"), toJson(a, result).dump(1) + "\n");
+    if (const std::string svg = study::svgOf(plot); !svg.empty()) files.add(folder / (plot.name + ".svg"), svg);
+  files.add(folder / (a.name + ".json"), toJson(a, result).dump(1) + "\n");
 }
 
 std::string pageOf(const Arguments& a, const study::Study& study, const study::Result& result) {
   std::vector<std::string> words{"study", a.name};
   words = report::joined(std::move(words), explicitOptions(*a.command, {"out", "json", "validate"}));
   return report::studyPage(study, a.options, result, words);
+}
+
+// Reports before any expensive work that the page would replace an input or a result. The names of results are known
+// only after the study, so each name that one may have is reserved.
+void checkPage(const Arguments& a, output::UsedFiles& used) {
+  const std::filesystem::path page = a.page;
+  std::vector<std::filesystem::path> outputs{page};
+  if (!a.folder.empty() && isResultName(page.filename(), a.name))
+    outputs.push_back(std::filesystem::path(a.folder) / page.filename());
+  used.checkOutputs(outputs);
 }
 
 void run(Arguments& a) {
@@ -128,14 +162,19 @@ void run(Arguments& a) {
   if (!a.bits.empty()) a.options.bits = parseBits(a.bits);
   parseSweep(a, a.options.sweep);
   if (a.page == "-" && a.json) badUsage("--html - and --json both write to standard output; use one of them");
+  const std::vector<std::filesystem::path> inputs(a.options.environments.begin(), a.options.environments.end());
+  output::UsedFiles used(inputs);
   if (!a.page.empty()) checkWritable(a.page);
   a.options.pictures = !a.folder.empty() || !a.page.empty();
   std::optional<ResultFolder> folder;
   if (!a.folder.empty()) folder.emplace(a.folder, a.name);
+  checkPage(a, used);
   vk::avoidFullDriverCache();
   const study::Result result = chosen.run(a.options);
-  if (!a.folder.empty()) writeAll(a.folder, a, result);
-  if (!a.page.empty()) writeText(a.page, pageOf(a, chosen, result));
+  Files files;
+  if (!a.folder.empty()) addResults(files, a, result);
+  if (!a.page.empty()) files.add(a.page, pageOf(a, chosen, result));
+  files.write(used);
   if (a.page == "-") return;
   if (a.json) {
     fmt::print("{}\n", toJson(a, result).dump(1));

@@ -8,14 +8,15 @@ namespace latelight::app {
 
 namespace {
 
-constexpr std::string_view kUseless[] = {"out",   "aov",    "pick", "no-side-file", "json",  "dump-graph",
-                                         "frame", "frames", "turn", "up",           "orbit", "lens"};
+UnsupportedOptions unsupportedByViewer() {
+  return {{"debug"}, {"frames", "turn", "up", "orbit", "lens"}};
+}
 
 }  // namespace
 
 void addViewOptions(CLI::App& command, ViewOptions& options) {
   addRenderOptions(command, options);
-  for (const std::string_view key : kUseless) command.get_option("--" + std::string(key))->group("");
+  unsupportedByViewer().hide(command);
   command
       .add_option(
           "--shaders", options.shaders,
@@ -26,8 +27,8 @@ void addViewOptions(CLI::App& command, ViewOptions& options) {
 }
 
 view::Start viewStart(ViewOptions& o, std::string_view command) {
-  for (const std::string_view key : kUseless)
-    if (o.isExplicit(key)) badUsage("{} is interactive and does not support --{}", command, key);
+  if (const auto name = unsupportedByViewer().findIn(o))
+    badUsage("{} is interactive and does not support {}: omit it", command, *name);
   checkOptions(o);
   vk::useShadersOf(o.shaders);
   view::Start start{.scene = o.scene,

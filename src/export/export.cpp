@@ -11,6 +11,7 @@
 #include "export/formats.h"
 #include "export/materials.h"
 #include "export/nodes.h"
+#include "output/used_files.h"
 
 namespace latelight::exports {
 namespace {
@@ -26,6 +27,21 @@ uint64_t geometryBytes(const scene::Scene& scene) {
   uint64_t bytes = 0;
   for (const scene::Mesh& mesh : scene.meshes) bytes += mesh.bytes();
   return bytes;
+}
+
+// Writes the scene's .obj file, its .mtl file and the images of that.
+void exportObj(const scene::Scene& scene, const std::filesystem::path& file, output::UsedFiles& used) {
+  std::filesystem::path materials = file;
+  materials.replace_extension(".mtl");
+  const MaterialLibrary mtl = encodeMtl(scene, file.stem().string());
+  std::vector<std::filesystem::path> paths{file, materials};
+  for (const auto& [texture, name] : mtl.images) paths.push_back(file.parent_path() / name);
+  used.checkOutputs(paths);
+  const std::string obj = encodeObj(scene, materials.filename().string());
+  for (const auto& [texture, name] : mtl.images)
+    writeFile(file.parent_path() / name, encodeTexture(scene.textures[texture]));
+  writeFile(materials, std::as_bytes(std::span(mtl.text)));
+  writeFile(file, std::as_bytes(std::span(obj)));
 }
 
 }  // namespace
@@ -50,20 +66,15 @@ void checkExportName(const std::filesystem::path& file) {
     badUsage("'{}' is not the name of an exported scene: end it in .glb, .obj or .ply", file.string());
 }
 
-void exportScene(const scene::Scene& scene, const std::filesystem::path& file) {
+void exportScene(const scene::Scene& scene, const std::filesystem::path& file,
+                 std::span<const std::filesystem::path> inputs) {
   checkExportName(file);
   const std::string extension = extensionOf(file);
+  output::UsedFiles used(inputs);
   try {
-    if (extension == ".glb") return writeFile(file, encodeGlb(scene));
-    if (extension == ".ply") return writeFile(file, encodePly(scene));
-    std::filesystem::path materials = file;
-    materials.replace_extension(".mtl");
-    const MaterialLibrary mtl = encodeMtl(scene, file.stem().string());
-    const std::string obj = encodeObj(scene, materials.filename().string());
-    for (const auto& [texture, name] : mtl.images)
-      writeFile(file.parent_path() / name, encodeTexture(scene.textures[texture]));
-    writeFile(materials, std::as_bytes(std::span(mtl.text)));
-    writeFile(file, std::as_bytes(std::span(obj)));
+    if (extension == ".obj") return exportObj(scene, file, used);
+    used.checkOutputs({&file, 1});
+    writeFile(file, extension == ".glb" ? encodeGlb(scene) : encodePly(scene));
   } catch (const std::bad_alloc&) {
     failWithoutMemory(fmt::format("the exported file {}", file.string()));
   }

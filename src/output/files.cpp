@@ -201,9 +201,11 @@ void checkPattern(std::string_view pattern) {
 void checkOutput(const OutputRequest& request) {
   const Format format = formatOf(request.pattern);
   if (request.aovs.empty()) badUsage("no AOV is requested; name at least one");
-  if (request.pattern == kStandardOutput) return checkPng(std::span(request.aovs).first(1));
+  if (request.pattern == kStandardOutput && request.aovs.size() > 1)
+    badUsage("-o - writes one PNG file, but --aov names {} outputs; name one of them, or write to a .exr file",
+             request.aovs.size());
   if (format == Format::Png) checkPng(request.aovs);
-  checkPattern(request.pattern);
+  if (request.pattern != kStandardOutput) checkPattern(request.pattern);
 }
 
 std::vector<fs::path> outputPaths(const OutputRequest& request, const Metadata& metadata) {

@@ -20,7 +20,7 @@ struct OutputRequest {
   // are an error. Several AOVs share one .exr, or have one file each if the pattern contains {aov}. A .png or .npy
   // holds one AOV, so without {aov} the AOV's name is inserted before the extension: out.depth.png; color stays
   // out.png. Folders from the first placeholder on are created, and all folders if the pattern contains {frame}; others
-  // must exist. "-" is standard output, which receives a PNG of the first AOV.
+  // must exist. "-" is standard output, which receives a PNG of the only AOV.
   std::string pattern;
   std::vector<Aov> aovs{Aov::Color};
   // Writes the JSON side file, whose name is the pattern with the extension .json and "meta" for {aov}. Default: if any
@@ -70,7 +70,7 @@ void makeFilledFolders(const std::filesystem::path& pattern, const std::filesyst
 void checkPattern(std::string_view pattern);
 
 // Throws Error(Usage) for errors that can be detected before rendering: the extension, placeholders, an AOV that the
-// format does not support, a folder that is missing or not writable.
+// format does not support, several AOVs for "-", a folder that is missing or not writable.
 void checkOutput(const OutputRequest& request);
 
 // Returns the paths that writeOutput() writes: one per AOV, or one for all, then that of the side file. Empty for "-".

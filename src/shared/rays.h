@@ -94,7 +94,8 @@ struct RayEmitter {
 // equal ranges of longitude and rows equal ranges of latitude, as in the equirectangular image. Its table has the
 // cumulative distribution of the rows, uint[kEnvironmentRows], and of the cells in each row,
 // uint[kEnvironmentRows][kEnvironmentColumns]: the fraction of choices that come before an element, times 2^32. Unlike
-// an alias table, its inverse is monotonic, so points that are well distributed in the square remain so among the cells.
+// an alias table, its inverse is monotonic, so points that are well distributed in the square remain so among the
+// cells.
 SH_CONST uint kEnvironmentColumns = 1024u;  // powers of two
 SH_CONST uint kEnvironmentRows = 512u;
 SH_CONST uint kEnvironmentTableBytes = 4u * kEnvironmentRows * (kEnvironmentColumns + 1u);

@@ -64,6 +64,8 @@ ViewSession::Impl::Impl(const Start& start)
   if (start.eye && start.target) {
     const auto world = [&](glm::dvec3 v) { return scene::worldFromFile(stage.scene(), v); };
     const double fov = start.fov ? *start.fov * M_PI / 180 : double{scene::kDefaultVerticalFov};
+    // Reports a camera that cannot be placed, such as one whose target is its eye. Steering requires a direction.
+    static_cast<void>(scene::lookAt(stage.scene(), *start.eye, *start.target, {}, static_cast<float>(fov)));
     control.emplace(Viewpoint{world(*start.eye), world(*start.target), fov}, worldBounds(stage.scene()).radius());
   }
   camera();  // throws if no camera has that name

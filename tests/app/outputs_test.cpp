@@ -330,6 +330,14 @@ TEST_F(Outputs, GraphIsInTheDotLanguage) {
   }
 }
 
+TEST_F(Outputs, GraphOfPickedPixelsIsWritten) {
+  render({"builtin:boxes", "--pick", "1,1", "--dump-graph", "pick.dot"});
+  const Dot graph = parseDot(folder.read("pick.dot"));
+  EXPECT_TRUE(graph.directed);
+  EXPECT_GT(graph.edges.size(), 1u);
+  EXPECT_THAT(folder.names(), ElementsAre("pick.dot"));
+}
+
 // --- picking --------------------------------------------------------------------------------------------------------
 
 // Picking returns the data of that pixel, with names from the manifest. It writes no file and computes no lighting.

@@ -1,9 +1,11 @@
 // OBJ, PLY and STL files on the command line, and exported scenes.
 #include <gmock/gmock.h>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "app/folder.h"
 #include "app/process.h"
+#include "output/png.h"
 
 namespace latelight::app {
 namespace {
@@ -69,6 +71,38 @@ TEST(SceneFiles, ExportedScenesAreRenderedAlike) {
   EXPECT_EQ(compared.code, 0) << compared.text();
   EXPECT_EQ(latelight({.arguments = {"export", "builtin:boxes", "-o", "boxes.fbx"}, .folder = folder.path()}).code, 2);
   EXPECT_EQ(latelight({.arguments = {"export", "builtin:boxes"}, .folder = folder.path()}).code, 2);
+}
+
+// A .obj file is exported with a .mtl file and images, whose names the user does not give.
+TEST(SceneFiles, ExportedScenesReplaceNoFileOfTheScene) {
+  const Folder folder;
+  folder.write("square.obj", std::string("mtllib paint.mtl\nusemtl paint\n") + kSquare);
+  folder.write("paint.mtl", "newmtl paint\nKd 1 0 0\nmap_Kd copy_0.png\n");
+  const std::vector<std::byte> white(4, std::byte{255});
+  folder.write("copy_0.png", output::encodePng(1, 1, 4, 8, white.data(), output::PngLight::Srgb));
+  folder.write("job.json", R"({"scenes": "builtin:boxes", "variations": [
+                                {"type": "scatter", "objects": [{"file": "square.obj"}], "count": 1,
+                                 "min": [-2, -2, 0], "max": [2, 2, 2]}]})");
+  std::map<std::string, std::string> before;
+  for (const std::string& name : folder.names()) before[name] = folder.read(name);
+  const auto expectRejected = [&](std::vector<std::string> arguments, const char* file) {
+    arguments.insert(arguments.begin(), "export");
+    const Outcome outcome = latelight({.arguments = arguments, .folder = folder.path()});
+    EXPECT_EQ(outcome.code, 2) << outcome.text();
+    EXPECT_THAT(outcome.err, HasSubstr(std::string("'") + file + "'"));
+    std::map<std::string, std::string> after;
+    for (const std::string& name : folder.names()) after[name] = folder.read(name);
+    EXPECT_EQ(after, before);
+  };
+  expectRejected({"square.obj", "-o", "square.obj"}, "square.obj");
+  expectRejected({"square.obj", "-o", "paint.obj"}, "paint.mtl");
+  expectRejected({"square.obj", "-o", "copy.obj"}, "copy_0.png");
+  expectRejected({"--job", "job.json", "--frame", "0", "-o", "square.obj"}, "square.obj");
+  expectRejected({"--job", "job.json", "--frame", "0", "-o", "paint.obj"}, "paint.mtl");
+  const Outcome other = latelight({.arguments = {"export", "square.obj", "-o", "other.obj"}, .folder = folder.path()});
+  EXPECT_EQ(other.code, 0) << other.text();
+  EXPECT_EQ(folder.read("paint.mtl"), before["paint.mtl"]);
+  EXPECT_NE(folder.read("other.mtl"), "");
 }
 
 }  // namespace

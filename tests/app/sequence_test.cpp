@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -75,6 +76,16 @@ TEST(Sequences, NumbersAreAsWideAsTheLast) {
   Folder folder;
   EXPECT_EQ(render(folder, {"--frames", "99999-100000", "-o", "{frame}.png"}).code, 0);
   EXPECT_THAT(folder.names(), ElementsAre("099999.png", "100000.png"));
+}
+
+TEST(Sequences, TheLargestNumberIsWritten) {
+  Folder folder;
+  const Outcome outcome = latelight({.arguments = {"render", "builtin:boxes", "--device", "cpu", "--size", "8x8",
+                                                   "--frame", "4294967295", "-o", "{frame}.png"},
+                                     .folder = folder.path(),
+                                     .timeout = std::chrono::minutes(10)});
+  EXPECT_EQ(outcome.code, 0) << outcome.text();
+  EXPECT_THAT(folder.names(), ElementsAre("4294967295.png"));
 }
 
 // The time equals that of the first frame, so the file does too, byte for byte.

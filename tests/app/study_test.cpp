@@ -82,5 +82,32 @@ TEST(Study, PrintsJson) {
   EXPECT_EQ(nlohmann::json::parse(outcome.out)["position"].size(), 36u);
 }
 
+TEST(Study, PageReplacesNoOtherFileOfTheCommand) {
+  Folder folder;
+  std::filesystem::create_directory(folder.path() / "out");
+  std::filesystem::create_directory_symlink("out", folder.path() / "link");
+  folder.write("sky.hdr", "an environment");
+  const std::vector<std::string> before = folder.names();
+  const auto expectRejected = [&](std::vector<std::string> arguments, const char* name) {
+    const Outcome outcome = study(folder, std::move(arguments));
+    EXPECT_EQ(outcome.code, 2) << outcome.text();
+    EXPECT_THAT(outcome.err, HasSubstr(name));
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(folder.names(), before);
+  };
+  expectRejected({"position", "-o", "out", "--html", "out/position.csv"}, "'out/position.csv'");
+  expectRejected({"position", "-o", "out", "--html", "link/position.json"}, "'link/position.json'");
+  expectRejected({"accuracy", "--hdri", "sky.hdr", "--html", "sky.hdr"}, "'sky.hdr'");
+  EXPECT_EQ(folder.read("sky.hdr"), "an environment");
+  // The name that the page's link leads to is known as a result's only after the study.
+  folder.write("out/position.csv", "old");
+  std::filesystem::create_symlink("out/position.csv", folder.path() / "page.html");
+  EXPECT_EQ(study(folder, {"position", "-o", "out", "--html", "page.html"}).code, 2);
+  EXPECT_EQ(folder.read("out/position.csv"), "old");
+  const Outcome outcome = study(folder, {"position", "-o", "out", "--html", "out/position.html"});
+  EXPECT_EQ(outcome.code, 0) << outcome.text();
+  EXPECT_THAT(folder.read("out/position.html"), HasSubstr("<html"));
+}
+
 }  // namespace
 }  // namespace latelight::app

@@ -127,6 +127,11 @@ TEST_F(Output, IsCheckedBeforeRendering) {
                          checkOutput({"-", {Aov::Position}, std::nullopt});
                        }),
               HasSubstr("position"));
+  EXPECT_THAT(sentence(ExitCode::Usage,
+                       [] {
+                         checkOutput({"-", {Aov::Color, Aov::Depth, Aov::Id}, std::nullopt});
+                       }),
+              AllOf(HasSubstr("one PNG file"), HasSubstr("3 outputs")));
   checkOutput(request("ok.png"));
   EXPECT_THAT(names(), ElementsAre("a.png/"));
 }
@@ -191,10 +196,10 @@ class Redirected {
   int saved_;
 };
 
-TEST_F(Output, ToStandardOutputIsAPngOfTheFirstAov) {
+TEST_F(Output, ToStandardOutputIsAPng) {
   {
     const Redirected redirected(at("stdout"));
-    EXPECT_THAT(writeOutput({"-", {Aov::Depth, Aov::Id}, true}, frame, {}), IsEmpty());
+    EXPECT_THAT(writeOutput({"-", {Aov::Depth}, true}, frame, {}), IsEmpty());
   }
   EXPECT_EQ(readFile(at("stdout")), encodePng(frame.aovs[static_cast<size_t>(Aov::Depth)]));
   EXPECT_THAT(names(), ElementsAre("stdout"));

@@ -283,6 +283,10 @@ def test_the_same_but_for_times(report, folder):
     [
         (["builtin:boxes"], 2, "--out"),
         (["builtin:boxes", "--aov", "depth", "-o", "x.html"], 2, "--aov"),
+        (["builtin:boxes", "--labels", "x.json", "-o", "x.html"], 2, "--labels"),
+        (["builtin:boxes", "--keypoints", "[]", "-o", "x.html"], 2, "--keypoints"),
+        (["builtin:boxes", "--correspond", "x.npz", "-o", "x.html"], 2, "--correspond"),
+        (["builtin:boxes", "--to-camera", "main", "-o", "x.html"], 2, "--to-camera"),
         (["builtin:boxes", "-o", "nowhere/x.html"], 2, "nowhere"),
         (["builtin:boxes", "--runs", "0", "-o", "x.html"], 2, "--runs"),
         (["absent.glb", "-o", "x.html"], 3, "absent.glb"),

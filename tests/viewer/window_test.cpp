@@ -508,7 +508,8 @@ TEST(WindowWithoutADisplayTest, RefusesAndDoesNotListWhatItHasNoUseFor) {
   for (const char* command : {"view", "serve"}) {
     const std::string help = latelight({command, "--help"}).out;
     EXPECT_THAT(help, HasSubstr("--layout"));
-    for (const char* option : {"--out", "--aov", "--pick", "--json", "--frames", "--orbit", "--lens"})
+    for (const char* option :
+         {"--out", "--aov", "--labels", "--correspond", "--pick", "--json", "--frames", "--orbit", "--lens"})
       EXPECT_THAT(help, testing::Not(HasSubstr(option))) << command;
   }
 }

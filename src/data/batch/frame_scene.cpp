@@ -181,6 +181,8 @@ FrameScene sceneOfFrame(const Job& job, uint64_t index) {
   scene::bakePose(frame.scene, pose);
   frame.scene.cameras = {camera};
   frame.options = options.words();
+  frame.files = filesOfJob(job);
+  frame.files.insert(frame.files.end(), frame.scene.files.begin(), frame.scene.files.end());
   return frame;
 }
 

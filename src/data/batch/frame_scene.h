@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct FrameScene {
   scene::Scene scene;  // with the frame's variation, at its time, with its camera as the only one
   // The options of `latelight render` with which a file of the scene gives the frame's picture.
   std::vector<std::string> options;
+  std::vector<std::filesystem::path> files;  // that the scene, its cameras and its variations are read from
 };
 
 // Throws Error(Usage) if the job has no such frame, and Error(BadInput) if its scene cannot be loaded. Warns about

@@ -159,6 +159,15 @@ Json readSaved(const std::filesystem::path& path) try { return parsed(readFile(p
 
 }  // namespace
 
+std::vector<std::filesystem::path> filesOfJob(const Job& job) {
+  std::vector<std::filesystem::path> files = variationFiles(job.variations);
+  std::vector<std::string> cameraFiles;
+  addCameraFiles(job.cameras, cameraFiles);
+  files.insert(files.end(), cameraFiles.begin(), cameraFiles.end());
+  if (!job.hdri.empty()) files.emplace_back(job.hdri);
+  return files;
+}
+
 Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   checkPattern(job.name);
   const Json& d = job.document;

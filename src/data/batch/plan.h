@@ -36,6 +36,10 @@ struct FrameLocation {
   uint32_t scene = 0, variation = 0, camera = 0;
 };
 
+// Returns the files that the job reads in addition to its scenes' own: of cameras, variations and the environment.
+// Files that do not exist may be among them.
+std::vector<std::filesystem::path> filesOfJob(const Job& job);
+
 class Plan {
  public:
   // Loads scenes to determine their cameras, except scenes in the plan that an earlier run wrote to `saved`. A broken

@@ -1,6 +1,6 @@
 // Directions of the environment in proportion to their brightness, for rays: by the inverse of the cumulative
-// distributions that the scene's BVHs refer to (RayScene::environment). Define SKY_PICTURE, the environment's equirectangular image, before the
-// include.
+// distributions that the scene's BVHs refer to (RayScene::environment). Define SKY_PICTURE, the environment's
+// equirectangular image, before the include.
 #ifndef LATELIGHT_SKY_SAMPLES_GLSL
 #define LATELIGHT_SKY_SAMPLES_GLSL
 #include "render/glsl/rays.glsl"
@@ -49,8 +49,8 @@ float withinRange(SkyRange range, uint u) {
   return min((float(u - range.start) + 0.5) / float(range.width), 1.0 - 1.0 / 16777216.0);
 }
 
-// The density in a cell, 1/sr. Its solid angle is a difference of cosines, as a product of sines: those of the rows near
-// the poles differ by less than their rounding.
+// The density in a cell, 1/sr. Its solid angle is a difference of cosines, as a product of sines: those of the rows
+// near the poles differ by less than their rounding.
 float skyDensity(SkyRange row, SkyRange column) {
   const float kRow = kPi / float(kEnvironmentRows), kColumn = 2.0 * kPi / float(kEnvironmentColumns);
   float solidAngle = kColumn * 2.0 * sin((float(row.index) + 0.5) * kRow) * sin(0.5 * kRow);
