@@ -212,6 +212,13 @@ TEST_F(MeteredPictures, DoNotDependOnStrips) {
   EXPECT_EQ(imageOf(strips, Aov::Color).values, imageOf(whole, Aov::Color).values);
 }
 
+TEST_F(MeteredPictures, AreMeteredWithoutHistory) {
+  Settings settings = settingsOf(8, 8);
+  settings.indirect = Indirect::OneBounce, settings.indirectFilter = IndirectFilter::Temporal;
+  settings.aa.temporal = true;
+  EXPECT_FALSE(keepsHistory(meteringSettings(settings, false)));
+}
+
 // A large picture is metered at a fraction of its size.
 TEST_F(MeteredPictures, AreMeteredSmall) {
   Settings settings = settingsOf(1500, 800, {Aov::Color, Aov::Depth});

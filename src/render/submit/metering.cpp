@@ -89,6 +89,8 @@ Settings meteringSettings(const Settings& settings, bool hasLens) {
   metering.fogDensity = 0;  // the fog's color is that after exposure
   metering.display = false;
   metering.aovs = {output::Aov::Color};
+  // The history belongs to the pictures, and its filter is spatial in the first frame.
+  if (metering.indirectFilter == IndirectFilter::Temporal) metering.indirectFilter = IndirectFilter::Spatial;
   metering.countSurfaces = metering.describeGraph = false;
   return metering;
 }
