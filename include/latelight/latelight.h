@@ -357,7 +357,7 @@ class LATELIGHT_API Scene {
   std::optional<Bounds> bounds() const;        // of all instances in the rest pose, in the scene file's frame; empty if
                                                // the scene is
   const std::vector<Camera>& cameras() const;  // the scene's own, in the rest pose
-  void addCamera(const Camera& camera);        // appended to cameras()
+  void addCamera(const Camera& camera);        // appended to cameras(), with its own exposure, shutter and readout
   const std::vector<Animation>& animations() const;
   // The scene's own cameras at a time; see Options::time, animation and loop.
   std::vector<Camera> camerasAt(double time, const std::string& animation = "", bool loop = false) const;

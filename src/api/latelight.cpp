@@ -300,9 +300,20 @@ const std::vector<Animation>& Scene::animations() const {
   return impl_->animations;
 }
 
+Camera Scene::Impl::posedCamera(size_t index, const scene::Camera& posed) const {
+  Camera camera = publicCamera(posed, scene);
+  camera.shutter = cameras[index].shutter;
+  camera.readout = cameras[index].readout;
+  camera.exposure = cameras[index].exposure;
+  return camera;
+}
+
 void Scene::addCamera(const Camera& camera) {
+  shutterOf(camera, 0), readoutOf(camera, 0), exposureOf(camera, 0);  // reject invalid values
+  const size_t index = impl_->cameras.size();
   impl_->scene.cameras.push_back(internalCamera(camera, impl_->scene));
-  impl_->cameras.push_back(publicCamera(impl_->scene.cameras.back(), impl_->scene));
+  impl_->cameras.push_back(camera);
+  impl_->cameras[index] = impl_->posedCamera(index, impl_->scene.cameras[index]);
 }
 
 void Scene::addCamera(const Camera& camera, const std::string& node) {
@@ -312,7 +323,7 @@ void Scene::addCamera(const Camera& camera, const std::string& node) {
   scene::Camera& added = impl_->scene.cameras.back();
   added.node = static_cast<int>(index);
   scene::placeCamera(added, scene::toGltfFromWorld() * impl_->scene.nodes[index].toWorld);
-  impl_->cameras.back() = publicCamera(added, impl_->scene);
+  impl_->cameras.back() = impl_->posedCamera(impl_->cameras.size() - 1, added);
 }
 
 std::vector<Camera> Scene::camerasAt(double time, const std::string& animation, bool loop) const {
@@ -320,7 +331,8 @@ std::vector<Camera> Scene::camerasAt(double time, const std::string& animation, 
   const scene::Scene& scene = impl_->scene;
   const scene::Pose pose = scene::poseAt(scene, scene::choosePlayback(scene, animation, loop), time);
   std::vector<Camera> cameras;
-  for (const scene::Camera& camera : scene::posedCameras(scene, pose)) cameras.push_back(publicCamera(camera, scene));
+  for (const scene::Camera& posed : scene::posedCameras(scene, pose))
+    cameras.push_back(impl_->posedCamera(cameras.size(), posed));
   return cameras;
 }
 
