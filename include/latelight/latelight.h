@@ -357,7 +357,7 @@ class LATELIGHT_API Scene {
   std::optional<Bounds> bounds() const;        // of all instances in the rest pose, in the scene file's frame; empty if
                                                // the scene is
   const std::vector<Camera>& cameras() const;  // the scene's own, in the rest pose
-  void addCamera(const Camera& camera);        // appended to cameras()
+  void addCamera(const Camera& camera);        // appended to cameras(), with its own exposure, shutter and readout
   const std::vector<Animation>& animations() const;
   // The scene's own cameras at a time; see Options::time, animation and loop.
   std::vector<Camera> camerasAt(double time, const std::string& animation = "", bool loop = false) const;
@@ -662,7 +662,7 @@ struct CastHits {
 };
 
 // Where Renderer::cast() stores hits, one value per ray, as in CastHits. Arrays that are null are not needed and cost
-// no time.
+// no time. The others must not overlap.
 struct CastTargets {
   float* distance = nullptr;
   std::array<float, 3>*position = nullptr, *normal = nullptr, *geonormal = nullptr;
@@ -955,7 +955,8 @@ class LATELIGHT_API Renderer {
   // written, and more pictures submitted. Up to three tickets keep a device busy; each holds its pictures' memory until
   // it is taken or dropped.
   // `targets`: arrays of earlier calls with the same outputs, sizes and formats, by name. Results::Arrays are rendered
-  // into them again, and their earlier values are lost.
+  // into them again, and their earlier values are lost. Throws Error(Usage) for arrays of another renderer, and for one
+  // array with two names.
   Ticket submit(const std::vector<Camera>& cameras, const Options& options = {}, Results results = Results::ToHost,
                 const std::map<std::string, DeviceArray>& targets = {});
   // Renders the cameras of all worlds. Frames are in the order of the worlds, and of the cameras within each world.
@@ -964,8 +965,9 @@ class LATELIGHT_API Renderer {
   std::vector<Frame> render(const Worlds& worlds, const Options& options = {});
   Ticket submit(const Worlds& worlds, const Options& options = {}, Results results = Results::ToHost,
                 const std::map<std::string, DeviceArray>& targets = {});
-  // Memory of at least `bytes` for arrays of worlds that other APIs write on the device: WorldArray::device. A call
-  // holds the memory that it reads until it has finished; once nothing holds it, a later inputArray() returns it again.
+  // Memory of at least `bytes` for arrays of worlds that other APIs write on the device: WorldArray::device. Calls of
+  // other renderers reject it with Error(Usage). A call holds the memory that it reads until it has finished; once
+  // nothing holds it, a later inputArray() returns it again.
   std::shared_ptr<const DeviceArray> inputArray(uint64_t bytes);
   // A timeline semaphore as an opaque file descriptor, owned by the caller, for cuImportExternalSemaphore() and similar
   // functions. Whoever writes arrays on the device signals it with increasing values; a call waits for
@@ -1005,8 +1007,9 @@ class LATELIGHT_API Renderer {
   // Casts rays through worlds, from arrays that may be in the device's memory, and leaves the hits there: the arrays
   // `outputs` of CastHits by their names, with the shape 1 x worlds x rays x channels. Cameras and environments of the
   // worlds are ignored. The call waits until the arrays are complete, and not for WorldArrays::ready before that.
-  // `targets`: arrays of earlier calls for as many rays, which receive the hits. A ray of a world with values that are
-  // not finite hits nothing. Rays through the scene itself are those of one world without instances.
+  // `targets`: arrays of earlier calls of this renderer for as many rays, one per output, which receive the hits. A ray
+  // of a world with values that are not finite hits nothing. Rays through the scene itself are those of one world
+  // without instances.
   std::map<std::string, DeviceArray> cast(const Worlds& worlds, const WorldRays& rays,
                                           const std::vector<std::string>& outputs = {"distance"},
                                           const Options& options = {},

@@ -742,8 +742,8 @@ void defineRender(nb::class_<SharedRenderer>& type) {
       "size: width and height in pixels\noutputs: what is wanted of:\n" +
       outputDocs() +
       "\non_device: leave them in the device's memory, for torch, CuPy and JAX (DeviceFrames)\nout: what an earlier "
-      "call "
-      "with on_device returned, for the same outputs and sizes: render into its memory again" +
+      "call of this renderer with on_device returned, for the same outputs\nand sizes, one array per output: render "
+      "into its memory again" +
       "\n\nOptions:\n" + optionDocs();
   const std::string any = "Camera | " + std::string(kMany);
   const std::string one = signatureOf("render", "Camera", "typing.Literal[False] = False", "latelight.frames.Frame");
@@ -817,8 +817,9 @@ void defineRays(nb::class_<SharedRenderer>& type) {
            "hits nothing), position, normal,\ngeonormal, uv, id, part and material as the outputs of these names, "
            "triangle, the index in the part's mesh, and\nintensity, from 0 to 1: the reflectance at normal incidence "
            "times the cosine of the angle of incidence.\noutputs: the names of those to return; None: all. out: "
-           "arrays that an earlier call for as many rays returned; they\nreceive the values and are returned. origins "
-           "and directions may be in CUDA's memory (torch, JAX, CuPy, Warp).\non_device: leave the hits in the "
+           "arrays that an earlier call for as many rays returned; they\nreceive the values and are returned. Those on "
+           "the device are this renderer's, and no two share memory.\n"
+           "origins and directions may be in CUDA's memory (torch, JAX, CuPy, Warp).\non_device: leave the hits in the "
            "device's memory, as DeviceArray; stream: as for render_worlds().\nThe options time, animation, "
            "data_surfaces, axes and position_origin apply.");
   type.def("submit_cast", &submitCast, argument("origins"), argument("directions"),

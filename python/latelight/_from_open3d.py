@@ -21,7 +21,7 @@ class _Open3d(Builder):
             rgb = np.clip(np.asarray(mesh.vertex_colors), 0, 1)
             colors = linear(np.concatenate([rgb, np.ones((len(rgb), 1))], axis=1))
         normals = np.asarray(mesh.vertex_normals, np.float32) if mesh.has_vertex_normals() else None
-        images = [np.asarray(image) for image in mesh.textures]
+        images = [np.atleast_3d(np.asarray(image)) for image in mesh.textures]  # grayscale images are (H, W)
         images = [image for image in images if image.size]
         if not mesh.has_triangle_uvs() or not images:
             handle = self.scene.add_mesh(positions, indices=indices, normals=normals, colors=colors, name=name)

@@ -145,7 +145,7 @@ void Scene::setNodeTransform(const std::string& node, const Transform& parentFro
   scene::setNodeTransform(impl_->scene, impl_->nodeAt(node), matrixOf(parentFromNode));
   for (size_t i = 0; i < impl_->cameras.size(); ++i)
     if (const scene::Camera& camera = impl_->scene.cameras[i]; camera.node >= 0)
-      impl_->cameras[i] = publicCamera(camera, impl_->scene);
+      impl_->cameras[i] = impl_->posedCamera(i, camera);
 }
 
 Handle<Skin> Scene::addSkin(const Skin& skin) {

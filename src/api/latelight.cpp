@@ -2,7 +2,9 @@
 #include <latelight/latelight.h>
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <utility>
 #include <variant>
 
@@ -298,9 +300,20 @@ const std::vector<Animation>& Scene::animations() const {
   return impl_->animations;
 }
 
+Camera Scene::Impl::posedCamera(size_t index, const scene::Camera& posed) const {
+  Camera camera = publicCamera(posed, scene);
+  camera.shutter = cameras[index].shutter;
+  camera.readout = cameras[index].readout;
+  camera.exposure = cameras[index].exposure;
+  return camera;
+}
+
 void Scene::addCamera(const Camera& camera) {
+  shutterOf(camera, 0), readoutOf(camera, 0), exposureOf(camera, 0);  // reject invalid values
+  const size_t index = impl_->cameras.size();
   impl_->scene.cameras.push_back(internalCamera(camera, impl_->scene));
-  impl_->cameras.push_back(publicCamera(impl_->scene.cameras.back(), impl_->scene));
+  impl_->cameras.push_back(camera);
+  impl_->cameras[index] = impl_->posedCamera(index, impl_->scene.cameras[index]);
 }
 
 void Scene::addCamera(const Camera& camera, const std::string& node) {
@@ -310,7 +323,7 @@ void Scene::addCamera(const Camera& camera, const std::string& node) {
   scene::Camera& added = impl_->scene.cameras.back();
   added.node = static_cast<int>(index);
   scene::placeCamera(added, scene::toGltfFromWorld() * impl_->scene.nodes[index].toWorld);
-  impl_->cameras.back() = publicCamera(added, impl_->scene);
+  impl_->cameras.back() = impl_->posedCamera(impl_->cameras.size() - 1, added);
 }
 
 std::vector<Camera> Scene::camerasAt(double time, const std::string& animation, bool loop) const {
@@ -318,7 +331,8 @@ std::vector<Camera> Scene::camerasAt(double time, const std::string& animation, 
   const scene::Scene& scene = impl_->scene;
   const scene::Pose pose = scene::poseAt(scene, scene::choosePlayback(scene, animation, loop), time);
   std::vector<Camera> cameras;
-  for (const scene::Camera& camera : scene::posedCameras(scene, pose)) cameras.push_back(publicCamera(camera, scene));
+  for (const scene::Camera& posed : scene::posedCameras(scene, pose))
+    cameras.push_back(impl_->posedCamera(cameras.size(), posed));
   return cameras;
 }
 
@@ -457,8 +471,23 @@ std::map<std::string, DeviceArray> Ticket::takeArrays() {
 const vk::Buffer& DeviceArrayMemory::bufferOf(const DeviceArray& array) {
   return array.impl_->memory->buffer;
 }
-std::shared_ptr<const void> DeviceArrayMemory::of(const DeviceArray& array) {
+std::shared_ptr<const void> DeviceArrayMemory::held(const DeviceArray& array) {
   return array.impl_->memory;
+}
+std::shared_ptr<render::ExportedMemory> DeviceArrayMemory::of(const DeviceArray& array, const vk::Device& device,
+                                                              const std::string& role) {
+  if (!array.impl_) badUsage("{} is empty", role);
+  // Addresses and handles of Vulkan are those of a single VkDevice, even if two renderers share the physical device.
+  if (array.impl_->device.get() != &device)
+    badUsage("{} belongs to another renderer: use an array of the renderer that is called", role);
+  return array.impl_->memory;
+}
+void DeviceArrayMemory::checkDistinct(const std::map<std::string, DeviceArray>& arrays) {
+  for (auto a = arrays.begin(); a != arrays.end(); ++a)
+    for (auto b = std::next(a); b != arrays.end(); ++b)
+      if (a->second.impl_ && b->second.impl_ && a->second.impl_->memory == b->second.impl_->memory)
+        badUsage("the outputs {} and {} have the same array: use one array per output", printable(a->first),
+                 printable(b->first));
 }
 
 const void* DeviceArray::host() const {
@@ -495,23 +524,26 @@ void DeviceArray::beforeReuse(std::function<void()> call) const {
   impl_->memory->beforeReuse = std::move(call);
 }
 
-render::ExportTargets DeviceArrayMemory::targets(const std::map<std::string, DeviceArray>& arrays) {
+render::ExportTargets DeviceArrayMemory::targets(const std::map<std::string, DeviceArray>& arrays,
+                                                 const vk::Device& device) {
   render::ExportTargets targets;
   for (const auto& [name, array] : arrays) {
-    if (!array.impl_) badUsage("the array to render {} into is empty", name);
     const output::AovInfo* info = output::findAov(name);
     if (!info && name != "rgba") badUsage("there is no output \"{}\" to render into", printable(name));
-    targets[info ? std::optional(info->aov) : std::nullopt] = array.impl_->memory;
+    targets[info ? std::optional(info->aov) : std::nullopt] =
+        of(array, device, fmt::format("the array to render {} into", name));
   }
+  checkDistinct(arrays);
   return targets;
 }
 
 namespace {
 
 // Whoever reads the arrays must have finished. `ordered`: the device waits for them.
-render::ExportTargets targetsOf(const std::map<std::string, DeviceArray>& arrays, Results results, bool ordered) {
+render::ExportTargets targetsOf(const std::map<std::string, DeviceArray>& arrays, const vk::Device& device,
+                                Results results, bool ordered) {
   if (!arrays.empty() && results != Results::Arrays) badUsage("only Results::Arrays are rendered into given arrays");
-  render::ExportTargets targets = DeviceArrayMemory::targets(arrays);
+  render::ExportTargets targets = DeviceArrayMemory::targets(arrays, device);
   for (const auto& [aov, memory] : targets)
     if (!ordered && memory->beforeReuse) memory->beforeReuse();
   return targets;
@@ -535,10 +567,11 @@ Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& optio
   render::SceneState moment = internalState(options, settings, impl_->scene, cameras.size());
   setExposures(moment, cameras, settings);
   Ticket ticket;
-  ticket.impl_ = ownedByProcess(new Ticket::Impl{
-      impl_,
-      impl_->renderer.submit(internal, settings, moment, internalResults(results), targetsOf(targets, results, false)),
-      results});
+  ticket.impl_ =
+      ownedByProcess(new Ticket::Impl{impl_,
+                                      impl_->renderer.submit(internal, settings, moment, internalResults(results),
+                                                             targetsOf(targets, *impl_->device, results, false)),
+                                      results});
   return ticket;
 }
 
@@ -574,7 +607,7 @@ Ticket Renderer::submit(const Worlds& worlds, const Options& options, Results re
   ticket.impl_ = ownedByProcess(
       new Ticket::Impl{impl_,
                        impl_->renderer.submit(internal.cameras, settings, moment, internalResults(results),
-                                              targetsOf(targets, results, worlds.arrays.ready > 0)),
+                                              targetsOf(targets, *impl_->device, results, worlds.arrays.ready > 0)),
                        results, internal.invalid, internal.onDevice});
   return ticket;
 }
@@ -682,7 +715,29 @@ render::CastRays raysOf(std::span<const std::array<float, 3>> origins, std::span
   return {.maxDistance = maxDistance, .floatOrigins = vectors(origins), .floatDirections = vectors(directions)};
 }
 
-render::CastTargets internalTargets(const CastTargets& t) {
+// Throws Error(Usage) if the arrays of two outputs overlap. `count`: the number of values in each.
+void checkDistinct(const CastTargets& t, uint64_t count) {
+  struct Range {
+    const char* name;
+    std::uintptr_t begin, end;
+  };
+  std::vector<Range> ranges;
+  const auto add = [&](const char* name, const auto* array) {
+    const auto begin = reinterpret_cast<std::uintptr_t>(array);
+    if (array) ranges.push_back({name, begin, begin + count * sizeof(*array)});
+  };
+  add("distance", t.distance), add("position", t.position), add("normal", t.normal), add("geonormal", t.geonormal);
+  add("uv", t.uv), add("id", t.id), add("part", t.part), add("material", t.material), add("triangle", t.triangle);
+  add("intensity", t.intensity);
+  std::ranges::sort(ranges, {}, &Range::begin);
+  for (size_t i = 1; i < ranges.size(); ++i)
+    if (ranges[i].begin < ranges[i - 1].end)
+      badUsage("the arrays of the outputs {} and {} overlap: use one array per output", ranges[i - 1].name,
+               ranges[i].name);
+}
+
+render::CastTargets internalTargets(const CastTargets& t, uint64_t count) {
+  checkDistinct(t, count);
   static_assert(sizeof(glm::vec3) == sizeof(*t.position) && sizeof(glm::vec2) == sizeof(*t.uv));
   const auto vec3s = [](std::array<float, 3>* vectors) { return reinterpret_cast<glm::vec3*>(vectors); };
   return {t.distance, vec3s(t.position), vec3s(t.normal), vec3s(t.geonormal), reinterpret_cast<glm::vec2*>(t.uv), t.id,
@@ -694,7 +749,9 @@ template <typename Impl>
 render::CastTicket submitTo(Impl& impl, const render::CastRays& rays, const CastTargets& t, const Options& options,
                             std::function<void()> beforeStore = {}) {
   const auto input = impl.rayInput(options);
-  return impl.renderer.submitCast(rays, internalTargets(t), input.settings, input.moment, std::move(beforeStore));
+  const uint64_t count = std::max(rays.origins.size(), rays.floatOrigins.size());
+  return impl.renderer.submitCast(rays, internalTargets(t, count), input.settings, input.moment,
+                                  std::move(beforeStore));
 }
 
 }  // namespace
@@ -792,13 +849,14 @@ CastTicket Renderer::submitCast(std::span<const std::array<float, 3>> origins,
 
 namespace {
 
-void checkRays(const WorldRays& rays, uint32_t worlds) {
+void checkRays(const WorldRays& rays, uint32_t worlds, const vk::Device& device) {
   if (rays.count > render::kMaxWorldRays / std::max(worlds, 1u))
     badUsage("{} rays in each of {} worlds are too many for one call: cast at most {} rays", rays.count, worlds,
              render::kMaxWorldRays);
   for (const auto& [array, name] : {std::pair(&rays.origins, "origins"), std::pair(&rays.directions, "directions")}) {
     if (!*array && rays.count > 0) badUsage("WorldRays::{} must be given", name);
     if (array->host && array->device) badUsage("WorldRays::{} must be in one memory only", name);
+    if (array->device) DeviceArrayMemory::of(*array->device, device, fmt::format("WorldRays::{}", name));
     if (array->offset % 16 != 0) badUsage("WorldRays::{} must begin at a multiple of 16 bytes", name);
     if (array->element != WorldArray::Element::Float32 && array->element != WorldArray::Element::Float64)
       badUsage("WorldRays::{} must have elements of the type Float32 or Float64", name);
@@ -837,7 +895,7 @@ VkDeviceAddress addressOf(render::Renderer& renderer, const WorldArray& array, u
   if (array.device) {
     const vk::Buffer& buffer = DeviceArrayMemory::bufferOf(*array.device);
     if (array.offset + bytes > buffer.size()) badUsage("the rays of worlds extend beyond their memory");
-    held.push_back(DeviceArrayMemory::of(*array.device));
+    held.push_back(DeviceArrayMemory::held(*array.device));
     return buffer.address() + array.offset;
   }
   if (bytes == 0) return 0;
@@ -876,7 +934,8 @@ render::WorldCastTicket Renderer::Impl::submitCast(const Worlds& worlds, const W
 CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, const std::vector<std::string>& outputs,
                                 const Options& options, const std::map<std::string, DeviceArray>& targets) {
   Impl& impl = usable(impl_);
-  checkRays(rays, worlds.count);
+  checkRays(rays, worlds.count, *impl.device);
+  DeviceArrayMemory::checkDistinct(targets);
   std::vector<render::WorldCast::Target> hits;
   for (const std::string& name : outputs) {
     const auto found = std::ranges::find(render::hitInfos(), name, &render::HitInfo::name);
@@ -884,8 +943,7 @@ CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, con
     std::shared_ptr<render::ExportedMemory>& memory = hits.emplace_back(&*found).memory;
     const auto target = targets.find(name);
     if (target == targets.end()) continue;
-    if (!target->second.impl_) badUsage("the array to store {} in is empty", name);
-    memory = target->second.impl_->memory;
+    memory = DeviceArrayMemory::of(target->second, *impl.device, fmt::format("the array to store {} in", name));
     if (worlds.arrays.ready == 0 && memory->beforeReuse) memory->beforeReuse();
   }
   return CastTicket::Impl::submitted(impl_, impl.submitCast(worlds, rays, std::move(hits), options), true);
@@ -898,9 +956,10 @@ void Renderer::cast(const Worlds& worlds, const WorldRays& rays, const CastTarge
 CastTicket Renderer::submitCast(const Worlds& worlds, const WorldRays& rays, const CastTargets& targets,
                                 const Options& options) {
   Impl& impl = usable(impl_);
-  checkRays(rays, worlds.count);
+  checkRays(rays, worlds.count, *impl.device);
   return CastTicket::Impl::submitted(
-      impl_, impl.submitCast(worlds, rays, render::worldTargets(internalTargets(targets)), options));
+      impl_, impl.submitCast(worlds, rays, render::worldTargets(internalTargets(targets, worlds.count * rays.count)),
+                             options));
 }
 
 }  // namespace latelight

@@ -57,6 +57,10 @@ struct Scene::Impl {
   // The node of the rig with this path. Throws Error(Usage) unless it is a joint of a skin.
   uint32_t jointOf(const std::string& path) const;
 
+  // Returns a camera of `cameras` in another pose, with its own exposure, shutter and readout, which scene::Camera does
+  // not have.
+  Camera posedCamera(size_t index, const scene::Camera& posed) const;
+
   // Converts worlds for the renderer: returns the cameras, and writes the rest to `state`. `onHost`: as lists, even if
   // shaders can place the worlds.
   struct WorldConverter;

@@ -59,13 +59,14 @@ Kind kindOf(WorldArray::Element element) {
   return element == Uint8 ? Kind::Mask : element == Int32 || element == Int64 ? Kind::Integers : Kind::Numbers;
 }
 
-void checkArray(const WorldArray& array, bool hasList, Kind kind, const char* name) {
+void checkArray(const vk::Device& device, const WorldArray& array, bool hasList, Kind kind, const char* name) {
   if (!array) return;
   if (hasList) badUsage("Worlds::{} and Worlds::arrays.{} describe the same: omit one of them", name, name);
   constexpr const char* kElements[] = {"Float32 or Float64", "Uint8", "Int32 or Int64"};
   if (kindOf(array.element) != kind)
     badUsage("Worlds::arrays.{} must have elements of the type {}", name, kElements[static_cast<size_t>(kind)]);
   if (array.host && array.device) badUsage("Worlds::arrays.{} must be in one memory only", name);
+  if (array.device) DeviceArrayMemory::of(*array.device, device, fmt::format("Worlds::arrays.{}", name));
   if (array.offset % 16 != 0) badUsage("Worlds::arrays.{} must begin at a multiple of 16 bytes", name);
 }
 
@@ -142,7 +143,7 @@ class InputWriter {
             std::vector<std::shared_ptr<const void>>& held) {
     if (array.host) add(array.host, bytes, address);
     if (!array.device) return;
-    held.push_back(DeviceArrayMemory::of(*array.device));
+    held.push_back(DeviceArrayMemory::held(*array.device));
     address = DeviceArrayMemory::bufferOf(*array.device).address() + array.offset;
   }
   // The memory must stay valid until write().
@@ -190,8 +191,8 @@ struct Scene::Impl::WorldConverter {
   std::vector<uint32_t> placeOf{};  // index in `instances` per instance of the scene; ~0u: not listed
   std::vector<uint8_t> invalid{};   // per world
 
-  void check() const;
-  void checkArrays() const;
+  void check(const vk::Device& device) const;
+  void checkArrays(const vk::Device& device) const;
   void checkNumbers(vk::Device& device, const WorldArray& joints, const WorldArray& vertices, bool keep);
   bool placesLights() const;
   Worlds withLightValues(vk::Device& device) const;
@@ -215,7 +216,7 @@ struct Scene::Impl::WorldConverter {
                                        const scene::Pose& pose) const;
 };
 
-void Scene::Impl::WorldConverter::check() const {
+void Scene::Impl::WorldConverter::check(const vk::Device& device) const {
   if (from.count == 0) badUsage("Worlds::count must be at least 1");
   if (from.cameras.empty()) badUsage("Worlds::cameras must have at least one camera");
   const size_t instances = to.instances.size(), cameras = from.cameras.size();
@@ -244,34 +245,35 @@ void Scene::Impl::WorldConverter::check() const {
       !from.previousTransforms.empty() || !from.nextTransforms.empty() || a.previousTransforms || a.nextTransforms;
   if (moved && from.transforms.empty() && !a.transforms)
     badUsage("Worlds::previousTransforms and nextTransforms require transforms");
-  checkArrays();
+  checkArrays(device);
   if (!from.cameraInstances.empty() && from.cameraInstances.size() != cameras)
     badUsage("Worlds::cameraInstances must have one value per camera, {}, and has {}", cameras,
              from.cameraInstances.size());
 }
 
-void Scene::Impl::WorldConverter::checkArrays() const {
+void Scene::Impl::WorldConverter::checkArrays(const vk::Device& device) const {
   const WorldArrays& a = from.arrays;
-  checkArray(a.transforms, !from.transforms.empty(), Kind::Numbers, "transforms");
-  checkArray(a.previousTransforms, !from.previousTransforms.empty(), Kind::Numbers, "previousTransforms");
-  checkArray(a.nextTransforms, !from.nextTransforms.empty(), Kind::Numbers, "nextTransforms");
-  checkArray(a.exists, !from.exists.empty(), Kind::Mask, "exists");
-  checkArray(a.cameraToWorld, !from.cameraToWorld.empty(), Kind::Numbers, "cameraToWorld");
-  checkArray(a.previousCameraToWorld, !from.previousCameraToWorld.empty(), Kind::Numbers, "previousCameraToWorld");
-  checkArray(a.nextCameraToWorld, !from.nextCameraToWorld.empty(), Kind::Numbers, "nextCameraToWorld");
-  checkArray(a.intrinsics, !from.intrinsics.empty(), Kind::Numbers, "intrinsics");
-  checkArray(a.baseColor, !from.factors.empty(), Kind::Numbers, "baseColor");
-  checkArray(a.metallic, !from.factors.empty(), Kind::Numbers, "metallic");
-  checkArray(a.roughness, !from.factors.empty(), Kind::Numbers, "roughness");
-  checkArray(a.emissive, !from.factors.empty(), Kind::Numbers, "emissive");
-  checkArray(a.environmentRotation, !from.environmentRotation.empty(), Kind::Numbers, "environmentRotation");
-  checkArray(a.environmentIndex, !from.environmentIndex.empty(), Kind::Integers, "environmentIndex");
-  checkArray(a.environmentIntensity, !from.environmentIntensity.empty(), Kind::Numbers, "environmentIntensity");
-  checkArray(a.materialChoice, !from.materials.empty(), Kind::Integers, "materialChoice");
-  checkArray(a.lightPosition, !from.lightValues.empty(), Kind::Numbers, "lightPosition");
-  checkArray(a.lightDirection, !from.lightValues.empty(), Kind::Numbers, "lightDirection");
-  checkArray(a.lightColor, !from.lightValues.empty(), Kind::Numbers, "lightColor");
-  checkArray(a.lightIntensity, !from.lightValues.empty(), Kind::Numbers, "lightIntensity");
+  checkArray(device, a.transforms, !from.transforms.empty(), Kind::Numbers, "transforms");
+  checkArray(device, a.previousTransforms, !from.previousTransforms.empty(), Kind::Numbers, "previousTransforms");
+  checkArray(device, a.nextTransforms, !from.nextTransforms.empty(), Kind::Numbers, "nextTransforms");
+  checkArray(device, a.exists, !from.exists.empty(), Kind::Mask, "exists");
+  checkArray(device, a.cameraToWorld, !from.cameraToWorld.empty(), Kind::Numbers, "cameraToWorld");
+  checkArray(device, a.previousCameraToWorld, !from.previousCameraToWorld.empty(), Kind::Numbers,
+             "previousCameraToWorld");
+  checkArray(device, a.nextCameraToWorld, !from.nextCameraToWorld.empty(), Kind::Numbers, "nextCameraToWorld");
+  checkArray(device, a.intrinsics, !from.intrinsics.empty(), Kind::Numbers, "intrinsics");
+  checkArray(device, a.baseColor, !from.factors.empty(), Kind::Numbers, "baseColor");
+  checkArray(device, a.metallic, !from.factors.empty(), Kind::Numbers, "metallic");
+  checkArray(device, a.roughness, !from.factors.empty(), Kind::Numbers, "roughness");
+  checkArray(device, a.emissive, !from.factors.empty(), Kind::Numbers, "emissive");
+  checkArray(device, a.environmentRotation, !from.environmentRotation.empty(), Kind::Numbers, "environmentRotation");
+  checkArray(device, a.environmentIndex, !from.environmentIndex.empty(), Kind::Integers, "environmentIndex");
+  checkArray(device, a.environmentIntensity, !from.environmentIntensity.empty(), Kind::Numbers, "environmentIntensity");
+  checkArray(device, a.materialChoice, !from.materials.empty(), Kind::Integers, "materialChoice");
+  checkArray(device, a.lightPosition, !from.lightValues.empty(), Kind::Numbers, "lightPosition");
+  checkArray(device, a.lightDirection, !from.lightValues.empty(), Kind::Numbers, "lightDirection");
+  checkArray(device, a.lightColor, !from.lightValues.empty(), Kind::Numbers, "lightColor");
+  checkArray(device, a.lightIntensity, !from.lightValues.empty(), Kind::Numbers, "lightIntensity");
   if (hasLights(a) && from.lights.empty()) badUsage("arrays of lights require Worlds::lights, which they describe");
   if (bool(a.materialChoice) == from.palette.empty())
     badUsage("Worlds::palette and Worlds::arrays.materialChoice require each other");
@@ -287,12 +289,12 @@ size_t Scene::Impl::WorldConverter::vertexCount() const {
 
 void Scene::Impl::WorldConverter::checkDeformations(const vk::Device& device) const {
   const WorldArrays& a = from.arrays;
-  checkArray(a.jointTransforms, false, Kind::Numbers, "jointTransforms");
-  checkArray(a.previousJointTransforms, false, Kind::Numbers, "previousJointTransforms");
-  checkArray(a.nextJointTransforms, false, Kind::Numbers, "nextJointTransforms");
-  checkArray(a.vertices, false, Kind::Numbers, "vertices");
-  checkArray(a.previousVertices, false, Kind::Numbers, "previousVertices");
-  checkArray(a.nextVertices, false, Kind::Numbers, "nextVertices");
+  checkArray(device, a.jointTransforms, false, Kind::Numbers, "jointTransforms");
+  checkArray(device, a.previousJointTransforms, false, Kind::Numbers, "previousJointTransforms");
+  checkArray(device, a.nextJointTransforms, false, Kind::Numbers, "nextJointTransforms");
+  checkArray(device, a.vertices, false, Kind::Numbers, "vertices");
+  checkArray(device, a.previousVertices, false, Kind::Numbers, "previousVertices");
+  checkArray(device, a.nextVertices, false, Kind::Numbers, "nextVertices");
   checkRows({&a.jointTransforms, &a.previousJointTransforms, &a.nextJointTransforms});
   if (bool(a.jointTransforms) == from.joints.empty())
     badUsage("Worlds::joints and Worlds::arrays.jointTransforms require each other");
@@ -754,7 +756,7 @@ WorldCameras Scene::Impl::convert(const Worlds& worlds, const render::Settings& 
                                   render::Renderer& renderer, vk::Device& device, bool onHost) const {
   WorldConverter converter{worlds, *this, settings, state.worlds};
   converter.listInstances();
-  converter.check();
+  converter.check(device);
   converter.checkDeformations(device);
   render::WorldStates& to = state.worlds;
   std::vector<scene::Camera> each = converter.camerasOfWorld();

@@ -118,6 +118,12 @@ TEST_F(IndirectHistoryTest, TheErrorFallsWithFrames) {
   fmt::print("still camera: error {:.5f} after one frame, {:.5f} after 4, {:.5f} after 24\n", one, four, many);
   EXPECT_LT(four, 0.75 * one);
   EXPECT_LT(many, 0.5 * one);
+  // Metering renders pictures of its own, which are not part of the sequence.
+  Settings automatic = settings(IndirectFilter::Temporal);
+  automatic.exposure = {0, true};
+  output::FrameOutput metered = last(still, automatic, 4);
+  for (float& value : metered.aovs.front().values) value /= metered.exposure;
+  EXPECT_NEAR(difference(metered, truth), four, 0.02 * four);
 }
 
 TEST_F(IndirectHistoryTest, AMovingCameraReducesTheError) {

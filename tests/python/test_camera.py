@@ -83,6 +83,32 @@ def test_a_scenes_cameras():
     np.testing.assert_allclose(scene.default_camera().camera_to_world[:3, 3], (0, 0, 3))
 
 
+def test_a_scenes_cameras_have_their_own_exposure():
+    scene = latelight.Scene()
+    arm = scene.add_node("arm")
+    for node in (None, arm):
+        camera = latelight.Camera.look_at((0, 0, 3), (0, 0, 0))
+        camera.exposure, camera.shutter, camera.readout = 2, 0.125, -0.25
+        scene.add_camera(camera, node=node)
+    scene.add_camera(latelight.Camera())
+
+    def values(camera):
+        return camera.exposure, camera.shutter, camera.readout
+
+    own, none = (2, 0.125, -0.25), (None, None, None)
+    assert [values(camera) for camera in scene.cameras] == [own, own, none]
+    assert [values(camera) for camera in scene.cameras_at(1)] == [own, own, none]
+    assert values(scene.default_camera()) == values(scene.default_camera(time=1)) == own
+    scene.set_node_transform(arm, np.eye(4))
+    assert values(scene.cameras[1]) == own
+    for field in ("exposure", "shutter", "readout"):
+        camera = latelight.Camera()
+        setattr(camera, field, 1e9)
+        with pytest.raises(latelight.UsageError, match=f"a camera's {field} must be from"):
+            scene.add_camera(camera)
+    assert len(scene.cameras) == 3
+
+
 @pytest.mark.parametrize(
     "make, words",
     [

@@ -118,3 +118,37 @@ def test_out_must_fit(made):
         renderer.render(cameras[0], (400, 400), on_device=True, out=small)
     with pytest.raises(latelight.UsageError, match="out requires on_device=True"):
         renderer.render(cameras[0], (4, 4), out=small)
+
+
+def test_out_must_be_the_renderers_own(made):
+    renderer, cameras = made
+    arrays = renderer.render(cameras[0], SIZE, "depth", on_device=True)
+    before = arrays["depth"].numpy().copy()
+    other = latelight.Renderer(latelight.Scene("builtin:spheres"), device="cpu")
+    sentence = "the array to render depth into belongs to another renderer"
+    with pytest.raises(latelight.UsageError, match=sentence):
+        other.render(cameras[0], SIZE, "depth", on_device=True, out=arrays)
+    with pytest.raises(latelight.UsageError, match=sentence):
+        other.render_worlds(1, cameras[0], SIZE, "depth", on_device=True, out=arrays)
+    np.testing.assert_array_equal(arrays["depth"].numpy(), before)
+    hits = renderer.cast([[0, 0, 9]], [[0, 0, -1]], outputs="id", on_device=True)
+    with pytest.raises(latelight.UsageError, match="the array to store id in belongs to another renderer"):
+        other.cast([[0, 0, 9]], [[0, 0, -1]], on_device=True, out=hits)
+
+
+def test_each_output_needs_its_own_array(made):
+    renderer, cameras = made
+    depth = renderer.render(cameras[0], SIZE, "depth", on_device=True)["depth"]
+    sentence = "depth and distance have the same array: use one array per output"
+    with pytest.raises(latelight.UsageError, match=sentence):
+        renderer.render(
+            cameras[0], SIZE, ("depth", "distance"), on_device=True, out={"depth": depth, "distance": depth}
+        )
+    rays = np.zeros((5, 3)), np.ones((5, 3))
+    distance = renderer.cast(*rays, outputs="distance", on_device=True)["distance"]
+    with pytest.raises(latelight.UsageError, match="distance and intensity have the same array"):
+        renderer.cast(*rays, on_device=True, out={"distance": distance, "intensity": distance})
+    memory = np.empty(9, np.float32)
+    with pytest.raises(latelight.UsageError, match="distance and intensity overlap: use one array per output"):
+        renderer.cast(*rays, out={"distance": memory[:5], "intensity": memory[4:]})
+    renderer.cast(*rays, out={"distance": memory[:5], "id": np.empty(5, np.uint32)})

@@ -1510,6 +1510,26 @@ def test_models_of_other_types_are_refused():
         latelight.from_open3d("mesh")
 
 
+def test_open3d_textures_may_be_grayscale():
+    class Mesh:
+        """The part of open3d.geometry.TriangleMesh that from_open3d reads."""
+
+        vertices, triangles, triangle_uvs = np.eye(3), [[0, 1, 2]], [[0, 0], [1, 0], [1, 1]]
+        textures = [np.array([[10, 200, 30]], np.uint8)]
+
+        def has_vertex_colors(self):
+            return False
+
+        def has_triangle_uvs(self):
+            return True
+
+        has_vertex_normals = has_triangle_material_ids = has_vertex_colors
+
+    scene = latelight.from_open3d(Mesh())
+    pixels = scene.texture_pixels(scene.textures()[0])
+    np.testing.assert_array_equal(pixels[0], [[10, 10, 10, 255], [200, 200, 200, 255], [30, 30, 30, 255]])
+
+
 def test_open3d_meshes_have_colors_and_textures():
     o3d = pytest.importorskip("open3d", reason="Open3D is too large to be installed for every test")
     box = o3d.geometry.TriangleMesh.create_box(1, 2, 3)

@@ -94,6 +94,16 @@ def test_raw_and_its_noise(boxes, renderer):
         renderer.render(cameras, SIZE, "raw", on_device=True)
 
 
+def test_raw_has_the_light_of_the_background(half_plane):
+    renderer, camera = half_plane
+    linear = ((0x80 / 255 + 0.055) / 1.055) ** 2.4  # of sRGB
+    for options in ({}, {"bayer": "rggb"}):
+        frame = renderer.render(camera, SIZE, ("color", "raw"), background="#808080", **options)
+        assert frame["raw"][0, -1] == round(4095 * linear)  # 12 bits
+    transparent = renderer.render(camera, SIZE, ("color", "raw"), background="#808080")["color"]
+    np.testing.assert_array_equal(transparent[0, -1], 0)
+
+
 def test_cameras_have_stops_of_their_own(boxes, renderer):
     """The factors of a call's pictures are 2^EV, or with metered exposure its factor times 2^EV."""
     cameras = [boxes.default_camera(SIZE[0] / SIZE[1]) for _ in range(3)]

@@ -173,6 +173,35 @@ TEST_F(MeteredPictures, AreThoseOfTheirExposures) {
   }
 }
 
+// The second camera needs more rounds than the first one. During its exposure it shows other light than at the
+// picture's time, so its exposure is wrong if a later round exposes it at the time of the first camera, or moves it as
+// that one.
+void expectMeteredDuring(vk::Device& device, const scene::Scene& scene, std::vector<double> SceneState::*durations) {
+  const auto at = [](double x) {
+    scene::Camera camera = frontCamera();
+    camera.toWorld[3].x = x;
+    return camera;
+  };
+  SceneState moment;
+  moment.*durations = {0, 0.5};
+  moment.motion.cameraAt = [at](size_t camera, double seconds) { return at(camera == 0 ? 0 : seconds == 0 ? 4 : 8); };
+  Settings settings = settingsOf(4, 4, {Aov::Color});
+  settings.cameraSamples = 2;
+  settings.exposure = {0, true};
+  Renderer renderer(device, scene, nullptr);
+  const std::vector<output::FrameOutput> frames = renderer.render(std::vector{at(0), at(4)}, settings, moment);
+  EXPECT_NEAR(frames[0].exposure * 1, 0.18, 0.18 * 1e-3);
+  EXPECT_NEAR(frames[1].exposure * 1e9, 0.18, 0.18 * 1e-3);
+}
+
+TEST_F(MeteredPictures, KeepTheShuttersOfTheirCameras) {
+  expectMeteredDuring(device(), glowing({1, 2000, 1e9f}), &SceneState::shutters);
+}
+
+TEST_F(MeteredPictures, KeepTheReadoutsOfTheirCameras) {
+  expectMeteredDuring(device(), glowing({1, 2000, 1e9f}), &SceneState::readouts);
+}
+
 TEST_F(MeteredPictures, DoNotDependOnStrips) {
   Settings settings = metered(settingsOf(64, 48, {Aov::Color}));
   const scene::Camera camera = cameraOf(hall(), 64, 48);
@@ -181,6 +210,13 @@ TEST_F(MeteredPictures, DoNotDependOnStrips) {
   const output::FrameOutput strips = renderOne(device(), hall(), camera, settings);
   EXPECT_EQ(strips.exposure, whole.exposure);
   EXPECT_EQ(imageOf(strips, Aov::Color).values, imageOf(whole, Aov::Color).values);
+}
+
+TEST_F(MeteredPictures, AreMeteredWithoutHistory) {
+  Settings settings = settingsOf(8, 8);
+  settings.indirect = Indirect::OneBounce, settings.indirectFilter = IndirectFilter::Temporal;
+  settings.aa.temporal = true;
+  EXPECT_FALSE(keepsHistory(meteringSettings(settings, false)));
 }
 
 // A large picture is metered at a fraction of its size.

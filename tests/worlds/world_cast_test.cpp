@@ -405,6 +405,40 @@ TEST(WorldCast, TicketsReportErrorsInOneSentence) {
   EXPECT_EQ(none.takeArrays().at("distance").shape, (std::array<uint64_t, 4>{1, 2, 0, 1}));
 }
 
+// A device's addresses are invalid in another renderer's device.
+TEST(WorldCast, RejectsArraysOfAnotherRenderer) {
+  const BoxScene made;
+  Renderer renderer(made.scene, testDevice()), other(made.scene, testDevice());
+  if (!other.inputArray(16)->host()) GTEST_SKIP() << "the host writes no memory of this device";
+  const std::shared_ptr<const DeviceArray> foreign = other.inputArray(1024);
+  const ParallelRays<float> rays(5);
+  const auto sentenceOf = [](const std::function<void()>& call) {
+    try {
+      call();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::Usage);
+      return std::string(error.what());
+    }
+    return std::string("nothing was refused");
+  };
+  WorldRays origins = rays.get(), directions = rays.get();
+  origins.origins = {.device = foreign};
+  directions.directions = {.device = foreign};
+  EXPECT_THAT(sentenceOf([&] { renderer.cast(Worlds{.count = 1}, origins); }),
+              HasSubstr("WorldRays::origins belongs to another renderer"));
+  EXPECT_THAT(sentenceOf([&] { renderer.cast(Worlds{.count = 1}, directions); }),
+              HasSubstr("WorldRays::directions belongs to another renderer"));
+  Worlds worlds{.count = 1, .instances = {made.box}, .cameras = {Camera{}}};
+  worlds.arrays.transforms.device = foreign;
+  EXPECT_THAT(sentenceOf([&] { renderer.cast(worlds, rays.get()); }),
+              HasSubstr("Worlds::arrays.transforms belongs to another renderer"));
+  EXPECT_THAT(sentenceOf([&] { renderer.render(worlds); }),
+              HasSubstr("Worlds::arrays.transforms belongs to another renderer"));
+  origins.origins = {.device = std::make_shared<DeviceArray>()};
+  EXPECT_THAT(sentenceOf([&] { renderer.cast(Worlds{.count = 1}, origins); }),
+              HasSubstr("WorldRays::origins is empty"));
+}
+
 TEST(WorldCast, RejectsWrongArrays) {
   const BoxScene made;
   Renderer renderer(made.scene, testDevice());

@@ -64,7 +64,7 @@ void applySensor(output::FrameOutput& picture, const Settings& s, const scene::C
   if (changesPicture(s) || requestsRaw(s)) {
     output::AovImage& color = imageOf(picture, Aov::Color);
     std::vector<float> light = color.values;
-    if (changesPicture(s)) addBackground(light, s.background);
+    addBackground(light, s.background);
     darken(light, s, camera);
     const SensorPlane raw = exposeSensor(light, s, camera.noiseSeed);
     if (requestsRaw(s)) imageOf(picture, Aov::Raw).values = mosaicOf(raw, s);
