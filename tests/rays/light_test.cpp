@@ -400,14 +400,14 @@ double sunnyRadiance() {
   return sum * step * 2 * std::numbers::pi / kWidth / kPoints / std::numbers::pi;
 }
 
-// Points of the sample sequence remain well distributed among the directions of an environment. The standard deviation
-// of 64 independent directions in proportion to its brightness is 4 %.
+// Points of the sample sequence remain well distributed among the directions of an environment. An alias table of the
+// cells, which scatters them, has a standard deviation of 3.7 % here.
 TEST_F(RayLightTest, SamplesOfEnvironmentsAreWellDistributed) {
   FloorScene floor(squareMesh(), glm::translate(glm::dmat4(1), dvec3(0, 0, -9)), scene::Light{.intensity = 0});
   floor.size = 32;
   const scene::Environment environment = sunnyEnvironment();
   Settings settings = floor.settings();
-  settings.samples = 64;
+  settings.samples = 256;
   settings.indirect = Indirect::OneBounce;
   const output::FrameOutput frame = renderOne(device(), floor.builder.scene, floor.camera, settings, &environment);
   const double expected = sunnyRadiance();
@@ -418,7 +418,7 @@ TEST_F(RayLightTest, SamplesOfEnvironmentsAreWellDistributed) {
     square += (ratio - 1) * (ratio - 1) / (32 * 32);
   }
   EXPECT_NEAR(mean, 1, 0.002);
-  EXPECT_LT(std::sqrt(square), 0.015);
+  EXPECT_LT(std::sqrt(square), 0.02);
 }
 
 // --- coats and transmission ------------------------------------------------------------------------------------------
@@ -461,20 +461,20 @@ TEST_F(RayLightTest, WhiteCoatsVanishInAFurnace) {
     builder.addInstance(kinds[i].first, builder.kRoot, 0, i, glm::mat4(1));
     const glm::dmat4 turned = glm::rotate(glm::dmat4(1), 0.5, dvec3(1, 2, 0.5));
     scene.instances[i].toWorld = glm::translate(glm::dmat4(1), dvec3(2.0 * i + 1 - count, 0, 0)) * turned *
-                                 glm::scale(glm::dmat4(1), dvec3(0.5));
+                                 glm::scale(glm::dmat4(1), dvec3(0.7));
   }
   FloorScene view(boxMesh(), glm::dmat4(1), sunFrom({0, 0, 1}));
   view.camera.yHalf = 1;
   Settings settings = settingsOf(16 * count, 16, {Aov::Color});
   settings.lighting = &findTechnique("reference");
-  settings.samples = 256;
+  settings.samples = 1024;  // the means over 100 pixels have standard deviations of up to 0.2 %
   const scene::Environment environment = constantEnvironment();
   const output::FrameOutput frame = renderOne(device(), scene, view.camera, settings, &environment);
   const std::vector<float>& values = imageOf(frame, Aov::Color).values;
   for (uint32_t i = 0; i < count; ++i) {
     double sum = 0, pixels = 0;
-    for (uint32_t y = 5; y < 11; ++y)
-      for (uint32_t x = 16 * i + 5; x < 16 * i + 11; ++x) {
+    for (uint32_t y = 3; y < 13; ++y)
+      for (uint32_t x = 16 * i + 3; x < 16 * i + 13; ++x) {
         const float* pixel = &values[4 * (16 * count * y + x)];
         sum += (pixel[0] + pixel[1] + pixel[2]) / 3, ++pixels;
       }

@@ -52,9 +52,10 @@ float withinRange(SkyRange range, uint u) {
 // The density in a cell, 1/sr. Its solid angle is a difference of cosines, as a product of sines: those of the rows
 // near the poles differ by less than their rounding.
 float skyDensity(SkyRange row, SkyRange column) {
+  const float kUnit = 1.0 / 4294967296.0;
   const float kRow = kPi / float(kEnvironmentRows), kColumn = 2.0 * kPi / float(kEnvironmentColumns);
   float solidAngle = kColumn * 2.0 * sin((float(row.index) + 0.5) * kRow) * sin(0.5 * kRow);
-  return float(row.width) * float(column.width) * exp2(-64.0) / solidAngle;
+  return (float(row.width) * kUnit) * (float(column.width) * kUnit) / solidAngle;
 }
 
 bool hasCells(RayScene scene, FrameConstants frame) {
