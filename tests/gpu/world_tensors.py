@@ -140,14 +140,15 @@ def check_shadows(name):
     """Shadow maps that the device fits, to lights of the scene and of arrays, have the bytes of those of the host."""
     scene = latelight.Scene(name)
     sun = scene.add_light(latelight.Light(type="directional", direction=(0.3, -1, -0.4), intensity=3))
+    bright = str(len(scene.lights()))
     dark = scene.add_light(latelight.Light(intensity=0))
     renderer = latelight.Renderer(scene, device="cuda:0", environment="studio")
     instances, transforms, poses, exists, camera = states(scene, 64, seed=5)
     given = {"instances": instances, "transforms": transforms, "exists": exists, "camera_to_world": poses}
     lights = {"lights": [sun, dark], "light_intensity": np.tile(np.float32([3, 0]), (64, 1))}
     calls = {"scene": given, "arrays": {**given, **lights}}
-    # The host fits the maps where it has to select the lights.
-    host = renderer.render_worlds(64, camera, SIZE, ("color", "depth"), **calls["arrays"], shadow_lights="1")
+    # The host fits the maps where it has to select the lights: here, all but the dark one.
+    host = renderer.render_worlds(64, camera, SIZE, ("color", "depth"), **calls["arrays"], shadow_lights=bright)
     lit = renderer.render_worlds(64, camera, SIZE, ("color", "depth"), **given, shadows="none")
     for lights_of, call in calls.items():
         device = renderer.render_worlds(64, camera, SIZE, ("color", "depth"), **call)
