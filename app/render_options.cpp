@@ -118,6 +118,12 @@ std::span<const Option> commandOptions() {
   return commandTable().options();
 }
 
+CLI::Option& optionOf(CLI::App& command, std::string_view key) {
+  for (CLI::Option* option : command.get_options())
+    if (std::ranges::find(option->get_lnames(), key) != option->get_lnames().end()) return *option;
+  fail(ExitCode::Internal, "There is no option --{}.", key);
+}
+
 UnsupportedOptions::UnsupportedOptions(std::initializer_list<std::string_view> supported,
                                        std::initializer_list<std::string_view> others)
     : keys_(others.begin(), others.end()) {
@@ -128,7 +134,7 @@ UnsupportedOptions::UnsupportedOptions(std::initializer_list<std::string_view> s
 }
 
 void UnsupportedOptions::hide(CLI::App& command) const {
-  for (const std::string& key : keys_) command.get_option("--" + key)->group("");
+  for (const std::string& key : keys_) optionOf(command, key).group("");
 }
 
 std::optional<std::string> UnsupportedOptions::findIn(const RenderOptions& options) const {

@@ -40,6 +40,10 @@ struct RenderOptions {
 // Returns the options that only the command line has; render::options() returns the others.
 std::span<const render::Option> commandOptions();
 
+// Returns the option --key of a command. CLI::App::get_option() allocates in a function that must not throw, so it
+// would end the process when memory runs out.
+CLI::Option& optionOf(CLI::App& command, std::string_view key);
+
 // Options of `latelight render` that a command does not support, by key: those of the group "Output", which define the
 // files and texts that `render` writes, except `supported`, and `others`.
 class UnsupportedOptions {

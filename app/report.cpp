@@ -101,8 +101,8 @@ void addReportCommand(CLI::App& app) {
       "report", "Write a page with a scene in every layout and with every technique, with the options of render");
   addRenderOptions(*command, a.render);
   unsupportedByReport().hide(*command);
-  command->get_option("--size")->default_str(fmt::format("{}x{}", kWidth, kHeight));
-  command->get_option("--out")->description("Self-contained HTML page; - is standard output");
+  optionOf(*command, "size").default_str(fmt::format("{}x{}", kWidth, kHeight));
+  optionOf(*command, "out").description("Self-contained HTML page; - is standard output");
   command->add_option("--runs", a.runs, "Number of frames for the median times")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
