@@ -7,8 +7,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <numeric>
-#include <utility>
 
 #include "render/frame/view.h"
 #include "render/submit/job.h"
@@ -97,23 +95,26 @@ Settings meteringSettings(const Settings& settings, bool hasLens) {
 
 namespace {
 
-// Returns the state of the scene without its previous and next frames. Its lists per camera describe only the cameras
-// with these indices.
-SceneState stillState(const SceneState& state, const std::vector<size_t>& cameras) {
+// Returns the state of the scene without its previous and next frames.
+SceneState stillState(const SceneState& state) {
   SceneState still = state;
   still.previousCameras.clear(), still.nextCameras.clear();
   still.motion.sincePrevious.clear(), still.motion.untilNext.clear();
   still.continues = false;
-  for (std::vector<double>* values : {&still.shutters, &still.readouts, &still.exposures}) {
-    if (values->empty()) continue;
-    const std::vector<double> all = std::exchange(*values, {});
-    for (const size_t camera : cameras) values->push_back(all[camera]);
+  return still;
+}
+
+// Fills the lists per camera with those of the cameras with these indices.
+void selectCameras(SceneState& still, const SceneState& all, const std::vector<size_t>& cameras) {
+  for (const auto list : {&SceneState::shutters, &SceneState::readouts, &SceneState::exposures}) {
+    if ((all.*list).empty()) continue;
+    (still.*list).clear();
+    for (const size_t camera : cameras) (still.*list).push_back((all.*list)[camera]);
   }
-  if (state.motion.cameraAt)
-    still.motion.cameraAt = [cameraAt = state.motion.cameraAt, cameras](size_t i, double seconds) {
+  if (all.motion.cameraAt)
+    still.motion.cameraAt = [cameraAt = all.motion.cameraAt, cameras](size_t i, double seconds) {
       return cameraAt(cameras[i], seconds);
     };
-  return still;
 }
 
 }  // namespace
@@ -122,13 +123,12 @@ std::vector<float> Renderer::meter(std::span<const scene::Camera> cameras, const
                                    const SceneState& moment) {
   const bool bends = !cameras.empty() && bendsRays(cameras.front());
   const Settings metering = meteringSettings(settings, bends);
+  SceneState still = stillState(moment);
   // Worlds that shaders place are rendered together in each round.
   const bool placed = moment.worlds.inputs.has_value();
   const size_t count = cameras.size() * (placed ? moment.worlds.count : 1);
   std::vector<double> ev(count, 0);
   std::vector<bool> settled(count, false);
-  std::vector<size_t> everyCamera(cameras.size());
-  std::iota(everyCamera.begin(), everyCamera.end(), size_t{0});
   for (int round = 0; round < kMaxRounds && !std::ranges::all_of(settled, std::identity{}); ++round) {
     std::vector<scene::Camera> some(cameras.begin(), placed ? cameras.end() : cameras.begin());
     std::vector<size_t> views;
@@ -138,7 +138,7 @@ std::vector<float> Renderer::meter(std::span<const scene::Camera> cameras, const
       if (!placed) some.push_back(cameras[view]);
       views.push_back(view), factors.push_back(factorOf(ev[view]));
     }
-    const SceneState still = stillState(moment, placed ? everyCamera : views);
+    if (!placed) selectCameras(still, moment, views);
     const std::shared_ptr<RenderJob> job =
         start(some, metering, still, stripsOf(metering), Results::ToHost, {}, std::move(factors));
     finish(*job);
