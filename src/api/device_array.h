@@ -16,8 +16,8 @@ namespace latelight {
 struct DeviceArrayMemory {
   static const vk::Buffer& bufferOf(const DeviceArray& array);
   static std::shared_ptr<const void> held(const DeviceArray& array);  // whoever holds it keeps the memory
-  // Returns the memory of an array that a call uses. Throws Error(Usage) if the array is empty
-  // or in memory of another device than the renderer's. `role`: the array in messages, such as "WorldRays::origins".
+  // Returns the memory of an array that a call uses. Throws Error(Usage) if the array is empty or in memory of another
+  // device than the renderer's. `role`: the array in messages, such as "WorldRays::origins".
   static std::shared_ptr<render::ExportedMemory> of(const DeviceArray& array, const vk::Device& device,
                                                     const std::string& role);
   // Throws Error(Usage) if two arrays are in the same memory, in which one output would overwrite the other.

@@ -22,7 +22,8 @@ double solidAngle(size_t row) {
 }
 
 // Writes the fraction of `shares` that comes before each of them, times 2^32. Each of them has a part of that range.
-void writeCumulative(std::span<const double> shares, std::span<uint32_t> starts) {
+// Returns their sum.
+double writeCumulative(std::span<const double> shares, std::span<uint32_t> starts) {
   const double total = std::accumulate(shares.begin(), shares.end(), 0.0);
   const double units = 0x1p32 - static_cast<double>(shares.size());  // one of the others goes to each element
   double before = 0;
@@ -30,6 +31,7 @@ void writeCumulative(std::span<const double> shares, std::span<uint32_t> starts)
     starts[i] = static_cast<uint32_t>(i + static_cast<uint64_t>(std::min(before / total, 1.0) * units));
     before += shares[i];
   }
+  return total;
 }
 
 }  // namespace
@@ -45,9 +47,9 @@ std::vector<uint32_t> environmentTable(std::span<const float> brightness) {
   for (size_t row = 0; row < kEnvironmentRows; ++row) {
     const std::span<const float> cells = brightness.subspan(row * kEnvironmentColumns, kEnvironmentColumns);
     for (size_t i = 0; i < cells.size(); ++i) columns[i] = std::max(0.0, double{cells[i]}) + least;
-    rows[row] = std::accumulate(columns.begin(), columns.end(), 0.0) * solidAngle(row);
-    writeCumulative(columns,
-                    std::span(table).subspan(kEnvironmentRows + row * kEnvironmentColumns, kEnvironmentColumns));
+    const std::span<uint32_t> starts =
+        std::span(table).subspan(kEnvironmentRows + row * kEnvironmentColumns, kEnvironmentColumns);
+    rows[row] = writeCumulative(columns, starts) * solidAngle(row);
   }
   writeCumulative(rows, std::span(table).first(kEnvironmentRows));
   return table;
