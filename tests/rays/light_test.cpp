@@ -364,7 +364,7 @@ TEST_F(RayLightTest, TheEnvironmentCastsShadows) {
 }
 
 // A sky whose brightness varies with the longitude, and a sun with most of its light.
-scene::Environment sunnyEnvironment() {
+scene::FloatImage sunnySky() {
   scene::FloatImage sky(256, 128);
   for (uint32_t y = 0; y < sky.height; ++y)
     for (uint32_t x = 0; x < sky.width; ++x) {
@@ -372,32 +372,29 @@ scene::Environment sunnyEnvironment() {
       const bool sun = x / 4 == 10 && y / 4 == 7;
       std::fill_n(sky.at(x, y), 3, sun ? 400.0f : 0.5f + 0.45f * std::sin(3 * turn));
     }
-  scene::Environment environment = constantEnvironment();
-  environment.radiance = scene::makeRadianceMap(sky, false);
-  return environment;
+  return sky;
 }
 
-// Irradiance / pi of a horizontal floor below sunnyEnvironment(), of texels that are interpolated.
-double sunnyRadiance() {
-  constexpr uint32_t kWidth = 256, kHeight = 128, kPoints = 8;
-  const auto texel = [](int x, int y) {
-    const int column = (x + int{kWidth}) % int{kWidth}, row = std::clamp(y, 0, int{kHeight} - 1);
-    const bool sun = column / 4 == 10 && row / 4 == 7;
-    return sun ? 400.0 : 0.5 + 0.45 * std::sin(3 * (column + 0.5) / kWidth * 2 * std::numbers::pi);
+// Irradiance / pi of a horizontal floor below a sky, whose texels are interpolated.
+double radianceBelow(const scene::FloatImage& sky) {
+  constexpr uint32_t kPoints = 8;
+  const auto texel = [&](int x, int y) {
+    const int width = static_cast<int>(sky.width), height = static_cast<int>(sky.height);
+    return double{*sky.at((x + width) % width, std::clamp(y, 0, height - 1))};
   };
   double sum = 0;
-  for (uint32_t y = 0; y < kHeight / 2 * kPoints; ++y)
-    for (uint32_t x = 0; x < kWidth * kPoints; ++x) {
+  for (uint32_t y = 0; y < sky.height / 2 * kPoints; ++y)
+    for (uint32_t x = 0; x < sky.width * kPoints; ++x) {
       const double u = (x + 0.5) / kPoints - 0.5, v = (y + 0.5) / kPoints - 0.5;
       const int column = static_cast<int>(std::floor(u)), row = static_cast<int>(std::floor(v));
       const double s = u - column, t = v - row;
       const double radiance = (1 - t) * ((1 - s) * texel(column, row) + s * texel(column + 1, row)) +
                               t * ((1 - s) * texel(column, row + 1) + s * texel(column + 1, row + 1));
-      const double angle = (y + 0.5) / kPoints / kHeight * std::numbers::pi;  // from the zenith
+      const double angle = (y + 0.5) / kPoints / sky.height * std::numbers::pi;  // from the zenith
       sum += radiance * std::cos(angle) * std::sin(angle);
     }
-  const double step = std::numbers::pi / kHeight / kPoints;
-  return sum * step * 2 * std::numbers::pi / kWidth / kPoints / std::numbers::pi;
+  const double step = std::numbers::pi / sky.height / kPoints;
+  return sum * step * 2 * std::numbers::pi / sky.width / kPoints / std::numbers::pi;
 }
 
 // Points of the sample sequence remain well distributed among the directions of an environment. An alias table of the
@@ -405,12 +402,14 @@ double sunnyRadiance() {
 TEST_F(RayLightTest, SamplesOfEnvironmentsAreWellDistributed) {
   FloorScene floor(squareMesh(), glm::translate(glm::dmat4(1), dvec3(0, 0, -9)), scene::Light{.intensity = 0});
   floor.size = 32;
-  const scene::Environment environment = sunnyEnvironment();
+  const scene::FloatImage sky = sunnySky();
+  scene::Environment environment = constantEnvironment();
+  environment.radiance = scene::makeRadianceMap(sky, false);
   Settings settings = floor.settings();
   settings.samples = 256;
   settings.indirect = Indirect::OneBounce;
   const output::FrameOutput frame = renderOne(device(), floor.builder.scene, floor.camera, settings, &environment);
-  const double expected = sunnyRadiance();
+  const double expected = radianceBelow(sky);
   double mean = 0, square = 0;
   for (size_t i = 0; i < 32 * 32; ++i) {
     const double ratio = imageOf(frame, Aov::Color).values[4 * i] / expected;
