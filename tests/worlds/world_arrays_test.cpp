@@ -14,11 +14,13 @@
 #include "long_tests.h"
 #include "models/models.h"
 #include "test_device.h"
+#include "worlds/rejection.h"
 #include "worlds/same_frames.h"
 
 namespace latelight {
 namespace {
 
+using test::rejectionOf;
 using test::testDevice;
 
 Transform product(const Transform& a, const Transform& b) {
@@ -725,12 +727,7 @@ TEST(PlacedWorlds, AreChecked) {
     Worlds worlds{.count = 2, .instances = {scene.instances()[0]}, .cameras = {scene.defaultCamera(1.0f)}};
     worlds.arrays = arrays;
     worlds.cameraToWorld.assign(2, worlds.cameras[0].cameraToWorld);
-    try {
-      renderer.render(worlds, options("compute"));
-    } catch (const Error& error) {
-      return std::string(error.what());
-    }
-    return std::string("nothing was refused");
+    return rejectionOf([&] { renderer.render(worlds, options("compute")); });
   };
   using testing::HasSubstr;
   EXPECT_THAT(refused({.transforms = {.rows = 2, .host = numbers}}), HasSubstr("must have 3 or 4 rows, not 2"));

@@ -10,11 +10,13 @@
 
 #include "placed.h"
 #include "test_device.h"
+#include "worlds/rejection.h"
 
 namespace latelight {
 namespace {
 
 using test::placed;
+using test::rejectionOf;
 using test::testDevice;
 using testing::HasSubstr;
 
@@ -369,36 +371,27 @@ TEST(WorldCast, HoldsTheMemoryOfItsRays) {
 TEST(WorldCast, TicketsReportErrorsInOneSentence) {
   const BoxScene made;
   Renderer renderer(made.scene, testDevice());
-  const auto sentenceOf = [](const std::function<void()>& call) {
-    try {
-      call();
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ExitCode::Usage);
-      return std::string(error.what());
-    }
-    return std::string("nothing was refused");
-  };
   RaysAtHeights rays(made.box);
   CastTicket ticket = renderer.submitCast(rays.at(0), rays.get());
-  EXPECT_THAT(sentenceOf([&] { ticket.take(); }), HasSubstr("these hits are arrays on the device"));
+  EXPECT_THAT(rejectionOf([&] { ticket.take(); }), HasSubstr("these hits are arrays on the device"));
   expectHeight(ticket, 0);
-  EXPECT_THAT(sentenceOf([&] { ticket.takeArrays(); }), HasSubstr("taken already"));
+  EXPECT_THAT(rejectionOf([&] { ticket.takeArrays(); }), HasSubstr("taken already"));
   const std::vector<std::array<double, 3>> origin{{0, 0, 10}}, direction{{0, 0, -1}};
   float distance = 0;
   CastTicket own = renderer.submitCast(origin, direction, CastTargets{.distance = &distance});
-  EXPECT_THAT(sentenceOf([&] { own.takeArrays(); }), HasSubstr("these hits are no arrays on the device"));
+  EXPECT_THAT(rejectionOf([&] { own.takeArrays(); }), HasSubstr("these hits are no arrays on the device"));
   own.take();
   EXPECT_FLOAT_EQ(distance, 9);
   Worlds wrong = rays.at(0);
   rays.transforms[15 + 16] = 2;
   CastTicket invalid = renderer.submitCast(wrong, rays.get());
-  EXPECT_THAT(sentenceOf([&] { invalid.takeArrays(); }), HasSubstr("the last row 0 0 0 1, and one of world 1"));
+  EXPECT_THAT(rejectionOf([&] { invalid.takeArrays(); }), HasSubstr("the last row 0 0 0 1, and one of world 1"));
   std::vector<float> distances(2 * RaysAtHeights::kRays);
   CastTicket stored = renderer.submitCast(wrong, rays.get(), CastTargets{.distance = distances.data()});
-  EXPECT_THAT(sentenceOf([&] { stored.takeArrays(); }), HasSubstr("these hits are no arrays on the device"));
-  EXPECT_THAT(sentenceOf([&] { stored.take(); }), HasSubstr("the last row 0 0 0 1, and one of world 1"));
+  EXPECT_THAT(rejectionOf([&] { stored.takeArrays(); }), HasSubstr("these hits are no arrays on the device"));
+  EXPECT_THAT(rejectionOf([&] { stored.take(); }), HasSubstr("the last row 0 0 0 1, and one of world 1"));
   const auto few = renderer.cast(rays.at(0), WorldRays{numbersIn(rays.origins), numbersIn(rays.directions), 5});
-  EXPECT_THAT(sentenceOf([&] { renderer.submitCast(rays.at(0), rays.get(), {"distance"}, {}, few); }),
+  EXPECT_THAT(rejectionOf([&] { renderer.submitCast(rays.at(0), rays.get(), {"distance"}, {}, few); }),
               HasSubstr("the array of distance is too small for the hits of 2000 rays"));
   CastTicket none = renderer.submitCast(rays.at(0), WorldRays{numbersIn(rays.origins), numbersIn(rays.directions), 0});
   EXPECT_TRUE(none.done());
@@ -412,30 +405,21 @@ TEST(WorldCast, RejectsArraysOfAnotherRenderer) {
   if (!other.inputArray(16)->host()) GTEST_SKIP() << "the host writes no memory of this device";
   const std::shared_ptr<const DeviceArray> foreign = other.inputArray(1024);
   const ParallelRays<float> rays(5);
-  const auto sentenceOf = [](const std::function<void()>& call) {
-    try {
-      call();
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ExitCode::Usage);
-      return std::string(error.what());
-    }
-    return std::string("nothing was refused");
-  };
   WorldRays origins = rays.get(), directions = rays.get();
   origins.origins = {.device = foreign};
   directions.directions = {.device = foreign};
-  EXPECT_THAT(sentenceOf([&] { renderer.cast(Worlds{.count = 1}, origins); }),
+  EXPECT_THAT(rejectionOf([&] { renderer.cast(Worlds{.count = 1}, origins); }),
               HasSubstr("WorldRays::origins belongs to another renderer"));
-  EXPECT_THAT(sentenceOf([&] { renderer.cast(Worlds{.count = 1}, directions); }),
+  EXPECT_THAT(rejectionOf([&] { renderer.cast(Worlds{.count = 1}, directions); }),
               HasSubstr("WorldRays::directions belongs to another renderer"));
   Worlds worlds{.count = 1, .instances = {made.box}, .cameras = {Camera{}}};
   worlds.arrays.transforms.device = foreign;
-  EXPECT_THAT(sentenceOf([&] { renderer.cast(worlds, rays.get()); }),
+  EXPECT_THAT(rejectionOf([&] { renderer.cast(worlds, rays.get()); }),
               HasSubstr("Worlds::arrays.transforms belongs to another renderer"));
-  EXPECT_THAT(sentenceOf([&] { renderer.render(worlds); }),
+  EXPECT_THAT(rejectionOf([&] { renderer.render(worlds); }),
               HasSubstr("Worlds::arrays.transforms belongs to another renderer"));
   origins.origins = {.device = std::make_shared<DeviceArray>()};
-  EXPECT_THAT(sentenceOf([&] { renderer.cast(Worlds{.count = 1}, origins); }),
+  EXPECT_THAT(rejectionOf([&] { renderer.cast(Worlds{.count = 1}, origins); }),
               HasSubstr("WorldRays::origins is empty"));
 }
 
@@ -447,13 +431,7 @@ TEST(WorldCast, RejectsWrongArrays) {
   const auto refused = [&](const std::function<void(WorldRays&)>& change, const std::string& output = "distance") {
     WorldRays rays = floats.get();
     change(rays);
-    try {
-      renderer.cast(movedBoxes(made.box), rays, {output});
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ExitCode::Usage);
-      return std::string(error.what());
-    }
-    return std::string("nothing was refused");
+    return rejectionOf([&] { renderer.cast(movedBoxes(made.box), rays, {output}); });
   };
   EXPECT_THAT(refused([](WorldRays& r) { r.origins = {}; }), HasSubstr("WorldRays::origins must be given"));
   EXPECT_THAT(refused([&](WorldRays& r) { r.directions = doubles.get().directions; }), HasSubstr("the same type"));
