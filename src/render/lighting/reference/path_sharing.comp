@@ -10,8 +10,8 @@
 // The balance heuristic combines the kGroup techniques by which the pixels could have found a surface, each with the
 // density by which its pixel samples directions, if nothing blocks the connection (Veach and Guibas 1995). With these
 // weights, the light of a surface is divided by the sum of all densities there, so the estimator is unbiased, and a
-// connection contributes no more than the path that found the surface. Pixels of a group are 4 and 2 apart, so that
-// neighbors have independent noise.
+// connection contributes no more than the path that found the surface. Pixels of a group are apart, so that neighbors
+// have independent noise. A filter removes most of what a larger group would, so groups are smaller with it.
 //
 // Inputs: the G-buffer, and the records of paths.comp. Outputs are those of paths.comp.
 #define ONE_SAMPLE
@@ -30,17 +30,20 @@ const uint kPathFlags = 0u;  // no path starts at the eye, or finds the light of
 #include "render/lighting/reference/path_record.glsl"
 #include "render/lighting/reference/path_sums.glsl"
 
-const uvec2 kStep = uvec2(4u, 2u);  // between the pixels of a group
-const uvec2 kSide = uvec2(kPixelGroupX, kPixelGroupY) / kStep;
-const uint kGroup = kSide.x * kSide.y;
+const uint kStepX = kFiltered != 0u ? 4u : 2u, kStepY = 2u;  // between the pixels of a group
+const uint kSideX = kPixelGroupX / kStepX, kSideY = kPixelGroupY / kStepY;
+const uint kGroup = kSideX * kSideY;
 const uint kPixels = kPixelGroupX * kPixelGroupY;
 
 shared float densities[kPixels * kGroup];  // by pixel of the workgroup, and by member of its group
 shared float densitySums[kPixels];
 
 // Returns a member's position in the workgroup. `own`: that of a pixel of the group.
-uvec2 memberPlace(uvec2 own, uint member) { return own % kStep + kStep * uvec2(member % kSide.x, member / kSide.x); }
-uint memberOf(uvec2 own) { return own.y / kStep.y * kSide.x + own.x / kStep.x; }
+uvec2 memberPlace(uvec2 own, uint member) {
+  const uvec2 step = uvec2(kStepX, kStepY);
+  return own % step + step * uvec2(member % kSideX, member / kSideX);
+}
+uint memberOf(uvec2 own) { return own.y / kStepY * kSideX + own.x / kStepX; }
 uint indexOf(uvec2 place) { return place.y * kPixelGroupX + place.x; }
 
 // A connection from the visible surface to that of a record.

@@ -5,7 +5,8 @@
 // Path tracing from the visible surface of each pixel (Kajiya 1986, The Rendering Equation). At each surface, one
 // light, one direction of the environment, one point of the emissive surfaces and one of the area lights are sampled,
 // and the path goes on in a direction of the surface's lobes, which also finds the last three. From the fourth surface
-// on, paths end at random in proportion to what they still carry (Russian roulette).
+// on, paths end at random (Russian roulette): those that carry a quarter of their light go on with a chance of a half,
+// because sampling their later surfaces less often than this costs more by noise than it saves.
 //
 // Inputs: the G-buffer, the scene's BVHs and emitters (FrameConstants::rayScene), an environment's image and its cells.
 // Worlds may have several environments, each of which has passes of its own, which skip the views of the others.
@@ -220,7 +221,7 @@ bool scatter(inout Path path, FrameConstants frame, PathVertex v, vec3 beyond, u
   path.fromArea = vec3(0.0);
   if (hasAreaLights(frame)) path.fromArea = path.carried * pathReflectance(v, toLight, true) / max(density, 1e-30);
   path.carried *= pathReflectance(v, toLight, false) / max(density, 1e-30);
-  float left = maxChannel(path.carried * path.first), survives = index < 3u ? 1.0 : min(left, 0.95);
+  float left = maxChannel(path.carried * path.first), survives = index < 3u ? 1.0 : min(sqrt(left), 0.95);
   if (!(left > 0.0 && density > 0.0 && nextSample().x < survives)) return false;
   path.carried /= survives;
   path.fromArea /= survives;
