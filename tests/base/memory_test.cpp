@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "sanitized.h"
 
 namespace latelight {
 namespace {
@@ -85,9 +86,8 @@ TEST(MemoryLimit, IsByDefaultAShareOfWhatIsFree) {
   EXPECT_GT(memoryLimit(), 0u);
   const auto machine = static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
   EXPECT_LE(memoryLimit(), machine / 4 * 3);
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "the shadow memory of the address sanitizer exceeds any limit on addresses";
-#endif
+  if (hasAddressSanitizer())
+    GTEST_SKIP() << "the shadow memory of the address sanitizer exceeds any limit on addresses";
   const auto underALimit = [] {
     rlimit limit{};
     limit.rlim_cur = limit.rlim_max = 1024 * kMiB;

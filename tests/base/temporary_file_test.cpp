@@ -22,6 +22,7 @@
 #include "base/fatal_signals.h"
 #include "base/files.h"
 #include "base/parallel.h"
+#include "sanitized.h"
 
 namespace latelight {
 
@@ -125,9 +126,7 @@ std::string printedByCrash(const fs::path& folder, const std::function<void()>& 
 }
 
 TEST_F(Temporaries, GoBeforeACrashWhichPrintsABacktrace) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "sanitizers report the crash before the signal is raised";
-#endif
+  if (hasAddressSanitizer()) GTEST_SKIP() << "sanitizers report the crash before the signal is raised";
   const auto crashes = [&](const std::function<void()>& crash, const char* function) {
     const std::string text = printedByCrash(folder, crash);
     EXPECT_THAT(text, testing::HasSubstr("crashed by SIGSEGV"));
