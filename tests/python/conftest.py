@@ -10,6 +10,12 @@ import pytest
 
 import latelight
 
+
+def pytest_collection_modifyitems(items):
+    """Keeps every Nth test, where `./dev test` runs them in part (tests/in_part)."""
+    items[:] = items[int(os.environ.get("GTEST_SHARD_INDEX", 0)) :: int(os.environ.get("GTEST_TOTAL_SHARDS", 1))]
+
+
 DEVICE = os.environ.get("LATELIGHT_TEST_DEVICE", "cpu")
 
 

@@ -14,6 +14,11 @@ RUNS_ALL = os.environ.get("LATELIGHT_TEST_ALL", "0") not in ("", "0")  # see tes
 SCREENSHOTS = os.environ.get("LATELIGHT_SCREENSHOTS")  # a folder, for those who want to look
 
 
+def pytest_collection_modifyitems(items):
+    """Keeps every Nth test, where `./dev test` runs them in part (tests/in_part)."""
+    items[:] = items[int(os.environ.get("GTEST_SHARD_INDEX", 0)) :: int(os.environ.get("GTEST_TOTAL_SHARDS", 1))]
+
+
 @pytest.fixture(scope="session")
 def chromium():
     with sync_playwright() as playwright:

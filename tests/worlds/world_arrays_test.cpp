@@ -622,7 +622,7 @@ void addLampsWithShadows(Scene& scene) {
 // Worlds under lights with shadow maps, of which each view has its own sizes and cube faces, are the edited scene.
 TEST_P(ArraysOfWorlds, CastShadowsOfLocalLights) {
   const bool compute = std::string(GetParam()) == "compute";
-  const uint32_t kSome = compute ? latelight::test::rounds(200u, 24u) : 6;
+  const uint32_t kSome = compute ? latelight::test::rounds(200u, 12u) : 6;
   Scene scene("builtin:boxes"), edited("builtin:boxes");
   addLampsWithShadows(scene);
   addLampsWithShadows(edited);
