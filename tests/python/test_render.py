@@ -18,6 +18,30 @@ def camera(boxes):
     return boxes.default_camera(SIZE[0] / SIZE[1])
 
 
+@pytest.mark.parametrize("raster", ["hardware", "compute"])
+def test_grooves_are_the_same_from_both_sides(square, device, raster):
+    """The direction of anisotropy belongs to the surface: a mirrored quad that faces the camera looks alike."""
+
+    def picture(facing, rotation):
+        scene = latelight.Scene()
+        indices = square["indices"] if facing > 0 else square["indices"][:, ::-1]
+        normals = np.tile(np.array([0, 0, facing], np.float32), (4, 1))
+        tangents = np.tile(np.array([1, 0, 0, 1], np.float32), (4, 1))
+        mesh = scene.add_mesh(square["positions"], indices, normals=normals, tangents=tangents)
+        metal = latelight.Material(
+            metallic=1, roughness=0.35, anisotropy=0.9, anisotropy_rotation=rotation, double_sided=True
+        )
+        scene.add_instance(mesh, scene.add_material(metal), np.eye(4))
+        scene.add_light(latelight.Light(position=(0.2, 0.3, -3), intensity=10))
+        renderer = latelight.Renderer(scene, device, environment="none")
+        eye = latelight.Camera.look_at((0, 0, -3), (0, 0, 0))
+        return renderer.render(eye, SIZE, raster=raster, shadows="none")["rgba"].astype(int)
+
+    back, front = picture(1, 30), picture(-1, -30)
+    assert np.abs(back - front).max() <= 1
+    assert np.abs(back - picture(-1, 30)).max() > 50
+
+
 def test_shapes_and_types(renderer, camera):
     frame = renderer.render(camera, SIZE, ("rgba", "color", "depth", "normal", "id", "uv"))
     assert {name: (array.shape, array.dtype.name) for name, array in frame.items()} == {

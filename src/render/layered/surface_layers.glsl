@@ -14,7 +14,7 @@ vec3 stretchDirection(SurfacePoint p, vec3 n, vec2 turned) {
   vec3 any = abs(n.z) < 0.9 ? vec3(-n.y, n.x, 0.0) : vec3(0.0, -n.z, n.y);
   vec3 t = squared > 1e-12 ? tangent * inversesqrt(squared) : normalize(any);
   vec3 b = cross(n * p.facing, t) * (p.tangent.w < 0.0 ? -1.0 : 1.0);
-  return normalize(t * turned.x + b * (turned.y * p.facing));
+  return normalize(t * turned.x + b * turned.y);
 }
 
 void findAnisotropy(inout SurfaceLayers l, Material m, SurfacePoint p, vec3 n) {
