@@ -211,7 +211,7 @@ struct Scene {
   std::vector<Camera> cameras;
   std::vector<Light> lights;
   std::vector<std::string> variants;               // KHR_materials_variants
-  std::vector<VariantMaterial> variantMaterials;   // as loaded; edits of the scene do not change them
+  std::vector<VariantMaterial> variantMaterials;   // without those of removed materials and of reused instances
   Rig rig;                                         // animation data; all members above are at rest
   std::shared_ptr<const Environment> environment;  // the file's own, or null
   SceneEdits edits;

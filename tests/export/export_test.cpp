@@ -185,6 +185,26 @@ TEST(Export, VariantsAreKept) {
   }
 }
 
+TEST(Export, VariantsOfRemovedMaterialsAndReusedInstancesAreLeftOut) {
+  const std::string model = models::modelPath("intricate.glb").string();
+  const app::Folder folder;
+  Scene scene = load(model);
+  ASSERT_FALSE(scene.variantMaterials.empty());
+  const VariantMaterial first = scene.variantMaterials[0];
+  const size_t all = scene.variantMaterials.size();
+  removeInstance(scene, first.instance);
+  EXPECT_EQ(scene.variantMaterials.size(), all) << "the instance may be restored";
+  EXPECT_EQ(addInstance(scene, 0, 0, dmat4(1)), first.instance);
+  for (const VariantMaterial& v : scene.variantMaterials) EXPECT_NE(v.instance, first.instance);
+
+  scene = load(model);
+  for (uint32_t i = 0; i < scene.instances.size(); ++i) setMaterialOf(scene, i, first.material == 0 ? 1 : 0);
+  removeMaterial(scene, first.material);
+  exports::exportScene(scene, folder.at("out.glb"));
+  load(folder.at("out.glb"));
+  for (const VariantMaterial& v : scene.variantMaterials) EXPECT_NE(v.material, first.material);
+}
+
 TEST(Export, EditsAreIncluded) {
   Scene scene = load("builtin:boxes");
   const size_t before = scene.instances.size();

@@ -89,6 +89,23 @@ def test_nan_spoils_only_its_world(scene, worlds_renderer, camera):
     assert frames[0][0]["id"].any()
 
 
+@pytest.mark.parametrize("raster", ["hardware", "compute"])
+def test_materials_that_an_edit_makes_translucent(square, camera, raster):
+    scene = latelight.Scene()
+    mesh = scene.add_mesh(square["positions"], square["indices"], colors=np.ones((4, 4), np.float32))
+    front = scene.add_instance(mesh, scene.add_material(latelight.Material(alpha_mode="blend", unlit=True)), np.eye(4))
+    back = scene.add_mesh(2 * square["positions"], square["indices"])
+    scene.add_instance(back, scene.add_material(latelight.Material(base_color=(1, 0, 0, 1), unlit=True)), at(0, z=-1))
+    renderer = latelight.Renderer(scene, "cpu", environment="none")
+    call = {"instances": [front], "base_color": np.array([[[0, 1, 0, 1]]], np.float32), "raster": raster}
+    renderer.render_worlds(1, camera, SIZE, "rgba", **call)
+    scene.set_mesh(mesh, square["positions"], square["indices"], colors=np.full((4, 4), 0.3, np.float32))
+    edited = renderer.render_worlds(1, camera, SIZE, "rgba", **call)[0][0]["rgba"]
+    fresh = latelight.Renderer(scene, "cpu", environment="none").render_worlds(1, camera, SIZE, "rgba", **call)
+    np.testing.assert_array_equal(edited, fresh[0][0]["rgba"])
+    assert edited[SIZE[1] // 2, SIZE[0] // 2, 0] > 0  # the red square behind
+
+
 def test_materials(scene, worlds_renderer, camera):
     red, green = scene.instances()
     paints = [scene.instance(square).material for square in (red, green)]

@@ -42,7 +42,9 @@ void GpuMaterials::update(vk::Uploader& uploader, std::span<const uint32_t> text
 void GpuMaterials::updateOpacity(vk::Uploader& uploader, std::span<const uint32_t> meshes) {
   const std::vector<uint32_t> changed = opacity_.update(meshes);
   for (const uint32_t material : changed) setRecord(material, scene_.materials[material].data);
-  if (!changed.empty()) uploadRecords(uploader, changed);
+  if (changed.empty()) return;
+  uploadRecords(uploader, changed);
+  variants_.clear();  // they may derive from these
 }
 
 void GpuMaterials::pose(vk::Uploader& uploader, const std::map<uint32_t, shared::Material>& posed) {
