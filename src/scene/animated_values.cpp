@@ -62,7 +62,7 @@ void setEmissive(Data data, Parts parts) {
 
 constexpr Property<Data, Parts> kMaterialProperties[] = {
     {"pbrMetallicRoughness/baseColorFactor", 4,
-     [](Data data, Parts, const vec4& v) { data.baseColor = glm::max(v, 0.0f); }},
+     [](Data data, Parts, const vec4& v) { data.baseColor = glm::clamp(v, 0.0f, 1.0f); }},
     {"pbrMetallicRoughness/metallicFactor", 1, [](Data data, Parts, const vec4& v) { data.metallic = share(v.x); }},
     {"pbrMetallicRoughness/roughnessFactor", 1, [](Data data, Parts, const vec4& v) { data.roughness = share(v.x); }},
     {"normalTexture/scale", 1, [](Data data, Parts, const vec4& v) { data.normalScale = v.x; }},
@@ -141,21 +141,10 @@ constexpr Property<Light&> kLightProperties[] = {
     {"color", 3, [](Light& light, const vec4& v) { light.color = positive(v); }},
     {"intensity", 1, [](Light& light, const vec4& v) { light.intensity = positive(v.x); }},
     {"range", 1, [](Light& light, const vec4& v) { light.range = v.x > 0 ? std::optional(v.x) : std::nullopt; }},
-    {"spot/innerConeAngle", 1,
-     [](Light& light, const vec4& v) { light.innerCone = std::min(coneAngle(v.x), light.outerCone); }},
-    {"spot/outerConeAngle", 1,
-     [](Light& light, const vec4& v) {
-       light.outerCone = std::max(coneAngle(v.x), 1e-4f);
-       light.innerCone = std::min(light.innerCone, light.outerCone);
-     }},
+    {"spot/innerConeAngle", 1, [](Light& light, const vec4& v) { light.innerCone = coneAngle(v.x); }},
+    {"spot/outerConeAngle", 1, [](Light& light, const vec4& v) { light.outerCone = std::max(coneAngle(v.x), 1e-4f); }},
 };
 
-// Invalid planes are ignored; the camera keeps its previous ones.
-void setPlanes(Camera& camera, float nearClip, float farClip) {
-  if (nearClip < 0 || (nearClip == 0 && !camera.orthographic) || !(farClip > nearClip)) return;
-  camera.nearClip = nearClip;
-  camera.farClip = farClip;
-}
 // Each setter preserves the other half extent.
 void setHalfWidth(Camera& camera, const vec4& v) {
   if (v.x != 0) camera.aspect = std::abs(v.x) / camera.yHalf;
@@ -167,10 +156,10 @@ void setHalfHeight(Camera& camera, const vec4& v) {
   camera.aspect = halfWidth / camera.yHalf;
 }
 void setNear(Camera& camera, const vec4& v) {
-  setPlanes(camera, v.x, camera.farClip);
+  camera.nearClip = v.x;
 }
 void setFar(Camera& camera, const vec4& v) {
-  setPlanes(camera, camera.nearClip, v.x);
+  camera.farClip = v.x;
 }
 
 constexpr Property<Camera&> kCameraProperties[] = {
@@ -246,6 +235,13 @@ void setValue(Light& light, uint32_t property, const vec4& value) {
 
 void setValue(Camera& camera, uint32_t property, const vec4& value) {
   kCameraProperties[property].set(camera, value);
+}
+
+void limitValues(Camera& camera, const Camera& atRest) {
+  const bool possible = camera.nearClip >= 0 && (camera.nearClip > 0 || camera.orthographic);
+  if (possible && camera.farClip > camera.nearClip) return;
+  camera.nearClip = atRest.nearClip;
+  camera.farClip = atRest.farClip;
 }
 
 }  // namespace latelight::scene

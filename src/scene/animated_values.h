@@ -49,5 +49,7 @@ void setValue(shared::Material& material, MaterialParts& parts, uint32_t propert
               const glm::vec4& value);
 void setValue(Light& light, uint32_t property, const glm::vec4& value);
 void setValue(Camera& camera, uint32_t property, const glm::vec4& value);
+// Gives the camera the planes that it has at rest if those that all its values have set are not possible.
+void limitValues(Camera& camera, const Camera& atRest);
 
 }  // namespace latelight::scene

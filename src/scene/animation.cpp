@@ -36,13 +36,14 @@ struct KeyPosition {
   double span;  // seconds between the two keys
 };
 
-// Times before the first key or after the last one are clamped to it (glTF 2.0, 3.11).
+// Times before the first key or after the last one are clamped to it (glTF 2.0, 3.11). Keys are floats, so the time is
+// compared as a float, too: frame 1 at 24 frames per second has reached the key that the file rounds from 1/24.
 KeyPosition keyAt(const std::vector<float>& times, double seconds) {
-  const size_t after = static_cast<size_t>(std::upper_bound(times.begin(), times.end(), seconds) - times.begin());
+  const auto after = static_cast<size_t>(std::ranges::upper_bound(times, static_cast<float>(seconds)) - times.begin());
   if (after == 0) return {0, 0, 0};
   if (after == times.size()) return {after - 1, 0, 0};
   const double from = times[after - 1], span = times[after] - from;
-  return {after - 1, (seconds - from) / span, span};
+  return {after - 1, std::clamp((seconds - from) / span, 0.0, 1.0), span};
 }
 
 // Cubic Hermite spline with tangents per second (glTF 2.0, appendix C).
@@ -283,6 +284,7 @@ std::vector<Camera> posedCameras(const Scene& scene, const Pose& pose) {
                [&](uint32_t i, const ValueTrack& track, const glm::vec4& value) {
                  setValue(cameras[i], track.property, value);
                });
+  for (size_t i = 0; i < cameras.size(); ++i) limitValues(cameras[i], scene.cameras[i]);
   return cameras;
 }
 
@@ -296,6 +298,7 @@ std::vector<Light> posedLights(const Scene& scene, const Pose& pose) {
   forEachValue(scene, pose, AnimatedElements::Lights, [&](uint32_t i, const ValueTrack& track, const glm::vec4& value) {
     setValue(lights[i], track.property, value);
   });
+  for (Light& light : lights) light.innerCone = std::min(light.innerCone, light.outerCone);
   return lights;
 }
 

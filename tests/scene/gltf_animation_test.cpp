@@ -45,6 +45,24 @@ TEST(Animation, StepsHoldAndLinesGoStraight) {
   EXPECT_FLOAT_EQ(duration(line, choosePlayback(line, "move", false)), 4);
 }
 
+TEST(Animation, FramesReachTheKeysThatFilesRoundFromTheirTimes) {
+  for (const int rate : {24, 25, 30, 60}) {
+    std::vector<float> times;
+    std::vector<vec3> places;
+    for (int i = 0; i < 48; ++i) {
+      times.push_back(static_cast<float>(double(i) / rate));
+      places.emplace_back(i, 0, 0);
+    }
+    const auto positions = [&](GltfBuilder& b) { return b.positions(places); };
+    const Scene step = animated("translation", times, "STEP", positions).load();
+    const Scene line = animated("translation", times, "LINEAR", positions).load();
+    for (int i = 0; i < 48; ++i) {
+      EXPECT_EQ(placeAt(step, double(i) / rate).x, i) << rate;
+      EXPECT_NEAR(placeAt(line, double(i) / rate).x, i, 1e-4) << rate;
+    }
+  }
+}
+
 TEST(Animation, EndsHoldOrBeginAgain) {
   const Scene scene = animated("translation", {0, 2}, "LINEAR", [](GltfBuilder& b) {
                         return b.positions({{0, 0, 0}, {2, 0, 0}});

@@ -245,6 +245,24 @@ TEST(GltfMaterial, LayersOutOfRange) {
   EXPECT_THAT(error("KHR_materials_anisotropy", "anisotropyTexture", {{"index", 7}}), HasSubstr("index is 7"));
 }
 
+TEST(GltfMaterial, FactorsOutOfRange) {
+  GltfBuilder b = withMaterial(
+      {{"pbrMetallicRoughness", {{"baseColorFactor", {2, -1, .5, 1}}, {"metallicFactor", 2}, {"roughnessFactor", -1}}},
+       {"emissiveFactor", {-1, 2, 0}},
+       {"alphaCutoff", -1},
+       {"extensions", {{"KHR_materials_specular", {{"specularFactor", 3}, {"specularColorFactor", {-1, 2, 1}}}}}}});
+  testing::internal::CaptureStderr();
+  const shared::Material m = b.load().materials.at(0).data;
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("baseColorFactor[0] is 2"));
+  EXPECT_EQ(m.baseColor, vec4(1, 0, .5f, 1));
+  EXPECT_EQ(m.metallic, 1);
+  EXPECT_EQ(m.roughness, 0);
+  EXPECT_EQ(m.emissive, vec3(0, 2, 0)) << "files of exporters without KHR_materials_emissive_strength exceed 1";
+  EXPECT_EQ(m.alphaCutoff, 0);
+  EXPECT_EQ(m.specular, 1);
+  EXPECT_EQ(m.specularColor, vec3(0, 2, 1));
+}
+
 TEST(GltfMaterial, TextureTransform) {
   // KHR_texture_transform's own test model: the sign "correct" is at this texture coordinate of the panel that is
   // rotated by 22.5 degrees, and the arrow's tip in the image is at 0.5 + 0.2778.

@@ -2,12 +2,14 @@
 // track.
 #include <gmock/gmock.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <utility>
 
 #include "gltf_builder.h"
 #include "gltf_compressed_files.h"
+#include "scene/edit.h"
 #include "texture_pointers.h"
 
 namespace latelight::scene::test {
@@ -204,6 +206,56 @@ TEST(AnimationPointer, MovesCameras) {
   expectScalar("/cameras/1/orthographic/ymag", [](const At& at) { return at.camera(1).yHalf; });
   expectScalar("/cameras/1/orthographic/znear", [](const At& at) { return at.camera(1).nearClip; });
   expectScalar("/cameras/1/orthographic/zfar", [](const At& at) { return at.camera(1).farClip; });
+}
+
+// Values that limit each other are limited when all are set, whatever the order of their channels.
+TEST(AnimationPointer, TheOrderOfChannelsDoesNotMatter) {
+  using Channel = std::pair<std::string, std::array<float, 2>>;
+  const std::string light = "/extensions/KHR_lights_punctual/lights/0/spot/", camera = "/cameras/0/perspective/";
+  const std::vector<Channel> channels = {{light + "innerConeAngle", {.9f, 1.1f}},
+                                         {light + "outerConeAngle", {1, 1.4f}},
+                                         {camera + "znear", {20, 24}},
+                                         {camera + "zfar", {100, 140}}};
+  for (const bool reversed : {false, true}) {
+    SCOPED_TRACE(reversed);
+    GltfBuilder b = sceneFile();
+    for (size_t i = 0; i < channels.size(); ++i) {
+      const auto& [pointer, values] = channels[reversed ? channels.size() - 1 - i : i];
+      animate(b, pointer, {values[0]}, {values[1]});
+    }
+    const Scene scene = b.load();
+    const Pose pose = poseAt(scene, choosePlayback(scene, "all", false), kTime);
+    EXPECT_FLOAT_EQ(posedLights(scene, pose)[0].innerCone, .95f);
+    EXPECT_FLOAT_EQ(posedLights(scene, pose)[0].outerCone, 1.1f);
+    EXPECT_FLOAT_EQ(posedCameras(scene, pose)[0].nearClip, 21);
+    EXPECT_FLOAT_EQ(posedCameras(scene, pose)[0].farClip, 110);
+  }
+}
+
+TEST(AnimationPointer, CamerasKeepTheirPlanesIfTheAnimatedOnesAreImpossible) {
+  GltfBuilder b = sceneFile();
+  animate(b, "/cameras/0/perspective/znear", {20}, {24});  // beyond the far plane
+  const Scene scene = b.load();
+  EXPECT_FLOAT_EQ(At(scene).camera(0).nearClip, .1f);
+  EXPECT_FLOAT_EQ(At(scene).camera(0).farClip, 10);
+}
+
+TEST(AnimationPointer, ColorsStayInTheirRange) {
+  GltfBuilder b = sceneFile();
+  animate(b, "/materials/0/pbrMetallicRoughness/baseColorFactor", {2, -1, .5f, 1}, {2, -1, .5f, 1});
+  const Scene scene = b.load();
+  EXPECT_EQ(At(scene).material().baseColor, vec4(1, 0, .5f, 1));
+}
+
+// An edit of the emission replaces both of its factors in the file.
+TEST(AnimationPointer, ScalesTheEmissionOfAnEdit) {
+  GltfBuilder b = sceneFile();
+  animate(b, "/materials/0/extensions/KHR_materials_emissive_strength/emissiveStrength", {2}, {6});
+  Scene scene = b.load();
+  Material edited = scene.materials[0];
+  edited.data.emissive = {0, 1, 0};
+  setMaterial(scene, 0, edited);
+  EXPECT_EQ(At(scene).material().emissive, vec3(0, 3, 0));
 }
 
 TEST(AnimationPointer, MovesNodesAsOtherTracksDo) {

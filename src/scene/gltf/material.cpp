@@ -129,8 +129,8 @@ class MaterialReader {
     shared::Material& data = out_.data;
     const file::MetallicRoughness& pbr = source_->metallicRoughness;
     data.baseColor = pbr.baseColorFactor;
-    data.metallic = std::clamp(pbr.metallicFactor, 0.0f, 1.0f);
-    data.roughness = std::clamp(pbr.roughnessFactor, 0.0f, 1.0f);
+    data.metallic = pbr.metallicFactor;
+    data.roughness = pbr.roughnessFactor;
     slot(shared::kTextureBaseColor, pbr.baseColorTexture, true);
     slot(shared::kTextureMetallicRoughness, pbr.metallicRoughnessTexture, false);
     data.f0 = f0OfIor(source_->ior);
@@ -148,7 +148,7 @@ class MaterialReader {
     data.specularColor = e.specularFactor;
     data.baseColor = e.diffuseFactor;
     data.metallic = 0;
-    data.roughness = std::clamp(1 - e.glossinessFactor, 0.0f, 1.0f);
+    data.roughness = 1 - e.glossinessFactor;
     data.f0 = f0OfIor(0);
     const file::TextureInfo &diffuse = e.diffuseTexture, &both = e.specularGlossinessTexture;
     const int image = imageAt(diffuse), specularImage = imageAt(both);

@@ -90,14 +90,15 @@ constexpr Rule integer(std::string_view key, double least, double most, bool req
 constexpr Rule number(std::string_view key, double least = -kMaxFloat, double most = kMaxFloat, bool required = false) {
   return {.key = key, .kind = Kind::Number, .required = required, .least = least, .most = most};
 }
-constexpr Rule numbers(std::string_view key, size_t fewest, size_t atMost) {
-  return {.key = key, .kind = Kind::Numbers, .fewest = fewest, .atMost = atMost};
+constexpr Rule numbers(std::string_view key, size_t fewest, size_t atMost, double least = -kMaxFloat,
+                       double most = kMaxFloat) {
+  return {.key = key, .kind = Kind::Numbers, .least = least, .most = most, .fewest = fewest, .atMost = atMost};
 }
 constexpr Rule share(std::string_view key) {
   return number(key, 0, 1);
 }
-constexpr Rule shares(std::string_view key) {  // an RGB color
-  return {.key = key, .kind = Kind::Numbers, .least = 0, .most = 1, .fewest = 3, .atMost = 3};
+constexpr Rule shares(std::string_view key, size_t count = 3) {  // an RGB color, or an RGBA one
+  return numbers(key, count, count, 0, 1);
 }
 constexpr Rule string(std::string_view key, bool required = false) {
   return {.key = key, .kind = Kind::String, .required = required};
@@ -255,16 +256,17 @@ constexpr Rule kTextureInfoRules[] = {index("index", Target::Textures, true), in
                                       number("scale"), number("strength"), extensions(&kTextureInfoExtensions)};
 constexpr Schema kTextureInfo{kTextureInfoRules};
 
-constexpr Rule kPbrRules[] = {numbers("baseColorFactor", 4, 4), object("baseColorTexture", &kTextureInfo),
-                              number("metallicFactor"), number("roughnessFactor"),
+constexpr Rule kPbrRules[] = {shares("baseColorFactor", 4), object("baseColorTexture", &kTextureInfo),
+                              share("metallicFactor"), share("roughnessFactor"),
                               object("metallicRoughnessTexture", &kTextureInfo)};
 constexpr Schema kPbr{kPbrRules};
 constexpr Rule kEmissiveStrengthRules[] = {number("emissiveStrength", 0)};
 constexpr Schema kEmissiveStrength{kEmissiveStrengthRules};
 constexpr Rule kIorRules[] = {number("ior", 0)};
 constexpr Schema kIor{kIorRules};
-constexpr Rule kSpecularRules[] = {number("specularFactor"), object("specularTexture", &kTextureInfo),
-                                   numbers("specularColorFactor", 3, 3), object("specularColorTexture", &kTextureInfo)};
+constexpr Rule kSpecularRules[] = {share("specularFactor"), object("specularTexture", &kTextureInfo),
+                                   numbers("specularColorFactor", 3, 3, 0),
+                                   object("specularColorTexture", &kTextureInfo)};
 constexpr Schema kSpecular{kSpecularRules};
 constexpr Rule kClearcoatRules[] = {
     share("clearcoatFactor"), object("clearcoatTexture", &kTextureInfo), share("clearcoatRoughnessFactor"),
@@ -294,8 +296,8 @@ constexpr Rule kDiffuseTransmissionRules[] = {
     share("diffuseTransmissionFactor"), object("diffuseTransmissionTexture", &kTextureInfo),
     shares("diffuseTransmissionColorFactor"), object("diffuseTransmissionColorTexture", &kTextureInfo)};
 constexpr Schema kDiffuseTransmission{kDiffuseTransmissionRules};
-constexpr Rule kSpecularGlossinessRules[] = {numbers("diffuseFactor", 4, 4), object("diffuseTexture", &kTextureInfo),
-                                             numbers("specularFactor", 3, 3), number("glossinessFactor"),
+constexpr Rule kSpecularGlossinessRules[] = {shares("diffuseFactor", 4), object("diffuseTexture", &kTextureInfo),
+                                             shares("specularFactor"), share("glossinessFactor"),
                                              object("specularGlossinessTexture", &kTextureInfo)};
 constexpr Schema kSpecularGlossiness{kSpecularGlossinessRules};
 constexpr Rule kMaterialExtensionRules[] = {object("KHR_materials_pbrSpecularGlossiness", &kSpecularGlossiness),
@@ -316,9 +318,9 @@ constexpr Rule kMaterialRules[] = {object("pbrMetallicRoughness", &kPbr),
                                    object("normalTexture", &kTextureInfo),
                                    object("occlusionTexture", &kTextureInfo),
                                    object("emissiveTexture", &kTextureInfo),
-                                   numbers("emissiveFactor", 3, 3),
+                                   numbers("emissiveFactor", 3, 3, 0),
                                    string("alphaMode"),
-                                   number("alphaCutoff"),
+                                   number("alphaCutoff", 0),
                                    boolean("doubleSided"),
                                    string("name"),
                                    extensions(&kMaterialExtensions)};
@@ -342,8 +344,8 @@ constexpr Schema kSampler{kSamplerRules};
 
 constexpr Rule kSpotRules[] = {number("innerConeAngle", 0, 1.5708), number("outerConeAngle", 0, 1.5708)};
 constexpr Schema kSpot{kSpotRules};
-constexpr Rule kLightRules[] = {string("type", true), numbers("color", 3, 3), number("intensity", 0),
-                                number("range", 0),   object("spot", &kSpot), string("name")};
+constexpr Rule kLightRules[] = {string("type", true), numbers("color", 3, 3, 0), number("intensity", 0),
+                                number("range", 0),   object("spot", &kSpot),    string("name")};
 constexpr Schema kLight{kLightRules};
 constexpr Rule kLightsRules[] = {objects("lights", &kLight, true)};
 constexpr Schema kLights{kLightsRules};
