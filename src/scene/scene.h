@@ -210,9 +210,12 @@ struct Scene {
   std::vector<Instance> instances;
   std::vector<Camera> cameras;
   std::vector<Light> lights;
-  std::vector<std::string> variants;               // KHR_materials_variants
-  std::vector<VariantMaterial> variantMaterials;   // as loaded; edits of the scene do not change them
-  Rig rig;                                         // animation data; all members above are at rest
+  std::vector<std::string> variants;              // KHR_materials_variants
+  std::vector<VariantMaterial> variantMaterials;  // as loaded; edits of the scene do not change them
+  Rig rig;                                        // animation data; all members above are at rest
+  // The nodes of a glTF file without a rig as the file defines them, except for their parents: element i is that of
+  // `nodes`. Edits that extend the rig to all nodes (rig_edit.h) move them there.
+  std::vector<RigNode> fileNodes;
   std::shared_ptr<const Environment> environment;  // the file's own, or null
   SceneEdits edits;
   MemoryClaim memory;  // memory that the scene's data claim (base/memory.h)

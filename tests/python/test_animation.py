@@ -301,6 +301,65 @@ def test_nodes_of_files_move(tmp_path, device):
     assert distances(0, 4, 7) == [6, 5, 5]
 
 
+def square_file(path, nodes, targets=(), weights=(), **members):
+    """A file without animations and skins, whose mesh 0 is the square. `targets` move its vertices."""
+    arrays = [SQUARE, np.uint32(FACES), *(np.float32(target) for target in targets)]
+    data = b"".join(array.tobytes() for array in arrays)
+    accessors = [{"bufferView": i, "type": "VEC3", "componentType": 5126, "count": 4} for i in range(len(arrays))]
+    accessors[1] = {"bufferView": 1, "type": "SCALAR", "componentType": 5125, "count": 6}
+    for accessor, array in zip(accessors, arrays):
+        if accessor["type"] == "VEC3":
+            accessor |= {"min": array.min(0).tolist(), "max": array.max(0).tolist()}
+    offsets = np.cumsum([0] + [array.nbytes for array in arrays]).tolist()
+    primitive = {"attributes": {"POSITION": 0}, "indices": 1}
+    mesh = {"name": "square", "primitives": [primitive]}
+    if targets:
+        primitive["targets"] = [{"POSITION": 2 + i} for i in range(len(targets))]
+    if weights:
+        mesh["weights"] = list(weights)
+    children = {child for node in nodes for child in node.get("children", ())}
+    document = {
+        "asset": {"version": "2.0"},
+        "buffers": [{"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": offset, "byteLength": array.nbytes} for offset, array in zip(offsets, arrays)
+        ],
+        "accessors": accessors,
+        "meshes": [mesh],
+        "nodes": nodes,
+        "scenes": [{"nodes": [i for i in range(len(nodes)) if i not in children]}],
+        "scene": 0,
+        **members,
+    }
+    path.write_text(json.dumps(document))
+    return Scene(path)
+
+
+def test_nodes_of_files_without_animations_are_animated(tmp_path, device):
+    """The animated property of a node replaces that of the file, and its other properties stay."""
+    nodes = [
+        {"name": "lift", "mesh": 0, "translation": [0, 0, 1], "rotation": [0, 0, HALF, HALF]},
+        {"name": "mirror", "children": [2], "translation": [20, 0, 0], "scale": [1, -1, 1]},
+        {"name": "child", "mesh": 0, "translation": [0, 3, 0]},
+    ]
+    scene = square_file(tmp_path / "still.gltf", nodes)
+    lift = AnimationChannel(node="/lift", property="translation", times=[0, 1], values=[[0, 0, 1], [0, 0, 5]])
+    turn = AnimationChannel(node="/mirror", property="rotation", times=[0], values=[[0, 0, HALF, HALF]])
+    scene.add_animation("play", [lift, turn])
+    scene.export(tmp_path / "animated.glb")
+    for shown in (scene, Scene(tmp_path / "animated.glb")):
+        assert distance_at(shown, device, 0.5) == pytest.approx(7, abs=1e-5)
+        assert distance_at(shown, device, 0.5, (23, 0, 10)) == pytest.approx(10, abs=1e-5)  # (0, -3), turned by 90 degrees
+
+
+def test_nodes_of_built_in_scenes_are_animated():
+    scene = Scene("builtin:boxes")
+    node = next(node for node in scene.nodes if scene.instances(node.path))
+    move = AnimationChannel(node=node.path, property="translation", times=[0], values=[[0, 0, 2]])
+    scene.add_animation("play", [move])
+    assert [animation.name for animation in scene.animations] == ["play"]
+
+
 # --- the same scene from a file ---------------------------------------------------------------------------------------
 
 

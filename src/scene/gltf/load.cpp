@@ -73,7 +73,8 @@ void runJobs(const std::vector<Job>& jobs, const std::string& name) {
 
 // Returns the memory of loaded meshes and instances.
 uint64_t geometryBytes(const Scene& scene) {
-  uint64_t bytes = scene.instances.size() * sizeof(Instance) + scene.nodes.size() * sizeof(Node);
+  uint64_t bytes = scene.instances.size() * sizeof(Instance) + scene.nodes.size() * sizeof(Node) +
+                   scene.fileNodes.size() * sizeof(RigNode);
   for (const Mesh& mesh : scene.meshes) bytes += mesh.bytes();
   return bytes;
 }
