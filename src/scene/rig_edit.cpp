@@ -99,22 +99,17 @@ void coverNodes(Scene& scene) {
   for (size_t i = first; i < scene.nodes.size(); ++i) {
     const Node& node = scene.nodes[i];
     RigNode rigged = uncoveredNode(scene, i);
-    rigged.visible = true;
     if (node.parent >= 0) rigged.parent = static_cast<int>(rig.sceneNodes[static_cast<size_t>(node.parent)]);
     rig.sceneNodes.push_back(static_cast<uint32_t>(rig.nodes.size()));
     rig.order.push_back(rig.sceneNodes.back());
     rig.nodes.push_back(std::move(rigged));
   }
   scene.fileNodes = {};
-  const auto hide = [&](size_t node) { rig.nodes[rig.sceneNodes[node]].visible = false; };
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     Instance& instance = scene.instances[i];
     if (instance.removed || instance.node < first) continue;
     if (instance.copy >= 0 && !instance.placed) instance.placed = !addOffset(scene, i);
-    if (instance.hidden) hide(instance.node);
   }
-  for (const Light& light : scene.lights)
-    if (light.hidden && light.node >= static_cast<int>(first)) hide(static_cast<size_t>(light.node));
 }
 
 // --- nodes ----------------------------------------------------------------------------------------------------------
@@ -176,6 +171,7 @@ dmat4 placeOf(const Scene& scene, uint32_t node, uint32_t mesh) {
 
 void addParts(Scene& scene, const NewNode& added, uint32_t node) {
   const std::string path = scene.nodes[node].path;
+  const bool isHidden = isHiddenAtRest(scene, node);
   for (uint32_t i = 0; i < added.parts.size(); ++i) {
     const NodePart& part = added.parts[i];
     const auto& deformation = scene.meshes[part.mesh].deformation;
@@ -183,6 +179,7 @@ void addParts(Scene& scene, const NewNode& added, uint32_t node) {
     instance.id = scene.nodes[node].id;
     instance.part = idsOf(scene).parts.make(added.parts.size() == 1 ? path : fmt::format("{}/primitive{}", path, i));
     instance.posed = deformation && deformation->skin >= 0;
+    instance.hidden = isHidden;
     instance.toWorld = placeOf(scene, node, part.mesh);
     const uint32_t index = place(scene.instances, scene.edits.instanceGaps.free, instance);
     if (!scene.rig.offsets.empty()) scene.rig.offsets.resize(scene.instances.size(), dmat4(1));
@@ -192,6 +189,13 @@ void addParts(Scene& scene, const NewNode& added, uint32_t node) {
 }
 
 }  // namespace
+
+bool isHiddenAtRest(const Scene& scene, uint32_t node) {
+  const Rig& rig = scene.rig;
+  for (int i = static_cast<int>(rig.sceneNodes[node]); i >= 0; i = rig.nodes[static_cast<size_t>(i)].parent)
+    if (!rig.nodes[static_cast<size_t>(i)].visible) return true;
+  return false;
+}
 
 uint32_t rigNodeOf(Scene& scene, uint32_t node) {
   coverNodes(scene);

@@ -360,6 +360,43 @@ def test_nodes_of_built_in_scenes_are_animated():
     assert [animation.name for animation in scene.animations] == ["play"]
 
 
+@pytest.mark.parametrize("animated", [False, True])
+def test_nodes_below_hidden_nodes_are_hidden(animated, tmp_path, device):
+    """KHR_node_visibility: a node is visible if it and all nodes above it are."""
+    hidden = {"KHR_node_visibility": {"visible": False}}
+    nodes = [{"name": "group", "extensions": hidden}, {"name": "other", "mesh": 0, "translation": [50, 0, 0]}]
+    scene = square_file(tmp_path / "hidden.gltf", nodes, extensionsUsed=["KHR_node_visibility"])
+    if animated:
+        move = AnimationChannel(node="/other", property="translation", times=[0], values=[[50, 0, 0]])
+        scene.add_animation("move", [move])
+    renderer = latelight.Renderer(scene, device, environment="none")
+    camera = Camera.look_at((50, 0, 5), (50, 0, 0))
+    picture = lambda time: renderer.render(camera, (8, 8), time=time)["rgba"].tobytes()
+    before = picture(None)
+    square = scene.add_mesh(SQUARE, FACES, normals=NORMALS)
+    scene.add_node("child", "/group", parts=[(square, paint(scene))])
+    scene.add_light(Light(type="directional", intensity=3), node="/group")
+    assert [picture(time) for time in (None, 0)] == [before] * 2
+    scene.export(tmp_path / "exported.glb")
+    for shown in (scene, Scene(tmp_path / "exported.glb")):
+        assert all(np.isinf(distance_at(shown, device, time)) for time in (None, 0))
+    scene.add_light(Light(type="directional", intensity=3), node="/other")
+    assert before not in (picture(None), picture(0))
+
+
+def test_hidden_nodes_of_files_are_shown_with_what_is_below_them(tmp_path, device):
+    nodes = [
+        {"name": "group", "children": [1], "extensions": {"KHR_node_visibility": {"visible": False}}},
+        {"name": "child", "mesh": 0},
+    ]
+    scene = square_file(tmp_path / "hidden.gltf", nodes, extensionsUsed=["KHR_node_visibility"])
+    assert np.isinf(distance_at(scene, device, None))
+    show = AnimationChannel(node="/group", property="visible", interpolation="step", times=[0], values=[[1]])
+    scene.add_animation("show", [show])
+    assert np.isinf(distance_at(scene, device, None))
+    assert distance_at(scene, device, 0) == pytest.approx(10, abs=1e-5)
+
+
 # --- the same scene from a file ---------------------------------------------------------------------------------------
 
 
