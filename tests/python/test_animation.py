@@ -225,6 +225,30 @@ def test_moved_joints_bend_meshes(device):
             assert distance == pytest.approx(10 - point[1], abs=1e-5)
 
 
+def test_replaced_skinned_meshes_are_at_one_place(device):
+    """The vertices of a skinned mesh far from the world's origin are relative to a point near its joints. A mesh without
+    a skin has none, so that it is at the world's origin, at rest and in animations."""
+    scene = Scene()
+    joint = scene.add_node("joint", translation=(5000, 0, 0))
+    skin = scene.add_skin([joint])
+    values = {"skin": skin, "joints": [[0]] * 4, "joint_weights": [[1]] * 4}
+    mesh = scene.add_mesh(SQUARE, FACES, normals=NORMALS, **values)
+    instance = scene.instances(scene.add_node("skinned", parts=[(mesh, paint(scene))]))[0]
+    scene.add_animation("stay", [AnimationChannel(node=joint, property="translation", times=[0], values=[[5000, 0, 0]])])
+    renderer = latelight.Renderer(scene, device)
+
+    def distances(time):
+        hits = renderer.cast([(0, 0, 10), (5000, 0, 10)], [(0, 0, -1)] * 2, time=time)
+        return pytest.approx(hits["distance"].tolist(), abs=1e-5)
+
+    for _ in range(2):
+        assert [distances(time) for time in (None, 0)] == [[np.inf, 10]] * 2
+        scene.set_mesh(mesh, SQUARE, FACES, normals=NORMALS)
+        assert [distances(time) for time in (None, 0)] == [[10, np.inf]] * 2
+        assert scene.instance(instance).transform[0, 3] == 0
+        scene.set_mesh(mesh, SQUARE, FACES, normals=NORMALS, **values)
+
+
 def test_moved_nodes_are_shown_as_in_their_file(tmp_path, device):
     """A renderer that was created before the nodes moved, a new one, and one of the exported file."""
     scene = animated_scene()
