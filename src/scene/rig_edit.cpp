@@ -7,11 +7,13 @@
 #include <glm/gtc/matrix_access.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <set>
 #include <tuple>
 #include <utility>
 
 #include "base/error.h"
 #include "base/log.h"
+#include "scene/edit.h"
 #include "scene/edit_check.h"
 #include "scene/edit_slots.h"
 #include "scene/origin.h"
@@ -423,6 +425,43 @@ void checkTrack(const Scene& scene, const std::string& animation, Track& track) 
   checkValues(track, owner);
 }
 
+// The mesh with its morph targets, which have the weights of a node.
+Mesh morphedBy(const Scene& scene, const MorphableMesh& source, uint32_t rigNode) {
+  Mesh mesh = source.mesh;
+  auto deformation = std::make_shared<Deformation>(*mesh.deformation);
+  deformation->weightsNode = static_cast<int>(rigNode);
+  mesh.deformation = std::move(deformation);
+  if (mesh.deformation->skin >= 0)
+    poseByJoints(scene, restPose(scene), mesh);  // edits may have moved the joints
+  else
+    poseAtRest(scene, mesh);
+  return mesh;
+}
+
+// Gives the instances of a node the morph targets of their meshes. If other nodes show a mesh, they keep the one
+// without.
+void addMorphTargets(Scene& scene, uint32_t rigNode) {
+  const auto found = std::ranges::find(scene.rig.sceneNodes, rigNode);
+  const auto node = static_cast<uint32_t>(found - scene.rig.sceneNodes.begin());
+  std::set<uint32_t> meshes;
+  for (const Instance& instance : scene.instances)
+    if (instance.node == node && scene.meshes[instance.mesh].morphable) meshes.insert(instance.mesh);
+  for (const uint32_t mesh : meshes) {
+    Mesh morphed = morphedBy(scene, *scene.meshes[mesh].morphable, rigNode);
+    const auto isOfOther = [&](const Instance& i) { return i.mesh == mesh && i.node != node; };
+    if (std::ranges::none_of(scene.instances, isOfOther)) {
+      setMesh(scene, mesh, std::move(morphed));
+      continue;
+    }
+    const uint32_t added = addMesh(scene, std::move(morphed));
+    for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+      if (scene.instances[i].node != node || scene.instances[i].mesh != mesh) continue;
+      scene.instances[i].mesh = added;
+      scene.edits.instances.note(i);
+    }
+  }
+}
+
 }  // namespace
 
 void addAnimation(Scene& scene, Animation animation) {
@@ -432,6 +471,8 @@ void addAnimation(Scene& scene, Animation animation) {
     checkTrack(scene, animation.name, track);
     animation.duration = std::max(animation.duration, track.times.back());
   }
+  for (const Track& track : animation.tracks)
+    if (track.property == AnimatedProperty::Weights) addMorphTargets(scene, track.node);
   if (animation.name.empty()) animation.name = fmt::format("animation{}", scene.rig.animations.size());
   scene.rig.animations.push_back(std::move(animation));
 }

@@ -421,6 +421,31 @@ def test_hidden_nodes_of_files_are_shown_with_what_is_below_them(tmp_path, devic
     assert distance_at(scene, device, 0) == pytest.approx(10, abs=1e-5)
 
 
+def test_weights_of_files_are_animated(tmp_path, device):
+    """The weights of one of two nodes with the same mesh, in a file without animations and in one with others."""
+    nodes = [{"name": "face", "mesh": 0}, {"name": "twin", "mesh": 0, "translation": [5, 0, 0]}]
+    still = square_file(tmp_path / "still.gltf", nodes, targets=[[[0, 0, 1]] * 4], weights=[0.5])
+    still.export(tmp_path / "exported.glb")
+    moved = Scene(tmp_path / "still.gltf")
+    stay = AnimationChannel(node="/twin", property="translation", times=[0], values=[[5, 0, 0]])
+    moved.add_animation("stay", [stay])
+    moved.export(tmp_path / "moved.glb")
+    for scene in (still, moved, Scene(tmp_path / "exported.glb"), Scene(tmp_path / "moved.glb")):
+        renderer = latelight.Renderer(scene, device)
+
+        def distances(shown, **options):
+            hits = shown.cast([(0.25, 0, 10), (5.25, 0, 10)], [(0, 0, -1)] * 2, **options)
+            return pytest.approx(hits["distance"].tolist(), abs=1e-5)
+
+        assert distances(renderer) == [9.5, 9.5]
+        smile = AnimationChannel(node="/face", property="weights", times=[0, 1], values=[[0], [2]])
+        scene.add_animation("smile", [smile])
+        scene.export(tmp_path / "smile.glb")
+        for shown in (renderer, latelight.Renderer(Scene(tmp_path / "smile.glb"), device)):
+            assert distances(shown) == [9.5, 9.5]
+            assert distances(shown, time=1, animation="smile") == [8, 9.5]
+
+
 # --- the same scene from a file ---------------------------------------------------------------------------------------
 
 

@@ -44,13 +44,15 @@ void addTextureJobs(const Document& document, const TextureTable& table, Scene& 
 }
 
 void addMeshJobs(const Document& document, const Hierarchy& hierarchy, const std::vector<MeshRequest>& requests,
-                 Scene& scene, std::vector<Job>& jobs) {
+                 bool morphTargets, Scene& scene, std::vector<Job>& jobs) {
   scene.meshes.resize(requests.size());
   for (size_t i = 0; i < requests.size(); ++i) {
     const MeshRequest& request = requests[i];
     const auto& primitive = document.model.meshes[size_t(request.mesh)].primitives[size_t(request.primitive)];
-    jobs.push_back({triangleCount(document, primitive) * 100,
-                    [&, i] { scene.meshes[i] = buildMesh(document, hierarchy, requests[i]); }});
+    jobs.push_back({triangleCount(document, primitive) * 100, [&, i, morphTargets] {
+                      scene.meshes[i] = buildMesh(document, hierarchy, requests[i]);
+                      if (morphTargets) addMorphable(document, hierarchy, requests[i], scene.meshes[i]);
+                    }});
   }
 }
 
@@ -100,7 +102,7 @@ Scene import(const std::filesystem::path& path, const LoadOptions& options) {
   std::vector<Job> jobs;
   if (options.textures) readEnvironment(document, scene);
   if (options.textures) addTextureJobs(document, textures, scene, jobs);
-  addMeshJobs(document, hierarchy, requests, scene, jobs);
+  addMeshJobs(document, hierarchy, requests, options.morphTargets, scene, jobs);
   runJobs(jobs, scene.name);
   document.repairs.report();
   document.budget.release();
