@@ -30,7 +30,9 @@ struct ExportArguments {
 };
 
 void exportScene(const RenderOptions& o) {
-  const scene::Scene scene = scene::load(o.scene, loadOptions(o));
+  scene::LoadOptions load = loadOptions(o);
+  load.morphTargets = true;
+  const scene::Scene scene = scene::load(o.scene, load);
   exports::exportScene(scene, o.out, scene.files);
 }
 

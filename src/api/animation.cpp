@@ -193,6 +193,7 @@ Handle<Light> Scene::addLight(const Light& values, const std::string& node) {
   scene::rigNodeOf(impl_->scene, index);
   scene::Light light = internalLight(values, impl_->scene);
   light.node = static_cast<int>(index);
+  light.hidden = scene::isHiddenAtRest(impl_->scene, index);
   scene::placeLight(light, scene::toGltfFromWorld() * impl_->scene.nodes[index].toWorld);
   return impl_->light(scene::addLight(impl_->scene, light));
 }

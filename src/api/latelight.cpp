@@ -269,7 +269,8 @@ Scene::Scene(const std::string& source, const SceneOptions& options)
                                           .ids = {options.idDepth, options.idNodes},
                                           .unit = options.unit,
                                           .upAxis = options.upAxis,
-                                          .pointRadius = options.pointRadius})}) {
+                                          .pointRadius = options.pointRadius,
+                                          .morphTargets = true})}) {
   for (const scene::Animation& animation : impl_->scene.rig.animations)
     impl_->animations.push_back({animation.name, animation.duration});
   for (const scene::Camera& camera : impl_->scene.cameras) impl_->cameras.push_back(publicCamera(camera, impl_->scene));

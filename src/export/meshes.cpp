@@ -87,10 +87,28 @@ Json MeshWriter::targetsOf(const Deformation& deformation, size_t vertices, size
   return targets;
 }
 
+// The mesh with its morph targets, also if nothing animates them.
+const Mesh& MeshWriter::meshAt(uint32_t index) const {
+  const Mesh& mesh = scene_.meshes[index];
+  return mesh.morphable ? mesh.morphable->mesh : mesh;
+}
+
+// The weights of morph targets that no node sets; null if all are 0.
+Json MeshWriter::restWeightsOf(const std::vector<Primitive>& primitives) const {
+  Json weights;
+  for (const Primitive& primitive : primitives) {
+    const auto& morphable = scene_.meshes[primitive.mesh].morphable;
+    if (!morphable || morphable->weights.size() <= weights.size()) continue;
+    weights = Json::array();
+    for (const float weight : morphable->weights) weights.push_back(shortest(weight));
+  }
+  return weights;
+}
+
 Json MeshWriter::geometryOf(uint32_t index, size_t targets) {
   const auto [known, isNew] = geometry_.try_emplace({index, targets});
   if (!isNew) return known->second;
-  const Mesh& mesh = scene_.meshes[index];
+  const Mesh& mesh = meshAt(index);
   const Deformation* deformation = mesh.deformation.get();
   Json attributes = attributesOf(mesh);
   if (deformation && deformation->skin >= 0) addSkin(*deformation, attributes);
@@ -107,7 +125,7 @@ size_t MeshWriter::add(const std::string& name, const std::vector<Primitive>& pr
   if (!isNew) return known->second;
   size_t targets = 0;
   for (const Primitive& primitive : primitives)
-    if (const auto& deformation = scene_.meshes[primitive.mesh].deformation)
+    if (const auto& deformation = meshAt(primitive.mesh).deformation)
       targets = std::max(targets, deformation->targets.size());
   Json list = Json::array();
   for (const Primitive& primitive : primitives) {
@@ -119,6 +137,10 @@ size_t MeshWriter::add(const std::string& name, const std::vector<Primitive>& pr
     list.push_back(std::move(out));
   }
   Json mesh{{"primitives", std::move(list)}};
+  if (Json weights = restWeightsOf(primitives); !weights.is_null()) {
+    while (weights.size() < targets) weights.push_back(0);
+    mesh["weights"] = std::move(weights);
+  }
   if (!name.empty()) mesh["name"] = name;
   return known->second = document_.add("meshes", std::move(mesh));
 }

@@ -25,6 +25,8 @@ class MeshWriter {
   size_t add(const std::string& name, const std::vector<Primitive>& primitives);
 
  private:
+  const scene::Mesh& meshAt(uint32_t index) const;
+  Json restWeightsOf(const std::vector<Primitive>& primitives) const;
   Json geometryOf(uint32_t mesh, size_t targets);
   Json attributesOf(const scene::Mesh& mesh);
   void addSkin(const scene::Deformation& deformation, Json& attributes);

@@ -11,6 +11,7 @@
 #include "base/log.h"
 #include "scene/edit_check.h"
 #include "scene/edit_slots.h"
+#include "scene/objects.h"
 
 namespace latelight::scene {
 
@@ -92,6 +93,20 @@ void stopAnimating(Scene& scene, AnimatedElements elements, uint32_t index) {
   for (Animation& animation : scene.rig.animations)
     for (ValueTrack& track : animation.values)
       if (track.elements == elements) std::erase(track.indices, index);
+}
+
+int skinOf(const Mesh& mesh) {
+  return mesh.deformation ? mesh.deformation->skin : -1;
+}
+
+// Moves the instances of a mesh whose skin has changed: vertices of skinned meshes are relative to Skin::origin.
+void followSkin(Scene& scene, uint32_t mesh) {
+  for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+    Instance& instance = scene.instances[i];
+    if (instance.mesh != mesh || !instance.posed || instance.placed) continue;
+    instance.toWorld = followedToWorld(scene, {}, i);
+    if (!instance.removed) scene.edits.instances.note(i);
+  }
 }
 
 bool samples(const Material& material, uint32_t texture) {
@@ -278,8 +293,10 @@ void setMesh(Scene& scene, uint32_t mesh, Mesh data) {
   data.removed = false;
   scene.memory.grow(data.bytes(), "its meshes");
   scene.memory.shrink(edited.bytes());
+  const bool changesSkin = skinOf(data) != skinOf(edited);
   edited = std::move(data);
   scene.edits.meshes.note(mesh);
+  if (changesSkin) followSkin(scene, mesh);
 }
 
 uint32_t addMesh(Scene& scene, Mesh mesh) {

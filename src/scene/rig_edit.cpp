@@ -7,11 +7,13 @@
 #include <glm/gtc/matrix_access.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <set>
 #include <tuple>
 #include <utility>
 
 #include "base/error.h"
 #include "base/log.h"
+#include "scene/edit.h"
 #include "scene/edit_check.h"
 #include "scene/edit_slots.h"
 #include "scene/origin.h"
@@ -31,6 +33,63 @@ bool addOffset(Scene& scene, size_t instance) {
   return true;
 }
 
+// The axes of a rotation, of which a scale of zero left those that are flat without a direction. One follows from the
+// other two, two are any that are perpendicular to the third, and three are those of the identity.
+glm::dmat3 completed(glm::dmat3 axes, std::array<bool, 3> isFlat) {
+  const auto count = std::ranges::count(isFlat, true);
+  if (count == 3) return glm::dmat3(1);
+  if (count == 2) {
+    const auto known = static_cast<int>(std::ranges::find(isFlat, false) - isFlat.begin());
+    const int next = (known + 1) % 3;
+    dvec3 other(0);
+    other[std::abs(axes[known][next]) < 0.9 ? next : (known + 2) % 3] = 1;
+    axes[next] = glm::normalize(other - glm::dot(other, axes[known]) * axes[known]);
+    isFlat[static_cast<size_t>(next)] = false;
+  }
+  for (int i = 0; i < 3; ++i)
+    if (isFlat[static_cast<size_t>(i)]) axes[i] = glm::cross(axes[(i + 1) % 3], axes[(i + 2) % 3]);
+  return axes;
+}
+
+// The part of a matrix that a translation, a rotation and a scale represent.
+RigNode decomposed(const dmat4& matrix) {
+  constexpr double kFlat = 1e-13;  // relative length of an axis whose direction is rounding
+  const glm::dmat3 axes(matrix);
+  dvec3 scale(glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2]));
+  const double largest = std::max({scale.x, scale.y, scale.z});
+  std::array<bool, 3> isFlat;
+  for (int i = 0; i < 3; ++i) isFlat[static_cast<size_t>(i)] = scale[i] <= kFlat * largest;
+  if (std::ranges::count(isFlat, true) == 0 && glm::determinant(axes) < 0) scale.x = -scale.x;
+  glm::dmat3 rotation(1);
+  for (int i = 0; i < 3; ++i)
+    if (!isFlat[static_cast<size_t>(i)]) rotation[i] = axes[i] / scale[i];
+  const glm::dquat q = glm::normalize(glm::quat_cast(completed(rotation, isFlat)));
+  return {.matrix = matrix, .translation = dvec3(matrix[3]), .scale = scale, .rotation = {q.x, q.y, q.z, q.w}};
+}
+
+// The largest error of a decomposition, relative to the matrix's largest number.
+double errorOf(const RigNode& node) {
+  const dmat4 composed = composeTransform(node.translation, node.rotation, node.scale);
+  double error = 0, largest = 0;
+  for (int i = 0; i < 12; ++i) {
+    error = std::max(error, std::abs(composed[i / 4][i % 4] - node.matrix[i / 4][i % 4]));
+    largest = std::max(largest, std::abs(node.matrix[i / 4][i % 4]));
+  }
+  return largest > 0 ? error / largest : 0;
+}
+
+constexpr double kRoundingOfDoubles = 1e-12, kRoundingOfFloats = 1e-6;
+
+// A node that the rig does not cover yet, except for its parent.
+RigNode uncoveredNode(Scene& scene, size_t index) {
+  if (index < scene.fileNodes.size()) return std::move(scene.fileNodes[index]);
+  const Node& node = scene.nodes[index];
+  if (node.added > 0) return {.hasMatrix = true, .matrix = node.local};  // edits move its instances, not the node
+  RigNode rigged = decomposed(node.local);
+  rigged.hasMatrix = !(errorOf(rigged) <= kRoundingOfDoubles);
+  return rigged;
+}
+
 // Extends the rig to all nodes of the scene. Those that it did not cover, and their instances, stay where they are.
 void coverNodes(Scene& scene) {
   if (!scene.yUp)
@@ -41,21 +100,18 @@ void coverNodes(Scene& scene) {
   if (first == scene.nodes.size()) return;
   for (size_t i = first; i < scene.nodes.size(); ++i) {
     const Node& node = scene.nodes[i];
-    RigNode rigged{.hasMatrix = true, .matrix = node.local};
+    RigNode rigged = uncoveredNode(scene, i);
     if (node.parent >= 0) rigged.parent = static_cast<int>(rig.sceneNodes[static_cast<size_t>(node.parent)]);
     rig.sceneNodes.push_back(static_cast<uint32_t>(rig.nodes.size()));
     rig.order.push_back(rig.sceneNodes.back());
     rig.nodes.push_back(std::move(rigged));
   }
-  const auto hide = [&](size_t node) { rig.nodes[rig.sceneNodes[node]].visible = false; };
+  scene.fileNodes = {};
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     Instance& instance = scene.instances[i];
     if (instance.removed || instance.node < first) continue;
     if (instance.copy >= 0 && !instance.placed) instance.placed = !addOffset(scene, i);
-    if (instance.hidden) hide(instance.node);
   }
-  for (const Light& light : scene.lights)
-    if (light.hidden && light.node >= static_cast<int>(first)) hide(static_cast<size_t>(light.node));
 }
 
 // --- nodes ----------------------------------------------------------------------------------------------------------
@@ -117,6 +173,7 @@ dmat4 placeOf(const Scene& scene, uint32_t node, uint32_t mesh) {
 
 void addParts(Scene& scene, const NewNode& added, uint32_t node) {
   const std::string path = scene.nodes[node].path;
+  const bool isHidden = isHiddenAtRest(scene, node);
   for (uint32_t i = 0; i < added.parts.size(); ++i) {
     const NodePart& part = added.parts[i];
     const auto& deformation = scene.meshes[part.mesh].deformation;
@@ -124,6 +181,7 @@ void addParts(Scene& scene, const NewNode& added, uint32_t node) {
     instance.id = scene.nodes[node].id;
     instance.part = idsOf(scene).parts.make(added.parts.size() == 1 ? path : fmt::format("{}/primitive{}", path, i));
     instance.posed = deformation && deformation->skin >= 0;
+    instance.hidden = isHidden;
     instance.toWorld = placeOf(scene, node, part.mesh);
     const uint32_t index = place(scene.instances, scene.edits.instanceGaps.free, instance);
     if (!scene.rig.offsets.empty()) scene.rig.offsets.resize(scene.instances.size(), dmat4(1));
@@ -133,6 +191,13 @@ void addParts(Scene& scene, const NewNode& added, uint32_t node) {
 }
 
 }  // namespace
+
+bool isHiddenAtRest(const Scene& scene, uint32_t node) {
+  const Rig& rig = scene.rig;
+  for (int i = static_cast<int>(rig.sceneNodes[node]); i >= 0; i = rig.nodes[static_cast<size_t>(i)].parent)
+    if (!rig.nodes[static_cast<size_t>(i)].visible) return true;
+  return false;
+}
 
 uint32_t rigNodeOf(Scene& scene, uint32_t node) {
   coverNodes(scene);
@@ -179,51 +244,6 @@ uint32_t addNode(Scene& scene, const NewNode& added) {
 
 namespace {
 
-// The axes of a rotation, of which a scale of zero left those that are flat without a direction. One follows from the
-// other two, two are any that are perpendicular to the third, and three are those of the identity.
-glm::dmat3 completed(glm::dmat3 axes, std::array<bool, 3> isFlat) {
-  const auto count = std::ranges::count(isFlat, true);
-  if (count == 3) return glm::dmat3(1);
-  if (count == 2) {
-    const auto known = static_cast<int>(std::ranges::find(isFlat, false) - isFlat.begin());
-    const int next = (known + 1) % 3;
-    dvec3 other(0);
-    other[std::abs(axes[known][next]) < 0.9 ? next : (known + 2) % 3] = 1;
-    axes[next] = glm::normalize(other - glm::dot(other, axes[known]) * axes[known]);
-    isFlat[static_cast<size_t>(next)] = false;
-  }
-  for (int i = 0; i < 3; ++i)
-    if (isFlat[static_cast<size_t>(i)]) axes[i] = glm::cross(axes[(i + 1) % 3], axes[(i + 2) % 3]);
-  return axes;
-}
-
-// The part of a matrix that a translation, a rotation and a scale represent.
-RigNode decomposed(const dmat4& matrix) {
-  constexpr double kFlat = 1e-13;  // relative length of an axis whose direction is rounding
-  const glm::dmat3 axes(matrix);
-  dvec3 scale(glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2]));
-  const double largest = std::max({scale.x, scale.y, scale.z});
-  std::array<bool, 3> isFlat;
-  for (int i = 0; i < 3; ++i) isFlat[static_cast<size_t>(i)] = scale[i] <= kFlat * largest;
-  if (std::ranges::count(isFlat, true) == 0 && glm::determinant(axes) < 0) scale.x = -scale.x;
-  glm::dmat3 rotation(1);
-  for (int i = 0; i < 3; ++i)
-    if (!isFlat[static_cast<size_t>(i)]) rotation[i] = axes[i] / scale[i];
-  const glm::dquat q = glm::normalize(glm::quat_cast(completed(rotation, isFlat)));
-  return {.matrix = matrix, .translation = dvec3(matrix[3]), .scale = scale, .rotation = {q.x, q.y, q.z, q.w}};
-}
-
-// The largest error of a decomposition, relative to the matrix's largest number.
-double errorOf(const RigNode& node) {
-  const dmat4 composed = composeTransform(node.translation, node.rotation, node.scale);
-  double error = 0, largest = 0;
-  for (int i = 0; i < 12; ++i) {
-    error = std::max(error, std::abs(composed[i / 4][i % 4] - node.matrix[i / 4][i % 4]));
-    largest = std::max(largest, std::abs(node.matrix[i / 4][i % 4]));
-  }
-  return largest > 0 ? error / largest : 0;
-}
-
 bool isAnimated(const Rig& rig, uint32_t node) {
   const auto moves = [node](const Track& track) {
     return track.node == node && track.property <= AnimatedProperty::Scale;
@@ -233,7 +253,6 @@ bool isAnimated(const Rig& rig, uint32_t node) {
 
 // `from` with another transform.
 RigNode withTransform(const Rig& rig, uint32_t node, const dmat4& parentFromNode, const std::string& owner) {
-  constexpr double kRoundingOfDoubles = 1e-12, kRoundingOfFloats = 1e-6;
   RigNode to = rig.nodes[node];
   const bool animated = isAnimated(rig, node);
   const RigNode parts = decomposed(parentFromNode);
@@ -406,6 +425,43 @@ void checkTrack(const Scene& scene, const std::string& animation, Track& track) 
   checkValues(track, owner);
 }
 
+// The mesh with its morph targets, which have the weights of a node.
+Mesh morphedBy(const Scene& scene, const MorphableMesh& source, uint32_t rigNode) {
+  Mesh mesh = source.mesh;
+  auto deformation = std::make_shared<Deformation>(*mesh.deformation);
+  deformation->weightsNode = static_cast<int>(rigNode);
+  mesh.deformation = std::move(deformation);
+  if (mesh.deformation->skin >= 0)
+    poseByJoints(scene, restPose(scene), mesh);  // edits may have moved the joints
+  else
+    poseAtRest(scene, mesh);
+  return mesh;
+}
+
+// Gives the instances of a node the morph targets of their meshes. If other nodes show a mesh, they keep the one
+// without.
+void addMorphTargets(Scene& scene, uint32_t rigNode) {
+  const auto found = std::ranges::find(scene.rig.sceneNodes, rigNode);
+  const auto node = static_cast<uint32_t>(found - scene.rig.sceneNodes.begin());
+  std::set<uint32_t> meshes;
+  for (const Instance& instance : scene.instances)
+    if (instance.node == node && scene.meshes[instance.mesh].morphable) meshes.insert(instance.mesh);
+  for (const uint32_t mesh : meshes) {
+    Mesh morphed = morphedBy(scene, *scene.meshes[mesh].morphable, rigNode);
+    const auto isOfOther = [&](const Instance& i) { return i.mesh == mesh && i.node != node; };
+    if (std::ranges::none_of(scene.instances, isOfOther)) {
+      setMesh(scene, mesh, std::move(morphed));
+      continue;
+    }
+    const uint32_t added = addMesh(scene, std::move(morphed));
+    for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+      if (scene.instances[i].node != node || scene.instances[i].mesh != mesh) continue;
+      scene.instances[i].mesh = added;
+      scene.edits.instances.note(i);
+    }
+  }
+}
+
 }  // namespace
 
 void addAnimation(Scene& scene, Animation animation) {
@@ -415,6 +471,8 @@ void addAnimation(Scene& scene, Animation animation) {
     checkTrack(scene, animation.name, track);
     animation.duration = std::max(animation.duration, track.times.back());
   }
+  for (const Track& track : animation.tracks)
+    if (track.property == AnimatedProperty::Weights) addMorphTargets(scene, track.node);
   if (animation.name.empty()) animation.name = fmt::format("animation{}", scene.rig.animations.size());
   scene.rig.animations.push_back(std::move(animation));
 }

@@ -38,6 +38,8 @@ uint32_t addSkin(Scene& scene, std::span<const uint32_t> joints, std::vector<mat
 
 // Returns the index into Rig::nodes of a node of the scene.
 uint32_t rigNodeOf(Scene& scene, uint32_t node);
+// Returns true if a node that the rig covers, or a node above it, is hidden at rest.
+bool isHiddenAtRest(const Scene& scene, uint32_t node);
 // Adds an animation of nodes; `duration` is computed. Throws Error(Usage) also if a node's transform is a matrix.
 void addAnimation(Scene& scene, Animation animation);
 

@@ -76,7 +76,7 @@ uint64_t Scene::triangleCount() const {
 uint64_t Mesh::bytes() const {
   const uint64_t vertex = sizeof(vec3) + sizeof(shared::VertexAttributes);
   return positions.size() * (deformation ? 2 : 1) * vertex + extras.size() * sizeof(shared::VertexExtra) +
-         indices.size() * sizeof(uint32_t);
+         indices.size() * sizeof(uint32_t) + (morphable ? morphable->mesh.bytes() : 0);
 }
 
 namespace {

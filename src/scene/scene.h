@@ -74,6 +74,8 @@ uint32_t layersOf(const shared::Material& material);
 // Returns the flags kMaterialLayered and kMaterialTransmissive that follow from the coats.
 uint32_t layerFlags(const shared::Material& material);
 
+struct MorphableMesh;
+
 // One glTF primitive: triangles only (strips and fans unrolled), indices always present, normals always present.
 struct Mesh {
   std::string name;
@@ -86,8 +88,15 @@ struct Mesh {
   // The deformation of its vertices, or null. If it is set, the positions, normals and tangents above are those at
   // rest.
   std::shared_ptr<const Deformation> deformation;
+  // The same mesh with the morph targets that its file does not animate, or null (LoadOptions::morphTargets).
+  std::shared_ptr<const MorphableMesh> morphable;
   bool removed = false;    // a free slot that the next added mesh reuses (edit.h)
   uint64_t bytes() const;  // total of its arrays
+};
+
+struct MorphableMesh {
+  Mesh mesh;                   // in its rest pose, with a deformation that has no node with weights yet
+  std::vector<float> weights;  // at rest; those of further targets are 0
 };
 
 // A mesh placed in the world.
@@ -210,9 +219,12 @@ struct Scene {
   std::vector<Instance> instances;
   std::vector<Camera> cameras;
   std::vector<Light> lights;
-  std::vector<std::string> variants;               // KHR_materials_variants
-  std::vector<VariantMaterial> variantMaterials;   // without those of removed materials and of reused instances
-  Rig rig;                                         // animation data; all members above are at rest
+  std::vector<std::string> variants;              // KHR_materials_variants
+  std::vector<VariantMaterial> variantMaterials;  // without those of removed materials and of reused instances
+  Rig rig;                                        // animation data; all members above are at rest
+  // The nodes of a glTF file without a rig as the file defines them, except for their parents: element i is that of
+  // `nodes`. Edits that extend the rig to all nodes (rig_edit.h) move them there.
+  std::vector<RigNode> fileNodes;
   std::shared_ptr<const Environment> environment;  // the file's own, or null
   SceneEdits edits;
   MemoryClaim memory;  // memory that the scene's data claim (base/memory.h)
@@ -272,6 +284,9 @@ struct LoadOptions {
   // Bit i requests the textures in slot i of materials (shared::kTexture*); other slots stay empty. The base color is
   // always loaded if alpha affects visibility.
   uint32_t textureSlots = ~0u;
+  // Loads morph targets that no animation of the file moves (Mesh::morphable), for callers that add animations or
+  // export the scene.
+  bool morphTargets = false;
 };
 
 }  // namespace latelight::scene

@@ -225,6 +225,30 @@ def test_moved_joints_bend_meshes(device):
             assert distance == pytest.approx(10 - point[1], abs=1e-5)
 
 
+def test_replaced_skinned_meshes_are_at_one_place(device):
+    """The vertices of a skinned mesh far from the world's origin are relative to a point near its joints. A mesh without
+    a skin has none, so that it is at the world's origin, at rest and in animations."""
+    scene = Scene()
+    joint = scene.add_node("joint", translation=(5000, 0, 0))
+    skin = scene.add_skin([joint])
+    values = {"skin": skin, "joints": [[0]] * 4, "joint_weights": [[1]] * 4}
+    mesh = scene.add_mesh(SQUARE, FACES, normals=NORMALS, **values)
+    instance = scene.instances(scene.add_node("skinned", parts=[(mesh, paint(scene))]))[0]
+    scene.add_animation("stay", [AnimationChannel(node=joint, property="translation", times=[0], values=[[5000, 0, 0]])])
+    renderer = latelight.Renderer(scene, device)
+
+    def distances(time):
+        hits = renderer.cast([(0, 0, 10), (5000, 0, 10)], [(0, 0, -1)] * 2, time=time)
+        return pytest.approx(hits["distance"].tolist(), abs=1e-5)
+
+    for _ in range(2):
+        assert [distances(time) for time in (None, 0)] == [[np.inf, 10]] * 2
+        scene.set_mesh(mesh, SQUARE, FACES, normals=NORMALS)
+        assert [distances(time) for time in (None, 0)] == [[10, np.inf]] * 2
+        assert scene.instance(instance).transform[0, 3] == 0
+        scene.set_mesh(mesh, SQUARE, FACES, normals=NORMALS, **values)
+
+
 def test_moved_nodes_are_shown_as_in_their_file(tmp_path, device):
     """A renderer that was created before the nodes moved, a new one, and one of the exported file."""
     scene = animated_scene()
@@ -299,6 +323,127 @@ def test_nodes_of_files_move(tmp_path, device):
     scene.export(tmp_path / "moved.glb")
     renderer = latelight.Renderer(Scene(tmp_path / "moved.glb"), device)
     assert distances(0, 4, 7) == [6, 5, 5]
+
+
+def square_file(path, nodes, targets=(), weights=(), **members):
+    """A file without animations and skins, whose mesh 0 is the square. `targets` move its vertices."""
+    arrays = [SQUARE, np.uint32(FACES), *(np.float32(target) for target in targets)]
+    data = b"".join(array.tobytes() for array in arrays)
+    accessors = [{"bufferView": i, "type": "VEC3", "componentType": 5126, "count": 4} for i in range(len(arrays))]
+    accessors[1] = {"bufferView": 1, "type": "SCALAR", "componentType": 5125, "count": 6}
+    for accessor, array in zip(accessors, arrays):
+        if accessor["type"] == "VEC3":
+            accessor |= {"min": array.min(0).tolist(), "max": array.max(0).tolist()}
+    offsets = np.cumsum([0] + [array.nbytes for array in arrays]).tolist()
+    primitive = {"attributes": {"POSITION": 0}, "indices": 1}
+    mesh = {"name": "square", "primitives": [primitive]}
+    if targets:
+        primitive["targets"] = [{"POSITION": 2 + i} for i in range(len(targets))]
+    if weights:
+        mesh["weights"] = list(weights)
+    children = {child for node in nodes for child in node.get("children", ())}
+    document = {
+        "asset": {"version": "2.0"},
+        "buffers": [{"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": offset, "byteLength": array.nbytes} for offset, array in zip(offsets, arrays)
+        ],
+        "accessors": accessors,
+        "meshes": [mesh],
+        "nodes": nodes,
+        "scenes": [{"nodes": [i for i in range(len(nodes)) if i not in children]}],
+        "scene": 0,
+        **members,
+    }
+    path.write_text(json.dumps(document))
+    return Scene(path)
+
+
+def test_nodes_of_files_without_animations_are_animated(tmp_path, device):
+    """The animated property of a node replaces that of the file, and its other properties stay."""
+    nodes = [
+        {"name": "lift", "mesh": 0, "translation": [0, 0, 1], "rotation": [0, 0, HALF, HALF]},
+        {"name": "mirror", "children": [2], "translation": [20, 0, 0], "scale": [1, -1, 1]},
+        {"name": "child", "mesh": 0, "translation": [0, 3, 0]},
+    ]
+    scene = square_file(tmp_path / "still.gltf", nodes)
+    lift = AnimationChannel(node="/lift", property="translation", times=[0, 1], values=[[0, 0, 1], [0, 0, 5]])
+    turn = AnimationChannel(node="/mirror", property="rotation", times=[0], values=[[0, 0, HALF, HALF]])
+    scene.add_animation("play", [lift, turn])
+    scene.export(tmp_path / "animated.glb")
+    for shown in (scene, Scene(tmp_path / "animated.glb")):
+        assert distance_at(shown, device, 0.5) == pytest.approx(7, abs=1e-5)
+        assert distance_at(shown, device, 0.5, (23, 0, 10)) == pytest.approx(10, abs=1e-5)  # (0, -3), turned by 90 degrees
+
+
+def test_nodes_of_built_in_scenes_are_animated():
+    scene = Scene("builtin:boxes")
+    node = next(node for node in scene.nodes if scene.instances(node.path))
+    move = AnimationChannel(node=node.path, property="translation", times=[0], values=[[0, 0, 2]])
+    scene.add_animation("play", [move])
+    assert [animation.name for animation in scene.animations] == ["play"]
+
+
+@pytest.mark.parametrize("animated", [False, True])
+def test_nodes_below_hidden_nodes_are_hidden(animated, tmp_path, device):
+    """KHR_node_visibility: a node is visible if it and all nodes above it are."""
+    hidden = {"KHR_node_visibility": {"visible": False}}
+    nodes = [{"name": "group", "extensions": hidden}, {"name": "other", "mesh": 0, "translation": [50, 0, 0]}]
+    scene = square_file(tmp_path / "hidden.gltf", nodes, extensionsUsed=["KHR_node_visibility"])
+    if animated:
+        move = AnimationChannel(node="/other", property="translation", times=[0], values=[[50, 0, 0]])
+        scene.add_animation("move", [move])
+    renderer = latelight.Renderer(scene, device, environment="none")
+    camera = Camera.look_at((50, 0, 5), (50, 0, 0))
+    picture = lambda time: renderer.render(camera, (8, 8), time=time)["rgba"].tobytes()
+    before = picture(None)
+    square = scene.add_mesh(SQUARE, FACES, normals=NORMALS)
+    scene.add_node("child", "/group", parts=[(square, paint(scene))])
+    scene.add_light(Light(type="directional", intensity=3), node="/group")
+    assert [picture(time) for time in (None, 0)] == [before] * 2
+    scene.export(tmp_path / "exported.glb")
+    for shown in (scene, Scene(tmp_path / "exported.glb")):
+        assert all(np.isinf(distance_at(shown, device, time)) for time in (None, 0))
+    scene.add_light(Light(type="directional", intensity=3), node="/other")
+    assert before not in (picture(None), picture(0))
+
+
+def test_hidden_nodes_of_files_are_shown_with_what_is_below_them(tmp_path, device):
+    nodes = [
+        {"name": "group", "children": [1], "extensions": {"KHR_node_visibility": {"visible": False}}},
+        {"name": "child", "mesh": 0},
+    ]
+    scene = square_file(tmp_path / "hidden.gltf", nodes, extensionsUsed=["KHR_node_visibility"])
+    assert np.isinf(distance_at(scene, device, None))
+    show = AnimationChannel(node="/group", property="visible", interpolation="step", times=[0], values=[[1]])
+    scene.add_animation("show", [show])
+    assert np.isinf(distance_at(scene, device, None))
+    assert distance_at(scene, device, 0) == pytest.approx(10, abs=1e-5)
+
+
+def test_weights_of_files_are_animated(tmp_path, device):
+    """The weights of one of two nodes with the same mesh, in a file without animations and in one with others."""
+    nodes = [{"name": "face", "mesh": 0}, {"name": "twin", "mesh": 0, "translation": [5, 0, 0]}]
+    still = square_file(tmp_path / "still.gltf", nodes, targets=[[[0, 0, 1]] * 4], weights=[0.5])
+    still.export(tmp_path / "exported.glb")
+    moved = Scene(tmp_path / "still.gltf")
+    stay = AnimationChannel(node="/twin", property="translation", times=[0], values=[[5, 0, 0]])
+    moved.add_animation("stay", [stay])
+    moved.export(tmp_path / "moved.glb")
+    for scene in (still, moved, Scene(tmp_path / "exported.glb"), Scene(tmp_path / "moved.glb")):
+        renderer = latelight.Renderer(scene, device)
+
+        def distances(shown, **options):
+            hits = shown.cast([(0.25, 0, 10), (5.25, 0, 10)], [(0, 0, -1)] * 2, **options)
+            return pytest.approx(hits["distance"].tolist(), abs=1e-5)
+
+        assert distances(renderer) == [9.5, 9.5]
+        smile = AnimationChannel(node="/face", property="weights", times=[0, 1], values=[[0], [2]])
+        scene.add_animation("smile", [smile])
+        scene.export(tmp_path / "smile.glb")
+        for shown in (renderer, latelight.Renderer(Scene(tmp_path / "smile.glb"), device)):
+            assert distances(shown) == [9.5, 9.5]
+            assert distances(shown, time=1, animation="smile") == [8, 9.5]
 
 
 # --- the same scene from a file ---------------------------------------------------------------------------------------

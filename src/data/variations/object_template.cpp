@@ -30,6 +30,7 @@ std::vector<scene::ObjectPart> takeIn(scene::Scene& other, scene::Scene& scene) 
   }
   for (scene::Mesh& mesh : other.meshes) {
     mesh.deformation = nullptr;
+    mesh.morphable = nullptr;
     meshes.push_back(scene::addMesh(scene, std::move(mesh)));
   }
   std::vector<scene::ObjectPart> parts;

@@ -183,11 +183,11 @@ class AnimationReader {
   Animation out_;
 };
 
+// Returns the node except for its parent and its matrix.
 RigNode readRigNode(const file::Model& model, const file::Node& source) {
   RigNode node;
   node.visible = source.visible;
   node.hasMatrix = !source.matrix.empty();
-  if (node.hasMatrix) node.matrix = readMatrix(source.matrix);
   node.translation = source.translation;
   node.rotation = source.rotation;
   node.scale = source.scale;
@@ -200,9 +200,22 @@ RigNode readRigNode(const file::Model& model, const file::Node& source) {
 
 std::vector<RigNode> readRigNodes(const file::Model& model) {
   std::vector<RigNode> nodes;
-  for (const file::Node& source : model.nodes) nodes.push_back(readRigNode(model, source));
+  for (const file::Node& source : model.nodes) {
+    nodes.push_back(readRigNode(model, source));
+    if (nodes.back().hasMatrix) nodes.back().matrix = readMatrix(source.matrix);
+  }
   for (size_t i = 0; i < model.nodes.size(); ++i)
     for (int child : model.nodes[i].children) nodes[size_t(child)].parent = int(i);
+  return nodes;
+}
+
+std::vector<RigNode> readFileNodes(const file::Model& model, const Hierarchy& hierarchy, const Scene& scene) {
+  std::vector<RigNode> nodes;
+  nodes.reserve(scene.nodes.size());
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {
+    nodes.push_back(readRigNode(model, model.nodes[size_t(hierarchy.order[i])]));
+    if (nodes.back().hasMatrix) nodes.back().matrix = scene.nodes[i].local;
+  }
   return nodes;
 }
 
@@ -246,10 +259,13 @@ void readRig(const Document& document, const Hierarchy& hierarchy, Scene& scene)
   AnimationReader reader(document, hierarchy, scene);
   for (const file::Animation& source : document.model.animations)
     animations.push_back(reader.read(source, animations.size()));
-  if (animations.empty() && document.model.skins.empty()) return;
+  document.budget.charge(document.model.nodes.size() * sizeof(RigNode), "the node tree");
+  if (animations.empty() && document.model.skins.empty()) {
+    scene.fileNodes = readFileNodes(document.model, hierarchy, scene);
+    return;
+  }
   Rig& rig = scene.rig;
   rig.animations = std::move(animations);
-  document.budget.charge(document.model.nodes.size() * sizeof(RigNode), "the node tree");
   rig.nodes = readRigNodes(document.model);
   rig.order = parentsFirst(document.model, rig.nodes);
   for (size_t i = 0; i < document.model.skins.size(); ++i) rig.skins.push_back(readSkin(document, hierarchy, int(i)));

@@ -44,13 +44,15 @@ void addTextureJobs(const Document& document, const TextureTable& table, Scene& 
 }
 
 void addMeshJobs(const Document& document, const Hierarchy& hierarchy, const std::vector<MeshRequest>& requests,
-                 Scene& scene, std::vector<Job>& jobs) {
+                 bool morphTargets, Scene& scene, std::vector<Job>& jobs) {
   scene.meshes.resize(requests.size());
   for (size_t i = 0; i < requests.size(); ++i) {
     const MeshRequest& request = requests[i];
     const auto& primitive = document.model.meshes[size_t(request.mesh)].primitives[size_t(request.primitive)];
-    jobs.push_back({triangleCount(document, primitive) * 100,
-                    [&, i] { scene.meshes[i] = buildMesh(document, hierarchy, requests[i]); }});
+    jobs.push_back({triangleCount(document, primitive) * 100, [&, i, morphTargets] {
+                      scene.meshes[i] = buildMesh(document, hierarchy, requests[i]);
+                      if (morphTargets) addMorphable(document, hierarchy, requests[i], scene.meshes[i]);
+                    }});
   }
 }
 
@@ -73,7 +75,8 @@ void runJobs(const std::vector<Job>& jobs, const std::string& name) {
 
 // Returns the memory of loaded meshes and instances.
 uint64_t geometryBytes(const Scene& scene) {
-  uint64_t bytes = scene.instances.size() * sizeof(Instance) + scene.nodes.size() * sizeof(Node);
+  uint64_t bytes = scene.instances.size() * sizeof(Instance) + scene.nodes.size() * sizeof(Node) +
+                   scene.fileNodes.size() * sizeof(RigNode);
   for (const Mesh& mesh : scene.meshes) bytes += mesh.bytes();
   return bytes;
 }
@@ -99,7 +102,7 @@ Scene import(const std::filesystem::path& path, const LoadOptions& options) {
   std::vector<Job> jobs;
   if (options.textures) readEnvironment(document, scene);
   if (options.textures) addTextureJobs(document, textures, scene, jobs);
-  addMeshJobs(document, hierarchy, requests, scene, jobs);
+  addMeshJobs(document, hierarchy, requests, options.morphTargets, scene, jobs);
   runJobs(jobs, scene.name);
   document.repairs.report();
   document.budget.release();

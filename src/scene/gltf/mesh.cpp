@@ -166,4 +166,14 @@ Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshR
   return mesh;
 }
 
+void addMorphable(const Document& document, const Hierarchy& hierarchy, MeshRequest request, Mesh& mesh) {
+  const file::Mesh& parent = document.model.meshes[size_t(request.mesh)];
+  if (request.weightsNode >= 0 || parent.primitives[size_t(request.primitive)].targets.empty()) return;
+  request.weightsNode = 0;  // any: the edit that animates the weights sets the node
+  auto morphable = std::make_shared<MorphableMesh>();
+  morphable->mesh = buildMesh(document, hierarchy, request);
+  morphable->weights.assign(request.weights.begin(), request.weights.end());
+  mesh.morphable = std::move(morphable);
+}
+
 }  // namespace latelight::scene::gltf

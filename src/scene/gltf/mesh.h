@@ -42,4 +42,7 @@ size_t triangleCount(const Document& document, const file::Primitive& primitive)
 // Builds the mesh. Throws Error(BadInput) that names the primitive. Thread-safe.
 Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshRequest& request);
 
+// Sets Mesh::morphable if the primitive has morph targets that no animation moves. Thread-safe.
+void addMorphable(const Document& document, const Hierarchy& hierarchy, MeshRequest request, Mesh& mesh);
+
 }  // namespace latelight::scene::gltf
