@@ -97,6 +97,7 @@ class _Mujoco(Builder):
         self.mujoco, self.model, self.groups = mujoco, model, set(groups)
         self.shapes: dict[Any, MeshHandle] = {}
         self.pictures: dict[int, np.ndarray] = {}
+        self.anchors_planes = tuple(map(int, mujoco.__version__.split(".")[:2])) >= (3, 12)
         self.data = mujoco.MjData(model)
         mujoco.mj_forward(model, self.data)
 
@@ -149,11 +150,11 @@ class _Mujoco(Builder):
             data = np.asarray(model.hfield_data[first : first + rows * columns]).reshape(rows, columns)
             points, triangles = height_field(data, np.asarray(model.hfield_size[field]))
             return {"positions": points.astype(np.float32), "indices": triangles,
-                    "uv": self.flat_uv(geom, points, model.hfield_size[field][:2])}
+                    "uv": self.projected_uv(geom, points)}
         if shape == kind.mjGEOM_PLANE:
             half = np.where(size[:2] > 0, size[:2], INFINITE_PLANE * max(float(model.stat.extent), 1.0))
             flat = plane(half)
-            return {**mesh_arrays(flat), "uv": self.flat_uv(geom, flat[0], half)}
+            return {**mesh_arrays(flat), "uv": self.projected_uv(geom, flat[0])}
         round_shapes = {
             kind.mjGEOM_SPHERE: lambda: ellipsoid(np.full(3, size[0])),
             kind.mjGEOM_ELLIPSOID: lambda: ellipsoid(size),
@@ -184,17 +185,23 @@ class _Mujoco(Builder):
             made["uv"] = uv[corners("mesh_facetexcoord")].astype(np.float32)
         return made
 
-    def flat_uv(self, geom: int, points: np.ndarray, half: Any) -> np.ndarray | None:
-        """Texture coordinates of planes and height fields: `texrepeat` images over the geom, or per meter."""
+    def projected_uv(self, geom: int, points: np.ndarray) -> np.ndarray | None:
+        """Texture coordinates as MuJoCo's renderer generates them along the geom's Z axis (settexture() in
+        render_gl3.c): `texrepeat` images over the geom, or per 2 m if the material has `texuniform` or the geom has no
+        size. The center of the geom is at (-0.5, -0.5). MuJoCo 3.12 and newer versions place the upper left corner of
+        planes at (0, 0) instead."""
         if self.texture_of(geom) is None:
             return None
-        material = int(self.model.geom_matid[geom])
-        repeat = np.asarray(self.model.mat_texrepeat[material], np.float64)
-        per_meter = repeat if self.model.mat_texuniform[material] else repeat / (2 * np.asarray(half, np.float64))
-        uv = points[:, :2] * per_meter
-        if not self.model.mat_texuniform[material]:
-            uv = uv + repeat / 2
-        return np.stack([uv[:, 0], -uv[:, 1]], 1).astype(np.float32)
+        model, material = self.model, int(self.model.geom_matid[geom])
+        half = np.maximum(np.asarray(model.geom_size[geom][:2], np.float64), 0)
+        repeat = np.asarray(model.mat_texrepeat[material], np.float64)
+        per_half = (half > 0) & (not model.mat_texuniform[material])
+        scale = repeat / np.where(per_half, half, 1)
+        center = np.full(2, -0.5)
+        if model.geom_type[geom] == self.mujoco.mjtGeom.mjGEOM_PLANE and self.anchors_planes:
+            center = 0.5 * scale * half - (0 if (half > 0).all() else 0.5)
+        uv: np.ndarray = points[:, :2] * scale * (0.5, -0.5) + center
+        return uv.astype(np.float32)
 
     # --- materials ---
 

@@ -162,6 +162,51 @@ def test_materials_lights_and_textures(robot):
     np.testing.assert_allclose(lamp.position, (0, 3, 0), atol=1e-6)
 
 
+@pytest.mark.parametrize(
+    "version, size, uniform, corners, center",  # texture coordinates of the upper left and the lower right corner
+    [
+        # A plane of 4 m by 3 m: 2 by 3 images, or 2 by 3 images per 2 m.
+        ("3.11.0", "2 1.5", "false", ((-1.5, -2), (0.5, 1)), (-0.5, -0.5)),
+        ("3.11.0", "2 1.5", "true", ((-2.5, -2.75), (1.5, 1.75)), (-0.5, -0.5)),
+        # MuJoCo 3.12 and newer versions begin at the upper left corner.
+        ("3.12.0", "2 1.5", "false", ((0, 0), (2, 3)), (1, 1.5)),
+        ("4.0.0", "2 1.5", "true", ((0, 0), (4, 4.5)), (2, 2.25)),
+        # Infinite axes have 2 by 3 images per 2 m.
+        ("3.11.0", "0 0", "false", None, (-0.5, -0.5)),
+        ("4.0.0", "0 0", "true", None, (-0.5, -0.5)),
+        ("4.0.0", "0 1.5", "true", None, (-0.5, 1.75)),
+    ],
+)
+def test_planes_have_the_texture_coordinates_of_mujoco(monkeypatch, version, size, uniform, corners, center):
+    monkeypatch.setattr(mujoco, "__version__", version)
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><asset>
+        <texture name="t" type="2d" builtin="checker" rgb1="1 1 1" rgb2="0 0 0" width="8" height="8"/>
+        <material name="m" texture="t" texrepeat="2 3" texuniform="{uniform}"/></asset>
+        <worldbody><geom type="plane" size="{size} .1" material="m"/></worldbody></mujoco>"""))
+    made = robot.scene.mesh_arrays(robot.scene.meshes()[0])
+    x, y, uv = made["positions"][:, 0], made["positions"][:, 1], made["uv"]
+    np.testing.assert_allclose(uv.mean(axis=0), center, atol=1e-4)
+    left_top, right_bottom = (int(np.argmax(sign * (y - x))) for sign in (1, -1))
+    if corners:
+        np.testing.assert_allclose(uv[[left_top, right_bottom]], corners, atol=1e-6)
+    else:
+        per_meter = (uv[right_bottom] - uv[left_top]) / np.abs([np.ptp(x), np.ptp(y)])
+        np.testing.assert_allclose(per_meter, (1, 1.5), rtol=1e-6)
+
+
+def test_height_fields_have_the_texture_coordinates_of_mujoco():
+    """The half sizes are 2 m by 0.5 m, so that the point (1, 0.25) is half way to the upper right corner."""
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string("""<mujoco><asset>
+        <texture name="t" type="2d" builtin="checker" rgb1="1 1 1" rgb2="0 0 0" width="8" height="8"/>
+        <material name="m" texture="t" texrepeat="2 3"/>
+        <hfield name="hill" nrow="5" ncol="5" size="2 0.5 1 1"/></asset>
+        <worldbody><geom type="hfield" hfield="hill" material="m"/></worldbody></mujoco>"""))
+    made = robot.scene.mesh_arrays(robot.scene.meshes()[0])
+    for position, expected in (((0, 0), (-0.5, -0.5)), ((1, 0.25), (0, -1.25)), ((-2, -0.5), (-1.5, 1))):
+        vertex = np.argmin(np.abs(made["positions"][:, :2] - position).sum(axis=1))
+        np.testing.assert_allclose(made["uv"][vertex], expected, atol=1e-6, err_msg=str(position))
+
+
 def test_a_white_plane_has_the_diffuse_color_of_a_light_above(tmp_path):
     path = tmp_path / "plane.xml"
     path.write_text(
