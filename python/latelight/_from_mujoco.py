@@ -129,7 +129,7 @@ class _Mujoco(Builder):
         """Geoms with equal shapes share a mesh. Nothing for shapes that are left out."""
         model, kind = self.model, self.mujoco.mjtGeom
         shape = kind(int(model.geom_type[geom]))
-        texture = self.texture_of(geom) if shape in (kind.mjGEOM_PLANE, kind.mjGEOM_HFIELD) else None
+        texture = self.texture_of(geom) if self.is_projected(geom) else None
         repeat = None if texture is None else (int(model.geom_matid[geom]), texture)
         key = (shape, int(model.geom_dataid[geom]), tuple(model.geom_size[geom]), repeat)
         if key not in self.shapes:
@@ -139,11 +139,18 @@ class _Mujoco(Builder):
             self.shapes[key] = self.scene.add_mesh(**made, name=node_name(model.geom(geom).name or shape.name[7:].lower()))
         return self.shapes[key]
 
+    def is_projected(self, geom: int) -> bool:
+        """If a 2D texture of the geom has the coordinates of projected_uv()."""
+        kind, shape = self.mujoco.mjtGeom, int(self.model.geom_type[geom])
+        if shape == kind.mjGEOM_MESH:
+            return int(self.model.mesh_texcoordadr[self.model.geom_dataid[geom]]) < 0
+        return shape in (kind.mjGEOM_PLANE, kind.mjGEOM_HFIELD)
+
     def make_shape(self, geom: int, shape: Any) -> dict[str, Any] | None:
         model, kind = self.model, self.mujoco.mjtGeom
         size = np.asarray(model.geom_size[geom], np.float64)
         if shape == kind.mjGEOM_MESH:
-            return self.mesh(int(model.geom_dataid[geom]))
+            return self.mesh(geom)
         if shape == kind.mjGEOM_HFIELD:
             field = int(model.geom_dataid[geom])
             rows, columns, first = (int(getattr(model, f"hfield_{n}")[field]) for n in ("nrow", "ncol", "adr"))
@@ -166,9 +173,9 @@ class _Mujoco(Builder):
             return None
         return mesh_arrays(round_shapes[shape]())
 
-    def mesh(self, mesh: int) -> dict[str, Any]:
+    def mesh(self, geom: int) -> dict[str, Any]:
         """Corners share no vertices, because positions, normals and texture coordinates have indices of their own."""
-        model = self.model
+        model, mesh = self.model, int(self.model.geom_dataid[geom])
 
         def rows(values: Any, first: Any, count: Any) -> np.ndarray:
             return np.asarray(values[int(first[mesh]) : int(first[mesh]) + int(count[mesh])])
@@ -176,11 +183,13 @@ class _Mujoco(Builder):
         def corners(name: str) -> np.ndarray:
             return rows(getattr(model, name), model.mesh_faceadr, model.mesh_facenum).ravel()
 
-        positions = rows(model.mesh_vert, model.mesh_vertadr, model.mesh_vertnum)
+        positions = rows(model.mesh_vert, model.mesh_vertadr, model.mesh_vertnum)[corners("mesh_face")]
         normals = rows(model.mesh_normal, model.mesh_normaladr, model.mesh_normalnum)
-        made = {"positions": positions[corners("mesh_face")].astype(np.float32),
-                "normals": normals[corners("mesh_facenormal")].astype(np.float32), "uv": None}
-        if int(model.mesh_texcoordadr[mesh]) >= 0:
+        made: dict[str, Any] = {"positions": positions.astype(np.float32),
+                                "normals": normals[corners("mesh_facenormal")].astype(np.float32)}
+        if self.is_projected(geom):
+            made["uv"] = self.projected_uv(geom, positions)
+        else:
             uv = rows(model.mesh_texcoord, model.mesh_texcoordadr, model.mesh_texcoordnum)
             made["uv"] = uv[corners("mesh_facetexcoord")].astype(np.float32)
         return made

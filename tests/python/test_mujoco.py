@@ -207,6 +207,22 @@ def test_height_fields_have_the_texture_coordinates_of_mujoco():
         np.testing.assert_allclose(made["uv"][vertex], expected, atol=1e-6, err_msg=str(position))
 
 
+def test_meshes_without_texture_coordinates_have_those_of_mujoco():
+    """Of a cuboid, 2 by 3 images over its extent in X and Y, with the center at (-0.5, -0.5)."""
+    corners = " ".join(f"{x} {y} {z}" for x in (-2, 2) for y in (-1, 1) for z in (-0.5, 0.5))
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><asset>
+        <texture name="t" type="2d" builtin="checker" rgb1="1 1 1" rgb2="0 0 0" width="8" height="8"/>
+        <material name="m" texture="t" texrepeat="2 3"/><material name="twice" texture="t" texrepeat="4 6"/>
+        <mesh name="brick" vertex="{corners}"/></asset>
+        <worldbody><geom type="mesh" mesh="brick" material="m"/><geom type="mesh" mesh="brick" material="twice"/>
+        <geom type="mesh" mesh="brick"/></worldbody></mujoco>"""))
+    first, second, plain = (robot.scene.mesh_arrays(robot.scene.instance(i).mesh) for i in robot.instances)
+    for made, scale in ((first, 1), (second, 2)):
+        signs = np.sign(made["positions"][:, :2])
+        np.testing.assert_allclose(made["uv"], signs * (scale, -1.5 * scale) - 0.5, atol=1e-5)
+    assert plain.get("uv") is None or not plain["uv"].any()
+
+
 def test_a_white_plane_has_the_diffuse_color_of_a_light_above(tmp_path):
     path = tmp_path / "plane.xml"
     path.write_text(
