@@ -320,18 +320,20 @@ class _Mujoco(Builder):
         return np.array([[focal_x, 0, center_x], [0, focal_y, center_y], [0, 0, 1]])
 
     def add_lights(self) -> list[LightHandle]:
-        """Active lights. Lights of MuJoCo do not fade with distance and are no physical quantities: each of these is as
-        bright at the model's center as there, so that a white surface that faces it has its diffuse color."""
-        model, handles = self.model, []
+        """Active lights, except image lights. Lights of MuJoCo do not fade with distance and are no physical
+        quantities: each of these is as bright at the model's center as there, so that a white surface that faces it has
+        its diffuse color."""
+        model, handles, types = self.model, [], self.mujoco.mjtLightType
         for light in range(model.nlight):
-            if not model.light_active[light]:
+            light_type = int(model.light_type[light])
+            if not model.light_active[light] or light_type == types.mjLIGHT_IMAGE:
                 continue
             color = linear(np.clip(np.asarray(model.light_diffuse[light], np.float64), 0, 1))
             position, direction = self.data.light_xpos[light], self.data.light_xdir[light]
-            directional = int(model.light_type[light]) == int(self.mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
+            directional = light_type == types.mjLIGHT_DIRECTIONAL
             cone = min(float(model.light_cutoff[light]), 90.0)
             distance = max(float(np.linalg.norm(position - np.asarray(model.stat.center))), 0.1)
-            kind = "directional" if directional else "spot" if cone < 90 else "point"
+            kind = "directional" if directional else "spot" if light_type == types.mjLIGHT_SPOT and cone < 90 else "point"
             arguments: dict[str, Any] = {"outer_cone": cone, "inner_cone": 0.8 * cone} if kind == "spot" else {}
             handles.append(
                 self.scene.add_light(
@@ -339,7 +341,8 @@ class _Mujoco(Builder):
                         name=model.light(light).name or f"light {light}", type=kind, color=tuple(color.tolist()),
                         position=tuple((self.world[:3, :3] @ position).tolist()),
                         direction=tuple((self.world[:3, :3] @ direction).tolist()),
-                        intensity=math.pi * (1 if directional else distance**2), **arguments,
+                        intensity=math.pi * (1 if directional else distance**2),
+                        cast_shadow=bool(model.light_castshadow[light]), **arguments,
                     )
                 )
             )
@@ -354,7 +357,8 @@ def from_mujoco(model: Any, *, groups: Sequence[int] = (0, 1, 2)) -> MujocoScene
     Converted are meshes with texture coordinates, planes, height fields, spheres, capsules, ellipsoids, cylinders,
     boxes, colors, materials, 2D textures of meshes, planes and height fields, lights, and cameras with their projection
     and intrinsics. Planes that are infinite get a side of 200 times the model's extent. Cube maps, the headlight,
-    sites, tendons, skins, and flexible bodies are left out. `MujocoScene.worlds()` converts the states of worlds."""
+    image lights, sites, tendons, skins, and flexible bodies are left out. `MujocoScene.worlds()` converts the states of
+    worlds."""
     try:
         mujoco = importlib.import_module("mujoco")
     except ImportError:

@@ -236,6 +236,22 @@ def test_a_white_plane_has_the_diffuse_color_of_a_light_above(tmp_path):
     np.testing.assert_allclose(frame["color"][4, 4, :3], 0.2140411, rtol=0.06)  # 0.5 in sRGB
 
 
+def test_lights_have_the_types_and_shadows_of_mujoco():
+    lights = "".join(
+        f'<light name="{kind} {shadow}" type="{kind}" castshadow="{shadow}"/>'
+        for kind in ("spot", "directional", "point") for shadow in ("true", "false"))
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><asset>
+        <texture name="sky" type="cube" builtin="flat" rgb1="1 1 1" width="8" height="8"/></asset>
+        <worldbody>{lights}
+        <light name="wide" type="spot" cutoff="120"/><light name="sky" type="image" texture="sky"/></worldbody></mujoco>"""))
+    made = [robot.scene.light(light) for light in robot.lights]
+    assert {light.name: (light.type, light.cast_shadow) for light in made} == {
+        "spot true": ("spot", True), "spot false": ("spot", False), "directional true": ("directional", True),
+        "directional false": ("directional", False), "point true": ("point", True), "point false": ("point", False),
+        "wide": ("point", True),
+    }  # fmt: skip
+
+
 ORTHOGRAPHIC = 'projection="orthographic"' if hasattr(mujoco, "mjtProjection") else 'orthographic="true"'
 
 
