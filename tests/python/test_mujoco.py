@@ -309,17 +309,15 @@ def test_wrong_arguments_are_refused(model, robot, tmp_path):
         robot.worlds(geom_xpos=np.zeros((1, 2, 3)), geom_xmat=np.zeros((1, 2, 9)))
 
 
-def test_vector_environments_have_pixels():
-    gymnasium = pytest.importorskip("gymnasium")
+def falling(gymnasium, xml):
+    """The class of an environment with a ball that an action pushes up."""
 
     class Fall(gymnasium.Env):
-        """A ball that an action pushes up."""
-
         observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (1,), np.float64)
         action_space = gymnasium.spaces.Box(-1, 1, (1,), np.float32)
 
         def __init__(self):
-            self.model = mujoco.MjModel.from_xml_string(MODEL)
+            self.model = mujoco.MjModel.from_xml_string(xml)
             self.data = mujoco.MjData(self.model)
 
         def reset(self, *, seed=None, options=None):
@@ -334,6 +332,12 @@ def test_vector_environments_have_pixels():
             mujoco.mj_forward(self.model, self.data)
             return self.data.qpos[2:3].copy(), 0.0, False, False, {}
 
+    return Fall
+
+
+def test_vector_environments_have_pixels():
+    gymnasium = pytest.importorskip("gymnasium")
+    Fall = falling(gymnasium, MODEL)
     envs = latelight.add_pixels(
         gymnasium.vector.SyncVectorEnv([Fall, Fall]), size=(32, 24), device="cpu", shadows="none"
     )
@@ -348,3 +352,28 @@ def test_vector_environments_have_pixels():
     np.testing.assert_array_equal(moved["pixels"][1], seen["pixels"][1])
     with pytest.raises(latelight.UsageError, match="SyncVectorEnv of MuJoCo environments"):
         latelight.add_pixels(gymnasium.make_vec("CartPole-v1", 2))
+
+
+def test_cameras_of_vector_environments_follow_their_bodies():
+    """A camera on the ball stays at the same distance from it, and other cameras stay where they are."""
+    gymnasium = pytest.importorskip("gymnasium")
+    xml = MODEL.replace('rgba="1 0 0 1"/></body>', 'rgba="1 0 0 1"/><camera name="rider" pos="0 0 2"/></body>', 1)
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(xml))
+    (rider,) = (camera for camera in robot.cameras if camera.name == "rider")
+    eye = next(camera for camera in robot.cameras if camera.name == "eye")
+    own = latelight.Camera.look_at((0, 2.5, 0), (0, 0, 0), up=(0, 0, -1))  # where the rider is at first, in the scene
+
+    def depths(cameras):
+        environments = gymnasium.vector.SyncVectorEnv([falling(gymnasium, xml)] * 2)
+        envs = latelight.add_pixels(
+            environments, scene=robot, cameras=cameras, size=(32, 24), device="cpu", shadows="none")
+        envs.reset(seed=3)
+        envs.step(np.array([[0.5], [0]], np.float32))
+        arguments = envs._worlds(envs.env)
+        count = 1 if isinstance(cameras, latelight.Camera) else len(cameras)
+        frames = envs.renderer.render_worlds(2, cameras, (32, 24), "depth", **arguments)["depth"]
+        return frames.reshape(2, count, 24, 32)[:, :, 12, 16]
+
+    np.testing.assert_allclose(depths(rider), 1.7, atol=0.01)  # 2 m from the center of a sphere of 0.3 m
+    np.testing.assert_allclose(depths([eye, rider])[:, 1], 1.7, atol=0.01)
+    assert np.ptp(depths(own)) > 0.1
