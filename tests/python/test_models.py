@@ -63,6 +63,27 @@ def test_trimesh_materials_have_their_textures():
     np.testing.assert_allclose(scene.mesh_arrays(scene.meshes()[0])["uv"], [[0, 1], [1, 1], [1, 0.75]])
 
 
+def test_trimesh_materials_have_the_defaults_of_gltf(tmp_path):
+    """metallicFactor is 1 and emissiveFactor 0 by default (glTF 2.0, 5.19 and 5.22). Simple materials are not metals."""
+    image = pytest.importorskip("PIL.Image").fromarray(np.full((2, 2, 3), 200, np.uint8))
+    kinds = trimesh.visual.material
+    gold = kinds.PBRMaterial(name="gold", baseColorFactor=[255, 200, 0, 255], emissiveTexture=image)
+    simple = kinds.SimpleMaterial(diffuse=[255, 0, 0, 255])
+    square = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 1, 2]], process=False)
+
+    def made(material):
+        square.visual = trimesh.visual.TextureVisuals(uv=[[0, 0], [1, 0], [1, 1]], material=material)
+        return only_material(latelight.from_trimesh(square))[1]
+
+    for material, metallic in ((gold, 1), (kinds.MultiMaterial([simple, gold]), 1), (simple, 0)):
+        values = made(material)
+        assert (values.metallic, tuple(values.emissive)) == (metallic, (0, 0, 0)), material
+    made(gold)
+    square.export(tmp_path / "gold.glb")
+    expected = only_material(latelight.Scene(tmp_path / "gold.glb"))[1]
+    assert (expected.metallic, tuple(expected.emissive)) == (1, (0, 0, 0))
+
+
 def test_robots_move_their_joints(tmp_path):
     yourdfpy = pytest.importorskip("yourdfpy")
     path = tmp_path / "crane.urdf"
