@@ -20,13 +20,16 @@ renderer = latelight.Renderer(scene)
 low, high = np.array(scene.bounds)
 rng = np.random.default_rng(0)
 places = rng.uniform(low + (high - low) * 0.2, high - (high - low) * 0.2, (AGENTS, 3))
-places[:, 2] = low[2] + 1.7  # built-in scenes have Z up
-headings = rng.uniform(0, 2 * np.pi, AGENTS)
+places[:, 1] = low[1] + 1.7  # built-in scenes have Y up
+headings = rng.uniform(0, 2 * np.pi, AGENTS)  # counterclockwise as seen from above
+
+
+def ahead():
+    return np.stack([np.cos(headings), np.zeros(AGENTS), -np.sin(headings)], -1)
 
 
 def cameras():
-    ahead = places + np.stack([np.cos(headings), np.sin(headings), np.zeros(AGENTS)], -1)
-    return [scene.look_at(place, target, vertical_fov=90) for place, target in zip(places, ahead)]
+    return [scene.look_at(place, target, vertical_fov=90) for place, target in zip(places, places + ahead())]
 
 
 for step in range(STEPS):
@@ -36,6 +39,6 @@ for step in range(STEPS):
     column = free.argmax(axis=1)
     headings -= np.arctan((column + 0.5) / 32 - 1)
     walk = np.minimum(0.25, free[np.arange(AGENTS), column] / 2)
-    places[:, :2] += walk[:, None] * np.stack([np.cos(headings), np.sin(headings)], -1)
+    places += walk[:, None] * ahead()
     reward = free.max(axis=1).mean()
     print(f"step {step}: {AGENTS / (time.perf_counter() - start):.0f} views/s, mean free way {reward:.2f} m")

@@ -20,7 +20,7 @@ scene = latelight.Scene(source)
 renderer = latelight.Renderer(scene)
 low, high = np.array(scene.bounds)
 centre, radius = (low + high) / 2, np.linalg.norm(high - low) / 2
-up = 2 if source.startswith("builtin:") else 1  # built-in scenes have Z up, files Y
+up = 2 if source.lower().endswith((".ply", ".stl")) else 1  # the axis: Z of PLY and STL files, otherwise Y
 encoder = subprocess.Popen(
     ["ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{size[0]}x{size[1]}", "-r", "24"]
     + ["-i", "-", "-pix_fmt", "yuv420p", video],

@@ -97,6 +97,7 @@ class _Mujoco(Builder):
         self.mujoco, self.model, self.groups = mujoco, model, set(groups)
         self.shapes: dict[Any, MeshHandle] = {}
         self.pictures: dict[int, np.ndarray] = {}
+        self.anchors_planes = tuple(map(int, mujoco.__version__.split(".")[:2])) >= (3, 12)
         self.data = mujoco.MjData(model)
         mujoco.mj_forward(model, self.data)
 
@@ -128,7 +129,7 @@ class _Mujoco(Builder):
         """Geoms with equal shapes share a mesh. Nothing for shapes that are left out."""
         model, kind = self.model, self.mujoco.mjtGeom
         shape = kind(int(model.geom_type[geom]))
-        texture = self.texture_of(geom) if shape in (kind.mjGEOM_PLANE, kind.mjGEOM_HFIELD) else None
+        texture = self.texture_of(geom) if self.is_projected(geom) else None
         repeat = None if texture is None else (int(model.geom_matid[geom]), texture)
         key = (shape, int(model.geom_dataid[geom]), tuple(model.geom_size[geom]), repeat)
         if key not in self.shapes:
@@ -138,22 +139,29 @@ class _Mujoco(Builder):
             self.shapes[key] = self.scene.add_mesh(**made, name=node_name(model.geom(geom).name or shape.name[7:].lower()))
         return self.shapes[key]
 
+    def is_projected(self, geom: int) -> bool:
+        """If a 2D texture of the geom has the coordinates of projected_uv()."""
+        kind, shape = self.mujoco.mjtGeom, int(self.model.geom_type[geom])
+        if shape == kind.mjGEOM_MESH:
+            return int(self.model.mesh_texcoordadr[self.model.geom_dataid[geom]]) < 0
+        return shape in (kind.mjGEOM_PLANE, kind.mjGEOM_HFIELD)
+
     def make_shape(self, geom: int, shape: Any) -> dict[str, Any] | None:
         model, kind = self.model, self.mujoco.mjtGeom
         size = np.asarray(model.geom_size[geom], np.float64)
         if shape == kind.mjGEOM_MESH:
-            return self.mesh(int(model.geom_dataid[geom]))
+            return self.mesh(geom)
         if shape == kind.mjGEOM_HFIELD:
             field = int(model.geom_dataid[geom])
             rows, columns, first = (int(getattr(model, f"hfield_{n}")[field]) for n in ("nrow", "ncol", "adr"))
             data = np.asarray(model.hfield_data[first : first + rows * columns]).reshape(rows, columns)
             points, triangles = height_field(data, np.asarray(model.hfield_size[field]))
             return {"positions": points.astype(np.float32), "indices": triangles,
-                    "uv": self.flat_uv(geom, points, model.hfield_size[field][:2])}
+                    "uv": self.projected_uv(geom, points)}
         if shape == kind.mjGEOM_PLANE:
             half = np.where(size[:2] > 0, size[:2], INFINITE_PLANE * max(float(model.stat.extent), 1.0))
             flat = plane(half)
-            return {**mesh_arrays(flat), "uv": self.flat_uv(geom, flat[0], half)}
+            return {**mesh_arrays(flat), "uv": self.projected_uv(geom, flat[0])}
         round_shapes = {
             kind.mjGEOM_SPHERE: lambda: ellipsoid(np.full(3, size[0])),
             kind.mjGEOM_ELLIPSOID: lambda: ellipsoid(size),
@@ -165,9 +173,9 @@ class _Mujoco(Builder):
             return None
         return mesh_arrays(round_shapes[shape]())
 
-    def mesh(self, mesh: int) -> dict[str, Any]:
+    def mesh(self, geom: int) -> dict[str, Any]:
         """Corners share no vertices, because positions, normals and texture coordinates have indices of their own."""
-        model = self.model
+        model, mesh = self.model, int(self.model.geom_dataid[geom])
 
         def rows(values: Any, first: Any, count: Any) -> np.ndarray:
             return np.asarray(values[int(first[mesh]) : int(first[mesh]) + int(count[mesh])])
@@ -175,26 +183,34 @@ class _Mujoco(Builder):
         def corners(name: str) -> np.ndarray:
             return rows(getattr(model, name), model.mesh_faceadr, model.mesh_facenum).ravel()
 
-        positions = rows(model.mesh_vert, model.mesh_vertadr, model.mesh_vertnum)
+        positions = rows(model.mesh_vert, model.mesh_vertadr, model.mesh_vertnum)[corners("mesh_face")]
         normals = rows(model.mesh_normal, model.mesh_normaladr, model.mesh_normalnum)
-        made = {"positions": positions[corners("mesh_face")].astype(np.float32),
-                "normals": normals[corners("mesh_facenormal")].astype(np.float32), "uv": None}
-        if int(model.mesh_texcoordadr[mesh]) >= 0:
+        made: dict[str, Any] = {"positions": positions.astype(np.float32),
+                                "normals": normals[corners("mesh_facenormal")].astype(np.float32)}
+        if self.is_projected(geom):
+            made["uv"] = self.projected_uv(geom, positions)
+        else:
             uv = rows(model.mesh_texcoord, model.mesh_texcoordadr, model.mesh_texcoordnum)
             made["uv"] = uv[corners("mesh_facetexcoord")].astype(np.float32)
         return made
 
-    def flat_uv(self, geom: int, points: np.ndarray, half: Any) -> np.ndarray | None:
-        """Texture coordinates of planes and height fields: `texrepeat` images over the geom, or per meter."""
+    def projected_uv(self, geom: int, points: np.ndarray) -> np.ndarray | None:
+        """Texture coordinates as MuJoCo's renderer generates them along the geom's Z axis (settexture() in
+        render_gl3.c): `texrepeat` images over the geom, or per 2 m if the material has `texuniform` or the geom has no
+        size. The center of the geom is at (-0.5, -0.5). MuJoCo 3.12 and newer versions place the upper left corner of
+        planes at (0, 0) instead."""
         if self.texture_of(geom) is None:
             return None
-        material = int(self.model.geom_matid[geom])
-        repeat = np.asarray(self.model.mat_texrepeat[material], np.float64)
-        per_meter = repeat if self.model.mat_texuniform[material] else repeat / (2 * np.asarray(half, np.float64))
-        uv = points[:, :2] * per_meter
-        if not self.model.mat_texuniform[material]:
-            uv = uv + repeat / 2
-        return np.stack([uv[:, 0], -uv[:, 1]], 1).astype(np.float32)
+        model, material = self.model, int(self.model.geom_matid[geom])
+        half = np.maximum(np.asarray(model.geom_size[geom][:2], np.float64), 0)
+        repeat = np.asarray(model.mat_texrepeat[material], np.float64)
+        per_half = (half > 0) & (not model.mat_texuniform[material])
+        scale = repeat / np.where(per_half, half, 1)
+        center = np.full(2, -0.5)
+        if model.geom_type[geom] == self.mujoco.mjtGeom.mjGEOM_PLANE and self.anchors_planes:
+            center = 0.5 * scale * half - (0 if (half > 0).all() else 0.5)
+        uv: np.ndarray = points[:, :2] * scale * (0.5, -0.5) + center
+        return uv.astype(np.float32)
 
     # --- materials ---
 
@@ -304,18 +320,20 @@ class _Mujoco(Builder):
         return np.array([[focal_x, 0, center_x], [0, focal_y, center_y], [0, 0, 1]])
 
     def add_lights(self) -> list[LightHandle]:
-        """Active lights. Lights of MuJoCo do not fade with distance and are no physical quantities: each of these is as
-        bright at the model's center as there, so that a white surface that faces it has its diffuse color."""
-        model, handles = self.model, []
+        """Active lights, except image lights. Lights of MuJoCo do not fade with distance and are no physical
+        quantities: each of these is as bright at the model's center as there, so that a white surface that faces it has
+        its diffuse color."""
+        model, handles, types = self.model, [], self.mujoco.mjtLightType
         for light in range(model.nlight):
-            if not model.light_active[light]:
+            light_type = int(model.light_type[light])
+            if not model.light_active[light] or light_type == types.mjLIGHT_IMAGE:
                 continue
             color = linear(np.clip(np.asarray(model.light_diffuse[light], np.float64), 0, 1))
             position, direction = self.data.light_xpos[light], self.data.light_xdir[light]
-            directional = int(model.light_type[light]) == int(self.mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
+            directional = light_type == types.mjLIGHT_DIRECTIONAL
             cone = min(float(model.light_cutoff[light]), 90.0)
             distance = max(float(np.linalg.norm(position - np.asarray(model.stat.center))), 0.1)
-            kind = "directional" if directional else "spot" if cone < 90 else "point"
+            kind = "directional" if directional else "spot" if light_type == types.mjLIGHT_SPOT and cone < 90 else "point"
             arguments: dict[str, Any] = {"outer_cone": cone, "inner_cone": 0.8 * cone} if kind == "spot" else {}
             handles.append(
                 self.scene.add_light(
@@ -323,7 +341,8 @@ class _Mujoco(Builder):
                         name=model.light(light).name or f"light {light}", type=kind, color=tuple(color.tolist()),
                         position=tuple((self.world[:3, :3] @ position).tolist()),
                         direction=tuple((self.world[:3, :3] @ direction).tolist()),
-                        intensity=math.pi * (1 if directional else distance**2), **arguments,
+                        intensity=math.pi * (1 if directional else distance**2),
+                        cast_shadow=bool(model.light_castshadow[light]), **arguments,
                     )
                 )
             )
@@ -338,7 +357,8 @@ def from_mujoco(model: Any, *, groups: Sequence[int] = (0, 1, 2)) -> MujocoScene
     Converted are meshes with texture coordinates, planes, height fields, spheres, capsules, ellipsoids, cylinders,
     boxes, colors, materials, 2D textures of meshes, planes and height fields, lights, and cameras with their projection
     and intrinsics. Planes that are infinite get a side of 200 times the model's extent. Cube maps, the headlight,
-    sites, tendons, skins, and flexible bodies are left out. `MujocoScene.worlds()` converts the states of worlds."""
+    image lights, sites, tendons, skins, and flexible bodies are left out. `MujocoScene.worlds()` converts the states of
+    worlds."""
     try:
         mujoco = importlib.import_module("mujoco")
     except ImportError:

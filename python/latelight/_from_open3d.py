@@ -6,9 +6,18 @@ from typing import Any
 
 import numpy as np
 
-from ._core import Material, Scene
-from ._model_builder import Builder, linear, v_down
+from ._core import Material, MaterialHandle, Scene
+from ._model_builder import Builder, linear
 from .errors import UsageError
+
+
+def _pixels(image: Any) -> np.ndarray | None:
+    """(H, W, C), or nothing for empty images, which stand for materials without a texture: NumPy sees these as objects
+    without dimensions."""
+    pixels = np.asarray(image)
+    if pixels.dtype != np.uint8 or pixels.ndim not in (2, 3) or pixels.size == 0:
+        return None
+    return np.atleast_3d(pixels)  # grayscale images are (H, W)
 
 
 class _Open3d(Builder):
@@ -21,18 +30,21 @@ class _Open3d(Builder):
             rgb = np.clip(np.asarray(mesh.vertex_colors), 0, 1)
             colors = linear(np.concatenate([rgb, np.ones((len(rgb), 1))], axis=1))
         normals = np.asarray(mesh.vertex_normals, np.float32) if mesh.has_vertex_normals() else None
-        images = [np.atleast_3d(np.asarray(image)) for image in mesh.textures]  # grayscale images are (H, W)
-        images = [image for image in images if image.size]
-        if not mesh.has_triangle_uvs() or not images:
+        images = [_pixels(image) for image in mesh.textures]
+        if not mesh.has_triangle_uvs() or all(image is None for image in images):
             handle = self.scene.add_mesh(positions, indices=indices, normals=normals, colors=colors, name=name)
-            self.add_instance(handle, self.default_material() if colors is None else self.white(False), np.eye(4), name)
+            self.add_instance(handle, self.untextured(colors), np.eye(4), name)
             return
         self._add_textured(positions, indices, normals, colors, mesh, images, name)
+
+    def untextured(self, colors: Any) -> MaterialHandle:
+        return self.default_material() if colors is None else self.white(False)
 
     def _add_textured(
         self, positions: Any, indices: Any, normals: Any, colors: Any, mesh: Any, images: list[Any], name: str
     ) -> None:
-        """Texture coordinates belong to corners, and each triangle has one of the textures."""
+        """Texture coordinates belong to corners, and each triangle has one of the textures, or none. Open3D stores
+        images with the row at v = 0 first, as glTF does."""
         uv = np.asarray(mesh.triangle_uvs).reshape(-1, 3, 2)
         ids = (
             np.asarray(mesh.triangle_material_ids) if mesh.has_triangle_material_ids() else np.zeros(len(indices), int)
@@ -43,11 +55,14 @@ class _Open3d(Builder):
                 positions[corners],
                 normals=None if normals is None else normals[corners],
                 colors=None if colors is None else colors[corners],
-                uv=v_down(uv[ids == number].reshape(-1, 2)),
+                uv=uv[ids == number].reshape(-1, 2).astype(np.float32),
                 name=f"{name} {number}",
             )
-            material = self.scene.add_material(Material(name=f"{name} {number}", metallic=0, roughness=0.5))
-            self.add_texture(material, "base_color", images[min(int(number), len(images) - 1)], True)
+            image = images[min(int(number), len(images) - 1)]
+            material = self.untextured(colors)
+            if image is not None:
+                material = self.scene.add_material(Material(name=f"{name} {number}", metallic=0, roughness=0.5))
+                self.add_texture(material, "base_color", image, True)
             self.add_instance(handle, material, np.eye(4), f"{name} {number}")
 
 

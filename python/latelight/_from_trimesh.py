@@ -38,13 +38,15 @@ class TrimeshBuilder(Builder):
             return self.materials[id(source)]
         self.kept.append(source)
         pbr = source if hasattr(source, "baseColorFactor") else source.to_pbr()
+        # Materials of glTF have its defaults. Simple materials are not metals, but their conversion omits the factor.
+        is_gltf = pbr is source or any(pbr is each for each in getattr(source, "materials", ()))
         mode = (pbr.alphaMode or "OPAQUE").lower()
         values = Material(
             name=str(getattr(source, "name", None) or "material"),
             base_color=_factor(pbr.baseColorFactor, 4),
-            metallic=_factor(pbr.metallicFactor, 1, 1 if pbr.metallicRoughnessTexture is not None else 0)[0],
+            metallic=_factor(pbr.metallicFactor, 1, 1 if is_gltf else 0)[0],
             roughness=_factor(pbr.roughnessFactor, 1)[0],
-            emissive=_factor(pbr.emissiveFactor, 3, 1 if pbr.emissiveTexture is not None else 0),
+            emissive=_factor(pbr.emissiveFactor, 3, 0),
             alpha_mode=mode if mode in ("opaque", "mask", "blend") else "opaque",
             alpha_cutoff=0.5 if pbr.alphaCutoff is None else float(pbr.alphaCutoff),
             double_sided=bool(pbr.doubleSided),

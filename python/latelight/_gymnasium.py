@@ -22,6 +22,13 @@ def _data_of(envs: Any) -> list[Any]:
     return [env.unwrapped.data for env in each]
 
 
+def _indices(cameras: Sequence[Camera], of: Sequence[Camera]) -> list[int] | None:
+    """The index of each camera, or nothing if not all of them are there. Equal cameras may differ in their body."""
+    places = {id(camera): index for index, camera in enumerate(of)}
+    found = [places[id(camera)] for camera in cameras if id(camera) in places]
+    return found if len(found) == len(cameras) else None
+
+
 def add_pixels(
     envs: Any,
     *,
@@ -39,7 +46,8 @@ def add_pixels(
     cameras: uint8, sRGB.
 
     scene: the model's scene; default: from_mujoco() of the first environment's model
-    cameras: default: the first of the model's cameras
+    cameras: default: the first of the model's cameras; elements of `scene.cameras` follow their bodies, while other
+    cameras, and a mixture of both, keep their poses
     size: width and height in pixels
     worlds: returns the arguments of render_worlds() that describe the worlds of the vector environment, for
     environments that are no SyncVectorEnv of MuJoCo environments; requires `renderer` and `cameras`
@@ -56,13 +64,13 @@ def add_pixels(
         robot = scene or from_mujoco(envs.unwrapped.envs[0].unwrapped.model)
         if cameras is None and not robot.cameras:
             raise UsageError("the model has no camera: give `cameras`")
-        moving = cameras is None
         cameras = robot.cameras[0] if cameras is None else cameras
         renderer = renderer or Renderer(robot.scene, device=device)
+        camera_ids = _indices([cameras] if isinstance(cameras, Camera) else cameras, robot.cameras)
 
         def worlds(envs: Any) -> dict[str, Any]:
-            arguments = robot.worlds(data, camera_ids=[0])
-            if not moving:
+            arguments = robot.worlds(data, camera_ids=camera_ids)
+            if camera_ids is None:
                 arguments.pop("camera_to_world", None)
             return arguments
 

@@ -14,6 +14,7 @@ Warp. On a GPU nothing passes through the host.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -352,6 +353,27 @@ class _ModelScene:
         self.scene.set_texture(material, "base_color", added)
 
 
+# Settings of a RenderConfig that change no image of Latelight: those of Newton's kernels, those of elements that are
+# not rendered, and the use of textures, which load_textures decides.
+_FREE_SETTINGS = {
+    "enable_fast_math", "render_order", "tile_width", "tile_height", "block_dim", "enable_particles", "enable_textures",
+    "gaussians_mode", "gaussians_min_transmittance", "gaussians_max_num_hits",
+}  # fmt: skip
+
+
+def _check_config(config: Any) -> None:
+    """Raises UsageError for settings that Latelight would ignore."""
+    if config is None:
+        return
+    default = SensorCamera.RenderConfig()
+    names = [field.name for field in dataclasses.fields(default) if field.name not in _FREE_SETTINGS]
+    if ignored := [name for name in names if getattr(config, name) != getattr(default, name)]:
+        raise UsageError(
+            f"the RenderConfig must have the default {', '.join(ignored)}: options of SensorCamera() set what Latelight "
+            'renders, such as shadows="d32" or aa="ss2"'
+        )
+
+
 # --- the sensor -------------------------------------------------------------------------------------------------------
 
 
@@ -367,20 +389,31 @@ class SensorCamera:
     per pixel, pass aa="ss2", for example.
     """
 
-    WorldRenderFlag = newton.sensors.SensorCamera.WorldRenderFlag
+    AntiAliasing = newton.sensors.SensorCamera.AntiAliasing
     ClearData = newton.sensors.SensorCamera.ClearData
+    DeformableSurfaceMode = newton.sensors.SensorCamera.DeformableSurfaceMode
+    GaussianRenderMode = newton.sensors.SensorCamera.GaussianRenderMode
+    RenderConfig = newton.sensors.SensorCamera.RenderConfig
+    RenderOrder = newton.sensors.SensorCamera.RenderOrder
+    TextureProjectionMode = newton.sensors.SensorCamera.TextureProjectionMode
+    WorldRenderFlag = newton.sensors.SensorCamera.WorldRenderFlag
     compute_camera_rays_pinhole = staticmethod(newton.sensors.SensorCamera.compute_camera_rays_pinhole)
+    compute_camera_rays_pinhole_opencv = staticmethod(newton.sensors.SensorCamera.compute_camera_rays_pinhole_opencv)
     compute_camera_rays_pinhole_usd = staticmethod(newton.sensors.SensorCamera.compute_camera_rays_pinhole_usd)
 
     def __init__(
-        self, model: Any, *, default_clear_data: Any = None, load_textures: bool = True, infinite_plane: float = 100.0,
+        self, model: Any, *, default_clear_data: Any = None, default_render_config: Any = None,
+        load_textures: bool = True, deformable_surface_mode: Any = 0, infinite_plane: float = 100.0,
         device: str | None = None, **options: Any,
     ) -> None:  # fmt: skip
-        """model: a newton.Model; default_clear_data: values of pixels without a surface; load_textures: textures of
-        meshes; infinite_plane: side in meters of planes that are infinite in the model (shadow maps are coarser with
-        larger ones); device: as for Renderer (default: the model's); options: of Renderer.render_worlds(), such as
-        shadows="d32" or exposure=1 (default: shadows="none", tonemap="none")"""
+        """model: a newton.Model; default_clear_data: values of pixels without a surface; default_render_config: a
+        RenderConfig, as for update(); load_textures: textures of meshes; deformable_surface_mode: without effect,
+        because deformable surfaces are not rendered; infinite_plane: side in meters of planes that are infinite in the
+        model (shadow maps are coarser with larger ones); device: as for Renderer (default: the model's); options: of
+        Renderer.render_worlds(), such as shadows="d32" or exposure=1 (default: shadows="none", tonemap="none")"""
         self.model = model
+        _check_config(default_render_config)
+        self.default_render_config = default_render_config if default_render_config is not None else self.RenderConfig()
         self.default_clear_data = default_clear_data if default_clear_data is not None else self.ClearData()
         made = _ModelScene(model, load_textures, infinite_plane)
         self.scene, self._instances = made.scene, made.instances
@@ -460,11 +493,22 @@ class SensorCamera:
 
     def set_ambient_light(self, sky_color: Sequence[float], ground_color: Sequence[float] | None = None) -> None:
         """Light from the upper and the lower half of the surroundings: linear radiance, by default that of Newton."""
-        halves = [[float(value) for value in color] for color in (sky_color, ground_color or sky_color)]
+        ground = sky_color if ground_color is None else ground_color
+        halves = [[float(value) for value in color] for color in (sky_color, ground)]
         self._environment = np.repeat(np.array(halves, np.float32), 16, 0)[:, None].repeat(64, 1)
         self._renderer = None
 
     # --- rendering ---
+
+    def compute_camera_transforms_usd(self, cameras: Any, *, time: Any = None, xform: Any = None) -> Any:
+        """The `camera_transforms` of USD cameras, as newton.sensors.SensorCamera computes them for this model."""
+        sensor = newton.sensors.SensorCamera(self.model, load_textures=False)
+        return sensor.compute_camera_transforms_usd(cameras, time=time, xform=xform)
+
+    def sync_deformable_meshes(self, state: Any, *, deformable_visuals: Any = None) -> None:
+        """Without effect, because deformable surfaces are not rendered. Raises UsageError for deformable_visuals."""
+        if deformable_visuals is not None:
+            raise UsageError("deformable_visuals must be None, because deformable surfaces are not rendered")
 
     def _camera_matrix(self, rays: Any) -> np.ndarray:
         """The camera matrix of a bundle of rays (H, W, 1, 2), which is read once as long as it is the same array."""
@@ -506,6 +550,7 @@ class SensorCamera:
         self, state: Any, camera_transforms: Any, camera_rays: Any, *, color_image: Any = None, depth_image: Any = None,
         forward_depth_image: Any = None, shape_index_image: Any = None, normal_image: Any = None,
         albedo_image: Any = None, hdr_color_image: Any = None, world_indices: Any = None, clear_data: Any = None,
+        render_config: Any = None, sync_deformables: bool = True, deformable_visuals: Any = None,
     ) -> None:  # fmt: skip
         """Renders one view per camera transform into the given images.
 
@@ -513,9 +558,13 @@ class SensorCamera:
         camera_rays: (height, width, 1, 2) vec3f of compute_camera_rays_pinhole(), read once as long as it is the same
         array; images: Warp arrays (views, height, width) on the model's device, as allocate_image_color() and others
         return; world_indices: (views,) int32, the world of each view or a WorldRenderFlag (default: view i shows world
-        i); clear_data: values of pixels without a surface
+        i); clear_data: values of pixels without a surface; render_config: a RenderConfig whose settings that change
+        images have their defaults (textures are rendered unless load_textures=False); sync_deformables: without effect;
+        deformable_visuals: None
 
-        Raises UsageError for arrays of another shape, type or device."""
+        Raises UsageError for arrays of another shape, type or device, and for other settings."""
+        _check_config(render_config if render_config is not None else self.default_render_config)
+        self.sync_deformable_meshes(state, deformable_visuals=deformable_visuals)
         if not isinstance(camera_transforms, wp.array) or camera_transforms.dtype != wp.transformf:
             raise UsageError("camera_transforms must be a Warp array (views,) of transformf")
         views = camera_transforms.shape[0]

@@ -89,27 +89,27 @@ std::vector<Echo> echoesOf(const Properties& properties, std::span<const float> 
     if (power > most) most = power, echo.ray = ray;
     echo.range += power * distance;
     echo.intensity += share;
-    echo.signal += power;
+    echo.power += power;
     last = distance;
   }
-  const double rated = properties.ratedRange * properties.ratedRange / kRatedReflectance;
   for (Echo& echo : echoes) {
-    if (!(echo.signal > 0)) continue;
-    echo.range /= echo.signal;
+    if (!(echo.power > 0)) continue;
+    echo.range /= echo.power;
     echo.intensity = std::min(echo.intensity, 1.0);
-    echo.signal *= rated;
   }
   return echoes;
 }
 
 void detect(const Properties& properties, std::optional<uint64_t> seed, uint32_t firing, std::vector<Echo>& echoes) {
+  // Infinite if the rated range is, so that every signal above zero is detected.
+  const double signalOfPower = properties.ratedRange * properties.ratedRange / kRatedReflectance;
   size_t detected = 0;
   for (size_t i = 0; i < echoes.size(); ++i) {
     Echo echo = echoes[i];
     const dvec2 noise = seed ? normals(*seed, firing, static_cast<uint32_t>(i)) : dvec2(0);
     echo.range += noise.x * properties.rangeNoise;
     if (const double step = properties.rangeResolution; step > 0) echo.range = std::round(echo.range / step) * step;
-    if (!(echo.signal > 0) || !(echo.signal + noise.y * kSignalNoise >= kSignalThreshold)) continue;
+    if (!(echo.power > 0) || !(echo.power * signalOfPower + noise.y * kSignalNoise >= kSignalThreshold)) continue;
     if (!(echo.range > 0 && echo.range >= properties.minRange && echo.range <= properties.maxRange)) continue;
     echo.number = static_cast<uint8_t>(std::min<size_t>(detected, UINT8_MAX));
     echoes[detected++] = echo;
@@ -119,7 +119,8 @@ void detect(const Properties& properties, std::optional<uint64_t> seed, uint32_t
 
 void select(Returns returns, std::vector<Echo>& echoes) {
   if (returns == Returns::All || echoes.size() < 2) return;
-  const auto byStrength = [](const Echo& a, const Echo& b) { return a.signal < b.signal; };
+  // By the power, because signals are all infinite if the rated range is.
+  const auto byStrength = [](const Echo& a, const Echo& b) { return a.power < b.power; };
   const auto strongestOf = [&](size_t except) {
     size_t best = except == 0 ? 1 : 0;
     for (size_t i = best + 1; i < echoes.size(); ++i)

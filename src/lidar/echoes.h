@@ -17,7 +17,7 @@ Returns returnsNamed(std::string_view name);
 struct Echo {
   double range = 0;      // meters: the mean over the rays, weighted by the light that they return
   double intensity = 0;  // the share of the beam that the surfaces return
-  double signal = 0;     // relative to that of a surface of 80 % reflectance that faces the sensor at the rated range
+  double power = 0;      // received: 1 from a white surface that fills the beam and faces the sensor at 1 m
   uint32_t ray = 0;      // the ray that returns the most light
   uint8_t number = 0;    // among the detected echoes of the firing, from the nearest
 };

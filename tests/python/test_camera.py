@@ -24,7 +24,7 @@ def positions_match(renderer, camera, k, world_to_camera):
 
 
 def pose_looking_at_boxes():
-    """OpenCV's frame, from (4, -5, 3) to the origin, in the built-in scenes' frame: Z up."""
+    """OpenCV's frame, from (4, -5, 3) to the origin, with the scene's Z axis upward in the image."""
     eye = np.array([4.0, -5.0, 3.0])
     forward = -eye / np.linalg.norm(eye)
     right = np.cross(forward, [0, 0, 1])

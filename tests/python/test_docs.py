@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import latelight
 from test_worlds import finger
 
 ROOT = Path(__file__).parents[2]
@@ -47,6 +49,9 @@ def test_the_tutorial(tmp_path, monkeypatch, capsys):
     names = run_all(blocks(page), page.stem)
     assert (tmp_path / "hall.png").read_bytes().startswith(b"\x89PNG")
     assert names["frames"]["depth"].shape == (3, 120, 160)
+    # Built-in scenes have Y up: an eye 1.7 m above the hall's floor, whose images have the floor below their center.
+    assert names["eye"].camera_to_world[1, 3] - latelight.Scene("builtin:hall").bounds[0][1] == pytest.approx(1.7, abs=0.01)
+    assert (names["frames"]["depth"][:, -1].max(axis=1) < 5).all() and (names["frames"]["depth"][:, 60] > 5).any()
     assert (names["before"]["rgba"] != names["after"]["rgba"]).any()
     assert names["made"].textures() != [] and names["screen"] not in names["made"].textures()
     for index, depth in enumerate(names["depths"]):
@@ -139,6 +144,7 @@ def test_the_notebook():
     cells = json.loads((EXAMPLES / "notebook.ipynb").read_text())["cells"]
     names = run_all(["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"], "notebook.ipynb")
     assert names["shown"].node
+    np.testing.assert_allclose(names["transform"][:3, 3], (-3.25, 1.5, -1.25), atol=1e-6)  # 0.5 m above its position
 
 
 def run_example(name, *arguments, cwd):
@@ -240,8 +246,13 @@ def test_blenderproc_yaml(tmp_path, triangle):
         np.testing.assert_allclose(pose, [[1, 0, 0, 0], [0, 0, -1, -2], [0, 1, 0, 0], [0, 0, 0, 1]], atol=1e-6)
 
 
-def test_reinforcement(tmp_path):
-    assert run_example("reinforcement.py", 2, 16, cwd=tmp_path).count("views/s") == 2
+def test_reinforcement(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["reinforcement.py", "2", "16"])
+    names = runpy.run_path(str(EXAMPLES / "reinforcement.py"))
+    assert capsys.readouterr().out.count("views/s") == 2
+    poses = np.array([camera.camera_to_world for camera in names["cameras"]()])
+    np.testing.assert_allclose(poses[:, 1, 3], 1.7, atol=0.01, err_msg="eyes above the floor")
+    np.testing.assert_allclose(poses[:, :3, 1], np.tile([0, -1, 0], (16, 1)), atol=1e-6, err_msg="upright images")
 
 
 def test_cartpole(tmp_path):

@@ -168,6 +168,27 @@ def test_an_edge_returns_two_echoes(device):
     assert abs(one.range[0] - (5 / 25 + 20 / 400) / (1 / 25 + 1 / 400)) < 0.2
 
 
+@pytest.mark.parametrize("rated_range", [100.0, math.inf])
+def test_the_strongest_echo_may_be_a_far_one(device, rated_range):
+    """Powers are reflectance times the share of the beam, over the square of the range: 0.02 * 0.5 / 5**2 = 0.0004 of
+    the dark wall, 1 * 0.25 / 10**2 = 0.0025 of the middle one, and 1 * 0.25 / 20**2 = 0.0006 of the last one."""
+
+    def walls(scene):
+        wall(scene, 5.0, reflectance=0.02, low=0.0)
+        # A Gaussian beam has a quarter of its energy beyond 0.6745 standard deviations, which are a quarter of the
+        # divergence.
+        wall(scene, 10.0, high=-10 * 0.6744898 * 1e-3)
+        wall(scene, 20.0)
+
+    renderer = rendererOf(walls, device)
+    pattern = firings([X], divergence=(4e-3, 4e-3), rated_range=rated_range)
+    scans = {r: lidar.scan(renderer, pattern, POSE, samples=256, returns=r, seed=None) for r in lidar.RETURNS}
+    assert {r: np.round(scan.range, 2).tolist() for r, scan in scans.items()} == {
+        "first": [5], "last": [20], "strongest": [10], "dual": [10, 20], "all": [5, 10, 20],
+    }  # fmt: skip
+    np.testing.assert_allclose(scans["all"].intensity, (0.01, 0.25, 0.25), rtol=0.1)
+
+
 def test_the_energy_of_a_beam_is_gaussian(device):
     """A wall that begins one radius (1/e^2) beside the axis receives (1 - erf(sqrt(2))) / 2 = 2.3 % of the beam."""
     renderer = rendererOf(lambda scene: wall(scene, 10.0, low=10 * 2e-3), device)

@@ -63,6 +63,27 @@ def test_trimesh_materials_have_their_textures():
     np.testing.assert_allclose(scene.mesh_arrays(scene.meshes()[0])["uv"], [[0, 1], [1, 1], [1, 0.75]])
 
 
+def test_trimesh_materials_have_the_defaults_of_gltf(tmp_path):
+    """metallicFactor is 1 and emissiveFactor 0 by default (glTF 2.0, 5.19 and 5.22). Simple materials are not metals."""
+    image = pytest.importorskip("PIL.Image").fromarray(np.full((2, 2, 3), 200, np.uint8))
+    kinds = trimesh.visual.material
+    gold = kinds.PBRMaterial(name="gold", baseColorFactor=[255, 200, 0, 255], emissiveTexture=image)
+    simple = kinds.SimpleMaterial(diffuse=[255, 0, 0, 255])
+    square = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 1, 2]], process=False)
+
+    def made(material):
+        square.visual = trimesh.visual.TextureVisuals(uv=[[0, 0], [1, 0], [1, 1]], material=material)
+        return only_material(latelight.from_trimesh(square))[1]
+
+    for material, metallic in ((gold, 1), (kinds.MultiMaterial([simple, gold]), 1), (simple, 0)):
+        values = made(material)
+        assert (values.metallic, tuple(values.emissive)) == (metallic, (0, 0, 0)), material
+    made(gold)
+    square.export(tmp_path / "gold.glb")
+    expected = only_material(latelight.Scene(tmp_path / "gold.glb"))[1]
+    assert (expected.metallic, tuple(expected.emissive)) == (1, (0, 0, 0))
+
+
 def test_robots_move_their_joints(tmp_path):
     yourdfpy = pytest.importorskip("yourdfpy")
     path = tmp_path / "crane.urdf"
@@ -1530,8 +1551,44 @@ def test_open3d_textures_may_be_grayscale():
     np.testing.assert_array_equal(pixels[0], [[10, 10, 10, 255], [200, 200, 200, 255], [30, 30, 30, 255]])
 
 
-def test_open3d_meshes_have_colors_and_textures():
+class EmptyImage:
+    """As open3d.geometry.Image without pixels: NumPy sees an object without dimensions."""
+
+
+def test_open3d_textures_are_upright_and_belong_to_their_materials(device):
+    """As Open3D reads an OBJ file of two textured materials, the left one red above green, and one without a texture:
+    assimp's unused default material is first, and rows of images are from the bottom."""
+    pixels = np.zeros((2, 8, 8, 3), np.uint8)
+    pixels[0, :4], pixels[0, 4:] = (0, 255, 0), (255, 0, 0)  # v = 0 is green
+    pixels[1] = 0, 0, 255
+
+    class Mesh:
+        """The part of open3d.geometry.TriangleMesh that from_open3d reads: three unit squares in a row."""
+
+        vertices = [[x, y, 0] for x in range(4) for y in range(2)]
+        triangles = [[2 * x + c for c in corners] for x in range(3) for corners in ((0, 2, 3), (0, 3, 1))]
+        triangle_uvs = [[0, 0], [1, 0], [1, 1], [0, 0], [1, 1], [0, 1]] * 3
+        triangle_material_ids = [1, 1, 2, 2, 3, 3]
+        textures = [EmptyImage(), pixels[0], pixels[1], EmptyImage()]
+
+        def has_vertex_colors(self):
+            return False
+
+        def has_triangle_uvs(self):
+            return True
+
+        has_vertex_normals, has_triangle_material_ids = has_vertex_colors, has_triangle_uvs
+
+    scene = latelight.from_open3d(Mesh())
+    camera = latelight.Camera.look_at((1.5, 0.5, 4), (1.5, 0.5, 0), vertical_fov=2 * np.degrees(np.arctan(0.5 / 4)))
+    albedo = latelight.Renderer(scene, device).render(camera, (36, 12), "albedo", shadows="none")["albedo"]
+    for row, column, color in ((1, 6, (1, 0, 0)), (10, 6, (0, 1, 0)), (1, 18, (0, 0, 1)), (1, 30, (0.8, 0.8, 0.8))):
+        np.testing.assert_allclose(albedo[row, column, :3], color, atol=0.01, err_msg=f"{row} {column}")
+
+
+def test_open3d_meshes_have_colors_and_textures(tmp_path):
     o3d = pytest.importorskip("open3d", reason="Open3D is too large to be installed for every test")
+    image = pytest.importorskip("PIL.Image")
     box = o3d.geometry.TriangleMesh.create_box(1, 2, 3)
     box.paint_uniform_color((1, 0.5, 0))
     scene = latelight.from_open3d(box, up="z")
@@ -1544,5 +1601,16 @@ def test_open3d_meshes_have_colors_and_textures():
     triangle.textures = [o3d.geometry.Image(np.full((2, 4, 3), 200, np.uint8))]
     triangle.triangle_material_ids = o3d.utility.IntVector([0])
     scene = latelight.from_open3d(triangle)
-    np.testing.assert_allclose(scene.mesh_arrays(scene.meshes()[0])["uv"], [[0, 1], [1, 1], [1, 0.75]])
+    np.testing.assert_allclose(scene.mesh_arrays(scene.meshes()[0])["uv"], [[0, 0], [1, 0], [1, 0.25]])
     assert scene.texture(scene.textures()[0]).width == 4
+    (tmp_path / "a.obj").write_text(
+        "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\n"
+        "usemtl photo\nf 1/1 2/2 3/3\nusemtl plain\nf 1/1 3/3 2/2\n"
+    )
+    (tmp_path / "a.mtl").write_text("newmtl photo\nmap_Kd a.png\nnewmtl plain\nKd 1 1 1\n")
+    image.fromarray(np.array([[[255, 0, 0]], [[0, 255, 0]]], np.uint8)).save(tmp_path / "a.png")
+    scene = latelight.from_open3d(o3d.io.read_triangle_mesh(str(tmp_path / "a.obj")))
+    (photo,) = scene.textures()
+    np.testing.assert_array_equal(scene.texture_pixels(photo)[:, 0, :3], [[0, 255, 0], [255, 0, 0]])
+    textured = [scene.texture_of(scene.instance(i).material, "base_color") for i in scene.instances()]
+    assert textured == [photo, None]

@@ -162,6 +162,67 @@ def test_materials_lights_and_textures(robot):
     np.testing.assert_allclose(lamp.position, (0, 3, 0), atol=1e-6)
 
 
+@pytest.mark.parametrize(
+    "version, size, uniform, corners, center",  # texture coordinates of the upper left and the lower right corner
+    [
+        # A plane of 4 m by 3 m: 2 by 3 images, or 2 by 3 images per 2 m.
+        ("3.11.0", "2 1.5", "false", ((-1.5, -2), (0.5, 1)), (-0.5, -0.5)),
+        ("3.11.0", "2 1.5", "true", ((-2.5, -2.75), (1.5, 1.75)), (-0.5, -0.5)),
+        # MuJoCo 3.12 and newer versions begin at the upper left corner.
+        ("3.12.0", "2 1.5", "false", ((0, 0), (2, 3)), (1, 1.5)),
+        ("4.0.0", "2 1.5", "true", ((0, 0), (4, 4.5)), (2, 2.25)),
+        # Infinite axes have 2 by 3 images per 2 m.
+        ("3.11.0", "0 0", "false", None, (-0.5, -0.5)),
+        ("4.0.0", "0 0", "true", None, (-0.5, -0.5)),
+        ("4.0.0", "0 1.5", "true", None, (-0.5, 1.75)),
+    ],
+)
+def test_planes_have_the_texture_coordinates_of_mujoco(monkeypatch, version, size, uniform, corners, center):
+    monkeypatch.setattr(mujoco, "__version__", version)
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><asset>
+        <texture name="t" type="2d" builtin="checker" rgb1="1 1 1" rgb2="0 0 0" width="8" height="8"/>
+        <material name="m" texture="t" texrepeat="2 3" texuniform="{uniform}"/></asset>
+        <worldbody><geom type="plane" size="{size} .1" material="m"/></worldbody></mujoco>"""))
+    made = robot.scene.mesh_arrays(robot.scene.meshes()[0])
+    x, y, uv = made["positions"][:, 0], made["positions"][:, 1], made["uv"]
+    np.testing.assert_allclose(uv.mean(axis=0), center, atol=1e-4)
+    left_top, right_bottom = (int(np.argmax(sign * (y - x))) for sign in (1, -1))
+    if corners:
+        np.testing.assert_allclose(uv[[left_top, right_bottom]], corners, atol=1e-6)
+    else:
+        per_meter = (uv[right_bottom] - uv[left_top]) / np.abs([np.ptp(x), np.ptp(y)])
+        np.testing.assert_allclose(per_meter, (1, 1.5), rtol=1e-6)
+
+
+def test_height_fields_have_the_texture_coordinates_of_mujoco():
+    """The half sizes are 2 m by 0.5 m, so that the point (1, 0.25) is half way to the upper right corner."""
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string("""<mujoco><asset>
+        <texture name="t" type="2d" builtin="checker" rgb1="1 1 1" rgb2="0 0 0" width="8" height="8"/>
+        <material name="m" texture="t" texrepeat="2 3"/>
+        <hfield name="hill" nrow="5" ncol="5" size="2 0.5 1 1"/></asset>
+        <worldbody><geom type="hfield" hfield="hill" material="m"/></worldbody></mujoco>"""))
+    made = robot.scene.mesh_arrays(robot.scene.meshes()[0])
+    for position, expected in (((0, 0), (-0.5, -0.5)), ((1, 0.25), (0, -1.25)), ((-2, -0.5), (-1.5, 1))):
+        vertex = np.argmin(np.abs(made["positions"][:, :2] - position).sum(axis=1))
+        np.testing.assert_allclose(made["uv"][vertex], expected, atol=1e-6, err_msg=str(position))
+
+
+def test_meshes_without_texture_coordinates_have_those_of_mujoco():
+    """Of a cuboid, 2 by 3 images over its extent in X and Y, with the center at (-0.5, -0.5)."""
+    corners = " ".join(f"{x} {y} {z}" for x in (-2, 2) for y in (-1, 1) for z in (-0.5, 0.5))
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><asset>
+        <texture name="t" type="2d" builtin="checker" rgb1="1 1 1" rgb2="0 0 0" width="8" height="8"/>
+        <material name="m" texture="t" texrepeat="2 3"/><material name="twice" texture="t" texrepeat="4 6"/>
+        <mesh name="brick" vertex="{corners}"/></asset>
+        <worldbody><geom type="mesh" mesh="brick" material="m"/><geom type="mesh" mesh="brick" material="twice"/>
+        <geom type="mesh" mesh="brick"/></worldbody></mujoco>"""))
+    first, second, plain = (robot.scene.mesh_arrays(robot.scene.instance(i).mesh) for i in robot.instances)
+    for made, scale in ((first, 1), (second, 2)):
+        signs = np.sign(made["positions"][:, :2])
+        np.testing.assert_allclose(made["uv"], signs * (scale, -1.5 * scale) - 0.5, atol=1e-5)
+    assert plain.get("uv") is None or not plain["uv"].any()
+
+
 def test_a_white_plane_has_the_diffuse_color_of_a_light_above(tmp_path):
     path = tmp_path / "plane.xml"
     path.write_text(
@@ -173,6 +234,22 @@ def test_a_white_plane_has_the_diffuse_color_of_a_light_above(tmp_path):
     renderer = latelight.Renderer(robot.scene, device="cpu", environment="none")
     frame = renderer.render(robot.cameras[0], (8, 8), "color", shadows="none")
     np.testing.assert_allclose(frame["color"][4, 4, :3], 0.2140411, rtol=0.06)  # 0.5 in sRGB
+
+
+def test_lights_have_the_types_and_shadows_of_mujoco():
+    lights = "".join(
+        f'<light name="{kind} {shadow}" type="{kind}" castshadow="{shadow}"/>'
+        for kind in ("spot", "directional", "point") for shadow in ("true", "false"))
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(f"""<mujoco><asset>
+        <texture name="sky" type="cube" builtin="flat" rgb1="1 1 1" width="8" height="8"/></asset>
+        <worldbody>{lights}
+        <light name="wide" type="spot" cutoff="120"/><light name="sky" type="image" texture="sky"/></worldbody></mujoco>"""))
+    made = [robot.scene.light(light) for light in robot.lights]
+    assert {light.name: (light.type, light.cast_shadow) for light in made} == {
+        "spot true": ("spot", True), "spot false": ("spot", False), "directional true": ("directional", True),
+        "directional false": ("directional", False), "point true": ("point", True), "point false": ("point", False),
+        "wide": ("point", True),
+    }  # fmt: skip
 
 
 ORTHOGRAPHIC = 'projection="orthographic"' if hasattr(mujoco, "mjtProjection") else 'orthographic="true"'
@@ -232,17 +309,15 @@ def test_wrong_arguments_are_refused(model, robot, tmp_path):
         robot.worlds(geom_xpos=np.zeros((1, 2, 3)), geom_xmat=np.zeros((1, 2, 9)))
 
 
-def test_vector_environments_have_pixels():
-    gymnasium = pytest.importorskip("gymnasium")
+def falling(gymnasium, xml):
+    """The class of an environment with a ball that an action pushes up."""
 
     class Fall(gymnasium.Env):
-        """A ball that an action pushes up."""
-
         observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (1,), np.float64)
         action_space = gymnasium.spaces.Box(-1, 1, (1,), np.float32)
 
         def __init__(self):
-            self.model = mujoco.MjModel.from_xml_string(MODEL)
+            self.model = mujoco.MjModel.from_xml_string(xml)
             self.data = mujoco.MjData(self.model)
 
         def reset(self, *, seed=None, options=None):
@@ -257,6 +332,12 @@ def test_vector_environments_have_pixels():
             mujoco.mj_forward(self.model, self.data)
             return self.data.qpos[2:3].copy(), 0.0, False, False, {}
 
+    return Fall
+
+
+def test_vector_environments_have_pixels():
+    gymnasium = pytest.importorskip("gymnasium")
+    Fall = falling(gymnasium, MODEL)
     envs = latelight.add_pixels(
         gymnasium.vector.SyncVectorEnv([Fall, Fall]), size=(32, 24), device="cpu", shadows="none"
     )
@@ -271,3 +352,28 @@ def test_vector_environments_have_pixels():
     np.testing.assert_array_equal(moved["pixels"][1], seen["pixels"][1])
     with pytest.raises(latelight.UsageError, match="SyncVectorEnv of MuJoCo environments"):
         latelight.add_pixels(gymnasium.make_vec("CartPole-v1", 2))
+
+
+def test_cameras_of_vector_environments_follow_their_bodies():
+    """A camera on the ball stays at the same distance from it, and other cameras stay where they are."""
+    gymnasium = pytest.importorskip("gymnasium")
+    xml = MODEL.replace('rgba="1 0 0 1"/></body>', 'rgba="1 0 0 1"/><camera name="rider" pos="0 0 2"/></body>', 1)
+    robot = latelight.from_mujoco(mujoco.MjModel.from_xml_string(xml))
+    (rider,) = (camera for camera in robot.cameras if camera.name == "rider")
+    eye = next(camera for camera in robot.cameras if camera.name == "eye")
+    own = latelight.Camera.look_at((0, 2.5, 0), (0, 0, 0), up=(0, 0, -1))  # where the rider is at first, in the scene
+
+    def depths(cameras):
+        environments = gymnasium.vector.SyncVectorEnv([falling(gymnasium, xml)] * 2)
+        envs = latelight.add_pixels(
+            environments, scene=robot, cameras=cameras, size=(32, 24), device="cpu", shadows="none")
+        envs.reset(seed=3)
+        envs.step(np.array([[0.5], [0]], np.float32))
+        arguments = envs._worlds(envs.env)
+        count = 1 if isinstance(cameras, latelight.Camera) else len(cameras)
+        frames = envs.renderer.render_worlds(2, cameras, (32, 24), "depth", **arguments)["depth"]
+        return frames.reshape(2, count, 24, 32)[:, :, 12, 16]
+
+    np.testing.assert_allclose(depths(rider), 1.7, atol=0.01)  # 2 m from the center of a sphere of 0.3 m
+    np.testing.assert_allclose(depths([eye, rider])[:, 1], 1.7, atol=0.01)
+    assert np.ptp(depths(own)) > 0.1

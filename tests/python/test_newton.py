@@ -197,6 +197,51 @@ def test_shadows_and_light(rings):
     assert ground[0] == pytest.approx(2 * ground[1], rel=0.02)
 
 
+def test_ambient_light_may_be_an_array(rings):
+    """Colors of the upper and the lower half of the surroundings. The lower one may be black, and is that of the upper
+    one by default."""
+    state, bundle = moved(rings, 7), rays()
+    images = {}
+    for ground in ((0.1, 0.2, 0.3), (0, 0, 0), None):
+        sensor = SensorCamera(rings)
+        sensor.set_ambient_light(np.array([0.2, 0.2, 0.2]), None if ground is None else np.array(ground))
+        images[ground] = shot(sensor, state, around(1), bundle, ("hdr_color_image",))["hdr_color_image"]
+    assert images[(0.1, 0.2, 0.3)].sum() > images[(0, 0, 0)].sum()
+    assert images[None].sum() > images[(0, 0, 0)].sum()
+
+
+def test_arguments_of_newton_are_accepted(rings):
+    """Settings that change no image have no effect, and others are errors."""
+    config = SensorCamera.RenderConfig(
+        tile_width=8, enable_particles=False, enable_textures=True, render_order=SensorCamera.RenderOrder.TILED)
+    sensor = SensorCamera(
+        rings, default_render_config=config, deformable_surface_mode=SensorCamera.DeformableSurfaceMode.VISUAL_ONLY)
+    state, cameras, bundle = moved(rings, 8), around(1), rays()
+    sensor.sync_deformable_meshes(state)
+    plain = shot(SensorCamera(rings), state, cameras, bundle, ("color_image",))
+    same = shot(sensor, state, cameras, bundle, ("color_image",), render_config=config, sync_deformables=False)
+    np.testing.assert_array_equal(same["color_image"], plain["color_image"])
+    shadows = SensorCamera.RenderConfig(enable_shadows=True, max_distance=10)
+    for refused in (
+        lambda: SensorCamera(rings, default_render_config=shadows),
+        lambda: sensor.update(state, cameras, bundle, render_config=shadows),
+    ):
+        with pytest.raises(latelight.UsageError, match="default enable_shadows, max_distance"):
+            refused()
+    with pytest.raises(latelight.UsageError, match="deformable_visuals must be None"):
+        sensor.update(state, cameras, bundle, deformable_visuals=3)
+
+
+def test_poses_of_usd_cameras(rings):
+    usd_geom = pytest.importorskip("pxr.UsdGeom")
+    stage = pytest.importorskip("pxr.Usd").Stage.CreateInMemory()
+    usd_geom.SetStageUpAxis(stage, usd_geom.Tokens.y)
+    camera = usd_geom.Camera.Define(stage, "/camera")
+    camera.AddTranslateOp().Set((1, 2, 3))
+    (pose,) = SensorCamera(rings).compute_camera_transforms_usd(camera).numpy()
+    np.testing.assert_allclose(pose[:3], (1, -3, 2), atol=1e-5)  # from Y up to the model's Z up
+
+
 def test_wrong_arguments_are_sentences(rings):
     sensor, state, cameras, bundle = SensorCamera(rings), rings.state(), around(3), rays()
     color = sensor.allocate_image_color(3, WIDTH, HEIGHT)

@@ -91,7 +91,7 @@ def test_arrays_outlive_all_else(device):
 
 
 def test_cameras_at_once_are_the_same_as_one_by_one(renderer, boxes):
-    cameras = [boxes.look_at((3, -4, 2 + i), (0, 0, 0.5)) for i in range(3)]
+    cameras = [boxes.look_at((3, 2 + i, 4), (0, 0.5, 0)) for i in range(3)]
     frames = renderer.render(cameras, SIZE, ("rgba", "depth"))
     assert len(frames) == 3
     assert frames["depth"].shape == (3, 32, 48)
@@ -102,7 +102,7 @@ def test_cameras_at_once_are_the_same_as_one_by_one(renderer, boxes):
 
 
 def test_tickets_are_taken_once_and_in_any_order(renderer, boxes, camera):
-    other = boxes.look_at((3, -4, 2), (0, 0, 0))
+    other = boxes.look_at((3, 2, 4), (0, 0, 0))
     first = renderer.submit(camera, SIZE, "depth")
     second = renderer.submit([other], SIZE, "depth")
     assert isinstance(second.take(), latelight.Frames)
@@ -144,7 +144,7 @@ def test_every_option_takes_its_default(renderer, camera):
 
 
 def test_motion_takes_the_cameras_before_and_after(renderer, boxes):
-    now, before = boxes.look_at((3, -4, 2), (0, 0, 0.5)), boxes.look_at((3.1, -4, 2), (0, 0, 0.5))
+    now, before = boxes.look_at((3, 2, 4), (0, 0.5, 0)), boxes.look_at((3.1, 2, 4), (0, 0.5, 0))
     still = renderer.render(now, SIZE, ("motion", "id"))
     moved = renderer.render(now, SIZE, "motion", previous_cameras=[before])["motion"]
     seen = still["id"] > 0

@@ -52,7 +52,7 @@ def test_others_run_meanwhile(device):
 
 
 def test_many_threads_with_one_renderer(renderer, boxes):
-    cameras = [boxes.look_at((3, -4, 2 + i), (0, 0, 0.5)) for i in range(4)]
+    cameras = [boxes.look_at((3, 2 + i, 4), (0, 0.5, 0)) for i in range(4)]
     expected = [renderer.render(camera, (24, 16), "depth")["depth"] for camera in cameras]
     wrong = []
 
@@ -94,7 +94,7 @@ def test_every_call_while_others_edit(device, square):
     them sees: each result is that of one thread."""
     scene = latelight.Scene("builtin:boxes")
     renderer = latelight.Renderer(scene, device)
-    camera, size = scene.look_at((3, -4, 2), (0, 0, 0.5)), (24, 16)
+    camera, size = scene.look_at((3, 2, 4), (0, 0.5, 0)), (24, 16)
     rays = np.full((8, 3), (3.0, -4.0, 2.0)), np.linspace((-0.7, 0.9, -0.4), (-0.5, 1, -0.2), 8)
     behind = np.eye(4)
     behind[:3, 3] = 9, -12, 5  # no ray and no camera looks there
