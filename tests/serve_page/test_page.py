@@ -236,6 +236,23 @@ def test_mouse_keys_and_touch_move_the_camera(view, tmp_path):
     moved()
 
 
+def test_a_second_button_ends_no_drag_and_begins_none(view):
+    view.mouse.move(150, 200)
+    view.mouse.down()
+    view.mouse.down(button="right")
+    view.mouse.move(190, 210)
+    settle(view)
+    dragged = view.inner_text("#command")
+    assert "--eye" in dragged
+    view.mouse.up()
+    for act in (lambda: None, lambda: view.mouse.up(button="right")):
+        act()
+        view.mouse.move(230, 230)
+        view.mouse.move(200, 220)
+        settle(view)
+        assert view.inner_text("#command") == dragged
+
+
 def test_points_and_picks(view):
     view.mouse.move(210, 230)
     view.wait_for_selector("#probe dd")
