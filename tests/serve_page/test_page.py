@@ -533,6 +533,41 @@ def test_a_reconnected_page_restores_its_options(page, tmp_path):
     server.end()
 
 
+def test_the_time_slider_moves_both_sides(page, tmp_path):
+    values = numpy.array([0, 2, *[-1, 0, 0, 1, 0, 0, 0, 1, 0], *[0, 0, 0, 0.5, 0, 0]], "<f4").tobytes()
+    uri = "data:application/octet-stream;base64," + base64.b64encode(values).decode()
+    sampler = {"input": 1, "output": 2}
+    channel = {"sampler": 0, "target": {"node": 0, "path": "translation"}}
+    scene = triangle(
+        animations=[{"samplers": [sampler], "channels": [channel]}],
+        accessors=[
+            {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, 0, 0], "max": [1, 1, 0]},
+            {"bufferView": 0, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [2]},
+            {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"},
+        ],
+        bufferViews=[
+            {"buffer": 0, "byteLength": 8},
+            {"buffer": 0, "byteOffset": 8, "byteLength": 36},
+            {"buffer": 0, "byteOffset": 44, "byteLength": 24},
+        ],
+        buffers=[{"byteLength": 68, "uri": uri}],
+    )
+    (tmp_path / "scene.gltf").write_text(json.dumps(scene))
+    server = Server(tmp_path, tmp_path / "scene.gltf")
+    page.set_viewport_size({"width": 760, "height": 300})
+    page.goto(server.url)
+    settle(page)
+    page.select_option("#split", "slider")
+    settle(page)
+    for time in ("1.5", "0.5"):
+        page.locator("#time").fill(time)
+        settle(page)
+        for command in commands(page):
+            assert f"--time={time}" in command
+    page.close()
+    server.end()
+
+
 def test_downloads_what_the_command_writes(view, tmp_path):
     with view.expect_download() as download:
         view.click("#screenshot")

@@ -288,7 +288,9 @@ $("amplification").onchange = () => send("split", { ...state.split, amplificatio
 $("side").onchange = showSide;
 $("find").oninput = () => options?.find($("find").value);
 $("play").onclick = () => send("play", { on: !state.playing });
-$("time").oninput = () => send("option", { name: "time", value: $("time").value });
+$("time").oninput = () => {
+  for (const each of ["left", "right"]) send("option", { name: "time", value: $("time").value, side: each });
+};
 $("screenshot").onclick = () => {
   $("saved").textContent = "Rendering";
   send("screenshot", { side: side() });
