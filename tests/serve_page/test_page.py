@@ -236,6 +236,23 @@ def test_mouse_keys_and_touch_move_the_camera(view, tmp_path):
     moved()
 
 
+def test_a_second_button_ends_no_drag_and_begins_none(view):
+    view.mouse.move(150, 200)
+    view.mouse.down()
+    view.mouse.down(button="right")
+    view.mouse.move(190, 210)
+    settle(view)
+    dragged = view.inner_text("#command")
+    assert "--eye" in dragged
+    view.mouse.up()
+    for act in (lambda: None, lambda: view.mouse.up(button="right")):
+        act()
+        view.mouse.move(230, 230)
+        view.mouse.move(200, 220)
+        settle(view)
+        assert view.inner_text("#command") == dragged
+
+
 def test_points_and_picks(view):
     view.mouse.move(210, 230)
     view.wait_for_selector("#probe dd")
@@ -327,22 +344,32 @@ def test_the_sun_is_moved(view):
     assert "--sun" not in view.inner_text("#command")
 
 
-def test_lights_are_moved_by_their_handles(page, tmp_path):
-    light = {"type": "point", "name": "lamp", "intensity": 20}
-    triangle = numpy.array([[-1, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4").tobytes()
-    scene = {
+def triangle(**more):
+    """A scene of glTF with one triangle; `more` replaces its keys."""
+    corners = numpy.array([[-1, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4").tobytes()
+    uri = "data:application/octet-stream;base64," + base64.b64encode(corners).decode()
+    return {
         "asset": {"version": "2.0"},
-        "extensionsUsed": ["KHR_lights_punctual"],
-        "extensions": {"KHR_lights_punctual": {"lights": [light]}},
-        "scenes": [{"nodes": [0, 1]}],
-        "nodes": [{"mesh": 0}, {"translation": [0, 0.4, 0.5], "extensions": {"KHR_lights_punctual": {"light": 0}}}],
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
         "accessors": [
             {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, 0, 0], "max": [1, 1, 0]}
         ],
         "bufferViews": [{"buffer": 0, "byteLength": 36}],
-        "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64," + base64.b64encode(triangle).decode()}],
+        "buffers": [{"byteLength": 36, "uri": uri}],
+        **more,
     }
+
+
+def test_lights_are_moved_by_their_handles(page, tmp_path):
+    light = {"type": "point", "name": "lamp", "intensity": 20}
+    scene = triangle(
+        extensionsUsed=["KHR_lights_punctual"],
+        extensions={"KHR_lights_punctual": {"lights": [light]}},
+        scenes=[{"nodes": [0, 1]}],
+        nodes=[{"mesh": 0}, {"translation": [0, 0.4, 0.5], "extensions": {"KHR_lights_punctual": {"light": 0}}}],
+    )
     (tmp_path / "scene.gltf").write_text(json.dumps(scene))
     server = Server(tmp_path, tmp_path / "scene.gltf")
     page.set_viewport_size({"width": 760, "height": 300})
@@ -437,6 +464,108 @@ def test_a_split_shows_two_choices(view, tmp_path):
     view.select_option("#split", "difference")
     settle(view)
     assert view.is_visible("#amplification")
+
+
+# Keeps the page's sockets in `sockets`, so that tests can close them.
+KEEP_SOCKETS = """window.sockets = [];
+window.WebSocket = class extends WebSocket {
+  constructor(address) { super(address); sockets.push(this); }
+};"""
+
+
+def reconnect(page):
+    """Closes the page's connection, and returns after the next session has executed all that the page sent."""
+    count = page.evaluate("sockets.at(-1).close(), sockets.length")
+    page.wait_for_function(
+        "count => sockets.length > count && !document.getElementById('status').innerText.startsWith('Not connected')",
+        arg=count,
+    )
+    settle(page)
+
+
+def commands(page):
+    """Those of both sides of a comparison."""
+    both = []
+    for side in ("right", "left"):
+        page.check(f"[name=side][value={side}]")
+        settle(page)
+        both.append(page.inner_text("#command"))
+    return both
+
+
+def test_a_reconnected_page_restores_its_options(page, tmp_path):
+    primitive = {
+        "attributes": {"POSITION": 0},
+        "material": 0,
+        "extensions": {"KHR_materials_variants": {"mappings": [{"material": 1, "variants": [0]}]}},
+    }
+    scene = triangle(
+        extensionsUsed=["KHR_materials_variants"],
+        extensions={"KHR_materials_variants": {"variants": [{"name": "other"}]}},
+        meshes=[{"primitives": [primitive]}],
+        materials=[{}, {"pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}}],
+    )
+    (tmp_path / "scene.gltf").write_text(json.dumps(scene))
+    options = ("--validate", "--sun=30,40", "--variant=other", "--shadows=rays")
+    server = Server(tmp_path, tmp_path / "scene.gltf", options)
+    page.add_init_script(KEEP_SOCKETS)
+    page.set_viewport_size({"width": 760, "height": 300})
+    page.goto(server.url)
+    settle(page)
+    open_options(page)
+    page.click("#sun-off")
+    page.select_option("#variant", "")
+    page.select_option("#option-shadows", "d32")
+    page.select_option("#option-lighting", "forward")  # which conflicts with --shadows=rays of the command line
+    page.select_option("#split", "slider")
+    page.select_option("#option-shadows", "none")
+    settle(page)
+    right, left = commands(page)
+    assert "--lighting=forward" in right
+    for word in ("--sun", "--variant", "--shadows"):
+        assert word not in right
+    assert left == right.replace("--lighting=forward", "--lighting=forward --shadows=none")
+    reconnect(page)
+    assert commands(page) == [right, left]
+    assert page.input_value("#split") == "slider"
+    assert page.is_hidden("#error")
+    page.close()
+    server.end()
+
+
+def test_the_time_slider_moves_both_sides(page, tmp_path):
+    values = numpy.array([0, 2, *[-1, 0, 0, 1, 0, 0, 0, 1, 0], *[0, 0, 0, 0.5, 0, 0]], "<f4").tobytes()
+    uri = "data:application/octet-stream;base64," + base64.b64encode(values).decode()
+    sampler = {"input": 1, "output": 2}
+    channel = {"sampler": 0, "target": {"node": 0, "path": "translation"}}
+    scene = triangle(
+        animations=[{"samplers": [sampler], "channels": [channel]}],
+        accessors=[
+            {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, 0, 0], "max": [1, 1, 0]},
+            {"bufferView": 0, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [2]},
+            {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"},
+        ],
+        bufferViews=[
+            {"buffer": 0, "byteLength": 8},
+            {"buffer": 0, "byteOffset": 8, "byteLength": 36},
+            {"buffer": 0, "byteOffset": 44, "byteLength": 24},
+        ],
+        buffers=[{"byteLength": 68, "uri": uri}],
+    )
+    (tmp_path / "scene.gltf").write_text(json.dumps(scene))
+    server = Server(tmp_path, tmp_path / "scene.gltf")
+    page.set_viewport_size({"width": 760, "height": 300})
+    page.goto(server.url)
+    settle(page)
+    page.select_option("#split", "slider")
+    settle(page)
+    for time in ("1.5", "0.5"):
+        page.locator("#time").fill(time)
+        settle(page)
+        for command in commands(page):
+            assert f"--time={time}" in command
+    page.close()
+    server.end()
 
 
 def test_downloads_what_the_command_writes(view, tmp_path):

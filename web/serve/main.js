@@ -68,14 +68,20 @@ function begin(told) {
   if (state.left) restore();
 }
 
+// Sends every option, because the new session begins with those of the command line, and its right side with those of
+// the left one. The session rejects an option that conflicts with one that is replaced only later, so the second pass
+// sets those that the first one could not.
 function restore() {
   const tell = (which) => {
-    for (const [name, value] of Object.entries(state[which].options)) send("option", { name, value, side: which });
-    send("output", { name: state[which].output, side: which });
+    const { options, output } = state[which];
+    for (const pass of [1, 2]) {
+      for (const { key } of tables.options) send("option", { name: key, value: options[key] ?? "", side: which });
+      send("output", { name: output, side: which });
+    }
   };
   tell("left");
   if (state.split.mode !== "off") send("split", state.split), tell("right");
-  if (state.variant) send("variant", { name: state.variant });
+  if (state.variants.length) send("variant", { name: state.variant });
   if (sentFile?.name === state.environment) sendEnvironment(sentFile);
   else send("environment", { name: state.environment });
   if ($("lights").getAttribute("aria-pressed") === "true") send("lights", { on: true });
@@ -282,7 +288,9 @@ $("amplification").onchange = () => send("split", { ...state.split, amplificatio
 $("side").onchange = showSide;
 $("find").oninput = () => options?.find($("find").value);
 $("play").onclick = () => send("play", { on: !state.playing });
-$("time").oninput = () => send("option", { name: "time", value: $("time").value });
+$("time").oninput = () => {
+  for (const each of ["left", "right"]) send("option", { name: "time", value: $("time").value, side: each });
+};
 $("screenshot").onclick = () => {
   $("saved").textContent = "Rendering";
   send("screenshot", { side: side() });

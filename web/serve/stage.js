@@ -2,7 +2,11 @@
 
 const MOST_PIXELS = 3840 * 2160;
 const KEYS = /^(Arrow(Left|Right|Up|Down)|Home|PageUp|PageDown|Enter|Escape|[ +=\-wasdqefop137[\]])$/;
-const BUTTONS = ["left", "middle", "right"];
+const BUTTONS = [ // by PointerEvent.button; `bit` is that of PointerEvent.buttons
+  { name: "left", bit: 1 },
+  { name: "middle", bit: 4 },
+  { name: "right", bit: 2 },
+];
 
 export class Stage {
   constructor(canvas, connection) {
@@ -11,6 +15,7 @@ export class Stage {
     this.size = { width: 1, height: 1 }; // that the session was told
     this.touches = new Map();
     this.pending = null; // a move, until the next frame of the display
+    this.pressed = null; // the one of BUTTONS that the session was told is pressed
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.listen();
   }
@@ -73,7 +78,7 @@ export class Stage {
   listen() {
     const on = (type, act) => this.canvas.addEventListener(type, act);
     on("pointerdown", (event) => this.down(event));
-    on("pointermove", (event) => (event.pointerType === "touch" ? this.touchMove(event) : this.move(event.clientX, event.clientY)));
+    on("pointermove", (event) => (event.pointerType === "touch" ? this.touchMove(event) : this.drag(event)));
     on("pointerup", (event) => this.up(event));
     on("pointercancel", (event) => this.cancel(event));
     on("pointerleave", (event) => event.pointerType !== "touch" && this.connection.send("leave"));
@@ -89,15 +94,27 @@ export class Stage {
     this.canvas.setPointerCapture(event.pointerId);
     if (event.pointerType === "touch") return this.touchDown(event);
     this.move(event.clientX, event.clientY);
-    if (BUTTONS[event.button]) this.button(BUTTONS[event.button], true, event.shiftKey);
+    this.pressed = BUTTONS[event.button];
+    if (this.pressed) this.button(this.pressed.name, true, event.shiftKey);
+  }
+  // While a button is held, the browser reports other ones only as moves, and `pointerup` names the one that was
+  // released last (Pointer Events, 11.3), so the button that began the drag is tracked here.
+  drag(event) {
+    this.move(event.clientX, event.clientY);
+    if (this.pressed && !(event.buttons & this.pressed.bit)) this.release(event.shiftKey);
+  }
+  release(shift) {
+    if (this.pressed) this.button(this.pressed.name, false, shift);
+    this.pressed = null;
   }
   up(event) {
     if (event.pointerType === "touch") return this.touchUp(event);
     this.move(event.clientX, event.clientY);
-    if (BUTTONS[event.button]) this.button(BUTTONS[event.button], false, event.shiftKey);
+    this.release(event.shiftKey);
   }
   cancel(event) {
     this.touches.delete(event.pointerId);
+    this.pressed = null;
     this.connection.send("blur");
   }
 
