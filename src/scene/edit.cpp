@@ -84,11 +84,6 @@ void forgetRemovedInstances(Scene& scene, uint32_t Instance::*member, uint32_t i
       instance = {.node = ~0u, .toWorld = instance.toWorld, .placed = true, .removed = true};
 }
 
-// A variant of the file no longer applies to a removed material, or to an instance whose slot another one has.
-void forgetVariants(Scene& scene, uint32_t VariantMaterial::*member, uint32_t index) {
-  std::erase_if(scene.variantMaterials, [&](const VariantMaterial& v) { return v.*member == index; });
-}
-
 void stopAnimating(Scene& scene, AnimatedElements elements, uint32_t index) {
   for (Animation& animation : scene.rig.animations)
     for (ValueTrack& track : animation.values)
@@ -159,8 +154,7 @@ std::vector<uint32_t> addObject(Scene& scene, std::span<const ObjectPart> parts,
     instance.id = scene.nodes[node].id;
     const std::string& path = scene.nodes[node].path;
     instance.part = idsOf(scene).parts.make(parts.size() == 1 ? path : fmt::format("{}/primitive{}", path, i));
-    added.push_back(place(scene.instances, scene.edits.instanceGaps.free, instance));
-    forgetVariants(scene, &VariantMaterial::instance, added.back());
+    added.push_back(placeInstance(scene, instance));
     scene.edits.instances.note(added.back());
   }
   return added;
@@ -225,7 +219,7 @@ void removeMaterial(Scene& scene, uint32_t material) {
   removed = {.data = {.layers = noLayers()}, .removed = true};
   stopAnimating(scene, AnimatedElements::Materials, material);
   scene.rig.materials.erase(material);
-  forgetVariants(scene, &VariantMaterial::material, material);
+  std::erase_if(scene.variantMaterials, [&](const VariantMaterial& v) { return v.material == material; });
   forgetRemovedInstances(scene, &Instance::material, material);
   empty(scene.edits.materialGaps, material);
   scene.edits.materials.note(material);

@@ -36,6 +36,13 @@ uint32_t place(std::vector<T>& elements, std::vector<uint32_t>& gaps, T element)
   return index;
 }
 
+// The same for an instance. The file's variants do not apply to it, even if an instance of the file had its slot.
+inline uint32_t placeInstance(Scene& scene, const Instance& instance) {
+  const uint32_t index = place(scene.instances, scene.edits.instanceGaps.free, instance);
+  std::erase_if(scene.variantMaterials, [&](const VariantMaterial& v) { return v.instance == index; });
+  return index;
+}
+
 // The ids in use, which the first call collects.
 SceneEdits::KnownIds& idsOf(Scene& scene);
 // Returns the name, or "<name>#<number>", whose id is unused, and that id.

@@ -183,7 +183,7 @@ void addParts(Scene& scene, const NewNode& added, uint32_t node) {
     instance.posed = deformation && deformation->skin >= 0;
     instance.hidden = isHidden;
     instance.toWorld = placeOf(scene, node, part.mesh);
-    const uint32_t index = place(scene.instances, scene.edits.instanceGaps.free, instance);
+    const uint32_t index = placeInstance(scene, instance);
     if (!scene.rig.offsets.empty()) scene.rig.offsets.resize(scene.instances.size(), dmat4(1));
     if (!scene.rig.offsets.empty()) scene.rig.offsets[index] = dmat4(1);
     scene.edits.instances.note(index);
