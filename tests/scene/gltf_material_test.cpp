@@ -249,6 +249,7 @@ TEST(GltfMaterial, FactorsOutOfRange) {
   GltfBuilder b = withMaterial(
       {{"pbrMetallicRoughness", {{"baseColorFactor", {2, -1, .5, 1}}, {"metallicFactor", 2}, {"roughnessFactor", -1}}},
        {"emissiveFactor", {-1, 2, 0}},
+       {"alphaMode", "MASK"},
        {"alphaCutoff", -1},
        {"extensions", {{"KHR_materials_specular", {{"specularFactor", 3}, {"specularColorFactor", {-1, 2, 1}}}}}}});
   testing::internal::CaptureStderr();
