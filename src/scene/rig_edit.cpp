@@ -150,14 +150,19 @@ void checkParts(Scene& scene, const NewNode& added, const std::string& owner) {
     badUsage("{} has a weight that is not finite", owner);
 }
 
+// The deformation with the weights of a node.
+std::shared_ptr<const Deformation> weightedBy(uint32_t rigNode, const Deformation& deformation) {
+  auto weighted = std::make_shared<Deformation>(deformation);
+  weighted->weightsNode = static_cast<int>(rigNode);
+  return weighted;
+}
+
 // Gives the meshes of the node's parts the node's weights.
 void assignWeights(Scene& scene, const NewNode& added, uint32_t rigNode) {
   for (const NodePart& part : added.parts) {
     Mesh& mesh = scene.meshes[part.mesh];
     if (!mesh.deformation || mesh.deformation->targets.empty() || mesh.deformation->weightsNode >= 0) continue;
-    auto deformation = std::make_shared<Deformation>(*mesh.deformation);
-    deformation->weightsNode = static_cast<int>(rigNode);
-    mesh.deformation = std::move(deformation);
+    mesh.deformation = weightedBy(rigNode, *mesh.deformation);
     poseAtRest(scene, mesh);
     findBounds(mesh);
     scene.edits.meshes.note(part.mesh);
@@ -428,9 +433,7 @@ void checkTrack(const Scene& scene, const std::string& animation, Track& track) 
 // The mesh with its morph targets, which have the weights of a node.
 Mesh morphedBy(const Scene& scene, const MorphableMesh& source, uint32_t rigNode) {
   Mesh mesh = source.mesh;
-  auto deformation = std::make_shared<Deformation>(*mesh.deformation);
-  deformation->weightsNode = static_cast<int>(rigNode);
-  mesh.deformation = std::move(deformation);
+  mesh.deformation = weightedBy(rigNode, *mesh.deformation);
   if (mesh.deformation->skin >= 0)
     poseByJoints(scene, restPose(scene), mesh);  // edits may have moved the joints
   else
