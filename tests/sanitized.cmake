@@ -6,7 +6,6 @@ if(NOT CMAKE_BUILD_TYPE STREQUAL Release)
   return()
 endif()
 
-set(sanitizers -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
 set(sanitized_modules base scene scene_textures scene_environment scene_gltf scene_builtin scene_mesh_files scene_load
   output export)
 set_property(SOURCE ${PROJECT_SOURCE_DIR}/src/base/version.cpp APPEND PROPERTY
