@@ -245,6 +245,30 @@ TEST_F(RayLightTest, RefusesMoreRaysThanACpuCanLoopOver) {
   EXPECT_THROW(renderOne(device(), floor.builder.scene, floor.camera, settings), Error);
 }
 
+// The limit is that of each light: radiance of two lights with 200 rays each is the sum of both lights'.
+TEST_F(RayLightTest, EachLightMayHaveAsManyRaysAsACpuCanLoopOver) {
+  glm::dmat4 placed(0.5);
+  placed[3] = glm::dvec4(0, 0, 1.5, 1);
+  scene::Light left = sunFrom({-1, 0, 2}), right = sunFrom({1, 0.5, 2});
+  left.size = right.size = 0.2f;
+  const auto radianceOf = [&](std::initializer_list<scene::Light> lights) {
+    FloorScene floor(boxMesh(), placed, left);
+    floor.size = 48;
+    floor.builder.scene.lights = lights;
+    Settings settings = floor.settings();
+    settings.samples = 200;
+    return imageOf(renderOne(device(), floor.builder.scene, floor.camera, settings), Aov::Color).values;
+  };
+  const std::vector<float> both = radianceOf({left, right}), ofLeft = radianceOf({left}), ofRight = radianceOf({right});
+  size_t dark = 0;
+  for (size_t i = 0; i < both.size(); ++i) {
+    if (i % 4 == 3) continue;
+    EXPECT_NEAR(both[i], ofLeft[i] + ofRight[i], 2e-3f * both[i]) << i;  // lit in halves
+    dark += ofLeft[i] == 0;
+  }
+  EXPECT_GT(dark, 30u);
+}
+
 // --- light between surfaces ------------------------------------------------------------------------------------------
 
 // Inside a closed box whose walls emit e and reflect a fraction r, the radiance after n surfaces is the geometric

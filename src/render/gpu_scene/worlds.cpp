@@ -324,7 +324,7 @@ void GpuWorlds::castRays(std::span<const shared::RayShadow> rays) {
     t.state |= shared::kLightCastsByRays;
     t.shadowRays = rays[i].rays;
     t.shadowSize = rays[i].lightSize;
-    placed_.mostRays += rays[i].rays;
+    placed_.mostRays = std::max(placed_.mostRays, rays[i].rays);
     ++placed_.casters;
   }
   if (placed_.casters == 0) return;

@@ -170,7 +170,7 @@ class GpuWorlds {
     std::vector<scene::Light> authored;                     // of each template, at rest
     // If rays find the shadows of lights: the number of these lights, and the results RayShadow[worlds][casters] and
     // Light[worlds][templates], in which they emit nothing.
-    uint32_t casters = 0, mostRays = 0;  // rays: per surface
+    uint32_t casters = 0, mostRays = 0;  // rays: per light and surface
     VkDeviceAddress rayShadows = 0, others = 0;
     // If shaders fit the shadow maps of lights: the number of these lights, and the results
     // PlacedCaster[worlds][mapCasters] and ShadowBits[worlds][(templates + 31) / 32].

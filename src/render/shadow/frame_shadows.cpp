@@ -233,11 +233,8 @@ void FrameShadows::uploadRays(vk::Device& device, const GpuScene& scene) {
 
 uint32_t FrameShadows::mostRays() const {
   uint32_t most = plan_.placed.mostRays;
-  for (const ShadowPlan::OfView& view : plan_.of) {
-    uint32_t rays = 0;
-    for (const ShadowPlan::Entry& entry : view.lights) rays += entry.maps;
-    most = std::max(most, rays);
-  }
+  for (const ShadowPlan::OfView& view : plan_.of)
+    for (const ShadowPlan::Entry& entry : view.lights) most = std::max(most, entry.maps);
   return most;
 }
 

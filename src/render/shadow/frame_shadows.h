@@ -36,7 +36,7 @@ class FrameShadows {
 
   bool empty() const { return columns() == 0; }                       // true if no light casts shadows in any view
   bool tracesRays() const { return format_ == shared::kShadowRays; }  // there are no maps and no atlas
-  uint32_t mostRays() const;                                          // maximum number of rays per surface
+  uint32_t mostRays() const;                                          // maximum number of rays per light and surface
   // FrameConstants::shadowColumns.
   uint32_t columns() const { return tracesRays() ? rayColumns_ : static_cast<uint32_t>(columns_.size()); }
   // The frame's lights except those whose shadows rays find, which emit nothing there. Only if tracesRays(). `view`: 0

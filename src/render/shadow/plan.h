@@ -47,7 +47,7 @@ struct ShadowPlan {
   // With rays to lights that shaders write for each world: the lists that they fill (GpuWorlds::PlacedLights). The
   // plan is empty otherwise.
   struct PlacedRays {
-    uint32_t columns = 0, mostRays = 0;  // lists have so many elements; rays per surface
+    uint32_t columns = 0, mostRays = 0;  // lists have so many elements; rays per light and surface
     VkDeviceAddress rays = 0, others = 0;
   };
   PlacedRays placed;
