@@ -466,19 +466,27 @@ def test_a_split_shows_two_choices(view, tmp_path):
     assert view.is_visible("#amplification")
 
 
-# Keeps the page's sockets in `sockets`, so that tests can close them.
+# Keeps the page's sockets in `sockets`, so that tests can close them, and closes the next `unlucky` ones when their
+# second message arrives, the first one with the state of the session.
 KEEP_SOCKETS = """window.sockets = [];
+window.unlucky = 0;
 window.WebSocket = class extends WebSocket {
-  constructor(address) { super(address); sockets.push(this); }
+  constructor(address) {
+    super(address);
+    sockets.push(this);
+    let messages = 0;
+    if (unlucky-- > 0) this.addEventListener("message", () => ++messages === 2 && this.close());
+  }
 };"""
 
 
-def reconnect(page):
-    """Closes the page's connection, and returns after the next session has executed all that the page sent."""
-    count = page.evaluate("sockets.at(-1).close(), sockets.length")
+def reconnect(page, unlucky=0):
+    """Closes the page's connection and as many after it, and returns after the next session has executed all that the
+    page sent."""
+    count = page.evaluate("unlucky => (window.unlucky = unlucky, sockets.at(-1).close(), sockets.length)", unlucky)
     page.wait_for_function(
         "count => sockets.length > count && !document.getElementById('status').innerText.startsWith('Not connected')",
-        arg=count,
+        arg=count + unlucky,
     )
     settle(page)
 
@@ -525,10 +533,11 @@ def test_a_reconnected_page_restores_its_options(page, tmp_path):
     for word in ("--sun", "--variant", "--shadows"):
         assert word not in right
     assert left == right.replace("--lighting=forward", "--lighting=forward --shadows=none")
-    reconnect(page)
-    assert commands(page) == [right, left]
-    assert page.input_value("#split") == "slider"
-    assert page.is_hidden("#error")
+    for unlucky in 0, 2:
+        reconnect(page, unlucky)
+        assert commands(page) == [right, left]
+        assert page.input_value("#split") == "slider"
+        assert page.is_hidden("#error")
     page.close()
     server.end()
 

@@ -52,7 +52,7 @@ export class Connection {
 
   // The server waits for it: a page that nobody sees gets no pictures.
   acknowledge() {
-    if (document.hidden || this.shown === this.acknowledged) return;
+    if (document.hidden || this.shown === this.acknowledged || this.socket.readyState !== WebSocket.OPEN) return;
     this.acknowledged = this.shown;
     this.socket.send(JSON.stringify({ type: "shown", number: this.shown }));
   }

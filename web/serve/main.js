@@ -13,6 +13,8 @@ let options = null;
 const sent = new Map(); // when each message left, until a picture follows it
 let optionSent = 0; // the serial number of the last option that was set here; what is told before it is older
 let followed = 0;
+let lost = null; // what a session showed whose connection was lost, until the next one has followed all of it
+let restored = 0; // the serial number of the last message that restores it
 const history = new History($("history").querySelector("polyline"));
 const passes = new Passes($("passes"));
 
@@ -25,6 +27,7 @@ const connection = new Connection({
   followed: (serial) => {
     const waited = followed < optionSent;
     followed = serial;
+    if (serial >= restored) lost = null;
     if (waited) showOptions();
   },
   picture: showPicture,
@@ -65,28 +68,31 @@ function begin(told) {
   $("retry").hidden = true;
   options = new Options($("options"), tables.options, setOption);
   stage.resize();
-  if (state.left) restore();
+  if (state.left) {
+    lost ??= structuredClone(state);
+    restored = restore(lost) || Infinity; // 0: this connection is lost already, too
+  }
 }
 
 // Sends every option, because the new session begins with those of the command line, and its right side with those of
 // the left one. The session rejects an option that conflicts with one that is replaced only later, so the second pass
 // sets those that the first one could not.
-function restore() {
+function restore(last) {
   const tell = (which) => {
-    const { options, output } = state[which];
+    const { options, output } = last[which];
     for (const pass of [1, 2]) {
       for (const { key } of tables.options) send("option", { name: key, value: options[key] ?? "", side: which });
       send("output", { name: output, side: which });
     }
   };
   tell("left");
-  if (state.split.mode !== "off") send("split", state.split), tell("right");
-  if (state.variants.length) send("variant", { name: state.variant });
-  if (sentFile?.name === state.environment) sendEnvironment(sentFile);
-  else send("environment", { name: state.environment });
+  if (last.split.mode !== "off") send("split", last.split), tell("right");
+  if (last.variants.length) send("variant", { name: last.variant });
+  if (sentFile?.name === last.environment) sendEnvironment(sentFile);
+  else send("environment", { name: last.environment });
   if ($("lights").getAttribute("aria-pressed") === "true") send("lights", { on: true });
-  send("camera", { name: state.camera });
-  send("navigation", { mode: state.navigation });
+  send("camera", { name: last.camera });
+  return send("navigation", { mode: last.navigation });
 }
 
 // --- what the session says ---
