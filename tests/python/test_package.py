@@ -92,6 +92,14 @@ def test_removed_names_and_new_requirements_are_reported(tmp_path):
     assert interface("--compare", whole, extended).returncode == 0
 
 
+def test_names_from_modules_in_folders_are_part_of_the_interface(tmp_path):
+    (tmp_path / "__init__.py").write_text("__all__ = ['scan']\nfrom ._sensors.lidar import scan\n")
+    (tmp_path / "_sensors").mkdir()
+    (tmp_path / "_sensors" / "lidar.py").write_text("def scan(scene):\n    pass\n")
+    lines = interface("--python", tmp_path).stdout.splitlines()
+    assert lines == ["latelight.scan", "latelight.scan: parameter 0 scene, required"]
+
+
 def test_everything_public_is_documented():
     for name in latelight.__all__:
         if not name.startswith("_"):
@@ -105,8 +113,10 @@ def test_what_is_installed_needs_no_build_folder(tmp_path):
         pytest.skip("LATELIGHT_BUILD names no build folder to install from")
     subprocess.run(["cmake", "--install", build, "--component", "python", "--prefix", tmp_path / "made"], check=True)
     moved = (tmp_path / "made").rename(tmp_path / "moved")
-    for source in (ROOT / "python" / "latelight").glob("*.py"):
-        (moved / "latelight" / source.name).write_bytes(source.read_bytes())
+    for source in (ROOT / "python" / "latelight").rglob("*.py"):
+        target = moved / "latelight" / source.relative_to(ROOT / "python" / "latelight")
+        target.parent.mkdir(exist_ok=True)
+        target.write_bytes(source.read_bytes())
     program = (
         "import latelight; scene = latelight.Scene('builtin:boxes')\n"
         "print(latelight.Renderer(scene, 'cpu').render(scene.default_camera(), (8, 8))['rgba'].shape)\n"
