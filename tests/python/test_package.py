@@ -100,6 +100,18 @@ def test_names_from_modules_in_folders_are_part_of_the_interface(tmp_path):
     assert lines == ["latelight.scan", "latelight.scan: parameter 0 scene, required"]
 
 
+def test_modules_of_usd_import_only_from_those_listed_above():
+    folder = PACKAGE / "_usd"
+    page = ast.get_docstring(ast.parse((folder / "__init__.py").read_text()))
+    order = re.findall(r"^ +(\w+)  ", page, re.MULTILINE)
+    assert sorted(order) == sorted(path.stem for path in folder.glob("*.py") if path.stem != "__init__")
+    for place, name in enumerate(order):
+        tree = ast.parse((folder / f"{name}.py").read_text())
+        nodes = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.level == 1]
+        imported = {item for node in nodes for item in ([node.module] if node.module else [a.name for a in node.names])}
+        assert imported <= set(order[:place]), name
+
+
 def test_everything_public_is_documented():
     for name in latelight.__all__:
         if not name.startswith("_"):
