@@ -43,7 +43,7 @@ from ._from_mujoco import MujocoScene, from_mujoco
 from ._from_open3d import from_open3d
 from ._from_trimesh import from_trimesh
 from ._from_urdf import from_urdf, pose_urdf
-from ._from_usd import from_usd, usd_exposures
+from ._usd.stage import from_usd, usd_exposures
 from ._gymnasium import add_pixels
 from .errors import (
     ArgumentTypeError,

@@ -697,7 +697,7 @@ def test_small_usd_files_of_nested_instancers_end(stage, monkeypatch):
     """Each of 40 instancers shows a copy of each of the next two: 2.7e8 paths lead from the first to the last one."""
     from pxr import Sdf, UsdGeom
 
-    monkeypatch.setattr("latelight._from_usd._MAX_PARTS", 1000)
+    monkeypatch.setattr("latelight._usd.instancers._MAX_PARTS", 1000)
     for level in range(40):
         below = [f"/levels/n{level + 1}", f"/levels/n{level + 2}"]
         add_instancer(stage, f"/levels/n{level}", below, indices=[0, 1])

@@ -92,6 +92,26 @@ def test_removed_names_and_new_requirements_are_reported(tmp_path):
     assert interface("--compare", whole, extended).returncode == 0
 
 
+def test_names_from_modules_in_folders_are_part_of_the_interface(tmp_path):
+    (tmp_path / "__init__.py").write_text("__all__ = ['scan']\nfrom ._sensors.lidar import scan\n")
+    (tmp_path / "_sensors").mkdir()
+    (tmp_path / "_sensors" / "lidar.py").write_text("def scan(scene):\n    pass\n")
+    lines = interface("--python", tmp_path).stdout.splitlines()
+    assert lines == ["latelight.scan", "latelight.scan: parameter 0 scene, required"]
+
+
+def test_modules_of_usd_import_only_from_those_listed_above():
+    folder = PACKAGE / "_usd"
+    page = ast.get_docstring(ast.parse((folder / "__init__.py").read_text()))
+    order = re.findall(r"^ +(\w+)  ", page, re.MULTILINE)
+    assert sorted(order) == sorted(path.stem for path in folder.glob("*.py") if path.stem != "__init__")
+    for place, name in enumerate(order):
+        tree = ast.parse((folder / f"{name}.py").read_text())
+        nodes = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.level == 1]
+        imported = {item for node in nodes for item in ([node.module] if node.module else [a.name for a in node.names])}
+        assert imported <= set(order[:place]), name
+
+
 def test_everything_public_is_documented():
     for name in latelight.__all__:
         if not name.startswith("_"):
@@ -105,8 +125,10 @@ def test_what_is_installed_needs_no_build_folder(tmp_path):
         pytest.skip("LATELIGHT_BUILD names no build folder to install from")
     subprocess.run(["cmake", "--install", build, "--component", "python", "--prefix", tmp_path / "made"], check=True)
     moved = (tmp_path / "made").rename(tmp_path / "moved")
-    for source in (ROOT / "python" / "latelight").glob("*.py"):
-        (moved / "latelight" / source.name).write_bytes(source.read_bytes())
+    for source in (ROOT / "python" / "latelight").rglob("*.py"):
+        target = moved / "latelight" / source.relative_to(ROOT / "python" / "latelight")
+        target.parent.mkdir(exist_ok=True)
+        target.write_bytes(source.read_bytes())
     program = (
         "import latelight; scene = latelight.Scene('builtin:boxes')\n"
         "print(latelight.Renderer(scene, 'cpu').render(scene.default_camera(), (8, 8))['rgba'].shape)\n"

@@ -1,5 +1,8 @@
 """Animations of USD stages, against the points and transforms that usd-core computes for each time."""
 
+import linecache
+import warnings
+
 import numpy as np
 import pytest
 
@@ -495,6 +498,25 @@ def test_values_that_are_read_once_are_named(stage):
     assert scene.light(scene.lights()[0]).intensity == pytest.approx(10 * np.pi) and scene.animations == []
     later = latelight.from_usd(stage, time=6)
     assert later.light(later.lights()[0]).intensity == pytest.approx(15 * np.pi)
+
+
+def test_warnings_name_the_line_of_the_caller(stage, tmp_path):
+    """Of from_usd() and of Scene(). A warning that is an error remains one, also for a file."""
+    size = UsdGeom.Cube.Define(stage, "/cube").CreateSizeAttr()
+    for code in (3, 9):
+        size.Set(float(code), code)
+    file = str(tmp_path / "cube.usda")
+    stage.Export(file)
+    with pytest.warns(UserWarning, match="/cube.size") as warned:
+        latelight.from_usd(stage)
+        latelight.from_usd(file)
+        latelight.Scene(file)
+    lines = [linecache.getline(warning.filename, warning.lineno).strip() for warning in warned]
+    assert lines == ["latelight.from_usd(stage)", "latelight.from_usd(file)", "latelight.Scene(file)"]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(UserWarning, match="/cube.size"):
+            latelight.from_usd(file)
 
 
 def test_changing_numbers_are_read_once(stage, device):

@@ -10,9 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from ._core import Light
-from ._usd_animation import axes_of
-from .errors import UsageError
+from .._core import Light
+from ..errors import UsageError
+from .animation import Animation
+from .context import Context
+from .transforms import axes_of
 
 _WIDEST = 179.0  # degrees that a directional light may fill across, since its radius is a tangent
 
@@ -29,10 +31,19 @@ def radiance_of(api: Any, time: Any) -> float:
     return float(api.GetIntensityAttr().Get(time) * 2.0 ** api.GetExposureAttr().Get(time))
 
 
-def light_of(prim: Any, pxr: Any, time: Any, transform: np.ndarray, meters: float) -> Light | None:
-    """The light that a prim is, other than a dome; none if it emits nothing or is of another type.
+def add_light(context: Context, animation: Animation, prim: Any) -> None:
+    """Adds a light other than a dome. One that emits nothing or is of another type is left out."""
+    transform, moves = context.scene_from(prim), context.samples.moves(prim)
+    if moves:  # a light that is flat at first may grow, and then emits as one that is not scaled
+        (axes,), (scales,) = axes_of(transform[None])
+        transform[:3, :3] = axes * np.where(scales == 0, context.meters, scales)
+    light = _light_of(context, prim, transform)
+    if light is not None:
+        context.scene.add_light(light, animation.node_of(prim) if moves else None)
 
-    transform: to the scene; meters: the length of the stage's unit"""
+
+def _light_of(context: Context, prim: Any, transform: np.ndarray) -> Light | None:
+    pxr, time, meters = context.pxr, context.time, context.meters
     lux = pxr.UsdLux
     api, (axes, scales) = lux.LightAPI(prim), axes_of(transform[None])
     light = Light(

@@ -1,0 +1,138 @@
+"""Point instancers: their copies, also of prototypes that contain instancers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from .._model_builder import node_name
+from ..errors import UsageError
+from .animation import Animation
+from .context import Context
+from .instances import Instances, root_name
+from .transforms import unsheared
+from .traversal import visible_prims
+
+_MAX_PARTS = 2**20  # prims of a prototype, whose number is multiplied by each instancer below it
+
+
+class Instancers:
+    def __init__(self, context: Context, animation: Animation, instances: Instances) -> None:
+        self.context, self.animation, self.instances = context, animation, instances
+        self.prototypes: dict[Any, list[tuple[Any, np.ndarray]]] = {}  # what they show, by their paths
+        self.unfolded: list[Any] = []  # paths of the instancers whose prototypes are being collected
+
+    def add(self, prim: Any) -> None:
+        """Shows the copies of an instancer, each of all prims of its prototype."""
+        instancer = self.context.pxr.UsdGeom.PointInstancer(prim)
+        numbers = self._numbers(instancer)
+        copies = self._copies(instancer, numbers)
+        if times := self._times(instancer, len(numbers)):
+            above = self.animation.node_of(prim)
+            nodes = [{"name": str(n), "parent": above} for n in numbers]
+
+            def placed_at(time: float) -> np.ndarray:
+                return unsheared(self._matrices(instancer, time))
+
+            made = self.animation.add_moving_nodes(nodes, times, placed_at, prim.GetPath())
+            node_of_copy = dict(zip(numbers, made))
+            for n, _, part, local in copies:
+                name, parts = node_name(part.GetName()), self.instances.parts_of(part)
+                self.context.scene.add_node(name, node_of_copy[n], matrix=local, parts=parts)
+        elif self.context.samples.moves(prim):
+            above = self.animation.node_of(prim)
+            for n, matrix, part, local in copies:
+                parts = self.instances.parts_of(part)
+                self.context.scene.add_node(str(n), above, matrix=matrix @ local, parts=parts)
+        else:
+            base = self.context.stage_from(prim)
+            for n, matrix, part, local in copies:
+                name = root_name(f"{prim.GetPath()}/{n}")
+                for mesh, material in self.instances.parts_of(part):
+                    self.context.builder.add_instance(mesh, material, base @ matrix @ local, name)
+
+    # --- copies ---
+
+    def _numbers(self, instancer: Any) -> list[int]:
+        """Those of the copies that are not masked."""
+        count = len(instancer.GetProtoIndicesAttr().Get(self.context.time) or [])
+        mask = instancer.ComputeMaskAtTime(self.context.time)
+        return [i for i in range(count) if not mask or mask[i]]
+
+    def _copies(self, instancer: Any, numbers: Sequence[int]) -> Iterator[tuple[int, np.ndarray, Any, np.ndarray]]:
+        """The number and transform of each copy, relative to the instancer, with each prim that it shows and its
+        transform relative to the copy."""
+        path = instancer.GetPath()
+        indices = np.asarray(instancer.GetProtoIndicesAttr().Get(self.context.time) or [], np.int64)
+        targets = instancer.GetPrototypesRel().GetTargets()
+        if len(indices) and not 0 <= indices.min() <= indices.max() < len(targets):
+            raise UsageError(f"{path} has copies of prototypes that it does not have: it has {len(targets)}")
+        if path in self.unfolded:
+            raise UsageError(f"{path} is an instancer within its own prototypes")
+        self.unfolded.append(path)
+        shown = [self._parts_of_prototype(self.context.stage.GetPrimAtPath(target)) for target in targets]
+        self.unfolded.pop()
+        for n, matrix in zip(numbers, self._matrices(instancer, self.context.time)):
+            for prim, local in shown[indices[n]]:
+                yield n, matrix, prim, local
+
+    def _matrices(self, instancer: Any, time: Any) -> np.ndarray:
+        """The transforms of the visible copies, (n, 4, 4), relative to the instancer."""
+        usd = self.context.pxr.Usd
+        code = usd.TimeCode(time)
+        if code.IsEarliestTime():  # velocities lead from the sample to the time
+            samples = self.context.samples.of_copies(instancer.GetPrim(), 1)
+            code = usd.TimeCode(samples[0]) if samples else usd.TimeCode.Default()
+        without = self.context.pxr.UsdGeom.PointInstancer.ExcludeProtoXform
+        matrices = instancer.ComputeInstanceTransformsAtTime(code, code, without)
+        return np.array(matrices, np.float64).reshape(-1, 4, 4).transpose(0, 2, 1)
+
+    def _times(self, instancer: Any, count: int) -> list[float]:
+        """The times of the samples of an instancer's transforms, if nodes can be its copies: the same ones at all
+        times."""
+        prim, samples = instancer.GetPrim(), self.context.samples
+        times = samples.clipped(samples.of_copies(prim) if samples.exist else [])
+        if len(times) < 2 or count == 0:
+            return []
+        which = (instancer.GetProtoIndicesAttr(), instancer.GetIdsAttr(), instancer.GetInvisibleIdsAttr())
+        fixed = not any(attribute.ValueMightBeTimeVarying() for attribute in which)
+        if not fixed or any(len(self._matrices(instancer, time)) != count for time in times):
+            samples.add_unplayed(prim)
+            return []
+        return times
+
+    # --- prototypes ---
+
+    def _parts_of_prototype(self, prototype: Any) -> list[tuple[Any, np.ndarray]]:
+        """The prims that a prototype shows, with their transforms relative to its parent."""
+        if not prototype:  # a target that does not exist
+            return []
+        if prototype.GetPath() not in self.prototypes:
+            parts: list[tuple[Any, np.ndarray]] = []
+            for part in self._unfolded_parts(prototype):
+                parts.append(part)
+                if len(parts) > _MAX_PARTS:
+                    raise UsageError(f"the instancers in {prototype.GetPath()} show more than {_MAX_PARTS} prims")
+            self.prototypes[prototype.GetPath()] = parts
+        return self.prototypes[prototype.GetPath()]
+
+    def _unfolded_parts(self, prototype: Any) -> Iterator[tuple[Any, np.ndarray]]:
+        geom, samples = self.context.pxr.UsdGeom, self.context.samples
+        for prim in visible_prims(self.context, prototype):
+            is_nested = prim.IsA(geom.PointInstancer)
+            if not is_nested and not self.instances.is_shown(prim):
+                continue
+            if samples.exist and (
+                samples.of_points(prim) or samples.of_copies(prim) or samples.moves_below(prim, prototype.GetParent())
+            ):
+                samples.add_unplayed(prim)
+            relative, _ = self.context.transforms.ComputeRelativeTransform(prim, prototype.GetParent())
+            local = np.array(relative, np.float64).T
+            if not is_nested:
+                yield prim, local
+                continue
+            nested = geom.PointInstancer(prim)
+            for _, matrix, part, own in self._copies(nested, self._numbers(nested)):
+                yield part, local @ matrix @ own

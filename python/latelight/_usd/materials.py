@@ -1,0 +1,125 @@
+"""Materials of glTF from UsdPreviewSurface and MaterialX's standard surface, and for prims without a material."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .._core import Material, MaterialHandle
+from . import images
+from .context import Context
+from .surfaces import Surface
+
+
+class Materials:
+    def __init__(self, context: Context) -> None:
+        self.context = context
+        self.made: dict[tuple[str, bool], MaterialHandle] = {}
+        self.images: dict[str, Any] = {}
+
+    def bound(self, prim: Any) -> Any:
+        """The UsdShadeMaterial of a prim or of a subset of its faces."""
+        return self.context.pxr.UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+
+    def default(self, prim: Any) -> MaterialHandle:
+        return self.context.builder.default_material(self._is_double_sided(prim))
+
+    def of_colors(self, prim: Any) -> MaterialHandle:
+        """For a mesh or shape whose vertices have colors."""
+        return self.context.builder.white(False, self._is_double_sided(prim))
+
+    def convert(self, material: Any, prim: Any) -> MaterialHandle | None:
+        """The material of a mesh or shape, which states whether it has two sides; None if none is bound."""
+        if not material:
+            return None
+        double_sided = self._is_double_sided(prim)
+        key = (str(material.GetPath()), double_sided)
+        if key not in self.made:
+            handle = self._add(material)
+            if handle is None:
+                return self.default(prim)
+            if double_sided:
+                values = self.context.scene.material(handle)
+                values.double_sided = True
+                self.context.scene.set_material(handle, values)
+            self.made[key] = handle
+        return self.made[key]
+
+    def _is_double_sided(self, prim: Any) -> bool:
+        return bool(self.context.pxr.UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(self.context.time))
+
+    def _add(self, material: Any) -> MaterialHandle | None:
+        for render_context in ("", "mtlx"):  # the universal one first
+            shader = material.ComputeSurfaceSource(render_context)[0]
+            identifier = shader.GetShaderId() if shader else ""
+            name, surface = material.GetPrim().GetName(), Surface(self.context, shader, self.images)
+            if identifier in ("UsdPreviewSurface", "ND_UsdPreviewSurface_surfaceshader"):
+                return _add_preview_surface(self.context, name, surface)
+            if identifier == "ND_standard_surface_surfaceshader":
+                return _add_standard_surface(self.context, name, surface)
+        return None
+
+
+def _add_preview_surface(context: Context, name: str, surface: Surface) -> MaterialHandle:
+    diffuse, emissive = surface.image("diffuseColor"), surface.image("emissiveColor")
+    normal, mask = surface.image("normal"), surface.channel("opacity")
+    rough, metal = surface.channel("roughness"), surface.channel("metallic")
+    opacity, threshold = surface.factor("opacity", 1), surface.number("opacityThreshold", 0)
+    base = surface.tint("diffuseColor", (0.18, 0.18, 0.18))
+    handle = context.scene.add_material(
+        Material(
+            name=name,
+            base_color=(*(min(c, 1) for c in base), opacity),
+            metallic=surface.factor("metallic", 0),
+            roughness=surface.factor("roughness", 0.5),
+            emissive=surface.tint("emissiveColor", (0, 0, 0)),
+            clearcoat=surface.number("clearcoat", 0),
+            clearcoat_roughness=surface.number("clearcoatRoughness", 0.01),
+            f0=surface.f0("ior", 1.5),
+            alpha_mode="mask" if threshold > 0 else "blend" if opacity < 1 or mask is not None else "opaque",
+            alpha_cutoff=threshold if threshold > 0 else 0.5,
+        )
+    )
+    context.builder.add_texture(handle, "base_color", images.with_alpha(diffuse, mask), True)
+    context.builder.add_texture(handle, "emissive", emissive, True)
+    context.builder.add_texture(handle, "normal", normal, False)
+    context.builder.add_texture(handle, "metallic_roughness", images.metallic_roughness(rough, metal), False)
+    context.builder.add_texture(handle, "occlusion", images.occlusion(surface.channel("occlusion")), False)
+    return handle
+
+
+def _add_standard_surface(context: Context, name: str, surface: Surface) -> MaterialHandle:
+    """Autodesk Standard Surface 1.0.1 (Georgiev et al. 2019) as far as glTF's model has its layers."""
+    image, emissive = surface.image("base_color"), surface.image("emission_color")
+    rough, metal = surface.channel("specular_roughness"), surface.channel("metalness")
+    base, emission = surface.number("base", 1), float(surface.value("emission", 0))
+    color = surface.tint("base_color", (0.8, 0.8, 0.8))
+    glow = surface.tint("emission_color", (1, 1, 1))
+    transmission, sheen = surface.number("transmission", 0), surface.number("sheen", 0)
+    if transmission > 0 and image is None:  # what passes is tinted by transmission_color in place of base_color
+        tint = surface.color("transmission_color", (1, 1, 1))
+        color = tuple((1 - transmission) * c + transmission * t for c, t in zip(color, tint))
+    opacity = min(sum(surface.color("opacity", (1, 1, 1))) / 3, 1)
+    handle = context.scene.add_material(
+        Material(
+            name=name,
+            base_color=(*(min(base * c, 1) for c in color), opacity),
+            metallic=surface.factor("metalness", 0),
+            roughness=surface.factor("specular_roughness", 0.2),
+            specular=surface.number("specular", 1),
+            specular_color=surface.color("specular_color", (1, 1, 1)),
+            f0=surface.f0("specular_IOR", 1.5),
+            anisotropy=surface.number("specular_anisotropy", 0),
+            emissive=tuple(emission * c for c in glow),
+            clearcoat=surface.number("coat", 0),
+            clearcoat_roughness=surface.number("coat_roughness", 0.1),
+            sheen_color=tuple(sheen * min(c, 1) for c in surface.color("sheen_color", (1, 1, 1))),
+            sheen_roughness=surface.number("sheen_roughness", 0.3),
+            transmission=transmission,
+            alpha_mode="blend" if opacity < 1 else "opaque",
+        )
+    )
+    context.builder.add_texture(handle, "base_color", image, True)
+    context.builder.add_texture(handle, "emissive", emissive, True)
+    context.builder.add_texture(handle, "normal", surface.image("normal"), False)
+    context.builder.add_texture(handle, "metallic_roughness", images.metallic_roughness(rough, metal), False)
+    return handle

@@ -1,0 +1,104 @@
+"""The inputs of surface shaders: constants, and the images that are connected to them."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .context import Context
+from .images import open_image
+
+
+class ImageUse(NamedTuple):
+    """The image that an input is connected to: no path if there is none."""
+
+    path: str = ""
+    output: str = ""  # the channel, or "rgb"
+    scale: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0)  # of red, green, blue and alpha
+
+    def channel(self) -> int:
+        return {"g": 1, "b": 2, "a": 3}.get(self.output, 0)
+
+
+class Surface:
+    """A surface shader. `images`: the images that are open, by path, which surfaces share."""
+
+    def __init__(self, context: Context, shader: Any, images: dict[str, Any]) -> None:
+        self.context, self.shader, self.images = context, shader, images
+
+    # --- constants ---
+
+    def value(self, name: str, otherwise: Any) -> Any:
+        """A constant, also one that a node graph passes on; `otherwise` if it is missing or an image."""
+        given = self.shader.GetInput(name)
+        if not given:
+            return otherwise
+        if self.image_use(name).path:
+            return otherwise
+        sources = self.context.pxr.UsdShade.Utils.GetValueProducingAttributes(given)
+        result = sources[0].Get(self.context.time) if sources else None
+        return otherwise if result is None else result
+
+    def number(self, name: str, otherwise: float) -> float:
+        return min(max(float(self.value(name, otherwise)), 0), 1)
+
+    def color(self, name: str, otherwise: tuple[float, float, float]) -> tuple[float, ...]:
+        return tuple(max(float(c), 0) for c in self.value(name, otherwise))
+
+    def f0(self, name: str, otherwise: float) -> float:
+        """The reflectance of an index of refraction at normal incidence."""
+        ior = float(self.value(name, otherwise))
+        return ((ior - 1) / (ior + 1)) ** 2
+
+    # --- constants or images ---
+
+    def factor(self, name: str, otherwise: float) -> float:
+        """A number in [0, 1], or the scale of the image that is connected in its place."""
+        use = self.image_use(name)
+        return min(max(use.scale[use.channel()], 0), 1) if use.path else self.number(name, otherwise)
+
+    def tint(self, name: str, otherwise: tuple[float, float, float]) -> tuple[float, ...]:
+        """A color, or the scale of the image that is connected in its place."""
+        use = self.image_use(name)
+        return tuple(max(c, 0) for c in use.scale[:3]) if use.path else self.color(name, otherwise)
+
+    # --- images ---
+
+    def image(self, name: str) -> Any:
+        """The image that an input is connected to, as pixels."""
+        path = self.image_use(name).path
+        if not path:
+            return None
+        if path not in self.images:
+            self.images[path] = open_image(self.context.files, path)
+        return self.images[path]
+
+    def channel(self, name: str) -> np.ndarray | None:
+        """One channel of the image that a scalar input is connected to."""
+        image = self.image(name)
+        return None if image is None else np.asarray(image.convert("RGBA"))[..., self.image_use(name).channel()]
+
+    def image_use(self, name: str) -> ImageUse:
+        """The image file that an input is connected to, also through a node graph."""
+        return self._image_use(self.shader, name)
+
+    def _image_use(self, shader: Any, name: str) -> ImageUse:
+        given = shader.GetInput(name)
+        shade, files = self.context.pxr.UsdShade, self.context.files
+        for source in shade.Utils.GetValueProducingAttributes(given) if given else []:
+            texture = shade.Shader(source.GetPrim())
+            if texture and texture.GetShaderId() == "ND_normalmap" and texture.GetInput("in"):
+                return self._image_use(texture, "in")
+            file = texture.GetInput("file") if texture else None
+            path = files.resolved(file.Get(self.context.time)) if file else ""
+            if path and files.exists(path):
+                return ImageUse(path, source.GetName().removeprefix("outputs:"), self._scale_of(texture))
+        return ImageUse()
+
+    def _scale_of(self, texture: Any) -> tuple[float, ...]:
+        """The scale of an image. With a bias, as normal maps have one, glTF's factors cannot express it."""
+        time, scale, bias = self.context.time, texture.GetInput("scale"), texture.GetInput("bias")
+        if "UsdUVTexture" not in (texture.GetShaderId() or "") or not scale or (bias and any(bias.Get(time) or ())):
+            return ImageUse().scale
+        return tuple(float(c) for c in scale.Get(time) or ImageUse().scale)
