@@ -558,6 +558,64 @@ TEST_F(RayLightTest, BlendedSurfacesCoverByTheirAlpha) {
   EXPECT_NEAR(throughPlate(device(), material, 0), 0.75 * 0.75, 0.005);  // two sides of the box
 }
 
+// The eye's rays and those to the sun pass 24 black panes of two sides each.
+TEST_F(RayLightTest, ManyBlendedSurfacesCoverByTheirAlpha) {
+  scene::Material material = coated(1, [](auto&) {});
+  material.data.baseColor = glm::vec4(0, 0, 0, 0.01f);
+  material.data.specular = 0;
+  material.data.flags |= shared::kMaterialBlended;
+  const auto stack = [](FloorScene& floor, Settings& settings) {
+    scene::Scene& scene = floor.builder.scene;
+    const glm::dmat4 first = scene.instances[1].toWorld;
+    for (uint32_t i = 1; i < 24; ++i)
+      floor.builder.addInstance("pane " + std::to_string(i), floor.builder.kRoot, 1, 2, glm::mat4(1));
+    for (uint32_t i = 1; i < 25; ++i) {
+      scene.instances[i].toWorld = first;
+      scene.instances[i].toWorld[2].z = 0.05;
+      scene.instances[i].toWorld[3].z = 0.2 * i;
+    }
+    settings.samples = 64;  // of 256 pixels: a standard deviation of 0.004
+  };
+  const auto litStack = [&](FloorScene& floor, Settings& settings) {
+    stack(floor, settings);
+    floor.builder.scene.instances[0].material = 0;  // white
+    floor.builder.scene.lights.push_back(sunFrom({0, 0, 1}));
+  };
+  const double passed = std::pow(0.99, 48);
+  EXPECT_NEAR(throughPlate(device(), material, 0, stack), passed, 0.015);
+  EXPECT_NEAR(throughPlate(device(), material, 0, litStack), passed * passed, 0.015);
+}
+
+// Between nested spheres, paths visit so much that lavapipe would end the loops of the shader, and lose the sample.
+TEST_F(RayLightTest, PathsBetweenBlendedSurfacesLoseNoSamples) {
+  scene::SceneBuilder builder{"spheres"};
+  scene::Scene& scene = builder.scene;
+  const uint32_t white = addMaterial(scene, vec3(1)), blended = addMaterial(scene, vec3(1));
+  scene.materials[blended].data.baseColor.a = 0.3f;
+  scene.materials[blended].data.flags |= shared::kMaterialBlended;
+  scene.meshes = {squareMesh(), sphereMesh(1)};
+  for (scene::Mesh& mesh : scene.meshes) scene::findBounds(mesh);
+  builder.addInstance("wall", builder.kRoot, 0, white, glm::mat4(1));
+  scene.instances[0].toWorld =
+      glm::translate(glm::dmat4(1), dvec3(0, 0, -2)) * glm::scale(glm::dmat4(1), dvec3(4, 4, 1));
+  for (uint32_t i = 0; i < 10; ++i) {
+    builder.addInstance("sphere " + std::to_string(i), builder.kRoot, 1, blended, glm::mat4(1));
+    scene.instances[i + 1].toWorld = glm::scale(glm::dmat4(1), dvec3(1 + 0.02 * i));
+  }
+  FloorScene view(boxMesh(), glm::dmat4(1), sunFrom({0, 0, 1}));
+  view.camera.yHalf = 1.5;
+  Settings settings = settingsOf(24, 24, {Aov::Color});
+  settings.lighting = &findTechnique("reference");
+  settings.samples = 4;
+  const scene::Environment environment = constantEnvironment();
+  const output::FrameOutput frame = renderOne(device(), scene, view.camera, settings, &environment);
+  const std::vector<float>& values = imageOf(frame, Aov::Color).values;
+  for (size_t i = 0; i < values.size(); i += 4) {
+    EXPECT_EQ(values[i + 3], 1) << i / 4;
+    EXPECT_GT(values[i], 0.1f) << i / 4;
+  }
+}
+
 // The camera, 6 m above the floor, sees no pane before its near plane, and no floor behind its far plane.
 TEST_F(RayLightTest, PathsStartWithinTheViewVolume) {
   scene::Material pane = coated(1, [](auto&) {});

@@ -219,6 +219,30 @@ void visitTriangle(FrameConstants frame, RayMesh mesh, uint index, Ray ray, uint
 
 // --- traversal -------------------------------------------------------------------------------------------------------
 
+// lavapipe silently ends all loops of a subgroup after 65535 iterations in total. Shaders that may reach this many
+// define RAY_COUNTS_WORK as a condition, and end their own loops before. `rayWork` estimates the number of iterations
+// so far, of the lane that was active the longest: between nested spheres, loops ended when it was 41,000.
+#ifdef RAY_COUNTS_WORK
+uint rayWork = 0u;
+const uint kMostRayWork = 30000u;  // the rest is for the last ray
+bool rayWorkIsDone() {
+  if (!RAY_COUNTS_WORK) return false;
+  rayWork = subgroupMax(rayWork);
+  return rayWork > kMostRayWork;
+}
+// `steps`: of the lane, in one iteration of the loop over nodes and leaves.
+void countRayWork(inout uint work, uint steps) {
+  const uint kLoops = 8u;  // that are there without a step
+  if (RAY_COUNTS_WORK) work += subgroupMax(steps) + kLoops;
+}
+void endRayWork(uint work) {
+  if (RAY_COUNTS_WORK) rayWork += subgroupMax(work);
+}
+#else
+void countRayWork(inout uint work, uint steps) {}
+void endRayWork(uint work) {}
+#endif
+
 RayHit noHit() { return RayHit(kRayInfinity, 0u, 0u, uvec3(0u), vec3(0.0), false); }
 
 bool isUsable(Ray ray) {
@@ -249,9 +273,11 @@ RayHit traceRay(FrameConstants frame, Ray ray, uint what) {
   uint stack[kRayStack];
   uint top = 1u;
   stack[0] = kRayNone;
-  uint current = scene.instanceCount != 0u && isUsable(ray) ? 0u : kRayNone;
+  uint current = scene.instanceCount != 0u && isUsable(ray) ? 0u : kRayNone, work = 0u;
   while (current != kRayNone) {
+    uint steps = 0u;
     while ((current & kRayLeaf) == 0u) {
+      ++steps;
       RayNode node = loadRayNode(nodes + uint64_t(current) * kRayNodeBytes);
       float far = min(hit.distance, ray.far);
       float toA = enterBox(slabs, node.lowA, node.highA, ray.near, far);
@@ -282,6 +308,7 @@ RayHit traceRay(FrameConstants frame, Ray ray, uint what) {
     }
     for (bool some = tests; some; some = false) {
       uint first = current & kRayFirstMask, count = (current >> kRayCountShift & 7u) + 1u;
+      steps += 8u * count;  // loops of visitTriangle()
       for (uint i = first; i < first + count; ++i) {
         RayHit found = hit;
         visitTriangle(frame, mesh, i, ray, what, found);
@@ -290,7 +317,9 @@ RayHit traceRay(FrameConstants frame, Ray ray, uint what) {
       }
       current = stops ? kRayNone : stack[--top];
     }
+    countRayWork(work, steps);
   }
+  endRayWork(work);
   if (stops) hit.distance = 0.0;
   return hit;
 }

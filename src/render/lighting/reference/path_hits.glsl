@@ -8,7 +8,7 @@
 uint translucentRays() { return (kPathFlags & kPathsFindTranslucent) != 0u ? kRayAnySurface : 0u; }
 
 // Surfaces that a ray passes straight on. It ends after them.
-const uint kMaxCrossings = 16u;
+const uint kMaxCrossings = 128u;
 
 // The surface that a ray hits.
 struct PathHit {
@@ -98,6 +98,7 @@ vec3 lightPassed(FrameConstants frame, Ray ray, vec3 absorption) {
   vec3 passed = vec3(1.0);
   bool ends = false;
   for (uint i = 0u; i <= kMaxCrossings && !ends; ++i) {
+    if (rayWorkIsDone()) return vec3(0.0);
     RayHit hit = traceRay(frame, ray, what);
     ends = !isHit(hit);
     passed *= absorbed(absorption, (ends ? ray.far : hit.distance) - ray.near);

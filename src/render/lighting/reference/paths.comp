@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 // variants: layout, visible
 // functions: kept
 // Path tracing from the visible surface of each pixel (Kajiya 1986, The Rendering Equation). At each surface, one
@@ -27,6 +28,9 @@
 // path starts at the eye then, and no surface has coats.
 #define ONE_SAMPLE
 #include "render/glsl/common.glsl"
+
+layout(constant_id = kLimitsWorkConstant) const uint kLimitsWork = 0;  // 1: paths end before lavapipe ends their loops
+#define RAY_COUNTS_WORK (kLimitsWork != 0u)
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lights.glsl"
 #include "render/glsl/lit_pixel.glsl"
@@ -109,7 +113,7 @@ void addDirectLight(inout Path path, FrameConstants frame, RayScene scene, PathV
   if (next <= push.bounces) emitted = rayToEmitter(frame, scene, v, path.distance);
   if (hasAreaLights(frame)) area = rayToArea(frame, v);
   const uint kinds = kSampledAreaLights != 0u ? 4u : 3u;
-  for (uint i = 0u; i < kinds; ++i) {  // one copy of the traversal
+  for (uint i = 0u; i < kinds && !rayWorkIsDone(); ++i) {  // one copy of the traversal
     LightRay light = i == 0u ? sky : (i == 1u ? lit : (i == 2u ? emitted : area));
     if (!(maxChannel(light.radiance) > 0.0)) continue;
     vec3 sent = light.radiance;
@@ -176,7 +180,7 @@ bool follow(inout Path path, FrameConstants frame, RayScene scene, uint bounce, 
   bool onlyBlocks = onlySky && !hasAreaLights(frame) && (kPathFlags & kPathsFindTranslucent) == 0u;
   if (onlyBlocks) what |= kRayStopAtFirst;
   bool arrives = false;
-  for (uint i = 0u; i <= kMaxCrossings; ++i) {
+  for (uint i = 0u; i <= kMaxCrossings && !rayWorkIsDone(); ++i) {
     RayHit hit = traceRay(frame, path.ray, what);
     float end = isHit(hit) ? hit.distance : 3.0e38;
     if (hasAreaLights(frame) && (bounce > 0u || path.covers))
@@ -197,8 +201,8 @@ bool follow(inout Path path, FrameConstants frame, RayScene scene, uint bounce, 
     disperse(path, at);
     v = vertexAt(at, -path.ray.direction, path.fromEye && bounce == 0u);
     beyond = absorptionBeyond(at, path.absorption);
-    arrives = (kPathFlags & kPathsFindTranslucent) == 0u || i == kMaxCrossings || !passes(path, at, v);
-    if ((kPathFlags & kPathsFindTranslucent) == 0u) path.covers = true;
+    arrives = (kPathFlags & kPathsFindTranslucent) == 0u || !passes(path, at, v) || i == kMaxCrossings;
+    if (arrives) path.covers = true;
     path.distance = hit.distance;
     float weight = path.density / (path.density + emitterDensity(scene, hit, at, path.ray.direction));
     vec3 emitted = at.s.emissive * (belowClearcoat(at.layers, path.ray.direction) * weight);

@@ -140,6 +140,7 @@ IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fro
       pass.constants.push_back({kEmittersConstant, buffers.emitters ? 1u : 0u});
       pass.constants.push_back({kSampledAreaLightsConstant, f.scene.areaLights() > 0 ? 1u : 0u});
       pass.constants.push_back({kSharedPathsConstant, sharing ? 1u : 0u});
+      pass.constants.push_back({kLimitsWorkConstant, f.device.isCpu() ? 1u : 0u});
       addPathPass(f, gbuffer, std::move(pass), push, buffers,
                   push.environment == 0 ? graph::Use::StorageWrite : graph::Use::StorageReadWrite);
     }
