@@ -65,7 +65,9 @@ std::vector<Sight> sightsOf(render::Renderer& renderer, const scene::Scene& scen
     origins.push_back(segment.origin);
     directions.push_back(segment.direction);
   }
-  const render::CastHits hits = renderer.cast({.origins = origins, .directions = directions}, settings, moment).hits;
+  render::Settings cast = settings;
+  cast.normalFrame = render::NormalFrame::World;  // the only frame that rays accept; no normals are cast
+  const render::CastHits hits = renderer.cast({.origins = origins, .directions = directions}, cast, moment).hits;
   std::vector<Sight> sights;
   for (size_t i = 0; i < points.size(); ++i)
     sights.push_back(sightAt(segments[i], hits.distance[i], hits.id[i], slack));

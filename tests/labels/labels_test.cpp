@@ -216,6 +216,29 @@ TEST_P(LabelsTest, AKeypointNeedsItsNode) {
   }
 }
 
+// Lines of sight are rays, which accept the frame "world" only, but the user's frame of the images' normals may differ.
+TEST_P(LabelsTest, TheFrameOfNormalsDoesNotMatter) {
+  const Scene scene = squares({{"wall", {0, 0, 0}, {3, 3}}, {"screen", {1.5, 0, 2}, {0.5, 1}}});
+  Renderer renderer(scene, testDevice());
+  for (const char* frame : {"opencv", "opengl"}) {
+    Options options = small();
+    options.normalFrame = frame;
+    const std::vector<KeypointLabel> labels =
+        renderer.keypoints(front(), {{"open", "/wall", {0, 0, 0}}, {"occluded", "/wall", {0.5, 0, 0}}}, options);
+    EXPECT_EQ(labels[0].visibility, 2u);
+    EXPECT_EQ(labels[1].visibility, 1u);
+    const auto isCorrespondence = [](const Correspondence& match) {
+      EXPECT_EQ(std::ranges::count(match.visible, 1), 48 * 48) << "the wall has 6 x 6 m, with 8 pixels per meter";
+      EXPECT_NEAR(match.depth[32 * 64 + 32], 10, 1e-5);
+    };
+    isCorrespondence(renderer.correspond(front(), front(), options));
+    Worlds worlds;
+    worlds.count = 1;
+    worlds.cameras = {front()};
+    isCorrespondence(renderer.correspond(worlds, options).front());
+  }
+}
+
 // A joint moves with the animation, and the flesh around it does not occlude it.
 TEST_P(LabelsTest, JointsAreKeypoints) {
   const Scene scene(models::modelPath("skinned.glb").string());
