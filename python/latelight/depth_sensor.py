@@ -145,13 +145,14 @@ def capture(renderer: Renderer, camera: Camera, size: tuple[int, int], sensor: D
             **options: Any) -> DepthFrame:  # fmt: skip
     """Renders exact depth, and measures it as the sensor does.
 
-    camera: a perspective camera, without a lens model; size: width and height in pixels; seed: of the noise, or None
-    for quantization and shadows only; options: those of Renderer.render() and Renderer.cast(), such as time
+    camera: a perspective camera, whose lens, if it has one, is a pinhole; size: width and height in pixels; seed: of
+    the noise, or None for quantization and shadows only; options: those of Renderer.render() and Renderer.cast(), such
+    as time
 
     The shadow of structured light is traced: pixels whose point the projector does not reach have no value.
     """
-    if camera.orthographic or camera.lens is not None:
-        raise UsageError("a depth sensor needs a perspective camera without a lens model")
+    if camera.orthographic or (camera.lens is not None and camera.lens.model != "pinhole"):
+        raise UsageError("a depth sensor needs a perspective camera without a lens that bends rays")
     for name in ("axes", "position_origin", "normal_frame"):
         if name in options:
             raise UsageError(f"a depth sensor measures in its camera's frame, so it has no option {name}")

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "models/models.h"
@@ -153,6 +154,112 @@ TEST_P(LabelsTest, OrientedBoxesAndTheirCorners) {
     EXPECT_NEAR(card.corners[i][0], 40 + focal * c.x / c.z, 1e-4);
     EXPECT_NEAR(card.corners[i][1], 30 + focal * c.y / c.z, 1e-4);
     EXPECT_NEAR(card.corners[i][2], c.z, 1e-5);
+  }
+}
+
+// --- outside the image -----------------------------------------------------------------------------------------------
+
+// A camera without a lens is that of a pinhole lens with equal focal lengths.
+struct Pinhole {
+  double fx, fy, cx, cy;  // in pixels
+};
+
+// Returns how many pixels an instantaneous row of a square in the plane z = 0 covers, as [certain, possible]: those
+// whose ray hits the plane within the square by 1/50 of a pixel, and those whose ray misses it by at most as much.
+std::array<uint64_t, 2> countRow(const SquareAt& place, const dmat4& pose, const Pinhole& k, int64_t row, int64_t first,
+                                 int64_t end) {
+  std::array<uint64_t, 2> count{};
+  const auto hits = [&](dvec2 pixel) {
+    const dvec3 direction = glm::dmat3(pose) * dvec3((pixel - dvec2(k.cx, k.cy)) / dvec2(k.fx, k.fy), 1);
+    const double t = (place.center.z - pose[3].z) / direction.z;
+    const dvec3 at = dvec3(pose[3]) + t * direction - place.center;
+    return t > 0 && std::abs(at.x) < place.half.x && std::abs(at.y) < place.half.y;
+  };
+  for (int64_t x = first; x < end; ++x) {
+    int corners = 0;
+    for (int corner = 0; corner < 4; ++corner)
+      corners += hits({double(x) + 0.5 + (corner & 1 ? 0.02 : -0.02), double(row) + 0.5 + (corner & 2 ? 0.02 : -0.02)});
+    count[0] += corners == 4;
+    count[1] += corners > 0;
+  }
+  return count;
+}
+
+// Compares `fullPixels` with the pixels of an image three times as large, whose rows have a pose each, and
+// `amodalPixels` with those of the image in its center.
+void expectCounts(const ObjectLabel& label, const SquareAt& place, const Pinhole& k, int64_t width, int64_t height,
+                  const std::function<dmat4(int64_t row)>& poseOf) {
+  std::array<uint64_t, 2> full{}, inside{};
+  for (int64_t row = -height; row < 2 * height; ++row) {
+    const std::array<uint64_t, 2> all = countRow(place, poseOf(row), k, row, -width, 2 * width);
+    for (size_t i = 0; i < 2; ++i) full[i] += all[i];
+    if (row < 0 || row >= height) continue;
+    const std::array<uint64_t, 2> some = countRow(place, poseOf(row), k, row, 0, width);
+    for (size_t i = 0; i < 2; ++i) inside[i] += some[i];
+  }
+  EXPECT_GE(label.fullPixels, full[0]) << place.name;
+  EXPECT_LE(label.fullPixels, full[1]) << place.name;
+  EXPECT_GE(label.amodalPixels, inside[0]) << place.name;
+  EXPECT_LE(label.amodalPixels, inside[1]) << place.name;
+  EXPECT_GT(full[0], inside[1]) << place.name << " must cross the border";
+  EXPECT_EQ(label.visibleShare, double(label.visiblePixels) / double(label.fullPixels)) << place.name;
+}
+
+const SquareAt kFloor{"floor", {1, 0, 0}, {4, 3}}, kCard{"card", {-0.5, -0.6, 0.5}, {0.7, 0.2}};
+
+// A lens with different focal lengths is a pinhole, too, for cameras and for worlds with intrinsics.
+TEST_P(LabelsTest, PinholeLensesShowWhatIsOutsideTheImage) {
+  constexpr uint32_t kWidth = 80, kHeight = 60;
+  const Scene scene = squares({kFloor, kCard});
+  Renderer renderer(scene, testDevice());
+  for (const auto& [fx, fy] : {std::pair(75.0, 70.0), std::pair(75.0, 75.0)}) {
+    const Pinhole k{fx, fy, 35, 33};
+    Camera camera = scene.lookAt({0, 0.3, 3}, {0.2, 0, 0}, 50);
+    Worlds worlds;
+    worlds.count = 1;
+    worlds.cameras = {camera};
+    worlds.intrinsics = {{k.fx, k.fy, k.cx, k.cy}};
+    // The calibration may be that of an image of another size.
+    camera.lens = Lens{.width = 2 * kWidth, .height = 2 * kHeight, .fx = 2 * fx, .fy = 2 * fy, .cx = 70, .cy = 66};
+    const Options options = small(kWidth, kHeight);
+    for (const Labels& labels : {renderer.labels(camera, options), renderer.labels(worlds, options).front()}) {
+      ASSERT_EQ(labels.objects.size(), 2u);
+      for (const SquareAt& place : {kFloor, kCard})
+        expectCounts(labelOf(labels, std::string("/") + place.name), place, k, kWidth, kHeight,
+                     [&](int64_t) { return matrixOf(camera.cameraToWorld); });
+    }
+  }
+}
+
+// The rows above and below the image continue the times of its rows.
+TEST_P(LabelsTest, RollingShuttersShowWhatIsOutsideTheImage) {
+  constexpr uint32_t kWidth = 48, kHeight = 36;
+  constexpr double kReadout = 0.1;
+  const dvec3 velocity(80, 0, 2);
+  // The card is within the image at the picture's time. Its lower rows are shown later, when they are beyond the left
+  // edge.
+  const SquareAt card{"card", {-0.45, -0.3, 0.5}, {0.6, 0.5}};
+  const Scene scene = squares({kFloor, card});
+  Renderer renderer(scene, testDevice());
+  for (const bool hasLens : {false, true}) {
+    Camera camera = scene.lookAt({0, 0, 3}, {0, 0, 0}, 60);
+    const double focal = kHeight / 2 / std::tan(30 * 3.14159265358979 / 180);
+    const Pinhole k{hasLens ? 28 : focal, focal, kWidth / 2.0, kHeight / 2.0};
+    if (hasLens) camera.lens = Lens{.width = kWidth, .height = kHeight, .fx = k.fx, .fy = k.fy, .cx = k.cx, .cy = k.cy};
+    const auto at = [&](double seconds) {
+      return glm::translate(dmat4(1), seconds * velocity) * matrixOf(camera.cameraToWorld);
+    };
+    Options options = small(kWidth, kHeight);
+    options.framesPerSecond = 10;
+    options.readout = kReadout;
+    options.previousCameras = options.nextCameras = {camera};
+    options.previousCameras.front().cameraToWorld = rowsOf(at(-0.1));
+    options.nextCameras.front().cameraToWorld = rowsOf(at(0.1));
+    const Labels labels = renderer.labels(camera, options);
+    ASSERT_EQ(labels.objects.size(), 2u);
+    for (const SquareAt& place : {kFloor, card})
+      expectCounts(labelOf(labels, std::string("/") + place.name), place, k, kWidth, kHeight,
+                   [&](int64_t row) { return at(((double(row) + 0.5) / kHeight - 0.5) * kReadout); });
   }
 }
 
