@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <set>
 
 #include "base/error.h"
 #include "labels/objects.h"
@@ -112,13 +111,6 @@ class NodeTransforms {
   std::vector<Companion> below_;     // those of the node and all nodes below it
 };
 
-// Returns the ids of the objects that a node belongs to: its own, and those of the skins that it is a joint of.
-std::set<uint32_t> objectsOfNode(const scene::Scene& scene, uint32_t node, const Instances& skinned) {
-  std::set<uint32_t> ids{scene.nodes[node].id};
-  for (const uint32_t i : skinned) ids.insert(scene.instances[i].id);
-  return ids;
-}
-
 bool isInside(glm::dvec2 pixel, const render::Settings& settings) {
   return pixel.x >= 0 && pixel.y >= 0 && pixel.x < settings.width && pixel.y < settings.height;
 }
@@ -128,6 +120,12 @@ bool isInside(glm::dvec2 pixel, const render::Settings& settings) {
 int findNode(const scene::Scene& scene, const std::string& path) {
   const auto found = std::ranges::find(scene.nodes, path, &scene::Node::path);
   return found == scene.nodes.end() ? -1 : static_cast<int>(found - scene.nodes.begin());
+}
+
+std::set<uint32_t> objectsOfNode(const scene::Scene& scene, uint32_t node) {
+  std::set<uint32_t> ids{scene.nodes[node].id};
+  for (const uint32_t i : instancesOfJoint(scene, node)) ids.insert(scene.instances[i].id);
+  return ids;
 }
 
 namespace {
@@ -149,7 +147,7 @@ class KeypointProjector {
                  keypoint.node);
       nodes_.push_back(static_cast<uint32_t>(node));
       skinned_.push_back(instancesOfJoint(scene, nodes_.back()));
-      ids_.push_back(objectsOfNode(scene, nodes_.back(), skinned_.back()));
+      ids_.push_back(objectsOfNode(scene, nodes_.back()));
     }
   }
 

@@ -2,6 +2,7 @@
 // defines it (Lin et al. 2014, "Microsoft COCO: Common Objects in Context").
 #pragma once
 
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -44,5 +45,8 @@ std::vector<std::vector<ProjectedKeypoint>> projectKeypointsOfWorlds(
 
 // Returns the index of the node with this path, or -1.
 int findNode(const scene::Scene& scene, const std::string& path);
+
+// Returns the ids of the objects that a node belongs to: its own, and those of the skins that it is a joint of.
+std::set<uint32_t> objectsOfNode(const scene::Scene& scene, uint32_t node);
 
 }  // namespace latelight::labels
