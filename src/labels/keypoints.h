@@ -25,6 +25,7 @@ enum class KeypointVisibility : uint8_t {
   Visible = 2,
 };
 
+// With a rolling shutter, all values are those of the time at which the keypoint's row is exposed.
 struct ProjectedKeypoint {
   glm::dvec3 position{0};  // in the frame of the settings' axes, meters
   glm::dvec2 pixel{0};     // NaN if the camera does not project it; it may lie outside the image

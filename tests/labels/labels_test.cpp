@@ -310,6 +310,90 @@ TEST_P(LabelsTest, KeypointsThroughALensAndBehindTheCamera) {
   EXPECT_EQ(behind.visibility, 0u);
 }
 
+// Each row has a time of its own, and a keypoint is where its row shows it. The equation of the row is linear in time
+// if the camera and the keypoint move in parallel to the image.
+TEST_P(LabelsTest, KeypointsFollowARollingShutter) {
+  constexpr uint32_t kWidth = 64, kHeight = 48;
+  constexpr double kReadout = 0.1;
+  const dvec3 velocity(3, -2, 0);  // of the camera, which looks along -Z with the image's x along +X
+  const Scene scene = squares({{"wall", {0, 0, 0}, {9, 9}}, {"screen", {0.9, 0, 2}, {0.3, 2}}});
+  Renderer renderer(scene, testDevice());
+  const Camera camera = scene.lookAt({0, 0, 5}, {0, 0, 0}, 60);
+  const auto movedBy = [&](double seconds) {
+    Camera moved = camera;
+    moved.cameraToWorld = rowsOf(glm::translate(dmat4(1), seconds * velocity) * matrixOf(camera.cameraToWorld));
+    return moved;
+  };
+  const double focal = kHeight / 2 / std::tan(30 * 3.14159265358979 / 180);
+  Options options = small(kWidth, kHeight);
+  options.framesPerSecond = 10;
+  options.readout = kReadout;
+  options.previousCameras = {movedBy(-0.1)};
+  options.nextCameras = {movedBy(0.1)};
+  std::vector<Keypoint> keypoints;
+  for (const double x : {-2.5, 0.0, 1.4, 1.6, 2.0})
+    for (const double y : {-2.4, -1.0, 0.0, 1.3, 2.5}) keypoints.push_back({"point", "/wall", {x / 9, y / 9, 0}});
+  size_t occluded = 0;
+  const std::vector<KeypointLabel> labels = renderer.keypoints(camera, keypoints, options);
+  for (size_t i = 0; i < keypoints.size(); ++i) {
+    // v = H / 2 - f (y - vy t) / 5 with t = (v / H - 1 / 2) readout
+    const dvec3 point = 9.0 * dvec3(keypoints[i].position[0], keypoints[i].position[1], 0);
+    const double t = -focal * point.y / 5 / (kHeight / kReadout - focal * velocity.y / 5);
+    const double u = kWidth / 2.0 + focal * (point.x - velocity.x * t) / 5,
+                 v = kHeight / 2.0 - focal * (point.y - velocity.y * t) / 5;
+    EXPECT_NEAR(labels[i].pixel[0], u, 1e-4);
+    EXPECT_NEAR(labels[i].pixel[1], v, 1e-4);
+    EXPECT_NEAR(labels[i].depth, 5, 1e-5);
+    const bool inside = u >= 0 && v >= 0 && u < kWidth && v < kHeight;
+    // The line of sight passes the screen's plane at 3/5 of its length.
+    const double eye = velocity.x * t, passed = eye + 0.6 * (point.x - eye);
+    if (std::abs(std::abs(passed - 0.9) - 0.3) < 0.02) continue;  // near its edges
+    EXPECT_EQ(labels[i].visibility, !inside ? 0u : std::abs(passed - 0.9) < 0.3 ? 1u : 2u) << point.x << ' ' << point.y;
+    occluded += labels[i].visibility == 1;
+  }
+  EXPECT_GT(occluded, 3u);
+}
+
+// Where the scene moves, the keypoint's node and the surfaces are those of the row's time.
+TEST_P(LabelsTest, KeypointsOfMovingNodesFollowARollingShutter) {
+  constexpr uint32_t kSize = 64;
+  constexpr double kReadout = 0.2;
+  Scene scene;
+  const Handle<Material> material = scene.addMaterial(Material{.name = "plain", .doubleSided = true});
+  scene.addInstance(scene.addMesh(square()), material, rowsOf(glm::scale(dmat4(1), dvec3(9, 9, 1))), "wall");
+  NodeData mover{.name = "mover", .parts = {{scene.addMesh(square()), material}}};
+  const std::string path = scene.addNode(mover);
+  // 0.5 m in front of the wall, from x = -4 m to 4 m and 2 m upward in a second.
+  scene.addAnimation(
+      "move",
+      {{.node = path, .property = AnimatedProperty::Translation, .times = {0, 1}, .values = {-4, -1, 0.5, 4, 1, 0.5}}});
+  Renderer renderer(scene, testDevice());
+  const Camera camera = scene.lookAt({0, 0, 5.5}, {0, 0, 0}, 60);
+  Options options = small(kSize, kSize);
+  options.time = 0.5;
+  options.animation = "move";
+  options.readout = kReadout;
+  // Corners of the square, and points of the wall, which is at -Z of the square.
+  const std::vector<Keypoint> keypoints{{"up", path, {-0.9, 0.9, 0}},
+                                        {"down", path, {0.9, -0.9, 0}},
+                                        {"covered", "/wall", {1.2 / 9, -0.1, 0}},
+                                        {"open", "/wall", {-1.0 / 9, -0.1, 0}}};
+  const std::vector<KeypointLabel> labels = renderer.keypoints(camera, keypoints, options);
+  const double focal = kSize / 2 / std::tan(30 * 3.14159265358979 / 180);
+  for (size_t i = 0; i < 2; ++i) {
+    // v = S / 2 - f (y + 2 t) / 5 with t = (v / S - 1 / 2) readout
+    const double x = keypoints[i].position[0], y = keypoints[i].position[1];
+    const double t = -focal * y / 5 / (kSize / kReadout + focal * 2 / 5);
+    EXPECT_NEAR(labels[i].pixel[0], kSize / 2.0 + focal * (x + 8 * t) / 5, 1e-3);
+    EXPECT_NEAR(labels[i].pixel[1], kSize / 2.0 - focal * (y + 2 * t) / 5, 1e-3);
+    EXPECT_EQ(labels[i].visibility, 2u);
+  }
+  // The wall's points are at y = -0.9 and in row 32 + f 0.9 / 5.5 = 41.07, 0.0283 s after the image's time: the square
+  // is then at x = 0.227, and covers [-0.85, 1.35] of the wall instead of [-1.1, 1.1], seen from x = 0 at 5.5 m.
+  EXPECT_EQ(labels[2].visibility, 1u);
+  EXPECT_EQ(labels[3].visibility, 2u);
+}
+
 TEST_P(LabelsTest, AKeypointNeedsItsNode) {
   const Scene scene = squares({{"wall", {0, 0, 0}, {1, 1}}});
   Renderer renderer(scene, testDevice());
