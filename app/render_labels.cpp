@@ -11,6 +11,7 @@
 #include "data/json_builder.h"
 #include "data/json_text.h"
 #include "output/files.h"
+#include "render/submit/id_manifest.h"
 
 namespace latelight::app {
 
@@ -63,15 +64,13 @@ std::optional<data::ObjectLabels> planLabels(const RenderOptions& o) {
 }
 
 void warnOfMissingNodes(const data::ObjectLabels& labels, const scene::Scene& scene) {
-  for (const data::ObjectKeypoint& keypoint : labels.keypoints) {
-    const std::string end = "/" + keypoint.node;
-    const auto isBelow = [&](const scene::Node& node) { return node.path.ends_with(end); };
-    if (!keypoint.node.empty() && std::ranges::none_of(scene.nodes, isBelow))
-      warn(
-          "no object has the node \"{}\" of the keypoint {}: \"node\" is a path below the object's own, as in "
-          "\"Hips/Head\"",
-          keypoint.node, keypoint.name);
-  }
+  if (labels.keypoints.empty()) return;
+  const output::IdManifest manifest = render::idManifest(scene);
+  const data::KeypointNodes nodes(scene, labels.keypoints);
+  for (size_t i = 0; i < labels.keypoints.size(); ++i)
+    if (std::ranges::none_of(manifest.ids, [&](const auto& object) { return nodes.of(object, i).has_value(); }))
+      warn("no object has the node \"{}\" of the keypoint {}: \"node\" is {}", labels.keypoints[i].node,
+           labels.keypoints[i].name, data::kKeypointNodeHelp);
 }
 
 std::filesystem::path keypointsFile(const RenderOptions& o) {

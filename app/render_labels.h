@@ -22,7 +22,7 @@ namespace latelight::app {
 // Error(BadInput) if the file of the keypoints cannot be read.
 std::optional<data::ObjectLabels> planLabels(const RenderOptions& options);
 
-// Warns of keypoints whose node is below no node of the scene.
+// Warns of keypoints whose node no object of the scene has.
 void warnOfMissingNodes(const data::ObjectLabels& labels, const scene::Scene& scene);
 
 // The file that --keypoints names; empty if there is none.

@@ -126,11 +126,14 @@ def measure(sensor: DepthSensor, depth: npt.ArrayLike, incidence: npt.ArrayLike,
 
 def _shadow(renderer: Renderer, camera: Camera, sensor: DepthSensor, points: Array, seen: Array,
             options: dict[str, Any]) -> Array:  # fmt: skip
-    """Returns True for the points (H, W, 3) that are seen and that the projector does not reach."""
+    """Returns True for the points (H, W, 3) that are seen and that the projector does not reach.
+
+    points: relative to the camera's eye, because their floats have no millimeters far from the origin
+    """
     pose = np.asarray(camera.camera_to_world, np.float64)
-    projector = pose[:3, 3] + pose[:3, 0] * sensor.baseline
-    targets = points[seen].astype(np.float64)
-    directions = targets - projector
+    offset = pose[:3, 0] * sensor.baseline
+    projector = pose[:3, 3] + offset
+    directions = points[seen].astype(np.float64) - offset
     lengths = np.linalg.norm(directions, axis=1)
     hits = renderer.cast(np.broadcast_to(projector, directions.shape), directions, **options)
     hidden = np.zeros(seen.shape, bool)
@@ -142,18 +145,21 @@ def capture(renderer: Renderer, camera: Camera, size: tuple[int, int], sensor: D
             **options: Any) -> DepthFrame:  # fmt: skip
     """Renders exact depth, and measures it as the sensor does.
 
-    camera: a perspective camera, without a lens model; size: width and height in pixels; seed: of the noise, or None
-    for quantization and shadows only; options: those of Renderer.render() and Renderer.cast(), such as time
+    camera: a perspective camera, whose lens, if it has one, is a pinhole; size: width and height in pixels; seed: of
+    the noise, or None for quantization and shadows only; options: those of Renderer.render() and Renderer.cast(), such
+    as time
 
     The shadow of structured light is traced: pixels whose point the projector does not reach have no value.
     """
-    if camera.orthographic or camera.lens is not None:
-        raise UsageError("a depth sensor needs a perspective camera without a lens model")
+    if camera.orthographic or (camera.lens is not None and camera.lens.model != "pinhole"):
+        raise UsageError("a depth sensor needs a perspective camera without a lens that bends rays")
     for name in ("axes", "position_origin", "normal_frame"):
         if name in options:
             raise UsageError(f"a depth sensor measures in its camera's frame, so it has no option {name}")
     k = np.asarray(camera.k(size), np.float64)
-    frame = renderer.render(camera, size, ("depth", "geonormal", "position"), **{**options, "normal_frame": "opencv"})
+    eye = ",".join(repr(float(value)) for value in camera.camera_to_world[:3, 3])
+    frames = {"normal_frame": "opencv", "position_origin": eye}
+    frame = renderer.render(camera, size, ("depth", "geonormal", "position"), **options, **frames)
     depth = frame["depth"]
     seen = np.isfinite(depth) & (depth > 0)
     x = (np.arange(size[0]) + 0.5 - k[0, 2]) / k[0, 0]

@@ -240,7 +240,9 @@ std::vector<Correspondence> Renderer::correspond(const Worlds& worlds, const Opt
     WorldRays rays{.origins = {.element = WorldArray::Element::Float64, .host = sights.origins.data()},
                    .directions = {.element = WorldArray::Element::Float64, .host = sights.directions.data()},
                    .count = sights.count};
-    cast(next, rays, {"distance"}, options).at("distance").copyToHost(std::as_writable_bytes(std::span(distances)));
+    Options castOptions = options;
+    castOptions.normalFrame = "world";  // the only frame that rays accept; no normals are cast
+    cast(next, rays, {"distance"}, castOptions).at("distance").copyToHost(std::as_writable_bytes(std::span(distances)));
   }
   std::vector<Correspondence> all;
   const size_t each = views.size() / worlds.count;

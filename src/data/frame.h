@@ -48,6 +48,8 @@ struct DataFrame {
   uint32_t variation = 0;   // the variation's index
   uint32_t camera = 0;      // the camera's index among those of the scene
   CameraExposure exposure;  // of the camera, where it differs from the job's options
+  // The camera at the times of the image's upper and lower edge if it moves while rows are read out; otherwise empty.
+  std::vector<output::CameraMetadata> edges{};
 
   std::vector<Object> objects;  // sorted by id
   KeypointsOfObjects keypoints;

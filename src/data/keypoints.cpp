@@ -4,7 +4,6 @@
 
 #include <limits>
 #include <set>
-#include <unordered_set>
 
 #include "base/error.h"
 #include "data/spec.h"
@@ -27,24 +26,40 @@ std::vector<ObjectKeypoint> readKeypoints(const nlohmann::ordered_json& list, co
   return keypoints;
 }
 
+KeypointNodes::KeypointNodes(const scene::Scene& scene, const std::vector<ObjectKeypoint>& keypoints)
+    : keypoints_(keypoints) {
+  for (const scene::Node& node : scene.nodes) paths_.insert(node.path);
+  for (const ObjectKeypoint& keypoint : keypoints) {
+    const int node = keypoint.node.starts_with('/') ? labels::findNode(scene, keypoint.node) : -1;
+    ids_.push_back(node < 0 ? std::set<uint32_t>() : labels::objectsOfNode(scene, static_cast<uint32_t>(node)));
+  }
+}
+
+std::optional<std::string> KeypointNodes::of(const output::IdEntry& object, size_t i) const {
+  if (object.parts.empty()) return std::nullopt;
+  const std::string& node = keypoints_[i].node;
+  if (node.starts_with('/')) {
+    const bool isBelow = paths_.contains(node) && node.starts_with(object.node + "/");
+    return isBelow || ids_[i].contains(object.id) ? std::optional(node) : std::nullopt;
+  }
+  const std::string path = node.empty() ? object.node : object.node + "/" + node;
+  return paths_.contains(path) ? std::optional(path) : std::nullopt;
+}
+
 KeypointsOfObjects keypointsOfObjects(render::Renderer& renderer, const scene::Scene& scene,
                                       const scene::Camera& camera, const render::Settings& settings,
                                       const render::SceneState& moment, const output::IdManifest& ids,
                                       const std::vector<ObjectKeypoint>& keypoints) {
-  std::unordered_set<std::string> paths;
-  for (const scene::Node& node : scene.nodes) paths.insert(node.path);
+  const KeypointNodes nodes(scene, keypoints);
   std::vector<labels::Keypoint> points;
   std::vector<std::pair<uint32_t, size_t>> owners;  // the object and the number of each point
-  for (const output::IdEntry& entry : ids.ids) {
-    if (entry.parts.empty()) continue;
+  for (const output::IdEntry& entry : ids.ids)
     for (size_t i = 0; i < keypoints.size(); ++i) {
-      const ObjectKeypoint& k = keypoints[i];
-      const std::string node = k.node.empty() ? entry.node : entry.node + "/" + k.node;
-      if (!paths.contains(node)) continue;
-      points.push_back({k.name, node, k.position, k.thickness});
+      std::optional<std::string> node = nodes.of(entry, i);
+      if (!node) continue;
+      points.push_back({keypoints[i].name, std::move(*node), keypoints[i].position, keypoints[i].thickness});
       owners.emplace_back(entry.id, i);
     }
-  }
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const labels::ProjectedKeypoint missing{.position = glm::dvec3(kNone), .pixel = glm::dvec2(kNone), .depth = kNone};
   KeypointsOfObjects result;

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "render/exposure/camera_motion.h"
 #include "render/frame/view.h"
 #include "render/submit/session.h"
 #include "scene/framing.h"
@@ -138,10 +139,14 @@ class IsolatedRenderer {
 
  private:
   ScreenBounds boundsOf(size_t view, const Object& object) const {
-    // Rows that are read out at different times show an object anywhere near its bounds.
-    if (cameras_[view].lens || settings_.readout != 0)
-      return {ScreenBounds::Inside, 0, views_[view].size.x, 0, views_[view].size.y};
-    return screenBoundsOf(views_[view], viewFromPositions_[view] * object.toWorld, object);
+    const ScreenBounds everywhere{ScreenBounds::Inside, 0, views_[view].size.x, 0, views_[view].size.y};
+    if (render::bendsRays(cameras_[view])) return everywhere;
+    const ScreenBounds bounds = screenBoundsOf(views_[view], viewFromPositions_[view] * object.toWorld, object);
+    if (settings_.readout == 0) return bounds;
+    // The bounds are those of the picture's time, and each row has a time of its own.
+    ScreenBounds inTime = everywhere;
+    if (bounds.containment != ScreenBounds::Inside) inTime.containment = ScreenBounds::Across;
+    return inTime;
   }
 
   static std::vector<IsolatedImage> imagesOf(const std::vector<Group>& groups) {
@@ -232,16 +237,54 @@ class DepthOrder {
   std::vector<Covered> covered_;
 };
 
-// Returns the camera for a picture three times as wide and high around the camera's own picture. Empty for cameras with
-// a lens, and if the picture would be too large or the field of view too wide.
-std::optional<scene::Camera> widened(const scene::Camera& camera, const render::Settings& settings) {
-  if (camera.lens || 3 * std::max(settings.width, settings.height) > kWidest) return std::nullopt;
+// Returns the camera for a picture three times as wide and high around the camera's own picture.
+scene::Camera widened(const scene::Camera& camera) {
   scene::Camera wide = camera;
+  if (auto& lens = wide.lens) {  // a pinhole: it replaces the field of view and the principal point
+    lens->cx += lens->width;
+    lens->cy += lens->height;
+    lens->width *= 3;
+    lens->height *= 3;
+    return wide;
+  }
   wide.verticalFov = 2 * std::atan(3 * std::tan(camera.verticalFov / 2));
   wide.yHalf = 3 * camera.yHalf;
   wide.principal = camera.principal / 3.0f;
-  if (!wide.orthographic && !scene::isUsableFieldOfView(wide.verticalFov)) return std::nullopt;
   return wide;
+}
+
+// Returns false for lenses that bend rays, and if the picture would be too large or the field of view too wide.
+bool canWiden(const scene::Camera& camera, const render::Settings& settings) {
+  if (render::bendsRays(camera) || 3 * std::max(settings.width, settings.height) > kWidest) return false;
+  return camera.orthographic || camera.lens || scene::isUsableFieldOfView(widened(camera).verticalFov);
+}
+
+// Returns the settings of the enlarged picture. The rows of its central third have the times of the original rows.
+render::Settings widened(const render::Settings& settings) {
+  render::Settings large = settings;
+  large.width *= 3;
+  large.height *= 3;
+  large.readout *= 3;
+  return large;
+}
+
+// Returns the state of the scene for the enlarged picture. Only instantaneous pictures may have several cameras.
+render::SceneState widened(const render::SceneState& moment, const std::vector<scene::Camera>& cameras,
+                           const render::Settings& settings) {
+  render::SceneState wide = render::onlyReadout(moment, settings);
+  if (settings.readout == 0) return wide;
+  const render::CameraMotion motion(cameras, wide.previousCameras, wide.nextCameras, wide.motion,
+                                    1 / settings.framesPerSecond);
+  wide.previousCameras.clear();
+  wide.nextCameras.clear();
+  if (motion.movesCameras())
+    wide.motion.cameraAt = [motion](size_t i, double seconds) { return widened(motion.at(i, seconds)); };
+  return wide;
+}
+
+bool touchesEdge(const Mask& mask) {
+  const PixelBox box = mask.box();
+  return box.x == 0 || box.y == 0 || box.x + box.width == mask.width || box.y + box.height == mask.height;
 }
 
 PixelBox around(const PixelBox& a, const PixelBox& b) {
@@ -273,11 +316,12 @@ void renderIsolated(render::Renderer& renderer, const scene::Scene& scene, const
                     const render::Settings& settings, const render::SceneState& moment,
                     std::span<std::vector<Object>> objects, bool order) {
   IsolatedRenderer alone(renderer, scene, cameras, settings, moment, order);
-  std::vector<std::pair<size_t, Object*>> across;  // with their views
+  std::vector<std::pair<size_t, Object*>> across, inside;  // with their views
   for (size_t view = 0; view < cameras.size(); ++view)
     for (Object& object : objects[view]) {
       object.alone = {settings.width, settings.height, {settings.width * settings.height}};
-      if (alone.add(view, object) == ScreenBounds::Across) across.emplace_back(view, &object);
+      const bool isInside = alone.add(view, object) == ScreenBounds::Inside;
+      (isInside ? inside : across).emplace_back(view, &object);
     }
   std::vector<DepthOrder> depths(cameras.size());
   alone.render([&](const IsolatedImage& image, const std::vector<output::AovImage>& pictures) {
@@ -285,19 +329,15 @@ void renderIsolated(render::Renderer& renderer, const scene::Scene& scene, const
     if (order) depths[image.view].add(image, pictures.front(), pictures.back());
   });
   for (DepthOrder& each : depths) each.finish();
-  render::Settings large = settings;
-  large.width *= 3;
-  large.height *= 3;
-  std::vector<scene::Camera> wide = cameras;
-  std::vector<uint8_t> hasWide(cameras.size(), 0);
-  for (size_t view = 0; view < cameras.size(); ++view)
-    if (auto camera = widened(cameras[view], settings)) {
-      wide[view] = std::move(*camera);
-      hasWide[view] = 1;
-    }
-  IsolatedRenderer beyond(renderer, scene, wide, large, moment, false);
+  std::vector<scene::Camera> wide;
+  for (const scene::Camera& camera : cameras) wide.push_back(canWiden(camera, settings) ? widened(camera) : camera);
+  IsolatedRenderer beyond(renderer, scene, wide, widened(settings), widened(moment, cameras, settings), false);
+  // With a rolling shutter, objects that are inside at the picture's time can cross its border at another row's time.
+  if (settings.readout != 0)
+    for (const auto& each : inside)
+      if (touchesEdge(each.second->alone)) across.push_back(each);
   for (const auto& [view, object] : across)
-    if (hasWide[view]) beyond.add(view, *object);
+    if (object->alone.area() > 0 && canWiden(cameras[view], settings)) beyond.add(view, *object);
   beyond.render(addBeyond);
 }
 

@@ -13,9 +13,9 @@ namespace latelight::labels {
 // Fills Object::alone, Object::pixels and Object::full. The masks come from the output `id`, rendered with the frame's
 // settings but without lighting. Objects whose screen bounds do not overlap share a view, and several views are
 // rendered at once. Objects that cross the picture's border are rendered a second time in a picture three times as wide
-// and high around it. Pixels beyond the border are not counted if there can be no such picture: for cameras with a lens
-// and for the largest sizes. An object at exactly the position of another object with the same mesh and material is
-// never drawn and has an empty mask.
+// and high around it. Pixels beyond the border are not counted if there can be no such picture: for lenses that bend
+// rays and for the largest sizes. An object at exactly the position of another object with the same mesh and material
+// is never drawn and has an empty mask.
 //
 // `order` also fills Object::occludes: the distances of the isolated objects tell which is in front of which at the
 // pixels that both cover.

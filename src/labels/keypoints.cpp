@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
-#include <set>
 
 #include "base/error.h"
 #include "labels/objects.h"
 #include "labels/projector.h"
 #include "labels/sight.h"
+#include "render/exposure/camera_motion.h"
 #include "render/submit/describe.h"
 #include "scene/file_frame.h"
 #include "scene/objects.h"
@@ -112,13 +113,6 @@ class NodeTransforms {
   std::vector<Companion> below_;     // those of the node and all nodes below it
 };
 
-// Returns the ids of the objects that a node belongs to: its own, and those of the skins that it is a joint of.
-std::set<uint32_t> objectsOfNode(const scene::Scene& scene, uint32_t node, const Instances& skinned) {
-  std::set<uint32_t> ids{scene.nodes[node].id};
-  for (const uint32_t i : skinned) ids.insert(scene.instances[i].id);
-  return ids;
-}
-
 bool isInside(glm::dvec2 pixel, const render::Settings& settings) {
   return pixel.x >= 0 && pixel.y >= 0 && pixel.x < settings.width && pixel.y < settings.height;
 }
@@ -130,12 +124,47 @@ int findNode(const scene::Scene& scene, const std::string& path) {
   return found == scene.nodes.end() ? -1 : static_cast<int>(found - scene.nodes.begin());
 }
 
+std::set<uint32_t> objectsOfNode(const scene::Scene& scene, uint32_t node) {
+  std::set<uint32_t> ids{scene.nodes[node].id};
+  for (const uint32_t i : instancesOfJoint(scene, node)) ids.insert(scene.instances[i].id);
+  return ids;
+}
+
 namespace {
 
 // Keypoints of one image, before it is known which are visible.
 struct Projections {
   std::vector<ProjectedKeypoint> all;
   std::vector<size_t> inside;  // those within the image
+
+  void add(const ProjectedKeypoint& keypoint, const render::Settings& settings) {
+    if (isInside(keypoint.pixel, settings)) inside.push_back(all.size());
+    all.push_back(keypoint);
+  }
+};
+
+// The image of a camera at an instant.
+class KeypointView {
+ public:
+  KeypointView(const scene::Camera& camera, const scene::Scene& scene, const render::Settings& settings)
+      : frameFromWorld_(settings.axes == render::Axes::ZUp ? glm::dmat4(1) : scene::fileFromWorld(scene)),
+        described_(render::describeCamera(camera, scene, settings)),
+        cameraFromFrame_(glm::inverse(described_.cameraToWorld)) {}
+
+  // `point`: in the world.
+  ProjectedKeypoint project(const glm::dvec3& point) const {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    ProjectedKeypoint projected{.position = glm::dvec3(frameFromWorld_ * glm::dvec4(point, 1))};
+    const auto at = Projector(described_).project(glm::dvec3(cameraFromFrame_ * glm::dvec4(projected.position, 1)));
+    projected.pixel = at ? glm::dvec2(*at) : glm::dvec2(kNone);
+    projected.depth = at ? at->z : kNone;
+    return projected;
+  }
+
+ private:
+  glm::dmat4 frameFromWorld_;
+  output::CameraMetadata described_;
+  glm::dmat4 cameraFromFrame_;
 };
 
 class KeypointProjector {
@@ -149,29 +178,21 @@ class KeypointProjector {
                  keypoint.node);
       nodes_.push_back(static_cast<uint32_t>(node));
       skinned_.push_back(instancesOfJoint(scene, nodes_.back()));
-      ids_.push_back(objectsOfNode(scene, nodes_.back(), skinned_.back()));
+      ids_.push_back(objectsOfNode(scene, nodes_.back()));
     }
   }
 
   Projections project(const scene::Camera& camera, const render::SceneState& moment) const {
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    const bool zUp = settings_.axes == render::Axes::ZUp;
-    const glm::dmat4 frameFromWorld = zUp ? glm::dmat4(1) : scene::fileFromWorld(scene_);
-    const output::CameraMetadata described = render::describeCamera(camera, scene_, settings_);
-    const Projector projector(described);
-    const glm::dmat4 cameraFromFrame = glm::inverse(described.cameraToWorld);
+    const KeypointView view(camera, scene_, settings_);
     const NodeTransforms nodes(scene_, moment, camera.world);
     Projections projected;
-    for (size_t i = 0; i < keypoints_.size(); ++i) {
-      ProjectedKeypoint& p = projected.all.emplace_back();
-      p.position =
-          glm::dvec3(frameFromWorld * nodes.of(nodes_[i], skinned_[i]) * glm::dvec4(keypoints_[i].position, 1));
-      const auto at = projector.project(glm::dvec3(cameraFromFrame * glm::dvec4(p.position, 1)));
-      p.pixel = at ? glm::dvec2(*at) : glm::dvec2(kNone);
-      p.depth = at ? at->z : kNone;
-      if (at && isInside(p.pixel, settings_)) projected.inside.push_back(i);
-    }
+    for (size_t i = 0; i < keypoints_.size(); ++i) projected.add(at(i, view, nodes), settings_);
     return projected;
+  }
+
+  // Returns the keypoint in a view, without its visibility. `nodes`: at the time of the view.
+  ProjectedKeypoint at(size_t i, const KeypointView& view, const NodeTransforms& nodes) const {
+    return view.project(glm::dvec3(nodes.of(nodes_[i], skinned_[i]) * glm::dvec4(keypoints_[i].position, 1)));
   }
 
   KeypointVisibility visibility(size_t keypoint, const Sight& sight) const {
@@ -189,17 +210,109 @@ class KeypointProjector {
   std::vector<std::set<uint32_t>> ids_;  // objects of each keypoint's node
 };
 
+// Keypoints of an image with a rolling shutter: each of them is where its row shows it, at the time of this row.
+class RollingKeypoints {
+ public:
+  RollingKeypoints(const KeypointProjector& projector, const scene::Scene& scene, const scene::Camera& camera,
+                   const render::Settings& settings, const render::SceneState& moment)
+      : projector_(projector),
+        scene_(scene),
+        settings_(settings),
+        moment_(moment),
+        motion_({camera}, moment.previousCameras, moment.nextCameras, moment.motion, 1 / settings.framesPerSecond),
+        nodes_(scene, moment, 0) {}
+
+  bool areMoved() const { return settings_.readout != 0 && (motion_.movesCameras() || motion_.movesScene()); }
+
+  // A root of "row of the projection at the time of a row" = "this row", by the secant method.
+  ProjectedKeypoint project(size_t i) const {
+    constexpr int kMaxSteps = 16;
+    constexpr double kPrecision = 1e-6;  // pixels
+    const double height = settings_.height;
+    double row = height / 2, lastRow = 0, lastError = 0;
+    ProjectedKeypoint projected;
+    for (int step = 0; step < kMaxSteps; ++step) {
+      projected = at(i, row);
+      const double error = projected.pixel.y - row;
+      if (!(std::abs(error) > kPrecision)) break;  // also if the camera does not project it
+      const double slope = step > 0 ? (error - lastError) / (row - lastRow) : -1;
+      lastRow = row;
+      lastError = error;
+      row = std::clamp(slope < 0 ? row - error / slope : row + error, -height, 2 * height);
+      if (row == lastRow) break;
+    }
+    return projected;
+  }
+
+  // Returns the lines of sight to the keypoints with these indices, each at the time of its row.
+  std::vector<Sight> sights(render::Renderer& renderer, const Projections& projected) const {
+    std::map<double, std::vector<size_t>> rows;  // the indices in projected.inside
+    for (size_t i = 0; i < projected.inside.size(); ++i)
+      rows[std::floor(projected.all[projected.inside[i]].pixel.y) + 0.5].push_back(i);
+    std::vector<SightSegment> segments;
+    std::vector<size_t> order;
+    std::vector<Sight> sights(projected.inside.size());
+    const auto cast = [&](const render::SceneState& state) {
+      const std::vector<Sight> some = sightsOf(renderer, segments, settings_, state, kPointSlack);
+      for (size_t i = 0; i < some.size(); ++i) sights[order[i]] = some[i];
+      segments.clear();
+      order.clear();
+    };
+    for (const auto& [row, indices] : rows) {
+      const scene::Camera camera = motion_.at(0, secondsOf(row));
+      for (const size_t i : indices) {
+        const glm::dvec3 point = at(projected.inside[i], row).position;
+        segments.push_back(sightSegment(point, camera, scene_, settings_.axes == render::Axes::ZUp));
+        order.push_back(i);
+      }
+      if (motion_.movesScene()) cast(stateAt(row));
+    }
+    if (!segments.empty()) cast(moment_);
+    return sights;
+  }
+
+ private:
+  // `row`: a vertical pixel coordinate. Rows above and below the image continue the times of its rows.
+  double secondsOf(double row) const { return (row / settings_.height - 0.5) * settings_.readout; }
+
+  render::SceneState stateAt(double row) const {
+    const scene::Pose pose = motion_.poseAt(secondsOf(row));
+    return {.poses = {pose, pose, pose}};
+  }
+
+  ProjectedKeypoint at(size_t i, double row) const {
+    const KeypointView view(motion_.at(0, secondsOf(row)), scene_, settings_);
+    if (!motion_.movesScene()) return projector_.at(i, view, nodes_);
+    const render::SceneState state = stateAt(row);
+    return projector_.at(i, view, NodeTransforms(scene_, state, 0));
+  }
+
+  const KeypointProjector& projector_;
+  const scene::Scene& scene_;
+  const render::Settings& settings_;
+  const render::SceneState& moment_;
+  render::CameraMotion motion_;
+  NodeTransforms nodes_;  // at the image's time
+};
+
 }  // namespace
 
 std::vector<ProjectedKeypoint> projectKeypoints(render::Renderer& renderer, const scene::Scene& scene,
                                                 const scene::Camera& camera, const render::Settings& settings,
                                                 const render::SceneState& moment, std::span<const Keypoint> keypoints) {
   const KeypointProjector projector(scene, settings, keypoints);
-  Projections projected = projector.project(camera, moment);
+  const RollingKeypoints rolling(projector, scene, camera, settings, moment);
+  Projections projected;
+  if (rolling.areMoved())
+    for (size_t i = 0; i < keypoints.size(); ++i) projected.add(rolling.project(i), settings);
+  else
+    projected = projector.project(camera, moment);
   if (projected.inside.empty()) return projected.all;
   std::vector<glm::dvec3> points;
   for (const size_t i : projected.inside) points.push_back(projected.all[i].position);
-  const std::vector<Sight> sights = sightsOf(renderer, scene, camera, settings, moment, points, kPointSlack);
+  const std::vector<Sight> sights = rolling.areMoved()
+                                        ? rolling.sights(renderer, projected)
+                                        : sightsOf(renderer, scene, camera, settings, moment, points, kPointSlack);
   for (size_t i = 0; i < points.size(); ++i)
     projected.all[projected.inside[i]].visibility = projector.visibility(projected.inside[i], sights[i]);
   return projected.all;

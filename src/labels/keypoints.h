@@ -2,6 +2,7 @@
 // defines it (Lin et al. 2014, "Microsoft COCO: Common Objects in Context").
 #pragma once
 
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,6 +25,7 @@ enum class KeypointVisibility : uint8_t {
   Visible = 2,
 };
 
+// With a rolling shutter, all values are those of the time at which the keypoint's row is exposed.
 struct ProjectedKeypoint {
   glm::dvec3 position{0};  // in the frame of the settings' axes, meters
   glm::dvec2 pixel{0};     // NaN if the camera does not project it; it may lie outside the image
@@ -44,5 +46,8 @@ std::vector<std::vector<ProjectedKeypoint>> projectKeypointsOfWorlds(
 
 // Returns the index of the node with this path, or -1.
 int findNode(const scene::Scene& scene, const std::string& path);
+
+// Returns the ids of the objects that a node belongs to: its own, and those of the skins that it is a joint of.
+std::set<uint32_t> objectsOfNode(const scene::Scene& scene, uint32_t node);
 
 }  // namespace latelight::labels

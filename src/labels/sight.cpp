@@ -54,22 +54,29 @@ SightSegment sightSegment(const glm::dvec3& point, const scene::Camera& camera, 
   return segmentTo(point, render::openCvPose(camera, scene, zUp), camera.orthographic);
 }
 
+std::vector<Sight> sightsOf(render::Renderer& renderer, std::span<const SightSegment> segments,
+                            const render::Settings& settings, const render::SceneState& moment, double slack) {
+  std::vector<glm::dvec3> origins, directions;
+  for (const SightSegment& segment : segments) {
+    origins.push_back(segment.origin);
+    directions.push_back(segment.direction);
+  }
+  render::Settings cast = settings;
+  cast.normalFrame = render::NormalFrame::World;  // the only frame that rays accept; no normals are cast
+  const render::CastHits hits = renderer.cast({.origins = origins, .directions = directions}, cast, moment).hits;
+  std::vector<Sight> sights;
+  for (size_t i = 0; i < segments.size(); ++i)
+    sights.push_back(sightAt(segments[i], hits.distance[i], hits.id[i], slack));
+  return sights;
+}
+
 std::vector<Sight> sightsOf(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
                             const render::Settings& settings, const render::SceneState& moment,
                             std::span<const glm::dvec3> points, double slack) {
   const glm::dmat4 pose = render::openCvPose(camera, scene, settings.axes == render::Axes::ZUp);
   std::vector<SightSegment> segments;
-  std::vector<glm::dvec3> origins, directions;
-  for (const glm::dvec3& point : points) {
-    const SightSegment& segment = segments.emplace_back(segmentTo(point, pose, camera.orthographic));
-    origins.push_back(segment.origin);
-    directions.push_back(segment.direction);
-  }
-  const render::CastHits hits = renderer.cast({.origins = origins, .directions = directions}, settings, moment).hits;
-  std::vector<Sight> sights;
-  for (size_t i = 0; i < points.size(); ++i)
-    sights.push_back(sightAt(segments[i], hits.distance[i], hits.id[i], slack));
-  return sights;
+  for (const glm::dvec3& point : points) segments.push_back(segmentTo(point, pose, camera.orthographic));
+  return sightsOf(renderer, segments, settings, moment, slack);
 }
 
 std::vector<Sight> sightsOfWorlds(render::Renderer& renderer, const scene::Scene& scene,

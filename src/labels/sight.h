@@ -27,6 +27,10 @@ struct SightSegment {
 };
 SightSegment sightSegment(const glm::dvec3& point, const scene::Camera& camera, const scene::Scene& scene, bool zUp);
 
+// The same for lines of sight from several cameras.
+std::vector<Sight> sightsOf(render::Renderer& renderer, std::span<const SightSegment> segments,
+                            const render::Settings& settings, const render::SceneState& moment, double slack);
+
 // A point and the camera that looks at it, which shows a world.
 struct SightLine {
   const scene::Camera* camera;

@@ -154,6 +154,36 @@ TEST_F(LabelsOfRender, WarnOfNodesThatNoObjectHas) {
   EXPECT_FALSE(warned("back"));
 }
 
+// The skeleton is next to the mesh "/worm". Joint i is at (0, i * 0.5 m, 0).
+TEST_F(LabelsOfRender, PathsInTheSceneNameJoints) {
+  const std::string points = R"([{"name": "foot", "node": "/joint 0", "thickness": 1},
+                                 {"name": "knee", "node": "/joint 0/joint 1", "position": [0.1, 0, 0], "thickness": 1},
+                                 {"name": "worm", "node": "/worm", "thickness": 1},
+                                 {"name": "none", "node": "joint 0"},
+                                 {"name": "wrong", "node": "/joint 7"}])";
+  const Outcome outcome =
+      latelight({.arguments = {"render", "--device", "cpu", models::modelPath("skinned.glb").string(), "--size=64x64",
+                               "--eye=0,0.5,4", "--target=0,0.5,0", "--lens=pinhole:64,64,32,32", "--labels",
+                               "labels.json", "--keypoints", points},
+                 .folder = folder.path()});
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  for (const char* node : {"joint 0", "/joint 7"})
+    EXPECT_THAT(outcome.text(), testing::HasSubstr("no object has the node \"" + std::string(node) + "\""));
+  EXPECT_THAT(outcome.text(), testing::Not(testing::HasSubstr("no object has the node \"/joint 0")));
+  const json all = json::parse(folder.read("labels.json"));
+  const json& keypoints = object(all, "/worm")["keypoints"];
+  ASSERT_EQ(keypoints.size(), 5u);
+  const auto expect = [&](size_t i, double x, double y) {
+    EXPECT_NEAR(keypoints[i]["pixel"][0].get<double>(), 32 + 16 * x, 1e-4) << i;
+    EXPECT_NEAR(keypoints[i]["pixel"][1].get<double>(), 32 + 16 * (0.5 - y), 1e-4) << i;
+    EXPECT_EQ(keypoints[i]["visibility"], 2) << i;
+  };
+  expect(0, 0, 0);
+  expect(1, 0.1, 0.5);
+  expect(2, 0, 0);
+  for (const size_t i : {3, 4}) EXPECT_TRUE(keypoints[i]["pixel"].is_null());
+}
+
 TEST_F(LabelsOfRender, OfASphere) {
   folder.write("ball.obj", sphere());
   const json all =

@@ -422,6 +422,26 @@ TEST(CameraMotion, IsUniformBetweenFrames) {
   EXPECT_FALSE(CameraMotion({now}, {now}, {now}, {}, 1).movesCameras());
 }
 
+// Pinhole lenses zoom and shift, as the field of view and the principal point of cameras without a lens do.
+TEST(CameraMotion, ChangesPinholeLenses) {
+  scene::Camera now;
+  now.lens = scene::Lens{.width = 64, .height = 48, .fx = 50, .fy = 40, .cx = 32, .cy = 24};
+  scene::Camera next = now;
+  next.lens = scene::Lens{.width = 128, .height = 96, .fx = 120, .fy = 88, .cx = 60, .cy = 52};  // 60, 44, 30, 26
+  const CameraMotion motion({now}, {}, {next}, {}, 0.5);
+  EXPECT_TRUE(motion.movesCameras());
+  for (const double share : {-0.5, 0.25, 1.0}) {
+    const scene::Lens lens = motion.at(0, 0.5 * share).lens.value();
+    EXPECT_EQ(lens.width, 64);
+    EXPECT_EQ(lens.height, 48);
+    EXPECT_NEAR(lens.fx, 50 + 10 * share, 1e-12);
+    EXPECT_NEAR(lens.fy, 40 + 4 * share, 1e-12);
+    EXPECT_NEAR(lens.cx, 32 - 2 * share, 1e-12);
+    EXPECT_NEAR(lens.cy, 24 + 2 * share, 1e-12);
+  }
+  EXPECT_FALSE(CameraMotion({now}, {now}, {now}, {}, 0.5).movesCameras());
+}
+
 // --- errors ---------------------------------------------------------------------------------------------------------
 
 TEST_F(ExposureTest, RejectsWhatItCannotCombine) {

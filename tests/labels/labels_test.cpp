@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "models/models.h"
@@ -156,6 +157,112 @@ TEST_P(LabelsTest, OrientedBoxesAndTheirCorners) {
   }
 }
 
+// --- outside the image -----------------------------------------------------------------------------------------------
+
+// A camera without a lens is that of a pinhole lens with equal focal lengths.
+struct Pinhole {
+  double fx, fy, cx, cy;  // in pixels
+};
+
+// Returns how many pixels an instantaneous row of a square in the plane z = 0 covers, as [certain, possible]: those
+// whose ray hits the plane within the square by 1/50 of a pixel, and those whose ray misses it by at most as much.
+std::array<uint64_t, 2> countRow(const SquareAt& place, const dmat4& pose, const Pinhole& k, int64_t row, int64_t first,
+                                 int64_t end) {
+  std::array<uint64_t, 2> count{};
+  const auto hits = [&](dvec2 pixel) {
+    const dvec3 direction = glm::dmat3(pose) * dvec3((pixel - dvec2(k.cx, k.cy)) / dvec2(k.fx, k.fy), 1);
+    const double t = (place.center.z - pose[3].z) / direction.z;
+    const dvec3 at = dvec3(pose[3]) + t * direction - place.center;
+    return t > 0 && std::abs(at.x) < place.half.x && std::abs(at.y) < place.half.y;
+  };
+  for (int64_t x = first; x < end; ++x) {
+    int corners = 0;
+    for (int corner = 0; corner < 4; ++corner)
+      corners += hits({double(x) + 0.5 + (corner & 1 ? 0.02 : -0.02), double(row) + 0.5 + (corner & 2 ? 0.02 : -0.02)});
+    count[0] += corners == 4;
+    count[1] += corners > 0;
+  }
+  return count;
+}
+
+// Compares `fullPixels` with the pixels of an image three times as large, whose rows have a pose each, and
+// `amodalPixels` with those of the image in its center.
+void expectCounts(const ObjectLabel& label, const SquareAt& place, const Pinhole& k, int64_t width, int64_t height,
+                  const std::function<dmat4(int64_t row)>& poseOf) {
+  std::array<uint64_t, 2> full{}, inside{};
+  for (int64_t row = -height; row < 2 * height; ++row) {
+    const std::array<uint64_t, 2> all = countRow(place, poseOf(row), k, row, -width, 2 * width);
+    for (size_t i = 0; i < 2; ++i) full[i] += all[i];
+    if (row < 0 || row >= height) continue;
+    const std::array<uint64_t, 2> some = countRow(place, poseOf(row), k, row, 0, width);
+    for (size_t i = 0; i < 2; ++i) inside[i] += some[i];
+  }
+  EXPECT_GE(label.fullPixels, full[0]) << place.name;
+  EXPECT_LE(label.fullPixels, full[1]) << place.name;
+  EXPECT_GE(label.amodalPixels, inside[0]) << place.name;
+  EXPECT_LE(label.amodalPixels, inside[1]) << place.name;
+  EXPECT_GT(full[0], inside[1]) << place.name << " must cross the border";
+  EXPECT_EQ(label.visibleShare, double(label.visiblePixels) / double(label.fullPixels)) << place.name;
+}
+
+const SquareAt kFloor{"floor", {1, 0, 0}, {4, 3}}, kCard{"card", {-0.5, -0.6, 0.5}, {0.7, 0.2}};
+
+// A lens with different focal lengths is a pinhole, too, for cameras and for worlds with intrinsics.
+TEST_P(LabelsTest, PinholeLensesShowWhatIsOutsideTheImage) {
+  constexpr uint32_t kWidth = 80, kHeight = 60;
+  const Scene scene = squares({kFloor, kCard});
+  Renderer renderer(scene, testDevice());
+  for (const auto& [fx, fy] : {std::pair(75.0, 70.0), std::pair(75.0, 75.0)}) {
+    const Pinhole k{fx, fy, 35, 33};
+    Camera camera = scene.lookAt({0, 0.3, 3}, {0.2, 0, 0}, 50);
+    Worlds worlds;
+    worlds.count = 1;
+    worlds.cameras = {camera};
+    worlds.intrinsics = {{k.fx, k.fy, k.cx, k.cy}};
+    // The calibration may be that of an image of another size.
+    camera.lens = Lens{.width = 2 * kWidth, .height = 2 * kHeight, .fx = 2 * fx, .fy = 2 * fy, .cx = 70, .cy = 66};
+    const Options options = small(kWidth, kHeight);
+    for (const Labels& labels : {renderer.labels(camera, options), renderer.labels(worlds, options).front()}) {
+      ASSERT_EQ(labels.objects.size(), 2u);
+      for (const SquareAt& place : {kFloor, kCard})
+        expectCounts(labelOf(labels, std::string("/") + place.name), place, k, kWidth, kHeight,
+                     [&](int64_t) { return matrixOf(camera.cameraToWorld); });
+    }
+  }
+}
+
+// The rows above and below the image continue the times of its rows.
+TEST_P(LabelsTest, RollingShuttersShowWhatIsOutsideTheImage) {
+  constexpr uint32_t kWidth = 48, kHeight = 36;
+  constexpr double kReadout = 0.1;
+  const dvec3 velocity(80, 0, 2);
+  // The card is within the image at the picture's time. Its lower rows are shown later, when they are beyond the left
+  // edge.
+  const SquareAt card{"card", {-0.45, -0.3, 0.5}, {0.6, 0.5}};
+  const Scene scene = squares({kFloor, card});
+  Renderer renderer(scene, testDevice());
+  for (const bool hasLens : {false, true}) {
+    Camera camera = scene.lookAt({0, 0, 3}, {0, 0, 0}, 60);
+    const double focal = kHeight / 2 / std::tan(30 * 3.14159265358979 / 180);
+    const Pinhole k{hasLens ? 28 : focal, focal, kWidth / 2.0, kHeight / 2.0};
+    if (hasLens) camera.lens = Lens{.width = kWidth, .height = kHeight, .fx = k.fx, .fy = k.fy, .cx = k.cx, .cy = k.cy};
+    const auto at = [&](double seconds) {
+      return glm::translate(dmat4(1), seconds * velocity) * matrixOf(camera.cameraToWorld);
+    };
+    Options options = small(kWidth, kHeight);
+    options.framesPerSecond = 10;
+    options.readout = kReadout;
+    options.previousCameras = options.nextCameras = {camera};
+    options.previousCameras.front().cameraToWorld = rowsOf(at(-0.1));
+    options.nextCameras.front().cameraToWorld = rowsOf(at(0.1));
+    const Labels labels = renderer.labels(camera, options);
+    ASSERT_EQ(labels.objects.size(), 2u);
+    for (const SquareAt& place : {kFloor, card})
+      expectCounts(labelOf(labels, std::string("/") + place.name), place, k, kWidth, kHeight,
+                   [&](int64_t row) { return at(((double(row) + 0.5) / kHeight - 0.5) * kReadout); });
+  }
+}
+
 // --- keypoints -------------------------------------------------------------------------------------------------------
 
 TEST_P(LabelsTest, KeypointsProjectWithTheirVisibility) {
@@ -203,6 +310,90 @@ TEST_P(LabelsTest, KeypointsThroughALensAndBehindTheCamera) {
   EXPECT_EQ(behind.visibility, 0u);
 }
 
+// Each row has a time of its own, and a keypoint is where its row shows it. The equation of the row is linear in time
+// if the camera and the keypoint move in parallel to the image.
+TEST_P(LabelsTest, KeypointsFollowARollingShutter) {
+  constexpr uint32_t kWidth = 64, kHeight = 48;
+  constexpr double kReadout = 0.1;
+  const dvec3 velocity(3, -2, 0);  // of the camera, which looks along -Z with the image's x along +X
+  const Scene scene = squares({{"wall", {0, 0, 0}, {9, 9}}, {"screen", {0.9, 0, 2}, {0.3, 2}}});
+  Renderer renderer(scene, testDevice());
+  const Camera camera = scene.lookAt({0, 0, 5}, {0, 0, 0}, 60);
+  const auto movedBy = [&](double seconds) {
+    Camera moved = camera;
+    moved.cameraToWorld = rowsOf(glm::translate(dmat4(1), seconds * velocity) * matrixOf(camera.cameraToWorld));
+    return moved;
+  };
+  const double focal = kHeight / 2 / std::tan(30 * 3.14159265358979 / 180);
+  Options options = small(kWidth, kHeight);
+  options.framesPerSecond = 10;
+  options.readout = kReadout;
+  options.previousCameras = {movedBy(-0.1)};
+  options.nextCameras = {movedBy(0.1)};
+  std::vector<Keypoint> keypoints;
+  for (const double x : {-2.5, 0.0, 1.4, 1.6, 2.0})
+    for (const double y : {-2.4, -1.0, 0.0, 1.3, 2.5}) keypoints.push_back({"point", "/wall", {x / 9, y / 9, 0}});
+  size_t occluded = 0;
+  const std::vector<KeypointLabel> labels = renderer.keypoints(camera, keypoints, options);
+  for (size_t i = 0; i < keypoints.size(); ++i) {
+    // v = H / 2 - f (y - vy t) / 5 with t = (v / H - 1 / 2) readout
+    const dvec3 point = 9.0 * dvec3(keypoints[i].position[0], keypoints[i].position[1], 0);
+    const double t = -focal * point.y / 5 / (kHeight / kReadout - focal * velocity.y / 5);
+    const double u = kWidth / 2.0 + focal * (point.x - velocity.x * t) / 5,
+                 v = kHeight / 2.0 - focal * (point.y - velocity.y * t) / 5;
+    EXPECT_NEAR(labels[i].pixel[0], u, 1e-4);
+    EXPECT_NEAR(labels[i].pixel[1], v, 1e-4);
+    EXPECT_NEAR(labels[i].depth, 5, 1e-5);
+    const bool inside = u >= 0 && v >= 0 && u < kWidth && v < kHeight;
+    // The line of sight passes the screen's plane at 3/5 of its length.
+    const double eye = velocity.x * t, passed = eye + 0.6 * (point.x - eye);
+    if (std::abs(std::abs(passed - 0.9) - 0.3) < 0.02) continue;  // near its edges
+    EXPECT_EQ(labels[i].visibility, !inside ? 0u : std::abs(passed - 0.9) < 0.3 ? 1u : 2u) << point.x << ' ' << point.y;
+    occluded += labels[i].visibility == 1;
+  }
+  EXPECT_GT(occluded, 3u);
+}
+
+// Where the scene moves, the keypoint's node and the surfaces are those of the row's time.
+TEST_P(LabelsTest, KeypointsOfMovingNodesFollowARollingShutter) {
+  constexpr uint32_t kSize = 64;
+  constexpr double kReadout = 0.2;
+  Scene scene;
+  const Handle<Material> material = scene.addMaterial(Material{.name = "plain", .doubleSided = true});
+  scene.addInstance(scene.addMesh(square()), material, rowsOf(glm::scale(dmat4(1), dvec3(9, 9, 1))), "wall");
+  NodeData mover{.name = "mover", .parts = {{scene.addMesh(square()), material}}};
+  const std::string path = scene.addNode(mover);
+  // 0.5 m in front of the wall, from x = -4 m to 4 m and 2 m upward in a second.
+  scene.addAnimation(
+      "move",
+      {{.node = path, .property = AnimatedProperty::Translation, .times = {0, 1}, .values = {-4, -1, 0.5, 4, 1, 0.5}}});
+  Renderer renderer(scene, testDevice());
+  const Camera camera = scene.lookAt({0, 0, 5.5}, {0, 0, 0}, 60);
+  Options options = small(kSize, kSize);
+  options.time = 0.5;
+  options.animation = "move";
+  options.readout = kReadout;
+  // Corners of the square, and points of the wall, which is at -Z of the square.
+  const std::vector<Keypoint> keypoints{{"up", path, {-0.9, 0.9, 0}},
+                                        {"down", path, {0.9, -0.9, 0}},
+                                        {"covered", "/wall", {1.2 / 9, -0.1, 0}},
+                                        {"open", "/wall", {-1.0 / 9, -0.1, 0}}};
+  const std::vector<KeypointLabel> labels = renderer.keypoints(camera, keypoints, options);
+  const double focal = kSize / 2 / std::tan(30 * 3.14159265358979 / 180);
+  for (size_t i = 0; i < 2; ++i) {
+    // v = S / 2 - f (y + 2 t) / 5 with t = (v / S - 1 / 2) readout
+    const double x = keypoints[i].position[0], y = keypoints[i].position[1];
+    const double t = -focal * y / 5 / (kSize / kReadout + focal * 2 / 5);
+    EXPECT_NEAR(labels[i].pixel[0], kSize / 2.0 + focal * (x + 8 * t) / 5, 1e-3);
+    EXPECT_NEAR(labels[i].pixel[1], kSize / 2.0 - focal * (y + 2 * t) / 5, 1e-3);
+    EXPECT_EQ(labels[i].visibility, 2u);
+  }
+  // The wall's points are at y = -0.9 and in row 32 + f 0.9 / 5.5 = 41.07, 0.0283 s after the image's time: the square
+  // is then at x = 0.227, and covers [-0.85, 1.35] of the wall instead of [-1.1, 1.1], seen from x = 0 at 5.5 m.
+  EXPECT_EQ(labels[2].visibility, 1u);
+  EXPECT_EQ(labels[3].visibility, 2u);
+}
+
 TEST_P(LabelsTest, AKeypointNeedsItsNode) {
   const Scene scene = squares({{"wall", {0, 0, 0}, {1, 1}}});
   Renderer renderer(scene, testDevice());
@@ -213,6 +404,29 @@ TEST_P(LabelsTest, AKeypointNeedsItsNode) {
     EXPECT_EQ(error.code(), ExitCode::Usage);
     EXPECT_STREQ(error.what(),
                  "the keypoint \"nose\" follows the node \"/face\", but the scene has no node with this path");
+  }
+}
+
+// Lines of sight are rays, which accept the frame "world" only, but the user's frame of the images' normals may differ.
+TEST_P(LabelsTest, TheFrameOfNormalsDoesNotMatter) {
+  const Scene scene = squares({{"wall", {0, 0, 0}, {3, 3}}, {"screen", {1.5, 0, 2}, {0.5, 1}}});
+  Renderer renderer(scene, testDevice());
+  for (const char* frame : {"opencv", "opengl"}) {
+    Options options = small();
+    options.normalFrame = frame;
+    const std::vector<KeypointLabel> labels =
+        renderer.keypoints(front(), {{"open", "/wall", {0, 0, 0}}, {"occluded", "/wall", {0.5, 0, 0}}}, options);
+    EXPECT_EQ(labels[0].visibility, 2u);
+    EXPECT_EQ(labels[1].visibility, 1u);
+    const auto isCorrespondence = [](const Correspondence& match) {
+      EXPECT_EQ(std::ranges::count(match.visible, 1), 48 * 48) << "the wall has 6 x 6 m, with 8 pixels per meter";
+      EXPECT_NEAR(match.depth[32 * 64 + 32], 10, 1e-5);
+    };
+    isCorrespondence(renderer.correspond(front(), front(), options));
+    Worlds worlds;
+    worlds.count = 1;
+    worlds.cameras = {front()};
+    isCorrespondence(renderer.correspond(worlds, options).front());
   }
 }
 

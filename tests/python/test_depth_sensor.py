@@ -61,19 +61,30 @@ def test_values_that_the_sensor_does_not_have():
     assert (measured > 0).tolist() == [[False, True, False, False, False, False]]
 
 
-def quad(scene, x, z, color=(1, 1, 1, 1)):
-    """A surface in the plane of this z, which faces +Z, from x[0] to x[1]."""
+def quad(scene, x, z, at):
+    """A surface in the plane of this z, which faces +Z, from x[0] to x[1], moved by `at`."""
     points = np.array([[x[0], -5, z], [x[1], -5, z], [x[1], 5, z], [x[0], 5, z]], np.float32)
-    scene.add_instance(scene.add_mesh(points, indices=[[0, 1, 2], [0, 2, 3]]), scene.add_material(latelight.Material()))
+    move = np.eye(4)
+    move[:3, 3] = at
+    mesh = scene.add_mesh(points, indices=[[0, 1, 2], [0, 2, 3]])
+    scene.add_instance(mesh, scene.add_material(latelight.Material()), move)
 
 
-def test_the_projector_casts_a_shadow(device):
-    """A plate at 1 m before a wall at 3 m, seen from the origin along -Z, with the projector 0.3 m to the right."""
+@pytest.mark.parametrize("at", [(0, 0, 0), (5e5, 0, 0), (3e6, 0, -2e6)])
+@pytest.mark.parametrize("vertical_focal", [100, 80])
+def test_the_projector_casts_a_shadow(device, at, vertical_focal):
+    """A plate at 1 m before a wall at 3 m, seen along -Z, with the projector 0.3 m to the right.
+
+    Far from the origin, floats are up to 0.25 m apart. Unequal focal lengths are a pinhole lens.
+    """
     scene = latelight.Scene()
-    quad(scene, (-10, 10), -3.0)
-    quad(scene, (-0.2, 0.2), -1.0)
+    quad(scene, (-10, 10), -3.0, at)
+    quad(scene, (-0.2, 0.2), -1.0, at)
     renderer = latelight.Renderer(scene, device)
-    camera = latelight.Camera.from_k([[100, 0, 100], [0, 100, 20], [0, 0, 1]], np.diag([1.0, -1, -1, 1]), (200, 40))
+    pose = np.diag([1.0, -1, -1, 1])
+    pose[:3, 3] = at
+    camera = latelight.Camera.from_k([[100, 0, 100], [0, vertical_focal, 20], [0, 0, 1]], pose, (200, 40))
+    assert (camera.lens is not None) == (vertical_focal != 100)
     sensor = dataclasses.replace(depth_sensor.kinect(), baseline=0.3)
     frame = depth_sensor.capture(renderer, camera, (200, 40), sensor, seed=None)
     x = np.arange(200) + 0.5 - 100
@@ -85,7 +96,8 @@ def test_the_projector_casts_a_shadow(device):
     assert np.array_equal(frame.shadow[20][clear], expected[clear])
     assert frame.shadow[20].any() and (frame.depth[frame.shadow] == 0).all()
     np.testing.assert_allclose(frame.true_depth[20], np.where(on_plate, 1, 3), rtol=1e-5)
-    np.testing.assert_allclose(frame.incidence[20], np.arctan(np.hypot(x, 0.5) / 100), atol=1e-4)
+    slope = np.hypot(x / 100, 0.5 / vertical_focal)
+    np.testing.assert_allclose(frame.incidence[20], np.arctan(slope), atol=1e-4)
     seen = frame.depth > 0
     assert (np.abs(frame.depth - frame.true_depth)[seen] < 9 / (100 * 0.3) / 16 * 1.1).all()
 

@@ -405,3 +405,83 @@ def test_correspondences_in_worlds_are_exact_far_from_the_origin(device):
     assert near.visible.mean() > 0.9
     np.testing.assert_array_equal(distant.visible, near.visible)
     np.testing.assert_allclose(distant.pixels, near.pixels, atol=1e-3)
+
+
+ROLLING_SIZE, ROLLING_READOUT = (160, 120), 0.1
+
+
+@pytest.fixture(scope="module")
+def rolling(tmp_path_factory):
+    """A data set of a floor at y = 0 and a card at z = 0: three cameras at 10 m/s, each image read out in 0.1 s."""
+    program = os.environ.get("LATELIGHT_PROGRAM")
+    if not program:
+        pytest.skip("LATELIGHT_PROGRAM names no program")
+    folder = tmp_path_factory.mktemp("rolling")
+    floor = "o floor\nv -30 0 -30\nv -30 0 30\nv 30 0 30\nv 30 0 -30\nf 1 2 3 4\n"
+    card = "o card\nv -1 0 0\nv 1 0 0\nv 1 1.5 0\nv -1 1.5 0\nf 5 6 7 8\n"
+    (folder / "scene.obj").write_text(floor + card)
+    places = [{"time": t, "eye": [x, 2, 5], "target": [x, 0, -1], "fov": 50} for t, x in ((0, -1), (0.2, 1))]
+    corners = [{"name": f"{x} {y}", "position": [x, y, 0]} for x in (-1, 0, 1) for y in (0.2, 1, 1.5)]
+    job = {
+        "scenes": "scene.obj", "output": "set", "cameras": {"type": "path", "fps": 10, "keys": places},
+        "options": {"size": "{}x{}".format(*ROLLING_SIZE), "readout": ROLLING_READOUT},
+        "formats": [
+            {"format": "colmap", "as": "text", "points": 8},
+            {"format": "coco", "keypoints": corners, "picture": "coco/{name}.png"},
+        ],
+    }
+    (folder / "job.json").write_text(json.dumps(job))
+    subprocess.run([program, "batch", "job.json", "--devices=cpu"], cwd=folder, check=True, capture_output=True)
+    return folder / "set"
+
+
+def rolling_pixel(point, image):
+    """The pixel at which image 0, 1 or 2 shows a point: rows follow from times, and times from rows."""
+    width, height = ROLLING_SIZE
+    forward = np.array([0, -2, -6]) / math.sqrt(40)
+    axes = np.stack([[1, 0, 0], np.cross(forward, [1, 0, 0]), forward])  # right, down, forward
+    focal = height / 2 / math.tan(math.radians(25))
+    row = height / 2
+    for _ in range(60):
+        seconds = (row / height - 0.5) * ROLLING_READOUT
+        eye = np.array([image - 1 + 10 * seconds, 2, 5])
+        x, y, depth = axes @ (point - eye)
+        row = height / 2 + focal * y / depth
+    return np.array([width / 2 + focal * x / depth, row])
+
+
+def test_keypoints_of_data_sets_follow_a_rolling_shutter(rolling):
+    data = json.loads((rolling / "annotations/instances.json").read_text())
+    cards = [each for each in data["annotations"] if each["node"].endswith("card")]
+    assert len(cards) == 3
+    for card in cards:
+        keypoints = np.reshape(card["keypoints"], (-1, 3))
+        points = [(x, y, 0) for x in (-1, 0, 1) for y in (0.2, 1, 1.5)]
+        for keypoint, point in zip(keypoints, points, strict=True):
+            expected = rolling_pixel(np.array(point, float), card["image_id"])
+            inside = ((expected >= 0) & (expected < ROLLING_SIZE)).all()
+            assert keypoint[2] == (2 if inside else 0)
+            if inside:
+                np.testing.assert_allclose(keypoint[:2], expected, atol=1e-3)
+        assert keypoints[:, 2].max() == 2
+
+
+def test_sparse_points_lie_on_surfaces_with_a_rolling_shutter(rolling):
+    lines = (rolling / "sparse/0/images.txt").read_text().splitlines()
+    lines = [line for line in lines if not line.startswith("#")]
+    pixels = {int(head.split()[0]): np.reshape(points.split(), (-1, 3)).astype(float)[:, :2]
+              for head, points in zip(lines[::2], lines[1::2], strict=True)}
+    order = {number: i for i, number in enumerate(sorted(pixels))}
+    count = 0
+    for line in (rolling / "sparse/0/points3D.txt").read_text().splitlines():
+        if line.startswith("#"):
+            continue
+        values = line.split()
+        point = np.array(values[1:4], float)
+        assert min(abs(point[1]), abs(point[2])) < 1e-4, point
+        for image, place in np.reshape(values[8:], (-1, 2)).astype(int):
+            expected = rolling_pixel(point, order[image])
+            # Pixels are those of the row's center: the image moves by 0.2 pixels per row.
+            np.testing.assert_allclose(pixels[image][place], expected, atol=0.3)
+        count += 1
+    assert count > 100

@@ -9,6 +9,7 @@
 #include "data/batch/sensor_path.h"
 #include "data/extras.h"
 #include "data/stop.h"
+#include "render/exposure/camera_motion.h"
 #include "render/submit/describe.h"
 #include "render/submit/id_manifest.h"
 #include "render/submit/raster_choice.h"
@@ -107,6 +108,7 @@ RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::
   output::Metadata& m = frame.frame.metadata;
   m.camera = render::describeCamera(camera.camera, scene_->scene(), settingsOf(chunk));
   m.camera.name = camera.name;
+  frame.frame.edges = edgesOf(index, settingsOf(chunk));
   m.frame = static_cast<uint32_t>(index);
   m.frameDigits = 6;
   if (const std::optional<double> time = cameras.time(place.camera)) m.settings["time"] = fmt::format("{}", *time);
@@ -193,19 +195,37 @@ const scene::Camera& Worker::cameraOf(uint64_t index) const {
   return scene_->cameras().camera(plan_.at(index)->camera).camera;
 }
 
+// Adds the cameras of the previous and the next frame.
+void Worker::addNeighbors(uint64_t index, render::SceneState& moment) const {
+  const CameraTimeline& cameras = scene_->cameras();
+  const size_t i = plan_.at(index)->camera;
+  const auto before = cameras.previous(i), after = cameras.next(i);
+  moment.previousCameras.push_back(before ? before->camera : cameraOf(index));
+  moment.nextCameras.push_back(after ? after->camera : cameraOf(index));
+  const double step = 1 / job_.settings.framesPerSecond;
+  moment.motion.sincePrevious.push_back(before ? cameras.secondsTo(i, *before).value_or(step) : 0);
+  moment.motion.untilNext.push_back(after ? cameras.secondsTo(i, *after).value_or(step) : 0);
+}
+
+// Returns DataFrame::edges.
+std::vector<output::CameraMetadata> Worker::edgesOf(uint64_t index, const render::Settings& settings) const {
+  if (settings.readout == 0) return {};
+  render::SceneState moment;
+  addNeighbors(index, moment);
+  const render::CameraMotion motion({cameraOf(index)}, moment.previousCameras, moment.nextCameras, moment.motion,
+                                    1 / settings.framesPerSecond);
+  if (!motion.movesCameras()) return {};
+  std::vector<output::CameraMetadata> edges;
+  for (const double seconds : {-settings.readout / 2, settings.readout / 2})
+    edges.push_back(render::describeCamera(motion.at(0, seconds), scene_->scene(), settings));
+  return edges;
+}
+
 // A frame without a neighbor uses its own camera as the neighbor's; finish() then replaces this motion by NaN.
 render::SceneState Worker::momentOf(const Chunk& chunk) const {
   const CameraTimeline& cameras = scene_->cameras();
   render::SceneState moment{.poses = cameras.poses(plan_.at(chunk.frames.front())->camera)};
-  for (const uint64_t index : chunk.frames) {
-    const size_t i = plan_.at(index)->camera;
-    const auto before = cameras.previous(i), after = cameras.next(i);
-    moment.previousCameras.push_back(before ? before->camera : cameraOf(index));
-    moment.nextCameras.push_back(after ? after->camera : cameraOf(index));
-    const double step = 1 / job_.settings.framesPerSecond;
-    moment.motion.sincePrevious.push_back(before ? cameras.secondsTo(i, *before).value_or(step) : 0);
-    moment.motion.untilNext.push_back(after ? cameras.secondsTo(i, *after).value_or(step) : 0);
-  }
+  for (const uint64_t index : chunk.frames) addNeighbors(index, moment);
   moment.motion.poseAt = cameras.posesNear(plan_.at(chunk.frames.front())->camera);
   return moment;
 }

@@ -50,6 +50,8 @@ class Worker {
   const scene::Camera& cameraOf(uint64_t index) const;
   uint64_t noiseSeedOf(uint64_t index) const;
   render::SceneState momentOf(const Chunk& chunk) const;
+  void addNeighbors(uint64_t index, render::SceneState& moment) const;
+  std::vector<output::CameraMetadata> edgesOf(uint64_t index, const render::Settings& settings) const;
   render::Settings settingsOf(const Chunk& chunk);
   void fail(const Chunk& chunk, const std::string& why);
 

@@ -180,10 +180,7 @@ class Coco : public Format {
         category["keypoints"] = names;
         category["skeleton"] = skeleton_;
       }
-    if (!isAny)
-      warn(
-          "no visible object has a node of the keypoints: \"node\" is a path below the object's own, as in "
-          "\"Hips/Head\"");
+    if (!isAny) warn("no visible object has a node of the keypoints: \"node\" is {}", kKeypointNodeHelp);
   }
 
   Categories categories_;

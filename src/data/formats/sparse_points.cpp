@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "data/formats/geometry.h"
+#include "render/exposure/camera_motion.h"
 
 namespace latelight::data {
 
@@ -21,13 +23,48 @@ static_assert(std::endian::native == std::endian::little, "points are written as
 constexpr double kTolerance = 0.01;  // of a point's depth
 constexpr size_t kGrain = 4096;      // points per task
 
+// The lens and the pose of an image's row.
+struct RowView {
+  explicit RowView(const PointView& view)
+      : projection(view.lens),
+        worldFromCamera(view.worldFromCamera),
+        cameraFromWorld(inverseOf(view.worldFromCamera)) {}
+
+  scene::LensProjection projection;
+  glm::dmat4 worldFromCamera, cameraFromWorld;
+};
+
+// Returns the view at a share of the way to another one, which CameraMotion covers at constant speed. The lens changes
+// linearly.
+PointView between(const PointView& from, const PointView& to, double share) {
+  PointView view{from.lens};
+  for (double scene::Lens::*each : {&scene::Lens::fx, &scene::Lens::fy, &scene::Lens::cx, &scene::Lens::cy})
+    view.lens.*each += (to.lens.*each - from.lens.*each) * share;
+  view.worldFromCamera =
+      render::between({.toWorld = from.worldFromCamera}, {.toWorld = to.worldFromCamera}, share).toWorld;
+  return view;
+}
+
+// Returns one view for all rows, or a view per row at the time of the row's center.
+std::vector<RowView> rowsOf(const PointView& view) {
+  std::vector<RowView> rows;
+  if (view.edges.empty()) {
+    rows.emplace_back(view);
+    return rows;
+  }
+  const auto height = static_cast<uint32_t>(view.lens.height);
+  for (uint32_t y = 0; y < height; ++y) {
+    const double fromMiddle = 2 * (y + 0.5) / height - 1;  // -1 at the upper edge, 1 at the lower one
+    rows.emplace_back(between(view, view.edges[fromMiddle < 0 ? 0 : 1], std::abs(fromMiddle)));
+  }
+  return rows;
+}
+
 // A view with its depth map.
 class DepthView {
  public:
   DepthView(const PointView& view, std::vector<float> depth)
-      : projection_(view.lens),
-        worldFromCamera_(view.worldFromCamera),
-        cameraFromWorld_(inverseOf(view.worldFromCamera)),
+      : rows_(rowsOf(view)),
         width_(static_cast<uint32_t>(view.lens.width)),
         height_(static_cast<uint32_t>(view.lens.height)),
         depth_(std::move(depth)) {}
@@ -37,12 +74,11 @@ class DepthView {
 
   // Returns the pixel coordinates of a point that the view shows.
   std::optional<glm::dvec2> find(const glm::dvec3& point) const {
-    const glm::dvec3 inCamera(cameraFromWorld_ * glm::dvec4(point, 1));
-    if (!(inCamera.z > 0)) return std::nullopt;
-    const std::optional<glm::dvec2> pixel = projection_.project(inCamera);
-    if (!pixel || !(pixel->x >= 0 && pixel->y >= 0 && pixel->x < width_ && pixel->y < height_)) return std::nullopt;
-    const double depth = depthAt(static_cast<uint32_t>(pixel->x), static_cast<uint32_t>(pixel->y));
-    if (!(std::abs(depth - inCamera.z) <= kTolerance * inCamera.z)) return std::nullopt;
+    const std::optional<Projection> found = project(point);
+    if (!found || !contains(found->pixel)) return std::nullopt;
+    const glm::dvec2 pixel = found->pixel;
+    const double depth = depthAt(static_cast<uint32_t>(pixel.x), static_cast<uint32_t>(pixel.y));
+    if (!(std::abs(depth - found->depth) <= kTolerance * found->depth)) return std::nullopt;
     return pixel;
   }
 
@@ -50,16 +86,49 @@ class DepthView {
   std::optional<glm::dvec3> pointAt(uint32_t x, uint32_t y) const {
     const double depth = depthAt(x, y);
     if (!(depth > 0) || std::isinf(depth)) return std::nullopt;
-    const std::optional<glm::dvec3> direction = projection_.unproject({x + 0.5, y + 0.5});
-    if (!direction || !(projection_.depthOf(*direction) > 0)) return std::nullopt;
-    return glm::dvec3(worldFromCamera_ * glm::dvec4(*direction * (depth / projection_.depthOf(*direction)), 1));
+    const auto& [projection, worldFromCamera, ignored] = rows_[rows_.size() == 1 ? 0 : y];
+    const std::optional<glm::dvec3> direction = projection.unproject({x + 0.5, y + 0.5});
+    if (!direction || !(projection.depthOf(*direction) > 0)) return std::nullopt;
+    return glm::dvec3(worldFromCamera * glm::dvec4(*direction * (depth / projection.depthOf(*direction)), 1));
   }
 
  private:
+  struct Projection {
+    glm::dvec2 pixel;
+    double depth;
+  };
+
+  bool contains(glm::dvec2 pixel) const {
+    return pixel.x >= 0 && pixel.y >= 0 && pixel.x < width_ && pixel.y < height_;
+  }
   double depthAt(uint32_t x, uint32_t y) const { return depth_[size_t{y} * width_ + x]; }
 
-  scene::LensProjection projection_;
-  glm::dmat4 worldFromCamera_, cameraFromWorld_;
+  std::optional<Projection> project(const glm::dvec3& point, const RowView& row) const {
+    const glm::dvec3 inCamera(row.cameraFromWorld * glm::dvec4(point, 1));
+    if (!(inCamera.z > 0)) return std::nullopt;
+    const std::optional<glm::dvec2> pixel = row.projection.project(inCamera);
+    if (!pixel) return std::nullopt;
+    return Projection{*pixel, inCamera.z};
+  }
+
+  // Returns the projection by the row that the point projects to, or by a neighbor of this row. Nothing if no row shows
+  // the point, or if the iteration of rows does not converge.
+  std::optional<Projection> project(const glm::dvec3& point) const {
+    constexpr int kMaxSteps = 32;
+    size_t row = rows_.size() / 2;
+    for (int step = 0; step < kMaxSteps; ++step) {
+      const std::optional<Projection> found = project(point, rows_[row]);
+      if (!found || rows_.size() == 1) return found;
+      const double last = static_cast<double>(rows_.size() - 1);
+      const auto next = static_cast<size_t>(std::clamp(std::floor(found->pixel.y), 0.0, last));
+      const bool isNeighbor = next + 1 == row || next == row + 1;
+      if (next == row || (isNeighbor && step > kMaxSteps / 2)) return found;
+      row = next;
+    }
+    return std::nullopt;
+  }
+
+  std::vector<RowView> rows_;  // one for all rows, or one per row
   uint32_t width_, height_;
   std::vector<float> depth_;
 };
@@ -107,19 +176,25 @@ std::array<uint8_t, 3> colorAt(const output::ReadImage& image, PixelPosition pix
 }  // namespace
 
 PointView pointViewOf(const DataFrame& frame) {
-  const output::CameraMetadata& camera = frame.metadata.camera;
-  const std::array<double, 9>& k = camera.intrinsics;
   const double width = frame.picture.width, height = frame.picture.height;
-  const scene::Lens pinhole{scene::LensModel::Pinhole, width, height, k[0], k[4], k[2], k[5]};
-  return {camera.lens.value_or(pinhole), inverseOf(openCvFromWorld(camera))};
+  const auto viewOf = [&](const output::CameraMetadata& camera) {
+    const std::array<double, 9>& k = camera.intrinsics;
+    const scene::Lens pinhole{scene::LensModel::Pinhole, width, height, k[0], k[4], k[2], k[5]};
+    return PointView{camera.lens.value_or(pinhole), inverseOf(openCvFromWorld(camera))};
+  };
+  PointView view = viewOf(frame.metadata.camera);
+  for (const output::CameraMetadata& edge : frame.edges) view.edges.push_back(viewOf(edge));
+  return view;
 }
 
 Json describe(const PointView& view) {
   const scene::Lens& lens = view.lens;
-  return {{"model", infoOf(lens.model).name},
-          {"lens", {lens.width, lens.height, lens.fx, lens.fy, lens.cx, lens.cy}},
-          {"distortion", lens.distortion},
-          {"pose", output::rowsOf(view.worldFromCamera)}};
+  Json json{{"model", infoOf(lens.model).name},
+            {"lens", {lens.width, lens.height, lens.fx, lens.fy, lens.cx, lens.cy}},
+            {"distortion", lens.distortion},
+            {"pose", output::rowsOf(view.worldFromCamera)}};
+  for (const PointView& edge : view.edges) json["edges"].push_back(describe(edge));
+  return json;
 }
 
 PointView pointView(const Json& json) {
@@ -129,6 +204,8 @@ PointView pointView(const Json& json) {
   for (int row = 0; row < 4; ++row)
     for (int column = 0; column < 4; ++column)
       view.worldFromCamera[column][row] = pose[static_cast<size_t>(row)][static_cast<size_t>(column)];
+  if (const auto edges = json.find("edges"); edges != json.end())
+    for (const Json& edge : *edges) view.edges.push_back(pointView(edge));
   return view;
 }
 

@@ -7,6 +7,25 @@
 
 namespace latelight::render {
 
+namespace {
+
+bool isPinhole(const scene::Camera& camera) {
+  return camera.lens && !bendsRays(camera);
+}
+
+// Returns the pinhole lens at a share of the way from `a` to `b`, calibrated for the image size of `a`.
+scene::Lens between(const scene::Lens& a, const scene::Lens& b, double share) {
+  const double x = a.width / b.width, y = a.height / b.height;
+  scene::Lens lens = a;
+  lens.fx += (b.fx * x - a.fx) * share;
+  lens.fy += (b.fy * y - a.fy) * share;
+  lens.cx += (b.cx * x - a.cx) * share;
+  lens.cy += (b.cy * y - a.cy) * share;
+  return lens;
+}
+
+}  // namespace
+
 scene::Camera between(const scene::Camera& a, const scene::Camera& b, double share) {
   const glm::dmat4 from = rigidPose(a), to = rigidPose(b);
   if (share == 0) return a;
@@ -15,6 +34,7 @@ scene::Camera between(const scene::Camera& a, const scene::Camera& b, double sha
   camera.verticalFov = mixed(a.verticalFov, b.verticalFov);
   camera.yHalf = mixed(a.yHalf, b.yHalf);
   camera.principal = {mixed(a.principal.x, b.principal.x), mixed(a.principal.y, b.principal.y)};
+  if (isPinhole(a) && isPinhole(b)) camera.lens = between(*a.lens, *b.lens, share);
   if (from == to) return camera;
   // slerp() extrapolates, too, because it only scales the angle.
   const glm::dquat rotation = glm::slerp(glm::quat_cast(glm::dmat3(from)), glm::quat_cast(glm::dmat3(to)), share);
@@ -48,7 +68,7 @@ bool CameraMotion::movesCameras() const {
   if (motion_.cameraAt) return true;
   const auto isMoved = [](const scene::Camera& a, const scene::Camera& b) {
     return rigidPose(a) != rigidPose(b) || a.verticalFov != b.verticalFov || a.yHalf != b.yHalf ||
-           a.principal != b.principal;
+           a.principal != b.principal || (isPinhole(a) && isPinhole(b) && a.lens != b.lens);
   };
   for (const auto* cameras : {&previous_, &next_})
     for (size_t i = 0; i < cameras->size(); ++i)

@@ -20,8 +20,9 @@ struct SceneMotion {
   std::vector<double> sincePrevious, untilNext;
 };
 
-// Returns the camera at a share of the way from `a` to `b`, or beyond them: position, field of view and principal point
-// change linearly, and the camera rotates about a fixed axis at constant speed. All else is that of `a`.
+// Returns the camera at a share of the way from `a` to `b`, or beyond them: position, field of view, principal point
+// and the camera matrix of pinhole lenses change linearly, and the camera rotates about a fixed axis at constant speed.
+// All else is that of `a`.
 scene::Camera between(const scene::Camera& a, const scene::Camera& b, double share);
 
 class CameraMotion {
