@@ -143,13 +143,23 @@ int copyAttributes(int fd, const WriteTarget& target) {
   return fchmod(fd, target.mode & (group ? 0777 : 0707)) == 0 ? 0 : errno;
 }
 
-// 0 or an errno.
-int replace(const WriteTarget& target, std::span<const std::byte> bytes) {
-  TemporaryFile file(target.path, target.mode ? target.mode & 0600 : 0666);
+// Permissions of a temporary file before it receives the attributes of the file that it replaces.
+mode_t firstPermissions(const WriteTarget& target) {
+  return target.mode ? target.mode & 0600 : 0666;
+}
+
+// Returns 0 or an errno.
+int writeTemporary(TemporaryFile& file, const WriteTarget& target, std::span<const std::byte> bytes) {
   if (file.error()) return file.error();
   if (target.mode)
     if (const int error = copyAttributes(file.get(), target)) return error;
-  if (const int error = writeAll(file.get(), bytes)) return error;
+  return writeAll(file.get(), bytes);
+}
+
+// 0 or an errno.
+int replace(const WriteTarget& target, std::span<const std::byte> bytes) {
+  TemporaryFile file(target.path, firstPermissions(target));
+  if (const int error = writeTemporary(file, target, bytes)) return error;
   return file.become(target.path);
 }
 
@@ -262,6 +272,38 @@ void writeFile(const fs::path& path, std::span<const std::byte> bytes) {
   if (error == ENXIO && S_ISFIFO(target.mode))
     badUsage("can't write '{}': it is a pipe without a reader; start the reader first", path.string());
   if (error) failToWrite(path, error);
+}
+
+struct FileGroup::Pending {
+  explicit Pending(const fs::path& path)
+      : path(path), target(findTarget(path)), file(target.path, firstPermissions(target)) {}
+
+  const fs::path path;
+  const WriteTarget target;
+  TemporaryFile file;
+};
+
+FileGroup::FileGroup() = default;
+FileGroup::~FileGroup() = default;
+
+void FileGroup::add(const fs::path& path, std::span<const std::byte> bytes) {
+  if (path == "-" || !findTarget(path).isFile()) return writeFile(path, bytes);
+  if (pending_.size() == kMaxPending) renameFirst();
+  auto pending = std::make_unique<Pending>(path);
+  int error = writeTemporary(pending->file, pending->target, bytes);
+  if (!error) error = pending->file.checkWritten();
+  if (error) failToWrite(path, error);
+  pending_.push_back(std::move(pending));
+}
+
+void FileGroup::renameFirst() {
+  Pending& first = *pending_.front();
+  if (const int error = first.file.become(first.target.path)) failToWrite(first.path, error);
+  pending_.pop_front();
+}
+
+void FileGroup::commit() {
+  while (!pending_.empty()) renameFirst();
 }
 
 void checkWritable(const fs::path& path) {
