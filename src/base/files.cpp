@@ -19,6 +19,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/temporary_file.h"
+#include "base/text.h"
 
 namespace latelight {
 namespace fs = std::filesystem;
@@ -255,9 +256,7 @@ std::string shortFileName(std::string name) {
   constexpr size_t kHashed = 17;  // bytes of "-" and the hash
   if (name.size() <= kShortFileName) return name;
   const uint64_t hash = hash64(name.data(), name.size());
-  size_t kept = kShortFileName - kHashed;
-  while (kept > 0 && (static_cast<unsigned char>(name[kept]) & 0xc0) == 0x80) --kept;  // at a UTF-8 character boundary
-  return fmt::format("{}-{:016x}", std::string_view(name).substr(0, kept), hash);
+  return fmt::format("{}-{:016x}", utf8Beginning(name, kShortFileName - kHashed), hash);
 }
 
 void writeFile(const fs::path& path, std::span<const std::byte> bytes) {
