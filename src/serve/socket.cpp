@@ -90,8 +90,9 @@ void Socket::begin() {
   calls.send = [weak](Message message) {
     if (const auto self = weak.lock()) self->send(std::move(message));
   };
-  calls.fail = [weak](const std::string& sentence) {
-    if (const auto self = weak.lock()) self->close(websocket::close_code::internal_error, sentence);
+  calls.fail = [weak](const Failure& failure) {
+    const auto code = failure.mayPass ? websocket::close_code::try_again_later : websocket::close_code::internal_error;
+    if (const auto self = weak.lock()) self->close(code, failure.sentence);
   };
   Hub::Admission admission = hub_.admit(std::move(calls));
   if (!admission.viewer) return close(websocket::close_code::try_again_later, admission.refusal);
