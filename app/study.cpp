@@ -96,9 +96,9 @@ class ResultFolder {
 };
 
 ResultFolder::ResultFolder(const std::filesystem::path& path, const std::string& study) : path_(path) {
-  std::error_code error;
+  std::error_code error, ignored;
   made_ = std::filesystem::create_directory(path, error);
-  if (!std::filesystem::is_directory(path, error)) {
+  if (!std::filesystem::is_directory(path, ignored)) {
     if (isThere(path)) badUsage("{} is no folder; give -o the name of one, or a new name", path.string());
     badUsage("the folder {} can't be made: {}; give -o another", path.string(), error.message());
   }

@@ -46,6 +46,7 @@ void fill(const Folder& folder) {
   std::filesystem::create_directory(folder.path() / "folder.png");
   std::filesystem::create_directory(folder.path() / "scene.gltf");
   std::filesystem::create_symlink("/dev/full", folder.path() / "full.png");
+  std::filesystem::create_symlink("nowhere", folder.path() / "lost");
   folder.write("noise.glb", "this is not a scene");
   folder.write("empty.gltf", "");
   folder.write("half.gltf", R"({"asset": {"version": "2.0"}, "meshes": [)");
@@ -172,6 +173,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUse{"StudyWithoutTime", {"study", "lights", "--budget", "0"}, kUsage, {"--budget"}},
         WrongUse{"StudyOfNoSize", {"study", "lights", "--sizes", "wide"}, kUsage, {"--sizes", "wide"}},
         WrongUse{"StudyIntoAFile", {"study", "depth", "-o", "two.png"}, kUsage, {"two.png", "folder"}},
+        WrongUse{"StudyIntoALostLink", {"study", "depth", "-o", "lost"}, kUsage, {"lost", "File exists"}},
         WrongUse{"StudyIntoNoFolder", {"study", "depth", "-o", "no/where"}, kUsage, {"no"}},
         WrongUse{"StudyOnNoDevice", {"study", "depth", "-o", "new", "--device", "abacus"}, kNoDevice, {"abacus"}},
         WrongUse{"UnknownShadows",
