@@ -211,7 +211,8 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUse{"CompareMissing", {"compare", "a.png", "b.png"}, kBadInput, {"a.png"}},
         WrongUse{"CompareBroken", {"compare", "two.png", "two.png"}, kBadInput, {"two.png"}},
         WrongUse{"CompareTolerance", {"compare", "two.png", "two.png", "--tolerance", "nan"}, kUsage, {"--tolerance"}},
-        WrongUse{"CompareShare", {"compare", "two.png", "two.png", "--share", "nan"}, kUsage, {"--share"}}),
+        WrongUse{"CompareShare", {"compare", "two.png", "two.png", "--share", "nan"}, kUsage, {"--share"}},
+        WrongUse{"ComparePixelsPerDegree", {"compare", "two.png", "two.png", "--ppd", "nan"}, kUsage, {"--ppd"}}),
     wrongUseName);
 
 // The arguments `render builtin:boxes -o a.png`, and the invalid ones after them.
