@@ -520,8 +520,10 @@ TEST(WrongUse, AFullStandardOutputIsAnError) {
         {"devices"},
         {"doctor"},
         {"--help"},
+        {"serve", "builtin:boxes", "--port", "0", "--device", "cpu"},
         {"render", "builtin:boxes", "-o", "-", "--size", "64x36", "--device", "cpu"}}) {
-    const Outcome outcome = latelight({.arguments = arguments, .standardOutput = "/dev/full"});
+    const Outcome outcome =
+        latelight({.arguments = arguments, .standardOutput = "/dev/full", .timeout = std::chrono::minutes(5)});
     SCOPED_TRACE(arguments[0]);
     EXPECT_EQ(outcome.code, kUsage) << outcome.text();
     expectOneSentence(outcome);

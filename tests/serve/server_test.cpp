@@ -14,6 +14,7 @@
 #include <boost/asio/write.hpp>
 #include <cmath>
 #include <condition_variable>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <mutex>
@@ -511,6 +512,15 @@ TEST(ServerOfAChangingFileTest, APageThatOpensMeanwhileMayTryAgain) {
     Client third(running.server.port(), running.server.token());
     EXPECT_NO_THROW(third.hear());
     std::filesystem::rename(path, scene);
+  }
+}
+
+// The program prints the address before run(), and a signal may follow at once.
+TEST(ServerSignalsTest, ASignalBeforeRunEndsIt) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    Server server({}, {.scene = "builtin:boxes", .device = "cpu", .width = 64, .height = 48});
+    std::raise(signal);
+    EXPECT_NO_THROW(server.run());
   }
 }
 
