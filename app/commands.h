@@ -2,6 +2,8 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <string_view>
+#include <vector>
 
 #include "base/error.h"
 
@@ -22,6 +24,9 @@ void addViewCommand(CLI::App& app);
 // These describe the other commands, so they must be added last.
 void addCompletionsCommand(CLI::App& app);
 void addManCommand(CLI::App& app);
+
+// Returns the names of the shells for which `latelight completions` prints scripts.
+std::vector<std::string_view> completionShells();
 
 // Ends the program with an exit code and without a message, which has been printed already.
 struct Exit {

@@ -144,8 +144,9 @@ void print(const std::vector<OutputDifference>& differences, const Arguments& ar
 }
 
 void run(const Arguments& arguments) {
-  if (std::isnan(arguments.share) || std::isnan(arguments.flip))
-    badUsage("--share and --flip take numbers, and nan is none");
+  // CLI::Range accepts NaN.
+  if (std::isnan(arguments.share) || std::isnan(arguments.flip) || std::isnan(arguments.pixelsPerDegree))
+    badUsage("--share, --flip and --ppd require numbers, not nan");
   const output::OutputOptions options = optionsOf(arguments);
   if (!arguments.difference.empty()) {
     const std::filesystem::path inputs[] = {arguments.first, arguments.second}, outputs[] = {arguments.difference};

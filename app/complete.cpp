@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <ranges>
 
+#include "app/commands.h"
 #include "app/list.h"
 #include "app/render_options.h"
 #include "study/study.h"
@@ -61,6 +62,12 @@ std::vector<ListedName> namesFor(const CLI::App& command, const CLI::Option& opt
     for (const std::string& topic : listTopics()) names.push_back({topic, ""});
   } else if (command.get_name() == "study" && name == "NAME") {
     for (const study::Study& study : study::studies()) names.push_back({study.name, study.description});
+  } else if (command.get_name() == "completions" && name == "SHELL") {
+    for (const std::string_view shell : completionShells()) names.push_back({std::string(shell), ""});
+  } else if (name == "--device") {
+    names = {{"auto", "a GPU if there is one"}, {"cpu", "the CPU"}};
+  } else if (name == "--devices") {
+    names = {{"auto", "a GPU if there is one"}, {"all", "all devices"}};
   } else if (name == "--debug") {
     names = {{"sheet", "all of them"}, {"lights", "how many a pixel takes"}, {"targets", "of the layout"}};
     std::ranges::copy(listedNames("aovs"), std::back_inserter(names));
@@ -85,6 +92,17 @@ void addValues(Completions& all, const CLI::App& command, const CLI::Option& opt
   all.files = names.empty() || option.get_name() == "SCENE";
 }
 
+// Completes the value of a word such as "--tonemap=a". Returns false for other words.
+bool addJoinedValues(Completions& all, const CLI::App& command, const std::string& begun) {
+  const size_t equals = begun.find('=');
+  if (!begun.starts_with("--") || equals == std::string::npos) return false;
+  const CLI::Option* option = command.get_option_no_throw(begun.substr(0, equals));
+  if (!option || !takesValue(*option)) return true;
+  addValues(all, command, *option, begun.substr(equals + 1));
+  for (Completion& value : all.words) value.word.insert(0, begun, 0, equals + 1);
+  return true;
+}
+
 void addOptions(Completions& all, const CLI::App& command, const std::string& begun) {
   for (const CLI::App* from = &command; from; from = from->get_parent())
     for (const CLI::Option* option : from->get_options())
@@ -100,6 +118,8 @@ Completions complete(const CLI::App& cli, std::span<const std::string> words) {
   const CursorContext cursor = cursorAfter(cli, words.first(words.size() - !words.empty()));
   if (cursor.value) {
     addValues(all, *cursor.command, *cursor.value, begun);
+  } else if (addJoinedValues(all, *cursor.command, begun)) {
+    return all;
   } else if (begun.starts_with("-")) {
     addOptions(all, *cursor.command, begun);
   } else {

@@ -22,8 +22,13 @@ constexpr std::string_view kBash = R"(_latelight() {
     if [[ $word == :files ]]; then files=1; else COMPREPLY+=("${word#"$kept"}"); fi
   done < <("${words[0]}" complete -- "${words[@]:1}" 2>/dev/null)
   if [[ $files ]]; then
+    local option=
+    [[ $begun == --*=* ]] && option=${begun%%=*}=
     compopt -o filenames
-    while read -r word; do COMPREPLY+=("$word"); done < <(compgen -f -- "$begun")
+    while read -r word; do
+      word=$option$word
+      COMPREPLY+=("${word#"$kept"}")
+    done < <(compgen -f -- "${begun#"$option"}")
   fi
 }
 complete -F _latelight latelight
@@ -41,7 +46,7 @@ _latelight() {
     fi
   done
   (( $#names )) && _describe 'latelight' names
-  [[ -n $files ]] && _files
+  [[ -n $files ]] && { [[ $PREFIX == --*=* ]] && compset -P '*='; _files }
 }
 if [[ $funcstack[1] == _latelight ]]; then _latelight "$@"; else compdef _latelight latelight; fi
 )";
@@ -51,7 +56,10 @@ constexpr std::string_view kFish = R"(function __latelight_complete
   set -l begun (commandline -ct)
   for line in ($words[1] complete -- $words[2..-1] "$begun" 2>/dev/null)
     if test "$line" = :files
-      __fish_complete_path "$begun"
+      set -l option (string match -r -- '^--[^=]*=' "$begun")
+      for path in (__fish_complete_path (string replace -r -- '^--[^=]*=' '' "$begun"))
+        echo "$option$path"
+      end
     else
       echo $line
     end
@@ -64,6 +72,16 @@ struct Shell {
   std::string_view name, script;
 };
 constexpr std::array kShells{Shell{"bash", kBash}, Shell{"zsh", kZsh}, Shell{"fish", kFish}};
+
+}  // namespace
+
+std::vector<std::string_view> completionShells() {
+  std::vector<std::string_view> names;
+  for (const Shell& shell : kShells) names.push_back(shell.name);
+  return names;
+}
+
+namespace {
 
 void printScript(const std::string& name) {
   for (const Shell& shell : kShells)

@@ -32,7 +32,7 @@ void serveScene(ServeArguments& a) {
   if (a.server.address == serve::ServerOptions{}.address)
     fmt::print("From another machine, first: ssh -L {0}:127.0.0.1:{0} THIS_MACHINE\n", server.port());
   fmt::print("Ctrl-C ends it.\n");
-  std::fflush(stdout);
+  if (std::fflush(stdout) != 0) return;  // nobody knows the address; main() reports the error
   server.run();
 }
 

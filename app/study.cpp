@@ -96,9 +96,9 @@ class ResultFolder {
 };
 
 ResultFolder::ResultFolder(const std::filesystem::path& path, const std::string& study) : path_(path) {
-  std::error_code error;
+  std::error_code error, ignored;
   made_ = std::filesystem::create_directory(path, error);
-  if (!std::filesystem::is_directory(path, error)) {
+  if (!std::filesystem::is_directory(path, ignored)) {
     if (isThere(path)) badUsage("{} is no folder; give -o the name of one, or a new name", path.string());
     badUsage("the folder {} can't be made: {}; give -o another", path.string(), error.message());
   }
@@ -107,7 +107,7 @@ ResultFolder::ResultFolder(const std::filesystem::path& path, const std::string&
     if (isResultName(entry->path().filename(), study)) checkWritable(entry->path());
 }
 
-// The files that the command writes, with their contents.
+// The files that the command writes, with their contents. They appear together.
 class Files {
  public:
   void add(const std::filesystem::path& path, std::vector<std::byte> bytes) {
@@ -121,7 +121,9 @@ class Files {
   // Throws before it writes the first file if one would replace another one, or one that `used` has.
   void write(output::UsedFiles& used) const {
     used.checkOutputs(paths_);
-    for (size_t i = 0; i < paths_.size(); ++i) writeFile(paths_[i], contents_[i]);
+    FileGroup group;
+    for (size_t i = 0; i < paths_.size(); ++i) group.add(paths_[i], contents_[i]);
+    group.commit();
   }
 
  private:

@@ -19,6 +19,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/temporary_file.h"
+#include "base/text.h"
 
 namespace latelight {
 namespace fs = std::filesystem;
@@ -143,13 +144,23 @@ int copyAttributes(int fd, const WriteTarget& target) {
   return fchmod(fd, target.mode & (group ? 0777 : 0707)) == 0 ? 0 : errno;
 }
 
-// 0 or an errno.
-int replace(const WriteTarget& target, std::span<const std::byte> bytes) {
-  TemporaryFile file(target.path, target.mode ? target.mode & 0600 : 0666);
+// Permissions of a temporary file before it receives the attributes of the file that it replaces.
+mode_t firstPermissions(const WriteTarget& target) {
+  return target.mode ? target.mode & 0600 : 0666;
+}
+
+// Returns 0 or an errno.
+int writeTemporary(TemporaryFile& file, const WriteTarget& target, std::span<const std::byte> bytes) {
   if (file.error()) return file.error();
   if (target.mode)
     if (const int error = copyAttributes(file.get(), target)) return error;
-  if (const int error = writeAll(file.get(), bytes)) return error;
+  return writeAll(file.get(), bytes);
+}
+
+// 0 or an errno.
+int replace(const WriteTarget& target, std::span<const std::byte> bytes) {
+  TemporaryFile file(target.path, firstPermissions(target));
+  if (const int error = writeTemporary(file, target, bytes)) return error;
   return file.become(target.path);
 }
 
@@ -245,9 +256,7 @@ std::string shortFileName(std::string name) {
   constexpr size_t kHashed = 17;  // bytes of "-" and the hash
   if (name.size() <= kShortFileName) return name;
   const uint64_t hash = hash64(name.data(), name.size());
-  size_t kept = kShortFileName - kHashed;
-  while (kept > 0 && (static_cast<unsigned char>(name[kept]) & 0xc0) == 0x80) --kept;  // at a UTF-8 character boundary
-  return fmt::format("{}-{:016x}", std::string_view(name).substr(0, kept), hash);
+  return fmt::format("{}-{:016x}", utf8Beginning(name, kShortFileName - kHashed), hash);
 }
 
 void writeFile(const fs::path& path, std::span<const std::byte> bytes) {
@@ -262,6 +271,38 @@ void writeFile(const fs::path& path, std::span<const std::byte> bytes) {
   if (error == ENXIO && S_ISFIFO(target.mode))
     badUsage("can't write '{}': it is a pipe without a reader; start the reader first", path.string());
   if (error) failToWrite(path, error);
+}
+
+struct FileGroup::Pending {
+  explicit Pending(const fs::path& path)
+      : path(path), target(findTarget(path)), file(target.path, firstPermissions(target)) {}
+
+  const fs::path path;
+  const WriteTarget target;
+  TemporaryFile file;
+};
+
+FileGroup::FileGroup() = default;
+FileGroup::~FileGroup() = default;
+
+void FileGroup::add(const fs::path& path, std::span<const std::byte> bytes) {
+  if (path == "-" || !findTarget(path).isFile()) return writeFile(path, bytes);
+  if (pending_.size() == kMaxPending) renameFirst();
+  auto pending = std::make_unique<Pending>(path);
+  int error = writeTemporary(pending->file, pending->target, bytes);
+  if (!error) error = pending->file.checkWritten();
+  if (error) failToWrite(path, error);
+  pending_.push_back(std::move(pending));
+}
+
+void FileGroup::renameFirst() {
+  Pending& first = *pending_.front();
+  if (const int error = first.file.become(first.target.path)) failToWrite(first.path, error);
+  pending_.pop_front();
+}
+
+void FileGroup::commit() {
+  while (!pending_.empty()) renameFirst();
 }
 
 void checkWritable(const fs::path& path) {

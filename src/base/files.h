@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -41,6 +42,29 @@ FileBytes readLargeFile(const std::filesystem::path& path);
 // followed: their target, which must exist, is replaced. Pipes, which require a reader, and character devices are
 // written to directly. "-" is standard output.
 void writeFile(const std::filesystem::path& path, std::span<const std::byte> bytes);
+
+// Files that replace existing ones together, such as a model, its materials and their images. A full disk then changes
+// none of them. Call it like writeFile(); pipes, devices and "-" are written to at once.
+class FileGroup {
+ public:
+  FileGroup();
+  ~FileGroup();  // removes the files that were not committed
+  FileGroup(const FileGroup&) = delete;
+  FileGroup& operator=(const FileGroup&) = delete;
+
+  // Writes a file under a temporary name. Throws the errors of writeFile(). A pending file needs a descriptor, so the
+  // first files of a group of more than kMaxPending are renamed before commit().
+  void add(const std::filesystem::path& path, std::span<const std::byte> bytes);
+  // Renames the files, in the order of add().
+  void commit();
+
+ private:
+  static constexpr size_t kMaxPending = 256;  // of the 1024 files that a process may usually open
+  struct Pending;
+  void renameFirst();
+
+  std::deque<std::unique_ptr<Pending>> pending_;
+};
 
 // Shortens an external name for use as part of a file name, to at most kShortFileName bytes. A longer name is cut and
 // ends in its hash.

@@ -139,11 +139,15 @@ int TemporaryFile::makeOnce(mode_t permissions) {
   return EEXIST;
 }
 
-int TemporaryFile::become(const fs::path& target) {
-  // Network file systems may report a full disk only when a descriptor is closed. This closes a duplicate, because the
-  // lock must last until the file is renamed.
+// Network file systems may report a full disk only when a descriptor is closed. This closes a duplicate, because the
+// lock must last until the file is renamed.
+int TemporaryFile::checkWritten() const {
   const int copy = fcntl(fd_, F_DUPFD_CLOEXEC, 0);
-  if (copy < 0 || close(copy) != 0) return errno;
+  return copy < 0 || close(copy) != 0 ? errno : 0;
+}
+
+int TemporaryFile::become(const fs::path& target) {
+  if (const int error = checkWritten()) return error;
   const ListLock lock(*list_);
   if (rename(path_.c_str(), target.c_str()) != 0) return errno;
   removeFromList();  // immediately, because its old name may soon be reused

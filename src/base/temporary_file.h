@@ -22,6 +22,7 @@ class TemporaryFile {
 
   int get() const { return fd_; }                   // file descriptor to write to
   int error() const { return error_; }              // 0, or the errno of the failed creation
+  int checkWritten() const;                         // returns 0, or the errno of an error that closing a file reports
   int become(const std::filesystem::path& target);  // renames the completely written file; returns 0 or an errno
 
  private:

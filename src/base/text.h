@@ -30,6 +30,13 @@ inline std::string joinedByOr(std::span<const std::string> words) {
   return text;
 }
 
+// Returns the longest beginning of a UTF-8 text that has at most `size` bytes and ends with a whole character.
+inline std::string_view utf8Beginning(std::string_view text, size_t size) {
+  if (text.size() <= size) return text;
+  while (size > 0 && (static_cast<unsigned char>(text[size]) & 0xc0) == 0x80) --size;
+  return text.substr(0, size);
+}
+
 // Replaces every occurrence of `from` by `to`.
 inline void replaceAll(std::string& text, std::string_view from, std::string_view to) {
   for (size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))

@@ -38,10 +38,12 @@ void exportObj(const scene::Scene& scene, const std::filesystem::path& file, out
   for (const auto& [texture, name] : mtl.images) paths.push_back(file.parent_path() / name);
   used.checkOutputs(paths);
   const std::string obj = encodeObj(scene, materials.filename().string());
+  FileGroup files;
   for (const auto& [texture, name] : mtl.images)
-    writeFile(file.parent_path() / name, encodeTexture(scene.textures[texture]));
-  writeFile(materials, std::as_bytes(std::span(mtl.text)));
-  writeFile(file, std::as_bytes(std::span(obj)));
+    files.add(file.parent_path() / name, encodeTexture(scene.textures[texture]));
+  files.add(materials, std::as_bytes(std::span(mtl.text)));
+  files.add(file, std::as_bytes(std::span(obj)));
+  files.commit();
 }
 
 }  // namespace

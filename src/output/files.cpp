@@ -102,11 +102,13 @@ const AovImage& imageOf(const FrameOutput& frame, Aov aov) {
   fail(ExitCode::Internal, "the frame has no {}", info(aov).name);
 }
 
-void writePng(const fs::path& path, const FrameOutput& frame, Aov aov) {
+// `add` receives a path and the bytes of the file.
+template <typename Add>
+void addPng(const Add& add, const fs::path& path, const FrameOutput& frame, Aov aov) {
   if (aov == Aov::Color && !frame.display.empty())
-    writeFile(path, frame.displayPng());
+    add(path, frame.displayPng());
   else
-    writeFile(path, encodePng(imageOf(frame, aov)));
+    add(path, encodePng(imageOf(frame, aov)));
 }
 
 std::vector<std::byte> encode(Format format, std::span<const Aov> aovs, const FrameOutput& frame,
@@ -236,18 +238,20 @@ void writeIdManifest(const OutputRequest& request, const Metadata& metadata) {
 std::vector<fs::path> writeOutput(const OutputRequest& request, const FrameOutput& frame, const Metadata& metadata) {
   const Format format = formatOf(request.pattern);
   if (request.pattern == kStandardOutput) {
-    writePng(kStandardOutput, frame, request.aovs.front());
+    addPng(writeFile, kStandardOutput, frame, request.aovs.front());
     return {};
   }
   const std::vector<fs::path> paths = outputPaths(request, metadata);
   const bool together = isTogether(request);
+  FileGroup files;
   for (size_t i = 0; i < (together ? 1 : request.aovs.size()); ++i) {
     makeFilledFolders(request.pattern, paths[i]);
     const std::span<const Aov> all(request.aovs);
     if (format == Format::Png)
-      writePng(paths[i], frame, all[i]);
+      addPng([&](const fs::path& path, std::span<const std::byte> bytes) { files.add(path, bytes); }, paths[i], frame,
+             all[i]);
     else
-      writeFile(paths[i], encode(format, together ? all : all.subspan(i, 1), frame,
+      files.add(paths[i], encode(format, together ? all : all.subspan(i, 1), frame,
                                  format == Format::Exr ? exrMetadata(request, frame.aovs, metadata) : metadata));
   }
   if (wantsSideFile(request)) {
@@ -260,8 +264,9 @@ std::vector<fs::path> writeOutput(const OutputRequest& request, const FrameOutpu
       described.idManifest = ids->lexically_proximate(side.parent_path()).generic_string();
     const std::string text = sideFile(described, frame.width, frame.height, request.aovs, names);
     makeFilledFolders(request.pattern, side);
-    writeFile(side, std::as_bytes(std::span(text)));
+    files.add(side, std::as_bytes(std::span(text)));
   }
+  files.commit();
   return paths;
 }
 

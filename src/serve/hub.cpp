@@ -113,9 +113,9 @@ Hub::Admission Hub::admit(Calls calls) {
       with([&](const Calls& calls) { calls.send ? calls.send(std::move(message)) : void(); });
     });
   };
-  posted.fail = [this, with](std::string sentence) {
-    boost::asio::post(io_, [with, sentence = std::move(sentence)]() mutable {
-      with([&](const Calls& calls) { calls.fail ? calls.fail(std::move(sentence)) : void(); });
+  posted.fail = [this, with](Failure failure) {
+    boost::asio::post(io_, [with, failure = std::move(failure)]() mutable {
+      with([&](const Calls& calls) { calls.fail ? calls.fail(std::move(failure)) : void(); });
     });
   };
   posted.ended = [this, number, works = boost::asio::make_work_guard(io_)] {

@@ -29,7 +29,7 @@ class Hub {
   // Creates a viewer with a unique number. Its calls arrive in this thread, and none arrives after release().
   struct Calls {
     std::function<void(Message message)> send;
-    std::function<void(std::string sentence)> fail;
+    std::function<void(Failure failure)> fail;
   };
   struct Admission {
     std::shared_ptr<Viewer> viewer;  // null: the page is refused

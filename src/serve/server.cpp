@@ -57,6 +57,12 @@ struct Server::Impl {
     auto first = std::make_unique<view::ViewSession>(start);
     device = first->state().device;
     hub.keepReady(std::move(first));
+    // Last, because a signal ends the process while the scene is still loaded.
+    signals.add(SIGINT);
+    signals.add(SIGTERM);
+    signals.async_wait([this](ErrorCode error, int) {
+      if (!error) close();
+    });
   }
   // Pending handlers must not outlive the objects that they use.
   ~Impl() {
@@ -143,11 +149,6 @@ std::string Server::device() const {
 
 void Server::run() {
   Impl& i = *impl_;
-  i.signals.add(SIGINT);
-  i.signals.add(SIGTERM);
-  i.signals.async_wait([&i](ErrorCode error, int) {
-    if (!error) i.close();
-  });
   i.accept();
   i.work();
   for (const std::string& message : i.hub.validationMessages())

@@ -24,7 +24,8 @@ struct ServerOptions {
 
 class Server {
  public:
-  // Throws Error if the server cannot listen on the address, or if the session cannot be created.
+  // Throws Error if the server cannot listen on the address, or if the session cannot be created. From then on, SIGINT
+  // and SIGTERM end run(), even if it is called later.
   Server(const ServerOptions& options, const view::Start& start);
   ~Server();
   Server(const Server&) = delete;

@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "base/journal.h"
+#include "base/log.h"
+#include "base/text.h"
 #include "serve/upload.h"
 
 namespace latelight::serve {
@@ -88,8 +90,9 @@ void Socket::begin() {
   calls.send = [weak](Message message) {
     if (const auto self = weak.lock()) self->send(std::move(message));
   };
-  calls.fail = [weak](const std::string& sentence) {
-    if (const auto self = weak.lock()) self->close(websocket::close_code::internal_error, sentence);
+  calls.fail = [weak](const Failure& failure) {
+    const auto code = failure.mayPass ? websocket::close_code::try_again_later : websocket::close_code::internal_error;
+    if (const auto self = weak.lock()) self->close(code, failure.sentence);
   };
   Hub::Admission admission = hub_.admit(std::move(calls));
   if (!admission.viewer) return close(websocket::close_code::try_again_later, admission.refusal);
@@ -169,7 +172,10 @@ void Socket::close(websocket::close_code code, const std::string& reason) {
   if (std::exchange(closing_, true)) return;
   leave();
   websocket::close_reason said(code);
-  said.reason = beast::string_view(reason).substr(0, said.reason.max_size());
+  // Browsers reject a close frame whose reason is not UTF-8 (RFC 6455, 5.5.1). Names of files need not be.
+  const std::string text = printable(reason);
+  const std::string_view beginning = utf8Beginning(text, said.reason.max_size());
+  said.reason.assign(beginning.data(), beginning.size());
   stream_.async_close(said, [self = shared_from_this()](beast::error_code) {});
 }
 

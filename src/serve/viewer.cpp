@@ -229,8 +229,10 @@ void Viewer::Impl::run() {
     while (waitForWork())
       if (hasBegun && paceNow().maySend()) sendNews();
     validationMessages = session->validationMessages();
+  } catch (const Error& error) {
+    calls.fail({error.what(), !session && error.code() == ExitCode::BadInput});
   } catch (const std::exception& error) {
-    calls.fail(error.what());
+    calls.fail({error.what()});
   }
   session.reset();
   calls.ended();

@@ -12,13 +12,19 @@
 
 namespace latelight::serve {
 
+// Why a session cannot start or continue.
+struct Failure {
+  std::string sentence;
+  bool mayPass = false;  // a new session may succeed later: a file could not be read, maybe because it is being written
+};
+
 class Viewer {
  public:
   // Called in the viewer's thread.
   struct Calls {
     std::function<void(Message message)> send;
-    std::function<void(std::string sentence)> fail;  // the session cannot start or continue
-    std::function<void()> ended;                     // the last call: the thread may be joined
+    std::function<void(Failure failure)> fail;  // the session cannot start or continue
+    std::function<void()> ended;                // the last call: the thread may be joined
   };
   // `ready`: an existing session; null: the viewer creates its own.
   Viewer(std::unique_ptr<view::ViewSession> ready, const view::Start& start, Calls calls);

@@ -47,6 +47,14 @@ TEST(Completions, OfCommandsOptionsAndNames) {
   EXPECT_THAT(completed({"bench", "frame", "--layo"}), ElementsAre("--layout"));
   EXPECT_THAT(completed({"list", "norm"}), IsSupersetOf({"normals", "normal-frames"}));
   EXPECT_THAT(completed({"study", ""}), Contains("accuracy"));
+  EXPECT_THAT(completed({"completions", ""}), ElementsAre("bash", "zsh", "fish"));
+  EXPECT_THAT(completed({"render", "--device", ""}), ElementsAre("auto", "cpu"));
+  EXPECT_THAT(completed({"study", "depth", "--device", "c"}), ElementsAre("cpu"));
+  EXPECT_THAT(completed({"batch", "--devices", "a"}), ElementsAre("auto", "all"));
+  EXPECT_THAT(completed({"render", "--tonemap=a"}), ElementsAre("--tonemap=aces", "--tonemap=agx"));
+  EXPECT_THAT(completed({"render", "--aov=depth,norm"}), ElementsAre("--aov=depth,normal"));
+  EXPECT_THAT(completed({"render", "--out=a"}), ElementsAre(":files"));
+  EXPECT_THAT(completed({"render", "--json="}), ElementsAre()) << "a flag accepts no value";
   EXPECT_THAT(completed({"nonsense", "--nothing", "x"}), ElementsAre());
 }
 
@@ -77,6 +85,8 @@ TEST(Completions, InBash) {
   EXPECT_EQ(completedTo("latelight render builtin:h"), "hall|") << "behind the colon is another word for readline";
   EXPECT_EQ(completedTo("latelight render --aov depth,norm"), "depth,normal|");
   EXPECT_EQ(completedTo("latelight render sce"), "scene file.glb|");
+  EXPECT_EQ(completedTo("latelight render --tonemap=ac"), "aces|") << "readline also separates words at equals signs";
+  EXPECT_EQ(completedTo("latelight render --hdri=sce"), "scene file.glb|");
   EXPECT_THAT(completedTo("latelight list "), HasSubstr("aovs|"));
 }
 

@@ -46,6 +46,7 @@ void fill(const Folder& folder) {
   std::filesystem::create_directory(folder.path() / "folder.png");
   std::filesystem::create_directory(folder.path() / "scene.gltf");
   std::filesystem::create_symlink("/dev/full", folder.path() / "full.png");
+  std::filesystem::create_symlink("nowhere", folder.path() / "lost");
   folder.write("noise.glb", "this is not a scene");
   folder.write("empty.gltf", "");
   folder.write("half.gltf", R"({"asset": {"version": "2.0"}, "meshes": [)");
@@ -172,6 +173,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUse{"StudyWithoutTime", {"study", "lights", "--budget", "0"}, kUsage, {"--budget"}},
         WrongUse{"StudyOfNoSize", {"study", "lights", "--sizes", "wide"}, kUsage, {"--sizes", "wide"}},
         WrongUse{"StudyIntoAFile", {"study", "depth", "-o", "two.png"}, kUsage, {"two.png", "folder"}},
+        WrongUse{"StudyIntoALostLink", {"study", "depth", "-o", "lost"}, kUsage, {"lost", "File exists"}},
         WrongUse{"StudyIntoNoFolder", {"study", "depth", "-o", "no/where"}, kUsage, {"no"}},
         WrongUse{"StudyOnNoDevice", {"study", "depth", "-o", "new", "--device", "abacus"}, kNoDevice, {"abacus"}},
         WrongUse{"UnknownShadows",
@@ -209,7 +211,8 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUse{"CompareMissing", {"compare", "a.png", "b.png"}, kBadInput, {"a.png"}},
         WrongUse{"CompareBroken", {"compare", "two.png", "two.png"}, kBadInput, {"two.png"}},
         WrongUse{"CompareTolerance", {"compare", "two.png", "two.png", "--tolerance", "nan"}, kUsage, {"--tolerance"}},
-        WrongUse{"CompareShare", {"compare", "two.png", "two.png", "--share", "nan"}, kUsage, {"--share"}}),
+        WrongUse{"CompareShare", {"compare", "two.png", "two.png", "--share", "nan"}, kUsage, {"--share"}},
+        WrongUse{"ComparePixelsPerDegree", {"compare", "two.png", "two.png", "--ppd", "nan"}, kUsage, {"--ppd"}}),
     wrongUseName);
 
 // The arguments `render builtin:boxes -o a.png`, and the invalid ones after them.
@@ -517,8 +520,10 @@ TEST(WrongUse, AFullStandardOutputIsAnError) {
         {"devices"},
         {"doctor"},
         {"--help"},
+        {"serve", "builtin:boxes", "--port", "0", "--device", "cpu"},
         {"render", "builtin:boxes", "-o", "-", "--size", "64x36", "--device", "cpu"}}) {
-    const Outcome outcome = latelight({.arguments = arguments, .standardOutput = "/dev/full"});
+    const Outcome outcome =
+        latelight({.arguments = arguments, .standardOutput = "/dev/full", .timeout = std::chrono::minutes(5)});
     SCOPED_TRACE(arguments[0]);
     EXPECT_EQ(outcome.code, kUsage) << outcome.text();
     expectOneSentence(outcome);

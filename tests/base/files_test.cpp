@@ -56,6 +56,39 @@ class Files : public testing::Test {
   const fs::path folder = temporary.path();
 };
 
+TEST_F(Files, OfAGroupAppearTogetherOrNotAtAll) {
+  writeFile(folder / "a", bytesOf("old"));
+  fs::create_symlink("/dev/full", folder / "full");
+  {
+    FileGroup group;
+    group.add(folder / "a", bytesOf("new"));
+    group.add(folder / "b", bytesOf("new"));
+    EXPECT_THAT(sentence(ExitCode::Usage, [&] { group.add(folder / "full", bytesOf("new")); }),
+                AllOf(HasSubstr("full"), HasSubstr("No space left")));
+    EXPECT_EQ(textOf(readFile(folder / "a")), "old");
+  }
+  EXPECT_EQ(textOf(readFile(folder / "a")), "old");
+  EXPECT_EQ(entries(), 2u);
+
+  FileGroup group;
+  group.add(folder / "a", bytesOf("new"));
+  group.add(folder / "b", bytesOf("new"));
+  EXPECT_FALSE(isThere(folder / "b"));
+  group.commit();
+  for (const char* name : {"a", "b"}) EXPECT_EQ(textOf(readFile(folder / name)), "new") << name;
+  EXPECT_EQ(entries(), 3u);
+}
+
+// A group may have more files than a process may open.
+TEST_F(Files, OfALargeGroupAreAllWritten) {
+  FileGroup group;
+  for (int i = 0; i < 2000; ++i) group.add(folder / std::to_string(i), bytesOf(std::to_string(i)));
+  group.commit();
+  EXPECT_EQ(entries(), 2000u);
+  EXPECT_EQ(textOf(readFile(folder / "0")), "0");
+  EXPECT_EQ(textOf(readFile(folder / "1999")), "1999");
+}
+
 TEST_F(Files, ComeBackAsWritten) {
   for (const size_t size : {0, 1, 65535, 65536, 65537, 1 << 20}) {
     std::string text(size, '\0');

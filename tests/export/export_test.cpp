@@ -522,6 +522,23 @@ TEST(Export, ObjFilesHaveTexturesNextToThem) {
   EXPECT_GE(textures, 4u);
 }
 
+TEST(Export, ModelsKeepTheirMaterialsIfTheDiskIsFull) {
+  const app::Folder folder;
+  exports::exportScene(load("builtin:boxes"), folder.at("out.obj"));
+  const std::vector<std::byte> materials = readFile(folder.at("out.mtl"));
+  std::filesystem::remove(folder.at("out.obj"));
+  std::filesystem::create_symlink("/dev/full", folder.at("out.obj"));
+  try {
+    exports::exportScene(load(models::modelPath("textured.glb").string()), folder.at("out.obj"));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("No space left"));
+  }
+  EXPECT_EQ(readFile(folder.at("out.mtl")), materials);
+  const std::filesystem::directory_iterator files(folder.path());
+  EXPECT_EQ(std::distance(begin(files), end(files)), 2) << "no images";
+}
+
 TEST(Export, OtherNamesAreRejected) {
   const app::Folder folder;
   try {

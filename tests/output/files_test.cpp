@@ -160,6 +160,21 @@ TEST_F(Output, LeavesNothingBehindOnAFullDisk) {
   EXPECT_THAT(names(), ElementsAre("full.exr"));
 }
 
+// The color of another picture must not be left next to the depth of the old one.
+TEST_F(Output, OfSeveralFilesIsReplacedTogether) {
+  write(request("a.png"));
+  const std::vector<std::byte> old = readFile(at("a.png"));
+  fs::create_symlink("/dev/full", at("a.depth.png"));
+  frame = frameOfNumbers(12, 7);
+  EXPECT_THAT(sentence(ExitCode::Usage,
+                       [&] {
+                         writeOutput(request("a.png", {Aov::Color, Aov::Depth}), frame, {});
+                       }),
+              AllOf(HasSubstr("a.depth.png"), HasSubstr("No space left")));
+  EXPECT_EQ(readFile(at("a.png")), old);
+  EXPECT_THAT(names(), ElementsAre("a.depth.png", "a.png"));
+}
+
 TEST_F(Output, KeepsTheOldFileWhenItsFolderGoes) {
   EXPECT_THAT(sentence(ExitCode::Usage, [&] { writeOutput(request("gone/a.exr"), frame, {}); }),
               HasSubstr("gone/a.exr"));

@@ -14,6 +14,7 @@
 #include <boost/asio/write.hpp>
 #include <cmath>
 #include <condition_variable>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <mutex>
@@ -485,6 +486,44 @@ TEST(ServerOfOneSessionTest, AReloadedPageGetsInAtOnce) {
   EXPECT_THAT(second.closeReason(), HasSubstr("all 1 sessions"));
 }
 
+// A page that opens while the scene file is being written is asked to try again (1013, "try again later"). Its reason
+// is valid UTF-8 even if the 123 bytes of a close frame end within a character of the file's name.
+TEST(ServerOfAChangingFileTest, APageThatOpensMeanwhileMayTryAgain) {
+  const app::Folder folder;
+  std::string name;
+  while ((folder.at("").size() + name.size()) % 3 != 0) name += 'a';
+  for (int i = 0; i < 40; ++i) name += "漢";
+  const std::filesystem::path scene = folder.path() / (name + ".glb");
+  std::filesystem::copy_file(models::modelPath("punctual.glb"), scene);
+  for (const std::string before : {"", "a", "aa"}) {  // one of them ends at a character's end
+    const std::filesystem::path path = folder.path() / (before + name + ".glb");
+    if (!before.empty()) std::filesystem::rename(scene, path);
+    Running running(path.string(), false);
+    Client first(running.server.port(), running.server.token());
+    first.show(first.hear());
+    std::filesystem::rename(path, scene.string() + ".part");
+    std::ofstream(path) << "glTF";
+    Client second(running.server.port(), running.server.token());
+    EXPECT_ANY_THROW(second.hear());
+    EXPECT_EQ(second.closeCode(), 1013);
+    EXPECT_THAT(second.closeReason(), HasSubstr("漢"));
+    EXPECT_THAT(Json(second.closeReason()).dump(), HasSubstr("漢")) << "dump() rejects other texts than UTF-8";
+    std::filesystem::rename(scene.string() + ".part", path);
+    Client third(running.server.port(), running.server.token());
+    EXPECT_NO_THROW(third.hear());
+    std::filesystem::rename(path, scene);
+  }
+}
+
+// The program prints the address before run(), and a signal may follow at once.
+TEST(ServerSignalsTest, ASignalBeforeRunEndsIt) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    Server server({}, {.scene = "builtin:boxes", .device = "cpu", .width = 64, .height = 48});
+    std::raise(signal);
+    EXPECT_NO_THROW(server.run());
+  }
+}
+
 // Idle connections are closed for new ones, the oldest first; sessions and pages with the token are not affected.
 TEST(ServerInACrowdTest, SilentConnectionsKeepNobodyOut) {
   namespace asio = boost::asio;
@@ -585,7 +624,7 @@ TEST(ViewerTest, NothingIsMadeForAPageThatDoesNotRead) {
     sent.push_back(std::move(message));
     changed.notify_all();
   };
-  calls.fail = [](const std::string& sentence) { ADD_FAILURE() << sentence; };
+  calls.fail = [](const Failure& failure) { ADD_FAILURE() << failure.sentence; };
   calls.ended = [&] {
     const std::lock_guard lock(mutex);
     ended = true;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstring>
 #include <map>
+#include <utility>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -106,13 +107,13 @@ class BinaryText {
     for (const char c : text) put(c);
     put('\0');
   }
-  void write(const std::filesystem::path& file) const { writeFile(file, bytes_); }
+  std::vector<std::byte> take() { return std::move(bytes_); }
 
  private:
   std::vector<std::byte> bytes_;
 };
 
-void writeLenses(const std::filesystem::path& path, const ColmapLenses& lenses) {
+std::vector<std::byte> encodeLenses(const ColmapLenses& lenses) {
   BinaryText file;
   file.put(uint64_t{lenses.cameras.size()});
   for (uint32_t i = 0; i < lenses.cameras.size(); ++i) {
@@ -123,11 +124,10 @@ void writeLenses(const std::filesystem::path& path, const ColmapLenses& lenses) 
     file.put(static_cast<uint64_t>(lenses.cameras[i]->lens->height));
     for (const double parameter : camera.parameters) file.put(parameter);
   }
-  file.write(path);
+  return file.take();
 }
 
-void writeImages(const std::filesystem::path& path, std::span<const CalibratedCamera> cameras,
-                 const ColmapFeatures& features) {
+std::vector<std::byte> encodeImages(std::span<const CalibratedCamera> cameras, const ColmapFeatures& features) {
   const ColmapLenses lenses = differentLenses(cameras);
   BinaryText file;
   file.put(uint64_t{cameras.size()});
@@ -145,11 +145,10 @@ void writeImages(const std::filesystem::path& path, std::span<const CalibratedCa
       file.put(feature.point + 1);
     }
   }
-  file.write(path);
+  return file.take();
 }
 
-void writePoints(const std::filesystem::path& path, std::span<const ColmapPoint> points,
-                 const ColmapFeatures& features) {
+std::vector<std::byte> encodePoints(std::span<const ColmapPoint> points, const ColmapFeatures& features) {
   BinaryText file;
   file.put(uint64_t{points.size()});
   for (size_t i = 0; i < points.size(); ++i) {
@@ -163,7 +162,7 @@ void writePoints(const std::filesystem::path& path, std::span<const ColmapPoint>
       file.put(features.ofPoint[i][k]);
     }
   }
-  file.write(path);
+  return file.take();
 }
 
 }  // namespace
@@ -185,9 +184,11 @@ std::vector<CalibratedCamera> readColmapBinary(const std::filesystem::path& fold
 void writeColmapBinary(const std::filesystem::path& folder, std::span<const CalibratedCamera> cameras,
                        std::span<const ColmapPoint> points) {
   const ColmapFeatures features = featuresOf(cameras.size(), points);
-  writeLenses(folder / "cameras.bin", differentLenses(cameras));
-  writeImages(folder / "images.bin", cameras, features);
-  writePoints(folder / "points3D.bin", points, features);
+  FileGroup files;
+  files.add(folder / "cameras.bin", encodeLenses(differentLenses(cameras)));
+  files.add(folder / "images.bin", encodeImages(cameras, features));
+  files.add(folder / "points3D.bin", encodePoints(points, features));
+  files.commit();
 }
 
 std::vector<CalibratedCamera> readColmap(const std::filesystem::path& folder) {

@@ -31,10 +31,6 @@ std::map<std::string, scene::Lens, std::less<>> readLensesText(const std::filesy
   return lenses;
 }
 
-void writeText(const std::filesystem::path& file, const std::string& text) {
-  writeFile(file, std::as_bytes(std::span(text)));
-}
-
 std::string pointsText(std::span<const ColmapPoint> points, const ColmapFeatures& features) {
   std::string text = "# POINT3D_ID X Y Z R G B ERROR TRACK[]\n";
   for (size_t i = 0; i < points.size(); ++i) {
@@ -78,13 +74,14 @@ void writeColmapText(const std::filesystem::path& folder, std::span<const Calibr
                      std::span<const ColmapPoint> points) {
   const ColmapLenses lenses = differentLenses(cameras);
   const ColmapFeatures features = featuresOf(cameras.size(), points);
+  FileGroup files;
   std::string text = "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n";
   for (size_t i = 0; i < lenses.cameras.size(); ++i) {
     const ColmapCamera camera = colmapCameraOf(*lenses.cameras[i]);
     text += fmt::format("{} {} {} {} {}\n", i + 1, camera.model->name, lenses.cameras[i]->lens->width,
                         lenses.cameras[i]->lens->height, fmt::join(camera.parameters, " "));
   }
-  writeText(folder / "cameras.txt", text);
+  files.add(folder / "cameras.txt", std::as_bytes(std::span(text)));
   text = "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME\n# POINTS2D[]\n";
   for (size_t i = 0; i < cameras.size(); ++i) {
     const auto [q, t] = colmapPoseOf(cameras[i].pose);
@@ -95,8 +92,10 @@ void writeColmapText(const std::filesystem::path& folder, std::span<const Calibr
     if (text.back() == ' ') text.pop_back();
     text += "\n";
   }
-  writeText(folder / "images.txt", text);
-  writeText(folder / "points3D.txt", pointsText(points, features));
+  files.add(folder / "images.txt", std::as_bytes(std::span(text)));
+  text = pointsText(points, features);
+  files.add(folder / "points3D.txt", std::as_bytes(std::span(text)));
+  files.commit();
 }
 
 }  // namespace latelight::data
