@@ -82,6 +82,52 @@ Outcome archives(const Folder& folder, const std::string& set, std::vector<std::
   return latelight(batch(folder, all));
 }
 
+// The plan knows the names of all files, so that none replaces another one.
+TEST(FormatsOfABatch, FilesOfOneNameAreRejected) {
+  Folder folder;
+  const auto plan = [&](const std::vector<std::string>& formats, const std::vector<const char*>& cameras = {}) {
+    std::string list;
+    for (const char* name : cameras)
+      list +=
+          fmt::format(R"({}{{"name": "{}", "eye": [3, 1, 3], "target": [0, 1, 0]}})", list.empty() ? "" : ",", name);
+    std::vector<std::string> all{"--scenes", "builtin:boxes", "-o", "set", "--dry-run"};
+    for (const std::string& format : formats) all.insert(all.end(), {"--formats", format});
+    if (!cameras.empty())
+      all.insert(all.end(), {"--name", "{camera}", "--cameras", R"({"type": "list", "cameras": [)" + list + "]}"});
+    return latelight(batch(folder, all));
+  };
+  const auto expectRejected = [](const Outcome& outcome, const char* sentence) {
+    EXPECT_EQ(outcome.code, 2) << outcome.text();
+    EXPECT_THAT(outcome.err, HasSubstr(sentence));
+  };
+  const char* files = R"({"format": "files", "outputs": ["color", "depth"]})";
+  expectRejected(plan({R"({"format": "depth-png", "unit": "kitti"})", "transforms"}),
+                 R"(depth-png (formats[0]) for the frame "000000" and transforms (formats[1]) for the frame "000000" )"
+                 "would both write 'depth/000000.png'");
+  expectRejected(plan({R"({"format": "exr", "outputs": ["color"]})", R"({"format": "exr", "outputs": ["depth"]})"}),
+                 "would both write '000000.exr'");
+  expectRejected(plan({"coco", R"({"format": "coco", "categories": "node"})"}),
+                 "coco (formats[0]) and coco (formats[1]) would both write 'annotations/instances.json'");
+  expectRejected(plan({R"({"format": "npz", "file": "train/000000/mask/{name}.npz"})", "bop"}),
+                 "would both write 'train/000000/mask/'");
+  expectRejected(plan({"bop", R"({"format": "npz", "file": "train/./000000//mask/{name}.npz"})"}),
+                 "would both write 'train/000000/mask/000000.npz'");
+  expectRejected(plan({files}, {"a", "a.depth"}), R"(files (formats[0]) for the frame "a" and files (formats[0]) for )"
+                                                  R"(the frame "a.depth" would both write 'a.depth.png')");
+  expectRejected(plan({"transforms", files}, {"transforms"}), "would both write 'transforms.json'");
+  expectRejected(plan({files}, {"manifest"}), "would write 'manifest.json', which the data set itself reserves");
+  expectRejected(plan({R"({"format": "exr", "file": ".latelight/{name}.exr"})"}), "the data set itself reserves");
+  // Equal contents may have one name.
+  for (const auto& formats : std::vector<std::vector<std::string>>{
+           {"coco", "yolo", "voc", "colmap", R"({"format": "files", "pattern": "images/{name}.png"})"},
+           {"depth-png", "transforms"},
+           {"colmap", R"({"format": "colmap", "as": "text"})"},
+           {"exr", "exr"}}) {
+    const Outcome outcome = plan(formats);
+    EXPECT_EQ(outcome.code, 0) << outcome.text();
+  }
+}
+
 // Keys end at the first period, which the format replaces: two names may then be equal.
 TEST(FormatsOfABatch, ArchivesHaveOneKeyPerFrame) {
   Folder folder;

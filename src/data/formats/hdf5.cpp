@@ -208,6 +208,7 @@ class Hdf5 : public Format {
     return aovs;
   }
   bool needsDisplay() const override { return has("colors"); }
+  std::vector<FormatFile> files(const DataFrame& frame) const override { return {{fileOf(frame)}}; }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const output::CameraMetadata& camera = frame.metadata.camera;
@@ -220,10 +221,12 @@ class Hdf5 : public Format {
       file.add(std::string(key->name), alpha_ && key->aov == Aov::Color ? rgbaOf(source) : key->array(source));
     if (has("instance_segmaps")) file.add("instance_attribute_maps", dumped(attributesOf(source)));
     file.add("campose", dumped(cameraStateOf(frame)));
-    writeOf(record, folder, fmt::format("{}{}.hdf5", folder_, frame.index), file.finish());
+    writeOf(record, folder, fileOf(frame), file.finish());
   }
 
  private:
+  std::string fileOf(const DataFrame& frame) const { return fmt::format("{}{}.hdf5", folder_, frame.index); }
+
   void readKeys(const Json* names) {
     const Json list = names ? *names : Json{"colors", "depth", "normals", "instance_segmaps", "category_id_segmaps"};
     if (!list.is_array() || list.empty()) wrongKeys();

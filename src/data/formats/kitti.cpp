@@ -56,6 +56,12 @@ class Kitti : public Format {
   std::vector<output::Aov> needs() const override { return {output::Aov::Id}; }
   bool needsDisplay() const override { return picture_.isWritten(); }
   Extras needsExtras() const override { return {.boxes = true, .alone = true}; }
+  std::vector<FormatFile> files(const DataFrame& frame) const override {
+    std::vector<FormatFile> files = picture_.files(frame);
+    files.push_back({frameFile(labels_, frame)});
+    files.push_back({frameFile(calibrations_, frame), "KITTI's calibration"});
+    return files;
+  }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     if (frame.metadata.camera.lens || frame.metadata.camera.orthographic)

@@ -84,6 +84,13 @@ class Transforms : public Format {
     return depth_ ? std::vector{output::Aov::Depth} : std::vector<output::Aov>();
   }
   bool needsDisplay() const override { return picture_.isWritten(); }
+  std::vector<FormatFile> files(const DataFrame& frame) const override {
+    std::vector<FormatFile> files = picture_.files(frame);
+    if (depth_) files.push_back({frameFile(depthFile_, frame), depthPngContents(output::Aov::Depth, kStepsPerMetre)});
+    files.push_back({.name = file_, .ofSet = true});
+    if (spacing_ > 0) files.push_back({.name = pointFile_, .ofSet = true});
+    return files;
+  }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const output::CameraMetadata& camera = frame.metadata.camera;

@@ -113,6 +113,11 @@ class Video : public Format {
 
   std::vector<output::Aov> needs() const override { return {}; }
   bool needsDisplay() const override { return picture_.isWritten(); }
+  std::vector<FormatFile> files(const DataFrame& frame) const override {
+    std::vector<FormatFile> files = picture_.files(frame);
+    files.push_back({.name = file_, .ofSet = true});
+    return files;
+  }
 
   void writeFiles(const DataFrame& frame, const fs::path& folder, FrameRecord& record) const override {
     record.entry = picture_.write(record, frame, folder);
