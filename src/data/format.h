@@ -52,6 +52,14 @@ class Format {
   // names of the scene and the camera.
   virtual std::vector<FormatFile> files(const DataFrame& frame) const = 0;
 
+  // Throws Error(Usage) if the format cannot store frames of this camera. `frame` has what is known before it is
+  // rendered: the name (in the first variation, with the index 0), the camera, the exposure and the image's size.
+  // writeFrame() calls it, too.
+  virtual void check(const DataFrame& frame) const {}
+  // Throws Error(Usage) if one set cannot have both frames. Called before anything is rendered, for the first camera of
+  // each scene with each other camera of the scene.
+  virtual void checkTogether(const DataFrame& first, const DataFrame& other) const {}
+
   // Writes the frame's own files below `folder`, all or none of them. Called concurrently for several frames. Throws
   // Error(Usage) if a file cannot be written.
   FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const;

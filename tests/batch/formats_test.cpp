@@ -128,6 +128,49 @@ TEST(FormatsOfABatch, FilesOfOneNameAreRejected) {
   }
 }
 
+// Cameras that a format cannot express, and cameras that it cannot have in one set.
+TEST(FormatsOfABatch, CamerasAreCheckedBeforeTheyAreRendered) {
+  Folder folder;
+  const auto plan = [&](const std::string& format, const std::string& cameras, std::vector<std::string> more = {}) {
+    more.insert(more.end(), {"--scenes", "builtin:boxes", "-o", "set", "--formats", format, "--cameras", cameras});
+    const size_t before = filesOf(folder, "set").size();
+    const Outcome outcome = latelight(batch(folder, more));
+    more.emplace_back("--dry-run");
+    const Outcome dry = latelight(batch(folder, more));
+    EXPECT_EQ(outcome.code, dry.code) << format << outcome.text() << dry.text();
+    EXPECT_EQ(outcome.err, dry.err) << format;
+    EXPECT_TRUE(outcome.code == 0 || filesOf(folder, "set").size() == before) << format;
+    return outcome;
+  };
+  const auto expectRejected = [](const Outcome& outcome, const std::string& sentence) {
+    EXPECT_EQ(outcome.code, 2) << outcome.text();
+    EXPECT_THAT(outcome.err, HasSubstr(sentence));
+  };
+  folder.write("ortho.gltf", std::string_view(kOrthographicCamera));
+  const auto listOf = [](const std::string& optics) {
+    return R"({"type": "list", )" + optics + R"(, "cameras": [{"name": "a", "eye": [3, 1, 3], "target": [0, 1, 0]}]})";
+  };
+  const std::string bent = listOf(R"("K": [[30, 0, 16], [0, 30, 12], [0, 0, 1]], "size": [32, 24], )"
+                                  R"("model": "opencv", "distortion": [0.1, 0, 0, 0, 0, 0.1])");
+  for (const std::string format : {"hdf5", "kitti", "scannet", "bop"})
+    expectRejected(plan(format, bent), "the format " + format + " cannot express cameras with a lens such as that of");
+  expectRejected(plan("transforms", bent), "no k4, k5 and k6");
+  for (const std::string format : {"hdf5", "kitti", "scannet", "bop", "colmap", "transforms"}) {
+    const Outcome outcome =
+        latelight(batch(folder, {"--scenes", "ortho.gltf", "-o", "set", "--formats", format, "--dry-run"}));
+    expectRejected(outcome, "the format " + format + " cannot express orthographic cameras such as");
+  }
+  const std::string different =
+      R"([{"type": "orbit", "count": 1, "fov": 40}, {"type": "orbit", "count": 1, "fov": 50}])";
+  expectRejected(plan("scannet", different), "one camera matrix and size per scan");
+  const std::string path = R"({"type": "path", "count": 3, "keys": [{"eye": [3, 1, 3], "target": [0, 1, 0]},
+                                                                             {"eye": [4, 1, 3], "target": [0, 1, 0]}]})";
+  expectRejected(plan("flow", path, {"--readout", "0.01"}), "--readout renders each row by itself");
+  // Formats that an earlier run did not have check the cameras of its plan, too.
+  EXPECT_EQ(plan("npz", different).code, 0);
+  expectRejected(plan("scannet", different, {"--resume"}), "one camera matrix and size per scan");
+}
+
 // Keys end at the first period, which the format replaces: two names may then be equal.
 TEST(FormatsOfABatch, ArchivesHaveOneKeyPerFrame) {
   Folder folder;

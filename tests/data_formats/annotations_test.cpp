@@ -135,7 +135,7 @@ TEST_F(AnnotationsTest, KittiRejectsOtherCameras) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::Usage);
-    EXPECT_THAT(error.what(), HasSubstr("perspective"));
+    EXPECT_THAT(error.what(), HasSubstr("orthographic"));
   }
 }
 

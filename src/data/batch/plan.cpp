@@ -10,6 +10,7 @@
 #include "base/files.h"
 #include "base/hash.h"
 #include "base/text.h"
+#include "data/batch/camera_checks.h"
 #include "data/batch/file_claims.h"
 #include "data/batch/sensor_path.h"
 #include "data/json_text.h"
@@ -193,7 +194,7 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   loadHash_ = hashOf({d.value("cameras", Json()), hashOfFiles(cameraFiles), d.value("variant", Json()),
                       d.value("allow-outside", Json()), d.value("id-depth", Json()), d.value("id-nodes", Json()),
                       d.value("unit", Json()), d.value("up-axis", Json()), d.value("point-radius", Json()),
-                      d.value("options", Json()), moves, pairs, job.seed, version()});
+                      d.value("options", Json()), d.value("formats", Json()), moves, pairs, job.seed, version()});
   const Json known = readSaved(saved);
   for (const std::string& source : job.scenes) {
     PlannedScene scene{.source = source};
@@ -225,7 +226,16 @@ bool Plan::findSaved(PlannedScene& scene, const Json& saved) const try {
   return false;
 }
 
-void Plan::look(PlannedScene& scene) try {
+// Loads the scene of a plan to determine its cameras, and checks these.
+void Plan::look(PlannedScene& scene) {
+  std::unique_ptr<LoadedScene> loaded = load(scene);
+  if (!loaded) return;
+  checkCameras(job_, *loaded, [&](const std::string& camera) { return filledName(scene.source, camera, "0", "0"); });
+  if (job_.scenes.size() == 1) scene_ = std::move(loaded);
+}
+
+// Returns null if the scene is broken, which the plan then states.
+std::unique_ptr<LoadedScene> Plan::load(PlannedScene& scene) const try {
   scene.files.clear();
   scene.cameras.clear();
   scene::LoadOptions load = job_.load;
@@ -240,12 +250,13 @@ void Plan::look(PlannedScene& scene) try {
   scene.name = loaded->scene().name;
   for (const std::filesystem::path& file : loaded->scene().files) scene.files.push_back(file.string());
   scene.hash = hashOfFiles(scene.files);
-  if (job_.scenes.size() == 1) scene_ = std::move(loaded);
+  return loaded;
 } catch (const Error& error) {
   // If no scene has loaded so far, a usage error is attributed to the job.
   const bool anyLoaded = std::ranges::any_of(scenes_, [](const PlannedScene& other) { return other.error.empty(); });
   if (job_.scenes.size() == 1 || (error.code() == ExitCode::Usage && !anyLoaded)) throw;
   scene.error = error.what();
+  return nullptr;
 }
 
 // Claims memory for the scene's cameras, both in the list and in the JSON that the plan is saved and hashed as.
@@ -274,13 +285,20 @@ std::optional<FrameLocation> Plan::at(uint64_t index) const {
   return FrameLocation{scene, static_cast<uint32_t>(within / cameras), static_cast<uint32_t>(within % cameras)};
 }
 
+std::string Plan::filledName(const std::string& source, const std::string& camera, const std::string& index,
+                             const std::string& variation) const {
+  std::string name = job_.name;
+  replaceAll(name, "{index}", index);
+  replaceAll(name, "{variation}", variation);
+  replaceAll(name, "{scene}", sceneName(source));
+  replaceAll(name, "{camera}", asPart(camera));
+  return name;
+}
+
 std::string Plan::name(uint64_t index) const {
   const FrameLocation place = at(index).value();
-  std::string name = job_.name;
-  replaceAll(name, "{index}", number(index, frames() - 1, kIndexDigits));
-  replaceAll(name, "{variation}", number(place.variation, job_.repeat - 1));
-  replaceAll(name, "{scene}", sceneName(scenes_[place.scene].source));
-  replaceAll(name, "{camera}", asPart(camera(place).name));
+  std::string name = filledName(scenes_[place.scene].source, camera(place).name,
+                                number(index, frames() - 1, kIndexDigits), number(place.variation, job_.repeat - 1));
   if (name.find_first_of("{}") != std::string::npos)
     badUsage("name has braces, which hold one of {{index}}, {{scene}}, {{camera}}, {{variation}}, not \"{}\"",
              job_.name);

@@ -45,7 +45,8 @@ class Plan {
  public:
   // Loads scenes to determine their cameras, except scenes in the plan that an earlier run wrote to `saved`. A broken
   // scene has an error and as many frame indices as the first good scene. Throws Error(Usage) if two frames have the
-  // same name, if a format stores them under the same name, or if two files of the set have the same name.
+  // same name, if a format stores them under the same name, if two files of the set have the same name, or if the
+  // renderer or a format does not support a camera.
   Plan(const Job& job, const std::filesystem::path& saved);
   void save(const std::filesystem::path& path) const;
 
@@ -71,6 +72,9 @@ class Plan {
  private:
   bool findSaved(PlannedScene& scene, const nlohmann::ordered_json& saved) const;
   void look(PlannedScene& scene);
+  std::unique_ptr<LoadedScene> load(PlannedScene& scene) const;
+  std::string filledName(const std::string& source, const std::string& camera, const std::string& index,
+                         const std::string& variation) const;
   void claimMemory(const PlannedScene& scene);
   void order();
   nlohmann::ordered_json describe() const;

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "data/formats/bop_models.h"
+#include "data/formats/camera_support.h"
 #include "data/formats/depth_png.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
@@ -81,11 +82,9 @@ class Bop : public Format {
     return files;
   }
 
+  void check(const DataFrame& frame) const override { requirePinhole("bop", frame.metadata.camera); }
+
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
-    if (frame.metadata.camera.orthographic)
-      badUsage("the format bop cannot express orthographic cameras such as \"{}\"", frame.metadata.camera.name);
-    if (frame.metadata.camera.lens)
-      badUsage("the format bop cannot express cameras with a lens such as that of \"{}\"", frame.metadata.camera.name);
     const output::AovImage& depth = imageOf(frame.picture, output::Aov::Depth);
     const double stepsPerMetre = kMillimetres / depthScale_;
     const std::string scene = sceneFolder(frame.scene);

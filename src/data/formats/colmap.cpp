@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "data/formats/camera_support.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
 #include "data/formats/options.h"
@@ -74,15 +75,17 @@ class Colmap : public Format {
     return files;
   }
 
+  void check(const DataFrame& frame) const override {
+    requirePerspective("colmap", frame.metadata.camera);
+    colmapCameraOf({frame.metadata.camera.name, pointViewOf(frame).lens});  // throws if COLMAP has no such model
+  }
+
   void writeFiles(const DataFrame& frame, const fs::path& folder, FrameRecord& record) const override {
-    const output::CameraMetadata& camera = frame.metadata.camera;
-    if (camera.orthographic)
-      badUsage("the format colmap cannot express orthographic cameras such as \"{}\"", camera.name);
-    const PointView view = pointViewOf(frame);
-    colmapCameraOf({camera.name, view.lens});  // throws if COLMAP has no such model
     const std::string picture = picture_.write(record, frame, folder), image = imageName(frame);
-    record.entry = {
-        {"state", {frame.scene, frame.variation}}, {"picture", picture}, {"image", image}, {"view", describe(view)}};
+    record.entry = {{"state", {frame.scene, frame.variation}},
+                    {"picture", picture},
+                    {"image", image},
+                    {"view", describe(pointViewOf(frame))}};
     if (spacing_ > 0) {
       const std::string depth = depthFile(image);
       writeOf(record, folder, depth, encodeDepthMap(imageOf(frame.picture, output::Aov::Depth)));

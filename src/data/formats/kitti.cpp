@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "data/formats/camera_support.h"
 #include "data/formats/categories.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
@@ -63,10 +64,9 @@ class Kitti : public Format {
     return files;
   }
 
+  void check(const DataFrame& frame) const override { requirePinhole("kitti", frame.metadata.camera); }
+
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
-    if (frame.metadata.camera.lens || frame.metadata.camera.orthographic)
-      badUsage(
-          "the format kitti supports perspective cameras without distortion only: choose another camera or format");
     picture_.write(record, frame, folder);
     const std::map<uint32_t, Mask> masks = masksOf(imageOf(frame.picture, output::Aov::Id));
     const glm::dmat4 cameraFromWorld = openCvFromWorld(frame.metadata.camera);

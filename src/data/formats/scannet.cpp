@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "data/formats/camera_support.h"
 #include "data/formats/depth_png.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
@@ -93,10 +94,19 @@ class Scannet : public Format {
     return files;
   }
 
+  void check(const DataFrame& frame) const override { requirePinhole("scannet", frame.metadata.camera); }
+  void checkTogether(const DataFrame& first, const DataFrame& other) const override {
+    const output::CameraMetadata &a = first.metadata.camera, &b = other.metadata.camera;
+    if (intrinsicText(a.intrinsics) != intrinsicText(b.intrinsics) || first.picture.width != other.picture.width ||
+        first.picture.height != other.picture.height)
+      badUsage(
+          "the format scannet has one camera matrix and size per scan, but those of the cameras \"{}\" and \"{}\" "
+          "differ: choose other cameras or another format",
+          a.name, b.name);
+  }
+
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const output::CameraMetadata& camera = frame.metadata.camera;
-    if (camera.orthographic || camera.lens)
-      badUsage("the format scannet supports only perspective cameras without distortion, not \"{}\"", camera.name);
     const output::FrameOutput& picture = frame.picture;
     const auto write = [&](const Image& image, std::span<const std::byte> bytes) {
       writeOf(record, folder, fileOf(frame, image), bytes);
@@ -113,9 +123,8 @@ class Scannet : public Format {
     // ScanNet has 8 bits per pixel; scenes with more objects require 16.
     write(kInstances, numbersPng(ids, numbers->instancesOf(ids), numbers->instances() > 255 ? 16 : 8));
     write(kLabels, numbersPng(ids, numbers->categoriesOf(ids), 16));
-    record.entry = {{"scan", scanOf(frame)},    {"intrinsic", intrinsicText(camera.intrinsics)},
-                    {"camera", camera.name},    {"width", picture.width},
-                    {"height", picture.height}, {"labels", numbers->categories()}};
+    record.entry = {
+        {"scan", scanOf(frame)}, {"intrinsic", intrinsicText(camera.intrinsics)}, {"labels", numbers->categories()}};
   }
 
   // The files of each scan, from its frames.
@@ -128,8 +137,8 @@ class Scannet : public Format {
         writeIn(folder, scan + name, std::as_bytes(std::span(text)));
         written.push_back(scan + name);
       };
-      const std::string intrinsic = intrinsicOf(scan, frames);
-      for (const char* name : kIntrinsics) write(name, intrinsic);
+      // checkTogether() ensures that all frames of a scan have the same camera matrix.
+      for (const char* name : kIntrinsics) write(name, (*frames.front())["intrinsic"]);
       for (const char* name : kExtrinsics) write(name, matrixText(glm::dmat4(1)));
       write(kLabelTable, labelText((*frames.front())["labels"]));
     }
@@ -143,19 +152,6 @@ class Scannet : public Format {
   }
   std::string fileOf(const DataFrame& frame, const Image& image) const {
     return fmt::format("{}/{}/{}.{}", scanOf(frame), image.folder, frame.camera, image.extension);
-  }
-
-  // Throws if the frames' intrinsics differ, because a scan has one camera.
-  static std::string intrinsicOf(const std::string& scan, const std::vector<const Json*>& frames) {
-    const Json& first = *frames.front();
-    for (const Json* frame : frames)
-      for (const char* key : {"intrinsic", "width", "height"})
-        if ((*frame)[key] != first[key])
-          badUsage(
-              "the format scannet has one camera matrix and size per scan, but in '{}' those of the cameras \"{}\" "
-              "and \"{}\" differ",
-              scan, first["camera"].get<std::string>(), (*frame)["camera"].get<std::string>());
-    return first["intrinsic"];
   }
 
   // The first columns of scannetv2-labels.combined.tsv.
