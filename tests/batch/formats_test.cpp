@@ -171,6 +171,25 @@ TEST(FormatsOfABatch, CamerasAreCheckedBeforeTheyAreRendered) {
   expectRejected(plan("scannet", different, {"--resume"}), "one camera matrix and size per scan");
 }
 
+// ffmpeg would stretch images of another size.
+TEST(FormatsOfABatch, FilmsHaveImagesOfOneSize) {
+  Folder folder;
+  folder.write("ffmpeg", std::string_view("#!/bin/sh\n"));
+  std::filesystem::permissions(folder.path() / "ffmpeg", std::filesystem::perms::owner_all);
+  const auto plan = [&](const std::string& cameras) {
+    app::Command command = batch(
+        folder, {"--scenes", "builtin:boxes", "-o", "set", "--formats", "video", "--dry-run", "--cameras", cameras});
+    command.environment["PATH"] = folder.path().string();
+    return latelight(command);
+  };
+  const std::string large = R"({"type": "orbit", "count": 2, "size": [48, 24]})";
+  const Outcome rejected = plan(R"([{"type": "scene"}, )" + large + "]");
+  EXPECT_EQ(rejected.code, 2) << rejected.text();
+  EXPECT_THAT(rejected.err, HasSubstr("the format video requires images of one size, but those of the cameras "));
+  EXPECT_THAT(rejected.err, HasSubstr("have 32x24 and 48x24 pixels"));
+  EXPECT_EQ(plan(large).code, 0);
+}
+
 // Keys end at the first period, which the format replaces: two names may then be equal.
 TEST(FormatsOfABatch, ArchivesHaveOneKeyPerFrame) {
   Folder folder;
