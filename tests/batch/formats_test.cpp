@@ -190,6 +190,24 @@ TEST(FormatsOfABatch, FilmsHaveImagesOfOneSize) {
   EXPECT_EQ(plan(large).code, 0);
 }
 
+// COLMAP ends a name in images.txt at the first blank.
+TEST(FormatsOfABatch, ColmapsTextHasNoNamesWithBlanks) {
+  Folder folder;
+  folder.write("my scene.gltf", std::string_view(kCameraAlone));
+  const auto plan = [&](const char* format, const char* name) {
+    return latelight(
+        batch(folder, {"--scenes", "my scene.gltf", "-o", "set", "--dry-run", "--formats", format, "--name", name}));
+  };
+  const char* text = R"({"format": "colmap", "as": "text"})";
+  const Outcome rejected = plan(text, "{scene}-{index}");
+  EXPECT_EQ(rejected.code, 2);
+  EXPECT_THAT(rejected.err,
+              HasSubstr(R"(the format colmap cannot write the name "my scene-0.png", which has a blank)"));
+  EXPECT_EQ(plan(text, "{index}").code, 0);
+  EXPECT_EQ(plan(R"({"format": "colmap", "as": "text", "picture": "my images/{name}.png"})", "{index}").code, 0);
+  EXPECT_EQ(plan("colmap", "{scene}").code, 0);
+}
+
 // Keys end at the first period, which the format replaces: two names may then be equal.
 TEST(FormatsOfABatch, ArchivesHaveOneKeyPerFrame) {
   Folder folder;

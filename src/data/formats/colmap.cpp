@@ -78,6 +78,12 @@ class Colmap : public Format {
   void check(const DataFrame& frame) const override {
     requirePerspective("colmap", frame.metadata.camera);
     colmapCameraOf({frame.metadata.camera.name, pointViewOf(frame).lens});  // throws if COLMAP has no such model
+    // COLMAP reads a name in images.txt up to the first white space.
+    if (const std::string image = imageName(frame); isText_ && image.find_first_of(" \t\n\v\f\r") != std::string::npos)
+      badUsage(
+          "the format colmap cannot write the name \"{}\", which has a blank, as text: choose \"as\": \"binary\", or "
+          "names without blanks",
+          image);
   }
 
   void writeFiles(const DataFrame& frame, const fs::path& folder, FrameRecord& record) const override {
