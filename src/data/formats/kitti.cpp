@@ -12,6 +12,7 @@
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
 #include "data/formats/geometry.h"
+#include "data/formats/names.h"
 #include "data/formats/options.h"
 #include "data/formats/picture_file.h"
 
@@ -73,9 +74,9 @@ class Kitti : public Format {
     std::string text;
     for (const Object& object : frame.objects) {
       const auto mask = masks.find(object.id);
-      std::string category = mask != masks.end() ? categories_.of(object.id, *frame.metadata.ids) : "";
-      std::ranges::replace(category, ' ', '_');  // blanks separate columns
-      if (!category.empty()) text += describe(category, object, mask->second, uprightOf(object, cameraFromWorld));
+      const std::string category = mask != masks.end() ? categories_.of(object.id, *frame.metadata.ids) : "";
+      if (!category.empty())
+        text += describe(asWord(category), object, mask->second, uprightOf(object, cameraFromWorld));
     }
     writeOf(record, folder, frameFile(labels_, frame), std::as_bytes(std::span(text)));
     const std::string calibration = calibrationOf(frame.metadata.camera.intrinsics);
