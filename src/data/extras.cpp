@@ -1,16 +1,15 @@
 #include "data/extras.h"
 
 #include <algorithm>
+#include <cassert>
 
-#include "base/error.h"
 #include "labels/amodal.h"
 #include "render/submit/session.h"
 
 namespace latelight::data {
 
 Extras both(const Extras& a, const Extras& b) {
-  if (!a.keypoints.empty() && !b.keypoints.empty() && a.keypoints != b.keypoints)
-    badUsage("two formats of a job must have the same keypoints");
+  assert(a.keypoints.empty() || b.keypoints.empty() || a.keypoints == b.keypoints);
   std::vector<PairTarget> pairs = a.pairs;
   for (const PairTarget& target : b.pairs)
     if (std::ranges::find(pairs, target) == pairs.end()) pairs.push_back(target);

@@ -6,7 +6,7 @@
 
 namespace latelight::data {
 
-// Returns the union of two requirements.
+// Returns the union of two requirements. If both have keypoints, these must be the same.
 Extras both(const Extras& a, const Extras& b);
 
 // Fills everything except DataFrame::pairs and DataFrame::scans, which relate frames: DataFrame::objects,

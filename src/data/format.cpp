@@ -5,6 +5,7 @@
 namespace latelight::data {
 
 FrameRecord Format::writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const {
+  check(frame);
   FrameRecord record;
   try {
     writeFiles(frame, folder, record);

@@ -22,6 +22,16 @@ struct FrameRecord {
   nlohmann::ordered_json entry;    // the frame's data for writeSet(), in the format's own structure; null if none
 };
 
+// A file that a format writes, stated before anything is rendered.
+struct FormatFile {
+  // Relative to the data set's folder. A slash at its end stands for any files in that folder.
+  std::string name;
+  // Describes the contents. Formats that state a name with the same description write the same bytes, so a job may have
+  // both. Empty: no other format writes these contents, except one with equal options.
+  std::string contents = {};
+  bool ofSet = false;  // a file of the set to which the frame contributes, and not the frame's own
+};
+
 // Names relative to the data set's folder.
 struct PackedFile {
   std::string file, archive;
@@ -36,6 +46,19 @@ class Format {
   // Returns true if the format requires FrameOutput::display, the picture for viewing.
   virtual bool needsDisplay() const { return false; }
   virtual Extras needsExtras() const { return {}; }
+
+  // Returns the files that writeFrame() and writeSet() write for a frame, or may write. `frame` has what is known
+  // before it is rendered: index, name, scene, variation, state, camera, the image's size, and in the metadata the
+  // names of the scene and the camera.
+  virtual std::vector<FormatFile> files(const DataFrame& frame) const = 0;
+
+  // Throws Error(Usage) if the format cannot store frames of this camera. `frame` has what is known before it is
+  // rendered: the name (in the first variation, with the index 0), the camera, the exposure and the image's size.
+  // writeFrame() calls it, too.
+  virtual void check(const DataFrame& frame) const {}
+  // Throws Error(Usage) if one set cannot have both frames. Called before anything is rendered, for the first camera of
+  // each scene with each other camera of the scene.
+  virtual void checkTogether(const DataFrame& first, const DataFrame& other) const {}
 
   // Writes the frame's own files below `folder`, all or none of them. Called concurrently for several frames. Throws
   // Error(Usage) if a file cannot be written.

@@ -47,6 +47,7 @@ struct DataFrame {
   uint32_t scene = 0;       // the scene's index in the job
   uint32_t variation = 0;   // the variation's index
   uint32_t camera = 0;      // the camera's index among those of the scene
+  uint64_t state = 0;       // number of the scene and variation among all of the job
   CameraExposure exposure;  // of the camera, where it differs from the job's options
   // The camera at the times of the image's upper and lower edge if it moves while rows are read out; otherwise empty.
   std::vector<output::CameraMetadata> edges{};

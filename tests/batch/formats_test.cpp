@@ -82,6 +82,132 @@ Outcome archives(const Folder& folder, const std::string& set, std::vector<std::
   return latelight(batch(folder, all));
 }
 
+// The plan knows the names of all files, so that none replaces another one.
+TEST(FormatsOfABatch, FilesOfOneNameAreRejected) {
+  Folder folder;
+  const auto plan = [&](const std::vector<std::string>& formats, const std::vector<const char*>& cameras = {}) {
+    std::string list;
+    for (const char* name : cameras)
+      list +=
+          fmt::format(R"({}{{"name": "{}", "eye": [3, 1, 3], "target": [0, 1, 0]}})", list.empty() ? "" : ",", name);
+    std::vector<std::string> all{"--scenes", "builtin:boxes", "-o", "set", "--dry-run"};
+    for (const std::string& format : formats) all.insert(all.end(), {"--formats", format});
+    if (!cameras.empty())
+      all.insert(all.end(), {"--name", "{camera}", "--cameras", R"({"type": "list", "cameras": [)" + list + "]}"});
+    return latelight(batch(folder, all));
+  };
+  const auto expectRejected = [](const Outcome& outcome, const char* sentence) {
+    EXPECT_EQ(outcome.code, 2) << outcome.text();
+    EXPECT_THAT(outcome.err, HasSubstr(sentence));
+  };
+  const char* files = R"({"format": "files", "outputs": ["color", "depth"]})";
+  expectRejected(plan({R"({"format": "depth-png", "unit": "kitti"})", "transforms"}),
+                 R"(depth-png (formats[0]) for the frame "000000" and transforms (formats[1]) for the frame "000000" )"
+                 "would both write 'depth/000000.png'");
+  expectRejected(plan({R"({"format": "exr", "outputs": ["color"]})", R"({"format": "exr", "outputs": ["depth"]})"}),
+                 "would both write '000000.exr'");
+  expectRejected(plan({"coco", R"({"format": "coco", "categories": "node"})"}),
+                 "coco (formats[0]) and coco (formats[1]) would both write 'annotations/instances.json'");
+  expectRejected(plan({R"({"format": "npz", "file": "train/000000/mask/{name}.npz"})", "bop"}),
+                 "would both write 'train/000000/mask/'");
+  expectRejected(plan({"bop", R"({"format": "npz", "file": "train/./000000//mask/{name}.npz"})"}),
+                 "would both write 'train/000000/mask/000000.npz'");
+  expectRejected(plan({files}, {"a", "a.depth"}), R"(files (formats[0]) for the frame "a" and files (formats[0]) for )"
+                                                  R"(the frame "a.depth" would both write 'a.depth.png')");
+  expectRejected(plan({"transforms", files}, {"transforms"}), "would both write 'transforms.json'");
+  expectRejected(plan({files}, {"manifest"}), "would write 'manifest.json', which the data set itself reserves");
+  expectRejected(plan({R"({"format": "exr", "file": ".latelight/{name}.exr"})"}), "the data set itself reserves");
+  // Equal contents may have one name.
+  for (const auto& formats : std::vector<std::vector<std::string>>{
+           {"coco", "yolo", "voc", "colmap", R"({"format": "files", "pattern": "images/{name}.png"})"},
+           {"depth-png", "transforms"},
+           {"colmap", R"({"format": "colmap", "as": "text"})"},
+           {"exr", "exr"}}) {
+    const Outcome outcome = plan(formats);
+    EXPECT_EQ(outcome.code, 0) << outcome.text();
+  }
+}
+
+// Cameras that a format cannot express, and cameras that it cannot have in one set.
+TEST(FormatsOfABatch, CamerasAreCheckedBeforeTheyAreRendered) {
+  Folder folder;
+  const auto plan = [&](const std::string& format, const std::string& cameras, std::vector<std::string> more = {}) {
+    more.insert(more.end(), {"--scenes", "builtin:boxes", "-o", "set", "--formats", format, "--cameras", cameras});
+    const size_t before = filesOf(folder, "set").size();
+    const Outcome outcome = latelight(batch(folder, more));
+    more.emplace_back("--dry-run");
+    const Outcome dry = latelight(batch(folder, more));
+    EXPECT_EQ(outcome.code, dry.code) << format << outcome.text() << dry.text();
+    EXPECT_EQ(outcome.err, dry.err) << format;
+    EXPECT_TRUE(outcome.code == 0 || filesOf(folder, "set").size() == before) << format;
+    return outcome;
+  };
+  const auto expectRejected = [](const Outcome& outcome, const std::string& sentence) {
+    EXPECT_EQ(outcome.code, 2) << outcome.text();
+    EXPECT_THAT(outcome.err, HasSubstr(sentence));
+  };
+  folder.write("ortho.gltf", std::string_view(kOrthographicCamera));
+  const auto listOf = [](const std::string& optics) {
+    return R"({"type": "list", )" + optics + R"(, "cameras": [{"name": "a", "eye": [3, 1, 3], "target": [0, 1, 0]}]})";
+  };
+  const std::string bent = listOf(R"("K": [[30, 0, 16], [0, 30, 12], [0, 0, 1]], "size": [32, 24], )"
+                                  R"("model": "opencv", "distortion": [0.1, 0, 0, 0, 0, 0.1])");
+  for (const std::string format : {"hdf5", "kitti", "scannet", "bop"})
+    expectRejected(plan(format, bent), "the format " + format + " cannot express cameras with a lens such as that of");
+  expectRejected(plan("transforms", bent), "no k4, k5 and k6");
+  for (const std::string format : {"hdf5", "kitti", "scannet", "bop", "colmap", "transforms"}) {
+    const Outcome outcome =
+        latelight(batch(folder, {"--scenes", "ortho.gltf", "-o", "set", "--formats", format, "--dry-run"}));
+    expectRejected(outcome, "the format " + format + " cannot express orthographic cameras such as");
+  }
+  const std::string different =
+      R"([{"type": "orbit", "count": 1, "fov": 40}, {"type": "orbit", "count": 1, "fov": 50}])";
+  expectRejected(plan("scannet", different), "one camera matrix and size per scan");
+  const std::string path = R"({"type": "path", "count": 3, "keys": [{"eye": [3, 1, 3], "target": [0, 1, 0]},
+                                                                             {"eye": [4, 1, 3], "target": [0, 1, 0]}]})";
+  expectRejected(plan("flow", path, {"--readout", "0.01"}), "--readout renders each row by itself");
+  // Formats that an earlier run did not have check the cameras of its plan, too.
+  EXPECT_EQ(plan("npz", different).code, 0);
+  expectRejected(plan("scannet", different, {"--resume"}), "one camera matrix and size per scan");
+}
+
+// ffmpeg would stretch images of another size.
+TEST(FormatsOfABatch, FilmsHaveImagesOfOneSize) {
+  Folder folder;
+  folder.write("ffmpeg", std::string_view("#!/bin/sh\n"));
+  std::filesystem::permissions(folder.path() / "ffmpeg", std::filesystem::perms::owner_all);
+  const auto plan = [&](const std::string& cameras) {
+    app::Command command = batch(
+        folder, {"--scenes", "builtin:boxes", "-o", "set", "--formats", "video", "--dry-run", "--cameras", cameras});
+    command.environment["PATH"] = folder.path().string();
+    return latelight(command);
+  };
+  const std::string large = R"({"type": "orbit", "count": 2, "size": [48, 24]})";
+  const Outcome rejected = plan(R"([{"type": "scene"}, )" + large + "]");
+  EXPECT_EQ(rejected.code, 2) << rejected.text();
+  EXPECT_THAT(rejected.err, HasSubstr("the format video requires images of one size, but those of the cameras "));
+  EXPECT_THAT(rejected.err, HasSubstr("have 32x24 and 48x24 pixels"));
+  EXPECT_EQ(plan(large).code, 0);
+}
+
+// COLMAP ends a name in images.txt at the first blank.
+TEST(FormatsOfABatch, ColmapsTextHasNoNamesWithBlanks) {
+  Folder folder;
+  folder.write("my scene.gltf", std::string_view(kCameraAlone));
+  const auto plan = [&](const char* format, const char* name) {
+    return latelight(
+        batch(folder, {"--scenes", "my scene.gltf", "-o", "set", "--dry-run", "--formats", format, "--name", name}));
+  };
+  const char* text = R"({"format": "colmap", "as": "text"})";
+  const Outcome rejected = plan(text, "{scene}-{index}");
+  EXPECT_EQ(rejected.code, 2);
+  EXPECT_THAT(rejected.err,
+              HasSubstr(R"(the format colmap cannot write the name "my scene-0.png", which has a blank)"));
+  EXPECT_EQ(plan(text, "{index}").code, 0);
+  EXPECT_EQ(plan(R"({"format": "colmap", "as": "text", "picture": "my images/{name}.png"})", "{index}").code, 0);
+  EXPECT_EQ(plan("colmap", "{scene}").code, 0);
+}
+
 // Keys end at the first period, which the format replaces: two names may then be equal.
 TEST(FormatsOfABatch, ArchivesHaveOneKeyPerFrame) {
   Folder folder;

@@ -96,6 +96,8 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
       {"formats: [{format: files, pattern: \"../{name}.png\"}]\n",
        "job.yaml:3: formats[0]: pattern must be a path below"},
       {"formats: [{format: files, outputs: [position]}]\n", "job.yaml:3: formats[0]: a PNG file cannot store position"},
+      {"formats:\n  - {format: coco, keypoints: [{name: a}]}\n  - boxes\n  - {format: yolo, keypoints: [{name: b}]}\n",
+       "job.yaml:6: formats[2]: the keypoints of the format yolo differ from those of the format coco"},
       {"hdri: sky.hdr\n", "job.yaml:3: hdri: there is no file \"sky.hdr\""},
       {"name: \"\"\n", "job.yaml:3: name is empty"},
       {"repeat: 2\nrepeat: 3\n", "job.yaml:4: the key repeat is there twice"},

@@ -18,6 +18,10 @@ inline constexpr const char* kCameraAlone =
     R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"camera": 0}],
         "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}]})";
 
+inline constexpr const char* kOrthographicCamera =
+    R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"camera": 0}],
+        "cameras": [{"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "znear": 0.1, "zfar": 9}}]})";
+
 // Options for tiny frames on the CPU device.
 inline app::Command batch(const app::Folder& folder, std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "batch");

@@ -41,6 +41,12 @@ class AnnotationsTest : public FormatsTest {
   }
 };
 
+// Readers split lines at any white space, Python's also at that of Unicode: here a line separator and a wide space.
+TEST_F(AnnotationsTest, KittiCategoriesAreWords) {
+  write("kitti", {{"categories", {{"front$", "a\tb\nc\vd\re f\u2028g\u3000\u00e9"}}}}, true);
+  EXPECT_THAT(lines("label_2/000003.txt"), ElementsAre(testing::StartsWith("a_b_c_d_e_f_g_\u00e9 0.00 ")));
+}
+
 TEST_F(AnnotationsTest, YoloBoxesAreSharesOfThePicture) {
   const FrameRecord record = write("yolo", {{"categories", "node"}});
   EXPECT_THAT(record.files, ElementsAre("images/000003.png", "labels/000003.txt", "data.yaml"));
@@ -135,7 +141,7 @@ TEST_F(AnnotationsTest, KittiRejectsOtherCameras) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::Usage);
-    EXPECT_THAT(error.what(), HasSubstr("perspective"));
+    EXPECT_THAT(error.what(), HasSubstr("orthographic"));
   }
 }
 

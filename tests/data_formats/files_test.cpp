@@ -295,6 +295,29 @@ TEST_F(FormatFilesTest, OrthographicCamerasAreRefusedWhereThereAreNone) {
   }
 }
 
+// SetTest expects the same of the other formats.
+TEST_F(FormatFilesTest, FilesOfPairsAndScansAreStated) {
+  const auto expectStated = [&](const Format& format, const DataFrame& frame) {
+    std::vector<std::string> stated, written = format.writeFrame(frame, folder).files;
+    for (const FormatFile& file : format.files(frame)) stated.push_back(file.name);
+    for (const std::string& file : format.writeSet({}, folder)) written.push_back(file);
+    EXPECT_THAT(stated, testing::UnorderedElementsAreArray(written));
+  };
+  DataFrame frame{.name = "a"};
+  frame.metadata.ids = std::make_shared<output::IdManifest>();
+  labels::Correspondence match{.width = 1, .height = 1};
+  match.pixels.resize(1);
+  match.depth.resize(1);
+  match.visible.resize(1);
+  match.flow.resize(1);
+  for (const int64_t step : {1, 5}) frame.pairs.push_back({{.step = step}, "b", {}, match});
+  for (const char* as : {"npz", "npy", "exr"})
+    expectStated(*make("correspondence", {{"as", as}, {"to", {"next", 5}}}), frame);
+  const std::unique_ptr<Format> lidar = make("lidar", {{"sensor", "vlp-16"}});
+  frame.scans.push_back({lidar->needsExtras().scans.at(0), {}, {}, {}});
+  expectStated(*lidar, frame);
+}
+
 TEST_F(FormatFilesTest, TheSameFrameGivesTheSameBytes) {
   const scene::Scene scene = squares();
   Studio studio(device(), scene);

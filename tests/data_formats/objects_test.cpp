@@ -21,6 +21,7 @@ class Needs : public Format {
   explicit Needs(Extras extras, std::vector<Aov> aovs = {Aov::Id}) : extras_(extras), aovs_(std::move(aovs)) {}
   std::vector<Aov> needs() const override { return aovs_; }
   Extras needsExtras() const override { return extras_; }
+  std::vector<FormatFile> files(const DataFrame&) const override { return {}; }
 
  private:
   void writeFiles(const DataFrame&, const std::filesystem::path&, FrameRecord&) const override {}

@@ -1,6 +1,7 @@
 // Writes a data set in every format, and the rendered values next to it, as .npy. read_set.py reads it.
 #include <algorithm>
 #include <cstdlib>
+#include <set>
 
 #include "data_formats/support.h"
 #include "output/npy.h"
@@ -12,6 +13,14 @@ using output::Aov;
 
 class SetTest : public FormatsTest {
  protected:
+  struct Written {
+    std::unique_ptr<Format> format;
+    std::string name, folder;
+    std::vector<Json> entries;
+    size_t files = 0;  // of all frames
+    std::set<std::string> stated = {}, written = {};
+  };
+
   void add(std::string_view name, const Json& options = Json::object()) {
     const auto same = static_cast<size_t>(
         std::ranges::count_if(formats_, [&](const Written& written) { return written.name == name; }));
@@ -24,9 +33,11 @@ class SetTest : public FormatsTest {
     writeRaw(frame.picture, set / "raw" / frame.name);
     writeRaw(frame.samples, set / "raw" / frame.name / "samples");
     for (Written& written : formats_) {
+      for (FormatFile& file : written.format->files(frame)) written.stated.insert(std::move(file.name));
       FrameRecord record = written.format->writeFrame(frame, set / written.folder);
       written.entries.push_back(std::move(record.entry));
       expectFiles(set / written.folder, record.files);
+      written.written.insert(record.files.begin(), record.files.end());
       written.files += record.files.size();
     }
   }
@@ -35,6 +46,8 @@ class SetTest : public FormatsTest {
     for (Written& written : formats_) {
       const std::vector<std::string> files = written.format->writeSet(written.entries, set / written.folder);
       expectFiles(set / written.folder, files);
+      written.written.insert(files.begin(), files.end());
+      expectStated(written);
       EXPECT_GT(written.files + files.size(), 0u) << written.folder;
     }
   }
@@ -47,18 +60,22 @@ class SetTest : public FormatsTest {
     }
   }
 
+  // Formats state their files before they write them: by name, or by a folder.
+  static void expectStated(const Written& written) {
+    std::set<std::string> expected;
+    for (const std::string& file : written.written) {
+      const std::string folder = file.substr(0, file.rfind('/') + 1);
+      expected.insert(written.stated.contains(folder) ? folder : file);
+    }
+    EXPECT_EQ(written.stated, expected) << written.folder;
+  }
+
   static void writeRaw(const output::FrameOutput& picture, const std::filesystem::path& raw) {
     std::filesystem::create_directories(raw);
     for (const output::AovImage& image : picture.aovs)
       writeFile(raw / fmt::format("{}.npy", output::info(image.aov).name), output::encodeNpy(image));
   }
 
-  struct Written {
-    std::unique_ptr<Format> format;
-    std::string name, folder;
-    std::vector<Json> entries;
-    size_t files = 0;  // of all frames
-  };
   std::vector<Written> formats_;
 };
 

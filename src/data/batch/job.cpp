@@ -96,6 +96,20 @@ void readFileOf(JobFormat& use, const std::string& option) {
   use.memory = std::move(contents.memory);
 }
 
+// Frames have one list of keypoints.
+void checkKeypoints(const std::vector<JobFormat>& formats, const std::string& place) {
+  const JobFormat& last = formats.back();
+  const std::vector<ObjectKeypoint> keypoints = last.format->needsExtras().keypoints;
+  for (const JobFormat& use : formats) {
+    const std::vector<ObjectKeypoint> others = use.format->needsExtras().keypoints;
+    if (!keypoints.empty() && !others.empty() && keypoints != others)
+      badUsage(
+          "{}: the keypoints of the format {} differ from those of the format {}: give all formats of a job the same "
+          "keypoints, or render two data sets",
+          place, last.name, use.name);
+  }
+}
+
 void readFormats(Job& job, const JobDocument& document) {
   if (!document.json.contains("formats")) {
     job.formats.push_back(makeFormat("files", "formats"));
@@ -104,6 +118,7 @@ void readFormats(Job& job, const JobDocument& document) {
   Json& stored = job.document["formats"] = Json::array();
   for (const auto& [place, spec] : each(document, "formats")) {
     const JobFormat& use = job.formats.emplace_back(makeFormat(spec, place));
+    checkKeypoints(job.formats, place);
     stored.push_back(spec);
     if (spec.is_object()) stored.back().update(use.options);
   }

@@ -10,6 +10,8 @@
 #include "base/files.h"
 #include "base/hash.h"
 #include "base/text.h"
+#include "data/batch/camera_checks.h"
+#include "data/batch/file_claims.h"
 #include "data/batch/sensor_path.h"
 #include "data/json_text.h"
 #include "data/scene_files.h"
@@ -129,6 +131,7 @@ std::string asPart(std::string name) {
   return shortFileName(std::move(name));
 }
 
+constexpr uint32_t kIndexDigits = 6;  // at least
 constexpr size_t kLongestName = 200;  // bytes per part of a path: formats append to it, and 255 are allowed
 
 void checkPattern(const std::string& name) {
@@ -149,7 +152,11 @@ std::string number(uint64_t value, uint64_t most, uint64_t least = 0) {
 Json describe(const PlannedScene& scene) {
   Json cameras = Json::array();
   for (const PlannedCamera& c : scene.cameras) cameras.push_back({c.name, c.hash, c.width, c.height, c.moment});
-  return {{"source", scene.source}, {"files", scene.files}, {"hash", scene.hash}, {"cameras", std::move(cameras)}};
+  return {{"source", scene.source},
+          {"name", scene.name},
+          {"files", scene.files},
+          {"hash", scene.hash},
+          {"cameras", std::move(cameras)}};
 }
 
 // Returns an empty object if the file is missing or damaged; scenes are then loaded again.
@@ -187,7 +194,7 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   loadHash_ = hashOf({d.value("cameras", Json()), hashOfFiles(cameraFiles), d.value("variant", Json()),
                       d.value("allow-outside", Json()), d.value("id-depth", Json()), d.value("id-nodes", Json()),
                       d.value("unit", Json()), d.value("up-axis", Json()), d.value("point-radius", Json()),
-                      d.value("options", Json()), moves, pairs, job.seed, version()});
+                      d.value("options", Json()), d.value("formats", Json()), moves, pairs, job.seed, version()});
   const Json known = readSaved(saved);
   for (const std::string& source : job.scenes) {
     PlannedScene scene{.source = source};
@@ -198,12 +205,14 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   }
   order();
   checkNames();
+  checkFiles();
 }
 
 bool Plan::findSaved(PlannedScene& scene, const Json& saved) const try {
   if (saved.value("load", uint64_t{0}) != loadHash_) return false;
   for (const Json& known : saved.at("scenes")) {
     if (known.at("source") != scene.source || known.at("cameras").empty()) continue;
+    scene.name = known.at("name").get<std::string>();
     scene.files = known.at("files").get<std::vector<std::string>>();
     scene.hash = known.at("hash").get<uint64_t>();
     if (hashOfFiles(scene.files) != scene.hash) return false;
@@ -217,7 +226,16 @@ bool Plan::findSaved(PlannedScene& scene, const Json& saved) const try {
   return false;
 }
 
-void Plan::look(PlannedScene& scene) try {
+// Loads the scene of a plan to determine its cameras, and checks these.
+void Plan::look(PlannedScene& scene) {
+  std::unique_ptr<LoadedScene> loaded = load(scene);
+  if (!loaded) return;
+  checkCameras(job_, *loaded, [&](const std::string& camera) { return filledName(scene.source, camera, "0", "0"); });
+  if (job_.scenes.size() == 1) scene_ = std::move(loaded);
+}
+
+// Returns null if the scene is broken, which the plan then states.
+std::unique_ptr<LoadedScene> Plan::load(PlannedScene& scene) const try {
   scene.files.clear();
   scene.cameras.clear();
   scene::LoadOptions load = job_.load;
@@ -229,14 +247,16 @@ void Plan::look(PlannedScene& scene) try {
     const JobCamera& c = cameras.camera(i);
     scene.cameras.push_back({c.name, hashOf(cameras, i, moves, job_.extras), c.width, c.height, cameras.momentOf(i)});
   }
+  scene.name = loaded->scene().name;
   for (const std::filesystem::path& file : loaded->scene().files) scene.files.push_back(file.string());
   scene.hash = hashOfFiles(scene.files);
-  if (job_.scenes.size() == 1) scene_ = std::move(loaded);
+  return loaded;
 } catch (const Error& error) {
   // If no scene has loaded so far, a usage error is attributed to the job.
   const bool anyLoaded = std::ranges::any_of(scenes_, [](const PlannedScene& other) { return other.error.empty(); });
   if (job_.scenes.size() == 1 || (error.code() == ExitCode::Usage && !anyLoaded)) throw;
   scene.error = error.what();
+  return nullptr;
 }
 
 // Claims memory for the scene's cameras, both in the list and in the JSON that the plan is saved and hashed as.
@@ -265,14 +285,20 @@ std::optional<FrameLocation> Plan::at(uint64_t index) const {
   return FrameLocation{scene, static_cast<uint32_t>(within / cameras), static_cast<uint32_t>(within % cameras)};
 }
 
-std::string Plan::name(uint64_t index) const {
-  constexpr uint64_t kDigits = 6;
-  const FrameLocation place = at(index).value();
+std::string Plan::filledName(const std::string& source, const std::string& camera, const std::string& index,
+                             const std::string& variation) const {
   std::string name = job_.name;
-  replaceAll(name, "{index}", number(index, frames() - 1, kDigits));
-  replaceAll(name, "{variation}", number(place.variation, job_.repeat - 1));
-  replaceAll(name, "{scene}", sceneName(scenes_[place.scene].source));
-  replaceAll(name, "{camera}", asPart(camera(place).name));
+  replaceAll(name, "{index}", index);
+  replaceAll(name, "{variation}", variation);
+  replaceAll(name, "{scene}", sceneName(source));
+  replaceAll(name, "{camera}", asPart(camera));
+  return name;
+}
+
+std::string Plan::name(uint64_t index) const {
+  const FrameLocation place = at(index).value();
+  std::string name = filledName(scenes_[place.scene].source, camera(place).name,
+                                number(index, frames() - 1, kIndexDigits), number(place.variation, job_.repeat - 1));
   if (name.find_first_of("{}") != std::string::npos)
     badUsage("name has braces, which hold one of {{index}}, {{scene}}, {{camera}}, {{variation}}, not \"{}\"",
              job_.name);
@@ -283,8 +309,40 @@ std::string Plan::name(uint64_t index) const {
   return name;
 }
 
+DataFrame Plan::frame(uint64_t index) const {
+  const FrameLocation place = at(index).value();
+  const PlannedCamera& planned = camera(place);
+  DataFrame frame{.index = index,
+                  .name = name(index),
+                  .scene = place.scene,
+                  .variation = place.variation,
+                  .camera = place.camera,
+                  .state = uint64_t{place.scene} * job_.repeat + place.variation};
+  frame.picture.width = planned.width;
+  frame.picture.height = planned.height;
+  frame.metadata.scene = scenes_[place.scene].name;
+  frame.metadata.frame = static_cast<uint32_t>(index);
+  frame.metadata.frameDigits = kIndexDigits;
+  frame.metadata.camera.name = planned.name;
+  return frame;
+}
+
+bool Plan::hasIndexedNames() const {
+  return job_.name.find("{index}") != std::string::npos;
+}
+
+// Names with the index differ in it, so files of different frames do, too: one frame per scene shows the others.
+void Plan::checkFiles() const {
+  FileClaims claims(job_, [this](uint64_t index) { return name(index); });
+  for (size_t scene = 0; scene < scenes_.size(); ++scene) {
+    if (!scenes_[scene].error.empty()) continue;
+    const uint64_t frames = hasIndexedNames() ? 1 : scenes_[scene].places;
+    for (uint64_t i = 0; i < frames; ++i) claims.add(frame(starts_[scene] + i));
+  }
+}
+
 void Plan::checkNames() const {
-  const bool indexed = job_.name.find("{index}") != std::string::npos;
+  const bool indexed = hasIndexedNames();
   const auto placeholders = static_cast<size_t>(std::ranges::count(job_.name, '{'));
   if (indexed && job_.name.size() + placeholders * kShortFileName <= kLongestName) return;
   constexpr uint64_t kNameBytes = 192;  // placeholder values and the overhead of a set element

@@ -24,6 +24,7 @@ struct PlannedCamera {
 
 struct PlannedScene {
   std::string source;
+  std::string name;                // the scene's own name, as the file states it
   std::vector<std::string> files;  // the files that the scene was read from
   uint64_t hash = 0;               // hash of the files' contents
   std::vector<PlannedCamera> cameras;
@@ -44,7 +45,8 @@ class Plan {
  public:
   // Loads scenes to determine their cameras, except scenes in the plan that an earlier run wrote to `saved`. A broken
   // scene has an error and as many frame indices as the first good scene. Throws Error(Usage) if two frames have the
-  // same name, or if a format stores them under the same name.
+  // same name, if a format stores them under the same name, if two files of the set have the same name, or if the
+  // renderer or a format does not support a camera.
   Plan(const Job& job, const std::filesystem::path& saved);
   void save(const std::filesystem::path& path) const;
 
@@ -53,6 +55,8 @@ class Plan {
   // Returns nullopt for an index of a broken scene.
   std::optional<FrameLocation> at(uint64_t index) const;
   std::string name(uint64_t index) const;
+  // Returns a frame with what is known before its scene is loaded, as Format::files() expects it.
+  DataFrame frame(uint64_t index) const;
   // Returns the name of another camera's frame with the same scene and variation.
   std::string neighborName(uint64_t index, size_t camera) const { return name(index - at(index)->camera + camera); }
   const PlannedCamera& camera(FrameLocation place) const { return scenes_[place.scene].cameras[place.camera]; }
@@ -68,10 +72,15 @@ class Plan {
  private:
   bool findSaved(PlannedScene& scene, const nlohmann::ordered_json& saved) const;
   void look(PlannedScene& scene);
+  std::unique_ptr<LoadedScene> load(PlannedScene& scene) const;
+  std::string filledName(const std::string& source, const std::string& camera, const std::string& index,
+                         const std::string& variation) const;
   void claimMemory(const PlannedScene& scene);
   void order();
   nlohmann::ordered_json describe() const;
+  bool hasIndexedNames() const;
   void checkNames() const;
+  void checkFiles() const;
   void checkStoredNames(const std::unordered_set<std::string>& names) const;
 
   const Job& job_;

@@ -98,19 +98,16 @@ RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::
   const CameraTimeline& cameras = scene_->cameras();
   const JobCamera& camera = cameras.camera(place.camera);
   const PlannedScene& planned = plan_.scenes()[place.scene];
-  RenderedFrame frame{.frame = {.index = index,
-                                .name = plan_.name(index),
-                                .metadata = shared,
-                                .scene = place.scene,
-                                .variation = place.variation,
-                                .camera = place.camera,
-                                .exposure = camera.exposure}};
+  RenderedFrame frame{.frame = plan_.frame(index)};
+  frame.frame.exposure = camera.exposure;
   output::Metadata& m = frame.frame.metadata;
+  const uint32_t digits = m.frameDigits, number = m.frame;
+  m = shared;
+  m.frame = number;
+  m.frameDigits = digits;
   m.camera = render::describeCamera(camera.camera, scene_->scene(), settingsOf(chunk));
   m.camera.name = camera.name;
   frame.frame.edges = edgesOf(index, settingsOf(chunk));
-  m.frame = static_cast<uint32_t>(index);
-  m.frameDigits = 6;
   if (const std::optional<double> time = cameras.time(place.camera)) m.settings["time"] = fmt::format("{}", *time);
   if (camera.exposure.shutter) m.settings["shutter"] = fmt::format("{}", *camera.exposure.shutter);
   if (camera.exposure.ev) m.settings["exposure"] = fmt::format("{}", *camera.exposure.ev);

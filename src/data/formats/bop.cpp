@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "data/formats/bop_models.h"
+#include "data/formats/camera_support.h"
 #include "data/formats/depth_png.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
@@ -23,6 +24,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kMillimetres = 1000;  // per meter
+
+// Folders of amodal and of visible masks, and files, below the folder of a scene.
+constexpr const char* kMasks[] = {"mask", "mask_visib"};
+constexpr const char *kCameras = "/scene_camera.json", *kPoses = "/scene_gt.json", *kInfos = "/scene_gt_info.json";
+// Files of the set.
+constexpr const char *kModelInfo = "models/models_info.json", *kModelList = "models/models.json";
 
 Json bopRotation(const glm::dmat4& m) {
   Json rows = Json::array();
@@ -65,18 +72,24 @@ class Bop : public Format {
   std::vector<output::Aov> needs() const override { return {output::Aov::Id, output::Aov::Depth}; }
   bool needsDisplay() const override { return true; }
   Extras needsExtras() const override { return {.boxes = true, .alone = true, .shapes = true}; }
+  std::vector<FormatFile> files(const DataFrame& frame) const override {
+    const std::string scene = sceneFolder(frame.scene);
+    std::vector<FormatFile> files{{imageFile(frame, "rgb")}, {imageFile(frame, "depth")}};
+    // The number of masks is known only after the frame is rendered.
+    for (const char* kind : kMasks) files.push_back({.name = fmt::format("{}/{}/", scene, kind), .ofSet = true});
+    for (const char* name : {kCameras, kPoses, kInfos}) files.push_back({.name = scene + name, .ofSet = true});
+    for (const char* name : {kModelInfo, kModelList}) files.push_back({.name = name, .ofSet = true});
+    return files;
+  }
+
+  void check(const DataFrame& frame) const override { requirePinhole("bop", frame.metadata.camera); }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
-    if (frame.metadata.camera.orthographic)
-      badUsage("the format bop cannot express orthographic cameras such as \"{}\"", frame.metadata.camera.name);
-    if (frame.metadata.camera.lens)
-      badUsage("the format bop cannot express cameras with a lens such as that of \"{}\"", frame.metadata.camera.name);
     const output::AovImage& depth = imageOf(frame.picture, output::Aov::Depth);
     const double stepsPerMetre = kMillimetres / depthScale_;
     const std::string scene = sceneFolder(frame.scene);
-    writeOf(record, folder, fmt::format("{}/rgb/{:06}.png", scene, frame.index), opaquePng(frame.picture));
-    writeOf(record, folder, fmt::format("{}/depth/{:06}.png", scene, frame.index),
-            encodeDepthPng(depth, stepsPerMetre));
+    writeOf(record, folder, imageFile(frame, "rgb"), opaquePng(frame.picture));
+    writeOf(record, folder, imageFile(frame, "depth"), encodeDepthPng(depth, stepsPerMetre));
     const std::vector<uint16_t> steps = depthSteps(depth, stepsPerMetre);
     std::map<uint32_t, Mask> visible = masksOf(imageOf(frame.picture, output::Aov::Id));
     Json objects = Json::array();
@@ -84,7 +97,7 @@ class Bop : public Format {
       if (object.alone.area() == 0 || !numbers_.takes(nodeOf(frame, object))) continue;
       Mask& seen = visible[object.id];
       if (seen.runs.empty()) seen = {depth.width, depth.height, {depth.width * depth.height}};
-      for (const auto& [kind, mask] : {std::pair("mask", &object.alone), std::pair("mask_visib", &std::as_const(seen))})
+      for (const auto& [kind, mask] : {std::pair(kMasks[0], &object.alone), std::pair(kMasks[1], &std::as_const(seen))})
         writeOf(record, folder, fmt::format("{}/{}/{:06}_{:06}.png", scene, kind, frame.index, objects.size()),
                 maskPng(*mask));
       objects.push_back(describe(frame, object, seen, steps));
@@ -105,9 +118,9 @@ class Bop : public Format {
     for (const Json& entry : entries) {
       const std::string scene = sceneFolder(entry["scene"].get<uint32_t>());
       const std::string image = std::to_string(entry["image"].get<uint64_t>());
-      fileOf(scene + "/scene_camera.json")[image] = entry["camera"];
-      Json& poses = fileOf(scene + "/scene_gt.json")[image] = Json::array();
-      Json& infos = fileOf(scene + "/scene_gt_info.json")[image] = Json::array();
+      fileOf(scene + kCameras)[image] = entry["camera"];
+      Json& poses = fileOf(scene + kPoses)[image] = Json::array();
+      Json& infos = fileOf(scene + kInfos)[image] = Json::array();
       for (const Json& object : entry["objects"]) {
         Json pose = object["pose"];
         pose["obj_id"] = models.numberOf(object);
@@ -115,8 +128,8 @@ class Bop : public Format {
         infos.push_back(object["info"]);
       }
     }
-    files["models/models_info.json"] = models.info();
-    files["models/models.json"] = models.list();
+    files[kModelInfo] = models.info();
+    files[kModelList] = models.list();
     std::vector<std::string> written;
     for (const auto& [name, json] : files) {
       writeJsonIn(folder, name, json);
@@ -127,6 +140,10 @@ class Bop : public Format {
 
  private:
   std::string sceneFolder(uint32_t scene) const { return fmt::format("{}/{:06}", split_, scene); }
+
+  std::string imageFile(const DataFrame& frame, const char* kind) const {
+    return fmt::format("{}/{}/{:06}.png", sceneFolder(frame.scene), kind, frame.index);
+  }
 
   // In BOP, as in OpenCV, the center of the first pixel is (0, 0).
   Json cameraOf(const DataFrame& frame) const {

@@ -26,6 +26,7 @@ class Boxes : public Format {
 
   std::vector<output::Aov> needs() const override { return labels_.needs(); }
   Extras needsExtras() const override { return labels_.needsExtras(); }
+  std::vector<FormatFile> files(const DataFrame& frame) const override { return {{frameFile(file_, frame)}}; }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const std::string text = dumped(labels_.describe(frame)) + "\n";

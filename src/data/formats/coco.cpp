@@ -58,6 +58,11 @@ class Coco : public Format {
   std::vector<output::Aov> needs() const override { return {output::Aov::Id}; }
   Extras needsExtras() const override { return {.boxes = amodal_, .alone = amodal_, .keypoints = keypoints_}; }
   bool needsDisplay() const override { return picture_.isWritten(); }
+  std::vector<FormatFile> files(const DataFrame& frame) const override {
+    std::vector<FormatFile> files = picture_.files(frame);
+    files.push_back({.name = file_, .ofSet = true});
+    return files;
+  }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const std::string picture = picture_.write(record, frame, folder);

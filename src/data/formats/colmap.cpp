@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "data/formats/camera_support.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
 #include "data/formats/options.h"
@@ -67,19 +68,32 @@ class Colmap : public Format {
     return spacing_ > 0 ? std::vector{output::Aov::Depth} : std::vector<output::Aov>();
   }
   bool needsDisplay() const override { return picture_.isWritten(); }
+  std::vector<FormatFile> files(const DataFrame& frame) const override {
+    std::vector<FormatFile> files = picture_.files(frame);
+    if (spacing_ > 0) files.push_back({depthFile(imageName(frame)), "COLMAP's depth map"});
+    for (std::string& file : modelFiles(frame.state)) files.push_back({.name = std::move(file), .ofSet = true});
+    return files;
+  }
+
+  void check(const DataFrame& frame) const override {
+    requirePerspective("colmap", frame.metadata.camera);
+    colmapCameraOf({frame.metadata.camera.name, pointViewOf(frame).lens});  // throws if COLMAP has no such model
+    // COLMAP reads a name in images.txt up to the first white space.
+    if (const std::string image = imageName(frame); isText_ && image.find_first_of(" \t\n\v\f\r") != std::string::npos)
+      badUsage(
+          "the format colmap cannot write the name \"{}\", which has a blank, as text: choose \"as\": \"binary\", or "
+          "names without blanks",
+          image);
+  }
 
   void writeFiles(const DataFrame& frame, const fs::path& folder, FrameRecord& record) const override {
-    const output::CameraMetadata& camera = frame.metadata.camera;
-    if (camera.orthographic)
-      badUsage("the format colmap cannot express orthographic cameras such as \"{}\"", camera.name);
-    const PointView view = pointViewOf(frame);
-    colmapCameraOf({camera.name, view.lens});  // throws if COLMAP has no such model
-    const std::string picture = picture_.write(record, frame, folder);
-    const std::string image = picture.substr(picture_.folder().size());
-    record.entry = {
-        {"state", {frame.scene, frame.variation}}, {"picture", picture}, {"image", image}, {"view", describe(view)}};
+    const std::string picture = picture_.write(record, frame, folder), image = imageName(frame);
+    record.entry = {{"state", {frame.scene, frame.variation}},
+                    {"picture", picture},
+                    {"image", image},
+                    {"view", describe(pointViewOf(frame))}};
     if (spacing_ > 0) {
-      const std::string depth = fmt::format("stereo/depth_maps/{}.geometric.bin", image);
+      const std::string depth = depthFile(image);
       writeOf(record, folder, depth, encodeDepthMap(imageOf(frame.picture, output::Aov::Depth)));
       record.entry["depth"] = depth;
     }
@@ -90,17 +104,28 @@ class Colmap : public Format {
     std::map<std::pair<uint32_t, uint32_t>, std::vector<const Json*>> states;
     for (const Json& entry : entries) states[{entry["state"][0], entry["state"][1]}].push_back(&entry);
     std::vector<std::string> written;
-    size_t number = 0;
+    uint64_t number = 0;
     for (const auto& [state, frames] : states) {
-      const std::string model = fmt::format("{}/{}", folder_, number++);
-      writeModel(frames, folder, model);
-      for (const char* file : {"cameras", "images", "points3D"})
-        written.push_back(fmt::format("{}/{}.{}", model, file, isText_ ? "txt" : "bin"));
+      writeModel(frames, folder, modelFolder(number));
+      for (std::string& file : modelFiles(number++)) written.push_back(std::move(file));
     }
     return written;
   }
 
  private:
+  // Returns the frame's picture relative to the folder of all pictures.
+  std::string imageName(const DataFrame& frame) const { return picture_.file(frame).substr(picture_.folder().size()); }
+  static std::string depthFile(const std::string& image) {
+    return fmt::format("stereo/depth_maps/{}.geometric.bin", image);
+  }
+  std::string modelFolder(uint64_t number) const { return fmt::format("{}/{}", folder_, number); }
+  std::vector<std::string> modelFiles(uint64_t number) const {
+    std::vector<std::string> files;
+    for (const char* file : {"cameras", "images", "points3D"})
+      files.push_back(fmt::format("{}/{}.{}", modelFolder(number), file, isText_ ? "txt" : "bin"));
+    return files;
+  }
+
   void writeModel(const std::vector<const Json*>& frames, const fs::path& folder, const std::string& model) const {
     std::vector<PointView> views;
     std::vector<CalibratedCamera> cameras;

@@ -41,13 +41,24 @@ class CorrespondenceFiles : public Format {
 
   std::vector<output::Aov> needs() const override { return {output::Aov::Id}; }
   Extras needsExtras() const override { return {.pairs = targets_}; }
+  std::vector<FormatFile> files(const DataFrame& frame) const override {
+    std::vector<FormatFile> files;
+    for (const PairTarget& target : targets_) {
+      const std::string file = fileOf(frame, target);
+      if (as_ == "npy")
+        for (const auto& [array, bytes] : correspondenceArrays({})) files.push_back({arrayFile(file, array)});
+      else
+        files.push_back({file});
+    }
+    files.push_back({.name = list_, .ofSet = true});
+    return files;
+  }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     record.entry = Json::array();
     for (const FramePair& pair : frame.pairs) {
       if (std::ranges::find(targets_, pair.target) == targets_.end()) continue;
-      std::string file = frameFile(file_, frame);
-      replaceAll(file, "{to}", labelOf(pair.target));
+      const std::string file = fileOf(frame, pair.target);
       const Json time = pair.time ? Json(*pair.time) : Json(),
                  second = pair.second.empty() ? Json() : Json(pair.second);
       record.entry.push_back(
@@ -55,9 +66,8 @@ class CorrespondenceFiles : public Format {
       if (as_ == "npz") writeOf(record, folder, file, encodeCorrespondenceNpz(pair.match));
       if (as_ == "exr") writeOf(record, folder, file, encodeCorrespondenceExr(pair.match, frame.metadata));
       if (as_ != "npy") continue;
-      file.resize(file.size() - as_.size());
-      for (const auto& [name, bytes] : correspondenceArrays(pair.match))
-        writeOf(record, folder, file + name + ".npy", bytes);
+      for (const auto& [array, bytes] : correspondenceArrays(pair.match))
+        writeOf(record, folder, arrayFile(file, array), bytes);
     }
   }
 
@@ -70,6 +80,16 @@ class CorrespondenceFiles : public Format {
   }
 
  private:
+  std::string fileOf(const DataFrame& frame, const PairTarget& target) const {
+    std::string file = frameFile(file_, frame);
+    replaceAll(file, "{to}", labelOf(target));
+    return file;
+  }
+  // Inserts an array's name before the extension of a pair's file.
+  static std::string arrayFile(std::string file, const std::string& array) {
+    return file.insert(file.rfind('.'), "." + array);
+  }
+
   void readTargets(const Json* to) {
     if (!to) {
       targets_ = {PairTarget{}};

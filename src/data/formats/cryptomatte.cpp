@@ -153,6 +153,7 @@ class Cryptomatte : public Format {
 
   std::vector<output::Aov> needs() const override { return {output::Aov::Color}; }
   Extras needsExtras() const override { return {.samples = samples_}; }
+  std::vector<FormatFile> files(const DataFrame& frame) const override { return {{frameFile(file_, frame)}}; }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const output::AovImage* color = &imageOf(frame.picture, output::Aov::Color);

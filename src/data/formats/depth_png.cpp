@@ -1,4 +1,6 @@
 // The format "depth-png": depth or distance as a 16-bit PNG file.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <span>
 
@@ -24,6 +26,9 @@ class DepthPng : public Format {
   }
 
   std::vector<output::Aov> needs() const override { return {aov_}; }
+  std::vector<FormatFile> files(const DataFrame& frame) const override {
+    return {{frameFile(file_, frame), depthPngContents(aov_, stepsPerMetre_)}};
+  }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     writeOf(record, folder, frameFile(file_, frame), encodeDepthPng(imageOf(frame.picture, aov_), stepsPerMetre_));
@@ -59,6 +64,10 @@ std::vector<std::byte> encodeDepthPng(const output::AovImage& depth, double step
     quantize(values.subspan(begin * depth.width, (end - begin) * depth.width), stepsPerMetre,
              reinterpret_cast<uint16_t*>(out));
   });
+}
+
+std::string depthPngContents(output::Aov aov, double stepsPerMetre) {
+  return fmt::format("PNG of {}, {} steps per meter", output::info(aov).name, stepsPerMetre);
 }
 
 std::unique_ptr<Format> makeDepthPng(const nlohmann::ordered_json& options) {

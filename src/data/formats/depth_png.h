@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "output/aov.h"
@@ -13,5 +14,7 @@ namespace latelight::data {
 // a step or farther than 65,535 steps.
 std::vector<uint16_t> depthSteps(const output::AovImage& depth, double stepsPerMetre);
 std::vector<std::byte> encodeDepthPng(const output::AovImage& depth, double stepsPerMetre);
+// Describes the contents of such a file, as FormatFile::contents.
+std::string depthPngContents(output::Aov aov, double stepsPerMetre);
 
 }  // namespace latelight::data

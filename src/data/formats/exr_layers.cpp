@@ -65,6 +65,7 @@ class Exr : public Format {
   }
 
   std::vector<Aov> needs() const override { return outputs_; }
+  std::vector<FormatFile> files(const DataFrame& frame) const override { return {{frameFile(file_, frame)}}; }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     AovImage vector;

@@ -4,6 +4,7 @@
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
 #include "data/formats/options.h"
+#include "data/formats/picture_file.h"
 
 namespace latelight::data {
 
@@ -32,9 +33,18 @@ class Files : public Format {
   }
   bool needsDisplay() const override { return output::usesDisplay(request_); }
 
+  std::vector<FormatFile> files(const DataFrame& frame) const override {
+    std::vector<FormatFile> files;
+    for (const fs::path& path : output::outputPaths(requestOf(frame), frame.metadata)) {
+      const bool isPicture =
+          needsDisplay() && files.size() < request_.aovs.size() && request_.aovs[files.size()] == output::Aov::Color;
+      files.push_back({path.generic_string(), isPicture ? kPictureContents : ""});
+    }
+    return files;
+  }
+
   void writeFiles(const DataFrame& frame, const fs::path& folder, FrameRecord& record) const override {
-    output::OutputRequest request = request_;
-    request.pattern.replace(request.pattern.find(kName), kName.size(), frame.name);
+    output::OutputRequest request = requestOf(frame);
     request.pattern = (folder / request.pattern).string();
     for (const fs::path& path : output::outputPaths(request, frame.metadata)) {
       std::error_code ignored;  // errors are reported when the file is written
@@ -46,6 +56,13 @@ class Files : public Format {
   }
 
  private:
+  // Returns the request of a frame, with a path relative to the data set's folder.
+  output::OutputRequest requestOf(const DataFrame& frame) const {
+    output::OutputRequest request = request_;
+    request.pattern.replace(request.pattern.find(kName), kName.size(), frame.name);
+    return request;
+  }
+
   void checkPattern() const {
     const size_t at = request_.pattern.find(kName);
     if (at == std::string::npos)

@@ -62,6 +62,7 @@ class Flow : public Format {
   }
 
   std::vector<output::Aov> needs() const override { return {output::Aov::Motion}; }
+  std::vector<FormatFile> files(const DataFrame& frame) const override { return {{frameFile(file_, frame)}}; }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const output::AovImage& motion = imageOf(frame.picture, output::Aov::Motion);

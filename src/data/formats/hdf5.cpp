@@ -1,5 +1,6 @@
 // The format "hdf5": one HDF5 file per frame with the keys, types and conventions of BlenderProc's writer (Denninger et
 // al. 2023, "BlenderProc2: A Procedural Pipeline for Photorealistic Rendering"; write_hdf5() of version 2.8).
+#include "data/formats/camera_support.h"
 #include "data/formats/hdf5_file.h"
 
 #include <fmt/format.h>
@@ -208,11 +209,11 @@ class Hdf5 : public Format {
     return aovs;
   }
   bool needsDisplay() const override { return has("colors"); }
+  std::vector<FormatFile> files(const DataFrame& frame) const override { return {{fileOf(frame)}}; }
+
+  void check(const DataFrame& frame) const override { requirePinhole("hdf5", frame.metadata.camera); }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
-    const output::CameraMetadata& camera = frame.metadata.camera;
-    if (camera.orthographic || camera.lens)
-      badUsage("the format hdf5 supports only perspective cameras without distortion, not \"{}\"", camera.name);
     const std::shared_ptr<const ObjectNumbers> numbers = scenes_.of(frame, categories_);
     const KeySource source{frame, *numbers};
     Hdf5File file;
@@ -220,10 +221,12 @@ class Hdf5 : public Format {
       file.add(std::string(key->name), alpha_ && key->aov == Aov::Color ? rgbaOf(source) : key->array(source));
     if (has("instance_segmaps")) file.add("instance_attribute_maps", dumped(attributesOf(source)));
     file.add("campose", dumped(cameraStateOf(frame)));
-    writeOf(record, folder, fmt::format("{}{}.hdf5", folder_, frame.index), file.finish());
+    writeOf(record, folder, fileOf(frame), file.finish());
   }
 
  private:
+  std::string fileOf(const DataFrame& frame) const { return fmt::format("{}{}.hdf5", folder_, frame.index); }
+
   void readKeys(const Json* names) {
     const Json list = names ? *names : Json{"colors", "depth", "normals", "instance_segmaps", "category_id_segmaps"};
     if (!list.is_array() || list.empty()) wrongKeys();

@@ -7,10 +7,12 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "data/formats/camera_support.h"
 #include "data/formats/categories.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
 #include "data/formats/geometry.h"
+#include "data/formats/names.h"
 #include "data/formats/options.h"
 #include "data/formats/picture_file.h"
 
@@ -56,20 +58,25 @@ class Kitti : public Format {
   std::vector<output::Aov> needs() const override { return {output::Aov::Id}; }
   bool needsDisplay() const override { return picture_.isWritten(); }
   Extras needsExtras() const override { return {.boxes = true, .alone = true}; }
+  std::vector<FormatFile> files(const DataFrame& frame) const override {
+    std::vector<FormatFile> files = picture_.files(frame);
+    files.push_back({frameFile(labels_, frame)});
+    files.push_back({frameFile(calibrations_, frame), "KITTI's calibration"});
+    return files;
+  }
+
+  void check(const DataFrame& frame) const override { requirePinhole("kitti", frame.metadata.camera); }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
-    if (frame.metadata.camera.lens || frame.metadata.camera.orthographic)
-      badUsage(
-          "the format kitti supports perspective cameras without distortion only: choose another camera or format");
     picture_.write(record, frame, folder);
     const std::map<uint32_t, Mask> masks = masksOf(imageOf(frame.picture, output::Aov::Id));
     const glm::dmat4 cameraFromWorld = openCvFromWorld(frame.metadata.camera);
     std::string text;
     for (const Object& object : frame.objects) {
       const auto mask = masks.find(object.id);
-      std::string category = mask != masks.end() ? categories_.of(object.id, *frame.metadata.ids) : "";
-      std::ranges::replace(category, ' ', '_');  // blanks separate columns
-      if (!category.empty()) text += describe(category, object, mask->second, uprightOf(object, cameraFromWorld));
+      const std::string category = mask != masks.end() ? categories_.of(object.id, *frame.metadata.ids) : "";
+      if (!category.empty())
+        text += describe(asWord(category), object, mask->second, uprightOf(object, cameraFromWorld));
     }
     writeOf(record, folder, frameFile(labels_, frame), std::as_bytes(std::span(text)));
     const std::string calibration = calibrationOf(frame.metadata.camera.intrinsics);

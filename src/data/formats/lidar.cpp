@@ -52,6 +52,9 @@ class Lidar : public Format {
 
   std::vector<output::Aov> needs() const override { return {}; }
   Extras needsExtras() const override { return {.scans = {request_}}; }
+  std::vector<FormatFile> files(const DataFrame& frame) const override {
+    return {{frameFile(file_, frame)}, {.name = list_, .ofSet = true}};
+  }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     for (const FrameScan& scan : frame.scans) {

@@ -22,6 +22,7 @@ class Npz : public Format {
   }
 
   std::vector<output::Aov> needs() const override { return outputs_; }
+  std::vector<FormatFile> files(const DataFrame& frame) const override { return {{frameFile(file_, frame)}}; }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     output::ZipArchive archive;

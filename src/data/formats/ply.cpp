@@ -59,6 +59,7 @@ class Ply : public Format {
     return {output::Aov::Position, output::Aov::Normal, output::Aov::Id};
   }
   bool needsDisplay() const override { return true; }
+  std::vector<FormatFile> files(const DataFrame& frame) const override { return {{frameFile(file_, frame)}}; }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     writeOf(record, folder, frameFile(file_, frame), encodePly(frame.picture));

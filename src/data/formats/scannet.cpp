@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "data/formats/camera_support.h"
 #include "data/formats/depth_png.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
@@ -23,6 +24,18 @@ using output::Aov;
 
 constexpr double kStepsPerMeter = 1000;
 constexpr uint32_t kMaxNumber = 65535;  // of a 16-bit PNG
+
+// A frame's files in the folder of its scan.
+struct Image {
+  const char *folder, *extension;
+};
+constexpr Image kColor{"color", "jpg"}, kDepth{"depth", "png"}, kPose{"pose", "txt"}, kInstances{"instance", "png"},
+    kLabels{"label", "png"};
+
+// The files of a scan, below its folder.
+constexpr const char* kIntrinsics[] = {"/intrinsic/intrinsic_color.txt", "/intrinsic/intrinsic_depth.txt"};
+constexpr const char* kExtrinsics[] = {"/intrinsic/extrinsic_color.txt", "/intrinsic/extrinsic_depth.txt"};
+constexpr const char* kLabelTable = "/labels.tsv";
 
 // Chroma is not subsampled, so that edges stay sharp.
 std::vector<std::byte> encodeJpeg(const std::vector<uint8_t>& rgb, uint32_t width, uint32_t height, int quality) {
@@ -72,34 +85,46 @@ class Scannet : public Format {
 
   std::vector<Aov> needs() const override { return {Aov::Depth, Aov::Id}; }
   bool needsDisplay() const override { return true; }
+  std::vector<FormatFile> files(const DataFrame& frame) const override {
+    std::vector<FormatFile> files;
+    for (const Image& image : {kColor, kDepth, kPose, kInstances, kLabels}) files.push_back({fileOf(frame, image)});
+    for (const char* name : kIntrinsics) files.push_back({.name = scanOf(frame) + name, .ofSet = true});
+    for (const char* name : kExtrinsics) files.push_back({.name = scanOf(frame) + name, .ofSet = true});
+    files.push_back({.name = scanOf(frame) + kLabelTable, .ofSet = true});
+    return files;
+  }
+
+  void check(const DataFrame& frame) const override { requirePinhole("scannet", frame.metadata.camera); }
+  void checkTogether(const DataFrame& first, const DataFrame& other) const override {
+    const output::CameraMetadata &a = first.metadata.camera, &b = other.metadata.camera;
+    if (intrinsicText(a.intrinsics) != intrinsicText(b.intrinsics) || first.picture.width != other.picture.width ||
+        first.picture.height != other.picture.height)
+      badUsage(
+          "the format scannet has one camera matrix and size per scan, but those of the cameras \"{}\" and \"{}\" "
+          "differ: choose other cameras or another format",
+          a.name, b.name);
+  }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const output::CameraMetadata& camera = frame.metadata.camera;
-    if (camera.orthographic || camera.lens)
-      badUsage("the format scannet supports only perspective cameras without distortion, not \"{}\"", camera.name);
     const output::FrameOutput& picture = frame.picture;
-    const std::string scan = fmt::format("{}/scene{:04}_{:02}", folder_, frame.scene, frame.variation);
-    const auto write = [&](const char* kind, const char* ending, std::span<const std::byte> bytes) {
-      writeOf(record, folder, fmt::format("{}/{}/{}.{}", scan, kind, frame.camera, ending), bytes);
+    const auto write = [&](const Image& image, std::span<const std::byte> bytes) {
+      writeOf(record, folder, fileOf(frame, image), bytes);
     };
-    write("color", "jpg", encodeJpeg(rgbOverBlack(picture), picture.width, picture.height, quality_));
-    write("depth", "png", encodeDepthPng(imageOf(picture, Aov::Depth), kStepsPerMeter));
+    write(kColor, encodeJpeg(rgbOverBlack(picture), picture.width, picture.height, quality_));
+    write(kDepth, encodeDepthPng(imageOf(picture, Aov::Depth), kStepsPerMeter));
     const std::string pose = matrixText(glm::inverse(openCvFromWorld(camera)));
-    write("pose", "txt", std::as_bytes(std::span(pose)));
+    write(kPose, std::as_bytes(std::span(pose)));
     const std::shared_ptr<const ObjectNumbers> numbers = scenes_.of(frame, categories_);
     if (numbers->instances() > kMaxNumber)
       badUsage("the format scannet numbers up to {} objects per scene, not {}: make groups with --id-depth", kMaxNumber,
                numbers->instances());
     const output::AovImage& ids = imageOf(picture, Aov::Id);
     // ScanNet has 8 bits per pixel; scenes with more objects require 16.
-    write("instance", "png", numbersPng(ids, numbers->instancesOf(ids), numbers->instances() > 255 ? 16 : 8));
-    write("label", "png", numbersPng(ids, numbers->categoriesOf(ids), 16));
-    record.entry = {{"scan", scan},
-                    {"intrinsic", intrinsicText(camera.intrinsics)},
-                    {"camera", camera.name},
-                    {"width", picture.width},
-                    {"height", picture.height},
-                    {"labels", numbers->categories()}};
+    write(kInstances, numbersPng(ids, numbers->instancesOf(ids), numbers->instances() > 255 ? 16 : 8));
+    write(kLabels, numbersPng(ids, numbers->categoriesOf(ids), 16));
+    record.entry = {
+        {"scan", scanOf(frame)}, {"intrinsic", intrinsicText(camera.intrinsics)}, {"labels", numbers->categories()}};
   }
 
   // The files of each scan, from its frames.
@@ -109,31 +134,24 @@ class Scannet : public Format {
     std::vector<std::string> written;
     for (const auto& [scan, frames] : scans) {
       const auto write = [&](const std::string& name, const std::string& text) {
-        writeIn(folder, scan + "/" + name, std::as_bytes(std::span(text)));
-        written.push_back(scan + "/" + name);
+        writeIn(folder, scan + name, std::as_bytes(std::span(text)));
+        written.push_back(scan + name);
       };
-      const std::string intrinsic = intrinsicOf(scan, frames);
-      for (const char* kind : {"color", "depth"}) {
-        write(fmt::format("intrinsic/intrinsic_{}.txt", kind), intrinsic);
-        write(fmt::format("intrinsic/extrinsic_{}.txt", kind), matrixText(glm::dmat4(1)));
-      }
-      write("labels.tsv", labelText((*frames.front())["labels"]));
+      // checkTogether() ensures that all frames of a scan have the same camera matrix.
+      for (const char* name : kIntrinsics) write(name, (*frames.front())["intrinsic"]);
+      for (const char* name : kExtrinsics) write(name, matrixText(glm::dmat4(1)));
+      write(kLabelTable, labelText((*frames.front())["labels"]));
     }
     return written;
   }
 
  private:
-  // Throws if the frames' intrinsics differ, because a scan has one camera.
-  static std::string intrinsicOf(const std::string& scan, const std::vector<const Json*>& frames) {
-    const Json& first = *frames.front();
-    for (const Json* frame : frames)
-      for (const char* key : {"intrinsic", "width", "height"})
-        if ((*frame)[key] != first[key])
-          badUsage(
-              "the format scannet has one camera matrix and size per scan, but in '{}' those of the cameras \"{}\" "
-              "and \"{}\" differ",
-              scan, first["camera"].get<std::string>(), (*frame)["camera"].get<std::string>());
-    return first["intrinsic"];
+  // The name of a scan's folder, without the slash at its end.
+  std::string scanOf(const DataFrame& frame) const {
+    return fmt::format("{}/scene{:04}_{:02}", folder_, frame.scene, frame.variation);
+  }
+  std::string fileOf(const DataFrame& frame, const Image& image) const {
+    return fmt::format("{}/{}/{}.{}", scanOf(frame), image.folder, frame.camera, image.extension);
   }
 
   // The first columns of scannetv2-labels.combined.tsv.

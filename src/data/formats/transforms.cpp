@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "data/cameras/shot.h"
 #include "data/cameras/transforms.h"
+#include "data/formats/camera_support.h"
 #include "data/formats/depth_png.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
@@ -84,13 +85,25 @@ class Transforms : public Format {
     return depth_ ? std::vector{output::Aov::Depth} : std::vector<output::Aov>();
   }
   bool needsDisplay() const override { return picture_.isWritten(); }
+  std::vector<FormatFile> files(const DataFrame& frame) const override {
+    std::vector<FormatFile> files = picture_.files(frame);
+    if (depth_) files.push_back({frameFile(depthFile_, frame), depthPngContents(output::Aov::Depth, kStepsPerMetre)});
+    files.push_back({.name = file_, .ofSet = true});
+    if (spacing_ > 0) files.push_back({.name = pointFile_, .ofSet = true});
+    return files;
+  }
+
+  void check(const DataFrame& frame) const override {
+    const output::CameraMetadata& camera = frame.metadata.camera;
+    requirePerspective("transforms", camera);
+    if (const std::string lack = camera.lens ? missingInTransforms(*camera.lens) : ""; !lack.empty())
+      badUsage("the format transforms cannot express the camera \"{}\": {}", camera.name, lack);
+    if (spacing_ > 0 && camera.lens && camera.lens->model == scene::LensModel::Equirectangular)
+      badUsage("points of the format transforms require cameras with depth along an axis, not \"{}\"", camera.name);
+  }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const output::CameraMetadata& camera = frame.metadata.camera;
-    if (camera.orthographic)
-      badUsage("the format transforms cannot express orthographic cameras such as \"{}\"", camera.name);
-    if (const std::string lack = camera.lens ? missingInTransforms(*camera.lens) : ""; !lack.empty())
-      badUsage("the format transforms cannot express the camera \"{}\": {}", camera.name, lack);
     const std::string depthFile = frameFile(depthFile_, frame);
     const std::string picture = picture_.write(record, frame, folder);
     record.entry["optics"] = opticsOf(frame);
@@ -102,8 +115,6 @@ class Transforms : public Format {
     entry["transform_matrix"] = output::rowsOf(openGlPose(camera));
     writeExposure(entry, frame.exposure);
     if (spacing_ > 0) {
-      if (camera.lens && camera.lens->model == scene::LensModel::Equirectangular)
-        badUsage("points of the format transforms require cameras with depth along an axis, not \"{}\"", camera.name);
       record.entry["state"] = {frame.scene, frame.variation};
       record.entry["view"] = describe(pointViewOf(frame));
     }

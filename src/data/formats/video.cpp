@@ -113,6 +113,22 @@ class Video : public Format {
 
   std::vector<output::Aov> needs() const override { return {}; }
   bool needsDisplay() const override { return picture_.isWritten(); }
+  std::vector<FormatFile> files(const DataFrame& frame) const override {
+    std::vector<FormatFile> files = picture_.files(frame);
+    files.push_back({.name = file_, .ofSet = true});
+    return files;
+  }
+
+  // ffmpeg would scale images of other sizes to that of the first one. The first cameras of all scenes have one size,
+  // because the job states the sizes of cameras.
+  void checkTogether(const DataFrame& first, const DataFrame& other) const override {
+    const output::FrameOutput &a = first.picture, &b = other.picture;
+    if (a.width != b.width || a.height != b.height)
+      badUsage(
+          "the format video requires images of one size, but those of the cameras \"{}\" and \"{}\" have {}x{} and "
+          "{}x{} pixels: give all cameras one size",
+          first.metadata.camera.name, other.metadata.camera.name, a.width, a.height, b.width, b.height);
+  }
 
   void writeFiles(const DataFrame& frame, const fs::path& folder, FrameRecord& record) const override {
     record.entry = picture_.write(record, frame, folder);
@@ -129,8 +145,7 @@ class Video : public Format {
     bool made = true;
     for (const Json& entry : entries) made = made && ffmpeg.send(readFile(folder / entry.get<std::string>()));
     if (!ffmpeg.finish() || !made)
-      badUsage("ffmpeg failed to encode '{}'; check that all images have the same size and that the disk is not full",
-               path.string());
+      badUsage("ffmpeg failed to encode '{}'; check that the disk is not full", path.string());
     if (const int error = file.become(path)) cantWrite(error);
     return {file_};
   }

@@ -36,6 +36,11 @@ class Voc : public Format {
   std::vector<output::Aov> needs() const override { return {output::Aov::Id}; }
   bool needsDisplay() const override { return picture_.isWritten(); }
   Extras needsExtras() const override { return {.boxes = true, .alone = true}; }
+  std::vector<FormatFile> files(const DataFrame& frame) const override {
+    std::vector<FormatFile> files = picture_.files(frame);
+    files.push_back({frameFile(annotations_, frame)});
+    return files;
+  }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const std::filesystem::path picture = picture_.write(record, frame, folder);

@@ -96,6 +96,9 @@ class WebDataset : public Format {
     return aovs;
   }
   bool needsDisplay() const override { return output::contains(outputs_, Aov::Color); }
+  std::vector<FormatFile> files(const DataFrame& frame) const override {
+    return {{fileOf(frame.index)}, {.name = archiveOf(frame.index), .ofSet = true}};
+  }
 
   void writeFiles(const DataFrame& frame, const fs::path& folder, FrameRecord& record) const override {
     const output::Metadata metadata = metadataOf(frame);
@@ -119,7 +122,7 @@ class WebDataset : public Format {
     }
     const std::string side = output::sideFile(metadata, frame.picture.width, frame.picture.height, outputs_, files);
     add("json", std::as_bytes(std::span(side)));
-    const std::string file = fmt::format("{}/.frames/{:09}.tar", folder_, frame.index);
+    const std::string file = fileOf(frame.index);
     writeOf(record, folder, file, piece);
     record.entry = {{"key", key}, {"file", file}, {"archive", archiveOf(frame.index)}};
   }
@@ -147,6 +150,7 @@ class WebDataset : public Format {
   }
 
  private:
+  std::string fileOf(uint64_t index) const { return fmt::format("{}/.frames/{:09}.tar", folder_, index); }
   std::string archiveOf(uint64_t index) const { return fmt::format("{}/{:06}.tar", folder_, index / frames_); }
 
   // Frames that an earlier run has packed come from the archive of that run.

@@ -26,6 +26,12 @@ class Yolo : public Format {
   std::vector<output::Aov> needs() const override { return {output::Aov::Id}; }
   Extras needsExtras() const override { return {.keypoints = keypoints_}; }
   bool needsDisplay() const override { return picture_.isWritten(); }
+  std::vector<FormatFile> files(const DataFrame& frame) const override {
+    std::vector<FormatFile> files = picture_.files(frame);
+    files.push_back({frameFile(labels_, frame)});
+    files.push_back({.name = file_, .ofSet = true});
+    return files;
+  }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     picture_.write(record, frame, folder);
