@@ -60,7 +60,7 @@ def add_pixels(
     except ImportError:
         raise missing("gymnasium", "add_pixels") from None
     if worlds is None:
-        data = _data_of(envs)
+        _data_of(envs)  # raises UsageError for other environments
         robot = scene or from_mujoco(envs.unwrapped.envs[0].unwrapped.model)
         if cameras is None and not robot.cameras:
             raise UsageError("the model has no camera: give `cameras`")
@@ -69,7 +69,8 @@ def add_pixels(
         camera_ids = _indices([cameras] if isinstance(cameras, Camera) else cameras, robot.cameras)
 
         def worlds(envs: Any) -> dict[str, Any]:
-            arguments = robot.worlds(data, camera_ids=camera_ids)
+            # Environments may replace their data, as in reset().
+            arguments = robot.worlds(_data_of(envs), camera_ids=camera_ids)
             if camera_ids is None:
                 arguments.pop("camera_to_world", None)
             return arguments

@@ -8,8 +8,8 @@
     color = camera.allocate_image_color(model.world_count, 64, 64)
     camera.update(state, camera_transforms, rays, color_image=color)
 
-Poses of bodies and cameras are read where the simulation leaves them, and images are written to the caller's arrays of
-Warp. On a GPU nothing passes through the host.
+Poses of bodies and cameras and the colors of shapes are read where the simulation leaves them, and images are written
+to the caller's arrays of Warp. On a GPU nothing passes through the host.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import numpy as np
 import warp as wp
 
 from ._core import Camera, InstanceHandle, Light, Material, MaterialHandle, MeshHandle, Renderer, Scene
-from ._model_builder import FROM_Z_UP, linear, v_down
+from ._model_builder import FROM_Z_UP, v_down
 from ._shapes import box, capsule, cone, cylinder, ellipsoid, height_field, mesh_arrays, plane
 from .errors import UsageError
 
@@ -78,16 +78,26 @@ def _rows(pose: wp.transformf, file_from_world: wp.mat33f, flip: wp.vec3f, out: 
         out[row, 3] = at[row]
 
 
+@wp.func
+def _linear(srgb: wp.float32):
+    c = wp.clamp(srgb, 0.0, 1.0)
+    if c <= 0.04045:
+        return c / 12.92
+    return wp.pow((c + 0.055) / 1.055, 2.4)
+
+
 @wp.kernel
 def _place_shapes(
     worlds: wp.array(dtype=wp.int32),
     shape_of: wp.array2d(dtype=wp.int32),
     shape_body: wp.array(dtype=wp.int32),
     shape_transform: wp.array(dtype=wp.transformf),
+    shape_color: wp.array(dtype=wp.vec3f),
     body_q: wp.array(dtype=wp.transformf),
     file_from_world: wp.mat33f,
     transforms: wp.array4d(dtype=wp.float32),
     exists: wp.array2d(dtype=wp.bool),
+    base_color: wp.array3d(dtype=wp.float32),
 ):
     view, instance = wp.tid()
     world = _world_of(worlds, view)
@@ -96,11 +106,16 @@ def _place_shapes(
         shape = shape_of[world, instance]
     exists[view, instance] = shape >= 0
     pose = wp.transform_identity(dtype=wp.float32)
+    color = wp.vec3f(1.0, 1.0, 1.0)
     if shape >= 0:
+        color = shape_color[shape]
         pose = shape_transform[shape]
         if shape_body[shape] >= 0:
             pose = wp.transform_multiply(body_q[shape_body[shape]], pose)
     _rows(pose, file_from_world, wp.vec3f(1.0, 1.0, 1.0), transforms[view, instance])
+    for channel in range(3):
+        base_color[view, instance, channel] = _linear(color[channel])
+    base_color[view, instance, 3] = 1.0
 
 
 @wp.kernel
@@ -279,7 +294,8 @@ def _mesh_of(kind: Any, scale: np.ndarray, source: Any, plane_side: float) -> di
 
 
 class _ModelScene:
-    """A scene with an instance for each shape that any world has. Worlds with equal shapes share instances."""
+    """A scene with an instance for each shape that any world has. Worlds with equal shapes share instances, whatever
+    the colors of their shapes, which change between updates."""
 
     def __init__(self, model: Any, textures: bool, plane_side: float) -> None:
         self.textures = textures
@@ -290,7 +306,7 @@ class _ModelScene:
         enabled = model.bvh_shape_enabled
         shown = set() if enabled is None else set(enabled.numpy()[: model.bvh_shape_count_enabled].tolist())
         kinds, scales = model.shape_type.numpy(), model.shape_scale.numpy().astype(np.float64)
-        colors, worlds = model.shape_color.numpy(), model.shape_world.numpy()
+        worlds = model.shape_world.numpy()
         count = max(int(model.world_count), 1)
         number: dict[Any, int] = {}  # of the instance, by shape and by how many such shapes its world had before
         rows: list[dict[int, int]] = [{} for _ in range(count)]
@@ -305,15 +321,13 @@ class _ModelScene:
             mesh = self.meshes[key]
             if mesh is None:
                 continue
-            color, world = tuple(colors[shape].tolist()), int(worlds[shape])
+            world = int(worlds[shape])
             repeat = 0
-            while (key, color, world < 0, repeat) in number and self._taken(
-                rows, world, number[(key, color, world < 0, repeat)]
-            ):
+            while (key, world < 0, repeat) in number and self._taken(rows, world, number[(key, world < 0, repeat)]):
                 repeat += 1
-            instance = number.setdefault((key, color, world < 0, repeat), len(self.instances))
+            instance = number.setdefault((key, world < 0, repeat), len(self.instances))
             if instance == len(self.instances):
-                material = self.material(color, source)
+                material = self.material(source)
                 self.instances.append(self.scene.add_instance(mesh, material, np.eye(4), f"shape {shape}"))
             for row in rows if world < 0 else (rows[world],):
                 row[instance] = shape
@@ -326,18 +340,18 @@ class _ModelScene:
     def _taken(rows: list[dict[int, int]], world: int, instance: int) -> bool:
         return instance in rows[max(world, 0)]
 
-    def material(self, color: tuple[float, ...], source: Any) -> MaterialHandle:
+    def material(self, source: Any) -> MaterialHandle:
+        """A white material, because each update sets the base color."""
         texture = getattr(source, "texture", None) if self.textures else None
         surface = {
             name: float(value)
             for name in ("roughness", "metallic")
             if (value := getattr(source, name, None)) is not None
         }
-        key = (color, tuple(surface.items()), None if texture is None else id(source))
+        key = (tuple(surface.items()), None if texture is None else id(source))
         if key not in self.materials:
-            shown = linear(np.clip(np.array([*color, 1.0]), 0, 1)).tolist()
             values = {"roughness": 1.0, "metallic": 0.0, **surface}
-            made = self.scene.add_material(Material(name="shape", base_color=tuple(shown), **values))
+            made = self.scene.add_material(Material(name="shape", base_color=(1, 1, 1, 1), **values))
             if texture is not None:
                 self._add_texture(made, texture)
             self.materials[key] = made
@@ -406,11 +420,12 @@ class SensorCamera:
         load_textures: bool = True, deformable_surface_mode: Any = 0, infinite_plane: float = 100.0,
         device: str | None = None, **options: Any,
     ) -> None:  # fmt: skip
-        """model: a newton.Model; default_clear_data: values of pixels without a surface; default_render_config: a
-        RenderConfig, as for update(); load_textures: textures of meshes; deformable_surface_mode: without effect,
-        because deformable surfaces are not rendered; infinite_plane: side in meters of planes that are infinite in the
-        model (shadow maps are coarser with larger ones); device: as for Renderer (default: the model's); options: of
-        Renderer.render_worlds(), such as shadows="d32" or exposure=1 (default: shadows="none", tonemap="none")"""
+        """model: a newton.Model, whose shapes are read once, but their transforms and colors at every update();
+        default_clear_data: values of pixels without a surface; default_render_config: a RenderConfig, as for update();
+        load_textures: textures of meshes; deformable_surface_mode: without effect, because deformable surfaces are not
+        rendered; infinite_plane: side in meters of planes that are infinite in the model (shadow maps are coarser with
+        larger ones); device: as for Renderer (default: the model's); options: of Renderer.render_worlds(), such as
+        shadows="d32" or exposure=1 (default: shadows="none", tonemap="none")"""
         self.model = model
         _check_config(default_render_config)
         self.default_render_config = default_render_config if default_render_config is not None else self.RenderConfig()
@@ -600,14 +615,16 @@ class SensorCamera:
         views, (height, width) = camera_transforms.shape[0], rays.shape[:2]
         transforms = wp.empty((views, len(self._instances), 3, 4), dtype=wp.float32, device=self.device)
         exists = wp.empty((views, len(self._instances)), dtype=wp.bool, device=self.device)
+        colors = wp.empty((views, len(self._instances), 4), dtype=wp.float32, device=self.device)
         poses = wp.empty((views, 1, 3, 4), dtype=wp.float32, device=self.device)
         model = self.model
         wp.launch(
             _place_shapes, (views, len(self._instances)), device=self.device,
             inputs=[
-                worlds, self._shape_of, model.shape_body, model.shape_transform, state.body_q, self._file_from_world
+                worlds, self._shape_of, model.shape_body, model.shape_transform, model.shape_color, state.body_q,
+                self._file_from_world,
             ],
-            outputs=[transforms, exists],
+            outputs=[transforms, exists, colors],
         )  # fmt: skip
         wp.launch(
             _place_cameras,
@@ -621,7 +638,9 @@ class SensorCamera:
         key = (views, width, height, outputs)
         if self._renderer is None:
             self._renderer, self._results = Renderer(self.scene, self._device_name, self._environment), {}
-        placed = {"instances": self._instances, "transforms": transforms, "exists": exists} if self._instances else {}
+        placed = {
+            "instances": self._instances, "transforms": transforms, "exists": exists, "base_color": colors,
+        } if self._instances else {}  # fmt: skip
         # The copies of the arrays follow the kernels above, and those that read the last results, on this stream.
         stream = {"stream": wp.get_stream(self.device)} if self.device.is_cuda else {}
         self._results[key] = self._renderer.render_worlds(

@@ -193,6 +193,7 @@ void Buffer::bind(VkDeviceMemory memory, VkDeviceSize offset) {
   address.buffer = buffer_;
   address_ = vkGetBufferDeviceAddress(device_->get(), &address);
   createdAt_ = device_->submissions();
+  lifetime_ = std::make_shared<std::byte>();
   device_->setName(VK_OBJECT_TYPE_BUFFER, number(buffer_), desc_.name.c_str());
 }
 
@@ -204,6 +205,7 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
   std::swap(device_, other.device_);
   std::swap(desc_, other.desc_);
   std::swap(deletion_, other.deletion_);
+  std::swap(lifetime_, other.lifetime_);
   std::swap(buffer_, other.buffer_);
   std::swap(address_, other.address_);
   std::swap(createdAt_, other.createdAt_);
@@ -213,6 +215,7 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
 
 Buffer::~Buffer() {
   if (!buffer_) return;
+  lifetime_.reset();  // first: once the buffer is released, another thread may destroy it
   deletion_->buffer = buffer_;
   deletion_->allocation = allocation_;
   device_->deferDeletion(std::move(deletion_));
@@ -291,6 +294,7 @@ void Image::bind(VkDeviceMemory memory, VkDeviceSize offset) {
   Device& device = *device_;
   VK_CHECK(vkBindImageMemory(device.get(), image_, memory, offset));
   device.setName(VK_OBJECT_TYPE_IMAGE, number(image_), desc_.name.c_str());
+  lifetime_ = std::make_shared<std::byte>();
 
   constexpr VkImageUsageFlags kViewed = kAttachment | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
   if (!(desc_.usage & kViewed)) return;
@@ -312,6 +316,7 @@ Image& Image::operator=(Image&& other) noexcept {
   std::swap(device_, other.device_);
   std::swap(desc_, other.desc_);
   std::swap(deletion_, other.deletion_);
+  std::swap(lifetime_, other.lifetime_);
   std::swap(image_, other.image_);
   std::swap(arrayView_, other.arrayView_);
   std::swap(storageView_, other.storageView_);
@@ -323,6 +328,7 @@ Image& Image::operator=(Image&& other) noexcept {
 
 Image::~Image() {
   if (!image_) return;
+  lifetime_.reset();  // first: once the image is released, another thread may destroy it
   deletion_->image = image_;
   deletion_->arrayView = arrayView_;
   deletion_->storageView = storageView_;

@@ -58,12 +58,14 @@ class Buffer {
   VkDeviceSize memorySize() const { return allocation_.size; }  // in bytes; importers require it
   // True if nothing was submitted since the buffer was created, so that nothing in flight uses it.
   bool isNew() const { return createdAt_ == device_->submissions(); }
+  std::weak_ptr<const void> lifetime() const { return lifetime_; }  // expires before the buffer is released
 
  private:
   void bind(VkDeviceMemory memory, VkDeviceSize offset);
   Device* device_ = nullptr;
   BufferDesc desc_;
   std::unique_ptr<BufferDeletion> deletion_;
+  std::shared_ptr<const void> lifetime_;
   uint64_t createdAt_ = 0;
   VkBuffer buffer_ = VK_NULL_HANDLE;
   VkDeviceAddress address_ = 0;
@@ -114,12 +116,14 @@ class Image {
   // transition. takeHostWrite() returns true once, for the writer; the layout is then VK_IMAGE_LAYOUT_PREINITIALIZED.
   bool takeHostWrite() const { return std::exchange(hostWritable_, false); }
   std::byte* mapped() const { return allocation_.mapped; }
+  std::weak_ptr<const void> lifetime() const { return lifetime_; }  // expires before the image is released
 
  private:
   void bind(VkDeviceMemory memory, VkDeviceSize offset);
   Device* device_ = nullptr;
   ImageDesc desc_;
   std::unique_ptr<ImageDeletion> deletion_;
+  std::shared_ptr<const void> lifetime_;
   VkImage image_ = VK_NULL_HANDLE;
   VkImageView arrayView_ = VK_NULL_HANDLE, storageView_ = VK_NULL_HANDLE;
   std::vector<VkImageView> layerViews_;
@@ -155,8 +159,8 @@ enum class UploadMode : uint8_t {
 // Copies host data to the device. upload() copies the data before it returns, either in place or to staging memory of
 // 16 MiB (Deferred: 64 MiB), and calls flush() when that memory is full. flush() (or the destructor, which turns an
 // error into a warning) submits the staged copies and waits. Images end in VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL.
-// In Deferred mode, the destructor drops pending copies instead: those of a frame that failed may have destinations
-// that no longer exist.
+// A pending copy whose destination is destroyed is dropped, so that callers may replace a buffer or an image at any
+// time. In Deferred mode, the destructor drops all pending copies.
 class Uploader {
  public:
   explicit Uploader(Device& device, UploadMode mode = UploadMode::Direct);

@@ -71,6 +71,7 @@ BufferDesc stagingDesc(VkDeviceSize size) {
 // of an image that the host has written. A large image requires several copies, possibly in several submissions; the
 // first and the last change its layout.
 struct Uploader::Copy {
+  std::weak_ptr<const void> destination{};  // expired: the buffer or image no longer exists
   Source from{};
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceSize to = 0, size = 0;
@@ -133,6 +134,7 @@ void Uploader::upload(const Buffer& to, std::span<const std::byte> data, VkDevic
   while (!data.empty()) {
     const std::span piece = data.first(std::min<size_t>(data.size(), kStagingBytes));
     Copy copy;
+    copy.destination = to.lifetime();
     copy.from = stage(piece, 16);
     copy.buffer = to.get();
     copy.to = offset;
@@ -163,6 +165,7 @@ void Uploader::writeInPlace(const Image& to, std::span<const std::byte> data) {
     data = data.subspan(rows * rowBytes);
   }
   Copy copy;
+  copy.destination = to.lifetime();
   copy.image = to.get();
   copy.after = {transition(to, VK_IMAGE_LAYOUT_PREINITIALIZED, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL)};
   add(std::move(copy));
@@ -182,6 +185,7 @@ void Uploader::upload(const Image& to, std::span<const std::byte> data) {
       const uint32_t rows = std::min(most, height - row);
       assert(rows * rowBytes <= data.size());
       Copy copy;
+      copy.destination = to.lifetime();
       // Offsets must be multiples of four and of the texel size.
       copy.from = stage(data.first(rows * rowBytes), 4 * texel);
       copy.image = to.get();
@@ -208,11 +212,13 @@ void Uploader::record(VkCommandBuffer commands) const {
                         VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
     std::vector<VkImageMemoryBarrier2> before, after;
     for (const Copy& copy : batch) {
+      if (copy.destination.expired()) continue;
       before.insert(before.end(), copy.before.begin(), copy.before.end());
       after.insert(after.end(), copy.after.begin(), copy.after.end());
     }
     recordBarriers(commands, before);
     for (const Copy& copy : batch) {
+      if (copy.destination.expired()) continue;
       const VkBufferCopy region{copy.from.offset, copy.to, copy.size};
       if (copy.buffer) vkCmdCopyBuffer(commands, copy.from.buffer, copy.buffer, 1, &region);
       if (copy.image && copy.region.imageExtent.width > 0)

@@ -354,6 +354,26 @@ def test_vector_environments_have_pixels():
         latelight.add_pixels(gymnasium.make_vec("CartPole-v1", 2))
 
 
+def test_vector_environments_may_replace_their_data():
+    """Images show the data of an environment that makes its own in reset()."""
+    gymnasium = pytest.importorskip("gymnasium")
+
+    class Renewed(falling(gymnasium, MODEL)):
+        def reset(self, **arguments):
+            self.data = mujoco.MjData(self.model)
+            return super().reset(**arguments)
+
+    images = []
+    for kind in (falling(gymnasium, MODEL), Renewed):
+        envs = latelight.add_pixels(
+            gymnasium.vector.SyncVectorEnv([kind, kind]), size=(32, 24), device="cpu", shadows="none")
+        seen, _ = envs.reset(seed=3)
+        moved, *_ = envs.step(np.array([[0.3], [-0.2]], np.float32))
+        images.append((seen["pixels"], moved["pixels"]))
+    assert (images[0][0] != images[0][1]).any()
+    np.testing.assert_array_equal(images[1], images[0])
+
+
 def test_cameras_of_vector_environments_follow_their_bodies():
     """A camera on the ball stays at the same distance from it, and other cameras stay where they are."""
     gymnasium = pytest.importorskip("gymnasium")

@@ -183,6 +183,32 @@ def test_bodies_move_between_updates(rings):
         assert (pictures[0][name] == pictures[2][name]).all()
 
 
+def test_colors_of_shapes_change_between_updates():
+    """Each world has its own colors, and Newton's albedo follows them, too."""
+    builder = newton.ModelBuilder()
+    builder.replicate(ring(SHAPES), 2)
+    builder.add_ground_plane()
+    model = builder.finalize(device=DEVICE)
+    state, cameras, bundle = model.state(), around(2), rays()
+    model.bvh_refit_shapes(state)
+    theirs, ours = newton.sensors.SensorCamera(model), SensorCamera(model)
+    random = np.random.default_rng(5)
+    names = ("shape_index_image", "albedo_image")
+    for colors in (None, random.random((model.shape_count, 3)), random.random((model.shape_count, 3))):
+        if colors is not None:
+            model.shape_color.assign(colors.astype(np.float32))
+        expected = np.rint(255 * model.shape_color.numpy())
+        images = shot(ours, state, cameras, bundle, names)
+        shapes = images["shape_index_image"]
+        seen = shapes != 0xFFFFFFFF
+        assert seen.mean() > 0.5 and len(np.unique(shapes[seen])) == model.shape_count
+        assert np.abs(levels(images["albedo_image"])[..., :3][seen] - expected[shapes[seen]]).max() <= 1
+        rays_of_newton = shot(theirs, state, cameras, bundle, names)
+        same = seen & (shapes == rays_of_newton["shape_index_image"])
+        difference = levels(images["albedo_image"]) - levels(rays_of_newton["albedo_image"])
+        assert np.abs(difference)[same].max() <= 1
+
+
 def test_shadows_and_light(rings):
     state, cameras, bundle = moved(rings, 6), around(1), rays()
     pictures = {}

@@ -2,6 +2,7 @@
 // a cache, to the byte.
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
+#include <set>
 
 #include "render/frame/view.h"
 #include "render/shadow/frame_shadows.h"
@@ -137,6 +138,34 @@ TEST_F(ShadowMapCacheTest, DifferentSettingsRequireDifferentMaps) {
   settings.raster = Raster::Hardware;
   EXPECT_EQ(countDrawnMaps(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
   EXPECT_EQ(countDrawnMaps(uploaded, cameraAt(0), kept, settings), 6 * kBalls) << "hardware keeps none";
+}
+
+// The tiles of the raster hardware, and the size of their layers, are those of a new cache after frames that required
+// fewer, more, larger or smaller maps.
+TEST_F(ShadowMapCacheTest, TilesOfHardwareDependOnNoEarlierFrame) {
+  scene::Scene scene = ballsUnderLamps();
+  scene.lights.push_back({.type = shared::kLightDirectional, .direction = glm::normalize(vec3(0.3f, -1, -0.2f))});
+  const GpuScene uploaded(device(), scene);
+  Settings settings = cacheSettings();
+  settings.raster = Raster::Hardware;
+  ShadowMapCache kept;
+  const auto tilesIn = [&](ShadowMapCache& cache, std::span<const shared::View> views) {
+    const FrameShadows shadows = shadowsOf(uploaded, views, cache, settings);
+    std::vector<AtlasTile> tiles{{0, 0, 0, shadows.atlas().desc().width}};
+    for (const FrameShadows::Map& map : shadows.maps()) tiles.push_back(map.tile);
+    return tiles;
+  };
+  std::set<uint32_t> sides;
+  for (const uint32_t size : {64u, 512u, 32u, 256u, 128u, 1024u, 64u, 64u})
+    for (const size_t count : {size_t{1}, size_t{7}, size_t{2}}) {
+      std::vector<shared::View> views;
+      for (size_t i = 0; i < count; ++i) views.push_back(makeView(cameraAt(3 * static_cast<float>(i)), size, size));
+      ShadowMapCache fresh;
+      const std::vector<AtlasTile> tiles = tilesIn(kept, views);
+      EXPECT_TRUE(tiles == tilesIn(fresh, views)) << count << " views of " << size;
+      sides.insert(tiles.front().size);
+    }
+  EXPECT_GT(sides.size(), 2u);
 }
 
 // Each cascade of a sun is cached separately. The coarsest, which covers the whole scene, stays valid while the camera

@@ -130,6 +130,30 @@ TEST_F(DeviceTest, DeferredUploadsMayOutliveTheirDestinations) {
   EXPECT_FALSE(uploader.empty());
 }
 
+// Validation reports a copy to a destroyed buffer or image.
+TEST_F(DeviceTest, PendingUploadsToDestroyedResourcesAreDropped) {
+  for (const UploadMode mode : {UploadMode::Deferred, UploadMode::Staged}) {
+    Uploader uploader(device(), mode);
+    Buffer replaced(device(), {.size = 64}), kept(device(), {.size = 64});
+    auto image = std::make_unique<Image>(device(), ImageDesc{VK_FORMAT_R8_UNORM, 8, 8, 1, 1, 1, kTexture, "destroyed"});
+    EXPECT_EQ(readBack(device(), kept).size(), 64u);  // buffers that a submission may use are not written in place
+    uploader.upload(replaced, pattern(64, 1));
+    uploader.upload(*image, pattern(64, 2));
+    uploader.upload(kept, pattern(64, 3));
+    replaced = Buffer(device(), {.size = 64});
+    uploader.upload(replaced, pattern(64, 4));
+    image.reset();
+    if (mode == UploadMode::Deferred) {
+      device().submitAndWait([&](VkCommandBuffer commands) { uploader.record(commands); });
+      uploader.forget();
+    } else {
+      uploader.flush();
+    }
+    EXPECT_EQ(readBack(device(), kept), pattern(64, 3));
+    EXPECT_EQ(readBack(device(), replaced), pattern(64, 4));
+  }
+}
+
 TEST_F(DeviceTest, ResourcesMove) {
   Buffer first(device(), {.size = 64, .name = "first"}), second;
   const VkBuffer object = first.get();

@@ -460,6 +460,33 @@ TEST(PlacedWorlds, SeeTheirEnvironmentsInTheReference) {
   compareEnvironments(o);
 }
 
+// Between two calls with the same list, shaders write the same values from an array, and into a larger buffer.
+TEST(PlacedWorlds, HaveTheValuesOfListsAfterCallsWithArrays) {
+  Scene scene("builtin:boxes");
+  for (const Handle<Light>& light : scene.lights()) scene.removeLight(light);
+  const std::vector<float> intensity{3, 0.25f, 2, 0.7f, 0.1f, 1, 0.2f, 5};
+  const std::vector<uint8_t> exists(intensity.size() * scene.instances().size(), 1);
+  Worlds listed{.count = 2, .environmentIntensity = {1, 0.5f}, .cameras = {scene.lookAt({3, 2, 4}, {0, 0, 0})}};
+  listed.arrays.exists = {.element = WorldArray::Element::Uint8, .host = exists.data()};
+  Renderer renderer(scene, testDevice(), "studio"), alone(scene, testDevice(), "studio");
+  const Options o = options("compute");
+  for (const uint32_t count : {2u, 8u}) {
+    Worlds worlds = listed;
+    worlds.count = count;
+    worlds.environmentIntensity.clear();
+    worlds.arrays.environmentIntensity = {.element = WorldArray::Element::Float32, .host = intensity.data()};
+    renderer.render(listed, o);
+    renderer.render(worlds, o);
+    const std::vector<Frame> frames = renderer.render(listed, o);
+    for (uint32_t world = 0; world < listed.count; ++world) {
+      SCOPED_TRACE(testing::Message() << "after " << count << " worlds, world " << world);
+      Options own = o;
+      own.environmentIntensity = listed.environmentIntensity[world];
+      test::expectSameFrames(frames[world], alone.render(listed.cameras[0], own));
+    }
+  }
+}
+
 // Rays find the shadows of point, spot and directional lights of each world, some of which are dark, and of the scene.
 TEST(PlacedWorlds, CastShadowsByRaysOfTheirLights) {
   constexpr uint32_t kSome = 6;

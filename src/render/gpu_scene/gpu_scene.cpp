@@ -48,9 +48,6 @@ GpuScene::Seen GpuScene::revisionsOf(const scene::Scene& scene) {
 }
 
 void GpuScene::update(const Poses& poses, const std::optional<scene::Light>& sun) {
-  // If a frame failed before it was submitted, its uploads are still pending. They are flushed, because the buffers and
-  // images that they fill may be replaced below.
-  if (!uploads_.empty()) uploads_.flush();
   const Seen now = revisionsOf(scene_);
   const bool poseChanges = posed_ || !poses.current.empty();
   const bool lightsMove = poseChanges && posesLights(scene_);

@@ -415,7 +415,10 @@ void GpuWorlds::describeLights(shared::FrameConstants& frame, uint32_t world) co
 void GpuWorlds::updateValues(vk::Uploader& uploader) {
   if (!onDevice()) return;
   if (hasOnDevice_) valueList_.resize(count_);
-  if (lights_.empty() && rotations_.empty() && intensities_.empty() && environmentIndex_.empty()) return;
+  if (lights_.empty() && rotations_.empty() && intensities_.empty() && environmentIndex_.empty()) {
+    if (hasOnDevice_) values_.clear();  // shaders overwrite them
+    return;
+  }
   std::vector<shared::WorldValues> values(count_);
   for (uint32_t world = 0; world < count_; ++world) {
     shared::WorldValues& value = values[world];

@@ -64,12 +64,12 @@ FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, ShadowPlan
     return;
   }
   enterMaps();
-  // The rounding of the graphics pipeline depends on the position in the atlas, so cached maps would depend on earlier
-  // frames.
+  // The rounding of the graphics pipeline depends on the position in the atlas, so tiles that depend on earlier frames
+  // would change the image.
   if (inCompute_)
     kept.follow(scene);
   else
-    kept.forget();
+    kept.reset();
   place(device, kept);
   upload(device, scene);
 }

@@ -32,6 +32,14 @@ bool castsInto(const Sphere& caster, const CachedShadowMap& map) {
   return (!map.within || meet(*map.within, rounded)) && map.frustum.touches(rounded);
 }
 
+// Returns the width and height of a layer of the atlas.
+uint32_t sideOf(uint64_t texels, uint32_t largest) {
+  constexpr uint64_t kLargestSide = 4096;  // supported by every device
+  uint32_t side = largest;
+  while (side < kLargestSide && uint64_t{4} * side * side <= texels) side *= 2;
+  return side;
+}
+
 uint64_t texelsOf(std::span<const ShadowMapCache::Request> requested) {
   uint64_t texels = 0;
   for (const ShadowMapCache::Request& w : requested) texels += uint64_t{w.view->size} * w.view->size;
@@ -86,6 +94,12 @@ void ShadowMapCache::forget() {
   maps_.clear();
 }
 
+void ShadowMapCache::reset() {
+  maps_.clear();
+  if (atlas_) tiles_ = AtlasTiles(atlas_->desc().width, atlas_->desc().layers);
+  isReset_ = true;
+}
+
 bool ShadowMapCache::anyDrawn() const {
   return std::ranges::any_of(maps_, [](const auto& entry) { return entry.second->drawn; });
 }
@@ -99,7 +113,8 @@ std::vector<AtlasTile> ShadowMapCache::tiles() const {
 // --- placement ------------------------------------------------------------------------------------------------------
 
 // Returns true if the atlas fits the request. An atlas that is much too large is replaced only after several frames,
-// because creating an atlas costs more time than drawing its maps.
+// because creating an atlas costs more time than drawing its maps. After reset(), its layers must have the size of
+// those of a new atlas. Their number does not affect the tiles, because those of the first layers are allocated first.
 bool ShadowMapCache::holds(const vk::ImageDesc& kind, uint64_t texels, uint32_t largest) {
   if (!atlas_) return false;
   const vk::ImageDesc& has = atlas_->desc();
@@ -107,13 +122,11 @@ bool ShadowMapCache::holds(const vk::ImageDesc& kind, uint64_t texels, uint32_t 
   constexpr uint32_t kFramesUntilFullDraw = 4;  // frames to wait before replacing the atlas
   oversizedFrames_ = capacity > 4 * texels ? oversizedFrames_ + 1 : 0;
   return has.format == kind.format && has.usage == kind.usage && has.width >= largest && capacity >= texels &&
-         (oversizedFrames_ <= kFramesUntilFullDraw);
+         (oversizedFrames_ <= kFramesUntilFullDraw) && (!isReset_ || has.width == sideOf(texels, largest));
 }
 
 void ShadowMapCache::renew(vk::Device& device, vk::ImageDesc kind, uint64_t texels, uint32_t largest) {
-  constexpr uint64_t kLargestSide = 4096;  // supported by every device
-  uint32_t side = largest;
-  while (side < kLargestSide && uint64_t{4} * side * side <= texels) side *= 2;
+  const uint32_t side = sideOf(texels, largest);
   kind.width = kind.height = side;
   kind.layers = static_cast<uint32_t>((texels + uint64_t{side} * side - 1) / (uint64_t{side} * side));
   maps_.clear();
@@ -172,6 +185,7 @@ std::vector<std::shared_ptr<CachedShadowMap>> ShadowMapCache::place(vk::Device& 
   uint32_t largest = 0;
   for (const Request& w : requested) largest = std::max(largest, w.view->size);
   if (!holds(kind, texels, largest)) renew(device, kind, texels, largest);
+  isReset_ = false;
   std::vector<std::shared_ptr<CachedShadowMap>> found = tryPlace(requested);
   if (!found.empty()) return found;
   forget();

@@ -37,7 +37,8 @@ class ShadowMapCache {
   // Drops the maps that changes to the scene have invalidated. Worlds usually change in every frame, so they drop all
   // maps, as does the first frame without worlds after them.
   void follow(const GpuScene& scene);
-  void forget();  // drops all maps
+  // Drops all maps and frees all tiles: those of the next place() depend on its requests only.
+  void reset();
 
   // Places all of these maps in tiles of one atlas and returns them in the same order. Cached maps keep their tiles.
   // All keys must be different. `kind` states the format and usage of the atlas.
@@ -55,6 +56,7 @@ class ShadowMapCache {
     bool operator==(const Caster& other) const;
   };
   std::vector<Sphere> changedCasters(const GpuScene& scene);
+  void forget();  // drops all maps
   bool holds(const vk::ImageDesc& kind, uint64_t texels, uint32_t largest);
   void renew(vk::Device& device, vk::ImageDesc kind, uint64_t texels, uint32_t largest);
   std::vector<std::shared_ptr<CachedShadowMap>> tryPlace(std::span<const Request> requested);
@@ -66,6 +68,7 @@ class ShadowMapCache {
   AtlasTiles tiles_{0, 0};
   std::unordered_map<std::string, std::shared_ptr<CachedShadowMap>> maps_;
   uint64_t frame_ = 0;
+  bool isReset_ = false;          // since the last place()
   uint32_t oversizedFrames_ = 0;  // consecutive frames for which the atlas was much too large
   std::vector<Caster> casters_;
   glm::dvec3 origin_{0};  // of the positions in casters_
