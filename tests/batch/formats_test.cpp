@@ -160,6 +160,9 @@ TEST(FormatsOfABatch, CamerasAreCheckedBeforeTheyAreRendered) {
         latelight(batch(folder, {"--scenes", "ortho.gltf", "-o", "set", "--formats", format, "--dry-run"}));
     expectRejected(outcome, "the format " + format + " cannot express orthographic cameras such as");
   }
+  expectRejected(
+      plan(R"({"format": "cryptomatte", "samples": 16})", R"({"type": "orbit", "count": 1, "size": [1025, 8]})"),
+      "samples of the format cryptomatte: --size takes a width and a height from 1 to 16384 pixels");
   const std::string different =
       R"([{"type": "orbit", "count": 1, "fov": 40}, {"type": "orbit", "count": 1, "fov": 50}])";
   expectRejected(plan("scannet", different), "one camera matrix and size per scan");

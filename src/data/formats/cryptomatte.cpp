@@ -10,12 +10,14 @@
 #include <unordered_set>
 #include <utility>
 
+#include "base/error.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
 #include "data/formats/names.h"
 #include "data/formats/options.h"
 #include "data/json_text.h"
 #include "output/exr.h"
+#include "render/options/options.h"
 
 namespace latelight::data {
 
@@ -154,6 +156,18 @@ class Cryptomatte : public Format {
   std::vector<output::Aov> needs() const override { return {output::Aov::Color}; }
   Extras needsExtras() const override { return {.samples = samples_}; }
   std::vector<FormatFile> files(const DataFrame& frame) const override { return {{frameFile(file_, frame)}}; }
+
+  // The samples are rendered as an image N times as wide and high.
+  void check(const DataFrame& frame) const override {
+    render::Settings fine;
+    fine.width = frame.picture.width * samples_;
+    fine.height = frame.picture.height * samples_;
+    try {
+      render::checkSettings(fine);
+    } catch (const Error& error) {
+      badUsage("samples of the format cryptomatte: {}", error.what());
+    }
+  }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
     const output::AovImage* color = &imageOf(frame.picture, output::Aov::Color);
