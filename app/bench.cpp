@@ -53,13 +53,13 @@ void runRaster(BenchArguments& a) {
 }
 
 UnsupportedOptions unsupportedByBench(bool supportsAovs) {
-  return supportsAovs ? UnsupportedOptions({"json", "aov"}, {}) : UnsupportedOptions({"json"}, {});
+  return supportsAovs ? UnsupportedOptions({"json", "aov"}, {"frames"}) : UnsupportedOptions({"json"}, {"frames"});
 }
 
-// Rejects options of outputs, except --aov for benchmarks that render what it names.
+// Rejects sequences and options of outputs, except --aov for benchmarks that render what it names.
 void refuseOutputs(const RenderOptions& o, bool supportsAovs = false) {
   if (const auto name = unsupportedByBench(supportsAovs).findIn(o))
-    badUsage("bench measures times and writes no outputs: omit {}", *name);
+    badUsage("bench measures one instant and writes no outputs: omit {}", *name);
 }
 
 // Checks the options of a benchmark with a scene, and opens its device.

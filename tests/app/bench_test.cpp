@@ -199,6 +199,7 @@ TEST(Bench, SaysWhatItCannotDo) {
       {{"raster", "--runs", "0"}, "--runs"},
       {{"frame", "-o", "x.png"}, "omit --out"},
       {{"frame", "--aov", "depth"}, "omit --aov"},
+      {{"views", "--frames", "0-3"}, "omit --frames"},
       {{"frame", "--debug", "sheet"}, "omit --debug"},
       {{"frame", "--dump-graph", "x.dot"}, "omit --dump-graph"},
       {{"views", "--labels", "x.json"}, "omit --labels"},
