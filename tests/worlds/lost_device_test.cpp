@@ -9,6 +9,7 @@
 #include "long_tests.h"
 #include "lost_device/lose.h"
 #include "test_device.h"
+#include "worlds/tiny_views.h"
 
 namespace latelight {
 namespace {
@@ -16,11 +17,7 @@ namespace {
 using test::testDevice;
 
 Options lostOptions() {
-  Options options;
-  options.width = 24;
-  options.height = 16;
-  options.aovs = {"depth", "id"};
-  return options;
+  return test::tinyOptions({"depth", "id"});
 }
 
 Worlds movedBoxes(const Scene& scene) {

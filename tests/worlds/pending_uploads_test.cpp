@@ -10,6 +10,7 @@
 
 #include "test_device.h"
 #include "worlds/same_frames.h"
+#include "worlds/tiny_views.h"
 
 namespace latelight {
 namespace {
@@ -31,19 +32,8 @@ class PendingUploads : public testing::Test {
   std::optional<std::string> before_;
 };
 
-// A camera at z = 4 that looks along -Z.
-Camera atFourMeters() {
-  Camera camera;
-  camera.cameraToWorld = {1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 4, 0, 0, 0, 1};
-  return camera;
-}
-
-Options tinyOptions() {
-  Options options;
-  options.width = 24;
-  options.height = 16;
-  options.aovs = {"depth", "albedo"};
-  return options;
+Options uploadOptions() {
+  return test::tinyOptions({"depth", "albedo"});
 }
 
 // A square of half the width `half`.
@@ -70,9 +60,9 @@ TEST_F(PendingUploads, OfAPoseAreDroppedForTheMeshesOfTheFirstWorlds) {
   scene.addAnimation(
       "moves",
       {{.node = root, .property = AnimatedProperty::Translation, .times = {0, 1}, .values = {0, 0, 0, 1, 0, 0}}});
-  Options posed = tinyOptions();
+  Options posed = uploadOptions();
   posed.time = 0.3;
-  Worlds worlds{.count = 2, .joints = {root, tip}, .cameras = {atFourMeters()}};
+  Worlds worlds{.count = 2, .joints = {root, tip}, .cameras = {test::frontCamera()}};
   std::vector<float> identities(size_t{4} * 16);
   for (size_t matrix = 0; matrix < 4; ++matrix)
     for (size_t i = 0; i < 4; ++i) identities[16 * matrix + 5 * i] = 1;
@@ -83,7 +73,7 @@ TEST_F(PendingUploads, OfAPoseAreDroppedForTheMeshesOfTheFirstWorlds) {
   Scene plain;
   plain.addInstance(plain.addMesh(squareMeshData(1)), plain.addMaterial({.name = "white"}),
                     {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
-  const Frame expected = Renderer(plain, testDevice()).render(atFourMeters(), tinyOptions());
+  const Frame expected = Renderer(plain, testDevice()).render(test::frontCamera(), uploadOptions());
   ASSERT_EQ(frames.size(), 2u);
   for (const Frame& frame : frames) test::expectSameFrames(frame, expected);
 }
@@ -98,7 +88,7 @@ struct EditedSquare {
 
   // Renders twice as many worlds as in the call before, and compares them with those of a new renderer.
   void expectFramesOfNewRenderer(Worlds worlds, const Options& options) {
-    worlds.cameras = {atFourMeters()};
+    worlds.cameras = {test::frontCamera()};
     const std::vector<Frame> frames = renderer.render(worlds, options);
     EXPECT_THAT(renderer.validationMessages(), testing::IsEmpty());
     const std::vector<Frame> expected = Renderer(scene, testDevice()).render(worlds, options);
@@ -110,7 +100,7 @@ struct EditedSquare {
 TEST_F(PendingUploads, OfMaterialsAreDroppedForThoseOfMoreWorlds) {
   for (const bool isArray : {true, false}) {
     EditedSquare edited;
-    edited.renderer.render(atFourMeters(), tinyOptions());
+    edited.renderer.render(test::frontCamera(), uploadOptions());
     for (uint32_t call = 0; call < kCalls; ++call) {
       SCOPED_TRACE(testing::Message() << (isArray ? "array" : "list") << ", call " << call);
       edited.scene.setMaterial(edited.material, {.name = "green", .baseColor = {0, 0.2f * float(call), 0, 1}});
@@ -123,14 +113,14 @@ TEST_F(PendingUploads, OfMaterialsAreDroppedForThoseOfMoreWorlds) {
         for (uint32_t world = 0; world < worlds.count; ++world)
           worlds.factors[world].roughness = 1.0f / float(world + 1);
       }
-      edited.expectFramesOfNewRenderer(worlds, tinyOptions());
+      edited.expectFramesOfNewRenderer(worlds, uploadOptions());
     }
   }
 }
 
 TEST_F(PendingUploads, OfMeshesAreDroppedForThoseOfMoreWorlds) {
   EditedSquare edited;
-  edited.renderer.render(atFourMeters(), tinyOptions());
+  edited.renderer.render(test::frontCamera(), uploadOptions());
   for (uint32_t call = 0; call < kCalls; ++call) {
     SCOPED_TRACE(testing::Message() << "call " << call);
     edited.scene.setMesh(edited.mesh, squareMeshData(1 - 0.1f * float(call)));
@@ -140,7 +130,7 @@ TEST_F(PendingUploads, OfMeshesAreDroppedForThoseOfMoreWorlds) {
       for (const auto& vertex : squareMeshData(0.8f).positions)
         vertices.insert(vertices.end(), vertex.begin(), vertex.end());
     worlds.arrays.vertices = floatArray(vertices, 3);
-    edited.expectFramesOfNewRenderer(worlds, tinyOptions());
+    edited.expectFramesOfNewRenderer(worlds, uploadOptions());
   }
 }
 

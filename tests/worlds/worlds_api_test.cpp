@@ -9,6 +9,7 @@
 #include "placed.h"
 #include "test_device.h"
 #include "worlds/same_frames.h"
+#include "worlds/tiny_views.h"
 
 namespace latelight {
 namespace {
@@ -36,19 +37,8 @@ struct Squares {
   }
 };
 
-// A camera at z = 4 that looks along -Z.
-Camera front() {
-  Camera camera;
-  camera.cameraToWorld = {1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 4, 0, 0, 0, 1};
-  return camera;
-}
-
 Options small() {
-  Options options;
-  options.width = 24;
-  options.height = 16;
-  options.aovs = {"depth", "id"};
-  return options;
+  return test::tinyOptions({"depth", "id"});
 }
 
 std::string refusal(const std::function<void()>& call) {
@@ -67,28 +57,28 @@ TEST(WorldsApi, MoveAndRemoveInstances) {
   Worlds worlds{.count = 2, .instances = {made.green, made.red}};
   worlds.transforms = {placed(1, 0, 0), placed(-2, 1, 0), placed(0.5, -1, 1, 0.5), placed(-1, 0, 0)};
   worlds.exists = {1, 1, 1, 0};
-  worlds.cameras = {front()};
+  worlds.cameras = {test::frontCamera()};
   const std::vector<Frame> frames = renderer.render(worlds, small());
   ASSERT_EQ(frames.size(), 2u);
   edited.scene.setTransform(edited.red, placed(-2, 1, 0));
-  test::expectSameFrames(frames[0], alone.render(front(), small()));
+  test::expectSameFrames(frames[0], alone.render(test::frontCamera(), small()));
   edited.scene.setTransform(edited.green, placed(0.5, -1, 1, 0.5));
   edited.scene.removeInstance(edited.red);
-  test::expectSameFrames(frames[1], alone.render(front(), small()));
+  test::expectSameFrames(frames[1], alone.render(test::frontCamera(), small()));
 }
 
 TEST(WorldsApi, CamerasHaveTheirOwnPosesAndIntrinsics) {
   Squares made;
   Renderer renderer(made.scene, testDevice());
   Worlds worlds{.count = 2};
-  worlds.cameras = {front(), front()};
+  worlds.cameras = {test::frontCamera(), test::frontCamera()};
   const Transform near{1, 0, 0, 0.5, 0, -1, 0, 0, 0, 0, -1, 3, 0, 0, 0, 1};
-  worlds.cameraToWorld = {front().cameraToWorld, near, near, front().cameraToWorld};
+  worlds.cameraToWorld = {test::frontCamera().cameraToWorld, near, near, test::frontCamera().cameraToWorld};
   worlds.intrinsics = {{20, 20, 12, 8}, {20, 20, 12, 8}, {30, 25, 10, 7}, {16, 16, 12, 8}};
   const std::vector<Frame> frames = renderer.render(worlds, small());
   ASSERT_EQ(frames.size(), 4u);
   for (size_t i = 0; i < 4; ++i) {
-    Camera camera = front();
+    Camera camera = test::frontCamera();
     camera.cameraToWorld = worlds.cameraToWorld[i];
     const auto [fx, fy, cx, cy] = worlds.intrinsics[i];
     camera.lens = Lens{.width = 24, .height = 16, .fx = fx, .fy = fy, .cx = cx, .cy = cy};
@@ -102,10 +92,10 @@ TEST(WorldsApi, CamerasRideOnInstances) {
   Renderer renderer(made.scene, testDevice());
   Worlds worlds{.count = 2, .instances = {made.red}};
   worlds.transforms = {placed(-1, 0, 2, 0.5), {0, 0, 2, 3, 0, 2, 0, 0, -2, 0, 0, 0, 0, 0, 0, 1}};
-  worlds.cameras = {front()};
+  worlds.cameras = {test::frontCamera()};
   worlds.cameraInstances = {made.red};
   const std::vector<Frame> frames = renderer.render(worlds, small());
-  Camera camera = front();
+  Camera camera = test::frontCamera();
   camera.cameraToWorld[3] = -1;
   camera.cameraToWorld[11] = 6;
   made.scene.setTransform(made.red, worlds.transforms[0]);
@@ -122,12 +112,12 @@ TEST(WorldsApi, ChooseMaterialsAndFactors) {
   const Handle<Material> blue = made.material("blue", {0, 0, 1});
   const Handle<Material> red = made.scene.instance(made.red).material;
   Worlds worlds{.count = 2, .instances = {made.red}};
-  worlds.cameras = {front()};
+  worlds.cameras = {test::frontCamera()};
   worlds.materials = {blue, red};
   const std::vector<Frame> chosen = renderer.render(worlds, small());
-  test::expectSameFrames(chosen[1], renderer.render(front(), small()));
+  test::expectSameFrames(chosen[1], renderer.render(test::frontCamera(), small()));
   made.scene.assignMaterial(made.red, blue);
-  test::expectSameFrames(chosen[0], renderer.render(front(), small()));
+  test::expectSameFrames(chosen[0], renderer.render(test::frontCamera(), small()));
   // The base color is the color of an unlit material.
   worlds.materials.clear();
   worlds.factors = {{.baseColor = {1, 1, 0, 1}}, {.baseColor = {0, 1, 1, 1}}};
@@ -136,7 +126,7 @@ TEST(WorldsApi, ChooseMaterialsAndFactors) {
     Material material = made.scene.material(blue);
     material.baseColor = worlds.factors[world].baseColor;
     made.scene.setMaterial(blue, material);
-    test::expectSameFrames(colored[world], renderer.render(front(), small()));
+    test::expectSameFrames(colored[world], renderer.render(test::frontCamera(), small()));
   }
   EXPECT_NE(colored[0].rgba, colored[1].rgba);
 }
@@ -147,13 +137,13 @@ TEST(WorldsApi, ValuesThatAreNotFiniteAffectOnlyTheirWorld) {
   Worlds worlds{.count = 4, .instances = {made.red}};
   worlds.transforms.assign(4, placed(-1, 0, 0));
   worlds.transforms[1][3] = kNaN;
-  worlds.cameras = {front()};
-  worlds.cameraToWorld.assign(4, front().cameraToWorld);
+  worlds.cameras = {test::frontCamera()};
+  worlds.cameraToWorld.assign(4, test::frontCamera().cameraToWorld);
   worlds.cameraToWorld[2][0] = std::numeric_limits<double>::infinity();
   Ticket ticket = renderer.submit(worlds, small());
   EXPECT_EQ(ticket.invalidWorlds(), (std::vector<uint32_t>{1, 2}));
   const std::vector<Frame> frames = ticket.take();
-  const Frame expected = renderer.render(front(), small());
+  const Frame expected = renderer.render(test::frontCamera(), small());
   for (const size_t world : {0, 3}) test::expectSameFrames(frames[world], expected);
   for (const size_t world : {1, 2})
     EXPECT_THAT(frames[world].aovs.at("id").ids, testing::Each(0u)) << "world " << world;
@@ -180,7 +170,7 @@ struct LitSquares : Squares {
 TEST(WorldsApi, AreLitByAreaLightsAndEmissiveSurfacesOfTheirOwn) {
   const LitSquares made;
   Worlds worlds{.count = 3, .instances = {made.green, made.lamp}};
-  worlds.cameras = {front()};
+  worlds.cameras = {test::frontCamera()};
   worlds.transforms = {placed(1, 0, 0),      placed(0, 1.2, 0.5, 0.2), placed(0, 0, 0.4, 0.5),
                        placed(1, 1, 1, 0.1), placed(-1, 0.5, 0.2),     placed(0, -1, 0.5, 0.3)};
   worlds.exists = {1, 1, 1, 1, 1, 0};
@@ -206,7 +196,7 @@ TEST(WorldsApi, AreLitByAreaLightsAndEmissiveSurfacesOfTheirOwn) {
       for (size_t i = 0; i < 2; ++i) edited.scene.setLight(edited.lights[i], worlds.lightValues[2 * world + i]);
       if (!worlds.exists[2 * world + 1]) edited.scene.removeInstance(edited.lamp);
       Renderer alone(edited.scene, testDevice());
-      test::expectSameFrames(frames[world], alone.render(front(), options));
+      test::expectSameFrames(frames[world], alone.render(test::frontCamera(), options));
     }
     EXPECT_THAT(renderer.validationMessages(), testing::IsEmpty());
   }
@@ -217,7 +207,7 @@ TEST(WorldsApi, RejectRaysThatTheyDoNotSupport) {
   Renderer renderer(made.scene, testDevice());
   const auto refused = [&](const std::function<void(Worlds&, Options&)>& change) {
     Worlds worlds{.count = 2, .instances = {made.red}};
-    worlds.cameras = {front()};
+    worlds.cameras = {test::frontCamera()};
     Options options = small();
     change(worlds, options);
     return refusal([&] { renderer.render(worlds, options); });
@@ -230,7 +220,7 @@ TEST(WorldsApi, RejectWrongLists) {
   Renderer renderer(made.scene, testDevice());
   const auto refused = [&](const std::function<void(Worlds&)>& change) {
     Worlds worlds{.count = 2, .instances = {made.red}};
-    worlds.cameras = {front()};
+    worlds.cameras = {test::frontCamera()};
     change(worlds);
     return refusal([&] { renderer.render(worlds, small()); });
   };
