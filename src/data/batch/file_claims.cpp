@@ -1,5 +1,6 @@
 #include "data/batch/file_claims.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <utility>
@@ -26,13 +27,11 @@ std::string normalized(const std::string& path) {
 
 FileClaims::FileClaims(const Job& job, std::function<std::string(uint64_t)> frameName)
     : job_(job), frameName_(std::move(frameName)) {
-  const auto isSame = [](const JobFormat& a, const JobFormat& b) { return a.name == b.name && a.options == b.options; };
-  for (const JobFormat& use : job.formats)
-    for (size_t i = 0; i <= sameFormat_.size(); ++i)
-      if (isSame(job.formats[i], use)) {
-        sameFormat_.push_back(i);
-        break;
-      }
+  for (const JobFormat& use : job.formats) {
+    const auto isSame = [&](const JobFormat& other) { return other.name == use.name && other.options == use.options; };
+    const auto first = std::ranges::find_if(job.formats, isSame);  // at the latest, `use` itself
+    sameFormat_.push_back(static_cast<size_t>(first - job.formats.begin()));
+  }
   files_["manifest.json"] = folders_[".latelight/"] = {.format = kOwnRecords, .contents = kOwnRecords, .ofSet = true};
 }
 

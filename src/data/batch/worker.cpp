@@ -2,6 +2,8 @@
 
 #include <latelight/latelight.h>
 
+#include <utility>
+
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/log.h"
@@ -101,10 +103,9 @@ RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::
   RenderedFrame frame{.frame = plan_.frame(index)};
   frame.frame.exposure = camera.exposure;
   output::Metadata& m = frame.frame.metadata;
-  const uint32_t digits = m.frameDigits, number = m.frame;
-  m = shared;
-  m.frame = number;
-  m.frameDigits = digits;
+  const output::Metadata own = std::exchange(m, shared);
+  m.frame = own.frame;
+  m.frameDigits = own.frameDigits;
   m.camera = render::describeCamera(camera.camera, scene_->scene(), settingsOf(chunk));
   m.camera.name = camera.name;
   frame.frame.edges = edgesOf(index, settingsOf(chunk));
