@@ -357,6 +357,22 @@ TEST_F(RayLightTest, EmissiveTrianglesNeedNoLuck) {
   }
 }
 
+// Neither the picture nor its raster has the blended square above the camera, which half of the paths pass.
+TEST_F(RayLightTest, BlendedEmittersOutsideThePictureEmit) {
+  FloorScene floor = floorBelowASquare(0.5, 1, vec3(static_cast<float>(1 / formFactor(0.5, 1))));
+  scene::Material& blended = floor.builder.scene.materials.back();
+  blended.data.flags |= shared::kMaterialBlended;
+  blended.data.baseColor.a = 0.5f;
+  Settings settings = floor.settings();
+  settings.width = settings.height = 16;
+  settings.samples = 128;
+  settings.lighting = &findTechnique("reference");
+  for (const Raster raster : {Raster::Hardware, Raster::Compute}) {
+    settings.raster = raster;
+    EXPECT_NEAR(meanColor(renderOne(device(), floor.builder.scene, floor.camera, settings)), 0.5, 0.01);
+  }
+}
+
 // Two squares, one of which is four times as large and half as bright, at a distance at which both are small: the sum
 // of their form factors.
 TEST_F(RayLightTest, EmittersAddUp) {

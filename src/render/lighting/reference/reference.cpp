@@ -67,9 +67,11 @@ uint32_t firstPoint(const FrameContext& f) {
 uint32_t pathFlags(const FrameContext& f, bool fromLights) {
   uint32_t flags = fromLights ? shared::kPathsFromLights : 0;
   const VisibleMaterials materials = visibleMaterials(f);
-  if (materials.solid & shared::kMaterialLayered) flags |= shared::kPathsFromEye;
-  if (materials.translucent && f.setup.transparency.method != kTransparencyNone)
-    flags |= shared::kPathsFromEye | shared::kPathsFindTranslucent;
+  const bool translucency = f.setup.transparency.method != kTransparencyNone;
+  if ((materials.solid & shared::kMaterialLayered) || (materials.translucent && translucency))
+    flags |= shared::kPathsFromEye;
+  // Paths leave the picture.
+  if (f.scene.anyTranslucent() && translucency) flags |= shared::kPathsFindTranslucent;
   return flags;
 }
 
