@@ -357,6 +357,22 @@ TEST_F(RayLightTest, EmissiveTrianglesNeedNoLuck) {
   }
 }
 
+// Neither the picture nor its raster has the blended square above the camera, which half of the paths pass.
+TEST_F(RayLightTest, BlendedEmittersOutsideThePictureEmit) {
+  FloorScene floor = floorBelowASquare(0.5, 1, vec3(static_cast<float>(1 / formFactor(0.5, 1))));
+  scene::Material& blended = floor.builder.scene.materials.back();
+  blended.data.flags |= shared::kMaterialBlended;
+  blended.data.baseColor.a = 0.5f;
+  Settings settings = floor.settings();
+  settings.width = settings.height = 16;
+  settings.samples = 128;
+  settings.lighting = &findTechnique("reference");
+  for (const Raster raster : {Raster::Hardware, Raster::Compute}) {
+    settings.raster = raster;
+    EXPECT_NEAR(meanColor(renderOne(device(), floor.builder.scene, floor.camera, settings)), 0.5, 0.01);
+  }
+}
+
 // Two squares, one of which is four times as large and half as bright, at a distance at which both are small: the sum
 // of their form factors.
 TEST_F(RayLightTest, EmittersAddUp) {
@@ -796,21 +812,67 @@ struct LitCorner : FloorScene {
   }
 };
 
+output::FrameOutput renderWith(vk::Device& device, const LitCorner& corner, uint32_t samples, bool reference) {
+  Settings settings = corner.settings(24, 24, samples);
+  if (reference) {
+    settings.indirect = Indirect::None;
+    settings.lighting = &findTechnique("reference");
+  }
+  return renderOne(device, corner.builder.scene, corner.camera, settings);
+}
+
 // Pixels of --indirect path share their paths, and those of --lighting reference do not. Both have the same mean, and
 // shared paths have less noise.
 TEST_F(RayLightTest, SharedPathsHaveLessNoiseAndTheSameMean) {
   const LitCorner corner;
-  const auto render = [&](uint32_t samples, bool reference) {
-    Settings settings = corner.settings(32, 32, samples);
-    if (reference) {
-      settings.indirect = Indirect::None;
-      settings.lighting = &findTechnique("reference");
-    }
-    return renderOne(device(), corner.builder.scene, corner.camera, settings);
-  };
-  const output::FrameOutput truth = render(1024, true), shared = render(32, false);
+  const output::FrameOutput truth = renderWith(device(), corner, 1024, true),
+                            shared = renderWith(device(), corner, 32, false);
   EXPECT_NEAR(meanColor(shared) / meanColor(truth), 1, 0.01);
-  EXPECT_LT(differenceOf(shared, truth), 0.7 * differenceOf(render(32, true), truth));
+  EXPECT_LT(differenceOf(shared, truth), 0.7 * differenceOf(renderWith(device(), corner, 32, true), truth));
+}
+
+// The walls of these kinds are translucent or have coats.
+std::vector<std::pair<std::string, scene::Material>> wallsThatAreNotPlain() {
+  scene::Material blended = coated(0.5f, [](auto&) {});
+  blended.data.flags = shared::kMaterialBlended;
+  blended.data.baseColor.a = 0.5f;
+  return {{"clearcoat", coated(0.5f, [](auto& l) { l.clearcoat = 1, l.clearcoatRoughness = 0.3f; })},
+          {"thin glass", glass(0, 0)},
+          {"blended", blended}};
+}
+
+void setWall(LitCorner& corner, const scene::Material& material, double x) {
+  scene::Scene& scene = corner.builder.scene;
+  scene.materials.push_back(material);
+  scene.materials.back().data.id = static_cast<uint32_t>(scene.materials.size());
+  scene.instances[2].material = static_cast<uint32_t>(scene.materials.size() - 1);
+  scene.instances[2].toWorld[3].x = x;
+}
+
+// Paths cross a wall in the middle of the picture, lit by an emissive sphere: the light of lights passes walls along
+// paths only.
+TEST_F(RayLightTest, SharedPathsCrossGlassAndFindCoats) {
+  for (const auto& [kind, material] : wallsThatAreNotPlain()) {
+    SCOPED_TRACE(kind);
+    LitCorner corner;
+    scene::Scene& scene = corner.builder.scene;
+    scene.lights[0].intensity = 0;
+    scene.instances[1].material = addMaterial(scene, vec3(0), vec3(2));
+    setWall(corner, material, -0.4);
+    EXPECT_NEAR(meanColor(renderWith(device(), corner, 32, false)) / meanColor(renderWith(device(), corner, 128, true)),
+                1, 0.01);
+  }
+}
+
+// A material that no path meets leaves every bit as it is, so plain surfaces share paths beside coats and glass.
+TEST_F(RayLightTest, DistantCoatsAndGlassChangeNothing) {
+  const auto render = [&](const scene::Material& material) {
+    LitCorner corner;
+    setWall(corner, material, -1e4);
+    return imageOf(renderWith(device(), corner, 2, false), Aov::Color).values;
+  };
+  const std::vector<float> plain = render(coated(0.5f, [](auto&) {}));
+  for (const auto& [kind, material] : wallsThatAreNotPlain()) EXPECT_EQ(render(material), plain) << kind;
 }
 
 // Groups of pixels that share paths do not reach beyond views, also at borders that cut workgroups.

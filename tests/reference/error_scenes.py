@@ -1,5 +1,7 @@
 """Scenes whose images `errors` compares with the reference: kinds of light that the built-in scenes do not have."""
 
+import dataclasses
+
 import numpy as np
 
 from scenes import Material, Mesh, Scene, box, quad, sphere
@@ -115,4 +117,11 @@ def headgear():
     return Scene(materials, meshes, (0.7, 1.0, 1.7), (0, 0.55, 0.05), 38)
 
 
-ERROR_SCENES = {"headgear": headgear, "terrain": terrain, "furnished": furnished}
+def glassware():
+    """The furnished room with a ball of green glass instead of china."""
+    scene = furnished()
+    glass = Material((0.8, 0.8, 0.82), roughness=0.1, specular=1, transmission=1, solid=True, passed=(0.36, 0.81, 0.49))
+    return dataclasses.replace(scene, materials={**scene.materials, "china": glass})
+
+
+ERROR_SCENES = {"headgear": headgear, "terrain": terrain, "furnished": furnished, "glassware": glassware}

@@ -26,7 +26,8 @@ def scene_arguments(folder, hdri=None, helmet=None):
     for name, make in ERROR_SCENES.items():
         render.write_gltf(make(), folder / f"{name}.gltf")
         arguments[name] = [folder / f"{name}.gltf", *environment]
-    arguments["furnished"] += ["--exposure", "1"]
+    for room in ("furnished", "glassware"):
+        arguments[room] += ["--exposure", "1"]
     if helmet:
         arguments["helmet"] = [helmet, *environment]
     return arguments

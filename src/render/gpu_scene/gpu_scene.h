@@ -71,8 +71,8 @@ class GpuScene {
   uint32_t lightCount() const { return lightCount_; }
   uint32_t unboundedLights() const { return unboundedLights_; }
   uint32_t areaLights() const { return areaLights_; }
-  // Returns true if no material of the scene or of a world has coats or is translucent.
-  bool plainMaterials() const { return materials_.allPlain(worlds_.derivesMaterials()); }
+  // Returns true if a material of the scene or of a world is translucent.
+  bool anyTranslucent() const { return materials_.anyTranslucent(worlds_.derivesMaterials()); }
 
   // Bounds of all of the world's instances in their current pose, in the scene's world space; the scene's if shaders
   // place the instances of worlds.

@@ -102,15 +102,15 @@ GpuMaterials::Derivable GpuMaterials::derivable(uint32_t material) const {
           .opaqueTextures = opacity_.isOpaque(material, data)};
 }
 
-bool GpuMaterials::allPlain(bool derives) const {
+bool GpuMaterials::anyTranslucent(bool derives) const {
   for (uint32_t i = 0; i < records_.size(); ++i) {
     const bool ofScene = i < scene_.materials.size();
     if (ofScene && scene_.materials[i].removed) continue;
     uint32_t flags = records_[i].flags;
     if (derives && ofScene) flags |= scene_.materials[i].data.flags & shared::kMaterialBlended;
-    if ((flags & shared::kMaterialLayered) || shared::translucent(flags)) return false;
+    if (shared::translucent(flags)) return true;
   }
-  return true;
+  return false;
 }
 
 uint32_t GpuMaterials::baseOf(uint32_t material) const {

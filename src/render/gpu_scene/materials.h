@@ -55,9 +55,9 @@ class GpuMaterials {
     bool opaqueTextures = false;  // with an alpha factor of 1, the material is opaque
   };
   Derivable derivable(uint32_t material) const;
-  // Returns true if no material has coats or is translucent. `derives`: shaders derive materials of worlds, whose alpha
-  // may make blended materials translucent that are opaque in the scene.
-  bool allPlain(bool derives) const;
+  // Returns true if a material is translucent. `derives`: shaders derive materials of worlds, whose alpha may make
+  // blended materials translucent that are opaque in the scene.
+  bool anyTranslucent(bool derives) const;
   void setAnisotropy(vk::Uploader& uploader, uint32_t samples) { textures_.setAnisotropy(uploader, samples); }
 
   const shared::Material& record(uint32_t material) const { return records_[material]; }

@@ -611,7 +611,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       .shadowColumns = part.shadows ? part.shadows->columns() : 0,
       .shadowRays = part.shadows && device_.isCpu() ? part.shadows->mostRays() : 0,
       .emitters = bvh_ && tracesPaths(s) ? bvh_->emitterCount() : 0,
-      .plainMaterials = s.indirect == Indirect::Path && gpuScene_.plainMaterials(),
+      .anyTranslucent = tracesPaths(s) && gpuScene_.anyTranslucent(),
       .groundHeight = s.ground == Ground::None ? 0 : s.groundHeight.value_or(lowestPoint_) - gpuScene_.origin().z,
       .instances = rasterInstances_.address(),
       .firstTriangles = rasterInstances_.firstTriangles(),

@@ -35,9 +35,9 @@ struct ReplayKey {
   // and of words with a bit per light.
   std::array<size_t, 5> placedShadows;
   // For ray-traced light: the number of lights with shadows, the maximum number of shadow rays per surface,
-  // RayScene::emitterCount, GpuScene::plainMaterials(), and the height of the ground.
+  // RayScene::emitterCount, GpuScene::anyTranslucent(), and the height of the ground.
   uint32_t shadowColumns, shadowRays, emitters;
-  bool plainMaterials;
+  bool anyTranslucent;
   double groundHeight;
   VkDeviceAddress instances, firstTriangles;
   VkDeviceAddress objectFrames;

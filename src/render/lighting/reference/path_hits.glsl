@@ -3,9 +3,8 @@
 // light passes them along paths only.
 #ifndef LATELIGHT_PATH_HITS_GLSL
 #define LATELIGHT_PATH_HITS_GLSL
+#include "render/lighting/reference/path_eye.glsl"
 #include "render/lighting/reference/path_lobes.glsl"
-
-uint translucentRays() { return (kPathFlags & kPathsFindTranslucent) != 0u ? kRayAnySurface : 0u; }
 
 // Surfaces that a ray passes straight on. It ends after them.
 const uint kMaxCrossings = 128u;

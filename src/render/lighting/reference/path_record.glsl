@@ -20,7 +20,7 @@ PathRecord recordOf(PathVertex v, vec3 plane) {
   r.reflected = r.lit = r.scattered = r.mirrored = vec3(0.0);
   r.normal = packSnorm2x16(octahedralFromDirection(v.s.normal));
   r.plane = packSnorm2x16(octahedralFromDirection(dot(plane, v.toEye) < 0.0 ? -plane : plane));
-  r.toLight = 0u;
+  r.toLight = r.covers = 0u;
   r.f90 = v.s.f90;
   r.color = uint[2](packHalf2x16(v.s.baseColor.rg), packHalf2x16(vec2(v.s.baseColor.b, v.s.metallic)));
   r.specular = uint[2](packHalf2x16(v.s.f0.rg), packHalf2x16(vec2(v.s.f0.b, v.s.roughness)));
@@ -28,7 +28,7 @@ PathRecord recordOf(PathVertex v, vec3 plane) {
 }
 PathRecord emptyRecord() {
   const vec3 none = vec3(0.0);
-  return PathRecord(none, 0u, none, 0u, none, 0u, none, 0.0, none, uint[2](0u, 0u), uint[2](0u, 0u));
+  return PathRecord(none, 0u, none, 0u, none, 0u, none, 0.0, none, uint[2](0u, 0u), uint[2](0u, 0u), 0u);
 }
 bool isShared(PathRecord r) { return maxChannel(r.reflected) > 0.0 || maxChannel(r.lit) > 0.0; }
 

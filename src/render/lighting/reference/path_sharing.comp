@@ -25,7 +25,6 @@
 
 layout(push_constant, scalar) uniform Push { PathsPush push; };
 layout(constant_id = kFilteredConstant) const uint kFiltered = 0;
-const uint kPathFlags = 0u;  // no path starts at the eye, or finds the light of lights at the visible surface
 
 #include "render/lighting/reference/path_record.glsl"
 #include "render/lighting/reference/path_sums.glsl"
@@ -71,7 +70,8 @@ float recordDensity(FrameConstants frame, PathVertex v, vec3 origin, PathRecord 
   float density = pathDensity(v, c.direction) * c.solidAngle;
   if (isOwn || density <= 0.0) return density;
   float far = c.distance - rayOffset(r.position, c.distance);
-  return isBlocked(frame, Ray(origin, vec3(0.0), c.direction, 0.0, far)) ? 0.0 : density;
+  Ray ray = Ray(origin, vec3(0.0), c.direction, 0.0, far);
+  return isHit(traceRay(frame, ray, kRayTwoSided | kRayStopAtFirst | translucentRays())) ? 0.0 : density;
 }
 
 // Adds the light that the surface of a record sends through a connection.
@@ -91,14 +91,15 @@ void main() {
   View view = frameView(frame, place.z);
   bool inside = all(lessThan(vec2(place.xy), view.size));
   LitPixel p = readPixel(frame, view, place, inside ? 1u : 0u);
-  bool lit = p.lit && reflects(p.s);
+  EyeRay eye = eyeRay(frame, view, p);
+  bool lit = p.lit && !eye.starts && reflects(p.s);
 #ifndef GBUFFER_NO_TARGETS
   p.s.geonormal = p.s.normal;  // most layouts do not store it
 #endif
   PathVertex v = pathVertex(p.s, p.toEye, true);
   vec3 origin = p.s.position + p.s.geonormal * rayOffset(p.s.position, distance(p.s.position, view.eye));
   PathLight albedos = PathLight(vec3(1.0), vec3(1.0));
-  if (kFiltered != 0u) albedos = albedosOf(v);
+  if (kFiltered != 0u && !eye.starts) albedos = albedosOf(v);
   ivec2 size = imageSize(lightTarget).xy;
   uint index = indexOf(local), self = memberOf(local);
   PathSums sums = PathSums(vec4(0.0), vec4(0.0));
@@ -130,8 +131,8 @@ void main() {
           addConnection(light, v, origin, r, member == self, densitySums[indexOf(at)]);
         }
       }
-      addSample(sums, light, albedos, false, true);
+      addSample(sums, light, albedos, eye.starts, own.covers != 0u);
     }
   }
-  if (inside) writeSums(frame, place, p, albedos, sums, noEyeRay(), lit);
+  if (inside) writeSums(frame, place, p, albedos, sums, eye, lit);
 }

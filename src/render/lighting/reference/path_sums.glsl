@@ -1,6 +1,7 @@
 // The sums over the samples of a pixel, and what the last pass writes of them.
 #ifndef LATELIGHT_PATH_SUMS_GLSL
 #define LATELIGHT_PATH_SUMS_GLSL
+#include "render/lighting/reference/path_eye.glsl"
 #include "render/lighting/reference/path_lobes.glsl"
 
 layout(set = 0, binding = AFTER_LIT_MAPS + 1, rgba32f) uniform image2DArray pathSum;
@@ -33,17 +34,6 @@ vec4 meanOf(vec4 sum) {
 struct PathSums {
   vec4 scattered, mirrored;
 };
-
-// The first surface on a ray from the eye.
-struct EyeRay {
-  Ray ray;
-  bool starts;  // coats or a translucent surface: paths start at the eye
-  vec3 position;
-};
-
-EyeRay noEyeRay() {
-  return EyeRay(Ray(vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0), false, vec3(0.0));
-}
 
 // Adds a sample. `fromEye`: the path started at the eye, and `covers` states if it found a surface.
 void addSample(inout PathSums sums, PathLight light, PathLight albedos, bool fromEye, bool covers) {

@@ -24,8 +24,7 @@
 // writes the inputs of indirect_filter.glsl. Paths from the eye are entirely in `mirroredSum`, and their coverage is in
 // the lit picture.
 //
-// With kSharedPaths, the shader only writes a record per path, and path_sharing.comp computes the sums from these. No
-// path starts at the eye then, and no surface has coats.
+// With kSharedPaths, the shader only writes a record per path, and path_sharing.comp computes the sums from these.
 #define ONE_SAMPLE
 #include "render/glsl/common.glsl"
 
@@ -34,13 +33,11 @@ layout(constant_id = kLimitsWorkConstant) const uint kLimitsWork = 0;  // 1: pat
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lights.glsl"
 #include "render/glsl/lit_pixel.glsl"
-#include "render/glsl/eye_ray.glsl"    // after gbuffer_read.glsl, which may define sampleTexture()
-#include "render/glsl/ray_point.glsl"  // likewise
+#include "render/glsl/ray_point.glsl"  // after gbuffer_read.glsl, which may define sampleTexture()
 #include "render/glsl/surface.glsl"
 #include "render/lighting/reference/paths_push.h"
 
 layout(push_constant, scalar) uniform Push { PathsPush push; };
-layout(constant_id = kPathsFromLightsConstant) const uint kPathFlags = 0;  // kPaths* of paths_push.h
 layout(constant_id = kFilteredConstant) const uint kFiltered = 0;
 layout(constant_id = kEmittersConstant) const uint kEmitters = 0;  // 1: the scene has emissive surfaces
 layout(constant_id = kSampledAreaLightsConstant) const uint kSampledAreaLights = 0;  // 1: the scene has area lights
@@ -160,6 +157,14 @@ bool passes(inout Path path, PathHit at, PathVertex v) {
   return passed;
 }
 
+// Returns true if pixels may share the second surface of a path: nothing translucent lies before it, it has neither
+// coats nor transmittance, and the shading normal is that of all pixels. `index`: of the surface along the path.
+bool sharesSurface(Path path, PathHit at, uint index, uint crossed) {
+  const uint kNotPlain = kMaterialLayered | kMaterialBlended | kMaterialTransmissive;
+  return kSharedPaths != 0u && !path.fromEye && index == 1u && crossed == 0u && !at.flipped &&
+         (at.flags & kNotPlain) == 0u;
+}
+
 // Records the second surface of a path.
 void beginRecord(inout Path path, PathVertex v, vec3 plane) {
   path.record = recordOf(v, plane);
@@ -173,9 +178,10 @@ void beginRecord(inout Path path, PathVertex v, vec3 plane) {
 bool anythingBeyond(FrameConstants frame, RayScene scene) { return hasCells(scene, frame) || hasAreaLights(frame); }
 
 // Follows the ray of a path to the surface `v` that it hits, and adds what the ray sees. `beyond` is the absorption on
-// the surface's other side. Returns false if the path ends: `onlySky` ends it at any surface.
-bool follow(inout Path path, FrameConstants frame, RayScene scene, uint bounce, bool onlySky, out PathVertex v,
-            out vec3 beyond) {
+// the surface's other side. `index`: of the surface along the path. Returns false if the path ends: `onlySky` ends it at
+// any surface.
+bool follow(inout Path path, FrameConstants frame, RayScene scene, uint index, uint bounce, bool onlySky,
+            out PathVertex v, out vec3 beyond) {
   uint what = translucentRays() | (path.fromEye && bounce == 0u ? 0u : kRayTwoSided);
   bool onlyBlocks = onlySky && !hasAreaLights(frame) && (kPathFlags & kPathsFindTranslucent) == 0u;
   if (onlyBlocks) what |= kRayStopAtFirst;
@@ -207,7 +213,7 @@ bool follow(inout Path path, FrameConstants frame, RayScene scene, uint bounce, 
     float weight = path.density / (path.density + emitterDensity(scene, hit, at, path.ray.direction));
     vec3 emitted = at.s.emissive * (belowClearcoat(at.layers, path.ray.direction) * weight);
     if (arrives && !onlySky) add(path, path.carried * emitted, path.share, path.lambertian);
-    if (kSharedPaths != 0u && bounce == 1u && arrives && !onlySky && !at.flipped) beginRecord(path, v, at.plane);
+    if (arrives && !onlySky && sharesSurface(path, at, index, i)) beginRecord(path, v, at.plane);
     if (arrives) break;
     path.absorption = beyond;
     path.ray.near = beyondHit(hit.distance);
@@ -266,7 +272,7 @@ Path tracedPath(FrameConstants frame, Path path, PathVertex v) {
   uint bounce = 0u, rays = push.bounces + (anythingBeyond(frame, scene) ? 1u : 0u);
   for (uint i = 0u; goesOn && i < kMaxSurfaces; ++i) {
     if (i > 0u || ((kPathFlags & kPathsFromEye) != 0u && path.fromEye))
-      goesOn = follow(path, frame, scene, bounce, bounce > push.bounces, v, beyond);
+      goesOn = follow(path, frame, scene, i, bounce, bounce > push.bounces, v, beyond);
     if (!goesOn) continue;
     uint next = bounce + (kLayers != 0u && v.coated && v.coats.inside ? 0u : 1u);
     addDirectLight(path, frame, scene, v, beyond, bounce, next);
@@ -274,18 +280,6 @@ Path tracedPath(FrameConstants frame, Path path, PathVertex v) {
     bounce = next;
   }
   return path;
-}
-
-EyeRay eyeRay(FrameConstants frame, View view, LitPixel p) {
-  Ray ray = rayThrough(frame, view, vec2(p.place.xy) + 0.5);
-  EyeRay eye = EyeRay(ray, p.shadedSeparately || (p.s.flags & kSurfaceLayered) != 0u, vec3(0.0));
-  RayHit hit = traceRay(frame, ray, translucentRays());
-  if (!isHit(hit)) return eye;
-  uint64_t material = frame.materials + uint64_t(frameInstance(frame, hit.instance).material) * kMaterialBytes;
-  uint flags = wordsAt(material, 4u).y;
-  eye.starts = eye.starts || (flags & (kMaterialLayered | kMaterialBlended | kMaterialTransmissive)) != 0u;
-  eye.position = ray.origin + ray.direction * hit.distance;
-  return eye;
 }
 
 void main() {
@@ -299,8 +293,7 @@ void main() {
   LitPixel p = readPixel(frame, view, place, inside ? 1u : 0u);
   if (!inside) return;
   if ((kPathFlags & kPathsFromLights) != 0u) writeCounts(place, p.lit, vec4(0.0));
-  EyeRay eye = noEyeRay();
-  if ((kPathFlags & kPathsFromEye) != 0u) eye = eyeRay(frame, view, p);
+  EyeRay eye = eyeRay(frame, view, p);
   bool lit = p.lit && !eye.starts && reflects(p.s);
   PathSums sums = PathSums(vec4(0.0), vec4(0.0));
   if (kSharedPaths == 0u) sums = earlierSums(place);
@@ -323,6 +316,7 @@ void main() {
       path.record.reflected /= path.recordAlbedo;
       path.record.scattered = path.sum.scattered;
       path.record.mirrored = path.sum.mirrored;
+      path.record.covers = path.covers ? 1u : 0u;
       PathRecordsRef(recordAddress(i, place, imageSize(lightTarget).xy)).v[0] = path.record;
     }
   }

@@ -25,8 +25,9 @@ struct PathRecord {
   vec3 mirrored;     // and through the specular lobe
   uint color[2];     // base color and metallic, as halves
   uint specular[2];  // reflectance of the dielectric at normal incidence and roughness, as halves
+  uint covers;       // 1: the path starts at the eye and found a surface
 };
-SH_CONST uint kPathRecordBytes = 92u;
+SH_CONST uint kPathRecordBytes = 96u;
 
 struct PathsPush {
   uint64_t frame;  // FrameConstants

@@ -67,17 +67,17 @@ uint32_t firstPoint(const FrameContext& f) {
 uint32_t pathFlags(const FrameContext& f, bool fromLights) {
   uint32_t flags = fromLights ? shared::kPathsFromLights : 0;
   const VisibleMaterials materials = visibleMaterials(f);
-  if (materials.solid & shared::kMaterialLayered) flags |= shared::kPathsFromEye;
-  if (materials.translucent && f.setup.transparency.method != kTransparencyNone)
-    flags |= shared::kPathsFromEye | shared::kPathsFindTranslucent;
+  const bool translucency = f.setup.transparency.method != kTransparencyNone;
+  if ((materials.solid & shared::kMaterialLayered) || (materials.translucent && translucency))
+    flags |= shared::kPathsFromEye;
+  // Paths leave the picture.
+  if (f.scene.anyTranslucent() && translucency) flags |= shared::kPathsFindTranslucent;
   return flags;
 }
 
-// Returns true if pixels share paths (path_sharing.comp), which requires that all surfaces are plain. The materials of
-// the scene count even if no surface has them, because worlds may choose them, and an image must depend neither on
-// other views nor on other worlds.
-bool sharesPaths(const FrameContext& f, uint32_t flags, bool fromLights) {
-  return flags == 0 && !fromLights && f.setup.indirect == shared::kIndirectPath && f.scene.plainMaterials();
+// Returns true if pixels share paths (path_sharing.comp).
+bool sharesPaths(const FrameContext& f, bool fromLights) {
+  return !fromLights && f.setup.indirect == shared::kIndirectPath;
 }
 
 // The buffers of the passes of paths.
@@ -93,6 +93,7 @@ ComputePass pathPass(const FrameContext& f, const Gbuffer& gbuffer, const Indire
   bindSignals(pass.bindings, signals, first);
   pass.constants.push_back({kFilteredConstant, f.setup.filtersIndirect && !fromLights ? 1u : 0u});
   pass.constants.push_back({kLayersConstant, f.setup.layers});
+  pass.constants.push_back({kPathsFromLightsConstant, pathFlags(f, fromLights)});
   pass.fullImage = false;
   return pass;
 }
@@ -111,8 +112,8 @@ void addPathPass(const FrameContext& f, const Gbuffer& gbuffer, ComputePass pass
 }
 
 IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fromLights, uint32_t bounces) {
-  const uint32_t all = f.setup.paths, flags = pathFlags(f, fromLights);
-  const bool sharing = sharesPaths(f, flags, fromLights);
+  const uint32_t all = f.setup.paths;
+  const bool sharing = sharesPaths(f, fromLights);
   const uint32_t atOnce = samplesAtOnce(f, sharing);
   const IndirectSignals signals = createSignals(f, f.setup.filtersIndirect && !fromLights);
   PathBuffers buffers;
@@ -136,7 +137,6 @@ IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fro
     for (; push.environment < f.environment.count(); ++push.environment) {
       ComputePass pass = pathPass(f, gbuffer, signals, "paths", "paths.comp", fromLights,
                                   first == 0 && push.environment == 0, push.environment);
-      pass.constants.push_back({kPathsFromLightsConstant, flags});
       pass.constants.push_back({kEmittersConstant, buffers.emitters ? 1u : 0u});
       pass.constants.push_back({kSampledAreaLightsConstant, f.scene.areaLights() > 0 ? 1u : 0u});
       pass.constants.push_back({kSharedPathsConstant, sharing ? 1u : 0u});
