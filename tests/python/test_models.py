@@ -84,6 +84,41 @@ def test_trimesh_materials_have_the_defaults_of_gltf(tmp_path):
     assert (expected.metallic, tuple(expected.emissive)) == (1, (0, 0, 0))
 
 
+TRIANGLE = [[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 1, 2]]
+
+
+def test_trimesh_materials_require_no_texture_coordinates(tmp_path):
+    """Colors and factors apply to meshes without texture coordinates, but textures do not."""
+    kinds = trimesh.visual.material
+    image = pytest.importorskip("PIL.Image").fromarray(np.full((2, 2, 3), 200, np.uint8))
+    paint = kinds.PBRMaterial(
+        name="paint", baseColorFactor=[255, 0, 0, 255], metallicFactor=0.25, baseColorTexture=image
+    )
+    plain, textured = trimesh.creation.box(), trimesh.Trimesh(*TRIANGLE, process=False)
+    plain.visual = trimesh.visual.TextureVisuals(material=paint)
+    textured.visual = trimesh.visual.TextureVisuals(uv=[[0, 0], [1, 0], [1, 1]], material=paint)
+    scene = latelight.from_trimesh(trimesh.Scene({"plain": plain, "textured": textured}))
+    for name, has_texture in (("/plain", False), ("/textured", True)):
+        handle = scene.instance(scene.instances(name)[0]).material
+        made = scene.material(handle)
+        assert (made.name, tuple(made.base_color), made.metallic) == ("paint", (1, 0, 0, 1), 0.25)
+        assert (scene.texture_of(handle, "base_color") is not None) == has_texture
+    plain.visual = trimesh.visual.TextureVisuals(material=kinds.SimpleMaterial(diffuse=[0, 255, 0, 255]))
+    _, made = only_material(latelight.from_trimesh(plain))
+    assert (tuple(made.base_color), made.metallic) == ((0, 1, 0, 1), 0)
+
+
+def test_robots_have_the_materials_of_meshes_without_texture_coordinates(tmp_path):
+    pytest.importorskip("yourdfpy")
+    (tmp_path / "red.mtl").write_text("newmtl red\nKd 1 0 0\n")
+    (tmp_path / "red.obj").write_text("mtllib red.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n")
+    path = tmp_path / "robot.urdf"
+    link = '<link name="base"><visual><geometry><mesh filename="red.obj"/></geometry></visual></link>'
+    path.write_text(f'<robot name="robot">{link}</robot>')
+    _, made = only_material(latelight.from_urdf(path))
+    assert (tuple(made.base_color), made.metallic) == ((1, 0, 0, 1), 0)
+
+
 def test_robots_move_their_joints(tmp_path):
     yourdfpy = pytest.importorskip("yourdfpy")
     path = tmp_path / "crane.urdf"
