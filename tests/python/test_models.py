@@ -1460,6 +1460,44 @@ def painted_with(scene, folder):
     return color[0, 0, :3].tolist(), int(packed[0, 0, 1])
 
 
+@pytest.mark.parametrize("given, mode", [("", "opaque"), ("opacity", "blend"), ("opacityThreshold", "mask")])
+def test_usd_colors_exclude_the_alpha_of_their_image(stage, tmp_path, given, mode):
+    """The output rgb of a UsdUVTexture has no alpha: the opacity is that of the input of this name, which is 1 by
+    default."""
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf, UsdShade
+
+    image.fromarray(np.full((2, 2, 4), (200, 100, 50, 0), np.uint8)).save(tmp_path / "clear.png")
+    painted(stage, tmp_path / "clear.png")
+    surface = UsdShade.Shader(stage.GetPrimAtPath("/paint/surface"))
+    if given:
+        surface.CreateInput(given, Sdf.ValueTypeNames.Float).Set(0.5)
+    scene = latelight.from_usd(stage)
+    handle, made = only_material(scene)
+    assert (made.alpha_mode, made.base_color[3]) == (mode, 0.5 if given == "opacity" else 1)
+    assert scene.texture_pixels(scene.texture_of(handle, "base_color"))[0, 0].tolist() == [200, 100, 50, 255]
+
+
+def test_materialx_colors_exclude_the_alpha_of_their_image(stage, tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf, UsdShade
+
+    types = Sdf.ValueTypeNames
+    image.fromarray(np.full((2, 2, 4), (200, 100, 50, 0), np.uint8)).save(tmp_path / "clear.png")
+    shader = UsdShade.Shader.Define(stage, "/paint/surface")
+    shader.CreateIdAttr("ND_standard_surface_surfaceshader")
+    texture = UsdShade.Shader.Define(stage, "/paint/image")
+    texture.CreateIdAttr("ND_image_color3")
+    texture.CreateInput("file", types.Asset).Set(str(tmp_path / "clear.png"))
+    shader.CreateInput("base_color", types.Color3f).ConnectToSource(texture.CreateOutput("out", types.Color3f))
+    shader.CreateInput("opacity", types.Color3f).Set((0.5, 0.5, 0.5))
+    bind(stage, shader, "mtlx")
+    scene = latelight.from_usd(stage)
+    handle, made = only_material(scene)
+    assert (made.alpha_mode, made.base_color[3]) == ("blend", 0.5)
+    assert scene.texture_pixels(scene.texture_of(handle, "base_color"))[0, 0].tolist() == [200, 100, 50, 255]
+
+
 def test_usd_images_may_have_16_bits(stage, tmp_path):
     image = pytest.importorskip("PIL.Image")
     image.fromarray(np.full((2, 2), 120 * 257, np.uint16)).save(tmp_path / "deep.png")

@@ -53,12 +53,12 @@ def occlusion(channel: np.ndarray | None) -> np.ndarray | None:
 
 
 def with_alpha(image: Any, mask: np.ndarray | None) -> Any:
-    """A color image with the opacity of another one; white if there is no color image."""
+    """An RGB image with the opacity of another one; white if there is no color image."""
     if mask is None:
         return image
     if image is None:
         return np.concatenate([np.full((*mask.shape, 3), 255, np.uint8), mask[..., None]], axis=-1)
-    pixels = np.asarray(image.convert("RGB"))
+    pixels = np.asarray(image)
     return np.concatenate([pixels, _sized(mask, pixels)[..., None]], axis=-1)
 
 

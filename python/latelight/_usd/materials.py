@@ -14,7 +14,7 @@ class Materials:
     def __init__(self, context: Context) -> None:
         self.context = context
         self.made: dict[tuple[str, bool], MaterialHandle] = {}
-        self.images: dict[str, Any] = {}
+        self.images: dict[tuple[str, str], Any] = {}
 
     def bound(self, prim: Any) -> Any:
         """The UsdShadeMaterial of a prim or of a subset of its faces."""
@@ -60,7 +60,7 @@ class Materials:
 
 
 def _add_preview_surface(context: Context, name: str, surface: Surface) -> MaterialHandle:
-    diffuse, emissive = surface.image("diffuseColor"), surface.image("emissiveColor")
+    diffuse, emissive = surface.image("diffuseColor", "RGB"), surface.image("emissiveColor", "RGB")
     normal, mask = surface.image("normal"), surface.channel("opacity")
     rough, metal = surface.channel("roughness"), surface.channel("metallic")
     opacity, threshold = surface.factor("opacity", 1), surface.number("opacityThreshold", 0)
@@ -89,7 +89,7 @@ def _add_preview_surface(context: Context, name: str, surface: Surface) -> Mater
 
 def _add_standard_surface(context: Context, name: str, surface: Surface) -> MaterialHandle:
     """Autodesk Standard Surface 1.0.1 (Georgiev et al. 2019) as far as glTF's model has its layers."""
-    image, emissive = surface.image("base_color"), surface.image("emission_color")
+    image, emissive = surface.image("base_color", "RGB"), surface.image("emission_color", "RGB")
     rough, metal = surface.channel("specular_roughness"), surface.channel("metalness")
     base, emission = surface.number("base", 1), float(surface.value("emission", 0))
     color = surface.tint("base_color", (0.8, 0.8, 0.8))

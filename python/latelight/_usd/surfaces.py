@@ -22,9 +22,9 @@ class ImageUse(NamedTuple):
 
 
 class Surface:
-    """A surface shader. `images`: the images that are open, by path, which surfaces share."""
+    """A surface shader. `images`: the images that are open, by path and mode, which surfaces share."""
 
-    def __init__(self, context: Context, shader: Any, images: dict[str, Any]) -> None:
+    def __init__(self, context: Context, shader: Any, images: dict[tuple[str, str], Any]) -> None:
         self.context, self.shader, self.images = context, shader, images
 
     # --- constants ---
@@ -65,14 +65,17 @@ class Surface:
 
     # --- images ---
 
-    def image(self, name: str) -> Any:
-        """The image that an input is connected to, as pixels."""
+    def image(self, name: str, mode: str = "") -> Any:
+        """The image that an input is connected to, as pixels: in a mode of Pillow, or in the file's.
+
+        Colors are read as "RGB", because a shader's inputs of colors do not include the alpha of the image."""
         path = self.image_use(name).path
         if not path:
             return None
-        if path not in self.images:
-            self.images[path] = open_image(self.context.files, path)
-        return self.images[path]
+        key = (path, mode)
+        if key not in self.images:
+            self.images[key] = self.image(name).convert(mode) if mode else open_image(self.context.files, path)
+        return self.images[key]
 
     def channel(self, name: str) -> np.ndarray | None:
         """One channel of the image that a scalar input is connected to."""
