@@ -5,6 +5,7 @@ The scene is in glTF's frame (Y up, meters). Models with Z up are turned: (x, y,
 from __future__ import annotations
 
 import contextlib
+import importlib
 import os
 import re
 from collections.abc import Iterator
@@ -37,6 +38,14 @@ def v_down(uv: Any) -> np.ndarray:
     uv = np.array(uv, np.float32)[:, :2]
     uv[:, 1] = 1 - uv[:, 1]
     return uv
+
+
+def to_eight_bits(image: Any) -> Any:
+    """Rounds an image of Pillow with 16 bits per channel to 8 bits, to which Pillow would clip it."""
+    if not getattr(image, "mode", "").startswith("I"):
+        return image
+    pixels = (np.clip(np.asarray(image).astype(np.int64), 0, 65535) + 128) // 257
+    return importlib.import_module("PIL.Image").fromarray(pixels.astype(np.uint8))
 
 
 def node_name(name: Any) -> str:
@@ -111,7 +120,7 @@ class Builder:
         if key not in self.textures:
             self.kept.append(image)
             mode = "RGBA" if "A" in getattr(image, "mode", "") or getattr(image, "mode", "") == "P" else "RGB"
-            pixels = np.asarray(image.convert(mode) if hasattr(image, "convert") else image)
+            pixels = np.asarray(to_eight_bits(image).convert(mode) if hasattr(image, "convert") else image)
             self.textures[key] = self.scene.add_texture(np.ascontiguousarray(pixels), srgb=srgb, name=slot)
         self.scene.set_texture(material, slot, self.textures[key])
 

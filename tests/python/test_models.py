@@ -63,6 +63,22 @@ def test_trimesh_materials_have_their_textures():
     np.testing.assert_allclose(scene.mesh_arrays(scene.meshes()[0])["uv"], [[0, 1], [1, 1], [1, 0.75]])
 
 
+@pytest.mark.parametrize("mode", ["I;16", "I;16B", "I"])
+def test_trimesh_images_may_have_16_bits(mode):
+    """65535 is white, as 255 is in 8 bits, so values are divided by 257 and rounded."""
+    image = pytest.importorskip("PIL.Image")
+    values = [[0, 128, 129, 257], [120 * 257, 4096, 65534, 65535]]
+    types = {"I;16": "<u2", "I;16B": ">u2", "I": "<i4"}
+    deep = image.frombytes(mode, (4, 2), np.array(values, types[mode]).tobytes())
+    square = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 1, 2]], process=False)
+    paint = trimesh.visual.material.PBRMaterial(baseColorTexture=deep)
+    square.visual = trimesh.visual.TextureVisuals(uv=[[0, 0], [1, 0], [1, 1]], material=paint)
+    scene = latelight.from_trimesh(square)
+    pixels = scene.texture_pixels(scene.textures()[0])
+    assert pixels[..., 0].tolist() == [[0, 0, 1, 1], [120, 16, 255, 255]]
+    assert (pixels[..., :3] == pixels[..., :1]).all() and (pixels[..., 3] == 255).all()
+
+
 def test_trimesh_materials_have_the_defaults_of_gltf(tmp_path):
     """metallicFactor is 1 and emissiveFactor 0 by default (glTF 2.0, 5.19 and 5.22). Simple materials are not metals."""
     image = pytest.importorskip("PIL.Image").fromarray(np.full((2, 2, 3), 200, np.uint8))
@@ -1500,7 +1516,7 @@ def test_materialx_colors_exclude_the_alpha_of_their_image(stage, tmp_path):
 
 def test_usd_images_may_have_16_bits(stage, tmp_path):
     image = pytest.importorskip("PIL.Image")
-    image.fromarray(np.full((2, 2), 120 * 257, np.uint16)).save(tmp_path / "deep.png")
+    image.fromarray(np.full((2, 2), 120 * 257 - 100, np.uint16)).save(tmp_path / "deep.png")  # rounds to 120
     painted(stage, tmp_path / "deep.png")
     assert painted_with(latelight.from_usd(stage), tmp_path) == ([120, 120, 120], 120)
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .._core import read_environment
-from .._model_builder import missing
+from .._model_builder import to_eight_bits, missing
 from .files import Files, extension
 
 
@@ -20,10 +20,7 @@ def open_image(files: Files, path: str) -> Any:
         pil = importlib.import_module("PIL.Image")
     except ImportError:
         raise missing("pillow", "from_usd") from None
-    image = pil.open(io.BytesIO(files.packaged(path)) if files.is_packaged(path) else path)
-    if image.mode.startswith("I"):  # 16 bits, which Pillow would clip to 8 bits
-        image = pil.fromarray((np.clip(np.asarray(image), 0, 65535) // 257).astype(np.uint8))
-    return image
+    return to_eight_bits(pil.open(io.BytesIO(files.packaged(path)) if files.is_packaged(path) else path))
 
 
 def read_radiance(files: Files, path: str) -> np.ndarray:
