@@ -981,6 +981,54 @@ def test_usd_cameras_may_be_orthographic_or_shifted(stage, device):
             np.testing.assert_allclose(position[row, column], (x, 0, -y), atol=2e-5)
 
 
+@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
+@pytest.mark.parametrize("size", [(120, 40), (60, 80), (60, 40)])
+def test_usd_cameras_show_their_frame_in_images_of_any_shape(stage, device, projection, size):
+    """The window of the frustum is widened about its center to the shape of the image."""
+    from pxr import Gf, UsdGeom
+
+    camera = UsdGeom.Camera.Define(stage, "/camera")
+    camera.CreateProjectionAttr(projection)
+    camera.CreateHorizontalApertureAttr(60)
+    camera.CreateVerticalApertureAttr(40)
+    camera.CreateFocalLengthAttr(50)
+    UsdGeom.XformCommonAPI(camera).SetTranslate((0, 0, 300))
+    UsdGeom.Plane.Define(stage, "/floor").CreateWidthAttr(10000)
+    UsdGeom.Plane(stage.GetPrimAtPath("/floor")).CreateLengthAttr(10000)
+    scene = latelight.from_usd(stage)
+    assert scene.cameras[0].aspect == 1.5
+    position = latelight.Renderer(scene, device).render(scene.cameras[0], size, "position")["position"]
+    frustum = camera.GetCamera(0).frustum
+    aspect, corner = size[0] / size[1], frustum.window.max
+    high = Gf.Vec2d(corner[0] * max(aspect / 1.5, 1), corner[1] * max(1.5 / aspect, 1))
+    frustum.window = Gf.Range2d(-high, high)
+    for row, column in ((0, 0), (size[1] - 1, size[0] - 1), (12, 7)):
+        ray = frustum.ComputePickRay((2 * (column + 0.5) / size[0] - 1, 1 - 2 * (row + 0.5) / size[1]))
+        start, direction = np.array(ray.startPoint), np.array(ray.direction)
+        x, y, _ = (start - direction * start[2] / direction[2]) / 100
+        np.testing.assert_allclose(position[row, column], (x, 0, -y), atol=2e-5)
+
+
+@pytest.mark.parametrize("size, x, y", [((100, 100), 75, 47.5), ((200, 100), 100, 47.5), ((100, 200), 75, 107.5)])
+def test_usd_cameras_keep_their_shift_relative_to_the_image(stage, device, size, x, y):
+    """The window is 1 x 1 at the distance 1, with its center at (0.25, 0.1), so the center of the projection is at
+    (-0.5, -0.2) in half widths and half heights of the image. Images of other shapes show 2 x 1 and 1 x 2."""
+    from pxr import UsdGeom
+
+    camera = UsdGeom.Camera.Define(stage, "/camera")
+    for attribute in (camera.CreateHorizontalApertureAttr, camera.CreateVerticalApertureAttr):
+        attribute(20)
+    camera.CreateHorizontalApertureOffsetAttr(5)
+    camera.CreateVerticalApertureOffsetAttr(2)
+    camera.CreateFocalLengthAttr(20)
+    ball = UsdGeom.Sphere.Define(stage, "/ball")  # at (0.5, 0.125) in the plane of the window
+    ball.CreateRadiusAttr(10)
+    UsdGeom.XformCommonAPI(ball).SetTranslate((200, 50, -400))
+    scene = latelight.from_usd(stage)
+    rows, columns = np.nonzero(latelight.Renderer(scene, device).render(scene.cameras[0], size, "id")["id"])
+    np.testing.assert_allclose((columns.mean() + 0.5, rows.mean() + 0.5), (x, y), atol=0.3)
+
+
 @pytest.mark.parametrize("scale", [(-1, 1, 1), (2, -3, 4), (-1, -1, -1), (0.5, 2, 3)])
 def test_usd_cameras_may_be_mirrored_and_scaled(stage, scale):
     """The camera is where GfFrustum has it, which has no mirrors and no scale."""
