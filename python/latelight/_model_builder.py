@@ -9,12 +9,14 @@ import importlib
 import os
 import re
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from ._core import Material, MaterialHandle, MeshHandle, Scene
 from .errors import InputError, LatelightError, UsageError
+
+Wrap = Literal["repeat", "mirror", "clamp"]
 
 FROM_Z_UP = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], np.float64)
 
@@ -113,7 +115,9 @@ class Builder:
             )
         return self.materials[key]
 
-    def add_texture(self, material: MaterialHandle, slot: Any, image: Any, srgb: bool) -> None:
+    def add_texture(
+        self, material: MaterialHandle, slot: Any, image: Any, srgb: bool, wrap: Wrap = "repeat"
+    ) -> None:
         if image is None:
             return
         key = (id(image), srgb)
@@ -122,7 +126,7 @@ class Builder:
             mode = "RGBA" if "A" in getattr(image, "mode", "") or getattr(image, "mode", "") == "P" else "RGB"
             pixels = np.asarray(to_eight_bits(image).convert(mode) if hasattr(image, "convert") else image)
             self.textures[key] = self.scene.add_texture(np.ascontiguousarray(pixels), srgb=srgb, name=slot)
-        self.scene.set_texture(material, slot, self.textures[key])
+        self.scene.set_texture(material, slot, self.textures[key], wrap)
 
     def add_instance(self, mesh: MeshHandle, material: MaterialHandle, transform: Any, name: Any) -> None:
         self.scene.add_instance(mesh, material, self.world @ np.asarray(transform, np.float64), node_name(name))

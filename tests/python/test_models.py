@@ -1,8 +1,10 @@
 """Scenes from trimesh, yourdfpy, usd-core and Open3D. Open3D is too large to be installed for every test."""
 
+import json
 import pathlib
 import re
 import sys
+import warnings
 
 import numpy as np
 import pytest
@@ -1542,20 +1544,26 @@ def test_usd_colors_exclude_the_alpha_of_their_image(stage, tmp_path, given, mod
     assert scene.texture_pixels(scene.texture_of(handle, "base_color"))[0, 0].tolist() == [200, 100, 50, 255]
 
 
-def test_materialx_colors_exclude_the_alpha_of_their_image(stage, tmp_path):
-    image = pytest.importorskip("PIL.Image")
+def painted_by_materialx(stage, file):
+    """A translucent mesh whose color is an image. Returns the shader of the image."""
     from pxr import Sdf, UsdShade
 
     types = Sdf.ValueTypeNames
-    image.fromarray(np.full((2, 2, 4), (200, 100, 50, 0), np.uint8)).save(tmp_path / "clear.png")
     shader = UsdShade.Shader.Define(stage, "/paint/surface")
     shader.CreateIdAttr("ND_standard_surface_surfaceshader")
     texture = UsdShade.Shader.Define(stage, "/paint/image")
     texture.CreateIdAttr("ND_image_color3")
-    texture.CreateInput("file", types.Asset).Set(str(tmp_path / "clear.png"))
+    texture.CreateInput("file", types.Asset).Set(str(file))
     shader.CreateInput("base_color", types.Color3f).ConnectToSource(texture.CreateOutput("out", types.Color3f))
     shader.CreateInput("opacity", types.Color3f).Set((0.5, 0.5, 0.5))
     bind(stage, shader, "mtlx")
+    return texture
+
+
+def test_materialx_colors_exclude_the_alpha_of_their_image(stage, tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    image.fromarray(np.full((2, 2, 4), (200, 100, 50, 0), np.uint8)).save(tmp_path / "clear.png")
+    painted_by_materialx(stage, tmp_path / "clear.png")
     scene = latelight.from_usd(stage)
     handle, made = only_material(scene)
     assert (made.alpha_mode, made.base_color[3]) == ("blend", 0.5)
@@ -1589,6 +1597,60 @@ def test_usd_images_are_scaled(stage, tmp_path):
     texture.CreateInput("bias", Sdf.ValueTypeNames.Float4).Set((0.1, 0, 0, 0))
     _, made = only_material(latelight.from_usd(stage))
     np.testing.assert_allclose((*made.base_color, made.roughness), 1)
+
+
+def samplers(scene, folder):
+    """The wrap modes of glTF's samplers: 10497 is REPEAT, 33071 CLAMP_TO_EDGE, 33648 MIRRORED_REPEAT (5.26)."""
+    scene.export(folder / "wrapped.glb")
+    data = (folder / "wrapped.glb").read_bytes()
+    document = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    modes = [(each.get("wrapS", 10497), each.get("wrapT", 10497)) for each in document["samplers"]]
+    return {modes[texture["sampler"]] for texture in document["textures"]}
+
+
+REPEAT, CLAMP, MIRROR = 10497, 33071, 33648
+
+
+@pytest.mark.parametrize(
+    "wraps, expected, warning",
+    [
+        (("repeat", "repeat"), REPEAT, ""),
+        (("clamp", "clamp"), CLAMP, ""),
+        (("mirror", "mirror"), MIRROR, ""),
+        (("useMetadata", "useMetadata"), REPEAT, ""),
+        (("black", "black"), CLAMP, '"clamp" instead of "black" for diffuseColor of /paint/surface'),
+        (("mirror", "clamp"), MIRROR, '"mirror" for roughness of /paint/surface, because'),
+    ],
+)
+def test_usd_images_have_wrap_modes(stage, tmp_path, wraps, expected, warning):
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf, UsdShade
+
+    image.fromarray(np.full((2, 2, 3), 200, np.uint8)).save(tmp_path / "gray.png")
+    painted(stage, tmp_path / "gray.png")
+    texture = UsdShade.Shader(stage.GetPrimAtPath("/paint/image"))
+    for name, wrap in zip(("wrapS", "wrapT"), wraps):
+        texture.CreateInput(name, Sdf.ValueTypeNames.Token).Set(wrap)
+    surface = UsdShade.Shader(stage.GetPrimAtPath("/paint/surface"))
+    surface.CreateInput("normal", Sdf.ValueTypeNames.Normal3f).ConnectToSource(texture.GetOutput("rgb"))
+    with warnings.catch_warnings(record=True) as given:
+        warnings.simplefilter("always")
+        scene = latelight.from_usd(stage)
+    messages = [str(each.message) for each in given]
+    assert len(messages) == (3 if warning else 0)  # one per texture
+    assert any(warning in message for message in messages) or not warning
+    assert samplers(scene, tmp_path) == {(expected, expected)}
+
+
+def test_materialx_images_have_wrap_modes(stage, tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf
+
+    image.fromarray(np.full((2, 2, 3), 200, np.uint8)).save(tmp_path / "gray.png")
+    texture = painted_by_materialx(stage, tmp_path / "gray.png")
+    for name in ("uaddressmode", "vaddressmode"):
+        texture.CreateInput(name, Sdf.ValueTypeNames.String).Set("mirror")
+    assert samplers(latelight.from_usd(stage), tmp_path) == {(MIRROR, MIRROR)}
 
 
 def test_usd_archives_hold_their_images(tmp_path, device):

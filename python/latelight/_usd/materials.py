@@ -60,9 +60,7 @@ class Materials:
 
 
 def _add_preview_surface(context: Context, name: str, surface: Surface) -> MaterialHandle:
-    diffuse, emissive = surface.image("diffuseColor", "RGB"), surface.image("emissiveColor", "RGB")
-    normal, mask = surface.image("normal"), surface.channel("opacity")
-    rough, metal = surface.channel("roughness"), surface.channel("metallic")
+    mask = surface.channel("opacity")
     opacity, threshold = surface.factor("opacity", 1), surface.number("opacityThreshold", 0)
     base = surface.tint("diffuseColor", (0.18, 0.18, 0.18))
     handle = context.scene.add_material(
@@ -79,12 +77,20 @@ def _add_preview_surface(context: Context, name: str, surface: Surface) -> Mater
             alpha_cutoff=threshold if threshold > 0 else 0.5,
         )
     )
-    context.builder.add_texture(handle, "base_color", images.with_alpha(diffuse, mask), True)
-    context.builder.add_texture(handle, "emissive", emissive, True)
-    context.builder.add_texture(handle, "normal", normal, False)
-    context.builder.add_texture(handle, "metallic_roughness", images.metallic_roughness(rough, metal), False)
-    context.builder.add_texture(handle, "occlusion", images.occlusion(surface.channel("occlusion")), False)
+    _add_preview_textures(context, handle, surface)
     return handle
+
+
+def _add_preview_textures(context: Context, handle: MaterialHandle, surface: Surface) -> None:
+    color = images.with_alpha(surface.image("diffuseColor", "RGB"), surface.channel("opacity"))
+    packed = images.metallic_roughness(surface.channel("roughness"), surface.channel("metallic"))
+    occlusion = images.occlusion(surface.channel("occlusion"))
+    add = context.builder.add_texture
+    add(handle, "base_color", color, True, surface.wrap("diffuseColor", "opacity"))
+    add(handle, "emissive", surface.image("emissiveColor", "RGB"), True, surface.wrap("emissiveColor"))
+    add(handle, "normal", surface.image("normal"), False, surface.wrap("normal"))
+    add(handle, "metallic_roughness", packed, False, surface.wrap("roughness", "metallic"))
+    add(handle, "occlusion", occlusion, False, surface.wrap("occlusion"))
 
 
 def _add_standard_surface(context: Context, name: str, surface: Surface) -> MaterialHandle:
@@ -118,8 +124,9 @@ def _add_standard_surface(context: Context, name: str, surface: Surface) -> Mate
             alpha_mode="blend" if opacity < 1 else "opaque",
         )
     )
-    context.builder.add_texture(handle, "base_color", image, True)
-    context.builder.add_texture(handle, "emissive", emissive, True)
-    context.builder.add_texture(handle, "normal", surface.image("normal"), False)
-    context.builder.add_texture(handle, "metallic_roughness", images.metallic_roughness(rough, metal), False)
+    add, packed = context.builder.add_texture, images.metallic_roughness(rough, metal)
+    add(handle, "base_color", image, True, surface.wrap("base_color"))
+    add(handle, "emissive", emissive, True, surface.wrap("emission_color"))
+    add(handle, "normal", surface.image("normal"), False, surface.wrap("normal"))
+    add(handle, "metallic_roughness", packed, False, surface.wrap("specular_roughness", "metalness"))
     return handle
