@@ -1570,6 +1570,44 @@ def test_materialx_colors_exclude_the_alpha_of_their_image(stage, tmp_path):
     assert scene.texture_pixels(scene.texture_of(handle, "base_color"))[0, 0].tolist() == [200, 100, 50, 255]
 
 
+def test_usd_surfaces_may_have_the_specular_workflow(stage, tmp_path):
+    """specularColor is the reflectance at normal incidence, which is f0 times specular_color
+    (KHR_materials_specular). metallic and ior do not apply to it."""
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf, UsdShade
+
+    types = Sdf.ValueTypeNames
+    image.fromarray(np.full((2, 2, 3), 200, np.uint8)).save(tmp_path / "gray.png")
+    painted(stage, tmp_path / "gray.png")
+    surface = UsdShade.Shader(stage.GetPrimAtPath("/paint/surface"))
+    texture = UsdShade.Shader(stage.GetPrimAtPath("/paint/image"))
+    surface.CreateInput("ior", types.Float).Set(2)
+    surface.CreateInput("metallic", types.Float).ConnectToSource(texture.GetOutput("r"))
+    color = surface.CreateInput("specularColor", types.Color3f)
+    color.Set((1, 0.5, 0.02))
+    workflow = surface.CreateInput("useSpecularWorkflow", types.Int)
+
+    def converted():
+        scene = latelight.from_usd(stage)
+        handle, made = only_material(scene)
+        reflectance = np.multiply(made.specular_color, made.f0)
+        texels = scene.texture_pixels(scene.texture_of(handle, "metallic_roughness"))[0, 0, 1:3].tolist()
+        return made.metallic, reflectance, texels, scene.texture_of(handle, "specular_color") is not None
+
+    workflow.Set(0)
+    metallic, reflectance, texels, has_texture = converted()
+    assert (metallic, texels, has_texture) == (1, [200, 200], False)
+    np.testing.assert_allclose(reflectance, 1 / 9, atol=1e-6)
+    workflow.Set(1)
+    metallic, reflectance, texels, has_texture = converted()
+    assert (metallic, texels, has_texture) == (0, [200, 255], False)
+    np.testing.assert_allclose(reflectance, (1, 0.5, 0.02), atol=1e-6)
+    color.ConnectToSource(texture.GetOutput("rgb"))
+    _, reflectance, _, has_texture = converted()
+    assert has_texture
+    np.testing.assert_allclose(reflectance, 1, atol=1e-6)
+
+
 def test_usd_images_may_have_16_bits(stage, tmp_path):
     image = pytest.importorskip("PIL.Image")
     image.fromarray(np.full((2, 2), 120 * 257 - 100, np.uint16)).save(tmp_path / "deep.png")  # rounds to 120

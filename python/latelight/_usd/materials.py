@@ -9,6 +9,8 @@ from . import images
 from .context import Context
 from .surfaces import Surface
 
+F0 = 0.04  # the reflectance at normal incidence of the index of refraction 1.5
+
 
 class Materials:
     def __init__(self, context: Context) -> None:
@@ -59,20 +61,27 @@ class Materials:
         return None
 
 
+def _has_specular_workflow(surface: Surface) -> bool:
+    """The reflectance at normal incidence is then specularColor, and metallic and ior do not apply to it."""
+    return bool(surface.value("useSpecularWorkflow", 0))
+
+
 def _add_preview_surface(context: Context, name: str, surface: Surface) -> MaterialHandle:
     mask = surface.channel("opacity")
     opacity, threshold = surface.factor("opacity", 1), surface.number("opacityThreshold", 0)
     base = surface.tint("diffuseColor", (0.18, 0.18, 0.18))
+    specular = surface.tint("specularColor", (0, 0, 0)) if _has_specular_workflow(surface) else None
     handle = context.scene.add_material(
         Material(
             name=name,
             base_color=(*(min(c, 1) for c in base), opacity),
-            metallic=surface.factor("metallic", 0),
+            metallic=surface.factor("metallic", 0) if specular is None else 0,
             roughness=surface.factor("roughness", 0.5),
             emissive=surface.tint("emissiveColor", (0, 0, 0)),
             clearcoat=surface.number("clearcoat", 0),
             clearcoat_roughness=surface.number("clearcoatRoughness", 0.01),
-            f0=surface.f0("ior", 1.5),
+            f0=surface.f0("ior", 1.5) if specular is None else F0,
+            specular_color=(1, 1, 1) if specular is None else tuple(min(c, 1) / F0 for c in specular),
             alpha_mode="mask" if threshold > 0 else "blend" if opacity < 1 or mask is not None else "opaque",
             alpha_cutoff=threshold if threshold > 0 else 0.5,
         )
@@ -83,13 +92,18 @@ def _add_preview_surface(context: Context, name: str, surface: Surface) -> Mater
 
 def _add_preview_textures(context: Context, handle: MaterialHandle, surface: Surface) -> None:
     color = images.with_alpha(surface.image("diffuseColor", "RGB"), surface.channel("opacity"))
-    packed = images.metallic_roughness(surface.channel("roughness"), surface.channel("metallic"))
+    has_specular = _has_specular_workflow(surface)
+    metal = None if has_specular else surface.channel("metallic")
+    packed = images.metallic_roughness(surface.channel("roughness"), metal)
     occlusion = images.occlusion(surface.channel("occlusion"))
     add = context.builder.add_texture
     add(handle, "base_color", color, True, surface.wrap("diffuseColor", "opacity"))
     add(handle, "emissive", surface.image("emissiveColor", "RGB"), True, surface.wrap("emissiveColor"))
     add(handle, "normal", surface.image("normal"), False, surface.wrap("normal"))
-    add(handle, "metallic_roughness", packed, False, surface.wrap("roughness", "metallic"))
+    wrap = surface.wrap("roughness") if has_specular else surface.wrap("roughness", "metallic")
+    add(handle, "metallic_roughness", packed, False, wrap)
+    if has_specular:
+        add(handle, "specular_color", surface.image("specularColor", "RGB"), True, surface.wrap("specularColor"))
     add(handle, "occlusion", occlusion, False, surface.wrap("occlusion"))
 
 
