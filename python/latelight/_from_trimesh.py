@@ -31,12 +31,17 @@ class TrimeshBuilder(Builder):
         super().__init__(up)
         self.smooth = smooth
 
-    def material(self, source: Any) -> MaterialHandle:
+    def material(self, source: Any, has_textures: bool) -> MaterialHandle:
+        """has_textures: whether the mesh has the texture coordinates that textures require"""
         if source is None:
             return self.default_material()
-        if id(source) in self.materials:
-            return self.materials[id(source)]
-        self.kept.append(source)
+        key = (id(source), has_textures)
+        if key not in self.materials:
+            self.kept.append(source)
+            self.materials[key] = self._add_material(source, has_textures)
+        return self.materials[key]
+
+    def _add_material(self, source: Any, has_textures: bool) -> MaterialHandle:
         pbr = source if hasattr(source, "baseColorFactor") else source.to_pbr()
         # Materials of glTF have its defaults. Simple materials are not metals, but their conversion omits the factor.
         is_gltf = pbr is source or any(pbr is each for each in getattr(source, "materials", ()))
@@ -51,7 +56,9 @@ class TrimeshBuilder(Builder):
             alpha_cutoff=0.5 if pbr.alphaCutoff is None else float(pbr.alphaCutoff),
             double_sided=bool(pbr.doubleSided),
         )
-        handle = self.materials[id(source)] = self.scene.add_material(values)
+        handle = self.scene.add_material(values)
+        if not has_textures:
+            return handle
         self.add_texture(handle, "base_color", pbr.baseColorTexture, True)
         self.add_texture(handle, "metallic_roughness", pbr.metallicRoughnessTexture, False)
         self.add_texture(handle, "normal", pbr.normalTexture, False)
@@ -79,7 +86,7 @@ class TrimeshBuilder(Builder):
         )
         if colors is not None:
             return handle, self.white(bool((colors[:, 3] < 1).any()))
-        return handle, self.material(getattr(visual, "material", None) if uv is not None else None)
+        return handle, self.material(getattr(visual, "material", None), uv is not None)
 
 
 def from_trimesh(model: Any, *, up: str = "y", smooth: bool = False) -> Scene:
@@ -88,8 +95,8 @@ def from_trimesh(model: Any, *, up: str = "y", smooth: bool = False) -> Scene:
     up: the axis that points up in the model, "y" or "z"
     smooth: use the vertex normals that trimesh computes; otherwise triangles are flat
 
-    PBR and simple materials, textures, and vertex and face colors (sRGB) are converted. Paths, point clouds, lights and
-    cameras are left out."""
+    PBR and simple materials, textures, and vertex and face colors (sRGB) are converted. A mesh without texture
+    coordinates has its material's colors and factors. Paths, point clouds, lights and cameras are left out."""
     builder = TrimeshBuilder(up, smooth)
     if hasattr(model, "faces"):
         if made := builder.geometry(model, "mesh"):

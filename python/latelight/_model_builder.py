@@ -5,15 +5,18 @@ The scene is in glTF's frame (Y up, meters). Models with Z up are turned: (x, y,
 from __future__ import annotations
 
 import contextlib
+import importlib
 import os
 import re
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from ._core import Material, MaterialHandle, MeshHandle, Scene
 from .errors import InputError, LatelightError, UsageError
+
+Wrap = Literal["repeat", "mirror", "clamp"]
 
 FROM_Z_UP = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], np.float64)
 
@@ -37,6 +40,14 @@ def v_down(uv: Any) -> np.ndarray:
     uv = np.array(uv, np.float32)[:, :2]
     uv[:, 1] = 1 - uv[:, 1]
     return uv
+
+
+def to_eight_bits(image: Any) -> Any:
+    """Rounds an image of Pillow with 16 bits per channel to 8 bits, to which Pillow would clip it."""
+    if not getattr(image, "mode", "").startswith("I"):
+        return image
+    pixels = (np.clip(np.asarray(image).astype(np.int64), 0, 65535) + 128) // 257
+    return importlib.import_module("PIL.Image").fromarray(pixels.astype(np.uint8))
 
 
 def node_name(name: Any) -> str:
@@ -104,16 +115,18 @@ class Builder:
             )
         return self.materials[key]
 
-    def add_texture(self, material: MaterialHandle, slot: Any, image: Any, srgb: bool) -> None:
+    def add_texture(
+        self, material: MaterialHandle, slot: Any, image: Any, srgb: bool, wrap: Wrap = "repeat"
+    ) -> None:
         if image is None:
             return
         key = (id(image), srgb)
         if key not in self.textures:
             self.kept.append(image)
             mode = "RGBA" if "A" in getattr(image, "mode", "") or getattr(image, "mode", "") == "P" else "RGB"
-            pixels = np.asarray(image.convert(mode) if hasattr(image, "convert") else image)
+            pixels = np.asarray(to_eight_bits(image).convert(mode) if hasattr(image, "convert") else image)
             self.textures[key] = self.scene.add_texture(np.ascontiguousarray(pixels), srgb=srgb, name=slot)
-        self.scene.set_texture(material, slot, self.textures[key])
+        self.scene.set_texture(material, slot, self.textures[key], wrap)
 
     def add_instance(self, mesh: MeshHandle, material: MaterialHandle, transform: Any, name: Any) -> None:
         self.scene.add_instance(mesh, material, self.world @ np.asarray(transform, np.float64), node_name(name))

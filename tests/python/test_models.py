@@ -1,8 +1,10 @@
 """Scenes from trimesh, yourdfpy, usd-core and Open3D. Open3D is too large to be installed for every test."""
 
+import json
 import pathlib
 import re
 import sys
+import warnings
 
 import numpy as np
 import pytest
@@ -63,6 +65,22 @@ def test_trimesh_materials_have_their_textures():
     np.testing.assert_allclose(scene.mesh_arrays(scene.meshes()[0])["uv"], [[0, 1], [1, 1], [1, 0.75]])
 
 
+@pytest.mark.parametrize("mode", ["I;16", "I;16B", "I"])
+def test_trimesh_images_may_have_16_bits(mode):
+    """65535 is white, as 255 is in 8 bits, so values are divided by 257 and rounded."""
+    image = pytest.importorskip("PIL.Image")
+    values = [[0, 128, 129, 257], [120 * 257, 4096, 65534, 65535]]
+    types = {"I;16": "<u2", "I;16B": ">u2", "I": "<i4"}
+    deep = image.frombytes(mode, (4, 2), np.array(values, types[mode]).tobytes())
+    square = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 1, 2]], process=False)
+    paint = trimesh.visual.material.PBRMaterial(baseColorTexture=deep)
+    square.visual = trimesh.visual.TextureVisuals(uv=[[0, 0], [1, 0], [1, 1]], material=paint)
+    scene = latelight.from_trimesh(square)
+    pixels = scene.texture_pixels(scene.textures()[0])
+    assert pixels[..., 0].tolist() == [[0, 0, 1, 1], [120, 16, 255, 255]]
+    assert (pixels[..., :3] == pixels[..., :1]).all() and (pixels[..., 3] == 255).all()
+
+
 def test_trimesh_materials_have_the_defaults_of_gltf(tmp_path):
     """metallicFactor is 1 and emissiveFactor 0 by default (glTF 2.0, 5.19 and 5.22). Simple materials are not metals."""
     image = pytest.importorskip("PIL.Image").fromarray(np.full((2, 2, 3), 200, np.uint8))
@@ -82,6 +100,41 @@ def test_trimesh_materials_have_the_defaults_of_gltf(tmp_path):
     square.export(tmp_path / "gold.glb")
     expected = only_material(latelight.Scene(tmp_path / "gold.glb"))[1]
     assert (expected.metallic, tuple(expected.emissive)) == (1, (0, 0, 0))
+
+
+TRIANGLE = [[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 1, 2]]
+
+
+def test_trimesh_materials_require_no_texture_coordinates(tmp_path):
+    """Colors and factors apply to meshes without texture coordinates, but textures do not."""
+    kinds = trimesh.visual.material
+    image = pytest.importorskip("PIL.Image").fromarray(np.full((2, 2, 3), 200, np.uint8))
+    paint = kinds.PBRMaterial(
+        name="paint", baseColorFactor=[255, 0, 0, 255], metallicFactor=0.25, baseColorTexture=image
+    )
+    plain, textured = trimesh.creation.box(), trimesh.Trimesh(*TRIANGLE, process=False)
+    plain.visual = trimesh.visual.TextureVisuals(material=paint)
+    textured.visual = trimesh.visual.TextureVisuals(uv=[[0, 0], [1, 0], [1, 1]], material=paint)
+    scene = latelight.from_trimesh(trimesh.Scene({"plain": plain, "textured": textured}))
+    for name, has_texture in (("/plain", False), ("/textured", True)):
+        handle = scene.instance(scene.instances(name)[0]).material
+        made = scene.material(handle)
+        assert (made.name, tuple(made.base_color), made.metallic) == ("paint", (1, 0, 0, 1), 0.25)
+        assert (scene.texture_of(handle, "base_color") is not None) == has_texture
+    plain.visual = trimesh.visual.TextureVisuals(material=kinds.SimpleMaterial(diffuse=[0, 255, 0, 255]))
+    _, made = only_material(latelight.from_trimesh(plain))
+    assert (tuple(made.base_color), made.metallic) == ((0, 1, 0, 1), 0)
+
+
+def test_robots_have_the_materials_of_meshes_without_texture_coordinates(tmp_path):
+    pytest.importorskip("yourdfpy")
+    (tmp_path / "red.mtl").write_text("newmtl red\nKd 1 0 0\n")
+    (tmp_path / "red.obj").write_text("mtllib red.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n")
+    path = tmp_path / "robot.urdf"
+    link = '<link name="base"><visual><geometry><mesh filename="red.obj"/></geometry></visual></link>'
+    path.write_text(f'<robot name="robot">{link}</robot>')
+    _, made = only_material(latelight.from_urdf(path))
+    assert (tuple(made.base_color), made.metallic) == ((1, 0, 0, 1), 0)
 
 
 def test_robots_move_their_joints(tmp_path):
@@ -930,6 +983,54 @@ def test_usd_cameras_may_be_orthographic_or_shifted(stage, device):
             np.testing.assert_allclose(position[row, column], (x, 0, -y), atol=2e-5)
 
 
+@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
+@pytest.mark.parametrize("size", [(120, 40), (60, 80), (60, 40)])
+def test_usd_cameras_show_their_frame_in_images_of_any_shape(stage, device, projection, size):
+    """The window of the frustum is widened about its center to the shape of the image."""
+    from pxr import Gf, UsdGeom
+
+    camera = UsdGeom.Camera.Define(stage, "/camera")
+    camera.CreateProjectionAttr(projection)
+    camera.CreateHorizontalApertureAttr(60)
+    camera.CreateVerticalApertureAttr(40)
+    camera.CreateFocalLengthAttr(50)
+    UsdGeom.XformCommonAPI(camera).SetTranslate((0, 0, 300))
+    UsdGeom.Plane.Define(stage, "/floor").CreateWidthAttr(10000)
+    UsdGeom.Plane(stage.GetPrimAtPath("/floor")).CreateLengthAttr(10000)
+    scene = latelight.from_usd(stage)
+    assert scene.cameras[0].aspect == 1.5
+    position = latelight.Renderer(scene, device).render(scene.cameras[0], size, "position")["position"]
+    frustum = camera.GetCamera(0).frustum
+    aspect, corner = size[0] / size[1], frustum.window.max
+    high = Gf.Vec2d(corner[0] * max(aspect / 1.5, 1), corner[1] * max(1.5 / aspect, 1))
+    frustum.window = Gf.Range2d(-high, high)
+    for row, column in ((0, 0), (size[1] - 1, size[0] - 1), (12, 7)):
+        ray = frustum.ComputePickRay((2 * (column + 0.5) / size[0] - 1, 1 - 2 * (row + 0.5) / size[1]))
+        start, direction = np.array(ray.startPoint), np.array(ray.direction)
+        x, y, _ = (start - direction * start[2] / direction[2]) / 100
+        np.testing.assert_allclose(position[row, column], (x, 0, -y), atol=2e-5)
+
+
+@pytest.mark.parametrize("size, x, y", [((100, 100), 75, 47.5), ((200, 100), 100, 47.5), ((100, 200), 75, 107.5)])
+def test_usd_cameras_keep_their_shift_relative_to_the_image(stage, device, size, x, y):
+    """The window is 1 x 1 at the distance 1, with its center at (0.25, 0.1), so the center of the projection is at
+    (-0.5, -0.2) in half widths and half heights of the image. Images of other shapes show 2 x 1 and 1 x 2."""
+    from pxr import UsdGeom
+
+    camera = UsdGeom.Camera.Define(stage, "/camera")
+    for attribute in (camera.CreateHorizontalApertureAttr, camera.CreateVerticalApertureAttr):
+        attribute(20)
+    camera.CreateHorizontalApertureOffsetAttr(5)
+    camera.CreateVerticalApertureOffsetAttr(2)
+    camera.CreateFocalLengthAttr(20)
+    ball = UsdGeom.Sphere.Define(stage, "/ball")  # at (0.5, 0.125) in the plane of the window
+    ball.CreateRadiusAttr(10)
+    UsdGeom.XformCommonAPI(ball).SetTranslate((200, 50, -400))
+    scene = latelight.from_usd(stage)
+    rows, columns = np.nonzero(latelight.Renderer(scene, device).render(scene.cameras[0], size, "id")["id"])
+    np.testing.assert_allclose((columns.mean() + 0.5, rows.mean() + 0.5), (x, y), atol=0.3)
+
+
 @pytest.mark.parametrize("scale", [(-1, 1, 1), (2, -3, 4), (-1, -1, -1), (0.5, 2, 3)])
 def test_usd_cameras_may_be_mirrored_and_scaled(stage, scale):
     """The camera is where GfFrustum has it, which has no mirrors and no scale."""
@@ -1425,9 +1526,91 @@ def painted_with(scene, folder):
     return color[0, 0, :3].tolist(), int(packed[0, 0, 1])
 
 
+@pytest.mark.parametrize("given, mode", [("", "opaque"), ("opacity", "blend"), ("opacityThreshold", "mask")])
+def test_usd_colors_exclude_the_alpha_of_their_image(stage, tmp_path, given, mode):
+    """The output rgb of a UsdUVTexture has no alpha: the opacity is that of the input of this name, which is 1 by
+    default."""
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf, UsdShade
+
+    image.fromarray(np.full((2, 2, 4), (200, 100, 50, 0), np.uint8)).save(tmp_path / "clear.png")
+    painted(stage, tmp_path / "clear.png")
+    surface = UsdShade.Shader(stage.GetPrimAtPath("/paint/surface"))
+    if given:
+        surface.CreateInput(given, Sdf.ValueTypeNames.Float).Set(0.5)
+    scene = latelight.from_usd(stage)
+    handle, made = only_material(scene)
+    assert (made.alpha_mode, made.base_color[3]) == (mode, 0.5 if given == "opacity" else 1)
+    assert scene.texture_pixels(scene.texture_of(handle, "base_color"))[0, 0].tolist() == [200, 100, 50, 255]
+
+
+def painted_by_materialx(stage, file):
+    """A translucent mesh whose color is an image. Returns the shader of the image."""
+    from pxr import Sdf, UsdShade
+
+    types = Sdf.ValueTypeNames
+    shader = UsdShade.Shader.Define(stage, "/paint/surface")
+    shader.CreateIdAttr("ND_standard_surface_surfaceshader")
+    texture = UsdShade.Shader.Define(stage, "/paint/image")
+    texture.CreateIdAttr("ND_image_color3")
+    texture.CreateInput("file", types.Asset).Set(str(file))
+    shader.CreateInput("base_color", types.Color3f).ConnectToSource(texture.CreateOutput("out", types.Color3f))
+    shader.CreateInput("opacity", types.Color3f).Set((0.5, 0.5, 0.5))
+    bind(stage, shader, "mtlx")
+    return texture
+
+
+def test_materialx_colors_exclude_the_alpha_of_their_image(stage, tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    image.fromarray(np.full((2, 2, 4), (200, 100, 50, 0), np.uint8)).save(tmp_path / "clear.png")
+    painted_by_materialx(stage, tmp_path / "clear.png")
+    scene = latelight.from_usd(stage)
+    handle, made = only_material(scene)
+    assert (made.alpha_mode, made.base_color[3]) == ("blend", 0.5)
+    assert scene.texture_pixels(scene.texture_of(handle, "base_color"))[0, 0].tolist() == [200, 100, 50, 255]
+
+
+def test_usd_surfaces_may_have_the_specular_workflow(stage, tmp_path):
+    """specularColor is the reflectance at normal incidence, which is f0 times specular_color
+    (KHR_materials_specular). metallic and ior do not apply to it."""
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf, UsdShade
+
+    types = Sdf.ValueTypeNames
+    image.fromarray(np.full((2, 2, 3), 200, np.uint8)).save(tmp_path / "gray.png")
+    painted(stage, tmp_path / "gray.png")
+    surface = UsdShade.Shader(stage.GetPrimAtPath("/paint/surface"))
+    texture = UsdShade.Shader(stage.GetPrimAtPath("/paint/image"))
+    surface.CreateInput("ior", types.Float).Set(2)
+    surface.CreateInput("metallic", types.Float).ConnectToSource(texture.GetOutput("r"))
+    color = surface.CreateInput("specularColor", types.Color3f)
+    color.Set((1, 0.5, 0.02))
+    workflow = surface.CreateInput("useSpecularWorkflow", types.Int)
+
+    def converted():
+        scene = latelight.from_usd(stage)
+        handle, made = only_material(scene)
+        reflectance = np.multiply(made.specular_color, made.f0)
+        texels = scene.texture_pixels(scene.texture_of(handle, "metallic_roughness"))[0, 0, 1:3].tolist()
+        return made.metallic, reflectance, texels, scene.texture_of(handle, "specular_color") is not None
+
+    workflow.Set(0)
+    metallic, reflectance, texels, has_texture = converted()
+    assert (metallic, texels, has_texture) == (1, [200, 200], False)
+    np.testing.assert_allclose(reflectance, 1 / 9, atol=1e-6)
+    workflow.Set(1)
+    metallic, reflectance, texels, has_texture = converted()
+    assert (metallic, texels, has_texture) == (0, [200, 255], False)
+    np.testing.assert_allclose(reflectance, (1, 0.5, 0.02), atol=1e-6)
+    color.ConnectToSource(texture.GetOutput("rgb"))
+    _, reflectance, _, has_texture = converted()
+    assert has_texture
+    np.testing.assert_allclose(reflectance, 1, atol=1e-6)
+
+
 def test_usd_images_may_have_16_bits(stage, tmp_path):
     image = pytest.importorskip("PIL.Image")
-    image.fromarray(np.full((2, 2), 120 * 257, np.uint16)).save(tmp_path / "deep.png")
+    image.fromarray(np.full((2, 2), 120 * 257 - 100, np.uint16)).save(tmp_path / "deep.png")  # rounds to 120
     painted(stage, tmp_path / "deep.png")
     assert painted_with(latelight.from_usd(stage), tmp_path) == ([120, 120, 120], 120)
 
@@ -1452,6 +1635,60 @@ def test_usd_images_are_scaled(stage, tmp_path):
     texture.CreateInput("bias", Sdf.ValueTypeNames.Float4).Set((0.1, 0, 0, 0))
     _, made = only_material(latelight.from_usd(stage))
     np.testing.assert_allclose((*made.base_color, made.roughness), 1)
+
+
+def samplers(scene, folder):
+    """The wrap modes of glTF's samplers: 10497 is REPEAT, 33071 CLAMP_TO_EDGE, 33648 MIRRORED_REPEAT (5.26)."""
+    scene.export(folder / "wrapped.glb")
+    data = (folder / "wrapped.glb").read_bytes()
+    document = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    modes = [(each.get("wrapS", 10497), each.get("wrapT", 10497)) for each in document["samplers"]]
+    return {modes[texture["sampler"]] for texture in document["textures"]}
+
+
+REPEAT, CLAMP, MIRROR = 10497, 33071, 33648
+
+
+@pytest.mark.parametrize(
+    "wraps, expected, warning",
+    [
+        (("repeat", "repeat"), REPEAT, ""),
+        (("clamp", "clamp"), CLAMP, ""),
+        (("mirror", "mirror"), MIRROR, ""),
+        (("useMetadata", "useMetadata"), REPEAT, ""),
+        (("black", "black"), CLAMP, '"clamp" instead of "black" for diffuseColor of /paint/surface'),
+        (("mirror", "clamp"), MIRROR, '"mirror" for roughness of /paint/surface, because'),
+    ],
+)
+def test_usd_images_have_wrap_modes(stage, tmp_path, wraps, expected, warning):
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf, UsdShade
+
+    image.fromarray(np.full((2, 2, 3), 200, np.uint8)).save(tmp_path / "gray.png")
+    painted(stage, tmp_path / "gray.png")
+    texture = UsdShade.Shader(stage.GetPrimAtPath("/paint/image"))
+    for name, wrap in zip(("wrapS", "wrapT"), wraps):
+        texture.CreateInput(name, Sdf.ValueTypeNames.Token).Set(wrap)
+    surface = UsdShade.Shader(stage.GetPrimAtPath("/paint/surface"))
+    surface.CreateInput("normal", Sdf.ValueTypeNames.Normal3f).ConnectToSource(texture.GetOutput("rgb"))
+    with warnings.catch_warnings(record=True) as given:
+        warnings.simplefilter("always")
+        scene = latelight.from_usd(stage)
+    messages = [str(each.message) for each in given]
+    assert len(messages) == (3 if warning else 0)  # one per texture
+    assert any(warning in message for message in messages) or not warning
+    assert samplers(scene, tmp_path) == {(expected, expected)}
+
+
+def test_materialx_images_have_wrap_modes(stage, tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    from pxr import Sdf
+
+    image.fromarray(np.full((2, 2, 3), 200, np.uint8)).save(tmp_path / "gray.png")
+    texture = painted_by_materialx(stage, tmp_path / "gray.png")
+    for name in ("uaddressmode", "vaddressmode"):
+        texture.CreateInput(name, Sdf.ValueTypeNames.String).Set("mirror")
+    assert samplers(latelight.from_usd(stage), tmp_path) == {(MIRROR, MIRROR)}
 
 
 def test_usd_archives_hold_their_images(tmp_path, device):

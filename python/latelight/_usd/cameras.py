@@ -40,6 +40,7 @@ def add_camera(context: Context, animation: Animation, prim: Any) -> None:
         camera.vertical_fov = float(gf.GetFieldOfView(context.pxr.Gf.Camera.FOVVertical))
     # An offset moves what the camera sees, and the center of the projection moves the other way in the image.
     if gf.horizontalAperture > 0:
+        camera.aspect = gf.horizontalAperture / gf.verticalAperture
         camera.principal_x = -2 * gf.horizontalApertureOffset / gf.horizontalAperture
     camera.principal_y = -2 * gf.verticalApertureOffset / gf.verticalAperture
     context.scene.add_camera(camera, animation.node_of(prim) if context.samples.moves(prim) else None)

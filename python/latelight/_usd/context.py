@@ -34,9 +34,15 @@ class Context:
             self.time = pxr.Usd.TimeCode.EarliestTime()
         self.transforms = geom.XformCache(self.time)
         self.builder = Builder("z" if geom.GetStageUpAxis(stage) == geom.Tokens.z else "y")
+        self.warnings: list[str] = []  # for the caller
         self.meters = float(geom.GetStageMetersPerUnit(stage))  # the length of the stage's unit
         self.builder.world = self.builder.world @ np.diag([self.meters, self.meters, self.meters, 1])
         self.scene, self.scene_from_stage = self.builder.scene, self.builder.world
+
+    def warn(self, message: str) -> None:
+        """Each message is issued once, after the conversion."""
+        if message not in self.warnings:
+            self.warnings.append(message)
 
     def stage_from(self, prim: Any) -> np.ndarray:
         """The transform of a prim to the stage."""

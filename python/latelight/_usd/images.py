@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .._core import read_environment
-from .._model_builder import missing
+from .._model_builder import to_eight_bits, missing
 from .files import Files, extension
 
 
@@ -20,10 +20,7 @@ def open_image(files: Files, path: str) -> Any:
         pil = importlib.import_module("PIL.Image")
     except ImportError:
         raise missing("pillow", "from_usd") from None
-    image = pil.open(io.BytesIO(files.packaged(path)) if files.is_packaged(path) else path)
-    if image.mode.startswith("I"):  # 16 bits, which Pillow would clip to 8 bits
-        image = pil.fromarray((np.clip(np.asarray(image), 0, 65535) // 257).astype(np.uint8))
-    return image
+    return to_eight_bits(pil.open(io.BytesIO(files.packaged(path)) if files.is_packaged(path) else path))
 
 
 def read_radiance(files: Files, path: str) -> np.ndarray:
@@ -53,12 +50,12 @@ def occlusion(channel: np.ndarray | None) -> np.ndarray | None:
 
 
 def with_alpha(image: Any, mask: np.ndarray | None) -> Any:
-    """A color image with the opacity of another one; white if there is no color image."""
+    """An RGB image with the opacity of another one; white if there is no color image."""
     if mask is None:
         return image
     if image is None:
         return np.concatenate([np.full((*mask.shape, 3), 255, np.uint8), mask[..., None]], axis=-1)
-    pixels = np.asarray(image.convert("RGB"))
+    pixels = np.asarray(image)
     return np.concatenate([pixels, _sized(mask, pixels)[..., None]], axis=-1)
 
 

@@ -9,12 +9,14 @@ from . import images
 from .context import Context
 from .surfaces import Surface
 
+F0 = 0.04  # the reflectance at normal incidence of the index of refraction 1.5
+
 
 class Materials:
     def __init__(self, context: Context) -> None:
         self.context = context
         self.made: dict[tuple[str, bool], MaterialHandle] = {}
-        self.images: dict[str, Any] = {}
+        self.images: dict[tuple[str, str], Any] = {}
 
     def bound(self, prim: Any) -> Any:
         """The UsdShadeMaterial of a prim or of a subset of its faces."""
@@ -59,37 +61,55 @@ class Materials:
         return None
 
 
+def _has_specular_workflow(surface: Surface) -> bool:
+    """The reflectance at normal incidence is then specularColor, and metallic and ior do not apply to it."""
+    return bool(surface.value("useSpecularWorkflow", 0))
+
+
 def _add_preview_surface(context: Context, name: str, surface: Surface) -> MaterialHandle:
-    diffuse, emissive = surface.image("diffuseColor"), surface.image("emissiveColor")
-    normal, mask = surface.image("normal"), surface.channel("opacity")
-    rough, metal = surface.channel("roughness"), surface.channel("metallic")
+    mask = surface.channel("opacity")
     opacity, threshold = surface.factor("opacity", 1), surface.number("opacityThreshold", 0)
     base = surface.tint("diffuseColor", (0.18, 0.18, 0.18))
+    specular = surface.tint("specularColor", (0, 0, 0)) if _has_specular_workflow(surface) else None
     handle = context.scene.add_material(
         Material(
             name=name,
             base_color=(*(min(c, 1) for c in base), opacity),
-            metallic=surface.factor("metallic", 0),
+            metallic=surface.factor("metallic", 0) if specular is None else 0,
             roughness=surface.factor("roughness", 0.5),
             emissive=surface.tint("emissiveColor", (0, 0, 0)),
             clearcoat=surface.number("clearcoat", 0),
             clearcoat_roughness=surface.number("clearcoatRoughness", 0.01),
-            f0=surface.f0("ior", 1.5),
+            f0=surface.f0("ior", 1.5) if specular is None else F0,
+            specular_color=(1, 1, 1) if specular is None else tuple(min(c, 1) / F0 for c in specular),
             alpha_mode="mask" if threshold > 0 else "blend" if opacity < 1 or mask is not None else "opaque",
             alpha_cutoff=threshold if threshold > 0 else 0.5,
         )
     )
-    context.builder.add_texture(handle, "base_color", images.with_alpha(diffuse, mask), True)
-    context.builder.add_texture(handle, "emissive", emissive, True)
-    context.builder.add_texture(handle, "normal", normal, False)
-    context.builder.add_texture(handle, "metallic_roughness", images.metallic_roughness(rough, metal), False)
-    context.builder.add_texture(handle, "occlusion", images.occlusion(surface.channel("occlusion")), False)
+    _add_preview_textures(context, handle, surface)
     return handle
+
+
+def _add_preview_textures(context: Context, handle: MaterialHandle, surface: Surface) -> None:
+    color = images.with_alpha(surface.image("diffuseColor", "RGB"), surface.channel("opacity"))
+    has_specular = _has_specular_workflow(surface)
+    metal = None if has_specular else surface.channel("metallic")
+    packed = images.metallic_roughness(surface.channel("roughness"), metal)
+    occlusion = images.occlusion(surface.channel("occlusion"))
+    add = context.builder.add_texture
+    add(handle, "base_color", color, True, surface.wrap("diffuseColor", "opacity"))
+    add(handle, "emissive", surface.image("emissiveColor", "RGB"), True, surface.wrap("emissiveColor"))
+    add(handle, "normal", surface.image("normal"), False, surface.wrap("normal"))
+    wrap = surface.wrap("roughness") if has_specular else surface.wrap("roughness", "metallic")
+    add(handle, "metallic_roughness", packed, False, wrap)
+    if has_specular:
+        add(handle, "specular_color", surface.image("specularColor", "RGB"), True, surface.wrap("specularColor"))
+    add(handle, "occlusion", occlusion, False, surface.wrap("occlusion"))
 
 
 def _add_standard_surface(context: Context, name: str, surface: Surface) -> MaterialHandle:
     """Autodesk Standard Surface 1.0.1 (Georgiev et al. 2019) as far as glTF's model has its layers."""
-    image, emissive = surface.image("base_color"), surface.image("emission_color")
+    image, emissive = surface.image("base_color", "RGB"), surface.image("emission_color", "RGB")
     rough, metal = surface.channel("specular_roughness"), surface.channel("metalness")
     base, emission = surface.number("base", 1), float(surface.value("emission", 0))
     color = surface.tint("base_color", (0.8, 0.8, 0.8))
@@ -118,8 +138,9 @@ def _add_standard_surface(context: Context, name: str, surface: Surface) -> Mate
             alpha_mode="blend" if opacity < 1 else "opaque",
         )
     )
-    context.builder.add_texture(handle, "base_color", image, True)
-    context.builder.add_texture(handle, "emissive", emissive, True)
-    context.builder.add_texture(handle, "normal", surface.image("normal"), False)
-    context.builder.add_texture(handle, "metallic_roughness", images.metallic_roughness(rough, metal), False)
+    add, packed = context.builder.add_texture, images.metallic_roughness(rough, metal)
+    add(handle, "base_color", image, True, surface.wrap("base_color"))
+    add(handle, "emissive", emissive, True, surface.wrap("emission_color"))
+    add(handle, "normal", surface.image("normal"), False, surface.wrap("normal"))
+    add(handle, "metallic_roughness", packed, False, surface.wrap("specular_roughness", "metalness"))
     return handle

@@ -49,8 +49,10 @@ def from_usd(
     volumes, procedural textures and other shaders are left out."""
     with _opened(stage, time, allow_outside, "from_usd") as context:
         scene = _converted(context)
-    if context.samples.unplayed:  # from here, the caller is one level up, and an error is no fault of the file
-        warnings.warn(_read_once(context.samples), stacklevel=2)
+    if context.samples.unplayed:
+        context.warn(_read_once(context.samples))
+    for message in context.warnings:  # from here, the caller is one level up, and an error is no fault of the file
+        warnings.warn(message, stacklevel=2)
     return scene
 
 

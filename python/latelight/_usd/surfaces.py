@@ -6,8 +6,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .._model_builder import Wrap
 from .context import Context
 from .images import open_image
+
+# The wrap modes of UsdUVTexture and MaterialX; all others are "repeat". Textures of glTF have no border color.
+WRAPS: dict[str, Wrap] = {"clamp": "clamp", "mirror": "mirror", "black": "clamp", "constant": "clamp"}
 
 
 class ImageUse(NamedTuple):
@@ -16,15 +20,16 @@ class ImageUse(NamedTuple):
     path: str = ""
     output: str = ""  # the channel, or "rgb"
     scale: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0)  # of red, green, blue and alpha
+    wraps: tuple[str, ...] = ()  # USD's or MaterialX's wrap modes of s and t
 
     def channel(self) -> int:
         return {"g": 1, "b": 2, "a": 3}.get(self.output, 0)
 
 
 class Surface:
-    """A surface shader. `images`: the images that are open, by path, which surfaces share."""
+    """A surface shader. `images`: the images that are open, by path and mode, which surfaces share."""
 
-    def __init__(self, context: Context, shader: Any, images: dict[str, Any]) -> None:
+    def __init__(self, context: Context, shader: Any, images: dict[tuple[str, str], Any]) -> None:
         self.context, self.shader, self.images = context, shader, images
 
     # --- constants ---
@@ -65,19 +70,36 @@ class Surface:
 
     # --- images ---
 
-    def image(self, name: str) -> Any:
-        """The image that an input is connected to, as pixels."""
+    def image(self, name: str, mode: str = "") -> Any:
+        """The image that an input is connected to, as pixels: in a mode of Pillow, or in the file's.
+
+        Colors are read as "RGB", because a shader's inputs of colors do not include the alpha of the image."""
         path = self.image_use(name).path
         if not path:
             return None
-        if path not in self.images:
-            self.images[path] = open_image(self.context.files, path)
-        return self.images[path]
+        key = (path, mode)
+        if key not in self.images:
+            self.images[key] = self.image(name).convert(mode) if mode else open_image(self.context.files, path)
+        return self.images[key]
 
     def channel(self, name: str) -> np.ndarray | None:
         """One channel of the image that a scalar input is connected to."""
         image = self.image(name)
         return None if image is None else np.asarray(image.convert("RGBA"))[..., self.image_use(name).channel()]
+
+    def wrap(self, *names: str) -> Wrap:
+        """The wrap mode of the texture that the images of these inputs are packed to."""
+        wraps_by_name = {name: use.wraps for name in names if (use := self.image_use(name)).path}
+        sources = list(dict.fromkeys(wrap for pair in wraps_by_name.values() for wrap in pair))
+        wraps = list(dict.fromkeys(WRAPS.get(source, "repeat") for source in sources))
+        texture = f"{' and '.join(wraps_by_name)} of {self.shader.GetPath()}"
+        for source in sources:
+            if source in ("black", "constant"):
+                self.context.warn(f'from_usd uses the wrap mode "clamp" instead of "{source}" for {texture}')
+        if len(wraps) > 1:
+            reason = "a texture has one mode for both axes and all of its images"
+            self.context.warn(f'from_usd uses the wrap mode "{wraps[0]}" for {texture}, because {reason}')
+        return wraps[0] if wraps else "repeat"
 
     def image_use(self, name: str) -> ImageUse:
         """The image file that an input is connected to, also through a node graph."""
@@ -93,7 +115,8 @@ class Surface:
             file = texture.GetInput("file") if texture else None
             path = files.resolved(file.Get(self.context.time)) if file else ""
             if path and files.exists(path):
-                return ImageUse(path, source.GetName().removeprefix("outputs:"), self._scale_of(texture))
+                output = source.GetName().removeprefix("outputs:")
+                return ImageUse(path, output, self._scale_of(texture), self._wraps_of(texture))
         return ImageUse()
 
     def _scale_of(self, texture: Any) -> tuple[float, ...]:
@@ -102,3 +125,9 @@ class Surface:
         if "UsdUVTexture" not in (texture.GetShaderId() or "") or not scale or (bias and any(bias.Get(time) or ())):
             return ImageUse().scale
         return tuple(float(c) for c in scale.Get(time) or ImageUse().scale)
+
+    def _wraps_of(self, texture: Any) -> tuple[str, ...]:
+        is_usd = "UsdUVTexture" in (texture.GetShaderId() or "")
+        names = ("wrapS", "wrapT") if is_usd else ("uaddressmode", "vaddressmode")
+        inputs = [texture.GetInput(name) for name in names]
+        return tuple(str(given.Get(self.context.time) or "repeat") if given else "repeat" for given in inputs)
