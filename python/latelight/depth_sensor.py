@@ -10,6 +10,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -156,6 +157,9 @@ def capture(renderer: Renderer, camera: Camera, size: tuple[int, int], sensor: D
     for name in ("axes", "position_origin", "normal_frame"):
         if name in options:
             raise UsageError(f"a depth sensor measures in its camera's frame, so it has no option {name}")
+    if options.get("camera_fit") == "vertical":  # Camera.k() is the matrix of images that show the whole frame
+        camera = copy.copy(camera)
+        camera.aspect = None
     k = np.asarray(camera.k(size), np.float64)
     eye = ",".join(repr(float(value)) for value in camera.camera_to_world[:3, 3])
     frames = {"normal_frame": "opencv", "position_origin": eye}
