@@ -133,9 +133,9 @@ def test_captures_are_the_same_in_each_run(renderer, boxes):
 
 
 def test_wrong_arguments(renderer):
-    def refused(text, call):
+    def refused(text, call, *arguments):
         with pytest.raises(latelight.UsageError, match=text):
-            call()
+            call(*arguments)
 
     kinect = depth_sensor.kinect()
     refused("same shape", lambda: depth_sensor.measure(kinect, np.ones((4, 4)), np.ones((4, 5)), 500.0))
@@ -144,4 +144,17 @@ def test_wrong_arguments(renderer):
     refused("noise", lambda: dataclasses.replace(kinect, lateral=(-1.0, 0.0)))
     lens = latelight.Camera(lens=latelight.Lens(model="fisheye"))
     refused("perspective", lambda: depth_sensor.capture(renderer, lens, (8, 8), kinect))
-    refused("axes", lambda: depth_sensor.capture(renderer, latelight.Camera(), (8, 8), kinect, axes="z-up"))
+    camera = latelight.Camera()
+    for name, value in (
+        ("axes", "z-up"), ("position_origin", "1,2,3"), ("normal_frame", "opencv"), ("outputs", "color"), ("out", {}),
+        ("on_device", True), ("formats", {"depth": "float16"}), ("channels_first", True),
+        ("previous_cameras", [camera]), ("next_cameras", [camera]),
+    ):  # fmt: skip
+        refused(
+            f"a depth sensor .*, so it has no option {name}$",
+            lambda option: depth_sensor.capture(renderer, camera, (8, 8), kinect, **option), {name: value},
+        )  # fmt: skip
+    refused(
+        '"max_distance" does not apply',
+        lambda: depth_sensor.capture(renderer, camera, (8, 8), kinect, max_distance=3),
+    )
