@@ -1,6 +1,7 @@
 #include "options.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <functional>
 #include <limits>
@@ -9,6 +10,7 @@
 #include "cameras.h"
 #include "interpreter.h"
 #include "values.h"
+#include "worlds.h"
 
 namespace latelight::python {
 
@@ -137,22 +139,30 @@ bool setBesideTable(Options& options, std::string_view name, nb::handle value) {
   return true;
 }
 
-[[noreturn]] void rejectKeyword(const std::string& name) {
+// The arguments of methods of the renderer, except those of worlds, that are no options.
+constexpr std::array<std::string_view, 16> kArguments{
+    "camera",  "cameras", "count",   "directions", "first",  "keypoints",   "max_distance", "on_device",
+    "origins", "out",     "outputs", "pixels",     "second", "second_time", "size",         "stream"};
+
+// hasSize: the method has the argument size.
+[[noreturn]] void rejectKeyword(const std::string& name, bool hasSize) {
+  if (std::ranges::find(kArguments, name) != kArguments.end() || isWorldArgument(name))
+    badType("the argument \"{}\" does not apply to this call: omit it", name);
   const RunningPython section;
   nb::list known;
   for (const Keyword& keyword : keywords()) known.append(keyword.name);
-  for (const char* other :
-       {"size", "outputs", "previous_cameras", "next_cameras", "continues", "formats", "channels_first"})
+  for (const char* other : {"outputs", "previous_cameras", "next_cameras", "continues", "formats", "channels_first"})
     known.append(other);
+  if (hasSize) known.append("size");
   const nb::list close(nb::module_::import_("difflib").attr("get_close_matches")(name, known, 1));
   if (close.size() == 0) badType("there is no option \"{}\"", name);
   badType("there is no option \"{}\": do you mean \"{}\"?", name, shown(close[0]));
 }
 
-void setKeyword(Options& options, const std::string& name, nb::handle value) {
+void setKeyword(Options& options, const std::string& name, nb::handle value, bool hasSize) {
   const auto found = std::ranges::find(keywords(), name, &Keyword::name);
   if (found != keywords().end()) return found->set(options, value, name);
-  if (!setBesideTable(options, name, value)) rejectKeyword(name);
+  if (!setBesideTable(options, name, value)) rejectKeyword(name, hasSize);
 }
 
 void setSize(Options& options, nb::handle size) {
@@ -229,7 +239,7 @@ Options optionsOf(nb::handle size, nb::handle outputs, const nb::dict& keywords)
   Options options;
   if (!size.is_none()) setSize(options, size);
   setOutputs(options, outputs);
-  for (const auto& [name, value] : keywords) setKeyword(options, shown(nb::borrow(name)), value);
+  for (const auto& [name, value] : keywords) setKeyword(options, shown(nb::borrow(name)), value, !size.is_none());
   return options;
 }
 

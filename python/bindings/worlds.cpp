@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "cameras.h"
 #include "values.h"
@@ -289,6 +290,10 @@ void readRays(GivenWorlds& given, nb::handle origins, nb::handle directions, boo
   read(directions, "directions", static_cast<int64_t>(given.rays.count), given.rays.directions);
   if (given.rays.origins.element != given.rays.directions.element)
     badType("origins and directions must have the same type, float32 or float64");
+}
+
+bool isWorldArgument(std::string_view name) {
+  return std::ranges::find(kArguments, name, &WorldArgument::name) != std::end(kArguments);
 }
 
 std::string worldParameters() {

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tensors.h"
@@ -35,6 +36,7 @@ std::unique_ptr<GivenWorlds> worldsOf(nanobind::handle count, nanobind::handle c
 // Reads the rays of worlds, (N, R, 3), or, with one world, (R, 3). `stream`: that which reads arrays in CUDA's memory.
 void readRays(GivenWorlds& given, nanobind::handle origins, nanobind::handle directions, bool perWorld,
               uintptr_t stream);
+bool isWorldArgument(std::string_view name);
 std::string worldParameters();  // of a signature: ", instances: ... = None" and so on
 std::string worldDocs();
 

@@ -11,6 +11,7 @@ import numpy as np
 from ._core import Camera, Renderer
 from ._from_mujoco import MujocoScene, from_mujoco
 from ._model_builder import missing
+from ._options import reject_options
 from .errors import UsageError
 
 
@@ -52,13 +53,15 @@ def add_pixels(
     worlds: returns the arguments of render_worlds() that describe the worlds of the vector environment, for
     environments that are no SyncVectorEnv of MuJoCo environments; requires `renderer` and `cameras`
     renderer: default: one of the scene, on `device`
-    options: of render_worlds(), such as shadows="none"
+    options: of render_worlds(), such as shadows="none", except outputs, out, on_device and channels_first
 
     Requires the package gymnasium (1.0 or newer)."""
     try:
         gymnasium = importlib.import_module("gymnasium")
     except ImportError:
         raise missing("gymnasium", "add_pixels") from None
+    names = ("outputs", "out", "on_device", "channels_first")
+    reject_options(options, names, 'a wrapped environment returns "pixels" as NumPy arrays of (..., H, W, 3)')
     if worlds is None:
         _data_of(envs)  # raises UsageError for other environments
         robot = scene or from_mujoco(envs.unwrapped.envs[0].unwrapped.model)

@@ -10,6 +10,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -18,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._core import Camera, Renderer
+from ._options import reject_options
 from .errors import UsageError
 
 __all__ = ["DepthFrame", "DepthSensor", "capture", "kinect", "measure", "realsense_d435"]
@@ -141,21 +143,32 @@ def _shadow(renderer: Renderer, camera: Camera, sensor: DepthSensor, points: Arr
     return hidden
 
 
+def _check_options(options: dict[str, Any]) -> None:
+    frames = ("axes", "position_origin", "normal_frame")
+    reject_options(options, frames, "a depth sensor measures in its camera's frame")
+    arrays = ("outputs", "out", "on_device", "formats", "channels_first")
+    reject_options(options, arrays, "a depth sensor returns a DepthFrame of NumPy arrays")
+    cameras = ("previous_cameras", "next_cameras")
+    reject_options(options, cameras, "a depth sensor does not move during a frame")
+
+
 def capture(renderer: Renderer, camera: Camera, size: tuple[int, int], sensor: DepthSensor, *, seed: int | None = 0,
             **options: Any) -> DepthFrame:  # fmt: skip
     """Renders exact depth, and measures it as the sensor does.
 
     camera: a perspective camera, whose lens, if it has one, is a pinhole; size: width and height in pixels; seed: of
-    the noise, or None for quantization and shadows only; options: those of Renderer.render() and Renderer.cast(), such
-    as time
+    the noise, or None for quantization and shadows only; options: those that both Renderer.render() and Renderer.cast()
+    accept, such as time, except axes, position_origin and normal_frame, those that choose the arrays (outputs, out,
+    on_device, formats and channels_first), previous_cameras and next_cameras
 
     The shadow of structured light is traced: pixels whose point the projector does not reach have no value.
     """
     if camera.orthographic or (camera.lens is not None and camera.lens.model != "pinhole"):
         raise UsageError("a depth sensor needs a perspective camera without a lens that bends rays")
-    for name in ("axes", "position_origin", "normal_frame"):
-        if name in options:
-            raise UsageError(f"a depth sensor measures in its camera's frame, so it has no option {name}")
+    _check_options(options)
+    if options.get("camera_fit") == "vertical":  # Camera.k() is the matrix of images that show the whole frame
+        camera = copy.copy(camera)
+        camera.aspect = None
     k = np.asarray(camera.k(size), np.float64)
     eye = ",".join(repr(float(value)) for value in camera.camera_to_world[:3, 3])
     frames = {"normal_frame": "opencv", "position_origin": eye}

@@ -25,6 +25,7 @@ import warp as wp
 
 from ._core import Camera, InstanceHandle, Light, Material, MaterialHandle, MeshHandle, Renderer, Scene
 from ._model_builder import FROM_Z_UP, v_down
+from ._options import reject_options
 from ._shapes import box, capsule, cone, cylinder, ellipsoid, height_field, mesh_arrays, plane
 from .errors import UsageError
 
@@ -425,7 +426,10 @@ class SensorCamera:
         load_textures: textures of meshes; deformable_surface_mode: without effect, because deformable surfaces are not
         rendered; infinite_plane: side in meters of planes that are infinite in the model (shadow maps are coarser with
         larger ones); device: as for Renderer (default: the model's); options: of Renderer.render_worlds(), such as
-        shadows="d32" or exposure=1 (default: shadows="none", tonemap="none")"""
+        shadows="d32" or exposure=1 (default: shadows="none", tonemap="none"), except outputs, out, on_device, formats,
+        channels_first, axes and normal_frame"""
+        names = ("outputs", "out", "on_device", "formats", "channels_first", "axes", "normal_frame")
+        reject_options(options, names, "a SensorCamera writes the arrays of update() as Newton defines them")
         self.model = model
         _check_config(default_render_config)
         self.default_render_config = default_render_config if default_render_config is not None else self.RenderConfig()

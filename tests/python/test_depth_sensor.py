@@ -102,6 +102,27 @@ def test_the_projector_casts_a_shadow(device, at, vertical_focal):
     assert (np.abs(frame.depth - frame.true_depth)[seen] < 9 / (100 * 0.3) / 16 * 1.1).all()
 
 
+@pytest.mark.parametrize("fit, focal", [("whole", 16 * math.sqrt(3)), ("vertical", 32 * math.sqrt(3))])
+def test_the_fit_of_the_camera_defines_the_focal_length(device, fit, focal):
+    """A wall at 2 m fills a square image of a camera with 60 degrees of vertical field of view and the aspect 2.
+
+    The whole frame is 32 pixels high, and the image of the vertical field of view is 64 pixels high.
+    """
+    scene = latelight.Scene()
+    quad(scene, (-10, 10), -2.0, (0, 0, 0))
+    camera = latelight.Camera.look_at((0, 0, 0), (0, 0, -1), vertical_fov=60)
+    camera.aspect = 2.0
+    renderer = latelight.Renderer(scene, device)
+    frame = depth_sensor.capture(renderer, camera, (64, 64), depth_sensor.kinect(), seed=None, camera_fit=fit)
+    offsets = np.arange(64) + 0.5 - 32
+    slope = np.hypot(offsets, offsets[:, None]) / focal
+    np.testing.assert_allclose(frame.incidence, np.arctan(slope), atol=1e-4)
+    # Depths are quotients of focal length times baseline and multiples of 1/8 of a pixel of disparity.
+    scale = focal * 0.075 * 8
+    np.testing.assert_allclose(frame.depth, scale / round(scale / 2), rtol=1e-6)
+    assert camera.aspect == 2
+
+
 def test_captures_are_the_same_in_each_run(renderer, boxes):
     camera = boxes.default_camera()
     sensor = dataclasses.replace(depth_sensor.kinect(), max_range=50.0)
@@ -112,9 +133,9 @@ def test_captures_are_the_same_in_each_run(renderer, boxes):
 
 
 def test_wrong_arguments(renderer):
-    def refused(text, call):
+    def refused(text, call, *arguments):
         with pytest.raises(latelight.UsageError, match=text):
-            call()
+            call(*arguments)
 
     kinect = depth_sensor.kinect()
     refused("same shape", lambda: depth_sensor.measure(kinect, np.ones((4, 4)), np.ones((4, 5)), 500.0))
@@ -123,4 +144,17 @@ def test_wrong_arguments(renderer):
     refused("noise", lambda: dataclasses.replace(kinect, lateral=(-1.0, 0.0)))
     lens = latelight.Camera(lens=latelight.Lens(model="fisheye"))
     refused("perspective", lambda: depth_sensor.capture(renderer, lens, (8, 8), kinect))
-    refused("axes", lambda: depth_sensor.capture(renderer, latelight.Camera(), (8, 8), kinect, axes="z-up"))
+    camera = latelight.Camera()
+    for name, value in (
+        ("axes", "z-up"), ("position_origin", "1,2,3"), ("normal_frame", "opencv"), ("outputs", "color"), ("out", {}),
+        ("on_device", True), ("formats", {"depth": "float16"}), ("channels_first", True),
+        ("previous_cameras", [camera]), ("next_cameras", [camera]),
+    ):  # fmt: skip
+        refused(
+            f"a depth sensor .*, so it has no option {name}$",
+            lambda option: depth_sensor.capture(renderer, camera, (8, 8), kinect, **option), {name: value},
+        )  # fmt: skip
+    refused(
+        '"max_distance" does not apply',
+        lambda: depth_sensor.capture(renderer, camera, (8, 8), kinect, max_distance=3),
+    )

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import latelight
+from latelight import lidar
 
 TRIANGLE = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
 
@@ -101,6 +102,20 @@ def test_elements(scene):
     handle = scene.add_material(material)
     refused("slot must be one of base_color", lambda: scene.set_texture(handle, "bump", None))
     refused("texture must be the handle of texture", lambda: scene.set_texture(handle, "normal", 3))
+
+
+def test_arguments_of_other_calls(renderer, boxes):
+    camera, origins, directions = boxes.default_camera(), [[0, 0, 0]], [[1, 0, 0]]
+    pixels = [[0, 0]]
+    refused('"size" does not apply to this call: omit it', lambda: renderer.cast(origins, directions, size=3))
+    refused('no option "sizes"$', lambda: renderer.cast(origins, directions, sizes=3))
+    refused('no option "sizes": do you mean "size"', lambda: renderer.render(camera, sizes=3))
+    refused('"outputs" does not apply', lambda: renderer.pick(camera, pixels, (8, 8), outputs="id"))
+    refused('"on_device" does not apply', lambda: renderer.labels(camera, (8, 8), on_device=True))
+    refused('"max_distance" does not apply', lambda: renderer.render(camera, (8, 8), max_distance=3))
+    refused('"transforms" does not apply', lambda: renderer.render(camera, (8, 8), transforms=np.eye(4)))
+    with pytest.raises(latelight.UsageError, match='"outputs" does not apply to this call'):
+        lidar.scan(renderer, lidar.vlp16(), np.eye(4), outputs=("distance",))
 
 
 def test_options(renderer, boxes):

@@ -352,6 +352,9 @@ def test_vector_environments_have_pixels():
     np.testing.assert_array_equal(moved["pixels"][1], seen["pixels"][1])
     with pytest.raises(latelight.UsageError, match="SyncVectorEnv of MuJoCo environments"):
         latelight.add_pixels(gymnasium.make_vec("CartPole-v1", 2))
+    for name, value in (("channels_first", True), ("on_device", True), ("outputs", "id"), ("out", {})):
+        with pytest.raises(latelight.UsageError, match=f"so it has no option {name}$"):
+            latelight.add_pixels(gymnasium.vector.SyncVectorEnv([Fall, Fall]), device="cpu", **{name: value})
 
 
 def test_vector_environments_may_replace_their_data():

@@ -254,6 +254,10 @@ def test_arguments_of_newton_are_accepted(rings):
     ):
         with pytest.raises(latelight.UsageError, match="default enable_shadows, max_distance"):
             refused()
+    for option in ({"channels_first": True}, {"axes": "z-up"}, {"formats": {"id": "uint16"}}, {"out": {}}):
+        (name,) = option
+        with pytest.raises(latelight.UsageError, match=f"so it has no option {name}$"):
+            SensorCamera(rings, **option)
     with pytest.raises(latelight.UsageError, match="deformable_visuals must be None"):
         sensor.update(state, cameras, bundle, deformable_visuals=3)
 
