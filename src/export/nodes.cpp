@@ -5,6 +5,8 @@
 //
 // Copies by EXT_mesh_gpu_instancing become nodes below theirs, named as the ids of copies are made.
 //
+// glTF has no meshes without triangles: their nodes are written without a mesh.
+//
 // glTF ignores the transform of a node with a skin (3.7.3.3). An instance of a skinned mesh that an edit has placed
 // therefore has joints of its own, below a node with its transform.
 #include "export/nodes.h"
@@ -104,8 +106,8 @@ class NodeWriter {
       const Instance& instance = scene_.instances[i];
       if (instance.removed) continue;
       const bool follows = !scene_.rig.empty() && !instance.placed;
-      const auto& deformation = scene_.meshes[instance.mesh].deformation;
-      const int skin = deformation ? deformation->skin : -1;
+      const Mesh& mesh = scene_.meshes[instance.mesh];
+      const int skin = mesh.deformation && !exports::isEmpty(mesh) ? mesh.deformation->skin : -1;
       std::vector<Group>& groups = groups_[instance.node];
       std::vector<size_t>& similar = candidates[{instance.node, instance.copy}];
       const auto isSame = [&](size_t group) {
@@ -248,11 +250,17 @@ class NodeWriter {
 
   void hide(Json& node) { document_.extension(node, "KHR_node_visibility")["visible"] = false; }
 
+  bool isEmpty(const Group& group) const {
+    return std::ranges::all_of(group.instances,
+                               [&](uint32_t i) { return exports::isEmpty(scene_.meshes[scene_.instances[i].mesh]); });
+  }
+
   // --- meshes -------------------------------------------------------------------------------------------------------
 
   void addMeshes(uint32_t node) {
     bool isUsed = false;  // a node has one mesh
     for (const Group& group : groups_[node]) {
+      if (isEmpty(group)) continue;
       const bool moves = node < scene_.rig.sceneNodes.size() && isMoving_[scene_.rig.sceneNodes[node]];
       const bool isAtNode = group.copy < 0 && (group.follows || (group.toWorld == places_[node] && !moves));
       const bool wouldHide = group.hidden && !group.follows && groups_[node].size() > 1;
@@ -332,6 +340,7 @@ class NodeWriter {
     const Deformation* deformation = nullptr;
     for (const uint32_t i : group.instances) {
       const Instance& instance = scene_.instances[i];
+      if (exports::isEmpty(scene_.meshes[instance.mesh])) continue;
       Primitive primitive{.mesh = instance.mesh, .material = exported_.materials[instance.material]};
       if (const auto variants = variants_.find(i); variants != variants_.end()) primitive.variants = variants->second;
       primitives.push_back(std::move(primitive));

@@ -522,6 +522,24 @@ TEST(Export, ObjFilesHaveTexturesNextToThem) {
   EXPECT_GE(textures, 4u);
 }
 
+// glTF's accessors have at least one element (3.6.2), so a node of an empty mesh is written without one.
+TEST(Export, EmptyMeshesAreNodesWithoutMeshes) {
+  for (const char* model : {"textured.glb", "skinned.glb", "static_skin.glb", "morphed.glb"}) {
+    Scene scene = load(models::modelPath(model).string(), {.morphTargets = true});
+    const uint32_t mesh = scene.instances[0].mesh;
+    addInstance(scene, mesh, scene.instances[0].material, placement(), "empty");
+    setMesh(scene, mesh, {});
+    addInstance(scene, addMesh(scene, {.positions = {vec3(0)}, .attributes = {{}}}), 0, placement(), "point");
+    const Scene again = exported(scene);
+    EXPECT_EQ(again.nodes.size(), scene.nodes.size()) << model;
+    for (const Instance& instance : scene.instances) {
+      const bool isEmpty = scene.meshes[instance.mesh].indices.empty();
+      EXPECT_EQ(partOf(again, instance.part) == nullptr, isEmpty) << model << scene.nodes[instance.node].path;
+    }
+    EXPECT_EQ(again.triangleCount(), scene.triangleCount()) << model;
+  }
+}
+
 TEST(Export, ModelsKeepTheirMaterialsIfTheDiskIsFull) {
   const app::Folder folder;
   exports::exportScene(load("builtin:boxes"), folder.at("out.obj"));
