@@ -12,6 +12,9 @@
 namespace latelight::exports {
 
 std::vector<std::byte> encodeGlb(const scene::Scene& scene);
+// Returns the name as OBJ and MTL can hold it: control characters, which may end the line, are replaced by blanks, and
+// a backslash at the end, which would continue the line, by an underscore. There are no blanks at the ends.
+std::string objName(std::string name);
 // `materials`: the name of the .mtl file.
 std::string encodeObj(const scene::Scene& scene, const std::string& materials);
 // A material library, and the images that it refers to, by the index of their texture.

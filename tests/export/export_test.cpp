@@ -522,6 +522,47 @@ TEST(Export, ObjFilesHaveTexturesNextToThem) {
   EXPECT_GE(textures, 4u);
 }
 
+// A triangle at x = 0, at x = 3 and so on, with these names of materials and nodes, and the material's roughness 0.125,
+// 0.25 and so on.
+Scene triangles(const std::vector<std::string>& materials, const std::vector<std::string>& nodes) {
+  Scene scene = triangleFile().load();
+  removeInstance(scene, 0);
+  for (uint32_t i = 0; i < materials.size(); ++i) {
+    Material material{.name = materials[i]};
+    material.data.roughness = 0.125f * float(i + 1);
+    addInstance(scene, 0, addMaterial(scene, material), glm::translate(dmat4(1), dvec3(3 * i, 0, 0)), nodes[i]);
+  }
+  return scene;
+}
+
+TEST(Export, ObjKeepsMaterialsAndNodesOfAnyNamesApart) {
+  const std::vector<std::vector<std::string>> names = {
+      {"m", "m", "m#2"}, {"a\nb", "a b", "a b "}, {"m\\", "m_", "m"}, {"", "", " "}, {"m\nKd 1 1 1", "#", "-"}};
+  for (const auto& materials : names)
+    for (const std::vector<std::string>& nodes :
+         {std::vector<std::string>{"a\nv 9 9 9", "b", "c"}, {"a\\", "b\r\nf 1 2 3", "c"}}) {
+      const Scene scene = triangles(materials, nodes), again = exported(scene, "out.obj");
+      ASSERT_EQ(again.triangleCount(), 3u);
+      ASSERT_EQ(again.instances.size(), 3u);
+      for (const Instance& instance : again.instances) {
+        Bounds bounds;
+        addBounds(again, instance, instance.toWorld, bounds);
+        const double index = std::round(bounds.min.x / 3);
+        EXPECT_EQ(again.materials[instance.material].data.roughness, 0.125 * (index + 1)) << materials[0];
+      }
+      EXPECT_EQ(worldBounds(again).max.x, worldBounds(scene).max.x);
+    }
+}
+
+TEST(Export, ObjFindsItsMaterialsInFilesOfAnyName) {
+  Scene scene = triangles({"red"}, {"a"});
+  for (const char* name : {"a\nb.obj", "a\\.obj", "a\\b.obj", " a.obj"}) {
+    const Scene again = exported(scene, name);
+    ASSERT_EQ(again.materials.size(), 1u) << name;
+    EXPECT_EQ(again.materials[0].data.roughness, 0.125f) << name;
+  }
+}
+
 // glTF's accessors have at least one element (3.6.2), so a node of an empty mesh is written without one.
 TEST(Export, EmptyMeshesAreNodesWithoutMeshes) {
   for (const char* model : {"textured.glb", "skinned.glb", "static_skin.glb", "morphed.glb"}) {
