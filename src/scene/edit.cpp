@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/hash.h"
 #include "base/log.h"
 #include "scene/edit_check.h"
 #include "scene/edit_slots.h"
@@ -28,14 +27,6 @@ SceneEdits::KnownIds& idsOf(Scene& scene) {
   return ids;
 }
 
-// Returns the name, or "<name>#<number>", whose id is unused, and that id.
-std::pair<std::string, uint32_t> uniqueName(UniqueIds& ids, uint32_t& twins, const std::string& name) {
-  std::string unique = name;
-  uint32_t id = hash32(unique);
-  while (!ids.take(id)) id = hash32(unique = fmt::format("{}#{}", name, ++twins));
-  return {unique, id};
-}
-
 namespace {
 
 void empty(Gaps& gaps, uint32_t place) {
@@ -52,7 +43,7 @@ void followSlot(Scene& scene, uint32_t node) {
 }
 
 uint32_t addNode(Scene& scene, const std::string& name, const std::string& mesh, const dmat4& toWorld) {
-  auto [path, id] = uniqueName(idsOf(scene).nodes, scene.edits.twins, "/" + name);
+  auto [path, id] = idsOf(scene).nodes.make("/" + name);
   Node node{.name = name, .path = std::move(path), .mesh = mesh, .id = id};
   node.toWorld = toWorld;
   node.local = scene.yUp ? toGltfFromWorld() * toWorld : toWorld;
@@ -62,7 +53,7 @@ uint32_t addNode(Scene& scene, const std::string& name, const std::string& mesh,
 }
 
 void removeNode(Scene& scene, uint32_t index) {
-  idsOf(scene).nodes.release(scene.nodes[index].id);
+  idsOf(scene).nodes.release(scene.nodes[index].id, scene.nodes[index].path);
   scene.nodes[index] = {};
   scene.edits.freeNodes.push_back(index);
 }
@@ -206,7 +197,7 @@ uint32_t addMaterial(Scene& scene, const Material& material) {
   const std::vector<uint32_t>& gaps = scene.edits.materialGaps.free;
   const size_t next = gaps.empty() ? scene.materials.size() : gaps.back();
   const std::string name = added.name.empty() ? fmt::format("material{}", next) : added.name;
-  added.data.id = uniqueName(idsOf(scene).materials, scene.edits.twins, name).second;
+  added.data.id = idsOf(scene).materials.make(name).second;
   const uint32_t index = place(scene.materials, scene.edits.materialGaps.free, std::move(added));
   scene.edits.materials.note(index);
   return index;
@@ -215,7 +206,7 @@ uint32_t addMaterial(Scene& scene, const Material& material) {
 void removeMaterial(Scene& scene, uint32_t material) {
   Material& removed = present(scene.materials, material, "material");
   requireUnused(scene, &Instance::material, material, fmt::format("the material \"{}\"", printable(removed.name)));
-  idsOf(scene).materials.release(removed.data.id);
+  idsOf(scene).materials.release(removed.data.id, removed.name);
   removed = {.data = {.layers = noLayers()}, .removed = true};
   stopAnimating(scene, AnimatedElements::Materials, material);
   scene.rig.materials.erase(material);

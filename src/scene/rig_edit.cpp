@@ -226,8 +226,7 @@ uint32_t addNode(Scene& scene, const NewNode& added) {
   coverNodes(scene);
 
   Node node{.name = name, .mesh = added.parts.empty() ? "" : scene.meshes[added.parts[0].mesh].name};
-  std::tie(node.path, node.id) =
-      uniqueName(idsOf(scene).nodes, scene.edits.twins, (parent ? parent->path : std::string()) + "/" + name);
+  std::tie(node.path, node.id) = idsOf(scene).nodes.make((parent ? parent->path : std::string()) + "/" + name);
   node.parent = added.parent;
   node.local = local;
   node.toWorld = toWorld;

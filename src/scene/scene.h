@@ -193,10 +193,10 @@ struct SceneEdits {
   std::vector<uint32_t> freeNodes;  // nodes of instances that were added and removed
   // Ids of nodes and of instances, so that added elements get unused ids. Filled when the first element is added.
   struct KnownIds {
-    UniqueIds nodes, parts, materials;
+    UniqueNames nodes, materials;
+    UniqueIds parts;
   };
   std::optional<KnownIds> ids;
-  uint32_t twins = 1;  // distinguishes elements added under the same name
 };
 
 struct Environment;
