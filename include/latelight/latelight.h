@@ -373,7 +373,8 @@ class LATELIGHT_API Scene {
   // The instances of a node by its path, one per primitive of its mesh. Throws Error(Usage) if no node has this path.
   std::vector<Handle<Instance>> instancesOf(const std::string& node) const;
   Instance instance(Handle<Instance> instance) const;
-  // Afterward, animations no longer move the instance (skins and morph targets still deform it).
+  // Afterward, animations no longer move the instance (skins and morph targets still deform it). The node of
+  // addInstance() moves with it, unless nodes, skins, lights or cameras have been added that follow the node.
   void setTransform(Handle<Instance> instance, const Transform& transform);
   void assignMaterial(Handle<Instance> instance, Handle<Material> material);
   // The instance has its own root node, "/name", or "/name#2" and so on if that path exists, and the ids of that path.

@@ -323,6 +323,7 @@ void Scene::addCamera(const Camera& camera, const std::string& node) {
   addCamera(camera);
   scene::Camera& added = impl_->scene.cameras.back();
   added.node = static_cast<int>(index);
+  impl_->scene.nodes[index].followed = true;
   scene::placeCamera(added, scene::toGltfFromWorld() * impl_->scene.nodes[index].toWorld);
   impl_->cameras.back() = impl_->posedCamera(impl_->cameras.size() - 1, added);
 }

@@ -42,6 +42,13 @@ void followSlot(Scene& scene, uint32_t node) {
   rigged = {.hasMatrix = true, .matrix = scene.nodes[node].local};
 }
 
+void moveNode(Scene& scene, uint32_t index, const dmat4& toWorld) {
+  Node& node = scene.nodes[index];
+  node.toWorld = toWorld;
+  node.local = scene.yUp ? toGltfFromWorld() * toWorld : toWorld;
+  if (index < scene.rig.sceneNodes.size()) scene.rig.nodes[scene.rig.sceneNodes[index]].matrix = node.local;
+}
+
 uint32_t addNode(Scene& scene, const std::string& name, const std::string& mesh, const dmat4& toWorld) {
   auto [path, id] = idsOf(scene).nodes.make("/" + name);
   Node node{.name = name, .path = std::move(path), .mesh = mesh, .id = id};
@@ -107,6 +114,8 @@ void setTransform(Scene& scene, uint32_t instance, const dmat4& toWorld) {
   Instance& edited = present(scene.instances, instance, "instance");
   edited.toWorld = toWorld;
   edited.placed = true;
+  const Node& node = scene.nodes[edited.node];
+  if (node.added > 0 && edited.primitive == 0 && !node.followed) moveNode(scene, edited.node, toWorld);
   scene.edits.instances.note(instance);
 }
 
@@ -259,6 +268,7 @@ uint32_t addLight(Scene& scene, const Light& light) {
   checkLight(scene, light);
   Light added = light;
   added.removed = false;
+  if (added.node >= 0) scene.nodes[static_cast<size_t>(added.node)].followed = true;
   const uint32_t index = place(scene.lights, scene.edits.lightGaps.free, std::move(added));
   scene.edits.lights.note(index);
   return index;

@@ -14,7 +14,8 @@
 
 namespace latelight::scene {
 
-// Moves an instance and detaches it from animations.
+// Moves an instance and detaches it from animations. The node of an added instance, or of the first one of an added
+// object, moves with it, unless something follows that node.
 void setTransform(Scene& scene, uint32_t instance, const dmat4& toWorld);
 void setMaterialOf(Scene& scene, uint32_t instance, uint32_t material);
 // Adds an instance and returns its index. It gets its own root node, "/<name>" or "/<name>#<number>" with the
