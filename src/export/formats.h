@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scene/scene.h"
@@ -17,10 +18,10 @@ std::vector<std::byte> encodeGlb(const scene::Scene& scene);
 std::string objName(std::string name);
 // `materials`: the name of the .mtl file.
 std::string encodeObj(const scene::Scene& scene, const std::string& materials);
-// A material library, and the images that it refers to, by the index of their texture.
+// A material library, and the images that it refers to, by the index of their texture and whether they are in sRGB.
 struct MaterialLibrary {
   std::string text;
-  std::map<uint32_t, std::string> images;
+  std::map<std::pair<uint32_t, bool>, std::string> images;
 };
 // `stem`: the beginning of the names of images.
 MaterialLibrary encodeMtl(const scene::Scene& scene, const std::string& stem);

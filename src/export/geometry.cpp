@@ -122,7 +122,11 @@ class MtlWriter {
     }
     const TextureSlot& source = material_->slots[slot];
     const auto index = static_cast<uint32_t>(source.texture);
-    const auto& [texture, name] = *library_.images.try_emplace(index, fmt::format("{}_{}.png", stem_, index)).first;
+    const bool srgb = isColorSlot(slot), isConverted = srgb != scene_.textures[index].srgb;
+    const std::string& name = library_.images[{index, srgb}] = fmt::format("{}_{}{}.png", stem_, index,
+                                                                           !isConverted ? ""
+                                                                           : srgb       ? "_srgb"
+                                                                                        : "_linear");
     std::string options;
     if (t.row0.x != 1 || t.row1.y != 1) options += fmt::format(" -s {} {} 1", t.row0.x, t.row1.y);
     const float down = 1 - t.row1.y - t.row1.z;

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "output/png.h"
+#include "shared/color.h"
 
 namespace latelight::exports {
 namespace {
@@ -50,6 +51,11 @@ constexpr Place kPlaces[] = {{nullptr, "baseColorTexture"},
                              {kDiffuse, "diffuseTransmissionTexture"},
                              {kDiffuse, "diffuseTransmissionColorTexture"}};
 static_assert(std::size(kPlaces) == sh::kTextureCount);
+
+// The slots of colors, whose texels readers decode from sRGB. All others are linear.
+constexpr uint32_t kColorSlots = 1u << sh::kTextureBaseColor | 1u << sh::kTextureEmissive |
+                                 1u << sh::kTextureSpecularColor | 1u << sh::kTextureSheenColor |
+                                 1u << sh::kTextureDiffuseTransmissionColor;
 
 // Returns the parameters of a transform that is a scale, a rotation and an offset, as all transforms of files are.
 TransformParts partsOf(const sh::TextureTransform& t) {
@@ -168,7 +174,7 @@ class MaterialWriter {
   void writeTexture(uint32_t slot) {
     const TextureSlot& source = material_->slots[slot];
     if (source.texture < 0 || !(data().textures & 1u << slot)) return;
-    Json info{{"index", textureOf(source)}};
+    Json info{{"index", textureOf(source, isColorSlot(slot))}};
     if (slot == sh::kTextureNormal) set(info, "scale", data().normalScale, 1);
     if (slot == sh::kTextureClearcoatNormal) set(info, "scale", data().layers.clearcoatNormalScale, 1);
     if (slot == sh::kTextureOcclusion) set(info, "strength", data().occlusionStrength, 1);
@@ -191,12 +197,13 @@ class MaterialWriter {
     if (parts.scale != vec2(1)) extension["scale"] = arrayOf(parts.scale);
   }
 
-  size_t textureOf(const TextureSlot& slot) {
+  size_t textureOf(const TextureSlot& slot, bool srgb) {
     const Sampler& s = slot.sampler;
-    const auto key = std::tuple(slot.texture, s.wrapU, s.wrapV, s.magnify, s.minify, s.mip);
+    const auto key = std::tuple(slot.texture, srgb, s.wrapU, s.wrapV, s.magnify, s.minify, s.mip);
     const auto [known, isNew] = textures_.try_emplace(key, 0);
     if (isNew)
-      known->second = document_.add("textures", {{"sampler", samplerOf(s)}, {"source", imageOf(size_t(slot.texture))}});
+      known->second =
+          document_.add("textures", {{"sampler", samplerOf(s)}, {"source", imageOf(size_t(slot.texture), srgb)}});
     return known->second;
   }
 
@@ -214,12 +221,14 @@ class MaterialWriter {
     return known->second;
   }
 
-  // Textures that were decoded from one file as color and as data share an image.
-  size_t imageOf(size_t index) {
+  // Textures that were decoded from one file as color and as data share an image. A texture that is used as color and
+  // as data has two.
+  size_t imageOf(size_t index, bool srgb) {
     const Texture& texture = scene_.textures[index];
-    const auto [known, isNew] = images_.try_emplace(texture.pixels.get(), 0);
+    const int conversion = int{srgb} - int{texture.srgb};
+    const auto [known, isNew] = images_.try_emplace({texture.pixels.get(), conversion}, 0);
     if (!isNew) return known->second;
-    const std::vector<std::byte> png = encodeTexture(texture);
+    const std::vector<std::byte> png = encodeTexture(texture, srgb);
     Json image{{"bufferView", document_.addView(png)}, {"mimeType", "image/png"}};
     if (!texture.name.empty()) image["name"] = texture.name;
     return known->second = document_.add("images", std::move(image));
@@ -230,9 +239,9 @@ class MaterialWriter {
   const Material* material_ = nullptr;
   const MaterialParts* parts_ = nullptr;  // the source values of a material that animations change, or null
   Json out_;
-  std::map<std::tuple<int, Wrap, Wrap, Filter, Filter, MipFilter>, size_t> textures_;
+  std::map<std::tuple<int, bool, Wrap, Wrap, Filter, Filter, MipFilter>, size_t> textures_;
   std::map<std::tuple<Wrap, Wrap, Filter, Filter, MipFilter>, size_t> samplers_;
-  std::map<const std::byte*, size_t> images_;
+  std::map<std::pair<const std::byte*, int>, size_t> images_;
 };
 
 }  // namespace
@@ -245,13 +254,26 @@ bool hasAlpha(const Texture& texture) {
   return false;
 }
 
-std::vector<std::byte> encodeTexture(const Texture& texture) {
-  const bool isOpaque = !hasAlpha(texture);
+bool isColorSlot(uint32_t slot) {
+  return (kColorSlots >> slot & 1) != 0;
+}
+
+std::vector<std::byte> encodeTexture(const Texture& texture, bool srgb) {
+  std::array<std::byte, 256> converted;
+  for (size_t i = 0; i < converted.size(); ++i) {
+    const float value = float(i) / 255;
+    const float other = srgb == texture.srgb ? value : srgb ? sh::srgbFromLinear(value) : sh::linearFromSrgb(value);
+    converted[i] = static_cast<std::byte>(std::lround(other * 255));
+  }
+  const size_t channels = hasAlpha(texture) ? 4 : 3;
   const std::byte* rgba = texture.pixels.get();
-  std::vector<std::byte> rgb(isOpaque ? size_t{3} * texture.width * texture.height : 0);
-  for (size_t i = 0; i < rgb.size(); ++i) rgb[i] = rgba[i / 3 * 4 + i % 3];
-  return output::encodePng(texture.width, texture.height, isOpaque ? 3 : 4, 8, isOpaque ? rgb.data() : rgba,
-                           texture.srgb ? output::PngLight::Srgb : output::PngLight::Data);
+  std::vector<std::byte> texels(channels * texture.width * texture.height);
+  for (size_t i = 0; i < texels.size(); ++i) {
+    const std::byte value = rgba[i / channels * 4 + i % channels];
+    texels[i] = i % channels == 3 ? value : converted[static_cast<size_t>(value)];
+  }
+  return output::encodePng(texture.width, texture.height, static_cast<uint32_t>(channels), 8, texels.data(),
+                           srgb ? output::PngLight::Srgb : output::PngLight::Data);
 }
 
 std::vector<int> addMaterials(const Scene& scene, Document& document) {

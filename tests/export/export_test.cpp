@@ -15,6 +15,7 @@
 #include "scene/edit.h"
 #include "scene/gltf_builder.h"
 #include "scene/load/load.h"
+#include "scene/textures/texture.h"
 
 namespace latelight::scene::test {
 namespace {
@@ -560,6 +561,36 @@ TEST(Export, ObjFindsItsMaterialsInFilesOfAnyName) {
     const Scene again = exported(scene, name);
     ASSERT_EQ(again.materials.size(), 1u) << name;
     EXPECT_EQ(again.materials[0].data.roughness, 0.125f) << name;
+  }
+}
+
+// The slot defines the encoding: sRGB for colors, linear for data. Both textures have the byte 128: sRGB 128 is linear
+// 0.2159, which is 55 of 255, and linear 128 of 255 is sRGB 0.7350, which is 188 of 255.
+TEST(Export, TexturesAreConvertedToTheEncodingOfTheirSlot) {
+  for (const char* name : {"out.glb", "out.obj"}) {
+    Scene scene = triangleFile().load();
+    Material material{.name = "both"};
+    for (const bool srgb : {false, true}) {
+      Texture texture = makeTexture({1, 1}, srgb, srgb ? "color" : "data");
+      for (int i = 0; i < 4; ++i) texture.pixels.get()[i] = std::byte{128};
+      const int index = static_cast<int>(addTexture(scene, texture));
+      const uint32_t color = srgb ? shared::kTextureBaseColor : shared::kTextureEmissive;
+      const uint32_t data = srgb ? shared::kTextureMetallicRoughness : shared::kTextureNormal;
+      material.slots[color].texture = material.slots[data].texture = index;
+      material.data.textures |= 1u << color | 1u << data;
+    }
+    material.data.emissive = vec3(1);
+    setMaterialOf(scene, 0, addMaterial(scene, material));
+    const Scene again = exported(scene, name);
+    const Material& same = again.materials[again.instances[0].material];
+    const auto texelOf = [&](uint32_t slot) {
+      return std::to_integer<int>(again.textures.at(size_t(same.slots[slot].texture)).pixels.get()[1]);
+    };
+    EXPECT_EQ(texelOf(shared::kTextureBaseColor), 128) << name;
+    EXPECT_EQ(texelOf(shared::kTextureMetallicRoughness), 55) << name;
+    EXPECT_EQ(texelOf(shared::kTextureEmissive), 188) << name;
+    EXPECT_EQ(texelOf(shared::kTextureNormal), 128) << name;
+    EXPECT_EQ(again.textures[size_t(same.slots[shared::kTextureBaseColor].texture)].pixels.get()[3], std::byte{128});
   }
 }
 
