@@ -7,7 +7,10 @@
 #include <map>
 #include <optional>
 #include <tuple>
+#include <unordered_map>
+#include <unordered_set>
 
+#include "base/hash.h"
 #include "output/png.h"
 #include "shared/color.h"
 
@@ -276,12 +279,70 @@ std::vector<std::byte> encodeTexture(const Texture& texture, bool srgb) {
                            srgb ? output::PngLight::Srgb : output::PngLight::Data);
 }
 
+namespace {
+
+// Chooses the names of materials in the file, so that loading it computes the same ids (scene/ids.h). They are the
+// scene's names, unless an edit has added or removed materials of equal names, or materials without a name.
+class MaterialNames {
+ public:
+  explicit MaterialNames(const Scene& scene) : scene_(scene) {}
+
+  // Must be called for each material that is written, in the order of the file.
+  std::string nameOf(size_t index) {
+    const Material& material = scene_.materials[index];
+    const std::string loaded = material.name.empty() ? fmt::format("material{}", count_) : material.name;
+    ++count_;
+    for (unsigned attempt = 1;; ++attempt) {
+      const uint32_t id = hash32(attempt == 1 ? loaded : fmt::format("{}~{}", loaded, attempt));
+      if (id == material.data.id) break;
+      if (ids_.contains(id)) continue;
+      return renamed(index);
+    }
+    ids_.insert(material.data.id);
+    return material.name;
+  }
+
+ private:
+  // Returns a name whose hash is the material's id.
+  std::string renamed(size_t index) {
+    const Material& material = scene_.materials[index];
+    const uint32_t id = material.data.id;
+    ids_.insert(id);
+    const std::string name = material.name.empty() ? fmt::format("material{}", index) : material.name;
+    if (hash32(name) == id) return name;
+    // Numbers are mostly in the order of the materials, so the search begins after the last one. Those of loaded
+    // materials follow a tilde.
+    size_t& last = numbers_.try_emplace(name, 1).first->second;
+    const size_t count = scene_.materials.size() + 1;
+    for (size_t i = 0; i < count; ++i) {
+      const size_t number = 2 + (last - 1 + i) % count;
+      for (const char* mark : {"#", "~"})
+        if (std::string numbered = fmt::format("{}{}{}", name, mark, number); hash32(numbered) == id) {
+          last = number;
+          return numbered;
+        }
+    }
+    return material.name;
+  }
+
+  const Scene& scene_;
+  size_t count_ = 0;
+  std::unordered_set<uint32_t> ids_;                 // of the materials before
+  std::unordered_map<std::string, size_t> numbers_;  // the last ones by name
+};
+
+}  // namespace
+
 std::vector<int> addMaterials(const Scene& scene, Document& document) {
   MaterialWriter writer(scene, document);
+  MaterialNames names(scene);
   std::vector<int> indices(scene.materials.size(), -1);
-  for (size_t i = 0; i < scene.materials.size(); ++i)
-    if (!scene.materials[i].removed)
-      indices[i] = static_cast<int>(document.add("materials", writer.write(static_cast<uint32_t>(i))));
+  for (size_t i = 0; i < scene.materials.size(); ++i) {
+    if (scene.materials[i].removed) continue;
+    Json material = writer.write(static_cast<uint32_t>(i));
+    if (const std::string name = names.nameOf(i); !name.empty()) material["name"] = name;
+    indices[i] = static_cast<int>(document.add("materials", std::move(material)));
+  }
   return indices;
 }
 

@@ -16,6 +16,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <map>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "base/log.h"
@@ -81,6 +83,7 @@ class NodeWriter {
       if (nodes_[node] >= 0) addMeshes(node);
     addLights();
     addCameras();
+    keepPaths();
     Json roots = Json::array();
     for (size_t i = 0; i < parents_.size(); ++i)
       if (parents_[i] < 0) roots.push_back(i);
@@ -355,6 +358,33 @@ class NodeWriter {
     for (const float weight : scene_.rig.nodes[source].weights) weights.push_back(shortest(weight));
     if (!weights.empty()) at(index)["weights"] = std::move(weights);
     if (exported_.rigNodes[source] != index) exported_.morphedCopies.emplace(source, index);
+  }
+
+  // --- paths --------------------------------------------------------------------------------------------------------
+
+  // Loading appends "#2" and so on to the paths of siblings of equal names, in their order. Where the scene's path has
+  // another number, because an edit has removed or added siblings, the node's name becomes the path's last part.
+  void keepPaths() {
+    std::vector<int> sources(parents_.size(), -1);  // nodes of the scene, per node of the document
+    for (size_t i = 0; i < nodes_.size(); ++i)
+      if (nodes_[i] >= 0) sources[size_t(nodes_[i])] = static_cast<int>(i);
+    std::set<std::pair<int, std::string>> used;               // by parent: last parts of paths
+    std::map<std::pair<int, std::string>, uint32_t> numbers;  // by parent and name
+    for (size_t i = 0; i < sources.size(); ++i) {
+      std::string name = at(static_cast<int>(i))["name"].get<std::string>();
+      if (name.empty()) name = fmt::format("node{}", i);  // as it is loaded
+      std::string loaded = name;
+      uint32_t& number = numbers.try_emplace({parents_[i], name}, 1).first->second;
+      while (used.contains({parents_[i], loaded})) loaded = fmt::format("{}#{}", name, ++number);
+      const std::string last = sources[i] < 0 ? loaded : lastPartOf(scene_.nodes[size_t(sources[i])], loaded);
+      used.insert({parents_[i], last});
+      if (last != loaded) at(static_cast<int>(i))["name"] = last;
+    }
+  }
+
+  std::string lastPartOf(const Node& node, const std::string& otherwise) const {
+    const std::string above = (node.parent < 0 ? "" : scene_.nodes[size_t(node.parent)].path) + "/";
+    return node.path.starts_with(above) ? node.path.substr(above.size()) : otherwise;
   }
 
   // --- lights and cameras -------------------------------------------------------------------------------------------

@@ -564,6 +564,49 @@ TEST(Export, ObjFindsItsMaterialsInFilesOfAnyName) {
   }
 }
 
+TEST(Export, PathsAndIdsStayIfEqualNamesWereRemoved) {
+  Scene scene = triangles({"m", "m", "m", "m#2", "", ""}, {"x", "x", "x#2", "x", "y", "y"});
+  for (const uint32_t i : {0u, 4u}) {  // the first "x" and the first "y"
+    const uint32_t material = scene.instances[i].material;
+    removeInstance(scene, i);
+    removeMaterial(scene, material);
+  }
+  Scene again = exported(scene);
+  for (int round = 0; round < 2; ++round, again = exported(again)) {
+    std::vector<std::pair<std::string, uint32_t>> nodes, before;
+    for (const Node& node : scene.nodes)
+      if (!node.path.empty()) before.emplace_back(node.path, node.id);
+    for (const Node& node : again.nodes) nodes.emplace_back(node.path, node.id);
+    EXPECT_THAT(nodes, testing::UnorderedElementsAreArray(before));
+    for (const Instance& instance : scene.instances) {
+      if (instance.removed) continue;
+      const Instance* same = partOf(again, instance.part);
+      ASSERT_TRUE(same) << scene.nodes[instance.node].path;
+      EXPECT_EQ(same->id, instance.id);
+      EXPECT_EQ(again.materials[same->material].data.id, scene.materials[instance.material].data.id);
+    }
+  }
+}
+
+// Loaded materials of equal names have other numbers than added ones.
+TEST(Export, IdsOfLoadedMaterialsStayIfEqualNamesWereRemoved) {
+  GltfBuilder file = triangleFile();
+  for (int i = 0; i < 3; ++i) file.add("materials", {{"name", "m"}});
+  Scene scene = file.load();
+  std::vector<uint32_t> before, after;
+  uint32_t first = ~0u;
+  for (uint32_t i = 0; i < scene.materials.size(); ++i) {
+    if (scene.materials[i].name != "m") continue;
+    before.push_back(scene.materials[i].data.id);
+    first = std::min(first, i);
+  }
+  ASSERT_EQ(before.size(), 3u);
+  removeMaterial(scene, first);
+  for (const Material& material : exported(scene).materials)
+    if (material.name.starts_with("m")) after.push_back(material.data.id);
+  EXPECT_THAT(after, testing::IsSupersetOf({before[1], before[2]}));
+}
+
 // The slot defines the encoding: sRGB for colors, linear for data. Both textures have the byte 128: sRGB 128 is linear
 // 0.2159, which is 55 of 255, and linear 128 of 255 is sRGB 0.7350, which is 188 of 255.
 TEST(Export, TexturesAreConvertedToTheEncodingOfTheirSlot) {
