@@ -373,7 +373,8 @@ class LATELIGHT_API Scene {
   // The instances of a node by its path, one per primitive of its mesh. Throws Error(Usage) if no node has this path.
   std::vector<Handle<Instance>> instancesOf(const std::string& node) const;
   Instance instance(Handle<Instance> instance) const;
-  // Afterward, animations no longer move the instance (skins and morph targets still deform it).
+  // Afterward, animations no longer move the instance (skins and morph targets still deform it). The node of
+  // addInstance() moves with it, unless nodes, skins, lights or cameras have been added that follow the node.
   void setTransform(Handle<Instance> instance, const Transform& transform);
   void assignMaterial(Handle<Instance> instance, Handle<Material> material);
   // The instance has its own root node, "/name", or "/name#2" and so on if that path exists, and the ids of that path.
@@ -832,7 +833,8 @@ enum class Results {
 // One output of all pictures of a ticket in device memory: views x rows x columns x channels, or views x channels x
 // rows x columns with Options::channelsFirst, without padding, rows from the top. It is complete when it is returned,
 // and nothing writes to it while a copy of this object exists, unless it is a target of a later call. After that, the
-// renderer may render to it again without waiting for reads by other libraries.
+// renderer may render to it again without waiting for reads by other libraries. The functions of an empty array, such
+// as that of a missing key of a map, throw Error(Usage).
 class LATELIGHT_API DeviceArray {
  public:
   enum class Element { Float32, Uint32, Uint8, Float16, Uint16 };
@@ -861,6 +863,7 @@ class LATELIGHT_API DeviceArray {
   friend class Renderer;
   friend struct DeviceArrayMemory;
   struct Impl;
+  const Impl& filled() const;  // throws Error(Usage) if the array is empty
   std::shared_ptr<Impl> impl_;
 };
 

@@ -323,6 +323,7 @@ void Scene::addCamera(const Camera& camera, const std::string& node) {
   addCamera(camera);
   scene::Camera& added = impl_->scene.cameras.back();
   added.node = static_cast<int>(index);
+  impl_->scene.nodes[index].followed = true;
   scene::placeCamera(added, scene::toGltfFromWorld() * impl_->scene.nodes[index].toWorld);
   impl_->cameras.back() = impl_->posedCamera(impl_->cameras.size() - 1, added);
 }
@@ -491,38 +492,42 @@ void DeviceArrayMemory::checkDistinct(const std::map<std::string, DeviceArray>& 
                  printable(b->first));
 }
 
+const DeviceArray::Impl& DeviceArray::filled() const {
+  if (!impl_) badUsage("this array is empty: use one that takeArrays(), cast() or inputArray() has returned");
+  return *impl_;
+}
 const void* DeviceArray::host() const {
-  return impl_->memory->buffer.mapped();
+  return filled().memory->buffer.mapped();
 }
 int DeviceArray::exportMemory() const {
-  impl_->owner.require("the array's device");
+  filled().owner.require("the array's device");
   if (host()) badUsage("the host has this array: it is read there");
-  return impl_->memory->buffer.exportMemory();
+  return filled().memory->buffer.exportMemory();
 }
 uint64_t DeviceArray::memoryBytes() const {
-  return impl_->memory->buffer.memorySize();
+  return filled().memory->buffer.memorySize();
 }
 void DeviceArray::copyToHost(std::span<std::byte> to) const {
-  impl_->owner.require("the array's device");
-  const vk::Buffer& from = impl_->memory->buffer;
+  filled().owner.require("the array's device");
+  const vk::Buffer& from = filled().memory->buffer;
   if (to.size() > from.size()) badUsage("the array has {} bytes, not {}", from.size(), to.size());
   if (host()) {
     std::memcpy(to.data(), host(), to.size());
     return;
   }
-  vk::readBack(*impl_->device, from, 0, to);
+  vk::readBack(*filled().device, from, 0, to);
 }
 std::string DeviceArray::deviceUuid() const {
-  return impl_->device->info().uuid;
+  return filled().device->info().uuid;
 }
 void DeviceArray::attach(std::shared_ptr<void> object) const {
-  impl_->memory->attached = std::move(object);
+  filled().memory->attached = std::move(object);
 }
 std::shared_ptr<void> DeviceArray::attached() const {
-  return impl_->memory->attached;
+  return filled().memory->attached;
 }
 void DeviceArray::beforeReuse(std::function<void()> call) const {
-  impl_->memory->beforeReuse = std::move(call);
+  filled().memory->beforeReuse = std::move(call);
 }
 
 render::ExportTargets DeviceArrayMemory::targets(const std::map<std::string, DeviceArray>& arrays,

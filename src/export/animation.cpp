@@ -30,10 +30,20 @@ class AnimationWriter {
     if (track.property == AnimatedProperty::Visible)
       return addPointer(fmt::format("/nodes/{}/extensions/KHR_node_visibility/visible", node), addVisibility(track));
     const bool areWeights = track.property == AnimatedProperty::Weights;
-    const size_t sampler = addSampler(track, areWeights);
-    addChannel(track, node, sampler);
+    std::vector<int> nodes;
+    if (!areWeights || hasTargets(node)) nodes.push_back(node);
     const auto [copy, end] = (areWeights ? exported_.morphedCopies : exported_.movedCopies).equal_range(track.node);
-    for (auto i = copy; i != end; ++i) addChannel(track, i->second, sampler);
+    for (auto i = copy; i != end; ++i) nodes.push_back(i->second);
+    if (nodes.empty()) return;
+    const size_t sampler = addSampler(track, areWeights);
+    for (const int i : nodes) addChannel(track, i, sampler);
+  }
+
+  // An edit may have replaced the node's mesh by one without morph targets, or without triangles.
+  bool hasTargets(int node) const {
+    const Json& source = document_.root["nodes"][static_cast<size_t>(node)];
+    if (!source.contains("mesh")) return false;
+    return document_.root["meshes"][source["mesh"].get<size_t>()]["primitives"][0].contains("targets");
   }
 
   void addChannel(const Track& track, int node, size_t sampler) {

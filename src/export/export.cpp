@@ -1,5 +1,6 @@
 #include "export/export.h"
 
+#include <algorithm>
 #include <cctype>
 #include <new>
 
@@ -31,16 +32,17 @@ uint64_t geometryBytes(const scene::Scene& scene) {
 
 // Writes the scene's .obj file, its .mtl file and the images of that.
 void exportObj(const scene::Scene& scene, const std::filesystem::path& file, output::UsedFiles& used) {
-  std::filesystem::path materials = file;
-  materials.replace_extension(".mtl");
-  const MaterialLibrary mtl = encodeMtl(scene, file.stem().string());
+  std::string stem = objName(file.stem().string());
+  std::ranges::replace(stem, '\\', '_');  // readers take it for a slash
+  const std::filesystem::path materials = file.parent_path() / (stem + ".mtl");
+  const MaterialLibrary mtl = encodeMtl(scene, stem);
   std::vector<std::filesystem::path> paths{file, materials};
-  for (const auto& [texture, name] : mtl.images) paths.push_back(file.parent_path() / name);
+  for (const auto& [use, name] : mtl.images) paths.push_back(file.parent_path() / name);
   used.checkOutputs(paths);
   const std::string obj = encodeObj(scene, materials.filename().string());
   FileGroup files;
-  for (const auto& [texture, name] : mtl.images)
-    files.add(file.parent_path() / name, encodeTexture(scene.textures[texture]));
+  for (const auto& [use, name] : mtl.images)
+    files.add(file.parent_path() / name, encodeTexture(scene.textures[use.first], use.second));
   files.add(materials, std::as_bytes(std::span(mtl.text)));
   files.add(file, std::as_bytes(std::span(obj)));
   files.commit();

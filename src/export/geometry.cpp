@@ -6,6 +6,8 @@
 #include <cmath>
 #include <glm/gtc/matrix_inverse.hpp>
 #include <iterator>
+#include <unordered_map>
+#include <unordered_set>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -42,15 +44,33 @@ bool isExported(const Instance& instance) {
   return !instance.removed && !instance.hidden;
 }
 
-// Names of MTL end at the line.
-std::string nameOf(const Scene& scene, uint32_t material) {
-  std::string name = scene.materials[material].name;
-  for (char& c : name)
-    if (c == '\n' || c == '\r') c = ' ';
-  return name.empty() ? fmt::format("material{}", material) : name;
+// The names of materials in MTL, where a later material of an equal name would replace the earlier one: those after the
+// first get "#2" and so on appended. Removed materials have no name.
+std::vector<std::string> materialNames(const Scene& scene) {
+  std::vector<std::string> names(scene.materials.size());
+  std::unordered_set<std::string> used;
+  std::unordered_map<std::string, uint32_t> numbers;  // so that equal names require only one step each
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (scene.materials[i].removed) continue;
+    std::string name = objName(scene.materials[i].name);
+    if (name.empty()) name = fmt::format("material{}", i);
+    names[i] = name;
+    for (uint32_t& number = numbers.try_emplace(name, 1).first->second; !used.insert(names[i]).second;)
+      names[i] = fmt::format("{}#{}", name, ++number);
+  }
+  return names;
 }
 
 }  // namespace
+
+std::string objName(std::string name) {
+  for (char& c : name)
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = ' ';
+  name.erase(0, name.find_first_not_of(' '));
+  name.erase(name.find_last_not_of(' ') + 1);
+  if (name.ends_with('\\')) name.back() = '_';
+  return name;
+}
 
 // --- materials of OBJ -----------------------------------------------------------------------------------------------
 
@@ -58,13 +78,13 @@ namespace {
 
 class MtlWriter {
  public:
-  MtlWriter(const Scene& scene, const std::string& stem) : scene_(scene), stem_(stem) {}
+  MtlWriter(const Scene& scene, const std::string& stem) : scene_(scene), stem_(stem), names_(materialNames(scene)) {}
 
   void add(uint32_t index) {
     material_ = &scene_.materials[index];
     const shared::Material& m = material_->data;
     const auto out = std::back_inserter(library_.text);
-    fmt::format_to(out, "newmtl {}\nKd {} {} {}\nPr {}\nPm {}\n", nameOf(scene_, index), m.baseColor.r, m.baseColor.g,
+    fmt::format_to(out, "newmtl {}\nKd {} {} {}\nPr {}\nPm {}\n", names_[index], m.baseColor.r, m.baseColor.g,
                    m.baseColor.b, m.roughness, m.metallic);
     if (m.emissive != vec3(0)) fmt::format_to(out, "Ke {} {} {}\n", m.emissive.r, m.emissive.g, m.emissive.b);
     const bool isTranslucent = (m.flags & (shared::kMaterialBlended | shared::kMaterialMasked)) != 0;
@@ -102,7 +122,11 @@ class MtlWriter {
     }
     const TextureSlot& source = material_->slots[slot];
     const auto index = static_cast<uint32_t>(source.texture);
-    const auto& [texture, name] = *library_.images.try_emplace(index, fmt::format("{}_{}.png", stem_, index)).first;
+    const bool srgb = isColorSlot(slot), isConverted = srgb != scene_.textures[index].srgb;
+    const std::string& name = library_.images[{index, srgb}] = fmt::format("{}_{}{}.png", stem_, index,
+                                                                           !isConverted ? ""
+                                                                           : srgb       ? "_srgb"
+                                                                                        : "_linear");
     std::string options;
     if (t.row0.x != 1 || t.row1.y != 1) options += fmt::format(" -s {} {} 1", t.row0.x, t.row1.y);
     const float down = 1 - t.row1.y - t.row1.z;
@@ -113,6 +137,7 @@ class MtlWriter {
 
   const Scene& scene_;
   const std::string& stem_;
+  const std::vector<std::string> names_;
   const Material* material_ = nullptr;
   MaterialLibrary library_;
 };
@@ -131,13 +156,14 @@ MaterialLibrary encodeMtl(const Scene& scene, const std::string& stem) {
 std::string encodeObj(const Scene& scene, const std::string& materials) {
   std::string text = fmt::format("mtllib {}\n", materials);
   const auto out = std::back_inserter(text);
+  const std::vector<std::string> names = materialNames(scene);
   uint64_t first = 1;
   for (const Instance& instance : scene.instances) {
     if (!isExported(instance)) continue;
     const Mesh& mesh = scene.meshes[instance.mesh];
     const Placement placement = placementOf(instance, true);
-    fmt::format_to(out, "o {}\nusemtl {}\n", scene.nodes[instance.node].path.substr(1),
-                   nameOf(scene, instance.material));
+    fmt::format_to(out, "o {}\nusemtl {}\n", objName(scene.nodes[instance.node].path.substr(1)),
+                   names[instance.material]);
     for (const vec3& position : mesh.positions) {
       const dvec3 p = placement.transform * glm::dvec4(position, 1);
       fmt::format_to(out, "v {} {} {}\n", float(p.x), float(p.y), float(p.z));

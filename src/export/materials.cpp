@@ -7,8 +7,12 @@
 #include <map>
 #include <optional>
 #include <tuple>
+#include <unordered_map>
+#include <unordered_set>
 
+#include "base/hash.h"
 #include "output/png.h"
+#include "shared/color.h"
 
 namespace latelight::exports {
 namespace {
@@ -50,6 +54,11 @@ constexpr Place kPlaces[] = {{nullptr, "baseColorTexture"},
                              {kDiffuse, "diffuseTransmissionTexture"},
                              {kDiffuse, "diffuseTransmissionColorTexture"}};
 static_assert(std::size(kPlaces) == sh::kTextureCount);
+
+// The slots of colors, whose texels readers decode from sRGB. All others are linear.
+constexpr uint32_t kColorSlots = 1u << sh::kTextureBaseColor | 1u << sh::kTextureEmissive |
+                                 1u << sh::kTextureSpecularColor | 1u << sh::kTextureSheenColor |
+                                 1u << sh::kTextureDiffuseTransmissionColor;
 
 // Returns the parameters of a transform that is a scale, a rotation and an offset, as all transforms of files are.
 TransformParts partsOf(const sh::TextureTransform& t) {
@@ -168,7 +177,7 @@ class MaterialWriter {
   void writeTexture(uint32_t slot) {
     const TextureSlot& source = material_->slots[slot];
     if (source.texture < 0 || !(data().textures & 1u << slot)) return;
-    Json info{{"index", textureOf(source)}};
+    Json info{{"index", textureOf(source, isColorSlot(slot))}};
     if (slot == sh::kTextureNormal) set(info, "scale", data().normalScale, 1);
     if (slot == sh::kTextureClearcoatNormal) set(info, "scale", data().layers.clearcoatNormalScale, 1);
     if (slot == sh::kTextureOcclusion) set(info, "strength", data().occlusionStrength, 1);
@@ -191,12 +200,13 @@ class MaterialWriter {
     if (parts.scale != vec2(1)) extension["scale"] = arrayOf(parts.scale);
   }
 
-  size_t textureOf(const TextureSlot& slot) {
+  size_t textureOf(const TextureSlot& slot, bool srgb) {
     const Sampler& s = slot.sampler;
-    const auto key = std::tuple(slot.texture, s.wrapU, s.wrapV, s.magnify, s.minify, s.mip);
+    const auto key = std::tuple(slot.texture, srgb, s.wrapU, s.wrapV, s.magnify, s.minify, s.mip);
     const auto [known, isNew] = textures_.try_emplace(key, 0);
     if (isNew)
-      known->second = document_.add("textures", {{"sampler", samplerOf(s)}, {"source", imageOf(size_t(slot.texture))}});
+      known->second =
+          document_.add("textures", {{"sampler", samplerOf(s)}, {"source", imageOf(size_t(slot.texture), srgb)}});
     return known->second;
   }
 
@@ -214,12 +224,14 @@ class MaterialWriter {
     return known->second;
   }
 
-  // Textures that were decoded from one file as color and as data share an image.
-  size_t imageOf(size_t index) {
+  // Textures that were decoded from one file as color and as data share an image. A texture that is used as color and
+  // as data has two.
+  size_t imageOf(size_t index, bool srgb) {
     const Texture& texture = scene_.textures[index];
-    const auto [known, isNew] = images_.try_emplace(texture.pixels.get(), 0);
+    const int conversion = int{srgb} - int{texture.srgb};
+    const auto [known, isNew] = images_.try_emplace({texture.pixels.get(), conversion}, 0);
     if (!isNew) return known->second;
-    const std::vector<std::byte> png = encodeTexture(texture);
+    const std::vector<std::byte> png = encodeTexture(texture, srgb);
     Json image{{"bufferView", document_.addView(png)}, {"mimeType", "image/png"}};
     if (!texture.name.empty()) image["name"] = texture.name;
     return known->second = document_.add("images", std::move(image));
@@ -230,9 +242,9 @@ class MaterialWriter {
   const Material* material_ = nullptr;
   const MaterialParts* parts_ = nullptr;  // the source values of a material that animations change, or null
   Json out_;
-  std::map<std::tuple<int, Wrap, Wrap, Filter, Filter, MipFilter>, size_t> textures_;
+  std::map<std::tuple<int, bool, Wrap, Wrap, Filter, Filter, MipFilter>, size_t> textures_;
   std::map<std::tuple<Wrap, Wrap, Filter, Filter, MipFilter>, size_t> samplers_;
-  std::map<const std::byte*, size_t> images_;
+  std::map<std::pair<const std::byte*, int>, size_t> images_;
 };
 
 }  // namespace
@@ -245,21 +257,92 @@ bool hasAlpha(const Texture& texture) {
   return false;
 }
 
-std::vector<std::byte> encodeTexture(const Texture& texture) {
-  const bool isOpaque = !hasAlpha(texture);
-  const std::byte* rgba = texture.pixels.get();
-  std::vector<std::byte> rgb(isOpaque ? size_t{3} * texture.width * texture.height : 0);
-  for (size_t i = 0; i < rgb.size(); ++i) rgb[i] = rgba[i / 3 * 4 + i % 3];
-  return output::encodePng(texture.width, texture.height, isOpaque ? 3 : 4, 8, isOpaque ? rgb.data() : rgba,
-                           texture.srgb ? output::PngLight::Srgb : output::PngLight::Data);
+bool isColorSlot(uint32_t slot) {
+  return (kColorSlots >> slot & 1) != 0;
 }
+
+std::vector<std::byte> encodeTexture(const Texture& texture, bool srgb) {
+  std::array<std::byte, 256> converted;
+  for (size_t i = 0; i < converted.size(); ++i) {
+    const float value = float(i) / 255;
+    const float other = srgb == texture.srgb ? value : srgb ? sh::srgbFromLinear(value) : sh::linearFromSrgb(value);
+    converted[i] = static_cast<std::byte>(std::lround(other * 255));
+  }
+  const size_t channels = hasAlpha(texture) ? 4 : 3;
+  const std::byte* rgba = texture.pixels.get();
+  std::vector<std::byte> texels(channels * texture.width * texture.height);
+  for (size_t i = 0; i < texels.size(); ++i) {
+    const std::byte value = rgba[i / channels * 4 + i % channels];
+    texels[i] = i % channels == 3 ? value : converted[static_cast<size_t>(value)];
+  }
+  return output::encodePng(texture.width, texture.height, static_cast<uint32_t>(channels), 8, texels.data(),
+                           srgb ? output::PngLight::Srgb : output::PngLight::Data);
+}
+
+namespace {
+
+// Chooses the names of materials in the file, so that loading it computes the same ids (scene/ids.h). They are the
+// scene's names, unless an edit has added or removed materials of equal names, or materials without a name.
+class MaterialNames {
+ public:
+  explicit MaterialNames(const Scene& scene) : scene_(scene) {}
+
+  // Must be called for each material that is written, in the order of the file.
+  std::string nameOf(size_t index) {
+    const Material& material = scene_.materials[index];
+    const std::string loaded = material.name.empty() ? fmt::format("material{}", count_) : material.name;
+    ++count_;
+    for (unsigned attempt = 1;; ++attempt) {
+      const uint32_t id = hash32(attempt == 1 ? loaded : fmt::format("{}~{}", loaded, attempt));
+      if (id == material.data.id) break;
+      if (ids_.contains(id)) continue;
+      return renamed(index);
+    }
+    ids_.insert(material.data.id);
+    return material.name;
+  }
+
+ private:
+  // Returns a name whose hash is the material's id.
+  std::string renamed(size_t index) {
+    const Material& material = scene_.materials[index];
+    const uint32_t id = material.data.id;
+    ids_.insert(id);
+    const std::string name = material.name.empty() ? fmt::format("material{}", index) : material.name;
+    if (hash32(name) == id) return name;
+    // Numbers are mostly in the order of the materials, so the search begins after the last one. Those of loaded
+    // materials follow a tilde.
+    size_t& last = numbers_.try_emplace(name, 1).first->second;
+    const size_t count = scene_.materials.size() + 1;
+    for (size_t i = 0; i < count; ++i) {
+      const size_t number = 2 + (last - 1 + i) % count;
+      for (const char* mark : {"#", "~"})
+        if (std::string numbered = fmt::format("{}{}{}", name, mark, number); hash32(numbered) == id) {
+          last = number;
+          return numbered;
+        }
+    }
+    return material.name;
+  }
+
+  const Scene& scene_;
+  size_t count_ = 0;
+  std::unordered_set<uint32_t> ids_;                 // of the materials before
+  std::unordered_map<std::string, size_t> numbers_;  // the last ones by name
+};
+
+}  // namespace
 
 std::vector<int> addMaterials(const Scene& scene, Document& document) {
   MaterialWriter writer(scene, document);
+  MaterialNames names(scene);
   std::vector<int> indices(scene.materials.size(), -1);
-  for (size_t i = 0; i < scene.materials.size(); ++i)
-    if (!scene.materials[i].removed)
-      indices[i] = static_cast<int>(document.add("materials", writer.write(static_cast<uint32_t>(i))));
+  for (size_t i = 0; i < scene.materials.size(); ++i) {
+    if (scene.materials[i].removed) continue;
+    Json material = writer.write(static_cast<uint32_t>(i));
+    if (const std::string name = names.nameOf(i); !name.empty()) material["name"] = name;
+    indices[i] = static_cast<int>(document.add("materials", std::move(material)));
+  }
   return indices;
 }
 

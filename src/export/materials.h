@@ -13,8 +13,11 @@ namespace latelight::exports {
 // or -1 for removed ones.
 std::vector<int> addMaterials(const scene::Scene& scene, Document& document);
 
-// Encodes the largest level of a texture as PNG, without alpha if it is 1 everywhere.
-std::vector<std::byte> encodeTexture(const scene::Texture& texture);
+// Encodes the largest level of a texture as PNG, without alpha if it is 1 everywhere. Colors are converted to sRGB or
+// to linear values, rounded to 8 bits.
+std::vector<std::byte> encodeTexture(const scene::Texture& texture, bool srgb);
+
+bool isColorSlot(uint32_t slot);  // readers decode the textures of the slot from sRGB
 
 bool hasAlpha(const scene::Texture& texture);  // in its largest level
 

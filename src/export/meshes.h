@@ -18,10 +18,15 @@ struct Primitive {
   auto operator<=>(const Primitive&) const = default;
 };
 
+// True for meshes without triangles, which glTF cannot hold: accessors have at least one element.
+inline bool isEmpty(const scene::Mesh& mesh) {
+  return mesh.positions.empty() || mesh.indices.size() < 3;
+}
+
 class MeshWriter {
  public:
   MeshWriter(const scene::Scene& scene, Document& document) : scene_(scene), document_(document) {}
-  // Returns the index of the glTF mesh, which equal requests share.
+  // Returns the index of the glTF mesh, which equal requests share. The meshes of the primitives must not be empty.
   size_t add(const std::string& name, const std::vector<Primitive>& primitives);
 
  private:

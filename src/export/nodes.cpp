@@ -5,6 +5,8 @@
 //
 // Copies by EXT_mesh_gpu_instancing become nodes below theirs, named as the ids of copies are made.
 //
+// glTF has no meshes without triangles: their nodes are written without a mesh.
+//
 // glTF ignores the transform of a node with a skin (3.7.3.3). An instance of a skinned mesh that an edit has placed
 // therefore has joints of its own, below a node with its transform.
 #include "export/nodes.h"
@@ -14,6 +16,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <map>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "base/log.h"
@@ -79,6 +83,7 @@ class NodeWriter {
       if (nodes_[node] >= 0) addMeshes(node);
     addLights();
     addCameras();
+    keepPaths();
     Json roots = Json::array();
     for (size_t i = 0; i < parents_.size(); ++i)
       if (parents_[i] < 0) roots.push_back(i);
@@ -104,8 +109,8 @@ class NodeWriter {
       const Instance& instance = scene_.instances[i];
       if (instance.removed) continue;
       const bool follows = !scene_.rig.empty() && !instance.placed;
-      const auto& deformation = scene_.meshes[instance.mesh].deformation;
-      const int skin = deformation ? deformation->skin : -1;
+      const Mesh& mesh = scene_.meshes[instance.mesh];
+      const int skin = mesh.deformation && !exports::isEmpty(mesh) ? mesh.deformation->skin : -1;
       std::vector<Group>& groups = groups_[instance.node];
       std::vector<size_t>& similar = candidates[{instance.node, instance.copy}];
       const auto isSame = [&](size_t group) {
@@ -248,11 +253,17 @@ class NodeWriter {
 
   void hide(Json& node) { document_.extension(node, "KHR_node_visibility")["visible"] = false; }
 
+  bool isEmpty(const Group& group) const {
+    return std::ranges::all_of(group.instances,
+                               [&](uint32_t i) { return exports::isEmpty(scene_.meshes[scene_.instances[i].mesh]); });
+  }
+
   // --- meshes -------------------------------------------------------------------------------------------------------
 
   void addMeshes(uint32_t node) {
     bool isUsed = false;  // a node has one mesh
     for (const Group& group : groups_[node]) {
+      if (isEmpty(group)) continue;
       const bool moves = node < scene_.rig.sceneNodes.size() && isMoving_[scene_.rig.sceneNodes[node]];
       const bool isAtNode = group.copy < 0 && (group.follows || (group.toWorld == places_[node] && !moves));
       const bool wouldHide = group.hidden && !group.follows && groups_[node].size() > 1;
@@ -332,6 +343,7 @@ class NodeWriter {
     const Deformation* deformation = nullptr;
     for (const uint32_t i : group.instances) {
       const Instance& instance = scene_.instances[i];
+      if (exports::isEmpty(scene_.meshes[instance.mesh])) continue;
       Primitive primitive{.mesh = instance.mesh, .material = exported_.materials[instance.material]};
       if (const auto variants = variants_.find(i); variants != variants_.end()) primitive.variants = variants->second;
       primitives.push_back(std::move(primitive));
@@ -346,6 +358,33 @@ class NodeWriter {
     for (const float weight : scene_.rig.nodes[source].weights) weights.push_back(shortest(weight));
     if (!weights.empty()) at(index)["weights"] = std::move(weights);
     if (exported_.rigNodes[source] != index) exported_.morphedCopies.emplace(source, index);
+  }
+
+  // --- paths --------------------------------------------------------------------------------------------------------
+
+  // Loading appends "#2" and so on to the paths of siblings of equal names, in their order. Where the scene's path has
+  // another number, because an edit has removed or added siblings, the node's name becomes the path's last part.
+  void keepPaths() {
+    std::vector<int> sources(parents_.size(), -1);  // nodes of the scene, per node of the document
+    for (size_t i = 0; i < nodes_.size(); ++i)
+      if (nodes_[i] >= 0) sources[size_t(nodes_[i])] = static_cast<int>(i);
+    std::set<std::pair<int, std::string>> used;               // by parent: last parts of paths
+    std::map<std::pair<int, std::string>, uint32_t> numbers;  // by parent and name
+    for (size_t i = 0; i < sources.size(); ++i) {
+      std::string name = at(static_cast<int>(i))["name"].get<std::string>();
+      if (name.empty()) name = fmt::format("node{}", i);  // as it is loaded
+      std::string loaded = name;
+      uint32_t& number = numbers.try_emplace({parents_[i], name}, 1).first->second;
+      while (used.contains({parents_[i], loaded})) loaded = fmt::format("{}#{}", name, ++number);
+      const std::string last = sources[i] < 0 ? loaded : lastPartOf(scene_.nodes[size_t(sources[i])], loaded);
+      used.insert({parents_[i], last});
+      if (last != loaded) at(static_cast<int>(i))["name"] = last;
+    }
+  }
+
+  std::string lastPartOf(const Node& node, const std::string& otherwise) const {
+    const std::string above = (node.parent < 0 ? "" : scene_.nodes[size_t(node.parent)].path) + "/";
+    return node.path.starts_with(above) ? node.path.substr(above.size()) : otherwise;
   }
 
   // --- lights and cameras -------------------------------------------------------------------------------------------

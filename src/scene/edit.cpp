@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/hash.h"
 #include "base/log.h"
 #include "scene/edit_check.h"
 #include "scene/edit_slots.h"
@@ -28,14 +27,6 @@ SceneEdits::KnownIds& idsOf(Scene& scene) {
   return ids;
 }
 
-// Returns the name, or "<name>#<number>", whose id is unused, and that id.
-std::pair<std::string, uint32_t> uniqueName(UniqueIds& ids, uint32_t& twins, const std::string& name) {
-  std::string unique = name;
-  uint32_t id = hash32(unique);
-  while (!ids.take(id)) id = hash32(unique = fmt::format("{}#{}", name, ++twins));
-  return {unique, id};
-}
-
 namespace {
 
 void empty(Gaps& gaps, uint32_t place) {
@@ -51,8 +42,15 @@ void followSlot(Scene& scene, uint32_t node) {
   rigged = {.hasMatrix = true, .matrix = scene.nodes[node].local};
 }
 
+void moveNode(Scene& scene, uint32_t index, const dmat4& toWorld) {
+  Node& node = scene.nodes[index];
+  node.toWorld = toWorld;
+  node.local = scene.yUp ? toGltfFromWorld() * toWorld : toWorld;
+  if (index < scene.rig.sceneNodes.size()) scene.rig.nodes[scene.rig.sceneNodes[index]].matrix = node.local;
+}
+
 uint32_t addNode(Scene& scene, const std::string& name, const std::string& mesh, const dmat4& toWorld) {
-  auto [path, id] = uniqueName(idsOf(scene).nodes, scene.edits.twins, "/" + name);
+  auto [path, id] = idsOf(scene).nodes.make("/" + name);
   Node node{.name = name, .path = std::move(path), .mesh = mesh, .id = id};
   node.toWorld = toWorld;
   node.local = scene.yUp ? toGltfFromWorld() * toWorld : toWorld;
@@ -62,7 +60,7 @@ uint32_t addNode(Scene& scene, const std::string& name, const std::string& mesh,
 }
 
 void removeNode(Scene& scene, uint32_t index) {
-  idsOf(scene).nodes.release(scene.nodes[index].id);
+  idsOf(scene).nodes.release(scene.nodes[index].id, scene.nodes[index].path);
   scene.nodes[index] = {};
   scene.edits.freeNodes.push_back(index);
 }
@@ -116,6 +114,8 @@ void setTransform(Scene& scene, uint32_t instance, const dmat4& toWorld) {
   Instance& edited = present(scene.instances, instance, "instance");
   edited.toWorld = toWorld;
   edited.placed = true;
+  const Node& node = scene.nodes[edited.node];
+  if (node.added > 0 && edited.primitive == 0 && !node.followed) moveNode(scene, edited.node, toWorld);
   scene.edits.instances.note(instance);
 }
 
@@ -206,7 +206,7 @@ uint32_t addMaterial(Scene& scene, const Material& material) {
   const std::vector<uint32_t>& gaps = scene.edits.materialGaps.free;
   const size_t next = gaps.empty() ? scene.materials.size() : gaps.back();
   const std::string name = added.name.empty() ? fmt::format("material{}", next) : added.name;
-  added.data.id = uniqueName(idsOf(scene).materials, scene.edits.twins, name).second;
+  added.data.id = idsOf(scene).materials.make(name).second;
   const uint32_t index = place(scene.materials, scene.edits.materialGaps.free, std::move(added));
   scene.edits.materials.note(index);
   return index;
@@ -215,7 +215,7 @@ uint32_t addMaterial(Scene& scene, const Material& material) {
 void removeMaterial(Scene& scene, uint32_t material) {
   Material& removed = present(scene.materials, material, "material");
   requireUnused(scene, &Instance::material, material, fmt::format("the material \"{}\"", printable(removed.name)));
-  idsOf(scene).materials.release(removed.data.id);
+  idsOf(scene).materials.release(removed.data.id, removed.name);
   removed = {.data = {.layers = noLayers()}, .removed = true};
   stopAnimating(scene, AnimatedElements::Materials, material);
   scene.rig.materials.erase(material);
@@ -268,6 +268,7 @@ uint32_t addLight(Scene& scene, const Light& light) {
   checkLight(scene, light);
   Light added = light;
   added.removed = false;
+  if (added.node >= 0) scene.nodes[static_cast<size_t>(added.node)].followed = true;
   const uint32_t index = place(scene.lights, scene.edits.lightGaps.free, std::move(added));
   scene.edits.lights.note(index);
   return index;

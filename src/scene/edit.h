@@ -14,11 +14,13 @@
 
 namespace latelight::scene {
 
-// Moves an instance and detaches it from animations.
+// Moves an instance and detaches it from animations. The node of an added instance, or of the first one of an added
+// object, moves with it, unless something follows that node.
 void setTransform(Scene& scene, uint32_t instance, const dmat4& toWorld);
 void setMaterialOf(Scene& scene, uint32_t instance, uint32_t material);
-// Adds an instance and returns its index. It gets its own root node, "/<name>" or "/<name>#<number>", which is removed
-// with it, and ids from that path. An empty name stands for the mesh's name.
+// Adds an instance and returns its index. It gets its own root node, "/<name>" or "/<name>#<number>" with the
+// lowest number from 2 on that is free, which is removed with it, and ids from that path. An empty name stands for the
+// mesh's name.
 uint32_t addInstance(Scene& scene, uint32_t mesh, uint32_t material, const dmat4& toWorld,
                      const std::string& name = "");
 // Adds several instances at one such node, so that they share one id. Returns their indices.

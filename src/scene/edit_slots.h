@@ -1,7 +1,6 @@
 // Slots of a scene's elements during edits (edit.h), and the ids and paths of added ones.
 #pragma once
 
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -45,7 +44,5 @@ inline uint32_t placeInstance(Scene& scene, const Instance& instance) {
 
 // The ids in use, which the first call collects.
 SceneEdits::KnownIds& idsOf(Scene& scene);
-// Returns the name, or "<name>#<number>", whose id is unused, and that id.
-std::pair<std::string, uint32_t> uniqueName(UniqueIds& ids, uint32_t& twins, const std::string& name);
 
 }  // namespace latelight::scene

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <string_view>
+#include <system_error>
 #include <unordered_map>
 #include <utility>
 
@@ -60,6 +62,33 @@ void UniqueIds::grow() {
   old.swap(table_);
   for (uint32_t id : old)
     if (id != 0) find(id) = id;
+}
+
+std::pair<std::string, uint32_t> UniqueNames::make(const std::string& name) {
+  if (const uint32_t id = hash32(name); ids_.take(id)) return {name, id};
+  Numbers& numbers = numbers_[name];
+  while (true) {
+    const uint32_t number = numbers.free.empty() ? numbers.next++ : numbers.free.extract(numbers.free.begin()).value();
+    std::string unique = fmt::format("{}#{}", name, number);
+    const uint32_t id = hash32(unique);
+    if (!ids_.take(id)) continue;
+    numbered_[id] = unique;
+    return {std::move(unique), id};
+  }
+}
+
+void UniqueNames::release(uint32_t id, const std::string& name) {
+  ids_.release(id);
+  const auto known = numbered_.find(id);
+  const std::string unique = known == numbered_.end() ? name : std::move(known->second);
+  if (known != numbered_.end()) numbered_.erase(known);
+  const size_t mark = unique.rfind('#');
+  if (mark == std::string::npos) return;
+  const auto numbers = numbers_.find(unique.substr(0, mark));
+  uint32_t number = 0;
+  const auto [end, error] = std::from_chars(unique.data() + mark + 1, unique.data() + unique.size(), number);
+  if (numbers == numbers_.end() || error != std::errc() || end != unique.data() + unique.size()) return;
+  if (number >= 2 && number < numbers->second.next) numbers->second.free.insert(number);
 }
 
 void identifyMaterials(Scene& scene) {

@@ -4,7 +4,10 @@
 
 #include <cstdint>
 #include <functional>
+#include <set>
 #include <string>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace latelight::scene {
@@ -28,6 +31,29 @@ class UniqueIds {
 
   std::vector<uint32_t> table_;  // a power of two, at most half full; 0: free
   size_t count_ = 0;
+};
+
+// Names of added elements and their ids: the name, or "<name>#<number>" with the lowest number from 2 on, whose id, the
+// hash of it, is not in use. The numbers in use are not tried again, so that a million equal names require only a
+// million steps.
+class UniqueNames {
+ public:
+  bool take(uint32_t id) { return ids_.take(id); }  // of an element that was not added
+  std::pair<std::string, uint32_t> make(const std::string& name);
+  // Makes a used id available again. `name` is the element's name, with or without its number.
+  void release(uint32_t id, const std::string& name);
+  // Forgets the numbers in use, not the ids. Names made afterward depend only on the ids in use, even where the hashes
+  // of different names are equal.
+  void forgetNumbers() { numbers_.clear(); }
+
+ private:
+  struct Numbers {
+    uint32_t next = 2;  // lower ones are in use, except for those that became free
+    std::set<uint32_t> free;
+  };
+  UniqueIds ids_;
+  std::unordered_map<std::string, Numbers> numbers_;    // by name
+  std::unordered_map<uint32_t, std::string> numbered_;  // names with a number by their id
 };
 
 // Assigns each material its id, from its name or from "material<index>" if it has no name.

@@ -226,11 +226,11 @@ uint32_t addNode(Scene& scene, const NewNode& added) {
   coverNodes(scene);
 
   Node node{.name = name, .mesh = added.parts.empty() ? "" : scene.meshes[added.parts[0].mesh].name};
-  std::tie(node.path, node.id) =
-      uniqueName(idsOf(scene).nodes, scene.edits.twins, (parent ? parent->path : std::string()) + "/" + name);
+  std::tie(node.path, node.id) = idsOf(scene).nodes.make((parent ? parent->path : std::string()) + "/" + name);
   node.parent = added.parent;
   node.local = local;
   node.toWorld = toWorld;
+  if (!isRoot) scene.nodes[static_cast<size_t>(added.parent)].followed = true;
   RigNode rigged = from;
   rigged.parent = isRoot ? -1 : static_cast<int>(scene.rig.sceneNodes[static_cast<size_t>(added.parent)]);
   rigged.rotation = glm::normalize(from.rotation);
@@ -361,6 +361,7 @@ uint32_t addSkin(Scene& scene, std::span<const uint32_t> joints, std::vector<mat
   dvec3 mean(0);
   for (const uint32_t joint : joints) {
     skin.joints.push_back(scene.rig.sceneNodes.at(joint));
+    scene.nodes[joint].followed = true;
     mean += dvec3((toGltfFromWorld() * scene.nodes[joint].toWorld)[3]) / double(joints.size());
   }
   skin.origin = originNear(mean);

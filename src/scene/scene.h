@@ -122,6 +122,7 @@ struct Node {
   std::string mesh;    // name of its mesh; empty if it has none
   uint32_t id = 0;     // stable, unique in the scene, never 0; in a group, that of the topmost node
   uint32_t added = 0;  // number of instances that an edit added to it (edit.h); the node is removed with the last one
+  bool followed = false;  // an edit has added a node, skin, light or camera that follows it
   int parent = -1;
   dmat4 local{1};    // in the file's own frame
   dmat4 toWorld{1};  // in the renderer's world
@@ -193,10 +194,10 @@ struct SceneEdits {
   std::vector<uint32_t> freeNodes;  // nodes of instances that were added and removed
   // Ids of nodes and of instances, so that added elements get unused ids. Filled when the first element is added.
   struct KnownIds {
-    UniqueIds nodes, parts, materials;
+    UniqueNames nodes, materials;
+    UniqueIds parts;
   };
   std::optional<KnownIds> ids;
-  uint32_t twins = 1;  // distinguishes elements added under the same name
 };
 
 struct Environment;

@@ -189,6 +189,29 @@ TEST(EditApi, WhatIsAddedIsSeenAndFoundByItsIds) {
   EXPECT_THAT(refusal([&] { scene.instancesOf("/sign"); }), HasSubstr("no node \"/sign\""));
 }
 
+Transform transformOf(const Scene& scene, const std::string& path) {
+  const std::vector<Node> nodes = scene.nodes();
+  const auto found = std::ranges::find(nodes, path, &Node::path);
+  return found == nodes.end() ? Transform{} : found->transform;
+}
+
+TEST(EditApi, NodesOfAddedInstancesMoveWithThem) {
+  Scene scene;
+  const Handle<Instance> box =
+      scene.addInstance(scene.addMesh(square()), scene.addMaterial({}), placed(1, 0, 0), "box");
+  scene.setTransform(box, placed(2, 3, 4));
+  EXPECT_EQ(transformOf(scene, "/box"), placed(2, 3, 4));
+  scene.addNode({.name = "other"});  // the scene's nodes can now be animated
+  scene.setTransform(box, placed(5, 6, 7));
+  EXPECT_EQ(transformOf(scene, "/box"), placed(5, 6, 7));
+  scene.addNode({.name = "child", .parent = "/box"});
+  EXPECT_EQ(transformOf(scene, "/box/child"), placed(5, 6, 7));
+  scene.setTransform(box, placed(8, 9, 10));
+  EXPECT_EQ(transformOf(scene, "/box"), placed(5, 6, 7)) << "the child stays, and so does the node that it follows";
+  EXPECT_EQ(transformOf(scene, "/box/child"), placed(5, 6, 7));
+  EXPECT_EQ(scene.instance(box).transform, placed(8, 9, 10));
+}
+
 // Like the output of an importer: normals of the triangles, and tangents along the texture coordinates.
 TEST(EditApi, NormalsAreMadeWhereThereAreNone) {
   Scene scene("builtin:boxes");

@@ -4,6 +4,8 @@
 #include <latelight/latelight.h>
 
 #include <cstring>
+#include <functional>
+#include <map>
 
 #include "base/error.h"
 #include "edits/workshop.h"
@@ -158,6 +160,31 @@ TEST(DeviceArrays, OutliveTheirRendererAndScene) {
     expected = renderer.render(shop.camera, shop.options).aovs.at("depth").values;
   }
   EXPECT_EQ(std::memcmp(arrays.at("depth").host(), expected.data(), expected.size() * sizeof(float)), 0);
+}
+
+TEST(DeviceArrays, EmptyOnesAreRejected) {
+  std::map<std::string, DeviceArray> arrays;
+  const DeviceArray& array = arrays["dpeth"];
+  std::byte byte{};
+  const std::vector<std::function<void()>> calls = {[&] { array.host(); },
+                                                    [&] { array.exportMemory(); },
+                                                    [&] { array.memoryBytes(); },
+                                                    [&] { array.deviceUuid(); },
+                                                    [&] { array.attach(nullptr); },
+                                                    [&] { array.attached(); },
+                                                    [&] {
+                                                      array.copyToHost({&byte, 1});
+                                                    },
+                                                    [&] { array.beforeReuse([] {}); }};
+  for (const auto& call : calls) {
+    try {
+      call();
+      ADD_FAILURE();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::Usage);
+      EXPECT_THAT(error.what(), testing::HasSubstr("this array is empty"));
+    }
+  }
 }
 
 TEST(DeviceArrays, AreTakenAsTheyWereAskedFor) {

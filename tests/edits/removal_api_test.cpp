@@ -1,4 +1,5 @@
 // Removing meshes, materials and textures, and replacing textures, through the public API.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <latelight/latelight.h>
 
@@ -106,6 +107,40 @@ TEST(Removal, GivesAMaterialsIdToTheNextOfItsName) {
   EXPECT_EQ(id(twin), idOfTwin) << "other materials keep their ids";
   EXPECT_EQ(scene.idManifest().find(std::to_string(hash32("paint"))), std::string::npos);
   EXPECT_EQ(id(scene.addMaterial({.name = "paint"})), hash32("paint"));
+}
+
+TEST(Removal, NumbersOfEqualNamesAreTheLowestFreeOnes) {
+  Scene scene;
+  const Handle<Mesh> mesh = scene.addMesh(square("square"));
+  const Handle<Material> paint = scene.addMaterial({.name = "paint"});
+  const auto add = [&](const char* name) { return scene.addInstance(mesh, paint, kIdentity, name); };
+  const auto path = [&](Handle<Instance> instance) { return scene.instance(instance).node; };
+  for (const char* name : {"a", "b", "c"}) {
+    EXPECT_EQ(path(add(name)), fmt::format("/{}", name));
+    EXPECT_EQ(path(add(name)), fmt::format("/{}#2", name));
+  }
+  for (int i = 0; i < 3; ++i) {
+    const Handle<Instance> third = add("a");
+    EXPECT_EQ(path(third), "/a#3");
+    EXPECT_EQ(scene.instance(third).id, hash32("/a#3"));
+    scene.removeInstance(third);
+  }
+  EXPECT_EQ(path(add("b#3")), "/b#3");
+  EXPECT_EQ(path(add("b")), "/b#4");
+  scene.removeInstance(scene.instancesOf("/b#3").front());
+  scene.removeInstance(scene.instancesOf("/b#2").front());
+  scene.removeInstance(scene.instancesOf("/b").front());
+  for (const char* expected : {"/b", "/b#2", "/b#3", "/b#5"}) EXPECT_EQ(path(add("b")), expected);
+  EXPECT_EQ(scene.addNode({.name = "c"}), "/c#3");
+  EXPECT_EQ(scene.addNode({.name = "child", .parent = "/c#3"}), "/c#3/child");
+  EXPECT_EQ(scene.addNode({.name = "child", .parent = "/c#3"}), "/c#3/child#2");
+
+  const auto id = [&](Handle<Material> material) { return scene.material(material).id; };
+  const Handle<Material> second = scene.addMaterial({.name = "paint"});
+  EXPECT_EQ(id(second), hash32("paint#2"));
+  EXPECT_EQ(id(scene.addMaterial({.name = "paint"})), hash32("paint#3"));
+  scene.removeMaterial(second);
+  EXPECT_EQ(id(scene.addMaterial({.name = "paint"})), hash32("paint#2"));
 }
 
 TEST(Removal, ReplacedPixelsShowInAllMaterialsAndSizes) {

@@ -15,6 +15,7 @@
 #include "scene/edit.h"
 #include "scene/gltf_builder.h"
 #include "scene/load/load.h"
+#include "scene/textures/texture.h"
 
 namespace latelight::scene::test {
 namespace {
@@ -520,6 +521,138 @@ TEST(Export, ObjFilesHaveTexturesNextToThem) {
     }
   }
   EXPECT_GE(textures, 4u);
+}
+
+// A triangle at x = 0, at x = 3 and so on, with these names of materials and nodes, and the material's roughness 0.125,
+// 0.25 and so on.
+Scene triangles(const std::vector<std::string>& materials, const std::vector<std::string>& nodes) {
+  Scene scene = triangleFile().load();
+  removeInstance(scene, 0);
+  for (uint32_t i = 0; i < materials.size(); ++i) {
+    Material material{.name = materials[i]};
+    material.data.roughness = 0.125f * float(i + 1);
+    addInstance(scene, 0, addMaterial(scene, material), glm::translate(dmat4(1), dvec3(3 * i, 0, 0)), nodes[i]);
+  }
+  return scene;
+}
+
+TEST(Export, ObjKeepsMaterialsAndNodesOfAnyNamesApart) {
+  const std::vector<std::vector<std::string>> names = {
+      {"m", "m", "m#2"}, {"a\nb", "a b", "a b "}, {"m\\", "m_", "m"}, {"", "", " "}, {"m\nKd 1 1 1", "#", "-"}};
+  for (const auto& materials : names)
+    for (const std::vector<std::string>& nodes :
+         {std::vector<std::string>{"a\nv 9 9 9", "b", "c"}, {"a\\", "b\r\nf 1 2 3", "c"}}) {
+      const Scene scene = triangles(materials, nodes), again = exported(scene, "out.obj");
+      ASSERT_EQ(again.triangleCount(), 3u);
+      ASSERT_EQ(again.instances.size(), 3u);
+      for (const Instance& instance : again.instances) {
+        Bounds bounds;
+        addBounds(again, instance, instance.toWorld, bounds);
+        const double index = std::round(bounds.min.x / 3);
+        EXPECT_EQ(again.materials[instance.material].data.roughness, 0.125 * (index + 1)) << materials[0];
+      }
+      EXPECT_EQ(worldBounds(again).max.x, worldBounds(scene).max.x);
+    }
+}
+
+TEST(Export, ObjFindsItsMaterialsInFilesOfAnyName) {
+  Scene scene = triangles({"red"}, {"a"});
+  for (const char* name : {"a\nb.obj", "a\\.obj", "a\\b.obj", " a.obj"}) {
+    const Scene again = exported(scene, name);
+    ASSERT_EQ(again.materials.size(), 1u) << name;
+    EXPECT_EQ(again.materials[0].data.roughness, 0.125f) << name;
+  }
+}
+
+TEST(Export, PathsAndIdsStayIfEqualNamesWereRemoved) {
+  Scene scene = triangles({"m", "m", "m", "m#2", "", ""}, {"x", "x", "x#2", "x", "y", "y"});
+  for (const uint32_t i : {0u, 4u}) {  // the first "x" and the first "y"
+    const uint32_t material = scene.instances[i].material;
+    removeInstance(scene, i);
+    removeMaterial(scene, material);
+  }
+  Scene again = exported(scene);
+  for (int round = 0; round < 2; ++round, again = exported(again)) {
+    std::vector<std::pair<std::string, uint32_t>> nodes, before;
+    for (const Node& node : scene.nodes)
+      if (!node.path.empty()) before.emplace_back(node.path, node.id);
+    for (const Node& node : again.nodes) nodes.emplace_back(node.path, node.id);
+    EXPECT_THAT(nodes, testing::UnorderedElementsAreArray(before));
+    for (const Instance& instance : scene.instances) {
+      if (instance.removed) continue;
+      const Instance* same = partOf(again, instance.part);
+      ASSERT_TRUE(same) << scene.nodes[instance.node].path;
+      EXPECT_EQ(same->id, instance.id);
+      EXPECT_EQ(again.materials[same->material].data.id, scene.materials[instance.material].data.id);
+    }
+  }
+}
+
+// Loaded materials of equal names have other numbers than added ones.
+TEST(Export, IdsOfLoadedMaterialsStayIfEqualNamesWereRemoved) {
+  GltfBuilder file = triangleFile();
+  for (int i = 0; i < 3; ++i) file.add("materials", {{"name", "m"}});
+  Scene scene = file.load();
+  std::vector<uint32_t> before, after;
+  uint32_t first = ~0u;
+  for (uint32_t i = 0; i < scene.materials.size(); ++i) {
+    if (scene.materials[i].name != "m") continue;
+    before.push_back(scene.materials[i].data.id);
+    first = std::min(first, i);
+  }
+  ASSERT_EQ(before.size(), 3u);
+  removeMaterial(scene, first);
+  for (const Material& material : exported(scene).materials)
+    if (material.name.starts_with("m")) after.push_back(material.data.id);
+  EXPECT_THAT(after, testing::IsSupersetOf({before[1], before[2]}));
+}
+
+// The slot defines the encoding: sRGB for colors, linear for data. Both textures have the byte 128: sRGB 128 is linear
+// 0.2159, which is 55 of 255, and linear 128 of 255 is sRGB 0.7350, which is 188 of 255.
+TEST(Export, TexturesAreConvertedToTheEncodingOfTheirSlot) {
+  for (const char* name : {"out.glb", "out.obj"}) {
+    Scene scene = triangleFile().load();
+    Material material{.name = "both"};
+    for (const bool srgb : {false, true}) {
+      Texture texture = makeTexture({1, 1}, srgb, srgb ? "color" : "data");
+      for (int i = 0; i < 4; ++i) texture.pixels.get()[i] = std::byte{128};
+      const int index = static_cast<int>(addTexture(scene, texture));
+      const uint32_t color = srgb ? shared::kTextureBaseColor : shared::kTextureEmissive;
+      const uint32_t data = srgb ? shared::kTextureMetallicRoughness : shared::kTextureNormal;
+      material.slots[color].texture = material.slots[data].texture = index;
+      material.data.textures |= 1u << color | 1u << data;
+    }
+    material.data.emissive = vec3(1);
+    setMaterialOf(scene, 0, addMaterial(scene, material));
+    const Scene again = exported(scene, name);
+    const Material& same = again.materials[again.instances[0].material];
+    const auto texelOf = [&](uint32_t slot) {
+      return std::to_integer<int>(again.textures.at(size_t(same.slots[slot].texture)).pixels.get()[1]);
+    };
+    EXPECT_EQ(texelOf(shared::kTextureBaseColor), 128) << name;
+    EXPECT_EQ(texelOf(shared::kTextureMetallicRoughness), 55) << name;
+    EXPECT_EQ(texelOf(shared::kTextureEmissive), 188) << name;
+    EXPECT_EQ(texelOf(shared::kTextureNormal), 128) << name;
+    EXPECT_EQ(again.textures[size_t(same.slots[shared::kTextureBaseColor].texture)].pixels.get()[3], std::byte{128});
+  }
+}
+
+// glTF's accessors have at least one element (3.6.2), so a node of an empty mesh is written without one.
+TEST(Export, EmptyMeshesAreNodesWithoutMeshes) {
+  for (const char* model : {"textured.glb", "skinned.glb", "static_skin.glb", "morphed.glb"}) {
+    Scene scene = load(models::modelPath(model).string(), {.morphTargets = true});
+    const uint32_t mesh = scene.instances[0].mesh;
+    addInstance(scene, mesh, scene.instances[0].material, placement(), "empty");
+    setMesh(scene, mesh, {});
+    addInstance(scene, addMesh(scene, {.positions = {vec3(0)}, .attributes = {{}}}), 0, placement(), "point");
+    const Scene again = exported(scene);
+    EXPECT_EQ(again.nodes.size(), scene.nodes.size()) << model;
+    for (const Instance& instance : scene.instances) {
+      const bool isEmpty = scene.meshes[instance.mesh].indices.empty();
+      EXPECT_EQ(partOf(again, instance.part) == nullptr, isEmpty) << model << scene.nodes[instance.node].path;
+    }
+    EXPECT_EQ(again.triangleCount(), scene.triangleCount()) << model;
+  }
 }
 
 TEST(Export, ModelsKeepTheirMaterialsIfTheDiskIsFull) {

@@ -76,7 +76,6 @@ struct Variations::Impl {
   std::vector<uint32_t> hidden, addedInstances, addedLights;
   std::string environment;
   std::optional<double> environmentRotation;
-  uint32_t twins = 0;  // initial value of scene.edits.twins, the counter for duplicate names
 
   void takeBack();
   void change(const Draft& draft);
@@ -89,7 +88,7 @@ void Variations::Impl::takeBack() {
   for (const uint32_t instance : std::views::reverse(addedInstances)) scene::removeInstance(scene, instance);
   for (const uint32_t light : std::views::reverse(addedLights)) scene::removeLight(scene, light);
   hidden.clear(), addedInstances.clear(), addedLights.clear();
-  scene.edits.twins = twins;
+  if (scene.edits.ids) scene.edits.ids->nodes.forgetNumbers();
   for (const auto& [index, material] : materials) scene::setMaterial(scene, index, material);
   for (const auto& [index, light] : lights) scene::setLight(scene, index, light);
   for (const auto& [index, toWorld] : transforms) scene::setTransform(scene, index, toWorld);
@@ -127,7 +126,6 @@ Variations::Variations(const Json& spec, scene::Scene& scene, uint64_t seed)
     std::unique_ptr<Variation> variation = makeVariation(spec[i], fmt::format("variations[{}]", i), scene);
     impl_->entries.push_back({spec[i]["type"].get<std::string>(), std::move(variation)});
   }
-  impl_->twins = scene.edits.twins;
 }
 Variations::~Variations() = default;
 
