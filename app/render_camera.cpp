@@ -34,7 +34,8 @@ scene::Camera placeCamera(const scene::Scene& scene, const std::vector<scene::Ca
              glm::degrees(scene::kMinVerticalFov), glm::degrees(scene::kMaxVerticalFov), *o.fov);
   if (!o.camera.empty() + !o.eye.empty() + !o.orbit.empty() > 1)
     badUsage("--camera, --eye and --orbit all set the camera; use one of them");
-  if (o.eye.empty() != o.target.empty()) badUsage("--eye and --target require each other");
+  const bool turnsAboutTarget = o.eye.empty() && o.isExplicit("turn");
+  if (o.eye.empty() != o.target.empty() && !turnsAboutTarget) badUsage("--eye and --target require each other");
   if (!o.up.empty() && o.eye.empty()) badUsage("--up needs --eye and --target");
 
   if (!o.eye.empty()) {

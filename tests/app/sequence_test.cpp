@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <glm/vec3.hpp>
 #include <nlohmann/json.hpp>
 
 #include "app/folder.h"
@@ -95,6 +96,26 @@ TEST(Sequences, AFrameIsThePictureOfItsTime) {
   EXPECT_EQ(render(folder, {"--time", "0.5", "--fps", "10", "--turn", "30", "-o", "still.png"}).code, 0);
   EXPECT_FALSE(folder.read("0005.png").empty());
   EXPECT_EQ(folder.read("0005.png"), folder.read("still.png"));
+}
+
+// Half a turn mirrors the camera's position at the vertical axis through the target.
+TEST(Sequences, AnyCameraTurnsAboutTheTarget) {
+  Folder folder;
+  const auto positionAt = [&](const char* time, std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--time", time, "--turn", "90", "-o", "a.exr", "--aov", "depth"});
+    EXPECT_EQ(render(folder, arguments).code, 0) << testing::PrintToString(arguments);
+    const auto pose = nlohmann::json::parse(folder.read("a.json"))["camera"]["cameraToWorld"];
+    return glm::dvec3(pose[0][3], pose[1][3], pose[2][3]);
+  };
+  const std::vector<std::vector<std::string>> cameras{{}, {"--camera", "0"}, {"--orbit", "30,20,5"}};
+  for (std::vector<std::string> camera : cameras) {
+    SCOPED_TRACE(testing::PrintToString(camera));
+    camera.insert(camera.end(), {"--target", "1,2,3"});
+    const glm::dvec3 before = positionAt("0", camera), after = positionAt("2", camera);
+    EXPECT_NEAR(after.x, 2 - before.x, 1e-6);
+    EXPECT_NEAR(after.y, before.y, 1e-6);
+    EXPECT_NEAR(after.z, 6 - before.z, 1e-6);
+  }
 }
 
 TEST(Sequences, WhatCantBeWrittenDoesNotKeepTheOthersFromIt) {

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "models/models.h"
@@ -133,6 +134,30 @@ TEST_F(TemporalTest, NoGhostsStay) {
       ASSERT_LE(apart(last, pixel, fresh, pixel), 4) << x << ", " << y;
     }
   EXPECT_GT(even, size_t{kWidth} * kHeight / 2);
+}
+
+// The radiance of a surface that emits light without any other light, times the exposures of two views.
+TEST_F(TemporalTest, ExposuresChangeAtOnce) {
+  scene::SceneBuilder builder("glowing");
+  builder.scene.meshes.push_back(squareMesh());
+  builder.scene.materials.push_back(scene::plainMaterial("glow", glm::vec3(0), 0, 1));
+  builder.scene.materials.back().data.specular = 0;
+  builder.scene.materials.back().data.emissive = glm::vec3(0.5f);
+  builder.addInstance("square", builder.kRoot, 0, 0, glm::mat4(1));
+  Renderer renderer(device(), builder.scene, nullptr);
+  Settings settings = settingsOf(8, 8, {output::Aov::Color});
+  settings.aa.temporal = true;
+  const std::vector<scene::Camera> cameras(2, frontCamera());
+  const std::vector<std::array<double, 2>> exposures{{0, 1}, {0, 1}, {-4, 1}, {-4, 3}, {2, -1}};
+  for (size_t i = 0; i < exposures.size(); ++i) {
+    const SceneState moment{.continues = i > 0, .exposures = {exposures[i].begin(), exposures[i].end()}};
+    const std::vector<output::FrameOutput> frames = renderer.render(cameras, settings, moment);
+    for (size_t view = 0; view < 2; ++view) {
+      const double expected = 0.5 * std::exp2(exposures[i][view]);
+      EXPECT_NEAR(imageOf(frames[view], output::Aov::Color).values[4 * (4 * 8 + 4)], expected, expected * 1e-3)
+          << "frame " << i << ", view " << view;
+    }
+  }
 }
 
 TEST_F(TemporalTest, TheSameInputGivesTheSameBytes) {

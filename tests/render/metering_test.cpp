@@ -102,6 +102,19 @@ TEST_F(MeteredPictures, MakeAUniformSurfaceGray) {
   }
 }
 
+// A sensor would clip the bright radiance, and round the dark one to 0.
+TEST_F(MeteredPictures, AreMeteredBeforeTheSensor) {
+  for (const float radiance : {1e-4f, 1.0f, 2000.0f}) {
+    SCOPED_TRACE(radiance);
+    Settings settings = metered(settingsOf(4, 4, {Aov::Color}));
+    settings.fullWell = 10'000, settings.bitDepth = 8, settings.blackLevel = 20, settings.readNoise = 5;
+    settings.gain = 4, settings.bayer = Bayer::Rggb, settings.vignetting.coefficients = {-0.5, 0, 0};
+    settings.whiteBalance.factors = {2, 1, 1.5};
+    const scene::Scene scene = glowing({radiance});
+    EXPECT_NEAR(renderOne(device(), scene, frontCamera(), settings).exposure * radiance, 0.18, 0.18 * 1e-3);
+  }
+}
+
 TEST_F(MeteredPictures, AddTheCompensation) {
   const scene::Scene scene = glowing({50});
   const output::FrameOutput frame =

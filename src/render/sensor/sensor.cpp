@@ -60,6 +60,23 @@ Settings sensedSettings(const Settings& s) {
   return sensed;
 }
 
+Settings idealSensorSettings(const Settings& s) {
+  static const Settings defaults;
+  Settings ideal = s;
+  ideal.vignetting = defaults.vignetting;
+  ideal.bayer = defaults.bayer;
+  ideal.fullWell = defaults.fullWell;
+  ideal.gain = defaults.gain;
+  ideal.readNoise = defaults.readNoise;
+  ideal.bitDepth = defaults.bitDepth;
+  ideal.blackLevel = defaults.blackLevel;
+  ideal.noiseSeed = defaults.noiseSeed;
+  ideal.whiteBalance = defaults.whiteBalance;
+  ideal.response = defaults.response;
+  ideal.jpegQuality = defaults.jpegQuality;
+  return ideal;
+}
+
 void applySensor(output::FrameOutput& picture, const Settings& s, const scene::Camera& camera) {
   if (changesPicture(s) || requestsRaw(s)) {
     output::AovImage& color = imageOf(picture, Aov::Color);

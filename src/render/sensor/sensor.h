@@ -21,6 +21,8 @@ bool usesSensor(const Settings& settings);
 // Returns the settings with which the device renders the pictures that applySensor() then completes: with the linear
 // picture among the outputs, if the sensor reads it. Throws Error(Usage) for options that it does not support.
 Settings sensedSettings(const Settings& settings);
+// Returns the settings with an ideal sensor, whose pictures are the light that reaches the lens.
+Settings idealSensorSettings(const Settings& settings);
 
 // Completes a picture that was rendered with sensedSettings(), and drops outputs that `settings` do not request.
 void applySensor(output::FrameOutput& picture, const Settings& settings, const scene::Camera& camera);

@@ -1,6 +1,6 @@
-// Meters views for the automatic exposure. Each view is rendered for its linear color, small and without the effects
-// that follow exposure. Its picture is then the same as with the exposure that was found, given as a number: whole or
-// in strips, alone or with other views.
+// Meters views for the automatic exposure. Each view is rendered for its linear color, small and without the sensor and
+// the effects that follow exposure. Its picture is then the same as with the exposure that was found, given as a
+// number: whole or in strips, alone or with other views.
 #include "render/submit/metering.h"
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "render/frame/view.h"
+#include "render/sensor/sensor.h"
 #include "render/submit/job.h"
 #include "render/submit/renderer.h"
 #include "shared/color.h"
@@ -77,7 +78,7 @@ std::optional<double> meanLogLuminance(const output::AovImage& color) {
 }
 
 Settings meteringSettings(const Settings& settings, bool hasLens) {
-  Settings metering = settings;
+  Settings metering = idealSensorSettings(settings);  // a sensor clips and rounds bright and dark light
   const uint32_t reduction = hasLens ? 1 : (std::max(settings.width, settings.height) + kMaxSide - 1) / kMaxSide;
   metering.width = std::max(1u, settings.width / reduction);
   metering.height = std::max(1u, settings.height / reduction);

@@ -19,8 +19,8 @@ inline constexpr double kMeteredTail = 0.1;
 // order does not matter, because the histogram holds integers.
 std::optional<double> meanLogLuminance(const output::AovImage& color);
 
-// Returns the settings that a view with these settings is metered with: its linear color, without the effects that
-// follow exposure, at no more than 512 pixels along a side.
+// Returns the settings that a view with these settings is metered with: its linear color, without the sensor and the
+// effects that follow exposure, at no more than 512 pixels along a side.
 Settings meteringSettings(const Settings& settings, bool hasLens);
 
 }  // namespace latelight::render

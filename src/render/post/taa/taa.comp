@@ -4,8 +4,9 @@
 // (variance clipping), and blends the current jittered frame into it. docs/taa.md explains each step. Inputs: frame,
 // depth, motion, oldColor, oldState. Outputs: newColor, newState. The state of a pixel is r: nearness(), g: the number
 // of samples in the color, b: the speed, which is the longer of the motions to the previous and to the next frame, in
-// pixels. Sources: Karis 2014, High Quality Temporal Supersampling, SIGGRAPH; Salvi 2016, An Excursion in Temporal
-// Supersampling, GDC; Jimenez 2016, Filmic SMAA, SIGGRAPH (the bicubic filter of nine bilinear fetches).
+// pixels, a: the exposure of the color. Sources: Karis 2014, High Quality Temporal Supersampling, SIGGRAPH; Salvi 2016,
+// An Excursion in Temporal Supersampling, GDC; Jimenez 2016, Filmic SMAA, SIGGRAPH (the bicubic filter of nine bilinear
+// fetches).
 #include "render/glsl/common.glsl"
 #include "render/post/taa/temporal_push.h"
 
@@ -115,6 +116,7 @@ void main() {
   ivec2 size = textureSize(frame, 0).xy;
   if (any(greaterThanEqual(pixel.xy, size))) return;
   View view = frameView(FrameRef(push.frame).v, uint(pixel.z));
+  float exposure = frameOf(push.frame, uint(pixel.z)).exposure;
   vec4 current = texelFetch(frame, pixel, 0) * push.scale;
   float here = nearness(view, pixel);
   Near near = lookAround(view, pixel, size);
@@ -124,7 +126,7 @@ void main() {
   float speed = max(length(way.xy), length(way.zw));
   if (push.samples > 0.0) {
     imageStore(newColor, pixel, current);
-    imageStore(newState, pixel, vec4(here, push.samples, speed, 0.0));
+    imageStore(newState, pixel, vec4(here, push.samples, speed, exposure));
     return;
   }
 
@@ -132,21 +134,23 @@ void main() {
   bool inside = all(greaterThanEqual(before, vec2(0.0))) && all(lessThan(before, vec2(size)));
 
   ivec3 from = ivec3(clamp(ivec2(floor(before)), ivec2(0), size - 1), pixel.z);
-  vec3 state = texelFetch(oldState, from, 0).rgb;
+  vec4 state = texelFetch(oldState, from, 0);
   float moving = clamp(max(length(moved), state.b) * 4.0, 0.0, 1.0);  // or has moved: part of an edge may remain
   bool uncovered = state.r > near.most * kDepthTolerance + 1e-6 || state.r * kDepthTolerance + 1e-6 < near.least;
   // Restart the history at disocclusions and outside of the previous frame. If nothing moves, a change in depth is no
   // disocclusion but subpixel detail that this jittered sample missed.
   if (!inside || (uncovered && moving > 4.0 * kStill)) {
     imageStore(newColor, pixel, near.smoothed);
-    imageStore(newState, pixel, vec4(here, 1.0, speed, 0.0));
+    imageStore(newState, pixel, vec4(here, 1.0, speed, exposure));
     return;
   }
 
   vec4 history = length(moved) > kStill ? sampleHistory(before, size, pixel.z) : texelFetch(oldColor, from, 0);
+  // Division may round, so equal exposures are compared instead.
+  history.rgb *= exposure == state.a ? 1.0 : exposure / state.a;
   vec4 box = toBoxSpace(history);
   history = fromBoxSpace(mix(box, clipToBox(box, near), mix(kStillPull, 1.0, moving)));
   float count = min(state.g + 1.0, mix(kMaxStill, kMaxMoving, moving));
   imageStore(newColor, pixel, mix(history, current, 1.0 / count));
-  imageStore(newState, pixel, vec4(here, count, speed, 0.0));
+  imageStore(newState, pixel, vec4(here, count, speed, exposure));
 }
