@@ -864,7 +864,7 @@ TEST_F(RayLightTest, SharedPathsCrossGlassAndFindCoats) {
   }
 }
 
-// A material that no path meets leaves every bit as it is, so plain surfaces share paths beside coats and glass.
+// A material that no path meets leaves every bit as it is, so plain surfaces share paths next to coats and glass.
 TEST_F(RayLightTest, DistantCoatsAndGlassChangeNothing) {
   const auto render = [&](const scene::Material& material) {
     LitCorner corner;

@@ -177,9 +177,8 @@ void beginRecord(inout Path path, PathVertex v, vec3 plane) {
 // Returns true if light may come from beyond all surfaces, which the last ray of a path finds.
 bool anythingBeyond(FrameConstants frame, RayScene scene) { return hasCells(scene, frame) || hasAreaLights(frame); }
 
-// Follows the ray of a path to the surface `v` that it hits, and adds what the ray sees. `beyond` is the absorption on
-// the surface's other side. `index`: of the surface along the path. Returns false if the path ends: `onlySky` ends it at
-// any surface.
+// Follows the ray of a path to the surface `v` that it hits, the `index`th one, and adds what the ray sees. `beyond` is
+// the absorption on the surface's other side. Returns false if the path ends: `onlySky` ends it at any surface.
 bool follow(inout Path path, FrameConstants frame, RayScene scene, uint index, uint bounce, bool onlySky,
             out PathVertex v, out vec3 beyond) {
   uint what = translucentRays() | (path.fromEye && bounce == 0u ? 0u : kRayTwoSided);
