@@ -859,7 +859,7 @@ TEST_F(RayLightTest, SharedPathsCrossGlassAndFindCoats) {
     scene.lights[0].intensity = 0;
     scene.instances[1].material = addMaterial(scene, vec3(0), vec3(2));
     setWall(corner, material, -0.4);
-    EXPECT_NEAR(meanColor(renderWith(device(), corner, 32, false)) / meanColor(renderWith(device(), corner, 128, true)),
+    EXPECT_NEAR(meanColor(renderWith(device(), corner, 16, false)) / meanColor(renderWith(device(), corner, 64, true)),
                 1, 0.01);
   }
 }
