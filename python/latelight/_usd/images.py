@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .._core import read_environment
-from .._model_builder import to_eight_bits, missing
+from .._model_builder import missing, to_eight_bits
 from .files import Files, extension
 
 
