@@ -16,20 +16,17 @@ struct EyeRay {
   vec3 position;
 };
 
-EyeRay noEyeRay() {
-  return EyeRay(Ray(vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0), false, vec3(0.0));
-}
-
 EyeRay eyeRay(FrameConstants frame, View view, LitPixel p) {
-  if ((kPathFlags & kPathsFromEye) == 0u) return noEyeRay();
-  Ray ray = rayThrough(frame, view, vec2(p.place.xy) + 0.5);
-  EyeRay eye = EyeRay(ray, p.shadedSeparately || (p.s.flags & kSurfaceLayered) != 0u, vec3(0.0));
-  RayHit hit = traceRay(frame, ray, translucentRays());
+  EyeRay eye = EyeRay(Ray(vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0), false, vec3(0.0));
+  if ((kPathFlags & kPathsFromEye) == 0u) return eye;
+  eye.ray = rayThrough(frame, view, vec2(p.place.xy) + 0.5);
+  eye.starts = p.shadedSeparately || (p.s.flags & kSurfaceLayered) != 0u;
+  RayHit hit = traceRay(frame, eye.ray, translucentRays());
   if (!isHit(hit)) return eye;
   uint64_t material = frame.materials + uint64_t(frameInstance(frame, hit.instance).material) * kMaterialBytes;
   uint flags = wordsAt(material, 4u).y;
   eye.starts = eye.starts || (flags & (kMaterialLayered | kMaterialBlended | kMaterialTransmissive)) != 0u;
-  eye.position = ray.origin + ray.direction * hit.distance;
+  eye.position = eye.ray.origin + eye.ray.direction * hit.distance;
   return eye;
 }
 

@@ -86,14 +86,15 @@ struct PathBuffers {
 };
 
 ComputePass pathPass(const FrameContext& f, const Gbuffer& gbuffer, const IndirectSignals& signals, const char* name,
-                     const char* shader, bool fromLights, bool first, uint32_t environment) {
+                     const char* shader, uint32_t flags, bool first, uint32_t environment) {
+  const bool fromLights = (flags & shared::kPathsFromLights) != 0;
   const bool kept = !first || !fromLights;
   ComputePass pass = lightingPass(f, gbuffer, name, shader, {.picture = kept, .counts = kept});
   pass.bindings.outside(f.environment.radiance(environment));
   bindSignals(pass.bindings, signals, first);
   pass.constants.push_back({kFilteredConstant, f.setup.filtersIndirect && !fromLights ? 1u : 0u});
   pass.constants.push_back({kLayersConstant, f.setup.layers});
-  pass.constants.push_back({kPathsFromLightsConstant, pathFlags(f, fromLights)});
+  pass.constants.push_back({kPathsFromLightsConstant, flags});
   pass.fullImage = false;
   return pass;
 }
@@ -112,7 +113,7 @@ void addPathPass(const FrameContext& f, const Gbuffer& gbuffer, ComputePass pass
 }
 
 IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fromLights, uint32_t bounces) {
-  const uint32_t all = f.setup.paths;
+  const uint32_t all = f.setup.paths, flags = pathFlags(f, fromLights);
   const bool sharing = sharesPaths(f, fromLights);
   const uint32_t atOnce = samplesAtOnce(f, sharing);
   const IndirectSignals signals = createSignals(f, f.setup.filtersIndirect && !fromLights);
@@ -135,7 +136,7 @@ IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fro
                            .views = f.viewCount(),
                            .environment = 0};
     for (; push.environment < f.environment.count(); ++push.environment) {
-      ComputePass pass = pathPass(f, gbuffer, signals, "paths", "paths.comp", fromLights,
+      ComputePass pass = pathPass(f, gbuffer, signals, "paths", "paths.comp", flags,
                                   first == 0 && push.environment == 0, push.environment);
       pass.constants.push_back({kEmittersConstant, buffers.emitters ? 1u : 0u});
       pass.constants.push_back({kSampledAreaLightsConstant, f.scene.areaLights() > 0 ? 1u : 0u});
@@ -145,8 +146,8 @@ IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fro
                   push.environment == 0 ? graph::Use::StorageWrite : graph::Use::StorageReadWrite);
     }
     if (sharing)
-      addPathPass(f, gbuffer, pathPass(f, gbuffer, signals, "shared paths", "path_sharing.comp", fromLights, false, 0),
-                  push, buffers, graph::Use::StorageRead);
+      addPathPass(f, gbuffer, pathPass(f, gbuffer, signals, "shared paths", "path_sharing.comp", flags, false, 0), push,
+                  buffers, graph::Use::StorageRead);
   }
   return signals;
 }
