@@ -13,6 +13,7 @@
 #include "base/log.h"
 #include "export/formats.h"
 #include "export/materials.h"
+#include "scene/color_slots.h"
 #include "shared/color.h"
 
 namespace latelight::exports {

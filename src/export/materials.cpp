@@ -12,6 +12,7 @@
 
 #include "base/hash.h"
 #include "output/png.h"
+#include "scene/color_slots.h"
 #include "shared/color.h"
 
 namespace latelight::exports {
@@ -54,11 +55,6 @@ constexpr Place kPlaces[] = {{nullptr, "baseColorTexture"},
                              {kDiffuse, "diffuseTransmissionTexture"},
                              {kDiffuse, "diffuseTransmissionColorTexture"}};
 static_assert(std::size(kPlaces) == sh::kTextureCount);
-
-// The slots of colors, whose texels readers decode from sRGB. All others are linear.
-constexpr uint32_t kColorSlots = 1u << sh::kTextureBaseColor | 1u << sh::kTextureEmissive |
-                                 1u << sh::kTextureSpecularColor | 1u << sh::kTextureSheenColor |
-                                 1u << sh::kTextureDiffuseTransmissionColor;
 
 // Returns the parameters of a transform that is a scale, a rotation and an offset, as all transforms of files are.
 TransformParts partsOf(const sh::TextureTransform& t) {
@@ -255,10 +251,6 @@ bool hasAlpha(const Texture& texture) {
   for (size_t i = 0; i < texels; ++i)
     if (rgba[4 * i + 3] != std::byte{255}) return true;
   return false;
-}
-
-bool isColorSlot(uint32_t slot) {
-  return (kColorSlots >> slot & 1) != 0;
 }
 
 std::vector<std::byte> encodeTexture(const Texture& texture, bool srgb) {

@@ -17,8 +17,6 @@ std::vector<int> addMaterials(const scene::Scene& scene, Document& document);
 // to linear values, rounded to 8 bits.
 std::vector<std::byte> encodeTexture(const scene::Texture& texture, bool srgb);
 
-bool isColorSlot(uint32_t slot);  // readers decode the textures of the slot from sRGB
-
 bool hasAlpha(const scene::Texture& texture);  // in its largest level
 
 }  // namespace latelight::exports

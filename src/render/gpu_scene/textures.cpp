@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "render/gpu_scene/texture_kinds.h"
+#include "scene/color_slots.h"
 #include "vk/object_cache.h"
 
 namespace latelight::render {
@@ -31,13 +32,6 @@ uint32_t wrapBits(scene::Wrap wrap) {
 bool isAnisotropic(const scene::Sampler& sampler) {
   return sampler.magnify == scene::Filter::Linear && sampler.minify == scene::Filter::Linear &&
          sampler.mip != scene::MipFilter::None;
-}
-
-bool holdsColor(uint32_t slot) {
-  constexpr uint32_t kColors = 1u << shared::kTextureBaseColor | 1u << shared::kTextureEmissive |
-                               1u << shared::kTextureSpecularColor | 1u << shared::kTextureSheenColor |
-                               1u << shared::kTextureDiffuseTransmissionColor;
-  return (kColors >> slot & 1u) != 0;
 }
 
 }  // namespace
@@ -188,7 +182,7 @@ VkImageView GpuTextures::view(const Entry& entry) const {
 
 VkImageView GpuTextures::view(uint32_t material, uint32_t slot) const {
   const int texture = scene_.materials[material].slots[slot].texture;
-  return (texture >= 0 ? textures_[static_cast<size_t>(texture)] : emptyTextures_[holdsColor(slot)]).view();
+  return (texture >= 0 ? textures_[static_cast<size_t>(texture)] : emptyTextures_[scene::isColorSlot(slot)]).view();
 }
 
 VkSampler GpuTextures::sampler(const scene::Sampler& sampler) const {
