@@ -6,9 +6,8 @@
 #include <cmath>
 #include <glm/gtc/matrix_inverse.hpp>
 #include <iterator>
-#include <unordered_map>
-#include <unordered_set>
 
+#include "base/distinct_names.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "export/formats.h"
@@ -49,15 +48,11 @@ bool isExported(const Instance& instance) {
 // first get "#2" and so on appended. Removed materials have no name.
 std::vector<std::string> materialNames(const Scene& scene) {
   std::vector<std::string> names(scene.materials.size());
-  std::unordered_set<std::string> used;
-  std::unordered_map<std::string, uint32_t> numbers;  // so that equal names require only one step each
+  DistinctNames distinct;
   for (size_t i = 0; i < names.size(); ++i) {
     if (scene.materials[i].removed) continue;
-    std::string name = objName(scene.materials[i].name);
-    if (name.empty()) name = fmt::format("material{}", i);
-    names[i] = name;
-    for (uint32_t& number = numbers.try_emplace(name, 1).first->second; !used.insert(names[i]).second;)
-      names[i] = fmt::format("{}#{}", name, ++number);
+    const std::string name = objName(scene.materials[i].name);
+    names[i] = distinct.make(name.empty() ? fmt::format("material{}", i) : name);
   }
   return names;
 }

@@ -9,11 +9,10 @@ SceneBuilder::SceneBuilder(const std::string& root, bool yUp, const dmat4& local
   scene.yUp = yUp;
   Node node;
   node.name = root;
-  node.path = "/" + root;
+  node.path = paths_.make("/" + root);
   node.local = local;
   node.toWorld = (yUp ? toWorldFromGltf() : dmat4(1)) * local;
   node.id = ids_.make(node.path);
-  paths_.insert(node.path);
   scene.nodes.push_back(std::move(node));
 }
 
@@ -23,9 +22,7 @@ uint32_t SceneBuilder::addNode(const std::string& name, uint32_t parent, const m
   node.parent = static_cast<int>(parent);
   node.local = local;
   node.toWorld = scene.nodes[parent].toWorld * dmat4(local);
-  const std::string path = scene.nodes[parent].path + "/" + name;
-  node.path = path;
-  for (int twin = 2; !paths_.insert(node.path).second; ++twin) node.path = fmt::format("{}#{}", path, twin);
+  node.path = paths_.make(scene.nodes[parent].path + "/" + name);
   node.id = ids_.make(node.path);
   scene.nodes.push_back(std::move(node));
   return static_cast<uint32_t>(scene.nodes.size() - 1);

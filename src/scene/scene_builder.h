@@ -2,8 +2,8 @@
 #pragma once
 
 #include <string>
-#include <unordered_set>
 
+#include "base/distinct_names.h"
 #include "scene/ids.h"
 #include "scene/scene.h"
 
@@ -29,7 +29,7 @@ class SceneBuilder {
   Scene scene;
 
  private:
-  std::unordered_set<std::string> paths_;
+  DistinctNames paths_;
   UniqueIds ids_, parts_;
 };
 

@@ -5,9 +5,8 @@
 #include <cmath>
 #include <glm/gtc/matrix_access.hpp>
 #include <string>
-#include <unordered_map>
-#include <unordered_set>
 
+#include "base/distinct_names.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "scene/framing.h"
@@ -99,18 +98,14 @@ std::vector<int> traverse(const file::Model& model, const std::vector<int>& root
 class Paths {
  public:
   std::string make(const std::string& parent, const std::string& name) {
-    std::string path = fmt::format("{}/{}", parent, name);
-    std::string unique = path;
-    for (unsigned& twin = twins_.try_emplace(path, 1).first->second; !used_.insert(unique).second;)
-      unique = fmt::format("{}#{}", path, ++twin);
+    std::string unique = names_.make(fmt::format("{}/{}", parent, name));
     if ((bytes_ += unique.size()) > kMaxPathBytes)
       badInput("its nodes are nested too deeply, or their names are too long");
     return unique;
   }
 
  private:
-  std::unordered_map<std::string, unsigned> twins_;  // so that a million equal names require only a million steps
-  std::unordered_set<std::string> used_;
+  DistinctNames names_;
   size_t bytes_ = 0;
 };
 
