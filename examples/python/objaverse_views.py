@@ -92,14 +92,14 @@ def replace_lights(scene, turn):
 
 
 def metadata_of(scene, turn):
-    low, high = np.array(scene.bounds)
+    corners = np.array(scene.bounds) @ turn
     return {
         "file_size": Path(args.object_path).stat().st_size,
         "poly_count": scene.triangle_count,
         "material_count": len(scene.materials()),
         "mesh_count": len(scene.meshes()),
         "animation_count": len(scene.animations),
-        "scene_size": {"bbox_min": (turn.T @ low).tolist(), "bbox_max": (turn.T @ high).tolist()},
+        "scene_size": {"bbox_min": corners.min(0).tolist(), "bbox_max": corners.max(0).tolist()},
     }
 
 

@@ -181,7 +181,10 @@ def test_objaverse_views(tmp_path):
         rows, columns = np.nonzero(alpha)
         np.testing.assert_allclose([columns.min(), columns.max() + 1, rows.min(), rows.max() + 1],
                                    [x.min(), x.max(), y.min(), y.max()], atol=3)
-    assert json.loads((tmp_path / "shell" / "metadata.json").read_text())["poly_count"] == 4
+    metadata = json.loads((tmp_path / "shell" / "metadata.json").read_text())
+    assert metadata["poly_count"] == 4
+    low, high = corners[:, :3].min(0).tolist(), corners[:, :3].max(0).tolist()
+    assert metadata["scene_size"] == {"bbox_min": low, "bbox_max": high}
     run_example("objaverse_views.py", "--object_path", "corner.obj", "--output_dir", "ring", "--num_images", 4, cwd=tmp_path)
     assert sorted(path.name for path in (tmp_path / "ring" / "corner").iterdir()) == [f"{i:03}.png" for i in range(4)]
 

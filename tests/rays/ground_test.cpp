@@ -200,6 +200,24 @@ TEST_F(GroundTest, IsSeenFromAboveOnly) {
   }
 }
 
+// A fog lies behind the plane, up to infinity: it is seen by the share of the plane that has no shadow.
+TEST_F(GroundTest, LiesBeforeFog) {
+  scene::Scene scene = sceneOf(squareMesh(), placedAt({0, 0, 2}));
+  scene.lights.push_back(sunAlong({0, 0, -1}));
+  const scene::Camera view = camera(true);
+  Settings settings = groundSettings(1);
+  settings.fogDensity = 0.001f;
+  settings.fogColor = {0.25f, 0.5f, 1};
+  size_t shadows = 0;
+  forGround(renderOne(device(), scene, view, settings), view, [&](const dvec2& at, const glm::vec4& color) {
+    const double edge = std::max(std::abs(at.x), std::abs(at.y)) - 1;
+    if (std::abs(edge) < 0.01) return;
+    shadows += edge < 0;
+    EXPECT_EQ(color, edge < 0 ? glm::vec4(0, 0, 0, 1) : glm::vec4(0.25f, 0.5f, 1, 1)) << at.x << ' ' << at.y;
+  });
+  EXPECT_GT(shadows, 50u);
+}
+
 // Data outputs, both rasters, strips, samples and several passes of samples.
 TEST_F(GroundTest, WorksWithOtherOptions) {
   const scene::Scene scene = sceneOf(sphereMesh(1), placedAt({0, 0, 1.2}));

@@ -33,9 +33,9 @@ vec3 rayOrigin(Surface s, vec3 direction, float distance) {
 
 // --- environment -----------------------------------------------------------------------------------------------------
 
-LightRay rayToSky(FrameConstants frame, RayScene scene) {
-  if (!hasCells(scene, frame)) return noLightRay();
-  SkySample sky = sampleSky(frame, scene, nextBits());
+// `bits`: a point of the unit square, times 2^32. Requires hasCells().
+LightRay rayToSky(FrameConstants frame, RayScene scene, uvec2 bits) {
+  SkySample sky = sampleSky(frame, scene, bits);
   return lightRay(skyRadiance(frame, sky.direction), sky.direction, 3.0e38, sky.density);
 }
 

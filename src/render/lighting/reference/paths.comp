@@ -59,6 +59,7 @@ struct Path {
   vec3 absorption;  // of the volume that the ray is in, 1/m
   Ray ray;
   float density;    // of the ray's direction, 1/sr
+  float skies;      // directions of the environment that are sampled at the ray's origin
   float distance;   // meters that the ray traveled to the surface
   uint channel;     // of color that the path follows after a dispersing surface; kAllChannels before
   bool fromEye;     // the path started at the eye
@@ -101,27 +102,43 @@ void recordLight(inout Path path, PathVertex v, LightRay light, vec3 passed) {
   path.record.toLight = packSnorm2x16(octahedralFromDirection(light.centered));
 }
 
-// Adds the light that the surface of a path receives directly. `next`: the bounce of the path's next surface. Emissive
-// surfaces are sampled if follow() adds their emission there.
+// Returns how many directions of the environment are sampled at a surface of a path. Below a sky, direct light at the
+// visible surface has most of the noise, and one more ray there costs less than one more path. Images with a filter
+// often have one sample per pixel, so they have fewer.
+uint skyDirections(FrameConstants frame, RayScene scene, uint index) {
+  if (!hasCells(scene, frame)) return 0u;
+  return index > 0u ? 1u : (kFiltered != 0u ? 2u : 4u);
+}
+
+// Adds the light that the `index`th surface of a path receives directly. `next`: the bounce of the path's next surface.
+// Emissive surfaces are sampled if follow() adds their emission there. Directions of the environment are consecutive
+// points of one pair of dimensions, so all samples of a pixel are well distributed together.
 void addDirectLight(inout Path path, FrameConstants frame, RayScene scene, PathVertex v, vec3 beyond, uint bounce,
-                    uint next) {
-  LightRay sky = rayToSky(frame, scene), lit = noLightRay(), emitted = noLightRay(), area = noLightRay();
+                    uint next, uint index) {
+  uint skyPair = pathPair++, skies = skyDirections(frame, scene, index);
+  path.skies = float(skies);
+  LightRay lit = noLightRay(), emitted = noLightRay(), area = noLightRay();
   if (bounce > 0u || path.fromEye || (kPathFlags & kPathsFromLights) != 0u) lit = rayToLight(frame, v, path.distance);
   if (next <= push.bounces) emitted = rayToEmitter(frame, scene, v, path.distance);
   if (hasAreaLights(frame)) area = rayToArea(frame, v);
-  const uint kinds = kSampledAreaLights != 0u ? 4u : 3u;
-  for (uint i = 0u; i < kinds && !rayWorkIsDone(); ++i) {  // one copy of the traversal
-    LightRay light = i == 0u ? sky : (i == 1u ? lit : (i == 2u ? emitted : area));
+  uint rays = skies + (kSampledAreaLights != 0u ? 3u : 2u);
+  for (uint i = 0u; i < rays && !rayWorkIsDone(); ++i) {  // one copy of the traversal
+    bool isSky = i < skies, isLight = i == skies, isArea = i == skies + 2u;
+    LightRay light = isLight ? lit : (isArea ? area : emitted);
+    // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
+    for (bool once = isSky; once; once = false)
+      light = rayToSky(frame, scene, sobolBits(pathIndex * skies + i, skyPair, pathSeed));
     if (!(maxChannel(light.radiance) > 0.0)) continue;
     vec3 sent = light.radiance;
-    if (i != 1u)
-      sent *= pathReflectance(v, light.toLight, i == 3u) / (light.density + pathDensity(v, light.toLight));
+    if (isSky) light.density *= float(skies);
+    if (!isLight)
+      sent *= pathReflectance(v, light.toLight, isArea) / (light.density + pathDensity(v, light.toLight));
     if (!(maxChannel(sent) > 0.0)) continue;
     Ray ray = Ray(rayOrigin(v.s, light.toLight, path.distance), vec3(0.0), light.toLight, 0.0, light.far);
     vec3 absorption = dot(v.s.geonormal, light.toLight) < 0.0 ? beyond : path.absorption;
     vec3 passed = lightPassed(frame, ray, absorption);
     vec3 radiance = path.carried * sent * passed;
-    if (kSharedPaths != 0u && i == 1u && path.recorded && bounce == 1u) {
+    if (kSharedPaths != 0u && isLight && path.recorded && bounce == 1u) {
       recordLight(path, v, light, passed);
       continue;
     }
@@ -193,7 +210,7 @@ bool follow(inout Path path, FrameConstants frame, RayScene scene, uint index, u
           path.lambertian);
     if (!isHit(hit)) {
       if (hasCells(scene, frame) && (bounce > 0u || path.covers)) {
-        float weight = path.density / (path.density + skyDensity(frame, scene, path.ray.direction));
+        float weight = path.density / (path.density + path.skies * skyDensity(frame, scene, path.ray.direction));
         add(path, path.carried * skyRadiance(frame, path.ray.direction) * weight, path.share, path.lambertian);
       }
       break;
@@ -249,6 +266,7 @@ Path startPath(bool atEye, Ray ray, float fromEye) {
   path.absorption = vec3(0.0);
   path.ray = ray;
   path.density = kOnlyDirection;
+  path.skies = 1.0;
   path.distance = fromEye;
   path.channel = kAllChannels;
   path.fromEye = atEye;
@@ -274,7 +292,7 @@ Path tracedPath(FrameConstants frame, Path path, PathVertex v) {
       goesOn = follow(path, frame, scene, i, bounce, bounce > push.bounces, v, beyond);
     if (!goesOn) continue;
     uint next = bounce + (kLayers != 0u && v.coated && v.coats.inside ? 0u : 1u);
-    addDirectLight(path, frame, scene, v, beyond, bounce, next);
+    addDirectLight(path, frame, scene, v, beyond, bounce, next, i);
     goesOn = next <= rays && scatter(path, frame, v, beyond, bounce, i);
     bounce = next;
   }
