@@ -148,6 +148,10 @@ void bindLidar(nb::module_& module) {
                      "numpy.typing.ArrayLike, firing: numpy.typing.ArrayLike, cycle: float, columns: int, rate: float) "
                      "-> dict[str, typing.Any]"),
              "The arguments of latelight.lidar.Pattern for a spinning sensor.");
+  module.def(
+      "number_of", [](nb::handle value, const char* name) { return numberOf(value, name); }, argument("value"),
+      nb::arg("name"), nb::sig("def number_of(value: typing.Any, name: str) -> float"),
+      "A number as a float; other values raise ArgumentTypeError, whose message contains the name.");
   module.def("write_points", &writeFields, argument("path"), nb::arg("fields"),
              nb::sig("def write_points(path: str | os.PathLike[str], fields: dict[str, typing.Any]) -> None"),
              "Writes the fields of a latelight.lidar.Scan.");

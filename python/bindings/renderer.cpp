@@ -810,7 +810,7 @@ void defineRays(nb::class_<SharedRenderer>& type) {
         name, kHitsOut, optionParameters(), result);
   };
   const std::string now = signature("cast", "dict[str, typing.Any]"), later = signature("submit_cast", "CastTicket");
-  type.def("cast", &cast, argument("origins"), argument("directions"), nb::arg("max_distance") = kUnlimited,
+  type.def("cast", &cast, argument("origins"), argument("directions"), argument("max_distance") = kUnlimited,
            argument("outputs") = nb::none(), argument("out") = nb::none(), nb::arg("options"), nb::sig(now.c_str()),
            "Casts rays through the scene. origins and directions are arrays (N, 3) in the frame of axes; directions "
            "may have\nany length.\n\nReturns arrays of N values by name: distance (meters; infinite for a ray that "
@@ -823,7 +823,7 @@ void defineRays(nb::class_<SharedRenderer>& type) {
            "device's memory, as DeviceArray; stream: as for render_worlds().\nThe options time, animation, "
            "data_surfaces, axes and position_origin apply.");
   type.def("submit_cast", &submitCast, argument("origins"), argument("directions"),
-           nb::arg("max_distance") = kUnlimited, argument("outputs") = nb::none(), argument("out") = nb::none(),
+           argument("max_distance") = kUnlimited, argument("outputs") = nb::none(), argument("out") = nb::none(),
            nb::arg("options"), nb::sig(later.c_str()),
            "The same as cast(), and returns a CastTicket while the device casts the rays, which are copied. Meanwhile, "
            "the scene may\nbe edited, and more rays and frames submitted. The arrays of out may change until the "
@@ -842,7 +842,7 @@ void defineWorldRays(nb::class_<SharedRenderer>& type) {
   const std::string later = signature("submit_cast_worlds", "CastTicket");
   type.def(
       "cast_worlds", &castWorlds, argument("count"), argument("origins"), argument("directions"),
-      nb::arg("max_distance") = kUnlimited, argument("outputs") = nb::none(), argument("out") = nb::none(),
+      argument("max_distance") = kUnlimited, argument("outputs") = nb::none(), argument("out") = nb::none(),
       nb::arg("options"), nb::sig(now.c_str()),
       "Casts rays through N worlds, as cast() does through the scene. origins and directions are arrays (N, R, 3), in "
       "NumPy's\nor CUDA's memory, both of the same type; hits are arrays (N, R) or (N, R, 3), and (N, R, 2) for uv. "
@@ -851,7 +851,7 @@ void defineWorldRays(nb::class_<SharedRenderer>& type) {
       "ray "
       "of a world with values that\nare not finite hits nothing.");
   type.def("submit_cast_worlds", &submitCastWorlds, argument("count"), argument("origins"), argument("directions"),
-           nb::arg("max_distance") = kUnlimited, argument("outputs") = nb::none(), argument("out") = nb::none(),
+           argument("max_distance") = kUnlimited, argument("outputs") = nb::none(), argument("out") = nb::none(),
            nb::arg("options"), nb::sig(later.c_str()),
            "The same as cast_worlds(), and returns a CastTicket while the device casts the rays. Meanwhile, the scene "
            "may be edited,\nand more rays and frames submitted. The arrays of out may change until the ticket is "

@@ -44,12 +44,6 @@ void bindChannel(nb::module_& module) {
       "Keyframes of one property of a node, as glTF 2.0 defines them (3.11), for Scene.add_animation().")
       .text("node", &ChannelRows::node, "its path")
       .field(
-          "property", "str", "translation, rotation, scale, weights or visible",
-          [](const ChannelRows& c) { return nb::str(kProperties[static_cast<size_t>(c.property)]); },
-          [](ChannelRows& c, nb::handle value, const char* name) {
-            c.property = enumOf<AnimatedProperty>(value, name, kProperties);
-          })
-      .field(
           "interpolation", "str", "step, linear or cubicspline",
           [](const ChannelRows& c) { return nb::str(kInterpolations[static_cast<size_t>(c.interpolation)]); },
           [](ChannelRows& c, nb::handle value, const char* name) {
@@ -63,6 +57,13 @@ void bindChannel(nb::module_& module) {
              "(K, N): N is 3, 4 for a rotation (x, y, z, w), the number of morph targets for weights, and 1 for "
              "visible;\ncubicspline: (3 K, N), in-tangent, value and out-tangent of each key",
              valuesOf, setValues)
+      // The last one: in the stub, @property after it would name the field and not the builtin.
+      .field(
+          "property", "str", "translation, rotation, scale, weights or visible",
+          [](const ChannelRows& c) { return nb::str(kProperties[static_cast<size_t>(c.property)]); },
+          [](ChannelRows& c, nb::handle value, const char* name) {
+            c.property = enumOf<AnimatedProperty>(value, name, kProperties);
+          })
       .done();
 }
 

@@ -47,6 +47,8 @@ __all__ = [
 Array = npt.NDArray[Any]
 
 RETURNS = ("strongest", "first", "last", "dual", "all")
+POSITIVE = ("period", "rated_range", "max_range", "echo_separation")  # fields of Pattern that must be above 0
+NOT_NEGATIVE = ("min_range", "range_noise", "range_resolution")
 
 
 @dataclass(frozen=True)
@@ -73,10 +75,11 @@ class Pattern:
         lengths = np.linalg.norm(self.directions, axis=1)
         if not np.allclose(lengths, 1, atol=1e-6):
             raise UsageError("the directions of a pattern must be unit vectors")
-        positive = (self.period, self.rated_range, self.max_range, self.echo_separation)
+        positive = [_core.number_of(getattr(self, name), name) for name in POSITIVE]
         if not all(value > 0 for value in positive):
             raise UsageError("period, rated_range, max_range and echo_separation of a pattern must be above 0")
-        others = (self.min_range, self.range_noise, self.range_resolution, *self.divergence)
+        others = [_core.number_of(getattr(self, name), name) for name in NOT_NEGATIVE]
+        others += [_core.number_of(value, "divergence") for value in self.divergence]
         if not all(value >= 0 and math.isfinite(value) for value in others):
             raise UsageError("min_range, range_noise, range_resolution and divergence of a pattern must be at least 0")
 
@@ -101,7 +104,7 @@ def spinning(
     azimuths: degrees that each laser looks to the right of the rotor; columns: cycles per scan (default: as many as
     fit); properties: those of Pattern.
     """
-    if not cycle > 0 or not rate > 0:
+    if not _core.number_of(cycle, "cycle") > 0 or not _core.number_of(rate, "rate") > 0:
         raise UsageError("a spinning sensor needs a cycle and a rate above 0")
     lasers = len(elevations)
     offsets = np.arange(lasers) * firing if isinstance(firing, (int, float)) else np.asarray(firing, np.float64)
@@ -111,7 +114,7 @@ def spinning(
 
 
 def _named(sensor: str, rate: float, columns: int = 0, start: float = 0.0) -> Pattern:
-    if not rate > 0:
+    if not _core.number_of(rate, "rate") > 0:
         raise UsageError("rate must be above 0")
     return Pattern(**_core.lidar_pattern(sensor, rate, columns, start))
 
@@ -155,7 +158,7 @@ def livox_mid40(period: float = 0.1, start: float = 0.0) -> Pattern:
     7294 and -4664 revolutions per minute; here with thin prisms). start: seconds; successive scans begin where the last
     one ended.
     """
-    if not period > 0:
+    if not _core.number_of(period, "period") > 0:
         raise UsageError("period must be above 0")
     return _named("mid-40", 1 / period, 0, start)
 
@@ -232,9 +235,11 @@ def scan(
     """
     if returns not in RETURNS:
         raise UsageError(f"returns must be one of {', '.join(RETURNS)}, not {returns!r}")
-    limit = options.pop("max_distance", math.inf)
+    limit = _core.number_of(options.pop("max_distance", math.inf), "max_distance")
+    if not limit > 0:
+        raise UsageError(f"max_distance must be above 0 meters, not {limit:g}")
     if limit < pattern.max_range:
         pattern = replace(pattern, max_range=limit)
     poses = pose if hasattr(pose, "at") else Motion(checked_poses(pose))  # type: ignore[arg-type]
-    frames = poses.at(start + pattern.times)  # type: ignore[union-attr]
+    frames = poses.at(_core.number_of(start, "start") + pattern.times)  # type: ignore[union-attr]
     return Scan(**_core.scan_lidar(renderer, pattern, frames, samples, returns, seed, slices, **options))

@@ -59,6 +59,7 @@ bool overlap(const ScreenBounds& a, const ScreenBounds& b) {
 struct BoundedObject {
   Object* object;
   ScreenBounds bounds;
+  bool requested;  // false: it has no image in this view, but is visible in the view's image of its group
 };
 // The objects with one id, in the views that have them, by index.
 using ObjectInViews = std::map<size_t, BoundedObject>;
@@ -67,7 +68,8 @@ using Group = std::vector<const ObjectInViews*>;
 bool overlap(const ObjectInViews& a, const ObjectInViews& b) {
   return std::ranges::any_of(a, [&](const auto& each) {
     const auto other = b.find(each.first);
-    return other != b.end() && overlap(each.second.bounds, other->second.bounds);
+    if (other == b.end() || !(each.second.requested || other->second.requested)) return false;
+    return overlap(each.second.bounds, other->second.bounds);
   });
 }
 
@@ -113,8 +115,18 @@ class IsolatedRenderer {
   // Adds an object of a view unless the view does not show any of it. Returns the position of its bounds.
   ScreenBounds::Containment add(size_t view, Object& object) {
     const ScreenBounds bounds = boundsOf(view, object);
-    if (bounds.containment != ScreenBounds::Outside) objects_[object.id].emplace(view, BoundedObject{&object, bounds});
+    if (bounds.containment != ScreenBounds::Outside)
+      objects_[object.id].emplace(view, BoundedObject{&object, bounds, true});
     return bounds.containment;
+  }
+
+  // Keeps objects that share an image with this one from being occluded by it in a view to which it was not added. An
+  // object has the same group in all views. Call it after add() has added the objects of all views.
+  void avoid(size_t view, Object& object) {
+    const auto views = objects_.find(object.id);
+    if (views == objects_.end()) return;
+    const ScreenBounds bounds = boundsOf(view, object);
+    if (bounds.containment != ScreenBounds::Outside) views->second.emplace(view, BoundedObject{&object, bounds, false});
   }
 
   // Calls taken() with each image. The next images are rendered while taken() reads these.
@@ -154,7 +166,8 @@ class IsolatedRenderer {
     for (uint32_t i = 0; i < groups.size(); ++i) {
       std::map<size_t, std::vector<Object*>> byView;
       for (const ObjectInViews* object : groups[i])
-        for (const auto& [view, each] : *object) byView[view].push_back(each.object);
+        for (const auto& [view, each] : *object)
+          if (each.requested) byView[view].push_back(each.object);
       for (auto& [view, objects] : byView) images.push_back({i, static_cast<uint32_t>(view), std::move(objects)});
     }
     return images;
@@ -294,6 +307,7 @@ PixelBox around(const PixelBox& a, const PixelBox& b) {
 }
 
 // Adds the pixels that objects cover in the enlarged picture outside its central third, which is the original picture.
+// An object of the group that does not cross the border of this view's picture may be visible, too, and is not counted.
 void addBeyond(const IsolatedImage& image, const std::vector<output::AovImage>& pictures) {
   const output::AovImage& wide = pictures.front();
   std::unordered_map<uint32_t, Object*> objects;
@@ -303,8 +317,9 @@ void addBeyond(const IsolatedImage& image, const std::vector<output::AovImage>& 
     for (uint32_t x = 0; x < wide.width; ++x) {
       const uint32_t id = wide.ids[size_t{y} * wide.width + x];
       const bool middle = x >= width && x < 2 * width && y >= height && y < 2 * height;
-      if (id == 0 || middle) continue;
-      Object& object = *objects.at(id);
+      const auto known = objects.find(id);
+      if (middle || known == objects.end()) continue;
+      Object& object = *known->second;
       ++object.pixels;
       object.full = around(object.full, {int64_t{x} - width, int64_t{y} - height, 1, 1});
     }
@@ -338,6 +353,7 @@ void renderIsolated(render::Renderer& renderer, const scene::Scene& scene, const
       if (touchesEdge(each.second->alone)) across.push_back(each);
   for (const auto& [view, object] : across)
     if (object->alone.area() > 0 && canWiden(cameras[view], settings)) beyond.add(view, *object);
+  for (const auto& [view, object] : across) beyond.avoid(view, *object);
   beyond.render(addBeyond);
 }
 

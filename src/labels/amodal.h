@@ -24,7 +24,8 @@ void renderIsolated(render::Renderer& renderer, const scene::Scene& scene, const
                     bool order = false);
 
 // The same for several cameras, which may show different worlds, with one list of objects each. Objects with the same
-// id share an image with other objects only if their bounds do not overlap in any view.
+// id share an image with other objects only if their bounds do not overlap in any view. This includes the bounds of
+// objects that are visible only in the enlarged pictures of other objects.
 void renderIsolated(render::Renderer& renderer, const scene::Scene& scene, const std::vector<scene::Camera>& cameras,
                     const render::Settings& settings, const render::SceneState& moment,
                     std::span<std::vector<Object>> objects, bool order = false);

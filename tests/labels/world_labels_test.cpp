@@ -1,11 +1,14 @@
 // Labels and keypoints of worlds: each view's equal those of the scene edited to the world's state.
 #include <latelight/latelight.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 
 #include "labels/same_labels.h"
 #include "models/models.h"
+#include "placed.h"
 #include "render/support.h"
 #include "test_device.h"
 
@@ -144,6 +147,96 @@ TEST_P(WorldLabels, RejectAnExposureTime) {
   Options options = small();
   options.shutter = 0.1;
   EXPECT_THROW(renderer.labels(random.worlds, options), Error);
+}
+
+// Squares of 8 x 8 pixels, with their edges on those of pixels, before two orthographic cameras. They cross the borders
+// of some pictures. Beyond the border of another, they would occlude squares with which they share an image elsewhere.
+struct SquareWorlds {
+  static constexpr int64_t kWidth = 48, kHeight = 32, kSide = 8, kSquares = 4;
+  static constexpr int64_t kShifts[] = {0, 24};  // columns from the first camera's picture to that of each camera
+  static constexpr double kMetersPerPixel = 1.0 / 16;
+  Scene scene;
+  Worlds worlds{.count = 2};
+  std::vector<PixelBox> squares;  // in the first camera's picture, world by world
+
+  SquareWorlds() {
+    constexpr float kHalf = kSide * kMetersPerPixel / 2;
+    MeshData square{.name = "square", .indices = {0, 1, 2, 0, 2, 3}};
+    square.positions = {{-kHalf, -kHalf, 0}, {kHalf, -kHalf, 0}, {kHalf, kHalf, 0}, {-kHalf, kHalf, 0}};
+    const Handle<Mesh> mesh = scene.addMesh(square);
+    const Handle<Material> material = scene.addMaterial(Material{.name = "plain", .doubleSided = true});
+    for (int64_t i = 0; i < kSquares; ++i)
+      worlds.instances.push_back(scene.addInstance(mesh, material, placed(0, 0, 0), "square" + std::to_string(i)));
+    for (const int64_t shift : kShifts) {
+      const double x = static_cast<double>(shift) * kMetersPerPixel;
+      Camera& camera = worlds.cameras.emplace_back(scene.lookAt({x, 0, 5}, {x, 0, 0}));
+      camera.orthographic = true;
+      camera.halfHeight = kHeight * kMetersPerPixel / 2;
+      camera.farClip = 50;
+    }
+  }
+
+  void move(std::mt19937& random) {
+    std::uniform_int_distribution<int64_t> column(-24, 64), row(-20, 44);
+    squares.clear();
+    worlds.transforms.clear();
+    for (int64_t i = 0; i < worlds.count * kSquares; ++i) {
+      const PixelBox& at = squares.emplace_back(column(random), row(random), kSide, kSide);
+      const double x = static_cast<double>(at.x + (kSide - kWidth) / 2) * kMetersPerPixel;
+      const double y = static_cast<double>((kHeight - kSide) / 2 - at.y) * kMetersPerPixel;
+      worlds.transforms.push_back(placed(x, y, 0.1 * static_cast<double>(i % kSquares)));
+    }
+  }
+
+  // Returns the part of a box within a rectangle.
+  static PixelBox partOf(const PixelBox& box, const PixelBox& limits) {
+    const int64_t x = std::max(box.x, limits.x), right = std::min(box.x + box.width, limits.x + limits.width);
+    const int64_t y = std::max(box.y, limits.y), bottom = std::min(box.y + box.height, limits.y + limits.height);
+    return x < right && y < bottom ? PixelBox{x, y, right - x, bottom - y} : PixelBox{};
+  }
+
+  // Returns the full boxes of a view's objects by node.
+  std::map<std::string, PixelBox> boxesOf(size_t view) const {
+    std::map<std::string, PixelBox> boxes;
+    for (size_t i = 0; i < kSquares; ++i) {
+      PixelBox box = squares[view / 2 * kSquares + i];
+      box.x -= kShifts[view % 2];
+      if (partOf(box, {0, 0, kWidth, kHeight}) == PixelBox{}) continue;
+      boxes["/square" + std::to_string(i)] = partOf(box, {-kWidth, -kHeight, 3 * kWidth, 3 * kHeight});
+    }
+    return boxes;
+  }
+};
+
+// Returns how many objects cross the border of their picture. Their full boxes and pixels must be the expected ones.
+size_t expectFullBoxes(const Labels& labels, const std::map<std::string, PixelBox>& boxes) {
+  EXPECT_EQ(labels.objects.size(), boxes.size());
+  size_t across = 0;
+  for (const ObjectLabel& object : labels.objects) {
+    const PixelBox& box = boxes.at(object.node);
+    EXPECT_TRUE(object.fullBox == box) << object.node;
+    EXPECT_EQ(object.fullPixels, static_cast<uint64_t>(box.width * box.height)) << object.node;
+    across += object.fullPixels > object.amodalPixels;
+  }
+  return across;
+}
+
+TEST_P(WorldLabels, CountPixelsBeyondTheBorderOfEachView) {
+  SquareWorlds made;
+  Renderer renderer(made.scene, testDevice());
+  std::mt19937 random(11);
+  size_t across = 0;
+  for (int call = 0; call < 60; ++call) {
+    made.move(random);
+    const std::vector<Labels> labels = renderer.labels(made.worlds, small());
+    ASSERT_EQ(labels.size(), 4u);
+    for (size_t view = 0; view < labels.size(); ++view) {
+      SCOPED_TRACE(testing::Message() << "view " << view << " of call " << call);
+      across += expectFullBoxes(labels[view], made.boxesOf(view));
+    }
+  }
+  EXPECT_GT(across, 60u);
+  EXPECT_EQ(renderer.validationMessages(), std::vector<std::string>{});
 }
 
 INSTANTIATE_TEST_SUITE_P(Rasters, WorldLabels, testing::Values("hardware", "compute"),

@@ -118,6 +118,16 @@ def test_arguments_of_other_calls(renderer, boxes):
         lidar.scan(renderer, lidar.vlp16(), np.eye(4), outputs=("distance",))
 
 
+def test_limits_of_rays(renderer):
+    rays, rays_of_worlds = ([[0, 5, 0]], [[0, -1, 0]]), ([[[0, 5, 0]]], [[[0, -1, 0]]])
+    for value, kind in ((None, "NoneType"), ("1", "str")):
+        words = f"^max_distance must be a number, not {kind}$"
+        for call in (renderer.cast, renderer.submit_cast):
+            refused(words, lambda: call(*rays, max_distance=value), latelight.ArgumentTypeError)
+        for call in (renderer.cast_worlds, renderer.submit_cast_worlds):
+            refused(words, lambda: call(1, *rays_of_worlds, max_distance=value), latelight.ArgumentTypeError)
+
+
 def test_options(renderer, boxes):
     camera = boxes.default_camera()
     size = (8, 8)

@@ -345,6 +345,24 @@ def test_open3d_reads_the_files(scanned, tmp_path):
         assert np.array_equal(tensors["intensity"].numpy().ravel(), scanned.intensity), name
 
 
+@pytest.mark.parametrize("value, kind", [(None, "NoneType"), ("1", "str")])
+def test_arguments_that_are_no_numbers(renderer, value, kind):
+    pattern = firings([X])
+    calls = {
+        "max_distance": lambda: lidar.scan(renderer, pattern, POSE, max_distance=value),
+        "start": lambda: lidar.scan(renderer, pattern, POSE, start=value),
+        "rate": lambda: lidar.vlp16(rate=value),
+        "period": lambda: lidar.livox_mid40(period=value),
+        "cycle": lambda: lidar.spinning("sensor", [0.0], value, 10),
+        "min_range": lambda: dataclasses.replace(pattern, min_range=value),
+        "max_range": lambda: dataclasses.replace(pattern, max_range=value),
+        "divergence": lambda: dataclasses.replace(pattern, divergence=(0, value)),
+    }
+    for name, call in calls.items():
+        with pytest.raises(latelight.ArgumentTypeError, match=f"^{name} must be a number, not {kind}$"):
+            call()
+
+
 def test_wrong_arguments(renderer, tmp_path, scanned):
     def refused(text, call):
         with pytest.raises(latelight.UsageError, match=text):
@@ -365,6 +383,9 @@ def test_wrong_arguments(renderer, tmp_path, scanned):
     refused("No such file", lambda: scanned.write(tmp_path / "none" / "a.ply"))
     refused('"sensor" or "world"', lambda: scanned.write(tmp_path / "a.ply", frame="map"))
     refused("no option", lambda: lidar.scan(renderer, pattern, POSE, sample=3))
+    refused("max_distance must be above 0 meters, not nan", lambda: lidar.scan(
+        renderer, pattern, POSE, max_distance=math.nan))  # fmt: skip
+    refused("max_distance must be above 0 meters, not -1", lambda: lidar.scan(renderer, pattern, POSE, max_distance=-1))
     assert list(tmp_path.iterdir()) == []
 
 

@@ -11,6 +11,14 @@ import latelight
 ROOT = Path(__file__).parents[2]
 PACKAGE = Path(latelight.__file__).parent
 
+RIGHT = """
+channel = latelight.AnimationChannel(node="/a", property="scale")
+channel.interpolation = "step"
+channel.times, channel.values = [0.0, 2.0], [[1, 1, 1], [2, 2, 2]]
+channel.property = "rotation"
+names: list[str] = [channel.node, channel.property]
+"""
+
 WRONG = """
 renderer.render(camera, exposre=1)
 renderer.submit(camera, exposure=[1])
@@ -22,22 +30,30 @@ renderer.render([camera], (8, 8)).png
 """
 
 
-def complaints(folder, source):
-    (folder / "checked.py").write_text(source)
+def errors(folder, file):
     environment = {**os.environ, "MYPYPATH": str(PACKAGE.parent)}
     run = subprocess.run(
-        [sys.executable, "-m", "mypy", "--cache-dir", folder / "cache", "checked.py"],
+        [sys.executable, "-m", "mypy", "--cache-dir", folder / "cache", file],
         cwd=folder, env=environment, capture_output=True, text=True,
     )
     assert run.stderr == ""
     return [line for line in run.stdout.splitlines() if ": error:" in line]
 
 
+def complaints(folder, source):
+    (folder / "checked.py").write_text(source)
+    return errors(folder, "checked.py")
+
+
 def test_types(tmp_path):
     blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / "docs/python.md").read_text(), re.DOTALL | re.MULTILINE)
-    right = "\n".join(block for block in blocks if "exposre" not in block)
+    right = "\n".join(block for block in blocks if "exposre" not in block) + RIGHT
     assert complaints(tmp_path, right) == []
     wrong = complaints(tmp_path, right + WRONG)
     first = len(right.split("\n"))
     lines = {int(line.split(":")[1]) - first for line in wrong}
     assert lines == {1, 2, 3, 4, 5, 7}
+
+
+def test_the_stub(tmp_path):
+    assert [line for line in errors(tmp_path, PACKAGE / "_core.pyi") if "_core.pyi:" in line] == []

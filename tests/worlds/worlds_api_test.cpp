@@ -149,6 +149,50 @@ TEST(WorldsApi, ValuesThatAreNotFiniteAffectOnlyTheirWorld) {
     EXPECT_THAT(frames[world].aovs.at("id").ids, testing::Each(0u)) << "world " << world;
 }
 
+// Expects the image of each view without a focus distance to be that with the focus at the given distance in meters.
+void expectFocus(Renderer& renderer, const Worlds& worlds, const std::vector<double>& distances) {
+  Options options = small();
+  options.aovs = {"color"};
+  options.aperture = "0.2";
+  options.cameraSamples = 8;
+  const std::vector<Frame> frames = renderer.render(worlds, options);
+  ASSERT_EQ(frames.size(), distances.size());
+  for (size_t view = 0; view < frames.size(); ++view) {
+    SCOPED_TRACE(view);
+    options.focusDistance = distances[view];
+    test::expectSameFrames(frames[view], renderer.render(worlds, options)[view]);
+  }
+}
+
+// Cameras with an aperture focus on the center of the bounds of their own world, at rest.
+TEST(WorldsApi, FocusOnTheirOwnCenters) {
+  Squares made;
+  Renderer renderer(made.scene, testDevice());
+  Worlds worlds{.count = 3, .instances = {made.red, made.green}};
+  worlds.transforms = {placed(-1, 0, -6), placed(1, 0, -6), placed(0, 0, 1),
+                       placed(1, 0, -6),  placed(0, 0, 2),  placed(0, 0, -4)};
+  worlds.exists = {1, 1, 1, 0, 1, 1};
+  Camera farther = test::frontCamera();
+  farther.cameraToWorld[11] = 9;
+  worlds.cameras = {test::frontCamera(), farther};
+  expectFocus(renderer, worlds, {10, 15, 3, 8, 5, 10});
+}
+
+TEST(WorldsApi, FocusOnTheCentersOfTheirVertices) {
+  MeshData square{.name = "square", .positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}};
+  square.indices = {0, 1, 2, 0, 2, 3};
+  square.normals.assign(4, {0, 0, 1});  // otherwise the mesh would have a vertex per corner of its triangles
+  Scene scene;
+  const Handle<Mesh> mesh = scene.addMesh(square);
+  scene.addInstance(mesh, scene.addMaterial({.unlit = true}), placed(0, 0, 0));
+  Renderer renderer(scene, testDevice());
+  const std::vector<float> vertices{-1, -1, -4, 1, -1, -4, 1, 1, -4, -1, 1, -4,  //
+                                    -1, -1, 2,  1, -1, 2,  1, 1, 2,  -1, 1, 2};
+  Worlds worlds{.count = 2, .meshes = {mesh}, .cameras = {test::frontCamera()}};
+  worlds.arrays.vertices = {.rows = 3, .host = vertices.data()};
+  expectFocus(renderer, worlds, {8, 2});
+}
+
 // The squares in front of a wall, with an area light, a point light with a radius, and a square that emits light.
 struct LitSquares : Squares {
   Handle<Instance> lamp;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "base/error.h"
@@ -41,20 +42,25 @@ ThinLens makeLens(const scene::Camera& camera, const Settings& s, const glm::dve
 }  // namespace
 
 std::vector<ThinLens> thinLensesOf(std::span<const scene::Camera> cameras, const Settings& settings,
-                                   const scene::Scene& scene) {
-  glm::dvec3 center(0);
-  const auto focuses = [&](const scene::Camera& camera) { return focusesOnScene(camera, settings); };
-  if (std::ranges::any_of(cameras, focuses)) {
-    const scene::Bounds bounds = scene::worldBounds(scene);
-    if (!bounds.empty()) center = bounds.centre();
-  }
+                                   const scene::Scene& scene, const WorldStates& worlds) {
+  std::map<uint32_t, glm::dvec3> centers;  // by world
+  const auto centerOf = [&](uint32_t world) {
+    const auto [center, isNew] = centers.try_emplace(world, 0);
+    if (!isNew) return center->second;
+    const scene::Bounds bounds = worlds.count > 0 ? boundsAtRest(scene, worlds, world) : scene::worldBounds(scene);
+    if (!bounds.empty()) center->second = bounds.centre();
+    return center->second;
+  };
   std::vector<ThinLens> lenses;
-  for (const scene::Camera& camera : cameras) lenses.push_back(makeLens(camera, settings, center));
+  for (const scene::Camera& camera : cameras) {
+    const bool focuses = focusesOnScene(camera, settings);
+    lenses.push_back(makeLens(camera, settings, focuses ? centerOf(camera.world) : glm::dvec3(0)));
+  }
   return lenses;
 }
 
 ThinLens thinLensOf(const scene::Camera& camera, const Settings& settings, const scene::Scene& scene) {
-  return thinLensesOf({&camera, 1}, settings, scene).front();
+  return thinLensesOf({&camera, 1}, settings, scene, {}).front();
 }
 
 scene::Camera atAperture(const scene::Camera& camera, glm::dvec2 offset) {

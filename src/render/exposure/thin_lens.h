@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "render/gpu_scene/worlds.h"
 #include "render/settings/settings.h"
 #include "scene/scene.h"
 #include "shared/types.h"
@@ -26,8 +27,10 @@ struct ThinLens {
 // of Settings::sensorHeight with the picture's vertical field of view. By default, the focus is at the center of the
 // scene at rest. Throws Error(Usage) for an orthographic camera or a panorama with an aperture.
 ThinLens thinLensOf(const scene::Camera& camera, const Settings& settings, const scene::Scene& scene);
+// The same for the cameras of a call. By default, they focus on the center of their own world at rest. The host has the
+// lists of worlds if a camera has an aperture.
 std::vector<ThinLens> thinLensesOf(std::span<const scene::Camera> cameras, const Settings& settings,
-                                   const scene::Scene& scene);
+                                   const scene::Scene& scene, const WorldStates& worlds);
 
 // Moves a camera to a point of its aperture, right and up in meters.
 scene::Camera atAperture(const scene::Camera& camera, glm::dvec2 offset);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <numeric>
 #include <tuple>
 
@@ -121,6 +122,28 @@ bool differInArraysOnly(const WorldStates& a, const WorldStates& b) {
   };
   return a.inputs && b.inputs && lists(a) == lists(b) && differInArraysOnly(a.deformations, b.deformations) &&
          differInArraysOnly(*a.inputs, *b.inputs);
+}
+
+scene::Bounds boundsAtRest(const scene::Scene& scene, const WorldStates& worlds, uint32_t world) {
+  std::vector<glm::dmat4> transforms;
+  for (const scene::Instance& instance : scene.instances) transforms.push_back(instance.toWorld);
+  const WorldState state = stateOf(worlds, world, scene, transforms);
+  scene::Bounds all;
+  if (!worlds.empty.empty() && worlds.empty[world]) return all;
+  std::map<uint32_t, scene::Mesh> moved;  // by mesh
+  for (size_t i = 0; i < worlds.deformations.meshes.size(); ++i) {
+    scene::Mesh& mesh = moved[worlds.deformations.meshes[i]];
+    mesh.positions = worlds.deformations.verticesIn(world, scene, i);
+    scene::findBounds(mesh);
+  }
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    const scene::Instance& instance = scene.instances[i];
+    const auto found = moved.find(instance.mesh);
+    const scene::Mesh& mesh = found == moved.end() ? scene.meshes[instance.mesh] : found->second;
+    if (state.exists[i] && scene::isShown(scene, {}, instance) && !mesh.positions.empty())
+      scene::addBox(mesh.boundsMin, mesh.boundsMax, state.transforms[i], all);
+  }
+  return all;
 }
 
 std::vector<GpuMaterials::Variant> variantsOf(const WorldStates& worlds, const scene::Scene& scene) {

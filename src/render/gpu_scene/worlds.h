@@ -80,6 +80,10 @@ struct WorldStates {
 // and of WorldDeformations.
 bool differInArraysOnly(const WorldStates& a, const WorldStates& b);
 
+// Returns the bounds of a world whose lists the host has, in the scene's world space: scene::worldBounds() of the
+// edited scene, at rest. Poses, and joints of worlds, do not change them.
+scene::Bounds boundsAtRest(const scene::Scene& scene, const WorldStates& worlds, uint32_t world);
+
 // Returns the materials that the factors of worlds require, world by world.
 std::vector<GpuMaterials::Variant> variantsOf(const WorldStates& worlds, const scene::Scene& scene);
 

@@ -31,7 +31,7 @@ RenderJob::RenderJob(std::span<const scene::Camera> cameras, const scene::Scene&
       rows(rowsAreViews ? settings.height : rows),
       exposes(false),
       exposesMotion(showsPicture(settings) && settings.shutter > 0 && (motion.movesScene() || motion.movesCameras())),
-      lenses(thinLensesOf(cameras, settings, scene)),
+      lenses(thinLensesOf(cameras, settings, scene, moment.worlds)),
       continues(moment.continues),
       placedWorlds(moment.worlds.inputs ? moment.worlds.count : 0) {
   const bool blurs = std::ranges::any_of(lenses, [](const ThinLens& lens) { return lens.radius > 0; });
