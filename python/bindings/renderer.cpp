@@ -124,13 +124,14 @@ nb::object deviceFramesOf(std::map<std::string, DeviceArray>&& arrays, const Vie
   return module.attr("DeviceFrames")(placed, exposuresOf(exposures));
 }
 
-// Frames on the host with other formats than the usual ones.
+// Frames on the host with other formats or another order of axes than the usual ones.
 nb::object formattedFramesOf(const std::map<std::string, DeviceArray>& arrays, const Views& views,
                              const std::vector<float>& exposures) {
   const RunningPython section;
   const nb::module_ module = nb::module_::import_("latelight.frames");
+  const bool channelsFirst = !arrays.empty() && arrays.begin()->second.channelsFirst;
   return module.attr("frames_of_arrays")(hostArrays(arrays, views.shape), views.shape.size(), nb::cast(exposures),
-                                         nb::cast(views.invalid));
+                                         nb::cast(views.invalid), channelsFirst);
 }
 
 // Where a call leaves its results, and in which form.

@@ -90,8 +90,8 @@ def measure(sensor: DepthSensor, depth: npt.ArrayLike, incidence: npt.ArrayLike,
             shadow: npt.ArrayLike | None = None) -> Array:  # fmt: skip
     """Returns what the sensor measures of exact depths (H, W), in meters: float32, 0 where it has no value.
 
-    incidence: (H, W) radians from 0 to pi/2; focal: focal length in pixels; seed: of the noise, or None for
-    quantization only; shadow: (H, W) True where the point is hidden from the projector
+    incidence: (H, W) radians from 0 to pi/2, or NaN, where the sensor has no value; focal: focal length in pixels;
+    seed: of the noise, or None for quantization only; shadow: (H, W) True where the point is hidden from the projector
     """
     z, angle = np.asarray(depth, np.float64), np.asarray(incidence, np.float64)
     if z.ndim != 2 or angle.shape != z.shape:
@@ -99,7 +99,9 @@ def measure(sensor: DepthSensor, depth: npt.ArrayLike, incidence: npt.ArrayLike,
     if not focal > 0:
         raise UsageError(f"focal must be above 0, not {focal}")
     hidden = np.zeros(z.shape, bool) if shadow is None else np.asarray(shadow, bool)
-    steep = np.clip(angle, 0, np.pi / 2 - 1e-3)
+    if hidden.shape != z.shape:
+        raise UsageError(f"shadow must have the shape of depth, {z.shape}, not {hidden.shape}")
+    steep = np.where(np.isnan(angle), 0, np.clip(angle, 0, np.pi / 2 - 1e-3))
     if seed is not None:
         random = np.random.Generator(np.random.Philox(seed))
         moves, errors = random.standard_normal((2, *z.shape)), random.standard_normal(z.shape)

@@ -46,14 +46,15 @@ class Frame(Outputs[np.ndarray]):
     the picture's radiance was multiplied by, metered with exposure="auto".
     """
 
-    def __init__(self, arrays: dict[str, np.ndarray], exposure: float = 1.0) -> None:
+    def __init__(self, arrays: dict[str, np.ndarray], exposure: float = 1.0, channels_first: bool = False) -> None:
         super().__init__(arrays)
         self.exposure = exposure
+        self._channels_first = channels_first
 
     def png(self) -> bytes:
         """The picture, the output rgba, as a PNG file."""
         picture = self["rgba"]
-        if picture.shape[2] not in (3, 4):  # channels first
+        if self._channels_first:
             picture = np.moveaxis(picture, 0, 2)
         if picture.shape[2] == 3:
             picture = np.concatenate([picture, np.full_like(picture[..., :1], 255)], axis=2)
@@ -153,15 +154,19 @@ class WorldFrames(_Stacked[Frames]):
 
 
 def frames_of_arrays(
-    arrays: dict[str, np.ndarray], axes: int, exposures: Sequence[float], invalid_worlds: Sequence[int]
+    arrays: dict[str, np.ndarray],
+    axes: int,
+    exposures: Sequence[float],
+    invalid_worlds: Sequence[int],
+    channels_first: bool,
 ) -> Any:
     """The frames of arrays of all views, without a copy. `axes`: the number of their view axes."""
     if axes == 0:
-        return Frame(arrays, exposures[0])
+        return Frame(arrays, exposures[0], channels_first)
     first = next(iter(arrays.values())).shape
     flat = {name: array.reshape((-1, *array.shape[axes:])) for name, array in arrays.items()}
     count = int(np.prod(first[:axes]))
-    frames = [Frame({name: array[i] for name, array in flat.items()}, exposures[i]) for i in range(count)]
+    frames = [Frame({name: a[i] for name, a in flat.items()}, exposures[i], channels_first) for i in range(count)]
     all_frames = Frames(frames) if axes == 1 else WorldFrames(frames, first[1], invalid_worlds)
     all_frames._stacked = dict(arrays)
     return all_frames

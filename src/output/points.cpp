@@ -18,15 +18,15 @@ static_assert(std::endian::native == std::endian::little, "values are written as
 
 struct ValueType {
   size_t bytes;
-  char kind;  // as in NumPy: f, u
-  std::string_view ply;
+  char kind;             // as in NumPy: f, u
+  std::string_view ply;  // Open3D reads uint16 but skips ushort, its other name
 };
 
 ValueType typeOf(const PointField& field) {
   constexpr ValueType kTypes[] = {{4, 'f', "float"},
                                   {8, 'f', "double"},
                                   {1, 'u', "uchar"},
-                                  {2, 'u', "ushort"},
+                                  {2, 'u', "uint16"},
                                   {4, 'u', "uint"}};  // in the order of the variant
   return kTypes[field.values.index()];
 }

@@ -61,6 +61,22 @@ def test_values_that_the_sensor_does_not_have():
     assert (measured > 0).tolist() == [[False, True, False, False, False, False]]
 
 
+@pytest.mark.parametrize("seed", [None, 1])
+def test_pixels_without_a_surface_may_lack_an_incidence(seed):
+    """Lateral noise moves pixels, but not by a whole one with a deviation of 0.01."""
+    sensor = dataclasses.replace(depth_sensor.kinect(), lateral=(0.01, 0.0))
+    depth, angles = plane(2.0, 0, (4, 6))
+    depth[0, 0], angles[0, 0] = np.inf, np.nan  # the background
+    depth[1, 1], angles[1, 1] = 0, np.nan
+    angles[2, 2] = np.nan  # a surface without an angle
+    measured = depth_sensor.measure(sensor, depth, angles, 525.0, seed)
+    assert np.argwhere(measured == 0).tolist() == [[0, 0], [1, 1], [2, 2]]
+    if seed is not None:  # the random numbers of the other pixels do not depend on it
+        depth[:], angles[:] = plane(2.0, 0, (4, 6))
+        whole = depth_sensor.measure(sensor, depth, angles, 525.0, seed)
+        np.testing.assert_array_equal(measured[measured > 0], whole[measured > 0])
+
+
 def quad(scene, x, z, at):
     """A surface in the plane of this z, which faces +Z, from x[0] to x[1], moved by `at`."""
     points = np.array([[x[0], -5, z], [x[1], -5, z], [x[1], 5, z], [x[0], 5, z]], np.float32)
@@ -139,6 +155,12 @@ def test_wrong_arguments(renderer):
 
     kinect = depth_sensor.kinect()
     refused("same shape", lambda: depth_sensor.measure(kinect, np.ones((4, 4)), np.ones((4, 5)), 500.0))
+    for shape in ((6, 6), (2, 2), (4,), ()):
+        for seed in (None, 1):
+            refused(
+                r"shadow must have the shape of depth, \(4, 4\), not",
+                lambda: depth_sensor.measure(kinect, *plane(1, 0, (4, 4)), 500.0, seed, np.ones(shape, bool)),
+            )
     refused("focal", lambda: depth_sensor.measure(kinect, np.ones((4, 4)), np.ones((4, 4)), 0.0))
     refused("baseline", lambda: dataclasses.replace(kinect, baseline=0.0))
     refused("noise", lambda: dataclasses.replace(kinect, lateral=(-1.0, 0.0)))

@@ -1,5 +1,7 @@
 """Formats of results: the values of the usual ones, in fewer bits or another order, on the host and on the device."""
 
+import io
+
 import latelight
 import numpy as np
 import pytest
@@ -61,6 +63,24 @@ def test_frames_have_their_parts(made):
     assert frames[0][0].png() == usual[0][0].png()
     one = made[0].render(made[1][0], SIZE, formats={"rgba": "rgb8"}, channels_first=True)
     assert one["rgba"].shape == (3, SIZE[1], SIZE[0]) and one.png() == usual[0][0].png()
+
+
+@pytest.mark.parametrize("size", [(3, 8), (4, 8), (4, 4), (3, 3), (8, 3)])
+@pytest.mark.parametrize("formats", [{}, {"rgba": "rgb8"}])
+def test_png_has_the_picture_in_each_order_of_axes(made, size, formats):
+    """Widths and heights of 3 and 4 look like numbers of channels."""
+    image = pytest.importorskip("PIL.Image")
+    renderer, (camera, other) = made
+    options = {"formats": formats, "channels_first": True}
+    one = renderer.render(camera, size, "rgba", background="#ff8000", **options)
+    frames = renderer.render([other, camera], size, "rgba", background="#ff8000", **options)
+    worlds = renderer.render_worlds(1, camera, size, "rgba", background="#ff8000", **options)
+    for frame in (one, frames[1], frames[1:][0], worlds[0][0]):
+        pixels = np.asarray(image.open(io.BytesIO(frame.png())).convert("RGBA"))
+        expected = np.moveaxis(frame["rgba"], 0, 2)
+        assert pixels.shape == (size[1], size[0], 4)
+        np.testing.assert_array_equal(pixels[..., : expected.shape[2]], expected)
+        assert formats == {} or (pixels[..., 3] == 255).all()
 
 
 def test_half_floats_are_rounded_to_nearest_even():
