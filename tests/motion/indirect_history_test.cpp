@@ -86,7 +86,7 @@ class IndirectHistoryTest : public RenderTest {
 
   // Compares the twelfth frame of a sequence with many samples, with its history and without.
   static void expectLessErrorWithHistory(const Sequence& moves, const char* what) {
-    const output::FrameOutput truth = alone(moves, settings(IndirectFilter::None, 2048), 11);
+    const output::FrameOutput truth = alone(moves, settings(IndirectFilter::None, 1024), 11);
     const double spatial = difference(alone(moves, settings(IndirectFilter::Spatial), 11), truth);
     const double temporal = difference(last(moves, settings(IndirectFilter::Temporal), 12), truth);
     fmt::print("{}: error {:.5f}, {:.5f} with history\n", what, spatial, temporal);
