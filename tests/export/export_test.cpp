@@ -153,6 +153,18 @@ TEST(Export, BuiltInScenesAreTheSame) {
   }
 }
 
+// Copies become nodes, and the parts of a copy are still those of its primitives.
+TEST(Export, CopiesOfSeveralPrimitivesKeepTheirIds) {
+  test::GltfBuilder file = test::triangleFile();
+  file.root["meshes"][0]["primitives"].push_back(json(file.primitive()));
+  file.root["nodes"][0]["name"] = "tree";
+  file.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+      {"TRANSLATION", file.positions({{1, 0, 0}, {2, 0, 0}})}};
+  const Scene scene = file.load();
+  ASSERT_EQ(scene.instances.size(), 4u);
+  expectSame(exported(scene), scene);
+}
+
 TEST(Export, AnimationsHaveTheSamePoses) {
   for (const char* model : {"skinned.glb", "static_skin.glb", "morphed.glb"}) {
     const Scene scene = load(models::modelPath(model).string()), again = exported(scene);

@@ -177,8 +177,8 @@ class Placer {
   void identify(const Node& node, bool several, std::span<Instance> instances, size_t copies) {
     const auto nameOf = [&](const Instance& instance, bool part) {
       std::string name = node.path;
-      if (part && several) name += fmt::format("/primitive{}", instance.primitive);
       if (instance.copy >= 0) name += fmt::format("/instance{}", instance.copy);
+      if (part && several) name += fmt::format("/primitive{}", instance.primitive);
       return name;
     };
     parallelFor(instances.size(), 4096, [&](size_t begin, size_t end) {
