@@ -22,6 +22,12 @@ bool isAll(const std::vector<T>& stream, const T& value) {
   return std::ranges::all_of(stream, [&](const T& v) { return v == value; });
 }
 
+// Morph targets that a pose has applied change the lengths of tangents, and glTF requires unit ones.
+vec4 unitTangent(const vec4& tangent) {
+  const float length = glm::length(vec3(tangent));
+  return length > 0 && std::abs(length - 1) > 1e-5f ? vec4(vec3(tangent) / length, tangent.w) : tangent;
+}
+
 // glTF requires unit tangents. Where the texture coordinates are degenerate there are none, and readers compute them.
 bool areTangentsValid(const std::vector<vec4>& tangents) {
   return std::ranges::all_of(
@@ -38,7 +44,7 @@ Json MeshWriter::attributesOf(const Mesh& mesh) {
   Json out{{"POSITION", document_.addPositions(positions)}};
   if (!deformation || !deformation->flatNormals)
     out["NORMAL"] = document_.addVectors(streamOf<vec3>(count, [&](size_t i) { return attributes[i].normal; }));
-  const auto tangents = streamOf<vec4>(count, [&](size_t i) { return attributes[i].tangent; });
+  const auto tangents = streamOf<vec4>(count, [&](size_t i) { return unitTangent(attributes[i].tangent); });
   if (areTangentsValid(tangents)) out["TANGENT"] = document_.addVectors(tangents);
   const auto uv = streamOf<vec2>(count, [&](size_t i) { return attributes[i].uv0; });
   if (!isAll(uv, vec2(0))) out["TEXCOORD_0"] = document_.addVectors(uv);
