@@ -17,6 +17,7 @@
 #include "scene/gltf/material.h"
 #include "scene/gltf/skin.h"
 #include "scene/ids.h"
+#include "scene/tangents.h"
 
 namespace latelight::scene::gltf {
 namespace {
@@ -36,22 +37,10 @@ std::vector<double> weightsOf(const file::Node& node, const file::Mesh& mesh, co
   return idle ? std::vector<double>() : weights;
 }
 
-// Returns the texture slot whose coordinates tangents follow. An anisotropic surface without such a texture uses the
-// anisotropy slot, whose default is the first UV set.
-std::optional<uint32_t> tangentSlot(const Material& material) {
-  for (const uint32_t slot : {shared::kTextureNormal, shared::kTextureClearcoatNormal, shared::kTextureAnisotropy})
-    if (material.data.textures & 1u << slot) return slot;
-  if (material.data.layers.anisotropy > 0) return shared::kTextureAnisotropy;
-  return std::nullopt;
-}
-
 // Tangents are generated for the texture that uses them: for its UV set, with its transform applied.
-std::optional<TangentSpace> tangentSpaceOf(const Material& material, const file::Primitive& p) {
-  bool given = p.attributes.contains("TANGENT") && p.attributes.contains("NORMAL");
-  const std::optional<uint32_t> slot = tangentSlot(material);
-  if (given || !slot) return std::nullopt;
-  const shared::TextureTransform& t = material.data.transforms[*slot];
-  return TangentSpace{t.uvSet, vec2(t.row0), vec2(t.row1)};
+std::optional<TangentSpace> missingTangents(const Material& material, const file::Primitive& p) {
+  const bool given = p.attributes.contains("TANGENT") && p.attributes.contains("NORMAL");
+  return given ? std::nullopt : tangentSpaceOf(material);
 }
 
 // EXT_mesh_gpu_instancing: the transforms of instances relative to their node. Without the extension there is a single
@@ -136,7 +125,7 @@ class Placer {
                         .skin = primitive.attributes.contains("JOINTS_0") ? node.skin : -1,
                         .weights = weightsOf(node, mesh, primitive),
                         .weightsNode = primitive.targets.empty() ? -1 : movedWeights(int(index)),
-                        .tangentSpace = tangentSpaceOf(scene_.materials[material], primitive)};
+                        .tangentSpace = missingTangents(scene_.materials[material], primitive)};
     // A skinned mesh is already posed in the file's frame, so its own node does not move it.
     const bool posed = request.skin >= 0;
     const glm::dmat4 world = posed ? glm::dmat4(1) : hierarchy_.world[index];

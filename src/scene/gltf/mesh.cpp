@@ -72,13 +72,6 @@ void requireFinite(const std::vector<vec3>& positions, const std::string& name) 
   if (!std::ranges::all_of(positions, isFinite)) badInput("{} has positions that are not finite once posed", name);
 }
 
-void makeTangents(const TangentSpace& space, Vertices& v, std::vector<uint32_t>& indices) {
-  std::vector<vec2> uv = v.uv[space.uvSet];
-  if (uv.empty()) return;
-  for (vec2& t : uv) t = vec2(glm::dot(space.row0, t), glm::dot(space.row1, t));
-  scene::makeTangents(uv, v, indices);
-}
-
 MorphTarget readTarget(const Document& document, const file::Primitive& primitive, size_t index, const Source& source,
                        const VertexSources& vertexSources) {
   MorphTarget target = readMorphTarget(document, primitive, index, source, vertexSources.origin);
