@@ -95,6 +95,7 @@ void applyRestWeights(const Document& document, const MeshRequest& request, cons
   DeformedVertices posed = deform(deformation, {}, weights);
   mesh.positions = std::move(posed.positions);
   mesh.attributes = std::move(posed.attributes);
+  mesh.tangentSpace.reset();
 }
 
 // Returns the mesh's deformation, or null if it has neither a skin nor animated weights.
@@ -166,12 +167,14 @@ Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshR
       warn("{} has normals that point into its surface, which are turned over", source.name);
   }
   repairTangents(vertices.tangents);
-  if (vertices.tangents.empty() && request.tangentSpace) makeTangents(*request.tangentSpace, vertices, indices);
+  const bool generates = vertices.tangents.empty() && request.tangentSpace;
+  if (generates) makeTangents(*request.tangentSpace, vertices, indices);
 
   vertexSources.origin = std::move(vertices.origin);
   vertexSources.flatNormals =
       flat && vertexSources.origin.size() == indices.size();  // false if tangents split vertices
   Mesh mesh = pack(std::move(vertices), std::move(indices));
+  if (generates) mesh.tangentSpace = request.tangentSpace;
   applyRestWeights(document, request, primitive, source, vertexSources, mesh);
   if (auto deformation = readDeformation(document, request, primitive, source, vertexSources, mesh)) {
     poseAtRest(document, hierarchy, request, *deformation, mesh);
