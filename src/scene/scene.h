@@ -287,6 +287,9 @@ struct LoadOptions {
   // Bit i requests the textures in slot i of materials (shared::kTexture*); other slots stay empty. The base color is
   // always loaded if alpha affects visibility.
   uint32_t textureSlots = ~0u;
+  // Generates the tangents that a normal map on the first texture coordinates requires also for meshes whose materials
+  // require none, for callers that add normal maps.
+  bool tangents = false;
   // Loads morph targets that no animation of the file moves (Mesh::morphable), for callers that add animations or
   // export the scene.
   bool morphTargets = false;

@@ -162,6 +162,11 @@ std::optional<TangentSpace> tangentSpaceOf(const Material& material) {
   return TangentSpace{transform.uvSet, vec2(transform.row0), vec2(transform.row1)};
 }
 
+std::optional<TangentSpace> tangentSpaceOf(const Material& material, const LoadOptions& options) {
+  const auto space = tangentSpaceOf(material);
+  return space || !options.tangents ? space : TangentSpace();
+}
+
 TangentFrames generateTangents(std::span<const vec3> positions, std::span<const vec3> normals, std::span<const vec2> uv,
                                std::span<uint32_t> indices) {
   Accumulator accumulator(positions, normals, uv);

@@ -168,6 +168,7 @@ TEST(GltfMesh, TangentsAreMadeForNormalMapsOnly) {
   EXPECT_EQ(turned.meshes[0].attributes[0].tangent.w, 1);
   b.root["materials"][0].erase("normalTexture");
   EXPECT_EQ(b.load().meshes[0].attributes[0].tangent, vec4(0));
+  EXPECT_EQ(b.load({.tangents = true}).meshes[0].attributes[0].tangent, vec4(1, 0, 0, 1));
 }
 
 TEST(GltfMesh, TangentsOfTheFileAreKept) {

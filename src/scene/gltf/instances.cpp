@@ -38,9 +38,10 @@ std::vector<double> weightsOf(const file::Node& node, const file::Mesh& mesh, co
 }
 
 // Tangents are generated for the texture that uses them: for its UV set, with its transform applied.
-std::optional<TangentSpace> missingTangents(const Material& material, const file::Primitive& p) {
+std::optional<TangentSpace> missingTangents(const Material& material, const file::Primitive& p,
+                                            const LoadOptions& options) {
   const bool given = p.attributes.contains("TANGENT") && p.attributes.contains("NORMAL");
-  return given ? std::nullopt : tangentSpaceOf(material);
+  return given ? std::nullopt : tangentSpaceOf(material, options);
 }
 
 // EXT_mesh_gpu_instancing: the transforms of instances relative to their node. Without the extension there is a single
@@ -86,8 +87,8 @@ Placements readPlacements(const Document& document, const file::Node& node, size
 
 class Placer {
  public:
-  Placer(const Document& document, const Hierarchy& hierarchy, int variant, Scene& scene)
-      : document_(document), hierarchy_(hierarchy), variant_(variant), scene_(scene) {
+  Placer(const Document& document, const Hierarchy& hierarchy, int variant, const LoadOptions& options, Scene& scene)
+      : document_(document), hierarchy_(hierarchy), variant_(variant), options_(options), scene_(scene) {
     for (const Animation& animation : scene.rig.animations)
       for (const Track& track : animation.tracks)
         if (track.property == AnimatedProperty::Weights) moved_.insert(track.node);
@@ -125,7 +126,7 @@ class Placer {
                         .skin = primitive.attributes.contains("JOINTS_0") ? node.skin : -1,
                         .weights = weightsOf(node, mesh, primitive),
                         .weightsNode = primitive.targets.empty() ? -1 : movedWeights(int(index)),
-                        .tangentSpace = missingTangents(scene_.materials[material], primitive)};
+                        .tangentSpace = missingTangents(scene_.materials[material], primitive, options_)};
     // A skinned mesh is already posed in the file's frame, so its own node does not move it.
     const bool posed = request.skin >= 0;
     const glm::dmat4 world = posed ? glm::dmat4(1) : hierarchy_.world[index];
@@ -227,6 +228,7 @@ class Placer {
   const Document& document_;
   const Hierarchy& hierarchy_;
   int variant_;
+  const LoadOptions& options_;
   Scene& scene_;
   std::vector<MeshRequest> requests_;
   std::map<Geometry, std::vector<uint32_t>> known_;
@@ -238,8 +240,8 @@ class Placer {
 }  // namespace
 
 std::vector<MeshRequest> placeInstances(const Document& document, const Hierarchy& hierarchy, int variant,
-                                        Scene& scene) {
-  return Placer(document, hierarchy, variant, scene).run();
+                                        const LoadOptions& options, Scene& scene) {
+  return Placer(document, hierarchy, variant, options, scene).run();
 }
 
 }  // namespace latelight::scene::gltf

@@ -319,7 +319,7 @@ class ObjReader {
     if (isGiven && !repairNormals(vertices, indices).empty())
       warn("{} has normals that point into its surface, which are turned over", name());
     const Material& material = source_.builder.scene.materials[materialOf_.at(part.material)];
-    if (const auto space = tangentSpaceOf(material)) makeTangents(*space, vertices, indices);
+    if (const auto space = tangentSpaceOf(material, source_.options)) makeTangents(*space, vertices, indices);
     Mesh mesh = pack(std::move(vertices), std::move(indices));
     dropBrokenTriangles(mesh, name());
     return mesh;
