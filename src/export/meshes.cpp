@@ -22,6 +22,12 @@ bool isAll(const std::vector<T>& stream, const T& value) {
   return std::ranges::all_of(stream, [&](const T& v) { return v == value; });
 }
 
+// Morph targets that a pose has applied change the lengths of tangents, and glTF requires unit ones.
+vec4 unitTangent(const vec4& tangent) {
+  const float length = glm::length(vec3(tangent));
+  return length > 0 && std::abs(length - 1) > 1e-5f ? vec4(vec3(tangent) / length, tangent.w) : tangent;
+}
+
 // glTF requires unit tangents. Where the texture coordinates are degenerate there are none, and readers compute them.
 bool areTangentsValid(const std::vector<vec4>& tangents) {
   return std::ranges::all_of(
@@ -30,7 +36,7 @@ bool areTangentsValid(const std::vector<vec4>& tangents) {
 
 }  // namespace
 
-Json MeshWriter::attributesOf(const Mesh& mesh) {
+Json MeshWriter::attributesOf(const Mesh& mesh, bool omitsTangents) {
   const Deformation* deformation = mesh.deformation.get();
   const auto& positions = deformation ? deformation->positions : mesh.positions;
   const auto& attributes = deformation ? deformation->attributes : mesh.attributes;
@@ -38,8 +44,8 @@ Json MeshWriter::attributesOf(const Mesh& mesh) {
   Json out{{"POSITION", document_.addPositions(positions)}};
   if (!deformation || !deformation->flatNormals)
     out["NORMAL"] = document_.addVectors(streamOf<vec3>(count, [&](size_t i) { return attributes[i].normal; }));
-  const auto tangents = streamOf<vec4>(count, [&](size_t i) { return attributes[i].tangent; });
-  if (areTangentsValid(tangents)) out["TANGENT"] = document_.addVectors(tangents);
+  const auto tangents = streamOf<vec4>(count, [&](size_t i) { return unitTangent(attributes[i].tangent); });
+  if (!omitsTangents && areTangentsValid(tangents)) out["TANGENT"] = document_.addVectors(tangents);
   const auto uv = streamOf<vec2>(count, [&](size_t i) { return attributes[i].uv0; });
   if (!isAll(uv, vec2(0))) out["TEXCOORD_0"] = document_.addVectors(uv);
   if (mesh.extras.empty()) return out;
@@ -87,7 +93,6 @@ Json MeshWriter::targetsOf(const Deformation& deformation, size_t vertices, size
   return targets;
 }
 
-// The mesh with its morph targets, also if nothing animates them.
 const Mesh& MeshWriter::meshAt(uint32_t index) const {
   const Mesh& mesh = scene_.meshes[index];
   return mesh.morphable ? mesh.morphable->mesh : mesh;
@@ -105,12 +110,12 @@ Json MeshWriter::restWeightsOf(const std::vector<Primitive>& primitives) const {
   return weights;
 }
 
-Json MeshWriter::geometryOf(uint32_t index, size_t targets) {
-  const auto [known, isNew] = geometry_.try_emplace({index, targets});
+Json MeshWriter::geometryOf(const Primitive& source, size_t targets) {
+  const auto [known, isNew] = geometry_.try_emplace({source.mesh, targets, source.omitsTangents});
   if (!isNew) return known->second;
-  const Mesh& mesh = meshAt(index);
+  const Mesh& mesh = meshAt(source.mesh);
   const Deformation* deformation = mesh.deformation.get();
-  Json attributes = attributesOf(mesh);
+  Json attributes = attributesOf(mesh, source.omitsTangents);
   if (deformation && deformation->skin >= 0) addSkin(*deformation, attributes);
   std::vector<uint32_t> indices = mesh.indices;
   if (deformation && deformation->mirroredAtRest)  // loading has reversed the winding
@@ -129,7 +134,7 @@ size_t MeshWriter::add(const std::string& name, const std::vector<Primitive>& pr
       targets = std::max(targets, deformation->targets.size());
   Json list = Json::array();
   for (const Primitive& primitive : primitives) {
-    Json out = geometryOf(primitive.mesh, targets);
+    Json out = geometryOf(primitive, targets);
     if (primitive.material >= 0) out["material"] = primitive.material;
     for (const auto& [variant, material] : primitive.variants)
       arrayIn(document_.extension(out, "KHR_materials_variants"), "mappings")

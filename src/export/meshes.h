@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "export/document.h"
@@ -15,6 +16,7 @@ struct Primitive {
   uint32_t mesh = 0;
   int material = -1;                               // in the document
   std::vector<std::pair<uint32_t, int>> variants;  // variant, and the material in the document
+  bool omitsTangents = false;                      // loading generates them again
   auto operator<=>(const Primitive&) const = default;
 };
 
@@ -26,21 +28,23 @@ inline bool isEmpty(const scene::Mesh& mesh) {
 class MeshWriter {
  public:
   MeshWriter(const scene::Scene& scene, Document& document) : scene_(scene), document_(document) {}
+  // Returns the mesh that is written: the one with its morph targets, also if nothing animates them.
+  const scene::Mesh& meshAt(uint32_t index) const;
   // Returns the index of the glTF mesh, which equal requests share. The meshes of the primitives must not be empty.
   size_t add(const std::string& name, const std::vector<Primitive>& primitives);
 
  private:
-  const scene::Mesh& meshAt(uint32_t index) const;
   Json restWeightsOf(const std::vector<Primitive>& primitives) const;
-  Json geometryOf(uint32_t mesh, size_t targets);
-  Json attributesOf(const scene::Mesh& mesh);
+  Json geometryOf(const Primitive& primitive, size_t targets);
+  Json attributesOf(const scene::Mesh& mesh, bool omitsTangents);
   void addSkin(const scene::Deformation& deformation, Json& attributes);
   Json targetsOf(const scene::Deformation& deformation, size_t vertices, size_t count);
 
   const scene::Scene& scene_;
   Document& document_;
   std::map<std::pair<std::string, std::vector<Primitive>>, size_t> known_;
-  std::map<std::pair<uint32_t, size_t>, Json> geometry_;  // by mesh and number of morph targets
+  // By mesh, number of morph targets, and Primitive::omitsTangents.
+  std::map<std::tuple<uint32_t, size_t, bool>, Json> geometry_;
 };
 
 }  // namespace latelight::exports

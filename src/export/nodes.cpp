@@ -23,6 +23,7 @@
 #include "base/log.h"
 #include "export/meshes.h"
 #include "scene/light_types.h"
+#include "scene/tangents.h"
 #include "shared/light.h"
 
 namespace latelight::exports {
@@ -69,8 +70,10 @@ class NodeWriter {
  public:
   NodeWriter(const Scene& scene, Document& document, Exported& exported)
       : scene_(scene), document_(document), exported_(exported), meshes_(scene, document) {
-    for (const VariantMaterial& v : scene.variantMaterials)
+    for (const VariantMaterial& v : scene.variantMaterials) {
       variants_[v.instance].push_back({v.variant, exported.materials[v.material]});
+      if (requiresOtherTangents(v)) omitsTangents_.insert(v.instance);
+    }
   }
 
   void run() {
@@ -93,6 +96,15 @@ class NodeWriter {
 
  private:
   Json& at(int node) { return document_.root["nodes"][static_cast<size_t>(node)]; }
+
+  // True if the mesh's tangents were generated for the instance's material, and those that the variant requires differ.
+  // A file without tangents leads to both.
+  bool requiresOtherTangents(const VariantMaterial& v) const {
+    const Instance& instance = scene_.instances[v.instance];
+    const std::optional<TangentSpace>& space = meshes_.meshAt(instance.mesh).tangentSpace;
+    const auto required = tangentSpaceOf(scene_.materials[v.material]);
+    return space && space == tangentSpaceOf(scene_.materials[instance.material]) && required && required != space;
+  }
 
   int addNode(Json node, int parent) {
     const auto index = static_cast<int>(document_.add("nodes", std::move(node)));
@@ -346,6 +358,7 @@ class NodeWriter {
       if (exports::isEmpty(scene_.meshes[instance.mesh])) continue;
       Primitive primitive{.mesh = instance.mesh, .material = exported_.materials[instance.material]};
       if (const auto variants = variants_.find(i); variants != variants_.end()) primitive.variants = variants->second;
+      primitive.omitsTangents = omitsTangents_.contains(i);
       primitives.push_back(std::move(primitive));
       if (const auto& own = scene_.meshes[instance.mesh].deformation) deformation = own.get();
     }
@@ -518,6 +531,7 @@ class NodeWriter {
   Exported& exported_;
   MeshWriter meshes_;
   std::map<uint32_t, std::vector<std::pair<uint32_t, int>>> variants_;  // by instance
+  std::set<uint32_t> omitsTangents_;                                    // instances: requiresOtherTangents()
   std::vector<std::vector<Group>> groups_;                              // per node of the scene
   std::vector<dmat4> places_;                                           // per node of the scene, to the world
   std::vector<bool> isMoving_;                                          // per node of the rig

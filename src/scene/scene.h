@@ -20,6 +20,7 @@
 #include "scene/edit_log.h"
 #include "scene/ids.h"
 #include "scene/lens.h"
+#include "scene/tangents.h"
 #include "shared/types.h"
 
 namespace latelight::scene {
@@ -81,10 +82,11 @@ struct Mesh {
   std::string name;
   std::vector<vec3> positions;
   std::vector<shared::VertexAttributes> attributes;
-  std::vector<shared::VertexExtra> extras;  // empty, or one per vertex
-  std::vector<uint32_t> indices;            // 3 per triangle, counter-clockwise front faces
-  vec3 boundsMin{0}, boundsMax{0};          // object space
-  float longestEdge = 0;                    // maximum over its triangles, in object space
+  std::vector<shared::VertexExtra> extras;   // empty, or one per vertex
+  std::vector<uint32_t> indices;             // 3 per triangle, counter-clockwise front faces
+  vec3 boundsMin{0}, boundsMax{0};           // object space
+  float longestEdge = 0;                     // maximum over its triangles, in object space
+  std::optional<TangentSpace> tangentSpace;  // set if the loader of glTF has generated its tangents, for this space
   // The deformation of its vertices, or null. If it is set, the positions, normals and tangents above are those at
   // rest.
   std::shared_ptr<const Deformation> deformation;
@@ -285,6 +287,9 @@ struct LoadOptions {
   // Bit i requests the textures in slot i of materials (shared::kTexture*); other slots stay empty. The base color is
   // always loaded if alpha affects visibility.
   uint32_t textureSlots = ~0u;
+  // Generates the tangents that a normal map on the first texture coordinates requires also for meshes whose materials
+  // require none, for callers that add normal maps.
+  bool tangents = false;
   // Loads morph targets that no animation of the file moves (Mesh::morphable), for callers that add animations or
   // export the scene.
   bool morphTargets = false;

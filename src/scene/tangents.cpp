@@ -7,6 +7,8 @@
 #include <bit>
 #include <cmath>
 
+#include "scene/scene.h"
+
 namespace latelight::scene {
 namespace {
 
@@ -142,7 +144,28 @@ class Accumulator {
   std::vector<std::array<vec3, 2>> sums_;  // by handedness
 };
 
+// Returns the texture slot whose coordinates tangents follow. An anisotropic surface without such a texture uses the
+// anisotropy slot, whose default is the first UV set.
+std::optional<uint32_t> tangentSlot(const Material& material) {
+  for (const uint32_t slot : {shared::kTextureNormal, shared::kTextureClearcoatNormal, shared::kTextureAnisotropy})
+    if (material.data.textures & 1u << slot) return slot;
+  if (material.data.layers.anisotropy > 0) return shared::kTextureAnisotropy;
+  return std::nullopt;
+}
+
 }  // namespace
+
+std::optional<TangentSpace> tangentSpaceOf(const Material& material) {
+  const std::optional<uint32_t> slot = tangentSlot(material);
+  if (!slot) return std::nullopt;
+  const shared::TextureTransform& transform = material.data.transforms[*slot];
+  return TangentSpace{transform.uvSet, vec2(transform.row0), vec2(transform.row1)};
+}
+
+std::optional<TangentSpace> tangentSpaceOf(const Material& material, const LoadOptions& options) {
+  const auto space = tangentSpaceOf(material);
+  return space || !options.tangents ? space : TangentSpace();
+}
 
 TangentFrames generateTangents(std::span<const vec3> positions, std::span<const vec3> normals, std::span<const vec2> uv,
                                std::span<uint32_t> indices) {

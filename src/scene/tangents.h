@@ -3,10 +3,26 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace latelight::scene {
+
+struct LoadOptions;
+struct Material;
+
+// The texture coordinates that tangents follow: a UV set, and the linear part of its texture's transform.
+struct TangentSpace {
+  uint32_t uvSet = 0;
+  glm::vec2 row0{1, 0}, row1{0, 1};
+  bool operator==(const TangentSpace&) const = default;
+};
+
+// Returns the space of the texture for which a material requires tangents, or nothing if it requires none.
+std::optional<TangentSpace> tangentSpaceOf(const Material& material);
+// Returns the space in which a loaded mesh with this material requires tangents, or nothing.
+std::optional<TangentSpace> tangentSpaceOf(const Material& material, const LoadOptions& options);
 
 struct TangentFrames {
   std::vector<glm::vec4> tangents;  // one per vertex, including appended ones: xyz unit, w the bitangent's sign

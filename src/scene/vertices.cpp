@@ -145,7 +145,10 @@ void repairTangents(std::vector<vec4>& tangents) {
   }
 }
 
-void makeTangents(std::span<const vec2> uv, Vertices& v, std::vector<uint32_t>& indices) {
+void makeTangents(const TangentSpace& space, Vertices& v, std::vector<uint32_t>& indices) {
+  std::vector<vec2> uv = v.uv[space.uvSet];
+  if (uv.empty()) return;
+  for (vec2& t : uv) t = vec2(glm::dot(space.row0, t), glm::dot(space.row1, t));
   TangentFrames frames = generateTangents(v.positions, v.normals, uv, indices);
   appendCopies(v.positions, frames.copies);
   appendCopies(v.normals, frames.copies);
@@ -187,7 +190,7 @@ Mesh makeMesh(Vertices v, std::vector<uint32_t> indices, VertexSources* sources)
   else
     turned = repairNormals(v, indices);
   repairTangents(v.tangents);
-  if (v.tangents.empty() && !v.uv[0].empty()) makeTangents(std::vector(v.uv[0]), v, indices);
+  if (v.tangents.empty()) makeTangents(TangentSpace(), v, indices);
   if (sources) {
     const bool isUnshared = v.origin.size() == indices.size();  // false if tangents split vertices
     *sources = {std::move(v.origin), std::move(turned), flat && isUnshared};

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "scene/scene.h"
+#include "scene/tangents.h"
 
 namespace latelight::scene {
 
@@ -23,8 +24,8 @@ void makeFlatNormals(Vertices& vertices, std::vector<uint32_t>& indices);
 std::vector<bool> repairNormals(Vertices& vertices, const std::vector<uint32_t>& indices);
 // Invalid tangents become zero, so that the normal map has no effect there.
 void repairTangents(std::vector<vec4>& tangents);
-// Generates tangents along these texture coordinates, one per vertex; may add vertices.
-void makeTangents(std::span<const vec2> uv, Vertices& vertices, std::vector<uint32_t>& indices);
+// Generates tangents for this space, unless the vertices lack its texture coordinates; may add vertices.
+void makeTangents(const TangentSpace& space, Vertices& vertices, std::vector<uint32_t>& indices);
 
 // Packs the streams into a mesh without bounds and name. Normals must exist.
 Mesh pack(Vertices vertices, std::vector<uint32_t> indices);

@@ -72,6 +72,14 @@ TEST(Job, PatternsAreFilledIn) {
   EXPECT_THAT(makeJob(document).scenes, ElementsAre(folder.at("a.glb"), folder.at("b.glb"), "builtin:hall"));
 }
 
+TEST(Job, ScenesHaveTangentsForNormalMapsOfVariations) {
+  JobDocument document;
+  document.json = {{"scenes", "builtin:boxes"}, {"output", "set"}};
+  EXPECT_FALSE(makeJob(document).load.tangents);
+  document.json["variations"] = {{{"type", "textures"}, {"slot", "normal"}, {"files", {"n.png"}}}};
+  EXPECT_TRUE(makeJob(document).load.tangents);
+}
+
 TEST(Job, WrongOnesAreToldByKeyAndLine) {
   const std::string start = "scenes: builtin:boxes\noutput: set\n";
   const std::pair<std::string, std::string> yaml[] = {

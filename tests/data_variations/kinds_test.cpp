@@ -96,6 +96,23 @@ TEST(TexturesTest, AreSwapped) {
   expectUniform(repeats, 2, 3);
 }
 
+// A card in the plane of x and y whose texture coordinates are its positions.
+TEST(TexturesTest, NormalMapsHaveTangents) {
+  const Folder folder;
+  folder.write("n.bmp", bitmap(216, 128, 217));
+  folder.write("card.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
+  const std::string scatter = R"({"type": "scatter", "objects": [{"file": ")" + folder.at("card.obj") +
+                              R"("}], "count": 1, "min": [-9, 0, -9], "max": [9, 9, 9]})";
+  const std::string textures =
+      R"({"type": "textures", "materials": "*", "slot": "normal", "files": [")" + folder.at("n.bmp") + "\"]}";
+  EXPECT_FALSE(addsNormalMaps(Json::parse("[" + scatter + "]")));
+  const std::string spec = "[" + scatter + ", " + textures + "]";
+  EXPECT_TRUE(addsNormalMaps(Json::parse(spec)));
+  const Varied plain("[" + scatter + "]"), varied(spec);
+  EXPECT_EQ(plain.scene.meshes.back().attributes.at(0).tangent, glm::vec4(0));
+  EXPECT_EQ(varied.scene.meshes.back().attributes.at(0).tangent, glm::vec4(1, 0, 0, 1));
+}
+
 TEST(LightsTest, AreChanged) {
   Varied varied(
       R"([{"type": "lights", "intensity": [0.5, 2], "jitter": 0.25, "temperature": [2000, 9000], "on": [3, 5]}])",

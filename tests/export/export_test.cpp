@@ -11,6 +11,7 @@
 #include "base/files.h"
 #include "export/export.h"
 #include "models/models.h"
+#include "output/png.h"
 #include "scene/bake.h"
 #include "scene/edit.h"
 #include "scene/gltf_builder.h"
@@ -153,6 +154,18 @@ TEST(Export, BuiltInScenesAreTheSame) {
   }
 }
 
+// Copies become nodes, and the parts of a copy are still those of its primitives.
+TEST(Export, CopiesOfSeveralPrimitivesKeepTheirIds) {
+  test::GltfBuilder file = test::triangleFile();
+  file.root["meshes"][0]["primitives"].push_back(json(file.primitive()));
+  file.root["nodes"][0]["name"] = "tree";
+  file.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+      {"TRANSLATION", file.positions({{1, 0, 0}, {2, 0, 0}})}};
+  const Scene scene = file.load();
+  ASSERT_EQ(scene.instances.size(), 4u);
+  expectSame(exported(scene), scene);
+}
+
 TEST(Export, AnimationsHaveTheSamePoses) {
   for (const char* model : {"skinned.glb", "static_skin.glb", "morphed.glb"}) {
     const Scene scene = load(models::modelPath(model).string()), again = exported(scene);
@@ -184,6 +197,37 @@ TEST(Export, VariantsAreKept) {
     const LoadOptions options{.variant = variant};
     expectSame(load(folder.at("out.glb"), options), load(model, options));
   }
+}
+
+// The variant's normal map has the second texture coordinates, which are turned by 90 degrees. A morph target whose
+// weight nothing animates moves the triangle.
+TEST(Export, TangentsFollowTheNormalMapOfAVariant) {
+  test::GltfBuilder file = test::triangleFile();
+  json& primitive = file.primitive();
+  primitive["attributes"]["NORMAL"] = file.vectors(std::vector<vec3>(3, {0, 0, 1}));
+  primitive["attributes"]["TEXCOORD_1"] = file.vectors(std::vector<vec2>{{0, 0}, {0, 1}, {1, 0}});
+  file.add("images", {{"uri", "normal.png"}});
+  file.add("textures", {{"source", 0}});
+  primitive["material"] = file.add("materials", {{"name", "a"}, {"normalTexture", {{"index", 0}}}});
+  file.add("materials", {{"name", "b"}, {"normalTexture", {{"index", 0}, {"texCoord", 1}}}});
+  primitive["extensions"]["KHR_materials_variants"]["mappings"] = {{{"material", 0}, {"variants", {0}}},
+                                                                   {{"material", 1}, {"variants", {1}}}};
+  file.use("KHR_materials_variants");
+  file.root["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "A"}}, {{"name", "B"}}};
+  const app::Folder folder;
+  writeFile(folder.at("normal.png"), output::encodePng(output::Picture{1, 1, {128, 128, 255, 255}}));
+  writeFile(folder.at("in.glb"), file.glb());
+  exports::exportScene(load(folder.at("in.glb")), folder.at("out.glb"));
+  primitive["targets"] = {{{"POSITION", file.positions(std::vector<vec3>(3, {0, 0, 1}))}}};
+  file.root["meshes"][0]["weights"] = {1};
+  writeFile(folder.at("morphed.glb"), file.glb());
+  exports::exportScene(load(folder.at("morphed.glb"), {.morphTargets = true}), folder.at("morphed_out.glb"));
+  for (const char* name : {"in.glb", "out.glb", "morphed.glb", "morphed_out.glb"})
+    for (const auto& [variant, tangent] : {std::pair("A", vec4(1, 0, 0, 1)), {"B", vec4(0, 1, 0, 1)}}) {
+      const Scene scene = load(folder.at(name), {.variant = variant});
+      for (const auto& attributes : scene.meshes[scene.instances[0].mesh].attributes)
+        EXPECT_LT(glm::length(attributes.tangent - tangent), 1e-6f) << name << ", variant " << variant;
+    }
 }
 
 TEST(Export, VariantsOfRemovedMaterialsAndReusedInstancesAreLeftOut) {

@@ -174,6 +174,18 @@ TEST(Mtl, MapsBecomeTextures) {
   EXPECT_NE(scene.meshes[0].attributes[0].tangent, vec4(0));
 }
 
+TEST(Mtl, TangentsFollowTheScaleOfNormalMaps) {
+  MeshFile file = withMtl("norm -s -1 1 normals.png\n");
+  file.add("normals.png", png(1, 1, {{128, 128, 255, 255}}));
+  EXPECT_EQ(file.load().meshes.at(0).attributes[0].tangent, vec4(-1, 0, 0, -1));
+}
+
+TEST(Mtl, TangentsAreMadeOnRequest) {
+  const MeshFile file = withMtl("Kd 1 0 0\n");
+  EXPECT_EQ(file.load().meshes.at(0).attributes[0].tangent, vec4(0));
+  EXPECT_EQ(file.load({.tangents = true}).meshes.at(0).attributes[0].tangent, vec4(1, 0, 0, 1));
+}
+
 TEST(Mtl, HeightMapsBecomeNormalMaps) {
   MeshFile file = withMtl("map_Bump -bm 1 height.png\n");
   // A ramp along u, with 51 of 255 per texel, that wraps.

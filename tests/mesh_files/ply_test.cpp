@@ -76,6 +76,18 @@ TEST_P(Ply, VerticesHaveNormalsColorsAndTextureCoordinates) {
   EXPECT_EQ(vec3(scene.materials[0].data.baseColor), vec3(1));
 }
 
+// The coordinates of a face's corners: u grows along y.
+TEST_P(Ply, TangentsAreMadeOnRequest) {
+  std::string text = start() + "element vertex 3\n" + kPosition +
+                     "element face 1\nproperty list uchar int vertex_indices\n"
+                     "property list uchar float texcoord\nend_header\n";
+  for (int i = 0; i < 3; ++i) text += values<float>({float(i == 1), float(i == 2)}) + values<double>({0});
+  text += values<uint8_t>({3}) + values<int32_t>({0, 1, 2}) + values<uint8_t>({6}) + values<float>({0, 0, 0, 1, 1, 0});
+  const MeshFile file("a.ply", text);
+  EXPECT_EQ(file.load().meshes.at(0).attributes[0].tangent, vec4(0));
+  EXPECT_EQ(file.load({.tangents = true}).meshes.at(0).attributes[0].tangent, vec4(0, 1, 0, -1));
+}
+
 TEST_P(Ply, PointsAreSpheresOfTheGivenRadius) {
   const std::string text = start() + "element vertex 2\n" + kPosition + "end_header\n" + values<float>({1, 2}) +
                            values<double>({3}) + values<float>({-1, 2}) + values<double>({3});

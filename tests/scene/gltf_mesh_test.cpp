@@ -168,6 +168,7 @@ TEST(GltfMesh, TangentsAreMadeForNormalMapsOnly) {
   EXPECT_EQ(turned.meshes[0].attributes[0].tangent.w, 1);
   b.root["materials"][0].erase("normalTexture");
   EXPECT_EQ(b.load().meshes[0].attributes[0].tangent, vec4(0));
+  EXPECT_EQ(b.load({.tangents = true}).meshes[0].attributes[0].tangent, vec4(1, 0, 0, 1));
 }
 
 TEST(GltfMesh, TangentsOfTheFileAreKept) {
@@ -194,6 +195,27 @@ TEST(GltfMesh, MorphTargetsByDefaultWeights) {
   expectNear(scene.meshes[0].attributes[0].normal, glm::normalize(vec3(0, .5f, 1)));
   b.root["nodes"][0]["weights"] = {1, 0};  // a node's own weights take precedence
   EXPECT_EQ(b.load().meshes[0].positions[0], vec3(0, 0, 4));
+}
+
+// Animates the weight of the only morph target from 1 to 1.
+void holdWeight(GltfBuilder& b) {
+  const int times = b.accessor(b.view(std::vector<float>{0, 1}), kFloat, "SCALAR", 2);
+  const int weights = b.accessor(b.view(std::vector<float>{1, 1}), kFloat, "SCALAR", 2);
+  b.add("animations", {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}},
+                       {"samplers", {{{"input", times}, {"output", weights}}}}});
+}
+
+// The target shears the triangle in its plane.
+TEST(GltfMesh, GeneratedTangentsAreThoseOfTheUndeformedMesh) {
+  GltfBuilder b = normalMapped();
+  b.primitive()["targets"] = {{{"POSITION", b.positions({{0, 0, 0}, {0, 1, 0}, {0, 0, 0}})}}};
+  b.root["meshes"][0]["weights"] = {1};
+  for (const bool animated : {false, true}) {
+    if (animated) holdWeight(b);
+    const Mesh mesh = b.load().meshes[0];
+    EXPECT_EQ(mesh.positions[1], vec3(1, 1, 0));
+    EXPECT_EQ(mesh.attributes[1].tangent, vec4(1, 0, 0, 1)) << (animated ? "animated" : "at rest");
+  }
 }
 
 TEST(GltfMesh, SkinsAreInTheirJointsPoseAndIgnoreTheirNode) {
@@ -328,18 +350,22 @@ TEST(GltfMesh, NormalsOfSliversStay) {
   }
 }
 
-// A flipped normal flips the morph target's displacement, too: (0, 0, -1) + (1, 0, 0) points along (1, 0, -1), which is
-// (-1, 0, 1) when flipped.
+// A flipped normal flips the morph target's displacement, too: (0, 0, -1) + (3, 0, 0) points along (3, 0, -1), which is
+// (-3, 0, 1) when flipped.
 TEST(GltfMesh, MorphTargetsFollowNormalsThatAreTurnedOver) {
   GltfBuilder b = triangleFile();
   b.primitive()["attributes"]["NORMAL"] = b.vectors(std::vector<vec3>(3, {0, 0, -1}));
-  b.primitive()["targets"] = {{{"NORMAL", b.vectors(std::vector<vec3>(3, {1, 0, 0}))}}};
-  const int times = b.accessor(b.view(std::vector<float>{0, 1}), kFloat, "SCALAR", 2);
-  b.add("animations", {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}},
-                       {"samplers", {{{"input", times}, {"output", times}}}}});
-  const Scene scene = b.load();
-  const DeformedVertices posed = deform(*scene.meshes.at(0).deformation, {}, std::vector{1.0f});
-  expectNear(posed.attributes[0].normal, glm::normalize(vec3(-1, 0, 1)));
+  b.primitive()["targets"] = {{{"NORMAL", b.vectors(std::vector<vec3>(3, {3, 0, 0}))}}};
+  b.root["meshes"][0]["weights"] = {1};
+  for (const bool animated : {false, true}) {
+    if (animated) holdWeight(b);
+    const Mesh mesh = b.load().meshes.at(0);
+    expectNear(mesh.attributes[0].normal, glm::normalize(vec3(-3, 0, 1)));
+    EXPECT_EQ(mesh.deformation != nullptr, animated);
+    if (!animated) continue;
+    const DeformedVertices posed = deform(*mesh.deformation, {}, std::vector{1.0f});
+    expectNear(posed.attributes[0].normal, glm::normalize(vec3(-3, 0, 1)));
+  }
 }
 
 }  // namespace

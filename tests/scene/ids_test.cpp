@@ -102,7 +102,7 @@ TEST(Ids, CopiesHaveIdsOfTheirOwn) {
       ++copies;
       EXPECT_EQ(instance.id, idOf(instance.copy));
       EXPECT_EQ(instance.part,
-                hash32(fmt::format("/Car/Door/primitive{}/instance{}", instance.primitive, instance.copy)));
+                hash32(fmt::format("/Car/Door/instance{}/primitive{}", instance.copy, instance.primitive)));
     }
     EXPECT_EQ(copies, 6u);
   };

@@ -9,6 +9,7 @@
 #include "data/batch/schema.h"
 #include "data/cameras/json_file.h"
 #include "data/extras.h"
+#include "data/variations/variations.h"
 #include "render/options/options.h"
 #include "render/outputs/outputs.h"
 #include "scene/ids.h"
@@ -80,6 +81,7 @@ void readScenes(Job& job, const JobDocument& document) {
   job.load.unit = json.value("unit", "");
   job.load.upAxis = json.value("up-axis", "");
   if (json.contains("point-radius")) job.load.pointRadius = json["point-radius"].get<float>();
+  job.load.tangents = addsNormalMaps(json.value("variations", Json()));
   scene::checkGrouping(job.load.ids);
   job.hdri = json.value("hdri", "");
   if (!job.hdri.empty() && job.hdri != "studio" && job.hdri != "none") checkThere(job.hdri, document.place("hdri"));

@@ -104,7 +104,7 @@ class AddedLights : public Variation {
 
 }  // namespace
 
-std::unique_ptr<Variation> addLights(Spec& spec, scene::Scene& scene) {
+std::unique_ptr<Variation> addLights(Spec& spec, const scene::LoadOptions& /*load*/, scene::Scene& scene) {
   return std::make_unique<AddedLights>(spec, scene);
 }
 

@@ -72,7 +72,7 @@ class Lights : public Variation {
 
 }  // namespace
 
-std::unique_ptr<Variation> varyLights(Spec& spec, scene::Scene& scene) {
+std::unique_ptr<Variation> varyLights(Spec& spec, const scene::LoadOptions& /*load*/, scene::Scene& scene) {
   return std::make_unique<Lights>(spec, scene);
 }
 

@@ -53,7 +53,7 @@ class Materials : public Variation {
 
 }  // namespace
 
-std::unique_ptr<Variation> varyMaterials(Spec& spec, scene::Scene& scene) {
+std::unique_ptr<Variation> varyMaterials(Spec& spec, const scene::LoadOptions& /*load*/, scene::Scene& scene) {
   return std::make_unique<Materials>(spec, scene);
 }
 

@@ -41,12 +41,12 @@ std::vector<scene::ObjectPart> takeIn(scene::Scene& other, scene::Scene& scene) 
 
 }  // namespace
 
-ObjectTemplate readTemplate(Spec& spec, scene::Scene& scene) {
+ObjectTemplate readTemplate(Spec& spec, const scene::LoadOptions& load, scene::Scene& scene) {
   if (spec.has("node") == spec.has("file")) badUsage("{} needs either \"node\" or \"file\"", spec.path());
   ObjectTemplate object;
   if (spec.has("file")) {
     object.name = spec.text("file");
-    scene::Scene file = scene::load(object.name);
+    scene::Scene file = scene::load(object.name, load);
     object.parts = takeIn(file, scene);
     object.memory = std::move(file.memory);
   } else {

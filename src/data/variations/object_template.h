@@ -19,6 +19,6 @@ struct ObjectTemplate {
 };
 
 // Reads {"node": ...} or {"file": ...}. The meshes, materials and textures of a file are added to the scene.
-ObjectTemplate readTemplate(Spec& spec, scene::Scene& scene);
+ObjectTemplate readTemplate(Spec& spec, const scene::LoadOptions& load, scene::Scene& scene);
 
 }  // namespace latelight::data

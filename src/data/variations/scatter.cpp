@@ -28,8 +28,8 @@ constexpr uint64_t kMaxObjects = 1'000'000;
 
 class Scatter : public Variation {
  public:
-  Scatter(Spec& spec, scene::Scene& scene) : path_(spec.path()) {
-    for (Spec& object : spec.objects("objects")) templates_.push_back(readTemplate(object, scene));
+  Scatter(Spec& spec, const scene::LoadOptions& load, scene::Scene& scene) : path_(spec.path()) {
+    for (Spec& object : spec.objects("objects")) templates_.push_back(readTemplate(object, load, scene));
     count_ = spec.counts("count", kMaxObjects);
     if (spec.has("on") == spec.has("min")) badUsage("{} needs either \"on\", a node, or \"min\" and \"max\"", path_);
     if (spec.has("on"))
@@ -152,8 +152,8 @@ std::vector<std::filesystem::path> scatterFiles(const Json& value) {
   return files;
 }
 
-std::unique_ptr<Variation> scatterObjects(Spec& spec, scene::Scene& scene) {
-  return std::make_unique<Scatter>(spec, scene);
+std::unique_ptr<Variation> scatterObjects(Spec& spec, const scene::LoadOptions& load, scene::Scene& scene) {
+  return std::make_unique<Scatter>(spec, load, scene);
 }
 
 }  // namespace latelight::data

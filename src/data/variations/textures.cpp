@@ -103,7 +103,7 @@ std::vector<fs::path> texturesFiles(const Json& value) {
   return all;
 }
 
-std::unique_ptr<Variation> varyTextures(Spec& spec, scene::Scene& scene) {
+std::unique_ptr<Variation> varyTextures(Spec& spec, const scene::LoadOptions& /*load*/, scene::Scene& scene) {
   return std::make_unique<Textures>(spec, scene);
 }
 

@@ -81,7 +81,7 @@ class Transforms : public Variation {
 
 }  // namespace
 
-std::unique_ptr<Variation> varyTransforms(Spec& spec, scene::Scene& scene) {
+std::unique_ptr<Variation> varyTransforms(Spec& spec, const scene::LoadOptions& /*load*/, scene::Scene& scene) {
   return std::make_unique<Transforms>(spec, scene);
 }
 

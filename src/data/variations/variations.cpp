@@ -26,7 +26,8 @@ constexpr VariationKind kKinds[] = {
     {"scatter", "objects on a surface or in a volume, without overlap", scatterObjects, scatterFiles},
 };
 
-std::unique_ptr<Variation> makeVariation(const Json& value, const std::string& path, scene::Scene& scene) {
+std::unique_ptr<Variation> makeVariation(const Json& value, const std::string& path, const scene::LoadOptions& load,
+                                         scene::Scene& scene) {
   Spec spec(value, path);
   const std::string type = spec.text("type");
   const auto kind = std::ranges::find(kKinds, type, &VariationKind::name);
@@ -35,7 +36,7 @@ std::unique_ptr<Variation> makeVariation(const Json& value, const std::string& p
     for (const VariationKind& known : kKinds) names.push_back(known.name);
     badUsage("{}.type must be one of {}, not \"{}\"", path, fmt::join(names, ", "), type);
   }
-  std::unique_ptr<Variation> variation = kind->make(spec, scene);
+  std::unique_ptr<Variation> variation = kind->make(spec, load, scene);
   spec.finish();
   return variation;
 }
@@ -58,6 +59,13 @@ std::vector<std::filesystem::path> variationFiles(const Json& spec) {
     files.insert(files.end(), own.begin(), own.end());
   }
   return files;
+}
+
+bool addsNormalMaps(const Json& spec) {
+  return spec.is_array() && std::ranges::any_of(spec, [](const Json& value) {
+           return value.is_object() && value.value("type", Json()) == "textures" &&
+                  value.value("slot", Json()) == "normal";
+         });
 }
 
 struct Variations::Impl {
@@ -122,8 +130,9 @@ void Variations::Impl::change(const Draft& draft) {
 Variations::Variations(const Json& spec, scene::Scene& scene, uint64_t seed)
     : impl_(std::make_unique<Impl>(Impl{.scene = scene, .seed = seed})) {
   if (!spec.is_null() && !spec.is_array()) badUsage("variations must be a list of objects, not {}", shown(spec));
+  const scene::LoadOptions load{.tangents = addsNormalMaps(spec)};
   for (size_t i = 0; i < spec.size(); ++i) {
-    std::unique_ptr<Variation> variation = makeVariation(spec[i], fmt::format("variations[{}]", i), scene);
+    std::unique_ptr<Variation> variation = makeVariation(spec[i], fmt::format("variations[{}]", i), load, scene);
     impl_->entries.push_back({spec[i]["type"].get<std::string>(), std::move(variation)});
   }
 }

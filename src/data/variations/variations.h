@@ -13,6 +13,9 @@
 
 namespace latelight::data {
 
+// Returns true if the variations of a job add normal maps. Scenes must then be loaded with LoadOptions::tangents.
+bool addsNormalMaps(const nlohmann::ordered_json& spec);
+
 // Edits one scene. Properties that no variation draws keep the file's values. The constructor adds all meshes,
 // materials and textures that variations may use. Nothing else may edit the scene during the lifetime of this object.
 class Variations {

@@ -59,7 +59,7 @@ class Visibility : public Variation {
 
 }  // namespace
 
-std::unique_ptr<Variation> varyVisibility(Spec& spec, scene::Scene& scene) {
+std::unique_ptr<Variation> varyVisibility(Spec& spec, const scene::LoadOptions& /*load*/, scene::Scene& scene) {
   return std::make_unique<Visibility>(spec, scene);
 }
 

@@ -17,6 +17,7 @@
 #include "scene/gltf/material.h"
 #include "scene/gltf/skin.h"
 #include "scene/ids.h"
+#include "scene/tangents.h"
 
 namespace latelight::scene::gltf {
 namespace {
@@ -36,22 +37,11 @@ std::vector<double> weightsOf(const file::Node& node, const file::Mesh& mesh, co
   return idle ? std::vector<double>() : weights;
 }
 
-// Returns the texture slot whose coordinates tangents follow. An anisotropic surface without such a texture uses the
-// anisotropy slot, whose default is the first UV set.
-std::optional<uint32_t> tangentSlot(const Material& material) {
-  for (const uint32_t slot : {shared::kTextureNormal, shared::kTextureClearcoatNormal, shared::kTextureAnisotropy})
-    if (material.data.textures & 1u << slot) return slot;
-  if (material.data.layers.anisotropy > 0) return shared::kTextureAnisotropy;
-  return std::nullopt;
-}
-
 // Tangents are generated for the texture that uses them: for its UV set, with its transform applied.
-std::optional<TangentSpace> tangentSpaceOf(const Material& material, const file::Primitive& p) {
-  bool given = p.attributes.contains("TANGENT") && p.attributes.contains("NORMAL");
-  const std::optional<uint32_t> slot = tangentSlot(material);
-  if (given || !slot) return std::nullopt;
-  const shared::TextureTransform& t = material.data.transforms[*slot];
-  return TangentSpace{t.uvSet, vec2(t.row0), vec2(t.row1)};
+std::optional<TangentSpace> missingTangents(const Material& material, const file::Primitive& p,
+                                            const LoadOptions& options) {
+  const bool given = p.attributes.contains("TANGENT") && p.attributes.contains("NORMAL");
+  return given ? std::nullopt : tangentSpaceOf(material, options);
 }
 
 // EXT_mesh_gpu_instancing: the transforms of instances relative to their node. Without the extension there is a single
@@ -97,8 +87,8 @@ Placements readPlacements(const Document& document, const file::Node& node, size
 
 class Placer {
  public:
-  Placer(const Document& document, const Hierarchy& hierarchy, int variant, Scene& scene)
-      : document_(document), hierarchy_(hierarchy), variant_(variant), scene_(scene) {
+  Placer(const Document& document, const Hierarchy& hierarchy, int variant, const LoadOptions& options, Scene& scene)
+      : document_(document), hierarchy_(hierarchy), variant_(variant), options_(options), scene_(scene) {
     for (const Animation& animation : scene.rig.animations)
       for (const Track& track : animation.tracks)
         if (track.property == AnimatedProperty::Weights) moved_.insert(track.node);
@@ -136,7 +126,7 @@ class Placer {
                         .skin = primitive.attributes.contains("JOINTS_0") ? node.skin : -1,
                         .weights = weightsOf(node, mesh, primitive),
                         .weightsNode = primitive.targets.empty() ? -1 : movedWeights(int(index)),
-                        .tangentSpace = tangentSpaceOf(scene_.materials[material], primitive)};
+                        .tangentSpace = missingTangents(scene_.materials[material], primitive, options_)};
     // A skinned mesh is already posed in the file's frame, so its own node does not move it.
     const bool posed = request.skin >= 0;
     const glm::dmat4 world = posed ? glm::dmat4(1) : hierarchy_.world[index];
@@ -177,8 +167,8 @@ class Placer {
   void identify(const Node& node, bool several, std::span<Instance> instances, size_t copies) {
     const auto nameOf = [&](const Instance& instance, bool part) {
       std::string name = node.path;
-      if (part && several) name += fmt::format("/primitive{}", instance.primitive);
       if (instance.copy >= 0) name += fmt::format("/instance{}", instance.copy);
+      if (part && several) name += fmt::format("/primitive{}", instance.primitive);
       return name;
     };
     parallelFor(instances.size(), 4096, [&](size_t begin, size_t end) {
@@ -238,6 +228,7 @@ class Placer {
   const Document& document_;
   const Hierarchy& hierarchy_;
   int variant_;
+  const LoadOptions& options_;
   Scene& scene_;
   std::vector<MeshRequest> requests_;
   std::map<Geometry, std::vector<uint32_t>> known_;
@@ -249,8 +240,8 @@ class Placer {
 }  // namespace
 
 std::vector<MeshRequest> placeInstances(const Document& document, const Hierarchy& hierarchy, int variant,
-                                        Scene& scene) {
-  return Placer(document, hierarchy, variant, scene).run();
+                                        const LoadOptions& options, Scene& scene) {
+  return Placer(document, hierarchy, variant, options, scene).run();
 }
 
 }  // namespace latelight::scene::gltf

@@ -10,6 +10,6 @@ namespace latelight::scene::gltf {
 // Fills scene.instances, and appends a default material if a primitive requires it. Returns the requests for meshes,
 // which Instance::mesh indexes.
 std::vector<MeshRequest> placeInstances(const Document& document, const Hierarchy& hierarchy, int variant,
-                                        Scene& scene);
+                                        const LoadOptions& options, Scene& scene);
 
 }  // namespace latelight::scene::gltf

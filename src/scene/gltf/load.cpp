@@ -96,7 +96,7 @@ Scene import(const std::filesystem::path& path, const LoadOptions& options) {
   readRig(document, hierarchy, scene);
   TextureTable textures;
   readMaterials(document, options.textureSlots, textures, scene);
-  std::vector<MeshRequest> requests = placeInstances(document, hierarchy, variant, scene);
+  std::vector<MeshRequest> requests = placeInstances(document, hierarchy, variant, options, scene);
   identifyMaterials(scene);
 
   std::vector<Job> jobs;

@@ -72,29 +72,45 @@ void requireFinite(const std::vector<vec3>& positions, const std::string& name) 
   if (!std::ranges::all_of(positions, isFinite)) badInput("{} has positions that are not finite once posed", name);
 }
 
-void makeTangents(const TangentSpace& space, Vertices& v, std::vector<uint32_t>& indices) {
-  std::vector<vec2> uv = v.uv[space.uvSet];
-  if (uv.empty()) return;
-  for (vec2& t : uv) t = vec2(glm::dot(space.row0, t), glm::dot(space.row1, t));
-  scene::makeTangents(uv, v, indices);
+MorphTarget readTarget(const Document& document, const file::Primitive& primitive, size_t index, const Source& source,
+                       const VertexSources& vertexSources) {
+  MorphTarget target = readMorphTarget(document, primitive, index, source, vertexSources.origin);
+  for (size_t i = 0; i < target.normals.size() && !vertexSources.turned.empty(); ++i)
+    if (vertexSources.turned[vertexSources.origin[i]]) target.normals[i] = -target.normals[i];
+  return target;
 }
 
-// Returns the mesh's deformation, or null if it has neither a skin nor animated weights. `turned` is the result of
-// repairNormals().
-std::shared_ptr<Deformation> readDeformation(const Document& document, const MeshRequest& request, const Source& source,
-                                             const std::vector<uint32_t>& origin, const std::vector<bool>& turned,
-                                             const Mesh& mesh) {
+// Moves the vertices by weights that no animation changes. The result is that of an animation with these weights, so
+// generated tangents are those of the undeformed mesh.
+void applyRestWeights(const Document& document, const MeshRequest& request, const file::Primitive& primitive,
+                      const Source& source, const VertexSources& vertexSources, Mesh& mesh) {
+  if (request.weightsNode >= 0 || request.weights.empty()) return;
+  Deformation deformation{.flatNormals = vertexSources.flatNormals,
+                          .positions = std::move(mesh.positions),
+                          .attributes = std::move(mesh.attributes)};
+  for (size_t t = 0; t < request.weights.size(); ++t)
+    deformation.targets.push_back(request.weights[t] == 0 ? MorphTarget()
+                                                          : readTarget(document, primitive, t, source, vertexSources));
+  const std::vector<float> weights(request.weights.begin(), request.weights.end());
+  DeformedVertices posed = deform(deformation, {}, weights);
+  mesh.positions = std::move(posed.positions);
+  mesh.attributes = std::move(posed.attributes);
+  mesh.tangentSpace.reset();
+}
+
+// Returns the mesh's deformation, or null if it has neither a skin nor animated weights.
+std::shared_ptr<Deformation> readDeformation(const Document& document, const MeshRequest& request,
+                                             const file::Primitive& primitive, const Source& source,
+                                             const VertexSources& vertexSources, const Mesh& mesh) {
   auto deformation = std::make_shared<Deformation>();
-  if (request.skin >= 0) readSkinWeights(document, request.skin, source, origin, *deformation);
+  if (request.skin >= 0) readSkinWeights(document, request.skin, source, vertexSources.origin, *deformation);
   if (request.weightsNode >= 0) {
-    const file::Mesh& parent = document.model.meshes[size_t(request.mesh)];
     deformation->weightsNode = request.weightsNode;
-    readMorphTargets(document, parent.primitives[size_t(request.primitive)], source, origin, *deformation);
-    for (MorphTarget& target : deformation->targets)
-      for (size_t i = 0; i < target.normals.size() && !turned.empty(); ++i)
-        if (turned[origin[i]]) target.normals[i] = -target.normals[i];
+    for (size_t t = 0; t < primitive.targets.size(); ++t)
+      deformation->targets.push_back(readTarget(document, primitive, t, source, vertexSources));
   }
   if (deformation->skin < 0 && deformation->weightsNode < 0) return nullptr;
+  deformation->flatNormals = vertexSources.flatNormals;
   deformation->positions = mesh.positions;
   deformation->attributes = mesh.attributes;
   return deformation;
@@ -137,25 +153,30 @@ Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshR
       readSource(document, primitive, fmt::format("meshes[{}].primitives[{}]", request.mesh, request.primitive));
   document.budget.charge(source.count * kVertexBytes, source.name);
   Vertices vertices = readVertices(document, source);
-  applyMorphTargets(document, primitive, source, request.weights, request.weightsNode < 0, vertices);
+  morphCoordinatesAndColors(document, primitive, source, request.weights, vertices);
 
   std::vector<uint32_t> indices = std::move(source.indices);
   const bool flat = vertices.normals.empty();
-  std::vector<bool> turned;
+  VertexSources vertexSources;
   if (flat) {
     document.budget.charge(indices.size() * kVertexBytes, source.name);
     makeFlatNormals(vertices, indices);
   } else {
-    turned = repairNormals(vertices, indices);
-    if (!turned.empty()) warn("{} has normals that point into its surface, which are turned over", source.name);
+    vertexSources.turned = repairNormals(vertices, indices);
+    if (!vertexSources.turned.empty())
+      warn("{} has normals that point into its surface, which are turned over", source.name);
   }
   repairTangents(vertices.tangents);
-  if (vertices.tangents.empty() && request.tangentSpace) makeTangents(*request.tangentSpace, vertices, indices);
+  const bool generates = vertices.tangents.empty() && request.tangentSpace;
+  if (generates) makeTangents(*request.tangentSpace, vertices, indices);
 
-  const std::vector<uint32_t> origin = std::move(vertices.origin);
+  vertexSources.origin = std::move(vertices.origin);
+  vertexSources.flatNormals =
+      flat && vertexSources.origin.size() == indices.size();  // false if tangents split vertices
   Mesh mesh = pack(std::move(vertices), std::move(indices));
-  if (auto deformation = readDeformation(document, request, source, origin, turned, mesh)) {
-    deformation->flatNormals = flat && origin.size() == mesh.indices.size();  // false if tangents split vertices
+  if (generates) mesh.tangentSpace = request.tangentSpace;
+  applyRestWeights(document, request, primitive, source, vertexSources, mesh);
+  if (auto deformation = readDeformation(document, request, primitive, source, vertexSources, mesh)) {
     poseAtRest(document, hierarchy, request, *deformation, mesh);
     mesh.deformation = std::move(deformation);
   }

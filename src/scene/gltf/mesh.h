@@ -9,15 +9,9 @@
 #include "scene/gltf/document.h"
 #include "scene/gltf/nodes.h"
 #include "scene/scene.h"
+#include "scene/tangents.h"
 
 namespace latelight::scene::gltf {
-
-// The texture coordinates that tangents follow: a UV set, and the linear part of its texture's transform.
-struct TangentSpace {
-  uint32_t uvSet = 0;
-  vec2 row0{1, 0}, row1{0, 1};
-  bool operator==(const TangentSpace&) const = default;
-};
 
 // The inputs of one scene::Mesh. Equal requests produce equal meshes.
 struct MeshRequest {

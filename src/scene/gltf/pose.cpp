@@ -29,9 +29,6 @@ struct Deltas {
 };
 
 void addTarget(const std::string& key, const Deltas& deltas, float weight, Vertices& v) {
-  if (key == "POSITION") return deltas.addTo(v.positions, weight);
-  if (key == "NORMAL") return deltas.addTo(v.normals, weight);
-  if (key == "TANGENT") return deltas.addTo(v.tangents, weight);  // three components: w is unchanged
   if (key == "TEXCOORD_0") return deltas.addTo(v.uv[0], weight);
   if (key == "TEXCOORD_1") return deltas.addTo(v.uv[1], weight);
   if (key == "COLOR_0") return deltas.addTo(v.colors, weight);
@@ -93,30 +90,15 @@ std::vector<T> gather(const std::vector<T>& stream, const std::vector<uint32_t>&
   return out;
 }
 
-MorphTarget readTarget(const Document& document, const file::Attributes& target, size_t index, const Source& source,
-                       const std::vector<uint32_t>& origin) {
-  MorphTarget deltas;
-  for (const auto& [key, accessor] : target) {
-    if (!isGeometry(key)) continue;
-    const Elements elements = targetElements(document, source, index, key, accessor);
-    document.budget.charge(origin.size() * sizeof(vec3), source.name);
-    std::vector<vec3>& stream = key == "POSITION" ? deltas.positions
-                                : key == "NORMAL" ? deltas.normals
-                                                  : deltas.tangents;
-    stream = gather(readAttribute<3>(document, source, nameOf(index, key), elements), origin);
-  }
-  return deltas;
-}
-
 }  // namespace
 
-void applyMorphTargets(const Document& document, const file::Primitive& primitive, const Source& source,
-                       const std::vector<double>& weights, bool geometry, Vertices& vertices) {
+void morphCoordinatesAndColors(const Document& document, const file::Primitive& primitive, const Source& source,
+                               const std::vector<double>& weights, Vertices& vertices) {
   size_t count = std::min(weights.size(), primitive.targets.size());
   for (size_t t = 0; t < count; ++t) {
     if (weights[t] == 0) continue;
     for (const auto& [key, accessor] : primitive.targets[t])
-      if (geometry || !isGeometry(key))
+      if (!isGeometry(key))
         addTarget(key, {document, source, nameOf(t, key), targetElements(document, source, t, key, accessor)},
                   float(weights[t]), vertices);
   }
@@ -139,10 +121,19 @@ void readSkinWeights(const Document& document, int skin, const Source& source, c
   }
 }
 
-void readMorphTargets(const Document& document, const file::Primitive& primitive, const Source& source,
-                      const std::vector<uint32_t>& origin, Deformation& deformation) {
-  for (size_t t = 0; t < primitive.targets.size(); ++t)
-    deformation.targets.push_back(readTarget(document, primitive.targets[t], t, source, origin));
+MorphTarget readMorphTarget(const Document& document, const file::Primitive& primitive, size_t index,
+                            const Source& source, const std::vector<uint32_t>& origin) {
+  MorphTarget deltas;
+  for (const auto& [key, accessor] : primitive.targets[index]) {
+    if (!isGeometry(key)) continue;
+    const Elements elements = targetElements(document, source, index, key, accessor);
+    document.budget.charge(origin.size() * sizeof(vec3), source.name);
+    std::vector<vec3>& stream = key == "POSITION" ? deltas.positions
+                                : key == "NORMAL" ? deltas.normals
+                                                  : deltas.tangents;
+    stream = gather(readAttribute<3>(document, source, nameOf(index, key), elements), origin);
+  }
+  return deltas;
 }
 
 std::vector<mat4> restJoints(const Document& document, const Hierarchy& hierarchy, int index) {

@@ -35,15 +35,16 @@ std::vector<glm::vec<N, float>> readAttribute(const Document& document, const So
   return values;
 }
 
-// Adds weighted morph targets. Positions, normals and tangents are changed only if `geometry`. (gltf_pose.cpp)
-void applyMorphTargets(const Document& document, const file::Primitive& primitive, const Source& source,
-                       const std::vector<double>& weights, bool geometry, Vertices& vertices);
-// Read skin weights and morph targets as data, for vertices that are copies of those in `origin`. readSkinWeights()
-// reads nothing if a primitive has no weights. (gltf_pose.cpp)
+// Adds the texture coordinates and colors of weighted morph targets, which a Deformation does not change.
+// (gltf_pose.cpp)
+void morphCoordinatesAndColors(const Document& document, const file::Primitive& primitive, const Source& source,
+                               const std::vector<double>& weights, Vertices& vertices);
+// Read skin weights, and the positions, normals and tangents of a morph target, as data for vertices that are copies of
+// those in `origin`. readSkinWeights() reads nothing if a primitive has no weights. (gltf_pose.cpp)
 void readSkinWeights(const Document& document, int skin, const Source& source, const std::vector<uint32_t>& origin,
                      Deformation& deformation);
-void readMorphTargets(const Document& document, const file::Primitive& primitive, const Source& source,
-                      const std::vector<uint32_t>& origin, Deformation& deformation);
+MorphTarget readMorphTarget(const Document& document, const file::Primitive& primitive, size_t index,
+                            const Source& source, const std::vector<uint32_t>& origin);
 // Returns the transform of each joint from bind space to the file's own frame, with the nodes at rest.
 std::vector<mat4> restJoints(const Document& document, const Hierarchy& hierarchy, int skin);
 

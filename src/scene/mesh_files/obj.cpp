@@ -19,6 +19,7 @@
 #include "scene/mesh_files/polygon.h"
 #include "scene/mesh_files/source.h"
 #include "scene/mesh_files/text.h"
+#include "scene/tangents.h"
 #include "scene/vertices.h"
 #include "shared/color.h"
 
@@ -307,10 +308,6 @@ class ObjReader {
 
   // --- meshes -------------------------------------------------------------------------------------------------------
 
-  static bool needsTangents(const Material& material) {
-    return (material.data.textures & 1u << shared::kTextureNormal) != 0 || material.data.layers.anisotropy > 0;
-  }
-
   Mesh build(const Part& part) {
     std::vector<uint32_t> indices;
     const CornerTable table = collect(part, indices);
@@ -322,8 +319,7 @@ class ObjReader {
     if (isGiven && !repairNormals(vertices, indices).empty())
       warn("{} has normals that point into its surface, which are turned over", name());
     const Material& material = source_.builder.scene.materials[materialOf_.at(part.material)];
-    if (needsTangents(material) && !vertices.uv[0].empty())
-      makeTangents(std::vector(vertices.uv[0]), vertices, indices);
+    if (const auto space = tangentSpaceOf(material, source_.options)) makeTangents(*space, vertices, indices);
     Mesh mesh = pack(std::move(vertices), std::move(indices));
     dropBrokenTriangles(mesh, name());
     return mesh;

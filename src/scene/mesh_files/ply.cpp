@@ -16,6 +16,7 @@
 #include "scene/mesh_files/ply_rows.h"
 #include "scene/mesh_files/polygon.h"
 #include "scene/mesh_files/source.h"
+#include "scene/tangents.h"
 #include "scene/vertices.h"
 #include "shared/color.h"
 
@@ -322,6 +323,7 @@ class PlyReader {
       makeFlatNormals(vertices, indices);
     else if (!repairNormals(vertices, indices).empty())
       warn("{} has normals that point into its surface, which are turned over", name());
+    if (source_.options.tangents) makeTangents(TangentSpace(), vertices, indices);
     Mesh mesh = pack(std::move(vertices), std::move(indices));
     dropBrokenTriangles(mesh, name());
     return mesh;
