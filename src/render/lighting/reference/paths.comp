@@ -322,11 +322,14 @@ void main() {
   if (kFiltered != 0u && !eye.starts) albedos = albedosOf(v);
   Path start = startPath(eye.starts, eye.ray, distance(p.s.position, view.eye));
   pathSeed = rayHash(floatBitsToUint(eye.starts ? eye.position : p.s.position)).x;
-  for (uint i = push.first; i < push.end; ++i) {
+  const bool starts = lit || eye.starts;
+  ivec2 size = imageSize(lightTarget).xy;
+  for (uint i = push.first; !starts && kSharedPaths != 0u && i < push.end; ++i)
+    PathRecordsRef(recordAddress(i, place, size)).v[0] = emptyRecord();
+  for (uint i = push.first; starts && i < push.end; ++i) {
     pathIndex = push.firstPoint + i;
     pathPair = 0u;
-    Path path = start;
-    if (lit || eye.starts) path = tracedPath(frame, start, v);
+    Path path = tracedPath(frame, start, v);
     if (kSharedPaths == 0u) {
       addSample(sums, path.sum, albedos, path.fromEye, path.covers);
     } else {
@@ -334,7 +337,7 @@ void main() {
       path.record.scattered = path.sum.scattered;
       path.record.mirrored = path.sum.mirrored;
       path.record.covers = path.covers ? 1u : 0u;
-      PathRecordsRef(recordAddress(i, place, imageSize(lightTarget).xy)).v[0] = path.record;
+      PathRecordsRef(recordAddress(i, place, size)).v[0] = path.record;
     }
   }
   if (kSharedPaths == 0u) writeSums(frame, place, p, albedos, sums, eye, lit);
