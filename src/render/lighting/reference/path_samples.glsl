@@ -6,7 +6,6 @@
 uint pathSeed;   // of the pixel
 uint pathIndex;  // number of the sample
 uint pathPair;   // the next pair of dimensions
-uvec2 nextBits() { return sobolBits(pathIndex, pathPair++, pathSeed); }
-vec2 nextSample() { return rayUnit(nextBits()); }
+vec2 nextSample() { return sobolSample(pathIndex, pathPair++, pathSeed); }
 
 #endif
