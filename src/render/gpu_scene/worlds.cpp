@@ -125,11 +125,11 @@ bool differInArraysOnly(const WorldStates& a, const WorldStates& b) {
 }
 
 scene::Bounds boundsAtRest(const scene::Scene& scene, const WorldStates& worlds, uint32_t world) {
+  scene::Bounds all;
+  if (!worlds.empty.empty() && worlds.empty[world]) return all;
   std::vector<glm::dmat4> transforms;
   for (const scene::Instance& instance : scene.instances) transforms.push_back(instance.toWorld);
   const WorldState state = stateOf(worlds, world, scene, transforms);
-  scene::Bounds all;
-  if (!worlds.empty.empty() && worlds.empty[world]) return all;
   std::map<uint32_t, scene::Mesh> moved;  // by mesh
   for (size_t i = 0; i < worlds.deformations.meshes.size(); ++i) {
     scene::Mesh& mesh = moved[worlds.deformations.meshes[i]];
