@@ -159,6 +159,22 @@ TEST(GltfCompressed, DracoWithMetadata) {
   }
 }
 
+// Two primitives of one stream, whose normals differ: the second one's are its positions.
+TEST(GltfCompressed, DracoPrimitivesOfOneStream) {
+  GltfBuilder b = dracoFile(draco::MESH_SEQUENTIAL_ENCODING);
+  json other = b.primitive();
+  json& ids = other["extensions"]["KHR_draco_mesh_compression"]["attributes"];
+  ids["NORMAL"] = ids["POSITION"];
+  b.mesh(b.primitive());
+  b.mesh(other);
+  const Scene scene = b.load();
+  ASSERT_EQ(scene.instances.size(), 3u);
+  EXPECT_EQ(scene.instances[1].mesh, scene.instances[0].mesh);
+  ASSERT_NE(scene.instances[2].mesh, scene.instances[0].mesh);
+  const Mesh& mesh = scene.meshes[scene.instances[2].mesh];
+  expectNear(mesh.attributes[kVertices - 1].normal, glm::normalize(vec3(1, 1, 0.5f)), 1e-3f);
+}
+
 TEST(GltfCompressed, QuantizedPositions) {
   GltfBuilder b = triangleFile();
   std::vector<uint16_t> p = {0, 0, 0, 0, 1000, 0, 0, 0, 0, 2000, 0, 0};

@@ -24,10 +24,11 @@ namespace {
 
 // A key that is equal for primitives with the same bytes, also across meshes, because exporters repeat a geometry for
 // each material.
-using Geometry = std::tuple<file::Attributes, std::vector<file::Attributes>, int, int, int>;
+using Geometry = std::tuple<file::Attributes, std::vector<file::Attributes>, int, int, int, std::map<std::string, int>>;
 
 Geometry geometryOf(const file::Primitive& p) {
-  return {p.attributes, p.targets, p.indices, p.mode, p.draco ? p.draco->bufferView : -1};
+  const file::DracoCompression draco = p.draco.value_or(file::DracoCompression());
+  return {p.attributes, p.targets, p.indices, p.mode, draco.bufferView, draco.attributes};
 }
 
 std::vector<double> weightsOf(const file::Node& node, const file::Mesh& mesh, const file::Primitive& p) {
