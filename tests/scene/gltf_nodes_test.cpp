@@ -131,6 +131,19 @@ TEST(GltfNodes, GpuInstancing) {
   EXPECT_THAT(errorOf(b), HasSubstr("different lengths"));
 }
 
+TEST(GltfNodes, GpuInstancingByAttributesOfApplications) {
+  GltfBuilder b = triangleFile();
+  b.root["nodes"][0]["translation"] = {0, 0, 10};
+  json& attributes = b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+  attributes = {{"_ID", b.accessor(b.view(std::vector<float>{0, 1, 2}), kFloat, "SCALAR", 3)}};
+  const Scene scene = b.load();
+  ASSERT_EQ(scene.instances.size(), 3u);
+  for (const Instance& instance : scene.instances)
+    expectNear(apply(toGltfFromWorld() * instance.toWorld, vec3(1, 0, 0)), vec3(1, 0, 10));
+  attributes["TRANSLATION"] = b.positions({{1, 0, 0}, {2, 0, 0}});
+  EXPECT_THAT(errorOf(b), HasSubstr("different lengths"));
+}
+
 TEST(GltfNodes, IdsNeverCollide) {
   // 100000 instances: among the 32-bit hashes of so many names, a collision is likely (p = 0.69).
   GltfBuilder b = triangleFile();

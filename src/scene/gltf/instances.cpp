@@ -58,18 +58,28 @@ struct Placements {
   }
 };
 
+// Returns the number of elements of every attribute, including those of applications, such as "_ID"; nullopt if there
+// are no attributes.
+std::optional<size_t> countOf(const Document& document, const file::Attributes& attributes, size_t node) {
+  std::optional<size_t> count;
+  for (const auto& [key, accessor] : attributes) {
+    const size_t own = document.model.accessors[size_t(accessor)].count;
+    if (count.value_or(own) != own)
+      badInput("nodes[{}] has EXT_mesh_gpu_instancing attributes of different lengths", node);
+    count = own;
+  }
+  return count;
+}
+
 Placements readPlacements(const Document& document, const file::Node& node, size_t index) {
   if (!node.instancing) return {};
-  std::optional<size_t> count;
+  const std::optional<size_t> count = countOf(document, *node.instancing, index);
   auto read = [&](const char* key, vec4 otherwise, bool normalized) {
     std::vector<vec4> values;
     const auto accessor = node.instancing->find(key);
     if (accessor == node.instancing->end()) return values;
     Elements elements = resolve(document, accessor->second);
     elements.normalized |= normalized;
-    if (count.value_or(elements.count) != elements.count)
-      badInput("nodes[{}] has EXT_mesh_gpu_instancing attributes of different lengths", index);
-    count = elements.count;
     document.budget.charge(elements.count * (sizeof(Instance) + 3 * sizeof(vec4)), elements.name);
     bool anyBroken = false;
     values = readRepaired<4>(elements, 0, elements.count, anyBroken, 0, otherwise.w);
