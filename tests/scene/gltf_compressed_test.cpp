@@ -159,6 +159,19 @@ TEST(GltfCompressed, DracoWithMetadata) {
   }
 }
 
+TEST(GltfCompressed, DracoOfOtherTypes) {
+  GltfBuilder b = dracoFile(draco::MESH_SEQUENTIAL_ENCODING);
+  b.root["accessors"][1]["type"] = "VEC2";
+  EXPECT_THAT(errorOf(b), HasSubstr("NORMAL has 3 compressed components per vertex, but accessors[1] has 2"));
+  b = dracoFile(draco::MESH_SEQUENTIAL_ENCODING);
+  b.root["accessors"][0]["componentType"] = kUnsignedInt;
+  EXPECT_THAT(errorOf(b), HasSubstr("POSITION is VEC3 of UNSIGNED_INT, in accessors[0]; it must be VEC3 of FLOAT"));
+  // The counts of many files are those before compression.
+  b = dracoFile(draco::MESH_SEQUENTIAL_ENCODING);
+  for (json& accessor : b.root["accessors"]) accessor["count"] = 66;
+  EXPECT_EQ(b.load().meshes.at(0).positions.size(), kVertices);
+}
+
 // Two primitives of one stream, whose normals differ: the second one's are its positions.
 TEST(GltfCompressed, DracoPrimitivesOfOneStream) {
   GltfBuilder b = dracoFile(draco::MESH_SEQUENTIAL_ENCODING);

@@ -136,7 +136,8 @@ bool convert(const draco::Mesh& mesh, const draco::PointAttribute& attribute, co
   }
 }
 
-// The accessor specifies the type of the values; Draco stores only their number.
+// The accessor specifies the type of the values, and Draco their number. The accessor's count is ignored, because many
+// files state that of the mesh before its compression (glTF's issue 1342).
 Elements readAttribute(const Document& document, const draco::Mesh& mesh, int uniqueId, int accessorIndex,
                        const std::string& name) {
   const file::Accessor& accessor = document.model.accessors[size_t(accessorIndex)];
@@ -145,12 +146,16 @@ Elements readAttribute(const Document& document, const draco::Mesh& mesh, int un
   size_t component = componentBytes(accessor.componentType);
   const size_t components = accessor.columns * accessor.rows;
   if (component == 0 || components > 4) badInput("{} has an accessor of an unusable type", name);
+  if (components != size_t(attribute->num_components()))
+    badInput("{} has {} compressed components per vertex, but accessors[{}] has {}", name, attribute->num_components(),
+             accessorIndex, components);
   Elements elements{.count = mesh.num_points(),
                     .stride = component * components,
                     .componentType = accessor.componentType,
                     .components = components,
+                    .columns = accessor.columns,
                     .normalized = accessor.normalized,
-                    .name = name};
+                    .name = fmt::format("accessors[{}]", accessorIndex)};
   size_t bytes = elements.count * elements.stride;
   document.budget.charge(bytes, name);
   elements.owned = std::make_shared_for_overwrite<std::byte[]>(bytes);

@@ -14,6 +14,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "scene/gltf/accessor.h"
+#include "scene/gltf/accessor_types.h"
 #include "scene/gltf/material.h"
 #include "scene/gltf/skin.h"
 #include "scene/ids.h"
@@ -79,6 +80,7 @@ Placements readPlacements(const Document& document, const file::Node& node, size
     const auto accessor = node.instancing->find(key);
     if (accessor == node.instancing->end()) return values;
     Elements elements = resolve(document, accessor->second);
+    checkType(elements, AccessorUse::Instances, key, fmt::format("nodes[{}].EXT_mesh_gpu_instancing.{}", index, key));
     elements.normalized |= normalized;
     document.budget.charge(elements.count * (sizeof(Instance) + 3 * sizeof(vec4)), elements.name);
     bool anyBroken = false;
