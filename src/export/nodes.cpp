@@ -7,8 +7,8 @@
 //
 // glTF has no meshes without triangles: their nodes are written without a mesh.
 //
-// glTF ignores the transform of a node with a skin (3.7.3.3). An instance of a skinned mesh that an edit has placed
-// therefore has joints of its own, below a node with its transform.
+// glTF ignores the transform of a node with a skin (3.7.3.3). An instance of a skinned mesh that an edit or
+// EXT_mesh_gpu_instancing has placed therefore has joints of its own, below a node with its transform.
 #include "export/nodes.h"
 
 #include <algorithm>
@@ -301,18 +301,32 @@ class NodeWriter {
     placeSkin(group, index);
   }
 
-  // Adds the joints of a group's skin again, with the nodes above them, below the node that places the group.
+  // Adds the joints of a group's skin again, below the node that places the group.
   void placeSkin(const Group& group, int place) {
     if (group.skin < 0) return;
+    Json skeleton{{"name", "skeleton"}};
+    setMatrix(skeleton, glm::translate(dmat4(1), -scene_.rig.skins[size_t(group.skin)].origin));
+    at(place)["skin"] = copySkin(group.skin, addNode(std::move(skeleton), place));
+  }
+
+  // Adds the joints of a copy's skin again. They are not below the copy's node, because the nodes above it, which may
+  // be animated, do not move a skinned mesh.
+  void placeSkinOfCopy(const Group& group, int copy, const dmat4& offset) {
+    if (group.skin < 0) return;
+    Json skeleton{{"name", fmt::format("{} skeleton", at(copy)["name"].get<std::string>())}};
+    setMatrix(skeleton, offset);
+    at(copy)["skin"] = copySkin(group.skin, addNode(std::move(skeleton), -1));
+  }
+
+  // Adds the joints of a skin again, with the nodes above them, below a node. Returns the index of the skin with these.
+  size_t copySkin(int index, int below) {
     const Rig& rig = scene_.rig;
-    const Skin& skin = rig.skins[size_t(group.skin)];
-    Json origin{{"name", "skeleton"}};
-    setMatrix(origin, glm::translate(dmat4(1), -skin.origin));
+    const Skin& skin = rig.skins[size_t(index)];
     std::vector<bool> isNeeded(rig.nodes.size());
     for (const uint32_t joint : skin.joints)
       for (int i = static_cast<int>(joint); i >= 0 && !isNeeded[size_t(i)]; i = rig.nodes[size_t(i)].parent)
         isNeeded[size_t(i)] = true;
-    std::vector<int> copies(rig.nodes.size(), addNode(std::move(origin), place));
+    std::vector<int> copies(rig.nodes.size(), below);
     for (const uint32_t i : rig.order) {
       if (!isNeeded[i]) continue;
       Json copy{{"name", at(exported_.rigNodes[i])["name"]}};
@@ -321,10 +335,10 @@ class NodeWriter {
       copies[i] = addNode(std::move(copy), copies[above]);
       exported_.movedCopies.emplace(i, copies[i]);
     }
-    SkinCopy copy{size_t(group.skin), {}};
+    SkinCopy copy{size_t(index), {}};
     for (const uint32_t joint : skin.joints) copy.joints.push_back(copies[joint]);
-    at(place)["skin"] = rig.skins.size() + exported_.skinCopies.size();
     exported_.skinCopies.push_back(std::move(copy));
+    return rig.skins.size() + exported_.skinCopies.size() - 1;
   }
 
   // Hides a node whose mesh is hidden, unless that would hide nodes below it.
@@ -348,6 +362,7 @@ class NodeWriter {
     const int index = addNode(std::move(below), leavesParent ? -1 : nodes_[node]);
     if (group.hidden && !group.follows) hide(at(index));
     setMesh(node, index, group);
+    if (hasOffset) placeSkinOfCopy(group, index, scene_.rig.offsets[group.instances[0]]);
   }
 
   void setMesh(uint32_t node, int index, const Group& group) {

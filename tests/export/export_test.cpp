@@ -9,6 +9,7 @@
 #include "app/folder.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "base/hash.h"
 #include "export/export.h"
 #include "models/models.h"
 #include "output/png.h"
@@ -320,6 +321,41 @@ TEST(Export, PlacedCopiesOfDeformedMeshesMoveAsTheOriginals) {
     expectSameMotion(again, scene);
     expectSameMotion(exported(again), scene);
   }
+}
+
+// Copies of a skinned mesh are placed in the file's frame (glTF 2.0, 3.7.3.3): their animated node does not move them.
+// The primitive without joints follows it.
+TEST(Export, CopiesOfSkinnedMeshesStayInTheirPlaces) {
+  test::GltfBuilder file = test::triangleFile();
+  const json rigid = file.primitive();
+  json& skinned = file.primitive()["attributes"];
+  skinned["JOINTS_0"] = file.accessor(file.view(std::vector<uint8_t>(12)), test::kUnsignedByte, "VEC4", 3);
+  skinned["WEIGHTS_0"] = file.vectors(std::vector<vec4>(3, vec4(1, 0, 0, 0)));
+  file.root["meshes"][0]["primitives"].push_back(rigid);
+  const int copies = file.positions({{10, 0, 0}, {20, 0, 0}});
+  file.root["nodes"][0] = {{"name", "n"}, {"mesh", 0}, {"skin", 0}, {"translation", {0, 100, 0}}};
+  file.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", copies}};
+  file.add("skins", {{"joints", {file.node({{"name", "joint"}, {"translation", {0, 0, 1000}}})}}});
+  const int times = file.accessor(file.view(std::vector<float>{0, 1}), test::kFloat, "SCALAR", 2);
+  const int moves = file.positions({{0, 0, 0}, {0, 0, 500}});
+  const auto channel = [](int node) -> json {
+    return {{"sampler", 0}, {"target", {{"node", node}, {"path", "translation"}}}};
+  };
+  file.add("animations",
+           {{"samplers", {{{"input", times}, {"output", moves}}}}, {"channels", {channel(0), channel(1)}}});
+  const Scene scene = file.load();
+  ASSERT_EQ(scene.instances.size(), 4u);
+  const Scene again = exported(scene);
+  expectSameMotion(again, scene);
+  for (const Scene* shown : {&scene, &again})
+    for (const auto& [name, place] : {std::pair("/n/instance0/primitive0", dvec3(10, 0, 150)),
+                                      {"/n/instance1/primitive0", dvec3(20, 0, 150)},
+                                      {"/n/instance1/primitive1", dvec3(20, 0, 150)}}) {
+      const Instance* instance = partOf(*shown, hash32(name));
+      ASSERT_TRUE(instance) << name;
+      const dvec3 vertex(toGltfFromWorld() * glm::dvec4(verticesAt(*shown, *instance, 0.3)[0], 1));
+      EXPECT_LT(glm::length(vertex - place), 1e-4) << name << ' ' << vertex.x << ' ' << vertex.y << ' ' << vertex.z;
+    }
 }
 
 TEST(Export, SkinsThatWereMovedStayThere) {

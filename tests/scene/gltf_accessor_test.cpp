@@ -146,6 +146,102 @@ TEST(GltfAccessor, ValuesThatAreNoNumbers) {
   EXPECT_THAT(errorOf(b), HasSubstr("has no triangle whose positions are finite numbers"));
 }
 
+// An accessor of three elements without a buffer view, whose values are zeros.
+int zeros(GltfBuilder& b, int component, const char* type) {
+  return b.add("accessors", {{"componentType", component}, {"type", type}, {"count", 3}});
+}
+
+struct TypeCase {
+  const char* attribute;
+  int component;
+  const char* type;
+};
+
+// A triangle with a skin, all attributes, and a morph target, of which one attribute has another type.
+std::string errorOfTypes(const TypeCase& vertices, const TypeCase& target) {
+  GltfBuilder b = triangleFile();
+  const int joint = b.node({{"name", "joint"}});
+  b.add("skins", {{"joints", {joint}}});
+  b.root["nodes"][0]["skin"] = 0;
+  b.primitive()["attributes"] = {{"POSITION", b.positions({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}})},
+                                 {"NORMAL", zeros(b, kFloat, "VEC3")},
+                                 {"COLOR_0", zeros(b, kFloat, "VEC4")},
+                                 {"JOINTS_0", zeros(b, kUnsignedByte, "VEC4")},
+                                 {"WEIGHTS_0", zeros(b, kFloat, "VEC4")}};
+  b.primitive()["targets"] = {{{"POSITION", zeros(b, kFloat, "VEC3")}, {"COLOR_0", zeros(b, kFloat, "VEC4")}}};
+  b.root["meshes"][0]["weights"] = {1};
+  if (vertices.attribute) b.primitive()["attributes"][vertices.attribute] = zeros(b, vertices.component, vertices.type);
+  if (target.attribute) b.primitive()["targets"][0][target.attribute] = zeros(b, target.component, target.type);
+  try {
+    b.load();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::BadInput);
+    return error.what();
+  }
+  return {};
+}
+
+// glTF 2.0 (3.7.2.1 and 3.7.2.2) and KHR_mesh_quantization, which need not be declared.
+TEST(GltfAccessor, TypesThatFit) {
+  for (const int component : {kByte, kUnsignedByte, kShort, kUnsignedShort}) {
+    EXPECT_EQ(errorOfTypes({"TEXCOORD_1", component, "VEC2"}, {}), "");
+    EXPECT_EQ(errorOfTypes({}, {"TEXCOORD_0", component, "VEC2"}), "");
+    EXPECT_EQ(errorOfTypes({}, {"COLOR_0", component, "VEC3"}), "");
+  }
+  for (const int component : {kByte, kShort, kFloat}) {
+    EXPECT_EQ(errorOfTypes({"NORMAL", component, "VEC3"}, {}), "");
+    EXPECT_EQ(errorOfTypes({"TANGENT", component, "VEC4"}, {}), "");
+    for (const char* attribute : {"POSITION", "NORMAL", "TANGENT"})
+      EXPECT_EQ(errorOfTypes({}, {attribute, component, "VEC3"}), "");
+  }
+  for (const int component : {kUnsignedByte, kUnsignedShort, kFloat})
+    for (const char* type : {"VEC3", "VEC4"}) EXPECT_EQ(errorOfTypes({"COLOR_0", component, type}, {}), "");
+  for (const int component : {kUnsignedByte, kUnsignedShort}) {
+    EXPECT_EQ(errorOfTypes({"JOINTS_0", component, "VEC4"}, {}), "");
+    EXPECT_EQ(errorOfTypes({"WEIGHTS_0", component, "VEC4"}, {}), "");
+  }
+  // Attributes that are not read may have any type.
+  for (const char* attribute : {"_HEAT", "TEXCOORD_2", "COLOR_1"})
+    EXPECT_EQ(errorOfTypes({attribute, kUnsignedInt, "MAT3"}, {}), "");
+}
+
+TEST(GltfAccessor, TypesThatDoNotFit) {
+  EXPECT_THAT(errorOfTypes({"POSITION", kFloat, "VEC2"}, {}),
+              HasSubstr("meshes[0].primitives[0].POSITION is VEC2 of FLOAT, in accessors[9]; it must be VEC3 of FLOAT, "
+                        "BYTE, UNSIGNED_BYTE, SHORT, UNSIGNED_SHORT"));
+  EXPECT_THAT(errorOfTypes({"COLOR_0", kByte, "VEC3"}, {}),
+              HasSubstr("meshes[0].primitives[0].COLOR_0 is VEC3 of BYTE, in accessors[9]; it must be VEC3 or VEC4 of "
+                        "FLOAT, UNSIGNED_BYTE, UNSIGNED_SHORT"));
+  for (const TypeCase& wrong : std::initializer_list<TypeCase>{{"POSITION", kFloat, "SCALAR"},
+                                                               {"POSITION", kFloat, "MAT4"},
+                                                               {"POSITION", kUnsignedInt, "VEC3"},
+                                                               {"NORMAL", kFloat, "VEC2"},
+                                                               {"NORMAL", kFloat, "VEC4"},
+                                                               {"NORMAL", kUnsignedByte, "VEC3"},
+                                                               {"TANGENT", kFloat, "VEC3"},
+                                                               {"TANGENT", kFloat, "MAT2"},
+                                                               {"TEXCOORD_0", kFloat, "SCALAR"},
+                                                               {"TEXCOORD_0", kFloat, "VEC3"},
+                                                               {"TEXCOORD_1", kFloat, "VEC4"},
+                                                               {"TEXCOORD_0", kUnsignedInt, "VEC2"},
+                                                               {"COLOR_0", kFloat, "SCALAR"},
+                                                               {"COLOR_0", kFloat, "VEC2"},
+                                                               {"JOINTS_0", kFloat, "VEC4"},
+                                                               {"JOINTS_0", kByte, "VEC4"},
+                                                               {"WEIGHTS_0", kFloat, "VEC3"},
+                                                               {"WEIGHTS_0", kShort, "VEC4"}}) {
+    const std::string error = errorOfTypes(wrong, {});
+    EXPECT_THAT(error, HasSubstr(std::string(wrong.attribute) + " is " + wrong.type + " of "));
+  }
+  for (const TypeCase& wrong : std::initializer_list<TypeCase>{{"POSITION", kFloat, "VEC2"},
+                                                               {"NORMAL", kUnsignedByte, "VEC3"},
+                                                               {"TANGENT", kFloat, "VEC4"},
+                                                               {"COLOR_0", kFloat, "VEC2"}}) {
+    const std::string error = errorOfTypes({}, wrong);
+    EXPECT_THAT(error, HasSubstr(std::string("targets[0].") + wrong.attribute + " is " + wrong.type + " of "));
+  }
+}
+
 TEST(GltfAccessor, AttributesOfDifferentLengths) {
   GltfBuilder b = triangleFile();
   b.primitive()["attributes"]["TEXCOORD_0"] = b.vectors(std::vector<vec2>{{0, 0}, {1, 1}});

@@ -326,6 +326,22 @@ TEST(Animation, BrokenFilesAreRefusedBySentence) {
               HasSubstr("the wrong number of values"));
 }
 
+// glTF 2.0, 3.11: rotations and weights may be integers; matrices and other integers have no values.
+TEST(Animation, OutputsOfOtherTypesAreRefused) {
+  const auto fileOf = [](const char* path, Component component, const char* type, size_t bytes) {
+    return animated(path, {0, 1}, "LINEAR", [&](GltfBuilder& b) {
+      return b.accessor(b.view(std::vector<uint8_t>(2 * bytes, 1)), component, type, 2);
+    });
+  };
+  EXPECT_THAT(errorOf(fileOf("translation", kShort, "VEC3", 6)),
+              HasSubstr("animations[0].channels[0]'s translation is VEC3 of SHORT, in accessors["));
+  EXPECT_THAT(errorOf(fileOf("scale", kUnsignedInt, "VEC3", 12)), HasSubstr("it must be VEC3 of FLOAT"));
+  EXPECT_THAT(errorOf(fileOf("rotation", kUnsignedInt, "VEC4", 16)), HasSubstr("is VEC4 of UNSIGNED_INT"));
+  EXPECT_THAT(errorOf(fileOf("rotation", kFloat, "MAT2", 16)), HasSubstr("is MAT2 of FLOAT"));
+  for (const Component component : {kByte, kUnsignedByte, kShort, kUnsignedShort})
+    EXPECT_TRUE(fileOf("rotation", component, "VEC4", 8).load().rig.isAnimated());
+}
+
 // Only an invalid channel is skipped: the file is read, and the channel next to it moves the node.
 TEST(Animation, ChannelsThatCanNotApplyAreLeftOut) {
   const auto leftOut = [](const std::function<void(GltfBuilder&, json&)>& breakIt) {

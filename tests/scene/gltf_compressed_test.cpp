@@ -127,6 +127,67 @@ TEST(GltfCompressed, BrokenDraco) {
   EXPECT_THAT(errorOf(b), HasSubstr("no compressed attribute 77"));
 }
 
+// Inserts metadata after the header of a Draco stream, which has 11 bytes.
+GltfBuilder withMetadata(int method, const std::vector<uint8_t>& metadata) {
+  GltfBuilder b = dracoFile(method);
+  b.buffer[10] |= std::byte{0x80};  // the flag of metadata
+  const auto bytes = std::as_bytes(std::span(metadata));
+  b.buffer.insert(b.buffer.begin() + 11, bytes.begin(), bytes.end());
+  b.root["bufferViews"][0]["byteLength"] = b.buffer.size();
+  return b;
+}
+
+TEST(GltfCompressed, DracoWithMetadata) {
+  // One attribute, of id 0: the entry "name" with the value "foo", and no metadata below it. The mesh: no entries, and
+  // two elements below it. The first one, "a", has the entry "k" of one byte and an element "b" below it, which is
+  // empty like the second one, "c".
+  const std::vector<uint8_t> metadata = {1, 0, 1, 4,   'n', 'a', 'm', 'e', 3, 'f', 'o', 'o', 0,  //
+                                         0, 2, 1, 'a', 1,   1,   'k', 1,   7, 1,   1,   'b', 0, 0, 1, 'c', 0, 0};
+  for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
+    const Mesh mesh = withMetadata(method, metadata).load().meshes.at(0), plain = dracoFile(method).load().meshes.at(0);
+    EXPECT_EQ(mesh.positions, plain.positions);
+    EXPECT_EQ(mesh.indices, plain.indices);
+  }
+  std::vector<uint8_t> deep = {0, 0, 1};
+  for (int i = 0; i < 10000; ++i) deep.insert(deep.end(), {0, 0, 1});
+  deep.insert(deep.end(), {0, 0, 0});
+  EXPECT_THAT(errorOf(withMetadata(draco::MESH_SEQUENTIAL_ENCODING, deep)), HasSubstr("is not a mesh of Draco's"));
+  for (size_t size = 0; size < metadata.size(); ++size) {  // four billion entries or elements
+    std::vector<uint8_t> broken(metadata.begin(), metadata.begin() + std::ptrdiff_t(size));
+    broken.insert(broken.end(), {0xff, 0xff, 0xff, 0xff, 0x0f});
+    EXPECT_FALSE(errorOf(withMetadata(draco::MESH_SEQUENTIAL_ENCODING, broken)).empty()) << size;
+  }
+}
+
+TEST(GltfCompressed, DracoOfOtherTypes) {
+  GltfBuilder b = dracoFile(draco::MESH_SEQUENTIAL_ENCODING);
+  b.root["accessors"][1]["type"] = "VEC2";
+  EXPECT_THAT(errorOf(b), HasSubstr("NORMAL has 3 compressed components per vertex, but accessors[1] has 2"));
+  b = dracoFile(draco::MESH_SEQUENTIAL_ENCODING);
+  b.root["accessors"][0]["componentType"] = kUnsignedInt;
+  EXPECT_THAT(errorOf(b), HasSubstr("POSITION is VEC3 of UNSIGNED_INT, in accessors[0]; it must be VEC3 of FLOAT"));
+  // The counts of many files are those before compression.
+  b = dracoFile(draco::MESH_SEQUENTIAL_ENCODING);
+  for (json& accessor : b.root["accessors"]) accessor["count"] = 66;
+  EXPECT_EQ(b.load().meshes.at(0).positions.size(), kVertices);
+}
+
+// Two primitives of one stream, whose normals differ: the second one's are its positions.
+TEST(GltfCompressed, DracoPrimitivesOfOneStream) {
+  GltfBuilder b = dracoFile(draco::MESH_SEQUENTIAL_ENCODING);
+  json other = b.primitive();
+  json& ids = other["extensions"]["KHR_draco_mesh_compression"]["attributes"];
+  ids["NORMAL"] = ids["POSITION"];
+  b.mesh(b.primitive());
+  b.mesh(other);
+  const Scene scene = b.load();
+  ASSERT_EQ(scene.instances.size(), 3u);
+  EXPECT_EQ(scene.instances[1].mesh, scene.instances[0].mesh);
+  ASSERT_NE(scene.instances[2].mesh, scene.instances[0].mesh);
+  const Mesh& mesh = scene.meshes[scene.instances[2].mesh];
+  expectNear(mesh.attributes[kVertices - 1].normal, glm::normalize(vec3(1, 1, 0.5f)), 1e-3f);
+}
+
 TEST(GltfCompressed, QuantizedPositions) {
   GltfBuilder b = triangleFile();
   std::vector<uint16_t> p = {0, 0, 0, 0, 1000, 0, 0, 0, 0, 2000, 0, 0};

@@ -171,6 +171,25 @@ TEST(GltfFiles, Buffers) {
   EXPECT_THAT(errorOf(b), HasSubstr("data URI"));
 }
 
+// RFC 2397: data are a URI's characters, which may be percent-encoded. Schemes and parameters have any case.
+TEST(GltfFiles, DataUrisOfAnyForm) {
+  GltfBuilder b = triangleFile();
+  const std::vector<vec3> positions = b.load().meshes.at(0).positions;
+  b.buffer.resize(b.buffer.size() + 5, std::byte{0xff});
+  std::string percent, everyByte;
+  for (const char c : base64(b.buffer))
+    percent += c == '/' ? "%2F" : c == '+' ? "%2b" : c == '=' ? "%3D" : std::string(1, c);
+  EXPECT_THAT(percent, testing::EndsWith("%3D"));
+  for (const std::byte byte : b.buffer) everyByte += fmt::format("%{:02x}", int(byte));
+  for (const std::string& uri : {"data:application/octet-stream;base64," + percent, "DATA:;BASE64," + base64(b.buffer),
+                                 "Data:application/octet-stream;Base64," + percent, "data:," + everyByte}) {
+    b.root["buffers"] = {{{"byteLength", b.buffer.size()}, {"uri", uri}}};
+    EXPECT_EQ(b.load().meshes.at(0).positions, positions) << uri.substr(0, 60);
+  }
+  b.root["buffers"] = {{{"byteLength", 3}, {"uri", "data:;base64,AAA%2A"}}};
+  EXPECT_THAT(errorOf(b), HasSubstr("base64"));
+}
+
 TEST(GltfFiles, RequiredExtensionsFailByName) {
   GltfBuilder b = triangleFile();
   b.root["extensionsUsed"] = {"KHR_materials_subsurface"};

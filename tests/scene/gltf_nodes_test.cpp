@@ -131,6 +131,34 @@ TEST(GltfNodes, GpuInstancing) {
   EXPECT_THAT(errorOf(b), HasSubstr("different lengths"));
 }
 
+TEST(GltfNodes, GpuInstancingByAttributesOfApplications) {
+  GltfBuilder b = triangleFile();
+  b.root["nodes"][0]["translation"] = {0, 0, 10};
+  json& attributes = b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+  attributes = {{"_ID", b.accessor(b.view(std::vector<float>{0, 1, 2}), kFloat, "SCALAR", 3)}};
+  const Scene scene = b.load();
+  ASSERT_EQ(scene.instances.size(), 3u);
+  for (const Instance& instance : scene.instances)
+    expectNear(apply(toGltfFromWorld() * instance.toWorld, vec3(1, 0, 0)), vec3(1, 0, 10));
+  attributes["TRANSLATION"] = b.positions({{1, 0, 0}, {2, 0, 0}});
+  EXPECT_THAT(errorOf(b), HasSubstr("different lengths"));
+}
+
+TEST(GltfNodes, GpuInstancingByOtherTypes) {
+  const auto errorWith = [](const char* attribute, Component component, const char* type) {
+    GltfBuilder b = triangleFile();
+    const int accessor = b.accessor(b.view(std::vector<float>(16)), component, type, 1);
+    b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{attribute, accessor}};
+    return errorOf(b);
+  };
+  EXPECT_THAT(errorWith("ROTATION", kFloat, "VEC3"),
+              HasSubstr("nodes[0].EXT_mesh_gpu_instancing.ROTATION is VEC3 of FLOAT, in accessors[2]; it must be VEC4 "
+                        "of FLOAT, BYTE, SHORT"));
+  EXPECT_THAT(errorWith("ROTATION", kUnsignedShort, "VEC4"), HasSubstr("is VEC4 of UNSIGNED_SHORT"));
+  EXPECT_THAT(errorWith("TRANSLATION", kFloat, "VEC4"), HasSubstr("must be VEC3 of FLOAT"));
+  EXPECT_THAT(errorWith("SCALE", kFloat, "SCALAR"), HasSubstr("must be VEC3 of FLOAT"));
+}
+
 TEST(GltfNodes, IdsNeverCollide) {
   // 100000 instances: among the 32-bit hashes of so many names, a collision is likely (p = 0.69).
   GltfBuilder b = triangleFile();

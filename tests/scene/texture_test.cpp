@@ -186,6 +186,46 @@ TEST(TextureCodecs, UncompressedTga) {
   EXPECT_EQ(largestDifference(decodeTexture(std::as_bytes(std::span(tga)), false, "p"), {1, 2, 3, 200}), 0);
 }
 
+// The smallest BMP, TGA and GIF images whose pixels end at the end of the file, each with its texels.
+struct TinyImage {
+  const char* format;
+  std::vector<uint8_t> encoded, texels;
+  size_t endOfHeader = 0;  // in bytes
+};
+
+std::vector<TinyImage> tinyImages() {
+  // 2 x 1 pixels of 24 bits without the two bytes that pad the row.
+  TinyImage bmp{"BMP",
+                {'B', 'M', 60, 0, 0, 0, 0, 0, 0, 0, 54, 0, 0, 0, 40, 0, 0, 0, 2, 0, 0, 0, 1, 0, 0, 0, 1, 0, 24, 0}};
+  bmp.encoded.resize(54);
+  bmp.encoded.insert(bmp.encoded.end(), {30, 20, 10, 60, 50, 40});
+  bmp.texels = {10, 20, 30, 255, 40, 50, 60, 255};
+  bmp.endOfHeader = 54;
+  const std::vector<uint8_t> rgba = {1, 2, 3, 200, 1, 2, 3, 200};
+  const TinyImage tga{
+      "TGA", {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 1, 0, 32, 0x28, 3, 2, 1, 200, 3, 2, 1, 200}, rgba, 18};
+  const TinyImage packed{
+      "TGA", {0, 0, 10, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 1, 0, 32, 0x28, 0x81, 3, 2, 1, 200}, rgba, 18};
+  // A GIF of 2 x 1 pixels, with the codes clear (4), 1, 1 and end (5) of 3 bits, and no trailer.
+  TinyImage gif{"GIF", {'G', 'I', 'F', '8', '9', 'a', 2, 0, 1, 0, 0x80, 0, 0, 1, 2, 3, 7, 8, 9}};
+  gif.encoded.insert(gif.encoded.end(), {0x2c, 0, 0, 0, 0, 2, 0, 1, 0, 0, 2, 2, 0x4c, 0x0a, 0});
+  gif.texels = {7, 8, 9, 255, 7, 8, 9, 255};
+  gif.endOfHeader = 19;
+  return {bmp, tga, packed, gif};
+}
+
+TEST(TextureCodecs, BmpTgaAndGifEndAfterTheirLastPixel) {
+  for (const TinyImage& image : tinyImages()) {
+    SCOPED_TRACE(image.format);
+    std::vector<uint8_t> bytes = image.encoded;
+    EXPECT_EQ(largestDifference(decodeTexture(std::as_bytes(std::span(bytes)), false, "p"), image.texels), 0);
+    bytes.insert(bytes.end(), 200, 0xff);
+    EXPECT_EQ(largestDifference(decodeTexture(std::as_bytes(std::span(bytes)), false, "p"), image.texels), 0);
+    for (size_t size = image.endOfHeader; size < image.encoded.size(); ++size)
+      EXPECT_THAT(errorOf(std::as_bytes(std::span(image.encoded).first(size))), HasSubstr("is truncated")) << size;
+  }
+}
+
 TEST(TextureCodecs, BrokenPictures) {
   Encoded png = toPng(noise(64, 64));
   png.resize(png.size() / 2);

@@ -134,6 +134,7 @@ Elements resolve(const Document& document, int index) {
   if (component == 0)
     badInput("{} has the componentType {}, which glTF does not have", elements.name, accessor.componentType);
   elements.components = accessor.columns * accessor.rows;
+  elements.columns = accessor.columns;
   size_t size = elementBytes(accessor, component);
   if (accessor.bufferView >= 0) {
     elements.stride = document.views[size_t(accessor.bufferView)].byteStride;

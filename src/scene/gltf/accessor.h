@@ -16,6 +16,7 @@ struct Elements {
   size_t stride = 0;      // bytes from one element to the next
   int componentType = 0;  // file::ComponentType
   size_t components = 0;  // per element: 1 for scalars, 16 for MAT4
+  size_t columns = 1;     // above 1 for matrices
   bool normalized = false;
   std::shared_ptr<std::byte[]> owned;  // set if the bytes are not the file's: sparse, absent or Draco-compressed
   std::string name;                    // for messages: "accessors[3]"

@@ -1,10 +1,13 @@
 // Animations and skins (glTF 2.0, 3.7.3 and 3.11), and the nodes in the form that animation requires.
 #include <algorithm>
+#include <array>
 #include <glm/gtc/matrix_access.hpp>
+#include <string_view>
 
 #include "base/error.h"
 #include "base/log.h"
 #include "scene/gltf/accessor.h"
+#include "scene/gltf/accessor_types.h"
 #include "scene/gltf/mesh.h"
 #include "scene/gltf/nodes.h"
 #include "scene/gltf/pointer.h"
@@ -30,12 +33,12 @@ Interpolation readInterpolation(const std::string& text) {
   skipTrack("has the unknown interpolation \"{}\"", text);
 }
 
+constexpr std::array<std::string_view, 4> kPaths{"translation", "rotation", "scale", "weights"};  // AnimatedProperty
+
 AnimatedProperty readPath(const std::string& path) {
-  if (path == "translation") return AnimatedProperty::Translation;
-  if (path == "rotation") return AnimatedProperty::Rotation;
-  if (path == "scale") return AnimatedProperty::Scale;
-  if (path == "weights") return AnimatedProperty::Weights;
-  skipTrack("moves \"{}\", which no node has", path);
+  const auto found = std::ranges::find(kPaths, path);
+  if (found == kPaths.end()) skipTrack("moves \"{}\", which no node has", path);
+  return AnimatedProperty(found - kPaths.begin());
 }
 
 uint32_t weightCount(const Document& document, uint32_t node) {
@@ -65,10 +68,11 @@ std::vector<float> readTimes(const Document& document, int accessor, const std::
 
 // The layout of a track's values in an accessor.
 struct Layout {
-  size_t components;     // components per element
-  size_t elements;       // elements per value
-  bool normalized;       // integers are normalized even if the accessor does not state so
-  bool boolean = false;  // unsigned bytes
+  size_t components;               // components per element
+  size_t elements;                 // elements per value
+  bool normalized;                 // integers are normalized even if the accessor does not state so
+  bool boolean = false;            // unsigned bytes
+  std::string_view property = {};  // "translation"; empty if any vectors are permitted
 };
 
 std::vector<float> readValues(const Document& document, int accessor, const Curve& curve, const Layout& layout,
@@ -79,6 +83,7 @@ std::vector<float> readValues(const Document& document, int accessor, const Curv
   if (elements.components != layout.components || elements.count != curve.times.size() * keys * layout.elements)
     badInput("{} has {} times, for which {} has the wrong number of values or components", name, curve.times.size(),
              elements.name);
+  checkType(elements, AccessorUse::Animation, layout.property, fmt::format("{}'s {}", name, layout.property));
   const bool bytes = elements.componentType == file::kUnsignedByte;
   if (layout.boolean && (!bytes || curve.interpolation != Interpolation::Step))
     skipTrack("says what is visible in {} by other than steps of unsigned bytes", elements.name);
@@ -151,7 +156,8 @@ class AnimationReader {
     const Layout layout{.components = weights ? 1 : track.width,
                         .elements = weights ? track.width : 1,
                         .normalized = !visible,  // rotations and weights allow no other integers
-                        .boolean = visible};
+                        .boolean = visible,
+                        .property = visible ? "" : kPaths[size_t(property)]};
     readCurve(track, layout);
     out_.tracks.push_back(std::move(track));
   }

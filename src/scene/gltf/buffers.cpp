@@ -1,4 +1,5 @@
 // The bytes of bufferViews and images, from the binary chunk, data URIs (RFC 2397), and external files.
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <optional>
@@ -62,14 +63,31 @@ std::vector<std::byte> base64Decode(std::string_view text, const std::string& na
   return out;
 }
 
+// Compares the letters of ASCII regardless of their case.
+bool isEqualAnyCase(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
+  return std::ranges::equal(a, b, {}, lower, lower);
+}
+
+bool endsWithAnyCase(std::string_view text, std::string_view end) {
+  return text.size() >= end.size() && isEqualAnyCase(text.substr(text.size() - end.size()), end);
+}
+
+// Schemes of URIs are case-insensitive (RFC 3986, 3.1).
+bool isDataUri(std::string_view uri) {
+  return isEqualAnyCase(uri.substr(0, 5), "data:");
+}
+
 std::vector<std::byte> readDataUri(std::string_view uri, const std::string& name) {
   size_t comma = uri.find(',');
   if (comma == std::string_view::npos) badInput("{} is a data URI without data", name);
   std::string_view head = uri.substr(0, comma), body = uri.substr(comma + 1);
-  if (head.ends_with(";base64")) return base64Decode(body, name);
-  std::string plain = percentDecode(body);
-  auto* begin = reinterpret_cast<const std::byte*>(plain.data());
-  return {begin, begin + plain.size()};
+  const bool isEncoded = body.find('%') != std::string_view::npos;  // base64 usually is not
+  const std::string decoded = isEncoded ? percentDecode(body) : std::string();
+  if (isEncoded) body = decoded;
+  if (endsWithAnyCase(head, ";base64")) return base64Decode(body, name);
+  auto* begin = reinterpret_cast<const std::byte*>(body.data());
+  return {begin, begin + body.size()};
 }
 
 std::vector<std::byte> readExternal(const AllowedFolders& enclosure, std::string_view uri, const std::string& name) {
@@ -85,7 +103,7 @@ std::vector<std::byte> readExternal(const AllowedFolders& enclosure, std::string
 }
 
 Bytes readUri(Document& document, const AllowedFolders& enclosure, std::string_view uri, const std::string& name) {
-  document.files.push_back(uri.starts_with("data:") ? readDataUri(uri, name) : readExternal(enclosure, uri, name));
+  document.files.push_back(isDataUri(uri) ? readDataUri(uri, name) : readExternal(enclosure, uri, name));
   document.inputBytes += document.files.back().size();
   return document.files.back();
 }
@@ -147,7 +165,7 @@ ImageSource readImage(Document& document, const json& image, size_t index, const
   bool embedded = image.contains("bufferView");
   if (label.empty() && image.contains("uri")) {
     const auto& uri = image["uri"].get_ref<const std::string&>();
-    if (!uri.starts_with("data:")) label = percentDecode(uri);
+    if (!isDataUri(uri)) label = percentDecode(uri);
   }
   source.name = label.empty() ? fmt::format("images[{}]", index) : fmt::format("images[{}] ({})", index, label);
   if (embedded) {
@@ -172,7 +190,7 @@ std::vector<std::filesystem::path> externalFiles(const json& root) {
     for (const json& entry : arrayIn(root, key)) {
       const json* uri = findProperty(entry, "uri");
       const std::string_view text = uri ? uri->get_ref<const std::string&>() : std::string_view();
-      if (!text.empty() && !text.starts_with("data:")) files.emplace_back(percentDecode(text));
+      if (!text.empty() && !isDataUri(text)) files.emplace_back(percentDecode(text));
     }
   return files;
 }

@@ -14,6 +14,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "scene/gltf/accessor.h"
+#include "scene/gltf/accessor_types.h"
 #include "scene/gltf/material.h"
 #include "scene/gltf/skin.h"
 #include "scene/ids.h"
@@ -24,10 +25,11 @@ namespace {
 
 // A key that is equal for primitives with the same bytes, also across meshes, because exporters repeat a geometry for
 // each material.
-using Geometry = std::tuple<file::Attributes, std::vector<file::Attributes>, int, int, int>;
+using Geometry = std::tuple<file::Attributes, std::vector<file::Attributes>, int, int, int, std::map<std::string, int>>;
 
 Geometry geometryOf(const file::Primitive& p) {
-  return {p.attributes, p.targets, p.indices, p.mode, p.draco ? p.draco->bufferView : -1};
+  const file::DracoCompression draco = p.draco.value_or(file::DracoCompression());
+  return {p.attributes, p.targets, p.indices, p.mode, draco.bufferView, draco.attributes};
 }
 
 std::vector<double> weightsOf(const file::Node& node, const file::Mesh& mesh, const file::Primitive& p) {
@@ -57,18 +59,29 @@ struct Placements {
   }
 };
 
+// Returns the number of elements of every attribute, including those of applications, such as "_ID"; nullopt if there
+// are no attributes.
+std::optional<size_t> countOf(const Document& document, const file::Attributes& attributes, size_t node) {
+  std::optional<size_t> count;
+  for (const auto& [key, accessor] : attributes) {
+    const size_t own = document.model.accessors[size_t(accessor)].count;
+    if (count.value_or(own) != own)
+      badInput("nodes[{}] has EXT_mesh_gpu_instancing attributes of different lengths", node);
+    count = own;
+  }
+  return count;
+}
+
 Placements readPlacements(const Document& document, const file::Node& node, size_t index) {
   if (!node.instancing) return {};
-  std::optional<size_t> count;
+  const std::optional<size_t> count = countOf(document, *node.instancing, index);
   auto read = [&](const char* key, vec4 otherwise, bool normalized) {
     std::vector<vec4> values;
     const auto accessor = node.instancing->find(key);
     if (accessor == node.instancing->end()) return values;
     Elements elements = resolve(document, accessor->second);
+    checkType(elements, AccessorUse::Instances, key, fmt::format("nodes[{}].EXT_mesh_gpu_instancing.{}", index, key));
     elements.normalized |= normalized;
-    if (count.value_or(elements.count) != elements.count)
-      badInput("nodes[{}] has EXT_mesh_gpu_instancing attributes of different lengths", index);
-    count = elements.count;
     document.budget.charge(elements.count * (sizeof(Instance) + 3 * sizeof(vec4)), elements.name);
     bool anyBroken = false;
     values = readRepaired<4>(elements, 0, elements.count, anyBroken, 0, otherwise.w);

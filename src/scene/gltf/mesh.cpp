@@ -15,9 +15,12 @@ namespace {
 // The memory per vertex during loading, for streams and result together.
 constexpr size_t kVertexBytes = 2 * (sizeof(vec3) + sizeof(shared::VertexAttributes) + sizeof(shared::VertexExtra));
 
-const Elements* find(const Source& source, const char* key) {
+// Returns the attribute, or null if it is absent. Throws Error(BadInput) if its type does not fit.
+const Elements* findAttribute(const Source& source, const char* key) {
   auto found = source.attributes.find(key);
-  return found == source.attributes.end() ? nullptr : &found->second;
+  if (found == source.attributes.end()) return nullptr;
+  checkType(found->second, AccessorUse::Vertices, key, fmt::format("{}.{}", source.name, key));
+  return &found->second;
 }
 
 // Colors are normalized regardless of the accessor's flag: integers up to 65535 are not valid colors.
@@ -36,7 +39,7 @@ bool isFinite(const vec3& p) {
 // another vertex, so that bounds stay valid.
 std::vector<vec3> readPositions(const Document& document, Source& source) {
   std::vector<vec3> positions(source.count);
-  readVectors<3>(*find(source, "POSITION"), source.first, source.count, positions.data());
+  readVectors<3>(*findAttribute(source, "POSITION"), source.first, source.count, positions.data());
   if (std::ranges::all_of(positions, isFinite)) return positions;
   document.repairs.add(source.name + ".POSITION");
   size_t kept = 0;
@@ -57,12 +60,12 @@ std::vector<vec3> readPositions(const Document& document, Source& source) {
 Vertices readVertices(const Document& document, Source& source) {
   Vertices v;
   v.positions = readPositions(document, source);
-  if (const Elements* e = find(source, "NORMAL")) v.normals = readAttribute<3>(document, source, "NORMAL", *e);
-  if (const Elements* e = find(source, "TANGENT"); e && !v.normals.empty())
+  if (const Elements* e = findAttribute(source, "NORMAL")) v.normals = readAttribute<3>(document, source, "NORMAL", *e);
+  if (const Elements* e = findAttribute(source, "TANGENT"); e && !v.normals.empty())
     v.tangents = readAttribute<4>(document, source, "TANGENT", *e);
   for (const auto& [key, set] : {std::pair("TEXCOORD_0", 0), {"TEXCOORD_1", 1}})
-    if (const Elements* e = find(source, key)) v.uv[set] = readAttribute<2>(document, source, key, *e);
-  if (const Elements* e = find(source, "COLOR_0")) v.colors = readColors(document, source, *e);
+    if (const Elements* e = findAttribute(source, key)) v.uv[set] = readAttribute<2>(document, source, key, *e);
+  if (const Elements* e = findAttribute(source, "COLOR_0")) v.colors = readColors(document, source, *e);
   v.origin.resize(source.count);
   std::iota(v.origin.begin(), v.origin.end(), 0u);
   return v;

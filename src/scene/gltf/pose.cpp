@@ -41,6 +41,7 @@ bool isGeometry(const std::string& key) {
 Elements targetElements(const Document& document, const Source& source, size_t target, const std::string& key,
                         int accessor) {
   Elements deltas = resolve(document, accessor);
+  checkType(deltas, AccessorUse::MorphTarget, key, fmt::format("{}.{}", source.name, nameOf(target, key)));
   if (deltas.count < source.first + source.count)
     badInput("{}.targets[{}] has {} of {}, too few for its vertices", source.name, target, deltas.count, key);
   document.budget.charge(source.count * sizeof(vec4), source.name);
@@ -72,6 +73,8 @@ std::vector<Influences> readInfluences(const Document& document, const Source& s
     auto joints = source.attributes.find(fmt::format("JOINTS_{}", n));
     auto weights = source.attributes.find(fmt::format("WEIGHTS_{}", n));
     if (joints == source.attributes.end() || weights == source.attributes.end()) return sets;
+    for (const auto& set : {joints, weights})
+      checkType(set->second, AccessorUse::Vertices, set->first, fmt::format("{}.{}", source.name, set->first));
     document.budget.charge(source.count * 2 * (sizeof(glm::uvec4) + sizeof(vec4)), source.name);
     Elements normalized = weights->second;
     normalized.normalized = true;

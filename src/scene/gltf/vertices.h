@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scene/gltf/accessor.h"
+#include "scene/gltf/accessor_types.h"
 #include "scene/gltf/mesh.h"
 #include "scene/vertices.h"
 

@@ -1,4 +1,9 @@
 // BMP, TGA and GIF images, which glTF does not allow but which occur in real files.
+//
+// stb_image reads zeros after the end of its input, or leaves rows as they were allocated, and returns an image anyway.
+// The decoder therefore records such reads, and memory for pixels is zeroed.
+#include <cstdlib>
+
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_BMP
@@ -6,6 +11,9 @@
 #define STBI_ONLY_GIF
 #define STBI_NO_STDIO
 #define STBI_MAX_DIMENSIONS 16384
+#define STBI_MALLOC(size) std::calloc(1, size)
+#define STBI_REALLOC(memory, size) std::realloc(memory, size)
+#define STBI_FREE(memory) std::free(memory)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #include <stb/stb_image.h>
@@ -35,10 +43,28 @@ ImageSize sizeOfStb(std::span<const std::byte> encoded, const std::string& name)
   return {uint32_t(width), uint32_t(height)};
 }
 
+// Callbacks for an input that is in memory as a whole. stb_image calls read() only if it requires bytes after the end.
+// It also skips padding there, which files may omit.
+int readAfterEnd(void* isTruncated, char*, int) {
+  *static_cast<bool*>(isTruncated) = true;
+  return 0;
+}
+void skipAfterEnd(void*, int) {}
+int isAtEnd(void*) {
+  return 1;
+}
+
 void decodeStb(std::span<const std::byte> encoded, const std::string& name, ImageSize size, std::byte* rgba) {
   int width = 0, height = 0, channels = 0;
+  bool isTruncated = false;
+  stbi__context input{};
+  stbi__start_mem(&input, bytesOf(encoded), lengthOf(encoded, name));
+  input.io = {.read = readAfterEnd, .skip = skipAfterEnd, .eof = isAtEnd};
+  input.io_user_data = &isTruncated;
+  input.read_from_callbacks = 1;
   std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
-      stbi_load_from_memory(bytesOf(encoded), lengthOf(encoded, name), &width, &height, &channels, 4), stbi_image_free);
+      stbi__load_and_postprocess_8bit(&input, &width, &height, &channels, 4), stbi_image_free);
+  if (isTruncated) badInput("{} is an invalid image: it is truncated", name);
   if (!pixels) badInput("{} is an invalid image: {}", name, stbi_failure_reason());
   if (uint32_t(width) != size.width || uint32_t(height) != size.height)
     badInput("{} is an invalid image: it states two different sizes", name);
