@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +46,8 @@ struct DataFrame {
   output::FrameOutput picture;
   // Camera, coordinate frames, settings, and the nodes and primitives that the ids identify.
   output::Metadata metadata;
+  // The nodes of all variations of the scene, whichever of them this one shows; null: as in the metadata.
+  std::shared_ptr<const output::IdManifest> idsOfAll{};
   uint32_t scene = 0;       // the scene's index in the job
   uint32_t variation = 0;   // the variation's index
   uint32_t camera = 0;      // the camera's index among those of the scene

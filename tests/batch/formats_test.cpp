@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
 
 #include "batch/sets.h"
 
@@ -53,6 +56,34 @@ TEST(FormatsOfABatch, WhatHoldsCamerasIsReadAgainAsTheSameViews) {
     EXPECT_EQ(same.size(), 3u);
     expectPartOf(same, set);
   }
+}
+
+// One variation hides the floor, and others have objects that this one lacks.
+TEST(FormatsOfABatch, NumbersAreThoseOfAllVariations) {
+  Folder folder;
+  folder.write("job.yaml", std::string_view(R"(
+scenes: builtin:boxes
+output: set
+repeat: 6
+cameras: {type: orbit, count: 1}
+formats: [{format: scannet, categories: node}]
+variations:
+  - {type: visibility, nodes: floor, probability: 0.5}
+  - {type: scatter, objects: [{node: metal}, {node: matte}], count: [0, 2], min: [-3, 1, -3], max: [3, 3, 3], name: a}
+)"));
+  const Outcome outcome = latelight(batch(folder, {"job.yaml"}));
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  const auto files = filesOf(folder, "set");
+  std::set<std::string> tables;
+  for (const auto& [name, text] : files)
+    if (name.ends_with("labels.tsv")) tables.insert(text);
+  ASSERT_EQ(tables.size(), 1u);
+  EXPECT_THAT(*tables.begin(),
+              HasSubstr("id\traw_category\tcategory\n1\t/a-0\t/a-0\n2\t/a-1\t/a-1\n3\t/boxes/floor\t"));
+  std::set<size_t> shown;
+  const auto manifest = nlohmann::json::parse(files.at("manifest.json"));
+  for (const auto& frame : manifest["frames"]) shown.insert(frame["drawn"][0]["visible"].size());
+  EXPECT_EQ(shown, (std::set<size_t>{0, 1}));
 }
 
 // "none" is the absence of an environment, as for --hdri.

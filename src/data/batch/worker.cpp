@@ -147,6 +147,7 @@ std::vector<RenderedFrame> Worker::framesOf(const Chunk& chunk) {
   std::vector<RenderedFrame> frames;
   for (const uint64_t index : chunk.frames) {
     frames.push_back(frameOf(index, chunk, shared));
+    frames.back().frame.idsOfAll = scene_->idsOfAll();
     frames.back().record.drawn = drawn;
   }
   if (needsExtras) addExtras(chunk, frames);

@@ -59,6 +59,9 @@ class Variation {
   virtual ~Variation() = default;
   // Adds random changes to the draft, and returns the drawn values for the manifest.
   virtual nlohmann::ordered_json draw(const Draw& draw, Draft& draft) const = 0;
+  // Returns all objects that draw() may add, whichever numbers are drawn. If an object may consist of different parts,
+  // the list has at least one object with each choice of parts.
+  virtual std::vector<AddedObject> possibleObjects() const { return {}; }
 };
 
 struct VariationKind {

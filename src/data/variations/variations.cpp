@@ -8,6 +8,8 @@
 
 #include "base/error.h"
 #include "data/variations/variation.h"
+#include "render/submit/id_manifest.h"
+#include "scene/edit_slots.h"
 
 namespace latelight::data {
 
@@ -148,6 +150,22 @@ Json Variations::apply(uint64_t number) {
   }
   impl_->change(draft);
   return drawn;
+}
+
+output::IdManifest Variations::idsOfAll() const {
+  scene::Scene& scene = impl_->scene;
+  output::IdManifest all = render::idManifest(scene);
+  scene::UniqueNames names = scene::idsOf(scene).nodes;
+  for (const Impl::Entry& entry : impl_->entries)
+    for (const AddedObject& object : entry.variation->possibleObjects()) {
+      const auto [path, id] = names.make("/" + object.name);
+      output::IdEntry& added = all.ids.emplace_back(
+          output::IdEntry{.id = id, .node = path, .mesh = scene.meshes[object.parts.front().mesh].name});
+      for (const scene::ObjectPart& part : object.parts)
+        added.parts.push_back({.node = path, .material = scene.materials[part.material].data.id});
+    }
+  std::ranges::sort(all.ids, {}, &output::IdEntry::id);
+  return all;
 }
 
 const std::string& Variations::environment() const {
