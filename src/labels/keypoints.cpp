@@ -196,6 +196,7 @@ class KeypointProjector {
   }
 
   KeypointVisibility visibility(size_t keypoint, const Sight& sight) const {
+    if (sight.clipped) return KeypointVisibility::Outside;
     const bool within =
         sight.distance - sight.hit <= keypoints_[keypoint].thickness && ids_[keypoint].contains(sight.id);
     return std::isinf(sight.hit) || within ? KeypointVisibility::Visible : KeypointVisibility::Occluded;

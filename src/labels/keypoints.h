@@ -20,7 +20,7 @@ struct Keypoint {
 };
 
 enum class KeypointVisibility : uint8_t {
-  Outside = 0,   // not in the image
+  Outside = 0,   // not in the image, or not between the camera's near and far planes
   Occluded = 1,  // in the image, behind a surface
   Visible = 2,
 };
