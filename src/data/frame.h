@@ -56,6 +56,9 @@ struct DataFrame {
   // The camera at the times of the image's upper and lower edge if it moves while rows are read out; otherwise empty.
   std::vector<output::CameraMetadata> edges{};
 
+  // The cameras of the frames that the outputs motion and scene-flow lead to; empty if there is none.
+  std::optional<output::CameraMetadata> previousCamera{}, nextCamera{};
+
   std::vector<Object> objects;  // sorted by id
   KeypointsOfObjects keypoints;
   std::vector<FramePair> pairs;  // those that exist, in the order of Extras::pairs
