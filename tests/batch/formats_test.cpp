@@ -86,6 +86,38 @@ variations:
   EXPECT_EQ(shown, (std::set<size_t>{0, 1}));
 }
 
+// Each copy has a keypoint at its own center, 2 m from the next one.
+TEST(FormatsOfABatch, KeypointsOfCopiesMoveWithThem) {
+  Folder folder;
+  const float values[] = {-0.5f, -0.5f, 0, 0.5f, -0.5f, 0, 0, 0.5f, 0, -2, 0, 0, 0, 0, 0, 2, 0, 0};
+  folder.write("copies.bin", std::string_view(reinterpret_cast<const char*>(values), sizeof(values)));
+  folder.write("copies.gltf", std::string_view(R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
+    "nodes": [{"name": "n", "mesh": 0, "children": [1],
+               "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 1}}}},
+              {"name": "tip", "translation": [0, 0.25, 0]}],
+    "extensionsUsed": ["EXT_mesh_gpu_instancing"], "buffers": [{"uri": "copies.bin", "byteLength": 72}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 36}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-0.5, -0.5, 0],
+      "max": [0.5, 0.5, 0]}, {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC3"}]})"));
+  const char* camera = R"({"type": "list", "cameras": [{"eye": [0, 0, 9], "target": [0, 0, 0]}]})";
+  const char* boxes = R"({"format": "boxes", "keypoints": [{"name": "own"}, {"name": "below", "node": "tip"},
+    {"name": "by path", "node": "/n"}]})";
+  const Outcome outcome =
+      latelight(batch(folder, {"--scenes", "copies.gltf", "--cameras", camera, "--formats", boxes, "-o", "set"}));
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  std::map<std::string, double> expected{{"/n/instance0", -2}, {"/n/instance1", 0}, {"/n/instance2", 2}};
+  const auto labels = nlohmann::json::parse(folder.read("set/boxes/000000.json"));
+  ASSERT_EQ(labels["objects"].size(), 3u);
+  for (const auto& object : labels["objects"])
+    for (const auto& keypoint : object["keypoints"]) {
+      const std::string node = object["node"];
+      EXPECT_NEAR(keypoint["position"][0], expected.at(node), 1e-6) << node << keypoint["name"];
+      EXPECT_NEAR(keypoint["position"][1], keypoint["name"] == "below" ? 0.25 : 0, 1e-6) << node << keypoint["name"];
+      EXPECT_EQ(keypoint["visibility"], 2) << node << keypoint["name"];
+    }
+}
+
 // "none" is the absence of an environment, as for --hdri.
 TEST(VariationsOfABatch, MayDrawNoEnvironment) {
   Folder folder;
