@@ -326,5 +326,27 @@ TEST(FormatsOfABatch, DamagedArchivesAreFoundAndWrittenAgain) {
   expectSame(filesOf(folder, "set"), before);
 }
 
+// An archive of the right size with other bytes is not used again, whether or not frames are added to it.
+TEST(FormatsOfABatch, DamagedArchivesAreNotCompleted) {
+  const std::string archive = "shards/000000.tar";
+  for (const char* count : {"2", "3"}) {
+    Folder folder;
+    ASSERT_EQ(archives(folder, "whole", {"--repeat", count}).code, 0);
+    ASSERT_EQ(archives(folder, "set", {"--repeat", "2"}).code, 0);
+    std::string damaged = folder.read("set/" + archive);
+    damaged.at(2000) ^= 1;
+    folder.write("set/" + archive, std::string_view(damaged));
+    const Outcome resumed = archives(folder, "set", {"--repeat", count, "--resume"});
+    EXPECT_EQ(resumed.code, 3);
+    EXPECT_THAT(resumed.err,
+                HasSubstr("000000.tar' is not as it was written: remove it, and run the job with --resume"));
+    const Outcome verified = latelight({.arguments = {"batch", "verify", "set"}, .folder = folder.path()});
+    EXPECT_EQ(verified.code, 3);
+    std::filesystem::remove(folder.path() / "set" / archive);
+    ASSERT_EQ(archives(folder, "set", {"--repeat", count, "--resume"}).code, 0);
+    expectSame(filesOf(folder, "set"), filesOf(folder, "whole"));
+  }
+}
+
 }  // namespace
 }  // namespace latelight::data
