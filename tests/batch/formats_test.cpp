@@ -58,6 +58,15 @@ TEST(FormatsOfABatch, WhatHoldsCamerasIsReadAgainAsTheSameViews) {
   }
 }
 
+TEST(FormatsOfABatch, PatternsMayRepeatTheName) {
+  Folder folder;
+  const Outcome outcome =
+      latelight(batch(folder, {"--scenes", "builtin:boxes", "--formats",
+                               R"({"format": "files", "pattern": "{name}/{name}.png"})", "-o", "set"}));
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  EXPECT_TRUE(filesOf(folder, "set").contains("000000/000000.png"));
+}
+
 // One variation hides the floor, and others have objects that this one lacks.
 TEST(FormatsOfABatch, NumbersAreThoseOfAllVariations) {
   Folder folder;
