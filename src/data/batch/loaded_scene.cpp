@@ -24,6 +24,10 @@ std::optional<double> LoadedScene::environmentRotation() const {
   return variations_ ? variations_->environmentRotation() : std::nullopt;
 }
 
+std::map<uint32_t, scene::dmat4> LoadedScene::movedNodes() const {
+  return variations_ ? variations_->movedNodes() : std::map<uint32_t, scene::dmat4>();
+}
+
 std::string LoadedScene::environment() const {
   const bool isDrawn = variations_ && !variations_->environment().empty();
   const bool isSeen = job_.settings.background.kind == render::Background::Environment;

@@ -28,8 +28,9 @@ class LoadedScene {
   scene::Scene release() && { return std::move(scene_); }
   // Applies a variation to the scene and returns the values drawn for it, or null if the job has no variations.
   const nlohmann::ordered_json& show(uint32_t variation);
-  std::string environment() const;                    // the current environment; empty: none
-  std::optional<double> environmentRotation() const;  // in degrees; empty if the variation does not rotate it
+  std::string environment() const;                      // the current environment; empty: none
+  std::optional<double> environmentRotation() const;    // in degrees; empty if the variation does not rotate it
+  std::map<uint32_t, scene::dmat4> movedNodes() const;  // Variations::movedNodes() of the variation
 
  private:
   const Job& job_;

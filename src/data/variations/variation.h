@@ -31,6 +31,7 @@ struct Draft {
   std::map<uint32_t, scene::Material> materials;
   std::map<uint32_t, scene::Light> lights;
   std::map<uint32_t, scene::dmat4> transforms;  // by instance
+  std::map<uint32_t, scene::dmat4> movedNodes;  // transforms in the world, by node
   std::set<uint32_t> hidden;                    // instances
   std::vector<scene::Light> addedLights;
   std::vector<AddedObject> addedObjects;

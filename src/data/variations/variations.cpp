@@ -84,6 +84,7 @@ struct Variations::Impl {
   std::map<uint32_t, scene::dmat4> transforms;
   // The state of the applied variation.
   std::vector<uint32_t> hidden, addedInstances, addedLights;
+  std::map<uint32_t, scene::dmat4> movedNodes;
   std::string environment;
   std::optional<double> environmentRotation;
 
@@ -125,6 +126,7 @@ void Variations::Impl::change(const Draft& draft) {
     scene::removeInstance(scene, instance);
     hidden.push_back(instance);
   }
+  movedNodes = draft.movedNodes;
   environment = draft.environment;
   environmentRotation = draft.environmentRotation;
 }
@@ -166,6 +168,10 @@ output::IdManifest Variations::idsOfAll() const {
     }
   std::ranges::sort(all.ids, {}, &output::IdEntry::id);
   return all;
+}
+
+const std::map<uint32_t, scene::dmat4>& Variations::movedNodes() const {
+  return impl_->movedNodes;
 }
 
 const std::string& Variations::environment() const {
