@@ -719,7 +719,7 @@ struct KeypointLabel {
   std::array<double, 3> position{};  // in the frame of Options::axes, meters
   std::array<double, 2> pixel{};     // NaN if the camera does not project it; it may lie outside the picture
   double depth = 0;                  // as the output "depth"; NaN likewise
-  uint32_t visibility = 0;           // COCO's: 0 outside the picture, 1 occluded, 2 visible
+  uint32_t visibility = 0;           // COCO's: 0 outside the picture or the planes, 1 occluded, 2 visible
 };
 
 // Where the surfaces of one picture are in another: one value per pixel of the first, rows from the top.

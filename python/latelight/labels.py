@@ -81,7 +81,7 @@ class Keypoints:
     depth: npt.NDArray[np.float64]
     """(K,): as the output ``depth``. NaN if the camera does not project the point."""
     visibility: npt.NDArray[np.uint32]
-    """(K,): COCO's values: 0 outside the picture, 1 occluded, 2 visible."""
+    """(K,): COCO's values: 0 outside the picture or the camera's planes, 1 occluded, 2 visible."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

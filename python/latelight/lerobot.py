@@ -4,8 +4,8 @@
 
 The set must be complete and have an image per frame and the cameras' poses: by the format ``transforms``, or by side
 files of the format ``files``. Each variation of a scene is an episode, whose frames are the images of a camera path in
-their order. The members of pairs and rigs (``path0-left``, ``path0-right``) are different videos, and so are cameras
-whose names have different folders (``left/000``, ``right/000``).
+their order. The members of pairs and rigs (``path0-left``, ``path0-right``) are different videos. All other cameras are
+frames of one video.
 
 ``observation.state`` is the pose of each camera: its position in meters and its rotation as a quaternion x, y, z, w,
 from the camera's frame (X right, Y down, Z forward) to the scene's. ``action`` is the state of the next frame, and that
@@ -138,13 +138,12 @@ def _members_by_name(cameras: Sequence[str]) -> list[str]:
 
 
 def _videos_of(frames: Sequence[dict[str, Any]]) -> list[str]:
-    """The video of each frame of an episode: the folder of its camera's name and the camera's member of a pair or rig,
-    or "camera". Manifests record members, except those of 0.2.0, whose members are found by name."""
-    folders = [frame["camera"].rpartition("/")[0].replace("/", ".") for frame in frames]
+    """The video of each frame of an episode: its camera's member of a pair or rig, or "camera". Manifests record
+    members, except those of 0.2.0, whose members are found by name."""
     members = [frame.get("member", "") for frame in frames]
-    if not any(folders) and not any(members):
+    if not any(members):
         members = _members_by_name([frame["camera"] for frame in frames])
-    return [".".join(filter(None, parts)) or "camera" for parts in zip(folders, members)]
+    return [member or "camera" for member in members]
 
 
 def read_set(folder: Path, pattern: str | None = None) -> list[Episode]:

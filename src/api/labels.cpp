@@ -197,6 +197,7 @@ glm::dvec3 firstEye(std::span<const scene::Camera> cameras, const scene::Scene& 
 struct WorldSights {
   uint64_t count = 0;  // per world
   std::vector<double> origins, directions;
+  std::vector<labels::SightSegment> segments;  // per line
 };
 
 WorldSights sightsTo(std::span<const labels::LocatedPixels> views, std::span<const scene::Camera> cameras,
@@ -212,9 +213,11 @@ WorldSights sightsTo(std::span<const labels::LocatedPixels> views, std::span<con
         const labels::SightSegment segment = labels::sightSegment(point, cameras[view], scene, zUp);
         for (int i = 0; i < 3; ++i) sights.origins.push_back(segment.origin[i]);
         for (int i = 0; i < 3; ++i) sights.directions.push_back(segment.direction[i]);
+        sights.segments.push_back(segment);
       }
     sights.origins.resize((world + 1) * sights.count * 3, 0);
     sights.directions.resize((world + 1) * sights.count * 3, 1);
+    sights.segments.resize((world + 1) * sights.count);
   }
   return sights;
 }
@@ -250,9 +253,9 @@ std::vector<Correspondence> Renderer::correspond(const Worlds& worlds, const Opt
     if (view % each == 0) ray = view / each * sights.count;
     labels::LocatedPixels& located = views[view];
     for (const size_t pixel : located.inside) {
-      const double* direction = &sights.directions[3 * ray];
-      const double length = glm::length(glm::dvec3(direction[0], direction[1], direction[2]));
-      located.result.visible[pixel] = distances[ray++] >= length * (1 - labels::kPixelSlack) ? 1 : 0;
+      const labels::SightSegment& sight = sights.segments[ray];
+      const bool isFree = sight.isFreeUpTo(distances[ray++], labels::kPixelSlack);
+      located.result.visible[pixel] = isFree && !sight.clipped ? 1 : 0;
     }
     all.push_back(publicCorrespondence(std::move(located.result)));
   }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +46,8 @@ struct DataFrame {
   output::FrameOutput picture;
   // Camera, coordinate frames, settings, and the nodes and primitives that the ids identify.
   output::Metadata metadata;
+  // The nodes of all variations of the scene, whichever of them this one shows; null: as in the metadata.
+  std::shared_ptr<const output::IdManifest> idsOfAll{};
   uint32_t scene = 0;       // the scene's index in the job
   uint32_t variation = 0;   // the variation's index
   uint32_t camera = 0;      // the camera's index among those of the scene
@@ -51,6 +55,9 @@ struct DataFrame {
   CameraExposure exposure;  // of the camera, where it differs from the job's options
   // The camera at the times of the image's upper and lower edge if it moves while rows are read out; otherwise empty.
   std::vector<output::CameraMetadata> edges{};
+
+  // The cameras of the frames that the outputs motion and scene-flow lead to; empty if there is none.
+  std::optional<output::CameraMetadata> previousCamera{}, nextCamera{};
 
   std::vector<Object> objects;  // sorted by id
   KeypointsOfObjects keypoints;

@@ -26,6 +26,14 @@ std::vector<ObjectKeypoint> readKeypoints(const nlohmann::ordered_json& list, co
   return keypoints;
 }
 
+namespace {
+
+bool isAtOrBelow(const std::string& path, const std::string& node) {
+  return path == node || path.starts_with(node + "/");
+}
+
+}  // namespace
+
 KeypointNodes::KeypointNodes(const scene::Scene& scene, const std::vector<ObjectKeypoint>& keypoints)
     : keypoints_(keypoints) {
   for (const scene::Node& node : scene.nodes) paths_.insert(node.path);
@@ -40,7 +48,8 @@ std::optional<std::string> KeypointNodes::of(const output::IdEntry& object, size
   const std::string& node = keypoints_[i].node;
   if (node.starts_with('/')) {
     const bool isBelow = paths_.contains(node) && node.starts_with(object.node + "/");
-    return isBelow || ids_[i].contains(object.id) ? std::optional(node) : std::nullopt;
+    const bool isCopied = object.copy && node == object.node;  // each copy has an id of its own
+    return isBelow || isCopied || ids_[i].contains(object.id) ? std::optional(node) : std::nullopt;
   }
   const std::string path = node.empty() ? object.node : object.node + "/" + node;
   return paths_.contains(path) ? std::optional(path) : std::nullopt;
@@ -57,7 +66,8 @@ KeypointsOfObjects keypointsOfObjects(render::Renderer& renderer, const scene::S
     for (size_t i = 0; i < keypoints.size(); ++i) {
       std::optional<std::string> node = nodes.of(entry, i);
       if (!node) continue;
-      points.push_back({keypoints[i].name, std::move(*node), keypoints[i].position, keypoints[i].thickness});
+      const uint32_t copy = entry.copy && isAtOrBelow(*node, entry.node) ? entry.id : 0;
+      points.push_back({keypoints[i].name, std::move(*node), keypoints[i].position, keypoints[i].thickness, copy});
       owners.emplace_back(entry.id, i);
     }
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

@@ -90,7 +90,7 @@ Correspondence correspond(render::Renderer& renderer, const scene::Scene& scene,
   const std::vector<Sight> sights =
       sightsOf(renderer, scene, second.camera, settings, then, located.points, kPixelSlack);
   for (size_t i = 0; i < located.inside.size(); ++i)
-    located.result.visible[located.inside[i]] = std::isinf(sights[i].hit) ? 1 : 0;
+    located.result.visible[located.inside[i]] = std::isinf(sights[i].hit) && !sights[i].clipped ? 1 : 0;
   return std::move(located.result);
 }
 

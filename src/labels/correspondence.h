@@ -14,7 +14,7 @@ struct Correspondence {
   std::vector<glm::vec2>
       pixels;                    // in the second image, which they may lie outside of; NaN: background or not projected
   std::vector<float> depth;      // in the second image, as the output `depth`; NaN likewise
-  std::vector<uint8_t> visible;  // 1: the second image shows the same point
+  std::vector<uint8_t> visible;  // 1: the second image shows the same point, between its camera's planes
   std::vector<glm::vec3> flow;   // displacement of the point in the frame of the settings' axes, meters; 0: background
 };
 inline constexpr uint64_t kBytesPerPixel = 25;  // of a Correspondence
@@ -41,7 +41,8 @@ LocatedPixels locate(const output::FrameOutput& first, const glm::dvec3& origin,
                      const scene::Scene& scene, const render::Settings& others);
 
 // The settings select surfaces, axes and raster. Each image shows an instant, without an exposure time and a rolling
-// shutter. A point is visible in the second image if it lies within that image and no surface is before it.
+// shutter. A point is visible in the second image if it lies within that image, between its
+// camera's near and far planes, and no surface is before it.
 Correspondence correspond(render::Renderer& renderer, const scene::Scene& scene, const Shot& first, const Shot& second,
                           const render::Settings& settings);
 

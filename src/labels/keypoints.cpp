@@ -38,6 +38,12 @@ Instances instancesOfJoint(const scene::Scene& scene, uint32_t node) {
   return instances;
 }
 
+std::optional<uint32_t> instanceOfCopy(const scene::Scene& scene, uint32_t id) {
+  for (uint32_t i = 0; i < scene.instances.size(); ++i)
+    if (scene.instances[i].id == id && scene.instances[i].copy >= 0 && !scene.instances[i].removed) return i;
+  return std::nullopt;
+}
+
 // The transforms of nodes in the world. Edits and worlds place instances, not their nodes, so a node follows the
 // instances that it moves with.
 class NodeTransforms {
@@ -73,6 +79,17 @@ class NodeTransforms {
         return *displacement * unplaced;
     }
     return unplaced;
+  }
+
+  // Returns the transform of a node that moves with a copy, an instance of the node or of a node above it.
+  glm::dmat4 withCopy(uint32_t copy, uint32_t node) const {
+    const glm::dmat4 copyToWorld = !toWorld_.empty()       ? toWorld_[copy]
+                                   : instancePose_.empty() ? scene_.instances[copy].toWorld
+                                                           : scene::followedToWorld(scene_, instancePose_, copy);
+    const uint32_t copied = scene_.instances[copy].node;
+    if (node == copied) return copyToWorld;
+    const glm::dmat4 copiedToWorld = scene::nodeToWorld(scene_, pose_, copied);
+    return copyToWorld * glm::inverse(copiedToWorld) * scene::nodeToWorld(scene_, pose_, node);
   }
 
  private:
@@ -178,7 +195,8 @@ class KeypointProjector {
                  keypoint.node);
       nodes_.push_back(static_cast<uint32_t>(node));
       skinned_.push_back(instancesOfJoint(scene, nodes_.back()));
-      ids_.push_back(objectsOfNode(scene, nodes_.back()));
+      copies_.push_back(keypoint.copy != 0 ? instanceOfCopy(scene, keypoint.copy) : std::nullopt);
+      ids_.push_back(copies_.back() ? std::set{keypoint.copy} : objectsOfNode(scene, nodes_.back()));
     }
   }
 
@@ -192,10 +210,12 @@ class KeypointProjector {
 
   // Returns the keypoint in a view, without its visibility. `nodes`: at the time of the view.
   ProjectedKeypoint at(size_t i, const KeypointView& view, const NodeTransforms& nodes) const {
-    return view.project(glm::dvec3(nodes.of(nodes_[i], skinned_[i]) * glm::dvec4(keypoints_[i].position, 1)));
+    const glm::dmat4 toWorld = copies_[i] ? nodes.withCopy(*copies_[i], nodes_[i]) : nodes.of(nodes_[i], skinned_[i]);
+    return view.project(glm::dvec3(toWorld * glm::dvec4(keypoints_[i].position, 1)));
   }
 
   KeypointVisibility visibility(size_t keypoint, const Sight& sight) const {
+    if (sight.clipped) return KeypointVisibility::Outside;
     const bool within =
         sight.distance - sight.hit <= keypoints_[keypoint].thickness && ids_[keypoint].contains(sight.id);
     return std::isinf(sight.hit) || within ? KeypointVisibility::Visible : KeypointVisibility::Occluded;
@@ -206,8 +226,9 @@ class KeypointProjector {
   const render::Settings& settings_;
   std::span<const Keypoint> keypoints_;
   std::vector<uint32_t> nodes_;
-  std::vector<Instances> skinned_;       // instances that each keypoint's node is a joint of
-  std::vector<std::set<uint32_t>> ids_;  // objects of each keypoint's node
+  std::vector<Instances> skinned_;               // instances that each keypoint's node is a joint of
+  std::vector<std::optional<uint32_t>> copies_;  // the instance of each keypoint's copy; empty: it follows the node
+  std::vector<std::set<uint32_t>> ids_;          // objects of each keypoint's node or copy
 };
 
 // Keypoints of an image with a rolling shutter: each of them is where its row shows it, at the time of this row.

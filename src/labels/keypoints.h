@@ -17,10 +17,13 @@ struct Keypoint {
   glm::dvec3 position{0};  // in the node's frame, before the node's scale
   // Meters that the keypoint's own object may be in front of it, as flesh is in front of a joint.
   double thickness = 0;
+  // The id of a copy by EXT_mesh_gpu_instancing of the node or of a node above it, which the keypoint moves with; 0: it
+  // moves with the node itself.
+  uint32_t copy = 0;
 };
 
 enum class KeypointVisibility : uint8_t {
-  Outside = 0,   // not in the image
+  Outside = 0,   // not in the image, or not between the camera's near and far planes
   Occluded = 1,  // in the image, behind a surface
   Visible = 2,
 };

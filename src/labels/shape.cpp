@@ -38,7 +38,7 @@ double determinantOf(const Shape::Part& part) {
 
 bool isSameShape(const Shape& a, const Shape& b) {
   const double extent = std::max(a.extent, b.extent);
-  return std::ranges::equal(a.parts, b.parts, [&](const Shape::Part& one, const Shape::Part& other) {
+  return std::ranges::is_permutation(a.parts, b.parts, [&](const Shape::Part& one, const Shape::Part& other) {
     return one.geometry == other.geometry && std::signbit(determinantOf(one)) == std::signbit(determinantOf(other)) &&
            isSamePlace(one, other, extent);
   });

@@ -24,8 +24,9 @@ struct Shape {
   double extent = 0;        // the longest side of the object's box, in meters
 };
 
-// Returns true if a rotation and a translation map one shape to the other: both have the same vertices and triangles,
-// within 1/10,000 of their size, and the same handedness.
+// Returns true if a rotation and a translation map one shape, with its object's own frame, to the other: both have the
+// same vertices and triangles in these frames, within 1/10,000 of their size, and the same handedness. The order of the
+// parts does not matter.
 bool isSameShape(const Shape& a, const Shape& b);
 
 // Hashes vertices and triangles, independent of the order in which they are listed.

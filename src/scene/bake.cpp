@@ -59,6 +59,36 @@ std::vector<std::optional<dmat4>> placedNodes(const Scene& scene) {
   return placed;
 }
 
+std::vector<bool> nodesWithInstances(const Scene& scene) {
+  std::vector<bool> with(scene.nodes.size());
+  for (const Instance& instance : scene.instances)
+    if (!instance.removed) with[instance.node] = true;
+  return with;
+}
+
+// The nodes of the rig that are joints, or that joints follow.
+std::vector<bool> nodesOfSkins(const Rig& rig) {
+  std::vector<bool> nodes(rig.nodes.size());
+  for (const Skin& skin : rig.skins)
+    for (const uint32_t joint : skin.joints)
+      for (int i = static_cast<int>(joint); i >= 0 && !nodes[static_cast<size_t>(i)];
+           i = rig.nodes[static_cast<size_t>(i)].parent)
+        nodes[static_cast<size_t>(i)] = true;
+  return nodes;
+}
+
+// Moves the nodes without instances. Joints stay, because they would move their skins.
+void placeNodes(Scene& scene, Pose& pose, const std::map<uint32_t, dmat4>& nodes) {
+  const std::vector<bool> withInstances = nodesWithInstances(scene), ofSkins = nodesOfSkins(scene.rig);
+  for (const auto& [node, toWorld] : nodes) {
+    if (withInstances[node]) continue;
+    if (node >= scene.rig.sceneNodes.size())
+      scene.nodes[node].toWorld = toWorld;
+    else if (!ofSkins[scene.rig.sceneNodes[node]])
+      pose.world[scene.rig.sceneNodes[node]] = toGltfFromWorld() * toWorld;
+  }
+}
+
 // Gives each node of the rig the local transform that leads to its transform in the world, unless it has that.
 void setLocals(Rig& rig, const std::vector<dmat4>& world) {
   for (const uint32_t i : rig.order) {
@@ -71,9 +101,9 @@ void setLocals(Rig& rig, const std::vector<dmat4>& world) {
   }
 }
 
-void bakeRig(Scene& scene, const Pose& pose) {
+// `at`: the pose to which nodes without instances have been moved.
+void bakeRig(Scene& scene, Pose at) {
   Rig& rig = scene.rig;
-  Pose at = pose.empty() ? restPose(scene) : pose;
   const std::vector<std::optional<dmat4>> placed = placedNodes(scene);
   for (size_t i = 0; i < rig.sceneNodes.size(); ++i) {
     dmat4& world = at.world[rig.sceneNodes[i]];
@@ -95,11 +125,13 @@ void bakeRig(Scene& scene, const Pose& pose) {
 
 }  // namespace
 
-void bakePose(Scene& scene, const Pose& pose) {
+void bakePose(Scene& scene, const Pose& pose, const std::map<uint32_t, dmat4>& nodes) {
   bakeInstances(scene, pose);
   bakeValues(scene, pose);
   bakeVertices(scene, pose);
-  if (!scene.rig.empty()) bakeRig(scene, pose);
+  Pose at = pose.empty() && !scene.rig.empty() ? restPose(scene) : pose;
+  placeNodes(scene, at, nodes);
+  if (!scene.rig.empty()) bakeRig(scene, std::move(at));
 }
 
 }  // namespace latelight::scene

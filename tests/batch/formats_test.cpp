@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
 
 #include "batch/sets.h"
 
@@ -53,6 +56,75 @@ TEST(FormatsOfABatch, WhatHoldsCamerasIsReadAgainAsTheSameViews) {
     EXPECT_EQ(same.size(), 3u);
     expectPartOf(same, set);
   }
+}
+
+TEST(FormatsOfABatch, PatternsMayRepeatTheName) {
+  Folder folder;
+  const Outcome outcome =
+      latelight(batch(folder, {"--scenes", "builtin:boxes", "--formats",
+                               R"({"format": "files", "pattern": "{name}/{name}.png"})", "-o", "set"}));
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  EXPECT_TRUE(filesOf(folder, "set").contains("000000/000000.png"));
+}
+
+// One variation hides the floor, and others have objects that this one lacks.
+TEST(FormatsOfABatch, NumbersAreThoseOfAllVariations) {
+  Folder folder;
+  folder.write("job.yaml", std::string_view(R"(
+scenes: builtin:boxes
+output: set
+repeat: 6
+cameras: {type: orbit, count: 1}
+formats: [{format: scannet, categories: node}]
+variations:
+  - {type: visibility, nodes: floor, probability: 0.5}
+  - {type: scatter, objects: [{node: metal}, {node: matte}], count: [0, 2], min: [-3, 1, -3], max: [3, 3, 3], name: a}
+)"));
+  const Outcome outcome = latelight(batch(folder, {"job.yaml"}));
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  const auto files = filesOf(folder, "set");
+  std::set<std::string> tables;
+  for (const auto& [name, text] : files)
+    if (name.ends_with("labels.tsv")) tables.insert(text);
+  ASSERT_EQ(tables.size(), 1u);
+  EXPECT_THAT(*tables.begin(),
+              HasSubstr("id\traw_category\tcategory\n1\t/a-0\t/a-0\n2\t/a-1\t/a-1\n3\t/boxes/floor\t"));
+  std::set<size_t> shown;
+  const auto manifest = nlohmann::json::parse(files.at("manifest.json"));
+  for (const auto& frame : manifest["frames"]) shown.insert(frame["drawn"][0]["visible"].size());
+  EXPECT_EQ(shown, (std::set<size_t>{0, 1}));
+}
+
+// Each copy has a keypoint at its own center, 2 m from the next one.
+TEST(FormatsOfABatch, KeypointsOfCopiesMoveWithThem) {
+  Folder folder;
+  const float values[] = {-0.5f, -0.5f, 0, 0.5f, -0.5f, 0, 0, 0.5f, 0, -2, 0, 0, 0, 0, 0, 2, 0, 0};
+  folder.write("copies.bin", std::string_view(reinterpret_cast<const char*>(values), sizeof(values)));
+  folder.write("copies.gltf", std::string_view(R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
+    "nodes": [{"name": "n", "mesh": 0, "children": [1],
+               "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 1}}}},
+              {"name": "tip", "translation": [0, 0.25, 0]}],
+    "extensionsUsed": ["EXT_mesh_gpu_instancing"], "buffers": [{"uri": "copies.bin", "byteLength": 72}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 36}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-0.5, -0.5, 0],
+      "max": [0.5, 0.5, 0]}, {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC3"}]})"));
+  const char* camera = R"({"type": "list", "cameras": [{"eye": [0, 0, 9], "target": [0, 0, 0]}]})";
+  const char* boxes = R"({"format": "boxes", "keypoints": [{"name": "own"}, {"name": "below", "node": "tip"},
+    {"name": "by path", "node": "/n"}]})";
+  const Outcome outcome =
+      latelight(batch(folder, {"--scenes", "copies.gltf", "--cameras", camera, "--formats", boxes, "-o", "set"}));
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  std::map<std::string, double> expected{{"/n/instance0", -2}, {"/n/instance1", 0}, {"/n/instance2", 2}};
+  const auto labels = nlohmann::json::parse(folder.read("set/boxes/000000.json"));
+  ASSERT_EQ(labels["objects"].size(), 3u);
+  for (const auto& object : labels["objects"])
+    for (const auto& keypoint : object["keypoints"]) {
+      const std::string node = object["node"];
+      EXPECT_NEAR(keypoint["position"][0], expected.at(node), 1e-6) << node << keypoint["name"];
+      EXPECT_NEAR(keypoint["position"][1], keypoint["name"] == "below" ? 0.25 : 0, 1e-6) << node << keypoint["name"];
+      EXPECT_EQ(keypoint["visibility"], 2) << node << keypoint["name"];
+    }
 }
 
 // "none" is the absence of an environment, as for --hdri.
@@ -261,6 +333,28 @@ TEST(FormatsOfABatch, DamagedArchivesAreFoundAndWrittenAgain) {
   ASSERT_EQ(archives(folder, "set", {"--repeat", "5", "--resume"}).code, 0);
   EXPECT_THAT(folder.read("set/.latelight/log"), HasSubstr("begins: 3 of 5 frames"));
   expectSame(filesOf(folder, "set"), before);
+}
+
+// An archive of the right size with other bytes is not used again, whether or not frames are added to it.
+TEST(FormatsOfABatch, DamagedArchivesAreNotCompleted) {
+  const std::string archive = "shards/000000.tar";
+  for (const char* count : {"2", "3"}) {
+    Folder folder;
+    ASSERT_EQ(archives(folder, "whole", {"--repeat", count}).code, 0);
+    ASSERT_EQ(archives(folder, "set", {"--repeat", "2"}).code, 0);
+    std::string damaged = folder.read("set/" + archive);
+    damaged.at(2000) ^= 1;
+    folder.write("set/" + archive, std::string_view(damaged));
+    const Outcome resumed = archives(folder, "set", {"--repeat", count, "--resume"});
+    EXPECT_EQ(resumed.code, 3);
+    EXPECT_THAT(resumed.err,
+                HasSubstr("000000.tar' is not as it was written: remove it, and run the job with --resume"));
+    const Outcome verified = latelight({.arguments = {"batch", "verify", "set"}, .folder = folder.path()});
+    EXPECT_EQ(verified.code, 3);
+    std::filesystem::remove(folder.path() / "set" / archive);
+    ASSERT_EQ(archives(folder, "set", {"--repeat", count, "--resume"}).code, 0);
+    expectSame(filesOf(folder, "set"), filesOf(folder, "whole"));
+  }
 }
 
 }  // namespace

@@ -236,6 +236,33 @@ TEST(MotionOfASet, IsUnknownWithoutAnOrder) {
   for (const json& motion : motionOf(folder)) EXPECT_EQ(motion, json({{"previous", nullptr}, {"next", nullptr}}));
 }
 
+// The second camera is beyond the square, which it has behind it, and sees the environment in the same direction as the
+// first, without flow.
+TEST(MotionOfASet, IsUnknownBehindTheOtherCamera) {
+  const Folder folder;
+  writeScene(folder, "s.gltf");
+  const std::string path = R"({"type": "path", "count": 2, )" + kLens + R"(, "keys": [
+      {"eye": [0, 0, 4], "target": [0, 0, 3]}, {"eye": [0, 0, -1], "target": [0, 0, -2]}]})";
+  const Outcome outcome =
+      make(folder, "s.gltf", path, {"--formats", R"({"format": "flow", "as": "kitti", "file": "k/{name}.png"})"});
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  EXPECT_THAT(flowsOf(folder, 2), near({kUnknown, kUnknown}));
+  EXPECT_THAT(flowsOf(folder, 2, "back"), near({kUnknown, 0}));
+}
+
+// A square that is turned away from is behind the other camera, and so is the environment.
+TEST(MotionOfASet, IsUnknownIfTheCameraTurnsAround) {
+  const Folder folder;
+  writeScene(folder, "s.gltf");
+  const std::string path = R"({"type": "path", "count": 2, )" + kLens + R"(, "keys": [
+      {"pose": [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 4], [0, 0, 0, 1]]},
+      {"pose": [[-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 1, 4], [0, 0, 0, 1]]}]})";
+  const Outcome outcome = make(folder, "s.gltf", path);
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  EXPECT_THAT(flowsOf(folder, 2), near({kUnknown, kUnknown}));
+  EXPECT_THAT(flowsOf(folder, 2, "back"), near({kUnknown, kUnknown}));
+}
+
 // The square moves by 0.1 m per frame; a camera of a list is static.
 TEST(MotionOfASet, OfAMovingSceneIsThatOfTheScene) {
   const Folder folder;

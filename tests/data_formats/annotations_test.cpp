@@ -65,6 +65,13 @@ TEST_F(AnnotationsTest, YoloClassesOfRulesAreInTheirOrder) {
   EXPECT_THAT(text("data.yaml"), HasSubstr("  0: \"ghost\"\n  1: \"sign\"\n"));
 }
 
+// The first are not printable in YAML, and the others are its line breaks.
+TEST_F(AnnotationsTest, YoloNamesAreYaml) {
+  write("yolo", {{"categories", {{"front$", "a\x01\x7f\u0080\u009f\uffff \u0085\u2028\u00a0\u00e9"}}}});
+  EXPECT_THAT(text("data.yaml"),
+              HasSubstr("\n  0: \"a\\u0001\\u007f\\u0080\\u009f\\uffff \\u0085\\u2028\u00a0\u00e9\"\n"));
+}
+
 // The points are those of CocoTest.KeypointsOfObjects.
 TEST_F(AnnotationsTest, YoloKeypointsAreSharesOfThePicture) {
   write("yolo", {{"categories", {{"front", "sign"}, {"back", "wall"}}},

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "data_formats/support.h"
+#include "labels/shape.h"
 #include "scene/scene_builder.h"
 
 namespace latelight::data::test {
@@ -131,6 +132,14 @@ TEST_F(BopTest, ShapeSizeAndHandednessTellModelsApart) {
   const std::set<uint32_t> different{ids["/test/plain"], ids["/test/other"], ids["/test/large"], ids["/test/mirrored"],
                                      ids["/test/squeezed"]};
   EXPECT_EQ(different, (std::set<uint32_t>{1, 2, 3, 4, 5}));
+}
+
+TEST(Shapes, OrderOfPartsDoesNotMatter) {
+  const labels::Shape::Part first{1, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}},
+      second{2, {1, 0, 0, 3, 0, 1, 0, 0, 0, 0, 1, 0}}, moved{2, {1, 0, 0, 4, 0, 1, 0, 0, 0, 0, 1, 0}};
+  EXPECT_TRUE(labels::isSameShape({{first, second}, 4}, {{second, first}, 4}));
+  EXPECT_FALSE(labels::isSameShape({{first, second}, 4}, {{moved, first}, 4}));
+  EXPECT_FALSE(labels::isSameShape({{first, second, second}, 4}, {{second, first, first}, 4}));
 }
 
 // The model has the vertices of its first object: the mesh with the scale in its own frame. Each pose transforms them

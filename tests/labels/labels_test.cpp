@@ -289,6 +289,46 @@ TEST_P(LabelsTest, KeypointsProjectWithTheirVisibility) {
   EXPECT_NEAR(labels[2].position[2], -0.1, 1e-6);
 }
 
+// The screen is at a depth of 8 m, between the eye and a point of the wall at 10 m.
+TEST_P(LabelsTest, PlanesOfTheCameraClipKeypointsAndCorrespondences) {
+  const Scene scene = squares({{"wall", {0, 0, 0}, {3, 3}}, {"screen", {0, 0, 2}, {1, 1}}});
+  Renderer renderer(scene, testDevice());
+  const std::vector<Keypoint> keypoints{{"on the wall", "/wall"}, {"on the screen", "/screen"}};
+  struct Planes {
+    float near, far;
+    std::array<uint32_t, 2> visibility;
+    size_t matches;  // pixels of the wall, out of those in the screen's 16 x 16, that the second camera shows
+  };
+  for (const bool orthographic : {true, false})
+    for (const Planes& planes : {Planes{1, 20, {1, 2}, 0}, Planes{9, 20, {2, 0}, 256}, Planes{1, 9, {0, 2}, 0}}) {
+      SCOPED_TRACE(testing::Message() << orthographic << planes.near << planes.far);
+      Camera camera = front();
+      camera.orthographic = orthographic;
+      camera.verticalFov = static_cast<float>(2 * std::atan(0.4) * 180 / 3.14159265358979);
+      Camera first = camera;
+      first.nearClip = 9;
+      camera.nearClip = planes.near;
+      camera.farClip = planes.far;
+      Worlds worlds{.count = 1, .cameras = {camera}};
+      for (const auto& labels :
+           {renderer.keypoints(camera, keypoints, small()), renderer.keypoints(worlds, keypoints, small()).front()}) {
+        EXPECT_EQ(labels.at(0).visibility, planes.visibility[0]);
+        EXPECT_EQ(labels.at(1).visibility, planes.visibility[1]);
+        EXPECT_NEAR(labels.at(1).depth, 8, 1e-6);
+      }
+      worlds.cameras = {first};
+      worlds.nextCameraToWorld = {camera.cameraToWorld};
+      const Correspondence match = renderer.correspond(first, camera, small());
+      size_t visible = 0;
+      for (uint32_t i = 0; i < 64 * 64; ++i)
+        if (std::abs(int(i % 64) * 2 - 63) < 16 && std::abs(int(i / 64) * 2 - 63) < 16) visible += match.visible[i];
+      EXPECT_EQ(visible, planes.matches);
+      // Both cameras of worlds have the planes of the first.
+      const Correspondence own = renderer.correspond(worlds, small()).front();
+      EXPECT_EQ(own.visible[32 * 64 + 32], 1);
+    }
+}
+
 TEST_P(LabelsTest, KeypointsThroughALensAndBehindTheCamera) {
   const Scene scene = squares({{"wall", {0, 0, 0}, {3, 3}}});
   Renderer renderer(scene, testDevice());

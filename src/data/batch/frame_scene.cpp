@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <string_view>
 
@@ -175,10 +176,11 @@ FrameScene sceneOfFrame(const Job& job, uint64_t index) {
   setEnvironment(*loaded, options);
   const scene::Pose pose = cameras.poses(place->camera).current;
   const scene::Camera camera = cameraOf(cameras.camera(place->camera), options);
+  const std::map<uint32_t, scene::dmat4> moved = loaded->movedNodes();
   frame.scene = std::move(*loaded).release();
   if (!frame.scene.yUp && !job.given.contains("axes")) options.set("--axes", "z-up");
   setIds(job.load.ids, frame.scene, options);
-  scene::bakePose(frame.scene, pose);
+  scene::bakePose(frame.scene, pose, moved);
   frame.scene.cameras = {camera};
   frame.options = options.words();
   frame.files = filesOfJob(job);

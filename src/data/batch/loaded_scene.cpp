@@ -1,12 +1,17 @@
 #include "data/batch/loaded_scene.h"
 
+#include <algorithm>
+
 #include "render/submit/session.h"
 
 namespace latelight::data {
 
 LoadedScene::LoadedScene(const Job& job, scene::Scene scene)
     : job_(job), scene_(std::move(scene)), cameras_(job, scene_) {
-  if (!job.variations.is_null()) variations_.emplace(job.variations, scene_, job.seed);
+  if (job.variations.is_null()) return;
+  variations_.emplace(job.variations, scene_, job.seed);
+  if (std::ranges::any_of(job.settings.aovs, output::holdsIds))
+    idsOfAll_ = std::make_shared<output::IdManifest>(variations_->idsOfAll());
 }
 
 const nlohmann::ordered_json& LoadedScene::show(uint32_t variation) {
@@ -17,6 +22,10 @@ const nlohmann::ordered_json& LoadedScene::show(uint32_t variation) {
 
 std::optional<double> LoadedScene::environmentRotation() const {
   return variations_ ? variations_->environmentRotation() : std::nullopt;
+}
+
+std::map<uint32_t, scene::dmat4> LoadedScene::movedNodes() const {
+  return variations_ ? variations_->movedNodes() : std::map<uint32_t, scene::dmat4>();
 }
 
 std::string LoadedScene::environment() const {

@@ -1,6 +1,8 @@
 // One worker's copy of a scene of the job. The worker applies the job's variations to it.
 #pragma once
 
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -20,18 +22,22 @@ class LoadedScene {
 
   const scene::Scene& scene() const { return scene_; }
   const CameraTimeline& cameras() const { return cameras_; }
+  // The ids of everything that any variation may show; null if the job has no variations or no ids.
+  const std::shared_ptr<const output::IdManifest>& idsOfAll() const { return idsOfAll_; }
   // Moves the scene out of this object, with the last variation that it applied.
   scene::Scene release() && { return std::move(scene_); }
   // Applies a variation to the scene and returns the values drawn for it, or null if the job has no variations.
   const nlohmann::ordered_json& show(uint32_t variation);
-  std::string environment() const;                    // the current environment; empty: none
-  std::optional<double> environmentRotation() const;  // in degrees; empty if the variation does not rotate it
+  std::string environment() const;                      // the current environment; empty: none
+  std::optional<double> environmentRotation() const;    // in degrees; empty if the variation does not rotate it
+  std::map<uint32_t, scene::dmat4> movedNodes() const;  // Variations::movedNodes() of the variation
 
  private:
   const Job& job_;
   scene::Scene scene_;
   CameraTimeline cameras_;
   std::optional<Variations> variations_;
+  std::shared_ptr<const output::IdManifest> idsOfAll_;
   std::optional<uint32_t> shown_;
   nlohmann::ordered_json drawn_;
 };

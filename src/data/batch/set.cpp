@@ -87,8 +87,22 @@ void checkEntries(const SetFolder& set, const Manifest& manifest, size_t formats
                set.job().string());
 }
 
+// Throws if an archive that the set has, and from which writeSet() may copy frames, is not as it was written: its new
+// hash would hide the damage.
+void checkArchives(const SetFolder& set, const Manifest& manifest) {
+  std::set<std::pair<std::string, uint64_t>> checked;
+  for (const auto& [index, frame] : manifest.frames)
+    for (const FileRecord& archive : frame.archives) {
+      if (!checked.emplace(archive.name, archive.hash).second || !isThere(set.path() / archive.name)) continue;
+      if (recordOf(set.path(), archive.name).hash != archive.hash)
+        badInput("'{}' is not as it was written: remove it, and run the job with --resume",
+                 (set.path() / archive.name).string());
+    }
+}
+
 // Returns the names of the frames' files that are now in archives and no longer required.
 std::vector<std::string> writeSetFiles(const SetFolder& set, Manifest& manifest) {
+  checkArchives(set, manifest);
   manifest.setFiles.clear();
   for (auto& [index, frame] : manifest.frames) frame.archives.clear();
   std::vector<std::string> packedFiles;
@@ -238,8 +252,13 @@ SetStatus readStatus(const SetFolder& set) {
 
 std::vector<std::string> verifySet(const SetFolder& set, const SetStatus& status) {
   std::vector<FileRecord> files = status.manifest.setFiles;
-  for (const auto& [index, frame] : status.manifest.frames)
+  std::set<std::string> archives;  // those that the set has, and those of frames of a set that is not yet complete
+  for (const FileRecord& file : files) archives.insert(file.name);
+  for (const auto& [index, frame] : status.manifest.frames) {
     files.insert(files.end(), frame.files.begin(), frame.files.end());
+    for (const FileRecord& archive : frame.archives)
+      if (archives.insert(archive.name).second) files.push_back(archive);
+  }
   std::vector<std::string> wrong(files.size());
   parallelFor(files.size(), 16, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) try {

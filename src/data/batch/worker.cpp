@@ -126,7 +126,11 @@ RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::
     const std::string name = neighbor->place ? plan_.neighborName(index, *neighbor->place) : "";
     return std::optional(output::NeighborFrame{name, neighbor->time});
   };
-  m.neighbors = output::NeighborFrames{describe(cameras.previous(place.camera)), describe(cameras.next(place.camera))};
+  const auto previous = cameras.previous(place.camera), next = cameras.next(place.camera);
+  m.neighbors = output::NeighborFrames{describe(previous), describe(next)};
+  const render::Settings settings = settingsOf(chunk);
+  if (previous) frame.frame.previousCamera = render::describeCamera(previous->camera, scene_->scene(), settings);
+  if (next) frame.frame.nextCamera = render::describeCamera(next->camera, scene_->scene(), settings);
   frame.record.motion = output::describe(*m.neighbors);
   return frame;
 }
@@ -147,6 +151,7 @@ std::vector<RenderedFrame> Worker::framesOf(const Chunk& chunk) {
   std::vector<RenderedFrame> frames;
   for (const uint64_t index : chunk.frames) {
     frames.push_back(frameOf(index, chunk, shared));
+    frames.back().frame.idsOfAll = scene_->idsOfAll();
     frames.back().record.drawn = drawn;
   }
   if (needsExtras) addExtras(chunk, frames);

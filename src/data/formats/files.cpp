@@ -1,6 +1,8 @@
 // The format "files": the outputs of each frame as PNG, EXR or NPY files, with an optional side file of metadata.
 #include "output/files.h"
+
 #include "base/error.h"
+#include "base/text.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
 #include "data/formats/options.h"
@@ -57,20 +59,19 @@ class Files : public Format {
 
  private:
   // Returns the request of a frame, with a path relative to the data set's folder.
-  output::OutputRequest requestOf(const DataFrame& frame) const {
+  output::OutputRequest requestOf(const DataFrame& frame) const { return requestOf(frame.name); }
+  output::OutputRequest requestOf(const std::string& name) const {
     output::OutputRequest request = request_;
-    request.pattern.replace(request.pattern.find(kName), kName.size(), frame.name);
+    replaceAll(request.pattern, kName, name);
     return request;
   }
 
   void checkPattern() const {
-    const size_t at = request_.pattern.find(kName);
-    if (at == std::string::npos)
+    if (request_.pattern.find(kName) == std::string::npos)
       badUsage("pattern must contain {{name}}; otherwise each frame would replace the previous one");
     if (fs::path(request_.pattern).is_absolute() || request_.pattern.find("..") != std::string::npos)
       badUsage("pattern must be a path below the data set's folder, not \"{}\"", request_.pattern);
-    output::OutputRequest filled = request_;
-    filled.pattern.replace(at, kName.size(), 1, '0');
+    const output::OutputRequest filled = requestOf("0");
     const output::Metadata nothing;
     output::fillPattern(filled.pattern, "", nothing);
     if (output::formatOf(filled.pattern) == output::Format::Png)

@@ -6,6 +6,7 @@
 
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
+#include "data/formats/known_flow.h"
 #include "data/formats/options.h"
 #include "output/png.h"
 
@@ -16,13 +17,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "values are written as they lie in memory");
 
 constexpr float kUnknownFlow = 1e10f;  // as Middlebury's tools write it; they treat values above 1e9 as unknown
-
-// Returns the channels `first` and `first` + 1 of motion per pixel. They are NaN if there is no such frame.
-std::vector<float> flowOf(const output::AovImage& motion, size_t first) {
-  std::vector<float> flow(motion.values.size() / 2);
-  for (size_t i = 0; i < flow.size(); ++i) flow[i] = motion.values[i / 2 * 4 + first + i % 2];
-  return flow;
-}
 
 std::vector<std::byte> encodeFlo(uint32_t width, uint32_t height, std::vector<float> flow) {
   constexpr char kMagic[4] = {'P', 'I', 'E', 'H'};
@@ -57,24 +51,23 @@ class Flow : public Format {
     FormatOptions options("flow", json);
     kitti_ = options.choice("as", {"flo", "kitti"}) == "kitti";
     file_ = options.frameFile("file", kitti_ ? "flow/{name}.png" : "flow/{name}.flo", kitti_ ? ".png" : ".flo");
-    first_ = options.choice("to", {"next", "previous"}) == "next" ? 2 : 0;
+    target_ = options.choice("to", {"next", "previous"}) == "next" ? FlowTarget::Next : FlowTarget::Previous;
     options.finish();
   }
 
-  std::vector<output::Aov> needs() const override { return {output::Aov::Motion}; }
+  std::vector<output::Aov> needs() const override { return flowOutputs(); }
   std::vector<FormatFile> files(const DataFrame& frame) const override { return {{frameFile(file_, frame)}}; }
 
   void writeFiles(const DataFrame& frame, const std::filesystem::path& folder, FrameRecord& record) const override {
-    const output::AovImage& motion = imageOf(frame.picture, output::Aov::Motion);
-    const std::vector<float> flow = flowOf(motion, first_);
-    writeOf(record, folder, frameFile(file_, frame),
-            (kitti_ ? encodeKittiFlow : encodeFlo)(motion.width, motion.height, flow));
+    writeOf(
+        record, folder, frameFile(file_, frame),
+        (kitti_ ? encodeKittiFlow : encodeFlo)(frame.picture.width, frame.picture.height, knownFlow(frame, target_)));
   }
 
  private:
   bool kitti_;
   std::string file_;
-  size_t first_;
+  FlowTarget target_;
 };
 
 }  // namespace

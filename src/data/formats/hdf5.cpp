@@ -15,6 +15,7 @@
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
 #include "data/formats/geometry.h"
+#include "data/formats/known_flow.h"
 #include "data/formats/object_numbers.h"
 #include "data/formats/options.h"
 #include "data/json_text.h"
@@ -111,18 +112,11 @@ Hdf5Array nocsOf(const KeySource& source) {
 }
 
 // Flow in pixels, y down, as by BlenderProc's render_optical_flow().
-Hdf5Array flowOf(const KeySource& source, size_t firstChannel) {
-  const std::vector<float>& motion = source.image(Aov::Motion).values;
-  std::vector<float> flow;
-  flow.reserve(motion.size() / 2);
-  for (size_t i = firstChannel; i < motion.size(); i += 4) flow.insert(flow.end(), {motion[i], motion[i + 1]});
-  return source.floats(flow, 2);
-}
 Hdf5Array forwardFlowOf(const KeySource& source) {
-  return flowOf(source, 2);
+  return source.floats(knownFlow(source.frame, FlowTarget::Next), 2);
 }
 Hdf5Array backwardFlowOf(const KeySource& source) {
-  return flowOf(source, 0);
+  return source.floats(knownFlow(source.frame, FlowTarget::Previous), 2);
 }
 
 Hdf5Array instancesOf(const KeySource& source) {
@@ -205,7 +199,8 @@ class Hdf5 : public Format {
   std::vector<Aov> needs() const override {
     std::vector<Aov> aovs;
     for (const Key* key : keys_)
-      if (key->aov != Aov::Color && !output::contains(aovs, key->aov)) aovs.push_back(key->aov);
+      for (const Aov aov : key->aov == Aov::Motion ? flowOutputs() : std::vector{key->aov})
+        if (aov != Aov::Color && !output::contains(aovs, aov)) aovs.push_back(aov);
     return aovs;
   }
   bool needsDisplay() const override { return has("colors"); }

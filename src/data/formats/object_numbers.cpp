@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <set>
+#include <tuple>
 
 #include "data/formats/names.h"
 
@@ -10,29 +12,47 @@ namespace latelight::data {
 
 static_assert(std::endian::native == std::endian::little, "the low bytes of a number are the first ones");
 
-ObjectNumbers::ObjectNumbers(const output::IdManifest& ids, const Categories& categories)
-    : categories_(categories.all({})) {
-  struct Listed {
-    std::string node, category;
-    uint32_t id;
-  };
+namespace {
+
+struct Listed {
+  std::string node, category;
+  uint32_t id;
+};
+
+// Returns the objects of a manifest in the order of their paths.
+std::vector<Listed> objectsOf(const output::IdManifest& ids, const Categories& categories) {
   std::vector<Listed> objects;
   for (const output::IdEntry& entry : ids.ids)
     if (!entry.parts.empty()) objects.push_back({nameOf(entry), categories.of(entry.id, ids), entry.id});
   std::ranges::sort(objects, {}, [](const Listed& object) { return std::tie(object.node, object.id); });
-  if (categories_.empty()) {
-    for (const Listed& object : objects)
-      if (!object.category.empty()) categories_.push_back(object.category);
-    std::ranges::sort(categories_);
-    const auto repeated = std::ranges::unique(categories_);
-    categories_.erase(repeated.begin(), repeated.end());
+  return objects;
+}
+
+std::set<std::string> categoryNames(const std::vector<Listed>& objects) {
+  std::set<std::string> names;
+  for (const Listed& object : objects)
+    if (!object.category.empty()) names.insert(object.category);
+  return names;
+}
+
+}  // namespace
+
+ObjectNumbers::ObjectNumbers(const output::IdManifest& ids, const output::IdManifest& all, const Categories& categories)
+    : categories_(categories.all({})) {
+  const bool hasRules = !categories_.empty();
+  std::unordered_map<std::string, uint32_t> instanceOf, categoryOf{{"", 0}};
+  for (const std::string& category : categories_) categoryOf.emplace(category, categoryOf.size());
+  std::vector<Listed> objects;
+  for (const output::IdManifest* manifest : {&all, &ids}) {
+    objects = objectsOf(*manifest, categories);
+    for (const Listed& object : objects) instanceOf.emplace(object.node, instanceOf.size() + 1);
+    if (hasRules) continue;
+    for (const std::string& category : categoryNames(objects))
+      if (categoryOf.emplace(category, categoryOf.size()).second) categories_.push_back(category);
   }
-  std::unordered_map<std::string, uint32_t> numberOf{{"", 0}};
-  for (const std::string& category : categories_) numberOf.emplace(category, numberOf.size());
-  for (Listed& object : objects) {
-    const auto instance = static_cast<uint32_t>(numbers_.size() + 1);
-    numbers_[object.id] = {instance, numberOf.at(object.category), std::move(object.node)};
-  }
+  instances_ = static_cast<uint32_t>(instanceOf.size());
+  for (Listed& object : objects)
+    numbers_[object.id] = {instanceOf.at(object.node), categoryOf.at(object.category), std::move(object.node)};
 }
 
 const ObjectNumber* ObjectNumbers::find(uint32_t id) const {
@@ -70,7 +90,9 @@ std::shared_ptr<const ObjectNumbers> NumberedScenes::of(const DataFrame& frame, 
   const std::lock_guard lock(mutex_);
   if (!numbers_ || ids_ != frame.metadata.ids) {
     ids_ = frame.metadata.ids;
-    numbers_ = std::make_shared<ObjectNumbers>(ids_ ? *ids_ : output::IdManifest(), categories);
+    const output::IdManifest none;
+    const output::IdManifest& ids = ids_ ? *ids_ : none;
+    numbers_ = std::make_shared<ObjectNumbers>(ids, frame.idsOfAll ? *frame.idsOfAll : ids, categories);
   }
   return numbers_;
 }

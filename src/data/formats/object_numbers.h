@@ -13,19 +13,20 @@
 namespace latelight::data {
 
 struct ObjectNumber {
-  uint32_t instance = 0;  // from 1, in the order of the objects' paths
+  uint32_t instance = 0;  // from 1, in the order of the paths of all objects
   uint32_t category = 0;  // from 1, in the order of ObjectNumbers::categories(); 0: none
   std::string node;       // the object's path
 };
 
-// The numbers are the same in all frames of a scene, whichever objects are visible.
+// The numbers are the same in all frames of a scene, whichever objects its variations show.
 class ObjectNumbers {
  public:
-  ObjectNumbers(const output::IdManifest& ids, const Categories& categories);
+  // `ids`: of a frame. `all`: of all variations of its scene. Objects and categories that only `ids` has follow.
+  ObjectNumbers(const output::IdManifest& ids, const output::IdManifest& all, const Categories& categories);
 
   // Returns null if no object has the id, such as 0, the background.
   const ObjectNumber* find(uint32_t id) const;
-  uint32_t instances() const { return static_cast<uint32_t>(numbers_.size()); }
+  uint32_t instances() const { return instances_; }  // of the whole scene
   // In the order of the option's rules, or the sorted names of the scene's categories if there are no rules.
   const std::vector<std::string>& categories() const { return categories_; }
 
@@ -34,7 +35,8 @@ class ObjectNumbers {
   std::vector<uint32_t> categoriesOf(const output::AovImage& ids) const;
 
  private:
-  std::unordered_map<uint32_t, ObjectNumber> numbers_;  // by id
+  uint32_t instances_ = 0;
+  std::unordered_map<uint32_t, ObjectNumber> numbers_;  // of the frame's objects, by id
   std::vector<std::string> categories_;
 };
 

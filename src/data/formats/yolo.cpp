@@ -6,6 +6,7 @@
 #include <map>
 
 #include "base/parallel.h"
+#include "base/text.h"
 #include "data/formats/categories.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
@@ -18,6 +19,21 @@ namespace latelight::data {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+// Returns a name as a double-quoted string of YAML: JSON's, in which the characters that YAML does not allow or that
+// are its line breaks are escaped, too (YAML 1.1, 5.1 and 5.4).
+std::string yamlString(const std::string& name) {
+  std::string text = dumped(Json(name));
+  replaceAll(text, "\x7f", "\\u007f");
+  for (int code = 0x80; code < 0xa0; ++code)
+    replaceAll(text, std::string{'\xc2', static_cast<char>(code)}, fmt::format("\\u{:04x}", code));
+  replaceAll(text, "\u2028", "\\u2028");
+  replaceAll(text, "\u2029", "\\u2029");
+  replaceAll(text, "\ufeff", "\\ufeff");
+  replaceAll(text, "\ufffe", "\\ufffe");
+  replaceAll(text, "\uffff", "\\uffff");
+  return text;
+}
 
 class Yolo : public Format {
  public:
@@ -63,7 +79,7 @@ class Yolo : public Format {
     std::string text = "path: .\ntrain: images\nval: images\n";
     if (!keypoints_.empty()) text += fmt::format("kpt_shape: [{}, 3]\n", keypoints_.size());
     text += "names:\n";
-    for (size_t i = 0; i < names.size(); ++i) text += fmt::format("  {}: {}\n", i, dumped(Json(names[i])));
+    for (size_t i = 0; i < names.size(); ++i) text += fmt::format("  {}: {}\n", i, yamlString(names[i]));
     writeIn(folder, file_, std::as_bytes(std::span(text)));
     files.push_back(file_);
     return files;

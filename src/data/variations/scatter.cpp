@@ -57,7 +57,7 @@ class Scatter : public Variation {
       const auto place = findPlace(object, random, draft);
       if (!place) continue;
       AddedObject& added = draft.addedObjects.emplace_back();
-      added.name = fmt::format("{}-{}", name_, i);
+      added.name = nameOf(i);
       for (const scene::ObjectPart& part : object.parts)
         added.parts.push_back({part.mesh, part.material, *place * part.toWorld});
       draft.taken.push_back(transformed(object.box, *place));
@@ -66,7 +66,16 @@ class Scatter : public Variation {
     return record;
   }
 
+  std::vector<AddedObject> possibleObjects() const override {
+    std::vector<AddedObject> objects;
+    for (uint64_t i = 0; i < std::max<uint64_t>(count_.high, templates_.size()); ++i)
+      objects.push_back({nameOf(i), templates_[i % templates_.size()].parts});
+    return objects;
+  }
+
  private:
+  std::string nameOf(uint64_t number) const { return fmt::format("{}-{}", name_, number); }
+
   static std::vector<OrientedBox> boxesOf(const scene::Scene& scene, const std::vector<uint32_t>& nodes) {
     const auto above = selectedAbove(scene, nodes);
     std::vector<OrientedBox> boxes;

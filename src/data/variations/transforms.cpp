@@ -23,6 +23,7 @@ class Transforms : public Variation {
   Transforms(Spec& spec, const scene::Scene& scene) : path_(spec.path()) {
     nodes_ = selectNodes(spec, "nodes", scene);
     above_ = selectedAbove(scene, nodes_);
+    findMoved(scene);
     if (spec.has("translation")) translation_ = spec.corners("translation");
     if (spec.has("rotation")) rotation_ = spec.interval("rotation");
     axis_ = spec.has("axis") ? spec.vector("axis") : upOf(scene);
@@ -37,6 +38,7 @@ class Transforms : public Variation {
     Json record{{"nodes", Json::array()}};
     std::map<uint32_t, dmat4> changes;  // transforms in the world, by node
     for (const uint32_t node : nodes_) changes[node] = change(draw, node, draft.scene, record["nodes"].emplace_back());
+    moveNodes(changes, draft);
     for (uint32_t i = 0; i < above_.size(); ++i) {
       if (above_[i].empty()) continue;
       dmat4 toWorld(draft.transform(i));
@@ -47,6 +49,25 @@ class Transforms : public Variation {
   }
 
  private:
+  // Finds the nodes that are selected or below selected ones.
+  void findMoved(const scene::Scene& scene) {
+    const std::set<uint32_t> selected(nodes_.begin(), nodes_.end());
+    for (uint32_t i = 0; i < scene.nodes.size(); ++i) {
+      std::vector<uint32_t> above;
+      for (int at = static_cast<int>(i); at >= 0; at = scene.nodes[static_cast<size_t>(at)].parent)
+        if (selected.contains(static_cast<uint32_t>(at))) above.push_back(static_cast<uint32_t>(at));
+      if (!above.empty()) moved_.emplace_back(i, std::move(above));
+    }
+  }
+
+  // `changes`: transforms in the world, by selected node.
+  void moveNodes(std::map<uint32_t, dmat4>& changes, Draft& draft) const {
+    for (const auto& [node, above] : moved_) {
+      dmat4& toWorld = draft.movedNodes.try_emplace(node, draft.scene.nodes[node].toWorld).first->second;
+      for (const uint32_t each : above) toWorld = changes[each] * toWorld;
+    }
+  }
+
   // Returns a random transform in the world. It rotates and scales about the node's origin, along the axes of the
   // file's frame.
   dmat4 change(const Draw& draw, uint32_t index, const scene::Scene& scene, Json& record) const {
@@ -73,7 +94,8 @@ class Transforms : public Variation {
 
   std::string path_;
   std::vector<uint32_t> nodes_;
-  std::vector<std::vector<uint32_t>> above_;  // by instance
+  std::vector<std::vector<uint32_t>> above_;                       // by instance
+  std::vector<std::pair<uint32_t, std::vector<uint32_t>>> moved_;  // nodes, each with those of nodes_ that move it
   std::optional<Spec::Corners> translation_;
   std::optional<Interval> rotation_, scale_;
   dvec3 axis_{0};

@@ -31,6 +31,7 @@ struct Draft {
   std::map<uint32_t, scene::Material> materials;
   std::map<uint32_t, scene::Light> lights;
   std::map<uint32_t, scene::dmat4> transforms;  // by instance
+  std::map<uint32_t, scene::dmat4> movedNodes;  // transforms in the world, by node
   std::set<uint32_t> hidden;                    // instances
   std::vector<scene::Light> addedLights;
   std::vector<AddedObject> addedObjects;
@@ -59,6 +60,9 @@ class Variation {
   virtual ~Variation() = default;
   // Adds random changes to the draft, and returns the drawn values for the manifest.
   virtual nlohmann::ordered_json draw(const Draw& draw, Draft& draft) const = 0;
+  // Returns all objects that draw() may add, whichever numbers are drawn. If an object may consist of different parts,
+  // the list has at least one object with each choice of parts.
+  virtual std::vector<AddedObject> possibleObjects() const { return {}; }
 };
 
 struct VariationKind {

@@ -8,6 +8,8 @@
 
 #include "base/error.h"
 #include "data/variations/variation.h"
+#include "render/submit/id_manifest.h"
+#include "scene/edit_slots.h"
 
 namespace latelight::data {
 
@@ -82,6 +84,7 @@ struct Variations::Impl {
   std::map<uint32_t, scene::dmat4> transforms;
   // The state of the applied variation.
   std::vector<uint32_t> hidden, addedInstances, addedLights;
+  std::map<uint32_t, scene::dmat4> movedNodes;
   std::string environment;
   std::optional<double> environmentRotation;
 
@@ -123,6 +126,7 @@ void Variations::Impl::change(const Draft& draft) {
     scene::removeInstance(scene, instance);
     hidden.push_back(instance);
   }
+  movedNodes = draft.movedNodes;
   environment = draft.environment;
   environmentRotation = draft.environmentRotation;
 }
@@ -148,6 +152,26 @@ Json Variations::apply(uint64_t number) {
   }
   impl_->change(draft);
   return drawn;
+}
+
+output::IdManifest Variations::idsOfAll() const {
+  scene::Scene& scene = impl_->scene;
+  output::IdManifest all = render::idManifest(scene);
+  scene::UniqueNames names = scene::idsOf(scene).nodes;
+  for (const Impl::Entry& entry : impl_->entries)
+    for (const AddedObject& object : entry.variation->possibleObjects()) {
+      const auto [path, id] = names.make("/" + object.name);
+      output::IdEntry& added = all.ids.emplace_back(
+          output::IdEntry{.id = id, .node = path, .mesh = scene.meshes[object.parts.front().mesh].name});
+      for (const scene::ObjectPart& part : object.parts)
+        added.parts.push_back({.node = path, .material = scene.materials[part.material].data.id});
+    }
+  std::ranges::sort(all.ids, {}, &output::IdEntry::id);
+  return all;
+}
+
+const std::map<uint32_t, scene::dmat4>& Variations::movedNodes() const {
+  return impl_->movedNodes;
 }
 
 const std::string& Variations::environment() const {

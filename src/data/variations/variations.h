@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "output/id_manifest.h"
 #include "scene/scene.h"
 
 namespace latelight::data {
@@ -27,6 +29,13 @@ class Variations {
   // Changes the scene to variation `number`, whichever variation was applied before. Returns the drawn values for the
   // manifest. The result depends only on the constructor's arguments and `number`, and is the same on every machine.
   nlohmann::ordered_json apply(uint64_t number);
+  // Returns the ids of everything that any variation may show: the scene's own objects, and all that may be added. The
+  // ids of added objects may differ from those in a variation, but their nodes' paths are the same. Must be called
+  // before apply().
+  output::IdManifest idsOfAll() const;
+  // The transforms in the world of the nodes that the applied variation moves, with those below them. Their instances
+  // are moved already; the scene's nodes stay.
+  const std::map<uint32_t, scene::dmat4>& movedNodes() const;
   // The environment of the applied variation: a file, "studio" or "none"; empty: the job's own.
   const std::string& environment() const;
   // The rotation of the environment in degrees, as for --hdri-rotate; empty: the job's own.
