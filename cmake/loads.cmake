@@ -75,6 +75,13 @@ function(latelight_loaded_value type first out)
   set(${out} "${value}" PARENT_SCOPE)
 endfunction()
 
+# Structs that are always in memory of the scene, which sceneWordsAt() loads.
+set(latelight_scene_structs
+  AreaLight Instance Light Material Mesh RayEmitter RayInstance RayNode RayScene TextureRecord VertexAttributes)
+
+# Those of which shaders use few members, so that GPUs load these one by one.
+set(latelight_structs_in_part Mesh RayEmitter RayScene TextureRecord)
+
 # latelight_load(header struct): writes load/<struct>.glsl, if its size is a multiple of 16 bytes.
 function(latelight_load header struct)
   latelight_elements(${struct} "" elements)
@@ -100,18 +107,30 @@ function(latelight_load header struct)
   if(word EQUAL 0 OR (odd AND NOT rest))
     return()
   endif()
+  set(load wordsAt)
+  if(struct IN_LIST latelight_scene_structs)
+    set(load sceneWordsAt)
+  endif()
   set(loads "")
   math(EXPR last "(${word} - 1) / 4")
   foreach(quad RANGE ${last})
-    string(APPEND loads "  uvec4 w${quad} = wordsAt(address, ${quad}u);\n")
+    string(APPEND loads "  uvec4 w${quad} = ${load}(address, ${quad}u);\n")
   endforeach()
+  set(reference "")
+  set(body "${loads}${statements}")
+  if(struct IN_LIST latelight_structs_in_part)
+    # No early return, which would leave a loop of one iteration in the code.
+    set(reference
+      "layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer ${struct}At { ${struct} v; };\n")
+    set(body "  if (kTexelLoads == 0u) {\n  s = ${struct}At(address).v;\n  } else {\n${body}  }\n")
+  endif()
   latelight_generate(load/${struct}.glsl "// By cmake/loads.cmake from ${header}.
 #ifndef LATELIGHT_LOAD_${struct}
 #define LATELIGHT_LOAD_${struct}
 #include \"render/glsl/words.glsl\"
-${struct} load${struct}(uint64_t address) {
-${loads}  ${struct} s${rest};
-${statements}  return s;
+${reference}${struct} load${struct}(uint64_t address) {
+  ${struct} s${rest};
+${body}  return s;
 }
 #endif
 ")

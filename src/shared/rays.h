@@ -89,6 +89,7 @@ struct RayEmitter {
   uint corners[3];  // vertices of the mesh
   uint instance;    // index in FrameConstants::instances
 };
+SH_CONST uint kRayEmitterBytes = 16u;
 
 // A grid over the directions of an environment in its own frame, by which rays choose bright directions. Columns have
 // equal ranges of longitude and rows equal ranges of latitude, as in the equirectangular image. Its table has the
@@ -121,6 +122,7 @@ SH_END
 static_assert(sizeof(latelight::shared::RayNode) == latelight::shared::kRayNodeBytes);
 static_assert(sizeof(latelight::shared::RayInstance) == latelight::shared::kRayInstanceBytes);
 static_assert(sizeof(latelight::shared::RayTriangle) == 16);
+static_assert(sizeof(latelight::shared::RayEmitter) == latelight::shared::kRayEmitterBytes);
 static_assert(sizeof(latelight::shared::RayScene) == latelight::shared::kRaySceneBytes);
 #endif
 

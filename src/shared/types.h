@@ -48,6 +48,7 @@ struct Mesh {                  // addresses of one mesh's vertex and index buffe
   uint vertexCount;
   uint triangleCount;
 };
+SH_CONST uint kMeshBytes = 96u;
 
 struct Instance {
   mat4x3 objectToWorld;  // affine, column vectors
@@ -145,14 +146,23 @@ struct Material {
   MaterialLayers layers;
 };
 SH_CONST uint kMaterialBytes = 784u;
+// Places of members, in words.
+SH_CONST uint kMaterialFlagsAt = 17u;
+SH_CONST uint kMaterialTexturesAt = 18u;
+SH_CONST uint kMaterialTransformsAt = 20u;
+SH_CONST uint kTransformWords = 7u;
+SH_CONST uint kMaterialImagesAt = 153u;
+
 // A texture and its sampler for compute shaders that filter in software, on devices without descriptor indexing.
-struct TextureRecord {  // 28 bytes
+struct TextureRecord {
   uint64_t texels;      // RGBA8, mip level after mip level
   uint width, height;   // of level 0
   uint levels;
   uint flags;       // kTexture*
   uint anisotropy;  // maximum number of samples along a pixel's footprint
+  uint padding;
 };
+SH_CONST uint kTextureRecordBytes = 32u;
 SH_CONST uint kTextureSrgb = 1u;
 SH_CONST uint kTextureMagnifyNearest = 2u;
 SH_CONST uint kTextureMinifyNearest = 4u;
@@ -348,12 +358,18 @@ SH_END
 static_assert(sizeof(latelight::shared::VertexPosition) == latelight::shared::kPositionBytes);
 static_assert(sizeof(latelight::shared::VertexAttributes) == latelight::shared::kAttributesBytes);
 static_assert(sizeof(latelight::shared::VertexExtra) == 24);
-static_assert(sizeof(latelight::shared::Mesh) == 96);
+static_assert(sizeof(latelight::shared::Mesh) == latelight::shared::kMeshBytes);
 static_assert(sizeof(latelight::shared::Instance) == latelight::shared::kInstanceBytes);
 static_assert(sizeof(latelight::shared::TextureTransform) == 28);
 static_assert(sizeof(latelight::shared::MaterialLayers) == 96);
 static_assert(sizeof(latelight::shared::Material) == 80 + 19 * 28 + 19 * 4 + 96);
 static_assert(sizeof(latelight::shared::Material) == latelight::shared::kMaterialBytes);
+static_assert(offsetof(latelight::shared::Material, flags) == 4 * latelight::shared::kMaterialFlagsAt);
+static_assert(offsetof(latelight::shared::Material, textures) == 4 * latelight::shared::kMaterialTexturesAt);
+static_assert(offsetof(latelight::shared::Material, transforms) == 4 * latelight::shared::kMaterialTransformsAt);
+static_assert(sizeof(latelight::shared::TextureTransform) == 4 * latelight::shared::kTransformWords);
+static_assert(offsetof(latelight::shared::Material, images) == 4 * latelight::shared::kMaterialImagesAt);
+static_assert(sizeof(latelight::shared::TextureRecord) == latelight::shared::kTextureRecordBytes);
 static_assert(sizeof(latelight::shared::Material) % 16 == 0);
 static_assert(sizeof(latelight::shared::Light) == latelight::shared::kLightBytes);
 static_assert(sizeof(latelight::shared::AreaLight) == latelight::shared::kAreaLightBytes);

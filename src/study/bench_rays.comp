@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Traces rays from memory (push.rays) and writes what each hits (push.hits), for `latelight bench rays`.
+#define LOADS_TEXELS
 #include "render/glsl/common.glsl"
 #include "render/glsl/rays.glsl"
 #include "study/bench_rays_push.h"

@@ -93,6 +93,9 @@ void Commands::bind(const Pipeline& pipeline, std::span<const BoundImage> images
     const VkDescriptorSet set = pool_.make(pipeline.set0, pipeline.bindings, images);
     vkCmdBindDescriptorSets(commands_, pipeline.point, pipeline.layout.get(), 0, 1, &set, 0, nullptr);
   }
+  if (pipeline.texels)
+    vkCmdBindDescriptorSets(commands_, pipeline.point, pipeline.layout.get(), kTexelSet, 1, &pipeline.texels, 0,
+                            nullptr);
   if (!push.empty())
     vkCmdPushConstants(commands_, pipeline.layout.get(), VK_SHADER_STAGE_ALL, 0, static_cast<uint32_t>(push.size()),
                        push.data());

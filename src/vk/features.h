@@ -43,6 +43,7 @@ inline constexpr VkSubgroupFeatureFlags kSubgroupOperations =
 
 inline constexpr const char* kOptionalExtensions[] = {
     VK_EXT_MEMORY_BUDGET_EXTENSION_NAME,
+    VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME,   // the texel window of CPU devices
     VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME,     // buffers that other APIs import
     VK_KHR_EXTERNAL_SEMAPHORE_FD_EXTENSION_NAME,  // semaphores that other APIs signal
     VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME,    // transparency with several samples per pixel

@@ -33,6 +33,7 @@ bool isKind(std::optional<Binding> used, Binding declared) {
 
 void checkBindings(const std::string& shader, const Reflection& found, const DeclaredInterface& declared) {
   for (const UsedBinding& used : found.bindings) {
+    if (used.set == kTexelSet) continue;
     if (used.set > declared.sceneSets.size())
       fail(ExitCode::Internal, "{} uses {} of descriptor set {}, which its pipeline does not have.", shader, used.name,
            used.set);

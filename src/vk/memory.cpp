@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "vk/device.h"
+#include "vk/texel_window.h"
 
 namespace latelight::vk {
 
@@ -72,7 +73,7 @@ double mebibytes(VkDeviceSize bytes) {
 
 }  // namespace
 
-Allocator::Allocator(Device& device) : device_(device) {
+Allocator::Allocator(Device& device) : device_(device), window_(TexelWindow::make(device)) {
   vkGetPhysicalDeviceMemoryProperties(device.physical(), &properties_);
 }
 
@@ -88,8 +89,18 @@ uint32_t Allocator::typeFor(const VkMemoryRequirements& needs, MemoryKind kind) 
 }
 
 Allocation Allocator::allocate(const VkMemoryRequirements& needs, MemoryKind kind, bool linear, Sharing sharing) {
-  const uint32_t type = typeFor(needs, kind);
   std::lock_guard lock(mutex_);
+  if (sharing != Sharing::Window) return allocateShared(needs, kind, linear, sharing);
+  if (window_)
+    if (Allocation found = window_->take(needs); found.memory) return found;
+  Allocation allocation = allocateShared(needs, kind, linear, Sharing::Blocks);
+  allocation.outside = window_ != nullptr;
+  if (allocation.outside) ++outside_;
+  return allocation;
+}
+
+Allocation Allocator::allocateShared(const VkMemoryRequirements& needs, MemoryKind kind, bool linear, Sharing sharing) {
+  const uint32_t type = typeFor(needs, kind);
   if (sharing == Sharing::Blocks && needs.size > kLargestShared) sharing = Sharing::Dedicated;
   if (sharing == Sharing::Blocks)
     for (const auto& block : blocks_)
@@ -170,6 +181,8 @@ void Allocator::failFull(VkDeviceSize size, VkDeviceSize room) const {
 
 void Allocator::release(const Allocation& allocation) {
   std::lock_guard lock(mutex_);
+  if (window_ && window_->holds(allocation)) return window_->release(allocation);
+  if (allocation.outside) --outside_;
   Block& block = *static_cast<Block*>(allocation.block);
   block.ranges.release(allocation.offset);
   --block.allocations;
@@ -193,6 +206,10 @@ Allocator::Statistics Allocator::statistics() const {
     total.reservedBytes += block->size;
     total.usedBytes += block->size - block->ranges.freeBytes();
   }
+  if (!window_) return total;
+  total.allocations += window_->allocations();
+  total.reservedBytes += window_->usedBytes();
+  total.usedBytes += window_->usedBytes();
   return total;
 }
 

@@ -1,10 +1,12 @@
 // Device memory allocator. It suballocates from blocks per memory type, of 64 MiB in the memory of GPUs and of 1 to 64
 // MiB in that of the host, with linear and optimal resources in separate blocks. Render targets and large resources
-// have dedicated allocations. Host-visible blocks are persistently mapped.
+// have dedicated allocations. Host-visible blocks are persistently mapped. Buffers of CPU devices have a window of
+// their own (texel_window.h).
 #pragma once
 
 #include <volk.h>
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -17,6 +19,7 @@
 namespace latelight::vk {
 
 class Device;
+class TexelWindow;
 
 // Offsets inside one block: first fit over a sorted free list, neighbors are merged on free. It does not use Vulkan, so
 // that it can be tested without a device.
@@ -49,6 +52,7 @@ struct Allocation {
   VkDeviceSize size = 0;
   std::byte* mapped = nullptr;  // host-visible memory only
   void* block = nullptr;        // private to the allocator
+  bool outside = false;         // of the texel window, which had no space for it
 };
 
 class Allocator {
@@ -61,12 +65,16 @@ class Allocator {
     Blocks,     // small resources share blocks
     Dedicated,  // a dedicated allocation
     Exported,   // a dedicated allocation that other APIs can import
+    Window,     // in the texel window if the device has one with space for it; else in blocks
   };
   // Throws Error(OutOfMemory), with the sizes in the message, if the device is out of memory.
   Allocation allocate(const VkMemoryRequirements& needs, MemoryKind kind, bool linear, Sharing sharing);
   // Returns the memory type of such an allocation.
   uint32_t typeFor(const VkMemoryRequirements& needs, MemoryKind kind) const;
   void release(const Allocation& allocation);
+  const TexelWindow* window() const { return window_.get(); }  // null: the device has none
+  // Returns true if all allocations for the window are in it.
+  bool isAllInWindow() const { return window_ && outside_ == 0; }
   struct Statistics {
     uint64_t blocks = 0, allocations = 0, reservedBytes = 0, usedBytes = 0;
   };
@@ -74,6 +82,7 @@ class Allocator {
 
  private:
   struct Block;
+  Allocation allocateShared(const VkMemoryRequirements& needs, MemoryKind kind, bool linear, Sharing sharing);
   Allocation take(Block& block, const VkMemoryRequirements& needs);  // memory is null if the block has no space
   VkDeviceSize nextBlockSize(const VkMemoryRequirements& needs, uint32_t type, bool linear) const;
   Block& addBlock(VkDeviceSize size, uint32_t type, bool linear, Sharing sharing);
@@ -83,6 +92,8 @@ class Allocator {
   VkPhysicalDeviceMemoryProperties properties_{};
   mutable std::mutex mutex_;
   std::vector<std::unique_ptr<Block>> blocks_;
+  std::unique_ptr<TexelWindow> window_;
+  std::atomic<uint64_t> outside_ = 0;  // allocations for which the window had no space
 };
 
 // Device memory to which several resources are bound, at offsets that their owner chooses. Resources that are never in

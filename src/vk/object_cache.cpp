@@ -101,8 +101,11 @@ PipelineRef ObjectCache::perhaps(const GraphicsDesc& desc) {
   return find(keyOf(desc), desc, !device_.isCpu());
 }
 
+// Pipelines that are requested after the texel window is full load by address.
 PipelineRef ObjectCache::pipeline(const ComputeDesc& desc) {
-  return find(keyOf(desc), desc, true);
+  ComputeDesc completed = desc;
+  completed.constants.push_back({kTexelLoadsConstant, device_.memory().isAllInWindow() ? 1u : 0u});
+  return find(keyOf(completed), completed, true);
 }
 
 PipelineRef ObjectCache::pipeline(const GraphicsDesc& desc) {

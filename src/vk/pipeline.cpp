@@ -1,5 +1,6 @@
 #include "vk/pipeline.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "base/error.h"
@@ -8,6 +9,7 @@
 #include "vk/object_cache.h"
 #include "vk/resources.h"
 #include "vk/specialize.h"
+#include "vk/texel_window.h"
 
 namespace latelight::vk {
 
@@ -58,13 +60,19 @@ void checkStages(const Device& device, std::span<const CheckedStage> stages, con
   if (kDebugBuild || device.underValidation()) checkInterface(stages, declared);
 }
 
-Pipeline makeLayout(Device& device, std::span<const Binding> bindings,
-                    std::span<const std::vector<Binding>> sceneSets) {
+Pipeline makeLayout(Device& device, std::span<const Binding> bindings, std::span<const std::vector<Binding>> sceneSets,
+                    bool loadsTexels) {
   Pipeline made;
   made.bindings.assign(bindings.begin(), bindings.end());
   made.set0 = device.cache().setLayout(made.bindings);
   std::vector<VkDescriptorSetLayout> sets{made.set0};
   for (const std::vector<Binding>& set : sceneSets) sets.push_back(device.cache().setLayout(set));
+  if (loadsTexels) {
+    const TexelWindow& window = *device.memory().window();
+    while (sets.size() < kTexelSet) sets.push_back(device.cache().setLayout({}));
+    sets.push_back(window.layout());
+    made.texels = window.set();
+  }
   const VkPushConstantRange push{VK_SHADER_STAGE_ALL, 0, 128};
   VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
   info.setLayoutCount = static_cast<uint32_t>(sets.size());
@@ -225,7 +233,8 @@ Pipeline makePipeline(Device& device, const ComputeDesc& desc) {
   checkStages(
       device, std::span(&checked, 1),
       {.bindings = desc.bindings, .sceneSets = desc.sceneSets, .constants = constants, .pushBytes = desc.pushBytes});
-  Pipeline made = makeLayout(device, desc.bindings, desc.sceneSets);
+  const auto loads = std::ranges::find(constants, kTexelLoadsConstant, &Constant::id);
+  Pipeline made = makeLayout(device, desc.bindings, desc.sceneSets, loads != constants.end() && loads->value != 0);
   const Stage stage(device, VK_SHADER_STAGE_COMPUTE_BIT, code, constants);
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   info.stage = stage.info();
@@ -245,7 +254,7 @@ Pipeline makePipeline(Device& device, const GraphicsDesc& desc) {
   checkStages(
       device, checked,
       {.bindings = desc.bindings, .sceneSets = desc.sceneSets, .constants = constants, .pushBytes = desc.pushBytes});
-  Pipeline made = makeLayout(device, desc.bindings, desc.sceneSets);
+  Pipeline made = makeLayout(device, desc.bindings, desc.sceneSets, false);
   const Stage vertex(device, VK_SHADER_STAGE_VERTEX_BIT, checked[0].code, constants);
   std::vector<VkPipelineShaderStageCreateInfo> stages{vertex.info()};
   std::optional<Stage> fragment;

@@ -32,6 +32,9 @@ enum class Binding : uint8_t {
                    // allocated. It must be the last binding of its set, and requires Device::maxTextureArray() > 0.
 };
 
+// The descriptor set of the texel window, after those of a scene that compute shaders have.
+inline constexpr uint32_t kTexelSet = 2;
+
 VkDescriptorType descriptorType(Binding binding);
 
 struct Constant {  // specialization constant
@@ -45,6 +48,7 @@ struct Pipeline {
   Handle<VkPipeline> pipeline;
   Handle<VkPipelineLayout> layout;
   VkDescriptorSetLayout set0 = VK_NULL_HANDLE;  // owned by the ObjectCache
+  VkDescriptorSet texels = VK_NULL_HANDLE;      // kTexelSet; null: the pipeline does not load texels
   std::vector<Binding> bindings;                // of set 0
   VkPipelineBindPoint point = VK_PIPELINE_BIND_POINT_COMPUTE;
 };

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "vk/features.h"
+#include "vk/texel_window.h"
 
 namespace latelight::vk {
 
@@ -141,11 +142,19 @@ VkBufferCreateInfo bufferInfo(Device& device, const BufferDesc& desc) {
   return info;
 }
 
-VkBuffer createBuffer(Device& device, const BufferDesc& desc) {
+// What shaders load may lie in the texel window. Nothing but copies reads what is made for the host.
+Allocator::Sharing sharingOf(const BufferDesc& desc) {
+  using enum Allocator::Sharing;
+  if (desc.exported) return Exported;
+  return desc.kind == MemoryKind::Readback ? Blocks : Window;
+}
+
+VkBuffer createBuffer(Device& device, const BufferDesc& desc, Allocator::Sharing sharing) {
   VkBufferCreateInfo info = bufferInfo(device, desc);
   VkExternalMemoryBufferCreateInfo exported{VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO};
   exported.handleTypes = VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
-  if (desc.exported) info.pNext = &exported;
+  if (sharing == Allocator::Sharing::Window) exported.handleTypes = TexelWindow::kHandleType;
+  if (desc.exported || (sharing == Allocator::Sharing::Window && device.memory().window())) info.pNext = &exported;
   VkBuffer buffer = VK_NULL_HANDLE;
   VK_CHECK(vkCreateBuffer(device.get(), &info, nullptr, &buffer));
   return buffer;
@@ -171,11 +180,11 @@ Buffer::Buffer(Device& device, const BufferDesc& desc) : Buffer() {
   device_ = &device;
   desc_ = completed(desc);
   deletion_ = std::make_unique<BufferDeletion>(device);
-  buffer_ = createBuffer(device, desc_);
+  const Allocator::Sharing sharing = sharingOf(desc_);
+  buffer_ = createBuffer(device, desc_, sharing);
   VkMemoryRequirements needs;
   vkGetBufferMemoryRequirements(device.get(), buffer_, &needs);
-  using enum Allocator::Sharing;
-  allocation_ = device.memory().allocate(needs, desc_.kind, true, desc_.exported ? Exported : Blocks);
+  allocation_ = device.memory().allocate(needs, desc_.kind, true, sharing);
   bind(allocation_.memory, allocation_.offset);
 }
 
@@ -183,7 +192,7 @@ Buffer::Buffer(Device& device, const BufferDesc& desc, const Heap& heap, VkDevic
   device_ = &device;
   desc_ = completed(desc);
   deletion_ = std::make_unique<BufferDeletion>(device);
-  buffer_ = createBuffer(device, desc_);
+  buffer_ = createBuffer(device, desc_, Allocator::Sharing::Blocks);
   bind(heap.memory(), heap.offset() + offset);
 }
 

@@ -250,11 +250,12 @@ TEST_F(DeviceTest, MemoryIsAllocatedInBlocksAndReturned) {
   const Allocator::Statistics before = device().memory().statistics();
   {
     std::vector<Buffer> buffers;
-    for (int i = 0; i < 100; ++i) buffers.emplace_back(device(), BufferDesc{.size = 1000u + i});
+    for (int i = 0; i < 100; ++i)
+      buffers.emplace_back(device(), BufferDesc{.size = 1000u + i, .kind = MemoryKind::Readback});
     const Allocator::Statistics during = device().memory().statistics();
     EXPECT_LE(during.blocks, before.blocks + 1);
     EXPECT_EQ(during.allocations, before.allocations + 100);
-    const Buffer large(device(), {.size = Allocator::kBlockSize});
+    const Buffer large(device(), {.size = Allocator::kBlockSize, .kind = MemoryKind::Readback});
     EXPECT_EQ(device().memory().statistics().blocks, during.blocks + 1) << "large ones have their own";
     const Image target(device(), {VK_FORMAT_R8_UNORM, 4, 4, 1, 1, 1, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT, "target"});
     EXPECT_EQ(device().memory().statistics().blocks, during.blocks + 2) << "render targets too";

@@ -20,8 +20,8 @@ LtcFit lobeFit(FrameConstants frame, float nv, float roughness) {
   float last = float(kLtcSize - 1u);
   float row = clamp(roughness, 0.0, 1.0) * last, column = sqrt(clamp(1.0 - nv, 0.0, 1.0)) * last;
   uint low = min(uint(row), kLtcSize - 2u), left = min(uint(column), kLtcSize - 2u), at = low * kLtcSize + left;
-  vec4 a = mix(floatsAt(frame.ltcTable, at), floatsAt(frame.ltcTable, at + 1u), column - float(left));
-  vec4 b = mix(floatsAt(frame.ltcTable, at + kLtcSize), floatsAt(frame.ltcTable, at + kLtcSize + 1u),
+  vec4 a = mix(sceneFloatsAt(frame.ltcTable, at), sceneFloatsAt(frame.ltcTable, at + 1u), column - float(left));
+  vec4 b = mix(sceneFloatsAt(frame.ltcTable, at + kLtcSize), sceneFloatsAt(frame.ltcTable, at + kLtcSize + 1u),
                column - float(left));
   vec4 m = mix(a, b, row - float(low));
   return LtcFit(m.x, m.y, m.z, m.w);

@@ -59,13 +59,13 @@ void fetchTexels(FrameConstants frame, uint material, SurfacePoint p, uint slots
 // code.
 vec4 rayTexels[kTextureCount];
 void fetchTexels(FrameConstants frame, uint material, SurfacePoint p, uint slots) {
-  MaterialRef m = MaterialRef(frame.materials + uint64_t(material) * kMaterialBytes);
-  for (uint left = m.v.textures & kTextureSlots & slots; left != 0u; left &= left - 1u) {
+  uint64_t at = frame.materials + uint64_t(material) * kMaterialBytes;
+  bool plain = (sceneWordAt(at, kMaterialFlagsAt) & kMaterialPlainUv) != 0u;
+  for (uint left = sceneWordAt(at, kMaterialTexturesAt) & kTextureSlots & slots; left != 0u; left &= left - 1u) {
     uint slot = uint(findLSB(left));
     vec2 uv = p.uv.xy;
-    for (bool moved = (m.v.flags & kMaterialPlainUv) == 0u; moved; moved = false)
-      uv = transformedUv(m.v.transforms[slot], p.uv);
-    rayTexels[slot] = magnifiedTexture(TextureRef(frame.textures).v[m.v.images[slot]], uv);
+    for (bool moved = !plain; moved; moved = false) uv = transformedUv(textureTransform(at, slot), p.uv);
+    rayTexels[slot] = magnifiedTexture(frameTexture(frame, sceneWordAt(at, kMaterialImagesAt + slot)), uv);
   }
 }
 vec4 sampleTexture(Material m, uint slot, SurfacePoint p) { return rayTexels[slot]; }

@@ -15,10 +15,10 @@
 #include "render/glsl/texels.glsl"
 #include "render/visibility/vast_triangle.glsl"
 #include "shared/rays.h"
+#include "load/RayEmitter.glsl"
 #include "load/RayInstance.glsl"
 #include "load/RayNode.glsl"
-
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer RaySceneRef { RayScene v; };
+#include "load/RayScene.glsl"
 
 struct Ray {
   vec3 origin, originLow;  // the device's world space, as a pair of floats
@@ -34,6 +34,10 @@ struct RayHit {
   vec3 weights;    // barycentric coordinates
   bool front;      // the ray hits the front face
 };
+
+RayEmitter sceneEmitter(RayScene scene, uint index) {
+  return loadRayEmitter(scene.emitters + uint64_t(index) * kRayEmitterBytes);
+}
 
 #define kRayInfinity uintBitsToFloat(0x7f800000u)
 bool isHit(RayHit hit) { return hit.distance < kRayInfinity; }
@@ -93,6 +97,19 @@ mat3 rayAxes(vec3 direction) {
   return mat3(right, cross(direction, right), direction);
 }
 
+// Returns one of the addresses with which a Mesh begins: of its positions (0), attributes (1) or extras (2).
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer MeshAddressesRef { uint64_t v[]; };
+uint64_t meshAddress(FrameConstants frame, uint mesh, uint member) {
+  uint64_t at = frame.meshes + uint64_t(mesh) * kMeshBytes, address;
+  if (kTexelLoads != 0u) {
+    uvec4 words = sceneWordsAt(at, member / 2u);
+    address = packUint2x32((member & 1u) == 0u ? words.xy : words.zw);
+  } else {
+    address = MeshAddressesRef(at).v[member];
+  }
+  return address;
+}
+
 RayMesh enterInstance(FrameConstants frame, RayScene scene, uint index, Ray ray, mat3 axes) {
   RayInstance placed = loadRayInstance(scene.instances + uint64_t(index) * kRayInstanceBytes);
   vec4 x = placed.rows[0], y = placed.rows[1], z = placed.rows[2];
@@ -106,7 +123,7 @@ RayMesh enterInstance(FrameConstants frame, RayScene scene, uint index, Ray ray,
   mesh.group = instance.flags >> kInstanceGroupShift;
   mesh.nodes = placed.nodes;
   mesh.triangles = placed.triangles;
-  mesh.positions = MeshRef(frame.meshes).v[instance.mesh].positions;
+  mesh.positions = meshAddress(frame, instance.mesh, 0u);
   mesh.toRay = toAxes * mat3(instance.objectToWorld);
   mesh.offset = toAxes * offset;
   vec3 origin = -vec3(dot(x.xyz, offset), dot(y.xyz, offset), dot(z.xyz, offset));
@@ -141,14 +158,23 @@ vec3 rayWeights(vec3 areas, vec2 a, vec2 b, vec2 c) {
   return areas / (areas.x + areas.y + areas.z);
 }
 
+TextureTransform textureTransform(uint64_t material, uint slot) {
+  TextureTransform t;
+  uint at = kMaterialTransformsAt + kTransformWords * slot;
+  if (kTexelLoads == 0u)
+    t = MaterialRef(material).v.transforms[slot];
+  else
+    t = TextureTransform(sceneVec3At(material, at), sceneVec3At(material, at + 3u), sceneWordAt(material, at + 6u));
+  return t;
+}
+
 // The alpha of a surface as the raster's alpha test reads it, from level 0 of the texture.
 float rayAlpha(FrameConstants frame, uint materialIndex, uint instanceIndex, uvec3 corners, vec3 weights) {
-  MaterialRef m = MaterialRef(frame.materials + uint64_t(materialIndex) * kMaterialBytes);
+  uint64_t material = frame.materials + uint64_t(materialIndex) * kMaterialBytes;
   Instance instance = frameInstance(frame, instanceIndex);
-  uint64_t attributes = MeshRef(frame.meshes).v[instance.mesh].attributes;
-  uint64_t extras = MeshRef(frame.meshes).v[instance.mesh].extras;
+  uint64_t attributes = meshAddress(frame, instance.mesh, 1u), extras = meshAddress(frame, instance.mesh, 2u);
   vec4 uv = vec4(0.0);
-  precise float alpha = m.v.baseColor.a;
+  precise float alpha = uintBitsToFloat(sceneWordAt(material, 3u));
   for (int i = 0; i < 3; ++i) uv.xy += weights[i] * attributesAt(attributes, corners[i]).uv0;
   for (bool some = (instance.flags & kInstanceExtras) != 0u; some; some = false) {
     float color = 0.0;
@@ -159,10 +185,10 @@ float rayAlpha(FrameConstants frame, uint materialIndex, uint instanceIndex, uve
     }
     alpha *= color;
   }
-  for (bool some = (m.v.textures & (1u << kTextureBaseColor)) != 0u; some; some = false) {
-    TextureTransform t = m.v.transforms[kTextureBaseColor];
+  for (bool some = (sceneWordAt(material, kMaterialTexturesAt) & (1u << kTextureBaseColor)) != 0u; some; some = false) {
+    TextureTransform t = textureTransform(material, kTextureBaseColor);
     vec3 at = vec3(t.uvSet == 0u ? uv.xy : uv.zw, 1.0);
-    TextureRecord texture = TextureRef(frame.textures).v[m.v.images[kTextureBaseColor]];
+    TextureRecord texture = frameTexture(frame, sceneWordAt(material, kMaterialImagesAt + kTextureBaseColor));
     alpha *= filteredLevel(texture, 0u, vec2(dot(t.row0, at), dot(t.row1, at)),
                            (texture.flags & kTextureMagnifyNearest) != 0u).a;
   }
@@ -171,8 +197,8 @@ float rayAlpha(FrameConstants frame, uint materialIndex, uint instanceIndex, uve
 
 // As masked() of material.glsl.
 bool rayPasses(uint64_t material, float alpha) {
-  float cutoff = floatsAt(material, 2u).w;
-  uint flags = wordsAt(material, 4u).y;
+  float cutoff = sceneFloatsAt(material, 2u).w;
+  uint flags = sceneWordAt(material, kMaterialFlagsAt);
   return (flags & kMaterialMasked) != 0u ? alpha < cutoff : alpha <= 0.0;
 }
 
@@ -194,7 +220,7 @@ bool precedes(float distance, uint instance, uint triangle, RayHit other) {
 
 // It has loops instead of branches, because lavapipe executes a branch even if no lane takes it.
 void visitTriangle(FrameConstants frame, RayMesh mesh, uint index, Ray ray, uint what, inout RayHit hit) {
-  uvec4 triangle = wordsAt(mesh.triangles, index);
+  uvec4 triangle = sceneWordsAt(mesh.triangles, index);
   vec3 a = mesh.toRay * positionAt(mesh.positions, triangle.x) + mesh.offset;
   vec3 b = mesh.toRay * positionAt(mesh.positions, triangle.y) + mesh.offset;
   vec3 c = mesh.toRay * positionAt(mesh.positions, triangle.z) + mesh.offset;
@@ -210,7 +236,7 @@ void visitTriangle(FrameConstants frame, RayMesh mesh, uint index, Ray ray, uint
     bool hits = distance >= ray.near && distance <= ray.far && precedes(distance, mesh.index, triangle.w, hit);
     uint64_t material = frame.materials + uint64_t(mesh.material) * kMaterialBytes;
     for (bool tested = hits && RAY_ALPHA_TESTS && (mesh.flags & kRayAlphaConstant) != 0u; tested; tested = false)
-      hits = !rayPasses(material, floatsAt(material, 0u).w);
+      hits = !rayPasses(material, sceneFloatsAt(material, 0u).w);
     for (bool tested = hits && RAY_ALPHA_TESTS && (mesh.flags & kRayAlphaTested) != 0u; tested; tested = false)
       hits = !rayPasses(material, rayAlpha(frame, mesh.material, mesh.index, triangle.xyz, weights));
     if (hits) hit = RayHit(distance, mesh.index, triangle.w, triangle.xyz, weights, front);
@@ -243,6 +269,13 @@ void countRayWork(inout uint work, uint steps) {}
 void endRayWork(uint work) {}
 #endif
 
+// Returns the index of an element that a lane loads. lavapipe also fetches texels for lanes that wait, and computes with
+// what it finds: numbers as small as an integer's bits take a hundred times as long. So these lanes load element 0.
+uint presentIndex(bool present, uint index) {
+  if (kTexelLoads != 0u) index = present ? index : 0u;
+  return index;
+}
+
 RayHit noHit() { return RayHit(kRayInfinity, 0u, 0u, uvec3(0u), vec3(0.0), false); }
 
 bool isUsable(Ray ray) {
@@ -261,13 +294,14 @@ RayHit traceRay(FrameConstants frame, Ray ray, uint what) {
   // If any hit ends the ray, none is kept from leaf to leaf, so that its registers are free.
   bool any = (what & kRayStopAtFirst) != 0u, stops = false;
   RayHit hit = noHit();
-  RayScene scene = RaySceneRef(frame.rayScene).v;
+  RayScene scene = loadRayScene(frame.rayScene);
   mat3 axes = rayAxes(ray.direction);
   float extent = abs(ray.origin.x) + abs(ray.origin.y) + abs(ray.origin.z);
   RaySlabs world = raySlabs(ray.origin, ray.direction, vec3(extent * 9.5367432e-7));
   RaySlabs slabs = world;
   uint64_t nodes = scene.nodes;
   RayMesh mesh;
+  if (kTexelLoads != 0u) mesh = RayMesh(0u, 0u, 0u, 0u, 0ul, 0ul, 0ul, mat3(0.0), vec3(0.0), world);
   mesh.flags = 0u;
   bool inMesh = false;
   uint stack[kRayStack];
@@ -278,7 +312,7 @@ RayHit traceRay(FrameConstants frame, Ray ray, uint what) {
     uint steps = 0u;
     while ((current & kRayLeaf) == 0u) {
       ++steps;
-      RayNode node = loadRayNode(nodes + uint64_t(current) * kRayNodeBytes);
+      RayNode node = loadRayNode(nodes + uint64_t(presentIndex((current & kRayLeaf) == 0u, current)) * kRayNodeBytes);
       float far = min(hit.distance, ray.far);
       float toA = enterBox(slabs, node.lowA, node.highA, ray.near, far);
       float toB = node.b == kRayNone ? kRayInfinity : enterBox(slabs, node.lowB, node.highB, ray.near, far);
@@ -297,7 +331,7 @@ RayHit traceRay(FrameConstants frame, Ray ray, uint what) {
     bool enters = !inMesh && current < kRayStackEnd && (current & kRayLeaf) != 0u;
     bool tests = inMesh && current < kRayStackEnd && (current & kRayLeaf) != 0u;
     for (bool some = enters; some; some = false) {
-      mesh = enterInstance(frame, scene, current & kRayFirstMask, ray, axes);
+      mesh = enterInstance(frame, scene, presentIndex(enters, current & kRayFirstMask), ray, axes);
       inMesh = !skips(mesh, what);
       if (inMesh) {
         stack[top++] = kRayStackEnd;
@@ -307,7 +341,7 @@ RayHit traceRay(FrameConstants frame, Ray ray, uint what) {
       current = inMesh ? 0u : stack[--top];
     }
     for (bool some = tests; some; some = false) {
-      uint first = current & kRayFirstMask, count = (current >> kRayCountShift & 7u) + 1u;
+      uint first = presentIndex(tests, current & kRayFirstMask), count = (current >> kRayCountShift & 7u) + 1u;
       steps += 8u * count;  // loops of visitTriangle()
       for (uint i = first; i < first + count; ++i) {
         RayHit found = hit;

@@ -7,8 +7,6 @@
 #include "render/glsl/setup.glsl"
 #include "shared/environment.h"
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SkyTableRef { uint v[]; };
-
 // Returns true if the view has the environment of this index. Images of environments differ in size, so a pass samples
 // one of them.
 bool isOwnSky(FrameConstants frame, uint environment) {
@@ -31,8 +29,8 @@ struct SkyRange {
 
 // Returns the range of element `index` of `count` elements that begin at `first`.
 SkyRange skyRange(uint64_t table, uint first, uint count, uint index) {
-  uint start = SkyTableRef(table).v[first + index];
-  uint next = index + 1u < count ? SkyTableRef(table).v[first + index + 1u] : 0u;  // the end, 2^32, wraps to 0
+  uint start = sceneWordAt(table, first + index);
+  uint next = index + 1u < count ? sceneWordAt(table, first + index + 1u) : 0u;  // the end, 2^32, wraps to 0
   return SkyRange(index, start, next - start);
 }
 
@@ -40,7 +38,7 @@ SkyRange skyRange(uint64_t table, uint first, uint count, uint index) {
 SkyRange skyRangeAt(uint64_t table, uint first, uint count, uint u) {
   uint index = 0u;
   for (uint step = count / 2u; step > 0u; step /= 2u)
-    if (SkyTableRef(table).v[first + index + step] <= u) index += step;
+    if (sceneWordAt(table, first + index + step) <= u) index += step;
   return skyRange(table, first, count, index);
 }
 

@@ -4,8 +4,11 @@
 #define LATELIGHT_TEXELS_GLSL
 #include "shared/color.h"
 
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer TextureRef { TextureRecord v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TexelRef { uint v[]; };
+#include "load/TextureRecord.glsl"
+
+TextureRecord frameTexture(FrameConstants frame, uint index) {
+  return loadTextureRecord(frame.textures + uint64_t(index) * kTextureRecordBytes);
+}
 
 int wrapped(int at, int size, uint mode) {
   if (mode == 2u) return clamp(at, 0, size - 1);
@@ -16,7 +19,7 @@ int wrapped(int at, int size, uint mode) {
 }
 
 vec4 texelAt(TextureRecord t, uint index) {
-  vec4 c = unpackUnorm4x8(TexelRef(t.texels).v[index]);
+  vec4 c = unpackUnorm4x8(sceneWordAt(t.texels, index));
   if ((t.flags & kTextureSrgb) != 0u) c.rgb = linearFromSrgb(c.rgb);
   return c;
 }

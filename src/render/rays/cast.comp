@@ -4,6 +4,7 @@
 // floats, in the frame of the caller; they are converted to pairs of floats in the device's world space here, so the
 // host only copies them. The hit's distance is computed again in double-float arithmetic, from the ray's exact
 // direction and the triangle's exact plane, so that it is precise on large triangles and at grazing angles.
+#define LOADS_TEXELS
 #include "render/glsl/common.glsl"
 #include "render/glsl/ray_point.glsl"
 #include "render/glsl/surface.glsl"
@@ -29,7 +30,7 @@ Exact3 exactCorner(Instance instance, Exact3 offset, vec3 position) {
 
 float exactDistance(FrameConstants frame, Ray ray, vec3 directionLow, RayHit hit) {
   Instance instance = frameInstance(frame, hit.instance);
-  uint64_t positions = MeshRef(frame.meshes).v[instance.mesh].positions;
+  uint64_t positions = meshAddress(frame, instance.mesh, 0u);
   Exact3 offset = add(exactSum(instance.objectToWorld[3], -ray.origin),
                       exactSum(instance.translationLow, -ray.originLow));
   Exact3 a = exactCorner(instance, offset, positionAt(positions, hit.corners.x));

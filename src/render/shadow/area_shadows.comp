@@ -7,6 +7,7 @@
 // and the specular lobe have fractions of their own. Inputs: the G-buffer, FrameConstants::areaShadows and the scene's
 // BVHs. Output: lightTarget. The lighting technique has added all other light before.
 #define ONE_SAMPLE
+#define LOADS_TEXELS
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lights.glsl"

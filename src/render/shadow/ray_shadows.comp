@@ -5,6 +5,7 @@
 // disk of a light with a radius. Inputs: the G-buffer, FrameConstants::shadowMaps (RayShadow) and the scene's BVHs.
 // Output: lightTarget. The lighting technique has added all other light before.
 #define ONE_SAMPLE
+#define LOADS_TEXELS
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lights.glsl"

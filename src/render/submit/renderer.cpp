@@ -613,6 +613,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       .emitters = bvh_ && tracesPaths(s) ? bvh_->emitterCount() : 0,
       .anyTranslucent = tracesPaths(s) && gpuScene_.anyTranslucent(),
       .groundHeight = s.ground == Ground::None ? 0 : s.groundHeight.value_or(lowestPoint_) - gpuScene_.origin().z,
+      .loadsTexels = device_.memory().isAllInWindow(),
       .instances = rasterInstances_.address(),
       .firstTriangles = rasterInstances_.firstTriangles(),
       .objectFrames = gpuScene_.objectFrames(),

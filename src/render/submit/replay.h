@@ -39,6 +39,7 @@ struct ReplayKey {
   uint32_t shadowColumns, shadowRays, emitters;
   bool anyTranslucent;
   double groundHeight;
+  bool loadsTexels;  // of pipelines (vk/texel_window.h)
   VkDeviceAddress instances, firstTriangles;
   VkDeviceAddress objectFrames;
   RasterInstances::Share solid, all;

@@ -3,6 +3,7 @@
 // The power of each emissive triangle (RayScene::emitters), by which paths choose among them: the area times the mean
 // emission, in the largest channel, of kPoints points that are spread evenly over the triangle. One invocation per
 // triangle and, with worlds, view; output: push.sums.
+#define LOADS_TEXELS
 #include "render/glsl/common.glsl"
 #include "render/glsl/ray_point.glsl"
 #include "render/glsl/ray_samples.glsl"
@@ -12,7 +13,6 @@
 
 layout(local_size_x = 64) in;
 
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer EmittersRef { RayEmitter v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer PowersRef { float v[]; };
 
 layout(push_constant, scalar) uniform Push { EmittersPush push; };
@@ -31,9 +31,9 @@ vec3 emittedBy(FrameConstants frame, uint material, SurfacePoint p) {
 void main() {
   uint index = gl_GlobalInvocationID.x + gl_GlobalInvocationID.y * (gl_NumWorkGroups.x * gl_WorkGroupSize.x);
   FrameConstants frame = frameOf(push.frame, gl_WorkGroupID.z);
-  RayScene scene = RaySceneRef(frame.rayScene).v;
+  RayScene scene = loadRayScene(frame.rayScene);
   if (index >= scene.emitterCount) return;
-  RayEmitter emitter = EmittersRef(scene.emitters).v[index];
+  RayEmitter emitter = sceneEmitter(scene, index);
   uint material = frameInstance(frame, emitter.instance).material;
   Ray ray = Ray(frameInstance(frame, emitter.instance).objectToWorld[3], vec3(0.0), vec3(0.0), 0.0, 0.0);
   RayHit hit = noHit();

@@ -15,7 +15,7 @@ layout(push_constant, scalar) uniform Push { EmittersPush push; };
 shared float partSums[256];
 
 void main() {
-  uint count = RaySceneRef(frameOf(push.frame, gl_WorkGroupID.z).rayScene).v.emitterCount;
+  uint count = loadRayScene(frameOf(push.frame, gl_WorkGroupID.z).rayScene).emitterCount;
   uint part = (count + 255u) / 256u, own = gl_LocalInvocationID.x;
   uint first = min(own * part, count), end = min(first + part, count);
   PowersRef powers = PowersRef(push.sums + uint64_t(gl_WorkGroupID.z) * push.stride * 4ul);

@@ -24,7 +24,7 @@ EyeRay eyeRay(FrameConstants frame, View view, LitPixel p) {
   RayHit hit = traceRay(frame, eye.ray, translucentRays());
   if (!isHit(hit)) return eye;
   uint64_t material = frame.materials + uint64_t(frameInstance(frame, hit.instance).material) * kMaterialBytes;
-  uint flags = wordsAt(material, 4u).y;
+  uint flags = sceneWordsAt(material, 4u).y;
   eye.starts = eye.starts || (flags & (kMaterialLayered | kMaterialBlended | kMaterialTransmissive)) != 0u;
   eye.position = eye.ray.origin + eye.ray.direction * hit.distance;
   return eye;

@@ -29,8 +29,8 @@ struct LightChoice {
 bool lights(FrameConstants frame, PathVertex v, uint index) {
   if (index < frame.directionalLights) return true;
   uint64_t light = frame.lights + uint64_t(index) * kLightBytes;
-  vec4 sphere = floatsAt(light, 0u);  // position, 1 / radius^2
-  float size = v.visible ? 0.0 : floatsAt(light, 3u).z;
+  vec4 sphere = sceneFloatsAt(light, 0u);  // position, 1 / radius^2
+  float size = v.visible ? 0.0 : sceneFloatsAt(light, 3u).z;
   vec3 offset = sphere.xyz - v.s.position;
   float distance2 = dot(offset, offset);
   return distance2 * sphere.w < 1.0 && distance2 >= size * size;

@@ -97,9 +97,7 @@ vec3 areaRadiance(FrameConstants frame, Ray ray, float far, float density, vec3 
 
 // --- emissive surfaces -----------------------------------------------------------------------------------------------
 
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer EmittersRef { RayEmitter v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer EmitterSumsRef { float v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer EmitterIndicesRef { uint v[]; };
 
 // Probability with which rayToEmitter() chooses an emissive triangle.
 float emitterShare(RayScene scene, uint index) {
@@ -116,7 +114,7 @@ float solidAngleDensity(float area, float distance, float cosine) {
 // 1/sr: density of rayToEmitter() in the direction of what a ray hits.
 float emitterDensity(RayScene scene, RayHit hit, PathHit at, vec3 toLight) {
   if (kEmitters == 0u) return 0.0;
-  uint first = EmitterIndicesRef(scene.emitterIndices).v[hit.instance];
+  uint first = sceneWordAt(scene.emitterIndices, hit.instance);
   if (first == kRayNone) return 0.0;
   return emitterShare(scene, first + hit.triangle) *
          solidAngleDensity(at.area, hit.distance, dot(at.plane, toLight));
@@ -166,7 +164,7 @@ EmitterChoice chooseEmitter(FrameConstants frame, RayScene scene, PathVertex v, 
   float total = 0.0, chosen = 1.0, pick = u.y;
   for (uint i = 0u; i < count; ++i) {
     uint index = emitterByPower(scene, (float(i) + u.x) / float(count));
-    float share = emitterGeometry(frame, EmittersRef(scene.emitters).v[index], v);
+    float share = emitterGeometry(frame, sceneEmitter(scene, index), v);
     total += share;
     float kept = share / max(total, 1e-30);
     bool taken = pick < kept;
@@ -218,7 +216,7 @@ vec3 emittedRadiance(FrameConstants frame, EmitterPoint p, vec3 direction) {
 LightRay rayToEmitter(FrameConstants frame, RayScene scene, PathVertex v, float distance) {
   if (kEmitters == 0u || scene.emitterCount == 0u) return noLightRay();
   EmitterChoice choice = chooseEmitter(frame, scene, v, nextSample());
-  EmitterPoint p = emitterPoint(frame, EmittersRef(scene.emitters).v[choice.index], v.s.position, nextSample());
+  EmitterPoint p = emitterPoint(frame, sceneEmitter(scene, choice.index), v.s.position, nextSample());
   vec3 way = p.position - rayOrigin(v.s, p.position - v.s.position, distance);
   float far = length(way), area2 = length(p.plane);
   vec3 toLight = way / max(far, 1e-30);

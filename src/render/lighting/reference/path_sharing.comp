@@ -15,6 +15,7 @@
 //
 // Inputs: the G-buffer, and the records of paths.comp. Outputs are those of paths.comp.
 #define ONE_SAMPLE
+#define LOADS_TEXELS
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lights.glsl"

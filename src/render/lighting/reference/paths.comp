@@ -26,6 +26,7 @@
 //
 // With kSharedPaths, the shader only writes a record per path, and path_sharing.comp computes the sums from these.
 #define ONE_SAMPLE
+#define LOADS_TEXELS
 #include "render/glsl/common.glsl"
 
 layout(constant_id = kLimitsWorkConstant) const uint kLimitsWork = 0;  // 1: paths end before lavapipe ends their loops
@@ -283,7 +284,7 @@ Path startPath(bool atEye, Ray ray, float fromEye) {
 // a volume do not count as bounces, because all light that it follows has to leave the volume.
 Path tracedPath(FrameConstants frame, Path path, PathVertex v) {
   const uint kMaxSurfaces = 128u;
-  RayScene scene = RaySceneRef(frame.rayScene).v;
+  RayScene scene = loadRayScene(frame.rayScene);
   vec3 beyond = vec3(0.0);
   bool goesOn = true;
   uint bounce = 0u, rays = push.bounces + (anythingBeyond(frame, scene) ? 1u : 0u);

@@ -7,6 +7,7 @@
 //
 // Inputs: gbufferDepth, the scene's BVHs, the environment's image and cells. Input and output: lightTarget,
 // premultiplied. With several passes, groundSum accumulates (E, E0).
+#define LOADS_TEXELS
 #include "render/glsl/common.glsl"
 #include "render/glsl/pixel_ray.glsl"
 #include "render/glsl/sobol.glsl"
@@ -91,7 +92,7 @@ void main() {
   vec3 position;
   float away;
   if (!meetsGround(frame, view, pixel, position, away)) return;
-  RayScene scene = RaySceneRef(frame.rayScene).v;
+  RayScene scene = loadRayScene(frame.rayScene);
   Surface s = whitePlane(position);
   SurfaceBrdf brdf = surfaceBrdf(s, s.normal, kShadingGgx);
   float fromEye = distance(position, view.eye);

@@ -4,6 +4,7 @@
 // Visibility buffer resolve: evaluates the material of each visible triangle of a pixel once, and writes the G-buffer
 // and data outputs (Burns and Hunt 2013, The Visibility Buffer: A Cache-Friendly Approach to Deferred Shading, JCGT
 // 2(2)).
+#define LOADS_TEXELS
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/surface_point.glsl"
 #include "render/glsl/surface.glsl"

@@ -6,6 +6,7 @@
 // surface whose first triangle it matches.
 #define MULTISAMPLED
 #define SAMPLE_LAYERS
+#define LOADS_TEXELS
 #include "render/glsl/common.glsl"
 #define GBUFFER_SAMPLED_ONLY
 #define GBUFFER_NO_SURFACES

@@ -4,6 +4,7 @@
 // glsl/rays.glsl. The depth is that of the triangle's plane, as rasterization computes it.
 //
 //   FrameConstants::rayScene, views  ->  trace_visible  ->  visible (visible.glsl)
+#define LOADS_TEXELS
 #include "render/glsl/common.glsl"
 #include "render/glsl/pixel_group.glsl"
 #include "render/visibility/compute/visible.glsl"
@@ -52,7 +53,7 @@ float depthOfVast(FrameConstants frame, View view, ViewPlane plane, vec2 place) 
 // Returns the value of the visibility buffer for the surface that a ray hits.
 uint64_t visibleOf(FrameConstants frame, View view, RayHit hit, vec2 place) {
   Instance instance = frameInstance(frame, hit.instance);
-  uint64_t positions = MeshRef(frame.meshes).v[instance.mesh].positions;
+  uint64_t positions = meshAddress(frame, instance.mesh, 0u);
   float depth;
   if (kLens != 0u)
     depth = deviceDepth(view.projection, hit.distance);
