@@ -80,7 +80,7 @@ set(latelight_scene_structs
   AreaLight Instance Light Material Mesh RayEmitter RayInstance RayNode RayScene TextureRecord VertexAttributes)
 
 # Those of which shaders use few members, so that GPUs load these one by one.
-set(latelight_structs_in_part Mesh RayEmitter RayScene TextureRecord)
+set(latelight_structs_in_part Mesh RayEmitter RayScene)
 
 # latelight_load(header struct): writes load/<struct>.glsl, if its size is a multiple of 16 bytes.
 function(latelight_load header struct)

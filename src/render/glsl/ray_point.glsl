@@ -65,7 +65,7 @@ void fetchTexels(FrameConstants frame, uint material, SurfacePoint p, uint slots
     uint slot = uint(findLSB(left));
     vec2 uv = p.uv.xy;
     for (bool moved = !plain; moved; moved = false) uv = transformedUv(textureTransform(at, slot), p.uv);
-    rayTexels[slot] = magnifiedTexture(frameTexture(frame, sceneWordAt(at, kMaterialImagesAt + slot)), uv);
+    rayTexels[slot] = magnifiedTexture(textureAt(frame.textures, sceneWordAt(at, kMaterialImagesAt + slot)), uv);
   }
 }
 vec4 sampleTexture(Material m, uint slot, SurfacePoint p) { return rayTexels[slot]; }

@@ -97,16 +97,26 @@ mat3 rayAxes(vec3 direction) {
   return mat3(right, cross(direction, right), direction);
 }
 
-// Returns one of the addresses with which a Mesh begins: of its positions (0), attributes (1) or extras (2).
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer MeshAddressesRef { uint64_t v[]; };
-uint64_t meshAddress(FrameConstants frame, uint mesh, uint member) {
-  uint64_t at = frame.meshes + uint64_t(mesh) * kMeshBytes, address;
-  if (kTexelLoads != 0u) {
-    uvec4 words = sceneWordsAt(at, member / 2u);
-    address = packUint2x32((member & 1u) == 0u ? words.xy : words.zw);
-  } else {
-    address = MeshAddressesRef(at).v[member];
-  }
+// Return the addresses of a mesh's streams. GPUs load nothing else of it.
+uvec4 meshWords(FrameConstants frame, uint mesh, uint i) {
+  return sceneWordsAt(frame.meshes + uint64_t(mesh) * kMeshBytes, i);
+}
+uint64_t meshPositions(FrameConstants frame, uint mesh) {
+  uint64_t address;
+  if (kTexelLoads != 0u) address = packUint2x32(meshWords(frame, mesh, 0u).xy);
+  else address = MeshRef(frame.meshes).v[mesh].positions;
+  return address;
+}
+uint64_t meshAttributes(FrameConstants frame, uint mesh) {
+  uint64_t address;
+  if (kTexelLoads != 0u) address = packUint2x32(meshWords(frame, mesh, 0u).zw);
+  else address = MeshRef(frame.meshes).v[mesh].attributes;
+  return address;
+}
+uint64_t meshExtras(FrameConstants frame, uint mesh) {
+  uint64_t address;
+  if (kTexelLoads != 0u) address = packUint2x32(meshWords(frame, mesh, 1u).xy);
+  else address = MeshRef(frame.meshes).v[mesh].extras;
   return address;
 }
 
@@ -123,7 +133,7 @@ RayMesh enterInstance(FrameConstants frame, RayScene scene, uint index, Ray ray,
   mesh.group = instance.flags >> kInstanceGroupShift;
   mesh.nodes = placed.nodes;
   mesh.triangles = placed.triangles;
-  mesh.positions = meshAddress(frame, instance.mesh, 0u);
+  mesh.positions = meshPositions(frame, instance.mesh);
   mesh.toRay = toAxes * mat3(instance.objectToWorld);
   mesh.offset = toAxes * offset;
   vec3 origin = -vec3(dot(x.xyz, offset), dot(y.xyz, offset), dot(z.xyz, offset));
@@ -172,7 +182,7 @@ TextureTransform textureTransform(uint64_t material, uint slot) {
 float rayAlpha(FrameConstants frame, uint materialIndex, uint instanceIndex, uvec3 corners, vec3 weights) {
   uint64_t material = frame.materials + uint64_t(materialIndex) * kMaterialBytes;
   Instance instance = frameInstance(frame, instanceIndex);
-  uint64_t attributes = meshAddress(frame, instance.mesh, 1u), extras = meshAddress(frame, instance.mesh, 2u);
+  uint64_t attributes = meshAttributes(frame, instance.mesh), extras = meshExtras(frame, instance.mesh);
   vec4 uv = vec4(0.0);
   precise float alpha = uintBitsToFloat(sceneWordAt(material, 3u));
   for (int i = 0; i < 3; ++i) uv.xy += weights[i] * attributesAt(attributes, corners[i]).uv0;
@@ -188,7 +198,7 @@ float rayAlpha(FrameConstants frame, uint materialIndex, uint instanceIndex, uve
   for (bool some = (sceneWordAt(material, kMaterialTexturesAt) & (1u << kTextureBaseColor)) != 0u; some; some = false) {
     TextureTransform t = textureTransform(material, kTextureBaseColor);
     vec3 at = vec3(t.uvSet == 0u ? uv.xy : uv.zw, 1.0);
-    TextureRecord texture = frameTexture(frame, sceneWordAt(material, kMaterialImagesAt + kTextureBaseColor));
+    TextureRecord texture = textureAt(frame.textures, sceneWordAt(material, kMaterialImagesAt + kTextureBaseColor));
     alpha *= filteredLevel(texture, 0u, vec2(dot(t.row0, at), dot(t.row1, at)),
                            (texture.flags & kTextureMagnifyNearest) != 0u).a;
   }

@@ -6,8 +6,12 @@
 
 #include "load/TextureRecord.glsl"
 
-TextureRecord frameTexture(FrameConstants frame, uint index) {
-  return loadTextureRecord(frame.textures + uint64_t(index) * kTextureRecordBytes);
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer TextureRef { TextureRecord v[]; };
+TextureRecord textureAt(uint64_t records, uint index) {
+  TextureRecord t;
+  if (kTexelLoads != 0u) t = loadTextureRecord(records + uint64_t(index) * kTextureRecordBytes);
+  else t = TextureRef(records).v[index];
+  return t;
 }
 
 int wrapped(int at, int size, uint mode) {

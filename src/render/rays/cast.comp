@@ -30,7 +30,7 @@ Exact3 exactCorner(Instance instance, Exact3 offset, vec3 position) {
 
 float exactDistance(FrameConstants frame, Ray ray, vec3 directionLow, RayHit hit) {
   Instance instance = frameInstance(frame, hit.instance);
-  uint64_t positions = meshAddress(frame, instance.mesh, 0u);
+  uint64_t positions = meshPositions(frame, instance.mesh);
   Exact3 offset = add(exactSum(instance.objectToWorld[3], -ray.origin),
                       exactSum(instance.translationLow, -ray.originLow));
   Exact3 a = exactCorner(instance, offset, positionAt(positions, hit.corners.x));

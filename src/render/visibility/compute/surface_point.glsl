@@ -126,8 +126,7 @@ vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
 uint64_t textureRecords;  // FrameConstants::textures
 vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
   TextureLookup place = textureLookup(m, slot, p);
-  TextureRecord texture = loadTextureRecord(textureRecords + uint64_t(m.images[slot]) * kTextureRecordBytes);
-  return filteredTexture(texture, place.uv, place.right, place.down);
+  return filteredTexture(textureAt(textureRecords, m.images[slot]), place.uv, place.right, place.down);
 }
 #endif
 

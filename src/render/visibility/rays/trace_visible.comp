@@ -53,7 +53,7 @@ float depthOfVast(FrameConstants frame, View view, ViewPlane plane, vec2 place) 
 // Returns the value of the visibility buffer for the surface that a ray hits.
 uint64_t visibleOf(FrameConstants frame, View view, RayHit hit, vec2 place) {
   Instance instance = frameInstance(frame, hit.instance);
-  uint64_t positions = meshAddress(frame, instance.mesh, 0u);
+  uint64_t positions = meshPositions(frame, instance.mesh);
   float depth;
   if (kLens != 0u)
     depth = deviceDepth(view.projection, hit.distance);
