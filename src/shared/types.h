@@ -155,8 +155,8 @@ SH_CONST uint kMaterialImagesAt = 153u;
 
 // A texture and its sampler for compute shaders that filter in software, on devices without descriptor indexing.
 struct TextureRecord {
-  uint64_t texels;      // RGBA8, mip level after mip level
-  uint width, height;   // of level 0
+  uint64_t texels;     // RGBA8, mip level after mip level
+  uint width, height;  // of level 0
   uint levels;
   uint flags;       // kTexture*
   uint anisotropy;  // maximum number of samples along a pixel's footprint

@@ -142,7 +142,7 @@ VkBufferCreateInfo bufferInfo(Device& device, const BufferDesc& desc) {
   return info;
 }
 
-// What shaders load may lie in the texel window. Nothing but copies reads what is made for the host.
+// Buffers that shaders may load lie in the texel window. Those for the host are only copied to.
 Allocator::Sharing sharingOf(const BufferDesc& desc) {
   using enum Allocator::Sharing;
   if (desc.exported) return Exported;

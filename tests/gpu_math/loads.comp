@@ -10,6 +10,7 @@
   layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer type##Ref { type v; };
 #include "structs.inc"
 #undef STRUCT
+const uint kTexelLoads = 1u;  // no struct is loaded member by member
 #include "all_loads.glsl"
 
 layout(local_size_x = 1) in;

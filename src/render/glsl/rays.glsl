@@ -279,8 +279,9 @@ void countRayWork(inout uint work, uint steps) {}
 void endRayWork(uint work) {}
 #endif
 
-// Returns the index of an element that a lane loads. lavapipe also fetches texels for lanes that wait, and computes with
-// what it finds: numbers as small as an integer's bits take a hundred times as long. So these lanes load element 0.
+// Returns the index of an element that a lane loads. lavapipe also fetches texels for lanes that wait, and computes
+// with what it finds there. Integers read as floats are denormal numbers, which take a hundred times as long, so these
+// lanes load element 0.
 uint presentIndex(bool present, uint index) {
   if (kTexelLoads != 0u) index = present ? index : 0u;
   return index;

@@ -14,8 +14,8 @@ uvec4 wordsAt(uint64_t address, uint i) {
 vec4 floatsAt(uint64_t address, uint i) { return uintBitsToFloat(wordsAt(address, i)); }
 
 // The same for memory of the scene: buffers of their own (vk::Buffer), not those that a graph places in a heap. On
-// lavapipe, they lie in a window of the address space that is also a texel buffer (vk/texel_window.h), and a fetch is no
-// loop over lanes. It also fetches for lanes that wait, whatever their address is: presentIndex() in rays.glsl.
+// lavapipe, they lie in a window of the address space that is also a texel buffer (vk/texel_window.h), and a fetch has
+// no loop over lanes. Lanes that wait fetch, too, whatever their address is: see presentIndex() in rays.glsl.
 //
 // Shaders define LOADS_TEXELS if each frame requests their pipelines, because those that exist when the window is full
 // would go on fetching texels.
