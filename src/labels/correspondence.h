@@ -41,8 +41,8 @@ LocatedPixels locate(const output::FrameOutput& first, const glm::dvec3& origin,
                      const scene::Scene& scene, const render::Settings& others);
 
 // The settings select surfaces, axes and raster. Each image shows an instant, without an exposure time and a rolling
-// shutter. A point is visible in the second image if it lies within that image, between its
-// camera's near and far planes, and no surface is before it.
+// shutter. A point is visible in the second image if it lies within that image, between its camera's near and far
+// planes, and no surface is before it.
 Correspondence correspond(render::Renderer& renderer, const scene::Scene& scene, const Shot& first, const Shot& second,
                           const render::Settings& settings);
 

@@ -149,12 +149,17 @@ Allocator::Sharing sharingOf(const BufferDesc& desc) {
   return desc.kind == MemoryKind::Readback ? Blocks : Window;
 }
 
+// Returns the types of the external memory to which such a buffer may be bound; 0: none.
+VkExternalMemoryHandleTypeFlags externalTypes(Device& device, Allocator::Sharing sharing) {
+  if (sharing == Allocator::Sharing::Exported) return VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
+  return sharing == Allocator::Sharing::Window && device.memory().window() ? TexelWindow::kHandleType : 0;
+}
+
 VkBuffer createBuffer(Device& device, const BufferDesc& desc, Allocator::Sharing sharing) {
   VkBufferCreateInfo info = bufferInfo(device, desc);
-  VkExternalMemoryBufferCreateInfo exported{VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO};
-  exported.handleTypes = VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
-  if (sharing == Allocator::Sharing::Window) exported.handleTypes = TexelWindow::kHandleType;
-  if (desc.exported || (sharing == Allocator::Sharing::Window && device.memory().window())) info.pNext = &exported;
+  VkExternalMemoryBufferCreateInfo external{VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO};
+  external.handleTypes = externalTypes(device, sharing);
+  if (external.handleTypes != 0) info.pNext = &external;
   VkBuffer buffer = VK_NULL_HANDLE;
   VK_CHECK(vkCreateBuffer(device.get(), &info, nullptr, &buffer));
   return buffer;

@@ -87,7 +87,7 @@ void checkEntries(const SetFolder& set, const Manifest& manifest, size_t formats
                set.job().string());
 }
 
-// Throws if an archive that the set has, and from which writeSet() may copy frames, is not as it was written: its new
+// Throws if an archive of the set, from which writeSet() may copy frames, was changed after it was written: its new
 // hash would hide the damage.
 void checkArchives(const SetFolder& set, const Manifest& manifest) {
   std::set<std::pair<std::string, uint64_t>> checked;

@@ -12,8 +12,7 @@
 // Properties of the device (vk/constants.def).
 layout(constant_id = kCpuDeviceConstant) const uint kCpuDevice = 0;         // 1 on CPU devices
 layout(constant_id = kSubgroupSizeConstant) const uint kSubgroupSize = 128;  // maximum lanes of a subgroup
-
-layout(constant_id = kTexelLoadsConstant) const uint kTexelLoads = 0;  // 1: sceneWordsAt() fetches texels
+layout(constant_id = kTexelLoadsConstant) const uint kTexelLoads = 0;        // 1: sceneWordsAt() fetches texels
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer FrameRef { FrameConstants v; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer MeshRef { Mesh v[]; };
@@ -31,7 +30,6 @@ layout(constant_id = kWorldsConstant) const uint kWorlds = 0;
 FrameConstants frameOf(uint64_t frames, uint view) {
   return FrameRef(kWorlds != 0u ? frames + uint64_t(view) * kFrameBytes : frames).v;
 }
-
 
 // --- common loads ----------------------------------------------------------------------------------------------------
 
