@@ -391,7 +391,8 @@ TEST_F(RayLightTest, EmittersAddUp) {
   EXPECT_NEAR(meanColor(renderOne(device(), scene, floor.camera, settings)) / expected, 1, 0.01);
 }
 
-// A Lambertian floor below an overcast sky of radiance 1 that a square blocks in part.
+// A Lambertian floor below an overcast sky of radiance 1 that a square blocks in part. With the filter, each ray is
+// chosen among four directions.
 TEST_F(RayLightTest, TheEnvironmentCastsShadows) {
   const FloorScene floor = floorBelowASquare(1.5, 1, vec3(0));
   const scene::Environment environment = constantEnvironment();
@@ -399,8 +400,11 @@ TEST_F(RayLightTest, TheEnvironmentCastsShadows) {
   settings.width = settings.height = 16;
   settings.samples = 256;
   settings.indirect = Indirect::OneBounce;
-  EXPECT_NEAR(meanColor(renderOne(device(), floor.builder.scene, floor.camera, settings, &environment)),
-              1 - formFactor(1.5, 1), 0.003);
+  for (const IndirectFilter filter : {IndirectFilter::None, IndirectFilter::Spatial}) {
+    settings.indirectFilter = filter;
+    EXPECT_NEAR(meanColor(renderOne(device(), floor.builder.scene, floor.camera, settings, &environment)),
+                1 - formFactor(1.5, 1), 0.003);
+  }
 }
 
 // A sky whose brightness varies with the longitude, and a sun with most of its light.
@@ -458,6 +462,44 @@ TEST_F(RayLightTest, SamplesOfEnvironmentsAreWellDistributed) {
   }
   EXPECT_NEAR(mean, 1, 0.002);
   EXPECT_LT(std::sqrt(square), 0.02);
+  settings.indirectFilter = IndirectFilter::Spatial;
+  const output::FrameOutput filtered = renderOne(device(), floor.builder.scene, floor.camera, settings, &environment);
+  EXPECT_NEAR(meanColor(filtered) / expected, 1, 0.002);
+}
+
+// A floor beside a glossy wall that reflects the sky toward it. With an area light, however dark it is, the path goes
+// on from the wall. Without one, the direction in which it would go on is a candidate of the wall's ray to the sky.
+TEST_F(RayLightTest, LastSurfacesReflectTheSky) {
+  const scene::FloatImage sky = sunnySky();
+  scene::Environment environment = constantEnvironment();
+  environment.radiance = scene::makeRadianceMap(sky, false);
+  for (const float roughness : {0.15f, 0.5f}) {
+    const auto seen = [&](bool goesOn) {
+      const glm::dmat4 wall(glm::dvec4(0, 1, 0, 0), glm::dvec4(0, 0, 1, 0), glm::dvec4(1, 0, 0, 0),
+                            glm::dvec4(-0.5, 0, 0, 1));
+      FloorScene floor(squareMesh(), wall, scene::Light{.intensity = 0});
+      scene::Scene& scene = floor.builder.scene;
+      scene.instances[1].material = addMaterial(scene, vec3(1));
+      scene::Material& metal = scene.materials.back();
+      metal.data.metallic = 1;
+      metal.data.roughness = roughness;
+      metal.data.specular = 1;
+      scene::Light dark;
+      dark.type = shared::kLightSphere;
+      dark.size = 0.01f;
+      dark.intensity = 1e-20f;
+      if (goesOn) scene.lights.push_back(dark);
+      floor.size = 32;
+      floor.camera.yHalf = 0.1f;
+      Settings settings = floor.settings();
+      settings.samples = 128;
+      settings.indirect = Indirect::OneBounce;
+      return meanColor(renderOne(device(), scene, floor.camera, settings, &environment));
+    };
+    const double chosen = seen(false);
+    EXPECT_NEAR(chosen / seen(true), 1, 0.005) << roughness;
+    EXPECT_GT(chosen / radianceBelow(sky), 0.8) << roughness;  // the wall reflects about as much as it blocks
+  }
 }
 
 // --- coats and transmission ------------------------------------------------------------------------------------------

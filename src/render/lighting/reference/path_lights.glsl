@@ -33,10 +33,19 @@ vec3 rayOrigin(Surface s, vec3 direction, float distance) {
 
 // --- environment -----------------------------------------------------------------------------------------------------
 
-// `bits`: a point of the unit square, times 2^32. Requires hasCells().
-LightRay rayToSky(FrameConstants frame, RayScene scene, uvec2 bits) {
+// These require hasCells(). `skies`: directions that are sampled at the surface, whose density is that of all together.
+
+// `bits`: a point of the unit square, times 2^32.
+LightRay rayToSky(FrameConstants frame, RayScene scene, uvec2 bits, float skies) {
   SkySample sky = sampleSky(frame, scene, bits);
-  return lightRay(skyRadiance(frame, sky.direction), sky.direction, 3.0e38, sky.density);
+  return lightRay(skyRadiance(frame, sky.direction), sky.direction, 3.0e38, sky.density * skies);
+}
+
+// Returns the ray in a direction of the surface's lobes.
+LightRay rayOnward(FrameConstants frame, RayScene scene, PathVertex v, float skies) {
+  vec2 u = nextSample();
+  vec3 toLight = sampleLobes(v, u, nextSample().x);
+  return lightRay(skyRadiance(frame, toLight), toLight, 3.0e38, skyDensity(frame, scene, toLight) * skies);
 }
 
 // --- lights ----------------------------------------------------------------------------------------------------------

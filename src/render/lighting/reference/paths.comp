@@ -4,8 +4,8 @@
 // variants: layout, visible
 // functions: kept
 // Path tracing from the visible surface of each pixel (Kajiya 1986, The Rendering Equation). At each surface, one
-// light, one direction of the environment, one point of the emissive surfaces and one of the area lights are sampled,
-// and the path goes on in a direction of the surface's lobes, which also finds the last three. From the fourth surface
+// light, directions of the environment, one point of the emissive surfaces and one of the area lights are sampled, and
+// the path goes on in a direction of the surface's lobes, which also finds the last three. From the fourth surface
 // on, paths end at random (Russian roulette): those that carry a quarter of their light go on with a chance of a half,
 // because sampling their later surfaces less often than this costs more by noise than it saves.
 //
@@ -103,48 +103,86 @@ void recordLight(inout Path path, PathVertex v, LightRay light, vec3 passed) {
   path.record.toLight = packSnorm2x16(octahedralFromDirection(light.centered));
 }
 
-// Returns how many directions of the environment are sampled at a surface of a path. Below a sky, direct light at the
-// visible surface has most of the noise, and one more ray there costs less than one more path. Images with a filter
-// often have one sample per pixel, so they have fewer.
-uint skyDirections(FrameConstants frame, RayScene scene, uint index) {
+// Returns true if paths end before their surface of this bounce. Area lights are found by one more ray.
+bool endsAt(FrameConstants frame, uint bounce) { return bounce > push.bounces + (hasAreaLights(frame) ? 1u : 0u); }
+
+// Returns how many rays to the environment a surface of a path has. Below a sky, direct light at the visible surface
+// has most of the noise, and one more ray there costs less than one more path. A filter removes the noise of a single
+// ray if it is chosen among several directions. (lavapipe of Mesa 22.3.6 crashes if one function returns both as a
+// struct.)
+uint skyRays(FrameConstants frame, RayScene scene, uint index) {
   if (!hasCells(scene, frame)) return 0u;
-  return index > 0u ? 1u : (kFiltered != 0u ? 2u : 4u);
+  return index == 0u && kFiltered == 0u ? 4u : 1u;
+}
+uint directionsPerRay(uint index) { return index == 0u && kFiltered != 0u ? 4u : 1u; }
+
+// A ray that is chosen among candidates, in proportion to what each would add if nothing blocked it (Talbot, Cline and
+// Egbert 2005, Importance Resampling for Global Illumination).
+struct RayChoice {
+  LightRay light;
+  vec3 sent;     // what the surface sends toward the eye of its light
+  float pick;    // random number in [0, 1)
+  float total;   // weight of all candidates
+  float weight;  // of the chosen one
+};
+
+void addCandidate(inout RayChoice c, LightRay light, vec3 sent) {
+  float weight = maxChannel(sent);
+  if (weight > 0.0) {
+    c.total += weight;
+    float kept = weight / c.total;
+    bool taken = c.pick < kept;
+    c.pick = clamp(taken ? c.pick / kept : (c.pick - kept) / max(1.0 - kept, 1e-6), 0.0, 0.999999);
+    if (taken) c = RayChoice(light, sent, c.pick, c.total, weight);
+  }
 }
 
 // Adds the light that the `index`th surface of a path receives directly. `next`: the bounce of the path's next surface.
 // Emissive surfaces are sampled if follow() adds their emission there. Directions of the environment are consecutive
-// points of one pair of dimensions, so all samples of a pixel are well distributed together.
+// points of one pair of dimensions, so all samples of a pixel are well distributed together. If a path could only find
+// the environment after this surface, the direction in which it would go on is one more candidate, and the path ends.
 void addDirectLight(inout Path path, FrameConstants frame, RayScene scene, PathVertex v, vec3 beyond, uint bounce,
                     uint next, uint index) {
-  uint skyPair = pathPair++, skies = skyDirections(frame, scene, index);
-  path.skies = float(skies);
-  LightRay lit = noLightRay(), emitted = noLightRay(), area = noLightRay();
+  uint sky = skyRays(frame, scene, index), directions = directionsPerRay(index);
+  bool last = sky > 0u && endsAt(frame, next);
+  uint skyPair = pathPair++, pickPair = pathPair;
+  if (directions > 1u || last) ++pathPair;
+  path.skies = float(sky * directions);
+  LightRay lit = noLightRay(), emitted = noLightRay(), area = noLightRay(), onward = noLightRay();
   if (bounce > 0u || path.fromEye || (kPathFlags & kPathsFromLights) != 0u) lit = rayToLight(frame, v, path.distance);
   if (next <= push.bounces) emitted = rayToEmitter(frame, scene, v, path.distance);
   if (hasAreaLights(frame)) area = rayToArea(frame, v);
-  uint rays = skies + (kSampledAreaLights != 0u ? 3u : 2u);
+  // Loops instead of branches, here and below, because lavapipe executes a branch even if no lane takes it.
+  for (bool once = last; once; once = false) onward = rayOnward(frame, scene, v, path.skies);
+  uint rays = sky + (kSampledAreaLights != 0u ? 3u : 2u);
   for (uint i = 0u; i < rays && !rayWorkIsDone(); ++i) {  // one copy of the traversal
-    bool isSky = i < skies, isLight = i == skies, isArea = i == skies + 2u;
-    LightRay light = isLight ? lit : (isArea ? area : emitted);
-    // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
-    for (bool once = isSky; once; once = false)
-      light = rayToSky(frame, scene, sobolBits(pathIndex * skies + i, skyPair, pathSeed));
-    if (!(maxChannel(light.radiance) > 0.0)) continue;
-    vec3 sent = light.radiance;
-    if (isSky) light.density *= float(skies);
-    if (!isLight)
-      sent *= pathReflectance(v, light.toLight, isArea) / (light.density + pathDensity(v, light.toLight));
-    if (!(maxChannel(sent) > 0.0)) continue;
-    Ray ray = Ray(rayOrigin(v.s, light.toLight, path.distance), vec3(0.0), light.toLight, 0.0, light.far);
-    vec3 absorption = dot(v.s.geonormal, light.toLight) < 0.0 ? beyond : path.absorption;
-    vec3 passed = lightPassed(frame, ray, absorption);
-    vec3 radiance = path.carried * sent * passed;
+    bool isSky = i < sky, isLight = i == sky, isArea = i == sky + 2u;
+    LightRay single = isLight ? lit : (isArea ? area : emitted);
+    RayChoice c = RayChoice(single, vec3(0.0), 0.0, 0.0, 1.0);
+    uint candidates = isSky ? directions + (last ? 1u : 0u) : 1u;
+    for (bool once = candidates > 1u; once; once = false)
+      c.pick = sobolSample(pathIndex * sky + i, pickPair, pathSeed).x;
+    for (uint j = 0u; j < candidates; ++j) {
+      LightRay light = isSky ? onward : single;
+      for (bool once = isSky && j < directions; once; once = false)
+        light = rayToSky(frame, scene, sobolBits((pathIndex * sky + i) * directions + j, skyPair, pathSeed),
+                         path.skies);
+      vec3 sent = light.radiance;
+      if (!isLight)
+        sent *= pathReflectance(v, light.toLight, isArea) / (light.density + pathDensity(v, light.toLight));
+      addCandidate(c, light, sent);
+    }
+    if (!(c.total > 0.0)) continue;
+    Ray ray = Ray(rayOrigin(v.s, c.light.toLight, path.distance), vec3(0.0), c.light.toLight, 0.0, c.light.far);
+    vec3 absorption = dot(v.s.geonormal, c.light.toLight) < 0.0 ? beyond : path.absorption;
+    vec3 passed = lightPassed(frame, ray, absorption) * (c.total / c.weight);
     if (kSharedPaths != 0u && isLight && path.recorded && bounce == 1u) {
-      recordLight(path, v, light, passed);
+      recordLight(path, v, c.light, passed);
       continue;
     }
-    add(path, radiance, bounce == 0u && !path.fromEye ? lobeShare(v, light.toLight) : path.share,
-        recordedShare(path, v, light.toLight, bounce));
+    add(path, path.carried * c.sent * passed,
+        bounce == 0u && !path.fromEye ? lobeShare(v, c.light.toLight) : path.share,
+        recordedShare(path, v, c.light.toLight, bounce));
   }
 }
 
@@ -192,16 +230,11 @@ void beginRecord(inout Path path, PathVertex v, vec3 plane) {
   path.carried = vec3(1.0);
 }
 
-// Returns true if light may come from beyond all surfaces, which the last ray of a path finds.
-bool anythingBeyond(FrameConstants frame, RayScene scene) { return hasCells(scene, frame) || hasAreaLights(frame); }
-
 // Follows the ray of a path to the surface `v` that it hits, the `index`th one, and adds what the ray sees. `beyond` is
 // the absorption on the surface's other side. Returns false if the path ends: `onlySky` ends it at any surface.
 bool follow(inout Path path, FrameConstants frame, RayScene scene, uint index, uint bounce, bool onlySky,
             out PathVertex v, out vec3 beyond) {
   uint what = translucentRays() | (path.fromEye && bounce == 0u ? 0u : kRayTwoSided);
-  bool onlyBlocks = onlySky && !hasAreaLights(frame) && (kPathFlags & kPathsFindTranslucent) == 0u;
-  if (onlyBlocks) what |= kRayStopAtFirst;
   bool arrives = false;
   for (uint i = 0u; i <= kMaxCrossings && !rayWorkIsDone(); ++i) {
     RayHit hit = traceRay(frame, path.ray, what);
@@ -287,14 +320,14 @@ Path tracedPath(FrameConstants frame, Path path, PathVertex v) {
   RayScene scene = loadRayScene(frame.rayScene);
   vec3 beyond = vec3(0.0);
   bool goesOn = true;
-  uint bounce = 0u, rays = push.bounces + (anythingBeyond(frame, scene) ? 1u : 0u);
+  uint bounce = 0u;
   for (uint i = 0u; goesOn && i < kMaxSurfaces; ++i) {
     if (i > 0u || ((kPathFlags & kPathsFromEye) != 0u && path.fromEye))
       goesOn = follow(path, frame, scene, i, bounce, bounce > push.bounces, v, beyond);
     if (!goesOn) continue;
     uint next = bounce + (kLayers != 0u && v.coated && v.coats.inside ? 0u : 1u);
     addDirectLight(path, frame, scene, v, beyond, bounce, next, i);
-    goesOn = next <= rays && scatter(path, frame, v, beyond, bounce, i);
+    goesOn = !endsAt(frame, next) && scatter(path, frame, v, beyond, bounce, i);
     bounce = next;
   }
   return path;
