@@ -143,7 +143,7 @@ void addCandidate(inout RayChoice c, LightRay light, vec3 sent) {
 // the environment after this surface, the direction in which it would go on is one more candidate, and the path ends.
 void addDirectLight(inout Path path, FrameConstants frame, RayScene scene, PathVertex v, vec3 beyond, uint bounce,
                     uint next, uint index) {
-  uint sky = skyRays(frame, scene, index), directions = directionsPerRay(index);
+  uint sky = skyRays(frame, scene, index), directions = sky > 0u ? directionsPerRay(index) : 0u;
   bool last = sky > 0u && endsAt(frame, next);
   uint skyPair = pathPair++, pickPair = pathPair;
   if (directions > 1u || last) ++pathPair;
