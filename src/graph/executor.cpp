@@ -65,14 +65,24 @@ void recordFullBarrier(VkCommandBuffer commands) {
                           VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
 }
 
-// `images` and `buffers` are indexed by the graph's ids.
+// Shaders of CPU devices also read buffers as texels, all of which are one buffer to synchronization validation
+// (vk/texel_window.h). So this barrier for any of them accompanies those of single resources.
+constexpr Barrier kBeforeTexelLoads{
+    .sourceStage = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+    .targetStage = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+    .sourceAccess = VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+    .targetAccess = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT};
+
+// `images` and `buffers` are indexed by the graph's ids. `texels`: shaders may load buffers as texels.
 void recordBarriers(VkCommandBuffer commands, const std::vector<Barrier>& barriers,
-                    const std::vector<const vk::Image*>& images, const std::vector<const vk::Buffer*>& buffers) {
+                    const std::vector<const vk::Image*>& images, const std::vector<const vk::Buffer*>& buffers,
+                    bool texels) {
   if (barriers.empty()) return;
   if (std::any_of(barriers.begin(), barriers.end(), beginsInUsedMemory)) recordFullBarrier(commands);
   std::vector<VkImageMemoryBarrier2> ofImages;
   std::vector<VkBufferMemoryBarrier2> ofBuffers;
   std::vector<VkMemoryBarrier2> ofMemory;
+  if (texels) ofMemory.push_back(translate(kBeforeTexelLoads));
   for (const Barrier& barrier : barriers) {
     if (barrier.image) {
       ofImages.push_back(translate(barrier, *images.at(barrier.image.index)));
@@ -411,6 +421,7 @@ void Executor::Impl::record(const Graph& graph, const Plan& plan, RecordedGraph&
   context.images_ = &recorded.images;
   context.buffers_ = &recorded.buffers;
   Timers& timers = recorded.recorder->timers;
+  const bool texels = pool->device.memory().window() != nullptr;
   recordFullBarrier(buffer);  // earlier submissions on the queue use the same memory for their transients
   timers.begin(buffer, static_cast<uint32_t>(plan.steps.size()));
   uint32_t mark = 0;
@@ -419,12 +430,12 @@ void Executor::Impl::record(const Graph& graph, const Plan& plan, RecordedGraph&
     recorded.passes.push_back({pass.stage, pass.name, 0, pass.trafficBytes});
     const Label label(labels, buffer, pass.name);
     timers.mark(buffer, mark++);
-    recordBarriers(buffer, step.before, recorded.images, recorded.buffers);
+    recordBarriers(buffer, step.before, recorded.images, recorded.buffers, texels);
     context.pass_ = &pass;
     if (pass.record) pass.record(context);
     timers.mark(buffer, mark++);
   }
-  recordBarriers(buffer, plan.after, recorded.images, recorded.buffers);
+  recordBarriers(buffer, plan.after, recorded.images, recorded.buffers, texels);
   timers.end(buffer);
 }
 
