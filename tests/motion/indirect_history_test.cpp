@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "long_tests.h"
 #include "motion/files.h"
 #include "render/support.h"
 #include "scene/framing.h"
@@ -111,7 +112,8 @@ TEST_F(IndirectHistoryTest, TheErrorFallsWithFrames) {
   const scene::Scene scene = boxAndWall();
   const scene::Environment environment = constantEnvironment();
   const Sequence still{scene, environment};
-  const output::FrameOutput truth = last(still, settings(IndirectFilter::None, 2048), 1);
+  const uint32_t samples = latelight::test::rounds(2048, 1024);
+  const output::FrameOutput truth = last(still, settings(IndirectFilter::None, samples), 1);
   const double one = difference(last(still, settings(IndirectFilter::Temporal), 1), truth);
   const double four = difference(last(still, settings(IndirectFilter::Temporal), 4), truth);
   const double many = difference(last(still, settings(IndirectFilter::Temporal), 24), truth);

@@ -357,7 +357,7 @@ TEST_F(RandomOptions, AreDoneOrRefused) {
   setQuiet(true);
   for (int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL}) std::signal(signal, sayCurrent);
   const uint64_t seed = fromEnvironment("LATELIGHT_RANDOM_SEED", 1),
-                 groups = fromEnvironment("LATELIGHT_RANDOM_GROUPS", latelight::test::rounds(10, 3));
+                 groups = fromEnvironment("LATELIGHT_RANDOM_GROUPS", latelight::test::rounds(10, 2));
   Stage stage(device());
   size_t rendered = 0, refused = 0;
   for (uint64_t group = 0; group < groups; ++group) {

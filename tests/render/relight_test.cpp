@@ -215,8 +215,8 @@ TEST_F(RelightTest, HostShadesTheDevicesGbufferAlike) {
                                   const Layout& layout = layouts()[c[0]];
                                   return layout.hasTargets() && (c[1] == 0 || !layout.fixedNormal);
                                 });
-  // A run in part uses the first half, which adds most of the pairs.
-  chosen.resize(latelight::test::rounds(chosen.size(), chosen.size() / 2));
+  // A run in part uses the first quarter, whose combinations add the most pairs.
+  chosen.resize(latelight::test::rounds(chosen.size(), chosen.size() / 4));
   const double maxBeyond = device().isCpu() ? kMaxBeyond : kMaxBeyondFused;
   std::vector<Agreement> totals(bench->cases.size());
   for (const auto& c : chosen) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "long_tests.h"
 #include "scene/environment/picture.h"
 #include "scene/environment_support.h"
 #include "scene/scene.h"
@@ -184,8 +185,10 @@ INSTANTIATE_TEST_SUITE_P(EnvironmentFilter, SunOfOnePixel, testing::Values(65504
 // A disk of radiance L and solid angle S at elevation e: the plane's irradiance is L S sin e. The resolution of the
 // diffuse map and of the tree allows an error of 1 % at elevations of at least 15 degrees.
 TEST(EnvironmentFilter, SunsBeyondHalvesKeepTheirIrradiance) {
+  const bool full = latelight::test::runsInFull();
   for (const double degrees : {15.0, 40.0, 75.0}) {
     for (const float radiance : {3e5f, 1e9f}) {
+      if (!full && (degrees == 40) == (radiance > 1e6f)) continue;  // half of them
       const double e = degrees * std::numbers::pi / 180;
       const vec3 sun(std::cos(e), 0, std::sin(e));
       double irradiance = 0, power = 0;  // of the pixels that show the sun, each with its own solid angle and elevation
