@@ -48,12 +48,8 @@ void addCandidates(inout LightChoice c, FrameConstants frame, PathVertex v, Cand
     for (bool some = lights(frame, v, i); some; some = false) {
       LightSample arriving = sampleLight(frameLight(frame, i), v.s.position);
       vec3 sent = reflectedLight(v, arriving, true);
-      float share = maxChannel(sent), weight = share * range.count;
-      c.total += weight;
-      float kept = weight / max(c.total, 1e-30);
-      bool taken = share > 0.0 && c.pick < kept;
-      c.pick = clamp(taken ? c.pick / kept : (c.pick - kept) / max(1.0 - kept, 1e-6), 0.0, 0.999999);
-      if (!taken) continue;
+      float share = maxChannel(sent);
+      if (!takesCandidate(c.pick, c.total, share * range.count)) continue;
       c.light = sent;
       c.arriving = arriving.intensity * arriving.attenuation;
       c.toLight = arriving.toLight;

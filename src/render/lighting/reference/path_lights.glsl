@@ -43,8 +43,7 @@ LightRay rayToSky(FrameConstants frame, RayScene scene, uvec2 bits, float skies)
 
 // Returns the ray in a direction of the surface's lobes.
 LightRay rayOnward(FrameConstants frame, RayScene scene, PathVertex v, float skies) {
-  vec2 u = nextSample();
-  vec3 toLight = sampleLobes(v, u, nextSample().x);
+  vec3 toLight = nextDirection(v);
   return lightRay(skyRadiance(frame, toLight), toLight, 3.0e38, skyDensity(frame, scene, toLight) * skies);
 }
 
@@ -174,11 +173,7 @@ EmitterChoice chooseEmitter(FrameConstants frame, RayScene scene, PathVertex v, 
   for (uint i = 0u; i < count; ++i) {
     uint index = emitterByPower(scene, (float(i) + u.x) / float(count));
     float share = emitterGeometry(frame, sceneEmitter(scene, index), v);
-    total += share;
-    float kept = share / max(total, 1e-30);
-    bool taken = pick < kept;
-    pick = clamp(taken ? pick / kept : (pick - kept) / max(1.0 - kept, 1e-6), 0.0, 0.999999);
-    if (taken) choice.index = index, chosen = share;
+    if (takesCandidate(pick, total, share)) choice.index = index, chosen = share;
   }
   choice.weight = total / (chosen * float(count));
   return choice;

@@ -84,4 +84,10 @@ vec3 sampleLobes(PathVertex v, vec2 u, float choice) {
   return cosineSample(facets.normal, u);
 }
 
+// Samples a direction by the next points of the path's sequence.
+vec3 nextDirection(PathVertex v) {
+  vec2 u = nextSample();
+  return sampleLobes(v, u, nextSample().x);
+}
+
 #endif

@@ -120,22 +120,10 @@ uint directionsPerRay(uint index) { return index == 0u && kFiltered != 0u ? 4u :
 // Egbert 2005, Importance Resampling for Global Illumination).
 struct RayChoice {
   LightRay light;
-  vec3 sent;     // what the surface sends toward the eye of its light
-  float pick;    // random number in [0, 1)
-  float total;   // weight of all candidates
-  float weight;  // of the chosen one
+  vec3 sent;    // what the surface sends toward the eye of its light
+  float pick;   // random number in [0, 1)
+  float total;  // weight of all candidates
 };
-
-void addCandidate(inout RayChoice c, LightRay light, vec3 sent) {
-  float weight = maxChannel(sent);
-  if (weight > 0.0) {
-    c.total += weight;
-    float kept = weight / c.total;
-    bool taken = c.pick < kept;
-    c.pick = clamp(taken ? c.pick / kept : (c.pick - kept) / max(1.0 - kept, 1e-6), 0.0, 0.999999);
-    if (taken) c = RayChoice(light, sent, c.pick, c.total, weight);
-  }
-}
 
 // Adds the light that the `index`th surface of a path receives directly. `next`: the bounce of the path's next surface.
 // Emissive surfaces are sampled if follow() adds their emission there. Directions of the environment are consecutive
@@ -158,7 +146,7 @@ void addDirectLight(inout Path path, FrameConstants frame, RayScene scene, PathV
   for (uint i = 0u; i < rays && !rayWorkIsDone(); ++i) {  // one copy of the traversal
     bool isSky = i < sky, isLight = i == sky, isArea = i == sky + 2u;
     LightRay single = isLight ? lit : (isArea ? area : emitted);
-    RayChoice c = RayChoice(single, vec3(0.0), 0.0, 0.0, 1.0);
+    RayChoice c = RayChoice(single, vec3(0.0), 0.0, 0.0);
     uint candidates = isSky ? directions + (last ? 1u : 0u) : 1u;
     for (bool once = candidates > 1u; once; once = false)
       c.pick = sobolSample(pathIndex * sky + i, pickPair, pathSeed).x;
@@ -170,12 +158,12 @@ void addDirectLight(inout Path path, FrameConstants frame, RayScene scene, PathV
       vec3 sent = light.radiance;
       if (!isLight)
         sent *= pathReflectance(v, light.toLight, isArea) / (light.density + pathDensity(v, light.toLight));
-      addCandidate(c, light, sent);
+      if (takesCandidate(c.pick, c.total, maxChannel(sent))) c.light = light, c.sent = sent;
     }
     if (!(c.total > 0.0)) continue;
     Ray ray = Ray(rayOrigin(v.s, c.light.toLight, path.distance), vec3(0.0), c.light.toLight, 0.0, c.light.far);
     vec3 absorption = dot(v.s.geonormal, c.light.toLight) < 0.0 ? beyond : path.absorption;
-    vec3 passed = lightPassed(frame, ray, absorption) * (c.total / c.weight);
+    vec3 passed = lightPassed(frame, ray, absorption) * (c.total / maxChannel(c.sent));
     if (kSharedPaths != 0u && isLight && path.recorded && bounce == 1u) {
       recordLight(path, v, c.light, passed);
       continue;
@@ -273,8 +261,7 @@ bool follow(inout Path path, FrameConstants frame, RayScene scene, uint index, u
 
 // Chooses the direction in which a path leaves its surface, which is the `index`th one. Returns false if it ends there.
 bool scatter(inout Path path, FrameConstants frame, PathVertex v, vec3 beyond, uint bounce, uint index) {
-  vec2 u = nextSample();
-  vec3 toLight = sampleLobes(v, u, nextSample().x);
+  vec3 toLight = nextDirection(v);
   float density = pathDensity(v, toLight);
   if (bounce == 0u && !path.fromEye) path.share = lobeShare(v, toLight);
   path.lambertian = recordedShare(path, v, toLight, bounce);
