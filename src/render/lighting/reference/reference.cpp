@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "render/base/pixel_group.h"
 #include "render/lighting/lighting_shader.h"
 #include "render/lighting/reference/emitter_sums.h"
 #include "render/lighting/reference/indirect_filter.h"
@@ -32,6 +33,18 @@ uint32_t samplesAtOnce(const FrameContext& f, bool sharing) {
   constexpr uint64_t kMost = 16, kMostBytes = uint64_t{256} << 20;  // of records
   if (!sharing) return kMost;
   return static_cast<uint32_t>(std::clamp<uint64_t>(kMostBytes / (pixelCount(f) * shared::kPathRecordBytes), 1, kMost));
+}
+
+// Returns the number of blocks of pixels in a workgroup of paths.comp. A path takes as many registers as a GPU has per
+// invocation, unless the workgroup is large: all its invocations have theirs at the same time. With fewer, more rays
+// are in flight while they wait for memory. The state of paths with coats and transmission does not fit into fewer. In
+// small pictures, large workgroups would leave parts of a GPU without work (docs/experiments.md, "Registers of paths").
+uint32_t blocksOfPaths(const FrameContext& f) {
+  constexpr uint32_t kBlock = shared::kPixelGroupX * shared::kPixelGroupY, kMost = 6, kLeastGroups = 1024;
+  if (f.device.isCpu() || f.setup.layers || pixelCount(f) < uint64_t{kLeastGroups} * kBlock * kMost) return 1;
+  const VkPhysicalDeviceLimits& limits = f.device.properties().limits;
+  return std::min({kMost, (f.height + shared::kPixelGroupY - 1) / shared::kPixelGroupY,
+                   limits.maxComputeWorkGroupInvocations / kBlock, limits.maxComputeWorkGroupSize[1]});
 }
 
 // Creates an image of the frame's size, or of one texel if it is not used, because every binding requires an image.
@@ -115,7 +128,7 @@ void addPathPass(const FrameContext& f, const Gbuffer& gbuffer, ComputePass pass
 IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fromLights, uint32_t bounces) {
   const uint32_t all = f.setup.paths, flags = pathFlags(f, fromLights);
   const bool sharing = sharesPaths(f, fromLights);
-  const uint32_t atOnce = samplesAtOnce(f, sharing);
+  const uint32_t atOnce = samplesAtOnce(f, sharing), blocks = blocksOfPaths(f);
   const IndirectSignals signals = createSignals(f, f.setup.filtersIndirect && !fromLights);
   PathBuffers buffers;
   if (f.emitters > 0) buffers.emitters = addEmitterSums(f);
@@ -142,6 +155,8 @@ IndirectSignals addPaths(const FrameContext& f, const Gbuffer& gbuffer, bool fro
       pass.constants.push_back({kSampledAreaLightsConstant, f.scene.areaLights() > 0 ? 1u : 0u});
       pass.constants.push_back({kSharedPathsConstant, sharing ? 1u : 0u});
       pass.constants.push_back({kLimitsWorkConstant, f.device.isCpu() ? 1u : 0u});
+      pass.constants.push_back({kGroupBlocksConstant, blocks});
+      pass.groupY = blocks * shared::kPixelGroupY;
       addPathPass(f, gbuffer, std::move(pass), push, buffers,
                   push.environment == 0 ? graph::Use::StorageWrite : graph::Use::StorageReadWrite);
     }
