@@ -143,6 +143,22 @@ TEST_F(RayLightTest, ASphereCastsItsShadow) {
   EXPECT_GT(bright, 6000u);
 }
 
+// Irradiance pi below the sun on a white Lambertian floor is radiance 1, and 0 in the shadow, with each technique.
+TEST_F(RayLightTest, TechniquesOmitLightsWithShadows) {
+  glm::dmat4 placed(1);
+  placed[3] = glm::dvec4(0, 0, 1.7, 1);
+  FloorScene floor(boxMesh(), placed, sunFrom({0, 0, 1}));
+  floor.size = 16;
+  for (const char* technique : {"fullscreen", "volumes", "tiled", "clustered"}) {
+    Settings s = floor.settings();
+    s.lighting = &findTechnique(technique);
+    const output::FrameOutput seen = renderOne(device(), floor.builder.scene, floor.camera, s);
+    EXPECT_NEAR(imageOf(seen, Aov::Color).values[0], 1, 2e-3) << technique;
+    const std::vector<float> lit = litFractions(floor, s);
+    EXPECT_EQ(lit[0], 1) << technique;
+  }
+}
+
 // A point light below the sphere's side: the shadow is a cone's section.
 TEST_F(RayLightTest, PointAndSpotLightsCastSharpShadows) {
   for (const uint32_t type : {shared::kLightPoint, shared::kLightSpot}) {

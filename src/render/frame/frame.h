@@ -105,6 +105,7 @@ struct FrameContext : Builder {
   // The constants without the lights whose shadows rays find, which a pass after the lighting technique adds; 0: the
   // lighting technique adds all lights.
   VkDeviceAddress otherConstants = 0;
+  const FrameShadows* omitted = nullptr;    // for the technique: FrameShadows::omits() these lights
   uint32_t emitters = 0;                    // RayScene::emitterCount: triangles that paths sample
   float groundHeight = 0;                   // along Z of the device's world space
   const LensRays* lens = nullptr;           // null: all views are projections

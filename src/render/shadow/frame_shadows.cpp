@@ -200,22 +200,22 @@ std::vector<uint32_t> FrameShadows::castersOf(size_t view) const {
 // same order, and has the same bytes, as if it were rendered alone. Without worlds, the views share one list of other
 // lights, and rays find no shadows of lights that cast shadows only in other views.
 void FrameShadows::uploadRays(vk::Device& device, const GpuScene& scene) {
-  const bool ownLists = scene.hasWorlds() && !plan_.sameInAllViews;
+  ownLists_ = scene.hasWorlds() && !plan_.sameInAllViews;
   std::map<std::pair<uint32_t, std::vector<uint32_t>>, uint64_t> lists;  // by world and casters
   std::vector<shared::Light> others;
   std::vector<shared::RayShadow> rays;
   for (size_t view = 0; view < plan_.of.size(); ++view)
     rayColumns_ = std::max(rayColumns_, static_cast<uint32_t>(plan_.of[view].lights.size()));
-  if (!ownLists) rayColumns_ = static_cast<uint32_t>(columns_.size());
+  if (!ownLists_) rayColumns_ = static_cast<uint32_t>(columns_.size());
   for (size_t view = 0; view < plan_.of.size(); ++view) {
-    const std::vector<uint32_t> casters = ownLists ? castersOf(view) : columns_;
+    const std::vector<uint32_t> casters = ownLists_ ? castersOf(view) : columns_;
     for (uint32_t column = 0; column < rayColumns_; ++column) {
       const uint32_t light = column < casters.size() ? casters[column] : shared::kRayNone;
       const shared::LightShadow shadow =
           column < casters.size() ? table_[view * columns_.size() + columnOf(light)] : shared::LightShadow{};
       rays.push_back(shadow.maps ? plan_.rays[shadow.first] : shared::RayShadow{.light = light});
     }
-    if (view > 0 && !ownLists) continue;
+    if (view > 0 && !ownLists_) continue;
     const uint32_t world = scene.worlds().hasLights() ? plan_.worlds[view] : 0;
     const auto [list, isNew] = lists.try_emplace({world, casters}, others.size() * sizeof(shared::Light));
     otherLights_.push_back(list->second);
@@ -229,6 +229,10 @@ void FrameShadows::uploadRays(vk::Device& device, const GpuScene& scene) {
   if (plan_.sameInAllViews) rayLights_ = scene.lightsOf(0).lights;
   mapsBuffer_ = uploaded(device, "shadow rays", rays);
   lightsBuffer_ = uploaded(device, "lights without shadows", others);
+}
+
+bool FrameShadows::omits(uint32_t view, uint32_t light) const {
+  return std::ranges::binary_search(ownLists_ ? castersOf(view) : columns_, light);
 }
 
 uint32_t FrameShadows::mostRays() const {

@@ -45,6 +45,8 @@ class FrameShadows {
     if (plan_.placed.columns > 0) return plan_.placed.others;
     return lightsBuffer_.address() + otherLights_[otherLights_.size() > 1 ? view : 0];
   }
+  // Returns true if otherLights() of the view omits the light.
+  bool omits(uint32_t view, uint32_t light) const;
   // Elements of FrameConstants::shadowMaps from one view to the next, and bytes from one world to the next. Only if
   // tracesRays().
   uint32_t viewStride() const { return plan_.sameInAllViews || plan_.placed.columns > 0 ? 0 : rayColumns_; }
@@ -108,6 +110,7 @@ class FrameShadows {
   std::vector<uint32_t> columns_;  // lights that cast shadows in some view, ascending
   std::vector<shared::ShadowBits> bits_;
   uint32_t rayColumns_ = 0;                 // with rays: maximum number of lights whose shadows rays find in a view
+  bool ownLists_ = false;                   // with rays: each view omits its own lights, instead of columns_
   std::vector<uint64_t> otherLights_;       // with rays: offsets in lightsBuffer_, by view; one if they are the same
   std::vector<shared::Light> rayLights_;    // with ShadowPlan::sameInAllViews: the frame's lights
   std::vector<shared::LightShadow> table_;  // one row per view

@@ -2,6 +2,8 @@
 // occlusion, lighting, layered materials, ground, background, fog and transparency.
 #include "render/submit/frame_passes.h"
 
+#include <utility>
+
 #include "base/error.h"
 #include "render/layered/layered.h"
 #include "render/lighting/reference/paths.h"
@@ -97,7 +99,7 @@ LitFrame addLit(const FrameContext& f, const VisibilityBuffer& visible) {
   if (f.setup.sunInGbuffer) addSunOcclusion(f, g);
   const bool rayShadows = f.otherConstants && !f.setup.lighting->traces;  // paths find shadows themselves
   FrameContext others = f;
-  if (rayShadows) others.constants = f.otherConstants, others.shadows = nullptr;
+  if (rayShadows) others.constants = f.otherConstants, others.omitted = std::exchange(others.shadows, nullptr);
   g.lightLists = f.setup.lighting->add(others, g);
   if (rayShadows) addRayShadows(f, g);
   if (f.setup.areaShadowRays && !f.setup.indirect && !f.setup.lighting->traces) addAreaShadows(f, g);

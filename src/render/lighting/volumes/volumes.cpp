@@ -341,7 +341,7 @@ uint64_t VolumesPass::record(graph::Context& context, uint32_t view) const {
   uint64_t passes = 0;
   for (uint32_t light = 0; light < lights.size(); ++light) {
     const std::optional<VolumeDraw> draw = plan.of(lights[light]);
-    if (!draw) continue;
+    if (!draw || (f_.omitted && f_.omitted->omits(view, light))) continue;
     push.light = lights[light];
     push.shadow = f_.shadows ? f_.shadows->of(view, light) : shared::LightShadow{};
     push.shape = draw->shape;
