@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace latelight::shared {
 namespace {
 
@@ -24,6 +26,16 @@ TEST(Color, TransferFunctionsHitTheStandardsPoints) {
   EXPECT_NEAR(linearFromSrgb(0.04045f), 0.0031308f, 1e-7f);
   EXPECT_NEAR(srgbFromLinear(0.0031308f), 0.04045f, 1e-6f);
   EXPECT_FLOAT_EQ(srgbFromLinear(0.001f), 0.01292f);
+}
+
+// IEC 61966-2-1 in double precision.
+TEST(Color, EveryByteIsDecoded) {
+  for (int byte = 0; byte < 256; ++byte) {
+    const double x = byte / 255.0, exact = x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+    EXPECT_NEAR(linearFromByte(static_cast<float>(byte) / 255.0f), exact, 7e-7 * exact) << byte;
+  }
+  EXPECT_EQ(linearFromByte(0.0f), 0.0f);
+  EXPECT_EQ(linearFromByte(1.0f), 1.0f);
 }
 
 TEST(Color, TransferFunctionsGrowAcrossTheJoin) {

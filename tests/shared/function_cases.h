@@ -224,6 +224,7 @@ SH_FUNC vec4 transmittedRayOf(Arguments a) {
 #define FUNCTION_CASES(C)                                                                                              \
   C(srgbFromLinear, 2e-6f, 1e-7f, (pad(srgbFromLinear(a.u.x))))                                                        \
   C(linearFromSrgb, 4e-6f, 1e-7f, (pad(linearFromSrgb(a.u.x))))                                                        \
+  C(linearFromByte, 2e-6f, 1e-7f, (pad(linearFromByte(floor(a.u.x * 255.0f) * (1.0f / 255.0f)))))                      \
   C(luminance, 5e-7f, 0.0f, (pad(luminance(a.c))))                                                                     \
   C(maxChannel, 0.0f, 0.0f, (pad(maxChannel(a.c))))                                                                    \
   C(lightWindow, 1e-6f, 3e-6f, (pad(lightWindow(a.w.x, a.w.y))))                                                       \

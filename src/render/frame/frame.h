@@ -49,15 +49,16 @@ struct FrameConfig {
   uint32_t targets = ~0u;                   // bit i: the layout's target i is required
   const SurfaceOutputs* outputs = nullptr;  // packed in addition to the targets
   bool countLights = false;
-  uint32_t ambientOcclusion = 0;  // kAo*
-  uint32_t textureSlots = ~0u;    // bit i: a material may have a texture in slot i (GpuScene::textureSlots)
-  uint32_t layers = 0;            // kLayer*: coats that a material may have (GpuMaterials::layers)
-  bool lights = true;             // lights may exist; false: shaders of the deferred techniques have no light loops
-  bool fewLights = false;         // on a CPU device, a loop over all lights is faster than light culling
-  uint32_t areaLights = 0;        // kAreaLights*
-  bool environment = true;        // the renderer has an environment
-  bool vast = false;              // some triangles are vast (GpuInstances::anyVast)
-  bool fog = false;               // the constants define fog
+  uint32_t ambientOcclusion = 0;     // kAo*
+  uint32_t textureSlots = ~0u;       // bit i: a material may have a texture in slot i (GpuScene::textureSlots)
+  uint32_t codedTextureSlots = ~0u;  // bit i: such a texture may be coded in sRGB
+  uint32_t layers = 0;               // kLayer*: coats that a material may have (GpuMaterials::layers)
+  bool lights = true;                // lights may exist; false: shaders of the deferred techniques have no light loops
+  bool fewLights = false;            // on a CPU device, a loop over all lights is faster than light culling
+  uint32_t areaLights = 0;           // kAreaLights*
+  bool environment = true;           // the renderer has an environment
+  bool vast = false;                 // some triangles are vast (GpuInstances::anyVast)
+  bool fog = false;                  // the constants define fog
   TransparencySetup transparency;
   uint32_t shadowFormat = 0;     // kShadow*
   uint32_t shadowFilter = 0;     // kShadowFilter*

@@ -13,6 +13,7 @@ std::vector<vk::Constant> FrameConfig::constants() const {
           {kShadowFilterConstant, shadowFilter},
           {kEverySampleConstant, everySample ? 1u : 0u},
           {kTextureSlotsConstant, textureSlots},
+          {kCodedTextureSlotsConstant, codedTextureSlots},
           {kSunInGbufferConstant, sunInGbuffer ? 1u : 0u},
           {kLightsConstant, lights ? 1u : 0u},
           {kAmbientOcclusionConstant, ambientOcclusion},

@@ -29,7 +29,7 @@ SurfacePoint rayPoint(FrameConstants frame, Ray ray, RayHit hit) {
   p.tangent = worldTangent(directions, tangent);
   p.uv = vec4(uv, uv);
   p.color = vec4(1.0);
-  for (bool some = (instance.flags & kInstanceExtras) != 0u; some; some = false) {
+  if ((instance.flags & kInstanceExtras) != 0u) {
     p.uv.zw = vec2(0.0);
     p.color = vec4(0.0);
     for (int i = 0; i < 3; ++i) {
@@ -61,12 +61,16 @@ vec4 rayTexels[kTextureCount];
 void fetchTexels(FrameConstants frame, uint material, SurfacePoint p, uint slots) {
   uint64_t at = frame.materials + uint64_t(material) * kMaterialBytes;
   bool plain = (sceneWordAt(at, kMaterialFlagsAt) & kMaterialPlainUv) != 0u;
-  for (uint left = sceneWordAt(at, kMaterialTexturesAt) & kTextureSlots & slots; left != 0u; left &= left - 1u) {
-    uint slot = uint(findLSB(left));
-    vec2 uv = p.uv.xy;
-    for (bool moved = !plain; moved; moved = false) uv = transformedUv(textureTransform(at, slot), p.uv);
-    rayTexels[slot] = magnifiedTexture(textureAt(frame.textures, sceneWordAt(at, kMaterialImagesAt + slot)), uv);
-  }
+  uint left = sceneWordAt(at, kMaterialTexturesAt) & kTextureSlots & slots;
+  do {
+    if (left != 0u) {
+      uint slot = uint(findLSB(left));
+      vec2 uv = p.uv.xy;
+      if (!plain) uv = transformedUv(textureTransform(at, slot), p.uv);
+      rayTexels[slot] = magnifiedTexture(textureAt(frame.textures, sceneWordAt(at, kMaterialImagesAt + slot)), uv);
+      left &= left - 1u;
+    }
+  } while (lanesGoOn(left != 0u));
 }
 vec4 sampleTexture(Material m, uint slot, SurfacePoint p) { return rayTexels[slot]; }
 #endif

@@ -161,7 +161,7 @@ float exactRayEdge(vec2 a, vec2 b) {
 vec3 rayWeights(vec3 areas, vec2 a, vec2 b, vec2 c) {
   vec2 extent = max(abs(a), max(abs(b), abs(c)));
   float size = max(extent.x, extent.y);
-  for (bool sliver = abs(areas.x + areas.y + areas.z) < 1e-4 * size * size; sliver; sliver = false) {
+  if (abs(areas.x + areas.y + areas.z) < 1e-4 * size * size) {
     vec3 exactly = vec3(exactRayEdge(b, c), exactRayEdge(c, a), exactRayEdge(a, b));
     if (exactly.x + exactly.y + exactly.z != 0.0) areas = clamp(exactly / (exactly.x + exactly.y + exactly.z), 0.0, 1.0);
   }
@@ -186,7 +186,7 @@ float rayAlpha(FrameConstants frame, uint materialIndex, uint instanceIndex, uve
   vec4 uv = vec4(0.0);
   precise float alpha = uintBitsToFloat(sceneWordAt(material, 3u));
   for (int i = 0; i < 3; ++i) uv.xy += weights[i] * attributesAt(attributes, corners[i]).uv0;
-  for (bool some = (instance.flags & kInstanceExtras) != 0u; some; some = false) {
+  if ((instance.flags & kInstanceExtras) != 0u) {
     float color = 0.0;
     for (int i = 0; i < 3; ++i) {
       VertexExtra extra = ExtraRef(extras).v[corners[i]];
@@ -195,11 +195,11 @@ float rayAlpha(FrameConstants frame, uint materialIndex, uint instanceIndex, uve
     }
     alpha *= color;
   }
-  for (bool some = (sceneWordAt(material, kMaterialTexturesAt) & (1u << kTextureBaseColor)) != 0u; some; some = false) {
+  if ((sceneWordAt(material, kMaterialTexturesAt) & (1u << kTextureBaseColor)) != 0u) {
     TextureTransform t = textureTransform(material, kTextureBaseColor);
     vec3 at = vec3(t.uvSet == 0u ? uv.xy : uv.zw, 1.0);
     TextureRecord texture = textureAt(frame.textures, sceneWordAt(material, kMaterialImagesAt + kTextureBaseColor));
-    alpha *= filteredLevel(texture, 0u, vec2(dot(t.row0, at), dot(t.row1, at)),
+    alpha *= filteredLevel(texture, levelOf(texture, 0u), vec2(dot(t.row0, at), dot(t.row1, at)),
                            (texture.flags & kTextureMagnifyNearest) != 0u).a;
   }
   return alpha;
@@ -217,7 +217,7 @@ bool rayPasses(uint64_t material, float alpha) {
 #ifdef RAY_ORDER
 bool precedes(float distance, uint instance, uint triangle, RayHit other) {
   bool first = distance < other.distance;
-  for (bool tie = distance == other.distance; tie; tie = false)
+  if (distance == other.distance)
     first = instance == other.instance ? triangle > other.triangle : RAY_ORDER(instance) > RAY_ORDER(other.instance);
   return first;
 }
@@ -228,7 +228,6 @@ bool precedes(float distance, uint instance, uint triangle, RayHit other) {
 }
 #endif
 
-// It has loops instead of branches, because lavapipe executes a branch even if no lane takes it.
 void visitTriangle(FrameConstants frame, RayMesh mesh, uint index, Ray ray, uint what, inout RayHit hit) {
   uvec4 triangle = sceneWordsAt(mesh.triangles, index);
   vec3 a = mesh.toRay * positionAt(mesh.positions, triangle.x) + mesh.offset;
@@ -240,14 +239,14 @@ void visitTriangle(FrameConstants frame, RayMesh mesh, uint index, Ray ray, uint
   // Counter-clockwise triangles have a negative area, because the ray's third axis points away from its origin.
   bool front = (area < 0.0) != ((mesh.flags & kRayClockwise) != 0u);
   bool visible = front || (mesh.flags & kRayDoubleSided) != 0u || (what & kRayTwoSided) != 0u;
-  for (bool some = inside && area != 0.0 && visible; some; some = false) {
+  if (inside && area != 0.0 && visible) {
     vec3 weights = rayWeights(areas, a.xy, b.xy, c.xy);
     float distance = dot(weights, vec3(a.z, b.z, c.z));
     bool hits = distance >= ray.near && distance <= ray.far && precedes(distance, mesh.index, triangle.w, hit);
     uint64_t material = frame.materials + uint64_t(mesh.material) * kMaterialBytes;
-    for (bool tested = hits && RAY_ALPHA_TESTS && (mesh.flags & kRayAlphaConstant) != 0u; tested; tested = false)
+    if (hits && RAY_ALPHA_TESTS && (mesh.flags & kRayAlphaConstant) != 0u)
       hits = !rayPasses(material, sceneFloatsAt(material, 0u).w);
-    for (bool tested = hits && RAY_ALPHA_TESTS && (mesh.flags & kRayAlphaTested) != 0u; tested; tested = false)
+    if (hits && RAY_ALPHA_TESTS && (mesh.flags & kRayAlphaTested) != 0u)
       hits = !rayPasses(material, rayAlpha(frame, mesh.material, mesh.index, triangle.xyz, weights));
     if (hits) hit = RayHit(distance, mesh.index, triangle.w, triangle.xyz, weights, front);
   }
@@ -300,7 +299,7 @@ bool skips(RayMesh mesh, uint what) {
   return translucent || (what >> kRayGroupShift != 0u && what >> kRayGroupShift != mesh.group);
 }
 
-// `what`: kRay* above.
+// `what`: kRay* above. Loops change nothing for lanes that have ended them (lane_loops.glsl).
 RayHit traceRay(FrameConstants frame, Ray ray, uint what) {
   // If any hit ends the ray, none is kept from leaf to leaf, so that its registers are free.
   bool any = (what & kRayStopAtFirst) != 0u, stops = false;
@@ -319,21 +318,26 @@ RayHit traceRay(FrameConstants frame, Ray ray, uint what) {
   uint top = 1u;
   stack[0] = kRayNone;
   uint current = scene.instanceCount != 0u && isUsable(ray) ? 0u : kRayNone, work = 0u;
-  while (current != kRayNone) {
+  do {
     uint steps = 0u;
-    while ((current & kRayLeaf) == 0u) {
-      ++steps;
-      RayNode node = loadRayNode(nodes + uint64_t(presentIndex((current & kRayLeaf) == 0u, current)) * kRayNodeBytes);
-      float far = min(hit.distance, ray.far);
-      float toA = enterBox(slabs, node.lowA, node.highA, ray.near, far);
-      float toB = node.b == kRayNone ? kRayInfinity : enterBox(slabs, node.lowB, node.highB, ray.near, far);
-      bool both = toA < kRayInfinity && toB < kRayInfinity;
-      if (both) stack[top] = toA <= toB ? node.b : node.a;
-      if (!both && toA == toB) current = stack[top - 1u];  // both are infinite
-      else current = toA <= toB ? node.a : node.b;
-      top += both ? 1u : (toA == toB ? ~0u : 0u);
-    }
-    for (bool leaves = current == kRayStackEnd; leaves; leaves = false) {
+    bool descends = (current & kRayLeaf) == 0u;
+    do {
+      if (kCpuDevice == 0u && !descends) break;  // on a GPU, the branch below would cost more
+      if (descends) {
+        ++steps;
+        RayNode node = loadRayNode(nodes + uint64_t(presentIndex(descends, current)) * kRayNodeBytes);
+        float far = min(hit.distance, ray.far);
+        float toA = enterBox(slabs, node.lowA, node.highA, ray.near, far);
+        float toB = node.b == kRayNone ? kRayInfinity : enterBox(slabs, node.lowB, node.highB, ray.near, far);
+        bool both = toA < kRayInfinity && toB < kRayInfinity;
+        if (both) stack[top] = toA <= toB ? node.b : node.a;
+        if (!both && toA == toB) current = stack[top - 1u];  // both are infinite
+        else current = toA <= toB ? node.a : node.b;
+        top += both ? 1u : (toA == toB ? ~0u : 0u);
+        descends = (current & kRayLeaf) == 0u;
+      }
+    } while (kCpuDevice == 0u || lanesGoOn(descends));
+    if (current == kRayStackEnd) {
       inMesh = false;
       nodes = scene.nodes;
       slabs = world;
@@ -341,7 +345,7 @@ RayHit traceRay(FrameConstants frame, Ray ray, uint what) {
     }
     bool enters = !inMesh && current < kRayStackEnd && (current & kRayLeaf) != 0u;
     bool tests = inMesh && current < kRayStackEnd && (current & kRayLeaf) != 0u;
-    for (bool some = enters; some; some = false) {
+    if (enters) {
       mesh = enterInstance(frame, scene, presentIndex(enters, current & kRayFirstMask), ray, axes);
       inMesh = !skips(mesh, what);
       if (inMesh) {
@@ -351,19 +355,22 @@ RayHit traceRay(FrameConstants frame, Ray ray, uint what) {
       }
       current = inMesh ? 0u : stack[--top];
     }
-    for (bool some = tests; some; some = false) {
+    if (tests) {
       uint first = presentIndex(tests, current & kRayFirstMask), count = (current >> kRayCountShift & 7u) + 1u;
       steps += 8u * count;  // loops of visitTriangle()
-      for (uint i = first; i < first + count; ++i) {
-        RayHit found = hit;
-        visitTriangle(frame, mesh, i, ray, what, found);
-        if (any) stops = stops || isHit(found);
-        else hit = found;
-      }
+      uint i = first;
+      do {
+        if (kCpuDevice == 0u || i < first + count) {
+          RayHit found = hit;
+          visitTriangle(frame, mesh, i, ray, what, found);
+          if (any) stops = stops || isHit(found);
+          else hit = found;
+        }
+      } while (lanesGoOn(++i < first + count));
       current = stops ? kRayNone : stack[--top];
     }
     countRayWork(work, steps);
-  }
+  } while (lanesGoOn(current != kRayNone));
   endRayWork(work);
   if (stops) hit.distance = 0.0;
   return hit;

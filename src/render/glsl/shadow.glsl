@@ -14,8 +14,7 @@ LightShadow lightShadow(FrameConstants frame, uint view, uint light) {
   ShadowBits bits = ShadowBitsRef(frame.shadowBits).v[light >> 5u];
   uint bit = 1u << (light & 31u);
   LightShadow found = LightShadow(0u, 0u, 0u);
-  // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
-  for (bool some = (bits.lights & bit) != 0u; some; some = false) {
+  if ((bits.lights & bit) != 0u) {
     uint column = bits.before + uint(bitCount(bits.lights & (bit - 1u)));
     found = LightShadowRef(frame.lightShadows).v[view * frame.shadowColumns + column];
   }

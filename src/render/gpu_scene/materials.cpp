@@ -13,11 +13,26 @@ GpuMaterials::GpuMaterials(vk::Device& device, const scene::Scene& scene, vk::Up
       textures_(device, scene, uploader),
       opacity_(scene),
       list_(device, "materials"),
-      textureSlots_(device.isCpu() ? 0 : ~0u) {
+      textureSlots_(device.isCpu() ? 0 : ~0u),
+      codedTextureSlots_(textureSlots_) {
   const VkDeviceSize alignment = device_.properties().limits.minUniformBufferOffsetAlignment;
   uniformStride_ = (sizeof(shared::Material) + alignment - 1) / alignment * alignment;
   update(uploader, allOf(scene.textures.size()), allOf(scene.materials.size()));
 }
+
+namespace {
+
+// Returns a bit per slot whose texture is coded in sRGB.
+uint32_t codedSlots(const scene::Scene& scene, const scene::Material& material) {
+  uint32_t slots = 0;
+  for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot) {
+    const int32_t texture = material.slots[slot].texture;
+    if (texture >= 0 && scene.textures[texture].srgb) slots |= 1u << slot;
+  }
+  return slots;
+}
+
+}  // namespace
 
 std::vector<std::vector<vk::Binding>> GpuMaterials::setBindings(const vk::Device& device) {
   return {textureBindings(device), {vk::Binding::DynamicUniform}};
@@ -30,6 +45,7 @@ MaterialSets GpuMaterials::sets(uint32_t material) const {
 void GpuMaterials::update(vk::Uploader& uploader, std::span<const uint32_t> textures,
                           std::span<const uint32_t> changed) {
   textures_.update(uploader, textures, changed);
+  for (const scene::Material& material : scene_.materials) codedTextureSlots_ |= codedSlots(scene_, material);
   const std::vector<uint32_t> followers = opacity_.updateTextures(textures);
   variants_.clear();
   records_.resize(scene_.materials.size());

@@ -70,6 +70,8 @@ class GpuMaterials {
   // On a GPU all bits are set, so that all scenes share their pipelines. On a CPU device, each slot adds to the time to
   // compile shaders.
   uint32_t textureSlots() const { return textureSlots_; }
+  // The same for textures that are coded in sRGB. Shaders of a CPU device do not decode those of other slots.
+  uint32_t codedTextureSlots() const { return codedTextureSlots_; }
   uint32_t layers() const { return layers_; }                  // kLayer* flags that a material has, or had
   VkDeviceAddress address() const { return list_.address(); }  // shared::Material[]
   uint64_t revision() const { return revision_; }              // increases whenever a material changes
@@ -94,7 +96,7 @@ class GpuMaterials {
   VkDeviceSize uniformStride_ = 0;
   vk::Handle<VkDescriptorPool> uniformPool_;  // for this set only
   VkDescriptorSet uniformSet_ = VK_NULL_HANDLE;
-  uint32_t textureSlots_ = 0;
+  uint32_t textureSlots_ = 0, codedTextureSlots_ = 0;
   uint32_t layers_ = 0;
   uint64_t revision_ = 1, sceneRevision_ = 1;
 };

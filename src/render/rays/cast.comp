@@ -146,7 +146,6 @@ void main() {
   float far = float(min(DoublesRef(push.numbers).v[6], kLargest));
   Ray ray = Ray(vec3(from), remainderOf(from), vec3(along), valid ? 0.0 : 1.0, valid ? far : 0.0);
   RayHit hit = traceRay(frame, ray, push.flags & kRayAnySurface);
-  bool some = isHit(hit);
-  if (!some) storeMiss(index);
-  for (; some; some = false) storeHit(frame, index, ray, remainderOf(along), hit, origin, unit);
+  if (isHit(hit)) storeHit(frame, index, ray, remainderOf(along), hit, origin, unit);
+  else storeMiss(index);
 }

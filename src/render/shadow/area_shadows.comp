@@ -47,7 +47,10 @@ vec3 shadowedLight(FrameConstants frame, View view, SurfaceBrdf brdf, AreaLobes 
   if (maxChannel(r.scattered + r.mirrored) <= 0.0) return vec3(0.0);
   vec2 start = raySeed(s.position);
   ShadowSum sum = ShadowSum(0.0, 0.0, 0.0, 0.0);
-  for (uint i = 0u; i < push.rays; ++i) addRay(sum, frame, view, brdf, light, s, raySample(start, i));
+  uint i = 0u;
+  do {  // tested at the end, here and below, because lavapipe would execute the body once more
+    addRay(sum, frame, view, brdf, light, s, raySample(start, i));
+  } while (++i < push.rays);
   return r.scattered * (sum.litScattered / max(sum.scattered, 1e-30)) +
          r.mirrored * (sum.litMirrored / max(sum.mirrored, 1e-30));
 }
@@ -56,8 +59,10 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
   vec3 radiance = vec3(0.0);
   SurfaceBrdf brdf = surfaceBrdf(p.s, p.toEye, kShading);
   AreaLobes lobes = surfaceLobes(frame, p.s, brdf);
-  for (uint i = push.first; i < push.end; ++i)
+  uint i = push.first;
+  do {
     if (hasRayShadows(frame, i)) radiance += shadowedLight(frame, view, brdf, lobes, frameAreaLight(frame, i), p.s);
+  } while (++i < push.end);
   return radiance;
 }
 

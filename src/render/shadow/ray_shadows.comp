@@ -43,30 +43,32 @@ float litByRays(FrameConstants frame, View view, Light light, RayShadow shadow, 
   if (shadow.rays == 0u) return 1.0;
   vec2 start = raySeed(s.position);
   float lit = 0.0;
-  for (uint i = 0u; i < shadow.rays; ++i) {
+  uint i = 0u;
+  do {  // tested at the end, here and below, because lavapipe would execute the body once more
     vec2 offset = shadow.lightSize == 0.0 ? vec2(0.0) : diskSample(raySample(start, i));
     lit += isBlocked(frame, shadowRay(view, light, shadow, s, toLight, offset)) ? 0.0 : 1.0;
-  }
+  } while (++i < shadow.rays);
   return lit / float(shadow.rays);
 }
 
 vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
   vec3 radiance = vec3(0.0);
-  for (uint i = push.first; i < push.end; ++i) {
+  uint i = push.first;
+  do {
     RayShadow shadow = RayShadowRef(frame.shadowMaps).v[uint(p.place.z) * push.viewStride + i];
     uint index = min(shadow.light, max(frame.lightCount, 1u) - 1u);  // as triangleOfTile()
     Light light = frameLight(frame, index);
     LightSample arriving = sampleLight(light, p.s.position);
     bool reached = arriving.attenuation * dot(p.s.normal, arriving.toLight) > 0.0;  // the factor of shadeLight()
     float lit = 0.0;
-    for (bool some = shadow.light < frame.lightCount && reached; some; some = false)
+    if (shadow.light < frame.lightCount && reached)
       lit = litByRays(frame, view, light, shadow, p.s, arriving.toLight);
-    for (bool some = lit > 0.0; some; some = false) {
+    if (lit > 0.0) {
       if (kReadsSurfaceAgain != 0u) p = readPixel(frame, frameView(frame, p.place.z), p.place, 1u);
       LightSample sent = sampleLight(frameLight(frame, index), p.s.position);
       radiance += shadeLight(surfaceBrdf(p.s, p.toEye, kShading), sent, kShading) * lit;
     }
-  }
+  } while (++i < push.end);
   return radiance;
 }
 

@@ -594,6 +594,7 @@ std::optional<ReplayKey> Renderer::replayKey(const ViewBatch& part) const {
       .revisions = {sceneInput_->edits[0], sceneInput_->edits[1], sceneInput_->edits[2],
                     gpuScene_.materials().sceneRevision()},
       .textureSlots = gpuScene_.materials().textureSlots(),
+      .codedTextureSlots = gpuScene_.materials().codedTextureSlots(),
       .layers = gpuScene_.materials().layers(),
       .worlds = part.job.placedWorlds > 0 ? ReplayKey::Worlds::PlacedByShaders
                 : gpuScene_.hasWorlds()   ? ReplayKey::Worlds::ConvertedByHost

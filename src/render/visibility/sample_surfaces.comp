@@ -75,7 +75,6 @@ void main() {
   }
   bool part = bitCount(covered) > 1 && (kEverySample != 0u || covered != 15u || !surfacesAreEqual(pixel));
   uint surfaces = covered;
-  // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
-  for (; part; part = false) surfaces = partSamples(view, pixel, depths);
+  if (part) surfaces = partSamples(view, pixel, depths);
   imageStore(surfacesTarget, pixel, uvec4(surfaces));
 }

@@ -148,8 +148,7 @@ void main() {
   varyingTangent = worldTangent(directions, attributes.tangent);
   varyingUv = vec4(attributes.uv0, attributes.uv0);
   varyingColor = vec4(1.0);
-  // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
-  for (bool some = (instance.flags & kInstanceExtras) != 0u; some; some = false) {
+  if ((instance.flags & kInstanceExtras) != 0u) {
     VertexExtra extra = ExtraRef(frameMesh(FrameRef(push.frame).v, instance.mesh).extras).v[gl_VertexIndex];
     varyingUv.zw = extra.uv1;
     varyingColor = extra.color;

@@ -92,19 +92,19 @@ vec3 passedStraight(FrameConstants frame, Ray ray, RayHit hit, inout vec3 absorp
 
 // Returns the fraction of light that arrives through a ray. `absorption`: at its origin.
 vec3 lightPassed(FrameConstants frame, Ray ray, vec3 absorption) {
-  bool passesSome = (kPathFlags & kPathsFindTranslucent) != 0u;
-  uint what = passesSome ? kRayTwoSided | kRayAnySurface : kRayTwoSided | kRayStopAtFirst;
+  if ((kPathFlags & kPathsFindTranslucent) == 0u)  // no loop, whose body lavapipe would execute once more
+    return rayWorkIsDone() || isBlocked(frame, ray) ? vec3(0.0) : absorbed(absorption, ray.far - ray.near);
   vec3 passed = vec3(1.0);
   bool ends = false;
   for (uint i = 0u; i <= kMaxCrossings && !ends; ++i) {
     if (rayWorkIsDone()) return vec3(0.0);
-    RayHit hit = traceRay(frame, ray, what);
+    RayHit hit = traceRay(frame, ray, kRayTwoSided | kRayAnySurface);
     ends = !isHit(hit);
     passed *= absorbed(absorption, (ends ? ray.far : hit.distance) - ray.near);
     if (ends) break;
-    passed *= passesSome && i < kMaxCrossings ? passedStraight(frame, ray, hit, absorption) : vec3(0.0);
+    passed *= i < kMaxCrossings ? passedStraight(frame, ray, hit, absorption) : vec3(0.0);
     ray.near = beyondHit(hit.distance);
-    ends = !passesSome || maxChannel(passed) <= 0.0;
+    ends = maxChannel(passed) <= 0.0;
   }
   return passed;
 }

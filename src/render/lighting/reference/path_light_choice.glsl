@@ -43,9 +43,9 @@ struct CandidateRange {
 };
 
 void addCandidates(inout LightChoice c, FrameConstants frame, PathVertex v, CandidateRange range) {
-  for (uint i = range.first; i < range.end; ++i) {
-    // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
-    for (bool some = lights(frame, v, i); some; some = false) {
+  uint i = range.first;
+  do {
+    if (i < range.end && lights(frame, v, i)) {
       LightSample arriving = sampleLight(frameLight(frame, i), v.s.position);
       vec3 sent = reflectedLight(v, arriving, true);
       float share = maxChannel(sent);
@@ -56,7 +56,7 @@ void addCandidates(inout LightChoice c, FrameConstants frame, PathVertex v, Cand
       c.index = i;
       c.weight = share;
     }
-  }
+  } while (lanesGoOn(++i < range.end));
 }
 
 // Returns the siblings of a group in the light tree whose boxes contain the point, as bits.
@@ -103,13 +103,14 @@ LightChoice chooseLight(FrameConstants frame, PathVertex v, vec2 u) {
   bool all = frame.lightCount <= kMaxCandidates;
   uint directional = min(frame.directionalLights, kMaxCandidates), ranges = all ? 1u : directional + kLeavesPerChoice;
   uint roots = all ? 0u : boxesAround(frame, 0u, v.s.position);
-  for (uint i = 0u; i < ranges; ++i) {
+  uint i = 0u;
+  do {
     CandidateRange range = CandidateRange(0u, frame.lightCount, 1.0);
     if (!all && i < directional) range = directionalRange(frame, i, directional, u.x);
     if (!all && i >= directional)
       range = leafRange(frame, roots, v.s.position, (float(i - directional) + u.x) / float(kLeavesPerChoice));
     addCandidates(c, frame, v, range);
-  }
+  } while (++i < ranges);
   c.light *= c.total / c.weight;
   c.arriving *= c.total / c.weight;
   return c;

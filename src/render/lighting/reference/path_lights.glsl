@@ -170,11 +170,12 @@ EmitterChoice chooseEmitter(FrameConstants frame, RayScene scene, PathVertex v, 
   EmitterChoice choice = EmitterChoice(0u, 0.0);
   uint count = min(kCandidates, scene.emitterCount);
   float total = 0.0, chosen = 1.0, pick = u.y;
-  for (uint i = 0u; i < count; ++i) {
+  uint i = 0u;
+  do {
     uint index = emitterByPower(scene, (float(i) + u.x) / float(count));
     float share = emitterGeometry(frame, sceneEmitter(scene, index), v);
     if (takesCandidate(pick, total, share)) choice.index = index, chosen = share;
-  }
+  } while (++i < count);
   choice.weight = total / (chosen * float(count));
   return choice;
 }

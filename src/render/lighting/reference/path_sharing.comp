@@ -105,7 +105,8 @@ void main() {
   uint index = indexOf(local), self = memberOf(local);
   PathSums sums = PathSums(vec4(0.0), vec4(0.0));
   if (inside) sums = earlierSums(place);
-  for (uint i = push.first; i < push.end; ++i) {
+  uint i = push.first;
+  do {  // tested at the end, because lavapipe would execute the body once more
     barrier();  // the densities may still be read, for the sample before
     for (uint member = 0u; member < kGroup; ++member) {
       ivec3 other = ivec3(place.xy - ivec2(local) + ivec2(memberPlace(local, member)), place.z);
@@ -134,6 +135,6 @@ void main() {
       }
       addSample(sums, light, albedos, eye.starts, own.covers != 0u);
     }
-  }
+  } while (++i < push.end);
   if (inside) writeSums(frame, place, p, albedos, sums, eye, lit);
 }

@@ -140,26 +140,28 @@ void addDirectLight(inout Path path, FrameConstants frame, RayScene scene, PathV
   if (bounce > 0u || path.fromEye || (kPathFlags & kPathsFromLights) != 0u) lit = rayToLight(frame, v, path.distance);
   if (next <= push.bounces) emitted = rayToEmitter(frame, scene, v, path.distance);
   if (hasAreaLights(frame)) area = rayToArea(frame, v);
-  // Loops instead of branches, here and below, because lavapipe executes a branch even if no lane takes it.
-  for (bool once = last; once; once = false) onward = rayOnward(frame, scene, v, path.skies);
+  if (last) onward = rayOnward(frame, scene, v, path.skies);
   uint rays = sky + (kSampledAreaLights != 0u ? 3u : 2u);
-  for (uint i = 0u; i < rays && !rayWorkIsDone(); ++i) {  // one copy of the traversal
+  uint i = 0u;
+  do {  // one copy of the traversal
     bool isSky = i < sky, isLight = i == sky, isArea = i == sky + 2u;
     LightRay single = isLight ? lit : (isArea ? area : emitted);
     RayChoice c = RayChoice(single, vec3(0.0), 0.0, 0.0);
     uint candidates = isSky ? directions + (last ? 1u : 0u) : 1u;
-    for (bool once = candidates > 1u; once; once = false)
+    if (candidates > 1u)
       c.pick = sobolSample(pathIndex * sky + i, pickPair, pathSeed).x;
-    for (uint j = 0u; j < candidates; ++j) {
+    uint j = 0u;
+    do {
       LightRay light = isSky ? onward : single;
-      for (bool once = isSky && j < directions; once; once = false)
+      if (isSky && j < directions)
         light = rayToSky(frame, scene, sobolBits((pathIndex * sky + i) * directions + j, skyPair, pathSeed),
                          path.skies);
       vec3 sent = light.radiance;
       if (!isLight)
         sent *= pathReflectance(v, light.toLight, isArea) / (light.density + pathDensity(v, light.toLight));
-      if (takesCandidate(c.pick, c.total, maxChannel(sent))) c.light = light, c.sent = sent;
-    }
+      float weight = j < candidates ? maxChannel(sent) : 0.0;
+      if (takesCandidate(c.pick, c.total, weight)) c.light = light, c.sent = sent;
+    } while (lanesGoOn(++j < candidates));
     if (!(c.total > 0.0)) continue;
     Ray ray = Ray(rayOrigin(v.s, c.light.toLight, path.distance), vec3(0.0), c.light.toLight, 0.0, c.light.far);
     vec3 absorption = dot(v.s.geonormal, c.light.toLight) < 0.0 ? beyond : path.absorption;
@@ -171,7 +173,7 @@ void addDirectLight(inout Path path, FrameConstants frame, RayScene scene, PathV
     add(path, path.carried * c.sent * passed,
         bounce == 0u && !path.fromEye ? lobeShare(v, c.light.toLight) : path.share,
         recordedShare(path, v, c.light.toLight, bounce));
-  }
+  } while (++i < rays && !rayWorkIsDone());
 }
 
 // With dispersion, a path follows one channel from the first surface on that refracts it.
@@ -307,16 +309,17 @@ Path tracedPath(FrameConstants frame, Path path, PathVertex v) {
   RayScene scene = loadRayScene(frame.rayScene);
   vec3 beyond = vec3(0.0);
   bool goesOn = true;
-  uint bounce = 0u;
-  for (uint i = 0u; goesOn && i < kMaxSurfaces; ++i) {
-    if (i > 0u || ((kPathFlags & kPathsFromEye) != 0u && path.fromEye))
+  uint bounce = 0u, i = 0u;
+  do {
+    if (goesOn && (i > 0u || ((kPathFlags & kPathsFromEye) != 0u && path.fromEye)))
       goesOn = follow(path, frame, scene, i, bounce, bounce > push.bounces, v, beyond);
-    if (!goesOn) continue;
-    uint next = bounce + (kLayers != 0u && v.coated && v.coats.inside ? 0u : 1u);
-    addDirectLight(path, frame, scene, v, beyond, bounce, next, i);
-    goesOn = !endsAt(frame, next) && scatter(path, frame, v, beyond, bounce, i);
-    bounce = next;
-  }
+    if (goesOn) {
+      uint next = bounce + (kLayers != 0u && v.coated && v.coats.inside ? 0u : 1u);
+      addDirectLight(path, frame, scene, v, beyond, bounce, next, i);
+      goesOn = !endsAt(frame, next) && scatter(path, frame, v, beyond, bounce, i);
+      bounce = next;
+    }
+  } while (++i < kMaxSurfaces && lanesGoOn(goesOn));
   return path;
 }
 
@@ -347,19 +350,22 @@ void main() {
   ivec2 size = imageSize(lightTarget).xy;
   for (uint i = push.first; !starts && kSharedPaths != 0u && i < push.end; ++i)
     PathRecordsRef(recordAddress(i, place, size)).v[0] = emptyRecord();
-  for (uint i = push.first; starts && i < push.end; ++i) {
-    pathIndex = push.firstPoint + i;
-    pathPair = 0u;
-    Path path = tracedPath(frame, start, v);
-    if (kSharedPaths == 0u) {
-      addSample(sums, path.sum, albedos, path.fromEye, path.covers);
-    } else {
-      path.record.reflected /= path.recordAlbedo;
-      path.record.scattered = path.sum.scattered;
-      path.record.mirrored = path.sum.mirrored;
-      path.record.covers = path.covers ? 1u : 0u;
-      PathRecordsRef(recordAddress(i, place, size)).v[0] = path.record;
-    }
+  if (starts) {
+    uint i = push.first;
+    do {
+      pathIndex = push.firstPoint + i;
+      pathPair = 0u;
+      Path path = tracedPath(frame, start, v);
+      if (kSharedPaths == 0u) {
+        addSample(sums, path.sum, albedos, path.fromEye, path.covers);
+      } else {
+        path.record.reflected /= path.recordAlbedo;
+        path.record.scattered = path.sum.scattered;
+        path.record.mirrored = path.sum.mirrored;
+        path.record.covers = path.covers ? 1u : 0u;
+        PathRecordsRef(recordAddress(i, place, size)).v[0] = path.record;
+      }
+    } while (++i < push.end);
   }
   if (kSharedPaths == 0u) writeSums(frame, place, p, albedos, sums, eye, lit);
 }

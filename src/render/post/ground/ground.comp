@@ -71,11 +71,11 @@ vec2 sampleGround(FrameConstants frame, RayScene scene, Surface s, SurfaceBrdf b
   vec2 light = vec2(0.0);
   LightChoice choice = chooseLight(frame, s, brdf, kShadingGgx, sobolSample(index, 0u, seed));
   float sent = luminance(choice.light);
-  for (bool some = sent > 0.0; some; some = false)
+  if (sent > 0.0)
     light += vec2(isShadowed(frame, s, fromEye, choice) ? 0.0 : sent, sent);
   vec3 toSky = vec3(0.0, 0.0, -1.0);
-  for (bool some = hasCells(scene, frame); some; some = false) toSky = directionToSky(frame, scene, index, seed);
-  for (bool some = toSky.z > 0.0; some; some = false) {
+  if (hasCells(scene, frame)) toSky = directionToSky(frame, scene, index, seed);
+  if (toSky.z > 0.0) {
     float density = 0.5 * (toSky.z * kInvPi + skyDensity(frame, scene, toSky));
     sent = luminance(skyRadiance(frame, toSky)) * toSky.z * kInvPi / density;
     light += vec2(isBlocked(frame, surfaceRay(s, fromEye, toSky, 3.0e38)) ? 0.0 : sent, sent);
@@ -98,7 +98,10 @@ void main() {
   float fromEye = distance(position, view.eye);
   uint seed = rayHash(floatBitsToUint(position)).x;
   vec2 sum = push.first > 0u ? imageLoad(groundSum, pixel).rg : vec2(0.0);
-  for (uint i = push.first; i < push.end; ++i) sum += sampleGround(frame, scene, s, brdf, fromEye, i, seed);
+  uint i = push.first;
+  do {  // tested at the end, because lavapipe would execute the body once more
+    sum += sampleGround(frame, scene, s, brdf, fromEye, i, seed);
+  } while (++i < push.end);
   if (push.end < push.samples) {
     imageStore(groundSum, pixel, vec4(sum, 0.0, 0.0));
     return;

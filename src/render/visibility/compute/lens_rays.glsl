@@ -66,13 +66,13 @@ void hit(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint id) {
   View camera = frameView(frame, view / target.views);
   VisibleTriangle t = visibleTriangle(frame, push.buffers.instances, id);
   vec3 corners[3] = cornersOf(frame, camera, t);
-  for (; next < end; ++next) {
+  do {  // tested at the end, because lavapipe would execute the body once more
     uint ray = UintRef(target.pixels).v[next];
     ivec2 at = ivec2(ray % target.width, ray / target.width);
     float distance = meet(corners, lensRay(frame, camera, at).direction, t.draw.flags);
-    for (bool some = distance != 0.0 && isVast(t); some; some = false)
+    if (distance != 0.0 && isVast(t))
       distance = length(vastPoint(frame, camera, vastCornersOf(frame, camera, t), vec2(at) + 0.5));
     if (distance != 0.0 && !failsAlphaTest(frame, camera, t, at))
       meets(frame, view / target.views, at, deviceDepth(camera.projection, distance), id);
-  }
+  } while (++next < end);
 }

@@ -64,8 +64,7 @@ void main() {
   vec3 depths = depthPlane(view, seen[0], seen[1], seen[2]);
   bool vast = kVast != 0u && (r.flags & kDrawVast) != 0u;
   for (uint plane = 0u; plane < 6u && !vast; ++plane) p = clip(p, plane);
-  // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
-  for (bool some = vast; some; some = false) {
+  if (vast) {
     Instance instance = frameInstance(frame, r.instance);
     Exact3 corners[3];
     for (uint i = 0u; i < 3u; ++i) corners[i] = seenExactly(view, instance, positionAt(mesh.positions, indices[i]));

@@ -140,8 +140,7 @@ ClusterTriangle clusterTriangle(Group g, uint index) {
 Corner cornerOf(Group g, Cluster c, uint vertex) {
   MeshClusters of = g.mesh.clusters;
   uint index = c.firstVertex + vertex;
-  // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
-  for (bool listed = of.vertices != uint64_t(0); listed; listed = false) index = UintRef(of.vertices).v[index];
+  if (of.vertices != uint64_t(0)) index = UintRef(of.vertices).v[index];
   return cornerAt(g.view, g.placed, positionAt(of.vertices != uint64_t(0) ? g.mesh.positions : of.positions, index));
 }
 
@@ -209,7 +208,8 @@ Triangle fromLane(Triangle t, uint lane) {
 void rasterApart() {
   Group g = groupOf(groupNumber() * gl_NumSubgroups + gl_SubgroupID);
   Cluster c = ClusterRef(g.mesh.clusters.clusters).v[g.work.cluster];
-  for (uint first = 0u; first < g.triangles; first += gl_SubgroupSize) {
+  uint first = 0u;
+  do {
     Triangle t;
     bool some = takeOwn(g, c, first + gl_SubgroupInvocationID, t);
     uvec4 waiting = subgroupBallot(some);
@@ -217,7 +217,7 @@ void rasterApart() {
     do {
       rasterMedium(g.work.view, g.view, fromLane(t, popLane(waiting)));
     } while (anyLane(waiting));
-  }
+  } while ((first += gl_SubgroupSize) < g.triangles);
 }
 
 void rasterQueued() {

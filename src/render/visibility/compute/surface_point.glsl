@@ -25,8 +25,7 @@ void setDirections(inout SurfacePoint p, VisibleTriangle t, Instance instance, V
   mat3 linear = mat3(instance.objectToWorld) / t.draw.stretch;
   p.normal = linear * normal;
   p.tangent = vec4(linear * tangent.xyz, tangent.w * handedness);
-  // A loop instead of a branch, because lavapipe executes a branch even if no lane takes it.
-  for (bool bent = (t.draw.flags & kDrawSimilar) == 0u; bent; bent = false) {
+  if ((t.draw.flags & kDrawSimilar) == 0u) {
     VertexDirections directions = vertexDirections(instance);
     p.normal = vec3(0.0);
     for (int i = 0; i < 3; ++i) p.normal += weights[i] * worldNormal(directions, attributes[i].normal);
@@ -48,7 +47,7 @@ void setCoordinates(inout SurfacePoint p, VisibleTriangle t, Mesh mesh, Instance
   p.color = vec4(1.0);
   uvRight = vec4(right, right);
   uvDown = vec4(down, down);
-  for (bool some = (instance.flags & kInstanceExtras) != 0u; some; some = false) {
+  if ((instance.flags & kInstanceExtras) != 0u) {
     p.uv.zw = uvRight.zw = uvDown.zw = vec2(0.0);
     p.color = vec4(0.0);
     for (int i = 0; i < 3; ++i) {
@@ -88,7 +87,7 @@ SurfacePoint visiblePoint(FrameConstants frame, View view, VisibleTriangle t, ve
   p.position = corners[0] * w.at.x + corners[1] * w.at.y + corners[2] * w.at.z + view.eye;
   setDirections(p, t, instance, attributes, w.at);
   setCoordinates(p, t, mesh, instance, attributes, w);
-  for (bool some = isVast(t); some; some = false) setVastPlace(p, frame, view, t, pixel, attributes);
+  if (isVast(t)) setVastPlace(p, frame, view, t, pixel, attributes);
   vec3 plane = cross(corners[1] - corners[0], corners[2] - corners[0]);
   if ((instance.flags & kInstanceClockwise) != 0u) plane = -plane;
   vec3 toEye = view.projection.kind == kPerspective ? -corners[0] : view.viewToWorld * vec4(0.0, -1.0, 0.0, 0.0);
@@ -108,7 +107,7 @@ struct TextureLookup {
 };
 TextureLookup textureLookup(Material m, uint slot, SurfacePoint p) {
   TextureLookup place = TextureLookup(p.uv.xy, uvRight.xy, uvDown.xy);
-  for (bool moved = (m.flags & kMaterialPlainUv) == 0u; moved; moved = false) {
+  if ((m.flags & kMaterialPlainUv) == 0u) {
     TextureTransform t = m.transforms[slot];
     place = TextureLookup(transformedUv(t, p.uv), transformedGradient(t, uvRight), transformedGradient(t, uvDown));
   }
@@ -123,10 +122,13 @@ vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
 }
 #else
 #include "render/glsl/texels.glsl"
+layout(constant_id = kCodedTextureSlotsConstant) const uint kCodedTextureSlots = ~0u;
 uint64_t textureRecords;  // FrameConstants::textures
 vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
   TextureLookup place = textureLookup(m, slot, p);
-  return filteredTexture(textureAt(textureRecords, m.images[slot]), place.uv, place.right, place.down);
+  TextureRecord t = textureAt(textureRecords, m.images[slot]);
+  if ((kCodedTextureSlots >> slot & 1u) == 0u) t.flags &= ~kTextureSrgb;  // the compiler removes the decoding
+  return filteredTexture(t, place.uv, place.right, place.down);
 }
 #endif
 

@@ -46,9 +46,8 @@ vec4 seenMotion(FrameConstants frame, View view, uint viewIndex, VisibleTriangle
   }
   // If a vast triangle is static, its motion follows only from the eye positions, which are known exactly.
   Instance current = frameInstance(frame, t.draw.instance);
-  for (bool some = isVast(t) && samePlace(current, instanceAt(frame.previousInstances, t.draw.instance)) &&
-                   samePlace(current, instanceAt(frame.nextInstances, t.draw.instance));
-       some; some = false) {
+  if (isVast(t) && samePlace(current, instanceAt(frame.previousInstances, t.draw.instance)) &&
+      samePlace(current, instanceAt(frame.nextInstances, t.draw.instance))) {
     vec3 seen = vastPoint(frame, view, vastCornersOf(frame, view, t), pixel);
     vec3 relative = toWorldAxes(view, seen);
     clipNow = steadyClip(view, seen);

@@ -59,7 +59,7 @@ uint64_t visibleOf(FrameConstants frame, View view, RayHit hit, vec2 place) {
     depth = deviceDepth(view.projection, hit.distance);
   else
     depth = depthOfTriangle(view, instance, positions, hit.corners, place);
-  for (bool vast = kVast != 0u && (instance.flags & kInstanceVast) != 0u; vast; vast = false)
+  if (kVast != 0u && (instance.flags & kInstanceVast) != 0u)
     depth = depthOfVast(frame, view, vastPlane(view, instance, positions, hit.corners), place);
   return visibleValue(depth, UintRef(push.firstTriangles).v[hit.instance] + hit.triangle + 1u);
 }
@@ -70,11 +70,12 @@ void main() {
   View view = frameView(frame, uint(pixel.z));
   if (any(greaterThanEqual(vec2(pixel.xy), view.size))) return;
   uint first = visibleIndex(uvec3(pixel), uvec2(view.size)), what = push.surfaces | view.group << kRayGroupShift;
-  for (uint i = 0u; i < kSamples; ++i) {
+  uint i = 0u;
+  do {  // tested at the end, because lavapipe would execute the body once more
     vec2 place = vec2(pixel.xy) + samplePlace(kSamples, i);
     RayHit hit = traceRay(frame, rayThrough(frame, view, place), what);
     uint64_t visible = uint64_t(0);
-    for (bool some = isHit(hit); some; some = false) visible = visibleOf(frame, view, hit, place);
+    if (isHit(hit)) visible = visibleOf(frame, view, hit, place);
     VisibleRef(push.visible).v[first + i] = visible;
-  }
+  } while (++i < kSamples);
 }
