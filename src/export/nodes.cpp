@@ -23,6 +23,7 @@
 #include "base/log.h"
 #include "export/meshes.h"
 #include "scene/light_types.h"
+#include "scene/rig_edit.h"
 #include "scene/tangents.h"
 #include "shared/light.h"
 
@@ -170,8 +171,30 @@ class NodeWriter {
     return parent * node.local == places_[i] ? node.local : glm::inverse(parent) * places_[i];
   }
 
+  // Finds the nodes to hide. A scene without a rig knows only which instances and lights are hidden. A node can be
+  // hidden in the file if nothing visible is at it or below it.
+  void findHidden() {
+    const size_t count = scene_.nodes.size();
+    std::vector<bool> hasHidden(count), hasVisible(count);
+    const auto note = [&](size_t node, bool hidden) { (hidden ? hasHidden : hasVisible)[node] = true; };
+    for (const Instance& instance : scene_.instances)
+      if (!instance.removed) note(instance.node, instance.hidden);
+    for (const Light& light : scene_.lights)
+      if (!light.removed && light.node >= 0) note(size_t(light.node), light.hidden);
+    for (size_t i = count; i-- > 0;)
+      if (scene_.nodes[i].parent >= 0 && hasVisible[i]) hasVisible[size_t(scene_.nodes[i].parent)] = true;
+    isHidden_.resize(count);
+    for (size_t i = 0; i < count; ++i) {
+      const bool hiddenInFile = i < scene_.fileNodes.size() && !scene_.fileNodes[i].visible;
+      isHidden_[i] = isBelowHidden(i) || (!hasVisible[i] && (hasHidden[i] || hiddenInFile));
+    }
+  }
+
+  bool isBelowHidden(size_t i) const { return !isRoot(i) && isHidden_[size_t(scene_.nodes[i].parent)]; }
+
   void addSceneNodes() {
     findPlaces();
+    findHidden();
     nodes_.assign(scene_.nodes.size(), -1);
     std::vector<bool> isFree(scene_.nodes.size());
     for (const uint32_t free : scene_.edits.freeNodes) isFree[free] = true;
@@ -179,6 +202,7 @@ class NodeWriter {
       if (isFree[i]) continue;
       Json node{{"name", scene_.nodes[i].name}};
       setMatrix(node, localOf(i));
+      if (isHidden_[i] && !isBelowHidden(i)) hide(node);
       const int parent = scene_.nodes[i].parent;
       const bool root = isRoot(i);
       if (root && parent >= 0) warnOfRoot(scene_.nodes[i].name);
@@ -245,6 +269,8 @@ class NodeWriter {
     for (size_t i = 0; i < rig.nodes.size(); ++i)
       if (parents_[i] >= 0) arrayIn(at(parents_[i]), "children").push_back(i);
     nodes_.assign(rig.sceneNodes.begin(), rig.sceneNodes.end());
+    isHidden_.resize(scene_.nodes.size());
+    for (uint32_t i = 0; i < rig.sceneNodes.size(); ++i) isHidden_[i] = isHiddenAtRest(scene_, i);
     for (size_t i = nodes_.size(); i < scene_.nodes.size(); ++i) {
       if (scene_.nodes[i].path.empty()) {  // removed
         nodes_.push_back(-1);
@@ -278,12 +304,10 @@ class NodeWriter {
       if (isEmpty(group)) continue;
       const bool moves = node < scene_.rig.sceneNodes.size() && isMoving_[scene_.rig.sceneNodes[node]];
       const bool isAtNode = group.copy < 0 && (group.follows || (group.toWorld == places_[node] && !moves));
-      const bool wouldHide = group.hidden && !group.follows && groups_[node].size() > 1;
-      if (isAtNode && !isUsed && !wouldHide) {
+      if (isAtNode && !isUsed && (group.follows || group.hidden == isHidden_[node])) {
         isUsed = true;
         setMesh(node, nodes_[node], group);
         if (!group.follows) placeSkin(group, nodes_[node]);
-        if (group.hidden && !group.follows) hideLeaf(node);
       } else if (group.follows || scene_.rig.empty() || node >= scene_.rig.sceneNodes.size()) {
         addBelow(node, group);
       } else {
@@ -296,6 +320,7 @@ class NodeWriter {
   void addPlaced(uint32_t node, const Group& group) {
     Json placed{{"name", scene_.nodes[node].name}};
     setMatrix(placed, inFile(group.toWorld));
+    if (group.hidden) hide(placed);
     const int index = addNode(std::move(placed), -1);
     setMesh(node, index, group);
     placeSkin(group, index);
@@ -341,11 +366,6 @@ class NodeWriter {
     return rig.skins.size() + exported_.skinCopies.size() - 1;
   }
 
-  // Hides a node whose mesh is hidden, unless that would hide nodes below it.
-  void hideLeaf(uint32_t node) {
-    if (!at(nodes_[node]).contains("children")) hide(at(nodes_[node]));
-  }
-
   void addBelow(uint32_t node, const Group& group) {
     const dmat4& parent = places_[node];
     const bool hasOffset = group.follows && group.copy >= 0 && !scene_.rig.offsets.empty();
@@ -360,7 +380,7 @@ class NodeWriter {
       setMatrix(below, glm::inverse(parent) * group.toWorld);
     if (leavesParent) warnOfRoot(name);
     const int index = addNode(std::move(below), leavesParent ? -1 : nodes_[node]);
-    if (group.hidden && !group.follows) hide(at(index));
+    if (group.hidden && (leavesParent || !isHidden_[node])) hide(at(index));
     setMesh(node, index, group);
     if (hasOffset) placeSkinOfCopy(group, index, scene_.rig.offsets[group.instances[0]]);
   }
@@ -470,12 +490,13 @@ class NodeWriter {
     return out;
   }
 
-  // Returns the light's node if that places it, and has no other light; otherwise a new node.
+  // Returns the light's node if that places it, hides it as it is hidden at rest, and has no other light; otherwise a
+  // new node.
   int nodeOf(const Light& light) {
     const int own = light.node >= 0 ? nodes_[size_t(light.node)] : -1;
     const bool isArea = shared::lightIsArea(light.type);
     const auto kept = isArea ? "/extras/areaLight"_json_pointer : "/extensions/KHR_lights_punctual"_json_pointer;
-    if (own >= 0 && !light.hidden && !at(own).contains(kept)) {
+    if (own >= 0 && light.hidden == isHidden_[size_t(light.node)] && !at(own).contains(kept)) {
       Light placed = light;
       placeLight(placed, placeOf(light.node));
       if (placed == light) return own;
@@ -550,6 +571,7 @@ class NodeWriter {
   std::vector<std::vector<Group>> groups_;                              // per node of the scene
   std::vector<dmat4> places_;                                           // per node of the scene, to the world
   std::vector<bool> isMoving_;                                          // per node of the rig
+  std::vector<bool> isHidden_;                                          // per node of the scene: at rest, in the file
   std::vector<int> nodes_;                                              // per node of the scene, in the document
   std::vector<int> parents_;                                            // per node of the document
 };

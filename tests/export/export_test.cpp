@@ -544,6 +544,103 @@ TEST(Export, BakedValuesAreThoseOfTheTime) {
   EXPECT_FLOAT_EQ(again.lights[0].intensity, 2);
 }
 
+json hiddenNode(json node) {
+  node["extensions"]["KHR_node_visibility"]["visible"] = false;
+  return node;
+}
+
+const Instance* findInstance(const Scene& scene, const std::string& path) {
+  for (const Instance& instance : scene.instances)
+    if (!instance.removed && scene.nodes[instance.node].path == path) return &instance;
+  return nullptr;
+}
+
+// A hidden triangle whose child has a mesh or none, below a visible node, and a hidden node without a mesh that has a
+// child with one.
+TEST(Export, HiddenNodesWithChildrenStayHidden) {
+  for (const bool hasMesh : {false, true}) {
+    GltfBuilder file = triangleFile();
+    file.use("KHR_node_visibility");
+    const int child = file.add("nodes", {{"name", "child"}});
+    if (hasMesh) file.root["nodes"][size_t(child)]["mesh"] = 0;
+    const int hidden = file.add("nodes", hiddenNode({{"name", "hidden"}, {"mesh", 0}, {"children", {child}}}));
+    file.node({{"name", "parent"}, {"children", {hidden}}});
+    const int below = file.add("nodes", {{"name", "below"}, {"mesh", 0}});
+    file.node(hiddenNode({{"name", "group"}, {"children", {below}}}));
+    const Scene scene = file.load();
+    const Scene again = exported(scene);
+    expectSame(again, scene);
+    EXPECT_EQ(again.nodes.size(), scene.nodes.size());
+    for (const char* path : {"/parent/hidden", "/group/below"}) {
+      ASSERT_TRUE(findInstance(again, path)) << path;
+      EXPECT_TRUE(findInstance(again, path)->hidden) << path;
+    }
+    // The extension is at the nodes of the file that have it, so that nodes that are added later are visible.
+    for (size_t i = 0; i < again.fileNodes.size(); ++i)
+      EXPECT_EQ(again.fileNodes[i].visible, again.nodes[i].name != "hidden" && again.nodes[i].name != "group");
+  }
+}
+
+// An edit moves one of two primitives of a hidden node; the other one stays at the node. An animation requires a rig.
+TEST(Export, HiddenInstancesThatWereMovedStayHidden) {
+  for (const bool isAnimated : {false, true}) {
+    GltfBuilder file = triangleFile();
+    file.use("KHR_node_visibility");
+    file.root["meshes"][0]["primitives"].push_back(json(file.primitive()));
+    const int child = file.add("nodes", {{"name", "child"}, {"mesh", 0}});
+    file.node(hiddenNode({{"name", "hidden"}, {"mesh", 0}, {"children", {child}}}));
+    if (isAnimated) animate(file, {{"node", 0}, {"path", "translation"}}, {0, 0, 0}, {4, 0, 0});
+    Scene scene = file.load();
+    for (uint32_t i = 0; i < scene.instances.size(); ++i)
+      if (scene.nodes[scene.instances[i].node].path == "/hidden" && scene.instances[i].primitive == 1)
+        setTransform(scene, i, placement());
+    const Scene again = exported(scene);
+    EXPECT_TRUE(findInstance(again, "/hidden"));
+    EXPECT_EQ(again.instances.size(), 6u);
+    EXPECT_EQ(std::ranges::count(again.instances, true, &Instance::hidden), 4) << isAnimated;
+  }
+}
+
+// Lights of a node that is hidden at rest, which an animation shows or does not show.
+TEST(Export, HiddenLightsStayAtTheirNodes) {
+  for (const bool isAnimated : {false, true}) {
+    GltfBuilder file = triangleFile();
+    for (const char* extension : {"KHR_node_visibility", "KHR_lights_punctual", "KHR_animation_pointer"})
+      file.use(extension);
+    file.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"intensity", 3}}};
+    const int lamp = file.add("nodes", {{"name", "lamp"},
+                                        {"translation", {0, 2, 0}},
+                                        {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}},
+                                        {"extras", {{"areaLight", {{"type", "rect"}, {"intensity", 5}}}}}});
+    const int parent = file.node(hiddenNode({{"name", "parent"}, {"children", {lamp}}}));
+    if (isAnimated) {
+      animate(file, {{"node", parent}, {"path", "translation"}}, {0, 0, 0}, {4, 0, 0});
+      const int steps = file.accessor(file.view(std::vector<uint8_t>{0, 1}), test::kUnsignedByte, "SCALAR", 2);
+      json& animation = file.root["animations"][0];
+      animation["samplers"].push_back(
+          {{"input", animation["samplers"][0]["input"]}, {"output", steps}, {"interpolation", "STEP"}});
+      animation["channels"].push_back(
+          {{"sampler", 1},
+           {"target", pointer(fmt::format("/nodes/{}/extensions/KHR_node_visibility/visible", parent))}});
+    }
+    const Scene scene = file.load();
+    ASSERT_EQ(scene.lights.size(), 2u);
+    const Scene again = exported(scene);
+    expectSame(again, scene);
+    for (const Light& light : again.lights) {
+      EXPECT_EQ(again.nodes.at(size_t(light.node)).path, "/parent/lamp");
+      EXPECT_TRUE(light.hidden);
+    }
+    if (!isAnimated) continue;
+    for (const double seconds : {0.5, 1.0})
+      for (const Light& light : posedLights(again, poseAt(again, {.animations = {0}, .loop = false}, seconds))) {
+        EXPECT_EQ(light.removed, seconds < 1);
+        EXPECT_LT(glm::length(dvec3(toGltfFromWorld() * glm::dvec4(light.position, 1)) - dvec3(4 * seconds, 2, 0)),
+                  1e-6);
+      }
+  }
+}
+
 // A skin far from the origin has vertices relative to a point near it.
 TEST(Export, PlacedSkinsMayBeFarAway) {
   const app::Folder folder;
