@@ -11,6 +11,7 @@
 #include "base/files.h"
 #include "base/hash.h"
 #include "export/export.h"
+#include "export/formats.h"
 #include "models/models.h"
 #include "output/png.h"
 #include "scene/bake.h"
@@ -638,6 +639,48 @@ TEST(Export, HiddenLightsStayAtTheirNodes) {
         EXPECT_LT(glm::length(dvec3(toGltfFromWorld() * glm::dvec4(light.position, 1)) - dvec3(4 * seconds, 2, 0)),
                   1e-6);
       }
+  }
+}
+
+// The JSON of an exported .glb file.
+json exportedJson(const Scene& scene) {
+  const std::vector<std::byte> bytes = exports::encodeGlb(scene);
+  uint32_t length = 0;
+  std::memcpy(&length, &bytes[12], sizeof length);
+  const auto* text = reinterpret_cast<const char*>(&bytes[20]);
+  return json::parse(text, text + length);
+}
+
+// One animation has a channel that is not supported, and one animates only a light that an edit removes. The third one
+// moves the triangle by 2 m within a second, and keeps its index.
+TEST(Export, AnimationsKeepTheirIndices) {
+  GltfBuilder file = triangleFile();
+  file.use("KHR_lights_punctual");
+  file.use("KHR_animation_pointer");
+  file.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}}};
+  file.node({{"name", "lamp"}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+  std::vector<json> animations;
+  const auto add = [&](const char* name, const json& target, const std::vector<float>& from,
+                       const std::vector<float>& to) {
+    file.root.erase("animations");
+    animate(file, target, from, to);
+    animations.push_back(file.root["animations"][0]);
+    animations.back()["name"] = name;
+  };
+  add("unsupported", pointer("/materials/0/extras/unknown"), {0}, {1});
+  add("removed", pointer("/extensions/KHR_lights_punctual/lights/0/intensity"), {0}, {1});
+  add("moves", {{"node", 0}, {"path", "translation"}}, {0, 0, 0}, {2, 0, 0});
+  file.add("materials", {{"name", "paint"}});
+  file.root["animations"] = animations;
+  Scene scene = file.load();
+  removeLight(scene, 0);
+  for (const json& animation : exportedJson(scene)["animations"]) EXPECT_FALSE(animation["channels"].empty());
+  const Scene again = exported(scene);
+  ASSERT_EQ(again.rig.animations.size(), 3u);
+  for (size_t i = 0; i < 3; ++i) EXPECT_EQ(again.rig.animations[i].name, scene.rig.animations[i].name);
+  for (uint32_t i = 0; i < 3; ++i) {
+    const Pose pose = poseAt(again, {.animations = {i}, .loop = false}, 0.5);
+    EXPECT_EQ(pose.world[0][3].x, i == 2 ? 1 : 0) << i;
   }
 }
 
