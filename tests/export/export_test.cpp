@@ -684,6 +684,25 @@ TEST(Export, AnimationsKeepTheirIndices) {
   }
 }
 
+// A rotation by r of coordinates that are scaled by (0, 0.5): u' = 0.5 sin(r) v, and v' = 0.5 cos(r) v.
+TEST(Export, TextureTransformsMayBeFlat) {
+  for (const float angle : {1.2f, -2.5f}) {
+    GltfBuilder file = triangleFile();
+    const app::Folder folder;
+    writeFile(folder.at("a.png"), output::encodePng(output::Picture{1, 1, {128, 128, 255, 255}}));
+    file.add("images", {{"uri", "a.png"}});
+    file.add("textures", {{"source", 0}});
+    json texture{{"index", 0}};
+    texture["extensions"]["KHR_texture_transform"] = {{"scale", {0, 0.5}}, {"rotation", angle}, {"offset", {0.25, 1}}};
+    file.primitive()["material"] = file.add("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", texture}}}});
+    writeFile(folder.at("in.glb"), file.glb());
+    const Scene again = exported(load(folder.at("in.glb")));
+    const auto& transform = again.materials[again.instances[0].material].data.transforms[shared::kTextureBaseColor];
+    EXPECT_LT(glm::length(transform.row0 - vec3(0, 0.5f * std::sin(angle), 0.25f)), 1e-6f) << angle;
+    EXPECT_LT(glm::length(transform.row1 - vec3(0, 0.5f * std::cos(angle), 1)), 1e-6f) << angle;
+  }
+}
+
 // A skin far from the origin has vertices relative to a point near it.
 TEST(Export, PlacedSkinsMayBeFarAway) {
   const app::Folder folder;
