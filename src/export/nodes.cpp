@@ -13,7 +13,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -466,14 +468,21 @@ class NodeWriter {
     if (!light.name.empty()) out["name"] = light.name;
     if (light.color != vec3(1)) out["color"] = arrayOf(light.color / divisor);
     if (light.range) out["range"] = shortest(*light.range);
-    if (shared::lightHasCone(light.type))
-      out["spot"] = {{"innerConeAngle", shortest(light.innerCone)}, {"outerConeAngle", shortest(light.outerCone)}};
+    if (shared::lightHasCone(light.type)) out["spot"] = describeCone(light);
     const bool isDirectional = shared::lightIsDirectional(light.type);
     if (light.size > 0)
       objectIn(out, "extras")[isDirectional ? "angle" : "radius"] =
           isDirectional ? double{light.size} * 180 / M_PI : shortest(light.size);
     if (light.castShadow) objectIn(out, "extras")["castShadow"] = *light.castShadow;
     return out;
+  }
+
+  // The outer angle is above 0 and at most a right angle, which floats round up, and the inner angle is below it
+  // (KHR_lights_punctual). The largest float below the outer angle has the same cosine, up to rounding.
+  static Json describeCone(const Light& light) {
+    const float outer = std::clamp(light.outerCone, std::numeric_limits<float>::min(), glm::half_pi<float>());
+    const float inner = std::min(light.innerCone, std::nextafter(outer, 0.0f));
+    return {{"innerConeAngle", shortest(inner)}, {"outerConeAngle", std::min(shortest(outer), M_PI / 2)}};
   }
 
   // The extras of scene/gltf/area_lights.h.

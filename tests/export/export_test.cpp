@@ -703,6 +703,31 @@ TEST(Export, TextureTransformsMayBeFlat) {
   }
 }
 
+// KHR_lights_punctual: the outer angle is above 0 and at most pi / 2, and the inner angle is below the outer one.
+TEST(Export, ConesOfSpotLightsAreInRange) {
+  const std::vector<std::pair<double, double>> cones{{0.5, 0.5}, {0.7, 0.5}, {0.1, 0.5}, {1.5708, 1.5708}, {0, 0}};
+  GltfBuilder file = triangleFile();
+  file.use("KHR_lights_punctual");
+  json& lights = file.root["extensions"]["KHR_lights_punctual"]["lights"];
+  for (const auto& [inner, outer] : cones) {
+    lights.push_back({{"type", "spot"}, {"spot", {{"innerConeAngle", inner}, {"outerConeAngle", outer}}}});
+    file.node({{"extensions", {{"KHR_lights_punctual", {{"light", lights.size() - 1}}}}}});
+  }
+  const Scene scene = file.load(), again = exported(scene);
+  const json written = exportedJson(scene);
+  for (size_t i = 0; i < cones.size(); ++i) {
+    const json& spot = written["extensions"]["KHR_lights_punctual"]["lights"][i]["spot"];
+    EXPECT_GE(spot["innerConeAngle"], 0);
+    EXPECT_LT(spot["innerConeAngle"], spot["outerConeAngle"]);
+    EXPECT_LE(spot["outerConeAngle"], std::acos(0.0));
+    const auto& [inner, outer] = cones[i];
+    EXPECT_NEAR(again.lights[i].innerCone, std::min(inner, outer), 4e-6);
+    EXPECT_NEAR(again.lights[i].outerCone, outer, 4e-6);
+  }
+  EXPECT_EQ(again.lights[2].innerCone, scene.lights[2].innerCone);
+  EXPECT_EQ(again.lights[2].outerCone, scene.lights[2].outerCone);
+}
+
 // A skin far from the origin has vertices relative to a point near it.
 TEST(Export, PlacedSkinsMayBeFarAway) {
   const app::Folder folder;
