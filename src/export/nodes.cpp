@@ -90,11 +90,10 @@ class NodeWriter {
     addLights();
     addCameras();
     keepPaths();
-    Json roots = Json::array();
-    for (size_t i = 0; i < parents_.size(); ++i)
-      if (parents_[i] < 0) roots.push_back(i);
+    Json scene = Json::object();  // without nodes if there are none, because a list has at least one
+    for (const size_t root : findRoots()) arrayIn(scene, "nodes").push_back(root);
     document_.root["scene"] = 0;
-    document_.add("scenes", {{"nodes", std::move(roots)}});
+    document_.add("scenes", std::move(scene));
   }
 
  private:
@@ -142,6 +141,30 @@ class NodeWriter {
       groups[group].skin = std::max(groups[group].skin, skin);
     }
   }
+
+  // Returns the roots of the document's scene. Nodes of the file that are not in its loaded scene are left out, except
+  // for trees with joints of skinned meshes, which glTF requires in the scene of the mesh. These are last, so that
+  // their names do not change the paths of others.
+  std::vector<size_t> findRoots() const {
+    std::vector<size_t> roots;
+    for (size_t i = 0; i < parents_.size(); ++i)
+      if (parents_[i] < 0 && !isOutside(i)) roots.push_back(i);
+    std::set<size_t> ofJoints;
+    for (const std::vector<Group>& groups : groups_)
+      for (const Group& group : groups) {
+        if (group.skin < 0) continue;
+        for (size_t joint : scene_.rig.skins[size_t(group.skin)].joints) {
+          if (!isOutside(joint)) continue;
+          while (parents_[joint] >= 0) joint = size_t(parents_[joint]);
+          ofJoints.insert(joint);
+        }
+      }
+    roots.insert(roots.end(), ofJoints.begin(), ofJoints.end());
+    return roots;
+  }
+
+  // True for nodes of the rig that are not in the scene.
+  bool isOutside(size_t node) const { return node < isOutside_.size() && isOutside_[node]; }
 
   // --- nodes --------------------------------------------------------------------------------------------------------
 
@@ -271,6 +294,11 @@ class NodeWriter {
     for (size_t i = 0; i < rig.nodes.size(); ++i)
       if (parents_[i] >= 0) arrayIn(at(parents_[i]), "children").push_back(i);
     nodes_.assign(rig.sceneNodes.begin(), rig.sceneNodes.end());
+    isOutside_.assign(rig.nodes.size(), true);
+    for (size_t i = 0; i < nodes_.size(); ++i) {
+      isOutside_[size_t(nodes_[i])] = false;
+      if (scene_.nodes[i].parent < 0) parents_[size_t(nodes_[i])] = -1;  // a scene may list a node below another one
+    }
     isHidden_.resize(scene_.nodes.size());
     for (uint32_t i = 0; i < rig.sceneNodes.size(); ++i) isHidden_[i] = isHiddenAtRest(scene_, i);
     for (size_t i = nodes_.size(); i < scene_.nodes.size(); ++i) {
@@ -421,6 +449,7 @@ class NodeWriter {
     std::set<std::pair<int, std::string>> used;               // by parent: last parts of paths
     std::map<std::pair<int, std::string>, uint32_t> numbers;  // by parent and name
     for (size_t i = 0; i < sources.size(); ++i) {
+      if (isOutside(i)) continue;
       std::string name = at(static_cast<int>(i))["name"].get<std::string>();
       if (name.empty()) name = fmt::format("node{}", i);  // as it is loaded
       std::string loaded = name;
@@ -581,6 +610,7 @@ class NodeWriter {
   std::vector<dmat4> places_;                                           // per node of the scene, to the world
   std::vector<bool> isMoving_;                                          // per node of the rig
   std::vector<bool> isHidden_;                                          // per node of the scene: at rest, in the file
+  std::vector<bool> isOutside_;                                         // per node of the rig: not in the scene
   std::vector<int> nodes_;                                              // per node of the scene, in the document
   std::vector<int> parents_;                                            // per node of the document
 };

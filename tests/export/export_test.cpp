@@ -684,6 +684,45 @@ TEST(Export, AnimationsKeepTheirIndices) {
   }
 }
 
+std::vector<std::string> pathsOf(const Scene& scene) {
+  std::vector<std::string> paths;
+  for (const Node& node : scene.nodes) paths.push_back(node.path);
+  return paths;
+}
+
+// The loaded scene is the file's second one. The node of the first one is unnamed in the exported file, where its
+// default name would be that of the loaded node.
+TEST(Export, NodesOfOtherScenesAreNotInTheScene) {
+  GltfBuilder file = triangleFile();
+  file.root["nodes"][0]["name"] = "other";
+  const int loaded = file.add("nodes", {{"name", "node0"}, {"mesh", 0}, {"translation", {0, 2, 0}}});
+  file.root["scenes"].push_back({{"nodes", {loaded}}});
+  file.root["scene"] = 1;
+  animate(file, {{"node", loaded}, {"path", "translation"}}, {0, 2, 0}, {4, 2, 0});
+  const Scene scene = file.load(), again = exported(scene);
+  EXPECT_THAT(pathsOf(again), testing::ElementsAre("/node0"));
+  expectSame(again, scene);
+  expectSameMotion(again, scene);
+  file.root["scenes"][1].erase("nodes");
+  EXPECT_FALSE(exportedJson(file.load())["scenes"][0].contains("nodes"));
+}
+
+// glTF requires joints in the scene of their mesh. This file's joint is in none, is unnamed, and comes first.
+TEST(Export, JointsOutsideTheSceneChangeNoPaths) {
+  GltfBuilder file = triangleFile();
+  json& nodes = file.root["nodes"];
+  nodes[0]["name"] = "node0";
+  nodes[0]["skin"] = file.add("skins", {{"joints", {0}}});
+  nodes.insert(nodes.begin(), json{{"translation", {0, 0, 1}}});
+  file.root["scenes"][0]["nodes"] = {1};
+  const std::vector<uint8_t> joints(12);
+  file.primitive()["attributes"]["JOINTS_0"] = file.accessor(file.view(joints), test::kUnsignedByte, "VEC4", 3);
+  file.primitive()["attributes"]["WEIGHTS_0"] = file.vectors(std::vector<vec4>(3, {1, 0, 0, 0}));
+  const Scene scene = file.load(), again = exported(scene);
+  EXPECT_THAT(pathsOf(again), testing::ElementsAre("/node0", "/node0#2"));
+  expectSame(again, scene);
+}
+
 // A rotation by r of coordinates that are scaled by (0, 0.5): u' = 0.5 sin(r) v, and v' = 0.5 cos(r) v.
 TEST(Export, TextureTransformsMayBeFlat) {
   for (const float angle : {1.2f, -2.5f}) {
