@@ -334,11 +334,12 @@ class NodeWriter {
       if (isEmpty(group)) continue;
       const bool moves = node < scene_.rig.sceneNodes.size() && isMoving_[scene_.rig.sceneNodes[node]];
       const bool isAtNode = group.copy < 0 && (group.follows || (group.toWorld == places_[node] && !moves));
+      const bool isStillCopy = group.copy >= 0 && !moves;  // stays below its node, so that its path and ids stay, too
       if (isAtNode && !isUsed && (group.follows || group.hidden == isHidden_[node])) {
         isUsed = true;
         setMesh(node, nodes_[node], group);
         if (!group.follows) placeSkin(group, nodes_[node]);
-      } else if (group.follows || scene_.rig.empty() || node >= scene_.rig.sceneNodes.size()) {
+      } else if (group.follows || scene_.rig.empty() || node >= scene_.rig.sceneNodes.size() || isStillCopy) {
         addBelow(node, group);
       } else {
         addPlaced(node, group);
@@ -412,7 +413,10 @@ class NodeWriter {
     const int index = addNode(std::move(below), leavesParent ? -1 : nodes_[node]);
     if (group.hidden && (leavesParent || !isHidden_[node])) hide(at(index));
     setMesh(node, index, group);
-    if (hasOffset) placeSkinOfCopy(group, index, scene_.rig.offsets[group.instances[0]]);
+    if (hasOffset)
+      placeSkinOfCopy(group, index, scene_.rig.offsets[group.instances[0]]);
+    else if (!group.follows)
+      placeSkin(group, index);
   }
 
   void setMesh(uint32_t node, int index, const Group& group) {

@@ -359,6 +359,35 @@ TEST(Export, CopiesOfSkinnedMeshesStayInTheirPlaces) {
     }
 }
 
+// A skin requires a rig. The copies are rigid or have the skin, and an edit moves one of them.
+TEST(Export, MovedCopiesOfStillNodesKeepTheirIds) {
+  for (const bool isSkinned : {false, true}) {
+    GltfBuilder file = triangleFile();
+    file.root["nodes"][0]["name"] = "n";
+    file.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+        {"TRANSLATION", file.positions({{10, 0, 0}, {20, 0, 0}})}};
+    file.add("skins", {{"joints", {file.node({{"name", "joint"}, {"translation", {0, 0, 1}}})}}});
+    if (isSkinned) {
+      json& attributes = file.primitive()["attributes"];
+      attributes["JOINTS_0"] = file.accessor(file.view(std::vector<uint8_t>(12)), test::kUnsignedByte, "VEC4", 3);
+      attributes["WEIGHTS_0"] = file.vectors(std::vector<vec4>(3, vec4(1, 0, 0, 0)));
+      file.root["nodes"][0]["skin"] = 0;
+    }
+    Scene scene = file.load();
+    ASSERT_EQ(scene.instances.size(), 2u);
+    setTransform(scene, 1, placement());
+    const Scene again = exported(scene);
+    for (const Instance& instance : scene.instances) {
+      const std::string path = fmt::format("/n/instance{}", instance.copy);
+      const Instance* same = partOf(again, hash32(path));
+      ASSERT_TRUE(same) << path;
+      EXPECT_EQ(again.nodes[same->node].path, path);
+      EXPECT_EQ(same->id, instance.id);
+    }
+    expectSameMotion(again, scene);
+  }
+}
+
 TEST(Export, SkinsThatWereMovedStayThere) {
   Scene scene = load(models::modelPath("skinned.glb").string());
   for (uint32_t i = 0; i < scene.instances.size(); ++i) setTransform(scene, i, placement());
