@@ -21,7 +21,8 @@ class AnimationWriter {
     out_ = {{"name", animation.name}, {"channels", Json::array()}, {"samplers", Json::array()}};
     for (const Track& track : animation.tracks) addTrack(track);
     for (const ValueTrack& track : animation.values) addValues(track);
-    if (!out_["channels"].empty()) document_.add("animations", std::move(out_));
+    if (out_["channels"].empty()) addNeutralChannel();
+    document_.add("animations", std::move(out_));
   }
 
  private:
@@ -37,6 +38,13 @@ class AnimationWriter {
     if (nodes.empty()) return;
     const size_t sampler = addSampler(track, areWeights);
     for (const int i : nodes) addChannel(track, i, sampler);
+  }
+
+  // Adds a channel without a node, which readers ignore (glTF 2.0, 3.11), because an animation has at least one
+  // channel. An animation without applicable channels is written, so that the others keep their indices.
+  void addNeutralChannel() {
+    const Curve zero{.times = {0}, .values = {0, 0, 0}};
+    out_["channels"].push_back({{"sampler", addSampler(zero, false)}, {"target", {{"path", "translation"}}}});
   }
 
   // An edit may have replaced the node's mesh by one without morph targets, or without triangles.

@@ -63,7 +63,10 @@ TransformParts partsOf(const sh::TextureTransform& t) {
     parts.scale = {t.row0.x, t.row1.y};
     return parts;
   }
-  const double angle = std::atan2(-double{t.row1.x}, double{t.row0.x});
+  // A scale of 0 along X leaves only the second column, which is the rotated Y axis.
+  const bool isFlat = t.row0.x == 0 && t.row1.x == 0;
+  const double angle =
+      isFlat ? std::atan2(double{t.row0.y}, double{t.row1.y}) : std::atan2(-double{t.row1.x}, double{t.row0.x});
   parts.rotation = float(angle);
   parts.scale.x = float(std::hypot(t.row0.x, t.row1.x));
   parts.scale.y = float(std::sin(angle) * double{t.row0.y} + std::cos(angle) * double{t.row1.y});

@@ -13,7 +13,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -23,6 +25,7 @@
 #include "base/log.h"
 #include "export/meshes.h"
 #include "scene/light_types.h"
+#include "scene/rig_edit.h"
 #include "scene/tangents.h"
 #include "shared/light.h"
 
@@ -87,11 +90,10 @@ class NodeWriter {
     addLights();
     addCameras();
     keepPaths();
-    Json roots = Json::array();
-    for (size_t i = 0; i < parents_.size(); ++i)
-      if (parents_[i] < 0) roots.push_back(i);
+    Json scene = Json::object();  // without nodes if there are none, because a list has at least one
+    for (const size_t root : findRoots()) arrayIn(scene, "nodes").push_back(root);
     document_.root["scene"] = 0;
-    document_.add("scenes", {{"nodes", std::move(roots)}});
+    document_.add("scenes", std::move(scene));
   }
 
  private:
@@ -140,6 +142,30 @@ class NodeWriter {
     }
   }
 
+  // Returns the roots of the document's scene. Nodes of the file that are not in its loaded scene are left out, except
+  // for trees with joints of skinned meshes, which glTF requires in the scene of the mesh. These are last, so that
+  // their names do not change the paths of others.
+  std::vector<size_t> findRoots() const {
+    std::vector<size_t> roots;
+    for (size_t i = 0; i < parents_.size(); ++i)
+      if (parents_[i] < 0 && !isOutside(i)) roots.push_back(i);
+    std::set<size_t> ofJoints;
+    for (const std::vector<Group>& groups : groups_)
+      for (const Group& group : groups) {
+        if (group.skin < 0) continue;
+        for (size_t joint : scene_.rig.skins[size_t(group.skin)].joints) {
+          if (!isOutside(joint)) continue;
+          while (parents_[joint] >= 0) joint = size_t(parents_[joint]);
+          ofJoints.insert(joint);
+        }
+      }
+    roots.insert(roots.end(), ofJoints.begin(), ofJoints.end());
+    return roots;
+  }
+
+  // True for nodes of the rig that are not in the scene.
+  bool isOutside(size_t node) const { return node < isOutside_.size() && isOutside_[node]; }
+
   // --- nodes --------------------------------------------------------------------------------------------------------
 
   // The place of a node, or that of its instances if an edit or a skin has moved all of them. Its path is that of its
@@ -170,8 +196,30 @@ class NodeWriter {
     return parent * node.local == places_[i] ? node.local : glm::inverse(parent) * places_[i];
   }
 
+  // Finds the nodes to hide. A scene without a rig knows only which instances and lights are hidden. A node can be
+  // hidden in the file if nothing visible is at it or below it.
+  void findHidden() {
+    const size_t count = scene_.nodes.size();
+    std::vector<bool> hasHidden(count), hasVisible(count);
+    const auto note = [&](size_t node, bool hidden) { (hidden ? hasHidden : hasVisible)[node] = true; };
+    for (const Instance& instance : scene_.instances)
+      if (!instance.removed) note(instance.node, instance.hidden);
+    for (const Light& light : scene_.lights)
+      if (!light.removed && light.node >= 0) note(size_t(light.node), light.hidden);
+    for (size_t i = count; i-- > 0;)
+      if (scene_.nodes[i].parent >= 0 && hasVisible[i]) hasVisible[size_t(scene_.nodes[i].parent)] = true;
+    isHidden_.resize(count);
+    for (size_t i = 0; i < count; ++i) {
+      const bool hiddenInFile = i < scene_.fileNodes.size() && !scene_.fileNodes[i].visible;
+      isHidden_[i] = isBelowHidden(i) || (!hasVisible[i] && (hasHidden[i] || hiddenInFile));
+    }
+  }
+
+  bool isBelowHidden(size_t i) const { return !isRoot(i) && isHidden_[size_t(scene_.nodes[i].parent)]; }
+
   void addSceneNodes() {
     findPlaces();
+    findHidden();
     nodes_.assign(scene_.nodes.size(), -1);
     std::vector<bool> isFree(scene_.nodes.size());
     for (const uint32_t free : scene_.edits.freeNodes) isFree[free] = true;
@@ -179,6 +227,7 @@ class NodeWriter {
       if (isFree[i]) continue;
       Json node{{"name", scene_.nodes[i].name}};
       setMatrix(node, localOf(i));
+      if (isHidden_[i] && !isBelowHidden(i)) hide(node);
       const int parent = scene_.nodes[i].parent;
       const bool root = isRoot(i);
       if (root && parent >= 0) warnOfRoot(scene_.nodes[i].name);
@@ -245,6 +294,13 @@ class NodeWriter {
     for (size_t i = 0; i < rig.nodes.size(); ++i)
       if (parents_[i] >= 0) arrayIn(at(parents_[i]), "children").push_back(i);
     nodes_.assign(rig.sceneNodes.begin(), rig.sceneNodes.end());
+    isOutside_.assign(rig.nodes.size(), true);
+    for (size_t i = 0; i < nodes_.size(); ++i) {
+      isOutside_[size_t(nodes_[i])] = false;
+      if (scene_.nodes[i].parent < 0) parents_[size_t(nodes_[i])] = -1;  // a scene may list a node below another one
+    }
+    isHidden_.resize(scene_.nodes.size());
+    for (uint32_t i = 0; i < rig.sceneNodes.size(); ++i) isHidden_[i] = isHiddenAtRest(scene_, i);
     for (size_t i = nodes_.size(); i < scene_.nodes.size(); ++i) {
       if (scene_.nodes[i].path.empty()) {  // removed
         nodes_.push_back(-1);
@@ -278,13 +334,12 @@ class NodeWriter {
       if (isEmpty(group)) continue;
       const bool moves = node < scene_.rig.sceneNodes.size() && isMoving_[scene_.rig.sceneNodes[node]];
       const bool isAtNode = group.copy < 0 && (group.follows || (group.toWorld == places_[node] && !moves));
-      const bool wouldHide = group.hidden && !group.follows && groups_[node].size() > 1;
-      if (isAtNode && !isUsed && !wouldHide) {
+      const bool isStillCopy = group.copy >= 0 && !moves;  // stays below its node, so that its path and ids stay, too
+      if (isAtNode && !isUsed && (group.follows || group.hidden == isHidden_[node])) {
         isUsed = true;
         setMesh(node, nodes_[node], group);
         if (!group.follows) placeSkin(group, nodes_[node]);
-        if (group.hidden && !group.follows) hideLeaf(node);
-      } else if (group.follows || scene_.rig.empty() || node >= scene_.rig.sceneNodes.size()) {
+      } else if (group.follows || scene_.rig.empty() || node >= scene_.rig.sceneNodes.size() || isStillCopy) {
         addBelow(node, group);
       } else {
         addPlaced(node, group);
@@ -296,6 +351,7 @@ class NodeWriter {
   void addPlaced(uint32_t node, const Group& group) {
     Json placed{{"name", scene_.nodes[node].name}};
     setMatrix(placed, inFile(group.toWorld));
+    if (group.hidden) hide(placed);
     const int index = addNode(std::move(placed), -1);
     setMesh(node, index, group);
     placeSkin(group, index);
@@ -341,11 +397,6 @@ class NodeWriter {
     return rig.skins.size() + exported_.skinCopies.size() - 1;
   }
 
-  // Hides a node whose mesh is hidden, unless that would hide nodes below it.
-  void hideLeaf(uint32_t node) {
-    if (!at(nodes_[node]).contains("children")) hide(at(nodes_[node]));
-  }
-
   void addBelow(uint32_t node, const Group& group) {
     const dmat4& parent = places_[node];
     const bool hasOffset = group.follows && group.copy >= 0 && !scene_.rig.offsets.empty();
@@ -360,9 +411,12 @@ class NodeWriter {
       setMatrix(below, glm::inverse(parent) * group.toWorld);
     if (leavesParent) warnOfRoot(name);
     const int index = addNode(std::move(below), leavesParent ? -1 : nodes_[node]);
-    if (group.hidden && !group.follows) hide(at(index));
+    if (group.hidden && (leavesParent || !isHidden_[node])) hide(at(index));
     setMesh(node, index, group);
-    if (hasOffset) placeSkinOfCopy(group, index, scene_.rig.offsets[group.instances[0]]);
+    if (hasOffset)
+      placeSkinOfCopy(group, index, scene_.rig.offsets[group.instances[0]]);
+    else if (!group.follows)
+      placeSkin(group, index);
   }
 
   void setMesh(uint32_t node, int index, const Group& group) {
@@ -399,6 +453,7 @@ class NodeWriter {
     std::set<std::pair<int, std::string>> used;               // by parent: last parts of paths
     std::map<std::pair<int, std::string>, uint32_t> numbers;  // by parent and name
     for (size_t i = 0; i < sources.size(); ++i) {
+      if (isOutside(i)) continue;
       std::string name = at(static_cast<int>(i))["name"].get<std::string>();
       if (name.empty()) name = fmt::format("node{}", i);  // as it is loaded
       std::string loaded = name;
@@ -446,14 +501,21 @@ class NodeWriter {
     if (!light.name.empty()) out["name"] = light.name;
     if (light.color != vec3(1)) out["color"] = arrayOf(light.color / divisor);
     if (light.range) out["range"] = shortest(*light.range);
-    if (shared::lightHasCone(light.type))
-      out["spot"] = {{"innerConeAngle", shortest(light.innerCone)}, {"outerConeAngle", shortest(light.outerCone)}};
+    if (shared::lightHasCone(light.type)) out["spot"] = describeCone(light);
     const bool isDirectional = shared::lightIsDirectional(light.type);
     if (light.size > 0)
       objectIn(out, "extras")[isDirectional ? "angle" : "radius"] =
           isDirectional ? double{light.size} * 180 / M_PI : shortest(light.size);
     if (light.castShadow) objectIn(out, "extras")["castShadow"] = *light.castShadow;
     return out;
+  }
+
+  // The outer angle is above 0 and at most a right angle, which floats round up, and the inner angle is below it
+  // (KHR_lights_punctual). The largest float below the outer angle has the same cosine, up to rounding.
+  static Json describeCone(const Light& light) {
+    const float outer = std::clamp(light.outerCone, std::numeric_limits<float>::min(), glm::half_pi<float>());
+    const float inner = std::min(light.innerCone, std::nextafter(outer, 0.0f));
+    return {{"innerConeAngle", shortest(inner)}, {"outerConeAngle", std::min(shortest(outer), M_PI / 2)}};
   }
 
   // The extras of scene/gltf/area_lights.h.
@@ -470,12 +532,13 @@ class NodeWriter {
     return out;
   }
 
-  // Returns the light's node if that places it, and has no other light; otherwise a new node.
+  // Returns the light's node if that places it, hides it as it is hidden at rest, and has no other light; otherwise a
+  // new node.
   int nodeOf(const Light& light) {
     const int own = light.node >= 0 ? nodes_[size_t(light.node)] : -1;
     const bool isArea = shared::lightIsArea(light.type);
     const auto kept = isArea ? "/extras/areaLight"_json_pointer : "/extensions/KHR_lights_punctual"_json_pointer;
-    if (own >= 0 && !light.hidden && !at(own).contains(kept)) {
+    if (own >= 0 && light.hidden == isHidden_[size_t(light.node)] && !at(own).contains(kept)) {
       Light placed = light;
       placeLight(placed, placeOf(light.node));
       if (placed == light) return own;
@@ -550,6 +613,8 @@ class NodeWriter {
   std::vector<std::vector<Group>> groups_;                              // per node of the scene
   std::vector<dmat4> places_;                                           // per node of the scene, to the world
   std::vector<bool> isMoving_;                                          // per node of the rig
+  std::vector<bool> isHidden_;                                          // per node of the scene: at rest, in the file
+  std::vector<bool> isOutside_;                                         // per node of the rig: not in the scene
   std::vector<int> nodes_;                                              // per node of the scene, in the document
   std::vector<int> parents_;                                            // per node of the document
 };

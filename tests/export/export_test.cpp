@@ -11,6 +11,7 @@
 #include "base/files.h"
 #include "base/hash.h"
 #include "export/export.h"
+#include "export/formats.h"
 #include "models/models.h"
 #include "output/png.h"
 #include "scene/bake.h"
@@ -358,6 +359,35 @@ TEST(Export, CopiesOfSkinnedMeshesStayInTheirPlaces) {
     }
 }
 
+// A skin requires a rig. The copies are rigid or have the skin, and an edit moves one of them.
+TEST(Export, MovedCopiesOfStillNodesKeepTheirIds) {
+  for (const bool isSkinned : {false, true}) {
+    GltfBuilder file = triangleFile();
+    file.root["nodes"][0]["name"] = "n";
+    file.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+        {"TRANSLATION", file.positions({{10, 0, 0}, {20, 0, 0}})}};
+    file.add("skins", {{"joints", {file.node({{"name", "joint"}, {"translation", {0, 0, 1}}})}}});
+    if (isSkinned) {
+      json& attributes = file.primitive()["attributes"];
+      attributes["JOINTS_0"] = file.accessor(file.view(std::vector<uint8_t>(12)), test::kUnsignedByte, "VEC4", 3);
+      attributes["WEIGHTS_0"] = file.vectors(std::vector<vec4>(3, vec4(1, 0, 0, 0)));
+      file.root["nodes"][0]["skin"] = 0;
+    }
+    Scene scene = file.load();
+    ASSERT_EQ(scene.instances.size(), 2u);
+    setTransform(scene, 1, placement());
+    const Scene again = exported(scene);
+    for (const Instance& instance : scene.instances) {
+      const std::string path = fmt::format("/n/instance{}", instance.copy);
+      const Instance* same = partOf(again, hash32(path));
+      ASSERT_TRUE(same) << path;
+      EXPECT_EQ(again.nodes[same->node].path, path);
+      EXPECT_EQ(same->id, instance.id);
+    }
+    expectSameMotion(again, scene);
+  }
+}
+
 TEST(Export, SkinsThatWereMovedStayThere) {
   Scene scene = load(models::modelPath("skinned.glb").string());
   for (uint32_t i = 0; i < scene.instances.size(); ++i) setTransform(scene, i, placement());
@@ -542,6 +572,228 @@ TEST(Export, BakedValuesAreThoseOfTheTime) {
   EXPECT_FLOAT_EQ(again.materials[again.instances[0].material].data.roughness, 0.3f);
   ASSERT_EQ(again.lights.size(), 1u);
   EXPECT_FLOAT_EQ(again.lights[0].intensity, 2);
+}
+
+json hiddenNode(json node) {
+  node["extensions"]["KHR_node_visibility"]["visible"] = false;
+  return node;
+}
+
+const Instance* findInstance(const Scene& scene, const std::string& path) {
+  for (const Instance& instance : scene.instances)
+    if (!instance.removed && scene.nodes[instance.node].path == path) return &instance;
+  return nullptr;
+}
+
+// A hidden triangle whose child has a mesh or none, below a visible node, and a hidden node without a mesh that has a
+// child with one.
+TEST(Export, HiddenNodesWithChildrenStayHidden) {
+  for (const bool hasMesh : {false, true}) {
+    GltfBuilder file = triangleFile();
+    file.use("KHR_node_visibility");
+    const int child = file.add("nodes", {{"name", "child"}});
+    if (hasMesh) file.root["nodes"][size_t(child)]["mesh"] = 0;
+    const int hidden = file.add("nodes", hiddenNode({{"name", "hidden"}, {"mesh", 0}, {"children", {child}}}));
+    file.node({{"name", "parent"}, {"children", {hidden}}});
+    const int below = file.add("nodes", {{"name", "below"}, {"mesh", 0}});
+    file.node(hiddenNode({{"name", "group"}, {"children", {below}}}));
+    const Scene scene = file.load();
+    const Scene again = exported(scene);
+    expectSame(again, scene);
+    EXPECT_EQ(again.nodes.size(), scene.nodes.size());
+    for (const char* path : {"/parent/hidden", "/group/below"}) {
+      ASSERT_TRUE(findInstance(again, path)) << path;
+      EXPECT_TRUE(findInstance(again, path)->hidden) << path;
+    }
+    // The extension is at the nodes of the file that have it, so that nodes that are added later are visible.
+    for (size_t i = 0; i < again.fileNodes.size(); ++i)
+      EXPECT_EQ(again.fileNodes[i].visible, again.nodes[i].name != "hidden" && again.nodes[i].name != "group");
+  }
+}
+
+// An edit moves one of two primitives of a hidden node; the other one stays at the node. An animation requires a rig.
+TEST(Export, HiddenInstancesThatWereMovedStayHidden) {
+  for (const bool isAnimated : {false, true}) {
+    GltfBuilder file = triangleFile();
+    file.use("KHR_node_visibility");
+    file.root["meshes"][0]["primitives"].push_back(json(file.primitive()));
+    const int child = file.add("nodes", {{"name", "child"}, {"mesh", 0}});
+    file.node(hiddenNode({{"name", "hidden"}, {"mesh", 0}, {"children", {child}}}));
+    if (isAnimated) animate(file, {{"node", 0}, {"path", "translation"}}, {0, 0, 0}, {4, 0, 0});
+    Scene scene = file.load();
+    for (uint32_t i = 0; i < scene.instances.size(); ++i)
+      if (scene.nodes[scene.instances[i].node].path == "/hidden" && scene.instances[i].primitive == 1)
+        setTransform(scene, i, placement());
+    const Scene again = exported(scene);
+    EXPECT_TRUE(findInstance(again, "/hidden"));
+    EXPECT_EQ(again.instances.size(), 6u);
+    EXPECT_EQ(std::ranges::count(again.instances, true, &Instance::hidden), 4) << isAnimated;
+  }
+}
+
+// Lights of a node that is hidden at rest, which an animation shows or does not show.
+TEST(Export, HiddenLightsStayAtTheirNodes) {
+  for (const bool isAnimated : {false, true}) {
+    GltfBuilder file = triangleFile();
+    for (const char* extension : {"KHR_node_visibility", "KHR_lights_punctual", "KHR_animation_pointer"})
+      file.use(extension);
+    file.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"intensity", 3}}};
+    const int lamp = file.add("nodes", {{"name", "lamp"},
+                                        {"translation", {0, 2, 0}},
+                                        {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}},
+                                        {"extras", {{"areaLight", {{"type", "rect"}, {"intensity", 5}}}}}});
+    const int parent = file.node(hiddenNode({{"name", "parent"}, {"children", {lamp}}}));
+    if (isAnimated) {
+      animate(file, {{"node", parent}, {"path", "translation"}}, {0, 0, 0}, {4, 0, 0});
+      const int steps = file.accessor(file.view(std::vector<uint8_t>{0, 1}), test::kUnsignedByte, "SCALAR", 2);
+      json& animation = file.root["animations"][0];
+      animation["samplers"].push_back(
+          {{"input", animation["samplers"][0]["input"]}, {"output", steps}, {"interpolation", "STEP"}});
+      animation["channels"].push_back(
+          {{"sampler", 1},
+           {"target", pointer(fmt::format("/nodes/{}/extensions/KHR_node_visibility/visible", parent))}});
+    }
+    const Scene scene = file.load();
+    ASSERT_EQ(scene.lights.size(), 2u);
+    const Scene again = exported(scene);
+    expectSame(again, scene);
+    for (const Light& light : again.lights) {
+      EXPECT_EQ(again.nodes.at(size_t(light.node)).path, "/parent/lamp");
+      EXPECT_TRUE(light.hidden);
+    }
+    if (!isAnimated) continue;
+    for (const double seconds : {0.5, 1.0})
+      for (const Light& light : posedLights(again, poseAt(again, {.animations = {0}, .loop = false}, seconds))) {
+        EXPECT_EQ(light.removed, seconds < 1);
+        EXPECT_LT(glm::length(dvec3(toGltfFromWorld() * glm::dvec4(light.position, 1)) - dvec3(4 * seconds, 2, 0)),
+                  1e-6);
+      }
+  }
+}
+
+// The JSON of an exported .glb file.
+json exportedJson(const Scene& scene) {
+  const std::vector<std::byte> bytes = exports::encodeGlb(scene);
+  uint32_t length = 0;
+  std::memcpy(&length, &bytes[12], sizeof length);
+  const auto* text = reinterpret_cast<const char*>(&bytes[20]);
+  return json::parse(text, text + length);
+}
+
+// One animation has a channel that is not supported, and one animates only a light that an edit removes. The third one
+// moves the triangle by 2 m within a second, and keeps its index.
+TEST(Export, AnimationsKeepTheirIndices) {
+  GltfBuilder file = triangleFile();
+  file.use("KHR_lights_punctual");
+  file.use("KHR_animation_pointer");
+  file.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}}};
+  file.node({{"name", "lamp"}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+  std::vector<json> animations;
+  const auto add = [&](const char* name, const json& target, const std::vector<float>& from,
+                       const std::vector<float>& to) {
+    file.root.erase("animations");
+    animate(file, target, from, to);
+    animations.push_back(file.root["animations"][0]);
+    animations.back()["name"] = name;
+  };
+  add("unsupported", pointer("/materials/0/extras/unknown"), {0}, {1});
+  add("removed", pointer("/extensions/KHR_lights_punctual/lights/0/intensity"), {0}, {1});
+  add("moves", {{"node", 0}, {"path", "translation"}}, {0, 0, 0}, {2, 0, 0});
+  file.add("materials", {{"name", "paint"}});
+  file.root["animations"] = animations;
+  Scene scene = file.load();
+  removeLight(scene, 0);
+  for (const json& animation : exportedJson(scene)["animations"]) EXPECT_FALSE(animation["channels"].empty());
+  const Scene again = exported(scene);
+  ASSERT_EQ(again.rig.animations.size(), 3u);
+  for (size_t i = 0; i < 3; ++i) EXPECT_EQ(again.rig.animations[i].name, scene.rig.animations[i].name);
+  for (uint32_t i = 0; i < 3; ++i) {
+    const Pose pose = poseAt(again, {.animations = {i}, .loop = false}, 0.5);
+    EXPECT_EQ(pose.world[0][3].x, i == 2 ? 1 : 0) << i;
+  }
+}
+
+std::vector<std::string> pathsOf(const Scene& scene) {
+  std::vector<std::string> paths;
+  for (const Node& node : scene.nodes) paths.push_back(node.path);
+  return paths;
+}
+
+// The loaded scene is the file's second one. The node of the first one is unnamed in the exported file, where its
+// default name would be that of the loaded node.
+TEST(Export, NodesOfOtherScenesAreNotInTheScene) {
+  GltfBuilder file = triangleFile();
+  file.root["nodes"][0]["name"] = "other";
+  const int loaded = file.add("nodes", {{"name", "node0"}, {"mesh", 0}, {"translation", {0, 2, 0}}});
+  file.root["scenes"].push_back({{"nodes", {loaded}}});
+  file.root["scene"] = 1;
+  animate(file, {{"node", loaded}, {"path", "translation"}}, {0, 2, 0}, {4, 2, 0});
+  const Scene scene = file.load(), again = exported(scene);
+  EXPECT_THAT(pathsOf(again), testing::ElementsAre("/node0"));
+  expectSame(again, scene);
+  expectSameMotion(again, scene);
+  file.root["scenes"][1].erase("nodes");
+  EXPECT_FALSE(exportedJson(file.load())["scenes"][0].contains("nodes"));
+}
+
+// glTF requires joints in the scene of their mesh. This file's joint is in none, is unnamed, and comes first.
+TEST(Export, JointsOutsideTheSceneChangeNoPaths) {
+  GltfBuilder file = triangleFile();
+  json& nodes = file.root["nodes"];
+  nodes[0]["name"] = "node0";
+  nodes[0]["skin"] = file.add("skins", {{"joints", {0}}});
+  nodes.insert(nodes.begin(), json{{"translation", {0, 0, 1}}});
+  file.root["scenes"][0]["nodes"] = {1};
+  const std::vector<uint8_t> joints(12);
+  file.primitive()["attributes"]["JOINTS_0"] = file.accessor(file.view(joints), test::kUnsignedByte, "VEC4", 3);
+  file.primitive()["attributes"]["WEIGHTS_0"] = file.vectors(std::vector<vec4>(3, {1, 0, 0, 0}));
+  const Scene scene = file.load(), again = exported(scene);
+  EXPECT_THAT(pathsOf(again), testing::ElementsAre("/node0", "/node0#2"));
+  expectSame(again, scene);
+}
+
+// A rotation by r of coordinates that are scaled by (0, 0.5): u' = 0.5 sin(r) v, and v' = 0.5 cos(r) v.
+TEST(Export, TextureTransformsMayBeFlat) {
+  for (const float angle : {1.2f, -2.5f}) {
+    GltfBuilder file = triangleFile();
+    const app::Folder folder;
+    writeFile(folder.at("a.png"), output::encodePng(output::Picture{1, 1, {128, 128, 255, 255}}));
+    file.add("images", {{"uri", "a.png"}});
+    file.add("textures", {{"source", 0}});
+    json texture{{"index", 0}};
+    texture["extensions"]["KHR_texture_transform"] = {{"scale", {0, 0.5}}, {"rotation", angle}, {"offset", {0.25, 1}}};
+    file.primitive()["material"] = file.add("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", texture}}}});
+    writeFile(folder.at("in.glb"), file.glb());
+    const Scene again = exported(load(folder.at("in.glb")));
+    const auto& transform = again.materials[again.instances[0].material].data.transforms[shared::kTextureBaseColor];
+    EXPECT_LT(glm::length(transform.row0 - vec3(0, 0.5f * std::sin(angle), 0.25f)), 1e-6f) << angle;
+    EXPECT_LT(glm::length(transform.row1 - vec3(0, 0.5f * std::cos(angle), 1)), 1e-6f) << angle;
+  }
+}
+
+// KHR_lights_punctual: the outer angle is above 0 and at most pi / 2, and the inner angle is below the outer one.
+TEST(Export, ConesOfSpotLightsAreInRange) {
+  const std::vector<std::pair<double, double>> cones{{0.5, 0.5}, {0.7, 0.5}, {0.1, 0.5}, {1.5708, 1.5708}, {0, 0}};
+  GltfBuilder file = triangleFile();
+  file.use("KHR_lights_punctual");
+  json& lights = file.root["extensions"]["KHR_lights_punctual"]["lights"];
+  for (const auto& [inner, outer] : cones) {
+    lights.push_back({{"type", "spot"}, {"spot", {{"innerConeAngle", inner}, {"outerConeAngle", outer}}}});
+    file.node({{"extensions", {{"KHR_lights_punctual", {{"light", lights.size() - 1}}}}}});
+  }
+  const Scene scene = file.load(), again = exported(scene);
+  const json written = exportedJson(scene);
+  for (size_t i = 0; i < cones.size(); ++i) {
+    const json& spot = written["extensions"]["KHR_lights_punctual"]["lights"][i]["spot"];
+    EXPECT_GE(spot["innerConeAngle"], 0);
+    EXPECT_LT(spot["innerConeAngle"], spot["outerConeAngle"]);
+    EXPECT_LE(spot["outerConeAngle"], std::acos(0.0));
+    const auto& [inner, outer] = cones[i];
+    EXPECT_NEAR(again.lights[i].innerCone, std::min(inner, outer), 4e-6);
+    EXPECT_NEAR(again.lights[i].outerCone, outer, 4e-6);
+  }
+  EXPECT_EQ(again.lights[2].innerCone, scene.lights[2].innerCone);
+  EXPECT_EQ(again.lights[2].outerCone, scene.lights[2].outerCone);
 }
 
 // A skin far from the origin has vertices relative to a point near it.

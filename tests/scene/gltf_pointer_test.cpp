@@ -337,6 +337,17 @@ TEST(NodeVisibility, IsAnimated) {
 // --- what is refused
 // --------------------------------------------------------------------------------------------------
 
+// One warning names the first of the materials.
+TEST(AnimationPointer, UnsupportedPropertiesAreNamedOnce) {
+  GltfBuilder b = sceneFile();
+  for (int i = 0; i < 2; ++i) b.add("materials", {{"name", "other"}});
+  for (const int material : {1, 0, 2}) animate(b, "/materials/" + std::to_string(material) + "/extras/wear", {0}, {1});
+  testing::internal::CaptureStderr();
+  b.load();
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "warning: the file animates /materials/1/extras/wear, which is not supported and keeps its value\n");
+}
+
 std::string pointerError(const std::string& pointer) {
   GltfBuilder b = sceneFile();
   animate(b, pointer, {.2f}, {.6f});

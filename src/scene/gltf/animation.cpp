@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <glm/gtc/matrix_access.hpp>
+#include <set>
 #include <string_view>
 
 #include "base/error.h"
@@ -133,7 +134,7 @@ class AnimationReader {
 
   void readPointer(const file::AnimationChannel& channel) {
     if (!channel.pointer) badInput("{} targets a pointer, but has none", name_);
-    const auto found = resolvePointer(document_, hierarchy_, scene_, *channel.pointer, name_);
+    const auto found = resolvePointer(document_, hierarchy_, scene_, *channel.pointer, name_, unsupported_);
     if (!found) return;
     if (const auto* pointed = std::get_if<NodeProperty>(&*found))
       for (const uint32_t node : pointed->nodes) addTrack(node, pointed->property, pointed->element);
@@ -186,6 +187,7 @@ class AnimationReader {
   const file::Animation* source_ = nullptr;
   const file::AnimationSampler* sampler_ = nullptr;  // the channel's
   std::string name_;                                 // the channel's name in messages
+  std::set<std::string> unsupported_;                // properties of which a warning was printed
   Animation out_;
 };
 

@@ -114,15 +114,16 @@ std::optional<PointedProperty> find(const Document& document, const Hierarchy& h
 }  // namespace
 
 std::optional<PointedProperty> resolvePointer(const Document& document, const Hierarchy& hierarchy, const Scene& scene,
-                                              const std::string& pointer, const std::string& name) {
+                                              const std::string& pointer, const std::string& name,
+                                              std::set<std::string>& unsupported) {
   if (!pointer.starts_with('/'))
     badInput("{} has the pointer \"{}\", which does not begin with a slash", name, pointer);
   const std::optional<Parts> parts = split(pointer);
   std::optional<PointedProperty> found;
   if (parts) found = find(document, hierarchy, scene, *parts, name);
-  if (!found)
-    warn("the file animates {}, which is not supported and keeps its value",
-         printable(parts ? fmt::format("{}{{}}/{}", parts->list, parts->below) : pointer));
+  const std::string kind = parts ? fmt::format("{}{}", parts->list, parts->below) : pointer;
+  if (!found && unsupported.insert(kind).second)
+    warn("the file animates {}, which is not supported and keeps its value", printable(pointer));
   return found;
 }
 

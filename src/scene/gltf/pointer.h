@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -24,9 +25,12 @@ struct ElementProperty {
 };
 using PointedProperty = std::variant<NodeProperty, ElementProperty>;
 
-// Resolves a pointer. Returns nullopt after a warning for a property that may be valid glTF but is not supported.
+// Resolves a pointer. Returns nullopt for a property that may be valid glTF but is not supported. A warning names the
+// first pointer to such a property; `unsupported` collects these properties, so that further elements of the same kind,
+// such as other materials, add no warnings.
 // Throws Error(BadInput) with `name` for a malformed pointer or an element that the file does not contain.
 std::optional<PointedProperty> resolvePointer(const Document& document, const Hierarchy& hierarchy, const Scene& scene,
-                                              const std::string& pointer, const std::string& name);
+                                              const std::string& pointer, const std::string& name,
+                                              std::set<std::string>& unsupported);
 
 }  // namespace latelight::scene::gltf
