@@ -620,7 +620,8 @@ struct Worlds {
   std::vector<Transform> cameraToWorld;  // count x cameras, in place of Camera::cameraToWorld
   std::vector<Transform> previousCameraToWorld, nextCameraToWorld;  // empty: as cameraToWorld
   // count x cameras: focal lengths and principal point (fx, fy, cx, cy) in pixels of the rendered images. They replace
-  // the cameras' fields of view.
+  // the cameras' fields of view and principal points, and those of their lenses, which keep model and distortion.
+  // Orthographic cameras and lenses without focal lengths are rejected.
   std::vector<std::array<double, 4>> intrinsics;
 
   WorldArrays arrays;  // those that are given replace the lists of the same names

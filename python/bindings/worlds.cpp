@@ -161,7 +161,9 @@ constexpr WorldArgument kArguments[] = {
     {"camera_to_world", kTensor, "(N, C, 4, 4) or (N, C, 3, 4): in place of the cameras' own poses"},
     {"previous_camera_to_world", kTensor, "the same in the previous frame"},
     {"next_camera_to_world", kTensor, "the same in the next frame"},
-    {"k", kTensor, "(N, C, 3, 3): camera matrices for images of this size, in place of the fields of view"},
+    {"k", kTensor,
+     "(N, C, 3, 3): camera matrices for images of this size, in place of the fields of view and of the focal lengths "
+     "and principal points of lenses, which keep their model and distortion"},
     {"camera_instances", "collections.abc.Sequence[InstanceHandle | None] | None = None",
      "the instance that each camera rides on; its pose is relative to that instance"},
 };

@@ -18,6 +18,7 @@
 #include "render/submit/session.h"
 #include "scene/edit_check.h"
 #include "scene/file_frame.h"
+#include "scene/lens.h"
 #include "vk/read_back.h"
 
 namespace latelight {
@@ -197,6 +198,7 @@ struct Scene::Impl::WorldConverter {
   bool placesLights() const;
   Worlds withLightValues(vk::Device& device) const;
   Worlds withMaterials(vk::Device& device) const;
+  Lens lensWith(const Camera& camera, const std::array<double, 4>& intrinsics) const;
   bool hasIntrinsics() const { return from.arrays.intrinsics || !from.intrinsics.empty(); }
   void listInstances();
   void checkDeformations(const vk::Device& device) const;
@@ -534,6 +536,25 @@ glm::dmat4 Scene::Impl::WorldConverter::frameOf(uint32_t instance, uint32_t worl
   return frame;
 }
 
+// Returns the camera's lens with another camera matrix: fx, fy, cx and cy, in pixels of the call's images. A camera
+// without a lens gets a pinhole.
+Lens Scene::Impl::WorldConverter::lensWith(const Camera& camera, const std::array<double, 4>& intrinsics) const {
+  Lens lens = camera.lens.value_or(Lens{});
+  const scene::LensModelInfo& model = scene::infoOf(static_cast<scene::LensModel>(lens.model));
+  if (!model.calibrated)
+    badUsage("a camera with the lens model {} has no focal lengths, which camera matrices of worlds would replace",
+             model.name);
+  if (camera.orthographic)
+    badUsage("an orthographic camera has no focal lengths, which camera matrices of worlds would replace");
+  lens.width = settings.width;
+  lens.height = settings.height;
+  lens.fx = intrinsics[0];
+  lens.fy = intrinsics[1];
+  lens.cx = intrinsics[2];
+  lens.cy = intrinsics[3];
+  return lens;
+}
+
 // `poses` replaces the cameras' own poses unless it is empty. `transforms` and `pose` are those of the same time.
 std::vector<scene::Camera> Scene::Impl::WorldConverter::camerasAt(const std::vector<Transform>& poses,
                                                                   const std::vector<glm::dmat4>& transforms,
@@ -546,11 +567,7 @@ std::vector<scene::Camera> Scene::Impl::WorldConverter::camerasAt(const std::vec
     const auto world = static_cast<uint32_t>(i / each);
     Camera camera = from.cameras[i % each];
     if (!poses.empty() && !invalid[world]) camera.cameraToWorld = poses[i];
-    if (!from.intrinsics.empty() && !invalid[world]) {
-      const auto [fx, fy, cx, cy] = from.intrinsics[i];
-      camera.lens = Lens{
-          .width = double(settings.width), .height = double(settings.height), .fx = fx, .fy = fy, .cx = cx, .cy = cy};
-    }
+    if (!from.intrinsics.empty() && !invalid[world]) camera.lens = lensWith(camera, from.intrinsics[i]);
     scene::Camera internal = render::fitted(internalCamera(camera, scene.scene), settings.cameraFit);
     const bool rides = !from.cameraInstances.empty() && from.cameraInstances[i % each];
     if (rides) {
@@ -568,8 +585,8 @@ std::vector<scene::Camera> Scene::Impl::WorldConverter::camerasAt(const std::vec
 std::vector<scene::Camera> Scene::Impl::WorldConverter::camerasOfWorld() const {
   std::vector<scene::Camera> cameras;
   for (Camera camera : from.cameras) {
-    const double width = settings.width, height = settings.height;
-    if (hasIntrinsics()) camera.lens = Lens{.width = width, .height = height, .fx = width, .fy = width};
+    const double width = settings.width;
+    if (hasIntrinsics()) camera.lens = lensWith(camera, {width, width, 0, 0});
     cameras.push_back(render::fitted(internalCamera(camera, scene.scene), settings.cameraFit));
   }
   return cameras;

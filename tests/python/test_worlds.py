@@ -78,6 +78,40 @@ def test_cameras_have_poses_and_matrices(worlds_renderer, camera):
             np.testing.assert_allclose(frames[world][0][name], expected[name], rtol=1e-5)
 
 
+def matrices(*each):
+    """Camera matrices of worlds with one camera: fx, fy, cx, cy."""
+    return np.array([[[[fx, 0, cx], [0, fy, cy], [0, 0, 1]]] for fx, fy, cx, cy in each], float)
+
+
+@pytest.mark.parametrize(
+    ("model", "distortion"),
+    [("pinhole", ()), ("opencv", (-0.35, 0.1, 0.002, -0.001)), ("fisheye", (-0.05, 0.01)), ("ftheta", (0, 1, 0.02))],
+)
+@pytest.mark.parametrize("raster", ["compute", "hardware"])
+def test_matrices_keep_the_distortion_of_lenses(worlds_renderer, camera, model, distortion, raster):
+    calibrations = ((20, 21, 12, 8), (16, 15, 11, 9))
+    camera.lens = latelight.Lens(model=model, width=48, height=32, fx=50, fy=50, cx=20, cy=10, distortion=distortion)
+    frames = worlds_renderer.render_worlds(2, camera, SIZE, OUTPUTS, k=matrices(*calibrations), raster=raster)
+    for world, (fx, fy, cx, cy) in enumerate(calibrations):
+        camera.lens = latelight.Lens(
+            model=model, width=SIZE[0], height=SIZE[1], fx=fx, fy=fy, cx=cx, cy=cy, distortion=distortion
+        )
+        expected = worlds_renderer.render(camera, SIZE, OUTPUTS, raster=raster)
+        for name in OUTPUTS:
+            np.testing.assert_array_equal(frames[world][0][name], expected[name])
+
+
+def test_matrices_require_focal_lengths(worlds_renderer, camera):
+    k = matrices((20, 20, 12, 8))
+    for model in ("equirectangular", "cubemap"):
+        camera.lens = latelight.Lens(model=model, width=24, height=12)
+        with pytest.raises(latelight.UsageError, match=f"the lens model {model} has no focal lengths"):
+            worlds_renderer.render_worlds(1, camera, SIZE, k=k)
+    flat = latelight.Camera(orthographic=True, near_clip=0.1, far_clip=9)
+    with pytest.raises(latelight.UsageError, match="an orthographic camera has no focal lengths"):
+        worlds_renderer.render_worlds(1, flat, SIZE, k=k)
+
+
 def test_nan_spoils_only_its_world(scene, worlds_renderer, camera):
     transforms = np.tile(at(-1), (3, 1, 1, 1))
     transforms[1, 0, 0, 3] = np.nan
