@@ -114,11 +114,17 @@ std::vector<Transform> matricesOf(vk::Device& device, const WorldArray& array, s
   return matrices;
 }
 
+// A camera matrix with a value that is not finite becomes NaNs, which findInvalid() finds.
 std::vector<std::array<double, 4>> intrinsicsOf(vk::Device& device, const WorldArray& array, size_t count) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   std::vector<std::array<double, 4>> intrinsics;
   const std::vector<double> all = numbersOf(device, array, count * 9);
   for (size_t i = 0; i < count; ++i) {
     const double* k = all.data() + 9 * i;
+    if (!std::all_of(k, k + 9, [](double value) { return std::isfinite(static_cast<float>(value)); })) {
+      intrinsics.push_back({kNan, kNan, kNan, kNan});
+      continue;
+    }
     if (k[1] != 0 || k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1)
       badUsage("a camera matrix must have no skew and the last row 0 0 1");
     intrinsics.push_back({k[0], k[4], k[2], k[5]});
@@ -444,7 +450,7 @@ void Scene::Impl::WorldConverter::findInvalid(bool onDevice) {
   for (size_t world = 0; world < from.environmentIntensity.size(); ++world)
     if (!std::isfinite(from.environmentIntensity[world])) invalid[world] = 1;
   for (size_t i = 0; !onDevice && i < from.intrinsics.size(); ++i)
-    if (!std::ranges::all_of(from.intrinsics[i], [](double value) { return std::isfinite(value); }))
+    if (!std::ranges::all_of(from.intrinsics[i], [](double value) { return std::isfinite(static_cast<float>(value)); }))
       invalid[i / from.cameras.size()] = 1;
 }
 

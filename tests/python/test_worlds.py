@@ -112,6 +112,22 @@ def test_matrices_require_focal_lengths(worlds_renderer, camera):
         worlds_renderer.render_worlds(1, flat, SIZE, k=k)
 
 
+@pytest.mark.parametrize("raster", ["compute", "hardware", "rays"])
+@pytest.mark.parametrize("entry", [(0, 0), (0, 1), (1, 2), (2, 2), (2, 0)])
+def test_a_matrix_that_is_not_finite_spoils_only_its_world(worlds_renderer, camera, raster, entry):
+    """Any of its nine numbers, also those that must be 0 and 1."""
+    k = matrices(*[(20, 20, 12, 8)] * 3)
+    expected = worlds_renderer.render_worlds(3, camera, SIZE, "id", k=k, raster=raster)["id"]
+    for wrong in (np.nan, np.inf, 1e39):
+        k[1, 0][entry] = wrong
+        frames = worlds_renderer.render_worlds(3, camera, SIZE, "id", k=k, raster=raster)
+        assert frames.invalid_worlds == (1,)
+        assert expected[1].any() and not frames["id"][1].any()
+        np.testing.assert_array_equal(frames["id"][::2], expected[::2])
+    labels = worlds_renderer.labels_of_worlds(3, camera, SIZE, k=k)
+    assert labels.present.any(-1)[:, 0].tolist() == [True, False, True]
+
+
 def test_nan_spoils_only_its_world(scene, worlds_renderer, camera):
     transforms = np.tile(at(-1), (3, 1, 1, 1))
     transforms[1, 0, 0, 3] = np.nan
