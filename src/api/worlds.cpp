@@ -27,6 +27,9 @@ namespace {
 
 constexpr char kWrongJoint[] =
     "the transform of a joint must have the last row 0 0 0 1, and one of world {} has another";
+constexpr char kWrongFactors[] =
+    "factors of materials must be at least 0, and metallic and roughness at most 1, and one of world {} is not";
+constexpr char kWrongEnvironment[] = "the intensity of the environment must be at least 0, and that of world {} is not";
 
 bool isFinite(const Transform& transform) {
   return std::ranges::all_of(transform, [](double value) { return std::isfinite(static_cast<float>(value)); });
@@ -42,6 +45,14 @@ bool isFinite(const MaterialFactors& factors) {
   const auto finite = [](double value) { return std::isfinite(value); };
   return std::ranges::all_of(factors.baseColor, finite) && std::ranges::all_of(factors.emissive, finite) &&
          finite(factors.metallic) && finite(factors.roughness);
+}
+
+// The ranges that glTF 2.0 gives factors, except that colors may exceed 1.
+bool areInRange(const MaterialFactors& factors) {
+  const auto isColor = [](float value) { return value >= 0; };
+  const auto isShare = [](float value) { return value >= 0 && value <= 1; };
+  return std::ranges::all_of(factors.baseColor, isColor) && std::ranges::all_of(factors.emissive, isColor) &&
+         isShare(factors.metallic) && isShare(factors.roughness);
 }
 
 // `elements`: each world has a value per element, or a single one if it is empty.
@@ -252,10 +263,10 @@ void Scene::Impl::WorldConverter::check(const vk::Device& device) const {
   const bool moved =
       !from.previousTransforms.empty() || !from.nextTransforms.empty() || a.previousTransforms || a.nextTransforms;
   if (moved && from.transforms.empty() && !a.transforms)
-    badUsage("Worlds::previousTransforms and nextTransforms require transforms");
+    badUsage("previous and next transforms of worlds require transforms");
   checkArrays(device);
   if (!from.cameraInstances.empty() && from.cameraInstances.size() != cameras)
-    badUsage("Worlds::cameraInstances must have one value per camera, {}, and has {}", cameras,
+    badUsage("the instances that cameras ride on must be listed with one value per camera, {}, not {}", cameras,
              from.cameraInstances.size());
 }
 
@@ -325,11 +336,12 @@ void Scene::Impl::WorldConverter::listDeformations(render::Renderer& renderer, v
   for (const std::string& path : from.joints) {
     given.joints.push_back(scene.jointOf(path));
     if (std::ranges::count(given.joints, given.joints.back()) > 1)
-      badUsage("Worlds::joints lists the node {} twice", path);
+      badUsage("the joints of worlds must be listed once each, and the node {} is listed twice", path);
   }
   for (const Handle<Mesh>& mesh : from.meshes) {
     given.meshes.push_back(scene.index(mesh));
-    if (std::ranges::count(given.meshes, given.meshes.back()) > 1) badUsage("Worlds::meshes lists a mesh twice");
+    if (std::ranges::count(given.meshes, given.meshes.back()) > 1)
+      badUsage("the meshes of worlds must be listed once each, and one is listed twice");
   }
   const size_t joints = from.count * from.joints.size(), vertices = from.count * vertexCount();
   checkIndexable("joints", 16 * joints);
@@ -425,7 +437,8 @@ void Scene::Impl::WorldConverter::listInstances() {
       if (!scene.scene.instances[i].removed) to.instances.push_back(i);
   placeOf.assign(scene.scene.instances.size(), ~0u);
   for (uint32_t i = 0; i < to.instances.size(); ++i) {
-    if (placeOf[to.instances[i]] != ~0u) badUsage("Worlds::instances lists an instance twice");
+    if (placeOf[to.instances[i]] != ~0u)
+      badUsage("the instances of worlds must be listed once each, and one is listed twice");
     placeOf[to.instances[i]] = i;
   }
 }
@@ -473,21 +486,13 @@ std::vector<MaterialFactors> Scene::Impl::WorldConverter::ownFactors() const {
 void Scene::Impl::WorldConverter::convertMaterials() const {
   for (const Handle<Material>& material : from.materials) to.materials.push_back(scene.index(material));
   for (size_t i = 0; i < from.factors.size(); ++i) {
-    const MaterialFactors values = invalid[i / to.instances.size()] ? MaterialFactors{} : from.factors[i];
+    const size_t world = i / to.instances.size();
+    const MaterialFactors values = invalid[world] ? MaterialFactors{} : from.factors[i];
+    if (!areInRange(values)) badUsage(kWrongFactors, world);
     const auto [r, g, b, alpha] = values.baseColor;
     const auto [x, y, z] = values.emissive;
-    scene::Material checked =
-        scene.scene
-            .materials[to.materials.empty() ? scene.scene.instances[to.instances[i % to.instances.size()]].material
-                                            : to.materials[i]];
-    checked.name = "Worlds::factors";
-    checked.data.baseColor = {r, g, b, alpha};
-    checked.data.emissive = {x, y, z};
-    checked.data.metallic = values.metallic;
-    checked.data.roughness = values.roughness;
-    scene::checkMaterial(scene.scene, checked);
-    to.factors.push_back({.baseColor = checked.data.baseColor,
-                          .emissive = checked.data.emissive,
+    to.factors.push_back({.baseColor = {r, g, b, alpha},
+                          .emissive = {x, y, z},
                           .metallic = values.metallic,
                           .roughness = values.roughness});
   }
@@ -509,7 +514,7 @@ void Scene::Impl::WorldConverter::convertLights() const {
     to.environmentRotation.push_back(render::radians(invalid[world] ? 0 : from.environmentRotation[world]));
   for (size_t world = 0; world < from.environmentIntensity.size(); ++world) {
     const float intensity = invalid[world] ? 0 : from.environmentIntensity[world];
-    if (intensity < 0) badUsage("Worlds::environmentIntensity must be at least 0, not {}", intensity);
+    if (intensity < 0) badUsage(kWrongEnvironment, world);
     to.environmentIntensity.push_back(intensity);
   }
 }
@@ -749,10 +754,7 @@ std::vector<uint32_t> worldsOfStatus(std::span<const uint32_t> status) {
           world);
     if (bits & shared::kWorldWrongRide)
       badUsage("a camera of world {} rides on an instance whose transform mirrors or has an axis of length 0", world);
-    if (bits & shared::kWorldWrongFactors)
-      badUsage(
-          "factors of materials must be at least 0, and metallic and roughness at most 1, and one of world {} is not",
-          world);
+    if (bits & shared::kWorldWrongFactors) badUsage(kWrongFactors, world);
     if (bits & shared::kWorldWrongEnvironmentIndex)
       badUsage("the environments of worlds must be indices in the list of environments, and that of world {} is not",
                world);
@@ -762,8 +764,7 @@ std::vector<uint32_t> worldsOfStatus(std::span<const uint32_t> status) {
       badUsage("colors and intensities of lights must be at least 0, and one of world {} is not", world);
     if (bits & shared::kWorldWrongDirection)
       badUsage("the direction of a light must have a length above 0, and one in world {} does not", world);
-    if (bits & shared::kWorldWrongEnvironment)
-      badUsage("the intensity of the environment must be at least 0, and that of world {} is not", world);
+    if (bits & shared::kWorldWrongEnvironment) badUsage(kWrongEnvironment, world);
     if (bits & shared::kWorldNotFinite) invalid.push_back(world);
   }
   return invalid;

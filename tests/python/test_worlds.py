@@ -273,12 +273,33 @@ def test_environments(scene, camera, tmp_path):
         ({"environment_intensity": [1, 2, 3]}, latelight.UsageError, "environment_intensity must"),
         ({"environment_intensity": [1, -2]}, latelight.UsageError, "at least 0"),
         ({"transfroms": 1}, latelight.ArgumentTypeError, "transfroms"),
+        ({"transforms": np.zeros((2, 4, 4))}, latelight.UsageError, r"shape \(2, 1, 3 or 4, 4\), not \(2, 4, 4\)"),
+        ({"camera_instances": [None, None]}, latelight.UsageError, "one value per camera, 1, not 2"),
+        ({"environments": "none", "environment_index": [0, 0]}, latelight.UsageError, "^the environments of worlds"),
     ],
 )
 def test_wrong_arrays_are_refused(scene, worlds_renderer, camera, arguments, error, sentence):
     arguments = {"instances": scene.instances()[:1], **arguments}
     with pytest.raises(error, match=sentence):
         worlds_renderer.render_worlds(2, camera, SIZE, **arguments)
+
+
+@pytest.mark.parametrize("raster", ["compute", "hardware"])
+def test_messages_name_no_members_of_cplusplus(scene, worlds_renderer, camera, raster):
+    first, red = scene.instances()[0], np.eye(4)[None, None]
+
+    def refused(sentence, **arguments):
+        with pytest.raises(latelight.UsageError, match=f"^{sentence}") as caught:
+            worlds_renderer.render_worlds(1, camera, SIZE, **{"instances": [first]} | arguments, raster=raster)
+        assert "::" not in str(caught.value)
+
+    refused("the instances of worlds must be listed once each", instances=[first, first])
+    meshes = scene.meshes()[:1] * 2
+    refused("the meshes of worlds must be listed once each", meshes=meshes, vertices=np.zeros((1, 12, 3)))
+    refused("the intensity of the environment must be at least 0, and that of world 0", environment_intensity=[-1])
+    for name, shape in (("base_color", (4,)), ("metallic", ()), ("roughness", ()), ("emissive", (3,))):
+        refused("factors of materials must be at least 0", **{name: -np.ones((1, 1, *shape))})
+    refused("previous and next transforms of worlds require transforms", previous_transforms=red)
 
 
 def cloth(size=9):
